@@ -1,0 +1,167 @@
+/*
+ * base: what every module may use. Messages and exit statuses, ranged number parsing, memory,
+ * byte buffers, checked input and output, clocks, a counter-based generator, hashing, vectors.
+ *
+ * Nothing here keeps state but the program's name. Functions that can fail for reasons outside
+ * the program return -1 with errno set, or say otherwise; only die() and the x-allocators exit.
+ */
+#ifndef STORMRING_BASE_H
+#define STORMRING_BASE_H
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#define STORMRING_VERSION "0.1"
+
+/* Exit statuses, the same for every program. */
+enum {
+    ST_OK = 0,      /* done */
+    ST_PARTIAL = 1, /* the result is incomplete, or differs */
+    ST_USAGE = 2,   /* bad usage or bad input */
+    ST_SYSTEM = 3   /* the system failed: I/O, no host left */
+};
+
+#define PRINTF_LIKE(f, a) __attribute__((format(printf, f, a)))
+
+/* ---- messages ------------------------------------------------------------------------- */
+
+/* Remember argv[0]'s last component for messages. Call first in main. */
+void prog_init(const char *argv0);
+const char *prog_name(void);
+/* "program: text" on stderr; a format that ends in ':' has errno's text appended. */
+void warn(const char *fmt, ...) PRINTF_LIKE(1, 2);
+/* The same, then exit(status). */
+_Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
+/* Prints "usage: program TEXT": to stdout with status 0 (-h), else to stderr; exits. */
+_Noreturn void usage(int status, const char *text);
+
+/* ---- numbers -------------------------------------------------------------------------- */
+
+/*
+ * The whole string must be a decimal number within [min, max]; anything else (empty, blanks,
+ * trailing text, NaN, infinity, hexadecimal) returns false and leaves *out alone.
+ */
+bool parse_int(const char *s, int64_t min, int64_t max, int64_t *out);
+bool parse_real(const char *s, double min, double max, double *out);
+/* "512x384" with both sides in [1, max]. */
+bool parse_size(const char *s, int max, int *w, int *h);
+/* parse_int for the argument of option `-opt`; dies with status 2 and the range in the text. */
+int64_t opt_int(int opt, const char *s, int64_t min, int64_t max);
+double opt_real(int opt, const char *s, double min, double max);
+
+/* ---- memory --------------------------------------------------------------------------- */
+
+/* Never NULL: they die with status 3. n * size is checked for overflow. */
+void *xmalloc(size_t n, size_t size);
+void *xcalloc(size_t n, size_t size);
+void *xrealloc(void *p, size_t n, size_t size);
+char *xstrdup(const char *s);
+/* As above, on 64-byte boundaries, not cleared; free() releases it. */
+void *xaligned(size_t n, size_t size);
+
+/* Bytes in [off, len) of data are unread; append at the end, consume at the front. */
+struct buf {
+    unsigned char *data;
+    size_t off, len, cap;
+};
+
+void buf_free(struct buf *b);
+/* Room for n more bytes after len (may move data and drop what was consumed). */
+unsigned char *buf_reserve(struct buf *b, size_t n);
+void buf_append(struct buf *b, const void *p, size_t n);
+void buf_printf(struct buf *b, const char *fmt, ...) PRINTF_LIKE(2, 3);
+void buf_consume(struct buf *b, size_t n);
+static inline size_t buf_size(const struct buf *b) { return b->len - b->off; }
+static inline const unsigned char *buf_data(const struct buf *b)
+{
+    return b->data ? b->data + b->off : (const unsigned char *)"";
+}
+
+/* ---- input and output ----------------------------------------------------------------- */
+
+/* All of n bytes to fd, riding out EINTR. 0, or -1 with errno. */
+int write_full(int fd, const void *p, size_t n);
+/* Append one read(2) of at most `most` bytes to b, riding out EINTR: bytes read, 0 at the end, -1. */
+ptrdiff_t read_some(int fd, struct buf *b, size_t most);
+/* The whole file ("-": standard input) appended to b. 0, or -1 with errno. */
+int read_file(const char *path, struct buf *b);
+/* Flush and close stdout; dies with status 3 when anything written to it was lost. */
+void close_stdout(void);
+
+/* A file that appears under its name only when whole: written beside it, then renamed. */
+struct outfile {
+    FILE *f;
+    char *path, *temporary; /* temporary NULL: path is written as it is (a device, a pipe) */
+};
+
+int outfile_open(struct outfile *o, const char *path);
+/* Flush, close, rename. 0, or -1 with errno, and then nothing is left behind. */
+int outfile_commit(struct outfile *o);
+void outfile_discard(struct outfile *o);
+
+/* ---- clocks, in microseconds ---------------------------------------------------------- */
+
+int64_t now_us(void); /* monotonic */
+int64_t cpu_us(void); /* this process */
+
+/* ---- chance and hashes ---------------------------------------------------------------- */
+
+/* A counter-based generator: the value is a function of (seed, counter) alone. The finaliser is
+ * SplitMix64's (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014). */
+static inline uint64_t rng_u64(uint64_t seed, uint64_t counter)
+{
+    uint64_t z = seed * UINT64_C(0xd1342543de82ef95) + counter * UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+/* in [0, 1) */
+static inline double rng_unit(uint64_t seed, uint64_t counter)
+{
+    return (double)(rng_u64(seed, counter) >> 11) * 0x1p-53;
+}
+
+#define HASH64_INIT UINT64_C(0xcbf29ce484222325)
+/* FNV-1a (Fowler, Noll, Vo), 64 bit, continued from h. Not for adversaries. */
+uint64_t hash64(uint64_t h, const void *p, size_t n);
+
+/* ---- vectors -------------------------------------------------------------------------- */
+
+struct vec3 {
+    double x, y, z;
+};
+
+static inline struct vec3 v3(double x, double y, double z) { return (struct vec3){x, y, z}; }
+static inline struct vec3 v3_add(struct vec3 a, struct vec3 b)
+{
+    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline struct vec3 v3_sub(struct vec3 a, struct vec3 b)
+{
+    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline struct vec3 v3_scale(struct vec3 a, double s)
+{
+    return v3(a.x * s, a.y * s, a.z * s);
+}
+/* a + s b */
+static inline struct vec3 v3_mad(struct vec3 a, struct vec3 b, double s)
+{
+    return v3(a.x + b.x * s, a.y + b.y * s, a.z + b.z * s);
+}
+static inline double v3_dot(struct vec3 a, struct vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline struct vec3 v3_cross(struct vec3 a, struct vec3 b)
+{
+    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline double v3_len(struct vec3 a) { return sqrt(v3_dot(a, a)); }
+static inline struct vec3 v3_unit(struct vec3 a) { return v3_scale(a, 1 / v3_len(a)); }
+
+#endif

@@ -1,0 +1,98 @@
+/* Checked reading and writing, and files that appear only when whole. */
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int write_full(int fd, const void *p, size_t n)
+{
+    const char *at = p;
+    while (n) {
+        ssize_t k = write(fd, at, n);
+        if (k < 0 && errno == EINTR) continue;
+        if (k < 0) return -1;
+        at += k;
+        n -= (size_t)k;
+    }
+    return 0;
+}
+
+ptrdiff_t read_some(int fd, struct buf *b, size_t most)
+{
+    unsigned char *to = buf_reserve(b, most);
+    ssize_t k;
+    do k = read(fd, to, most);
+    while (k < 0 && errno == EINTR);
+    if (k > 0) b->len += (size_t)k;
+    return k;
+}
+
+int read_file(const char *path, struct buf *b)
+{
+    int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return -1;
+    ptrdiff_t k;
+    while ((k = read_some(fd, b, 1 << 16)) > 0)
+        ;
+    int err = errno;
+    if (fd != STDIN_FILENO) close(fd);
+    errno = err;
+    return k < 0 ? -1 : 0;
+}
+
+int outfile_open(struct outfile *o, const char *path)
+{
+    struct stat st;
+    *o = (struct outfile){0};
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
+        o->f = fopen(path, "we");
+        if (!o->f) return -1;
+    } else {
+        size_t n = strlen(path) + sizeof ".XXXXXX";
+        o->temporary = xmalloc(n, 1);
+        snprintf(o->temporary, n, "%s.XXXXXX", path);
+        int fd = mkostemp(o->temporary, O_CLOEXEC);
+        o->f = fd < 0 ? NULL : fdopen(fd, "w");
+        if (!o->f) {
+            int err = errno;
+            if (fd >= 0) close(fd), unlink(o->temporary);
+            free(o->temporary);
+            errno = err;
+            return -1;
+        }
+        mode_t mask = umask(0); /* mkostemp made it 0600: give it what open(2) would have */
+        umask(mask);
+        fchmod(fd, 0666 & ~mask);
+    }
+    o->path = xstrdup(path);
+    return 0;
+}
+
+static void outfile_end(struct outfile *o, bool keep)
+{
+    if (o->temporary && !keep) unlink(o->temporary);
+    free(o->temporary);
+    free(o->path);
+    *o = (struct outfile){0};
+}
+
+int outfile_commit(struct outfile *o)
+{
+    int err = 0;
+    if (fflush(o->f) != 0 || ferror(o->f)) err = errno ? errno : EIO;
+    if (fclose(o->f) != 0 && !err) err = errno;
+    if (!err && o->temporary && rename(o->temporary, o->path) != 0) err = errno;
+    outfile_end(o, !err);
+    errno = err;
+    return err ? -1 : 0;
+}
+
+void outfile_discard(struct outfile *o)
+{
+    fclose(o->f);
+    outfile_end(o, false);
+}

@@ -1,0 +1,61 @@
+/* Messages, exit, and the last look at stdout. */
+#include "base/base.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *name = "stormring";
+
+void prog_init(const char *argv0)
+{
+    if (!argv0) return;
+    const char *slash = strrchr(argv0, '/');
+    name = slash ? slash + 1 : argv0;
+}
+
+const char *prog_name(void) { return name; }
+
+static PRINTF_LIKE(1, 0) void message(const char *fmt, va_list ap)
+{
+    int err = errno;
+    char text[1024];
+    vsnprintf(text, sizeof text, fmt, ap);
+    size_t n = strlen(fmt);
+    /* One write, so that lines of several processes do not mix. */
+    if (n && fmt[n - 1] == ':') fprintf(stderr, "%s: %s %s\n", name, text, strerror(err));
+    else fprintf(stderr, "%s: %s\n", name, text);
+}
+
+void warn(const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    message(fmt, ap);
+    va_end(ap);
+}
+
+void die(int status, const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    message(fmt, ap);
+    va_end(ap);
+    exit(status);
+}
+
+void usage(int status, const char *text)
+{
+    fprintf(status ? stderr : stdout, "usage: %s %s\n", name, text);
+    if (!status) close_stdout();
+    exit(status);
+}
+
+void close_stdout(void)
+{
+    bool failed = ferror(stdout) != 0;
+    if (fclose(stdout) != 0 || failed) {
+        if (errno == EPIPE) exit(ST_SYSTEM); /* the reader has gone: nobody to tell */
+        die(ST_SYSTEM, "standard output:");
+    }
+}

@@ -1,0 +1,74 @@
+/*
+ * scene: what a Neutral File Format file describes (E. Haines, "A proposal for standard graphics
+ * environments", IEEE CG&A 7(11), 1987; NFF.TXT of the Standard Procedural Databases), reading and writing it,
+ * and the one triangulation that every user of polygons shares.
+ */
+#ifndef STORMRING_SCENE_H
+#define STORMRING_SCENE_H
+
+#include "base/base.h"
+
+#define SCENE_ERR 256
+
+struct view {
+    struct vec3 from, at, up;
+    double angle_deg; /* from the picture's top edge to its bottom edge */
+    double hither;    /* nearest distance seen, along the viewing direction, >= 0 */
+    uint32_t res_x, res_y;
+};
+
+struct light {
+    struct vec3 pos;
+    double r, g, b;  /* intensity: its own colour, or 1/sqrt(number of lights) */
+    bool own_colour;
+};
+
+struct material {
+    double r, g, b;   /* colour */
+    double kd, ks, shine, t, ior;
+};
+
+enum prim_kind { PRIM_SPHERE, PRIM_CONE, PRIM_POLYGON, PRIM_PATCH };
+
+struct prim {
+    enum prim_kind kind;
+    uint32_t material;
+    union {
+        struct { struct vec3 center; double radius; } sphere;
+        struct { struct vec3 base, apex; double base_radius, apex_radius; } cone; /* open; equal radii: cylinder */
+        struct { uint32_t first, count; } poly; /* vertices [first, first+count) of the scene; patch: normals too */
+    };
+};
+
+struct scene {
+    struct view view;
+    double background[3];
+    struct light *lights;
+    struct material *materials; /* materials[0] is the default: white, kd 1 */
+    struct prim *prims;         /* in file order: the index decides ties */
+    struct vec3 *vertices;
+    struct vec3 *normals;       /* parallel to vertices; zero where the vertex is a polygon's. NULL: no patches */
+    uint32_t n_lights, n_materials, n_prims, n_vertices;
+};
+
+/*
+ * Parses the n bytes of text; `name` stands in messages. Returns 0 and a scene to scene_free, or -1 with
+ * "name:line: what is wrong, expected what" in err and *s empty. Never exits, reads nothing but text.
+ */
+int nff_read(const char *name, const char *text, size_t n, struct scene *s, char err[SCENE_ERR]);
+void scene_free(struct scene *s);
+/* Axis-aligned bounds of one primitive. */
+void prim_bounds(const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi);
+
+/* Indices into the scene's vertices. */
+struct triangle {
+    uint32_t v[3];
+};
+/*
+ * The triangles of a polygon (ear clipping in the polygon's own plane, by Newell's normal; deterministic,
+ * concave and slightly off plane allowed, collinear and repeated vertices give no triangle) or of a patch
+ * (a fan from its first vertex). out has room for count - 2. Returns how many were written.
+ */
+uint32_t scene_triangulate(const struct scene *s, const struct prim *p, struct triangle *out);
+
+#endif

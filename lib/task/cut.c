@@ -1,0 +1,56 @@
+/* How a frame is cut into tasks. */
+#include "task/task.h"
+
+#include <string.h>
+
+bool cut_parse(const char *s, struct cut *cut)
+{
+    int w, h;
+    int64_t n;
+    if (strcmp(s, "row") == 0) *cut = (struct cut){CUT_ROW, 0, 1};
+    else if (strcmp(s, "scatter") == 0) *cut = (struct cut){CUT_SCATTER, 1, 1};
+    else if (strncmp(s, "tile:", 5) == 0 && parse_size(s + 5, FRAME_SIDE_MAX, &w, &h))
+        *cut = (struct cut){CUT_TILE, (uint32_t)w, (uint32_t)h};
+    else if (strncmp(s, "run:", 4) == 0 && parse_int(s + 4, 1, UINT32_MAX, &n))
+        *cut = (struct cut){CUT_RUN, (uint32_t)n, 1};
+    else return false;
+    return true;
+}
+
+static uint32_t ceil_div(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
+
+uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h)
+{
+    uint64_t pixels = (uint64_t)frame_w * frame_h;
+    switch (cut->unit) {
+    case CUT_TILE: return ceil_div(frame_w, cut->w) * ceil_div(frame_h, cut->h);
+    case CUT_RUN: return ceil_div(pixels, cut->w);
+    case CUT_SCATTER: return (uint32_t)(cut->w < pixels ? cut->w : pixels);
+    case CUT_ROW: break;
+    }
+    return frame_h;
+}
+
+static uint32_t least(uint64_t a, uint64_t b) { return (uint32_t)(a < b ? a : b); }
+
+struct task cut_task(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, uint32_t id)
+{
+    uint64_t pixels = (uint64_t)frame_w * frame_h;
+    struct lattice at = {0, id, frame_w, 1, 1, 1};
+    if (cut->unit == CUT_TILE) {
+        uint32_t across = ceil_div(frame_w, cut->w);
+        at.x = id % across * cut->w;
+        at.y = id / across * cut->h;
+        at.w = least(cut->w, frame_w - at.x);
+        at.h = least(cut->h, frame_h - at.y);
+    } else if (cut->unit == CUT_RUN) {
+        uint64_t start = (uint64_t)id * cut->w;
+        at.x = (uint32_t)(start % frame_w);
+        at.y = (uint32_t)(start / frame_w);
+        at.w = least(cut->w, pixels - start);
+    } else if (cut->unit == CUT_SCATTER) {
+        uint32_t sets = least(cut->w, pixels);
+        at = (struct lattice){id % frame_w, id / frame_w, ceil_div(pixels - id, sets), 1, sets, 1};
+    }
+    return (struct task){.frame = 0, .id = id, .at = at, .to = -1};
+}

@@ -1,0 +1,277 @@
+/*
+ * Decoding of records: bytes in, records out. The grammar is one table; a record that breaks it, or a frag whose
+ * crc is wrong, is lost, and the search for the next good one starts at the byte after its first.
+ */
+#include "wire/wire.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
+
+static const struct grammar {
+    const char *name;
+    enum args args;
+    bool body;
+} grammar[REC_KINDS] = {
+    [REC_FRAME] = {"frame", ARGS_FRAME, false},
+    [REC_SCENE] = {"scene", ARGS_NONE, true},
+    [REC_GRID] = {"grid", ARGS_NONE, true},
+    [REC_SPEC] = {"spec", ARGS_NONE, true},
+    [REC_TASK] = {"task", ARGS_TASK, false},
+    [REC_FLUSH] = {"flush", ARGS_NONE, false},
+    [REC_HELLO] = {"hello", ARGS_HELLO, false},
+    [REC_FRAG] = {"frag", ARGS_TASK, true},
+    [REC_DONE] = {"done", ARGS_KEY, false},
+    [REC_BEAT] = {"beat", ARGS_NONE, false},
+    [REC_BYE] = {"bye", ARGS_NONE, false},
+    [REC_UP] = {"up", ARGS_NONE, false},
+    [REC_GONE] = {"gone", ARGS_NONE, false},
+};
+
+const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
+
+/* The kind whose name is the first word of at[0..n), or REC_KINDS. */
+static enum rec_kind kind_of(const char *at, size_t n)
+{
+    for (int k = 0; k < REC_KINDS; k++) {
+        size_t len = strlen(grammar[k].name);
+        if (n > len && memcmp(at, grammar[k].name, len) == 0 && (at[len] == ' ' || at[len] == '\n'))
+            return (enum rec_kind)k;
+    }
+    return REC_KINDS;
+}
+
+/* A cursor over the words of a line. */
+struct words {
+    const char *at, *end;
+};
+
+static bool next_word(struct words *w, const char **word, size_t *len)
+{
+    if (w->at >= w->end) return false;
+    const char *space = memchr(w->at, ' ', (size_t)(w->end - w->at));
+    const char *stop = space ? space : w->end;
+    *word = w->at;
+    *len = (size_t)(stop - w->at);
+    w->at = space ? space + 1 : w->end;
+    return *len > 0;
+}
+
+static bool decimal(const char *s, size_t n, uint64_t min, uint64_t max, uint64_t *out)
+{
+    uint64_t v = 0;
+    if (!n || n > 19) return false;
+    for (size_t i = 0; i < n; i++) {
+        if (s[i] < '0' || s[i] > '9') return false;
+        v = v * 10 + (uint64_t)(s[i] - '0');
+    }
+    if (v < min || v > max) return false;
+    *out = v;
+    return true;
+}
+
+static bool next_number(struct words *w, uint64_t min, uint64_t max, uint32_t *out)
+{
+    const char *word;
+    size_t len;
+    uint64_t v;
+    if (!next_word(w, &word, &len) || !decimal(word, len, min, max, &v)) return false;
+    *out = (uint32_t)v;
+    return true;
+}
+
+static bool parse_frame(struct words *w, struct record *r)
+{
+    return next_number(w, 0, UINT32_MAX, &r->task.frame) &&
+           next_number(w, 1, FRAME_SIDE_MAX, &r->frame_w) &&
+           next_number(w, 1, FRAME_SIDE_MAX, &r->frame_h);
+}
+
+static bool parse_key(struct words *w, struct record *r)
+{
+    return next_number(w, 0, UINT32_MAX, &r->task.frame) &&
+           next_number(w, 0, UINT32_MAX, &r->task.id);
+}
+
+static bool parse_task(struct words *w, struct record *r)
+{
+    struct lattice *at = &r->task.at;
+    return parse_key(w, r) && next_number(w, 0, FRAME_SIDE_MAX, &at->x) &&
+           next_number(w, 0, FRAME_SIDE_MAX, &at->y) && next_number(w, 1, UINT32_MAX, &at->w) &&
+           next_number(w, 1, FRAME_SIDE_MAX, &at->h) && next_number(w, 1, UINT32_MAX, &at->sx) &&
+           next_number(w, 1, FRAME_SIDE_MAX, &at->sy);
+}
+
+static bool parse_hello(struct words *w)
+{
+    const char *word;
+    size_t len;
+    for (int i = 0; i < 2; i++)
+        if (!next_word(w, &word, &len) || memchr(word, '=', len)) return false;
+    return true;
+}
+
+/* All that is left must be key=value. */
+static bool keys_valid(struct words w)
+{
+    while (w.at < w.end) {
+        const char *word;
+        size_t len;
+        if (!next_word(&w, &word, &len) || !memchr(word, '=', len) || *word == '=') return false;
+    }
+    return w.end == w.at && w.end[-1] != ' ';
+}
+
+static bool printable(const char *s, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (s[i] < 0x20 || s[i] > 0x7e) return false;
+    return true;
+}
+
+static bool fail(char why[160], const char *what, const char *expected)
+{
+    snprintf(why, 160, "%s, expected %s", what, expected);
+    return false;
+}
+
+static bool parse_body(struct record *r, char why[160])
+{
+    int64_t n = 0, crc;
+    bool given = rec_int(r, "bytes", 0, WIRE_STATE_MAX, &n);
+    if (!grammar[r->kind].body)
+        return rec_key(r, "bytes", &(size_t){0}) ? fail(why, "a body", "none here") : true;
+    if (!given) return fail(why, "no body", "bytes=N in range");
+    r->body_len = (size_t)n;
+    if (r->kind != REC_FRAG) return true;
+    uint64_t pixels = lattice_count(&r->task.at);
+    if (pixels > WIRE_FRAG_PIXELS_MAX || (uint64_t)n != pixels * WIRE_PIXEL_BYTES)
+        return fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
+    if (!rec_int(r, "ch", 4, 4, &n)) return fail(why, "frag without ch=4", "RGBA float32");
+    if (!rec_int(r, "crc", 0, UINT32_MAX, &crc)) return fail(why, "frag without crc", "crc=C");
+    return true;
+}
+
+static bool parse_line(const char *line, size_t len, struct record *r, char why[160])
+{
+    *r = (struct record){.line = line, .line_len = len, .task.to = -1};
+    r->kind = kind_of(line, len + 1);
+    if (r->kind == REC_KINDS) return fail(why, "unknown record", "task, frame, frag, ...");
+    if (!printable(line, len)) return fail(why, "unprintable byte", "a line of ASCII text");
+    size_t skip = strlen(grammar[r->kind].name);
+    struct words w = {line + (len > skip ? skip + 1 : skip), line + len};
+    bool ok = true;
+    switch (grammar[r->kind].args) {
+    case ARGS_KEY: ok = parse_key(&w, r); break;
+    case ARGS_FRAME: ok = parse_frame(&w, r); break;
+    case ARGS_TASK: ok = parse_task(&w, r); break;
+    case ARGS_HELLO: ok = parse_hello(&w); break;
+    case ARGS_NONE: break;
+    }
+    if (!ok) return fail(why, grammar[r->kind].name, "its numbers in range (stormring-task(5))");
+    if (!keys_valid(w)) return fail(why, grammar[r->kind].name, "key=value after its numbers");
+    int64_t to;
+    if (rec_int(r, "to", 0, INT32_MAX, &to)) r->task.to = (int32_t)to;
+    return parse_body(r, why);
+}
+
+static bool crc_good(const struct record *r)
+{
+    int64_t crc;
+    if (!rec_int(r, "crc", 0, UINT32_MAX, &crc)) return r->kind != REC_FRAG;
+    return crc32(crc32(0, NULL, 0), r->body, (uInt)r->body_len) == (uLong)crc;
+}
+
+void wire_feed(struct decoder *d, const void *p, size_t n) { buf_append(&d->in, p, n); }
+
+void wire_end(struct decoder *d) { d->ended = true; }
+
+void wire_free(struct decoder *d)
+{
+    buf_free(&d->in);
+    *d = (struct decoder){0};
+}
+
+/* Drops bytes up to one where a record may begin; true when such a place was found. */
+static bool seek_record(struct decoder *d)
+{
+    const char *data = (const char *)buf_data(&d->in);
+    size_t n = buf_size(&d->in), o = 0;
+    struct record r;
+    char why[160];
+    bool found = false;
+    for (; o < n; o++) {
+        size_t left = n - o;
+        if (!strchr("fsgtdhbu", data[o]) || !data[o]) continue;
+        if (left < 7 && !d->ended) break; /* a name may be cut off here */
+        if (kind_of(data + o, left) == REC_KINDS) continue;
+        size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;
+        const char *nl = memchr(data + o, '\n', span);
+        if (!nl && left < WIRE_LINE_MAX && !d->ended) break;
+        if (nl && parse_line(data + o, (size_t)(nl - data) - o, &r, why)) {
+            found = true;
+            break;
+        }
+    }
+    d->skipped += o;
+    buf_consume(&d->in, o);
+    return found;
+}
+
+/* The record at the front of the buffer is bad: step over its first byte and look on from there. */
+static enum wire_result lose(struct decoder *d)
+{
+    if (!d->lost) d->bad++;
+    bool first = !d->lost;
+    d->lost = true;
+    d->skipped++;
+    buf_consume(&d->in, 1);
+    return first ? WIRE_BAD : WIRE_MORE;
+}
+
+/* One attempt: WIRE_MORE with *again set when another is due. */
+static enum wire_result attempt(struct decoder *d, struct record *r, bool *again)
+{
+    *again = false;
+    if (d->lost && !seek_record(d)) return WIRE_MORE;
+    const char *line = (const char *)buf_data(&d->in);
+    size_t n = buf_size(&d->in);
+    if (!n) return WIRE_MORE;
+    const char *nl = memchr(line, '\n', n < WIRE_LINE_MAX ? n : WIRE_LINE_MAX);
+    bool good = false;
+    if (!nl) {
+        if (n < WIRE_LINE_MAX && !d->ended) return WIRE_MORE;
+        fail(d->why, "no end of line", d->ended ? "a whole record" : "lines under 1024 bytes");
+    } else if (parse_line(line, (size_t)(nl - line), r, d->why)) {
+        size_t head = (size_t)(nl - line) + 1;
+        if (n - head < r->body_len) {
+            if (!d->ended) return WIRE_MORE;
+            fail(d->why, "cut off", "bytes=N bytes");
+        } else {
+            r->body = (const unsigned char *)line + head;
+            d->consumed = head + r->body_len;
+            good = crc_good(r);
+            if (!good) fail(d->why, "crc differs", "the bytes that were sent");
+        }
+    }
+    if (good) {
+        d->lost = false;
+        return WIRE_RECORD;
+    }
+    d->consumed = 0;
+    *again = true;
+    return lose(d);
+}
+
+enum wire_result wire_next(struct decoder *d, struct record *r)
+{
+    buf_consume(&d->in, d->consumed);
+    d->consumed = 0;
+    for (;;) {
+        bool again;
+        enum wire_result result = attempt(d, r, &again);
+        if (result != WIRE_MORE || !again) return result;
+    }
+}

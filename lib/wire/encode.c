@@ -1,0 +1,111 @@
+/* Encoding of records: each function appends one to a buffer. */
+#include "wire/wire.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
+{
+    buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32 "%s\n", frame, w, h, extra ? extra : "");
+}
+
+static uint32_t crc_of(const void *p, size_t n)
+{
+    return (uint32_t)crc32(crc32(0, NULL, 0), p, (uInt)n);
+}
+
+void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
+{
+    buf_printf(b, "%s crc=%" PRIu32 " bytes=%zu\n", rec_name(kind), crc_of(body, n), n);
+    buf_append(b, body, n);
+}
+
+/* Hot for small tasks: decimal by hand, where printf would cost more than the rest of the record. */
+static char *put_u32(char *at, uint32_t v)
+{
+    char digits[10];
+    int n = 0;
+    do digits[n++] = (char)('0' + v % 10);
+    while (v /= 10);
+    *at++ = ' ';
+    while (n) *at++ = digits[--n];
+    return at;
+}
+
+static void put_lattice(
+    struct buf *b, const char *name, const struct task *t, const struct lattice *l)
+{
+    char text[128], *at = text;
+    size_t n = strlen(name);
+    memcpy(at, name, n);
+    at += n;
+    const uint32_t v[8] = {t->frame, t->id, l->x, l->y, l->w, l->h, l->sx, l->sy};
+    for (int i = 0; i < 8; i++) at = put_u32(at, v[i]);
+    buf_append(b, text, (size_t)(at - text));
+}
+
+void wire_task(struct buf *b, const struct task *t)
+{
+    put_lattice(b, "task", t, &t->at);
+    if (t->to >= 0) buf_printf(b, " to=%" PRId32 "\n", t->to);
+    else buf_append(b, "\n", 1);
+}
+
+void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const float *rgba)
+{
+    size_t n = (size_t)lattice_count(at) * 4;
+    put_lattice(b, "frag", t, at);
+    /* The body first, to know its crc; the line is put before it. */
+    size_t bytes = n * 4;
+    unsigned char *body = xmalloc(bytes, 1);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+        memcpy(&bits, rgba + i, 4);
+        for (int k = 0; k < 4; k++) body[4 * i + (size_t)k] = (unsigned char)(bits >> (8 * k));
+    }
+    buf_printf(b, " ch=4 crc=%" PRIu32 " bytes=%zu\n", crc_of(body, bytes), bytes);
+    buf_append(b, body, bytes);
+    free(body);
+}
+
+void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t wall_us)
+{
+    buf_printf(b, "done %" PRIu32 " %" PRIu32 " cpu_us=%" PRId64 " wall_us=%" PRId64 "\n", t->frame,
+        t->id, cpu_us_used, wall_us);
+}
+
+void wire_plain(struct buf *b, enum rec_kind kind, const char *extra)
+{
+    buf_printf(b, "%s%s%s\n", rec_name(kind), extra && *extra ? " " : "", extra ? extra : "");
+}
+
+static bool dropped(const char *const *drop, const char *word, size_t len)
+{
+    for (; drop && *drop; drop++) {
+        size_t n = strlen(*drop);
+        if (len > n && word[n] == '=' && memcmp(word, *drop, n) == 0) return true;
+    }
+    return false;
+}
+
+void wire_forward(struct buf *b, const struct record *r, const char *const *drop, const char *extra)
+{
+    const char *at = r->line, *end = r->line + r->line_len;
+    while (at < end) {
+        const char *space = memchr(at, ' ', (size_t)(end - at));
+        size_t len = (size_t)((space ? space : end) - at);
+        if (!dropped(drop, at, len)) {
+            if (at != r->line) buf_append(b, " ", 1);
+            buf_append(b, at, len);
+        }
+        at += len + 1;
+    }
+    if (extra && *extra) {
+        buf_append(b, " ", 1);
+        buf_append(b, extra, strlen(extra));
+    }
+    buf_append(b, "\n", 1);
+    buf_append(b, r->body, r->body_len);
+}

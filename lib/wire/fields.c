@@ -1,0 +1,51 @@
+/* Reading the fields of a decoded record. */
+#include "wire/wire.h"
+
+#include <string.h>
+
+const char *rec_key(const struct record *r, const char *key, size_t *len)
+{
+    size_t n = strlen(key);
+    const char *at = r->line, *end = r->line + r->line_len;
+    while ((at = memchr(at, ' ', (size_t)(end - at))) != NULL) {
+        at++;
+        if ((size_t)(end - at) <= n || memcmp(at, key, n) != 0 || at[n] != '=') continue;
+        const char *value = at + n + 1;
+        const char *stop = memchr(value, ' ', (size_t)(end - value));
+        *len = (size_t)((stop ? stop : end) - value);
+        return value;
+    }
+    return NULL;
+}
+
+bool rec_str(const struct record *r, const char *key, char *out, size_t size)
+{
+    size_t n;
+    const char *v = rec_key(r, key, &n);
+    if (!v || n >= size) return false;
+    memcpy(out, v, n);
+    out[n] = '\0';
+    return true;
+}
+
+bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, int64_t *out)
+{
+    char text[24];
+    return rec_str(r, key, text, sizeof text) && parse_int(text, min, max, out);
+}
+
+bool rec_real(const struct record *r, const char *key, double min, double max, double *out)
+{
+    char text[40];
+    return rec_str(r, key, text, sizeof text) && parse_real(text, min, max, out);
+}
+
+void rec_pixels(const struct record *r, float *rgba)
+{
+    for (size_t i = 0; i < r->body_len / 4; i++) {
+        const unsigned char *b = r->body + 4 * i;
+        uint32_t bits =
+            (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+        memcpy(rgba + i, &bits, 4);
+    }
+}

@@ -1,0 +1,96 @@
+/*
+ * wire: the records that flow between programs, encoded and decoded in memory; no I/O here.
+ * The grammar is in stormring-task(5) and stormring-frag(5); the labels below are theirs.
+ *
+ * A record is one line of text and, when the line says bytes=N, N raw bytes. The decoder is fed bytes
+ * as they come; "need more" is a normal answer. After a bad record it looks for the next good one
+ * at every following byte, so a torn record costs itself and nothing else.
+ */
+#ifndef STORMRING_WIRE_H
+#define STORMRING_WIRE_H
+
+#include "base/base.h"
+#include "task/task.h"
+
+#define WIRE_LINE_MAX 1024                 /* bytes, newline included */
+#define WIRE_FRAG_PIXELS_MAX 65536         /* a longer task comes in several frags */
+#define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
+#define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
+
+enum rec_kind {
+    REC_FRAME,
+    REC_SCENE,
+    REC_GRID,
+    REC_SPEC,
+    REC_TASK,
+    REC_FLUSH, /* down */
+    REC_HELLO,
+    REC_FRAG,
+    REC_DONE,
+    REC_BEAT,
+    REC_BYE,
+    REC_UP,
+    REC_GONE, /* up (and frame) */
+    REC_KINDS
+};
+
+/* The record's name on the wire. */
+const char *rec_name(enum rec_kind kind);
+
+/* Pointers are into the decoder's buffer: good until the next wire_next or wire_feed. */
+struct record {
+    enum rec_kind kind;
+    const char *line; /* not terminated, without its newline */
+    size_t line_len;
+    const unsigned char *body; /* bytes=N of them */
+    size_t body_len;
+    struct task task; /* task, frag: all; done: the key; frame: .frame; to=K where given, else -1 */
+    uint32_t frame_w, frame_h; /* frame */
+};
+
+struct decoder {
+    struct buf in;
+    bool ended;       /* no more will be fed */
+    bool lost;        /* looking for the next good record */
+    uint64_t bad;     /* records lost so far */
+    uint64_t skipped; /* bytes lost so far */
+    char why[160];    /* what was wrong with the last bad one, and what was expected */
+    size_t consumed;  /* bytes of the record handed out, dropped at the next call */
+};
+
+enum wire_result {
+    WIRE_MORE,   /* feed me (or, once ended: that was all) */
+    WIRE_RECORD, /* *r is a valid record; a frag's crc was checked */
+    WIRE_BAD     /* something was lost; why says what. Calling again resynchronises */
+};
+
+void wire_feed(struct decoder *d, const void *p, size_t n);
+void wire_end(struct decoder *d);
+enum wire_result wire_next(struct decoder *d, struct record *r);
+void wire_free(struct decoder *d);
+
+/* The value of KEY=VALUE in r's line (not terminated), or NULL. */
+const char *rec_key(const struct record *r, const char *key, size_t *len);
+bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, int64_t *out);
+bool rec_real(const struct record *r, const char *key, double min, double max, double *out);
+/* As a string into out[size]; false when absent or too long. */
+bool rec_str(const struct record *r, const char *key, char *out, size_t size);
+/* The pixels of a frag, host byte order, 4 floats each, lattice order. */
+void rec_pixels(const struct record *r, float *rgba);
+
+/* Encoders append one record to b. `extra` is NULL or " key=value ..." added to the line. */
+void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra);
+void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n);
+void wire_task(struct buf *b, const struct task *t);
+void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const float *rgba);
+void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
+/* A record of no body: "kind extra"; extra without a leading blank. */
+void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
+/*
+ * r again, with `extra` appended and the keys named in drop (NULL-ended, may be NULL) left out.
+ * All other keys, known or not, are passed on.
+ */
+void wire_forward(
+    struct buf *b, const struct record *r, const char *const *drop, const char *extra);
+
+#endif
