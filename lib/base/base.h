@@ -75,6 +75,8 @@ unsigned char *buf_reserve(struct buf *b, size_t n);
 void buf_append(struct buf *b, const void *p, size_t n);
 void buf_printf(struct buf *b, const char *fmt, ...) PRINTF_LIKE(2, 3);
 void buf_consume(struct buf *b, size_t n);
+/* s as one word of a shell command, never mistaken for an option. */
+void buf_quote(struct buf *b, const char *s);
 static inline size_t buf_size(const struct buf *b) { return b->len - b->off; }
 static inline const unsigned char *buf_data(const struct buf *b)
 {
@@ -102,11 +104,27 @@ int outfile_open(struct outfile *o, const char *path);
 /* Flush, close, rename. 0, or -1 with errno, and then nothing is left behind. */
 int outfile_commit(struct outfile *o);
 void outfile_discard(struct outfile *o);
+/* Could path be written? 0, or -1 with errno. A name with `%` in its directory is taken on trust. */
+int outfile_check(const char *path);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */
 
 int64_t now_us(void); /* monotonic */
 int64_t cpu_us(void); /* this process */
+
+/* ---- progress ------------------------------------------------------------------------- */
+
+/* One line on stderr, rewritten at most five times a second: percent and estimated time left. */
+struct progress {
+    bool on;
+    int width; /* columns on the screen now */
+    int64_t start_us, next_us;
+};
+
+void progress_start(struct progress *p, bool on);
+void progress_show(struct progress *p, uint64_t done, uint64_t total);
+/* Before any other message, and at the end. */
+void progress_clear(struct progress *p);
 
 /* ---- chance and hashes ---------------------------------------------------------------- */
 

@@ -96,3 +96,15 @@ void outfile_discard(struct outfile *o)
     fclose(o->f);
     outfile_end(o, false);
 }
+
+int outfile_check(const char *path)
+{
+    char *dir = xstrdup(path), *slash = strrchr(dir, '/');
+    if (slash) slash[slash == dir] = '\0';
+    const char *at = slash ? dir : ".";
+    int failed = strchr(at, '%') ? 0 : access(at, W_OK | X_OK);
+    int err = errno;
+    free(dir);
+    errno = err;
+    return failed;
+}

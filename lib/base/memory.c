@@ -102,3 +102,20 @@ void buf_consume(struct buf *b, size_t n)
     b->off += n;
     if (b->off == b->len) b->off = b->len = 0;
 }
+
+void buf_quote(struct buf *b, const char *s)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=@%+-";
+    if (*s == '-') buf_append(b, "./", 2);
+    if (*s && strspn(s, plain) == strlen(s)) {
+        buf_append(b, s, strlen(s));
+        return;
+    }
+    buf_append(b, "'", 1);
+    for (; *s; s++) {
+        if (*s == '\'') buf_append(b, "'\\'", 3);
+        buf_append(b, s, 1);
+    }
+    buf_append(b, "'", 1);
+}

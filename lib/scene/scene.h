@@ -34,7 +34,7 @@ struct prim {
     enum prim_kind kind;
     uint32_t material;
     union {
-        struct { struct vec3 center; double radius; } sphere;
+        struct { struct vec3 center; double radius; } sphere; /* radii are read without their sign: both sides are seen */
         struct { struct vec3 base, apex; double base_radius, apex_radius; } cone; /* open; equal radii: cylinder */
         struct { uint32_t first, count; } poly; /* vertices [first, first+count) of the scene; patch: normals too */
     };
@@ -47,7 +47,7 @@ struct scene {
     struct material *materials; /* materials[0] is the default: white, kd 1 */
     struct prim *prims;         /* in file order: the index decides ties */
     struct vec3 *vertices;
-    struct vec3 *normals;       /* parallel to vertices; zero where the vertex is a polygon's. NULL: no patches */
+    struct vec3 *normals;       /* parallel to vertices; unit; zero where the vertex is a polygon's. NULL: no patches */
     uint32_t n_lights, n_materials, n_prims, n_vertices;
 };
 
@@ -70,5 +70,40 @@ struct triangle {
  * (a fan from its first vertex). out has room for count - 2. Returns how many were written.
  */
 uint32_t scene_triangulate(const struct scene *s, const struct prim *p, struct triangle *out);
+/*
+ * Whether a ray of the view (res_x by res_y pixels of its frame, edges included) may meet a primitive nearer than
+ * hither, which then is not seen. Errs on the side of true; *which is the first such primitive.
+ */
+bool scene_hither_clips(const struct scene *s, uint32_t *which);
+
+/* ---- writing -------------------------------------------------------------------------- */
+
+#define NFF_DIGITS_SPD 6   /* what the SPD programs write (%g) */
+#define NFF_DIGITS_MAX 17  /* every double survives; 15 is the most that reads back at full speed */
+
+/*
+ * One entity each, as text on f, numbers with `digits` significant digits. Nothing is checked: f's error flag
+ * tells of lost output, and nff_read of nonsense.
+ */
+struct nff_out {
+    FILE *f;
+    int digits; /* 1 to NFF_DIGITS_MAX */
+};
+
+void nff_put_view(struct nff_out *o, const struct view *v);
+void nff_put_background(struct nff_out *o, double r, double g, double b);
+/* With its colour where own_colour. */
+void nff_put_light(struct nff_out *o, const struct light *l);
+void nff_put_material(struct nff_out *o, const struct material *m);
+void nff_put_sphere(struct nff_out *o, struct vec3 center, double radius);
+void nff_put_cone(struct nff_out *o, struct vec3 base, double base_radius, struct vec3 apex, double apex_radius);
+/* n >= 3 vertices; a patch when normals is not NULL. */
+void nff_put_polygon(struct nff_out *o, uint32_t n, const struct vec3 *v, const struct vec3 *normals);
+
+/*
+ * The scene for POV-Ray 3.7, meaning the same picture (hither apart: its camera has none), with every length
+ * multiplied by scale > 0. f's error flag tells of lost output.
+ */
+void pov_write(FILE *f, const struct scene *s, double scale);
 
 #endif

@@ -85,4 +85,65 @@ static inline bool coverage_full(const struct coverage *c)
 bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out);
 void coverage_copy(struct coverage *to, const struct coverage *from);
 
+/* ---- tables ------------------------------------------------------------------------- */
+
+/* The frames known so far. */
+struct frame_size {
+    uint32_t frame, w, h;
+};
+struct frames {
+    struct frame_size *at;
+    size_t n;
+};
+/* NULL when not known. The latest are found first. */
+struct frame_size *frames_find(const struct frames *f, uint32_t frame);
+/* Adds it, or changes its size. */
+struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h);
+void frames_free(struct frames *f);
+
+/*
+ * Tasks by key (frame, id), and on at most one list each. Entries are named by index: stable until
+ * removed. Memory is kept for reuse, so a run's steady state allocates nothing.
+ */
+struct task_entry {
+    struct task task;
+    uint64_t delivered; /* pixels 0 .. delivered have come */
+    int64_t since_us;   /* for the owner of the table */
+    uint32_t frame_w;
+    int32_t slot;  /* for the owner of the table, -1 at first */
+    bool done;     /* computed, says its worker */
+    bool live;     /* in the table */
+    int32_t chain; /* next in its hash chain, or free */
+    int32_t prev, next;
+};
+struct task_table {
+    struct task_entry *at;
+    int32_t *heads;
+    int32_t n_heads, cap, free_list, count;
+};
+struct task_list {
+    int32_t head, tail, count; /* -1: none */
+};
+#define TASK_LIST_EMPTY ((struct task_list){-1, -1, 0})
+
+void tasks_free(struct task_table *t);
+/* Index of the entry with this key, or -1. */
+int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id);
+/* A new entry (the key must not be there). */
+int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_w);
+/* Forgets an entry that is on no list. */
+void tasks_remove(struct task_table *t, int32_t i);
+/*
+ * Notes that pixels `at` of entry i have come. Counts only what continues or repeats what came: returns
+ * false when `at` is no piece of the task or leaves a gap.
+ */
+bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at);
+static inline bool tasks_whole(const struct task_table *t, int32_t i)
+{
+    return t->at[i].delivered == lattice_count(&t->at[i].task.at);
+}
+void list_push_back(struct task_table *t, struct task_list *l, int32_t i);
+void list_push_front(struct task_table *t, struct task_list *l, int32_t i);
+void list_remove(struct task_table *t, struct task_list *l, int32_t i);
+
 #endif

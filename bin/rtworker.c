@@ -1,0 +1,199 @@
+/* rtworker: ray-traces the tasks it reads. */
+#include "base/base.h"
+#include "scene/scene.h"
+#include "trace/trace.h"
+#include "worker/worker.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define FORMAT_VERSION 1 /* of the picture: raise it when a pixel of any scene changes */
+
+struct options {
+    struct trace_options trace;
+    struct worker_options worker;
+    bool inspect;     /* -i: print the frame and the job, render nothing */
+    const char *path; /* of the scene; "-": it comes as a record */
+};
+
+struct renderer {
+    const struct options *o;
+    const char *name;
+    struct scene scene;
+    struct tracer *tracer;
+    uint64_t scene_hash;
+    bool loaded;
+};
+
+static int load(struct renderer *r, const char *text, size_t n, char err[WORKER_ERR])
+{
+    tracer_free(r->tracer);
+    r->tracer = NULL;
+    if (r->loaded) scene_free(&r->scene);
+    r->loaded = false;
+    if (nff_read(r->name, text, n, &r->scene, err) != 0) return -1;
+    r->loaded = true;
+    r->scene_hash = hash64(HASH64_INIT, text, n);
+    return 0;
+}
+
+static int take_state(
+    void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR])
+{
+    if (kind == REC_SCENE) return load(ctx, (const char *)body, n, err);
+    snprintf(err, WORKER_ERR, "record `%s`, expected `scene`", rec_name(kind));
+    return -1;
+}
+
+static int ready(void *ctx, uint32_t w, uint32_t h, char err[WORKER_ERR])
+{
+    struct renderer *r = ctx;
+    if (!r->loaded) {
+        snprintf(err, WORKER_ERR, "no scene, expected a `scene` record before the first task");
+        return -1;
+    }
+    if (!r->tracer) r->tracer = tracer_new(&r->scene, &r->o->trace);
+    tracer_frame(r->tracer, w, h);
+    return 0;
+}
+
+static uint64_t job(void *ctx)
+{
+    struct renderer *r = ctx;
+    const struct trace_options *t = &r->o->trace;
+    char text[120];
+    int n =
+        snprintf(text, sizeof text, "rt %d depth=%d samples=%d threshold=%.17g scene=%016" PRIx64,
+            FORMAT_VERSION, t->depth, t->samples, t->threshold, r->scene_hash);
+    return hash64(HASH64_INIT, text, (size_t)n);
+}
+
+static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    struct renderer *r = ctx;
+    tracer_pixels(r->tracer, at, n0, n, rgba);
+}
+
+/* Every primitive, a mirror, glass and a shadow, small enough to take a millisecond or two. */
+static const char selftest_nff[] =
+    "b .1 .3 .7\nv from 3 4 5 at 0 0 .4 up 0 0 1 angle 40 hither 0 resolution 32 32\n"
+    "l 5 3 9\nl -4 6 5 .5 .6 .7\nf 1 .9 .5 .8 .2 20 0 0\n"
+    "p 5 -3 -3 0 3 -3 0 3 3 0 0 1 0 -3 3 .01\nf .9 .2 .2 .5 .5 30 0 0\ns 0 0 .8 .8\n"
+    "f .2 .9 .3 .2 .1 10 .7 1.3\ns 1.2 1 .6 .6\nf .3 .4 1 .9 .1 5 0 0\n"
+    "c -1.4 .8 0 .5 -1.4 .8 1.2 .2\npp 3 1 -1 0 0 0 1 2 -1.5 .3 .3 0 1 1.4 -.3 1.1 0 .4 1\n";
+
+static void selftest(float *rgba, uint32_t *n)
+{
+    struct scene s;
+    char err[SCENE_ERR];
+    if (nff_read("selftest", selftest_nff, sizeof selftest_nff - 1, &s, err) != 0)
+        die(ST_SYSTEM, "%s", err);
+    const struct trace_options o = TRACE_OPTIONS_DEFAULT;
+    struct tracer *t = tracer_new(&s, &o);
+    tracer_frame(t, 32, 32);
+    const struct lattice all = {0, 0, 32, 32, 1, 1};
+    *n = 32 * 32;
+    tracer_pixels(t, &all, 0, *n, rgba);
+    tracer_free(t);
+    scene_free(&s);
+}
+
+static const struct worker_ops ops = {
+    .program = "rtworker",
+    .state = take_state,
+    .ready = ready,
+    .job = job,
+    .render = render,
+    .selftest = selftest,
+};
+
+static void parse_sampling(const char *s, struct trace_options *t)
+{
+    char text[32];
+    const char *colon = strchr(s, ':');
+    size_t n = colon ? (size_t)(colon - s) : strlen(s);
+    int64_t samples = 0;
+    if (n < sizeof text) {
+        memcpy(text, s, n);
+        text[n] = '\0';
+        if (!parse_int(text, 1, TRACE_SAMPLES_MAX, &samples)) samples = 0;
+    }
+    int64_t side = (int64_t)sqrt((double)samples);
+    if (!samples || side * side != samples)
+        die(ST_USAGE, "-a %s: expected a square number of samples up to %d", s, TRACE_SAMPLES_MAX);
+    t->samples = (int)samples;
+    t->threshold = -1;
+    if (colon && !parse_real(colon + 1, 0, 1e6, &t->threshold))
+        die(ST_USAGE, "-a %s: expected N:THRESHOLD, a number >= 0", s);
+}
+
+static enum trace_isa parse_isa(const char *s)
+{
+    enum trace_isa isa = strcmp(s, "sse2") == 0   ? TRACE_SSE2
+                         : strcmp(s, "avx2") == 0 ? TRACE_AVX2
+                                                  : TRACE_AUTO;
+    if (isa == TRACE_AUTO) die(ST_USAGE, "-x %s: expected sse2 or avx2", s);
+    if (!trace_isa_available(isa)) die(ST_USAGE, "-x %s: not on this machine", s);
+    return isa;
+}
+
+static struct options parse(int argc, char **argv)
+{
+    static const char text[] = "[-ci] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
+                               "[-x sse2|avx2] SCENE.nff|-";
+    struct options o = {.trace = TRACE_OPTIONS_DEFAULT};
+    int opt;
+    while ((opt = getopt(argc, argv, "+a:cd:f:hix:")) != -1) {
+        switch (opt) {
+        case 'a': parse_sampling(optarg, &o.trace); break;
+        case 'c': o.worker.concentrate = true; break;
+        case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
+        case 'f':
+            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
+            break;
+        case 'h': usage(ST_OK, text);
+        case 'i': o.inspect = true; break;
+        case 'x': o.trace.isa = parse_isa(optarg); break;
+        default: usage(ST_USAGE, text);
+        }
+    }
+    if (argc - optind != 1) usage(ST_USAGE, text);
+    o.path = argv[optind];
+    return o;
+}
+
+/* Reads the scene named on the command line. */
+static void open_scene(struct renderer *r)
+{
+    struct buf text = {0};
+    char err[WORKER_ERR];
+    if (read_file(r->o->path, &text) != 0) die(ST_USAGE, "%s:", r->o->path);
+    if (load(r, (const char *)buf_data(&text), buf_size(&text), err) != 0) die(ST_USAGE, "%s", err);
+    buf_free(&text);
+}
+
+static void inspect(struct renderer *r)
+{
+    const struct view *v = &r->scene.view;
+    const uint32_t size[2] = {v->res_x, v->res_y};
+    printf(
+        "frame %u %u\njob=%016" PRIx64 "\n", v->res_x, v->res_y, hash64(job(r), size, sizeof size));
+    close_stdout();
+}
+
+int main(int argc, char **argv)
+{
+    prog_init(argv[0]);
+    struct options o = parse(argc, argv);
+    bool streamed = strcmp(o.path, "-") == 0 && !o.inspect;
+    struct renderer r = {.o = &o, .name = streamed || !strcmp(o.path, "-") ? "scene" : o.path};
+    if (!streamed) open_scene(&r);
+    int status = ST_OK;
+    if (o.inspect) inspect(&r);
+    else status = worker_run(&ops, &o.worker, &r);
+    tracer_free(r.tracer);
+    if (r.loaded) scene_free(&r.scene);
+    return status;
+}

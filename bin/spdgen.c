@@ -1,0 +1,54 @@
+/* spdgen: writes a scene of the Standard Procedural Databases as NFF. */
+#include "spd/spd.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+static const char usage_text[] = "[-p digits] [-s size] name | -l [-s size]";
+
+struct options {
+    int size;   /* 0: the scene's own default */
+    int digits; /* significant digits of the numbers written */
+    bool list;
+};
+
+static int checked_size(const struct spd_scene *scene, int size)
+{
+    int max = spd_size_max(scene);
+    if (size > max) die(ST_USAGE, "-s %d: %s goes up to size %d", size, scene->name, max);
+    return size ? size : scene->size;
+}
+
+static void list_scenes(int size)
+{
+    printf("# name size primitives formula\n");
+    for (size_t i = 0; i < n_spd_scenes; i++) {
+        const struct spd_scene *scene = &spd_scenes[i];
+        int s = checked_size(scene, size);
+        printf("%s %d %llu %s\n", scene->name, s, (unsigned long long)scene->count(s), scene->formula);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    struct options opt = {.digits = NFF_DIGITS_SPD};
+    prog_init(argv[0]);
+    for (int c; (c = getopt(argc, argv, "hlp:s:")) != -1;) switch (c) {
+        case 'h': usage(ST_OK, usage_text);
+        case 'l': opt.list = true; break;
+        case 'p': opt.digits = (int)opt_int(c, optarg, NFF_DIGITS_SPD, NFF_DIGITS_MAX); break;
+        case 's': opt.size = (int)opt_int(c, optarg, 1, 1000000); break;
+        default: usage(ST_USAGE, usage_text);
+        }
+    if (argc - optind != !opt.list) usage(ST_USAGE, usage_text);
+    if (opt.list)
+        list_scenes(opt.size);
+    else {
+        const struct spd_scene *scene = spd_find(argv[optind]);
+        if (!scene) die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
+        struct nff_out out = {stdout, opt.digits};
+        scene->write(&out, checked_size(scene, opt.size));
+    }
+    close_stdout();
+    return ST_OK;
+}

@@ -1,0 +1,129 @@
+/* fan: what workers say. It is checked against what they were asked, stamped, and passed on. */
+#include "drive/fan_int.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
+static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
+{
+    size_t n = 0;
+    const char *inner = rec_key(r, "w", &n);
+    if (inner) snprintf(text, size, "w=%d.%.*s", s->number, (int)n, inner);
+    else snprintf(text, size, "w=%d", s->number);
+}
+
+static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
+
+static void pass_control(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    char text[96];
+    stamp(s, r, text, sizeof text);
+    wire_forward(&f->up.control, r, stamped, text);
+}
+
+/* A frame is announced, and with it the state is known to be loaded. */
+static void take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    s->loaded = true;
+    pass_control(f, s, r);
+}
+
+/* fan is itself a worker: its hello goes out with the first of its slots'. */
+static void say_hello(struct fan *f)
+{
+    char text[96];
+    snprintf(text, sizeof text, "fan %s selftest=%s slots=%d", STORMRING_VERSION, f->selftest,
+        f->o->slots);
+    wire_plain(&f->up.control, REC_HELLO, text);
+}
+
+static const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    char selftest[24], power[24], text[96];
+    if (s->hello) return "second-hello";
+    if (!rec_str(r, "selftest", selftest, sizeof selftest)) return "no-selftest";
+    if (!rec_str(r, "power", power, sizeof power)) snprintf(power, sizeof power, "1");
+    s->hello = true;
+    if (!*f->selftest) {
+        memcpy(f->selftest, selftest, sizeof selftest);
+        say_hello(f);
+    } else if (strcmp(f->selftest, selftest) != 0) {
+        return "other-arithmetic";
+    }
+    snprintf(text, sizeof text, "w=%d host=: power=%s", s->number, power);
+    wire_plain(&f->up.bulk, REC_UP, text);
+    up_end_record(&f->up);
+    return NULL;
+}
+
+/* Done and delivered: the slot owes nothing more for it. */
+static void settle(struct fan_slot *s, int32_t i)
+{
+    if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) tasks_remove(&s->tasks, i);
+}
+
+static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0 || s->tasks.at[i].done) {
+        f->stale++;
+        return NULL;
+    }
+    char w[96], text[160];
+    stamp(s, r, w, sizeof w);
+    snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
+        s->tasks.at[i].since_us, now_us() - f->start_us);
+    wire_forward(&f->up.control, r, stamped, text);
+    s->tasks.at[i].done = true;
+    settle(s, i);
+    return NULL;
+}
+
+static const char *take_frag(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0) {
+        f->stale++;
+        return NULL;
+    }
+    if (!s->loaded) return "frag-before-frame";
+    if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
+    char text[96];
+    stamp(s, r, text, sizeof text);
+    up_forward(&f->up, r, stamped, text);
+    settle(s, i);
+    return NULL;
+}
+
+/* NULL, or why the slot cannot be trusted any more. */
+static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    if (!s->hello && r->kind != REC_HELLO) return "no-hello";
+    switch (r->kind) {
+    case REC_HELLO: return take_hello(f, s, r);
+    case REC_FRAME: take_frame(f, s, r); return NULL;
+    case REC_DONE: return take_done(f, s, r);
+    case REC_FRAG: return take_frag(f, s, r);
+    case REC_BEAT: pass_control(f, s, r); return NULL;
+    case REC_UP:
+    case REC_GONE: /* of an inner fan: its own affair */
+    case REC_BYE: return NULL;
+    default: return "wrong-record";
+    }
+}
+
+void slot_listen(struct fan *f, struct fan_slot *s)
+{
+    bool more = stream_read(&s->from, s->child.from);
+    s->heard_us = now_us();
+    struct record r;
+    enum wire_result result;
+    const char *why = NULL;
+    while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
+        if (result == WIRE_RECORD) why = take_record(f, s, &r);
+        else if (!s->from.ended) why = "garbage";
+    }
+    if (why) slot_lose(f, s, why);
+    else if (!more) slot_finish(f, s);
+}

@@ -1,0 +1,117 @@
+/* Pixel buffers, and the choice of a codec. */
+#include "image/codecs.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+/* No file of a picture that is accepted is longer: 16-bit RGBA that deflate could not shrink,
+ * and headers. */
+#define FILE_BYTES_MAX ((size_t)IMAGE_PIXELS_MAX * 12 + (1 << 20))
+
+void image_init(struct image *im, uint32_t w, uint32_t h)
+{
+    im->w = w;
+    im->h = h;
+    im->rgba = xcalloc((size_t)w * h, 4 * sizeof(float));
+}
+
+void image_free(struct image *im)
+{
+    free(im->rgba);
+    *im = (struct image){0};
+}
+
+int image_fail(char err[IMAGE_ERR], const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(err, IMAGE_ERR, fmt, ap);
+    va_end(ap);
+    return -1;
+}
+
+bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR])
+{
+    if (w >= 1 && h >= 1 && w <= FRAME_SIDE_MAX && h <= FRAME_SIDE_MAX && w * h <= IMAGE_PIXELS_MAX)
+        return true;
+    image_fail(err, "%llux%llu pixels, expected sides from 1 to %d and at most %llu pixels",
+        (unsigned long long)w, (unsigned long long)h, FRAME_SIDE_MAX,
+        (unsigned long long)IMAGE_PIXELS_MAX);
+    return false;
+}
+
+bool image_format_of(const char *path, enum image_format *format)
+{
+    static const char suffix[][5] = {
+        [IMAGE_PNG] = ".png", [IMAGE_PAM] = ".pam", [IMAGE_PFM] = ".pfm"};
+    size_t n = strlen(path);
+    for (int i = 0; i < 3; i++)
+        if (n > 4 && path[n - 5] != '/' && strcasecmp(path + n - 4, suffix[i]) == 0) {
+            *format = (enum image_format)i;
+            return true;
+        }
+    return false;
+}
+
+int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+{
+    *im = (struct image){0};
+    if (n == 0) return image_fail(err, "empty, expected a PNG, PAM, PPM or PFM picture");
+    if (n >= 4 && memcmp(p, "\211PNG", 4) == 0) return png_decode(p, n, im, err);
+    if (n >= 2 && p[0] == 'P' && strchr("567", p[1]) && p[1]) return pnm_decode(p, n, im, err);
+    if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f')) return pfm_decode(p, n, im, err);
+    return image_fail(err, "no picture format known here, expected PNG, PAM, PPM or PFM");
+}
+
+/* The whole file, if it is no longer than a picture can be. */
+static int slurp(const char *path, struct buf *b, char err[IMAGE_ERR])
+{
+    int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return image_fail(err, "%s, expected a picture", strerror(errno));
+    ptrdiff_t k;
+    while ((k = read_some(fd, b, 1 << 18)) > 0)
+        if (buf_size(b) > FILE_BYTES_MAX) break;
+    int why = errno;
+    if (fd != STDIN_FILENO) close(fd);
+    if (k < 0) return image_fail(err, "%s, expected a picture", strerror(why));
+    if (k > 0) return image_fail(err, "more than %zu bytes, expected a picture", FILE_BYTES_MAX);
+    return 0;
+}
+
+int image_read(const char *path, struct image *im, char err[IMAGE_ERR])
+{
+    struct buf b = {0};
+    *im = (struct image){0};
+    int failed = slurp(path, &b, err);
+    if (!failed) failed = image_decode(buf_data(&b), buf_size(&b), im, err);
+    buf_free(&b);
+    return failed;
+}
+
+int image_write(
+    FILE *f, const struct image *im, enum image_format format, int bits, const char *job)
+{
+    switch (format) {
+    case IMAGE_PNG: return png_encode(f, im, bits, job);
+    case IMAGE_PAM: return pam_encode(f, im, bits);
+    case IMAGE_PFM: return pfm_encode(f, im);
+    }
+    errno = EINVAL;
+    return -1;
+}
+
+int image_save(
+    const char *path, const struct image *im, enum image_format format, int bits, const char *job)
+{
+    struct outfile out;
+    if (outfile_open(&out, path) != 0) return -1;
+    if (image_write(out.f, im, format, bits, job) == 0) return outfile_commit(&out);
+    int why = errno;
+    outfile_discard(&out);
+    errno = why;
+    return -1;
+}

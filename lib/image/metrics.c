@@ -1,0 +1,106 @@
+/*
+ * How far two pictures are apart. The worst pixels are left out of rmse_kept by selection, not
+ * sorting: the error of the first one left out is found by counting on its leading, then its
+ * trailing 16 bits. No memory a pixel.
+ */
+#include "image/image.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BINS 65536
+
+/* In [0,1]; NaN stays. */
+static double clamped(float x) { return x < 0 ? 0 : x > 1 ? 1 : (double)x; }
+
+static double apart(float a, float b)
+{
+    if (isnan(a) || isnan(b)) return isnan(a) && isnan(b) ? 0 : 1;
+    return fabs(clamped(a) - clamped(b));
+}
+
+/* Squared error of a pixel over R, G, B. As float: its bits then order as its values. */
+static float pixel_error(const struct image *a, const struct image *b, size_t i)
+{
+    double sum = 0;
+    for (size_t c = 4 * i; c < 4 * i + 3; c++) {
+        double d = apart(a->rgba[c], b->rgba[c]);
+        sum += d * d;
+    }
+    return (float)sum;
+}
+
+static uint32_t bits_of(float x)
+{
+    uint32_t u;
+    memcpy(&u, &x, sizeof u);
+    return u;
+}
+
+/* From the top bin down: the bin in which the rank-th largest (from 0) lies; *rank becomes its
+ * rank there. */
+static uint32_t bin_of_rank(const uint64_t *count, uint64_t *rank)
+{
+    uint32_t bin = BINS - 1;
+    while (*rank >= count[bin]) *rank -= count[bin--];
+    return bin;
+}
+
+/* Sum of squared errors but for the `drop` largest of n pixels, drop < n. */
+static double sum_kept(const struct image *a, const struct image *b, size_t n, uint64_t drop)
+{
+    uint64_t *count = xcalloc(BINS, sizeof *count), rank = drop;
+    for (size_t i = 0; i < n; i++) count[bits_of(pixel_error(a, b, i)) >> 16]++;
+    uint32_t high = bin_of_rank(count, &rank);
+    memset(count, 0, BINS * sizeof *count);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t u = bits_of(pixel_error(a, b, i));
+        if (u >> 16 == high) count[u & 0xffff]++;
+    }
+    uint32_t low = bin_of_rank(count, &rank), pivot = high << 16 | low;
+    uint64_t equal = count[low];
+    free(count);
+    /* The pivot is the largest that is kept; of those equal to it, `rank` are dropped. */
+    double sum = 0;
+    float pivot_error;
+    memcpy(&pivot_error, &pivot, sizeof pivot);
+    for (size_t i = 0; i < n; i++) {
+        float e = pixel_error(a, b, i);
+        if (bits_of(e) < pivot) sum += (double)e;
+    }
+    return sum + (double)pivot_error * (double)(equal - rank);
+}
+
+static void compare_pixel(
+    const float *a, const float *b, size_t i, uint32_t w, double tolerance, struct image_diff *d)
+{
+    if (memcmp(a, b, 4 * sizeof *a) == 0) return;
+    double most = 0;
+    bool differs = false;
+    for (int c = 0; c < 4; c++) {
+        most = fmax(most, apart(a[c], b[c]));
+        if (a[c] != b[c] && !(isnan(a[c]) && isnan(b[c]))) differs = true;
+    }
+    d->differing += differs;
+    d->over += most > tolerance;
+    if (most <= d->worst) return;
+    d->worst = most;
+    d->worst_x = (uint32_t)(i % w);
+    d->worst_y = (uint32_t)(i / w);
+}
+
+void image_compare(const struct image *a, const struct image *b, double tolerance, double drop,
+    struct image_diff *d)
+{
+    size_t n = (size_t)a->w * a->h;
+    double sum = 0;
+    *d = (struct image_diff){.pixels = n, .dropped = (uint64_t)(drop * (double)n)};
+    for (size_t i = 0; i < n; i++) {
+        sum += (double)pixel_error(a, b, i);
+        compare_pixel(a->rgba + 4 * i, b->rgba + 4 * i, i, a->w, tolerance, d);
+    }
+    uint64_t kept = n - d->dropped;
+    d->rmse = sqrt(sum / (3.0 * (double)n));
+    d->psnr_db = sum > 0 ? -20 * log10(d->rmse) : (double)INFINITY;
+    if (kept) d->rmse_kept = sqrt(sum_kept(a, b, n, d->dropped) / (3.0 * (double)kept));
+}

@@ -1,0 +1,48 @@
+/* What a frame lacks, in words. */
+#include "image/image.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#define RANGES_MAX 8 /* of rows, named in full */
+
+static bool row_complete(const struct coverage *c, uint32_t y)
+{
+    if (!c->bits) return c->done > 0; /* no fragment yet, or released whole */
+    for (uint64_t p = (uint64_t)y * c->w, end = p + c->w; p < end; p++)
+        if (!coverage_has(c, p)) return false;
+    return true;
+}
+
+/* The next rows first .. last that lack pixels, from `y` on; false when there are none. */
+static bool next_range(const struct coverage *c, uint32_t y, uint32_t *first, uint32_t *last)
+{
+    while (y < c->h && row_complete(c, y)) y++;
+    if (y == c->h) return false;
+    *first = *last = y;
+    while (*last + 1 < c->h && !row_complete(c, *last + 1)) ++*last;
+    return true;
+}
+
+static void put_ranges(const struct coverage *c, struct buf *b)
+{
+    uint32_t first, last, n = 0;
+    bool more = next_range(c, 0, &first, &last);
+    for (; more && n < RANGES_MAX; n++, more = next_range(c, last + 1, &first, &last)) {
+        buf_printf(b, "%s%" PRIu32, n ? ", " : "", first);
+        if (last > first) buf_printf(b, "-%" PRIu32, last);
+    }
+    buf_append(b, more ? ", ..." : "", more ? 6 : 1);
+}
+
+void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT])
+{
+    const struct coverage *c = &f->have;
+    uint64_t all = (uint64_t)c->w * c->h;
+    struct buf ranges = {0};
+    put_ranges(c, &ranges);
+    const char *text = (const char *)buf_data(&ranges);
+    snprintf(out, ASSEMBLY_TEXT, "%" PRIu64 " of %" PRIu64 " pixels missing: %s %s", all - c->done,
+        all, strpbrk(text, ",-") ? "rows" : "row", text);
+    buf_free(&ranges);
+}

@@ -1,0 +1,66 @@
+/* Names of numbered pictures. The pattern is the user's: it is read here and never handed to
+ * printf. */
+#include "image/image.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WIDTH_MAX 99
+
+/* %d, %4d, %03d at s ('%' included): its length, else 0. */
+static size_t number_at(const char *s, char *fill, int *width)
+{
+    size_t n = 1;
+    *fill = s[n] == '0' ? '0' : ' ';
+    if (s[n] == '0') n++;
+    for (*width = 0; s[n] >= '0' && s[n] <= '9'; n++) {
+        *width = *width * 10 + (s[n] - '0');
+        if (*width > WIDTH_MAX) return 0;
+    }
+    return s[n] == 'd' ? n + 1 : 0;
+}
+
+enum image_naming image_name_check(const char *pattern)
+{
+    int numbers = 0, width;
+    char fill;
+    for (const char *s = pattern; *s;) {
+        size_t n = 1;
+        if (s[0] == '%' && s[1] == '%') n = 2;
+        else if (s[0] == '%' && (n = number_at(s, &fill, &width)) > 0) numbers++;
+        if (!n) return IMAGE_NAME_BAD;
+        s += n;
+    }
+    if (numbers > 1) return IMAGE_NAME_BAD;
+    return numbers ? IMAGE_NAME_NUMBERED : IMAGE_NAME_SINGLE;
+}
+
+static void put_number(struct buf *b, uint32_t v, char fill, int width)
+{
+    char digits[12];
+    int n = snprintf(digits, sizeof digits, "%" PRIu32, v);
+    while (width-- > n) buf_append(b, &fill, 1);
+    buf_append(b, digits, (size_t)n);
+}
+
+char *image_name(const char *pattern, uint32_t frame)
+{
+    struct buf b = {0};
+    for (const char *s = pattern; *s;) {
+        char fill;
+        int width;
+        size_t n = s[0] == '%' ? number_at(s, &fill, &width) : 0;
+        if (n) {
+            put_number(&b, frame, fill, width);
+            s += n;
+        } else {
+            buf_append(&b, s, 1);
+            s += s[0] == '%' && s[1] == '%' ? 2 : 1;
+        }
+    }
+    buf_append(&b, "", 1);
+    char *name = xstrdup((const char *)buf_data(&b));
+    buf_free(&b);
+    return name;
+}

@@ -1,0 +1,127 @@
+/*
+ * PNG in, through libpng, from memory; the bytes are untrusted.
+ *
+ * libpng reports errors by longjmp. Everything that must be released lives in struct reader,
+ * which the jump does not touch, and the work is done by functions below the one that calls
+ * setjmp: no local variable is looked at after a jump.
+ */
+#include "image/codecs.h"
+
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* libpng may keep this much of any one chunk besides the pixels. */
+#define CHUNK_BYTES_MAX (1 << 22)
+#define CHUNKS_MAX 1000
+/* Deflate cannot pack more than this many bytes into one. */
+#define DEFLATE_RATIO_MAX 1032
+
+struct reader {
+    png_structp png;
+    png_infop info;
+    const unsigned char *p;
+    size_t n;
+    unsigned char *rows; /* one, or all when interlaced */
+    struct sampler sampler;
+    struct image *im;
+    char *err;
+};
+
+static _Noreturn void on_error(png_structp png, png_const_charp text)
+{
+    struct reader *r = png_get_error_ptr(png);
+    image_fail(r->err, "damaged PNG: %s, expected a whole one", text);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text)
+{
+    (void)png;
+    (void)text;
+}
+
+static void take(png_structp png, png_bytep to, size_t n)
+{
+    struct reader *r = png_get_io_ptr(png);
+    if (n > r->n) png_error(png, "it ends too early");
+    memcpy(to, r->p, n);
+    r->p += n;
+    r->n -= n;
+}
+
+/* What the samples mean: the sRGB chunk, the gAMA chunk, or the rule of image.h for neither. */
+static double curve_of(const struct reader *r, int depth)
+{
+    png_fixed_point gamma; /* 100000 times the exponent from light to sample */
+    if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) return CURVE_SRGB;
+    if (!png_get_gAMA_fixed(r->png, r->info, &gamma) || gamma <= 0)
+        return depth == 16 ? 1.0 : CURVE_SRGB;
+    if (depth < 16 && gamma >= 45450 && gamma <= 45460) return CURVE_SRGB;
+    return gamma == 100000 ? 1.0 : 100000.0 / gamma;
+}
+
+/* Every kind becomes RGB or RGBA of 8 or 16 bits. */
+static void unify(struct reader *r)
+{
+    png_set_expand(r->png); /* palettes, grey below 8 bits, tRNS */
+    png_set_gray_to_rgb(r->png);
+}
+
+static void read_header(struct reader *r)
+{
+    png_read_info(r->png, r->info);
+    uint32_t w = png_get_image_width(r->png, r->info), h = png_get_image_height(r->png, r->info);
+    char why[IMAGE_ERR];
+    if (!image_size_ok(w, h, why)) png_error(r->png, why);
+    size_t row = png_get_rowbytes(r->png, r->info);
+    if (row * h / DEFLATE_RATIO_MAX > r->n)
+        png_error(r->png, "it is too short for the size it declares");
+    int depth = png_get_bit_depth(r->png, r->info);
+    sampler_init(&r->sampler, depth == 16 ? 65535 : 255, curve_of(r, depth));
+    unify(r);
+    image_init(r->im, w, h);
+}
+
+static void read_pixels(struct reader *r)
+{
+    int passes = png_set_interlace_handling(r->png);
+    png_read_update_info(r->png, r->info);
+    size_t row = png_get_rowbytes(r->png, r->info), stride = passes > 1 ? row : 0;
+    int channels = png_get_channels(r->png, r->info);
+    uint32_t w = r->im->w, h = r->im->h;
+    r->rows = xcalloc(passes > 1 ? h : 1, row);
+    for (int pass = 0; pass < passes; pass++)
+        for (uint32_t y = 0; y < h; y++) {
+            unsigned char *at = r->rows + y * stride;
+            png_read_row(r->png, at, NULL);
+            if (pass == passes - 1)
+                sampler_row(&r->sampler, at, channels, w, r->im->rgba + (size_t)4 * w * y);
+        }
+    png_read_end(r->png, NULL);
+}
+
+static int guarded(struct reader *r)
+{
+    if (setjmp(png_jmpbuf(r->png))) return -1;
+    png_set_read_fn(r->png, r, take);
+    png_set_user_limits(r->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
+    png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
+    png_set_chunk_cache_max(r->png, CHUNKS_MAX);
+    read_header(r);
+    read_pixels(r);
+    return 0;
+}
+
+int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+{
+    struct reader r = {.p = p, .n = n, .im = im, .err = err};
+    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning);
+    if (r.png) r.info = png_create_info_struct(r.png);
+    int failed = r.info ? guarded(&r) : image_fail(err, "out of memory in libpng");
+    png_destroy_read_struct(&r.png, &r.info, NULL);
+    sampler_free(&r.sampler);
+    free(r.rows);
+    if (failed) image_free(im);
+    return failed;
+}

@@ -1,0 +1,101 @@
+/*
+ * PNG out, through libpng. For errors and setjmp see png_read.c: the state that outlives a jump
+ * is in struct writer, and no local variable is looked at after one.
+ *
+ * Encoding is the serial end of every run, so speed counts more than the last percent of size.
+ * FILTER and LEVEL were chosen by measurement: see the table below.
+ */
+#include "image/codecs.h"
+
+#include <errno.h>
+#include <png.h>
+#include <stdlib.h>
+#include <zlib.h>
+
+#define FILTER PNG_FILTER_UP
+#define LEVEL 1
+
+struct writer {
+    png_structp png;
+    png_infop info;
+    FILE *f;
+    const struct image *im;
+    const char *job;
+    struct quantizer quantizer;
+    unsigned char *row;
+    int err;
+};
+
+static _Noreturn void on_error(png_structp png, png_const_charp text)
+{
+    (void)text;
+    struct writer *w = png_get_error_ptr(png);
+    if (!w->err) w->err = EIO;
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text)
+{
+    (void)png;
+    (void)text;
+}
+
+static void put(png_structp png, png_bytep from, size_t n)
+{
+    struct writer *w = png_get_io_ptr(png);
+    if (fwrite(from, 1, n, w->f) == n) return;
+    w->err = errno;
+    png_error(png, "write");
+}
+
+/* The caller flushes, and looks at what that says. */
+static void flush(png_structp png) { (void)png; }
+
+static void write_header(struct writer *w)
+{
+    const struct quantizer *q = &w->quantizer;
+    png_set_IHDR(w->png, w->info, w->im->w, w->im->h, q->bits,
+        q->channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+        PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (q->bits == 8) png_set_sRGB(w->png, w->info, PNG_sRGB_INTENT_RELATIVE);
+    else png_set_gAMA_fixed(w->png, w->info, PNG_GAMMA_LINEAR);
+    if (w->job) {
+        char key[] = "Job", *text = xstrdup(w->job);
+        png_text chunk = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = text};
+        png_set_text(w->png, w->info, &chunk, 1); /* copies */
+        free(text);
+    }
+    png_write_info(w->png, w->info);
+}
+
+static int guarded(struct writer *w)
+{
+    if (setjmp(png_jmpbuf(w->png))) return -1;
+    png_set_write_fn(w->png, w, put, flush);
+    png_set_user_limits(w->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
+    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, FILTER);
+    png_set_compression_level(w->png, LEVEL);
+    write_header(w);
+    for (uint32_t y = 0; y < w->im->h; y++) {
+        quantizer_row(&w->quantizer, w->im->rgba + (size_t)4 * w->im->w * y, w->im->w, w->row);
+        png_write_row(w->png, w->row);
+    }
+    png_write_end(w->png, NULL);
+    return 0;
+}
+
+int png_encode(FILE *f, const struct image *im, int bits, const char *job)
+{
+    struct writer w = {.f = f, .im = im, .job = job, .err = 0};
+    quantizer_init(&w.quantizer, im, bits);
+    w.row = xmalloc(quantizer_row_bytes(&w.quantizer, im->w), 1);
+    w.err = 0;
+    w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, on_error, on_warning);
+    if (w.png) w.info = png_create_info_struct(w.png);
+    if (!w.info) w.err = ENOMEM;
+    int failed = w.info ? guarded(&w) : -1;
+    png_destroy_write_struct(&w.png, &w.info);
+    free(w.row);
+    errno = w.err;
+    return failed;
+}

@@ -1,0 +1,123 @@
+/*
+ * The Netpbm formats: PAM (P7), PPM (P6) and PGM (P5) in, PAM out. One picture a file. Samples
+ * up to 255 hold sRGB, larger ones linear light: what Netpbm leaves open, image.h settles.
+ */
+#include "image/codecs.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct header {
+    int64_t w, h, channels, max;
+    size_t size; /* bytes, the pixels start there */
+};
+
+/* A text being read, always within n. */
+struct text {
+    const unsigned char *p;
+    size_t n, at;
+};
+
+static bool blank(unsigned char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+/* The next word, comments and blanks before it skipped; false at the end or when it is too long. */
+static bool word(struct text *t, char *out, size_t size)
+{
+    while (t->at < t->n && (blank(t->p[t->at]) || t->p[t->at] == '#')) {
+        if (t->p[t->at] == '#')
+            while (t->at < t->n && t->p[t->at] != '\n') t->at++;
+        else t->at++;
+    }
+    size_t k = 0;
+    while (t->at < t->n && !blank(t->p[t->at])) {
+        if (k + 1 == size) return false;
+        out[k++] = (char)t->p[t->at++];
+    }
+    out[k] = '\0';
+    return k > 0 && t->at < t->n; /* something follows every word of a header */
+}
+
+static bool number(struct text *t, int64_t max, int64_t *out)
+{
+    char w[24];
+    return word(t, w, sizeof w) && parse_int(w, 1, max, out);
+}
+
+/* WIDTH 4, DEPTH 3, ... in any order until ENDHDR; TUPLTYPE says nothing that DEPTH does not. */
+static bool pam_header(struct text *t, struct header *h)
+{
+    char key[24];
+    while (word(t, key, sizeof key)) {
+        bool ok = true;
+        if (strcmp(key, "ENDHDR") == 0) return h->w && h->h && h->channels && h->max;
+        if (strcmp(key, "WIDTH") == 0) ok = number(t, FRAME_SIDE_MAX, &h->w);
+        else if (strcmp(key, "HEIGHT") == 0) ok = number(t, FRAME_SIDE_MAX, &h->h);
+        else if (strcmp(key, "DEPTH") == 0) ok = number(t, 4, &h->channels);
+        else if (strcmp(key, "MAXVAL") == 0) ok = number(t, 65535, &h->max);
+        else if (strcmp(key, "TUPLTYPE") == 0) ok = word(t, key, sizeof key);
+        else ok = false;
+        if (!ok) return false;
+    }
+    return false;
+}
+
+static bool read_header(const unsigned char *p, size_t n, struct header *h)
+{
+    struct text t = {p, n, 2};
+    *h = (struct header){0};
+    if (p[1] == '7') {
+        if (!pam_header(&t, h)) return false;
+    } else {
+        h->channels = p[1] == '6' ? 3 : 1;
+        if (!number(&t, FRAME_SIDE_MAX, &h->w) || !number(&t, FRAME_SIDE_MAX, &h->h) ||
+            !number(&t, 65535, &h->max))
+            return false;
+    }
+    h->size = t.at + 1; /* one blank ends it */
+    return true;
+}
+
+int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+{
+    struct header h;
+    if (!read_header(p, n, &h))
+        return image_fail(err,
+            "damaged P%c header, expected sides from 1 to %d, 1 to 4 channels, maximum 1 to 65535",
+            p[1], FRAME_SIDE_MAX);
+    uint32_t width = (uint32_t)h.w, height = (uint32_t)h.h;
+    if (!image_size_ok(width, height, err)) return -1;
+    size_t row = (size_t)(h.w * h.channels * (h.max > 255 ? 2 : 1)), all = row * height;
+    if (n - h.size != all)
+        return image_fail(err, "%zu bytes of pixels, expected %zu", n - h.size, all);
+    struct sampler s;
+    sampler_init(&s, (uint32_t)h.max, h.max > 255 ? 1.0 : CURVE_SRGB);
+    image_init(im, width, height);
+    bool ok = true;
+    for (uint32_t y = 0; y < height && ok; y++)
+        ok = sampler_row(
+            &s, p + h.size + row * y, (int)h.channels, width, im->rgba + (size_t)4 * width * y);
+    sampler_free(&s);
+    if (ok) return 0;
+    image_free(im);
+    return image_fail(err, "a sample above the maximum, expected at most %lld", (long long)h.max);
+}
+
+int pam_encode(FILE *f, const struct image *im, int bits)
+{
+    struct quantizer q;
+    quantizer_init(&q, im, bits);
+    size_t row = quantizer_row_bytes(&q, im->w);
+    fprintf(f, "P7\nWIDTH %u\nHEIGHT %u\nDEPTH %d\nMAXVAL %d\nTUPLTYPE %s\nENDHDR\n", im->w, im->h,
+        q.channels, bits == 8 ? 255 : 65535, q.channels == 4 ? "RGB_ALPHA" : "RGB");
+    unsigned char *out = xmalloc(row, 1);
+    bool ok = true;
+    for (uint32_t y = 0; y < im->h && ok; y++) {
+        quantizer_row(&q, im->rgba + (size_t)4 * im->w * y, im->w, out);
+        ok = fwrite(out, 1, row, f) == row;
+    }
+    int why = errno;
+    free(out);
+    errno = why;
+    return ok ? 0 : -1;
+}

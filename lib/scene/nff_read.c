@@ -1,0 +1,197 @@
+/*
+ * Reading NFF (E. Haines, NFF.TXT 3.1): a stream of tokens, each entity a letter and its numbers, wherever the lines
+ * break. Differs in: view, lights and background may come anywhere; a material may be missing; the words
+ * of a view may come in any order. A light's colour is there when a number follows its position:
+ * no entity begins with one.
+ */
+#include "scene/reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define POLYGON_MAX 10000000U    /* vertices of one */
+#define COUNT_MAX 0x7fffffffU    /* entities or vertices in all: indices fit in 31 bits */
+#define NORMAL_MAX 1e18
+
+/* Room for one more of `size` bytes in p, which holds n; the room doubles. */
+static void *grown(void *p, uint32_t n, uint32_t *room, size_t size)
+{
+    if (n < *room) return p;
+    *room = *room ? 2 * *room : 16;
+    return xrealloc(p, *room, size);
+}
+
+static bool coordinates(struct reader *r, const char *what, struct vec3 *out)
+{
+    return reader_vec(r, what, -COORDINATE_MAX, COORDINATE_MAX, out);
+}
+
+static bool read_background(struct reader *r)
+{
+    if (r->background_line)
+        return reader_fail(
+            r, "a second background, expected only the one at line %u", r->background_line);
+    r->background_line = r->t.line;
+    return reader_rgb(r, "background colour", r->s->background);
+}
+
+static bool read_light(struct reader *r)
+{
+    struct scene *s = r->s;
+    struct light l = {.own_colour = false};
+    if (!coordinates(r, "light's position", &l.pos)) return false;
+    size_t n = token_peek(&r->t);
+    if (n && strchr("0123456789+-.", r->t.at[0]) && r->t.at[0]) {
+        double rgb[3];
+        if (!reader_rgb(r, "light's colour", rgb)) return false;
+        l.r = rgb[0], l.g = rgb[1], l.b = rgb[2];
+        l.own_colour = true;
+    }
+    s->lights = grown(s->lights, s->n_lights, &r->room_lights, sizeof l);
+    s->lights[s->n_lights++] = l;
+    return true;
+}
+
+static struct prim *add_prim(struct reader *r, enum prim_kind kind)
+{
+    struct scene *s = r->s;
+    s->prims = grown(s->prims, s->n_prims, &r->room_prims, sizeof *s->prims);
+    struct prim *p = &s->prims[s->n_prims++];
+    *p = (struct prim){.kind = kind, .material = r->material};
+    return p;
+}
+
+static bool read_sphere(struct reader *r)
+{
+    struct vec3 center;
+    double radius;
+    if (!coordinates(r, "sphere's centre", &center) ||
+        !reader_real(r, "sphere's radius", -COORDINATE_MAX, COORDINATE_MAX, &radius))
+        return false;
+    if (fabs(radius) < LENGTH_MIN)
+        return reader_fail(r, "sphere's radius is %g, expected at least %g", radius, LENGTH_MIN);
+    struct prim *p = add_prim(r, PRIM_SPHERE);
+    p->sphere.center = center;
+    p->sphere.radius = fabs(radius);
+    return true;
+}
+
+static bool read_cone(struct reader *r)
+{
+    struct vec3 base, apex;
+    double r0, r1;
+    if (!coordinates(r, "cone's base", &base) ||
+        !reader_real(r, "cone's base radius", -COORDINATE_MAX, COORDINATE_MAX, &r0) ||
+        !coordinates(r, "cone's apex", &apex) ||
+        !reader_real(r, "cone's apex radius", -COORDINATE_MAX, COORDINATE_MAX, &r1))
+        return false;
+    if ((r0 < 0 && r1 > 0) || (r0 > 0 && r1 < 0))
+        return reader_fail(r, "cone's radii are %g and %g, expected one sign", r0, r1);
+    if (fmax(fabs(r0), fabs(r1)) < LENGTH_MIN)
+        return reader_fail(r, "cone's radii are both 0, expected one of at least %g", LENGTH_MIN);
+    if (v3_len(v3_sub(apex, base)) < LENGTH_MIN)
+        return reader_fail(r, "cone's base and apex are the same point, expected two");
+    struct prim *p = add_prim(r, PRIM_CONE);
+    p->cone.base = base, p->cone.apex = apex;
+    p->cone.base_radius = fabs(r0), p->cone.apex_radius = fabs(r1);
+    return true;
+}
+
+static void add_vertex(struct reader *r, struct vec3 v)
+{
+    struct scene *s = r->s;
+    if (s->n_vertices == r->room_vertices) {
+        s->vertices = grown(s->vertices, s->n_vertices, &r->room_vertices, sizeof v);
+        if (s->normals) s->normals = xrealloc(s->normals, r->room_vertices, sizeof v);
+    }
+    if (s->normals) s->normals[s->n_vertices] = v3(0, 0, 0);
+    s->vertices[s->n_vertices++] = v;
+}
+
+/* The last vertex's. Allocated at the first patch; as zero for the polygons before it. */
+static void set_normal(struct reader *r, struct vec3 n)
+{
+    struct scene *s = r->s;
+    if (!s->normals) s->normals = xcalloc(r->room_vertices, sizeof n);
+    double len = v3_len(n);
+    s->normals[s->n_vertices - 1] = len >= LENGTH_MIN ? v3_scale(n, 1 / len) : v3(0, 0, 0);
+}
+
+/* A patch's zero normals become the patch's own, so that there is always something to shade with. */
+static void fill_normals(struct scene *s, uint32_t first)
+{
+    struct vec3 own = v3(0, 0, 0);
+    for (uint32_t i = first; i < s->n_vertices; i++) {
+        if (s->normals[i].x != 0 || s->normals[i].y != 0 || s->normals[i].z != 0) continue;
+        if (v3_dot(own, own) == 0) own = newell_unit(s->vertices + first, s->n_vertices - first);
+        s->normals[i] = own;
+    }
+}
+
+/* p or pp. Memory grows with the vertices that are there, not with the count that is claimed. */
+static bool read_polygon(struct reader *r, bool patch)
+{
+    struct scene *s = r->s;
+    uint32_t count, first = s->n_vertices;
+    if (!reader_int(r, patch ? "patch's count" : "polygon's count", 3, POLYGON_MAX, &count)) return false;
+    if (count > COUNT_MAX - first) return reader_fail(r, "more vertices than %u in all", COUNT_MAX);
+    for (uint32_t i = 0; i < count; i++) {
+        struct vec3 v, n;
+        if (!coordinates(r, patch ? "patch's vertex" : "polygon's vertex", &v)) return false;
+        if (patch && !reader_vec(r, "patch's normal", -NORMAL_MAX, NORMAL_MAX, &n)) return false;
+        add_vertex(r, v);
+        if (patch) set_normal(r, n);
+    }
+    if (patch) fill_normals(s, first);
+    struct prim *p = add_prim(r, patch ? PRIM_PATCH : PRIM_POLYGON);
+    p->poly.first = first;
+    p->poly.count = count;
+    return true;
+}
+
+static bool read_p(struct reader *r) { return read_polygon(r, false); }
+static bool read_pp(struct reader *r) { return read_polygon(r, true); }
+
+static bool read_entity(struct reader *r, size_t n)
+{
+    static const struct {
+        const char *letters;
+        bool (*read)(struct reader *);
+    } entities[] = {{"p", read_p}, {"s", read_sphere}, {"c", read_cone}, {"pp", read_pp},
+        {"f", reader_material}, {"l", read_light}, {"v", reader_view}, {"b", read_background}};
+    for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
+        if (strlen(entities[i].letters) == n && memcmp(entities[i].letters, r->t.at, n) == 0) {
+            if (r->s->n_prims >= COUNT_MAX || r->s->n_lights >= COUNT_MAX)
+                return reader_fail(r, "more entities than %u", COUNT_MAX);
+            token_take(&r->t, n);
+            return entities[i].read(r);
+        }
+    return reader_fail_token(r, "entity", "one of v b l f s c p pp");
+}
+
+static bool read_all(struct reader *r)
+{
+    struct scene *s = r->s;
+    s->materials = xmalloc(r->room_materials = 4, sizeof *s->materials);
+    s->materials[s->n_materials++] = (struct material){.r = 1, .g = 1, .b = 1, .kd = 1};
+    for (size_t n; (n = token_peek(&r->t)) != 0;)
+        if (!read_entity(r, n)) return false;
+    if (!r->view_line) return reader_fail(r, "the file ends without a view, expected a 'v'");
+    for (uint32_t i = 0; i < s->n_lights; i++) {
+        struct light *l = &s->lights[i];
+        if (!l->own_colour) l->r = l->g = l->b = 1 / sqrt(s->n_lights);
+    }
+    return true;
+}
+
+int nff_read(const char *name, const char *text, size_t n, struct scene *s, char err[SCENE_ERR])
+{
+    struct reader r = {.name = name, .err = err, .s = s};
+    *s = (struct scene){0};
+    err[0] = '\0';
+    tokens_init(&r.t, text, n);
+    bool ok = read_all(&r);
+    free(r.material_slot);
+    if (!ok) scene_free(s);
+    return ok ? 0 : -1;
+}

@@ -1,0 +1,185 @@
+/*
+ * A scene for POV-Ray 3.7. Each mapping below was checked by rendering: POV-Ray's documentation leaves much open.
+ *
+ * - The camera is given by location, direction, right and up: look_at and angle follow other conventions. Its aspect
+ *   is the picture's own, whatever size povray is asked for.
+ * - Diffuse light is scaled by 1 - transmit there, highlights and reflection are not; `phong` is Phong's own model
+ *   (`specular` is Blinn's).
+ * - `transmit` is not coloured by the surface, neither along a ray nor in its shadow; `filter` would be.
+ * - All polygons of one material are one mesh: going in and out of glass is counted per object.
+ * - Interiors stand at each object: a shared one would make two glass objects one.
+ */
+#include "scene/scene.h"
+
+#include <stdlib.h>
+
+/* With transmit 1 POV-Ray's diffuse light would be 0 whatever its coefficient. */
+#define TRANSMIT_MAX (1 - 1e-7)
+
+struct pov {
+    FILE *f;
+    const struct scene *s;
+    double scale;
+};
+
+/* The shortest of 15 and 17 digits that reads back as v. */
+static void put_real(struct pov *o, const char *lead, double v)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.15g", v);
+    if (strtod(text, NULL) != v) snprintf(text, sizeof text, "%.17g", v);
+    fputs(lead, o->f);
+    fputs(text, o->f);
+}
+
+static void put_vec(struct pov *o, const char *lead, struct vec3 v)
+{
+    fputs(lead, o->f);
+    put_real(o, "<", v.x);
+    put_real(o, ",", v.y);
+    put_real(o, ",", v.z);
+    putc('>', o->f);
+}
+
+static void put_point(struct pov *o, const char *lead, struct vec3 v)
+{
+    put_vec(o, lead, v3_scale(v, o->scale));
+}
+
+static void put_head(struct pov *o)
+{
+    const struct view *v = &o->s->view;
+    fprintf(o->f,
+        "// Render this file, scene.pov, to linear 16 bit with\n"
+        "//   povray +Iscene.pov +Oscene.ppm +W%u +H%u File_Gamma=1 +FP16 -A -D\n"
+        "#version 3.7;\n"
+        "global_settings { assumed_gamma 1 max_trace_level 5 adc_bailout 0 }\n",
+        v->res_x, v->res_y);
+    struct vec3 dir = v3_unit(v3_sub(v->at, v->from));
+    struct vec3 right = v3_unit(v3_cross(dir, v3_unit(v->up))), up = v3_cross(right, dir);
+    double height = 2 * tan(v->angle_deg * (M_PI / 360));
+    put_point(o, "camera { perspective location ", v->from);
+    put_vec(o, " direction ", dir);
+    put_vec(o, "\n  up ", v3_scale(up, height));
+    put_vec(o, " right image_width/image_height*", v3_scale(right, height));
+    const double *b = o->s->background;
+    put_vec(o, " }\nbackground { rgb ", v3(b[0], b[1], b[2]));
+    fputs(" }\n", o->f);
+    for (uint32_t i = 0; i < o->s->n_lights; i++) {
+        const struct light *l = &o->s->lights[i];
+        put_point(o, "light_source { ", l->pos);
+        put_vec(o, " rgb ", v3(l->r, l->g, l->b));
+        fputs(" }\n", o->f);
+    }
+}
+
+static void put_texture(struct pov *o, uint32_t i)
+{
+    const struct material *m = &o->s->materials[i];
+    double t = fmin(m->t, TRANSMIT_MAX);
+    fprintf(o->f, "#declare M%u = texture { pigment { ", i);
+    put_vec(o, "rgb ", v3(m->r, m->g, m->b));
+    if (m->t > 0) put_real(o, " transmit ", t);
+    fputs(" } finish { ambient 0", o->f);
+    put_real(o, " diffuse ", m->kd / (1 - t));
+    if (m->ks > 0) {
+        put_real(o, " phong ", m->ks);
+        put_real(o, " phong_size ", m->shine);
+        put_real(o, " reflection ", m->ks);
+    }
+    fputs(" } }\n", o->f);
+}
+
+/* The end of every object. */
+static void put_material(struct pov *o, uint32_t i)
+{
+    const struct material *m = &o->s->materials[i];
+    fprintf(o->f, " texture { M%u }", i);
+    if (m->t > 0) {
+        put_real(o, " interior { ior ", m->ior);
+        fputs(" }", o->f);
+    }
+    fputs(" }\n", o->f);
+}
+
+static void put_sphere(struct pov *o, const struct prim *p)
+{
+    put_point(o, "sphere { ", p->sphere.center);
+    put_real(o, ",", p->sphere.radius * o->scale);
+    put_material(o, p->material);
+}
+
+static void put_cone(struct pov *o, const struct prim *p)
+{
+    double r0 = p->cone.base_radius * o->scale, r1 = p->cone.apex_radius * o->scale;
+    bool cylinder = p->cone.base_radius == p->cone.apex_radius;
+    put_point(o, cylinder ? "cylinder { " : "cone { ", p->cone.base);
+    if (!cylinder) put_real(o, ",", r0);
+    put_point(o, ",", p->cone.apex);
+    put_real(o, ",", r1);
+    fputs(" open", o->f);
+    put_material(o, p->material);
+}
+
+static void put_triangle(struct pov *o, const struct triangle *t, bool smooth)
+{
+    const char *lead = smooth ? "smooth_triangle { " : "triangle { ";
+    for (int k = 0; k < 3; k++, lead = ",") {
+        put_point(o, lead, o->s->vertices[t->v[k]]);
+        if (smooth) put_vec(o, ",", o->s->normals[t->v[k]]);
+    }
+    fputs(" }\n", o->f);
+}
+
+/* Prims in an order: those of one material together, as they come in the file. */
+struct listed {
+    uint32_t material, prim;
+};
+
+static int by_material(const void *a, const void *b)
+{
+    const struct listed *p = a, *q = b;
+    if (p->material != q->material) return p->material < q->material ? -1 : 1;
+    return (p->prim > q->prim) - (p->prim < q->prim);
+}
+
+static void put_meshes(struct pov *o, const struct listed *list, uint32_t n, uint32_t most)
+{
+    struct triangle *t = xmalloc(most, sizeof *t);
+    bool open = false;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct prim *p = &o->s->prims[list[i].prim];
+        uint32_t triangles = scene_triangulate(o->s, p, t);
+        if (triangles && !open) fputs("mesh {\n", o->f);
+        if (triangles) open = true;
+        for (uint32_t k = 0; k < triangles; k++) put_triangle(o, &t[k], p->kind == PRIM_PATCH);
+        if (open && (i + 1 == n || list[i + 1].material != p->material)) {
+            put_material(o, p->material);
+            open = false;
+        }
+    }
+    free(t);
+}
+
+void pov_write(FILE *f, const struct scene *s, double scale)
+{
+    struct pov o = {f, s, scale};
+    put_head(&o);
+    for (uint32_t i = 0; i < s->n_materials; i++) put_texture(&o, i);
+
+    struct listed *polygons = xmalloc(s->n_prims, sizeof *polygons);
+    uint32_t n = 0, most = 0;
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *p = &s->prims[i];
+        switch (p->kind) {
+        case PRIM_SPHERE: put_sphere(&o, p); break;
+        case PRIM_CONE: put_cone(&o, p); break;
+        default:
+            if (p->poly.count > most) most = p->poly.count;
+            polygons[n++] = (struct listed){p->material, i};
+        }
+    }
+    qsort(polygons, n, sizeof *polygons, by_material);
+    put_meshes(&o, polygons, n, most);
+    free(polygons);
+}

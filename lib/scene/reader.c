@@ -1,0 +1,73 @@
+/* What every entity of NFF is read with: numbers in a range, and messages that say where. */
+#include "scene/reader.h"
+
+#include <string.h>
+
+bool reader_fail(struct reader *r, const char *fmt, ...)
+{
+    va_list ap;
+    int n = snprintf(r->err, SCENE_ERR, "%.100s:%u: ", r->name, r->t.line);
+    if (n < 0 || n >= SCENE_ERR) n = 0;
+    va_start(ap, fmt);
+    vsnprintf(r->err + n, SCENE_ERR - (size_t)n, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+bool reader_fail_token(struct reader *r, const char *what, const char *expected)
+{
+    char shown[32];
+    size_t n = token_peek(&r->t), k = 0;
+    if (!n) return reader_fail(r, "the file ends where %s is due, expected %s", what, expected);
+    for (; k < n && k + 1 < sizeof shown; k++)
+        shown[k] = r->t.at[k] > ' ' && r->t.at[k] < 0x7f ? r->t.at[k] : '?';
+    shown[k] = '\0';
+    return reader_fail(r, "%s is '%s%s', expected %s", what, shown, k < n ? "..." : "", expected);
+}
+
+bool reader_real(struct reader *r, const char *what, double min, double max, double *out)
+{
+    struct tokens start = r->t;
+    double v;
+    if (token_real(&r->t, &v) != TOKEN_OK) return reader_fail_token(r, what, "a number");
+    if (!(v >= min && v <= max)) {
+        char range[64];
+        r->t = start;
+        snprintf(range, sizeof range, "a number from %g to %g", min, max);
+        return reader_fail_token(r, what, range);
+    }
+    *out = v;
+    return true;
+}
+
+bool reader_int(struct reader *r, const char *what, uint32_t min, uint32_t max, uint32_t *out)
+{
+    char range[64];
+    uint64_t v = 0;
+    size_t n = token_peek(&r->t), k = n && r->t.at[0] == '+';
+    bool digits = k < n;
+    for (; k < n && digits && v <= max; k++) {
+        digits = r->t.at[k] >= '0' && r->t.at[k] <= '9';
+        v = v * 10 + (uint64_t)(r->t.at[k] - '0');
+    }
+    if (!digits || v < min || v > max) {
+        snprintf(range, sizeof range, "an integer from %u to %u", min, max);
+        return reader_fail_token(r, what, range);
+    }
+    token_take(&r->t, n);
+    *out = (uint32_t)v;
+    return true;
+}
+
+bool reader_vec(struct reader *r, const char *what, double min, double max, struct vec3 *out)
+{
+    return reader_real(r, what, min, max, &out->x) && reader_real(r, what, min, max, &out->y) &&
+           reader_real(r, what, min, max, &out->z);
+}
+
+bool reader_rgb(struct reader *r, const char *what, double rgb[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!reader_real(r, what, 0, COLOUR_MAX, &rgb[i])) return false;
+    return true;
+}

@@ -1,0 +1,14 @@
+/* The list of actions of one step. */
+#include "sched/sched.h"
+
+void sched_act(
+    struct sched_actions *out, enum sched_action_kind kind, int32_t slot, const struct task *task)
+{
+    if (out->n == out->cap) {
+        out->cap = out->cap ? 2 * out->cap : 64;
+        out->at = xrealloc(out->at, out->cap, sizeof *out->at);
+    }
+    struct sched_action *a = &out->at[out->n++];
+    *a = (struct sched_action){.kind = kind, .slot = slot};
+    if (task) a->task = *task;
+}

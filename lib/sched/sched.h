@@ -1,0 +1,69 @@
+/*
+ * sched: scheduling policies as state machines. No clock, no I/O, no chance: an event and the time go in, actions
+ * come out, and the same calls give the same actions. The live driver (deal, ringctl) and the virtual-time
+ * simulation run the very same object code. Calls: policy->create, then step for every event, then destroy.
+ *
+ * What every policy guarantees to its driver: each task whose pixels were delivered is committed once; a task
+ * that is not committed is in the pool or has an owner that is up; SCHED_END comes when, and only when,
+ * the input has ended and nothing is uncommitted.
+ */
+#ifndef STORMRING_SCHED_H
+#define STORMRING_SCHED_H
+
+#include "base/base.h"
+#include "task/task.h"
+
+enum sched_event_kind {
+    SCHED_TASK,      /* task, frame_w: work has come */
+    SCHED_INPUT_END, /* no more work will come */
+    SCHED_FLUSH,     /* whoever reads wants what is held back */
+    SCHED_SLOTS,     /* n: slots are numbered 0 .. n-1 */
+    SCHED_UP,        /* slot: it can be given work */
+    SCHED_GONE,      /* slot: its connection is lost, with all it held */
+    SCHED_DONE,      /* slot, task key: computed; its pixels may still be held back there */
+    SCHED_PIXELS     /* slot, task key, at: these pixels have come, and were passed on */
+};
+struct sched_event {
+    enum sched_event_kind kind;
+    int32_t slot, n;
+    struct task task;
+    uint32_t frame_w;
+};
+
+enum sched_action_kind {
+    SCHED_GIVE,      /* task to slot */
+    SCHED_ASK_FLUSH, /* slot: hand over what is held back */
+    SCHED_COMMIT,    /* task: all of its pixels have been passed on, once */
+    SCHED_END        /* close the input of all slots */
+};
+struct sched_action {
+    enum sched_action_kind kind;
+    int32_t slot;
+    struct task task;
+};
+/* The actions of one step, in order; the driver empties it. */
+struct sched_actions {
+    struct sched_action *at;
+    size_t n, cap;
+};
+void sched_act(
+    struct sched_actions *out, enum sched_action_kind kind, int32_t slot, const struct task *task);
+
+struct sched_params {
+    int32_t depth; /* -q: tasks a slot may hold beyond the one it is on */
+};
+
+struct policy {
+    const char *name;
+    void *(*create)(const struct sched_params *p);
+    void (*step)(
+        void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
+    int64_t (*uncommitted)(const void *state); /* tasks */
+    int64_t (*waiting)(
+        const void *state); /* tasks in the pool: the driver reads on while they are few */
+    void (*destroy)(void *state);
+};
+
+extern const struct policy policy_deal;
+
+#endif

@@ -1,0 +1,81 @@
+/*
+ * balls, or sphereflake: a mirroring sphere that carries nine of a third of its radius, each of which does the same,
+ * size levels deep, above a square. Three lights.
+ */
+#include "spd/parts.h"
+
+static const struct view view = {
+    .from = {2.1, 1.3, 1.7}, .up = {0, 0, 1}, .angle_deg = 45, .hither = 0.01, .res_x = 512, .res_y = 512};
+static const struct vec3 lights[] = {{4, 3, 2}, {1, -4, 4}, {-3, 1, 5}};
+static const struct material floor_stuff = {1, 0.75, 0.33, 0.8, 0, 1e5, 0, 1};
+static const struct vec3 floor_corners[] = {{12, 12, -0.5}, {-12, 12, -0.5}, {-12, -12, -0.5}, {12, -12, -0.5}};
+
+static const double shrink = 1.0 / 3.0; /* radius of a child over its parent's */
+
+uint64_t spd_balls_count(int size)
+{
+    uint64_t spheres = 1, level = 1;
+    for (int i = 0; i < size; i++) spheres += level *= 9;
+    return spheres + 1;
+}
+
+/* Rotation about a unit axis. */
+static struct mat3 rotate_about(struct vec3 a, double angle)
+{
+    double c = cos(angle), s = sin(angle), d = 1.0 - c;
+    return (struct mat3){{
+        v3(a.x * a.x + (1.0 - a.x * a.x) * c, a.x * a.y * d + a.z * s, a.x * a.z * d - a.y * s),
+        v3(a.x * a.y * d - a.z * s, a.y * a.y + (1.0 - a.y * a.y) * c, a.y * a.z * d + a.x * s),
+        v3(a.x * a.z * d + a.y * s, a.y * a.z * d - a.x * s, a.z * a.z + (1.0 - a.z * a.z) * c),
+    }};
+}
+
+/* The nine directions of a sphere whose own is +z: three sets of three, a third of a turn apart. */
+static void make_directions(struct vec3 out[9])
+{
+    double d = 1.0 / sqrt(2.0);
+    struct vec3 axis = v3(1, -1, 0), trio[3] = {{d, d, 0}, {d, 0, -d}, {0, d, -d}};
+    struct mat3 tilt = rotate_about(spd_divide(axis, v3_len(axis)), asin(2.0 / sqrt(6.0)));
+    for (int i = 0; i < 3; i++) trio[i] = spd_transform(trio[i], &tilt);
+    for (int set = 0; set < 3; set++) {
+        struct mat3 turn = spd_rotate_z(set * 2.0 * SPD_PI / 3.0);
+        for (int i = 0; i < 3; i++) out[3 * set + i] = spd_transform(trio[i], &turn);
+    }
+}
+
+/* Takes +z to a direction. */
+static struct mat3 rotate_from_z(struct vec3 to)
+{
+    struct vec3 z = v3(0, 0, 1), axis = v3_cross(z, to);
+    /* Nearly along z there is no axis to speak of. */
+    if (to.z >= 0.9999) return (struct mat3){{v3(1, 0, 0), v3(0, 1, 0), v3(0, 0, 1)}};
+    if (to.z <= -0.9999) {
+        double c = cos(SPD_PI), s = sin(SPD_PI);
+        return (struct mat3){{v3(c, 0, -s), v3(0, 1, 0), v3(s, 0, c)}};
+    }
+    return rotate_about(spd_divide(axis, v3_len(axis)), acos(v3_dot(z, to)));
+}
+
+static void put_flake(struct nff_out *o, const struct vec3 directions[9], int depth, struct vec3 center,
+    double radius, struct vec3 direction)
+{
+    nff_put_sphere(o, center, radius);
+    if (depth == 0) return;
+    struct mat3 turn = rotate_from_z(direction);
+    double reach = radius * (1.0 + shrink);
+    for (int i = 0; i < 9; i++) {
+        struct vec3 child = v3_add(v3_scale(spd_transform(directions[i], &turn), reach), center);
+        put_flake(o, directions, depth - 1, child, radius * shrink, spd_divide(v3_sub(child, center), reach));
+    }
+}
+
+void spd_balls(struct nff_out *o, int size)
+{
+    struct vec3 directions[9];
+    spd_put_setting(o, &view, lights, sizeof lights / sizeof *lights);
+    nff_put_material(o, &floor_stuff);
+    nff_put_polygon(o, 4, floor_corners, NULL);
+    nff_put_material(o, &(struct material){1, 0.9, 0.7, 0.5, 0.5, spd_shine(37), 0, 1});
+    make_directions(directions);
+    put_flake(o, directions, size, v3(0, 0, 0), 0.5, v3(0, 0, 1));
+}

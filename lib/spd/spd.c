@@ -1,0 +1,47 @@
+/* The table of scenes. */
+#include "spd/spd.h"
+#include "spd/parts.h"
+
+#include <string.h>
+
+const struct spd_scene spd_scenes[] = {
+    {"balls", 4, "1 polygon, (9^(s+1)-1)/8 spheres", spd_balls_count, spd_balls},
+    {"gears", 4, "1 + 146 s^3 polygons, 2 s^3 of them with 144 corners", spd_gears_count, spd_gears},
+    {"tetra", 6, "4^s triangles", spd_tetra_count, spd_tetra},
+};
+const size_t n_spd_scenes = sizeof spd_scenes / sizeof *spd_scenes;
+
+const struct spd_scene *spd_find(const char *name)
+{
+    for (size_t i = 0; i < n_spd_scenes; i++)
+        if (strcmp(spd_scenes[i].name, name) == 0) return &spd_scenes[i];
+    return NULL;
+}
+
+int spd_size_max(const struct spd_scene *scene)
+{
+    int size = 1;
+    while (scene->count(size + 1) <= SPD_PRIMS_MAX) size++;
+    return size;
+}
+
+void spd_put_setting(struct nff_out *o, const struct view *v, const struct vec3 *lights, size_t n)
+{
+    nff_put_background(o, 0.078, 0.361, 0.753); /* the sky over Chapel Hill */
+    nff_put_view(o, v);
+    for (size_t i = 0; i < n; i++) nff_put_light(o, &(struct light){.pos = lights[i]});
+}
+
+double spd_shine(double half_angle_deg)
+{
+    double angle = SPD_PI * half_angle_deg / 180.0;
+    if (angle <= 0) return 100000;
+    if (angle >= SPD_PI / 2) return 1;
+    return log(0.5) / log(cos(angle));
+}
+
+struct mat3 spd_rotate_z(double angle)
+{
+    double c = cos(angle), s = sin(angle);
+    return (struct mat3){{v3(c, s, 0), v3(-s, c, 0), v3(0, 0, 1)}};
+}

@@ -1,0 +1,40 @@
+/*
+ * spd: the scenes of the Standard Procedural Databases, version 3.14 (E. Haines, "A proposal for standard graphics
+ * environments", IEEE CG&A 7(11), 1987), generated anew: the same entities in the same order with the
+ * same numbers, at every size factor.
+ *
+ * A scene is one file and one row of the table. What it writes is complete NFF: background, view, lights, materials,
+ * primitives.
+ */
+#ifndef STORMRING_SPD_H
+#define STORMRING_SPD_H
+
+#include "scene/scene.h"
+
+/* A size is accepted while it makes no more primitives than this. */
+#define SPD_PRIMS_MAX UINT64_C(10000000)
+
+struct spd_scene {
+    const char *name;
+    int size;            /* SPD's own default: the most primitives under 10000 */
+    const char *formula; /* primitives at size s, for people */
+    uint64_t (*count)(int size);
+    void (*write)(struct nff_out *o, int size);
+};
+
+extern const struct spd_scene spd_scenes[];
+extern const size_t n_spd_scenes;
+
+/* NULL when there is none of that name. */
+const struct spd_scene *spd_find(const char *name);
+/* The largest size that keeps within SPD_PRIMS_MAX. */
+int spd_size_max(const struct spd_scene *scene);
+
+uint64_t spd_balls_count(int size);
+void spd_balls(struct nff_out *o, int size);
+uint64_t spd_gears_count(int size);
+void spd_gears(struct nff_out *o, int size);
+uint64_t spd_tetra_count(int size);
+void spd_tetra(struct nff_out *o, int size);
+
+#endif

@@ -1,0 +1,135 @@
+/* Tables of frames and of tasks. */
+#include "task/task.h"
+
+#include <stdlib.h>
+
+struct frame_size *frames_find(const struct frames *f, uint32_t frame)
+{
+    for (size_t i = f->n; i-- > 0;)
+        if (f->at[i].frame == frame) return &f->at[i];
+    return NULL;
+}
+
+struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h)
+{
+    struct frame_size *at = frames_find(f, frame);
+    if (!at) {
+        f->at = xrealloc(f->at, f->n + 1, sizeof *f->at);
+        at = &f->at[f->n++];
+    }
+    *at = (struct frame_size){frame, w, h};
+    return at;
+}
+
+void frames_free(struct frames *f)
+{
+    free(f->at);
+    *f = (struct frames){0};
+}
+
+static int32_t *head_of(const struct task_table *t, uint32_t frame, uint32_t id)
+{
+    return &t->heads[rng_u64(frame, id) & (uint32_t)(t->n_heads - 1)];
+}
+
+static void chain(struct task_table *t, int32_t i)
+{
+    int32_t *head = head_of(t, t->at[i].task.frame, t->at[i].task.id);
+    t->at[i].chain = *head;
+    *head = i;
+}
+
+/* Twice the entries, and as many hash chains. */
+static void grow(struct task_table *t)
+{
+    int32_t cap = t->cap ? t->cap * 2 : 64;
+    if (t->cap > INT32_MAX / 4) die(ST_SYSTEM, "more than %d tasks at once", t->cap);
+    t->at = xrealloc(t->at, (size_t)cap, sizeof *t->at);
+    free(t->heads);
+    t->heads = xmalloc((size_t)cap, sizeof *t->heads);
+    for (int32_t i = 0; i < cap; i++) t->heads[i] = -1;
+    t->n_heads = cap;
+    t->free_list = -1;
+    for (int32_t i = cap - 1; i >= t->cap; i--) {
+        t->at[i] = (struct task_entry){.chain = t->free_list};
+        t->free_list = i;
+    }
+    for (int32_t i = 0; i < t->cap; i++) chain(t, i); /* it grows only when all are live */
+    t->cap = cap;
+}
+
+void tasks_free(struct task_table *t)
+{
+    free(t->at);
+    free(t->heads);
+    *t = (struct task_table){0};
+}
+
+int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id)
+{
+    if (!t->count) return -1;
+    int32_t i = *head_of(t, frame, id);
+    while (i >= 0 && (t->at[i].task.frame != frame || t->at[i].task.id != id)) i = t->at[i].chain;
+    return i;
+}
+
+int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_w)
+{
+    if (t->count == t->cap) grow(t);
+    int32_t i = t->free_list;
+    t->free_list = t->at[i].chain;
+    t->at[i] = (struct task_entry){
+        .task = *task, .frame_w = frame_w, .slot = -1, .live = true, .prev = -1, .next = -1};
+    chain(t, i);
+    t->count++;
+    return i;
+}
+
+void tasks_remove(struct task_table *t, int32_t i)
+{
+    struct task_entry *e = &t->at[i];
+    int32_t *link = head_of(t, e->task.frame, e->task.id);
+    while (*link != i) link = &t->at[*link].chain;
+    *link = e->chain;
+    e->live = false;
+    e->chain = t->free_list;
+    t->free_list = i;
+    t->count--;
+}
+
+bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)
+{
+    struct task_entry *e = &t->at[i];
+    int64_t n0 = lattice_offset(&e->task.at, e->frame_w, at);
+    if (n0 < 0 || (uint64_t)n0 > e->delivered) return false;
+    uint64_t n1 = (uint64_t)n0 + lattice_count(at);
+    if (n1 > e->delivered) e->delivered = n1;
+    return true;
+}
+
+void list_push_back(struct task_table *t, struct task_list *l, int32_t i)
+{
+    t->at[i].prev = l->tail;
+    t->at[i].next = -1;
+    *(l->tail >= 0 ? &t->at[l->tail].next : &l->head) = i;
+    l->tail = i;
+    l->count++;
+}
+
+void list_push_front(struct task_table *t, struct task_list *l, int32_t i)
+{
+    t->at[i].next = l->head;
+    t->at[i].prev = -1;
+    *(l->head >= 0 ? &t->at[l->head].prev : &l->tail) = i;
+    l->head = i;
+    l->count++;
+}
+
+void list_remove(struct task_table *t, struct task_list *l, int32_t i)
+{
+    struct task_entry *e = &t->at[i];
+    *(e->prev >= 0 ? &t->at[e->prev].next : &l->head) = e->next;
+    *(e->next >= 0 ? &t->at[e->next].prev : &l->tail) = e->prev;
+    e->prev = e->next = -1;
+    l->count--;
+}

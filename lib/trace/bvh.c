@@ -1,0 +1,131 @@
+/*
+ * bvh: the binary hierarchy collapsed to eight children a node (H. Dammertz, J. Hanika, A. Keller, "Shallow bounding
+ * volume hierarchies for fast SIMD ray tracing of incoherent rays", EGSR 2008; I. Wald, C. Benthin, S. Boulos,
+ * "Getting rid of packets", RT 2008), its leaves cut into blocks of items.
+ */
+#include "trace/trace_int.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct collapse {
+    struct bvh *b;
+    const struct bnode *bin;
+    const struct ref *refs;
+    const struct scene *scene;
+    const struct item *items;
+    double reach;
+    uint32_t depth; /* of the wide tree */
+};
+
+static float area(const struct bnode *n)
+{
+    float x = n->hi[0] - n->lo[0], y = n->hi[1] - n->lo[1], z = n->hi[2] - n->lo[2];
+    return x * y + y * z + z * x;
+}
+
+static bool is_leaf(const struct bnode *n) { return n->right == NO_CHILD; }
+
+static uint32_t *lane_items(uint32_t kind, void *block)
+{
+    if (kind == ITEM_TRIANGLE) return ((struct tri4 *)block)->item;
+    if (kind == ITEM_SPHERE) return ((struct sphere4 *)block)->item;
+    return ((struct cone4 *)block)->item;
+}
+
+static void fill_block(struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
+{
+    const struct shape *shape = shapes[kind];
+    for (uint32_t lane = 0; lane < LANES; lane++) {
+        shape->clear(block, (int)lane);
+        if (lane >= n) continue;
+        shape->fill(c->scene, &c->items[r[lane].item], c->reach, block, (int)lane);
+        lane_items(kind, block)[lane] = r[lane].item;
+    }
+}
+
+static uint32_t make_leaf(struct collapse *c, const struct bnode *leaf)
+{
+    const struct ref *r = c->refs + leaf->left;
+    uint32_t kind = r->kind, first = c->b->n_blocks[kind], n = (leaf->count + LANES - 1) / LANES;
+    size_t size = shapes[kind]->block_size;
+    if (first + n > LEAF_FIRST_MASK) die(ST_SYSTEM, "too many primitives");
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t left = leaf->count - i * LANES;
+        fill_block(c, kind, (char *)c->b->blocks[kind] + (first + i) * size, r + i * LANES,
+            left < LANES ? left : LANES);
+    }
+    c->b->n_blocks[kind] += n;
+    return LEAF | kind << 29 | (n - 1) << 27 | first;
+}
+
+/* Up to eight descendants of bin[root], by opening the largest until there are eight. */
+static int gather(const struct bnode *bin, uint32_t root, uint32_t out[WIDTH])
+{
+    int n = 1;
+    out[0] = root;
+    while (n < WIDTH) {
+        int best = -1;
+        float largest = -1;
+        for (int i = 0; i < n; i++)
+            if (!is_leaf(&bin[out[i]]) && area(&bin[out[i]]) > largest) {
+                largest = area(&bin[out[i]]);
+                best = i;
+            }
+        if (best < 0) break;
+        uint32_t open = out[best];
+        out[best] = bin[open].left;
+        out[n++] = bin[open].right;
+    }
+    return n;
+}
+
+static uint32_t make_node(struct collapse *c, uint32_t root, uint32_t depth)
+{
+    uint32_t child[WIDTH], k = c->b->n_nodes++;
+    int n = gather(c->bin, root, child);
+    if (depth > c->depth) c->depth = depth;
+    for (int i = 0; i < WIDTH; i++) {
+        struct node8 *node = &c->b->nodes[k];
+        for (int a = 0; a < 3; a++) {
+            node->lo[a][i] = i < n ? c->bin[child[i]].lo[a] : INFINITY;
+            node->hi[a][i] = i < n ? c->bin[child[i]].hi[a] : -INFINITY;
+        }
+        if (i >= n) node->child[i] = NO_CHILD;
+        else if (is_leaf(&c->bin[child[i]])) node->child[i] = make_leaf(c, &c->bin[child[i]]);
+        else node->child[i] = make_node(c, child[i], depth + 1);
+    }
+    return k;
+}
+
+/* Blocks of each kind that the leaves will take. */
+static void count_blocks(const struct bnode *bin, uint32_t n, const struct ref *refs, uint32_t count[])
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (is_leaf(&bin[i])) count[refs[bin[i].left].kind] += (bin[i].count + LANES - 1) / LANES;
+}
+
+void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
+    const struct item *items, double reach)
+{
+    memset(b, 0, sizeof *b);
+    if (n == 0) return;
+    struct bnode *bin = xmalloc((size_t)2 * n, sizeof *bin);
+    uint32_t n_bin = sah_build(bin, refs, n), count[ITEM_KINDS] = {0};
+    count_blocks(bin, n_bin, refs, count);
+    for (int k = 0; k < ITEM_KINDS; k++)
+        if (count[k]) b->blocks[k] = xaligned(count[k], shapes[k]->block_size);
+    b->nodes = xaligned(n_bin / 2 + 1, sizeof *b->nodes);
+    struct collapse c = {b, bin, refs, s, items, reach, 0};
+    make_node(&c, 0, 1);
+    free(bin);
+    b->slack = (float)(reach * 0x1p-22);
+}
+
+void bvh_free(struct bvh *b)
+{
+    free(b->nodes);
+    for (int k = 0; k < ITEM_KINDS; k++) free(b->blocks[k]);
+    memset(b, 0, sizeof *b);
+}

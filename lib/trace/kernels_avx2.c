@@ -1,0 +1,12 @@
+/* kernels_avx2: the kernels at 256 bits; the Makefile compiles this file with -mavx2 where there is such a thing. */
+#ifdef __AVX2__
+#include "trace/kernel.h"
+
+static const struct kernels table = {"avx2", closest, blocked};
+
+const struct kernels *kernels_avx2(void) { return __builtin_cpu_supports("avx2") ? &table : NULL; }
+#else
+#include "trace/trace_int.h"
+
+const struct kernels *kernels_avx2(void) { return NULL; }
+#endif

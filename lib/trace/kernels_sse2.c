@@ -1,0 +1,6 @@
+/* kernels_sse2: the kernels at the width that every machine of this kind has (SSE2 on x86-64, else scalar). */
+#include "trace/kernel.h"
+
+static const struct kernels table = {"sse2", closest, blocked};
+
+const struct kernels *kernels_sse2(void) { return &table; }

@@ -1,0 +1,67 @@
+/*
+ * math: the few transcendental functions that pixels depend on. A C library's own may differ in the last bit
+ * from host to host (it picks FMA variants at run time); these are plain sums and products of doubles.
+ */
+#include "trace/trace_int.h"
+
+#include <string.h>
+
+#define LOG2_E 1.4426950408889634074
+#define LN_2 0.69314718055994530942
+
+/* log2 of x > 0, normal: x = m 2^e with m in [sqrt(1/2), sqrt 2), log m = 2 atanh((m-1)/(m+1)). */
+static double log2_of(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    int e = (int)(bits >> 52) - 1022;
+    bits = (bits & UINT64_C(0x000fffffffffffff)) | UINT64_C(0x3fe0000000000000);
+    double m;
+    memcpy(&m, &bits, sizeof m);
+    if (m < 0.70710678118654752) {
+        m *= 2;
+        e--;
+    }
+    double s = (m - 1) / (m + 1), z = s * s; /* z < .0295: the first term left out is below 1e-17 */
+    double p = 1.0 / 21;
+    for (int k = 19; k >= 1; k -= 2) p = p * z + 1.0 / k;
+    return (double)e + 2 * LOG2_E * s * p;
+}
+
+/* 2^y for y <= 0; 0 where the result would not be a normal number. */
+static double exp2_of(double y)
+{
+    if (!(y > -1021)) return 0;
+    int n = (int)(y - 0.5);
+    double f = (y - n) * LN_2; /* |f| <= ln 2 / 2 */
+    double p = 1;
+    for (int k = 13; k >= 1; k--) p = p * f * (1.0 / k) + 1;
+    uint64_t bits = (uint64_t)(n + 1023) << 52;
+    double scale;
+    memcpy(&scale, &bits, sizeof scale);
+    return p * scale;
+}
+
+double trace_pow(double x, double y)
+{
+    if (x < 1e-300) return 0;
+    if (x >= 1) return 1;
+    return exp2_of(y * log2_of(x));
+}
+
+/* By the Taylor series of sine and cosine at a/8 (below 0.2), then three doublings of the angle. */
+double trace_tan(double a)
+{
+    double x = a / 8, z = x * x, s = 1, c = 1;
+    for (int k = 8; k >= 1; k--) {
+        s = 1 - s * z / ((2 * k) * (2 * k + 1));
+        c = 1 - c * z / ((2 * k - 1) * (2 * k));
+    }
+    s *= x;
+    for (int i = 0; i < 3; i++) {
+        double s2 = 2 * s * c;
+        c = c * c - s * s;
+        s = s2;
+    }
+    return s / c;
+}

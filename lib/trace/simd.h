@@ -1,0 +1,89 @@
+/*
+ * simd: vectors as wide as the file that includes this is compiled for. vf holds VF floats, vd holds VD doubles; + - * /
+ * work lane by lane, each exactly the IEEE operation. Comparisons give a bit a lane, lane 0 lowest.
+ */
+#ifndef STORMRING_SIMD_H
+#define STORMRING_SIMD_H
+
+#include "base/base.h"
+
+#if defined(__AVX2__)
+
+#include <immintrin.h>
+#define VF 8
+#define VD 4
+typedef __m256 vf;
+typedef __m256d vd;
+static inline vf vf_load(const float *p) { return _mm256_load_ps(p); }
+static inline void vf_store(float *p, vf a) { _mm256_store_ps(p, a); }
+static inline vf vf_set(float a) { return _mm256_set1_ps(a); }
+static inline vf vf_min(vf a, vf b) { return _mm256_min_ps(a, b); }
+static inline vf vf_max(vf a, vf b) { return _mm256_max_ps(a, b); }
+static inline unsigned vf_le(vf a, vf b)
+{
+    return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ));
+}
+static inline vd vd_load(const double *p) { return _mm256_load_pd(p); }
+static inline void vd_store(double *p, vd a) { _mm256_store_pd(p, a); }
+static inline vd vd_set(double a) { return _mm256_set1_pd(a); }
+static inline vd vd_sqrt(vd a) { return _mm256_sqrt_pd(a); }
+static inline vd vd_abs(vd a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
+static inline vd vd_and(vd a, vd b) { return _mm256_and_pd(a, b); }
+static inline vd vd_le(vd a, vd b) { return _mm256_cmp_pd(a, b, _CMP_LE_OQ); }
+static inline vd vd_lt(vd a, vd b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
+/* m's lanes all ones: a, all zeros: b */
+static inline vd vd_choose(vd m, vd a, vd b) { return _mm256_blendv_pd(b, a, m); }
+static inline unsigned vd_bits(vd m) { return (unsigned)_mm256_movemask_pd(m); }
+
+#elif defined(__SSE2__)
+
+#include <emmintrin.h>
+#define VF 4
+#define VD 2
+typedef __m128 vf;
+typedef __m128d vd;
+static inline vf vf_load(const float *p) { return _mm_load_ps(p); }
+static inline void vf_store(float *p, vf a) { _mm_store_ps(p, a); }
+static inline vf vf_set(float a) { return _mm_set1_ps(a); }
+static inline vf vf_min(vf a, vf b) { return _mm_min_ps(a, b); }
+static inline vf vf_max(vf a, vf b) { return _mm_max_ps(a, b); }
+static inline unsigned vf_le(vf a, vf b) { return (unsigned)_mm_movemask_ps(_mm_cmple_ps(a, b)); }
+static inline vd vd_load(const double *p) { return _mm_load_pd(p); }
+static inline void vd_store(double *p, vd a) { _mm_store_pd(p, a); }
+static inline vd vd_set(double a) { return _mm_set1_pd(a); }
+static inline vd vd_sqrt(vd a) { return _mm_sqrt_pd(a); }
+static inline vd vd_abs(vd a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
+static inline vd vd_and(vd a, vd b) { return _mm_and_pd(a, b); }
+static inline vd vd_le(vd a, vd b) { return _mm_cmple_pd(a, b); }
+static inline vd vd_lt(vd a, vd b) { return _mm_cmplt_pd(a, b); }
+static inline vd vd_choose(vd m, vd a, vd b)
+{
+    return _mm_or_pd(_mm_and_pd(m, a), _mm_andnot_pd(m, b));
+}
+static inline unsigned vd_bits(vd m) { return (unsigned)_mm_movemask_pd(m); }
+
+#else /* any other machine: one lane; masks are 1 and 0 */
+
+#define VF 1
+#define VD 1
+typedef float vf;
+typedef double vd;
+static inline vf vf_load(const float *p) { return *p; }
+static inline void vf_store(float *p, vf a) { *p = a; }
+static inline vf vf_set(float a) { return a; }
+static inline vf vf_min(vf a, vf b) { return a < b ? a : b; }
+static inline vf vf_max(vf a, vf b) { return a > b ? a : b; }
+static inline unsigned vf_le(vf a, vf b) { return a <= b; }
+static inline vd vd_load(const double *p) { return *p; }
+static inline void vd_store(double *p, vd a) { *p = a; }
+static inline vd vd_set(double a) { return a; }
+static inline vd vd_sqrt(vd a) { return sqrt(a); }
+static inline vd vd_abs(vd a) { return fabs(a); }
+static inline vd vd_and(vd a, vd b) { return a * b; }
+static inline vd vd_le(vd a, vd b) { return a <= b; }
+static inline vd vd_lt(vd a, vd b) { return a < b; }
+static inline vd vd_choose(vd m, vd a, vd b) { return m != 0 ? a : b; }
+static inline unsigned vd_bits(vd m) { return m != 0; }
+
+#endif
+#endif

@@ -1,0 +1,47 @@
+/*
+ * sphere: two-sided; the sign of the radius means nothing. The intersection is in kernel.h.
+ */
+#include "trace/trace_int.h"
+
+static bool fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
+{
+    struct sphere4 *b = block;
+    const struct prim *p = &s->prims[it->prim];
+    struct vec3 c = p->sphere.center;
+    double r = fabs(p->sphere.radius);
+    (void)reach;
+    if (!(r > 0)) return false;
+    b->c[0][lane] = c.x;
+    b->c[1][lane] = c.y;
+    b->c[2][lane] = c.z;
+    b->r[lane] = r;
+    b->err[lane] = ERR_UNIT * (fabs(c.x) + fabs(c.y) + fabs(c.z) + r);
+    return true;
+}
+
+static void clear(void *block, int lane)
+{
+    struct sphere4 *b = block;
+    b->c[0][lane] = b->c[1][lane] = b->c[2][lane] = 0;
+    b->r[lane] = b->err[lane] = 0;
+    b->item[lane] = NO_ITEM;
+}
+
+static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi)
+{
+    const struct prim *p = &s->prims[it->prim];
+    struct vec3 c = p->sphere.center;
+    double r = fabs(p->sphere.radius);
+    *lo = v3(c.x - r, c.y - r, c.z - r);
+    *hi = v3(c.x + r, c.y + r, c.z + r);
+}
+
+static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
+{
+    const struct prim *q = &s->prims[it->prim];
+    struct vec3 n = v3_unit(v3_sub(*p, q->sphere.center));
+    *p = v3_mad(q->sphere.center, n, fabs(q->sphere.radius));
+    return n;
+}
+
+const struct shape sphere_shape = {sizeof(struct sphere4), fill, clear, bounds, normal};

@@ -1,0 +1,149 @@
+/* tracer: items and hierarchy of a scene, and the calls of trace.h. */
+#include "trace/trace_int.h"
+
+#include <stdlib.h>
+
+/* Adds an item, and its reference when it has a surface at all. */
+static void add_item(struct tracer *t, struct ref *refs, uint32_t *n_refs, struct item it, double reach)
+{
+    _Alignas(64) char block[sizeof(struct tri4) + sizeof(struct sphere4) + sizeof(struct cone4)];
+    const struct shape *shape = shapes[it.kind];
+    t->items[t->n_items] = it;
+    if (shape->fill(t->scene, &it, reach, block, 0)) {
+        struct vec3 lo, hi;
+        shape->bounds(t->scene, &it, &lo, &hi);
+        refs[(*n_refs)++] = (struct ref){{(float)lo.x, (float)lo.y, (float)lo.z}, t->n_items,
+            {(float)hi.x, (float)hi.y, (float)hi.z}, it.kind};
+    }
+    t->n_items++;
+}
+
+static bool is_poly(const struct prim *p)
+{
+    return p->kind == PRIM_POLYGON || p->kind == PRIM_PATCH;
+}
+
+static void count_items(const struct scene *s, uint32_t *n_items, uint32_t *largest)
+{
+    uint64_t n = 0;
+    *largest = 3;
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *p = &s->prims[i];
+        n += is_poly(p) ? p->poly.count - 2 : 1;
+        if (is_poly(p) && p->poly.count > *largest) *largest = p->poly.count;
+    }
+    if (n > INT32_MAX) die(ST_SYSTEM, "too many primitives");
+    *n_items = (uint32_t)n;
+}
+
+static uint32_t make_items(struct tracer *t, struct ref *refs, uint32_t largest, double reach)
+{
+    const struct scene *s = t->scene;
+    struct triangle *tri = xmalloc(largest - 2, sizeof *tri);
+    uint32_t n_refs = 0;
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *p = &s->prims[i];
+        struct item it = {.prim = i, .material = p->material};
+        if (is_poly(p)) {
+            it.kind = ITEM_TRIANGLE;
+            it.smooth = p->kind == PRIM_PATCH;
+            uint32_t n = scene_triangulate(s, p, tri);
+            for (uint32_t k = 0; k < n; k++) {
+                for (int c = 0; c < 3; c++) it.vertex[c] = tri[k].v[c];
+                add_item(t, refs, &n_refs, it, reach);
+            }
+        } else {
+            it.kind = p->kind == PRIM_SPHERE ? ITEM_SPHERE : ITEM_CONE;
+            add_item(t, refs, &n_refs, it, reach);
+        }
+    }
+    free(tri);
+    return n_refs;
+}
+
+static double farther(double reach, struct vec3 p)
+{
+    return fmax(reach, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+}
+
+/* The largest coordinate that a ray may start from or hit at. */
+static double reach_of(const struct scene *s)
+{
+    double reach = farther(0, s->view.from);
+    for (uint32_t i = 0; i < s->n_lights; i++) reach = farther(reach, s->lights[i].pos);
+    for (uint32_t i = 0; i < s->n_vertices; i++) reach = farther(reach, s->vertices[i]);
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        struct vec3 lo, hi;
+        if (is_poly(&s->prims[i])) continue;
+        prim_bounds(s, &s->prims[i], &lo, &hi);
+        reach = farther(farther(reach, lo), hi);
+    }
+    return reach;
+}
+
+static void make_surfaces(struct tracer *t)
+{
+    const struct scene *s = t->scene;
+    t->surfaces = xmalloc(s->n_materials, sizeof *t->surfaces);
+    for (uint32_t i = 0; i < s->n_materials; i++) {
+        const struct material *m = &s->materials[i];
+        struct vec3 c = v3(m->r * m->kd, m->g * m->kd, m->b * m->kd);
+        /* An index of 0 stands on opaque things; on others it could only mean that nothing bends. */
+        t->surfaces[i] = (struct surface){c, m->ks, m->shine, m->t, m->ior > 0 ? m->ior : 1,
+            c.x != 0 || c.y != 0 || c.z != 0};
+    }
+}
+
+/* Stays NULL when nothing in the scene transmits: shadow rays then end at the first hit. */
+static void make_transmits(struct tracer *t)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < t->scene->n_materials; i++) any = any || t->scene->materials[i].t > 0;
+    if (!any) return;
+    t->transmits = xmalloc(t->n_items, 1);
+    for (uint32_t i = 0; i < t->n_items; i++)
+        t->transmits[i] = t->scene->materials[t->items[i].material].t > 0;
+}
+
+static const struct kernels *choose_kernels(enum trace_isa isa)
+{
+    const struct kernels *wide = isa == TRACE_SSE2 ? NULL : kernels_avx2();
+    return wide ? wide : kernels_sse2();
+}
+
+struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
+{
+    struct tracer *t = xcalloc(1, sizeof *t);
+    uint32_t n, largest;
+    t->scene = s;
+    t->options = *o;
+    t->k = choose_kernels(o->isa);
+    count_items(s, &n, &largest);
+    t->items = xmalloc(n, sizeof *t->items);
+    struct ref *refs = xmalloc(n, sizeof *refs);
+    double reach = reach_of(s);
+    uint32_t n_refs = make_items(t, refs, largest, reach);
+    make_surfaces(t);
+    make_transmits(t);
+    bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
+    free(refs);
+    camera_init(t);
+    return t;
+}
+
+void tracer_free(struct tracer *t)
+{
+    if (!t) return;
+    bvh_free(&t->bvh);
+    free(t->items);
+    free(t->surfaces);
+    free(t->transmits);
+    free(t->crossings.item);
+    free(t);
+}
+
+void tracer_frame(struct tracer *t, uint32_t w, uint32_t h) { camera_frame(t, w, h); }
+
+void tracer_counts(const struct tracer *t, struct trace_counts *c) { *c = t->counts; }
+
+bool trace_isa_available(enum trace_isa isa) { return isa != TRACE_AVX2 || kernels_avx2() != NULL; }

@@ -1,0 +1,213 @@
+/* The worker's loop: see worker.h. */
+#include "worker/worker.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define BEAT_US 500000
+#define LOOK_US 100000
+#define GROUP_PIXELS 64      /* between two looks at the clock: coherent rays, well under 100 ms */
+#define SELFTEST_PIXELS 4096 /* room */
+#define READ_BYTES 65536
+
+struct known_frame {
+    uint32_t frame, w, h;
+    bool announced;
+};
+
+struct worker {
+    const struct worker_ops *ops;
+    const struct worker_options *options;
+    void *ctx;
+    struct decoder in;
+    struct buf out, held; /* held: the frags that -c keeps back */
+    struct known_frame *frames;
+    size_t n_frames;
+    float *pixels;
+    int64_t beat_at, look_at;
+};
+
+/* The reader is gone, or writing to it fails: nobody needs this process any more. */
+static _Noreturn void reader_gone(int err)
+{
+    if (err == EPIPE || !err) exit(ST_SYSTEM);
+    errno = err;
+    die(ST_SYSTEM, "standard output:");
+}
+
+static void push(struct worker *w)
+{
+    if (!buf_size(&w->out)) return;
+    if (write_full(STDOUT_FILENO, buf_data(&w->out), buf_size(&w->out)) != 0) reader_gone(errno);
+    buf_consume(&w->out, buf_size(&w->out));
+}
+
+/* Between groups of pixels: is anyone there, and say that this one is. */
+static void tick(struct worker *w)
+{
+    int64_t now = now_us();
+    if (now < w->look_at) return;
+    w->look_at = now + LOOK_US;
+    struct pollfd p = {STDOUT_FILENO, 0, 0};
+    if (poll(&p, 1, 0) > 0 && (p.revents & (POLLERR | POLLNVAL))) reader_gone(0);
+    if (now < w->beat_at) return;
+    w->beat_at = now + BEAT_US;
+    wire_plain(&w->out, REC_BEAT, NULL);
+    push(w);
+}
+
+static void hello(struct worker *w)
+{
+    static float rgba[4 * SELFTEST_PIXELS];
+    uint32_t n = SELFTEST_PIXELS;
+    int64_t start = now_us();
+    w->ops->selftest(rgba, &n);
+    int64_t took = now_us() - start;
+    uint64_t hash = hash64(HASH64_INIT, rgba, (size_t)n * 4 * sizeof *rgba);
+    char text[160];
+    snprintf(text, sizeof text, "%s %s selftest=%016" PRIx64 " power=%.3f slots=1", w->ops->program,
+        STORMRING_VERSION, hash, WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1));
+    wire_plain(&w->out, REC_HELLO, text);
+    push(w);
+}
+
+static struct known_frame *find_frame(struct worker *w, uint32_t frame)
+{
+    for (size_t i = w->n_frames; i-- > 0;)
+        if (w->frames[i].frame == frame) return &w->frames[i];
+    return NULL;
+}
+
+/* Says what the following pixels belong to, once everything is loaded. */
+static bool announce(struct worker *w, struct known_frame *f, char err[WORKER_ERR])
+{
+    if (f->announced) return true;
+    if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) return false;
+    uint64_t job = w->ops->job(w->ctx);
+    const uint32_t size[2] = {f->w, f->h};
+    job = hash64(job, size, sizeof size);
+    char extra[40];
+    snprintf(extra, sizeof extra, " job=%016" PRIx64, job);
+    wire_frame(&w->out, f->frame, f->w, f->h, extra);
+    push(w);
+    f->announced = true;
+    return true;
+}
+
+static void take_frame(struct worker *w, const struct record *r)
+{
+    struct known_frame *f = find_frame(w, r->task.frame);
+    if (!f) {
+        w->frames = xrealloc(w->frames, w->n_frames + 1, sizeof *w->frames);
+        f = &w->frames[w->n_frames++];
+    } else if (f->w == r->frame_w && f->h == r->frame_h && f->announced) {
+        return;
+    }
+    *f = (struct known_frame){r->task.frame, r->frame_w, r->frame_h, false};
+    char err[WORKER_ERR];
+    announce(w, f, err); /* state may still be to come: then the first task tries again */
+}
+
+static void emit_frag(struct worker *w, const struct task *t, const struct lattice *at)
+{
+    wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, w->pixels);
+}
+
+static void take_task(struct worker *w, const struct task *t)
+{
+    char err[WORKER_ERR];
+    struct known_frame *f = find_frame(w, t->frame);
+    if (!f)
+        die(ST_USAGE, "task %u %u: no such frame, expected `frame` before its tasks", t->frame,
+            t->id);
+    if (!lattice_valid(&t->at, f->w, f->h))
+        die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
+    if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
+    if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
+    int64_t cpu = cpu_us(), wall = now_us();
+    uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
+    if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
+    for (uint64_t n0 = 0; n0 < total;) {
+        struct lattice piece = lattice_cut(&t->at, f->w, n0, most);
+        uint32_t count = (uint32_t)lattice_count(&piece);
+        for (uint32_t i = 0; i < count; i += GROUP_PIXELS) {
+            uint32_t n = count - i < GROUP_PIXELS ? count - i : GROUP_PIXELS;
+            w->ops->render(w->ctx, &piece, i, n, w->pixels + 4 * (size_t)i);
+            tick(w);
+        }
+        n0 += count;
+        /* `done` is the scheduling event: it goes before the last pixels. */
+        if (n0 == total) wire_done(&w->out, t, cpu_us() - cpu, now_us() - wall);
+        emit_frag(w, t, &piece);
+        push(w);
+    }
+}
+
+static void release_held(struct worker *w)
+{
+    push(w);
+    if (write_full(STDOUT_FILENO, buf_data(&w->held), buf_size(&w->held)) != 0) reader_gone(errno);
+    buf_consume(&w->held, buf_size(&w->held));
+}
+
+static void take_record(struct worker *w, const struct record *r)
+{
+    char err[WORKER_ERR];
+    switch (r->kind) {
+    case REC_FRAME: take_frame(w, r); break;
+    case REC_TASK: take_task(w, &r->task); break;
+    case REC_FLUSH: release_held(w); break;
+    case REC_SCENE:
+    case REC_GRID:
+    case REC_SPEC:
+        for (size_t i = 0; i < w->n_frames; i++) w->frames[i].announced = false;
+        if (w->ops->state(w->ctx, r->kind, r->body, r->body_len, err) != 0)
+            die(ST_USAGE, "%s", err);
+        break;
+    default:
+        die(ST_USAGE,
+            "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
+            rec_name(r->kind));
+    }
+}
+
+/* Waits for input while watching the reader; then one read. False at the end of input. */
+static bool fill(struct worker *w)
+{
+    struct pollfd p[2] = {{STDIN_FILENO, POLLIN, 0}, {STDOUT_FILENO, 0, 0}};
+    while (poll(p, 2, -1) < 0)
+        if (errno != EINTR) die(ST_SYSTEM, "poll:");
+    if (p[1].revents & (POLLERR | POLLNVAL)) reader_gone(0);
+    ptrdiff_t n = read_some(STDIN_FILENO, &w->in.in, READ_BYTES);
+    if (n < 0) die(ST_SYSTEM, "standard input:");
+    return n > 0;
+}
+
+int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
+{
+    struct worker w = {.ops = ops, .options = o, .ctx = ctx};
+    w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
+    w.look_at = now_us() + LOOK_US;
+    w.beat_at = now_us() + BEAT_US;
+    hello(&w);
+    for (bool more = true; more;) {
+        more = fill(&w);
+        if (!more) wire_end(&w.in);
+        struct record r;
+        enum wire_result result;
+        while ((result = wire_next(&w.in, &r)) == WIRE_RECORD) take_record(&w, &r);
+        if (result == WIRE_BAD) die(ST_USAGE, "standard input: %s", w.in.why);
+    }
+    release_held(&w);
+    wire_plain(&w.out, REC_BYE, NULL);
+    push(&w);
+    wire_free(&w.in);
+    buf_free(&w.out);
+    buf_free(&w.held);
+    free(w.frames);
+    free(w.pixels);
+    return ST_OK;
+}

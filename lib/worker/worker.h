@@ -1,0 +1,45 @@
+/*
+ * worker: the one loop that every renderer shares. Records in on stdin, a render callback, fragments out on
+ * stdout, as stormring-task(5) and stormring-frag(5) say.
+ *
+ * The loop says hello; takes state (scene, ...) and frame records; says `frame ... job=` once it can render; renders
+ * tasks in order in small groups of pixels, between which it looks at the clock: a beat every 500 ms, and a look
+ * at stdout every 100 ms: when its reader is gone the process ends at once. End of input: what was read is
+ * finished, then bye. It blocks only in poll, read and write.
+ */
+#ifndef STORMRING_WORKER_H
+#define STORMRING_WORKER_H
+
+#include "base/base.h"
+#include "task/task.h"
+#include "wire/wire.h"
+
+#define WORKER_ERR 256
+
+struct worker_ops {
+    const char *program; /* for hello */
+    /* Take a state record. 0, or -1 with text in err. `body` is valid during the call. */
+    int (*state)(
+        void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR]);
+    /* All state there and usable? Called before a frame's first task; builds what is needed. */
+    int (*ready)(void *ctx, uint32_t w, uint32_t h, char err[WORKER_ERR]);
+    /* The hash of format, options that change pixels, and state; the loop adds the size. */
+    uint64_t (*job)(void *ctx);
+    /* Pixels n0 .. n0+n of the lattice into rgba[4n]. */
+    void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
+    /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the power. */
+    void (*selftest)(float *rgba, uint32_t *n); /* n: room for 4*n floats in, pixels out */
+};
+
+struct worker_options {
+    uint32_t frag_pixels; /* at most so many pixels in a frag; 0: whole tasks */
+    bool concentrate;     /* keep fragments until flush or end of input */
+};
+
+/* Runs to the end of input; returns the exit status. */
+int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx);
+
+/* Power 1 is a machine that takes so long for the self-test (microseconds). */
+#define WORKER_SELFTEST_REFERENCE_US 2000.0
+
+#endif
