@@ -3,7 +3,15 @@
  * is in struct writer, and no local variable is looked at after one.
  *
  * Encoding is the serial end of every run, so speed counts more than the last percent of size.
- * FILTER and LEVEL were chosen by measurement: see the table below.
+ * Milliseconds and kilobytes for 512x512, gears and balls, quantizing included (one core, zlib
+ * 1.2.13, best of 7):
+ *
+ *              8 bits: level 1     level 6      16 bits, gears: level 1
+ *     none      5.5 143  7.1 233    9.9 119     28.0 1095
+ *     sub       6.5 179  7.8 258   17.9 153     17.5  630
+ *     up        6.6 163  8.0 265   19.2 135     17.6  615
+ *     paeth     7.6 169  9.4 268   19.3 143     21.2  658
+ *     adaptive 10.4 166 11.9 265   23.1 140     26.5  650
  */
 #include "image/codecs.h"
 
@@ -12,7 +20,8 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-#define FILTER PNG_FILTER_UP
+#define FILTER_8 PNG_FILTER_NONE
+#define FILTER_16 PNG_FILTER_SUB
 #define LEVEL 1
 
 struct writer {
@@ -73,7 +82,7 @@ static int guarded(struct writer *w)
     if (setjmp(png_jmpbuf(w->png))) return -1;
     png_set_write_fn(w->png, w, put, flush);
     png_set_user_limits(w->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
-    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, FILTER);
+    png_set_filter(w->png, PNG_FILTER_TYPE_BASE, w->quantizer.bits == 8 ? FILTER_8 : FILTER_16);
     png_set_compression_level(w->png, LEVEL);
     write_header(w);
     for (uint32_t y = 0; y < w->im->h; y++) {

@@ -1,6 +1,6 @@
 /*
  * What hither may hide: primitives that reach into the pyramid between the eye and the hither plane. A convex
- * primitive that lies wholly outside one of the pyramid's five planes does not reach into it; polygons are judged a
+ * primitive that lies wholly outside one of the pyramid's planes does not reach into it; polygons are judged a
  * triangle at a time, and cut plane by plane (I. Sutherland, G. Hodgman, "Reentrant polygon clipping", CACM 17(1),
  * 1974), which is exact: floors often pass the eye close by, outside the picture.
  */
@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-enum { PLANES = 5, CLIPPED_MAX = 3 + PLANES };
+enum { PLANES = 6, CLIPPED_MAX = 3 + PLANES };
 
 /* Inside is where dot(normal, p) <= offset; p relative to the eye, normals of unit length. */
 struct pyramid {
@@ -32,6 +32,8 @@ static void make_pyramid(const struct view *v, struct pyramid *y)
     }
     y->normal[4] = dir;
     y->offset[4] = v->hither;
+    y->normal[5] = v3_scale(dir, -1); /* follows from the sides, but tells more of what is behind */
+    y->offset[5] = 0;
     y->corner[0] = v3(0, 0, 0);
     y->eye = v->from;
 }

@@ -42,19 +42,19 @@ struct item {
 
 /* Lane i of a block holds item[i]; NO_ITEM lanes hold numbers that no ray can hit. */
 struct tri4 {
-    double n[3][LANES], d[LANES];   /* the plane: n.p = d, n of length 1 */
+    _Alignas(32) double n[3][LANES], d[LANES];   /* the plane: n.p = d, n of length 1 */
     double u[3][LANES], du[LANES];  /* u.p + du >= 0, v.p + dv >= 0, their sum <= 1: inside, with a margin */
     double v[3][LANES], dv[LANES];
     double err[LANES];              /* how far the plane may be from the vertices it was made of */
     uint32_t item[LANES];
 };
 struct sphere4 {
-    double c[3][LANES], r[LANES], err[LANES];
+    _Alignas(32) double c[3][LANES], r[LANES], err[LANES];
     uint32_t item[LANES];
 };
 /* Axis a from base b, 0 <= z <= h along it, radius r + k z. */
 struct cone4 {
-    double b[3][LANES], a[3][LANES], h[LANES], r[LANES], k[LANES], err[LANES];
+    _Alignas(32) double b[3][LANES], a[3][LANES], h[LANES], r[LANES], k[LANES], err[LANES];
     uint32_t item[LANES];
 };
 
@@ -170,7 +170,6 @@ struct tracer {
         struct vec3 eye, forward, right, up; /* right and up span a pixel square's side of 2 at distance 1, times tan */
         double hither;
         uint32_t w, h;
-        double err;
     } camera;
 };
 

@@ -1,0 +1,37 @@
+/* A plan from a seed. */
+#include "sim/sim.h"
+
+static double unit(uint64_t seed, uint64_t k) { return rng_unit(seed, 1000 + k); }
+
+static int32_t pick(uint64_t seed, uint64_t k, int32_t least, int32_t most)
+{
+    return least + (int32_t)(unit(seed, k) * (most - least + 1));
+}
+
+/* A fault is absent in half of the plans, and now and then nearly certain. */
+static double chance(uint64_t seed, uint64_t k, double usual)
+{
+    double u = unit(seed, k);
+    return u < .5 ? 0 : u < .9 ? usual : .9;
+}
+
+struct sim_plan sim_plan_of(uint64_t seed)
+{
+    static const int32_t depths[] = {0, 0, 1, 2, 16};
+    static const int64_t latencies_us[] = {0, 100, 5000, 200000};
+    struct sim_plan p = {.seed = seed};
+    p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 3) : pick(seed, 2, 2, 24);
+    p.tasks = unit(seed, 3) < .1 ? pick(seed, 4, 0, 3) : pick(seed, 4, 1, 200);
+    p.depth = depths[pick(seed, 5, 0, 4)];
+    p.assigned = unit(seed, 6) < .5 ? 0 : pick(seed, 7, 0, p.tasks);
+    p.concentrate = unit(seed, 8) < .3;
+    p.p_crash = chance(seed, 9, .3);
+    p.p_stall = chance(seed, 10, .3);
+    p.p_pause = chance(seed, 11, .3);
+    p.p_return = chance(seed, 12, .5);
+    p.p_twice = chance(seed, 13, .1);
+    p.p_garbage = chance(seed, 14, .1);
+    p.silence_us = 3000000;
+    p.latency_us = latencies_us[pick(seed, 15, 0, 3)];
+    return p;
+}
