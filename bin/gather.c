@@ -53,8 +53,6 @@ struct gather {
 
 static const char usage_text[] = "[-hmP] [-k 8|16] [-l LOG] [-o OUT] [FRAGS ...]";
 
-/* ---- options -------------------------------------------------------------------------- */
-
 static void check_out(struct options *o)
 {
     o->naming = IMAGE_NAME_SINGLE;
@@ -90,17 +88,23 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- the log -------------------------------------------------------------------------- */
+/* What errno says about `name`; the run goes on and ends with status 3. */
+static void complain(struct gather *g, const char *name)
+{
+    int err = errno;
+    progress_clear(&g->progress);
+    errno = err;
+    warn("%s:", name);
+    g->status = ST_SYSTEM;
+}
 
 static void log_flush(struct gather *g)
 {
     if (g->log_fd >= 0 &&
         write_full(g->log_fd, buf_data(&g->log_pending), buf_size(&g->log_pending)) != 0) {
-        progress_clear(&g->progress);
-        warn("%s: the log ends here:", g->o->log);
+        complain(g, g->o->log);
         close(g->log_fd);
         g->log_fd = -1;
-        g->status = ST_SYSTEM;
     }
     buf_consume(&g->log_pending, buf_size(&g->log_pending));
 }
@@ -122,8 +126,6 @@ static void check_not_log(const struct gather *g, int fd, const char *name)
         die(ST_USAGE, "%s: is the log as well, expected another file", name);
 }
 
-/* ---- pictures ------------------------------------------------------------------------- */
-
 /* The reader of stdout is gone: what was read is kept, and there is nobody to tell. */
 static _Noreturn void reader_gone(struct gather *g)
 {
@@ -132,30 +134,19 @@ static _Noreturn void reader_gone(struct gather *g)
     _exit(ST_SYSTEM);
 }
 
-static void picture_failed(struct gather *g, const char *name)
-{
-    int err = errno;
-    if (!g->o->out && err == EPIPE) reader_gone(g);
-    progress_clear(&g->progress);
-    errno = err;
-    warn("%s:", name);
-    g->status = ST_SYSTEM;
-}
-
 static void write_picture(struct gather *g, const struct assembly_frame *f)
 {
     const struct options *o = g->o;
-    if (!o->out) {
-        if (image_write(stdout, &f->picture, o->format, o->bits, f->job) != 0 || fflush(stdout))
-            picture_failed(g, "standard output");
-        return;
+    if (o->out) {
+        char *name = image_name(o->out, f->number);
+        if (image_save(name, &f->picture, o->format, o->bits, f->job) != 0) complain(g, name);
+        free(name);
+    } else if (image_write(stdout, &f->picture, o->format, o->bits, f->job) != 0 ||
+               fflush(stdout)) {
+        if (errno == EPIPE) reader_gone(g);
+        complain(g, "standard output");
     }
-    char *name = image_name(o->out, f->number);
-    if (image_save(name, &f->picture, o->format, o->bits, f->job) != 0) picture_failed(g, name);
-    free(name);
 }
-
-/* ---- records -------------------------------------------------------------------------- */
 
 /* Where fan says it came from; the one worker of a plain pipeline has no name. */
 static void worker_of(const struct record *r, char name[ASSEMBLY_NAME])
@@ -234,8 +225,6 @@ static void take_record(struct gather *g, const struct record *r)
     }
 }
 
-/* ---- streams -------------------------------------------------------------------------- */
-
 static void await(struct gather *g, int fd)
 {
     bool to_stdout = !g->o->out && !g->o->missing;
@@ -278,8 +267,6 @@ static void read_streams(struct gather *g)
     }
     progress_clear(&g->progress);
 }
-
-/* ---- the end -------------------------------------------------------------------------- */
 
 static void report_refused(const struct gather *g)
 {
@@ -359,30 +346,34 @@ static void report_missing(const struct gather *g)
     report_remedy(g);
 }
 
-/* -m: the frame and what it lacks, as a worker reads them. */
-static void print_tasks(const struct assembly_frame *f, struct buf *b)
+static void emit(struct buf *b)
 {
+    fwrite(buf_data(b), 1, buf_size(b), stdout);
+    buf_consume(b, buf_size(b));
+}
+
+/* -m: the frame and what it lacks, as a worker reads them. */
+static void print_tasks(const struct assembly_frame *f)
+{
+    struct buf b = {0};
     struct coverage taken;
     if (f->have.bits) coverage_copy(&taken, &f->have);
     else coverage_init(&taken, f->have.w, f->have.h);
     struct task t = {.frame = f->number, .id = f->next_id, .to = -1};
-    wire_frame(b, f->number, f->have.w, f->have.h, NULL);
+    wire_frame(&b, f->number, f->have.w, f->have.h, NULL);
+    emit(&b);
     for (uint64_t p = 0; coverage_missing(&taken, &p, &t.at); t.id++) {
-        wire_task(b, &t);
-        if (buf_size(b) < READ_BYTES) continue;
-        fwrite(buf_data(b), 1, buf_size(b), stdout);
-        buf_consume(b, buf_size(b));
+        wire_task(&b, &t);
+        emit(&b);
     }
     coverage_free(&taken);
+    buf_free(&b);
 }
 
 static void print_missing(const struct gather *g)
 {
-    struct buf b = {0};
     for (uint32_t i = 0; i < g->parts.n_frames; i++)
-        if (!coverage_full(&g->parts.frames[i]->have)) print_tasks(g->parts.frames[i], &b);
-    fwrite(buf_data(&b), 1, buf_size(&b), stdout);
-    buf_free(&b);
+        if (!coverage_full(&g->parts.frames[i]->have)) print_tasks(g->parts.frames[i]);
 }
 
 static int finish(struct gather *g)

@@ -66,7 +66,7 @@ struct triangle {
 };
 /*
  * The triangles of a polygon (ear clipping in the polygon's own plane, by Newell's normal; deterministic,
- * concave and slightly off plane allowed, collinear and repeated vertices give no triangle) or of a patch
+ * concave and slightly off plane allowed; a polygon without area gives none, edges that cross give what they may) or of a patch
  * (a fan from its first vertex). out has room for count - 2. Returns how many were written.
  */
 uint32_t scene_triangulate(const struct scene *s, const struct prim *p, struct triangle *out);

@@ -82,14 +82,14 @@ static void give(struct deal *d, int32_t k, int32_t i, struct sched_actions *out
     e->slot = k;
     e->done = false;
     list_push_back(&d->ledger, &d->slots[k].held, i);
-    d->slots[k].asked = false;
+    d->slots[k].asked = BUG(7);
     sched_act(out, SCHED_GIVE, k, &e->task);
 }
 
 /* The hungriest slot, the lowest of equals, or -1 when all have what they may hold. */
 static int32_t hungriest(const struct deal *d)
 {
-    int32_t best = -1, least = d->p.depth + 1;
+    int32_t best = -1, least = d->p.depth + (BUG(5) ? 2 : 1);
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
         if (s->state != SLOT_UP || s->held.count >= least) continue;
@@ -113,7 +113,7 @@ static void hand_out(struct deal *d, struct sched_actions *out)
 static void take_task(struct deal *d, const struct sched_event *e, struct sched_actions *out)
 {
     if (tasks_find(&d->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = tasks_add(&d->ledger, &e->task, e->frame_w), to = e->task.to;
+    int32_t i = tasks_add(&d->ledger, &e->task, e->frame_w), to = BUG(12) ? -1 : e->task.to;
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
     if (s && s->state == SLOT_UP) {
         give(d, to, i, out);
@@ -140,10 +140,10 @@ static void reclaim(struct deal *d, struct task_list *l)
 static void take_gone(struct deal *d, int32_t k)
 {
     struct slot *s = slot_at(d, k);
-    reclaim(d, &s->held);
-    reclaim(d, &s->computed);
+    if (!BUG(1)) reclaim(d, &s->held);
+    if (!BUG(2)) reclaim(d, &s->computed);
     reclaim(d, &s->promised);
-    s->state = SLOT_GONE;
+    s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
 }
 
 static void take_up(struct deal *d, int32_t k, struct sched_actions *out)
@@ -162,27 +162,38 @@ static void take_up(struct deal *d, int32_t k, struct sched_actions *out)
 static void take_slots(struct deal *d, int32_t n)
 {
     d->known = n;
-    for (int32_t k = n; k < d->n_slots; k++) reclaim(d, &d->slots[k].promised);
+    for (int32_t k = BUG(4) ? d->n_slots : n; k < d->n_slots; k++)
+        reclaim(d, &d->slots[k].promised);
 }
 
-static void take_done(struct deal *d, const struct sched_event *e)
+/* The last pixels of entry i have been passed on: forget it. */
+static void commit(struct deal *d, int32_t i, struct sched_actions *out)
 {
+    sched_act(out, SCHED_COMMIT, d->ledger.at[i].slot, &d->ledger.at[i].task);
+    if (BUG(9)) return;
+    list_remove(&d->ledger, list_of(d, i), i);
+    tasks_remove(&d->ledger, i);
+}
+
+static void take_done(struct deal *d, const struct sched_event *e, struct sched_actions *out)
+{
+    (void)out;
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
-    if (i < 0 || d->ledger.at[i].slot != e->slot || d->ledger.at[i].done) return;
+    if (i < 0 || (!BUG(11) && d->ledger.at[i].slot != e->slot) || d->ledger.at[i].done) return;
+    if (BUG(11) && d->ledger.at[i].slot < 0) return;
     if (d->slots[e->slot].state != SLOT_UP) return;
     struct slot *s = &d->slots[e->slot];
     list_remove(&d->ledger, &s->held, i);
     d->ledger.at[i].done = true;
     list_push_back(&d->ledger, &s->computed, i);
+    if (BUG(6)) commit(d, i, out);
 }
 
 static void take_pixels(struct deal *d, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
-    if (i < 0 || !tasks_deliver(&d->ledger, i, &e->task.at) || !tasks_whole(&d->ledger, i)) return;
-    sched_act(out, SCHED_COMMIT, d->ledger.at[i].slot, &d->ledger.at[i].task);
-    list_remove(&d->ledger, list_of(d, i), i);
-    tasks_remove(&d->ledger, i);
+    if (i < 0 || !tasks_deliver(&d->ledger, i, &e->task.at)) return;
+    if (BUG(8) || tasks_whole(&d->ledger, i)) commit(d, i, out);
 }
 
 /* With nothing left to give, slots that have computed all of theirs are asked for it. */
@@ -208,13 +219,13 @@ static void deal_step(
     case SCHED_SLOTS: take_slots(d, e->n); break;
     case SCHED_UP: take_up(d, e->slot, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;
-    case SCHED_DONE: take_done(d, e); break;
+    case SCHED_DONE: take_done(d, e, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     }
     hand_out(d, out);
     if ((d->ended || d->flush) && !d->pool.count) ask_flush(d, out);
     if (!d->ledger.count) d->flush = false;
-    if (d->ended && !d->ledger.count && !d->closed) {
+    if (d->ended && !(BUG(10) ? d->pool.count : d->ledger.count) && !d->closed) {
         d->closed = true;
         sched_act(out, SCHED_END, -1, NULL);
     }

@@ -66,4 +66,13 @@ struct policy {
 
 extern const struct policy policy_deal;
 
+/*
+ * Planted bugs: compiled with -DPLANTED_BUG=k a policy breaks its rule k, and the simulation has to find it. A
+ * simulation that finds nothing proves nothing.
+ */
+#ifndef PLANTED_BUG
+#define PLANTED_BUG 0
+#endif
+#define BUG(k) (PLANTED_BUG == (k))
+
 #endif

@@ -9,7 +9,11 @@ enum sim_kind {
     SIM_TO_SLOT,  /* task arrives at the slot */
     SIM_FLUSH,    /* a flush does */
     SIM_COMPUTED, /* the slot has finished its task */
-    SIM_CRASH, SIM_STALL, SIM_RESUME, SIM_GIVE_UP, SIM_RETURN
+    SIM_CRASH,
+    SIM_STALL,
+    SIM_RESUME,
+    SIM_GIVE_UP,
+    SIM_RETURN
 };
 struct sim_event {
     int64_t at_us;

@@ -16,15 +16,15 @@
 struct sim_plan {
     uint64_t seed;
     int32_t slots, tasks;
-    int32_t depth;        /* the policy's */
-    int32_t assigned;     /* so many tasks have to=K */
-    bool concentrate;     /* slots hand over pixels on a flush only */
-    double p_crash;       /* a slot dies; EOF is seen */
-    double p_stall;       /* a slot falls silent; the fan gives it up after silence_us */
-    double p_pause;       /* a slot is silent for less than that */
-    double p_return;      /* a lost slot comes back */
-    double p_twice;       /* an answer is sent twice */
-    double p_garbage;     /* an answer names what was not asked */
+    int32_t depth;    /* the policy's */
+    int32_t assigned; /* so many tasks have to=K */
+    bool concentrate; /* slots hand over pixels on a flush only */
+    double p_crash;   /* a slot dies; EOF is seen */
+    double p_stall;   /* a slot falls silent; the fan gives it up after silence_us */
+    double p_pause;   /* a slot is silent for less than that */
+    double p_return;  /* a lost slot comes back */
+    double p_twice;   /* an answer is sent twice */
+    double p_garbage; /* an answer names what was not asked */
     int64_t silence_us, latency_us;
 };
 /* Everything above from the seed alone: small and large, kind and cruel. Slot 0 is never lost. */

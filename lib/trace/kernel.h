@@ -68,7 +68,10 @@ static inline void lanes_init(struct lanes *l, const struct ray *r)
     l->t_min = vd_set(r->t_min), l->err = vd_set(r->err);
 }
 
-/* Each of these: the lanes of a block that are hit at t_min < t <= t_max, and t there. */
+/*
+ * Each of these: the lanes of a block that are hit at t_min < t <= t_max, and the first t there; *twice (may be NULL):
+ * those that are hit once more within these bounds.
+ */
 
 static inline unsigned hit_tri4(
     const struct tri4 *b, const struct lanes *l, double t_max, double t_out[LANES])
@@ -98,9 +101,11 @@ static inline unsigned hit_tri4(
  * A ray that starts on the sphere, within error bounds, has only the other root.
  */
 static inline unsigned hit_sphere4(
-    const struct sphere4 *s, const struct lanes *l, double t_max, double t_out[LANES])
+    const struct sphere4 *s, const struct lanes *l, double t_max, double t_out[LANES],
+    unsigned *twice)
 {
     unsigned mask = 0;
+    if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
         vd r = vd_load(s->r + i), zero = vd_set(0);
         vd fx = vd_load(s->c[0] + i) - l->ox, fy = vd_load(s->c[1] + i) - l->oy;
@@ -117,12 +122,13 @@ static inline unsigned hit_sphere4(
         vd p = c / q;
         vd near = vd_choose(positive, p, q), far = vd_choose(positive, q, p);
         /* On the surface p is the root near 0: the other one, q, is all there is. */
-        near = vd_choose(on, q, near);
+        near = vd_choose(on, zero, near);
         far = vd_choose(on, q, far);
-        vd t = vd_choose(vd_lt(l->t_min, near), near, far);
+        vd enters = vd_lt(l->t_min, near), t = vd_choose(enters, near, far), limit = vd_set(t_max);
         vd_store(t_out + i, t);
-        hit = vd_and(hit, vd_and(vd_lt(l->t_min, t), vd_le(t, vd_set(t_max))));
+        hit = vd_and(hit, vd_and(vd_lt(l->t_min, t), vd_le(t, limit)));
         mask |= vd_bits(hit) << i;
+        if (twice) *twice |= vd_bits(vd_and(hit, vd_and(enters, vd_le(far, limit)))) << i;
     }
     return mask;
 }
@@ -132,9 +138,11 @@ static inline unsigned hit_sphere4(
  * is nearest to the cone's middle, where the coefficients are smallest.
  */
 static inline unsigned hit_cone4(
-    const struct cone4 *s, const struct lanes *l, double t_max, double t_out[LANES])
+    const struct cone4 *s, const struct lanes *l, double t_max, double t_out[LANES],
+    unsigned *twice)
 {
     unsigned mask = 0;
+    if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
         vd ax = vd_load(s->a[0] + i), ay = vd_load(s->a[1] + i), az = vd_load(s->a[2] + i);
         vd h = vd_load(s->h + i), k = vd_load(s->k + i), half = vd_set(0.5) * h, zero = vd_set(0);
@@ -167,7 +175,7 @@ static inline unsigned hit_cone4(
         vd on = vd_le(vd_abs(c0), err * (width + width + err) * (vd_set(1) + vd_abs(k)));
         vd other = vd_set(-2) * (rx * ex + ry * ey + rz * ez - w0 * slope) / a;
         t1 = vd_choose(on, other, t1);
-        t2 = vd_choose(on, other, t2);
+        t2 = vd_choose(on, vd_set(-1), t2);
         vd h1 = z0 + t1 * dz, h2 = z0 + t2 * dz, limit = vd_set(t_max);
         vd ok1 = vd_and(vd_and(vd_lt(l->t_min, t1), vd_le(t1, limit)), vd_le(vd_abs(h1), half));
         vd ok2 = vd_and(vd_and(vd_lt(l->t_min, t2), vd_le(t2, limit)), vd_le(vd_abs(h2), half));
@@ -175,26 +183,28 @@ static inline unsigned hit_cone4(
         vd_store(t_out + i, t);
         unsigned ok = vd_bits(ok1) | vd_bits(ok2);
         mask |= (vd_bits(hit) & ok) << i;
+        if (twice) *twice |= (vd_bits(hit) & vd_bits(ok1) & vd_bits(ok2)) << i;
     }
     return mask;
 }
 
 static inline unsigned hit_block(const struct bvh *b, enum item_kind kind, uint32_t i,
-    const struct lanes *l, double t_max, double t[LANES], const uint32_t **items)
+    const struct lanes *l, double t_max, double t[LANES], const uint32_t **items, unsigned *twice)
 {
     if (kind == ITEM_TRIANGLE) {
         const struct tri4 *p = (const struct tri4 *)b->blocks[ITEM_TRIANGLE] + i;
         *items = p->item;
+        if (twice) *twice = 0;
         return hit_tri4(p, l, t_max, t);
     }
     if (kind == ITEM_SPHERE) {
         const struct sphere4 *p = (const struct sphere4 *)b->blocks[ITEM_SPHERE] + i;
         *items = p->item;
-        return hit_sphere4(p, l, t_max, t);
+        return hit_sphere4(p, l, t_max, t, twice);
     }
     const struct cone4 *p = (const struct cone4 *)b->blocks[ITEM_CONE] + i;
     *items = p->item;
-    return hit_cone4(p, l, t_max, t);
+    return hit_cone4(p, l, t_max, t, twice);
 }
 
 static inline int take_bit(unsigned *mask)
@@ -211,7 +221,7 @@ static inline void closest_in_leaf(
     for (uint32_t i = 0; i < n; i++) {
         _Alignas(32) double t[LANES];
         const uint32_t *items;
-        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, l, h->t, t, &items);
+        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, l, h->t, t, &items, NULL);
         while (mask) {
             int k = take_bit(&mask);
             if (t[k] < h->t || (t[k] == h->t && items[k] < h->item)) *h = (struct hit){t[k], items[k]};
@@ -282,11 +292,12 @@ static inline bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const str
     for (uint32_t i = 0; i < n; i++) {
         _Alignas(32) double t[LANES];
         const uint32_t *items;
-        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, l, t_max, t, &items);
+        unsigned twice, mask = hit_block(b, leaf_kind(leaf), first + i, l, t_max, t, &items, &twice);
         while (mask) {
             int k = take_bit(&mask);
             if (!transmits || !transmits[items[k]]) return true;
             crossings_add(c, items[k]);
+            if (twice >> k & 1) crossings_add(c, items[k]);
         }
     }
     return false;

@@ -59,8 +59,8 @@ void crossings_add(struct crossings *c, uint32_t item)
 }
 
 /*
- * What the crossed surfaces let through, multiplied in the order of primitives: a primitive counts once, also where the
- * ray met the seam of two of its triangles.
+ * What the crossed surfaces let through, multiplied in the order of items. Polygons and patches count once, also where
+ * the ray met the seam of two triangles; the others as often as they stand there, on the way in and out.
  */
 static double through(const struct tracer *t, struct crossings *c)
 {
@@ -73,7 +73,7 @@ static double through(const struct tracer *t, struct crossings *c)
     uint32_t last = NO_ITEM;
     for (uint32_t i = 0; i < c->n; i++) {
         const struct item *it = &t->items[c->item[i]];
-        if (it->prim != last) product *= t->surfaces[it->material].t;
+        if (it->prim != last || it->kind != ITEM_TRIANGLE) product *= t->surfaces[it->material].t;
         last = it->prim;
     }
     return product;

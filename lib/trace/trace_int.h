@@ -125,7 +125,7 @@ uint32_t sah_build(struct bnode *nodes, struct ref *refs, uint32_t n);
 
 /* ---- tracing ------------------------------------------------------------------------------ */
 
-/* The transmitting items a shadow ray met, as they came. */
+/* The transmitting items a shadow ray met, as they came: a triangle at least once, others once a crossing. */
 struct crossings {
     uint32_t *item;
     uint32_t n, cap;

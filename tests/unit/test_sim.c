@@ -1,0 +1,96 @@
+/*
+ * deal's policy in virtual time under seeded faults. `test_sim SEED` runs one seed and prints what happened;
+ * `test_sim` runs seeds 0 .. 499 (SEEDS in the environment: another number).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "sim/sim.h"
+
+static struct sim_result total;
+
+static bool run_seed(uint64_t seed, struct sim_result *r)
+{
+    struct sim_plan plan = sim_plan_of(seed);
+    sim_run(&policy_deal, &plan, r);
+    if (*r->failure)
+        print_error(
+            "%s\nto repeat: build/unit/test_sim %llu\n", r->failure, (unsigned long long)seed);
+    return !*r->failure;
+}
+
+static void every_seed_commits_each_task_once_and_ends(void **state)
+{
+    (void)state;
+    const char *text = getenv("SEEDS");
+    int64_t seeds = 500;
+    if (text && !parse_int(text, 1, 100000000, &seeds)) fail_msg("SEEDS=%s", text);
+    int64_t failed = 0;
+    for (int64_t seed = 0; seed < seeds; seed++) {
+        struct sim_result r;
+        failed += !run_seed((uint64_t)seed, &r);
+        total.crashes += r.crashes;
+        total.stalls += r.stalls;
+        total.pauses += r.pauses;
+        total.twice += r.twice;
+        total.garbage += r.garbage;
+        total.returns += r.returns;
+        total.commits += r.commits;
+        total.gives += r.gives;
+        total.events += r.events;
+    }
+    print_message("# %lld seeds: %lld events, %lld gives, %lld commits, %lld crashes, %lld stalls, "
+                  "%lld pauses, "
+                  "%lld comings up, %lld answers twice, %lld of garbage\n",
+        (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
+        (long long)total.crashes, (long long)total.stalls, (long long)total.pauses,
+        (long long)total.returns, (long long)total.twice, (long long)total.garbage);
+    assert_int_equal(failed, 0);
+}
+
+/* A simulation that meets no fault proves nothing. */
+static void faults_of_every_kind_happened(void **state)
+{
+    (void)state;
+    assert_true(total.crashes > 100 && total.stalls > 100 && total.pauses > 100);
+    assert_true(total.twice > 1000 && total.garbage > 1000 && total.gives > total.commits + 100);
+}
+
+static void a_seed_is_one_run_exactly(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 50; seed++) {
+        struct sim_result a, b;
+        run_seed(seed, &a);
+        run_seed(seed, &b);
+        assert_true(a.trace_hash == b.trace_hash && a.events == b.events && a.end_us == b.end_us);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1) {
+        struct sim_result r;
+        int64_t seed;
+        if (!parse_int(argv[1], 0, INT64_MAX, &seed)) return 2;
+        bool good = run_seed((uint64_t)seed, &r);
+        struct sim_plan p = sim_plan_of((uint64_t)seed);
+        printf("seed %lld: %d slots, %d tasks, depth %d, %d assigned: %lld events, %lld gives, "
+               "%lld commits, %lld "
+               "crashes, %lld stalls, end %lld us, trace %016llx: %s\n",
+            (long long)seed, p.slots, p.tasks, p.depth, p.assigned, (long long)r.events,
+            (long long)r.gives, (long long)r.commits, (long long)r.crashes, (long long)r.stalls,
+            (long long)r.end_us, (unsigned long long)r.trace_hash, good ? "good" : r.failure);
+        return !good;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_seed_commits_each_task_once_and_ends),
+        cmocka_unit_test(faults_of_every_kind_happened),
+        cmocka_unit_test(a_seed_is_one_run_exactly),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
