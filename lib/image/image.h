@@ -143,6 +143,12 @@ enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const
 void assembly_release(struct assembly *a, struct assembly_frame *f);
 /* Every pixel of every frame, and one frame at least. */
 bool assembly_whole(const struct assembly *a);
+/* A copy of what is there of f; the caller's to free. */
+void assembly_coverage(const struct assembly_frame *f, struct coverage *copy);
+/* Pixels that came again, over all frames: with the same bits, with others. The frame with the
+ * largest difference, NULL when nothing differs. */
+const struct assembly_frame *assembly_again(
+    const struct assembly *a, uint64_t *same, uint64_t *differing);
 /* "3072 of 262144 pixels missing: rows 5, 13, 20-31, ..." */
 #define ASSEMBLY_TEXT 256
 void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT]);

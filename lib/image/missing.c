@@ -1,4 +1,4 @@
-/* What a frame lacks, in words. */
+/* What frames lack, and what they got twice. */
 #include "image/image.h"
 
 #include <inttypes.h>
@@ -45,4 +45,29 @@ void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEX
     snprintf(out, ASSEMBLY_TEXT, "%" PRIu64 " of %" PRIu64 " pixels missing: %s %s", all - c->done,
         all, strpbrk(text, ",-") ? "rows" : "row", text);
     buf_free(&ranges);
+}
+
+void assembly_coverage(const struct assembly_frame *f, struct coverage *copy)
+{
+    if (f->have.bits) {
+        coverage_copy(copy, &f->have);
+        return;
+    }
+    coverage_init(copy, f->have.w, f->have.h);
+    if (!f->have.done) return;
+    for (uint64_t p = 0; p < (uint64_t)copy->w * copy->h; p++) coverage_set(copy, p);
+}
+
+const struct assembly_frame *assembly_again(
+    const struct assembly *a, uint64_t *same, uint64_t *differing)
+{
+    const struct assembly_frame *worst = NULL;
+    *same = *differing = 0;
+    for (uint32_t i = 0; i < a->n_frames; i++) {
+        const struct assembly_frame *f = a->frames[i];
+        *same += f->again - f->differing;
+        *differing += f->differing;
+        if (f->differing && (!worst || f->worst > worst->worst)) worst = f;
+    }
+    return worst;
 }

@@ -62,25 +62,59 @@ static inline uint32_t cell_of(double v, double v0, double per, uint32_t side)
     return cell >= side ? side - 1 : cell > 0 ? (uint32_t)cell : 0;
 }
 
+/* Whether no corner of one cell spoils the ear a b c. */
+static bool cell_allows(struct ring *g, uint32_t *link, const struct corner *a, const struct corner *b,
+    const struct corner *c)
+{
+    double x0 = fmin(fmin(a->x, b->x), c->x), x1 = fmax(fmax(a->x, b->x), c->x);
+    double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
+    while (*link != RING_NONE) {
+        const struct corner *q = &g->c[*link];
+        if (q->gone || !q->blunt) { /* for good, in a polygon that does not cross itself */
+            *link = g->grid.after[*link];
+            continue;
+        }
+        link = &g->grid.after[*link];
+        if (q->x < x0 || q->x > x1 || q->y < y0 || q->y > y1) continue;
+        if (q != a && q != b && q != c && spoils(g, a, b, c, q)) return false;
+    }
+    return true;
+}
+
+/* Widens [x0, x1] by the part of edge p q that lies between y0 and y1. */
+static void edge_extent(
+    const struct corner *p, const struct corner *q, double y0, double y1, double *x0, double *x1)
+{
+    if (fmax(p->y, q->y) < y0 || fmin(p->y, q->y) > y1) return;
+    const struct corner *end[2] = {p, q};
+    for (int k = 0; k < 2; k++) {
+        const struct corner *e = end[k], *f = end[!k];
+        double y = fmin(fmax(e->y, y0), y1), x = e->x;
+        if (y != e->y) x += (f->x - e->x) * ((y - e->y) / (f->y - e->y));
+        *x0 = fmin(*x0, x);
+        *x1 = fmax(*x1, x);
+    }
+}
+
 bool ring_is_ear(struct ring *g, uint32_t i)
 {
     const struct corner_grid *d = &g->grid;
     const struct corner *b = &g->c[i], *a = &g->c[b->prev], *c = &g->c[b->next];
-    double x0 = fmin(fmin(a->x, b->x), c->x), x1 = fmax(fmax(a->x, b->x), c->x);
+    if (d->side == 1) return cell_allows(g, d->first, a, b, c);
     double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
-    uint32_t i1 = cell_of(x1, d->x0, d->per_x, d->side), j1 = cell_of(y1, d->y0, d->per_y, d->side);
-    for (uint32_t cj = cell_of(y0, d->y0, d->per_y, d->side); cj <= j1; cj++)
-        for (uint32_t ci = cell_of(x0, d->x0, d->per_x, d->side); ci <= i1; ci++)
-            for (uint32_t *link = &d->first[cj * d->side + ci]; *link != RING_NONE;) {
-                const struct corner *q = &g->c[*link];
-                if (q->gone || !q->blunt) { /* for good, in a polygon that does not cross itself */
-                    *link = d->after[*link];
-                    continue;
-                }
-                link = &d->after[*link];
-                if (q->x < x0 || q->x > x1 || q->y < y0 || q->y > y1) continue;
-                if (q != a && q != b && q != c && spoils(g, a, b, c, q)) return false;
-            }
+    uint32_t row = cell_of(y0, d->y0, d->per_y, d->side), last = cell_of(y1, d->y0, d->per_y, d->side);
+    for (; row <= last; row++) {
+        /* One cell more on every side than the ear reaches: no rounding loses a corner. */
+        double low = d->y0 + (row - 1.0) / d->per_y, high = d->y0 + (row + 2.0) / d->per_y;
+        double x0 = INFINITY, x1 = -INFINITY, more = 1 / d->per_x;
+        edge_extent(a, b, low, high, &x0, &x1);
+        edge_extent(b, c, low, high, &x0, &x1);
+        edge_extent(c, a, low, high, &x0, &x1);
+        uint32_t k = cell_of(x0 - more, d->x0, d->per_x, d->side);
+        uint32_t end = cell_of(x1 + more, d->x0, d->per_x, d->side);
+        for (; k <= end; k++)
+            if (!cell_allows(g, &d->first[row * d->side + k], a, b, c)) return false;
+    }
     return true;
 }
 

@@ -126,24 +126,29 @@ static struct vec3 reflected(struct tracer *t, const struct point *at, struct ve
     return colour(t, &r, level + 1, in);
 }
 
-/* What is seen through the surface; *total: nothing, the ray is reflected instead and this is what that sees. */
-static struct vec3 refracted(struct tracer *t, const struct point *at, struct vec3 d,
-    struct vec3 mirrored, int level, const struct media *in, bool *total)
+/* What becomes of a ray that goes on through a surface. */
+enum passage { STRAIGHT, BENT, TURNED_BACK };
+
+/*
+ * Crosses the surface: changes the ray and what it is inside of, unless it is reflected totally.
+ * P. Heckbert, "Derivation of refraction formulas", An Introduction to Ray Tracing, 1989.
+ */
+static enum passage pass(const struct tracer *t, const struct point *at, struct ray *r, struct media *in)
 {
     struct media inside;
     media_copy(&inside, in);
     double ratio =
         media_cross(&inside, (struct medium){medium_of(t, at->item), at->surface->ior});
-    struct ray r = {at->p, d, 0, INFINITY, at->err};
-    if (fabs(ratio - 1) >= SAME_IOR) {
-        /* P. Heckbert, "Derivation of refraction formulas", An Introduction to Ray Tracing, 1989. */
+    struct vec3 d = r->d;
+    bool straight = fabs(ratio - 1) < SAME_IOR;
+    if (!straight) {
         double c = -v3_dot(d, at->n), k = 1 + ratio * ratio * (c * c - 1);
-        *total = k < 0;
-        if (*total) return reflected(t, at, mirrored, level, in);
-        r.d = v3_unit(v3_mad(v3_scale(d, ratio), at->n, ratio * c - sqrt(k)));
+        if (k < 0) return TURNED_BACK;
+        d = v3_unit(v3_mad(v3_scale(d, ratio), at->n, ratio * c - sqrt(k)));
     }
-    t->counts.refracted++;
-    return colour(t, &r, level + 1, &inside);
+    *r = (struct ray){at->p, d, 0, INFINITY, at->err};
+    media_copy(in, &inside);
+    return straight ? STRAIGHT : BENT;
 }
 
 static void meet(const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at)
@@ -156,26 +161,55 @@ static void meet(const struct tracer *t, const struct ray *r, const struct hit *
     at->err = ERR_UNIT * (fabs(at->p.x) + fabs(at->p.y) + fabs(at->p.z) + h->t);
 }
 
-static struct vec3 colour(struct tracer *t, const struct ray *r, int level, const struct media *in)
+/* Light from the scene's lights, diffuse and highlight. */
+static struct vec3 local_light(struct tracer *t, const struct point *at, struct vec3 mirrored)
 {
-    struct hit h;
-    struct point at;
-    t->k->closest(&t->bvh, r, &h);
-    const double *b = t->scene->background;
-    if (h.item == NO_ITEM) return v3(b[0], b[1], b[2]);
-    meet(t, r, &h, &at);
-    const struct surface *f = at.surface;
-    struct vec3 sum = v3(0, 0, 0), mirrored = v3_mad(r->d, at.n, -2 * v3_dot(r->d, at.n));
+    struct vec3 sum = v3(0, 0, 0);
     for (uint32_t i = 0; i < t->scene->n_lights; i++)
-        light_up(t, &at, mirrored, &t->scene->lights[i], &sum);
-    if (level >= t->options.depth) return sum;
-    bool total = false;
-    if (f->t > 0) {
-        struct vec3 c = refracted(t, &at, r->d, mirrored, level, in, &total);
-        sum = v3_mad(sum, c, total ? 1 : f->t);
-    }
-    if (f->ks > 0 && !total) sum = v3_mad(sum, reflected(t, &at, mirrored, level, in), f->ks);
+        light_up(t, at, mirrored, &t->scene->lights[i], &sum);
     return sum;
+}
+
+/*
+ * Follows r through surfaces that transmit, adding up what each gives by itself and by reflection, weighted by the
+ * transmittances before it. As in the reference, a surface that does not bend the ray does not use up a level.
+ */
+static struct vec3 colour(struct tracer *t, const struct ray *start, int level, const struct media *outside)
+{
+    struct ray r = *start;
+    struct media in;
+    struct vec3 sum = v3(0, 0, 0);
+    double weight = 1;
+    media_copy(&in, outside);
+    for (;;) {
+        struct hit h;
+        struct point at;
+        t->k->closest(&t->bvh, &r, &h);
+        const double *b = t->scene->background;
+        if (h.item == NO_ITEM) return v3_mad(sum, v3(b[0], b[1], b[2]), weight);
+        meet(t, &r, &h, &at);
+        const struct surface *f = at.surface;
+        struct vec3 mirrored = v3_mad(r.d, at.n, -2 * v3_dot(r.d, at.n));
+        sum = v3_mad(sum, local_light(t, &at, mirrored), weight);
+        struct ray onward = r;
+        struct media before;
+        enum passage how = STRAIGHT;
+        if (f->t > 0) {
+            media_copy(&before, &in);
+            how = pass(t, &at, &onward, &in);
+        }
+        const struct media *here = f->t > 0 ? &before : &in;
+        bool deeper = level < t->options.depth;
+        if (deeper && how == TURNED_BACK)
+            return v3_mad(sum, reflected(t, &at, mirrored, level, here), weight);
+        if (deeper && f->ks > 0)
+            sum = v3_mad(sum, reflected(t, &at, mirrored, level, here), weight * f->ks);
+        if (!(f->t > 0) || (how != STRAIGHT && !deeper)) return sum;
+        t->counts.refracted++;
+        if (how == BENT) level++;
+        weight *= f->t;
+        r = onward;
+    }
 }
 
 struct vec3 trace_colour(struct tracer *t, const struct ray *r)
