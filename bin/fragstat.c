@@ -63,7 +63,7 @@ static void take_done(struct run *run, const struct record *r)
 
 static void read_log(struct run *run, const char *path)
 {
-    struct decoder d = {0};
+    struct decoder d = {.upward = true};
     int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) die(ST_USAGE, "%s:", path);
     for (bool more = true; more;) {

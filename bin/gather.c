@@ -100,8 +100,8 @@ static void complain(struct gather *g, const char *name)
 
 static void log_flush(struct gather *g)
 {
-    if (g->log_fd >= 0 &&
-        write_full(g->log_fd, buf_data(&g->log_pending), buf_size(&g->log_pending)) != 0) {
+    const struct buf *b = &g->log_pending;
+    if (g->log_fd >= 0 && write_full(g->log_fd, buf_data(b), buf_size(b)) != 0) {
         complain(g, g->o->log);
         close(g->log_fd);
         g->log_fd = -1;
@@ -167,21 +167,20 @@ static void take_frame(struct gather *g, const struct record *r)
         assembly_declare(&g->parts, number, r->frame_w, r->frame_h, job, worker);
     if (g->parts.n_frames > 1 && !g->o->missing && g->o->naming != IMAGE_NAME_NUMBERED) {
         log_flush(g);
-        die(ST_USAGE,
-            "frame %" PRIu32 ": a second picture for %s, expected -o with %%d in the name", number,
+        die(ST_USAGE, "frame %u: a second picture for %s, expected -o with %%d in the name", number,
             g->o->out ? g->o->out : "standard output");
     }
     if (verdict == ASSEMBLY_TAKEN || g->warnings++ >= WARNINGS_MAX) return;
     progress_clear(&g->progress);
     const struct assembly_frame *f = assembly_find(&g->parts, number);
     if (verdict == ASSEMBLY_FOREIGN)
-        warn("frame %" PRIu32 ": worker %s has job %s of %" PRIu32 "x%" PRIu32
-             ", expected %s of %" PRIu32 "x%" PRIu32 ": its fragments are ignored",
+        warn("frame %u: worker %s has job %s of %ux%u, expected %s of %ux%u: its fragments are "
+             "ignored",
             number, *worker ? worker : "without a name", job, r->frame_w, r->frame_h, f->job,
             f->have.w, f->have.h);
     else
-        warn("frame %" PRIu32 ": too many frames or jobs, expected at most %d and %d", number,
-            ASSEMBLY_FRAMES_MAX, ASSEMBLY_FOREIGN_MAX);
+        warn("frame %u: too many, expected at most %d frames and %d workers with other jobs",
+            number, ASSEMBLY_FRAMES_MAX, ASSEMBLY_FOREIGN_MAX);
 }
 
 /* Ids of new tasks must not be those of old ones. */
@@ -236,7 +235,7 @@ static void await(struct gather *g, int fd)
 
 static void read_stream(struct gather *g, int fd, const char *name)
 {
-    struct decoder d = {0};
+    struct decoder d = {.upward = true};
     check_not_log(g, fd, name);
     for (ptrdiff_t n = 1; n > 0;) {
         await(g, fd);
@@ -289,16 +288,15 @@ static void report_refused(const struct gather *g)
                 g->parts.refused[v] > 1 ? "s" : "", what[v]);
 }
 
-static void report_frame(const struct gather *g, const struct assembly_frame *f)
+static void report_twice(const struct gather *g)
 {
-    if (f->differing)
-        warn("frame %" PRIu32 ": %" PRIu64
-             " pixels came twice and differ, by up to %.3g at %" PRIu32 ",%" PRIu32
-             ": the first were kept",
-            f->number, f->differing, f->worst, f->worst_x, f->worst_y);
-    if (g->o->progress && f->again > f->differing)
-        warn(
-            "frame %" PRIu32 ": %" PRIu64 " pixels came twice", f->number, f->again - f->differing);
+    uint64_t same, differing;
+    const struct assembly_frame *f = assembly_again(&g->parts, &same, &differing);
+    if (f)
+        warn("%" PRIu64 " pixels came twice and differ, the most in frame %u at %u,%u, by %.3g: "
+             "the first were kept",
+            differing, f->number, f->worst_x, f->worst_y, f->worst);
+    if (same && g->o->progress) warn("%" PRIu64 " pixels came twice", same);
 }
 
 /* The command that finishes the pictures, from the log or from the files that were read. */
@@ -307,11 +305,9 @@ static void report_remedy(const struct gather *g)
     const struct options *o = g->o;
     const char *one[] = {o->log, NULL}, *last = NULL;
     struct buf b = {0}, logs = {0};
+    bool piped = false; /* some of it cannot be read again */
     for (const char *const *log = o->log ? one : (const char *const *)o->inputs; *log; log++) {
-        if (strcmp(*log, "-") == 0) { /* nothing to go on from */
-            last = NULL;
-            break;
-        }
+        piped = piped || strcmp(*log, "-") == 0;
         last = *log;
         buf_append(&logs, " ", 1);
         buf_quote(&logs, last);
@@ -325,7 +321,7 @@ static void report_remedy(const struct gather *g)
     buf_quote(&b, o->out ? o->out : "PICTURE.png");
     buf_printf(&b, "%s", all);
     buf_append(&b, "", 1);
-    if (last) warn("to finish: %s", (const char *)buf_data(&b));
+    if (last && !piped) warn("to finish: %s", (const char *)buf_data(&b));
     else warn("no log was kept (-l LOG): only a new run gets them");
     buf_free(&logs);
     buf_free(&b);
@@ -339,32 +335,24 @@ static void report_missing(const struct gather *g)
         if (coverage_full(&f->have) || ++incomplete > FRAMES_LISTED) continue;
         char text[ASSEMBLY_TEXT];
         assembly_missing_text(f, text);
-        warn("frame %" PRIu32 ": %s", f->number, text);
+        warn("frame %u: %s", f->number, text);
     }
-    if (incomplete > FRAMES_LISTED)
-        warn("... and %" PRIu32 " frames more", incomplete - FRAMES_LISTED);
+    if (incomplete > FRAMES_LISTED) warn("... and %u frames more", incomplete - FRAMES_LISTED);
     report_remedy(g);
 }
 
-static void emit(struct buf *b)
-{
-    fwrite(buf_data(b), 1, buf_size(b), stdout);
-    buf_consume(b, buf_size(b));
-}
-
-/* -m: the frame and what it lacks, as a worker reads them. */
+/* -m: a frame and what it lacks, as a worker reads them. */
 static void print_tasks(const struct assembly_frame *f)
 {
     struct buf b = {0};
     struct coverage taken;
-    if (f->have.bits) coverage_copy(&taken, &f->have);
-    else coverage_init(&taken, f->have.w, f->have.h);
+    assembly_coverage(f, &taken);
     struct task t = {.frame = f->number, .id = f->next_id, .to = -1};
     wire_frame(&b, f->number, f->have.w, f->have.h, NULL);
-    emit(&b);
     for (uint64_t p = 0; coverage_missing(&taken, &p, &t.at); t.id++) {
         wire_task(&b, &t);
-        emit(&b);
+        fwrite(buf_data(&b), 1, buf_size(&b), stdout);
+        buf_consume(&b, buf_size(&b));
     }
     coverage_free(&taken);
     buf_free(&b);
@@ -379,7 +367,7 @@ static void print_missing(const struct gather *g)
 static int finish(struct gather *g)
 {
     report_refused(g);
-    for (uint32_t i = 0; i < g->parts.n_frames; i++) report_frame(g, g->parts.frames[i]);
+    report_twice(g);
     bool declared = g->parts.n_frames > 0;
     if (!declared) warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
     else if (g->o->missing) print_missing(g);

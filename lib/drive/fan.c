@@ -81,11 +81,12 @@ static bool room_down(const struct fan *f)
     return true;
 }
 
-static void feed(struct fan *f, struct fan_slot *s, short revents)
+/* Writes to slots whose pipe was not found full: what has just been queued goes out at once. */
+static void feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
-    if (revents & POLLOUT && !down_empty(&s->down) && down_write(&s->down, s->child.to) != 0)
+    bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
+    if (p->revents & POLLERR || (!full && down_write(&s->down, s->child.to) != 0))
         child_close(&s->child.to); /* it reads no more: its output tells why */
-    else if (revents & POLLERR) child_close(&s->child.to);
     if (!f->in_open && down_empty(&s->down)) child_close(&s->child.to);
 }
 
@@ -136,7 +137,7 @@ static void poll_round(struct fan *f, struct pollfd *p, bool *gone)
     for (int k = 0; k < n; k++) {
         struct fan_slot *s = &f->slots[k];
         if (s->ended) continue;
-        if (s->child.to >= 0) feed(f, s, p[2 + 2 * k].revents);
+        if (s->child.to >= 0) feed(f, s, &p[2 + 2 * k]);
         if (p[3 + 2 * k].revents) slot_listen(f, s);
     }
     find_silent(f, reading);

@@ -11,7 +11,7 @@
 void slot_start(struct fan *f, int k)
 {
     struct fan_slot *s = &f->slots[k];
-    *s = (struct fan_slot){.number = k, .heard_us = now_us()};
+    *s = (struct fan_slot){.number = k, .heard_us = now_us(), .from.upward = true};
     f->alive++;
     if (child_start(&s->child, f->o->command) == 0) return;
     int err = errno;

@@ -155,6 +155,15 @@ static bool listen_up(struct driver *d)
     return more;
 }
 
+/* What has just been queued goes out at once, unless the pipe was found full. */
+static void feed(struct driver *d, const struct pollfd *p)
+{
+    bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
+    if (p->revents & POLLERR || (!full && down_write(&d->down, d->child.to) != 0))
+        child_close(&d->child.to); /* it reads no more: its output tells why */
+    if (d->closing && down_empty(&d->down)) child_close(&d->child.to);
+}
+
 /* One round. *gone: the reader has gone. Returns false when the command's stream has ended. */
 static bool poll_round(struct driver *d, bool *gone)
 {
@@ -178,11 +187,9 @@ static bool poll_round(struct driver *d, bool *gone)
     }
     if (*gone) return true;
     if (p[0].revents) take_input(d);
-    if (p[2].revents & POLLOUT && !down_empty(&d->down) && down_write(&d->down, d->child.to) != 0)
-        child_close(&d->child.to);
-    else if (p[2].revents & POLLERR) child_close(&d->child.to);
-    if (d->closing && down_empty(&d->down)) child_close(&d->child.to);
-    return p[3].revents ? listen_up(d) : true;
+    bool more = p[3].revents ? listen_up(d) : true;
+    if (d->child.to >= 0) feed(d, &p[2]);
+    return more;
 }
 
 /* The rest goes to the reader, who may be slow. */
@@ -201,7 +208,7 @@ static void drain(struct driver *d)
 int drive_policy(
     const struct policy *policy, const struct sched_params *params, char *const *command)
 {
-    struct driver d = {.policy = policy, .in_open = true};
+    struct driver d = {.policy = policy, .in_open = true, .from.upward = true};
     bool gone = false;
     signal(SIGPIPE, SIG_IGN);
     d.state = policy->create(params);

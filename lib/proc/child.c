@@ -57,6 +57,7 @@ int child_start(struct child *c, char *const argv[])
     c->from = p[1][0];
     if (!err && read(p[2][0], &err, sizeof err) == sizeof err) waitpid(c->pid, NULL, 0);
     close(p[2][0]);
+    if (!err && fcntl(c->to, F_SETFL, O_NONBLOCK) < 0) err = errno;
     if (!err) return 0;
     child_close(&c->to);
     child_close(&c->from);

@@ -1,8 +1,9 @@
 /*
  * proc: child processes connected by pipes, and queues of bytes that never block their writer.
  *
- * Descriptors made here are close-on-exec. A descriptor is never set non-blocking (that would leak to whoever
- * shares it): a queue writes only after poll has said POLLOUT, and at most PIPE_BUF bytes, which a pipe then takes.
+ * Descriptors made here are close-on-exec. An inherited descriptor is never set non-blocking (that would leak to
+ * whoever shares it): the queue towards the reader writes only after poll has said POLLOUT, and at most PIPE_BUF bytes,
+ * which a pipe then takes. The writing end of a pipe made here is nobody else's, and is non-blocking.
  */
 #ifndef STORMRING_PROC_H
 #define STORMRING_PROC_H
@@ -13,7 +14,7 @@
 
 struct child {
     pid_t pid;    /* its own process group's leader; 0: none, or reaped */
-    int to, from; /* its standard input and output, -1 once closed */
+    int to, from; /* its standard input (non-blocking) and output, -1 once closed */
 };
 
 /*
@@ -57,7 +58,7 @@ static inline bool down_empty(const struct down_queue *q)
 {
     return q->written == q->queued && q->first_blob == q->n_blobs;
 }
-/* After POLLOUT: one write. 0, or -1 with errno (EPIPE: the reader has gone). */
+/* Writes what a non-blocking fd takes now. 0, or -1 with errno (EPIPE: the reader has gone). */
 int down_write(struct down_queue *q, int fd);
 void down_free(struct down_queue *q);
 

@@ -36,31 +36,44 @@ void down_share(struct down_queue *q, struct blob *b)
     b->users++;
 }
 
-static ssize_t write_most(int fd, const void *p, size_t n)
+/* Bytes written, 0 when the pipe is full, -1. */
+static ptrdiff_t write_now(int fd, const void *p, size_t n)
 {
-    ssize_t k = write(fd, p, n < PIPE_BUF ? n : PIPE_BUF);
-    return k < 0 && errno == EINTR ? 0 : k;
+    ssize_t k;
+    do k = n ? write(fd, p, n) : 0;
+    while (k < 0 && errno == EINTR);
+    return k < 0 && (errno == EAGAIN || errno == EWOULDBLOCK) ? 0 : k;
+}
+
+static ptrdiff_t write_blob(struct down_queue *q, struct down_blob *b, int fd)
+{
+    const struct buf *bytes = &b->blob->bytes;
+    ptrdiff_t k = write_now(fd, buf_data(bytes) + b->sent, buf_size(bytes) - b->sent);
+    if (k > 0) b->sent += (size_t)k;
+    if (b->sent == buf_size(bytes)) {
+        blob_drop(b->blob);
+        q->first_blob++;
+    }
+    return k;
+}
+
+static ptrdiff_t write_bytes(struct down_queue *q, uint64_t end, int fd)
+{
+    ptrdiff_t k = write_now(fd, buf_data(&q->bytes), (size_t)(end - q->written));
+    if (k <= 0) return k;
+    buf_consume(&q->bytes, (size_t)k);
+    q->written += (uint64_t)k;
+    return k;
 }
 
 int down_write(struct down_queue *q, int fd)
 {
-    struct down_blob *b = q->first_blob < q->n_blobs ? &q->blobs[q->first_blob] : NULL;
-    if (b && b->at == q->written) {
-        size_t n = buf_size(&b->blob->bytes) - b->sent;
-        ssize_t k = n ? write_most(fd, buf_data(&b->blob->bytes) + b->sent, n) : 0;
-        if (k < 0) return -1;
-        b->sent += (size_t)k;
-        if (b->sent == buf_size(&b->blob->bytes)) {
-            blob_drop(b->blob);
-            q->first_blob++;
-        }
-        return 0;
+    while (!down_empty(q)) {
+        struct down_blob *b = q->first_blob < q->n_blobs ? &q->blobs[q->first_blob] : NULL;
+        ptrdiff_t k = b && b->at == q->written ? write_blob(q, b, fd)
+                                               : write_bytes(q, b ? b->at : q->queued, fd);
+        if (k <= 0) return (int)k;
     }
-    uint64_t n = (b ? b->at : q->queued) - q->written;
-    ssize_t k = n ? write_most(fd, buf_data(&q->bytes), (size_t)n) : 0;
-    if (k < 0) return -1;
-    buf_consume(&q->bytes, (size_t)k);
-    q->written += (uint64_t)k;
     return 0;
 }
 

@@ -8,6 +8,10 @@
 #include <string.h>
 #include <zlib.h>
 
+/* So many bytes of bodies are checked in vain for each byte skipped, after the first so many. */
+#define CRC_FACTOR 64
+#define CRC_FREE (64 * (uint64_t)WIRE_FRAG_PIXELS_MAX * WIRE_PIXEL_BYTES)
+
 enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
 
 static const struct grammar {
@@ -137,28 +141,38 @@ static bool fail(char why[160], const char *what, const char *expected)
     return false;
 }
 
+static bool has_key(const struct record *r, const char *key)
+{
+    size_t len;
+    return rec_key(r, key, &len) != NULL;
+}
+
 static bool parse_body(struct record *r, char why[160])
 {
     int64_t n = 0, crc;
-    bool given = rec_int(r, "bytes", 0, WIRE_STATE_MAX, &n);
     if (!grammar[r->kind].body)
-        return rec_key(r, "bytes", &(size_t){0}) ? fail(why, "a body", "none here") : true;
-    if (!given) return fail(why, "no body", "bytes=N in range");
+        return has_key(r, "bytes") ? fail(why, "a body", "none here") : true;
+    if (!rec_int(r, "bytes", 0, WIRE_STATE_MAX, &n))
+        return fail(why, "no body", "bytes=N in range");
     r->body_len = (size_t)n;
+    if (has_key(r, "crc") && !rec_int(r, "crc", 0, UINT32_MAX, &crc))
+        return fail(why, "crc out of range", "crc=C in 32 bits");
     if (r->kind != REC_FRAG) return true;
     uint64_t pixels = lattice_count(&r->task.at);
     if (pixels > WIRE_FRAG_PIXELS_MAX || (uint64_t)n != pixels * WIRE_PIXEL_BYTES)
         return fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
     if (!rec_int(r, "ch", 4, 4, &n)) return fail(why, "frag without ch=4", "RGBA float32");
-    if (!rec_int(r, "crc", 0, UINT32_MAX, &crc)) return fail(why, "frag without crc", "crc=C");
+    if (!has_key(r, "crc")) return fail(why, "frag without crc", "crc=C");
     return true;
 }
 
-static bool parse_line(const char *line, size_t len, struct record *r, char why[160])
+static bool parse_line(const char *line, size_t len, bool upward, struct record *r, char why[160])
 {
     *r = (struct record){.line = line, .line_len = len, .task.to = -1};
     r->kind = kind_of(line, len + 1);
     if (r->kind == REC_KINDS) return fail(why, "unknown record", "task, frame, frag, ...");
+    if (upward && grammar[r->kind].body && r->kind != REC_FRAG)
+        return fail(why, grammar[r->kind].name, "what workers say");
     if (!printable(line, len)) return fail(why, "unprintable byte", "a line of ASCII text");
     size_t skip = strlen(grammar[r->kind].name);
     struct words w = {line + (len > skip ? skip + 1 : skip), line + len};
@@ -172,8 +186,12 @@ static bool parse_line(const char *line, size_t len, struct record *r, char why[
     }
     if (!ok) return fail(why, grammar[r->kind].name, "its numbers in range (stormring-task(5))");
     if (!keys_valid(w)) return fail(why, grammar[r->kind].name, "key=value after its numbers");
-    int64_t to;
-    if (rec_int(r, "to", 0, INT32_MAX, &to)) r->task.to = (int32_t)to;
+    int64_t to = -1;
+    if (has_key(r, "to") && !rec_int(r, "to", 0, INT32_MAX, &to))
+        return fail(why, "no such slot", "to=K in range");
+    r->task.to = (int32_t)to;
+    if ((r->kind == REC_UP || r->kind == REC_GONE) && !has_key(r, "w"))
+        return fail(why, grammar[r->kind].name, "w=K");
     return parse_body(r, why);
 }
 
@@ -210,7 +228,7 @@ static bool seek_record(struct decoder *d)
         size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;
         const char *nl = memchr(data + o, '\n', span);
         if (!nl && left < WIRE_LINE_MAX && !d->ended) break;
-        if (nl && parse_line(data + o, (size_t)(nl - data) - o, &r, why)) {
+        if (nl && parse_line(data + o, (size_t)(nl - data) - o, d->upward, &r, why)) {
             found = true;
             break;
         }
@@ -220,58 +238,68 @@ static bool seek_record(struct decoder *d)
     return found;
 }
 
-/* The record at the front of the buffer is bad: step over its first byte and look on from there. */
-static enum wire_result lose(struct decoder *d)
+/*
+ * The record at the front of the buffer is bad: step over its first byte and look on from there. An enemy can
+ * nest heads so that every few bytes ask for a long crc; who has spent too much on that steps over the whole record.
+ */
+static void lose(struct decoder *d, const struct record *r)
 {
+    size_t step = 1;
+    if (r->body) {
+        d->checked += r->body_len;
+        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped)
+            step = r->line_len + 1 + r->body_len;
+    }
     if (!d->lost) d->bad++;
-    bool first = !d->lost;
     d->lost = true;
-    d->skipped++;
-    buf_consume(&d->in, 1);
-    return first ? WIRE_BAD : WIRE_MORE;
+    d->skipped += step;
+    buf_consume(&d->in, step);
 }
 
-/* One attempt: WIRE_MORE with *again set when another is due. */
-static enum wire_result attempt(struct decoder *d, struct record *r, bool *again)
+/* What stands at the front of the buffer? */
+static enum wire_result look(const struct decoder *d, struct record *r, char why[160])
 {
-    *again = false;
-    if (d->lost && !seek_record(d)) return WIRE_MORE;
     const char *line = (const char *)buf_data(&d->in);
     size_t n = buf_size(&d->in);
+    *r = (struct record){.line = line};
     if (!n) return WIRE_MORE;
     const char *nl = memchr(line, '\n', n < WIRE_LINE_MAX ? n : WIRE_LINE_MAX);
-    bool good = false;
     if (!nl) {
         if (n < WIRE_LINE_MAX && !d->ended) return WIRE_MORE;
-        fail(d->why, "no end of line", d->ended ? "a whole record" : "lines under 1024 bytes");
-    } else if (parse_line(line, (size_t)(nl - line), r, d->why)) {
-        size_t head = (size_t)(nl - line) + 1;
-        if (n - head < r->body_len) {
-            if (!d->ended) return WIRE_MORE;
-            fail(d->why, "cut off", "bytes=N bytes");
-        } else {
-            r->body = (const unsigned char *)line + head;
-            d->consumed = head + r->body_len;
-            good = crc_good(r);
-            if (!good) fail(d->why, "crc differs", "the bytes that were sent");
-        }
+        fail(why, "no end of line", d->ended ? "a whole record" : "lines of at most 1024 bytes");
+        return WIRE_BAD;
     }
-    if (good) {
-        d->lost = false;
-        return WIRE_RECORD;
+    size_t len = (size_t)(nl - line), left = n - len - 1;
+    if (!parse_line(line, len, d->upward, r, why)) return WIRE_BAD;
+    if (left < r->body_len) {
+        if (!d->ended) return WIRE_MORE;
+        fail(why, "cut off", "bytes=N bytes");
+        return WIRE_BAD;
     }
-    d->consumed = 0;
-    *again = true;
-    return lose(d);
+    r->body = (const unsigned char *)nl + 1;
+    if (crc_good(r)) return WIRE_RECORD;
+    fail(why, "crc differs", "the bytes that were sent");
+    return WIRE_BAD;
 }
 
 enum wire_result wire_next(struct decoder *d, struct record *r)
 {
+    char why[sizeof d->why];
     buf_consume(&d->in, d->consumed);
     d->consumed = 0;
     for (;;) {
-        bool again;
-        enum wire_result result = attempt(d, r, &again);
-        if (result != WIRE_MORE || !again) return result;
+        if (d->lost && !seek_record(d)) return WIRE_MORE;
+        enum wire_result result = look(d, r, why);
+        if (result == WIRE_MORE) return result;
+        bool known = d->lost; /* this loss was told */
+        if (result == WIRE_RECORD) {
+            d->lost = false;
+            d->consumed = r->line_len + 1 + r->body_len;
+            return result;
+        }
+        lose(d, r);
+        if (known) continue;
+        memcpy(d->why, why, sizeof why);
+        return result;
     }
 }

@@ -48,14 +48,18 @@ struct record {
     uint32_t frame_w, frame_h; /* frame */
 };
 
+/* All zero, but for `upward`, is a decoder at the beginning of a stream. */
 struct decoder {
     struct buf in;
-    bool ended;       /* no more will be fed */
-    bool lost;        /* looking for the next good record */
-    uint64_t bad;     /* records lost so far */
-    uint64_t skipped; /* bytes lost so far */
+    bool upward;  /* reads what workers say, who are not trusted: state records are bad there, */
+                  /* so that no more than a frag is ever waited for */
+    bool ended;   /* no more will be fed */
+    bool lost;    /* looking for the next good record */
+    uint64_t bad; /* records lost so far; what is lost in one piece counts as one */
+    uint64_t skipped; /* bytes lost so far; they and the records' bytes are all that was fed */
     char why[160];    /* what was wrong with the last bad one, and what was expected */
     size_t consumed;  /* bytes of the record handed out, dropped at the next call */
+    uint64_t checked; /* bytes whose crc was computed in vain */
 };
 
 enum wire_result {

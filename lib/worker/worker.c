@@ -9,7 +9,8 @@
 
 #define BEAT_US 500000
 #define LOOK_US 100000
-#define GROUP_PIXELS 64      /* between two looks at the clock: coherent rays, well under 100 ms */
+#define GROUP_PIXELS 64      /* at most, between two looks at the clock: coherent rays */
+#define GROUP_US 20000       /* longer than this: fewer pixels */
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
 
@@ -28,6 +29,8 @@ struct worker {
     size_t n_frames;
     float *pixels;
     int64_t beat_at, look_at;
+    int64_t cpu_us; /* used when the last task was done, or the last other record taken */
+    uint32_t group; /* pixels between two looks at the clock */
 };
 
 /* The reader is gone, or writing to it fails: nobody needs this process any more. */
@@ -45,10 +48,13 @@ static void push(struct worker *w)
     buf_consume(&w->out, buf_size(&w->out));
 }
 
-/* Between groups of pixels: is anyone there, and say that this one is. */
-static void tick(struct worker *w)
+/* Between groups of pixels: is anyone there, and say that this one is. Groups shrink where pixels are slow. */
+static void tick(struct worker *w, int64_t *last_us)
 {
-    int64_t now = now_us();
+    int64_t now = now_us(), took = now - *last_us;
+    *last_us = now;
+    if (took > GROUP_US && w->group > 1) w->group /= 2;
+    else if (took < GROUP_US / 4 && w->group < GROUP_PIXELS) w->group *= 2;
     if (now < w->look_at) return;
     w->look_at = now + LOOK_US;
     struct pollfd p = {STDOUT_FILENO, 0, 0};
@@ -116,6 +122,14 @@ static void emit_frag(struct worker *w, const struct task *t, const struct latti
     wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, w->pixels);
 }
 
+/* A task's CPU time is all since the one before: reading and writing are part of the work. */
+static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
+{
+    int64_t cpu = cpu_us();
+    wire_done(&w->out, t, cpu - w->cpu_us, wall_us);
+    w->cpu_us = cpu;
+}
+
 static void take_task(struct worker *w, const struct task *t)
 {
     char err[WORKER_ERR];
@@ -127,20 +141,20 @@ static void take_task(struct worker *w, const struct task *t)
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
     if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
-    int64_t cpu = cpu_us(), wall = now_us();
+    int64_t wall = now_us(), last_us = wall;
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
     for (uint64_t n0 = 0; n0 < total;) {
         struct lattice piece = lattice_cut(&t->at, f->w, n0, most);
         uint32_t count = (uint32_t)lattice_count(&piece);
-        for (uint32_t i = 0; i < count; i += GROUP_PIXELS) {
-            uint32_t n = count - i < GROUP_PIXELS ? count - i : GROUP_PIXELS;
+        for (uint32_t i = 0, n; i < count; i += n) {
+            n = count - i < w->group ? count - i : w->group;
             w->ops->render(w->ctx, &piece, i, n, w->pixels + 4 * (size_t)i);
-            tick(w);
+            tick(w, &last_us);
         }
         n0 += count;
         /* `done` is the scheduling event: it goes before the last pixels. */
-        if (n0 == total) wire_done(&w->out, t, cpu_us() - cpu, now_us() - wall);
+        if (n0 == total) say_done(w, t, now_us() - wall);
         emit_frag(w, t, &piece);
         push(w);
     }
@@ -156,9 +170,12 @@ static void release_held(struct worker *w)
 static void take_record(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
+    if (r->kind == REC_TASK) {
+        take_task(w, &r->task);
+        return;
+    }
     switch (r->kind) {
     case REC_FRAME: take_frame(w, r); break;
-    case REC_TASK: take_task(w, &r->task); break;
     case REC_FLUSH: release_held(w); break;
     case REC_SCENE:
     case REC_GRID:
@@ -172,6 +189,7 @@ static void take_record(struct worker *w, const struct record *r)
             "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
             rec_name(r->kind));
     }
+    w->cpu_us = cpu_us();
 }
 
 /* Waits for input while watching the reader; then one read. False at the end of input. */
@@ -188,7 +206,7 @@ static bool fill(struct worker *w)
 
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
-    struct worker w = {.ops = ops, .options = o, .ctx = ctx};
+    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .group = GROUP_PIXELS};
     w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
     w.look_at = now_us() + LOOK_US;
     w.beat_at = now_us() + BEAT_US;
