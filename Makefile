@@ -1,4 +1,5 @@
-# Stormring: make, make demo, make check, make install PREFIX=/usr/local DESTDIR=
+# Stormring. make: the programs. make demo, make check: they install the Debian packages they miss, and say which.
+# make bench, make chart, make fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -7,38 +8,95 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -W
            -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wdouble-promotion
 # No contraction into FMA and no fast-math: the same bits on every host.
 MODEL    = -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -Ilib
+# One file is compiled for wider vectors, and used only where the machine has them.
+FLAGS_kernels_avx2 = $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),-mavx2 -mno-fma)
+LIBS     = -Wl,--as-needed -lpng -lz -lm
+# Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build
+BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
+FUZZ_SECONDS = 600
+FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
-PROGRAMS = $(patsubst bin/%.c,bin/%,$(wildcard bin/*.c))
-SCRIPTS  = $(filter-out %.c $(PROGRAMS),$(wildcard bin/*))
+PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(wildcard bin/*.c))
+SCRIPTS  = $(wildcard bin/balance bin/balance-*)
+PAGES    = $(wildcard man/*.[1-9])
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
-UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/*.c))
+UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+# Two commands must do: they use all cores without being told.
+PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
 all: $(PROGRAMS)
+
+need:
+	@tests/need build
+
+demo:
+	@tests/need demo
+	@$(PARALLEL) -s all
+	@tests/demo
+
+check:
+	@tests/need check
+	@$(PARALLEL) -s all unit
+	@tests/check
+
+bench:
+	@tests/need bench
+	@$(PARALLEL) -s all
+	@for test in tests/bench/*.sh; do echo "== $$test"; $$test || exit; done
+
+chart:
+	@tests/need chart
+	@$(PARALLEL) -s all
+	@tests/chart
+
+# Each target starts from its committed corpus; what it finds worth keeping stays in build/fuzz.
+fuzz:
+	@tests/need check
+	@$(PARALLEL) -s BUILD=build/fuzz CC=clang CFLAGS='$(FUZZ_FLAGS)' fuzzers
+	@tests/fuzz/run $(FUZZ_SECONDS)
+
+unit: $(UNIT)
+fuzzers: $(FUZZERS)
+
+# Says what to install before a missing compiler or header makes noise.
+$(BUILD)/.need:
+	@tests/need -n build
+	@mkdir -p $(BUILD) && touch $@
 
 $(BUILD)/libstormring.a: $(LIBOBJ)
 	@rm -f $@
 	$(AR) rcs $@ $(LIBOBJ)
 
-$(BUILD)/%.o: lib/%.c
+$(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
 	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -c -o $@ $<
 
-bin/%: bin/%.c $(BUILD)/libstormring.a
-	@mkdir -p $(BUILD)/bin
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $(BUILD)/bin/$*.d -o $@ $< \
-	    $(BUILD)/libstormring.a -Wl,--as-needed -lpng -lz -lm
+$(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
+	@mkdir -p $(BUILD)/dep $(BIN)
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $(BUILD)/dep/$*.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $@.d -o $@ $< \
-	    $(BUILD)/libstormring.a -lcmocka -Wl,--as-needed -lpng -lz -lm
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
 
-unit: $(UNIT)
+$(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) -fsanitize=fuzzer -MMD -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+
+MANDIR   = $(DESTDIR)$(PREFIX)/share/man
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin
+	install -m 755 $(PROGRAMS) $(SCRIPTS) $(DESTDIR)$(PREFIX)/bin
+	for page in $(PAGES); do install -D -m 644 -t $(MANDIR)/man$${page##*.} $$page || exit; done
+
+uninstall:
+	cd $(DESTDIR)$(PREFIX)/bin && rm -f $(notdir $(PROGRAMS) $(SCRIPTS))
+	for page in $(notdir $(PAGES)); do rm -f $(MANDIR)/man$${page##*.}/$$page; done
 
 clean:
-	rm -rf $(BUILD) $(PROGRAMS)
+	rm -rf build $(PROGRAMS) gears.png gears.frags
 
--include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/bin/*.d) $(wildcard $(BUILD)/unit/*.d)
+-include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all unit clean
+.PHONY: all need demo check bench chart fuzz unit fuzzers install uninstall clean

@@ -31,7 +31,8 @@ int main(int argc, char **argv)
     uint32_t which;
     bool clips = scene_hither_clips(&scene, &which);
     if (clips)
-        warn("%s: hither %g may hide part of primitive %u, and POV-Ray's camera hides nothing: expected "
+        warn("%s: hither %g may hide part of primitive %u, and POV-Ray's camera hides nothing: "
+             "expected "
              "a smaller hither",
             name, scene.view.hither, which + 1);
     scene_free(&scene);

@@ -23,7 +23,7 @@ static void pack(enum rec_kind kind, const char *path)
         die(ST_USAGE, "%s: %zu bytes, expected at most %lld", path, buf_size(&body),
             (long long)WIRE_STATE_MAX);
     wire_state(&record, kind, buf_data(&body), buf_size(&body));
-    fwrite(buf_data(&record), 1, buf_size(&record), stdout);
+    put_stdout(buf_data(&record), buf_size(&record));
     buf_free(&body);
     buf_free(&record);
 }

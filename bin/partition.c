@@ -104,7 +104,7 @@ static void write_tasks(const struct options *o)
         else if (assign && o->slots) t.to = (int32_t)(id % (uint32_t)o->slots);
         wire_task(&out, &t);
         if (buf_size(&out) < 1 << 16 && id + 1 < count) continue;
-        fwrite(buf_data(&out), 1, buf_size(&out), stdout);
+        put_stdout(buf_data(&out), buf_size(&out));
         buf_consume(&out, buf_size(&out));
     }
     free(v.credit);

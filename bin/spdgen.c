@@ -25,7 +25,8 @@ static void list_scenes(int size)
     for (size_t i = 0; i < n_spd_scenes; i++) {
         const struct spd_scene *scene = &spd_scenes[i];
         int s = checked_size(scene, size);
-        printf("%s %d %llu %s\n", scene->name, s, (unsigned long long)scene->count(s), scene->formula);
+        printf(
+            "%s %d %llu %s\n", scene->name, s, (unsigned long long)scene->count(s), scene->formula);
     }
 }
 
@@ -41,11 +42,11 @@ int main(int argc, char **argv)
         default: usage(ST_USAGE, usage_text);
         }
     if (argc - optind != !opt.list) usage(ST_USAGE, usage_text);
-    if (opt.list)
-        list_scenes(opt.size);
+    if (opt.list) list_scenes(opt.size);
     else {
         const struct spd_scene *scene = spd_find(argv[optind]);
-        if (!scene) die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
+        if (!scene)
+            die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
         struct nff_out out = {stdout, opt.digits};
         scene->write(&out, checked_size(scene, opt.size));
     }

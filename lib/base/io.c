@@ -44,6 +44,11 @@ int read_file(const char *path, struct buf *b)
     return k < 0 ? -1 : 0;
 }
 
+void put_stdout(const void *p, size_t n)
+{
+    if (fwrite(p, 1, n, stdout) != n) die(ST_SYSTEM, "standard output:");
+}
+
 int outfile_open(struct outfile *o, const char *path)
 {
     struct stat st;

@@ -53,8 +53,10 @@ void usage(int status, const char *text)
 
 void close_stdout(void)
 {
-    bool failed = ferror(stdout) != 0;
+    bool failed = ferror(stdout) != 0; /* then errno is long gone */
+    errno = 0;
     if (fclose(stdout) != 0 || failed) {
+        if (!errno) errno = EIO;
         if (errno == EPIPE) exit(ST_SYSTEM); /* the reader has gone: nobody to tell */
         die(ST_SYSTEM, "standard output:");
     }

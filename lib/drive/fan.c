@@ -13,7 +13,9 @@
 #include <unistd.h>
 
 #define TICK_MS 500
-#define LOADING_S 60.0 /* silence allowed while the state is being loaded */
+#define HELLO_S 10.0   /* silence allowed before the first word, */
+#define LOADING_S 60.0 /* while the state is being loaded, */
+#define CLOSING_S 1.0  /* and when nothing is left to say */
 
 static void route_state(struct fan *f, const struct record *r)
 {
@@ -97,9 +99,12 @@ static void find_silent(struct fan *f, bool reading)
     for (int k = 0; k < f->o->slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (s->ended) continue;
-        double limit_s = s->loaded ? f->o->silence_s : LOADING_S;
-        bool due = s->tasks.count > 0 || s->child.to < 0;
-        if (!reading || !due) s->heard_us = now;
+        bool closing = !f->in_open && !s->tasks.count;
+        double limit_s = closing     ? CLOSING_S
+                         : !s->hello ? HELLO_S
+                         : s->loaded ? f->o->silence_s
+                                     : LOADING_S;
+        if (!reading || (s->hello && !s->tasks.count && !closing)) s->heard_us = now;
         else if ((double)(now - s->heard_us) > limit_s * 1e6) slot_lose(f, s, "silent");
     }
 }

@@ -1,8 +1,9 @@
 /*
- * What hither may hide: primitives that reach into the pyramid between the eye and the hither plane. A convex
- * primitive that lies wholly outside one of the pyramid's planes does not reach into it; polygons are judged a
- * triangle at a time, and cut plane by plane (I. Sutherland, G. Hodgman, "Reentrant polygon clipping", CACM 17(1),
- * 1974), which is exact: floors often pass the eye close by, outside the picture.
+ * What hither may hide: primitives that reach into the pyramid between the eye and the hither
+ * plane. A convex primitive that lies wholly outside one of the pyramid's planes does not reach
+ * into it; polygons are judged a triangle at a time, and cut plane by plane (I. Sutherland, G.
+ * Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974), which is exact: floors often pass the
+ * eye close by, outside the picture.
  */
 #include "scene/scene.h"
 

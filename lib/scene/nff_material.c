@@ -1,6 +1,6 @@
 /*
- * Materials of an NFF scene. Equal ones share an index: many writers repeat the same `f` before every polygon, and
- * users that group by material (one mesh each) depend on it.
+ * Materials of an NFF scene. Equal ones share an index: many writers repeat the same `f` before
+ * every polygon, and users that group by material (one mesh each) depend on it.
  */
 #include "scene/reader.h"
 
@@ -14,8 +14,8 @@
 static uint32_t *slot_of(struct reader *r, const struct material *m)
 {
     uint32_t mask = r->n_slots - 1, i = (uint32_t)hash64(HASH64_INIT, m, sizeof *m) & mask;
-    while (r->material_slot[i] &&
-           memcmp(&r->s->materials[r->material_slot[i] - 1], m, sizeof *m) != 0)
+    while (
+        r->material_slot[i] && memcmp(&r->s->materials[r->material_slot[i] - 1], m, sizeof *m) != 0)
         i = (i + 1) & mask;
     return &r->material_slot[i];
 }
@@ -56,7 +56,8 @@ bool reader_material(struct reader *r)
         !reader_real(r, "transmittance", 0, 1, &m.t))
         return false;
     /* An opaque material's index means nothing, and is 0 in most files. */
-    if (!reader_real(r, "index of refraction", m.t > 0 ? IOR_MIN : 0, IOR_MAX, &m.ior)) return false;
+    if (!reader_real(r, "index of refraction", m.t > 0 ? IOR_MIN : 0, IOR_MAX, &m.ior))
+        return false;
     /* x + 0 turns -0 into 0, so that equal materials are equal in their bytes. */
     m.r = rgb[0] + 0, m.g = rgb[1] + 0, m.b = rgb[2] + 0;
     m.kd += 0, m.ks += 0, m.shine += 0, m.t += 0, m.ior += 0;

@@ -1,16 +1,16 @@
 /*
- * Reading NFF (E. Haines, NFF.TXT 3.1): a stream of tokens, each entity a letter and its numbers, wherever the lines
- * break. Differs in: view, lights and background may come anywhere; a material may be missing; the words
- * of a view may come in any order. A light's colour is there when a number follows its position:
- * no entity begins with one.
+ * Reading NFF (E. Haines, NFF.TXT 3.1): a stream of tokens, each entity a letter and its numbers,
+ * wherever the lines break. Differs in: view, lights and background may come anywhere; a material
+ * may be missing; the words of a view may come in any order. A light's colour is there when a
+ * number follows its position: no entity begins with one.
  */
 #include "scene/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define POLYGON_MAX 10000000U    /* vertices of one */
-#define COUNT_MAX 0x7fffffffU    /* entities or vertices in all: indices fit in 31 bits */
+#define POLYGON_MAX 10000000U /* vertices of one */
+#define COUNT_MAX 0x7fffffffU /* entities or vertices in all: indices fit in 31 bits */
 #define NORMAL_MAX 1e18
 
 /* Room for one more of `size` bytes in p, which holds n; the room doubles. */
@@ -117,7 +117,10 @@ static void set_normal(struct reader *r, struct vec3 n)
     s->normals[s->n_vertices - 1] = len >= LENGTH_MIN ? v3_scale(n, 1 / len) : v3(0, 0, 0);
 }
 
-/* A patch's zero normals become the patch's own, so that there is always something to shade with. */
+/*
+ * A patch's zero normals become the patch's own, so that there is always something to shade
+ * with.
+ */
 static void fill_normals(struct scene *s, uint32_t first)
 {
     struct vec3 own = v3(0, 0, 0);
@@ -133,7 +136,8 @@ static bool read_polygon(struct reader *r, bool patch)
 {
     struct scene *s = r->s;
     uint32_t count, first = s->n_vertices;
-    if (!reader_int(r, patch ? "patch's count" : "polygon's count", 3, POLYGON_MAX, &count)) return false;
+    if (!reader_int(r, patch ? "patch's count" : "polygon's count", 3, POLYGON_MAX, &count))
+        return false;
     if (count > COUNT_MAX - first) return reader_fail(r, "more vertices than %u in all", COUNT_MAX);
     for (uint32_t i = 0; i < count; i++) {
         struct vec3 v, n;

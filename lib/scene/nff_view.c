@@ -5,8 +5,10 @@
 
 #define RESOLUTION_MAX 65535
 #define ANGLE_MIN 1e-6 /* degrees; its tangent still has all its digits */
-/* The least sine of the angle between `up` and the viewing direction: what is left of the cross product's
- * digits then still beats the six that NFF files are written with. */
+/*
+ * The least sine of the angle between `up` and the viewing direction: what is left of the cross
+ * product's digits then still beats the six that NFF files are written with.
+ */
 #define UP_SINE_MIN 1e-9
 
 enum { FROM, AT, UP, ANGLE, HITHER, RESOLUTION, WORDS };
@@ -63,6 +65,7 @@ bool reader_view(struct reader *r)
     }
     for (int w = 0; w < WORDS; w++)
         if (!(seen >> w & 1) && w != HITHER)
-            return reader_fail(r, "view without '%s', expected from at up angle resolution", words[w]);
+            return reader_fail(
+                r, "view without '%s', expected from at up angle resolution", words[w]);
     return check_frame(r);
 }

@@ -1,4 +1,7 @@
-/* Writing NFF, laid out as the SPD programs do: an entity a line, a polygon's vertices a line each. */
+/*
+ * Writing NFF, laid out as the SPD programs do: an entity a line, a polygon's vertices a line
+ * each.
+ */
 #include "scene/scene.h"
 
 /* " a b c", or "a b c" where lead is "". */
@@ -13,8 +16,8 @@ void nff_put_view(struct nff_out *o, const struct view *v)
     put_vec(o, "v\nfrom ", v->from);
     put_vec(o, "\nat ", v->at);
     put_vec(o, "\nup ", v->up);
-    fprintf(o->f, "\nangle %.*g\nhither %.*g\nresolution %u %u\n", o->digits, v->angle_deg, o->digits,
-        v->hither, v->res_x, v->res_y);
+    fprintf(o->f, "\nangle %.*g\nhither %.*g\nresolution %u %u\n", o->digits, v->angle_deg,
+        o->digits, v->hither, v->res_x, v->res_y);
 }
 
 void nff_put_background(struct nff_out *o, double r, double g, double b)
@@ -34,7 +37,8 @@ void nff_put_material(struct nff_out *o, const struct material *m)
 {
     int d = o->digits;
     put_vec(o, "f ", v3(m->r, m->g, m->b));
-    fprintf(o->f, " %.*g %.*g %.*g %.*g %.*g\n", d, m->kd, d, m->ks, d, m->shine, d, m->t, d, m->ior);
+    fprintf(
+        o->f, " %.*g %.*g %.*g %.*g %.*g\n", d, m->kd, d, m->ks, d, m->shine, d, m->t, d, m->ior);
 }
 
 void nff_put_sphere(struct nff_out *o, struct vec3 center, double radius)
@@ -52,7 +56,8 @@ void nff_put_cone(
     fprintf(o->f, " %.*g\n", o->digits, apex_radius);
 }
 
-void nff_put_polygon(struct nff_out *o, uint32_t n, const struct vec3 *v, const struct vec3 *normals)
+void nff_put_polygon(
+    struct nff_out *o, uint32_t n, const struct vec3 *v, const struct vec3 *normals)
 {
     fprintf(o->f, "%s %u\n", normals ? "pp" : "p", n);
     for (uint32_t i = 0; i < n; i++) {

@@ -1,11 +1,13 @@
 /*
- * A scene for POV-Ray 3.7. Each mapping below was checked by rendering: POV-Ray's documentation leaves much open.
+ * A scene for POV-Ray 3.7. Each mapping below was checked by rendering: POV-Ray's documentation
+ * leaves much open.
  *
- * - The camera is given by location, direction, right and up: look_at and angle follow other conventions. Its aspect
- *   is the picture's own, whatever size povray is asked for.
- * - Diffuse light is scaled by 1 - transmit there, highlights and reflection are not; `phong` is Phong's own model
- *   (`specular` is Blinn's).
- * - `transmit` is not coloured by the surface, neither along a ray nor in its shadow; `filter` would be.
+ * - The camera is given by location, direction, right and up: look_at and angle follow other
+ *   conventions. Its aspect is the picture's own, whatever size povray is asked for.
+ * - Diffuse light is scaled by 1 - transmit there, highlights and reflection are not; `phong` is
+ *   Phong's own model (`specular` is Blinn's).
+ * - `transmit` is not coloured by the surface, neither along a ray nor in its shadow; `filter`
+ *   would be.
  * - All polygons of one material are one mesh: going in and out of glass is counted per object.
  * - Interiors stand at each object: a shared one would make two glass objects one.
  */
@@ -13,8 +15,11 @@
 
 #include <stdlib.h>
 
-/* With transmit 1 POV-Ray's diffuse light would be 0 whatever its coefficient. */
-#define TRANSMIT_MAX (1 - 1e-7)
+/*
+ * With transmit 1 POV-Ray's diffuse light would be 0 whatever its coefficient. Colours are
+ * float there.
+ */
+#define TRANSMIT_MAX (1 - 0x1p-20)
 
 struct pov {
     FILE *f;
@@ -76,7 +81,7 @@ static void put_head(struct pov *o)
 static void put_texture(struct pov *o, uint32_t i)
 {
     const struct material *m = &o->s->materials[i];
-    double t = fmin(m->t, TRANSMIT_MAX);
+    double t = (double)(float)fmin(m->t, TRANSMIT_MAX);
     fprintf(o->f, "#declare M%u = texture { pigment { ", i);
     put_vec(o, "rgb ", v3(m->r, m->g, m->b));
     if (m->t > 0) put_real(o, " transmit ", t);

@@ -11,9 +11,9 @@ struct reader {
     char *err;        /* SCENE_ERR bytes */
     struct scene *s;
     uint32_t room_lights, room_materials, room_prims, room_vertices;
-    uint32_t material;       /* of the primitives that follow */
-    uint32_t *material_slot; /* hash table: index of a material + 1, 0 free */
-    uint32_t n_slots;        /* a power of two, or 0 */
+    uint32_t material;                   /* of the primitives that follow */
+    uint32_t *material_slot;             /* hash table: index of a material + 1, 0 free */
+    uint32_t n_slots;                    /* a power of two, or 0 */
     uint32_t view_line, background_line; /* where they were given, 0 if not yet */
 };
 
@@ -36,8 +36,8 @@ bool reader_material(struct reader *r);
 struct vec3 newell_unit(const struct vec3 *v, uint32_t n);
 
 /*
- * Sizes: squares of coordinates, and areas of boxes, stay far inside a float; what is smaller than LENGTH_MIN would
- * have a square that underflows in one.
+ * Sizes: squares of coordinates, and areas of boxes, stay far inside a float; what is smaller than
+ * LENGTH_MIN would have a square that underflows in one.
  */
 #define COORDINATE_MAX 1e18
 #define LENGTH_MIN 1e-18

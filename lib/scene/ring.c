@@ -9,7 +9,10 @@
 #define CROSS_ERROR 3.4e-16
 #define CORNERS_PER_CELL 2
 
-/* Twice the area of a b c, positive when counterclockwise; 0 when that is within its rounding error. */
+/*
+ * Twice the area of a b c, positive when counterclockwise; 0 when that is within its rounding
+ * error.
+ */
 static double cross2(const struct corner *a, const struct corner *b, const struct corner *c)
 {
     double l = (b->x - a->x) * (c->y - a->y), r = (b->y - a->y) * (c->x - a->x);
@@ -43,8 +46,9 @@ static bool in_wedge(
 }
 
 /*
- * Whether q, which is none of its corners, spoils the ear a b c. Where it coincides with one (holes are joined to the
- * outline by a bridge) it does so only if one of its own edges leads into the ear.
+ * Whether q, which is none of its corners, spoils the ear a b c. Where it coincides with one
+ * (holes are joined to the outline by a bridge) it does so only if one of its own edges leads into
+ * the ear.
  */
 static bool spoils(const struct ring *g, const struct corner *a, const struct corner *b,
     const struct corner *c, const struct corner *q)
@@ -63,8 +67,8 @@ static inline uint32_t cell_of(double v, double v0, double per, uint32_t side)
 }
 
 /* Whether no corner of one cell spoils the ear a b c. */
-static bool cell_allows(struct ring *g, uint32_t *link, const struct corner *a, const struct corner *b,
-    const struct corner *c)
+static bool cell_allows(struct ring *g, uint32_t *link, const struct corner *a,
+    const struct corner *b, const struct corner *c)
 {
     double x0 = fmin(fmin(a->x, b->x), c->x), x1 = fmax(fmax(a->x, b->x), c->x);
     double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
@@ -102,11 +106,12 @@ bool ring_is_ear(struct ring *g, uint32_t i)
     const struct corner *b = &g->c[i], *a = &g->c[b->prev], *c = &g->c[b->next];
     if (d->side == 1) return cell_allows(g, d->first, a, b, c);
     double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
-    uint32_t row = cell_of(y0, d->y0, d->per_y, d->side), last = cell_of(y1, d->y0, d->per_y, d->side);
+    uint32_t row = cell_of(y0, d->y0, d->per_y, d->side),
+             last = cell_of(y1, d->y0, d->per_y, d->side);
     for (; row <= last; row++) {
         /* One cell more on every side than the ear reaches: no rounding loses a corner. */
         double low = d->y0 + (row - 1.0) / d->per_y, high = d->y0 + (row + 2.0) / d->per_y;
-        double x0 = INFINITY, x1 = -INFINITY, more = 1 / d->per_x;
+        double x0 = HUGE_VAL, x1 = -HUGE_VAL, more = 1 / d->per_x;
         edge_extent(a, b, low, high, &x0, &x1);
         edge_extent(b, c, low, high, &x0, &x1);
         edge_extent(c, a, low, high, &x0, &x1);
@@ -146,10 +151,8 @@ static void put_off(struct ring *g, uint32_t i)
 {
     struct corner *c = &g->c[i];
     c->blunt = ring_turn(g, i) <= 0;
-    if (c->queued)
-        c->later = true;
-    else
-        push(g, i);
+    if (c->queued) c->later = true;
+    else push(g, i);
 }
 
 void ring_remove(struct ring *g, uint32_t i)
@@ -182,8 +185,9 @@ struct vec3 newell_unit(const struct vec3 *v, uint32_t n)
 }
 
 /*
- * The projection along the normal's largest component, turned so that the polygon is counterclockwise. It takes
- * coordinates as they were read, so nothing is rounded before the orientation tests.
+ * The projection along the normal's largest component, turned so that the polygon is
+ * counterclockwise. It takes coordinates as they were read, so nothing is rounded before the
+ * orientation tests.
  */
 static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
 {
@@ -191,12 +195,9 @@ static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
     for (uint32_t i = 0; i < g->n; i++) {
         struct corner *c = &g->c[i];
         bool flip;
-        if (az >= ax && az >= ay)
-            c->x = v[i].x, c->y = v[i].y, flip = normal.z < 0;
-        else if (ax >= ay)
-            c->x = v[i].y, c->y = v[i].z, flip = normal.x < 0;
-        else
-            c->x = v[i].z, c->y = v[i].x, flip = normal.y < 0;
+        if (az >= ax && az >= ay) c->x = v[i].x, c->y = v[i].y, flip = normal.z < 0;
+        else if (ax >= ay) c->x = v[i].y, c->y = v[i].z, flip = normal.x < 0;
+        else c->x = v[i].z, c->y = v[i].x, flip = normal.y < 0;
         if (flip) c->x = -c->x;
         c->prev = (i ? i : g->n) - 1;
         c->next = i + 1 < g->n ? i + 1 : 0;
@@ -208,8 +209,8 @@ static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
 static void fill_grid(struct ring *g)
 {
     struct corner_grid *d = &g->grid;
-    double x1 = -INFINITY, y1 = -INFINITY;
-    d->x0 = d->y0 = INFINITY;
+    double x1 = -HUGE_VAL, y1 = -HUGE_VAL;
+    d->x0 = d->y0 = HUGE_VAL;
     for (uint32_t i = 0; i < g->n; i++) {
         d->x0 = fmin(d->x0, g->c[i].x), x1 = fmax(x1, g->c[i].x);
         d->y0 = fmin(d->y0, g->c[i].y), y1 = fmax(y1, g->c[i].y);
@@ -240,7 +241,8 @@ bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
     if (n > RING_STACK) {
         g->c = xmalloc(n, sizeof *g->c);
         u = xmalloc(n, 3 * sizeof *u);
-        while ((uint64_t)(g->grid.side + 1) * (g->grid.side + 1) * CORNERS_PER_CELL <= n) g->grid.side++;
+        while ((uint64_t)(g->grid.side + 1) * (g->grid.side + 1) * CORNERS_PER_CELL <= n)
+            g->grid.side++;
     }
     g->queue = u;
     g->grid.after = u + n;

@@ -1,6 +1,6 @@
 /*
- * ring: the corners of a polygon in its plane, linked in a ring that loses corner after corner, and the question
- * whether a corner is an ear. Private to lib/scene.
+ * ring: the corners of a polygon in its plane, linked in a ring that loses corner after corner,
+ * and the question whether a corner is an ear. Private to lib/scene.
  */
 #ifndef STORMRING_SCENE_RING_H
 #define STORMRING_SCENE_RING_H
@@ -13,7 +13,7 @@
 struct corner {
     double x, y;
     uint32_t prev, next;
-    bool blunt;  /* reflex or straight: may lie in an ear, and is none */
+    bool blunt; /* reflex or straight: may lie in an ear, and is none */
     bool gone;
     bool queued; /* waits to be looked at */
     bool later;  /* its turn in the queue was put off: a neighbour has just gone */
@@ -21,10 +21,10 @@ struct corner {
 
 /* The blunt corners by place, so that an ear asks only those near it. Cells of one list each. */
 struct corner_grid {
-    uint32_t side;                /* cells in x and in y; 1: a single list */
-    double x0, y0, per_x, per_y;  /* cell = (x - x0) * per_x */
-    uint32_t *first;              /* of side * side cells */
-    uint32_t *after;              /* per corner: the next in its cell */
+    uint32_t side;               /* cells in x and in y; 1: a single list */
+    double x0, y0, per_x, per_y; /* cell = (x - x0) * per_x */
+    uint32_t *first;             /* of side * side cells */
+    uint32_t *after;             /* per corner: the next in its cell */
 };
 
 struct ring {
@@ -38,16 +38,22 @@ struct ring {
 };
 
 /*
- * The ring of a polygon, counterclockwise in its plane; every corner is queued, in order from the second. False,
- * and nothing to free, when the polygon has no area.
+ * The ring of a polygon, counterclockwise in its plane; every corner is queued, in order from the
+ * second. False, and nothing to free, when the polygon has no area.
  */
 bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n);
 void ring_free(struct ring *g);
-/* Twice the area of the corner's triangle: positive when convex; 0 when that is within its rounding error. */
+/*
+ * Twice the area of the corner's triangle: positive when convex; 0 when that is within its
+ * rounding error.
+ */
 double ring_turn(const struct ring *g, uint32_t i);
 /* Of a convex corner: no other corner lies in its triangle. */
 bool ring_is_ear(struct ring *g, uint32_t i);
-/* Of a straight corner: it repeats a neighbour's place, or is the tip of an edge that goes there and back. */
+/*
+ * Of a straight corner: it repeats a neighbour's place, or is the tip of an edge that goes
+ * there and back.
+ */
 bool ring_is_empty(const struct ring *g, uint32_t i);
 /* Takes corner i out. Its neighbours are queued, behind all that wait. */
 void ring_remove(struct ring *g, uint32_t i);

@@ -1,9 +1,15 @@
-/* What is left of a scene when reading is done with: freeing it, and the bounds of its primitives. */
+/*
+ * What is left of a scene when reading is done with: freeing it, and the bounds of its
+ * primitives.
+ */
 #include "scene/scene.h"
 
 #include <stdlib.h>
 
-/* Bounds that come out of a computation are widened by this much of their magnitude: four roundings. */
+/*
+ * Bounds that come out of a computation are widened by this much of their magnitude: four
+ * roundings.
+ */
 #define WIDEN 0x1p-50
 
 void scene_free(struct scene *s)
@@ -30,7 +36,10 @@ static void include_about(struct vec3 *lo, struct vec3 *hi, struct vec3 c, struc
     include(lo, hi, v3_sub(c, e), v3_add(c, e));
 }
 
-/* A disc of unit normal a reaches r * (the sine of the angle between a and an axis) along that axis. */
+/*
+ * A disc of unit normal a reaches r * (the sine of the angle between a and an axis) along that
+ * axis.
+ */
 static struct vec3 disc_reach(struct vec3 a, double r)
 {
     return v3(r * hypot(a.y, a.z), r * hypot(a.x, a.z), r * hypot(a.x, a.y));
@@ -38,8 +47,8 @@ static struct vec3 disc_reach(struct vec3 a, double r)
 
 void prim_bounds(const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi)
 {
-    *lo = v3(INFINITY, INFINITY, INFINITY);
-    *hi = v3(-INFINITY, -INFINITY, -INFINITY);
+    *lo = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+    *hi = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
     switch (p->kind) {
     case PRIM_SPHERE: {
         double r = p->sphere.radius;

@@ -1,9 +1,10 @@
 /*
  * Tokens of NFF text, and decimal to double.
  *
- * A number with at most 15 significant digits and a power of ten within 10^22 is one exact integer times or
- * divided by one exact power, so that a single rounding gives the right double (W. D. Clinger, "How to read
- * floating point numbers accurately", PLDI 1990). That is nearly all of them; strtod reads the rest.
+ * A number with at most 15 significant digits and a power of ten within 10^22 is one exact integer
+ * times or divided by one exact power, so that a single rounding gives the right double (W. D.
+ * Clinger, "How to read floating point numbers accurately", PLDI 1990). That is nearly all of
+ * them; strtod reads the rest.
  */
 #include "scene/token.h"
 
@@ -95,8 +96,8 @@ static const char *scan_decimal(const char *p, const char *end, struct decimal *
 
 enum token_number token_real(struct tokens *t, double *out)
 {
-    static const double power_of_ten[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11,
-        1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    static const double power_of_ten[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10,
+        1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     struct decimal d;
     skip_blanks(t);
     if (t->at == t->end) return TOKEN_END;

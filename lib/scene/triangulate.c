@@ -1,12 +1,13 @@
 /*
- * Polygons to triangles: ear clipping (G. H. Meisters, "Polygons have ears", American Mathematical Monthly 82,
- * 1975) in the plane that Newell's normal gives (I. Sutherland, R. Sproull, R. Schumacker, "A characterization of
- * ten hidden-surface algorithms", Computing Surveys 6(1), 1974).
+ * Polygons to triangles: ear clipping (G. H. Meisters, "Polygons have ears", American Mathematical
+ * Monthly 82, 1975) in the plane that Newell's normal gives (I. Sutherland, R. Sproull, R.
+ * Schumacker, "A characterization of ten hidden-surface algorithms", Computing Surveys 6(1),
+ * 1974).
  *
- * A corner that is no ear can become one only when a neighbour is clipped, so each is looked at once, and again
- * whenever that happens: at most 3 n looks. A straight corner is not dropped: another ear takes it along (dropped, it
- * would leave a T where triangles meet). Edges that cross may leave corners but no ear; then one of them goes
- * all the same, so it always ends.
+ * A corner that is no ear can become one only when a neighbour is clipped, so each is looked at
+ * once, and again whenever that happens: at most 3 n looks. A straight corner is not dropped:
+ * another ear takes it along (dropped, it would leave a T where triangles meet). Edges that cross
+ * may leave corners but no ear; then one of them goes all the same, so it always ends.
  */
 #include "scene/scene.h"
 #include "scene/ring.h"
@@ -35,15 +36,15 @@ static uint32_t clip_ears(struct ring *g, uint32_t first, struct triangle *out)
         double t = ring_turn(g, i);
         if (t > 0 && (any || ring_is_ear(g, i)))
             out[n++] = (struct triangle){{first + g->c[i].prev, first + i, first + g->c[i].next}};
-        else if (!any && (t != 0 || !ring_is_empty(g, i)))
-            continue;
+        else if (!any && (t != 0 || !ring_is_empty(g, i))) continue;
         alive = g->c[i].next;
         ring_remove(g, i);
     }
     return n;
 }
 
-static uint32_t triangulate_polygon(const struct vec3 *v, uint32_t first, uint32_t n, struct triangle *out)
+static uint32_t triangulate_polygon(
+    const struct vec3 *v, uint32_t first, uint32_t n, struct triangle *out)
 {
     struct ring g;
     if (!ring_init(&g, v, n)) return 0;
@@ -52,7 +53,8 @@ static uint32_t triangulate_polygon(const struct vec3 *v, uint32_t first, uint32
     return triangles;
 }
 
-static uint32_t triangulate_patch(const struct vec3 *v, uint32_t first, uint32_t n, struct triangle *out)
+static uint32_t triangulate_patch(
+    const struct vec3 *v, uint32_t first, uint32_t n, struct triangle *out)
 {
     uint32_t triangles = 0;
     for (uint32_t i = 1; i + 1 < n; i++) {

@@ -1,14 +1,19 @@
 /*
- * balls, or sphereflake: a mirroring sphere that carries nine of a third of its radius, each of which does the same,
- * size levels deep, above a square. Three lights.
+ * balls, or sphereflake: a mirroring sphere that carries nine of a third of its radius, each of
+ * which does the same, size levels deep, above a square. Three lights.
  */
 #include "spd/parts.h"
 
-static const struct view view = {
-    .from = {2.1, 1.3, 1.7}, .up = {0, 0, 1}, .angle_deg = 45, .hither = 0.01, .res_x = 512, .res_y = 512};
+static const struct view view = {.from = {2.1, 1.3, 1.7},
+    .up = {0, 0, 1},
+    .angle_deg = 45,
+    .hither = 0.01,
+    .res_x = 512,
+    .res_y = 512};
 static const struct vec3 lights[] = {{4, 3, 2}, {1, -4, 4}, {-3, 1, 5}};
 static const struct material floor_stuff = {1, 0.75, 0.33, 0.8, 0, 1e5, 0, 1};
-static const struct vec3 floor_corners[] = {{12, 12, -0.5}, {-12, 12, -0.5}, {-12, -12, -0.5}, {12, -12, -0.5}};
+static const struct vec3 floor_corners[] = {
+    {12, 12, -0.5}, {-12, 12, -0.5}, {-12, -12, -0.5}, {12, -12, -0.5}};
 
 static const double shrink = 1.0 / 3.0; /* radius of a child over its parent's */
 
@@ -30,7 +35,10 @@ static struct mat3 rotate_about(struct vec3 a, double angle)
     }};
 }
 
-/* The nine directions of a sphere whose own is +z: three sets of three, a third of a turn apart. */
+/*
+ * The nine directions of a sphere whose own is +z: three sets of three, a third of a turn
+ * apart.
+ */
 static void make_directions(struct vec3 out[9])
 {
     double d = 1.0 / sqrt(2.0);
@@ -56,8 +64,8 @@ static struct mat3 rotate_from_z(struct vec3 to)
     return rotate_about(spd_divide(axis, v3_len(axis)), acos(v3_dot(z, to)));
 }
 
-static void put_flake(struct nff_out *o, const struct vec3 directions[9], int depth, struct vec3 center,
-    double radius, struct vec3 direction)
+static void put_flake(struct nff_out *o, const struct vec3 directions[9], int depth,
+    struct vec3 center, double radius, struct vec3 direction)
 {
     nff_put_sphere(o, center, radius);
     if (depth == 0) return;
@@ -65,7 +73,8 @@ static void put_flake(struct nff_out *o, const struct vec3 directions[9], int de
     double reach = radius * (1.0 + shrink);
     for (int i = 0; i < 9; i++) {
         struct vec3 child = v3_add(v3_scale(spd_transform(directions[i], &turn), reach), center);
-        put_flake(o, directions, depth - 1, child, radius * shrink, spd_divide(v3_sub(child, center), reach));
+        put_flake(o, directions, depth - 1, child, radius * shrink,
+            spd_divide(v3_sub(child, center), reach));
     }
 }
 

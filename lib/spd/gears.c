@@ -1,6 +1,7 @@
 /*
- * gears: size^3 meshing gears, every fifth of them of glass, over a mirroring square. A gear is two concave faces of
- * 144 corners and the 144 quadrilaterals between them. Five lights, one of them at the eye.
+ * gears: size^3 meshing gears, every fifth of them of glass, over a mirroring square. A gear is
+ * two concave faces of 144 corners and the 144 quadrilaterals between them. Five lights, one of
+ * them at the eye.
  */
 #include "spd/parts.h"
 
@@ -37,13 +38,13 @@ static struct material stuff(int ix, int iy, int iz)
     double b = 0.01 + fraction((double)(iz * 3 + ix * 2 + iy + 1) * 2.0 / 7.0);
     double most = fmax(fmax(r, g), b);
     bool glass = (ix * 4 + iy * 2 + iz) % 5 == 0;
-    return (struct material){
-        r / most, g / most, b / most, glass ? 0.2 : 1, 0, spd_shine(0), glass ? 0.8 : 0, glass ? 1.1 : 0};
+    return (struct material){r / most, g / most, b / most, glass ? 0.2 : 1, 0, spd_shine(0),
+        glass ? 0.8 : 0, glass ? 1.1 : 0};
 }
 
 /* The four corners of one tooth, which spans tooth_angle from gear_angle. */
-static void make_tooth(struct vec3 out[4], struct vec3 center, double gear_angle, double tooth_angle,
-    struct vec3 outer, struct vec3 inner)
+static void make_tooth(struct vec3 out[4], struct vec3 center, double gear_angle,
+    double tooth_angle, struct vec3 outer, struct vec3 inner)
 {
     static const double at[4] = {-0.19, 0.19, 0.3, 0.7};
     for (int i = 0; i < 4; i++) {
@@ -52,15 +53,20 @@ static void make_tooth(struct vec3 out[4], struct vec3 center, double gear_angle
     }
 }
 
-/* sense 1 goes round counterclockwise, -1 clockwise: faces point outwards. z is relative to the center. */
-static void make_face(
-    struct vec3 out[CORNERS], struct vec3 center, double z, double offset_angle, double radius, int sense)
+/*
+ * sense 1 goes round counterclockwise, -1 clockwise: faces point outwards. z is relative to the
+ * center.
+ */
+static void make_face(struct vec3 out[CORNERS], struct vec3 center, double z, double offset_angle,
+    double radius, int sense)
 {
-    struct vec3 outer = v3(OUTER_RATIO * radius, 0, z), inner = v3((1.0 - TOOTH_RATIO) * radius, 0, z);
+    struct vec3 outer = v3(OUTER_RATIO * radius, 0, z),
+                inner = v3((1.0 - TOOTH_RATIO) * radius, 0, z);
     double tooth_angle = 2.0 * SPD_PI / TEETH;
     for (int i = 0; i < TEETH; i++) {
         double turned = 2.0 * SPD_PI * i / TEETH;
-        make_tooth(out + 4 * i, center, offset_angle + sense * turned, sense * tooth_angle, outer, inner);
+        make_tooth(
+            out + 4 * i, center, offset_angle + sense * turned, sense * tooth_angle, outer, inner);
     }
 }
 
@@ -91,7 +97,8 @@ void spd_gears(struct nff_out *o, int size)
     for (int iz = 0; iz < size; iz++)
         for (int iy = 0; iy < size; iy++)
             for (int ix = 0; ix < size; ix++) {
-                struct vec3 center = v3(first + ix * step, first + iy * step, 1.0 + iz * (-1.0 / size));
+                struct vec3 center =
+                    v3(first + ix * step, first + iy * step, 1.0 + iz * (-1.0 / size));
                 struct material m = stuff(ix, iy, iz);
                 nff_put_material(o, &m);
                 put_gear(o, center, SPD_PI * ((ix + iy + iz) % 2) / TEETH, radius, thickness);

@@ -1,8 +1,9 @@
 /*
  * parts: what the scenes have in common. Private to lib/spd.
  *
- * Scenes are to come out digit for digit as SPD's programs write them, whose coordinates that ought to be 0 are
- * rounding errors like 1e-16: sums and products here are in SPD's order, and unit vectors are divided, not scaled.
+ * Scenes are to come out digit for digit as SPD's programs write them, whose coordinates that
+ * ought to be 0 are rounding errors like 1e-16: sums and products here are in SPD's order, and
+ * unit vectors are divided, not scaled.
  */
 #ifndef STORMRING_SPD_PARTS_H
 #define STORMRING_SPD_PARTS_H
@@ -19,10 +20,13 @@ struct mat3 {
 static inline struct vec3 spd_transform(struct vec3 v, const struct mat3 *m)
 {
     const struct vec3 *r = m->row;
-    return v3(v.x * r[0].x + v.y * r[1].x + v.z * r[2].x, v.x * r[0].y + v.y * r[1].y + v.z * r[2].y,
-        v.x * r[0].z + v.y * r[1].z + v.z * r[2].z);
+    return v3(v.x * r[0].x + v.y * r[1].x + v.z * r[2].x,
+        v.x * r[0].y + v.y * r[1].y + v.z * r[2].y, v.x * r[0].z + v.y * r[1].z + v.z * r[2].z);
 }
-static inline struct vec3 spd_divide(struct vec3 v, double d) { return v3(v.x / d, v.y / d, v.z / d); }
+static inline struct vec3 spd_divide(struct vec3 v, double d)
+{
+    return v3(v.x / d, v.y / d, v.z / d);
+}
 
 /* Counterclockwise about +z. */
 struct mat3 spd_rotate_z(double angle);

@@ -6,7 +6,8 @@
 
 const struct spd_scene spd_scenes[] = {
     {"balls", 4, "1 polygon, (9^(s+1)-1)/8 spheres", spd_balls_count, spd_balls},
-    {"gears", 4, "1 + 146 s^3 polygons, 2 s^3 of them with 144 corners", spd_gears_count, spd_gears},
+    {"gears", 4, "1 + 146 s^3 polygons, 2 s^3 of them with 144 corners", spd_gears_count,
+        spd_gears},
     {"tetra", 6, "4^s triangles", spd_tetra_count, spd_tetra},
 };
 const size_t n_spd_scenes = sizeof spd_scenes / sizeof *spd_scenes;

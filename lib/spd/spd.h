@@ -1,10 +1,10 @@
 /*
- * spd: the scenes of the Standard Procedural Databases, version 3.14 (E. Haines, "A proposal for standard graphics
- * environments", IEEE CG&A 7(11), 1987), generated anew: the same entities in the same order with the
- * same numbers, at every size factor.
+ * spd: the scenes of the Standard Procedural Databases, version 3.14 (E. Haines, "A proposal for
+ * standard graphics environments", IEEE CG&A 7(11), 1987), generated anew: the same entities in
+ * the same order with the same numbers, at every size factor.
  *
- * A scene is one file and one row of the table. What it writes is complete NFF: background, view, lights, materials,
- * primitives.
+ * A scene is one file and one row of the table. What it writes is complete NFF: background, view,
+ * lights, materials, primitives.
  */
 #ifndef STORMRING_SPD_H
 #define STORMRING_SPD_H

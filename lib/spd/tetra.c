@@ -1,6 +1,6 @@
 /*
- * tetra: a tetrahedron of four tetrahedra of half its size, and so on, size - 1 times; the view is that of A. Glassner
- * (IEEE CG&A 4(10), 1984) and T. Kay and J. Kajiya (SIGGRAPH 1986). One light.
+ * tetra: a tetrahedron of four tetrahedra of half its size, and so on, size - 1 times; the view is
+ * that of A. Glassner (IEEE CG&A 4(10), 1984) and T. Kay and J. Kajiya (SIGGRAPH 1986). One light.
  */
 #include "spd/parts.h"
 
@@ -26,10 +26,8 @@ static void put_tetra(struct nff_out *o, int depth, struct vec3 center, double h
     for (int i = 0; i < 4; i++) p[i] = v3_mad(center, corners[i], depth > 1 ? half / 2 : half);
     for (int i = 0; i < 4; i++) {
         struct vec3 face[3] = {p[faces[i][0]], p[faces[i][1]], p[faces[i][2]]};
-        if (depth > 1)
-            put_tetra(o, depth - 1, p[i], half / 2);
-        else
-            nff_put_polygon(o, 3, face, NULL);
+        if (depth > 1) put_tetra(o, depth - 1, p[i], half / 2);
+        else nff_put_polygon(o, 3, face, NULL);
     }
 }
 

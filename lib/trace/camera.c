@@ -43,6 +43,6 @@ void camera_ray(const struct tracer *t, double x, double y, struct ray *r)
     r->o = t->camera.eye;
     r->d = v3_scale(d, 1 / len);
     r->t_min = t->camera.hither * len; /* hither is a depth, along forward */
-    r->t_max = INFINITY;
+    r->t_max = HUGE_VAL;
     r->err = 0;
 }

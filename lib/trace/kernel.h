@@ -8,13 +8,15 @@
 
 #include <float.h>
 
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
 /* Slopes below this are taken as this: slack / TINY is then longer than any ray. */
 #define TINY 1e-18
 #define T_ROUNDING (1 + 0x1p-20f) /* more than what the float arithmetic of a slab test rounds off */
 
 struct walk {
-    float near[3], far[3], inv[3]; /* origins as seen by the near and far planes, 1/d */
-    int near_hi[3];                /* the near plane is the box's hi */
+    float near[3], far[3], inv[3];       /* origins as seen by the near and far planes, 1/d */
+    uint32_t near_plane[3], far_plane[3]; /* where in a node these planes are, in floats */
 };
 
 static inline void walk_init(struct walk *w, const struct bvh *b, const struct ray *r)
@@ -22,7 +24,9 @@ static inline void walk_init(struct walk *w, const struct bvh *b, const struct r
     const double o[3] = {r->o.x, r->o.y, r->o.z}, d[3] = {r->d.x, r->d.y, r->d.z};
     for (int i = 0; i < 3; i++) {
         float of = (float)o[i], pad = fabsf(of) * 0x1p-22f + b->slack;
-        w->near_hi[i] = d[i] < 0;
+        uint32_t lo = (uint32_t)i * WIDTH, hi = lo + 3 * WIDTH;
+        w->near_plane[i] = d[i] < 0 ? hi : lo;
+        w->far_plane[i] = d[i] < 0 ? lo : hi;
         w->inv[i] = (float)(1 / (fabs(d[i]) > TINY ? d[i] : d[i] < 0 ? -TINY : TINY));
         w->near[i] = d[i] < 0 ? of - pad : of + pad;
         w->far[i] = d[i] < 0 ? of + pad : of - pad;
@@ -33,12 +37,13 @@ static inline void walk_init(struct walk *w, const struct bvh *b, const struct r
 static inline float t_above(double t) { return t < 1e37 ? (float)t * T_ROUNDING : INFINITY; }
 
 /* Which children the ray meets before t_max, and where. */
-static inline unsigned hit_boxes(
+static ALWAYS_INLINE unsigned hit_boxes(
     const struct node8 *n, const struct walk *w, float t_max, float t_near[WIDTH])
 {
-    const float *x0 = w->near_hi[0] ? n->hi[0] : n->lo[0], *x1 = w->near_hi[0] ? n->lo[0] : n->hi[0];
-    const float *y0 = w->near_hi[1] ? n->hi[1] : n->lo[1], *y1 = w->near_hi[1] ? n->lo[1] : n->hi[1];
-    const float *z0 = w->near_hi[2] ? n->hi[2] : n->lo[2], *z1 = w->near_hi[2] ? n->lo[2] : n->hi[2];
+    const float *planes = (const float *)n; /* lo, then hi: they stand first */
+    const float *x0 = planes + w->near_plane[0], *x1 = planes + w->far_plane[0];
+    const float *y0 = planes + w->near_plane[1], *y1 = planes + w->far_plane[1];
+    const float *z0 = planes + w->near_plane[2], *z1 = planes + w->far_plane[2];
     vf ix = vf_set(w->inv[0]), iy = vf_set(w->inv[1]), iz = vf_set(w->inv[2]);
     unsigned mask = 0;
     for (int i = 0; i < WIDTH; i += VF) {
@@ -73,7 +78,7 @@ static inline void lanes_init(struct lanes *l, const struct ray *r)
  * those that are hit once more within these bounds.
  */
 
-static inline unsigned hit_tri4(
+static ALWAYS_INLINE unsigned hit_tri4(
     const struct tri4 *b, const struct lanes *l, double t_max, double t_out[LANES])
 {
     unsigned mask = 0;
@@ -100,7 +105,7 @@ static inline unsigned hit_tri4(
  * ch. 7, 2019: the discriminant from the centre's distance to the ray, the smaller root from the product of both.
  * A ray that starts on the sphere, within error bounds, has only the other root.
  */
-static inline unsigned hit_sphere4(
+static ALWAYS_INLINE unsigned hit_sphere4(
     const struct sphere4 *s, const struct lanes *l, double t_max, double t_out[LANES],
     unsigned *twice)
 {
@@ -137,7 +142,7 @@ static inline unsigned hit_sphere4(
  * The quadratic a t^2 + 2 b t + c in the coordinates along and across the axis, taken from the point of the ray that
  * is nearest to the cone's middle, where the coefficients are smallest.
  */
-static inline unsigned hit_cone4(
+static ALWAYS_INLINE unsigned hit_cone4(
     const struct cone4 *s, const struct lanes *l, double t_max, double t_out[LANES],
     unsigned *twice)
 {
@@ -188,7 +193,7 @@ static inline unsigned hit_cone4(
     return mask;
 }
 
-static inline unsigned hit_block(const struct bvh *b, enum item_kind kind, uint32_t i,
+static ALWAYS_INLINE unsigned hit_block(const struct bvh *b, enum item_kind kind, uint32_t i,
     const struct lanes *l, double t_max, double t[LANES], const uint32_t **items, unsigned *twice)
 {
     if (kind == ITEM_TRIANGLE) {
@@ -214,7 +219,7 @@ static inline int take_bit(unsigned *mask)
     return i;
 }
 
-static inline void closest_in_leaf(
+static ALWAYS_INLINE void closest_in_leaf(
     const struct bvh *b, uint32_t leaf, const struct lanes *l, struct hit *h)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
@@ -285,7 +290,7 @@ static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
 }
 
 /* True when something opaque of the leaf is hit. */
-static inline bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct lanes *l,
+static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct lanes *l,
     double t_max, const uint8_t *transmits, struct crossings *c)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);

@@ -121,7 +121,7 @@ static struct vec3 colour(struct tracer *t, const struct ray *r, int level, cons
 static struct vec3 reflected(struct tracer *t, const struct point *at, struct vec3 mirrored,
     int level, const struct media *in)
 {
-    struct ray r = {at->p, v3_unit(mirrored), 0, INFINITY, at->err};
+    struct ray r = {at->p, v3_unit(mirrored), 0, HUGE_VAL, at->err};
     t->counts.reflected++;
     return colour(t, &r, level + 1, in);
 }
@@ -146,7 +146,7 @@ static enum passage pass(const struct tracer *t, const struct point *at, struct 
         if (k < 0) return TURNED_BACK;
         d = v3_unit(v3_mad(v3_scale(d, ratio), at->n, ratio * c - sqrt(k)));
     }
-    *r = (struct ray){at->p, d, 0, INFINITY, at->err};
+    *r = (struct ray){at->p, d, 0, HUGE_VAL, at->err};
     media_copy(in, &inside);
     return straight ? STRAIGHT : BENT;
 }
@@ -172,7 +172,8 @@ static struct vec3 local_light(struct tracer *t, const struct point *at, struct 
 
 /*
  * Follows r through surfaces that transmit, adding up what each gives by itself and by reflection, weighted by the
- * transmittances before it. As in the reference, a surface that does not bend the ray does not use up a level.
+ * transmittances before it. As in the reference, a surface that does not bend the ray does not use up a level; but
+ * nothing at the last level is seen through.
  */
 static struct vec3 colour(struct tracer *t, const struct ray *start, int level, const struct media *outside)
 {
@@ -204,7 +205,7 @@ static struct vec3 colour(struct tracer *t, const struct ray *start, int level, 
             return v3_mad(sum, reflected(t, &at, mirrored, level, here), weight);
         if (deeper && f->ks > 0)
             sum = v3_mad(sum, reflected(t, &at, mirrored, level, here), weight * f->ks);
-        if (!(f->t > 0) || (how != STRAIGHT && !deeper)) return sum;
+        if (!(f->t > 0) || !deeper) return sum;
         t->counts.refracted++;
         if (how == BENT) level++;
         weight *= f->t;

@@ -7,7 +7,8 @@
 
 #include "base/base.h"
 
-#if defined(__AVX2__)
+/* SIMD_SCALAR asks for one lane anywhere: tests do, and so does what has no vectors known here. */
+#if defined(__AVX2__) && !defined(SIMD_SCALAR)
 
 #include <immintrin.h>
 #define VF 8
@@ -35,7 +36,7 @@ static inline vd vd_lt(vd a, vd b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
 static inline vd vd_choose(vd m, vd a, vd b) { return _mm256_blendv_pd(b, a, m); }
 static inline unsigned vd_bits(vd m) { return (unsigned)_mm256_movemask_pd(m); }
 
-#elif defined(__SSE2__)
+#elif defined(__SSE2__) && !defined(SIMD_SCALAR)
 
 #include <emmintrin.h>
 #define VF 4
@@ -62,7 +63,7 @@ static inline vd vd_choose(vd m, vd a, vd b)
 }
 static inline unsigned vd_bits(vd m) { return (unsigned)_mm_movemask_pd(m); }
 
-#else /* any other machine: one lane; masks are 1 and 0 */
+#else /* one lane; masks are 1 and 0 */
 
 #define VF 1
 #define VD 1

@@ -14,7 +14,7 @@
 enum trace_isa { TRACE_AUTO, TRACE_SSE2, TRACE_AVX2 };
 
 struct trace_options {
-    int depth;        /* levels: 5 is the eye ray and four more */
+    int depth;        /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
     int samples;      /* per pixel, a square: 1 is the centre, n*n are stratified in the pixel */
     double threshold; /* < 0: always all samples; else refine only pixels whose first 4 samples differ by more */
     enum trace_isa isa;

@@ -12,6 +12,8 @@
 #define CRC_FACTOR 64
 #define CRC_FREE (64 * (uint64_t)WIRE_FRAG_PIXELS_MAX * WIRE_PIXEL_BYTES)
 
+#define KIND_MAX 5 /* letters of a record's name */
+
 enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
 
 static const struct grammar {
@@ -223,12 +225,12 @@ static bool seek_record(struct decoder *d)
     for (; o < n; o++) {
         size_t left = n - o;
         if (!strchr("fsgtdhbu", data[o]) || !data[o]) continue;
-        if (left < 7 && !d->ended) break; /* a name may be cut off here */
-        if (kind_of(data + o, left) == REC_KINDS) continue;
+        bool named = kind_of(data + o, left) != REC_KINDS;
+        if (!named && left > KIND_MAX) continue;
         size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;
         const char *nl = memchr(data + o, '\n', span);
-        if (!nl && left < WIRE_LINE_MAX && !d->ended) break;
-        if (nl && parse_line(data + o, (size_t)(nl - data) - o, d->upward, &r, why)) {
+        if (!nl && left < WIRE_LINE_MAX && !d->ended) break; /* it may be cut off here */
+        if (named && nl && parse_line(data + o, (size_t)(nl - data) - o, d->upward, &r, why)) {
             found = true;
             break;
         }
@@ -247,8 +249,7 @@ static void lose(struct decoder *d, const struct record *r)
     size_t step = 1;
     if (r->body) {
         d->checked += r->body_len;
-        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped)
-            step = r->line_len + 1 + r->body_len;
+        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = r->line_len + 1 + r->body_len;
     }
     if (!d->lost) d->bad++;
     d->lost = true;

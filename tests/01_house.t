@@ -1,0 +1,214 @@
+#!/bin/sh
+# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; examples; wire labels.
+# Every check prints what breaks it as file:line.
+. "$(dirname "$0")/lib.sh"
+cd "$root" || exit 3
+
+# clean NAME: nothing was found, a line each in $found
+found=$tmp/found
+clean() { if [ -s "$found" ]; then fail "$1" "$(cat "$found")"; else pass "$1"; fi; }
+
+# ---- which module may include which: a line a module, its own headers besides --------------------------------
+cat >"$tmp/arrows" <<'END'
+base
+task base
+wire task base
+image task base
+stats base
+scene base
+spd scene base
+trace scene image task base
+volume image task base
+sched task base
+sim sched stats task base
+proc base
+worker wire image task base
+drive sched proc wire task base
+END
+
+awk '
+FNR == NR { known[$1] = 1; for (i = 2; i <= NF; i++) may[$1, $i] = 1; next }
+FNR == 1 { split(FILENAME, path, "/"); from = path[2]; if (!known[from]) print FILENAME ":1: module " from " is not in the table" }
+/^[ \t]*#[ \t]*include[ \t]*"/ {
+	split($0, part, "\""); split(part[2], to, "/")
+	if (to[1] == from) next
+	if (!known[to[1]]) print FILENAME ":" FNR ": " part[2] " is in no module"
+	else if (!((from, to[1]) in may)) print FILENAME ":" FNR ": " from " may not include " to[1]
+	else if (to[2] != to[1] ".h") print FILENAME ":" FNR ": " part[2] " is private to " to[1]
+}' "$tmp/arrows" lib/*/*.[ch] >"$found"
+clean 'modules include only what the table allows'
+
+awk '/^[ \t]*#[ \t]*include[ \t]*"/ {
+	split($0, part, "\""); split(part[2], to, "/")
+	if (to[2] != to[1] ".h") print FILENAME ":" FNR ": " part[2] " is private to " to[1]
+}' bin/*.c >"$found"
+clean 'programs include public headers only'
+
+for dir in lib/*/; do
+	module=$(basename "$dir")
+	[ -e "$dir$module.h" ] || { echo "$dir: has no $module.h"; continue; }
+	echo "#include \"$module/$module.h\"" |
+		cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only -Ilib -x c - 2>&1
+done >"$found"
+clean 'every public header compiles alone'
+
+# ---- sizes -------------------------------------------------------------------------------------------------
+sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
+scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/balance* tests/* tests/fuzz/run tests/bench/* .ci/run 2>/dev/null)
+# shellcheck disable=SC2086  # lists of names without blanks
+{
+	awk 'length > 100 { print FILENAME ":" FNR ": " length " columns, expected at most 100" }' $sources >"$found"
+	clean 'lines have at most 100 columns'
+	awk 'FNR > 400 && !said[FILENAME]++ { print FILENAME ":401: expected at most 400 lines" }' lib/*/*.[ch] bin/*.c >"$found"
+	clean 'files have at most 400 lines'
+	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
+	clean 'functions have at most 70 lines'
+	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/* >"$found"
+	clean 'no blanks at the end of lines'
+}
+
+# ---- calls that are not made -------------------------------------------------------------------------------
+# ban WHY ERE FILE ...: no call of these
+ban() {
+	why=$1 calls=$2
+	shift 2
+	grep -nE "(^|[^A-Za-z0-9_.>])($calls) *\\(" "$@" | grep -vE '^[^:]*:[0-9]+: *(/?\*|//)' >"$found"
+	clean "$why"
+}
+lib=$(ls lib/*/*.[ch])
+# shellcheck disable=SC2046,SC2086
+{
+	ban 'no unchecked parsing, unbounded copying or hidden state' \
+		'ato[ifl]|atoll|v?sprintf|strn?cpy|strn?cat|gets|[fs]?scanf|strtok|s?rand|s?random|[djlm]rand48|system|tmpnam|mktemp|alloca' $lib bin/*.c
+	ban 'numbers are parsed in base, and in scene by its own rules' 'strto[a-z]+' \
+		$(echo "$lib" | grep -vE '^lib/(base/number|scene/token|scene/pov)\.c$') bin/*.c
+	ban 'memory comes from the allocators of base' '[mc]alloc|realloc|strn?dup|aligned_alloc' \
+		$(echo "$lib" | grep -v '^lib/base/memory\.c$') bin/*.c
+	ban 'the library exits only in die, and where its reader is gone' '_?exit|abort' \
+		$(echo "$lib" | grep -vE '^lib/(base/message|proc/child|worker/worker)\.c$')
+}
+# shellcheck disable=SC2046,SC2086
+{
+	others=$(echo "$lib" | grep -v '^lib/base/')
+	ban 'messages have one form' 'perror|v?errx?|v?warnx|v?syslog|psignal' $others bin/*.c
+	grep -nw stderr $others bin/*.c | grep -vE ':[0-9]+: *(/?\*)|STDERR|/\*.*stderr' >"$found"
+}
+clean 'messages go through base'
+for c in bin/*.c; do grep -q 'close_stdout()' "$c" || grep -q 'worker_run\|drive_' "$c" || echo "$c:1: stdout is not checked at the end"; done >"$found"
+clean 'every program checks its output at the end'
+
+# ---- options: getopt, usage and man page say the same --------------------------------------------------------
+letters() { grep -o . | grep '[A-Za-z0-9]' | sort -u | tr -d '\n'; }
+by_getopt() {
+	case $1 in
+	*.c) sed -nE 's/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
+	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
+	esac | letters
+}
+by_usage() { # -h may go without saying
+	{ "$1" -h; echo ' [-h'; } | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
+}
+by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
+programs=$(for c in bin/*.c; do basename "$c" .c; done; echo balance)
+for program in $programs; do
+	source=bin/$program.c page=man/$program.1
+	[ -e "$source" ] || source=bin/$program
+	options=$(by_getopt "$source")
+	"$program" -h >"$tmp/usage" 2>"$tmp/stderr" || echo "$source:1: -h exits $?"
+	[ ! -s "$tmp/stderr" ] || echo "$source:1: -h writes to stderr"
+	[ "$(by_usage "$program")" = "$options" ] || echo "$source:1: getopt has \"$options\", -h says \"$(by_usage "$program")\""
+	[ -e "$page" ] || continue
+	[ "$(by_page "$page")" = "$options" ] || echo "$page:1: getopt has \"$options\", the page \"$(by_page "$page")\""
+done >"$found"
+clean 'getopt, -h and man page name the same options'
+
+for program in $programs; do
+	"$program" -'?' >"$tmp/stdout" 2>"$tmp/stderr"
+	[ $? -eq 2 ] || echo "$program: an unknown option does not exit 2"
+	[ ! -s "$tmp/stdout" ] || echo "$program: an unknown option writes to stdout"
+done >"$found"
+clean 'an unknown option is refused'
+
+# ---- man pages -----------------------------------------------------------------------------------------------
+for program in $programs; do [ -e "man/$program.1" ] || echo "man/$program.1: is missing"; done >"$found"
+clean 'every program has a man page'
+for method in bin/balance-*; do
+	page=man/$(basename "$method").1
+	[ -e "$page" ] || echo "$page: is missing"
+done >"$found"
+clean 'every method has a man page'
+for page in stormring.7 stormring-task.5 stormring-frag.5 stormring-nff.5; do [ -e "man/$page" ] || echo "man/$page: is missing"; done >"$found"
+clean 'the front door and the formats have man pages'
+
+for page in man/*.[1-9]; do mandoc -T lint -W warning "$page"; done >"$found"
+clean 'mandoc finds nothing to warn of'
+for page in man/*.[1-9]; do
+	sections='NAME DESCRIPTION EXAMPLES SEE_ALSO'
+	case $page in *.1) sections='NAME SYNOPSIS DESCRIPTION EXIT_STATUS EXAMPLES SEE_ALSO' ;; esac
+	for section in $sections; do
+		grep -qx "\.Sh $(echo "$section" | tr _ ' ')" "$page" || echo "$page:1: has no section $section"
+	done
+done >"$found"
+clean 'every page has its sections'
+awk '/^\.Xr / { print FILENAME, FNR, $2 "." $3 }' man/*.[1-9] | while read -r page line to; do
+	case $to in stormring* | balance*) [ -e "man/$to" ] ;; *) [ -e "man/$to" ] || [ ! -e "bin/${to%.1}.c" ] ;; esac ||
+		echo "$page:$line: man/$to is missing"
+done >"$found"
+clean 'pages refer to pages that exist'
+
+# ---- examples: in literal displays of EXAMPLES (in README: in code blocks), lines that begin with "$ " are run, with
+# the here-documents and continuation lines that belong to them; a display stops at the first command that fails.
+examples() {
+	awk -v mark="'" '
+	FILENAME ~ /\.md$/ && /^```/ { shown = !shown; if (!shown) print "#end"; next }
+	/^\.Sh / { section = $0 }
+	/^\.Bd -literal/ && section == ".Sh EXAMPLES" { shown = 1; next }
+	/^\.Ed/ { if (shown) print "#end"; shown = 0 }
+	!shown { next }
+	{ gsub(/\\e/, "\\"); gsub(/\\\(aq/, mark); gsub(/\\&/, ""); gsub(/\\-/, "-") }
+	here != "" { print; if ($0 == here) here = ""; next }
+	/^\$ / || more {
+		sub(/^\$ /, ""); print; more = /\\$/
+		if (match($0, /<<-?[^ ;|&)]+/)) { here = substr($0, RSTART + 2, RLENGTH - 2); gsub("[-\"" mark "]", "", here) }
+	}' "$1"
+}
+try() { # PAGE: all of its displays in one directory, in order
+	rm -rf "$tmp/work" && mkdir "$tmp/work"
+	examples "$root/$1" >"$tmp/script"
+	grep -qv '^#end' "$tmp/script" || { echo "$1: has no example that is run (lines beginning with \"\$ \")"; return; }
+	(cd "$tmp/work" && timeout 120 sh -e "$tmp/script") >"$tmp/said" 2>&1 </dev/null ||
+		{ echo "$1: an example exits $?, after saying:"; tail -n 5 "$tmp/said"; }
+}
+for page in man/*.[1-9]; do
+	try "$page" >"$found"
+	clean "the examples of $(basename "$page") work"
+done
+: >"$found"
+! grep -q '^\$ ' README.md 2>/dev/null || try README.md >"$found"
+clean 'the commands of README.md work'
+
+# ---- wire labels: names of records and keys are the same in code and in the pages of section 5 -----------------
+# In the pages, records are `.It Ic NAME ...`, keys `.It Cm KEY Ns = ...`.
+pages='man/stormring-task.5 man/stormring-frag.5'
+# shellcheck disable=SC2086
+{
+	sed -nE 's/^ *\[REC_[A-Z]+\] = \{"([a-z]+)".*/\1/p' lib/wire/decode.c | sort >"$tmp/code"
+	cat $pages 2>&1 | sed -nE 's/^\.It Ic ([a-z]+).*/\1/p' | sort -u >"$tmp/pages"
+	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</lib\/wire knows, the pages do not: /p; s/^>/the pages know, lib\/wire does not: /p' >"$found"
+	clean 'the pages name the records that lib/wire knows'
+	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c'
+	{
+		cat $wire bin/*.c | grep -oE '(rec_(key|int|real|str)\(&?r, |has_key\(r, )"[a-z_]+"' | grep -oE '[a-z_]+"$' | tr -d '"'
+		cat $wire | grep -oE '[" ][a-z_]+=%' | tr -d '" =%'
+	} | sort -u >"$tmp/code"
+	cat $pages 2>&1 | sed -nE 's/^\.It Cm ([a-z_]+) Ns =.*/\1/p' | sort -u >"$tmp/pages"
+	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</the code has, the pages do not: /p; s/^>/the pages have, the code does not: /p' >"$found"
+	clean 'the pages name the keys that the code reads and writes'
+}
+
+# ---- the rest --------------------------------------------------------------------------------------------------
+git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
+clean 'nothing built is committed'
+printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|gears\.(png|frags)' >"$found"
+clean 'the top level is as fixed'
+finish

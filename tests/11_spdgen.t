@@ -1,0 +1,36 @@
+#!/bin/sh
+# spdgen: what it lists, writes and refuses. That the scenes are SPD's is build/unit/test_spd's affair.
+. "$(dirname "$0")/lib.sh"
+
+run spdgen -h
+is '-h exits 0' "$status" 0
+like '-h prints the usage' "$out" '^usage: spdgen '
+
+run spdgen -l
+is '-l exits 0' "$status" 0
+like 'balls at its default' "$out" '^balls 4 7382 '
+like 'gears at its default' "$out" '^gears 4 9345 '
+like 'tetra at its default' "$out" '^tetra 6 4096 '
+run spdgen -l -s 2
+like 'gears at size 2' "$out" '^gears 2 1169 '
+spdgen -l | grep -v '^#' | while read -r name size primitives _; do
+	[ "$(spdgen "$name" | grep -c '^[sp] ')" = "$primitives" ] || echo "$name $size"
+done >wrong
+is 'as many primitives are written as are listed' "$(cat wrong)" ''
+spdgen tetra >default
+spdgen -s 6 tetra >named
+ok 'the default size is the listed one' cmp default named
+
+for bad in '-s 0 balls' '-s -1 balls' '-s 1.5 balls' '-s x balls' '-s 8 balls' '-s 41 gears' '-s 12 tetra' \
+	'-s 99999999999 tetra' '-p 5 balls' '-p 18 balls' 'teacup' '' 'balls gears' '-l balls' '-q balls'; do
+	# shellcheck disable=SC2086  # a word each
+	run spdgen $bad
+	is "refused: spdgen $bad" "$status:$out" 2:
+	like "and it says why: spdgen $bad" "$err" '^(spdgen: |usage: spdgen )'
+done
+ok 'the largest size is taken' sh -c 'spdgen -s 40 gears | head -c 100 | grep -q resolution'
+
+run sh -c 'spdgen balls >/dev/full'
+is 'a full disk exits 3' "$status" 3
+like 'and it says so' "$err" '^spdgen: standard output:'
+finish

@@ -1,0 +1,105 @@
+#!/bin/sh
+# imgcmp: its figures, its exit statuses, and that pictures of other programs mean what they should.
+# shellcheck disable=SC1091,SC2059,SC2154
+. "$(dirname "$0")/lib.sh"
+
+# grey WIDTH HEIGHT BYTE(octal) ...: a PGM with these samples, the last one repeated
+grey() {
+	w=$1 h=$2
+	shift 2
+	printf 'P5\n%d %d\n255\n' "$w" "$h"
+	i=0
+	while [ $i -lt $((w * h)) ]; do
+		printf "\\$1"
+		[ $# -eq 1 ] || shift
+		i=$((i + 1))
+	done
+}
+# figure NAME: its value in what imgcmp said last
+figure() { printf '%s\n' "$out" | awk -F '\t' -v k="$1" '$1 == k { print $2 }'; }
+
+grey 20 10 000 >black.pgm
+grey 20 10 000 000 377 000 >dot.pgm
+grey 10 20 000 >tall.pgm
+
+run imgcmp black.pgm black.pgm
+is 'equal pictures: status 0' "$status" 0
+is 'equal pictures: the figures' "$out" "$(printf '%s\t%s\n' size 20x10 rmse 0 rmse_kept 0 dropped 0 \
+	psnr_db inf worst 0 worst_at 0,0 tolerance 0.00392156863 over 0 over_percent 0.000000 differing 0)"
+
+run imgcmp black.pgm dot.pgm
+is 'a pixel differs: status 1' "$status" 1
+is 'where the worst pixel is' "$(figure worst_at) $(figure worst)" '2,0 1'
+is 'rmse of one white pixel in 200' "$(figure rmse)" 0.0707106781
+is 'psnr' "$(figure psnr_db)" 23.0103
+is 'pixels over tolerance' "$(figure over) $(figure over_percent) $(figure differing)" '1 0.500000 1'
+is 'eleven lines of name TAB value' "$(printf '%s\n' "$out" | grep -c '^[a-z_]*	[^	]*$')" 11
+
+run imgcmp -d 0.005 black.pgm dot.pgm
+is '-d leaves the worst out' "$(figure rmse_kept) $(figure dropped)" '0 1'
+is '-d is no limit' "$status" 1
+
+ok '-f: few enough pixels over tolerance' imgcmp -f 0.005 black.pgm dot.pgm
+run imgcmp -f 0.0049 black.pgm dot.pgm
+is '-f: too many' "$status" 1
+run imgcmp -t 0.5 black.pgm dot.pgm
+is '-t alone allows none over it' "$status" 1
+ok '-t 1 allows everything' imgcmp -t 1 black.pgm dot.pgm
+ok '-r: rmse without the worst' imgcmp -d 0.005 -r 0 black.pgm dot.pgm
+run imgcmp -d 0 -r 0.07 black.pgm dot.pgm
+is '-r: over the limit' "$status" 1
+run imgcmp -d 0.005 -r 0 -f 0 black.pgm dot.pgm
+is 'both limits must hold' "$status" 1
+
+run imgcmp black.pgm tall.pgm
+is 'another size: status 1' "$status" 1
+like 'another size: said' "$err" 'black.pgm has 20x10 pixels, tall.pgm 10x20: expected the same size'
+run imgcmp -q black.pgm tall.pgm
+is '-q: silent' "$status$out$err" 1
+run imgcmp -q black.pgm dot.pgm
+is '-q: silent on differences' "$status$out$err" 1
+
+ok 'A from standard input' sh -c 'imgcmp - black.pgm <black.pgm'
+ok 'B from standard input' sh -c 'imgcmp black.pgm - <black.pgm'
+run imgcmp - -
+is 'both from standard input: status 2' "$status" 2
+run imgcmp black.pgm nosuch.png
+is 'no such file: status 2' "$status" 2
+like 'no such file: said' "$err" 'imgcmp: nosuch.png: No such file or directory'
+head -c 50 black.pgm >cut.pgm
+run imgcmp cut.pgm black.pgm
+is 'a damaged file: status 2' "$status" 2
+like 'a damaged file: said' "$err" 'cut.pgm: 37 bytes of pixels, expected 200'
+for args in '' 'a' 'a b c' '-t x a b' '-t -1 a b' '-f 2 a b' '-z a b' '-r nan a b'; do
+	# shellcheck disable=SC2086
+	run imgcmp $args
+	is "usage: imgcmp $args" "$status" 2
+done
+run imgcmp -h
+is '-h: usage and status 0' "$status $(printf '%s' "$out" | cut -c 1-14)" '0 usage: imgcmp '
+status=0
+imgcmp black.pgm dot.pgm >/dev/full 2>err.txt || status=$?
+is 'nowhere to write: status 3' "$status" 3
+like 'nowhere to write: said' "$(cat err.txt)" 'imgcmp: standard output: No space left'
+
+# POV-Ray: its linear 16-bit PPM, linear and sRGB PNG are one picture.
+cat >ball.pov <<'POV'
+#version 3.7;
+global_settings { assumed_gamma 1 }
+camera { location <0,0,-3> direction <0,0,1> right x up y }
+light_source { <5,5,-5> rgb 1 }
+sphere { 0, 1 pigment { rgb <.5,.7,.2> } finish { ambient .2 } }
+POV
+pov() { povray ball.pov "$@" -A -D +W48 +H48 >/dev/null 2>&1; }
+if command -v povray >/dev/null; then
+	pov File_Gamma=1 +FP16 +Olinear.ppm
+	pov File_Gamma=1 +FN16 +Olinear.png
+	pov +FN16 +Osrgb16.png
+	pov +FN +Osrgb8.png
+	ok "POV-Ray's linear PPM is its linear PNG" imgcmp linear.ppm linear.png
+	ok "POV-Ray's 16-bit sRGB PNG, to its rounding" imgcmp -t 0.00005 linear.ppm srgb16.png
+	ok "POV-Ray's 8-bit sRGB PNG, to its rounding" imgcmp -t 0.005 linear.ppm srgb8.png
+else
+	skip "POV-Ray's pictures" 'no povray'
+fi
+finish

@@ -1,0 +1,51 @@
+#!/bin/sh
+# nff2pov: refusals, hither, and that POV-Ray's picture of what it writes is rtworker's.
+. "$(dirname "$0")/lib.sh"
+
+run nff2pov -h
+is '-h exits 0' "$status" 0
+for bad in '-x 0 s.nff' '-x -1 s.nff' '-x nan s.nff' '-y s.nff' 's.nff s.nff' 'missing.nff'; do
+	# shellcheck disable=SC2086  # a word each
+	run nff2pov $bad
+	is "refused: nff2pov $bad" "$status:$out" 2:
+done
+spdgen -s 1 balls | sed 's/^s 0 0 0 .*/s 0 0 0 nan/' >nan.nff
+run nff2pov nan.nff
+is 'a bad scene exits 2' "$status:$out" 2:
+like 'and the message has file and line' "$err" "^nff2pov: nan.nff:19: sphere's radius is 'nan', expected a number"
+spdgen -s 1 balls >balls.nff
+nff2pov balls.nff >a.pov
+nff2pov - <balls.nff >b.pov
+nff2pov <balls.nff >c.pov
+ok 'from a file, from -, and from standard input' cmp a.pov b.pov
+ok 'the same' cmp a.pov c.pov
+like 'the head tells the command' "$(head -n 3 a.pov)" 'povray .* File_Gamma=1 \+FP16 -A -D'
+
+sed 's/^hither .*/hither 3/' balls.nff >near.nff
+run nff2pov near.nff
+is 'hither that hides something exits 1' "$status" 1
+like 'and it says what' "$err" '^nff2pov: near.nff: hither 3 may hide part of primitive 1,'
+like 'and the scene is written all the same' "$out" '^sphere '
+
+# same NAME FACTOR WxH FILE: within the bounds that can be reached
+same() {
+	nff2pov -x "$2" "$4" >s.pov || return
+	povray +Is.pov +Os.ppm "+W${3%x*}" "+H${3#*x}" File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 ||
+		{ tail -n 5 povray.log; return 1; }
+	partition "$3" | rtworker "$4" | gather -o s.pfm || return
+	imgcmp -d 0.001 -r 0.00001 s.pfm s.ppm && imgcmp -q -t 0.003922 -f 0.0005 s.pfm s.ppm
+}
+if command -v povray >/dev/null; then
+	for scene in cones glass polygons; do
+		ok "POV-Ray agrees on $scene" same "$scene" 100 200x150 "$root/scenes/$scene.nff"
+		ok "and on a tall picture of $scene" same "$scene" 100 60x200 "$root/scenes/$scene.nff"
+	done
+	ok 'POV-Ray agrees on balls' same balls 100 128x128 balls.nff
+	spdgen -s 2 gears >gears.nff
+	ok 'POV-Ray agrees on gears' same gears 100 128x128 gears.nff
+	spdgen -s 3 tetra >tetra.nff
+	ok 'POV-Ray agrees on tetra' same tetra 1 128x128 tetra.nff
+else
+	skip 'agreement with POV-Ray' 'povray is not installed'
+fi
+finish

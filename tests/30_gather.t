@@ -1,0 +1,278 @@
+#!/bin/sh
+# gather: what it assembles, what it refuses, what it says about the rest, and how it ends.
+# shellcheck disable=SC1091,SC2059,SC2154
+. "$(dirname "$0")/lib.sh"
+
+# The 4 bytes of an RGBA pixel's floats 1/2, 0, 1/4, 1, and of another with 1 for 1/2.
+half='\000\000\000\077\000\000\000\000\000\000\200\076\000\000\200\077'
+full='\000\000\200\077\000\000\000\000\000\000\200\076\000\000\200\077'
+
+# frag FRAME ID "X Y W H SX SY" PIXEL COUNT [KEYS]: one record
+frag() {
+	rm -f body
+	i=0
+	while [ $i -lt "$5" ]; do
+		printf "$4"
+		i=$((i + 1))
+	done >body
+	crc=$(gzip -c <body | tail -c 8 | od -An -tu1 -N4 |
+		awk '{ printf "%.0f", $1 + 256 * ($2 + 256 * ($3 + 256 * $4)) }')
+	printf 'frag %s %s %s ch=4 crc=%s bytes=%d%s\n' "$1" "$2" "$3" "$crc" $((16 * $5)) "${6-}"
+	cat body
+}
+# picture FRAME [JOB]: a whole stream of 3 rows of 4 pixels
+picture() {
+	echo 'hello rtworker 0.1 selftest=0'
+	echo "frame $1 4 3 job=${2-cafe}"
+	for y in 0 1 2; do
+		echo "done $1 $y cpu_us=1 wall_us=1"
+		frag "$1" "$y" "0 $y 4 1 1 1" "$half" 4
+	done
+	echo bye
+}
+picture 0 >whole
+{
+	printf 'P7\nWIDTH 4\nHEIGHT 3\nDEPTH 3\nMAXVAL 255\nTUPLTYPE RGB\nENDHDR\n'
+	i=0
+	while [ $i -lt 12 ]; do printf '\274\000\211'; i=$((i + 1)); done
+} >want.pam
+
+# ---- whole pictures
+run gather -o a.pam whole
+is 'a whole picture: status 0, silent' "$status$out$err" 0
+ok 'the pixels that were sent' cmp a.pam want.pam
+gather <whole >a.png
+ok 'PNG on standard output' imgcmp a.png want.pam
+ok 'PNG holds the job' grep -aq 'tEXtJob.cafe' a.png
+gather -o b.png <whole
+ok 'the same bytes every time' cmp a.png b.png
+gather -k 16 -o c.png whole
+gather -o c.pfm whole
+ok '-k 16: linear light to 1/65535' imgcmp -t 0.000008 c.png c.pfm
+{
+	echo 'frame 0 4 3 job=cafe w=0'
+	frag 0 7 '1 0 6 1 2 1' "$half" 6 ' w=0'
+	frag 0 8 '0 0 6 1 2 1' "$half" 6 ' w=1.2'
+} >scattered
+gather -o e.png scattered
+ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e.png
+
+# ---- twice, and differently
+{ cat whole; frag 0 9 '0 1 4 1 1 1' "$full" 4; } >twice
+run gather -o t.pam twice
+is 'differing duplicates: status 0' "$status" 0
+like 'differing duplicates: numbers' "$err" '^gather: 4 pixels came twice and differ, .*frame 0 at 0,1, by 0.5: the first'
+ok 'the first stands' cmp t.pam want.pam
+cat whole whole >same
+run gather -o t.pam same
+is 'equal duplicates: silent' "$status$err" 0
+gather <same >s.png
+ok 'a whole picture is written once' cmp a.png s.png
+{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; cat whole; } | gather -o t.pam 2>err.txt
+like 'the overlap alone is counted' "$(cat err.txt)" '^gather: 8 pixels came twice and differ'
+{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; frag 0 2 '0 2 4 1 1 1' "$half" 4; } |
+	gather -o u.pam
+ok 'the first stands, whatever comes before the frame is whole' cmp t.pam u.pam
+
+# ---- refused
+{
+	echo 'frame 0 4 3 job=cafe w=0'
+	echo 'frame 0 4 3 job=beef w=1'
+	frag 0 0 '0 0 4 3 1 1' "$full" 12 ' w=1'
+	cat whole
+} >foreign
+run gather -o f.pam foreign
+is 'another job: status 0 once the rest is there' "$status" 0
+like 'another job: named' "$err" 'frame 0: worker 1 has job beef of 4x3, expected cafe of 4x3'
+like 'another job: counted' "$err" '1 fragment ignored: of another job'
+ok 'another job: not in the picture' cmp f.pam want.pam
+{
+	frag 0 0 '0 0 4 1 1 1' "$full" 4
+	cat whole
+	frag 0 0 '0 3 4 1 1 1' "$full" 4
+	echo 'task 0 9 0 0 1 1 1 1'
+	echo 'frame 0 4 3'
+} >odd
+run gather -o f.pam odd
+is 'garbage: status 0' "$status" 0
+like 'a fragment before its frame' "$err" '1 fragment ignored: of no declared frame'
+like 'a fragment outside' "$err" '1 fragment ignored: outside'
+like 'tasks, and frames without a job' "$err" '2 records ignored, expected fragments'
+ok 'garbage: not in the picture' cmp f.pam want.pam
+printf 'Linux render1 6.1.0\nLast login: today\n' | cat - whole >chatty
+run gather -o f.pam chatty
+is 'bytes between records: status 0' "$status" 0
+like 'bytes between records: counted' "$err" 'damaged record.*\(38 bytes\) skipped'
+
+# ---- incomplete
+head -c 200 whole >torn
+run gather -o n.png torn
+is 'incomplete: status 1' "$status" 1
+like 'incomplete: what is missing' "$err" '^gather: frame 0: 8 of 12 pixels missing: rows 1-2$'
+like 'incomplete: the command' "$err" \
+	'^gather: to finish: gather -m torn \| rtworker SCENE >> torn; gather -o n.png torn$'
+is 'incomplete: no file' "$(find . -name 'n.png*')" ''
+run gather -k 16 -l 'the log' -o n.png torn
+like 'the command, from a log with an odd name' "$err" \
+	"gather -m 'the log' \| rtworker SCENE >> 'the log'; gather -k 16 -o n.png 'the log'\$"
+run sh -c 'gather -o n.png <torn'
+like 'without a log' "$err" 'no log was kept'
+run gather -o n.png /dev/null
+is 'nothing at all: status 1' "$status" 1
+like 'nothing at all: said' "$err" 'no frame was declared'
+
+# ---- what is missing, as tasks
+run gather -m whole
+is '-m: nothing is missing' "$status$out$err" 0
+run gather -m torn
+is '-m: frame and tasks, new ids' "$out" 'frame 0 4 3
+task 0 1 0 1 4 1 1 1
+task 0 2 0 2 4 1 1 1'
+spdgen -s 2 tetra >tetra.nff
+partition 16x12 | rtworker tetra.nff >good.frags
+head -c 1700 good.frags >job.frags
+run gather -o tetra.png job.frags
+is 'a torn log of rtworker: status 1' "$status" 1
+remedy=$(printf '%s\n' "$err" | sed -n 's/^gather: to finish: //p' | sed 's/SCENE/tetra.nff/')
+ok 'the command that was printed' sh -c "$remedy"
+gather -o all.png good.frags
+ok 'gives the same bytes' cmp tetra.png all.png
+
+# Every byte: the stream may end there; or that record alone may be torn there, and others follow.
+# offsets: "kind row from to" of each record of `whole`
+offsets() {
+	at=0
+	while read -r kind row size; do
+		echo "$kind $row $at $((at + size))"
+		at=$((at + size))
+	done <<LIST
+hello - 30
+frame - 21
+$(for y in 0 1 2; do
+		echo "done - $(printf 'done 0 %d cpu_us=1 wall_us=1\n' $y | wc -c)"
+		echo "frag $y $(frag 0 $y "0 $y 4 1 1 1" "$half" 4 | wc -c)"
+	done)
+bye - 4
+LIST
+}
+offsets >offsets.txt
+is 'the offsets end where the stream does' "$(tail -n 1 offsets.txt | cut -d ' ' -f 4)" "$(wc -c <whole | tr -d ' ')"
+# rows: the rows of the tasks that gather -m lists
+rows() { awk '$1 == "task" { if ($4 != 0 || $6 != 4 || $7 != 1) print "odd"; print $5 }' listed | tr '\n' ' '; }
+bad='' checked=0 missing='0 1 2 '
+while read -r kind row from to; do
+	at=$from
+	while [ "$at" -lt "$to" ]; do
+		expected=1
+		[ "$from" -gt 30 ] && expected=0
+		head -c "$at" whole >ended
+		gather -m ended >listed 2>/dev/null
+		got="$? $(rows)"
+		want="$expected $([ $expected -eq 1 ] || printf %s "$missing")"
+		[ "$got" = "$want" ] || bad="$bad
+end at $at: got $got, expected $want"
+		if [ "$at" -gt "$from" ]; then
+			tail -c +$((to + 1)) whole | cat ended - >hole
+			gather -m hole >listed 2>/dev/null
+			got="$? $(rows)"
+			want='0 '
+			[ "$kind" = frame ] && want='1 '
+			[ "$kind" = frag ] && want="0 $row "
+			[ "$got" = "$want" ] || bad="$bad
+torn at $at: got $got, expected $want"
+		fi
+		checked=$((checked + 1))
+		at=$((at + 1))
+	done
+	[ "$kind" = frag ] && missing=${missing#* }
+done <offsets.txt
+is "cut at each of $checked bytes: exactly what was lost" "$bad" ''
+bad=''
+at=0
+while [ $at -lt "$checked" ]; do
+	head -c $at whole | cat - whole | gather -o r.pam 2>/dev/null || bad="$bad $at:status"
+	cmp -s r.pam want.pam || bad="$bad $at:pixels"
+	rm -f r.pam
+	at=$((at + 7))
+done
+is 'a torn run, then a good one: the picture' "$bad" ''
+
+# ---- the log
+rm -f log
+gather -l log -o l.png <whole
+ok '-l: every record as it was' cmp log whole
+gather -l log -o l.png <whole
+ok '-l: appends' cmp log same
+run gather -l log -o l.png log
+is 'the log as input: status 2' "$status" 2
+rm -f l.pam
+run gather -l /dev/full -o l.pam whole
+is 'log on a full disk: status 3' "$status" 3
+like 'log on a full disk: said' "$err" '/dev/full: No space left'
+ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
+
+# ---- several frames
+{ picture 0; picture 7; } >film
+run gather -o 'f%03d.pam' film
+is 'two frames: status 0' "$status" 0
+is 'two frames: their names' "$(echo f0*)" 'f000.pam f007.pam'
+for o in '-o x.png' ''; do
+	# shellcheck disable=SC2086
+	run gather $o film
+	is "two frames, one name ($o): status 2" "$status" 2
+	like "two frames, one name ($o): said" "$err" 'a second picture for .*, expected -o with %d'
+done
+{ picture 0; picture 7 | head -c 100; } >film
+run gather -o 'g%d.pam' film
+is 'one of two: status 1, and what is missing' "$status $(echo g*.pam)" '1 g0.pam'
+like 'one of two: said' "$err" 'frame 7: 12 of 12 pixels missing: rows 0-2'
+mkfifo slow
+gather -o 'p%d.pam' <slow &
+pid=$!
+exec 3>slow
+echo 'frame 7 4 3 job=cafe' >&3
+picture 0 >&3
+i=0
+while [ ! -e p0.pam ] && [ $i -lt 50 ]; do sleep 0.1; i=$((i + 1)); done
+ok 'a frame is written while the stream goes on' cmp p0.pam want.pam
+picture 7 >&3
+exec 3>&-
+ok 'end of a stalled stream' wait $pid
+
+# ---- bad usage
+for args in '-k 9' '-k x' '-o x.jpg' '-o png' '-o %s.png' '-o %d%d.png' '-m -o x.png' '-m -l x' '-z' \
+	'nosuch.frags'; do
+	# shellcheck disable=SC2086
+	run gather $args </dev/null
+	is "usage: gather $args" "$status" 2
+done
+run gather -h
+is '-h: usage and status 0' "$status $(printf '%s' "$out" | cut -c 1-14)" '0 usage: gather '
+run gather -o nosuch/x.png whole
+is 'no such directory: status 3 at once' "$status" 3
+
+# ---- ends
+status=0
+gather whole >/dev/full 2>err.txt || status=$?
+is 'full disk: status 3' "$status" 3
+like 'full disk: said' "$(cat err.txt)" '^gather: standard output: No space left'
+status=0
+gather -m torn >/dev/full 2>err.txt || status=$?
+is '-m on a full disk: status 3' "$status" 3
+{ sleep 0.3; gather whole 2>err.txt; echo $? >status; } | :
+is 'reader gone before: quiet, status 3' "$(cat status err.txt)" 3
+{ sleep 0.3; gather -m torn 2>err.txt; echo $? >status; } | :
+like '-m, reader gone: status 3' "$(cat status)" '^3$'
+mkfifo held
+sleep 20 >held &
+holder=$!
+{ gather <held 2>err.txt; echo $? >status; } | :
+kill $holder
+is 'reader gone while waiting for input: quiet, status 3' "$(cat status err.txt)" 3
+
+# ---- progress
+run gather -P -o a.pam whole
+like '-P: percent and ETA' "$err" 'gather: 100.0 %, ETA 0:00'
+run gather -o a.pam whole
+is 'no progress where stderr is a file' "$err" ''
+finish

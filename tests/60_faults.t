@@ -1,0 +1,187 @@
+#!/bin/sh
+# Invariants 3, 4 and 6 on one machine: whoever is killed, stops, babbles or leaves, nothing is lost that the method
+# can save, what is missing is named, and no process remains.
+. "$(dirname "$0")/lib.sh"
+
+# shellcheck disable=SC2154,SC2016,SC2094  # lib.sh sets them; scripts for others; a log that grows
+mark=stormring-test-$$
+spdgen -s 2 gears >gears.nff
+
+# Processes started under the mark; the environment is what they cannot shake off. No shell of the test has it.
+alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
+# program NAME: the pids of that name among them
+program() { for p in $(alive); do [ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && echo "$p"; done; }
+await() { # SECONDS COMMAND ...: until it succeeds
+	end=$(($(date +%s%N) / 1000000 + $1 * 1000))
+	shift
+	until "$@"; do
+		[ $(($(date +%s%N) / 1000000)) -lt $end ] || return 1
+		sleep .05
+	done
+}
+none_alive() { [ -z "$(alive)" ]; }
+working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
+cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
+trap cleanup EXIT
+
+partition 256x256 | rtworker -a 16 gears.nff | gather -o good.pfm
+# long METHOD [OPTIONS]: some seconds of work on 3 slots, in the background
+long() {
+	method=$1
+	shift
+	env MARK=$mark balance "$method" -j 3 -s 256x256 -W '-a 16' -o out.pfm "$@" gears.nff 2>said &
+	pid=$!
+}
+
+# ---- kill -9 of each stage: nothing remains, no half picture ----------------------------------------
+for stage in gather deal fan partition; do
+	rm -f out.pfm
+	long masterslave -l stage.log
+	await 5 working 3
+	sleep .2
+	victims=$(program $stage)
+	if [ $stage = partition ] && [ -z "$victims" ]; then
+		pass "partition was done before it could be killed"
+		kill -9 "$pid"
+	else
+		# shellcheck disable=SC2086
+		kill -9 $victims
+	fi
+	ok "kill -9 of $stage: no process after 2 s" await 2 none_alive
+	wait "$pid" 2>/dev/null
+	is "kill -9 of $stage: no picture" "$(ls out.pfm* 2>/dev/null)" ""
+	rm -f stage.log
+done
+long interleaved
+await 5 working 3
+kill -9 "$pid"
+ok "kill -9 of balance (interleaved): no process after 2 s" await 2 none_alive
+wait "$pid" 2>/dev/null
+env MARK=$mark sh -c 'pack scene gears.nff | cat >/dev/null; { pack scene gears.nff; partition 256x256; } |
+	deal fan -j 2 deal fan -j 2 rtworker -a 16 - | gather -o out.pfm' 2>said &
+pid=$!
+await 5 working 4
+# shellcheck disable=SC2046
+kill -9 $(program gather)
+ok "kill -9 of gather over a nest: no process after 2 s" await 2 none_alive
+wait "$pid" 2>/dev/null
+
+# ---- Ctrl-C: a signal to the foreground group --------------------------------------------------------
+# A session of its own, so that the test is not in the group; an interactive shell gives children the default action.
+setsid env MARK=$mark perl -e '$SIG{INT} = "DEFAULT"; setpgrp; exec @ARGV' \
+	balance masterslave -j 3 -s 256x256 -W '-a 16' -o out.pfm gears.nff 2>said &
+pid=$!
+await 5 working 3
+group=$(ps -o pgid= -p "$(program gather)" | tr -d ' ')
+kill -INT "-$group"
+ok "Ctrl-C: no process after 2 s" await 2 none_alive
+wait "$pid" 2>/dev/null
+is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
+
+# ---- a worker dies -----------------------------------------------------------------------------------
+long masterslave
+await 5 working 3
+sleep .3
+kill -9 "$(program rtworker | head -1)"
+wait "$pid"
+is "masterslave, a worker killed: exit 0" $? 0
+ok "masterslave, a worker killed: the same picture" cmp out.pfm good.pfm
+like "masterslave, a worker killed: it is said" "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+
+rm -f out.pfm
+long interleaved -l job.log
+await 5 working 3
+sleep .3
+kill -9 "$(program rtworker | head -1)"
+wait "$pid"
+is "interleaved, a worker killed: exit 1" $? 1
+like "interleaved: what is missing is listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
+is "interleaved: no picture" "$(ls out.pfm* 2>/dev/null)" ""
+like "interleaved: the command that finishes it is printed" "$(cat said)" 'gather -m job\.log \| rtworker .*>> *job\.log'
+gather -m job.log | rtworker -a 16 gears.nff >>job.log
+gather -o out.pfm job.log
+ok "and that command finishes it" cmp out.pfm good.pfm
+
+# ---- a worker stops, and one stops for a while ----------------------------------------------------------
+long masterslave
+await 5 working 3
+sleep .3
+kill -STOP "$(program rtworker | head -1)"
+wait "$pid"
+is "masterslave, a worker stopped: exit 0" $? 0
+ok "masterslave, a worker stopped: the same picture" cmp out.pfm good.pfm
+like "masterslave, a worker stopped: it is said" "$(cat said)" 'lost \(silent\)'
+ok "masterslave, a worker stopped: no process remains" await 2 none_alive
+long interleaved
+await 5 working 3
+p=$(program rtworker | head -1)
+kill -STOP "$p"
+sleep 1
+kill -CONT "$p"
+wait "$pid"
+is "interleaved, a worker stopped for 1 s: exit 0" $? 0
+ok "interleaved, a worker stopped for 1 s: the same picture" cmp out.pfm good.pfm
+
+# ---- every worker dies ---------------------------------------------------------------------------------
+long masterslave
+await 5 working 3
+# shellcheck disable=SC2046
+kill -9 $(program rtworker)
+wait "$pid"
+is "all workers killed: exit 1" $? 1
+like "all workers killed: it is said" "$(cat said)" 'no slot left'
+ok "all workers killed: no process remains" await 2 none_alive
+
+# ---- workers that cannot be trusted ---------------------------------------------------------------------
+partition 64x64 | rtworker gears.nff | gather -o small.pfm
+# liar N SCRIPT: slot 1 of 2 gets SCRIPT for a filter behind its worker
+liar() {
+	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\nexec rtworker -\n' \
+		"$tmp" "$tmp" "$1" >liar
+	chmod +x liar
+	rm -rf taken
+	{ pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 ./liar 2>said | gather -o out.pfm 2>>said
+	status=$?
+}
+liar 'rtworker - | { head -c 5000; cat /dev/urandom; }; exit'
+is "garbage after a while: exit 0" "$status" 0
+ok "garbage after a while: the same picture" cmp out.pfm small.pfm
+liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^frag 0 (\d+) 0 (\d+)/q(frag 0 ).\$1.q( 0 ).((\$2+1)%64)/e"; exit'
+ok "pixels of another row: the same picture" cmp out.pfm small.pfm
+like "pixels of another row: it is said" "$(cat said)" 'lost \((wrong-pixels|garbage)\)'
+liar 'sleep 600; exit'
+is "never a word: exit 0" "$status" 0
+ok "never a word: the same picture" cmp out.pfm small.pfm
+liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } print if /^done/"; exit'
+ok "says done twice: the same picture" cmp out.pfm small.pfm
+liar 'exit 0'
+ok "ends at once: the same picture" cmp out.pfm small.pfm
+liar 'echo "hello liar 1 selftest=0 power=1000"; exec rtworker - >/dev/null'
+ok "other arithmetic: the same picture" cmp out.pfm small.pfm
+ok "liars leave no process" await 2 none_alive
+run sh -c 'partition 8x8 | fan -j 2 no-such-program'
+is "a worker that does not exist: exit 3" "$status" 3
+like "a worker that does not exist: it is said" "$err" 'no-such-program: No such file'
+
+# ---- readers -------------------------------------------------------------------------------------------
+run sh -c "partition 64x64 | env MARK=$mark deal fan -j 2 rtworker gears.nff | head -c 1000 >/dev/null"
+ok "head -c 1000: no process remains" await 2 none_alive
+is "| head -c 1000: not a word" "$err" ""
+run sh -c "partition 64x64 | env MARK=$mark rtworker gears.nff | head -c 1000 >/dev/null"
+ok "| head -c 1000 of a lone worker: no process remains" await 2 none_alive
+partition 512x512 | env MARK=$mark deal fan -j 2 rtworker gears.nff | { sleep 5; gather -o out.pfm; }
+partition 512x512 | rtworker gears.nff | gather -o big.pfm
+ok "a reader that stops for 5 s: the whole picture" cmp out.pfm big.pfm
+for p in 'partition 8x8' 'spdgen tetra' 'pack scene gears.nff' 'rtworker -i gears.nff' 'nff2pov gears.nff' \
+	'fan -l' 'imgcmp small.pfm small.pfm' 'gather -m job.log' 'fragstat job.log'; do
+	[ "$p" = 'gather -m job.log' ] && head -c 100000 job.log >torn && p='gather -m torn'
+	run sh -c "$p >/dev/full"
+	is "$p >/dev/full: exit 3" "$status" 3
+	like "$p >/dev/full: it is said" "$err" 'No space left'
+done
+for p in 'rtworker gears.nff' 'deal fan -j 2 rtworker gears.nff' 'fan -j 2 rtworker gears.nff'; do
+	run sh -c "partition 64x64 | env MARK=$mark $p >/dev/full"
+	is "$p >/dev/full: exit 3" "$status" 3
+	ok "$p >/dev/full: no process remains" await 2 none_alive
+done
+finish

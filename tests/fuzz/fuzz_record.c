@@ -1,0 +1,155 @@
+/*
+ * Whatever the bytes and however they are cut up: the decoder hands out the same records, every byte belongs to a
+ * record or was counted as skipped, what it accepts is in range, and a record passed on is read again as it was.
+ * The first two bytes of an input say how it is fed; see `make fuzz`.
+ */
+#include "wire/wire.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t most);
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned seed);
+
+#define MUST(x)                                                                                    \
+    do {                                                                                           \
+        if (!(x)) fprintf(stderr, "%s:%d: %s does not hold\n", __FILE__, __LINE__, #x), abort();   \
+    } while (0)
+
+/* ---- mutations that get past the crc ---------------------------------------------------- */
+
+static uint8_t *find(uint8_t *at, const uint8_t *end, const char *text)
+{
+    return at < end ? memmem(at, (size_t)(end - at), text, strlen(text)) : NULL;
+}
+
+/* The first "crc=" at or after `at` is made right for the body that the line announces. Where to go on. */
+static uint8_t *mend_crc(uint8_t *at, uint8_t *end)
+{
+    uint8_t *crc = find(at, end, "crc="), *bytes = find(at, end, "bytes=");
+    if (!crc || !bytes) return NULL;
+    uint8_t *nl = find(bytes, end, "\n"), *digits = crc + 4;
+    size_t n = 0, room = 0;
+    for (uint8_t *d = bytes + 6; d < end && *d >= '0' && *d <= '9' && n < 1000000; d++)
+        n = n * 10 + (size_t)(*d - '0');
+    while (digits + room < end && digits[room] >= '0' && digits[room] <= '9') room++;
+    if (!nl || (size_t)(end - nl - 1) < n) return crc + 4;
+    char text[24];
+    snprintf(text, sizeof text, "%0*lu", (int)(room < 20 ? room : 20), crc32(0, nl + 1, (uInt)n));
+    if (strlen(text) == room) memcpy(digits, text, room);
+    return nl + 1 + n;
+}
+
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned seed)
+{
+    size = LLVMFuzzerMutate(data, size, most);
+    for (uint8_t *at = data; at && seed % 4; at = mend_crc(at, data + size))
+        ;
+    return size;
+}
+
+/* ---- one input -------------------------------------------------------------------------- */
+
+static void check_frag(const struct record *r)
+{
+    const struct lattice *at = &r->task.at;
+    MUST(lattice_count(at) >= 1 && lattice_count(at) <= WIRE_FRAG_PIXELS_MAX);
+    MUST(r->body_len == lattice_count(at) * WIRE_PIXEL_BYTES);
+    float *rgba = xmalloc(r->body_len, 1);
+    rec_pixels(r, rgba);
+    struct buf b = {0};
+    wire_frag(&b, &r->task, at, rgba);
+    MUST(memcmp(buf_data(&b) + buf_size(&b) - r->body_len, r->body, r->body_len) == 0);
+    buf_free(&b);
+    free(rgba);
+}
+
+static void check_forward(const struct record *r)
+{
+    struct buf b = {0};
+    struct decoder d = {0};
+    struct record again;
+    static const char *const drop[] = {"w", NULL};
+    wire_forward(&b, r, drop, "w=12.3");
+    wire_feed(&d, buf_data(&b), buf_size(&b));
+    wire_end(&d);
+    if (r->line_len + sizeof " w=12.3" > WIRE_LINE_MAX) {
+        wire_next(&d, &again);
+    } else {
+        char w[8];
+        MUST(wire_next(&d, &again) == WIRE_RECORD);
+        MUST(again.kind == r->kind && again.body_len == r->body_len);
+        MUST(memcmp(again.body, r->body, r->body_len) == 0);
+        MUST(memcmp(&again.task, &r->task, sizeof r->task) == 0);
+        MUST(again.frame_w == r->frame_w && again.frame_h == r->frame_h);
+        MUST(rec_str(&again, "w", w, sizeof w) && strcmp(w, "12.3") == 0);
+        MUST(wire_next(&d, &again) == WIRE_MORE && d.bad == 0);
+    }
+    buf_free(&b);
+    wire_free(&d);
+}
+
+static void check_record(const struct record *r, bool upward)
+{
+    MUST(r->kind < REC_KINDS && r->line_len < WIRE_LINE_MAX);
+    MUST(strncmp(r->line, rec_name(r->kind), strlen(rec_name(r->kind))) == 0);
+    MUST(r->task.to >= -1);
+    if (upward) MUST(r->kind != REC_SCENE && r->kind != REC_GRID && r->kind != REC_SPEC);
+    if (r->kind == REC_FRAME)
+        MUST(r->frame_w - 1 < FRAME_SIDE_MAX && r->frame_h - 1 < FRAME_SIDE_MAX);
+    if (r->kind == REC_FRAG) check_frag(r);
+    check_forward(r);
+}
+
+struct tally {
+    uint64_t records, bytes, bad, hash;
+};
+
+static void drain(struct decoder *d, struct tally *t, bool check)
+{
+    struct record r;
+    for (enum wire_result got; (got = wire_next(d, &r)) != WIRE_MORE;) {
+        if (got == WIRE_BAD) {
+            MUST(strstr(d->why, ", expected "));
+            t->bad++;
+            continue;
+        }
+        if (check) check_record(&r, d->upward);
+        t->records++;
+        t->bytes += r.line_len + 1 + r.body_len;
+        t->hash = hash64(hash64(t->hash, r.line, r.line_len), r.body, r.body_len);
+    }
+}
+
+/* Pieces of at most `most` bytes, 0: all at once. */
+static struct tally decode(const uint8_t *data, size_t size, size_t most, bool upward, bool check)
+{
+    struct decoder d = {.upward = upward};
+    struct tally t = {.hash = HASH64_INIT};
+    for (size_t at = 0, k = 0; at < size; k++) {
+        size_t some = most ? 1 + rng_u64(most, k) % most : size;
+        if (some > size - at) some = size - at;
+        wire_feed(&d, data + at, some);
+        drain(&d, &t, check);
+        at += some;
+    }
+    wire_end(&d);
+    drain(&d, &t, check);
+    MUST(buf_size(&d.in) == 0);
+    MUST(t.bytes + d.skipped == size && t.bad == d.bad);
+    wire_free(&d);
+    return t;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size < 2) return 0;
+    bool upward = data[0] & 1;
+    size_t most = (size_t)1 + data[1];
+    struct tally whole = decode(data + 2, size - 2, 0, upward, true);
+    struct tally pieces = decode(data + 2, size - 2, most, upward, false);
+    MUST(whole.records == pieces.records && whole.hash == pieces.hash && whole.bad == pieces.bad);
+    return 0;
+}

@@ -1,0 +1,233 @@
+/* The commit: once per pixel, the first stands; who may commit where; memory; what is missing. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "image/image.h"
+
+#define ROOM (UINT64_C(1) << 30)
+
+static float shade(uint64_t p, int c) { return (float)p + (float)c / 4; }
+
+/* Commits lattice `at` of a frame of width w with shade() + off. */
+static enum assembly_verdict put(struct assembly *a, uint32_t frame, const char *worker, uint32_t w,
+    struct lattice at, float off)
+{
+    static float rgba[4 * 4096];
+    uint64_t n = lattice_count(&at);
+    assert_true(n <= 4096);
+    for (uint64_t i = 0; i < n; i++)
+        for (int c = 0; c < 4; c++)
+            rgba[4 * i + (uint64_t)c] = shade(lattice_pixel(&at, w, i), c) + off;
+    return assembly_commit(a, frame, worker, &at, rgba);
+}
+
+static void check_picture(const struct assembly_frame *f)
+{
+    for (uint64_t p = 0; p < (uint64_t)f->picture.w * f->picture.h; p++)
+        for (int c = 0; c < 4; c++)
+            assert_true(f->picture.rgba[4 * p + (uint64_t)c] == shade(p, c));
+}
+
+/* Rows, tiles, runs that wrap and scattered sets, in shuffled order, each twice: one picture. */
+static void test_any_cut_any_order(void **state)
+{
+    (void)state;
+    static const char *const cuts[] = {"row", "tile:7x5", "run:11", "scatter"};
+    for (int k = 0; k < 4; k++) {
+        struct cut cut;
+        assert_true(cut_parse(cuts[k], &cut));
+        if (cut.unit == CUT_SCATTER) cut.w = 6;
+        struct assembly a;
+        assembly_init(&a, true, ROOM);
+        assert_int_equal(assembly_declare(&a, 3, 32, 17, "j", ""), ASSEMBLY_TAKEN);
+        uint32_t n = cut_count(&cut, 32, 17), step = 1 + n / 2;
+        while (n % step == 0 && step > 1) step--;
+        for (uint32_t twice = 0; twice < 2; twice++)
+            for (uint32_t i = 0, id = 0; i < n; i++, id = i * 5 % n) {
+                if (n % 5 == 0) id = n - 1 - i;
+                struct task t = cut_task(&cut, 32, 17, id);
+                assert_int_equal(put(&a, 3, "", 32, t.at, 0), ASSEMBLY_TAKEN);
+            }
+        struct assembly_frame *f = assembly_find(&a, 3);
+        assert_true(coverage_full(&f->have));
+        assert_true(assembly_whole(&a));
+        assert_int_equal(f->again, 32 * 17);
+        assert_int_equal(f->differing, 0);
+        check_picture(f);
+        assembly_free(&a);
+    }
+}
+
+/* Overlap: only what is new is taken; what differs is counted, with where and by how much. */
+static void test_first_stands(void **state)
+{
+    (void)state;
+    struct assembly a;
+    assembly_init(&a, true, ROOM);
+    assembly_declare(&a, 0, 8, 8, "j", "");
+    assert_int_equal(put(&a, 0, "", 8, (struct lattice){0, 0, 8, 4, 1, 1}, 0), ASSEMBLY_TAKEN);
+    assert_int_equal(put(&a, 0, "", 8, (struct lattice){0, 2, 8, 6, 1, 1}, 0.5f), ASSEMBLY_TAKEN);
+    struct assembly_frame *f = assembly_find(&a, 0);
+    assert_int_equal(f->again, 16);
+    assert_int_equal(f->differing, 16);
+    assert_true(f->worst == 0.5);
+    assert_int_equal(f->worst_x, 0);
+    assert_int_equal(f->worst_y, 2);
+    for (uint64_t p = 0; p < 64; p++)
+        assert_true(f->picture.rgba[4 * p] == shade(p, 0) + (p < 32 ? 0 : 0.5f));
+    assembly_free(&a);
+}
+
+/* -0 and 0 are equal numbers and different bits: bit by bit is what is asked for. */
+static void test_bits_not_values(void **state)
+{
+    (void)state;
+    struct assembly a;
+    assembly_init(&a, true, ROOM);
+    assembly_declare(&a, 0, 1, 1, "j", "");
+    const struct lattice one = {0, 0, 1, 1, 1, 1};
+    const float zero[4] = {0, 0, 0, 0}, minus[4] = {0, -0.0f, 0, 0};
+    assembly_commit(&a, 0, "", &one, zero);
+    assert_true(assembly_whole(&a)); /* black, transparent, and there */
+    assembly_commit(&a, 0, "", &one, zero);
+    assert_int_equal(assembly_find(&a, 0)->differing, 0);
+    assembly_commit(&a, 0, "", &one, minus);
+    assert_int_equal(assembly_find(&a, 0)->differing, 1);
+    assembly_free(&a);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    struct assembly a;
+    const struct lattice row = {0, 0, 8, 1, 1, 1};
+    assembly_init(&a, true, ROOM);
+    assert_int_equal(put(&a, 0, "", 8, row, 0), ASSEMBLY_UNDECLARED);
+    assembly_declare(&a, 0, 8, 8, "j", "0");
+    const struct lattice outside[] = {{0, 8, 8, 1, 1, 1}, {8, 0, 1, 1, 1, 1}, {0, 0, 8, 9, 1, 1},
+        {1, 7, 8, 1, 1, 1}, {0, 0, 9, 1, 8, 1}, {0, 0, 2, 2, 60, 1}};
+    for (int i = 0; i < 6; i++)
+        assert_int_equal(put(&a, 0, "0", 8, outside[i], 0), ASSEMBLY_OUTSIDE);
+    assert_int_equal(assembly_declare(&a, 0, 8, 8, "other", "1"), ASSEMBLY_FOREIGN);
+    assert_int_equal(assembly_declare(&a, 0, 8, 9, "j", "2"), ASSEMBLY_FOREIGN);
+    assert_int_equal(put(&a, 0, "1", 8, row, 9), ASSEMBLY_FOREIGN);
+    assert_int_equal(put(&a, 0, "2", 8, row, 9), ASSEMBLY_FOREIGN);
+    assert_int_equal(assembly_find(&a, 0)->have.done, 0);
+    assert_int_equal(put(&a, 0, "0", 8, row, 0), ASSEMBLY_TAKEN);
+    assert_int_equal(put(&a, 0, "3", 8, row, 0), ASSEMBLY_TAKEN); /* its declaration was torn */
+    assert_int_equal(assembly_declare(&a, 0, 8, 8, "j", "1"), ASSEMBLY_TAKEN); /* another run */
+    assert_int_equal(put(&a, 0, "1", 8, row, 0), ASSEMBLY_TAKEN);
+    assert_int_equal(put(&a, 0, "2", 8, row, 9), ASSEMBLY_FOREIGN);
+    assert_int_equal(assembly_declare(&a, 0, 8, 8, "other", "0"), ASSEMBLY_FOREIGN);
+    assert_int_equal(put(&a, 0, "0", 8, row, 9), ASSEMBLY_FOREIGN);
+    assert_int_equal(a.refused[ASSEMBLY_FOREIGN], 4);
+    assert_int_equal(a.refused[ASSEMBLY_OUTSIDE], 6);
+    assert_int_equal(a.refused[ASSEMBLY_UNDECLARED], 1);
+    assert_int_equal(assembly_find(&a, 0)->differing, 0);
+    assembly_free(&a);
+}
+
+/* Room for two frames of 16x16: declarations cost nothing, whole ones make room, the last is
+ * still compared. */
+static void test_memory_is_bounded(void **state)
+{
+    (void)state;
+    struct assembly a;
+    const struct lattice all = {0, 0, 16, 16, 1, 1}, row = {0, 0, 16, 1, 1, 1};
+    assembly_init(&a, true, 2 * (16 * 16 * 16 + 16 * 16 / 8 + 8));
+    for (uint32_t f = 100; f-- > 0;) assembly_declare(&a, f, 16, 16, "j", "");
+    assert_int_equal(put(&a, 0, "", 16, row, 0), ASSEMBLY_TAKEN);
+    assert_int_equal(put(&a, 1, "", 16, row, 0), ASSEMBLY_TAKEN);
+    assert_int_equal(put(&a, 2, "", 16, row, 0), ASSEMBLY_NO_ROOM);
+    for (uint32_t f = 1; f < 100; f++) {
+        assert_int_equal(put(&a, f, "", 16, all, 0), ASSEMBLY_TAKEN);
+        struct assembly_frame *frame = assembly_find(&a, f);
+        check_picture(frame);
+        assembly_release(&a, frame);
+        put(&a, f, "", 16, row, 1); /* late: kept until the next is released */
+        assert_int_equal(frame->differing, 16);
+        if (f > 1) assert_null(assembly_find(&a, f - 1)->picture.rgba);
+    }
+    put(&a, 5, "", 16, row, 1); /* too late: counted only */
+    assert_int_equal(assembly_find(&a, 5)->again, 32);
+    assert_int_equal(assembly_find(&a, 5)->differing, 16);
+    assert_false(assembly_whole(&a));
+    assert_int_equal(put(&a, 0, "", 16, all, 0), ASSEMBLY_TAKEN);
+    assert_true(assembly_whole(&a));
+    assembly_free(&a);
+}
+
+/* However much room there is: what was written is given back, but for the last. */
+static void test_released_is_given_back(void **state)
+{
+    (void)state;
+    struct assembly a;
+    const struct lattice all = {0, 0, 16, 16, 1, 1};
+    assembly_init(&a, true, ROOM);
+    for (uint32_t f = 0; f < 10; f++) {
+        assembly_declare(&a, f, 16, 16, "j", "");
+        put(&a, f, "", 16, all, 0);
+        assembly_release(&a, assembly_find(&a, f));
+        assert_int_equal(ROOM - a.room_bytes, 16 * 16 * 16 + 16 * 16 / 8 + 8);
+    }
+    assembly_free(&a);
+}
+
+static void test_without_pixels(void **state)
+{
+    (void)state;
+    struct assembly a;
+    const struct lattice row = {0, 5, 65535, 1, 1, 1};
+    assembly_init(&a, false, ROOM);
+    assembly_declare(&a, 0, 65535, 65535, "j", "");
+    assert_int_equal(assembly_commit(&a, 0, "", &row, NULL), ASSEMBLY_TAKEN);
+    assert_int_equal(assembly_commit(&a, 0, "", &row, NULL), ASSEMBLY_TAKEN);
+    assert_int_equal(assembly_find(&a, 0)->have.done, 65535);
+    assert_null(assembly_find(&a, 0)->picture.rgba);
+    assembly_free(&a);
+}
+
+static void missing_is(const struct assembly *a, const char *want)
+{
+    char text[ASSEMBLY_TEXT];
+    assembly_missing_text(assembly_find(a, 0), text);
+    assert_string_equal(text, want);
+}
+
+static void test_missing_in_words(void **state)
+{
+    (void)state;
+    struct assembly a;
+    assembly_init(&a, true, ROOM);
+    assert_false(assembly_whole(&a)); /* of nothing, nothing is whole */
+    assembly_declare(&a, 0, 4, 40, "j", "");
+    missing_is(&a, "160 of 160 pixels missing: rows 0-39");
+    for (uint32_t y = 0; y < 40; y += 2) put(&a, 0, "", 4, (struct lattice){0, y, 4, 1, 1, 1}, 0);
+    missing_is(&a, "80 of 160 pixels missing: rows 1, 3, 5, 7, 9, 11, 13, 15, ...");
+    for (uint32_t y = 1; y < 40; y += 2)
+        if (y != 7 && y != 21) put(&a, 0, "", 4, (struct lattice){0, y, 4, 1, 1, 1}, 0);
+    missing_is(&a, "8 of 160 pixels missing: rows 7, 21");
+    put(&a, 0, "", 4, (struct lattice){0, 21, 4, 1, 1, 1}, 0);
+    put(&a, 0, "", 4, (struct lattice){1, 7, 2, 1, 1, 1}, 0);
+    missing_is(&a, "2 of 160 pixels missing: row 7");
+    assembly_free(&a);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_any_cut_any_order),
+        cmocka_unit_test(test_first_stands),
+        cmocka_unit_test(test_bits_not_values),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_memory_is_bounded),
+        cmocka_unit_test(test_released_is_given_back),
+        cmocka_unit_test(test_without_pixels),
+        cmocka_unit_test(test_missing_in_words),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

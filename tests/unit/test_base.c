@@ -1,0 +1,475 @@
+/* base: numbers, memory, buffers, files, messages, clocks, chance. What exits is tried in a child. */
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+/* ---- what exits ------------------------------------------------------------------------- */
+
+static char said[4096]; /* by the child, on stdout and stderr */
+
+/* Runs act in a child whose stdout goes to `out` (NULL: into said, with stderr); its exit status. */
+static int in_child(void (*act)(void), const char *out)
+{
+    int fd[2], status;
+    assert_int_equal(pipe(fd), 0);
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid == 0) {
+        int to = out ? open(out, O_WRONLY) : fd[1];
+        dup2(fd[1], STDERR_FILENO);
+        dup2(to, STDOUT_FILENO);
+        close(fd[0]);
+        close(fd[1]);
+        act();
+        _exit(99);
+    }
+    close(fd[1]);
+    struct buf b = {0};
+    while (read_some(fd[0], &b, 512) > 0)
+        ;
+    snprintf(said, sizeof said, "%.*s", (int)buf_size(&b), (const char *)buf_data(&b));
+    buf_free(&b);
+    close(fd[0]);
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+static void warn_twice(void)
+{
+    prog_init("/some/where/prog");
+    warn("plain %d", 7);
+    errno = ENOENT;
+    warn("%s:", "file");
+    exit(0);
+}
+static void die_of_disk(void)
+{
+    errno = EIO;
+    die(ST_SYSTEM, "disk:");
+}
+static void ask_usage(void) { usage(ST_OK, "[-h]"); }
+static void wrong_usage(void) { usage(ST_USAGE, "[-h]"); }
+static void print_and_close(void)
+{
+    printf("something\n");
+    close_stdout();
+    exit(ST_OK);
+}
+static void print_much_and_close(void)
+{
+    for (int i = 0; i < 100000; i++) printf("something\n"); /* fails long before the end */
+    fflush(stdout);
+    errno = 0;
+    close_stdout();
+    exit(ST_OK);
+}
+static void bad_int(void) { opt_int('n', "5x", 1, 9); }
+static void bad_real(void) { opt_real('t', "2", 0, 1); }
+static void product_overflow(void) { xmalloc(SIZE_MAX / 2, 3); }
+static void too_much(void) { xcalloc((size_t)PTRDIFF_MAX, 1); }
+
+static void test_exits(void **state)
+{
+    (void)state;
+    assert_int_equal(in_child(warn_twice, NULL), 0);
+    assert_string_equal(said, "prog: plain 7\nprog: file: No such file or directory\n");
+    assert_int_equal(in_child(die_of_disk, NULL), ST_SYSTEM);
+    assert_non_null(strstr(said, "disk: Input/output error\n"));
+    assert_int_equal(in_child(ask_usage, NULL), ST_OK);
+    assert_non_null(strstr(said, "usage: "));
+    assert_int_equal(in_child(ask_usage, "/dev/null"), ST_OK);
+    assert_string_equal(said, "");
+    assert_int_equal(in_child(wrong_usage, "/dev/null"), ST_USAGE);
+    assert_non_null(strstr(said, "usage: "));
+    assert_int_equal(in_child(ask_usage, "/dev/full"), ST_SYSTEM);
+}
+
+static void test_stdout_lost(void **state)
+{
+    (void)state;
+    assert_int_equal(in_child(print_and_close, "/dev/null"), ST_OK);
+    assert_int_equal(in_child(print_and_close, "/dev/full"), ST_SYSTEM);
+    assert_non_null(strstr(said, "standard output: No space left on device"));
+    assert_int_equal(in_child(print_much_and_close, "/dev/full"), ST_SYSTEM);
+    assert_non_null(strstr(said, "standard output:"));
+    assert_null(strstr(said, "Success"));
+}
+
+static void test_options(void **state)
+{
+    (void)state;
+    assert_int_equal(opt_int('n', "9", 1, 9), 9);
+    assert_true(opt_real('t', ".5", 0, 1) == .5);
+    assert_int_equal(in_child(bad_int, NULL), ST_USAGE);
+    assert_non_null(strstr(said, "-n 5x: expected an integer from 1 to 9"));
+    assert_int_equal(in_child(bad_real, NULL), ST_USAGE);
+    assert_non_null(strstr(said, "-t 2: expected a number from 0 to 1"));
+}
+
+/* ---- numbers ---------------------------------------------------------------------------- */
+
+static void test_parse_int(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int64_t v;
+    } good[] = {{"0", 0}, {"-0", 0}, {"007", 7}, {"-12", -12}, {"9223372036854775807", INT64_MAX},
+        {"-9223372036854775808", INT64_MIN}};
+    static const char *const bad[] = {"", "-", "+1", " 1", "1 ", "1\n", "0x10", "1e3", "1.0", "--1",
+        "9223372036854775808", "-9223372036854775809", "99999999999999999999999", "one"};
+    int64_t v;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_true(parse_int(good[i].text, INT64_MIN, INT64_MAX, &v));
+        assert_int_equal(v, good[i].v);
+    }
+    v = 42;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (parse_int(bad[i], INT64_MIN, INT64_MAX, &v)) fail_msg("\"%s\" was taken", bad[i]);
+    assert_false(parse_int("4", 5, 9, &v));
+    assert_false(parse_int("10", 5, 9, &v));
+    assert_int_equal(v, 42);
+}
+
+static void test_parse_real(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double v;
+    } good[] = {{"0", 0}, {"-0", 0}, {"1e5", 1e5}, {".5", .5}, {"5.", 5}, {"+2.5E-1", .25},
+        {"1e-400", 0}, {"1e308", 1e308}};
+    static const char *const bad[] = {"", ".", "-", "e5", "1e", "1e+", "nan", "inf", "-inf", "NAN",
+        "1e999", "-1e999", "0x1p3", " 1", "1 ", "1,5", "1..2", "1-2"};
+    double v;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        if (!parse_real(good[i].text, -1e308, 1e308, &v)) fail_msg("\"%s\"", good[i].text);
+        assert_true(v == good[i].v);
+    }
+    v = 42;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (parse_real(bad[i], -HUGE_VAL, HUGE_VAL, &v)) fail_msg("\"%s\" was taken", bad[i]);
+    assert_false(parse_real("1.0001", 0, 1, &v));
+    assert_false(parse_real("-1e-9", 0, 1, &v));
+    assert_true(v == 42);
+}
+
+static void test_parse_size(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "x", "1x", "x1", "0x1", "1x0", "-1x2", "1x-2", "1x1x1",
+        "1X1", "65536x1", "1x65536", " 1x1", "1x1 ", "1.5x2",
+        "00000000000000000000000000000000001x1"};
+    int w = 0, h = 0;
+    assert_true(parse_size("512x384", 65535, &w, &h));
+    assert_true(w == 512 && h == 384);
+    assert_true(parse_size("1x65535", 65535, &w, &h));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (parse_size(bad[i], 65535, &w, &h)) fail_msg("\"%s\" was taken", bad[i]);
+    assert_true(w == 1 && h == 65535);
+}
+
+/* ---- memory ----------------------------------------------------------------------------- */
+
+static void test_allocators(void **state)
+{
+    (void)state;
+    assert_int_equal(in_child(product_overflow, NULL), ST_SYSTEM);
+    assert_int_equal(in_child(too_much, NULL), ST_SYSTEM);
+    assert_non_null(strstr(said, "out of memory"));
+    void *none = xmalloc(0, 8);
+    assert_non_null(none);
+    for (size_t n = 0; n < 200; n += 7) {
+        char *p = xaligned(n, 1);
+        assert_int_equal((uintptr_t)p % 64, 0);
+        memset(p, 1, n);
+        free(p);
+    }
+    char *p = xcalloc(100, 1);
+    for (int i = 0; i < 100; i++) assert_int_equal(p[i], 0);
+    p = xrealloc(p, 1000, 1);
+    char *s = xstrdup("text");
+    assert_string_equal(s, "text");
+    free(s);
+    free(p);
+    free(none);
+}
+
+/* A queue of bytes 0, 1, 2, ...: whatever is appended and consumed, they come out in order. */
+static void test_buffer(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    uint32_t in = 0, out = 0;
+    assert_int_equal(buf_size(&b), 0);
+    buf_consume(&b, 0);
+    for (uint64_t k = 0; k < 20000; k++) {
+        unsigned char bytes[700];
+        size_t n = rng_u64(1, k) % (k % 100 < 50 ? 700 : 60);
+        for (size_t i = 0; i < n; i++) bytes[i] = (unsigned char)in++;
+        buf_append(&b, bytes, n);
+        size_t most = rng_u64(2, k) % (k % 100 < 50 ? 60 : 700);
+        size_t take = most < buf_size(&b) ? most : buf_size(&b);
+        for (size_t i = 0; i < take; i++) assert_int_equal(buf_data(&b)[i], (unsigned char)out++);
+        buf_consume(&b, take);
+        assert_int_equal(buf_size(&b), in - out);
+        assert_true(b.off <= b.len && b.len <= b.cap);
+    }
+    buf_consume(&b, buf_size(&b));
+    buf_free(&b);
+    for (int k = 0; k < 100000; k++) { /* a short queue stays short */
+        buf_append(&b, "0123456789", 10);
+        if (k > 3) buf_consume(&b, 10);
+    }
+    assert_true(b.cap <= 256);
+    buf_free(&b);
+}
+
+static void test_buf_printf(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    char longest[3000];
+    memset(longest, 'x', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    buf_printf(&b, "%d-", 12);
+    buf_printf(&b, "%s", longest);
+    for (int n = 120; n < 140; n++) buf_printf(&b, "%*d", n, 7); /* around the first guess */
+    size_t size = 3 + 2999;
+    for (size_t n = 120; n < 140; n++) size += n;
+    assert_int_equal(buf_size(&b), size);
+    assert_memory_equal(buf_data(&b), "12-xxx", 6);
+    buf_free(&b);
+}
+
+/* What the shell makes of it is the word again. */
+static void test_quote(void **state)
+{
+    (void)state;
+    static const char *const words[][2] = {{"plain.nff", "plain.nff"}, {"", ""}, {"a b", "a b"},
+        {"it's", "it's"}, {"'", "'"}, {"$HOME `id` \\ \"q\" *", "$HOME `id` \\ \"q\" *"},
+        {"-rf", "./-rf"}, {"-a b", "./-a b"}, {"~", "~"}, {"#x", "#x"}, {"a\nb", "a\nb"},
+        {"a;b&c|d>e", "a;b&c|d>e"}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        struct buf b = {0}, got = {0};
+        buf_printf(&b, "printf %%s ");
+        buf_quote(&b, words[i][0]);
+        buf_append(&b, "", 1);
+        FILE *f = popen((const char *)buf_data(&b), "r");
+        assert_non_null(f);
+        assert_true(read_some(fileno(f), &got, 200) >= 0);
+        assert_int_equal(pclose(f), 0);
+        assert_int_equal(buf_size(&got), strlen(words[i][1]));
+        assert_memory_equal(buf_data(&got), words[i][1], strlen(words[i][1]));
+        buf_free(&b);
+        buf_free(&got);
+    }
+}
+
+/* ---- files ------------------------------------------------------------------------------ */
+
+static char folder[] = "/tmp/stormring-test-XXXXXX";
+static char path[64];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/file", folder);
+    return 0;
+}
+static int remove_folder(void **state)
+{
+    (void)state;
+    unlink(path);
+    return rmdir(folder); /* fails where something was left behind */
+}
+
+static void assert_content(const char *text)
+{
+    struct buf b = {0};
+    assert_int_equal(read_file(path, &b), 0);
+    assert_int_equal(buf_size(&b), strlen(text));
+    assert_memory_equal(buf_data(&b), text, strlen(text));
+    buf_free(&b);
+}
+
+static void test_outfile(void **state)
+{
+    (void)state;
+    struct outfile o;
+    struct stat st;
+    mode_t mask = umask(027);
+    assert_int_equal(outfile_open(&o, path), 0);
+    fprintf(o.f, "first");
+    assert_int_equal(access(path, F_OK), -1);
+    assert_int_equal(outfile_commit(&o), 0);
+    assert_content("first");
+    assert_int_equal(stat(path, &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0640);
+    umask(mask);
+
+    assert_int_equal(outfile_open(&o, path), 0);
+    fprintf(o.f, "second");
+    outfile_discard(&o);
+    assert_content("first");
+    assert_int_equal(outfile_open(&o, path), 0);
+    fprintf(o.f, "third");
+    assert_int_equal(outfile_commit(&o), 0);
+    assert_content("third");
+}
+
+static void test_outfile_fails(void **state)
+{
+    (void)state;
+    struct outfile o;
+    assert_int_equal(outfile_open(&o, "/dev/full"), 0);
+    fprintf(o.f, "lost");
+    assert_int_equal(outfile_commit(&o), -1);
+    assert_int_equal(errno, ENOSPC);
+    assert_int_equal(access("/dev/full", F_OK), 0);
+    assert_int_equal(outfile_open(&o, "/nonexistent/file"), -1);
+    assert_int_equal(errno, ENOENT);
+    assert_int_equal(outfile_check(path), 0);
+    assert_int_equal(outfile_check("file"), 0);
+    assert_int_equal(outfile_check("/nonexistent/file"), -1);
+    assert_int_equal(outfile_check("/nonexistent-%d/file"), 0);
+    struct buf b = {0};
+    assert_int_equal(read_file("/nonexistent/file", &b), -1);
+    assert_int_equal(errno, ENOENT);
+}
+
+static void test_write_full(void **state)
+{
+    (void)state;
+    static char much[1 << 20];
+    int fd[2], status;
+    assert_int_equal(pipe(fd), 0);
+    pid_t pid = fork();
+    if (pid == 0) { /* a reader in small steps */
+        size_t n = 0;
+        char some[1000];
+        close(fd[1]);
+        for (ssize_t k; (k = read(fd[0], some, sizeof some)) > 0;) n += (size_t)k;
+        _exit(n == sizeof much ? 0 : 1);
+    }
+    close(fd[0]);
+    assert_int_equal(write_full(fd[1], much, sizeof much), 0);
+    close(fd[1]);
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_int_equal(status, 0);
+    assert_int_equal(write_full(-1, "x", 1), -1);
+    assert_int_equal(errno, EBADF);
+}
+
+/* ---- the rest --------------------------------------------------------------------------- */
+
+static void show_progress(void)
+{
+    struct progress p;
+    prog_init("test");
+    progress_start(&p, true);
+    progress_show(&p, 0, 0);
+    progress_show(&p, 0, 10);
+    p.next_us = 0;
+    p.start_us = now_us() - 100 * INT64_C(1000000);
+    progress_show(&p, 1, 10);
+    progress_show(&p, 2, 10); /* too early */
+    progress_clear(&p);
+    progress_start(&p, false);
+    progress_show(&p, 5, 10);
+    progress_clear(&p);
+    exit(0);
+}
+
+static void test_progress(void **state)
+{
+    (void)state;
+    assert_int_equal(in_child(show_progress, NULL), 0);
+    assert_non_null(strstr(said, "\rtest:   0.0 %, ETA ?"));
+    assert_non_null(strstr(said, "\rtest:  10.0 %, ETA 15:00"));
+    assert_null(strstr(said, "20.0"));
+    assert_null(strstr(said, "50.0"));
+    assert_null(strchr(said, '\n'));
+    assert_int_equal(said[strlen(said) - 1], '\r');
+}
+
+static void test_clocks(void **state)
+{
+    (void)state;
+    int64_t wall = now_us(), cpu = cpu_us();
+    while (cpu_us() - cpu < 2000)
+        ;
+    assert_true(now_us() - wall >= 1900);
+}
+
+static void test_chance(void **state)
+{
+    (void)state;
+    double sum = 0, squares = 0;
+    int n = 100000;
+    for (int i = 0; i < n; i++) {
+        double u = rng_unit(7, (uint64_t)i);
+        assert_true(u >= 0 && u < 1);
+        sum += u;
+        squares += u * u;
+    }
+    assert_true(fabs(sum / n - 1. / 2) < 0.005);
+    assert_true(fabs(squares / n - 1. / 3) < 0.005);
+    assert_true(rng_u64(1, 2) == rng_u64(1, 2));
+    assert_true(rng_u64(1, 2) != rng_u64(2, 1));
+}
+
+/* Landon Curt Noll's published vectors. */
+static void test_hash(void **state)
+{
+    (void)state;
+    assert_true(hash64(HASH64_INIT, "", 0) == UINT64_C(0xcbf29ce484222325));
+    assert_true(hash64(HASH64_INIT, "a", 1) == UINT64_C(0xaf63dc4c8601ec8c));
+    assert_true(hash64(HASH64_INIT, "foobar", 6) == UINT64_C(0x85944171f73967e8));
+    assert_true(hash64(hash64(HASH64_INIT, "foo", 3), "bar", 3) == UINT64_C(0x85944171f73967e8));
+}
+
+static void test_vectors(void **state)
+{
+    (void)state;
+    struct vec3 c = v3_cross(v3(1, 2, 3), v3(-4, 5, 7)), m = v3_mad(v3(1, 2, 3), v3(2, 4, 6), .5);
+    assert_true(c.x == -1 && c.y == -19 && c.z == 13);
+    assert_true(m.x == 2 && m.y == 4 && m.z == 6);
+    assert_true(v3_dot(v3(1, 2, 3), v3(4, -5, 6)) == 12);
+    assert_true(v3_len(v3_unit(v3(3, 4, 12))) == 1);
+    assert_true(v3_sub(v3_add(v3(1, 1, 1), v3(2, 3, 4)), v3(1, 1, 1)).z == 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_exits),
+        cmocka_unit_test(test_stdout_lost),
+        cmocka_unit_test(test_options),
+        cmocka_unit_test(test_parse_int),
+        cmocka_unit_test(test_parse_real),
+        cmocka_unit_test(test_parse_size),
+        cmocka_unit_test(test_allocators),
+        cmocka_unit_test(test_buffer),
+        cmocka_unit_test(test_buf_printf),
+        cmocka_unit_test(test_quote),
+        cmocka_unit_test(test_outfile),
+        cmocka_unit_test(test_outfile_fails),
+        cmocka_unit_test(test_write_full),
+        cmocka_unit_test(test_progress),
+        cmocka_unit_test(test_clocks),
+        cmocka_unit_test(test_chance),
+        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_vectors),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
