@@ -1,0 +1,136 @@
+#!/bin/sh
+# partition, pack, rtworker, fan and deal one by one: what goes in, what comes out, what is refused.
+. "$(dirname "$0")/lib.sh"
+
+# shellcheck disable=SC2154  # lib.sh sets out, err, status
+tasks() { partition "$@" | sed -n 's/^task //p'; }
+slots() { partition "$@" | sed -n 's/.*to=//p' | tr '\n' ' '; }
+# pixels WIDTH: each pixel that the tasks on stdin name, by the formula of stormring-task(5)
+pixels() {
+	awk -v fw="$1" '$1 == "task" { for (j = 0; j < $7; j++) for (i = 0; i < $6; i++)
+		print $5 * fw + $4 + i * $8 + j * $9 * fw }' | sort -n
+}
+
+# ---- partition ---------------------------------------------------------------------------------------
+is "the frame comes first" "$(partition 7x3 | head -1)" "frame 0 7 3"
+is "rows" "$(tasks 7x3 | tr '\n' ';')" "0 0 0 0 7 1 1 1;0 1 0 1 7 1 1 1;0 2 0 2 7 1 1 1;"
+is "tiles, cut at the edges" "$(tasks -u tile:4x2 7x3 | tr '\n' ';')" \
+	"0 0 0 0 4 2 1 1;0 1 4 0 3 2 1 1;0 2 0 2 4 1 1 1;0 3 4 2 3 1 1 1;"
+is "runs wrap at the row's end" "$(tasks -u run:10 7x3 | tr '\n' ';')" \
+	"0 0 0 0 10 1 1 1;0 1 3 1 10 1 1 1;0 2 6 2 1 1 1 1;"
+is "scatter" "$(tasks -u scatter -n 2 3x3 | tr '\n' ';')" "0 0 0 0 5 1 2 1 to=0;0 1 1 0 4 1 2 1 to=1;"
+is "round robin" "$(slots -n 3 1x7)" "0 1 2 0 1 2 0 "
+is "weighted interleave, the paper's w1 w2 w3 w2" "$(slots -w 1,2,1 1x8)" "0 1 2 1 0 1 2 1 "
+is "weights below 1 wait for their turn" "$(slots -w 1,.5 1x6)" "0 0 1 0 0 1 "
+is "only the first are assigned" "$(slots -n 2 -c 3 1x6)" "0 1 0 "
+for cut in row tile:3x2 tile:100x1 run:1 run:5 run:1000 'scatter -n 4' 'scatter -n 500'; do
+	# shellcheck disable=SC2086
+	is "-u $cut names each pixel once" "$(partition -u $cut 11x7 | pixels 11)" "$(seq 0 76)"
+done
+is "another frame" "$(partition -F 5 2x1 | tr '\n' ';')" "frame 5 2 1;task 5 0 0 0 2 1 1 1;"
+for bad in '' 0x5 5 5x 70000x1 '-u row' '-u scatter 4x4' '-u tile:0x1 4x4' '-u run:0 4x4' '-u column 4x4' \
+	'-n 0 4x4' '-w 1,x 4x4' '-w 0 4x4' '-n 2 -w 1 4x4' '-c 3 4x4' '4x4 4x4' '-z 4x4'; do
+	# shellcheck disable=SC2086
+	run partition $bad
+	is "partition $bad: exit 2" "$status$out" 2
+done
+
+# ---- pack --------------------------------------------------------------------------------------------
+printf 'abc' >three
+is "pack" "$(pack scene three)" "scene crc=891568578 bytes=3
+abc"
+is "pack of two" "$(pack spec three three | grep -c bytes=3)" 2
+for bad in '' scene 'picture three' 'scene no-such-file'; do
+	# shellcheck disable=SC2086
+	run pack $bad
+	is "pack $bad: exit 2" "$status" 2
+done
+
+# ---- rtworker ----------------------------------------------------------------------------------------
+spdgen -s 1 tetra >tetra.nff
+# lines FILE: the records of a stream without their bodies; records: the same in short
+lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$@"; }
+records() { lines - | sed 's/ crc=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=.*//'; }
+partition -u run:6 4x3 | rtworker tetra.nff >frags
+is "hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
+is "then the frame with its job" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/')" "frame 0 4 3 job="
+is "the job is the one that -i prints" "$(lines frags | sed -n 2p | grep -o 'job=.*' | wc -c)" \
+	"$(rtworker -i tetra.nff | grep -o 'job=.*' | wc -c)"
+is "done, then pixels, then bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
+	"done 0 0 cpu wall;frag 0 0 0 0 6 1 1 1 ch=4;done 0 1 cpu wall;frag 0 1 2 1 6 1 1 1 ch=4;bye;"
+is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | records | grep -c '^frag')" 4
+is "-c keeps them to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
+	"hell fram done done done frag frag frag bye "
+{ partition 4x2; echo flush; echo 'task 0 9 0 0 1 1 1 1'; } | rtworker -c tetra.nff >held
+is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag done frag bye "
+a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)
+is "the job does not know the vectors' width" "$c" "$a"
+run test "$a" = "$b"
+is "the job knows the depth" "$status" 1
+for bad in '' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-x mmx tetra.nff' no-such-file 'a b'; do
+	# shellcheck disable=SC2086
+	run rtworker $bad
+	is "rtworker $bad: exit 2" "$status" 2
+done
+refused() { # NAME TEXT ERE: what a worker says of this input
+	run sh -c 'printf "%b" "$1" | rtworker tetra.nff >/dev/null' sh "$2"
+	is "$1: exit 2" "$status" 2
+	like "$1: it is said" "$err" "$3"
+}
+refused "a task before its frame" 'task 0 0 0 0 1 1 1 1\n' 'no such frame, expected'
+refused "a task outside its frame" 'frame 0 4 4\ntask 0 0 0 3 5 1 1 1\n' 'expected pixels inside 4x4'
+refused "an unknown record" 'frame 0 4 4\nwork 1 2\n' 'unknown record, expected'
+refused "a record cut off" 'frame 0 4' 'no end of line, expected a whole record'
+refused "a number out of range" 'frame 0 4 99999\n' 'expected its numbers in range'
+refused "a fragment" 'frame 0 4 4\nbye\n' 'expected scene'
+run sh -c 'printf "v\n" >bad.nff; rtworker -i bad.nff'
+is "a bad scene: exit 2" "$status" 2
+like "a bad scene: file and line" "$err" 'bad\.nff:[0-9]+: .*expected'
+
+# ---- fan and deal ------------------------------------------------------------------------------------
+state() { pack scene tetra.nff; partition "$@" 8x8; }
+is "fan -l" "$(fan -l -j 2 | tr '\t\n' ' ;')" "0 : 1;1 : 1;"
+state | fan -j 3 rtworker - >frags
+is "fan: task ID goes to slot ID mod N" \
+	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
+is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/')" "hello fan 0.1 S slots=3"
+is "fan: up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
+	"up w=0 host;up w=1 host;up w=2 host;"
+is "fan: stamps" "$(lines frags | grep '^done 0 4 ' | sed 's/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="
+is "fan: to=K" "$(state -w 1,2 | fan -j 2 rtworker - | lines - | grep '^done' | grep -c w=1)" 5
+run sh -c 'partition -n 3 8x8 | fan -j 2 rtworker tetra.nff >/dev/null'
+is "fan: a slot that is not there: exit 2" "$status" 2
+state | deal fan -j 2 fan -j 2 rtworker - >frags
+is "nested fans: stamps are paths" "$(lines frags | grep '^frag' | grep -o 'w=[0-9.]*' | grep -vc 'w=[01]\.[01]$')" 0
+is "deal shows one worker" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"
+is "unknown keys are passed on" \
+	"$(state | sed 's/^task.*/& tag=7/' | fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c tag=7 seen)" 8
+for bad in '' '-q' '-q -1 fan' '-x'; do
+	# shellcheck disable=SC2086
+	run deal $bad </dev/null
+	is "deal $bad: exit 2" "$status" 2
+done
+for bad in '' '-j 0 rtworker -' '-l rtworker' '-t 0 rtworker' '-j 99999 x'; do
+	# shellcheck disable=SC2086
+	run fan $bad </dev/null
+	is "fan $bad: exit 2" "$status" 2
+done
+run sh -c 'echo nonsense | deal fan -j 2 rtworker tetra.nff >/dev/null'
+is "nonsense into deal: exit 2" "$status" 2
+run sh -c 'fan -j 2 rtworker tetra.nff </dev/null >/dev/null'
+is "no work at all: exit 0" "$status" 0
+
+# ---- balance -----------------------------------------------------------------------------------------
+balance interleaved -j 2 -s 8x6 tetra.nff >out.png
+is "a picture on stdout" "$(head -c 4 out.png | tail -c 3)" PNG
+spdgen -s 1 tetra | balance masterslave -j 2 -s 8x6 -o piped.png -
+ok "the scene from a pipe" cmp out.png piped.png
+for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad.nff' 'masterslave -s 0x0 tetra.nff' \
+	'masterslave -j 0 tetra.nff' 'masterslave -o x.jpg tetra.nff' 'masterslave -z tetra.nff' \
+	'masterslave -W -d0 tetra.nff'; do
+	# shellcheck disable=SC2086
+	run timeout 20 balance $bad
+	is "balance $bad: exit 2" "$status" 2
+done
+like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of:.* interleaved masterslave'
+finish

@@ -1,0 +1,227 @@
+/* Children, and queues that never block their writer. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "proc/proc.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#define ARG(s) ((char[]){s}) /* execvp wants them writable */
+
+static int ends[2];
+
+static int open_pipe(void **state)
+{
+    (void)state;
+    return pipe2(ends, O_NONBLOCK | O_CLOEXEC);
+}
+
+static int close_pipe(void **state)
+{
+    (void)state;
+    close(ends[0]);
+    if (ends[1] >= 0) close(ends[1]);
+    return 0;
+}
+
+/* What can be read now, as a string. */
+static const char *drained(void)
+{
+    static char text[1 << 17];
+    size_t n = 0;
+    ssize_t k;
+    while ((k = read(ends[0], text + n, sizeof text - 1 - n)) > 0) n += (size_t)k;
+    text[n] = '\0';
+    return text;
+}
+
+static void bulk(struct up_queue *q, char letter, size_t n)
+{
+    for (size_t i = 0; i < n; i++) buf_append(&q->bulk, &letter, 1);
+    up_end_record(q);
+}
+
+static void control_overtakes_pixels_between_records(void **state)
+{
+    (void)state;
+    struct up_queue q = {0};
+    bulk(&q, 'a', 10);
+    bulk(&q, 'b', 10);
+    buf_append(&q.control, "X", 1);
+    assert_int_equal(up_size(&q), 21);
+    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_string_equal(drained(), "Xaaaaaaaaaabbbbbbbbbb");
+    assert_int_equal(up_size(&q), 0);
+    up_free(&q);
+}
+
+static void control_does_not_split_a_record(void **state)
+{
+    (void)state;
+    struct up_queue q = {0};
+    bulk(&q, 'a', PIPE_BUF + 100);
+    bulk(&q, 'b', 50);
+    assert_int_equal(up_write(&q, ends[1]), 0); /* PIPE_BUF bytes: 100 of the record are left */
+    buf_append(&q.control, "X", 1);
+    assert_int_equal(up_write(&q, ends[1]), 0);
+    while (up_size(&q)) assert_int_equal(up_write(&q, ends[1]), 0);
+    const char *text = drained();
+    assert_int_equal(strspn(text, "a"), PIPE_BUF + 100);
+    assert_int_equal(text[PIPE_BUF + 100], 'X');
+    assert_int_equal(strspn(text + PIPE_BUF + 101, "b"), 50);
+    up_free(&q);
+}
+
+static void no_write_is_longer_than_a_pipe_takes_at_once(void **state)
+{
+    (void)state;
+    struct up_queue q = {0};
+    for (int i = 0; i < 3000; i++) buf_append(&q.control, "cc", 2);
+    bulk(&q, 'p', 9000);
+    size_t before;
+    while ((before = up_size(&q)) > 0) {
+        assert_int_equal(up_write(&q, ends[1]), 0);
+        assert_in_range(before - up_size(&q), 1, PIPE_BUF);
+    }
+    const char *text = drained();
+    assert_int_equal(strspn(text, "c"), 6000);
+    assert_int_equal(strspn(text + 6000, "p"), 9000);
+    up_free(&q);
+}
+
+static void an_unfinished_record_waits(void **state)
+{
+    (void)state;
+    struct up_queue q = {0};
+    bulk(&q, 'a', 5);
+    buf_append(&q.bulk, "half", 4);
+    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_string_equal(drained(), "aaaaa");
+    up_end_record(&q);
+    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_string_equal(drained(), "half");
+    up_free(&q);
+}
+
+static void shared_bodies_keep_their_place(void **state)
+{
+    (void)state;
+    struct down_queue q = {0}, other = {0};
+    struct blob *b = blob_new("SCENE", 5);
+    down_append(&q, "one", 3);
+    down_share(&q, b);
+    down_share(&other, b);
+    down_append(&q, "two", 3);
+    assert_int_equal(down_write(&q, ends[1]), 0);
+    assert_true(down_empty(&q));
+    assert_string_equal(drained(), "oneSCENEtwo");
+    assert_int_equal(down_write(&other, ends[1]), 0);
+    assert_string_equal(drained(), "SCENE");
+    down_append(&q, "three", 5);
+    assert_int_equal(down_write(&q, ends[1]), 0);
+    assert_string_equal(drained(), "three");
+    down_free(&q);
+    down_free(&other);
+}
+
+static void a_full_pipe_is_no_error_and_loses_nothing(void **state)
+{
+    (void)state;
+    struct down_queue q = {0};
+    size_t n = 300000, got = 0;
+    char *body = xmalloc(n, 1);
+    memset(body, 'z', n);
+    down_share(&q, blob_new(body, n));
+    down_append(&q, "end", 3);
+    for (int i = 0; i < 100 && !down_empty(&q); i++) {
+        assert_int_equal(down_write(&q, ends[1]), 0);
+        got += strlen(drained());
+    }
+    assert_int_equal(got, n + 3);
+    free(body);
+    down_free(&q);
+}
+
+static void a_reader_that_has_gone_is_seen(void **state)
+{
+    (void)state;
+    struct up_queue up = {0};
+    struct down_queue down = {0};
+    close(ends[0]);
+    ends[0] = dup(ends[1]);
+    bulk(&up, 'a', 3);
+    down_append(&down, "abc", 3);
+    assert_int_equal(up_write(&up, ends[1]), -1);
+    assert_int_equal(errno, EPIPE);
+    assert_int_equal(down_write(&down, ends[1]), -1);
+    up_free(&up);
+    down_free(&down);
+}
+
+static void a_child_talks_and_ends(void **state)
+{
+    (void)state;
+    struct child c;
+    char *argv[] = {ARG("/bin/sh"), ARG("-c"), ARG("read x; echo got $x; exit 7"), NULL}, text[32], why[24];
+    assert_int_equal(child_start(&c, argv), 0);
+    assert_int_equal(write(c.to, "word\n", 5), 5);
+    assert_int_equal(read(c.from, text, sizeof text), 9);
+    assert_memory_equal(text, "got word\n", 9);
+    assert_string_equal(status_text(child_end(&c, 1000), why), "exit-7");
+    assert_int_equal(child_end(&c, 0), -1);
+}
+
+static void what_exec_says_comes_back(void **state)
+{
+    (void)state;
+    struct child c;
+    char *argv[] = {ARG("/no/such/program"), NULL};
+    assert_int_equal(child_start(&c, argv), -1);
+    assert_int_equal(errno, ENOENT);
+}
+
+static void a_child_that_stays_is_killed_with_its_group(void **state)
+{
+    (void)state;
+    struct child c;
+    char *argv[] = {ARG("/bin/sh"), ARG("-c"), ARG("trap '' TERM HUP; sleep 100 & echo $!; sleep 100"), NULL};
+    char text[32] = "", why[24];
+    assert_int_equal(child_start(&c, argv), 0);
+    assert_true(read(c.from, text, sizeof text - 1) > 0);
+    pid_t inner = (pid_t)strtol(text, NULL, 10);
+    assert_string_equal(status_text(child_end(&c, 20), why), "signal-9");
+    for (int i = 0; i < 100 && kill(inner, 0) == 0; i++) usleep(10000); /* till init has reaped it */
+    char path[40], stat[80] = "";
+    snprintf(path, sizeof path, "/proc/%d/stat", (int)inner);
+    FILE *f = fopen(path, "r");
+    if (f && fgets(stat, sizeof stat, f)) assert_non_null(strstr(stat, ") Z"));
+    if (f) fclose(f);
+}
+
+int main(void)
+{
+    signal(SIGPIPE, SIG_IGN);
+#define PIPED(t) cmocka_unit_test_setup_teardown(t, open_pipe, close_pipe)
+    const struct CMUnitTest tests[] = {
+        PIPED(control_overtakes_pixels_between_records),
+        PIPED(control_does_not_split_a_record),
+        PIPED(no_write_is_longer_than_a_pipe_takes_at_once),
+        PIPED(an_unfinished_record_waits),
+        PIPED(shared_bodies_keep_their_place),
+        PIPED(a_full_pipe_is_no_error_and_loses_nothing),
+        PIPED(a_reader_that_has_gone_is_seen),
+        cmocka_unit_test(a_child_talks_and_ends),
+        cmocka_unit_test(what_exec_says_comes_back),
+        cmocka_unit_test(a_child_that_stays_is_killed_with_its_group),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
