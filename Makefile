@@ -18,7 +18,7 @@ FUZZ_SECONDS = 600
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
 PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(wildcard bin/*.c))
-SCRIPTS  = $(wildcard bin/balance bin/balance-*)
+SCRIPTS  = $(filter-out %.c $(patsubst bin/%.c,bin/%,$(wildcard bin/*.c)),$(wildcard bin/*))
 PAGES    = $(wildcard man/*.[1-9])
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
 UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))

@@ -30,7 +30,7 @@ static struct slot *slot_named(struct run *run, const char *name)
         if (strcmp(run->slots[i].name, name) == 0) return &run->slots[i];
     run->slots = xrealloc(run->slots, run->n_slots + 1, sizeof *run->slots);
     struct slot *s = &run->slots[run->n_slots++];
-    *s = (struct slot){.first_s = INFINITY};
+    *s = (struct slot){.first_s = HUGE_VAL};
     snprintf(s->name, sizeof s->name, "%s", name);
     return s;
 }

@@ -64,8 +64,9 @@ static struct options parse(int argc, char **argv)
 }
 
 /*
- * Weighted interleave (the hybrid's first phase): slots with credit >= 1 get a task each, in order, and pay 1;
- * only when none has, every credit grows by its slot's relative power. 1,2,1 gives 0 1 2 1.
+ * Weighted interleave (the hybrid's first phase): slots with credit >= 1 get a task each, in order,
+ * and pay 1; only when none has, every credit grows by its slot's relative power. 1,2,1 gives 0 1
+ * 2 1.
  */
 struct interleave {
     const double *power;
@@ -77,7 +78,8 @@ static int interleave_next(struct interleave *v)
 {
     for (;;) {
         for (; v->at < v->n; v->at++) {
-            /* A hair below 1 counts: powers such as .1 are not exact, and ten of them shall be 1. */
+            /* A hair below 1 counts: powers such as .1 are not exact, and ten of them shall be
+             * 1. */
             if (v->credit[v->at] < 1 - 1e-9) continue;
             v->credit[v->at] -= 1;
             return v->at++;

@@ -54,7 +54,7 @@ clean 'every public header compiles alone'
 
 # ---- sizes -------------------------------------------------------------------------------------------------
 sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
-scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/balance* tests/* tests/fuzz/run tests/bench/* .ci/run 2>/dev/null)
+scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* .ci/run 2>/dev/null)
 # shellcheck disable=SC2086  # lists of names without blanks
 {
 	awk 'length > 100 { print FILENAME ":" FNR ": " length " columns, expected at most 100" }' $sources >"$found"
@@ -63,7 +63,7 @@ scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/balance* tests/* tests/f
 	clean 'files have at most 400 lines'
 	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
 	clean 'functions have at most 70 lines'
-	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/* >"$found"
+	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] >"$found"
 	clean 'no blanks at the end of lines'
 }
 
@@ -109,7 +109,7 @@ by_usage() { # -h may go without saying
 	{ "$1" -h; echo ' [-h'; } | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
 }
 by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
-programs=$(for c in bin/*.c; do basename "$c" .c; done; echo balance)
+programs=$(for p in bin/*; do case $p in bin/balance-*) ;; *) basename "$p" .c ;; esac; done | sort -u)
 for program in $programs; do
 	source=bin/$program.c page=man/$program.1
 	[ -e "$source" ] || source=bin/$program
@@ -199,7 +199,7 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c'
 	{
 		cat $wire bin/*.c | grep -oE '(rec_(key|int|real|str)\(&?r, |has_key\(r, )"[a-z_]+"' | grep -oE '[a-z_]+"$' | tr -d '"'
-		cat $wire | grep -oE '[" ][a-z_]+=%' | tr -d '" =%'
+		cat $wire | grep -oE '[" ][a-z_]+=[%:]' | tr -d '" =%:'
 	} | sort -u >"$tmp/code"
 	cat $pages 2>&1 | sed -nE 's/^\.It Cm ([a-z_]+) Ns =.*/\1/p' | sort -u >"$tmp/pages"
 	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</the code has, the pages do not: /p; s/^>/the pages have, the code does not: /p' >"$found"

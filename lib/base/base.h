@@ -87,7 +87,8 @@ static inline const unsigned char *buf_data(const struct buf *b)
 
 /* All of n bytes to fd, riding out EINTR. 0, or -1 with errno. */
 int write_full(int fd, const void *p, size_t n);
-/* Append one read(2) of at most `most` bytes to b, riding out EINTR: bytes read, 0 at the end, -1. */
+/* Append one read(2) of at most `most` bytes to b, riding out EINTR: bytes read, 0 at the end,
+ * -1. */
 ptrdiff_t read_some(int fd, struct buf *b, size_t most);
 /* The whole file ("-": standard input) appended to b. 0, or -1 with errno. */
 int read_file(const char *path, struct buf *b);
@@ -106,7 +107,8 @@ int outfile_open(struct outfile *o, const char *path);
 /* Flush, close, rename. 0, or -1 with errno, and then nothing is left behind. */
 int outfile_commit(struct outfile *o);
 void outfile_discard(struct outfile *o);
-/* Could path be written? 0, or -1 with errno. A name with `%` in its directory is taken on trust. */
+/* Could path be written? 0, or -1 with errno. A name with `%` in its directory is taken on
+ * trust. */
 int outfile_check(const char *path);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */

@@ -1,7 +1,8 @@
 /*
- * drive: the live drivers. They run poll loops over pipes: fan's router, which knows slots and no policy; and the
- * driver of a policy around one command, which turns records into scheduling events and actions into records.
- * Both end quietly when their reader is gone, and then nothing they started is left.
+ * drive: the live drivers. They run poll loops over pipes: fan's router, which knows slots and no
+ * policy; and the driver of a policy around one command, which turns records into scheduling events
+ * and actions into records. Both end quietly when their reader is gone, and then nothing they
+ * started is left.
  */
 #ifndef STORMRING_DRIVE_H
 #define STORMRING_DRIVE_H
@@ -19,10 +20,11 @@ struct fan_options {
 /* Runs until the input has ended and every slot is done. Returns the exit status. */
 int drive_fan(const struct fan_options *o);
 
-/* Runs the policy around command (NULL-ended), which is or contains a fan. Returns the exit status. */
+/* Runs the policy around command (NULL-ended), which is or contains a fan. Returns the exit
+ * status. */
 int drive_policy(const struct policy *p, const struct sched_params *params, char *const *command);
 
-/* ---- shared by the two ------------------------------------------------------------------------- */
+/* ---- shared by the two ----------------------------------------------------------------------- */
 
 #define UP_QUEUE_MOST (4 << 20)   /* bytes for the reader, then workers have to wait */
 #define DOWN_QUEUE_MOST (1 << 20) /* bytes for one child, then the input has to wait */

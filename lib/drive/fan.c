@@ -1,7 +1,8 @@
 /*
- * fan: the router. Tasks with to=K go to slot K, others to slot ID mod N, state to all; what comes back is checked,
- * stamped and merged. Backpressure: when the reader is slow, workers are not read; when a worker is slow, the
- * input is not read. Neither can stop the other direction, so there is no deadlock.
+ * fan: the router. Tasks with to=K go to slot K, others to slot ID mod N, state to all; what comes
+ * back is checked, stamped and merged. Backpressure: when the reader is slow, workers are not read;
+ * when a worker is slow, the input is not read. Neither can stop the other direction, so there is
+ * no deadlock.
  */
 #include "drive/fan_int.h"
 
@@ -128,7 +129,7 @@ static void poll_round(struct fan *f, struct pollfd *p, bool *gone)
         p[2 + 2 * k] = poll_entry(s->child.to, !s->ended, down_empty(&s->down) ? 0 : POLLOUT);
         p[3 + 2 * k] = poll_entry(s->child.from, !s->ended && reading, POLLIN);
     }
-    if (poll(p, (nfds_t)(2 + 2 * n), TICK_MS) < 0) {
+    if (poll(p, 2 + 2 * (nfds_t)n, TICK_MS) < 0) {
         if (errno == EINTR) return;
         die(ST_SYSTEM, "poll:");
     }

@@ -1,4 +1,5 @@
-/* fan's router, shared by its files: fan.c (the loop), fan_slot.c (slots), fan_up.c (what workers say). */
+/* fan's router, shared by its files: fan.c (the loop), fan_slot.c (slots), fan_up.c (what
+ * workers say). */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 

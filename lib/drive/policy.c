@@ -1,6 +1,7 @@
 /*
- * The live driver of a policy: records to events, actions to records, around one command. It holds no scheduling
- * decision. What the command says of slots (hello, up, gone) ends here; outwards this is one worker.
+ * The live driver of a policy: records to events, actions to records, around one command. It holds
+ * no scheduling decision. What the command says of slots (hello, up, gone) ends here; outwards this
+ * is one worker.
  */
 #include "drive/drive.h"
 

@@ -163,7 +163,8 @@ static void commit_pixels(
         uint64_t p = lattice_pixel(at, f->have.w, j * at->w);
         for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
             if (!coverage_set(&f->have, p)) meet_again(f, p, rgba);
-            else if (f->picture.rgba) memcpy(f->picture.rgba + 4 * p, rgba, 4 * sizeof *rgba);
+            else if (f->picture.rgba && rgba)
+                memcpy(f->picture.rgba + 4 * p, rgba, 4 * sizeof *rgba);
             if (rgba) rgba += 4;
         }
     }

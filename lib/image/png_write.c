@@ -95,10 +95,9 @@ static int guarded(struct writer *w)
 
 int png_encode(FILE *f, const struct image *im, int bits, const char *job)
 {
-    struct writer w = {.f = f, .im = im, .job = job, .err = 0};
+    struct writer w = {.f = f, .im = im, .job = job};
     quantizer_init(&w.quantizer, im, bits);
     w.row = xmalloc(quantizer_row_bytes(&w.quantizer, im->w), 1);
-    w.err = 0;
     w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, on_error, on_warning);
     if (w.png) w.info = png_create_info_struct(w.png);
     if (!w.info) w.err = ENOMEM;

@@ -1,9 +1,9 @@
 /*
  * Starting and ending children.
  *
- * Who closes what: three pipes are made, all close-on-exec. The child dup2s its ends onto 0 and 1 (which clears
- * the flag there) and execs; a failure before or in exec goes back as errno over the third pipe, whose write
- * end a successful exec closes. The parent closes the child's ends at once.
+ * Who closes what: three pipes are made, all close-on-exec. The child dup2s its ends onto 0 and 1
+ * (which clears the flag there) and execs; a failure before or in exec goes back as errno over the
+ * third pipe, whose write end a successful exec closes. The parent closes the child's ends at once.
  */
 #include "proc/proc.h"
 

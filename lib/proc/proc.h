@@ -1,9 +1,10 @@
 /*
  * proc: child processes connected by pipes, and queues of bytes that never block their writer.
  *
- * Descriptors made here are close-on-exec. An inherited descriptor is never set non-blocking (that would leak to
- * whoever shares it): the queue towards the reader writes only after poll has said POLLOUT, and at most PIPE_BUF bytes,
- * which a pipe then takes. The writing end of a pipe made here is nobody else's, and is non-blocking.
+ * Descriptors made here are close-on-exec. An inherited descriptor is never set non-blocking (that
+ * would leak to whoever shares it): the queue towards the reader writes only after poll has said
+ * POLLOUT, and at most PIPE_BUF bytes, which a pipe then takes. The writing end of a pipe made here
+ * is nobody else's, and is non-blocking.
  */
 #ifndef STORMRING_PROC_H
 #define STORMRING_PROC_H
@@ -18,14 +19,14 @@ struct child {
 };
 
 /*
- * Starts argv (found on PATH) in a process group of its own, default signal actions, stderr shared. 0, or -1 with
- * errno of what failed, execvp included.
+ * Starts argv (found on PATH) in a process group of its own, default signal actions, stderr shared.
+ * 0, or -1 with errno of what failed, execvp included.
  */
 int child_start(struct child *c, char *const argv[]);
 void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
 /*
- * Closes both pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait status, or -1 when there
- * was no child.
+ * Closes both pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
+ * status, or -1 when there was no child.
  */
 int child_end(struct child *c, int grace_ms);
 /* "exit-3", "signal-9" for a wait status, into text[24]. */
@@ -33,7 +34,7 @@ const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */
 int cores_available(void);
 
-/* ---- towards children: bytes in order, with long bodies shared between many queues ------------ */
+/* ---- towards children: bytes in order, with long bodies shared between many queues ----------- */
 
 struct blob {
     struct buf bytes;
@@ -62,7 +63,7 @@ static inline bool down_empty(const struct down_queue *q)
 int down_write(struct down_queue *q, int fd);
 void down_free(struct down_queue *q);
 
-/* ---- towards the reader: whole records, control before pixels ---------------------------------- */
+/* ---- towards the reader: whole records, control before pixels -------------------------------- */
 
 struct up_queue {
     struct buf control, bulk;

@@ -5,14 +5,15 @@
  *
  *   state      where                 leaves it on
  *   pool       pool list             a slot that is up holds fewer than 1 + depth: -> held
- *   promised   slot's promised list  its slot comes up: -> held; is gone, or does not exist: -> pool
- *   held       slot's held list      DONE from that slot: -> computed; slot gone: -> pool (front)
- *   computed   slot's computed list  slot gone: -> pool (front)
- *   (any)                            the last PIXELS: committed
+ *   promised   slot's promised list  its slot comes up: -> held; is gone, or does not exist: ->
+ * pool held       slot's held list      DONE from that slot: -> computed; slot gone: -> pool
+ * (front) computed   slot's computed list  slot gone: -> pool (front) (any) the last PIXELS:
+ * committed
  *
- * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first phase).
- * PIXELS count whoever sends them: a slot that was given up may still be the first to deliver.
- * DONE counts only from the slot that holds the task. Anything else is late or wrong, and ignored.
+ * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first
+ * phase). PIXELS count whoever sends them: a slot that was given up may still be the first to
+ * deliver. DONE counts only from the slot that holds the task. Anything else is late or wrong, and
+ * ignored.
  */
 #include "sched/sched.h"
 

@@ -1,11 +1,12 @@
 /*
- * sched: scheduling policies as state machines. No clock, no I/O, no chance: an event and the time go in, actions
- * come out, and the same calls give the same actions. The live driver (deal, ringctl) and the virtual-time
- * simulation run the very same object code. Calls: policy->create, then step for every event, then destroy.
+ * sched: scheduling policies as state machines. No clock, no I/O, no chance: an event and the time
+ * go in, actions come out, and the same calls give the same actions. The live driver (deal,
+ * ringctl) and the virtual-time simulation run the very same object code. Calls: policy->create,
+ * then step for every event, then destroy.
  *
- * What every policy guarantees to its driver: each task whose pixels were delivered is committed once; a task
- * that is not committed is in the pool or has an owner that is up; SCHED_END comes when, and only when,
- * the input has ended and nothing is uncommitted.
+ * What every policy guarantees to its driver: each task whose pixels were delivered is committed
+ * once; a task that is not committed is in the pool or has an owner that is up; SCHED_END comes
+ * when, and only when, the input has ended and nothing is uncommitted.
  */
 #ifndef STORMRING_SCHED_H
 #define STORMRING_SCHED_H
@@ -67,8 +68,8 @@ struct policy {
 extern const struct policy policy_deal;
 
 /*
- * Planted bugs: compiled with -DPLANTED_BUG=k a policy breaks its rule k, and the simulation has to find it. A
- * simulation that finds nothing proves nothing.
+ * Planted bugs: compiled with -DPLANTED_BUG=k a policy breaks its rule k, and the simulation has to
+ * find it. A simulation that finds nothing proves nothing.
  */
 #ifndef PLANTED_BUG
 #define PLANTED_BUG 0

@@ -1,4 +1,7 @@
-/* A priority queue of events by (time, order of insertion): equal times keep their order, so a seed is one run. */
+/*
+ * A priority queue of events by (time, order of insertion): equal times keep their order, so a seed
+ * is one run.
+ */
 #ifndef STORMRING_SIM_HEAP_H
 #define STORMRING_SIM_HEAP_H
 

@@ -1,4 +1,7 @@
-/* One run: the plan's faults are laid out, then events are taken in order of time until none is left. */
+/*
+ * One run: the plan's faults are laid out, then events are taken in order of time until none is
+ * left.
+ */
 #include "sim/world.h"
 
 #include <stdlib.h>
@@ -27,7 +30,7 @@ static void note(struct world *w, const struct sched_event *e)
     struct vtask *t =
         e->task.frame == 0 && (int32_t)e->task.id < w->plan->tasks ? &w->tasks[e->task.id] : NULL;
     struct vslot *s = &w->slots[e->slot];
-    if (e->kind == SCHED_TASK) t->known = true;
+    if (e->kind == SCHED_TASK && t) t->known = true;
     if (e->kind == SCHED_UP) s->up = true;
     if (e->kind == SCHED_DONE && t && t->owner == e->slot) t->done = true;
     if (e->kind == SCHED_GONE) {
@@ -143,7 +146,10 @@ static void begin(struct world *w)
     schedule(w, (int64_t)spread_us + 1, (struct sim_event){.sched = {.kind = SCHED_INPUT_END}});
 }
 
-/* Slot 0 alone could do all of it, one round trip a task, once the faults are over; twice that is enough. */
+/*
+ * Slot 0 alone could do all of it, one round trip a task, once the faults are over; twice that is
+ * enough.
+ */
 static int64_t time_allowed_us(const struct sim_plan *p)
 {
     double each_us = 1000 * exp(4) + 4.0 * (double)p->latency_us;

@@ -1,11 +1,12 @@
 /*
- * sim: policies in virtual time. The shipped object code of a policy is driven by a model of what lies behind it: a
- * fan, FIFO links with latency, slots of unequal power, and seeded faults. One seed is one run, exactly; the
- * same seed gives the same event trace, whose hash is returned.
+ * sim: policies in virtual time. The shipped object code of a policy is driven by a model of what
+ * lies behind it: a fan, FIFO links with latency, slots of unequal power, and seeded faults. One
+ * seed is one run, exactly; the same seed gives the same event trace, whose hash is returned.
  *
- * What is checked after every event: a task commits once, and only when all of its pixels were passed on; work is
- * given only to slots that are up, and from the pool only up to the depth; the end comes when everything is
- * committed, and comes within the time that the work, the faults and the slowest slot allow.
+ * What is checked after every event: a task commits once, and only when all of its pixels were
+ * passed on; work is given only to slots that are up, and from the pool only up to the depth; the
+ * end comes when everything is committed, and comes within the time that the work, the faults and
+ * the slowest slot allow.
  */
 #ifndef STORMRING_SIM_H
 #define STORMRING_SIM_H

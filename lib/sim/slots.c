@@ -1,6 +1,6 @@
 /*
- * Slots and links. A slot is a process that takes its tasks in order; killing it voids what is on the way to it
- * and what it was computing, not what it had sent. Links keep order.
+ * Slots and links. A slot is a process that takes its tasks in order; killing it voids what is on
+ * the way to it and what it was computing, not what it had sent. Links keep order.
  */
 #include "sim/world.h"
 
@@ -52,7 +52,10 @@ void say(struct world *w, int32_t k, struct sched_event e)
         w, arrival(w, &s->up_us), (struct sim_event){.kind = SIM_SCHED, .slot = k, .sched = e});
 }
 
-/* A wrong answer: about work that does not exist, about another slot's, or with pixels beside the task. */
+/*
+ * A wrong answer: about work that does not exist, about another slot's, or with pixels beside the
+ * task.
+ */
 static struct sched_event garbled(struct world *w, struct sched_event e)
 {
     double u = draw(w);

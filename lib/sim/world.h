@@ -1,4 +1,7 @@
-/* The world of one simulated run, shared by its files: slots.c (slots, links), checks.c (what must hold), run.c. */
+/*
+ * The world of one simulated run, shared by its files: slots.c (slots, links), checks.c (what must
+ * hold), run.c.
+ */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H
 

@@ -4,7 +4,8 @@
  *
  *     pixels p = y*FW + x + i*sx + j*sy*FW,  0 <= i < w, 0 <= j < h,  FW the frame's width
  *
- * Pixel n of a task is (i, j) = (n mod w, n div w); p numbers the frame row by row from 0, top left.
+ * Pixel n of a task is (i, j) = (n mod w, n div w); p numbers the frame row by row from 0, top
+ * left.
  */
 #ifndef STORMRING_TASK_H
 #define STORMRING_TASK_H
@@ -31,8 +32,8 @@ static inline uint64_t lattice_pixel(const struct lattice *l, uint32_t frame_w, 
 /* Every number in range and every pixel inside a frame of w x h. */
 bool lattice_valid(const struct lattice *l, uint32_t frame_w, uint32_t frame_h);
 /*
- * The lattice of pixels n0 .. of l, in order, at most `most` (> 0) of them: part of one row, or whole rows.
- * Cutting from 0 by the returned counts visits every pixel once.
+ * The lattice of pixels n0 .. of l, in order, at most `most` (> 0) of them: part of one row, or
+ * whole rows. Cutting from 0 by the returned counts visits every pixel once.
  */
 struct lattice lattice_cut(const struct lattice *l, uint32_t frame_w, uint64_t n0, uint64_t most);
 /* n such that sub is pixels n .. n + count of l as lattice_cut makes them; -1 if it is not. */
@@ -77,10 +78,10 @@ static inline bool coverage_full(const struct coverage *c)
     return c->done == (uint64_t)c->w * c->h;
 }
 /*
- * The next lattice of pixels that are missing, starting at or after *p; advances *p; false when there are none.
- * Whole and partial rows come as one lattice each, what a scattered worker left as one strided lattice.
- * Calling it until false names each missing pixel once: it marks them in `taken`, a coverage the caller
- * made as a copy of c.
+ * The next lattice of pixels that are missing, starting at or after *p; advances *p; false when
+ * there are none. Whole and partial rows come as one lattice each, what a scattered worker left as
+ * one strided lattice. Calling it until false names each missing pixel once: it marks them in
+ * `taken`, a coverage the caller made as a copy of c.
  */
 bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out);
 void coverage_copy(struct coverage *to, const struct coverage *from);
@@ -134,8 +135,8 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
 /* Forgets an entry that is on no list. */
 void tasks_remove(struct task_table *t, int32_t i);
 /*
- * Notes that pixels `at` of entry i have come. Counts only what continues or repeats what came: returns
- * false when `at` is no piece of the task or leaves a gap.
+ * Notes that pixels `at` of entry i have come. Counts only what continues or repeats what came:
+ * returns false when `at` is no piece of the task or leaves a gap.
  */
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at);
 static inline bool tasks_whole(const struct task_table *t, int32_t i)

@@ -1,6 +1,7 @@
 /*
- * Decoding of records: bytes in, records out. The grammar is one table; a record that breaks it, or a frag whose
- * crc is wrong, is lost, and the search for the next good one starts at the byte after its first.
+ * Decoding of records: bytes in, records out. The grammar is one table; a record that breaks it, or
+ * a frag whose crc is wrong, is lost, and the search for the next good one starts at the byte after
+ * its first.
  */
 #include "wire/wire.h"
 
@@ -241,8 +242,9 @@ static bool seek_record(struct decoder *d)
 }
 
 /*
- * The record at the front of the buffer is bad: step over its first byte and look on from there. An enemy can
- * nest heads so that every few bytes ask for a long crc; who has spent too much on that steps over the whole record.
+ * The record at the front of the buffer is bad: step over its first byte and look on from there. An
+ * enemy can nest heads so that every few bytes ask for a long crc; who has spent too much on that
+ * steps over the whole record.
  */
 static void lose(struct decoder *d, const struct record *r)
 {

@@ -22,7 +22,8 @@ void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
     buf_append(b, body, n);
 }
 
-/* Hot for small tasks: decimal by hand, where printf would cost more than the rest of the record. */
+/* Hot for small tasks: decimal by hand, where printf would cost more than the rest of the
+ * record. */
 static char *put_u32(char *at, uint32_t v)
 {
     char digits[10];

@@ -2,9 +2,9 @@
  * wire: the records that flow between programs, encoded and decoded in memory; no I/O here.
  * The grammar is in stormring-task(5) and stormring-frag(5); the labels below are theirs.
  *
- * A record is one line of text and, when the line says bytes=N, N raw bytes. The decoder is fed bytes
- * as they come; "need more" is a normal answer. After a bad record it looks for the next good one
- * at every following byte, so a torn record costs itself and nothing else.
+ * A record is one line of text and, when the line says bytes=N, N raw bytes. The decoder is fed
+ * bytes as they come; "need more" is a normal answer. After a bad record it looks for the next good
+ * one at every following byte, so a torn record costs itself and nothing else.
  */
 #ifndef STORMRING_WIRE_H
 #define STORMRING_WIRE_H

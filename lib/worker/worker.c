@@ -48,7 +48,8 @@ static void push(struct worker *w)
     buf_consume(&w->out, buf_size(&w->out));
 }
 
-/* Between groups of pixels: is anyone there, and say that this one is. Groups shrink where pixels are slow. */
+/* Between groups of pixels: is anyone there, and say that this one is. Groups shrink where
+ * pixels are slow. */
 static void tick(struct worker *w, int64_t *last_us)
 {
     int64_t now = now_us(), took = now - *last_us;

@@ -1,11 +1,12 @@
 /*
- * worker: the one loop that every renderer shares. Records in on stdin, a render callback, fragments out on
- * stdout, as stormring-task(5) and stormring-frag(5) say.
+ * worker: the one loop that every renderer shares. Records in on stdin, a render callback,
+ * fragments out on stdout, as stormring-task(5) and stormring-frag(5) say.
  *
- * The loop says hello; takes state (scene, ...) and frame records; says `frame ... job=` once it can render; renders
- * tasks in order in small groups of pixels, between which it looks at the clock: a beat every 500 ms, and a look
- * at stdout every 100 ms: when its reader is gone the process ends at once. End of input: what was read is
- * finished, then bye. It blocks only in poll, read and write.
+ * The loop says hello; takes state (scene, ...) and frame records; says `frame ... job=` once it
+ * can render; renders tasks in order in small groups of pixels, between which it looks at the
+ * clock: a beat every 500 ms, and a look at stdout every 100 ms: when its reader is gone the
+ * process ends at once. End of input: what was read is finished, then bye. It blocks only in poll,
+ * read and write.
  */
 #ifndef STORMRING_WORKER_H
 #define STORMRING_WORKER_H
@@ -27,7 +28,8 @@ struct worker_ops {
     uint64_t (*job)(void *ctx);
     /* Pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
-    /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the power. */
+    /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the
+     * power. */
     void (*selftest)(float *rgba, uint32_t *n); /* n: room for 4*n floats in, pixels out */
 };
 

@@ -1,7 +1,8 @@
 /*
- * Whatever the bytes and however they are cut up: the decoder hands out the same records, every byte belongs to a
- * record or was counted as skipped, what it accepts is in range, and a record passed on is read again as it was.
- * The first two bytes of an input say how it is fed; see `make fuzz`.
+ * Whatever the bytes and however they are cut up: the decoder hands out the same records, every
+ * byte belongs to a record or was counted as skipped, what it accepts is in range, and a record
+ * passed on is read again as it was. The first two bytes of an input say how it is fed; see `make
+ * fuzz`.
  */
 #include "wire/wire.h"
 
@@ -25,7 +26,8 @@ static uint8_t *find(uint8_t *at, const uint8_t *end, const char *text)
     return at < end ? memmem(at, (size_t)(end - at), text, strlen(text)) : NULL;
 }
 
-/* The first "crc=" at or after `at` is made right for the body that the line announces. Where to go on. */
+/* The first "crc=" at or after `at` is made right for the body that the line announces. Where to
+ * go on. */
 static uint8_t *mend_crc(uint8_t *at, uint8_t *end)
 {
     uint8_t *crc = find(at, end, "crc="), *bytes = find(at, end, "bytes=");

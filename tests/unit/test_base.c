@@ -1,4 +1,5 @@
-/* base: numbers, memory, buffers, files, messages, clocks, chance. What exits is tried in a child. */
+/* base: numbers, memory, buffers, files, messages, clocks, chance. What exits is tried in a
+ * child. */
 #include "base/base.h"
 
 #include <errno.h>
@@ -15,7 +16,8 @@
 
 static char said[4096]; /* by the child, on stdout and stderr */
 
-/* Runs act in a child whose stdout goes to `out` (NULL: into said, with stderr); its exit status. */
+/* Runs act in a child whose stdout goes to `out` (NULL: into said, with stderr); its exit
+ * status. */
 static int in_child(void (*act)(void), const char *out)
 {
     int fd[2], status;

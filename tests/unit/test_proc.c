@@ -171,7 +171,8 @@ static void a_child_talks_and_ends(void **state)
 {
     (void)state;
     struct child c;
-    char *argv[] = {ARG("/bin/sh"), ARG("-c"), ARG("read x; echo got $x; exit 7"), NULL}, text[32], why[24];
+    char *argv[] = {ARG("/bin/sh"), ARG("-c"), ARG("read x; echo got $x; exit 7"), NULL};
+    char text[32], why[24];
     assert_int_equal(child_start(&c, argv), 0);
     assert_int_equal(write(c.to, "word\n", 5), 5);
     assert_int_equal(read(c.from, text, sizeof text), 9);
@@ -193,13 +194,14 @@ static void a_child_that_stays_is_killed_with_its_group(void **state)
 {
     (void)state;
     struct child c;
-    char *argv[] = {ARG("/bin/sh"), ARG("-c"), ARG("trap '' TERM HUP; sleep 100 & echo $!; sleep 100"), NULL};
+    static char script[] = "trap '' TERM HUP; sleep 100 & echo $!; sleep 100";
+    char *argv[] = {ARG("/bin/sh"), ARG("-c"), script, NULL};
     char text[32] = "", why[24];
     assert_int_equal(child_start(&c, argv), 0);
     assert_true(read(c.from, text, sizeof text - 1) > 0);
     pid_t inner = (pid_t)strtol(text, NULL, 10);
     assert_string_equal(status_text(child_end(&c, 20), why), "signal-9");
-    for (int i = 0; i < 100 && kill(inner, 0) == 0; i++) usleep(10000); /* till init has reaped it */
+    for (int i = 0; i < 100 && kill(inner, 0) == 0; i++) usleep(10000); /* till it is reaped */
     char path[40], stat[80] = "";
     snprintf(path, sizeof path, "/proc/%d/stat", (int)inner);
     FILE *f = fopen(path, "r");

@@ -1,6 +1,6 @@
 /*
- * deal's policy in virtual time under seeded faults. `test_sim SEED` runs one seed and prints what happened;
- * `test_sim` runs seeds 0 .. 499 (SEEDS in the environment: another number).
+ * deal's policy in virtual time under seeded faults. `test_sim SEED` runs one seed and prints what
+ * happened; `test_sim` runs seeds 0 .. 499 (SEEDS in the environment: another number).
  */
 #include <setjmp.h>
 #include <stdarg.h>

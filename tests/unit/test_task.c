@@ -1,6 +1,7 @@
 /*
- * task: the lattice on every small frame against counting by hand; the cuts of a frame; what coverage says is
- * missing; the tables. "By hand" is positions(), which knows nothing but the formula in task.h.
+ * task: the lattice on every small frame against counting by hand; the cuts of a frame; what
+ * coverage says is missing; the tables. "By hand" is positions(), which knows nothing but the
+ * formula in task.h.
  */
 #include "task/task.h"
 
@@ -21,7 +22,8 @@ static size_t positions(const struct lattice *l, uint32_t frame_w, uint64_t *at)
     return n;
 }
 
-/* Calls act with every lattice whose numbers are up to the frame's (and one more), in every frame. */
+/* Calls act with every lattice whose numbers are up to the frame's (and one more), in every
+ * frame. */
 static void each_lattice(
     void (*act)(const struct lattice *l, uint32_t frame_w, uint32_t frame_h), uint32_t side)
 {
@@ -87,7 +89,8 @@ static bool distinct(const uint64_t *at, size_t n)
     return true;
 }
 
-/* Cutting from 0 in steps of every length: the same pixels in the same order, and each piece is found. */
+/* Cutting from 0 in steps of every length: the same pixels in the same order, and each piece is
+ * found. */
 static void check_cut(const struct lattice *l, uint32_t fw, uint32_t fh)
 {
     uint64_t all[SIDE * SIDE], piece[SIDE * SIDE];
@@ -133,7 +136,8 @@ static void test_cut_anywhere(void **state)
     each_lattice(check_cut_anywhere, SIDE - 1);
 }
 
-/* Whatever a worker claims to be a piece of a task: an offset is given only where the pixels are those. */
+/* Whatever a worker claims to be a piece of a task: an offset is given only where the pixels are
+ * those. */
 static struct lattice whole;
 static uint64_t of_whole[SIDE * SIDE];
 static size_t n_whole;
@@ -231,7 +235,8 @@ static void test_cut_parse(void **state)
 
 /* ---- coverage --------------------------------------------------------------------------- */
 
-/* Takes what is missing until nothing is: each missing pixel once. Returns the number of lattices. */
+/* Takes what is missing until nothing is: each missing pixel once. Returns the number of
+ * lattices. */
 static int check_missing(const struct coverage *c)
 {
     struct coverage taken, named;

@@ -3,7 +3,7 @@
  * bit; meshes without cracks; no surface that hits its own rays.
  */
 #define SIMD_SCALAR
-#include "trace/kernel.h"
+#include "trace/packet.h"
 
 #include <stdarg.h>
 #include "trace_scenes.h"
@@ -12,27 +12,38 @@
 
 static void brute_closest(const struct bvh *b, const struct ray *r, struct hit *h)
 {
-    struct lanes l;
-    lanes_init(&l, r);
     *h = (struct hit){r->t_max, NO_ITEM};
     for (uint32_t kind = 0; kind < ITEM_KINDS; kind++)
         for (uint32_t i = 0; i < b->n_blocks[kind]; i++)
-            closest_in_leaf(b, LEAF | kind << 29 | i, &l, h);
+            closest_in_leaf(b, LEAF | kind << 29 | i, r, h);
 }
 
 static bool brute_blocked(
     const struct bvh *b, const struct ray *r, const uint8_t *transmits, struct crossings *c)
 {
-    struct lanes l;
-    lanes_init(&l, r);
     for (uint32_t kind = 0; kind < ITEM_KINDS; kind++)
         for (uint32_t i = 0; i < b->n_blocks[kind]; i++)
-            if (blocked_in_leaf(b, LEAF | kind << 29 | i, &l, r->t_max, transmits, c)) return true;
+            if (blocked_in_leaf(b, LEAF | kind << 29 | i, r, transmits, c)) return true;
     return false;
 }
 
-static const struct kernels brute = {"brute", brute_closest, brute_blocked};
-static const struct kernels scalar = {"scalar", closest, blocked};
+static void brute_closest_packet(
+    const struct bvh *b, const struct ray *const *r, unsigned n, struct hit *const *h)
+{
+    for (unsigned i = 0; i < n; i++) brute_closest(b, r[i], h[i]);
+}
+
+static unsigned brute_blocked_packet(const struct bvh *b, const struct ray *const *r, unsigned n,
+    const uint8_t *transmits, struct crossings *c)
+{
+    unsigned mask = 0;
+    for (unsigned i = 0; i < n; i++) mask |= (unsigned)brute_blocked(b, r[i], transmits, &c[i]) << i;
+    return mask;
+}
+
+static const struct kernels brute = {
+    "brute", brute_closest, brute_blocked, brute_closest_packet, brute_blocked_packet};
+static const struct kernels scalar = {"scalar", closest, blocked, closest_packet, blocked_packet};
 
 static struct tracer *tracer_with(const struct scene *s, const struct kernels *k)
 {
@@ -49,6 +60,29 @@ static void same_hits(const struct kernels *k, const struct tracer *t, const str
     k->closest(&t->bvh, r, &b);
     if (a.item != b.item || memcmp(&a.t, &b.t, sizeof a.t) != 0)
         fail_msg("%s: item %u at %.17g, the reference has %u at %.17g", k->name, b.item, b.t, a.item, a.t);
+}
+
+/* The same rays in packets of every size, neighbours and strangers. */
+static void same_packets(const struct kernels *k, const struct tracer *t, const struct ray *r, unsigned n)
+{
+    const struct ray *ray[PACKET];
+    struct hit want[PACKET], got[PACKET], *h[PACKET];
+    struct crossings c[PACKET] = {{0}}, d = {0};
+    for (unsigned i = 0; i < n; i++) {
+        ray[i] = &r[i];
+        h[i] = &got[i];
+        brute_closest(&t->bvh, &r[i], &want[i]);
+    }
+    k->closest_packet(&t->bvh, ray, n, h);
+    unsigned blocked_bits = k->blocked_packet(&t->bvh, ray, n, t->transmits, c);
+    for (unsigned i = 0; i < n; i++) {
+        assert_int_equal(want[i].item, got[i].item);
+        assert_memory_equal(&want[i].t, &got[i].t, sizeof want[i].t);
+        d.n = 0;
+        assert_int_equal(blocked_bits >> i & 1, brute_blocked(&t->bvh, &r[i], t->transmits, &d));
+        free(c[i].item);
+    }
+    free(d.item);
 }
 
 static struct vec3 random_point(uint64_t seed, uint64_t *n, double size)
@@ -78,6 +112,33 @@ static void test_random_rays(void **state)
         tracer_free(t);
         scene_free(&s);
     }
+}
+
+static void test_random_packets(void **state)
+{
+    (void)state;
+    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    struct buf text = {0};
+    struct scene s;
+    put_random_scene(&text, in_place, 5, 300);
+    read_scene(&text, &s);
+    struct tracer *t = tracer_with(&s, &brute);
+    uint64_t n = 0;
+    for (unsigned i = 0; i < 1000; i++) {
+        struct ray r[PACKET];
+        unsigned count = 1 + i % PACKET;
+        double apart = i % 5 ? 0.05 : 4; /* narrow beams, and rays all over the place */
+        struct vec3 o = random_point(5, &n, 4), to = random_point(5, &n, 2);
+        for (unsigned k = 0; k < count; k++) {
+            struct vec3 from = v3_add(o, random_point(5, &n, i % 3 ? 0 : apart));
+            struct vec3 d = v3_sub(v3_add(to, random_point(5, &n, apart)), from);
+            r[k] = (struct ray){from, v3_unit(d), 0, i % 2 ? v3_len(d) : HUGE_VAL, 0};
+        }
+        for (int k = 0; k < 3; k++)
+            if (all[k]) same_packets(all[k], t, r, count);
+    }
+    tracer_free(t);
+    scene_free(&s);
 }
 
 static void test_pictures_without_hierarchy(void **state)
@@ -250,6 +311,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_rays),
+        cmocka_unit_test(test_random_packets),
         cmocka_unit_test(test_pictures_without_hierarchy),
         cmocka_unit_test(test_no_cracks),
         cmocka_unit_test(test_no_self_hit),

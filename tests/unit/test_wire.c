@@ -1,6 +1,7 @@
 /*
- * wire: every record there and back; logs torn at every byte, garbage between records, flipped bits, any way of
- * feeding; what is refused; what is passed on; and what an enemy can make a reader pay.
+ * wire: every record there and back; logs torn at every byte, garbage between records, flipped
+ * bits, any way of feeding; what is refused; what is passed on; and what an enemy can make a reader
+ * pay.
  */
 #include "wire/wire.h"
 
@@ -388,7 +389,8 @@ static void test_any_feeding(void **state)
     buf_free(&log);
 }
 
-/* The records that begin in [from, to) of a good log and end by then, as a seen; *left: bytes of a last part. */
+/* The records that begin in [from, to) of a good log and end by then, as a seen; *left: bytes of
+ * a last part. */
 static struct seen records_of(const struct buf *log, size_t from, size_t to)
 {
     struct decoder d = {0};
@@ -410,7 +412,8 @@ static struct seen records_of(const struct buf *log, size_t from, size_t to)
     return s;
 }
 
-/* A log that ends at any byte, as after a crash, and is then appended to: all but the torn record is there. */
+/* A log that ends at any byte, as after a crash, and is then appended to: all but the torn
+ * record is there. */
 static void test_torn_at_every_byte(void **state)
 {
     (void)state;
@@ -431,8 +434,8 @@ static void test_torn_at_every_byte(void **state)
             wire_free(&d);
             buf_append(&torn, buf_data(&log), buf_size(&log));
             struct seen both = decode(&d, buf_data(&torn), buf_size(&torn), step);
-            /* The head of the torn one and the line after it may make one bad line of two; a torn `hello` says
-             * no more than the first record does. */
+            /* The head of the torn one and the line after it may make one bad line of two; a torn
+             * `hello` says no more than the first record does. */
             assert_true(d.bad <= 1);
             assert_true(both.records >= expected.records + again.records - 1);
             assert_memory_equal(buf_data(&both.bytes), buf_data(&expected.bytes), good);
@@ -459,7 +462,8 @@ static void test_begun_at_every_byte(void **state)
         struct decoder d = {0};
         struct seen expected = records_of(&log, from, SIZE_MAX);
         struct seen s = decode(&d, buf_data(&log) + from, buf_size(&log) - from, from & 1);
-        /* The rest of a hello's line holds no record; that of another may by chance: here it does not. */
+        /* The rest of a hello's line holds no record; that of another may by chance: here it
+         * does not. */
         assert_same(&s, &expected);
         assert_true(d.bad <= 1);
         buf_free(&expected.bytes);
@@ -469,8 +473,8 @@ static void test_begun_at_every_byte(void **state)
     buf_free(&log);
 }
 
-/* Any bit of a frag flipped: it is lost or, where the line still says something sane, says something else; all
- * that follows is there. */
+/* Any bit of a frag flipped: it is lost or, where the line still says something sane, says
+ * something else; all that follows is there. */
 static void test_every_bit_flipped(void **state)
 {
     (void)state;
@@ -556,8 +560,9 @@ static void test_told_once(void **state)
 /* ---- enemies ---------------------------------------------------------------------------- */
 
 /*
- * Bytes that ask for as much work as possible are refused at less than a microsecond each (about 0.05 here; nested
- * heads would cost 4 without their budget). CPU time, so that a busy machine does not matter.
+ * Bytes that ask for as much work as possible are refused at less than a microsecond each (about
+ * 0.05 here; nested heads would cost 4 without their budget). CPU time, so that a busy machine does
+ * not matter.
  */
 static void check_cost(const char *unit, size_t total)
 {

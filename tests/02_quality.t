@@ -1,0 +1,53 @@
+#!/bin/sh
+# The compilers, sanitizers and analyzers find nothing, and every build renders the same picture.
+. "$(dirname "$0")/lib.sh"
+cd "$root" || exit 3
+
+# build NAME CC CFLAGS [TARGET ...]: into build/NAME, apart from the programs that other tests run
+build() {
+	name=$1 cc=$2 flags=$3
+	shift 3
+	make -s -j2 BUILD="build/$name" CC="$cc" CFLAGS="$flags" "${@:-all}"
+}
+sanitize='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all'
+ok 'gcc has nothing to say' build gcc gcc '-O2 -Werror' all unit
+ok 'clang has nothing to say' build clang clang '-O2 -Werror' all unit
+ok 'with sanitizers it builds' build sanitized gcc "$sanitize -Werror" all unit
+
+# Out of memory is one of the things that test_base tries.
+for unit in tests/unit/test_*.c; do
+	name=$(basename "$unit" .c)
+	ok "$name is clean under ASan and UBSan" env ASAN_OPTIONS=allocator_may_return_null=1 "build/sanitized/unit/$name"
+done
+
+# picture BUILD: a small one through every stage
+picture() {
+	PATH=$root/build/$1/bin:$PATH
+	{ pack scene "$tmp/gears.nff" && partition -u tile:16x8 40x32; } |
+		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/$1.pfm" -l "$tmp/$1.frags" &&
+		imgcmp "$tmp/$1.pfm" "$tmp/reference.pfm" && fragstat "$tmp/$1.frags" &&
+		gather -m "$tmp/$1.frags" && nff2pov "$tmp/gears.nff" >"$tmp/$1.pov"
+}
+spdgen -s 2 gears >"$tmp/gears.nff"
+partition 40x32 | rtworker "$tmp/gears.nff" | gather -o "$tmp/reference.pfm"
+for name in gcc clang sanitized; do ok "the pipeline built as $name renders the same bits" picture "$name"; done
+
+memcheck='valgrind -q --error-exitcode=9 --leak-check=full --trace-children=no'
+# shellcheck disable=SC2086
+{
+	ok 'valgrind finds nothing in a unit test' $memcheck build/gcc/unit/test_task
+	partition 4x4 >"$tmp/tasks"
+	spdgen -s 1 balls >"$tmp/balls.nff"
+	ok 'valgrind finds nothing in a worker' sh -c "$memcheck build/gcc/bin/rtworker '$tmp/balls.nff' <'$tmp/tasks'"
+}
+
+ok 'cppcheck finds nothing' cppcheck -q -j2 --error-exitcode=1 --enable=warning,performance,portability \
+	--inline-suppr --suppress=uninitvar --std=c11 -D_GNU_SOURCE '-D_Noreturn=__attribute__((noreturn))' -Ilib lib bin
+# shellcheck disable=SC2016
+ok 'clang-tidy finds nothing' sh -c 'printf "%s\n" lib/*/*.c bin/*.c |
+	xargs -P 2 -n 6 sh -c "clang-tidy --quiet \"\$@\" -- -std=c11 -D_GNU_SOURCE -Ilib" tidy 2>/dev/null'
+# shellcheck disable=SC2046
+ok 'shellcheck finds nothing' shellcheck -S warning .ci/run \
+	$(find bin tests -type f ! -name '*.c' -exec grep -lE '^#!/bin/sh|shellcheck shell=' {} +)
+ok 'the fuzz targets find nothing in a short run' env -u MAKEFLAGS make -s fuzz FUZZ_SECONDS=5
+finish

@@ -1,0 +1,290 @@
+/*
+ * PNG: what is written holds what it should and nothing that varies; files of every kind mean what
+ * they should; damage is refused and leaks nothing.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include <png.h>
+#include <zlib.h>
+
+#include "image/codecs.h"
+
+struct bytes {
+    char *p;
+    size_t n;
+};
+
+static struct bytes encoded(const struct image *im, int bits, const char *job)
+{
+    struct bytes b = {0};
+    FILE *f = open_memstream(&b.p, &b.n);
+    assert_non_null(f);
+    assert_int_equal(image_write(f, im, IMAGE_PNG, bits, job), 0);
+    fclose(f);
+    return b;
+}
+
+static int decoded(struct bytes b, struct image *im, char err[IMAGE_ERR])
+{
+    return image_decode((const unsigned char *)b.p, b.n, im, err);
+}
+
+static void refuse(const char *p, size_t n, const char *why)
+{
+    char err[IMAGE_ERR] = "";
+    struct bytes b = {malloc(n ? n : 1), n}; /* exactly so long: one byte too far is a finding */
+    assert_non_null(b.p);
+    memcpy(b.p, p, n);
+    struct image im;
+    assert_int_equal(decoded(b, &im, err), -1);
+    assert_null(im.rgba);
+    if (!strstr(err, why)) fail_msg("\"%s\" does not say \"%s\"", err, why);
+    free(b.p);
+}
+
+static const unsigned char *chunk(struct bytes b, const char *name, uint32_t *n)
+{
+    for (size_t at = 8; at + 12 <= b.n;) {
+        const unsigned char *p = (const unsigned char *)b.p + at;
+        *n = (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+        if (memcmp(p + 4, name, 4) == 0) return p + 8;
+        at += *n + 12;
+    }
+    return NULL;
+}
+
+static void test_png_chunks(void **state)
+{
+    (void)state;
+    struct image im;
+    uint32_t n;
+    image_init(&im, 4, 4);
+    for (size_t i = 0; i < 16; i++) im.rgba[4 * i + 3] = 1;
+    struct bytes a = encoded(&im, 8, "cafe"), b = encoded(&im, 16, NULL);
+    const unsigned char *text = chunk(a, "tEXt", &n);
+    assert_non_null(text);
+    assert_int_equal(n, 8);
+    assert_memory_equal(text, "Job\0cafe", 8);
+    assert_non_null(chunk(a, "sRGB", &n));
+    assert_null(chunk(a, "tIME", &n));
+    assert_int_equal(chunk(a, "IHDR", &n)[9], PNG_COLOR_TYPE_RGB);
+    assert_memory_equal(chunk(b, "gAMA", &n), "\x00\x01\x86\xa0", 4);
+    assert_null(chunk(b, "sRGB", &n));
+    assert_null(chunk(b, "tEXt", &n));
+    struct bytes again = encoded(&im, 8, "cafe");
+    assert_int_equal(a.n, again.n);
+    assert_memory_equal(a.p, again.p, a.n);
+    free(a.p);
+    free(b.p);
+    free(again.p);
+    image_free(&im);
+}
+
+/* ---- PNGs of every kind ----------------------------------------------------------------- */
+
+struct kind {
+    int type, depth, interlace;
+    int gamma; /* gAMA, 0 none, -1 an sRGB chunk */
+    bool trns;
+};
+
+static void put_bytes(png_structp png, png_bytep p, size_t n)
+{
+    fwrite(p, 1, n, png_get_io_ptr(png));
+}
+static void no_flush(png_structp png) { (void)png; }
+
+/* 5x4 samples: sample s of pixel i is (i * 7 + s * 3) spread over the range of the depth. */
+static uint32_t sample(const struct kind *k, uint32_t i, uint32_t s)
+{
+    uint32_t v = i * 7 + s * 3;
+    return k->depth == 16 ? v * 1001 & 65535
+                          : v * (k->depth == 8 ? 11 : 1) & ((1u << k->depth) - 1);
+}
+
+static int channels_of(int type)
+{
+    return type == PNG_COLOR_TYPE_RGB          ? 3
+           : type == PNG_COLOR_TYPE_RGB_ALPHA  ? 4
+           : type == PNG_COLOR_TYPE_GRAY_ALPHA ? 2
+                                               : 1;
+}
+
+static void pack_row(const struct kind *k, uint32_t y, unsigned char row[64])
+{
+    int n = channels_of(k->type);
+    memset(row, 0, 64);
+    for (int s = 0; s < 5 * n; s++) {
+        uint32_t v = sample(k, y * 5 + (uint32_t)(s / n), (uint32_t)(s % n));
+        if (k->depth == 16) {
+            row[2 * s] = (unsigned char)(v >> 8);
+            row[2 * s + 1] = (unsigned char)v;
+        } else {
+            int bit = s * k->depth;
+            row[bit / 8] = (unsigned char)(row[bit / 8] | v << (8 - k->depth - bit % 8));
+        }
+    }
+}
+
+static struct bytes make_png(const struct kind *k)
+{
+    struct bytes b = {0};
+    FILE *f = open_memstream(&b.p, &b.n);
+    assert_non_null(f);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    assert_int_equal(setjmp(png_jmpbuf(png)), 0);
+    png_set_write_fn(png, f, put_bytes, no_flush);
+    png_set_IHDR(png, info, 5, 4, k->depth, k->type, k->interlace, 0, 0);
+    png_color palette[256];
+    png_byte alphas[256];
+    for (int i = 0; i < 256; i++) {
+        palette[i] = (png_color){(png_byte)i, (png_byte)(255 - i), (png_byte)(i * 3)};
+        alphas[i] = (png_byte)(i % 2 ? 255 : 0);
+    }
+    png_color_16 key = {.gray = (png_uint_16)sample(k, 0, 0),
+        .red = (png_uint_16)sample(k, 0, 0),
+        .green = (png_uint_16)sample(k, 0, 1),
+        .blue = (png_uint_16)sample(k, 0, 2)};
+    if (k->type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 1 << k->depth);
+    if (k->trns) png_set_tRNS(png, info, alphas, 1 << k->depth, &key);
+    if (k->gamma > 0) png_set_gAMA_fixed(png, info, k->gamma);
+    if (k->gamma < 0) png_set_sRGB(png, info, 0);
+    png_write_info(png, info);
+    unsigned char rows[4][64], *at[4];
+    for (uint32_t y = 0; y < 4; y++) pack_row(k, y, at[y] = rows[y]);
+    png_write_image(png, at);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(f);
+    return b;
+}
+
+static double srgb_light(double v)
+{
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+/* What sample v of `max` means, by the rules of image.h. */
+static double light(const struct kind *k, uint32_t v, uint32_t max)
+{
+    double x = (double)v / max;
+    bool srgb = k->gamma < 0 || (k->depth < 16 && (k->gamma == 0 || k->gamma == 45455));
+    if (srgb) return srgb_light(x);
+    return k->gamma == 0 || k->gamma == 100000 ? x : pow(x, 1e5 / k->gamma);
+}
+
+static void expected_pixel(const struct kind *k, uint32_t i, double out[4])
+{
+    uint32_t v[4], max = (1u << k->depth) - 1;
+    int n = channels_of(k->type), colours = n < 3 ? 1 : 3;
+    for (int s = 0; s < n; s++) v[s] = sample(k, i, (uint32_t)s);
+    out[3] = n == 2 || n == 4 ? (double)v[n - 1] / max : 1;
+    if (k->type == PNG_COLOR_TYPE_PALETTE) {
+        uint32_t index = v[0];
+        if (k->trns) out[3] = index % 2;
+        uint32_t rgb[3] = {index, 255 - index, index * 3 & 255};
+        for (int c = 0; c < 3; c++) out[c] = light(k, rgb[c], 255) * out[3];
+        return;
+    }
+    if (k->trns) {
+        bool keyed = true;
+        for (int c = 0; c < colours; c++) keyed = keyed && v[c] == sample(k, 0, (uint32_t)c);
+        if (keyed) out[3] = 0;
+    }
+    for (int c = 0; c < 3; c++) out[c] = light(k, v[colours == 1 ? 0 : c], max) * out[3];
+}
+
+static void check_kind(const struct kind *k)
+{
+    char err[IMAGE_ERR] = "";
+    struct bytes b = make_png(k);
+    struct image im;
+    if (decoded(b, &im, err) != 0) fail_msg("type %d depth %d: %s", k->type, k->depth, err);
+    for (uint32_t i = 0; i < 20; i++) {
+        double want[4];
+        expected_pixel(k, i, want);
+        for (int c = 0; c < 4; c++)
+            if (!(fabs((double)im.rgba[4 * i + (uint32_t)c] - want[c]) < 1e-6))
+                fail_msg(
+                    "type %d depth %d interlace %d gamma %d trns %d: pixel %u.%d is %g, not %g",
+                    k->type, k->depth, k->interlace, k->gamma, k->trns, i, c,
+                    (double)im.rgba[4 * i + (uint32_t)c], want[c]);
+    }
+    image_free(&im);
+    free(b.p);
+}
+
+static void test_png_of_every_kind(void **state)
+{
+    (void)state;
+    static const int types[][6] = {{PNG_COLOR_TYPE_GRAY, 1, 2, 4, 8, 16},
+        {PNG_COLOR_TYPE_RGB, 8, 16}, {PNG_COLOR_TYPE_PALETTE, 1, 2, 4, 8},
+        {PNG_COLOR_TYPE_GRAY_ALPHA, 8, 16}, {PNG_COLOR_TYPE_RGB_ALPHA, 8, 16}};
+    static const int gammas[] = {0, -1, 100000, 45455, 55556};
+    for (size_t t = 0; t < 5; t++)
+        for (size_t d = 1; d < 6 && types[t][d]; d++)
+            for (size_t g = 0; g < 5; g++)
+                for (int variant = 0; variant < 4; variant++) {
+                    bool trns = variant & 1 && !(types[t][0] & PNG_COLOR_MASK_ALPHA);
+                    check_kind(
+                        &(struct kind){types[t][0], types[t][d], variant >> 1, gammas[g], trns});
+                }
+}
+
+/* ---- damage ------------------------------------------------------------------------------ */
+
+/* Cut at every byte, and with every byte changed: an answer, no crash, no leak (under the
+ * sanitizers). */
+static void test_damaged_png(void **state)
+{
+    (void)state;
+    char err[IMAGE_ERR];
+    const struct kind kinds[] = {{PNG_COLOR_TYPE_RGB, 8, 0, -1, false},
+        {PNG_COLOR_TYPE_PALETTE, 4, 1, 45455, true}, {PNG_COLOR_TYPE_RGB_ALPHA, 16, 1, 0, false}};
+    for (size_t k = 0; k < 3; k++) {
+        struct bytes b = make_png(&kinds[k]);
+        struct image im;
+        for (size_t n = 0; n < b.n; n++) refuse(b.p, n, ", expected");
+        for (size_t i = 0; i < b.n; i++) {
+            b.p[i] ^= 0x55;
+            if (decoded(b, &im, err) == 0) image_free(&im);
+            else assert_null(im.rgba);
+            b.p[i] ^= 0x55;
+        }
+        free(b.p);
+    }
+}
+
+/* A header that promises far more than the file can hold is refused before memory is taken. */
+static void test_png_bomb(void **state)
+{
+    (void)state;
+    struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false});
+    static const uint32_t sides[][2] = {{16384, 16384}, {65535, 65535}, {70000, 1}, {0, 1}};
+    static const char *const why[] = {"too short", "pixels, expected", ", expected", ", expected"};
+    for (int s = 0; s < 4; s++) {
+        unsigned char *ihdr = (unsigned char *)b.p + 12;
+        for (int i = 0; i < 8; i++)
+            ihdr[4 + i] = (unsigned char)(sides[s][i / 4] >> (24 - 8 * (i % 4)));
+        uint32_t crc = (uint32_t)crc32(crc32(0, NULL, 0), ihdr, 17);
+        for (int i = 0; i < 4; i++) ihdr[17 + i] = (unsigned char)(crc >> (24 - 8 * i));
+        refuse(b.p, b.n, why[s]);
+    }
+    free(b.p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_png_chunks),
+        cmocka_unit_test(test_png_of_every_kind),
+        cmocka_unit_test(test_damaged_png),
+        cmocka_unit_test(test_png_bomb),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
