@@ -25,6 +25,9 @@
 #define FRAMES_LISTED 8 /* incomplete frames described one by one */
 #define WARNINGS_MAX 16 /* about refused declarations */
 
+/* A shell takes these for nothing but parts of a word. */
+#define WORD_BYTES "-.:,+0123456789abcdefghijklmnopqrstuvwxyz"
+
 struct options {
     const char *out; /* -o: pattern of the pictures' names, NULL: stdout */
     enum image_format format;
@@ -47,8 +50,8 @@ struct gather {
     char why[160];          /* about the last of them */
     uint64_t unexpected;    /* records that do not belong in a stream of fragments */
     int warnings;
-    bool volumes; /* a vcworker is at work */
     int status;
+    char with[160]; /* the worker and its options, as first announced */
 };
 
 static const char usage_text[] = "[-hmP] [-k 8|16] [-l LOG] [-o OUT] [FRAGS ...]";
@@ -154,6 +157,15 @@ static void worker_of(const struct record *r, char name[ASSEMBLY_NAME])
     if (!rec_str(r, "w", name, ASSEMBLY_NAME)) *name = '\0';
 }
 
+/* The program and options that gave these pixels: for the message that tells how to finish them. */
+static void note_options(struct gather *g, const struct record *r)
+{
+    if (*g->with || !rec_str(r, "with", g->with, sizeof g->with)) return;
+    if (g->with[strspn(g->with, WORD_BYTES)]) *g->with = '\0';
+    for (char *c = g->with; *c; c++)
+        if (*c == ',') *c = ' ';
+}
+
 static void take_frame(struct gather *g, const struct record *r)
 {
     char job[ASSEMBLY_NAME], worker[ASSEMBLY_NAME];
@@ -162,6 +174,7 @@ static void take_frame(struct gather *g, const struct record *r)
         return;
     }
     worker_of(r, worker);
+    note_options(g, r);
     uint32_t number = r->task.frame;
     enum assembly_verdict verdict =
         assembly_declare(&g->parts, number, r->frame_w, r->frame_h, job, worker);
@@ -207,20 +220,12 @@ static void take_frag(struct gather *g, const struct record *r)
 
 static void take_record(struct gather *g, const struct record *r)
 {
-    static const char vcworker[] = "hello vcworker ";
     log_record(g, r);
     switch (r->kind) {
     case REC_FRAME: take_frame(g, r); break;
     case REC_FRAG: take_frag(g, r); break;
     case REC_DONE: note_id(g, &r->task); break;
-    case REC_HELLO:
-        if (strncmp(r->line, vcworker, sizeof vcworker - 1) == 0) g->volumes = true;
-        break;
-    case REC_BEAT:
-    case REC_BYE:
-    case REC_UP:
-    case REC_GONE: break;
-    default: g->unexpected++;
+    default: g->unexpected += r->kind < REC_HELLO; /* what flows down has no place here */
     }
 }
 
@@ -314,13 +319,11 @@ static void report_remedy(const struct gather *g)
     }
     buf_append(&logs, "", 1);
     const char *all = (const char *)buf_data(&logs);
-    buf_printf(
-        &b, "gather -m%s | %s >> ", all, g->volumes ? "vcworker GRID SPEC" : "rtworker SCENE");
+    buf_printf(&b, "gather -m%s | %s SCENE >> ", all, *g->with ? g->with : "rtworker");
     if (last) buf_quote(&b, last);
     buf_printf(&b, "; gather%s -o ", o->bits == 16 ? " -k 16" : "");
     buf_quote(&b, o->out ? o->out : "PICTURE.png");
-    buf_printf(&b, "%s", all);
-    buf_append(&b, "", 1);
+    buf_append(&b, all, strlen(all) + 1);
     if (last && !piped) warn("to finish: %s", (const char *)buf_data(&b));
     else warn("no log was kept (-l LOG): only a new run gets them");
     buf_free(&logs);
@@ -346,6 +349,7 @@ static void print_tasks(const struct assembly_frame *f)
 {
     struct buf b = {0};
     struct coverage taken;
+    if (coverage_full(&f->have)) return;
     assembly_coverage(f, &taken);
     struct task t = {.frame = f->number, .id = f->next_id, .to = -1};
     wire_frame(&b, f->number, f->have.w, f->have.h, NULL);
@@ -360,8 +364,7 @@ static void print_tasks(const struct assembly_frame *f)
 
 static void print_missing(const struct gather *g)
 {
-    for (uint32_t i = 0; i < g->parts.n_frames; i++)
-        if (!coverage_full(&g->parts.frames[i]->have)) print_tasks(g->parts.frames[i]);
+    for (uint32_t i = 0; i < g->parts.n_frames; i++) print_tasks(g->parts.frames[i]);
 }
 
 static int finish(struct gather *g)

@@ -16,6 +16,7 @@ struct options {
     struct worker_options worker;
     bool inspect;     /* -i: print the frame and the job, render nothing */
     const char *path; /* of the scene; "-": it comes as a record */
+    char with[80];    /* what of the above changes pixels, as options */
 };
 
 struct renderer {
@@ -70,6 +71,8 @@ static uint64_t job(void *ctx)
     return hash64(HASH64_INIT, text, (size_t)n);
 }
 
+static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
+
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
     struct renderer *r = ctx;
@@ -105,6 +108,7 @@ static const struct worker_ops ops = {
     .state = take_state,
     .ready = ready,
     .job = job,
+    .with = with,
     .render = render,
     .selftest = selftest,
 };
@@ -139,6 +143,31 @@ static enum trace_isa parse_isa(const char *s)
     return isa;
 }
 
+/* The shortest decimal that reads back as v. */
+static void shortest(char *text, size_t size, double v)
+{
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, size, "%.*g", digits, v);
+        double back;
+        if (parse_real(text, 0, 1e6, &back) && back == v) return;
+    }
+}
+
+static void describe(struct options *o)
+{
+    const struct trace_options usual = TRACE_OPTIONS_DEFAULT, *t = &o->trace;
+    size_t n = 0;
+    if (t->samples != usual.samples || t->threshold >= 0)
+        n += (size_t)snprintf(o->with, sizeof o->with, "-a%d", t->samples);
+    if (t->threshold >= 0) {
+        char text[32];
+        shortest(text, sizeof text, t->threshold);
+        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ":%s", text);
+    }
+    if (t->depth != usual.depth)
+        snprintf(o->with + n, sizeof o->with - n, "%s-d%d", n ? "," : "", t->depth);
+}
+
 static struct options parse(int argc, char **argv)
 {
     static const char text[] = "[-ci] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
@@ -161,6 +190,7 @@ static struct options parse(int argc, char **argv)
     }
     if (argc - optind != 1) usage(ST_USAGE, text);
     o.path = argv[optind];
+    describe(&o);
     return o;
 }
 

@@ -158,6 +158,13 @@ liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 liar 'echo "hello liar 1 selftest=0 power=1000"; exec rtworker - >/dev/null'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
+liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^(frame .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
+ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
+like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
+liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; }; exit'
+ok "frames that nobody asked for: the same picture" cmp out.pfm small.pfm
+liar 'rtworker - | { head -c 3000; echo "scene bytes=2147483647"; cat /dev/zero; }; exit'
+ok "two gigabytes of state from a worker: the same picture" cmp out.pfm small.pfm
 ok "liars leave no process" await 2 none_alive
 run sh -c 'partition 8x8 | fan -j 2 no-such-program'
 is "a worker that does not exist: exit 3" "$status" 3

@@ -96,8 +96,10 @@ static bool announce(struct worker *w, struct known_frame *f, char err[WORKER_ER
     uint64_t job = w->ops->job(w->ctx);
     const uint32_t size[2] = {f->w, f->h};
     job = hash64(job, size, sizeof size);
-    char extra[40];
-    snprintf(extra, sizeof extra, " job=%016" PRIx64, job);
+    const char *with = w->ops->with(w->ctx);
+    char extra[160];
+    snprintf(extra, sizeof extra, " job=%016" PRIx64 " with=%s%s%s", job, w->ops->program,
+        *with ? "," : "", with);
     wire_frame(&w->out, f->frame, f->w, f->h, extra);
     push(w);
     f->announced = true;

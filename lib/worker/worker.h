@@ -26,6 +26,11 @@ struct worker_ops {
     int (*ready)(void *ctx, uint32_t w, uint32_t h, char err[WORKER_ERR]);
     /* The hash of format, options that change pixels, and state; the loop adds the size. */
     uint64_t (*job)(void *ctx);
+    /*
+     * The options that give this job, as command line words with commas between ("-d3,-a16"; "" for
+     * none): who finishes the picture later needs them.
+     */
+    const char *(*with)(void *ctx);
     /* Pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the
