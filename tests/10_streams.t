@@ -53,9 +53,10 @@ lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "
 records() { lines - | sed 's/ crc=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=.*//'; }
 partition -u run:6 4x3 | rtworker tetra.nff >frags
 is "hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
-is "then the frame with its job" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/')" "frame 0 4 3 job="
-is "the job is the one that -i prints" "$(lines frags | sed -n 2p | grep -o 'job=.*' | wc -c)" \
-	"$(rtworker -i tetra.nff | grep -o 'job=.*' | wc -c)"
+is "then the frame with its job" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/')" \
+	"frame 0 4 3 job= with=rtworker"
+is "the job is the one that -i prints" "$(partition 512x512 | rtworker tetra.nff | head -2 | lines - | grep -o 'job=[^ ]*')" \
+	"$(rtworker -i tetra.nff | grep -o 'job=.*')"
 is "done, then pixels, then bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
 	"done 0 0 cpu wall;frag 0 0 0 0 6 1 1 1 ch=4;done 0 1 cpu wall;frag 0 1 2 1 6 1 1 1 ch=4;bye;"
 is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | records | grep -c '^frag')" 4
@@ -63,6 +64,8 @@ is "-c keeps them to the end" "$(partition 4x3 | rtworker -c tetra.nff | records
 	"hell fram done done done frag frag frag bye "
 { partition 4x2; echo flush; echo 'task 0 9 0 0 1 1 1 1'; } | rtworker -c tetra.nff >held
 is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag done frag bye "
+is "the worker's options are told" \
+	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -x sse2 tetra.nff | lines - | grep -o 'with=.*')" "with=rtworker,-a16:0.1,-d3"
 a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)
 is "the job does not know the vectors' width" "$c" "$a"
 run test "$a" = "$b"
@@ -105,6 +108,8 @@ is "nested fans: stamps are paths" "$(lines frags | grep '^frag' | grep -o 'w=[0
 is "deal shows one worker" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"
 is "unknown keys are passed on" \
 	"$(state | sed 's/^task.*/& tag=7/' | fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c tag=7 seen)" 8
+is "by deal too" "$(state | sed 's/^task.*/& tag=7 more=8/' |
+	deal fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c 'tag=7 more=8$' seen)" 8
 for bad in '' '-q' '-q -1 fan' '-x'; do
 	# shellcheck disable=SC2086
 	run deal $bad </dev/null

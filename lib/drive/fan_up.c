@@ -4,6 +4,8 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
+
 /* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
 {
@@ -22,11 +24,14 @@ static void pass_control(struct fan *f, struct fan_slot *s, const struct record 
     wire_forward(&f->up.control, r, stamped, text);
 }
 
-/* A frame is announced, and with it the state is known to be loaded. */
-static void take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
+/* A frame that was asked for is announced, and with it the state is known to be loaded. */
+static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
+    const struct frame_size *asked = frames_find(&f->frames, r->task.frame);
+    if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     s->loaded = true;
     pass_control(f, s, r);
+    return NULL;
 }
 
 /* fan is itself a worker: its hello goes out with the first of its slots'. */
@@ -96,13 +101,23 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
     return NULL;
 }
 
+/* Would the line grow too long with this stamp, or that of some more fans around this one? */
+static bool too_long(const struct record *r)
+{
+    size_t said = r->line_len, n;
+    for (const char *const *key = stamped; *key; key++)
+        if (rec_key(r, *key, &n)) said -= strlen(*key) + n + 2;
+    return said > SAID_MAX;
+}
+
 /* NULL, or why the slot cannot be trusted any more. */
 static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
 {
+    if (too_long(r)) return "long-line";
     if (!s->hello && r->kind != REC_HELLO) return "no-hello";
     switch (r->kind) {
     case REC_HELLO: return take_hello(f, s, r);
-    case REC_FRAME: take_frame(f, s, r); return NULL;
+    case REC_FRAME: return take_frame(f, s, r);
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
     case REC_BEAT: pass_control(f, s, r); return NULL;

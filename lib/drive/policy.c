@@ -4,6 +4,7 @@
  * is one worker.
  */
 #include "drive/drive.h"
+#include "drive/tags.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -25,6 +26,7 @@ struct driver {
     struct up_queue up;
     struct decoder in, from;
     struct frames frames;
+    struct tags tags;
     bool in_open, closing;
 };
 
@@ -43,6 +45,15 @@ static int32_t slot_of(const struct record *r)
     return parse_int(text, 0, INT32_MAX, &k) ? (int32_t)k : -1;
 }
 
+static void give(struct driver *d, struct buf *line, struct task t)
+{
+    const char *keys = tags_find(&d->tags, &t);
+    wire_task(line, &t);
+    if (!keys) return;
+    line->len--; /* the newline */
+    buf_printf(line, " %s\n", keys);
+}
+
 static void perform(struct driver *d)
 {
     struct buf line = {0};
@@ -50,7 +61,8 @@ static void perform(struct driver *d)
         const struct sched_action *a = &d->acts.at[i];
         struct task t = a->task;
         t.to = a->slot;
-        if (a->kind == SCHED_GIVE) wire_task(&line, &t);
+        if (a->kind == SCHED_GIVE) give(d, &line, t);
+        if (a->kind == SCHED_COMMIT) tags_drop(&d->tags, &t);
         if (a->kind == SCHED_ASK_FLUSH) buf_printf(&line, "flush to=%" PRId32 "\n", a->slot);
         if (a->kind == SCHED_END) d->closing = true;
     }
@@ -78,6 +90,7 @@ static void take_task(struct driver *d, const struct record *r)
     const struct frame_size *f = frames_find(&d->frames, r->task.frame);
     if (!f)
         die(ST_USAGE, "task %u %u: expected `frame` before its tasks", r->task.frame, r->task.id);
+    tags_keep(&d->tags, r);
     tell(d, (struct sched_event){.kind = SCHED_TASK, .task = r->task, .frame_w = f->w});
 }
 
@@ -228,5 +241,6 @@ int drive_policy(
     wire_free(&d.in);
     wire_free(&d.from);
     frames_free(&d.frames);
+    tags_free(&d.tags);
     return status;
 }

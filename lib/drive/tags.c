@@ -1,0 +1,61 @@
+/* Unknown keys of tasks: see tags.h. */
+#include "drive/tags.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define KNOWN_WORDS 9 /* task F ID X Y W H SX SY */
+
+/* r's line without to=K, from its first key on; to be freed. NULL when nothing is left. */
+static char *unknown_keys(const struct record *r)
+{
+    static const char *const known[] = {"to", NULL};
+    struct buf line = {0};
+    if (!memchr(r->line, '=', r->line_len)) return NULL;
+    wire_forward(&line, r, known, NULL);
+    line.data[line.len - 1] = '\0';
+    const char *at = (const char *)buf_data(&line);
+    for (int i = 0; at && i < KNOWN_WORDS; i++) {
+        at = strchr(at, ' ');
+        if (at) at++;
+    }
+    char *text = at ? xstrdup(at) : NULL;
+    buf_free(&line);
+    return text;
+}
+
+void tags_keep(struct tags *t, const struct record *r)
+{
+    char *text = unknown_keys(r);
+    if (!text) return;
+    tags_drop(t, &r->task);
+    int32_t i = tasks_add(&t->tasks, &r->task, 1);
+    if (i >= t->room) {
+        t->text = xrealloc(t->text, (size_t)t->tasks.cap, sizeof *t->text);
+        t->room = t->tasks.cap;
+    }
+    t->text[i] = text;
+}
+
+const char *tags_find(const struct tags *t, const struct task *task)
+{
+    int32_t i = tasks_find(&t->tasks, task->frame, task->id);
+    return i < 0 ? NULL : t->text[i];
+}
+
+void tags_drop(struct tags *t, const struct task *task)
+{
+    int32_t i = tasks_find(&t->tasks, task->frame, task->id);
+    if (i < 0) return;
+    free(t->text[i]);
+    tasks_remove(&t->tasks, i);
+}
+
+void tags_free(struct tags *t)
+{
+    for (int32_t i = 0; i < t->tasks.cap; i++)
+        if (t->tasks.at[i].live) free(t->text[i]);
+    free(t->text);
+    tasks_free(&t->tasks);
+    *t = (struct tags){0};
+}
