@@ -24,12 +24,12 @@ working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
 cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
 trap cleanup EXIT
 
-partition 256x256 | rtworker -a 16 gears.nff | gather -o good.pfm
+partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
 # long METHOD [OPTIONS]: some seconds of work on 3 slots, in the background
 long() {
 	method=$1
 	shift
-	env MARK=$mark balance "$method" -j 3 -s 256x256 -W '-a 16' -o out.pfm "$@" gears.nff 2>said &
+	env MARK=$mark balance "$method" -j 3 -s 256x256 -W '-a 64' -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
 
@@ -58,7 +58,7 @@ kill -9 "$pid"
 ok "kill -9 of balance (interleaved): no process after 2 s" await 2 none_alive
 wait "$pid" 2>/dev/null
 env MARK=$mark sh -c 'pack scene gears.nff | cat >/dev/null; { pack scene gears.nff; partition 256x256; } |
-	deal fan -j 2 deal fan -j 2 rtworker -a 16 - | gather -o out.pfm' 2>said &
+	deal fan -j 2 deal fan -j 2 rtworker -a 64 - | gather -o out.pfm' 2>said &
 pid=$!
 await 5 working 4
 # shellcheck disable=SC2046
@@ -69,7 +69,7 @@ wait "$pid" 2>/dev/null
 # ---- Ctrl-C: a signal to the foreground group --------------------------------------------------------
 # A session of its own, so that the test is not in the group; an interactive shell gives children the default action.
 setsid env MARK=$mark perl -e '$SIG{INT} = "DEFAULT"; setpgrp; exec @ARGV' \
-	balance masterslave -j 3 -s 256x256 -W '-a 16' -o out.pfm gears.nff 2>said &
+	balance masterslave -j 3 -s 256x256 -W '-a 64' -o out.pfm gears.nff 2>said &
 pid=$!
 await 5 working 3
 group=$(ps -o pgid= -p "$(program gather)" | tr -d ' ')
@@ -98,7 +98,7 @@ is "interleaved, a worker killed: exit 1" $? 1
 like "interleaved: what is missing is listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
 is "interleaved: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 like "interleaved: the command that finishes it is printed" "$(cat said)" 'gather -m job\.log \| rtworker .*>> *job\.log'
-gather -m job.log | rtworker -a 16 gears.nff >>job.log
+gather -m job.log | rtworker -a 64 gears.nff >>job.log
 gather -o out.pfm job.log
 ok "and that command finishes it" cmp out.pfm good.pfm
 

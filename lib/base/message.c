@@ -2,13 +2,28 @@
 #include "base/base.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *name = "stormring";
 
+/*
+ * A program may be started with a standard descriptor closed. The next file or pipe that it opened
+ * would become its standard input or output, so each gap is filled with one that cannot be used the
+ * expected way: reading or writing then fails as on a closed one. Messages go nowhere.
+ */
+static void fill_standard_descriptors(void)
+{
+    static const int mode[] = {O_WRONLY, O_RDONLY, O_RDWR};
+    for (int fd = 0; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", mode[fd]) != fd) _exit(ST_SYSTEM);
+}
+
 void prog_init(const char *argv0)
 {
+    fill_standard_descriptors();
     if (!argv0) return;
     const char *slash = strrchr(argv0, '/');
     name = slash ? slash + 1 : argv0;

@@ -11,6 +11,8 @@
 #include "sched/sched.h"
 #include "wire/wire.h"
 
+#include <poll.h>
+
 struct fan_options {
     int slots;
     char *const *command; /* NULL-ended: the worker, one for each slot */
@@ -30,10 +32,31 @@ int drive_policy(const struct policy *p, const struct sched_params *params, char
 #define DOWN_QUEUE_MOST (1 << 20) /* bytes for one child, then the input has to wait */
 
 /* fd with events, or a place that poll ignores. */
-struct pollfd;
 struct pollfd poll_entry(int fd, bool wanted, short events);
-/* One read(2) of fd into d; at the end of the stream d is ended. False then, or on an error. */
-bool stream_read(struct decoder *d, int fd);
+#define POLL_GONE (POLLERR | POLLHUP | POLLNVAL) /* of a writing end: nobody reads there any more */
+
+/*
+ * One read(2) of fd into d; at the end of the stream d is ended. 1, 0 at the end, or -1 with errno,
+ * which ends it as well.
+ */
+int stream_read(struct decoder *d, int fd);
+
+/* The standard output of a driver. */
+struct outlet {
+    struct up_queue queue;
+    size_t most; /* bytes a write may have */
+    bool full;   /* it took less than it was given */
+    bool gone;   /* its reader is, or writing fails, which has been said */
+};
+void outlet_open(struct outlet *o);
+struct pollfd outlet_poll(const struct outlet *o);
+/* What poll said of it. */
+void outlet_polled(struct outlet *o, const struct pollfd *p);
+/* What has just been queued goes out at once, where that cannot block. */
+void outlet_push(struct outlet *o);
+/* The rest goes to the reader, who may be slow; or until a signal comes. */
+void outlet_drain(struct outlet *o);
+
 /* Forwards r as one record of the bulk queue. */
 void up_forward(
     struct up_queue *q, const struct record *r, const char *const *drop, const char *extra);

@@ -8,145 +8,93 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #define TICK_MS 500
+#define LEAVING_MS 100 /* while a slot is exiting; its end is told by SIGCHLD, its staying is not */
 #define HELLO_S 10.0   /* silence allowed before the first word, */
 #define LOADING_S 60.0 /* while the state is being loaded, */
 #define CLOSING_S 1.0  /* and when nothing is left to say */
-
-static void route_state(struct fan *f, const struct record *r)
-{
-    struct buf bytes = {0};
-    wire_forward(&bytes, r, NULL, NULL);
-    struct blob *b = blob_new(buf_data(&bytes), buf_size(&bytes));
-    b->users = 1; /* this function's, so that it outlives an empty round */
-    buf_free(&bytes);
-    for (int k = 0; k < f->o->slots; k++)
-        if (!f->slots[k].ended) down_share(&f->slots[k].down, b);
-    if (--b->users == 0) {
-        buf_free(&b->bytes);
-        free(b);
-    }
-}
-
-static void route_small(struct fan *f, const struct record *r)
-{
-    struct buf line = {0};
-    static const char *const drop[] = {"to", NULL};
-    wire_forward(&line, r, drop, NULL);
-    for (int k = 0; k < f->o->slots; k++)
-        if (!f->slots[k].ended && (r->task.to < 0 || r->task.to == k))
-            down_append(&f->slots[k].down, buf_data(&line), buf_size(&line));
-    buf_free(&line);
-}
-
-static void route(struct fan *f, const struct record *r)
-{
-    switch (r->kind) {
-    case REC_SCENE:
-    case REC_GRID:
-    case REC_SPEC: route_state(f, r); break;
-    case REC_FRAME:
-        frames_set(&f->frames, r->task.frame, r->frame_w, r->frame_h);
-        route_small(f, r);
-        break;
-    case REC_FLUSH: route_small(f, r); break;
-    case REC_TASK:
-        if (r->task.to >= f->o->slots)
-            die(ST_USAGE, "task %u %u: to=%d, expected a slot below %d", r->task.frame, r->task.id,
-                r->task.to, f->o->slots);
-        slot_send(f, r->task.to >= 0 ? r->task.to : (int)(r->task.id % (uint32_t)f->o->slots), r);
-        break;
-    default:
-        die(ST_USAGE, "standard input: record `%s`, expected state, frame, task or flush",
-            rec_name(r->kind));
-    }
-}
-
-static void take_input(struct fan *f)
-{
-    struct record r;
-    enum wire_result result;
-    f->in_open = stream_read(&f->in, STDIN_FILENO);
-    while ((result = wire_next(&f->in, &r)) == WIRE_RECORD) route(f, &r);
-    if (result == WIRE_BAD) die(ST_USAGE, "standard input: %s", f->in.why);
-}
 
 /* No slot has more queued than it should. */
 static bool room_down(const struct fan *f)
 {
     for (int k = 0; k < f->o->slots; k++)
-        if (buf_size(&f->slots[k].down.bytes) > DOWN_QUEUE_MOST) return false;
+        if (down_size(&f->slots[k].down) > DOWN_QUEUE_MOST) return false;
     return true;
 }
 
-/* Writes to slots whose pipe was not found full: what has just been queued goes out at once. */
-static void feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
+/* So long may slot s say nothing; 0: as long as it likes. */
+static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
-    bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
-    if (p->revents & POLLERR || (!full && down_write(&s->down, s->child.to) != 0))
-        child_close(&s->child.to); /* it reads no more: its output tells why */
-    if (!f->in_open && down_empty(&s->down)) child_close(&s->child.to);
+    if (!f->in_open && !s->tasks.count) return CLOSING_S;
+    if (!s->hello) return HELLO_S;
+    /* Pixels of what is done may be held back until somebody asks. */
+    bool asked = s->undone || (s->tasks.count && (s->flushed || !f->in_open));
+    if (!asked) return 0;
+    return s->loaded ? f->o->silence_s : LOADING_S;
 }
 
-/* Slots that have work, or were told to end, and say nothing. */
-static void find_silent(struct fan *f, bool reading)
+/*
+ * Slots that have work, or were told to end, and say nothing. What counts is that a slot had been
+ * silent for too long before poll looked, and that poll found nothing: this process may itself have
+ * been kept from running.
+ */
+static void find_silent(struct fan *f, int64_t looked_us, bool reading)
 {
-    int64_t now = now_us();
+    for (int k = 0; k < f->o->slots; k++) {
+        struct fan_slot *s = &f->slots[k];
+        if (s->ended || s->leave_us) continue;
+        double allowed_s = silence_allowed_s(f, s);
+        if (!reading || allowed_s <= 0) s->heard_us = now_us();
+        else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6) slot_lose(f, s, "silent");
+    }
+}
+
+/* The reader is gone, or the input is no good: nobody needs the rest. */
+static void abandon(struct fan *f)
+{
     for (int k = 0; k < f->o->slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (s->ended) continue;
-        bool closing = !f->in_open && !s->tasks.count;
-        double limit_s = closing     ? CLOSING_S
-                         : !s->hello ? HELLO_S
-                         : s->loaded ? f->o->silence_s
-                                     : LOADING_S;
-        if (!reading || (s->hello && !s->tasks.count && !closing)) s->heard_us = now;
-        else if ((double)(now - s->heard_us) > limit_s * 1e6) slot_lose(f, s, "silent");
+        child_end(&s->child, 0);
+        slot_free(s);
     }
 }
 
-/* The reader is gone: nobody needs the rest. */
-static int abandon(struct fan *f)
+static void fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
-    for (int k = 0; k < f->o->slots; k++)
-        if (!f->slots[k].ended) child_end(&f->slots[k].child, 0);
-    return ST_SYSTEM;
-}
-
-static void poll_round(struct fan *f, struct pollfd *p, bool *gone)
-{
-    int n = f->o->slots;
-    bool reading = up_size(&f->up) < UP_QUEUE_MOST;
     p[0] = poll_entry(STDIN_FILENO, f->in_open && f->alive && room_down(f), POLLIN);
-    p[1] = poll_entry(STDOUT_FILENO, true, up_size(&f->up) ? POLLOUT : 0);
-    for (int k = 0; k < n; k++) {
+    p[1] = outlet_poll(&f->out);
+    for (int k = 0; k < f->o->slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        p[2 + 2 * k] = poll_entry(s->child.to, !s->ended, down_empty(&s->down) ? 0 : POLLOUT);
-        p[3 + 2 * k] = poll_entry(s->child.from, !s->ended && reading, POLLIN);
+        p[2 + 2 * k] = poll_entry(s->child.to, true, down_size(&s->down) ? POLLOUT : 0);
+        p[3 + 2 * k] = poll_entry(s->child.from, reading, POLLIN);
     }
-    if (poll(p, 2 + 2 * (nfds_t)n, TICK_MS) < 0) {
-        if (errno == EINTR) return;
-        die(ST_SYSTEM, "poll:");
+}
+
+static void poll_round(struct fan *f, struct pollfd *p)
+{
+    bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
+    int64_t looked_us = now_us();
+    fill_poll(f, p, reading);
+    if (poll_signals(p, 2 + 2 * (size_t)f->o->slots, f->leaving ? LEAVING_MS : TICK_MS) < 0) {
+        if (errno != EINTR) die(ST_SYSTEM, "poll:");
+        for (int k = 0; k < 2 + 2 * f->o->slots; k++) p[k].revents = 0;
+        looked_us = 0; /* nobody was found silent */
     }
-    if (p[1].revents & (POLLERR | POLLNVAL)) *gone = true;
-    if (p[1].revents & POLLOUT && up_write(&f->up, STDOUT_FILENO) != 0) {
-        if (errno != EPIPE) warn("standard output:");
-        *gone = true;
-    }
-    if (*gone) return;
-    if (p[0].revents) take_input(f);
-    for (int k = 0; k < n; k++) {
+    outlet_polled(&f->out, &p[1]);
+    if (f->out.gone) return;
+    if (p[0].revents) fan_take_input(f);
+    for (int k = 0; k < f->o->slots && !f->refused; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (s->ended) continue;
-        if (s->child.to >= 0) feed(f, s, &p[2 + 2 * k]);
+        if (s->child.to >= 0) slot_feed(f, s, &p[2 + 2 * k]);
         if (p[3 + 2 * k].revents) slot_listen(f, s);
+        if (s->leave_us) slot_left(f, s);
     }
-    find_silent(f, reading);
+    find_silent(f, looked_us, reading);
+    outlet_push(&f->out);
 }
 
 static void free_fan(struct fan *f)
@@ -154,28 +102,32 @@ static void free_fan(struct fan *f)
     free(f->slots);
     wire_free(&f->in);
     frames_free(&f->frames);
-    up_free(&f->up);
+    up_free(&f->out.queue);
+    buf_free(&f->line);
 }
 
 int drive_fan(const struct fan_options *o)
 {
     struct fan f = {.o = o, .start_us = now_us(), .in_open = true};
     struct pollfd *p = xcalloc((size_t)o->slots * 2 + 2, sizeof *p);
-    bool gone = false, bye = false;
-    signal(SIGPIPE, SIG_IGN);
+    signals_catch();
+    want_descriptors(2 * o->slots + 16);
+    outlet_open(&f.out);
     f.slots = xcalloc((size_t)o->slots, sizeof *f.slots);
     for (int k = 0; k < o->slots; k++) slot_start(&f, k);
-    while (!gone && (f.alive || up_size(&f.up))) {
-        poll_round(&f, p, &gone);
-        if (f.alive || bye) continue;
-        bye = true;
-        wire_plain(&f.up.bulk, REC_BYE, NULL);
-        up_end_record(&f.up);
+    while (f.alive && !f.out.gone && !f.refused && !signals_came()) poll_round(&f, p);
+    abandon(&f);
+    if (!f.refused) {
+        wire_plain(&f.out.queue.bulk, REC_BYE, NULL);
+        up_end_record(&f.out.queue);
+        outlet_drain(&f.out);
     }
-    int status = gone ? abandon(&f) : f.in_open ? ST_SYSTEM : f.lost ? ST_PARTIAL : ST_OK;
-    if (!gone && f.in_open) warn("no slot left");
+    bool failed = f.out.gone || f.in_open;
+    int status = f.refused ? f.refused : failed ? ST_SYSTEM : f.lost ? ST_PARTIAL : ST_OK;
+    if (!f.refused && !f.out.gone && f.in_open && !signals_came()) warn("no slot left");
     if (f.stale) warn("%" PRId64 " answers to no question were dropped", f.stale);
     free(p);
     free_fan(&f);
+    if (signals_came()) signals_die();
     return status;
 }

@@ -6,6 +6,8 @@
 
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
+static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
+
 /* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
 {
@@ -15,22 +17,24 @@ static void stamp(const struct fan_slot *s, const struct record *r, char *text, 
     else snprintf(text, size, "w=%d", s->number);
 }
 
-static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
-
 static void pass_control(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
     stamp(s, r, text, sizeof text);
-    wire_forward(&f->up.control, r, stamped, text);
+    wire_forward(&f->out.queue.control, r, stamped, text);
 }
 
-/* A frame that was asked for is announced, and with it the state is known to be loaded. */
+/*
+ * A frame that was asked for is announced, and with it the state is known to be loaded. It keeps
+ * its place among the pixels: those before it may belong to another job.
+ */
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    const struct frame_size *asked = frames_find(&f->frames, r->task.frame);
-    if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
+    char text[96];
+    if (!frames_find(&f->frames, r->task.frame)) return "wrong-frame";
     s->loaded = true;
-    pass_control(f, s, r);
+    stamp(s, r, text, sizeof text);
+    up_forward(&f->out.queue, r, stamped, text);
     return NULL;
 }
 
@@ -40,7 +44,7 @@ static void say_hello(struct fan *f)
     char text[96];
     snprintf(text, sizeof text, "fan %s selftest=%s slots=%d", STORMRING_VERSION, f->selftest,
         f->o->slots);
-    wire_plain(&f->up.control, REC_HELLO, text);
+    wire_plain(&f->out.queue.control, REC_HELLO, text);
 }
 
 static const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
@@ -57,8 +61,8 @@ static const char *take_hello(struct fan *f, struct fan_slot *s, const struct re
         return "other-arithmetic";
     }
     snprintf(text, sizeof text, "w=%d host=: power=%s", s->number, power);
-    wire_plain(&f->up.bulk, REC_UP, text);
-    up_end_record(&f->up);
+    wire_plain(&f->out.queue.bulk, REC_UP, text);
+    up_end_record(&f->out.queue);
     return NULL;
 }
 
@@ -66,6 +70,7 @@ static const char *take_hello(struct fan *f, struct fan_slot *s, const struct re
 static void settle(struct fan_slot *s, int32_t i)
 {
     if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) tasks_remove(&s->tasks, i);
+    if (!s->tasks.count) s->flushed = false;
 }
 
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
@@ -79,8 +84,9 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     stamp(s, r, w, sizeof w);
     snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
         s->tasks.at[i].since_us, now_us() - f->start_us);
-    wire_forward(&f->up.control, r, stamped, text);
+    wire_forward(&f->out.queue.control, r, stamped, text);
     s->tasks.at[i].done = true;
+    s->undone--;
     settle(s, i);
     return NULL;
 }
@@ -96,7 +102,7 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
     stamp(s, r, text, sizeof text);
-    up_forward(&f->up, r, stamped, text);
+    up_forward(&f->out.queue, r, stamped, text);
     settle(s, i);
     return NULL;
 }
@@ -105,9 +111,16 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
 static bool too_long(const struct record *r)
 {
     size_t said = r->line_len, n;
+    if (said <= SAID_MAX) return false;
     for (const char *const *key = stamped; *key; key++)
         if (rec_key(r, *key, &n)) said -= strlen(*key) + n + 2;
     return said > SAID_MAX;
+}
+
+/* An inner fan, without a policy, has lost a slot: what goes to that will not come back. */
+static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s)
+{
+    return f->in_open || s->tasks.count ? "inner-gone" : NULL;
 }
 
 /* NULL, or why the slot cannot be trusted any more. */
@@ -121,8 +134,8 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
     case REC_BEAT: pass_control(f, s, r); return NULL;
-    case REC_UP:
-    case REC_GONE: /* of an inner fan: its own affair */
+    case REC_GONE: return take_inner_gone(f, s);
+    case REC_UP: /* of an inner fan: its own affair */
     case REC_BYE: return NULL;
     default: return "wrong-record";
     }
@@ -130,7 +143,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
 
 void slot_listen(struct fan *f, struct fan_slot *s)
 {
-    bool more = stream_read(&s->from, s->child.from);
+    int more = stream_read(&s->from, s->child.from);
     s->heard_us = now_us();
     struct record r;
     enum wire_result result;
@@ -140,5 +153,5 @@ void slot_listen(struct fan *f, struct fan_slot *s)
         else if (!s->from.ended) why = "garbage";
     }
     if (why) slot_lose(f, s, why);
-    else if (!more) slot_finish(f, s);
+    else if (more <= 0) slot_leave(f, s);
 }

@@ -1,7 +1,9 @@
 /* What both drivers do to their streams. */
 #include "drive/drive.h"
 
-#include <poll.h>
+#include <errno.h>
+#include <limits.h>
+#include <unistd.h>
 
 #define READ_BYTES 65536
 
@@ -10,11 +12,12 @@ struct pollfd poll_entry(int fd, bool wanted, short events)
     return (struct pollfd){.fd = wanted ? fd : -1, .events = events};
 }
 
-bool stream_read(struct decoder *d, int fd)
+int stream_read(struct decoder *d, int fd)
 {
-    if (read_some(fd, &d->in, READ_BYTES) > 0) return true;
+    ptrdiff_t n = read_some(fd, &d->in, READ_BYTES);
+    if (n > 0) return 1;
     wire_end(d);
-    return false;
+    return (int)n;
 }
 
 void up_forward(
@@ -22,4 +25,39 @@ void up_forward(
 {
     wire_forward(&q->bulk, r, drop, extra);
     up_end_record(q);
+}
+
+void outlet_open(struct outlet *o) { o->most = stdout_private(); }
+
+struct pollfd outlet_poll(const struct outlet *o)
+{
+    return (struct pollfd){STDOUT_FILENO, up_size(&o->queue) ? POLLOUT : 0, 0};
+}
+
+static void outlet_write(struct outlet *o)
+{
+    if (up_write(&o->queue, STDOUT_FILENO, o->most) == 0) return;
+    if (errno != EPIPE) warn("standard output:");
+    o->gone = true;
+}
+
+void outlet_polled(struct outlet *o, const struct pollfd *p)
+{
+    if (p->revents & POLL_GONE) o->gone = true;
+    o->full = p->events & POLLOUT && !(p->revents & POLLOUT);
+    if (!o->gone && p->revents & POLLOUT) outlet_write(o);
+}
+
+void outlet_push(struct outlet *o)
+{
+    if (o->most > PIPE_BUF && !o->full && !o->gone && up_size(&o->queue)) outlet_write(o);
+}
+
+void outlet_drain(struct outlet *o)
+{
+    while (up_size(&o->queue) && !o->gone && !signals_came()) {
+        struct pollfd p = outlet_poll(o);
+        if (poll_signals(&p, 1, -1) >= 0) outlet_polled(o, &p);
+        else if (errno != EINTR) die(ST_SYSTEM, "poll:");
+    }
 }

@@ -12,6 +12,8 @@
 #include <sched.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -22,13 +24,16 @@ void child_close(int *fd)
     *fd = -1;
 }
 
-static _Noreturn void run_child(int in, int out, int report, char *const argv[])
+static _Noreturn void run_child(pid_t parent, const int fds[3], char *const argv[])
 {
     setpgid(0, 0);
-    signal(SIGPIPE, SIG_DFL);
-    if (dup2(in, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0) execvp(argv[0], argv);
+    signals_restore();
+    /* A parent that was killed can kill nobody: this also ends a child that is stopped or deaf. */
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(127);
+    if (dup2(fds[0], STDIN_FILENO) >= 0 && dup2(fds[1], STDOUT_FILENO) >= 0) execvp(argv[0], argv);
     int err = errno;
-    (void)!write(report, &err, sizeof err);
+    (void)!write(fds[2], &err, sizeof err);
     _exit(127);
 }
 
@@ -44,45 +49,68 @@ static int open_pipes(int p[3][2])
     return 0;
 }
 
+/* The errno that the child met before or in exec, or 0. */
+static int read_report(int fd)
+{
+    int err = 0;
+    ssize_t n;
+    do n = read(fd, &err, sizeof err);
+    while (n < 0 && errno == EINTR);
+    return n == sizeof err ? err : 0;
+}
+
 int child_start(struct child *c, char *const argv[])
 {
     int p[3][2], err = 0;
     *c = (struct child){0, -1, -1};
     if (open_pipes(p) != 0) return -1;
+    pid_t parent = getpid();
     c->pid = fork();
-    if (c->pid == 0) run_child(p[0][0], p[1][1], p[2][1], argv);
+    if (c->pid == 0) run_child(parent, (const int[]){p[0][0], p[1][1], p[2][1]}, argv);
     if (c->pid < 0) err = errno;
     close(p[0][0]), close(p[1][1]), close(p[2][1]);
     c->to = p[0][1];
     c->from = p[1][0];
-    if (!err && read(p[2][0], &err, sizeof err) == sizeof err) waitpid(c->pid, NULL, 0);
+    if (!err) err = read_report(p[2][0]);
     close(p[2][0]);
     if (!err && fcntl(c->to, F_SETFL, O_NONBLOCK) < 0) err = errno;
     if (!err) return 0;
-    child_close(&c->to);
-    child_close(&c->from);
-    c->pid = 0;
+    child_end(c, 0);
     errno = err;
     return -1;
+}
+
+static int kill_group(struct child *c)
+{
+    int status = -1;
+    kill(-c->pid, SIGKILL);
+    while (waitpid(c->pid, &status, 0) < 0 && errno == EINTR)
+        ;
+    c->pid = 0;
+    return status;
+}
+
+bool child_ended(struct child *c, int *status)
+{
+    siginfo_t info = {0};
+    child_close(&c->to);
+    child_close(&c->from);
+    *status = -1;
+    if (c->pid <= 0) return true;
+    /* Seen, not reaped: until it is, its number, which is its group's, is nobody else's. */
+    if (waitid(P_PID, (id_t)c->pid, &info, WEXITED | WNOWAIT | WNOHANG) == 0 && !info.si_pid)
+        return false;
+    *status = kill_group(c);
+    return true;
 }
 
 int child_end(struct child *c, int grace_ms)
 {
     int status;
-    child_close(&c->to);
-    child_close(&c->from);
-    if (c->pid <= 0) return -1;
-    for (int64_t end = now_us() + grace_ms * 1000L; now_us() < end;) {
-        if (waitpid(c->pid, &status, WNOHANG) == c->pid) {
-            c->pid = 0;
-            return status;
-        }
+    for (int64_t end = now_us() + grace_ms * INT64_C(1000); !child_ended(c, &status);) {
+        if (now_us() >= end) return kill_group(c);
         nanosleep(&(struct timespec){0, 500000}, NULL);
     }
-    kill(-c->pid, SIGKILL);
-    while (waitpid(c->pid, &status, 0) < 0 && errno == EINTR)
-        ;
-    c->pid = 0;
     return status;
 }
 
@@ -99,4 +127,12 @@ int cores_available(void)
     if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
     int n = CPU_COUNT(&set);
     return n > 0 ? n : 1;
+}
+
+void want_descriptors(int n)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)n) return;
+    limit.rlim_cur = limit.rlim_max < (rlim_t)n ? limit.rlim_max : (rlim_t)n;
+    setrlimit(RLIMIT_NOFILE, &limit);
 }

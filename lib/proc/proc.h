@@ -2,9 +2,10 @@
  * proc: child processes connected by pipes, and queues of bytes that never block their writer.
  *
  * Descriptors made here are close-on-exec. An inherited descriptor is never set non-blocking (that
- * would leak to whoever shares it): the queue towards the reader writes only after poll has said
- * POLLOUT, and at most PIPE_BUF bytes, which a pipe then takes. The writing end of a pipe made here
- * is nobody else's, and is non-blocking.
+ * would leak to whoever shares it). Where the standard output is a pipe it is opened once more,
+ * which gives a description of its own that may be non-blocking; else the queue towards the reader
+ * writes only after poll has said POLLOUT, and at most PIPE_BUF bytes, which are then taken. The
+ * writing end of a pipe made here is nobody else's, and is non-blocking.
  */
 #ifndef STORMRING_PROC_H
 #define STORMRING_PROC_H
@@ -19,11 +20,17 @@ struct child {
 };
 
 /*
- * Starts argv (found on PATH) in a process group of its own, default signal actions, stderr shared.
- * 0, or -1 with errno of what failed, execvp included.
+ * Starts argv (found on PATH) in a process group of its own, stderr shared, SIGPIPE at its default;
+ * it is killed when this process dies, however that comes about. 0, or -1 with errno of what
+ * failed, execvp included.
  */
 int child_start(struct child *c, char *const argv[]);
 void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
+/*
+ * Has the child ended? Then what is left of its group is killed, it is reaped, and *status is its
+ * wait status, or -1 when there was no child. Both pipes are closed in any case. Does not wait.
+ */
+bool child_ended(struct child *c, int *status);
 /*
  * Closes both pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
  * status, or -1 when there was no child.
@@ -33,31 +40,52 @@ int child_end(struct child *c, int grace_ms);
 const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */
 int cores_available(void);
+/* Asks the system for room for so many descriptors. */
+void want_descriptors(int n);
+
+/* ---- signals: they come only while this process waits in poll_signals ----------------------- */
+
+/*
+ * From now on SIGINT, SIGTERM and SIGHUP, where they are not ignored, end nothing by themselves;
+ * SIGPIPE is ignored. Children are started without any of this.
+ */
+void signals_catch(void);
+struct pollfd;
+/* poll(2); the end of a child, and the signals above, cut it short as EINTR. */
+int poll_signals(struct pollfd *p, size_t n, int timeout_ms);
+/* What a child undoes before exec. */
+void signals_restore(void);
+/* One of the above has come. */
+bool signals_came(void);
+/* Ends this process by the signal that came: what started it sees what it expects. */
+_Noreturn void signals_die(void);
 
 /* ---- towards children: bytes in order, with long bodies shared between many queues ----------- */
 
 struct blob {
     struct buf bytes;
-    int users; /* queues that still need it */
+    int users; /* queues that still need it, and its maker */
 };
-struct blob *blob_new(const void *p, size_t n);
+/* Takes the bytes over and leaves an empty buffer; its maker is its first user. */
+struct blob *blob_new(struct buf *bytes);
+void blob_drop(struct blob *b); /* one user less; the last one frees it */
 
 struct down_queue {
-    struct buf bytes;
+    struct buf bytes; /* append to it, between blobs */
     uint64_t written; /* of the bytes, not counting blobs */
-    uint64_t queued;
     struct down_blob {
         struct blob *blob;
         uint64_t at; /* goes out when `written` reaches this */
         size_t sent;
     } * blobs;
     size_t n_blobs, first_blob;
+    size_t blob_bytes; /* that are still to be written */
 };
 void down_append(struct down_queue *q, const void *p, size_t n);
 void down_share(struct down_queue *q, struct blob *b); /* adds a user */
-static inline bool down_empty(const struct down_queue *q)
+static inline size_t down_size(const struct down_queue *q)
 {
-    return q->written == q->queued && q->first_blob == q->n_blobs;
+    return buf_size(&q->bytes) + q->blob_bytes;
 }
 /* Writes what a non-blocking fd takes now. 0, or -1 with errno (EPIPE: the reader has gone). */
 int down_write(struct down_queue *q, int fd);
@@ -77,7 +105,14 @@ static inline size_t up_size(const struct up_queue *q)
 {
     return buf_size(&q->control) + buf_size(&q->bulk);
 }
-int up_write(struct up_queue *q, int fd);
+/* One write of at most `most` bytes. 0, or -1 with errno; a full pipe is no error. */
+int up_write(struct up_queue *q, int fd, size_t most);
 void up_free(struct up_queue *q);
+/*
+ * Makes a pipe at standard output non-blocking without touching the description that others share.
+ * Returns how many bytes may be written at a time: more than PIPE_BUF where it succeeded, and then
+ * without asking poll first.
+ */
+size_t stdout_private(void);
 
 #endif

@@ -2,37 +2,39 @@
 #include "proc/proc.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
-struct blob *blob_new(const void *p, size_t n)
+#define WRITE_MOST 65536 /* bytes at a time: what a pipe holds */
+
+struct blob *blob_new(struct buf *bytes)
 {
-    struct blob *b = xcalloc(1, sizeof *b);
-    buf_append(&b->bytes, p, n);
+    struct blob *b = xmalloc(1, sizeof *b);
+    *b = (struct blob){*bytes, 1};
+    *bytes = (struct buf){0};
     return b;
 }
 
-static void blob_drop(struct blob *b)
+void blob_drop(struct blob *b)
 {
     if (--b->users > 0) return;
     buf_free(&b->bytes);
     free(b);
 }
 
-void down_append(struct down_queue *q, const void *p, size_t n)
-{
-    buf_append(&q->bytes, p, n);
-    q->queued += n;
-}
+void down_append(struct down_queue *q, const void *p, size_t n) { buf_append(&q->bytes, p, n); }
 
 void down_share(struct down_queue *q, struct blob *b)
 {
     if (q->first_blob == q->n_blobs) q->first_blob = q->n_blobs = 0;
     q->blobs = xrealloc(q->blobs, q->n_blobs + 1, sizeof *q->blobs);
-    q->blobs[q->n_blobs++] = (struct down_blob){b, q->queued, 0};
+    q->blobs[q->n_blobs++] = (struct down_blob){b, q->written + buf_size(&q->bytes), 0};
+    q->blob_bytes += buf_size(&b->bytes);
     b->users++;
 }
 
@@ -49,7 +51,9 @@ static ptrdiff_t write_blob(struct down_queue *q, struct down_blob *b, int fd)
 {
     const struct buf *bytes = &b->blob->bytes;
     ptrdiff_t k = write_now(fd, buf_data(bytes) + b->sent, buf_size(bytes) - b->sent);
-    if (k > 0) b->sent += (size_t)k;
+    if (k < 0) return k;
+    b->sent += (size_t)k;
+    q->blob_bytes -= (size_t)k;
     if (b->sent == buf_size(bytes)) {
         blob_drop(b->blob);
         q->first_blob++;
@@ -57,9 +61,9 @@ static ptrdiff_t write_blob(struct down_queue *q, struct down_blob *b, int fd)
     return k;
 }
 
-static ptrdiff_t write_bytes(struct down_queue *q, uint64_t end, int fd)
+static ptrdiff_t write_bytes(struct down_queue *q, size_t n, int fd)
 {
-    ptrdiff_t k = write_now(fd, buf_data(&q->bytes), (size_t)(end - q->written));
+    ptrdiff_t k = write_now(fd, buf_data(&q->bytes), n);
     if (k <= 0) return k;
     buf_consume(&q->bytes, (size_t)k);
     q->written += (uint64_t)k;
@@ -68,10 +72,10 @@ static ptrdiff_t write_bytes(struct down_queue *q, uint64_t end, int fd)
 
 int down_write(struct down_queue *q, int fd)
 {
-    while (!down_empty(q)) {
+    while (q->first_blob < q->n_blobs || buf_size(&q->bytes)) {
         struct down_blob *b = q->first_blob < q->n_blobs ? &q->blobs[q->first_blob] : NULL;
-        ptrdiff_t k = b && b->at == q->written ? write_blob(q, b, fd)
-                                               : write_bytes(q, b ? b->at : q->queued, fd);
+        size_t before = b ? (size_t)(b->at - q->written) : buf_size(&q->bytes);
+        ptrdiff_t k = b && !before ? write_blob(q, b, fd) : write_bytes(q, before, fd);
         if (k <= 0) return (int)k;
     }
     return 0;
@@ -109,20 +113,25 @@ static void advance_bulk(struct up_queue *q, size_t k)
     }
 }
 
-int up_write(struct up_queue *q, int fd)
+int up_write(struct up_queue *q, int fd, size_t most)
 {
-    struct iovec v[2];
-    size_t control = q->left ? 0 : buf_size(&q->control), bulk = q->left ? q->left : q->marked;
-    if (control > PIPE_BUF) control = PIPE_BUF;
-    if (control < buf_size(&q->control) && !q->left) bulk = 0; /* no control record is split */
-    if (bulk > PIPE_BUF - control) bulk = PIPE_BUF - control;
-    v[0] = (struct iovec){(void *)(uintptr_t)buf_data(&q->control), control};
-    v[1] = (struct iovec){(void *)(uintptr_t)buf_data(&q->bulk), bulk};
-    ssize_t k = writev(fd, v, 2);
-    if (k < 0) return errno == EINTR ? 0 : -1;
-    size_t first = (size_t)k < control ? (size_t)k : control;
-    buf_consume(&q->control, first);
-    advance_bulk(q, (size_t)k - first);
+    /* What is left of a record, then control, then other records. */
+    size_t part[3] = {q->left, buf_size(&q->control), q->marked - q->left};
+    struct iovec v[3];
+    for (int i = 0; i < 3; i++) {
+        const unsigned char *at = i == 1 ? buf_data(&q->control) : buf_data(&q->bulk);
+        if (part[i] > most) part[i] = most; /* then nothing follows */
+        most -= part[i];
+        v[i] = (struct iovec){(void *)(uintptr_t)(i == 2 ? at + q->left : at), part[i]};
+    }
+    ssize_t k = writev(fd, v, 3);
+    if (k < 0) return errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK ? 0 : -1;
+    size_t n = (size_t)k, first = n < part[0] ? n : part[0];
+    advance_bulk(q, first);
+    n -= first;
+    size_t second = n < part[1] ? n : part[1];
+    buf_consume(&q->control, second);
+    advance_bulk(q, n - second);
     return 0;
 }
 
@@ -132,4 +141,15 @@ void up_free(struct up_queue *q)
     buf_free(&q->bulk);
     buf_free(&q->sizes);
     *q = (struct up_queue){0};
+}
+
+size_t stdout_private(void)
+{
+    struct stat st;
+    if (fstat(STDOUT_FILENO, &st) != 0 || !S_ISFIFO(st.st_mode)) return PIPE_BUF;
+    int fd = open("/proc/self/fd/1", O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) return PIPE_BUF;
+    bool done = dup2(fd, STDOUT_FILENO) == STDOUT_FILENO;
+    close(fd);
+    return done ? WRITE_MOST : PIPE_BUF;
 }

@@ -2,23 +2,37 @@
 #include "task/task.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+/* Where frame is, or would be: numbers mostly come in ascending order, and the latest is asked for
+ * most. */
+static size_t frame_place(const struct frames *f, uint32_t frame)
+{
+    size_t low = 0, high = f->n;
+    if (high && f->at[high - 1].frame <= frame) return high - (f->at[high - 1].frame == frame);
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (f->at[middle].frame < frame) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
 
 struct frame_size *frames_find(const struct frames *f, uint32_t frame)
 {
-    for (size_t i = f->n; i-- > 0;)
-        if (f->at[i].frame == frame) return &f->at[i];
-    return NULL;
+    size_t i = frame_place(f, frame);
+    return i < f->n && f->at[i].frame == frame ? &f->at[i] : NULL;
 }
 
 struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h)
 {
-    struct frame_size *at = frames_find(f, frame);
-    if (!at) {
+    size_t i = frame_place(f, frame);
+    if (i == f->n || f->at[i].frame != frame) {
         f->at = xrealloc(f->at, f->n + 1, sizeof *f->at);
-        at = &f->at[f->n++];
+        memmove(f->at + i + 1, f->at + i, (f->n++ - i) * sizeof *f->at);
     }
-    *at = (struct frame_size){frame, w, h};
-    return at;
+    f->at[i] = (struct frame_size){frame, w, h};
+    return &f->at[i];
 }
 
 void frames_free(struct frames *f)

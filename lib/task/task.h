@@ -88,7 +88,7 @@ void coverage_copy(struct coverage *to, const struct coverage *from);
 
 /* ---- tables ------------------------------------------------------------------------- */
 
-/* The frames known so far. */
+/* The frames known so far, in the order of their numbers. */
 struct frame_size {
     uint32_t frame, w, h;
 };
@@ -96,7 +96,7 @@ struct frames {
     struct frame_size *at;
     size_t n;
 };
-/* NULL when not known. The latest are found first. */
+/* NULL when not known. */
 struct frame_size *frames_find(const struct frames *f, uint32_t frame);
 /* Adds it, or changes its size. */
 struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h);

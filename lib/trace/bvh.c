@@ -1,7 +1,8 @@
 /*
- * bvh: the binary hierarchy collapsed to eight children a node (H. Dammertz, J. Hanika, A. Keller, "Shallow bounding
- * volume hierarchies for fast SIMD ray tracing of incoherent rays", EGSR 2008; I. Wald, C. Benthin, S. Boulos,
- * "Getting rid of packets", RT 2008), its leaves cut into blocks of items.
+ * bvh: the binary hierarchy collapsed to eight children a node (H. Dammertz, J. Hanika, A.
+ * Keller, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays",
+ * EGSR 2008; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", RT 2008), its leaves cut
+ * into blocks of items.
  */
 #include "trace/trace_int.h"
 
@@ -16,7 +17,6 @@ struct collapse {
     const struct scene *scene;
     const struct item *items;
     double reach;
-    uint32_t depth; /* of the wide tree */
 };
 
 static float area(const struct bnode *n)
@@ -34,7 +34,8 @@ static uint32_t *lane_items(uint32_t kind, void *block)
     return ((struct cone4 *)block)->item;
 }
 
-static void fill_block(struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
+static void fill_block(
+    struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
 {
     const struct shape *shape = shapes[kind];
     for (uint32_t lane = 0; lane < LANES; lane++) {
@@ -81,11 +82,11 @@ static int gather(const struct bnode *bin, uint32_t root, uint32_t out[WIDTH])
     return n;
 }
 
-static uint32_t make_node(struct collapse *c, uint32_t root, uint32_t depth)
+static uint32_t make_node(struct collapse *c, uint32_t root)
 {
     uint32_t child[WIDTH], k = c->b->n_nodes++;
     int n = gather(c->bin, root, child);
-    if (depth > c->depth) c->depth = depth;
+    c->b->nodes[k].used = (1u << n) - 1;
     for (int i = 0; i < WIDTH; i++) {
         struct node8 *node = &c->b->nodes[k];
         for (int a = 0; a < 3; a++) {
@@ -94,13 +95,14 @@ static uint32_t make_node(struct collapse *c, uint32_t root, uint32_t depth)
         }
         if (i >= n) node->child[i] = NO_CHILD;
         else if (is_leaf(&c->bin[child[i]])) node->child[i] = make_leaf(c, &c->bin[child[i]]);
-        else node->child[i] = make_node(c, child[i], depth + 1);
+        else node->child[i] = make_node(c, child[i]);
     }
     return k;
 }
 
 /* Blocks of each kind that the leaves will take. */
-static void count_blocks(const struct bnode *bin, uint32_t n, const struct ref *refs, uint32_t count[])
+static void count_blocks(
+    const struct bnode *bin, uint32_t n, const struct ref *refs, uint32_t count[])
 {
     for (uint32_t i = 0; i < n; i++)
         if (is_leaf(&bin[i])) count[refs[bin[i].left].kind] += (bin[i].count + LANES - 1) / LANES;
@@ -117,8 +119,8 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     for (int k = 0; k < ITEM_KINDS; k++)
         if (count[k]) b->blocks[k] = xaligned(count[k], shapes[k]->block_size);
     b->nodes = xaligned(n_bin / 2 + 1, sizeof *b->nodes);
-    struct collapse c = {b, bin, refs, s, items, reach, 0};
-    make_node(&c, 0, 1);
+    struct collapse c = {b, bin, refs, s, items, reach};
+    make_node(&c, 0);
     free(bin);
     b->slack = (float)(reach * 0x1p-22);
 }

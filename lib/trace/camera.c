@@ -1,6 +1,6 @@
 /*
- * camera: from pixels to eye rays. The angle spans the frame's top edge to its bottom edge, pixels are square,
- * x grows along direction x up, row 0 is on top.
+ * camera: from pixels to eye rays. The angle spans the frame's top edge to its bottom edge,
+ * pixels are square, x grows along direction x up, row 0 is on top.
  */
 #include "trace/trace_int.h"
 

@@ -1,6 +1,6 @@
 /*
- * cone: the open mantle of a cone or cylinder, two-sided; signs of the radii mean nothing. The intersection is
- * in kernel.h. A cone whose ends coincide has no mantle.
+ * cone: the open mantle of a cone or cylinder, two-sided; signs of the radii mean nothing. The
+ * intersection is in kernel.h. A cone whose ends coincide has no mantle.
  */
 #include "trace/trace_int.h"
 
@@ -23,12 +23,18 @@ static bool frame_of(const struct scene *s, const struct item *it, struct frame 
     return isfinite(f->k) && isfinite(1 / f->h);
 }
 
-static bool fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
+static bool init(const struct scene *s, struct item *it)
+{
+    struct frame f;
+    return frame_of(s, it, &f);
+}
+
+static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
 {
     struct cone4 *b = block;
     struct frame f;
     (void)reach;
-    if (!frame_of(s, it, &f)) return false;
+    frame_of(s, it, &f);
     const double base[3] = {f.base.x, f.base.y, f.base.z}, axis[3] = {f.axis.x, f.axis.y, f.axis.z};
     for (int i = 0; i < 3; i++) {
         b->b[i][lane] = base[i];
@@ -37,8 +43,8 @@ static bool fill(const struct scene *s, const struct item *it, double reach, voi
     b->h[lane] = f.h;
     b->r[lane] = f.r;
     b->k[lane] = f.k;
-    b->err[lane] = ERR_UNIT * (fabs(f.base.x) + fabs(f.base.y) + fabs(f.base.z) + f.h + f.r + fabs(f.k * f.h));
-    return true;
+    b->err[lane] =
+        ERR_UNIT * (fabs(f.base.x) + fabs(f.base.y) + fabs(f.base.z) + f.h + f.r + fabs(f.k * f.h));
 }
 
 static void clear(void *block, int lane)
@@ -50,12 +56,14 @@ static void clear(void *block, int lane)
     b->item[lane] = NO_ITEM;
 }
 
-/* The box around the two end circles: a circle of radius r across a reaches r sqrt(1 - a_i^2) along axis i. */
+/* The box around the two end circles: a circle of radius r across a reaches r sqrt(1 - a_i^2)
+ * along axis i. */
 static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi)
 {
     const struct prim *p = &s->prims[it->prim];
     struct vec3 b = p->cone.base, e = p->cone.apex, along = v3_sub(e, b);
-    double len2 = v3_dot(along, along), r0 = fabs(p->cone.base_radius), r1 = fabs(p->cone.apex_radius);
+    double len2 = v3_dot(along, along), r0 = fabs(p->cone.base_radius),
+           r1 = fabs(p->cone.apex_radius);
     double sx = 1, sy = 1, sz = 1;
     if (len2 > 0) {
         sx = sqrt(fmax(0, (along.y * along.y + along.z * along.z) / len2));
@@ -82,4 +90,4 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return v3_unit(v3_mad(radial, f.axis, -f.k));
 }
 
-const struct shape cone_shape = {sizeof(struct cone4), fill, clear, bounds, normal};
+const struct shape cone_shape = {sizeof(struct cone4), init, fill, clear, bounds, normal};

@@ -1,7 +1,8 @@
 /*
- * kernel: walking the hierarchy and hitting blocks, for the vector width of the file that includes this
- * (kernels_sse2.c, kernels_avx2.c). Box tests are in float and err on the side of hitting; what counts
- * as a hit is decided in double, by the same operations lane by lane at every width.
+ * kernel: walking the hierarchy and hitting blocks, for the vector width of the file that
+ * includes this (kernels_sse2.c, kernels_avx2.c). Box tests are in float and err on the side of
+ * hitting; what counts as a hit is decided in double, by the same operations lane by lane at
+ * every width.
  */
 #include "trace/trace_int.h"
 #include "trace/simd.h"
@@ -11,26 +12,39 @@
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 
 /* Slopes below this are taken as this: slack / TINY is then longer than any ray. */
-#define TINY 1e-18
-#define T_ROUNDING (1 + 0x1p-20f) /* more than what the float arithmetic of a slab test rounds off */
+#define TINY 1e-18f
+/* More than what the float arithmetic of a slab test rounds off. */
+#define T_ROUNDING (1 + 0x1p-20f)
 
 struct walk {
-    float near[3], far[3], inv[3];       /* origins as seen by the near and far planes, 1/d */
+    float near[3], far[3], inv[3];        /* origins as seen by the near and far planes, 1/d */
     uint32_t near_plane[3], far_plane[3]; /* where in a node these planes are, in floats */
 };
 
+static inline void walk_axis(struct walk *w, int axis, float o, float pad, float inv)
+{
+    uint32_t lo = (uint32_t)axis * WIDTH, hi = lo + 3 * WIDTH;
+    bool down = inv < 0;
+    w->near_plane[axis] = down ? hi : lo;
+    w->far_plane[axis] = down ? lo : hi;
+    w->inv[axis] = inv;
+    w->near[axis] = down ? o - pad : o + pad;
+    w->far[axis] = down ? o + pad : o - pad;
+}
+
+static inline float slope(double d)
+{
+    float f = (float)d;
+    return 1 / copysignf(fabsf(f) > TINY ? fabsf(f) : TINY, f);
+}
+static inline float pad_of(float o, float slack) { return fabsf(o) * 0x1p-22f + slack; }
+
 static inline void walk_init(struct walk *w, const struct bvh *b, const struct ray *r)
 {
-    const double o[3] = {r->o.x, r->o.y, r->o.z}, d[3] = {r->d.x, r->d.y, r->d.z};
-    for (int i = 0; i < 3; i++) {
-        float of = (float)o[i], pad = fabsf(of) * 0x1p-22f + b->slack;
-        uint32_t lo = (uint32_t)i * WIDTH, hi = lo + 3 * WIDTH;
-        w->near_plane[i] = d[i] < 0 ? hi : lo;
-        w->far_plane[i] = d[i] < 0 ? lo : hi;
-        w->inv[i] = (float)(1 / (fabs(d[i]) > TINY ? d[i] : d[i] < 0 ? -TINY : TINY));
-        w->near[i] = d[i] < 0 ? of - pad : of + pad;
-        w->far[i] = d[i] < 0 ? of + pad : of - pad;
-    }
+    float x = (float)r->o.x, y = (float)r->o.y, z = (float)r->o.z;
+    walk_axis(w, 0, x, pad_of(x, b->slack), slope(r->d.x));
+    walk_axis(w, 1, y, pad_of(y, b->slack), slope(r->d.y));
+    walk_axis(w, 2, z, pad_of(z, b->slack), slope(r->d.z));
 }
 
 /* Rounded so that no smaller or equal double is beyond it. */
@@ -61,39 +75,29 @@ static ALWAYS_INLINE unsigned hit_boxes(
     return mask;
 }
 
-/* The ray, splat. */
-struct lanes {
-    vd ox, oy, oz, dx, dy, dz, t_min, err;
-};
-
-static inline void lanes_init(struct lanes *l, const struct ray *r)
-{
-    l->ox = vd_set(r->o.x), l->oy = vd_set(r->o.y), l->oz = vd_set(r->o.z);
-    l->dx = vd_set(r->d.x), l->dy = vd_set(r->d.y), l->dz = vd_set(r->d.z);
-    l->t_min = vd_set(r->t_min), l->err = vd_set(r->err);
-}
-
 /*
- * Each of these: the lanes of a block that are hit at t_min < t <= t_max, and the first t there; *twice (may be NULL):
- * those that are hit once more within these bounds.
+ * Each of these: the lanes of a block that are hit at t_min < t <= t_max, and the first t there;
+ * *twice (may be NULL): those that are hit once more within these bounds.
  */
 
 static ALWAYS_INLINE unsigned hit_tri4(
-    const struct tri4 *b, const struct lanes *l, double t_max, double t_out[LANES])
+    const struct tri4 *b, const struct ray *r, double t_max, double t_out[LANES])
 {
     unsigned mask = 0;
+    vd ox = vd_set(r->o.x), oy = vd_set(r->o.y), oz = vd_set(r->o.z);
+    vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     for (int i = 0; i < LANES; i += VD) {
         vd nx = vd_load(b->n[0] + i), ny = vd_load(b->n[1] + i), nz = vd_load(b->n[2] + i);
-        vd num = vd_load(b->d + i) - (nx * l->ox + ny * l->oy + nz * l->oz);
-        vd t = num / (nx * l->dx + ny * l->dy + nz * l->dz);
-        vd px = l->ox + t * l->dx, py = l->oy + t * l->dy, pz = l->oz + t * l->dz;
+        vd num = vd_load(b->d + i) - (nx * ox + ny * oy + nz * oz);
+        vd t = num / (nx * dx + ny * dy + nz * dz);
+        vd px = ox + t * dx, py = oy + t * dy, pz = oz + t * dz;
         vd u = vd_load(b->u[0] + i) * px + vd_load(b->u[1] + i) * py + vd_load(b->u[2] + i) * pz +
                vd_load(b->du + i);
         vd v = vd_load(b->v[0] + i) * px + vd_load(b->v[1] + i) * py + vd_load(b->v[2] + i) * pz +
                vd_load(b->dv + i);
         vd in = vd_and(vd_and(vd_le(vd_set(0), u), vd_le(vd_set(0), v)), vd_le(u + v, vd_set(1)));
-        vd far = vd_lt(vd_load(b->err + i) + l->err, vd_abs(num));
-        vd when = vd_and(vd_lt(l->t_min, t), vd_le(t, vd_set(t_max)));
+        vd far = vd_lt(vd_load(b->err + i) + vd_set(r->err), vd_abs(num));
+        vd when = vd_and(vd_lt(vd_set(r->t_min), t), vd_le(t, vd_set(t_max)));
         vd_store(t_out + i, t);
         mask |= vd_bits(vd_and(vd_and(in, far), when)) << i;
     }
@@ -101,37 +105,40 @@ static ALWAYS_INLINE unsigned hit_tri4(
 }
 
 /*
- * E. Haines, J. Gunther, T. Akenine-Moller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems
- * ch. 7, 2019: the discriminant from the centre's distance to the ray, the smaller root from the product of both.
- * A ray that starts on the sphere, within error bounds, has only the other root.
+ * E. Haines, J. Gunther, T. Akenine-Moller, "Precision improvements for ray/sphere intersection",
+ * Ray Tracing Gems ch. 7, 2019: the discriminant from the centre's distance to the ray, the
+ * smaller root from the product of both. A ray that starts on the sphere, within error bounds,
+ * has only the other root.
  */
-static ALWAYS_INLINE unsigned hit_sphere4(
-    const struct sphere4 *s, const struct lanes *l, double t_max, double t_out[LANES],
-    unsigned *twice)
+static ALWAYS_INLINE unsigned hit_sphere4(const struct sphere4 *s, const struct ray *r,
+    double t_max, double t_out[LANES], unsigned *twice)
 {
     unsigned mask = 0;
+    vd ox = vd_set(r->o.x), oy = vd_set(r->o.y), oz = vd_set(r->o.z);
+    vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
-        vd r = vd_load(s->r + i), zero = vd_set(0);
-        vd fx = vd_load(s->c[0] + i) - l->ox, fy = vd_load(s->c[1] + i) - l->oy;
-        vd fz = vd_load(s->c[2] + i) - l->oz;
-        vd b = fx * l->dx + fy * l->dy + fz * l->dz;
-        vd gx = fx - b * l->dx, gy = fy - b * l->dy, gz = fz - b * l->dz;
-        vd r2 = r * r, disc = r2 - (gx * gx + gy * gy + gz * gz);
+        vd radius = vd_load(s->r + i), zero = vd_set(0);
+        vd fx = vd_load(s->c[0] + i) - ox, fy = vd_load(s->c[1] + i) - oy;
+        vd fz = vd_load(s->c[2] + i) - oz;
+        vd b = fx * dx + fy * dy + fz * dz;
+        vd gx = fx - b * dx, gy = fy - b * dy, gz = fz - b * dz;
+        vd r2 = radius * radius, disc = r2 - (gx * gx + gy * gy + gz * gz);
         vd hit = vd_le(zero, disc);
         if (!vd_bits(hit)) continue;
         vd c = fx * fx + fy * fy + fz * fz - r2;
         vd root = vd_sqrt(disc), positive = vd_lt(zero, b);
         vd q = b + vd_choose(positive, root, zero - root);
-        vd on = vd_le(vd_abs(c), (r + r) * (vd_load(s->err + i) + l->err));
+        vd on = vd_le(vd_abs(c), (radius + radius) * (vd_load(s->err + i) + vd_set(r->err)));
         vd p = c / q;
         vd near = vd_choose(positive, p, q), far = vd_choose(positive, q, p);
         /* On the surface p is the root near 0: the other one, q, is all there is. */
         near = vd_choose(on, zero, near);
         far = vd_choose(on, q, far);
-        vd enters = vd_lt(l->t_min, near), t = vd_choose(enters, near, far), limit = vd_set(t_max);
+        vd enters = vd_lt(vd_set(r->t_min), near), t = vd_choose(enters, near, far),
+           limit = vd_set(t_max);
         vd_store(t_out + i, t);
-        hit = vd_and(hit, vd_and(vd_lt(l->t_min, t), vd_le(t, limit)));
+        hit = vd_and(hit, vd_and(vd_lt(vd_set(r->t_min), t), vd_le(t, limit)));
         mask |= vd_bits(hit) << i;
         if (twice) *twice |= vd_bits(vd_and(hit, vd_and(enters, vd_le(far, limit)))) << i;
     }
@@ -139,31 +146,32 @@ static ALWAYS_INLINE unsigned hit_sphere4(
 }
 
 /*
- * The quadratic a t^2 + 2 b t + c in the coordinates along and across the axis, taken from the point of the ray that
- * is nearest to the cone's middle, where the coefficients are smallest.
+ * The quadratic a t^2 + 2 b t + c in the coordinates along and across the axis, taken from the
+ * point of the ray that is nearest to the cone's middle, where the coefficients are smallest.
  */
 static ALWAYS_INLINE unsigned hit_cone4(
-    const struct cone4 *s, const struct lanes *l, double t_max, double t_out[LANES],
-    unsigned *twice)
+    const struct cone4 *s, const struct ray *r, double t_max, double t_out[LANES], unsigned *twice)
 {
     unsigned mask = 0;
+    vd ox = vd_set(r->o.x), oy = vd_set(r->o.y), oz = vd_set(r->o.z);
+    vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
         vd ax = vd_load(s->a[0] + i), ay = vd_load(s->a[1] + i), az = vd_load(s->a[2] + i);
         vd h = vd_load(s->h + i), k = vd_load(s->k + i), half = vd_set(0.5) * h, zero = vd_set(0);
         /* From the middle of the axis; radius there m. */
         vd m = vd_load(s->r + i) + k * half;
-        vd qx = l->ox - (vd_load(s->b[0] + i) + half * ax);
-        vd qy = l->oy - (vd_load(s->b[1] + i) + half * ay);
-        vd qz = l->oz - (vd_load(s->b[2] + i) + half * az);
-        vd z0 = qx * ax + qy * ay + qz * az; /* of the origin */
-        vd dz = l->dx * ax + l->dy * ay + l->dz * az;
-        vd ex = l->dx - dz * ax, ey = l->dy - dz * ay, ez = l->dz - dz * az;
-        vd shift = zero - (qx * l->dx + qy * l->dy + qz * l->dz);
-        vd sx = qx + shift * l->dx, sy = qy + shift * l->dy, sz = qz + shift * l->dz;
+        vd qx = ox - (vd_load(s->b[0] + i) + half * ax);
+        vd qy = oy - (vd_load(s->b[1] + i) + half * ay);
+        vd qz = oz - (vd_load(s->b[2] + i) + half * az);
+        vd z0 = qx * ax + qy * ay + qz * az;   /* of the origin */
+        vd rise = dx * ax + dy * ay + dz * az; /* along the axis, per t */
+        vd ex = dx - rise * ax, ey = dy - rise * ay, ez = dz - rise * az;
+        vd shift = zero - (qx * dx + qy * dy + qz * dz);
+        vd sx = qx + shift * dx, sy = qy + shift * dy, sz = qz + shift * dz;
         vd z = sx * ax + sy * ay + sz * az;
         sx = sx - z * ax, sy = sy - z * ay, sz = sz - z * az;
-        vd w = m + k * z, slope = k * dz;
+        vd w = m + k * z, slope = k * rise;
         vd a = ex * ex + ey * ey + ez * ez - slope * slope;
         vd b = sx * ex + sy * ey + sz * ez - w * slope;
         vd c = sx * sx + sy * sy + sz * sz - w * w;
@@ -175,16 +183,19 @@ static ALWAYS_INLINE unsigned hit_cone4(
         vd t1 = q / a + shift, t2 = c / q + shift; /* infinite where there is only one */
         /* Does the ray start on the surface? Then its other root is all there is. */
         vd rx = qx - z0 * ax, ry = qy - z0 * ay, rz = qz - z0 * az, w0 = m + k * z0;
-        vd err = vd_load(s->err + i) + l->err, width = vd_abs(w0);
+        vd err = vd_load(s->err + i) + vd_set(r->err), width = vd_abs(w0);
         vd c0 = rx * rx + ry * ry + rz * rz - w0 * w0;
         vd on = vd_le(vd_abs(c0), err * (width + width + err) * (vd_set(1) + vd_abs(k)));
         vd other = vd_set(-2) * (rx * ex + ry * ey + rz * ez - w0 * slope) / a;
         t1 = vd_choose(on, other, t1);
         t2 = vd_choose(on, vd_set(-1), t2);
-        vd h1 = z0 + t1 * dz, h2 = z0 + t2 * dz, limit = vd_set(t_max);
-        vd ok1 = vd_and(vd_and(vd_lt(l->t_min, t1), vd_le(t1, limit)), vd_le(vd_abs(h1), half));
-        vd ok2 = vd_and(vd_and(vd_lt(l->t_min, t2), vd_le(t2, limit)), vd_le(vd_abs(h2), half));
-        vd t = vd_choose(vd_and(ok1, ok2), vd_choose(vd_lt(t1, t2), t1, t2), vd_choose(ok1, t1, t2));
+        vd h1 = z0 + t1 * rise, h2 = z0 + t2 * rise, limit = vd_set(t_max);
+        vd ok1 =
+            vd_and(vd_and(vd_lt(vd_set(r->t_min), t1), vd_le(t1, limit)), vd_le(vd_abs(h1), half));
+        vd ok2 =
+            vd_and(vd_and(vd_lt(vd_set(r->t_min), t2), vd_le(t2, limit)), vd_le(vd_abs(h2), half));
+        vd t =
+            vd_choose(vd_and(ok1, ok2), vd_choose(vd_lt(t1, t2), t1, t2), vd_choose(ok1, t1, t2));
         vd_store(t_out + i, t);
         unsigned ok = vd_bits(ok1) | vd_bits(ok2);
         mask |= (vd_bits(hit) & ok) << i;
@@ -194,22 +205,22 @@ static ALWAYS_INLINE unsigned hit_cone4(
 }
 
 static ALWAYS_INLINE unsigned hit_block(const struct bvh *b, enum item_kind kind, uint32_t i,
-    const struct lanes *l, double t_max, double t[LANES], const uint32_t **items, unsigned *twice)
+    const struct ray *r, double t_max, double t[LANES], const uint32_t **items, unsigned *twice)
 {
     if (kind == ITEM_TRIANGLE) {
         const struct tri4 *p = (const struct tri4 *)b->blocks[ITEM_TRIANGLE] + i;
         *items = p->item;
         if (twice) *twice = 0;
-        return hit_tri4(p, l, t_max, t);
+        return hit_tri4(p, r, t_max, t);
     }
     if (kind == ITEM_SPHERE) {
         const struct sphere4 *p = (const struct sphere4 *)b->blocks[ITEM_SPHERE] + i;
         *items = p->item;
-        return hit_sphere4(p, l, t_max, t, twice);
+        return hit_sphere4(p, r, t_max, t, twice);
     }
     const struct cone4 *p = (const struct cone4 *)b->blocks[ITEM_CONE] + i;
     *items = p->item;
-    return hit_cone4(p, l, t_max, t, twice);
+    return hit_cone4(p, r, t_max, t, twice);
 }
 
 static inline int take_bit(unsigned *mask)
@@ -220,16 +231,17 @@ static inline int take_bit(unsigned *mask)
 }
 
 static ALWAYS_INLINE void closest_in_leaf(
-    const struct bvh *b, uint32_t leaf, const struct lanes *l, struct hit *h)
+    const struct bvh *b, uint32_t leaf, const struct ray *r, struct hit *h)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
     for (uint32_t i = 0; i < n; i++) {
         _Alignas(32) double t[LANES];
         const uint32_t *items;
-        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, l, h->t, t, &items, NULL);
+        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, r, h->t, t, &items, NULL);
         while (mask) {
             int k = take_bit(&mask);
-            if (t[k] < h->t || (t[k] == h->t && items[k] < h->item)) *h = (struct hit){t[k], items[k]};
+            if (t[k] < h->t || (t[k] == h->t && items[k] < h->item))
+                *h = (struct hit){t[k], items[k]};
         }
     }
 }
@@ -240,8 +252,8 @@ struct todo {
 };
 
 /* Pushes the children in mask but the nearest, farthest first, and returns the nearest. */
-static inline uint32_t push_children(const struct node8 *n, unsigned mask, const float t_near[WIDTH],
-    struct todo *stack, uint32_t *top)
+static inline uint32_t push_children(const struct node8 *n, unsigned mask,
+    const float t_near[WIDTH], struct todo *stack, uint32_t *top)
 {
     int i = take_bit(&mask);
     struct todo best = {n->child[i], t_near[i]};
@@ -261,25 +273,21 @@ static inline uint32_t push_children(const struct node8 *n, unsigned mask, const
     return best.child;
 }
 
-static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
+/* Below child cur; *h is the nearest so far. */
+static void closest_below(
+    const struct bvh *b, uint32_t cur, const struct walk *w, const struct ray *r, struct hit *h)
 {
     struct todo stack[STACK_MAX];
-    uint32_t top = 0, cur = 0;
-    struct walk w;
-    struct lanes l;
-    *h = (struct hit){r->t_max, NO_ITEM};
-    if (!b->nodes) return;
-    walk_init(&w, b, r);
-    lanes_init(&l, r);
+    uint32_t top = 0;
     float limit = t_above(h->t);
     for (;;) {
         while (!(cur & LEAF)) {
             _Alignas(32) float t_near[WIDTH];
-            unsigned mask = hit_boxes(&b->nodes[cur], &w, limit, t_near);
+            unsigned mask = hit_boxes(&b->nodes[cur], w, limit, t_near);
             if (!mask) goto pop;
             cur = push_children(&b->nodes[cur], mask, t_near, stack, &top);
         }
-        closest_in_leaf(b, cur, &l, h);
+        closest_in_leaf(b, cur, r, h);
         limit = t_above(h->t);
     pop:
         do {
@@ -289,15 +297,25 @@ static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
     }
 }
 
+static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
+{
+    struct walk w;
+    *h = (struct hit){r->t_max, NO_ITEM};
+    if (!b->nodes) return;
+    walk_init(&w, b, r);
+    closest_below(b, 0, &w, r, h);
+}
+
 /* True when something opaque of the leaf is hit. */
-static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct lanes *l,
-    double t_max, const uint8_t *transmits, struct crossings *c)
+static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct ray *r,
+    const uint8_t *transmits, struct crossings *c)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
     for (uint32_t i = 0; i < n; i++) {
         _Alignas(32) double t[LANES];
         const uint32_t *items;
-        unsigned twice, mask = hit_block(b, leaf_kind(leaf), first + i, l, t_max, t, &items, &twice);
+        unsigned twice,
+            mask = hit_block(b, leaf_kind(leaf), first + i, r, r->t_max, t, &items, &twice);
         while (mask) {
             int k = take_bit(&mask);
             if (!transmits || !transmits[items[k]]) return true;
@@ -308,28 +326,32 @@ static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, co
     return false;
 }
 
-static bool blocked(
-    const struct bvh *b, const struct ray *r, const uint8_t *transmits, struct crossings *c)
+static bool blocked_below(const struct bvh *b, uint32_t cur, const struct walk *w,
+    const struct ray *r, const uint8_t *transmits, struct crossings *c)
 {
-    uint32_t stack[STACK_MAX], top = 0, cur = 0;
-    struct walk w;
-    struct lanes l;
-    if (!b->nodes) return false;
-    walk_init(&w, b, r);
-    lanes_init(&l, r);
+    uint32_t stack[STACK_MAX], top = 0;
     float limit = t_above(r->t_max);
     for (;;) {
         while (!(cur & LEAF)) {
             _Alignas(32) float t_near[WIDTH];
             const struct node8 *n = &b->nodes[cur];
-            unsigned mask = hit_boxes(n, &w, limit, t_near);
+            unsigned mask = hit_boxes(n, w, limit, t_near);
             if (!mask) goto pop;
             cur = n->child[take_bit(&mask)];
             while (mask) stack[top++] = n->child[take_bit(&mask)];
         }
-        if (blocked_in_leaf(b, cur, &l, r->t_max, transmits, c)) return true;
+        if (blocked_in_leaf(b, cur, r, transmits, c)) return true;
     pop:
         if (top == 0) return false;
         cur = stack[--top];
     }
+}
+
+static bool blocked(
+    const struct bvh *b, const struct ray *r, const uint8_t *transmits, struct crossings *c)
+{
+    struct walk w;
+    if (!b->nodes) return false;
+    walk_init(&w, b, r);
+    return blocked_below(b, 0, &w, r, transmits, c);
 }

@@ -1,8 +1,9 @@
-/* kernels_avx2: the kernels at 256 bits; the Makefile compiles this file with -mavx2 where there is such a thing. */
+/* kernels_avx2: the kernels at 256 bits; the Makefile compiles this file with -mavx2 where there
+ * is such a thing. */
 #ifdef __AVX2__
-#include "trace/kernel.h"
+#include "trace/packet.h"
 
-static const struct kernels table = {"avx2", closest, blocked};
+static const struct kernels table = {"avx2", closest, blocked, closest_packet, blocked_packet};
 
 const struct kernels *kernels_avx2(void) { return __builtin_cpu_supports("avx2") ? &table : NULL; }
 #else

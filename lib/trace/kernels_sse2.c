@@ -1,6 +1,8 @@
-/* kernels_sse2: the kernels at the width that every machine of this kind has (SSE2 on x86-64, else scalar). */
-#include "trace/kernel.h"
+/* kernels_sse2: the kernels at the width that every machine of this kind has (SSE2 on x86-64,
+ * else scalar). */
+#define SIMD_NARROW
+#include "trace/packet.h"
 
-static const struct kernels table = {"sse2", closest, blocked};
+static const struct kernels table = {"sse2", closest, blocked, closest_packet, blocked_packet};
 
 const struct kernels *kernels_sse2(void) { return &table; }

@@ -1,6 +1,7 @@
 /*
- * math: the few transcendental functions that pixels depend on. A C library's own may differ in the last bit
- * from host to host (it picks FMA variants at run time); these are plain sums and products of doubles.
+ * math: the few transcendental functions that pixels depend on. A C library's own may differ in
+ * the last bit from host to host (it picks FMA variants at run time); these are plain sums and
+ * products of doubles.
  */
 #include "trace/trace_int.h"
 
@@ -23,12 +24,12 @@ static double log2_of(double x)
         e--;
     }
     double s = (m - 1) / (m + 1), z = s * s; /* z < .0295: the first term left out is below 1e-17 */
-    static const double c[] = {1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19,
-        1.0 / 21};
+    static const double c[] = {1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15,
+        1.0 / 17, 1.0 / 19, 1.0 / 21};
     /* Estrin's scheme: pairs, then pairs of pairs, for shorter chains than Horner's. */
     double z2 = z * z, z4 = z2 * z2;
-    double p = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2 + ((c[4] + c[5] * z) + (c[6] + c[7] * z) * z2) * z4 +
-               (c[8] + c[9] * z) * (z4 * z4);
+    double p = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2 +
+               ((c[4] + c[5] * z) + (c[6] + c[7] * z) * z2) * z4 + (c[8] + c[9] * z) * (z4 * z4);
     return (double)e + 2 * LOG2_E * (s + s * z * p);
 }
 
@@ -38,10 +39,12 @@ static double exp2_of(double y)
     if (!(y > -1021)) return 0;
     int n = (int)(y - 0.5);
     double f = (y - n) * LN_2; /* |f| <= ln 2 / 2 */
-    static const double c[] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320,
-        1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
+    static const double c[] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040,
+        1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600,
+        1.0 / 6227020800};
     double f2 = f * f, f4 = f2 * f2;
-    double q = (c[0] + c[1] * f) + (c[2] + c[3] * f) * f2 + ((c[4] + c[5] * f) + (c[6] + c[7] * f) * f2) * f4 +
+    double q = (c[0] + c[1] * f) + (c[2] + c[3] * f) * f2 +
+               ((c[4] + c[5] * f) + (c[6] + c[7] * f) * f2) * f4 +
                ((c[8] + c[9] * f) + (c[10] + c[11] * f) * f2) * (f4 * f4);
     double p = 1 + (f + f2 * q);
     uint64_t bits = (uint64_t)(n + 1023) << 52;

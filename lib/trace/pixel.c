@@ -1,10 +1,12 @@
 /*
- * pixel: where in a pixel samples are taken, and when more are. All of it depends on the pixel's number in the frame
- * and on its own samples: a pixel is the same whoever computes it and whatever else they compute.
+ * pixel: where in a pixel samples are taken, and when more are. All of it depends on the pixel's
+ * number in the frame and on its own samples: a pixel is the same whoever computes it and
+ * whatever else they compute.
  */
 #include "trace/trace_int.h"
 
-/* Stratum k of n * n, each in one of the n * n squares of the pixel; the first four are spread over its quarters. */
+/* Stratum k of n * n, each in one of the n * n squares of the pixel; the first four are spread
+ * over its quarters. */
 struct strata {
     int n;
     int first[4];
@@ -21,55 +23,131 @@ static void strata_init(struct strata *s, int samples)
     s->first[3] = b * s->n + b;
 }
 
-static struct vec3 sample(struct tracer *t, const struct strata *s, uint64_t pixel, int stratum)
+static bool is_first(const struct strata *s, int k)
 {
-    struct ray r;
-    double x = (double)(pixel % t->camera.w), y = (double)(pixel / t->camera.w), fx = 0.5, fy = 0.5;
-    if (s->n > 1) {
-        fx = (stratum % s->n + rng_unit(pixel, 2 * (uint64_t)stratum)) / s->n;
-        fy = (stratum / s->n + rng_unit(pixel, 2 * (uint64_t)stratum + 1)) / s->n;
+    return k == s->first[0] || k == s->first[1] || k == s->first[2] || k == s->first[3];
+}
+
+#define GROUP WAVE_RAYS /* pixels that are sampled together */
+
+struct group {
+    struct tracer *t;
+    struct strata strata;
+    uint32_t x[GROUP], y[GROUP];
+    struct vec3 sum[GROUP];           /* of the samples so far */
+    struct vec3 lo[GROUP], hi[GROUP]; /* their bounds, where there will be more than one */
+    /* Samples that wait for their wave, and whose they are. */
+    struct ray ray[WAVE_RAYS];
+    uint32_t owner[WAVE_RAYS], waiting;
+};
+
+static struct vec3 lower(struct vec3 a, struct vec3 b)
+{
+    return v3(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
+}
+
+static struct vec3 higher(struct vec3 a, struct vec3 b)
+{
+    return v3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
+}
+
+static void flush(struct group *g)
+{
+    struct vec3 colour[WAVE_RAYS];
+    if (g->waiting == 0) return;
+    wave_colours(g->t, g->ray, g->waiting, colour);
+    for (uint32_t i = 0; i < g->waiting; i++) {
+        uint32_t k = g->owner[i];
+        g->sum[k] = v3_add(g->sum[k], colour[i]);
+        if (g->strata.n == 1) continue;
+        g->lo[k] = lower(g->lo[k], colour[i]);
+        g->hi[k] = higher(g->hi[k], colour[i]);
     }
-    camera_ray(t, x + fx, y + fy, &r);
-    return trace_colour(t, &r);
+    g->waiting = 0;
 }
 
-static double spread(double a, double b, double c, double d)
+/* Samples of a pixel are added up in the order of these calls, whatever comes between. */
+static void sample(struct group *g, uint32_t k, int stratum)
 {
-    return fmax(fmax(a, b), fmax(c, d)) - fmin(fmin(a, b), fmin(c, d));
-}
-
-static bool disagree(const struct vec3 c[4], double threshold)
-{
-    return spread(c[0].x, c[1].x, c[2].x, c[3].x) > threshold ||
-           spread(c[0].y, c[1].y, c[2].y, c[3].y) > threshold ||
-           spread(c[0].z, c[1].z, c[2].z, c[3].z) > threshold;
-}
-
-static struct vec3 pixel_colour(struct tracer *t, const struct strata *s, uint64_t pixel)
-{
-    if (s->n == 1) return sample(t, s, pixel, 0);
-    struct vec3 c[4], sum = v3(0, 0, 0);
-    for (int i = 0; i < 4; i++) {
-        c[i] = sample(t, s, pixel, s->first[i]);
-        sum = v3_add(sum, c[i]);
+    int n = g->strata.n;
+    double x = g->x[k], y = g->y[k], fx = 0.5, fy = 0.5;
+    if (n > 1) {
+        uint64_t pixel = (uint64_t)g->y[k] * g->t->camera.w + g->x[k];
+        fx = (stratum % n + rng_unit(pixel, 2 * (uint64_t)stratum)) / n;
+        fy = (stratum / n + rng_unit(pixel, 2 * (uint64_t)stratum + 1)) / n;
     }
-    if (s->n == 2 || (t->options.threshold >= 0 && !disagree(c, t->options.threshold)))
-        return v3_scale(sum, 1.0 / 4);
-    for (int i = 0; i < s->n * s->n; i++)
-        if (i != s->first[0] && i != s->first[1] && i != s->first[2] && i != s->first[3])
-            sum = v3_add(sum, sample(t, s, pixel, i));
-    return v3_scale(sum, 1.0 / (s->n * s->n));
+    camera_ray(g->t, x + fx, y + fy, &g->ray[g->waiting]);
+    g->owner[g->waiting] = k;
+    if (++g->waiting == WAVE_RAYS) flush(g);
+}
+
+static bool disagree(const struct group *g, uint32_t k)
+{
+    double limit = g->t->options.threshold;
+    struct vec3 spread = v3_sub(g->hi[k], g->lo[k]);
+    return limit < 0 || spread.x > limit || spread.y > limit || spread.z > limit;
+}
+
+/* The first n pixels of the group, into sum. */
+static void colours(struct group *g, uint32_t n)
+{
+    const struct strata *s = &g->strata;
+    for (uint32_t k = 0; k < n; k++) {
+        g->sum[k] = v3(0, 0, 0);
+        if (s->n == 1) {
+            sample(g, k, 0);
+            continue;
+        }
+        g->lo[k] = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+        g->hi[k] = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+        for (int i = 0; i < 4; i++) sample(g, k, s->first[i]);
+    }
+    flush(g);
+    if (s->n == 1) return;
+    bool more[GROUP];
+    for (uint32_t k = 0; k < n; k++) more[k] = s->n > 2 && disagree(g, k);
+    for (uint32_t k = 0; k < n; k++)
+        for (int i = 0; more[k] && i < s->n * s->n; i++)
+            if (!is_first(s, i)) sample(g, k, i);
+    flush(g);
+    for (uint32_t k = 0; k < n; k++)
+        g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : 4));
+}
+
+/* Where pixels first .. first + n of the lattice are; dividing once a row, not once a pixel. */
+static void locate(struct group *g, const struct lattice *l, uint64_t first, uint32_t n)
+{
+    uint32_t w = g->t->camera.w, i = (uint32_t)(first % l->w);
+    uint64_t p = lattice_pixel(l, w, first);
+    uint32_t x = (uint32_t)(p % w), y = (uint32_t)(p / w);
+    for (uint32_t k = 0; k < n; k++) {
+        g->x[k] = x;
+        g->y[k] = y;
+        x += l->sx;
+        if (++i < l->w && x < w) continue;
+        if (i == l->w) i = 0;
+        if (k + 1 < n) p = lattice_pixel(l, w, first + k + 1);
+        x = (uint32_t)(p % w), y = (uint32_t)(p / w);
+    }
 }
 
 void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
-    struct strata s;
-    strata_init(&s, t->options.samples);
-    for (uint32_t i = 0; i < n; i++) {
-        struct vec3 c = pixel_colour(t, &s, lattice_pixel(l, t->camera.w, n0 + i));
-        rgba[4 * i] = (float)c.x;
-        rgba[4 * i + 1] = (float)c.y;
-        rgba[4 * i + 2] = (float)c.z;
-        rgba[4 * i + 3] = 1;
+    struct group g; /* large: what is not set here is set where it is used first */
+    g.t = t;
+    g.waiting = 0;
+    strata_init(&g.strata, t->options.samples);
+    for (uint32_t done = 0; done < n;) {
+        uint32_t count = n - done < GROUP ? n - done : GROUP;
+        locate(&g, l, n0 + done, count);
+        colours(&g, count);
+        for (uint32_t k = 0; k < count; k++) {
+            float *c = rgba + (size_t)4 * (done + k);
+            c[0] = (float)g.sum[k].x;
+            c[1] = (float)g.sum[k].y;
+            c[2] = (float)g.sum[k].z;
+            c[3] = 1;
+        }
+        done += count;
     }
 }

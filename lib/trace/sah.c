@@ -1,19 +1,26 @@
 /*
- * sah: a binary hierarchy by the surface area heuristic (J. Goldsmith, J. Salmon, "Automatic creation of object
- * hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald, "On fast construction of SAH-based
- * bounding volume hierarchies", RT 2007). One pass bins along all three axes. The same on every host: comparisons
- * and plain float arithmetic, no order that depends on addresses.
+ * sah: a binary hierarchy by the surface area heuristic (J. Goldsmith, J. Salmon, "Automatic
+ * creation of object hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald,
+ * "On fast construction of SAH-based bounding volume hierarchies", RT 2007). One pass bins along
+ * all three axes. The same on every host: comparisons and plain float arithmetic, no order that
+ * depends on addresses.
  */
+#define SIMD_NARROW
 #include "trace/trace_int.h"
+#include "trace/simd.h"
 
 #include <float.h>
 
 #define BINS 16
-#define SAH_DEPTH 64     /* below, halves: the depth is bounded by SAH_DEPTH + log2 n */
-#define COST_NODE 0.4f   /* of one binary step, relative to a block of four items; measured */
+#define BINS_FEW                                                                                   \
+    8 /* where at most FEW are left to part: emptying and sweeping bins is what costs there */
+#define FEW 64
+#define SAH_DEPTH 64   /* below, halves: the depth is bounded by SAH_DEPTH + log2 n */
+#define COST_NODE 0.4f /* of one binary step, relative to a block of four items; measured */
 
 struct box {
-    float lo[4], hi[4]; /* the fourth is idle: it lets compilers use vectors */
+    _Alignas(16) float lo[4];
+    float hi[4]; /* the fourth is idle */
 };
 
 struct bin {
@@ -23,8 +30,8 @@ struct bin {
 
 struct split {
     float cost;
-    int axis;    /* -1: none */
-    int bin;     /* the last bin of the left side */
+    int axis; /* -1: none */
+    int bin;  /* the last bin of the left side */
 };
 
 struct builder {
@@ -38,14 +45,12 @@ static struct box box_empty(void)
     return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX, 0}, {-FLT_MAX, -FLT_MAX, -FLT_MAX, 0}};
 }
 
-static inline float min_f(float a, float b) { return a < b ? a : b; }
-static inline float max_f(float a, float b) { return a > b ? a : b; }
-
-static inline void box_grow(struct box *b, const float lo[3], const float hi[3])
+/* lo and hi: three floats on 16 bytes, and something after them. */
+static inline void box_grow(struct box *b, const float *lo, const float *hi)
 {
-    for (int i = 0; i < 3; i++) {
-        b->lo[i] = min_f(b->lo[i], lo[i]);
-        b->hi[i] = max_f(b->hi[i], hi[i]);
+    for (int i = 0; i < 3; i += VF) {
+        vf_store(b->lo + i, vf_min(vf_load(lo + i), vf_load(b->lo + i)));
+        vf_store(b->hi + i, vf_max(vf_load(hi + i), vf_load(b->hi + i)));
     }
 }
 
@@ -56,33 +61,42 @@ static float box_area(const struct box *b)
     return x < 0 ? 0 : x * y + y * z + z * x;
 }
 
-static inline float centre(const struct ref *r, int axis) { return r->lo[axis] + r->hi[axis]; }
-
-/* Which bin a centre falls in, the same in counting and in parting. */
-struct binning {
-    float lo[3], scale[3];
-};
-static inline int bin_of(const struct binning *g, const struct ref *r, int axis)
+/* Twice the centre. */
+static inline void centre(const struct ref *r, float c[4])
 {
-    int b = (int)((centre(r, axis) - g->lo[axis]) * g->scale[axis]);
-    return b < BINS - 1 ? b : BINS - 1;
+    for (int i = 0; i < 3; i += VF) vf_store(c + i, vf_load(r->lo + i) + vf_load(r->hi + i));
+}
+
+/* Which bin a centre falls in, along each axis: the same in counting and in parting. */
+struct binning {
+    _Alignas(16) float lo[4];
+    float scale[4];
+    int bins;
+};
+static inline void bins_of(const struct binning *g, const struct ref *r, int32_t bin[4])
+{
+    for (int i = 0; i < 3; i += VF) {
+        vf c =
+            (vf_load(r->lo + i) + vf_load(r->hi + i) - vf_load(g->lo + i)) * vf_load(g->scale + i);
+        vf_trunc(bin + i, vf_min(c, vf_set((float)(g->bins - 1))));
+    }
 }
 
 static float blocks(uint32_t n) { return (float)((n + LANES - 1) / LANES); }
 
-static void sweep(const struct bin bins[BINS], int axis, struct split *best)
+static void sweep(const struct bin bins[BINS], int n_bins, int axis, struct split *best)
 {
     float right[BINS];
     struct box b = box_empty();
     uint32_t n = 0;
-    for (int i = BINS - 1; i > 0; i--) {
+    for (int i = n_bins - 1; i > 0; i--) {
         box_grow(&b, bins[i].box.lo, bins[i].box.hi);
         n += bins[i].count;
         right[i] = n ? box_area(&b) * blocks(n) : FLT_MAX;
     }
     b = box_empty();
     n = 0;
-    for (int i = 0; i < BINS - 1; i++) {
+    for (int i = 0; i < n_bins - 1; i++) {
         box_grow(&b, bins[i].box.lo, bins[i].box.hi);
         n += bins[i].count;
         if (!n || right[i + 1] == FLT_MAX) continue;
@@ -96,15 +110,17 @@ static struct split find_split(const struct ref *r, uint32_t n, const struct bin
     struct bin bins[3][BINS];
     struct split best = {FLT_MAX, -1, 0};
     for (int a = 0; a < 3; a++)
-        for (int i = 0; i < BINS; i++) bins[a][i] = (struct bin){box_empty(), 0};
-    for (uint32_t i = 0; i < n; i++)
+        for (int i = 0; i < g->bins; i++) bins[a][i] = (struct bin){box_empty(), 0};
+    for (uint32_t i = 0; i < n; i++) {
+        int32_t k[4];
+        bins_of(g, &r[i], k);
         for (int a = 0; a < 3; a++) {
-            struct bin *b = &bins[a][bin_of(g, &r[i], a)];
-            box_grow(&b->box, r[i].lo, r[i].hi);
-            b->count++;
+            box_grow(&bins[a][k[a]].box, r[i].lo, r[i].hi);
+            bins[a][k[a]].count++;
         }
+    }
     for (int a = 0; a < 3; a++)
-        if (g->scale[a] > 0) sweep(bins[a], a, &best);
+        if (g->scale[a] > 0) sweep(bins[a], g->bins, a, &best);
     return best;
 }
 
@@ -115,11 +131,14 @@ static void swap_refs(struct ref *a, struct ref *b)
     *b = t;
 }
 
-static uint32_t part_by_bin(struct ref *r, uint32_t n, const struct binning *g, const struct split *s)
+static uint32_t part_by_bin(
+    struct ref *r, uint32_t n, const struct binning *g, const struct split *s)
 {
     uint32_t i = 0, j = n;
     while (i < j) {
-        if (bin_of(g, &r[i], s->axis) <= s->bin) i++;
+        int32_t k[4];
+        bins_of(g, &r[i], k);
+        if (k[s->axis] <= s->bin) i++;
         else swap_refs(&r[i], &r[--j]);
     }
     return i;
@@ -151,14 +170,15 @@ static uint32_t make_node(struct builder *b, const struct box *box, uint32_t fir
 }
 
 /* How many of the refs go left; 0: they stay together as a leaf. */
-static uint32_t divide(struct ref *r, uint32_t n, const struct box *box, const struct box *centres, int depth)
+static uint32_t divide(
+    struct ref *r, uint32_t n, const struct box *box, const struct box *centres, int depth)
 {
     if (n == 1) return 0;
-    struct binning g;
+    struct binning g = {{0}, {0}, n > FEW ? BINS : BINS_FEW};
     for (int i = 0; i < 3; i++) {
         float extent = centres->hi[i] - centres->lo[i];
         g.lo[i] = centres->lo[i];
-        g.scale[i] = extent > 0 ? BINS * (1 - 0x1p-20f) / extent : 0;
+        g.scale[i] = extent > 0 ? (float)g.bins * (1 - 0x1p-20f) / extent : 0;
         if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: leave the axis alone */
     }
     struct split s = {FLT_MAX, -1, 0};
@@ -176,7 +196,8 @@ static uint32_t build(struct builder *b, uint32_t first, uint32_t n, int depth)
     struct ref *r = b->refs + first;
     struct box box = box_empty(), centres = box_empty();
     for (uint32_t i = 0; i < n; i++) {
-        float c[3] = {centre(&r[i], 0), centre(&r[i], 1), centre(&r[i], 2)};
+        _Alignas(16) float c[4];
+        centre(&r[i], c);
         box_grow(&box, r[i].lo, r[i].hi);
         box_grow(&centres, c, c);
     }

@@ -3,20 +3,23 @@
  */
 #include "trace/trace_int.h"
 
-static bool fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
+static bool init(const struct scene *s, struct item *it)
+{
+    return fabs(s->prims[it->prim].sphere.radius) > 0;
+}
+
+static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
 {
     struct sphere4 *b = block;
     const struct prim *p = &s->prims[it->prim];
     struct vec3 c = p->sphere.center;
     double r = fabs(p->sphere.radius);
     (void)reach;
-    if (!(r > 0)) return false;
     b->c[0][lane] = c.x;
     b->c[1][lane] = c.y;
     b->c[2][lane] = c.z;
     b->r[lane] = r;
     b->err[lane] = ERR_UNIT * (fabs(c.x) + fabs(c.y) + fabs(c.z) + r);
-    return true;
 }
 
 static void clear(void *block, int lane)
@@ -44,4 +47,4 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return n;
 }
 
-const struct shape sphere_shape = {sizeof(struct sphere4), fill, clear, bounds, normal};
+const struct shape sphere_shape = {sizeof(struct sphere4), init, fill, clear, bounds, normal};

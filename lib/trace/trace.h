@@ -1,9 +1,9 @@
 /*
- * trace: ray tracing of a scene as DESIGN's shading model says (NFF meaning, POV-Ray 3.7 the reference):
- * intersectors, hierarchies, shading, pixel sampling.
+ * trace: ray tracing of a scene as DESIGN's shading model says (NFF meaning, POV-Ray 3.7 the
+ * reference): intersectors, hierarchies, shading, pixel sampling.
  *
- * The picture is a function of the scene, the frame's size, depth and sampling alone: neither the hierarchy, nor the
- * SIMD width, nor the order or grouping of pixels changes a bit of it.
+ * The picture is a function of the scene, the frame's size, depth and sampling alone: neither the
+ * hierarchy, nor the SIMD width, nor the order or grouping of pixels changes a bit of it.
  */
 #ifndef STORMRING_TRACE_H
 #define STORMRING_TRACE_H
@@ -14,12 +14,16 @@
 enum trace_isa { TRACE_AUTO, TRACE_SSE2, TRACE_AVX2 };
 
 struct trace_options {
-    int depth;        /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
-    int samples;      /* per pixel, a square: 1 is the centre, n*n are stratified in the pixel */
-    double threshold; /* < 0: always all samples; else refine only pixels whose first 4 samples differ by more */
+    /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
+    int depth;
+    int samples; /* per pixel, a square: 1 is the centre, n*n are stratified in the pixel */
+    /* < 0: always all samples; else refine only pixels whose first 4 samples differ by more */
+    double threshold;
     enum trace_isa isa;
 };
+/* clang-format off */
 #define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, TRACE_AUTO}
+/* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024
 
@@ -30,7 +34,8 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o);
 void tracer_free(struct tracer *t);
 /* The frame that following pixels belong to. Cheap; before the first tracer_pixels. */
 void tracer_frame(struct tracer *t, uint32_t w, uint32_t h);
-/* Pixels n0 .. n0+n of the lattice, in its order, into rgba[4*n]: linear, premultiplied, alpha 1. */
+/* Pixels n0 .. n0+n of the lattice, in its order, into rgba[4*n]: linear, alpha 1. Cheapest for
+ * runs of 64 neighbours and more. */
 void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
 
 /* What was traced since tracer_new. */

@@ -4,18 +4,16 @@
 #include <stdlib.h>
 
 /* Adds an item, and its reference when it has a surface at all. */
-static void add_item(struct tracer *t, struct ref *refs, uint32_t *n_refs, struct item it, double reach)
+static void add_item(struct tracer *t, struct ref *refs, uint32_t *n_refs, struct item it)
 {
-    _Alignas(64) char block[sizeof(struct tri4) + sizeof(struct sphere4) + sizeof(struct cone4)];
     const struct shape *shape = shapes[it.kind];
-    t->items[t->n_items] = it;
-    if (shape->fill(t->scene, &it, reach, block, 0)) {
+    if (shape->init(t->scene, &it)) {
         struct vec3 lo, hi;
         shape->bounds(t->scene, &it, &lo, &hi);
         refs[(*n_refs)++] = (struct ref){{(float)lo.x, (float)lo.y, (float)lo.z}, t->n_items,
             {(float)hi.x, (float)hi.y, (float)hi.z}, it.kind};
     }
-    t->n_items++;
+    t->items[t->n_items++] = it;
 }
 
 static bool is_poly(const struct prim *p)
@@ -36,7 +34,7 @@ static void count_items(const struct scene *s, uint32_t *n_items, uint32_t *larg
     *n_items = (uint32_t)n;
 }
 
-static uint32_t make_items(struct tracer *t, struct ref *refs, uint32_t largest, double reach)
+static uint32_t make_items(struct tracer *t, struct ref *refs, uint32_t largest)
 {
     const struct scene *s = t->scene;
     struct triangle *tri = xmalloc(largest - 2, sizeof *tri);
@@ -50,11 +48,11 @@ static uint32_t make_items(struct tracer *t, struct ref *refs, uint32_t largest,
             uint32_t n = scene_triangulate(s, p, tri);
             for (uint32_t k = 0; k < n; k++) {
                 for (int c = 0; c < 3; c++) it.vertex[c] = tri[k].v[c];
-                add_item(t, refs, &n_refs, it, reach);
+                add_item(t, refs, &n_refs, it);
             }
         } else {
             it.kind = p->kind == PRIM_SPHERE ? ITEM_SPHERE : ITEM_CONE;
-            add_item(t, refs, &n_refs, it, reach);
+            add_item(t, refs, &n_refs, it);
         }
     }
     free(tri);
@@ -88,9 +86,10 @@ static void make_surfaces(struct tracer *t)
     for (uint32_t i = 0; i < s->n_materials; i++) {
         const struct material *m = &s->materials[i];
         struct vec3 c = v3(m->r * m->kd, m->g * m->kd, m->b * m->kd);
-        /* An index of 0 stands on opaque things; on others it could only mean that nothing bends. */
-        t->surfaces[i] = (struct surface){c, m->ks, m->shine, m->t, m->ior > 0 ? m->ior : 1,
-            c.x != 0 || c.y != 0 || c.z != 0};
+        /* An index of 0 stands on opaque things; on others it could only mean that
+         * nothing bends. */
+        t->surfaces[i] = (struct surface){
+            c, m->ks, m->shine, m->t, m->ior > 0 ? m->ior : 1, c.x != 0 || c.y != 0 || c.z != 0};
     }
 }
 
@@ -120,13 +119,14 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     t->k = choose_kernels(o->isa);
     count_items(s, &n, &largest);
     t->items = xmalloc(n, sizeof *t->items);
-    struct ref *refs = xmalloc(n, sizeof *refs);
+    struct ref *refs = xaligned(n, sizeof *refs);
     double reach = reach_of(s);
-    uint32_t n_refs = make_items(t, refs, largest, reach);
+    uint32_t n_refs = make_items(t, refs, largest);
     make_surfaces(t);
     make_transmits(t);
     bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
     free(refs);
+    t->wave = wave_new(t);
     camera_init(t);
     return t;
 }
@@ -138,7 +138,8 @@ void tracer_free(struct tracer *t)
     free(t->items);
     free(t->surfaces);
     free(t->transmits);
-    free(t->crossings.item);
+    for (int i = 0; i < PACKET; i++) free(t->crossings[i].item);
+    wave_free(t->wave);
     free(t);
 }
 

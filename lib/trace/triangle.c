@@ -1,10 +1,11 @@
 /*
  * triangle: one triangle of a polygon or patch, two-sided, with its own plane.
  *
- * Kept as three planes, as in J. Havel, A. Herout, "Yet faster ray-triangle intersection (using SSE4)",
- * IEEE TVCG 16(3), 2010: the triangle's own and two whose values are barycentric coordinates. Differs in being
- * in double, in dividing at once, and in a margin that makes neighbours overlap by a rounding error rather than
- * leave a crack. A ray that starts on the plane, within the error bounds of both, does not hit it.
+ * Kept as three planes, as in J. Havel, A. Herout, "Yet faster ray-triangle intersection (using
+ * SSE4)", IEEE TVCG 16(3), 2010: the triangle's own and two whose values are barycentric
+ * coordinates. Differs in being in double, in dividing at once, and in a margin that makes
+ * neighbours overlap by a rounding error rather than leave a crack. A ray that starts on the
+ * plane, within the error bounds of both, does not hit it.
  */
 #include "trace/trace_int.h"
 
@@ -15,7 +16,11 @@ static struct vec3 corner(const struct scene *s, const struct item *it, int i)
     return s->vertices[it->vertex[i]];
 }
 
-static double largest(struct vec3 p) { return fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))); }
+/* The library's fmin and fmax are calls, for the sake of NaN. */
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
+static double largest(struct vec3 p) { return larger(fabs(p.x), larger(fabs(p.y), fabs(p.z))); }
 
 static void put(double to[3][LANES], int lane, struct vec3 v)
 {
@@ -24,24 +29,33 @@ static void put(double to[3][LANES], int lane, struct vec3 v)
     to[2][lane] = v.z;
 }
 
-static bool fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
+static bool init(const struct scene *s, struct item *it)
+{
+    struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
+    struct vec3 cross = v3_cross(e1, v3_sub(corner(s, it, 2), a));
+    double area2 = v3_len(cross);
+    if (!(area2 > DBL_MIN) || !isfinite(area2)) return false;
+    it->n = v3_scale(cross, 1 / area2);
+    return true;
+}
+
+static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
 {
     struct tri4 *b = block;
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
-    struct vec3 e2 = v3_sub(corner(s, it, 2), a), cross = v3_cross(e1, e2);
-    double area2 = v3_len(cross);
-    if (!(area2 > DBL_MIN) || !isfinite(area2)) return false;
-    struct vec3 n = v3_scale(cross, 1 / area2);
+    struct vec3 e2 = v3_sub(corner(s, it, 2), a), n = it->n;
+    double area2 = v3_len(v3_cross(e1, e2));
     struct vec3 u = v3_scale(v3_cross(e2, n), 1 / area2), v = v3_scale(v3_cross(n, e1), 1 / area2);
     double d = v3_dot(n, a), off = 0, far = largest(a);
     for (int i = 1; i < 3; i++) {
-        off = fmax(off, fabs(v3_dot(n, corner(s, it, i)) - d));
-        far = fmax(far, largest(corner(s, it, i)));
+        off = larger(off, fabs(v3_dot(n, corner(s, it, i)) - d));
+        far = larger(far, largest(corner(s, it, i)));
     }
-    /* A computed hit is off by rounding of at most `margin`; in units of u, that over the height. */
+    /* A computed hit is off by rounding of at most `margin`; in units of u, that over the
+     * height. */
     double margin = ERR_UNIT * 4 * reach;
-    double mu = fmin(margin * v3_len(u), 0.125), mv = fmin(margin * v3_len(v), 0.125);
-    double mw = fmin(margin * v3_len(v3_add(u, v)), 0.125), k = 1 / (1 + mu + mv + mw);
+    double mu = smaller(margin * v3_len(u), 0.125), mv = smaller(margin * v3_len(v), 0.125);
+    double mw = smaller(margin * v3_len(v3_add(u, v)), 0.125), k = 1 / (1 + mu + mv + mw);
     put(b->n, lane, n);
     b->d[lane] = d;
     put(b->u, lane, v3_scale(u, k));
@@ -49,7 +63,6 @@ static bool fill(const struct scene *s, const struct item *it, double reach, voi
     put(b->v, lane, v3_scale(v, k));
     b->dv[lane] = (mv - v3_dot(v, a)) * k;
     b->err[lane] = 2 * off + ERR_UNIT * far;
-    return true;
 }
 
 static void clear(void *block, int lane)
@@ -65,8 +78,10 @@ static void clear(void *block, int lane)
 static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi)
 {
     struct vec3 a = corner(s, it, 0), b = corner(s, it, 1), c = corner(s, it, 2);
-    *lo = v3(fmin(a.x, fmin(b.x, c.x)), fmin(a.y, fmin(b.y, c.y)), fmin(a.z, fmin(b.z, c.z)));
-    *hi = v3(fmax(a.x, fmax(b.x, c.x)), fmax(a.y, fmax(b.y, c.y)), fmax(a.z, fmax(b.z, c.z)));
+    *lo = v3(smaller(a.x, smaller(b.x, c.x)), smaller(a.y, smaller(b.y, c.y)),
+        smaller(a.z, smaller(b.z, c.z)));
+    *hi = v3(larger(a.x, larger(b.x, c.x)), larger(a.y, larger(b.y, c.y)),
+        larger(a.z, larger(b.z, c.z)));
 }
 
 /* Barycentric mean of the corners' normals. */
@@ -86,9 +101,7 @@ static struct vec3 smooth_normal(
 
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
-    struct vec3 a = corner(s, it, 0);
-    struct vec3 n = v3_unit(v3_cross(v3_sub(corner(s, it, 1), a), v3_sub(corner(s, it, 2), a)));
-    return it->smooth ? smooth_normal(s, it, *p, n) : n;
+    return it->smooth ? smooth_normal(s, it, *p, it->n) : it->n;
 }
 
-const struct shape triangle_shape = {sizeof(struct tri4), fill, clear, bounds, normal};
+const struct shape triangle_shape = {sizeof(struct tri4), init, fill, clear, bounds, normal};

@@ -4,13 +4,15 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/time.h>
 #include <unistd.h>
 
-#define BEAT_US 500000
 #define LOOK_US 100000
-#define GROUP_PIXELS 64      /* at most, between two looks at the clock: coherent rays */
-#define GROUP_US 20000       /* longer than this: fewer pixels */
+#define BEAT_LOOKS 5    /* looks between two beats */
+#define GROUP_PIXELS 64 /* rendered at a time: coherent rays */
+#define GONE (POLLERR | POLLHUP | POLLNVAL)
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
 
@@ -28,10 +30,55 @@ struct worker {
     struct known_frame *frames;
     size_t n_frames;
     float *pixels;
-    int64_t beat_at, look_at;
     int64_t cpu_us; /* used when the last task was done, or the last other record taken */
-    uint32_t group; /* pixels between two looks at the clock */
 };
+
+/*
+ * The pulse: a callback may load a scene for minutes, or be on one pixel for as long. Meanwhile a
+ * timer looks whether the reader is still there, and says that this process is. It writes only
+ * while `busy`, when nothing of a record is on its way; it stops by itself when nothing is done.
+ */
+static volatile sig_atomic_t busy, ticking, looks;
+
+static void set_timer(suseconds_t us)
+{
+    setitimer(ITIMER_REAL, &(struct itimerval){{0, us}, {0, us}}, NULL);
+    ticking = us != 0;
+}
+
+static void look(int sig)
+{
+    static const char beat[] = "beat\n";
+    struct pollfd p = {STDOUT_FILENO, 0, 0};
+    int err = errno;
+    (void)sig;
+    if (poll(&p, 1, 0) > 0 && p.revents & GONE) _exit(ST_SYSTEM);
+    looks = looks < BEAT_LOOKS ? looks + 1 : 1;
+    if (looks == BEAT_LOOKS && !busy) set_timer(0);
+    if (looks == BEAT_LOOKS && busy && write(STDOUT_FILENO, beat, sizeof beat - 1) < 0)
+        _exit(ST_SYSTEM);
+    errno = err;
+}
+
+static void pulse_open(void)
+{
+    struct sigaction act = {.sa_handler = look, .sa_flags = SA_RESTART};
+    sigset_t own;
+    sigemptyset(&act.sa_mask);
+    sigemptyset(&own);
+    sigaddset(&own, SIGALRM);
+    sigaction(SIGALRM, &act, NULL);
+    sigprocmask(SIG_UNBLOCK, &own, NULL);
+}
+
+/* Around every callback. */
+static void begin(void)
+{
+    busy = 1;
+    if (!ticking) set_timer(LOOK_US);
+}
+
+static void end(void) { busy = 0; }
 
 /* The reader is gone, or writing to it fails: nobody needs this process any more. */
 static _Noreturn void reader_gone(int err)
@@ -46,24 +93,6 @@ static void push(struct worker *w)
     if (!buf_size(&w->out)) return;
     if (write_full(STDOUT_FILENO, buf_data(&w->out), buf_size(&w->out)) != 0) reader_gone(errno);
     buf_consume(&w->out, buf_size(&w->out));
-}
-
-/* Between groups of pixels: is anyone there, and say that this one is. Groups shrink where
- * pixels are slow. */
-static void tick(struct worker *w, int64_t *last_us)
-{
-    int64_t now = now_us(), took = now - *last_us;
-    *last_us = now;
-    if (took > GROUP_US && w->group > 1) w->group /= 2;
-    else if (took < GROUP_US / 4 && w->group < GROUP_PIXELS) w->group *= 2;
-    if (now < w->look_at) return;
-    w->look_at = now + LOOK_US;
-    struct pollfd p = {STDOUT_FILENO, 0, 0};
-    if (poll(&p, 1, 0) > 0 && (p.revents & (POLLERR | POLLNVAL))) reader_gone(0);
-    if (now < w->beat_at) return;
-    w->beat_at = now + BEAT_US;
-    wire_plain(&w->out, REC_BEAT, NULL);
-    push(w);
 }
 
 static void hello(struct worker *w)
@@ -92,7 +121,10 @@ static struct known_frame *find_frame(struct worker *w, uint32_t frame)
 static bool announce(struct worker *w, struct known_frame *f, char err[WORKER_ERR])
 {
     if (f->announced) return true;
-    if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) return false;
+    begin();
+    int failed = w->ops->ready(w->ctx, f->w, f->h, err);
+    end();
+    if (failed) return false;
     uint64_t job = w->ops->job(w->ctx);
     const uint32_t size[2] = {f->w, f->h};
     job = hash64(job, size, sizeof size);
@@ -144,17 +176,18 @@ static void take_task(struct worker *w, const struct task *t)
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
     if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
-    int64_t wall = now_us(), last_us = wall;
+    int64_t wall = now_us();
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
     for (uint64_t n0 = 0; n0 < total;) {
         struct lattice piece = lattice_cut(&t->at, f->w, n0, most);
         uint32_t count = (uint32_t)lattice_count(&piece);
+        begin();
         for (uint32_t i = 0, n; i < count; i += n) {
-            n = count - i < w->group ? count - i : w->group;
+            n = count - i < GROUP_PIXELS ? count - i : GROUP_PIXELS;
             w->ops->render(w->ctx, &piece, i, n, w->pixels + 4 * (size_t)i);
-            tick(w, &last_us);
         }
+        end();
         n0 += count;
         /* `done` is the scheduling event: it goes before the last pixels. */
         if (n0 == total) say_done(w, t, now_us() - wall);
@@ -184,8 +217,10 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_GRID:
     case REC_SPEC:
         for (size_t i = 0; i < w->n_frames; i++) w->frames[i].announced = false;
+        begin();
         if (w->ops->state(w->ctx, r->kind, r->body, r->body_len, err) != 0)
             die(ST_USAGE, "%s", err);
+        end();
         break;
     default:
         die(ST_USAGE,
@@ -201,7 +236,7 @@ static bool fill(struct worker *w)
     struct pollfd p[2] = {{STDIN_FILENO, POLLIN, 0}, {STDOUT_FILENO, 0, 0}};
     while (poll(p, 2, -1) < 0)
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
-    if (p[1].revents & (POLLERR | POLLNVAL)) reader_gone(0);
+    if (p[1].revents & GONE) reader_gone(0);
     ptrdiff_t n = read_some(STDIN_FILENO, &w->in.in, READ_BYTES);
     if (n < 0) die(ST_SYSTEM, "standard input:");
     return n > 0;
@@ -209,11 +244,10 @@ static bool fill(struct worker *w)
 
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
-    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .group = GROUP_PIXELS};
+    struct worker w = {.ops = ops, .options = o, .ctx = ctx};
     w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
-    w.look_at = now_us() + LOOK_US;
-    w.beat_at = now_us() + BEAT_US;
     hello(&w);
+    pulse_open();
     for (bool more = true; more;) {
         more = fill(&w);
         if (!more) wire_end(&w.in);

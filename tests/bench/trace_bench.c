@@ -1,10 +1,11 @@
 /*
  * trace_bench: how long the phases of a picture take on one core, and how many rays it takes.
  *
- *     cc -O2 -std=c11 ... -Ilib -o build/trace_bench tests/bench/trace_bench.c build/libstormring.a -lm
- *     taskset -c 1 build/trace_bench [-a SAMPLES] [-d DEPTH] [-n RUNS] [-o OUT.pfm] [-s WxH] [-u PIXELS] [-x ISA] SCENE
+ *     make && cc -O2 -D_DEFAULT_SOURCE -Ilib -o build/trace_bench tests/bench/trace_bench.c \
+ *         build/libstormring.a -lm
+ *     taskset -c 1 build/trace_bench [options] SCENE.nff
  *
- * Prints the median of RUNS runs of each phase; -u renders that many pixels a call instead of a row.
+ * Prints the median of -n runs of each phase; -u renders that many pixels a call instead of a row.
  */
 #include "base/base.h"
 #include "trace/trace.h"
@@ -39,7 +40,8 @@ static void render(struct tracer *t, const struct options *o, float *rgba)
     }
 }
 
-static struct times run(struct options *o, const struct buf *text, float **rgba, struct trace_counts *c)
+static struct times run(
+    struct options *o, const struct buf *text, float **rgba, struct trace_counts *c)
 {
     struct scene s;
     char err[SCENE_ERR];
@@ -96,7 +98,8 @@ static struct options parse(int argc, char **argv)
         case 'n': o.runs = (int)opt_int(opt, optarg, 1, RUNS_MAX); break;
         case 'o': o.out = optarg; break;
         case 's':
-            if (!parse_size(optarg, FRAME_SIDE_MAX, &w, &h)) die(ST_USAGE, "-s %s: expected WxH", optarg);
+            if (!parse_size(optarg, FRAME_SIDE_MAX, &w, &h))
+                die(ST_USAGE, "-s %s: expected WxH", optarg);
             o.w = (uint32_t)w, o.h = (uint32_t)h;
             break;
         case 'u': o.unit = (uint32_t)opt_int(opt, optarg, 1, FRAME_SIDE_MAX); break;
@@ -126,8 +129,9 @@ int main(int argc, char **argv)
     double parse_ms = median_ms(phase[0], o.runs), build_ms = median_ms(phase[1], o.runs);
     double trace_ms = median_ms(phase[2], o.runs);
     printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", parse_ms, build_ms, trace_ms);
-    printf("eye\t%" PRIu64 "\nreflected\t%" PRIu64 "\nrefracted\t%" PRIu64 "\nshadow\t%" PRIu64 "\n", c.eye,
-        c.reflected, c.refracted, c.shadow);
+    printf("eye\t%" PRIu64 "\nreflected\t%" PRIu64 "\nrefracted\t%" PRIu64 "\nshadow\t%" PRIu64
+           "\n",
+        c.eye, c.reflected, c.refracted, c.shadow);
     printf("ns_per_ray\t%.1f\n", trace_ms * 1e6 / (double)rays);
     printf("hash\t%016" PRIx64 "\n", hash64(HASH64_INIT, rgba, (size_t)16 * o.w * o.h));
     if (o.out) write_pfm(o.out, &o, rgba);

@@ -58,7 +58,7 @@ static void control_overtakes_pixels_between_records(void **state)
     bulk(&q, 'b', 10);
     buf_append(&q.control, "X", 1);
     assert_int_equal(up_size(&q), 21);
-    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
     assert_string_equal(drained(), "Xaaaaaaaaaabbbbbbbbbb");
     assert_int_equal(up_size(&q), 0);
     up_free(&q);
@@ -70,10 +70,11 @@ static void control_does_not_split_a_record(void **state)
     struct up_queue q = {0};
     bulk(&q, 'a', PIPE_BUF + 100);
     bulk(&q, 'b', 50);
-    assert_int_equal(up_write(&q, ends[1]), 0); /* PIPE_BUF bytes: 100 of the record are left */
+    assert_int_equal(
+        up_write(&q, ends[1], PIPE_BUF), 0); /* PIPE_BUF bytes: 100 of the record are left */
     buf_append(&q.control, "X", 1);
-    assert_int_equal(up_write(&q, ends[1]), 0);
-    while (up_size(&q)) assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
+    while (up_size(&q)) assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
     const char *text = drained();
     assert_int_equal(strspn(text, "a"), PIPE_BUF + 100);
     assert_int_equal(text[PIPE_BUF + 100], 'X');
@@ -89,7 +90,7 @@ static void no_write_is_longer_than_a_pipe_takes_at_once(void **state)
     bulk(&q, 'p', 9000);
     size_t before;
     while ((before = up_size(&q)) > 0) {
-        assert_int_equal(up_write(&q, ends[1]), 0);
+        assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
         assert_in_range(before - up_size(&q), 1, PIPE_BUF);
     }
     const char *text = drained();
@@ -104,10 +105,10 @@ static void an_unfinished_record_waits(void **state)
     struct up_queue q = {0};
     bulk(&q, 'a', 5);
     buf_append(&q.bulk, "half", 4);
-    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
     assert_string_equal(drained(), "aaaaa");
     up_end_record(&q);
-    assert_int_equal(up_write(&q, ends[1]), 0);
+    assert_int_equal(up_write(&q, ends[1], PIPE_BUF), 0);
     assert_string_equal(drained(), "half");
     up_free(&q);
 }
@@ -116,19 +117,23 @@ static void shared_bodies_keep_their_place(void **state)
 {
     (void)state;
     struct down_queue q = {0}, other = {0};
-    struct blob *b = blob_new("SCENE", 5);
+    struct buf scene = {0};
+    buf_append(&scene, "SCENE", 5);
+    struct blob *b = blob_new(&scene);
     down_append(&q, "one", 3);
     down_share(&q, b);
     down_share(&other, b);
     down_append(&q, "two", 3);
     assert_int_equal(down_write(&q, ends[1]), 0);
-    assert_true(down_empty(&q));
+    assert_int_equal(down_size(&q), 0);
     assert_string_equal(drained(), "oneSCENEtwo");
     assert_int_equal(down_write(&other, ends[1]), 0);
     assert_string_equal(drained(), "SCENE");
     down_append(&q, "three", 5);
     assert_int_equal(down_write(&q, ends[1]), 0);
     assert_string_equal(drained(), "three");
+    assert_int_equal(b->users, 1);
+    blob_drop(b);
     down_free(&q);
     down_free(&other);
 }
@@ -138,16 +143,18 @@ static void a_full_pipe_is_no_error_and_loses_nothing(void **state)
     (void)state;
     struct down_queue q = {0};
     size_t n = 300000, got = 0;
-    char *body = xmalloc(n, 1);
-    memset(body, 'z', n);
-    down_share(&q, blob_new(body, n));
+    struct buf body = {0};
+    memset(buf_reserve(&body, n), 'z', n);
+    body.len = n;
+    struct blob *b = blob_new(&body);
+    down_share(&q, b);
+    blob_drop(b);
     down_append(&q, "end", 3);
-    for (int i = 0; i < 100 && !down_empty(&q); i++) {
+    for (int i = 0; i < 100 && down_size(&q); i++) {
         assert_int_equal(down_write(&q, ends[1]), 0);
         got += strlen(drained());
     }
     assert_int_equal(got, n + 3);
-    free(body);
     down_free(&q);
 }
 
@@ -160,7 +167,7 @@ static void a_reader_that_has_gone_is_seen(void **state)
     ends[0] = dup(ends[1]);
     bulk(&up, 'a', 3);
     down_append(&down, "abc", 3);
-    assert_int_equal(up_write(&up, ends[1]), -1);
+    assert_int_equal(up_write(&up, ends[1], PIPE_BUF), -1);
     assert_int_equal(errno, EPIPE);
     assert_int_equal(down_write(&down, ends[1]), -1);
     up_free(&up);

@@ -1,6 +1,6 @@
 /*
- * Pictures: the shading model against closed forms, the same bits however pixels are asked for, sampling, and
- * scenes that break ray tracers.
+ * Pictures: the shading model against closed forms, the same bits however pixels are asked for,
+ * sampling, and scenes that break ray tracers.
  */
 #include "trace/trace.h"
 
@@ -80,9 +80,11 @@ static void test_rays(void **state)
 static void test_hither(void **state)
 {
     (void)state;
-#define NEAR(h) "b 0 0 1 v from 0 0 10 at 0 0 0 up 0 1 0 angle 30 hither " h " resolution 1 1 l 0 0 20 1 1 1 "
+#define NEAR(h)                                                                                    \
+    "b 0 0 1 v from 0 0 10 at 0 0 0 up 0 1 0 angle 30 hither " h " resolution 1 1 l 0 0 20 1 1 1 "
     centre_is(NEAR("0") "f 1 0 0 1 0 1 0 0 s 0 0 5 1 ", 1, 0, 0);
-    /* 4 cuts nothing; beyond that the sphere is seen from inside, where no light comes; then it is gone */
+    /* 4 cuts nothing; beyond that the sphere is seen from inside, where no light comes; then
+     * it is gone */
     centre_is(NEAR("3.99") "f 1 0 0 1 0 1 0 0 s 0 0 5 1 ", 1, 0, 0);
     centre_is(NEAR("4.01") "f 1 0 0 1 0 1 0 0 s 0 0 5 1 ", 0, 0, 0);
     centre_is(NEAR("6.01") "f 1 0 0 1 0 1 0 0 s 0 0 5 1 ", 0, 0, 1);
@@ -91,9 +93,11 @@ static void test_hither(void **state)
 static void test_levels(void **state)
 {
     (void)state;
-    /* Two mirrors face each other, the eye between: the n-th level adds ks^(n-1) times what one shows. */
-    static const char nff[] = "v from 0 0 1 at 0 0 0 up 0 1 0 angle 30 hither 0 resolution 1 1 l 0 0 1 1 1 1 "
-                              "f 1 1 1 .5 .5 0 0 0 p 3 -9 -9 0 0 9 0 9 -9 0 p 3 -9 -9 2 0 9 2 9 -9 2 ";
+    /* Two mirrors face each other, the eye between: the n-th level adds ks^(n-1) times what
+     * one shows. */
+    static const char nff[] =
+        "v from 0 0 1 at 0 0 0 up 0 1 0 angle 30 hither 0 resolution 1 1 l 0 0 1 1 1 1 "
+        "f 1 1 1 .5 .5 0 0 0 p 3 -9 -9 0 0 9 0 9 -9 0 p 3 -9 -9 2 0 9 2 9 -9 2 ";
     double sum = 0, weight = 1;
     for (int depth = 1; depth <= TRACE_DEPTH_MAX; depth++) {
         struct trace_options o = TRACE_OPTIONS_DEFAULT;
@@ -157,7 +161,8 @@ static void test_any_width(void **state)
     scene_free(&s);
 }
 
-/* Powers of two scale every number exactly, so no pixel may change a bit: nothing depends on absolute sizes. */
+/* Powers of two scale every number exactly, so no pixel may change a bit: nothing depends on
+ * absolute sizes. */
 static void test_any_scale(void **state)
 {
     (void)state;
@@ -180,7 +185,8 @@ static void test_any_scale(void **state)
     free(want);
 }
 
-/* Moved away from the origin by 2^17 times its size, the picture stays; only silhouettes may differ. */
+/* Moved away from the origin by 2^17 times its size, the picture stays; only silhouettes may
+ * differ. */
 static void test_far_away(void **state)
 {
     (void)state;
@@ -211,8 +217,9 @@ static void test_far_away(void **state)
 static void test_sampling(void **state)
 {
     (void)state;
-    static const char nff[] = "b 0 0 0 v from 0 0 10 at 0 0 0 up 0 1 0 angle 30 hither 0 resolution 16 16 "
-                              "l 0 0 1e6 1 1 1 f 1 1 1 1 0 1 0 0 p 4 -9 -9 0 0.17 -9 0 0.17 9 0 -9 9 0 ";
+    static const char nff[] =
+        "b 0 0 0 v from 0 0 10 at 0 0 0 up 0 1 0 angle 30 hither 0 resolution 16 16 "
+        "l 0 0 1e6 1 1 1 f 1 1 1 1 0 1 0 0 p 4 -9 -9 0 0.17 -9 0 0.17 9 0 -9 9 0 ";
     struct trace_options one = {5, 1, -1, TRACE_AUTO}, four = {5, 4, -1, TRACE_AUTO};
     struct trace_options many = {5, 256, -1, TRACE_AUTO}, adaptive = {5, 256, 0.05, TRACE_AUTO};
     float *a = picture(nff, &one, 16, 16), *b = picture(nff, &four, 16, 16);
@@ -233,10 +240,12 @@ static void test_degenerate(void **state)
 {
     (void)state;
     /* no area: nothing is seen of them, and nothing breaks */
-    centre_is("b .1 .2 .3 " DOWN "l 0 0 5 p 3 0 0 0 1 1 1 2 2 2 p 3 1 1 1 1 1 1 1 1 1 ", .1, .2, .3);
+    centre_is(
+        "b .1 .2 .3 " DOWN "l 0 0 5 p 3 0 0 0 1 1 1 2 2 2 p 3 1 1 1 1 1 1 1 1 1 ", .1, .2, .3);
     /* a light on the surface itself, and the eye on one */
     centre_is(DOWN "l 0 0 0 1 1 1 f 1 1 1 1 0 1 0 0 " FLOOR, 0, 0, 0);
-    centre_is(DOWN "l 0 0 5 1 1 1 f 1 1 1 1 0 1 0 0 " FLOOR "p 3 -1 -1 10 0 1 10 1 -1 10 ", 1, 1, 1);
+    centre_is(
+        DOWN "l 0 0 5 1 1 1 f 1 1 1 1 0 1 0 0 " FLOOR "p 3 -1 -1 10 0 1 10 1 -1 10 ", 1, 1, 1);
     /* coincident squares of two colours: the first wins */
     centre_is(DOWN "l 0 0 5 1 1 1 f 1 0 0 1 0 1 0 0 " FLOOR "f 0 1 0 1 0 1 0 0 " FLOOR, 1, 0, 0);
     centre_is(DOWN "l 0 0 5 1 1 1 f 0 1 0 1 0 1 0 0 " FLOOR "f 1 0 0 1 0 1 0 0 " FLOOR, 0, 1, 0);

@@ -16,13 +16,14 @@ struct placing {
 };
 static const struct placing in_place = {1, 0};
 
-static void put_point(struct buf *b, struct placing at, double x, double y, double z)
+static inline void put_point(struct buf *b, struct placing at, double x, double y, double z)
 {
     buf_printf(b, " %.17g %.17g %.17g", x * at.scale + at.shift, y * at.scale + at.shift,
         z * at.scale + at.shift);
 }
 
-static void put_view(struct buf *b, struct placing at, double x, double y, double z, double hither)
+static inline void put_view(
+    struct buf *b, struct placing at, double x, double y, double z, double hither)
 {
     buf_printf(b, "b .1 .2 .4\nv\nfrom");
     put_point(b, at, x, y, z);
@@ -31,26 +32,27 @@ static void put_view(struct buf *b, struct placing at, double x, double y, doubl
     buf_printf(b, "\nup 0 0 1\nangle 40\nhither %.17g\nresolution 48 32\n", hither * at.scale);
 }
 
-static void put_sphere(struct buf *b, struct placing at, double x, double y, double z, double r)
+static inline void put_sphere(
+    struct buf *b, struct placing at, double x, double y, double z, double r)
 {
     buf_printf(b, "s");
     put_point(b, at, x, y, z);
     buf_printf(b, " %.17g\n", r * at.scale);
 }
 
-static void put_light(struct buf *b, struct placing at, double x, double y, double z)
+static inline void put_light(struct buf *b, struct placing at, double x, double y, double z)
 {
     buf_printf(b, "l");
     put_point(b, at, x, y, z);
     buf_printf(b, "\n");
 }
 
-static double between(uint64_t seed, uint64_t *n, double lo, double hi)
+static inline double between(uint64_t seed, uint64_t *n, double lo, double hi)
 {
     return lo + (hi - lo) * rng_unit(seed, (*n)++);
 }
 
-static void put_random_material(struct buf *b, uint64_t seed, uint64_t *n)
+static inline void put_random_material(struct buf *b, uint64_t seed, uint64_t *n)
 {
     static const double t[] = {0, 0, 0.4, 0.9}, ior[] = {1, 1.1, 1.5, 2};
     double v[6];
@@ -60,7 +62,7 @@ static void put_random_material(struct buf *b, uint64_t seed, uint64_t *n)
         1 + 60 * v[5], t[pick & 3], ior[pick >> 2 & 3]);
 }
 
-static void put_random_prim(struct buf *b, struct placing at, uint64_t seed, uint64_t *n)
+static inline void put_random_prim(struct buf *b, struct placing at, uint64_t seed, uint64_t *n)
 {
     double x = between(seed, n, -2, 2), y = between(seed, n, -2, 2), z = between(seed, n, -1, 2);
     double r = between(seed, n, 0.05, 0.6);
@@ -91,7 +93,7 @@ static void put_random_prim(struct buf *b, struct placing at, uint64_t seed, uin
 }
 
 /* A ground square and `count` primitives of every kind, some of glass. */
-static void put_random_scene(struct buf *b, struct placing at, uint64_t seed, int count)
+static inline void put_random_scene(struct buf *b, struct placing at, uint64_t seed, int count)
 {
     uint64_t n = 0;
     put_view(b, at, 5, between(seed, &n, -3, 3), between(seed, &n, 1, 4), 0);
@@ -108,8 +110,29 @@ static void put_random_scene(struct buf *b, struct placing at, uint64_t seed, in
     }
 }
 
+/* A floor under count large triangles of glass, each with a transmittance of its own. */
+static inline void put_glass_scene(struct buf *b, struct placing at, uint64_t seed, int count)
+{
+    uint64_t n = 0;
+    put_view(b, at, 0.5, 0.2, 9, 0);
+    put_light(b, at, 1, 2, 8);
+    put_light(b, at, -2, 1, 7);
+    buf_printf(b, "f .8 .7 .6 .7 0 10 0 0\np 3\n");
+    put_point(b, at, -9, -9, -2);
+    put_point(b, at, 9, -9, -2);
+    put_point(b, at, 0, 9, -2);
+    for (int i = 0; i < count; i++) {
+        buf_printf(b, "\nf 1 1 1 .2 0 1 %.17g 1\np 3\n", between(seed, &n, 0.5, 0.99));
+        for (int k = 0; k < 3; k++) {
+            double x = between(seed, &n, -4, 4), y = between(seed, &n, -4, 4);
+            put_point(b, at, x, y, between(seed, &n, -2, 2));
+        }
+    }
+    buf_printf(b, "\n");
+}
+
 /* The text as a scene; b is freed. */
-static void read_scene(struct buf *b, struct scene *s)
+static inline void read_scene(struct buf *b, struct scene *s)
 {
     char err[SCENE_ERR];
     if (nff_read("test", (const char *)buf_data(b), buf_size(b), s, err) != 0) fail_msg("%s", err);
@@ -117,7 +140,7 @@ static void read_scene(struct buf *b, struct scene *s)
 }
 
 /* All pixels of a w x h frame, `unit` a call, from the last to the first where `backward`. */
-static float *render(struct tracer *t, uint32_t w, uint32_t h, uint32_t unit, bool backward)
+static inline float *render(struct tracer *t, uint32_t w, uint32_t h, uint32_t unit, bool backward)
 {
     float *rgba = xcalloc((size_t)4 * w * h, sizeof *rgba);
     const struct lattice all = {0, 0, w, h, 1, 1};
@@ -129,6 +152,20 @@ static float *render(struct tracer *t, uint32_t w, uint32_t h, uint32_t unit, bo
         tracer_pixels(t, &all, first, count, rgba + (size_t)4 * first);
     }
     return rgba;
+}
+
+static inline struct tracer *tracer_with(const struct scene *s, const struct kernels *k)
+{
+    const struct trace_options o = TRACE_OPTIONS_DEFAULT;
+    struct tracer *t = tracer_new(s, &o);
+    t->k = k;
+    return t;
+}
+
+static inline struct vec3 random_point(uint64_t seed, uint64_t *n, double size)
+{
+    double x = between(seed, n, -size, size), y = between(seed, n, -size, size);
+    return v3(x, y, between(seed, n, -size, size));
 }
 
 #endif

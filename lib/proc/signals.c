@@ -1,0 +1,62 @@
+/* Signals that end a program which has children: see proc.h. */
+#include "proc/proc.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+
+static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
+#define N_ENDING (sizeof ending / sizeof *ending)
+
+static volatile sig_atomic_t came; /* the first of them */
+static sigset_t before;            /* the mask that this process was started with */
+static bool catching;
+
+static void note(int sig)
+{
+    if (sig != SIGCHLD && !came) came = sig;
+}
+
+void signals_catch(void)
+{
+    struct sigaction act = {.sa_handler = note}, old;
+    sigset_t blocked;
+    sigemptyset(&act.sa_mask);
+    sigemptyset(&blocked);
+    sigaddset(&blocked, SIGCHLD);
+    sigaction(SIGCHLD, &act, NULL);
+    for (size_t i = 0; i < N_ENDING; i++) {
+        if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler == SIG_IGN) continue;
+        sigaction(ending[i], &act, NULL);
+        sigaddset(&blocked, ending[i]);
+    }
+    signal(SIGPIPE, SIG_IGN);
+    sigprocmask(SIG_BLOCK, &blocked, &before);
+    catching = true;
+}
+
+/* Caught signals are reset by exec; the mask, and SIGPIPE, are not. */
+void signals_restore(void)
+{
+    signal(SIGPIPE, SIG_DFL);
+    if (catching) sigprocmask(SIG_SETMASK, &before, NULL);
+}
+
+int poll_signals(struct pollfd *p, size_t n, int timeout_ms)
+{
+    struct timespec t = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
+    return ppoll(p, (nfds_t)n, timeout_ms < 0 ? NULL : &t, catching ? &before : NULL);
+}
+
+bool signals_came(void) { return came != 0; }
+
+void signals_die(void)
+{
+    sigset_t own;
+    sigemptyset(&own);
+    sigaddset(&own, came);
+    signal(came, SIG_DFL);
+    raise(came);
+    sigprocmask(SIG_UNBLOCK, &own, NULL);
+    _Exit(ST_SYSTEM);
+}

@@ -1,0 +1,73 @@
+/*
+ * light: where a ray met a surface, and what reaches it from the lights. Per light:
+ * I * (kd C N.L + ks (R.L)^shine) times what the surfaces in between let through.
+ */
+#include "trace/trace_int.h"
+
+void meet(const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at)
+{
+    at->item = &t->items[h->item];
+    at->surface = &t->surfaces[at->item->material];
+    at->p = v3_mad(r->o, r->d, h->t);
+    at->n = shapes[at->item->kind]->normal(t->scene, at->item, &at->p);
+    double along = v3_dot(at->n, r->d);
+    at->mirrored = v3_mad(r->d, at->n, -2 * along);
+    if (along > 0) at->n = v3_scale(at->n, -1); /* two-sided: toward the ray */
+    at->err = ERR_UNIT * (fabs(at->p.x) + fabs(at->p.y) + fabs(at->p.z) + h->t);
+}
+
+bool light_from(const struct tracer *t, const struct point *at, uint32_t i, struct vec3 *light,
+    struct ray *shadow)
+{
+    const struct light *l = &t->scene->lights[i];
+    const struct surface *f = at->surface;
+    struct vec3 to = v3_sub(l->pos, at->p);
+    if (!(v3_dot(at->n, to) > 0)) return false; /* behind, before the square root is paid for */
+    double distance = v3_len(to);
+    struct vec3 d = v3_scale(to, 1 / distance);
+    double n_l = v3_dot(at->n, d), r_l = f->ks > 0 ? v3_dot(at->mirrored, d) : 0;
+    double highlight = r_l > 0 ? f->ks * trace_pow(r_l < 1 ? r_l : 1, f->shine) : 0;
+    if (!f->diffuse && !(highlight > 0)) return false;
+    light->x = l->r * (f->colour_kd.x * n_l + highlight);
+    light->y = l->g * (f->colour_kd.y * n_l + highlight);
+    light->z = l->b * (f->colour_kd.z * n_l + highlight);
+    *shadow = (struct ray){at->p, d, 0, distance, at->err};
+    return true;
+}
+
+/* By insertion: there are few. */
+static void sort_items(uint32_t *item, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        uint32_t x = item[i], k = i;
+        for (; k > 0 && item[k - 1] > x; k--) item[k] = item[k - 1];
+        item[k] = x;
+    }
+}
+
+/*
+ * Multiplied in the order of items, so that the order of traversal does not show. Polygons and
+ * patches count once, also where the ray met the seam of two triangles; the others as often as
+ * they stand there, on the way in and out.
+ */
+double light_through(const struct tracer *t, struct crossings *c)
+{
+    double product = 1;
+    uint32_t last = NO_ITEM;
+    sort_items(c->item, c->n);
+    for (uint32_t i = 0; i < c->n; i++) {
+        const struct item *it = &t->items[c->item[i]];
+        if (it->prim != last || it->kind != ITEM_TRIANGLE) product *= t->surfaces[it->material].t;
+        last = it->prim;
+    }
+    return product;
+}
+
+void crossings_add(struct crossings *c, uint32_t item)
+{
+    if (c->n == c->cap) {
+        c->cap = c->cap ? 2 * c->cap : 64;
+        c->item = xrealloc(c->item, c->cap, sizeof *c->item);
+    }
+    c->item[c->n++] = item;
+}

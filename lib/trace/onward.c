@@ -1,0 +1,81 @@
+/*
+ * onward: reflection and refraction, and the media that a ray is inside of, as POV-Ray 3.7 does
+ * it. Crossing the surface of a medium that the ray is in leaves it, of another enters it. Total
+ * internal reflection counts with weight 1 and replaces both rays. A surface that does not bend
+ * the ray does not use up a level.
+ */
+#include "trace/trace_int.h"
+
+#include <string.h>
+
+#define SAME_IOR 1e-10 /* the reference's: a ratio as near to 1 as this bends nothing */
+
+void media_copy(struct media *to, const struct media *from)
+{
+    to->n = from->n;
+    memcpy(to->id, from->id, from->n * sizeof from->id[0]);
+}
+
+/* The medium that the item bounds. */
+static uint32_t medium_of(const struct tracer *t, const struct item *it)
+{
+    return it->kind == ITEM_TRIANGLE ? it->material : t->scene->n_materials + it->prim;
+}
+
+/* The index of refraction around a ray. */
+static double ior_in(const struct tracer *t, const struct media *in)
+{
+    if (in->n == 0) return 1;
+    uint32_t id = in->id[in->n - 1], n = t->scene->n_materials;
+    return t->surfaces[id < n ? id : t->scene->prims[id - n].material].ior;
+}
+
+/* Enters or leaves medium id. */
+static void media_cross(struct media *in, uint32_t id)
+{
+    uint32_t i = in->n;
+    while (i > 0 && in->id[i - 1] != id) i--;
+    if (i > 0) {
+        memmove(&in->id[i - 1], &in->id[i], (in->n - i) * sizeof in->id[0]);
+        in->n--;
+    } else if (in->n < MEDIA_MAX) {
+        in->id[in->n++] = id;
+    }
+}
+
+enum passage { STRAIGHT, BENT, TURNED_BACK };
+
+/* P. Heckbert, "Derivation of refraction formulas", An Introduction to Ray Tracing, 1989. */
+static enum passage refract(struct vec3 *d, struct vec3 n, double ratio)
+{
+    if (fabs(ratio - 1) < SAME_IOR) return STRAIGHT;
+    double c = -v3_dot(*d, n), k = 1 + ratio * ratio * (c * c - 1);
+    if (k < 0) return TURNED_BACK;
+    *d = v3_unit(v3_mad(v3_scale(*d, ratio), n, ratio * c - sqrt(k)));
+    return BENT;
+}
+
+void go_on(const struct tracer *t, const struct ray *r, const struct point *at, int level,
+    const struct media *outside, struct media *inside, struct onward *o)
+{
+    const struct surface *f = at->surface;
+    o->reflected = f->ks > 0;
+    o->mirror_weight = f->ks;
+    o->passed = f->t > 0;
+    if (o->passed) {
+        struct vec3 d = r->d;
+        media_copy(inside, outside);
+        media_cross(inside, medium_of(t, at->item));
+        enum passage how = refract(&d, at->n, ior_in(t, outside) / ior_in(t, inside));
+        o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err};
+        o->through_weight = f->t;
+        o->through_level = level + (how == BENT);
+        if (how == TURNED_BACK) {
+            o->passed = false;
+            o->reflected = true;
+            o->mirror_weight = 1;
+        }
+    }
+    if (o->reflected) o->mirror = (struct ray){at->p, v3_unit(at->mirrored), 0, HUGE_VAL, at->err};
+    o->mirror_level = level + 1;
+}

@@ -1,0 +1,36 @@
+# What the measurements share. Begin with `. "$(dirname "$0")/lib.sh"` (tests/chart: bench/lib.sh): that goes to a
+# temporary directory $tmp, removed on every exit, with this clone's programs first on PATH. A timing is a line of
+# numbers; statistics are of columns of lines. Interleave what is compared: A B A B, so that both meet the same noise.
+# shellcheck shell=sh disable=SC2034
+set -u
+root=$(cd "$(dirname "$0")/${up:-../..}" && pwd) && tmp=$(mktemp -d) || exit 3
+trap 'rm -rf "$tmp"' EXIT
+trap 'exit 130' HUP INT TERM
+PATH=$root/bin:$PATH
+cd "$tmp" || exit 3
+# Alone on the last core, where taskset is there and may.
+core=$(($(nproc) - 1))
+pin="taskset -c $core"
+$pin true 2>/dev/null || pin=''
+
+stop() { echo "${0##*/}: $*" >&2; exit 3; }
+# cpu_s TIMES COMMAND: CPU seconds of one COMMAND, a line of shell, with all the processes that it waits for.
+# The system counts in ticks of 10 ms, so that a short one wants many TIMES.
+cpu_s() {
+	# shellcheck disable=SC2016  # the inner shell counts
+	$pin sh -c "n=$1; "'while [ $n -gt 0 ]; do '"{ $2; }"' || exit; n=$((n - 1)); done >/dev/null; times' >.times </dev/null || return
+	tail -n 1 .times | awk -v n="$1" '{ split($1, u, /[ms]/); split($2, s, /[ms]/); printf "%.6f\n", (60 * (u[1] + s[1]) + u[2] + s[2]) / n }'
+}
+# wall_s COMMAND: its elapsed seconds
+wall_s() {
+	begin=$(date +%s.%N)
+	sh -c "$1" >/dev/null || return
+	end=$(date +%s.%N)
+	echo "$begin $end" | awk '{ printf "%.6f\n", $2 - $1 }'
+}
+# times_for SECONDS COMMAND: how often COMMAND must run to fill so many CPU seconds
+times_for() { cpu_s 1 "$2" | awk -v t="$1" '{ n = int(t / ($1 > 0.01 ? $1 : 0.01)) + 1; print n }'; }
+# median COLUMN <LINES
+median() { awk -v c="$1" '{ print $c }' | sort -g | awk '{ v[NR] = $1 } END { printf "%.6g\n", (v[int((NR + 1) / 2)] + v[int(NR / 2) + 1]) / 2 }'; }
+# report WHAT GOT UNIT TARGET: at most the target?
+report() { awk -v w="$1" -v g="$2" -v u="$3" -v t="$4" 'BEGIN { printf "%s: %.3g%s, target at most %g%s: %s\n", w, g, u, t, u, g <= t ? "met" : "MISSED" }'; }
