@@ -176,9 +176,9 @@ ok "head -c 1000: no process remains" await 2 none_alive
 is "| head -c 1000: not a word" "$err" ""
 run sh -c "partition 64x64 | env MARK=$mark rtworker gears.nff | head -c 1000 >/dev/null"
 ok "| head -c 1000 of a lone worker: no process remains" await 2 none_alive
-partition 512x512 | env MARK=$mark deal fan -j 2 rtworker gears.nff | { sleep 5; gather -o out.pfm; }
+partition 512x512 | env MARK=$mark deal fan -j 2 rtworker gears.nff | { sleep 4; gather -o out.pfm; }
 partition 512x512 | rtworker gears.nff | gather -o big.pfm
-ok "a reader that stops for 5 s: the whole picture" cmp out.pfm big.pfm
+ok "a reader that stops for 4 s: the whole picture" cmp out.pfm big.pfm
 for p in 'partition 8x8' 'spdgen tetra' 'pack scene gears.nff' 'rtworker -i gears.nff' 'nff2pov gears.nff' \
 	'fan -l' 'imgcmp small.pfm small.pfm' 'gather -m job.log' 'fragstat job.log'; do
 	[ "$p" = 'gather -m job.log' ] && head -c 100000 job.log >torn && p='gather -m torn'
@@ -191,4 +191,78 @@ for p in 'rtworker gears.nff' 'deal fan -j 2 rtworker gears.nff' 'fan -j 2 rtwor
 	is "$p >/dev/full: exit 3" "$status" 3
 	ok "$p >/dev/full: no process remains" await 2 none_alive
 done
+
+# ---- whoever is deaf or stopped ends with what started it ------------------------------------------------
+deaf='trap "" TERM INT HUP; sleep 47 & sleep 47'
+# deafly SIGNAL PROGRAM COMMAND ...: one that ignores signals is at work below PROGRAM, which gets the signal
+deafly() {
+	signal=$1 whom=$2
+	shift 2
+	env MARK=$mark "$@" sh -c "$deaf" <&8 >/dev/null 2>&1 8>&- &
+	await 2 eval '[ "$(program sleep | wc -l)" -ge 4 ]'
+	# shellcheck disable=SC2046
+	kill "-$signal" $(program "$whom")
+	ok "kill -$signal $whom over deaf workers: no process remains" await 2 none_alive
+}
+mkfifo idle
+exec 8<>idle # an input that stays open and says nothing
+deafly TERM fan fan -j 2
+deafly HUP deal deal fan -j 2
+deafly TERM deal deal fan -j 2
+exec 8>&-
+long masterslave
+await 5 working 3
+# shellcheck disable=SC2046
+kill -STOP $(program rtworker)
+kill -9 "$(program fan)"
+ok "kill -9 of fan over stopped workers: no process remains" await 2 none_alive
+wait "$pid" 2>/dev/null
+# refused NAME RECORDS COMMAND ...: exit 2, and no process remains
+refused() {
+	# shellcheck disable=SC2059  # records, with \n
+	printf "$2" >bad.task
+	name="${3%% *} refuses $1"
+	run sh -c "env MARK=$mark $3 sleep 47 <bad.task"
+	is "$name: exit 2" "$status" 2
+	ok "$name: no process remains" await 2 none_alive
+}
+for p in 'fan -j 2' 'deal fan -j 2'; do
+	refused 'nonsense' 'nonsense\n' "$p"
+	refused 'what workers say' 'beat\n' "$p"
+	refused 'a task without a frame' 'task 0 0 0 0 1 1 1 1\n' "$p"
+	refused 'pixels outside of the frame' 'frame 0 8 8\ntask 0 0 8 0 1 1 1 1\n' "$p"
+done
+refused 'one number for two tasks' 'frame 0 8 8\ntask 0 0 0 0 1 1 1 1\ntask 0 0 0 1 1 1 1 1\n' 'fan -j 2'
+
+# ---- standard streams that are not there ----------------------------------------------------------------
+for p in 'fan -j 2' 'deal fan -j 2'; do
+	run sh -c "timeout 10 $p rtworker gears.nff <$tmp"
+	is "$p: standard input is a directory: exit 3" "$status" 3
+	run sh -c "timeout 10 $p rtworker gears.nff <&-"
+	is "$p <&-: exit 3" "$status" 3
+	run sh -c "partition 8x8 | timeout 10 $p rtworker gears.nff >&-"
+	is "$p >&-: exit 3" "$status" 3
+	run sh -c "{ pack scene gears.nff; partition 64x64; } | timeout 10 $p rtworker - 2>&- | gather -o out.pfm"
+	ok "$p 2>&-: the same picture" cmp out.pfm small.pfm
+done
+run sh -c 'partition 8x8 | rtworker gears.nff | gather -l closed.log >&-'
+is "gather -l LOG >&-: exit 3, and no picture in the log" "$status$(head -c 5 closed.log)" 3hello
+
+# ---- silence that is no fault, and commands that are no fan ------------------------------------------------
+{ pack scene gears.nff; partition 64x64; sleep 2; } | fan -t .6 -j 2 rtworker -c - 2>said | gather -o out.pfm
+ok "-c, and an input that pauses: nobody is lost" cmp out.pfm small.pfm
+for p in 'deal rtworker' 'deal deal fan -j 2 rtworker' 'deal -q 2 deal deal fan -j 2 fan -j 2 rtworker'; do
+	{ pack scene gears.nff; partition 64x64; } | timeout 10 $p - 2>said | gather -o out.pfm
+	ok "$p: the same picture" cmp out.pfm small.pfm
+	rm -f out.pfm
+done
+{ pack scene gears.nff; partition 64x64; } | (ulimit -n 40 && exec deal fan -j 30 rtworker -) 2>said | gather -o out.pfm
+ok "more slots than descriptors: the same picture" cmp out.pfm small.pfm
+printf '#!/bin/sh\nmkdir stays 2>/dev/null && exec rtworker -\nexec >&-\nexec sleep 47\n' >mute && chmod +x mute
+start=$(date +%s)
+{ pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 20 ./mute 2>said | gather -o out.pfm
+ok "19 of 20 close their output and stay: the same picture" cmp out.pfm small.pfm
+ok "and in time" [ $(($(date +%s) - start)) -le 3 ]
+{ pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 rtworker - | gather -o out.pfm &
+ok "no process remains" await 4 none_alive
 finish

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define BUF_KEEP (8 << 20) /* bytes: an empty buffer that once held a big scene is given back */
+
 static size_t product(size_t n, size_t size)
 {
     size_t bytes;
@@ -100,7 +102,9 @@ void buf_printf(struct buf *b, const char *fmt, ...)
 void buf_consume(struct buf *b, size_t n)
 {
     b->off += n;
-    if (b->off == b->len) b->off = b->len = 0;
+    if (b->off < b->len) return;
+    b->off = b->len = 0;
+    if (b->cap > BUF_KEEP) buf_free(b);
 }
 
 void buf_quote(struct buf *b, const char *s)

@@ -13,6 +13,7 @@
 
 #define TICK_MS 500
 #define LEAVING_MS 100 /* while a slot is exiting; its end is told by SIGCHLD, its staying is not */
+#define STOP_MS 200    /* for workers to end when all is given up */
 #define HELLO_S 10.0   /* silence allowed before the first word, */
 #define LOADING_S 60.0 /* while the state is being loaded, */
 #define CLOSING_S 1.0  /* and when nothing is left to say */
@@ -55,33 +56,42 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
 /* The reader is gone, or the input is no good: nobody needs the rest. */
 static void abandon(struct fan *f)
 {
+    int64_t end = now_us() + STOP_MS * INT64_C(1000);
+    for (int k = 0; k < f->o->slots; k++)
+        if (!f->slots[k].ended) child_stop(&f->slots[k].child);
     for (int k = 0; k < f->o->slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (s->ended) continue;
-        child_end(&s->child, 0);
+        int64_t left_us = end - now_us();
+        child_end(&s->child, left_us > 0 ? (int)(left_us / 1000) : 0);
         slot_free(s);
     }
 }
 
-static void fill_poll(struct fan *f, struct pollfd *p, bool reading)
+/* Only what is open: poll takes no more entries than descriptors may be open. Returns how many. */
+static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
+    size_t n = 2;
     p[0] = poll_entry(STDIN_FILENO, f->in_open && f->alive && room_down(f), POLLIN);
     p[1] = outlet_poll(&f->out);
     for (int k = 0; k < f->o->slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        p[2 + 2 * k] = poll_entry(s->child.to, true, down_size(&s->down) ? POLLOUT : 0);
-        p[3 + 2 * k] = poll_entry(s->child.from, reading, POLLIN);
+        s->poll = n;
+        if (s->child.to < 0 && s->child.from < 0) continue;
+        p[n++] = poll_entry(s->child.to, true, down_size(&s->down) ? POLLOUT : 0);
+        p[n++] = poll_entry(s->child.from, reading, POLLIN);
     }
+    return n;
 }
 
 static void poll_round(struct fan *f, struct pollfd *p)
 {
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
-    fill_poll(f, p, reading);
-    if (poll_signals(p, 2 + 2 * (size_t)f->o->slots, f->leaving ? LEAVING_MS : TICK_MS) < 0) {
+    size_t n = fill_poll(f, p, reading);
+    if (poll_signals(p, n, f->leaving ? LEAVING_MS : TICK_MS) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
-        for (int k = 0; k < 2 + 2 * f->o->slots; k++) p[k].revents = 0;
+        for (size_t i = 0; i < n; i++) p[i].revents = 0;
         looked_us = 0; /* nobody was found silent */
     }
     outlet_polled(&f->out, &p[1]);
@@ -89,8 +99,8 @@ static void poll_round(struct fan *f, struct pollfd *p)
     if (p[0].revents) fan_take_input(f);
     for (int k = 0; k < f->o->slots && !f->refused; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (s->child.to >= 0) slot_feed(f, s, &p[2 + 2 * k]);
-        if (p[3 + 2 * k].revents) slot_listen(f, s);
+        if (s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
+        if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
         if (s->leave_us) slot_left(f, s);
     }
     find_silent(f, looked_us, reading);

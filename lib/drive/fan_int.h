@@ -8,6 +8,7 @@
 struct fan_slot {
     int number;
     struct child child;
+    size_t poll; /* the place of child.to in the last poll, .from behind it */
     struct down_queue down;
     struct decoder from;
     struct task_table tasks; /* sent, and not yet both done and delivered */

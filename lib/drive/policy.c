@@ -241,7 +241,8 @@ int drive_policy(
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);
     bool more = true;
     while (more && !d.out.gone && !d.refused && !signals_came()) more = poll_round(&d);
-    child_end(&d.child, more ? 0 : GRACE_MS);
+    if (more) child_stop(&d.child);
+    child_end(&d.child, GRACE_MS);
     int status = finish(&d, command);
     policy->destroy(d.state);
     free(d.acts.at);

@@ -104,6 +104,13 @@ bool child_ended(struct child *c, int *status)
     return true;
 }
 
+void child_stop(struct child *c)
+{
+    child_close(&c->to);
+    child_close(&c->from);
+    if (c->pid > 0) kill(-c->pid, SIGTERM);
+}
+
 int child_end(struct child *c, int grace_ms)
 {
     int status;

@@ -31,6 +31,8 @@ void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
  * wait status, or -1 when there was no child. Both pipes are closed in any case. Does not wait.
  */
 bool child_ended(struct child *c, int *status);
+/* Asks the child's group to end, so that it can end what it has started itself; does not wait. */
+void child_stop(struct child *c);
 /*
  * Closes both pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
  * status, or -1 when there was no child.

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 
 static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
 #define N_ENDING (sizeof ending / sizeof *ending)
@@ -31,6 +32,9 @@ void signals_catch(void)
         sigaddset(&blocked, ending[i]);
     }
     signal(SIGPIPE, SIG_IGN);
+    /* Whoever has children of its own is told to end them when its parent dies, not killed. */
+    int sig = 0;
+    if (prctl(PR_GET_PDEATHSIG, &sig) == 0 && sig) prctl(PR_SET_PDEATHSIG, SIGTERM);
     sigprocmask(SIG_BLOCK, &blocked, &before);
     catching = true;
 }

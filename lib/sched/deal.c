@@ -3,12 +3,12 @@
  *
  * A task is in one of these states; the ledger holds it until it is committed and forgets it then.
  *
- *   state      where                 leaves it on
- *   pool       pool list             a slot that is up holds fewer than 1 + depth: -> held
- *   promised   slot's promised list  its slot comes up: -> held; is gone, or does not exist: ->
- * pool held       slot's held list      DONE from that slot: -> computed; slot gone: -> pool
- * (front) computed   slot's computed list  slot gone: -> pool (front) (any) the last PIXELS:
- * committed
+ *   state     where                 leaves it on
+ *   pool      pool list             a slot that is up holds fewer than 1 + depth: -> held
+ *   promised  slot's promised list  its slot comes up: -> held; is gone, or does not exist: -> pool
+ *   held      slot's held list      DONE from that slot: -> computed; slot gone: -> pool (front)
+ *   computed  slot's computed list  slot gone: -> pool (front)
+ *   (any)     -                     the last PIXELS: committed
  *
  * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first
  * phase). PIXELS count whoever sends them: a slot that was given up may still be the first to
@@ -237,7 +237,13 @@ static int64_t deal_uncommitted(const void *state)
     return ((const struct deal *)state)->ledger.count;
 }
 
-static int64_t deal_waiting(const void *state) { return ((const struct deal *)state)->pool.count; }
+static int64_t deal_waiting(const void *state)
+{
+    const struct deal *d = state;
+    int64_t n = d->pool.count;
+    for (int32_t k = 0; k < d->n_slots; k++) n += d->slots[k].promised.count;
+    return n;
+}
 
 const struct policy policy_deal = {
     "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_destroy};

@@ -60,8 +60,8 @@ struct policy {
     void (*step)(
         void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
     int64_t (*uncommitted)(const void *state); /* tasks */
-    int64_t (*waiting)(
-        const void *state); /* tasks in the pool: the driver reads on while they are few */
+    /* Tasks that no slot was given yet: the driver reads on while they are few. */
+    int64_t (*waiting)(const void *state);
     void (*destroy)(void *state);
 };
 

@@ -91,6 +91,7 @@ void coverage_copy(struct coverage *to, const struct coverage *from);
 /* The frames known so far, in the order of their numbers. */
 struct frame_size {
     uint32_t frame, w, h;
+    bool said; /* for the owner of the table, false at first and when the size is set again */
 };
 struct frames {
     struct frame_size *at;

@@ -16,19 +16,13 @@
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
 
-struct known_frame {
-    uint32_t frame, w, h;
-    bool announced;
-};
-
 struct worker {
     const struct worker_ops *ops;
     const struct worker_options *options;
     void *ctx;
     struct decoder in;
     struct buf out, held; /* held: the frags that -c keeps back */
-    struct known_frame *frames;
-    size_t n_frames;
+    struct frames frames; /* said: announced */
     float *pixels;
     int64_t cpu_us; /* used when the last task was done, or the last other record taken */
 };
@@ -110,17 +104,10 @@ static void hello(struct worker *w)
     push(w);
 }
 
-static struct known_frame *find_frame(struct worker *w, uint32_t frame)
-{
-    for (size_t i = w->n_frames; i-- > 0;)
-        if (w->frames[i].frame == frame) return &w->frames[i];
-    return NULL;
-}
-
 /* Says what the following pixels belong to, once everything is loaded. */
-static bool announce(struct worker *w, struct known_frame *f, char err[WORKER_ERR])
+static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR])
 {
-    if (f->announced) return true;
+    if (f->said) return true;
     begin();
     int failed = w->ops->ready(w->ctx, f->w, f->h, err);
     end();
@@ -134,20 +121,15 @@ static bool announce(struct worker *w, struct known_frame *f, char err[WORKER_ER
         *with ? "," : "", with);
     wire_frame(&w->out, f->frame, f->w, f->h, extra);
     push(w);
-    f->announced = true;
+    f->said = true;
     return true;
 }
 
 static void take_frame(struct worker *w, const struct record *r)
 {
-    struct known_frame *f = find_frame(w, r->task.frame);
-    if (!f) {
-        w->frames = xrealloc(w->frames, w->n_frames + 1, sizeof *w->frames);
-        f = &w->frames[w->n_frames++];
-    } else if (f->w == r->frame_w && f->h == r->frame_h && f->announced) {
-        return;
-    }
-    *f = (struct known_frame){r->task.frame, r->frame_w, r->frame_h, false};
+    struct frame_size *f = frames_find(&w->frames, r->task.frame);
+    if (f && f->w == r->frame_w && f->h == r->frame_h && f->said) return;
+    f = frames_set(&w->frames, r->task.frame, r->frame_w, r->frame_h);
     char err[WORKER_ERR];
     announce(w, f, err); /* state may still be to come: then the first task tries again */
 }
@@ -168,7 +150,7 @@ static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
 static void take_task(struct worker *w, const struct task *t)
 {
     char err[WORKER_ERR];
-    struct known_frame *f = find_frame(w, t->frame);
+    struct frame_size *f = frames_find(&w->frames, t->frame);
     if (!f)
         die(ST_USAGE, "task %u %u: no such frame, expected `frame` before its tasks", t->frame,
             t->id);
@@ -216,7 +198,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
-        for (size_t i = 0; i < w->n_frames; i++) w->frames[i].announced = false;
+        for (size_t i = 0; i < w->frames.n; i++) w->frames.at[i].said = false;
         begin();
         if (w->ops->state(w->ctx, r->kind, r->body, r->body_len, err) != 0)
             die(ST_USAGE, "%s", err);
@@ -262,7 +244,7 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
     wire_free(&w.in);
     buf_free(&w.out);
     buf_free(&w.held);
-    free(w.frames);
+    frames_free(&w.frames);
     free(w.pixels);
     return ST_OK;
 }
