@@ -27,6 +27,6 @@ awk '{ printf "%12.2f  %12.2f  %6.3f\n", $1, $2, $3 }' pairs
 echo "one: $one"
 echo "two: $two"
 echo "$parse_s $start_s $read_s $encode_s" | awk '{
-	printf "serial part, CPU s: parse %.3f, build %.3f, assemble %.3f (overlaps with tracing), encode %.3f\n", $1, $2 > $1 ? $2 - $1 : 0, $3, $4 > $3 ? $4 - $3 : 0 }'
+	printf "serial part, CPU s: parse %.3f, build %.3f, assemble %.3f (overlaps with tracing), encode %.3f\n", $1, ($2 > $1 ? $2 - $1 : 0), $3, ($4 > $3 ? $4 - $3 : 0) }'
 [ "$(nproc)" -ge 2 ] || echo 'this machine has one core: the ratio means nothing here'
 report 'two slots / one worker' "$(median 3 <pairs)" '' 0.53
