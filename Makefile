@@ -1,5 +1,5 @@
 # Stormring. make: the programs. make demo, make check: they install the Debian packages they miss, and say which.
-# make bench, make chart, make fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+# make bench, soak, chart, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -45,6 +45,12 @@ bench:
 	@tests/need bench
 	@$(PARALLEL) -s all
 	@for test in tests/bench/[0-9]*.sh; do echo "== $$test"; $$test || exit; done
+
+# Minutes of kills and loads, by hand.
+soak:
+	@tests/need check
+	@$(PARALLEL) -s all
+	@prove -v tests/soak/*.sh
 
 chart:
 	@tests/need chart
@@ -99,4 +105,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all need demo check bench chart fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo check bench soak chart fuzz unit fuzzers install uninstall clean

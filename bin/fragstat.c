@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#define SLOTS_MAX (1 << 20)
+
 struct slot {
     char name[64];
     int64_t tasks;
@@ -22,6 +24,7 @@ struct run {
     size_t n_tasks;
     struct task_table seen;
     int64_t duplicates, lost_records;
+    int64_t said_slots; /* the most that a hello claims: those that were never given work count */
 };
 
 static struct slot *slot_named(struct run *run, const char *name)
@@ -61,6 +64,12 @@ static void take_done(struct run *run, const struct record *r)
     run->costs_s[run->n_tasks++] = (double)cpu * 1e-6;
 }
 
+static void take_hello(struct run *run, const struct record *r)
+{
+    int64_t n;
+    if (rec_int(r, "slots", 1, SLOTS_MAX, &n) && n > run->said_slots) run->said_slots = n;
+}
+
 static void read_log(struct run *run, const char *path)
 {
     struct decoder d = {.upward = true};
@@ -73,8 +82,10 @@ static void read_log(struct run *run, const char *path)
         if (!more) wire_end(&d);
         struct record r;
         enum wire_result result;
-        while ((result = wire_next(&d, &r)) != WIRE_MORE)
+        while ((result = wire_next(&d, &r)) != WIRE_MORE) {
             if (result == WIRE_RECORD && r.kind == REC_DONE) take_done(run, &r);
+            if (result == WIRE_RECORD && r.kind == REC_HELLO) take_hello(run, &r);
+        }
     }
     run->lost_records += (int64_t)d.bad;
     wire_free(&d);
@@ -109,14 +120,14 @@ static void print_slots(const struct run *run)
 
 static void print_summary(struct run *run)
 {
-    double *power = xmalloc(run->n_slots, sizeof *power), cpu_s = 0, wall_s = makespan(run);
-    for (size_t i = 0; i < run->n_slots; i++) {
-        power[i] = 1;
-        cpu_s += run->slots[i].cpu_s;
-    }
-    double bound_s = lower_bound(run->costs_s, run->n_tasks, power, run->n_slots);
-    printf("slots\t%zu\ntasks\t%zu\nduplicates\t%lld\nlost_records\t%lld\n", run->n_slots,
-        run->n_tasks, (long long)run->duplicates, (long long)run->lost_records);
+    size_t n = run->n_slots;
+    if (run->said_slots > (int64_t)n) n = (size_t)run->said_slots;
+    double *power = xmalloc(n, sizeof *power), cpu_s = 0, wall_s = makespan(run);
+    for (size_t i = 0; i < n; i++) power[i] = 1;
+    for (size_t i = 0; i < run->n_slots; i++) cpu_s += run->slots[i].cpu_s;
+    double bound_s = lower_bound(run->costs_s, run->n_tasks, power, n);
+    printf("slots\t%zu\ntasks\t%zu\nduplicates\t%lld\nlost_records\t%lld\n", n, run->n_tasks,
+        (long long)run->duplicates, (long long)run->lost_records);
     printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbound_s\t%.6f\nefficiency\t%.4f\n", wall_s, cpu_s,
         bound_s, wall_s > 0 ? bound_s / wall_s : 0);
     free(power);

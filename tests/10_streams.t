@@ -138,4 +138,6 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	is "balance $bad: exit 2" "$status" 2
 done
 like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of:.* interleaved masterslave'
+partition -u tile:8x4 8x8 | deal fan -j 4 rtworker tetra.nff >two.frags
+is "fragstat -s counts slots that had nothing to do" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
 finish

@@ -2,7 +2,7 @@
 # temporary directory $tmp, removed on every exit; $root is the clone, whose programs come first on PATH.
 # shellcheck shell=sh disable=SC2034
 set -u
-root=$(cd "$(dirname "$0")/.." && pwd) && tmp=$(mktemp -d) || exit 3
+root=$(cd "$(dirname "$0")" && pwd) && root=${root%/tests*} tmp=$(mktemp -d) || exit 3
 trap 'rm -rf "$tmp"' EXIT
 trap 'exit 130' HUP INT TERM PIPE
 PATH=${BIN:=$root/bin}:$PATH

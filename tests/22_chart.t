@@ -1,0 +1,93 @@
+#!/bin/sh
+# chart: what it draws, what it refuses and in which line, and that data is never taken for commands.
+# shellcheck disable=SC1091,SC2154
+. "$(dirname "$0")/lib.sh"
+
+header='experiment kind method x x_unit y y_unit sample seed'
+# tsv LINE ...: with blanks for tabs, but for comment lines
+tsv() { printf '%s\n' "$@" | awk '!/^#/ { gsub(/ /, "\t") } { print }'; }
+# texts FILE.svg: what a reader reads
+texts() { sed -n 's/.*<text>\(.*\)<\/text>.*/\1/p' "$1" | sed 's/<[^>]*>//g'; }
+
+tsv '# title: Time by slots' '# x: slots' '# y: elapsed time' '# commit: abc1234' '# machine: this' '# seed: 0' \
+	'# command: make times' "$header" \
+	'gears real S_S 1 1 4.0 s 1 0' 'gears real S_S 1 1 4.4 s 2 0' 'gears real S_S 1 1 4.1 s 3 0' \
+	'gears real S_S 2 1 2.0 s 1 0' 'gears real D_C@q=1 2 1 1.9 s 1 0' 'balls real D_C@q=1 2 1 1.5 s 1 0' >times.tsv
+
+ok 'SVG' chart -o times.svg times.tsv
+texts times.svg >said
+said=$(cat said)
+like 'the title says the kind' "$said" '^Time by slots \(real\)$'
+like 'the axes have names and units' "$said" '^elapsed time \(s\)$'
+like 'a unit of 1 is none' "$said" '^slots$'
+like 'a panel has the name of its experiment' "$said" '^gears$'
+like 'a line has the name of its method, underscores as they are' "$said" '^S_S$'
+like 'a setting is no part of the name' "$said" '^D_C$'
+like 'where the numbers come from' "$said" '^make times; machine this; commit abc1234; seed 0$'
+run grep -c '^q=1$' said
+is 'names of points only on request' "$out" 0
+chart -l -o named.svg times.tsv && texts named.svg >said
+is '-l names them, in both panels' "$(grep -c '^q=1$' said)" 2
+chart -p times.tsv >front.svg && texts front.svg >said
+like '-p marks the front' "$(cat said)" '^Pareto front$'
+ok 'PNG' chart -L y -o times.png times.tsv
+is 'it is one' "$(head -c 4 times.png | tail -c 3)" PNG
+ok 'the same on standard output' sh -c 'chart <times.tsv | cmp - times.svg'
+ok '-' sh -c 'chart - <times.tsv | cmp - times.svg'
+chart -t Other -x X -y Y times.tsv >other.svg && texts other.svg >said
+like 'options name title and axes' "$(tr '\n' ' ' <said)" 'X .*Y \(s\).*Other \(real\)'
+
+tsv "$header" 'a real m 1 s 2 s 1 0' 'a simulated m 1 s 3 s 1 7' >both.tsv
+chart -o both.svg both.tsv && texts both.svg >said
+like 'two kinds: both in the title' "$(cat said)" '^a \(real and simulated\)$'
+like 'two kinds: each line says its own' "$(cat said)" '^m \(simulated\)$'
+
+# A median, not a mean: where three samples are, the line runs through the middle one.
+points() { tr -d '\n' <"$1" | grep -oE "<path stroke='rgb\( +0, 114, 178\)'  d='M[0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+ " | tail -n 1; }
+for samples in '4 4.1 9' '4.1'; do
+	# shellcheck disable=SC2046,SC2086
+	tsv "$header" $(for y in $samples; do printf 'a\treal\tm\t1\t1\t%s\ts\t%s\t0\n' "$y" "${y%.*}"; done | tr '\t' ' ' | tr ' ' '~') \
+		'a~real~m~2~1~2~s~1~0' 'b~real~n~1~1~9~s~1~0' | tr '~' '\t' >"${samples%% *}.tsv"
+	chart -o "${samples%% *}.svg" "${samples%% *}.tsv"
+done
+is 'lines run through medians' "$(points 4.svg)" "$(points 4.1.svg)"
+
+# refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
+refused() {
+	line=$1 why=$2
+	shift 2
+	tsv "$@" >bad.tsv
+	rm -f bad.svg
+	run chart -o bad.svg bad.tsv
+	is "refused: $why" "$status $(echo "$err" | head -n 1 | grep -c "^chart: bad.tsv:$line: .*$why.*expected") $(ls bad.svg 2>/dev/null)" '2 1 '
+}
+refused 1 'no column line'
+refused 1 'column 3 is "methods"' 'experiment kind methods x x_unit y y_unit sample seed'
+refused 1 '10 columns' "$header more"
+refused 2 'no measurements' '# nothing' "$header"
+refused 2 '8 fields' "$header" 'a real m 1 s 2 s 1'
+refused 2 'kind is "fake"' "$header" 'a fake m 1 s 2 s 1 0'
+refused 3 'x is "nan"' "$header" 'a real m 1 s 2 s 1 0' 'a real m nan s 2 s 1 0'
+refused 2 'y is "2x"' "$header" 'a real m 1 s 2x s 1 0'
+refused 2 'sample is "x"' "$header" 'a real m 1 s 2 s x 0'
+refused 2 'seed is "-1"' "$header" 'a real m 1 s 2 s 1 -1'
+refused 3 'x_unit is "ms"' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 ms 2 s 2 0'
+refused 3 'the same .* as in line 2' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 s 3 s 1 0'
+tsv "$header" 'a real m 0 s 2 s 1 0' >zero.tsv
+run chart -L x -o bad.svg zero.tsv
+like '0 has no place on a logarithmic axis' "$status $err" '^2 chart: zero.tsv:2: x is 0, expected more than 0'
+for args in 'a.tsv b.tsv' '-L z times.tsv' '-o x.gif times.tsv' '-q times.tsv' 'nosuch.tsv' '.'; do
+	# shellcheck disable=SC2086
+	run chart $args
+	is "usage: chart $args" "$status" 2
+done
+status=0
+chart times.tsv >/dev/full 2>err.txt || status=$?
+is 'nowhere to write: status 3' "$status" 3
+
+# shellcheck disable=SC2016  # for gnuplot and the shell to leave alone
+tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #' "$header" \
+	'`touch_pwned` real '"'"';system("touch_pwned")# 1 s 2 s 1 0' 'END_OF_DATA real @m@`touch_pwned` 2 s 2 s 1 0' >evil.tsv
+ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
+is 'and run nothing' "$(ls pwned touch_pwned 2>&1 | grep -vc 'No such file')" 0
+finish

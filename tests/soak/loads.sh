@@ -1,0 +1,69 @@
+#!/bin/sh
+# Much of everything: a million tasks, a hundred thousand frames, a scene of 40 MB, many slots, a reader that sleeps.
+# Memory of deal and fan is bounded, nobody is lost by mistake, nothing takes quadratic time.
+. "$(dirname "$0")/../lib.sh"
+spdgen -s 2 tetra >tetra.nff
+# shellcheck disable=SC2154  # lib.sh sets tmp
+peak() { sed -n 's/^VmHWM:[[:space:]]*\([0-9]*\) kB/\1/p' "/proc/$1/status"; }
+# watch: the most that deal and fan have used, KiB, once a second while they run
+watch() {
+	while sleep .5; do
+		for p in $(pgrep -x deal) $(pgrep -x fan); do
+			grep -qz "^MARK=$$\$" "/proc/$p/environ" 2>/dev/null && peak "$p" >>peaks
+		done
+	done 2>/dev/null
+}
+most() { sort -n peaks 2>/dev/null | tail -n 1; }
+watch &
+watcher=$!
+trap 'kill $watcher; rm -rf "$tmp"' EXIT
+export MARK=$$
+
+for to in '' '-n 2'; do
+	: >peaks
+	# shellcheck disable=SC2086  # an option and its argument, or nothing
+	{ pack scene tetra.nff; partition $to -u run:1 1000x1000; } |
+		deal fan -j 2 sh -c 'sleep 2; exec rtworker -' | gather -o "out$to.png"
+	is "a million tasks $to: exit" $? 0
+	ok "a million tasks $to: deal and fan have at most 64 MB ($(most) KiB)" [ "$(most)" -lt 65536 ]
+done
+ok 'a million tasks: the same picture' cmp out.png 'out-n 2.png'
+
+start=$(date +%s)
+awk 'BEGIN { for (i = 0; i < 100000; i++) print "frame", i, "4 4\ntask", i, "0 0 0 4 4 1 1" }' >frames.task
+is 'a hundred thousand frames' "$({ pack scene tetra.nff; cat frames.task; } | deal fan -j 2 rtworker - |
+	fragstat -s | sed -n 's/^tasks.//p')" 100000
+ok 'a hundred thousand frames: within 30 s' [ $(($(date +%s) - start)) -le 30 ]
+
+{
+	printf 'v\nfrom 0 0 -50\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 64 64\nl 0 100 -100\nf 1 1 1 1 0 0 0 0\n'
+	awk 'function u() { return rand() * 60 - 30 }
+	BEGIN { srand(1); for (i = 0; i < 450000; i++) { x = u(); y = u(); z = u()
+		printf "p 3\n%.6f %.6f %.6f\n%.6f %.6f %.6f\n%.6f %.6f %.6f\n", x, y, z, x + rand(), y, z, x, y + rand(), z } }'
+} >big.nff
+partition 64x64 | rtworker big.nff | gather -o big.pfm
+: >peaks
+{ pack scene big.nff; partition 64x64; } | deal fan -t .6 -j 6 rtworker - 2>said | gather -o out.pfm
+ok '40 MB of scene, silence of 0.6 s allowed: the same picture' cmp out.pfm big.pfm
+is '40 MB of scene: nobody is lost' "$(cat said)" ''
+ok "40 MB of scene: deal and fan have at most three times that ($(most) KiB)" [ "$(most)" -lt 131072 ]
+{ pack scene big.nff; partition 64x64; } | deal fan -j 4 rtworker - 2>said | gather -o out.pfm &
+sleep 1.5
+for p in $(pgrep -x gather); do grep -qz "^MARK=$$\$" "/proc/$p/environ" && kill -9 "$p"; done
+wait $!
+sleep 1
+is 'gather killed while scenes are loaded: no process after 1 s' \
+	"$(for p in $(pgrep -x fan; pgrep -x deal; pgrep -x rtworker); do grep -lz "^MARK=$$\$" "/proc/$p/environ"; done)" ''
+
+partition 512x512 | rtworker tetra.nff | gather -o good.pfm
+{ pack scene tetra.nff; partition 512x512; } | deal fan -j 200 rtworker - 2>said | gather -o out.pfm
+ok '200 slots: the same picture' cmp out.pfm good.pfm
+is '200 slots: nobody is lost' "$(cat said)" ''
+spdgen -s 2 gears >gears.nff
+{ pack scene gears.nff; partition 256x256; } | deal fan -j 50 rtworker -a 64 - 2>said | gather -o out.pfm
+is '50 slots at work: nobody is lost' "$?$(cat said)" 0
+{ pack scene tetra.nff; partition 1024x1024; } | deal fan -j 2 rtworker - 2>said | { sleep 10; gather -o out.pfm; }
+is 'a reader that sleeps for 10 s: nobody is lost' "$?$(cat said)" 0
+{ pack scene tetra.nff; partition -u tile:512x512 6000x6000; } | deal fan -j 2 rtworker - 2>said | gather -o out.png
+is '36 million pixels: exit' "$?$(cat said)" 0
+finish
