@@ -35,7 +35,7 @@ is 'it is one' "$(head -c 4 times.png | tail -c 3)" PNG
 ok 'the same on standard output' sh -c 'chart <times.tsv | cmp - times.svg'
 ok '-' sh -c 'chart - <times.tsv | cmp - times.svg'
 chart -t Other -x X -y Y times.tsv >other.svg && texts other.svg >said
-like 'options name title and axes' "$(tr '\n' ' ' <said)" 'X .*Y \(s\).*Other \(real\)'
+like 'options name title and axes' "$(tr '\n' ' ' <said)" 'Y \(s\).*X .*Other \(real\)'
 
 tsv "$header" 'a real m 1 s 2 s 1 0' 'a simulated m 1 s 3 s 1 7' >both.tsv
 chart -o both.svg both.tsv && texts both.svg >said
@@ -43,14 +43,12 @@ like 'two kinds: both in the title' "$(cat said)" '^a \(real and simulated\)$'
 like 'two kinds: each line says its own' "$(cat said)" '^m \(simulated\)$'
 
 # A median, not a mean: where three samples are, the line runs through the middle one.
-points() { tr -d '\n' <"$1" | grep -oE "<path stroke='rgb\( +0, 114, 178\)'  d='M[0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+ " | tail -n 1; }
-for samples in '4 4.1 9' '4.1'; do
-	# shellcheck disable=SC2046,SC2086
-	tsv "$header" $(for y in $samples; do printf 'a\treal\tm\t1\t1\t%s\ts\t%s\t0\n' "$y" "${y%.*}"; done | tr '\t' ' ' | tr ' ' '~') \
-		'a~real~m~2~1~2~s~1~0' 'b~real~n~1~1~9~s~1~0' | tr '~' '\t' >"${samples%% *}.tsv"
-	chart -o "${samples%% *}.svg" "${samples%% *}.tsv"
-done
-is 'lines run through medians' "$(points 4.svg)" "$(points 4.1.svg)"
+points() { tr -d '\n' <"$1" | grep -oE "<path stroke='rgb\( +0, 114, 178\)'  d='M[0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+ " | head -n 1; }
+tsv "$header" 'a real m 2 1 2 s 1 0' 'b real n 1 1 9 s 1 0' 'a real m 1 1 4.1 s 1 0' >one.tsv
+{ cat one.tsv; tsv 'a real m 1 1 9 s 2 0' 'a real m 1 1 4 s 3 0'; } >three.tsv
+chart -o one.svg one.tsv
+chart -o three.svg three.tsv
+is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 
 # refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
 refused() {
@@ -61,7 +59,7 @@ refused() {
 	run chart -o bad.svg bad.tsv
 	is "refused: $why" "$status $(echo "$err" | head -n 1 | grep -c "^chart: bad.tsv:$line: .*$why.*expected") $(ls bad.svg 2>/dev/null)" '2 1 '
 }
-refused 1 'no column line'
+refused 1 'no column line' '# nothing'
 refused 1 'column 3 is "methods"' 'experiment kind methods x x_unit y y_unit sample seed'
 refused 1 '10 columns' "$header more"
 refused 2 'no measurements' '# nothing' "$header"
@@ -89,5 +87,5 @@ is 'nowhere to write: status 3' "$status" 3
 tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #' "$header" \
 	'`touch_pwned` real '"'"';system("touch_pwned")# 1 s 2 s 1 0' 'END_OF_DATA real @m@`touch_pwned` 2 s 2 s 1 0' >evil.tsv
 ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
-is 'and run nothing' "$(ls pwned touch_pwned 2>&1 | grep -vc 'No such file')" 0
+ok 'and run nothing' [ ! -e pwned -a ! -e touch_pwned ]
 finish
