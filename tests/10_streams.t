@@ -103,6 +103,8 @@ is "fan: stamps" "$(lines frags | grep '^done 0 4 ' | sed 's/=[0-9]*/=/g')" "don
 is "fan: to=K" "$(state -w 1,2 | fan -j 2 rtworker - | lines - | grep '^done' | grep -c w=1)" 5
 run sh -c 'partition -n 3 8x8 | fan -j 2 rtworker tetra.nff >/dev/null'
 is "fan: a slot that is not there: exit 2" "$status" 2
+run sh -c 'printf "frame 0 4 4\ntask 0 0 0 0 4 1 1 1\ntask 0 0 0 1 4 1 1 1\n" | fan -j 1 rtworker tetra.nff >/dev/null'
+is "fan: one number for two tasks: exit 2" "$status" 2
 state | deal fan -j 2 fan -j 2 rtworker - >frags
 is "nested fans: stamps are paths" "$(lines frags | grep '^frag' | grep -o 'w=[0-9.]*' | grep -vc 'w=[01]\.[01]$')" 0
 is "deal shows one worker" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"

@@ -57,6 +57,14 @@ void outlet_push(struct outlet *o);
 /* The rest goes to the reader, who may be slow; or until a signal comes. */
 void outlet_drain(struct outlet *o);
 
+/*
+ * One read(2) of standard input; every record in it goes to take until that returns other than 0.
+ * Returns the status to end with at once, the reason having been said, or 0. *open: more may come.
+ */
+int stream_input(
+    struct decoder *d, bool *open, int (*take)(void *ctx, const struct record *r), void *ctx);
+/* The frame of a task record whose pixels lie in it; else says what is wrong: NULL. */
+const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r);
 /* Forwards r as one record of the bulk queue. */
 void up_forward(
     struct up_queue *q, const struct record *r, const char *const *drop, const char *extra);

@@ -26,53 +26,36 @@ static void route_small(struct fan *f, const struct record *r)
     }
 }
 
-static void route_task(struct fan *f, const struct record *r)
+static int route_task(struct fan *f, const struct record *r)
 {
     const struct task *t = &r->task;
-    const struct frame_size *frame = frames_find(&f->frames, t->frame);
-    f->refused = ST_USAGE;
-    if (!frame) warn("task %u %u: expected `frame` before its tasks", t->frame, t->id);
-    else if (!lattice_valid(&t->at, frame->w, frame->h))
-        warn("task %u %u: expected pixels inside %ux%u", t->frame, t->id, frame->w, frame->h);
-    else if (t->to >= f->o->slots)
+    const struct frame_size *frame = stream_frame_of(&f->frames, r);
+    if (!frame) return ST_USAGE;
+    if (t->to >= f->o->slots) {
         warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->o->slots);
-    else {
-        f->refused = 0;
-        slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->o->slots), r, frame);
+        return ST_USAGE;
     }
+    return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->o->slots), r, frame);
 }
 
-static void route(struct fan *f, const struct record *r)
+static int route(void *ctx, const struct record *r)
 {
+    struct fan *f = ctx;
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: route_state(f, r); break;
+    case REC_SPEC: route_state(f, r); return 0;
     case REC_FRAME:
         frames_set(&f->frames, r->task.frame, r->frame_w, r->frame_h);
         route_small(f, r);
-        break;
-    case REC_FLUSH: route_small(f, r); break;
-    case REC_TASK: route_task(f, r); break;
+        return 0;
+    case REC_FLUSH: route_small(f, r); return 0;
+    case REC_TASK: return route_task(f, r);
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));
-        f->refused = ST_USAGE;
+        return ST_USAGE;
     }
 }
 
-void fan_take_input(struct fan *f)
-{
-    struct record r;
-    enum wire_result result = WIRE_MORE;
-    int more = stream_read(&f->in, STDIN_FILENO);
-    f->in_open = more > 0;
-    if (more < 0) {
-        warn("standard input:");
-        f->refused = ST_SYSTEM;
-    }
-    while (!f->refused && (result = wire_next(&f->in, &r)) == WIRE_RECORD) route(f, &r);
-    if (f->refused || result != WIRE_BAD) return;
-    warn("standard input: %s", f->in.why);
-    f->refused = ST_USAGE;
-}
+void fan_take_input(struct fan *f) { f->refused = stream_input(&f->in, &f->in_open, route, f); }

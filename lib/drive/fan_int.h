@@ -41,8 +41,8 @@ void fan_take_input(struct fan *f);
 
 /* Starts slot k's worker; a slot that cannot be started is gone. */
 void slot_start(struct fan *f, int k);
-/* Sends one task record to slot k, and keeps account of it. */
-void slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
+/* Sends one task record to slot k, and keeps account of it. 0, or the status to end with. */
+int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* Writes to the slot what its pipe takes. */
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /* Frees what the slot holds besides its process. */

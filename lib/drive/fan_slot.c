@@ -19,26 +19,26 @@ void slot_start(struct fan *f, int k)
     slot_lose(f, s, "not-started");
 }
 
-void slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
+int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
     static const char *const drop[] = {"to", NULL};
     struct fan_slot *s = &f->slots[k];
     if (s->ended) {
         f->lost++;
-        return;
+        return 0;
     }
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i >= 0) { /* it is on its way */
-        if (memcmp(&s->tasks.at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return;
+        if (memcmp(&s->tasks.at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
         warn("task %u %u: comes twice, expected another number for other pixels", r->task.frame,
             r->task.id);
-        f->refused = ST_USAGE;
-        return;
+        return ST_USAGE;
     }
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;
     s->undone++;
     if (s->child.to >= 0) wire_forward(&s->down.bytes, r, drop, NULL);
+    return 0;
 }
 
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)

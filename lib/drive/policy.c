@@ -76,51 +76,35 @@ static void tell(struct driver *d, struct sched_event e)
     perform(d);
 }
 
-static void take_task(struct driver *d, const struct record *r)
+static int take_task(struct driver *d, const struct record *r)
 {
-    const struct task *t = &r->task;
-    const struct frame_size *f = frames_find(&d->frames, t->frame);
-    if (f && lattice_valid(&t->at, f->w, f->h)) {
-        tags_keep(&d->tags, r);
-        tell(d, (struct sched_event){.kind = SCHED_TASK, .task = *t, .frame_w = f->w});
-        return;
-    }
-    if (f) warn("task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
-    else warn("task %u %u: expected `frame` before its tasks", t->frame, t->id);
-    d->refused = ST_USAGE;
+    const struct frame_size *f = stream_frame_of(&d->frames, r);
+    if (!f) return ST_USAGE;
+    tags_keep(&d->tags, r);
+    tell(d, (struct sched_event){.kind = SCHED_TASK, .task = r->task, .frame_w = f->w});
+    return 0;
 }
 
-static void take_down(struct driver *d, const struct record *r)
+static int take_down(void *ctx, const struct record *r)
 {
+    struct driver *d = ctx;
     switch (r->kind) {
     case REC_FRAME: frames_set(&d->frames, r->task.frame, r->frame_w, r->frame_h); /* fallthrough */
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: wire_forward(&d->down.bytes, r, NULL, NULL); break;
-    case REC_TASK: take_task(d, r); break;
-    case REC_FLUSH: tell(d, (struct sched_event){.kind = SCHED_FLUSH}); break;
+    case REC_SPEC: wire_forward(&d->down.bytes, r, NULL, NULL); return 0;
+    case REC_TASK: return take_task(d, r);
+    case REC_FLUSH: tell(d, (struct sched_event){.kind = SCHED_FLUSH}); return 0;
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));
-        d->refused = ST_USAGE;
+        return ST_USAGE;
     }
 }
 
 static void take_input(struct driver *d)
 {
-    struct record r;
-    enum wire_result result = WIRE_MORE;
-    int more = stream_read(&d->in, STDIN_FILENO);
-    d->in_open = more > 0;
-    if (more < 0) {
-        warn("standard input:");
-        d->refused = ST_SYSTEM;
-    }
-    while (!d->refused && (result = wire_next(&d->in, &r)) == WIRE_RECORD) take_down(d, &r);
-    if (!d->refused && result == WIRE_BAD) {
-        warn("standard input: %s", d->in.why);
-        d->refused = ST_USAGE;
-    }
+    d->refused = stream_input(&d->in, &d->in_open, take_down, d);
     if (!d->in_open && !d->refused) tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
 }
 

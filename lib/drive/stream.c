@@ -20,6 +20,35 @@ int stream_read(struct decoder *d, int fd)
     return (int)n;
 }
 
+int stream_input(
+    struct decoder *d, bool *open, int (*take)(void *ctx, const struct record *r), void *ctx)
+{
+    struct record r;
+    enum wire_result result;
+    int more = stream_read(d, STDIN_FILENO), status = 0;
+    *open = more > 0;
+    if (more < 0) {
+        warn("standard input:");
+        return ST_SYSTEM;
+    }
+    while ((result = wire_next(d, &r)) == WIRE_RECORD)
+        if ((status = take(ctx, &r)) != 0) return status;
+    if (result != WIRE_BAD) return 0;
+    warn("standard input: %s", d->why);
+    return ST_USAGE;
+}
+
+const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r)
+{
+    const struct task *t = &r->task;
+    const struct frame_size *frame = frames_find(f, t->frame);
+    if (frame && lattice_valid(&t->at, frame->w, frame->h)) return frame;
+    if (frame)
+        warn("task %u %u: expected pixels inside %ux%u", t->frame, t->id, frame->w, frame->h);
+    else warn("task %u %u: expected `frame` before its tasks", t->frame, t->id);
+    return NULL;
+}
+
 void up_forward(
     struct up_queue *q, const struct record *r, const char *const *drop, const char *extra)
 {
