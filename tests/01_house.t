@@ -142,6 +142,9 @@ clean 'the front door and the formats have man pages'
 
 for page in man/*.[1-9]; do mandoc -T lint -W warning "$page"; done >"$found"
 clean 'mandoc finds nothing to warn of'
+# It warns where a list's cell is wider than its column, and comes out one word below the other.
+for page in man/*.[1-9]; do groff -z -Tascii -mdoc -rLL=80n "$page" 2>&1; done >"$found"
+clean 'groff has nothing to warn of at 80 columns'
 for page in man/*.[1-9]; do
 	sections='NAME DESCRIPTION EXAMPLES SEE_ALSO'
 	case $page in *.1) sections='NAME SYNOPSIS DESCRIPTION EXIT_STATUS EXAMPLES SEE_ALSO' ;; esac
@@ -155,6 +158,11 @@ awk '/^\.Xr / { print FILENAME, FNR, $2 "." $3 }' man/*.[1-9] | while read -r pa
 		echo "$page:$line: man/$to is missing"
 done >"$found"
 clean 'pages refer to pages that exist'
+for page in man/*.[1-9]; do
+	name=$(basename "$page")
+	[ "$name" = stormring.7 ] || grep -qF "Xr ${name%.*} ${name##*.}" man/stormring.7 || echo "man/stormring.7:1: does not name $name"
+done >"$found"
+clean 'the front door names every page'
 
 # ---- examples: in literal displays of EXAMPLES (in README: in code blocks), lines that begin with "$ " are run, with
 # the here-documents and continuation lines that belong to them; a display stops at the first command that fails.
