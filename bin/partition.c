@@ -1,5 +1,6 @@
 /* partition: cuts a frame into tasks, optionally preassigned to slots. */
 #include "base/base.h"
+#include "log/log.h"
 #include "task/task.h"
 #include "wire/wire.h"
 
@@ -14,6 +15,7 @@ struct options {
     int n_powers;
     int64_t assigned; /* -c: only the first so many tasks are preassigned; -1: all */
     uint32_t frame;   /* -F: the frame's number */
+    const char *log;  /* -r: leave out what it holds */
     int w, h;
 };
 
@@ -32,16 +34,17 @@ static void parse_powers(struct options *o, const char *list)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-c COUNT] [-F FRAME] [-n SLOTS | -w POWER,...] "
+    static const char text[] = "[-h] [-c COUNT] [-F FRAME] [-n SLOTS | -w POWER,...] [-r LOG] "
                                "[-u row|tile:WxH|run:N|scatter] WxH";
     struct options o = {.cut = {CUT_ROW, 0, 1}, .assigned = -1};
     int opt;
-    while ((opt = getopt(argc, argv, "+c:F:hn:u:w:")) != -1) {
+    while ((opt = getopt(argc, argv, "+c:F:hn:r:u:w:")) != -1) {
         switch (opt) {
         case 'c': o.assigned = opt_int(opt, optarg, 0, UINT32_MAX); break;
         case 'F': o.frame = (uint32_t)opt_int(opt, optarg, 0, UINT32_MAX); break;
         case 'h': usage(ST_OK, text);
         case 'n': o.slots = (int)opt_int(opt, optarg, 1, 1000000); break;
+        case 'r': o.log = optarg; break;
         case 'u':
             if (!cut_parse(optarg, &o.cut))
                 die(ST_USAGE, "-u %s: expected row, tile:WxH, run:N or scatter", optarg);
@@ -91,25 +94,44 @@ static int interleave_next(struct interleave *v)
     }
 }
 
+/* -r: the pixels that need no task; none where the log has nothing of this frame. */
+static struct coverage read_log(const struct options *o)
+{
+    struct coverage have = {0};
+    if (!o->log) return have;
+    if (log_coverage(o->log, o->frame, &have) != 0) die(ST_USAGE, "%s:", o->log);
+    if (have.bits && (have.w != (uint32_t)o->w || have.h != (uint32_t)o->h))
+        die(ST_USAGE, "%s: has another size: frame %u of %ux%u pixels, expected %dx%d", o->log,
+            o->frame, have.w, have.h, o->w, o->h);
+    return have;
+}
+
+/* Slots get their shares of what is to be done: with a log, of what is left. */
 static void write_tasks(const struct options *o)
 {
     struct buf out = {0};
+    struct coverage have = read_log(o);
     struct interleave v = {
         o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h, count = cut_count(&o->cut, w, h);
+    uint32_t left = 0; /* tasks so far, those left out not counted */
     wire_frame(&out, o->frame, w, h, NULL);
     for (uint32_t id = 0; id < count; id++) {
         struct task t = cut_task(&o->cut, w, h, id);
         t.frame = o->frame;
         bool assign = o->assigned < 0 || id < o->assigned;
+        if (have.bits && !coverage_trim(&have, &t.at)) continue;
         if (assign && o->powers) t.to = interleave_next(&v);
-        else if (assign && o->slots) t.to = (int32_t)(id % (uint32_t)o->slots);
+        else if (assign && o->slots) t.to = (int32_t)(left % (uint32_t)o->slots);
+        left++;
         wire_task(&out, &t);
-        if (buf_size(&out) < 1 << 16 && id + 1 < count) continue;
+        if (buf_size(&out) < 1 << 16) continue;
         put_stdout(buf_data(&out), buf_size(&out));
         buf_consume(&out, buf_size(&out));
     }
+    put_stdout(buf_data(&out), buf_size(&out));
     free(v.credit);
+    coverage_free(&have);
     buf_free(&out);
 }
 

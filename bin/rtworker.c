@@ -170,9 +170,9 @@ static void describe(struct options *o)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-ci] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
-                               "[-x sse2|avx2] SCENE.nff|-";
-    struct options o = {.trace = TRACE_OPTIONS_DEFAULT};
+    static const char text[] = "[-chi] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
+                               "[-x sse2|avx2] [SCENE.nff|-]";
+    struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
     while ((opt = getopt(argc, argv, "+a:cd:f:hix:")) != -1) {
         switch (opt) {
@@ -183,13 +183,16 @@ static struct options parse(int argc, char **argv)
             o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
             break;
         case 'h': usage(ST_OK, text);
-        case 'i': o.inspect = true; break;
+        case 'i':
+            if (o.inspect) die(ST_USAGE, "-i: twice, expected it once");
+            o.inspect = true;
+            break;
         case 'x': o.trace.isa = parse_isa(optarg); break;
         default: usage(ST_USAGE, text);
         }
     }
-    if (argc - optind != 1) usage(ST_USAGE, text);
-    o.path = argv[optind];
+    if (argc - optind > 1) usage(ST_USAGE, text);
+    if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
 }

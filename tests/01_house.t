@@ -14,6 +14,7 @@ base
 task base
 wire task base
 image task base
+log wire image task base
 stats base
 scene base
 spd scene base

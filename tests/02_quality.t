@@ -24,7 +24,7 @@ done
 picture() {
 	PATH=$root/build/$1/bin:$PATH
 	{ pack scene "$tmp/gears.nff" && partition -u tile:16x8 40x32; } |
-		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/$1.pfm" -l "$tmp/$1.frags" &&
+		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/$1.pfm" -r "$tmp/$1.frags" &&
 		imgcmp "$tmp/$1.pfm" "$tmp/reference.pfm" && fragstat "$tmp/$1.frags" &&
 		gather -m "$tmp/$1.frags" && nff2pov "$tmp/gears.nff" >"$tmp/$1.pov"
 }

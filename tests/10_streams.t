@@ -70,7 +70,7 @@ a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x ss
 is "the job does not know the vectors' width" "$c" "$a"
 run test "$a" = "$b"
 is "the job knows the depth" "$status" 1
-for bad in '' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-x mmx tetra.nff' no-such-file 'a b'; do
+for bad in '-i -i tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-x mmx tetra.nff' no-such-file 'a b'; do
 	# shellcheck disable=SC2086
 	run rtworker $bad
 	is "rtworker $bad: exit 2" "$status" 2

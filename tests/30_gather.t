@@ -112,7 +112,7 @@ like 'incomplete: what is missing' "$err" '^gather: frame 0: 8 of 12 pixels miss
 like 'incomplete: the command' "$err" \
 	'^gather: to finish: gather -m torn \| rtworker SCENE >> torn; gather -o n.png torn$'
 is 'incomplete: no file' "$(find . -name 'n.png*')" ''
-run gather -k 16 -l 'the log' -o n.png torn
+run gather -k 16 -r 'the log' -o n.png torn
 like 'the command, from a log with an odd name' "$err" \
 	"gather -m 'the log' \| rtworker SCENE >> 'the log'; gather -k 16 -o n.png 'the log'\$"
 run sh -c 'gather -o n.png <torn'
@@ -199,17 +199,27 @@ is 'a torn run, then a good one: the picture' "$bad" ''
 
 # ---- the log
 rm -f log
-gather -l log -o l.png <whole
-ok '-l: every record as it was' cmp log whole
-gather -l log -o l.png <whole
-ok '-l: appends' cmp log same
-run gather -l log -o l.png log
+gather -r log -o l.png <whole
+ok '-r: every record as it was' cmp log whole
+gather -r log -o l.png <whole
+ok '-r: appends' cmp log same
+run gather -r log -o l.png log
 is 'the log as input: status 2' "$status" 2
 rm -f l.pam
-run gather -l /dev/full -o l.pam whole
+run gather -r /dev/full -o l.pam whole
 is 'log on a full disk: status 3' "$status" 3
 like 'log on a full disk: said' "$err" '/dev/full: No space left'
 ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
+
+# ---- too large
+for size in '65535 65535' '16385 16384'; do
+	run sh -c "echo 'frame 0 $size job=cafe' | gather -o l.pam"
+	is "frame 0 $size: status 2" "$status" 2
+	like "frame 0 $size: said" "$err" "frame 0: ${size% *}x${size#* } pixels, expected at most 268435456 in a picture"
+done
+{ echo 'frame 0 4 3 job=cafe w=0'; echo 'frame 0 65535 65535 job=cafe w=1'; cat whole; } >foreign
+run gather -o f.pam foreign
+is 'another size, too large: one worker'"'"'s mistake' "$status" 0
 
 # ---- several frames
 { picture 0; picture 7; } >film
@@ -240,14 +250,14 @@ exec 3>&-
 ok 'end of a stalled stream' wait $pid
 
 # ---- bad usage
-for args in '-k 9' '-k x' '-o x.jpg' '-o png' '-o %s.png' '-o %d%d.png' '-m -o x.png' '-m -l x' '-z' \
+for args in '-k 9' '-k x' '-o x.jpg' '-o png' '-o %s.png' '-o %d%d.png' '-m -o x.png' '-m -r x' '-z' \
 	'nosuch.frags'; do
 	# shellcheck disable=SC2086
 	run gather $args </dev/null
 	is "usage: gather $args" "$status" 2
 done
 run gather -h
-is '-h: usage and status 0' "$status $(printf '%s' "$out" | cut -c 1-14)" '0 usage: gather '
+is '-h: usage and status 0' "$status $(printf '%s' "$out" | head -n 1 | cut -c 1-14)" '0 usage: gather '
 run gather -o nosuch/x.png whole
 is 'no such directory: status 3 at once' "$status" 3
 

@@ -36,7 +36,7 @@ long() {
 # ---- kill -9 of each stage: nothing remains, no half picture ----------------------------------------
 for stage in gather deal fan partition; do
 	rm -f out.pfm
-	long masterslave -l stage.log
+	long masterslave -r stage.log
 	await 5 working 3
 	sleep .2
 	victims=$(program $stage)
@@ -90,7 +90,7 @@ ok "masterslave, a worker killed: the same picture" cmp out.pfm good.pfm
 like "masterslave, a worker killed: it is said" "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
 
 rm -f out.pfm
-long interleaved -l job.log
+long interleaved -r job.log
 await 5 working 3
 sleep .3
 kill -9 "$(program rtworker | head -1)"
@@ -249,8 +249,8 @@ for p in 'fan -j 2' 'deal fan -j 2'; do
 	run sh -c "{ pack scene gears.nff; partition 64x64; } | timeout 10 $p rtworker - 2>&- | gather -o out.pfm"
 	ok "$p 2>&-: the same picture" cmp out.pfm small.pfm
 done
-run sh -c 'partition 8x8 | rtworker gears.nff | gather -l closed.log >&-'
-is "gather -l LOG >&-: exit 3, and no picture in the log" "$status$(head -c 5 closed.log)" 3hello
+run sh -c 'partition 8x8 | rtworker gears.nff | gather -r closed.log >&-'
+is "gather -r LOG >&-: exit 3, and no picture in the log" "$status$(head -c 5 closed.log)" 3hello
 
 # ---- silence that is no fault, and commands that are no fan ------------------------------------------------
 rm -f out.pfm # of the tests before

@@ -60,3 +60,13 @@ bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out)
     for (uint64_t i = 0; i < n; i++) coverage_set(taken, first + i * stride);
     return true;
 }
+
+bool coverage_trim(const struct coverage *c, struct lattice *at)
+{
+    uint64_t n = lattice_count(at), first = 0;
+    while (first < n && coverage_has(c, lattice_pixel(at, c->w, first))) first++;
+    if (first == n) return false;
+    if (at->h > 1) first -= first % at->w;
+    if (first) *at = lattice_cut(at, c->w, first, n - first);
+    return true;
+}

@@ -85,6 +85,11 @@ static inline bool coverage_full(const struct coverage *c)
  */
 bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out);
 void coverage_copy(struct coverage *to, const struct coverage *from);
+/*
+ * Cuts off the pixels at the beginning of *at, which is inside the frame, that are there: pixel by
+ * pixel where it has one row, else by whole rows. False when all are there, and *at is unchanged.
+ */
+bool coverage_trim(const struct coverage *c, struct lattice *at);
 
 /* ---- tables ------------------------------------------------------------------------- */
 

@@ -1,0 +1,130 @@
+/* The file that keeps a stream. */
+#include "log/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void close_keeping_errno(int *fd)
+{
+    int err = errno;
+    if (*fd >= 0) close(*fd);
+    *fd = -1;
+    errno = err;
+}
+
+int log_open(struct log_file *l, const char *path)
+{
+    struct stat st;
+    *l = (struct log_file){.path = path};
+    bool regular = stat(path, &st) != 0 || S_ISREG(st.st_mode);
+    l->fd = open(path, (regular ? O_RDWR : O_WRONLY) | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+    if (l->fd < 0 || !regular) return l->fd < 0 ? -1 : 0;
+    /* Its size is looked at when nobody else can change it any more. */
+    if (flock(l->fd, LOCK_EX | LOCK_NB) != 0 || fstat(l->fd, &st) != 0) {
+        close_keeping_errno(&l->fd);
+        return -1;
+    }
+    l->holds = st.st_size > 0;
+    return 0;
+}
+
+void log_append(struct log_file *l, const struct record *r)
+{
+    if (l->fd < 0) return;
+    buf_append(&l->pending, r->line, r->line_len);
+    buf_append(&l->pending, "\n", 1);
+    buf_append(&l->pending, r->body, r->body_len);
+}
+
+int log_flush(struct log_file *l)
+{
+    if (l->fd < 0) return 0;
+    int failed = write_full(l->fd, buf_data(&l->pending), buf_size(&l->pending));
+    buf_consume(&l->pending, buf_size(&l->pending));
+    if (failed) close_keeping_errno(&l->fd);
+    return failed;
+}
+
+void log_close(struct log_file *l)
+{
+    close_keeping_errno(&l->fd);
+    buf_free(&l->pending);
+}
+
+int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader)
+{
+    return lseek(l->fd, 0, SEEK_SET) < 0 ? -1 : log_read(in, l->fd, reader);
+}
+
+static void survey(void *ctx, const struct record *r)
+{
+    struct intake *in = ctx;
+    char worker[ASSEMBLY_NAME];
+    if (r->kind == REC_FRAME) {
+        intake_frame(in, r, worker);
+        return;
+    }
+    struct assembly_frame *whole = intake_record(in, r);
+    if (whole) assembly_release(&in->parts, whole);
+}
+
+int log_survey(const struct log_file *l, struct intake *in)
+{
+    const struct log_reader reader = {.record = survey, .ctx = in};
+    intake_init(in, false);
+    return log_reread(l, in, &reader);
+}
+
+int log_coverage(const char *path, uint32_t frame, struct coverage *have)
+{
+    struct log_file l = {.path = path};
+    struct stat st;
+    *have = (struct coverage){0};
+    if (stat(path, &st) != 0) return errno == ENOENT ? 0 : -1;
+    if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode)) return 0;
+    l.fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (l.fd < 0) return -1;
+    struct intake in;
+    int failed = log_survey(&l, &in);
+    const struct assembly_frame *f = assembly_find(&in.parts, frame);
+    if (!failed && f) assembly_coverage(f, have);
+    intake_free(&in);
+    log_close(&l);
+    return failed;
+}
+
+/* Both are known, and differ. */
+static bool differ(const char *a, const char *b) { return *a && *b && strcmp(a, b) != 0; }
+
+bool log_continues(const struct intake *past, const struct log_origin *now, const struct record *r,
+    char why[LOG_WHY])
+{
+    const struct log_origin *then = &past->origin;
+    const struct assembly_frame *f = assembly_find(&past->parts, r->task.frame);
+    char job[ASSEMBLY_NAME] = "";
+    bool same = f && rec_str(r, "job", job, sizeof job) && strcmp(job, f->job) == 0;
+    if (!f || (same && !differ(then->selftest, now->selftest))) return true;
+    if (f->have.w != r->frame_w || f->have.h != r->frame_h)
+        snprintf(why, LOG_WHY,
+            "has another size: frame %" PRIu32 " of %" PRIu32 "x%" PRIu32
+            " pixels, expected %" PRIu32 "x%" PRIu32,
+            r->task.frame, f->have.w, f->have.h, r->frame_w, r->frame_h);
+    else if (differ(then->with, now->with))
+        snprintf(why, LOG_WHY, "was rendered with other options: `%s`, expected `%s`", then->with,
+            now->with);
+    else if (differ(then->version, now->version))
+        snprintf(why, LOG_WHY, "was rendered by another version: %s, expected %s", then->version,
+            now->version);
+    else if (differ(then->selftest, now->selftest))
+        snprintf(why, LOG_WHY, "was rendered by other arithmetic: self-test %s, expected %s",
+            then->selftest, now->selftest);
+    else
+        snprintf(why, LOG_WHY, "is of another scene: frame %" PRIu32 " has job %s, expected %s",
+            r->task.frame, f->job, job);
+    return false;
+}

@@ -1,0 +1,95 @@
+/*
+ * log: streams of fragments (stormring-frag(5)) read into an assembly of pictures, and the file
+ * that keeps such a stream, so that what was cut off can be gone on with.
+ *
+ * An intake turns records into calls of image's assembly, which holds the rules of committing; it
+ * also remembers what the stream says of those who made it. A log file is locked while a run
+ * appends to it. Reading blocks as its descriptor does; nothing here exits or prints.
+ */
+#ifndef STORMRING_LOG_H
+#define STORMRING_LOG_H
+
+#include "image/image.h"
+#include "wire/wire.h"
+
+/* Who made a stream, as it first says; empty strings where it does not. */
+struct log_origin {
+    char with[160];    /* the worker and its options that change pixels: words for a shell */
+    char version[64];  /* of the program that said hello */
+    char selftest[24]; /* the hash of its arithmetic */
+};
+
+struct intake {
+    struct assembly parts;
+    struct log_origin origin;
+    uint64_t bad, skipped; /* records and bytes lost */
+    char why[160];         /* about the last of them */
+    uint64_t unexpected;   /* records that do not belong in a stream of fragments */
+    float *pixels;         /* of one frag; NULL: pixels are not kept, only which are there */
+};
+
+void intake_init(struct intake *in, bool keep_pixels);
+void intake_free(struct intake *in);
+/* Notes what a hello or frame record says of its maker; others say nothing. */
+void intake_note(struct intake *in, const struct record *r);
+/* A frame record, as assembly_declare takes it; UNDECLARED where it has no job, which is counted
+ * as unexpected. worker: whose it is, "" where fan did not say. */
+enum assembly_verdict intake_frame(
+    struct intake *in, const struct record *r, char worker[ASSEMBLY_NAME]);
+/* Any other record. Returns the frame that is whole by it, which is the caller's to write and to
+ * release, else NULL. */
+struct assembly_frame *intake_record(struct intake *in, const struct record *r);
+
+/* A frame record and the tasks of what f lacks, with new ids, to put; nothing where it is whole. */
+void intake_missing(const struct assembly_frame *f, void (*put)(const void *p, size_t n));
+
+/* What to do while a stream is read. */
+struct log_reader {
+    void (*record)(void *ctx, const struct record *r); /* each good record */
+    void (*before)(void *ctx, int fd);                 /* each read, which may block; or NULL */
+    void *ctx;
+};
+/* Reads fd to its end; what is lost on the way is counted in `in`. 0, or -1 with errno. */
+int log_read(struct intake *in, int fd, const struct log_reader *reader);
+
+/*
+ * What the log at `path` holds of frame number `frame`: *have has its size and pixels (the caller's
+ * to free); of size 0x0 where the log has nothing of it, is empty, missing, or a device or a pipe.
+ * 0, or -1 with errno.
+ */
+int log_coverage(const char *path, uint32_t frame, struct coverage *have);
+
+/* ---- the file ------------------------------------------------------------------------ */
+
+struct log_file {
+    const char *path; /* the caller's */
+    int fd;           /* -1: none, or writing to it failed */
+    bool holds;       /* it had something when it was opened */
+    struct buf pending;
+};
+
+/*
+ * Opens the log for reading and appending; it is made where it is missing. Until it is closed
+ * nobody else can open it so. 0, or -1 with errno: EWOULDBLOCK says that somebody has. What is no
+ * regular file is opened for writing alone.
+ */
+int log_open(struct log_file *l, const char *path);
+/* Queues a record; log_flush writes: 0, or -1 with errno, and then the log is closed. */
+void log_append(struct log_file *l, const struct record *r);
+int log_flush(struct log_file *l);
+void log_close(struct log_file *l);
+/* Reads it from its beginning. 0, or -1 with errno. */
+int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader);
+/* The same, for what is there alone. */
+int log_survey(const struct log_file *l, struct intake *in);
+
+#define LOG_WHY 512
+/*
+ * May the stream of origin `now`, which announces r (a frame record with a job), be appended to a
+ * log that holds `past`? Also where past knows nothing of that frame. Else why says what differs,
+ * by name: size, options, arithmetic, version, or the scene.
+ */
+bool log_continues(const struct intake *past, const struct log_origin *now, const struct record *r,
+    char why[LOG_WHY]);
+
+#endif

@@ -1,0 +1,173 @@
+#!/bin/sh
+# A log that is gone on with: what is left out, what is refused and by which name, what a torn end costs, who else may
+# have it, a full disk, a word at Ctrl-C, and kill -9 at random moments.
+. "$(dirname "$0")/lib.sh"
+
+# shellcheck disable=SC2154  # lib.sh sets them
+cleanup() {
+	[ -z "${pid-}" ] || kill -9 "$pid" 2>/dev/null
+	[ -z "${mounted-}" ] || umount "$mounted"
+	rm -rf "$tmp"
+}
+trap cleanup EXIT
+spdgen -s 2 gears >gears.nff
+spdgen -s 2 tetra >tetra.nff
+size=96x80
+partition $size >all
+rtworker gears.nff <all | gather -r whole -o good.pfm
+
+# ---- partition -r ------------------------------------------------------------------------------------------
+: >empty
+for log in /dev/null missing empty; do
+	partition -r $log $size >got
+	ok "partition -r $log: everything" cmp got all
+done
+run partition -r . $size
+is 'partition -r of a directory: exit 2' "$status" 2
+is 'partition -r of a whole log: the frame alone' "$(partition -r whole $size)" "frame 0 96 80"
+is 'partition -r: another frame is not there' "$(partition -F 7 -r whole $size | wc -l)" 81
+run partition -r whole 64x64
+is 'partition -r of another size: exit 2' "$status" 2
+like 'partition -r of another size: said' "$err" 'whole: has another size: frame 0 of 96x80 pixels, expected 64x64'
+{ head -n 31 all; tail -n 31 all; } | rtworker gears.nff >part
+is 'partition -r: the rows that are missing' "$(partition -r part $size | cut -d ' ' -f 3 | tr '\n' ' ')" \
+	"96 $(seq -s ' ' 30 48) "
+is 'partition -r -n: shares of what is left' \
+	"$(partition -r part -n 2 $size | head -n 4 | cut -d ' ' -f 3,10 | tr '\n' ' ')" '96 30 to=0 31 to=1 32 to=0 '
+is 'partition -r: a tile begins at the first row that lacks something' \
+	"$(partition -r part -u tile:90x40 $size | sed -n 2p)" 'task 0 0 0 30 90 10 1 1'
+partition -u scatter -n 2 $size | rtworker -f 250 gears.nff | head -c 30000 >part
+is 'partition -r: a scattered set begins at the first pixel that is missing' \
+	"$(partition -r part -u scatter -n 2 $size | tail -n 2 | tr '\n' ';')" \
+	'task 0 0 44 36 2090 1 2 1 to=0;task 0 1 1 0 3840 1 2 1 to=1;'
+
+# ---- the same picture from any beginning of a log ---------------------------------------------------------------
+partition 16x4 | rtworker tetra.nff | gather -r small -o small.pfm
+end=$(wc -c <small) at=0 bad=''
+while [ "$at" -le "$end" ]; do
+	rm -f out.pfm
+	head -c "$at" small >"cut"
+	partition -r cut 16x4 | rtworker tetra.nff | gather -r cut -o out.pfm 2>said
+	[ $? -eq 0 ] && cmp -s out.pfm small.pfm || bad="$bad $at"
+	# What went on is a good log in its turn, and has each pixel once.
+	gather -P -o again.pfm cut 2>&1 | grep -q 'came twice' && bad="$bad $at:twice"
+	cmp -s again.pfm small.pfm || bad="$bad $at:log"
+	at=$((at + 3))
+done
+is "cut at each third of $end bytes: the same picture, no pixel twice" "$bad" ''
+
+# ---- refused, by name, and the log as it was --------------------------------------------------------------------
+head -c 60000 whole >log
+cp log before
+# refused NAME ERE [OPTIONS] SCENE
+refused() {
+	name=$1 said=$2
+	shift 2
+	run balance masterslave -j 2 -r log -o out.pfm "$@"
+	is "another $name: exit 2" "$status" 2
+	like "another $name: said" "$err" "log: $said"
+	ok "another $name: the log as it was" cmp log before
+	is "another $name: no picture" "$(ls out.pfm* 2>/dev/null)" ''
+}
+rm -f out.pfm
+refused scene 'is of another scene: frame 0 has job [0-9a-f]{16}, expected' -s $size tetra.nff
+refused size 'has another size: frame 0 of 96x80 pixels, expected 64x64' -s 64x64 gears.nff
+refused option 'was rendered with other options: .rtworker., expected .rtworker -a4 -d3.' -s $size -W '-a 4 -d 3' gears.nff
+perl -pi -e 's/^(hello rtworker) \S+/$1 0.0/; s/(frame 0 96 80 job=)..../${1}0000/' log
+cp log before
+refused version 'was rendered by another version: 0.0, expected' -s $size gears.nff
+head -c 60000 whole | perl -pe 's/( selftest=)..../${1}0000/' >log
+cp log before
+refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
+# A whole log of another scene is refused as well, though nothing is left to be rendered.
+cp whole log && cp log before
+refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff
+run gather -r log -o out.pfm tetra.nff
+is 'no worker announced anything: exit 1' "$status$(ls out.pfm* 2>/dev/null)" 1
+like 'no worker announced anything: said' "$err" 'log: no worker has announced a frame'
+ok 'no worker announced anything: the log as it was' cmp log before
+ln -s log log.pfm
+run gather -r log -o log.pfm whole
+is 'the log by another name as the picture: exit 2' "$status" 2
+like 'the log by another name as the picture: said' "$err" 'log.pfm: is the log as well'
+run balance masterslave -r log -o log -s $size gears.nff
+is 'balance -r log -o log: exit 2' "$status" 2
+run balance masterslave -r gears.nff -o out.pfm gears.nff
+is 'balance -r with the scene: exit 2' "$status" 2
+ok 'the log as it was' cmp log before
+
+# ---- what is allowed --------------------------------------------------------------------------------------------
+balance interleaved -j 3 -r log -o out.pfm -s $size gears.nff
+ok 'a whole log: the picture is written' cmp out.pfm good.pfm
+is 'a whole log: nothing was rendered' "$(tail -c +$(($(wc -c <before) + 1)) log | grep -ac '^done')" 0
+{ cat before; printf 'frag 0 1 garbage\nup to the end'; } >log
+rm -f out.pfm
+balance masterslave -j 3 -r log -o out.pfm -s $size gears.nff 2>said
+ok 'garbage at the end of the log: the picture' cmp out.pfm good.pfm
+head -c 60000 whole | perl -pe 's/^(hello rtworker) \S+/$1 0.0/' >log
+balance masterslave -j 2 -r log -o out.pfm -s $size gears.nff 2>said
+ok 'an older version whose pictures are the same: gone on with' cmp out.pfm good.pfm
+for f in 0 1 2; do partition -F $f $size; done | rtworker gears.nff | head -c 200000 >film
+for f in 0 1 2; do partition -F $f -r film $size; done | rtworker gears.nff | gather -r film -o 'f%d.pfm' 2>said
+ok 'three frames, cut off within the second' sh -c 'for f in 0 1 2; do cmp f$f.pfm good.pfm || exit; done'
+for f in 0 1 2; do partition -F $f 64x64; done | rtworker gears.nff | gather -r film -o 'g%d.pfm' 2>said
+is 'three frames of another size: exit 2' $? 2
+is 'three frames of another size: no picture' "$(ls g[0-9].pfm 2>/dev/null)" ''
+
+# ---- in use -----------------------------------------------------------------------------------------------------
+head -c 60000 whole >log
+cp log before
+mkfifo slow
+gather -r log -o slow.pfm <slow 2>said &
+pid=$!
+exec 3>slow
+head -n 3 whole >&3
+while flock -n log true; do sleep .05; done
+run balance masterslave -j 2 -r log -o out2.pfm -s $size gears.nff
+is 'a log that is in use: exit 2' "$status" 2
+like 'a log that is in use: said' "$err" 'log: is in use by another run'
+is 'a log that is in use: no picture' "$(ls out2.pfm* 2>/dev/null)" ''
+exec 3>&-
+wait "$pid"
+is 'and the run that had it says what is missing' $? 1
+
+# ---- full disk --------------------------------------------------------------------------------------------------
+if [ "$(id -u)" -eq 0 ]; then
+	mkdir disk && mount -t tmpfs -o size=64k tmpfs disk && mounted=$tmp/disk
+	run balance masterslave -j 2 -r disk/log -o disk/out.pfm -s $size gears.nff
+	is 'a full disk: exit 3' "$status" 3
+	like 'a full disk: said, of the log' "$err" 'disk/log: No space left'
+	like 'a full disk: said, of the picture' "$err" 'disk/out.pfm: No space left'
+	is 'a full disk: no picture, and no part of one' "$(ls disk)" log
+	mount -o remount,size=16m disk
+	run balance masterslave -j 2 -r disk/log -o disk/out.pfm -s $size gears.nff
+	is 'and when there is room, the same command: exit 0' "$status" 0
+	ok 'the same picture' cmp disk/out.pfm good.pfm
+else
+	run balance masterslave -j 2 -r /dev/full -o out3.pfm -s $size gears.nff
+	is 'a full disk: exit 3' "$status" 3
+fi
+
+# ---- Ctrl-C -----------------------------------------------------------------------------------------------------
+# An interactive shell gives children the default action, and a group of their own.
+rm -f log out.pfm
+# shellcheck disable=SC2016
+setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
+	balance masterslave -j 2 -s 256x256 -W '-a 64' -r log -o out.pfm gears.nff 2>said &
+pid=$!
+tries=0
+until [ -s log ] || [ $((tries += 1)) -gt 100 ]; do sleep .05; done
+sleep .2
+kill -INT "-$pid"
+wait "$pid"
+is 'Ctrl-C: ended by the signal' $? 130
+is 'Ctrl-C: one line tells how to finish' "$(cat said)" \
+	'gather: interrupted; what has come is in log: the same command finishes the rest'
+pid=''
+
+# ---- kill -9 ----------------------------------------------------------------------------------------------------
+seed=$(date +%s)
+diag "kill points of tests/soak/restart.sh 20 $seed"
+ok 'kill -9 at 20 random moments: the same command finishes it' "$root/tests/soak/restart.sh" 20 "$seed"
+diag "$(sed -n 's/^# //p' .said)"
+finish
