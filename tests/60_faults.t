@@ -52,6 +52,15 @@ for stage in gather deal fan partition; do
 	is "kill -9 of $stage: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 	rm -f stage.log
 done
+# A worker that looks at neither its input nor its reader: its parent's death has to take it.
+env MARK=$mark sh -c 'partition 8x8 | fan -j 2 sleep 600 | cat' 2>said &
+pid=$!
+deaf() { [ "$(program sleep | wc -l)" -eq 2 ]; }
+await 5 deaf
+# shellcheck disable=SC2046
+kill -9 $(program fan)
+ok "kill -9 of fan, its workers deaf: no process after 2 s" await 2 none_alive
+wait "$pid" 2>/dev/null
 long interleaved
 await 5 working 3
 kill -9 "$pid"
