@@ -1,0 +1,85 @@
+#!/bin/sh
+# tests/hosts itself: hosts are reached by ssh, see neither the clone nor the scene, obey, and leave nothing behind.
+want_hosts=0
+. "$(dirname "$0")/hosts.sh"
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
+hosts=$root/tests/hosts
+
+# Before and after a run, and beside it, this system is the same.
+system() { ip -o link | sed 's/ state .*//'; ip route; cat /proc/mounts; }
+system >before
+echo scene >scene.nff
+
+# within SCRIPT: what it says among two hosts; each line is one answer
+within() { "$hosts" with 2 sh -c "$1" hosts "$hosts" "$root" "$tmp" 2>&1; }
+is 'ssh reaches every host' "$(within 'ssh host1 hostname; ssh host2 hostname; ssh host1 true </dev/null')" 'host1
+host2'
+is 'a host has the programs' "$(within 'ssh host2 /home/render/bin/fan -h' | head -1)" "$(fan -h | head -1)"
+is 'a host has neither the clone nor the scene' "$(within 'ls "$2/bin/fan" "$3/scene.nff" >/dev/null && echo here
+	for h in host1 host2; do ssh $h "ls -d $2/* $3" 2>/dev/null || echo none; done')" 'here
+none
+none'
+is 'nor a program on its PATH' "$(within 'ssh host1 command -v fan rtworker || echo none')" none
+is 'no way leads out' "$(within 'ip route | grep -v ^198.18.0 && echo out; ssh host1 ip route | grep -v ^198.18.0 || echo none')" none
+is 'the status is the command'\''s' "$(within 'exit 7' >said; echo $?)" 7
+
+# Upper bounds of what a limited host can do: load on this system does not disturb them.
+if within '"$1" power host1 .5' >said; then
+	is 'a host of power .2 gets no more' "$(within '"$1" power host1 .2
+		"$1" run host1 bash -c "TIMEFORMAT=%U; time timeout 1 sh -c \"while :; do :; done\""' | awk '{ print $1 < .4 ? "so" : $1 }')" so
+else
+	skip 'a host of power .2 gets no more' "$(cat said)"
+fi
+is 'a link that is down, and up again' "$(within '"$1" link host1 down; ssh -oConnectTimeout=1 host1 true 2>/dev/null || echo down
+	ssh host2 true && echo other; "$1" link host1 up; ssh host1 true && echo up')" 'down
+other
+up'
+is 'a slow link is slow, both ways' "$(within '"$1" link host1 4mbit
+	for way in "cat >/dev/null" "head -c 200000 /dev/zero"; do
+		start=$(date +%s%N); head -c 200000 /dev/zero | ssh host1 "$way" | wc -c
+		[ $((($(date +%s%N) - start) / 1000000)) -ge 300 ] && echo slow; done')" '0
+slow
+200000
+slow'
+is 'at an address nobody answers' "$(within 'ssh -oConnectTimeout=1 nowhere true 2>&1 | tr -d "\r"')" \
+	'ssh: connect to host 198.18.0.253 port 22: Connection timed out'
+is 'sshd can be killed, and started again' "$(within 'kill -9 $("$1" pids host1 sshd); ssh host1 true 2>/dev/null || echo dead
+	"$1" sshd host1; ssh host1 echo back')" 'dead
+back'
+
+# ---- nothing is left, whatever ends it ----------------------------------------------------------------------------
+left() { # RUN: what still tells of it
+	grep -lz "^TEST_HOSTS=$1\$" /proc/[0-9]*/environ
+	ls -d "$1" /sys/fs/cgroup/*/"${1##*/}"
+} 2>/dev/null
+none_left() { [ -z "$(left "$1")" ]; }
+for signal in EXIT INT TERM HUP KILL; do
+	rm -f ready
+	script='echo $TEST_HOSTS >ready.new; ssh host1 "exec sleep 47" & mv ready.new ready; sleep 48'
+	[ $signal = EXIT ] && script='echo $TEST_HOSTS >ready; ssh host1 "sleep 47 >/dev/null 2>&1 &"'
+	# A session of its own, and the default action for the signal, as a terminal gives.
+	setsid perl -e '$SIG{INT} = $SIG{HUP} = "DEFAULT"; setpgrp; exec @ARGV' "$hosts" with 2 sh -c "$script" >said 2>&1 &
+	pid=$!
+	await 10 test -s ready
+	run_of=$(cat ready)
+	[ $signal = EXIT ] || kill "-$signal" "-$(ps -o pgid= -p "${run_of##*.}" | tr -d ' ')"
+	wait "$pid" 2>/dev/null
+	ok "nothing is left after $signal" await 3 none_left "$run_of"
+done
+rm -f ready
+"$hosts" with 2 sh -c 'echo $TEST_HOSTS >ready; exec sleep 47' &
+await 10 test -s ready
+run_of=$(cat ready)
+# shellcheck disable=SC2046
+kill -9 $(pgrep -f -- "-janitor ${run_of##*.} ") "${run_of##*.}"
+wait "$!" 2>/dev/null
+ok 'when even the janitor is killed, something is' [ -d "$run_of" ]
+"$hosts" with 1 true
+ok 'and the next run removes it' await 3 none_left "$run_of"
+
+"$hosts" with 3 sh -c 'ssh host3 "sleep 1; hostname"' >one & "$hosts" with 2 sh -c 'ssh host2 "sleep 1; hostname"; ssh host3 true || echo no' >two 2>&1
+wait
+is 'two runs at once are apart' "$(cat one two | grep -v '^ssh:' | tr '\n' ' ')" 'host3 host2 no '
+system >after
+ok 'this system is as it was' cmp before after
+finish
