@@ -19,6 +19,13 @@ for s in gears balls; do
 	done
 done
 
+for slots in 3 7; do
+	for m in ss sc ds dc; do
+		balance $m -j "$slots" -s $size -o out.pfm gears.nff
+		ok "gears: $m on $slots slots" cmp out.pfm gears.pfm
+	done
+done
+
 # cut CUT [PARTITION OPTIONS]
 for cut in row tile:16x16 tile:7x5 run:250 run:1000 run:97; do
 	{ pack scene gears.nff; partition -u $cut $size; } | deal fan -j 3 rtworker - | gather -o out.pfm

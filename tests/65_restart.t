@@ -102,7 +102,7 @@ ok 'a whole log: the picture is written' cmp out.pfm good.pfm
 is 'a whole log: nothing was rendered' "$(tail -c +$(($(wc -c <before) + 1)) log | grep -ac '^done')" 0
 { cat before; printf 'frag 0 1 garbage\nup to the end'; } >log
 rm -f out.pfm
-balance masterslave -j 3 -r log -o out.pfm -s $size gears.nff 2>said
+balance ds -j 3 -r log -o out.pfm -s $size gears.nff 2>said
 ok 'garbage at the end of the log: the picture' cmp out.pfm good.pfm
 head -c 60000 whole | perl -pe 's/^(hello rtworker) \S+/$1 0.0/' >log
 balance masterslave -j 2 -r log -o out.pfm -s $size gears.nff 2>said

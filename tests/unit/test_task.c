@@ -455,6 +455,38 @@ static void test_deliver(void **state)
     tasks_free(&t);
 }
 
+/* Every lattice of every small frame, with every beginning of it there: what is left of it is its
+ * end, at whole rows where it has several, and begins with the first that is missing. */
+static void trim_each(const struct lattice *l, uint32_t frame_w, uint32_t frame_h)
+{
+    uint64_t all[SIDE * SIDE + SIDE], rest[SIDE * SIDE + SIDE];
+    if (!lattice_valid(l, frame_w, frame_h)) return;
+    size_t n = positions(l, frame_w, all);
+    struct coverage c;
+    coverage_init(&c, frame_w, frame_h);
+    for (size_t k = 0; k <= n; k++) {
+        struct lattice at = *l;
+        size_t first = 0;
+        while (first < n && coverage_has(&c, all[first])) first++;
+        assert_int_equal(coverage_trim(&c, &at), first < n);
+        if (l->h > 1) first -= first % l->w;
+        if (first < n) {
+            assert_int_equal(positions(&at, frame_w, rest), n - first);
+            assert_memory_equal(rest, all + first, (n - first) * sizeof *rest);
+        } else {
+            assert_memory_equal(&at, l, sizeof at);
+        }
+        if (k < n) coverage_set(&c, all[k]);
+    }
+    coverage_free(&c);
+}
+
+static void test_trim(void **state)
+{
+    (void)state;
+    each_lattice(trim_each, 4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -468,6 +500,7 @@ int main(void)
         cmocka_unit_test(test_missing_of_every_small_frame),
         cmocka_unit_test(test_missing_at_random),
         cmocka_unit_test(test_missing_share_of_a_worker),
+        cmocka_unit_test(test_trim),
         cmocka_unit_test(test_frames),
         cmocka_unit_test(test_table),
         cmocka_unit_test(test_lists),

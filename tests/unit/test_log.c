@@ -1,0 +1,277 @@
+/*
+ * log: what an intake makes of records, what a file may be gone on with, and what it says of those
+ * that it may not. Reading a log cut at every byte is in tests/30_gather.t and 65_restart.t.
+ */
+#include "log/log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#define W 8
+#define H 6
+
+static char path[] = "/tmp/stormring-log-XXXXXX";
+
+static void put_text(struct buf *b, const char *text) { buf_append(b, text, strlen(text)); }
+
+/* Row y of frame number `frame`, as worker 0. */
+static void put_row(struct buf *b, uint32_t frame, uint32_t y)
+{
+    float rgba[4 * W];
+    struct task t = {.frame = frame, .id = y, .at = {0, y, W, 1, 1, 1}, .to = -1};
+    for (int i = 0; i < 4 * W; i++) rgba[i] = (float)y;
+    wire_frag(b, &t, &t.at, rgba);
+}
+
+static void write_log(const struct buf *b)
+{
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    assert_true(fd >= 0);
+    assert_int_equal(write_full(fd, buf_data(b), buf_size(b)), 0);
+    close(fd);
+}
+
+/* A run of rows `from` .. `to` - 1. */
+static void put_run(struct buf *b, const char *hello, const char *frame, uint32_t from, uint32_t to)
+{
+    put_text(b, hello);
+    put_text(b, frame);
+    for (uint32_t y = from; y < to; y++) put_row(b, 0, y);
+}
+
+static const char hello[] = "hello rtworker 0.1 selftest=00000000000000aa power=1\n";
+static const char frame[] = "frame 0 8 6 job=cafe with=rtworker,-a4\n";
+
+static void test_origin(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct log_file l;
+    struct intake in;
+    put_run(&b, hello, frame, 0, 2);
+    put_text(&b, "hello rtworker 9 selftest=bb\nframe 0 8 6 job=cafe with=other\nbeat\ntorn");
+    write_log(&b);
+    assert_int_equal(log_open(&l, path), 0);
+    assert_true(l.holds);
+    assert_int_equal(log_survey(&l, &in), 0);
+    assert_string_equal(in.origin.version, "0.1");
+    assert_string_equal(in.origin.selftest, "00000000000000aa");
+    assert_string_equal(in.origin.with, "rtworker -a4");
+    assert_int_equal(in.bad, 1);
+    assert_int_equal(in.skipped, 4);
+    assert_int_equal(in.parts.done_px, 2 * W);
+    assert_int_equal(assembly_find(&in.parts, 0)->next_id, 2);
+    intake_free(&in);
+    log_close(&l);
+    buf_free(&b);
+}
+
+/* What a shell would take for more than words is not repeated to anybody. */
+static void test_options_are_words(void **state)
+{
+    (void)state;
+    static const char *const with[] = {"with=rtworker,-a16:0.02", "with=a;b", "with=$x", "with="};
+    static const char *const want[] = {"rtworker -a16:0.02", "", "", ""};
+    for (int i = 0; i < 4; i++) {
+        struct intake in;
+        struct decoder d = {.upward = true};
+        struct record r;
+        char line[80], worker[ASSEMBLY_NAME];
+        intake_init(&in, false);
+        snprintf(line, sizeof line, "frame 0 8 6 job=cafe w=3 %s\n", with[i]);
+        wire_feed(&d, line, strlen(line));
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        assert_int_equal(intake_frame(&in, &r, worker), ASSEMBLY_TAKEN);
+        assert_string_equal(worker, "3");
+        assert_string_equal(in.origin.with, want[i]);
+        wire_free(&d);
+        intake_free(&in);
+    }
+}
+
+/* The frame that a record makes whole is told once. */
+static void test_whole_once(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct decoder d = {.upward = true};
+    struct record r;
+    struct intake in;
+    char worker[ASSEMBLY_NAME];
+    int told = 0;
+    put_run(&b, hello, frame, 0, H);
+    put_row(&b, 0, 0);
+    put_text(&b, "task 0 9 0 0 1 1 1 1\nframe 1 8 6\n");
+    intake_init(&in, true);
+    wire_feed(&d, buf_data(&b), buf_size(&b));
+    while (wire_next(&d, &r) == WIRE_RECORD) {
+        struct assembly_frame *f = NULL;
+        if (r.kind == REC_FRAME) intake_frame(&in, &r, worker);
+        else f = intake_record(&in, &r);
+        if (!f) continue;
+        told++;
+        assert_true(f->picture.rgba[4 * (W * H - 1)] == H - 1);
+        assembly_release(&in.parts, f);
+    }
+    assert_int_equal(told, 1);
+    assert_int_equal(in.unexpected, 2);
+    assert_int_equal(in.parts.n_frames, 1);
+    wire_free(&d);
+    intake_free(&in);
+    buf_free(&b);
+}
+
+static void test_coverage(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct coverage have;
+    put_run(&b, hello, frame, 2, 4);
+    write_log(&b);
+    assert_int_equal(log_coverage(path, 0, &have), 0);
+    assert_int_equal(have.w, W);
+    assert_int_equal(have.done, 2 * W);
+    assert_false(coverage_has(&have, 2 * W - 1));
+    assert_true(coverage_has(&have, 2 * W));
+    coverage_free(&have);
+    static const char *const none[] = {"/dev/null", "/nonexistent-log", "/tmp/stormring-log"};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(log_coverage(none[i], 0, &have), 0);
+        assert_null(have.bits);
+    }
+    assert_int_equal(log_coverage(path, 7, &have), 0);
+    assert_null(have.bits);
+    assert_int_equal(log_coverage("/", 0, &have), -1);
+    /* A whole frame was released while it was read: all of it is there. */
+    buf_consume(&b, buf_size(&b));
+    put_run(&b, hello, frame, 0, H);
+    write_log(&b);
+    assert_int_equal(log_coverage(path, 0, &have), 0);
+    assert_true(coverage_full(&have));
+    coverage_free(&have);
+    buf_free(&b);
+}
+
+/* A second opening, by whomever, is refused while the first stands; what is appended stays. */
+static void test_lock(void **state)
+{
+    (void)state;
+    struct log_file one, two;
+    struct decoder d = {.upward = true};
+    struct record r;
+    unlink(path);
+    assert_int_equal(log_open(&one, path), 0);
+    assert_false(one.holds);
+    assert_int_equal(log_open(&two, path), -1);
+    assert_int_equal(errno, EWOULDBLOCK);
+    wire_feed(&d, hello, strlen(hello));
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    log_append(&one, &r);
+    assert_int_equal(log_flush(&one), 0);
+    log_close(&one);
+    assert_int_equal(log_open(&two, path), 0);
+    assert_true(two.holds);
+    log_close(&two);
+    assert_int_equal(log_open(&two, "/dev/full"), 0);
+    log_append(&two, &r);
+    assert_int_equal(log_flush(&two), -1);
+    assert_int_equal(errno, ENOSPC);
+    assert_int_equal(two.fd, -1);
+    log_append(&two, &r); /* into nothing */
+    assert_int_equal(log_flush(&two), 0);
+    log_close(&two);
+    wire_free(&d);
+}
+
+/* The log above against a run that says otherwise; "" for a run that may go on. */
+static void differs(const char *now_hello, const char *now_frame, const char *want)
+{
+    struct buf b = {0};
+    struct log_file l;
+    struct intake past, now;
+    struct decoder d = {.upward = true};
+    struct record r;
+    char why[LOG_WHY] = "";
+    put_run(&b, hello, frame, 0, 2);
+    write_log(&b);
+    assert_int_equal(log_open(&l, path), 0);
+    assert_int_equal(log_survey(&l, &past), 0);
+    intake_init(&now, false);
+    wire_feed(&d, now_hello, strlen(now_hello));
+    wire_feed(&d, now_frame, strlen(now_frame));
+    do {
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        intake_note(&now, &r);
+    } while (r.kind != REC_FRAME);
+    assert_int_equal(log_continues(&past, &now.origin, &r, why), !*want);
+    assert_true(strncmp(why, want, strlen(want)) == 0);
+    wire_free(&d);
+    intake_free(&now);
+    intake_free(&past);
+    log_close(&l);
+    buf_free(&b);
+}
+
+static void test_continues(void **state)
+{
+    (void)state;
+    const char *other = "frame 0 8 6 job=beef with=rtworker,-a4\n";
+    differs(hello, frame, "");
+    differs("", frame, "");
+    differs("hello deal 0.2 selftest=00000000000000aa\n", frame, "");
+    differs(hello, "frame 1 9 9 job=beef\n", "");
+    differs(hello, "frame 0 8 7 job=beef with=rtworker,-d1\n", "has another size: frame 0 of 8x6");
+    differs(hello, "frame 0 8 6 job=beef with=rtworker\n", "was rendered with other options");
+    differs("hello deal 0.2 selftest=bb\n", other, "was rendered by another version: 0.1");
+    differs("hello deal 0.1 selftest=bb\n", other, "was rendered by other arithmetic");
+    differs("hello deal 0.2 selftest=bb\n", frame, "was rendered by another version");
+    differs(hello, other, "is of another scene: frame 0 has job cafe, expected beef");
+    differs("", "frame 0 8 6 job=beef\n", "is of another scene");
+}
+
+static struct buf lacking;
+static void lack(const void *p, size_t n) { buf_append(&lacking, p, n); }
+
+static void test_missing(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct log_file l;
+    struct intake in;
+    put_run(&b, hello, frame, 0, 5);
+    write_log(&b);
+    assert_int_equal(log_open(&l, path), 0);
+    assert_int_equal(log_survey(&l, &in), 0);
+    intake_missing(in.parts.frames[0], lack);
+    buf_append(&lacking, "", 1);
+    assert_string_equal((const char *)buf_data(&lacking), "frame 0 8 6\ntask 0 5 0 5 8 1 1 1\n");
+    buf_free(&lacking);
+    intake_free(&in);
+    log_close(&l);
+    buf_free(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_origin),
+        cmocka_unit_test(test_options_are_words),
+        cmocka_unit_test(test_whole_once),
+        cmocka_unit_test(test_coverage),
+        cmocka_unit_test(test_lock),
+        cmocka_unit_test(test_continues),
+        cmocka_unit_test(test_missing),
+    };
+    int fd = mkstemp(path);
+    if (fd < 0) die(ST_SYSTEM, "%s:", path);
+    close(fd);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    unlink(path);
+    return failed;
+}
