@@ -4,37 +4,41 @@
 
 #include <unistd.h>
 
-#define SLOTS_MAX 4096
+static const char text[] = "[-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
+                           "       fan -l [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
-static void list_slots(int n)
+/* At most one of the two is given. */
+static void find_hosts(struct hosts *h, const char *list, int slots)
 {
-    for (int k = 0; k < n; k++) printf("%d\t:\t1\n", k);
-    close_stdout();
+    char err[HOSTS_ERR];
+    if (list && slots) die(ST_USAGE, "-j %d: expected either -S or -j", slots);
+    if (!list) hosts_here(h, slots ? slots : cores_available());
+    else if (!hosts_read(h, list, err)) die(ST_USAGE, "%s", err);
 }
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
-                               "       fan -l [-j SLOTS]";
-    struct fan_options o = {.silence_s = 3};
-    bool list = false;
+    struct hosts hosts;
+    struct fan_options o = {.hosts = &hosts, .silence_s = 3};
+    const char *list = NULL;
+    int slots = 0;
+    bool listing = false;
     prog_init(argv[0]);
     int opt;
-    while ((opt = getopt(argc, argv, "+hj:lt:")) != -1) {
+    while ((opt = getopt(argc, argv, "+hj:lS:t:")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
-        case 'j': o.slots = (int)opt_int(opt, optarg, 1, SLOTS_MAX); break;
-        case 'l': list = true; break;
+        case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
+        case 'l': listing = true; break;
+        case 'S': list = optarg; break;
         case 't': o.silence_s = opt_real(opt, optarg, .6, 1e6); break;
         default: usage(ST_USAGE, text);
         }
     }
-    if (!o.slots) o.slots = cores_available();
-    if ((optind == argc) != list) usage(ST_USAGE, text);
-    if (list) {
-        list_slots(o.slots);
-        return ST_OK;
-    }
+    if (optind == argc && !listing) usage(ST_USAGE, text);
+    find_hosts(&hosts, list, slots);
     o.command = argv + optind;
-    return drive_fan(&o);
+    int status = listing ? drive_list(&o) : drive_fan(&o);
+    hosts_free(&hosts);
+    return status;
 }

@@ -92,11 +92,12 @@ like "a bad scene: file and line" "$err" 'bad\.nff:[0-9]+: .*expected'
 
 # ---- fan and deal ------------------------------------------------------------------------------------
 state() { pack scene tetra.nff; partition "$@" 8x8; }
-is "fan -l" "$(fan -l -j 2 | tr '\t\n' ' ;')" "0 : 1;1 : 1;"
+is "fan -l" "$(fan -l -j 2 | tr '\t\n' ' ;')" "0 : -;1 : -;"
 state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
-is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/')" "hello fan 0.1 S slots=3"
+is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/')" \
+	"hello fan 0.1 S P slots=3"
 is "fan: up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
 is "fan: stamps" "$(lines frags | grep '^done 0 4 ' | sed 's/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="
@@ -117,7 +118,7 @@ for bad in '' '-q' '-q -1 fan' '-x'; do
 	run deal $bad </dev/null
 	is "deal $bad: exit 2" "$status" 2
 done
-for bad in '' '-j 0 rtworker -' '-l rtworker' '-t 0 rtworker' '-j 99999 x'; do
+for bad in '' '-j 0 rtworker -' '-l -j 0 rtworker' '-t 0 rtworker' '-j 99999 x'; do
 	# shellcheck disable=SC2086
 	run fan $bad </dev/null
 	is "fan $bad: exit 2" "$status" 2

@@ -177,7 +177,7 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference: the liar's comes second.
-liar 'sleep .5; echo "hello liar 1 selftest=0 power=1000"; exec rtworker - >/dev/null' 1.5
+liar 'sleep .5; echo "hello rtworker 0.1 selftest=0 power=1000"; exec rtworker - >/dev/null' 1.5
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^(frame .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'

@@ -37,6 +37,11 @@ const char *prog_name(void);
 void warn(const char *fmt, ...) PRINTF_LIKE(1, 2);
 /* The same, then exit(status). */
 _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
+/*
+ * "who: text" on stderr: a line that another program wrote there, whose unprintable bytes are shown
+ * as \x1b.
+ */
+void relay(const char *who, const char *text, size_t n);
 /* Prints "usage: program TEXT": to stdout with status 0 (-h), else to stderr; exits. */
 _Noreturn void usage(int status, const char *text);
 
@@ -76,7 +81,9 @@ unsigned char *buf_reserve(struct buf *b, size_t n);
 void buf_append(struct buf *b, const void *p, size_t n);
 void buf_printf(struct buf *b, const char *fmt, ...) PRINTF_LIKE(2, 3);
 void buf_consume(struct buf *b, size_t n);
-/* s as one word of a shell command, never mistaken for an option. */
+/* s as one word of a shell command; */
+void buf_word(struct buf *b, const char *s);
+/* a file's name, which is then never mistaken for an option. */
 void buf_quote(struct buf *b, const char *s);
 static inline size_t buf_size(const struct buf *b) { return b->len - b->off; }
 static inline const unsigned char *buf_data(const struct buf *b)

@@ -107,12 +107,12 @@ void buf_consume(struct buf *b, size_t n)
     if (b->cap > BUF_KEEP) buf_free(b);
 }
 
-void buf_quote(struct buf *b, const char *s)
+void buf_word(struct buf *b, const char *s)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=@%+-";
-    if (*s == '-') buf_append(b, "./", 2);
-    if (*s && strspn(s, plain) == strlen(s)) {
+    /* zsh would look for a program where a word begins with `=`. */
+    if (*s && *s != '=' && strspn(s, plain) == strlen(s)) {
         buf_append(b, s, strlen(s));
         return;
     }
@@ -122,4 +122,10 @@ void buf_quote(struct buf *b, const char *s)
         buf_append(b, s, 1);
     }
     buf_append(b, "'", 1);
+}
+
+void buf_quote(struct buf *b, const char *s)
+{
+    if (*s == '-') buf_append(b, "./", 2);
+    buf_word(b, s);
 }

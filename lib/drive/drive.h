@@ -14,13 +14,18 @@
 #include <poll.h>
 
 struct fan_options {
-    int slots;
+    const struct hosts *hosts;
     char *const *command; /* NULL-ended: the worker, one for each slot */
     double silence_s;     /* a slot that has work and says nothing for so long is lost */
 };
 
 /* Runs until the input has ended and every slot is done. Returns the exit status. */
 int drive_fan(const struct fan_options *o);
+/*
+ * Writes a line for each slot: number, host, power. Powers that the hosts do not state are asked
+ * for, where there is a command, by starting it on every such slot. Returns the exit status.
+ */
+int drive_list(const struct fan_options *o);
 
 /* Runs the policy around command (NULL-ended), which is or contains a fan. Returns the exit
  * status. */

@@ -2,7 +2,7 @@
  * fan: the router. Tasks with to=K go to slot K, others to slot ID mod N, state to all; what comes
  * back is checked, stamped and merged. Backpressure: when the reader is slow, workers are not read;
  * when a worker is slow, the input is not read. Neither can stop the other direction, so there is
- * no deadlock.
+ * no deadlock; and a slot that is not up stops nobody.
  */
 #include "drive/fan_int.h"
 
@@ -11,30 +11,25 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#define TICK_MS 500
 #define LEAVING_MS 100 /* while a slot is exiting; its end is told by SIGCHLD, its staying is not */
 #define STOP_MS 200    /* for workers to end when all is given up */
 #define HELLO_S 10.0   /* silence allowed before the first word, */
+#define REACH_S 15.0   /* also where ssh is given 10 s to connect, */
 #define LOADING_S 60.0 /* while the state is being loaded, */
 #define CLOSING_S 1.0  /* and when nothing is left to say */
-
-/* No slot has more queued than it should. */
-static bool room_down(const struct fan *f)
-{
-    for (int k = 0; k < f->o->slots; k++)
-        if (down_size(&f->slots[k].down) > DOWN_QUEUE_MOST) return false;
-    return true;
-}
+#define UNREACHED_S                                                                                \
+    30.0 /* nobody is up, and who could be is not for so long: there is no host left */
 
 /* So long may slot s say nothing; 0: as long as it likes. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
-    if (!f->in_open && !s->tasks.count) return CLOSING_S;
-    if (!s->hello) return HELLO_S;
+    if (!f->in_open && !s->tasks.count && s->host->here) return CLOSING_S;
+    if (!s->connected) return s->host->here ? HELLO_S : REACH_S;
+    if (!f->in_open && !s->tasks.count) return f->o->silence_s;
     /* Pixels of what is done may be held back until somebody asks. */
     bool asked = s->undone || (s->tasks.count && (s->flushed || !f->in_open));
     if (!asked) return 0;
-    return s->loaded ? f->o->silence_s : LOADING_S;
+    return s->loading ? LOADING_S : f->o->silence_s;
 }
 
 /*
@@ -44,27 +39,13 @@ static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
  */
 static void find_silent(struct fan *f, int64_t looked_us, bool reading)
 {
-    for (int k = 0; k < f->o->slots; k++) {
+    for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (s->ended || s->leave_us) continue;
+        if (s->state != FAN_OPENING && s->state != FAN_UP) continue;
         double allowed_s = silence_allowed_s(f, s);
         if (!reading || allowed_s <= 0) s->heard_us = now_us();
-        else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6) slot_lose(f, s, "silent");
-    }
-}
-
-/* The reader is gone, or the input is no good: nobody needs the rest. */
-static void abandon(struct fan *f)
-{
-    int64_t end = now_us() + STOP_MS * INT64_C(1000);
-    for (int k = 0; k < f->o->slots; k++)
-        if (!f->slots[k].ended) child_stop(&f->slots[k].child);
-    for (int k = 0; k < f->o->slots; k++) {
-        struct fan_slot *s = &f->slots[k];
-        if (s->ended) continue;
-        int64_t left_us = end - now_us();
-        child_end(&s->child, left_us > 0 ? (int)(left_us / 1000) : 0);
-        slot_free(s);
+        else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6)
+            slot_lose(f, s, s->connected ? "silent" : "no-hello", true);
     }
 }
 
@@ -72,24 +53,37 @@ static void abandon(struct fan *f)
 static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
     size_t n = 2;
-    p[0] = poll_entry(STDIN_FILENO, f->in_open && f->alive && room_down(f), POLLIN);
+    p[0] = poll_entry(STDIN_FILENO, f->in_open && fan_room_down(f), POLLIN);
     p[1] = outlet_poll(&f->out);
-    for (int k = 0; k < f->o->slots; k++) {
+    for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
+        const struct child *c = &s->child;
+        s->poll = 0;
+        if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->poll = n;
-        if (s->child.to < 0 && s->child.from < 0) continue;
-        p[n++] = poll_entry(s->child.to, true, down_size(&s->down) ? POLLOUT : 0);
-        p[n++] = poll_entry(s->child.from, reading, POLLIN);
+        p[n++] = poll_entry(c->to, s->state == FAN_UP, down_size(&s->down) ? POLLOUT : 0);
+        p[n++] = poll_entry(c->from, reading, POLLIN);
+        if (c->err >= 0) p[n++] = poll_entry(c->err, true, POLLIN);
     }
     return n;
 }
 
-static void poll_round(struct fan *f, struct pollfd *p)
+static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
+    if (s->child.err >= 0 && p[s->poll + 2].revents) slot_show_err(s);
+    if (s->state == FAN_UP && s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
+    if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
+    if (s->state == FAN_LEAVING) slot_left(f, s);
+}
+
+void fan_round(struct fan *f, struct pollfd *p)
+{
+    int wait_ms = hosts_connect(f);
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
-    if (poll_signals(p, n, f->leaving ? LEAVING_MS : TICK_MS) < 0) {
+    if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
+    if (poll_signals(p, n, wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) p[i].revents = 0;
         looked_us = 0; /* nobody was found silent */
@@ -97,47 +91,118 @@ static void poll_round(struct fan *f, struct pollfd *p)
     outlet_polled(&f->out, &p[1]);
     if (f->out.gone) return;
     if (p[0].revents) fan_take_input(f);
-    for (int k = 0; k < f->o->slots && !f->refused; k++) {
-        struct fan_slot *s = &f->slots[k];
-        if (s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
-        if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
-        if (s->leave_us) slot_left(f, s);
-    }
+    for (int k = 0; k < f->n_slots && !f->refused; k++)
+        if (f->slots[k].poll || f->slots[k].state == FAN_LEAVING) tend_slot(f, &f->slots[k], p);
     find_silent(f, looked_us, reading);
     outlet_push(&f->out);
 }
 
-static void free_fan(struct fan *f)
+/* It works, or what it did is being looked at. */
+static bool at_work(const struct fan_slot *s)
 {
+    return s->state == FAN_UP || (s->state == FAN_LEAVING && !s->decided) ||
+           (s->state == FAN_OPENING && s->host->here);
+}
+
+bool fan_working(const struct fan *f)
+{
+    int64_t now = now_us();
+    if (f->out.gone || f->refused || signals_came()) return false;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (at_work(s)) return true;
+        bool comes = s->state == FAN_WAITING || s->state == FAN_OPENING ||
+                     (s->state == FAN_LEAVING && s->again);
+        if (comes && slot_wanted(f, s) && now < s->missing_us + (int64_t)(UNREACHED_S * 1e6))
+            return true;
+    }
+    return false;
+}
+
+void fan_open(struct fan *f, const struct fan_options *o)
+{
+    *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us(), .in_open = true};
+    f->n_hosts = (int)o->hosts->n;
+    f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
+    f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
+    int k = 0;
+    for (int i = 0; i < f->n_hosts; i++) {
+        const struct host *h = &o->hosts->at[i];
+        f->hosts[i] =
+            (struct fan_host){.host = h, .argv = host_argv(h, o->command), .here = host_is_here(h)};
+        for (int end = k + h->slots; k < end; k++)
+            f->slots[k] = (struct fan_slot){.number = k,
+                .host = &f->hosts[i],
+                .child = CHILD_NONE,
+                .power = h->power,
+                .missing_us = f->start_us};
+    }
+    f->n[FAN_WAITING] = f->n_slots;
+    want_descriptors(3 * f->n_slots + 16);
+    if (*o->command) fan_ask_reference(f);
+}
+
+/* Nobody needs the rest, or nothing is left. */
+static void stop(struct fan *f)
+{
+    int64_t end = now_us() + STOP_MS * INT64_C(1000);
+    for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].child);
+    for (int k = 0; k < f->n_slots; k++) {
+        struct fan_slot *s = &f->slots[k];
+        int64_t left_us = end - now_us();
+        f->lost += s->tasks.count;
+        child_end(&s->child, left_us > 0 ? (int)(left_us / 1000) : 0);
+        slot_free(s);
+        wire_free(&s->from);
+        buf_free(&s->err);
+    }
+}
+
+void fan_close(struct fan *f)
+{
+    stop(f);
+    for (int i = 0; i < f->n_hosts; i++) host_argv_free(f->hosts[i].argv);
+    for (size_t i = 0; i < sizeof f->state / sizeof *f->state; i++)
+        if (f->state[i]) blob_drop(f->state[i]);
+    free(f->hosts);
     free(f->slots);
     wire_free(&f->in);
     frames_free(&f->frames);
     up_free(&f->out.queue);
     buf_free(&f->line);
+    buf_free(&f->frame_lines);
+}
+
+/* The status of a run that was not refused, and why it ended before its time. */
+static int verdict(const struct fan *f)
+{
+    bool unfinished = f->in_open || f->lost;
+    if (f->out.gone) return ST_SYSTEM;
+    if (!unfinished) return ST_OK;
+    if (!f->in_open && f->well) return ST_PARTIAL;
+    if (f->n[FAN_GONE] == f->n_slots) warn("no slot left");
+    else if (!signals_came()) warn("no slot left: none could be reached for %g s", UNREACHED_S);
+    return ST_SYSTEM;
 }
 
 int drive_fan(const struct fan_options *o)
 {
-    struct fan f = {.o = o, .start_us = now_us(), .in_open = true};
-    struct pollfd *p = xcalloc((size_t)o->slots * 2 + 2, sizeof *p);
+    struct fan f;
     signals_catch();
-    want_descriptors(2 * o->slots + 16);
+    fan_open(&f, o);
     outlet_open(&f.out);
-    f.slots = xcalloc((size_t)o->slots, sizeof *f.slots);
-    for (int k = 0; k < o->slots; k++) slot_start(&f, k);
-    while (f.alive && !f.out.gone && !f.refused && !signals_came()) poll_round(&f, p);
-    abandon(&f);
+    struct pollfd *p = xcalloc(FAN_POLL(&f), sizeof *p);
+    while (fan_working(&f)) fan_round(&f, p);
+    stop(&f);
     if (!f.refused) {
         wire_plain(&f.out.queue.bulk, REC_BYE, NULL);
         up_end_record(&f.out.queue);
         outlet_drain(&f.out);
     }
-    bool failed = f.out.gone || f.in_open;
-    int status = f.refused ? f.refused : failed ? ST_SYSTEM : f.lost ? ST_PARTIAL : ST_OK;
-    if (!f.refused && !f.out.gone && f.in_open && !signals_came()) warn("no slot left");
+    int status = f.refused ? f.refused : verdict(&f);
     if (f.stale) warn("%" PRId64 " answers to no question were dropped", f.stale);
     free(p);
-    free_fan(&f);
+    fan_close(&f);
     if (signals_came()) signals_die();
     return status;
 }

@@ -1,59 +1,167 @@
-/* fan's router, shared by its files: fan.c (the loop), fan_down.c (what comes from the input),
- * fan_slot.c (slots), fan_up.c (what workers say). */
+/*
+ * fan's router, shared by its files: fan.c (the loop), fan_down.c (what comes from the input),
+ * fan_slot.c (the life of a slot), fan_hosts.c (whose turn it is to connect, what is said of
+ * hosts), fan_hello.c (who is let in), fan_up.c (what workers say), fan_err.c (their standard
+ * error), fan_list.c (fan -l).
+ */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
 #include "drive/drive.h"
 
+enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_STATES };
+
+struct fan_host {
+    const struct host *host;
+    char **argv;     /* what is run for each of its slots */
+    bool here;       /* this machine: no connection that could fail */
+    int opening;     /* slots that are */
+    bool suspect;    /* the last connection failed: one slot at a time tries again */
+    bool complained; /* that it cannot be used, or reached, has been said since a slot was up */
+    uint64_t told;   /* hash of the last line of its standard error */
+};
+
 struct fan_slot {
     int number;
+    struct fan_host *host;
+    enum fan_state state;
+
     struct child child;
-    size_t poll; /* the place of child.to in the last poll, .from behind it */
-    struct down_queue down;
+    size_t poll; /* the place of child.to in the last poll, .from behind it, then .err; 0: none */
     struct decoder from;
+    struct buf err;      /* of its standard error, a line that is not whole yet */
+    char chatter[160];   /* what it said first, when that was no hello */
+    size_t before_hello; /* bytes */
+    int64_t heard_us;    /* when something moved last */
+    int64_t leave_us;    /* leaving: it has until then to exit */
+
+    /* of this connection */
+    bool connected; /* it said hello, and was let in */
+    bool loaded;    /* it has announced a frame */
+    bool loading;   /* since it was last sent state, it has not */
+    bool flushed;   /* it was asked for what it holds back */
+    bool asked;     /* its input had been closed when its stream ended */
+    bool decided;   /* leaving: why is known, and has been said */
+    bool again;     /* leaving: then it is connected again */
+    bool did;       /* it has done a task */
+
+    /* of all of them */
+    bool was_up;
+    bool told_gone;     /* `gone` was said, and `up` not since */
+    bool measured;      /* fan -l: nothing more is to be learnt */
+    int failures;       /* connections in a row over which no task was done, */
+    int deaths;         /* and over which tasks were lost */
+    int64_t retry_us;   /* waiting: not before */
+    int64_t missing_us; /* not up since then */
+    double power;       /* 0: not known yet */
+
+    struct down_queue down;
+    bool primed;             /* down begins with the state, and what follows it is added */
     struct task_table tasks; /* sent, and not yet both done and delivered */
     int32_t undone;          /* of these, not done */
-    bool flushed;            /* it was asked for what it holds back */
-    bool hello, loaded;      /* it has said hello; it has announced a frame */
-    bool ended;              /* its stream has ended, or it was given up */
-    bool asked;              /* its input had been closed when its stream ended */
-    int64_t heard_us;
-    int64_t leave_us; /* its stream has ended: it has until then to exit; else 0 */
+};
+
+/* What every hello has to agree with. */
+struct fan_reference {
+    char program[64], selftest[24]; /* program: its name and version */
+    char of[HOST_NAME_MOST + 4];    /* who said it; "": nobody yet */
 };
 
 struct fan {
     const struct fan_options *o;
+    int n_slots, n_hosts;
     struct fan_slot *slots;
-    int alive, leaving;
+    struct fan_host *hosts;
+    int n[FAN_STATES]; /* slots in each state */
+    int connecting;    /* those that are opening elsewhere */
+    int well;          /* slots that have ended as they should */
+    struct fan_reference reference;
     struct decoder in;
     struct frames frames;
+    struct blob *state[3];  /* the latest scene, grid, spec; NULL: none */
+    struct buf frame_lines; /* all frame records */
     struct outlet out;
     struct buf line;     /* a record on its way down */
-    char selftest[24];   /* of the first slot that said hello */
     int64_t start_us;    /* the zero of sent_us and recv_us */
     int64_t lost, stale; /* tasks lost with their slots; answers to questions not asked */
     bool in_open;
-    int refused; /* the status to end with at once: the input is bad, or cannot be read */
+    bool listing; /* fan -l: slots are asked for their hello, and that is all */
+    bool greeted; /* this fan has said hello itself */
+    int refused;  /* the status to end with at once: the input is bad, or cannot be read */
 };
+
+/* ---- fan.c ---- */
+
+void fan_open(struct fan *f, const struct fan_options *o);
+/* One round of the loop; p has room for FAN_POLL(f) entries. */
+void fan_round(struct fan *f, struct pollfd *p);
+#define FAN_POLL(f) ((size_t)(f)->n_slots * 3 + 2)
+/* Can anything still come of it? */
+bool fan_working(const struct fan *f);
+/* Ends what runs, and frees everything. */
+void fan_close(struct fan *f);
+
+/* ---- fan_down.c ---- */
 
 /* One read of the input, and everything that can be decoded from it, to the slots. */
 void fan_take_input(struct fan *f);
+/* What a slot needs before its first task. */
+void fan_prime(struct fan *f, struct fan_slot *s);
+/* It is sent what comes, or that waits for it because there are tasks for it. */
+bool fan_takes(const struct fan_slot *s);
+/* No slot has more queued than it should. */
+bool fan_room_down(const struct fan *f);
 
-/* Starts slot k's worker; a slot that cannot be started is gone. */
-void slot_start(struct fan *f, int k);
+/* ---- fan_slot.c ---- */
+
+/* Starts the process of a slot that waits. */
+void slot_open(struct fan *f, struct fan_slot *s);
+/* It has said hello, and is let in. */
+void slot_up(struct fan *f, struct fan_slot *s);
 /* Sends one task record to slot k, and keeps account of it. 0, or the status to end with. */
 int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* Writes to the slot what its pipe takes. */
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
-/* Frees what the slot holds besides its process. */
-void slot_free(struct fan_slot *s);
-/* Kills what is left of the slot and says `gone`, with the number of tasks that went with it. */
-void slot_lose(struct fan *f, struct fan_slot *s, const char *why);
+/*
+ * Gives the slot's process up and says `gone`, with the number of tasks that went with it; `again`:
+ * only the connection is at fault.
+ */
+void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* The stream of slot s has ended: it is given a moment to exit. */
 void slot_leave(struct fan *f, struct fan_slot *s);
 /* Has a slot that is leaving exited, in good order or not? Or must it be killed? */
 void slot_left(struct fan *f, struct fan_slot *s);
+/* Is there, or may there be, work for a slot that is not up? */
+bool slot_wanted(const struct fan *f, const struct fan_slot *s);
+/* Frees what the slot holds besides its process. */
+void slot_free(struct fan_slot *s);
+
+/* ---- fan_hosts.c ---- */
+
+/* Starts those whose turn it is. Returns in how many milliseconds another may have its turn. */
+int hosts_connect(struct fan *f);
+/* Whom a message is about: "slot 3", "slot 3 on render1". */
+#define SLOT_NAME (HOST_NAME_MOST + 32)
+const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
+/* Slot s could not be connected: the others of its host need not be waited for either. */
+void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
+/* `gone` for slot s, unless that has been said. */
+void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
+
+/* ---- fan_hello.c ---- */
+
+/* Asks a worker on this machine for what other hosts have to agree with. */
+void fan_ask_reference(struct fan *f);
+/* NULL, or why the slot is refused; it is up when it is not. */
+const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
+
+/* ---- fan_up.c, fan_err.c ---- */
+
 /* Everything that can be decoded from slot s. */
 void slot_listen(struct fan *f, struct fan_slot *s);
+/* Shows what the slot wrote to its standard error, line by line. */
+void slot_show_err(struct fan_slot *s);
+/* The rest of it; then it is closed. */
+void slot_end_err(struct fan_slot *s);
 
 #endif

@@ -1,4 +1,20 @@
-/* fan: starting, feeding and losing slots. */
+/*
+ * fan: the life of a slot.
+ *
+ *   state    what there is                      leaves it when
+ *   WAITING  no process                         it is its turn: -> OPENING; it cannot be started:
+ *                                               -> WAITING, GONE
+ *   OPENING  a process that has not said hello, its hello is good: -> UP; it is refused, says no
+ *            and is sent nothing                hello in time, its stream ends: -> LEAVING
+ *   UP       a worker                           its stream ends, it is silent or wrong: -> LEAVING
+ *   LEAVING  a process that is to exit          it has, or its time is over and it was killed:
+ *                                               -> WAITING to be connected again, or GONE
+ *   GONE     nothing                            never
+ *
+ * Connected again is a slot elsewhere whose connection was at fault: ssh exits with 255 or is
+ * killed, or nothing was heard. Nothing of an old connection is read any more once it is LEAVING.
+ * Tasks that were sent over it are lost with it; those for a slot that was never up wait for it.
+ */
 #include "drive/fan_int.h"
 
 #include <errno.h>
@@ -6,24 +22,91 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define GRACE_US 500000 /* for a worker to exit once its stream has ended */
+#define GRACE_US 500000       /* for a worker to exit once its stream has ended, */
+#define STOP_US 200000        /* and when it was given up and told to end */
+#define VIA_FAILED 255        /* ssh's status for its own failures */
+#define RETRY_FIRST_US 500000 /* before a slot is connected again; twice as long each time, */
+#define RETRY_MOST_US 10000000
+#define DEATHS_MOST                                                                                \
+    5 /* connections in a row that lost tasks and did none: it is the worker's fault */
 
-void slot_start(struct fan *f, int k)
+static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
 {
-    struct fan_slot *s = &f->slots[k];
-    *s = (struct fan_slot){.number = k, .heard_us = now_us(), .from.upward = true};
-    f->alive++;
-    if (child_start(&s->child, f->o->command) == 0) return;
-    int err = errno;
-    warn("%s: %s", f->o->command[0], strerror(err));
-    slot_lose(f, s, "not-started");
+    int opening = (state == FAN_OPENING) - (s->state == FAN_OPENING);
+    f->n[s->state]--;
+    f->n[state]++;
+    if (!s->host->here) f->connecting += opening;
+    s->host->opening += opening;
+    s->state = state;
+}
+
+bool slot_wanted(const struct fan *f, const struct fan_slot *s)
+{
+    if (f->listing) return !s->measured;
+    return f->in_open || s->tasks.count || s->host->here;
+}
+
+void slot_free(struct fan_slot *s)
+{
+    down_free(&s->down);
+    tasks_free(&s->tasks);
+    s->primed = false;
+    s->undone = 0;
+}
+
+/* The process is no more. */
+static void settle(struct fan *f, struct fan_slot *s)
+{
+    if (s->child.err >= 0) slot_end_err(s);
+    wire_free(&s->from);
+    if (s->again) {
+        int64_t wait_us = RETRY_FIRST_US;
+        for (int i = 1; i < s->failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
+        s->retry_us = now_us() + (wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US);
+        enter(f, s, FAN_WAITING);
+    } else {
+        slot_free(s);
+        enter(f, s, FAN_GONE);
+    }
+}
+
+void slot_open(struct fan *f, struct fan_slot *s)
+{
+    wire_free(&s->from);
+    s->from.upward = true;
+    s->connected = s->loaded = s->loading = s->flushed = s->asked = s->decided = s->again = false;
+    s->did = false;
+    s->before_hello = 0;
+    *s->chatter = '\0';
+    s->heard_us = now_us();
+    enter(f, s, FAN_OPENING);
+    int failed = s->host->here ? child_start(&s->child, s->host->argv)
+                               : child_start_apart(&s->child, s->host->argv);
+    if (!failed) return;
+    warn("%s: %s", s->host->argv[0], strerror(errno));
+    slot_lose(f, s, "not-started", true);
+}
+
+void slot_up(struct fan *f, struct fan_slot *s)
+{
+    char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
+    if (s->told_gone) warn("%s: is up", slot_name(s, name));
+    s->connected = s->was_up = true;
+    s->told_gone = s->host->suspect = s->host->complained = false;
+    s->heard_us = now_us();
+    enter(f, s, FAN_UP);
+    if (!s->primed) fan_prime(f, s);
+    snprintf(
+        text, sizeof text, "w=%d host=%s power=%.6g", s->number, s->host->host->name, s->power);
+    wire_plain(&f->out.queue.bulk, REC_UP, text);
+    up_end_record(&f->out.queue);
 }
 
 int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
     static const char *const drop[] = {"to", NULL};
     struct fan_slot *s = &f->slots[k];
-    if (s->ended) {
+    if (s->state == FAN_GONE || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
     }
@@ -34,58 +117,63 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
             r->task.id);
         return ST_USAGE;
     }
+    if (!s->primed) fan_prime(f, s);
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;
     s->undone++;
-    if (s->child.to >= 0) wire_forward(&s->down.bytes, r, drop, NULL);
+    if (fan_takes(s)) wire_forward(&s->down.bytes, r, drop, NULL);
     return 0;
 }
 
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
+    size_t before = down_size(&s->down);
     if (p->revents & POLLERR || (!full && down_write(&s->down, s->child.to) != 0)) {
         /* It reads no more: its output tells why, and what it still does. */
         child_close(&s->child.to);
         down_free(&s->down);
+        return;
     }
+    if (down_size(&s->down) != before) s->heard_us = now_us();
     if (!f->in_open && !down_size(&s->down)) child_close(&s->child.to);
 }
 
-void slot_free(struct fan_slot *s)
+/* Why the slot is parted from is known: that is said, and decided what becomes of it. */
+static void decide(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
-    down_free(&s->down);
-    wire_free(&s->from);
-    tasks_free(&s->tasks);
+    char name[SLOT_NAME];
+    s->failures = s->did ? 1 : s->failures + 1;
+    if (s->did) s->deaths = 0;
+    else if (s->connected && s->tasks.count) s->deaths++;
+    s->again = again && !s->host->here && s->deaths < DEATHS_MOST;
+    s->decided = true;
+    int32_t lost = s->connected || !s->again ? s->tasks.count : 0;
+    say_gone(f, s, why, lost);
+    if (!s->connected && !s->host->here) host_failed(f, s, why, s->again);
+    else if (lost || f->in_open)
+        warn("%s: lost (%s) with %" PRId32 " tasks%s", slot_name(s, name), why, lost,
+            s->again ? ", connecting again" : "");
+    f->lost += lost;
+    if (s->connected) s->missing_us = now_us();
+    if (s->connected || !s->again) slot_free(s);
+    s->measured |= !s->again || s->failures > 1;
 }
 
-static void close_slot(struct fan *f, struct fan_slot *s)
+void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
-    f->leaving -= s->leave_us != 0;
-    f->alive--;
-    s->leave_us = 0;
-    s->ended = true;
-    slot_free(s);
-}
-
-void slot_lose(struct fan *f, struct fan_slot *s, const char *why)
-{
-    char extra[96];
-    child_end(&s->child, 0);
-    snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32, s->number, why, s->tasks.count);
-    wire_plain(&f->out.queue.bulk, REC_GONE, extra);
-    up_end_record(&f->out.queue);
-    if (s->tasks.count || f->in_open)
-        warn("slot %d: lost (%s) with %" PRId32 " tasks", s->number, why, s->tasks.count);
-    f->lost += s->tasks.count;
-    close_slot(f, s);
+    decide(f, s, why, again);
+    child_stop(&s->child);
+    s->leave_us = now_us() + STOP_US;
+    enter(f, s, FAN_LEAVING);
+    if (!s->child.pid) settle(f, s);
 }
 
 void slot_leave(struct fan *f, struct fan_slot *s)
 {
     s->asked = s->child.to < 0; /* its input was closed: it was to end */
     s->leave_us = now_us() + GRACE_US;
-    f->leaving++;
+    enter(f, s, FAN_LEAVING);
 }
 
 void slot_left(struct fan *f, struct fan_slot *s)
@@ -94,9 +182,12 @@ void slot_left(struct fan *f, struct fan_slot *s)
     int status;
     if (!child_ended(&s->child, &status)) {
         if (now_us() < s->leave_us) return;
+        if (s->child.err >= 0) slot_end_err(s);
         status = child_end(&s->child, 0);
     }
     bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    if (well) close_slot(f, s);
-    else slot_lose(f, s, status_text(status, why));
+    bool connection = WIFSIGNALED(status) || WEXITSTATUS(status) == VIA_FAILED;
+    if (!s->decided && well) f->well++;
+    else if (!s->decided) decide(f, s, status_text(status, why), connection);
+    settle(f, s);
 }

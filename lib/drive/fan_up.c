@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define CHATTER_MOST 65536             /* bytes before hello, where start-up files may talk */
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
 static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
@@ -33,36 +34,9 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     char text[96];
     if (!frames_find(&f->frames, r->task.frame)) return "wrong-frame";
     s->loaded = true;
+    s->loading = false;
     stamp(s, r, text, sizeof text);
     up_forward(&f->out.queue, r, stamped, text);
-    return NULL;
-}
-
-/* fan is itself a worker: its hello goes out with the first of its slots'. */
-static void say_hello(struct fan *f)
-{
-    char text[96];
-    snprintf(text, sizeof text, "fan %s selftest=%s slots=%d", STORMRING_VERSION, f->selftest,
-        f->o->slots);
-    wire_plain(&f->out.queue.control, REC_HELLO, text);
-}
-
-static const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
-{
-    char selftest[24], power[24], text[96];
-    if (s->hello) return "second-hello";
-    if (!rec_str(r, "selftest", selftest, sizeof selftest)) return "no-selftest";
-    if (!rec_str(r, "power", power, sizeof power)) snprintf(power, sizeof power, "1");
-    s->hello = true;
-    if (!*f->selftest) {
-        memcpy(f->selftest, selftest, sizeof selftest);
-        say_hello(f);
-    } else if (strcmp(f->selftest, selftest) != 0) {
-        return "other-arithmetic";
-    }
-    snprintf(text, sizeof text, "w=%d host=: power=%s", s->number, power);
-    wire_plain(&f->out.queue.bulk, REC_UP, text);
-    up_end_record(&f->out.queue);
     return NULL;
 }
 
@@ -85,7 +59,7 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
         s->tasks.at[i].since_us, now_us() - f->start_us);
     wire_forward(&f->out.queue.control, r, stamped, text);
-    s->tasks.at[i].done = true;
+    s->tasks.at[i].done = s->did = true;
     s->undone--;
     settle(s, i);
     return NULL;
@@ -127,7 +101,7 @@ static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s
 static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     if (too_long(r)) return "long-line";
-    if (!s->hello && r->kind != REC_HELLO) return "no-hello";
+    if (!s->connected && r->kind != REC_HELLO) return "no-hello";
     switch (r->kind) {
     case REC_HELLO: return take_hello(f, s, r);
     case REC_FRAME: return take_frame(f, s, r);
@@ -141,17 +115,43 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     }
 }
 
+/* The first line of what a host says before hello, in case that none comes. */
+static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
+{
+    size_t i = 0;
+    if (s->before_hello) return;
+    for (; i < n && i < sizeof s->chatter - 1 && said[i] != '\n'; i++)
+        s->chatter[i] = (char)(said[i] >= ' ' && said[i] <= '~' ? said[i] : '?');
+    s->chatter[i] = '\0';
+}
+
+/*
+ * Start-up files of a host may print what they like before the worker runs. It is skipped, until
+ * what looks like a hello comes, or too much.
+ */
+static bool is_chatter(const struct fan_slot *s, enum wire_result result, const struct record *r)
+{
+    size_t n;
+    if (s->connected || s->host->here) return false;
+    return result == WIRE_BAD || r->kind != REC_HELLO || !rec_key(r, "selftest", &n);
+}
+
 void slot_listen(struct fan *f, struct fan_slot *s)
 {
+    size_t before = buf_size(&s->from.in), n;
     int more = stream_read(&s->from, s->child.from);
-    s->heard_us = now_us();
+    n = buf_size(&s->from.in) - before;
+    if (s->connected) s->heard_us = now_us();
+    else note_chatter(s, buf_data(&s->from.in) + before, n);
     struct record r;
     enum wire_result result;
     const char *why = NULL;
     while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
+        if (is_chatter(s, result, &r)) continue;
         if (result == WIRE_RECORD) why = take_record(f, s, &r);
         else if (!s->from.ended) why = "garbage";
     }
-    if (why) slot_lose(f, s, why);
+    if (!s->connected && !why && (s->before_hello += n) > CHATTER_MOST) why = "no-hello";
+    if (why) slot_lose(f, s, why, false);
     else if (more <= 0) slot_leave(f, s);
 }

@@ -115,12 +115,14 @@ static void take_input(struct driver *d)
 static void take_hello(struct driver *d, const struct record *r)
 {
     static const char fan[] = "hello fan ";
-    char selftest[24] = "", text[96];
+    char selftest[24] = "", text[128];
+    double power = 1;
     int64_t n = 1;
     rec_int(r, "slots", 1, SLOTS_MAX, &n);
+    rec_real(r, "power", 1e-6, 1e9, &power);
     rec_str(r, "selftest", selftest, sizeof selftest);
-    snprintf(text, sizeof text, "%s %s selftest=%s slots=%" PRId64, d->policy->name,
-        STORMRING_VERSION, selftest, n);
+    snprintf(text, sizeof text, "%s %s selftest=%s power=%.6g slots=%" PRId64, d->policy->name,
+        STORMRING_VERSION, selftest, power, n);
     wire_plain(&d->out.queue.control, REC_HELLO, text);
     tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = (int32_t)n});
     d->lone = strncmp(r->line, fan, sizeof fan - 1) != 0;

@@ -1,9 +1,10 @@
 /*
  * Starting and ending children.
  *
- * Who closes what: three pipes are made, all close-on-exec. The child dup2s its ends onto 0 and 1
- * (which clears the flag there) and execs; a failure before or in exec goes back as errno over the
- * third pipe, whose write end a successful exec closes. The parent closes the child's ends at once.
+ * Who closes what: the pipes are all close-on-exec. The child dup2s its ends onto 0, 1 and, where
+ * it is to have one, 2 (which clears the flag there) and execs; a failure before or in exec goes
+ * back as errno over the REPORT pipe, whose write end a successful exec closes. The parent closes
+ * the child's ends at once.
  */
 #include "proc/proc.h"
 
@@ -18,28 +19,33 @@
 #include <time.h>
 #include <unistd.h>
 
+enum { TO, FROM, REPORT, ERR, PIPES }; /* ERR comes last: it may be missing */
+
 void child_close(int *fd)
 {
     if (*fd >= 0) close(*fd);
     *fd = -1;
 }
 
-static _Noreturn void run_child(pid_t parent, const int fds[3], char *const argv[])
+static _Noreturn void run_child(pid_t parent, int p[PIPES][2], char *const argv[])
 {
     setpgid(0, 0);
     signals_restore();
     /* A parent that was killed can kill nobody: this also ends a child that is stopped or deaf. */
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
-    if (dup2(fds[0], STDIN_FILENO) >= 0 && dup2(fds[1], STDOUT_FILENO) >= 0) execvp(argv[0], argv);
+    if (dup2(p[TO][0], STDIN_FILENO) >= 0 && dup2(p[FROM][1], STDOUT_FILENO) >= 0 &&
+        (p[ERR][1] < 0 || dup2(p[ERR][1], STDERR_FILENO) >= 0))
+        execvp(argv[0], argv);
     int err = errno;
-    (void)!write(fds[2], &err, sizeof err);
+    (void)!write(p[REPORT][1], &err, sizeof err);
     _exit(127);
 }
 
-static int open_pipes(int p[3][2])
+static int open_pipes(int p[PIPES][2], int n)
 {
-    for (int i = 0; i < 3; i++) {
+    p[ERR][0] = p[ERR][1] = -1;
+    for (int i = 0; i < n; i++) {
         if (pipe2(p[i], O_CLOEXEC) == 0) continue;
         int err = errno;
         while (i-- > 0) close(p[i][0]), close(p[i][1]);
@@ -59,26 +65,33 @@ static int read_report(int fd)
     return n == sizeof err ? err : 0;
 }
 
-int child_start(struct child *c, char *const argv[])
+static int set_nonblocking(int fd) { return fd < 0 ? 0 : fcntl(fd, F_SETFL, O_NONBLOCK); }
+
+static int start(struct child *c, char *const argv[], int n_pipes)
 {
-    int p[3][2], err = 0;
-    *c = (struct child){0, -1, -1};
-    if (open_pipes(p) != 0) return -1;
+    int p[PIPES][2], err = 0;
+    *c = CHILD_NONE;
+    if (open_pipes(p, n_pipes) != 0) return -1;
     pid_t parent = getpid();
     c->pid = fork();
-    if (c->pid == 0) run_child(parent, (const int[]){p[0][0], p[1][1], p[2][1]}, argv);
+    if (c->pid == 0) run_child(parent, p, argv);
     if (c->pid < 0) err = errno;
-    close(p[0][0]), close(p[1][1]), close(p[2][1]);
-    c->to = p[0][1];
-    c->from = p[1][0];
-    if (!err) err = read_report(p[2][0]);
-    close(p[2][0]);
-    if (!err && fcntl(c->to, F_SETFL, O_NONBLOCK) < 0) err = errno;
+    close(p[TO][0]), close(p[FROM][1]), close(p[REPORT][1]), child_close(&p[ERR][1]);
+    c->to = p[TO][1];
+    c->from = p[FROM][0];
+    c->err = p[ERR][0];
+    if (!err) err = read_report(p[REPORT][0]);
+    close(p[REPORT][0]);
+    if (!err && (set_nonblocking(c->to) < 0 || set_nonblocking(c->err) < 0)) err = errno;
     if (!err) return 0;
     child_end(c, 0);
     errno = err;
     return -1;
 }
+
+int child_start(struct child *c, char *const argv[]) { return start(c, argv, ERR); }
+
+int child_start_apart(struct child *c, char *const argv[]) { return start(c, argv, PIPES); }
 
 static int kill_group(struct child *c)
 {
@@ -114,6 +127,7 @@ void child_stop(struct child *c)
 int child_end(struct child *c, int grace_ms)
 {
     int status;
+    child_close(&c->err);
     for (int64_t end = now_us() + grace_ms * INT64_C(1000); !child_ended(c, &status);) {
         if (now_us() >= end) return kill_group(c);
         nanosleep(&(struct timespec){0, 500000}, NULL);

@@ -1,5 +1,6 @@
 /*
- * proc: child processes connected by pipes, and queues of bytes that never block their writer.
+ * proc: hosts and the commands that reach them, child processes connected by pipes, and queues of
+ * bytes that never block their writer.
  *
  * Descriptors made here are close-on-exec. An inherited descriptor is never set non-blocking (that
  * would leak to whoever shares it). Where the standard output is a pipe it is opened once more,
@@ -14,10 +15,47 @@
 
 #include <sys/types.h>
 
+/* ---- hosts: see stormring-hosts(5) ---- */
+
+#define HOSTS_SLOTS_MAX 4096 /* of all hosts together */
+#define HOST_NAME_MOST 255   /* bytes of a host's name */
+#define HOSTS_ERR 512
+
+struct host {
+    char *name, *via, *bin; /* via, bin: NULL where nothing is said */
+    int slots;
+    double power; /* of a slot; 0: nobody said */
+};
+struct hosts {
+    struct host *at;
+    size_t n;
+    int slots; /* of all */
+};
+/*
+ * Where `arg` is an existing file, its hosts, a line each; else those of a comma list. Slots are
+ * numbered from 0 in this order. False with text in err, which begins with the place.
+ */
+bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
+/* This machine alone. */
+void hosts_here(struct hosts *h, int slots);
+void hosts_free(struct hosts *h);
+/* This machine: its commands are run as they are. */
+bool host_is_here(const struct host *h);
+/*
+ * What to run here so that `worker` (NULL-ended) runs on the host: `worker` itself, or the host's
+ * via with the worker as a command for the shell there. NULL-ended, freed by host_argv_free.
+ */
+char **host_argv(const struct host *h, char *const worker[]);
+void host_argv_free(char **argv);
+
+/* ---- children ---- */
+
 struct child {
     pid_t pid;    /* its own process group's leader; 0: none, or reaped */
     int to, from; /* its standard input (non-blocking) and output, -1 once closed */
+    int err;      /* its standard error (non-blocking), -1 where it shares this process's */
 };
+#define CHILD_NONE ((struct child){0, -1, -1, -1})
 
 /*
  * Starts argv (found on PATH) in a process group of its own, stderr shared, SIGPIPE at its default;
@@ -25,16 +63,19 @@ struct child {
  * failed, execvp included.
  */
 int child_start(struct child *c, char *const argv[]);
+/* The same, with standard error through a pipe of its own. */
+int child_start_apart(struct child *c, char *const argv[]);
 void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
 /*
  * Has the child ended? Then what is left of its group is killed, it is reaped, and *status is its
- * wait status, or -1 when there was no child. Both pipes are closed in any case. Does not wait.
+ * wait status, or -1 when there was no child. `to` and `from` are closed in any case; what it wrote
+ * last may still be in `err`. Does not wait.
  */
 bool child_ended(struct child *c, int *status);
 /* Asks the child's group to end, so that it can end what it has started itself; does not wait. */
 void child_stop(struct child *c);
 /*
- * Closes both pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
+ * Closes all pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
  * status, or -1 when there was no child.
  */
 int child_end(struct child *c, int grace_ms);
@@ -45,7 +86,7 @@ int cores_available(void);
 /* Asks the system for room for so many descriptors. */
 void want_descriptors(int n);
 
-/* ---- signals: they come only while this process waits in poll_signals ----------------------- */
+/* ---- signals: they come only while this process waits in poll_signals ---- */
 
 /*
  * From now on SIGINT, SIGTERM and SIGHUP, where they are not ignored, end nothing by themselves;
@@ -62,7 +103,7 @@ bool signals_came(void);
 /* Ends this process by the signal that came: what started it sees what it expects. */
 _Noreturn void signals_die(void);
 
-/* ---- towards children: bytes in order, with long bodies shared between many queues ----------- */
+/* ---- towards children: bytes in order, with long bodies shared between many queues ---- */
 
 struct blob {
     struct buf bytes;
@@ -89,11 +130,13 @@ static inline size_t down_size(const struct down_queue *q)
 {
     return buf_size(&q->bytes) + q->blob_bytes;
 }
+/* Blobs that are not written yet. */
+static inline size_t down_blobs(const struct down_queue *q) { return q->n_blobs - q->first_blob; }
 /* Writes what a non-blocking fd takes now. 0, or -1 with errno (EPIPE: the reader has gone). */
 int down_write(struct down_queue *q, int fd);
 void down_free(struct down_queue *q);
 
-/* ---- towards the reader: whole records, control before pixels -------------------------------- */
+/* ---- towards the reader: whole records, control before pixels ---- */
 
 struct up_queue {
     struct buf control, bulk;

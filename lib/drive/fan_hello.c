@@ -1,0 +1,130 @@
+/*
+ * fan: who is let in. The pictures of all slots must have the same bits, so every hello has to
+ * agree with the first in program, version and self-test. Where a slot is elsewhere, the first is
+ * that of a worker on this machine, before any other is listened to.
+ */
+#include "drive/fan_int.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+
+#define REFERENCE_US 10000000 /* for that worker's hello, */
+#define END_MS 200            /* and for it to exit, its input being closed */
+#define POWER_LEAST 1e-6
+#define POWER_MOST 1e9 /* of an inner fan: the sum of its slots */
+
+/* "PROGRAM VERSION" of a hello, which has both. */
+static void program_of(const struct record *r, char text[64])
+{
+    const char *at = r->line + strlen(rec_name(REC_HELLO)) + 1, *end = r->line + r->line_len;
+    const char *space = memchr(at, ' ', (size_t)(end - at));
+    const char *stop = space ? memchr(space + 1, ' ', (size_t)(end - space - 1)) : NULL;
+    snprintf(text, 64, "%.*s", (int)((stop ? stop : end) - at), at);
+}
+
+static bool set_reference(struct fan *f, const struct record *r, const char *of)
+{
+    struct fan_reference *ref = &f->reference;
+    if (!rec_str(r, "selftest", ref->selftest, sizeof ref->selftest)) return false;
+    program_of(r, ref->program);
+    snprintf(ref->of, sizeof ref->of, "%s", of);
+    return true;
+}
+
+static void listen_here(struct fan *f, struct child *c)
+{
+    struct decoder d = {.upward = true};
+    struct record r;
+    int64_t end_us = now_us() + REFERENCE_US, left_us;
+    bool more = true;
+    while (more && !*f->reference.of && !signals_came() && (left_us = end_us - now_us()) > 0) {
+        struct pollfd p = poll_entry(c->from, true, POLLIN);
+        if (poll_signals(&p, 1, (int)(left_us / 1000) + 1) < 0) {
+            if (errno != EINTR) die(ST_SYSTEM, "poll:");
+            continue;
+        }
+        if (!p.revents) continue;
+        more = stream_read(&d, c->from) > 0;
+        if (wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_HELLO) set_reference(f, &r, "here");
+    }
+    wire_free(&d);
+}
+
+void fan_ask_reference(struct fan *f)
+{
+    struct child c;
+    bool elsewhere = false;
+    for (int i = 0; i < f->n_hosts; i++) elsewhere |= !f->hosts[i].here;
+    if (!elsewhere) return;
+    if (child_start(&c, f->o->command) != 0) {
+        warn("%s:", f->o->command[0]);
+    } else {
+        child_close(&c.to);
+        listen_here(f, &c);
+        child_end(&c, END_MS);
+    }
+    if (!*f->reference.of && !signals_came())
+        warn("%s says no hello here: the first to say it decides whose arithmetic counts",
+            f->o->command[0]);
+}
+
+static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, ...)
+    PRINTF_LIKE(3, 4);
+
+/* Says why, once for a host. */
+static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, ...)
+{
+    char text[512], name[SLOT_NAME];
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(text, sizeof text, fmt, ap);
+    va_end(ap);
+    if (s->host->here) warn("%s: refused: %s", slot_name(s, name), text);
+    else if (!s->host->complained) warn("%s: refused: %s", s->host->host->name, text);
+    s->host->complained = true;
+    return why;
+}
+
+/*
+ * fan is itself a worker: its hello goes out with the first of its slots'. A slot of which nothing
+ * is known yet is taken to be as fast as that.
+ */
+static void say_hello(struct fan *f, double power)
+{
+    char text[192];
+    double sum = 0;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        sum += s->power > 0 ? s->power : power;
+    }
+    snprintf(text, sizeof text, "fan %s selftest=%s power=%.6g slots=%d", STORMRING_VERSION,
+        f->reference.selftest, sum, f->n_slots);
+    wire_plain(&f->out.queue.control, REC_HELLO, text);
+    f->greeted = true;
+}
+
+const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    const struct fan_reference *ref = &f->reference;
+    char selftest[24], program[64];
+    if (s->connected) return "second-hello";
+    if (!rec_str(r, "selftest", selftest, sizeof selftest)) return "no-selftest";
+    program_of(r, program);
+    if (!*ref->of) {
+        char of[sizeof ref->of];
+        snprintf(of, sizeof of, "on %s", s->host->host->name);
+        set_reference(f, r, s->host->here ? "here" : of);
+    }
+    if (strcmp(program, ref->program) != 0)
+        return refuse(
+            s, "other-version", "it runs %s, %s it is %s", program, ref->of, ref->program);
+    if (strcmp(selftest, ref->selftest) != 0)
+        return refuse(s, "other-arithmetic", "its arithmetic differs (selftest=%s, %s %s)",
+            selftest, ref->of, ref->selftest);
+    if (!(s->power > 0) && !rec_real(r, "power", POWER_LEAST, POWER_MOST, &s->power)) s->power = 1;
+    if (!f->greeted) say_hello(f, s->power);
+    slot_up(f, s);
+    s->measured = true;
+    return NULL;
+}

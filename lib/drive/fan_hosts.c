@@ -1,0 +1,68 @@
+/*
+ * fan: whose turn it is to connect, and what is said of hosts. A server takes few connections at a
+ * time that have not proved yet who they are (sshd's MaxStartups), so few are opened at once. First
+ * tries go before further ones; and a host whose last connection failed is tried by one slot at a
+ * time, so that dead hosts do not keep the living waiting.
+ */
+#include "drive/fan_int.h"
+
+#include <inttypes.h>
+
+#define OPENING_MOST 8
+#define TURN_MS 500 /* how often to look, when nothing else tells */
+
+static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
+{
+    if (s->state != FAN_WAITING || s->retry_us > now || !slot_wanted(f, s)) return false;
+    if (s->host->here) return true;
+    return f->connecting < OPENING_MOST && !(s->host->suspect && s->host->opening);
+}
+
+int hosts_connect(struct fan *f)
+{
+    int64_t now = now_us(), first_us = now + TURN_MS * INT64_C(1000);
+    if (!f->n[FAN_WAITING]) return TURN_MS;
+    for (int further = 0; further <= 1; further++)
+        for (int k = 0; k < f->n_slots; k++) {
+            struct fan_slot *s = &f->slots[k];
+            if ((s->failures > 0) == further && may_open(f, s, now)) slot_open(f, s);
+        }
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (s->state == FAN_WAITING && s->retry_us > now && s->retry_us < first_us)
+            first_us = s->retry_us;
+    }
+    return (int)((first_us - now + 999) / 1000);
+}
+
+const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME])
+{
+    if (s->host->here) snprintf(text, SLOT_NAME, "slot %d", s->number);
+    else snprintf(text, SLOT_NAME, "slot %d on %s", s->number, s->host->host->name);
+    return text;
+}
+
+void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
+{
+    char extra[96];
+    if (s->told_gone && !lost) return;
+    snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32, s->number, why, lost);
+    wire_plain(&f->out.queue.bulk, REC_GONE, extra);
+    up_end_record(&f->out.queue);
+    s->told_gone = true;
+}
+
+void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
+{
+    struct fan_host *h = s->host;
+    if (!h->complained)
+        warn("%s: %s (%s)%s%s", h->host->name, again ? "cannot be reached" : "cannot be used", why,
+            *s->chatter ? ", it says: " : "", s->chatter);
+    h->complained = true;
+    if (!again) return;
+    h->suspect = true;
+    for (int k = 0; k < f->n_slots; k++) {
+        struct fan_slot *other = &f->slots[k];
+        if (other->host == h && other->state == FAN_WAITING) say_gone(f, other, why, 0);
+    }
+}

@@ -1,0 +1,45 @@
+/* fan -l: the slots, one a line; who they are is known, how fast they are may have to be asked. */
+#include "drive/fan_int.h"
+
+#include <stdlib.h>
+
+/* Starts a worker on every slot whose power nobody stated, and hears its hello. */
+static void measure(struct fan *f)
+{
+    struct pollfd *p = xcalloc(FAN_POLL(f), sizeof *p);
+    f->in_open = false;
+    f->listing = true;
+    while (fan_working(f)) {
+        fan_round(f, p);
+        up_free(&f->out.queue); /* records are for nobody here */
+    }
+    free(p);
+}
+
+/* Returns how many powers are not known. */
+static int print(const struct fan *f)
+{
+    int unknown = 0;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        const char *host = s->host->host->name;
+        if (s->power > 0) printf("%d\t%s\t%.6g\n", k, host, s->power);
+        else printf("%d\t%s\t-\n", k, host);
+        unknown += !(s->power > 0);
+    }
+    return unknown;
+}
+
+int drive_list(const struct fan_options *o)
+{
+    struct fan f;
+    signals_catch();
+    fan_open(&f, o);
+    for (int k = 0; k < f.n_slots; k++) f.slots[k].measured = f.slots[k].power > 0;
+    if (*o->command) measure(&f);
+    int unknown = print(&f);
+    fan_close(&f);
+    if (signals_came()) signals_die();
+    close_stdout();
+    return unknown && *o->command ? ST_PARTIAL : ST_OK;
+}

@@ -1,0 +1,81 @@
+/*
+ * How a command reaches a host: by a template, ssh unless the hosts file says something else. The
+ * words of the command are quoted once for the shell there; the whole of it once more, as one word
+ * of the template, for the shell here.
+ */
+#include "proc/proc.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * No terminal, no X11, no agent, no escape character, no question asked; a host that does not
+ * answer is given up after 10 s, a connection over which nothing comes after 15. What the user's
+ * own configuration says about hosts and their keys stays.
+ */
+static const char default_via[] =
+    "ssh -T -x -a -e none -oBatchMode=yes -oConnectTimeout=10 -oServerAliveInterval=5"
+    " -oServerAliveCountMax=3 %h %c";
+
+/* ~ is the home directory there. */
+static void add_path(struct buf *b, const char *bin)
+{
+    buf_printf(b, "env PATH=");
+    if (*bin == '~') buf_printf(b, "\"$HOME\"");
+    buf_word(b, *bin == '~' ? bin + 1 : bin);
+    buf_printf(b, ":\"$PATH\" ");
+}
+
+/* For the shell on the host, which ends where the worker begins. */
+static void add_remote(struct buf *b, const struct host *h, char *const worker[])
+{
+    buf_printf(b, "exec ");
+    if (h->bin) add_path(b, h->bin);
+    for (size_t i = 0; worker[i]; i++) {
+        if (i) buf_append(b, " ", 1);
+        buf_word(b, worker[i]);
+    }
+    buf_append(b, "", 1);
+}
+
+static void add_template(struct buf *b, const char *via, const char *name, const char *remote)
+{
+    buf_printf(b, "exec ");
+    for (const char *p = via; *p; p++) {
+        if (*p != '%') buf_append(b, p, 1);
+        else if (*++p == 'h') buf_word(b, name);
+        else if (*p == 'c') buf_word(b, remote);
+        else buf_append(b, "%", 1);
+    }
+    buf_append(b, "", 1);
+}
+
+static char **copy_of(char *const *words, size_t n)
+{
+    char **argv = xcalloc(n + 1, sizeof *argv);
+    for (size_t i = 0; i < n; i++) argv[i] = xstrdup(words[i]);
+    return argv;
+}
+
+char **host_argv(const struct host *h, char *const worker[])
+{
+    struct buf remote = {0}, line = {0};
+    size_t n = 0;
+    if (host_is_here(h)) {
+        while (worker[n]) n++;
+        return copy_of(worker, n);
+    }
+    add_remote(&remote, h, worker);
+    add_template(&line, h->via ? h->via : default_via, h->name, (const char *)buf_data(&remote));
+    char sh[] = "sh", option[] = "-c";
+    char **argv = copy_of((char *const[]){sh, option, (char *)line.data}, 3);
+    buf_free(&remote);
+    buf_free(&line);
+    return argv;
+}
+
+void host_argv_free(char **argv)
+{
+    for (size_t i = 0; argv && argv[i]; i++) free(argv[i]);
+    free(argv);
+}
