@@ -20,17 +20,20 @@ is 'a host has neither the clone nor the scene' "$(within 'ls "$2/bin/fan" "$3/s
 none
 none'
 is 'nor a program on its PATH' "$(within 'ssh host1 command -v fan rtworker || echo none')" none
-is 'no way leads out' "$(within 'ip route | grep -v ^198.18.0 && echo out; ssh host1 ip route | grep -v ^198.18.0 || echo none')" none
+is 'no way leads out' "$(within 'ip route | grep -v ^198.18.0 && echo out
+	ssh host1 ip route | grep -v ^198.18.0 || echo none')" none
 is 'the status is the command'\''s' "$(within 'exit 7' >said; echo $?)" 7
 
 # Upper bounds of what a limited host can do: load on this system does not disturb them.
 if within '"$1" power host1 .5' >said; then
 	is 'a host of power .2 gets no more' "$(within '"$1" power host1 .2
-		"$1" run host1 bash -c "TIMEFORMAT=%U; time timeout 1 sh -c \"while :; do :; done\""' | awk '{ print $1 < .4 ? "so" : $1 }')" so
+		"$1" run host1 bash -c "TIMEFORMAT=%U; time timeout 1 sh -c \"while :; do :; done\""' |
+		awk '{ print $1 < .4 ? "so" : $1 }')" so
 else
 	skip 'a host of power .2 gets no more' "$(cat said)"
 fi
-is 'a link that is down, and up again' "$(within '"$1" link host1 down; ssh -oConnectTimeout=1 host1 true 2>/dev/null || echo down
+is 'a link that is down, and up again' "$(within '"$1" link host1 down
+	ssh -oConnectTimeout=1 host1 true 2>/dev/null || echo down
 	ssh host2 true && echo other; "$1" link host1 up; ssh host1 true && echo up')" 'down
 other
 up'
@@ -43,11 +46,12 @@ slow
 slow'
 is 'at an address nobody answers' "$(within 'ssh -oConnectTimeout=1 nowhere true 2>&1 | tr -d "\r"')" \
 	'ssh: connect to host 198.18.0.253 port 22: Connection timed out'
-is 'sshd can be killed, and started again' "$(within 'kill -9 $("$1" pids host1 sshd); ssh host1 true 2>/dev/null || echo dead
+is 'sshd can be killed, and started again' "$(within 'kill -9 $("$1" pids host1 sshd)
+	ssh host1 true 2>/dev/null || echo dead
 	"$1" sshd host1; ssh host1 echo back')" 'dead
 back'
 
-# ---- nothing is left, whatever ends it ----------------------------------------------------------------------------
+# ---- nothing is left, whatever ends it -----------------------------------------------------------------------------
 left() { # RUN: what still tells of it
 	grep -lz "^TEST_HOSTS=$1\$" /proc/[0-9]*/environ
 	ls -d "$1" /sys/fs/cgroup/*/"${1##*/}"
@@ -77,7 +81,8 @@ ok 'when even the janitor is killed, something is' [ -d "$run_of" ]
 "$hosts" with 1 true
 ok 'and the next run removes it' await 3 none_left "$run_of"
 
-"$hosts" with 3 sh -c 'ssh host3 "sleep 1; hostname"' >one & "$hosts" with 2 sh -c 'ssh host2 "sleep 1; hostname"; ssh host3 true || echo no' >two 2>&1
+"$hosts" with 3 sh -c 'ssh host3 "sleep 1; hostname"' >one &
+"$hosts" with 2 sh -c 'ssh host2 "sleep 1; hostname"; ssh host3 true || echo no' >two 2>&1
 wait
 is 'two runs at once are apart' "$(cat one two | grep -v '^ssh:' | tr '\n' ' ')" 'host3 host2 no '
 system >after

@@ -16,3 +16,10 @@ await() { # SECONDS COMMAND ...: until it succeeds
 		sleep .05
 	done
 }
+# Powers of which one machine has enough; where they cannot be set, all have the same.
+unequal() {
+	for power in 'host1 .5' 'host2 .25' 'host3 .1'; do
+		# shellcheck disable=SC2086
+		hosts power $power 2>"$tmp/.said" || { diag "$(cat "$tmp/.said")"; break; }
+	done
+}

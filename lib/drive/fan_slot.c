@@ -57,7 +57,7 @@ void slot_free(struct fan_slot *s)
 /* The process is no more. */
 static void settle(struct fan *f, struct fan_slot *s)
 {
-    if (s->child.err >= 0) slot_end_err(s);
+    slot_end_err(s);
     wire_free(&s->from);
     if (s->again) {
         int64_t wait_us = RETRY_FIRST_US;

@@ -1,0 +1,140 @@
+#!/bin/sh
+# Three hosts of unequal power, reached by ssh, that have neither the clone nor the scene: the same pixels by every
+# method, however they are named and whatever they say first; who would spoil the picture is refused by name.
+want_hosts=3
+. "$(dirname "$0")/hosts.sh"
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for hosts
+spdgen -s 2 gears >gears.nff
+for samples in 9 64; do partition 96x96 | rtworker -a $samples gears.nff | gather -o good$samples.pfm; done
+file=$TEST_HOSTS/hosts bin=/home/render/bin
+unequal
+
+# render NAME METHOD HOSTS [SAMPLES]: exit 0 and the same picture; what was said is in said. 64 samples are enough work
+# for every host to be heard before it is done.
+render() {
+	rm -f out.pfm job.log
+	run balance "$2" -S "$3" -s 96x96 -W "-a ${4:-9}" -o out.pfm -r job.log gears.nff
+	printf '%s\n' "$err" >said
+	is "$1: exit 0" "$status" 0
+	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
+}
+slots_in() { grep -a -o '^done .* w=[0-9.]*' "$1" | sed 's/.* w=//' | sort -u | tr '\n' ' '; }
+# put HOST FILE: standard input becomes a program there
+put() { hosts run "$1" sh -c 'cat >"$1" && chmod +x "$1"' put "$2"; }
+
+# ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
+for h in host1 host2 host3; do
+	is "$h is another one" "$(ssh $h 'hostname; echo $SSH_CONNECTION' | tr '\n' ' ' | cut -d ' ' -f 1,2)" "$h 198.18.0.254"
+	is "$h has neither the clone nor the scene" "$(ls -d "$root/bin/fan" "$tmp/gears.nff" | wc -l
+		ssh $h ls -d "$root/*" "$tmp" 2>/dev/null | wc -l)" "2
+0"
+done
+run fan -l -S "$file" rtworker -
+is 'fan -l names the hosts in the order of the file' "$(echo "$out" | cut -f 1,2 | tr '\t\n' '  ')" \
+	'0 host1 1 host2 2 host3 '
+is 'and measures their power' "$(echo "$out" | awk '$3 > 0' | wc -l)" 3
+methods=$(balance -h | sed -n 's/^methods: *//p')
+for method in $methods; do
+	render "$method on three hosts" "$method" "$file"
+	is "$method: not a word" "$(cat said)" ''
+done
+
+# ---- how hosts are named and reached -------------------------------------------------------------------------------
+for h in host1 host2; do hosts run $h sh -c "ln -s $bin/* /usr/local/bin"; done
+render 'a comma list with slots, a user and this machine' interleaved 2/host1,root@host2,:
+is 'every slot did its part' "$(slots_in job.log)" '0 1 2 3 '
+cat >via.hosts <<END
+# by a name that only we know, and by hand
+somebody slots=2 via="ssh -T host1 %c # %h" bin=$bin   # a comment
+198.18.0.2 via="ssh -l root -o HostKeyAlias=host2 -i $TEST_HOSTS/user %h %c" bin=$bin power=.3
+END
+render 'a hosts file with via' interleaved via.hosts
+is 'every slot of it did its part' "$(slots_in job.log)" '0 1 2 '
+
+# ---- a tree: one connection and one scene a host -------------------------------------------------------------------
+accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
+before=$(accepted)
+{ pack scene gears.nff; partition 96x96; } >job.task
+deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 9 - <job.task 2>said | gather -o tree.pfm -r tree.log
+ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good9.pfm
+is 'not a word' "$(cat said)" ''
+is 'one connection a host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
+like 'with two leaves each' "$(slots_in tree.log)" '([01]\.[01] ){3}'
+
+# ---- what start-up files say, and what workers say on their standard error -----------------------------------------
+hosts run host2 sh -c 'cat >/root/.bashrc' <<'END'
+echo "Welcome to host2.  Today: hello, frames and tasks"
+echo "task 0 0 0 0 1 1 1 1"; head -c 20000 /dev/zero | tr '\0' '#'
+echo "the disk is nearly full" >&2
+END
+render 'a host that talks first' interleaved "$file"
+is 'what it says on standard error has its name' "$(cat said)" 'host2: the disk is nearly full'
+echo 'while echo more; do :; done' | hosts run host2 sh -c 'cat >>/root/.bashrc'
+render 'a host that talks for ever' masterslave "$file" 64
+like 'it is named, and what it says is shown' "$(cat said)" \
+	'^fan: host2: cannot be used \(no-hello\), it says: Welcome to host2\.'
+hosts run host2 rm /root/.bashrc
+put host3 $bin/loud <<'END'
+#!/bin/sh
+printf 'one line,\r\n\033]0;title\007 no new line' >&2
+exec rtworker "$@"
+END
+# On hosts that lack it, and here, it cannot be run: that is said as well.
+deal fan -S "$file" loud -a 9 - <job.task 2>said | gather -o loud.pfm
+ok 'a worker that is only on one host: the same picture' cmp loud.pfm good9.pfm
+like 'what it says has its host before each line' "$(cat said)" '^host3: one line,$'
+like 'and cannot steer the terminal' "$(cat said)" '^host3: \\x1b]0;title\\x07 no new line$'
+like 'where it is not, it is said' "$(cat said)" '^fan: host1: cannot be used \(exit-127\)'
+
+# ---- who is refused, or not reached --------------------------------------------------------------------------------
+# other HOST SCRIPT: rtworker there is filtered by sed
+other() {
+	hosts run "$1" mv $bin/rtworker $bin/rtworker.good
+	printf '#!/bin/sh\n%s/rtworker.good "$@" | sed -u "%s"\n' $bin "$2" | put "$1" $bin/rtworker
+}
+as_before() { hosts run "$1" mv $bin/rtworker.good $bin/rtworker; }
+other host2 '1s/selftest=./selftest=x/'
+render 'a host of other arithmetic' masterslave "$file" 64
+like 'it is refused by name and reason' "$(cat said)" '^fan: host2: refused: its arithmetic differs'
+ok 'and nothing is from it' [ "$(slots_in job.log | grep -c 1)" = 0 ]
+as_before host2
+other host2 '1s/rtworker [^ ]*/rtworker 99/'
+render 'a host of another version' masterslave "$file" 64
+like 'it is refused by name and reason as well' "$(cat said)" \
+	'^fan: host2: refused: it runs rtworker 99, here it is rtworker '
+as_before host2
+cat "$file" - >more.hosts <<END
+nowhere bin=$bin
+nobody.invalid bin=$bin
+host3 bin=/home/nothing
+END
+start=$(now_ms)
+render 'nobody answers, a name that is none, and no programs' masterslave more.hosts 64
+ok 'nobody was waited for until ssh gave up' [ $(($(now_ms) - start)) -lt 9500 ]
+like 'the name is said' "$(cat said)" '^fan: nobody\.invalid: cannot be reached \(exit-255\)'
+like 'and why' "$(cat said)" '^nobody\.invalid: ssh: Could not resolve hostname'
+like 'the programs are missed' "$(cat said)" '^fan: host3: cannot be used \(exit-127\)'
+cp "$TEST_HOSTS/known_hosts" known
+sed "s,^host2 .*,$(sed -n 's/^host1 /host2 /p' known)," known >"$TEST_HOSTS/known_hosts"
+render 'a host that shows another key' masterslave "$file" 64
+like 'is not trusted' "$(cat said)" '^host2: Host key verification failed'
+ok 'and gets nothing' [ "$(slots_in job.log | grep -c 1)" = 0 ]
+cp known "$TEST_HOSTS/known_hosts"
+
+# ---- a slow link, and a scene that takes its time on it ------------------------------------------------------------
+spdgen -s 3 gears >large.nff # 600 kB: more than a second at this rate
+partition 64x64 | rtworker large.nff | gather -o large.pfm
+hosts link host3 4mbit
+for method in masterslave interleaved; do
+	rm -f out.pfm job.log
+	run balance $method -S "$file" -s 64x64 -o out.pfm -r job.log large.nff
+	is "$method, one link slow: exit 0" "$status" 0
+	ok "$method, one link slow: the same picture" cmp out.pfm large.pfm
+	is "$method, one link slow: not a word" "$err" ''
+	diag "$method: $(grep -a -c '^done .* w=2' job.log) of 64 rows by the host behind it"
+done
+hosts link host3 up
+for h in host1 host2 host3; do
+	is "$h: no worker is left" "$(for p in rtworker loud fan deal; do hosts pids $h $p; done)" ''
+done
+finish
