@@ -3,31 +3,32 @@
 # Memory of deal and fan is bounded, nobody is lost by mistake, nothing takes quadratic time.
 . "$(dirname "$0")/../lib.sh"
 spdgen -s 2 tetra >tetra.nff
-# shellcheck disable=SC2154  # lib.sh sets tmp
-peak() { sed -n 's/^VmHWM:[[:space:]]*\([0-9]*\) kB/\1/p' "/proc/$1/status"; }
-# watch: the most that deal and fan have used, KiB, once a second while they run
-watch() {
-	while sleep .5; do
-		for p in $(pgrep -x deal) $(pgrep -x fan); do
-			grep -qz "^MARK=$$\$" "/proc/$p/environ" 2>/dev/null && peak "$p" >>peaks
-		done
-	done 2>/dev/null
-}
-most() { sort -n peaks 2>/dev/null | tail -n 1; }
-watch &
-watcher=$!
-trap 'kill $watcher; rm -rf "$tmp"' EXIT
-export MARK=$$
+# shellcheck source=../peaks.sh
+. "$root/tests/peaks.sh"
+# bounded NAME PROGRAM kib|open LIMIT
+bounded() { ok "$1: $2 has at most $4 $3 ($(most "$2" "$3"))" [ "$(most "$2" "$3")" -le "$4" ]; }
 
 for to in '' '-n 2'; do
-	: >peaks
-	# shellcheck disable=SC2086  # an option and its argument, or nothing
-	{ pack scene tetra.nff; partition $to -u run:1 1000x1000; } |
-		deal fan -j 2 sh -c 'sleep 2; exec rtworker -' | gather -o "out$to.png"
-	is "a million tasks $to: exit" $? 0
-	ok "a million tasks $to: deal and fan have at most 64 MB ($(most) KiB)" [ "$(most)" -lt 65536 ]
+	measured "{ pack scene tetra.nff; partition $to -u run:1 1000x1000; } |
+		deal fan -j 2 sh -c 'sleep 2; exec rtworker -' | gather -o 'out$to.png'"
+	# shellcheck disable=SC2154  # peaks.sh sets it
+	is "a million tasks $to: exit" "$status" 0
+	for p in deal fan; do bounded "a million tasks $to" $p kib 32768; done
+	bounded "a million tasks $to" gather kib 32768
 done
 ok 'a million tasks: the same picture' cmp out.png 'out-n 2.png'
+measured '{ pack scene tetra.nff; partition -u run:1 1000x1000; } | deal fan -j 200 rtworker - 2>said | gather -o many.png'
+is 'a million tasks on 200 slots: exit, and not a word' "$status$(cat said)" 0
+ok 'a million tasks on 200 slots: the same picture' cmp out.png many.png
+for p in deal fan gather; do bounded 'a million tasks on 200 slots' $p kib 32768; done
+bounded 'a million tasks on 200 slots' fan open 416
+
+partition 8000x8000 | rtworker tetra.nff | gather -o good.png
+measured '{ pack scene tetra.nff; partition 8000x8000; } | deal fan -j 2 rtworker - 2>said | { sleep 5; gather -o out.png; }'
+is '8000x8000, and a reader that pauses for 5 s: exit, and not a word' "$status$(cat said)" 0
+ok '8000x8000: the same picture' cmp out.png good.png
+for p in deal fan; do bounded 8000x8000 $p kib 32768; done
+bounded 8000x8000 gather kib $(((8000 * 8000 * 129 / 8 >> 10) + (16 << 10)))
 
 start=$(date +%s)
 awk 'BEGIN { for (i = 0; i < 100000; i++) print "frame", i, "4 4\ntask", i, "0 0 0 4 4 1 1" }' >frames.task
@@ -42,11 +43,11 @@ ok 'a hundred thousand frames: within 30 s' [ $(($(date +%s) - start)) -le 30 ]
 		printf "p 3\n%.6f %.6f %.6f\n%.6f %.6f %.6f\n%.6f %.6f %.6f\n", x, y, z, x + rand(), y, z, x, y + rand(), z } }'
 } >big.nff
 partition 64x64 | rtworker big.nff | gather -o big.pfm
-: >peaks
-{ pack scene big.nff; partition 64x64; } | deal fan -t .6 -j 6 rtworker - 2>said | gather -o out.pfm
+measured '{ pack scene big.nff; partition 64x64; } | deal fan -t .6 -j 6 rtworker - 2>said | gather -o out.pfm'
 ok '40 MB of scene, silence of 0.6 s allowed: the same picture' cmp out.pfm big.pfm
 is '40 MB of scene: nobody is lost' "$(cat said)" ''
-ok "40 MB of scene: deal and fan have at most three times that ($(most) KiB)" [ "$(most)" -lt 131072 ]
+for p in deal fan; do bounded '40 MB of scene, three times' $p kib 131072; done
+export MARK=$$
 { pack scene big.nff; partition 64x64; } | deal fan -j 4 rtworker - 2>said | gather -o out.pfm &
 sleep 1.5
 for p in $(pgrep -x gather); do grep -qz "^MARK=$$\$" "/proc/$p/environ" && kill -9 "$p"; done
@@ -64,6 +65,4 @@ spdgen -s 2 gears >gears.nff
 is '50 slots at work: nobody is lost' "$?$(cat said)" 0
 { pack scene tetra.nff; partition 1024x1024; } | deal fan -j 2 rtworker - 2>said | { sleep 10; gather -o out.pfm; }
 is 'a reader that sleeps for 10 s: nobody is lost' "$?$(cat said)" 0
-{ pack scene tetra.nff; partition -u tile:512x512 6000x6000; } | deal fan -j 2 rtworker - 2>said | gather -o out.png
-is '36 million pixels: exit' "$?$(cat said)" 0
 finish

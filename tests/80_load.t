@@ -1,0 +1,32 @@
+#!/bin/sh
+# Invariant 6 under load: many slots, many tasks, a large picture, a reader that pauses. The picture is complete and
+# the same, nobody is lost, and memory and descriptors stay within what fan(1), deal(1) and gather(1) promise.
+# tests/soak/loads.sh has more of all of it.
+. "$(dirname "$0")/lib.sh"
+# shellcheck source=peaks.sh
+. "$root/tests/peaks.sh"
+# bounded NAME PROGRAM kib|open LIMIT
+bounded() { ok "$1: $2 has at most $4 $3 ($(most "$2" "$3"))" [ "$(most "$2" "$3")" -le "$4" ]; }
+
+spdgen -s 2 tetra >tetra.nff
+# shellcheck disable=SC2154  # peaks.sh sets it
+good() { partition "$1" | rtworker tetra.nff | gather -o good.pfm; }
+same() { is "$1: exit 0, and not a word" "$status$(cat said)" 0 && ok "$1: the same picture" cmp out.pfm good.pfm; }
+
+good 400x500
+measured "{ pack scene tetra.nff; partition -u run:1 400x500; } |
+	deal fan -j 200 rtworker - 2>said | gather -o out.pfm"
+same '200 slots, 200000 tasks'
+bounded '200 slots' fan kib $((16 << 10))
+bounded '200 slots' fan open $((2 * 200 + 16))
+bounded '200 slots' deal kib $((20 << 10))
+bounded '200 slots' deal open 16
+bounded '200 slots' gather open 16
+
+good 2000x2000
+measured "{ pack scene tetra.nff; partition 2000x2000; } | deal fan -j 2 rtworker - 2>said | { sleep 5; gather -o out.pfm; }"
+same 'a reader that pauses for 5 s'
+bounded 'a reader that pauses' fan kib $((16 << 10))
+bounded 'a reader that pauses' deal kib $((20 << 10))
+bounded 'four million pixels' gather kib $(((2000 * 2000 * 129 / 8 >> 10) + (16 << 10)))
+finish

@@ -1,0 +1,22 @@
+# What the processes of a run use at most, looked at some times a second. After lib.sh:
+#	measured LINE		runs a line of shell; its status is in $status
+#	most PROGRAM kib|open	the most memory one process of that name has used, in KiB, or descriptors it had open
+# shellcheck shell=sh disable=SC2034,SC2154
+peaks_mark=stormring-peaks-$$
+peaks_look() {
+	# shellcheck disable=SC2046  # a process each
+	set -- $(grep -lz "^MARK=$peaks_mark\$" /proc/[0-9]*/environ | sed 's,/environ$,,')
+	for process; do
+		name=$(cat "$process/comm") && echo "$name open $(set -- "$process"/fd/* && echo $#)"
+		sed -n "s/^VmHWM:[[:space:]]*\([0-9]*\) kB/$name kib \1/p" "$process/status"
+	done
+}
+measured() {
+	: >"$tmp/.peaks"
+	env MARK=$peaks_mark sh -c "$1" &
+	peaks_run=$!
+	while kill -0 $peaks_run; do peaks_look >>"$tmp/.peaks"; sleep .1; done 2>/dev/null
+	status=0
+	wait $peaks_run || status=$?
+}
+most() { awk -v name="$1" -v what="$2" '$1 == name && $2 == what && $3 > n { n = $3 } END { print n + 0 }' "$tmp/.peaks"; }
