@@ -2,18 +2,25 @@
 #include "base/base.h"
 #include "drive/drive.h"
 
+#include <string.h>
 #include <unistd.h>
+
+#define DEPTH_MOST 1000000
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-q DEPTH] COMMAND [ARGUMENT ...]";
+    static const char text[] = "[-e] [-q DEPTH|auto] COMMAND [ARGUMENT ...]";
     struct sched_params p = {0};
     prog_init(argv[0]);
     int opt;
-    while ((opt = getopt(argc, argv, "+hq:")) != -1) {
+    while ((opt = getopt(argc, argv, "+ehq:")) != -1) {
         switch (opt) {
+        case 'e': p.endgame = true; break;
         case 'h': usage(ST_OK, text);
-        case 'q': p.depth = (int32_t)opt_int(opt, optarg, 0, 1000000); break;
+        case 'q':
+            if (strcmp(optarg, "auto") == 0) p.depth = SCHED_DEPTH_AUTO;
+            else p.depth = (int32_t)opt_int(opt, optarg, 0, DEPTH_MOST);
+            break;
         default: usage(ST_USAGE, text);
         }
     }

@@ -27,8 +27,9 @@ struct driver {
     struct frames frames;
     struct tags tags;
     bool in_open, closing;
-    bool lone;   /* the command is no fan: its slots come and go without being named */
-    int refused; /* the status to end with at once */
+    bool stopping; /* nothing of what the command still does is needed */
+    bool lone;     /* the command is no fan: its slots come and go without being named */
+    int refused;   /* the status to end with at once */
 };
 
 /* "2.1" is slot 2 of the fan inside: deeper levels are its own affair. -1: none. */
@@ -46,9 +47,10 @@ static int32_t slot_of(const struct record *r)
     return parse_int(text, 0, SLOTS_MAX - 1, &k) ? (int32_t)k : -1;
 }
 
-static void give(struct driver *d, struct buf *line, struct task t)
+/* of: the id under which it, or the task that it is a piece of, came. */
+static void give(struct driver *d, struct buf *line, struct task t, uint32_t of)
 {
-    const char *keys = tags_find(&d->tags, &t);
+    const char *keys = tags_find(&d->tags, t.frame, of);
     wire_task(line, &t);
     if (!keys) return;
     line->len--; /* the newline */
@@ -62,10 +64,11 @@ static void perform(struct driver *d)
         const struct sched_action *a = &d->acts.at[i];
         struct task t = a->task;
         t.to = a->slot;
-        if (a->kind == SCHED_GIVE) give(d, down, t);
+        if (a->kind == SCHED_GIVE) give(d, down, t, a->of);
         if (a->kind == SCHED_COMMIT) tags_drop(&d->tags, &t);
         if (a->kind == SCHED_ASK_FLUSH) buf_printf(down, "flush to=%" PRId32 "\n", a->slot);
         if (a->kind == SCHED_END) d->closing = true;
+        if (a->kind == SCHED_STOP) d->stopping = true;
     }
     d->acts.n = 0;
 }
@@ -130,6 +133,17 @@ static void take_hello(struct driver *d, const struct record *r)
         tell(d, (struct sched_event){.kind = SCHED_UP, .slot = k});
 }
 
+/* A task may have been given before, to another slot or to this one: its `done` says so. */
+static void forward_done(struct driver *d, const struct record *r, const struct sched_event *e)
+{
+    static const char *const drop[] = {"try", NULL};
+    char text[24];
+    int32_t n = d->policy->tries(d->state, e->slot, e->task.frame, e->task.id);
+    snprintf(text, sizeof text, "try=%" PRId32, n);
+    if (n > 1) wire_forward(&d->out.queue.control, r, drop, text);
+    else wire_forward(&d->out.queue.control, r, NULL, NULL);
+}
+
 static void take_up(struct driver *d, const struct record *r)
 {
     struct sched_event e = {.slot = slot_of(r), .task = r->task};
@@ -139,8 +153,9 @@ static void take_up(struct driver *d, const struct record *r)
     case REC_BEAT: wire_forward(&d->out.queue.control, r, NULL, NULL); return;
     case REC_FRAME: up_forward(&d->out.queue, r, NULL, NULL); return;
     case REC_DONE:
-        wire_forward(&d->out.queue.control, r, NULL, NULL);
+        forward_done(d, r, &e);
         e.kind = SCHED_DONE;
+        if (!rec_int(r, "wall_us", 0, INT64_MAX, &e.wall_us)) e.wall_us = -1;
         break;
     case REC_FRAG:
         up_forward(&d->out.queue, r, NULL, NULL);
@@ -226,7 +241,8 @@ int drive_policy(
     d.state = policy->create(params);
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);
     bool more = true;
-    while (more && !d.out.gone && !d.refused && !signals_came()) more = poll_round(&d);
+    while (more && !d.out.gone && !d.refused && !d.stopping && !signals_came())
+        more = poll_round(&d);
     if (more) child_stop(&d.child);
     child_end(&d.child, GRACE_MS);
     int status = finish(&d, command);

@@ -37,9 +37,9 @@ void tags_keep(struct tags *t, const struct record *r)
     t->text[i] = text;
 }
 
-const char *tags_find(const struct tags *t, const struct task *task)
+const char *tags_find(const struct tags *t, uint32_t frame, uint32_t id)
 {
-    int32_t i = tasks_find(&t->tasks, task->frame, task->id);
+    int32_t i = tasks_find(&t->tasks, frame, id);
     return i < 0 ? NULL : t->text[i];
 }
 

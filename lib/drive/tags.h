@@ -15,7 +15,7 @@ struct tags {
 /* Keeps r's unknown keys, if any. */
 void tags_keep(struct tags *t, const struct record *r);
 /* NULL, or the keys of this task, good until it is dropped. */
-const char *tags_find(const struct tags *t, const struct task *task);
+const char *tags_find(const struct tags *t, uint32_t frame, uint32_t id);
 void tags_drop(struct tags *t, const struct task *task);
 void tags_free(struct tags *t);
 

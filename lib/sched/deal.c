@@ -4,46 +4,31 @@
  * A task is in one of these states; the ledger holds it until it is committed and forgets it then.
  *
  *   state     where                 leaves it on
- *   pool      pool list             a slot that is up holds fewer than 1 + depth: -> held
- *   promised  slot's promised list  its slot comes up: -> held; is gone, or does not exist: -> pool
- *   held      slot's held list      DONE from that slot: -> computed; slot gone: -> pool (front)
- *   computed  slot's computed list  slot gone: -> pool (front)
- *   (any)     -                     the last PIXELS: committed
+ *   pool      pool list             a slot that is up may hold one more: -> out
+ *   promised  slot's promised list  its slot comes up: -> out; is gone, or does not exist: -> pool
+ *   out       out list; copies in   DONE from a slot that has a copy: -> computed; the last such
+ *             `has` of some slots   slot gone, and no piece of it there: -> pool (front)
+ *   computed  slot's computed list  slot gone: -> out where another has a copy, else pool (front)
+ *   (any)     -                     the last PIXELS, its own or those of its pieces: committed
  *
  * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first
  * phase). PIXELS count whoever sends them: a slot that was given up may still be the first to
- * deliver. DONE counts only from the slot that holds the task. Anything else is late or wrong, and
- * ignored.
+ * deliver. DONE counts only from a slot that has a copy. Anything else is late or wrong, and
+ * ignored. What a slot has keeps it busy, needed or not, until it says DONE or is gone.
+ *
+ * More than one copy of a task, and pieces of it, exist only at the end: deal_end.c.
  */
-#include "sched/sched.h"
+#include "sched/deal_int.h"
 
 #include <stdlib.h>
 
 #define SLOTS_MAX (1 << 20)
 
-enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
-
-struct slot {
-    enum slot_state state;
-    bool asked; /* for a flush, since it was last given work */
-    struct task_list promised, held, computed;
-};
-
-struct deal {
-    struct sched_params p;
-    struct task_table ledger;
-    struct task_list pool;
-    struct slot *slots;
-    int32_t n_slots; /* entries of slots */
-    int32_t known;   /* what SLOTS said, 0 before */
-    bool ended, flush, closed;
-};
-
 static void *deal_create(const struct sched_params *p)
 {
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
-    d->pool = TASK_LIST_EMPTY;
+    d->pool = d->out = TASK_LIST_EMPTY;
     return d;
 }
 
@@ -51,7 +36,10 @@ static void deal_destroy(void *state)
 {
     struct deal *d = state;
     if (!d) return;
+    for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
+    frames_free(&d->frames);
+    free(d->account);
     free(d->slots);
     free(d);
 }
@@ -61,101 +49,79 @@ static struct slot *slot_at(struct deal *d, int32_t k)
     if (k >= d->n_slots) {
         d->slots = xrealloc(d->slots, (size_t)k + 1, sizeof *d->slots);
         for (; d->n_slots <= k; d->n_slots++)
-            d->slots[d->n_slots] =
-                (struct slot){SLOT_NEW, false, TASK_LIST_EMPTY, TASK_LIST_EMPTY, TASK_LIST_EMPTY};
+            d->slots[d->n_slots] = (struct slot){.promised = TASK_LIST_EMPTY,
+                .computed = TASK_LIST_EMPTY,
+                .held = TASK_LIST_EMPTY,
+                .shared = TASK_LIST_EMPTY};
     }
     return &d->slots[k];
 }
 
-/* The list that entry i is on. */
-static struct task_list *list_of(struct deal *d, int32_t i)
-{
-    const struct task_entry *e = &d->ledger.at[i];
-    if (e->slot < 0) return &d->pool;
-    struct slot *s = &d->slots[e->slot];
-    if (s->state == SLOT_NEW) return &s->promised;
-    return e->done ? &s->computed : &s->held;
-}
+/* ---- giving ---------------------------------------------------------------------------------- */
 
-static void give(struct deal *d, int32_t k, int32_t i, struct sched_actions *out)
-{
-    struct task_entry *e = &d->ledger.at[i];
-    e->slot = k;
-    e->done = false;
-    list_push_back(&d->ledger, &d->slots[k].held, i);
-    d->slots[k].asked = BUG(7);
-    sched_act(out, SCHED_GIVE, k, &e->task);
-}
-
-/* The hungriest slot, the lowest of equals, or -1 when all have what they may hold. */
+/* The slot that has least, the lowest of equals, or -1 when all have what they may. */
 static int32_t hungriest(const struct deal *d)
 {
-    int32_t best = -1, least = d->p.depth + (BUG(5) ? 2 : 1);
+    int32_t best = -1, least = INT32_MAX, up = 0;
+    for (int32_t k = 0; k < d->n_slots; k++) up += d->slots[k].state == SLOT_UP;
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
-        if (s->state != SLOT_UP || s->held.count >= least) continue;
+        int32_t load = slot_load(s);
+        if (s->state != SLOT_UP || load >= least || load >= pace_limit(d, s, up)) continue;
         best = k;
-        least = s->held.count;
+        least = load;
     }
     return best;
 }
 
-static void hand_out(struct deal *d, struct sched_actions *out)
+static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
-    while (d->pool.count) {
-        int32_t k = hungriest(d);
-        if (k < 0) return;
-        int32_t i = d->pool.head;
-        list_remove(&d->ledger, &d->pool, i);
-        give(d, k, i, out);
+    int32_t k;
+    while ((d->pool.count || d->ended) && (k = hungriest(d)) >= 0) {
+        int32_t i = d->pool.count ? d->pool.head : end_other(d, k);
+        if (i < 0) return;
+        i = end_piece(d, k, i);
+        deal_take(d, i);
+        deal_give(d, k, i, now, out);
     }
 }
 
-static void take_task(struct deal *d, const struct sched_event *e, struct sched_actions *out)
+/* ---- events ---------------------------------------------------------------------------------- */
+
+static void take_task(
+    struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     if (tasks_find(&d->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = tasks_add(&d->ledger, &e->task, e->frame_w), to = BUG(12) ? -1 : e->task.to;
+    int32_t i = deal_enter(d, &e->task, e->frame_w, -1), to = BUG(12) ? -1 : e->task.to;
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
-    if (s && s->state == SLOT_UP) {
-        give(d, to, i, out);
-    } else if (s && s->state == SLOT_NEW) {
-        d->ledger.at[i].slot = to;
-        list_push_back(&d->ledger, &s->promised, i);
-    } else {
-        list_push_back(&d->ledger, &d->pool, i);
-    }
-}
-
-/* Everything on l goes back to the front of the pool, in its order. */
-static void reclaim(struct deal *d, struct task_list *l)
-{
-    while (l->count) {
-        int32_t i = l->tail;
-        list_remove(&d->ledger, l, i);
-        d->ledger.at[i].slot = -1;
-        d->ledger.at[i].done = false;
-        list_push_front(&d->ledger, &d->pool, i);
-    }
+    d->left_px += (double)lattice_count(&e->task.at);
+    if (s && s->state == SLOT_UP) deal_give(d, to, i, now, out);
+    else if (s && s->state == SLOT_NEW) deal_put(d, i, PROMISED, to);
+    else deal_put(d, i, IN_POOL, -1);
 }
 
 static void take_gone(struct deal *d, int32_t k)
 {
     struct slot *s = slot_at(d, k);
-    if (!BUG(1)) reclaim(d, &s->held);
-    if (!BUG(2)) reclaim(d, &s->computed);
-    reclaim(d, &s->promised);
+    if (!BUG(1)) {
+        deal_lose(d, s, &s->shared);
+        deal_lose(d, s, &s->held);
+    }
+    if (!BUG(2)) deal_reclaim(d, &s->computed);
+    deal_reclaim(d, &s->promised);
     s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
 }
 
-static void take_up(struct deal *d, int32_t k, struct sched_actions *out)
+static void take_up(struct deal *d, int32_t k, int64_t now, struct sched_actions *out)
 {
     struct slot *s = slot_at(d, k);
     if (s->state == SLOT_UP) return;
     s->state = SLOT_UP;
+    s->pace = (struct pace){0};
     while (s->promised.count) {
         int32_t i = s->promised.head;
-        list_remove(&d->ledger, &s->promised, i);
-        give(d, k, i, out);
+        deal_take(d, i);
+        deal_give(d, k, i, now, out);
     }
 }
 
@@ -164,37 +130,39 @@ static void take_slots(struct deal *d, int32_t n)
 {
     d->known = n;
     for (int32_t k = BUG(4) ? d->n_slots : n; k < d->n_slots; k++)
-        reclaim(d, &d->slots[k].promised);
+        deal_reclaim(d, &d->slots[k].promised);
 }
 
-/* The last pixels of entry i have been passed on: forget it. */
-static void commit(struct deal *d, int32_t i, struct sched_actions *out)
-{
-    sched_act(out, SCHED_COMMIT, d->ledger.at[i].slot, &d->ledger.at[i].task);
-    if (BUG(9)) return;
-    list_remove(&d->ledger, list_of(d, i), i);
-    tasks_remove(&d->ledger, i);
-}
-
-static void take_done(struct deal *d, const struct sched_event *e, struct sched_actions *out)
+static void take_done(
+    struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     (void)out;
-    int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
-    if (i < 0 || (!BUG(11) && d->ledger.at[i].slot != e->slot) || d->ledger.at[i].done) return;
-    if (BUG(11) && d->ledger.at[i].slot < 0) return;
-    if (d->slots[e->slot].state != SLOT_UP) return;
+    if (e->slot >= d->n_slots || d->slots[e->slot].state != SLOT_UP) return;
     struct slot *s = &d->slots[e->slot];
-    list_remove(&d->ledger, &s->held, i);
+    int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
+    int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
+    if (c >= 0) {
+        pace_note(&s->pace, &s->has.at[c], e->wall_us, now);
+        deal_drop_copy(s, c);
+        if (i >= 0) d->account[i].copies--;
+    } else if (!BUG(11)) {
+        /* Said before it was so? What it holds back it may not have had when it was asked. */
+        if (i >= 0 && d->ledger.at[i].slot == e->slot) s->asked = false;
+        return;
+    }
+    if (i < 0 || d->account[i].place != OUT) return; /* somebody was faster */
+    deal_forget_pieces(d, i);
+    deal_take(d, i);
     d->ledger.at[i].done = true;
-    list_push_back(&d->ledger, &s->computed, i);
-    if (BUG(6)) commit(d, i, out);
+    deal_put(d, i, COMPUTED, e->slot);
+    if (BUG(6)) deal_commit(d, i, out);
 }
 
 static void take_pixels(struct deal *d, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     if (i < 0 || !tasks_deliver(&d->ledger, i, &e->task.at)) return;
-    if (BUG(8) || tasks_whole(&d->ledger, i)) commit(d, i, out);
+    if (BUG(8) || tasks_whole(&d->ledger, i)) deal_commit(d, i, out);
 }
 
 /* With nothing left to give, slots that have computed all of theirs are asked for it. */
@@ -202,7 +170,7 @@ static void ask_flush(struct deal *d, struct sched_actions *out)
 {
     for (int32_t k = 0; k < d->n_slots; k++) {
         struct slot *s = &d->slots[k];
-        if (s->state != SLOT_UP || s->asked || s->held.count || !s->computed.count) continue;
+        if (s->state != SLOT_UP || s->asked || slot_load(s) || !s->computed.count) continue;
         s->asked = true;
         sched_act(out, SCHED_ASK_FLUSH, k, NULL);
     }
@@ -212,23 +180,22 @@ static void deal_step(
     void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     struct deal *d = state;
-    (void)now;
     switch (e->kind) {
-    case SCHED_TASK: take_task(d, e, out); break;
+    case SCHED_TASK: take_task(d, e, now, out); break;
     case SCHED_INPUT_END: d->ended = true; break;
     case SCHED_FLUSH: d->flush = true; break;
     case SCHED_SLOTS: take_slots(d, e->n); break;
-    case SCHED_UP: take_up(d, e->slot, out); break;
+    case SCHED_UP: take_up(d, e->slot, now, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;
-    case SCHED_DONE: take_done(d, e, out); break;
+    case SCHED_DONE: take_done(d, e, now, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     }
-    hand_out(d, out);
+    hand_out(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) ask_flush(d, out);
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !(BUG(10) ? d->pool.count : d->ledger.count) && !d->closed) {
         d->closed = true;
-        sched_act(out, SCHED_END, -1, NULL);
+        sched_act(out, end_busy(d) ? SCHED_STOP : SCHED_END, -1, NULL);
     }
 }
 
@@ -245,5 +212,14 @@ static int64_t deal_waiting(const void *state)
     return n;
 }
 
+static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)
+{
+    const struct deal *d = state;
+    if (slot < 0 || slot >= d->n_slots) return 0;
+    const struct task_table *has = &d->slots[slot].has;
+    int32_t c = tasks_find(has, frame, id);
+    return c < 0 ? 0 : has->at[c].tries;
+}
+
 const struct policy policy_deal = {
-    "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_destroy};
+    "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_tries, deal_destroy};

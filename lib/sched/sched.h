@@ -5,8 +5,9 @@
  * then step for every event, then destroy.
  *
  * What every policy guarantees to its driver: each task whose pixels were delivered is committed
- * once; a task that is not committed is in the pool or has an owner that is up; SCHED_END comes
- * when, and only when, the input has ended and nothing is uncommitted.
+ * once; a task that is not committed is in the pool, or has an owner that is up, or has pieces for
+ * which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input has ended
+ * and nothing is uncommitted.
  */
 #ifndef STORMRING_SCHED_H
 #define STORMRING_SCHED_H
@@ -29,18 +30,21 @@ struct sched_event {
     int32_t slot, n;
     struct task task;
     uint32_t frame_w;
+    int64_t wall_us; /* DONE: so long it was computed, as the slot says; -1: it does not */
 };
 
 enum sched_action_kind {
     SCHED_GIVE,      /* task to slot */
     SCHED_ASK_FLUSH, /* slot: hand over what is held back */
     SCHED_COMMIT,    /* task: all of its pixels have been passed on, once */
-    SCHED_END        /* close the input of all slots */
+    SCHED_END,       /* close the input of all slots */
+    SCHED_STOP       /* the same, and stop them: what they are still on is needed no more */
 };
 struct sched_action {
     enum sched_action_kind kind;
     int32_t slot;
     struct task task;
+    uint32_t of; /* GIVE: the id of the task, as it came, that this one is, or is a piece of */
 };
 /* The actions of one step, in order; the driver empties it. */
 struct sched_actions {
@@ -50,8 +54,10 @@ struct sched_actions {
 void sched_act(
     struct sched_actions *out, enum sched_action_kind kind, int32_t slot, const struct task *task);
 
+#define SCHED_DEPTH_AUTO (-1)
 struct sched_params {
-    int32_t depth; /* -q: tasks a slot may hold beyond the one it is on */
+    int32_t depth; /* -q: tasks a slot may hold beyond the one it is on, or SCHED_DEPTH_AUTO */
+    bool endgame;  /* -e: the last tasks are cut smaller, and given to more than one slot */
 };
 
 struct policy {
@@ -62,6 +68,9 @@ struct policy {
     int64_t (*uncommitted)(const void *state); /* tasks */
     /* Tasks that no slot was given yet: the driver reads on while they are few. */
     int64_t (*waiting)(const void *state);
+    /* The copy of this task that slot is on, or has in store, was its so many-th; 0: it has none.
+     */
+    int32_t (*tries)(const void *state, int32_t slot, uint32_t frame, uint32_t id);
     void (*destroy)(void *state);
 };
 

@@ -15,14 +15,29 @@ static double chance(uint64_t seed, uint64_t k, double usual)
     return u < .5 ? 0 : u < .9 ? usual : .9;
 }
 
+/* Nothing goes wrong, and the depth follows a long link: it has to be hidden. */
+static void calm(struct sim_plan *p, bool tiny)
+{
+    p->calm = !tiny;
+    p->depth = SCHED_DEPTH_AUTO;
+    p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
+    p->tasks = tiny ? 3000 : 150 * p->slots;
+    p->cost_us = tiny ? 5 : 1000;
+    p->latency_us = tiny ? 200000 : 50000;
+    p->concentrate = false;
+    p->assigned = 0;
+    p->rows = 1;
+    p->p_crash = p->p_stall = p->p_pause = p->p_return = p->p_twice = p->p_garbage = 0;
+}
+
 struct sim_plan sim_plan_of(uint64_t seed)
 {
-    static const int32_t depths[] = {0, 0, 1, 2, 16};
+    static const int32_t depths[] = {0, 0, 1, 2, 16, SCHED_DEPTH_AUTO, SCHED_DEPTH_AUTO};
     static const int64_t latencies_us[] = {0, 100, 5000, 200000};
-    struct sim_plan p = {.seed = seed};
+    struct sim_plan p = {.seed = seed, .cost_us = 1000};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 3) : pick(seed, 2, 2, 24);
     p.tasks = unit(seed, 3) < .1 ? pick(seed, 4, 0, 3) : pick(seed, 4, 1, 200);
-    p.depth = depths[pick(seed, 5, 0, 4)];
+    p.depth = depths[pick(seed, 5, 0, 6)];
     p.assigned = unit(seed, 6) < .5 ? 0 : pick(seed, 7, 0, p.tasks);
     p.concentrate = unit(seed, 8) < .3;
     p.p_crash = chance(seed, 9, .3);
@@ -33,5 +48,9 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.p_garbage = chance(seed, 14, .1);
     p.silence_us = 3000000;
     p.latency_us = latencies_us[pick(seed, 15, 0, 3)];
+    p.endgame = unit(seed, 16) < .4;
+    p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
+    if (seed % 100 == 50) calm(&p, false);
+    if (seed % 500 == 99) calm(&p, true);
     return p;
 }

@@ -11,7 +11,7 @@ static void act(struct world *w, const struct sched_action *a)
     struct vslot *s = a->slot >= 0 && a->kind != SCHED_COMMIT ? &w->slots[a->slot] : NULL;
     struct sim_event e = {.slot = a->slot, .epoch = s ? s->epoch : 0};
     if (a->kind == SCHED_COMMIT) check_commit(w, a);
-    if (a->kind == SCHED_END) check_end(w);
+    if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w, a->kind == SCHED_STOP);
     if (a->kind == SCHED_GIVE) {
         check_give(w, a);
         e.kind = SIM_TO_SLOT;
@@ -24,32 +24,9 @@ static void act(struct world *w, const struct sched_action *a)
     }
 }
 
-/* What the event means for the checks, before the policy sees it. */
-static void note(struct world *w, const struct sched_event *e)
-{
-    struct vtask *t =
-        e->task.frame == 0 && (int32_t)e->task.id < w->plan->tasks ? &w->tasks[e->task.id] : NULL;
-    struct vslot *s = &w->slots[e->slot];
-    if (e->kind == SCHED_TASK && t) t->known = true;
-    if (e->kind == SCHED_UP) s->up = true;
-    if (e->kind == SCHED_DONE && t && t->owner == e->slot) t->done = true;
-    if (e->kind == SCHED_GONE) {
-        s->up = false;
-        s->lost = true;
-        for (int32_t i = 0; i < w->plan->tasks; i++)
-            if (w->tasks[i].owner == e->slot) w->tasks[i].owner = -1;
-    }
-    if (e->kind != SCHED_PIXELS || !t) return;
-    struct lattice all = row_task((int32_t)e->task.id).at;
-    int64_t n0 = lattice_offset(&all, FRAME_W, &e->task.at);
-    if (n0 < 0 || (uint64_t)n0 > t->sent) return;
-    uint64_t n1 = (uint64_t)n0 + lattice_count(&e->task.at);
-    if (n1 > t->sent) t->sent = n1;
-}
-
 static void step(struct world *w, const struct sched_event *e)
 {
-    note(w, e);
+    note_event(w, e);
     w->policy->step(w->state, e, w->now_us, &w->acts);
     for (size_t i = 0; i < w->acts.n; i++) act(w, &w->acts.at[i]);
     w->acts.n = 0;
@@ -79,7 +56,7 @@ static void handle(struct world *w, const struct sim_event *e)
         s->flush_due = s->stalled;
         if (!s->stalled) hand_over(w, e->slot);
         break;
-    case SIM_COMPUTED: computed(w, e->slot); break;
+    case SIM_COMPUTED: computed(w, e->slot, e->sched.wall_us); break;
     case SIM_CRASH:
         w->result->crashes++;
         kill_slot(w, e->slot);
@@ -130,17 +107,17 @@ static void begin(struct world *w)
     schedule(w, known_us, (struct sim_event){.sched = {.kind = SCHED_SLOTS, .n = p->slots}});
     for (int32_t k = 0; k < p->slots; k++) {
         w->slots[k].power = k ? .25 + 2 * draw(w) : 1;
+        if (p->work) w->slots[k].power = p->work->power[k];
         schedule(w, known_us + (int64_t)(draw(w) * 1e5),
             (struct sim_event){.kind = SIM_RETURN, .slot = k});
         plan_fault(w, k);
     }
-    double spread_us = draw(w) < .5 ? 0 : 1e6 * draw(w);
+    double spread_us = draw(w) < .5 || p->calm || p->work ? 0 : 1e6 * draw(w);
     for (int32_t i = 0; i < p->tasks; i++) {
-        struct sched_event e = {.kind = SCHED_TASK, .task = row_task(i), .frame_w = FRAME_W};
-        w->tasks[i].owner = -1;
+        struct vtask *t = &w->tasks[i];
         /* One in eight is promised to a slot that does not exist. */
-        if (i < p->assigned) e.task.to = (int32_t)(draw(w) * 1.125 * p->slots);
-        w->tasks[i].to = e.task.to;
+        if (i < p->assigned) t->to = t->task.to = (int32_t)(draw(w) * 1.125 * p->slots);
+        struct sched_event e = {.kind = SCHED_TASK, .task = t->task, .frame_w = w->frame_w};
         schedule(w, (int64_t)(spread_us * i / p->tasks), (struct sim_event){.sched = e});
     }
     schedule(w, (int64_t)spread_us + 1, (struct sim_event){.sched = {.kind = SCHED_INPUT_END}});
@@ -148,12 +125,26 @@ static void begin(struct world *w)
 
 /*
  * Slot 0 alone could do all of it, one round trip a task, once the faults are over; twice that is
- * enough.
+ * enough. Pieces are more tasks, of less work.
  */
-static int64_t time_allowed_us(const struct sim_plan *p)
+static int64_t time_allowed_us(const struct world *w)
 {
-    double each_us = 1000 * exp(4) + 4.0 * (double)p->latency_us;
-    return (int64_t)(2 * (FAULTS_US + 2e6 + (double)p->silence_us + each_us * (p->tasks + 2)));
+    const struct sim_plan *p = w->plan;
+    double row_us = p->cost_us * exp(4), trip_us = 4.0 * (double)p->latency_us;
+    double work_us = row_us * p->rows * (p->tasks + 2), trips_us = trip_us * (w->n_tasks + 2);
+    return (int64_t)(2 * (FAULTS_US + 2e6 + (double)p->silence_us + work_us + trips_us));
+}
+
+/* Without faults, and the link hidden: the bound, what is on the way at both ends, a last task. */
+static int64_t calm_us(const struct world *w)
+{
+    double power = 0, least = 1;
+    for (int32_t k = 0; k < w->plan->slots; k++) {
+        power += w->slots[k].power;
+        least = fmin(least, w->slots[k].power);
+    }
+    double last_us = w->plan->cost_us * exp(4) / least;
+    return (int64_t)(1.25 * w->cost_us / power + last_us + 6 * (double)w->plan->latency_us);
 }
 
 static void trace_event(struct world *w, const struct sim_event *e)
@@ -162,29 +153,52 @@ static void trace_event(struct world *w, const struct sim_event *e)
     w->result->trace_hash = hash64(w->result->trace_hash, v, sizeof v);
 }
 
+static void open_world(struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    w->frame_w = p->work ? p->work->frame_w : FRAME_W;
+    w->frame_h = p->work ? p->work->frame_h : (uint32_t)(p->rows * p->tasks + 1);
+    w->slots = xcalloc((size_t)p->slots, sizeof *w->slots);
+    coverage_init(&w->sent, w->frame_w, w->frame_h);
+    for (int32_t i = 0; i < p->tasks; i++) {
+        uint32_t id = (uint32_t)i, rows = (uint32_t)p->rows;
+        struct vtask *t = vtask_at(w, id);
+        t->task = (struct task){0, id, {0, id * rows, FRAME_W, rows, 1, 1}, -1};
+        if (p->work) t->task = p->work->tasks[i];
+        t->to = t->task.to;
+    }
+}
+
+static void close_world(struct world *w)
+{
+    for (int32_t k = 0; k < w->plan->slots; k++) free(w->slots[k].queue), free(w->slots[k].held);
+    coverage_free(&w->sent);
+    free(w->slots);
+    free(w->tasks);
+    free(w->heap.at);
+    free(w->acts.at);
+}
+
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result)
 {
     struct world w = {.policy = policy, .plan = plan, .result = result};
-    const struct sched_params params = {.depth = plan->depth};
+    const struct sched_params params = {.depth = plan->depth, .endgame = plan->endgame};
     struct sim_event e;
     *result = (struct sim_result){.trace_hash = HASH64_INIT};
-    w.slots = xcalloc((size_t)plan->slots, sizeof *w.slots);
-    w.tasks = xcalloc((size_t)plan->tasks + 1, sizeof *w.tasks);
+    open_world(&w);
     w.state = policy->create(&params);
     begin(&w);
-    while (!*result->failure && heap_pop(&w.heap, &e)) {
+    while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
         w.now_us = e.at_us;
         result->events++;
         trace_event(&w, &e);
         handle(&w, &e);
     }
     if (!w.ended) fail(&w, "the run did not end", result->commits, plan->tasks);
-    else if (result->end_us > time_allowed_us(plan))
-        fail(&w, "the end came late", result->end_us, 0);
+    else if (!plan->work && result->end_us > time_allowed_us(&w))
+        fail(&w, "the end came late", result->end_us, time_allowed_us(&w));
+    else if (plan->calm && result->end_us > calm_us(&w))
+        fail(&w, "a long link was not hidden", result->end_us, calm_us(&w));
     policy->destroy(w.state);
-    for (int32_t k = 0; k < plan->slots; k++) free(w.slots[k].queue), free(w.slots[k].held);
-    free(w.slots);
-    free(w.tasks);
-    free(w.heap.at);
-    free(w.acts.at);
+    close_world(&w);
 }

@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
+
 double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
 
 void fail(struct world *w, const char *what, int64_t a, int64_t b)
@@ -29,9 +31,19 @@ int64_t arrival(struct world *w, int64_t *latest)
     return *latest = at;
 }
 
-struct task row_task(int32_t id)
+struct vtask *vtask_at(struct world *w, uint32_t id)
 {
-    return (struct task){0, (uint32_t)id, {0, (uint32_t)id, FRAME_W, 1, 1, 1}, -1};
+    if (id >= (uint32_t)w->plan->tasks + PIECES_MOST) return NULL;
+    while (w->n_tasks <= (int32_t)id) {
+        if (w->n_tasks == w->cap_tasks) {
+            w->cap_tasks = w->cap_tasks ? 2 * w->cap_tasks : 256;
+            w->tasks = xrealloc(w->tasks, (size_t)w->cap_tasks, sizeof *w->tasks);
+        }
+        struct vtask *t = &w->tasks[w->n_tasks];
+        *t = (struct vtask){.to = -1, .computed_by = -1};
+        t->task.id = (uint32_t)w->n_tasks++;
+    }
+    return &w->tasks[id];
 }
 
 void append_task(struct task **list, size_t *n, size_t *cap, const struct task *t)
@@ -47,7 +59,7 @@ void say(struct world *w, int32_t k, struct sched_event e)
 {
     struct vslot *s = &w->slots[k];
     e.slot = k;
-    e.frame_w = FRAME_W;
+    e.frame_w = w->frame_w;
     schedule(
         w, arrival(w, &s->up_us), (struct sim_event){.kind = SIM_SCHED, .slot = k, .sched = e});
 }
@@ -79,22 +91,38 @@ static void say_twice_or_worse(struct world *w, int32_t k, struct sched_event e)
 static void send_pixels(struct world *w, int32_t k, const struct task *t)
 {
     struct sched_event e = {.kind = SCHED_PIXELS, .task = *t};
-    uint64_t most = 1 + (uint64_t)(draw(w) * 2 * FRAME_W), n0 = 0, all = lattice_count(&t->at);
+    uint64_t most = 1 + (uint64_t)(draw(w) * 2 * w->frame_w), n0 = 0, all = lattice_count(&t->at);
     while (n0 < all) {
-        e.task.at = lattice_cut(&t->at, FRAME_W, n0, most);
+        e.task.at = lattice_cut(&t->at, w->frame_w, n0, most);
         n0 += lattice_count(&e.task.at);
         say_twice_or_worse(w, k, e);
     }
 }
 
+/* At power 1. */
+static double cost_us(struct world *w, const struct task *t)
+{
+    const struct sim_work *work = w->plan->work;
+    uint64_t n = lattice_count(&t->at);
+    if (!work) return w->plan->cost_us * exp(4 * draw(w)) * (double)n / FRAME_W;
+    double us = work->task_us;
+    for (uint64_t i = 0; i < n; i++) us += work->pixel_us[lattice_pixel(&t->at, w->frame_w, i)];
+    return us;
+}
+
 void start_next(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
+    const struct sim_work *work = w->plan->work;
     if (s->busy || s->stalled || !s->alive || !s->n_queue) return;
     s->busy = true;
-    double cost_us = 1000 * exp(4 * draw(w)) / s->power;
-    schedule(w, w->now_us + (int64_t)cost_us,
-        (struct sim_event){.kind = SIM_COMPUTED, .slot = k, .epoch = s->epoch});
+    bool slow = work && work->slow_slot == k && w->now_us >= work->slow_at_us;
+    double us = cost_us(w, &s->queue[0]);
+    w->cost_us += us;
+    us /= slow ? work->slow_power : s->power;
+    schedule(w, w->now_us + (int64_t)us,
+        (struct sim_event){
+            .kind = SIM_COMPUTED, .slot = k, .epoch = s->epoch, .sched.wall_us = (int64_t)us});
 }
 
 void hand_over(struct world *w, int32_t k)
@@ -104,14 +132,15 @@ void hand_over(struct world *w, int32_t k)
     s->n_held = 0;
 }
 
-void computed(struct world *w, int32_t k)
+void computed(struct world *w, int32_t k, int64_t wall_us)
 {
     struct vslot *s = &w->slots[k];
     s->busy = false;
     if (s->stalled) return; /* it will begin again when it resumes */
     struct task t = s->queue[0];
     memmove(s->queue, s->queue + 1, --s->n_queue * sizeof *s->queue);
-    say_twice_or_worse(w, k, (struct sched_event){.kind = SCHED_DONE, .task = t});
+    say_twice_or_worse(
+        w, k, (struct sched_event){.kind = SCHED_DONE, .task = t, .wall_us = wall_us});
     if (w->plan->concentrate) append_task(&s->held, &s->n_held, &s->cap_held, &t);
     else send_pixels(w, k, &t);
     start_next(w, k);

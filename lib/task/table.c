@@ -31,7 +31,7 @@ struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint
         f->at = xrealloc(f->at, f->n + 1, sizeof *f->at);
         memmove(f->at + i + 1, f->at + i, (f->n++ - i) * sizeof *f->at);
     }
-    f->at[i] = (struct frame_size){frame, w, h, false};
+    f->at[i] = (struct frame_size){.frame = frame, .w = w, .h = h};
     return &f->at[i];
 }
 

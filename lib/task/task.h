@@ -96,7 +96,8 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
 /* The frames known so far, in the order of their numbers. */
 struct frame_size {
     uint32_t frame, w, h;
-    bool said; /* for the owner of the table, false at first and when the size is set again */
+    bool said;       /* for the owner of the table, false at first and when the size is set again */
+    uint32_t top_id; /* likewise, 0 */
 };
 struct frames {
     struct frame_size *at;
@@ -118,6 +119,7 @@ struct task_entry {
     int64_t since_us;   /* for the owner of the table */
     uint32_t frame_w;
     int32_t slot;  /* for the owner of the table, -1 at first */
+    int32_t tries; /* likewise, 0 */
     bool done;     /* computed, says its worker */
     bool live;     /* in the table */
     int32_t chain; /* next in its hash chain, or free */

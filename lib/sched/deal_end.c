@@ -1,0 +1,149 @@
+/*
+ * deal: the last tasks. Three rules, all after the input has ended:
+ *
+ * 1. With an endgame, a task is cut before it is given to a slot where it has more pixels than half
+ *    of the slot's share of what is left: factoring, carried on below a row, and weighted by the
+ *    speed that was measured (S. F. Hummel, E. Schonberg, L. E. Flynn, "Factoring: a method for
+ *    scheduling parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma,
+ *    J. Wein, "Load-sharing in heterogeneous systems via weighted factoring", SPAA 1996).
+ * 2. With the pool empty, a slot that has nothing to do is given what another one has in store
+ *    beyond the task it is on: the last of it, from the slot that needs longest for what it has.
+ *    What was sent cannot be called back through a pipe; a second copy does the same, as long as
+ *    the first is not waited for. This belongs to SCHED_DEPTH_AUTO as well: so its queues are
+ *    revoked.
+ * 3. With an endgame, when nobody has anything in store, it is given the task that was given
+ *    longest ago, by rule 1 in pieces where it is long (D. P. da Silva, W. Cirne,
+ *    F. V. Brasileiro, "Trading cycles for information: using replication to schedule bag-of-tasks
+ *    applications on computational grids", Euro-Par 2003; there tasks are not divided).
+ *
+ * A task that is cut stays in the ledger, its pieces refer to it, and either its own pixels or the
+ * last of its pieces commits it. Pieces have new ids, above all that came in the frame.
+ */
+#include "sched/deal_int.h"
+
+#define COPIES_MOST 3   /* of a pixel, at once */
+#define PIECE_LEAST 16  /* pixels */
+#define PIECE_US 1000.0 /* a piece shall keep its slot busy for so long, and as long as so many */
+#define PIECE_TRIPS 2.0 /* round trips: else it costs more than it saves */
+
+/* Is entry i computed by somebody, and by few enough, as itself or as what it is a piece of? */
+static bool may_copy(const struct deal *d, int32_t i)
+{
+    if (d->account[i].place != OUT || (d->account[i].pieces && !BUG(22))) return false;
+    int32_t copies = 0;
+    for (; i >= 0; i = d->account[i].parent) copies += d->account[i].copies;
+    return copies < COPIES_MOST || BUG(16);
+}
+
+/* Rule 2: what the slot that has most in store, by time, would come to last. */
+static int32_t in_store(const struct deal *d)
+{
+    const struct slot *most = NULL;
+    double most_us = 0;
+    for (int32_t k = 0; k < d->n_slots; k++) {
+        const struct slot *s = &d->slots[k];
+        double us = slot_load(s) * (s->pace.task_us > 0 ? s->pace.task_us : 1);
+        if (s->state != SLOT_UP || s->held.count < (BUG(17) ? 1 : 2) || us <= most_us) continue;
+        most = s;
+        most_us = us;
+    }
+    if (!most) return -1;
+    const struct task *t = &most->has.at[most->held.tail].task;
+    int32_t i = tasks_find(&d->ledger, t->frame, t->id);
+    return i >= 0 && may_copy(d, i) ? i : -1;
+}
+
+/* Rule 3. */
+static int32_t oldest(const struct deal *d)
+{
+    int32_t i = d->out.head;
+    while (i >= 0 && !may_copy(d, i)) i = d->ledger.at[i].next;
+    return i;
+}
+
+int32_t end_other(struct deal *d, int32_t k)
+{
+    bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
+    if (!revoke || slot_load(&d->slots[k])) return -1;
+    int32_t i = in_store(d);
+    return i < 0 && d->p.endgame ? oldest(d) : i;
+}
+
+/* Rule 1: so many pixels are enough for slot s. */
+static uint64_t piece_px(const struct deal *d, const struct slot *s)
+{
+    double sum = 0, known = 0, up = 0;
+    for (int32_t k = 0; k < d->n_slots; k++) {
+        const struct slot *other = &d->slots[k];
+        if (other->state != SLOT_UP) continue;
+        up++;
+        known += other->pace.px_per_us > 0;
+        sum += other->pace.px_per_us;
+    }
+    if (known <= 0) return UINT32_MAX;
+    double rate = s->pace.px_per_us > 0 ? s->pace.px_per_us : sum / known;
+    double share = d->left_px / 2 * rate / (sum * up / known);
+    double least = rate * (PIECE_US + PIECE_TRIPS * s->pace.round_trip_us);
+    return (uint64_t)fmin(fmax(fmax(share, least), PIECE_LEAST), UINT32_MAX);
+}
+
+/* A piece in the pool that is all that is missing of entry i, which others may have. */
+static int32_t open_task(struct deal *d, int32_t i)
+{
+    const struct task_entry *e = &d->ledger.at[i];
+    struct task t = e->task;
+    uint32_t frame_w = e->frame_w;
+    int32_t tries = e->tries;
+    if (t.at.h == 1) t.at = lattice_cut(&t.at, frame_w, e->delivered, t.at.w);
+    t.id = frames_find(&d->frames, t.frame)->top_id + 1;
+    deal_take(d, i);
+    if (d->account[i].copies) deal_share(d, i);
+    d->account[i].pieces = 1;
+    deal_put(d, i, OUT, -1);
+    int32_t piece = deal_enter(d, &t, frame_w, i);
+    d->ledger.at[piece].tries = tries;
+    deal_put_first(d, piece);
+    return piece;
+}
+
+/* The first n pixels of entry i, a piece, whole rows where it has several, become another one. */
+static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
+{
+    struct task_entry *e = &d->ledger.at[i];
+    struct task t = e->task;
+    uint32_t frame_w = e->frame_w;
+    int32_t tries = e->tries, parent = d->account[i].parent;
+    t.at = lattice_cut(&e->task.at, frame_w, 0, n);
+    e->task.at = lattice_cut(&e->task.at, frame_w, n + (BUG(13) ? 1 : 0), UINT32_MAX);
+    t.id = frames_find(&d->frames, t.frame)->top_id + 1;
+    int32_t piece = deal_enter(d, &t, frame_w, parent);
+    d->ledger.at[piece].tries = tries;
+    d->account[parent].pieces++;
+    deal_put_first(d, piece);
+    return piece;
+}
+
+int32_t end_piece(struct deal *d, int32_t k, int32_t i)
+{
+    if (!d->p.endgame || (!d->ended && !BUG(15))) return i;
+    uint64_t px = piece_px(d, &d->slots[k]);
+    for (;;) {
+        const struct task_entry *e = &d->ledger.at[i];
+        const struct lattice *at = &e->task.at;
+        uint64_t left_px = lattice_count(at) - (at->h == 1 ? e->delivered : 0);
+        bool ids_left = frames_find(&d->frames, e->task.frame)->top_id < UINT32_MAX - 1;
+        if (left_px < px + px / 2 || !ids_left) return i;
+        uint64_t rows_px = px < at->w ? at->w : px - px % at->w;
+        /* What came, or was given, under a name keeps its pixels. */
+        bool named = d->account[i].parent < 0 || d->account[i].latest >= 0;
+        i = named ? open_task(d, i) : cut_off(d, i, at->h > 1 ? rows_px : px);
+    }
+}
+
+bool end_busy(const struct deal *d)
+{
+    bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
+    for (int32_t k = 0; copied && k < d->n_slots; k++)
+        if (d->slots[k].state == SLOT_UP && slot_load(&d->slots[k])) return !BUG(20);
+    return false;
+}

@@ -1,0 +1,96 @@
+/*
+ * deal, shared by its files: deal.c (events, and who gets what), ledger.c (tasks, and what slots
+ * have of them), deal_depth.c (how many tasks a slot may hold), deal_end.c (the last tasks).
+ */
+#ifndef STORMRING_SCHED_DEAL_INT_H
+#define STORMRING_SCHED_DEAL_INT_H
+
+#include "sched/sched.h"
+
+enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
+
+/* How a slot does, as seen from here; 0: not known yet. */
+struct pace {
+    double round_trip_us; /* what a task takes beyond its computing, when none is before it */
+    double task_us;       /* the computing; a recent mean */
+    double px_per_us;     /* likewise */
+    int64_t done_us;      /* when its latest `done` came */
+};
+
+struct slot {
+    enum slot_state state;
+    bool asked;                          /* for a flush, since it was last given work */
+    struct task_list promised, computed; /* entries of the ledger */
+    struct task_table has;               /* what it was given and has not done; on these lists: */
+    struct task_list held, shared; /* given to it alone; `done`: and to others, or in pieces */
+    struct pace pace;
+};
+
+/* What the ledger says beyond its entries, by their index. */
+enum place { IN_POOL, PROMISED, OUT, COMPUTED };
+struct account {
+    enum place place;
+    int32_t copies; /* slots that have it, and have not done it */
+    int32_t latest; /* the slot it was last given to */
+    int32_t parent; /* the entry that it is a piece of, -1 */
+    int32_t pieces; /* of it, not committed; together they hold what is missing of it */
+};
+
+struct deal {
+    struct sched_params p;
+    struct task_table ledger; /* tasks that are not committed */
+    struct account *account;
+    int32_t n_accounts;
+    struct task_list pool, out;
+    struct frames frames; /* top_id: the highest id of each frame so far */
+    double left_px;       /* pixels of the tasks that came, and are not committed */
+    struct slot *slots;
+    int32_t n_slots; /* entries of slots */
+    int32_t known;   /* what SLOTS said, 0 before */
+    bool ended, flush, closed;
+};
+
+static inline int32_t slot_load(const struct slot *s) { return s->held.count + s->shared.count; }
+
+/* ---- ledger.c -------------------------------------------------------------------------------- */
+
+/* A new entry of the ledger, on no list. */
+int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent);
+/* Takes entry i off the list that it is on. */
+void deal_take(struct deal *d, int32_t i);
+/* Puts entry i, on no list, at the end of one; slot: whose, for PROMISED and COMPUTED, else -1. */
+void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot);
+/* Puts it at the head of the pool. */
+void deal_put_first(struct deal *d, int32_t i);
+/* The last pixels of entry i have been passed on: forgets it, and the whole with its last piece. */
+void deal_commit(struct deal *d, int32_t i, struct sched_actions *out);
+/* The pieces of entry i are needed no more. */
+void deal_forget_pieces(struct deal *d, int32_t i);
+/* The slot that entry i was last given to has it not alone any more. */
+void deal_share(struct deal *d, int32_t i);
+/* Gives entry i, on no list, to slot k. */
+void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out);
+/* Slot s has its entry c no more. */
+void deal_drop_copy(struct slot *s, int32_t c);
+/* Slot s is gone: what it had, of list l, is the others', or goes back to the front of the pool. */
+void deal_lose(struct deal *d, struct slot *s, struct task_list *l);
+/* The same of the ledger's entries on list l, which it had computed, or was to have. */
+void deal_reclaim(struct deal *d, struct task_list *l);
+
+/* ---- deal_depth.c ---------------------------------------------------------------------------- */
+
+/* A task is done, of which the slot had `copy`. */
+void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us);
+/* So many tasks may slot s have; `up` slots are up. */
+int32_t pace_limit(const struct deal *d, const struct slot *s, int32_t up);
+
+/* ---- deal_end.c ------------------------------------------------------------------------------ */
+
+/* With the pool empty: a task that others have, for slot k, which has nothing to do; or -1. */
+int32_t end_other(struct deal *d, int32_t k);
+/* What to give to slot k instead of entry i: a piece of it where it is long, else itself. */
+int32_t end_piece(struct deal *d, int32_t k, int32_t i);
+/* Is any slot still computing something? */
+bool end_busy(const struct deal *d);
+
+#endif
