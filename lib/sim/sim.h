@@ -6,9 +6,9 @@
  * What is checked after every event:
  *
  *   commit    a task commits once, and only when all of its pixels were passed on
- *   give      only to a slot that is up, only what is to do, from the pool only up to the depth; what
- *             somebody has already only to a slot that has nothing, when the input has ended and
- *             nothing waits, and only up to SIM_COPIES_MOST times at once
+ *   give      only to a slot that is up, only what is to do, from the pool only up to the depth;
+ *             what somebody has already only to a slot that has nothing, when the input has ended
+ *             and nothing waits, and only up to SIM_COPIES_MOST times at once
  *   pieces    of tasks only in an endgame; under new ids, inside one task, beside each other
  *   idle      in an endgame no slot has nothing to do while something may still be copied
  *   revoked   with the depth that follows the link, and the input ended, no slot has more in store
