@@ -20,7 +20,7 @@ for s in gears balls; do
 done
 
 for slots in 3 7; do
-	for m in ss sc ds dc; do
+	for m in hybrid ss sc ds dc; do
 		balance $m -j "$slots" -s $size -o out.pfm gears.nff
 		ok "gears: $m on $slots slots" cmp out.pfm gears.pfm
 	done

@@ -89,7 +89,7 @@ wait "$pid" 2>/dev/null
 is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
 # ---- a worker dies -----------------------------------------------------------------------------------
-for m in masterslave ds dc; do
+for m in masterslave hybrid ds dc; do
 	rm -f out.pfm
 	long $m
 	await 5 working 3

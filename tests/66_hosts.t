@@ -1,0 +1,72 @@
+#!/bin/sh
+# balance -S and balance calibrate, with hosts that are other ways to this machine; what is done over ssh is in 7*.t.
+. "$(dirname "$0")/lib.sh"
+
+# shellcheck disable=SC2154  # lib.sh sets them
+spdgen -s 2 gears >gears.nff
+size=96x80
+partition $size | rtworker gears.nff | gather -o good.pfm
+printf '# name\n:\tslots=2\t# here\n\nother  slots=2 power=7 via="sh -c %%c" bin=%s\n' "$BIN" >hosts
+
+for m in interleaved masterslave hybrid ss sc ds dc; do
+	rm -f log out.pfm
+	balance $m -S hosts -s $size -r log -o out.pfm gears.nff
+	ok "$m -S FILE: the same picture" cmp out.pfm good.pfm
+	is "$m -S FILE: all of its slots are there" "$(grep -a -o 'up w=[0-9]* host=[a-z:]*' log | sort -u | wc -l)" \
+		"$(case $m in interleaved | ss | sc) echo 4 ;; *) echo 0 ;; esac)"
+done
+balance masterslave -S 2/:,: -s $size -r list -o out.pfm gears.nff
+ok '-S LIST: the same picture' cmp out.pfm good.pfm
+is '-S LIST: three slots' "$(grep -a -o 'hello deal .*slots=[0-9]*' list | grep -o 'slots=.*')" slots=3
+
+# The hybrid's first 62 of 80 rows go where the powers that are stated say, whoever is faster.
+printf ': power=1\n: power=1\n: power=7\n' >three
+balance hybrid -S three -s $size -r log3 -o out.pfm gears.nff
+ok 'hybrid, powers stated: the same picture' cmp out.pfm good.pfm
+grep -a -o 'done 0 [0-9]* cpu_us.*' log3 | sed 's/^done 0 \([0-9]*\) .*w=\([0-9]*\).*/\1 to=\2/' | sort -n | head -n 62 >got
+partition -w 1,1,7 -c 62 $size | sed -n '2,63p' | cut -d ' ' -f 3,10 >expected
+ok 'hybrid, powers stated: the shares of the first phase' cmp got expected
+
+# ---- calibrate ------------------------------------------------------------------------------------------------
+run balance calibrate -n 3 -s 64x48 -S hosts -o measured gears.nff
+is 'calibrate: exit 0' "$status" 0
+tab=$(printf '\t')
+is 'calibrate: a line of names, and a line a host' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" 'host : other '
+is 'calibrate: the first has power 1' "$(printf '%s\n' "$out" | sed -n '2s/.*\t//p')" 1.000
+is 'calibrate: max, min, mean and power are what they are called' "$(printf '%s\n' "$out" | awk -F "$tab" '
+	NR == 1 { next }
+	NR == 2 { first = $4 }
+	{ r = first / $4 / $5; print ($2 >= $4 && $4 >= $3 && $3 > 0 && r > .7 && r < 1.4) }' | tr '\n' ' ')" '1 1 '
+is 'calibrate -o: the hosts as they were, with the powers measured' \
+	"$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/')" "$(printf ': power=\tslots=2\t# here\nother power=  slots=2 via="sh -c %%c" bin=%s' "$BIN")"
+is 'calibrate -o: the powers of the table' "$(fan -l -S measured | cut -f 3 | uniq | tr '\n' ' ')" \
+	"$(printf '%s\n' "$out" | tail -n 2 | awk -F "$tab" '{ printf "%g ", $5 }')"
+# A host whose rtworker takes nine samples for one has about a ninth of the power; half of it on a machine with other work.
+mkdir slow
+printf '#!/bin/sh\nexec %s/rtworker -a 9 "$@"\n' "$BIN" >slow/rtworker
+chmod +x slow/rtworker
+printf ':\nslow bin=%s/slow via="sh -c %%c"\n' "$tmp" >unequal
+run balance calibrate -n 3 -s 64x48 -S unequal gears.nff
+is 'calibrate: a slow host is told from a fast one' "$(printf '%s\n' "$out" | awk 'NR == 3 { print $5 < .5 }')" 1
+run balance calibrate -n 1 -s 64x48 -S 2/:,: -o measured gears.nff
+is 'calibrate -S LIST: its hosts file' "$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/' | tr '\n' ';')" ': power= slots=2;: power=;'
+run balance calibrate -n 2 -s 32x32 gears.nff
+is 'calibrate: this machine alone' "$status$(printf '%s\n' "$out" | wc -l)" 02
+printf ': \ngone via="exit 9; %%c"\n' >bad
+run balance calibrate -n 1 -s 32x32 -S bad -o unwritten gears.nff
+is 'calibrate: a host that renders nothing: exit 3' "$status" 3
+like 'calibrate: a host that renders nothing: named' "$err" 'balance calibrate: gone: not measured'
+is 'calibrate: a host that renders nothing: no hosts file' "$(ls unwritten* 2>/dev/null)" ''
+for bad in '' '-n 0 gears.nff' '-n x gears.nff' '-S nosuch:file/x gears.nff' '-s 0x0 gears.nff' 'nosuch.nff' '-W -d0 gears.nff' -; do
+	# shellcheck disable=SC2086
+	run balance calibrate $bad
+	is "balance calibrate $bad: exit 2" "$status" 2
+done
+
+# ---- refused ----------------------------------------------------------------------------------------------------
+for bad in '-S nosuch:file/x' '-j 2 -S :' '-S ,'; do
+	# shellcheck disable=SC2086
+	run balance masterslave $bad -s $size -o bad.pfm gears.nff
+	is "balance $bad: exit 2" "$status" 2
+done
+finish
