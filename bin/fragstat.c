@@ -1,161 +1,359 @@
 /* fragstat: who did what, when, and how well the work was balanced, from a log of fragments. */
 #include "base/base.h"
+#include "history/history.h"
+#include "proc/proc.h"
 #include "stats/stats.h"
-#include "wire/wire.h"
 
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define SLOTS_MAX (1 << 20)
-
-struct slot {
-    char name[64];
-    int64_t tasks;
-    double cpu_s, busy_s;
-    double first_s, last_s; /* begin of its first task, end of its last */
+struct options {
+    enum { SLOTS, SUMMARY, GANTT } what; /* -s, -g */
+    const char *costs;                   /* -c: the log of a run by one worker */
+    const char *hosts;                   /* -S */
+    double *powers;                      /* -w */
+    size_t n_powers;
+    char **inputs; /* NULL-ended; none: standard input */
 };
 
-struct run {
-    struct slot *slots;
-    size_t n_slots;
-    double *costs_s; /* CPU time of each task, the first answer of each */
-    size_t n_tasks;
-    struct task_table seen;
-    int64_t duplicates, lost_records;
-    int64_t said_slots; /* the most that a hello claims: those that were never given work count */
+/* A line of the table: a slot that did something, or that a hello claims. */
+struct row {
+    char name[HISTORY_NAME];
+    double power;
+    struct times times;
+    double cpu_s;
+    int64_t tasks, duplicates, retries;
 };
 
-static struct slot *slot_named(struct run *run, const char *name)
-{
-    for (size_t i = 0; i < run->n_slots; i++)
-        if (strcmp(run->slots[i].name, name) == 0) return &run->slots[i];
-    run->slots = xrealloc(run->slots, run->n_slots + 1, sizeof *run->slots);
-    struct slot *s = &run->slots[run->n_slots++];
-    *s = (struct slot){.first_s = HUGE_VAL};
-    snprintf(s->name, sizeof s->name, "%s", name);
-    return s;
-}
+/* What is said of a log. */
+struct report {
+    struct history log;
+    struct row *rows;
+    size_t n_rows;
+    uint32_t *row_of;   /* by the log's slot */
+    struct span *spans; /* by its done */
+    double *run_s, makespan_s, bound_s;
+    int64_t tasks; /* different ones */
+};
 
-/* Logs of a lone worker have no stamps: then busy times are all there is, one after the other. */
-static void take_done(struct run *run, const struct record *r)
-{
-    char name[64];
-    int64_t cpu, wall, recv;
-    if (!rec_str(r, "w", name, sizeof name)) snprintf(name, sizeof name, "-");
-    if (!rec_int(r, "cpu_us", 0, INT64_MAX, &cpu)) cpu = 0;
-    if (!rec_int(r, "wall_us", 0, INT64_MAX, &wall)) wall = cpu;
-    struct slot *s = slot_named(run, name);
-    double busy_s = (double)wall * 1e-6;
-    double end_s =
-        rec_int(r, "recv_us", 0, INT64_MAX, &recv) ? (double)recv * 1e-6 : s->last_s + busy_s;
-    s->tasks++;
-    s->cpu_s += (double)cpu * 1e-6;
-    s->busy_s += busy_s;
-    if (end_s - busy_s < s->first_s) s->first_s = end_s > busy_s ? end_s - busy_s : 0;
-    if (end_s > s->last_s) s->last_s = end_s;
-    if (tasks_find(&run->seen, r->task.frame, r->task.id) >= 0) {
-        run->duplicates++;
-        return;
-    }
-    tasks_add(&run->seen, &r->task, 1);
-    run->costs_s = xrealloc(run->costs_s, run->n_tasks + 1, sizeof *run->costs_s);
-    run->costs_s[run->n_tasks++] = (double)cpu * 1e-6;
-}
+/* ---- reading ---------------------------------------------------------------------------- */
 
-static void take_hello(struct run *run, const struct record *r)
+static void read_log(struct history *l, const char *path)
 {
-    int64_t n;
-    if (rec_int(r, "slots", 1, SLOTS_MAX, &n) && n > run->said_slots) run->said_slots = n;
-}
-
-static void read_log(struct run *run, const char *path)
-{
-    struct decoder d = {.upward = true};
-    int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    bool std = strcmp(path, "-") == 0;
+    uint64_t bad = l->bad;
+    int fd = std ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) die(ST_USAGE, "%s:", path);
-    for (bool more = true; more;) {
-        ptrdiff_t n = read_some(fd, &d.in, 1 << 16);
-        if (n < 0) die(ST_SYSTEM, "%s:", path);
-        more = n > 0;
-        if (!more) wire_end(&d);
-        struct record r;
-        enum wire_result result;
-        while ((result = wire_next(&d, &r)) != WIRE_MORE) {
-            if (result == WIRE_RECORD && r.kind == REC_DONE) take_done(run, &r);
-            if (result == WIRE_RECORD && r.kind == REC_HELLO) take_hello(run, &r);
-        }
-    }
-    run->lost_records += (int64_t)d.bad;
-    wire_free(&d);
-    if (fd != STDIN_FILENO) close(fd);
+    if (std) path = "standard input";
+    if (history_read(l, fd) != 0) die(ST_SYSTEM, "%s:", path);
+    if (l->bad > bad)
+        warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path,
+            l->bad - bad, l->why);
+    if (!std) close(fd);
+}
+
+/* ---- slots ------------------------------------------------------------------------------ */
+
+static void add_row(struct report *r, const char *name)
+{
+    r->rows = xrealloc(r->rows, r->n_rows + 1, sizeof *r->rows);
+    struct row *row = &r->rows[r->n_rows++];
+    *row = (struct row){.power = 1};
+    snprintf(row->name, sizeof row->name, "%s", name);
 }
 
 static int by_name(const void *a, const void *b)
 {
-    return strverscmp(((const struct slot *)a)->name, ((const struct slot *)b)->name);
+    return strverscmp(((const struct row *)a)->name, ((const struct row *)b)->name);
 }
 
-static double makespan(const struct run *run)
+/* The number before the first point of a slot's name, or -1. */
+static int64_t outermost(const char *name)
 {
-    double t = 0;
-    for (size_t i = 0; i < run->n_slots; i++)
-        if (run->slots[i].last_s > t) t = run->slots[i].last_s;
-    return t;
+    char text[HISTORY_NAME];
+    int64_t k;
+    snprintf(text, sizeof text, "%s", name);
+    text[strcspn(text, ".")] = '\0';
+    return parse_int(text, 0, HISTORY_SLOTS_MAX - 1, &k) ? k : -1;
 }
 
-/* Idle time split: before the first task, between tasks, after the last one until all were done. */
-static void print_slots(const struct run *run)
+/* Slots that were given nothing were idle: those that a hello claims, and nobody heard of. */
+static void add_idle(struct report *r)
 {
-    double end_s = makespan(run);
-    printf("slot\ttasks\tcpu_s\tbusy_s\tstartup_s\twaiting_s\ttail_s\n");
-    for (size_t i = 0; i < run->n_slots; i++) {
-        const struct slot *s = &run->slots[i];
-        double waiting_s = s->last_s - s->first_s - s->busy_s;
-        printf("%s\t%lld\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\n", s->name, (long long)s->tasks, s->cpu_s,
-            s->busy_s, s->first_s, waiting_s > 0 ? waiting_s : 0, end_s - s->last_s);
+    int32_t claimed = 0;
+    for (size_t i = 0; i < r->log.n_runs; i++)
+        if (r->log.runs[i].slots > claimed) claimed = r->log.runs[i].slots;
+    bool *known = xcalloc((size_t)claimed + 1, sizeof *known);
+    for (size_t i = 0; i < r->log.n_slots; i++) {
+        int64_t k = outermost(r->log.slots[i].name);
+        if (k >= 0 && k < claimed) known[k] = true;
+    }
+    if (claimed == 1) known[0] = true; /* a lone worker */
+    for (int32_t k = 0; k < claimed; k++) {
+        char name[HISTORY_NAME];
+        snprintf(name, sizeof name, "%" PRId32, k);
+        if (!known[k]) add_row(r, name);
+    }
+    free(known);
+}
+
+static void make_rows(struct report *r)
+{
+    for (size_t i = 0; i < r->log.n_slots; i++) add_row(r, r->log.slots[i].name);
+    add_idle(r);
+    qsort(r->rows, r->n_rows, sizeof *r->rows, by_name);
+    r->row_of = xcalloc(r->log.n_slots, sizeof *r->row_of);
+    for (size_t i = 0; i < r->log.n_slots; i++) {
+        struct row key = {0};
+        memcpy(key.name, r->log.slots[i].name, sizeof key.name);
+        const struct row *row = bsearch(&key, r->rows, r->n_rows, sizeof key, by_name);
+        r->row_of[i] = (uint32_t)(row - r->rows);
     }
 }
 
-static void print_summary(struct run *run)
+/* -S: the power of each slot of the outermost fan, by its number. */
+static void powers_of_hosts(struct report *r, const char *arg)
 {
-    size_t n = run->n_slots;
-    if (run->said_slots > (int64_t)n) n = (size_t)run->said_slots;
-    double *power = xmalloc(n, sizeof *power), cpu_s = 0, wall_s = makespan(run);
-    for (size_t i = 0; i < n; i++) power[i] = 1;
-    for (size_t i = 0; i < run->n_slots; i++) cpu_s += run->slots[i].cpu_s;
-    double bound_s = lower_bound(run->costs_s, run->n_tasks, power, n);
-    printf("slots\t%zu\ntasks\t%zu\nduplicates\t%lld\nlost_records\t%lld\n", n, run->n_tasks,
-        (long long)run->duplicates, (long long)run->lost_records);
-    printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbound_s\t%.6f\nefficiency\t%.4f\n", wall_s, cpu_s,
-        bound_s, wall_s > 0 ? bound_s / wall_s : 0);
+    struct hosts h;
+    char err[HOSTS_ERR];
+    if (!hosts_read(&h, arg, err)) die(ST_USAGE, "%s", err);
+    double *power = xmalloc((size_t)h.slots, sizeof *power), *at = power;
+    for (size_t i = 0; i < h.n; i++) {
+        if (h.at[i].power <= 0)
+            die(ST_USAGE, "-S %s: host %s has no power, expected power=P", arg, h.at[i].name);
+        for (int k = 0; k < h.at[i].slots; k++) *at++ = h.at[i].power;
+    }
+    for (size_t i = 0; i < r->n_rows; i++) {
+        int64_t k = outermost(r->rows[i].name);
+        if (k >= h.slots)
+            die(ST_USAGE, "-S %s: %d slots, expected slot %s among them", arg, h.slots,
+                r->rows[i].name);
+        r->rows[i].power = power[k < 0 ? 0 : k];
+    }
     free(power);
+    hosts_free(&h);
+}
+
+static void set_powers(struct report *r, const struct options *o)
+{
+    if (o->hosts) powers_of_hosts(r, o->hosts);
+    if (!o->powers) return;
+    if (o->n_powers != r->n_rows)
+        die(ST_USAGE, "-w: %zu powers, expected %zu, one for each slot", o->n_powers, r->n_rows);
+    for (size_t k = 0; k < r->n_rows; k++) r->rows[k].power = o->powers[k];
+}
+
+/* ---- times and costs -------------------------------------------------------------------- */
+
+/*
+ * A slot was on a task for as long as the worker says, and never for less than the CPU time that it
+ * used since the task before: that has reading and writing in it, which its wall time has not.
+ */
+static void make_spans(struct report *r)
+{
+    const struct history *l = &r->log;
+    r->spans = xcalloc(l->n_dones, sizeof *r->spans);
+    for (size_t i = 0; i < l->n_dones; i++) {
+        const struct history_done *d = &l->dones[i];
+        struct row *row = &r->rows[r->row_of[d->slot]];
+        struct span *s = &r->spans[i];
+        s->run = (uint32_t)d->run;
+        s->slot = r->row_of[d->slot];
+        s->end_s = d->recv_us < 0 ? -1 : (double)d->recv_us * 1e-6;
+        s->took_s = (double)(d->wall_us > d->cpu_us ? d->wall_us : d->cpu_us) * 1e-6;
+        s->wasted = history_wasted(l, d);
+        row->tasks++;
+        row->duplicates += s->wasted;
+        row->retries += d->try > 1;
+        row->cpu_s += (double)d->cpu_us * 1e-6;
+        r->tasks += !s->wasted;
+    }
+    r->run_s = xcalloc(l->n_runs, sizeof *r->run_s);
+    struct times *of = xcalloc(r->n_rows, sizeof *of);
+    timeline(r->spans, l->n_dones, of, r->n_rows, r->run_s, l->n_runs);
+    for (size_t k = 0; k < r->n_rows; k++) r->rows[k].times = of[k];
+    for (size_t i = 0; i < l->n_runs; i++) r->makespan_s += r->run_s[i];
+    free(of);
+}
+
+/* Costs are measured on the slots of this log, or on one of power 1. */
+static double cost_s(const struct report *r, const struct history_done *d)
+{
+    double power = r->rows ? r->rows[r->row_of[d->slot]].power : 1;
+    return (double)d->cpu_us * 1e-6 * power;
+}
+
+/*
+ * The lower bound (stats.h). Its pieces are rows where this log has each of them from one task,
+ * else pixels: it is the same for all methods that never split a row.
+ */
+static void find_bound(struct report *r, const char *path)
+{
+    struct report one = {0};
+    const struct report *from = r;
+    if (path) {
+        read_log(&one.log, path);
+        char why[HISTORY_ERR];
+        if (!history_same(&one.log, &r->log, why)) die(ST_USAGE, "%s: %s", path, why);
+        from = &one;
+    }
+    const struct history *l = &from->log;
+    bool split = history_split(&r->log) || history_split(l);
+    struct pieces *p = xcalloc(l->n_dones, sizeof *p);
+    for (size_t i = 0; i < l->n_dones; i++) {
+        const struct history_done *d = &l->dones[i];
+        if (history_wasted(l, d)) continue;
+        double used = l->n_frags ? (double)d->pixels / (double)d->sent : 1;
+        p[i].n = !l->n_frags ? 1 : split ? d->pixels : d->rows;
+        p[i].c = p[i].n ? cost_s(from, d) * used / (double)p[i].n : 0;
+    }
+    double *v = xcalloc(r->n_rows, sizeof *v);
+    for (size_t k = 0; k < r->n_rows; k++) v[k] = r->rows[k].power;
+    r->bound_s = lower_bound_pieces(p, l->n_dones, v, r->n_rows);
+    free(v);
+    free(p);
+    history_free(&one.log);
+}
+
+/* ---- writing ---------------------------------------------------------------------------- */
+
+static double efficiency(const struct report *r)
+{
+    return r->makespan_s > 0 ? r->bound_s / r->makespan_s : 0;
+}
+
+static void print_slots(const struct report *r)
+{
+    printf(
+        "slot\ttasks\tcpu_s\tbusy_s\tstartup_s\twaiting_s\ttail_s\twasted_s\tduplicates\tretries\t"
+        "power\n");
+    for (size_t k = 0; k < r->n_rows; k++) {
+        const struct row *s = &r->rows[k];
+        const struct times *t = &s->times;
+        printf("%s\t%" PRId64 "\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%" PRId64 "\t%" PRId64
+               "\t%g\n",
+            s->name, s->tasks, s->cpu_s, t->busy_s, t->startup_s, t->waiting_s, t->tail_s,
+            t->wasted_s, s->duplicates, s->retries, s->power);
+    }
+}
+
+static void print_summary(const struct report *r)
+{
+    struct row all = {0};
+    for (size_t k = 0; k < r->n_rows; k++) {
+        const struct row *s = &r->rows[k];
+        all.cpu_s += s->cpu_s;
+        all.duplicates += s->duplicates;
+        all.retries += s->retries;
+        all.times.busy_s += s->times.busy_s;
+        all.times.startup_s += s->times.startup_s;
+        all.times.waiting_s += s->times.waiting_s;
+        all.times.tail_s += s->times.tail_s;
+        all.times.wasted_s += s->times.wasted_s;
+    }
+    printf("slots\t%zu\ntasks\t%" PRId64 "\nduplicates\t%" PRId64 "\nretries\t%" PRId64
+           "\nlost_records\t%" PRIu64 "\nruns\t%zu\n",
+        r->n_rows, r->tasks, all.duplicates, all.retries, r->log.bad, r->log.n_runs);
+    printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbusy_s\t%.6f\nstartup_s\t%.6f\nwaiting_s\t%.6f\n"
+           "tail_s\t%.6f\nwasted_s\t%.6f\n",
+        r->makespan_s, all.cpu_s, all.times.busy_s, all.times.startup_s, all.times.waiting_s,
+        all.times.tail_s, all.times.wasted_s);
+    printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, efficiency(r));
+}
+
+/* The intervals of stormring-tsv(5): a bar for each `done`. */
+static void print_gantt(const struct report *r, const char *name)
+{
+    const struct history *l = &r->log;
+    const char *kind = l->n_frames && l->frames[0].replayed ? "replayed" : "real";
+    double *zero_s = xcalloc(l->n_runs + 1, sizeof *zero_s); /* of each run: they follow another */
+    for (size_t i = 0; i < l->n_runs; i++) zero_s[i + 1] = zero_s[i] + r->run_s[i];
+    printf("# x: time\n# y: slot\n# note: efficiency %.3f: at least %.3g s, and it took %.3g s%s\n",
+        efficiency(r), r->bound_s, r->makespan_s, l->n_runs > 1 ? ", all runs together" : "");
+    printf("# lanes:");
+    for (size_t k = 0; k < r->n_rows; k++) printf(" %s", r->rows[k].name);
+    printf("\nexperiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\tuntil\n");
+    for (size_t i = 0; i < l->n_dones; i++) {
+        const struct span *s = &r->spans[i];
+        const char *what = s->wasted ? "wasted" : l->dones[i].try > 1 ? "task given again" : "task";
+        printf("%s\t%s\t%s\t%.6f\ts\t%" PRIu32 "\t1\t%zu\t0\t%.6f\n", name, kind, what,
+            zero_s[s->run] + s->begin_s, s->slot, i + 1, zero_s[s->run] + s->end_s);
+    }
+    free(zero_s);
+}
+
+/* A word for the chart's title: the file's name, without what would end a field. */
+static char *title_of(const struct options *o)
+{
+    const char *path = *o->inputs ? *o->inputs : "-", *slash = strrchr(path, '/');
+    char *name = xstrdup(strcmp(path, "-") == 0 ? "log" : slash && slash[1] ? slash + 1 : path);
+    for (char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ') *c = '?';
+    return name;
+}
+
+static void print_report(const struct report *r, const struct options *o)
+{
+    char *title;
+    switch (o->what) {
+    case SLOTS: print_slots(r); break;
+    case SUMMARY: print_summary(r); break;
+    case GANTT:
+        title = title_of(o);
+        print_gantt(r, title);
+        free(title);
+        break;
+    }
+}
+
+static void report_free(struct report *r)
+{
+    history_free(&r->log);
+    free(r->rows);
+    free(r->row_of);
+    free(r->spans);
+    free(r->run_s);
+}
+
+static struct options parse(int argc, char **argv)
+{
+    static const char text[] = "[-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
+    struct options o = {0};
+    int opt;
+    while ((opt = getopt(argc, argv, "+c:ghsS:w:")) != -1) {
+        switch (opt) {
+        case 'c': o.costs = optarg; break;
+        case 'g': o.what = GANTT; break;
+        case 'h': usage(ST_OK, text);
+        case 's': o.what = SUMMARY; break;
+        case 'S': o.hosts = optarg; break;
+        case 'w': o.powers = opt_reals(opt, optarg, 1e-3, 1e3, &o.n_powers); break;
+        default: usage(ST_USAGE, text);
+        }
+    }
+    if (o.hosts && o.powers) die(ST_USAGE, "-S and -w: expected one of them");
+    o.inputs = argv + optind;
+    return o;
 }
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-s] [FRAGS ...]";
-    bool summary = false;
-    struct run run = {0};
     prog_init(argv[0]);
-    int opt;
-    while ((opt = getopt(argc, argv, "+hs")) != -1) {
-        switch (opt) {
-        case 'h': usage(ST_OK, text);
-        case 's': summary = true; break;
-        default: usage(ST_USAGE, text);
-        }
-    }
-    if (optind == argc) read_log(&run, "-");
-    for (int i = optind; i < argc; i++) read_log(&run, argv[i]);
-    if (!run.n_tasks) die(ST_PARTIAL, "no task was done in this log, expected `done` records");
-    qsort(run.slots, run.n_slots, sizeof *run.slots, by_name);
-    if (summary) print_summary(&run);
-    else print_slots(&run);
-    tasks_free(&run.seen);
-    free(run.slots);
-    free(run.costs_s);
+    struct options o = parse(argc, argv);
+    struct report r = {0};
+    if (!*o.inputs) read_log(&r.log, "-");
+    for (char **name = o.inputs; *name; name++) read_log(&r.log, *name);
+    if (!r.log.n_dones) die(ST_PARTIAL, "no task was done in this log, expected `done` records");
+    make_rows(&r);
+    set_powers(&r, &o);
+    make_spans(&r);
+    find_bound(&r, o.costs);
+    print_report(&r, &o);
+    report_free(&r);
+    free(o.powers);
     close_stdout();
     return ST_OK;
 }

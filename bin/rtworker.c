@@ -16,7 +16,7 @@ struct options {
     struct worker_options worker;
     bool inspect;     /* -i: print the frame and the job, render nothing */
     const char *path; /* of the scene; "-": it comes as a record */
-    char with[80];    /* what of the above changes pixels, as options */
+    char with[80];    /* this program, and what of the above changes pixels, as options */
 };
 
 struct renderer {
@@ -25,6 +25,7 @@ struct renderer {
     struct scene scene;
     struct tracer *tracer;
     uint64_t scene_hash;
+    uint32_t w, h; /* of the frame */
     bool loaded;
 };
 
@@ -48,15 +49,18 @@ static int take_state(
     return -1;
 }
 
-static int ready(void *ctx, uint32_t w, uint32_t h, char err[WORKER_ERR])
+static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
 {
     struct renderer *r = ctx;
+    (void)frame;
     if (!r->loaded) {
         snprintf(err, WORKER_ERR, "no scene, expected a `scene` record before the first task");
         return -1;
     }
     if (!r->tracer) r->tracer = tracer_new(&r->scene, &r->o->trace);
     tracer_frame(r->tracer, w, h);
+    r->w = w;
+    r->h = h;
     return 0;
 }
 
@@ -68,7 +72,8 @@ static uint64_t job(void *ctx)
     int n =
         snprintf(text, sizeof text, "rt %d depth=%d samples=%d threshold=%.17g scene=%016" PRIx64,
             FORMAT_VERSION, t->depth, t->samples, t->threshold, r->scene_hash);
-    return hash64(HASH64_INIT, text, (size_t)n);
+    const uint32_t size[2] = {r->w, r->h};
+    return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
 }
 
 static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
@@ -87,9 +92,10 @@ static const char selftest_nff[] =
     "f .2 .9 .3 .2 .1 10 .7 1.3\ns 1.2 1 .6 .6\nf .3 .4 1 .9 .1 5 0 0\n"
     "c -1.4 .8 0 .5 -1.4 .8 1.2 .2\npp 3 1 -1 0 0 0 1 2 -1.5 .3 .3 0 1 1.4 -.3 1.1 0 .4 1\n";
 
-static void selftest(float *rgba, uint32_t *n)
+static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
     struct scene s;
+    (void)ctx;
     char err[SCENE_ERR];
     if (nff_read("selftest", selftest_nff, sizeof selftest_nff - 1, &s, err) != 0)
         die(ST_SYSTEM, "%s", err);
@@ -156,16 +162,15 @@ static void shortest(char *text, size_t size, double v)
 static void describe(struct options *o)
 {
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT, *t = &o->trace;
-    size_t n = 0;
+    size_t n = (size_t)snprintf(o->with, sizeof o->with, "rtworker");
     if (t->samples != usual.samples || t->threshold >= 0)
-        n += (size_t)snprintf(o->with, sizeof o->with, "-a%d", t->samples);
+        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-a%d", t->samples);
     if (t->threshold >= 0) {
         char text[32];
         shortest(text, sizeof text, t->threshold);
         n += (size_t)snprintf(o->with + n, sizeof o->with - n, ":%s", text);
     }
-    if (t->depth != usual.depth)
-        snprintf(o->with + n, sizeof o->with - n, "%s-d%d", n ? "," : "", t->depth);
+    if (t->depth != usual.depth) snprintf(o->with + n, sizeof o->with - n, ",-d%d", t->depth);
 }
 
 static struct options parse(int argc, char **argv)
@@ -209,10 +214,9 @@ static void open_scene(struct renderer *r)
 
 static void inspect(struct renderer *r)
 {
-    const struct view *v = &r->scene.view;
-    const uint32_t size[2] = {v->res_x, v->res_y};
-    printf(
-        "frame %u %u\njob=%016" PRIx64 "\n", v->res_x, v->res_y, hash64(job(r), size, sizeof size));
+    r->w = r->scene.view.res_x;
+    r->h = r->scene.view.res_y;
+    printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
     close_stdout();
 }
 

@@ -24,6 +24,7 @@ sched task base
 sim sched stats task base
 proc base
 worker wire image task base
+history wire task base
 drive sched proc wire task base
 END
 
@@ -205,7 +206,7 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	cat $pages 2>&1 | sed -nE 's/^\.It Ic ([a-z]+).*/\1/p' | sort -u >"$tmp/pages"
 	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</lib\/wire knows, the pages do not: /p; s/^>/the pages know, lib\/wire does not: /p' >"$found"
 	clean 'the pages name the records that lib/wire knows'
-	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c'
+	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c lib/history/*.c'
 	{
 		cat $wire bin/*.c | grep -oE '(rec_(key|int|real|str)\(&?r, |has_key\(r, )"[a-z_]+"' | grep -oE '[a-z_]+"$' | tr -d '"'
 		cat $wire | grep -oE '[" ][a-z_]+=[%:]' | tr -d '" =%:'

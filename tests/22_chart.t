@@ -50,6 +50,19 @@ chart -o one.svg one.tsv
 chart -o three.svg three.tsv
 is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 
+# Intervals: a lane for each slot, a look for each thing done, and none of the points' options.
+bars=$(printf '%s until' "$header")
+tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \
+	'log real task 1.5 s 0 1 2 0 2' 'log real wasted 0.1 s 1 1 3 0 2' 'log real task_again 0 s 1 1 4 0 .1' >bars.tsv
+ok 'a Gantt chart' chart -o bars.svg bars.tsv
+texts bars.svg >said
+is 'lanes have names, those without a bar as well' "$(grep -cx '0\|1\.0\|1\.1' said)" 3
+like 'its axes have names and units' "$(tr '\n' ' ' <said)" 'slot .*time \(s\).*log \(real\)'
+is 'the legend says what was done, and nothing else' "$(grep -c 'task given again' said)$(grep -cx 'task\|wasted\|task_again' said)" 03
+like 'what to know stands below' "$(cat said)" '^efficiency \.9$'
+is 'wasted ones are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
+ok 'as PNG' chart -o bars.png bars.tsv
+
 # refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
 refused() {
 	line=$1 why=$2
@@ -62,6 +75,11 @@ refused() {
 refused 1 'no column line' '# nothing'
 refused 1 'column 3 is "methods"' 'experiment kind methods x x_unit y y_unit sample seed'
 refused 1 '10 columns' "$header more"
+refused 2 'until is "1"' "$bars" 'a real m 2 s 2 s 1 0 1'
+refused 2 'y is 1.5' "$bars" 'a real m 2 s 1.5 s 1 0 3'
+refused 2 '9 fields' "$bars" 'a real m 2 s 1 s 1 0'
+run chart -p bars.tsv
+like 'refused: options of points' "$status $err" '^2 chart: bars.tsv:5: intervals, expected none of -L, -l and -p'
 refused 2 'no measurements' '# nothing' "$header"
 refused 2 '8 fields' "$header" 'a real m 1 s 2 s 1'
 refused 2 'kind is "fake"' "$header" 'a fake m 1 s 2 s 1 0'

@@ -9,19 +9,37 @@ static int descending(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-double lower_bound(double *c, size_t n, double *v, size_t m)
+static int dearest(const void *a, const void *b)
+{
+    return descending(&((const struct pieces *)a)->c, &((const struct pieces *)b)->c);
+}
+
+double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
 {
     double all_c = 0, all_v = 0, bound = 0, first_c = 0, first_v = 0;
-    qsort(c, n, sizeof *c, descending);
+    qsort(p, n, sizeof *p, dearest);
     qsort(v, m, sizeof *v, descending);
-    for (size_t i = 0; i < n; i++) all_c += c[i];
+    for (size_t i = 0; i < n; i++) all_c += p[i].c * (double)p[i].n;
     for (size_t k = 0; k < m; k++) all_v += v[k];
     if (all_v > 0) bound = all_c / all_v;
-    for (size_t k = 0; k + 1 < m && k < n; k++) {
-        first_c += c[k];
+    uint64_t used = 0; /* pieces of kind i that are among the largest k */
+    for (size_t k = 0, i = 0; k + 1 < m; k++, used++) {
+        for (; i < n && used >= p[i].n; i++) used = 0;
+        if (i == n) break;
+        first_c += p[i].c;
         first_v += v[k];
         if (first_v > 0 && first_c / first_v > bound) bound = first_c / first_v;
     }
+    return bound;
+}
+
+double lower_bound(double *c, size_t n, double *v, size_t m)
+{
+    struct pieces *p = xmalloc(n + 1, sizeof *p);
+    qsort(c, n, sizeof *c, descending);
+    for (size_t i = 0; i < n; i++) p[i] = (struct pieces){c[i], 1};
+    double bound = lower_bound_pieces(p, n, v, m);
+    free(p);
     return bound;
 }
 

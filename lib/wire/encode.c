@@ -11,14 +11,14 @@ void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const cha
     buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32 "%s\n", frame, w, h, extra ? extra : "");
 }
 
-static uint32_t crc_of(const void *p, size_t n)
+uint32_t wire_crc(const void *p, size_t n)
 {
     return (uint32_t)crc32(crc32(0, NULL, 0), p, (uInt)n);
 }
 
 void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
 {
-    buf_printf(b, "%s crc=%" PRIu32 " bytes=%zu\n", rec_name(kind), crc_of(body, n), n);
+    buf_printf(b, "%s crc=%" PRIu32 " bytes=%zu\n", rec_name(kind), wire_crc(body, n), n);
     buf_append(b, body, n);
 }
 
@@ -66,7 +66,7 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
         memcpy(&bits, rgba + i, 4);
         for (int k = 0; k < 4; k++) body[4 * i + (size_t)k] = (unsigned char)(bits >> (8 * k));
     }
-    buf_printf(b, " ch=4 crc=%" PRIu32 " bytes=%zu\n", crc_of(body, bytes), bytes);
+    buf_printf(b, " ch=4 crc=%" PRIu32 " bytes=%zu\n", wire_crc(body, bytes), bytes);
     buf_append(b, body, bytes);
     free(body);
 }

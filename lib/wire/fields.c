@@ -40,12 +40,17 @@ bool rec_real(const struct record *r, const char *key, double min, double max, d
     return rec_str(r, key, text, sizeof text) && parse_real(text, min, max, out);
 }
 
-void rec_pixels(const struct record *r, float *rgba)
+void wire_pixels(const unsigned char *body, size_t n, float *rgba)
 {
-    for (size_t i = 0; i < r->body_len / 4; i++) {
-        const unsigned char *b = r->body + 4 * i;
+    for (size_t i = 0; i < 4 * n; i++) {
+        const unsigned char *b = body + 4 * i;
         uint32_t bits =
             (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
         memcpy(rgba + i, &bits, 4);
     }
+}
+
+void rec_pixels(const struct record *r, float *rgba)
+{
+    wire_pixels(r->body, r->body_len / WIRE_PIXEL_BYTES, rgba);
 }

@@ -51,11 +51,12 @@ struct record {
 /* All zero, but for `upward`, is a decoder at the beginning of a stream. */
 struct decoder {
     struct buf in;
-    bool upward;  /* reads what workers say, who are not trusted: state records are bad there, */
-                  /* so that no more than a frag is ever waited for */
-    bool ended;   /* no more will be fed */
-    bool lost;    /* looking for the next good record */
-    uint64_t bad; /* records lost so far; what is lost in one piece counts as one */
+    bool upward;   /* reads what workers say, who are not trusted: state records are bad there, */
+                   /* so that no more than a frag is ever waited for */
+    bool unsummed; /* a body is taken without looking at it: rec_sound says whether it is good */
+    bool ended;    /* no more will be fed */
+    bool lost;     /* looking for the next good record */
+    uint64_t bad;  /* records lost so far; what is lost in one piece counts as one */
     uint64_t skipped; /* bytes lost so far; they and the records' bytes are all that was fed */
     char why[160];    /* what was wrong with the last bad one, and what was expected */
     size_t consumed;  /* bytes of the record handed out, dropped at the next call */
@@ -69,6 +70,11 @@ enum wire_result {
 };
 
 void wire_feed(struct decoder *d, const void *p, size_t n);
+/*
+ * A decoder of a whole stream that lies in memory: nothing is copied, records point into it for as
+ * long as it is there. Such a decoder is neither fed nor freed.
+ */
+struct decoder wire_over(unsigned char *p, size_t n);
 void wire_end(struct decoder *d);
 enum wire_result wire_next(struct decoder *d, struct record *r);
 void wire_free(struct decoder *d);
@@ -79,8 +85,15 @@ bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, 
 bool rec_real(const struct record *r, const char *key, double min, double max, double *out);
 /* As a string into out[size]; false when absent or too long. */
 bool rec_str(const struct record *r, const char *key, char *out, size_t size);
+/* Are the bytes of the body those that were sent? */
+bool rec_sound(const struct record *r);
 /* The pixels of a frag, host byte order, 4 floats each, lattice order. */
 void rec_pixels(const struct record *r, float *rgba);
+/* n pixels of its body, from the byte on. */
+void wire_pixels(const unsigned char *body, size_t n, float *rgba);
+
+/* CRC-32 of a body. */
+uint32_t wire_crc(const void *p, size_t n);
 
 /* Encoders append one record to b. `extra` is NULL or " key=value ..." added to the line. */
 void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra);

@@ -15,6 +15,7 @@
 #define GONE (POLLERR | POLLHUP | POLLNVAL)
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
+#define WITH_MAX 160
 
 struct worker {
     const struct worker_ops *ops;
@@ -94,7 +95,7 @@ static void hello(struct worker *w)
     static float rgba[4 * SELFTEST_PIXELS];
     uint32_t n = SELFTEST_PIXELS;
     int64_t start = now_us();
-    w->ops->selftest(rgba, &n);
+    w->ops->selftest(w->ctx, rgba, &n);
     int64_t took = now_us() - start;
     uint64_t hash = hash64(HASH64_INIT, rgba, (size_t)n * 4 * sizeof *rgba);
     char text[160];
@@ -109,16 +110,12 @@ static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR
 {
     if (f->said) return true;
     begin();
-    int failed = w->ops->ready(w->ctx, f->w, f->h, err);
+    int failed = w->ops->ready(w->ctx, f->frame, f->w, f->h, err);
     end();
     if (failed) return false;
-    uint64_t job = w->ops->job(w->ctx);
-    const uint32_t size[2] = {f->w, f->h};
-    job = hash64(job, size, sizeof size);
-    const char *with = w->ops->with(w->ctx);
-    char extra[160];
-    snprintf(extra, sizeof extra, " job=%016" PRIx64 " with=%s%s%s", job, w->ops->program,
-        *with ? "," : "", with);
+    char extra[WITH_MAX + 64];
+    snprintf(extra, sizeof extra, " job=%016" PRIx64 " with=%.*s%s", w->ops->job(w->ctx), WITH_MAX,
+        w->ops->with(w->ctx), w->ops->cpu_us ? " kind=replayed" : "");
     wire_frame(&w->out, f->frame, f->w, f->h, extra);
     push(w);
     f->said = true;
@@ -139,10 +136,15 @@ static void emit_frag(struct worker *w, const struct task *t, const struct latti
     wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, w->pixels);
 }
 
+static int64_t used_us(const struct worker *w)
+{
+    return w->ops->cpu_us ? w->ops->cpu_us(w->ctx) : cpu_us();
+}
+
 /* A task's CPU time is all since the one before: reading and writing are part of the work. */
 static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
 {
-    int64_t cpu = cpu_us();
+    int64_t cpu = used_us(w);
     wire_done(&w->out, t, cpu - w->cpu_us, wall_us);
     w->cpu_us = cpu;
 }
@@ -157,7 +159,7 @@ static void take_task(struct worker *w, const struct task *t)
     if (!lattice_valid(&t->at, f->w, f->h))
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
-    if (w->ops->ready(w->ctx, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
+    if (w->ops->ready(w->ctx, f->frame, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
     int64_t wall = now_us();
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
@@ -209,7 +211,7 @@ static void take_record(struct worker *w, const struct record *r)
             "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
             rec_name(r->kind));
     }
-    w->cpu_us = cpu_us();
+    w->cpu_us = used_us(w);
 }
 
 /* Waits for input while watching the reader; then one read. False at the end of input. */

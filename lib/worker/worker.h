@@ -21,20 +21,25 @@ struct worker_ops {
     /* Take a state record. 0, or -1 with text in err. `body` is valid during the call. */
     int (*state)(
         void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR]);
-    /* All state there and usable? Called before a frame's first task; builds what is needed. */
-    int (*ready)(void *ctx, uint32_t w, uint32_t h, char err[WORKER_ERR]);
-    /* The hash of format, options that change pixels, and state; the loop adds the size. */
+    /* All state there and usable? Called before every task; builds what is needed. */
+    int (*ready)(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR]);
+    /* The hash of format, options that change pixels, state and size, of the frame made ready. */
     uint64_t (*job)(void *ctx);
     /*
-     * The options that give this job, as command line words with commas between ("-d3,-a16"; "" for
-     * none): who finishes the picture later needs them.
+     * Program and options that give this job, as command line words with commas between
+     * ("rtworker,-d3"): who finishes the picture later needs them.
      */
     const char *(*with)(void *ctx);
     /* Pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the
      * power. */
-    void (*selftest)(float *rgba, uint32_t *n); /* n: room for 4*n floats in, pixels out */
+    void (*selftest)(void *ctx, float *rgba, uint32_t *n); /* n: room for 4*n floats, then pixels */
+    /*
+     * For who stands in for another worker; NULL for all others: the CPU time that this one would
+     * have used so far, in place of this process's own. Frames are then announced as `replayed`.
+     */
+    int64_t (*cpu_us)(void *ctx);
 };
 
 struct worker_options {

@@ -1,0 +1,280 @@
+/* replay: stands in for a worker. It takes as long as a log says, and returns the log's pixels. */
+#include "base/base.h"
+#include "history/history.h"
+#include "worker/worker.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define OVERSLEPT_MOST_US                                                                          \
+    10000.0 /* that is made up for: a process that was stopped does not race */
+
+#define POWER_LEAST 1e-3
+#define POWER_MOST 1e3
+
+struct options {
+    struct worker_options worker;
+    double power; /* -p: 1 is the machine that the log is of */
+    double load;  /* -l: the mean of what other users add to a task, in its own time */
+    double scale; /* -x: of all times */
+    uint64_t seed;
+    const char *path;
+};
+
+struct replay {
+    const struct options *o;
+    struct history log;
+    const struct history_frame *frame;
+    const struct history_frag
+        *whole;      /* has just the pixels that are asked for; NULL: they are spread */
+    uint64_t pieces; /* done so far: the counter of the load */
+    double used_us;  /* CPU time that the worker stood in for would have used so far */
+    double owed_us;  /* of this time, not waited for yet; < 0: the system woke this process late */
+    int64_t own_us;  /* CPU time of this process that has been counted as part of the wait */
+};
+
+static void sleep_us(double us)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    int64_t ns = t.tv_nsec + (int64_t)(us * 1e3);
+    t.tv_sec += (time_t)(ns / 1000000000);
+    t.tv_nsec = (long)(ns % 1000000000);
+    /* The pulse of the worker's loop interrupts it. */
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL) == EINTR)
+        ;
+}
+
+/*
+ * Lasts as long as a task of this cost: what this process used since the last one for decoding and
+ * writing is part of it, as it is of a worker's CPU time, and what the system overslept then is
+ * made up for now.
+ */
+static void last(struct replay *r, double us)
+{
+    double e = r->o->load > 0 ? -log1p(-rng_unit(r->o->seed, r->pieces)) : 0; /* of mean 1 */
+    int64_t own = cpu_us();
+    r->pieces++;
+    r->used_us += us;
+    r->owed_us += us * (1 + r->o->load * e) - (double)(own - r->own_us);
+    if (r->owed_us > 0) {
+        int64_t begin = now_us();
+        sleep_us(r->owed_us);
+        r->owed_us -= (double)(now_us() - begin);
+    }
+    if (r->owed_us < -OVERSLEPT_MOST_US) r->owed_us = -OVERSLEPT_MOST_US;
+    r->own_us = own;
+}
+
+static _Noreturn void refuse(const struct replay *r, uint64_t p, const char *why)
+{
+    const struct history_frame *f = r->frame;
+    die(ST_USAGE,
+        "%s: frame %u: pixel %" PRIu64 ",%" PRIu64 " %s, expected a log of all that is "
+        "asked for",
+        r->o->path, f->number, p % f->w, p / f->w, why);
+}
+
+/* Of pixel p, which is of this frag: its share of what its task took. */
+static double pixel_us(const struct replay *r, struct history_frag *frag, uint64_t p)
+{
+    if (frag->done < 0) refuse(r, p, "is there without what it cost");
+    if (!history_sound(frag)) refuse(r, p, "is damaged");
+    const struct history_done *d = &r->log.dones[frag->done];
+    return (double)d->cpu_us / (double)d->sent;
+}
+
+/* What these pixels cost: as one, where the log has them as one; else the sum of their shares. */
+static double cost_us(struct replay *r, const struct lattice *at)
+{
+    const struct history_frame *f = r->frame;
+    uint64_t n = lattice_count(at);
+    double us = 0;
+    struct history_frag *whole = history_frag_at(&r->log, f, at);
+    r->whole = whole;
+    if (whole) us = pixel_us(r, whole, lattice_pixel(at, f->w, 0)) * (double)n;
+    for (uint64_t i = 0; !whole && i < n; i++) {
+        uint64_t p = lattice_pixel(at, f->w, i);
+        struct history_place place = history_place_of(&r->log, f, p);
+        if (place.frag < 0) refuse(r, p, "is not there");
+        us += pixel_us(r, &r->log.frags[place.frag], p);
+    }
+    return us * r->o->scale / r->o->power;
+}
+
+static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    struct replay *r = ctx;
+    if (n0 == 0) last(r, cost_us(r, at));
+    if (r->whole) {
+        wire_pixels(r->whole->body + n0 * WIRE_PIXEL_BYTES, n, rgba);
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t p = lattice_pixel(at, r->frame->w, n0 + i);
+        struct history_place place = history_place_of(&r->log, r->frame, p);
+        const unsigned char *body = r->log.frags[place.frag].body;
+        wire_pixels(body + (size_t)place.n * WIRE_PIXEL_BYTES, 1, rgba + 4 * (size_t)i);
+    }
+}
+
+/* Scenes and the like are for who renders. */
+static int take_state(
+    void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR])
+{
+    (void)ctx, (void)kind, (void)body, (void)n;
+    *err = '\0';
+    return 0;
+}
+
+static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
+{
+    struct replay *r = ctx;
+    const struct history_frame *f = history_frame_of(&r->log, frame);
+    if (!f || f->w != w || f->h != h) {
+        snprintf(err, WORKER_ERR, "%s: frame %u of %ux%u is not there, expected one that is",
+            r->o->path, frame, w, h);
+        return -1;
+    }
+    if (f != r->frame) r->own_us = cpu_us();
+    r->frame = f;
+    return 0;
+}
+
+static uint64_t job(void *ctx)
+{
+    const struct history_frame *f = ((struct replay *)ctx)->frame;
+    uint64_t v = 0;
+    for (const char *c = f->job; *c; c++)
+        v = v << 4 | (uint64_t)(*c <= '9' ? *c - '0' : *c - 'a' + 10);
+    return v;
+}
+
+static const char *with(void *ctx) { return ((struct replay *)ctx)->frame->with; }
+
+static int64_t used_us(void *ctx) { return llrint(((struct replay *)ctx)->used_us); }
+
+/*
+ * Takes the reference's time, for the power that hello tells. The pixels stand for the log's jobs:
+ * slots that replay different logs are told apart as machines of different arithmetic are.
+ */
+static void selftest(void *ctx, float *rgba, uint32_t *n)
+{
+    struct replay *r = ctx;
+    uint32_t most = *n;
+    *n = 0;
+    for (size_t i = 0; i < r->log.n_frames && *n < most; i++, ++*n) {
+        const char *text = r->log.frames[i].job;
+        for (int k = 0; k < 4; k++) {
+            uint64_t h = hash64(HASH64_INIT + (uint64_t)k, text, strlen(text));
+            rgba[4 * *n + (uint32_t)k] = (float)(h >> 40);
+        }
+    }
+    sleep_us(WORKER_SELFTEST_REFERENCE_US / r->o->power);
+}
+
+static const struct worker_ops ops = {
+    .program = "replay",
+    .state = take_state,
+    .ready = ready,
+    .job = job,
+    .with = with,
+    .render = render,
+    .selftest = selftest,
+    .cpu_us = used_us,
+};
+
+/* The log lies in memory that all replays of it share; or in this one's, where it is no file. */
+static void map_log(struct replay *r)
+{
+    struct stat st;
+    struct buf b = {0};
+    ptrdiff_t n;
+    int fd = open(r->o->path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &st) != 0) die(ST_USAGE, "%s:", r->o->path);
+    void *p = S_ISREG(st.st_mode) && st.st_size
+                  ? mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_SHARED, fd, 0)
+                  : MAP_FAILED;
+    if (p != MAP_FAILED) {
+        history_over(&r->log, p, (size_t)st.st_size);
+    } else {
+        while ((n = read_some(fd, &b, 1 << 16)) > 0)
+            ;
+        if (n < 0) die(ST_SYSTEM, "%s:", r->o->path);
+        history_over(&r->log, b.data, b.len);
+    }
+    close(fd);
+}
+
+static void open_log(struct replay *r)
+{
+    const char *path = r->o->path;
+    struct history *l = &r->log;
+    map_log(r);
+    if (l->bad)
+        warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path, l->bad,
+            l->why);
+    if (!l->n_frags || !l->n_dones)
+        die(ST_USAGE, "%s: no task with its pixels, expected the log of a run", path);
+    for (size_t i = 0; i < l->n_frames; i++) {
+        const struct history_frame *f = &l->frames[i];
+        if (strlen(f->job) != 16 || f->job[strspn(f->job, "0123456789abcdef")])
+            die(ST_USAGE, "%s: frame %u: job=%s, expected 16 hexadecimal digits", path, f->number,
+                f->job);
+    }
+}
+
+/* Where the same command runs on every host, what reaches a host can say how fast it is. */
+static double usual_power(void)
+{
+    const char *s = getenv("REPLAY_POWER");
+    double power = 1;
+    if (s && !parse_real(s, POWER_LEAST, POWER_MOST, &power))
+        die(ST_USAGE, "REPLAY_POWER=%s: expected a number from %g to %g", s, POWER_LEAST,
+            POWER_MOST);
+    return power;
+}
+
+static struct options parse(int argc, char **argv)
+{
+    static const char text[] = "[-c] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
+    struct options o = {.power = usual_power(), .scale = 1};
+    int opt;
+    while ((opt = getopt(argc, argv, "+cf:hl:p:s:x:")) != -1) {
+        switch (opt) {
+        case 'c': o.worker.concentrate = true; break;
+        case 'f':
+            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
+            break;
+        case 'h': usage(ST_OK, text);
+        case 'l': o.load = opt_real(opt, optarg, 0, 1e3); break;
+        case 'p': o.power = opt_real(opt, optarg, POWER_LEAST, POWER_MOST); break;
+        case 's': o.seed = (uint64_t)opt_int(opt, optarg, 0, INT64_MAX); break;
+        case 'x': o.scale = opt_real(opt, optarg, 0, 1e6); break;
+        default: usage(ST_USAGE, text);
+        }
+    }
+    if (argc - optind != 1) usage(ST_USAGE, text);
+    o.path = argv[optind];
+    return o;
+}
+
+int main(int argc, char **argv)
+{
+    prog_init(argv[0]);
+    struct options o = parse(argc, argv);
+    struct replay r = {.o = &o};
+    prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); /* ns: sleeps end when they should */
+    open_log(&r);
+    int status = worker_run(&ops, &o.worker, &r);
+    history_free(&r.log);
+    return status;
+}

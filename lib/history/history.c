@@ -1,0 +1,265 @@
+/* Reading a log: records to tables. See history.h. */
+#include "history/history.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define READ_BYTES (1 << 18)
+
+/* The slot of this record, by the name that it is stamped with. */
+static int32_t slot_of(struct history *l, const struct record *r)
+{
+    char name[HISTORY_NAME];
+    if (!rec_str(r, "w", name, sizeof name)) snprintf(name, sizeof name, "-");
+    for (size_t i = 0; i < l->n_slots; i++)
+        if (strcmp(l->slots[i].name, name) == 0) return (int32_t)i;
+    l->slots = xrealloc(l->slots, l->n_slots + 1, sizeof *l->slots);
+    memcpy(l->slots[l->n_slots].name, name, sizeof name);
+    return (int32_t)l->n_slots++;
+}
+
+/* Was nothing done in the last run? */
+static bool run_idle(const struct history *l)
+{
+    return l->n_runs && (!l->n_dones || l->dones[l->n_dones - 1].run + 1 < (int32_t)l->n_runs);
+}
+
+/* A hello, or anything else where none came, begins a run; one without a task is none. */
+static void begin_run(struct history *l)
+{
+    l->running = true;
+    if (!run_idle(l)) {
+        l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
+        l->n_runs++;
+    }
+    l->runs[l->n_runs - 1].slots = 1;
+}
+
+static void take_hello(struct history *l, const struct record *r)
+{
+    int64_t n;
+    begin_run(l);
+    if (rec_int(r, "slots", 1, HISTORY_SLOTS_MAX, &n)) l->runs[l->n_runs - 1].slots = (int32_t)n;
+}
+
+static void take_done(struct history *l, const struct record *r)
+{
+    if (!l->running) begin_run(l);
+    if ((l->n_dones & (l->n_dones - 1)) == 0) /* full: a power of two */
+        l->dones = xrealloc(l->dones, l->n_dones ? 2 * l->n_dones : 1, sizeof *l->dones);
+    struct history_done *d = &l->dones[l->n_dones];
+    *d = (struct history_done){.frame = r->task.frame, .id = r->task.id, .recv_us = -1, .try = 1};
+    d->run = (int32_t)l->n_runs - 1;
+    d->slot = slot_of(l, r);
+    rec_int(r, "cpu_us", 0, INT64_MAX, &d->cpu_us);
+    if (!rec_int(r, "wall_us", 0, INT64_MAX, &d->wall_us)) d->wall_us = d->cpu_us;
+    rec_int(r, "recv_us", 0, INT64_MAX, &d->recv_us);
+    rec_int(r, "try", 1, INT64_MAX, &d->try);
+    int32_t i = tasks_find(&l->last, d->frame, d->id);
+    d->before = i < 0 ? -1 : (int32_t)l->last.at[i].since_us;
+    if (i < 0) i = tasks_add(&l->last, &r->task, 1);
+    l->last.at[i].since_us = (int64_t)l->n_dones++;
+}
+
+static struct history_frame *find_frame(const struct history *l, uint32_t number)
+{
+    for (size_t i = l->n_frames; i-- > 0;)
+        if (l->frames[i].number == number) return &l->frames[i];
+    return NULL;
+}
+
+const struct history_frame *history_frame_of(const struct history *l, uint32_t number)
+{
+    return find_frame(l, number);
+}
+
+static struct history_frame *add_frame(struct history *l, const struct record *r)
+{
+    l->frames = xrealloc(l->frames, l->n_frames + 1, sizeof *l->frames);
+    struct history_frame *f = &l->frames[l->n_frames++];
+    *f = (struct history_frame){.number = r->task.frame, .w = r->frame_w, .h = r->frame_h};
+    if (!rec_str(r, "with", f->with, sizeof f->with)) *f->with = '\0';
+    size_t n;
+    const char *kind = rec_key(r, "kind", &n);
+    f->replayed = kind && n == 8 && memcmp(kind, "replayed", n) == 0;
+    coverage_init(&f->have, f->w, f->h);
+    f->row_of = xmalloc(f->h, sizeof *f->row_of);
+    for (uint32_t y = 0; y < f->h; y++) f->row_of[y] = HISTORY_NONE;
+    return f;
+}
+
+static bool is_foreign(const struct history *l, int32_t slot, uint32_t frame)
+{
+    for (size_t i = 0; i < l->n_foreign; i++)
+        if (l->foreign[i].slot == slot && l->foreign[i].frame == frame) return true;
+    return false;
+}
+
+static void set_foreign(struct history *l, int32_t slot, uint32_t frame, bool foreign)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < l->n_foreign; i++)
+        if (l->foreign[i].slot != slot || l->foreign[i].frame != frame)
+            l->foreign[n++] = l->foreign[i];
+    l->n_foreign = n;
+    if (!foreign) return;
+    l->foreign = xrealloc(l->foreign, n + 1, sizeof *l->foreign);
+    l->foreign[l->n_foreign++] = (struct history_foreign){slot, frame};
+}
+
+/* The first that a frame is announced with is its job; what belongs to another is nobody's. */
+static void take_frame(struct history *l, const struct record *r)
+{
+    char job[HISTORY_JOB];
+    if (!rec_str(r, "job", job, sizeof job)) return;
+    struct history_frame *f = find_frame(l, r->task.frame);
+    if (!f) {
+        f = add_frame(l, r);
+        memcpy(f->job, job, sizeof job);
+    }
+    bool same = f->w == r->frame_w && f->h == r->frame_h && strcmp(f->job, job) == 0;
+    set_foreign(l, slot_of(l, r), f->number, !same);
+}
+
+/* The done that these pixels are of: the last one of that slot, in this run, for that task. */
+static int32_t done_of(const struct history *l, const struct task *t, int32_t slot)
+{
+    int32_t i = tasks_find(&l->last, t->frame, t->id);
+    if (i < 0) return HISTORY_UNKNOWN;
+    int32_t at = (int32_t)l->last.at[i].since_us;
+    for (; at >= 0; at = l->dones[at].before)
+        if (l->dones[at].slot == slot && l->dones[at].run == (int32_t)l->n_runs - 1) return at;
+    return HISTORY_UNKNOWN;
+}
+
+/* A pixel of row y that nobody had brought. */
+static void take_pixel(struct history *l, struct history_frame *f, uint32_t y, int32_t di)
+{
+    struct history_done *d = di >= 0 ? &l->dones[di] : NULL;
+    if (d) d->pixels++;
+    if (f->row_of[y] == HISTORY_NONE) {
+        f->row_of[y] = di;
+        if (d) d->rows++;
+    } else if (f->row_of[y] != di) {
+        f->split = true;
+    }
+}
+
+static void take_pixels(
+    struct history *l, struct history_frame *f, const struct lattice *at, int32_t di)
+{
+    for (uint32_t j = 0; j < at->h; j++) {
+        uint64_t p = lattice_pixel(at, f->w, (uint64_t)j * at->w);
+        uint32_t y = (uint32_t)(p / f->w);
+        uint64_t next = (uint64_t)(y + 1) * f->w; /* the first of the row below */
+        for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
+            for (; p >= next; next += f->w) y++;
+            if (coverage_set(&f->have, p)) take_pixel(l, f, y, di);
+        }
+    }
+}
+
+static void keep_frag(struct history *l, const struct record *r, int32_t di)
+{
+    int64_t crc = 0;
+    if ((l->n_frags & (l->n_frags - 1)) == 0) /* full: a power of two */
+        l->frags = xrealloc(l->frags, l->n_frags ? 2 * l->n_frags : 1, sizeof *l->frags);
+    rec_int(r, "crc", 0, UINT32_MAX, &crc);
+    l->frags[l->n_frags] = (struct history_frag){.frame = r->task.frame,
+        .done = di,
+        .at = r->task.at,
+        .body = r->body,
+        .bytes = r->body_len,
+        .crc = (uint32_t)crc};
+}
+
+static void take_frag(struct history *l, const struct record *r)
+{
+    if (!l->running) begin_run(l);
+    struct history_frame *f = find_frame(l, r->task.frame);
+    const struct lattice *at = &r->task.at;
+    int32_t slot = slot_of(l, r);
+    if (!f || !lattice_valid(at, f->w, f->h)) return;
+    if (l->n_foreign && is_foreign(l, slot, f->number)) return;
+    int32_t di = done_of(l, &r->task, slot);
+    if (l->keep) keep_frag(l, r, di);
+    l->n_frags++;
+    if (di >= 0) l->dones[di].sent += lattice_count(at);
+    take_pixels(l, f, at, di);
+}
+
+static void take_record(struct history *l, const struct record *r)
+{
+    switch (r->kind) {
+    case REC_HELLO: take_hello(l, r); break;
+    case REC_FRAME: take_frame(l, r); break;
+    case REC_DONE: take_done(l, r); break;
+    case REC_FRAG: take_frag(l, r); break;
+    default: break;
+    }
+}
+
+static void take_records(struct history *l, struct decoder *d)
+{
+    struct record r;
+    for (enum wire_result got; (got = wire_next(d, &r)) != WIRE_MORE;)
+        if (got == WIRE_RECORD) take_record(l, &r);
+}
+
+static void end_file(struct history *l, const struct decoder *d)
+{
+    l->running = false;
+    if (run_idle(l)) l->n_runs--;
+    l->bad += d->bad;
+    l->skipped += d->skipped;
+    if (d->bad) memcpy(l->why, d->why, sizeof l->why);
+}
+
+int history_read(struct history *l, int fd)
+{
+    struct decoder d = {.upward = true};
+    ptrdiff_t n;
+    do {
+        n = read_some(fd, &d.in, READ_BYTES);
+        if (n <= 0) wire_end(&d);
+        take_records(l, &d);
+    } while (n > 0);
+    int err = errno;
+    end_file(l, &d);
+    wire_free(&d);
+    errno = err;
+    return n < 0 ? -1 : 0;
+}
+
+void history_over(struct history *l, unsigned char *p, size_t n)
+{
+    for (bool summed = false;; summed = true) {
+        struct decoder d = wire_over(p, n);
+        d.upward = true;
+        d.unsummed = !summed;
+        history_free(l);
+        l->keep = true;
+        take_records(l, &d);
+        end_file(l, &d);
+        if (summed || !d.bad) return;
+    }
+}
+
+void history_free(struct history *l)
+{
+    for (size_t i = 0; i < l->n_frames; i++) {
+        coverage_free(&l->frames[i].have);
+        free(l->frames[i].row_of);
+        free(l->frames[i].places);
+    }
+    free(l->dones);
+    free(l->frames);
+    free(l->slots);
+    free(l->runs);
+    free(l->foreign);
+    free(l->frags);
+    free(l->sorted);
+    tasks_free(&l->last);
+    *l = (struct history){0};
+}

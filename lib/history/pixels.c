@@ -1,0 +1,78 @@
+/* Finding pixels in a log that lies in memory: see history.h. */
+#include "history/history.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool history_sound(struct history_frag *f)
+{
+    if (!f->summed) f->summed = wire_crc(f->body, f->bytes) == f->crc;
+    return f->summed;
+}
+
+static int compare(uint32_t a, uint32_t b) { return (a > b) - (a < b); }
+
+/* By frame and first pixel. */
+static int by_start(const struct history_frag *a, uint32_t frame, const struct lattice *at)
+{
+    int order = compare(a->frame, frame);
+    if (!order) order = compare(a->at.y, at->y);
+    return order ? order : compare(a->at.x, at->x);
+}
+
+static int by_number(const void *a, const void *b, void *frags)
+{
+    const struct history_frag *all = frags;
+    size_t i = *(const size_t *)a, j = *(const size_t *)b;
+    int order = by_start(&all[i], all[j].frame, &all[j].at);
+    return order ? order : (i > j) - (i < j);
+}
+
+static void sort(struct history *l)
+{
+    l->sorted = xmalloc(l->n_frags, sizeof *l->sorted);
+    for (size_t i = 0; i < l->n_frags; i++) l->sorted[i] = i;
+    qsort_r(l->sorted, l->n_frags, sizeof *l->sorted, by_number, l->frags);
+}
+
+struct history_frag *history_frag_at(
+    struct history *l, const struct history_frame *f, const struct lattice *at)
+{
+    if (!l->sorted) sort(l);
+    size_t low = 0, high = l->n_frags;
+    while (low < high) { /* the first that does not come before it */
+        size_t mid = low + (high - low) / 2;
+        if (by_start(&l->frags[l->sorted[mid]], f->number, at) < 0) low = mid + 1;
+        else high = mid;
+    }
+    for (; low < l->n_frags; low++) {
+        struct history_frag *frag = &l->frags[l->sorted[low]];
+        if (by_start(frag, f->number, at) != 0) return NULL;
+        if (memcmp(&frag->at, at, sizeof *at) == 0) return frag;
+    }
+    return NULL;
+}
+
+static void find_places(struct history *l, struct history_frame *f)
+{
+    size_t n = (size_t)f->w * f->h;
+    f->places = xmalloc(n, sizeof *f->places);
+    for (size_t p = 0; p < n; p++) f->places[p].frag = HISTORY_NONE;
+    for (size_t k = 0; k < l->n_frags; k++) {
+        const struct history_frag *frag = &l->frags[k];
+        if (frag->frame != f->number) continue;
+        uint64_t count = lattice_count(&frag->at);
+        for (uint64_t i = 0; i < count; i++) {
+            struct history_place *place = &f->places[lattice_pixel(&frag->at, f->w, i)];
+            if (place->frag == HISTORY_NONE)
+                *place = (struct history_place){(int32_t)k, (uint32_t)i};
+        }
+    }
+}
+
+struct history_place history_place_of(struct history *l, const struct history_frame *f, uint64_t p)
+{
+    struct history_frame *own = &l->frames[f - l->frames];
+    if (!own->places) find_places(l, own);
+    return own->places[p];
+}

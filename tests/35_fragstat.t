@@ -1,0 +1,131 @@
+#!/bin/sh
+# fragstat: where the time of a run went, by known logs and by real ones; and the bound that it is judged by.
+. "$(dirname "$0")/lib.sh"
+
+value() { fragstat -s "$@" | awk -v key="$key" '$1 == key { print $2 }'; }
+# gives KEY VALUE ARGUMENT ...: of the summary
+gives() {
+	key=$1 want=$2
+	shift 2
+	is "$key of $*" "$(value "$@")" "$want"
+}
+# column NUMBER LOG: of the table, without its name
+column() { fragstat "$2" | tail -n +2 | cut -f "$1" | tr '\n' ' '; }
+
+# ---- a log by hand: times in ms; slot 2 is never given anything, task 2 is done twice ---------------------------
+cat >hand.frags <<'END'
+hello deal 0.1 selftest=0 slots=3
+done 0 0 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=120000
+done 0 1 cpu_us=200000 wall_us=200000 w=1 sent_us=0 recv_us=230000
+done 0 2 cpu_us=100000 wall_us=100000 w=0 sent_us=0 recv_us=240000
+done 0 2 cpu_us=50000 wall_us=50000 w=1 sent_us=0 recv_us=300000 try=2
+END
+is 'tasks' "$(column 2 hand.frags)" '2 2 0 '
+is 'busy' "$(column 4 hand.frags)" '0.200000 0.200000 0.000000 '
+is 'start-up' "$(column 5 hand.frags)" '0.020000 0.030000 0.300000 '
+is 'waiting' "$(column 6 hand.frags)" '0.020000 0.020000 0.000000 '
+is 'tail' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
+is 'wasted' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
+is 'duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
+is 'the five make up all of it' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
+gives tasks 3 hand.frags
+gives slots 3 hand.frags
+gives makespan_s 0.300000 hand.frags
+gives bound_s 0.200000 hand.frags # the dearest task on one slot
+gives efficiency 0.6667 hand.frags
+# With powers: costs grow with the power of who did them, and the fastest may do the dearest.
+gives bound_s 0.200000 -w 1,2,1.5 hand.frags # 400 ms of work at power 2
+gives bound_s 0.116000 -w 1,.5,1 hand.frags  # (90 + 100 + 100) / 2.5
+printf '%s\n' ': slots=2 power=1' 'far power=.5' >hosts
+gives bound_s 0.200000 -S hosts hand.frags # (90 + 200 + 100) / 2.5 is less than 200 / 1
+is 'the table says the powers' "$(fragstat -S hosts hand.frags | cut -f 11 | tr '\n' ' ')" 'power 1 1 0.5 '
+
+# A second run goes on after the first, and what it does again is wasted.
+{ cat hand.frags; echo 'hello fan 0.1 selftest=0 slots=3'; echo 'done 0 0 cpu_us=1000 wall_us=1000 w=2 recv_us=100000'
+	echo 'done 0 3 cpu_us=1000 wall_us=1000 w=2 recv_us=102000'; } >again.frags
+gives runs 2 again.frags
+gives makespan_s 0.402000 again.frags
+gives tasks 4 again.frags
+gives duplicates 2 again.frags
+is 'one file, or two, are the same runs' "$(tail -n 3 again.frags >second.frags; fragstat hand.frags second.frags)" "$(fragstat again.frags)"
+is 'the five make up all of two runs' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
+
+# A lone worker has CPU time in which it read and wrote: it was not faster than that.
+printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' >lone.frags
+gives makespan_s 0.005000 lone.frags
+gives efficiency 0.8000 lone.frags
+is 'its slot has no name' "$(column 1 lone.frags)" '- '
+
+printf ': slots=2 power=1\n' >two
+
+# ---- logs of runs --------------------------------------------------------------------------------------------
+spdgen -s 2 gears >gears.nff
+partition 64x64 | rtworker gears.nff >one.frags
+{ pack scene gears.nff; partition 64x64; } >job.task
+deal fan -j 3 rtworker - <job.task >three.frags
+partition -n 2 -u scatter 64x64 | fan -j 2 rtworker gears.nff >scatter.frags
+within() { echo "$1" | awk -v lo="$2" -v hi="$3" '{ exit !($1 > lo && $1 <= hi) }'; }
+key=efficiency
+ok 'a lone worker is no better than perfect' within "$(value one.frags)" 0 1
+ok 'three are not either' within "$(value three.frags)" 0 1
+gives tasks 64 three.frags
+gives duplicates 0 three.frags
+is 'the times of slots make up the makespan' "$(fragstat three.frags | awk 'NR > 1 { printf "%.4f\n", $4 + $5 + $6 + $7 + $8 }' | sort -u)" \
+	"$(key=makespan_s; value three.frags | awk '{ printf "%.4f\n", $1 }')"
+key=bound_s
+sum=$(key=cpu_s; value one.frags)
+share() { within "$1" "$(echo "$sum $2" | awk '{ printf "%.7f", $1 / $2 - 2e-6 }')" "$(echo "$sum $2" | awk '{ printf "%.7f", $1 / $2 + 2e-6 }')"; }
+ok 'costs of another run: rows' share "$(value -c one.frags three.frags)" 3
+ok 'costs of another run: pixels' share "$(value -c one.frags scatter.frags)" 2
+partition -u tile:64x32 64x64 | fan -j 2 rtworker gears.nff >halves.frags
+ok 'a coarse cut does not excuse itself' share "$(value -c one.frags halves.frags)" 2
+# kill -9 of a slot: its tasks are given again, and what it did comes to use or is wasted, but adds up.
+deal fan -j 2 sh -c 'if mkdir first 2>/dev/null; then exec rtworker -a 16 gears.nff | head -c 30000; else exec rtworker -a 16 gears.nff; fi' \
+	<job.task >lost.frags 2>/dev/null
+gives tasks 64 lost.frags
+cat one.frags one.frags >twice.frags
+gives duplicates 64 twice.frags
+gives runs 2 twice.frags
+{ head -c 9000 one.frags; cat one.frags; } >torn.frags
+run fragstat -s torn.frags
+like 'damage is told' "$status $err" '^0 fragstat: torn.frags: damaged in 1 place'
+like 'and counted' "$out" '^lost_records	1$'
+
+# ---- as intervals --------------------------------------------------------------------------------------------
+fragstat -g again.frags >gantt.tsv
+is 'a line for each done' "$(grep -vc '^#' gantt.tsv)" 7
+is 'where it began and ended' "$(awk -F '\t' '/^again/ { print $3, $4, $6, $10; exit }' gantt.tsv)" 'task 0.020000 0 0.120000'
+is 'runs follow each other' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000
+is 'what it was' "$(awk -F '\t' '/^again/ { print $3 }' gantt.tsv | sort | uniq -c | tr -s ' \n' ' ')" ' 4 task 2 wasted '
+sed 's/done 0 1 /done 0 1 try=3 /' hand.frags | fragstat -g >tries.tsv
+like 'a task that was given again' "$(cut -f 3 tries.tsv)" '^task given again$'
+like 'kind: real' "$(cut -f 2 gantt.tsv)" '^real$'
+partition 64x64 | replay one.frags | fragstat -g >replayed.tsv
+like 'kind: replayed' "$(cut -f 2 replayed.tsv)" '^replayed$'
+like 'lanes have the names of slots' "$(cat gantt.tsv)" '^# lanes: 0 1 2$'
+
+# ---- what it refuses -----------------------------------------------------------------------------------------
+: >empty.frags
+run fragstat empty.frags
+like 'no task: exit 1' "$status $err" '^1 fragstat: no task was done in this log, expected'
+run fragstat nosuch.frags
+like 'no file: exit 2' "$status $err" '^2 fragstat: nosuch.frags: No such file'
+# refuses WHY ARGUMENT ...
+refuses() {
+	why=$1
+	shift
+	run fragstat "$@"
+	like "refused: $*" "$status $err" "^2 fragstat: .*$why.*expected"
+}
+spdgen -s 1 balls >balls.nff
+partition 64x64 | rtworker balls.nff >balls.frags
+partition 64x64 | head -n 9 | rtworker gears.nff >part.frags
+refuses 'balls.frags: frame 0: job' -c balls.frags three.frags
+refuses 'part.frags: frame 0: 512 pixels' -c part.frags three.frags
+refuses 'hand.frags: no pixels' -c hand.frags three.frags
+refuses '2 powers' -w 1,2 three.frags
+refuses '`x`' -w 1,x,2 three.frags
+refuses 'host : has no power' -S 2/:,far three.frags
+refuses '2 slots' -S two three.frags
+refuses '-S and -w' -S hosts -w 1,1,1 three.frags
+finish

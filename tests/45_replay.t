@@ -1,0 +1,123 @@
+#!/bin/sh
+# replay: the same bits whatever the cut, times that follow power and scale, a worker like any other, and what it refuses.
+. "$(dirname "$0")/lib.sh"
+
+spdgen -s 2 balls >balls.nff
+partition 64x48 >rows.task
+rtworker -d 3 balls.nff <rows.task >one.frags
+gather -o one.pfm one.frags
+
+# ---- the picture -------------------------------------------------------------------------------------------
+# same NAME PARTITION-OPTIONS COMMAND ...: tasks through COMMAND give the same picture
+same() {
+	name=$1 cut=$2
+	shift 2
+	rm -f out.pfm
+	# shellcheck disable=SC2086
+	{ pack scene balls.nff; partition $cut 64x48; } | "$@" | gather -o out.pfm
+	ok "$name" cmp out.pfm one.pfm
+}
+same 'rows as recorded' '' replay one.frags
+same 'small fragments' '' replay -f 7 one.frags
+same 'concentrated' '' replay -c one.frags
+same 'other cuts: tiles' '-u tile:9x5' replay one.frags
+same 'other cuts: runs' '-u run:100' replay one.frags
+same 'other cuts: scattered' '-u scatter -n 3' fan -j 3 replay one.frags
+same 'through deal and fan' '' deal fan -j 3 replay -p 2 one.frags
+same 'two levels deep' '' deal -q 2 fan -j 2 deal fan -j 2 replay one.frags
+mkfifo pipe
+(sleep .1; cat one.frags) >pipe &
+same 'a log through a pipe' '' replay pipe
+partition -u tile:16x16 64x48 | replay -x .5 one.frags >tiles.frags
+gather -o out.pfm tiles.frags
+ok 'a replay can be replayed' sh -c 'replay tiles.frags <rows.task | gather -o again.pfm && cmp again.pfm one.pfm'
+like 'job and program are those of the log' "$(grep -a '^frame' tiles.frags)" "$(grep -a '^frame' one.frags) kind=replayed"
+cat one.frags tiles.frags >both.frags
+run gather -P -o out.pfm both.frags
+like 'what it returns is what was rendered' "$status $err" '^0 .*3072 pixels came twice$'
+
+# ---- times: what the log says, by power and scale ------------------------------------------------------------
+# Every task 10 ms: long against what a loaded machine adds.
+LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=10000 wall_us=10000/' one.frags >slow.frags
+sum() { grep -a -o 'done .*' "$1" | sed "s/.* $2=\([0-9]*\).*/\1/" | awk '{ s += $1 } END { print s }'; }
+is 'the log for the times is whole' "$(gather -m slow.frags | wc -l) $(sum slow.frags cpu_us)" '0 480000'
+head -n 9 rows.task >eight.task
+timed() { replay "$@" slow.frags <eight.task >timed.frags; }
+timed
+is 'cpu_us is the log'"'"'s' "$(sum timed.frags cpu_us)" 80000
+wall_1=$(sum timed.frags wall_us)
+timed -p .5
+is 'at half the power twice that' "$(sum timed.frags cpu_us)" 160000
+wall_2=$(sum timed.frags wall_us)
+timed -x 3
+is 'at three times the scale three times' "$(sum timed.frags cpu_us)" 240000
+wall_3=$(sum timed.frags wall_us)
+echo "$wall_1 $wall_2 $wall_3" | awk '{ exit !($1 > 75000 && $2 > 150000 && $3 > 225000) }'
+is 'and it took that time' $? 0
+diag "8 tasks of 10 ms took $wall_1 us, at half the power $wall_2, at scale 3 $wall_3"
+REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
+is 'the environment tells the power' "$(sum timed.frags cpu_us)" 20000
+like 'hello tells it as well' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
+timed -l 2
+loaded=$(sum timed.frags wall_us)
+is 'load is no CPU time' "$(sum timed.frags cpu_us)" 80000
+echo "$loaded" | awk '{ exit !($1 > 85000) }'
+is 'but takes time' $? 0
+{ head -n 1 rows.task; echo 'task 0 0 0 0 32 1 1 1'; echo 'task 0 1 0 3 64 3 1 1'; } | replay -p 100 slow.frags >parts.frags
+is 'other cuts cost their share' "$(grep -a -o 'done.*cpu_us=[0-9]*' parts.frags | tr '\n' ' ')" \
+	'done 0 0 cpu_us=50 done 0 1 cpu_us=300 '
+
+# ---- a worker like any other ---------------------------------------------------------------------------------
+head -n 2 rows.task | replay -x 140 slow.frags >long.frags
+like 'beats while it waits' "$(grep -a -c '^beat' long.frags)" '^[12]$'
+is 'the end of input ends it' "$(tail -c 4 long.frags)" bye
+mkfifo down up
+replay -x 1000 slow.frags <down >up &
+pid=$!
+exec 8>down 9<up
+head -n 2 rows.task >&8
+head -n 2 <&9 >/dev/null
+kill -0 $pid
+is 'it waits' $? 0
+exec 9<&-
+i=0
+while kill -0 $pid 2>/dev/null && [ $i -lt 50 ]; do sleep .02; i=$((i + 1)); done
+wait $pid
+is 'its reader gone, it ends in mid-task' "$?" 3
+diag "after about $((i * 20)) ms"
+exec 8>&-
+rtworker -d 4 balls.nff <rows.task >other.frags
+printf '%s\n' 'a power=1 via="sh -c %c"' 'b power=1 via="env LOG=other sh -c %c"' >hosts
+run sh -c 'deal fan -S hosts sh -c "exec replay \${LOG:-one}.frags" <rows.task >mixed.frags'
+like 'slots that replay other jobs are told apart' "$err" 'arithmetic'
+
+# ---- what it refuses -----------------------------------------------------------------------------------------
+# refuses NAME WHY ARGUMENT ...
+refuses() {
+	name=$1 why=$2
+	shift 2
+	run sh -c '"$@" <rows.task' sh replay "$@"
+	is "refused: $name" "$status $(printf '%s\n' "$err" | grep -c "^replay: .*$why.*expected")" '2 1'
+}
+: >empty.frags
+refuses 'an empty log' 'empty.frags: no task' empty.frags
+refuses 'a scene' 'balls.nff: no task' balls.nff
+grep -a -o 'done .*' one.frags >times.frags
+refuses 'a log without pixels' 'times.frags: no task' times.frags
+head -c 20000 one.frags >half.frags
+refuses 'a log of half the picture' 'half.frags: frame 0: pixel 0,[0-9]* is not there' half.frags
+sed 's/^frame 0 64 48/frame 0 64 47/' one.frags >size.frags
+refuses 'a log of another size' 'size.frags: frame 0 of 64x48 is not there' size.frags
+sed 's/job=[0-9a-f]*/job=nonsense/' one.frags >job.frags
+refuses 'a job that is none' 'job.frags: frame 0: job=nonsense' job.frags
+LC_ALL=C sed 's/done 0 5 /dine 0 5 /' one.frags >undone.frags
+refuses 'pixels of unknown cost' 'undone.frags: frame 0: pixel 0,5 is there without what it cost' undone.frags
+refuses 'power 0' '-p 0' -p 0 one.frags
+refuses 'scale -1' '-x -1' -x -1 one.frags
+run replay nosuch.frags
+like 'refused: no log' "$status $err" '^2 replay: nosuch.frags: No such file'
+REPLAY_POWER=fast run replay one.frags
+like 'refused: a power that is none' "$status $err" '^2 replay: REPLAY_POWER=fast: expected'
+printf 'X' | dd of=one.frags bs=1 seek=5000 conv=notrunc 2>/dev/null
+refuses 'damaged pixels' 'one.frags: frame 0: pixel [0-9,]* is damaged' one.frags
+finish

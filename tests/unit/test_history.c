@@ -1,0 +1,217 @@
+/* What a log tells: runs, slots, whose pixels counted; and pixels found again. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "history/history.h"
+
+#define JOB "0123456789abcdef"
+
+static void line(struct buf *b, const char *text) { buf_printf(b, "%s\n", text); }
+
+static void frag(struct buf *b, uint32_t id, struct lattice at, int w, float value)
+{
+    float rgba[4 * 64];
+    struct task t = {.id = id, .at = at, .to = -1};
+    struct buf one = {0};
+    for (uint64_t i = 0; i < 4 * lattice_count(&at); i++) rgba[i] = value + (float)i;
+    wire_frag(&one, &t, &at, rgba);
+    struct decoder d = wire_over(one.data, one.len);
+    struct record r;
+    char stamp[16];
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    snprintf(stamp, sizeof stamp, "w=%d", w);
+    wire_forward(b, &r, NULL, stamp);
+    buf_free(&one);
+}
+
+static struct lattice row(uint32_t y) { return (struct lattice){0, y, 8, 1, 1, 1}; }
+
+/* Through a pipe, as any log that is read. */
+static struct history read_log(const struct buf *b)
+{
+    struct history l = {0};
+    int p[2];
+    assert_int_equal(pipe(p), 0);
+    assert_int_equal(write_full(p[1], buf_data(b), buf_size(b)), 0);
+    close(p[1]);
+    assert_int_equal(history_read(&l, p[0]), 0);
+    close(p[0]);
+    return l;
+}
+
+static void the_first_pixels_count(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "hello deal 0.1 selftest=1 slots=3");
+    line(&b, "frame 0 8 4 job=" JOB " with=rtworker w=0");
+    line(&b, "frame 0 8 4 job=" JOB " w=1");
+    line(&b, "done 0 0 cpu_us=10 wall_us=11 w=0 recv_us=100");
+    line(&b, "done 0 0 cpu_us=20 wall_us=21 w=1 recv_us=110 try=2");
+    frag(&b, 0, row(0), 1, 1);
+    frag(&b, 0, row(0), 0, 1);
+    line(&b, "done 0 1 cpu_us=5 w=0 recv_us=120");
+    struct history l = read_log(&b);
+    assert_int_equal(l.n_runs, 1);
+    assert_int_equal(l.runs[0].slots, 3);
+    assert_int_equal(l.n_slots, 2);
+    assert_int_equal(l.n_dones, 3);
+    assert_true(history_wasted(&l, &l.dones[0]));
+    assert_false(history_wasted(&l, &l.dones[1]));
+    assert_true(history_wasted(&l, &l.dones[2])); /* its pixels never came */
+    assert_int_equal(l.dones[1].try, 2);
+    assert_int_equal(l.dones[0].sent, 8);
+    assert_int_equal(l.dones[0].pixels, 0);
+    assert_int_equal(l.dones[2].wall_us, 5);
+    assert_int_equal(l.n_frags, 2);
+    assert_string_equal(history_frame_of(&l, 0)->with, "rtworker");
+    assert_null(history_frame_of(&l, 1));
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void a_hello_begins_a_run(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "hello deal 0.1 selftest=1 slots=2"); /* nothing came of this one */
+    line(&b, "hello deal 0.1 selftest=1 slots=2");
+    line(&b, "done 0 0 cpu_us=1 w=0");
+    line(&b, "done 0 1 cpu_us=1 w=0");
+    line(&b, "hello fan 0.1 selftest=1 slots=5");
+    line(&b, "done 0 1 cpu_us=1 w=0");
+    line(&b, "hello fan 0.1 selftest=1 slots=9");
+    struct history l = read_log(&b);
+    assert_int_equal(l.n_runs, 2);
+    assert_int_equal(l.runs[0].slots, 2);
+    assert_int_equal(l.runs[1].slots, 5);
+    assert_int_equal(l.dones[1].run, 0);
+    assert_int_equal(l.dones[2].run, 1);
+    assert_false(history_wasted(&l, &l.dones[1])); /* no pixels at all: the first of a key */
+    assert_true(history_wasted(&l, &l.dones[2]));
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void another_job_is_nobodys(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    line(&b, "frame 0 8 4 job=fedcba9876543210 w=1");
+    line(&b, "done 0 0 cpu_us=1 w=1");
+    line(&b, "done 0 1 cpu_us=1 w=0");
+    frag(&b, 0, row(0), 1, 1);
+    frag(&b, 1, row(0), 0, 2);
+    line(&b, "frame 0 8 4 job=" JOB " w=1");
+    line(&b, "done 0 2 cpu_us=1 w=1");
+    frag(&b, 2, row(1), 1, 2);
+    struct history l = read_log(&b);
+    assert_true(history_wasted(&l, &l.dones[0]));
+    assert_false(history_wasted(&l, &l.dones[1]));
+    assert_false(history_wasted(&l, &l.dones[2]));
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void rows_know_whether_they_were_split(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    line(&b, "done 0 0 cpu_us=1 w=0");
+    frag(&b, 0, (struct lattice){0, 0, 8, 2, 1, 1}, 0, 1); /* two rows of one task */
+    struct history whole = read_log(&b);
+    assert_false(history_split(&whole));
+    assert_int_equal(whole.dones[0].rows, 2);
+    line(&b, "done 0 1 cpu_us=1 w=0");
+    line(&b, "done 0 2 cpu_us=1 w=0");
+    frag(&b, 1, (struct lattice){0, 2, 4, 1, 2, 1}, 0, 1);
+    frag(&b, 2, (struct lattice){1, 2, 4, 1, 2, 1}, 0, 1);
+    struct history split = read_log(&b);
+    assert_true(history_split(&split));
+    char err[HISTORY_ERR];
+    assert_false(history_same(&whole, &split, err));
+    assert_non_null(strstr(err, "16 pixels, expected 24"));
+    assert_true(history_same(&split, &split, err));
+    history_free(&whole);
+    history_free(&split);
+    buf_free(&b);
+}
+
+static void pixels_are_found_again(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    for (uint32_t y = 0; y < 4; y++) {
+        buf_printf(&b, "done 0 %u cpu_us=1 w=0\n", y);
+        frag(&b, y, row(3 - y), 0, (float)(100 * y));
+    }
+    struct history l = {0};
+    history_over(&l, b.data, b.len);
+    const struct history_frame *f = history_frame_of(&l, 0);
+    struct lattice want = row(2), spread = {3, 1, 1, 2, 1, 1};
+    struct history_frag *whole = history_frag_at(&l, f, &want);
+    assert_non_null(whole);
+    assert_int_equal(whole->done, 1);
+    assert_true(history_sound(whole));
+    assert_null(history_frag_at(&l, f, &spread));
+    for (uint64_t i = 0; i < 2; i++) {
+        struct history_place at = history_place_of(&l, f, lattice_pixel(&spread, 8, i));
+        float rgba[4];
+        wire_pixels(l.frags[at.frag].body + at.n * WIRE_PIXEL_BYTES, 1, rgba);
+        assert_int_equal(l.frags[at.frag].done, 2 - i);
+        assert_true(rgba[3] == (float)(100 * (2 - i) + 15));
+    }
+    history_free(&l);
+    buf_free(&b);
+}
+
+/* Wherever a log is hurt, no more is lost than what was hurt. */
+static void damage_costs_itself(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    for (uint32_t y = 0; y < 4; y++) {
+        buf_printf(&b, "done 0 %u cpu_us=1 w=0\n", y);
+        frag(&b, y, row(y), 0, (float)y);
+    }
+    size_t torn = b.len - 60; /* in the last body; another run follows */
+    struct buf log = {0};
+    buf_append(&log, b.data, torn);
+    buf_append(&log, b.data, b.len);
+    struct history l = {0};
+    history_over(&l, log.data, log.len);
+    assert_int_equal(l.bad, 1);
+    assert_int_equal(l.n_frags, 7);
+    assert_int_equal(history_frame_of(&l, 0)->have.done, 32);
+    for (size_t i = 0; i < l.n_frags; i++) assert_true(history_sound(&l.frags[i]));
+    b.data[b.len - 1] ^= 1; /* a bit in a body: the framing holds, the sum does not */
+    history_over(&l, b.data, b.len);
+    assert_int_equal(l.n_frags, 4);
+    assert_true(history_sound(&l.frags[2]));
+    assert_false(history_sound(&l.frags[3]));
+    history_free(&l);
+    buf_free(&log);
+    buf_free(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_pixels_count),
+        cmocka_unit_test(a_hello_begins_a_run),
+        cmocka_unit_test(another_job_is_nobodys),
+        cmocka_unit_test(rows_know_whether_they_were_split),
+        cmocka_unit_test(pixels_are_found_again),
+        cmocka_unit_test(damage_costs_itself),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
