@@ -40,6 +40,7 @@ struct gather {
     bool rereading; /* what comes is from the log */
     struct progress progress;
     int warnings;
+    bool deserted; /* the stream said that no slot was left to finish it */
     int status;
 };
 
@@ -205,6 +206,8 @@ static void take_record(void *ctx, const struct record *r)
     /* Before a log is trusted, nothing counts but who the workers are and what they are on. */
     if (!g->trusted && !g->rereading && (r->kind == REC_FRAG || r->kind == REC_BEAT)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
+    size_t n;
+    if (r->kind == REC_BYE && !g->rereading) g->deserted = rec_key(r, "why", &n) != NULL;
     if (!g->rereading) log_append(&g->log, r);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     if (!whole) return;
@@ -365,7 +368,8 @@ static int finish(struct gather *g)
         intake_missing(parts->frames[i], put);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);
     if (g->status != ST_OK) return g->status;
-    return assembly_whole(parts) || (parts->n_frames && g->o->missing) ? ST_OK : ST_PARTIAL;
+    if (assembly_whole(parts) || (parts->n_frames && g->o->missing)) return ST_OK;
+    return g->deserted && !*g->o->inputs ? ST_SYSTEM : ST_PARTIAL;
 }
 
 int main(int argc, char **argv)

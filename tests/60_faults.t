@@ -148,7 +148,7 @@ await 5 working 3
 # shellcheck disable=SC2046
 kill -9 $(program rtworker)
 wait "$pid"
-is "all workers killed: exit 1" $? 1
+is "all workers killed: exit 3" $? 3
 like "all workers killed: it is said" "$(cat said)" 'no slot left'
 ok "all workers killed: no process remains" await 2 none_alive
 

@@ -61,7 +61,7 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
         s->poll = 0;
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->poll = n;
-        p[n++] = poll_entry(c->to, s->state == FAN_UP, down_size(&s->down) ? POLLOUT : 0);
+        p[n++] = poll_entry(c->to, slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
         p[n++] = poll_entry(c->from, reading, POLLIN);
         if (c->err >= 0) p[n++] = poll_entry(c->err, true, POLLIN);
     }
@@ -71,7 +71,7 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     if (s->child.err >= 0 && p[s->poll + 2].revents) slot_show_err(s);
-    if (s->state == FAN_UP && s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
+    if (slot_fed(s) && s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
     if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
     if (s->state == FAN_LEAVING) slot_left(f, s);
 }
@@ -173,16 +173,28 @@ void fan_close(struct fan *f)
     buf_free(&f->frame_lines);
 }
 
-/* The status of a run that was not refused, and why it ended before its time. */
-static int verdict(const struct fan *f)
+/* There is work, and nobody to do it, nor was there at the end. */
+static bool deserted(const struct fan *f)
 {
-    bool unfinished = f->in_open || f->lost;
-    if (f->out.gone) return ST_SYSTEM;
-    if (!unfinished) return ST_OK;
-    if (!f->in_open && f->well) return ST_PARTIAL;
-    if (f->n[FAN_GONE] == f->n_slots) warn("no slot left");
-    else if (!signals_came()) warn("no slot left: none could be reached for %g s", UNREACHED_S);
-    return ST_SYSTEM;
+    return !f->refused && !f->out.gone && !signals_came() && (f->in_open || (f->lost && !f->well));
+}
+
+/* The last word to the reader. */
+static void say_bye(struct fan *f)
+{
+    bool none = deserted(f);
+    wire_bye(&f->out.queue.bulk, none ? "no-slot-left" : "");
+    up_end_record(&f->out.queue);
+    outlet_drain(&f->out);
+    if (none && f->n[FAN_GONE] == f->n_slots) warn("no slot left");
+    else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
+}
+
+static int status_of(const struct fan *f)
+{
+    if (f->refused) return f->refused;
+    if (f->out.gone || deserted(f)) return ST_SYSTEM;
+    return f->lost ? ST_PARTIAL : ST_OK;
 }
 
 int drive_fan(const struct fan_options *o)
@@ -194,12 +206,8 @@ int drive_fan(const struct fan_options *o)
     struct pollfd *p = xcalloc(FAN_POLL(&f), sizeof *p);
     while (fan_working(&f)) fan_round(&f, p);
     stop(&f);
-    if (!f.refused) {
-        wire_plain(&f.out.queue.bulk, REC_BYE, NULL);
-        up_end_record(&f.out.queue);
-        outlet_drain(&f.out);
-    }
-    int status = f.refused ? f.refused : verdict(&f);
+    if (!f.refused) say_bye(&f);
+    int status = status_of(&f);
     if (f.stale) warn("%" PRId64 " answers to no question were dropped", f.stale);
     free(p);
     fan_close(&f);

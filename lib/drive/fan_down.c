@@ -15,7 +15,7 @@ bool fan_room_down(const struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        size_t most = s->state == FAN_UP ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
+        size_t most = slot_fed(s) ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
         if (buf_size(&s->down.bytes) > most || down_blobs(&s->down) > STATES_MOST) return false;
     }
     return true;
@@ -23,7 +23,7 @@ bool fan_room_down(const struct fan *f)
 
 bool fan_takes(const struct fan_slot *s)
 {
-    return s->primed && (s->state != FAN_UP || s->child.to >= 0);
+    return s->primed && (!slot_fed(s) || s->child.to >= 0);
 }
 
 void fan_prime(struct fan *f, struct fan_slot *s)

@@ -9,13 +9,16 @@
 #include <inttypes.h>
 
 #define OPENING_MOST 8
-#define TURN_MS 500 /* how often to look, when nothing else tells */
+#define TURN_MS 500           /* how often to look, when nothing else tells */
+#define RETRY_FIRST_US 500000 /* before a slot is connected again; twice as long each time, */
+#define RETRY_MOST_US 10000000
 
 static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
 {
     if (s->state != FAN_WAITING || s->retry_us > now || !slot_wanted(f, s)) return false;
-    if (s->host->here) return true;
-    return f->connecting < OPENING_MOST && !(s->host->suspect && s->host->opening);
+    const struct fan_host *h = s->host;
+    if (h->here) return true;
+    return f->connecting < OPENING_MOST && (!h->failures || !h->opening) && h->retry_us <= now;
 }
 
 int hosts_connect(struct fan *f)
@@ -25,14 +28,22 @@ int hosts_connect(struct fan *f)
     for (int further = 0; further <= 1; further++)
         for (int k = 0; k < f->n_slots; k++) {
             struct fan_slot *s = &f->slots[k];
-            if ((s->failures > 0) == further && may_open(f, s, now)) slot_open(f, s);
+            bool first = !s->failures && !s->host->failures;
+            if (first != further && may_open(f, s, now)) slot_open(f, s);
         }
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        if (s->state == FAN_WAITING && s->retry_us > now && s->retry_us < first_us)
-            first_us = s->retry_us;
+        int64_t turn_us = s->retry_us > s->host->retry_us ? s->retry_us : s->host->retry_us;
+        if (s->state == FAN_WAITING && turn_us > now && turn_us < first_us) first_us = turn_us;
     }
     return (int)((first_us - now + 999) / 1000);
+}
+
+int64_t retry_wait_us(int failures)
+{
+    int64_t wait_us = RETRY_FIRST_US;
+    for (int i = 1; i < failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
+    return wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US;
 }
 
 const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME])
@@ -60,7 +71,7 @@ void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
             *s->chatter ? ", it says: " : "", s->chatter);
     h->complained = true;
     if (!again) return;
-    h->suspect = true;
+    h->retry_us = now_us() + retry_wait_us(++h->failures);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
         if (other->host == h && other->state == FAN_WAITING) say_gone(f, other, why, 0);

@@ -13,12 +13,13 @@ enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_ST
 
 struct fan_host {
     const struct host *host;
-    char **argv;     /* what is run for each of its slots */
-    bool here;       /* this machine: no connection that could fail */
-    int opening;     /* slots that are */
-    bool suspect;    /* the last connection failed: one slot at a time tries again */
-    bool complained; /* that it cannot be used, or reached, has been said since a slot was up */
-    uint64_t told;   /* hash of the last line of its standard error */
+    char **argv;      /* what is run for each of its slots */
+    bool here;        /* this machine: no connection that could fail */
+    int opening;      /* slots that are */
+    int failures;     /* connections in a row that failed: one slot at a time tries again, */
+    int64_t retry_us; /* and not before */
+    bool complained;  /* that it cannot be used, or reached, has been said since a slot was up */
+    uint64_t told;    /* hash of the last line of its standard error */
 };
 
 struct fan_slot {
@@ -43,7 +44,7 @@ struct fan_slot {
     bool asked;     /* its input had been closed when its stream ended */
     bool decided;   /* leaving: why is known, and has been said */
     bool again;     /* leaving: then it is connected again */
-    bool did;       /* it has done a task */
+    bool did;       /* it has done and delivered a task */
 
     /* of all of them */
     bool was_up;
@@ -120,6 +121,8 @@ void slot_open(struct fan *f, struct fan_slot *s);
 void slot_up(struct fan *f, struct fan_slot *s);
 /* Sends one task record to slot k, and keeps account of it. 0, or the status to end with. */
 int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
+/* It is sent what is queued for it. */
+bool slot_fed(const struct fan_slot *s);
 /* Writes to the slot what its pipe takes. */
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /*
@@ -143,6 +146,8 @@ int hosts_connect(struct fan *f);
 /* Whom a message is about: "slot 3", "slot 3 on render1". */
 #define SLOT_NAME (HOST_NAME_MOST + 32)
 const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
+/* How long to wait after so many failures in a row. */
+int64_t retry_wait_us(int failures);
 /* Slot s could not be connected: the others of its host need not be waited for either. */
 void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* `gone` for slot s, unless that has been said. */

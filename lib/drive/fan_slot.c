@@ -4,8 +4,8 @@
  *   state    what there is                      leaves it when
  *   WAITING  no process                         it is its turn: -> OPENING; it cannot be started:
  *                                               -> WAITING, GONE
- *   OPENING  a process that has not said hello, its hello is good: -> UP; it is refused, says no
- *            and is sent nothing                hello in time, its stream ends: -> LEAVING
+ *   OPENING  a process that has not said hello  its hello is good: -> UP; it is refused, says no
+ *                                               hello in time, its stream ends: -> LEAVING
  *   UP       a worker                           its stream ends, it is silent or wrong: -> LEAVING
  *   LEAVING  a process that is to exit          it has, or its time is over and it was killed:
  *                                               -> WAITING to be connected again, or GONE
@@ -13,7 +13,8 @@
  *
  * Connected again is a slot elsewhere whose connection was at fault: ssh exits with 255 or is
  * killed, or nothing was heard. Nothing of an old connection is read any more once it is LEAVING.
- * Tasks that were sent over it are lost with it; those for a slot that was never up wait for it.
+ * Tasks that were sent over it are lost with it; those for a slot that was never up wait for it,
+ * and so nothing is sent over a connection before its hello.
  */
 #include "drive/fan_int.h"
 
@@ -22,13 +23,10 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define GRACE_US 500000       /* for a worker to exit once its stream has ended, */
-#define STOP_US 200000        /* and when it was given up and told to end */
-#define VIA_FAILED 255        /* ssh's status for its own failures */
-#define RETRY_FIRST_US 500000 /* before a slot is connected again; twice as long each time, */
-#define RETRY_MOST_US 10000000
-#define DEATHS_MOST                                                                                \
-    5 /* connections in a row that lost tasks and did none: it is the worker's fault */
+#define GRACE_US 500000 /* for a worker to exit once its stream has ended, */
+#define STOP_US 200000  /* and when it was given up and told to end */
+#define VIA_FAILED 255  /* ssh's status for its own failures */
+#define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
 
 static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
 {
@@ -50,7 +48,7 @@ void slot_free(struct fan_slot *s)
 {
     down_free(&s->down);
     tasks_free(&s->tasks);
-    s->primed = false;
+    s->primed = s->loading = s->flushed = false;
     s->undone = 0;
 }
 
@@ -60,9 +58,7 @@ static void settle(struct fan *f, struct fan_slot *s)
     slot_end_err(s);
     wire_free(&s->from);
     if (s->again) {
-        int64_t wait_us = RETRY_FIRST_US;
-        for (int i = 1; i < s->failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
-        s->retry_us = now_us() + (wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US);
+        s->retry_us = now_us() + retry_wait_us(s->failures);
         enter(f, s, FAN_WAITING);
     } else {
         slot_free(s);
@@ -74,12 +70,13 @@ void slot_open(struct fan *f, struct fan_slot *s)
 {
     wire_free(&s->from);
     s->from.upward = true;
-    s->connected = s->loaded = s->loading = s->flushed = s->asked = s->decided = s->again = false;
+    s->connected = s->loaded = s->asked = s->decided = s->again = false;
     s->did = false;
     s->before_hello = 0;
     *s->chatter = '\0';
     s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
+    if (s->host->here && !s->primed) fan_prime(f, s);
     int failed = s->host->here ? child_start(&s->child, s->host->argv)
                                : child_start_apart(&s->child, s->host->argv);
     if (!failed) return;
@@ -92,7 +89,9 @@ void slot_up(struct fan *f, struct fan_slot *s)
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
     if (s->told_gone) warn("%s: is up", slot_name(s, name));
     s->connected = s->was_up = true;
-    s->told_gone = s->host->suspect = s->host->complained = false;
+    s->told_gone = s->host->complained = false;
+    s->host->failures = 0;
+    s->host->retry_us = 0;
     s->heard_us = now_us();
     enter(f, s, FAN_UP);
     if (!s->primed) fan_prime(f, s);
@@ -123,6 +122,11 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
     s->undone++;
     if (fan_takes(s)) wire_forward(&s->down.bytes, r, drop, NULL);
     return 0;
+}
+
+bool slot_fed(const struct fan_slot *s)
+{
+    return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here);
 }
 
 void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
@@ -182,7 +186,7 @@ void slot_left(struct fan *f, struct fan_slot *s)
     int status;
     if (!child_ended(&s->child, &status)) {
         if (now_us() < s->leave_us) return;
-        if (s->child.err >= 0) slot_end_err(s);
+        slot_end_err(s);
         status = child_end(&s->child, 0);
     }
     bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;

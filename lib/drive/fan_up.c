@@ -43,7 +43,10 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
 /* Done and delivered: the slot owes nothing more for it. */
 static void settle(struct fan_slot *s, int32_t i)
 {
-    if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) tasks_remove(&s->tasks, i);
+    if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) {
+        tasks_remove(&s->tasks, i);
+        s->did = true;
+    }
     if (!s->tasks.count) s->flushed = false;
 }
 
@@ -59,7 +62,7 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
         s->tasks.at[i].since_us, now_us() - f->start_us);
     wire_forward(&f->out.queue.control, r, stamped, text);
-    s->tasks.at[i].done = s->did = true;
+    s->tasks.at[i].done = true;
     s->undone--;
     settle(s, i);
     return NULL;

@@ -30,6 +30,7 @@ struct driver {
     bool stopping; /* nothing of what the command still does is needed */
     bool lone;     /* the command is no fan: its slots come and go without being named */
     int refused;   /* the status to end with at once */
+    char why[24];  /* of the command's bye: it ended before its time */
 };
 
 /* "2.1" is slot 2 of the fan inside: deeper levels are its own affair. -1: none. */
@@ -161,6 +162,7 @@ static void take_up(struct driver *d, const struct record *r)
         up_forward(&d->out.queue, r, NULL, NULL);
         e.kind = SCHED_PIXELS;
         break;
+    case REC_BYE: rec_str(r, "why", d->why, sizeof d->why); return;
     case REC_UP: e.kind = SCHED_UP; break;
     case REC_GONE: e.kind = SCHED_GONE; break;
     default: return;
@@ -223,7 +225,7 @@ static int finish(struct driver *d, char *const *command)
     int64_t left = d->policy->uncommitted(d->state);
     bool unfinished = left || d->in_open;
     if (!d->out.gone) {
-        wire_plain(&d->out.queue.bulk, REC_BYE, NULL);
+        wire_bye(&d->out.queue.bulk, d->why);
         up_end_record(&d->out.queue);
         outlet_drain(&d->out);
         if (unfinished && !signals_came())

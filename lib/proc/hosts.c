@@ -54,10 +54,9 @@ static bool name_valid(const char *s)
 
 static bool set_name(const struct reader *r, struct host *host, const char *name)
 {
-    if (!name_valid(name))
-        return refuse(r, "%s: no host name, expected `:`, HOST or USER@HOST first", name);
     host->name = xstrdup(name);
-    return true;
+    if (name_valid(name)) return true;
+    return refuse(r, "%s: no host name, expected `:`, HOST or USER@HOST first", name);
 }
 
 /* The host is complete: its slots count. */
@@ -218,6 +217,7 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
     struct reader r = {.name = arg, .err = err};
     bool good;
     *h = (struct hosts){0};
+    *err = '\0';
     if (stat(arg, &st) != 0 || S_ISDIR(st.st_mode)) {
         r.name = "-S";
         good = read_list(&r, h, arg);

@@ -82,6 +82,11 @@ void wire_plain(struct buf *b, enum rec_kind kind, const char *extra)
     buf_printf(b, "%s%s%s\n", rec_name(kind), extra && *extra ? " " : "", extra ? extra : "");
 }
 
+void wire_bye(struct buf *b, const char *why)
+{
+    buf_printf(b, "%s%s%s\n", rec_name(REC_BYE), *why ? " why=" : "", why);
+}
+
 static bool dropped(const char *const *drop, const char *word, size_t len)
 {
     for (; drop && *drop; drop++) {

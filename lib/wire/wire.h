@@ -103,6 +103,8 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
 /* A record of no body: "kind extra"; extra without a leading blank. */
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
+/* why: "", or why the stream ends before its time. */
+void wire_bye(struct buf *b, const char *why);
 /*
  * r again, with `extra` appended and the keys named in drop (NULL-ended, may be NULL) left out.
  * All other keys, known or not, are passed on.

@@ -1,0 +1,238 @@
+#!/bin/sh
+# Hosts without hosts: shells of this machine play them, well or badly. Who cannot be reached is tried again, who is not
+# to be trusted is refused, nobody is waited for in vain, and the picture is the same.
+. "$(dirname "$0")/lib.sh"
+# shellcheck disable=SC2154,SC2016,SC2089,SC2090  # lib.sh sets them; scripts for others; quotes in hosts files
+mark=stormring-hosts-test-$$
+alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
+program() { for p in $(alive); do [ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && echo "$p"; done; }
+await() { # SECONDS COMMAND ...: until it succeeds
+	await_end=$(($(date +%s%N) / 1000000 + $1 * 1000))
+	shift
+	until "$@"; do
+		[ $(($(date +%s%N) / 1000000)) -lt $await_end ] || return 1
+		sleep .05
+	done
+}
+none_alive() { [ -z "$(alive)" ]; }
+cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
+trap cleanup EXIT
+
+spdgen -s 2 gears >gears.nff
+partition 64x64 | rtworker gears.nff | gather -o good.pfm
+job() { pack scene gears.nff; partition "$@" 64x64; }
+job >job.task
+# lines FILE: the records of a stream without their bodies; events: those of slots
+lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$1"; }
+events() { lines "$1" | grep -E '^(hello|up|gone|bye)( |$)'; }
+script() { printf '#!/bin/sh\n%s\n' "$2" >"$1" && chmod +x "$1"; } # NAME TEXT
+
+# ---- nobody can be reached, and one of two cannot: that takes its 30 seconds, beside the rest -------------------
+script none 'exit 255'
+dead='dead slots=2 via="./none %c"'
+echo "$dead" >dead
+printf '%s\n: slots=1\n' "$dead" >half
+(
+	{ cat job.task; sleep 60; } 2>/dev/null | fan -S dead rtworker - >none.frags 2>none.said
+	echo $? >none.status
+) 8>&- &
+none_pid=$!
+start=$(date +%s)
+(fan -S half rtworker - <job.task >half.frags 2>half.said; echo $? >half.status; date +%s >half.end) &
+half_pid=$!
+
+# ---- hosts files -----------------------------------------------------------------------------------------------
+cat >hosts <<'END'
+# three, played by shells
+:     slots=1
+two   slots=2 power=2.5 via="sh -c %c"
+one   via="sh -c %c"
+END
+is 'fan -l -S FILE' "$(fan -l -S hosts | tr '\t\n' ' ;')" '0 : -;1 two 2.5;2 two 2.5;3 one -;'
+is 'fan -l -S LIST' "$(fan -l -S :,2/a,me@b | tr '\t\n' ' ;')" '0 : -;1 a -;2 a -;3 me@b -;'
+is 'fan -l -S FILE WORKER: powers are measured' "$(fan -l -S hosts rtworker - | sed 's/[0-9.]*$/P/' | tr '\t\n' ' ;')" \
+	'0 : P;1 two P;2 two P;3 one P;'
+is 'and those that are stated are kept' "$(fan -l -S hosts rtworker - | cut -f 3 | sed -n 2,3p | tr '\n' ' ')" '2.5 2.5 '
+bad() { # NAME HOSTS ERE
+	run fan -S "$2" rtworker - </dev/null
+	is "$1: exit 2" "$status" 2
+	like "$1: it is said" "$err" "^fan: $3"
+}
+printf ': slots=1\na cores=2\n' >bad-key
+bad 'an unknown key' bad-key 'bad-key:2: cores: unknown, expected slots='
+printf 'a slots=many\n' >bad-number
+bad 'a bad number' bad-number 'bad-number:1: slots=many: expected an integer from 1 to 4096'
+: >empty
+bad 'an empty file' empty 'empty: no host, expected'
+bad 'an option for a host' -oProxyCommand=x '-S: -oProxyCommand=x: no host name, expected'
+bad 'a file that is not there' no/hosts '-S: no/: no such file.*expected'
+run fan -S hosts -j 2 rtworker -
+is '-S and -j: exit 2' "$status" 2
+
+# ---- the same picture -------------------------------------------------------------------------------------------
+deal fan -S hosts rtworker - <job.task | gather -o out.pfm
+ok 'deal: the same picture' cmp out.pfm good.pfm
+fan -S hosts rtworker - <job.task >out.frags
+gather -o out.pfm out.frags
+ok 'interleaved: the same picture' cmp out.pfm good.pfm
+is 'each slot is up, with its host and power' "$(events out.frags | grep ^up | sort | sed 's/=[0-9.]*$/=P/' | tr '\n' ';')" \
+	'up w=0 host=: power=P;up w=1 host=two power=P;up w=2 host=two power=P;up w=3 host=one power=P;'
+deal -q 4 fan -S hosts deal fan -j 2 rtworker - <job.task | gather -o out.pfm
+ok 'a tree over hosts: the same picture' cmp out.pfm good.pfm
+
+script odd 'printf "%s|" "$@" >odd.said; exec rtworker -'
+fan -S one -j 1 true 2>/dev/null # exit 2, as above
+echo 'one via="sh -c %c"' >one
+fan -S one ./odd 'a b' "it's" '$HOME `x` "\' '' '*' '-x' '#' '
+' <job.task | gather -o out.pfm
+ok 'a command of odd words: the same picture' cmp out.pfm good.pfm
+is 'and each word is what it was' "$(cat odd.said)" "a b|it's|\$HOME \`x\` \"\\||*|-x|#|
+|"
+mkdir there && cp "$(command -v rtworker)" there/only-there
+echo "there via=\"sh -c %c\" bin=$tmp/there" >bin
+run sh -c 'fan -S bin only-there - <job.task | gather -o out.pfm'
+ok 'bin=: the same picture' cmp out.pfm good.pfm
+like 'a worker that is not here: it is said' "$err" 'only-there says no hello here: the first to say it decides'
+
+# ---- what hosts say besides ---------------------------------------------------------------------------------------
+cat >talker <<'END'
+#!/bin/sh
+echo 'Welcome to talker, beat your own drum'
+printf 'hello dear user\nbeat\ndone 0 0 cpu_us=1 wall_us=1\nframe 0 64 64 job=0\n'
+seq 2000
+printf 'no end of line'
+printf 'first \033[31mred\r\n\377second' >&2
+exec sh -c "$1"
+END
+chmod +x talker
+echo 'talker via="./talker %c"' >talks
+run sh -c 'deal fan -S talks rtworker - <job.task | gather -o out.pfm'
+ok 'start-up files that talk: the same picture' cmp out.pfm good.pfm
+is 'standard error comes by lines, with the host, made harmless' "$err" 'talker: first \x1b[31mred
+talker: \xffsecond'
+echo 'mute via="echo Go away; echo now; exit 0; : %c"' >mute
+run sh -c 'fan -S mute rtworker - <job.task'
+is 'no hello at all: exit 3' "$status" 3
+like 'no hello at all: what it said is shown' "$err" '^fan: mute: cannot be used \(exit-0\), it says: Go away$'
+echo 'mad via="yes %h; : %c"' >mad
+run sh -c 'fan -S mad rtworker - <job.task'
+is 'talk without end: exit 3' "$status" 3
+like 'talk without end: it is said' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
+
+# ---- who is refused -----------------------------------------------------------------------------------------------
+# refused NAME SCRIPT ERE: a host that runs SCRIPT beside a good one
+refused() {
+	script liar "$2"
+	printf 'liar slots=2 via="./liar %%c"\n: slots=1\n' >liars
+	rm -f out.pfm
+	run sh -c '{ cat job.task; sleep .5; } | deal fan -S liars rtworker - | gather -o out.pfm'
+	ok "$1: the same picture" cmp out.pfm good.pfm
+	like "$1: it is said" "$err" "$3"
+	is "$1: once" "$(printf '%s\n' "$err" | grep -c '^fan: liar:')" 1
+}
+refused 'other arithmetic' 'echo hello rtworker 0.1 selftest=77 power=99; exec cat >/dev/null' \
+	'^fan: liar: refused: its arithmetic differs \(selftest=77, here [0-9a-f]{16}\)'
+refused 'another version' 'echo hello rtworker 0.0 selftest=77; exec cat >/dev/null' \
+	'^fan: liar: refused: it runs rtworker 0\.0, here it is rtworker [0-9.]+$'
+refused 'a worker that ends' 'echo $$ >>liar.started; exit 3' '^fan: liar: cannot be used \(exit-3\)'
+is 'and is not started again' "$(wc -l <liar.started)" 2
+script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
+run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
+ok 'garbage: the same picture' cmp out.pfm good.pfm
+like 'garbage: it is told to end before it is killed' "$(cat termed)" told
+ok 'garbage: no process remains' await 2 none_alive
+
+# ---- connections that fail ------------------------------------------------------------------------------------------
+# flaky %h COMMAND: fails twice, then works
+script flaky 'echo x >>"tries.$1"
+[ "$(wc -l <"tries.$1")" -gt 2 ] || { echo "cannot reach $1" >&2; exit 255; }
+exec sh -c "$2"'
+printf ': slots=1\nflaky via="./flaky %%h %%c"\n' >flaky.hosts
+fan -S flaky.hosts rtworker - <job.task >out.frags 2>said
+is 'a host that comes late: exit 0' $? 0
+gather -o out.pfm out.frags
+ok 'a host that comes late: the same picture' cmp out.pfm good.pfm
+is 'it is gone, then up, with the same number' "$(events out.frags | grep w=1 | sed 's/power.*//' | tr '\n' ';')" \
+	'gone w=1 why=exit-255 lost=0;up w=1 host=flaky ;'
+is 'the reason is shown once' "$(cat said)" 'flaky: cannot reach flaky
+fan: flaky: cannot be reached (exit-255)
+fan: slot 1 on flaky: is up'
+
+# long [OPTION ...]: some seconds of work on slots elsewhere, one dealt
+pack scene gears.nff >long.task
+partition 256x256 >>long.task
+rtworker -a 64 - <long.task | gather -o long.pfm
+printf 'a slots=2 via="sh -c %%c"\nb via="sh -c %%c"\n' >three
+long() {
+	rm -f out.pfm
+	env MARK=$mark sh -c 'tee /dev/null <long.task | deal sh -c "fan -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
+	pid=$!
+	await 5 eval '[ "$(program rtworker | wc -l)" -ge 3 ]'
+	sleep .3
+}
+long
+# shellcheck disable=SC2046
+kill -9 $(program rtworker | head -2)
+wait $pid
+is 'two connections killed: exit 0' $? 0
+ok 'two connections killed: the same picture' cmp out.pfm long.pfm
+is 'they are connected again' "$(events out.frags | grep -c '^up ')" 5
+like 'and it is said' "$(cat said)" '^fan: slot [0-2] on [ab]: lost \(signal-9\) with [0-9]+ tasks, connecting again'
+long
+kill -STOP "$(program rtworker | head -1)"
+wait $pid
+is 'a silent one: exit 0' $? 0
+ok 'a silent one: the same picture' cmp out.pfm long.pfm
+like 'a silent one: it is said' "$(cat said)" '\(silent\) with [0-9]+ tasks, connecting again'
+ok 'a silent one: no process remains' await 2 none_alive
+long
+kill -9 "$(program fan)"
+ok 'kill -9 of fan: no process remains' await 2 none_alive
+wait $pid
+
+script killer 'sh -c "$1" | dd bs=1 count=200 2>/dev/null; echo x >>killed; exit 255'
+printf 'killer via="./killer %%c"\n' >killer.hosts
+run sh -c 'timeout 60 deal fan -S killer.hosts rtworker - <job.task >/dev/null'
+is 'a worker that dies whenever it has work: given up' "$status:$(wc -l <killed)" 3:5
+
+# ---- hosts that never answer ---------------------------------------------------------------------------------------
+printf ': slots=1\nsleepy slots=20 via="sleep 47; : %%c"\n' >sleepy
+start_ms=$(($(date +%s%N) / 1000000))
+MARK=$mark deal fan -S sleepy rtworker - <job.task 2>said | gather -o out.pfm
+took_ms=$(($(date +%s%N) / 1000000 - start_ms))
+ok 'hosts that never answer: the same picture' cmp out.pfm good.pfm
+ok "and nobody waits for them ($took_ms ms)" test $took_ms -lt 5000
+ok 'hosts that never answer: no process remains' await 2 none_alive
+printf ': slots=1\nlate via="sleep 4; exit 1; : %%c"\n' >late
+partition -u run:1 400x250 >many.task
+fan -S late rtworker gears.nff <many.task >many.frags 2>said
+is 'more tasks than fit into its queue: exit 1' $? 1
+is 'the other one has done all of its own' "$(lines many.frags | grep -c '^done')" 50000
+run fan -l -S late rtworker -
+is 'fan -l with a dead host: exit 1' "$status" 1
+is 'and a line a slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '\t\n' ' ;')" '0 : P;1 late -;'
+
+# ---- many ----------------------------------------------------------------------------------------------------------
+mkdir now
+script slow 'mkdir now/$$; ls now | wc -l >>most; sleep .05; rmdir now/$$; exec sh -c "$1"'
+echo 'many slots=100 via="./slow %c"' >many
+{ cat job.task; sleep 4; } | fan -S many rtworker - >many.frags
+is '100 slots: all are up' "$(events many.frags | grep -c '^up')" 100
+gather -o out.pfm many.frags
+ok '100 slots: the same picture' cmp out.pfm good.pfm
+ok "at most 8 are being opened at a time ($(sort -n most | tail -1))" [ "$(sort -n most | tail -1)" -le 8 ]
+
+# ---- what began first ------------------------------------------------------------------------------------------------
+wait $half_pid
+is 'one of two hosts is dead, interleaved: exit 1' "$(cat half.status)" 1
+took_s=$(($(cat half.end) - start))
+ok "after 30 s ($took_s)" [ $took_s -ge 29 ] && [ $took_s -le 45 ]
+gather -m half.frags | rtworker gears.nff >>half.frags 2>/dev/null
+gather -o out.pfm half.frags 2>/dev/null
+ok 'and it can be finished' cmp out.pfm good.pfm
+wait $none_pid
+is 'no host can be reached: exit 3' "$(cat none.status)" 3
+like 'no host can be reached: it is said' "$(cat none.said)" 'no slot left: none could be reached for 30 s'
+is 'and in the stream' "$(events none.frags | tail -1)" 'bye why=no-slot-left'
+is 'no host can be reached: that is said once' "$(grep -c 'dead: cannot be reached' none.said)" 1
+finish

@@ -1,0 +1,179 @@
+/* Hosts files, comma lists, and the commands that reach hosts. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "proc/proc.h"
+
+#include <string.h>
+#include <unistd.h>
+
+static char path[32], err[HOSTS_ERR];
+static struct hosts hosts;
+
+static bool read_text(const char *text)
+{
+    memcpy(path, "/tmp/hosts.XXXXXX", 18);
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write_full(fd, text, strlen(text)), 0);
+    close(fd);
+    bool good = hosts_read(&hosts, path, err);
+    unlink(path);
+    return good;
+}
+
+/* The text is refused at this line, in these words. */
+static void refused(const char *text, int line, const char *words)
+{
+    char place[64];
+    assert_false(read_text(text));
+    snprintf(place, sizeof place, line ? "%s:%d: " : "%s: ", path, line);
+    assert_int_equal(strncmp(err, place, strlen(place)), 0);
+    assert_non_null(strstr(err, words));
+    assert_non_null(strstr(err, "expected"));
+    assert_null(hosts.at);
+}
+
+static void a_file_has_a_host_a_line(void **state)
+{
+    (void)state;
+    assert_true(read_text("# name\n\n  :\tslots=2\r\nrender1 power=1.347 slots=4 # big one\n"
+                          "me@render2 via=\"ssh -p 2222 %h \\\"%%\\\" # %c\" bin=~/bin"));
+    assert_int_equal(hosts.n, 3);
+    assert_int_equal(hosts.slots, 7);
+    assert_true(host_is_here(&hosts.at[0]));
+    assert_int_equal(hosts.at[0].slots, 2);
+    assert_true(hosts.at[0].power == 0);
+    assert_string_equal(hosts.at[1].name, "render1");
+    assert_int_equal(hosts.at[1].slots, 4);
+    assert_true(hosts.at[1].power == 1.347);
+    assert_null(hosts.at[1].via);
+    assert_string_equal(hosts.at[2].name, "me@render2");
+    assert_string_equal(hosts.at[2].via, "ssh -p 2222 %h \"%%\" # %c");
+    assert_string_equal(hosts.at[2].bin, "~/bin");
+    assert_int_equal(hosts.at[2].slots, 1);
+    hosts_free(&hosts);
+}
+
+static void a_list_is_taken_as_parallel_takes_it(void **state)
+{
+    (void)state;
+    assert_true(hosts_read(&hosts, ":,4/render1,me@render2,2/:,3/fe80::1%eth0", err));
+    assert_int_equal(hosts.n, 5);
+    assert_int_equal(hosts.slots, 11);
+    assert_true(host_is_here(&hosts.at[0]));
+    assert_string_equal(hosts.at[1].name, "render1");
+    assert_int_equal(hosts.at[1].slots, 4);
+    assert_string_equal(hosts.at[2].name, "me@render2");
+    assert_true(host_is_here(&hosts.at[3]));
+    assert_int_equal(hosts.at[3].slots, 2);
+    assert_false(host_is_here(&hosts.at[4]));
+    hosts_free(&hosts);
+}
+
+static void a_bad_list_is_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", ",", "a,", "0/a", "x/a", "4/", "-oProxyCommand=x", "4/-x",
+        "a b", "4097/a", "4096/a,b", "no/such/file", "99999999999999999999/a", "a\tb", "\xc3\xa4"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_false(hosts_read(&hosts, bad[i], err));
+        assert_non_null(strstr(err, "expected"));
+        assert_null(hosts.at);
+    }
+}
+
+static void a_bad_file_is_refused_with_its_line(void **state)
+{
+    (void)state;
+    char name[300];
+    refused("", 0, "no host");
+    refused("# nobody\n\n", 0, "no host");
+    refused("a\nb slots=0\n", 2, "slots=0: expected an integer");
+    refused("a slots=4097", 1, "slots=4097");
+    refused("a slots=1 slots=1", 1, "slots comes twice");
+    refused("a slots=4000\n\nb slots=97", 3, "4097 slots");
+    refused("a power=0", 1, "power=0");
+    refused("a power=nan", 1, "power=nan");
+    refused("a power=", 1, "power=");
+    refused("a via=\"ssh %h\"", 1, "%c");
+    refused("a via=\"ssh %h %c %x\"", 1, "via=");
+    refused("a via=\"%c %\"", 1, "via=");
+    refused("a via=\"ssh %h %c\nb", 1, "quote");
+    refused("a bin=here", 1, "bin=here");
+    refused("a bin=/a:/b", 1, "bin=");
+    refused("a cores=4", 1, "cores: unknown");
+    refused("a slots", 1, "slots: unknown");
+    refused("slots=4", 1, "no host name");
+    refused("-x", 1, "no host name");
+    refused("\"a b\"", 1, "no host name");
+    refused(": via=\"sh -c %c\"", 1, "this machine");
+    refused(": bin=/usr/bin", 1, "this machine");
+    memset(name, 'n', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    refused(name, 1, "no host name");
+}
+
+/* What the host's shell is to run, when `via` only prints it. */
+static void check_command(const char *name, const char *via, const char *bin, const char *expected)
+{
+    char word[] = "rtworker", quoted[] = "it's a \"$word\" \\ `x` \n*", empty[] = "",
+         option[] = "-d3";
+    char *worker[] = {word, quoted, empty, option, NULL};
+    struct host h = {xstrdup(name), via ? xstrdup(via) : NULL, bin ? xstrdup(bin) : NULL, 1, 0};
+    char **argv = host_argv(&h, worker);
+    assert_string_equal(argv[0], "sh");
+    assert_string_equal(argv[1], "-c");
+    assert_string_equal(argv[2], expected);
+    assert_null(argv[3]);
+    host_argv_free(argv);
+    free(h.name);
+    free(h.via);
+    free(h.bin);
+}
+
+static void commands_are_quoted_for_both_shells(void **state)
+{
+    (void)state;
+#define THERE "'\\''it'\\''\\'\\'''\\''s a \"$word\" \\ `x` \n*'\\'' '\\'''\\'' -d3'"
+    check_command("a", "%h %c", NULL, "exec a 'exec rtworker " THERE);
+    check_command("a;b", "x %h %% %c", NULL, "exec x 'a;b' % 'exec rtworker " THERE);
+    check_command(
+        "a", "%c", "/opt/x y", "exec 'exec env PATH='\\''/opt/x y'\\'':\"$PATH\" rtworker " THERE);
+    check_command("a", "%c", "~/b", "exec 'exec env PATH=\"$HOME\"/b:\"$PATH\" rtworker " THERE);
+    check_command("me@a", NULL, NULL,
+        "exec ssh -T -x -a -e none -oBatchMode=yes -oConnectTimeout=10 -oServerAliveInterval=5"
+        " -oServerAliveCountMax=3 me@a 'exec rtworker " THERE);
+}
+
+static void here_nothing_is_between(void **state)
+{
+    (void)state;
+    char word[] = "rtworker", option[] = "a b";
+    char *worker[] = {word, option, NULL};
+    hosts_here(&hosts, 3);
+    assert_int_equal(hosts.slots, 3);
+    char **argv = host_argv(&hosts.at[0], worker);
+    assert_string_equal(argv[0], "rtworker");
+    assert_string_equal(argv[1], "a b");
+    assert_null(argv[2]);
+    host_argv_free(argv);
+    hosts_free(&hosts);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_has_a_host_a_line),
+        cmocka_unit_test(a_list_is_taken_as_parallel_takes_it),
+        cmocka_unit_test(a_bad_list_is_refused),
+        cmocka_unit_test(a_bad_file_is_refused_with_its_line),
+        cmocka_unit_test(commands_are_quoted_for_both_shells),
+        cmocka_unit_test(here_nothing_is_between),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
