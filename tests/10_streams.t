@@ -140,7 +140,18 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	run timeout 20 balance $bad
 	is "balance $bad: exit 2" "$status" 2
 done
-like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of:.* interleaved masterslave'
+like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: dc ds hybrid interleaved masterslave sc ss$'
+run timeout 5 balance masterslave -W -i tetra.nff
+like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
+run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
+like "a bad scene from a pipe has a name" "$status $err" '^2 rtworker: scene:2: '
+mkdir unbuilt
+cp "$root"/bin/balance* unbuilt
+for c in 'masterslave -o x.png' calibrate; do
+	# shellcheck disable=SC2086
+	run env PATH=/usr/bin:/bin unbuilt/balance $c tetra.nff
+	like "balance $c, not built: says so" "$status $err" '^2 balance.*: [a-z]+ is not there, expected it .*built by make'
+done
 partition -u tile:8x4 8x8 | deal fan -j 4 rtworker tetra.nff >two.frags
 is "fragstat -s counts slots that had nothing to do" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
 finish
