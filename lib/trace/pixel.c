@@ -5,27 +5,45 @@
  */
 #include "trace/trace_int.h"
 
-/* Stratum k of n * n, each in one of the n * n squares of the pixel; the first four are spread
- * over its quarters. */
+/*
+ * Stratum k of n * n, each in one of the n * n squares of the pixel. Where refining may stop early,
+ * the first m * m decide, those in the pixel's corners among them: a feature that crosses it
+ * parts them more often than it parts samples further inside. Measured at 256x256, 64 samples,
+ * threshold .02: share of the pixels off by more than .02, with 4 first ones in the middle of their
+ * quarters, with 4 in the corners, with 9, with 16; and CPU time, of that for always 64.
+ *
+ *     gears   6.4 % .40   0.22 % .57   0.038 % .63   0.009 % .70
+ *     balls   2.7 % .75   0.31 % .80   0.063 % .83   0.011 % .90
+ *     chess   1.4 % .21   0.05 % .34   0.005 % .41   0.000 % .51
+ */
+#define FIRST_SIDE_MAX 3 /* m, where that is at most a quarter of all; else 2 */
+
 struct strata {
-    int n;
-    int first[4];
+    int n, n_first;
+    int first[FIRST_SIDE_MAX * FIRST_SIDE_MAX];
 };
+
+/* The i-th of m columns of strata out of n, or of rows: from edge to edge. */
+static int spread(int i, int m, int n)
+{
+    return 2 * i < m ? i * (n - 1) / (m - 1) : n - 1 - (m - 1 - i) * (n - 1) / (m - 1);
+}
 
 static void strata_init(struct strata *s, int samples)
 {
     s->n = 1;
     while ((s->n + 1) * (s->n + 1) <= samples) s->n++;
-    int a = s->n / 4, b = s->n - 1 - a;
-    s->first[0] = a * s->n + a;
-    s->first[1] = a * s->n + b;
-    s->first[2] = b * s->n + a;
-    s->first[3] = b * s->n + b;
+    int m = s->n >= 2 * FIRST_SIDE_MAX ? FIRST_SIDE_MAX : 2;
+    s->n_first = m * m;
+    for (int i = 0; i < s->n_first; i++)
+        s->first[i] = spread(i / m, m, s->n) * s->n + spread(i % m, m, s->n);
 }
 
 static bool is_first(const struct strata *s, int k)
 {
-    return k == s->first[0] || k == s->first[1] || k == s->first[2] || k == s->first[3];
+    for (int i = 0; i < s->n_first; i++)
+        if (s->first[i] == k) return true;
+    return false;
 }
 
 #define GROUP WAVE_RAYS /* pixels that are sampled together */
@@ -100,7 +118,7 @@ static void colours(struct group *g, uint32_t n)
         }
         g->lo[k] = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
         g->hi[k] = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
-        for (int i = 0; i < 4; i++) sample(g, k, s->first[i]);
+        for (int i = 0; i < s->n_first; i++) sample(g, k, s->first[i]);
     }
     flush(g);
     if (s->n == 1) return;
@@ -111,7 +129,7 @@ static void colours(struct group *g, uint32_t n)
             if (!is_first(s, i)) sample(g, k, i);
     flush(g);
     for (uint32_t k = 0; k < n; k++)
-        g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : 4));
+        g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : s->n_first));
 }
 
 /* Where pixels first .. first + n of the lattice are; dividing once a row, not once a pixel. */

@@ -17,7 +17,8 @@ struct trace_options {
     /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
     int depth;
     int samples; /* per pixel, a square: 1 is the centre, n*n are stratified in the pixel */
-    /* < 0: always all samples; else refine only pixels whose first 4 samples differ by more */
+    /* < 0: always all samples; else refine only pixels whose first samples differ by more: 4, or 9
+     * where there are 36 and more */
     double threshold;
     enum trace_isa isa;
 };

@@ -13,7 +13,7 @@ for to in '' '-n 2'; do
 		deal fan -j 2 sh -c 'sleep 2; exec rtworker -' | gather -o 'out$to.png'"
 	# shellcheck disable=SC2154  # peaks.sh sets it
 	is "a million tasks $to: exit" "$status" 0
-	for p in deal fan; do bounded "a million tasks $to" $p kib 32768; done
+	for p in deal fan; do bounded "a million tasks $to" $p kib 65536; done
 	bounded "a million tasks $to" gather kib 32768
 done
 ok 'a million tasks: the same picture' cmp out.png 'out-n 2.png'

@@ -139,6 +139,40 @@ static void test_any_grouping(void **state)
     scene_free(&s);
 }
 
+/* Refined where the first samples say so, few pixels are off those refined everywhere. */
+static void test_first_samples_tell(void **state)
+{
+    (void)state;
+    struct buf text = {0};
+    struct scene s;
+    put_random_scene(&text, in_place, 23, 400);
+    read_scene(&text, &s);
+    for (int side = 3; side <= 8; side++) {
+        float *rgba[2];
+        for (int i = 0; i < 2; i++) {
+            struct trace_options o = TRACE_OPTIONS_DEFAULT;
+            o.samples = side * side;
+            if (i) o.threshold = .02;
+            struct tracer *t = tracer_new(&s, &o);
+            rgba[i] = render(t, 96, 64, 96, false);
+            tracer_free(t);
+        }
+        int off = 0, same = 0;
+        for (int p = 0; p < 96 * 64; p++) {
+            float most = 0;
+            for (int c = 0; c < 3; c++)
+                most = fmaxf(most, fabsf(rgba[0][4 * p + c] - rgba[1][4 * p + c]));
+            off += most > .02F;
+            same += most == 0;
+        }
+        assert_in_range(same, 1, 96 * 64 - 1); /* some were refined, and some were not */
+        assert_in_range(off, 0, (side < 6 ? .005 : .001) * 96 * 64);
+        free(rgba[0]);
+        free(rgba[1]);
+    }
+    scene_free(&s);
+}
+
 static void test_any_width(void **state)
 {
     (void)state;
@@ -307,6 +341,7 @@ int main(void)
         cmocka_unit_test(test_hither),
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_any_grouping),
+        cmocka_unit_test(test_first_samples_tell),
         cmocka_unit_test(test_any_width),
         cmocka_unit_test(test_any_scale),
         cmocka_unit_test(test_far_away),
