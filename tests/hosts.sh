@@ -1,7 +1,7 @@
 # For tests that need test hosts. Begin with `want_hosts=N` and `. "$(dirname "$0")/hosts.sh"` in the place of lib.sh:
 # the test starts again among N hosts (0: as it is), or is skipped where there can be none; lib.sh is read here.
 # shellcheck shell=sh disable=SC2034,SC2154
-tests=$(cd "$(dirname "$0")" && pwd) || exit 3
+tests=$(cd "$(dirname "$0")" && pwd) && tests=${tests%/tests*}/tests || exit 3
 hosts() { "$tests/hosts" "$@"; }
 why=$(hosts check 2>&1) || { echo "1..0 # SKIP $why"; exit 0; }
 [ -n "${TEST_HOSTS-}" ] || [ "$want_hosts" -eq 0 ] || exec "$tests/hosts" with "$want_hosts" "$0"
