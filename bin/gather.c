@@ -352,13 +352,19 @@ static void report_missing(const struct gather *g)
 
 static void put(const void *p, size_t n) { fwrite(p, 1, n, stdout); }
 
+/* Status 3 where the stream itself said that nobody was left to go on. */
+static int unfinished(const struct gather *g)
+{
+    return g->deserted && !*g->o->inputs ? ST_SYSTEM : ST_PARTIAL;
+}
+
 static int finish(struct gather *g)
 {
     const struct assembly *parts = &g->in.parts;
     progress_clear(&g->progress);
     if (!g->trusted) {
         warn("%s: no worker has announced a frame, expected one that belongs there", g->o->log);
-        return ST_PARTIAL;
+        return unfinished(g);
     }
     report_refused(g);
     report_twice(g);
@@ -369,7 +375,7 @@ static int finish(struct gather *g)
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);
     if (g->status != ST_OK) return g->status;
     if (assembly_whole(parts) || (parts->n_frames && g->o->missing)) return ST_OK;
-    return g->deserted && !*g->o->inputs ? ST_SYSTEM : ST_PARTIAL;
+    return unfinished(g);
 }
 
 int main(int argc, char **argv)

@@ -27,6 +27,17 @@ grep -a -o 'done 0 [0-9]* cpu_us.*' log3 | sed 's/^done 0 \([0-9]*\) .*w=\([0-9]
 partition -w 1,1,7 -c 62 $size | sed -n '2,63p' | cut -d ' ' -f 3,10 >expected
 ok 'hybrid, powers stated: the shares of the first phase' cmp got expected
 
+# ---- no host at all, and a log that stays as it is ---------------------------------------------------------------
+printf 'gone via="exit 9; %%c"\n' >none
+head -c 50000 log3 >before
+cp before log4
+rm -f out.pfm
+run balance masterslave -S none -s $size -r log4 -o out.pfm gears.nff
+is 'no host is left: exit 3' "$status" 3
+ok 'no host is left: the log as it was' cmp log4 before
+balance masterslave -S hosts -s $size -r log4 -o out.pfm gears.nff 2>said
+ok 'and with other hosts the same command finishes it' cmp out.pfm good.pfm
+
 # ---- calibrate ------------------------------------------------------------------------------------------------
 run balance calibrate -n 3 -s 64x48 -S hosts -o measured gears.nff
 is 'calibrate: exit 0' "$status" 0
