@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-static const char usage_text[] = "[-x factor] [file]";
+static const char usage_text[] = "[-h] [-x factor] [file]";
 
 int main(int argc, char **argv)
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "scene|grid|spec FILE ...";
+static const char usage_text[] = "[-h] scene|grid|spec FILE ...";
 
 static enum rec_kind kind_named(const char *s)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-p digits] [-s size] name | -l [-s size]";
+static const char usage_text[] = "[-h] [-p digits] [-s size] name | -l [-s size]";
 
 struct options {
     int size;   /* 0: the scene's own default */

@@ -107,6 +107,12 @@ ok 'garbage at the end of the log: the picture' cmp out.pfm good.pfm
 head -c 60000 whole | perl -pe 's/^(hello rtworker) \S+/$1 0.0/' >log
 balance masterslave -j 2 -r log -o out.pfm -s $size gears.nff 2>said
 ok 'an older version whose pictures are the same: gone on with' cmp out.pfm good.pfm
+head -c 60000 whole >log
+cp log before
+{ tail -c 10000 whole; cat whole; } | gather -r log -o out.pfm 2>said
+ok 'fragments before the first frame: the picture all the same' cmp out.pfm good.pfm
+count() { grep -a -o 'frag 0 [0-9]* 0 [0-9]* 96 1 1 1 ch=4' "$1" | wc -l; }
+is 'fragments before the first frame: not in the log' "$(count log)" $(($(count before) + 80))
 for f in 0 1 2; do partition -F $f $size; done | rtworker gears.nff | head -c 200000 >film
 for f in 0 1 2; do partition -F $f -r film $size; done | rtworker gears.nff | gather -r film -o 'f%d.pfm' 2>said
 ok 'three frames, cut off within the second' sh -c 'for f in 0 1 2; do cmp f$f.pfm good.pfm || exit; done'
