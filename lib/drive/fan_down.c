@@ -21,10 +21,7 @@ bool fan_room_down(const struct fan *f)
     return true;
 }
 
-bool fan_takes(const struct fan_slot *s)
-{
-    return s->primed && (!slot_fed(s) || s->child.to >= 0);
-}
+bool fan_takes(const struct fan_slot *s) { return s->primed && (!slot_fed(s) || s->child.to >= 0); }
 
 void fan_prime(struct fan *f, struct fan_slot *s)
 {

@@ -71,7 +71,10 @@ void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
             *s->chatter ? ", it says: " : "", s->chatter);
     h->complained = true;
     if (!again) return;
-    h->retry_us = now_us() + retry_wait_us(++h->failures);
+    if (s->opened_us >= h->failed_us) { /* those opened at one time fail as one */
+        h->failed_us = now_us();
+        h->retry_us = h->failed_us + retry_wait_us(++h->failures);
+    }
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
         if (other->host == h && other->state == FAN_WAITING) say_gone(f, other, why, 0);

@@ -13,13 +13,14 @@ enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_ST
 
 struct fan_host {
     const struct host *host;
-    char **argv;      /* what is run for each of its slots */
-    bool here;        /* this machine: no connection that could fail */
-    int opening;      /* slots that are */
-    int failures;     /* connections in a row that failed: one slot at a time tries again, */
-    int64_t retry_us; /* and not before */
-    bool complained;  /* that it cannot be used, or reached, has been said since a slot was up */
-    uint64_t told;    /* hash of the last line of its standard error */
+    char **argv;       /* what is run for each of its slots */
+    bool here;         /* this machine: no connection that could fail */
+    int opening;       /* slots that are */
+    int failures;      /* connections in a row that failed: one slot at a time tries again, */
+    int64_t retry_us;  /* and not before */
+    int64_t failed_us; /* when that was last counted */
+    bool complained;   /* that it cannot be used, or reached, has been said since a slot was up */
+    uint64_t told;     /* hash of the last line of its standard error */
 };
 
 struct fan_slot {
@@ -33,6 +34,7 @@ struct fan_slot {
     struct buf err;      /* of its standard error, a line that is not whole yet */
     char chatter[160];   /* what it said first, when that was no hello */
     size_t before_hello; /* bytes */
+    int64_t opened_us;   /* when its process was started */
     int64_t heard_us;    /* when something moved last */
     int64_t leave_us;    /* leaving: it has until then to exit */
 

@@ -26,7 +26,7 @@
 #define GRACE_US 500000 /* for a worker to exit once its stream has ended, */
 #define STOP_US 200000  /* and when it was given up and told to end */
 #define VIA_FAILED 255  /* ssh's status for its own failures */
-#define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
+#define DEATHS_MOST 5   /* connections in a row that lost tasks and did none: it is no accident */
 
 static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
 {
@@ -74,7 +74,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->did = false;
     s->before_hello = 0;
     *s->chatter = '\0';
-    s->heard_us = now_us();
+    s->opened_us = s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
     if (s->host->here && !s->primed) fan_prime(f, s);
     int failed = s->host->here ? child_start(&s->child, s->host->argv)
@@ -94,7 +94,7 @@ void slot_up(struct fan *f, struct fan_slot *s)
     s->host->retry_us = 0;
     s->heard_us = now_us();
     enter(f, s, FAN_UP);
-    if (!s->primed) fan_prime(f, s);
+    if (!s->primed && slot_wanted(f, s)) fan_prime(f, s);
     snprintf(
         text, sizeof text, "w=%d host=%s power=%.6g", s->number, s->host->host->name, s->power);
     wire_plain(&f->out.queue.bulk, REC_UP, text);
