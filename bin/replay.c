@@ -248,7 +248,8 @@ static struct options parse(int argc, char **argv)
     static const char text[] = "[-c] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
-    while ((opt = getopt(argc, argv, "+cf:hl:p:s:x:")) != -1) {
+    /* Options may follow the log: methods append theirs to the command that they are given. */
+    while ((opt = getopt(argc, argv, "cf:hl:p:s:x:")) != -1) {
         switch (opt) {
         case 'c': o.worker.concentrate = true; break;
         case 'f':

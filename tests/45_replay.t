@@ -20,6 +20,7 @@ same() {
 same 'rows as recorded' '' replay one.frags
 same 'small fragments' '' replay -f 7 one.frags
 same 'concentrated' '' replay -c one.frags
+same 'options after the log' '' replay one.frags -c -f 9
 same 'other cuts: tiles' '-u tile:9x5' replay one.frags
 same 'other cuts: runs' '-u run:100' replay one.frags
 same 'other cuts: scattered' '-u scatter -n 3' fan -j 3 replay one.frags
