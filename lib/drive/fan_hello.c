@@ -61,6 +61,7 @@ void fan_ask_reference(struct fan *f)
         warn("%s:", f->o->command[0]);
     } else {
         child_close(&c.to);
+        hosts_connect(f); /* slots begin to start meanwhile; they are listened to later */
         listen_here(f, &c);
         child_end(&c, END_MS);
     }

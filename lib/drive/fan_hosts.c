@@ -9,6 +9,7 @@
 #include <inttypes.h>
 
 #define OPENING_MOST 8
+#define STARTING_MOST 2       /* on this machine, between two looks at what others have to say */
 #define TURN_MS 500           /* how often to look, when nothing else tells */
 #define RETRY_FIRST_US 500000 /* before a slot is connected again; twice as long each time, */
 #define RETRY_MOST_US 10000000
@@ -24,13 +25,17 @@ static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
 int hosts_connect(struct fan *f)
 {
     int64_t now = now_us(), first_us = now + TURN_MS * INT64_C(1000);
+    int here = 0; /* started on this machine */
     if (!f->n[FAN_WAITING]) return TURN_MS;
     for (int further = 0; further <= 1; further++)
         for (int k = 0; k < f->n_slots; k++) {
             struct fan_slot *s = &f->slots[k];
             bool first = !s->failures && !s->host->failures;
-            if (first != further && may_open(f, s, now)) slot_open(f, s);
+            if (first == further || !may_open(f, s, now)) continue;
+            if (s->host->here && here++ >= STARTING_MOST) continue;
+            slot_open(f, s);
         }
+    if (here > STARTING_MOST) return 0;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         int64_t turn_us = s->retry_us > s->host->retry_us ? s->retry_us : s->host->retry_us;

@@ -42,6 +42,7 @@ const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
 static enum rec_kind kind_of(const char *at, size_t n)
 {
     for (int k = 0; k < REC_KINDS; k++) {
+        if (*at != *grammar[k].name) continue;
         size_t len = strlen(grammar[k].name);
         if (n > len && memcmp(at, grammar[k].name, len) == 0 && (at[len] == ' ' || at[len] == '\n'))
             return (enum rec_kind)k;
