@@ -24,15 +24,15 @@ both() { # OUT COMMAND ...: its makespan
 	of .both makespan_s
 }
 : >pairs
-both first.frags rtworker - >/dev/null
+both first.frags rtworker -a 4 - >/dev/null
 i=0
 while [ $((i += 1)) -le $rounds ]; do
 	rm -f real.frags replayed.frags
-	real_s=$(both real.frags rtworker -) && replayed_s=$(both replayed.frags replay first.frags) || exit 3
+	real_s=$(both real.frags rtworker -a 4 -) && replayed_s=$(both replayed.frags replay first.frags) || exit 3
 	cmp real.frags.png replayed.frags.png || stop 'the two pictures differ'
 	echo "$real_s $replayed_s" | awk '{ print $1, $2, ($2 / $1 > 1 ? $2 / $1 - 1 : 1 - $2 / $1) }' >>pairs
 done
-echo 'rendered s  replayed s, gears 1280x1280 by master-slave on two slots; replayed is the log of another such run'
+echo 'rendered s  replayed s, gears 1280x1280, -a 4, by master-slave on two slots; replayed is the log of another such run'
 awk '{ printf "%10.3f  %10.3f\n", $1, $2 }' pairs
 echo "$(median 1 <pairs) $(median 2 <pairs)" | awk '{ d = $2 / $1 - 1; print d < 0 ? -100 * d : 100 * d }' >apart
 report 'medians apart' "$(cat apart)" ' %' 5
