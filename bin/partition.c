@@ -16,6 +16,9 @@ struct options {
     int64_t assigned; /* -c: only the first so many tasks are preassigned; -1: all */
     uint32_t frame;   /* -F: the frame's number */
     const char *log;  /* -r: leave out what it holds */
+    enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST } order; /* -o */
+    int64_t seed;                                         /* -o shuffle: */
+    const char *cost_log;                                 /* -o cost: */
     int w, h;
 };
 
@@ -32,22 +35,57 @@ static void parse_powers(struct options *o, const char *list)
     free(copy);
 }
 
+static void parse_order(struct options *o, const char *order)
+{
+    static const char shuffle[] = "shuffle", cost[] = "cost:";
+    if (strncmp(order, cost, sizeof cost - 1) == 0 && order[sizeof cost - 1]) {
+        o->order = ORDER_COST;
+        o->cost_log = order + sizeof cost - 1;
+        return;
+    }
+    const char *seed = order + sizeof shuffle - 1;
+    if (strncmp(order, shuffle, sizeof shuffle - 1) != 0 ||
+        (*seed && (*seed != ':' || !parse_int(seed + 1, 0, INT64_MAX, &o->seed))))
+        die(ST_USAGE, "-o %s: expected shuffle, shuffle:SEED or cost:LOG", order);
+    o->order = ORDER_SHUFFLE;
+}
+
+static bool in_chunks(const struct options *o)
+{
+    return o->cut.unit == CUT_GUIDED || o->cut.unit == CUT_FACTORING;
+}
+
+/* Chunks are given in their order, on demand; they need to know for how many. */
+static void check_chunks(const struct options *o)
+{
+    if (!in_chunks(o)) return;
+    if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
+    if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
+    if (o->assigned >= 0) die(ST_USAGE, "-c: expected -u row, tile, run or scatter with it");
+    if (o->order) die(ST_USAGE, "-o: expected -u row, tile, run or scatter with it");
+}
+
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-h] [-c COUNT] [-F FRAME] [-n SLOTS | -w POWER,...] [-r LOG] "
-                               "[-u row|tile:WxH|run:N|scatter] WxH";
-    struct options o = {.cut = {CUT_ROW, 0, 1}, .assigned = -1};
+    static const char text[] = "[-h] [-c COUNT] [-F FRAME] [-n SLOTS | -w POWER,...] "
+                               "[-o shuffle[:SEED]|cost:LOG] [-r LOG] "
+                               "[-u row|tile:WxH|run:N|scatter|guided[:N]|factoring[:N]] WxH";
+    struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
     int opt;
-    while ((opt = getopt(argc, argv, "+c:F:hn:r:u:w:")) != -1) {
+    while ((opt = getopt(argc, argv, "+c:F:hn:o:r:u:w:")) != -1) {
         switch (opt) {
         case 'c': o.assigned = opt_int(opt, optarg, 0, UINT32_MAX); break;
         case 'F': o.frame = (uint32_t)opt_int(opt, optarg, 0, UINT32_MAX); break;
         case 'h': usage(ST_OK, text);
         case 'n': o.slots = (int)opt_int(opt, optarg, 1, 1000000); break;
+        case 'o': parse_order(&o, optarg); break;
         case 'r': o.log = optarg; break;
         case 'u':
             if (!cut_parse(optarg, &o.cut))
-                die(ST_USAGE, "-u %s: expected row, tile:WxH, run:N or scatter", optarg);
+                die(ST_USAGE,
+                    "-u %s: expected row, tile:WxH, run:N, scatter, guided, guided:N, factoring or "
+                    "factoring:N",
+                    optarg);
             break;
         case 'w': parse_powers(&o, optarg); break;
         default: usage(ST_USAGE, text);
@@ -63,6 +101,7 @@ static struct options parse(int argc, char **argv)
         if (!o.slots) die(ST_USAGE, "-u scatter: expected -n SLOTS, the number of sets");
         o.cut.w = (uint32_t)o.slots;
     }
+    check_chunks(&o);
     return o;
 }
 
@@ -106,6 +145,71 @@ static struct coverage read_log(const struct options *o)
     return have;
 }
 
+/* ---- the order ------------------------------------------------------------------------------- */
+
+struct place {
+    double cost;
+    uint32_t id;
+};
+
+static int dearest_first(const void *a, const void *b)
+{
+    const struct place *p = a, *q = b;
+    if (p->cost != q->cost) return p->cost > q->cost ? -1 : 1;
+    return p->id < q->id ? -1 : 1;
+}
+
+/* Longest processing time first (R. L. Graham, "Bounds on multiprocessing timing anomalies", SIAM
+ * J. Appl. Math. 17, 1969). */
+static void order_by_cost(const struct options *o, struct place *at, uint32_t n)
+{
+    struct log_costs costs;
+    uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
+    if (log_costs_read(o->cost_log, &costs) != 0) die(ST_USAGE, "%s:", o->cost_log);
+    if (!costs.us)
+        die(ST_USAGE, "%s: has no costs, expected a log of a picture of the same scene",
+            o->cost_log);
+    for (uint32_t i = 0; i < n; i++) {
+        struct task t = cut_task(&o->cut, w, h, i);
+        at[i].cost = log_cost_of(&costs, &t.at, w, h);
+    }
+    qsort(at, n, sizeof *at, dearest_first);
+    log_costs_free(&costs);
+}
+
+/* R. Durstenfeld, "Algorithm 235: random permutation", Comm. ACM 7(7), 1964. */
+static void shuffle(const struct options *o, struct place *at, uint32_t n)
+{
+    for (uint32_t i = n; i > 1; i--) {
+        uint32_t k = (uint32_t)(rng_unit((uint64_t)o->seed, i) * i);
+        struct place kept = at[i - 1];
+        at[i - 1] = at[k];
+        at[k] = kept;
+    }
+}
+
+/* The ids in the order in which they are written, or NULL when that is theirs. */
+static struct place *order_of(const struct options *o, uint32_t n)
+{
+    if (!o->order) return NULL;
+    struct place *at = xmalloc(n, sizeof *at);
+    for (uint32_t i = 0; i < n; i++) at[i] = (struct place){0, i};
+    if (o->order == ORDER_COST) order_by_cost(o, at, n);
+    else shuffle(o, at, n);
+    return at;
+}
+
+/* ---- the tasks ------------------------------------------------------------------------------- */
+
+/* Who gets the n-th of what is to be done, or -1: task `place` of those that are written. */
+static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t place, uint32_t n)
+{
+    if (in_chunks(o)) return o->powers && place < (uint32_t)o->n_powers ? (int32_t)place : -1;
+    if (o->assigned >= 0 && place >= o->assigned) return -1;
+    if (o->powers) return interleave_next(v);
+    return o->slots ? (int32_t)(n % (uint32_t)o->slots) : -1;
+}
+
 /* Slots get their shares of what is to be done: with a log, of what is left. */
 static void write_tasks(const struct options *o)
 {
@@ -116,14 +220,12 @@ static void write_tasks(const struct options *o)
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h, count = cut_count(&o->cut, w, h);
     uint32_t left = 0; /* tasks so far, those left out not counted */
     wire_frame(&out, o->frame, w, h, NULL);
-    for (uint32_t id = 0; id < count; id++) {
-        struct task t = cut_task(&o->cut, w, h, id);
+    struct place *order = order_of(o, count);
+    for (uint32_t i = 0; i < count; i++) {
+        struct task t = cut_task(&o->cut, w, h, order ? order[i].id : i);
         t.frame = o->frame;
-        bool assign = o->assigned < 0 || id < o->assigned;
         if (have.bits && !coverage_trim(&have, &t.at)) continue;
-        if (assign && o->powers) t.to = interleave_next(&v);
-        else if (assign && o->slots) t.to = (int32_t)(left % (uint32_t)o->slots);
-        left++;
+        t.to = slot_for(o, &v, i, left++);
         wire_task(&out, &t);
         if (buf_size(&out) < 1 << 16) continue;
         put_stdout(buf_data(&out), buf_size(&out));
@@ -131,6 +233,7 @@ static void write_tasks(const struct options *o)
     }
     put_stdout(buf_data(&out), buf_size(&out));
     free(v.credit);
+    free(order);
     coverage_free(&have);
     buf_free(&out);
 }
@@ -139,7 +242,12 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
+    if (in_chunks(&o)) {
+        int slots = o.powers ? o.n_powers : o.slots;
+        cut_chunks(&o.cut, (uint32_t)o.w, (uint32_t)o.h, o.powers, slots);
+    }
     write_tasks(&o);
+    cut_free(&o.cut);
     free(o.powers);
     close_stdout();
     return ST_OK;

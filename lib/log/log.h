@@ -59,6 +59,18 @@ int log_read(struct intake *in, int fd, const struct log_reader *reader);
  */
 int log_coverage(const char *path, uint32_t frame, struct coverage *have);
 
+/* What each pixel of a picture cost, by the CPU time of the tasks in a log of it. */
+struct log_costs {
+    uint32_t w, h; /* 0: the log has no task that was both done and delivered */
+    double *us;    /* row by row */
+};
+/* Reads the log's first frame; what is missing of it gets the mean. 0, or -1 with errno. */
+int log_costs_read(const char *path, struct log_costs *c);
+void log_costs_free(struct log_costs *c);
+/* The same for pixels of a picture of any size of the same scene: a measure, not a time. */
+double log_cost_of(
+    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h);
+
 /* ---- the file ------------------------------------------------------------------------ */
 
 struct log_file {

@@ -13,13 +13,15 @@
  * where by what is known the worker was waiting, or where it stood idle for longer than a task
  * takes, and then with an eighth of its weight, so that one hiccup does not fill a queue. What is
  * too deep shows nothing: it costs nothing either until the end, and there the queues are run down:
- * when the input has ended, no slot may hold more beyond the task it is on than a slot's share of
- * the pool.
+ * when the input has ended, no slot may hold more beyond the task it is on than SHARES times its
+ * share of the pool.
  */
 #include "sched/deal_int.h"
 
 #define DEPTH_MOST 1000
 #define SAFETY 1.25     /* tasks are not equal, nor are trips */
+#define SHORT .01       /* so small a part of a task a trip is not worth a queue */
+#define SHARES 2        /* of the pool, a slot may have in store at the end */
 #define WEIGHT (1 / 8.) /* of the latest in a recent mean */
 
 static void mix(double *mean, double x) { *mean += *mean > 0 ? WEIGHT * (x - *mean) : x; }
@@ -34,7 +36,7 @@ void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, i
     double idle_us = (double)(now_us - wall_us - p->done_us);
     bool waited = !p->done_us || (double)copy->since_us + p->round_trip_us > (double)p->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
-    else if ((waited || idle_us > p->task_us)) mix(&p->round_trip_us, sample_us);
+    else if (waited || idle_us > p->task_us) mix(&p->round_trip_us, sample_us);
     mix(&p->task_us, computed_us);
     mix(&p->px_per_us, (double)lattice_count(&copy->task.at) / computed_us);
     p->done_us = now_us;
@@ -45,7 +47,9 @@ static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
     if (d->p.depth != SCHED_DEPTH_AUTO) return d->p.depth;
     if (s->pace.task_us <= 0 || BUG(24)) return 1;
-    double depth = 1 + ceil(SAFETY * s->pace.round_trip_us / s->pace.task_us);
+    double tasks = SAFETY * s->pace.round_trip_us / s->pace.task_us;
+    if (tasks < SHORT) return 0;
+    double depth = ceil(tasks + .5);
     return depth > DEPTH_MOST && !BUG(25) ? DEPTH_MOST : (int32_t)depth;
 }
 
@@ -53,6 +57,7 @@ int32_t pace_limit(const struct deal *d, const struct slot *s, int32_t up)
 {
     int32_t depth = depth_of(d, s) + (BUG(5) ? 1 : 0);
     bool revoked = d->ended && (d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame);
-    if (revoked && !BUG(23) && depth > d->pool.count / up) depth = d->pool.count / up;
+    if (revoked && !BUG(23) && depth > SHARES * d->pool.count / up)
+        depth = SHARES * d->pool.count / up;
     return 1 + depth;
 }

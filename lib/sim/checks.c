@@ -199,7 +199,7 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
     if (n > most) fail(w, "more given than the depth allows", k, id);
     /* With pieces there may be more that waits than is seen here. */
     if (!adapts(w) || w->plan->endgame || !w->input_ended || n < 2) return;
-    if ((n - 1) * count_up(w) > count_waiting(w, false) + 1)
+    if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
         fail(w, "more in store than waits", k, id);
 }
 

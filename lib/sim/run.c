@@ -103,18 +103,18 @@ static void begin(struct world *w)
 {
     const struct sim_plan *p = w->plan;
     /* How many slots there are may be known before or after the first tasks. */
-    int64_t known_us = draw(w) < .5 ? 0 : (int64_t)(draw(w) * 2e5);
+    int64_t known_us = draw(w) < .5 || p->work ? 0 : (int64_t)(draw(w) * 2e5);
     schedule(w, known_us, (struct sim_event){.sched = {.kind = SCHED_SLOTS, .n = p->slots}});
     for (int32_t k = 0; k < p->slots; k++) {
         w->slots[k].power = k ? .25 + 2 * draw(w) : 1;
         if (p->work) w->slots[k].power = p->work->power[k];
-        schedule(w, known_us + (int64_t)(draw(w) * 1e5),
-            (struct sim_event){.kind = SIM_RETURN, .slot = k});
+        int64_t up_us = p->work ? 0 : known_us + (int64_t)(draw(w) * 1e5);
+        schedule(w, up_us, (struct sim_event){.kind = SIM_RETURN, .slot = k});
         plan_fault(w, k);
     }
     double spread_us = draw(w) < .5 || p->calm || p->work ? 0 : 1e6 * draw(w);
     for (int32_t i = 0; i < p->tasks; i++) {
-        struct vtask *t = &w->tasks[i];
+        struct vtask *t = &w->tasks[w->order[i]];
         /* One in eight is promised to a slot that does not exist. */
         if (i < p->assigned) t->to = t->task.to = (int32_t)(draw(w) * 1.125 * p->slots);
         struct sched_event e = {.kind = SCHED_TASK, .task = t->task, .frame_w = w->frame_w};
@@ -159,12 +159,14 @@ static void open_world(struct world *w)
     w->frame_w = p->work ? p->work->frame_w : FRAME_W;
     w->frame_h = p->work ? p->work->frame_h : (uint32_t)(p->rows * p->tasks + 1);
     w->slots = xcalloc((size_t)p->slots, sizeof *w->slots);
+    w->order = xcalloc((size_t)p->tasks + 1, sizeof *w->order);
     coverage_init(&w->sent, w->frame_w, w->frame_h);
     for (int32_t i = 0; i < p->tasks; i++) {
         uint32_t id = (uint32_t)i, rows = (uint32_t)p->rows;
-        struct vtask *t = vtask_at(w, id);
-        t->task = (struct task){0, id, {0, id * rows, FRAME_W, rows, 1, 1}, -1};
-        if (p->work) t->task = p->work->tasks[i];
+        struct task made = {0, id, {0, id * rows, FRAME_W, rows, 1, 1}, -1};
+        w->order[i] = p->work ? p->work->tasks[i].id : id;
+        struct vtask *t = vtask_at(w, w->order[i]);
+        t->task = p->work ? p->work->tasks[i] : made;
         t->to = t->task.to;
     }
 }
@@ -174,6 +176,7 @@ static void close_world(struct world *w)
     for (int32_t k = 0; k < w->plan->slots; k++) free(w->slots[k].queue), free(w->slots[k].held);
     coverage_free(&w->sent);
     free(w->slots);
+    free(w->order);
     free(w->tasks);
     free(w->heap.at);
     free(w->acts.at);

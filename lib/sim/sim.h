@@ -12,7 +12,7 @@
  *   pieces    of tasks only in an endgame; under new ids, inside one task, beside each other
  *   idle      in an endgame no slot has nothing to do while something may still be copied
  *   revoked   with the depth that follows the link, and the input ended, no slot has more in store
- *             than its share of what waits
+ *             than twice its share of what waits
  *   end       once, when everything is committed; it stops the slots where one is still busy; it
  *             comes within the time that the work, the faults and the slowest slot allow
  */
@@ -27,7 +27,7 @@
 /* What is to be rendered where a plan does not make it up: for measurements. */
 struct sim_work {
     uint32_t frame_w, frame_h;
-    const struct task *tasks; /* ids 0 .. n-1 of frame 0 */
+    const struct task *tasks; /* ids 0 .. n-1 of frame 0, in any order */
     const double *pixel_us;   /* what a pixel costs at power 1, row by row */
     const double *power;      /* of the slots */
     double task_us;           /* what a task costs its worker besides, at power 1 */

@@ -48,6 +48,7 @@ struct world {
     struct vslot *slots;
     struct vtask *tasks; /* by id: those of the plan, then pieces */
     int32_t n_tasks, cap_tasks;
+    uint32_t *order; /* ids in the order in which they come */
     uint32_t frame_w, frame_h;
     struct coverage sent; /* pixels that were passed on */
     int64_t now_us;

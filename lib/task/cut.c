@@ -3,17 +3,30 @@
 
 #include <string.h>
 
+/* NAME or NAME:N */
+static bool parse_chunks(const char *s, const char *name, enum cut_unit unit, struct cut *cut)
+{
+    size_t len = strlen(name);
+    int64_t n = 0;
+    if (strncmp(s, name, len) != 0) return false;
+    if (s[len] && (s[len] != ':' || !parse_int(s + len + 1, 1, UINT32_MAX, &n))) return false;
+    *cut = (struct cut){.unit = unit, .w = (uint32_t)n};
+    return true;
+}
+
 bool cut_parse(const char *s, struct cut *cut)
 {
     int w, h;
     int64_t n;
-    if (strcmp(s, "row") == 0) *cut = (struct cut){CUT_ROW, 0, 1};
-    else if (strcmp(s, "scatter") == 0) *cut = (struct cut){CUT_SCATTER, 1, 1};
+    if (strcmp(s, "row") == 0) *cut = (struct cut){.unit = CUT_ROW};
+    else if (strcmp(s, "scatter") == 0) *cut = (struct cut){.unit = CUT_SCATTER, .w = 1};
     else if (strncmp(s, "tile:", 5) == 0 && parse_size(s + 5, FRAME_SIDE_MAX, &w, &h))
-        *cut = (struct cut){CUT_TILE, (uint32_t)w, (uint32_t)h};
+        *cut = (struct cut){.unit = CUT_TILE, .w = (uint32_t)w, .h = (uint32_t)h};
     else if (strncmp(s, "run:", 4) == 0 && parse_int(s + 4, 1, UINT32_MAX, &n))
-        *cut = (struct cut){CUT_RUN, (uint32_t)n, 1};
-    else return false;
+        *cut = (struct cut){.unit = CUT_RUN, .w = (uint32_t)n};
+    else
+        return parse_chunks(s, "guided", CUT_GUIDED, cut) ||
+               parse_chunks(s, "factoring", CUT_FACTORING, cut);
     return true;
 }
 
@@ -26,6 +39,8 @@ uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h)
     case CUT_TILE: return ceil_div(frame_w, cut->w) * ceil_div(frame_h, cut->h);
     case CUT_RUN: return ceil_div(pixels, cut->w);
     case CUT_SCATTER: return (uint32_t)(cut->w < pixels ? cut->w : pixels);
+    case CUT_GUIDED:
+    case CUT_FACTORING: return cut->n;
     case CUT_ROW: break;
     }
     return frame_h;
@@ -51,6 +66,8 @@ struct task cut_task(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, 
     } else if (cut->unit == CUT_SCATTER) {
         uint32_t sets = least(cut->w, pixels);
         at = (struct lattice){id % frame_w, id / frame_w, ceil_div(pixels - id, sets), 1, sets, 1};
+    } else if (cut->unit == CUT_GUIDED || cut->unit == CUT_FACTORING) {
+        at = chunk_at(cut, frame_w, frame_h, id);
     }
     return (struct task){.frame = 0, .id = id, .at = at, .to = -1};
 }

@@ -40,13 +40,27 @@ struct lattice lattice_cut(const struct lattice *l, uint32_t frame_w, uint64_t n
 int64_t lattice_offset(const struct lattice *l, uint32_t frame_w, const struct lattice *sub);
 
 /* How a frame is cut into tasks. */
-enum cut_unit { CUT_ROW, CUT_TILE, CUT_RUN, CUT_SCATTER };
+enum cut_unit { CUT_ROW, CUT_TILE, CUT_RUN, CUT_SCATTER, CUT_GUIDED, CUT_FACTORING };
 struct cut {
     enum cut_unit unit;
-    uint32_t w, h; /* tile: its sides; run: w pixels; scatter: w sets */
+    uint32_t w,
+        h; /* tile: its sides; run: w pixels; scatter: w sets; the last two: chunks are of */
+           /* whole rows, or of whole runs of w pixels */
+    uint32_t *ends; /* where chunk i ends, in these; its own */
+    uint32_t n;
 };
-/* "row", "tile:WxH", "run:N", "scatter" (the caller sets w); false when it is none of them. */
+/*
+ * "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "guided", "guided:N", "factoring",
+ * "factoring:N" (the caller calls cut_chunks); false when it is none of them.
+ */
 bool cut_parse(const char *s, struct cut *cut);
+/* The chunks of a frame, by the number of slots and, for factoring, their powers (or NULL): with
+ * them the first `slots` chunks are one for each slot. */
+void cut_chunks(
+    struct cut *cut, uint32_t frame_w, uint32_t frame_h, const double *power, int slots);
+/* The pixels of chunk id. */
+struct lattice chunk_at(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, uint32_t id);
+void cut_free(struct cut *cut);
 uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h);
 /* Task number id (< cut_count) of frame 0, unassigned. */
 struct task cut_task(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, uint32_t id);

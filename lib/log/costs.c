@@ -1,0 +1,117 @@
+/* What pixels cost, after a log. */
+#include "log/log.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct survey {
+    struct log_costs *costs;
+    uint32_t frame;
+    struct task_table tasks;
+    double *us; /* by the table's index: of the task, -1 where nothing says it; */
+    uint32_t *pixels;
+    int32_t room;
+    uint32_t *of; /* by pixel: 1 + the index of its task, or 0 */
+};
+
+static int32_t entry_of(struct survey *s, const struct task *t)
+{
+    int32_t i = tasks_find(&s->tasks, t->frame, t->id);
+    if (i >= 0) return i;
+    i = tasks_add(&s->tasks, t, 1);
+    if (s->room < s->tasks.cap) {
+        s->room = s->tasks.cap;
+        s->us = xrealloc(s->us, (size_t)s->room, sizeof *s->us);
+        s->pixels = xrealloc(s->pixels, (size_t)s->room, sizeof *s->pixels);
+    }
+    s->us[i] = -1;
+    s->pixels[i] = 0;
+    return i;
+}
+
+static void take_frag(struct survey *s, const struct task *t)
+{
+    const struct log_costs *c = s->costs;
+    if (!s->of || t->frame != s->frame || !lattice_valid(&t->at, c->w, c->h)) return;
+    int32_t entry = entry_of(s, t);
+    for (uint64_t i = 0, n = lattice_count(&t->at); i < n; i++) {
+        uint32_t *of = &s->of[lattice_pixel(&t->at, c->w, i)];
+        if (*of) continue;
+        *of = (uint32_t)entry + 1;
+        s->pixels[entry]++;
+    }
+}
+
+static void take(void *ctx, const struct record *r)
+{
+    struct survey *s = ctx;
+    int64_t us;
+    if (r->kind == REC_FRAME && !s->of) {
+        s->frame = r->task.frame;
+        s->costs->w = r->frame_w;
+        s->costs->h = r->frame_h;
+        s->of = xcalloc((size_t)r->frame_w * r->frame_h, sizeof *s->of);
+    }
+    if (r->kind == REC_FRAG) take_frag(s, &r->task);
+    if (r->kind == REC_DONE && rec_int(r, "cpu_us", 0, INT64_MAX, &us)) {
+        int32_t i = entry_of(s, &r->task);
+        if (s->us[i] < 0) s->us[i] = (double)us;
+    }
+}
+
+/* What is not there is taken for the mean of what is. */
+static void spread(struct survey *s)
+{
+    struct log_costs *c = s->costs;
+    size_t n = (size_t)c->w * c->h, known = 0;
+    double sum = 0;
+    c->us = xmalloc(n, sizeof *c->us);
+    for (size_t p = 0; p < n; p++) {
+        uint32_t of = s->of[p];
+        c->us[p] = of && s->us[of - 1] >= 0 ? s->us[of - 1] / s->pixels[of - 1] : -1;
+        if (c->us[p] < 0) continue;
+        known++;
+        sum += c->us[p];
+    }
+    for (size_t p = 0; p < n; p++)
+        if (c->us[p] < 0) c->us[p] = sum / (double)known;
+    if (!known) log_costs_free(c);
+}
+
+int log_costs_read(const char *path, struct log_costs *c)
+{
+    struct survey s = {.costs = c};
+    struct intake unused = {0};
+    const struct log_reader reader = {.record = take, .ctx = &s};
+    *c = (struct log_costs){0};
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return -1;
+    int failed = log_read(&unused, fd, &reader);
+    close(fd);
+    if (!failed && s.of) spread(&s);
+    tasks_free(&s.tasks);
+    free(s.us);
+    free(s.pixels);
+    free(s.of);
+    return failed;
+}
+
+void log_costs_free(struct log_costs *c)
+{
+    free(c->us);
+    *c = (struct log_costs){0};
+}
+
+double log_cost_of(
+    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h)
+{
+    double us = 0;
+    for (uint64_t i = 0, n = lattice_count(at); i < n; i++) {
+        uint64_t p = lattice_pixel(at, frame_w, i);
+        uint64_t x = p % frame_w * c->w / frame_w, y = p / frame_w * c->h / frame_h;
+        us += c->us[y * c->w + x];
+    }
+    return us;
+}

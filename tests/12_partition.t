@@ -1,0 +1,59 @@
+#!/bin/sh
+# partition: the cuts that get smaller, and the orders, against what their papers print; none changes the picture.
+. "$(dirname "$0")/lib.sh"
+
+# sizes OPTIONS: rows of each task of 100
+# shellcheck disable=SC2046,SC2154
+sizes() { partition "$@" 8x100 | awk '$1 == "task" { printf "%s ", $7 }'; }
+is 'guided: Polychronopoulos and Kuck, 100 iterations, 5 processors' "$(sizes -u guided -n 5)" \
+	'20 16 13 11 8 7 5 4 4 3 2 2 1 1 1 1 1 '
+is 'factoring: Hummel, Schonberg and Flynn, 100 iterations, 4 processors' "$(sizes -u factoring -n 4)" \
+	'13 13 13 13 6 6 6 6 3 3 3 3 2 2 2 2 1 1 1 1 '
+is 'weighted factoring: the first batch by power, later ones for the weakest' "$(sizes -u factoring -w 1,3,1 | cut -d' ' -f1-8)" \
+	'10 30 10 5 5 5 5 5'
+is '... and only the first batch is preassigned' \
+	"$(partition -u factoring -w 1,3,1 8x100 | grep -c 'to=[0-2]$')" 3
+is 'guided:N: chunks of whole runs, the last one what is left' \
+	"$(partition -u guided:30 -n 2 10x10 | awk '$1 == "task" { printf "%s ", $6 }')" '60 30 10 '
+
+spdgen -s 2 tetra >tetra.nff
+partition 40x32 | rtworker tetra.nff | gather -o rows.pfm
+partition 10x8 | rtworker tetra.nff >coarse.frags
+same() { partition "$@" 40x32 >tasks && rtworker tetra.nff <tasks | gather -o other.pfm && imgcmp rows.pfm other.pfm; }
+for cut in 'guided -n 3' 'guided:7 -n 3' 'factoring -n 3' 'factoring:50 -w .5,2' 'guided -n 100' 'factoring:1000000 -n 3'; do
+	# shellcheck disable=SC2086
+	ok "-u $cut: every pixel once" same -u $cut
+done
+for order in shuffle shuffle:7 cost:coarse.frags; do
+	ok "-o $order: every pixel once" same -o $order
+	ok "-o $order: the same numbers for the same pixels" sh -c "partition -o $order 40x32 | sort >a; partition 40x32 | sort | cmp - a"
+done
+
+ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1 8x50 | cksum)" != "$(partition -o shuffle:2 8x50 | cksum)" ]'
+# A log by hand: row 1 of 2 is dear. Of 4 rows the lower two come first.
+{
+	echo 'frame 0 1 2 job=1'
+	for y in 0 1; do
+		printf 'frag 0 %d 0 %d 1 1 1 1 ch=4 crc=%s bytes=16\n' $y $y 3971697493
+		head -c 16 /dev/zero
+		echo "done 0 $y cpu_us=$((10 + 90 * y)) wall_us=1"
+	done
+} >two.frags
+is 'cost: the dearest first, equals in their order' \
+	"$(partition -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 }')" '2 3 0 1 '
+is 'cost: slots take turns in the order written' \
+	"$(partition -n 2 -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 $10 }')" '2to=0 3to=1 0to=0 1to=1 '
+
+refused() { run partition "$@"; [ "$status" = 2 ] && [ -z "$out" ]; }
+: >empty
+ok 'refused: guided without slots' refused -u guided 8x8
+ok 'refused: guided with powers' refused -u guided -w 1,2 8x8
+ok 'refused: factoring without slots' refused -u factoring 8x8
+ok 'refused: chunks in another order' refused -u guided -n 2 -o shuffle 8x8
+ok 'refused: chunks and a count' refused -u factoring -n 2 -c 3 8x8
+ok 'refused: chunks of nothing' refused -u guided:0 -n 2 8x8
+ok 'refused: an unknown order' refused -o shuffle:x 8x8
+ok 'refused: costs without a log' refused -o cost: 8x8
+ok 'refused: costs of a log that is not there' refused -o cost:none 8x8
+ok 'refused: costs of a log that holds none' refused -o cost:empty 8x8
+finish
