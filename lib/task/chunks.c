@@ -11,8 +11,8 @@
  *
  * Weighted factoring (S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein, "Load-sharing in heterogeneous
  * systems via weighted factoring", SPAA 1996) gives slots chunks of a batch by their power. Differs
- * in that: who will ask for a chunk is not known here, so that only the first batch is cut by power;
- * chunks of the later ones are of the size that suits the weakest.
+ * in that: who will ask for a chunk is not known here, so that only the first batch is cut by
+ * power; chunks of the later ones are of the size that suits the weakest.
  */
 #include "task/task.h"
 

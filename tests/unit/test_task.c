@@ -202,32 +202,70 @@ static void test_cut_kinds(void **state)
     (void)state;
     for (uint32_t fw = 1; fw <= 9; fw++)
         for (uint32_t fh = 1; fh <= 9; fh++) {
-            check_cover(&(struct cut){CUT_ROW, 0, 1}, fw, fh);
+            check_cover(&(struct cut){.unit = CUT_ROW, .w = 0, .h = 1}, fw, fh);
             for (uint32_t w = 1; w <= fw * fh + 2; w++) {
-                check_cover(&(struct cut){CUT_RUN, w, 1}, fw, fh);
-                check_cover(&(struct cut){CUT_SCATTER, w, 1}, fw, fh);
+                check_cover(&(struct cut){.unit = CUT_RUN, .w = w, .h = 1}, fw, fh);
+                check_cover(&(struct cut){.unit = CUT_SCATTER, .w = w, .h = 1}, fw, fh);
                 for (uint32_t h = 1; h <= fh + 2; h++)
-                    if (w <= fw + 2) check_cover(&(struct cut){CUT_TILE, w, h}, fw, fh);
+                    if (w <= fw + 2)
+                        check_cover(&(struct cut){.unit = CUT_TILE, .w = w, .h = h}, fw, fh);
             }
         }
-    check_cover(&(struct cut){CUT_RUN, 250, 1}, 64, 64);
-    assert_int_equal(cut_count(&(struct cut){CUT_TILE, 1, 1}, FRAME_SIDE_MAX, FRAME_SIDE_MAX),
+    check_cover(&(struct cut){.unit = CUT_RUN, .w = 250, .h = 1}, 64, 64);
+    assert_int_equal(
+        cut_count(&(struct cut){.unit = CUT_TILE, .w = 1, .h = 1}, FRAME_SIDE_MAX, FRAME_SIDE_MAX),
         UINT32_C(65535) * 65535);
-    struct task last =
-        cut_task(&(struct cut){CUT_RUN, UINT32_MAX, 1}, FRAME_SIDE_MAX, FRAME_SIDE_MAX, 0);
+    struct task last = cut_task(
+        &(struct cut){.unit = CUT_RUN, .w = UINT32_MAX, .h = 1}, FRAME_SIDE_MAX, FRAME_SIDE_MAX, 0);
     assert_true(lattice_valid(&last.at, FRAME_SIDE_MAX, FRAME_SIDE_MAX));
+}
+
+/* Chunks never grow from one batch to the next, and cover every frame. */
+static void test_chunks(void **state)
+{
+    (void)state;
+    static const double power[] = {1, .442, 1.347, 2};
+    for (uint32_t fw = 1; fw <= 6; fw++)
+        for (uint32_t fh = 1; fh <= 12; fh++)
+            for (uint32_t w = 0; w <= fw * fh + 2; w++)
+                for (int slots = 1; slots <= 4; slots++) {
+                    struct cut guided = {.unit = CUT_GUIDED, .w = w};
+                    struct cut factoring = {.unit = CUT_FACTORING, .w = w}, weighted = factoring;
+                    cut_chunks(&guided, fw, fh, NULL, slots);
+                    cut_chunks(&factoring, fw, fh, NULL, slots);
+                    cut_chunks(&weighted, fw, fh, power, slots);
+                    check_cover(&guided, fw, fh);
+                    check_cover(&factoring, fw, fh);
+                    check_cover(&weighted, fw, fh);
+                    for (uint32_t i = 2; i < guided.n; i++)
+                        assert_true(guided.ends[i] - guided.ends[i - 1] <=
+                                    guided.ends[i - 1] - guided.ends[i - 2]);
+                    cut_free(&guided);
+                    cut_free(&factoring);
+                    cut_free(&weighted);
+                }
+    struct cut large = {.unit = CUT_FACTORING, .w = 1};
+    cut_chunks(&large, FRAME_SIDE_MAX, FRAME_SIDE_MAX, NULL, 1000);
+    assert_int_equal(large.ends[large.n - 1], UINT32_C(65535) * 65535);
+    assert_int_equal(large.ends[0], (UINT32_C(65535) * 65535 + 1999) / 2000);
+    struct task last = cut_task(&large, FRAME_SIDE_MAX, FRAME_SIDE_MAX, large.n - 1);
+    assert_true(lattice_valid(&last.at, FRAME_SIDE_MAX, FRAME_SIDE_MAX));
+    cut_free(&large);
 }
 
 static void test_cut_parse(void **state)
 {
     (void)state;
     static const char *const bad[] = {"", "rows", "row:2", "tile", "tile:", "tile:0x1", "tile:4",
-        "run:0", "run:", "run:-1", "run:4294967296", "scatter:3", "Row", "run:1x1"};
+        "run:0", "run:", "run:-1", "run:4294967296", "scatter:3", "Row", "run:1x1",
+        "guided:", "guided:0", "guided:x", "guide", "factoring:0", "factoring5"};
     struct cut c;
     assert_true(cut_parse("row", &c) && c.unit == CUT_ROW);
     assert_true(cut_parse("scatter", &c) && c.unit == CUT_SCATTER);
     assert_true(cut_parse("tile:32x16", &c) && c.unit == CUT_TILE && c.w == 32 && c.h == 16);
     assert_true(cut_parse("run:250", &c) && c.unit == CUT_RUN && c.w == 250);
+    assert_true(cut_parse("guided", &c) && c.unit == CUT_GUIDED && c.w == 0);
+    assert_true(cut_parse("factoring:16", &c) && c.unit == CUT_FACTORING && c.w == 16);
     assert_true(cut_parse("run:4294967295", &c) && c.w == UINT32_MAX);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         if (cut_parse(bad[i], &c)) fail_msg("\"%s\" was taken", bad[i]);
@@ -301,7 +339,7 @@ static void test_missing_share_of_a_worker(void **state)
     static const struct {
         struct cut cut;
         int tasks;
-    } cases[] = {{{CUT_ROW, 0, 1}, 16}, {{CUT_SCATTER, 4, 1}, 1}};
+    } cases[] = {{{.unit = CUT_ROW}, 16}, {{.unit = CUT_SCATTER, .w = 4}, 1}};
     for (size_t k = 0; k < 2; k++) {
         struct coverage c;
         uint64_t at[64 * 64];
@@ -496,6 +534,7 @@ int main(void)
         cmocka_unit_test(test_cut_anywhere),
         cmocka_unit_test(test_false_claims),
         cmocka_unit_test(test_cut_kinds),
+        cmocka_unit_test(test_chunks),
         cmocka_unit_test(test_cut_parse),
         cmocka_unit_test(test_missing_of_every_small_frame),
         cmocka_unit_test(test_missing_at_random),
