@@ -19,6 +19,7 @@ balance masterslave -S 2/:,: -s $size -r list -o out.pfm gears.nff
 ok '-S LIST: the same picture' cmp out.pfm good.pfm
 is '-S LIST: three slots' "$(grep -a -o 'hello deal .*slots=[0-9]*' list | grep -o 'slots=.*')" slots=3
 
+is 'fan -l WORKER: one power for the slots of a host' "$(fan -l -j 6 rtworker | cut -f 3 | sort -u | wc -l)" 1
 # The hybrid's first 62 of 80 rows go where the powers that are stated say, whoever is faster.
 printf ': power=1\n: power=1\n: power=7\n' >three
 balance hybrid -S three -s $size -r log3 -o out.pfm gears.nff

@@ -16,6 +16,18 @@ static void measure(struct fan *f)
     free(p);
 }
 
+/* The slots of a host are of one machine: the best of their self-tests was disturbed least. */
+static void level(struct fan *f)
+{
+    for (int k = 0, end; k < f->n_slots; k = end) {
+        double best = 0;
+        for (end = k; end < f->n_slots && f->slots[end].host == f->slots[k].host; end++)
+            best = fmax(best, f->slots[end].power);
+        for (int i = k; i < end; i++)
+            if (f->slots[i].power > 0) f->slots[i].power = best;
+    }
+}
+
 /* Returns how many powers are not known. */
 static int print(const struct fan *f)
 {
@@ -37,6 +49,7 @@ int drive_list(const struct fan_options *o)
     fan_open(&f, o);
     for (int k = 0; k < f.n_slots; k++) f.slots[k].measured = f.slots[k].power > 0;
     if (*o->command) measure(&f);
+    level(&f);
     int unknown = print(&f);
     fan_close(&f);
     if (signals_came()) signals_die();
