@@ -240,14 +240,12 @@ static struct log_reader reader_of(struct gather *g)
 static void confirm(struct gather *g, const struct record *r)
 {
     const struct log_reader reader = reader_of(g);
-    struct intake past;
     char why[LOG_WHY];
     intake_note(&g->in, r);
-    if (log_survey(&g->log, &past) != 0) die(ST_SYSTEM, "%s:", g->o->log);
-    if (!log_continues(&past, &g->in.origin, r, why)) die(ST_USAGE, "%s: %s", g->o->log, why);
-    intake_free(&past);
+    int refused = log_confirm(&g->log, &g->in.origin, r, why);
+    if (refused > 0) die(ST_USAGE, "%s: %s", g->o->log, why);
     g->rereading = true;
-    if (log_reread(&g->log, &g->in, &reader) != 0) die(ST_SYSTEM, "%s:", g->o->log);
+    if (refused < 0 || log_reread(&g->log, &g->in, &reader) != 0) die(ST_SYSTEM, "%s:", g->o->log);
     g->rereading = false;
     g->trusted = true;
 }
@@ -312,28 +310,18 @@ static void report_twice(const struct gather *g)
 static void report_remedy(const struct gather *g)
 {
     const struct options *o = g->o;
-    const char *one[] = {o->log, NULL}, *last = NULL;
-    struct buf b = {0}, logs = {0};
-    bool piped = false; /* some of it cannot be read again */
-    for (const char *const *log = o->log ? one : (const char *const *)o->inputs; *log; log++) {
-        piped = piped || strcmp(*log, "-") == 0;
-        last = *log;
-        buf_append(&logs, " ", 1);
-        buf_quote(&logs, last);
-    }
-    buf_append(&logs, "", 1);
-    const char *all = (const char *)buf_data(&logs);
-    buf_printf(
-        &b, "gather -m%s | %s SCENE >> ", all, *g->in.origin.with ? g->in.origin.with : "rtworker");
-    if (last) buf_quote(&b, last);
-    buf_printf(&b, "; gather%s -o ", o->bits == 16 ? " -k 16" : "");
-    buf_quote(&b, o->out ? o->out : "PICTURE.png");
-    buf_append(&b, all, strlen(all) + 1);
+    const char *const one[] = {o->log, NULL};
+    struct buf options = {0}, remedy = {0};
+    buf_printf(&options, "%s -o ", o->bits == 16 ? " -k 16" : "");
+    buf_quote(&options, o->out ? o->out : "PICTURE.png");
+    buf_append(&options, "", 1);
+    bool again = log_remedy(o->log ? one : (const char *const *)o->inputs, &g->in.origin,
+        (const char *)buf_data(&options), &remedy);
     if (o->log) warn("the same command again finishes it, with what is in %s; or these do", o->log);
-    if (last && !piped) warn("to finish: %s", (const char *)buf_data(&b));
+    if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
     else warn("no log was kept (-r LOG): only a new run gets them");
-    buf_free(&logs);
-    buf_free(&b);
+    buf_free(&options);
+    buf_free(&remedy);
 }
 
 static void report_missing(const struct gather *g)

@@ -138,7 +138,9 @@ static struct coverage read_log(const struct options *o)
 {
     struct coverage have = {0};
     if (!o->log) return have;
-    if (log_coverage(o->log, o->frame, &have) != 0) die(ST_USAGE, "%s:", o->log);
+    int odd = log_coverage(o->log, o->frame, &have);
+    if (odd < 0) die(ST_USAGE, "%s:", o->log);
+    if (odd) die(ST_USAGE, "%s: is no log, expected fragments, or a new file", o->log);
     if (have.bits && (have.w != (uint32_t)o->w || have.h != (uint32_t)o->h))
         die(ST_USAGE, "%s: has another size: frame %u of %ux%u pixels, expected %dx%d", o->log,
             o->frame, have.w, have.h, o->w, o->h);

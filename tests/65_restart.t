@@ -79,6 +79,12 @@ refused version 'was rendered by another version: 0.0, expected' -s $size gears.
 head -c 60000 whole | perl -pe 's/( selftest=)..../${1}0000/' >log
 cp log before
 refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
+# What is no log is not made one.
+cp gears.nff log && cp log before
+refused 'kind of file' 'is no log, expected fragments, or a new file' -s $size gears.nff
+run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"
+is 'another kind of file, by hand: exit 2' "$status" 2
+ok 'another kind of file, by hand: as it was' cmp log before
 # A whole log of another scene is refused as well, though nothing is left to be rendered.
 cp whole log && cp log before
 refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff

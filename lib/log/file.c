@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -73,11 +72,21 @@ static void survey(void *ctx, const struct record *r)
     if (whole) assembly_release(&in->parts, whole);
 }
 
+/* So begins every stream: a file that was cut off within its first record begins so too. */
+static bool begins_as_log(int fd)
+{
+    static const char first[] = "hello ";
+    char text[sizeof first - 1];
+    ssize_t n = pread(fd, text, sizeof text, 0);
+    return n >= 0 && memcmp(text, first, (size_t)n) == 0;
+}
+
 int log_survey(const struct log_file *l, struct intake *in)
 {
     const struct log_reader reader = {.record = survey, .ctx = in};
     intake_init(in, false);
-    return log_reread(l, in, &reader);
+    if (log_reread(l, in, &reader) != 0) return -1;
+    return !in->good && !begins_as_log(l->fd);
 }
 
 int log_coverage(const char *path, uint32_t frame, struct coverage *have)
@@ -96,35 +105,4 @@ int log_coverage(const char *path, uint32_t frame, struct coverage *have)
     intake_free(&in);
     log_close(&l);
     return failed;
-}
-
-/* Both are known, and differ. */
-static bool differ(const char *a, const char *b) { return *a && *b && strcmp(a, b) != 0; }
-
-bool log_continues(const struct intake *past, const struct log_origin *now, const struct record *r,
-    char why[LOG_WHY])
-{
-    const struct log_origin *then = &past->origin;
-    const struct assembly_frame *f = assembly_find(&past->parts, r->task.frame);
-    char job[ASSEMBLY_NAME] = "";
-    bool same = f && rec_str(r, "job", job, sizeof job) && strcmp(job, f->job) == 0;
-    if (!f || (same && !differ(then->selftest, now->selftest))) return true;
-    if (f->have.w != r->frame_w || f->have.h != r->frame_h)
-        snprintf(why, LOG_WHY,
-            "has another size: frame %" PRIu32 " of %" PRIu32 "x%" PRIu32
-            " pixels, expected %" PRIu32 "x%" PRIu32,
-            r->task.frame, f->have.w, f->have.h, r->frame_w, r->frame_h);
-    else if (differ(then->with, now->with))
-        snprintf(why, LOG_WHY, "was rendered with other options: `%s`, expected `%s`", then->with,
-            now->with);
-    else if (differ(then->version, now->version))
-        snprintf(why, LOG_WHY, "was rendered by another version: %s, expected %s", then->version,
-            now->version);
-    else if (differ(then->selftest, now->selftest))
-        snprintf(why, LOG_WHY, "was rendered by other arithmetic: self-test %s, expected %s",
-            then->selftest, now->selftest);
-    else
-        snprintf(why, LOG_WHY, "is of another scene: frame %" PRIu32 " has job %s, expected %s",
-            r->task.frame, f->job, job);
-    return false;
 }

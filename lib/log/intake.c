@@ -129,7 +129,10 @@ int log_read(struct intake *in, int fd, const struct log_reader *reader)
         if (n <= 0) wire_end(&d);
         struct record r;
         for (enum wire_result got; (got = wire_next(&d, &r)) != WIRE_MORE;)
-            if (got == WIRE_RECORD) reader->record(reader->ctx, &r);
+            if (got == WIRE_RECORD) {
+                in->good++;
+                reader->record(reader->ctx, &r);
+            }
     } while (n > 0);
     in->bad += d.bad;
     in->skipped += d.skipped;

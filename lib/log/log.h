@@ -22,6 +22,7 @@ struct log_origin {
 struct intake {
     struct assembly parts;
     struct log_origin origin;
+    uint64_t good;         /* records read */
     uint64_t bad, skipped; /* records and bytes lost */
     char why[160];         /* about the last of them */
     uint64_t unexpected;   /* records that do not belong in a stream of fragments */
@@ -55,7 +56,7 @@ int log_read(struct intake *in, int fd, const struct log_reader *reader);
 /*
  * What the log at `path` holds of frame number `frame`: *have has its size and pixels (the caller's
  * to free); of size 0x0 where the log has nothing of it, is empty, missing, or a device or a pipe.
- * 0, or -1 with errno.
+ * 0; 1 where the file is no log; or -1 with errno.
  */
 int log_coverage(const char *path, uint32_t frame, struct coverage *have);
 
@@ -92,16 +93,24 @@ int log_flush(struct log_file *l);
 void log_close(struct log_file *l);
 /* Reads it from its beginning. 0, or -1 with errno. */
 int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader);
-/* The same, for what is there alone. */
+/* The same into a new intake, for what is there alone. 1 where the file holds neither a record nor
+ * the beginning of one: it is no log, and not to be appended to. */
 int log_survey(const struct log_file *l, struct intake *in);
 
 #define LOG_WHY 512
 /*
- * May the stream of origin `now`, which announces r (a frame record with a job), be appended to a
- * log that holds `past`? Also where past knows nothing of that frame. Else why says what differs,
- * by name: size, options, arithmetic, version, or the scene.
+ * May the stream of origin `now`, which announces r (a frame record with a job), be appended? Also
+ * where the log knows nothing of that frame. 0; 1 where it may not, and why says by name what
+ * differs: size, options, arithmetic, version, the scene, or that it is no log; or -1 with errno.
  */
-bool log_continues(const struct intake *past, const struct log_origin *now, const struct record *r,
+int log_confirm(const struct log_file *l, const struct log_origin *now, const struct record *r,
     char why[LOG_WHY]);
+/*
+ * The shell commands that finish the pictures of these logs (NULL-ended), one line for `out`:
+ * tasks, to the worker of that origin, to the last log; then `gather options LOGS`. False where
+ * there is no log, or one is standard input, which cannot be read again.
+ */
+bool log_remedy(
+    const char *const *logs, const struct log_origin *origin, const char *options, struct buf *out);
 
 #endif

@@ -148,6 +148,14 @@ static void test_coverage(void **state)
     assert_int_equal(log_coverage(path, 7, &have), 0);
     assert_null(have.bits);
     assert_int_equal(log_coverage("/", 0, &have), -1);
+    static const char *const text[] = {"", "h", "hello", "hello x", "hellx", "# a file\n", "\n"};
+    for (int i = 0; i < 7; i++) {
+        buf_consume(&b, buf_size(&b));
+        put_text(&b, text[i]);
+        write_log(&b);
+        assert_int_equal(log_coverage(path, 0, &have), i > 3);
+        assert_null(have.bits);
+    }
     /* A whole frame was released while it was read: all of it is there. */
     buf_consume(&b, buf_size(&b));
     put_run(&b, hello, frame, 0, H);
@@ -194,14 +202,13 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
 {
     struct buf b = {0};
     struct log_file l;
-    struct intake past, now;
+    struct intake now;
     struct decoder d = {.upward = true};
     struct record r;
     char why[LOG_WHY] = "";
     put_run(&b, hello, frame, 0, 2);
     write_log(&b);
     assert_int_equal(log_open(&l, path), 0);
-    assert_int_equal(log_survey(&l, &past), 0);
     intake_init(&now, false);
     wire_feed(&d, now_hello, strlen(now_hello));
     wire_feed(&d, now_frame, strlen(now_frame));
@@ -209,11 +216,10 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         intake_note(&now, &r);
     } while (r.kind != REC_FRAME);
-    assert_int_equal(log_continues(&past, &now.origin, &r, why), !*want);
+    assert_int_equal(log_confirm(&l, &now.origin, &r, why), *want != 0);
     assert_true(strncmp(why, want, strlen(want)) == 0);
     wire_free(&d);
     intake_free(&now);
-    intake_free(&past);
     log_close(&l);
     buf_free(&b);
 }
@@ -233,6 +239,25 @@ static void test_continues(void **state)
     differs("hello deal 0.2 selftest=bb\n", frame, "was rendered by another version");
     differs(hello, other, "is of another scene: frame 0 has job cafe, expected beef");
     differs("", "frame 0 8 6 job=beef\n", "is of another scene");
+}
+
+static void test_remedy(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a log", "b", NULL}, *const piped[] = {"a", "-", NULL};
+    const struct log_origin none = {.with = ""}, with = {.with = "rtworker -a4"};
+    struct buf b = {0};
+    assert_true(log_remedy(names, &with, " -o x.png", &b));
+    buf_append(&b, "", 1);
+    assert_string_equal((const char *)buf_data(&b),
+        "gather -m 'a log' b | rtworker -a4 SCENE >> b; gather -o x.png 'a log' b");
+    buf_consume(&b, buf_size(&b));
+    assert_true(log_remedy(names + 1, &none, "", &b));
+    buf_append(&b, "", 1);
+    assert_string_equal((const char *)buf_data(&b), "gather -m b | rtworker SCENE >> b; gather b");
+    assert_false(log_remedy(piped, &with, "", &b));
+    assert_false(log_remedy(names + 2, &with, "", &b));
+    buf_free(&b);
 }
 
 static struct buf lacking;
@@ -266,6 +291,7 @@ int main(void)
         cmocka_unit_test(test_coverage),
         cmocka_unit_test(test_lock),
         cmocka_unit_test(test_continues),
+        cmocka_unit_test(test_remedy),
         cmocka_unit_test(test_missing),
     };
     int fd = mkstemp(path);

@@ -1,0 +1,71 @@
+/* What a log may be gone on with, and by what. */
+#include "log/log.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* Both are known, and differ. */
+static bool differ(const char *a, const char *b) { return *a && *b && strcmp(a, b) != 0; }
+
+/* May r follow past? Else why says what differs. */
+static bool continues(const struct intake *past, const struct log_origin *now,
+    const struct record *r, char why[LOG_WHY])
+{
+    const struct log_origin *then = &past->origin;
+    const struct assembly_frame *f = assembly_find(&past->parts, r->task.frame);
+    char job[ASSEMBLY_NAME] = "";
+    bool same = f && rec_str(r, "job", job, sizeof job) && strcmp(job, f->job) == 0;
+    if (!f || (same && !differ(then->selftest, now->selftest))) return true;
+    if (f->have.w != r->frame_w || f->have.h != r->frame_h)
+        snprintf(why, LOG_WHY,
+            "has another size: frame %" PRIu32 " of %" PRIu32 "x%" PRIu32
+            " pixels, expected %" PRIu32 "x%" PRIu32,
+            r->task.frame, f->have.w, f->have.h, r->frame_w, r->frame_h);
+    else if (differ(then->with, now->with))
+        snprintf(why, LOG_WHY, "was rendered with other options: `%s`, expected `%s`", then->with,
+            now->with);
+    else if (differ(then->version, now->version))
+        snprintf(why, LOG_WHY, "was rendered by another version: %s, expected %s", then->version,
+            now->version);
+    else if (differ(then->selftest, now->selftest))
+        snprintf(why, LOG_WHY, "was rendered by other arithmetic: self-test %s, expected %s",
+            then->selftest, now->selftest);
+    else
+        snprintf(why, LOG_WHY, "is of another scene: frame %" PRIu32 " has job %s, expected %s",
+            r->task.frame, f->job, job);
+    return false;
+}
+
+int log_confirm(const struct log_file *l, const struct log_origin *now, const struct record *r,
+    char why[LOG_WHY])
+{
+    struct intake past;
+    int refused = log_survey(l, &past);
+    if (refused > 0) snprintf(why, LOG_WHY, "is no log, expected fragments, or a new file");
+    else if (refused == 0) refused = !continues(&past, now, r, why);
+    intake_free(&past);
+    return refused;
+}
+
+bool log_remedy(
+    const char *const *logs, const struct log_origin *origin, const char *options, struct buf *out)
+{
+    struct buf names = {0};
+    const char *last = NULL;
+    for (; *logs && strcmp(*logs, "-") != 0; logs++) {
+        last = *logs;
+        buf_append(&names, " ", 1);
+        buf_quote(&names, last);
+    }
+    bool again = last && !*logs;
+    if (again) {
+        buf_append(&names, "", 1);
+        const char *all = (const char *)buf_data(&names);
+        buf_printf(
+            out, "gather -m%s | %s SCENE >> ", all, *origin->with ? origin->with : "rtworker");
+        buf_quote(out, last);
+        buf_printf(out, "; gather%s%s", options, all);
+    }
+    buf_free(&names);
+    return again;
+}
