@@ -19,8 +19,6 @@ render() {
 	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
 }
 slots_in() { grep -a -o '^done .* w=[0-9.]*' "$1" | sed 's/.* w=//' | sort -u | tr '\n' ' '; }
-# put HOST FILE: standard input becomes a program there
-put() { hosts run "$1" sh -c 'cat >"$1" && chmod +x "$1"' put "$2"; }
 
 # ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
 for h in host1 host2 host3; do

@@ -49,6 +49,20 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
     }
 }
 
+/* In how many milliseconds, at most wait_ms, somebody may have been silent for too long. */
+static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
+{
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (s->state != FAN_OPENING && s->state != FAN_UP) continue;
+        double allowed_s = silence_allowed_s(f, s);
+        if (allowed_s <= 0) continue;
+        double left_ms = allowed_s * 1e3 - (double)(now - s->heard_us) / 1e3;
+        if (left_ms < wait_ms) wait_ms = left_ms > 0 ? (int)left_ms + 1 : 0;
+    }
+    return wait_ms;
+}
+
 /* Only what is open: poll takes no more entries than descriptors may be open. Returns how many. */
 static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
@@ -83,6 +97,7 @@ void fan_round(struct fan *f, struct pollfd *p)
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
     if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
+    if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
     if (poll_signals(p, n, wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) p[i].revents = 0;

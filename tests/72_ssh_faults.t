@@ -1,0 +1,264 @@
+#!/bin/sh
+# Real faults on three hosts reached by ssh. Methods on deal finish with the same pixels and notice who is lost in time;
+# static ones say what is missing, and how to get it; nothing is left on any host.
+# shellcheck disable=SC2154,SC2016,SC2046  # lib.sh sets them; scripts for hosts; a pid each
+want_hosts=3
+. "$(dirname "$0")/hosts.sh"
+spdgen -s 2 gears >gears.nff
+for samples in 64 144; do partition 192x192 | rtworker -a $samples gears.nff | gather -o good$samples.pfm; done
+file=$TEST_HOSTS/hosts mark=stormring-ssh-$$
+unequal
+
+# ---- no host left, which takes its time: beside the rest, on hosts of its own ----------------------------------------
+cat >nobody <<'END'
+hosts=$1 name=$2 list=$3 && mkdir "$name" && cd "$name" || exit
+{ balance masterslave -S "$list" -s 192x192 -W '-a 144' -r log -o out.pfm ../gears.nff 2>said; echo $? >status; } &
+if [ "$name" = lost ]; then
+	until grep -aq ^done log; do sleep .05; done 2>/dev/null
+	kill -9 $("$hosts" pids host1 sshd)
+fi
+date +%s%N >since
+wait
+date +%s%N >until
+END
+"$tests/hosts" with 2 sh -c 'kill -STOP $("$1" pids host2 sshd)
+	sh nobody "$1" lost "$TEST_HOSTS/hosts" & sh nobody "$1" never host2,nowhere & wait' nobody "$tests/hosts" &
+nobody=$!
+
+# ---- what runs, here and there ---------------------------------------------------------------------------------------
+here() { # NAME [ERE]: processes of this test, by name and command line
+	for p in $(grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | cut -d / -f 3); do
+		[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"
+	done
+}
+there() { # but for what makes a host
+	ps -o comm= -p "$(for h in host1 host2 host3; do hosts pids $h; done | paste -sd ,)" | grep -vxE 'hosts|sleep|sshd'
+}
+none_there() { [ -z "$(there)" ]; }
+none_left() { [ -z "$(grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null)" ] && none_there; }
+stamp() { perl -MTime::HiRes=time -ne 'BEGIN { $| = 1 } printf "%d %s", 1000 * time, $_'; }
+
+# begin METHOD [SAMPLES]: in the background; each line of what it says goes to said, behind the time
+begin() {
+	samples=${2:-64}
+	rm -f out.pfm job.log said
+	begun=$(now_ms)
+	{
+		env MARK="$mark" sh -c 'echo $$ >pid; exec "$@"' run \
+			balance "$1" -S "$file" -s 192x192 -W "-a $samples" -r job.log -o out.pfm gears.nff
+		echo $? >status
+	} 2>&1 | stamp >said &
+	job=$!
+}
+end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
+at_work() { grep -aq '^done .* w=1' job.log 2>/dev/null; } # host2 is
+says() { grep -Eq "^[0-9]+ $1" said; }
+# noticed NAME ERE MS: such a line was said within so many ms of the fault
+noticed() {
+	noticed_ms=$(awk -v since="$since" -v what="$2" '$1 >= since && $0 ~ what { print $1 - since; exit }' said)
+	if [ -n "$noticed_ms" ] && [ "$noticed_ms" -lt "$3" ]; then pass "$1: noticed within $3 ms"
+	else fail "$1: noticed within $3 ms" "after: ${noticed_ms:-never}, fault at $since, said: $(echo; cat said)"
+	fi
+}
+same_picture() { # NAME
+	is "$1: exit 0" "$status" 0
+	ok "$1: the same picture" cmp out.pfm "good$samples.pfm"
+	ok "$1: no worker is left" await 2 none_there
+}
+# report NAME POWER: how long it took, beside the least that the hosts would have needed of which so much power was
+# lost at the fault. It is not judged: start-up is in it, and whatever else this machine does.
+report() {
+	diag "$(awk -v name="$1" -v cpu="$cpu_ms" -v before="$((since - begun))" -v took="$((ended - begun))" -v lost="$2" \
+		-v after="${noticed_ms:--}" 'BEGIN { all = .75; rest = cpu - before * all
+		bound = rest > 0 ? before + rest / (all - lost) : cpu / all
+		printf "%s: noticed after %s ms; took %d ms, the hosts that were left need %d: efficiency %.2f", name, after,
+			took, bound, bound / took }')"
+}
+
+cpu_ms_144=''
+for samples in 144 64; do
+	begin masterslave $samples
+	end
+	same_picture "no fault, $samples samples"
+	cpu_ms=$(fragstat -s job.log | awk '$1 == "cpu_s" { print 1000 * $2 }')
+	[ $samples = 64 ] || cpu_ms_144=$cpu_ms
+	since=$begun noticed_ms=''
+	report "no fault, $samples samples" 0
+done
+cpu_ms_64=$cpu_ms
+
+# ---- faults: each hits host2 -----------------------------------------------------------------------------------------
+listener() { ps -o pid=,comm= --ppid "$(cat "$TEST_HOSTS/host2/init")" | awk '$2 == "sshd" { print $1 }'; }
+fault_worker() { kill -9 "$(hosts pids host2 rtworker)"; }
+fault_ssh() { kill -9 "$(here ssh ' host2 ')"; }
+fault_session() { kill -9 $(ps -o pid= --ppid "$(listener)"); }
+fault_sshd() { kill -9 $(hosts pids host2 sshd); }
+fault_stop() { stopped=$(hosts pids host2 rtworker) && kill -STOP "$stopped"; }
+fault_link() { hosts link host2 down; }
+fault_power() { hosts power host2 .05; }
+reach_work() { await 20 at_work || fail "$name: host2 is at work" "$(cat said)"; }
+inflict() { # FAULT
+	reach_work
+	since=$(now_ms)
+	"fault_$1"
+}
+lost() { echo "fan: slot 1 on host2: lost [(]$1[)] with [0-9]+ tasks, connecting again"; } # an ERE
+# A row takes a tenth of a second at most, so who is silent is to be found in 3.4 s; the rest is for a loaded machine.
+soon=1000 silent=4000
+
+for fault in 'worker exit-255' 'ssh signal-9' 'session exit-255'; do
+	name="masterslave, kill -9 of the ${fault% *}"
+	begin masterslave
+	inflict "${fault% *}"
+	end
+	same_picture "$name"
+	noticed "$name" "$(lost "${fault#* }")" $soon
+	report "$name" 0
+done
+
+name='masterslave, kill -9 of sshd, which comes back'
+begin masterslave 144
+inflict sshd
+await 5 says "$(lost exit-255)"
+hosts sshd host2
+end
+same_picture "$name"
+noticed "$name" "$(lost exit-255)" $soon
+like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
+cpu_ms=$cpu_ms_144
+report "$name" 0
+
+name='masterslave, a link that is down for long'
+begin masterslave 144
+inflict link
+await 10 says "$(lost silent)"
+hosts link host2 up
+end
+same_picture "$name"
+noticed "$name" "$(lost silent)" $silent
+like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
+report "$name" 0
+
+name='masterslave, a link that is down for a second'
+begin masterslave
+inflict link
+sleep 1
+hosts link host2 up
+end
+same_picture "$name"
+is "$name: nobody is lost" "$(cat said)" ''
+cpu_ms=$cpu_ms_64 noticed_ms=''
+report "$name" 0
+
+name='masterslave, a worker that stops'
+begin masterslave
+inflict stop
+end
+is "$name: exit 0" "$status" 0
+ok "$name: the same picture" cmp out.pfm good64.pfm
+noticed "$name" "$(lost silent)" $silent
+report "$name" .25
+is "$name: it is still there, as nobody can reach it" "$(there)" rtworker
+kill -CONT "$stopped"
+ok "$name: it ends as soon as it runs again" await 2 none_there
+
+name='masterslave, a host at 5 % of a processor'
+begin masterslave
+inflict power
+end
+same_picture "$name"
+is "$name: nobody is lost" "$(cat said)" ''
+noticed_ms=''
+report "$name" .2
+hosts power host2 .25
+
+name='masterslave, a host that accepts and never answers'
+kill -STOP "$(listener)"
+begin masterslave
+end
+same_picture "$name"
+is "$name: nobody waited for it" "$(cat said)" ''
+since=$begun
+report "$name" .25
+kill -CONT "$(listener)"
+
+# A worker that tells nonsense after a while.
+bin=/home/render/bin
+hosts run host2 mv $bin/rtworker $bin/rtworker.good
+put host2 $bin/rtworker <<END
+#!/bin/sh
+$bin/rtworker.good "\$@" | { dd bs=1 count=4000; cat /dev/urandom; } 2>/dev/null
+END
+name='masterslave, garbage'
+begin masterslave
+end
+same_picture "$name"
+like "$name: it is said" "$(cat said)" 'fan: slot 1 on host2: lost \(garbage\)'
+
+# ---- static methods: what is missing, and how to get it --------------------------------------------------------------
+# incomplete NAME: and the command that is printed finishes it
+incomplete() {
+	is "$1: exit 1" "$status" 1
+	is "$1: no picture" "$(ls out.pfm* 2>/dev/null)" ''
+	like "$1: what is missing is listed" "$(cat said)" 'gather: .*[0-9]+ of 36864 pixels missing: rows? [0-9]'
+	sed -n 's/.* gather: to finish: //p' said | sed 's/SCENE/gears.nff/' >finish
+	ok "$1: the printed command works" sh -e finish
+	ok "$1: it finishes the picture" cmp out.pfm good64.pfm
+}
+for h in host1 host2 host3; do hosts power $h .3 2>/dev/null; done
+begin interleaved
+end
+incomplete 'interleaved, garbage'
+hosts run host2 mv $bin/rtworker.good $bin/rtworker
+for fault in 'worker exit-255' 'session exit-255' 'stop silent' 'link silent'; do
+	name="interleaved, ${fault% *}"
+	begin interleaved
+	inflict "${fault% *}"
+	end
+	case $fault in
+	stop*) kill -CONT "$stopped" ;;
+	link*) hosts link host2 up ;;
+	esac
+	[ "${fault#* }" = silent ] && limit=$silent || limit=$soon
+	noticed "$name" "fan: slot 1 on host2: lost [(]${fault#* }[)]" $limit
+	incomplete "$name"
+done
+name='interleaved, ssh'
+begin interleaved
+inflict ssh
+end
+is "$name: exit 1" "$status" 1
+run balance interleaved -S "$file" -s 192x192 -W '-a 64' -r job.log -o out.pfm gears.nff
+is "$name: the same command again: exit 0" "$status" 0
+ok "$name: it finishes the picture" cmp out.pfm good64.pfm
+
+# ---- no orphans: whoever is killed -----------------------------------------------------------------------------------
+for method in masterslave interleaved; do
+	for victim in gather fan; do # gather is what balance has become
+		name="$method, kill -9 of $victim"
+		begin $method
+		reach_work
+		kill -9 $(here $victim)
+		ok "$name: nothing is left here or there after 2 s" await 2 none_left
+		end
+	done
+done
+name='a tree, kill -9 of gather'
+rm -f job.log
+env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; } |
+	deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 64 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
+reach_work
+kill -9 $(here gather)
+ok "$name: nothing is left here or there after 2 s" await 2 none_left
+
+# ---- and the hosts that were left alone ------------------------------------------------------------------------------
+wait $nobody
+for name in lost never; do
+	is "no host left, $name: exit 3" "$(cat $name/status)" 3
+	like "no host left, $name: it is said" "$(cat $name/said)" '^fan: no slot left'
+	like "no host left, $name: and what is missing" "$(cat $name/said)" \
+		'[0-9]+ of 36864 pixels missing|no frame was declared'
+	took=$((($(cat $name/until) - $(cat $name/since)) / 1000000))
+	ok "no host left, $name: within 30 s, and 3 for a loaded machine: $took ms" [ $took -lt 33000 ]
+done
+finish
