@@ -131,6 +131,13 @@ for program in $programs; do
 done >"$found"
 clean 'an unknown option is refused'
 
+for method in bin/balance-*; do
+	method=$(basename "$method")
+	case $("$method" -h) in "usage: $(echo "$method" | sed 's/-calibrate/ calibrate/') "*) ;; *) echo "$method: -h prints no usage" ;; esac
+	[ "$("$method" 2>/dev/null; echo $?)" = 2 ] || echo "$method: without arguments it does not exit 2"
+done >"$found"
+clean 'methods have a usage as well'
+
 # ---- man pages -----------------------------------------------------------------------------------------------
 for program in $programs; do [ -e "man/$program.1" ] || echo "man/$program.1: is missing"; done >"$found"
 clean 'every program has a man page'
