@@ -210,12 +210,24 @@ took_ms=$(($(date +%s%N) / 1000000 - start_ms))
 same 'hosts that never answer'
 ok "and nobody waits for them ($took_ms ms)" test $took_ms -lt 5000
 ok 'hosts that never answer: no process remains' await 2 none_alive
-printf ': slots=1\nlate via="sleep 4; exit 1; : %%c"\n' >late
+printf ': slots=1\nlost slots=20 via="./none %%c"\n' >lost
+{ pack scene gears.nff; partition -w "1$(printf ',1%.0s' $(seq 20))" 64x64; } >shares.task
+start_ms=$(($(date +%s%N) / 1000000))
+deal fan -S lost rtworker - <shares.task 2>said | gather -o out.pfm
+took_ms=$(($(date +%s%N) / 1000000 - start_ms))
+same 'shares of slots that cannot be reached'
+ok "are given to others at once ($took_ms ms)" test $took_ms -lt 5000
+script late 'until [ -e released ]; do sleep .1; done; exit 1'
+printf ': slots=1\nlate via="./late %%c"\n' >late.hosts
 partition -u run:1 400x250 >many.task
-fan -S late rtworker gears.nff <many.task >many.frags 2>said
-is 'more tasks than fit into its queue: exit 1' $? 1
-is 'the other one has done all of its own' "$(lines many.frags | grep -c '^done')" 50000
-run fan -l -S late rtworker -
+fan -S late.hosts rtworker gears.nff <many.task >many.frags 2>said &
+pid=$!
+ok 'more tasks than fit into its queue: the other one has done all of its own' \
+	await 30 eval '[ "$(grep -ao recv_us= many.frags | wc -l)" -eq 50000 ]'
+touch released
+wait $pid
+is 'and is not enough: exit 1' $? 1
+run fan -l -S late.hosts rtworker -
 is 'fan -l with a dead host: exit 1' "$status" 1
 is 'and a line a slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '\t\n' ' ;')" '0 : P;1 late -;'
 

@@ -166,6 +166,7 @@ static void stop(struct fan *f)
         struct fan_slot *s = &f->slots[k];
         int64_t left_us = end - now_us();
         f->lost += s->tasks.count;
+        f->unreached |= s->tasks.count > 0;
         child_end(&s->child, left_us > 0 ? (int)(left_us / 1000) : 0);
         slot_free(s);
         wire_free(&s->from);
@@ -188,10 +189,11 @@ void fan_close(struct fan *f)
     buf_free(&f->frame_lines);
 }
 
-/* There is work, and nobody to do it, nor was there at the end. */
+/* There is work, and nobody to do it. */
 static bool deserted(const struct fan *f)
 {
-    return !f->refused && !f->out.gone && !signals_came() && (f->in_open || (f->lost && !f->well));
+    bool nobody = !f->well && (f->unreached || (f->lost && f->n[FAN_GONE] == f->n_slots));
+    return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
 
 /* The last word to the reader. */

@@ -87,6 +87,7 @@ struct fan {
     struct buf line;     /* a record on its way down */
     int64_t start_us;    /* the zero of sent_us and recv_us */
     int64_t lost, stale; /* tasks lost with their slots; answers to questions not asked */
+    bool unreached;      /* tasks were waiting to the end for slots that never were up */
     bool in_open;
     bool listing; /* fan -l: slots are asked for their hello, and that is all */
     bool greeted; /* this fan has said hello itself */
