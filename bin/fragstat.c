@@ -4,6 +4,7 @@
 #include "proc/proc.h"
 #include "stats/stats.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -48,7 +49,7 @@ static void read_log(struct history *l, const char *path)
     int fd = std ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) die(ST_USAGE, "%s:", path);
     if (std) path = "standard input";
-    if (history_read(l, fd) != 0) die(ST_SYSTEM, "%s:", path);
+    if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     if (l->bad > bad)
         warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path,
             l->bad - bad, l->why);

@@ -208,7 +208,7 @@ static void map_log(struct replay *r)
     } else {
         while ((n = read_some(fd, &b, 1 << 16)) > 0)
             ;
-        if (n < 0) die(ST_SYSTEM, "%s:", r->o->path);
+        if (n < 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", r->o->path);
         history_over(&r->log, b.data, b.len);
     }
     close(fd);

@@ -110,6 +110,8 @@ run fragstat empty.frags
 like 'no task: exit 1' "$status $err" '^1 fragstat: no task was done in this log, expected'
 run fragstat nosuch.frags
 like 'no file: exit 2' "$status $err" '^2 fragstat: nosuch.frags: No such file'
+run fragstat .
+like 'a directory: exit 2' "$status $err" '^2 fragstat: \.: Is a directory'
 # refuses WHY ARGUMENT ...
 refuses() {
 	why=$1
