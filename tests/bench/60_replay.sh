@@ -72,12 +72,12 @@ while [ $((i += 1)) -le $rounds ]; do
 	for scene in balls gears tetra; do for method in $methods; do once $scene "$method"; done; done
 done
 echo
-echo "scene  method       efficiency  (of $rounds)      makespan s  bound s  idle: start-up %  waiting %  tail %  wasted %"
+echo "scene  method        efficiency  (of $rounds)      but for start-up  makespan s  bound s  idle: start-up %  waiting %  tail %  wasted %"
 for scene in balls gears tetra; do for method in $methods; do
 	sort -g $scene."$method" | awk -v s=$scene -v m="$method" '{ line[NR] = $0; e[NR] = $1 }
 		END { split(line[int((NR + 1) / 2)], v, " ")
-			printf "%-6s %-12s %10.3f  %.3f-%.3f  %9.3f  %7.3f  %16.1f  %9.1f  %6.1f  %8.1f\n", s, m, v[1], e[1], e[NR],
-				v[2], v[3], v[4], v[5], v[6], v[7] }'
+			printf "%-6s %-13s %10.3f  %.3f-%.3f  %16.3f  %10.3f  %7.3f  %16.1f  %9.1f  %6.1f  %8.1f\n", s, m, v[1],
+				e[1], e[NR], v[1] / (1 - v[4] / 100), v[2], v[3], v[4], v[5], v[6], v[7] }'
 done; done
 echo "pack scene SCENE.nff | balance-METHOD 512x512 $slots /dev/null fan -S hosts replay -x SCALE SCENE.frags | gather -o OUT"
 for scene in balls gears tetra; do
