@@ -89,7 +89,8 @@ diag "after about $((i * 20)) ms"
 exec 8>&-
 rtworker -d 4 balls.nff <rows.task >other.frags
 printf '%s\n' 'a power=1 via="sh -c %c"' 'b power=1 via="env LOG=other sh -c %c"' >hosts
-run sh -c 'deal fan -S hosts sh -c "exec replay \${LOG:-one}.frags" <rows.task >mixed.frags'
+# Without a policy: each has tasks of its own, so that both are waited for.
+run sh -c 'fan -S hosts sh -c "exec replay \${LOG:-one}.frags" <rows.task >mixed.frags'
 like 'slots that replay other jobs are told apart' "$err" 'arithmetic'
 
 # ---- what it refuses -----------------------------------------------------------------------------------------

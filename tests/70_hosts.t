@@ -5,8 +5,8 @@ want_hosts=0
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 hosts=$root/tests/hosts
 
-# Before and after a run, and beside it, this system is the same.
-system() { ip -o link | sed 's/ state .*//'; ip route; cat /proc/mounts; }
+# Before and after a run, and beside it, this system is the same, but for what other tests do in their directories.
+system() { ip -o link | sed 's/ state .*//'; ip route; grep -v ' /tmp/' /proc/mounts; }
 system >before
 echo scene >scene.nff
 
