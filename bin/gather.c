@@ -181,16 +181,17 @@ static void confirm(struct gather *g, const struct record *r);
 
 static void take_frame(struct gather *g, const struct record *r)
 {
-    char worker[ASSEMBLY_NAME];
+    char worker[ASSEMBLY_NAME], job[ASSEMBLY_NAME];
     const struct assembly *parts = &g->in.parts;
     uint32_t number = r->task.frame;
-    char job[ASSEMBLY_NAME];
     bool said = rec_str(r, "job", job, sizeof job);
     if (said && !g->trusted && !g->rereading) confirm(g, r);
     if (said && !g->o->missing && (uint64_t)r->frame_w * r->frame_h > IMAGE_PIXELS_MAX &&
-        !assembly_find(parts, number))
+        !assembly_find(parts, number)) {
+        flush_log(g);
         die(ST_USAGE, "frame %u: %ux%u pixels, expected at most %" PRIu64 " in a picture", number,
             r->frame_w, r->frame_h, IMAGE_PIXELS_MAX);
+    }
     enum assembly_verdict verdict = intake_frame(&g->in, r, worker);
     if (parts->n_frames > 1 && !g->o->missing && g->o->naming != IMAGE_NAME_NUMBERED) {
         flush_log(g);
