@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define POLYGON_MAX 10000000U /* vertices of one */
+#define POLYGON_MAX 1000000U /* vertices of one: its triangles are there after 10 s, mostly */
 #define COUNT_MAX 0x7fffffffU /* entities or vertices in all: indices fit in 31 bits */
 #define NORMAL_MAX 1e18
 

@@ -7,7 +7,7 @@
 /* Bound on the rounding error of cross2, relative to the sum of its two products' magnitudes
  * (J. R. Shewchuk, "Adaptive precision floating-point arithmetic ...", 1997: (3 + 16 eps) eps). */
 #define CROSS_ERROR 3.4e-16
-#define CORNERS_PER_CELL 2
+#define PATIENCE (UINT64_C(1) << 31) /* looks at corners that coincide with others: some 20 s */
 
 /*
  * Twice the area of a b c, positive when counterclockwise; 0 when that is within its rounding
@@ -60,67 +60,29 @@ static bool spoils(const struct ring *g, const struct corner *a, const struct co
     return cross2(a, b, q) >= 0 && cross2(b, c, q) >= 0 && cross2(c, a, q) >= 0;
 }
 
-static inline uint32_t cell_of(double v, double v0, double per, uint32_t side)
-{
-    double cell = (v - v0) * per;
-    return cell >= side ? side - 1 : cell > 0 ? (uint32_t)cell : 0;
-}
+struct ear {
+    struct ring *g;
+    const struct corner *a, *b, *c;
+};
 
-/* Whether no corner of one cell spoils the ear a b c. */
-static bool cell_allows(struct ring *g, uint32_t *link, const struct corner *a,
-    const struct corner *b, const struct corner *c)
+static bool spoils_ear(void *ctx, uint32_t i)
 {
-    double x0 = fmin(fmin(a->x, b->x), c->x), x1 = fmax(fmax(a->x, b->x), c->x);
-    double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
-    while (*link != RING_NONE) {
-        const struct corner *q = &g->c[*link];
-        if (q->gone || !q->blunt) { /* for good, in a polygon that does not cross itself */
-            *link = g->grid.after[*link];
-            continue;
-        }
-        link = &g->grid.after[*link];
-        if (q->x < x0 || q->x > x1 || q->y < y0 || q->y > y1) continue;
-        if (q != a && q != b && q != c && spoils(g, a, b, c, q)) return false;
+    const struct ear *e = ctx;
+    const struct corner *q = &e->g->c[i], *a = e->a, *b = e->b, *c = e->c;
+    if (q == a || q == b || q == c) return false;
+    /* Corners at one place are asked one by one. Where that would go into hours, they spoil it. */
+    if (same_place(q, a) || same_place(q, b) || same_place(q, c)) {
+        if (!e->g->patience) return true;
+        e->g->patience--;
     }
-    return true;
-}
-
-/* Widens [x0, x1] by the part of edge p q that lies between y0 and y1. */
-static void edge_extent(
-    const struct corner *p, const struct corner *q, double y0, double y1, double *x0, double *x1)
-{
-    if (fmax(p->y, q->y) < y0 || fmin(p->y, q->y) > y1) return;
-    const struct corner *end[2] = {p, q};
-    for (int k = 0; k < 2; k++) {
-        const struct corner *e = end[k], *f = end[!k];
-        double y = fmin(fmax(e->y, y0), y1), x = e->x;
-        if (y != e->y) x += (f->x - e->x) * ((y - e->y) / (f->y - e->y));
-        *x0 = fmin(*x0, x);
-        *x1 = fmax(*x1, x);
-    }
+    return spoils(e->g, a, b, c, q);
 }
 
 bool ring_is_ear(struct ring *g, uint32_t i)
 {
-    const struct corner_grid *d = &g->grid;
     const struct corner *b = &g->c[i], *a = &g->c[b->prev], *c = &g->c[b->next];
-    if (d->side == 1) return cell_allows(g, d->first, a, b, c);
-    double y0 = fmin(fmin(a->y, b->y), c->y), y1 = fmax(fmax(a->y, b->y), c->y);
-    uint32_t row = cell_of(y0, d->y0, d->per_y, d->side),
-             last = cell_of(y1, d->y0, d->per_y, d->side);
-    for (; row <= last; row++) {
-        /* One cell more on every side than the ear reaches: no rounding loses a corner. */
-        double low = d->y0 + (row - 1.0) / d->per_y, high = d->y0 + (row + 2.0) / d->per_y;
-        double x0 = HUGE_VAL, x1 = -HUGE_VAL, more = 1 / d->per_x;
-        edge_extent(a, b, low, high, &x0, &x1);
-        edge_extent(b, c, low, high, &x0, &x1);
-        edge_extent(c, a, low, high, &x0, &x1);
-        uint32_t k = cell_of(x0 - more, d->x0, d->per_x, d->side);
-        uint32_t end = cell_of(x1 + more, d->x0, d->per_x, d->side);
-        for (; k <= end; k++)
-            if (!cell_allows(g, &d->first[row * d->side + k], a, b, c)) return false;
-    }
-    return true;
+    const struct points_triangle t = {{a->x, b->x, c->x}, {a->y, b->y, c->y}, g->width, g->height};
+    return !points_any(&g->blunt, &t, spoils_ear, &(struct ear){g, a, b, c});
 }
 
 /* ---- the queue ------------------------------------------------------------------------ */
@@ -147,10 +109,17 @@ uint32_t ring_pop(struct ring *g)
     return RING_NONE;
 }
 
+/* Corner i is blunt no more, or gone. */
+static void sharpen(struct ring *g, uint32_t i)
+{
+    if (g->c[i].blunt) points_remove(&g->blunt, i);
+    g->c[i].blunt = false;
+}
+
 static void put_off(struct ring *g, uint32_t i)
 {
     struct corner *c = &g->c[i];
-    c->blunt = ring_turn(g, i) <= 0;
+    if (c->blunt && ring_turn(g, i) > 0) sharpen(g, i);
     if (c->queued) c->later = true;
     else push(g, i);
 }
@@ -161,6 +130,7 @@ void ring_remove(struct ring *g, uint32_t i)
     g->c[b->prev].next = b->next;
     g->c[b->next].prev = b->prev;
     b->gone = true;
+    sharpen(g, i);
     g->left--;
     put_off(g, b->prev);
     put_off(g, b->next);
@@ -205,28 +175,19 @@ static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
     }
 }
 
-/* Chains the blunt corners, each in its cell. */
-static void fill_grid(struct ring *g)
+static void gather_blunt(struct ring *g)
 {
-    struct corner_grid *d = &g->grid;
-    double x1 = -HUGE_VAL, y1 = -HUGE_VAL;
-    d->x0 = d->y0 = HUGE_VAL;
+    double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
     for (uint32_t i = 0; i < g->n; i++) {
-        d->x0 = fmin(d->x0, g->c[i].x), x1 = fmax(x1, g->c[i].x);
-        d->y0 = fmin(d->y0, g->c[i].y), y1 = fmax(y1, g->c[i].y);
-    }
-    d->per_x = d->side / (x1 - d->x0); /* not 0: the polygon has an area */
-    d->per_y = d->side / (y1 - d->y0);
-    for (uint32_t k = 0; k < d->side * d->side; k++) d->first[k] = RING_NONE;
-    for (uint32_t i = g->n; i-- > 0;) {
         struct corner *c = &g->c[i];
+        x0 = fmin(x0, c->x), x1 = fmax(x1, c->x);
+        y0 = fmin(y0, c->y), y1 = fmax(y1, c->y);
         c->blunt = ring_turn(g, i) <= 0;
-        if (!c->blunt) continue;
-        uint32_t cell = cell_of(c->y, d->y0, d->per_y, d->side) * d->side +
-                        cell_of(c->x, d->x0, d->per_x, d->side);
-        d->after[i] = d->first[cell];
-        d->first[cell] = i;
+        if (c->blunt) g->blunt.at[g->blunt.n++] = (struct point){c->x, c->y, i};
     }
+    g->width = x1 - x0;
+    g->height = y1 - y0;
+    points_build(&g->blunt);
 }
 
 bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
@@ -234,21 +195,20 @@ bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
     struct vec3 normal = newell(v, n);
     if (normal.x == 0 && normal.y == 0 && normal.z == 0) return false;
     g->n = g->left = n;
+    g->patience = PATIENCE;
     g->queue_at = g->queue_n = 0;
     g->c = g->stack_c;
-    uint32_t *u = g->stack_u;
-    g->grid.side = 1;
+    g->queue = g->stack_u;
+    g->blunt = (struct points){.at = g->stack_p, .node = g->stack_n};
     if (n > RING_STACK) {
         g->c = xmalloc(n, sizeof *g->c);
-        u = xmalloc(n, 3 * sizeof *u);
-        while ((uint64_t)(g->grid.side + 1) * (g->grid.side + 1) * CORNERS_PER_CELL <= n)
-            g->grid.side++;
+        g->queue = xmalloc(n, 2 * sizeof *g->queue);
+        g->blunt.at = xmalloc(n, sizeof *g->blunt.at);
+        g->blunt.node = xmalloc(points_nodes(n), sizeof *g->blunt.node);
     }
-    g->queue = u;
-    g->grid.after = u + n;
-    g->grid.first = u + 2 * (size_t)n;
+    g->blunt.place = g->queue + n;
     project(g, v, normal);
-    fill_grid(g);
+    gather_blunt(g);
     for (uint32_t i = 0; i < n; i++) push(g, i + 1 < n ? i + 1 : 0);
     return true;
 }
@@ -258,4 +218,6 @@ void ring_free(struct ring *g)
     if (g->c == g->stack_c) return;
     free(g->c);
     free(g->queue);
+    free(g->blunt.at);
+    free(g->blunt.node);
 }

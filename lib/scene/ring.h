@@ -6,6 +6,7 @@
 #define STORMRING_SCENE_RING_H
 
 #include "base/base.h"
+#include "scene/points.h"
 
 #define RING_STACK 256 /* corners that need no memory from the heap */
 #define RING_NONE UINT32_MAX
@@ -13,28 +14,24 @@
 struct corner {
     double x, y;
     uint32_t prev, next;
-    bool blunt; /* reflex or straight: may lie in an ear, and is none */
+    bool blunt; /* reflex or straight: may lie in an ear, and is none; once not so, never again */
     bool gone;
     bool queued; /* waits to be looked at */
     bool later;  /* its turn in the queue was put off: a neighbour has just gone */
 };
 
-/* The blunt corners by place, so that an ear asks only those near it. Cells of one list each. */
-struct corner_grid {
-    uint32_t side;               /* cells in x and in y; 1: a single list */
-    double x0, y0, per_x, per_y; /* cell = (x - x0) * per_x */
-    uint32_t *first;             /* of side * side cells */
-    uint32_t *after;             /* per corner: the next in its cell */
-};
-
 struct ring {
     struct corner *c;
-    uint32_t n, left; /* corners at first, and now */
-    struct corner_grid grid;
-    uint32_t *queue; /* circular, room for n */
+    uint32_t n, left;     /* corners at first, and now */
+    double width, height; /* of the whole */
+    struct points blunt;  /* the blunt corners by place, so that an ear asks only those near it */
+    uint32_t *queue;      /* circular, room for n */
     uint32_t queue_at, queue_n;
+    uint64_t patience; /* so many corners that coincide with one of an ear's may still be asked */
     struct corner stack_c[RING_STACK];
-    uint32_t stack_u[3 * RING_STACK];
+    struct point stack_p[RING_STACK];
+    struct points_node stack_n[2 * RING_STACK / POINTS_LEAF];
+    uint32_t stack_u[2 * RING_STACK];
 };
 
 /*

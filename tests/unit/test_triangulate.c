@@ -173,6 +173,43 @@ static void test_comb(void **state)
     assert_int_equal(shape->triangles, shape->n - 2);
 }
 
+/* Petals that all end at one place. */
+static void test_flower(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 1200; i++) {
+        double a = 2 * M_PI * i / 1200, b = a + M_PI / 1200;
+        add(0, 0), add(cos(a), sin(a)), add(cos(b), sin(b));
+    }
+    check_cover(1e-9);
+    assert_int_equal(shape->triangles, 1200);
+}
+
+/*
+ * Corners on a line, and in a cluster: asking all of them, or those of a cell of a grid, about
+ * every ear takes minutes.
+ */
+static void test_many_corners(void **state)
+{
+    (void)state;
+    enum { N = 200000 };
+    struct vec3 *v = xcalloc(N, sizeof *v);
+    struct triangle *t = xcalloc(N, sizeof *t);
+    struct scene s = {.vertices = v, .n_vertices = N};
+    struct prim p = {.kind = PRIM_POLYGON, .poly = {0, N}};
+    for (uint32_t i = 0; i + 3 < N; i++) v[i] = v3(i, i & 1 ? 100 : 0, 0); /* a comb */
+    v[N - 3] = v3(N, 0, 0), v[N - 2] = v3(N, -1, 0), v[N - 1] = v3(-1, -1, 0);
+    assert_int_equal(scene_triangulate(&s, &p, t), N - 2);
+    for (uint32_t i = 0; i < N; i++) { /* a star, in a corner of what the last point spans */
+        double a = 2 * M_PI * i / N, r = 1e-6 * (.05 + rng_unit(1, i));
+        v[i] = v3(r * cos(a), r * sin(a), 0);
+    }
+    v[N - 1] = v3(1, 0, 0);
+    assert_int_equal(scene_triangulate(&s, &p, t), N - 2);
+    free(v);
+    free(t);
+}
+
 /* A hole, joined to the outline by an edge there and back: two corners of it coincide, twice. */
 static void test_hole(void **state)
 {
@@ -303,6 +340,8 @@ int main(void)
         TEST(test_off_plane),
         TEST(test_spiral),
         TEST(test_comb),
+        TEST(test_flower),
+        cmocka_unit_test(test_many_corners),
         TEST(test_hole),
         TEST(test_holes),
         TEST(test_straight_and_repeated),
