@@ -249,6 +249,7 @@ static void confirm(struct gather *g, const struct record *r)
     if (refused < 0 || log_reread(&g->log, &g->in, &reader) != 0) die(ST_SYSTEM, "%s:", g->o->log);
     g->rereading = false;
     g->trusted = true;
+    progress_resume(&g->progress, g->in.parts.done_px);
 }
 
 static void read_stream(struct gather *g, int fd, const char *name)

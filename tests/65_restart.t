@@ -169,7 +169,7 @@ setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
 	balance masterslave -j 2 -s 256x256 -W '-a 64' -r log -o out.pfm gears.nff 2>said &
 pid=$!
 tries=0
-until [ -s log ] || [ $((tries += 1)) -gt 100 ]; do sleep .05; done
+until [ -s log ] || [ $((tries += 1)) -gt 400 ]; do sleep .05; done
 sleep .2
 kill -INT "-$pid"
 wait "$pid"

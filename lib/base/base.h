@@ -133,9 +133,12 @@ struct progress {
     bool on;
     int width; /* columns on the screen now */
     int64_t start_us, next_us;
+    uint64_t before; /* done before it started */
 };
 
 void progress_start(struct progress *p, bool on);
+/* So much had been done by an earlier run: the estimate begins here. */
+void progress_resume(struct progress *p, uint64_t done);
 void progress_show(struct progress *p, uint64_t done, uint64_t total);
 /* Before any other message, and at the end. */
 void progress_clear(struct progress *p);

@@ -10,6 +10,12 @@ void progress_start(struct progress *p, bool on)
     *p = (struct progress){.on = on, .start_us = now_us()};
 }
 
+void progress_resume(struct progress *p, uint64_t done)
+{
+    p->before = done;
+    p->start_us = now_us();
+}
+
 static void put_duration(char *out, size_t size, double s)
 {
     int64_t t = (int64_t)(s + 0.5);
@@ -23,9 +29,9 @@ void progress_show(struct progress *p, uint64_t done, uint64_t total)
     if (!p->on || !total || now < p->next_us) return;
     p->next_us = now + INTERVAL_US;
     char eta[32] = "?", text[80];
-    double elapsed_s = (double)(now - p->start_us) * 1e-6;
-    if (done && elapsed_s < 1e9)
-        put_duration(eta, sizeof eta, elapsed_s * (double)(total - done) / (double)done);
+    double elapsed_s = (double)(now - p->start_us) * 1e-6, here = (double)(done - p->before);
+    if (done > p->before && elapsed_s < 1e9)
+        put_duration(eta, sizeof eta, elapsed_s * (double)(total - done) / here);
     int width = snprintf(text, sizeof text, "%s: %5.1f %%, ETA %s", prog_name(),
         100 * (double)done / (double)total, eta);
     /* Blanks over what is left of a longer line before. */

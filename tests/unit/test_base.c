@@ -385,6 +385,12 @@ static void show_progress(void)
     p.start_us = now_us() - 100 * INT64_C(1000000);
     progress_show(&p, 1, 10);
     progress_show(&p, 2, 10); /* too early */
+    progress_resume(&p, 7);
+    p.next_us = 0;
+    progress_show(&p, 7, 10);
+    p.next_us = 0;
+    p.start_us = now_us() - 100 * INT64_C(1000000);
+    progress_show(&p, 8, 10);
     progress_clear(&p);
     progress_start(&p, false);
     progress_show(&p, 5, 10);
@@ -398,6 +404,8 @@ static void test_progress(void **state)
     assert_int_equal(in_child(show_progress, NULL), 0);
     assert_non_null(strstr(said, "\rtest:   0.0 %, ETA ?"));
     assert_non_null(strstr(said, "\rtest:  10.0 %, ETA 15:00"));
+    assert_non_null(strstr(said, "\rtest:  70.0 %, ETA ?"));
+    assert_non_null(strstr(said, "\rtest:  80.0 %, ETA 3:20"));
     assert_null(strstr(said, "20.0"));
     assert_null(strstr(said, "50.0"));
     assert_null(strchr(said, '\n'));
