@@ -51,7 +51,7 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-at_work() { grep -aq '^done .* w=1' job.log 2>/dev/null; } # host2 is
+at_work() { grep -aqE '^(done|frag) .* w=1' job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
 # noticed NAME ERE MS: such a line was said within so many ms of the fault
 noticed() {
@@ -106,15 +106,20 @@ lost() { echo "fan: slot 1 on host2: lost [(]$1[)] with [0-9]+ tasks, connecting
 # A row takes a tenth of a second at most, so who is silent is to be found in 3.4 s; the rest is for a loaded machine.
 soon=1000 silent=4000
 
-for fault in 'worker exit-255' 'ssh signal-9' 'session exit-255'; do
-	name="masterslave, kill -9 of the ${fault% *}"
-	begin masterslave
-	inflict "${fault% *}"
+while read -r method fault why; do
+	name="$method, kill -9 of the $fault"
+	begin "$method"
+	inflict "$fault"
 	end
 	same_picture "$name"
-	noticed "$name" "$(lost "${fault#* }")" $soon
+	noticed "$name" "$(lost "$why")" $soon
 	report "$name" 0
-done
+done <<'END'
+masterslave worker exit-255
+hybrid ssh signal-9
+dc session exit-255
+ds worker exit-255
+END
 
 name='masterslave, kill -9 of sshd, which comes back'
 begin masterslave 144
@@ -205,24 +210,29 @@ incomplete() {
 	ok "$1: the printed command works" sh -e finish
 	ok "$1: it finishes the picture" cmp out.pfm good64.pfm
 }
-for h in host1 host2 host3; do hosts power $h .3 2>/dev/null; done
+# host2 takes its time, the others do not wait for it when it is lost.
+for p in 'host1 .4' 'host2 .1' 'host3 .4'; do hosts power ${p% *} ${p#* } 2>/dev/null; done
 begin interleaved
 end
 incomplete 'interleaved, garbage'
 hosts run host2 mv $bin/rtworker.good $bin/rtworker
-for fault in 'worker exit-255' 'session exit-255' 'stop silent' 'link silent'; do
-	name="interleaved, ${fault% *}"
-	begin interleaved
-	inflict "${fault% *}"
+while read -r method fault why limit; do
+	name="$method, $fault"
+	begin "$method"
+	inflict "$fault"
 	end
 	case $fault in
-	stop*) kill -CONT "$stopped" ;;
-	link*) hosts link host2 up ;;
+	stop) kill -CONT "$stopped" ;;
+	link) hosts link host2 up ;;
 	esac
-	[ "${fault#* }" = silent ] && limit=$silent || limit=$soon
-	noticed "$name" "fan: slot 1 on host2: lost [(]${fault#* }[)]" $limit
+	noticed "$name" "fan: slot 1 on host2: lost [(]${why}[)]" "$limit"
 	incomplete "$name"
-done
+done <<END
+interleaved worker exit-255 $soon
+ss session exit-255 $soon
+interleaved stop silent $silent
+interleaved link silent $silent
+END
 name='interleaved, ssh'
 begin interleaved
 inflict ssh
@@ -243,13 +253,27 @@ for method in masterslave interleaved; do
 		end
 	done
 done
+# tree: two workers on each host, with a deal there; its pid is that of the shell which waits for it
+tree() {
+	rm -f out.pfm job.log
+	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; } |
+		deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 64 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
+	job=$!
+	reach_work
+}
 name='a tree, kill -9 of gather'
-rm -f job.log
-env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; } |
-	deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 64 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
-reach_work
+tree
 kill -9 $(here gather)
 ok "$name: nothing is left here or there after 2 s" await 2 none_left
+wait $job
+name='a tree, kill -9 of a worker'
+tree
+kill -9 "$(hosts pids host2 rtworker | head -n 1)"
+wait $job
+is "$name: exit 0" $? 0
+ok "$name: the same picture" cmp out.pfm good64.pfm
+is "$name: said there, and shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with 1 tasks' said)" 1
+ok "$name: no more than that" [ "$(grep -vc '^host2: ' said)" = 0 ]
 
 # ---- and the hosts that were left alone ------------------------------------------------------------------------------
 wait $nobody
