@@ -49,8 +49,9 @@ for isa in sse2 avx2; do
 done
 
 state() { pack scene gears.nff; partition $size; }
-state | deal fan -j 2 deal fan -j 2 rtworker - | gather -o out.pfm
+state | deal fan -j 2 deal fan -j 2 rtworker - | gather -r tree.frags -o out.pfm
 ok "deal fan -j 2 deal fan -j 2" cmp out.pfm gears.pfm
+is "all four of its workers are given work" "$(fragstat tree.frags | awk 'NR > 1 && $2 > 0' | wc -l)" 4
 state | deal -q 3 fan -j 2 deal -q 2 fan -j 2 deal fan -j 2 rtworker - | gather -o out.pfm
 ok "three levels, deeper queues" cmp out.pfm gears.pfm
 { pack scene gears.nff; partition -n 2 $size; } | fan -j 2 fan -j 2 rtworker - | gather -o out.pfm

@@ -57,6 +57,7 @@ struct fan_slot {
     int64_t retry_us;   /* waiting: not before */
     int64_t missing_us; /* not up since then */
     double power;       /* 0: not known yet */
+    int inner;          /* slots of its own that it stands for */
 
     struct down_queue down;
     bool primed;             /* down begins with the state, and what follows it is added */

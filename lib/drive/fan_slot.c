@@ -95,8 +95,8 @@ void slot_up(struct fan *f, struct fan_slot *s)
     s->heard_us = now_us();
     enter(f, s, FAN_UP);
     if (!s->primed && slot_wanted(f, s)) fan_prime(f, s);
-    snprintf(
-        text, sizeof text, "w=%d host=%s power=%.6g", s->number, s->host->host->name, s->power);
+    snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
+        s->power, s->inner);
     wire_plain(&f->out.queue.bulk, REC_UP, text);
     up_end_record(&f->out.queue);
 }

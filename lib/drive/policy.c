@@ -148,6 +148,7 @@ static void forward_done(struct driver *d, const struct record *r, const struct 
 static void take_up(struct driver *d, const struct record *r)
 {
     struct sched_event e = {.slot = slot_of(r), .task = r->task};
+    int64_t n;
     if (d->lone && e.slot < 0) e.slot = 0;
     switch (r->kind) {
     case REC_HELLO: take_hello(d, r); return;
@@ -163,7 +164,10 @@ static void take_up(struct driver *d, const struct record *r)
         e.kind = SCHED_PIXELS;
         break;
     case REC_BYE: rec_str(r, "why", d->why, sizeof d->why); return;
-    case REC_UP: e.kind = SCHED_UP; break;
+    case REC_UP:
+        e.kind = SCHED_UP;
+        if (rec_int(r, "slots", 1, SLOTS_MAX, &n)) e.n = (int32_t)n;
+        break;
     case REC_GONE: e.kind = SCHED_GONE; break;
     default: return;
     }

@@ -112,11 +112,14 @@ static void take_gone(struct deal *d, int32_t k)
     s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
 }
 
-static void take_up(struct deal *d, int32_t k, int64_t now, struct sched_actions *out)
+static void take_up(
+    struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
+    int32_t k = e->slot;
     struct slot *s = slot_at(d, k);
     if (s->state == SLOT_UP) return;
     s->state = SLOT_UP;
+    s->width = e->n > 1 ? e->n : 1;
     s->pace = (struct pace){0};
     while (s->promised.count) {
         int32_t i = s->promised.head;
@@ -185,7 +188,7 @@ static void deal_step(
     case SCHED_INPUT_END: d->ended = true; break;
     case SCHED_FLUSH: d->flush = true; break;
     case SCHED_SLOTS: take_slots(d, e->n); break;
-    case SCHED_UP: take_up(d, e->slot, now, out); break;
+    case SCHED_UP: take_up(d, e, now, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;
     case SCHED_DONE: take_done(d, e, now, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;

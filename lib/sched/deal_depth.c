@@ -47,7 +47,7 @@ static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
     if (d->p.depth != SCHED_DEPTH_AUTO) return d->p.depth;
     if (s->pace.task_us <= 0 || BUG(24)) return 1;
-    double tasks = SAFETY * s->pace.round_trip_us / s->pace.task_us;
+    double tasks = SAFETY * s->width * s->pace.round_trip_us / s->pace.task_us;
     if (tasks < SHORT) return 0;
     double depth = ceil(tasks + .5);
     return depth > DEPTH_MOST && !BUG(25) ? DEPTH_MOST : (int32_t)depth;
@@ -59,5 +59,5 @@ int32_t pace_limit(const struct deal *d, const struct slot *s, int32_t up)
     bool revoked = d->ended && (d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame);
     if (revoked && !BUG(23) && depth > SHARES * d->pool.count / up)
         depth = SHARES * d->pool.count / up;
-    return 1 + depth;
+    return s->width + depth;
 }

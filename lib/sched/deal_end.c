@@ -43,7 +43,8 @@ static int32_t in_store(const struct deal *d)
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
         double us = slot_load(s) * (s->pace.task_us > 0 ? s->pace.task_us : 1);
-        if (s->state != SLOT_UP || s->held.count < (BUG(17) ? 1 : 2) || us <= most_us) continue;
+        if (s->state != SLOT_UP || s->held.count < s->width + (BUG(17) ? 0 : 1) || us <= most_us)
+            continue;
         most = s;
         most_us = us;
     }

@@ -19,6 +19,7 @@ struct pace {
 
 struct slot {
     enum slot_state state;
+    int32_t width;                       /* tasks that it is on at once, when it has enough */
     bool asked;                          /* for a flush, since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* what it was given and has not done; on these lists: */

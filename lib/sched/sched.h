@@ -20,7 +20,7 @@ enum sched_event_kind {
     SCHED_INPUT_END, /* no more work will come */
     SCHED_FLUSH,     /* whoever reads wants what is held back */
     SCHED_SLOTS,     /* n: slots are numbered 0 .. n-1 */
-    SCHED_UP,        /* slot: it can be given work */
+    SCHED_UP,        /* slot: it can be given work; n: and works on so many tasks at once, 1 if 0 */
     SCHED_GONE,      /* slot: its connection is lost, with all it held */
     SCHED_DONE,      /* slot, task key: computed; its pixels may still be held back there */
     SCHED_PIXELS     /* slot, task key, at: these pixels have come, and were passed on */
@@ -56,7 +56,7 @@ void sched_act(
 
 #define SCHED_DEPTH_AUTO (-1)
 struct sched_params {
-    int32_t depth; /* -q: tasks a slot may hold beyond the one it is on, or SCHED_DEPTH_AUTO */
+    int32_t depth; /* -q: tasks a slot may hold beyond those it is on, or SCHED_DEPTH_AUTO */
     bool endgame;  /* -e: the last tasks are cut smaller, and given to more than one slot */
 };
 

@@ -195,7 +195,7 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k)
 /* Beyond the depth, or what is left of it at the end? */
 static void check_depth(struct world *w, int32_t k, uint32_t id)
 {
-    int32_t most = adapts(w) ? AUTO_MOST : 1 + w->plan->depth, n = w->slots[k].has;
+    int32_t most = adapts(w) ? AUTO_MOST : w->plan->width + w->plan->depth, n = w->slots[k].has;
     if (n > most) fail(w, "more given than the depth allows", k, id);
     /* With pieces there may be more that waits than is seen here. */
     if (!adapts(w) || w->plan->endgame || !w->input_ended || n < 2) return;

@@ -20,6 +20,7 @@ static void calm(struct sim_plan *p, bool tiny)
 {
     p->calm = !tiny;
     p->depth = SCHED_DEPTH_AUTO;
+    p->width = 1;
     p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
     p->tasks = tiny ? 3000 : 300 * p->slots;
     p->cost_us = tiny ? 5 : 1000;
@@ -49,6 +50,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.silence_us = 3000000;
     p.latency_us = latencies_us[pick(seed, 15, 0, 3)];
     p.endgame = unit(seed, 16) < .4;
+    p.width = p.depth >= 0 && unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);

@@ -43,7 +43,7 @@ static void handle(struct world *w, const struct sim_event *e)
     if (e->kind == SIM_RETURN) {
         s->alive = true;
         w->result->returns++;
-        say(w, e->slot, (struct sched_event){.kind = SCHED_UP});
+        say(w, e->slot, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
         return;
     }
     if (!s->alive || e->epoch != s->epoch) return; /* for a process that is no more */

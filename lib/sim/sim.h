@@ -42,6 +42,7 @@ struct sim_plan {
     int32_t slots, tasks;
     int32_t rows;     /* of FRAME_W pixels, a task */
     int32_t depth;    /* the policy's */
+    int32_t width;    /* tasks that a slot says it is on at once */
     bool endgame;     /* likewise */
     int32_t assigned; /* so many tasks have to=K */
     bool concentrate; /* slots hand over pixels on a flush only */
