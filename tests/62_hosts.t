@@ -58,6 +58,9 @@ is 'fan -l -S LIST' "$(fan -l -S :,2/a,me@b | tr '\t\n' ' ;')" '0 : -;1 a -;2 a 
 is 'fan -l -S FILE WORKER: powers are measured' "$(fan -l -S hosts rtworker - | sed 's/[0-9.]*$/P/' | tr '\t\n' ' ;')" \
 	'0 : P;1 two P;2 two P;3 one P;'
 is 'and those that are stated are kept' "$(fan -l -S hosts rtworker - | cut -f 3 | sed -n 2,3p | tr '\n' ' ')" '2.5 2.5 '
+script asked 'echo >>asked.said; exec sh -c "$1"'
+printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
+is 'nor asked for' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
 bad() { # NAME HOSTS ERE
 	run fan -S "$2" rtworker - </dev/null
 	is "$1: exit 2" "$status" 2

@@ -134,9 +134,11 @@ bool fan_working(const struct fan *f)
     return false;
 }
 
-void fan_open(struct fan *f, const struct fan_options *o)
+void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 {
-    *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us(), .in_open = true};
+    *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us()};
+    f->listing = listing;
+    f->in_open = !listing;
     f->n_hosts = (int)o->hosts->n;
     f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
     f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
@@ -150,6 +152,7 @@ void fan_open(struct fan *f, const struct fan_options *o)
                 .host = &f->hosts[i],
                 .child = CHILD_NONE,
                 .power = h->power,
+                .measured = h->power > 0,
                 .missing_us = f->start_us};
     }
     f->n[FAN_WAITING] = f->n_slots;
@@ -218,7 +221,7 @@ int drive_fan(const struct fan_options *o)
 {
     struct fan f;
     signals_catch();
-    fan_open(&f, o);
+    fan_open(&f, o, false);
     outlet_open(&f.out);
     struct pollfd *p = xcalloc(FAN_POLL(&f), sizeof *p);
     while (fan_working(&f)) fan_round(&f, p);

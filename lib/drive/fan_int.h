@@ -97,7 +97,7 @@ struct fan {
 
 /* ---- fan.c ---- */
 
-void fan_open(struct fan *f, const struct fan_options *o);
+void fan_open(struct fan *f, const struct fan_options *o, bool listing);
 /* One round of the loop; p has room for FAN_POLL(f) entries. */
 void fan_round(struct fan *f, struct pollfd *p);
 #define FAN_POLL(f) ((size_t)(f)->n_slots * 3 + 2)

@@ -7,8 +7,6 @@
 static void measure(struct fan *f)
 {
     struct pollfd *p = xcalloc(FAN_POLL(f), sizeof *p);
-    f->in_open = false;
-    f->listing = true;
     while (fan_working(f)) {
         fan_round(f, p);
         up_free(&f->out.queue); /* records are for nobody here */
@@ -46,8 +44,7 @@ int drive_list(const struct fan_options *o)
 {
     struct fan f;
     signals_catch();
-    fan_open(&f, o);
-    for (int k = 0; k < f.n_slots; k++) f.slots[k].measured = f.slots[k].power > 0;
+    fan_open(&f, o, true);
     if (*o->command) measure(&f);
     level(&f);
     int unknown = print(&f);

@@ -23,10 +23,11 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define GRACE_US 500000 /* for a worker to exit once its stream has ended, */
-#define STOP_US 200000  /* and when it was given up and told to end */
-#define VIA_FAILED 255  /* ssh's status for its own failures */
-#define DEATHS_MOST 5   /* connections in a row that lost tasks and did none: it is no accident */
+#define GRACE_US 500000      /* for a worker to exit once its stream has ended, */
+#define STOP_US 200000       /* and when it was given up and told to end */
+#define VIA_FAILED 255       /* ssh's status for its own failures */
+#define ASK_AGAIN_US 5000000 /* fan -l: who failed within this time is asked once more */
+#define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
 
 static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
 {
@@ -161,7 +162,7 @@ static void decide(struct fan *f, struct fan_slot *s, const char *why, bool agai
     f->lost += lost;
     if (s->connected) s->missing_us = now_us();
     if (s->connected || !s->again) slot_free(s);
-    s->measured |= !s->again || s->failures > 1;
+    s->measured |= !s->again || s->failures > 1 || now_us() - s->opened_us > ASK_AGAIN_US;
 }
 
 void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
