@@ -1,0 +1,51 @@
+/* What the fuzz targets that read records share: checks, and mutations that get past the crc. */
+#ifndef STORMRING_MEND_H
+#define STORMRING_MEND_H
+
+#include "base/base.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t most);
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned seed);
+
+#define MUST(x)                                                                                    \
+    do {                                                                                           \
+        if (!(x)) fprintf(stderr, "%s:%d: %s does not hold\n", __FILE__, __LINE__, #x), abort();   \
+    } while (0)
+
+static uint8_t *find(uint8_t *at, const uint8_t *end, const char *text)
+{
+    return at < end ? memmem(at, (size_t)(end - at), text, strlen(text)) : NULL;
+}
+
+/* The first "crc=" at or after `at` is made right for the body that the line announces. Where to
+ * go on. */
+static uint8_t *mend_crc(uint8_t *at, uint8_t *end)
+{
+    uint8_t *crc = find(at, end, "crc="), *bytes = find(at, end, "bytes=");
+    if (!crc || !bytes) return NULL;
+    uint8_t *nl = find(bytes, end, "\n"), *digits = crc + 4;
+    size_t n = 0, room = 0;
+    for (uint8_t *d = bytes + 6; d < end && *d >= '0' && *d <= '9' && n < 1000000; d++)
+        n = n * 10 + (size_t)(*d - '0');
+    while (digits + room < end && digits[room] >= '0' && digits[room] <= '9') room++;
+    if (!nl || (size_t)(end - nl - 1) < n) return crc + 4;
+    char text[24];
+    snprintf(text, sizeof text, "%0*lu", (int)(room < 20 ? room : 20), crc32(0, nl + 1, (uInt)n));
+    if (strlen(text) == room) memcpy(digits, text, room);
+    return nl + 1 + n;
+}
+
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned seed)
+{
+    size = LLVMFuzzerMutate(data, size, most);
+    for (uint8_t *at = data; at && seed % 4; at = mend_crc(at, data + size))
+        ;
+    return size;
+}
+
+#endif
