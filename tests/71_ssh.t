@@ -18,7 +18,7 @@ render() {
 	is "$1: exit 0" "$status" 0
 	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
 }
-slots_in() { grep -a -o '^done .* w=[0-9.]*' "$1" | sed 's/.* w=//' | sort -u | tr '\n' ' '; }
+slots_in() { fragstat "$1" | awk 'NR > 1 && $2 > 0 { printf "%s ", $1 }'; } # that have done something
 
 # ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
 for h in host1 host2 host3; do
@@ -129,7 +129,7 @@ for method in masterslave interleaved; do
 	is "$method, one link slow: exit 0" "$status" 0
 	ok "$method, one link slow: the same picture" cmp out.pfm large.pfm
 	is "$method, one link slow: not a word" "$err" ''
-	diag "$method: $(grep -a -c '^done .* w=2' job.log) of 64 rows by the host behind it"
+	diag "$method: $(fragstat job.log | awk '$1 == 2 { print $2 }') of 64 rows by the host behind it"
 done
 hosts link host3 up
 for h in host1 host2 host3; do

@@ -14,7 +14,7 @@ cat >nobody <<'END'
 hosts=$1 name=$2 list=$3 && mkdir "$name" && cd "$name" || exit
 { balance masterslave -S "$list" -s 192x192 -W '-a 144' -r log -o out.pfm ../gears.nff 2>said; echo $? >status; } &
 if [ "$name" = lost ]; then
-	until grep -aq ^done log; do sleep .05; done 2>/dev/null
+	until grep -aq 'done 0 ' log; do sleep .05; done 2>/dev/null
 	kill -9 $("$hosts" pids host1 sshd)
 fi
 date +%s%N >since
@@ -51,7 +51,7 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-at_work() { grep -aqE '^(done|frag) .* w=1' job.log 2>/dev/null; } # host2 is
+at_work() { grep -aqE '(done|frag) 0 [0-9]+ .* w=1' job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
 # noticed NAME ERE MS: such a line was said within so many ms of the fault
 noticed() {
