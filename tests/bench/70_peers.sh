@@ -1,9 +1,9 @@
 #!/bin/sh
 # 70_peers [SIDE]: the same picture of SPD's gears, SIDE x SIDE pixels (a multiple of 8; 512 and 1536 unless given), by
 # what people use on one machine of two cores. Each is a script, as short as it can be written, which gets W workers and
-# the side S: its lines are counted, it is timed with one worker and with two (medians of 3 interleaved runs), and then
-# it is run once more, and half way through one of its two workers is killed (kill -9). Is there a picture, is it the
-# same, and what does the exit status say? A peer that is not installed is a line that says so.
+# the side S: its lines are counted, it is timed with one worker and with two (medians of 3 interleaved runs), and then,
+# at the longer side, it is run once more, and half way through one of its two workers is killed (kill -9). Is there a
+# picture, is it the same, and what does the exit status say? A peer that is not installed is a line that says so.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=3 mark=stormring-peers-$$
@@ -15,9 +15,7 @@ trap 'end_all; rm -rf "$tmp"' EXIT
 
 # Debian's tachyon runs with whichever build of its library is there; mpirun wants the one for Open MPI.
 mpi=$(ls /usr/lib/*/libtachyon-openmpi.so.0 2>/dev/null) && mkdir mpi && ln -s "$mpi" mpi/libtachyon.so.0
-mpi() {
-	[ -e mpi/libtachyon.so.0 ] && command -v tachyon mpirun
-}
+mpi() { [ -e mpi/libtachyon.so.0 ] && command -v tachyon && command -v mpirun; }
 
 # peer NAME WORKER PICTURE TEST: its script follows on standard input. TEST fails where the peer is missing.
 peers=''
@@ -41,8 +39,8 @@ partition -u tile:${S}x$((S / 8)) ${S}x$S |
 END
 needs='parallel povray'
 peer parallel-povray-retries povray out.ppm installed <<'END'
-seq 1 $((S / 8)) $S | parallel -j $W --retries 3 \
-	povray -GA -V +Igears.pov +W$S +H$S +SR{} +ER'{= $_ += '$((S / 8 - 1))' =}' +O{}.ppm +FP16 File_Gamma=1 -A -D +WT1 || exit
+seq 1 $((S / 8)) $S | parallel -j $W --retries 3 povray -GA -V +Igears.pov +W$S +H$S \
+	+SR{} +ER'{= $_ += '$((S / 8 - 1))' =}' +O{}.ppm +FP16 File_Gamma=1 -A -D +WT1 || exit
 { head -c -$((6 * S * S)) 1.ppm; for y in $(seq 1 $((S / 8)) $S); do
 	tail -c $((6 * S * (S - y + 1))) $y.ppm | head -c $((6 * S * (S / 8))) || exit; done; } >out.ppm
 END
@@ -73,8 +71,8 @@ strike() {
 	done
 	return 1
 }
-# killed NAME WORKER PICTURE SECONDS: "STATUS PICTURE SECONDS" of a run that loses a worker after so long, or sooner
-# where that was too late
+# killed NAME WORKER PICTURE SECONDS: " STATUS | PICTURE | SECONDS |" of a run that loses a worker after so long, or
+# sooner where that was too late
 killed() {
 	later=$4
 	for _ in 1 2 3 4 5; do
@@ -90,7 +88,7 @@ killed() {
 		later=$(echo "$later" | awk '{ print $1 * 0.7 }')
 	done
 	$hit || status=missed
-	echo "$status $(same "$3" "$1") $(echo "$begin $(date +%s.%N)" | awk '{ printf "%.2f", $2 - $1 }')"
+	echo "$begin $(date +%s.%N) $status $(same "$3" "$1")" | awk '{ printf " %s | %s | %.2f |", $3, $4, $2 - $1 }'
 	end_all
 }
 
@@ -103,33 +101,41 @@ measure() { # all peers at this side
 				rm -f "$picture"
 				wall_s "$(with $w "$name")" >>"$name.$side.$w" || { tail -n 5 said >&2; stop "$name failed"; }
 				[ -e "$name.first" ] || mv "$picture" "$name.first"
-				[ ! -e "$picture" ] || [ "$(same "$picture" "$name")" = same ] || stop "$name: two runs, two pictures"
+				[ ! -e "$picture" ] || [ "$(same "$picture" "$name")" = same ] ||
+					stop "$name: two runs, two pictures"
 			done
 		done
 		i=$((i + 1))
 	done
 }
 
-table() {
+# timed NAME: "| NAME | LINES | ONE | TWO |"
+timed() {
+	two=$(median 1 <"$1.$side.2")
+	echo "$1 $(wc -l <"$1.sh") $(median 1 <"$1.$side.1") $two" |
+		awk '{ printf "| %s | %d | %.2f | %.2f |", $1, $2, $3, $4 }'
+}
+table() { # the last one with what a kill costs: there the runs are long enough to be hit half way
 	echo
 	echo "gears, ${side}x$side, medians of $rounds runs on $(nproc) cores:"
 	echo
-	echo '| by | lines | one worker s | two workers s | one of two killed: exit | picture | s |'
-	echo '| --- | ---: | ---: | ---: | ---: | --- | ---: |'
+	kills='' rule=''
+	[ "$side" != "$last" ] || kills=' one of two killed: exit | picture | s |' rule=' --- | --- | ---: |'
+	echo "| by | lines | one worker s | two workers s |$kills"
+	echo "| --- | ---: | ---: | ---: |$rule"
 	for peer in $peers; do
 		name=${peer%%:*} worker=${peer#*:} picture=${peer##*:}
-		worker=${worker%%:*}
-		two=$(median 1 <"$name.$side.2")
-		# shellcheck disable=SC2046  # three words
-		set -- $(killed "$name" "$worker" "$picture" "$(echo "$two" | awk '{ print $1 / 2 }')")
-		echo "$(wc -l <"$name.sh") $(median 1 <"$name.$side.1") $two $1 $2 $3" | awk -v name="$name" '{
-			printf "| %s | %d | %.2f | %.2f | %s | %s | %s |\n", name, $1, $2, $3, $4, $5, $6 }'
+		timed "$name"
+		[ -z "$kills" ] || killed "$name" "${worker%%:*}" "$picture" "$(awk -v t="$two" 'BEGIN { print t / 2 }')"
+		echo
 	done
 }
 
 spdgen gears >gears.nff || stop 'spdgen failed'
 nff2pov -x 100 gears.nff >gears.pov || stop 'nff2pov failed'
-for side in ${1:-512 1536}; do
+sides=${1:-512 1536}
+last=${sides##* }
+for side in $sides; do
 	rm -f ./*.first
 	measure
 	table

@@ -19,7 +19,9 @@ partition -u tile:${S}x$((S / 12)) ${S}x$S |
 		--retries 3 /home/render/bin/rtworker gears.nff | gather -o out.pfm
 END
 peers=balance
-if command -v parallel rsync >/dev/null; then peers="$peers parallel"; else echo 'parallel: not installed, or no rsync'; fi
+if command -v parallel >/dev/null && command -v rsync >/dev/null; then peers="$peers parallel"
+else echo 'parallel: not installed, or no rsync'
+fi
 spdgen gears >gears.nff || stop 'spdgen failed'
 partition "${side}x$side" | rtworker gears.nff | gather -o good.pfm || stop 'rtworker failed'
 
