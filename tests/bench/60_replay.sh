@@ -73,7 +73,8 @@ while [ $((i += 1)) -le $rounds ]; do
 	for scene in balls gears tetra; do for method in $methods; do once $scene "$method"; done; done
 done
 echo
-echo "scene  method        efficiency  (of $rounds)      but for start-up  makespan s  bound s  idle: start-up %  waiting %  tail %  wasted %"
+printf '%s  ' 'scene  method        efficiency ' "(of $rounds)    " 'but for start-up' 'makespan s' 'bound s'
+echo 'idle: start-up %  waiting %  tail %  wasted %'
 for scene in balls gears tetra; do for method in $methods; do
 	sort -g $scene."$method" | awk -v s=$scene -v m="$method" '{ line[NR] = $0; e[NR] = $1 }
 		END { split(line[int((NR + 1) / 2)], v, " ")
@@ -96,5 +97,6 @@ mkdir -p "$root/build/bench" || exit 3
 		fragstat -g -S hosts gears.$method.last | sed "/^#/d; s/^gears.$method.last/$method/"
 	done | awk '!/^experiment/ || !n++'
 } >"$root/build/bench/hosts.tsv" || exit 3
-chart -t 'gears, 512x512, on the 14 hosts of the GDC paper' -o "$root/build/bench/hosts.svg" "$root/build/bench/hosts.tsv" || exit 3
-echo 'made build/bench/hosts.svg of build/bench/hosts.tsv'
+chart -t 'gears, 512x512, on the 14 hosts of the GDC paper' -o "$root/build/bench/hosts.png" \
+	"$root/build/bench/hosts.tsv" || exit 3
+echo 'made build/bench/hosts.png of build/bench/hosts.tsv'
