@@ -27,8 +27,8 @@ static void parse_powers(struct options *o, const char *list)
     char *copy = xstrdup(list), *rest = copy, *word;
     while ((word = strsep(&rest, ",")) != NULL) {
         o->powers = xrealloc(o->powers, (size_t)o->n_powers + 1, sizeof *o->powers);
-        if (!parse_real(word, 1e-3, 1e3, &o->powers[o->n_powers]))
-            die(ST_USAGE, "-w %s: `%s`, expected powers from .001 to 1000 with commas between",
+        if (!parse_real(word, 1e-6, 1e6, &o->powers[o->n_powers]))
+            die(ST_USAGE, "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between",
                 list, word);
         o->n_powers++;
     }
@@ -127,9 +127,11 @@ static int interleave_next(struct interleave *v)
             return v->at++;
         }
         v->at = 0;
-        bool any = false;
-        for (int k = 0; k < v->n; k++) any = any || v->credit[k] >= 1 - 1e-9;
-        for (int k = 0; !any && k < v->n; k++) v->credit[k] += v->power[k];
+        /* So many rounds pass until anybody has enough; small powers need many. */
+        double rounds = HUGE_VAL;
+        for (int k = 0; k < v->n; k++)
+            rounds = fmin(rounds, ceil((1 - 1e-9 - v->credit[k]) / v->power[k]));
+        for (int k = 0; rounds > 0 && k < v->n; k++) v->credit[k] += rounds * v->power[k];
     }
 }
 

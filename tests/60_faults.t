@@ -183,6 +183,9 @@ like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^(frame .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
+liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^frame 0 64 64/frame 0 64 65/"; exit'
+ok "a frame of another size: the same picture" cmp out.pfm small.pfm
+like "a frame of another size: it is said" "$(cat said)" 'lost \(wrong-frame\)'
 liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; }; exit'
 ok "frames that nobody asked for: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | { head -c 3000; echo "scene bytes=2147483647"; cat /dev/zero; }; exit'

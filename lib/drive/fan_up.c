@@ -32,7 +32,8 @@ static void pass_control(struct fan *f, struct fan_slot *s, const struct record 
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
-    if (!frames_find(&f->frames, r->task.frame)) return "wrong-frame";
+    const struct frame_size *asked = frames_find(&f->frames, r->task.frame);
+    if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     s->loaded = true;
     s->loading = false;
     stamp(s, r, text, sizeof text);
