@@ -58,7 +58,7 @@ is 'fan -l -S LIST' "$(fan -l -S :,2/a,me@b | tr '\t\n' ' ;')" '0 : -;1 a -;2 a 
 is 'fan -l -S FILE WORKER: powers are measured' "$(fan -l -S hosts rtworker - | sed 's/[0-9.]*$/P/' | tr '\t\n' ' ;')" \
 	'0 : P;1 two P;2 two P;3 one P;'
 is 'and those that are stated are kept' "$(fan -l -S hosts rtworker - | cut -f 3 | sed -n 2,3p | tr '\n' ' ')" '2.5 2.5 '
-script asked 'echo >>asked.said; exec sh -c "$1"'
+script asked 'echo asked >>asked.said; exec sh -c "$1"'
 printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
 is 'nor asked for' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
 bad() { # NAME HOSTS ERE
@@ -169,6 +169,14 @@ is 'the reason is shown once' "$(cat said)" 'flaky: cannot reach flaky
 fan: flaky: cannot be reached (exit-255)
 fan: slot 1 on flaky: is up'
 
+script crowd 'mkdir "crowd.$$"; [ "$(ls -d crowd.* | wc -l)" -gt 8 ] || { sleep .3; exit 255; }; exec sh -c "$1"'
+echo 'crowd slots=8 via="./crowd %c"' >crowd.hosts
+start_ms=$(($(date +%s%N) / 1000000))
+fan -S crowd.hosts rtworker - <job.task 2>said | gather -o out.pfm
+took_ms=$(($(date +%s%N) / 1000000 - start_ms))
+same 'eight connections that fail at once'
+ok "are tried again soon ($took_ms ms)" test $took_ms -lt 6000
+
 # long [OPTION ...]: some seconds of work on slots elsewhere, one dealt
 pack scene gears.nff >long.task
 partition 256x256 >>long.task
@@ -216,7 +224,7 @@ ok 'hosts that never answer: no process remains' await 2 none_alive
 printf ': slots=1\nlost slots=20 via="./none %%c"\n' >lost
 { pack scene gears.nff; partition -w "1$(printf ',1%.0s' $(seq 20))" 64x64; } >shares.task
 start_ms=$(($(date +%s%N) / 1000000))
-deal fan -S lost rtworker - <shares.task 2>said | gather -o out.pfm
+timeout 20 deal fan -S lost rtworker - <shares.task 2>said | gather -o out.pfm
 took_ms=$(($(date +%s%N) / 1000000 - start_ms))
 same 'shares of slots that cannot be reached'
 ok "are given to others at once ($took_ms ms)" test $took_ms -lt 5000

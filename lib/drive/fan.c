@@ -192,10 +192,21 @@ void fan_close(struct fan *f)
     buf_free(&f->frame_lines);
 }
 
+/* Every slot has been given up for good. */
+static bool all_gone(const struct fan *f)
+{
+    int n = f->n[FAN_GONE];
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        n += s->state == FAN_LEAVING && s->decided && !s->again;
+    }
+    return n == f->n_slots;
+}
+
 /* There is work, and nobody to do it. */
 static bool deserted(const struct fan *f)
 {
-    bool nobody = !f->well && (f->unreached || (f->lost && f->n[FAN_GONE] == f->n_slots));
+    bool nobody = !f->well && (f->unreached || (f->lost && all_gone(f)));
     return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
 
@@ -206,7 +217,7 @@ static void say_bye(struct fan *f)
     wire_bye(&f->out.queue.bulk, none ? "no-slot-left" : "");
     up_end_record(&f->out.queue);
     outlet_drain(&f->out);
-    if (none && f->n[FAN_GONE] == f->n_slots) warn("no slot left");
+    if (none && all_gone(f)) warn("no slot left");
     else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
 }
 
