@@ -8,7 +8,8 @@
  *   promised  slot's promised list  its slot comes up: -> out; is gone, or does not exist: -> pool
  *   out       out list; copies in   DONE from a slot that has a copy: -> computed; the last such
  *             `has` of some slots   slot gone, and no piece of it there: -> pool (front)
- *   computed  slot's computed list  slot gone: -> out where another has a copy, else pool (front)
+ *   computed  slot's computed list  slot gone: -> out where another has a copy, else pool (front);
+ *                                   given once more (deal_end.c, rule 4): -> out
  *   (any)     -                     the last PIXELS, its own or those of its pieces: committed
  *
  * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first
@@ -62,27 +63,42 @@ static struct slot *slot_at(struct deal *d, int32_t k)
 /* The slot that has least, the lowest of equals, or -1 when all have what they may. */
 static int32_t hungriest(const struct deal *d)
 {
-    int32_t best = -1, least = INT32_MAX, up = 0;
-    for (int32_t k = 0; k < d->n_slots; k++) up += d->slots[k].state == SLOT_UP;
+    int32_t best = -1, least = INT32_MAX;
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
         int32_t load = slot_load(s);
-        if (s->state != SLOT_UP || load >= least || load >= pace_limit(d, s, up)) continue;
+        if (s->state != SLOT_UP || load >= least || load >= pace_limit(d, s)) continue;
         best = k;
         least = load;
     }
     return best;
 }
 
+/* Entry i, or a piece of it, to slot k. */
+static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
+{
+    i = end_piece(d, k, i);
+    deal_take(d, i);
+    deal_give(d, k, i, now, out);
+}
+
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k;
-    while ((d->pool.count || d->ended) && (k = hungriest(d)) >= 0) {
-        int32_t i = d->pool.count ? d->pool.head : end_other(d, k);
-        if (i < 0) return;
-        i = end_piece(d, k, i);
-        deal_take(d, i);
-        deal_give(d, k, i, now, out);
+    while (d->pool.count && (k = hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
+}
+
+/* With the pool empty, the slots that have nothing get what others have, and what was cut off that.
+ * What one is given may give another something to do. */
+static void hand_copies(struct deal *d, int64_t now, struct sched_actions *out)
+{
+    for (int32_t k = 0; d->ended && !d->pool.count && k < d->n_slots; k++) {
+        if (d->slots[k].state != SLOT_UP || slot_load(&d->slots[k])) continue;
+        int32_t i = end_other(d, k);
+        if (i < 0) continue;
+        hand(d, k, i, now, out);
+        hand_out(d, now, out);
+        k = -1;
     }
 }
 
@@ -109,6 +125,7 @@ static void take_gone(struct deal *d, int32_t k)
     }
     if (!BUG(2)) deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
+    d->up -= s->state == SLOT_UP;
     s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
 }
 
@@ -120,6 +137,7 @@ static void take_up(
     if (s->state == SLOT_UP) return;
     s->state = SLOT_UP;
     s->width = e->n > 1 ? e->n : 1;
+    d->up++;
     s->pace = (struct pace){0};
     while (s->promised.count) {
         int32_t i = s->promised.head;
@@ -194,7 +212,11 @@ static void deal_step(
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     }
     hand_out(d, now, out);
-    if ((d->ended || d->flush) && !d->pool.count) ask_flush(d, out);
+    if ((d->ended || d->flush) && !d->pool.count) {
+        hand_copies(d, now, out);
+        ask_flush(d, out);
+        hand_copies(d, now, out); /* of what was asked for, too */
+    }
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !(BUG(10) ? d->pool.count : d->ledger.count) && !d->closed) {
         d->closed = true;

@@ -53,11 +53,10 @@ static int32_t depth_of(const struct deal *d, const struct slot *s)
     return depth > DEPTH_MOST && !BUG(25) ? DEPTH_MOST : (int32_t)depth;
 }
 
-int32_t pace_limit(const struct deal *d, const struct slot *s, int32_t up)
+int32_t pace_limit(const struct deal *d, const struct slot *s)
 {
     int32_t depth = depth_of(d, s) + (BUG(5) ? 1 : 0);
     bool revoked = d->ended && (d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame);
-    if (revoked && !BUG(23) && depth > SHARES * d->pool.count / up)
-        depth = SHARES * d->pool.count / up;
-    return s->width + depth;
+    int32_t share = revoked && !BUG(23) ? SHARES * d->pool.count / d->up : depth;
+    return s->width + (depth < share ? depth : share);
 }

@@ -1,5 +1,5 @@
 /*
- * deal: the last tasks. Three rules, all after the input has ended:
+ * deal: the last tasks. Four rules, all after the input has ended:
  *
  * 1. With an endgame, a task is cut before it is given to a slot where it has more pixels than half
  *    of the slot's share of what is left: factoring, carried on below a row, and weighted by the
@@ -15,6 +15,10 @@
  *    longest ago, by rule 1 in pieces where it is long (D. P. da Silva, W. Cirne,
  *    F. V. Brasileiro, "Trading cycles for information: using replication to schedule bag-of-tasks
  *    applications on computational grids", Euro-Par 2003; there tasks are not divided).
+ *
+ * 4. With an endgame, when there is no such task either, it is given one that is computed, whose
+ *    pixels have not come although their slot was asked for them, or cannot be asked yet: it may be
+ *    dead. But first of all a slot gives what it owes itself.
  *
  * A task that is cut stays in the ledger, its pieces refer to it, and either its own pixels or the
  * last of its pieces commits it. Pieces have new ids, above all that came in the frame.
@@ -62,12 +66,25 @@ static int32_t oldest(const struct deal *d)
     return i;
 }
 
+/* Rule 4. */
+static int32_t withheld(const struct deal *d)
+{
+    for (int32_t k = 0; k < d->n_slots; k++) {
+        const struct slot *s = &d->slots[k];
+        bool owes = s->computed.count && (s->asked || slot_load(s));
+        if (s->state == SLOT_UP && owes) return s->computed.head;
+    }
+    return -1;
+}
+
 int32_t end_other(struct deal *d, int32_t k)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    if (!revoke || slot_load(&d->slots[k])) return -1;
+    if (!revoke) return -1;
     int32_t i = in_store(d);
-    return i < 0 && d->p.endgame ? oldest(d) : i;
+    if (i < 0 && d->p.endgame) i = oldest(d);
+    if (i < 0 && d->p.endgame && !d->slots[k].computed.count && !BUG(26)) i = withheld(d);
+    return i;
 }
 
 /* Rule 1: so many pixels are enough for slot s. */

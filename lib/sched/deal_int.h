@@ -47,6 +47,7 @@ struct deal {
     double left_px;       /* pixels of the tasks that came, and are not committed */
     struct slot *slots;
     int32_t n_slots; /* entries of slots */
+    int32_t up;      /* of these */
     int32_t known;   /* what SLOTS said, 0 before */
     bool ended, flush, closed;
 };
@@ -82,8 +83,8 @@ void deal_reclaim(struct deal *d, struct task_list *l);
 
 /* A task is done, of which the slot had `copy`. */
 void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us);
-/* So many tasks may slot s have; `up` slots are up. */
-int32_t pace_limit(const struct deal *d, const struct slot *s, int32_t up);
+/* So many tasks may slot s, which is up, have. */
+int32_t pace_limit(const struct deal *d, const struct slot *s);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 

@@ -91,7 +91,7 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
     if (!is_piece(w, t) && nth != t->nth[k]) fail(w, "done of another try", nth, t->nth[k]);
     t->owners &= ~(UINT64_C(1) << k);
     w->slots[k].has--;
-    if (t->computed_by >= 0 || t->committed) return;
+    if (t->computed_by >= 0 || t->committed || t->overtaken) return;
     t->computed_by = k;
     overtake(w, t);
 }
@@ -131,6 +131,27 @@ void note_event(struct world *w, const struct sched_event *e)
 
 /* ---- what it does ---------------------------------------------------------------------------- */
 
+/* Does slot k owe pixels? */
+static bool owes(const struct world *w, int32_t k)
+{
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        if (t->known && !t->committed && !t->overtaken && t->computed_by == k) return true;
+    }
+    return false;
+}
+
+/* Slot k is given what is computed: only in the endgame, when who computed it is busy or was
+ * asked for it. */
+static void check_withheld(struct world *w, struct vtask *t, int32_t k)
+{
+    const struct vslot *s = &w->slots[t->computed_by];
+    bool late = w->plan->endgame && w->input_ended && (s->asked || s->has);
+    if (!late || owes(w, k)) fail(w, "work given that is computed", k, t->task.id);
+    t->computed_by = -1;
+    w->result->withheld++;
+}
+
 /* A piece that is seen for the first time: of one task, and beside the other pieces. */
 static void check_piece(struct world *w, struct vtask *t, const struct sched_action *a)
 {
@@ -143,7 +164,7 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
         const struct vtask *other = &w->tasks[i];
         if (other == t || !other->known || other->overtaken) continue;
         if (inside(w, t, other) && other->computed_by >= 0)
-            fail(w, "a piece of what is computed", a->slot, a->task.id);
+            check_withheld(w, &w->tasks[i], a->slot);
         if (inside(w, t, other)) wholes += i < w->plan->tasks;
         else if (inside(w, other, t)) continue;
         else if (i >= w->plan->tasks && meet(w, &t->task.at, &other->task.at))
@@ -153,12 +174,13 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
     t->known = true;
 }
 
-/* What is forgotten because something longer is computed may come all the same, and be done again
- * when that is lost. */
-static bool met_overtaken(const struct world *w, const struct vtask *t)
+/* Is t, or anything that it is a piece of, committed? */
+static bool is_committed(const struct world *w, const struct vtask *t)
 {
-    for (int32_t i = w->plan->tasks; i < w->n_tasks; i++)
-        if (w->tasks[i].overtaken && meet(w, &w->tasks[i].task.at, &t->task.at)) return true;
+    if (t->committed) return true;
+    for (int32_t i = 0; i < w->n_tasks && is_piece(w, t); i++)
+        if (w->tasks[i].committed && !w->tasks[i].overtaken && inside(w, t, &w->tasks[i]))
+            return true;
     return false;
 }
 
@@ -216,17 +238,17 @@ void check_give(struct world *w, const struct sched_action *a)
     if (memcmp(&t->task.at, &a->task.at, sizeof a->task.at) != 0)
         fail(w, "other pixels under the same id", a->slot, a->task.id);
     if (!s->up) fail(w, "work given to a slot that is not up", a->slot, a->task.id);
-    if (!t->known || t->committed || (is_sent(w, &t->task.at) && !met_overtaken(w, t)))
+    if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
         fail(w, "work given that is not to do", a->slot, a->task.id);
-    if (t->computed_by >= 0) fail(w, "work given that is computed", a->slot, a->task.id);
+    if (t->computed_by >= 0) check_withheld(w, t, a->slot);
     if (t->owners) check_copy(w, t, a->slot);
     bool chosen = !t->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
     if (chosen && t->to != a->slot) fail(w, "work of one slot given to another", t->to, a->slot);
     t->owners |= UINT64_C(1) << a->slot;
     t->nth[a->slot] = (uint8_t)++t->gives;
     t->order = w->result->gives;
-    t->computed_by = -1;
     s->has++;
+    s->asked = false;
     if (t->to != a->slot) check_depth(w, a->slot, a->task.id);
 }
 
@@ -236,7 +258,9 @@ void check_commit(struct world *w, const struct sched_action *a)
     w->result->commits++;
     if (!t || !t->known || t->committed) fail(w, "a second commit", a->task.id, 0);
     else if (!is_sent(w, &t->task.at)) fail(w, "a commit before the last pixel", a->task.id, 0);
-    if (t) t->committed = true;
+    if (!t) return;
+    t->committed = true;
+    overtake(w, t);
 }
 
 void check_end(struct world *w, bool stop)
@@ -256,9 +280,12 @@ void check_end(struct world *w, bool stop)
 void check_owners(struct world *w)
 {
     bool endgame = w->plan->endgame && w->input_ended;
-    int32_t idle = -1;
-    for (int32_t k = 0; k < w->plan->slots; k++)
-        if (is_up(w, k) && !w->slots[k].has) idle = k;
+    int32_t idle = -1, free = -1; /* free: it owes nothing either */
+    for (int32_t k = 0; endgame && k < w->plan->slots; k++) {
+        if (!is_up(w, k) || w->slots[k].has) continue;
+        idle = k;
+        if (!owes(w, k)) free = k;
+    }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
     if (!endgame && waiting > count_waiting(w, false))
         fail(w, "more waiting than there is", waiting, 0);
@@ -266,6 +293,8 @@ void check_owners(struct world *w)
     if (waiting) fail(w, "a slot is idle, and work waits", idle, waiting);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
+        bool computed = t->known && !t->committed && !t->overtaken && t->computed_by >= 0;
+        if (free >= 0 && computed) fail(w, "a slot is free, and pixels are withheld", free, i);
         if (!is_open(t) || !t->owners || in_pieces(w, t, false)) continue;
         if (copies_of(w, t) < SIM_COPIES_MOST) fail(w, "a slot is idle in the endgame", idle, i);
     }

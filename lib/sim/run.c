@@ -20,6 +20,7 @@ static void act(struct world *w, const struct sched_action *a)
     } else if (a->kind == SCHED_ASK_FLUSH) {
         e.kind = SIM_FLUSH;
         w->result->flushes++;
+        s->asked = true;
         schedule(w, arrival(w, &s->down_us), e);
     }
 }

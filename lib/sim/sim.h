@@ -9,6 +9,8 @@
  *   give      only to a slot that is up, only what is to do, from the pool only up to the depth;
  *             what somebody has already only to a slot that has nothing, when the input has ended
  *             and nothing waits, and only up to SIM_COPIES_MOST times at once
+ *   withheld  what is computed elsewhere, only in an endgame, when that slot is busy, or was asked
+ *             for its pixels, and only to a slot that owes none
  *   pieces    of tasks only in an endgame; under new ids, inside one task, beside each other
  *   idle      in an endgame no slot has nothing to do while something may still be copied
  *   revoked   with the depth that follows the link, and the input ended, no slot has more in store
@@ -66,6 +68,7 @@ struct sim_result {
     uint64_t trace_hash;
     int64_t events, gives, commits, crashes, stalls, pauses, twice, garbage, returns, flushes;
     int64_t copies, pieces, stops; /* gives of what another has; pieces given; ends that stop */
+    int64_t withheld;              /* gives of what is computed elsewhere */
 };
 
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);

@@ -13,6 +13,7 @@
 struct vslot {
     bool up, lost; /* the policy was told that it is; that it is gone, ever */
     int32_t has;   /* tasks that it was given and has not answered */
+    bool asked;    /* for a flush, since it was last given work */
     bool alive, stalled;
     uint32_t epoch;
     double power;

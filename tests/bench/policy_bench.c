@@ -43,6 +43,7 @@ static void parse(struct bench *b, int argc, char **argv)
     int opt;
     b->plan.work = &b->work;
     b->work.slow_slot = -1;
+    b->plan.width = 1;
     while ((opt = getopt(argc, argv, "ec:l:q:st:w:")) != -1) {
         switch (opt) {
         case 'e': b->plan.endgame = true; break;

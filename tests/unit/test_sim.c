@@ -46,6 +46,7 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         total.copies += r.copies;
         total.pieces += r.pieces;
         total.stops += r.stops;
+        total.withheld += r.withheld;
     }
     print_message("# %lld seeds: %lld events, %lld gives, %lld commits, %lld crashes, %lld stalls, "
                   "%lld pauses, "
@@ -66,7 +67,8 @@ static void faults_of_every_kind_happened(void **state)
     if (!total.events) skip();
     assert_true(total.crashes > 100 && total.stalls > 100 && total.pauses > 100);
     assert_true(total.twice > 1000 && total.garbage > 1000 && total.gives > total.commits + 100);
-    assert_true(total.copies > 1000 && total.pieces > 1000 && total.stops > 100);
+    assert_true(
+        total.copies > 1000 && total.pieces > 1000 && total.stops > 100 && total.withheld > 100);
 }
 
 static void a_seed_is_one_run_exactly(void **state)

@@ -1,0 +1,95 @@
+#!/bin/sh
+# deal past the papers, live: the endgame ends without those who are late, leaves nobody behind, and changes no pixel;
+# the depth that follows the link; what `done` says of second tries.
+# shellcheck disable=SC2154  # lib.sh sets them
+. "$(dirname "$0")/lib.sh"
+
+mark=stormring-deal-$$
+alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | wc -l; }
+none_alive() {
+	i=0
+	while [ "$(alive)" -gt 0 ] && [ $i -lt 40 ]; do
+		sleep .05
+		i=$((i + 1))
+	done
+	[ "$(alive)" = 0 ]
+}
+cleanup() {
+	grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,' | xargs -r kill -9 2>/dev/null
+	rm -rf "$tmp"
+}
+trap cleanup EXIT
+
+# Rows of some milliseconds.
+spdgen -s 2 gears >gears.nff
+{ pack scene gears.nff; partition 64x64; } >job.task
+fan -j 2 rtworker -a 64 - <job.task | gather -o good.pfm
+same() { imgcmp good.pfm "$1"; }
+
+# One slot says hello and two rows, then nothing for minutes; its fan would wait for it. All have four rows of their own,
+# so that it has two that others have to do.
+{ pack scene gears.nff; partition -n 3 -c 12 64x64; } >late.task
+# Rows are short; these 8 tasks are long enough to be cut, however busy this machine is.
+{ pack scene gears.nff; partition -u tile:64x32 64x256; } >long.task
+fan -j 2 rtworker -a 64 - <long.task | gather -o long.pfm
+cat >late <<'END'
+mkdir slow 2>/dev/null || exec rtworker -a 64 -
+rtworker -a 64 - | { dd bs=1 count=3000 2>/dev/null; sleep 300; cat; }
+END
+late() { # DEAL-OPTIONS
+	rm -rf slow out.pfm log
+	# shellcheck disable=SC2086
+	env MARK=$mark timeout 30 deal $1 fan -t 300 -j 3 sh late <late.task | tee log | gather -o out.pfm
+}
+for options in -e '-e -q 4' '-e -q auto'; do
+	ok "deal $options: does not wait for who is late" late "$options"
+	ok "deal $options: the same picture" same out.pfm
+	ok "deal $options: leaves nobody behind after 2 s" none_alive
+	ok "deal $options: the last record is bye" sh -c 'tail -n 1 log | grep -aq "bye$"'
+	ok "deal $options: a task was given again, or a piece of it" sh -c 'grep -aq "done .* try=[23]" log'
+done
+deal -e fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm
+ok "long tasks are cut: the same picture" imgcmp long.pfm out.pfm
+ids=$(grep -ao 'frag 0 [0-9]* ' log | cut -d' ' -f3 | sort -n | tail -1)
+ok "pieces have numbers above those that came" [ "$ids" -ge 8 ]
+
+# Without -e the late one is waited for, until it is known to be lost.
+env MARK=$mark timeout 2 deal fan -t 300 -j 3 sh late <late.task >log
+is "without -e nothing is given twice" "$(grep -a 'done .* try=' log | wc -l)" 0
+
+cat >noted <<'END'
+tee -a down.$$ | rtworker -a 64 -
+END
+sed 's/^task.*/& note=x/' long.task >noted.task
+ok "pieces and copies keep the unknown keys of their task" sh -c '
+	deal -e -q auto fan -j 3 sh noted <noted.task | gather -o noted.pfm && imgcmp long.pfm noted.pfm &&
+	grep -a "^task" down.* >given && ! grep -v "note=x" given'
+ok "... and there were pieces" sh -c 'cut -d" " -f3 given | sort -n | tail -1 | xargs test 8 -le'
+
+for command in 'deal -e rtworker -a 64 -' 'deal -q auto rtworker -a 64 -' 'deal -e -q auto fan -j 2 deal -e -q auto fan -j 2 rtworker -a 64 -' \
+	'deal -e deal -e fan -j 2 rtworker -c -a 64 -'; do
+	# shellcheck disable=SC2086
+	ok "$command: the same picture" sh -c "$command <job.task | gather -o other.pfm && imgcmp good.pfm other.pfm"
+done
+ok "-e with tasks that are preassigned: the idle take from the busy" sh -c '
+	{ pack scene gears.nff; partition -n 1 64x64; } | deal -e fan -j 2 rtworker -a 64 - | tee taken | gather -o other.pfm &&
+	imgcmp good.pfm other.pfm && grep -aq "done 0 .* w=1 .* try=2" taken'
+ok "-e with tiles, and fragments in parts" sh -c '
+	{ pack scene gears.nff; partition -u tile:32x16 64x64; } | deal -e fan -j 3 rtworker -f 100 -a 64 - | gather -o other.pfm &&
+	imgcmp good.pfm other.pfm'
+
+# A worker that dies: its tasks are given for the second time, whatever the options.
+cat >mortal <<'END'
+mkdir dead 2>/dev/null || exec rtworker -a 64 -
+rtworker -a 64 - | dd bs=1 count=3000 2>/dev/null
+END
+{ pack scene gears.nff; partition -n 2 -c 8 64x64; } >mortal.task
+ok "a slot is lost: its tasks are done, and say try=2" sh -c '
+	deal fan -j 2 sh mortal <mortal.task | tee log | gather -o other.pfm && imgcmp good.pfm other.pfm &&
+	grep -a "done 0 .* try=2" log'
+
+for depth in aut auto1 -1 1000001; do
+	run deal -q "$depth" true
+	is "refused: -q $depth" "$status" 2
+done
+finish
