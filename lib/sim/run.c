@@ -8,21 +8,21 @@
 
 static void act(struct world *w, const struct sched_action *a)
 {
-    struct vslot *s = a->slot >= 0 && a->kind != SCHED_COMMIT ? &w->slots[a->slot] : NULL;
-    struct sim_event e = {.slot = a->slot, .epoch = s ? s->epoch : 0};
     if (a->kind == SCHED_COMMIT) check_commit(w, a);
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w, a->kind == SCHED_STOP);
+    if (a->kind != SCHED_GIVE && a->kind != SCHED_ASK_FLUSH) return;
+    struct vslot *s = &w->slots[a->slot];
+    struct sim_event e = {.slot = a->slot, .epoch = s->epoch};
     if (a->kind == SCHED_GIVE) {
         check_give(w, a);
         e.kind = SIM_TO_SLOT;
         e.sched.task = a->task;
-        schedule(w, arrival(w, &s->down_us), e);
-    } else if (a->kind == SCHED_ASK_FLUSH) {
+    } else {
         e.kind = SIM_FLUSH;
         w->result->flushes++;
         s->asked = true;
-        schedule(w, arrival(w, &s->down_us), e);
     }
+    schedule(w, arrival(w, &s->down_us), e);
 }
 
 static void step(struct world *w, const struct sched_event *e)
