@@ -25,7 +25,7 @@ fi
 spdgen gears >gears.nff || stop 'spdgen failed'
 partition "${side}x$side" | rtworker gears.nff | gather -o good.pfm || stop 'rtworker failed'
 
-run() { S=$side PARALLEL=--will-cite timeout $most_s sh "$1.sh" >said 2>&1; }
+run() { S=$side PARALLEL=--will-cite timeout "$2" sh "$1.sh" >said 2>&1; } # NAME SECONDS: at most
 kill_worker() {
 	# shellcheck disable=SC2046  # a process each
 	kill -9 $("$hosts" pids host2 rtworker)
@@ -35,7 +35,7 @@ cable_out() { "$hosts" link host2 down; }
 struck() {
 	rm -f out.pfm
 	begin=$(date +%s.%N)
-	run "$1" &
+	run "$1" $most_s &
 	pid=$!
 	sleep "$(median 1 <"$1.s" | awk '{ print $1 / 2 }')"
 	$2 2>/dev/null
@@ -52,7 +52,7 @@ while [ $i -lt $rounds ]; do
 	for p in $peers; do
 		rm -f out.pfm
 		begin=$(date +%s.%N)
-		run "$p" || { tail -n 5 said >&2; stop "$p failed"; }
+		run "$p" 300 || { tail -n 5 said >&2; stop "$p failed"; }
 		echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }' >>"$p.s"
 		cmp out.pfm good.pfm || stop "$p: another picture"
 	done
