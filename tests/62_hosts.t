@@ -46,6 +46,11 @@ start=$(date +%s)
 (fan -S half rtworker - <job.task >half.frags 2>half.said; echo $? >half.status; date +%s >half.end) &
 half_pid=$!
 
+# Behind so many hosts that are silent, each for 15 s and 8 at a time, that the last has its first try after 30 s.
+{ seq -f 'silent%g via="sleep 100; : %%c"' 17; echo 'last via="sh -c %c"'; } >behind
+(deal fan -S behind rtworker - <job.task >behind.frags 2>behind.said; echo $? >behind.status) &
+behind_pid=$!
+
 # ---- hosts files -----------------------------------------------------------------------------------------------
 cat >hosts <<'END'
 # three, played by shells
@@ -265,4 +270,8 @@ is 'no host can be reached: exit 3' "$(cat none.status)" 3
 like 'no host can be reached: it is said' "$(cat none.said)" 'no slot left: none could be reached for 30 s'
 is 'and in the stream' "$(events none.frags | tail -1)" 'bye why=no-slot-left'
 is 'no host can be reached: that is said once' "$(grep -c 'dead: cannot be reached' none.said)" 1
+wait $behind_pid
+is 'a host behind many silent ones: exit 0' "$(cat behind.status)" 0
+gather -o out.pfm behind.frags
+same 'a host behind many silent ones'
 finish

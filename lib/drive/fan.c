@@ -119,6 +119,15 @@ static bool at_work(const struct fan_slot *s)
            (s->state == FAN_OPENING && s->host->here);
 }
 
+/*
+ * Its host has not had its first try, or is having it: behind hosts that are silent that may come
+ * late, since few are tried at a time.
+ */
+static bool untried(const struct fan_slot *s)
+{
+    return !s->host->failures && !s->failures && (!s->opened_us || s->state == FAN_OPENING);
+}
+
 bool fan_working(const struct fan *f)
 {
     int64_t now = now_us();
@@ -128,8 +137,8 @@ bool fan_working(const struct fan *f)
         if (at_work(s)) return true;
         bool comes = s->state == FAN_WAITING || s->state == FAN_OPENING ||
                      (s->state == FAN_LEAVING && s->again);
-        if (comes && slot_wanted(f, s) && now < s->missing_us + (int64_t)(UNREACHED_S * 1e6))
-            return true;
+        bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
+        if (comes && slot_wanted(f, s) && (early || untried(s))) return true;
     }
     return false;
 }
