@@ -28,6 +28,18 @@ grep -a -o 'done 0 [0-9]* cpu_us.*' log3 | sed 's/^done 0 \([0-9]*\) .*w=\([0-9]
 partition -w 1,1,7 -c 62 $size | sed -n '2,63p' | cut -d ' ' -f 3,10 >expected
 ok 'hybrid, powers stated: the shares of the first phase' cmp got expected
 
+printf '#!/bin/sh\nsh -c "$1" | sed -u "s/power=[^ ]*/power=1e9/"\n' >boast
+chmod +x boast
+printf 'faint power=1e-6 via="sh -c %%c"\nstrong via="./boast %%c"\n' >apart
+rm -f out.pfm
+balance hybrid -S apart -s 0096x080 -o out.pfm gears.nff
+ok 'hybrid, powers far apart, and a size with zeros: the same picture' cmp out.pfm good.pfm
+
+cp gears.nff ./-scene.nff
+run balance masterslave -j 1 -s $size -r -log -o -out.pfm -- -scene.nff
+is 'names that begin with a minus: exit 0' "$status$err" 0
+ok 'names that begin with a minus: the same picture' cmp ./-out.pfm good.pfm
+
 # ---- no host at all, and a log that stays as it is ---------------------------------------------------------------
 printf 'gone via="exit 9; %%c"\n' >none
 head -c 50000 log3 >before
@@ -53,6 +65,15 @@ is 'calibrate -o: the hosts as they were, with the powers measured' \
 	"$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/')" "$(printf ': power=\tslots=2\t# here\nother power=  slots=2 via="sh -c %%c" bin=%s' "$BIN")"
 is 'calibrate -o: the powers of the table' "$(fan -l -S measured | cut -f 3 | uniq | tr '\n' ' ')" \
 	"$(printf '%s\n' "$out" | tail -n 2 | awk -F "$tab" '{ printf "%g ", $5 }')"
+odd=$(printf -- '-a scene\nevil via="x %%c')
+cp gears.nff "./$odd"
+printf '%s\n' 'odd via="./said '"'a\\\\cb'"' %c"' >-odd
+printf '#!/bin/sh\nprintf "%%s\\n" "$1" >odd.said; exec sh -c "$2"\n' >said
+chmod +x said
+run balance calibrate -n 1 -s 32x32 -S -odd -o -measured -- "$odd"
+is 'calibrate: odd names, and backslashes in a via: exit 0' "$status$err" 0
+is 'and they stay what they are' "$(cat odd.said; grep -v '^#' ./-measured | sed 's/ power=[0-9.]*//')" "a\\cb
+$(cat ./-odd)"
 # A host whose rtworker takes nine samples for one has about a ninth of the power; half of it on a machine with other work.
 mkdir slow
 printf '#!/bin/sh\nexec %s/rtworker -a 9 "$@"\n' "$BIN" >slow/rtworker
