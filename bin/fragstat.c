@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 struct options {
-    enum { SLOTS, SUMMARY, GANTT } what; /* -s, -g */
+    enum what { SLOTS, SUMMARY, GANTT } what; /* -s, -g */
     const char *costs;                   /* -c: the log of a run by one worker */
     const char *hosts;                   /* -S */
     double *powers;                      /* -w */
@@ -51,8 +51,8 @@ static void read_log(struct history *l, const char *path)
     if (std) path = "standard input";
     if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     if (l->bad > bad)
-        warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path,
-            l->bad - bad, l->why);
+        warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path,
+            l->bad - bad, l->bad - bad == 1 ? "" : "s", l->why);
     if (!std) close(fd);
 }
 
@@ -319,6 +319,12 @@ static void report_free(struct report *r)
     free(r->run_s);
 }
 
+static void choose(struct options *o, enum what what)
+{
+    if (o->what && o->what != what) die(ST_USAGE, "-g and -s: expected one of them");
+    o->what = what;
+}
+
 static struct options parse(int argc, char **argv)
 {
     static const char text[] = "[-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
@@ -327,9 +333,9 @@ static struct options parse(int argc, char **argv)
     while ((opt = getopt(argc, argv, "+c:ghsS:w:")) != -1) {
         switch (opt) {
         case 'c': o.costs = optarg; break;
-        case 'g': o.what = GANTT; break;
+        case 'g': choose(&o, GANTT); break;
         case 'h': usage(ST_OK, text);
-        case 's': o.what = SUMMARY; break;
+        case 's': choose(&o, SUMMARY); break;
         case 'S': o.hosts = optarg; break;
         case 'w': o.powers = opt_reals(opt, optarg, 1e-3, 1e3, &o.n_powers); break;
         default: usage(ST_USAGE, text);

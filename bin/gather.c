@@ -63,19 +63,25 @@ static void check_out(struct options *o)
     if (outfile_check(o->out) != 0) die(ST_SYSTEM, "%s:", o->out);
 }
 
+static int opt_bits(const char *s)
+{
+    if (strcmp(s, "8") == 0) return 8;
+    if (strcmp(s, "16") == 0) return 16;
+    die(ST_USAGE, "-k %s: expected 8 or 16", s);
+}
+
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.bits = 8, .progress = isatty(STDERR_FILENO)};
     for (int c; (c = getopt(argc, argv, "hk:mo:Pr:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
-        case 'k': o.bits = (int)opt_int(c, optarg, 8, 16); break;
+        case 'k': o.bits = opt_bits(optarg); break;
         case 'm': o.missing = true; break;
         case 'o': o.out = optarg; break;
         case 'P': o.progress = true; break;
         case 'r': o.log = optarg; break;
         default: usage(ST_USAGE, usage_text);
         }
-    if (o.bits != 8 && o.bits != 16) die(ST_USAGE, "-k %d: expected 8 or 16", o.bits);
     if (o.missing && (o.out || o.log)) die(ST_USAGE, "-m: expected neither -o nor -r with it");
     o.inputs = argv + optind;
     check_out(&o);

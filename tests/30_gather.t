@@ -250,7 +250,7 @@ exec 3>&-
 ok 'end of a stalled stream' wait $pid
 
 # ---- bad usage
-for args in '-k 9' '-k x' '-o x.jpg' '-o png' '-o %s.png' '-o %d%d.png' '-m -o x.png' '-m -r x' '-z' \
+for args in '-k 9' '-k 7' '-k x' '-o x.jpg' '-o png' '-o %s.png' '-o %d%d.png' '-m -o x.png' '-m -r x' '-z' \
 	'nosuch.frags'; do
 	# shellcheck disable=SC2086
 	run gather $args </dev/null

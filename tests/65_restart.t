@@ -100,6 +100,16 @@ run balance masterslave -r log -o log -s $size gears.nff
 is 'balance -r log -o log: exit 2' "$status" 2
 run balance masterslave -r gears.nff -o out.pfm gears.nff
 is 'balance -r with the scene: exit 2' "$status" 2
+run balance masterslave -o nosuch/out.pfm -s $size gears.nff
+like 'balance -o in no directory: named' "$status $err" '^3 gather: nosuch/out.pfm: No such file'
+for empty in j k o r s S; do
+	run balance masterslave "-$empty" '' -s $size -o out.pfm gears.nff
+	like "balance -$empty with nothing: exit 2" "$status $err" "^2 balance: -$empty: is empty"
+done
+mkdir dashed
+cp gears.nff dashed/-d.nff
+run sh -c "cd dashed && balance masterslave -s 16x16 -r -d.frags -o -d.pfm -- -d.nff"
+is 'balance: files whose names begin with a dash' "$status$err$(ls dashed | tr '\n' ' ')" '0-d.frags -d.nff -d.pfm '
 ok 'the log as it was' cmp log before
 
 # ---- what is allowed --------------------------------------------------------------------------------------------

@@ -89,6 +89,8 @@ printf ': \ngone via="exit 9; %%c"\n' >bad
 run balance calibrate -n 1 -s 32x32 -S bad -o unwritten gears.nff
 is 'calibrate: a host that renders nothing: exit 3' "$status" 3
 like 'calibrate: a host that renders nothing: named' "$err" 'balance calibrate: gone: not measured'
+run balance calibrate -n 9999 -s 32x32 -o nosuch/hosts gears.nff
+is 'calibrate -o in no directory: known before anything is measured' "$status $err" '3 balance calibrate: nosuch/hosts: cannot be written'
 is 'calibrate: a host that renders nothing: no hosts file' "$(ls unwritten* 2>/dev/null)" ''
 for bad in '' '-n 0 gears.nff' '-n x gears.nff' '-S nosuch:file/x gears.nff' '-s 0x0 gears.nff' 'nosuch.nff' '-W -d0 gears.nff' -; do
 	# shellcheck disable=SC2086

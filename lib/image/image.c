@@ -60,11 +60,11 @@ bool image_format_of(const char *path, enum image_format *format)
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
 {
     *im = (struct image){0};
-    if (n == 0) return image_fail(err, "empty, expected a PNG, PAM, PPM or PFM picture");
+    if (n == 0) return image_fail(err, "empty, expected a PNG, PAM, PPM, PGM or PFM picture");
     if (n >= 4 && memcmp(p, "\211PNG", 4) == 0) return png_decode(p, n, im, err);
     if (n >= 2 && p[0] == 'P' && strchr("567", p[1]) && p[1]) return pnm_decode(p, n, im, err);
     if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f')) return pfm_decode(p, n, im, err);
-    return image_fail(err, "no picture format known here, expected PNG, PAM, PPM or PFM");
+    return image_fail(err, "no picture format known here, expected PNG, PAM, PPM, PGM or PFM");
 }
 
 /* The whole file, if it is no longer than a picture can be. */

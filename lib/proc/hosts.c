@@ -192,7 +192,8 @@ static bool read_entry(struct reader *r, struct hosts *h, char *entry)
     char *slash = strchr(entry, '/');
     if (slash) *slash = '\0';
     if (slash && !set_slots(host, entry))
-        return refuse(r, "%s/: no such file, and no slots, expected 1 to 4096 before `/`", entry);
+        return refuse(r, "%s/%s: no such file, and no slots, expected 1 to 4096 before `/`", entry,
+            slash + 1);
     return set_name(r, host, slash ? slash + 1 : entry) && count(r, h, host);
 }
 

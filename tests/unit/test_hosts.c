@@ -85,6 +85,8 @@ static void a_bad_list_is_refused(void **state)
         assert_non_null(strstr(err, "expected"));
         assert_null(hosts.at);
     }
+    assert_false(hosts_read(&hosts, "no/such/file", err));
+    assert_non_null(strstr(err, "no/such/file: no such file"));
 }
 
 static void a_bad_file_is_refused_with_its_line(void **state)
