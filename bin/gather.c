@@ -215,7 +215,7 @@ static void take_record(void *ctx, const struct record *r)
     if (r->kind == REC_FRAME) take_frame(g, r);
     size_t n;
     if (r->kind == REC_BYE && !g->rereading) g->deserted = rec_key(r, "why", &n) != NULL;
-    if (!g->rereading) log_append(&g->log, r);
+    if (!g->rereading && r->kind != REC_BEAT) log_append(&g->log, r);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     if (!whole) return;
     if (!g->o->missing) write_picture(g, whole);
@@ -365,7 +365,9 @@ static int finish(struct gather *g)
     report_refused(g);
     report_twice(g);
     if (!parts->n_frames)
-        warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
+        warn(g->deserted
+                 ? "nothing was rendered: no worker was left"
+                 : "no frame was declared, expected `frame F W H job=HASH` and its fragments");
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);

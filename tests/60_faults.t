@@ -183,6 +183,11 @@ like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^(frame .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
+liar 'sleep .5; rtworker - | perl -pe "BEGIN { \$| = 1 } s/ job=\S+/ job=0/"; exit' 1.5
+ok "another job: the same picture" cmp out.pfm small.pfm
+like "another job: it is said" "$(cat said)" 'lost \(other-job\)'
+liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7\n) while 1"; exit'
+ok "answers to no question: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^frame 0 64 64/frame 0 64 65/"; exit'
 ok "a frame of another size: the same picture" cmp out.pfm small.pfm
 like "a frame of another size: it is said" "$(cat said)" 'lost \(wrong-frame\)'

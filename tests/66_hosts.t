@@ -20,6 +20,12 @@ ok '-S LIST: the same picture' cmp out.pfm good.pfm
 is '-S LIST: three slots' "$(grep -a -o 'hello deal .*slots=[0-9]*' list | grep -o 'slots=.*')" slots=3
 
 is 'fan -l WORKER: one power for the slots of a host' "$(fan -l -j 6 rtworker | cut -f 3 | sort -u | wc -l)" 1
+# All is in the log, and the host takes longer to reach than the run.
+printf 'far via="sleep 1; sh -c %%c"\n' >far
+rm -f out.pfm
+ok '-S, a whole log, a host that is slow to come: exit 0' balance masterslave -S far -s $size -r list -o out.pfm gears.nff
+ok '-S, a whole log, a host that is slow to come: the same picture' cmp out.pfm good.pfm
+
 # The hybrid's first 62 of 80 rows go where the powers that are stated say, whoever is faster.
 printf ': power=1\n: power=1\n: power=7\n' >three
 balance hybrid -S three -s $size -r log3 -o out.pfm gears.nff
@@ -56,7 +62,7 @@ run balance calibrate -n 3 -s 64x48 -S hosts -o measured gears.nff
 is 'calibrate: exit 0' "$status" 0
 tab=$(printf '\t')
 is 'calibrate: a line of names, and a line a host' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" 'host : other '
-is 'calibrate: the first has power 1' "$(printf '%s\n' "$out" | sed -n '2s/.*\t//p')" 1.000
+is 'calibrate: the first has power 1' "$(printf '%s\n' "$out" | sed -n '2s/.*\t//p')" 1
 is 'calibrate: max, min, mean and power are what they are called' "$(printf '%s\n' "$out" | awk -F "$tab" '
 	NR == 1 { next }
 	NR == 2 { first = $4 }

@@ -36,6 +36,8 @@ static void route_state(struct fan *f, const struct record *r)
     struct buf bytes = {0};
     wire_forward(&bytes, r, NULL, NULL);
     struct blob *b = blob_new(&bytes), **kept = &f->state[r->kind - REC_SCENE];
+    /* What is announced from now on belongs to other state. */
+    for (size_t i = 0; i < f->frames.n; i++) f->frames.at[i].said = false;
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s)) continue;

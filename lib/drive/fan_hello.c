@@ -13,7 +13,6 @@
 #define END_MS 200            /* and for it to exit, its input being closed */
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9 /* of an inner fan: the sum of its slots */
-#define INNER_MOST (1 << 20)
 
 /* "PROGRAM VERSION" of a hello, which has both. */
 static void program_of(const struct record *r, char text[64])
@@ -126,7 +125,7 @@ const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r
         return refuse(s, "other-arithmetic", "its arithmetic differs (selftest=%s, %s %s)",
             selftest, ref->of, ref->selftest);
     if (!(s->power > 0) && !rec_real(r, "power", POWER_LEAST, POWER_MOST, &s->power)) s->power = 1;
-    if (!rec_int(r, "slots", 1, INNER_MOST, &inner)) inner = 1;
+    if (!rec_int(r, "slots", 1, HOSTS_SLOTS_MAX, &inner)) inner = 1;
     s->inner = (int)inner;
     if (!f->greeted) say_hello(f, s->power);
     slot_up(f, s);

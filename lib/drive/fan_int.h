@@ -47,6 +47,8 @@ struct fan_slot {
     bool decided;   /* leaving: why is known, and has been said */
     bool again;     /* leaving: then it is connected again */
     bool did;       /* it has done and delivered a task */
+    int stale;      /* answers to questions not asked */
+    int64_t beat_us;
 
     /* of all of them */
     bool was_up;

@@ -73,6 +73,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->from.upward = true;
     s->connected = s->loaded = s->asked = s->decided = s->again = false;
     s->did = false;
+    s->stale = 0;
     s->before_hello = 0;
     *s->chatter = '\0';
     s->opened_us = s->heard_us = now_us();

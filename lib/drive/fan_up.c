@@ -5,6 +5,8 @@
 #include <string.h>
 
 #define CHATTER_MOST 65536             /* bytes before hello, where start-up files may talk */
+#define BEAT_US 250000                 /* a slot's beats are passed on so far apart */
+#define STALE_MOST 1000                /* answers to no question over one connection */
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
 static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
@@ -18,11 +20,26 @@ static void stamp(const struct fan_slot *s, const struct record *r, char *text, 
     else snprintf(text, size, "w=%d", s->number);
 }
 
-static void pass_control(struct fan *f, struct fan_slot *s, const struct record *r)
+/* Beats say one thing however many there are: who babbles fills no log with them. */
+static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
+    int64_t now = now_us();
+    if (now - s->beat_us < BEAT_US) return;
+    s->beat_us = now;
     stamp(s, r, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
+}
+
+/* Do all slots say the same of what frame f belongs to? Who says it first is believed. */
+static bool same_job(struct frame_size *f, const struct record *r)
+{
+    size_t n = 0;
+    const char *job = rec_key(r, "job", &n);
+    uint64_t said = hash64(HASH64_INIT, job ? job : "", n);
+    if (!f->said) f->job = said;
+    f->said = true;
+    return f->job == said;
 }
 
 /*
@@ -32,8 +49,9 @@ static void pass_control(struct fan *f, struct fan_slot *s, const struct record 
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
-    const struct frame_size *asked = frames_find(&f->frames, r->task.frame);
+    struct frame_size *asked = frames_find(&f->frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
+    if (!same_job(asked, r)) return "other-job";
     s->loaded = true;
     s->loading = false;
     stamp(s, r, text, sizeof text);
@@ -51,13 +69,17 @@ static void settle(struct fan_slot *s, int32_t i)
     if (!s->tasks.count) s->flushed = false;
 }
 
+/* An answer to no question is dropped; who gives nothing else keeps its tasks from the others. */
+static const char *take_stale(struct fan *f, struct fan_slot *s)
+{
+    f->stale++;
+    return ++s->stale > STALE_MOST ? "unasked" : NULL;
+}
+
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-    if (i < 0 || s->tasks.at[i].done) {
-        f->stale++;
-        return NULL;
-    }
+    if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
     char w[96], text[160];
     stamp(s, r, w, sizeof w);
     snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
@@ -72,10 +94,7 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
 static const char *take_frag(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-    if (i < 0) {
-        f->stale++;
-        return NULL;
-    }
+    if (i < 0) return take_stale(f, s);
     if (!s->loaded) return "frag-before-frame";
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
@@ -111,7 +130,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_FRAME: return take_frame(f, s, r);
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
-    case REC_BEAT: pass_control(f, s, r); return NULL;
+    case REC_BEAT: pass_beat(f, s, r); return NULL;
     case REC_GONE: return take_inner_gone(f, s);
     case REC_UP: /* of an inner fan: its own affair */
     case REC_BYE: return NULL;

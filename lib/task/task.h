@@ -112,6 +112,7 @@ struct frame_size {
     uint32_t frame, w, h;
     bool said;       /* for the owner of the table, false at first and when the size is set again */
     uint32_t top_id; /* likewise, 0 */
+    uint64_t job;    /* likewise, 0 */
 };
 struct frames {
     struct frame_size *at;
