@@ -282,7 +282,7 @@ for name in lost never; do
 	is "no host left, $name: exit 3" "$(cat $name/status)" 3
 	like "no host left, $name: it is said" "$(cat $name/said)" '^fan: no slot left'
 	like "no host left, $name: and what is missing" "$(cat $name/said)" \
-		'[0-9]+ of 36864 pixels missing|no frame was declared'
+		'[0-9]+ of 36864 pixels missing|nothing was rendered'
 	took=$((($(cat $name/until) - $(cat $name/since)) / 1000000))
 	ok "no host left, $name: within 30 s, and 3 for a loaded machine: $took ms" [ $took -lt 33000 ]
 done
