@@ -78,7 +78,7 @@ bad 'a bad number' bad-number 'bad-number:1: slots=many: expected an integer fro
 : >empty
 bad 'an empty file' empty 'empty: no host, expected'
 bad 'an option for a host' -oProxyCommand=x '-S: -oProxyCommand=x: no host name, expected'
-bad 'a file that is not there' no/hosts '-S: no/: no such file.*expected'
+bad 'a file that is not there' no/hosts '-S: no/hosts: no such file.*expected'
 run fan -S hosts -j 2 rtworker -
 is '-S and -j: exit 2' "$status" 2
 
