@@ -41,5 +41,5 @@ measure() {
 	echo "$(nproc) cores: at best $(median 5 <pairs) of one worker's time is left for two on this machine"
 	report "$size: two slots / one worker" "$(median 3 <pairs)" '' 0.53
 }
-measure 1024x1024 '-a 16'
+measure 1024x1024 '-a 25'
 measure 2560x2560 '-a 4'
