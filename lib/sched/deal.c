@@ -210,6 +210,8 @@ static void deal_step(
     case SCHED_GONE: take_gone(d, e->slot); break;
     case SCHED_DONE: take_done(d, e, now, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
+    case SCHED_RING:
+    case SCHED_WAKE: break; /* no slot of it is a node */
     }
     hand_out(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
@@ -247,4 +249,4 @@ static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint3
 }
 
 const struct policy policy_deal = {
-    "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_tries, deal_destroy};
+    "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_tries, NULL, deal_destroy};
