@@ -7,11 +7,12 @@
 # hosts on this machine, through the real deal, fan, pipes and gather: 12 of power 1, one of .442 and one of 1.347, rows of
 # 512x512 at 1/20 of the paper's times, 97.86 s for balls on the reference host, 11.15 times that for gears and .455 times
 # for tetra. Efficiency is the lower bound / the makespan, by default settings; start is at 0. All 14 start-ups share
-# two cores here, and messages do not shrink with the costs: in 1/20 of the time both weigh 20 times as much. Costs are
-# those of one worker by rows, so that pixels of a row count as equal. masterslave+ is with deal's -q auto -e.
+# two cores here, and messages do not shrink with the costs: in 1/20 of the time both weigh 20 times as much (SHRINK=2
+# has 1/2 of it; METHODS names the methods). Costs are those of one worker by rows, so that pixels of a row count as
+# equal. masterslave+ is with deal's -q auto -e.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-rounds=${ROUNDS:-5} methods='interleaved masterslave hybrid ss sc ds dc masterslave+'
+rounds=${ROUNDS:-5} shrink=${SHRINK:-20} methods=${METHODS:-interleaved masterslave hybrid ss sc ds dc masterslave+}
 
 # of FILE KEY: from a summary
 of() { awk -F '\t' -v key="$2" '$1 == key { print $2 }' "$1"; }
@@ -54,7 +55,7 @@ for scene in balls gears tetra; do
 	gather -o $scene.png $scene.frags || stop 'gather failed'
 	case $scene in balls) paper_s=97.86 ;; gears) paper_s=1091.14 ;; tetra) paper_s=44.53 ;; esac
 	fragstat -s $scene.frags >.one
-	echo "$paper_s $(of .one cpu_s)" | awk '{ print $1 / 20 / $2 }' >$scene.scale
+	echo "$paper_s $shrink $(of .one cpu_s)" | awk '{ print $1 / $2 / $3 }' >$scene.scale
 done
 once() { # SCENE METHOD
 	rm -f run.frags run.png
@@ -95,8 +96,9 @@ mkdir -p "$root/build/bench" || exit 3
 	printf '# %s\n' 'x: time' 'y: host' 'lanes: 1 1 1 1 1 1 1 1 1 1 1 1 0.442 1.347' 'seed: 0' 'command: tests/bench/60_replay.sh' \
 		"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
 		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
-		'note: lanes are hosts, named by their power; times are 1/20 of the paper'"'"'s'
+		"note: lanes are hosts, named by their power; times are 1/$shrink of the paper's"
 	for method in interleaved masterslave; do
+		[ -s gears.$method.last ] || continue
 		fragstat -g -S hosts gears.$method.last | sed "/^#/d; s/^gears.$method.last/$method/"
 	done | awk '!/^experiment/ || !n++'
 } >"$root/build/bench/hosts.tsv" || exit 3
