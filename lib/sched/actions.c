@@ -9,6 +9,10 @@ void sched_act(
         out->at = xrealloc(out->at, out->cap, sizeof *out->at);
     }
     struct sched_action *a = &out->at[out->n++];
-    *a = (struct sched_action){.kind = kind, .slot = slot};
-    if (task) a->task = *task;
+    *a = (struct sched_action){
+        .kind = kind, .slot = slot, .from = -1, .ring = {.peer = -1, .next = -1}};
+    if (task) {
+        a->task = *task;
+        a->of = task->id;
+    }
 }

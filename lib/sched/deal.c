@@ -24,6 +24,7 @@
 #include <stdlib.h>
 
 #define SLOTS_MAX (1 << 20)
+#define SHARES 2 /* of the pool, a slot may have in store at the end */
 
 static void *deal_create(const struct sched_params *p)
 {
@@ -60,6 +61,21 @@ static struct slot *slot_at(struct deal *d, int32_t k)
 
 /* ---- giving ---------------------------------------------------------------------------------- */
 
+/*
+ * So many tasks may slot s, which is up, have. With SCHED_DEPTH_AUTO that follows what is measured
+ * of it (pace.c). What is too deep costs nothing until the end, and there the queues are run down:
+ * when the input has ended, no slot may hold more beyond the task it is on than SHARES times its
+ * share of the pool.
+ */
+static int32_t limit_of(const struct deal *d, const struct slot *s)
+{
+    bool adapts = d->p.depth == SCHED_DEPTH_AUTO;
+    int32_t depth = (adapts ? pace_depth(&s->pace, s->width) : d->p.depth) + (BUG(5) ? 1 : 0);
+    bool revoked = d->ended && (adapts || d->p.endgame);
+    int32_t share = revoked && !BUG(23) ? SHARES * d->pool.count / d->up : depth;
+    return s->width + (depth < share ? depth : share);
+}
+
 /* The slot that has least, the lowest of equals, or -1 when all have what they may. */
 static int32_t hungriest(const struct deal *d)
 {
@@ -67,7 +83,7 @@ static int32_t hungriest(const struct deal *d)
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
         int32_t load = slot_load(s);
-        if (s->state != SLOT_UP || load >= least || load >= pace_limit(d, s)) continue;
+        if (s->state != SLOT_UP || load >= least || load >= limit_of(d, s)) continue;
         best = k;
         least = load;
     }

@@ -1,21 +1,13 @@
 /*
  * deal, shared by its files: deal.c (events, and who gets what), ledger.c (tasks, and what slots
- * have of them), deal_depth.c (how many tasks a slot may hold), deal_end.c (the last tasks).
+ * have of them), deal_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
 
-#include "sched/sched.h"
+#include "sched/pace.h"
 
 enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
-
-/* How a slot does, as seen from here; 0: not known yet. */
-struct pace {
-    double round_trip_us; /* what a task takes beyond its computing, when none is before it */
-    double task_us;       /* the computing; a recent mean */
-    double px_per_us;     /* likewise */
-    int64_t done_us;      /* when its latest `done` came */
-};
 
 struct slot {
     enum slot_state state;
@@ -78,13 +70,6 @@ void deal_drop_copy(struct slot *s, int32_t c);
 void deal_lose(struct deal *d, struct slot *s, struct task_list *l);
 /* The same of the ledger's entries on list l, which it had computed, or was to have. */
 void deal_reclaim(struct deal *d, struct task_list *l);
-
-/* ---- deal_depth.c ---------------------------------------------------------------------------- */
-
-/* A task is done, of which the slot had `copy`. */
-void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us);
-/* So many tasks may slot s, which is up, have. */
-int32_t pace_limit(const struct deal *d, const struct slot *s);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 

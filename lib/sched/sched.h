@@ -8,9 +8,9 @@
  * which is its slot 0; what they say to each other are ring messages. A node's work comes as
  * SCHED_TASK, and END is its input's end.
  *
- * What every policy around a fan guarantees to its driver: each task whose pixels were delivered is committed
- * once; a task that is not committed is in the pool, or has an owner that is up, or has pieces for
- * which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input has ended
+ * What every policy around a fan guarantees to its driver: each task whose pixels were delivered is
+ * committed once; a task that is not committed is in the pool, or has an owner that is up, or has
+ * pieces for which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input has ended
  * and nothing is uncommitted.
  */
 #ifndef STORMRING_SCHED_H

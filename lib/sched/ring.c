@@ -1,0 +1,291 @@
+/*
+ * The hub of the ring: it passes on what nodes say to each other, over FIFO links, and keeps the
+ * ledger of who owns which task. It does not decide how much is given, or which.
+ *
+ *   owner    of a task that is not committed     changes on
+ *   pool     nobody that is known could have it  SLOTS, UP of a node: -> node
+ *   node     NEW: it waits here for the node;    GIVE of its owner: -> the other one
+ *            UP: it was given to it              GONE: -> the next before it that is up, or pool
+ *   (any)    -                                   the last PIXELS: committed
+ *
+ * A task starts at the node it is preassigned to, else at node id mod n. A GIVE counts only from
+ * the owner, and so does DONE; PIXELS count whoever sends them. What belongs to a connection that
+ * was lost is thus void, and a task that reaches the next one on that slot, which does not own it,
+ * is computed once too often at worst.
+ *
+ * The ledger alone ends the run.
+ */
+#include "sched/ring_int.h"
+
+#include <stdlib.h>
+
+#define SLOTS_MAX (1 << 20)
+
+static void *ring_create(const struct sched_params *p)
+{
+    struct hub *h = xcalloc(1, sizeof *h);
+    h->p = *p;
+    h->pool = TASK_LIST_EMPTY;
+    return h;
+}
+
+static void ring_destroy(void *state)
+{
+    struct hub *h = state;
+    if (!h) return;
+    tasks_free(&h->ledger);
+    set_free(&h->up);
+    set_free(&h->hungry);
+    set_free(&h->rich);
+    free(h->from);
+    free(h->nodes);
+    free(h);
+}
+
+/* ---- the ledger ------------------------------------------------------------------------------ */
+
+static struct task_list *list_of(struct hub *h, int32_t i)
+{
+    const struct task_entry *e = &h->ledger.at[i];
+    if (e->slot < 0) return &h->pool;
+    return e->done ? &h->nodes[e->slot].computed : &h->nodes[e->slot].held;
+}
+
+static void unlist(struct hub *h, int32_t i)
+{
+    list_remove(&h->ledger, list_of(h, i), i);
+    h->n_computed -= h->ledger.at[i].done;
+}
+
+static void enlist(struct hub *h, int32_t i, int32_t k, bool done)
+{
+    h->ledger.at[i].slot = k;
+    h->ledger.at[i].done = done;
+    h->n_computed += done;
+    list_push_back(&h->ledger, list_of(h, i), i);
+}
+
+/* Node k, which is up, is told of entry i, which is its. */
+static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
+{
+    struct hub_node *s = &h->nodes[k];
+    s->flushed = BUG(38) && s->flushed;
+    h->ledger.at[i].tries += !h->ledger.at[i].tries;
+    sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
+    out->at[out->n - 1].from = h->from[i];
+    ring_served(h, k);
+}
+
+/* Entry i, on no list, is node k's, or, where that is gone, the next one's before it that is up. */
+static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
+{
+    if (h->nodes[k].state == NODE_GONE && !BUG(30)) k = set_before(&h->up, k);
+    enlist(h, i, k, false);
+    if (hub_is_up(h, k)) send(h, k, i, out);
+}
+
+static void start(struct hub *h, int32_t i, struct sched_actions *out)
+{
+    const struct task *t = &h->ledger.at[i].task;
+    bool chosen = t->to >= 0 && t->to < h->n_nodes;
+    assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
+}
+
+static void take_pool(struct hub *h, struct sched_actions *out)
+{
+    for (int32_t left = h->pool.count; left > 0; left--) {
+        int32_t i = h->pool.head;
+        unlist(h, i);
+        start(h, i, out);
+    }
+}
+
+/* Once all of what node k has is computed, it is asked for what is missing of it. */
+static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
+{
+    struct hub_node *s = &h->nodes[k];
+    bool wanted = (h->ended || h->flush) && s->state == NODE_UP;
+    if (!wanted || s->flushed || s->held.count || !s->computed.count) return;
+    s->flushed = true;
+    sched_act(out, SCHED_ASK_FLUSH, k, NULL);
+}
+
+/* ---- events ---------------------------------------------------------------------------------- */
+
+static void take_task(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
+    int32_t i = tasks_add(&h->ledger, &e->task, e->frame_w);
+    if (h->n_from < h->ledger.cap) {
+        h->n_from = h->ledger.cap;
+        h->from = xrealloc(h->from, (size_t)h->n_from, sizeof *h->from);
+    }
+    h->from[i] = -1;
+    if (h->n_nodes) start(h, i, out);
+    else enlist(h, i, -1, false);
+}
+
+static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
+{
+    if (h->n_nodes || n < 1 || n > SLOTS_MAX) return;
+    h->n_nodes = n;
+    h->nodes = xcalloc((size_t)n, sizeof *h->nodes);
+    for (int32_t k = 0; k < n; k++)
+        h->nodes[k] = (struct hub_node){
+            .held = TASK_LIST_EMPTY, .computed = TASK_LIST_EMPTY, .thief = -1, .victim = -1};
+    set_init(&h->up, n);
+    set_init(&h->hungry, n);
+    set_init(&h->rich, n);
+    take_pool(h, out);
+}
+
+/* The tasks come first, so that it does not ask for what is under way. */
+static void take_up(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    int32_t k = e->slot;
+    struct hub_node *s = &h->nodes[k];
+    if (s->state == NODE_UP) return;
+    bool told = BUG(37) && s->state == NODE_GONE;
+    s->state = NODE_UP;
+    s->width = e->n > 1 ? e->n : 1;
+    set_put(&h->up, k, true);
+    for (int32_t i = BUG(36) ? -1 : s->held.head; i >= 0; i = h->ledger.at[i].next)
+        send(h, k, i, out);
+    take_pool(h, out);
+    if (told) return;
+    sched_act(out, SCHED_SAY, k, NULL);
+    out->at[out->n - 1].ring = (struct ring){
+        .kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes, .one = h->p.one};
+}
+
+static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
+{
+    struct hub_node *s = &h->nodes[k];
+    struct task_list *lists[] = {&s->computed, &s->held};
+    bool had = s->state == NODE_UP;
+    s->state = NODE_GONE;
+    set_put(&h->up, k, false);
+    ring_lost(h, k);
+    for (int l = BUG(27) ? 1 : 0; l < (BUG(28) ? 1 : 2); l++) {
+        while (lists[l]->count) {
+            int32_t i = lists[l]->head;
+            unlist(h, i);
+            h->from[i] = -1;
+            h->ledger.at[i].tries += had;
+            assign(h, i, k, out);
+        }
+    }
+}
+
+static void take_done(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
+    if (i < 0 || !hub_is_up(h, k) || (h->ledger.at[i].slot != k && !BUG(31))) return;
+    /* Said before it was so? What it holds back it may not have had when it was asked. */
+    if (h->ledger.at[i].done) h->nodes[k].flushed = false;
+    unlist(h, i);
+    enlist(h, i, k, true);
+    hub_mark(h, k);
+    ask_flush(h, k, out);
+}
+
+static void take_pixels(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
+    if (i < 0 || !tasks_deliver(&h->ledger, i, &e->task.at) || !tasks_whole(&h->ledger, i)) return;
+    int32_t k = h->ledger.at[i].slot;
+    sched_act(out, SCHED_COMMIT, k, &h->ledger.at[i].task);
+    unlist(h, i);
+    tasks_remove(&h->ledger, i);
+    if (k < 0) return;
+    hub_mark(h, k);
+    ask_flush(h, k, out);
+}
+
+/* To a node that does not exist it was not given. */
+static void take_give(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    int32_t k = e->slot, peer = e->ring.peer;
+    int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
+    if (peer < 0 || peer >= h->n_nodes) peer = k;
+    if (i >= 0 && (h->ledger.at[i].slot == k || BUG(29))) {
+        unlist(h, i);
+        h->from[i] = k;
+        assign(h, i, peer, out);
+    }
+    ring_has_given(h, k, peer);
+    hub_mark(h, k);
+    ask_flush(h, k, out);
+}
+
+static void take_ring(struct hub *h, const struct sched_event *e, struct sched_actions *out)
+{
+    if (!hub_is_up(h, e->slot)) return;
+    switch (e->ring.kind) {
+    case RING_ASK: ring_asks(h, e->slot); break;
+    case RING_GIVE: take_give(h, e, out); break;
+    case RING_NONE: ring_has_none(h, e->slot, e->ring.peer); break;
+    default: break;
+    }
+}
+
+static void flush_all(struct hub *h, struct sched_actions *out)
+{
+    for (int32_t k = 0; k < h->n_nodes; k++) ask_flush(h, k, out);
+}
+
+static void ring_step(
+    void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
+{
+    struct hub *h = state;
+    bool known = e->slot >= 0 && e->slot < h->n_nodes;
+    (void)now;
+    switch (e->kind) {
+    case SCHED_TASK: take_task(h, e, out); break;
+    case SCHED_INPUT_END:
+        h->ended = true;
+        flush_all(h, out);
+        break;
+    case SCHED_FLUSH:
+        h->flush = true;
+        flush_all(h, out);
+        break;
+    case SCHED_SLOTS: take_slots(h, e->n, out); break;
+    case SCHED_UP:
+        if (known) take_up(h, e, out);
+        break;
+    case SCHED_GONE:
+        if (known) take_gone(h, e->slot, out);
+        break;
+    case SCHED_DONE: take_done(h, e, out); break;
+    case SCHED_PIXELS: take_pixels(h, e, out); break;
+    case SCHED_RING: take_ring(h, e, out); break;
+    case SCHED_WAKE: break;
+    }
+    ring_match(h, out);
+    if (!h->ledger.count) h->flush = false;
+    if (!h->ended || h->ledger.count - (BUG(35) ? h->n_computed : 0) || h->closed) return;
+    h->closed = true;
+    sched_act(out, SCHED_END, -1, NULL);
+}
+
+static int64_t ring_uncommitted(const void *state)
+{
+    return ((const struct hub *)state)->ledger.count;
+}
+
+static int64_t ring_waiting(const void *state)
+{
+    const struct hub *h = state;
+    return h->ledger.count - h->n_computed;
+}
+
+static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)
+{
+    const struct hub *h = state;
+    int32_t i = tasks_find(&h->ledger, frame, id);
+    return i >= 0 && h->ledger.at[i].slot == slot ? h->ledger.at[i].tries : 0;
+}
+
+const struct policy policy_ring = {"ringctl", ring_create, ring_step, ring_uncommitted,
+    ring_waiting, ring_tries, NULL, ring_destroy};

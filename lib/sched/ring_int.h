@@ -1,0 +1,81 @@
+/*
+ * The hub of the ring, shared by its files: ring.c (events, the ledger), ring_ask.c (who is asked
+ * for whom), ring_set.c (sets of slots).
+ */
+#ifndef STORMRING_SCHED_RING_INT_H
+#define STORMRING_SCHED_RING_INT_H
+
+#include "sched/sched.h"
+
+/* ---- ring_set.c ------------------------------------------------------------------------------ */
+
+/*
+ * A set of slots, around the ring: bits in words of 64, and above each level one of a bit for each
+ * word that is not empty, so that the next member is found in as many steps as there are levels.
+ */
+#define SET_LEVELS 4
+struct slot_set {
+    uint64_t *level[SET_LEVELS];
+    int32_t n; /* slots 0 .. n-1 may be members */
+    int32_t count;
+};
+void set_init(struct slot_set *s, int32_t n); /* n <= 1 << 20 */
+void set_free(struct slot_set *s);
+bool set_has(const struct slot_set *s, int32_t k);
+void set_put(struct slot_set *s, int32_t k, bool member);
+/* The first member after k, or before it, around the ring, k itself the last; -1: it is empty. */
+int32_t set_after(const struct slot_set *s, int32_t k);
+int32_t set_before(const struct slot_set *s, int32_t k);
+
+/* ---- ring.c ---------------------------------------------------------------------------------- */
+
+enum node_state { NODE_NEW, NODE_UP, NODE_GONE };
+
+/* What the hub knows of the node on a slot. */
+struct hub_node {
+    enum node_state state;
+    int32_t width;                   /* tasks that it is on at once */
+    struct task_list held, computed; /* entries of the ledger: its tasks; `computed`: pixels miss */
+    bool flushed;                    /* it was asked for these, since it was last given a task */
+    bool asking;                     /* it wants work, and was given none since it said so */
+    bool dry;                        /* it had nothing to give, and was given nothing since */
+    int32_t thief;         /* the node for which it was asked last, and has not answered; -1 */
+    int32_t victim;        /* the node that was asked for it, and has not answered; -1 */
+    uint64_t given;        /* tasks */
+    uint64_t given_before; /* of them, when it was asked last */
+};
+
+struct hub {
+    struct sched_params p;
+    struct task_table ledger; /* tasks that are not committed; slot: whose, -1 in the pool */
+    int32_t *from;            /* by entry: whose it was before, where it was stolen, -1 */
+    int32_t n_from;
+    struct task_list pool; /* no node is known that could have them */
+    struct hub_node *nodes;
+    int32_t n_nodes;                  /* 0: not known yet */
+    int64_t n_computed;               /* entries */
+    struct slot_set up, hungry, rich; /* ring_ask.c */
+    bool ended, flush, closed;
+};
+
+static inline bool hub_is_up(const struct hub *h, int32_t k)
+{
+    return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;
+}
+/* Something about node k has changed: notes whether it wants work, and whether it has some. */
+void hub_mark(struct hub *h, int32_t k);
+
+/* ---- ring_ask.c ------------------------------------------------------------------------------ */
+
+/* Whoever wants work has somebody asked for it, as far as there is somebody. */
+void ring_match(struct hub *h, struct sched_actions *out);
+/* Node k was given a task: whatever it had asked for, it has. */
+void ring_served(struct hub *h, int32_t k);
+/* Node k says ASK; or NONE, to node peer; or has given something to it. */
+void ring_asks(struct hub *h, int32_t k);
+void ring_has_none(struct hub *h, int32_t k, int32_t peer);
+void ring_has_given(struct hub *h, int32_t k, int32_t peer);
+/* Node k is lost. */
+void ring_lost(struct hub *h, int32_t k);
+
+#endif

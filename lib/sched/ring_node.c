@@ -1,0 +1,287 @@
+/*
+ * A node of the ring: a queue of tasks around one worker, which is fed so few at once that the node
+ * can give the others away while they wait.
+ *
+ * The default rules, as they stand below:
+ *
+ * 1. A node asks ahead: when it will have worked off its queue before an answer could be here, by
+ *    what it has measured of its worker and of its asks; at the latest when its queue is empty. One
+ *    ask is outstanding at most; whatever task comes ends it.
+ * 2. Who is asked gives so much from the end of its queue that both have done what they have then
+ *    at the same time, if the other one is as fast, and has nothing left when that arrives: about
+ *    half. (Steal-half: D. Hendler, N. Shavit, "Non-blocking steal-half work queues", PODC 2002.)
+ * 3. It keeps what bridges an ask of its own, and gives nothing while it asks itself: the last
+ *    task is not passed round.
+ *
+ * A node that no hub has given a place feeds its worker, and that is all.
+ */
+#include "sched/node_int.h"
+
+#include <stdlib.h>
+
+static void *node_create(const struct sched_params *p)
+{
+    (void)p;
+    struct node *n = xcalloc(1, sizeof *n);
+    n->queue = n->fed = n->computed = TASK_LIST_EMPTY;
+    n->asked_us = -1;
+    return n;
+}
+
+static void node_destroy(void *state)
+{
+    struct node *n = state;
+    if (!n) return;
+    gdc_node_free(n);
+    tasks_free(&n->has);
+    free(n);
+}
+
+static double px_of(const struct node *n, int32_t i)
+{
+    return (double)lattice_count(&n->has.at[i].task.at);
+}
+
+/* ---- what it has ----------------------------------------------------------------------------- */
+
+static void queue_push(struct node *n, int32_t i)
+{
+    list_push_back(&n->has, &n->queue, i);
+    n->queue_px += px_of(n, i);
+}
+
+static void queue_take(struct node *n, int32_t i)
+{
+    list_remove(&n->has, &n->queue, i);
+    n->queue_px -= px_of(n, i);
+}
+
+/* Takes entry i off the list that it is on: slot says which. */
+enum { QUEUED = -1, FED, COMPUTED };
+static void unlist(struct node *n, int32_t i)
+{
+    switch (n->has.at[i].slot) {
+    case QUEUED: queue_take(n, i); break;
+    case FED: list_remove(&n->has, &n->fed, i); break;
+    default: list_remove(&n->has, &n->computed, i);
+    }
+}
+
+static void enqueue(struct node *n, int32_t i)
+{
+    n->has.at[i].slot = QUEUED;
+    n->has.at[i].delivered = 0;
+    queue_push(n, i);
+}
+
+struct ring *node_say(enum ring_kind kind, int32_t peer, struct sched_actions *out)
+{
+    sched_act(out, SCHED_SAY, 0, NULL);
+    struct ring *r = &out->at[out->n - 1].ring;
+    *r = (struct ring){.kind = kind, .peer = peer, .next = -1};
+    return r;
+}
+
+void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *out)
+{
+    node_say(RING_GIVE, peer, out);
+    out->at[out->n - 1].task = n->has.at[i].task;
+    queue_take(n, i);
+    tasks_remove(&n->has, i);
+}
+
+static void feed(struct node *n, int64_t now, struct sched_actions *out)
+{
+    int32_t store = n->place.published ? 0 : pace_depth(&n->pace, n->width);
+    int32_t most = n->width ? n->width + store : 0;
+    while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
+        int32_t i = n->queue.head;
+        queue_take(n, i);
+        list_push_back(&n->has, &n->fed, i);
+        n->has.at[i].slot = FED;
+        n->has.at[i].since_us = now;
+        sched_act(out, SCHED_GIVE, 0, &n->has.at[i].task);
+    }
+}
+
+/* ---- events ---------------------------------------------------------------------------------- */
+
+/* What is computed, and comes again, was lost on its way. */
+static void take_task(struct node *n, const struct sched_event *e, int64_t now)
+{
+    int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
+    if (n->asked_us >= 0 && e->from >= 0) {
+        double trip_us = (double)(now - n->asked_us);
+        if (n->trip_us <= 0 || trip_us < n->trip_us) n->trip_us = trip_us;
+        else pace_mix(&n->trip_us, fmin(trip_us, 2 * n->trip_us));
+    }
+    if (!BUG(46)) n->asked_us = -1;
+    if (i >= 0 && (n->has.at[i].slot != COMPUTED || BUG(47))) return;
+    if (i >= 0) unlist(n, i);
+    else i = tasks_add(&n->has, &e->task, e->frame_w);
+    enqueue(n, i);
+}
+
+static void take_done(struct node *n, const struct sched_event *e, int64_t now)
+{
+    int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
+    if (i < 0 || n->has.at[i].slot != FED) {
+        n->flush = n->flush || n->ended; /* it was not so when it was said before */
+        return;
+    }
+    pace_note(&n->pace, &n->has.at[i], e->wall_us, now);
+    unlist(n, i);
+    n->has.at[i].slot = COMPUTED;
+    list_push_back(&n->has, &n->computed, i);
+}
+
+static void take_pixels(struct node *n, const struct sched_event *e, struct sched_actions *out)
+{
+    int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
+    if (i < 0 || !tasks_deliver(&n->has, i, &e->task.at) || !tasks_whole(&n->has, i)) return;
+    sched_act(out, SCHED_COMMIT, 0, &n->has.at[i].task);
+    unlist(n, i);
+    tasks_remove(&n->has, i);
+}
+
+/* The worker is lost, with all it had; another one may come. */
+static void take_gone(struct node *n)
+{
+    struct task_list *lost[] = {&n->fed, &n->computed};
+    for (int l = 0; l < 2; l++) {
+        while (lost[l]->count) {
+            int32_t i = lost[l]->head;
+            unlist(n, i);
+            enqueue(n, i);
+        }
+    }
+    n->width = 0;
+    n->flush = n->flush || n->ended;
+}
+
+static void take(
+    struct node *n, const struct sched_event *e, int64_t now, struct sched_actions *out)
+{
+    switch (e->kind) {
+    case SCHED_TASK: take_task(n, e, now); break;
+    case SCHED_INPUT_END: n->ended = true; /* fallthrough */
+    case SCHED_FLUSH: n->flush = true; break;
+    case SCHED_UP:
+        n->width += e->n > 1 ? e->n : 1;
+        n->pace = (struct pace){0};
+        break;
+    case SCHED_GONE: take_gone(n); break;
+    case SCHED_DONE: take_done(n, e, now); break;
+    case SCHED_PIXELS: take_pixels(n, e, out); break;
+    case SCHED_RING:
+        if (e->ring.kind != RING_PLACE) break;
+        n->place = e->ring;
+        n->placed = true;
+        break;
+    case SCHED_SLOTS:
+    case SCHED_WAKE: break;
+    }
+}
+
+/* ---- the default rules ----------------------------------------------------------------------- */
+
+/* Pixels in a microsecond, all that the worker is on at once; 0: not known. */
+static double rate_of(const struct node *n) { return n->pace.px_per_us * n->width; }
+
+/* So long the worker needs yet for what it was fed. */
+static double fed_us(const struct node *n, int64_t now)
+{
+    double px = 0;
+    for (int32_t i = n->fed.head; i >= 0; i = n->has.at[i].next) px += px_of(n, i);
+    if (n->fed.count == 0) return 0;
+    int64_t since = n->has.at[n->fed.head].since_us;
+    if (since < n->pace.done_us) since = n->pace.done_us;
+    return fmax(px / rate_of(n) - (double)(now - since), 0);
+}
+
+/* Rule 1. */
+static void ask(struct node *n, int64_t now, struct sched_actions *out)
+{
+    if ((n->asked_us >= 0 && !BUG(41)) || n->ended || !n->width) return;
+    if (BUG(49) && n->fed.count) return;
+    if (n->queue.count && !(n->queue_px < n->trip_us * rate_of(n))) return;
+    n->asked_us = now;
+    node_say(RING_ASK, -1, out);
+}
+
+/* Rules 2 and 3: so many pixels. */
+static double spare_px(const struct node *n, int64_t now)
+{
+    double rate = rate_of(n);
+    if (n->asked_us >= 0 && !BUG(42)) return 0;
+    if (rate <= 0) return n->queue_px / 2;
+    double left_us = fed_us(n, now) + n->queue_px / rate;
+    double half_us = (left_us - n->trip_us / 2) / 2, beyond_us = left_us - n->trip_us;
+    return BUG(45) ? n->queue_px : fmin(half_us, beyond_us) * rate;
+}
+
+static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actions *out)
+{
+    double spare = spare_px(n, now);
+    int32_t first = -1, most = n->place.one && !BUG(48) ? 1 : INT32_MAX;
+    for (int32_t i = n->queue.tail; i >= 0 && most-- && px_of(n, i) / 2 <= spare;) {
+        spare -= px_of(n, i);
+        first = i;
+        i = n->has.at[i].prev;
+    }
+    if (first < 0 && !BUG(44)) node_say(RING_NONE, peer, out);
+    while (first >= 0) {
+        int32_t i = first;
+        first = n->has.at[i].next;
+        node_give(n, i, peer, out);
+    }
+}
+
+static void default_rules(
+    struct node *n, const struct sched_event *e, int64_t now, struct sched_actions *out)
+{
+    if (e->kind == SCHED_RING && e->ring.kind == RING_ASK) answer(n, e->ring.peer, now, out);
+    ask(n, now, out);
+}
+
+/* ---- a step ---------------------------------------------------------------------------------- */
+
+static void node_step(
+    void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
+{
+    struct node *n = state;
+    take(n, e, now, out);
+    feed(n, now, out);
+    if (n->placed && n->place.published) gdc_node_step(n, e, now, out);
+    else if (n->placed) default_rules(n, e, now, out);
+    if (n->flush && !n->queue.count && !n->fed.count) {
+        if (n->computed.count) sched_act(out, SCHED_ASK_FLUSH, 0, NULL);
+        n->flush = false;
+    }
+    if (!n->ended || n->has.count || n->closed) return;
+    n->closed = true;
+    sched_act(out, SCHED_END, -1, NULL);
+}
+
+static int64_t node_uncommitted(const void *state)
+{
+    return ((const struct node *)state)->has.count;
+}
+
+static int64_t node_waiting(const void *state) { return ((const struct node *)state)->queue.count; }
+
+/* What it was given again it was given by the hub, which counts. */
+static int32_t node_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)
+{
+    (void)slot;
+    return tasks_find(&((const struct node *)state)->has, frame, id) >= 0;
+}
+
+static int64_t node_wake_us(const void *state)
+{
+    const struct node *n = state;
+    return n->placed && n->place.published ? gdc_node_wake_us(n) : INT64_MAX;
+}
+
+const struct policy policy_node = {"ringctl", node_create, node_step, node_uncommitted,
+    node_waiting, node_tries, node_wake_us, node_destroy};
