@@ -12,7 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define POOL_MOST 65536 /* tasks waiting: more are left in the pipe */
 #define SLOTS_MAX (1 << 20)
 #define GRACE_MS 1000 /* for the command to exit once its stream has ended */
 
@@ -202,7 +201,7 @@ static void feed(struct driver *d, const struct pollfd *p)
 static bool poll_round(struct driver *d)
 {
     bool reading = up_size(&d->out.queue) < UP_QUEUE_MOST;
-    bool want = d->in_open && d->policy->waiting(d->state) < POOL_MOST &&
+    bool want = d->in_open && d->policy->waiting(d->state) < SCHED_WAITING_MOST &&
                 down_size(&d->down) < DOWN_QUEUE_MOST;
     struct pollfd p[4] = {
         poll_entry(STDIN_FILENO, want, POLLIN),

@@ -91,6 +91,7 @@ struct sched_actions {
 void sched_act(
     struct sched_actions *out, enum sched_action_kind kind, int32_t slot, const struct task *task);
 
+#define SCHED_WAITING_MOST 65536 /* tasks waiting: the driver reads no more */
 #define SCHED_DEPTH_AUTO (-1)
 struct sched_params {
     int32_t depth; /* -q: tasks a slot may hold beyond those it is on, or SCHED_DEPTH_AUTO */

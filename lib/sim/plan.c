@@ -19,7 +19,7 @@ static double chance(uint64_t seed, uint64_t k, double usual)
 static void calm(struct sim_plan *p, bool tiny)
 {
     p->calm = !tiny;
-    p->depth = SCHED_DEPTH_AUTO;
+    p->params.depth = SCHED_DEPTH_AUTO;
     p->width = 1;
     p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
     p->tasks = tiny ? 3000 : 300 * p->slots;
@@ -28,31 +28,50 @@ static void calm(struct sim_plan *p, bool tiny)
     p->concentrate = false;
     p->assigned = 0;
     p->rows = 1;
-    p->p_crash = p->p_stall = p->p_pause = p->p_return = p->p_twice = p->p_garbage = 0;
+    p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_kill = 0;
+    p->p_return = p->p_twice = p->p_garbage = 0;
 }
 
 struct sim_plan sim_plan_of(uint64_t seed)
 {
     static const int32_t depths[] = {0, 0, 1, 2, 16, SCHED_DEPTH_AUTO, SCHED_DEPTH_AUTO};
     static const int64_t latencies_us[] = {0, 100, 5000, 200000};
-    struct sim_plan p = {.seed = seed, .cost_us = 1000};
+    struct sim_plan p = {.seed = seed, .cost_us = 1000, .faults_us = 4000000, .hops = 2};
+    p.checks = &sim_checks_deal;
+    p.jitter = .5;
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 3) : pick(seed, 2, 2, 24);
     p.tasks = unit(seed, 3) < .1 ? pick(seed, 4, 0, 3) : pick(seed, 4, 1, 200);
-    p.depth = depths[pick(seed, 5, 0, 6)];
+    p.params.depth = depths[pick(seed, 5, 0, 6)];
     p.assigned = unit(seed, 6) < .5 ? 0 : pick(seed, 7, 0, p.tasks);
     p.concentrate = unit(seed, 8) < .3;
     p.p_crash = chance(seed, 9, .3);
-    p.p_stall = chance(seed, 10, .3);
+    p.p_silence = chance(seed, 10, .3);
     p.p_pause = chance(seed, 11, .3);
     p.p_return = chance(seed, 12, .5);
     p.p_twice = chance(seed, 13, .1);
     p.p_garbage = chance(seed, 14, .1);
     p.silence_us = 3000000;
     p.latency_us = latencies_us[pick(seed, 15, 0, 3)];
-    p.endgame = unit(seed, 16) < .4;
-    p.width = p.depth >= 0 && unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
+    p.params.endgame = unit(seed, 16) < .4;
+    p.width = p.params.depth >= 0 && unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
+    p.p_slow = chance(seed, 21, .3);
+    p.p_kill = chance(seed, 22, .3);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
+    return p;
+}
+
+struct sim_plan sim_ring_plan_of(uint64_t seed)
+{
+    struct sim_plan p = sim_plan_of(seed);
+    p.checks = NULL;
+    p.calm = false;
+    p.params = (struct sched_params){.one = unit(seed, 30) < .3};
+    p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
+    if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
+    if (p.assigned > p.tasks) p.assigned = p.tasks;
+    p.width = unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
+    if (unit(seed, 31) < .03) p.p_crash = 1; /* of all but one */
     return p;
 }

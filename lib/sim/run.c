@@ -6,134 +6,212 @@
 
 #include <stdlib.h>
 
-static void act(struct world *w, const struct sched_action *a)
+#define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
+
+double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
+
+void fail(struct world *w, const char *what, int64_t a, int64_t b)
 {
-    if (a->kind == SCHED_COMMIT) check_commit(w, a);
-    if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w, a->kind == SCHED_STOP);
-    if (a->kind != SCHED_GIVE && a->kind != SCHED_ASK_FLUSH) return;
-    struct vslot *s = &w->slots[a->slot];
-    struct sim_event e = {.slot = a->slot, .epoch = s->epoch};
-    if (a->kind == SCHED_GIVE) {
-        check_give(w, a);
-        e.kind = SIM_TO_SLOT;
-        e.sched.task = a->task;
-    } else {
-        e.kind = SIM_FLUSH;
-        w->result->flushes++;
-        s->asked = true;
+    if (*w->result->failure) return;
+    snprintf(w->result->failure, sizeof w->result->failure, "%s (%lld, %lld) at %lld us", what,
+        (long long)a, (long long)b, (long long)w->now_us);
+}
+
+void schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e)
+{
+    e.at_us = at_us;
+    e.slot = k;
+    e.epoch = k >= 0 ? w->slots[k].epoch : 0;
+    e.hub = w->hub;
+    heap_push(&w->heap, &e);
+}
+
+void schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k)
+{
+    int64_t *next_us = k < 0 ? &w->wake_us : &w->slots[k].wake_us;
+    int64_t at = p->wake_us ? p->wake_us(state) : INT64_MAX;
+    if (at >= *next_us) return;
+    *next_us = at < w->now_us ? w->now_us : at;
+    schedule(w, *next_us, k, (struct sim_event){.kind = SIM_WAKE});
+}
+
+struct vtask *vtask_at(struct world *w, uint32_t id)
+{
+    if (id >= (uint32_t)w->plan->tasks + PIECES_MOST) return NULL;
+    while (w->n_tasks <= (int32_t)id) {
+        if (w->n_tasks == w->cap_tasks) {
+            w->cap_tasks = w->cap_tasks ? 2 * w->cap_tasks : 256;
+            w->tasks = xrealloc(w->tasks, (size_t)w->cap_tasks, sizeof *w->tasks);
+        }
+        struct vtask *t = &w->tasks[w->n_tasks];
+        *t = (struct vtask){.to = -1};
+        t->task.id = (uint32_t)w->n_tasks++;
+        if (w->checks && w->checks->task) w->checks->task(t);
     }
-    schedule(w, arrival(w, &s->down_us), e);
+    return &w->tasks[id];
+}
+
+/* ---- the hub --------------------------------------------------------------------------------- */
+
+/* Where the time of all slots went. */
+static void account(struct world *w)
+{
+    struct sim_result *r = w->result;
+    double end = (double)(r->end_us = w->now_us);
+    for (int32_t k = 0; k < w->plan->slots; k++) {
+        const struct vslot *s = &w->slots[k];
+        double busy = s->busy_us + (s->busy ? end - (double)s->began_us : 0);
+        double last = s->busy ? end : (double)s->last_us;
+        double first = s->first_us < 0 ? end : (double)s->first_us;
+        r->busy_us += busy;
+        r->startup_us += first;
+        r->tail_us += s->first_us < 0 ? 0 : end - last;
+        r->waiting_us += s->first_us < 0 ? 0 : last - first - busy;
+    }
+}
+
+/* What is measured ends here; nodes end with their input. */
+static void close_run(struct world *w, const struct sched_action *a)
+{
+    account(w);
+    for (int32_t k = 0; w->plan->node && k < w->plan->slots; k++)
+        if (w->slots[k].alive) send_down(w, k, a);
 }
 
 static void step(struct world *w, const struct sched_event *e)
 {
+    struct sched_actions *acts = &w->acts;
+    int64_t commits = w->result->commits;
     note_event(w, e);
-    w->policy->step(w->state, e, w->now_us, &w->acts);
-    for (size_t i = 0; i < w->acts.n; i++) act(w, &w->acts.at[i]);
-    w->acts.n = 0;
-    check_owners(w);
+    w->policy->step(w->state, e, w->now_us, acts);
+    for (size_t i = 0; i < acts->n; i++) {
+        const struct sched_action *a = &acts->at[i];
+        note_action(w, a);
+        if (a->kind == SCHED_END || a->kind == SCHED_STOP) close_run(w, a);
+        else if (a->kind != SCHED_COMMIT) send_down(w, a->slot, a);
+    }
+    acts->n = 0;
+    if (w->checks && w->checks->after) w->checks->after(w);
+    schedule_wake(w, w->policy, w->state, -1);
+    if (w->result->commits > commits) befall_by_commits(w, commits);
+}
+
+/* The tasks that have come by now, as long as few wait; those of which all is there are skipped. */
+static void read_input(struct world *w)
+{
+    const int32_t n = w->plan->tasks;
+    while (w->n_read < n && w->policy->waiting(w->state) < SCHED_WAITING_MOST) {
+        int64_t at = w->begun_us + w->spread_us * w->n_read / n;
+        if (at > w->now_us) {
+            w->input_due = true;
+            schedule(w, at, 0, (struct sim_event){.kind = SIM_INPUT});
+            return;
+        }
+        const struct vtask *t = &w->tasks[w->order[w->n_read++]];
+        struct sched_event e = {
+            .kind = SCHED_TASK, .task = t->task, .frame_w = w->frame_w, .from = -1};
+        if (!t->committed) step(w, &e);
+    }
+    if (w->n_read == n) step(w, &(struct sched_event){.kind = SCHED_INPUT_END});
+}
+
+static void wake_hub(struct world *w)
+{
+    w->wake_us = INT64_MAX;
+    if (w->policy->wake_us(w->state) <= w->now_us)
+        step(w, &(struct sched_event){.kind = SCHED_WAKE});
+    else schedule_wake(w, w->policy, w->state, -1);
 }
 
 static void handle(struct world *w, const struct sim_event *e)
 {
-    struct vslot *s = &w->slots[e->slot];
-    if (e->kind == SIM_SCHED) {
-        step(w, &e->sched);
-        return;
-    }
-    if (e->kind == SIM_RETURN) {
-        s->alive = true;
-        w->result->returns++;
-        say(w, e->slot, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
-        return;
-    }
-    if (!s->alive || e->epoch != s->epoch) return; /* for a process that is no more */
+    if (e->kind == SIM_FAULT) befall(w, e);
+    else if (e->kind == SIM_RESTART) restart_hub(w);
+    if (e->hub != w->hub || e->kind == SIM_FAULT) return;
+    bool gone = e->slot >= 0 && (!w->slots[e->slot].alive || e->epoch != w->slots[e->slot].epoch);
     switch (e->kind) {
-    case SIM_TO_SLOT:
-        append_task(&s->queue, &s->n_queue, &s->cap_queue, &e->sched.task);
-        start_next(w, e->slot);
+    case SIM_SCHED: step(w, &e->sched); break;
+    case SIM_AT_HUB: pass_hub(w, e); break;
+    case SIM_INPUT: w->input_due = false; break;
+    case SIM_RETURN: come_up(w, e->slot); break;
+    case SIM_RESUME:
+        if (!gone) resume(w, e->slot);
         break;
-    case SIM_FLUSH:
-        s->flush_due = s->stalled;
-        if (!s->stalled) hand_over(w, e->slot);
-        break;
-    case SIM_COMPUTED: computed(w, e->slot, e->sched.wall_us); break;
-    case SIM_CRASH:
-        w->result->crashes++;
-        kill_slot(w, e->slot);
-        break;
-    case SIM_STALL: s->stalled = true; break;
-    case SIM_RESUME: resume(w, e->slot); break;
     case SIM_GIVE_UP:
-        w->result->stalls++;
-        kill_slot(w, e->slot);
+        w->result->silences += !gone;
+        if (!gone) lose_slot(w, e->slot);
         break;
-    default: break;
+    case SIM_WAKE:
+        if (e->slot < 0) wake_hub(w);
+        else if (!gone) deliver(w, e);
+        break;
+    case SIM_TO_SLOT:
+    case SIM_COMPUTED:
+        if (!gone) deliver(w, e);
+        break;
+    case SIM_FAULT:
+    case SIM_RESTART: break;
     }
+    if (!w->input_due && !w->input_ended && !w->down) read_input(w);
 }
 
 /* ---- a run ------------------------------------------------------------------------------ */
 
-/* One fault for slot k, by the plan; all before FAULTS_US. */
-#define FAULTS_US 4000000
-
-static void plan_fault(struct world *w, int32_t k)
+void start_slots(struct world *w, int64_t known_us)
 {
     const struct sim_plan *p = w->plan;
-    struct sim_event e = {.slot = k};
-    int64_t at = (int64_t)(draw(w) * draw(w) * FAULTS_US);
-    double u = draw(w);
-    bool mortal = k > 0;
-    if (mortal && u < p->p_crash) {
-        e.kind = SIM_CRASH;
-        schedule(w, at, e);
-    } else if (mortal && draw(w) < p->p_stall) {
-        e.kind = SIM_STALL;
-        schedule(w, at, e);
-        e.kind = SIM_GIVE_UP;
-        schedule(w, at + p->silence_us, e);
-    } else if (draw(w) < p->p_pause) {
-        e.kind = SIM_STALL;
-        schedule(w, at, e);
-        e.kind = SIM_RESUME;
-        schedule(w, at + (int64_t)(draw(w) * (double)p->silence_us), e);
+    schedule(w, known_us, 0,
+        (struct sim_event){.kind = SIM_SCHED, .sched = {.kind = SCHED_SLOTS, .n = p->slots}});
+    for (int32_t k = 0; k < p->slots; k++) {
+        int64_t up_us = p->work ? 0 : (int64_t)(draw(w) * 1e5);
+        schedule(w, known_us + up_us, k, (struct sim_event){.kind = SIM_RETURN});
     }
 }
 
 static void begin(struct world *w)
 {
     const struct sim_plan *p = w->plan;
-    /* How many slots there are may be known before or after the first tasks. */
-    int64_t known_us = draw(w) < .5 || p->work ? 0 : (int64_t)(draw(w) * 2e5);
-    schedule(w, known_us, (struct sim_event){.sched = {.kind = SCHED_SLOTS, .n = p->slots}});
     for (int32_t k = 0; k < p->slots; k++) {
         w->slots[k].power = k ? .25 + 2 * draw(w) : 1;
         if (p->work) w->slots[k].power = p->work->power[k];
-        int64_t up_us = p->work ? 0 : known_us + (int64_t)(draw(w) * 1e5);
-        schedule(w, up_us, (struct sim_event){.kind = SIM_RETURN, .slot = k});
-        plan_fault(w, k);
+        draw_fault(w, k);
     }
-    double spread_us = draw(w) < .5 || p->calm || p->work ? 0 : 1e6 * draw(w);
-    for (int32_t i = 0; i < p->tasks; i++) {
+    plan_faults(w);
+    /* How many slots there are may be known before or after the first tasks. */
+    start_slots(w, draw(w) < .5 || p->work ? 0 : (int64_t)(draw(w) * 2e5));
+    w->spread_us = draw(w) < .5 || p->calm || p->work ? 0 : (int64_t)(1e6 * draw(w));
+    for (int32_t i = 0; i < p->assigned; i++) { /* one in eight to a slot that does not exist */
         struct vtask *t = &w->tasks[w->order[i]];
-        /* One in eight is promised to a slot that does not exist. */
-        if (i < p->assigned) t->to = t->task.to = (int32_t)(draw(w) * 1.125 * p->slots);
-        struct sched_event e = {.kind = SCHED_TASK, .task = t->task, .frame_w = w->frame_w};
-        schedule(w, (int64_t)(spread_us * i / p->tasks), (struct sim_event){.sched = e});
+        t->to = t->task.to = (int32_t)(draw(w) * 1.125 * p->slots);
     }
-    schedule(w, (int64_t)spread_us + 1, (struct sim_event){.sched = {.kind = SCHED_INPUT_END}});
+    w->input_due = true;
+    schedule(w, 0, 0, (struct sim_event){.kind = SIM_INPUT});
+}
+
+/* All of the work, one after the other, at the least power that a slot may have. */
+static double alone_us(const struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    if (!p->work) return p->cost_us * exp(4) * p->rows * (p->tasks + 2);
+    double us = p->work->task_us * p->tasks, least = p->work->power[0];
+    for (size_t i = 0, n = (size_t)w->frame_w * w->frame_h; i < n; i++) us += p->work->pixel_us[i];
+    for (int32_t k = 1; k < p->slots; k++) least = fmin(least, p->work->power[k]);
+    double slow = p->p_slow > 0 ? SLOWEST : 1;
+    for (size_t i = 0; i < p->n_faults; i++)
+        if (p->faults[i].kind == SIM_SLOW) slow = fmin(slow, p->faults[i].power);
+    return us / (least * slow);
 }
 
 /*
- * Slot 0 alone could do all of it, one round trip a task, once the faults are over; twice that is
+ * One slot alone could do all of it, one round trip a task, once the faults are over; twice that is
  * enough. Pieces are more tasks, of less work.
  */
 static int64_t time_allowed_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
-    double row_us = p->cost_us * exp(4), trip_us = 4.0 * (double)p->latency_us;
-    double work_us = row_us * p->rows * (p->tasks + 2), trips_us = trip_us * (w->n_tasks + 2);
-    return (int64_t)(2 * (FAULTS_US + 2e6 + (double)p->silence_us + work_us + trips_us));
+    double trips_us = 4.0 * (double)p->latency_us * (w->n_tasks + 2);
+    double faults_us = (double)(p->faults_us + p->silence_us) + 2e6;
+    return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
 }
 
 /* Without faults, and the link hidden: the bound, what is on the way at both ends, a last task. */
@@ -150,7 +228,9 @@ static int64_t calm_us(const struct world *w)
 
 static void trace_event(struct world *w, const struct sim_event *e)
 {
-    const int64_t v[5] = {e->at_us, e->kind, e->slot, e->sched.kind, e->sched.task.id};
+    const struct sched_event *s = &e->sched;
+    const int64_t v[8] = {
+        e->at_us, e->kind, e->slot, s->kind, s->task.id, s->ring.kind, s->ring.peer, s->ring.next};
     w->result->trace_hash = hash64(w->result->trace_hash, v, sizeof v);
 }
 
@@ -160,6 +240,11 @@ static void open_world(struct world *w)
     w->frame_w = p->work ? p->work->frame_w : FRAME_W;
     w->frame_h = p->work ? p->work->frame_h : (uint32_t)(p->rows * p->tasks + 1);
     w->slots = xcalloc((size_t)p->slots, sizeof *w->slots);
+    for (int32_t k = 0; k < p->slots; k++) {
+        w->slots[k].first_us = -1;
+        w->slots[k].wake_us = INT64_MAX;
+    }
+    w->wake_us = INT64_MAX;
     w->order = xcalloc((size_t)p->tasks + 1, sizeof *w->order);
     coverage_init(&w->sent, w->frame_w, w->frame_h);
     for (int32_t i = 0; i < p->tasks; i++) {
@@ -174,33 +259,44 @@ static void open_world(struct world *w)
 
 static void close_world(struct world *w)
 {
-    for (int32_t k = 0; k < w->plan->slots; k++) free(w->slots[k].queue), free(w->slots[k].held);
+    for (int32_t k = 0; k < w->plan->slots; k++) {
+        struct vslot *s = &w->slots[k];
+        if (s->node) w->plan->node->destroy(s->node);
+        free(s->queue.at);
+        free(s->held.at);
+        free(s->inbox.at);
+    }
+    for (int32_t i = 0; i < w->n_tasks; i++) free(w->tasks[i].note);
     coverage_free(&w->sent);
     free(w->slots);
     free(w->order);
     free(w->tasks);
-    free(w->heap.at);
+    heap_free(&w->heap);
     free(w->acts.at);
+    free(w->node_acts.at);
 }
 
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result)
 {
-    struct world w = {.policy = policy, .plan = plan, .result = result};
-    const struct sched_params params = {.depth = plan->depth, .endgame = plan->endgame};
+    struct world w = {.policy = policy, .plan = plan, .checks = plan->checks, .result = result};
     struct sim_event e;
     *result = (struct sim_result){.trace_hash = HASH64_INIT};
     open_world(&w);
-    w.state = policy->create(&params);
+    w.state = policy->create(&plan->params);
     begin(&w);
+    w.alone_us = alone_us(&w);
     while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
+        if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
         w.now_us = e.at_us;
         result->events++;
         trace_event(&w, &e);
         handle(&w, &e);
     }
+    int64_t allowed_us = time_allowed_us(&w);
+    if (!w.ended) account(&w);
+    for (int32_t i = 0; i < plan->tasks; i++) result->uncommitted += !w.tasks[i].committed;
     if (!w.ended) fail(&w, "the run did not end", result->commits, plan->tasks);
-    else if (!plan->work && result->end_us > time_allowed_us(&w))
-        fail(&w, "the end came late", result->end_us, time_allowed_us(&w));
+    else if (result->end_us > allowed_us) fail(&w, "the end came late", result->end_us, allowed_us);
     else if (plan->calm && result->end_us > calm_us(&w))
         fail(&w, "a long link was not hidden", result->end_us, calm_us(&w));
     policy->destroy(w.state);

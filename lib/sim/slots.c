@@ -1,67 +1,35 @@
 /*
- * Slots and links. A slot is a process that takes its tasks in order; killing it voids what is on
- * the way to it and what it was computing, not what it had sent. Links keep order.
+ * Slots. A slot is a process that takes its tasks in order; with its end what is on the way to it
+ * and what it was computing is void, not what it had sent.
  */
 #include "sim/world.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-#define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
-
-double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
-
-void fail(struct world *w, const char *what, int64_t a, int64_t b)
+void append_task(struct tasks *l, const struct task *t)
 {
-    if (*w->result->failure) return;
-    snprintf(w->result->failure, sizeof w->result->failure, "%s (%lld, %lld) at %lld us", what,
-        (long long)a, (long long)b, (long long)w->now_us);
-}
-
-void schedule(struct world *w, int64_t at_us, struct sim_event e)
-{
-    e.at_us = at_us;
-    heap_push(&w->heap, e);
-}
-
-/* Arrival over a link that keeps order. */
-int64_t arrival(struct world *w, int64_t *latest)
-{
-    int64_t at = w->now_us + (int64_t)((double)w->plan->latency_us * (.5 + draw(w)));
-    if (at < *latest) at = *latest;
-    return *latest = at;
-}
-
-struct vtask *vtask_at(struct world *w, uint32_t id)
-{
-    if (id >= (uint32_t)w->plan->tasks + PIECES_MOST) return NULL;
-    while (w->n_tasks <= (int32_t)id) {
-        if (w->n_tasks == w->cap_tasks) {
-            w->cap_tasks = w->cap_tasks ? 2 * w->cap_tasks : 256;
-            w->tasks = xrealloc(w->tasks, (size_t)w->cap_tasks, sizeof *w->tasks);
-        }
-        struct vtask *t = &w->tasks[w->n_tasks];
-        *t = (struct vtask){.to = -1, .computed_by = -1};
-        t->task.id = (uint32_t)w->n_tasks++;
+    if (l->first > l->n / 2) { /* what was taken makes room */
+        l->n -= l->first;
+        memmove(l->at, l->at + l->first, l->n * sizeof *l->at);
+        l->first = 0;
     }
-    return &w->tasks[id];
-}
-
-void append_task(struct task **list, size_t *n, size_t *cap, const struct task *t)
-{
-    if (*n == *cap) {
-        *cap = *cap ? 2 * *cap : 8;
-        *list = xrealloc(*list, *cap, sizeof **list);
+    if (l->n == l->cap) {
+        l->cap = l->cap ? 2 * l->cap : 8;
+        l->at = xrealloc(l->at, l->cap, sizeof *l->at);
     }
-    (*list)[(*n)++] = *t;
+    l->at[l->n++] = *t;
 }
 
-void say(struct world *w, int32_t k, struct sched_event e)
+/* ---- the worker ------------------------------------------------------------------------------ */
+
+/* To the fan, and to the node where there is one, which hears of it at once. */
+static void answer(struct world *w, int32_t k, struct sched_event e)
 {
-    struct vslot *s = &w->slots[k];
-    e.slot = k;
+    say(w, k, e);
+    e.slot = 0;
     e.frame_w = w->frame_w;
-    schedule(
-        w, arrival(w, &s->up_us), (struct sim_event){.kind = SIM_SCHED, .slot = k, .sched = e});
+    if (w->plan->node) node_step(w, k, e);
 }
 
 /*
@@ -79,23 +47,25 @@ static struct sched_event garbled(struct world *w, struct sched_event e)
     return e;
 }
 
-static void say_twice_or_worse(struct world *w, int32_t k, struct sched_event e)
+static void answer_twice_or_worse(struct world *w, int32_t k, struct sched_event e)
 {
-    if (draw(w) < w->plan->p_garbage) say(w, k, garbled(w, e));
-    say(w, k, e);
+    if (draw(w) < w->plan->p_garbage) answer(w, k, garbled(w, e));
+    answer(w, k, e);
     if (draw(w) >= w->plan->p_twice) return;
     w->result->twice++;
-    say(w, k, e);
+    answer(w, k, e);
 }
 
+/* In one piece where times are measured, else in a few. */
 static void send_pixels(struct world *w, int32_t k, const struct task *t)
 {
     struct sched_event e = {.kind = SCHED_PIXELS, .task = *t};
-    uint64_t most = 1 + (uint64_t)(draw(w) * 2 * w->frame_w), n0 = 0, all = lattice_count(&t->at);
+    uint64_t n0 = 0, all = lattice_count(&t->at);
+    uint64_t most = w->plan->work ? all : 1 + (uint64_t)(draw(w) * 2 * w->frame_w);
     while (n0 < all) {
         e.task.at = lattice_cut(&t->at, w->frame_w, n0, most);
         n0 += lattice_count(&e.task.at);
-        say_twice_or_worse(w, k, e);
+        answer_twice_or_worse(w, k, e);
     }
 }
 
@@ -113,37 +83,84 @@ static double cost_us(struct world *w, const struct task *t)
 void start_next(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    const struct sim_work *work = w->plan->work;
-    if (s->busy || s->stalled || !s->alive || !s->n_queue) return;
-    s->busy = true;
-    bool slow = work && work->slow_slot == k && w->now_us >= work->slow_at_us;
-    double us = cost_us(w, &s->queue[0]);
+    if (s->busy || s->stalled || !s->alive || s->queue.first == s->queue.n) return;
+    double us = cost_us(w, &s->queue.at[s->queue.first]);
     w->cost_us += us;
-    us /= slow ? work->slow_power : s->power;
-    schedule(w, w->now_us + (int64_t)us,
-        (struct sim_event){
-            .kind = SIM_COMPUTED, .slot = k, .epoch = s->epoch, .sched.wall_us = (int64_t)us});
+    us /= s->power;
+    s->busy = true;
+    s->began_us = w->now_us;
+    if (s->first_us < 0) s->first_us = w->now_us;
+    struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = llround(us)};
+    schedule(w, w->now_us + e.sched.wall_us, k, e);
 }
 
 void hand_over(struct world *w, int32_t k)
 {
-    struct vslot *s = &w->slots[k];
-    for (size_t i = 0; i < s->n_held; i++) send_pixels(w, k, &s->held[i]);
-    s->n_held = 0;
+    struct tasks *held = &w->slots[k].held;
+    for (size_t i = held->first; i < held->n; i++) send_pixels(w, k, &held->at[i]);
+    held->first = held->n = 0;
 }
 
-void computed(struct world *w, int32_t k, int64_t wall_us)
+/* The time on the task that it was on, which has ended one way or other. */
+static void count_time(struct world *w, struct vslot *s)
+{
+    if (!s->busy) return;
+    s->busy = false;
+    s->busy_us += (double)(w->now_us - s->began_us);
+    s->last_us = w->now_us;
+}
+
+static void computed(struct world *w, int32_t k, int64_t wall_us)
 {
     struct vslot *s = &w->slots[k];
-    s->busy = false;
+    count_time(w, s);
     if (s->stalled) return; /* it will begin again when it resumes */
-    struct task t = s->queue[0];
-    memmove(s->queue, s->queue + 1, --s->n_queue * sizeof *s->queue);
-    say_twice_or_worse(
-        w, k, (struct sched_event){.kind = SCHED_DONE, .task = t, .wall_us = wall_us});
-    if (w->plan->concentrate) append_task(&s->held, &s->n_held, &s->cap_held, &t);
+    struct task t = s->queue.at[s->queue.first++];
+    struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
+    w->result->computed++;
+    answer_twice_or_worse(w, k, e);
+    if (w->plan->concentrate) append_task(&s->held, &t);
     else send_pixels(w, k, &t);
     start_next(w, k);
+}
+
+/* ---- the process ----------------------------------------------------------------------------- */
+
+static void keep(struct inbox *in, const struct sim_event *e)
+{
+    if (in->n == in->cap) {
+        in->cap = in->cap ? 2 * in->cap : 8;
+        in->at = xrealloc(in->at, in->cap, sizeof *in->at);
+    }
+    in->at[in->n++] = *e;
+}
+
+/* What the worker reads itself, where there is no node. */
+static void read_down(struct world *w, int32_t k, const struct sched_event *e)
+{
+    if (e->kind == SCHED_FLUSH) hand_over(w, k);
+    if (e->kind != SCHED_TASK) return;
+    append_task(&w->slots[k].queue, &e->task);
+    start_next(w, k);
+}
+
+void deliver(struct world *w, const struct sim_event *e)
+{
+    struct vslot *s = &w->slots[e->slot];
+    if (e->kind == SIM_COMPUTED) computed(w, e->slot, e->sched.wall_us);
+    else if (s->stalled) keep(&s->inbox, e);
+    else if (e->kind == SIM_WAKE) node_wake(w, e->slot);
+    else if (w->plan->node) node_step(w, e->slot, e->sched);
+    else read_down(w, e->slot, &e->sched);
+}
+
+void come_up(struct world *w, int32_t k)
+{
+    struct vslot *s = &w->slots[k];
+    s->alive = true;
+    w->result->returns++;
+    if (w->plan->node) node_begin(w, k);
+    say(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
 }
 
 void resume(struct world *w, int32_t k)
@@ -151,19 +168,31 @@ void resume(struct world *w, int32_t k)
     struct vslot *s = &w->slots[k];
     s->stalled = false;
     w->result->pauses++;
-    if (s->flush_due) hand_over(w, k);
-    s->flush_due = false;
     start_next(w, k);
+    for (size_t i = 0; i < s->inbox.n; i++) {
+        struct sim_event e = s->inbox.at[i];
+        deliver(w, &e);
+    }
+    s->inbox.n = 0;
 }
 
-void kill_slot(struct world *w, int32_t k)
+void end_slot(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    s->alive = s->busy = s->stalled = s->flush_due = false;
+    count_time(w, s);
+    if (s->node) w->plan->node->destroy(s->node);
+    s->node = NULL;
+    s->alive = s->stalled = false;
     s->epoch++;
-    s->n_queue = s->n_held = 0;
+    s->inbox.n = 0;
+    s->queue.first = s->queue.n = 0;
+    s->held.first = s->held.n = 0;
+}
+
+void lose_slot(struct world *w, int32_t k)
+{
+    end_slot(w, k);
     say(w, k, (struct sched_event){.kind = SCHED_GONE});
     if (draw(w) >= w->plan->p_return) return;
-    schedule(
-        w, w->now_us + (int64_t)(draw(w) * 2e6), (struct sim_event){.kind = SIM_RETURN, .slot = k});
+    schedule(w, w->now_us + (int64_t)(draw(w) * 2e6), k, (struct sim_event){.kind = SIM_RETURN});
 }

@@ -1,6 +1,7 @@
 /*
- * The world of one simulated run, shared by its files: slots.c (slots, links), checks.c (what must
- * hold), run.c.
+ * The world of one simulated run, shared by its files: run.c (the hub, its input, the loop),
+ * links.c, slots.c (processes and workers), node.c (a node's policy), faults.c, checks.c (what must
+ * hold of all), checks_deal.c.
  */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H
@@ -8,81 +9,155 @@
 #include "sim/heap.h"
 #include "sim/sim.h"
 
-#define FRAME_W 64 /* of the one frame, where the plan makes it up */
+#define FRAME_W 64  /* of the one frame, where the plan makes it up */
+#define SLOWEST .05 /* of its power, that is left to a slot that slows down by chance */
+
+/* What comes to a stopped process waits for it. */
+struct inbox {
+    struct sim_event *at;
+    size_t n, cap;
+};
+struct tasks {
+    struct task *at;
+    size_t first, n, cap; /* tasks first .. n-1 */
+};
 
 struct vslot {
-    bool up, lost; /* the policy was told that it is; that it is gone, ever */
-    int32_t has;   /* tasks that it was given and has not answered */
-    bool asked;    /* for a flush, since it was last given work */
+    bool up, lost; /* the hub's policy was told that it is; that it is gone, ever */
+    /* the process */
     bool alive, stalled;
     uint32_t epoch;
+    struct inbox inbox; /* while it is stalled */
+    void *node;         /* the state of its policy, where the plan names one */
+    bool node_ended;    /* that said END */
+    bool asks;          /* it said that it wants work, and none has come since */
+    int64_t wake_us;    /* when it is woken next, INT64_MAX */
+    /* its worker */
     double power;
-    struct task *queue; /* to compute, in order */
-    size_t n_queue, cap_queue;
-    struct task *held; /* computed, pixels not sent */
-    size_t n_held, cap_held;
-    bool busy, flush_due;   /* flush_due: asked while it was stalled */
-    int64_t down_us, up_us; /* latest arrivals on its links, which keep order */
+    struct tasks queue; /* to compute, in order */
+    struct tasks held;  /* computed, pixels not sent */
+    bool busy;
+    /* its links: latest arrivals, which keep order, and when the last pixels have left it */
+    int64_t down_us, up_us, pixels_us, left_us;
+    /* its time */
+    int64_t first_us, began_us, last_us; /* its first task, the one that it is on; its last end */
+    double busy_us;
+    /* for the checks of deal */
+    int32_t has; /* tasks that it was given and has not answered */
+    bool asked;  /* for a flush, since it was last given work */
 };
 
 /* A task of the plan, or a piece that the policy made of one. */
 struct vtask {
     struct task task;
-    uint64_t sent;   /* pixels 0 .. sent were passed to the policy under this id */
-    uint64_t owners; /* slots that were given it and have not answered: bit K */
-    int32_t gives;
-    int64_t order;               /* of the latest, among all gives */
-    uint8_t nth[SIM_SLOTS_MOST]; /* which of these the slot's was */
-    int32_t to;                  /* preassigned slot, -1 */
-    int32_t computed_by;         /* the first slot that said so, and is not lost, -1 */
+    int32_t to; /* preassigned slot, -1 */
     bool known, committed;
-    bool overtaken; /* a piece of what was computed since */
+    uint64_t sent; /* pixels 0 .. sent were passed to the policy under this id */
+    void *note;    /* what else the plan's checks know of it; freed with it */
 };
 
 struct world {
     const struct policy *policy;
     const struct sim_plan *plan;
+    const struct sim_checks *checks;
     struct sim_result *result;
     void *state;
-    struct sched_actions acts;
+    uint32_t hub; /* which one it is; what was for an earlier one is void */
+    bool down;    /* it was killed, and is not started again */
+    int64_t wake_us;
+    struct sched_actions acts, node_acts;
     struct sim_heap heap;
     struct vslot *slots;
     struct vtask *tasks; /* by id: those of the plan, then pieces */
     int32_t n_tasks, cap_tasks;
-    uint32_t *order; /* ids in the order in which they come */
+    uint32_t *order;             /* ids in the order in which they come */
+    int32_t n_read;              /* of these */
+    int64_t spread_us, begun_us; /* they come over this time, from then on */
+    int32_t n_open;              /* tasks of the plan that are known and not committed */
     uint32_t frame_w, frame_h;
     struct coverage sent; /* pixels that were passed on */
     int64_t now_us;
-    double cost_us; /* drawn so far, at power 1 */
+    int64_t hub_us;  /* until then pixels pass the hub */
+    double cost_us;  /* drawn so far, at power 1 */
+    double alone_us; /* what all would take the slowest slot */
     uint64_t draws;
     bool slots_known, input_ended, ended;
+    bool input_due; /* more will come, and when is known */
 };
+
+/*
+ * The checks of a policy: each is called where it is not NULL, after those of all runs; fail() says
+ * what does not hold. restart: all that was is forgotten, but for what has been passed on.
+ */
+struct sim_checks {
+    void (*task)(struct vtask *t); /* first of all, and after a restart: to make its note */
+    void (*event)(struct world *w, const struct sched_event *e); /* before the hub sees it */
+    void (*action)(struct world *w, const struct sched_action *a);
+    void (*after)(struct world *w); /* a step of the hub, with all of its actions */
+    void (*restart)(struct world *w);
+    void (*node_event)(struct world *w, int32_t k, const struct sched_event *e);
+    void (*node_action)(struct world *w, int32_t k, const struct sched_action *a);
+};
+
+/* ---- run.c ----------------------------------------------------------------------------------- */
 
 /* The next number in [0, 1) of this run. */
 double draw(struct world *w);
 /* Notes the first thing that does not hold. */
 void fail(struct world *w, const char *what, int64_t a, int64_t b);
-void schedule(struct world *w, int64_t at_us, struct sim_event e);
-/* When what is sent now arrives over a link that keeps order. */
-int64_t arrival(struct world *w, int64_t *latest);
-
+/* e for slot k's process as it is now, or what this hub is to know of it. */
+void schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e);
+/* Sees to it that who has this policy and state is woken in time; k: a node's, or -1. */
+void schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k);
 /* The task of that id, or NULL when there can be none. */
 struct vtask *vtask_at(struct world *w, uint32_t id);
-/* Slot k (or its fan) tells the policy. */
-void say(struct world *w, int32_t k, struct sched_event e);
-void append_task(struct task **list, size_t *n, size_t *cap, const struct task *t);
-void start_next(struct world *w, int32_t k);
-void computed(struct world *w, int32_t k, int64_t wall_us);
-void hand_over(struct world *w, int32_t k);
-void resume(struct world *w, int32_t k);
-void kill_slot(struct world *w, int32_t k);
+/* Tells the hub how many slots there are, and starts them. */
+void start_slots(struct world *w, int64_t known_us);
 
-/* What an event means for the checks, before the policy sees it. */
+/* ---- links.c --------------------------------------------------------------------------------- */
+
+/* To the hub, from slot k or its fan: control, pixels, or, for GONE and UP, behind both. */
+void say(struct world *w, int32_t k, struct sched_event e);
+/* These are at the hub, through which all pixels go one after the other. */
+void pass_hub(struct world *w, const struct sim_event *e);
+/* The hub's action, to slot k. */
+void send_down(struct world *w, int32_t k, const struct sched_action *a);
+
+/* ---- slots.c --------------------------------------------------------------------------------- */
+
+/* What has come to slot k, which is alive. */
+void deliver(struct world *w, const struct sim_event *e);
+void append_task(struct tasks *list, const struct task *t);
+void start_next(struct world *w, int32_t k);
+void hand_over(struct world *w, int32_t k);
+void come_up(struct world *w, int32_t k);
+void resume(struct world *w, int32_t k);
+/* The process and all that it has is no more. */
+void end_slot(struct world *w, int32_t k);
+/* The same, and the hub will hear of it; it may come back. */
+void lose_slot(struct world *w, int32_t k);
+
+/* ---- node.c ---------------------------------------------------------------------------------- */
+
+void node_step(struct world *w, int32_t k, struct sched_event e);
+void node_begin(struct world *w, int32_t k);
+void node_wake(struct world *w, int32_t k);
+
+/* ---- faults.c -------------------------------------------------------------------------------- */
+
+/* Those that the plan names, and those that it draws for slot k; k -1: for the hub. */
+void plan_faults(struct world *w);
+void draw_fault(struct world *w, int32_t k);
+void befall(struct world *w, const struct sim_event *e);
+/* More tasks are committed than before: those that wait for that. */
+void befall_by_commits(struct world *w, int64_t before);
+void restart_hub(struct world *w);
+
+/* ---- checks.c -------------------------------------------------------------------------------- */
+
+/* What an event means, before the hub's policy sees it; what it does. */
 void note_event(struct world *w, const struct sched_event *e);
-void check_give(struct world *w, const struct sched_action *a);
-void check_commit(struct world *w, const struct sched_action *a);
-void check_end(struct world *w, bool stop);
-/* After a step. */
-void check_owners(struct world *w);
+void note_action(struct world *w, const struct sched_action *a);
+bool is_sent(const struct world *w, const struct lattice *at);
 
 #endif

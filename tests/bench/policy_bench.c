@@ -22,6 +22,7 @@
 struct bench {
     struct sim_plan plan;
     struct sim_work work;
+    struct sim_fault slow;
     struct log_costs costs;
     struct task *tasks;
     double *power;
@@ -42,18 +43,20 @@ static void parse(struct bench *b, int argc, char **argv)
 {
     int opt;
     b->plan.work = &b->work;
-    b->work.slow_slot = -1;
+    b->plan.faults = &b->slow;
+    b->plan.hops = 2;
+    b->plan.jitter = .5;
     b->plan.width = 1;
     while ((opt = getopt(argc, argv, "ec:l:q:st:w:")) != -1) {
         switch (opt) {
-        case 'e': b->plan.endgame = true; break;
+        case 'e': b->plan.params.endgame = true; break;
         case 'c': b->work.task_us = opt_real(opt, optarg, 0, 1e9); break;
         case 'l': b->plan.latency_us = opt_int(opt, optarg, 0, 1000000000); break;
         case 'q':
-            if (strcmp(optarg, "auto") == 0) b->plan.depth = SCHED_DEPTH_AUTO;
-            else b->plan.depth = (int32_t)opt_int(opt, optarg, 0, 1000000);
+            if (strcmp(optarg, "auto") == 0) b->plan.params.depth = SCHED_DEPTH_AUTO;
+            else b->plan.params.depth = (int32_t)opt_int(opt, optarg, 0, 1000000);
             break;
-        case 's': b->work.slow_slot = 0; break;
+        case 's': b->plan.n_faults = 1; break;
         case 't': b->total_s = opt_real(opt, optarg, 1e-6, 1e9); break;
         case 'w': parse_powers(b, optarg); break;
         default: die(ST_USAGE, "expected options as in the source");
@@ -110,8 +113,7 @@ int main(int argc, char **argv)
     b.work.pixel_us = b.costs.us;
     b.work.power = b.power;
     double bound_us = lower_bound_of(&b);
-    b.work.slow_at_us = (int64_t)(bound_us / 2);
-    b.work.slow_power = b.power[0] / 20;
+    b.slow = (struct sim_fault){SIM_SLOW, 0, (int64_t)(bound_us / 2), 0, .05};
     struct sim_result result;
     sim_run(&policy_deal, &b.plan, &result);
     if (*result.failure) die(ST_PARTIAL, "%s", result.failure);

@@ -35,8 +35,10 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         struct sim_result r;
         failed += !run_seed((uint64_t)seed, &r);
         total.crashes += r.crashes;
-        total.stalls += r.stalls;
+        total.silences += r.silences;
         total.pauses += r.pauses;
+        total.slows += r.slows;
+        total.kills += r.kills;
         total.twice += r.twice;
         total.garbage += r.garbage;
         total.returns += r.returns;
@@ -48,14 +50,16 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         total.stops += r.stops;
         total.withheld += r.withheld;
     }
-    print_message("# %lld seeds: %lld events, %lld gives, %lld commits, %lld crashes, %lld stalls, "
-                  "%lld pauses, "
-                  "%lld comings up, %lld answers twice, %lld of garbage, %lld copies, %lld pieces, "
-                  "%lld ends that stop\n",
+    print_message(
+        "# %lld seeds: %lld events, %lld gives, %lld commits, %lld crashes, %lld silences, "
+        "%lld pauses, %lld slow-downs, %lld hubs killed, %lld comings up, %lld answers twice, %lld "
+        "of garbage, %lld copies, %lld pieces, "
+        "%lld ends that stop\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
-        (long long)total.crashes, (long long)total.stalls, (long long)total.pauses,
-        (long long)total.returns, (long long)total.twice, (long long)total.garbage,
-        (long long)total.copies, (long long)total.pieces, (long long)total.stops);
+        (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
+        (long long)total.slows, (long long)total.kills, (long long)total.returns,
+        (long long)total.twice, (long long)total.garbage, (long long)total.copies,
+        (long long)total.pieces, (long long)total.stops);
     if (failed) total.events = 0; /* the other tests have nothing to say */
     assert_int_equal(failed, 0);
 }
@@ -65,7 +69,8 @@ static void faults_of_every_kind_happened(void **state)
 {
     (void)state;
     if (!total.events) skip();
-    assert_true(total.crashes > 100 && total.stalls > 100 && total.pauses > 100);
+    assert_true(total.crashes > 100 && total.silences > 100 && total.pauses > 100);
+    assert_true(total.slows > 100 && total.kills > 50);
     assert_true(total.twice > 1000 && total.garbage > 1000 && total.gives > total.commits + 100);
     assert_true(
         total.copies > 1000 && total.pieces > 1000 && total.stops > 100 && total.withheld > 100);
@@ -93,11 +98,11 @@ int main(int argc, char **argv)
         struct sim_plan p = sim_plan_of((uint64_t)seed);
         printf("seed %lld: %d slots, %d tasks, depth %d%s, %d assigned: %lld events, %lld gives, "
                "%lld commits, %lld "
-               "crashes, %lld stalls, end %lld us, trace %016llx: %s\n",
-            (long long)seed, p.slots, p.tasks, p.depth, p.endgame ? " and endgame" : "", p.assigned,
-            (long long)r.events, (long long)r.gives, (long long)r.commits, (long long)r.crashes,
-            (long long)r.stalls, (long long)r.end_us, (unsigned long long)r.trace_hash,
-            good ? "good" : r.failure);
+               "crashes, %lld silences, end %lld us, trace %016llx: %s\n",
+            (long long)seed, p.slots, p.tasks, p.params.depth,
+            p.params.endgame ? " and endgame" : "", p.assigned, (long long)r.events,
+            (long long)r.gives, (long long)r.commits, (long long)r.crashes, (long long)r.silences,
+            (long long)r.end_us, (unsigned long long)r.trace_hash, good ? "good" : r.failure);
         return !good;
     }
     const struct CMUnitTest tests[] = {

@@ -1,0 +1,289 @@
+/* What must hold of deal, checked as it acts. */
+#include "sim/world.h"
+
+#include <string.h>
+
+struct note {
+    uint64_t owners; /* slots that were given it and have not answered: bit K */
+    int32_t gives;
+    int64_t order;               /* of the latest, among all gives */
+    uint8_t nth[SIM_SLOTS_MOST]; /* which of these the slot's was */
+    int32_t computed_by;         /* the first slot that said so, and is not lost, -1 */
+    bool overtaken;              /* a piece of what was computed since */
+};
+static struct note *of(const struct vtask *t) { return t->note; }
+
+#define AUTO_MOST 1001 /* tasks at a slot, where the depth follows the link */
+
+static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
+static bool is_up(const struct world *w, int32_t k) { return w->slots[k].up; }
+static bool has(const struct vtask *t, int32_t k) { return of(t)->owners >> k & 1; }
+static int32_t count_owners(const struct vtask *t) { return __builtin_popcountll(of(t)->owners); }
+static bool is_piece(const struct world *w, const struct vtask *t)
+{
+    return t->task.id >= (uint32_t)w->plan->tasks;
+}
+static bool inside(const struct world *w, const struct vtask *piece, const struct vtask *t)
+{
+    return piece != t && lattice_offset(&t->task.at, w->frame_w, &piece->task.at) >= 0;
+}
+static bool meet(const struct world *w, const struct lattice *a, const struct lattice *b)
+{
+    for (uint64_t i = 0, n = lattice_count(a); i < n; i++)
+        for (uint64_t j = 0, m = lattice_count(b); j < m; j++)
+            if (lattice_pixel(a, w->frame_w, i) == lattice_pixel(b, w->frame_w, j)) return true;
+    return false;
+}
+/* Not committed, and computed by nobody who is up. */
+static bool is_open(const struct vtask *t)
+{
+    return t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by < 0;
+}
+
+/* Was a piece of t given, that counts still? Do committed ones? */
+static bool in_pieces(const struct world *w, const struct vtask *t, bool committed)
+{
+    for (int32_t i = w->plan->tasks; i < w->n_tasks; i++) {
+        const struct vtask *p = &w->tasks[i];
+        if (!p->known || of(p)->overtaken || (p->committed && !committed)) continue;
+        if (inside(w, p, t)) return true;
+    }
+    return false;
+}
+
+/* For a slot that has not come up yet, or of which it is not known that it does not exist. */
+static bool is_promised(const struct world *w, const struct vtask *t)
+{
+    if (t->to < 0 || of(t)->gives) return false;
+    if (t->to >= w->plan->slots) return !w->slots_known;
+    return !w->slots[t->to].up && !w->slots[t->to].lost;
+}
+
+/* Known tasks that nobody has, and that wait as themselves, for anybody or for their slot. */
+static int32_t count_waiting(const struct world *w, bool promised)
+{
+    int32_t n = 0;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        if (!is_open(t) || of(t)->owners || in_pieces(w, t, true)) continue;
+        n += is_promised(w, t) == promised;
+    }
+    return n;
+}
+
+static int32_t count_up(const struct world *w)
+{
+    int32_t n = 0;
+    for (int32_t k = 0; k < w->plan->slots; k++) n += is_up(w, k);
+    return n;
+}
+
+/* ---- what the policy is told ----------------------------------------------------------------- */
+
+/* What was made of t is needed no more, unless it is lost. */
+static void overtake(struct world *w, const struct vtask *t)
+{
+    for (int32_t i = w->plan->tasks; i < w->n_tasks; i++)
+        if (w->tasks[i].known && inside(w, &w->tasks[i], t)) of(&w->tasks[i])->overtaken = true;
+}
+
+static void note_done(struct world *w, struct vtask *t, int32_t k)
+{
+    if (!has(t, k)) return;
+    int32_t nth = w->policy->tries(w->state, k, 0, t->task.id);
+    if (!is_piece(w, t) && nth != of(t)->nth[k]) fail(w, "done of another try", nth, of(t)->nth[k]);
+    of(t)->owners &= ~(UINT64_C(1) << k);
+    w->slots[k].has--;
+    if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
+    of(t)->computed_by = k;
+    overtake(w, t);
+}
+
+static void note_gone(struct world *w, int32_t k)
+{
+    w->slots[k].has = 0;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct note *t = of(&w->tasks[i]);
+        t->owners &= ~(UINT64_C(1) << k);
+        if (t->computed_by == k) t->computed_by = -1;
+    }
+}
+
+static void deal_task(struct vtask *t)
+{
+    t->note = xcalloc(1, sizeof(struct note));
+    of(t)->computed_by = -1;
+}
+
+static void deal_event(struct world *w, const struct sched_event *e)
+{
+    bool named = e->task.frame == 0 && e->task.id < (uint32_t)w->n_tasks;
+    if (e->kind == SCHED_DONE && named) note_done(w, &w->tasks[e->task.id], e->slot);
+    if (e->kind == SCHED_GONE) note_gone(w, e->slot);
+}
+
+/* ---- what it does ---------------------------------------------------------------------------- */
+
+/* Does slot k owe pixels? */
+static bool owes(const struct world *w, int32_t k)
+{
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        if (t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by == k) return true;
+    }
+    return false;
+}
+
+/* Slot k is given what is computed: only in the endgame, when who computed it is busy or was
+ * asked for it. */
+static void check_withheld(struct world *w, struct vtask *t, int32_t k)
+{
+    const struct vslot *s = &w->slots[of(t)->computed_by];
+    bool late = w->plan->params.endgame && w->input_ended && (s->asked || s->has);
+    if (!late || owes(w, k)) fail(w, "work given that is computed", k, t->task.id);
+    of(t)->computed_by = -1;
+    w->result->withheld++;
+}
+
+/* A piece that is seen for the first time: of one task, and beside the other pieces. */
+static void check_piece(struct world *w, struct vtask *t, const struct sched_action *a)
+{
+    int32_t wholes = 0;
+    t->task = a->task;
+    if (!w->plan->params.endgame || !w->input_ended)
+        fail(w, "a piece before the end", a->slot, a->task.id);
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *other = &w->tasks[i];
+        if (other == t || !other->known || of(other)->overtaken) continue;
+        if (inside(w, t, other) && of(other)->computed_by >= 0)
+            check_withheld(w, &w->tasks[i], a->slot);
+        if (inside(w, t, other)) wholes += i < w->plan->tasks;
+        else if (inside(w, other, t)) continue;
+        else if (i >= w->plan->tasks && meet(w, &t->task.at, &other->task.at))
+            fail(w, "pieces overlap", a->task.id, i);
+    }
+    if (wholes != 1) fail(w, "a piece of no task", wholes, a->task.id);
+    t->known = true;
+}
+
+/* Is t, or anything that it is a piece of, committed? */
+static bool is_committed(const struct world *w, const struct vtask *t)
+{
+    if (t->committed) return true;
+    for (int32_t i = 0; i < w->n_tasks && is_piece(w, t); i++)
+        if (w->tasks[i].committed && !of(&w->tasks[i])->overtaken && inside(w, t, &w->tasks[i]))
+            return true;
+    return false;
+}
+
+/* So many slots have t, as itself or as a part of something longer. */
+static int32_t copies_of(const struct world *w, const struct vtask *t)
+{
+    int32_t n = count_owners(t);
+    for (int32_t i = 0; i < w->n_tasks && is_piece(w, t); i++)
+        if (is_open(&w->tasks[i]) && inside(w, t, &w->tasks[i])) n += count_owners(&w->tasks[i]);
+    return n;
+}
+
+/* Is the slot that has t, and nobody else, still on something else? */
+static bool in_store(const struct world *w, const struct vtask *t)
+{
+    for (int32_t i = 0; i < w->n_tasks; i++)
+        if (of(&w->tasks[i])->owners & of(t)->owners && of(&w->tasks[i])->order < of(t)->order)
+            return true;
+    return false;
+}
+
+/* Slot k is given what others have. */
+static void check_copy(struct world *w, const struct vtask *t, int32_t k)
+{
+    w->result->copies++;
+    if (!w->input_ended || !(w->plan->params.endgame || adapts(w)))
+        fail(w, "work given twice", k, t->task.id);
+    if (w->slots[k].has) fail(w, "a copy to a slot that is busy", k, t->task.id);
+    if (count_waiting(w, false)) fail(w, "a copy, while other work waits", k, t->task.id);
+    if (in_pieces(w, t, false)) fail(w, "a copy of what is in pieces", k, t->task.id);
+    if (!w->plan->params.endgame && !in_store(w, t))
+        fail(w, "a copy of what is begun", k, t->task.id);
+    if (copies_of(w, t) >= SIM_COPIES_MOST) fail(w, "too many copies", k, t->task.id);
+}
+
+/* Beyond the depth, or what is left of it at the end? */
+static void check_depth(struct world *w, int32_t k, uint32_t id)
+{
+    int32_t most = adapts(w) ? AUTO_MOST : w->plan->width + w->plan->params.depth,
+            n = w->slots[k].has;
+    if (n > most) fail(w, "more given than the depth allows", k, id);
+    /* With pieces there may be more that waits than is seen here. */
+    if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
+    if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
+        fail(w, "more in store than waits", k, id);
+}
+
+static void check_give(struct world *w, const struct sched_action *a)
+{
+    struct vslot *s = &w->slots[a->slot];
+    struct vtask *t = vtask_at(w, a->task.id);
+    if (!t) {
+        fail(w, "work that does not exist", a->slot, a->task.id);
+        return;
+    }
+    if (!t->known && is_piece(w, t)) check_piece(w, t, a);
+    if (memcmp(&t->task.at, &a->task.at, sizeof a->task.at) != 0)
+        fail(w, "other pixels under the same id", a->slot, a->task.id);
+    if (!s->up) fail(w, "work given to a slot that is not up", a->slot, a->task.id);
+    if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
+        fail(w, "work given that is not to do", a->slot, a->task.id);
+    if (of(t)->computed_by >= 0) check_withheld(w, t, a->slot);
+    if (of(t)->owners) check_copy(w, t, a->slot);
+    bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
+    if (chosen && t->to != a->slot) fail(w, "work of one slot given to another", t->to, a->slot);
+    of(t)->owners |= UINT64_C(1) << a->slot;
+    of(t)->nth[a->slot] = (uint8_t)++of(t)->gives;
+    of(t)->order = w->result->gives;
+    s->has++;
+    s->asked = false;
+    if (t->to != a->slot) check_depth(w, a->slot, a->task.id);
+}
+
+static void check_stop(struct world *w, bool stop)
+{
+    bool busy = false, may = w->plan->params.endgame || adapts(w);
+    for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (is_up(w, k) && w->slots[k].has);
+    if (stop && !may) fail(w, "slots are stopped", 0, 0);
+    if (may && stop != busy) fail(w, "busy at the end", busy, stop);
+}
+
+static void deal_action(struct world *w, const struct sched_action *a)
+{
+    if (a->kind == SCHED_GIVE) check_give(w, a);
+    if (a->kind == SCHED_ASK_FLUSH) w->slots[a->slot].asked = true;
+    if (a->kind == SCHED_COMMIT) overtake(w, vtask_at(w, a->task.id));
+    if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_stop(w, a->kind == SCHED_STOP);
+}
+
+static void check_owners(struct world *w)
+{
+    bool endgame = w->plan->params.endgame && w->input_ended;
+    int32_t idle = -1, free = -1; /* free: it owes nothing either */
+    for (int32_t k = 0; endgame && k < w->plan->slots; k++) {
+        if (!is_up(w, k) || w->slots[k].has) continue;
+        idle = k;
+        if (!owes(w, k)) free = k;
+    }
+    int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
+    if (!endgame && waiting > count_waiting(w, false))
+        fail(w, "more waiting than there is", waiting, 0);
+    if (!endgame || idle < 0 || w->ended) return;
+    if (waiting) fail(w, "a slot is idle, and work waits", idle, waiting);
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
+        if (free >= 0 && computed) fail(w, "a slot is free, and pixels are withheld", free, i);
+        if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
+        if (copies_of(w, t) < SIM_COPIES_MOST) fail(w, "a slot is idle in the endgame", idle, i);
+    }
+}
+
+const struct sim_checks sim_checks_deal = {
+    .task = deal_task, .event = deal_event, .action = deal_action, .after = check_owners};

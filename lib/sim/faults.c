@@ -1,0 +1,134 @@
+/*
+ * Faults: crash, silence, pause, slow-down of slots, and the hub killed. By chance at most one
+ * befalls a slot, and slot 0 is never lost.
+ */
+#include "sim/world.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define HUB_DOWN_US 1e6 /* at most, between a hub and the next one */
+
+static void plan_fault(
+    struct world *w, int64_t at_us, int32_t k, enum sim_fault_kind kind, double power)
+{
+    struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = kind, .power = power}};
+    schedule(w, at_us, k, e);
+}
+
+void draw_fault(struct world *w, int32_t k)
+{
+    const struct sim_plan *p = w->plan;
+    int64_t at = (int64_t)(draw(w) * draw(w) * (double)p->faults_us);
+    bool mortal = k > 0;
+    if (draw(w) < p->p_crash && mortal) plan_fault(w, at, k, SIM_CRASH, 0);
+    else if (draw(w) < p->p_silence && mortal) plan_fault(w, at, k, SIM_SILENCE, 0);
+    else if (draw(w) < p->p_pause) plan_fault(w, at, k, SIM_PAUSE, 0);
+    else if (draw(w) < p->p_slow && mortal)
+        plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * draw(w));
+}
+
+void plan_faults(struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    for (size_t i = 0; i < p->n_faults; i++) {
+        const struct sim_fault *f = &p->faults[i];
+        if (f->at_us >= 0) plan_fault(w, f->at_us, f->slot, f->kind, f->power);
+    }
+    if (draw(w) < p->p_kill)
+        plan_fault(w, (int64_t)(draw(w) * (double)p->faults_us), 0, SIM_KILL, 0);
+}
+
+void befall_by_commits(struct world *w, int64_t before)
+{
+    const struct sim_plan *p = w->plan;
+    for (size_t i = 0; i < p->n_faults; i++) {
+        const struct sim_fault *f = &p->faults[i];
+        if (f->at_us < 0 && f->commits > before && f->commits <= w->result->commits)
+            plan_fault(w, w->now_us, f->slot, f->kind, f->power);
+    }
+}
+
+/* Everything dies with it. */
+static void kill_hub(struct world *w)
+{
+    if (w->ended || w->down) return;
+    w->result->kills++;
+    for (int32_t k = 0; k < w->plan->slots; k++) end_slot(w, k);
+    w->hub++;
+    w->down = true;
+    int64_t at = w->now_us + (int64_t)(draw(w) * HUB_DOWN_US);
+    schedule(w, at, 0, (struct sim_event){.kind = SIM_RESTART});
+}
+
+void befall(struct world *w, const struct sim_event *e)
+{
+    int32_t k = e->slot;
+    struct vslot *s = &w->slots[k];
+    enum sim_fault_kind kind = (enum sim_fault_kind)e->sched.n;
+    int64_t silence_us = w->plan->silence_us;
+    if (kind == SIM_KILL) kill_hub(w);
+    if (!s->alive || (s->stalled && kind != SIM_CRASH) || kind == SIM_KILL) return;
+    switch (kind) {
+    case SIM_CRASH:
+        w->result->crashes++;
+        lose_slot(w, k);
+        break;
+    case SIM_SILENCE:
+        s->stalled = true;
+        schedule(w, w->now_us + silence_us, k, (struct sim_event){.kind = SIM_GIVE_UP});
+        break;
+    case SIM_PAUSE:
+        s->stalled = true;
+        schedule(w, w->now_us + (int64_t)(draw(w) * (double)silence_us), k,
+            (struct sim_event){.kind = SIM_RESUME});
+        break;
+    case SIM_SLOW:
+        w->result->slows++;
+        s->power *= e->sched.power;
+        break;
+    case SIM_KILL: break;
+    }
+}
+
+/* ---- the next hub ---------------------------------------------------------------------------- */
+
+/* What the log has not whole comes again, as if nothing of it had come. */
+static void forget(struct world *w, struct vtask *t)
+{
+    t->known = false;
+    t->sent = 0;
+    t->committed = is_sent(w, &t->task.at);
+    for (uint64_t i = 0, n = lattice_count(&t->task.at); i < n && !t->committed; i++) {
+        uint64_t p = lattice_pixel(&t->task.at, w->frame_w, i), bit = UINT64_C(1) << (p & 63);
+        w->sent.done -= (w->sent.bits[p >> 6] & bit) != 0;
+        w->sent.bits[p >> 6] &= ~bit;
+    }
+}
+
+void restart_hub(struct world *w)
+{
+    w->down = false;
+    w->policy->destroy(w->state);
+    w->state = w->policy->create(&w->plan->params);
+    w->wake_us = INT64_MAX;
+    w->slots_known = w->input_ended = w->input_due = false;
+    w->n_read = w->n_open = 0;
+    w->spread_us = 0;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct vtask *t = &w->tasks[i];
+        free(t->note);
+        t->note = NULL;
+        if (i >= w->plan->tasks) continue;
+        forget(w, t);
+        if (w->checks && w->checks->task) w->checks->task(t);
+    }
+    w->n_tasks = w->plan->tasks;
+    for (int32_t k = 0; k < w->plan->slots; k++) {
+        struct vslot *s = &w->slots[k];
+        s->up = s->lost = s->asked = false;
+        s->has = 0;
+    }
+    if (w->checks && w->checks->restart) w->checks->restart(w);
+    start_slots(w, w->now_us);
+}

@@ -1,0 +1,82 @@
+/* Links between the fan and its slots. */
+#include "sim/world.h"
+
+#define PIXEL_BYTES 16 /* four floats */
+
+/* Arrival of what leaves at from_us over a link that keeps order; trips: 1 is the latency. */
+static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
+{
+    double us = (double)w->plan->latency_us * trips;
+    if (w->plan->jitter > 0) us *= 1 + w->plan->jitter * (2 * draw(w) - 1);
+    int64_t at = from_us + (int64_t)us;
+    if (at < *latest) at = *latest;
+    return *latest = at;
+}
+
+/* A ring message takes its hops from node to node: half of them on each of the two links. */
+static double trips_of(const struct world *w, bool between_nodes)
+{
+    return between_nodes ? w->plan->hops / 2 : 1;
+}
+
+static int64_t pixels_arrive(struct world *w, struct vslot *s, const struct task *t)
+{
+    double bytes = PIXEL_BYTES * (double)lattice_count(&t->at);
+    if (s->left_us < w->now_us) s->left_us = w->now_us;
+    if (w->plan->link_bytes_per_s > 0)
+        s->left_us += (int64_t)(1e6 * bytes / w->plan->link_bytes_per_s);
+    return arrival(w, s->left_us, 1, &s->pixels_us);
+}
+
+/* What comes in order with pixels. */
+static bool is_bulk(const struct sched_event *e)
+{
+    return e->kind == SCHED_PIXELS || e->kind == SCHED_GONE || e->kind == SCHED_UP;
+}
+
+void say(struct world *w, int32_t k, struct sched_event e)
+{
+    struct vslot *s = &w->slots[k];
+    int64_t at;
+    e.slot = k;
+    e.frame_w = w->frame_w;
+    if (e.kind == SCHED_PIXELS) at = pixels_arrive(w, s, &e.task);
+    else {
+        if (is_bulk(&e) && s->up_us < s->pixels_us) s->up_us = s->pixels_us;
+        at = arrival(w, w->now_us, trips_of(w, e.kind == SCHED_RING), &s->up_us);
+        if (is_bulk(&e)) s->pixels_us = at;
+    }
+    bool waits = w->plan->hub_bytes_per_s > 0 && is_bulk(&e);
+    schedule(w, at, k, (struct sim_event){.kind = waits ? SIM_AT_HUB : SIM_SCHED, .sched = e});
+}
+
+void pass_hub(struct world *w, const struct sim_event *e)
+{
+    struct sim_event passed = *e;
+    double bytes = PIXEL_BYTES * (double)lattice_count(&e->sched.task.at);
+    if (w->hub_us < w->now_us) w->hub_us = w->now_us;
+    if (e->sched.kind == SCHED_PIXELS)
+        w->hub_us += (int64_t)(1e6 * bytes / w->plan->hub_bytes_per_s);
+    passed.kind = SIM_SCHED;
+    schedule(w, w->hub_us, e->slot, passed);
+}
+
+void send_down(struct world *w, int32_t k, const struct sched_action *a)
+{
+    struct sched_event e = {.task = a->task, .frame_w = w->frame_w, .from = -1, .ring = a->ring};
+    bool between_nodes = a->kind == SCHED_SAY && a->ring.kind != RING_PLACE;
+    switch (a->kind) {
+    case SCHED_GIVE:
+        e.kind = SCHED_TASK;
+        e.task.to = k;
+        e.from = a->from;
+        between_nodes = w->plan->node && a->from >= 0;
+        break;
+    case SCHED_SAY: e.kind = SCHED_RING; break;
+    case SCHED_ASK_FLUSH: e.kind = SCHED_FLUSH; break;
+    default: e.kind = SCHED_INPUT_END; break;
+    }
+    int64_t at = arrival(w, w->now_us, trips_of(w, between_nodes), &w->slots[k].down_us);
+    w->result->messages += between_nodes;
+    schedule(w, at, k, (struct sim_event){.kind = SIM_TO_SLOT, .sched = e});
+}

@@ -1,0 +1,75 @@
+/*
+ * Nodes: the policy that stands between a slot's link and its worker. What it says goes up the
+ * link; what it gives is the worker's at once.
+ */
+#include "sim/world.h"
+
+static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
+{
+    struct vslot *s = &w->slots[k];
+    w->result->messages++;
+    w->result->passed += a->ring.kind == RING_GIVE;
+    if (a->ring.kind == RING_ASK) s->asks = true;
+    say(w, k, (struct sched_event){.kind = SCHED_RING, .task = a->task, .ring = a->ring});
+}
+
+static void node_act(struct world *w, int32_t k, const struct sched_action *a)
+{
+    struct vslot *s = &w->slots[k];
+    if (w->checks && w->checks->node_action) w->checks->node_action(w, k, a);
+    switch (a->kind) {
+    case SCHED_GIVE:
+        append_task(&s->queue, &a->task);
+        start_next(w, k);
+        break;
+    case SCHED_SAY: say_ring(w, k, a); break;
+    case SCHED_ASK_FLUSH: hand_over(w, k); break;
+    case SCHED_COMMIT: break;
+    case SCHED_END:
+    case SCHED_STOP:
+        s->node_ended = true;
+        hand_over(w, k);
+        break;
+    }
+}
+
+/* What it does may make its worker answer, which is its next event: one list has the actions of
+ * both. */
+void node_step(struct world *w, int32_t k, struct sched_event e)
+{
+    struct vslot *s = &w->slots[k];
+    struct sched_actions *acts = &w->node_acts;
+    bool within = acts->n > 0;
+    if (e.kind == SCHED_TASK && e.from >= 0 && s->asks) {
+        w->result->steals++;
+        s->asks = false;
+    }
+    if (w->checks && w->checks->node_event) w->checks->node_event(w, k, &e);
+    w->plan->node->step(s->node, &e, w->now_us, acts);
+    if (within) return;
+    for (size_t i = 0; i < acts->n; i++) {
+        struct sched_action a = acts->at[i];
+        node_act(w, k, &a);
+    }
+    acts->n = 0;
+    schedule_wake(w, w->plan->node, s->node, k);
+}
+
+void node_begin(struct world *w, int32_t k)
+{
+    struct vslot *s = &w->slots[k];
+    s->node = w->plan->node->create(&(struct sched_params){0});
+    s->node_ended = s->asks = false;
+    s->wake_us = INT64_MAX;
+    node_step(w, k, (struct sched_event){.kind = SCHED_SLOTS, .n = 1, .from = -1});
+    node_step(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width, .from = -1});
+}
+
+void node_wake(struct world *w, int32_t k)
+{
+    struct vslot *s = &w->slots[k];
+    s->wake_us = INT64_MAX;
+    if (w->plan->node->wake_us(s->node) <= w->now_us)
+        node_step(w, k, (struct sched_event){.kind = SCHED_WAKE, .from = -1});
+    else schedule_wake(w, w->plan->node, s->node, k);
+}

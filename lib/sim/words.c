@@ -1,0 +1,82 @@
+/* Faults as words of a command line. */
+#include "sim/sim.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SLOT_MOST 1000000
+#define SLOWED .1 /* of its power is left, where nothing else is said */
+
+/* The word's end at the next ':', or NULL. */
+static char *cut_off(char *word)
+{
+    char *colon = strchr(word, ':');
+    if (!colon) return NULL;
+    *colon = '\0';
+    return colon + 1;
+}
+
+/* WHEN: "2.5s", or so many tasks committed. */
+static bool parse_when(char *when, struct sim_fault *f)
+{
+    size_t n = strlen(when);
+    double s;
+    f->at_us = -1;
+    if (!n || when[n - 1] != 's') return parse_int(when, 1, INT32_MAX, &f->commits);
+    when[n - 1] = '\0';
+    if (!parse_real(when, 0, 1e9, &s)) return false;
+    f->at_us = (int64_t)(s * 1e6);
+    return true;
+}
+
+/* WHEN[:SLOT[:POWER]]; only the hub has no slot, only a slow one another power. */
+static bool parse_fault(struct sim_plan *plan, enum sim_fault_kind kind, char *when)
+{
+    struct sim_fault f = {.kind = kind, .power = SLOWED};
+    char *slot = cut_off(when), *power = slot ? cut_off(slot) : NULL;
+    int64_t k = 0;
+    if (!parse_when(when, &f) || (kind == SIM_KILL) != !slot || (power && kind != SIM_SLOW))
+        return false;
+    if (slot && !parse_int(slot, 0, SLOT_MOST, &k)) return false;
+    if (power && !parse_real(power, 1e-3, 1, &f.power)) return false;
+    f.slot = (int32_t)k;
+    plan->faults = xrealloc(plan->faults, plan->n_faults + 1, sizeof *plan->faults);
+    plan->faults[plan->n_faults++] = f;
+    return true;
+}
+
+static bool parse_word(struct sim_plan *p, char *word)
+{
+    const struct {
+        const char *name;
+        double *chance;
+        int kind; /* -1: it comes by chance only */
+    } table[] = {
+        {"crash", &p->p_crash, SIM_CRASH},
+        {"silence", &p->p_silence, SIM_SILENCE},
+        {"pause", &p->p_pause, SIM_PAUSE},
+        {"slow", &p->p_slow, SIM_SLOW},
+        {"kill", &p->p_kill, SIM_KILL},
+        {"return", &p->p_return, -1},
+        {"twice", &p->p_twice, -1},
+        {"garbage", &p->p_garbage, -1},
+        {"jitter", &p->jitter, -1},
+    };
+    size_t n = strcspn(word, "=@");
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (strlen(table[i].name) != n || strncmp(word, table[i].name, n) != 0) continue;
+        if (word[n] == '=') return parse_real(word + n + 1, 0, 1, table[i].chance);
+        return word[n] == '@' && table[i].kind >= 0 &&
+               parse_fault(p, (enum sim_fault_kind)table[i].kind, word + n + 1);
+    }
+    return false;
+}
+
+bool sim_parse_faults(struct sim_plan *plan, const char *list)
+{
+    char *copy = xstrdup(list), *rest = copy, *word;
+    bool good = true;
+    while (good && (word = strsep(&rest, ",")) != NULL) good = parse_word(plan, word);
+    free(copy);
+    return good;
+}
