@@ -10,8 +10,9 @@
  *
  * What every policy around a fan guarantees to its driver: each task whose pixels were delivered is
  * committed once; a task that is not committed is in the pool, or has an owner that is up, or has
- * pieces for which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input has ended
- * and nothing is uncommitted.
+ * pieces for which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input
+ * has ended and nothing is uncommitted. policy_published guarantees the second and the "when" of
+ * the third only as long as nothing fails.
  */
 #ifndef STORMRING_SCHED_H
 #define STORMRING_SCHED_H
