@@ -14,9 +14,9 @@
  * A row of the master's first phase begins the ring anew: next is P(i+1) again. What the paper
  * leaves open is decided here so:
  *
- * - A request is repeated when TIMEOUT_ROWS times the longest row that the node itself has computed,
- *   and at least TIMEOUT_LEAST_US, have brought no answer; after TRIES_MOST repetitions the next
- *   such time is reported to the master, and so on until an answer comes.
+ * - A request is repeated when TIMEOUT_ROWS times the longest row that the node itself has
+ *   computed, and at least TIMEOUT_LEAST_US, have brought no answer; after TRIES_MOST repetitions
+ *   the next such time is reported to the master, and so on until an answer comes.
  * - Requests have no numbers: each is answered, the repeated ones too, and any answer of whom is
  *   asked is one to the latest.
  * - A node to which phase 1 brings nothing within TIMEOUT_LEAST_US asks all the same.
@@ -33,6 +33,7 @@
 #define TRIES_MOST 3
 #define TIMEOUT_ROWS 2
 #define TIMEOUT_LEAST_US 500000
+#define ASKED_MOST 4 /* requests that wait, for each node of the ring; more are lost */
 #define ROW_MOST_US INT64_C(3600000000) /* longer ones are not believed */
 
 struct gdc_node {
@@ -162,7 +163,7 @@ static void take_heir(struct node *n, const struct ring *r)
 static void note_asker(struct node *n, int32_t peer)
 {
     struct gdc_node *g = n->gdc;
-    if (peer < 0 || peer >= n->place.n || g->n_asked > (TRIES_MOST + 1) * n->place.n) return;
+    if (peer < 0 || peer >= n->place.n || g->n_asked >= ASKED_MOST * n->place.n) return;
     if (g->n_asked == g->cap_asked) {
         g->cap_asked = g->cap_asked ? 2 * g->cap_asked : 8;
         g->asked = xrealloc(g->asked, (size_t)g->cap_asked, sizeof *g->asked);

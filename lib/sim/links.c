@@ -2,6 +2,7 @@
 #include "sim/world.h"
 
 #define PIXEL_BYTES 16 /* four floats */
+#define LATE_US 1e6    /* at most, of a datagram that others overtake */
 
 /* Arrival of what leaves at from_us over a link that keeps order; trips: 1 is the latency. */
 static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
@@ -34,6 +35,27 @@ static bool is_bulk(const struct sched_event *e)
     return e->kind == SCHED_PIXELS || e->kind == SCHED_GONE || e->kind == SCHED_UP;
 }
 
+/*
+ * A ring message that is due at at_us: it may be lost, come twice, or so late that others overtake
+ * it. Links lose nothing; what the published ring ran on may.
+ */
+static void send_datagram(struct world *w, int64_t at_us, int32_t k, struct sim_event e)
+{
+    const struct sim_plan *p = w->plan;
+    if (p->p_lose > 0 && draw(w) < p->p_lose) {
+        w->result->lost++;
+        return;
+    }
+    if (p->p_late > 0 && draw(w) < p->p_late) {
+        w->result->late++;
+        at_us += (int64_t)(draw(w) * LATE_US);
+    }
+    schedule(w, at_us, k, e);
+    if (p->p_double <= 0 || draw(w) >= p->p_double) return;
+    w->result->doubled++;
+    schedule(w, at_us + (int64_t)(draw(w) * LATE_US), k, e);
+}
+
 void say(struct world *w, int32_t k, struct sched_event e)
 {
     struct vslot *s = &w->slots[k];
@@ -47,7 +69,9 @@ void say(struct world *w, int32_t k, struct sched_event e)
         if (is_bulk(&e)) s->pixels_us = at;
     }
     bool waits = w->plan->hub_bytes_per_s > 0 && is_bulk(&e);
-    schedule(w, at, k, (struct sim_event){.kind = waits ? SIM_AT_HUB : SIM_SCHED, .sched = e});
+    struct sim_event up = {.kind = waits ? SIM_AT_HUB : SIM_SCHED, .sched = e};
+    if (e.kind == SCHED_RING) send_datagram(w, at, k, up);
+    else schedule(w, at, k, up);
 }
 
 void pass_hub(struct world *w, const struct sim_event *e)
@@ -78,5 +102,7 @@ void send_down(struct world *w, int32_t k, const struct sched_action *a)
     }
     int64_t at = arrival(w, w->now_us, trips_of(w, between_nodes), &w->slots[k].down_us);
     w->result->messages += between_nodes;
-    schedule(w, at, k, (struct sim_event){.kind = SIM_TO_SLOT, .sched = e});
+    struct sim_event down = {.kind = SIM_TO_SLOT, .sched = e};
+    if (between_nodes) send_datagram(w, at, k, down);
+    else schedule(w, at, k, down);
 }

@@ -9,6 +9,7 @@ static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
     struct vslot *s = &w->slots[k];
     w->result->messages++;
     w->result->passed += a->ring.kind == RING_GIVE;
+    w->result->reports += a->ring.kind == RING_CRASHED;
     if (a->ring.kind == RING_ASK) s->asks = true;
     say(w, k, (struct sched_event){.kind = SCHED_RING, .task = a->task, .ring = a->ring});
 }

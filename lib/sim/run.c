@@ -211,6 +211,7 @@ static int64_t time_allowed_us(const struct world *w)
     const struct sim_plan *p = w->plan;
     double trips_us = 4.0 * (double)p->latency_us * (w->n_tasks + 2);
     double faults_us = (double)(p->faults_us + p->silence_us) + 2e6;
+    faults_us += (double)p->detect_us * p->slots;
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
 }
 
@@ -265,9 +266,11 @@ static void close_world(struct world *w)
         free(s->queue.at);
         free(s->held.at);
         free(s->inbox.at);
+        free(s->note);
     }
     for (int32_t i = 0; i < w->n_tasks; i++) free(w->tasks[i].note);
     coverage_free(&w->sent);
+    free(w->note);
     free(w->slots);
     free(w->order);
     free(w->tasks);

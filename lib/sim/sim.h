@@ -65,7 +65,7 @@ struct sim_fault {
 };
 
 struct sim_checks; /* private */
-extern const struct sim_checks sim_checks_deal;
+extern const struct sim_checks sim_checks_deal, sim_checks_gdc;
 
 /* Chances are per slot, or per answer; times in microseconds of virtual time. */
 struct sim_plan {
@@ -84,10 +84,13 @@ struct sim_plan {
     double p_return;                            /* a lost slot comes back */
     double p_twice;                             /* an answer is sent twice */
     double p_garbage;                           /* an answer names what was not asked */
-    int64_t faults_us;                          /* faults by chance come before this */
-    struct sim_fault *faults;                   /* the caller's */
+    double p_lose, p_double,
+        p_late;               /* a ring message is, on each of its links: a datagram's fate */
+    int64_t faults_us;        /* faults by chance come before this */
+    struct sim_fault *faults; /* the caller's */
     size_t n_faults;
-    bool calm; /* no faults, and enough to do: it must take little longer than the bound */
+    int64_t detect_us; /* so long it may take that a lost slot is missed: the end may be as late */
+    bool calm;         /* no faults, and enough to do: it must take little longer than the bound */
     int64_t silence_us;
     int64_t latency_us; /* of a link, one way */
     double jitter;      /* a message takes up to this part of the latency more, or less */
@@ -118,6 +121,8 @@ struct sim_result {
     int64_t messages;              /* of the ring, by each node and to it, without PLACE */
     int64_t steals;                /* asks of a node that brought it work of another one */
     int64_t passed;                /* tasks that a node gave to another one */
+    int64_t reports;               /* of a node, that another one does not answer */
+    int64_t lost, doubled, late;   /* ring messages, where they are datagrams */
     double busy_us, startup_us, waiting_us, tail_us; /* of all slots: slots x end_us together */
 };
 

@@ -43,6 +43,7 @@ struct vslot {
     int64_t first_us, began_us, last_us; /* its first task, the one that it is on; its last end */
     double busy_us;
     /* for the checks of deal */
+    void *note;  /* what else the plan's checks know of it; NULL at first, freed with it */
     int32_t has; /* tasks that it was given and has not answered */
     bool asked;  /* for a flush, since it was last given work */
 };
@@ -82,6 +83,7 @@ struct world {
     double alone_us; /* what all would take the slowest slot */
     uint64_t draws;
     bool slots_known, input_ended, ended;
+    void *note;     /* of the plan's checks, likewise */
     bool input_due; /* more will come, and when is known */
 };
 
