@@ -21,6 +21,7 @@ struct shadow {
     int32_t next; /* that one has none, or is given up: this one is next; -1: it may be asked */
     int32_t owes; /* answers */
     int32_t queued, begun;
+    bool done;    /* this step is about a row that is done */
     int32_t at[]; /* by slot: answers that it owes to that; then by task: where that is */
 };
 enum row { ELSEWHERE, QUEUED, BEGUN };
@@ -111,6 +112,7 @@ static void node_event(struct world *w, int32_t k, const struct sched_event *e)
     else if (e->kind == SCHED_RING || e->kind == SCHED_WAKE) check_left(w, k);
     struct shadow *x = shadow_of(w, k);
     x->step_us = w->now_us;
+    x->done = e->kind == SCHED_DONE;
     if (e->kind == SCHED_TASK) note_row(w, k, e);
     if (e->kind == SCHED_RING) note_ring(w, k, &e->ring);
     int32_t *row = row_of(w, x, &e->task);
@@ -156,6 +158,7 @@ static void check_answer(struct world *w, int32_t k, const struct sched_action *
     int32_t hint = !x->begun && x->found ? x->asked : -1;
     if (!x->at[r->peer]--) fail(w, "answers who did not ask", k, r->peer);
     x->owes--;
+    if (x->begun && !x->done) fail(w, "answers while it computes", k, r->peer);
     if (r->kind == RING_GIVE) {
         if (row && *row == QUEUED) {
             *row = ELSEWHERE;
