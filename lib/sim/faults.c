@@ -12,7 +12,7 @@
 static void plan_fault(
     struct world *w, int64_t at_us, int32_t k, enum sim_fault_kind kind, double power)
 {
-    struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = kind, .power = power}};
+    struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = (int32_t)kind, .power = power}};
     schedule(w, at_us, k, e);
 }
 
