@@ -1,7 +1,36 @@
-/* A schedule made with all costs known: longest first, then local search. */
+/* What a run is measured by: the bound, and a schedule made with all costs known. */
 #include "sim/sim.h"
+#include "stats/stats.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+/* ---- the bound ------------------------------------------------------------------------------- */
+
+static bool in_rows(const struct sim_plan *p, const struct sim_result *r)
+{
+    for (int32_t i = 0; i < p->tasks; i++) {
+        const struct lattice *at = &p->work->tasks[i].at;
+        if (at->w != p->work->frame_w || at->sx != 1) return false;
+    }
+    return !r->pieces;
+}
+
+double sim_bound_s(const struct sim_plan *p, const struct sim_result *r)
+{
+    size_t w = p->work->frame_w, n = w * p->work->frame_h, m = (size_t)p->slots;
+    size_t piece = in_rows(p, r) ? w : 1;
+    double *c = xcalloc(n / piece, sizeof *c), *v = xmalloc(m, sizeof *v);
+    for (size_t i = 0; i < n; i++) c[i / piece] += p->work->pixel_us[i];
+    memcpy(v, p->work->power, m * sizeof *v);
+    double s = lower_bound(c, n / piece, v, m) * 1e-6;
+    if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * (double)n / p->hub_bytes_per_s);
+    free(c);
+    free(v);
+    return s;
+}
+
+/* ---- longest first, then local search -------------------------------------------------------- */
 
 struct job {
     double us; /* at power 1 */

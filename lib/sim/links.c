@@ -1,8 +1,7 @@
 /* Links between the fan and its slots. */
 #include "sim/world.h"
 
-#define PIXEL_BYTES 16 /* four floats */
-#define LATE_US 1e6    /* at most, of a datagram that others overtake */
+#define LATE_US 1e6 /* at most, of a datagram that others overtake */
 
 /* Arrival of what leaves at from_us over a link that keeps order; trips: 1 is the latency. */
 static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
@@ -22,7 +21,7 @@ static double trips_of(const struct world *w, bool between_nodes)
 
 static int64_t pixels_arrive(struct world *w, struct vslot *s, const struct task *t)
 {
-    double bytes = PIXEL_BYTES * (double)lattice_count(&t->at);
+    double bytes = SIM_PIXEL_BYTES * (double)lattice_count(&t->at);
     if (s->left_us < w->now_us) s->left_us = w->now_us;
     if (w->plan->link_bytes_per_s > 0)
         s->left_us += (int64_t)(1e6 * bytes / w->plan->link_bytes_per_s);
@@ -77,7 +76,7 @@ void say(struct world *w, int32_t k, struct sched_event e)
 void pass_hub(struct world *w, const struct sim_event *e)
 {
     struct sim_event passed = *e;
-    double bytes = PIXEL_BYTES * (double)lattice_count(&e->sched.task.at);
+    double bytes = SIM_PIXEL_BYTES * (double)lattice_count(&e->sched.task.at);
     if (w->hub_us < w->now_us) w->hub_us = w->now_us;
     if (e->sched.kind == SCHED_PIXELS)
         w->hub_us += (int64_t)(1e6 * bytes / w->plan->hub_bytes_per_s);

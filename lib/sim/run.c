@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 
+#define AT_ONCE 100 /* events for each slot and task: there are those who go round without end */
 #define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
 
 double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
@@ -288,8 +289,11 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     w.state = policy->create(&plan->params);
     begin(&w);
     w.alone_us = alone_us(&w);
+    int64_t at_once = 0, most = AT_ONCE * ((int64_t)plan->slots + plan->tasks + 1);
     while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
         if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
+        at_once = e.at_us > w.now_us ? 0 : at_once + 1;
+        if (at_once > most) fail(&w, "time stands still", at_once, most);
         w.now_us = e.at_us;
         result->events++;
         trace_event(&w, &e);

@@ -12,8 +12,8 @@
  * with it; a new one gets those tasks of which some pixel had not been passed on.
  *
  * What is checked of every run, after every event: a task commits once, and only when all of its
- * pixels were passed on; the end comes once, when everything is committed. The rest is the affair
- * of a policy's own checks (plan.checks), which may be too slow for large runs:
+ * pixels were passed on; the end comes once, when everything is committed; time goes on. The rest
+ * is the affair of a policy's own checks (plan.checks), which may be too slow for large runs:
  *
  * sim_checks_deal, of at most SIM_SLOTS_MOST slots:
  *
@@ -38,6 +38,7 @@
 
 #define SIM_SLOTS_MOST 64
 #define SIM_COPIES_MOST 3
+#define SIM_PIXEL_BYTES 16 /* four floats */
 
 /* What is to be rendered where a plan does not make it up: for measurements. */
 struct sim_work {
@@ -131,6 +132,12 @@ struct sim_result {
  * method that does not recover what is lost, it is its result: then `uncommitted` tells, too.
  */
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);
+
+/*
+ * The least time that a measured run could have taken, whatever the schedule (stats.h): pieces are
+ * rows where r split none of them, else pixels; and no less than all pixels take through the hub.
+ */
+double sim_bound_s(const struct sim_plan *plan, const struct sim_result *r);
 
 /*
  * The best schedule that is found with all costs known beforehand: longest processing time first,

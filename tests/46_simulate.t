@@ -1,0 +1,130 @@
+#!/bin/sh
+# simulate: what tiny runs take, as worked out by hand; the same seed gives the same bytes; what it refuses.
+# shellcheck disable=SC2154  # lib.sh sets them
+. "$(dirname "$0")/lib.sh"
+
+# of KEY: from the last run's figures
+of() { printf '%s\n' "$out" | awk -F '\t' -v key="$1" '$1 == key { print $2 }'; }
+
+# ---- by hand -----------------------------------------------------------------------------------------------
+# Four tasks of 1 s on hosts of power 1 and 2; a message takes .1 s. Both are known to be up at .1, and have work at .2.
+# On demand: the first is on task 0 until 1.2, the second on task 1 until .7 and, after a round trip, on task 2 from .9 to
+# 1.4; the first hears of task 3 at 1.4 and is done at 2.4, which is known at 2.5.
+partition 1x4 >four.task
+two() { run simulate -m 1e6 -w 1,2 -l 100 "$@" <four.task; }
+# takes NAME SECONDS OPTIONS ...
+takes() {
+	name=$1 s=$2
+	shift 2
+	two "$@"
+	is "$name" "$status $(of makespan_s)" "0 $s"
+}
+takes 'deal: by hand' 2.500000 deal
+is '... of which it is on tasks' "$(of busy_s)" 3.000000
+is '... and waits until its first one, both together' "$(of startup_s)" 0.400000
+is '... between two tasks' "$(of waiting_s)" 0.400000
+is '... and after its last one' "$(of tail_s)" 1.200000
+is 'no schedule is faster than the sum of costs by that of powers' "$(of bound_s)" 1.333333
+is '... and in a simulation than that and three messages' "$(of least_s)" 1.633333
+is 'efficiency is the bound by the makespan' "$(of efficiency)" 0.5333
+takes 'deal -q 1: two tasks each, at once' 2.300000 deal -q 1
+takes 'fan: the same' 2.300000 fan
+takes 'best: one task to the first, three to the second' 1.800000 best
+partition -n 1 1x4 >first.task
+run simulate -m 1e6 -w 1,2 -l 100 fan <first.task
+is 'fan: all tasks preassigned to one' "$(of makespan_s)" 4.300000
+takes 'costs twice as high' 4.500000 -x 2 deal
+takes 'no latency' 2.000000 -l 0 deal
+takes 'a crash, which the first hears of; and does all' 4.900000 -f crash@.5s:1 deal
+is '... one' "$(of crashes) $(of uncommitted)" '1 0'
+takes 'a crash when two tasks are there' 3.700000 -f crash@2:1 deal
+takes 'silence is a crash that is seen 3 s later' 4.900000 -f silence@.5s:1 deal
+takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
+two -f crash@.5s:1 fan
+is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
+like '... and says how to repeat it' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
+# Each task is 16 bytes: 2 s on the way, and the next ones wait for the link, or for the hub.
+takes 'the link of each' 5.300000 -b 8 fan
+takes 'all through the hub' 8.800000 -b 0,8 fan
+is '... is the bound, too' "$(of bound_s)" 8.000000
+two -f kill@2 deal
+is 'the hub is killed: another one does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
+
+# ---- one seed, one run -------------------------------------------------------------------------------------
+partition -n 9 64x200 >many.task
+faults=crash=.3,silence=.2,pause=.3,slow=.3,return=.5,kill=.5,twice=.1,garbage=.05,jitter=.5
+for method in deal 'deal -e -q auto'; do
+	again() { # SEED FILE
+		# shellcheck disable=SC2086
+		simulate -s "$1" -j 9,3 -l 2 -m 100,5 -f $faults $method <many.task >"$2"
+	}
+	again 1 one && again 1 two && again 2 three
+	ok "$method: the same seed gives the same bytes" cmp one two
+	ok "$method: another one another run" sh -c '! cmp -s one three'
+done
+run simulate -n 50 -s 100 deal
+is 'seeds: every one holds' "$status $(of seeds)" '0 50'
+first=$(of trace)
+run simulate -n 50 -s 100 deal
+is '... the same again' "$(of trace)" "$first"
+
+# ---- costs of a log --------------------------------------------------------------------------------------
+spdgen -s 2 tetra >tetra.nff
+partition 24x16 >rows.task
+rtworker tetra.nff <rows.task | LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=1\20000 wall_us=1/' >log
+sum=$(seq 0 15 | awk '{ s += 1 $1 "0000" } END { printf "%.6f", s / 1e6 }')
+run simulate -t log fan <rows.task
+is 'what the log says: all rows on one slot' "$(of makespan_s)" "$sum"
+partition -u tile:5x3 24x16 >tiles.task
+run simulate -t log fan <tiles.task
+is '... however they are cut, but for what is rounded' "$(of makespan_s | awk -v sum="$sum" '{ d = $1 - sum; print d * d < 1e-8 }')" 1
+cat >hosts <<'END'
+a slots=2 power=1
+b power=.5
+END
+run simulate -S hosts deal <rows.task
+is 'a file of hosts' "$(of slots) $status" '3 0'
+
+# ---- what it refuses -----------------------------------------------------------------------------------------
+# refuses NAME PATTERN COMMAND ...: with four.task
+refuses() {
+	name=$1 pattern=$2
+	shift 2
+	run "$@" <four.task
+	is "$name" "$status" 2
+	like '... and says so' "$err" "$pattern"
+}
+refuses 'no method' usage simulate
+refuses 'another method' 'none: expected fan, best, deal or ring' simulate none
+refuses 'an option of another method' usage simulate fan -q 1
+refuses 'hosts twice' 'expected one of' simulate -j 2 -w 1,2 deal
+refuses 'costs twice' 'expected one of' simulate -m 1 -t log deal
+refuses 'a log of another size' 'expected the log of a picture of 1x4' simulate -t log deal
+refuses 'no log' 'nothing: ' simulate -t nothing deal
+refuses 'hosts without power' 'expected power=P' simulate -S one,two deal
+for fault in crash crash= crash=2 crash@ crash@5 crash@0:1 crash@5:1:2 kill@5:1 return@5:1 slow@5:1:2 slow@s:1 =1 '' x=1; do
+	refuses "-f '$fault'" 'expected KIND=CHANCE' simulate -f "$fault" deal
+done
+refuses 'a fault of a slot that is none' 'slot 2 of 2' simulate -j 2 -f crash@1:2 deal
+refuses '-j with half a slot' 'expected SLOTS' simulate -j 1.5 deal
+refuses '-c with the fan' 'expected deal or ring' simulate -c fan
+bad() { # NAME INPUT-LINE ...
+	name=$1
+	shift
+	[ $# = 0 ] || printf '%s\n' "$@" >bad.task
+	run simulate deal <bad.task
+	is "$name" "$status" 2
+	like '... and says so' "$err" 'standard input: .*expected'
+}
+: >bad.task
+bad 'no input'
+bad 'no task' 'frame 0 4 4'
+bad 'tasks not numbered from 0' 'frame 0 4 4' 'task 0 1 0 0 4 1 1 1'
+bad 'a number twice' 'frame 0 4 4' 'task 0 0 0 0 4 1 1 1' 'task 0 0 0 1 4 1 1 1'
+bad 'a task without a frame' 'task 0 0 0 0 1 1 1 1'
+bad 'a task beyond its frame' 'frame 0 4 4' 'task 0 0 0 0 17 1 1 1'
+bad 'two frames' 'frame 0 4 4' 'frame 1 4 4'
+bad 'no record' nonsense
+run simulate -n 1 fan
+is 'seeds of a method that loses what is lost' "$status" 2
+finish
