@@ -13,9 +13,9 @@
 
 struct options {
     enum what { SLOTS, SUMMARY, GANTT } what; /* -s, -g */
-    const char *costs;                   /* -c: the log of a run by one worker */
-    const char *hosts;                   /* -S */
-    double *powers;                      /* -w */
+    const char *costs;                        /* -c: the log of a run by one worker */
+    const char *hosts;                        /* -S */
+    double *powers;                           /* -w */
     size_t n_powers;
     char **inputs; /* NULL-ended; none: standard input */
 };
@@ -26,7 +26,7 @@ struct row {
     double power;
     struct times times;
     double cpu_s;
-    int64_t tasks, duplicates, retries;
+    int64_t tasks, duplicates, retries, steals;
 };
 
 /* What is said of a log. */
@@ -51,8 +51,8 @@ static void read_log(struct history *l, const char *path)
     if (std) path = "standard input";
     if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     if (l->bad > bad)
-        warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path,
-            l->bad - bad, l->bad - bad == 1 ? "" : "s", l->why);
+        warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path, l->bad - bad,
+            l->bad - bad == 1 ? "" : "s", l->why);
     if (!std) close(fd);
 }
 
@@ -169,6 +169,7 @@ static void make_spans(struct report *r)
         row->tasks++;
         row->duplicates += s->wasted;
         row->retries += d->try > 1;
+        row->steals += d->stolen;
         row->cpu_s += (double)d->cpu_us * 1e-6;
         r->tasks += !s->wasted;
     }
@@ -230,14 +231,14 @@ static void print_slots(const struct report *r)
 {
     printf(
         "slot\ttasks\tcpu_s\tbusy_s\tstartup_s\twaiting_s\ttail_s\twasted_s\tduplicates\tretries\t"
-        "power\n");
+        "power\tsteals\n");
     for (size_t k = 0; k < r->n_rows; k++) {
         const struct row *s = &r->rows[k];
         const struct times *t = &s->times;
         printf("%s\t%" PRId64 "\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%" PRId64 "\t%" PRId64
-               "\t%g\n",
+               "\t%g\t%" PRId64 "\n",
             s->name, s->tasks, s->cpu_s, t->busy_s, t->startup_s, t->waiting_s, t->tail_s,
-            t->wasted_s, s->duplicates, s->retries, s->power);
+            t->wasted_s, s->duplicates, s->retries, s->power, s->steals);
     }
 }
 
@@ -249,6 +250,7 @@ static void print_summary(const struct report *r)
         all.cpu_s += s->cpu_s;
         all.duplicates += s->duplicates;
         all.retries += s->retries;
+        all.steals += s->steals;
         all.times.busy_s += s->times.busy_s;
         all.times.startup_s += s->times.startup_s;
         all.times.waiting_s += s->times.waiting_s;
@@ -256,8 +258,8 @@ static void print_summary(const struct report *r)
         all.times.wasted_s += s->times.wasted_s;
     }
     printf("slots\t%zu\ntasks\t%" PRId64 "\nduplicates\t%" PRId64 "\nretries\t%" PRId64
-           "\nlost_records\t%" PRIu64 "\nruns\t%zu\n",
-        r->n_rows, r->tasks, all.duplicates, all.retries, r->log.bad, r->log.n_runs);
+           "\nsteals\t%" PRId64 "\nlost_records\t%" PRIu64 "\nruns\t%zu\n",
+        r->n_rows, r->tasks, all.duplicates, all.retries, all.steals, r->log.bad, r->log.n_runs);
     printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbusy_s\t%.6f\nstartup_s\t%.6f\nwaiting_s\t%.6f\n"
            "tail_s\t%.6f\nwasted_s\t%.6f\n",
         r->makespan_s, all.cpu_s, all.times.busy_s, all.times.startup_s, all.times.waiting_s,

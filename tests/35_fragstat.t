@@ -28,6 +28,10 @@ is 'tail' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
 is 'wasted' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
 is 'duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
 is 'the five make up all of it' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
+sed 's/w=1/& from=0/' hand.frags >stolen.frags
+is 'steals' "$(column 12 stolen.frags)" '0 2 0 '
+gives steals 2 stolen.frags
+gives steals 0 hand.frags
 gives tasks 3 hand.frags
 gives slots 3 hand.frags
 gives makespan_s 0.300000 hand.frags

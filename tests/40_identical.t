@@ -7,42 +7,43 @@ spdgen -s 1 gears >gears.nff
 spdgen -s 2 balls >balls.nff
 size=96x80
 
-# render NAME COMMAND ...: the picture of the stream that COMMAND makes of state and tasks
+# same NAME PICTURE: so is out.pfm, which is removed, so that nothing else is taken for it
+same() { ok "$1" cmp out.pfm "$2"; rm -f out.pfm; }
 one() { partition $size | rtworker "$1.nff" | gather -o "$1.pfm"; }
 for s in gears balls; do
 	one "$s"
 	for slots in 1 2 3 7; do
-		for m in interleaved masterslave; do
+		for m in interleaved masterslave gdc; do
 			balance $m -j "$slots" -s $size -o out.pfm $s.nff
-			ok "$s: $m on $slots slots" cmp out.pfm $s.pfm
+			same "$s: $m on $slots slots" $s.pfm
 		done
 	done
 done
 
 for slots in 3 7; do
-	for m in hybrid ss sc ds dc; do
+	for m in hybrid gdc-published ss sc ds dc; do
 		balance $m -j "$slots" -s $size -o out.pfm gears.nff
-		ok "gears: $m on $slots slots" cmp out.pfm gears.pfm
+		same "gears: $m on $slots slots" gears.pfm
 	done
 done
 
 # cut CUT [PARTITION OPTIONS]
 for cut in row tile:16x16 tile:7x5 run:250 run:1000 run:97; do
 	{ pack scene gears.nff; partition -u $cut $size; } | deal fan -j 3 rtworker - | gather -o out.pfm
-	ok "cut by $cut, dealt" cmp out.pfm gears.pfm
+	same "cut by $cut, dealt" gears.pfm
 	partition -u $cut -n 3 $size | fan -j 3 rtworker gears.nff | gather -o out.pfm
-	ok "cut by $cut, static" cmp out.pfm gears.pfm
+	same "cut by $cut, static" gears.pfm
 done
 for slots in 1 3 7; do
 	partition -u scatter -n "$slots" $size | fan -j "$slots" rtworker gears.nff | gather -o out.pfm
-	ok "scattered over $slots" cmp out.pfm gears.pfm
+	same "scattered over $slots" gears.pfm
 done
 
 # isa ISA: what this machine cannot run cannot be compared
 for isa in sse2 avx2; do
 	if rtworker -x $isa -i gears.nff >/dev/null 2>&1; then
 		partition $size | rtworker -x $isa gears.nff | gather -o out.pfm
-		ok "vectors of $isa" cmp out.pfm gears.pfm
+		same "vectors of $isa" gears.pfm
 	else
 		skip "vectors of $isa" "this processor has none"
 	fi
@@ -50,26 +51,45 @@ done
 
 state() { pack scene gears.nff; partition $size; }
 state | deal fan -j 2 deal fan -j 2 rtworker - | gather -r tree.frags -o out.pfm
-ok "deal fan -j 2 deal fan -j 2" cmp out.pfm gears.pfm
+same "deal fan -j 2 deal fan -j 2" gears.pfm
 is "all four of its workers are given work" "$(fragstat tree.frags | awk 'NR > 1 && $2 > 0' | wc -l)" 4
 state | deal -q 3 fan -j 2 deal -q 2 fan -j 2 deal fan -j 2 rtworker - | gather -o out.pfm
-ok "three levels, deeper queues" cmp out.pfm gears.pfm
+same "three levels, deeper queues" gears.pfm
 { pack scene gears.nff; partition -n 2 $size; } | fan -j 2 fan -j 2 rtworker - | gather -o out.pfm
-ok "fan -j 2 fan -j 2" cmp out.pfm gears.pfm
+same "fan -j 2 fan -j 2" gears.pfm
+ring() { { pack scene gears.nff; partition -n 3 $size; } | "$@" | gather -r ring.frags -o out.pfm; }
+ring ringctl fan -j 3 ringctl -n deal fan -j 2 rtworker -
+same "a ring of nodes of two slots" gears.pfm
+rm ring.frags
+ring deal -q 2 fan -j 2 ringctl -k one fan -j 2 ringctl -n rtworker -
+same "rings dealt to" gears.pfm
+is "all four of their nodes are given work" "$(fragstat ring.frags | awk 'NR > 1 && $2 > 0' | wc -l)" 4
+rm ring.frags
+ring ringctl fan -j 2 ringctl -n ringctl -p fan -j 2 ringctl -n rtworker -
+same "rings in a ring" gears.pfm
+rm ring.frags
+ring ringctl ringctl -n rtworker -
+same "a ring of one node and no fan" gears.pfm
+rm ring.frags
+ring ringctl -n rtworker -
+same "a node and no ring" gears.pfm
+rm ring.frags
+{ pack scene gears.nff; partition $size; } | ringctl fan -j 3 ringctl -n rtworker -c -f 100 - | gather -o out.pfm
+same "a ring, concentrated transfer" gears.pfm
 state | deal fan -j 2 rtworker -f 17 - | gather -o out.pfm
-ok "fragments of 17 pixels" cmp out.pfm gears.pfm
+same "fragments of 17 pixels" gears.pfm
 state | deal -q 2 fan -j 3 rtworker -c - | gather -o out.pfm
-ok "concentrated transfer" cmp out.pfm gears.pfm
+same "concentrated transfer" gears.pfm
 { pack scene gears.nff; partition -w 1,2,1 -c 60 $size; } | deal -q 1 fan -j 3 rtworker - | gather -o out.pfm
-ok "weighted interleave, then on demand" cmp out.pfm gears.pfm
+same "weighted interleave, then on demand" gears.pfm
 { pack scene gears.nff; partition $size | awk '/^task/ { t[n++] = $0; next } 1
 	END { for (i = n; i-- > 0;) print t[i] }'; } | deal fan -j 2 rtworker - | gather -o out.pfm
-ok "tasks in reverse order" cmp out.pfm gears.pfm
+same "tasks in reverse order" gears.pfm
 
 # Samples and depth change the picture, and stay the same over methods too.
 partition $size | rtworker -a 4:.05 -d 3 gears.nff | gather -o fine.pfm
 balance masterslave -j 3 -s $size -W '-a 4:.05 -d 3' -o out.pfm gears.nff
-ok "refined samples: the same" cmp out.pfm fine.pfm
+same "refined samples: the same" fine.pfm
 run cmp -s fine.pfm gears.pfm
 is "and not the picture of one sample" "$status" 1
 

@@ -4,25 +4,8 @@
 . "$(dirname "$0")/lib.sh"
 
 # shellcheck disable=SC2154,SC2016,SC2094  # lib.sh sets them; scripts for others; a log that grows
-mark=stormring-test-$$
+. "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
-
-# Processes started under the mark; the environment is what they cannot shake off. No shell of the test has it.
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
-# program NAME: the pids of that name among them
-program() { for p in $(alive); do [ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && echo "$p"; done; }
-await() { # SECONDS COMMAND ...: until it succeeds
-	end=$(($(date +%s%N) / 1000000 + $1 * 1000))
-	shift
-	until "$@"; do
-		[ $(($(date +%s%N) / 1000000)) -lt $end ] || return 1
-		sleep .05
-	done
-}
-none_alive() { [ -z "$(alive)" ]; }
-working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
-cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
-trap cleanup EXIT
 
 partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
 # long METHOD [OPTIONS]: some seconds of work on 3 slots, in the background

@@ -90,6 +90,7 @@ cpu_ms_64=$cpu_ms
 # ---- faults: each hits host2 -----------------------------------------------------------------------------------------
 listener() { ps -o pid=,comm= --ppid "$(cat "$TEST_HOSTS/host2/init")" | awk '$2 == "sshd" { print $1 }'; }
 fault_worker() { kill -9 "$(hosts pids host2 rtworker)"; }
+fault_node() { stopped=$(hosts pids host2 ringctl) && kill -STOP "$stopped"; }
 fault_ssh() { kill -9 "$(here ssh ' host2 ')"; }
 fault_session() { kill -9 $(ps -o pid= --ppid "$(listener)"); }
 fault_sshd() { kill -9 $(hosts pids host2 sshd); }
@@ -119,74 +120,103 @@ masterslave worker exit-255
 hybrid ssh signal-9
 dc session exit-255
 ds worker exit-255
+gdc worker exit-3
+gdc ssh signal-9
+gdc session exit-255
 END
 
-name='masterslave, kill -9 of sshd, which comes back'
-begin masterslave 144
-inflict sshd
-await 5 says "$(lost exit-255)"
-hosts sshd host2
-end
-same_picture "$name"
-noticed "$name" "$(lost exit-255)" $soon
-like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
-cpu_ms=$cpu_ms_144
-report "$name" 0
+for method in masterslave gdc; do
+	name="$method, kill -9 of sshd, which comes back"
+	begin $method 144
+	inflict sshd
+	await 5 says "$(lost exit-255)"
+	hosts sshd host2
+	end
+	same_picture "$name"
+	noticed "$name" "$(lost exit-255)" $soon
+	like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
+	cpu_ms=$cpu_ms_144
+	report "$name" 0
 
-name='masterslave, a link that is down for long'
-begin masterslave 144
-inflict link
-await 10 says "$(lost silent)"
-hosts link host2 up
-end
-same_picture "$name"
-noticed "$name" "$(lost silent)" $silent
-like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
-report "$name" 0
+	name="$method, a link that is down for long"
+	begin $method 144
+	inflict link
+	await 10 says "$(lost silent)"
+	hosts link host2 up
+	end
+	same_picture "$name"
+	noticed "$name" "$(lost silent)" $silent
+	like "$name: connected again" "$(cat said)" 'fan: slot 1 on host2: is up'
+	report "$name" 0
 
-name='masterslave, a link that is down for a second'
-begin masterslave
-inflict link
-sleep 1
-hosts link host2 up
-end
-same_picture "$name"
-is "$name: it is not lost" "$(grep host2 said)" ''
-cpu_ms=$cpu_ms_64 noticed_ms=''
-report "$name" 0
+	name="$method, a link that is down for a second"
+	begin $method
+	inflict link
+	sleep 1
+	hosts link host2 up
+	end
+	same_picture "$name"
+	is "$name: it is not lost" "$(grep host2 said)" ''
+	cpu_ms=$cpu_ms_64 noticed_ms=''
+	report "$name" 0
 
-name='masterslave, a worker that stops'
-begin masterslave
-inflict stop
+	name="$method, a worker that stops"
+	begin $method
+	inflict stop
+	end
+	is "$name: exit 0" "$status" 0
+	ok "$name: the same picture" cmp out.pfm good64.pfm
+	noticed "$name" "$(lost silent)" $silent
+	report "$name" .25
+	if [ $method = gdc ]; then
+		ok "$name: its node has killed it" await 2 none_there
+	else
+		is "$name: it is still there, as nobody can reach it" "$(there)" rtworker
+		kill -CONT "$stopped"
+		ok "$name: it ends as soon as it runs again" await 2 none_there
+	fi
+
+	name="$method, a host at 5 % of a processor"
+	begin $method
+	inflict power
+	end
+	same_picture "$name"
+	is "$name: it is not lost" "$(grep host2 said)" ''
+	noticed_ms=''
+	report "$name" .2
+	hosts power host2 .25
+
+	name="$method, a host that accepts and never answers"
+	kill -STOP "$(listener)"
+	begin $method
+	end
+	same_picture "$name"
+	idle_ms=$((ended - begun - $(fragstat -s job.log | awk '$1 == "makespan_s" { printf "%d", 1000 * $2 }')))
+	ok "$name: when all is done nobody waits for it ($idle_ms ms)" [ $idle_ms -lt 5000 ] # ssh would wait for 10 s
+	since=$begun
+	report "$name" .25
+	kill -CONT "$(listener)"
+done
+
+name='gdc, a node that stops'
+begin gdc
+inflict node
 end
 is "$name: exit 0" "$status" 0
 ok "$name: the same picture" cmp out.pfm good64.pfm
 noticed "$name" "$(lost silent)" $silent
 report "$name" .25
-is "$name: it is still there, as nobody can reach it" "$(there)" rtworker
 kill -CONT "$stopped"
 ok "$name: it ends as soon as it runs again" await 2 none_there
 
-name='masterslave, a host at 5 % of a processor'
-begin masterslave
-inflict power
-end
-same_picture "$name"
-is "$name: it is not lost" "$(grep host2 said)" ''
-noticed_ms=''
-report "$name" .2
-hosts power host2 .25
-
-name='masterslave, a host that accepts and never answers'
+name='gdc, a host that joins late'
 kill -STOP "$(listener)"
-begin masterslave
+begin gdc 144
+await 20 grep -aq 'done 0 .* w=0' job.log
+kill -CONT "$(listener)"
 end
 same_picture "$name"
-idle_ms=$((ended - begun - $(fragstat -s job.log | awk '$1 == "makespan_s" { printf "%d", 1000 * $2 }')))
-ok "$name: when all is done nobody waits for it ($idle_ms ms)" [ $idle_ms -lt 5000 ] # ssh would wait for 10 s
-since=$begun
-report "$name" .25
-kill -CONT "$(listener)"
+ok "$name: it does its part" at_work
 
 # A worker that tells nonsense after a while.
 bin=/home/render/bin

@@ -75,6 +75,24 @@ static int route_task(struct fan *f, const struct record *r)
     return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
+/* What the hub of a ring says to one node. Who is not up hears nothing: it is told its place when
+ * it is. */
+static int route_ring(struct fan *f, const struct record *r)
+{
+    static const char *const drop[] = {"to", NULL};
+    int k = r->task.to;
+    if (k < 0 || k >= f->n_slots) {
+        warn("record `%s`: expected to=K, a slot below %d", rec_name(r->kind), f->n_slots);
+        return ST_USAGE;
+    }
+    struct fan_slot *s = &f->slots[k];
+    if (s->state != FAN_UP || !fan_takes(s)) return 0;
+    s->placed |= r->kind == REC_RING;
+    s->unheard = 0;
+    wire_forward(&s->down.bytes, r, drop, NULL);
+    return 0;
+}
+
 static int route(void *ctx, const struct record *r)
 {
     struct fan *f = ctx;
@@ -88,6 +106,10 @@ static int route(void *ctx, const struct record *r)
         return 0;
     case REC_FLUSH: route_small(f, r); return 0;
     case REC_TASK: return route_task(f, r);
+    case REC_RING:
+    case REC_HEIR:
+    case REC_ASK:
+    case REC_NONE: return route_ring(f, r);
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));

@@ -47,7 +47,9 @@ struct fan_slot {
     bool decided;   /* leaving: why is known, and has been said */
     bool again;     /* leaving: then it is connected again */
     bool did;       /* it has done and delivered a task */
+    bool placed;    /* it was told its place in a ring: what it says to the hub is passed on */
     int stale;      /* answers to questions not asked */
+    int unheard;    /* messages of a node since something was sent to it */
     int64_t beat_us;
 
     /* of all of them */

@@ -12,9 +12,10 @@
  *   GONE     nothing                            never
  *
  * Connected again is a slot elsewhere whose connection was at fault: ssh exits with 255 or is
- * killed, or nothing was heard. Nothing of an old connection is read any more once it is LEAVING.
- * Tasks that were sent over it are lost with it; those for a slot that was never up wait for it,
- * and so nothing is sent over a connection before its hello.
+ * killed, or nothing was heard; or one that has lost its own worker, and says so by its status.
+ * Nothing of an old connection is read any more once it is LEAVING. Tasks that were sent over it
+ * are lost with it; those for a slot that was never up wait for it, and so nothing is sent over a
+ * connection before its hello.
  */
 #include "drive/fan_int.h"
 
@@ -72,8 +73,8 @@ void slot_open(struct fan *f, struct fan_slot *s)
     wire_free(&s->from);
     s->from.upward = true;
     s->connected = s->loaded = s->asked = s->decided = s->again = false;
-    s->did = false;
-    s->stale = 0;
+    s->did = s->placed = false;
+    s->stale = s->unheard = 0;
     s->before_hello = 0;
     *s->chatter = '\0';
     s->opened_us = s->heard_us = now_us();
@@ -107,6 +108,7 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
 {
     static const char *const drop[] = {"to", NULL};
     struct fan_slot *s = &f->slots[k];
+    int64_t from;
     if (s->state == FAN_GONE || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
@@ -121,7 +123,9 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
     if (!s->primed) fan_prime(f, s);
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;
+    if (rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) s->tasks.at[i].slot = (int32_t)from;
     s->undone++;
+    s->unheard = 0;
     if (fan_takes(s)) wire_forward(&s->down.bytes, r, drop, NULL);
     return 0;
 }
@@ -177,7 +181,7 @@ void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 
 void slot_leave(struct fan *f, struct fan_slot *s)
 {
-    s->asked = s->child.to < 0; /* its input was closed: it was to end */
+    s->asked = s->child.to < 0 && !f->in_open; /* its input was closed: it was to end */
     s->leave_us = now_us() + GRACE_US;
     enter(f, s, FAN_LEAVING);
 }
@@ -192,7 +196,8 @@ void slot_left(struct fan *f, struct fan_slot *s)
         status = child_end(&s->child, 0);
     }
     bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    bool connection = WIFSIGNALED(status) || WEXITSTATUS(status) == VIA_FAILED;
+    bool connection = WIFSIGNALED(status) || WEXITSTATUS(status) == VIA_FAILED ||
+                      (s->connected && WEXITSTATUS(status) == ST_SYSTEM);
     if (!s->decided && well) f->well++;
     else if (!s->decided) decide(f, s, status_text(status, why), connection);
     settle(f, s);

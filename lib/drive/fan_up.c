@@ -6,10 +6,10 @@
 
 #define CHATTER_MOST 65536             /* bytes before hello, where start-up files may talk */
 #define BEAT_US 250000                 /* a slot's beats are passed on so far apart */
-#define STALE_MOST 1000                /* answers to no question over one connection */
+#define STALE_MOST 1000                /* answers to no question over one connection; questions */
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
-static const char *const stamped[] = {"w", "sent_us", "recv_us", NULL};
+static const char *const stamped[] = {"w", "from", "sent_us", "recv_us", NULL};
 
 /* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
@@ -80,10 +80,12 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
-    char w[96], text[160];
+    const struct task_entry *task = &s->tasks.at[i];
+    char w[96], from[24] = "", text[184];
     stamp(s, r, w, sizeof w);
-    snprintf(text, sizeof text, "%s sent_us=%" PRId64 " recv_us=%" PRId64, w,
-        s->tasks.at[i].since_us, now_us() - f->start_us);
+    if (task->slot >= 0) snprintf(from, sizeof from, " from=%" PRId32, task->slot);
+    snprintf(text, sizeof text, "%s%s sent_us=%" PRId64 " recv_us=%" PRId64, w, from,
+        task->since_us, now_us() - f->start_us);
     wire_forward(&f->out.queue.control, r, stamped, text);
     s->tasks.at[i].done = true;
     s->undone--;
@@ -101,6 +103,29 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
     stamp(s, r, text, sizeof text);
     up_forward(&f->out.queue, r, stamped, text);
     settle(s, i);
+    return NULL;
+}
+
+/*
+ * A node speaks to the hub: only who was told its place does that, and waits for what comes of it.
+ * A task that it gives away is no more its own.
+ */
+static const char *take_ring(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    struct rec_ring m;
+    char text[96];
+    if (!s->placed) return "wrong-record";
+    if (!rec_ring(r, &m) || m.peer >= f->n_slots || m.next >= f->n_slots) return "wrong-peer";
+    if (r->kind == REC_GIVE) {
+        int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+        if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
+        tasks_remove(&s->tasks, i);
+        s->undone--;
+        if (!s->tasks.count) s->flushed = false;
+    }
+    if (r->kind != REC_GIVE && ++s->unheard > STALE_MOST) return "unasked";
+    stamp(s, r, text, sizeof text);
+    wire_forward(&f->out.queue.control, r, stamped, text);
     return NULL;
 }
 
@@ -132,6 +157,10 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_FRAG: return take_frag(f, s, r);
     case REC_BEAT: pass_beat(f, s, r); return NULL;
     case REC_GONE: return take_inner_gone(f, s);
+    case REC_ASK:
+    case REC_GIVE:
+    case REC_NONE:
+    case REC_CRASHED: return take_ring(f, s, r);
     case REC_UP: /* of an inner fan: its own affair */
     case REC_BYE: return NULL;
     default: return "wrong-record";

@@ -1,9 +1,11 @@
 /*
  * The live driver of a policy: records to events, actions to records, around one command. It holds
  * no scheduling decision. What the command says of slots (hello, up, gone) ends here; outwards this
- * is one worker.
+ * is one worker. A node of a ring hears its hub on the standard input, and the hub its nodes
+ * through the command.
  */
 #include "drive/drive.h"
+#include "drive/ring.h"
 #include "drive/tags.h"
 
 #include <errno.h>
@@ -12,8 +14,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SLOTS_MAX (1 << 20)
-#define GRACE_MS 1000 /* for the command to exit once its stream has ended */
+#define POWER_LEAST 1e-6
+#define POWER_MOST 1e9
+#define WAIT_MOST_US INT64_C(3600000000) /* for anything; then it is looked once more */
+#define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
 
 struct driver {
     const struct policy *policy;
@@ -27,7 +31,8 @@ struct driver {
     struct tags tags;
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */
-    bool lone;     /* the command is no fan: its slots come and go without being named */
+    bool node;     /* of a ring */
+    bool lone;     /* the command is no fan, but one slot */
     int refused;   /* the status to end with at once */
     char why[24];  /* of the command's bye: it ended before its time */
 };
@@ -44,31 +49,45 @@ static int32_t slot_of(const struct record *r)
     if (!w || n >= sizeof text) return -1;
     memcpy(text, w, n);
     text[n] = '\0';
-    return parse_int(text, 0, SLOTS_MAX - 1, &k) ? (int32_t)k : -1;
+    return parse_int(text, 0, WIRE_SLOTS_MAX - 1, &k) ? (int32_t)k : -1;
 }
 
-/* of: the id under which it, or the task that it is a piece of, came. */
-static void give(struct driver *d, struct buf *line, struct task t, uint32_t of)
+static void flush(struct driver *d, int32_t to)
 {
-    const char *keys = tags_find(&d->tags, t.frame, of);
+    if (to < 0) buf_printf(&d->down.bytes, "flush\n");
+    else buf_printf(&d->down.bytes, "flush to=%" PRId32 "\n", to);
+}
+
+/* The task of an action, under the keys that it, or what it is a piece of, came with. */
+static void give(struct driver *d, const struct sched_action *a, int32_t to)
+{
+    struct buf *line = &d->down.bytes;
+    const char *keys = tags_find(&d->tags, a->task.frame, a->of);
+    struct task t = a->task;
+    t.to = to;
     wire_task(line, &t);
-    if (!keys) return;
     line->len--; /* the newline */
-    buf_printf(line, " %s\n", keys);
+    if (a->from >= 0) buf_printf(line, " peer=%" PRId32, a->from);
+    if (keys) buf_printf(line, " %s", keys);
+    buf_append(line, "\n", 1);
 }
 
 static void perform(struct driver *d)
 {
-    struct buf *down = &d->down.bytes;
     for (size_t i = 0; i < d->acts.n; i++) {
         const struct sched_action *a = &d->acts.at[i];
-        struct task t = a->task;
-        t.to = a->slot;
-        if (a->kind == SCHED_GIVE) give(d, down, t, a->of);
-        if (a->kind == SCHED_COMMIT) tags_drop(&d->tags, &t);
-        if (a->kind == SCHED_ASK_FLUSH) buf_printf(down, "flush to=%" PRId32 "\n", a->slot);
-        if (a->kind == SCHED_END) d->closing = true;
-        if (a->kind == SCHED_STOP) d->stopping = true;
+        int32_t to = d->lone ? -1 : a->slot;
+        switch (a->kind) {
+        case SCHED_GIVE: give(d, a, to); break;
+        case SCHED_ASK_FLUSH: flush(d, to); break;
+        case SCHED_COMMIT: tags_drop(&d->tags, &a->task); break;
+        case SCHED_SAY:
+            if (d->node) ring_say(&d->out.queue.control, a, -1);
+            else ring_say(&d->down.bytes, a, to);
+            break;
+        case SCHED_END: d->closing = true; break;
+        case SCHED_STOP: d->stopping = true; break;
+        }
     }
     d->acts.n = 0;
 }
@@ -82,9 +101,21 @@ static void tell(struct driver *d, struct sched_event e)
 static int take_task(struct driver *d, const struct record *r)
 {
     const struct frame_size *f = stream_frame_of(&d->frames, r);
+    struct sched_event e = {.kind = SCHED_TASK, .task = r->task, .from = -1};
+    int64_t from;
     if (!f) return ST_USAGE;
+    e.frame_w = f->w;
+    if (d->node && rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) e.from = (int32_t)from;
     tags_keep(&d->tags, r);
-    tell(d, (struct sched_event){.kind = SCHED_TASK, .task = r->task, .frame_w = f->w});
+    tell(d, e);
+    return 0;
+}
+
+/* What the hub says to this node. */
+static int take_ring(struct driver *d, const struct record *r)
+{
+    struct sched_event e = {.kind = SCHED_RING, .from = -1};
+    if (ring_of(r, &e.ring)) tell(d, e);
     return 0;
 }
 
@@ -98,6 +129,11 @@ static int take_down(void *ctx, const struct record *r)
     case REC_SPEC: wire_forward(&d->down.bytes, r, NULL, NULL); return 0;
     case REC_TASK: return take_task(d, r);
     case REC_FLUSH: tell(d, (struct sched_event){.kind = SCHED_FLUSH}); return 0;
+    case REC_RING:
+    case REC_HEIR:
+    case REC_ASK:
+    case REC_NONE:
+        if (d->node) return take_ring(d, r); /* fallthrough */
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));
@@ -112,8 +148,9 @@ static void take_input(struct driver *d)
 }
 
 /*
- * A fan tells of its slots one by one. Any other command, a policy or a lone worker, has as many as
- * it says, all there at once; whatever becomes of them, it sees to its tasks itself.
+ * A fan tells of its slots one by one. Any other command, a policy or a lone worker, is one slot
+ * that is on as many tasks at once as it says; whatever becomes of its own slots, it sees to its
+ * tasks itself. A node is around one worker, whatever that is.
  */
 static void take_hello(struct driver *d, const struct record *r)
 {
@@ -121,16 +158,15 @@ static void take_hello(struct driver *d, const struct record *r)
     char selftest[24] = "", text[128];
     double power = 1;
     int64_t n = 1;
-    rec_int(r, "slots", 1, SLOTS_MAX, &n);
-    rec_real(r, "power", 1e-6, 1e9, &power);
+    rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n);
+    rec_real(r, "power", POWER_LEAST, POWER_MOST, &power);
     rec_str(r, "selftest", selftest, sizeof selftest);
     snprintf(text, sizeof text, "%s %s selftest=%s power=%.6g slots=%" PRId64, d->policy->name,
         STORMRING_VERSION, selftest, power, n);
     wire_plain(&d->out.queue.control, REC_HELLO, text);
-    tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = (int32_t)n});
-    d->lone = strncmp(r->line, fan, sizeof fan - 1) != 0;
-    for (int32_t k = 0; d->lone && k < n; k++)
-        tell(d, (struct sched_event){.kind = SCHED_UP, .slot = k});
+    d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
+    tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = d->lone ? 1 : (int32_t)n});
+    if (d->lone) tell(d, (struct sched_event){.kind = SCHED_UP, .n = (int32_t)n, .power = power});
 }
 
 /* A task may have been given before, to another slot or to this one: its `done` says so. */
@@ -144,11 +180,26 @@ static void forward_done(struct driver *d, const struct record *r, const struct 
     else wire_forward(&d->out.queue.control, r, NULL, NULL);
 }
 
+/*
+ * Something has become of a slot. That of a bare fan within a node is a matter for who is outside:
+ * nobody here would give its tasks to another.
+ */
+static bool take_slot(struct driver *d, const struct record *r, struct sched_event *e)
+{
+    int64_t n;
+    if (d->node) {
+        up_forward(&d->out.queue, r, NULL, NULL);
+        return false;
+    }
+    e->kind = r->kind == REC_UP ? SCHED_UP : SCHED_GONE;
+    if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
+    if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
+    return true;
+}
+
 static void take_up(struct driver *d, const struct record *r)
 {
-    struct sched_event e = {.slot = slot_of(r), .task = r->task};
-    int64_t n;
-    if (d->lone && e.slot < 0) e.slot = 0;
+    struct sched_event e = {.slot = d->lone ? 0 : slot_of(r), .task = r->task, .from = -1};
     switch (r->kind) {
     case REC_HELLO: take_hello(d, r); return;
     case REC_BEAT: wire_forward(&d->out.queue.control, r, NULL, NULL); return;
@@ -164,11 +215,12 @@ static void take_up(struct driver *d, const struct record *r)
         break;
     case REC_BYE: rec_str(r, "why", d->why, sizeof d->why); return;
     case REC_UP:
-        e.kind = SCHED_UP;
-        if (rec_int(r, "slots", 1, SLOTS_MAX, &n)) e.n = (int32_t)n;
+    case REC_GONE:
+        if (!take_slot(d, r, &e)) return;
         break;
-    case REC_GONE: e.kind = SCHED_GONE; break;
-    default: return;
+    default:
+        e.kind = SCHED_RING;
+        if (d->node || !ring_of(r, &e.ring)) return;
     }
     if (e.slot >= 0) tell(d, e);
 }
@@ -197,6 +249,21 @@ static void feed(struct driver *d, const struct pollfd *p)
     if (d->closing && !down_size(&d->down)) child_close(&d->child.to);
 }
 
+/* When the policy wants to be called. */
+static int64_t wake_us(const struct driver *d)
+{
+    return d->policy->wake_us ? d->policy->wake_us(d->state) : INT64_MAX;
+}
+
+/* For how long poll may wait: -1, for ever. */
+static int wait_ms(const struct driver *d)
+{
+    int64_t wake = wake_us(d), left_us = wake - now_us();
+    if (wake == INT64_MAX) return -1;
+    if (left_us <= 0) return 0;
+    return left_us < WAIT_MOST_US ? (int)((left_us + 999) / 1000) : (int)(WAIT_MOST_US / 1000);
+}
+
 /* One round. Returns false when the command's stream has ended. */
 static bool poll_round(struct driver *d)
 {
@@ -209,7 +276,7 @@ static bool poll_round(struct driver *d)
         poll_entry(d->child.to, true, down_size(&d->down) ? POLLOUT : 0),
         poll_entry(d->child.from, reading, POLLIN),
     };
-    if (poll_signals(p, 4, -1) < 0) {
+    if (poll_signals(p, 4, wait_ms(d)) < 0) {
         if (errno == EINTR) return true;
         die(ST_SYSTEM, "poll:");
     }
@@ -217,6 +284,7 @@ static bool poll_round(struct driver *d)
     if (d->out.gone) return true;
     if (p[0].revents) take_input(d);
     bool more = p[3].revents ? listen_up(d) : true;
+    if (now_us() >= wake_us(d)) tell(d, (struct sched_event){.kind = SCHED_WAKE});
     if (d->child.to >= 0) feed(d, &p[2]);
     outlet_push(&d->out);
     return more;
@@ -240,7 +308,8 @@ static int finish(struct driver *d, char *const *command)
 int drive_policy(
     const struct policy *policy, const struct sched_params *params, char *const *command)
 {
-    struct driver d = {.policy = policy, .in_open = true, .from.upward = true};
+    struct driver d = {
+        .policy = policy, .node = policy == &policy_node, .in_open = true, .from.upward = true};
     signals_catch();
     outlet_open(&d.out);
     d.state = policy->create(params);

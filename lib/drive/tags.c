@@ -6,10 +6,10 @@
 
 #define KNOWN_WORDS 9 /* task F ID X Y W H SX SY */
 
-/* r's line without to=K, from its first key on; to be freed. NULL when nothing is left. */
+/* r's line without the keys known here, from its first other one on; to be freed. NULL: none. */
 static char *unknown_keys(const struct record *r)
 {
-    static const char *const known[] = {"to", NULL};
+    static const char *const known[] = {"to", "peer", NULL};
     struct buf line = {0};
     if (!memchr(r->line, '=', r->line_len)) return NULL;
     wire_forward(&line, r, known, NULL);

@@ -49,6 +49,7 @@ static void take_done(struct history *l, const struct record *r)
     if ((l->n_dones & (l->n_dones - 1)) == 0) /* full: a power of two */
         l->dones = xrealloc(l->dones, l->n_dones ? 2 * l->n_dones : 1, sizeof *l->dones);
     struct history_done *d = &l->dones[l->n_dones];
+    int64_t from;
     *d = (struct history_done){.frame = r->task.frame, .id = r->task.id, .recv_us = -1, .try = 1};
     d->run = (int32_t)l->n_runs - 1;
     d->slot = slot_of(l, r);
@@ -56,6 +57,7 @@ static void take_done(struct history *l, const struct record *r)
     if (!rec_int(r, "wall_us", 0, INT64_MAX, &d->wall_us)) d->wall_us = d->cpu_us;
     rec_int(r, "recv_us", 0, INT64_MAX, &d->recv_us);
     rec_int(r, "try", 1, INT64_MAX, &d->try);
+    d->stolen = rec_int(r, "from", 0, WIRE_SLOTS_MAX - 1, &from);
     int32_t i = tasks_find(&l->last, d->frame, d->id);
     d->before = i < 0 ? -1 : (int32_t)l->last.at[i].since_us;
     if (i < 0) i = tasks_add(&l->last, &r->task, 1);

@@ -28,6 +28,7 @@ struct history_done {
     int64_t cpu_us, wall_us; /* as its worker says: see stormring-frag(5) */
     int64_t recv_us;         /* when fan heard of it, since the run began; -1: no fan did */
     int64_t try;             /* how many times the task had been given: 1, or 2, ... */
+    bool stolen;             /* another node of a ring gave it to this one */
     uint64_t sent;           /* pixels that it brought; */
     uint64_t pixels;         /* of them, those that nobody had brought before */
     uint32_t rows;           /* rows of the frame of which it brought the first pixel */

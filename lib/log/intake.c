@@ -97,7 +97,8 @@ struct assembly_frame *intake_record(struct intake *in, const struct record *r)
     case REC_DONE: note_id(in, &r->task); return NULL;
     case REC_HELLO: intake_note(in, r); return NULL;
     default:
-        in->unexpected += r->kind < REC_HELLO; /* what flows down has no place here */
+        /* What flows down, or between the nodes of a ring, has no place here. */
+        in->unexpected += r->kind < REC_HELLO || r->kind > REC_GONE;
         return NULL;
     }
 }

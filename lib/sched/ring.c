@@ -38,6 +38,7 @@ static void ring_destroy(void *state)
     set_free(&h->hungry);
     set_free(&h->rich);
     free(h->from);
+    free(h->early);
     free(h->nodes);
     free(h);
 }
@@ -125,6 +126,14 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
     else enlist(h, i, -1, false);
 }
 
+/* A node may be lost before it is known how many there are. */
+static void note_gone(struct hub *h, int32_t k)
+{
+    if (h->n_nodes || k < 0) return;
+    h->early = xrealloc(h->early, h->n_early + 1, sizeof *h->early);
+    h->early[h->n_early++] = k;
+}
+
 static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
 {
     if (h->n_nodes || n < 1 || n > SLOTS_MAX) return;
@@ -136,6 +145,8 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     set_init(&h->up, n);
     set_init(&h->hungry, n);
     set_init(&h->rich, n);
+    for (size_t i = 0; i < h->n_early; i++)
+        if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
     take_pool(h, out);
 }
 
@@ -256,6 +267,7 @@ static void ring_step(
         break;
     case SCHED_GONE:
         if (known) take_gone(h, e->slot, out);
+        else note_gone(h, e->slot);
         break;
     case SCHED_DONE: take_done(h, e, out); break;
     case SCHED_PIXELS: take_pixels(h, e, out); break;

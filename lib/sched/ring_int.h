@@ -52,7 +52,9 @@ struct hub {
     int32_t n_from;
     struct task_list pool; /* no node is known that could have them */
     struct hub_node *nodes;
-    int32_t n_nodes;                  /* 0: not known yet */
+    int32_t n_nodes; /* 0: not known yet */
+    int32_t *early;  /* nodes that were lost before that */
+    size_t n_early;
     int64_t n_computed;               /* entries */
     struct slot_set up, hungry, rich; /* ring_ask.c */
     bool ended, flush, closed;

@@ -12,7 +12,7 @@
 #define CRC_FACTOR 64
 #define CRC_FREE (64 * (uint64_t)WIRE_FRAG_PIXELS_MAX * WIRE_PIXEL_BYTES)
 
-#define KIND_MAX 5 /* letters of a record's name */
+#define KIND_MAX 7 /* letters of a record's name */
 
 enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
 
@@ -34,6 +34,12 @@ static const struct grammar {
     [REC_BYE] = {"bye", ARGS_NONE, false},
     [REC_UP] = {"up", ARGS_NONE, false},
     [REC_GONE] = {"gone", ARGS_NONE, false},
+    [REC_RING] = {"ring", ARGS_NONE, false},
+    [REC_HEIR] = {"heir", ARGS_NONE, false},
+    [REC_ASK] = {"ask", ARGS_NONE, false},
+    [REC_NONE] = {"none", ARGS_NONE, false},
+    [REC_GIVE] = {"give", ARGS_KEY, false},
+    [REC_CRASHED] = {"crashed", ARGS_NONE, false},
 };
 
 const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
@@ -189,10 +195,16 @@ static bool parse_line(const char *line, size_t len, bool upward, struct record 
     }
     if (!ok) return fail(why, grammar[r->kind].name, "its numbers in range (stormring-task(5))");
     if (!keys_valid(w)) return fail(why, grammar[r->kind].name, "key=value after its numbers");
-    int64_t to = -1;
+    int64_t to = -1, peer;
+    struct rec_ring ring;
     if (has_key(r, "to") && !rec_int(r, "to", 0, INT32_MAX, &to))
         return fail(why, "no such slot", "to=K in range");
     r->task.to = (int32_t)to;
+    if (r->kind == REC_TASK && has_key(r, "peer") &&
+        !rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &peer))
+        return fail(why, "no such node", "peer=J in range");
+    if (r->kind >= REC_RING && !rec_ring(r, &ring))
+        return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
     if ((r->kind == REC_UP || r->kind == REC_GONE) && !has_key(r, "w"))
         return fail(why, grammar[r->kind].name, "w=K");
     return parse_body(r, why);
@@ -230,7 +242,7 @@ static bool seek_record(struct decoder *d)
     bool found = false;
     for (; o < n; o++) {
         size_t left = n - o;
-        if (!strchr("fsgtdhbu", data[o]) || !data[o]) continue;
+        if (!strchr("abcdfghnrstu", data[o]) || !data[o]) continue;
         bool named = kind_of(data + o, left) != REC_KINDS;
         if (!named && left > KIND_MAX) continue;
         size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;

@@ -15,6 +15,7 @@
 #define WIRE_LINE_MAX 1024                 /* bytes, newline included */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* a longer task comes in several frags */
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
+#define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
 #define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
 
 enum rec_kind {
@@ -31,6 +32,12 @@ enum rec_kind {
     REC_BYE,
     REC_UP,
     REC_GONE, /* up (and frame) */
+    REC_RING,
+    REC_HEIR, /* down, to a node of a ring */
+    REC_ASK,
+    REC_NONE, /* either way, between a node and the hub */
+    REC_GIVE,
+    REC_CRASHED, /* up, from a node */
     REC_KINDS
 };
 
@@ -44,7 +51,7 @@ struct record {
     size_t line_len;
     const unsigned char *body; /* bytes=N of them */
     size_t body_len;
-    struct task task; /* task, frag: all; done: the key; frame: .frame; to=K where given, else -1 */
+    struct task task; /* task, frag: all; done, give: the key; frame: .frame; to=K, else -1 */
     uint32_t frame_w, frame_h; /* frame */
 };
 
@@ -85,6 +92,14 @@ bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, 
 bool rec_real(const struct record *r, const char *key, double min, double max, double *out);
 /* As a string into out[size]; false when absent or too long. */
 bool rec_str(const struct record *r, const char *key, char *out, size_t size);
+/* What the keys of a record of a ring say; -1 and false where they do not. */
+struct rec_ring {
+    int32_t peer, next, me, n;
+    bool idle, published, one;
+};
+/* False where r is no record of a ring, lacks a key or has one out of range: none that a decoder
+ * hands out. */
+bool rec_ring(const struct record *r, struct rec_ring *m);
 /* Are the bytes of the body those that were sent? */
 bool rec_sound(const struct record *r);
 /* The pixels of a frag, host byte order, 4 floats each, lattice order. */
@@ -103,6 +118,8 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
 /* A record of no body: "kind extra"; extra without a leading blank. */
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
+/* A record of a ring, of task t where it is a give; to=K where t->to says so. */
+void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m);
 /* why: "", or why the stream ends before its time. */
 void wire_bye(struct buf *b, const char *why);
 /*

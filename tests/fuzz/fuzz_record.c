@@ -51,6 +51,25 @@ static void check_forward(const struct record *r)
     wire_free(&d);
 }
 
+static void check_ring(const struct record *r)
+{
+    struct rec_ring m, same;
+    struct buf b = {0};
+    struct decoder d = {0};
+    struct record again;
+    MUST(rec_ring(r, &m));
+    MUST(m.peer < WIRE_SLOTS_MAX && m.next < WIRE_SLOTS_MAX && m.n <= WIRE_SLOTS_MAX);
+    MUST(r->kind != REC_RING || (m.me >= 0 && m.me < m.n));
+    MUST(r->kind == REC_RING || r->kind == REC_ASK || m.peer >= 0);
+    wire_ring(&b, r->kind, &r->task, &m);
+    wire_feed(&d, buf_data(&b), buf_size(&b));
+    MUST(wire_next(&d, &again) == WIRE_RECORD && again.kind == r->kind && rec_ring(&again, &same));
+    MUST(memcmp(&again.task, &r->task, sizeof r->task) == 0);
+    MUST(r->kind == REC_RING || same.peer == m.peer);
+    buf_free(&b);
+    wire_free(&d);
+}
+
 static void check_record(const struct record *r, bool upward)
 {
     MUST(r->kind < REC_KINDS && r->line_len < WIRE_LINE_MAX);
@@ -60,6 +79,7 @@ static void check_record(const struct record *r, bool upward)
     if (r->kind == REC_FRAME)
         MUST(r->frame_w - 1 < FRAME_SIDE_MAX && r->frame_h - 1 < FRAME_SIDE_MAX);
     if (r->kind == REC_FRAG) check_frag(r);
+    if (r->kind >= REC_RING) check_ring(r);
     check_forward(r);
 }
 

@@ -14,7 +14,7 @@ size=96x96
 start() { setsid balance "$1" -j 3 -s $size -W '-a 16' -r log -o out.pfm gears.nff 2>>said & pid=$!; }
 partition $size | rtworker -a 16 gears.nff | gather -o good.pfm
 diag "seed $seed"
-set -- interleaved masterslave hybrid ss sc ds dc
+set -- interleaved masterslave hybrid gdc ss sc ds dc
 for method in "$@"; do
 	rm -f log out.pfm
 	begin=$(ms)

@@ -65,6 +65,7 @@ static void some_log(struct buf *b)
     wire_plain(b, REC_BEAT, "w=3");
     wire_plain(b, REC_UP, "w=4 host=: power=1");
     wire_plain(b, REC_GONE, "w=4 why=exit-3");
+    wire_plain(b, REC_NONE, "peer=4 idle=1 next=0");
     t.id = 2;
     wire_frag(b, &t, &t.at, rgba);
     wire_done(b, &t, 1, 2);
@@ -287,6 +288,49 @@ static void check_forward(
     wire_free(&d);
 }
 
+static void assert_ring(
+    enum rec_kind kind, const struct rec_ring *m, int32_t to, const char *expected)
+{
+    struct buf b = {0};
+    struct decoder d;
+    struct record r;
+    struct rec_ring got;
+    struct task t = some_task;
+    t.to = to;
+    wire_ring(&b, kind, &t, m);
+    assert_int_equal(buf_size(&b), strlen(expected));
+    assert_memory_equal(buf_data(&b), expected, buf_size(&b));
+    only(&d, &b, &r);
+    assert_true(r.kind == kind && r.task.to == to && rec_ring(&r, &got));
+    assert_true(got.peer == m->peer && got.next == m->next && got.me == m->me && got.n == m->n);
+    assert_true(got.idle == m->idle && got.published == m->published && got.one == m->one);
+    if (kind == REC_GIVE) assert_true(r.task.frame == some_task.frame && r.task.id == some_task.id);
+    no_more(&d);
+    buf_free(&b);
+}
+
+static void test_ring(void **state)
+{
+    (void)state;
+    const struct rec_ring nobody = {.peer = -1, .next = -1, .me = -1, .n = -1};
+    struct rec_ring place = nobody, m = nobody;
+    place.me = 1048575;
+    place.n = 1048576;
+    assert_ring(REC_RING, &place, 3, "ring me=1048575 n=1048576 rules=default give=half to=3\n");
+    place.published = place.one = true;
+    assert_ring(REC_RING, &place, -1, "ring me=1048575 n=1048576 rules=published give=one\n");
+    assert_ring(REC_ASK, &m, -1, "ask\n");
+    m.peer = 1048575;
+    assert_ring(REC_ASK, &m, 0, "ask peer=1048575 to=0\n");
+    assert_ring(REC_GIVE, &m, -1, "give 7 4294967295 peer=1048575\n");
+    assert_ring(REC_CRASHED, &m, -1, "crashed peer=1048575\n");
+    assert_ring(REC_NONE, &m, 2147483647, "none peer=1048575 to=2147483647\n");
+    m.next = 0;
+    assert_ring(REC_HEIR, &m, 5, "heir peer=1048575 next=0 to=5\n");
+    m.idle = true;
+    assert_ring(REC_NONE, &m, -1, "none peer=1048575 idle=1 next=0\n");
+}
+
 static void test_forward(void **state)
 {
     (void)state;
@@ -324,7 +368,15 @@ static void test_refused(void **state)
         "frag 0 0 0 0 65537 1 1 1 ch=4 crc=0 bytes=1048592\n",
         "frag 0 0 0 0 4294967295 65535 1 1 ch=4\n", "hello\n", "hello rtworker\n",
         "hello rtworker x=1\n", "beat 3\n", "beat w\n", "beat \303\244=1\n", "beat", "flush",
-        "up\n", "gone why=x\n", "up host=: power=1\n"};
+        "up\n", "gone why=x\n", "up host=: power=1\n", "task 0 0 0 0 1 1 1 1 peer=-1\n",
+        "task 0 0 0 0 1 1 1 1 peer=1048576\n", "ask 3\n", "ask peer=\n", "ask peer=1048576\n",
+        "give 0 1\n", "give 0 peer=1\n", "give 0 4294967296 peer=1\n", "give 0 1 peer=x\n",
+        "none\n", "none peer=0 idle=2\n", "none peer=0 next=-1\n", "crashed\n",
+        "crashed peer=1 bytes=0\n", "heir next=1\n", "ring n=1 rules=default give=half\n",
+        "ring me=0 rules=default give=half\n", "ring me=0 n=0 rules=default give=half\n",
+        "ring me=1 n=1 rules=default give=half\n", "ring me=0 n=1048577 rules=default give=half\n",
+        "ring me=0 n=1 rules=old give=half\n", "ring me=0 n=1 rules=default give=two\n",
+        "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct decoder d = {0};
         struct record r;
@@ -375,7 +427,7 @@ static void test_any_feeding(void **state)
     some_log(&log);
     struct decoder d = {0};
     struct seen whole = decode(&d, buf_data(&log), buf_size(&log), buf_size(&log));
-    assert_int_equal(whole.records, 10);
+    assert_int_equal(whole.records, 11);
     assert_int_equal(d.skipped, 0);
     wire_free(&d);
     for (size_t step = 0; step < 70; step++) {
@@ -594,6 +646,7 @@ static void test_enemies(void **state)
     check_cost("frag 0 0 0 0 65536 1 1 1 ch=4 crc=0 bytes=1048576\nbeat\n", 4 << 20);
     check_cost("uuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuu", 1 << 18);
     check_cost("beat a=1 beat a=1 beat a=1 beat a=1 ", 1 << 18);
+    check_cost("ring me=0 n=1 rules=default give=two\n", 1 << 18);
     check_cost("scene bytes=2147483647\n", 1 << 20);
 }
 
@@ -606,6 +659,7 @@ int main(void)
         cmocka_unit_test(test_frag),
         cmocka_unit_test(test_largest_frag),
         cmocka_unit_test(test_done_and_plain),
+        cmocka_unit_test(test_ring),
         cmocka_unit_test(test_forward),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_upward),

@@ -1,0 +1,47 @@
+/* ringctl: the ring of global distributed control: its hub around a fan, or a node of it. */
+#include "base/base.h"
+#include "drive/drive.h"
+
+#include <string.h>
+#include <unistd.h>
+
+static const char text[] = "[-p] [-k half|one] COMMAND [ARGUMENT ...]\n"
+                           "       ringctl -n WORKER [ARGUMENT ...]";
+
+struct options {
+    struct sched_params params;
+    bool node;      /* -n */
+    bool published; /* -p: the rules of the paper */
+    bool rules;     /* some were given: nodes hear them from the hub */
+};
+
+static void parse(struct options *o, int argc, char **argv)
+{
+    int opt;
+    while ((opt = getopt(argc, argv, "+hk:np")) != -1) {
+        switch (opt) {
+        case 'h': usage(ST_OK, text);
+        case 'k':
+            o->params.one = strcmp(optarg, "one") == 0;
+            if (!o->params.one && strcmp(optarg, "half") != 0)
+                die(ST_USAGE, "-k %s: expected half or one", optarg);
+            o->rules = true;
+            break;
+        case 'n': o->node = true; break;
+        case 'p': o->published = o->rules = true; break;
+        default: usage(ST_USAGE, text);
+        }
+    }
+    if (optind == argc) usage(ST_USAGE, text);
+    if (o->node && o->rules)
+        die(ST_USAGE, "-n: expected no other option: a node goes by its hub's");
+}
+
+int main(int argc, char **argv)
+{
+    struct options o = {0};
+    prog_init(argv[0]);
+    parse(&o, argc, argv);
+    const struct policy *policy = o.published ? &policy_published : &policy_ring;
+    return drive_policy(o.node ? &policy_node : policy, &o.params, argv + optind);
+}

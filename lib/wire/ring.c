@@ -1,0 +1,64 @@
+/* The records of a ring: what its hub and its nodes say to each other, see ringctl(1). */
+#include "wire/wire.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* A number that may be left out, and is -1 then. */
+static bool number(const struct record *r, const char *key, int64_t max, int32_t *out)
+{
+    size_t len;
+    int64_t v = -1;
+    if (rec_key(r, key, &len) && !rec_int(r, key, 0, max, &v)) return false;
+    *out = (int32_t)v;
+    return true;
+}
+
+/* One of two words. */
+static bool either(
+    const struct record *r, const char *key, const char *no, const char *yes, bool *out)
+{
+    char text[16];
+    if (!rec_str(r, key, text, sizeof text)) return false;
+    *out = strcmp(text, yes) == 0;
+    return *out || strcmp(text, no) == 0;
+}
+
+bool rec_ring(const struct record *r, struct rec_ring *m)
+{
+    int32_t idle;
+    *m = (struct rec_ring){0};
+    if (!number(r, "peer", WIRE_SLOTS_MAX - 1, &m->peer) ||
+        !number(r, "next", WIRE_SLOTS_MAX - 1, &m->next) ||
+        !number(r, "me", WIRE_SLOTS_MAX - 1, &m->me) || !number(r, "n", WIRE_SLOTS_MAX, &m->n) ||
+        !number(r, "idle", 1, &idle))
+        return false;
+    m->idle = idle == 1;
+    switch (r->kind) {
+    case REC_RING:
+        return m->me >= 0 && m->me < m->n &&
+               either(r, "rules", "default", "published", &m->published) &&
+               either(r, "give", "half", "one", &m->one);
+    case REC_ASK: return true;
+    case REC_HEIR:
+    case REC_NONE:
+    case REC_GIVE:
+    case REC_CRASHED: return m->peer >= 0;
+    default: return false;
+    }
+}
+
+void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m)
+{
+    bool none = kind == REC_NONE;
+    buf_printf(b, "%s", rec_name(kind));
+    if (kind == REC_GIVE) buf_printf(b, " %" PRIu32 " %" PRIu32, t->frame, t->id);
+    if (kind == REC_RING)
+        buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s give=%s", m->me, m->n,
+            m->published ? "published" : "default", m->one ? "one" : "half");
+    else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
+    if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
+    if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
+    if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);
+    buf_append(b, "\n", 1);
+}

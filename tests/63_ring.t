@@ -1,0 +1,202 @@
+#!/bin/sh
+# The ring on this machine: whoever is killed, stops, babbles or leaves, nothing is lost and no process remains; and what
+# fan makes of the records between nodes and hub.
+# shellcheck disable=SC2154,SC2016,SC2046,SC2094  # lib.sh sets them; scripts for others; a pid each; a log that grows
+. "$(dirname "$0")/lib.sh"
+
+. "$root/tests/marked.sh"
+spdgen -s 2 gears >gears.nff
+partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
+# long [OPTIONS]: some seconds of work on 3 slots, in the background
+long() {
+	rm -f out.pfm
+	env MARK=$mark balance gdc -j 3 -s 256x256 -W '-a 64' -o out.pfm "$@" gears.nff 2>said &
+	pid=$!
+}
+begin() {
+	long "$@"
+	await 5 working 3
+	sleep .3
+}
+# whole NAME: the run has ended well
+whole() {
+	wait "$pid"
+	is "$1: exit 0" $? 0
+	ok "$1: the same picture" cmp out.pfm good.pfm
+	ok "$1: no process remains" await 2 none_alive
+}
+nodes() { program ringctl 'ringctl -n '; }
+hub() { program ringctl 'ringctl fan '; }
+
+# ---- kill -9 of each stage -------------------------------------------------------------------------------------------
+for stage in gather hub fan; do
+	begin
+	case $stage in hub) victim=$(hub) ;; *) victim=$(program $stage) ;; esac
+	kill -9 "$victim"
+	ok "kill -9 of $stage: no process after 2 s" await 2 none_alive
+	wait "$pid" 2>/dev/null
+	is "kill -9 of $stage: no picture" "$(ls out.pfm* 2>/dev/null)" ''
+done
+rm -f out.pfm
+setsid env MARK=$mark perl -e '$SIG{INT} = "DEFAULT"; setpgrp; exec @ARGV' \
+	balance gdc -j 3 -s 256x256 -W '-a 400' -o out.pfm gears.nff 2>said &
+pid=$!
+await 5 working 3
+kill -INT "-$(ps -o pgid= -p "$(program gather)" | tr -d ' ')"
+ok 'Ctrl-C: no process after 2 s' await 2 none_alive
+wait "$pid" 2>/dev/null
+is 'Ctrl-C: no picture' "$(ls out.pfm* 2>/dev/null)" ''
+
+# ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
+begin
+kill -9 "$(program rtworker | head -n 1)"
+whole 'a worker killed'
+like 'a worker killed: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(exit-3\)'
+begin
+kill -9 "$(nodes | head -n 1)"
+whole 'a node killed'
+like 'a node killed: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+begin
+kill -9 $(nodes | head -n 2)
+whole 'two of three nodes killed'
+begin
+kill -STOP "$(nodes | tail -n 1)"
+whole 'a node stopped'
+like 'a node stopped: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(silent\)'
+begin
+kill -STOP "$(program rtworker | tail -n 1)"
+whole 'a worker stopped'
+like 'a worker stopped: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(silent\)'
+begin
+p=$(nodes | head -n 1)
+kill -STOP "$p"
+sleep 1
+kill -CONT "$p"
+whole 'a node stopped for 1 s'
+is 'a node stopped for 1 s: not a word' "$(cat said)" ''
+begin
+kill -9 $(nodes)
+wait "$pid"
+is 'all nodes killed: exit 3' $? 3
+like 'all nodes killed: it is said' "$(cat said)" 'no slot left'
+ok 'all nodes killed: no process remains' await 2 none_alive
+begin -r job.log
+kill -9 "$(hub)"
+wait "$pid" 2>/dev/null
+ok 'the hub killed, with a log: no process remains' await 2 none_alive
+long -r job.log
+whole 'and the same command again'
+
+# ---- nodes that cannot be trusted ------------------------------------------------------------------------------------
+partition 64x64 | rtworker gears.nff | gather -o small.pfm
+{ pack scene gears.nff; partition -n 2 64x64; } >job.task
+# liar NAME node|worker SCRIPT: one of two nodes, or its worker, is SCRIPT
+liar() {
+	rm -rf taken out.pfm
+	case $2 in
+	node) good='ringctl -n rtworker -' command=./liar ;;
+	worker) good='rtworker -' command='ringctl -n ./liar' ;;
+	esac
+	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\nexec %s\n' \
+		"$tmp" "$tmp" "$3" "$good" >liar
+	chmod +x liar
+	# shellcheck disable=SC2086  # words
+	timeout 30 env MARK=$mark ringctl fan -j 2 $command <job.task 2>said | gather -o out.pfm 2>>said
+	is "$1: exit 0" $? 0
+	ok "$1: the same picture" cmp out.pfm small.pfm
+}
+first() { echo "dd bs=1 count=$1 2>/dev/null"; } # a filter: so many bytes, as they come
+# A filter: the stream as it is, and after each done these records.
+cat >also <<'END'
+$| = 1;
+(my $say = shift) =~ s/;/\n/g;
+while (defined(my $line = <STDIN>)) {
+	print $line;
+	if ($line =~ / bytes=(\d+)/) { read STDIN, my $body, $1; print $body }
+	print $say if $line =~ /^done/;
+}
+END
+said() { like "$1: it is said" "$(cat said)" "lost \\(($2)\\)"; }
+liar 'a worker that babbles after a while' worker "rtworker - | { $(first 5000); cat /dev/urandom; }; exit"
+said 'a worker that babbles after a while' 'exit-3'
+liar 'a node that babbles after a while' node "ringctl -n rtworker - | { $(first 5000); cat /dev/urandom; }; exit"
+said 'a node that babbles after a while' garbage
+liar 'a node that ends early' node "ringctl -n rtworker - | $(first 5000); exit"
+liar 'a node that ends at once' node 'exit 0'
+liar 'a node that never says a word' node 'sleep 600; exit'
+liar 'a worker that ends early, with 0' worker "rtworker - | $(first 5000); exit"
+liar 'a worker that speaks to the hub' worker 'rtworker - | perl also "ask;give 0 7 peer=1;"; exit'
+is 'a worker that speaks to the hub: not a word' "$(cat said)" ''
+# forger NAME RECORDS: a node that also says these, with ; for newlines
+forger() {
+	liar "$1" node "ringctl -n rtworker - | perl also '$2'; exit"
+}
+forger 'tasks given away that are its own, and done all the same' 'give 0 60 peer=0;give 0 61 peer=1;give 0 30 peer=1;give 0 31 peer=0;'
+forger 'tasks given away that there are not' 'give 0 64 peer=0;give 7 1 peer=1;'
+forger 'tasks given to nobody' 'give 0 1 peer=2;'
+said 'tasks given to nobody' 'wrong-peer'
+forger 'nothing to give, to nobody' 'none peer=0 next=4096;'
+said 'nothing to give, to nobody' 'wrong-peer'
+forger 'answers that nobody asked for, and deaths of the living' 'none peer=0 idle=1;none peer=1;crashed peer=0;crashed peer=1;ask peer=0;ask peer=1;'
+forger 'what only the hub says' 'heir peer=0;'
+said 'what only the hub says' 'wrong-record'
+forger 'asks without end' "$(printf 'ask;%.0s' $(seq 3000))"
+said 'asks without end' 'unasked'
+ok 'liars leave no process' await 2 none_alive
+
+# ---- readers and disks -----------------------------------------------------------------------------------------------
+run sh -c "env MARK=$mark ringctl fan -j 2 ringctl -n rtworker - <job.task | head -c 1000 >/dev/null"
+ok '| head -c 1000: no process remains' await 2 none_alive
+is '| head -c 1000: not a word' "$err" ''
+for p in 'ringctl fan -j 2 ringctl -n rtworker -' 'ringctl -n rtworker -'; do
+	run sh -c "env MARK=$mark $p <job.task >/dev/full"
+	is "$p >/dev/full: exit 3" "$status" 3
+	ok "$p >/dev/full: no process remains" await 2 none_alive
+	run sh -c "timeout 10 $p <&-"
+	is "$p <&-: exit 3" "$status" 3
+	run sh -c "timeout 10 $p <job.task >&-"
+	is "$p >&-: exit 3" "$status" 3
+done
+{ pack scene gears.nff; partition -n 2 512x512; } | env MARK=$mark ringctl fan -j 2 ringctl -n rtworker - |
+	{ sleep 4; gather -o out.pfm; }
+partition 512x512 | rtworker gears.nff | gather -o big.pfm
+ok 'a reader that stops for 4 s: the whole picture' cmp out.pfm big.pfm
+
+# ---- what is refused -------------------------------------------------------------------------------------------------
+refused() { # NAME RECORDS COMMAND ...
+	name=$1
+	# shellcheck disable=SC2059  # records, with \n
+	printf "$2" >bad.task
+	shift 2
+	run env MARK=$mark timeout 10 "$@" <bad.task
+	is "$name: exit 2" "$status" 2
+	ok "$name: no process remains" await 2 none_alive
+}
+refused 'fan, a question to nobody' 'ask peer=0\n' fan -j 2 rtworker -
+refused 'fan, a question to a slot that is not there' 'ask peer=0 to=2\n' fan -j 2 rtworker -
+refused 'fan, what a node says' 'give 0 0 peer=0 to=1\n' fan -j 2 rtworker -
+refused 'a hub that hears another' 'ring me=0 n=1 rules=default give=half\n' ringctl fan -j 2 ringctl -n rtworker -
+refused 'deal, what is said in a ring' 'ask\n' deal fan -j 2 rtworker -
+refused 'a node, what another node says' 'crashed peer=0\n' ringctl -n rtworker -
+for bad in '' '-n' '-k two fan' '-x' '-n -p rtworker' '-n -k one rtworker'; do
+	# shellcheck disable=SC2086
+	run ringctl $bad </dev/null
+	is "ringctl $bad: exit 2" "$status" 2
+done
+run sh -c "timeout 10 env MARK=$mark ringctl fan -j 2 rtworker - <job.task >/dev/null"
+like 'a ring of workers that are no nodes: it is said' "$err" 'rtworker: .*record .ring.'
+ok 'a ring of workers that are no nodes: no process remains' await 2 none_alive
+
+# ---- what fan does with what nodes say -------------------------------------------------------------------------------
+cat >mute <<'END'
+echo hello x 1 selftest=0
+cat >said.$(date +%N)
+END
+printf '%s\n' 'ring me=0 n=2 rules=default give=one to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
+{ sleep .5; cat few; } | fan -j 2 sh mute >out
+is 'fan: each to its slot, without to=' "$(cat said.* | sort | tr '\n' ';')" \
+	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
+printf '#!/bin/sh\necho hello x 1 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
+{ echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out
+said 'fan: who was told no place' 'wrong-record'
+finish

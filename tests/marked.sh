@@ -1,0 +1,24 @@
+# For tests that look after processes: those started with MARK=$mark in their environment, which they cannot shake off.
+# Read it after lib.sh. No shell of the test itself has the mark; what is left of them is killed at the end.
+# shellcheck shell=sh disable=SC2154
+mark=stormring-test-$$
+alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
+# program NAME [WORDS]: the pids of that name among them, of which the command line begins with these words
+program() {
+	for p in $(alive); do
+		[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] || continue
+		case $(tr '\0' ' ' <"/proc/$p/cmdline") in "${2-}"*) echo "$p" ;; esac
+	done
+}
+await() { # SECONDS COMMAND ...: until it succeeds
+	end=$(($(date +%s%N) / 1000000 + $1 * 1000))
+	shift
+	until "$@"; do
+		[ $(($(date +%s%N) / 1000000)) -lt $end ] || return 1
+		sleep .05
+	done
+}
+none_alive() { [ -z "$(alive)" ]; }
+working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
+cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
+trap cleanup EXIT
