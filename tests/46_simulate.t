@@ -68,6 +68,13 @@ first=$(of trace)
 run simulate -n 50 -s 100 deal
 is '... the same again' "$(of trace)" "$first"
 
+# More slots than the checks of deal can hold; of pieces, too, each is committed once.
+partition 10x80 >eighty.task
+run simulate -j 70,3 -l 1 -m 1000,2 deal <eighty.task
+whole_s=$(of makespan_s)
+run simulate -j 70,3 -l 1 -m 1000,2 deal -e <eighty.task
+is '80 rows on 70 slots, the last ones in pieces' "$status $(of uncommitted) $(of makespan_s | awk -v s="$whole_s" '{ print $1 < s }')" '0 0 1'
+
 # ---- costs of a log --------------------------------------------------------------------------------------
 spdgen -s 2 tetra >tetra.nff
 partition 24x16 >rows.task

@@ -54,14 +54,24 @@ static void check_end(struct world *w)
     w->ended = true;
 }
 
+/* What is made of a task is seen for the first time when it is given. */
+static void note_piece(struct world *w, const struct sched_action *a)
+{
+    struct vtask *t = vtask_at(w, a->task.id);
+    if (!t || t->known) return;
+    t->task = a->task;
+    t->known = true;
+}
+
 void note_action(struct world *w, const struct sched_action *a)
 {
-    bool given = a->kind == SCHED_GIVE;
+    bool given = a->kind == SCHED_GIVE, piece = given && a->task.id >= (uint32_t)w->plan->tasks;
     w->result->gives += given;
-    w->result->pieces += given && a->task.id >= (uint32_t)w->plan->tasks;
+    w->result->pieces += piece;
     if (a->kind == SCHED_ASK_FLUSH) w->result->flushes++;
     if (a->kind == SCHED_STOP) w->result->stops++;
     if (a->kind == SCHED_COMMIT) check_commit(w, a);
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w);
     if (w->checks && w->checks->action) w->checks->action(w, a);
+    if (piece) note_piece(w, a);
 }
