@@ -36,11 +36,12 @@ struct gather {
     const struct options *o;
     struct intake in;
     struct log_file log;
+    struct log_past past;
     bool trusted;   /* the log holds nothing, or what this run's workers would say too */
     bool rereading; /* what comes is from the log */
     struct progress progress;
     int warnings;
-    bool deserted; /* the stream said that no slot was left to finish it */
+    char why[24]; /* of the stream's bye: it ended before its time */
     int status;
 };
 
@@ -191,7 +192,7 @@ static void take_frame(struct gather *g, const struct record *r)
     const struct assembly *parts = &g->in.parts;
     uint32_t number = r->task.frame;
     bool said = rec_str(r, "job", job, sizeof job);
-    if (said && !g->trusted && !g->rereading) confirm(g, r);
+    if (said && g->log.holds && !g->rereading) confirm(g, r);
     if (said && !g->o->missing && (uint64_t)r->frame_w * r->frame_h > IMAGE_PIXELS_MAX &&
         !assembly_find(parts, number)) {
         flush_log(g);
@@ -213,8 +214,8 @@ static void take_record(void *ctx, const struct record *r)
     /* Before a log is trusted, nothing counts but who the workers are and what they are on. */
     if (!g->trusted && !g->rereading && (r->kind == REC_FRAG || r->kind == REC_BEAT)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
-    size_t n;
-    if (r->kind == REC_BYE && !g->rereading) g->deserted = rec_key(r, "why", &n) != NULL;
+    if (r->kind == REC_BYE && !g->rereading && !rec_str(r, "why", g->why, sizeof g->why))
+        *g->why = '\0';
     if (!g->rereading && r->kind != REC_BEAT) log_append(&g->log, r);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     if (!whole) return;
@@ -241,16 +242,18 @@ static struct log_reader reader_of(struct gather *g)
 }
 
 /*
- * The first word of this run's workers about a picture, while the log holds something: it has to
- * belong there. Then all that the log holds counts, before what this run brings.
+ * The first word of this run's workers about a picture, and the log held something: it has to
+ * belong there. With the first of all, what the log holds counts before what this run brings.
  */
 static void confirm(struct gather *g, const struct record *r)
 {
     const struct log_reader reader = reader_of(g);
     char why[LOG_WHY];
     intake_note(&g->in, r);
-    int refused = log_confirm(&g->log, &g->in.origin, r, why);
+    int refused = log_confirm(&g->past, &g->log, &g->in.origin, r, why);
+    if (refused > 0) flush_log(g);
     if (refused > 0) die(ST_USAGE, "%s: %s", g->o->log, why);
+    if (g->trusted) return;
     g->rereading = true;
     if (refused < 0 || log_reread(&g->log, &g->in, &reader) != 0) die(ST_SYSTEM, "%s:", g->o->log);
     g->rereading = false;
@@ -348,10 +351,11 @@ static void report_missing(const struct gather *g)
 
 static void put(const void *p, size_t n) { fwrite(p, 1, n, stdout); }
 
-/* Status 3 where the stream itself said that nobody was left to go on. */
+/* Status 3, or 2, where the stream itself said that it ends before its time. */
 static int unfinished(const struct gather *g)
 {
-    return g->deserted && !*g->o->inputs ? ST_SYSTEM : ST_PARTIAL;
+    if (!*g->why || *g->o->inputs) return ST_PARTIAL;
+    return strcmp(g->why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
 }
 
 static int finish(struct gather *g)
@@ -364,10 +368,9 @@ static int finish(struct gather *g)
     }
     report_refused(g);
     report_twice(g);
-    if (!parts->n_frames)
-        warn(g->deserted
-                 ? "nothing was rendered: no worker was left"
-                 : "no frame was declared, expected `frame F W H job=HASH` and its fragments");
+    if (!parts->n_frames && *g->why) warn("nothing was rendered: %s", g->why);
+    if (!parts->n_frames && !*g->why)
+        warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);
@@ -388,6 +391,7 @@ int main(int argc, char **argv)
     read_streams(&g);
     int status = finish(&g);
     intake_free(&g.in);
+    log_past_free(&g.past);
     log_close(&g.log);
     if (status != ST_SYSTEM) close_stdout(); /* else it has been said */
     return status;

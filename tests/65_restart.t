@@ -136,6 +136,13 @@ for f in 0 1 2; do partition -F $f 64x64; done | rtworker gears.nff | gather -r 
 is 'three frames of another size: exit 2' $? 2
 is 'three frames of another size: no picture' "$(ls g[0-9].pfm 2>/dev/null)" ''
 
+{ partition -F 0 $size | rtworker gears.nff; partition -F 1 $size | rtworker tetra.nff; } | head -c 200000 >film
+cp film before
+for f in 0 1; do partition -F $f -r film $size; done | rtworker gears.nff | gather -r film -o 'g%d.pfm' 2>said
+is 'the second frame of another scene: exit 2' $? 2
+like 'the second frame of another scene: said' "$(cat said)" 'film: is of another scene: frame 1 has job'
+ok 'the second frame of another scene: nothing of it in the log' [ "$(gather -m film | grep -c '^task 1')" = "$(gather -m before | grep -c '^task 1')" ]
+
 # ---- in use -----------------------------------------------------------------------------------------------------
 head -c 60000 whole >log
 cp log before

@@ -7,15 +7,37 @@
 
 #define READ_BYTES (1 << 18)
 
+/* Where the slot of that name is hashed to, or would be. */
+static int32_t *slot_place(const struct history *l, const char *name)
+{
+    size_t at = hash64(HASH64_INIT, name, strlen(name));
+    for (;; at++) {
+        int32_t *place = &l->slot_at[at & (l->slots_room - 1)];
+        if (*place < 0 || strcmp(l->slots[*place].name, name) == 0) return place;
+    }
+}
+
+/* Room for twice as many slots, and twice that many places. */
+static void grow_slots(struct history *l)
+{
+    l->slots_room = l->slots_room ? 2 * l->slots_room : 16;
+    l->slots = xrealloc(l->slots, l->slots_room / 2, sizeof *l->slots);
+    free(l->slot_at);
+    l->slot_at = xmalloc(l->slots_room, sizeof *l->slot_at);
+    for (size_t i = 0; i < l->slots_room; i++) l->slot_at[i] = -1;
+    for (size_t i = 0; i < l->n_slots; i++) *slot_place(l, l->slots[i].name) = (int32_t)i;
+}
+
 /* The slot of this record, by the name that it is stamped with. */
 static int32_t slot_of(struct history *l, const struct record *r)
 {
     char name[HISTORY_NAME];
     if (!rec_str(r, "w", name, sizeof name)) snprintf(name, sizeof name, "-");
-    for (size_t i = 0; i < l->n_slots; i++)
-        if (strcmp(l->slots[i].name, name) == 0) return (int32_t)i;
-    l->slots = xrealloc(l->slots, l->n_slots + 1, sizeof *l->slots);
-    memcpy(l->slots[l->n_slots].name, name, sizeof name);
+    if (l->n_slots == l->slots_room / 2) grow_slots(l);
+    int32_t *place = slot_place(l, name);
+    if (*place >= 0) return *place;
+    *place = (int32_t)l->n_slots;
+    memcpy(l->slots[l->n_slots].name, name, strlen(name) + 1);
     return (int32_t)l->n_slots++;
 }
 
@@ -258,6 +280,7 @@ void history_free(struct history *l)
     free(l->dones);
     free(l->frames);
     free(l->slots);
+    free(l->slot_at);
     free(l->runs);
     free(l->foreign);
     free(l->frags);

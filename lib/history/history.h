@@ -94,6 +94,8 @@ struct history {
 
     /* private */
     bool keep;                       /* frags */
+    int32_t *slot_at;                /* slots by the hash of their names; -1: none */
+    size_t slots_room;               /* places there, twice those in `slots` */
     size_t *sorted;                  /* numbers of frags by place, when somebody looks for one */
     struct task_table last;          /* by key; since_us is the place of its last done */
     bool running;                    /* the last run goes on */

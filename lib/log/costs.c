@@ -9,38 +9,46 @@
 struct survey {
     struct log_costs *costs;
     uint32_t frame;
-    struct task_table tasks;
-    double *us; /* by the table's index: of the task, -1 where nothing says it; */
+    struct task_table tasks; /* of this run: in another one the same key may be another task */
+    size_t before;           /* tasks of earlier runs: their places come first in */
+    double *us;              /* the time of the task, -1 where nothing says it; */
     uint32_t *pixels;
-    int32_t room;
-    uint32_t *of; /* by pixel: 1 + the index of its task, or 0 */
+    size_t room;
+    uint32_t *of; /* by pixel: 1 + the place of its task, or 0 */
 };
 
-static int32_t entry_of(struct survey *s, const struct task *t)
+static size_t place_of(struct survey *s, const struct task *t)
 {
     int32_t i = tasks_find(&s->tasks, t->frame, t->id);
-    if (i >= 0) return i;
-    i = tasks_add(&s->tasks, t, 1);
-    if (s->room < s->tasks.cap) {
-        s->room = s->tasks.cap;
-        s->us = xrealloc(s->us, (size_t)s->room, sizeof *s->us);
-        s->pixels = xrealloc(s->pixels, (size_t)s->room, sizeof *s->pixels);
+    if (i >= 0) return s->before + (size_t)i;
+    size_t place = s->before + (size_t)tasks_add(&s->tasks, t, 1);
+    if (s->room < s->before + (size_t)s->tasks.cap) {
+        s->room = s->before + (size_t)s->tasks.cap;
+        s->us = xrealloc(s->us, s->room, sizeof *s->us);
+        s->pixels = xrealloc(s->pixels, s->room, sizeof *s->pixels);
     }
-    s->us[i] = -1;
-    s->pixels[i] = 0;
-    return i;
+    s->us[place] = -1;
+    s->pixels[place] = 0;
+    return place;
+}
+
+/* A hello begins a run. No task is removed, so the table's places are the first ones. */
+static void begin_run(struct survey *s)
+{
+    s->before += (size_t)s->tasks.count;
+    tasks_free(&s->tasks);
 }
 
 static void take_frag(struct survey *s, const struct task *t)
 {
     const struct log_costs *c = s->costs;
     if (!s->of || t->frame != s->frame || !lattice_valid(&t->at, c->w, c->h)) return;
-    int32_t entry = entry_of(s, t);
+    size_t place = place_of(s, t);
     for (uint64_t i = 0, n = lattice_count(&t->at); i < n; i++) {
         uint32_t *of = &s->of[lattice_pixel(&t->at, c->w, i)];
         if (*of) continue;
-        *of = (uint32_t)entry + 1;
-        s->pixels[entry]++;
+        *of = (uint32_t)place + 1;
+        s->pixels[place]++;
     }
 }
 
@@ -48,6 +56,7 @@ static void take(void *ctx, const struct record *r)
 {
     struct survey *s = ctx;
     int64_t us;
+    if (r->kind == REC_HELLO) begin_run(s);
     if (r->kind == REC_FRAME && !s->of) {
         s->frame = r->task.frame;
         s->costs->w = r->frame_w;
@@ -56,7 +65,7 @@ static void take(void *ctx, const struct record *r)
     }
     if (r->kind == REC_FRAG) take_frag(s, &r->task);
     if (r->kind == REC_DONE && rec_int(r, "cpu_us", 0, INT64_MAX, &us)) {
-        int32_t i = entry_of(s, &r->task);
+        size_t i = place_of(s, &r->task);
         if (s->us[i] < 0) s->us[i] = (double)us;
     }
 }

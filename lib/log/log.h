@@ -98,13 +98,21 @@ int log_reread(const struct log_file *l, struct intake *in, const struct log_rea
 int log_survey(const struct log_file *l, struct intake *in);
 
 #define LOG_WHY 512
+/* What a log held before a run, and which frames of the run belong there; all zero at first. */
+struct log_past {
+    bool known;
+    struct intake held;
+    struct frames confirmed;
+};
 /*
  * May the stream of origin `now`, which announces r (a frame record with a job), be appended? Also
- * where the log knows nothing of that frame. 0; 1 where it may not, and why says by name what
+ * where the log knows nothing of that frame; once it may, a frame is not asked about again. The
+ * first call comes before anything is appended. 0; 1 where it may not, and why says by name what
  * differs: size, options, arithmetic, version, the scene, or that it is no log; or -1 with errno.
  */
-int log_confirm(const struct log_file *l, const struct log_origin *now, const struct record *r,
-    char why[LOG_WHY]);
+int log_confirm(struct log_past *past, const struct log_file *l, const struct log_origin *now,
+    const struct record *r, char why[LOG_WHY]);
+void log_past_free(struct log_past *past);
 /*
  * The shell commands that finish the pictures of these logs (NULL-ended), one line for `out`:
  * tasks, to the worker of that origin, to the last log; then `gather options LOGS`. False where

@@ -36,15 +36,22 @@ static bool continues(const struct intake *past, const struct log_origin *now,
     return false;
 }
 
-int log_confirm(const struct log_file *l, const struct log_origin *now, const struct record *r,
-    char why[LOG_WHY])
+int log_confirm(struct log_past *past, const struct log_file *l, const struct log_origin *now,
+    const struct record *r, char why[LOG_WHY])
 {
-    struct intake past;
-    int refused = log_survey(l, &past);
+    int refused = past->known ? 0 : log_survey(l, &past->held);
+    past->known = true;
     if (refused > 0) snprintf(why, LOG_WHY, "is no log, expected fragments, or a new file");
-    else if (refused == 0) refused = !continues(&past, now, r, why);
-    intake_free(&past);
-    return refused;
+    if (refused || frames_find(&past->confirmed, r->task.frame)) return refused;
+    if (!continues(&past->held, now, r, why)) return 1;
+    frames_set(&past->confirmed, r->task.frame, r->frame_w, r->frame_h);
+    return 0;
+}
+
+void log_past_free(struct log_past *past)
+{
+    intake_free(&past->held);
+    frames_free(&past->confirmed);
 }
 
 bool log_remedy(

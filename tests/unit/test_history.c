@@ -203,6 +203,27 @@ static void damage_costs_itself(void **state)
     buf_free(&b);
 }
 
+static void many_slots_keep_their_names(void **state)
+{
+    (void)state;
+    enum { SLOTS = 3000 };
+    struct buf b = {0};
+    for (int round = 0; round < 2; round++)
+        for (int k = 0; k < SLOTS; k++)
+            buf_printf(&b, "done 0 %d cpu_us=1 w=%d.%d\n", round * SLOTS + k, k % 7, k);
+    struct history l = {0};
+    history_over(&l, b.data, b.len);
+    assert_int_equal(l.n_slots, SLOTS);
+    for (int i = 0; i < 2 * SLOTS; i++) {
+        char name[24];
+        snprintf(name, sizeof name, "%d.%d", i % SLOTS % 7, i % SLOTS);
+        assert_int_equal(l.dones[i].slot, i % SLOTS);
+        assert_string_equal(l.slots[i % SLOTS].name, name);
+    }
+    history_free(&l);
+    buf_free(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -212,6 +233,7 @@ int main(void)
         cmocka_unit_test(rows_know_whether_they_were_split),
         cmocka_unit_test(pixels_are_found_again),
         cmocka_unit_test(damage_costs_itself),
+        cmocka_unit_test(many_slots_keep_their_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

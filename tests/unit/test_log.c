@@ -203,6 +203,7 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
     struct buf b = {0};
     struct log_file l;
     struct intake now;
+    struct log_past past = {0};
     struct decoder d = {.upward = true};
     struct record r;
     char why[LOG_WHY] = "";
@@ -216,8 +217,9 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         intake_note(&now, &r);
     } while (r.kind != REC_FRAME);
-    assert_int_equal(log_confirm(&l, &now.origin, &r, why), *want != 0);
+    assert_int_equal(log_confirm(&past, &l, &now.origin, &r, why), *want != 0);
     assert_true(strncmp(why, want, strlen(want)) == 0);
+    log_past_free(&past);
     wire_free(&d);
     intake_free(&now);
     log_close(&l);
@@ -282,6 +284,29 @@ static void test_missing(void **state)
     buf_free(&b);
 }
 
+/* One number, another task in another run. */
+static void test_costs(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct log_costs c;
+    float rgba[4 * W] = {0};
+    for (int run = 0; run < 2; run++) {
+        struct task t = {.at = {0, (uint32_t)run, W, 1, 1, 1}, .to = -1};
+        put_text(&b, hello);
+        put_text(&b, frame);
+        wire_done(&b, &t, run ? 9 * W : W, 0);
+        wire_frag(&b, &t, &t.at, rgba);
+    }
+    write_log(&b);
+    assert_int_equal(log_costs_read(path, &c), 0);
+    assert_true(c.us[0] == 1 && c.us[W - 1] == 1);
+    assert_true(c.us[W] == 9 && c.us[2 * W - 1] == 9);
+    assert_true(c.us[2 * W] == 5);
+    log_costs_free(&c);
+    buf_free(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +318,7 @@ int main(void)
         cmocka_unit_test(test_continues),
         cmocka_unit_test(test_remedy),
         cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_costs),
     };
     int fd = mkstemp(path);
     if (fd < 0) die(ST_SYSTEM, "%s:", path);
