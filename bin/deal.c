@@ -9,7 +9,7 @@
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-e] [-q DEPTH|auto] COMMAND [ARGUMENT ...]";
+    static const char text[] = "[-eh] [-q DEPTH|auto] COMMAND [ARGUMENT ...]";
     struct sched_params p = {0};
     prog_init(argv[0]);
     int opt;

@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-static const char text[] = "[-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
+static const char text[] = "[-h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
                            "       fan -l [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
 /* At most one of the two is given. */

@@ -329,7 +329,8 @@ static void choose(struct options *o, enum what what)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
+    static const char text[] =
+        "[-h] [-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
     struct options o = {0};
     int opt;
     while ((opt = getopt(argc, argv, "+c:ghsS:w:")) != -1) {

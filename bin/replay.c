@@ -263,7 +263,7 @@ static double usual_power(void)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-c] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
+    static const char text[] = "[-ch] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
     /* Options may follow the log: methods append theirs to the command that they are given. */

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-p] [-k half|one] COMMAND [ARGUMENT ...]\n"
+static const char text[] = "[-hp] [-k half|one] COMMAND [ARGUMENT ...]\n"
                            "       ringctl -n WORKER [ARGUMENT ...]";
 
 struct options {

@@ -107,8 +107,8 @@ by_getopt() {
 	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
 	esac | letters
 }
-by_usage() { # -h may go without saying
-	{ "$1" -h; echo ' [-h'; } | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
+by_usage() {
+	"$1" -h | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
 }
 by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
 programs=$(for p in bin/*; do case $p in bin/balance-*) ;; *) basename "$p" .c ;; esac; done | sort -u)
@@ -124,6 +124,11 @@ for program in $programs; do
 done >"$found"
 clean 'getopt, -h and man page name the same options'
 
+for program in $programs $(cd bin && ls -d balance-*); do
+	"$program" -h >/dev/full 2>/dev/null
+	[ $? -eq 3 ] || echo "$program: -h to a full disk does not exit 3"
+done >"$found"
+clean 'a usage that cannot be written is no success'
 for program in $programs; do
 	"$program" -'?' >"$tmp/stdout" 2>"$tmp/stderr"
 	[ $? -eq 2 ] || echo "$program: an unknown option does not exit 2"
@@ -133,7 +138,7 @@ clean 'an unknown option is refused'
 
 for method in bin/balance-*; do
 	method=$(basename "$method")
-	case $("$method" -h) in "usage: $(echo "$method" | sed 's/-calibrate/ calibrate/') "*) ;; *) echo "$method: -h prints no usage" ;; esac
+	case $("$method" -h) in "usage: $(echo "$method" | sed 's/-calibrate/ calibrate/') [-h"*) ;; *) echo "$method: -h prints no usage" ;; esac
 	[ "$("$method" 2>/dev/null; echo $?)" = 2 ] || echo "$method: without arguments it does not exit 2"
 done >"$found"
 clean 'methods have a usage as well'

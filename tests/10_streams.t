@@ -152,6 +152,17 @@ for c in 'masterslave -o x.png' calibrate; do
 	run env PATH=/usr/bin:/bin unbuilt/balance $c tetra.nff
 	like "balance $c, not built: says so" "$status $err" '^2 balance.*: [a-z]+ is not there, expected it .*built by make'
 done
+mkdir own
+cp "$root/bin/balance" own
+echo 'cat >/dev/null; partition 8by6' >own/balance-wrong
+echo 'exec no-such-program' >own/balance-lost
+echo 'cat >/dev/null' >own/balance-idle
+for method in 'wrong 2' 'lost 2' 'idle 1'; do
+	sed -i '1i#!/bin/sh' "own/balance-${method% *}" && chmod +x "own/balance-${method% *}"
+	run own/balance "${method% *}" -j 1 -s 8x6 -o x.png tetra.nff
+	is "a method of one's own, ${method% *}: status" "$status" "${method#* }"
+done
+like "a method that fails: gather says so" "$(own/balance lost -j 1 -s 8x6 -o x.png tetra.nff 2>&1)" 'nothing was rendered: method-failed'
 partition -u tile:8x4 8x8 | deal fan -j 4 rtworker tetra.nff >two.frags
 is "fragstat -s counts slots that had nothing to do" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
 finish

@@ -21,7 +21,9 @@ is '-S LIST: three slots' "$(grep -a -o 'hello deal .*slots=[0-9]*' list | grep 
 
 is 'fan -l WORKER: one power for the slots of a host' "$(fan -l -j 6 rtworker | cut -f 3 | sort -u | wc -l)" 1
 # All is in the log, and the host takes longer to reach than the run.
-printf 'far via="sleep 1; sh -c %%c"\n' >far
+printf '#!/bin/sh\nsleep 1; exec sh -c "$1"\n' >slowly
+chmod +x slowly
+printf 'far via="./slowly %%c"\n' >far
 rm -f out.pfm
 ok '-S, a whole log, a host that is slow to come: exit 0' balance masterslave -S far -s $size -r list -o out.pfm gears.nff
 ok '-S, a whole log, a host that is slow to come: the same picture' cmp out.pfm good.pfm
@@ -91,13 +93,28 @@ run balance calibrate -n 1 -s 64x48 -S 2/:,: -o measured gears.nff
 is 'calibrate -S LIST: its hosts file' "$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/' | tr '\n' ';')" ': power= slots=2;: power=;'
 run balance calibrate -n 2 -s 32x32 gears.nff
 is 'calibrate: this machine alone' "$status$(printf '%s\n' "$out" | wc -l)" 02
-printf ': \ngone via="exit 9; %%c"\n' >bad
-run balance calibrate -n 1 -s 32x32 -S bad -o unwritten gears.nff
-is 'calibrate: a host that renders nothing: exit 3' "$status" 3
-like 'calibrate: a host that renders nothing: named' "$err" 'balance calibrate: gone: not measured'
+printf 'gone slots=3 power=7 via="exit 9; %%c"\n: # here\n"again" via="sh -c %%c"\n' >bad
+run balance calibrate -n 2 -s 32x32 -S bad -o partly gears.nff
+is 'calibrate: a host that renders nothing: exit 1' "$status" 1
+is 'calibrate: a host that renders nothing: named once' "$(printf '%s\n' "$err" | grep '^balance')" 'balance calibrate: gone: not measured'
+is 'calibrate: a host that renders nothing: the others are measured' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" 'host : again '
+is 'calibrate: a host that renders nothing: power 1 is the first of the others' "$(printf '%s\n' "$out" | sed -n '2s/.*\t//p')" 1
+is 'calibrate: a host that renders nothing: its line stays, the others have powers' \
+	"$(grep -v '^#' partly | sed '2,$s/power=[0-9.]*/power=/')" "$(sed 's/^: /: power= /; s/^"again"/& power=/' bad)"
+head -n 1 bad >none-left
+run balance calibrate -n 1 -s 32x32 -S none-left -o unwritten gears.nff
+is 'calibrate: no host is measured: exit 3' "$status$out" 3
+# What a via says is nobody's key, nor is a comment.
+printf '#!/bin/sh\necho "$power $slots" >tricky.said; exec sh -c "$1"\n' >tricky
+chmod +x tricky
+printf '  tricky  "slots=2" via="env power=7 slots=9 ./tricky %%c" po"wer"=5\t# a "power=6 slots=1\n' >tricky.hosts
+run balance calibrate -n 1 -s 32x32 -S tricky.hosts -o tricky.measured gears.nff
+is 'calibrate: quotes and comments: exit 0' "$status$err" 0
+is 'calibrate: quotes and comments stay what they are' "$(cat tricky.said; grep -v '^# measured' tricky.measured)" \
+	"$(printf '7 9\ntricky power=1  "slots=2" via="env power=7 slots=9 ./tricky %%c"\t# a "power=6 slots=1\n')"
 run balance calibrate -n 9999 -s 32x32 -o nosuch/hosts gears.nff
 is 'calibrate -o in no directory: known before anything is measured' "$status $err" '3 balance calibrate: nosuch/hosts: cannot be written'
-is 'calibrate: a host that renders nothing: no hosts file' "$(ls unwritten* 2>/dev/null)" ''
+is 'calibrate: no host is measured: no hosts file' "$(ls unwritten* 2>/dev/null)" ''
 for bad in '' '-n 0 gears.nff' '-n x gears.nff' '-S nosuch:file/x gears.nff' '-s 0x0 gears.nff' 'nosuch.nff' '-W -d0 gears.nff' -; do
 	# shellcheck disable=SC2086
 	run balance calibrate $bad
