@@ -125,6 +125,21 @@ wait "$pid"
 is "interleaved, a worker stopped for 1 s: exit 0" $? 0
 ok "interleaved, a worker stopped for 1 s: the same picture" cmp out.pfm good.pfm
 
+# ---- this machine has no time for anybody: fan is kept from running, and a worker for longer ---------------
+long masterslave
+await 5 working 3
+sleep .3
+worker=$(program rtworker | head -1) fan=$(program fan)
+kill -STOP "$worker" "$fan"
+sleep 4
+kill -CONT "$fan"
+sleep 1.5
+kill -CONT "$worker"
+wait "$pid"
+is "masterslave, fan stopped as well: exit 0" $? 0
+is "masterslave, fan stopped as well: nobody is lost" "$(cat said)" ''
+ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
+
 # ---- every worker dies ---------------------------------------------------------------------------------
 long masterslave
 await 5 working 3
@@ -137,13 +152,13 @@ ok "all workers killed: no process remains" await 2 none_alive
 
 # ---- workers that cannot be trusted ---------------------------------------------------------------------
 partition 64x64 | rtworker gears.nff | gather -o small.pfm
-# liar SCRIPT [SECONDS]: one of two slots runs SCRIPT for its worker; the input ends so much later
+# liar SCRIPT [SECONDS [SLOTS]]: one of two slots runs SCRIPT for its worker; the input ends so much later
 liar() {
 	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\nexec rtworker -\n' \
 		"$tmp" "$tmp" "$1" >liar
 	chmod +x liar
 	rm -rf taken out.pfm
-	{ pack scene gears.nff; partition 64x64; sleep "${2:-0}"; } | env MARK=$mark deal fan -j 2 ./liar 2>said | gather -o out.pfm 2>>said
+	{ pack scene gears.nff; partition 64x64; sleep "${2:-0}"; } | env MARK=$mark deal fan -j "${3:-2}" ./liar 2>said | gather -o out.pfm 2>>said
 	status=$?
 }
 liar 'rtworker - | { head -c 5000; cat /dev/urandom; }; exit'
@@ -166,9 +181,20 @@ like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^(frame .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
-liar 'sleep .5; rtworker - | perl -pe "BEGIN { \$| = 1 } s/ job=\S+/ job=0/"; exit' 1.5
+liar 'sleep .5; rtworker - | perl -pe "BEGIN { \$| = 1 } s/ job=\S+/ job=0/"; exit' 1.5 3
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: it is said" "$(cat said)" 'lost \(other-job\)'
+like "another job: who says what" "$(cat said)" \
+	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which said it first$'
+# The liar is the first: before it is believed for long, the others have contradicted.
+for slots in 2 3; do
+	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/"\n' >liar
+	rm -rf first out.pfm
+	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
+	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
+	like "the first of $slots slots has another job: it is said" "$(cat said)" "frame 0: 1 said job 0, $((slots - 1)) another: given up"
+	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
+done
 liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7\n) while 1"; exit'
 ok "answers to no question: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | perl -pe "BEGIN { \$| = 1 } s/^frame 0 64 64/frame 0 64 65/"; exit'

@@ -51,6 +51,26 @@ half_pid=$!
 (deal fan -S behind rtworker - <job.task >behind.frags 2>behind.said; echo $? >behind.status) &
 behind_pid=$!
 
+# A link that takes its time, with all of the scene between here and there: nobody hears anything for long but beats.
+cat >drip <<'END'
+#!/bin/sh
+sh -c "$1" <drip.fifo &
+exec >drip.fifo
+cat >dripped
+head -c 100000 dripped
+for i in $(seq 34); do sleep .5; tail -c +$((100001 + 5000 * (i - 1))) dripped | head -c 5000; done
+tail -c +270001 dripped
+exec >&-
+wait
+END
+chmod +x drip
+mkfifo drip.fifo
+echo 'drip via="./drip %c"' >drips
+spdgen -s 3 gears >large.nff
+{ pack scene large.nff; partition 16x16; } >large.task
+(fan -S drips rtworker - <large.task >drip.frags 2>drip.said; echo $? >drip.status) &
+drip_pid=$!
+
 # ---- hosts files -----------------------------------------------------------------------------------------------
 cat >hosts <<'END'
 # three, played by shells
@@ -78,6 +98,8 @@ bad 'a bad number' bad-number 'bad-number:1: slots=many: expected an integer fro
 : >empty
 bad 'an empty file' empty 'empty: no host, expected'
 bad 'an option for a host' -oProxyCommand=x '-S: -oProxyCommand=x: no host name, expected'
+bad 'a file that is not there, by its suffix' my.txt '-S: my\.txt: no such file, expected one, or 1/my\.txt for a host'
+is 'a host with the name of a file' "$(fan -l -S 1/my.txt | cut -f 2)" my.txt
 bad 'a file that is not there' no/hosts '-S: no/hosts: no such file.*expected'
 run fan -S hosts -j 2 rtworker -
 is '-S and -j: exit 2' "$status" 2
@@ -152,6 +174,9 @@ refused 'another version' 'echo hello rtworker 0.0 selftest=77; exec cat >/dev/n
 	'^fan: liar: refused: it runs rtworker 0\.0, here it is rtworker [0-9.]+$'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'
 is 'and is not started again' "$(wc -l <liar.started)" 2
+refused 'a worker that is not there' 'exec no-such-worker' \
+	'^fan: liar: cannot be used \(exit-127\): command not found, expected .* PATH there, or bin=DIR in the hosts file$'
+refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: cannot be used \(exit-126\): command found .* bin=DIR'
 script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
 run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
 same 'garbage'
@@ -218,6 +243,12 @@ printf 'killer via="./killer %%c"\n' >killer.hosts
 run sh -c 'timeout 60 deal fan -S killer.hosts rtworker - <job.task >/dev/null'
 is 'a worker that dies whenever it has work: given up' "$status:$(wc -l <killed)" 3:5
 
+script last 'trap "echo the last words >&2; exit 1" TERM; exec 3<&0; sh -c "$1" <&3 & wait'
+echo 'last via="./last %c"' >last.hosts
+{ cat job.task; await 10 eval '[ "$(events last.frags | grep -c ^up)" = 1 ]'; echo nonsense; } | fan -S last.hosts rtworker - >last.frags 2>said
+is 'refused input: exit 2' $? 2
+like 'what a host says at the very end is shown' "$(cat said)" '^last: the last words$'
+
 # ---- hosts that never answer ---------------------------------------------------------------------------------------
 printf ': slots=1\nsleepy slots=20 via="sleep 47; : %%c"\n' >sleepy
 start_ms=$(($(date +%s%N) / 1000000))
@@ -265,6 +296,11 @@ ok "after 30 s ($took_s)" [ $took_s -ge 29 ] && [ $took_s -le 45 ]
 gather -m half.frags | rtworker gears.nff >>half.frags 2>/dev/null
 gather -o out.pfm half.frags 2>/dev/null
 same 'and it can be finished'
+wait $drip_pid
+is 'a scene that is on its way for 17 s: exit 0' "$(cat drip.status) $(cat drip.said)" '0 '
+rtworker - <large.task | gather -o large.pfm
+gather -o out.pfm drip.frags
+same 'a scene that is on its way for 17 s' large.pfm
 wait $none_pid
 is 'no host can be reached: exit 3' "$(cat none.status)" 3
 like 'no host can be reached: it is said' "$(cat none.said)" 'no slot left: none could be reached for 30 s'

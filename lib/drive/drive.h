@@ -49,9 +49,11 @@ int stream_read(struct decoder *d, int fd);
 /* The standard output of a driver. */
 struct outlet {
     struct up_queue queue;
-    size_t most; /* bytes a write may have */
-    bool full;   /* it took less than it was given */
-    bool gone;   /* its reader is, or writing fails, which has been said */
+    size_t most;     /* bytes a write may have */
+    bool full;       /* it took less than it was given */
+    bool gone;       /* its reader is, or writing fails, which has been said */
+    bool greeted;    /* hello has been said */
+    int64_t beat_us; /* when outlet_beat last did */
 };
 void outlet_open(struct outlet *o);
 struct pollfd outlet_poll(const struct outlet *o);
@@ -59,15 +61,25 @@ struct pollfd outlet_poll(const struct outlet *o);
 void outlet_polled(struct outlet *o, const struct pollfd *p);
 /* What has just been queued goes out at once, where that cannot block. */
 void outlet_push(struct outlet *o);
+/*
+ * After a read of the input: a body that is long on its way is life as well. Says `beat` now and
+ * then, since nobody behind this process knows of it yet.
+ */
+void outlet_beat(struct outlet *o, const struct decoder *input);
 /* The rest goes to the reader, who may be slow; or until a signal comes. */
 void outlet_drain(struct outlet *o);
 
 /*
- * One read(2) of standard input; every record in it goes to take until that returns other than 0.
- * Returns the status to end with at once, the reason having been said, or 0. *open: more may come.
+ * One read(2) of standard input; every record in it goes to take until that returns other than 0:
+ * the status to end with at once, or STREAM_HOLD, after which nothing is to be read before
+ * stream_take has gone on with what is there. Returns the status to end with, the reason having
+ * been said, or 0. *open: more may come.
  */
-int stream_input(
-    struct decoder *d, bool *open, int (*take)(void *ctx, const struct record *r), void *ctx);
+#define STREAM_HOLD (-1)
+typedef int stream_taker(void *ctx, const struct record *r);
+int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx);
+/* The same without reading. */
+int stream_take(struct decoder *d, stream_taker *take, void *ctx);
 /* The frame of a task record whose pixels lie in it; else says what is wrong: NULL. */
 const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r);
 /* Forwards r as one record of the bulk queue. */

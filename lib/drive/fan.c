@@ -9,14 +9,16 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 #define LEAVING_MS 100 /* while a slot is exiting; its end is told by SIGCHLD, its staying is not */
 #define STOP_MS 200    /* for workers to end when all is given up */
 #define HELLO_S 10.0   /* silence allowed before the first word, */
 #define REACH_S 15.0   /* also where ssh is given 10 s to connect, */
-#define LOADING_S 60.0 /* while the state is being loaded, */
+#define LOADING_S 15.0 /* while state is on its way: a slow link has it in pieces, */
 #define CLOSING_S 1.0  /* and when nothing is left to say */
+#define LATE_US 100000 /* a round may begin so much later than was asked for */
 #define UNREACHED_S                                                                                \
     30.0 /* nobody is up, and who could be is not for so long: there is no host left */
 
@@ -46,6 +48,19 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         if (!reading || allowed_s <= 0) s->heard_us = now_us();
         else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6)
             slot_lose(f, s, s->connected ? "silent" : "no-hello", true);
+    }
+}
+
+/*
+ * Nobody was listened to while this process was kept from running, and whoever shares the machine
+ * may have been kept from it longer: that is no silence.
+ */
+static void forgive(struct fan *f, int64_t looked_us)
+{
+    int64_t late_us = looked_us - f->awake_us - LATE_US;
+    for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
+        struct fan_slot *s = &f->slots[k];
+        s->heard_us = s->heard_us + late_us < looked_us ? s->heard_us + late_us : looked_us;
     }
 }
 
@@ -96,8 +111,10 @@ void fan_round(struct fan *f, struct pollfd *p)
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
+    forgive(f, looked_us);
     if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
+    f->awake_us = looked_us + wait_ms * INT64_C(1000);
     if (poll_signals(p, n, wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) p[i].revents = 0;
@@ -131,7 +148,7 @@ static bool untried(const struct fan_slot *s)
 bool fan_working(const struct fan *f)
 {
     int64_t now = now_us();
-    if (f->out.gone || f->refused || signals_came()) return false;
+    if (f->out.gone || f->refused || f->disputed || signals_came()) return false;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
@@ -169,17 +186,28 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     if (*o->command) fan_ask_reference(f);
 }
 
+/* What it says meanwhile is shown: it may be why it ends. */
+static void await_exit(struct fan_slot *s, int64_t end_us)
+{
+    int status;
+    while (!child_ended(&s->child, &status) && now_us() < end_us) {
+        if (s->child.err >= 0) slot_show_err(s);
+        nanosleep(&(struct timespec){0, 500000}, NULL);
+    }
+}
+
 /* Nobody needs the rest, or nothing is left. */
 static void stop(struct fan *f)
 {
-    int64_t end = now_us() + STOP_MS * INT64_C(1000);
+    int64_t end_us = now_us() + STOP_MS * INT64_C(1000);
     for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].child);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        int64_t left_us = end - now_us();
         f->lost += s->tasks.count;
         f->unreached |= s->tasks.count > 0;
-        child_end(&s->child, left_us > 0 ? (int)(left_us / 1000) : 0);
+        await_exit(s, end_us);
+        slot_end_err(s);
+        child_end(&s->child, 0);
         slot_free(s);
         wire_free(&s->from);
         buf_free(&s->err);
@@ -204,12 +232,9 @@ void fan_close(struct fan *f)
 /* Every slot has been given up for good. */
 static bool all_gone(const struct fan *f)
 {
-    int n = f->n[FAN_GONE];
-    for (int k = 0; k < f->n_slots; k++) {
-        const struct fan_slot *s = &f->slots[k];
-        n += s->state == FAN_LEAVING && s->decided && !s->again;
-    }
-    return n == f->n_slots;
+    for (int k = 0; k < f->n_slots; k++)
+        if (slot_comes(&f->slots[k])) return false;
+    return true;
 }
 
 /* There is work, and nobody to do it. */
@@ -222,8 +247,8 @@ static bool deserted(const struct fan *f)
 /* The last word to the reader. */
 static void say_bye(struct fan *f)
 {
-    bool none = deserted(f);
-    wire_bye(&f->out.queue.bulk, none ? "no-slot-left" : "");
+    bool none = !f->disputed && deserted(f);
+    wire_bye(&f->out.queue.bulk, f->disputed ? "other-jobs" : none ? "no-slot-left" : "");
     up_end_record(&f->out.queue);
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
@@ -233,7 +258,7 @@ static void say_bye(struct fan *f)
 static int status_of(const struct fan *f)
 {
     if (f->refused) return f->refused;
-    if (f->out.gone || deserted(f)) return ST_SYSTEM;
+    if (f->out.gone || f->disputed || deserted(f)) return ST_SYSTEM;
     return f->lost ? ST_PARTIAL : ST_OK;
 }
 

@@ -1,6 +1,6 @@
 /*
  * fan: what comes down. State goes to all slots, a task to one; a bad input ends the run. The
- * latest state and all frames are kept for slots that come later.
+ * latest state and its frames are kept for slots that come later.
  */
 #include "drive/fan_int.h"
 
@@ -36,8 +36,10 @@ static void route_state(struct fan *f, const struct record *r)
     struct buf bytes = {0};
     wire_forward(&bytes, r, NULL, NULL);
     struct blob *b = blob_new(&bytes), **kept = &f->state[r->kind - REC_SCENE];
-    /* What is announced from now on belongs to other state. */
+    /* What is announced from now on belongs to other state; frames of the old one are begun. */
     for (size_t i = 0; i < f->frames.n; i++) f->frames.at[i].said = false;
+    if (f->begun) buf_consume(&f->frame_lines, buf_size(&f->frame_lines));
+    f->begun = false;
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s)) continue;
@@ -72,6 +74,7 @@ static int route_task(struct fan *f, const struct record *r)
         warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->n_slots);
         return ST_USAGE;
     }
+    f->begun = true;
     return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
@@ -117,4 +120,8 @@ static int route(void *ctx, const struct record *r)
     }
 }
 
-void fan_take_input(struct fan *f) { f->refused = stream_input(&f->in, &f->in_open, route, f); }
+void fan_take_input(struct fan *f)
+{
+    f->refused = stream_input(&f->in, &f->in_open, route, f);
+    outlet_beat(&f->out, &f->in);
+}

@@ -102,7 +102,7 @@ static void say_hello(struct fan *f, double power)
     snprintf(text, sizeof text, "fan %s selftest=%s power=%.6g slots=%d", STORMRING_VERSION,
         f->reference.selftest, sum, f->n_slots);
     wire_plain(&f->out.queue.control, REC_HELLO, text);
-    f->greeted = true;
+    f->out.greeted = true;
 }
 
 const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
@@ -127,7 +127,7 @@ const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r
     if (!(s->power > 0) && !rec_real(r, "power", POWER_LEAST, POWER_MOST, &s->power)) s->power = 1;
     if (!rec_int(r, "slots", 1, HOSTS_SLOTS_MAX, &inner)) inner = 1;
     s->inner = (int)inner;
-    if (!f->greeted) say_hello(f, s->power);
+    if (!f->out.greeted) say_hello(f, s->power);
     slot_up(f, s);
     s->measured = true;
     return NULL;

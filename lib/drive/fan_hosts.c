@@ -7,6 +7,7 @@
 #include "drive/fan_int.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 #define OPENING_MOST 8
 #define STARTING_MOST 2       /* on this machine, between two looks at what others have to say */
@@ -68,12 +69,24 @@ void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
     s->told_gone = true;
 }
 
+/* What to look at first; 126 and 127 are the shell's own statuses (POSIX, 2.8.2). */
+static const char *hint(const struct fan *f, const char *why)
+{
+    if (strcmp(why, "exit-127") == 0)
+        return ": command not found, expected the worker on the PATH there, or bin=DIR in the "
+               "hosts file";
+    if (strcmp(why, "exit-126") == 0)
+        return ": command found but not run, expected a program for that machine on the PATH "
+               "there, or bin=DIR in the hosts file";
+    return f->o->hosts->no_file ? ", and there is no such file" : "";
+}
+
 void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct fan_host *h = s->host;
     if (!h->complained)
-        warn("%s: %s (%s)%s%s", h->host->name, again ? "cannot be reached" : "cannot be used", why,
-            *s->chatter ? ", it says: " : "", s->chatter);
+        warn("%s: %s (%s)%s%s%s", h->host->name, again ? "cannot be reached" : "cannot be used",
+            why, hint(f, why), *s->chatter ? ", it says: " : "", s->chatter);
     h->complained = true;
     if (!again) return;
     if (s->opened_us >= h->failed_us) { /* those opened at one time fail as one */

@@ -87,15 +87,17 @@ struct fan {
     struct decoder in;
     struct frames frames;
     struct blob *state[3];  /* the latest scene, grid, spec; NULL: none */
-    struct buf frame_lines; /* all frame records */
+    struct buf frame_lines; /* frame records of that state */
+    bool begun;             /* tasks of it have come */
     struct outlet out;
     struct buf line;     /* a record on its way down */
     int64_t start_us;    /* the zero of sent_us and recv_us */
+    int64_t awake_us;    /* by then the next round was to begin */
     int64_t lost, stale; /* tasks lost with their slots; answers to questions not asked */
+    bool disputed;       /* slots have pixels of different jobs, and nobody knows who is right */
     bool unreached;      /* tasks were waiting to the end for slots that never were up */
     bool in_open;
     bool listing; /* fan -l: slots are asked for their hello, and that is all */
-    bool greeted; /* this fan has said hello itself */
     int refused;  /* the status to end with at once: the input is bad, or cannot be read */
 };
 
@@ -144,6 +146,8 @@ void slot_leave(struct fan *f, struct fan_slot *s);
 void slot_left(struct fan *f, struct fan_slot *s);
 /* Is there, or may there be, work for a slot that is not up? */
 bool slot_wanted(const struct fan *f, const struct fan_slot *s);
+/* It is up, or may come up. */
+bool slot_comes(const struct fan_slot *s);
 /* Frees what the slot holds besides its process. */
 void slot_free(struct fan_slot *s);
 

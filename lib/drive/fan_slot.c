@@ -46,6 +46,11 @@ bool slot_wanted(const struct fan *f, const struct fan_slot *s)
     return f->in_open || s->tasks.count || s->host->here;
 }
 
+bool slot_comes(const struct fan_slot *s)
+{
+    return s->state != FAN_GONE && !(s->state == FAN_LEAVING && s->decided && !s->again);
+}
+
 void slot_free(struct fan_slot *s)
 {
     down_free(&s->down);

@@ -31,15 +31,52 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
     wire_forward(&f->out.queue.control, r, stamped, text);
 }
 
-/* Do all slots say the same of what frame f belongs to? Who says it first is believed. */
-static bool same_job(struct frame_size *f, const struct record *r)
+/* Of slot s, which is about to be lost, and the others: who may still announce a frame? */
+static int may_announce(const struct fan *f, const struct frame_size *frame)
 {
-    size_t n = 0;
-    const char *job = rec_key(r, "job", &n);
-    uint64_t said = hash64(HASH64_INIT, job ? job : "", n);
-    if (!f->said) f->job = said;
-    f->said = true;
-    return f->job == said;
+    int n = 0;
+    for (int k = 0; k < f->n_slots; k++) n += slot_comes(&f->slots[k]);
+    return n - 1 - frame->agree;
+}
+
+/*
+ * Slot s says that a frame belongs to another job than the first slot said. Where most say so, or
+ * as many as not and nobody else is to be asked, the first may as well be the one that is wrong:
+ * then nothing can be made of what has come.
+ */
+static const char *dispute(
+    struct fan *f, const struct fan_slot *s, struct frame_size *frame, const char *job)
+{
+    char name[SLOT_NAME], first[SLOT_NAME];
+    frame->differ++;
+    slot_name(s, name);
+    warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which said it first", name,
+        frame->frame, job, frame->job, slot_name(&f->slots[frame->by], first));
+    int to_come = may_announce(f, frame);
+    if (frame->differ > frame->agree || (frame->differ == frame->agree && to_come <= 0)) {
+        f->disputed = true;
+        warn("frame %" PRIu32 ": %" PRId32 " said job %s, %" PRId32 " another: given up, expected "
+             "one scene, with the same options, on all",
+            frame->frame, frame->agree, frame->job, frame->differ);
+    }
+    return "other-job";
+}
+
+/* Do all slots say the same of what a frame belongs to? Who says it first is believed. */
+static const char *take_job(
+    struct fan *f, const struct fan_slot *s, struct frame_size *frame, const struct record *r)
+{
+    char job[sizeof frame->job];
+    if (!rec_str(r, "job", job, sizeof job)) return "wrong-frame";
+    if (!frame->said) {
+        memcpy(frame->job, job, sizeof job);
+        frame->by = s->number;
+        frame->agree = frame->differ = 0;
+    }
+    frame->said = true;
+    if (strcmp(frame->job, job) != 0) return dispute(f, s, frame, job);
+    frame->agree++;
+    return NULL;
 }
 
 /*
@@ -51,7 +88,8 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     char text[96];
     struct frame_size *asked = frames_find(&f->frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
-    if (!same_job(asked, r)) return "other-job";
+    const char *why = take_job(f, s, asked, r);
+    if (why) return why;
     s->loaded = true;
     s->loading = false;
     stamp(s, r, text, sizeof text);

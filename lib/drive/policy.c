@@ -29,6 +29,7 @@ struct driver {
     struct decoder in, from;
     struct frames frames;
     struct tags tags;
+    struct buf held; /* state that came, and the input waits behind it, until all before is there */
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */
     bool node;     /* of a ring */
@@ -119,14 +120,31 @@ static int take_ring(struct driver *d, const struct record *r)
     return 0;
 }
 
+/*
+ * A task is of the state that came before it, wherever and however often it is given, and a slot
+ * that comes late is sent the latest. So new state goes no further while there is a task that is
+ * not committed; what is held back of those is asked for.
+ */
+static int take_state(struct driver *d, const struct record *r)
+{
+    bool clear = d->policy->uncommitted(d->state) == 0;
+    wire_forward(clear ? &d->down.bytes : &d->held, r, NULL, NULL);
+    if (clear) return 0;
+    tell(d, (struct sched_event){.kind = SCHED_FLUSH});
+    return STREAM_HOLD;
+}
+
 static int take_down(void *ctx, const struct record *r)
 {
     struct driver *d = ctx;
     switch (r->kind) {
-    case REC_FRAME: frames_set(&d->frames, r->task.frame, r->frame_w, r->frame_h); /* fallthrough */
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: wire_forward(&d->down.bytes, r, NULL, NULL); return 0;
+    case REC_SPEC: return take_state(d, r);
+    case REC_FRAME:
+        frames_set(&d->frames, r->task.frame, r->frame_w, r->frame_h);
+        wire_forward(&d->down.bytes, r, NULL, NULL);
+        return 0;
     case REC_TASK: return take_task(d, r);
     case REC_FLUSH: tell(d, (struct sched_event){.kind = SCHED_FLUSH}); return 0;
     case REC_RING:
@@ -144,7 +162,18 @@ static int take_down(void *ctx, const struct record *r)
 static void take_input(struct driver *d)
 {
     d->refused = stream_input(&d->in, &d->in_open, take_down, d);
+    outlet_beat(&d->out, &d->in);
     if (!d->in_open && !d->refused) tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
+}
+
+/* The input goes on behind state that has waited for long enough. */
+static void release(struct driver *d)
+{
+    while (buf_size(&d->held) && !d->refused && d->policy->uncommitted(d->state) == 0) {
+        buf_append(&d->down.bytes, buf_data(&d->held), buf_size(&d->held));
+        buf_free(&d->held);
+        d->refused = stream_take(&d->in, take_down, d);
+    }
 }
 
 /*
@@ -164,6 +193,7 @@ static void take_hello(struct driver *d, const struct record *r)
     snprintf(text, sizeof text, "%s %s selftest=%s power=%.6g slots=%" PRId64, d->policy->name,
         STORMRING_VERSION, selftest, power, n);
     wire_plain(&d->out.queue.control, REC_HELLO, text);
+    d->out.greeted = true;
     d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
     tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = d->lone ? 1 : (int32_t)n});
     if (d->lone) tell(d, (struct sched_event){.kind = SCHED_UP, .n = (int32_t)n, .power = power});
@@ -268,7 +298,8 @@ static int wait_ms(const struct driver *d)
 static bool poll_round(struct driver *d)
 {
     bool reading = up_size(&d->out.queue) < UP_QUEUE_MOST;
-    bool want = d->in_open && d->policy->waiting(d->state) < SCHED_WAITING_MOST &&
+    bool want = d->in_open && !buf_size(&d->held) &&
+                d->policy->waiting(d->state) < SCHED_WAITING_MOST &&
                 down_size(&d->down) < DOWN_QUEUE_MOST;
     struct pollfd p[4] = {
         poll_entry(STDIN_FILENO, want, POLLIN),
@@ -285,6 +316,7 @@ static bool poll_round(struct driver *d)
     if (p[0].revents) take_input(d);
     bool more = p[3].revents ? listen_up(d) : true;
     if (now_us() >= wake_us(d)) tell(d, (struct sched_event){.kind = SCHED_WAKE});
+    release(d);
     if (d->child.to >= 0) feed(d, &p[2]);
     outlet_push(&d->out);
     return more;
@@ -328,6 +360,7 @@ int drive_policy(
     wire_free(&d.from);
     frames_free(&d.frames);
     tags_free(&d.tags);
+    buf_free(&d.held);
     if (signals_came()) signals_die();
     return status;
 }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #define READ_BYTES 65536
+#define BEAT_US 500000
 
 struct pollfd poll_entry(int fd, bool wanted, short events)
 {
@@ -20,22 +21,25 @@ int stream_read(struct decoder *d, int fd)
     return (int)n;
 }
 
-int stream_input(
-    struct decoder *d, bool *open, int (*take)(void *ctx, const struct record *r), void *ctx)
+int stream_take(struct decoder *d, stream_taker *take, void *ctx)
 {
     struct record r;
     enum wire_result result;
-    int more = stream_read(d, STDIN_FILENO), status = 0;
-    *open = more > 0;
-    if (more < 0) {
-        warn("standard input:");
-        return ST_SYSTEM;
-    }
+    int status;
     while ((result = wire_next(d, &r)) == WIRE_RECORD)
-        if ((status = take(ctx, &r)) != 0) return status;
+        if ((status = take(ctx, &r)) != 0) return status == STREAM_HOLD ? 0 : status;
     if (result != WIRE_BAD) return 0;
     warn("standard input: %s", d->why);
     return ST_USAGE;
+}
+
+int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx)
+{
+    int more = stream_read(d, STDIN_FILENO);
+    *open = more > 0;
+    if (more >= 0) return stream_take(d, take, ctx);
+    warn("standard input:");
+    return ST_SYSTEM;
 }
 
 const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r)
@@ -80,6 +84,15 @@ void outlet_polled(struct outlet *o, const struct pollfd *p)
 void outlet_push(struct outlet *o)
 {
     if (o->most > PIPE_BUF && !o->full && !o->gone && up_size(&o->queue)) outlet_write(o);
+}
+
+void outlet_beat(struct outlet *o, const struct decoder *input)
+{
+    int64_t now = now_us();
+    bool within_body = buf_size(&input->in) > WIRE_LINE_MAX && !input->ended;
+    if (!within_body || !o->greeted || now - o->beat_us < BEAT_US) return;
+    o->beat_us = now;
+    wire_plain(&o->queue.control, REC_BEAT, NULL);
 }
 
 void outlet_drain(struct outlet *o)

@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 /* Where the text is being read, and where to complain. */
@@ -197,6 +198,24 @@ static bool read_entry(struct reader *r, struct hosts *h, char *entry)
     return set_name(r, host, slash ? slash + 1 : entry) && count(r, h, host);
 }
 
+/* Endings of files' names which are no top-level domains. */
+static bool named_as_file(const char *name)
+{
+    static const char *const suffix[] = {"cfg", "conf", "hosts", "lst", "tsv", "txt"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof suffix / sizeof *suffix; i++)
+        if (strcasecmp(dot + 1, suffix[i]) == 0) return true;
+    return false;
+}
+
+/* A lone name: of a host, or of a file that is not there? */
+static bool doubt(const struct reader *r, struct hosts *h, const char *name)
+{
+    h->no_file = !host_is_here(&h->at[0]) && !strchr(name, '@');
+    if (!named_as_file(name)) return true;
+    return refuse(r, "%s: no such file, expected one, or 1/%s for a host", name, name);
+}
+
 static bool read_list(struct reader *r, struct hosts *h, const char *list)
 {
     char *copy = xstrdup(list);
@@ -208,7 +227,7 @@ static bool read_list(struct reader *r, struct hosts *h, const char *list)
         at = comma;
     }
     free(copy);
-    return good;
+    return good && (strpbrk(list, ",/") || doubt(r, h, list));
 }
 
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])

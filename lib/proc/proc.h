@@ -29,11 +29,13 @@ struct host {
 struct hosts {
     struct host *at;
     size_t n;
-    int slots; /* of all */
+    int slots;    /* of all */
+    bool no_file; /* of one name, which could have been meant for a file's */
 };
 /*
  * Where `arg` is an existing file, its hosts, a line each; else those of a comma list. Slots are
- * numbered from 0 in this order. False with text in err, which begins with the place.
+ * numbered from 0 in this order. A lone name with a suffix that files have, and networks have not,
+ * is not taken for a host. False with text in err, which begins with the place.
  */
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
 /* This machine alone. */

@@ -112,7 +112,9 @@ struct frame_size {
     uint32_t frame, w, h;
     bool said;       /* for the owner of the table, false at first and when the size is set again */
     uint32_t top_id; /* likewise, 0 */
-    uint64_t job;    /* likewise, 0 */
+    int32_t by;      /* likewise, 0, as the following */
+    int32_t agree, differ;
+    char job[24];
 };
 struct frames {
     struct frame_size *at;

@@ -233,7 +233,11 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
     hello(&w);
     pulse_open();
     for (bool more = true; more;) {
+        /* State that is long on its way is no silence: whoever waits for this worker may not see it
+         * come. */
+        if (buf_size(&w.in.in) > WIRE_LINE_MAX) begin();
         more = fill(&w);
+        end();
         if (!more) wire_end(&w.in);
         struct record r;
         enum wire_result result;

@@ -59,6 +59,25 @@ static void a_file_has_a_host_a_line(void **state)
     hosts_free(&hosts);
 }
 
+static void a_lone_name_may_be_meant_for_a_file(void **state)
+{
+    (void)state;
+    assert_false(hosts_read(&hosts, "my.hosts", err));
+    assert_non_null(strstr(err, "my.hosts: no such file"));
+    assert_true(hosts_read(&hosts, "1/my.hosts", err));
+    assert_false(hosts.no_file);
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "a.txt,b", err));
+    assert_false(hosts.no_file);
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "render1.example.org", err));
+    assert_true(hosts.no_file);
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, ":", err));
+    assert_false(hosts.no_file);
+    hosts_free(&hosts);
+}
+
 static void a_list_is_taken_as_parallel_takes_it(void **state)
 {
     (void)state;
@@ -171,6 +190,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_has_a_host_a_line),
+        cmocka_unit_test(a_lone_name_may_be_meant_for_a_file),
         cmocka_unit_test(a_list_is_taken_as_parallel_takes_it),
         cmocka_unit_test(a_bad_list_is_refused),
         cmocka_unit_test(a_bad_file_is_refused_with_its_line),
