@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #define SLOTS_MOST 100000
+#define DETECT_US 20000000 /* by nodes that go by the rules as published, each of a dead one */
 #define CHECKED_TASKS 4096 /* the checks of a policy look at all of them, after every event */
 
 static const char text[] =
@@ -108,6 +109,7 @@ static void parse_method(struct options *o, int argc, char **argv)
     }
     if (optind != argc) usage(ST_USAGE, text);
     if (ring) o->plan.node = &policy_node;
+    if (o->policy == &policy_published) o->plan.detect_us = DETECT_US;
 }
 
 static void parse(struct options *o, int argc, char **argv)
@@ -154,6 +156,8 @@ static void parse(struct options *o, int argc, char **argv)
     if (faults && !sim_parse_faults(p, faults))
         die(ST_USAGE,
             "-f %s: expected KIND=CHANCE or KIND@WHEN[:SLOT[:POWER]], with commas between", faults);
+    if ((p->p_lose > 0 || p->p_double > 0 || p->p_late > 0) && o->policy != &policy_published)
+        die(ST_USAGE, "-f %s: expected ring -p, whose messages are datagrams", faults);
 }
 
 /* ---- tasks and costs ------------------------------------------------------------------------- */
@@ -250,6 +254,9 @@ static void print_faults(const struct sim_result *r)
     count("returns", r->returns);
     count("twice", r->twice);
     count("garbage", r->garbage);
+    count("lost", r->lost);
+    count("doubled", r->doubled);
+    count("late", r->late);
     count("events", r->events);
     printf("trace\t%016" PRIx64 "\n", r->trace_hash);
 }
@@ -273,6 +280,7 @@ static void print_result(const struct options *o, const struct sim_result *r)
     count("messages", r->messages);
     count("steals", r->steals);
     count("passed", r->passed);
+    count("reports", r->reports);
     printf("messages_per_steal\t%.3f\n", r->steals ? (double)r->messages / (double)r->steals : 0);
     print_faults(r);
 }
@@ -314,6 +322,7 @@ static int simulate(struct options *o, int argc, char **argv)
     p->silence_us = 3000000;
     bool checked = p->slots <= SIM_SLOTS_MOST && p->tasks <= CHECKED_TASKS;
     if (checked && o->policy == &policy_deal) p->checks = &sim_checks_deal;
+    if (checked && o->policy == &policy_published) p->checks = &sim_checks_gdc;
     sim_run(o->policy, p, &r);
     print_result(o, &r);
     if (*r.failure) say_again(argc, argv, r.failure);
@@ -335,6 +344,9 @@ static void add(struct sim_result *sum, const struct sim_result *r)
     sum->returns += r->returns;
     sum->twice += r->twice;
     sum->garbage += r->garbage;
+    sum->lost += r->lost;
+    sum->doubled += r->doubled;
+    sum->late += r->late;
     sum->events += r->events;
     sum->trace_hash = hash64(sum->trace_hash, &r->trace_hash, sizeof r->trace_hash);
 }

@@ -50,6 +50,16 @@ is '... is the bound, too' "$(of bound_s)" 8.000000
 two -f kill@2 deal
 is 'the hub is killed: another one does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
 
+# Eight tasks in turn, powers 1 and 4, as published: the second has done its four at 1.2 and asks; that comes at 1.4, when
+# the first one is on its second until 2.2; it begins its third and gives its last, which comes at 2.4 and takes .25 s.
+partition -n 2 1x8 >eight.task
+run simulate -m 1e6 -w 1,4 -l 100 ring -p <eight.task
+is 'ring -p: by hand' "$status $(of makespan_s) $(of steals) $(of passed)" '0 3.300000 1 1'
+run simulate -m 1e6 -w 1,4 -l 100 -f crash@2.5s:1 ring -p <eight.task
+is '... and the row is lost where it dies' "$status $(of uncommitted) $(of reports)" '1 1 1'
+run simulate -m 1e6 -w 1,4 -l 100 -f lose=1 ring -p <eight.task
+is '... and without an answer another one is dead' "$(of uncommitted) $(of steals) $(of lost | awk '{ print ($1 > 4) }')" '0 0 1'
+
 # ---- one seed, one run -------------------------------------------------------------------------------------
 partition -n 9 64x200 >many.task
 faults=crash=.3,silence=.2,pause=.3,slow=.3,return=.5,kill=.5,twice=.1,garbage=.05,jitter=.5
@@ -114,6 +124,7 @@ for fault in crash crash= crash=2 crash@ crash@5 crash@0:1 crash@5:1:2 kill@5:1 
 done
 refuses 'a fault of a slot that is none' 'slot 2 of 2' simulate -j 2 -f crash@1:2 deal
 refuses '-j with half a slot' 'expected SLOTS' simulate -j 1.5 deal
+refuses 'datagrams for others' 'expected ring -p' simulate -f lose=.1 deal
 refuses '-c with the fan' 'expected deal or ring' simulate -c fan
 bad() { # NAME INPUT-LINE ...
 	name=$1
