@@ -88,16 +88,16 @@ long -r job.log
 whole 'and the same command again'
 
 # ---- nodes that cannot be trusted ------------------------------------------------------------------------------------
-partition 64x64 | rtworker gears.nff | gather -o small.pfm
-{ pack scene gears.nff; partition -n 2 64x64; } >job.task
-# liar NAME node|worker SCRIPT: one of two nodes, or its worker, is SCRIPT
+partition 128x128 | rtworker -a 16 gears.nff | gather -o small.pfm
+{ pack scene gears.nff; partition -n 2 128x128; } >job.task
+# liar NAME node|worker SCRIPT: one of two nodes, or its worker, is SCRIPT; the other one comes later
 liar() {
 	rm -rf taken out.pfm
 	case $2 in
-	node) good='ringctl -n rtworker -' command=./liar ;;
-	worker) good='rtworker -' command='ringctl -n ./liar' ;;
+	node) good='ringctl -n rtworker -a 16 -' command=./liar ;;
+	worker) good='rtworker -a 16 -' command='ringctl -n ./liar' ;;
 	esac
-	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\nexec %s\n' \
+	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\nsleep .2\nexec %s\n' \
 		"$tmp" "$tmp" "$3" "$good" >liar
 	chmod +x liar
 	# shellcheck disable=SC2086  # words
@@ -117,22 +117,24 @@ while (defined(my $line = <STDIN>)) {
 }
 END
 said() { like "$1: it is said" "$(cat said)" "lost \\(($2)\\)"; }
-liar 'a worker that babbles after a while' worker "rtworker - | { $(first 5000); cat /dev/urandom; }; exit"
+liar 'a worker that babbles after a while' worker "rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
 said 'a worker that babbles after a while' 'exit-3'
-liar 'a node that babbles after a while' node "ringctl -n rtworker - | { $(first 5000); cat /dev/urandom; }; exit"
+liar 'a node that babbles after a while' node "ringctl -n rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
 said 'a node that babbles after a while' garbage
-liar 'a node that ends early' node "ringctl -n rtworker - | $(first 5000); exit"
+liar 'a node that ends early' node "ringctl -n rtworker -a 16 - | $(first 5000); exit"
 liar 'a node that ends at once' node 'exit 0'
+start=$(date +%s)
 liar 'a node that never says a word' node 'sleep 600; exit'
-liar 'a worker that ends early, with 0' worker "rtworker - | $(first 5000); exit"
-liar 'a worker that speaks to the hub' worker 'rtworker - | perl also "ask;give 0 7 peer=1;"; exit'
+ok 'a node that never says a word: nobody waits for it' [ $(($(date +%s) - start)) -lt 8 ] # it is lost after 10 s
+liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000); exit"
+liar 'a worker that speaks to the hub' worker 'rtworker -a 16 - | perl also "ask;give 0 7 peer=1;"; exit'
 is 'a worker that speaks to the hub: not a word' "$(cat said)" ''
 # forger NAME RECORDS: a node that also says these, with ; for newlines
 forger() {
-	liar "$1" node "ringctl -n rtworker - | perl also '$2'; exit"
+	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$2'; exit"
 }
-forger 'tasks given away that are its own, and done all the same' 'give 0 60 peer=0;give 0 61 peer=1;give 0 30 peer=1;give 0 31 peer=0;'
-forger 'tasks given away that there are not' 'give 0 64 peer=0;give 7 1 peer=1;'
+forger 'tasks given away that are its own, and done all the same' 'give 0 120 peer=0;give 0 121 peer=1;give 0 60 peer=1;give 0 61 peer=0;'
+forger 'tasks given away that there are not' 'give 0 128 peer=0;give 7 1 peer=1;'
 forger 'tasks given to nobody' 'give 0 1 peer=2;'
 said 'tasks given to nobody' 'wrong-peer'
 forger 'nothing to give, to nobody' 'none peer=0 next=4096;'

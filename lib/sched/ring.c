@@ -37,6 +37,7 @@ static void ring_destroy(void *state)
     set_free(&h->up);
     set_free(&h->hungry);
     set_free(&h->rich);
+    set_free(&h->late);
     free(h->from);
     free(h->early);
     free(h->nodes);
@@ -83,6 +84,21 @@ static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *ou
     if (h->nodes[k].state == NODE_GONE && !BUG(30)) k = set_before(&h->up, k);
     enlist(h, i, k, false);
     if (hub_is_up(h, k)) send(h, k, i, out);
+    else if (k >= 0) hub_mark(h, k);
+}
+
+void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out)
+{
+    int32_t i = h->nodes[k].held.tail;
+    while (--n > 0) i = h->ledger.at[i].prev;
+    while (i >= 0) {
+        int32_t next = h->ledger.at[i].next;
+        unlist(h, i);
+        h->from[i] = k;
+        assign(h, i, peer, out);
+        i = next;
+    }
+    hub_mark(h, k);
 }
 
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
@@ -145,6 +161,7 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     set_init(&h->up, n);
     set_init(&h->hungry, n);
     set_init(&h->rich, n);
+    set_init(&h->late, n);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
     take_pool(h, out);
@@ -160,6 +177,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     s->state = NODE_UP;
     s->width = e->n > 1 ? e->n : 1;
     set_put(&h->up, k, true);
+    hub_mark(h, k);
     for (int32_t i = BUG(36) ? -1 : s->held.head; i >= 0; i = h->ledger.at[i].next)
         send(h, k, i, out);
     take_pool(h, out);

@@ -4,6 +4,9 @@
  * instead of the paper's search from node to node. Where there is none the hub remembers who asked,
  * who is served when somebody has work again.
  *
+ * What waits for a node that is not up yet nobody can be asked for: the hub gives it, as much as
+ * that node would.
+ *
  *   asks     is remembered (hungry) until a task is given to it, whoever's that was
  *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, and whoever
  *            asked is remembered again; what it was given while the ask was under way it may have
@@ -15,13 +18,24 @@ void hub_mark(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
     bool up = s->state == NODE_UP;
+    set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->rich, k,
         up && (!s->asking || BUG(40)) && !s->dry && s->thief < 0 && s->held.count > s->width);
 }
 
+static void give_late(struct hub *h, struct sched_actions *out)
+{
+    while (h->hungry.count && h->late.count) {
+        int32_t late = set_after(&h->late, set_after(&h->hungry, -1));
+        int32_t held = h->nodes[late].held.count;
+        hub_give(h, late, set_before(&h->hungry, late), h->p.one ? 1 : (held + 1) / 2, out);
+    }
+}
+
 void ring_match(struct hub *h, struct sched_actions *out)
 {
+    give_late(h, out);
     while (h->hungry.count && h->rich.count) {
         int32_t victim = set_after(&h->rich, set_after(&h->hungry, -1));
         int32_t thief = set_before(&h->hungry, victim);

@@ -55,8 +55,9 @@ struct hub {
     int32_t n_nodes; /* 0: not known yet */
     int32_t *early;  /* nodes that were lost before that */
     size_t n_early;
-    int64_t n_computed;               /* entries */
-    struct slot_set up, hungry, rich; /* ring_ask.c */
+    int64_t n_computed;                 /* entries */
+    struct slot_set up;                 /* nodes that are */
+    struct slot_set hungry, rich, late; /* ring_ask.c */
     bool ended, flush, closed;
 };
 
@@ -64,6 +65,8 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 {
     return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;
 }
+/* The last n tasks that node k has are peer's, which is up. */
+void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Something about node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
