@@ -1,0 +1,48 @@
+#!/bin/sh
+# The ring as published, on this machine: complete without faults, and when a node dies before it was robbed or robs.
+# shellcheck disable=SC2154,SC2046  # lib.sh sets them; a pid each
+. "$(dirname "$0")/lib.sh"
+
+. "$root/tests/marked.sh"
+spdgen -s 2 gears >gears.nff
+partition 192x192 | rtworker -a 64 gears.nff | gather -o good.pfm
+
+# ---- what nodes say -------------------------------------------------------------------------------------------------
+# Node k and its hub are heard by what is written to down.k and up.k.
+cat >node <<'END'
+#!/bin/sh
+for k in 0 1 2; do mkdir "$k" 2>/dev/null && break; done
+tee "down.$k" | ringctl -n rtworker "$@" - | tee "up.$k"
+END
+chmod +x node
+# heard PICTURE TASKS OPTIONS ...
+heard() {
+	picture=$1 tasks=$2
+	shift 2
+	rm -rf 0 1 2 down.* up.*
+	ok "$picture: it ends well" sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
+	ok "$picture: the picture" cmp "$picture.pfm" good.pfm
+}
+# says FILE ...: the records of the ring
+says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) .*' "$@"; }
+{ pack scene gears.nff; partition -n 3 192x192; } >turn.task
+heard turn turn.task -a 64 -c
+is 'a node is told its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
+{ pack scene gears.nff; partition -n 1 192x192; } >first.task
+heard first first.task -a 64
+is 'without a row of its own it asks the next one first' \
+	"$(for k in 0 1 2; do says down.$k | grep -q 'me=1 n=3' && says up.$k | grep -m 1 ask; done)" 'ask peer=2'
+is 'that one has none, and answers' "$(for k in 0 1 2; do says down.$k | grep -q 'me=2 n=3' && says up.$k | grep -m 1 none; done)" \
+	'none peer=1 idle=1'
+
+# ---- a node dies ----------------------------------------------------------------------------------------------------
+env MARK=$mark balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
+pid=$!
+await 5 working 3
+kill -9 "$(program ringctl 'ringctl -n ' | tail -n 1)"
+wait $pid
+is 'a node killed in the first phase: exit 0' $? 0
+like 'it is said' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+ok 'the same picture' cmp out.pfm good.pfm
+ok 'no process remains' await 2 none_alive
+finish
