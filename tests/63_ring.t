@@ -201,4 +201,44 @@ is 'fan: each to its slot, without to=' "$(cat said.* | sort | tr '\n' ';')" \
 printf '#!/bin/sh\necho hello x 1 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out
 said 'fan: who was told no place' 'wrong-record'
+
+# ---- the paper's Table 3: 3 hosts of power .77, 2 of 1, 4 of 1.96, of which two are removed after 300 of 512 rows -----
+# In 4 s in the place of its 14; who is removed cannot be reached any more.
+partition 32x512 | rtworker gears.nff | gather -r one.frags -o table.pfm
+scale=$(fragstat -s one.frags | awk '$1 == "cpu_s" { print 12.15 * 4 / $2 }')
+cat >via <<'END'
+[ ! -e removed ] || exit 255
+export REPLAY_POWER="$1"
+exec sh -c "$2"
+END
+for power in .77 .77 .77 1 1 1.96 1.96 1.96 1.96; do
+	hosts=$((${hosts-0} + 1))
+	echo "host$hosts power=$power via=\"sh via $power %c\""
+done >table.hosts
+rows() { grep -ao 'done 0 [0-9]* cpu' table.frags 2>/dev/null | wc -l; }
+after() { [ "$(rows)" -ge 300 ]; }
+# table NAME [OPTIONS]
+table() {
+	rm -f removed table.frags out.pfm
+	name=$1
+	shift
+	partition -n 9 32x512 | env MARK=$mark ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
+		gather -r table.frags -o out.pfm &
+	await 20 after
+	[ "$name" = 'nobody removed' ] || for p in $(nodes); do
+		grep -qz '^REPLAY_POWER=1.96$' "/proc/$p/environ" && echo "$p"
+	done | head -n 2 >victims
+	: >removed
+	[ ! -s victims ] || kill -9 $(cat victims)
+	wait $!
+	is "Table 3, $name: exit 0" $? 0
+	ok "Table 3, $name: the same picture" cmp out.pfm table.pfm
+	diag "Table 3, $name: $(fragstat -s -S table.hosts table.frags | grep -E 'makespan|bound|steals' | tr '\n\t' '; ')"
+}
+: >victims
+table 'nobody removed' -p
+table 'as published' -p
+is 'Table 3: two hosts were removed' "$(grep -c 'lost (signal-9)' said)" 2
+table 'by default'
+ok 'Table 3: no process remains' await 2 none_alive
 finish
