@@ -7,14 +7,15 @@
 #     0, 0.5 and 20 ms one way; beside the best that any schedule could have there
 #   - 1000 unequal hosts (from 1/3 to 3), where tasks have to be shorter than rows; messages of the ring per steal,
 #     against the number of hosts; and 10,000 hosts with 1,000,000 tasks: how long that takes to simulate
-#   - with REPLAY=1, for which it wants two idle cores: some of the cells through real processes and pipes
+#   - a dozen of the cells through real processes and pipes; for that it wants two idle cores
 #
-# VIEWS names the views of each scene, normal and those of spdgen -V. build/bench/simulate.tsv has the efficiencies.
+# PARTS names what is wanted of these: paper, many, big, replay. VIEWS names the views of each scene, normal and those of spdgen -V. build/bench/simulate.tsv has the efficiencies.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=../peaks.sh
 . "$root/tests/peaks.sh"
 scenes=${SCENES:-gears balls tetra} views=${VIEWS:-normal imbalanced} latencies='0 0.5 20'
+parts=${PARTS:-paper many big replay}
 powers=1,1,1,1,1,1,1,1,1,1,1,1,0.442,1.347
 mkdir -p "$root/build/bench" || exit 3
 tsv=$root/build/bench/simulate.tsv
@@ -67,94 +68,117 @@ for scene in $scenes; do
 done
 
 # ---- the paper's hosts ---------------------------------------------------------------------------------------
-{
-	printf '# %s\n' 'x: one-way latency' 'y: efficiency' 'seed: 0' 'command: tests/bench/80_simulate.sh' \
-		"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
-		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
-		'note: the 14 hosts of the GDC paper, rows of 512x512 at its times; lower bound / makespan'
-	printf 'experiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\n'
-} >"$tsv" || exit 3
-methods=$(cut -d'|' -f1 methods)
-printf '%-18s %6s ' scene ms
-# shellcheck disable=SC2086
-printf ' %13s' $methods
-echo '  any schedule'
-while read -r name; do for ms in $latencies; do
-	printf '%-18s %6s ' "$name" "$ms"
-	for method in $methods; do
-		simulated "$method" "$name" "$ms"
-		printf ' %13.4f' "$(of efficiency)"
-		printf '%s\tsimulated\t%s\t%s\tms\t%s\t1\t1\t0\n' "$name" "$method" "$ms" "$(of efficiency)" >>"$tsv"
-		of efficiency >"$name.$ms.$method"
-	done
-	printf '  %12.4f\n' "$(echo "$(of bound_s) $(of least_s)" | awk '{ print $1 / $2 }')"
-done; done <names
-while read -r name; do
-	at_least "$name-gdc-at-0.5-ms" "$(cat "$name.0.5.gdc")" .97
-	at_least "$name-gdc-at-20-ms-of-the-best" "$(cat "$name.20.gdc" "$name.20.best" | paste -s | awk '{ print $1 / $2 }')" .95
-done <names
+paper() {
+	{
+		printf '# %s\n' 'x: one-way latency' 'y: efficiency' 'seed: 0' 'command: tests/bench/80_simulate.sh' \
+			"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
+			"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
+			'note: the 14 hosts of the GDC paper, rows of 512x512 at its times; lower bound / makespan'
+		printf 'experiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\n'
+	} >"$tsv" || exit 3
+	methods=$(cut -d'|' -f1 methods)
+	printf '%-18s %6s ' scene ms
+	# shellcheck disable=SC2086
+	printf ' %13s' $methods
+	echo '  any schedule'
+	while read -r name; do for ms in $latencies; do
+		printf '%-18s %6s ' "$name" "$ms"
+		for method in $methods; do
+			simulated "$method" "$name" "$ms"
+			printf ' %13.4f' "$(of efficiency)"
+			printf '%s\tsimulated\t%s\t%s\tms\t%s\t1\t1\t0\n' "$name" "$method" "$ms" "$(of efficiency)" >>"$tsv"
+			of efficiency >"$name.$ms.$method"
+		done
+		printf '  %12.4f\n' "$(echo "$(of bound_s) $(of least_s)" | awk '{ print $1 / $2 }')"
+	done; done <names
+	while read -r name; do
+		at_least "$name-gdc-at-0.5-ms" "$(cat "$name.0.5.gdc")" .97
+		at_least "$name-gdc-at-20-ms-of-the-best" "$(cat "$name.20.gdc" "$name.20.best" | paste -s | awk '{ print $1 / $2 }')" .95
+	done <names
+}
 
 # ---- many hosts ----------------------------------------------------------------------------------------------
-echo
-echo '1000 hosts, 0.5 ms, gears by runs of 4 pixels:'
-partition -u run:4 512x512 >runs.task
-spdgen -s 2 gears >gears.nff && $pin rtworker gears.nff <rows.task >gears.frags || stop 'gears failed'
-fragstat -s gears.frags | awk '$1 == "cpu_s" { print 1091.14 / $2 }' >gears.scale
-for method in ring deal 'deal -q auto'; do
-	# shellcheck disable=SC2086
-	simulate -t gears.frags -x "$(cat gears.scale)" -j 1000,3 -l .5 $method <runs.task >figures
-	echo "  $method: efficiency $(of efficiency), $(of makespan_s) s"
-	[ "$method" != ring ] || of efficiency >ring.1000
-done
-at_least gdc-on-1000-hosts "$(cat ring.1000)" .90
-echo
-echo 'messages per steal, 20 tasks of 100 ms on average a host, powers from 1/3 to 3, 0.5 ms:'
-printf '%7s %12s %12s %14s %12s\n' hosts gdc efficiency gdc-published efficiency
-for hosts in 10 30 100 300 1000 3000; do
-	partition -u run:1 "${hosts}x20" >many.task
-	printf '%7d' $hosts
-	for method in ring 'ring -p'; do
+many() {
+	echo '1000 hosts, 0.5 ms, gears by runs of 4 pixels:'
+	partition -u run:4 512x512 >runs.task
+	spdgen -s 2 gears >gears.nff && $pin rtworker gears.nff <rows.task >gears.frags || stop 'gears failed'
+	fragstat -s gears.frags | awk '$1 == "cpu_s" { print 1091.14 / $2 }' >gears.scale
+	for method in ring deal 'deal -q auto'; do
 		# shellcheck disable=SC2086
-		simulate -j $hosts,3 -l .5 -m 100000,4 $method <many.task >figures || echo "$method: not complete" >&2
-		printf ' %12.2f %12.4f' "$(of messages_per_steal)" "$(of efficiency)"
+		simulate -t gears.frags -x "$(cat gears.scale)" -j 1000,3 -l .5 $method <runs.task >figures
+		echo "  $method: efficiency $(of efficiency), $(of makespan_s) s"
+		[ "$method" != ring ] || of efficiency >ring.1000
 	done
+	at_least gdc-on-1000-hosts "$(cat ring.1000)" .90
 	echo
-done
-echo
-# big METHOD WxH: 10,000 hosts, and tasks of a pixel
-big() {
+	echo 'messages per steal, 20 tasks of 100 ms on average a host, powers from 1/3 to 3, 0.5 ms:'
+	printf '%7s %12s %12s %14s %12s\n' hosts gdc efficiency gdc-published efficiency
+	for hosts in 10 30 100 300 1000 3000; do
+		partition -u run:1 "${hosts}x20" >many.task
+		printf '%7d' $hosts
+		for method in ring 'ring -p'; do
+			# shellcheck disable=SC2086
+			simulate -j $hosts,3 -l .5 -m 100000,4 $method <many.task >figures || echo "$method: not complete" >&2
+			printf ' %12.2f %12.4f' "$(of messages_per_steal)" "$(of efficiency)"
+		done
+		echo
+	done
+}
+
+# ---- the most hosts ------------------------------------------------------------------------------------------
+# simulated_big METHOD WxH: 10,000 hosts, and tasks of a pixel
+simulated_big() {
 	partition -u run:1 "$2" >big.task
 	measured "simulate -j 10000,3 -l .5 -m 100000,4 $1 <big.task >figures; times >times"
 	tail -n 1 times | awk '{ split($1, u, /[ms]/); split($2, s, /[ms]/); print 60 * (u[1] + s[1]) + u[2] + s[2] }' >took
 	echo "$1, 10,000 hosts, $(of tasks) tasks: $(cat took) s of CPU, $(of events) events, $(most simulate kib) KiB, efficiency $(of efficiency)"
 }
-big deal 1000x100
-big ring 1000x1000
-report '10,000 hosts, 1,000,000 tasks' "$(cat took)" ' s' 60
+big() {
+	simulated_big deal 1000x100
+	simulated_big ring 1000x1000
+	report '10,000 hosts, 1,000,000 tasks' "$(cat took)" ' s' 60
+}
 
 # ---- through real processes ----------------------------------------------------------------------------------
-[ "${REPLAY-}" ] || exit 0
-shrink=${SHRINK:-20} rounds=${ROUNDS:-3}
-cat >hosts <<'END'
+# Each run shall take some seconds.
+shrink_of() { case $1 in gears*) echo 20 ;; balls*) echo 2 ;; *) echo 1 ;; esac }
+# replayed METHOD SCENE: its efficiency, but for start-up
+replayed() {
+	rm -f run.frags run.png
+	x=$(awk -v s="$(shrink_of "$2")" '{ print $1 / s }' "$2.scale")
+	pack scene "$2.nff" | "balance-$1" 512x512 14 /dev/null fan -S hosts replay -x "$x" "$2.frags" |
+		gather -r run.frags -o run.png || stop "failed: $1 of $2"
+	fragstat -s -S hosts run.frags | awk -F '\t' '{ v[$1] = $2 }
+		END { print v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }'
+}
+# METHOD SCENE: a line
+compare() {
+	i=0
+	while [ $((i += 1)) -le "${ROUNDS:-3}" ]; do replayed "$1" "$2" || exit 3; done >replays
+	simulated "$1" "$2" "$(shrink_of "$2" | awk '{ print .1 * $1 }')"
+	echo "$(of efficiency) $(median 1 <replays)" | awk -v what="$2 $1" '{ d = 100 * ($2 / $1 - 1); split(what, w, " ")
+		printf "%-18s %-13s %10.4f %10.4f %6.1f %%%s\n", w[1], w[2], $1, $2, d, (d * d <= 25 ? "" : " MISSED") }'
+}
+replay_cells() {
+	cat >hosts <<'END'
 :     slots=12 power=1
 slow  power=0.442 via="env REPLAY_POWER=0.442 sh -c %c"
 fast  power=1.347 via="env REPLAY_POWER=1.347 sh -c %c"
 END
-echo
-echo "cells by replay, at 1/$shrink of the times, but for start-up; simulated with links of 0.1 ms"
-printf '%-18s %-13s %10s %10s %8s\n' scene method simulated replayed apart
-for name in $(grep -v imbalanced names); do for method in interleaved masterslave hybrid gdc; do
-	: >replays
-	i=0
-	while [ $((i += 1)) -le "$rounds" ]; do
-		rm -f run.frags run.png
-		pack scene "$name.nff" |
-			"balance-$method" 512x512 14 /dev/null fan -S hosts replay -x "$(awk -v s="$shrink" '{ print $1 / s }' "$name.scale")" "$name.frags" |
-			gather -r run.frags -o run.png || stop "failed: $method of $name"
-		fragstat -s -S hosts run.frags | awk -F '\t' '{ v[$1] = $2 }
-			END { print v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }' >>replays
+	echo 'by replay, at 1/20 (gears), 1/2 (balls) of the times, but for start-up; simulated with links of 0.1 ms'
+	printf '%-18s %-13s %10s %10s %8s\n' scene method simulated replayed apart
+	for method in interleaved masterslave hybrid gdc; do
+		while read -r name; do compare $method "$name" </dev/null; done <names
 	done
-	simulated "$method" "$name" "$(awk -v s="$shrink" 'BEGIN { print .1 * s }')"
-	echo "$(of efficiency) $(median 1 <replays)" | awk -v n="$name" -v m="$method" '{ d = 100 * ($2 / $1 - 1); d = d < 0 ? -d : d
-		printf "%-18s %-13s %10.4f %10.4f %6.1f %% %s\n", n, m, $1, $2, d, d <= 5 ? "" : "MISSED" }'
-done; done
+}
+
+for part in $parts; do
+	case $part in
+	paper) paper ;;
+	many) many ;;
+	big) big ;;
+	replay) replay_cells ;;
+	*) stop "$part: expected paper, many, big or replay" ;;
+	esac
+	echo
+done
