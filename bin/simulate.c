@@ -14,9 +14,10 @@
 #define CHECKED_TASKS 4096 /* the checks of a policy look at all of them, after every event */
 
 static const char text[] =
-    "[-ch] [-b LINK[,HUB]] [-f FAULT,...] [-H HOPS] [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...]\n"
+    "[-chv] [-b LINK[,HUB]] [-f FAULT,...] [-H HOPS] [-j SLOTS[,SPREAD] | -S HOSTS | -w "
+    "POWER,...]\n"
     "           [-l MS] [-m US[,SPREAD] | -t LOG] [-s SEED] [-x SCALE] METHOD\n"
-    "       simulate -n SEEDS [-s SEED] METHOD\n"
+    "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
     "METHOD: fan, best, deal [-e] [-q DEPTH|auto], ring [-p] [-k half|one]";
 
 struct options {
@@ -112,6 +113,8 @@ static void parse_method(struct options *o, int argc, char **argv)
     if (o->policy == &policy_published) o->plan.detect_us = DETECT_US;
 }
 
+static void print_event(const char *line) { printf("# %s\n", line); }
+
 static void parse(struct options *o, int argc, char **argv)
 {
     struct sim_plan *p = &o->plan;
@@ -119,7 +122,7 @@ static void parse(struct options *o, int argc, char **argv)
     int64_t seed = 0;
     bool made = false;
     int opt, ways = 0;
-    while ((opt = getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:w:x:")) != -1) {
+    while ((opt = getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:vw:x:")) != -1) {
         switch (opt) {
         case 'b':
             parse_pair(opt, optarg, 0, 1e15, &p->link_bytes_per_s, &p->hub_bytes_per_s);
@@ -138,6 +141,7 @@ static void parse(struct options *o, int argc, char **argv)
         case 's': seed = opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': hosts = optarg, ways++; break;
         case 't': o->log = optarg; break;
+        case 'v': p->trace = print_event; break;
         case 'w': o->power = opt_reals(opt, optarg, 1e-3, 1e3, &o->n_power), ways++; break;
         case 'x': o->scale = opt_real(opt, optarg, 1e-9, 1e9); break;
         default: usage(ST_USAGE, text);
@@ -362,6 +366,7 @@ static int run_seeds(const struct options *o)
         uint64_t seed = o->plan.seed + (uint64_t)i;
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);
         plan.node = o->plan.node;
+        plan.trace = o->plan.trace;
         sim_run(o->policy, &plan, &r);
         add(&sum, &r);
         if (!*r.failure) continue;

@@ -60,6 +60,11 @@ is '... and the row is lost where it dies' "$status $(of uncommitted) $(of repor
 run simulate -m 1e6 -w 1,4 -l 100 -f lose=1 ring -p <eight.task
 is '... and without an answer another one is dead' "$(of uncommitted) $(of steals) $(of lost | awk '{ print ($1 > 4) }')" '0 0 1'
 
+two -v -f crash@.5s:1 deal
+like 'what happens, in words: a task arrives' "$out" '^# 200000 1 from hub: task 1$'
+like '... and meets nobody, as that slot is no more' "$out" '^# 700000 1: computed \(lost\)$'
+like '... the hub hears of that' "$out" '^# 600000 1 to hub: gone$'
+
 # ---- one seed, one run -------------------------------------------------------------------------------------
 partition -n 9 64x200 >many.task
 faults=crash=.3,silence=.2,pause=.3,slow=.3,return=.5,kill=.5,twice=.1,garbage=.05,jitter=.5

@@ -124,34 +124,42 @@ static void wake_hub(struct world *w)
     else schedule_wake(w, w->policy, w->state, -1);
 }
 
+/* For a process, or from one, that is no more. */
+static bool is_void(const struct world *w, const struct sim_event *e)
+{
+    switch (e->kind) {
+    case SIM_FAULT: return false;
+    case SIM_RESTART: return false;
+    case SIM_SCHED:
+    case SIM_AT_HUB:
+    case SIM_INPUT:
+    case SIM_RETURN: return e->hub != w->hub;
+    default: break;
+    }
+    if (e->hub != w->hub) return true;
+    return e->slot >= 0 && (!w->slots[e->slot].alive || e->epoch != w->slots[e->slot].epoch);
+}
+
 static void handle(struct world *w, const struct sim_event *e)
 {
-    if (e->kind == SIM_FAULT) befall(w, e);
-    else if (e->kind == SIM_RESTART) restart_hub(w);
-    if (e->hub != w->hub || e->kind == SIM_FAULT) return;
-    bool gone = e->slot >= 0 && (!w->slots[e->slot].alive || e->epoch != w->slots[e->slot].epoch);
     switch (e->kind) {
     case SIM_SCHED: step(w, &e->sched); break;
     case SIM_AT_HUB: pass_hub(w, e); break;
     case SIM_INPUT: w->input_due = false; break;
     case SIM_RETURN: come_up(w, e->slot); break;
-    case SIM_RESUME:
-        if (!gone) resume(w, e->slot);
-        break;
+    case SIM_RESUME: resume(w, e->slot); break;
     case SIM_GIVE_UP:
-        w->result->silences += !gone;
-        if (!gone) lose_slot(w, e->slot);
+        w->result->silences++;
+        lose_slot(w, e->slot);
         break;
     case SIM_WAKE:
         if (e->slot < 0) wake_hub(w);
-        else if (!gone) deliver(w, e);
+        else deliver(w, e);
         break;
     case SIM_TO_SLOT:
-    case SIM_COMPUTED:
-        if (!gone) deliver(w, e);
-        break;
-    case SIM_FAULT:
-    case SIM_RESTART: break;
+    case SIM_COMPUTED: deliver(w, e); break;
+    case SIM_FAULT: befall(w, e); return;
+    case SIM_RESTART: restart_hub(w); return;
     }
     if (!w->input_due && !w->input_ended && !w->down) read_input(w);
 }
@@ -230,6 +238,11 @@ static int64_t calm_us(const struct world *w)
 
 static void trace_event(struct world *w, const struct sim_event *e)
 {
+    char line[SIM_LINE];
+    if (w->plan->trace) {
+        trace_line(e, is_void(w, e), line);
+        w->plan->trace(line);
+    }
     const struct sched_event *s = &e->sched;
     const int64_t v[8] = {
         e->at_us, e->kind, e->slot, s->kind, s->task.id, s->ring.kind, s->ring.peer, s->ring.next};
@@ -297,7 +310,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
         w.now_us = e.at_us;
         result->events++;
         trace_event(&w, &e);
-        handle(&w, &e);
+        if (!is_void(&w, &e)) handle(&w, &e);
     }
     int64_t allowed_us = time_allowed_us(&w);
     if (!w.ended) account(&w);

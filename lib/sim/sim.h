@@ -98,6 +98,7 @@ struct sim_plan {
     double hops; /* a ring message from node to node: so many latencies; 2: through the hub */
     double link_bytes_per_s, hub_bytes_per_s; /* for pixels: of each link; of all; 0: no limit */
     const struct sim_work *work;              /* NULL: rows of random cost */
+    void (*trace)(const char *line);          /* each event in words; NULL: nobody wants them */
 };
 /* Everything above from the seed alone: small and large, kind and cruel. Slot 0 is never lost. */
 struct sim_plan sim_plan_of(uint64_t seed);

@@ -155,6 +155,12 @@ void befall(struct world *w, const struct sim_event *e);
 void befall_by_commits(struct world *w, int64_t before);
 void restart_hub(struct world *w);
 
+/* ---- trace.c --------------------------------------------------------------------------------- */
+
+#define SIM_LINE 128
+/* The event in words; lost: it meets nobody. */
+void trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE]);
+
 /* ---- checks.c -------------------------------------------------------------------------------- */
 
 /* What an event means, before the hub's policy sees it; what it does. */
