@@ -272,7 +272,7 @@ static void print_result(const struct options *o, const struct sim_result *r)
     count("slots", o->plan.slots);
     count("tasks", o->plan.tasks);
     count("uncommitted", r->uncommitted);
-    count("again", r->computed - r->commits > 0 ? r->computed - r->commits : 0);
+    count("computed", r->computed);
     print("makespan_s", makespan);
     print("busy_s", r->busy_us * 1e-6);
     print("startup_s", r->startup_us * 1e-6);

@@ -128,7 +128,7 @@ static void wake_hub(struct world *w)
 static bool is_void(const struct world *w, const struct sim_event *e)
 {
     switch (e->kind) {
-    case SIM_FAULT: return false;
+    case SIM_FAULT:
     case SIM_RESTART: return false;
     case SIM_SCHED:
     case SIM_AT_HUB:
