@@ -22,6 +22,7 @@ for command in 'rtworker -a 9 -' 'fan -j 3 rtworker -a 9 -' 'fan -j 3 rtworker -
 	'deal -q 4 fan -j 3 rtworker -c -a 9 -' 'deal -e -q auto fan -j 3 rtworker -f 20 -a 9 -' 'deal rtworker -a 9 -' \
 	'deal fan -j 2 deal fan -j 2 rtworker -a 9 -' 'fan -j 2 deal -q 1 fan -j 2 rtworker -c -a 9 -' \
 	'deal -q 3 deal fan -j 2 rtworker -a 9 -' 'ringctl fan -j 3 ringctl -n rtworker -c -a 9 -' \
+	'ringctl -p fan -j 3 ringctl -n rtworker -a 9 -' \
 	'ringctl fan -j 2 ringctl -n deal fan -j 2 rtworker -a 9 -'; do
 	# shellcheck disable=SC2086
 	timeout 60 $command <film.task 2>said | gather -o f%d.pfm 2>>said
