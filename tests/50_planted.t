@@ -7,7 +7,7 @@ flags="-std=c11 -D_GNU_SOURCE -O1 -I$root/lib"
 # shellcheck disable=SC2086
 compile() { for c in "$@"; do cc $flags -c -o "$(basename "$(dirname "$c")")-$(basename "$c" .c).o" "$c" || return; done; }
 # objects FILE: all that a test is linked with, but that of lib/sched/FILE.c
-objects() { for o in base-*.o task-*.o sim-*.o sched-*.o; do [ "$o" = "sched-$1.o" ] || echo "$o"; done; }
+objects() { for o in base-*.o task-*.o stats-*.o sim-*.o sched-*.o; do [ "$o" = "sched-$1.o" ] || echo "$o"; done; }
 # finds TEST BUG FILE
 # shellcheck disable=SC2046,SC2086
 finds() {
@@ -20,7 +20,7 @@ family() {
 	test=$1
 	shift
 	ok "the seeds of test_$test compile" compile "$root/tests/unit/test_$test.c"
-	cc -o "shipped-$test" "unit-test_$test.o" base-*.o task-*.o sim-*.o sched-*.o -lcmocka -lm
+	cc -o "shipped-$test" "unit-test_$test.o" base-*.o task-*.o stats-*.o sim-*.o sched-*.o -lcmocka -lm
 	ok "what is shipped passes those of test_$test" "./shipped-$test"
 	for file in "$@"; do
 		for k in $(grep -o 'BUG([0-9]*)' "$root/lib/sched/$file.c" | tr -dc '0-9\n' | sort -nu); do
@@ -29,7 +29,8 @@ family() {
 	done
 }
 
-ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/base/*.c
+ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
 family sim deal deal_end ledger pace
+family ring ring ring_ask ring_node
 family gdc gdc gdc_node
 finish

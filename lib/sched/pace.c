@@ -32,7 +32,8 @@ void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, i
     double idle_us = (double)(now_us - wall_us - p->done_us);
     bool waited = !p->done_us || (double)copy->since_us + p->round_trip_us > (double)p->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
-    else if (waited || idle_us > p->task_us) pace_mix(&p->round_trip_us, sample_us);
+    else if (waited || idle_us > p->task_us)
+        p->round_trip_us += WEIGHT * (sample_us - p->round_trip_us);
     pace_mix(&p->task_us, computed_us);
     pace_mix(&p->px_per_us, (double)lattice_count(&copy->task.at) / computed_us);
     p->done_us = now_us;

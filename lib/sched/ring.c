@@ -81,7 +81,7 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 /* Entry i, on no list, is node k's, or, where that is gone, the next one's before it that is up. */
 static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
-    if (h->nodes[k].state == NODE_GONE && !BUG(30)) k = set_before(&h->up, k);
+    if (h->nodes[k].state == NODE_GONE) k = BUG(30) ? set_after(&h->up, k) : set_before(&h->up, k);
     enlist(h, i, k, false);
     if (hub_is_up(h, k)) send(h, k, i, out);
     else if (k >= 0) hub_mark(h, k);

@@ -4,14 +4,14 @@
  *
  * The default rules, as they stand below:
  *
- * 1. A node asks ahead: when it will have worked off its queue before an answer could be here, by
- *    what it has measured of its worker and of its asks; at the latest when its queue is empty. One
- *    ask is outstanding at most; whatever task comes ends it.
- * 2. Who is asked gives so much from the end of its queue that both have done what they have then
- *    at the same time, if the other one is as fast, and has nothing left when that arrives: about
- *    half. (Steal-half: D. Hendler, N. Shavit, "Non-blocking steal-half work queues", PODC 2002.)
- * 3. It keeps what bridges an ask of its own, and gives nothing while it asks itself: the last
- *    task is not passed round.
+ * 1. A node asks ahead: as long before it has nothing left to do as an ask takes, by what it has
+ *    measured of its worker and of its asks; at the latest when it has nothing left. One ask is
+ *    outstanding at most; whatever task comes ends it.
+ * 2. Who is asked gives tasks from the end of its queue while the other one would have done them
+ *    sooner, if that one is as fast, and begins them when they arrive: about half. (Steal-half:
+ *    D. Hendler, N. Shavit, "Non-blocking steal-half work queues", PODC 2002.)
+ * 3. It gives nothing while it asks itself. What is given, thus, is begun where it arrives: the
+ *    last task is not passed round.
  *
  * A node that no hub has given a place feeds its worker, and that is all.
  */
@@ -19,12 +19,15 @@
 
 #include <stdlib.h>
 
+#define WAIT_MOST_US 1e12 /* more is not waited for */
+
 static void *node_create(const struct sched_params *p)
 {
     (void)p;
     struct node *n = xcalloc(1, sizeof *n);
     n->queue = n->fed = n->computed = TASK_LIST_EMPTY;
     n->asked_us = -1;
+    n->ask_us = INT64_MAX;
     return n;
 }
 
@@ -185,50 +188,61 @@ static void take(
 
 /* ---- the default rules ----------------------------------------------------------------------- */
 
-/* Pixels in a microsecond, all that the worker is on at once; 0: not known. */
-static double rate_of(const struct node *n) { return n->pace.px_per_us * n->width; }
+/* Microseconds for a pixel, by all that the worker is on at once; 0: not known. */
+static double pace_of(const struct node *n)
+{
+    return n->pace.px_per_us > 0 ? 1 / (n->pace.px_per_us * n->width) : 0;
+}
 
-/* So long the worker needs yet for what it was fed. */
-static double fed_us(const struct node *n, int64_t now)
+/* So long the worker needs for what it was fed. Where it is late it will be as late again. */
+static double fed_us(const struct node *n, double us_per_px, int64_t now)
 {
     double px = 0;
     for (int32_t i = n->fed.head; i >= 0; i = n->has.at[i].next) px += px_of(n, i);
-    if (n->fed.count == 0) return 0;
+    if (!n->fed.count) return 0;
     int64_t since = n->has.at[n->fed.head].since_us;
     if (since < n->pace.done_us) since = n->pace.done_us;
-    return fmax(px / rate_of(n) - (double)(now - since), 0);
+    return fabs(px * us_per_px - (double)(now - since));
 }
 
 /* Rule 1. */
 static void ask(struct node *n, int64_t now, struct sched_actions *out)
 {
+    double us_per_px = pace_of(n);
+    double idle_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px - n->trip_us;
+    bool busy = n->queue.count || n->fed.count;
+    n->ask_us = INT64_MAX;
     if ((n->asked_us >= 0 && !BUG(41)) || n->ended || !n->width) return;
-    if (BUG(49) && n->fed.count) return;
-    if (n->queue.count && !(n->queue_px < n->trip_us * rate_of(n))) return;
+    if (busy && us_per_px <= 0) return;
+    if (busy && (idle_us >= 1 || BUG(49))) {
+        n->ask_us = idle_us < WAIT_MOST_US ? now + (int64_t)idle_us : INT64_MAX;
+        return;
+    }
     n->asked_us = now;
     node_say(RING_ASK, -1, out);
 }
 
-/* Rules 2 and 3: so many pixels. */
-static double spare_px(const struct node *n, int64_t now)
+/* Rules 2 and 3: the first entry of its queue that is given; -1: none is. */
+static int32_t first_spare(const struct node *n, int64_t now)
 {
-    double rate = rate_of(n);
-    if (n->asked_us >= 0 && !BUG(42)) return 0;
-    if (rate <= 0) return n->queue_px / 2;
-    double left_us = fed_us(n, now) + n->queue_px / rate;
-    double half_us = (left_us - n->trip_us / 2) / 2, beyond_us = left_us - n->trip_us;
-    return BUG(45) ? n->queue_px : fmin(half_us, beyond_us) * rate;
+    double us_per_px = pace_of(n) > 0 ? pace_of(n) : 1;
+    double here_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px;
+    double there_us = n->trip_us / 2;
+    int32_t first = -1, most = n->place.one && !BUG(48) ? 1 : INT32_MAX;
+    if (n->asked_us >= 0 && !BUG(42)) return -1;
+    for (int32_t i = n->queue.tail; i >= 0 && most--; i = n->has.at[i].prev) {
+        double us = px_of(n, i) * us_per_px;
+        if (there_us + us >= here_us && !BUG(45)) break;
+        there_us += us;
+        here_us -= us;
+        first = i;
+    }
+    return first;
 }
 
 static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actions *out)
 {
-    double spare = spare_px(n, now);
-    int32_t first = -1, most = n->place.one && !BUG(48) ? 1 : INT32_MAX;
-    for (int32_t i = n->queue.tail; i >= 0 && most-- && px_of(n, i) / 2 <= spare;) {
-        spare -= px_of(n, i);
-        first = i;
-        i = n->has.at[i].prev;
-    }
+    int32_t first = first_spare(n, now);
     if (first < 0 && !BUG(44)) node_say(RING_NONE, peer, out);
     while (first >= 0) {
         int32_t i = first;
@@ -280,7 +294,7 @@ static int32_t node_tries(const void *state, int32_t slot, uint32_t frame, uint3
 static int64_t node_wake_us(const void *state)
 {
     const struct node *n = state;
-    return n->placed && n->place.published ? gdc_node_wake_us(n) : INT64_MAX;
+    return n->placed && n->place.published ? gdc_node_wake_us(n) : n->ask_us;
 }
 
 const struct policy policy_node = {"ringctl", node_create, node_step, node_uncommitted,

@@ -4,6 +4,18 @@
  */
 #include "sim/world.h"
 
+/* That it gives a task, which it may not have; that it has none, or wants some; to anybody. */
+static void say_false(struct world *w, int32_t k)
+{
+    static const enum ring_kind kinds[] = {RING_GIVE, RING_GIVE, RING_NONE, RING_ASK, RING_HEIR};
+    struct sched_event e = {.kind = SCHED_RING, .ring.next = -1};
+    e.ring.kind = kinds[(int)(draw(w) * 5)];
+    e.ring.peer = (int32_t)(draw(w) * (w->plan->slots + 2)) - 1;
+    e.task.id = (uint32_t)(draw(w) * w->plan->tasks);
+    w->result->garbage++;
+    say(w, k, e);
+}
+
 static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
 {
     struct vslot *s = &w->slots[k];
@@ -11,6 +23,7 @@ static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
     w->result->passed += a->ring.kind == RING_GIVE;
     w->result->reports += a->ring.kind == RING_CRASHED;
     if (a->ring.kind == RING_ASK) s->asks = true;
+    if (w->plan->p_false > 0 && draw(w) < w->plan->p_false) say_false(w, k);
     say(w, k, (struct sched_event){.kind = SCHED_RING, .task = a->task, .ring = a->ring});
 }
 

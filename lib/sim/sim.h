@@ -66,7 +66,7 @@ struct sim_fault {
 };
 
 struct sim_checks; /* private */
-extern const struct sim_checks sim_checks_deal, sim_checks_gdc;
+extern const struct sim_checks sim_checks_deal, sim_checks_ring, sim_checks_gdc;
 
 /* Chances are per slot, or per answer; times in microseconds of virtual time. */
 struct sim_plan {
@@ -85,6 +85,7 @@ struct sim_plan {
     double p_return;                            /* a lost slot comes back */
     double p_twice;                             /* an answer is sent twice */
     double p_garbage;                           /* an answer names what was not asked */
+    double p_false; /* a node says something to its hub that is not so */
     double p_lose, p_double,
         p_late;               /* a ring message is, on each of its links: a datagram's fate */
     int64_t faults_us;        /* faults by chance come before this */

@@ -1,0 +1,147 @@
+/*
+ * What must hold of a node of the ring (by its default rules), checked as it acts. What it has, and
+ * what its worker has of that, is noted apart from what the hub knows.
+ */
+#include "sim/ring_model.h"
+
+/* Tasks that a node may feed its worker beyond those that it is on; and where pauses, and answers
+ * that are wrong, make the way to it seem long. */
+#define SLACK 1
+#define SLACK_MOST 1001
+
+/* What a node measures of its worker is so. */
+static bool is_steady(const struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    return p->width == 1 && p->p_pause + p->p_silence + p->p_slow + p->p_garbage <= 0;
+}
+
+/* Before the next thing comes to node k: what was to be done was done. */
+static void settle(struct world *w, struct rslot *s, int32_t k)
+{
+    const int32_t width = w->plan->width;
+    double most_px = s->had_px / 2 + ring_model(w)->most_px;
+    if (s->asker >= 0 && !s->answers) fail(w, "an ask was not answered", k, s->asker);
+    if (s->asker >= 0 && w->plan->params.one && s->answers > 1)
+        fail(w, "more than one given", k, s->answers);
+    if (s->in_time && s->given_px > most_px)
+        fail(w, "more than half given", (int64_t)s->given_px, k);
+    s->asker = -1;
+    if (s->queued && s->fed < width) fail(w, "a worker could have work", k, s->queued);
+    if (!s->queued && !s->fed && s->has_place && !s->asked && !s->ended)
+        fail(w, "a node has nothing to do, and does not ask", k, 0);
+}
+
+static void node_begins(struct world *w, struct rslot *s, int32_t k)
+{
+    uint64_t others = ~(UINT64_C(1) << k);
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct rtask *t = w->tasks[i].note;
+        if (t) t->queued &= others, t->fed &= others;
+    }
+    s->queued = s->fed = 0;
+    s->has_px = s->had_px = s->given_px = 0;
+    s->has_place = s->asked = s->ended = false;
+    s->asker = -1;
+}
+
+/* A worker that has not been on its task for longer than the shortest one takes cannot be late. */
+static void node_takes_ring(struct world *w, struct rslot *s, int32_t k, const struct ring *r)
+{
+    const struct vslot *v = &w->slots[k];
+    double shortest_us = w->plan->cost_us * w->plan->rows / v->power;
+    if (r->kind == RING_PLACE) s->has_place = true;
+    if (r->kind != RING_ASK || !s->has_place) return; /* before it has, it was another one's */
+    s->asker = r->peer;
+    s->answers = 0;
+    s->given_px = 0;
+    s->had_px = s->has_px;
+    s->in_time = is_steady(w) && v->busy && (double)(w->now_us - v->began_us) < shortest_us;
+}
+
+/* It has been computed, or given away, or all of its pixels have come. */
+static void node_forgets(struct rslot *s, int32_t k, struct rtask *t, const struct task *task)
+{
+    uint64_t bit = UINT64_C(1) << k;
+    if (!((t->queued | t->fed) & bit)) return;
+    s->queued -= (t->queued & bit) != 0;
+    s->fed -= (t->fed & bit) != 0;
+    s->has_px -= px_of(task);
+    t->queued &= ~bit;
+    t->fed &= ~bit;
+}
+
+void ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
+{
+    struct rslot *s = &ring_model(w)->slots[k];
+    struct rtask *t =
+        e->kind == SCHED_TASK || e->kind == SCHED_DONE ? ring_task(w, &e->task) : NULL;
+    uint64_t bit = UINT64_C(1) << k;
+    if (e->kind == SCHED_SLOTS) node_begins(w, s, k);
+    else settle(w, s, k);
+    if (e->kind == SCHED_RING) node_takes_ring(w, s, k, &e->ring);
+    if (e->kind == SCHED_INPUT_END) s->ended = true;
+    if (e->kind == SCHED_TASK) s->asked = false;
+    if (e->kind == SCHED_TASK && !((t->queued | t->fed) & bit)) {
+        t->queued |= bit;
+        s->queued++;
+        s->has_px += px_of(&e->task);
+    }
+    if (e->kind == SCHED_DONE && t && t->fed & bit) node_forgets(s, k, t, &e->task);
+}
+
+static void check_give_away(
+    struct world *w, struct rslot *s, int32_t k, struct rtask *t, const struct sched_action *a)
+{
+    uint64_t bit = UINT64_C(1) << k;
+    if (!t || !(t->queued & bit)) {
+        fail(w, "given by who does not have it", k, (int32_t)a->task.id);
+        return;
+    }
+    if (a->ring.peer != s->asker) fail(w, "given to who has not asked", k, a->ring.peer);
+    if (s->asked) fail(w, "who wants work gives some", k, (int32_t)a->task.id);
+    node_forgets(s, k, t, &a->task);
+    s->given_px += px_of(&a->task);
+    s->answers++;
+}
+
+static void check_node_says(
+    struct world *w, struct rslot *s, int32_t k, const struct sched_action *a)
+{
+    switch (a->ring.kind) {
+    case RING_ASK:
+        if (s->asked) fail(w, "an ask beside another", k, 0);
+        if (!s->has_place || s->ended) fail(w, "an ask of who has no place", k, 0);
+        s->asked = true;
+        break;
+    case RING_NONE:
+        if (s->answers++ || a->ring.peer != s->asker) fail(w, "none, to whom?", k, a->ring.peer);
+        break;
+    case RING_GIVE: check_give_away(w, s, k, ring_task(w, &a->task), a); break;
+    default: fail(w, "a node says what it may not", k, a->ring.kind);
+    }
+}
+
+static void check_feed(struct world *w, struct rslot *s, int32_t k, const struct sched_action *a)
+{
+    struct rtask *t = ring_task(w, &a->task);
+    uint64_t bit = UINT64_C(1) << k;
+    int32_t slack = is_steady(w) ? SLACK : SLACK_MOST * w->plan->width;
+    if (!t || !(t->queued & bit)) {
+        fail(w, "a worker is fed what is not there", k, (int32_t)a->task.id);
+        return;
+    }
+    t->queued &= ~bit;
+    t->fed |= bit;
+    s->queued--;
+    if (++s->fed > w->plan->width + slack)
+        fail(w, "a worker is fed more than it can do", k, s->fed);
+}
+
+void ring_node_action(struct world *w, int32_t k, const struct sched_action *a)
+{
+    struct rslot *s = &ring_model(w)->slots[k];
+    if (a->kind == SCHED_SAY) check_node_says(w, s, k, a);
+    if (a->kind == SCHED_GIVE) check_feed(w, s, k, a);
+    if (a->kind == SCHED_COMMIT) node_forgets(s, k, ring_task(w, &a->task), &a->task);
+}

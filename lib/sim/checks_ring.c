@@ -1,0 +1,331 @@
+/*
+ * What must hold of the ring (by its default rules), checked as hub and nodes act, against a ledger
+ * of its own. Steps cost no more than those of what is checked, but where a slot comes or goes.
+ */
+#include "sim/ring_model.h"
+
+#include <stdlib.h>
+
+struct ring_model *ring_model(struct world *w)
+{
+    if (!w->note) {
+        size_t n = (size_t)w->plan->slots;
+        struct ring_model *m = xcalloc(1, sizeof *m + n * sizeof *m->slots);
+        for (size_t k = 0; k < n; k++)
+            m->slots[k].thief = m->slots[k].victim = m->slots[k].asker = -1;
+        w->note = m;
+    }
+    return w->note;
+}
+
+struct rtask *ring_task(struct world *w, const struct task *t)
+{
+    struct vtask *v = t->frame ? NULL : t->id < (uint32_t)w->n_tasks ? &w->tasks[t->id] : NULL;
+    if (!v) return NULL;
+    if (!v->note) {
+        struct rtask *r = xcalloc(1, sizeof *r);
+        r->base = r->from = -1;
+        v->note = r;
+    }
+    return v->note;
+}
+
+/* Slot k has changed. */
+static void mark(struct world *w, struct ring_model *m, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    bool up = s->state == RING_UP, has = s->held > w->plan->width;
+    bool hungry = up && s->asking && s->victim < 0;
+    bool rich = up && has && !s->asking && !s->dry && s->thief < 0;
+    m->hungry += hungry - s->hungry;
+    m->rich += rich - s->rich;
+    s->hungry = hungry;
+    s->rich = rich;
+}
+
+/* The nearest slot before k that is up, k itself the last; -1: none is. */
+static int32_t heir_of(const struct world *w, const struct ring_model *m, int32_t k)
+{
+    const int32_t n = w->plan->slots;
+    for (int32_t i = 1; i <= n && m->up; i++) {
+        int32_t at = (k - i + n) % n;
+        if (m->slots[at].state == RING_UP) return at;
+    }
+    return -1;
+}
+
+/* Who is to be given a task whose base is k; -1: nobody, yet. */
+static int32_t receiver_of(const struct world *w, const struct ring_model *m, int32_t k)
+{
+    if (k < 0 || m->slots[k].state == RING_NEW) return -1;
+    return m->slots[k].state == RING_UP ? k : heir_of(w, m, k);
+}
+
+/* ---- the ledger ------------------------------------------------------------------------------ */
+
+/* It is so many more, of slot k where there is one, in that place. */
+static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
+{
+    struct rslot *s = k >= 0 ? &m->slots[k] : NULL;
+    bool promised = p == RING_ORPHAN && s && s->state == RING_NEW;
+    m->orphans += p == RING_ORPHAN ? more : 0;
+    m->computed += p == RING_COMPUTED ? more : 0;
+    m->promised += promised ? more : 0;
+    if (!s) return;
+    s->held += p == RING_HELD ? more : 0;
+    s->computed += p == RING_COMPUTED ? more : 0;
+    s->promised += promised ? more : 0;
+}
+
+static void enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k)
+{
+    int32_t before = t->base;
+    count(m, t->place, before, -1);
+    t->place = p;
+    t->base = k;
+    count(m, p, k, 1);
+    if (before >= 0) mark(w, m, before);
+    if (k >= 0) mark(w, m, k);
+}
+
+static int32_t home_of(const struct world *w, const struct task *t)
+{
+    const int32_t n = w->plan->slots;
+    return t->to >= 0 && t->to < n ? t->to : (int32_t)(t->id % (uint32_t)n);
+}
+
+static void note_task(struct world *w, struct ring_model *m, const struct task *task)
+{
+    struct rtask *t = ring_task(w, task);
+    if (t->place != RING_ABSENT) return;
+    m->open++;
+    m->most_px = fmax(m->most_px, px_of(task));
+    t->from = -1;
+    enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
+}
+
+static void note_slots(struct world *w, struct ring_model *m)
+{
+    m->known = true;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct rtask *t = w->tasks[i].note;
+        if (t && t->place == RING_ORPHAN)
+            enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
+    }
+}
+
+static void note_up(struct world *w, struct ring_model *m, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    m->promised -= s->promised;
+    m->up += s->state != RING_UP;
+    s->promised = 0;
+    s->state = RING_UP;
+    s->placed = false;
+    mark(w, m, k);
+}
+
+static void note_gone(struct world *w, struct ring_model *m, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    m->promised -= s->promised;
+    m->up -= s->state == RING_UP;
+    s->promised = 0;
+    s->state = RING_GONE;
+    if (s->thief >= 0 && m->slots[s->thief].victim == k) m->slots[s->thief].victim = -1;
+    if (s->thief >= 0) mark(w, m, s->thief);
+    s->thief = s->victim = -1;
+    s->asking = s->dry = false;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct rtask *t = w->tasks[i].note;
+        if (!t || t->base != k || t->place == RING_ABSENT) continue;
+        if (t->place != RING_ORPHAN) t->passes = 0;
+        t->from = -1;
+        enter(w, m, t, RING_ORPHAN, k);
+    }
+    mark(w, m, k);
+}
+
+static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    if (t->base != k || s->state != RING_UP) return;
+    if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
+    if (t->place == RING_HELD) enter(w, m, t, RING_COMPUTED, k);
+}
+
+/* Slot k owes peer no answer any more. */
+static void note_answer(struct world *w, struct ring_model *m, int32_t k, int32_t peer)
+{
+    if (peer < 0 || peer >= w->plan->slots || m->slots[k].thief != peer) return;
+    m->slots[k].thief = -1;
+    if (m->slots[peer].victim == k) m->slots[peer].victim = -1;
+    mark(w, m, k);
+    mark(w, m, peer);
+}
+
+static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
+{
+    struct rslot *s = &m->slots[e->slot];
+    struct rtask *t = e->ring.kind == RING_GIVE ? ring_task(w, &e->task) : NULL;
+    int32_t peer = e->ring.peer;
+    if (s->state != RING_UP) return;
+    if (e->ring.kind == RING_ASK) {
+        s->asking = true;
+        mark(w, m, e->slot);
+        return;
+    }
+    if (e->ring.kind != RING_GIVE && e->ring.kind != RING_NONE) return;
+    bool exists = peer >= 0 && peer < w->plan->slots;
+    if (t && t->base == e->slot && t->place != RING_ABSENT) {
+        t->from = e->slot;
+        t->passes++;
+        enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
+    }
+    if (e->ring.kind == RING_NONE && exists && s->thief == peer)
+        s->dry = s->given == s->given_before;
+    note_answer(w, m, e->slot, peer);
+}
+
+static void ring_event(struct world *w, const struct sched_event *e)
+{
+    struct ring_model *m = ring_model(w);
+    struct rtask *t;
+    m->touched = e->kind == SCHED_TASK ? -1 : e->slot;
+    switch (e->kind) {
+    case SCHED_TASK: note_task(w, m, &e->task); break;
+    case SCHED_INPUT_END: m->input_ended = true; break;
+    case SCHED_FLUSH: m->flush = true; break;
+    case SCHED_SLOTS: note_slots(w, m); break;
+    case SCHED_UP: note_up(w, m, e->slot); break;
+    case SCHED_GONE: note_gone(w, m, e->slot); break;
+    case SCHED_DONE:
+        if ((t = ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
+        break;
+    case SCHED_RING: note_ring(w, m, e); break;
+    case SCHED_PIXELS:
+    case SCHED_WAKE: break;
+    }
+}
+
+/* What waits for a slot that is not up yet goes, about half of it at a time, to who wants work. */
+static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+{
+    int32_t late = t->base;
+    if (late < 0 || m->slots[late].state != RING_NEW) return false;
+    if (m->slots[k].hungry) {
+        m->late = late;
+        m->late_left = w->plan->params.one ? 1 : (m->slots[late].promised + 1) / 2;
+    }
+    if (m->late != late || m->late_left-- <= 0) return false;
+    t->from = late;
+    return true;
+}
+
+/* ---- what the hub does ----------------------------------------------------------------------- */
+
+static void check_given(struct world *w, struct ring_model *m, const struct sched_action *a)
+{
+    struct rslot *s = &m->slots[a->slot];
+    struct rtask *t = ring_task(w, &a->task);
+    int32_t id = (int32_t)a->task.id;
+    if (!t || t->place != RING_ORPHAN) {
+        fail(w, "a task given that is not to be given", a->slot, id);
+        return;
+    }
+    int32_t k = is_late(w, m, t, a->slot) ? a->slot : receiver_of(w, m, t->base);
+    if (a->slot != k) fail(w, "a task given to another than whose it is", a->slot, k);
+    if (a->from != t->from) fail(w, "a task given as from another", a->from, t->from);
+    if (s->state != RING_UP) return;
+    s->given++;
+    s->asking = s->dry = s->flushed = false;
+    s->victim = -1;
+    enter(w, m, t, RING_HELD, a->slot);
+}
+
+static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
+{
+    struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
+    if (!v->rich) fail(w, "who has nothing to give is asked", victim, thief);
+    if (!s->hungry) fail(w, "somebody is asked for who does not want", victim, thief);
+    for (int32_t k = (thief + 1) % w->plan->slots; k != victim; k = (k + 1) % w->plan->slots)
+        if (m->slots[k].rich) fail(w, "a nearer one could be asked", k, victim);
+    v->thief = thief;
+    v->given_before = v->given;
+    s->victim = victim;
+    mark(w, m, victim);
+    mark(w, m, thief);
+}
+
+static void check_said(struct world *w, struct ring_model *m, const struct sched_action *a)
+{
+    struct rslot *s = &m->slots[a->slot];
+    const struct ring *r = &a->ring;
+    if (s->state != RING_UP) fail(w, "something said to who is not there", a->slot, r->kind);
+    if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
+    else if (r->kind != RING_PLACE) fail(w, "the hub says what it may not", a->slot, r->kind);
+    else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
+        fail(w, "another place", a->slot, r->me);
+    if (r->kind == RING_PLACE) s->placed = true;
+}
+
+static bool owes_flush(const struct ring_model *m, const struct rslot *s)
+{
+    bool wanted = (m->input_ended || m->flush) && s->state == RING_UP;
+    return wanted && !s->flushed && !s->held && s->computed;
+}
+
+static void ring_action(struct world *w, const struct sched_action *a)
+{
+    struct ring_model *m = ring_model(w);
+    struct rtask *t;
+    switch (a->kind) {
+    case SCHED_GIVE: check_given(w, m, a); break;
+    case SCHED_SAY: check_said(w, m, a); break;
+    case SCHED_ASK_FLUSH:
+        if (!owes_flush(m, &m->slots[a->slot])) fail(w, "a flush for nothing", a->slot, 0);
+        m->slots[a->slot].flushed = true;
+        break;
+    case SCHED_COMMIT:
+        if ((t = ring_task(w, &a->task)) == NULL) break;
+        m->open--;
+        enter(w, m, t, RING_ABSENT, -1);
+        break;
+    case SCHED_END: break;
+    case SCHED_STOP: fail(w, "nodes are stopped", 0, 0);
+    }
+}
+
+/* What was to be done in this step was done. */
+static void ring_after(struct world *w)
+{
+    struct ring_model *m = ring_model(w);
+    int32_t k = m->touched;
+    if (m->known && m->up && m->orphans > m->promised)
+        fail(w, "a task is nobody's", m->orphans, m->promised);
+    if (m->hungry && m->rich) fail(w, "one wants work, another has it", m->hungry, m->rich);
+    if (m->hungry && m->promised) fail(w, "one wants work, some waits", m->hungry, m->promised);
+    if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
+        fail(w, "a node was not told its place", k, 0);
+    if (k >= 0 && owes_flush(m, &m->slots[k])) fail(w, "pixels are not asked for", k, 0);
+    if (w->policy->uncommitted(w->state) != m->open)
+        fail(w, "another number of tasks to do", w->policy->uncommitted(w->state), m->open);
+    if (w->policy->waiting(w->state) != m->open - m->computed)
+        fail(w, "another number of tasks waits", w->policy->waiting(w->state), m->open);
+    if (m->input_ended && !m->open && !w->ended) fail(w, "all is done, and no end", 0, 0);
+    if (!m->open) m->flush = false;
+}
+
+/* Another hub, with no nodes yet. */
+static void ring_restart(struct world *w)
+{
+    free(w->note);
+    w->note = NULL;
+}
+
+const struct sim_checks sim_checks_ring = {.event = ring_event,
+    .action = ring_action,
+    .after = ring_after,
+    .restart = ring_restart,
+    .node_event = ring_node_event,
+    .node_action = ring_node_action};

@@ -1,0 +1,60 @@
+/*
+ * The ring as its checks see it, shared by checks_ring.c (the hub) and checks_node.c (the nodes):
+ * a ledger of their own.
+ */
+#ifndef STORMRING_SIM_RING_MODEL_H
+#define STORMRING_SIM_RING_MODEL_H
+
+#include "sim/world.h"
+
+/* Of a task; the bits are of slots. */
+enum rplace { RING_ABSENT, RING_ORPHAN, RING_HELD, RING_COMPUTED };
+struct rtask {
+    enum rplace place;
+    int32_t base;   /* whose it is; ORPHAN: whose it is to be, or whose heir's; -1: not known */
+    int32_t from;   /* whose it was before, where it was given away, -1 */
+    int32_t passes; /* so often it was, since a connection was lost with it */
+    uint64_t queued, fed; /* the node there has it, not begun; its worker has it */
+};
+
+enum rstate { RING_NEW, RING_UP, RING_GONE };
+struct rslot {
+    enum rstate state;
+    /* as the hub knows it */
+    int32_t held, computed, promised; /* tasks; promised: ORPHAN, while it is NEW */
+    bool asking, dry, flushed, placed;
+    bool hungry, rich; /* wants, and nobody was asked for it; has, and may be asked */
+    int32_t thief, victim;
+    int64_t given, given_before;
+    /* the node itself, since it began */
+    int32_t queued, fed;
+    bool has_place, asked, ended;
+    int32_t asker;           /* the node whose ask it has to answer in this step, -1 */
+    int32_t answers;         /* GIVEs so far */
+    bool in_time;            /* its worker was, when it was asked */
+    double has_px;           /* of what is queued and fed */
+    double had_px, given_px; /* before it was asked; in the answers */
+};
+
+struct ring_model {
+    int32_t orphans, promised, up, hungry, rich, open, computed;
+    bool known, input_ended, flush;
+    int32_t late, late_left; /* the slot not up whose tasks are being given, and how many may be */
+    double most_px;          /* of a task */
+    int32_t touched;         /* the slot of the latest event, -1 */
+    struct rslot slots[];
+};
+
+/* ---- checks_ring.c --------------------------------------------------------------------------- */
+
+struct ring_model *ring_model(struct world *w);
+/* What is known of the task of that key, NULL where there is none. */
+struct rtask *ring_task(struct world *w, const struct task *t);
+static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
+
+/* ---- checks_node.c --------------------------------------------------------------------------- */
+
+void ring_node_event(struct world *w, int32_t k, const struct sched_event *e);
+void ring_node_action(struct world *w, int32_t k, const struct sched_action *a);
+
+#endif
