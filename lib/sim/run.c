@@ -302,7 +302,8 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     w.state = policy->create(&plan->params);
     begin(&w);
     w.alone_us = alone_us(&w);
-    int64_t at_once = 0, most = AT_ONCE * ((int64_t)plan->slots + plan->tasks + 1);
+    int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
+    if (plan->detect_us) most += AT_ONCE * n * n; /* each asks each */
     while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
         if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
         at_once = e.at_us > w.now_us ? 0 : at_once + 1;

@@ -54,6 +54,8 @@ struct seen {
     bool gave[NODES_MOST][ROWS_MOST]; /* node k gave that row to another one */
     int32_t holder[ROWS_MOST];        /* whom it was sent to last */
     int32_t came_back;                /* a row that was sent to who had given it away, -1 */
+    int64_t waited_us;                /* and so long ago that one had asked */
+    int64_t asked_us[NODES_MOST];     /* the latest time */
     bool committed[ROWS_MOST];
     int32_t last;                /* the last row that was committed */
     int32_t reports[NODES_MOST]; /* so often node k was taken for dead */
@@ -73,11 +75,12 @@ static void note_event(const struct sched_event *e, int64_t now)
     if (e->kind == SCHED_DONE) seen->computed[e->task.id]++;
     if (e->kind != SCHED_RING) return;
     seen->said_us = now;
+    if (e->ring.kind == RING_ASK) seen->asked_us[e->slot] = now;
     if (e->ring.kind == RING_GIVE) seen->gave[e->slot][e->task.id] = true;
     if (e->ring.kind == RING_CRASHED) seen->reports[e->ring.peer]++;
 }
 
-static void note_action(const struct sched_action *a)
+static void note_action(const struct sched_action *a, int64_t now)
 {
     uint32_t y = a->task.id;
     if (a->kind == SCHED_SAY && a->ring.kind == RING_HEIR) seen->heirs[a->ring.peer]++;
@@ -86,7 +89,10 @@ static void note_action(const struct sched_action *a)
         seen->last = (int32_t)y;
     }
     if (a->kind != SCHED_GIVE) return;
-    if (seen->gave[a->slot][y]) seen->came_back = (int32_t)y;
+    if (seen->gave[a->slot][y]) {
+        seen->came_back = (int32_t)y;
+        seen->waited_us = now - seen->asked_us[a->slot];
+    }
     seen->holder[y] = a->slot;
 }
 
@@ -96,7 +102,7 @@ static void watched_step(
     size_t first = out->n;
     note_event(e, now);
     inner->step(state, e, now, out);
-    for (size_t i = first; i < out->n; i++) note_action(&out->at[i]);
+    for (size_t i = first; i < out->n; i++) note_action(&out->at[i], now);
 }
 
 static void run(struct hazard *h, bool published, struct seen *s)
@@ -286,7 +292,8 @@ static void a_node_that_returns_before_it_is_missed_hides_its_loss(void **state)
 }
 
 /* Node 0 asks three times while node 1 is on a long row, and is given three rows; then node 1 is
- * idle, asks for the last of them, and gets it back when node 0 is done with one. */
+ * idle, asks for the last of them, and waits for it until node 0 is done with one. By default what
+ * comes back comes at once. */
 static void the_last_row_is_passed_round(void **state)
 {
     struct hazard h = {.nodes = 2};
@@ -300,8 +307,9 @@ static void the_last_row_is_passed_round(void **state)
     run(&h, true, &s);
     assert_true(!*s.r.failure && s.came_back == round && s.last == round);
     assert_true(s.gave[1][round] && s.gave[0][round] && s.holder[round] == 1);
+    assert_true(s.waited_us > 800 * MS);
     run(&h, false, &s);
-    assert_true(!*s.r.failure);
+    assert_true(!*s.r.failure && s.waited_us < 100 * MS);
 }
 
 /* Messages for each time that a node that asked was brought a row, with four rows a node. */
