@@ -37,6 +37,13 @@ for stage in gather hub fan; do
 	wait "$pid" 2>/dev/null
 	is "kill -9 of $stage: no picture" "$(ls out.pfm* 2>/dev/null)" ''
 done
+env MARK=$mark sh -c '{ pack scene gears.nff; partition 256x256; } | ringctl fan -j 2 ringctl -n deal -q 1 fan -j 2 \
+	ringctl fan -j 2 ringctl -n rtworker -a 64 - | gather -o out.pfm' 2>said &
+pid=$!
+await 5 working 8
+kill -9 "$(program gather)"
+ok 'kill -9 of gather over rings in a ring: no process after 2 s' await 2 none_alive
+wait "$pid" 2>/dev/null
 rm -f out.pfm
 setsid env MARK=$mark perl -e '$SIG{INT} = "DEFAULT"; setpgrp; exec @ARGV' \
 	balance gdc -j 3 -s 256x256 -W '-a 400' -o out.pfm gears.nff 2>said &
@@ -59,6 +66,9 @@ like 'a node killed: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9
 begin
 kill -9 $(nodes | head -n 2)
 whole 'two of three nodes killed'
+begin -W '-a 64 -c'
+kill -9 "$(nodes | head -n 1)"
+whole 'a node killed, concentrated transfer'
 begin
 kill -STOP "$(nodes | tail -n 1)"
 whole 'a node stopped'

@@ -23,6 +23,13 @@ bounded '200 slots' deal kib $((20 << 10))
 bounded '200 slots' deal open 16
 bounded '200 slots' gather open 16
 
+measured "{ pack scene tetra.nff; partition -n 100 -u run:1 400x500; } |
+	ringctl fan -j 100 ringctl -n rtworker - 2>said | gather -o out.pfm"
+same 'a ring of 100, 200000 tasks'
+bounded 'a ring of 100' ringctl kib $((64 << 10))
+bounded 'a ring of 100' ringctl open 16
+bounded 'a ring of 100' fan kib $((64 << 10))
+
 good 2000x2000
 measured "{ pack scene tetra.nff; partition 2000x2000; } | deal fan -j 2 rtworker - 2>said | { sleep 5; gather -o out.pfm; }"
 same 'a reader that pauses for 5 s'

@@ -91,7 +91,7 @@ static int route_ring(struct fan *f, const struct record *r)
     struct fan_slot *s = &f->slots[k];
     if (s->state != FAN_UP || !fan_takes(s)) return 0;
     s->placed |= r->kind == REC_RING;
-    s->unheard = 0;
+    s->ahead--;
     wire_forward(&s->down.bytes, r, drop, NULL);
     return 0;
 }

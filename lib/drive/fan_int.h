@@ -49,7 +49,7 @@ struct fan_slot {
     bool did;       /* it has done and delivered a task */
     bool placed;    /* it was told its place in a ring: what it says to the hub is passed on */
     int stale;      /* answers to questions not asked */
-    int unheard;    /* messages of a node since something was sent to it */
+    int64_t ahead;  /* messages of a node, beyond those that were sent to it */
     int64_t beat_us;
 
     /* of all of them */

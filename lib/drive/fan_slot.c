@@ -79,7 +79,8 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->from.upward = true;
     s->connected = s->loaded = s->asked = s->decided = s->again = false;
     s->did = s->placed = false;
-    s->stale = s->unheard = 0;
+    s->stale = 0;
+    s->ahead = 0;
     s->before_hello = 0;
     *s->chatter = '\0';
     s->opened_us = s->heard_us = now_us();
@@ -130,7 +131,7 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
     s->tasks.at[i].since_us = now_us() - f->start_us;
     if (rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) s->tasks.at[i].slot = (int32_t)from;
     s->undone++;
-    s->unheard = 0;
+    s->ahead--;
     if (fan_takes(s)) wire_forward(&s->down.bytes, r, drop, NULL);
     return 0;
 }

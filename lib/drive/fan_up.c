@@ -145,8 +145,9 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
 }
 
 /*
- * A node speaks to the hub: only who was told its place does that, and waits for what comes of it.
- * A task that it gives away is no more its own.
+ * A node speaks to the hub: only who was told its place does that. It asks for what it was not
+ * sent, and answers what it was, so that it cannot say much more than that. A task that it gives
+ * away is no more its own.
  */
 static const char *take_ring(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -161,7 +162,7 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
         s->undone--;
         if (!s->tasks.count) s->flushed = false;
     }
-    if (r->kind != REC_GIVE && ++s->unheard > STALE_MOST) return "unasked";
+    if (r->kind != REC_GIVE && ++s->ahead > STALE_MOST) return "unasked";
     stamp(s, r, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
     return NULL;

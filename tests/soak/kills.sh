@@ -26,12 +26,14 @@ diag "seed $seed"
 run=0
 while [ $((run += 1)) -le "$runs" ]; do
 	mark=stormring-soak-$$-$run saved=true
-	pick 5
+	pick 7
 	case $picked in
 	0) chain="exec balance masterslave -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" ;;
 	1) chain="$state deal fan -j 2 deal fan -j 2 rtworker -a 16 - | gather -o out.pfm" ;;
 	2) chain="$state deal -q 2 deal fan -j 3 rtworker -a 16 - | gather -o out.pfm" ;;
 	3) chain="$state deal fan -j 2 fan -j 2 rtworker -a 16 - | gather -o out.pfm" ;;
+	5) chain="exec balance gdc -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" ;;
+	6) chain="$state ringctl fan -j 2 ringctl -n ringctl fan -j 2 ringctl -n rtworker -a 16 - | gather -o out.pfm" ;;
 	4) chain="exec balance interleaved -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" saved=false ;;
 	esac
 	rm -f out.pfm
