@@ -326,6 +326,7 @@ static int simulate(struct options *o, int argc, char **argv)
     p->silence_us = 3000000;
     bool checked = p->slots <= SIM_SLOTS_MOST && p->tasks <= CHECKED_TASKS;
     if (checked && o->policy == &policy_deal) p->checks = &sim_checks_deal;
+    if (checked && o->policy == &policy_ring) p->checks = &sim_checks_ring;
     if (checked && o->policy == &policy_published) p->checks = &sim_checks_gdc;
     sim_run(o->policy, p, &r);
     print_result(o, &r);
@@ -365,7 +366,6 @@ static int run_seeds(const struct options *o)
     for (int64_t i = 0; i < o->seeds; i++) {
         uint64_t seed = o->plan.seed + (uint64_t)i;
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);
-        plan.node = o->plan.node;
         plan.trace = o->plan.trace;
         sim_run(o->policy, &plan, &r);
         add(&sum, &r);

@@ -93,12 +93,14 @@ void befall(struct world *w, const struct sim_event *e)
 
 /* ---- the next hub ---------------------------------------------------------------------------- */
 
-/* What the log has not whole comes again, as if nothing of it had come. */
+/* What the log has not whole comes again, as if nothing of it had come; the last one in any case,
+ * so that the ids of pieces stay above those of the plan. */
 static void forget(struct world *w, struct vtask *t)
 {
+    bool last = t->task.id + 1 == (uint32_t)w->plan->tasks;
     t->known = false;
     t->sent = 0;
-    t->committed = is_sent(w, &t->task.at);
+    t->committed = !last && is_sent(w, &t->task.at);
     for (uint64_t i = 0, n = lattice_count(&t->task.at); i < n && !t->committed; i++) {
         uint64_t p = lattice_pixel(&t->task.at, w->frame_w, i), bit = UINT64_C(1) << (p & 63);
         w->sent.done -= (w->sent.bits[p >> 6] & bit) != 0;

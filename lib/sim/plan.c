@@ -65,13 +65,15 @@ struct sim_plan sim_plan_of(uint64_t seed)
 struct sim_plan sim_ring_plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_plan_of(seed);
-    p.checks = NULL;
+    p.node = &policy_node;
+    p.checks = &sim_checks_ring;
     p.calm = false;
     p.params = (struct sched_params){.one = unit(seed, 30) < .3};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
     if (p.assigned > p.tasks) p.assigned = p.tasks;
     p.width = unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
+    p.p_false = fmin(p.p_garbage, .1);       /* more, and one brings on the next without end */
     if (unit(seed, 31) < .03) p.p_crash = 1; /* of all but one */
     return p;
 }

@@ -103,7 +103,7 @@ struct sim_plan {
 };
 /* Everything above from the seed alone: small and large, kind and cruel. Slot 0 is never lost. */
 struct sim_plan sim_plan_of(uint64_t seed);
-/* The same for a ring, but for its nodes' policy and its checks; up to 64 slots. */
+/* The same for a ring by its default rules; up to 64 slots. */
 struct sim_plan sim_ring_plan_of(uint64_t seed);
 /*
  * Faults as words with commas between (simulate(1), -f): adds to the plan's chances, and to its

@@ -21,9 +21,9 @@ static bool is_kind(uint64_t seed) { return seed % 2 == 0; }
 static struct sim_plan plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_ring_plan_of(seed);
-    p.node = &policy_node;
     p.checks = &sim_checks_gdc;
     p.detect_us = 20000000;
+    p.p_false = 0; /* the paper's master takes a node's word */
     if (seed % 4 == 3) p.p_lose = p.p_double = p.p_late = .05;
     if (seed % 8 == 4) p.cost_us = 50000; /* a row may look like a crash */
     if (is_kind(seed)) {

@@ -15,18 +15,9 @@
 static struct sim_result total;
 static int64_t all_but_one; /* seeds in which nearly all nodes were lost */
 
-static struct sim_plan plan_of(uint64_t seed)
-{
-    struct sim_plan p = sim_ring_plan_of(seed);
-    p.node = &policy_node;
-    p.checks = &sim_checks_ring;
-    p.p_false = p.p_garbage;
-    return p;
-}
-
 static bool run_seed(uint64_t seed, struct sim_result *r)
 {
-    struct sim_plan plan = plan_of(seed);
+    struct sim_plan plan = sim_ring_plan_of(seed);
     sim_run(&policy_ring, &plan, r);
     if (*r->failure)
         print_error(
@@ -64,7 +55,7 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         struct sim_result r;
         failed += !run_seed((uint64_t)seed, &r);
         add(&r);
-        all_but_one += r.crashes + r.silences >= plan_of((uint64_t)seed).slots - 1;
+        all_but_one += r.crashes + r.silences >= sim_ring_plan_of((uint64_t)seed).slots - 1;
     }
     print_message("# %lld seeds: %lld events, %lld tasks given, %lld commits, %lld crashes, "
                   "%lld silences, %lld pauses, %lld slow-downs, %lld hubs killed, "
@@ -110,7 +101,7 @@ int main(int argc, char **argv)
         int64_t seed;
         if (!parse_int(argv[1], 0, INT64_MAX, &seed)) return 2;
         bool good = run_seed((uint64_t)seed, &r);
-        struct sim_plan p = plan_of((uint64_t)seed);
+        struct sim_plan p = sim_ring_plan_of((uint64_t)seed);
         printf("seed %lld: %d nodes, %d tasks, %d assigned: %lld events, %lld messages, "
                "%lld steals, %lld commits, %lld crashes, end %lld us, trace %016llx: %s\n",
             (long long)seed, p.slots, p.tasks, p.assigned, (long long)r.events,
