@@ -20,7 +20,7 @@ heard() {
 	picture=$1 tasks=$2
 	shift 2
 	rm -rf 0 1 2 down.* up.*
-	ok "$picture: it ends well" sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
+	ok "$picture: it ends well" timeout 60 sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
 	ok "$picture: the picture" cmp "$picture.pfm" good.pfm
 }
 # says FILE ...: the records of the ring
@@ -36,7 +36,7 @@ is 'without a row of its own it asks the next one first' "$(first_word ask 1)" '
 is 'that one has none, and answers' "$(first_word none 2)" 'none peer=1 idle=1'
 
 # ---- a node dies ----------------------------------------------------------------------------------------------------
-env MARK=$mark balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
+env MARK=$mark timeout 60 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
 pid=$!
 await 5 working 3
 kill -9 "$(program ringctl 'ringctl -n ' | tail -n 1)"

@@ -177,8 +177,9 @@ static void note_asker(struct node *n, int32_t peer)
 }
 
 /*
- * Case 1: "If P(i+1) is not idle, P(i+1) will send an" unfinished scanline to P(i): one that is not
- * begun. Who has only the one that its worker is on has nothing to give.
+ * Case 1: "If P(i+1) is not idle, P(i+1) will send an" unfinished scanline to P(i). (The end of the
+ * sentence is illegible in the copy at hand.) It is one that is not begun: who has only the one
+ * that its worker is on has nothing to give.
  * Case 3: who is idle itself answers with the one that it remembers.
  */
 static void answer(struct node *n, int32_t peer, struct sched_actions *out)

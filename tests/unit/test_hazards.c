@@ -115,7 +115,7 @@ static void run(struct hazard *h, bool published, struct seen *s)
         .power = power};
     struct sim_plan p = h->more;
     p.node = &policy_node;
-    p.checks = published ? &sim_checks_gdc : NULL;
+    p.checks = published ? &sim_checks_gdc : &sim_checks_ring;
     p.slots = h->nodes;
     p.tasks = h->rows;
     p.width = 1;
