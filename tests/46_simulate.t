@@ -65,10 +65,25 @@ like 'what happens, in words: a task arrives' "$out" '^# 200000 1 from hub: task
 like '... and meets nobody, as that slot is no more' "$out" '^# 700000 1: computed \(lost\)$'
 like '... the hub hears of that' "$out" '^# 600000 1 to hub: gone$'
 
+# ---- a ring, by hand -------------------------------------------------------------------------------------------
+# All four are the first one's. The second hears at .2 that it is a node, and asks; the hub hears of it at .3, the first
+# node at .4; what that gives passes the hub at .5, and is there at .6. From node to node in one hop: in half of that.
+stolen() { run simulate -v -m 1e6 -w 1,1 -l 100 "$@" <first.task; }
+stolen ring -k one
+like 'a ring: what it takes from node to node, through the hub' "$out" '^# 600000 1 from hub: task 3 from=0$'
+is '... all is done, by both' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
+is '... one task at a time' "$(of steals)" "$(of passed)"
+stolen -H 1 ring -k one
+like '... or in one hop' "$out" '^# 400000 1 from hub: task 3 from=0$'
+stolen ring -p
+is 'the published ring: all is done' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
+stolen -f crash@1:0 ring
+is 'the ring: a node that had all is lost, and the other one does it' "$status $(of uncommitted) $(of crashes)" '0 0 1'
+
 # ---- one seed, one run -------------------------------------------------------------------------------------
 partition -n 9 64x200 >many.task
 faults=crash=.3,silence=.2,pause=.3,slow=.3,return=.5,kill=.5,twice=.1,garbage=.05,jitter=.5
-for method in deal 'deal -e -q auto'; do
+for method in deal 'deal -e -q auto' ring; do
 	again() { # SEED FILE
 		# shellcheck disable=SC2086
 		simulate -s "$1" -j 9,3 -l 2 -m 100,5 -f $faults $method <many.task >"$2"
@@ -77,11 +92,13 @@ for method in deal 'deal -e -q auto'; do
 	ok "$method: the same seed gives the same bytes" cmp one two
 	ok "$method: another one another run" sh -c '! cmp -s one three'
 done
-run simulate -n 50 -s 100 deal
-is 'seeds: every one holds' "$status $(of seeds)" '0 50'
-first=$(of trace)
-run simulate -n 50 -s 100 deal
-is '... the same again' "$(of trace)" "$first"
+for method in deal ring; do
+	run simulate -n 50 -s 100 $method
+	is "$method: every seed holds" "$status $(of seeds)" '0 50'
+	first=$(of trace)
+	run simulate -n 50 -s 100 $method
+	is '... the same again' "$(of trace)" "$first"
+done
 
 # More slots than the checks of deal can hold; of pieces, too, each is committed once.
 partition 10x80 >eighty.task
