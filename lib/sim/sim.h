@@ -28,6 +28,16 @@
  *             than twice its share of what waits
  *   end       it stops the slots where one is still busy
  *
+ * sim_checks_gdc, of the ring as published, whose nodes run policy_node:
+ *
+ *   rows      in the first phase each to its node, once; then only what a node gives, to whom it
+ *             gives it, and what began at a dead node, to who reports that: all of it
+ *   messages  go on to whom they are for, as they were said
+ *   asking    an idle node asks, and no other does: the one whose turn it is, up the ring; nobody
+ *             else before an answer; again, and the fifth time with a report, when it was due
+ *   answers   one for each request, between rows: a row where there is one, else whether the node
+ *             is idle, and then the one that it found
+ *
  * And of runs that are made up: the end comes within the time that the work, the faults and the
  * slowest slot allow.
  */

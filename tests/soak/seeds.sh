@@ -1,6 +1,6 @@
 #!/bin/sh
-# seeds.sh [SEEDS [FIRST]]: so many seeds of everything that can go wrong, for deal and for the ring; what fails says how
-# to repeat it.
+# seeds.sh [SEEDS [FIRST]]: so many seeds of everything that can go wrong, for deal and for the ring; and from 0 on for
+# the ring as published. What fails says how to repeat it.
 . "$(dirname "$0")/../lib.sh"
 seeds=${1:-100000} first=${2:-0}
 for method in deal ring; do
@@ -9,4 +9,9 @@ for method in deal ring; do
 	is "$method: $seeds seeds from $first on" "$status $err" '0 '
 	diag "$out"
 done
+# As published it is to keep its rules, and to lose nothing without faults.
+ok 'the seeds of the published ring compile' make -s -C "$root" build/unit/test_gdc
+run env SEEDS="$seeds" "$root/build/unit/test_gdc"
+is "ring -p: $seeds seeds" "$status" 0
+diag "$(printf '%s\n' "$out" "$err" | grep '^#\|^to repeat')"
 finish

@@ -108,7 +108,7 @@ static void every_seed_keeps_the_rules_and_without_faults_completes(void **state
 static void faults_of_every_kind_happened(void **state)
 {
     (void)state;
-    if (!cruel.seeds) skip();
+    if (cruel.seeds < 500) skip();
     assert_int_equal(kind.complete, kind.seeds);
     assert_true(kind.steals > 1000 && kind.messages > 10000 && kind.reports > 0);
     assert_true(cruel.crashes > 100 && cruel.silences > 100 && cruel.pauses > 100);
