@@ -54,21 +54,26 @@ behind_pid=$!
 # A link that takes its time, with all of the scene between here and there: nobody hears anything for long but beats.
 cat >drip <<'END'
 #!/bin/sh
-sh -c "$1" <drip.fifo &
-exec >drip.fifo
-cat >dripped
-head -c 100000 dripped
-for i in $(seq 34); do sleep .5; tail -c +$((100001 + 5000 * (i - 1))) dripped | head -c 5000; done
-tail -c +270001 dripped
+mkfifo drip.$$
+sh -c "$1" <drip.$$ &
+exec >drip.$$
+cat >dripped.$$
+head -c 100000 dripped.$$
+for i in $(seq 34); do sleep .5; tail -c +$((100001 + 5000 * (i - 1))) dripped.$$ | head -c 5000; done
+tail -c +270001 dripped.$$
 exec >&-
 wait
 END
 chmod +x drip
-mkfifo drip.fifo
 echo 'drip via="./drip %c"' >drips
 spdgen -s 3 gears >large.nff
 { pack scene large.nff; partition 16x16; } >large.task
-(fan -S drips rtworker - <large.task >drip.frags 2>drip.said; echo $? >drip.status) &
+(
+	fan -S drips deal fan -j 1 rtworker - <large.task >tree.frags 2>tree.said &
+	fan -S drips rtworker - <large.task >drip.frags 2>drip.said
+	echo $? >drip.status
+	wait
+) &
 drip_pid=$!
 
 # ---- hosts files -----------------------------------------------------------------------------------------------
@@ -298,9 +303,12 @@ gather -o out.pfm half.frags 2>/dev/null
 same 'and it can be finished'
 wait $drip_pid
 is 'a scene that is on its way for 17 s: exit 0' "$(cat drip.status) $(cat drip.said)" '0 '
+is 'a scene that is on its way to a tree for 17 s: not a word' "$(cat tree.said)" ''
 rtworker - <large.task | gather -o large.pfm
-gather -o out.pfm drip.frags
-same 'a scene that is on its way for 17 s' large.pfm
+for frags in drip tree; do
+	gather -o out.pfm $frags.frags
+	same "a scene that is on its way for 17 s: $frags" large.pfm
+done
 wait $none_pid
 is 'no host can be reached: exit 3' "$(cat none.status)" 3
 like 'no host can be reached: it is said' "$(cat none.said)" 'no slot left: none could be reached for 30 s'

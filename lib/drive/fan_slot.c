@@ -151,7 +151,8 @@ void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
         down_free(&s->down);
         return;
     }
-    if (down_size(&s->down) != before) s->heard_us = now_us();
+    /* A pipe that was empty takes a little whether anybody reads it or not. */
+    if (p->events & POLLOUT && down_size(&s->down) != before) s->heard_us = now_us();
     if (!f->in_open && !down_size(&s->down)) child_close(&s->child.to);
 }
 

@@ -232,16 +232,21 @@ void slot_listen(struct fan *f, struct fan_slot *s)
     size_t before = buf_size(&s->from.in), n;
     int more = stream_read(&s->from, s->child.from);
     n = buf_size(&s->from.in) - before;
-    if (s->connected) s->heard_us = now_us();
-    else note_chatter(s, buf_data(&s->from.in) + before, n);
+    if (!s->connected) note_chatter(s, buf_data(&s->from.in) + before, n);
     struct record r;
     enum wire_result result;
     const char *why = NULL;
+    bool at_work = false; /* a node that answers others may have a worker that does nothing */
     while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
         if (is_chatter(s, result, &r)) continue;
-        if (result == WIRE_RECORD) why = take_record(f, s, &r);
-        else if (!s->from.ended) why = "garbage";
+        if (result == WIRE_RECORD) {
+            at_work |= r.kind < REC_RING;
+            why = take_record(f, s, &r);
+        } else if (!s->from.ended) {
+            why = "garbage";
+        }
     }
+    if (s->connected && (at_work || buf_size(&s->from.in))) s->heard_us = now_us();
     if (!s->connected && !why && (s->before_hello += n) > CHATTER_MOST) why = "no-hello";
     if (why) slot_lose(f, s, why, false);
     else if (more <= 0) slot_leave(f, s);
