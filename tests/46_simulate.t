@@ -38,7 +38,7 @@ takes 'no latency' 2.000000 -l 0 deal
 takes 'a crash, which the first hears of; and does all' 4.900000 -f crash@.5s:1 deal
 is '... one' "$(of crashes) $(of uncommitted)" '1 0'
 takes 'a crash when two tasks are there' 3.700000 -f crash@2:1 deal
-takes 'silence is a crash that is seen 3 s later' 4.900000 -f silence@.5s:1 deal
+takes 'silence: what it had is given to the first 3 s later' 5.800000 -f silence@.5s:1 deal -q 1
 takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
@@ -117,6 +117,12 @@ is 'what the log says: all rows on one slot' "$(of makespan_s)" "$sum"
 partition -u tile:5x3 24x16 >tiles.task
 run simulate -t log fan <tiles.task
 is '... however they are cut, but for what is rounded' "$(of makespan_s | awk -v sum="$sum" '{ d = $1 - sum; print d * d < 1e-8 }')" 1
+# Rows of 3, 3, 2, 2 and 2 s on two hosts: the longest first would take 7 s.
+partition 24x5 >five.task
+rtworker tetra.nff <five.task | LC_ALL=C sed 's/^\(.*\)done 0 \([01]\) .*$/\1done 0 \2 cpu_us=3000000 wall_us=1/
+	s/^\(.*\)done 0 \([234]\) .*$/\1done 0 \2 cpu_us=2000000 wall_us=1/' >five.log
+run simulate -t five.log -j 2 best <five.task
+is 'best: swaps what is better swapped' "$(of makespan_s)" 6.000000
 cat >hosts <<'END'
 a slots=2 power=1
 b power=.5

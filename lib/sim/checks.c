@@ -51,6 +51,8 @@ static void check_end(struct world *w)
 {
     if (w->ended) fail(w, "a second end", 0, 0);
     if (!w->input_ended || w->n_open) fail(w, "the end, with work uncommitted", w->n_open, 0);
+    if (w->sent.done != w->wanted_px)
+        fail(w, "the end, with pixels missing", (int64_t)w->sent.done, (int64_t)w->wanted_px);
     w->ended = true;
 }
 

@@ -249,6 +249,21 @@ static void trace_event(struct world *w, const struct sim_event *e)
     w->result->trace_hash = hash64(w->result->trace_hash, v, sizeof v);
 }
 
+/* Tasks may overlap. */
+static uint64_t count_wanted(const struct world *w)
+{
+    struct coverage c;
+    coverage_init(&c, w->frame_w, w->frame_h);
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct lattice *at = &w->tasks[i].task.at;
+        for (uint64_t k = 0, n = lattice_count(at); k < n; k++)
+            coverage_set(&c, lattice_pixel(at, w->frame_w, k));
+    }
+    uint64_t px = c.done;
+    coverage_free(&c);
+    return px;
+}
+
 static void open_world(struct world *w)
 {
     const struct sim_plan *p = w->plan;
@@ -270,6 +285,7 @@ static void open_world(struct world *w)
         t->task = p->work ? p->work->tasks[i] : made;
         t->to = t->task.to;
     }
+    w->wanted_px = count_wanted(w);
 }
 
 static void close_world(struct world *w)

@@ -12,8 +12,9 @@
  * with it; a new one gets those tasks of which some pixel had not been passed on.
  *
  * What is checked of every run, after every event: a task commits once, and only when all of its
- * pixels were passed on; the end comes once, when everything is committed; time goes on. The rest
- * is the affair of a policy's own checks (plan.checks), which may be too slow for large runs:
+ * pixels were passed on; the end comes once, when everything is committed and no pixel is missing;
+ * time goes on. The rest is the affair of a policy's own checks (plan.checks), which may be too
+ * slow for large runs:
  *
  * sim_checks_deal, of at most SIM_SLOTS_MOST slots:
  *

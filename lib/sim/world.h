@@ -77,6 +77,7 @@ struct world {
     int32_t n_open;              /* tasks of the plan that are known and not committed */
     uint32_t frame_w, frame_h;
     struct coverage sent; /* pixels that were passed on */
+    uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
     int64_t hub_us;  /* until then pixels pass the hub */
     double cost_us;  /* drawn so far, at power 1 */
