@@ -10,7 +10,8 @@
 #     against the number of hosts; and 10,000 hosts with 1,000,000 tasks: how long that takes to simulate
 #   - a dozen of the cells through real processes and pipes; for that it wants two idle cores
 #
-# PARTS names what is wanted of these: paper, many, big, replay. VIEWS names the views besides the normal one (spdgen -V). build/bench/simulate.tsv has the efficiencies.
+# PARTS names what is wanted of these: paper, many, big, replay. VIEWS names the views besides the normal one (spdgen
+# -V). build/bench/simulate.tsv has the efficiencies, steals.tsv the messages.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=../peaks.sh
@@ -19,8 +20,14 @@ scenes=${SCENES:-gears balls tetra} views=${VIEWS-imbalanced} latencies='0 0.5 2
 parts=${PARTS:-paper many big replay} rounds=$(seq "${ROUNDS:-5}")
 powers=1,1,1,1,1,1,1,1,1,1,1,1,0.442,1.347
 mkdir -p "$root/build/bench" || exit 3
-tsv=$root/build/bench/simulate.tsv
 
+# head_of X Y NOTE: of a table
+head_of() {
+	printf '# %s\n' "x: $1" "y: $2" "note: $3" 'seed: 0' 'command: tests/bench/80_simulate.sh' \
+		"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
+		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores"
+	printf 'experiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\n'
+}
 # of KEY: from the figures of the latest run
 of() { awk -F '\t' -v key="$1" '$1 == key { print $2 }' figures; }
 # at_least WHAT GOT TARGET
@@ -81,13 +88,8 @@ done
 
 # ---- the paper's hosts ---------------------------------------------------------------------------------------
 paper() {
-	{
-		printf '# %s\n' 'x: one-way latency' 'y: efficiency' 'seed: 0' 'command: tests/bench/80_simulate.sh' \
-			"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
-			"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
-			'note: the 14 hosts of the GDC paper, rows of 512x512 at its times; lower bound / makespan'
-		printf 'experiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\n'
-	} >"$tsv" || exit 3
+	tsv=$root/build/bench/simulate.tsv
+	head_of 'one-way latency' efficiency 'the 14 hosts of the GDC paper, rows of 512x512 at its times; lower bound / makespan' >"$tsv"
 	methods=$(cut -d'|' -f1 methods)
 	printf '%-18s %6s ' scene ms
 	# shellcheck disable=SC2086
@@ -126,6 +128,8 @@ many() {
 	at_least 'gdc on 1000 hosts' "$(cat ring.1000)" .90
 	echo
 	echo 'messages per steal, 20 tasks of 100 ms on average a host, powers from 1/3 to 3, 0.5 ms:'
+	tsv=$root/build/bench/steals.tsv
+	head_of hosts 'messages per steal' '20 tasks a host, of unequal costs, hosts of unequal powers, links of 0.5 ms' >"$tsv"
 	printf '%7s %12s %12s %14s %12s\n' hosts gdc efficiency gdc-published efficiency
 	for hosts in 10 30 100 300 1000 3000; do
 		partition -u run:1 "${hosts}x20" >many.task
@@ -134,6 +138,9 @@ many() {
 			# shellcheck disable=SC2086
 			simulate -j $hosts,3 -l .5 -m 100000,4 $method <many.task >figures || echo "$method: not complete" >&2
 			printf ' %12.2f %12.4f' "$(of messages_per_steal)" "$(of efficiency)"
+			name=gdc
+			[ "$method" = ring ] || name='gdc as published'
+			printf 'ring\tsimulated\t%s\t%s\t1\t%s\t1\t1\t0\n' "$name" $hosts "$(of messages_per_steal)" >>"$tsv"
 		done
 		echo
 	done
