@@ -19,6 +19,7 @@
 
 #include <stdlib.h>
 
+#define AHEAD .1          /* of a task, or less, its way may take */
 #define WAIT_MOST_US 1e12 /* more is not waited for */
 
 static void *node_create(const struct sched_params *p)
@@ -93,9 +94,15 @@ void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *ou
     tasks_remove(&n->has, i);
 }
 
+/*
+ * What the worker has cannot be given away. So it has another task in store only where its way is
+ * no small part of a task, and not before that is known: a task that waits behind another one looks
+ * like a long way.
+ */
 static void feed(struct node *n, int64_t now, struct sched_actions *out)
 {
-    int32_t store = n->place.published ? 0 : pace_depth(&n->pace, n->width);
+    bool ahead = !n->place.published && n->pace.round_trip_us > AHEAD * n->pace.task_us;
+    int32_t store = ahead ? pace_depth(&n->pace, n->width) : 0;
     int32_t most = n->width ? n->width + store : 0;
     while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
         int32_t i = n->queue.head;
