@@ -70,11 +70,11 @@ like '... the hub hears of that' "$out" '^# 600000 1 to hub: gone$'
 # node at .4; what that gives passes the hub at .5, and is there at .6. From node to node in one hop: in half of that.
 stolen() { run simulate -v -m 1e6 -w 1,1 -l 100 "$@" <first.task; }
 stolen ring -k one
-like 'a ring: what it takes from node to node, through the hub' "$out" '^# 600000 1 from hub: task 3 from=0$'
+like 'a ring: what it takes from node to node, through the hub' "$out" '^# 600000 1 from hub: task 1 from=0$'
 is '... all is done, by both' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
 is '... one task at a time' "$(of steals)" "$(of passed)"
 stolen -H 1 ring -k one
-like '... or in one hop' "$out" '^# 400000 1 from hub: task 3 from=0$'
+like '... or in one hop' "$out" '^# 400000 1 from hub: task 1 from=0$'
 stolen ring -p
 is 'the published ring: all is done' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
 stolen -f crash@1:0 ring

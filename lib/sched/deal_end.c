@@ -95,11 +95,11 @@ static uint64_t piece_px(const struct deal *d, const struct slot *s)
         const struct slot *other = &d->slots[k];
         if (other->state != SLOT_UP) continue;
         up++;
-        known += other->pace.px_per_us > 0;
-        sum += other->pace.px_per_us;
+        known += pace_rate(&other->pace) > 0;
+        sum += pace_rate(&other->pace);
     }
     if (known <= 0) return UINT32_MAX;
-    double rate = s->pace.px_per_us > 0 ? s->pace.px_per_us : sum / known;
+    double rate = pace_rate(&s->pace) > 0 ? pace_rate(&s->pace) : sum / known;
     double share = d->left_px / 2 * rate / (sum * up / known);
     double least = rate * (PIECE_US + PIECE_TRIPS * s->pace.round_trip_us);
     return (uint64_t)fmin(fmax(fmax(share, least), PIECE_LEAST), UINT32_MAX);

@@ -35,7 +35,7 @@ void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, i
     else if (waited || idle_us > p->task_us)
         p->round_trip_us += WEIGHT * (sample_us - p->round_trip_us);
     pace_mix(&p->task_us, computed_us);
-    pace_mix(&p->px_per_us, (double)lattice_count(&copy->task.at) / computed_us);
+    pace_mix(&p->us_per_px, computed_us / (double)lattice_count(&copy->task.at));
     p->done_us = now_us;
 }
 

@@ -11,10 +11,15 @@
 struct pace {             /* 0: not known yet */
     double round_trip_us; /* what a task takes beyond its computing, when none is before it */
     double task_us;       /* the computing; a recent mean */
-    double px_per_us;     /* likewise */
+    double us_per_px;     /* likewise */
     int64_t done_us;      /* when its latest `done` came */
 };
 
+/* Pixels in a microsecond; 0: not known. */
+static inline double pace_rate(const struct pace *p)
+{
+    return p->us_per_px > 0 ? 1 / p->us_per_px : 0;
+}
 /* x into a recent mean, which is 0 at first. */
 void pace_mix(double *mean, double x);
 /* A task is done, of which it had `copy`; wall_us: it says, or -1. */

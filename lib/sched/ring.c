@@ -36,7 +36,7 @@ static void ring_destroy(void *state)
     tasks_free(&h->ledger);
     set_free(&h->up);
     set_free(&h->hungry);
-    set_free(&h->rich);
+    for (int c = 0; c < LOADS; c++) set_free(&h->rich[c]);
     set_free(&h->late);
     free(h->from);
     free(h->early);
@@ -53,18 +53,24 @@ static struct task_list *list_of(struct hub *h, int32_t i)
     return e->done ? &h->nodes[e->slot].computed : &h->nodes[e->slot].held;
 }
 
+static double px_of(const struct task_entry *e) { return (double)lattice_count(&e->task.at); }
+
 static void unlist(struct hub *h, int32_t i)
 {
+    struct task_entry *e = &h->ledger.at[i];
     list_remove(&h->ledger, list_of(h, i), i);
-    h->n_computed -= h->ledger.at[i].done;
+    h->n_computed -= e->done;
+    if (e->slot >= 0 && !e->done) h->nodes[e->slot].held_px -= px_of(e);
 }
 
 static void enlist(struct hub *h, int32_t i, int32_t k, bool done)
 {
-    h->ledger.at[i].slot = k;
-    h->ledger.at[i].done = done;
+    struct task_entry *e = &h->ledger.at[i];
+    e->slot = k;
+    e->done = done;
     h->n_computed += done;
     list_push_back(&h->ledger, list_of(h, i), i);
+    if (k >= 0 && !done) h->nodes[k].held_px += px_of(e);
 }
 
 /* Node k, which is up, is told of entry i, which is its. */
@@ -73,6 +79,7 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     struct hub_node *s = &h->nodes[k];
     s->flushed = BUG(38) && s->flushed;
     h->ledger.at[i].tries += !h->ledger.at[i].tries;
+    h->ledger.at[i].since_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = h->from[i];
     ring_served(h, k);
@@ -108,14 +115,12 @@ static void start(struct hub *h, int32_t i, struct sched_actions *out)
     assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
-/* Where node k is the only one that is up, it is everybody's heir; -1: nodes are known. */
-static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
+static void take_pool(struct hub *h, struct sched_actions *out)
 {
     for (int32_t left = h->pool.count; left > 0; left--) {
         int32_t i = h->pool.head;
         unlist(h, i);
-        if (k >= 0) assign(h, i, k, out);
-        else start(h, i, out);
+        start(h, i, out);
     }
 }
 
@@ -158,15 +163,18 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     h->n_nodes = n;
     h->nodes = xcalloc((size_t)n, sizeof *h->nodes);
     for (int32_t k = 0; k < n; k++)
-        h->nodes[k] = (struct hub_node){
-            .held = TASK_LIST_EMPTY, .computed = TASK_LIST_EMPTY, .thief = -1, .victim = -1};
+        h->nodes[k] = (struct hub_node){.held = TASK_LIST_EMPTY,
+            .computed = TASK_LIST_EMPTY,
+            .load = -1,
+            .thief = -1,
+            .victim = -1};
     set_init(&h->up, n);
     set_init(&h->hungry, n);
-    set_init(&h->rich, n);
+    for (int c = 0; c < LOADS; c++) set_init(&h->rich[c], n);
     set_init(&h->late, n);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
-    take_pool(h, -1, out);
+    take_pool(h, out);
 }
 
 /* The tasks come first, so that it does not ask for what is under way. */
@@ -182,7 +190,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     hub_mark(h, k);
     for (int32_t i = BUG(36) ? -1 : s->held.head; i >= 0; i = h->ledger.at[i].next)
         send(h, k, i, out);
-    take_pool(h, k, out);
+    take_pool(h, out);
     if (told) return;
     sched_act(out, SCHED_SAY, k, NULL);
     out->at[out->n - 1].ring = (struct ring){
@@ -208,12 +216,20 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     }
 }
 
+static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
+{
+    const struct task_entry *e = &h->ledger.at[i];
+    pace_note(&h->nodes[e->slot].pace, e, wall_us, h->now_us);
+    pace_mix(&h->pace.us_per_px, h->nodes[e->slot].pace.us_per_px);
+}
+
 static void take_done(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (i < 0 || !hub_is_up(h, k) || (h->ledger.at[i].slot != k && !BUG(31))) return;
     /* Said before it was so? What it holds back it may not have had when it was asked. */
     if (h->ledger.at[i].done) h->nodes[k].flushed = false;
+    else note_pace(h, i, e->wall_us);
     unlist(h, i);
     enlist(h, i, k, true);
     hub_mark(h, k);
@@ -244,7 +260,6 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
         h->from[i] = k;
         assign(h, i, peer, out);
     }
-    ring_has_given(h, k, peer);
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -270,7 +285,7 @@ static void ring_step(
 {
     struct hub *h = state;
     bool known = e->slot >= 0 && e->slot < h->n_nodes;
-    (void)now;
+    h->now_us = now;
     switch (e->kind) {
     case SCHED_TASK: take_task(h, e, out); break;
     case SCHED_INPUT_END:

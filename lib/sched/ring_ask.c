@@ -1,8 +1,9 @@
 /*
- * The hub: who is asked for whom. An ask goes to the next node of the ring that by the ledger has
- * tasks which are not begun, does not ask itself, and has no other ask to answer: one look at a set
- * instead of the paper's search from node to node. Where there is none the hub remembers who asked,
- * who is served when somebody has work again.
+ * The hub: who is asked for whom. An ask goes to a node that by the ledger has tasks which are not
+ * begun, does not ask itself, and has no other ask to answer: of those with most work left, by
+ * powers of two of its time, the next one in the ring. These are two looks at sets, instead of the
+ * paper's search from node to node, which finds who is near, not who needs help. Where there is
+ * none the hub remembers who asked, who is served when somebody has work again.
  *
  * What waits for a node that is not up yet nobody can be asked for: the hub gives it, as much as
  * that node would.
@@ -14,14 +15,41 @@
  */
 #include "sched/ring_int.h"
 
+/* The class of node k's work. Where nothing is known of a node, it is like the others. */
+static int32_t load_of(const struct hub *h, const struct hub_node *s)
+{
+    double us_per_px = s->pace.us_per_px > 0 ? s->pace.us_per_px : h->pace.us_per_px;
+    if (us_per_px <= 0) us_per_px = 1;
+    double us = s->held_px * us_per_px / s->width / (1 + s->thieves);
+    if (us < 1) return 0;
+    int32_t load = ilogb(us);
+    return load < LOADS ? load : LOADS - 1;
+}
+
+static void mark_rich(struct hub *h, int32_t k, bool rich)
+{
+    struct hub_node *s = &h->nodes[k];
+    int32_t load = rich ? load_of(h, s) : -1;
+    if (load == s->load) return;
+    if (s->load >= 0) {
+        set_put(&h->rich[s->load], k, false);
+        if (!h->rich[s->load].count) h->loads &= ~(UINT64_C(1) << s->load);
+    }
+    if (load >= 0) {
+        set_put(&h->rich[load], k, true);
+        h->loads |= UINT64_C(1) << load;
+    }
+    s->load = load;
+}
+
+/* A node whose every task is asked for, or more, is not asked for another. */
 void hub_mark(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
-    bool up = s->state == NODE_UP;
+    bool up = s->state == NODE_UP, more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
-    set_put(&h->rich, k,
-        up && (!s->asking || BUG(40)) && !s->dry && s->thief < 0 && s->held.count > s->width);
+    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry);
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -33,17 +61,43 @@ static void give_late(struct hub *h, struct sched_actions *out)
     }
 }
 
+/* Node k is asked for by node thief; or not any more. */
+static void pair(struct hub *h, int32_t k, int32_t thief)
+{
+    struct hub_node *s = &h->nodes[k], *t = &h->nodes[thief];
+    t->victim = k;
+    t->given_before = s->given;
+    t->before = -1;
+    t->after = s->thief;
+    if (s->thief >= 0) h->nodes[s->thief].before = thief;
+    s->thief = thief;
+    s->thieves++;
+    hub_mark(h, k);
+    hub_mark(h, thief);
+}
+
+static void part(struct hub *h, int32_t thief)
+{
+    struct hub_node *t = &h->nodes[thief];
+    int32_t k = t->victim;
+    if (k < 0) return;
+    if (t->before >= 0) h->nodes[t->before].after = t->after;
+    else h->nodes[k].thief = t->after;
+    if (t->after >= 0) h->nodes[t->after].before = t->before;
+    t->victim = -1;
+    h->nodes[k].thieves--;
+    hub_mark(h, k);
+    hub_mark(h, thief);
+}
+
 void ring_match(struct hub *h, struct sched_actions *out)
 {
     give_late(h, out);
-    while (h->hungry.count && h->rich.count) {
-        int32_t victim = set_after(&h->rich, set_after(&h->hungry, -1));
+    while (h->hungry.count && h->loads) {
+        const struct slot_set *rich = &h->rich[63 - __builtin_clzll(h->loads)];
+        int32_t victim = set_after(rich, set_after(&h->hungry, -1));
         int32_t thief = set_before(&h->hungry, victim);
-        h->nodes[thief].victim = victim;
-        h->nodes[victim].thief = thief;
-        h->nodes[victim].given_before = h->nodes[victim].given;
-        hub_mark(h, thief);
-        hub_mark(h, victim);
+        pair(h, victim, thief);
         sched_act(out, SCHED_SAY, victim, NULL);
         out->at[out->n - 1].ring = (struct ring){.kind = RING_ASK, .peer = thief, .next = -1};
     }
@@ -54,8 +108,8 @@ void ring_served(struct hub *h, int32_t k)
     struct hub_node *s = &h->nodes[k];
     s->asking = false;
     s->dry = BUG(32) && s->dry;
-    s->victim = -1;
     s->given++;
+    part(h, k);
     hub_mark(h, k);
 }
 
@@ -65,33 +119,19 @@ void ring_asks(struct hub *h, int32_t k)
     hub_mark(h, k);
 }
 
-/* Node k owes node peer no answer any more. */
-static void answered(struct hub *h, int32_t k, int32_t peer)
-{
-    h->nodes[k].thief = -1;
-    if (h->nodes[peer].victim == k && !BUG(33)) h->nodes[peer].victim = -1;
-    hub_mark(h, k);
-    hub_mark(h, peer);
-}
-
 void ring_has_none(struct hub *h, int32_t k, int32_t peer)
 {
-    struct hub_node *s = &h->nodes[k];
-    if (peer < 0 || s->thief != peer) return;
-    s->dry = s->given == s->given_before || BUG(39);
-    answered(h, k, peer);
-}
-
-void ring_has_given(struct hub *h, int32_t k, int32_t peer)
-{
-    if (h->nodes[k].thief == peer) answered(h, k, peer);
+    if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
+    h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before || BUG(39);
+    if (!BUG(33)) part(h, peer);
+    hub_mark(h, k);
 }
 
 void ring_lost(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
     s->asking = s->dry = false;
-    s->victim = -1;
-    if (s->thief >= 0 && !BUG(34)) answered(h, k, s->thief);
+    part(h, k);
+    while (s->thief >= 0 && !BUG(34)) part(h, s->thief);
     hub_mark(h, k);
 }

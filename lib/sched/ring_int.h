@@ -5,7 +5,7 @@
 #ifndef STORMRING_SCHED_RING_INT_H
 #define STORMRING_SCHED_RING_INT_H
 
-#include "sched/sched.h"
+#include "sched/pace.h"
 
 /* ---- ring_set.c ------------------------------------------------------------------------------ */
 
@@ -29,6 +29,8 @@ int32_t set_before(const struct slot_set *s, int32_t k);
 
 /* ---- ring.c ---------------------------------------------------------------------------------- */
 
+#define LOADS 48 /* classes of work: class c lasts for 2^c microseconds, and not for twice that */
+
 enum node_state { NODE_NEW, NODE_UP, NODE_GONE };
 
 /* What the hub knows of the node on a slot. */
@@ -36,13 +38,17 @@ struct hub_node {
     enum node_state state;
     int32_t width;                   /* tasks that it is on at once */
     struct task_list held, computed; /* entries of the ledger: its tasks; `computed`: pixels miss */
+    double held_px;                  /* of `held` */
+    struct pace pace;                /* of its worker, by what it says of that */
+    int32_t load;                    /* the class of its work, where it may be asked for some; -1 */
     bool flushed;                    /* it was asked for these, since it was last given a task */
     bool asking;                     /* it wants work, and was given none since it said so */
     bool dry;                        /* it had nothing to give, and was given nothing since */
-    int32_t thief;         /* the node for which it was asked last, and has not answered; -1 */
-    int32_t victim;        /* the node that was asked for it, and has not answered; -1 */
-    uint64_t given;        /* tasks */
-    uint64_t given_before; /* of them, when it was asked last */
+    uint64_t given;                  /* tasks */
+    int32_t thief, thieves; /* the first of the nodes for which it was asked; how many they are */
+    int32_t victim;         /* the node that was asked for it, and has not answered; -1: */
+    int32_t before, after;  /* the others for which that one was */
+    uint64_t given_before;  /* the victim's `given` then */
 };
 
 struct hub {
@@ -55,9 +61,13 @@ struct hub {
     int32_t n_nodes; /* 0: not known yet */
     int32_t *early;  /* nodes that were lost before that */
     size_t n_early;
-    int64_t n_computed;                 /* entries */
-    struct slot_set up;                 /* nodes that are */
-    struct slot_set hungry, rich, late; /* ring_ask.c */
+    int64_t n_computed;           /* entries */
+    struct slot_set up;           /* nodes that are */
+    struct slot_set hungry, late; /* ring_ask.c */
+    struct slot_set rich[LOADS];  /* likewise: by the class of their work */
+    uint64_t loads;               /* bit c: rich[c] is not empty */
+    struct pace pace;             /* of all */
+    int64_t now_us;               /* of this step */
     bool ended, flush, closed;
 };
 
@@ -76,10 +86,9 @@ void hub_mark(struct hub *h, int32_t k);
 void ring_match(struct hub *h, struct sched_actions *out);
 /* Node k was given a task: whatever it had asked for, it has. */
 void ring_served(struct hub *h, int32_t k);
-/* Node k says ASK; or NONE, to node peer; or has given something to it. */
+/* Node k says ASK; or NONE, to node peer. */
 void ring_asks(struct hub *h, int32_t k);
 void ring_has_none(struct hub *h, int32_t k, int32_t peer);
-void ring_has_given(struct hub *h, int32_t k, int32_t peer);
 /* Node k is lost. */
 void ring_lost(struct hub *h, int32_t k);
 

@@ -7,9 +7,11 @@
  * 1. A node asks ahead: as long before it has nothing left to do as an ask takes, by what it has
  *    measured of its worker and of its asks; at the latest when it has nothing left. One ask is
  *    outstanding at most; whatever task comes ends it.
- * 2. Who is asked gives tasks from the end of its queue while the other one would have done them
- *    sooner, if that one is as fast, and begins them when they arrive: about half. (Steal-half:
- *    D. Hendler, N. Shavit, "Non-blocking steal-half work queues", PODC 2002.)
+ * 2. Who is asked gives so many tasks that both have done what they have then at the same time, if
+ *    the other one is as fast, and begins when they arrive: about half. (Steal-half: D. Hendler,
+ *    N. Shavit, "Non-blocking steal-half work queues", PODC 2002; here they do not come from the
+ *    other end of the queue: what was to be done first is, so that the order in which partition
+ *    has put the tasks, the cheapest last, is that in which all of them are begun.)
  * 3. It gives nothing while it asks itself. What is given, thus, is begun where it arrives: the
  *    last task is not passed round.
  *
@@ -19,7 +21,6 @@
 
 #include <stdlib.h>
 
-#define AHEAD .1          /* of a task, or less, its way may take */
 #define WAIT_MOST_US 1e12 /* more is not waited for */
 
 static void *node_create(const struct sched_params *p)
@@ -94,15 +95,10 @@ void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *ou
     tasks_remove(&n->has, i);
 }
 
-/*
- * What the worker has cannot be given away. So it has another task in store only where its way is
- * no small part of a task, and not before that is known: a task that waits behind another one looks
- * like a long way.
- */
 static void feed(struct node *n, int64_t now, struct sched_actions *out)
 {
-    bool ahead = !n->place.published && n->pace.round_trip_us > AHEAD * n->pace.task_us;
-    int32_t store = ahead ? pace_depth(&n->pace, n->width) : 0;
+    bool known = n->pace.task_us > 0 && !n->place.published;
+    int32_t store = known ? pace_depth(&n->pace, n->width) : 0;
     int32_t most = n->width ? n->width + store : 0;
     while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
         int32_t i = n->queue.head;
@@ -196,10 +192,7 @@ static void take(
 /* ---- the default rules ----------------------------------------------------------------------- */
 
 /* Microseconds for a pixel, by all that the worker is on at once; 0: not known. */
-static double pace_of(const struct node *n)
-{
-    return n->pace.px_per_us > 0 ? 1 / (n->pace.px_per_us * n->width) : 0;
-}
+static double pace_of(const struct node *n) { return n->width ? n->pace.us_per_px / n->width : 0; }
 
 /* So long the worker needs for what it was fed. Where it is late it will be as late again. */
 static double fed_us(const struct node *n, double us_per_px, int64_t now)
@@ -213,7 +206,7 @@ static double fed_us(const struct node *n, double us_per_px, int64_t now)
 }
 
 /* Rule 1. */
-static void ask(struct node *n, int64_t now, struct sched_actions *out)
+static void ask(struct node *n, bool more, int64_t now, struct sched_actions *out)
 {
     double us_per_px = pace_of(n);
     double idle_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px - n->trip_us;
@@ -221,48 +214,44 @@ static void ask(struct node *n, int64_t now, struct sched_actions *out)
     n->ask_us = INT64_MAX;
     if ((n->asked_us >= 0 && !BUG(41)) || n->ended || !n->width) return;
     if (busy && us_per_px <= 0) return;
-    if (busy && (idle_us >= 1 || BUG(49))) {
-        n->ask_us = idle_us < WAIT_MOST_US ? now + (int64_t)idle_us : INT64_MAX;
+    if (more || (busy && (idle_us >= 1 || BUG(49)))) {
+        n->ask_us = idle_us < WAIT_MOST_US ? now + (int64_t)fmax(idle_us, 0) : INT64_MAX;
         return;
     }
     n->asked_us = now;
     node_say(RING_ASK, -1, out);
 }
 
-/* Rules 2 and 3: the first entry of its queue that is given; -1: none is. */
-static int32_t first_spare(const struct node *n, int64_t now)
+/* Rules 2 and 3: so many tasks are given. */
+static int32_t spare(const struct node *n, int64_t now)
 {
     double us_per_px = pace_of(n) > 0 ? pace_of(n) : 1;
     double here_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px;
     double there_us = n->trip_us / 2;
-    int32_t first = -1, most = n->place.one && !BUG(48) ? 1 : INT32_MAX;
-    if (n->asked_us >= 0 && !BUG(42)) return -1;
-    for (int32_t i = n->queue.tail; i >= 0 && most--; i = n->has.at[i].prev) {
+    int32_t given = 0, most = n->place.one && !BUG(48) ? 1 : n->queue.count;
+    if (n->asked_us >= 0 && !BUG(42)) return 0;
+    for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
         double us = px_of(n, i) * us_per_px;
         if (there_us + us >= here_us && !BUG(45)) break;
         there_us += us;
         here_us -= us;
-        first = i;
+        given++;
     }
-    return first;
+    return given;
 }
 
 static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actions *out)
 {
-    int32_t first = first_spare(n, now);
-    if (first < 0 && !BUG(44)) node_say(RING_NONE, peer, out);
-    while (first >= 0) {
-        int32_t i = first;
-        first = n->has.at[i].next;
-        node_give(n, i, peer, out);
-    }
+    int32_t given = spare(n, now);
+    if (!given && !BUG(44)) node_say(RING_NONE, peer, out);
+    while (given-- > 0) node_give(n, n->queue.head, peer, out);
 }
 
 static void default_rules(
     struct node *n, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     if (e->kind == SCHED_RING && e->ring.kind == RING_ASK) answer(n, e->ring.peer, now, out);
-    ask(n, now, out);
+    ask(n, e->kind == SCHED_TASK, now, out);
 }
 
 /* ---- a step ---------------------------------------------------------------------------------- */

@@ -11,8 +11,7 @@ struct ring_model *ring_model(struct world *w)
     if (!w->note) {
         size_t n = (size_t)w->plan->slots;
         struct ring_model *m = xcalloc(1, sizeof *m + n * sizeof *m->slots);
-        for (size_t k = 0; k < n; k++)
-            m->slots[k].thief = m->slots[k].victim = m->slots[k].asker = -1;
+        for (size_t k = 0; k < n; k++) m->slots[k].victim = m->slots[k].asker = -1;
         w->note = m;
     }
     return w->note;
@@ -34,9 +33,9 @@ struct rtask *ring_task(struct world *w, const struct task *t)
 static void mark(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
-    bool up = s->state == RING_UP, has = s->held > w->plan->width;
+    bool up = s->state == RING_UP, has = s->held > w->plan->width + s->thieves;
     bool hungry = up && s->asking && s->victim < 0;
-    bool rich = up && has && !s->asking && !s->dry && s->thief < 0;
+    bool rich = up && has && !s->asking && !s->dry;
     m->hungry += hungry - s->hungry;
     m->rich += rich - s->rich;
     s->hungry = hungry;
@@ -125,6 +124,17 @@ static void note_up(struct world *w, struct ring_model *m, int32_t k)
     mark(w, m, k);
 }
 
+/* Nobody is asked for slot k any more. */
+static void part(struct world *w, struct ring_model *m, int32_t k)
+{
+    int32_t victim = m->slots[k].victim;
+    if (victim < 0) return;
+    m->slots[k].victim = -1;
+    m->slots[victim].thieves--;
+    mark(w, m, victim);
+    mark(w, m, k);
+}
+
 static void note_gone(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
@@ -132,9 +142,9 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
     m->up -= s->state == RING_UP;
     s->promised = 0;
     s->state = RING_GONE;
-    if (s->thief >= 0 && m->slots[s->thief].victim == k) m->slots[s->thief].victim = -1;
-    if (s->thief >= 0) mark(w, m, s->thief);
-    s->thief = s->victim = -1;
+    part(w, m, k);
+    for (int32_t i = 0; i < w->plan->slots; i++)
+        if (m->slots[i].victim == k) part(w, m, i);
     s->asking = s->dry = false;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
@@ -152,16 +162,6 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     if (t->base != k || s->state != RING_UP) return;
     if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
     if (t->place == RING_HELD) enter(w, m, t, RING_COMPUTED, k);
-}
-
-/* Slot k owes peer no answer any more. */
-static void note_answer(struct world *w, struct ring_model *m, int32_t k, int32_t peer)
-{
-    if (peer < 0 || peer >= w->plan->slots || m->slots[k].thief != peer) return;
-    m->slots[k].thief = -1;
-    if (m->slots[peer].victim == k) m->slots[peer].victim = -1;
-    mark(w, m, k);
-    mark(w, m, peer);
 }
 
 static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
@@ -182,9 +182,10 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
         t->passes++;
         enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
-    if (e->ring.kind == RING_NONE && exists && s->thief == peer)
-        s->dry = s->given == s->given_before;
-    note_answer(w, m, e->slot, peer);
+    if (e->ring.kind != RING_NONE || !exists || m->slots[peer].victim != e->slot) return;
+    s->dry = s->given == m->slots[peer].given_before;
+    part(w, m, peer);
+    mark(w, m, e->slot);
 }
 
 static void ring_event(struct world *w, const struct sched_event *e)
@@ -239,7 +240,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     if (s->state != RING_UP) return;
     s->given++;
     s->asking = s->dry = s->flushed = false;
-    s->victim = -1;
+    part(w, m, a->slot);
     enter(w, m, t, RING_HELD, a->slot);
 }
 
@@ -248,11 +249,9 @@ static void check_asked(struct world *w, struct ring_model *m, int32_t victim, i
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
     if (!v->rich) fail(w, "who has nothing to give is asked", victim, thief);
     if (!s->hungry) fail(w, "somebody is asked for who does not want", victim, thief);
-    for (int32_t k = (thief + 1) % w->plan->slots; k != victim; k = (k + 1) % w->plan->slots)
-        if (m->slots[k].rich) fail(w, "a nearer one could be asked", k, victim);
-    v->thief = thief;
-    v->given_before = v->given;
+    v->thieves++;
     s->victim = victim;
+    s->given_before = v->given;
     mark(w, m, victim);
     mark(w, m, thief);
 }

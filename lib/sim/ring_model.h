@@ -23,9 +23,11 @@ struct rslot {
     /* as the hub knows it */
     int32_t held, computed, promised; /* tasks; promised: ORPHAN, while it is NEW */
     bool asking, dry, flushed, placed;
-    bool hungry, rich; /* wants, and nobody was asked for it; has, and may be asked */
-    int32_t thief, victim;
-    int64_t given, given_before;
+    bool hungry, rich;    /* wants, and nobody was asked for it; has, and may be asked */
+    int64_t given;        /* tasks */
+    int32_t thieves;      /* nodes for which it was asked, and that have not been given any */
+    int32_t victim;       /* the node that was asked for it; -1 */
+    int64_t given_before; /* what that one had been given then */
     /* the node itself, since it began */
     int32_t queued, fed;
     bool has_place, asked, ended;
