@@ -368,13 +368,15 @@ static int finish(struct gather *g)
     }
     report_refused(g);
     report_twice(g);
+    bool disputed = parts->n_frames && !*g->o->inputs && strcmp(g->why, "other-jobs") == 0;
+    if (disputed) warn("slots did not agree on a job: what is there may be of another scene");
     if (!parts->n_frames && *g->why) warn("nothing was rendered: %s", g->why);
     if (!parts->n_frames && !*g->why)
         warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);
-    if (g->status != ST_OK) return g->status;
+    if (g->status != ST_OK || disputed) return ST_SYSTEM;
     if (assembly_whole(parts) || (parts->n_frames && g->o->missing)) return ST_OK;
     return unfinished(g);
 }

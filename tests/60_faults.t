@@ -140,6 +140,14 @@ is "masterslave, fan stopped as well: exit 0" $? 0
 is "masterslave, fan stopped as well: nobody is lost" "$(cat said)" ''
 ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
 
+# A tree with another scene speaks for all of its workers, and counts as one.
+spdgen -s 2 tetra >tetra.nff
+printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtworker gears.nff; }\nexec deal fan -j 3 rtworker tetra.nff\n' >old
+chmod +x old
+{ partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
+is "a tree with another scene: exit 3" $? 3
+like "a tree with another scene: it is said" "$(cat said)" 'frame 0: 1 said job [0-9a-f]{16}, 2 another: given up'
+
 # ---- every worker dies ---------------------------------------------------------------------------------
 long masterslave
 await 5 working 3

@@ -42,6 +42,7 @@ struct fan_slot {
     bool connected; /* it said hello, and was let in */
     bool loaded;    /* it has announced a frame */
     bool loading;   /* since it was last sent state, it has not */
+    int64_t agreed; /* the frame about whose job it last said what the first slot did, -1 */
     bool flushed;   /* it was asked for what it holds back */
     bool asked;     /* its input had been closed when its stream ended */
     bool decided;   /* leaving: why is known, and has been said */

@@ -79,6 +79,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->from.upward = true;
     s->connected = s->loaded = s->asked = s->decided = s->again = false;
     s->did = s->placed = false;
+    s->agreed = -1;
     s->stale = 0;
     s->ahead = 0;
     s->before_hello = 0;

@@ -64,7 +64,7 @@ static const char *dispute(
 
 /* Do all slots say the same of what a frame belongs to? Who says it first is believed. */
 static const char *take_job(
-    struct fan *f, const struct fan_slot *s, struct frame_size *frame, const struct record *r)
+    struct fan *f, struct fan_slot *s, struct frame_size *frame, const struct record *r)
 {
     char job[sizeof frame->job];
     if (!rec_str(r, "job", job, sizeof job)) return "wrong-frame";
@@ -72,10 +72,12 @@ static const char *take_job(
         memcpy(frame->job, job, sizeof job);
         frame->by = s->number;
         frame->agree = frame->differ = 0;
+        s->agreed = -1;
     }
     frame->said = true;
     if (strcmp(frame->job, job) != 0) return dispute(f, s, frame, job);
-    frame->agree++;
+    frame->agree += s->agreed != frame->frame; /* a tree says it for each of its workers */
+    s->agreed = frame->frame;
     return NULL;
 }
 
