@@ -120,9 +120,10 @@ static void parse(struct options *o, int argc, char **argv)
     struct sim_plan *p = &o->plan;
     const char *slots = NULL, *hosts = NULL, *faults = NULL;
     int64_t seed = 0;
-    bool made = false;
+    bool made = false, more = false;
     int opt, ways = 0;
     while ((opt = getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:vw:x:")) != -1) {
+        more = more || !strchr("nsv", opt);
         switch (opt) {
         case 'b':
             parse_pair(opt, optarg, 0, 1e15, &p->link_bytes_per_s, &p->hub_bytes_per_s);
@@ -149,6 +150,8 @@ static void parse(struct options *o, int argc, char **argv)
     }
     if (optind == argc) usage(ST_USAGE, text);
     p->seed = (uint64_t)seed;
+    if (o->seeds && (more || optind + 1 != argc))
+        die(ST_USAGE, "-n: expected -s and -v beside it, and METHOD alone: all else is made up");
     parse_method(o, argc - optind, argv + optind);
     if (o->seeds) return;
     if (ways > 1 || (o->log && made))

@@ -142,6 +142,8 @@ refuses() {
 refuses 'no method' usage simulate
 refuses 'another method' 'none: expected fan, best, deal or ring' simulate none
 refuses 'an option of another method' usage simulate fan -q 1
+refuses 'seeds and a latency' 'made up' simulate -n 1 -l 5 deal
+refuses 'seeds and an option of the method' 'made up' simulate -n 1 deal -e
 refuses 'hosts twice' 'expected one of' simulate -j 2 -w 1,2 deal
 refuses 'costs twice' 'expected one of' simulate -m 1 -t log deal
 refuses 'a log of another size' 'expected the log of a picture of 1x4' simulate -t log deal
