@@ -115,12 +115,14 @@ static void start(struct hub *h, int32_t i, struct sched_actions *out)
     assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
-static void take_pool(struct hub *h, struct sched_actions *out)
+/* Where node k is the only one that is up, it is everybody's heir; -1: nodes are known. */
+static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
 {
     for (int32_t left = h->pool.count; left > 0; left--) {
         int32_t i = h->pool.head;
         unlist(h, i);
-        start(h, i, out);
+        if (k >= 0) assign(h, i, k, out);
+        else start(h, i, out);
     }
 }
 
@@ -174,7 +176,7 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     set_init(&h->late, n);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
-    take_pool(h, out);
+    take_pool(h, -1, out);
 }
 
 /* The tasks come first, so that it does not ask for what is under way. */
@@ -190,7 +192,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     hub_mark(h, k);
     for (int32_t i = BUG(36) ? -1 : s->held.head; i >= 0; i = h->ledger.at[i].next)
         send(h, k, i, out);
-    take_pool(h, out);
+    take_pool(h, k, out);
     if (told) return;
     sched_act(out, SCHED_SAY, k, NULL);
     out->at[out->n - 1].ring = (struct ring){
