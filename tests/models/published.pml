@@ -1,0 +1,353 @@
+/*
+ * The ring as it was published, for spin: the master (lib/sched/gdc.c), the nodes (gdc_node.c) and the links
+ * between them. What is a function in C has its name. tests/55_models.t runs it.
+ *
+ *     spin -a published.pml && cc -O1 -DNP -DCOLLAPSE -DNOREDUCE -o pan pan.c && ./pan -l
+ *
+ * Without faults all runs end: where nothing can happen any more everything is complete (watch), and no state comes
+ * twice (-DNP and -l find cycles). With -DCRASHES=1, and with the other faults, some do not; with -DHAZARD=k only
+ * hazard k, of those that ringctl(1) lists, is a failure, and the assertion that fails has its name.
+ *
+ * CRASHES nodes die and RETURNS of them come up again, LOSES messages from node to node are lost, SLOW reports of a
+ * crash are wrong, each at most. Else a time-out is as long as it should be: a request is repeated when it, or its
+ * answer, was lost, and a crash is reported when there was one. Links are as in ring.pml, but what is under way to
+ * a node that dies is lost. Left out: the number of tries; the order in which those who wait for an answer get it.
+ */
+#ifndef CRASHES
+#define CRASHES 0
+#endif
+#ifndef RETURNS
+#define RETURNS 0
+#endif
+#ifndef LOSES
+#define LOSES 0
+#endif
+#ifndef SLOW
+#define SLOW 0
+#endif
+#ifndef HAZARD
+#define HAZARD 0
+#endif
+#ifndef BUG
+#define BUG 0 /* as in lib/sched */
+#endif
+#define N 3 /* nodes */
+#define ROWS 5
+#define home(r) ((r) < N -> (r) : 0) /* row r is node r's, the last ones node 0's, which so has some to give */
+#define KEPT 1 /* the first rows, whose pixels are held back */
+#define LINK (8 + 8 * (CRASHES + SLOW + LOSES)) /* messages on a link */
+
+#define NONE_OF N /* -1 in C */
+#define bit(i) (1 << (i))
+#define has(set, i) (((set) >> (i)) & 1)
+#define with(set, i) ((set) | bit(i))
+#define without(set, i) ((set) & (255 - bit(i)))
+#define EVERY (bit(ROWS) - 1)
+#define after(k) (((k) + 1) % N)
+
+mtype = { TASK, FLUSH, PLACE, ASK, NONE, HEIR };
+
+chan down[N] = [LINK] of { mtype, byte, byte }; /* TASK row of peer; ASK of peer; NONE, HEIR of peer, next */
+byte crashes = CRASHES, returns = RETURNS, loses = LOSES, slow = SLOW;
+bool over; /* END was said */
+
+/* The master: rows of the global scanline table that are computed, complete, were sent. */
+byte computed, complete, sent;
+byte is_up, met; /* nodes */
+bool asked_all;  /* for a flush */
+byte waits;      /* nodes that wait for an answer */
+byte askers[N];  /* of each node: who asked and was not answered yet */
+
+/* For watch: who died, ever, and of whom that was said; to whom a row went last; rows that were given away. */
+byte died, reported, at[ROWS] = NONE_OF, given;
+
+hidden byte a_node_that_ended_early, a_stolen_row_whose_thief_dies, a_slow_row_looks_like_a_crash, a_lost_answer,
+	the_heir_may_be_dead, two_detectors_both_take_over, a_node_that_returns_hides_its_loss;
+hidden byte a, b, c, d;
+
+/* ---- the master --------------------------------------------------------------------------------- */
+
+/* What goes to a dead node is lost. */
+inline act(k, w, x, y)
+{
+	if
+	:: has(is_up, k) -> assert(nfull(down[k])); down[k]!w, x, y
+	:: else
+	fi
+}
+
+inline send_row(k, r, from)
+{
+	act(k, TASK, r, from);
+	at[r] = k
+}
+
+inline take_up(k)
+{
+	is_up = with(is_up, k); met = with(met, k);
+	act(k, PLACE, 0, 0);
+	a = 0;
+	do
+	:: a < ROWS ->
+		if
+		:: home(a) == k && !has(sent, a) -> sent = with(sent, a); send_row(k, a, NONE_OF)
+		:: else
+		fi;
+		a++
+	:: else -> break
+	od
+}
+
+/* The last of what is computed is asked for. */
+inline ends()
+{
+	if
+	:: !asked_all && (computed | complete) == EVERY && complete != EVERY ->
+		asked_all = true;
+		a = (BUG == 59);
+		do
+		:: a < N -> act(a, FLUSH, 0, 0); a++
+		:: else -> break
+		od
+	:: else
+	fi;
+	over = (complete | computed * (BUG == 57)) == EVERY;
+	assert(!over || complete == EVERY);
+	a = 0; b = 0; c = 0; d = 0
+}
+
+inline take_done(r)
+{
+	if
+	:: !has(complete, r) -> asked_all = false; computed = with(computed, r)
+	:: else
+	fi
+}
+
+inline take_pixels(r)
+{
+	computed = without(computed, r); complete = with(complete, r)
+}
+
+inline take_give(k, r, peer)
+{
+	if
+	:: !has(complete, r) -> send_row(peer, r, k); given = with(given, r)
+	:: else
+	fi
+}
+
+/* The rows of the table that phase 1 assigned to dead. */
+inline take_crashed(heir, dead)
+{
+	reported = with(reported, dead);
+	act(heir, HEIR, dead, after(dead));
+	a = 0;
+	do
+	:: a < ROWS ->
+		if
+		:: home(a) == dead && !has(complete, a) ->
+			a_slow_row_looks_like_a_crash = HAZARD == 3 && has(is_up, dead) && at[a] == dead;
+			assert(!a_slow_row_looks_like_a_crash);
+			two_detectors_both_take_over = HAZARD == 6 && has(is_up, at[a]) && at[a] != heir && !has(given, a);
+			assert(!two_detectors_both_take_over);
+			asked_all = false; computed = without(computed, a); sent = with(sent, a);
+			send_row(heir, a, dead)
+		:: else
+		fi;
+		a++
+	:: else -> break
+	od
+}
+
+/* ---- a node ------------------------------------------------------------------------------------- */
+
+#define me (_pid)
+
+/* How far up the ring from this node */
+#define distance(k) (((k) + N - me) % N)
+
+inline search_on(k)
+{
+	next = k; found = false; waits = without(waits, me); early = false
+}
+
+/* row = the first of the set */
+inline first(set)
+{
+	row = 0;
+	do
+	:: has(set, row) -> break
+	:: else -> row++
+	od
+}
+
+/* Who asked is answered when no row is under way, or one is just done. */
+inline answer_all(done)
+{
+	a = 0;
+	do
+	:: a < N ->
+		if
+		:: has(askers[me], a) && (done || !fed) ->
+			askers[me] = without(askers[me], a);
+			if
+			:: queue ->
+				d = ROWS - 1;
+				do
+				:: has(queue, d) -> break
+				:: else -> d--
+				od;
+				queue = without(queue, d); kept = without(kept, d);
+				take_give(me, d, a)
+			:: !queue && !fed && found -> act(a, NONE, me, next)
+			:: else -> act(a, NONE, me, NONE_OF)
+			fi
+		:: else
+		fi;
+		a++
+	:: else -> break
+	od
+}
+
+/* What ends every step of a node. */
+inline goes_on(done)
+{
+	if
+	:: !fed && queue -> first(queue); queue = without(queue, row); fed = with(fed, row)
+	:: else
+	fi;
+	answer_all(done);
+	if
+	:: placed && !fed && !queue && !has(waits, me) && !early && next != me ->
+		waits = with(waits, me);
+		act(next, ASK, me, 0)
+	:: else
+	fi;
+	if
+	:: flush && !queue && !fed -> out = out | kept; kept = 0; flush = false
+	:: else
+	fi;
+	row = 0; peer = 0; ends()
+}
+
+active [N] proctype node()
+{
+	byte queue, fed, kept, out;       /* kept: computed, pixels held back; out: on their way */
+	bool placed, early, flush, found; /* early: phase 1 has brought nothing yet */
+	byte next, row, peer;
+	mtype what;
+
+end_opening:
+	if
+	:: d_step { !over -> take_up(me); ends() }
+	:: d_step { !over && crashes > 0 -> crashes--; died = with(died, me) } goto end_closed
+	fi;
+end_open:
+	do
+	:: d_step { !over && nempty(down[me]) ->
+		down[me]?what, row, peer;
+		if
+		:: what == TASK ->
+			if
+			:: has(queue | fed, row)
+			:: else -> queue = with(queue, row)
+			fi;
+			if
+			:: peer == NONE_OF -> search_on(after(me))
+			:: else
+			fi;
+			found = found || (has(waits, me) && peer == next);
+			waits = without(waits, me); early = false
+		:: what == ASK -> askers[me] = with(askers[me], row)
+		:: what == NONE && has(waits, me) && row == next ->
+			if
+			:: peer != NONE_OF && distance(peer) > distance(next) -> search_on(peer)
+			:: else -> next = (BUG == 60 -> next : after(next)); search_on(next)
+			fi
+		:: what == NONE && (!has(waits, me) || row != next)
+		:: what == HEIR && has(waits, me) && row == next -> search_on(peer)
+		:: what == HEIR && (!has(waits, me) || row != next)
+		:: what == FLUSH -> flush = true
+		:: what == PLACE && !placed -> placed = true; search_on(after(me)); early = true
+		:: what == PLACE && placed
+		fi;
+		what = 0;
+		goes_on(false) }
+	:: d_step { !over && fed ->
+		first(fed); fed = 0;
+		take_done(row);
+		if
+		:: row >= KEPT -> take_pixels(row)
+		:: else -> kept = with(kept, row)
+		fi;
+		goes_on(true) }
+	:: d_step { !over && out ->
+		first(out); out = without(out, row); queue = without(queue, row);
+		take_pixels(row);
+		goes_on(false) }
+	:: d_step { !over && early -> early = false; goes_on(false) }
+	:: d_step { !over && has(waits, me) && has(died, next) && !has(is_up, next) && empty(down[me]) ->
+		take_crashed(me, next); ends() }
+	:: d_step { !over && has(waits, me) && slow > 0 -> slow--; take_crashed(me, next); ends() }
+	:: d_step { !over && has(waits, me) && has(is_up, next) && empty(down[me]) && !has(askers[next], me) &&
+		!down[next]??[ASK, eval(me), 0] -> act(next, ASK, me, 0); a = 0 }
+	:: d_step { !over && crashes > 0 ->
+		crashes--; is_up = without(is_up, me); died = with(died, me); waits = without(waits, me);
+		queue = 0; fed = 0; kept = 0; out = 0; placed = false; early = false; flush = false; found = false;
+		next = 0; askers[me] = 0;
+		do
+		:: nempty(down[me]) -> down[me]?_, _, _
+		:: empty(down[me]) -> break
+		od;
+		row = 0 }
+		goto end_closed
+	od;
+end_closed:
+	if
+	:: d_step { !over && returns > 0 -> returns--; take_up(me); ends() } goto end_open
+	fi
+}
+
+/* A link between nodes that loses the message that is next. */
+active proctype loss()
+{
+	byte k;
+end:
+	do
+	:: d_step { !over && loses > 0 && nempty(down[0]) && !down[0]?[PLACE, _, _] && !down[0]?[FLUSH, _, _] &&
+		!down[0]?[TASK, _, NONE_OF] -> down[0]?_, _, _; loses-- }
+	:: d_step { !over && loses > 0 && nempty(down[1]) && !down[1]?[PLACE, _, _] && !down[1]?[FLUSH, _, _] &&
+		!down[1]?[TASK, _, NONE_OF] -> down[1]?_, _, _; loses-- }
+	od
+}
+
+/* Where nothing can happen any more the end has come; else it is told why not, of each row that is missing. */
+active proctype watch()
+{
+	byte r;
+	timeout ->
+	d_step {
+		do
+		:: !over && r < ROWS ->
+			a = home(r); b = at[r];
+			if
+			:: has(complete, r) || has(computed, r) /* who has it waits for the others */
+			:: else ->
+				a_node_that_ended_early = HAZARD == 1 && has(died, a) && !has(is_up | reported, a) && b == a;
+				a_stolen_row_whose_thief_dies = HAZARD == 2 && !has(died, a) && b != a && has(died, b);
+				a_lost_answer = HAZARD == 4 && !died;
+				the_heir_may_be_dead = HAZARD == 5 && has(reported, a) && b != a && has(died, b) && !has(given, r);
+				a_node_that_returns_hides_its_loss =
+					HAZARD == 7 && has(died & is_up, a) && !has(reported, a) && b == a;
+				assert(!a_node_that_ended_early);
+				assert(!a_stolen_row_whose_thief_dies);
+				assert(!a_lost_answer);
+				assert(!the_heir_may_be_dead);
+				assert(!a_node_that_returns_hides_its_loss)
+			fi;
+			r++
+		:: else -> break
+		od;
+		assert(HAZARD || over) }
+}

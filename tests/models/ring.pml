@@ -1,0 +1,446 @@
+/*
+ * The ring by default, for spin: the hub (lib/sched/ring.c, ring_ask.c), the nodes (ring_node.c) and the links
+ * between them. What is a function in C has its name. tests/55_models.t runs it.
+ *
+ *     spin -DCRASHES=2 -a ring.pml && cc -O1 -DNP -DCOLLAPSE -DNOREDUCE -o pan pan.c && ./pan -l
+ *
+ * Holds, however the steps interleave: a row is committed once; one that is not has an owner that is up, or waits
+ * for one that may come up; the end does not come before all are committed; where nothing can happen any more it
+ * has come (watch); and no state comes twice (-DNP and -l find cycles), so that every run gets there.
+ *
+ * Nodes die, CRASHES times, and their connections are made anew, RETURNS times, at any moment; both at most: faults
+ * stop. Links are FIFO. What is under way to a node that dies is lost from its beginning to anywhere, and the rest
+ * meets the next connection. What is under way from a node needs no states: all that it does to others goes through
+ * that one link, so that a message which arrives late is a step that was taken late, and one that is lost with the
+ * connection was never said. Pixels may be held back until they are asked for; those of a node that dies are lost,
+ * or come late.
+ *
+ * Left out: time, so that who is asked gives nothing, or half of its queue, whatever it is worth, and a node may
+ * ask ahead once while its worker is on a row, or not (in C as long before the end of the row as an ask takes; a
+ * worker that is late is expected to be as late again). The worker behind the node, and its pipe. Frames, and
+ * pieces of a row.
+ */
+#ifndef CRASHES
+#define CRASHES 0
+#endif
+#ifndef BUG
+#define BUG 0 /* as in lib/sched, where it says so; 1 and 2 are of this file */
+#endif
+#define N 3
+#define ROWS 4
+#define RETURNS (CRASHES == 1)
+#define UPS (CRASHES -> N : 0) /* nodes that are up from the beginning; the others may come up at any time */
+#define EARLY 3 /* rows that are there; the others come in at any time */
+#define KEPT 1 /* the first rows, whose pixels are held back */
+#define LINK 8 /* messages on a link */
+
+#define NONE_OF N /* -1 in C */
+#define bit(i) (1 << (i))
+#define has(set, i) (((set) >> (i)) & 1)
+#define with(set, i) ((set) | bit(i))
+#define without(set, i) ((set) & (255 - bit(i)))
+#define EVERY (bit(ROWS) - 1)
+/* Of sets of up to four: how many; more than one; the first, which there is. */
+#define size(set) (has(set, 0) + has(set, 1) + has(set, 2) + has(set, 3))
+#define several(set) (((set) & ((set) - 1)) != 0)
+#define first(set) (has(set, 0) -> 0 : (has(set, 1) -> 1 : (has(set, 2) -> 2 : 3)))
+/* Of sets of nodes: the first member after k, or before it, k itself the last; NONE_OF: the set is empty. */
+#define at_or(set, k, or) (has(set, k) -> (k) : or)
+#define set_after(set, k) at_or(set, ((k) + 1) % N, at_or(set, ((k) + 2) % N, at_or(set, k, NONE_OF)))
+#define set_before(set, k) at_or(set, ((k) + 2) % N, at_or(set, ((k) + 1) % N, at_or(set, k, NONE_OF)))
+
+mtype = { TASK, FLUSH, PLACE, ASK };
+
+chan down[N] = [LINK] of { mtype, byte }; /* TASK row; ASK for peer; FLUSH; PLACE */
+byte crashes = CRASHES, returns = RETURNS;
+byte strays; /* rows whose pixels outlived their connection */
+byte came;   /* rows */
+bool began, input_ended, over; /* over: END was said */
+
+/* The ledger: rows that are not committed; those whose pixels miss; and whose they are: NONE_OF, the pool's. */
+byte held, computed, owned[N + 1];
+/* What the hub knows of nodes: sets of them, and who for whom. */
+byte is_up, gone, asking, dry, flushed, given, hungry, rich, late;
+byte thief[N] = NONE_OF, victim[N] = NONE_OF;
+byte committed; /* for watch */
+
+hidden byte a, b, c, d, e;
+
+/* ---- the hub ------------------------------------------------------------------------------------ */
+
+inline act(to, w, arg)
+{
+	assert(nfull(down[to]));
+	down[to]!w, arg
+}
+
+inline put(set, k, member)
+{
+	set = ((member) -> with(set, k) : without(set, k))
+}
+
+inline hub_mark(k)
+{
+	put(late, k, !has(is_up | gone, k) && held & owned[k]);
+	put(hungry, k, has(is_up & asking, k) && victim[k] == NONE_OF);
+	put(rich, k, has(is_up & ~(asking | dry), k) && thief[k] == NONE_OF && several(held & owned[k]))
+}
+
+/* Row r is k's, or nobody's. */
+inline enlist(r, k)
+{
+	owned[0] = without(owned[0], r); owned[1] = without(owned[1], r);
+	owned[2] = without(owned[2], r); owned[3] = without(owned[3], r);
+	owned[k] = with(owned[k], r); held = with(held, r); computed = without(computed, r)
+}
+
+inline send(k, r)
+{
+	put(flushed, k, BUG == 38 && has(flushed, k));
+	act(k, TASK, r);
+	asking = without(asking, k);
+	dry = without(dry, k);
+	victim[k] = NONE_OF;
+	given = with(given, k);
+	hub_mark(k)
+}
+
+inline assign(r, k)
+{
+	c = (has(gone, k) && BUG != 30 -> set_before(is_up, k) : (k));
+	enlist(r, c);
+	if
+	:: c != NONE_OF && has(is_up, c) -> send(c, r)
+	:: c != NONE_OF && !has(is_up, c) -> hub_mark(c)
+	:: else
+	fi
+}
+
+/* What waits for a node that is not up yet the hub gives, half of it, from its end. */
+inline give_late()
+{
+	do
+	:: hungry && late ->
+		b = set_after(late, set_after(hungry, N - 1));
+		a = set_before(hungry, b);
+		d = (size(held & owned[b]) + 1) / 2; e = ROWS;
+		do
+		:: d > 0 -> e--;
+			if
+			:: has(held & owned[b], e) -> d--; enlist(e, a); send(a, e)
+			:: else
+			fi
+		:: else -> break
+		od;
+		hub_mark(b)
+	:: else -> break
+	od
+}
+
+inline ring_match()
+{
+	give_late();
+	do
+	:: hungry && rich ->
+		b = set_after(rich, set_after(hungry, N - 1));
+		a = set_before(hungry, b);
+		victim[a] = b; thief[b] = a;
+		given = without(given, b);
+		hub_mark(a); hub_mark(b);
+		act(b, ASK, a)
+	:: else -> break
+	od;
+	a = 0; b = 0; d = 0; e = 0
+}
+
+inline ask_flush(k)
+{
+	if
+	:: input_ended && has(is_up & ~flushed, k) && !(held & owned[k]) && (computed & owned[k]) ->
+		flushed = with(flushed, k);
+		act(k, FLUSH, 0)
+	:: else
+	fi
+}
+
+inline take_up(k)
+{
+	is_up = with(is_up, k); gone = without(gone, k);
+	a = 0;
+	do
+	:: a < ROWS ->
+		if
+		:: has(held & owned[k], a) && BUG != 36 -> send(k, a)
+		:: has(owned[NONE_OF], a) -> assign(a, a % N)
+		:: else
+		fi;
+		a++
+	:: else -> break
+	od;
+	act(k, PLACE, 0)
+}
+
+inline answered(k, peer)
+{
+	thief[k] = NONE_OF;
+	if
+	:: victim[peer] == k -> victim[peer] = NONE_OF
+	:: else
+	fi;
+	hub_mark(k); hub_mark(peer)
+}
+
+inline take_gone(k)
+{
+	is_up = without(is_up, k); gone = with(gone, k);
+	asking = without(asking, k); dry = without(dry, k);
+	victim[k] = NONE_OF;
+	if
+	:: thief[k] != NONE_OF -> a = thief[k]; answered(k, a)
+	:: else
+	fi;
+	hub_mark(k);
+	a = 0;
+	do
+	:: a < ROWS ->
+		if
+		:: has(owned[k] & (held * (BUG != 28) | computed * (BUG != 27)), a) -> assign(a, k)
+		:: else
+		fi;
+		a++
+	:: else -> break
+	od
+}
+
+inline take_done(k, r)
+{
+	if
+	:: has(owned[k], r) && has(is_up, k) ->
+		if
+		:: has(computed, r) -> flushed = without(flushed, k)
+		:: else
+		fi;
+		held = without(held, r); computed = with(computed, r);
+		hub_mark(k);
+		ask_flush(k)
+	:: else
+	fi
+}
+
+inline take_pixels(r)
+{
+	if
+	:: has(held | computed, r) ->
+		assert(!has(committed, r));
+		committed = with(committed, r);
+		a = (has(owned[0], r) -> 0 : (has(owned[1], r) -> 1 : (has(owned[2], r) -> 2 : NONE_OF)));
+		owned[a] = without(owned[a], r); held = without(held, r); computed = without(computed, r);
+		if
+		:: a != NONE_OF -> hub_mark(a); ask_flush(a)
+		:: else
+		fi
+	:: else
+	fi
+}
+
+inline take_give(k, r, peer)
+{
+	if
+	:: has(owned[k] & ~(computed * (BUG == 1)), r) || (BUG == 29 && has(held | computed, r)) -> assign(r, peer)
+	:: else
+	fi;
+	if
+	:: thief[k] == peer -> answered(k, peer)
+	:: else
+	fi;
+	hub_mark(k);
+	ask_flush(k)
+}
+
+inline has_none(k, peer)
+{
+	if
+	:: thief[k] == peer ->
+		if
+		:: has(given, k) -> dry = without(dry, k)
+		:: else -> dry = with(dry, k)
+		fi;
+		answered(k, peer)
+	:: else
+	fi
+}
+
+/* What ends every step, and what must hold after it. */
+inline ends()
+{
+	ring_match();
+	assert(!(held & computed) && (owned[0] | owned[1] | owned[2] | owned[3]) == (held | computed));
+	assert(!(owned[0] * has(gone, 0) | owned[1] * has(gone, 1) | owned[2] * has(gone, 2)));
+	assert(!owned[NONE_OF] || !is_up);
+	if
+	:: input_ended && !held && (!computed || BUG == 35) ->
+		assert(committed == EVERY);
+		over = true
+	:: else
+	fi;
+	c = 0
+}
+
+/* What comes in; and pixels that stray. */
+active proctype input()
+{
+	d_step {
+		do /* so many rows are there when the nodes come up */
+		:: came < EARLY -> assign(came, came % N); came++
+		:: else -> break
+		od;
+		input_ended = (EARLY == ROWS);
+		b = 0;
+		do
+		:: b < UPS -> take_up(b); b++
+		:: else -> break
+		od;
+		began = true;
+		ends() }
+end:
+	do
+	:: d_step { !over && came < ROWS -> assign(came, came % N); came++; ends() }
+	:: d_step { !over && came == ROWS && !input_ended ->
+		input_ended = true;
+		a = 0;
+		do
+		:: a < N -> ask_flush(a); a++
+		:: else -> break
+		od;
+		ends() }
+	:: d_step { !over && strays ->
+		b = first(strays);
+		strays = without(strays, b);
+		take_pixels(b);
+		ends() }
+	od
+}
+
+/* ---- a node ------------------------------------------------------------------------------------- */
+
+#define me (_pid - 1)
+
+inline says_ask()
+{
+	asked = true; asking = with(asking, me);
+	hub_mark(me);
+	ring_match()
+}
+
+/* The worker has one row; rule 1; with nothing to do any more, what is held back goes. */
+inline feed()
+{
+	if
+	:: queue && !fed -> row = first(queue); queue = without(queue, row); fed = bit(row)
+	:: else
+	fi;
+	if
+	:: placed && !asked && !queue && (!fed || BUG == 2) -> says_ask()
+	:: else
+	fi;
+	if
+	:: flush && !queue && !fed -> sent = sent | kept; kept = 0; flush = false
+	:: else
+	fi;
+	row = 0
+}
+
+/* Rules 2 and 3: half of the queue, from its end. */
+inline answer(peer)
+{
+	e = (size(queue) + 1) / 2; d = ROWS;
+	do
+	:: e > 0 -> d--;
+		if
+		:: has(queue, d) -> queue = without(queue, d); gives = with(gives, d); e--
+		:: else
+		fi
+	:: else -> break
+	od;
+	kept = kept & ~gives; /* the fan takes no pixels of what was given */
+	to = peer; d = 0;
+	feed()
+}
+
+active [N] proctype node()
+{
+	byte queue, fed, kept, sent; /* kept: computed, pixels held back; sent: they are on their way */
+	bool placed, asked, flush;
+	bool ahead; /* it has asked while its worker was on this row */
+	/* What it says before it does anything else, to `to`: NONE, or one GIVE after the other. */
+	bool none;
+	byte gives, to;
+	byte row;
+	mtype what;
+
+end_opening:
+	if
+	:: has(is_up, me) -> goto end_open
+	:: d_step { !over && began && !has(is_up, me) -> take_up(me); ends() }
+	:: d_step { !over && began && !has(is_up, me) && crashes > 0 -> crashes--; take_gone(me); ends() } goto end_closed
+	fi;
+end_open:
+	do
+	:: d_step { !over && gives -> row = first(gives); gives = without(gives, row);
+		take_give(me, row, to); ends(); row = 0; to = to * (gives > 0) }
+	:: d_step { !over && none -> none = false; has_none(me, to); ends(); to = 0 }
+	:: d_step { !over && sent -> row = first(sent); sent = without(sent, row); queue = without(queue, row);
+		take_pixels(row); ends(); feed() }
+	:: d_step { !over && !gives && !none && fed ->
+		row = first(fed); fed = 0; ahead = false;
+		take_done(me, row);
+		if
+		:: row >= KEPT -> take_pixels(row)
+		:: else -> kept = with(kept, row)
+		fi;
+		ends();
+		feed() }
+	:: d_step { !over && !gives && !none && placed && !asked && !queue && fed && !ahead ->
+		ahead = true; says_ask(); ends() }
+	:: d_step { !over && !gives && !none && nempty(down[me]) ->
+		down[me]?what, row;
+		if
+		:: what == TASK ->
+			asked = false;
+			if
+			:: has(queue | fed | kept * (BUG == 47), row)
+			:: else -> queue = with(queue, row)
+			fi
+		:: what == ASK -> none = placed; to = row * placed
+		:: what == FLUSH -> flush = true
+		:: what == PLACE -> placed = true
+		fi;
+		what = 0;
+		feed() }
+	:: d_step { !over && none && (!asked || BUG == 42) && queue -> none = false; answer(to) }
+	:: d_step { !over && crashes > 0 ->
+		crashes--; take_gone(me); ends();
+		queue = 0; fed = 0; placed = false; asked = false; ahead = false; flush = false;
+		none = false; gives = 0; to = 0 }
+		goto dying
+	od;
+dying:	atomic {
+		if
+		:: kept | sent -> strays = strays | kept | sent
+		:: true
+		fi;
+		kept = 0; sent = 0;
+		do
+		:: nempty(down[me]) -> down[me]?_, _
+		:: returns > 0 || empty(down[me]) -> break
+		od }
+end_closed:
+	if
+	:: d_step { !over && returns > 0 -> returns--; take_up(me); ends() } goto end_open
+	fi
+}
+
+active proctype watch()
+{
+	timeout -> assert(over)
+}
