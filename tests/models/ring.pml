@@ -15,10 +15,10 @@
  * connection was never said. Pixels may be held back until they are asked for; those of a node that dies are lost,
  * or come late.
  *
- * Left out: time, so that who is asked gives nothing, or half of its queue, whatever it is worth, and a node may
- * ask ahead once while its worker is on a row, or not (in C as long before the end of the row as an ask takes; a
- * worker that is late is expected to be as late again). The worker behind the node, and its pipe. Frames, and
- * pieces of a row.
+ * Left out: time, so that of those with work left the next in the ring is asked, not the one with most; who is
+ * asked gives nothing, or half of its queue, whatever it is worth; and a node may ask ahead once while its worker
+ * is on a row, or not (in C as long before the end of the row as an ask takes; a worker that is late is expected to
+ * be as late again). The worker behind the node, and its pipe. Frames, and pieces of a row.
  */
 #ifndef CRASHES
 #define CRASHES 0
@@ -40,9 +40,8 @@
 #define with(set, i) ((set) | bit(i))
 #define without(set, i) ((set) & (255 - bit(i)))
 #define EVERY (bit(ROWS) - 1)
-/* Of sets of up to four: how many; more than one; the first, which there is. */
+/* Of sets of up to four: how many; the first, which there is. */
 #define size(set) (has(set, 0) + has(set, 1) + has(set, 2) + has(set, 3))
-#define several(set) (((set) & ((set) - 1)) != 0)
 #define first(set) (has(set, 0) -> 0 : (has(set, 1) -> 1 : (has(set, 2) -> 2 : 3)))
 /* Of sets of nodes: the first member after k, or before it, k itself the last; NONE_OF: the set is empty. */
 #define at_or(set, k, or) (has(set, k) -> (k) : or)
@@ -59,12 +58,12 @@ bool began, input_ended, over; /* over: END was said */
 
 /* The ledger: rows that are not committed; those whose pixels miss; and whose they are: NONE_OF, the pool's. */
 byte held, computed, owned[N + 1];
-/* What the hub knows of nodes: sets of them, and who for whom. */
+/* What the hub knows of nodes; given: whose victim was given a row since. */
 byte is_up, gone, asking, dry, flushed, given, hungry, rich, late;
-byte thief[N] = NONE_OF, victim[N] = NONE_OF;
+byte victim[N] = NONE_OF; /* of a node: who was asked for it, and has not answered */
 byte committed; /* for watch */
 
-hidden byte a, b, c, d, e;
+hidden byte a, b, c, d, e, f;
 
 /* ---- the hub ------------------------------------------------------------------------------------ */
 
@@ -79,11 +78,29 @@ inline put(set, k, member)
 	set = ((member) -> with(set, k) : without(set, k))
 }
 
+#define thieves(k) ((victim[0] == (k)) + (victim[1] == (k)) + (victim[2] == (k)))
+
 inline hub_mark(k)
 {
 	put(late, k, !has(is_up | gone, k) && held & owned[k]);
 	put(hungry, k, has(is_up & asking, k) && victim[k] == NONE_OF);
-	put(rich, k, has(is_up & ~(asking | dry), k) && thief[k] == NONE_OF && several(held & owned[k]))
+	put(rich, k, has(is_up & ~(asking | dry), k) && size(held & owned[k]) > 1 + thieves(k))
+}
+
+inline pair(k, thief)
+{
+	victim[thief] = k; given = without(given, thief);
+	hub_mark(k); hub_mark(thief)
+}
+
+/* Uses d. */
+inline part(thief)
+{
+	d = victim[thief];
+	if
+	:: d != NONE_OF -> victim[thief] = NONE_OF; hub_mark(d); hub_mark(thief)
+	:: else
+	fi
 }
 
 /* Row r is k's, or nobody's. */
@@ -100,14 +117,14 @@ inline send(k, r)
 	act(k, TASK, r);
 	asking = without(asking, k);
 	dry = without(dry, k);
-	victim[k] = NONE_OF;
-	given = with(given, k);
+	given = given | (victim[0] == k) | (victim[1] == k) << 1 | (victim[2] == k) << 2;
+	part(k);
 	hub_mark(k)
 }
 
 inline assign(r, k)
 {
-	c = (has(gone, k) && BUG != 30 -> set_before(is_up, k) : (k));
+	c = (has(gone, k) -> set_before(is_up, k) : (k));
 	enlist(r, c);
 	if
 	:: c != NONE_OF && has(is_up, c) -> send(c, r)
@@ -123,11 +140,11 @@ inline give_late()
 	:: hungry && late ->
 		b = set_after(late, set_after(hungry, N - 1));
 		a = set_before(hungry, b);
-		d = (size(held & owned[b]) + 1) / 2; e = ROWS;
+		f = (size(held & owned[b]) + 1) / 2; e = ROWS;
 		do
-		:: d > 0 -> e--;
+		:: f > 0 -> e--;
 			if
-			:: has(held & owned[b], e) -> d--; enlist(e, a); send(a, e)
+			:: has(held & owned[b], e) -> f--; enlist(e, a); send(a, e)
 			:: else
 			fi
 		:: else -> break
@@ -144,9 +161,7 @@ inline ring_match()
 	:: hungry && rich ->
 		b = set_after(rich, set_after(hungry, N - 1));
 		a = set_before(hungry, b);
-		victim[a] = b; thief[b] = a;
-		given = without(given, b);
-		hub_mark(a); hub_mark(b);
+		pair(b, a);
 		act(b, ASK, a)
 	:: else -> break
 	od;
@@ -166,6 +181,7 @@ inline ask_flush(k)
 inline take_up(k)
 {
 	is_up = with(is_up, k); gone = without(gone, k);
+	hub_mark(k);
 	a = 0;
 	do
 	:: a < ROWS ->
@@ -180,25 +196,17 @@ inline take_up(k)
 	act(k, PLACE, 0)
 }
 
-inline answered(k, peer)
-{
-	thief[k] = NONE_OF;
-	if
-	:: victim[peer] == k -> victim[peer] = NONE_OF
-	:: else
-	fi;
-	hub_mark(k); hub_mark(peer)
-}
-
 inline take_gone(k)
 {
 	is_up = without(is_up, k); gone = with(gone, k);
 	asking = without(asking, k); dry = without(dry, k);
-	victim[k] = NONE_OF;
-	if
-	:: thief[k] != NONE_OF -> a = thief[k]; answered(k, a)
-	:: else
-	fi;
+	part(k);
+	a = 0;
+	do
+	:: a < N && victim[a] == k -> part(a); a++
+	:: a < N && victim[a] != k -> a++
+	:: else -> break
+	od;
 	hub_mark(k);
 	a = 0;
 	do
@@ -249,23 +257,17 @@ inline take_give(k, r, peer)
 	:: has(owned[k] & ~(computed * (BUG == 1)), r) || (BUG == 29 && has(held | computed, r)) -> assign(r, peer)
 	:: else
 	fi;
-	if
-	:: thief[k] == peer -> answered(k, peer)
-	:: else
-	fi;
 	hub_mark(k);
 	ask_flush(k)
 }
 
-inline has_none(k, peer)
+inline ring_has_none(k, peer)
 {
 	if
-	:: thief[k] == peer ->
-		if
-		:: has(given, k) -> dry = without(dry, k)
-		:: else -> dry = with(dry, k)
-		fi;
-		answered(k, peer)
+	:: victim[peer] == k ->
+		put(dry, k, !has(given, peer));
+		part(peer);
+		hub_mark(k)
 	:: else
 	fi
 }
@@ -350,16 +352,17 @@ inline feed()
 	row = 0
 }
 
-/* Rules 2 and 3: half of the queue, from its end. */
+/* Rules 2 and 3: half of the queue, from its beginning. */
 inline answer(peer)
 {
-	e = (size(queue) + 1) / 2; d = ROWS;
+	e = (size(queue) + 1) / 2; d = 0;
 	do
-	:: e > 0 -> d--;
+	:: e > 0 ->
 		if
 		:: has(queue, d) -> queue = without(queue, d); gives = with(gives, d); e--
 		:: else
-		fi
+		fi;
+		d++
 	:: else -> break
 	od;
 	kept = kept & ~gives; /* the fan takes no pixels of what was given */
@@ -388,7 +391,7 @@ end_open:
 	do
 	:: d_step { !over && gives -> row = first(gives); gives = without(gives, row);
 		take_give(me, row, to); ends(); row = 0; to = to * (gives > 0) }
-	:: d_step { !over && none -> none = false; has_none(me, to); ends(); to = 0 }
+	:: d_step { !over && none -> none = false; ring_has_none(me, to); ends(); to = 0 }
 	:: d_step { !over && sent -> row = first(sent); sent = without(sent, row); queue = without(queue, row);
 		take_pixels(row); ends(); feed() }
 	:: d_step { !over && !gives && !none && fed ->
