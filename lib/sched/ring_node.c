@@ -21,6 +21,7 @@
 
 #include <stdlib.h>
 
+#define AHEAD .1          /* of a task */
 #define WAIT_MOST_US 1e12 /* more is not waited for */
 
 static void *node_create(const struct sched_params *p)
@@ -95,10 +96,14 @@ void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *ou
     tasks_remove(&n->has, i);
 }
 
+/*
+ * What the worker has cannot be given away: it has another task in store only where the way to it
+ * is no small part of a task. On a busy machine a way looks longer than it is.
+ */
 static void feed(struct node *n, int64_t now, struct sched_actions *out)
 {
-    bool known = n->pace.task_us > 0 && !n->place.published;
-    int32_t store = known ? pace_depth(&n->pace, n->width) : 0;
+    bool ahead = !n->place.published && n->pace.round_trip_us > AHEAD * n->pace.task_us;
+    int32_t store = ahead ? pace_depth(&n->pace, n->width) : 0;
     int32_t most = n->width ? n->width + store : 0;
     while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
         int32_t i = n->queue.head;
