@@ -331,8 +331,9 @@ static int finish(struct driver *d, char *const *command)
         wire_bye(&d->out.queue.bulk, d->why);
         up_end_record(&d->out.queue);
         outlet_drain(&d->out);
-        if (unfinished && !signals_came())
+        if (left && !signals_came())
             warn("%s ended with %" PRId64 " tasks unfinished", command[0], left);
+        else if (unfinished && !signals_came()) warn("%s ended before its input", command[0]);
     }
     return d->out.gone || unfinished ? ST_SYSTEM : ST_OK;
 }

@@ -110,7 +110,7 @@ static const struct key {
 } keys[] = {
     {"slots", set_slots, "an integer from 1 to 4096"},
     {"power", set_power, "a number from 1e-6 to 1e6"},
-    {"via", set_via, "a command with %c, and %h for the host, %% for a percent sign"},
+    {"via", set_via, "a command in quotes with %c, and %h for the host, %% for a percent sign"},
     {"bin", set_bin, "a directory from / or ~/, without a colon"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
