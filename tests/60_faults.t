@@ -148,6 +148,21 @@ chmod +x old
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: it is said" "$(cat said)" 'frame 0: 1 said job [0-9a-f]{16}, 2 another: given up'
 
+# A worker that gets a moment now and then, on one long task.
+{ pack scene gears.nff; partition -u tile:256x256 256x256; } | env MARK=$mark fan -j 1 rtworker -a 25 - 2>said >frags &
+pid=$!
+await 5 working 1
+sleep .3
+worker=$(program rtworker)
+for i in 1 2 3 4 5 6 7 8; do
+	kill -STOP "$worker"
+	sleep .7
+	kill -CONT "$worker"
+	sleep .02
+done
+wait "$pid"
+is "a worker that is mostly kept from running: not lost" "$?$(cat said)" 0
+
 # ---- every worker dies ---------------------------------------------------------------------------------
 long masterslave
 await 5 working 3

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define LOOK_US 100000
-#define BEAT_LOOKS 5    /* looks between two beats */
+#define BEAT_US 450000  /* from when on a look is a beat as well: every fifth */
 #define GROUP_PIXELS 64 /* rendered at a time: coherent rays */
 #define GONE (POLLERR | POLLHUP | POLLNVAL)
 #define SELFTEST_PIXELS 4096 /* room */
@@ -33,7 +33,8 @@ struct worker {
  * timer looks whether the reader is still there, and says that this process is. It writes only
  * while `busy`, when nothing of a record is on its way; it stops by itself when nothing is done.
  */
-static volatile sig_atomic_t busy, ticking, looks;
+static volatile sig_atomic_t busy, ticking;
+static int64_t beat_us; /* the latest; by the clock, since who is short of time misses looks */
 
 static void set_timer(suseconds_t us)
 {
@@ -48,10 +49,11 @@ static void look(int sig)
     int err = errno;
     (void)sig;
     if (poll(&p, 1, 0) > 0 && p.revents & GONE) _exit(ST_SYSTEM);
-    looks = looks < BEAT_LOOKS ? looks + 1 : 1;
-    if (looks == BEAT_LOOKS && !busy) set_timer(0);
-    if (looks == BEAT_LOOKS && busy && write(STDOUT_FILENO, beat, sizeof beat - 1) < 0)
-        _exit(ST_SYSTEM);
+    if (now_us() - beat_us >= BEAT_US) {
+        beat_us = now_us();
+        if (!busy) set_timer(0);
+        else if (write(STDOUT_FILENO, beat, sizeof beat - 1) < 0) _exit(ST_SYSTEM);
+    }
     errno = err;
 }
 
@@ -70,7 +72,9 @@ static void pulse_open(void)
 static void begin(void)
 {
     busy = 1;
-    if (!ticking) set_timer(LOOK_US);
+    if (ticking) return;
+    beat_us = now_us();
+    set_timer(LOOK_US);
 }
 
 static void end(void) { busy = 0; }
