@@ -22,6 +22,7 @@
 #include <stdlib.h>
 
 #define AHEAD .1          /* of a task */
+#define LEAST_US 1        /* less is no time: who asks and who gives agree on that */
 #define WAIT_MOST_US 1e12 /* more is not waited for */
 
 static void *node_create(const struct sched_params *p)
@@ -199,15 +200,21 @@ static void take(
 /* Microseconds for a pixel, by all that the worker is on at once; 0: not known. */
 static double pace_of(const struct node *n) { return n->width ? n->pace.us_per_px / n->width : 0; }
 
-/* So long the worker needs for what it was fed. Where it is late it will be as late again. */
-static double fed_us(const struct node *n, double us_per_px, int64_t now)
+/* So long the worker needs for what it was fed, not knowing how far it is. */
+static double fed_whole_us(const struct node *n, double us_per_px)
 {
     double px = 0;
     for (int32_t i = n->fed.head; i >= 0; i = n->has.at[i].next) px += px_of(n, i);
+    return px * us_per_px;
+}
+
+/* The same now. Where it is late it will be as late again. */
+static double fed_us(const struct node *n, double us_per_px, int64_t now)
+{
     if (!n->fed.count) return 0;
     int64_t since = n->has.at[n->fed.head].since_us;
     if (since < n->pace.done_us) since = n->pace.done_us;
-    return fabs(px * us_per_px - (double)(now - since));
+    return fabs(fed_whole_us(n, us_per_px) - (double)(now - since));
 }
 
 /* Rule 1. */
@@ -219,7 +226,7 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
     n->ask_us = INT64_MAX;
     if ((n->asked_us >= 0 && !BUG(41)) || n->ended || !n->width) return;
     if (busy && us_per_px <= 0) return;
-    if (more || (busy && (idle_us >= 1 || BUG(49)))) {
+    if (more || (busy && (idle_us >= LEAST_US || BUG(49)))) {
         n->ask_us = idle_us < WAIT_MOST_US ? now + (int64_t)fmax(idle_us, 0) : INT64_MAX;
         return;
     }
@@ -230,14 +237,16 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
 /* Rules 2 and 3: so many tasks are given. */
 static int32_t spare(const struct node *n, int64_t now)
 {
-    double us_per_px = pace_of(n) > 0 ? pace_of(n) : 1;
-    double here_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px;
-    double there_us = n->trip_us / 2;
+    bool known = pace_of(n) > 0; /* else pixels are as good as microseconds */
+    double us_per_px = known ? pace_of(n) : 1;
+    double here_us = known ? fed_us(n, us_per_px, now) : fed_whole_us(n, us_per_px);
+    double there_us = known ? n->trip_us / 2 : 0;
+    here_us += n->queue_px * us_per_px;
     int32_t given = 0, most = n->place.one && !BUG(48) ? 1 : n->queue.count;
     if (n->asked_us >= 0 && !BUG(42)) return 0;
     for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
         double us = px_of(n, i) * us_per_px;
-        if (there_us + us >= here_us && !BUG(45)) break;
+        if (there_us + us + LEAST_US > here_us && !BUG(45)) break;
         there_us += us;
         here_us -= us;
         given++;

@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+#define PASSES_MOST 12 /* of a task: for 64 nodes twice as often as halving takes */
+
 struct ring_model *ring_model(struct world *w)
 {
     if (!w->note) {
@@ -179,7 +181,8 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     bool exists = peer >= 0 && peer < w->plan->slots;
     if (t && t->base == e->slot && t->place != RING_ABSENT) {
         t->from = e->slot;
-        t->passes++;
+        if (++t->passes > PASSES_MOST && w->plan->p_false <= 0)
+            fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
         enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
     if (e->ring.kind != RING_NONE || !exists || m->slots[peer].victim != e->slot) return;
