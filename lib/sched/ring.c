@@ -96,14 +96,11 @@ static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *ou
 
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out)
 {
-    int32_t i = h->nodes[k].held.tail;
-    while (--n > 0) i = h->ledger.at[i].prev;
-    while (i >= 0) {
-        int32_t next = h->ledger.at[i].next;
+    while (n-- > 0) {
+        int32_t i = h->nodes[k].held.head;
         unlist(h, i);
         h->from[i] = k;
         assign(h, i, peer, out);
-        i = next;
     }
     hub_mark(h, k);
 }

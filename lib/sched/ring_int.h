@@ -75,7 +75,7 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 {
     return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;
 }
-/* The last n tasks that node k has are peer's, which is up. */
+/* The next n tasks that node k has are peer's, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Something about node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
