@@ -8,7 +8,7 @@
 #     0, 0.5 and 20 ms one way; beside the best that any schedule could have there
 #   - 1000 unequal hosts (from 1/3 to 3), where tasks have to be shorter than rows; messages of the ring per steal,
 #     against the number of hosts; and 10,000 hosts with 1,000,000 tasks: how long that takes to simulate
-#   - a dozen of the cells through real processes and pipes; for that it wants two idle cores
+#   - two dozen of the cells through real processes and pipes; for that it wants two idle cores
 #
 # PARTS names what is wanted of these: paper, many, big, replay. VIEWS names the views besides the normal one (spdgen
 # -V). build/bench/simulate.tsv has the efficiencies, steals.tsv the messages.
@@ -48,7 +48,7 @@ gdc-published|-n 14|ring -p
 gdc|-n 14|ring
 best||best
 END
-# simulated METHOD SCENE LATENCY: efficiencies, a line a round; figures of the last
+# simulated METHOD SCENE LATENCY: efficiencies, a line a round; figures of the last, figures.ROUND of each
 simulated() {
 	IFS='|' read -r row cut run <<-END
 		$(grep "^$1|" methods)
@@ -59,6 +59,7 @@ simulated() {
 		# shellcheck disable=SC2086
 		simulate -t "$2.$r.frags" -x "$(cat "$2.$r.scale")" -w $powers -l "$3" $run <job.task >figures ||
 			echo "$row of $2 at $3 ms: not complete" >&2
+		cp figures "figures.$r"
 		of efficiency
 	done >efficiencies
 }
@@ -161,35 +162,50 @@ big() {
 }
 
 # ---- through real processes ----------------------------------------------------------------------------------
-# Each run shall take some seconds.
+# Each run shall take some seconds; links are as much shorter.
 shrink_of() { case $1 in gears*) echo 20 ;; balls*) echo 2 ;; *) echo 1 ;; esac }
-# replayed METHOD SCENE ROUND: its efficiency, but for start-up
+# Efficiency, but for start-up, of figures on standard input
+but_start() {
+	awk -F '\t' '{ v[$1] = $2 } END { print v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }'
+}
+# hosts_at MS: the paper's, behind links of so many milliseconds
+hosts_at() {
+	link=''
+	[ "$1" = 0 ] || link="$tmp/delay $1 "
+	cat <<-END
+		plain slots=12 power=1 via="${link}sh -c %c"
+		slow  power=0.442 via="${link}env REPLAY_POWER=0.442 sh -c %c"
+		fast  power=1.347 via="${link}env REPLAY_POWER=1.347 sh -c %c"
+	END
+}
+# replayed METHOD SCENE ROUND
 replayed() {
 	rm -f run.frags run.png
 	x=$(awk -v s="$(shrink_of "$2")" '{ print $1 / s }' "$2.$3.scale")
 	pack scene "$2.nff" | "balance-$1" 512x512 14 /dev/null fan -S hosts replay -x "$x" "$2.$3.frags" |
 		gather -r run.frags -o run.png || stop "failed: $1 of $2"
-	fragstat -s -S hosts run.frags | awk -F '\t' '{ v[$1] = $2 }
-		END { print v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }'
+	fragstat -s -S hosts run.frags | but_start
 }
-# compare METHOD SCENE: a line
+# compare METHOD SCENE MS: a line
 compare() {
+	shrink=$(shrink_of "$2")
+	hosts_at "$(echo "$3 $shrink" | awk '{ print $1 / $2 }')" >hosts
 	for r in $rounds; do replayed "$1" "$2" "$r" || exit 3; done >replays
-	simulated "$1" "$2" "$(shrink_of "$2" | awk '{ print .1 * $1 }')"
-	echo "$(median 1 <efficiencies) $(median 1 <replays)" | awk -v what="$2 $1" '{ d = 100 * ($2 / $1 - 1); split(what, w, " ")
-		printf "%-18s %-13s %10.4f %10.4f %6.1f %%%s\n", w[1], w[2], $1, $2, d, (d * d <= 25 ? "" : " MISSED") }'
+	simulated "$1" "$2" "$(echo "$3 $shrink" | awk '{ print $1 + .1 * $2 }')"
+	for r in $rounds; do but_start <"figures.$r"; done >simulations
+	printf '%-16s %-12s %5s %10.4f %9.4f ' "$2" "$1" "$3" "$(median 1 <simulations)" "$(median 1 <replays)"
+	echo "$(median 1 <simulations) $(median 1 <replays)" |
+		awk '{ d = 100 * ($2 / $1 - 1); printf "%6.1f %%%s\n", d, (d * d <= 25 ? "" : " MISSED") }'
 }
 replay_cells() {
-	cat >hosts <<'END'
-:     slots=12 power=1
-slow  power=0.442 via="env REPLAY_POWER=0.442 sh -c %c"
-fast  power=1.347 via="env REPLAY_POWER=1.347 sh -c %c"
-END
-	echo 'by replay, at 1/20 (gears), 1/2 (balls) of the times, but for start-up; simulated with links of 0.1 ms'
-	printf '%-18s %-13s %10s %10s %8s\n' scene method simulated replayed apart
-	for method in interleaved masterslave hybrid gdc; do
-		while read -r name; do compare $method "$name" </dev/null; done <names
-	done
+	cc -std=c11 -D_GNU_SOURCE -O2 -I"$root/lib" -o delay "$root/tests/bench/delay.c" "$root/build/libstormring.a" ||
+		stop 'delay does not compile'
+	echo 'by replay, at 1/20 (gears), 1/2 (balls) of the times and latencies, but for start-up; a link is simulated as'
+	echo '0.1 ms longer than it is made'
+	printf '%-16s %-12s %5s %10s %9s %8s\n' scene method ms simulated replayed apart
+	for ms in 0 20; do for method in interleaved masterslave hybrid gdc; do
+		while read -r name; do compare $method "$name" $ms </dev/null; done <names
+	done; done
 }
 
 for part in $parts; do
