@@ -6,7 +6,8 @@
 
 #include <stdlib.h>
 
-#define AT_ONCE 100 /* events for each slot and task: there are those who go round without end */
+#define AT_ONCE 100   /* events for each slot and task: there are those who go round without end; */
+#define PX_AT_ONCE 10 /* and for each pixel */
 #define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
 
 double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
@@ -319,6 +320,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     begin(&w);
     w.alone_us = alone_us(&w);
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
+    most += PX_AT_ONCE * (int64_t)w.frame_w * w.frame_h;
     if (plan->detect_us) most += AT_ONCE * n * n; /* each asks each */
     while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
         if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
