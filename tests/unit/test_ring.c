@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
+#include "sched/ring_int.h"
 #include "sim/sim.h"
 
 static struct sim_result total;
@@ -94,6 +95,96 @@ static void a_seed_is_one_run_exactly(void **state)
     }
 }
 
+/* ---- the paper's hosts ----------------------------------------------------------------------- */
+
+#define ROWS 512
+#define HOSTS 14
+
+/* By the bound: all of the work by all of the power. Rows cost what they like, dear ones in the
+ * middle; and not, in the second half of the plans. */
+static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
+{
+    static const double power[HOSTS] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, .442, 1.347};
+    static double row_us[ROWS];
+    static struct task rows[ROWS];
+    double sum_us = 0, sum_power = 0;
+    for (uint32_t y = 0; y < ROWS; y++) {
+        double hump = seed % 2 ? 1 : .3 + sin(3.14159 * y / ROWS);
+        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, -1};
+        row_us[y] = hump * (.5 + rng_unit(seed, y));
+        sum_us += row_us[y];
+    }
+    for (int y = 0; y < ROWS; y++) row_us[y] *= 1e6 * total_s / sum_us;
+    for (int k = 0; k < HOSTS; k++) sum_power += power[k];
+    struct sim_work work = {
+        .frame_w = 1, .frame_h = ROWS, .tasks = rows, .pixel_us = row_us, .power = power};
+    struct sim_plan plan = {.seed = seed,
+        .node = &policy_node,
+        .checks = &sim_checks_ring,
+        .slots = HOSTS,
+        .tasks = ROWS,
+        .width = 1,
+        .latency_us = latency_us,
+        .hops = 2,
+        .work = &work};
+    struct sim_result r;
+    sim_run(&policy_ring, &plan, &r);
+    if (*r.failure) print_error("%s\n", r.failure);
+    assert_true(!*r.failure);
+    return 1e6 * total_s / sum_power / (double)r.end_us;
+}
+
+/* Who is slow is relieved in time, whatever its place in the ring. */
+static void work_is_spread_over_unequal_hosts(void **state)
+{
+    double mean = 0, far = 0;
+    (void)state;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        mean += efficiency(seed, 500, 97.86) / 20;
+        far += efficiency(seed, 20000, 44.53) / 20;
+    }
+    print_message("# efficiency: %.4f at 0.5 ms, %.4f at 20 ms\n", mean, far);
+    assert_true(mean > .97 && far > .93);
+}
+
+/* ---- sets of slots, against sets of flags ---------------------------------------------------- */
+
+static int32_t next_flag(const bool *flags, int32_t n, int32_t k, int32_t by)
+{
+    for (int32_t i = 1; i <= n; i++) {
+        int32_t at = (int32_t)(((int64_t)k + (int64_t)by * i + 2 * (int64_t)n) % n);
+        if (flags[at]) return at;
+    }
+    return -1;
+}
+
+static void a_set_finds_the_next_round_the_ring(void **state)
+{
+    static const int32_t sizes[] = {1, 2, 63, 64, 65, 127, 4096, 4097, 300000};
+    (void)state;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        int32_t n = sizes[i], members = 0;
+        bool *flags = xcalloc((size_t)n, sizeof *flags);
+        struct slot_set s;
+        set_init(&s, n);
+        for (uint64_t draw = 0; draw < 300; draw++) {
+            int32_t k = (int32_t)(rng_unit(i, 2 * draw) * n);
+            bool put = draw < 150 ? rng_unit(i, 2 * draw + 1) < .7 : rng_unit(i, 2 * draw + 1) < .1;
+            if (draw >= 150 && set_after(&s, k) >= 0) k = set_after(&s, k);
+            members += put - flags[k];
+            flags[k] = put;
+            set_put(&s, k, put);
+            int32_t from = (int32_t)(rng_unit((uint64_t)n, draw) * n);
+            assert_int_equal(s.count, members);
+            assert_int_equal(set_has(&s, k), put);
+            assert_int_equal(set_after(&s, from), next_flag(flags, n, from, 1));
+            assert_int_equal(set_before(&s, from), next_flag(flags, n, from, -1));
+        }
+        set_free(&s);
+        free(flags);
+    }
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1) {
@@ -113,6 +204,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(every_seed_commits_each_task_once_and_ends),
         cmocka_unit_test(faults_of_every_kind_happened),
         cmocka_unit_test(a_seed_is_one_run_exactly),
+        cmocka_unit_test(work_is_spread_over_unequal_hosts),
+        cmocka_unit_test(a_set_finds_the_next_round_the_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
