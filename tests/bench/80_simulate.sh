@@ -115,8 +115,8 @@ paper() {
 
 # ---- many hosts ----------------------------------------------------------------------------------------------
 many() {
-	echo '1000 hosts, 0.5 ms, gears by runs of 4 pixels:'
-	partition -u run:4 512x512 >runs.task
+	echo '1000 hosts, 0.5 ms, gears by runs of 2 pixels:'
+	partition -u run:2 512x512 >runs.task
 	for method in ring deal 'deal -q auto'; do
 		for r in $rounds; do
 			# shellcheck disable=SC2086
