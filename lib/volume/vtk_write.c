@@ -1,0 +1,63 @@
+/* A grid as a VTK legacy file: RECTILINEAR_GRID, BINARY. */
+#include "volume/volume.h"
+
+#include <string.h>
+
+#define TITLE_MAX 255 /* characters: what VTK's reader has room for */
+
+static void put_big_endian(unsigned char *to, uint64_t bits, int size)
+{
+    for (int i = 0; i < size; i++) to[i] = (unsigned char)(bits >> 8 * (size - 1 - i));
+}
+
+static void put_title(struct buf *b, const char *title)
+{
+    for (size_t i = 0; i < TITLE_MAX && title[i]; i++) {
+        char c = title[i] == '\n' || title[i] == '\r' ? ' ' : title[i];
+        buf_append(b, &c, 1);
+    }
+}
+
+/* A name is one word: what would end or break it is written %XX, as VTK does. */
+static void put_name(struct buf *b, const char *name)
+{
+    for (; *name; name++) {
+        unsigned char c = (unsigned char)*name;
+        if (c <= ' ' || c > '~' || c == '"' || c == '%') buf_printf(b, "%%%02X", c);
+        else buf_append(b, &c, 1);
+    }
+}
+
+static void put_axis(struct buf *b, char axis, const double *at, uint32_t n)
+{
+    buf_printf(b, "%c_COORDINATES %u double\n", axis, n);
+    unsigned char *to = buf_reserve(b, n * sizeof(double));
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t bits;
+        memcpy(&bits, &at[i], sizeof bits);
+        put_big_endian(to + i * sizeof bits, bits, sizeof bits);
+    }
+    b->len += n * sizeof(double);
+    buf_append(b, "\n", 1);
+}
+
+void grid_write(const struct grid *g, const char *title, struct buf *b)
+{
+    size_t n = grid_node(g, 0, 0, g->n[2]);
+    buf_printf(b, "# vtk DataFile Version 3.0\n");
+    put_title(b, title);
+    buf_printf(
+        b, "\nBINARY\nDATASET RECTILINEAR_GRID\nDIMENSIONS %u %u %u\n", g->n[0], g->n[1], g->n[2]);
+    for (int a = 0; a < 3; a++) put_axis(b, "XYZ"[a], g -> at[a], g -> n[a]);
+    buf_printf(b, "POINT_DATA %zu\nSCALARS ", n);
+    put_name(b, *g->name ? g->name : "scalars");
+    buf_printf(b, " float 1\nLOOKUP_TABLE default\n");
+    unsigned char *to = buf_reserve(b, n * sizeof(float));
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+        memcpy(&bits, &g->value[i], sizeof bits);
+        put_big_endian(to + i * sizeof bits, bits, sizeof bits);
+    }
+    b->len += n * sizeof(float);
+    buf_append(b, "\n", 1);
+}
