@@ -53,11 +53,18 @@ is 'every slot of it did its part' "$(slots_in job.log)" '0 1 2 '
 accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
 before=$(accepted)
 { pack scene gears.nff; partition 96x96; } >job.task
-deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 9 - <job.task 2>said | gather -o tree.pfm -r tree.log
-ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good9.pfm
+deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 64 - <job.task 2>said | gather -o tree.pfm -r tree.log
+ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good64.pfm
 is 'not a word' "$(cat said)" ''
 is 'one connection a host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
 like 'with two leaves each' "$(slots_in tree.log)" '([01]\.[01] ){3}'
+
+partition -n 2 96x96 | { pack scene gears.nff; cat; } |
+	ringctl fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - 2>said | gather -o ring.pfm -r ring.log
+ok 'ringctl fan -S host1,host2 ringctl -n deal fan -j 2: the same picture' cmp ring.pfm good64.pfm
+is 'not a word' "$(cat said)" ''
+is 'one connection a host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 2 }')"
+like 'with two leaves each' "$(slots_in ring.log)" '([01]\.[01] ){3}'
 
 # ---- what start-up files say, and what workers say on their standard error -----------------------------------------
 hosts run host2 sh -c 'cat >/root/.bashrc' <<'END'
