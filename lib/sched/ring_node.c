@@ -21,7 +21,7 @@
 
 #include <stdlib.h>
 
-#define AHEAD .1          /* of a task */
+#define STORE_US 5000
 #define LEAST_US 1        /* less is no time: who asks and who gives agree on that */
 #define WAIT_MOST_US 1e12 /* more is not waited for */
 
@@ -98,14 +98,21 @@ void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *ou
 }
 
 /*
- * What the worker has cannot be given away: it has another task in store only where the way to it
- * is no small part of a task. On a busy machine a way looks longer than it is.
+ * So many tasks the worker has in store, which cannot be given away any more: as many as hide the
+ * way to it, but no more than last for STORE_US. A worker that shares its processor looks far away,
+ * and a task that waits there behind another one would wait for nothing.
  */
+static int32_t store_of(const struct node *n)
+{
+    if (n->place.published || n->pace.task_us <= 0) return 0;
+    int32_t depth = pace_depth(&n->pace, n->width);
+    double most = STORE_US * n->width / n->pace.task_us;
+    return depth < most ? depth : (int32_t)most;
+}
+
 static void feed(struct node *n, int64_t now, struct sched_actions *out)
 {
-    bool ahead = !n->place.published && n->pace.round_trip_us > AHEAD * n->pace.task_us;
-    int32_t store = ahead ? pace_depth(&n->pace, n->width) : 0;
-    int32_t most = n->width ? n->width + store : 0;
+    int32_t most = n->width ? n->width + store_of(n) : 0;
     while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
         int32_t i = n->queue.head;
         queue_take(n, i);
