@@ -72,6 +72,18 @@ printf ': slots=1\nlate via="./slow %%c"\n' >hosts
 film | fan -S hosts rtworker -a 9 - 2>said | gather -o f%d.pfm 2>>said
 both 'a slot comes late, and has tasks of both'
 
+# ---- gone on with, by slots that come when all has been said of the first frame ------------------------------------
+film | fan -j 2 rtworker -a 9 - | gather -r whole -o f%d.pfm
+rm -f f?.pfm
+printf 'late slots=2 via="./slow %%c"\n' >hosts
+for percent in 10 60 90; do
+	head -c $(($(wc -c <whole) * percent / 100)) whole >log
+	{ pack scene gears.nff; partition -F 0 -r log 64x48; pack scene tetra.nff; partition -F 1 -r log 48x64; } >rest.task
+	deal fan -S hosts rtworker -a 9 - <rest.task 2>said | gather -r log -o f%d.pfm 2>>said
+	sed -i '/damaged record/d' said # where the log was cut
+	both "a log cut at $percent %, gone on with by slots that come late"
+done
+
 # ---- what cannot be ----------------------------------------------------------------------------------------------
 run sh -c '{ pack scene gears.nff; partition 16x12; pack scene tetra.nff; echo nonsense; } | deal fan -j 2 rtworker - >/dev/null'
 is 'nonsense behind state that waits: exit 2' "$status" 2

@@ -36,10 +36,10 @@ static void route_state(struct fan *f, const struct record *r)
     struct buf bytes = {0};
     wire_forward(&bytes, r, NULL, NULL);
     struct blob *b = blob_new(&bytes), **kept = &f->state[r->kind - REC_SCENE];
-    /* What is announced from now on belongs to other state; frames of the old one are begun. */
+    /* What is announced from now on belongs to other state, and no slot is told of it that comes
+     * too late for the old one. */
     for (size_t i = 0; i < f->frames.n; i++) f->frames.at[i].said = false;
-    if (f->begun) buf_consume(&f->frame_lines, buf_size(&f->frame_lines));
-    f->begun = false;
+    if (*kept) buf_consume(&f->frame_lines, buf_size(&f->frame_lines));
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s)) continue;
@@ -74,7 +74,6 @@ static int route_task(struct fan *f, const struct record *r)
         warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->n_slots);
         return ST_USAGE;
     }
-    f->begun = true;
     return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 

@@ -89,7 +89,6 @@ struct fan {
     struct frames frames;
     struct blob *state[3];  /* the latest scene, grid, spec; NULL: none */
     struct buf frame_lines; /* frame records of that state */
-    bool begun;             /* tasks of it have come */
     struct outlet out;
     struct buf line;     /* a record on its way down */
     int64_t start_us;    /* the zero of sent_us and recv_us */
