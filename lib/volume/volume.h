@@ -1,13 +1,38 @@
 /*
- * volume: ray casting of a scalar field on a rectilinear grid. No I/O.
+ * volume: ray casting of a scalar field on a rectilinear grid: grid, rendering specification, cell
+ * walk, integrators, iso-surfaces, gradient shading. No I/O.
+ *
+ * The model (emission and absorption; N. Max, "Optical models for direct volume rendering", IEEE
+ * TVCG 1(2), 1995): along a ray with t in scaled space,
+ *
+ *     tau(t) = integral of k(s(t')) dt' from the eye to t
+ *     alpha  = 1 - exp(-tau(end))
+ *     C      = integral of c k exp(-tau - a t) dt     premultiplied; a: attenuation
+ *
+ * s is trilinear in each cell, c(s) and k(s) are linear between the knots of the map. Iso-surfaces
+ * are thin sheets of their own colour and opacity at the roots of s = value: met where the ray
+ * changes between below and at or above it, so that the field may touch a value from above without
+ * meeting it. A cell with a missing (NaN) corner is transparent, and has no surface.
+ *
+ * Where the specification is lit, colours (of sheets too) are multiplied by
+ *
+ *     VOLUME_AMBIENT + (1 - VOLUME_AMBIENT) |n . l|
+ *
+ * n: the unit gradient of s in scaled space, l: the direction to the light (Lambert's law, on both
+ * sides alike); by 1 where s has no gradient.
+ *
+ * The picture is a function of grid, specification, options and the frame's size: neither the SIMD
+ * width, nor the order or grouping of pixels changes a bit of it.
  */
 #ifndef STORMRING_VOLUME_H
 #define STORMRING_VOLUME_H
 
 #include "base/base.h"
+#include "task/task.h"
 
 #define VOLUME_ERR 256 /* bytes of a message: "name:line: what, expected what" */
 #define VOLUME_NAME 64
+#define VOLUME_AMBIENT 0.3
 
 /* ---- the grid (grid.c, vtk.c) ---------------------------------------------------------------- */
 
@@ -53,5 +78,68 @@ uint32_t grid_axis_fault(const double *at, uint32_t n);
  * upper one where it is on a face. NaN outside, and where a corner of the cell is missing.
  */
 double grid_at(const struct grid *g, const double p[3]);
+
+/* ---- the specification ------------------------------------------ */
+
+struct spec_knot {
+    double s, rgb[3], k; /* two of one s are a jump: the first holds below it, the second above */
+};
+struct spec_iso {
+    double s, rgb[3], opacity; /* opacity 0 .. 1, of the sheet itself, whatever its slant */
+};
+struct spec {
+    double from[3], at[3], up[3], angle; /* as in NFF, in scaled space; angle in degrees */
+    uint32_t w, h;                       /* resolution */
+    bool lit;
+    double light[3];      /* in scaled space */
+    double attenuation;   /* a, per unit of scaled space */
+    double scale[3];      /* of the grid's coordinates; not 0 */
+    double opacity_limit; /* a ray ends when its alpha reaches it */
+    bool backed;
+    double background[3];   /* behind everything, where backed; else transparent */
+    struct spec_knot *knot; /* ascending by s; outside of them nothing: k = 0 */
+    size_t n_knots;
+    struct spec_iso *iso;
+    size_t n_isos;
+};
+
+/* ---- rendering ------------------------------------------------------------------------------ */
+
+enum volume_method {
+    VOLUME_ADAPTIVE, /* to an error of `tolerance`, by whatever is cheapest in each cell */
+    VOLUME_DOUBLING, /* as published: trapezoid, sub-steps doubled until that changes < tolerance */
+    VOLUME_TRAPEZOID, /* n sub-steps in every cell */
+    VOLUME_GAUSS      /* split at the knots, n Gauss-Legendre nodes between */
+};
+enum volume_isa { VOLUME_AUTO, VOLUME_SSE2, VOLUME_AVX2 };
+struct volume_options {
+    enum volume_method method;
+    double tolerance; /* of a colour or alpha, 0 .. 1 */
+    int n;
+    enum volume_isa isa;
+};
+/* clang-format off */
+#define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, VOLUME_AUTO}
+/* clang-format on */
+
+struct volume;
+/* Keeps pointers to g and s, which must outlive it. Never NULL. */
+struct volume *volume_new(
+    const struct grid *g, const struct spec *s, const struct volume_options *o);
+void volume_free(struct volume *v);
+/* The frame that following pixels belong to. Cheap; before the first volume_pixels. */
+void volume_frame(struct volume *v, uint32_t w, uint32_t h);
+/* Pixels n0 .. n0+n of the lattice, in its order, into rgba[4*n]: linear, premultiplied. Cheapest
+ * for runs of 64 neighbours and more. */
+void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
+
+/* Of the latest volume_pixels calls, since volume_frame: for vcworker -n. */
+struct volume_counts {
+    uint64_t rays, hits; /* hits: rays that enter the grid */
+    uint64_t cells;      /* visited and not skipped */
+    uint64_t samples;    /* of the field, in integrators */
+    uint32_t most_cells; /* that one ray passed */
+};
+void volume_counts(const struct volume *v, struct volume_counts *c);
 
 #endif

@@ -1,0 +1,209 @@
+/*
+ * integrate: the volume rendering integral over a stretch of a cell. Every method gathers
+ * segments, each as T (1 - exp(-dtau)) times the k-weighted mean of its colour: the plain sum of
+ * c k T would overshoot alpha where k is large.
+ */
+#include "volume/volume_int.h"
+
+#define DOUBLING_MAX 65536 /* sub-steps in a cell */
+#define HALVINGS_MAX 24    /* of a piece */
+
+void path_add(struct path *p, double dtau, const double rgb[3])
+{
+    double through = volume_exp(-dtau), seen = p->clear * (1 - through);
+    for (int c = 0; c < 3; c++) p->rgb[c] += seen * rgb[c];
+    p->clear *= through;
+}
+
+double path_light(const struct path *p, double w)
+{
+    const struct spec *s = p->v->spec;
+    double light = 1;
+    if (s->attenuation > 0) light = volume_exp(-s->attenuation * (p->cell->t + w * p->cell->len));
+    if (!s->lit) return light;
+    struct vec3 g = cell_gradient(p->cell, w);
+    struct vec3 at = v3_mad(p->v->view.eye, p->dir, p->cell->t + w * p->cell->len);
+    struct vec3 l = v3_sub(v3(s->light[0], s->light[1], s->light[2]), at);
+    double gg = v3_dot(g, g) * v3_dot(l, l);
+    if (!(gg > 0)) return light;
+    return light * (VOLUME_AMBIENT + (1 - VOLUME_AMBIENT) * fabs(v3_dot(g, l)) / sqrt(gg));
+}
+
+/* ---- trapezoid: as published ---------------------------------------------------------------- */
+
+/* Extinction, and colour as it arrives, at w of the cell. */
+static double sample(struct path *p, double w, double rgb[3])
+{
+    const struct map *m = &p->v->map;
+    double s = p->cell->base + cubic_at(p->cell->p, w);
+    int i = map_find(m, s);
+    p->v->counts.samples++;
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    if (i < 0 || m->span[i].clear) return 0;
+    const struct span *a = &m->span[i];
+    double x = s - a->lo, light = path_light(p, w);
+    for (int c = 0; c < 3; c++) rgb[c] = (a->rgb0[c] + a->rgb1[c] * x) * light;
+    return a->k0 + a->k1 * x;
+}
+
+static void trapezoid(struct path *p, double a, double b, int n)
+{
+    double rgb[3], last[3], mean[3], k0 = sample(p, a, last);
+    double step = (b - a) / n;
+    for (int i = 1; i <= n; i++) {
+        double k1 = sample(p, i < n ? a + i * step : b, rgb), k = k0 + k1;
+        for (int c = 0; c < 3; c++) {
+            mean[c] = k > 0 ? (k0 * last[c] + k1 * rgb[c]) / k : 0;
+            last[c] = rgb[c];
+        }
+        if (k > 0) path_add(p, 0.5 * k * step * p->cell->len, mean);
+        k0 = k1;
+    }
+}
+
+static void doubling(struct path *p, double a, double b)
+{
+    const struct path begin = *p;
+    struct path before;
+    double change;
+    int n = 1;
+    trapezoid(p, a, b, n);
+    do {
+        before = *p;
+        *p = begin;
+        n *= 2;
+        trapezoid(p, a, b, n);
+        change = fabs(p->clear - before.clear);
+        for (int c = 0; c < 3; c++) change = fmax(change, fabs(p->rgb[c] - before.rgb[c]));
+    } while (change >= p->v->o.tolerance && n < DOUBLING_MAX);
+}
+
+/* ---- Gauss-Legendre ------------------------------------------------------------------------- */
+
+/* The optical depth of a piece, up to x of it. */
+static double depth_to(const struct path *p, const struct piece *s, double x)
+{
+    const double *q = s->q;
+    double mean = q[0] + x * (q[1] / 2 + x * (q[2] / 3 + x * q[3] / 4));
+    return x * (s->span->k0 + s->span->k1 * mean) * (s->b - s->a) * p->cell->len;
+}
+
+/* Its own quadrature gives the mean colour; the optical depth, and so alpha, is exact. */
+static void gauss(struct path *p, const struct piece *s, double depth)
+{
+    const struct volume *v = p->v;
+    const struct span *f = s->span;
+    double sum = 0, rgb[3] = {0, 0, 0};
+    for (int i = 0; i < v->m; i++) {
+        double x = cubic_at(s->q, v->node[i]), k = f->k0 + f->k1 * x;
+        double weight = v->weight[i] * k * volume_exp(-depth_to(p, s, v->node[i]));
+        bool lit = v->spec->lit || v->spec->attenuation > 0;
+        double light = lit ? path_light(p, s->a + (s->b - s->a) * v->node[i]) : 1;
+        sum += weight;
+        for (int c = 0; c < 3; c++) rgb[c] += weight * light * (f->rgb0[c] + f->rgb1[c] * x);
+    }
+    p->v->counts.samples += (uint64_t)v->m;
+    if (!(sum > 0)) return;
+    for (int c = 0; c < 3; c++) rgb[c] /= sum;
+    path_add(p, depth, rgb);
+}
+
+/* The two halves of a piece. */
+static void halve(const struct piece *s, struct piece half[2])
+{
+    double middle = s->a + (s->b - s->a) / 2;
+    half[0] = half[1] = *s;
+    half[0].b = half[1].a = middle;
+    cubic_part(s->q, 0, 0.5, half[0].q);
+    cubic_part(s->q, 0.5, 1, half[1].q);
+}
+
+static bool done(const struct path *p) { return 1 - p->clear >= p->v->spec->opacity_limit; }
+
+static void by_depth(struct path *p, const struct piece *s, int halvings)
+{
+    double depth = depth_to(p, s, 1);
+    if (!(depth > 0) || done(p)) return;
+    if (depth <= p->v->depth || halvings == HALVINGS_MAX) {
+        gauss(p, s, depth);
+        return;
+    }
+    struct piece half[2];
+    halve(s, half);
+    by_depth(p, &half[0], halvings + 1);
+    by_depth(p, &half[1], halvings + 1);
+}
+
+static void piece_gauss(struct path *p, const struct piece *s) { by_depth(p, s, 0); }
+
+/* ---- adaptive ------------------------------------------------------------------------------- */
+
+/* Exact k-weighted mean colour, from the integrals of q and its square: no sampling, no exp. */
+static void moments(struct path *p, const struct piece *s, double depth)
+{
+    const double *q = s->q;
+    const struct span *f = s->span;
+    double one = q[0] + q[1] / 2 + q[2] / 3 + q[3] / 4;
+    double two = q[0] * (q[0] + q[1]) + (q[1] * q[1] + 2 * q[0] * q[2]) / 3 +
+                 (q[0] * q[3] + q[1] * q[2]) / 2 + (q[2] * q[2] + 2 * q[1] * q[3]) / 5 +
+                 q[2] * q[3] / 3 + q[3] * q[3] / 7;
+    double mean = (f->k0 * one + f->k1 * two) / (f->k0 + f->k1 * one), rgb[3];
+    for (int c = 0; c < 3; c++) rgb[c] = f->rgb0[c] + f->rgb1[c] * mean;
+    p->v->counts.samples++;
+    path_add(p, depth, rgb);
+}
+
+/*
+ * What the mean colour is wrong by, at most: colour and exp(-tau) have a covariance of at most a
+ * quarter of the product of their ranges (A. Grüss, Math. Zeitschrift 39, 1935). It counts per
+ * alpha that the piece adds, so that a ray's error is no more than the worst piece's.
+ */
+static double moments_error(const struct piece *s, double depth)
+{
+    double lo, hi, most = 0;
+    cubic_bounds(s->q, &lo, &hi);
+    for (int c = 0; c < 3; c++) most = fmax(most, fabs(s->span->rgb1[c]));
+    return most * (hi - lo) * depth / 4;
+}
+
+/* Halved until it changes less than the tolerance: light on a curved field has no better bound. */
+static void refine(struct path *p, const struct piece *s, int halvings)
+{
+    double depth = depth_to(p, s, 1);
+    if (!(depth > 0) || done(p)) return;
+    struct path whole = *p, halved = *p;
+    struct piece half[2];
+    gauss(&whole, s, depth);
+    halve(s, half);
+    for (int i = 0; i < 2; i++) gauss(&halved, &half[i], depth_to(p, &half[i], 1));
+    double change = 0;
+    for (int c = 0; c < 3; c++) change = fmax(change, fabs(whole.rgb[c] - halved.rgb[c]));
+    bool good = change <= p->v->o.tolerance * (p->clear - halved.clear);
+    if (good || halvings == HALVINGS_MAX) {
+        *p = halved;
+        return;
+    }
+    for (int i = 0; i < 2; i++) refine(p, &half[i], halvings + 1);
+}
+
+static void piece_adaptive(struct path *p, const struct piece *s)
+{
+    const struct spec *spec = p->v->spec;
+    double depth = depth_to(p, s, 1);
+    if (!(depth > 0) || done(p)) return;
+    if (spec->lit || spec->attenuation > 0) refine(p, s, 0);
+    else if (moments_error(s, depth) <= p->v->o.tolerance) moments(p, s, depth);
+    else by_depth(p, s, 0);
+}
+
+void integrate(struct path *p, double a, double b)
+{
+    const struct volume_options *o = &p->v->o;
+    if (p->v->map.n == 0) return;
+    switch (o->method) {
+    case VOLUME_TRAPEZOID: trapezoid(p, a, b, o->n); break;
+    case VOLUME_DOUBLING: doubling(p, a, b); break;
+    case VOLUME_GAUSS: pieces(p, a, b, piece_gauss); break;
+    case VOLUME_ADAPTIVE: pieces(p, a, b, piece_adaptive); break;
+    }
+}

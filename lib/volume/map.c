@@ -1,0 +1,52 @@
+/* map: from scalars to extinction and colour, by the knots themselves: no table, no sampling. */
+#include "volume/volume_int.h"
+
+#include <stdlib.h>
+
+static void span_init(struct span *p, const struct spec_knot *a, const struct spec_knot *b)
+{
+    double width = b->s - a->s;
+    p->lo = a->s;
+    p->hi = b->s;
+    p->k0 = a->k;
+    p->k1 = (b->k - a->k) / width;
+    for (int c = 0; c < 3; c++) {
+        p->rgb0[c] = a->rgb[c];
+        p->rgb1[c] = (b->rgb[c] - a->rgb[c]) / width;
+    }
+    p->clear = a->k == 0 && b->k == 0;
+}
+
+void map_init(struct map *m, const struct spec *s)
+{
+    m->span = xmalloc(s->n_knots + 1, sizeof *m->span);
+    m->n = 0;
+    m->closed = false;
+    for (size_t i = 1; i < s->n_knots; i++) {
+        m->closed = s->knot[i].s > s->knot[i - 1].s;
+        if (m->closed) span_init(&m->span[m->n++], &s->knot[i - 1], &s->knot[i]);
+    }
+}
+
+int map_find(const struct map *m, double s)
+{
+    if (m->n == 0 || !(s >= m->span[0].lo)) return -1;
+    if (!(s < m->span[m->n - 1].hi))
+        return m->closed && s == m->span[m->n - 1].hi ? (int)m->n - 1 : -1;
+    uint32_t lo = 0, hi = m->n;
+    while (hi - lo > 1) {
+        uint32_t mid = (lo + hi) / 2;
+        if (s < m->span[mid].lo) hi = mid;
+        else lo = mid;
+    }
+    return (int)lo;
+}
+
+bool map_absorbs(const struct map *m, double lo, double hi)
+{
+    for (uint32_t i = 0; i < m->n; i++) {
+        const struct span *p = &m->span[i];
+        if (!p->clear && p->lo <= hi && p->hi >= lo) return true;
+    }
+    return false;
+}

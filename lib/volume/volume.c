@@ -1,0 +1,97 @@
+/* volume: a grid made ready for one specification, and the rays of its pixels. */
+#include "volume/volume_int.h"
+
+#include <stdlib.h>
+
+/* By the tolerance: what the rule is wrong by on pieces of an optical depth of at most 1. */
+static int nodes_for(double tolerance) { return tolerance >= 5e-4 ? 3 : tolerance >= 2e-5 ? 4 : 6; }
+
+static void set_planes(struct volume *v, const struct grid *g, const double scale[3])
+{
+    const ptrdiff_t stride[3] = {1, g->n[0], (ptrdiff_t)g->n[0] * g->n[1]};
+    v->first = g->value;
+    for (int a = 0; a < 3; a++) {
+        uint32_t n = g->n[a];
+        v->cells[a] = n - 1;
+        v->plane[a] = xmalloc(n, sizeof *v->plane[a]);
+        bool turned = scale[a] < 0;
+        v->stride[a] = turned ? -stride[a] : stride[a];
+        if (turned) v->first += stride[a] * (ptrdiff_t)(n - 1);
+        for (uint32_t i = 0; i < n; i++)
+            v->plane[a][i] = g->at[a][turned ? n - 1 - i : i] * scale[a];
+    }
+}
+
+struct volume *volume_new(
+    const struct grid *g, const struct spec *s, const struct volume_options *o)
+{
+    struct volume *v = xcalloc(1, sizeof *v);
+    v->grid = g;
+    v->spec = s;
+    v->o = *o;
+    set_planes(v, g, s->scale);
+    map_init(&v->map, s);
+    skip_init(v);
+    view_init(&v->view, s);
+    v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance);
+    v->depth = 1;
+    gauss_rule(v->m, v->node, v->weight);
+    v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
+    v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
+    return v;
+}
+
+void volume_free(struct volume *v)
+{
+    if (!v) return;
+    for (int a = 0; a < 3; a++) free(v->plane[a]);
+    free(v->map.span);
+    free(v->live);
+    free(v->block);
+    free(v->above);
+    free(v->crossing);
+    free(v);
+}
+
+void volume_frame(struct volume *v, uint32_t w, uint32_t h)
+{
+    v->view.w = w;
+    v->view.h = h;
+    v->counts = (struct volume_counts){0};
+}
+
+static void ray(struct path *p, struct walk *w, struct cell *c)
+{
+    double t0, t1, last = -1;
+    while (1 - p->clear < p->v->spec->opacity_limit && walk_next(w, &t0, &t1)) {
+        cell_init(c, w, t0, t1);
+        surfaces(p, t0 != last);
+        last = t1;
+        p->v->counts.cells++;
+    }
+    if (w->passed > p->v->counts.most_cells) p->v->counts.most_cells = w->passed;
+}
+
+static void pixel(struct volume *v, uint64_t at, float *rgba)
+{
+    struct cell cell;
+    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = view_direction(&v->view, at)};
+    struct walk w;
+    v->counts.rays++;
+    if (walk_begin(&w, v, v->view.eye, p.dir)) {
+        v->counts.hits++;
+        ray(&p, &w, &cell);
+    }
+    bool backed = v->spec->backed;
+    for (int c = 0; c < 3; c++)
+        rgba[c] = (float)(p.rgb[c] + (backed ? p.clear * v->spec->background[c] : 0));
+    rgba[3] = backed ? 1 : (float)(1 - p.clear);
+}
+
+void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
+{
+    for (uint32_t i = 0; i < n; i++)
+        pixel(v, lattice_pixel(l, v->view.w, n0 + i), rgba + 4 * (size_t)i);
+}
+
+void volume_counts(const struct volume *v, struct volume_counts *c) { *c = v->counts; }

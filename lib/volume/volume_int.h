@@ -1,0 +1,168 @@
+/*
+ * volume_int: what the renderer's files share. A ray walks the grid (walk.c); the field along it in
+ * one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c); it is cut where it meets a
+ * sheet or a knot of the map (piece.c), and integrated (integrate.c, lit.c).
+ */
+#ifndef STORMRING_VOLUME_INT_H
+#define STORMRING_VOLUME_INT_H
+
+#include "volume/volume.h"
+
+#include <float.h>
+
+#define BLOCK_SHIFT 2 /* blocks of 4 x 4 x 4 cells are skipped at once */
+#define GAUSS_MAX 64  /* nodes */
+
+/* ---- the map (map.c) ------------------------------------------------------------------------ */
+
+/* Between two knots: k = k0 + k1 (s - lo), likewise rgb. */
+struct span {
+    double lo, hi, k0, k1, rgb0[3], rgb1[3];
+    bool clear; /* k = 0 throughout */
+};
+struct map {
+    struct span *span; /* ascending, contiguous, none of width 0 */
+    uint32_t n;
+    bool closed; /* the last span holds at its upper end too */
+};
+
+void map_init(struct map *m, const struct spec *s);
+/* The span that holds at s, -1 outside of the map. */
+int map_find(const struct map *m, double s);
+/* Does anything between lo and hi, both included, absorb? */
+bool map_absorbs(const struct map *m, double lo, double hi);
+
+/* ---- cubics (cubic.c) ----------------------------------------------------------------------- */
+
+/* p[0] + p[1] w + p[2] w^2 + p[3] w^3 */
+static inline double cubic_at(const double p[4], double w)
+{
+    return p[0] + w * (p[1] + w * (p[2] + w * p[3]));
+}
+/* q(w) = p(a + (b - a) w) */
+void cubic_part(const double p[4], double a, double b, double q[4]);
+/* Bounds of p on 0 .. 1: its control points'. */
+void cubic_bounds(const double p[4], double *lo, double *hi);
+/* Where p turns within 0 .. 1: ascending, both ends included: 2 to 4 numbers. */
+int cubic_monotone(const double p[4], double w[4]);
+/* Where p is y in a .. b, where it is monotone and y is between its ends. */
+double cubic_root(const double p[4], double a, double b, double y);
+
+/* ---- the grid, prepared (skip.c, volume.c) -------------------------------------------------- */
+
+struct view {
+    struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
+    uint32_t w, h;
+};
+
+/* A ray meets an iso-surface, at w of a cell. */
+struct crossing {
+    double w;
+    const struct spec_iso *iso;
+};
+
+struct volume {
+    const struct grid *grid;
+    const struct spec *spec;
+    struct volume_options o;
+    double *plane[3];    /* scaled coordinates, ascending */
+    uint32_t cells[3];   /* planes less one */
+    ptrdiff_t stride[3]; /* from a node to the next, in values; negative where the scale is */
+    const float *first;  /* the node at the lowest corner */
+    uint8_t *live;       /* a bit a cell: something is seen in it */
+    uint8_t *block;      /* a byte a block: some cell of it is live */
+    uint32_t blocks[3];
+    struct map map;
+    struct view view;
+    int m; /* Gauss-Legendre nodes and weights on 0 .. 1 */
+    double node[GAUSS_MAX], weight[GAUSS_MAX];
+    double depth;              /* a piece's optical depth is at most this */
+    struct crossing *crossing; /* of one cell */
+    bool *above;               /* by surface: the ray is at or above its value */
+    struct volume_counts counts;
+};
+
+void skip_init(struct volume *v);
+static inline size_t cell_index(const struct volume *v, const int32_t i[3])
+{
+    return ((size_t)i[2] * v->cells[1] + (size_t)i[1]) * v->cells[0] + (size_t)i[0];
+}
+static inline size_t block_index(const struct volume *v, const int32_t i[3])
+{
+    size_t x = (size_t)i[0] >> BLOCK_SHIFT, y = (size_t)i[1] >> BLOCK_SHIFT;
+    return (((size_t)i[2] >> BLOCK_SHIFT) * v->blocks[1] + y) * v->blocks[0] + x;
+}
+static inline bool cell_live(const struct volume *v, size_t cell)
+{
+    return v->live[cell >> 3] >> (cell & 7) & 1;
+}
+
+/* ---- view (view.c) ------------------------------------------------------------------------- */
+
+void view_init(struct view *c, const struct spec *s);
+/* The direction of pixel p, of length 1. */
+struct vec3 view_direction(const struct view *c, uint64_t p);
+
+/* ---- the walk (walk.c) ---------------------------------------------------------------------- */
+
+struct walk {
+    const struct volume *v;
+    double o[3], d[3], inv[3]; /* from where the ray enters the grid, or the eye inside it */
+    double next[3];            /* where the cell ends along each axis */
+    double t, before;          /* so far, from o; from the eye to o */
+    double end;                /* of the cell that was handed out */
+    int32_t i[3], step[3];     /* the cell; -1, 0 or 1 */
+    uint32_t passed;           /* cells */
+    bool out;
+};
+/* False when the ray misses the grid. */
+bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir);
+/* The next live cell and where the ray is in it; false when there is none. */
+bool walk_next(struct walk *w, double *t0, double *t1);
+
+/* ---- one cell (cell.c) ---------------------------------------------------------------------- */
+
+struct cell {
+    double base;            /* the field at its lowest corner; */
+    double p[4];            /* and along the ray, less base */
+    double edge[3];         /* its edges' lengths, */
+    double f[7];            /* the field less base: x, y, z, xy, xz, yz, xyz */
+    double from[3], way[3]; /* local coordinates at entry; how they change until exit */
+    double t, len;          /* entry, from the eye; length */
+};
+void cell_init(struct cell *c, const struct walk *w, double t0, double t1);
+/* The gradient, in scaled space, at w. */
+struct vec3 cell_gradient(const struct cell *c, double w);
+
+/* ---- integration (integrate.c, surface.c) -------------------------------------------- */
+
+/* What a ray has gathered. */
+struct path {
+    struct volume *v;
+    double rgb[3], clear; /* clear: exp(-tau), what still shines through */
+    const struct cell *cell;
+    struct vec3 dir;
+};
+/* A stretch of one cell in one span: the cubic less the span's lo, w 0 .. 1 in it. */
+struct piece {
+    const struct span *span;
+    double q[4], a, b; /* a, b: in the cell's w */
+};
+
+/* exp(x) for x <= 0, of sums and products of doubles only: the same bits on every host. */
+double volume_exp(double x);
+/* Nodes and weights of Gauss and Legendre for 0 .. 1. */
+void gauss_rule(int m, double *node, double *weight);
+/* Between w = a and b of the cell, by the method of the options. */
+void integrate(struct path *p, double a, double b);
+/* One stretch of a given optical depth whose k-weighted mean colour is rgb. */
+void path_add(struct path *p, double dtau, const double rgb[3]);
+/* exp(-a t) and, when lit, the light at w of the cell: what a colour there is multiplied by. */
+double path_light(const struct path *p, double w);
+/* The pieces between a and b, each to `each`, front to back. */
+void pieces(struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
+/* Integrates the cell, and lays the sheets of its iso-surfaces between. fresh: the ray comes from
+ * where the field was not known. */
+void surfaces(struct path *p, bool fresh);
+
+#endif

@@ -1,0 +1,251 @@
+/* Volume ray casting against closed forms, and against marching in long double. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "volume_scenes.h"
+
+static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, VOLUME_AUTO};
+static const struct volume_options doubling = {VOLUME_DOUBLING, 1e-7, 0, VOLUME_AUTO};
+static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, VOLUME_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, VOLUME_AUTO};
+static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
+
+static void near(double got, double expected, double e)
+{
+    if (!(fabs(got - expected) <= e)) fail_msg("%.9g, expected %.9g", got, expected);
+}
+
+static double of_z(double x, double y, double z) { return 0 * x + 0 * y + z; }
+static double seven(double x, double y, double z) { return 7 + 0 * (x + y + z); }
+
+/* ---- closed forms --------------------------------------------------------------------------- */
+
+static const double above[3] = {2.3, 1.6, 20}, below[3] = {2.3, 1.6, 0};
+
+static void constant_field(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, seven);
+    struct scene c = make_scene(above, below);
+    knot(&c, 0, 0.2, 0.4, 0.6, 0.3);
+    knot(&c, 10, 0.2, 0.4, 0.6, 0.3);
+    const struct volume_options *all[] = {&trapezoid16, &doubling, &gauss5, &fine, &usual};
+    for (int i = 0; i < 5; i++) {
+        float p[4];
+        struct volume_counts n;
+        render(&g, &c.s, all[i], p, &n);
+        double alpha = 1 - exp(-0.3 * 5);
+        near((double)p[3], alpha, 1e-6);
+        for (int k = 0; k < 3; k++) near((double)p[k], 0.2 * (k + 1) * alpha, 1e-6);
+        assert_int_equal(n.rays, 1);
+        assert_int_equal(n.hits, 1);
+        assert_int_equal(n.cells, 5);
+        assert_int_equal(n.most_cells, 5);
+    }
+    free_grid(&g);
+}
+
+/* k = k' z from 5 to 0: alpha = 1 - exp(-k' 25 / 2); colour z / 5 of depth u = k' (25 - z^2) / 2
+ * gives C = 1/5 of the integral of sqrt(25 - 2 u / k') exp(-u). */
+static void linear_field(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, of_z);
+    struct scene c = make_scene(above, below);
+    knot(&c, 0, 0, 0, 1, 0);
+    knot(&c, 5, 1, 0, 1, 0.5);
+    double k = 0.1, depth = k * 12.5, sum = 0;
+    for (int i = 0; i < 2000000; i++) {
+        double u = (i + 0.5) * depth / 2000000;
+        sum += sqrt(25 - 2 * u / k) / 5 * exp(-u) * depth / 2000000;
+    }
+    const struct volume_options *all[] = {&doubling, &gauss5, &fine, &usual};
+    for (int i = 0; i < 4; i++) {
+        float p[4];
+        render(&g, &c.s, all[i], p, NULL);
+        near((double)p[3], 1 - exp(-depth), i < 1 ? 1e-5 : 2e-7);
+        near((double)p[0], sum, i == 0 ? 1e-5 : i == 3 ? 1.0 / 1024 : 1e-6);
+        near((double)p[2], 1 - exp(-depth), i < 1 ? 1e-5 : 2e-7);
+    }
+    free_grid(&g);
+}
+
+/* C = the integral of c k exp(-(k + a) t) from where the ray enters. */
+static void attenuation_dims_colour_and_not_alpha(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, seven);
+    struct scene c = make_scene(above, below);
+    knot(&c, 0, 1, 0.5, 0, 0.3);
+    knot(&c, 10, 1, 0.5, 0, 0.3);
+    c.s.attenuation = 0.05;
+    const struct volume_options *all[] = {&doubling, &gauss5, &fine, &usual};
+    double colour = 0.3 / 0.35 * (exp(-0.05 * 15) - exp(-0.05 * 15 - 0.35 * 5));
+    for (int i = 0; i < 4; i++) {
+        float p[4];
+        render(&g, &c.s, all[i], p, NULL);
+        near((double)p[3], 1 - exp(-0.3 * 5), 1e-6);
+        near((double)p[0], colour, i == 3 ? 1.0 / 1024 : 2e-6);
+        near((double)p[1], colour / 2, i == 3 ? 1.0 / 1024 : 2e-6);
+    }
+    free_grid(&g);
+}
+
+static void opacity_limit_and_background(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 401);
+    fill(&g, seven);
+    struct scene c = make_scene((const double[3]){2.3, 1.6, 500}, below);
+    knot(&c, 0, 1, 1, 1, 0.5);
+    knot(&c, 10, 1, 1, 1, 0.5);
+    c.s.opacity_limit = 0.99;
+    float p[4];
+    struct volume_counts n;
+    render(&g, &c.s, &usual, p, &n);
+    assert_true(p[3] >= 0.99f && n.cells < 12);
+    c.s.backed = true;
+    c.s.background[1] = 0.5;
+    render(&g, &c.s, &usual, p, NULL);
+    assert_true(p[3] == 1);
+    near((double)p[1] - (double)p[0], 0.5 * (1 - (double)p[0]), 1e-6);
+    c.s.from[0] = 100, c.s.at[0] = 200; /* past the grid */
+    render(&g, &c.s, &usual, p, &n);
+    assert_true(p[0] == 0 && p[1] == 0.5f && p[2] == 0 && p[3] == 1 && n.hits == 0);
+    c.s.backed = false;
+    render(&g, &c.s, &usual, p, NULL);
+    assert_true(p[0] == 0 && p[1] == 0 && p[3] == 0);
+    free_grid(&g);
+}
+
+/* ---- against the reference ------------------------------------------------------------------ */
+
+#define SIDE 20
+
+static void reference(const struct grid *g, const struct spec *s, real *out)
+{
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) ref_pixel(g, s, i % SIDE, i / SIDE, 12, out + 4 * i);
+}
+/* Root of the mean square, and the greatest error, of all channels. */
+static double rms(const float *p, const real *r, double *most)
+{
+    double sum = 0;
+    *most = 0;
+    for (int i = 0; i < 4 * SIDE * SIDE; i++) {
+        double e = fabs((double)((real)p[i] - r[i]));
+        sum += e * e;
+        *most = e > *most ? e : *most;
+    }
+    return sqrt(sum / (4 * SIDE * SIDE));
+}
+static void set_map(struct scene *c, int i)
+{
+    static const double width[] = {0, 5, 0.5, 0.05};
+    if (i == 0) smooth_map(c);
+    else contour_map(c, width[i]);
+}
+
+/* The default tolerance and others, on a smooth map and contours 5, .5 and .05 m/s wide. */
+static void adaptive_keeps_its_tolerance(void **state)
+{
+    (void)state;
+    static const double tolerance[] = {1e-2, 1.0 / 1024, 1e-4, 1e-5};
+    struct grid g = wind_grid();
+    for (int i = 0; i < 4; i++) {
+        struct scene c = wind_scene(SIDE);
+        static real r[4 * SIDE * SIDE];
+        static float p[4 * SIDE * SIDE];
+        double most, seen = 0;
+        set_map(&c, i);
+        reference(&g, &c.s, r);
+        for (int k = 0; k < SIDE * SIDE; k++) seen += (double)r[4 * k + 3] / (SIDE * SIDE);
+        assert_true(seen > 0.1);
+        for (int k = 0; k < 4; k++) {
+            struct volume_options o = {VOLUME_ADAPTIVE, tolerance[k], 0, VOLUME_AUTO};
+            render(&g, &c.s, &o, p, NULL);
+            rms(p, r, &most);
+            if (most > tolerance[k])
+                fail_msg("map %d: %g, expected at most %g", i, most, tolerance[k]);
+        }
+    }
+    free_grid(&g);
+}
+
+/* Bounds of the error: trapezoid n = 1, 4, 16, 64, then knot-split m = 3. */
+static void errors_are_those_expected(void **state)
+{
+    (void)state;
+    static const double expected[4][5] = {{3e-3, 5e-4, 2e-4, 1e-4, 2e-7},
+        {0.1, 1e-2, 5e-4, 5e-5, 3e-5}, {0.4, 0.2, 4e-2, 3e-3, 4e-5}, {0.4, 0.3, 0.3, 0.2, 4e-5}};
+    struct grid g = wind_grid();
+    for (int i = 0; i < 4; i++) {
+        struct scene c = wind_scene(SIDE);
+        static real r[4 * SIDE * SIDE];
+        static float p[4 * SIDE * SIDE];
+        double most;
+        set_map(&c, i);
+        reference(&g, &c.s, r);
+        for (int k = 0; k < 5; k++) {
+            struct volume_options o = {VOLUME_TRAPEZOID, 0, 1 << (2 * k), VOLUME_AUTO};
+            if (k == 4) o = (struct volume_options){VOLUME_GAUSS, 0, 3, VOLUME_AUTO};
+            render(&g, &c.s, &o, p, NULL);
+            double e = rms(p, r, &most);
+            print_message(
+                "# map %d method %d n %d: rms %.2g, most %.2g\n", i, o.method, o.n, e, most);
+            assert_true(e <= expected[i][k]);
+        }
+    }
+    free_grid(&g);
+}
+
+/* Within one span the trapezoid is of second order; nodes of Gauss and Legendre gain digits. */
+static void orders_of_convergence(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(2, 2, 2);
+    for (int i = 0; i < 8; i++) g.value[i] = (float)(1 + 8 * rng_unit(5, (uint64_t)i));
+    struct scene c = make_scene((const double[3]){3, -2, 2.5}, (const double[3]){0.4, 0.5, 0.6});
+    knot(&c, 0, 0, 1, 0, 0.05);
+    knot(&c, 10, 1, 0, 0, 1.8);
+    real r[4];
+    ref_pixel(&g, &c.s, 0, 0, 400, r);
+    double last = 0;
+    for (int n = 4; n <= 64; n *= 2) {
+        struct volume_options o = {VOLUME_TRAPEZOID, 0, n, VOLUME_AUTO};
+        float p[4];
+        render(&g, &c.s, &o, p, NULL);
+        double e = fabs((double)((real)p[0] - r[0]));
+        if (last > 0 && n <= 32) assert_true(e < last / 3.2 && e > last / 5);
+        last = e;
+    }
+    for (int m = 1; m <= 4; m++) {
+        struct volume_options o = {VOLUME_GAUSS, 0, m, VOLUME_AUTO};
+        float p[4];
+        render(&g, &c.s, &o, p, NULL);
+        double e = fabs((double)((real)p[0] - r[0]));
+        static const double expected[] = {8e-3, 5e-5, 2e-5, 1e-6};
+        assert_true(e <= expected[m - 1]);
+        near((double)p[3], (double)r[3], 1e-7);
+    }
+    free_grid(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constant_field),
+        cmocka_unit_test(linear_field),
+        cmocka_unit_test(attenuation_dims_colour_and_not_alpha),
+        cmocka_unit_test(opacity_limit_and_background),
+        cmocka_unit_test(adaptive_keeps_its_tolerance),
+        cmocka_unit_test(errors_are_those_expected),
+        cmocka_unit_test(orders_of_convergence),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
