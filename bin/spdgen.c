@@ -2,15 +2,24 @@
 #include "spd/spd.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-h] [-p digits] [-s size] name | -l [-s size]";
+static const char usage_text[] = "[-h] [-p digits] [-s size] [-V view] name | -l [-s size]";
 
 struct options {
-    int size;   /* 0: the scene's own default */
-    int digits; /* significant digits of the numbers written */
+    int size;        /* 0: the scene's own default */
+    int digits;      /* significant digits of the numbers written */
+    bool imbalanced; /* the view is, not SPD's */
     bool list;
 };
+
+static bool is_imbalanced(const char *name)
+{
+    if (strcmp(name, "balanced") == 0) return false;
+    if (strcmp(name, "imbalanced") == 0) return true;
+    die(ST_USAGE, "-V %s: expected balanced or imbalanced", name);
+}
 
 static int checked_size(const struct spd_scene *scene, int size)
 {
@@ -34,11 +43,12 @@ int main(int argc, char **argv)
 {
     struct options opt = {.digits = NFF_DIGITS_SPD};
     prog_init(argv[0]);
-    for (int c; (c = getopt(argc, argv, "hlp:s:")) != -1;) switch (c) {
+    for (int c; (c = getopt(argc, argv, "hlp:s:V:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 'l': opt.list = true; break;
         case 'p': opt.digits = (int)opt_int(c, optarg, NFF_DIGITS_SPD, NFF_DIGITS_MAX); break;
         case 's': opt.size = (int)opt_int(c, optarg, 1, 1000000); break;
+        case 'V': opt.imbalanced = is_imbalanced(optarg); break;
         default: usage(ST_USAGE, usage_text);
         }
     if (argc - optind != !opt.list) usage(ST_USAGE, usage_text);
@@ -48,7 +58,7 @@ int main(int argc, char **argv)
         if (!scene)
             die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
         struct nff_out out = {stdout, opt.digits};
-        scene->write(&out, checked_size(scene, opt.size));
+        scene->write(&out, checked_size(scene, opt.size), opt.imbalanced);
     }
     close_stdout();
     return ST_OK;

@@ -21,8 +21,33 @@ spdgen tetra >default
 spdgen -s 6 tetra >named
 ok 'the default size is the listed one' cmp default named
 
-for bad in '-s 0 balls' '-s -1 balls' '-s 1.5 balls' '-s x balls' '-s 8 balls' '-s 41 gears' '-s 12 tetra' \
-	'-s 99999999999 tetra' '-p 5 balls' '-p 18 balls' 'teacup' '' 'balls gears' '-l balls' '-q balls'; do
+# turn SCENE: how many degrees the camera of the imbalanced view is turned, to the nearest whole one
+turn() {
+	for view in balanced imbalanced; do spdgen -p 17 -s 1 -V $view "$1"; done | awk '
+		$1 == "from" || $1 == "at" { for (i = 2; i <= 4; i++) seen[++n] = $i }
+		END {
+			for (i = 1; i <= 3; i++) {
+				a = seen[i + 3] - seen[i]; b = seen[i + 9] - seen[i + 6]
+				ab += a * b; aa += a * a; bb += b * b
+			}
+			cosine = ab / sqrt(aa * bb)
+			print int(atan2(sqrt(1 - cosine ^ 2), cosine) * 180 / atan2(0, -1) + .5)
+		}'
+}
+for scene in balls gears tetra; do
+	spdgen -s 2 $scene >plain
+	spdgen -s 2 -V balanced $scene >named
+	ok "$scene is balanced unless told" cmp plain named
+	spdgen -s 2 -V imbalanced $scene >other
+	is "$scene, imbalanced, looks elsewhere, and that is all" \
+		"$(diff plain other | sed -n 's/^\([<>] [a-z]*\).*/\1/p' | tr '\n' ' ')" '< at > at '
+	like "as far from there as the page says of $scene" "$(cat "$root/man/spdgen.1")" \
+		"^$scene +0[.][0-9]+ +[01][.][0-9]+ +$(turn $scene) degrees "
+done
+
+for bad in '-V upward balls' '-V balls' '-s 0 balls' '-s -1 balls' '-s 1.5 balls' '-s x balls' '-s 8 balls' \
+	'-s 41 gears' '-s 12 tetra' '-s 99999999999 tetra' '-p 5 balls' '-p 18 balls' 'teacup' '' 'balls gears' \
+	'-l balls' '-q balls'; do
 	# shellcheck disable=SC2086  # a word each
 	run spdgen $bad
 	is "refused: spdgen $bad" "$status:$out" 2:

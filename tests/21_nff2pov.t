@@ -45,6 +45,10 @@ if command -v povray >/dev/null; then
 	ok 'POV-Ray agrees on gears' same gears 100 128x128 gears.nff
 	spdgen -s 3 tetra >tetra.nff
 	ok 'POV-Ray agrees on tetra' same tetra 1 128x128 tetra.nff
+	for scene in balls gears tetra; do
+		spdgen -s 2 -V imbalanced $scene >low.nff
+		ok "POV-Ray agrees on $scene in its imbalanced view" same $scene 100 128x128 low.nff
+	done
 else
 	skip 'agreement with POV-Ray' 'povray is not installed'
 fi

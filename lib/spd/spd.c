@@ -26,10 +26,21 @@ int spd_size_max(const struct spd_scene *scene)
     return size;
 }
 
-void spd_put_setting(struct nff_out *o, const struct view *v, const struct vec3 *lights, size_t n)
+static struct view turned(struct view v, double up_angle)
 {
+    struct vec3 ahead = v3_sub(v.at, v.from);
+    struct vec3 right = v3_cross(ahead, v.up), up = v3_cross(right, ahead);
+    up = v3_scale(up, v3_len(ahead) / v3_len(up));
+    v.at = v3_add(v.from, v3_add(v3_scale(ahead, cos(up_angle)), v3_scale(up, sin(up_angle))));
+    return v;
+}
+
+void spd_put_setting(
+    struct nff_out *o, const struct view *v, double turn_deg, const struct vec3 *lights, size_t n)
+{
+    struct view seen = turn_deg != 0 ? turned(*v, SPD_PI * turn_deg / 180.0) : *v;
     nff_put_background(o, 0.078, 0.361, 0.753); /* the sky over Chapel Hill */
-    nff_put_view(o, v);
+    nff_put_view(o, &seen);
     for (size_t i = 0; i < n; i++) nff_put_light(o, &(struct light){.pos = lights[i]});
 }
 

@@ -19,7 +19,12 @@ struct spd_scene {
     int size;            /* SPD's own default: the most primitives under 10000 */
     const char *formula; /* primitives at size s, for people */
     uint64_t (*count)(int size);
-    void (*write)(struct nff_out *o, int size);
+    /*
+     * Seen as by SPD, or as imbalanced: C.-N. Lee, T.-Y. Lee, T.-C. Lu ("Comparisons of Load
+     * Balancing Strategies for Ray Tracing on Network Clustered Environments", 1996) moved the
+     * camera for their second data type, whose costs vary more from row to row.
+     */
+    void (*write)(struct nff_out *o, int size, bool imbalanced);
 };
 
 extern const struct spd_scene spd_scenes[];
@@ -31,10 +36,10 @@ const struct spd_scene *spd_find(const char *name);
 int spd_size_max(const struct spd_scene *scene);
 
 uint64_t spd_balls_count(int size);
-void spd_balls(struct nff_out *o, int size);
+void spd_balls(struct nff_out *o, int size, bool imbalanced);
 uint64_t spd_gears_count(int size);
-void spd_gears(struct nff_out *o, int size);
+void spd_gears(struct nff_out *o, int size, bool imbalanced);
 uint64_t spd_tetra_count(int size);
-void spd_tetra(struct nff_out *o, int size);
+void spd_tetra(struct nff_out *o, int size, bool imbalanced);
 
 #endif
