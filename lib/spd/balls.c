@@ -10,7 +10,7 @@ static const struct view view = {.from = {2.1, 1.3, 1.7},
     .hither = 0.01,
     .res_x = 512,
     .res_y = 512};
-#define IMBALANCED_DEG 26
+#define IMBALANCED_DEG 25
 static const struct vec3 lights[] = {{4, 3, 2}, {1, -4, 4}, {-3, 1, 5}};
 static const struct material floor_stuff = {1, 0.75, 0.33, 0.8, 0, 1e5, 0, 1};
 static const struct vec3 floor_corners[] = {
