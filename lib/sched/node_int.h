@@ -24,6 +24,7 @@ struct node {
     struct ring place;         /* the latest PLACE */
     bool placed;               /* there was one */
     int64_t asked_us;          /* default rules: when the ask was said that is outstanding, -1 */
+    bool delayed;              /* likewise: that has to wait for work, not just for an answer */
     int64_t ask_us;            /* likewise: when one is due, INT64_MAX */
     double trip_us;            /* likewise: from an ask to the first task that comes of it */
     struct gdc_node *gdc;      /* published rules: theirs; NULL at first */

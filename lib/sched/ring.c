@@ -38,6 +38,7 @@ static void ring_destroy(void *state)
     set_free(&h->hungry);
     for (int c = 0; c < LOADS; c++) set_free(&h->rich[c]);
     set_free(&h->late);
+    set_free(&h->delayed);
     free(h->from);
     free(h->early);
     free(h->nodes);
@@ -171,6 +172,7 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     set_init(&h->hungry, n);
     for (int c = 0; c < LOADS; c++) set_init(&h->rich[c], n);
     set_init(&h->late, n);
+    set_init(&h->delayed, n);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
     take_pool(h, -1, out);

@@ -1,9 +1,12 @@
 /*
  * The hub: who is asked for whom. An ask goes to a node that by the ledger has tasks which are not
- * begun, does not ask itself, and has no other ask to answer: of those with most work left, by
- * powers of two of its time, the next one in the ring. These are two looks at sets, instead of the
- * paper's search from node to node, which finds who is near, not who needs help. Where there is
- * none the hub remembers who asked, who is served when somebody has work again.
+ * begun, and does not ask itself: of those with most work left, by powers of two of its time, the
+ * next one in the ring. The more have asked a node already, the less it has. These are two looks at
+ * sets, instead of the paper's search from node to node, which finds who is near, not who needs
+ * help. Where there is none the hub remembers who asked, and serves it when somebody has work.
+ *
+ * An ask that has to wait, or to go to another one, is told so, once: by NONE, of the node itself.
+ * How long it takes then is not how long an ask takes.
  *
  * What waits for a node that is not up yet nobody can be asked for: the hub gives it, as much as
  * that node would.
@@ -49,6 +52,7 @@ void hub_mark(struct hub *h, int32_t k)
     bool up = s->state == NODE_UP, more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
+    set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
     mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry);
 }
 
@@ -90,6 +94,12 @@ static void part(struct hub *h, int32_t thief)
     hub_mark(h, thief);
 }
 
+static void tell(int32_t k, enum ring_kind kind, int32_t peer, struct sched_actions *out)
+{
+    sched_act(out, SCHED_SAY, k, NULL);
+    out->at[out->n - 1].ring = (struct ring){.kind = kind, .peer = peer, .next = -1};
+}
+
 void ring_match(struct hub *h, struct sched_actions *out)
 {
     give_late(h, out);
@@ -98,15 +108,20 @@ void ring_match(struct hub *h, struct sched_actions *out)
         int32_t victim = set_after(rich, set_after(&h->hungry, -1));
         int32_t thief = set_before(&h->hungry, victim);
         pair(h, victim, thief);
-        sched_act(out, SCHED_SAY, victim, NULL);
-        out->at[out->n - 1].ring = (struct ring){.kind = RING_ASK, .peer = thief, .next = -1};
+        tell(victim, RING_ASK, thief, out);
+    }
+    while (h->delayed.count) {
+        int32_t k = set_after(&h->delayed, -1);
+        h->nodes[k].told = true;
+        hub_mark(h, k);
+        tell(k, RING_NONE, k, out);
     }
 }
 
 void ring_served(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
-    s->asking = false;
+    s->asking = s->told = s->passed_on = false;
     s->dry = BUG(32) && s->dry;
     s->given++;
     part(h, k);
@@ -123,6 +138,7 @@ void ring_has_none(struct hub *h, int32_t k, int32_t peer)
 {
     if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
     h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before || BUG(39);
+    h->nodes[peer].passed_on = true;
     if (!BUG(33)) part(h, peer);
     hub_mark(h, k);
 }
@@ -130,8 +146,11 @@ void ring_has_none(struct hub *h, int32_t k, int32_t peer)
 void ring_lost(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
-    s->asking = s->dry = false;
+    s->asking = s->told = s->passed_on = s->dry = false;
     part(h, k);
-    while (s->thief >= 0 && !BUG(34)) part(h, s->thief);
+    while (s->thief >= 0 && !BUG(34)) {
+        h->nodes[s->thief].passed_on = true;
+        part(h, s->thief);
+    }
     hub_mark(h, k);
 }

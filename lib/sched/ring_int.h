@@ -43,6 +43,7 @@ struct hub_node {
     int32_t load;                    /* the class of its work, where it may be asked for some; -1 */
     bool flushed;                    /* it was asked for these, since it was last given a task */
     bool asking;                     /* it wants work, and was given none since it said so */
+    bool passed_on, told;            /* its ask was, to another one; that it has to wait */
     bool dry;                        /* it had nothing to give, and was given nothing since */
     uint64_t given;                  /* tasks */
     int32_t thief, thieves; /* the first of the nodes for which it was asked; how many they are */
@@ -61,13 +62,13 @@ struct hub {
     int32_t n_nodes; /* 0: not known yet */
     int32_t *early;  /* nodes that were lost before that */
     size_t n_early;
-    int64_t n_computed;           /* entries */
-    struct slot_set up;           /* nodes that are */
-    struct slot_set hungry, late; /* ring_ask.c */
-    struct slot_set rich[LOADS];  /* likewise: by the class of their work */
-    uint64_t loads;               /* bit c: rich[c] is not empty */
-    struct pace pace;             /* of all */
-    int64_t now_us;               /* of this step */
+    int64_t n_computed;                    /* entries */
+    struct slot_set up;                    /* nodes that are */
+    struct slot_set hungry, late, delayed; /* ring_ask.c */
+    struct slot_set rich[LOADS];           /* likewise: by the class of their work */
+    uint64_t loads;                        /* bit c: rich[c] is not empty */
+    struct pace pace;                      /* of all */
+    int64_t now_us;                        /* of this step */
     bool ended, flush, closed;
 };
 

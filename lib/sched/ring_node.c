@@ -129,7 +129,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
 static void take_task(struct node *n, const struct sched_event *e, int64_t now)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
-    if (n->asked_us >= 0 && e->from >= 0) {
+    if (n->asked_us >= 0 && e->from >= 0 && !n->delayed) {
         double trip_us = (double)(now - n->asked_us);
         if (n->trip_us <= 0 || trip_us < n->trip_us) n->trip_us = trip_us;
         else pace_mix(&n->trip_us, fmin(trip_us, 2 * n->trip_us));
@@ -238,6 +238,7 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
         return;
     }
     n->asked_us = now;
+    n->delayed = false;
     node_say(RING_ASK, -1, out);
 }
 
@@ -271,6 +272,7 @@ static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actio
 static void default_rules(
     struct node *n, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
+    if (e->kind == SCHED_RING && e->ring.kind == RING_NONE) n->delayed = true;
     if (e->kind == SCHED_RING && e->ring.kind == RING_ASK) answer(n, e->ring.peer, now, out);
     ask(n, e->kind == SCHED_TASK, now, out);
 }

@@ -147,7 +147,7 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
     part(w, m, k);
     for (int32_t i = 0; i < w->plan->slots; i++)
         if (m->slots[i].victim == k) part(w, m, i);
-    s->asking = s->dry = false;
+    s->asking = s->told = s->dry = false;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (!t || t->base != k || t->place == RING_ABSENT) continue;
@@ -242,7 +242,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     if (a->from != t->from) fail(w, "a task given as from another", a->from, t->from);
     if (s->state != RING_UP) return;
     s->given++;
-    s->asking = s->dry = s->flushed = false;
+    s->asking = s->told = s->dry = s->flushed = false;
     part(w, m, a->slot);
     enter(w, m, t, RING_HELD, a->slot);
 }
@@ -265,7 +265,11 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
     const struct ring *r = &a->ring;
     if (s->state != RING_UP) fail(w, "something said to who is not there", a->slot, r->kind);
     if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
-    else if (r->kind != RING_PLACE) fail(w, "the hub says what it may not", a->slot, r->kind);
+    else if (r->kind == RING_NONE) {
+        if (!s->asking || s->told || r->peer != a->slot)
+            fail(w, "none, to whom?", a->slot, r->peer);
+        s->told = true;
+    } else if (r->kind != RING_PLACE) fail(w, "the hub says what it may not", a->slot, r->kind);
     else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
         fail(w, "another place", a->slot, r->me);
     if (r->kind == RING_PLACE) s->placed = true;
@@ -307,6 +311,7 @@ static void ring_after(struct world *w)
         fail(w, "a task is nobody's", m->orphans, m->promised);
     if (m->hungry && m->rich) fail(w, "one wants work, another has it", m->hungry, m->rich);
     if (m->hungry && m->promised) fail(w, "one wants work, some waits", m->hungry, m->promised);
+    if (k >= 0 && m->slots[k].hungry && !m->slots[k].told) fail(w, "who waits is not told", k, 0);
     if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
         fail(w, "a node was not told its place", k, 0);
     if (k >= 0 && owes_flush(m, &m->slots[k])) fail(w, "pixels are not asked for", k, 0);

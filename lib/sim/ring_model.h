@@ -22,7 +22,7 @@ struct rslot {
     enum rstate state;
     /* as the hub knows it */
     int32_t held, computed, promised; /* tasks; promised: ORPHAN, while it is NEW */
-    bool asking, dry, flushed, placed;
+    bool asking, told, dry, flushed, placed;
     bool hungry, rich;    /* wants, and nobody was asked for it; has, and may be asked */
     int64_t given;        /* tasks */
     int32_t thieves;      /* nodes for which it was asked, and that have not been given any */

@@ -147,6 +147,65 @@ static void work_is_spread_over_unequal_hosts(void **state)
     assert_true(mean > .97 && far > .93);
 }
 
+/* ---- a node alone ---------------------------------------------------------------------------- */
+
+/* So many things of this kind it says, or, GIVE, has its worker do; the latest is *last. */
+static int count_acts(struct sched_actions *acts, enum sched_action_kind kind, uint32_t *last)
+{
+    int n = 0;
+    for (size_t i = 0; i < acts->n; i++) {
+        if (acts->at[i].kind != kind) continue;
+        n++;
+        if (last) *last = acts->at[i].task.id;
+    }
+    acts->n = 0;
+    return n;
+}
+
+/* Asks at 0, is told to wait or not, has work at 10 s: 100 tasks of 1 ms. When does it ask again,
+ * in microseconds after that? */
+static int64_t asks_again_us(bool told)
+{
+    const struct policy *p = &policy_node;
+    struct sched_actions acts = {0};
+    void *n = p->create(&(struct sched_params){0});
+    int64_t now = 0, asked_us = -1;
+    struct sched_event place = {.kind = SCHED_RING, .ring = {.kind = RING_PLACE, .n = 2}};
+    struct sched_event wait = {.kind = SCHED_RING, .ring = {.kind = RING_NONE, .peer = 0}};
+    p->step(n, &(struct sched_event){.kind = SCHED_UP, .n = 1}, now, &acts);
+    p->step(n, &place, now, &acts);
+    assert_int_equal(count_acts(&acts, SCHED_SAY, NULL), 1);
+    if (told) p->step(n, &wait, now + 1000, &acts);
+    now = 10000000;
+    uint32_t id = 0;
+    for (uint32_t i = 0; i < 100; i++) {
+        struct sched_event e = {.kind = SCHED_TASK, .frame_w = 64, .from = 1};
+        e.task = (struct task){0, i, {0, i, 64, 1, 1, 1}, -1};
+        p->step(n, &e, now, &acts);
+    }
+    count_acts(&acts, SCHED_GIVE, &id);
+    while (asked_us < 0) {
+        struct sched_event e = {.kind = SCHED_DONE, .wall_us = 1000, .from = -1};
+        e.task = (struct task){0, id, {0, id, 64, 1, 1, 1}, -1};
+        now += 1000;
+        p->step(n, &e, now, &acts);
+        for (size_t i = 0; i < acts.n; i++)
+            if (acts.at[i].kind == SCHED_SAY) asked_us = now - 10000000;
+        count_acts(&acts, SCHED_GIVE, &id);
+    }
+    p->destroy(n);
+    free(acts.at);
+    return asked_us;
+}
+
+/* Who waited long for work is not, from then on, one that wants some as long before. */
+static void a_wait_for_work_is_no_measure_of_an_ask(void **state)
+{
+    (void)state;
+    assert_true(asks_again_us(true) == 100000);
+    assert_true(asks_again_us(false) == 1000); /* where that is what an ask takes */
+}
+
 /* ---- sets of slots, against sets of flags ---------------------------------------------------- */
 
 static int32_t next_flag(const bool *flags, int32_t n, int32_t k, int32_t by)
@@ -205,6 +264,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(faults_of_every_kind_happened),
         cmocka_unit_test(a_seed_is_one_run_exactly),
         cmocka_unit_test(work_is_spread_over_unequal_hosts),
+        cmocka_unit_test(a_wait_for_work_is_no_measure_of_an_ask),
         cmocka_unit_test(a_set_finds_the_next_round_the_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
