@@ -151,7 +151,7 @@ for method in bin/balance-*; do
 	[ -e "$page" ] || echo "$page: is missing"
 done >"$found"
 clean 'every method has a man page'
-for page in stormring.7 stormring-task.5 stormring-frag.5 stormring-hosts.5 stormring-nff.5; do [ -e "man/$page" ] || echo "man/$page: is missing"; done >"$found"
+for page in stormring.7 stormring-task.5 stormring-frag.5 stormring-hosts.5 stormring-nff.5 stormring-spec.5; do [ -e "man/$page" ] || echo "man/$page: is missing"; done >"$found"
 clean 'the front door and the formats have man pages'
 
 for page in man/*.[1-9]; do mandoc -T lint -W warning "$page"; done >"$found"

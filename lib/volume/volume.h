@@ -79,7 +79,7 @@ uint32_t grid_axis_fault(const double *at, uint32_t n);
  */
 double grid_at(const struct grid *g, const double p[3]);
 
-/* ---- the specification ------------------------------------------ */
+/* ---- the specification (spec.c): stormring-spec(5) ------------------------------------------ */
 
 struct spec_knot {
     double s, rgb[3], k; /* two of one s are a jump: the first holds below it, the second above */
@@ -87,6 +87,7 @@ struct spec_knot {
 struct spec_iso {
     double s, rgb[3], opacity; /* opacity 0 .. 1, of the sheet itself, whatever its slant */
 };
+#define SPEC_LIMIT .999 /* of opacity, where none is given */
 struct spec {
     double from[3], at[3], up[3], angle; /* as in NFF, in scaled space; angle in degrees */
     uint32_t w, h;                       /* resolution */
@@ -97,11 +98,14 @@ struct spec {
     double opacity_limit; /* a ray ends when its alpha reaches it */
     bool backed;
     double background[3];   /* behind everything, where backed; else transparent */
-    struct spec_knot *knot; /* ascending by s; outside of them nothing: k = 0 */
+    struct spec_knot *knot; /* ascending by s, none or two and more; outside of them k = 0 */
     size_t n_knots;
-    struct spec_iso *iso;
+    struct spec_iso *iso; /* ascending by s, each s once */
     size_t n_isos;
 };
+/* 0, or -1 with text in err; `name` is for messages. The caller frees the specification. */
+int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[VOLUME_ERR]);
+void spec_free(struct spec *s);
 
 /* ---- rendering ------------------------------------------------------------------------------ */
 

@@ -1,0 +1,57 @@
+/* Whatever the bytes: spec_read returns a specification or a message; what it accepts is in range. */
+#include "volume/volume.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#define MUST(x)                                                                                    \
+    do {                                                                                           \
+        if (!(x)) fprintf(stderr, "%s:%d: %s does not hold\n", __FILE__, __LINE__, #x), abort();   \
+    } while (0)
+
+static void check_colour(const double rgb[3])
+{
+    for (int i = 0; i < 3; i++) MUST(rgb[i] >= 0 && rgb[i] <= 1e6);
+}
+
+static void check_spec(const struct spec *s)
+{
+    MUST(s->w >= 1 && s->w <= 65535 && s->h >= 1 && s->h <= 65535);
+    MUST(s->angle > 0 && s->angle < 180);
+    MUST(s->opacity_limit > 0 && s->opacity_limit <= 1 && s->attenuation >= 0);
+    for (int a = 0; a < 3; a++) MUST(isfinite(s->scale[a]) && fabs(s->scale[a]) > 0);
+    check_colour(s->background);
+    MUST(s->n_knots != 1 && s->n_knots + s->n_isos > 0);
+    for (size_t i = 0; i < s->n_knots; i++) {
+        check_colour(s->knot[i].rgb);
+        MUST(fabs(s->knot[i].s) <= GRID_MAX && s->knot[i].k >= 0 && s->knot[i].k <= GRID_MAX);
+        MUST(!i || s->knot[i].s >= s->knot[i - 1].s);
+        MUST(i < 2 || s->knot[i].s > s->knot[i - 2].s);
+    }
+    for (size_t i = 0; i < s->n_isos; i++) {
+        check_colour(s->iso[i].rgb);
+        MUST(fabs(s->iso[i].s) <= GRID_MAX && s->iso[i].opacity >= 0 && s->iso[i].opacity <= 1);
+        MUST(!i || s->iso[i].s > s->iso[i - 1].s);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct spec s;
+    char err[VOLUME_ERR];
+    /* Exactly as long as the bytes, so that a read past them is seen. */
+    char *text = xmalloc(size, 1);
+    if (size) memcpy(text, data, size);
+    int rc = spec_read("fuzz", text, size, &s, err);
+    free(text);
+    if (rc != 0) {
+        MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);
+        MUST(!s.knot && !s.iso);
+        return 0;
+    }
+    check_spec(&s);
+    spec_free(&s);
+    return 0;
+}

@@ -1,0 +1,163 @@
+/* Specifications: words, defaults, ranges; what is refused and where; truncations. */
+#include "volume/volume.h"
+
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#define VIEW "from 0 -5 2\nat 1 2 3\nup 0 0 1\nangle 40\nresolution 64 48\n"
+#define MAP "map 1 .1 .2 .3 .4\nmap 2 1 1 1 0\n"
+
+static int read_bytes(const char *text, size_t n, struct spec *s, char err[VOLUME_ERR])
+{
+    /* Exactly as long as the text, so that a read past it is seen. */
+    char *copy = xmalloc(n, 1);
+    if (n) memcpy(copy, text, n);
+    int rc = spec_read("t", copy, n, s, err);
+    free(copy);
+    return rc;
+}
+
+static struct spec parse(const char *text)
+{
+    struct spec s;
+    char err[VOLUME_ERR];
+    if (read_bytes(text, strlen(text), &s, err) != 0) fail_msg("refused: %s", err);
+    return s;
+}
+
+static void test_defaults(void **state)
+{
+    (void)state;
+    struct spec s = parse(VIEW MAP);
+    assert_true(s.from[0] == 0 && s.from[1] == -5 && s.from[2] == 2);
+    assert_true(s.at[0] == 1 && s.at[1] == 2 && s.at[2] == 3);
+    assert_true(s.up[0] == 0 && s.up[1] == 0 && s.up[2] == 1);
+    assert_true(s.angle == 40 && s.w == 64 && s.h == 48);
+    assert_true(!s.lit && !s.backed && s.attenuation == 0 && s.opacity_limit == .999);
+    assert_true(s.scale[0] == 1 && s.scale[1] == 1 && s.scale[2] == 1);
+    assert_true(s.n_knots == 2 && s.n_isos == 0);
+    assert_true(s.knot[0].s == 1 && s.knot[0].k == .4);
+    assert_true(s.knot[0].rgb[0] == .1 && s.knot[0].rgb[1] == .2 && s.knot[0].rgb[2] == .3);
+    assert_true(s.knot[1].s == 2 && s.knot[1].rgb[2] == 1 && s.knot[1].k == 0);
+    spec_free(&s);
+    assert_true(!s.knot && !s.n_knots);
+}
+
+static void test_words(void **state)
+{
+    (void)state;
+    struct spec s =
+        parse("# a comment\r\n  iso 7 .5 .6 .7 .8#behind\n\n" VIEW
+              "iso -2 1 1 1 1\rlight 1 2 3\rattenuation 1e-3\nscale 1 -2 .001\n"
+              "limit 1\nbackground 9 0 .5\nmap 3 0 0 0 1\nmap 3 1 1 1 1\n\tmap 4 0 0 0 0");
+    assert_true(s.lit && s.light[0] == 1 && s.light[1] == 2 && s.light[2] == 3);
+    assert_true(s.attenuation == 1e-3 && s.opacity_limit == 1);
+    assert_true(s.scale[0] == 1 && s.scale[1] == -2 && s.scale[2] == .001);
+    assert_true(s.backed && s.background[0] == 9 && s.background[2] == .5);
+    assert_true(s.n_isos == 2 && s.iso[0].s == -2 && s.iso[1].s == 7 && s.iso[1].opacity == .8);
+    assert_true(s.n_knots == 3 && s.knot[0].s == 3 && s.knot[1].s == 3 && s.knot[1].rgb[0] == 1);
+    spec_free(&s);
+    s = parse(VIEW MAP "light off");
+    assert_false(s.lit);
+    spec_free(&s);
+}
+
+static void test_many(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    buf_printf(&b, "%s", VIEW);
+    for (int i = 0; i < 1000; i++) buf_printf(&b, "map %d 0 0 0 1\niso %d 0 0 0 1\n", i, -i);
+    buf_append(&b, "", 1);
+    struct spec s = parse((const char *)buf_data(&b));
+    assert_true(s.n_knots == 1000 && s.n_isos == 1000);
+    for (size_t i = 0; i < 1000; i++)
+        assert_true(s.knot[i].s == (double)i && s.iso[i].s == (double)i - 999);
+    spec_free(&s);
+    buf_free(&b);
+}
+
+static void test_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *err;
+    } bad[] = {
+        {"", "t:0: no 'from', expected from, at, up, angle and resolution"},
+        {"from 0 0 0\nat 0 0 1\nup 0 1 0\nangle 9\n",
+            "t:4: no 'resolution', expected from, at, up, angle and resolution"},
+        {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
+                       "light, attenuation, scale, limit, background, map or iso"},
+        {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
+                          "resolution, light, attenuation, scale, limit, background, map or iso"},
+        {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
+        {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
+        {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
+        {VIEW "light offf", "t:6: light: x is 'offf', expected a number from -1e+18 to 1e+18"},
+        {VIEW "light off 1", "t:6: light: what follows is '1', expected the line's end"},
+        {VIEW "light 1 2", "t:6: light: no z, expected a number from -1e+18 to 1e+18"},
+        {VIEW "map 1 .1 .2 .3 x", "t:6: map: extinction is 'x', expected a number from 0 to 1e+18"},
+        {VIEW "map 1 .1 .2 .3 -1",
+            "t:6: map: extinction is '-1', expected a number from 0 to 1e+18"},
+        {VIEW "map nan .1 .2 .3 1",
+            "t:6: map: value is 'nan', expected a number from -1e+18 to 1e+18"},
+        {VIEW "map 1 .1 .2 .3 4 5", "t:6: map: what follows is '5', expected the line's end"},
+        {VIEW MAP "map 1.5 0 0 0 0", "t:8: map: 1.5 after 2, expected values that ascend"},
+        {VIEW MAP "map 2 0 0 0 0\nmap 2 0 0 0 0",
+            "t:9: map: 2 for the third time, expected a value twice at most"},
+        {VIEW "map 1 0 0 0 0", "t:6: one map line, expected two or more"},
+        {VIEW, "t:5: nothing would be seen, expected map or iso lines"},
+        {VIEW "iso 1 0 0 0 2", "t:6: iso: opacity is '2', expected a number from 0 to 1"},
+        {VIEW "iso 1 0 0 0 1\niso 2 0 0 0 1\niso 1 0 0 0 1",
+            "t:8: iso: 1 twice, expected a value once"},
+        {VIEW "scale 1 0 1", "t:6: scale: y is 0, expected 1e-09 to 1e+09, or the same below 0"},
+        {VIEW "limit 0", "t:6: limit: opacity is '0', expected a number from 0.001 to 1"},
+        {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 180"},
+        {"resolution 0 1", "t:1: resolution: width is '0', expected a number from 1 to 65535"},
+        {"resolution 1 1.5", "t:1: resolution: 1 1.5, expected whole pixels"},
+        {"from 0 0 0\nat 0 0 0\nup 0 0 1\nangle 9\nresolution 1 1",
+            "t:5: from and at are one point, expected two"},
+        {"from 0 0 0\nat 0 0 1\nup 0 0 0\nangle 9\nresolution 1 1",
+            "t:5: up is zero, expected a direction"},
+        {"from 0 0 0\nat 0 0 1\nup 0 0 -2\nangle 9\nresolution 1 1",
+            "t:5: up is along the viewing direction, expected another"},
+        {"angle \x01\x80", "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 180"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct spec s;
+        char err[VOLUME_ERR];
+        assert_int_equal(read_bytes(bad[i].text, strlen(bad[i].text), &s, err), -1);
+        assert_string_equal(err, bad[i].err);
+        assert_true(!s.knot && !s.iso);
+    }
+}
+
+/* Wherever it is cut off: a specification, or a message. */
+static void test_truncated(void **state)
+{
+    (void)state;
+    static const char text[] = VIEW MAP "iso 7 .5 .6 .7 .8\nlight 1 2 3\nscale 1 2 .001\n";
+    for (size_t n = 0; n < sizeof text; n++) {
+        struct spec s;
+        char err[VOLUME_ERR];
+        if (read_bytes(text, n, &s, err) == 0) spec_free(&s);
+        else assert_true(strncmp(err, "t:", 2) == 0 && strstr(err, "expected"));
+    }
+    struct spec s;
+    char err[VOLUME_ERR];
+    assert_int_equal(read_bytes("angle 4\0", 8, &s, err), -1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_many),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_truncated),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
