@@ -42,7 +42,7 @@ static int load(struct renderer *r, const char *text, size_t n, char err[WORKER_
 }
 
 static int take_state(
-    void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR])
+    void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR])
 {
     if (kind == REC_SCENE) return load(ctx, (const char *)body, n, err);
     snprintf(err, WORKER_ERR, "record `%s`, expected `scene`", rec_name(kind));

@@ -57,11 +57,17 @@ static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uin
 /*
  * Reads VTK legacy RECTILINEAR_GRID, ASCII or BINARY: one scalar of point data, of float, double or
  * integers; stormring-grid(5) is the manual. 0, or -1 with text in err; `name` is for messages. The
- * caller frees the grid, which holds no part of `bytes`: map a file rather than reading it, and the
- * values are in memory once.
+ * caller frees the grid, which holds no part of `bytes`.
  */
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR]);
+/*
+ * The same of bytes that nobody else needs, in memory of this process alone: a buffer, or a file
+ * mapped private. Pages of them are given back to the system while they are read, so that the
+ * values of a BINARY float grid are in memory once. What the bytes are afterwards is undefined.
+ */
+int grid_consume(
+    const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR]);
 /*
  * The same format, BINARY float with coordinates in double, appended to b; title stands in the
  * file's second line, cut there where it does not fit. Reading it gives the same grid bit by bit.
@@ -115,6 +121,7 @@ enum volume_method {
     VOLUME_TRAPEZOID, /* n sub-steps in every cell */
     VOLUME_GAUSS      /* split at the knots, n Gauss-Legendre nodes between */
 };
+#define VOLUME_NODES_MAX 64 /* n of VOLUME_GAUSS */
 enum volume_isa { VOLUME_AUTO, VOLUME_SSE2, VOLUME_AVX2 };
 struct volume_options {
     enum volume_method method;

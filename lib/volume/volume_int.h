@@ -11,7 +11,7 @@
 #include <float.h>
 
 #define BLOCK_SHIFT 2 /* blocks of 4 x 4 x 4 cells are skipped at once */
-#define GAUSS_MAX 64  /* nodes */
+#define GAUSS_MAX VOLUME_NODES_MAX
 
 /* ---- the map (map.c) ------------------------------------------------------------------------ */
 

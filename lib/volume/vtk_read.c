@@ -7,13 +7,17 @@
  * header says is believed before as many bytes are there.
  */
 #include "volume/volume.h"
+#include "volume/vtk_type.h"
 
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #define NUMBER_LEN_MAX 63 /* characters */
+#define GIVE_BACK 65536   /* bytes read, or more, at a time */
 #define FIELDS_MAX 1000   /* arrays of a FIELD that is passed over */
 
 struct reader {
@@ -21,34 +25,25 @@ struct reader {
     const char *name;                      /* stands in messages */
     char *err;                             /* VOLUME_ERR bytes */
     bool binary;
-    bool down[3]; /* this axis descends in the file */
-};
-
-enum form { FORM_SIGNED, FORM_UNSIGNED, FORM_REAL };
-struct type {
-    const char *name;
-    uint8_t size; /* bytes in BINARY */
-    uint8_t form;
-};
-static const struct type types[] = {
-    {"float", 4, FORM_REAL}, {"double", 8, FORM_REAL}, {"char", 1, FORM_SIGNED},
-    {"signed_char", 1, FORM_SIGNED}, {"unsigned_char", 1, FORM_UNSIGNED}, {"short", 2, FORM_SIGNED},
-    {"unsigned_short", 2, FORM_UNSIGNED}, {"int", 4, FORM_SIGNED},
-    {"unsigned_int", 4, FORM_UNSIGNED},
-    {"long", 8, FORM_SIGNED}, /* of 4 bytes where Windows wrote it: then the file is too short */
-    {"unsigned_long", 8, FORM_UNSIGNED}, {"vtktypeint64", 8, FORM_SIGNED},
-    {"vtktypeuint64", 8, FORM_UNSIGNED},
-    {"vtkidtype", 4, FORM_SIGNED}, /* VTK writes 32 bits of it */
+    bool down[3];        /* this axis descends in the file */
+    unsigned char *kept; /* to here pages were given back; NULL: none are */
+    size_t line;         /* that begins what is kept, from 0 */
 };
 
 /* ---- messages ------------------------------------------------------------------------------ */
 
+static size_t lines(const unsigned char *p, const unsigned char *end)
+{
+    size_t n = 0;
+    for (; p < end; p++) n += *p == '\n';
+    return n;
+}
+
 static bool fail(struct reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
 static bool fail(struct reader *r, const char *fmt, ...)
 {
-    size_t line = 1;
-    for (const unsigned char *p = r->bytes; p < r->at; p++) line += *p == '\n';
-    int n = snprintf(r->err, VOLUME_ERR, "%.100s:%zu: ", r->name, line);
+    size_t line = r->line + lines(r->kept ? r->kept : r->bytes, r->at);
+    int n = snprintf(r->err, VOLUME_ERR, "%.100s:%zu: ", r->name, line + 1);
     if (n < 0 || n >= VOLUME_ERR) n = 0;
     va_list ap;
     va_start(ap, fmt);
@@ -118,11 +113,11 @@ static bool read_count(struct reader *r, const char *what, uint64_t min, uint64_
     return true;
 }
 
-static bool read_type(struct reader *r, struct type *t)
+static bool read_type(struct reader *r, struct vtk_type *t)
 {
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        if (take(r, types[i].name)) {
-            *t = types[i];
+    for (size_t i = 0; i < VTK_TYPES; i++)
+        if (take(r, vtk_types[i].name)) {
+            *t = vtk_types[i];
             return true;
         }
     return fail_word(r, "type of numbers", "float, double or an integer type of VTK");
@@ -156,7 +151,7 @@ static bool read_name(struct reader *r, char name[VOLUME_NAME])
 /* ---- numbers ------------------------------------------------------------------------------- */
 
 /* `count` numbers of this type follow; true when the bytes for them are there. */
-static bool begin_numbers(struct reader *r, const char *what, struct type t, uint64_t count)
+static bool begin_numbers(struct reader *r, const char *what, struct vtk_type t, uint64_t count)
 {
     uint64_t room;
     if (r->binary) {
@@ -170,23 +165,6 @@ static bool begin_numbers(struct reader *r, const char *what, struct type t, uin
     if (count <= room) return true;
     return fail(r, "%s: %llu are announced, and the file has bytes for %llu, expected all", what,
         (unsigned long long)count, (unsigned long long)room);
-}
-
-static double decode(const unsigned char *p, struct type t)
-{
-    uint64_t u = 0;
-    for (int i = 0; i < t.size; i++) u = u << 8 | p[i];
-    if (t.form == FORM_UNSIGNED) return (double)u;
-    if (t.form == FORM_SIGNED) {
-        uint64_t sign = UINT64_C(1) << (8 * t.size - 1);
-        return u & sign ? -(double)((sign - 1 - (u & (sign - 1))) + 1) : (double)u;
-    }
-    double d;
-    float f;
-    uint32_t low = (uint32_t)u;
-    memcpy(&f, &low, sizeof f);
-    memcpy(&d, &u, sizeof d);
-    return t.size == sizeof f ? (double)f : d;
 }
 
 /* A number as text; "nan", as printf writes it, is one. */
@@ -205,10 +183,10 @@ static bool read_text(struct reader *r, const char *what, double *v)
 }
 
 /* After begin_numbers. NaN is left to the caller; others are in range. */
-static bool read_number(struct reader *r, const char *what, struct type t, double *v)
+static bool read_number(struct reader *r, const char *what, struct vtk_type t, double *v)
 {
     if (r->binary) {
-        *v = decode(r->at, t);
+        *v = vtk_decode(r->at, t);
         r->at += t.size;
     } else if (!read_text(r, what, v)) return false;
     if (isnan(*v) || fabs(*v) <= GRID_MAX) return true;
@@ -261,7 +239,7 @@ static bool read_head(struct reader *r)
 static bool skip_field(struct reader *r)
 {
     char name[VOLUME_NAME];
-    struct type t;
+    struct vtk_type t;
     uint64_t arrays = 0, components = 0, tuples = 0;
     double v = 0;
     if (!read_name(r, name) || !read_count(r, "number of arrays", 0, FIELDS_MAX, &arrays))
@@ -284,7 +262,7 @@ static bool read_axis(struct reader *r, int axis, struct grid *g)
     char keyword[] = "?_COORDINATES";
     keyword[0] = "XYZ"[axis];
     uint64_t n = 0;
-    struct type t;
+    struct vtk_type t;
     if (!expect(r, "next part", keyword) ||
         !read_count(r, "number of coordinates", g->n[axis], g->n[axis], &n) || !read_type(r, &t) ||
         !begin_numbers(r, keyword, t, n))
@@ -329,7 +307,7 @@ static bool read_geometry(struct reader *r, struct grid *g, uint64_t *nodes)
 }
 
 /* The header of the one scalar, as SCALARS or as a FIELD of one array. */
-static bool read_scalar_head(struct reader *r, uint64_t nodes, struct grid *g, struct type *t)
+static bool read_scalar_head(struct reader *r, uint64_t nodes, struct grid *g, struct vtk_type *t)
 {
     char field[VOLUME_NAME];
     uint64_t n = 0;
@@ -344,8 +322,20 @@ static bool read_scalar_head(struct reader *r, uint64_t nodes, struct grid *g, s
     return expect(r, "next part", "LOOKUP_TABLE") && read_name(r, field);
 }
 
+/* What was read is not needed any more. */
+static void give_back(struct reader *r)
+{
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t skip = -(uintptr_t)r->kept & (page - 1), n = (size_t)(r->at - r->kept);
+    if (n < GIVE_BACK + skip) return;
+    unsigned char *from = r->kept + skip, *to = from + ((n - skip) & ~(page - 1));
+    r->line += lines(r->kept, to);
+    r->kept = to;
+    (void)madvise(from, (size_t)(to - from), MADV_DONTNEED); /* refused, it only costs memory */
+}
+
 /* In the file's order, to where they are when every axis ascends. */
-static bool read_values(struct reader *r, struct type t, struct grid *g)
+static bool read_values(struct reader *r, struct vtk_type t, struct grid *g)
 {
     const uint32_t *n = g->n;
     const bool *down = r->down;
@@ -358,6 +348,7 @@ static bool read_values(struct reader *r, struct type t, struct grid *g)
                 if (!read_number(r, "values", t, &v)) return false;
                 row[down[0] ? n[0] - 1 - i : i] = (float)v;
             }
+            if (r->kept) give_back(r);
         }
     return true;
 }
@@ -365,7 +356,7 @@ static bool read_values(struct reader *r, struct type t, struct grid *g)
 static bool read_grid(struct reader *r, struct grid *g)
 {
     uint64_t nodes = 0, n = 0;
-    struct type t;
+    struct vtk_type t;
     if (!read_head(r) || !read_geometry(r, g, &nodes)) return false;
     if (!expect(r, "what follows the coordinates", "POINT_DATA") ||
         !read_count(r, "number of point data", nodes, nodes, &n) ||
@@ -377,13 +368,26 @@ static bool read_grid(struct reader *r, struct grid *g)
     return !peek(r) || fail_word(r, "what follows the values", "one scalar and the file's end");
 }
 
+static int read_from(struct reader *r, struct grid *g)
+{
+    *g = (struct grid){0};
+    r->err[0] = '\0';
+    if (read_grid(r, g)) return 0;
+    grid_free(g);
+    return -1;
+}
+
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
 {
     struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name, .err = err};
-    *g = (struct grid){0};
-    err[0] = '\0';
-    if (read_grid(&r, g)) return 0;
-    grid_free(g);
-    return -1;
+    return read_from(&r, g);
+}
+
+int grid_consume(
+    const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
+{
+    struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name, .err = err};
+    r.kept = bytes;
+    return read_from(&r, g);
 }

@@ -191,9 +191,18 @@ static void release_held(struct worker *w)
     buf_consume(&w->held, buf_size(&w->held));
 }
 
-static void take_record(struct worker *w, const struct record *r)
+static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
+    unsigned char *body = w->in.in.data + (r->body - w->in.in.data);
+    for (size_t i = 0; i < w->frames.n; i++) w->frames.at[i].said = false;
+    begin();
+    if (w->ops->state(w->ctx, r->kind, body, r->body_len, err) != 0) die(ST_USAGE, "%s", err);
+    end();
+}
+
+static void take_record(struct worker *w, const struct record *r)
+{
     if (r->kind == REC_TASK) {
         take_task(w, &r->task);
         return;
@@ -203,13 +212,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_FLUSH: release_held(w); break;
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC:
-        for (size_t i = 0; i < w->frames.n; i++) w->frames.at[i].said = false;
-        begin();
-        if (w->ops->state(w->ctx, r->kind, r->body, r->body_len, err) != 0)
-            die(ST_USAGE, "%s", err);
-        end();
-        break;
+    case REC_SPEC: take_state(w, r); break;
     default:
         die(ST_USAGE,
             "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",

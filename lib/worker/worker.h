@@ -19,9 +19,10 @@
 
 struct worker_ops {
     const char *program; /* for hello */
-    /* Take a state record. 0, or -1 with text in err. `body` is valid during the call. */
+    /* Take a state record. 0, or -1 with text in err. `body` is valid during the call, which may
+     * destroy it. */
     int (*state)(
-        void *ctx, enum rec_kind kind, const unsigned char *body, size_t n, char err[WORKER_ERR]);
+        void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR]);
     /* All state there and usable? Called before every task; builds what is needed. */
     int (*ready)(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR]);
     /* The hash of format, options that change pixels, state and size, of the frame made ready. */

@@ -1,4 +1,4 @@
-/* Whatever the bytes: spec_read returns a specification or a message; what it accepts is in range. */
+/* Whatever the bytes: spec_read returns a specification in range, or a message. */
 #include "volume/volume.h"
 
 #include <stdlib.h>

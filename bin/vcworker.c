@@ -1,0 +1,391 @@
+/* vcworker: ray-casts the tasks it reads. */
+#include "base/base.h"
+#include "stats/stats.h"
+#include "volume/volume.h"
+#include "worker/worker.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define FORMAT_VERSION 1 /* of the picture: raise it when a pixel of any volume changes */
+#define SUBSTEPS_MAX 1000000
+#define TOLERANCE_MIN 1e-9
+
+struct options {
+    struct volume_options volume;
+    struct worker_options worker;
+    enum { RUN, INSPECT, COUNT } what; /* -i, -n */
+    const char *grid, *spec;           /* files; "-": it comes as a record */
+    char with[80]; /* this program, and what of the above changes pixels, as options */
+};
+
+struct renderer {
+    const struct options *o;
+    struct grid grid;
+    struct spec spec;
+    struct volume *volume; /* of these two, once both are there */
+    uint64_t grid_hash, spec_hash;
+    bool has_grid, has_spec;
+    uint32_t w, h; /* of the frame */
+};
+
+/* ---- state ---------------------------------------------------------------------------------- */
+
+static void drop_volume(struct renderer *r)
+{
+    volume_free(r->volume);
+    r->volume = NULL;
+}
+
+/* Who is replaced goes first: a grid is large. */
+static int load_grid(
+    struct renderer *r, const char *name, unsigned char *bytes, size_t n, char err[WORKER_ERR])
+{
+    drop_volume(r);
+    if (r->has_grid) grid_free(&r->grid);
+    r->has_grid = false;
+    r->grid_hash = hash64(HASH64_INIT, bytes, n);
+    r->has_grid = grid_consume(name, bytes, n, &r->grid, err) == 0;
+    return r->has_grid ? 0 : -1;
+}
+
+static int load_spec(
+    struct renderer *r, const char *name, const unsigned char *text, size_t n, char err[WORKER_ERR])
+{
+    drop_volume(r);
+    if (r->has_spec) spec_free(&r->spec);
+    r->spec_hash = hash64(HASH64_INIT, text, n);
+    r->has_spec = spec_read(name, (const char *)text, n, &r->spec, err) == 0;
+    return r->has_spec ? 0 : -1;
+}
+
+static int take_state(
+    void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR])
+{
+    if (kind == REC_GRID) return load_grid(ctx, "grid", body, n, err);
+    if (kind == REC_SPEC) return load_spec(ctx, "spec", body, n, err);
+    snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec`", rec_name(kind));
+    return -1;
+}
+
+static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
+{
+    struct renderer *r = ctx;
+    (void)frame;
+    if (!r->has_grid || !r->has_spec) {
+        const char *missing = r->has_grid ? "spec" : "grid";
+        snprintf(err, WORKER_ERR, "no %s, expected a `%s` record before the first task", missing,
+            missing);
+        return -1;
+    }
+    if (!r->volume) r->volume = volume_new(&r->grid, &r->spec, &r->o->volume);
+    volume_frame(r->volume, w, h);
+    r->w = w;
+    r->h = h;
+    return 0;
+}
+
+static uint64_t job(void *ctx)
+{
+    struct renderer *r = ctx;
+    const struct volume_options *v = &r->o->volume;
+    char text[160];
+    int n = snprintf(text, sizeof text,
+        "vc %d method=%d tolerance=%.17g n=%d grid=%016" PRIx64 " spec=%016" PRIx64, FORMAT_VERSION,
+        (int)v->method, v->tolerance, v->n, r->grid_hash, r->spec_hash);
+    const uint32_t size[2] = {r->w, r->h};
+    return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
+}
+
+static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
+
+static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    struct renderer *r = ctx;
+    volume_pixels(r->volume, at, n0, n, rgba);
+}
+
+static void release(struct renderer *r)
+{
+    drop_volume(r);
+    if (r->has_grid) grid_free(&r->grid);
+    if (r->has_spec) spec_free(&r->spec);
+}
+
+/* ---- the self-test -------------------------------------------------------------------------- */
+
+/* Uneven planes, a missing corner, a jump, a surface and a light, in a millisecond or two. */
+static const char selftest_vtk[] =
+    "# vtk DataFile Version 3.0\nselftest\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 3 3\n"
+    "X_COORDINATES 4 float\n-2 -.5 .7 2\nY_COORDINATES 3 float\n1.5 .2 -1.5\n"
+    "Z_COORDINATES 3 float\n-1 .1 1\nPOINT_DATA 36\nSCALARS s float 1\nLOOKUP_TABLE default\n"
+    "1 3 7 2 4 9 6 1 2 5 3 8\n7 2 .5 6 9 4.5 8 3 1 6 2 7\n3 8 1 5 2 7 4 9 6 1 5 nan\n";
+static const char selftest_spec[] =
+    "from 3 -6 4\nat 0 0 0\nup 0 0 1\nangle 36\nresolution 32 32\nlight 2 -5 9\nattenuation .01\n"
+    "map 1 .1 .2 .9 0\nmap 4 .3 .9 .2 .4\nmap 4 .9 .8 .1 1.5\nmap 9 .9 .1 .1 .2\niso 6 .8 .8 1 "
+    ".5\n";
+
+static void selftest(void *ctx, float *rgba, uint32_t *n)
+{
+    (void)ctx;
+    struct grid g;
+    struct spec s;
+    char err[VOLUME_ERR];
+    const struct volume_options o = VOLUME_OPTIONS_DEFAULT;
+    if (grid_read("selftest", (const unsigned char *)selftest_vtk, sizeof selftest_vtk - 1, &g,
+            err) != 0 ||
+        spec_read("selftest", selftest_spec, sizeof selftest_spec - 1, &s, err) != 0)
+        die(ST_SYSTEM, "%s", err);
+    struct volume *v = volume_new(&g, &s, &o);
+    volume_frame(v, s.w, s.h);
+    const struct lattice all = {0, 0, s.w, s.h, 1, 1};
+    *n = s.w * s.h;
+    volume_pixels(v, &all, 0, *n, rgba);
+    volume_free(v);
+    spec_free(&s);
+    grid_free(&g);
+}
+
+static const struct worker_ops ops = {
+    .program = "vcworker",
+    .state = take_state,
+    .ready = ready,
+    .job = job,
+    .with = with,
+    .render = render,
+    .selftest = selftest,
+};
+
+/* ---- options -------------------------------------------------------------------------------- */
+
+struct method {
+    const char *name;
+    enum volume_method method;
+    bool counted; /* :N must follow; else :TOLERANCE may */
+};
+static const struct method methods[] = {
+    {"adaptive", VOLUME_ADAPTIVE, false},
+    {"doubling", VOLUME_DOUBLING, false},
+    {"trapezoid", VOLUME_TRAPEZOID, true},
+    {"gauss", VOLUME_GAUSS, true},
+};
+
+static void parse_method(const char *s, struct volume_options *v)
+{
+    const char *colon = strchr(s, ':');
+    size_t n = colon ? (size_t)(colon - s) : strlen(s), i = 0;
+    const size_t count = sizeof methods / sizeof *methods;
+    while (i < count && (strlen(methods[i].name) != n || memcmp(methods[i].name, s, n) != 0)) i++;
+    if (i == count || (methods[i].counted && !colon))
+        die(ST_USAGE, "-m %s: expected adaptive[:E], doubling[:E], trapezoid:N or gauss:M", s);
+    const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
+    int64_t most = methods[i].method == VOLUME_GAUSS ? VOLUME_NODES_MAX : SUBSTEPS_MAX, nodes = 0;
+    v->method = methods[i].method;
+    v->tolerance = usual.tolerance;
+    if (methods[i].counted && !parse_int(colon + 1, 1, most, &nodes))
+        die(ST_USAGE, "-m %s: expected %s:N, an integer from 1 to %lld", s, methods[i].name,
+            (long long)most);
+    if (!methods[i].counted && colon && !parse_real(colon + 1, TOLERANCE_MIN, 1, &v->tolerance))
+        die(ST_USAGE, "-m %s: expected %s:E, a number from %g to 1", s, methods[i].name,
+            TOLERANCE_MIN);
+    v->n = (int)nodes;
+}
+
+/* The shortest decimal that reads back as v. */
+static void shortest(char *text, size_t size, double v)
+{
+    for (int digits = 1; digits <= 17; digits++) {
+        snprintf(text, size, "%.*g", digits, v);
+        double back;
+        if (parse_real(text, 0, 1, &back) && back == v) return;
+    }
+}
+
+static void describe(struct options *o)
+{
+    const struct volume_options usual = VOLUME_OPTIONS_DEFAULT, *v = &o->volume;
+    size_t n = (size_t)snprintf(o->with, sizeof o->with, "vcworker");
+    if (v->method == usual.method && v->tolerance == usual.tolerance) return;
+    n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-m%s", methods[v->method].name);
+    char text[32];
+    shortest(text, sizeof text, v->tolerance);
+    if (methods[v->method].counted) snprintf(text, sizeof text, "%d", v->n);
+    else if (v->tolerance == usual.tolerance) return;
+    snprintf(o->with + n, sizeof o->with - n, ":%s", text);
+}
+
+static struct options parse(int argc, char **argv)
+{
+    static const char text[] =
+        "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
+        "[GRID.vtk|- SPEC|-]";
+    struct options o = {.volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .spec = "-"};
+    int opt;
+    while ((opt = getopt(argc, argv, "+cf:him:n")) != -1) {
+        switch (opt) {
+        case 'c': o.worker.concentrate = true; break;
+        case 'f':
+            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
+            break;
+        case 'h': usage(ST_OK, text);
+        case 'i':
+        case 'n':
+            if (o.what != RUN) die(ST_USAGE, "-%c: expected one of -i and -n, once", opt);
+            o.what = opt == 'i' ? INSPECT : COUNT;
+            break;
+        case 'm': parse_method(optarg, &o.volume); break;
+        default: usage(ST_USAGE, text);
+        }
+    }
+    if (argc - optind != 2 && argc != optind) usage(ST_USAGE, text);
+    if (argc != optind) {
+        o.grid = argv[optind];
+        o.spec = argv[optind + 1];
+    }
+    describe(&o);
+    return o;
+}
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+/* The file's bytes for this process alone, to be given back page by page; NULL where it cannot be
+ * mapped. */
+static unsigned char *map_file(const char *path, size_t *n)
+{
+    struct stat st;
+    void *p = MAP_FAILED;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return NULL;
+    if (fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0) {
+        *n = (size_t)st.st_size;
+        p = mmap(NULL, *n, PROT_READ, MAP_PRIVATE, fd, 0);
+    }
+    close(fd);
+    return p == MAP_FAILED ? NULL : p;
+}
+
+static void open_grid(struct renderer *r)
+{
+    char err[WORKER_ERR];
+    size_t n = 0;
+    struct buf bytes = {0};
+    unsigned char *map = map_file(r->o->grid, &n);
+    if (!map) {
+        if (read_file(r->o->grid, &bytes) != 0) die(ST_USAGE, "%s:", r->o->grid);
+        n = buf_size(&bytes);
+    }
+    if (load_grid(r, r->o->grid, map ? map : bytes.data, n, err) != 0) die(ST_USAGE, "%s", err);
+    if (map) munmap(map, n);
+    buf_free(&bytes);
+}
+
+static void open_spec(struct renderer *r)
+{
+    char err[WORKER_ERR];
+    struct buf text = {0};
+    if (read_file(r->o->spec, &text) != 0) die(ST_USAGE, "%s:", r->o->spec);
+    if (load_spec(r, r->o->spec, buf_data(&text), buf_size(&text), err) != 0)
+        die(ST_USAGE, "%s", err);
+    buf_free(&text);
+}
+
+/* ---- -i and -n ------------------------------------------------------------------------------ */
+
+static void inspect(struct renderer *r)
+{
+    r->w = r->spec.w;
+    r->h = r->spec.h;
+    printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
+}
+
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Seconds of rays that hit the grid, and of rays that miss it. */
+struct sample {
+    double *s;
+    size_t n;
+};
+
+static void print_time(const char *name, const double v[2], const struct sample of[2])
+{
+    printf("%s", name);
+    for (int i = 0; i < 2; i++)
+        if (of[i].n) printf("\t%.9f", v[i]);
+        else printf("\t-");
+    printf("\n");
+}
+
+static void print_times(const struct sample of[2])
+{
+    double v[5][2] = {{0}};
+    static const char *const names[] = {"min_s", "max_s", "median_s", "mean_s", "sd_s"};
+    for (int i = 0; i < 2; i++) {
+        if (!of[i].n) continue;
+        v[2][i] = median(of[i].s, of[i].n); /* sorts, either way */
+        double first = of[i].s[0], last = of[i].s[of[i].n - 1];
+        v[0][i] = fmin(first, last);
+        v[1][i] = fmax(first, last);
+        v[3][i] = mean(of[i].s, of[i].n);
+        v[4][i] = sqrt(variance(of[i].s, of[i].n));
+    }
+    for (int k = 0; k < 5; k++) print_time(names[k], v[k], of);
+}
+
+/* Table 1 of the StormView paper, of the frame that the specification asks for: rays one by one. */
+static void count(struct renderer *r)
+{
+    char err[WORKER_ERR];
+    float rgba[4];
+    const struct lattice all = {0, 0, r->spec.w, r->spec.h, 1, 1};
+    uint64_t rays = lattice_count(&all);
+    struct sample of[2] = {{xmalloc(rays, sizeof(double)), 0}, {xmalloc(rays, sizeof(double)), 0}};
+    struct volume_counts c = {0};
+    if (ready(r, 0, r->spec.w, r->spec.h, err) != 0) die(ST_USAGE, "%s", err);
+    for (uint64_t p = 0; p < rays; p++) {
+        uint64_t hits = c.hits;
+        double start = now_s();
+        volume_pixels(r->volume, &all, p, 1, rgba);
+        double took = now_s() - start;
+        volume_counts(r->volume, &c);
+        struct sample *s = &of[c.hits == hits];
+        s->s[s->n++] = took;
+    }
+    printf("quantity\thit\tmiss\nrays\t%zu\t%zu\n", of[0].n, of[1].n);
+    print_times(of);
+    printf("cells\t%" PRIu64 "\t-\nsamples\t%" PRIu64 "\t-\nmost_cells\t%u\t-\n", c.cells,
+        c.samples, c.most_cells);
+    free(of[0].s);
+    free(of[1].s);
+}
+
+int main(int argc, char **argv)
+{
+    prog_init(argv[0]);
+    struct options o = parse(argc, argv);
+    struct renderer r = {.o = &o};
+    bool streamed = o.what == RUN;
+    if (!streamed && strcmp(o.grid, "-") == 0 && strcmp(o.spec, "-") == 0)
+        die(ST_USAGE, "-%c: expected GRID.vtk SPEC, one of them at most -",
+            o.what == COUNT ? 'n' : 'i');
+    if (!streamed || strcmp(o.grid, "-") != 0) open_grid(&r);
+    if (!streamed || strcmp(o.spec, "-") != 0) open_spec(&r);
+    int status = ST_OK;
+    if (streamed) status = worker_run(&ops, &o.worker, &r);
+    else if (o.what == COUNT) count(&r);
+    else inspect(&r);
+    if (!streamed) close_stdout();
+    release(&r);
+    return status;
+}

@@ -1,0 +1,32 @@
+/* The types of numbers in VTK legacy files, and what BINARY ones look like. */
+#include "volume/vtk_type.h"
+
+#include <string.h>
+
+const struct vtk_type vtk_types[VTK_TYPES] = {
+    {"float", 4, FORM_REAL}, {"double", 8, FORM_REAL}, {"char", 1, FORM_SIGNED},
+    {"signed_char", 1, FORM_SIGNED}, {"unsigned_char", 1, FORM_UNSIGNED}, {"short", 2, FORM_SIGNED},
+    {"unsigned_short", 2, FORM_UNSIGNED}, {"int", 4, FORM_SIGNED},
+    {"unsigned_int", 4, FORM_UNSIGNED},
+    {"long", 8, FORM_SIGNED}, /* of 4 bytes where Windows wrote it: then the file is too short */
+    {"unsigned_long", 8, FORM_UNSIGNED}, {"vtktypeint64", 8, FORM_SIGNED},
+    {"vtktypeuint64", 8, FORM_UNSIGNED},
+    {"vtkidtype", 4, FORM_SIGNED}, /* VTK writes 32 bits of it */
+};
+
+double vtk_decode(const unsigned char *p, struct vtk_type t)
+{
+    uint64_t u = 0;
+    for (int i = 0; i < t.size; i++) u = u << 8 | p[i];
+    if (t.form == FORM_UNSIGNED) return (double)u;
+    if (t.form == FORM_SIGNED) {
+        uint64_t sign = UINT64_C(1) << (8 * t.size - 1);
+        return u & sign ? -(double)((sign - 1 - (u & (sign - 1))) + 1) : (double)u;
+    }
+    double d;
+    float f;
+    uint32_t low = (uint32_t)u;
+    memcpy(&f, &low, sizeof f);
+    memcpy(&d, &u, sizeof d);
+    return t.size == sizeof f ? (double)f : d;
+}

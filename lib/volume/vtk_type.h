@@ -1,0 +1,19 @@
+/* vtk_type: the types of numbers in VTK legacy files. Private to lib/volume. */
+#ifndef STORMRING_VOLUME_VTK_TYPE_H
+#define STORMRING_VOLUME_VTK_TYPE_H
+
+#include "base/base.h"
+
+enum form { FORM_SIGNED, FORM_UNSIGNED, FORM_REAL };
+struct vtk_type {
+    const char *name;
+    uint8_t size; /* bytes in BINARY */
+    uint8_t form;
+};
+#define VTK_TYPES 14
+extern const struct vtk_type vtk_types[VTK_TYPES];
+
+/* A number of a BINARY file, big-endian. */
+double vtk_decode(const unsigned char *p, struct vtk_type t);
+
+#endif
