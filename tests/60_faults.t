@@ -154,7 +154,7 @@ pid=$!
 await 5 working 1
 sleep .3
 worker=$(program rtworker)
-for i in 1 2 3 4 5 6 7 8; do
+for _ in 1 2 3 4 5 6 7 8; do
 	kill -STOP "$worker"
 	sleep .7
 	kill -CONT "$worker"
