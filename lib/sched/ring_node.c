@@ -8,10 +8,11 @@
  *    measured of its worker and of its asks; at the latest when it has nothing left. One ask is
  *    outstanding at most; whatever task comes ends it.
  * 2. Who is asked gives so many tasks that both have done what they have then at the same time, if
- *    the other one is as fast, and begins when they arrive: about half. (Steal-half: D. Hendler,
+ *    the other one is as fast, and begins an ask's time from now: about half, and never so much
+ *    that it would have to ask itself at once. (Steal-half: D. Hendler,
  *    N. Shavit, "Non-blocking steal-half work queues", PODC 2002; here they do not come from the
  *    other end of the queue: what was to be done first is, so that the order in which partition
- *    has put the tasks, the cheapest last, is that in which all of them are begun.)
+ *    has put the tasks, such as the dearest first, is that in which all of them are begun.)
  * 3. It gives nothing while it asks itself. What is given, thus, is begun where it arrives: the
  *    last task is not passed round.
  *
@@ -248,7 +249,7 @@ static int32_t spare(const struct node *n, int64_t now)
     bool known = pace_of(n) > 0; /* else pixels are as good as microseconds */
     double us_per_px = known ? pace_of(n) : 1;
     double here_us = known ? fed_us(n, us_per_px, now) : fed_whole_us(n, us_per_px);
-    double there_us = known ? n->trip_us / 2 : 0;
+    double there_us = known ? n->trip_us : 0;
     here_us += n->queue_px * us_per_px;
     int32_t given = 0, most = n->place.one && !BUG(48) ? 1 : n->queue.count;
     if (n->asked_us >= 0 && !BUG(42)) return 0;

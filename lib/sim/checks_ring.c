@@ -161,7 +161,9 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     struct rslot *s = &m->slots[k];
-    if (t->base != k || s->state != RING_UP) return;
+    if (t->base != k || s->state != RING_UP || t->place == RING_ABSENT) return;
+    s->dry = false;
+    mark(w, m, k);
     if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
     if (t->place == RING_HELD) enter(w, m, t, RING_COMPUTED, k);
 }
