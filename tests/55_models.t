@@ -58,7 +58,7 @@ hazard 7 'a node that returns before it is missed hides its loss' a_node_that_re
 	-DCRASHES=1 -DRETURNS=1
 
 # Numbers above 2 are those of the same bugs in lib/sched.
-for k in 27 28 29 35 36 38 47; do
+for k in 27 28 29 35 36 38 47 80; do
 	ok "planted bug $k of the default ring is found" finds 'assertion violated' SAFETY ring -DCRASHES=1 -DBUG=$k
 done
 ok 'and a GIVE of what is computed that does not count' \

@@ -251,7 +251,8 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     ask_flush(h, k, out);
 }
 
-/* To a node that does not exist it was not given. */
+/* To a node that does not exist it was not given. What was not its to give is no gift, but an
+ * answer: whoever asked waits for it no more. */
 static void take_give(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, peer = e->ring.peer;
@@ -261,7 +262,7 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
         unlist(h, i);
         h->from[i] = k;
         assign(h, i, peer, out);
-    }
+    } else if (!BUG(80)) ring_has_none(h, k, peer);
     hub_mark(h, k);
     ask_flush(h, k, out);
 }

@@ -181,13 +181,15 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     }
     if (e->ring.kind != RING_GIVE && e->ring.kind != RING_NONE) return;
     bool exists = peer >= 0 && peer < w->plan->slots;
-    if (t && t->base == e->slot && t->place != RING_ABSENT) {
+    bool given = t && t->base == e->slot && t->place != RING_ABSENT;
+    if (given) {
         t->from = e->slot;
         if (++t->passes > PASSES_MOST && w->plan->p_false <= 0)
             fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
         enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
-    if (e->ring.kind != RING_NONE || !exists || m->slots[peer].victim != e->slot) return;
+    /* What was not its to give is an answer all the same. */
+    if (given || !exists || m->slots[peer].victim != e->slot) return;
     s->dry = s->given == m->slots[peer].given_before;
     part(w, m, peer);
     mark(w, m, e->slot);

@@ -133,20 +133,16 @@ inline assign(r, k)
 	fi
 }
 
-/* What waits for a node that is not up yet the hub gives, half of it, from its end. */
+/* What waits for a node that is not up yet the hub gives, half of it, from its beginning. */
 inline give_late()
 {
 	do
 	:: hungry && late ->
 		b = set_after(late, set_after(hungry, N - 1));
 		a = set_before(hungry, b);
-		f = (size(held & owned[b]) + 1) / 2; e = ROWS;
+		f = (size(held & owned[b]) + 1) / 2;
 		do
-		:: f > 0 -> e--;
-			if
-			:: has(held & owned[b], e) -> f--; enlist(e, a); send(a, e)
-			:: else
-			fi
+		:: f > 0 -> f--; e = first(held & owned[b]); enlist(e, a); send(a, e)
 		:: else -> break
 		od;
 		hub_mark(b)
@@ -187,7 +183,7 @@ inline take_up(k)
 	:: a < ROWS ->
 		if
 		:: has(held & owned[k], a) && BUG != 36 -> send(k, a)
-		:: has(owned[NONE_OF], a) -> assign(a, a % N)
+		:: has(owned[NONE_OF], a) -> assign(a, k)
 		:: else
 		fi;
 		a++
@@ -251,16 +247,6 @@ inline take_pixels(r)
 	fi
 }
 
-inline take_give(k, r, peer)
-{
-	if
-	:: has(owned[k] & ~(computed * (BUG == 1)), r) || (BUG == 29 && has(held | computed, r)) -> assign(r, peer)
-	:: else
-	fi;
-	hub_mark(k);
-	ask_flush(k)
-}
-
 inline ring_has_none(k, peer)
 {
 	if
@@ -270,6 +256,21 @@ inline ring_has_none(k, peer)
 		hub_mark(k)
 	:: else
 	fi
+}
+
+inline take_give(k, r, peer)
+{
+	if
+	:: has(owned[k] & ~(computed * (BUG == 1)), r) || (BUG == 29 && has(held | computed, r)) -> assign(r, peer)
+	:: else ->
+		if
+		:: BUG != 80 -> ring_has_none(k, peer)
+		:: else
+		fi
+	fi;
+	assert(victim[peer] != k); /* whoever asked waits for nobody any more */
+	hub_mark(k);
+	ask_flush(k)
 }
 
 /* What ends every step, and what must hold after it. */
