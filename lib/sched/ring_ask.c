@@ -12,9 +12,9 @@
  * that node would.
  *
  *   asks     is remembered (hungry) until a task is given to it, whoever's that was
- *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, and whoever
- *            asked is remembered again; what it was given while the ask was under way it may have
- *            not seen when it answered
+ *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, or has done
+ *            one, and whoever asked is remembered again; what it was given while the ask was under
+ *            way it may have not seen when it answered
  */
 #include "sched/ring_int.h"
 

@@ -44,7 +44,7 @@ struct hub_node {
     bool flushed;                    /* it was asked for these, since it was last given a task */
     bool asking;                     /* it wants work, and was given none since it said so */
     bool passed_on, told;            /* its ask was, to another one; that it has to wait */
-    bool dry;                        /* it had nothing to give, and was given nothing since */
+    bool dry;                        /* it had nothing to give, and no task came or went since */
     uint64_t given;                  /* tasks */
     int32_t thief, thieves; /* the first of the nodes for which it was asked; how many they are */
     int32_t victim;         /* the node that was asked for it, and has not answered; -1: */

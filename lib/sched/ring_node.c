@@ -225,7 +225,7 @@ static double fed_us(const struct node *n, double us_per_px, int64_t now)
     return fabs(fed_whole_us(n, us_per_px) - (double)(now - since));
 }
 
-/* Rule 1. */
+/* Rule 1. more: other tasks may have come with the one that just did. */
 static void ask(struct node *n, bool more, int64_t now, struct sched_actions *out)
 {
     double us_per_px = pace_of(n);

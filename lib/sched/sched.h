@@ -29,7 +29,8 @@ enum ring_kind {
     RING_PLACE,   /* down: you are node `me` of n, by these rules */
     RING_ASK,     /* up: I want work of peer, or, -1, of who has some; down: peer wants some */
     RING_GIVE,    /* up: the task of this key is peer's now */
-    RING_NONE,    /* up, and down to peer: I have nothing to give; idle, next */
+    RING_NONE,    /* up, and down to peer: I have nothing to give; idle, next; by the default rules,
+                   * down to who asked, and is peer: you have to wait for work */
     RING_CRASHED, /* up, published rules: peer does not answer */
     RING_HEIR     /* down, published rules: the tasks that peer had follow; next came after it */
 };
