@@ -118,12 +118,10 @@ static void halve(const struct piece *s, struct piece half[2])
     cubic_part(s->q, 0.5, 1, half[1].q);
 }
 
-static bool done(const struct path *p) { return 1 - p->clear >= p->v->spec->opacity_limit; }
-
 static void by_depth(struct path *p, const struct piece *s, int halvings)
 {
     double depth = depth_to(p, s, 1);
-    if (!(depth > 0) || done(p)) return;
+    if (!(depth > 0) || path_done(p)) return;
     if (depth <= p->v->depth || halvings == HALVINGS_MAX) {
         gauss(p, s, depth);
         return;
@@ -160,17 +158,16 @@ static void moments(struct path *p, const struct piece *s, double depth)
  */
 static double moments_error(const struct piece *s, double depth)
 {
-    double lo, hi, most = 0;
+    double lo, hi;
     cubic_bounds(s->q, &lo, &hi);
-    for (int c = 0; c < 3; c++) most = fmax(most, fabs(s->span->rgb1[c]));
-    return most * (hi - lo) * depth / 4;
+    return s->span->slope * (hi - lo) * depth / 4;
 }
 
 /* Halved until it changes less than the tolerance: light on a curved field has no better bound. */
 static void refine(struct path *p, const struct piece *s, int halvings)
 {
     double depth = depth_to(p, s, 1);
-    if (!(depth > 0) || done(p)) return;
+    if (!(depth > 0) || path_done(p)) return;
     struct path whole = *p, halved = *p;
     struct piece half[2];
     gauss(&whole, s, depth);
@@ -190,7 +187,7 @@ static void piece_adaptive(struct path *p, const struct piece *s)
 {
     const struct spec *spec = p->v->spec;
     double depth = depth_to(p, s, 1);
-    if (!(depth > 0) || done(p)) return;
+    if (!(depth > 0) || path_done(p)) return;
     if (spec->lit || spec->attenuation > 0) refine(p, s, 0);
     else if (moments_error(s, depth) <= p->v->o.tolerance) moments(p, s, depth);
     else by_depth(p, s, 0);

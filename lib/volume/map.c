@@ -8,11 +8,13 @@ static void span_init(struct span *p, const struct spec_knot *a, const struct sp
     double width = b->s - a->s;
     p->lo = a->s;
     p->hi = b->s;
+    p->slope = 0;
     p->k0 = a->k;
     p->k1 = (b->k - a->k) / width;
     for (int c = 0; c < 3; c++) {
         p->rgb0[c] = a->rgb[c];
         p->rgb1[c] = (b->rgb[c] - a->rgb[c]) / width;
+        p->slope = fmax(p->slope, fabs(p->rgb1[c]));
     }
     p->clear = a->k == 0 && b->k == 0;
 }

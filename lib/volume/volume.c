@@ -13,12 +13,15 @@ static void set_planes(struct volume *v, const struct grid *g, const double scal
     for (int a = 0; a < 3; a++) {
         uint32_t n = g->n[a];
         v->cells[a] = n - 1;
-        v->plane[a] = xmalloc(n, sizeof *v->plane[a]);
+        double *plane = v->plane[a] = (double *)xmalloc(n + 2 * BLOCK, sizeof *plane) + BLOCK;
+        for (uint32_t i = 0; i < BLOCK; i++)
+            plane[n + i] = HUGE_VAL, plane[-1 - (int)i] = -HUGE_VAL;
+        v->inv_edge[a] = xmalloc(n, sizeof *v->inv_edge[a]);
         bool turned = scale[a] < 0;
         v->stride[a] = turned ? -stride[a] : stride[a];
         if (turned) v->first += stride[a] * (ptrdiff_t)(n - 1);
-        for (uint32_t i = 0; i < n; i++)
-            v->plane[a][i] = g->at[a][turned ? n - 1 - i : i] * scale[a];
+        for (uint32_t i = 0; i < n; i++) plane[i] = g->at[a][turned ? n - 1 - i : i] * scale[a];
+        for (uint32_t i = 0; i + 1 < n; i++) v->inv_edge[a][i] = 1 / (plane[i + 1] - plane[i]);
     }
 }
 
@@ -35,6 +38,10 @@ struct volume *volume_new(
     view_init(&v->view, s);
     v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance);
     v->depth = 1;
+    v->kernel = o->isa == VOLUME_SSE2 ? NULL : kernel_avx2();
+    if (!v->kernel) v->kernel = kernel_sse2();
+    v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
+                 !(s->attenuation > 0);
     gauss_rule(v->m, v->node, v->weight);
     v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
@@ -44,7 +51,10 @@ struct volume *volume_new(
 void volume_free(struct volume *v)
 {
     if (!v) return;
-    for (int a = 0; a < 3; a++) free(v->plane[a]);
+    for (int a = 0; a < 3; a++) {
+        free(v->plane[a] - BLOCK);
+        free(v->inv_edge[a]);
+    }
     free(v->map.span);
     free(v->live);
     free(v->block);
@@ -60,16 +70,17 @@ void volume_frame(struct volume *v, uint32_t w, uint32_t h)
     v->counts = (struct volume_counts){0};
 }
 
-static void ray(struct path *p, struct walk *w, struct cell *c)
+static void ray(struct path *p, struct walk *w)
 {
     double t0, t1, last = -1;
-    while (1 - p->clear < p->v->spec->opacity_limit && walk_next(w, &t0, &t1)) {
-        cell_init(c, w, t0, t1);
+    while (!path_done(p) && walk_next(w, &t0, &t1)) {
+        int32_t i[3];
+        walk_cell(w, i);
+        cell_init(p->cell, w, i, t0, t1);
         surfaces(p, t0 != last);
         last = t1;
         p->v->counts.cells++;
     }
-    if (w->passed > p->v->counts.most_cells) p->v->counts.most_cells = w->passed;
 }
 
 static void pixel(struct volume *v, uint64_t at, float *rgba)
@@ -80,7 +91,9 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
     v->counts.rays++;
     if (walk_begin(&w, v, v->view.eye, p.dir)) {
         v->counts.hits++;
-        ray(&p, &w, &cell);
+        if (v->batched) batch_ray(&p, &w);
+        else ray(&p, &w);
+        if (w.passed > v->counts.most_cells) v->counts.most_cells = w.passed;
     }
     bool backed = v->spec->backed;
     for (int c = 0; c < 3; c++)
@@ -95,3 +108,5 @@ void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint3
 }
 
 void volume_counts(const struct volume *v, struct volume_counts *c) { *c = v->counts; }
+
+bool volume_isa_available(enum volume_isa isa) { return isa != VOLUME_AVX2 || kernel_avx2(); }

@@ -152,5 +152,7 @@ struct volume_counts {
     uint32_t most_cells; /* that one ray passed */
 };
 void volume_counts(const struct volume *v, struct volume_counts *c);
+/* False when this machine cannot run it. */
+bool volume_isa_available(enum volume_isa isa);
 
 #endif

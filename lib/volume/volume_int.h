@@ -6,11 +6,13 @@
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
 
+#include "volume/batch.h"
 #include "volume/volume.h"
 
 #include <float.h>
 
-#define BLOCK_SHIFT 2 /* blocks of 4 x 4 x 4 cells are skipped at once */
+#define BLOCK_SHIFT 2
+#define BLOCK (1 << BLOCK_SHIFT) /* cells along each edge of what is skipped at once */
 #define GAUSS_MAX VOLUME_NODES_MAX
 
 /* ---- the map (map.c) ------------------------------------------------------------------------ */
@@ -18,7 +20,8 @@
 /* Between two knots: k = k0 + k1 (s - lo), likewise rgb. */
 struct span {
     double lo, hi, k0, k1, rgb0[3], rgb1[3];
-    bool clear; /* k = 0 throughout */
+    double slope; /* the greatest of rgb1 */
+    bool clear;   /* k = 0 throughout */
 };
 struct map {
     struct span *span; /* ascending, contiguous, none of width 0 */
@@ -65,7 +68,8 @@ struct volume {
     const struct grid *grid;
     const struct spec *spec;
     struct volume_options o;
-    double *plane[3];    /* scaled coordinates, ascending */
+    double *plane[3];    /* scaled coordinates, ascending; BLOCK at infinity to either side */
+    double *inv_edge[3]; /* of the cell above each plane but the last */
     uint32_t cells[3];   /* planes less one */
     ptrdiff_t stride[3]; /* from a node to the next, in values; negative where the scale is */
     const float *first;  /* the node at the lowest corner */
@@ -79,6 +83,9 @@ struct volume {
     double depth;              /* a piece's optical depth is at most this */
     struct crossing *crossing; /* of one cell */
     bool *above;               /* by surface: the ray is at or above its value */
+    const struct kernel *kernel;
+    bool batched; /* cells are taken several at a time */
+    struct batch batch;
     struct volume_counts counts;
 };
 
@@ -91,10 +98,6 @@ static inline size_t block_index(const struct volume *v, const int32_t i[3])
 {
     size_t x = (size_t)i[0] >> BLOCK_SHIFT, y = (size_t)i[1] >> BLOCK_SHIFT;
     return (((size_t)i[2] >> BLOCK_SHIFT) * v->blocks[1] + y) * v->blocks[0] + x;
-}
-static inline bool cell_live(const struct volume *v, size_t cell)
-{
-    return v->live[cell >> 3] >> (cell & 7) & 1;
 }
 
 /* ---- view (view.c) ------------------------------------------------------------------------- */
@@ -109,16 +112,21 @@ struct walk {
     const struct volume *v;
     double o[3], d[3], inv[3]; /* from where the ray enters the grid, or the eye inside it */
     double next[3];            /* where the cell ends along each axis */
-    double t, before;          /* so far, from o; from the eye to o */
-    double end;                /* of the cell that was handed out */
-    int32_t i[3], step[3];     /* the cell; -1, 0 or 1 */
-    uint32_t passed;           /* cells */
-    bool out;
+    const double *plane[3];    /* the planes there */
+    double t, before, end;     /* so far, from o; from the eye to o; of the cell handed out */
+    double exit;               /* where the ray leaves the grid */
+    ptrdiff_t step[3];         /* -1, 0 or 1 */
+    size_t cell;               /* its index, and what a step adds to that */
+    ptrdiff_t to_cell[3];
+    int32_t level[3]; /* the cell along an axis whose step is 0 */
+    uint32_t passed;  /* cells */
 };
 /* False when the ray misses the grid. */
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir);
 /* The next live cell and where the ray is in it; false when there is none. */
 bool walk_next(struct walk *w, double *t0, double *t1);
+/* Which one that was. */
+void walk_cell(const struct walk *w, int32_t i[3]);
 
 /* ---- one cell (cell.c) ---------------------------------------------------------------------- */
 
@@ -130,7 +138,7 @@ struct cell {
     double from[3], way[3]; /* local coordinates at entry; how they change until exit */
     double t, len;          /* entry, from the eye; length */
 };
-void cell_init(struct cell *c, const struct walk *w, double t0, double t1);
+void cell_init(struct cell *c, const struct walk *w, const int32_t i[3], double t0, double t1);
 /* The gradient, in scaled space, at w. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
@@ -140,7 +148,7 @@ struct vec3 cell_gradient(const struct cell *c, double w);
 struct path {
     struct volume *v;
     double rgb[3], clear; /* clear: exp(-tau), what still shines through */
-    const struct cell *cell;
+    struct cell *cell;
     struct vec3 dir;
 };
 /* A stretch of one cell in one span: the cubic less the span's lo, w 0 .. 1 in it. */
@@ -155,6 +163,11 @@ double volume_exp(double x);
 void gauss_rule(int m, double *node, double *weight);
 /* Between w = a and b of the cell, by the method of the options. */
 void integrate(struct path *p, double a, double b);
+/* As opaque as the specification wants. */
+static inline bool path_done(const struct path *p)
+{
+    return 1 - p->clear >= p->v->spec->opacity_limit;
+}
 /* One stretch of a given optical depth whose k-weighted mean colour is rgb. */
 void path_add(struct path *p, double dtau, const double rgb[3]);
 /* exp(-a t) and, when lit, the light at w of the cell: what a colour there is multiplied by. */
@@ -164,5 +177,8 @@ void pieces(struct path *p, double a, double b, void (*each)(struct path *, cons
 /* Integrates the cell, and lays the sheets of its iso-surfaces between. fresh: the ray comes from
  * where the field was not known. */
 void surfaces(struct path *p, bool fresh);
+/* The whole ray by the adaptive method, where there is neither light, nor attenuation, nor a
+ * surface. */
+void batch_ray(struct path *p, struct walk *w);
 
 #endif

@@ -7,8 +7,6 @@
  */
 #include "volume/volume_int.h"
 
-#include <stdlib.h>
-
 /* Slopes below this move a ray by nothing in any grid; their reciprocals would overflow. */
 #define LEVEL 1e-200
 
@@ -16,12 +14,6 @@
 static double met(const struct walk *w, int a, int32_t i)
 {
     return (w->v->plane[a][i] - w->o[a]) * w->inv[a];
-}
-
-/* Where the ray leaves cell i along an axis. */
-static double leaves(const struct walk *w, int a, int32_t i)
-{
-    return w->step[a] == 0 ? HUGE_VAL : met(w, a, w->step[a] > 0 ? i + 1 : i);
 }
 
 /* The first cell along an axis that is not left at 0 yet; in cells of the upper side where the ray
@@ -57,6 +49,35 @@ static bool clip(struct walk *w, double *in)
     return near < far;
 }
 
+/* Where the ray is along an axis, and where it goes next. */
+static void begin_axis(struct walk *w, int a)
+{
+    static const double never = HUGE_VAL;
+    const struct volume *v = w->v;
+    const size_t stride[3] = {1, v->cells[0], (size_t)v->cells[0] * v->cells[1]};
+    size_t i = (size_t)first_cell(w, a), exit = w->step[a] > 0 ? v->cells[a] : 0;
+    w->cell += i * stride[a];
+    w->to_cell[a] = w->step[a] * (ptrdiff_t)stride[a];
+    w->plane[a] = w->step[a] ? v->plane[a] + i + (w->step[a] > 0) : &never;
+    if (w->step[a] == 0) w->inv[a] = 1, w->level[a] = (int32_t)i;
+    w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
+    if (w->step[a]) w->exit = fmin(w->exit, (v->plane[a][exit] - w->o[a]) * w->inv[a]);
+}
+
+/* Through the planes that are met at t, and no branch on which: that is chance to a processor. */
+static inline void pass(struct walk *w, double t)
+{
+    w->t = t;
+    for (int a = 0; a < 3; a++) {
+        ptrdiff_t meets = -(ptrdiff_t)(w->next[a] <= t);
+        w->cell += (size_t)(meets & w->to_cell[a]);
+        w->plane[a] += meets & w->step[a];
+        w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
+    }
+}
+
+static inline double least(double a, double b) { return a < b ? a : b; }
+
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir)
 {
     const double o[3] = {eye.x, eye.y, eye.z}, d[3] = {dir.x, dir.y, dir.z};
@@ -79,58 +100,60 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
         at[a] = at[a] < low ? low : at[a] > high ? high : at[a];
     }
     for (int a = 0; a < 3; a++) w->o[a] = at[a];
-    for (int a = 0; a < 3; a++) {
-        w->i[a] = first_cell(w, a);
-        w->next[a] = leaves(w, a, w->i[a]);
-    }
+    w->exit = HUGE_VAL;
+    for (int a = 0; a < 3; a++) begin_axis(w, a);
     return true;
 }
 
-/* Past every plane that is met at or before t. */
-static void pass(struct walk *w, double t)
+void walk_cell(const struct walk *w, int32_t i[3])
 {
     for (int a = 0; a < 3; a++)
-        while (w->next[a] <= t) {
-            w->i[a] += w->step[a];
-            if (w->i[a] < 0 || w->i[a] >= (int32_t)w->v->cells[a]) {
-                w->out = true;
-                return;
-            }
-            w->next[a] = leaves(w, a, w->i[a]);
-        }
-    w->t = t;
+        i[a] = w->step[a] == 0 ? w->level[a]
+                               : (int32_t)(w->plane[a] - w->v->plane[a]) - (w->step[a] > 0);
 }
 
-/* Where the block is left. */
-static double block_end(const struct walk *w)
+/* Past a block that shows nothing. Of the planes ahead, as many are passed as are met until it
+ * ends: counted, as branches would be chance here too. */
+static void leap(struct walk *w, const int32_t i[3])
 {
-    double end = HUGE_VAL;
+    double end = w->exit;
     for (int a = 0; a < 3; a++) {
-        int32_t last = (int32_t)w->v->cells[a] - 1, lo = w->i[a] >> BLOCK_SHIFT << BLOCK_SHIFT;
-        int32_t hi = lo + (1 << BLOCK_SHIFT) - 1;
-        end = fmin(end, leaves(w, a, w->step[a] > 0 ? (hi < last ? hi : last) : lo));
+        if (w->step[a] == 0) continue;
+        int32_t in = i[a] & (BLOCK - 1), ahead = w->step[a] > 0 ? BLOCK - 1 - in : in;
+        end = least(end, (w->plane[a][ahead * w->step[a]] - w->o[a]) * w->inv[a]);
     }
-    return end;
+    for (int a = 0; a < 3; a++) {
+        ptrdiff_t n = 0;
+        for (int k = 0; k < BLOCK && w->step[a]; k++)
+            n += (w->plane[a][k * w->step[a]] - w->o[a]) * w->inv[a] <= end;
+        w->cell += (size_t)(n * w->to_cell[a]);
+        w->plane[a] += n * w->step[a];
+        w->passed += (uint32_t)n;
+        w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
+    }
+    w->t = end;
 }
 
 bool walk_next(struct walk *w, double *t0, double *t1)
 {
+    const struct volume *v = w->v;
     if (w->end > w->t) pass(w, w->end);
-    while (!w->out) {
-        if (!w->v->block[block_index(w->v, w->i)]) {
-            int32_t was[3] = {w->i[0], w->i[1], w->i[2]};
-            pass(w, block_end(w));
-            for (int a = 0; a < 3; a++) w->passed += (uint32_t)abs(w->i[a] - was[a]);
-            continue;
-        }
-        double end = fmin(fmin(w->next[0], w->next[1]), w->next[2]);
-        bool real = end > w->t;
-        w->passed += real;
-        if (real && cell_live(w->v, cell_index(w->v, w->i))) {
+    while (w->t < w->exit) {
+        double end = least(least(w->next[0], w->next[1]), w->next[2]);
+        bool real = end > w->t; /* else it only touches the cell */
+        if (real && v->live[w->cell >> 3] >> (w->cell & 7) & 1) {
+            w->passed++;
             *t0 = w->t;
             *t1 = w->end = end;
             return true;
         }
+        int32_t i[3];
+        walk_cell(w, i);
+        if (real && !v->block[block_index(v, i)]) {
+            leap(w, i);
+            continue;
+        }
+        w->passed += real;
         pass(w, end);
     }
     return false;

@@ -204,6 +204,41 @@ static void errors_are_those_expected(void **state)
     free_grid(&g);
 }
 
+/* Neither the width of vectors nor the order and grouping of pixels changes a bit. */
+static void bits_are_the_same(void **state)
+{
+    (void)state;
+    struct grid g = wind_grid();
+    for (int i = 0; i < 4; i++) {
+        static float narrow[4 * SIDE * SIDE], wide[4 * SIDE * SIDE], parts[4 * SIDE * SIDE];
+        struct scene c = wind_scene(SIDE);
+        set_map(&c, i);
+        c.s.opacity_limit = 0.9;
+        struct volume_options o = VOLUME_OPTIONS_DEFAULT;
+        o.isa = VOLUME_SSE2;
+        render(&g, &c.s, &o, narrow, NULL);
+        o.isa = VOLUME_AVX2;
+        if (volume_isa_available(o.isa)) {
+            render(&g, &c.s, &o, wide, NULL);
+            assert_memory_equal(narrow, wide, sizeof narrow);
+        }
+        struct volume *v = volume_new(&g, &c.s, &usual);
+        volume_frame(v, SIDE, SIDE);
+        for (uint32_t x = SIDE; x-- > 0;) {
+            struct lattice column = {x, 0, 1, SIDE, 1, 1};
+            float p[4 * SIDE];
+            volume_pixels(v, &column, 7, SIDE - 7, p + 28);
+            volume_pixels(v, &column, 0, 7, p);
+            for (uint32_t y = 0; y < SIDE; y++)
+                for (int k = 0; k < 4; k++)
+                    parts[4 * (y * SIDE + x) + (uint32_t)k] = p[4 * y + (uint32_t)k];
+        }
+        assert_memory_equal(narrow, parts, sizeof narrow);
+        volume_free(v);
+    }
+    free_grid(&g);
+}
+
 /* Within one span the trapezoid is of second order; nodes of Gauss and Legendre gain digits. */
 static void orders_of_convergence(void **state)
 {
@@ -245,6 +280,7 @@ int main(void)
         cmocka_unit_test(opacity_limit_and_background),
         cmocka_unit_test(adaptive_keeps_its_tolerance),
         cmocka_unit_test(errors_are_those_expected),
+        cmocka_unit_test(bits_are_the_same),
         cmocka_unit_test(orders_of_convergence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

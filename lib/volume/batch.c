@@ -1,0 +1,102 @@
+/*
+ * batch: the adaptive method on cells of one ray, several at a time. Most cells lie in one span of
+ * the map, and are thin enough for exact moments; the others are left to piece.c.
+ */
+#include "volume/volume_int.h"
+
+static void put(struct batch *b, const struct walk *w, double t0, double t1)
+{
+    const struct volume *v = w->v;
+    const uint32_t j = b->n++;
+    const ptrdiff_t x = v->stride[0], y = v->stride[1], z = v->stride[2];
+    int32_t *i = b->i[j];
+    walk_cell(w, i);
+    const float *s = v->first + i[0] * x + i[1] * y + i[2] * z;
+    b->t0[j] = t0;
+    b->t1[j] = t1;
+    for (int a = 0; a < 3; a++) {
+        b->plane[a][j] = v->plane[a][i[a]];
+        b->inv[a][j] = v->inv_edge[a][i[a]];
+    }
+    b->corner[0][j] = (double)s[0];
+    b->corner[1][j] = (double)s[x];
+    b->corner[2][j] = (double)s[y];
+    b->corner[3][j] = (double)s[x + y];
+    b->corner[4][j] = (double)s[z];
+    b->corner[5][j] = (double)s[x + z];
+    b->corner[6][j] = (double)s[y + z];
+    b->corner[7][j] = (double)s[x + y + z];
+}
+
+enum kind { CELL_CLEAR, CELL_SIMPLE, CELL_CUT };
+
+static void use_span(struct batch *b, uint32_t j, const struct span *s)
+{
+    b->from[j] = s->lo;
+    b->k0[j] = s->k0;
+    b->k1[j] = s->k1;
+    b->slope[j] = s->slope;
+    for (int c = 0; c < 3; c++) {
+        b->rgb0[c][j] = s->rgb0[c];
+        b->rgb1[c][j] = s->rgb1[c];
+    }
+}
+
+/* hint: the span that was used last. */
+static enum kind classify(struct batch *b, uint32_t j, const struct map *m, int *hint)
+{
+    double lo = b->lo[j], hi = b->hi[j];
+    const struct span *s = &m->span[*hint];
+    if (!(lo >= s->lo && hi < s->hi)) {
+        if (hi < m->span[0].lo || lo > m->span[m->n - 1].hi) return CELL_CLEAR;
+        int first = map_find(m, lo), last = map_find(m, hi);
+        if (first != last || first < 0) return CELL_CUT;
+        *hint = first;
+        s = &m->span[first];
+    }
+    if (s->clear) return CELL_CLEAR;
+    use_span(b, j, s);
+    return CELL_SIMPLE;
+}
+
+/* What the batch adds to the ray, front to back; empties it. */
+static void gather(struct path *p, struct batch *b, const struct walk *w, int *hint)
+{
+    struct volume *v = p->v;
+    enum kind kind[BATCH];
+    bool simple = false;
+    v->kernel->cubics(b);
+    for (uint32_t j = 0; j < b->n; j++) {
+        kind[j] = classify(b, j, &v->map, hint);
+        simple |= kind[j] == CELL_SIMPLE;
+    }
+    if (simple) v->kernel->moments(b);
+    for (uint32_t j = 0; j < b->n && !path_done(p); j++) {
+        v->counts.cells++;
+        if (kind[j] == CELL_SIMPLE && b->error[j] <= v->o.tolerance) {
+            v->counts.samples++;
+            if (!(b->depth[j] > 0)) continue;
+            double seen = p->clear * (1 - b->through[j]);
+            for (int c = 0; c < 3; c++) p->rgb[c] += seen * b->rgb[c][j];
+            p->clear *= b->through[j];
+        } else if (kind[j] != CELL_CLEAR) {
+            cell_init(p->cell, w, b->i[j], b->t0[j], b->t1[j]);
+            integrate(p, 0, 1);
+        }
+    }
+    b->n = 0;
+}
+
+void batch_ray(struct path *p, struct walk *w)
+{
+    struct batch *b = &p->v->batch;
+    double t0, t1;
+    int hint = 0;
+    b->n = 0;
+    for (int a = 0; a < 3; a++) b->o[a] = w->o[a], b->d[a] = w->d[a];
+    while (!path_done(p) && walk_next(w, &t0, &t1)) {
+        put(b, w, t0, t1);
+        if (b->n == BATCH) gather(p, b, w, &hint);
+    }
+    if (b->n > 0) gather(p, b, w, &hint);
+}

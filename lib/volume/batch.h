@@ -1,0 +1,36 @@
+/*
+ * batch: cells of one ray, in order, whose cubics and integrals are worked out side by side. What
+ * a cell adds does not depend on what is in front of it, but for the factor T.
+ */
+#ifndef STORMRING_VOLUME_BATCH_H
+#define STORMRING_VOLUME_BATCH_H
+
+#include <stdint.h>
+
+#define BATCH 8
+
+struct batch {
+    double o[3], d[3]; /* of the ray */
+    uint32_t n;
+    int32_t i[BATCH][3];
+    /* Given: where the ray is in them; the lower planes, 1 / edges; values at the corners, x
+     * fastest. */
+    double t0[BATCH], t1[BATCH], plane[3][BATCH], inv[3][BATCH], corner[8][BATCH];
+    /* By kernel->cubics: the field less `corner[0]` along the ray, and its bounds with it. */
+    double p[4][BATCH], lo[BATCH], hi[BATCH];
+    /* Given: the span; extinction and colours at its lower end, and by unit of s. */
+    double from[BATCH], k0[BATCH], k1[BATCH], rgb0[3][BATCH], rgb1[3][BATCH], slope[BATCH];
+    /* By kernel->moments: optical depth, exp(-depth), the k-weighted mean colour, and what that may
+     * be wrong by. */
+    double depth[BATCH], through[BATCH], rgb[3][BATCH], error[BATCH];
+};
+
+struct kernel {
+    void (*cubics)(struct batch *);
+    void (*moments)(struct batch *);
+};
+const struct kernel *kernel_sse2(void);
+/* NULL where this machine has no such instructions. */
+const struct kernel *kernel_avx2(void);
+
+#endif
