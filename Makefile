@@ -18,16 +18,24 @@ BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
 FUZZ_SECONDS = 600
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
-PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(wildcard bin/*.c))
+# Two programs need a library each: where it is missing, the others are built, and make says so.
+LIBS_nc2vtk   = -lnetcdf
+LIBS_grib2vtk = -leccodes
+lacks    = $(shell echo '\#include <$(1)>' | $(CC) -E - >/dev/null 2>&1 || echo $(2))
+LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev)
+LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
+
+PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(wildcard bin/*.c)))
 SCRIPTS  = $(filter-out %.c $(patsubst bin/%.c,bin/%,$(wildcard bin/*.c)),$(wildcard bin/*))
 PAGES    = $(wildcard man/*.[1-9])
-LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
+LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%),$(wildcard lib/*/*.c)))
 UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 # Two commands must do: they use all cores without being told.
 PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
 all: $(PROGRAMS)
+	$(if $(strip $(LACKING)),@for l in $(LACKING); do echo "make: $${l%:*} is not built: $${l#*:} is missing" >&2; done)
 
 need:
 	@tests/need build
@@ -82,7 +90,8 @@ $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 
 $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(BUILD)/dep $(BIN)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $(BUILD)/dep/$*.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $(BUILD)/dep/$*.d -o $@ $< \
+		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)

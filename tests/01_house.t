@@ -20,6 +20,7 @@ scene base
 spd scene base
 trace scene image task base
 volume image task base
+cf volume base
 sched task base
 sim sched stats task base
 proc base

@@ -32,6 +32,7 @@
 
 #define VOLUME_ERR 256 /* bytes of a message: "name:line: what, expected what" */
 #define VOLUME_NAME 64
+#define GRID_TITLE 256 /* bytes: what VTK's reader has room for */
 #define VOLUME_AMBIENT 0.3
 
 /* ---- the grid (grid.c, vtk.c) ---------------------------------------------------------------- */
@@ -42,6 +43,7 @@ struct grid {
     double *at[3]; /* n[a] coordinates, ascending (what descends in the file is turned round) */
     float *value;  /* n[0]*n[1]*n[2], x fastest; NaN: missing */
     char name[VOLUME_NAME]; /* of the scalar */
+    char title[GRID_TITLE]; /* the second line of the file that was read: units are there */
 };
 /* Index of node i, j, k. */
 static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)

@@ -210,26 +210,32 @@ static void skip_metadata(struct reader *r)
 
 /* ---- the parts of a file ------------------------------------------------------------------- */
 
-/* The rest of the line, without its end. */
-static size_t read_line(struct reader *r, const char **line)
+/* The line's end, which is read as well. */
+static const unsigned char *read_line(struct reader *r)
 {
     const unsigned char *nl = memchr(r->at, '\n', (size_t)(r->end - r->at));
     const unsigned char *end = nl ? nl : r->end;
-    size_t n = (size_t)(end - r->at);
-    *line = (const char *)r->at;
     r->at = nl ? nl + 1 : end;
-    return n;
+    return end;
 }
 
-static bool read_head(struct reader *r)
+static void read_title(struct reader *r, char title[GRID_TITLE])
+{
+    size_t n = 0;
+    const unsigned char *p = r->at, *end = read_line(r);
+    for (; p < end && n < GRID_TITLE - 1; p++) title[n++] = *p < ' ' || *p == 0x7f ? ' ' : (char)*p;
+    while (n && title[n - 1] == ' ') n--;
+    title[n] = '\0';
+}
+
+static bool read_head(struct reader *r, struct grid *g)
 {
     static const char magic[] = "# vtk DataFile Version ";
-    const char *line;
     if ((size_t)(r->end - r->at) < sizeof magic - 1 ||
         strncasecmp((const char *)r->at, magic, sizeof magic - 1) != 0)
         return fail(r, "no VTK legacy file, expected '%s' and a version", magic);
-    read_line(r, &line);
-    read_line(r, &line);
+    read_line(r);
+    read_title(r, g->title);
     r->binary = take(r, "BINARY");
     if (!r->binary && !take(r, "ASCII")) return fail_word(r, "form", "ASCII or BINARY");
     return expect(r, "third part", "DATASET") && expect(r, "dataset", "RECTILINEAR_GRID");
@@ -357,7 +363,7 @@ static bool read_grid(struct reader *r, struct grid *g)
 {
     uint64_t nodes = 0, n = 0;
     struct vtk_type t;
-    if (!read_head(r) || !read_geometry(r, g, &nodes)) return false;
+    if (!read_head(r, g) || !read_geometry(r, g, &nodes)) return false;
     if (!expect(r, "what follows the coordinates", "POINT_DATA") ||
         !read_count(r, "number of point data", nodes, nodes, &n) ||
         !read_scalar_head(r, nodes, g, &t) || !begin_numbers(r, "values", t, nodes))

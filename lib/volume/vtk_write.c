@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#define TITLE_MAX 255 /* characters: what VTK's reader has room for */
-
 static void put_big_endian(unsigned char *to, uint64_t bits, int size)
 {
     for (int i = 0; i < size; i++) to[i] = (unsigned char)(bits >> 8 * (size - 1 - i));
@@ -12,7 +10,7 @@ static void put_big_endian(unsigned char *to, uint64_t bits, int size)
 
 static void put_title(struct buf *b, const char *title)
 {
-    for (size_t i = 0; i < TITLE_MAX && title[i]; i++) {
+    for (size_t i = 0; i < GRID_TITLE - 1 && title[i]; i++) {
         char c = title[i] == '\n' || title[i] == '\r' ? ' ' : title[i];
         buf_append(b, &c, 1);
     }

@@ -269,6 +269,9 @@ static void test_round_trip(void **state)
     for (int a = 0; a < 3; a++) assert_memory_equal(g.at[a], again.at[a], g.n[a] * sizeof *g.at[a]);
     assert_memory_equal(g.value, again.value, 12 * sizeof *g.value);
     assert_string_equal(again.name, "relative humidity");
+    assert_int_equal(strlen(again.title), GRID_TITLE - 1);
+    assert_int_equal(strspn(again.title, "x"), 3);
+    assert_string_equal(g.title, "title");
     struct buf twice = {0};
     grid_write(&again, title, &twice);
     assert_int_equal(buf_size(&b), buf_size(&twice));

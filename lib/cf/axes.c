@@ -1,0 +1,123 @@
+/* Axes: coordinate variables, and which of them is x, y, z and time. */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static bool one_of(const char *s, const char *const *words)
+{
+    for (; *words; words++)
+        if (strcasecmp(s, *words) == 0) return true;
+    return false;
+}
+
+static bool is_pressure(const char *units)
+{
+    static const char *const words[] = {"Pa", "hPa", "kPa", "dbar", "decibar", "mb", "mbar",
+        "millibar", "millibars", "bar", "atm", NULL};
+    return one_of(units, words);
+}
+
+/* What a coordinate variable says of itself; CF_NONE where it says nothing. */
+static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct cf_axis *a)
+{
+    static const char *const east[] = {"degrees_east", "degree_east", "degree_E", "degrees_E",
+        "degreeE", "degreesE", "longitude", "grid_longitude", "projection_x_coordinate", NULL};
+    static const char *const north[] = {"degrees_north", "degree_north", "degree_N", "degrees_N",
+        "degreeN", "degreesN", "latitude", "grid_latitude", "projection_y_coordinate", NULL};
+    static const char letters[] = "XYZT";
+    char axis[CF_TEXT], standard[CF_TEXT], positive[CF_TEXT];
+    cf_text(c, group, id, "axis", axis);
+    cf_text(c, group, id, "standard_name", standard);
+    cf_text(c, group, id, "positive", positive);
+    const char *at = axis[0] && !axis[1] ? strchr(letters, axis[0] & ~0x20) : NULL;
+    if (at) return (enum cf_kind)(at - letters);
+    if (one_of(a->units, east) || one_of(standard, east)) return CF_X;
+    if (one_of(a->units, north) || one_of(standard, north)) return CF_Y;
+    if (strstr(a->units, " since ") || strcasecmp(a->name, "time") == 0) return CF_T;
+    return positive[0] || is_pressure(a->units) ? CF_Z : CF_NONE;
+}
+
+/* The coordinate variable of a dimension: of its name and along it, in the group or one around. */
+static bool find_coordinates(int group, int dim, const char *name, int *in, int *id)
+{
+    int n, its;
+    for (*in = group;; group = *in) {
+        if (nc_inq_varid(*in, name, id) == NC_NOERR && nc_inq_varndims(*in, *id, &n) == NC_NOERR &&
+            n == 1 && nc_inq_vardimid(*in, *id, &its) == NC_NOERR && its == dim)
+            return true;
+        if (nc_inq_grp_parent(group, in) != NC_NOERR) return false;
+    }
+}
+
+bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[VOLUME_ERR])
+{
+    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
+    int in, id;
+    struct cf_packing p;
+    *a = (struct cf_axis){.kind = CF_NONE};
+    if (!cf_did(c, nc_inq_dim(group, dim, name, &a->n))) return cf_look(c, err);
+    snprintf(a->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
+    if (a->n > INT32_MAX)
+        return cf_fail(err, "%.60s has %zu nodes, expected %d at most", name, a->n, INT32_MAX);
+    if (strcasecmp(name, "time") == 0) a->kind = CF_T;
+    if (!find_coordinates(group, dim, name, &in, &id)) return true;
+    cf_packing(c, in, id, &p);
+    if (!cf_is_numeric(&p)) return true; /* labels */
+    cf_text(c, in, id, "units", a->units);
+    cf_text(c, in, id, "positive", positive);
+    a->kind = kind_of(c, in, id, a);
+    a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && is_pressure(a->units));
+    a->at = xcalloc(a->n, sizeof *a->at);
+    cf_did(c, nc_get_var_double(in, id, a->at));
+    for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
+    return true;
+}
+
+bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
+{
+    const struct cf_axis *of[CF_NONE] = {NULL};
+    for (int i = 0; i < f->n_axes; i++) {
+        const struct cf_axis *a = &f->axis[i];
+        if (a->kind == CF_NONE) continue;
+        if (of[a->kind])
+            return cf_fail(err, "%.60s and %.60s both are %c, expected one", of[a->kind]->name,
+                a->name, "xyzt"[a->kind]);
+        of[a->kind] = a;
+    }
+    for (int i = f->n_axes - 1, next = CF_X; i >= 0; i--) {
+        struct cf_axis *a = &f->axis[i];
+        if (a->kind != CF_NONE) continue;
+        while (of[next]) next++; /* there are no more axes than kinds */
+        of[next] = a;
+        a->kind = (enum cf_kind)next;
+    }
+    for (int k = CF_X; k <= CF_Z; k++)
+        if (!of[k])
+            return cf_fail(
+                err, "no %c among its %d dimensions, expected x, y and z", "xyz"[k], f -> n_axes);
+    return true;
+}
+
+const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind)
+{
+    for (int i = 0; i < f->n_axes; i++)
+        if (f->axis[i].kind == kind) return &f->axis[i];
+    return NULL;
+}
+
+bool cf_same_axes(const struct cf_field *a, const struct cf_field *b)
+{
+    bool same = a->n_axes == b->n_axes;
+    for (int k = CF_X; same && k <= CF_T; k++) {
+        const struct cf_axis *p = cf_axis_of(a, (enum cf_kind)k),
+                             *q = cf_axis_of(b, (enum cf_kind)k);
+        same = !p == !q;
+        if (!p || !q) continue;
+        same = p->n == q->n && p->down == q->down && !p->at == !q->at &&
+               (!p->at || memcmp(p->at, q->at, p->n * sizeof *p->at) == 0);
+    }
+    return same;
+}

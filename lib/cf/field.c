@@ -1,0 +1,143 @@
+/* Files and variables: finding them, and whether one is a field on a rectilinear grid. */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PATH_MAX_BYTES 1024 /* of a variable's whole name, as shown */
+
+bool cf_fail(char err[VOLUME_ERR], const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(err, VOLUME_ERR, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+bool cf_look(struct cf_file *c, char err[VOLUME_ERR])
+{
+    int status = c->status;
+    c->status = NC_NOERR;
+    return !status || cf_fail(err, "%s", nc_strerror(status));
+}
+
+bool cf_open(const char *path, struct cf_file *c, char err[VOLUME_ERR])
+{
+    *c = (struct cf_file){0};
+    cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
+    return cf_look(c, err);
+}
+
+void cf_close(struct cf_file *c) { nc_close(c->root); }
+
+/* Does it name coordinates that vary along more than one dimension? */
+static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
+{
+    char names[CF_TEXT], *rest = names, *word;
+    cf_text(c, f->group, f->id, "coordinates", names);
+    while ((word = strsep(&rest, " ")) != NULL) {
+        int id, n;
+        if (*word && nc_inq_varid(f->group, word, &id) == NC_NOERR &&
+            nc_inq_varndims(f->group, id, &n) == NC_NOERR && n > 1)
+            return true;
+    }
+    return false;
+}
+
+static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
+{
+    if (a->kind == CF_T) return true;
+    if (a->n < 2) return cf_fail(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
+    if (!at) return true;
+    return cf_fail(err, "%.60s is %.9g after %.9g, expected all to ascend or all to descend",
+        a->name, a->at[at], a->at[at - 1]);
+}
+
+static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ERR])
+{
+    for (int i = 0; i < f->n_axes; i++) {
+        const struct cf_axis *a = &f->axis[i];
+        if (a->at || a->kind == CF_T) continue;
+        return cf_fail(err,
+            "%s: there are no coordinates along %.60s, expected them along each axis",
+            is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name);
+    }
+    if (!cf_tell_axes_apart(f, err)) return false;
+    for (int i = 0; i < f->n_axes; i++)
+        if (!check_axis(&f->axis[i], err)) return false;
+    return true;
+}
+
+bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[VOLUME_ERR])
+{
+    int n = 0, dims[NC_MAX_VAR_DIMS];
+    char name[NC_MAX_NAME + 1] = "";
+    *f = (struct cf_field){.group = group, .id = id};
+    cf_did(c, nc_inq_var(group, id, name, NULL, &n, dims, NULL));
+    snprintf(f->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
+    cf_text(c, group, id, "units", f->units);
+    cf_text(c, group, id, "long_name", f->long_name);
+    cf_packing(c, group, id, &f->packing);
+    if (!cf_look(c, err)) return false;
+    if (!cf_is_numeric(&f->packing))
+        return cf_fail(err, "its values are no numbers, expected some");
+    if (n > CF_AXES_MAX)
+        return cf_fail(err, "it has %d dimensions, expected x, y, z and perhaps time", n);
+    for (; f->n_axes < n; f->n_axes++)
+        if (!cf_axis_read(c, group, dims[f->n_axes], &f->axis[f->n_axes], err)) return false;
+    return cf_look(c, err) && check_axes(c, f, err);
+}
+
+void cf_field_free(struct cf_field *f)
+{
+    for (int i = 0; i < f->n_axes; i++) free(f->axis[i].at);
+    f->n_axes = 0;
+}
+
+bool cf_find(
+    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[VOLUME_ERR])
+{
+    int group = c->root, id = 0;
+    char *path = xmalloc(n + 1, 1);
+    *f = (struct cf_field){0};
+    memcpy(path, name, n);
+    path[n] = '\0';
+    char *slash = strrchr(path, '/');
+    if (slash) *slash = '\0';
+    bool found = !slash || slash == path || nc_inq_grp_full_ncid(c->root, path, &group) == NC_NOERR;
+    found = found && nc_inq_varid(group, slash ? slash + 1 : path, &id) == NC_NOERR;
+    free(path);
+    return found ? cf_field_read(c, group, id, f, err)
+                 : cf_fail(err, "no such variable, expected one that -l lists");
+}
+
+static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg)
+{
+    int n = 0, dims = 0;
+    size_t length = 0;
+    char path[PATH_MAX_BYTES] = "/", name[NC_MAX_NAME + 1] = "";
+    if (nc_inq_grpname_len(group, &length) == NC_NOERR && length + NC_MAX_NAME + 2 < sizeof path)
+        cf_did(c, nc_inq_grpname_full(group, NULL, path));
+    size_t at = path[1] ? strlen(path) : 0;
+    cf_did(c, nc_inq_nvars(group, &n));
+    for (int id = 0; id < n; id++) {
+        cf_did(c, nc_inq_var(group, id, name, NULL, &dims, NULL, NULL));
+        snprintf(path + at, sizeof path - at, "/%s", name);
+        if (dims >= 2) visit(c, group, id, path, arg);
+    }
+    n = 0;
+    cf_did(c, nc_inq_grps(group, &n, NULL));
+    int *inside = xcalloc((size_t)n, sizeof *inside);
+    cf_did(c, nc_inq_grps(group, &n, inside));
+    for (int i = 0; i < n; i++) visit_group(c, inside[i], visit, arg);
+    free(inside);
+}
+
+bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[VOLUME_ERR])
+{
+    visit_group(c, c->root, visit, arg);
+    return cf_look(c, err);
+}

@@ -1,0 +1,116 @@
+/* Attributes, and what they say of stored numbers: which are missing, and what others stand for. */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT])
+{
+    nc_type type;
+    size_t n;
+    out[0] = '\0';
+    if (nc_inq_att(group, id, name, &type, &n) != NC_NOERR || n == 0) return;
+    if (type == NC_CHAR) {
+        char *text = xcalloc(n + 1, 1);
+        if (cf_did(c, nc_get_att_text(group, id, name, text))) snprintf(out, CF_TEXT, "%s", text);
+        free(text);
+    } else if (type == NC_STRING) {
+        char **text = xcalloc(n, sizeof *text);
+        if (cf_did(c, nc_get_att_string(group, id, name, text))) {
+            if (text[0]) snprintf(out, CF_TEXT, "%s", text[0]);
+            nc_free_string(n, text);
+        }
+        free(text);
+    }
+    for (char *s = out; *s; s++)
+        if ((unsigned char)*s < ' ' || *s == 0x7f) *s = ' ';
+}
+
+static bool is_number(int type) { return type > NC_CHAR ? type < NC_STRING : type == NC_BYTE; }
+bool cf_is_numeric(const struct cf_packing *p) { return is_number(p->type); }
+
+/* The numbers of an attribute, at most `most`: how many; 0 where it holds none. */
+static size_t numbers(
+    struct cf_file *c, int group, int id, const char *name, size_t most, double *out, int *type)
+{
+    size_t n;
+    nc_type is;
+    if (nc_inq_att(group, id, name, &is, &n) != NC_NOERR || n == 0 || !is_number(is)) return 0;
+    double *all = xcalloc(n, sizeof *all);
+    bool got = cf_did(c, nc_get_att_double(group, id, name, all));
+    if (n > most) n = most;
+    if (got) memcpy(out, all, n * sizeof *out), *type = is;
+    free(all);
+    return got ? n : 0;
+}
+
+/* What a variable is filled with that does not say: not for bytes, which have too few values. */
+static void add_default_fill(struct cf_packing *p)
+{
+    static const struct {
+        int type;
+        double fill;
+    } fills[] = {{NC_SHORT, NC_FILL_SHORT}, {NC_USHORT, NC_FILL_USHORT}, {NC_INT, NC_FILL_INT},
+        {NC_UINT, NC_FILL_UINT}, {NC_INT64, (double)NC_FILL_INT64},
+        {NC_UINT64, (double)NC_FILL_UINT64}, {NC_FLOAT, (double)NC_FILL_FLOAT},
+        {NC_DOUBLE, NC_FILL_DOUBLE}};
+    for (size_t i = 0; i < sizeof fills / sizeof *fills; i++)
+        if (fills[i].type == p->type) p->missing[p->n_missing++] = fills[i].fill;
+}
+
+static double widen(const struct cf_packing *p, double stored)
+{
+    if (!p->unsigned_too || stored >= 0) return stored;
+    return stored + (p->type == NC_BYTE ? 0x1p8 : p->type == NC_SHORT ? 0x1p16 : 0x1p32);
+}
+
+/* An attribute may be more precise than what is stored. */
+static double as_stored(const struct cf_packing *p, double v)
+{
+    return widen(p, p->type == NC_FLOAT ? (double)(float)v : v);
+}
+
+void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
+{
+    char text[CF_TEXT];
+    double range[2];
+    int type, of_scale = NC_NAT;
+    *p = (struct cf_packing){
+        .scale = 1, .valid_min = (double)-INFINITY, .valid_max = (double)INFINITY};
+    cf_did(c, nc_inq_vartype(group, id, &p->type));
+    cf_text(c, group, id, "_Unsigned", text);
+    p->unsigned_too = strcasecmp(text, "true") == 0 &&
+                      (p->type == NC_BYTE || p->type == NC_SHORT || p->type == NC_INT);
+    numbers(c, group, id, "add_offset", 1, &p->offset, &of_scale);
+    numbers(c, group, id, "scale_factor", 1, &p->scale, &of_scale);
+
+    p->n_missing = numbers(c, group, id, "_FillValue", 1, p->missing, &type);
+    if (!p->n_missing) add_default_fill(p);
+    p->n_missing += numbers(c, group, id, "missing_value", CF_MISSING_MAX - p->n_missing,
+        p->missing + p->n_missing, &type);
+    for (size_t i = 0; i < p->n_missing; i++) p->missing[i] = as_stored(p, p->missing[i]);
+
+    type = p->type;
+    if (numbers(c, group, id, "valid_range", 2, range, &type) == 2)
+        p->valid_min = range[0], p->valid_max = range[1];
+    numbers(c, group, id, "valid_min", 1, &p->valid_min, &type);
+    numbers(c, group, id, "valid_max", 1, &p->valid_max, &type);
+    /* They are of stored numbers, unless their type is that of the values. */
+    p->valid_unpacked = type != p->type && type == of_scale;
+    if (!p->valid_unpacked) {
+        p->valid_min = as_stored(p, p->valid_min);
+        p->valid_max = as_stored(p, p->valid_max);
+    }
+}
+
+double cf_unpack(const struct cf_packing *p, double stored)
+{
+    double raw = widen(p, stored), v = raw * p->scale + p->offset;
+    double judged = p->valid_unpacked ? v : raw;
+    if (!(judged >= p->valid_min && judged <= p->valid_max)) return (double)NAN;
+    for (size_t i = 0; i < p->n_missing; i++)
+        if (raw == p->missing[i]) return (double)NAN;
+    return v;
+}
