@@ -1,0 +1,214 @@
+#!/bin/sh
+# nc2vtk: the numbers of real files and of ones made for it, against ncdump's; what it refuses, and why.
+. "$(dirname "$0")/lib.sh"
+ncarg=/usr/share/ncarg/data ferret=/usr/share/ferret-vis/data
+
+# ---- two readers: of NetCDF, ncdump; of what is written, od --------------------------------------------------
+# want FILE VARIABLE: its numbers, a line each, _ where missing; of a group, by its whole name
+want() {
+	ncdump -p 9,17 -v "$2" "$1" | sed -n "/^ *data:/,\$p" | awk -v name="${2##*/}" '
+		$1 == name && $2 == "=" && !done { on = 1; sub(/^[^=]*=/, "") }
+		on { end = /;/; gsub(/[,;]/, " "); for (i = 1; i <= NF; i++) print $i; if (end) { on = 0; done = 1 } }'
+}
+# coordinates X FILE: big-endian doubles after the line of their name
+coordinates() {
+	at=$(grep -abom 1 "^$1_COORDINATES [0-9]* double" "$2") || return
+	from=${at%%:*} line=${at#*:}
+	count=${line#* } count=${count% *}
+	tail -c +$((from + ${#line} + 2)) "$2" | head -c $((8 * count)) | od -An -v -t f8 -w8 --endian=big
+}
+# values FILE: the last block of floats
+values() {
+	count=$(grep -am 1 '^POINT_DATA' "$1") && count=${count#* }
+	tail -c $((4 * count + 1)) "$1" | head -c $((4 * count)) | od -An -v -t f4 -w4 --endian=big
+}
+# same WANT GOT TOLERANCE [NX NY NZ TURNED]: numbers one by one, relative; the axes named in TURNED, of y and z, turned
+same() {
+	awk -v tolerance="$3" -v nx="${4:-1}" -v ny="${5:-1}" -v nz="${6:-1}" -v turned="${7-}" '
+		NR == FNR { want[n++] = $1; next }
+		{
+			at = FNR - 1
+			x = at % nx; y = int(at / nx) % ny; z = int(at / nx / ny)
+			if (turned ~ /y/) y = ny - 1 - y
+			if (turned ~ /z/) z = nz - 1 - z
+			w = want[turned ? (z * ny + y) * nx + x : at]
+			if (w == "_" ? $1 !~ /nan/ : $1 ~ /nan/ || ($1 - w) ^ 2 > (tolerance * w) ^ 2) {
+				print "value " FNR ": " $1 ", expected " w
+				exit bad = 1
+			}
+			seen++
+		}
+		END { if (!bad && (seen != n || !n)) { print seen " values, expected " n; bad = 1 } exit bad }' "$1" "$2"
+}
+single=1.2e-7 # what a float may lose as a decimal
+# agrees FILE VARIABLE X Y Z [NX NY NZ TURNED]: the grid of a variable against ncdump; Z is negated
+agrees() {
+	nc2vtk "$1" "$2" >a.vtk || return
+	for name in "X $3" "Y $4" "Z $5"; do
+		want "$1" "${name#* }" | awk -v z="${name% *}" '{ printf "%.17g\n", z == "Z" ? -$1 : $1 }' | sort -g >w
+		coordinates "${name% *}" a.vtk >g
+		same w g $single || return
+	done
+	want "$1" "$2" >w
+	values a.vtk >g
+	same w g $single "${6-}" "${7-}" "${8-}" "${9-}"
+}
+
+# ---- the files that Debian has ---------------------------------------------------------------------------------
+nc4=$ncarg/cdf/nc4uvt.nc
+run nc2vtk -l "$nc4"
+is '-l exits 0' "$status:$err" 0:
+is 'and lists variables of groups, with axes and units' "$(printf '%s\n' "$out" | sed -n 5p)" \
+	'/grp1/U	x=lon:128	y=lat:64	z=-lev:14	t=time:1	[m/s]	Zonal Wind'
+for name in T U V; do ok "nc4uvt.nc: $name is what ncdump reads" agrees "$nc4" $name lon lat lev; done
+# ncdump has no data of one group alone: its /grp1/U comes after the root's
+ok 'nc4uvt.nc: a variable of a group' sh -c "nc2vtk '$nc4' grp1/U >b.vtk && nc2vtk '$nc4' U >a.vtk && cmp a.vtk b.vtk"
+nc2vtk "$nc4" 'speed=hypot(U,/grp1/V)' >speed.vtk
+want "$nc4" U >u
+want "$nc4" V >v
+paste u v | awk '{ print $1 == "_" || $2 == "_" ? "_" : sprintf("%.12g", sqrt($1 ^ 2 + $2 ^ 2)) }' >w
+values speed.vtk >g
+ok 'nc4uvt.nc: speed=hypot(U,V)' same w g 2e-7
+is 'the title has names and units as they are' "$(sed -n 2p speed.vtk)" \
+	'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [Month]'
+is 'the scalar has the name' "$(grep -a '^SCALARS' speed.vtk)" 'SCALARS speed float 1'
+coordinates Z speed.vtk >g
+is 'pressure is negated, and so points up' "$(sed -n '1p;$p' g | tr -d ' \n')" '-1000-10'
+
+echam=$ncarg/nug/rectilinear_grid_3D.nc
+for name in t rhumidity; do ok "rectilinear_grid_3D.nc: $name" agrees "$echam" $name lon lat lev 192 96 17 y; done
+coordinates Y a.vtk >g
+ok 'latitudes that decrease are turned round' sort -gc g
+
+levitus=$ferret/levitus_climatology.cdf
+ok 'levitus_climatology.cdf: depths, which are turned round' \
+	agrees "$levitus" TEMP XAXLEVITR YAXLEVITR ZAXLEVITR 360 180 20 z
+is 'of which 44 % is missing' "$(awk '/nan/ { n++ } END { print int(100 * n / NR) }' g)" 44
+coordinates X a.vtk >g
+is 'longitudes go on beyond 360' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' 20.5 379.5 '
+coordinates Z a.vtk >g
+is 'the surface is on top' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' -5000 0 '
+
+atlas=$ferret/ocean_atlas_subset.nc
+ok 'ocean_atlas_subset.nc: 12 months' nc2vtk -t all -o 'm%02d.vtk' "$atlas" TEMP
+is 'are as many files' "$(echo m*)" "$(echo $(seq -f 'm%02g.vtk' 0 11))"
+cells=$((180 * 90 * 19))
+want "$atlas" TEMP >all
+for month in 0 7 11; do
+	tail -n +$((month * cells + 1)) all | head -n $cells >w
+	values "$(printf 'm%02d.vtk' $month)" >g
+	ok "month $month is what ncdump reads" same w g $single 180 90 19 z
+done
+ok 'and the same by -t' sh -c "nc2vtk -t 7 '$atlas' TEMP | cmp - m07.vtk"
+ok 'the first is the default' sh -c "nc2vtk '$atlas' TEMP | cmp - m00.vtk"
+like 'the title tells the time' "$(sed -n 2p m07.vtk)" '; t TIME [0-9.]+ \[hour since 0000-01-01 00:00:00\]$'
+
+# ---- files made for it -----------------------------------------------------------------------------------------
+# make NAME DIMENSIONS VARIABLES DATA: NAME.nc
+make_nc() { printf 'netcdf a {\ndimensions: %s\nvariables: %s\ndata: %s\n}\n' "$2" "$3" "$4" >"$1.cdl" && ncgen -o "$1.nc" "$1.cdl"; }
+axes='double x(x); x:axis = "X"; double y(y); y:axis = "Y"; double z(z); z:axis = "Z";'
+cube='x = 2; y = 2; z = 2;' nodes='x = 1, 2; y = 3, 4; z = 5, 6;'
+# got FILE VARIABLE ...: the values on one line
+got() { nc2vtk "$@" >a.vtk && values a.vtk | tr -s ' \n' ' ' | sed 's/^ //; s/ $//; s/-nan/nan/g'; }
+
+make_nc packed "$cube" "$axes short s(z, y, x); s:scale_factor = 0.5; s:add_offset = 100.; s:_FillValue = -1s;
+	s:missing_value = 7s, 8s; s:valid_range = 0s, 30s;" "$nodes s = 1, _, 7, 8, 0, 30, 31, -5;"
+is 'packed: scale, offset, fill, missing values, valid range' "$(got packed.nc s)" '100.5 nan nan nan 100 115 nan nan'
+make_nc valid "$cube" "$axes short s(z, y, x); s:scale_factor = 0.5; s:add_offset = 100.; s:valid_max = 104.;" \
+	"$nodes s = 1, 2, 3, 7, 8, 9, 10, 11;"
+is 'packed: a range of values, by its type' "$(got valid.nc s)" '100.5 101 101.5 103.5 104 nan nan nan'
+make_nc bytes "$cube" "$axes byte s(z, y, x); s:_Unsigned = \"true\"; s:_FillValue = -1b; s:valid_max = -2b;" "$nodes s = 0, 1, 127, -128, -2, -3, _, 5;"
+is 'unsigned bytes' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
+make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x); d:missing_value = 1e10f;" \
+	"$nodes f = 1, _, 3, NaN, 5, 6, 7, 8; i = 1, 2, _, 4, 5, 6, 7, 8; d = 1, 1e10, 3, 4, 5, 6, 7, 8;"
+is "NetCDF's own fill value, and NaN" "$(got fill.nc f)" '1 nan 3 nan 5 6 7 8'
+is 'that of integers' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
+is 'a missing value of another type' "$(got fill.nc d)" '1 nan 3 4 5 6 7 8'
+make_nc rounded "$cube" "$axes float f(z, y, x); f:missing_value = -999.9;" "$nodes f = 1, -999.9, 3, 4, 5, 6, 7, 8;"
+is 'a missing value that is more precise than the values' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
+
+make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "degrees_east"; float lat(lat); lat:units = "degrees_north";
+	float lev(lev); lev:positive = "up"; double t(t); t:units = "days since 2000-1-1"; float s(lon, lev, t, lat);' \
+	"lon = 1, 2, 3, 4; lat = 9, 8, 7; lev = 20, 10; t = 0, 1; s = $(seq -s, 0 47);"
+# s = 12 lon + 6 lev + 3 t + lat, latitudes and levels turned round
+is 'dimensions in any order' "$(got -t 1 order.nc s)" \
+	"$(for lev in 1 0; do for lat in 2 1 0; do for lon in 0 1 2 3; do echo $((12 * lon + 6 * lev + 3 + lat)); done; done; done | paste -sd' ')"
+make_nc plain 'time = 2; a = 3; b = 2; c = 2;' 'float a(a); float b(b); float c(c); float s(time, a, b, c);' \
+	"a = 1, 2, 4; b = 1, 2; c = 5, 4; s = $(seq -s, 0 23);"
+is 'axes that say nothing, by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'
+is 'and their names' "$(sed -n 2p a.vtk)" 's []; x c []; y b []; z a []'
+ok 'the classic formats and NetCDF-4' sh -c 'for kind in 1 2 4 5; do ncgen -k $kind -o k.nc packed.cdl && nc2vtk k.nc s | cmp - "$1" || exit; done' - \
+	"$(nc2vtk packed.nc s >p.vtk; echo p.vtk)"
+cat >inner.cdl <<'END'
+netcdf inner {
+dimensions: x = 2; y = 2; z = 2;
+variables: float x(x); float y(y); float z(z);
+data: x = 1, 2; y = 1, 2; z = 1, 2;
+group: a { group: b { variables: float s(z, y, x); data: s = 1, 2, 3, 4, 5, 6, 7, 8; } }
+}
+END
+ncgen -k nc4 -o inner.nc inner.cdl
+is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 4 5 6 7 8'
+like 'and listed' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
+
+# ---- refused, and why ------------------------------------------------------------------------------------------
+# refused FILE VARIABLE MESSAGE
+refused() {
+	run nc2vtk "$1" "$2"
+	is "refused: $1 $2" "$status:$out" 2:
+	like 'saying why' "$err" "^nc2vtk: $1: .*$3"
+}
+data='s = 1, 2, 3, 4, 5, 6, 7, 8;' scalar='float s(z, y, x);'
+make_nc twice "$cube" "$axes $scalar" "x = 1, 1; y = 3, 4; z = 5, 6; $data"
+refused twice.nc s 's: x is 1 after 1, expected all to ascend or all to descend'
+make_nc back 'x = 3; y = 2; z = 2;' "$axes $scalar" "x = 1, 3, 2; y = 3, 4; z = 5, 6; s = $(seq -s, 0 11);"
+refused back.nc s 'x is 2 after 3'
+make_nc one 'x = 2; y = 2; z = 1;' "$axes $scalar" "x = 1, 2; y = 3, 4; z = 5; s = 1, 2, 3, 4;"
+refused one.nc s 'z has 1 node, expected 2 at least'
+make_nc hole "$cube" "$axes $scalar" "x = 1, NaN; y = 3, 4; z = 5, 6; $data"
+refused hole.nc s 'x is -?nan after 1'
+make_nc curved "$cube" "float lon(y, x); float lat(y, x); double z(z); z:axis = \"Z\"; $scalar s:coordinates = \"lon lat\";" "$data"
+refused curved.nc s 'a curvilinear grid: there are no coordinates along y'
+make_nc bare "$cube" "$scalar" "$data"
+refused bare.nc s 'no rectilinear grid: there are no coordinates along z'
+make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"
+refused flat.nc s 'no z among its 2 dimensions'
+make_nc double "$cube" 'float x(x); x:axis = "X"; float y(y); y:axis = "X"; float z(z); float s(z, y, x);' "$nodes $data"
+refused double.nc s 'y and x both are x'
+make_nc five "$cube a = 1; b = 1;" "$axes float s(a, b, z, y, x);" "$nodes $data"
+refused five.nc s 'it has 5 dimensions'
+make_nc huge "$cube" "$axes $scalar" "$nodes s = 1, 2, 3, 1e20, 5, 6, 7, 8;"
+refused huge.nc s 'a value is as large as 1e\+20, expected 1e\+18 at most, or to be missing_value'
+make_nc text "$cube" "$axes char s(z, y, x);" "$nodes s = \"abcdefgh\";"
+refused text.nc s 'its values are no numbers'
+make_nc other 'x = 2; y = 2; z = 2; w = 2;' "$axes double w(w); w:axis = \"X\"; float s(z, y, x); float u(z, y, w);" "$nodes w = 1, 3; $data u = 1, 2, 3, 4, 5, 6, 7, 8;"
+refused other.nc 'a=hypot(s,u)' 'the two have different axes'
+refused other.nc nothing 'nothing: no such variable, expected one that -l lists'
+refused "$ncarg/nug/tos_ocean_bipolar_grid.nc" tos 'a curvilinear grid'
+refused missing.nc s 'No such file'
+head -c 1000 "$nc4" >torn.nc
+refused torn.nc U '.'
+echo text >no.nc
+refused no.nc s 'Unknown file format'
+run nc2vtk -t 12 "$atlas" TEMP
+is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: expected an index below 12"
+like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
+
+# ---- usage, and a full disk ----------------------------------------------------------------------------------
+for bad in '' 'a.nc' '-l' '-l a.nc s' '-t -1 a.nc s' '-t x a.nc s' '-t all a.nc s' '-t all -o a.vtk a.nc s' '-o %d%d a.nc s' '-q a.nc s'; do
+	# shellcheck disable=SC2086  # a word each
+	run nc2vtk $bad
+	is "refused: nc2vtk $bad" "$status:$out" 2:
+done
+nc2vtk packed.nc s >/dev/full 2>err
+is 'a full disk: exit 3' "$?" 3
+like 'and said' "$(cat err)" '^nc2vtk: standard output: No space left'
+run nc2vtk -o no/such.vtk packed.nc s
+is 'a directory that is not there: exit 3' "$status" 3
+nc2vtk -o p.vtk packed.nc s
+nc2vtk packed.nc s >q.vtk
+ok '-o writes the same' cmp p.vtk q.vtk
+nc2vtk -o p.vtk huge.nc s 2>err
+ok 'a failure leaves what was there' cmp p.vtk q.vtk
+is 'and nothing beside it' "$(echo p.vtk*)" p.vtk
+finish
