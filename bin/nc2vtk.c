@@ -48,7 +48,7 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- what was asked for ----------------------------------------------------------------------- */
+/* ---- what was asked for ---------------------------------------------------------------------- */
 
 static void find(
     struct cf_file *c, const char *file, const char *name, size_t n, struct cf_field *f)
@@ -85,7 +85,7 @@ static struct request request(struct cf_file *c, const struct options *o)
     return r;
 }
 
-/* ---- listing ---------------------------------------------------------------------------------- */
+/* ---- listing --------------------------------------------------------------------------------- */
 
 static void list_one(struct cf_file *c, int group, int id, const char *path, void *arg)
 {
@@ -112,7 +112,7 @@ static void list(struct cf_file *c, const struct options *o)
     if (!cf_each(c, list_one, NULL, err)) die(ST_USAGE, "%s: %s", o->file, err);
 }
 
-/* ---- converting ------------------------------------------------------------------------------- */
+/* ---- converting ------------------------------------------------------------------------------ */
 
 /* What is along the grid's axes, in which units; stormring-grid(5). */
 static void describe(const struct request *r, size_t time, struct buf *b)

@@ -55,8 +55,8 @@ bool cf_open(const char *path, struct cf_file *c, char err[VOLUME_ERR]);
 void cf_close(struct cf_file *c);
 
 /*
- * Variable `id` of a group: false where it is no field on a rectilinear grid, of x, y, z and perhaps
- * time. To be freed in either case.
+ * Variable `id` of a group: false where it is no field on a rectilinear grid, of x, y, z and
+ * perhaps time. To be freed in either case.
  */
 bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[VOLUME_ERR]);
 /* The same of the variable with this name of n characters: "U", "group/U" or "/group/U". */

@@ -245,7 +245,7 @@ static bool read_head(struct reader *r, struct grid *g)
 static bool skip_field(struct reader *r)
 {
     char name[VOLUME_NAME];
-    struct vtk_type t;
+    struct vtk_type t = vtk_types[0];
     uint64_t arrays = 0, components = 0, tuples = 0;
     double v = 0;
     if (!read_name(r, name) || !read_count(r, "number of arrays", 0, FIELDS_MAX, &arrays))
@@ -268,7 +268,7 @@ static bool read_axis(struct reader *r, int axis, struct grid *g)
     char keyword[] = "?_COORDINATES";
     keyword[0] = "XYZ"[axis];
     uint64_t n = 0;
-    struct vtk_type t;
+    struct vtk_type t = vtk_types[0];
     if (!expect(r, "next part", keyword) ||
         !read_count(r, "number of coordinates", g->n[axis], g->n[axis], &n) || !read_type(r, &t) ||
         !begin_numbers(r, keyword, t, n))
@@ -362,7 +362,7 @@ static bool read_values(struct reader *r, struct vtk_type t, struct grid *g)
 static bool read_grid(struct reader *r, struct grid *g)
 {
     uint64_t nodes = 0, n = 0;
-    struct vtk_type t;
+    struct vtk_type t = vtk_types[0];
     if (!read_head(r, g) || !read_geometry(r, g, &nodes)) return false;
     if (!expect(r, "what follows the coordinates", "POINT_DATA") ||
         !read_count(r, "number of point data", nodes, nodes, &n) ||
@@ -374,11 +374,12 @@ static bool read_grid(struct reader *r, struct grid *g)
     return !peek(r) || fail_word(r, "what follows the values", "one scalar and the file's end");
 }
 
-static int read_from(struct reader *r, struct grid *g)
+static int read_from(struct reader r, struct grid *g, char err[VOLUME_ERR])
 {
     *g = (struct grid){0};
-    r->err[0] = '\0';
-    if (read_grid(r, g)) return 0;
+    r.err = err;
+    err[0] = '\0';
+    if (read_grid(&r, g)) return 0;
     grid_free(g);
     return -1;
 }
@@ -386,14 +387,14 @@ static int read_from(struct reader *r, struct grid *g)
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
 {
-    struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name, .err = err};
-    return read_from(&r, g);
+    struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name};
+    return read_from(r, g, err);
 }
 
 int grid_consume(
     const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
 {
-    struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name, .err = err};
+    struct reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name};
     r.kept = bytes;
-    return read_from(&r, g);
+    return read_from(r, g, err);
 }
