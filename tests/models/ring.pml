@@ -18,7 +18,8 @@
  * Left out: time, so that of those with work left the next in the ring is asked, not the one with most; who is
  * asked gives nothing, or half of its queue, whatever it is worth; and a node may ask ahead once while its worker
  * is on a row, or not (in C as long before the end of the row as an ask takes; a worker that is late is expected to
- * be as late again). The worker behind the node, and its pipe. Frames, and pieces of a row.
+ * be as late again); and so the NONE for who has to wait, whose measure of time it is for. The worker behind the
+ * node, and its pipe. Frames, and pieces of a row.
  */
 #ifndef CRASHES
 #define CRASHES 0
@@ -225,6 +226,7 @@ inline take_done(k, r)
 		:: else
 		fi;
 		held = without(held, r); computed = with(computed, r);
+		dry = without(dry, k);
 		hub_mark(k);
 		ask_flush(k)
 	:: else
