@@ -54,6 +54,18 @@ ok 'Ctrl-C: no process after 2 s' await 2 none_alive
 wait "$pid" 2>/dev/null
 is 'Ctrl-C: no picture' "$(ls out.pfm* 2>/dev/null)" ''
 
+# ---- all begins at one node ------------------------------------------------------------------------------------------
+for give in half one; do
+	{ pack scene gears.nff; partition -n 1 256x256; } |
+		ringctl -k $give fan -j 3 ringctl -n rtworker -a 16 - 2>said | gather -r first.frags -o first.pfm
+	is "all begins at one node, -k $give: not a word" "$(cat said)" ''
+	is "what the others did, it gave to them, -k $give" "$(fragstat first.frags |
+		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print (at > 0), did - had }')" '1 0'
+	rm first.frags
+done
+partition 256x256 | rtworker -a 16 gears.nff | gather -o one.pfm
+ok 'all begins at one node: the same picture' cmp first.pfm one.pfm
+
 # ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
 begin
 kill -9 "$(program rtworker | head -n 1)"
@@ -211,6 +223,9 @@ is 'fan: each to its slot, without to=' "$(cat said.* | sort | tr '\n' ';')" \
 printf '#!/bin/sh\necho hello x 1 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out
 said 'fan: who was told no place' 'wrong-record'
+printf '#!/bin/sh\nexit 0\n' >ends && chmod +x ends
+{ pack scene gears.nff; sleep .5; } | fan -j 1 ./ends >out 2>/dev/null
+like 'fan: who ends at once, and is fed, is gone as well' "$(grep -a '^gone' out)" 'w=0 why=exit-0'
 
 # ---- the paper's Table 3: 3 hosts of power .77, 2 of 1, 4 of 1.96, of which two are removed after 300 of 512 rows -----
 # In 4 s in the place of its 14; who is removed cannot be reached any more.
@@ -232,7 +247,7 @@ table() {
 	rm -f removed table.frags out.pfm
 	name=$1
 	shift
-	partition -n 9 32x512 | env MARK=$mark ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
+	partition -n 9 32x512 | env MARK=$mark timeout 60 ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
 		gather -r table.frags -o out.pfm &
 	await 20 after
 	[ "$name" = 'nobody removed' ] || for p in $(nodes); do
