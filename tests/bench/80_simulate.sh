@@ -38,7 +38,7 @@ at_least() {
 }
 
 # ---- the methods: what partition is given, and simulate --------------------------------------------------------
-# gdc-run:128 has tasks of a quarter of a row; its bound is that of pixels.
+# gdc has the tasks of balance gdc, about a quarter of a row here; gdc-rows has rows. The bound is that of pixels.
 cat >methods <<END
 interleaved|-n 14|fan
 masterslave||deal
@@ -48,8 +48,8 @@ sc|-u scatter -n 14|fan
 ds|-u run:250|deal
 dc|-u run:250|-c deal
 gdc-published|-n 14|ring -p
-gdc|-n 14|ring
-gdc-run:128|-n 14 -u run:128|ring
+gdc-rows|-n 14|ring
+gdc|-n 14 -u run:124|ring
 best||best
 END
 # simulated METHOD SCENE LATENCY: efficiencies, a line a round; figures of the last, figures.ROUND of each
@@ -113,7 +113,7 @@ paper() {
 		printf '  %12.4f\n' "$(echo "$(of bound_s) $(of least_s)" | awk '{ print $1 / $2 }')"
 	done; done <names
 	while read -r name; do
-		for method in gdc gdc-run:128; do
+		for method in gdc gdc-rows; do
 			at_least "$name, $method at 0.5 ms" .97 <"$name.0.5.$method"
 			paste "$name.20.$method" "$name.20.best" | awk '{ print $1 / $2 }' |
 				at_least "$name, $method at 20 ms, of the best" .95
