@@ -1,5 +1,5 @@
 # Stormring. make: the programs. make demo, make check: they install the Debian packages they miss, and say which.
-# make bench, soak, chart, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+# make bench, bench-volume, soak, chart, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -54,6 +54,11 @@ bench:
 	@tests/need bench
 	@$(PARALLEL) -s all
 	@for test in tests/bench/[0-9]*.sh; do echo "== $$test"; $$test || exit; done
+
+bench-volume:
+	@tests/need bench
+	@$(PARALLEL) -s all
+	@tests/bench/90_volume.sh
 
 # Minutes of kills and loads, by hand.
 soak:
@@ -115,4 +120,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all need demo check bench soak chart fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo check bench bench-volume soak chart fuzz unit fuzzers install uninstall clean
