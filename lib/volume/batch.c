@@ -9,7 +9,7 @@ static void put(struct batch *b, const struct walk *w, double t0, double t1)
     const struct volume *v = w->v;
     const uint32_t j = b->n++;
     const ptrdiff_t x = v->stride[0], y = v->stride[1], z = v->stride[2];
-    int32_t *i = b->i[j];
+    int32_t i[3];
     walk_cell(w, i);
     const float *s = v->first + i[0] * x + i[1] * y + i[2] * z;
     b->t0[j] = t0;
@@ -32,6 +32,7 @@ enum kind { CELL_CLEAR, CELL_SIMPLE, CELL_CUT };
 
 static void use_span(struct batch *b, uint32_t j, const struct span *s)
 {
+    b->span[j] = s;
     b->from[j] = s->lo;
     b->k0[j] = s->k0;
     b->k1[j] = s->k1;
@@ -80,8 +81,12 @@ static void gather(struct path *p, struct batch *b, const struct walk *w, int *h
             for (int c = 0; c < 3; c++) p->rgb[c] += seen * b->rgb[c][j];
             p->clear *= b->through[j];
         } else if (kind[j] != CELL_CLEAR) {
-            cell_init(p->cell, w, b->i[j], b->t0[j], b->t1[j]);
-            integrate(p, 0, 1);
+            struct cell *c = p->cell; /* of which no more is wanted without light */
+            c->base = b->corner[0][j];
+            c->t = w->before + b->t0[j];
+            c->len = b->t1[j] - b->t0[j];
+            for (int k = 0; k < 4; k++) c->p[k] = b->p[k][j];
+            integrate_cut(p, kind[j] == CELL_CUT ? NULL : b->span[j]);
         }
     }
     b->n = 0;

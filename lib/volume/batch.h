@@ -9,16 +9,18 @@
 
 #define BATCH 8
 
+struct span;
+
 struct batch {
     double o[3], d[3]; /* of the ray */
     uint32_t n;
-    int32_t i[BATCH][3];
     /* Given: where the ray is in them; the lower planes, 1 / edges; values at the corners, x
      * fastest. */
     double t0[BATCH], t1[BATCH], plane[3][BATCH], inv[3][BATCH], corner[8][BATCH];
     /* By kernel->cubics: the field less `corner[0]` along the ray, and its bounds with it. */
     double p[4][BATCH], lo[BATCH], hi[BATCH];
     /* Given: the span; extinction and colours at its lower end, and by unit of s. */
+    const struct span *span[BATCH];
     double from[BATCH], k0[BATCH], k1[BATCH], rgb0[3][BATCH], rgb1[3][BATCH], slope[BATCH];
     /* By kernel->moments: optical depth, exp(-depth), the k-weighted mean colour, and what that may
      * be wrong by. */

@@ -193,6 +193,17 @@ static void piece_adaptive(struct path *p, const struct piece *s)
     else by_depth(p, s, 0);
 }
 
+void integrate_cut(struct path *p, const struct span *s)
+{
+    if (!s) {
+        pieces_cut(p, 0, 1, piece_adaptive);
+        return;
+    }
+    const double *q = p->cell->p;
+    struct piece whole = {s, {q[0] - (s->lo - p->cell->base), q[1], q[2], q[3]}, 0, 1};
+    piece_adaptive(p, &whole);
+}
+
 void integrate(struct path *p, double a, double b)
 {
     const struct volume_options *o = &p->v->o;

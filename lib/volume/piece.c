@@ -53,7 +53,7 @@ static void monotone(struct path *p, double a, double b, piece_fn *each)
 void pieces(struct path *p, double a, double b, piece_fn *each)
 {
     const struct map *m = &p->v->map;
-    double part[4], lo, hi, w[4];
+    double part[4], lo, hi;
     cubic_part(p->cell->p, a, b, part);
     cubic_bounds(part, &lo, &hi);
     /* Mostly it is all in one span. */
@@ -63,6 +63,13 @@ void pieces(struct path *p, double a, double b, piece_fn *each)
         piece(p, a, b, first, each);
         return;
     }
+    pieces_cut(p, a, b, each);
+}
+
+void pieces_cut(struct path *p, double a, double b, piece_fn *each)
+{
+    double part[4], w[4];
+    cubic_part(p->cell->p, a, b, part);
     int n = cubic_monotone(part, w);
     for (int i = 0; i + 1 < n; i++)
         monotone(p, a + w[i] * (b - a), i + 2 < n ? a + w[i + 1] * (b - a) : b, each);

@@ -9,7 +9,7 @@
 #include "volume/batch.h"
 #include "volume/volume.h"
 
-#include <float.h>
+#include <string.h>
 
 #define BLOCK_SHIFT 2
 #define BLOCK (1 << BLOCK_SHIFT) /* cells along each edge of what is skipped at once */
@@ -34,6 +34,33 @@ void map_init(struct map *m, const struct spec *s);
 int map_find(const struct map *m, double s);
 /* Does anything between lo and hi, both included, absorb? */
 bool map_absorbs(const struct map *m, double lo, double hi);
+
+/* ---- exp ------------------------------------------------------------------------------------- */
+
+/*
+ * exp(x) for x <= 0, of sums and products of doubles only. A C library's own differs in the last
+ * bit from host to host, as it picks variants with FMA at run time.
+ */
+static inline double volume_exp(double x)
+{
+    static const double log2_e = 1.4426950408889634074;
+    static const double ln2_high = 0.693147180369123816490; /* 33 bits: n times it is exact */
+    static const double ln2_low = 1.90821492927058770002e-10;
+    static const double round = 0x1.8p52; /* a sum's last bits are then n */
+    double sum = x * log2_e + round, n = sum - round, scale;
+    double f = (x - n * ln2_high) - n * ln2_low, f2 = f * f, f4 = f2 * f2; /* |f| <= ln 2 / 2 */
+    double q =
+        (1.0 / 2 + 1.0 / 6 * f) + (1.0 / 24 + 1.0 / 120 * f) * f2 +
+        ((1.0 / 720 + 1.0 / 5040 * f) + (1.0 / 40320 + 1.0 / 362880 * f) * f2) * f4 +
+        ((1.0 / 3628800 + 1.0 / 39916800 * f) + (1.0 / 479001600 + 1.0 / 6227020800 * f) * f2) *
+            (f4 * f4);
+    uint64_t bits;
+    if (!(x > -700)) return 0;
+    memcpy(&bits, &sum, sizeof bits);
+    bits = (bits + 1023) << 52;
+    memcpy(&scale, &bits, sizeof scale);
+    return (1 + (f + f2 * q)) * scale;
+}
 
 /* ---- cubics (cubic.c) ----------------------------------------------------------------------- */
 
@@ -118,15 +145,19 @@ struct walk {
     ptrdiff_t step[3];         /* -1, 0 or 1 */
     size_t cell;               /* its index, and what a step adds to that */
     ptrdiff_t to_cell[3];
-    int32_t level[3]; /* the cell along an axis whose step is 0 */
-    uint32_t passed;  /* cells */
+    double start[3];       /* o; -infinity along an axis whose step is 0 */
+    const double *zero[3]; /* plane of cell 0 */
+    uint32_t passed;       /* cells */
 };
 /* False when the ray misses the grid. */
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir);
 /* The next live cell and where the ray is in it; false when there is none. */
 bool walk_next(struct walk *w, double *t0, double *t1);
 /* Which one that was. */
-void walk_cell(const struct walk *w, int32_t i[3]);
+static inline void walk_cell(const struct walk *w, int32_t i[3])
+{
+    for (int a = 0; a < 3; a++) i[a] = (int32_t)(w->plane[a] - w->zero[a]);
+}
 
 /* ---- one cell (cell.c) ---------------------------------------------------------------------- */
 
@@ -157,8 +188,6 @@ struct piece {
     double q[4], a, b; /* a, b: in the cell's w */
 };
 
-/* exp(x) for x <= 0, of sums and products of doubles only: the same bits on every host. */
-double volume_exp(double x);
 /* Nodes and weights of Gauss and Legendre for 0 .. 1. */
 void gauss_rule(int m, double *node, double *weight);
 /* Between w = a and b of the cell, by the method of the options. */
@@ -172,8 +201,13 @@ static inline bool path_done(const struct path *p)
 void path_add(struct path *p, double dtau, const double rgb[3]);
 /* exp(-a t) and, when lit, the light at w of the cell: what a colour there is multiplied by. */
 double path_light(const struct path *p, double w);
+/* The whole cell by the adaptive method: cut where the map has knots, or known to be in one span. */
+void integrate_cut(struct path *p, const struct span *s);
 /* The pieces between a and b, each to `each`, front to back. */
 void pieces(struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
+/* The same, where it is known not to be in one span. */
+void pieces_cut(
+    struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
 /* Integrates the cell, and lays the sheets of its iso-surfaces between. fresh: the ray comes from
  * where the field was not known. */
 void surfaces(struct path *p, bool fresh);

@@ -16,6 +16,12 @@ static double met(const struct walk *w, int a, int32_t i)
     return (w->v->plane[a][i] - w->o[a]) * w->inv[a];
 }
 
+/* Where the plane n beyond the next one is met. */
+static inline double ahead(const struct walk *w, int a, ptrdiff_t n)
+{
+    return (w->plane[a][n * w->step[a]] - w->start[a]) * w->inv[a];
+}
+
 /* The first cell along an axis that is not left at 0 yet; in cells of the upper side where the ray
  * runs in a plane. */
 static int32_t first_cell(const struct walk *w, int a)
@@ -52,28 +58,35 @@ static bool clip(struct walk *w, double *in)
 /* Where the ray is along an axis, and where it goes next. */
 static void begin_axis(struct walk *w, int a)
 {
-    static const double never = HUGE_VAL;
     const struct volume *v = w->v;
     const size_t stride[3] = {1, v->cells[0], (size_t)v->cells[0] * v->cells[1]};
     size_t i = (size_t)first_cell(w, a), exit = w->step[a] > 0 ? v->cells[a] : 0;
     w->cell += i * stride[a];
     w->to_cell[a] = w->step[a] * (ptrdiff_t)stride[a];
-    w->plane[a] = w->step[a] ? v->plane[a] + i + (w->step[a] > 0) : &never;
-    if (w->step[a] == 0) w->inv[a] = 1, w->level[a] = (int32_t)i;
-    w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
-    if (w->step[a]) w->exit = fmin(w->exit, (v->plane[a][exit] - w->o[a]) * w->inv[a]);
+    w->zero[a] = v->plane[a] + (w->step[a] > 0);
+    w->plane[a] = w->zero[a] + i;
+    w->start[a] = w->o[a];
+    if (w->step[a] == 0) w->inv[a] = 1, w->start[a] = -HUGE_VAL; /* no plane is ever met */
+    else w->exit = fmin(w->exit, (v->plane[a][exit] - w->o[a]) * w->inv[a]);
+    w->next[a] = ahead(w, a, 0);
 }
 
-/* Through the planes that are met at t, and no branch on which: that is chance to a processor. */
+/* No branch on which plane is met at t: that is chance to a processor. */
+static inline void pass_axis(struct walk *w, int a, double t)
+{
+    ptrdiff_t meets = -(ptrdiff_t)(w->next[a] <= t);
+    w->cell += (size_t)(meets & w->to_cell[a]);
+    w->plane[a] += meets & w->step[a];
+    w->next[a] = ahead(w, a, 0);
+}
+
+/* Through the planes that are met at t. */
 static inline void pass(struct walk *w, double t)
 {
     w->t = t;
-    for (int a = 0; a < 3; a++) {
-        ptrdiff_t meets = -(ptrdiff_t)(w->next[a] <= t);
-        w->cell += (size_t)(meets & w->to_cell[a]);
-        w->plane[a] += meets & w->step[a];
-        w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
-    }
+    pass_axis(w, 0, t);
+    pass_axis(w, 1, t);
+    pass_axis(w, 2, t);
 }
 
 static inline double least(double a, double b) { return a < b ? a : b; }
@@ -105,31 +118,22 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     return true;
 }
 
-void walk_cell(const struct walk *w, int32_t i[3])
-{
-    for (int a = 0; a < 3; a++)
-        i[a] = w->step[a] == 0 ? w->level[a]
-                               : (int32_t)(w->plane[a] - w->v->plane[a]) - (w->step[a] > 0);
-}
-
 /* Past a block that shows nothing. Of the planes ahead, as many are passed as are met until it
  * ends: counted, as branches would be chance here too. */
 static void leap(struct walk *w, const int32_t i[3])
 {
     double end = w->exit;
     for (int a = 0; a < 3; a++) {
-        if (w->step[a] == 0) continue;
-        int32_t in = i[a] & (BLOCK - 1), ahead = w->step[a] > 0 ? BLOCK - 1 - in : in;
-        end = least(end, (w->plane[a][ahead * w->step[a]] - w->o[a]) * w->inv[a]);
+        int32_t in = i[a] & (BLOCK - 1);
+        end = least(end, ahead(w, a, w->step[a] > 0 ? BLOCK - 1 - in : in));
     }
     for (int a = 0; a < 3; a++) {
         ptrdiff_t n = 0;
-        for (int k = 0; k < BLOCK && w->step[a]; k++)
-            n += (w->plane[a][k * w->step[a]] - w->o[a]) * w->inv[a] <= end;
+        for (int k = 0; k < BLOCK; k++) n += ahead(w, a, k) <= end;
         w->cell += (size_t)(n * w->to_cell[a]);
         w->plane[a] += n * w->step[a];
         w->passed += (uint32_t)n;
-        w->next[a] = (*w->plane[a] - w->o[a]) * w->inv[a];
+        w->next[a] = ahead(w, a, 0);
     }
     w->t = end;
 }
