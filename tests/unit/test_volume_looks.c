@@ -1,0 +1,194 @@
+/* Iso-surfaces, light, mirrored axes, skipping: how pictures of volumes look. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "volume_scenes.h"
+
+static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
+static const double above[3] = {2.3, 1.6, 20}, below[3] = {2.3, 1.6, 0};
+
+static void near(double got, double expected, double e)
+{
+    if (!(fabs(got - expected) <= e)) fail_msg("%.9g, expected %.9g", got, expected);
+}
+static double of_z(double x, double y, double z) { return 0 * (x + y) + z; }
+static double seven(double x, double y, double z) { return 7 + 0 * (x + y + z); }
+static double waves(double x, double y, double z)
+{
+    return 5 + 3 * sin(x * 1.1 + 0.3) * cos(y * 0.9) + 2 * sin(z + x);
+}
+static void light_at(struct scene *c, double x, double y, double z)
+{
+    c->s.lit = true;
+    c->s.light[0] = x, c->s.light[1] = y, c->s.light[2] = z;
+}
+
+static void sheets_lie_one_behind_the_other(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, of_z);
+    struct scene c = make_scene(above, below);
+    iso(&c, 1.5, 0, 1, 0, 0.5);
+    iso(&c, 3.25, 1, 0, 0, 0.25);
+    float p[4];
+    render(&g, &c.s, &usual, p, NULL);
+    near((double)p[0], 0.25, 1e-6), near((double)p[1], 0.75 * 0.5, 1e-6);
+    near((double)p[3], 1 - 0.75 * 0.5, 1e-6);
+    /* A fog of k = .2 and its own colour before, between and behind; all of it far away. */
+    knot(&c, 0, 0, 0, 1, 0.2), knot(&c, 9, 0, 0, 1, 0.2);
+    c.s.attenuation = 0.03;
+    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, VOLUME_AUTO};
+    const struct volume_options doubling = {VOLUME_DOUBLING, 1e-6, 0, VOLUME_AUTO};
+    const struct volume_options *all[] = {&usual, &gauss, &doubling};
+    for (int i = 0; i < 3; i++) {
+        render(&g, &c.s, all[i], p, NULL);
+        near((double)p[0], 0.25 * exp(-0.2 * 1.75 - 0.03 * 16.75), 1e-5);
+        near((double)p[1], 0.5 * 0.75 * exp(-0.2 * 3.5 - 0.03 * 18.5), 1e-5);
+        near((double)p[3], 1 - 0.75 * 0.5 * exp(-0.2 * 5), 1e-5);
+        double fog = 0, t = 15, tau = 0, through = 1;
+        for (int k = 0; k < 50000; k++) {
+            double h = 5.0 / 50000, z = 20 - t - h / 2;
+            through = (z < 3.25 ? 0.75 : 1) * (z < 1.5 ? 0.5 : 1);
+            fog += through * 0.2 * h * exp(-tau - 0.1 * h - 0.03 * (t + h / 2));
+            t += h, tau += 0.2 * h;
+        }
+        near((double)p[2], fog, i == 0 ? 1.0 / 1024 : 1e-5);
+    }
+    free_grid(&g);
+}
+
+/* Ambient .3, and .7 of the cosine, on both sides alike. */
+static void light_follows_the_gradient(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 6);
+    fill(&g, of_z);
+    static const struct {
+        double x, z, expected;
+    } table[] = {{0, 1e9, 1}, {0, -1e9, 1}, {1e9, 0, 0.3}, {1e9, 1e9, 0.3 + 0.7 * 0.70710678},
+        {-1e9, 1e9 * 1.7320508, 0.3 + 0.7 * 0.8660254}};
+    for (int i = 0; i < 5; i++) {
+        struct scene c = make_scene(above, below);
+        light_at(&c, table[i].x, 0, table[i].z);
+        iso(&c, 2.5, 1, 0.5, 0, 1);
+        float p[4];
+        render(&g, &c.s, &usual, p, NULL);
+        near((double)p[0], table[i].expected, 1e-6);
+        near((double)p[1], table[i].expected / 2, 1e-6);
+        assert_true(p[3] == 1);
+        c.s.n_isos = 0;
+        knot(&c, -1, 1, 1, 1, 0.3), knot(&c, 9, 1, 1, 1, 0.3);
+        render(&g, &c.s, &usual, p, NULL);
+        near((double)p[0], table[i].expected * (1 - exp(-1.5)), 1e-5);
+    }
+    fill(&g, seven); /* no gradient: unlit */
+    struct scene c = make_scene(above, below);
+    light_at(&c, 1e9, 0, 0);
+    knot(&c, 0, 1, 1, 1, 0.3), knot(&c, 9, 1, 1, 1, 0.3);
+    float p[4];
+    render(&g, &c.s, &usual, p, NULL);
+    near((double)p[0], 1 - exp(-1.5), 1e-6);
+    free_grid(&g);
+}
+
+static double largest(const float *a, const float *b, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++) most = fmax(most, fabs((double)a[i] - (double)b[i]));
+    return most;
+}
+
+/* Light and attenuation vary along a ray as no polynomial does: the tolerance is kept all the same,
+ * and all methods converge to one picture. */
+static void light_keeps_the_tolerance(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(12, 11, 10);
+    fill(&g, waves);
+    const double from[3] = {-6, -9, 16}, at[3] = {5.5, 5, 4.5};
+    static float p[3][4 * 24 * 24];
+    for (int lit = 0; lit < 2; lit++) {
+        struct scene c = make_scene(from, at);
+        c.s.w = c.s.h = 24, c.s.angle = 40, c.s.attenuation = 0.1;
+        knot(&c, 4, 1, 0.1, 0, 0), knot(&c, 6, 0.2, 1, 0.4, 2), knot(&c, 7.5, 0.1, 0.3, 1, 0.5);
+        if (lit) light_at(&c, 30, -20, 25);
+        const struct volume_options exact = {VOLUME_TRAPEZOID, 0, 1000, VOLUME_AUTO};
+        const struct volume_options gauss = {VOLUME_GAUSS, 0, 12, VOLUME_AUTO};
+        render(&g, &c.s, &exact, p[0], NULL);
+        render(&g, &c.s, &gauss, p[1], NULL);
+        render(&g, &c.s, &usual, p[2], NULL);
+        assert_true(largest(p[0], p[1], 4 * 24 * 24) < 2e-4);
+        assert_true(largest(p[0], p[2], 4 * 24 * 24) <= 1.0 / 1024);
+    }
+    free_grid(&g);
+}
+
+/* A negative scale mirrors: the grid turned round, seen from the mirrored place. */
+static void negative_scales_mirror(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(12, 11, 10), turned = make_grid(12, 11, 10);
+    fill(&g, waves);
+    for (uint32_t k = 0; k < 10; k++)
+        for (uint32_t j = 0; j < 11; j++)
+            for (uint32_t i = 0; i < 12; i++)
+                turned.value[grid_node(&turned, i, j, k)] =
+                    g.value[grid_node(&g, 11 - i, j, 9 - k)];
+    for (uint32_t i = 0; i < 12; i++) turned.at[0][i] -= 11;
+    for (uint32_t i = 0; i < 10; i++) turned.at[2][i] -= 9;
+    const double from[3] = {6, -9, -16}, at[3] = {-5.5, 5, -4.5};
+    static float p[2][4 * 24 * 24];
+    for (int i = 0; i < 2; i++) {
+        struct scene c = make_scene(from, at);
+        c.s.w = c.s.h = 24, c.s.angle = 40;
+        knot(&c, 4, 1, 0.1, 0, 0), knot(&c, 6, 0.2, 1, 0.4, 2);
+        iso(&c, 7, 1, 1, 1, 0.5);
+        light_at(&c, -30, -20, -25);
+        if (i == 0) c.s.scale[0] = c.s.scale[2] = -1;
+        render(i ? &turned : &g, &c.s, &usual, p[i], NULL);
+    }
+    assert_true(largest(p[0], p[1], 4 * 24 * 24) < 1e-5);
+    double sum = 0;
+    for (int i = 0; i < 4 * 24 * 24; i++) sum += (double)p[0][i];
+    assert_true(sum > 100);
+    free_grid(&g);
+    free_grid(&turned);
+}
+
+/* What is skipped is clear: where the same parts of the map absorb too little to be seen, all cells
+ * are visited, and the picture is the same. */
+static void skipping_changes_nothing(void **state)
+{
+    (void)state;
+    struct grid g = wind_grid();
+    g.value[grid_node(&g, 60, 45, 9)] = NAN;
+    static float p[2][4 * 40 * 40];
+    struct volume_counts n[2];
+    for (int i = 0; i < 2; i++) {
+        struct scene c = wind_scene(40);
+        double none = i ? 1e-30 : 0;
+        knot(&c, -100, 0.5, 0.5, 0.5, none), knot(&c, 40, 0.9, 0.2, 0.1, none);
+        knot(&c, 42, 0.2, 0.9, 0.1, 1), knot(&c, 44, 0.2, 0.1, 0.9, none);
+        knot(&c, 500, 0.2, 0.1, 0.9, none);
+        render(&g, &c.s, &usual, p[i], &n[i]);
+    }
+    assert_true(largest(p[0], p[1], 4 * 40 * 40) < 1e-6);
+    assert_true(n[0].cells * 5 < n[1].cells && n[0].most_cells == n[1].most_cells);
+    free_grid(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sheets_lie_one_behind_the_other),
+        cmocka_unit_test(light_follows_the_gradient),
+        cmocka_unit_test(light_keeps_the_tolerance),
+        cmocka_unit_test(negative_scales_mirror),
+        cmocka_unit_test(skipping_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
