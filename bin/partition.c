@@ -1,12 +1,15 @@
-/* partition: cuts a frame into tasks, optionally preassigned to slots. */
+/* partition: cuts frames into tasks, optionally preassigned to slots. */
 #include "base/base.h"
 #include "log/log.h"
 #include "task/task.h"
 #include "wire/wire.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#define READ_BYTES 65536
 
 struct options {
     struct cut cut; /* -u */
@@ -14,12 +17,14 @@ struct options {
     double *powers; /* -w: preassign by weighted interleave */
     int n_powers;
     int64_t assigned; /* -c: only the first so many tasks are preassigned; -1: all */
+    int64_t of;       /* -c: of each so many; 0: of all */
     uint32_t frame;   /* -F: the frame's number */
     const char *log;  /* -r: leave out what it holds */
     enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST } order; /* -o */
     int64_t seed;                                         /* -o shuffle: */
     const char *cost_log;                                 /* -o cost: */
     int w, h;
+    const char *pictures; /* where state and frames come from; NULL: a frame of this size */
 };
 
 static void parse_powers(struct options *o, const char *list)
@@ -28,8 +33,8 @@ static void parse_powers(struct options *o, const char *list)
     while ((word = strsep(&rest, ",")) != NULL) {
         o->powers = xrealloc(o->powers, (size_t)o->n_powers + 1, sizeof *o->powers);
         if (!parse_real(word, 1e-6, 1e6, &o->powers[o->n_powers]))
-            die(ST_USAGE, "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between",
-                list, word);
+            die(ST_USAGE, "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between", list,
+                word);
         o->n_powers++;
     }
     free(copy);
@@ -50,6 +55,23 @@ static void parse_order(struct options *o, const char *order)
     o->order = ORDER_SHUFFLE;
 }
 
+static void parse_assigned(struct options *o, const char *s)
+{
+    char count[24];
+    const char *slash = strchr(s, '/');
+    size_t n = slash ? (size_t)(slash - s) : strlen(s);
+    bool good = n < sizeof count;
+    if (good) {
+        memcpy(count, s, n);
+        count[n] = '\0';
+        good = parse_int(count, 0, UINT32_MAX, &o->assigned);
+    }
+    if (slash) good = good && parse_int(slash + 1, 1, UINT32_MAX, &o->of) && o->assigned <= o->of;
+    if (!good)
+        die(ST_USAGE, "-c %s: expected an integer from 0 to %u, or N/M, N of each M", s,
+            UINT32_MAX);
+}
+
 static bool in_chunks(const struct options *o)
 {
     return o->cut.unit == CUT_GUIDED || o->cut.unit == CUT_FACTORING;
@@ -65,17 +87,36 @@ static void check_chunks(const struct options *o)
     if (o->order) die(ST_USAGE, "-o: expected -u row, tile, run or scatter with it");
 }
 
+/* A size; that of the first of several pictures, `@`, and where all of them come from. */
+static void parse_operand(struct options *o, const char *s, bool numbered)
+{
+    char size[32];
+    const char *file = strchr(s, '@');
+    size_t n = file ? (size_t)(file - s) : strlen(s);
+    snprintf(size, sizeof size, "%.*s", n < sizeof size ? (int)n : 0, s);
+    if (!parse_size(size, FRAME_SIDE_MAX, &o->w, &o->h) || (file && !file[1]))
+        die(ST_USAGE, "%s: expected a size such as 512x512, sides up to %d, or SIZE@FILE", s,
+            FRAME_SIDE_MAX);
+    if (file && numbered) die(ST_USAGE, "-F: expected a size with it; %s has numbers", file + 1);
+    if (file) o->pictures = file + 1;
+}
+
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-h] [-c COUNT] [-F FRAME] [-n SLOTS | -w POWER,...] "
+    static const char text[] = "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...] "
                                "[-o shuffle[:SEED]|cost:LOG] [-r LOG] "
-                               "[-u row|tile:WxH|run:N|scatter|guided[:N]|factoring[:N]] WxH";
+                               "[-u row|tile:WxH|run:N|scatter|guided[:N]|factoring[:N]] "
+                               "WxH[@FILE]";
+    bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
     int opt;
     while ((opt = getopt(argc, argv, "+c:F:hn:o:r:u:w:")) != -1) {
         switch (opt) {
-        case 'c': o.assigned = opt_int(opt, optarg, 0, UINT32_MAX); break;
-        case 'F': o.frame = (uint32_t)opt_int(opt, optarg, 0, UINT32_MAX); break;
+        case 'c': parse_assigned(&o, optarg); break;
+        case 'F':
+            o.frame = (uint32_t)opt_int(opt, optarg, 0, UINT32_MAX);
+            numbered = true;
+            break;
         case 'h': usage(ST_OK, text);
         case 'n': o.slots = (int)opt_int(opt, optarg, 1, 1000000); break;
         case 'o': parse_order(&o, optarg); break;
@@ -92,9 +133,7 @@ static struct options parse(int argc, char **argv)
         }
     }
     if (argc - optind != 1) usage(ST_USAGE, text);
-    if (!parse_size(argv[optind], FRAME_SIDE_MAX, &o.w, &o.h))
-        die(ST_USAGE, "%s: expected a size such as 512x512, sides up to %d", argv[optind],
-            FRAME_SIDE_MAX);
+    parse_operand(&o, argv[optind], numbered);
     if (o.slots && o.powers) die(ST_USAGE, "-n and -w: expected one of them");
     if (o.assigned >= 0 && !o.slots && !o.powers) die(ST_USAGE, "-c: expected -n or -w with it");
     if (o.cut.unit == CUT_SCATTER) {
@@ -209,27 +248,31 @@ static struct place *order_of(const struct options *o, uint32_t n)
 static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t place, uint32_t n)
 {
     if (in_chunks(o)) return o->powers && place < (uint32_t)o->n_powers ? (int32_t)place : -1;
-    if (o->assigned >= 0 && place >= o->assigned) return -1;
     if (o->powers) return interleave_next(v);
     return o->slots ? (int32_t)(n % (uint32_t)o->slots) : -1;
 }
 
 /* Slots get their shares of what is to be done: with a log, of what is left. */
-static void write_tasks(const struct options *o)
+static void write_tasks(struct options *o)
 {
+    if (in_chunks(o))
+        cut_chunks(
+            &o->cut, (uint32_t)o->w, (uint32_t)o->h, o->powers, o->powers ? o->n_powers : o->slots);
     struct buf out = {0};
     struct coverage have = read_log(o);
     struct interleave v = {
         o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h, count = cut_count(&o->cut, w, h);
     uint32_t left = 0; /* tasks so far, those left out not counted */
+    int64_t assigned = o->of ? (int64_t)count * o->assigned / o->of : o->assigned;
     wire_frame(&out, o->frame, w, h, NULL);
     struct place *order = order_of(o, count);
     for (uint32_t i = 0; i < count; i++) {
         struct task t = cut_task(&o->cut, w, h, order ? order[i].id : i);
         t.frame = o->frame;
         if (have.bits && !coverage_trim(&have, &t.at)) continue;
-        t.to = slot_for(o, &v, i, left++);
+        bool anybodys = assigned >= 0 && i >= assigned;
+        t.to = anybodys ? -1 : slot_for(o, &v, i, left++);
         wire_task(&out, &t);
         if (buf_size(&out) < 1 << 16) continue;
         put_stdout(buf_data(&out), buf_size(&out));
@@ -240,18 +283,60 @@ static void write_tasks(const struct options *o)
     free(order);
     coverage_free(&have);
     buf_free(&out);
+    cut_free(&o->cut);
+}
+
+/* ---- many pictures --------------------------------------------------------------------------- */
+
+static void take(struct options *o, const struct record *r)
+{
+    struct buf out = {0};
+    switch (r->kind) {
+    case REC_SCENE:
+    case REC_GRID:
+    case REC_SPEC:
+        wire_forward(&out, r, NULL, NULL);
+        put_stdout(buf_data(&out), buf_size(&out));
+        buf_free(&out);
+        break;
+    case REC_FRAME:
+        o->frame = r->task.frame;
+        o->w = (int)r->frame_w;
+        o->h = (int)r->frame_h;
+        write_tasks(o);
+        break;
+    default:
+        die(ST_USAGE, "%s: record `%s`, expected state and frames", o->pictures, rec_name(r->kind));
+    }
+}
+
+/* State goes on as it is, and each frame is cut. */
+static void write_pictures(struct options *o)
+{
+    struct decoder in = {0};
+    struct record r;
+    enum wire_result result;
+    ptrdiff_t n = 1;
+    bool piped = strcmp(o->pictures, "-") == 0;
+    int fd = piped ? STDIN_FILENO : open(o->pictures, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) die(ST_USAGE, "%s:", o->pictures);
+    while (n > 0) {
+        n = read_some(fd, &in.in, READ_BYTES);
+        if (n < 0) die(ST_SYSTEM, "%s:", o->pictures);
+        if (!n) wire_end(&in);
+        while ((result = wire_next(&in, &r)) == WIRE_RECORD) take(o, &r);
+        if (result == WIRE_BAD) die(ST_USAGE, "%s: %s", o->pictures, in.why);
+    }
+    if (!piped) close(fd);
+    wire_free(&in);
 }
 
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
-    if (in_chunks(&o)) {
-        int slots = o.powers ? o.n_powers : o.slots;
-        cut_chunks(&o.cut, (uint32_t)o.w, (uint32_t)o.h, o.powers, slots);
-    }
-    write_tasks(&o);
-    cut_free(&o.cut);
+    if (o.pictures) write_pictures(&o);
+    else write_tasks(&o);
     free(o.powers);
     close_stdout();
     return ST_OK;

@@ -187,8 +187,9 @@ static void load_log(struct replay *r)
 }
 
 /* Scenes and the like are for who renders. */
-static int take_state(
-    void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR])
+static int take_state(void *ctx, enum rec_kind kind,
+    unsigned char *body, // NOLINT(readability-non-const-parameter)
+    size_t n, char err[WORKER_ERR])
 {
     (void)ctx, (void)kind, (void)body, (void)n;
     *err = '\0';

@@ -15,14 +15,13 @@
 #include <unistd.h>
 
 #define FORMAT_VERSION 1 /* of the picture: raise it when a pixel of any volume changes */
-#define SUBSTEPS_MAX 1000000
-#define TOLERANCE_MIN 1e-9
 
 struct options {
     struct volume_options volume;
     struct worker_options worker;
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
-    const char *grid, *spec;           /* files; "-": it comes as a record */
+    const char *grid, *const *specs;   /* files; "-": it comes as a record */
+    int n_specs;                       /* 1; of -i any number */
     char with[80]; /* this program, and what of the above changes pixels, as options */
 };
 
@@ -165,70 +164,35 @@ static const struct worker_ops ops = {
 
 /* ---- options -------------------------------------------------------------------------------- */
 
-struct method {
-    const char *name;
-    enum volume_method method;
-    bool counted; /* :N must follow; else :TOLERANCE may */
-};
-static const struct method methods[] = {
-    {"adaptive", VOLUME_ADAPTIVE, false},
-    {"doubling", VOLUME_DOUBLING, false},
-    {"trapezoid", VOLUME_TRAPEZOID, true},
-    {"gauss", VOLUME_GAUSS, true},
-};
-
-static void parse_method(const char *s, struct volume_options *v)
+static enum volume_isa parse_isa(const char *s)
 {
-    const char *colon = strchr(s, ':');
-    size_t n = colon ? (size_t)(colon - s) : strlen(s), i = 0;
-    const size_t count = sizeof methods / sizeof *methods;
-    while (i < count && (strlen(methods[i].name) != n || memcmp(methods[i].name, s, n) != 0)) i++;
-    if (i == count || (methods[i].counted && !colon))
-        die(ST_USAGE, "-m %s: expected adaptive[:E], doubling[:E], trapezoid:N or gauss:M", s);
-    const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
-    int64_t most = methods[i].method == VOLUME_GAUSS ? VOLUME_NODES_MAX : SUBSTEPS_MAX, nodes = 0;
-    v->method = methods[i].method;
-    v->tolerance = usual.tolerance;
-    if (methods[i].counted && !parse_int(colon + 1, 1, most, &nodes))
-        die(ST_USAGE, "-m %s: expected %s:N, an integer from 1 to %lld", s, methods[i].name,
-            (long long)most);
-    if (!methods[i].counted && colon && !parse_real(colon + 1, TOLERANCE_MIN, 1, &v->tolerance))
-        die(ST_USAGE, "-m %s: expected %s:E, a number from %g to 1", s, methods[i].name,
-            TOLERANCE_MIN);
-    v->n = (int)nodes;
-}
-
-/* The shortest decimal that reads back as v. */
-static void shortest(char *text, size_t size, double v)
-{
-    for (int digits = 1; digits <= 17; digits++) {
-        snprintf(text, size, "%.*g", digits, v);
-        double back;
-        if (parse_real(text, 0, 1, &back) && back == v) return;
-    }
+    enum volume_isa isa = strcmp(s, "sse2") == 0   ? VOLUME_SSE2
+                          : strcmp(s, "avx2") == 0 ? VOLUME_AVX2
+                                                   : VOLUME_AUTO;
+    if (isa == VOLUME_AUTO) die(ST_USAGE, "-x %s: expected sse2 or avx2", s);
+    if (!volume_isa_available(isa)) die(ST_USAGE, "-x %s: not on this machine", s);
+    return isa;
 }
 
 static void describe(struct options *o)
 {
-    const struct volume_options usual = VOLUME_OPTIONS_DEFAULT, *v = &o->volume;
-    size_t n = (size_t)snprintf(o->with, sizeof o->with, "vcworker");
-    if (v->method == usual.method && v->tolerance == usual.tolerance) return;
-    n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-m%s", methods[v->method].name);
-    char text[32];
-    shortest(text, sizeof text, v->tolerance);
-    if (methods[v->method].counted) snprintf(text, sizeof text, "%d", v->n);
-    else if (v->tolerance == usual.tolerance) return;
-    snprintf(o->with + n, sizeof o->with - n, ":%s", text);
+    char method[VOLUME_METHOD];
+    bool usual = volume_method_print(&o->volume, method);
+    snprintf(o->with, sizeof o->with, usual ? "vcworker" : "vcworker,-m%s", method);
 }
 
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
-        "[GRID.vtk|- SPEC|-]";
-    struct options o = {.volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .spec = "-"};
+        "[-x sse2|avx2] "
+        "[GRID.vtk|- SPEC|- ...]";
+    static const char *const record[] = {"-"};
+    struct options o = {
+        .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
+    char err[VOLUME_ERR];
     int opt;
-    while ((opt = getopt(argc, argv, "+cf:him:n")) != -1) {
+    while ((opt = getopt(argc, argv, "+cf:him:nx:")) != -1) {
         switch (opt) {
         case 'c': o.worker.concentrate = true; break;
         case 'f':
@@ -240,14 +204,20 @@ static struct options parse(int argc, char **argv)
             if (o.what != RUN) die(ST_USAGE, "-%c: expected one of -i and -n, once", opt);
             o.what = opt == 'i' ? INSPECT : COUNT;
             break;
-        case 'm': parse_method(optarg, &o.volume); break;
+        case 'm':
+            if (!volume_method_parse(optarg, &o.volume, err))
+                die(ST_USAGE, "-m %s: expected %s", optarg, err);
+            break;
+        case 'x': o.volume.isa = parse_isa(optarg); break;
         default: usage(ST_USAGE, text);
         }
     }
-    if (argc - optind != 2 && argc != optind) usage(ST_USAGE, text);
+    if (argc - optind != 2 && argc != optind && (o.what != INSPECT || argc - optind < 2))
+        usage(ST_USAGE, text);
     if (argc != optind) {
         o.grid = argv[optind];
-        o.spec = argv[optind + 1];
+        o.specs = (const char *const *)argv + optind + 1;
+        o.n_specs = argc - optind - 1;
     }
     describe(&o);
     return o;
@@ -286,13 +256,12 @@ static void open_grid(struct renderer *r)
     buf_free(&bytes);
 }
 
-static void open_spec(struct renderer *r)
+static void open_spec(struct renderer *r, const char *path)
 {
     char err[WORKER_ERR];
     struct buf text = {0};
-    if (read_file(r->o->spec, &text) != 0) die(ST_USAGE, "%s:", r->o->spec);
-    if (load_spec(r, r->o->spec, buf_data(&text), buf_size(&text), err) != 0)
-        die(ST_USAGE, "%s", err);
+    if (read_file(path, &text) != 0) die(ST_USAGE, "%s:", path);
+    if (load_spec(r, path, buf_data(&text), buf_size(&text), err) != 0) die(ST_USAGE, "%s", err);
     buf_free(&text);
 }
 
@@ -300,9 +269,12 @@ static void open_spec(struct renderer *r)
 
 static void inspect(struct renderer *r)
 {
-    r->w = r->spec.w;
-    r->h = r->spec.h;
-    printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
+    for (int i = 0; i < r->o->n_specs; i++) {
+        if (i) open_spec(r, r->o->specs[i]);
+        r->w = r->spec.w;
+        r->h = r->spec.h;
+        printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
+    }
 }
 
 static double now_s(void)
@@ -375,12 +347,13 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct renderer r = {.o = &o};
-    bool streamed = o.what == RUN;
-    if (!streamed && strcmp(o.grid, "-") == 0 && strcmp(o.spec, "-") == 0)
-        die(ST_USAGE, "-%c: expected GRID.vtk SPEC, one of them at most -",
-            o.what == COUNT ? 'n' : 'i');
-    if (!streamed || strcmp(o.grid, "-") != 0) open_grid(&r);
-    if (!streamed || strcmp(o.spec, "-") != 0) open_spec(&r);
+    bool streamed = o.what == RUN, named = strcmp(o.grid, "-") != 0;
+    for (int i = 0; i < o.n_specs; i++)
+        if (strcmp(o.specs[i], "-") == 0 && !streamed && (!named || i))
+            die(ST_USAGE, "-%c: expected GRID.vtk SPEC, one of them at most -",
+                o.what == COUNT ? 'n' : 'i');
+    if (!streamed || named) open_grid(&r);
+    if (!streamed || strcmp(*o.specs, "-") != 0) open_spec(&r, *o.specs);
     int status = ST_OK;
     if (streamed) status = worker_run(&ops, &o.worker, &r);
     else if (o.what == COUNT) count(&r);

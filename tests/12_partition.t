@@ -56,4 +56,26 @@ ok 'refused: an unknown order' refused -o shuffle:x 8x8
 ok 'refused: costs without a log' refused -o cost: 8x8
 ok 'refused: costs of a log that is not there' refused -o cost:none 8x8
 ok 'refused: costs of a log that holds none' refused -o cost:empty 8x8
+
+# ---- many pictures, and shares of each -----------------------------------------------------------------------
+echo hello >state
+{ pack spec state; echo 'frame 3 8 6'; echo 'frame 4 4 2'; pack scene state; echo 'frame 5 8 6'; } >pictures
+{ pack spec state; partition -F 3 8x6; partition -F 4 4x2; pack scene state; partition -F 5 8x6; } >apart
+partition 8x6@pictures >together
+ok 'many pictures: as one by one' cmp together apart
+partition 8x6@- <pictures >together
+ok 'from standard input' cmp together apart
+{ partition -u guided -n 2 -F 3 8x6; partition -u guided -n 2 -F 4 4x2; } >apart
+grep -a '^frame [34]' pictures | partition -u guided -n 2 8x6@- >together
+ok 'chunks are of each frame' cmp together apart
+is '-c of each so many' "$(partition -n 2 -c 1/3 8x7 | grep -c to=)" 2
+refused() { run partition "$@" </dev/null; [ "$status" = 2 ]; }
+ok 'refused: more than all' refused -n 2 -c 4/3 8x8
+ok 'refused: of none' refused -n 2 -c 0/0 8x8
+ok 'refused: a number for many pictures' refused -F 1 8x6@pictures
+ok 'refused: no such file' refused 8x6@none
+ok 'refused: no file' refused 8x6@
+partition 8x6 >tasks
+run partition 8x6@tasks
+like 'refused: tasks' "$status $err" '^2 partition: tasks: record .task., expected state and frames'
 finish

@@ -68,8 +68,9 @@ bool log_remedy(
     if (again) {
         buf_append(&names, "", 1);
         const char *all = (const char *)buf_data(&names);
-        buf_printf(
-            out, "gather -m%s | %s SCENE >> ", all, *origin->with ? origin->with : "rtworker");
+        const char *with = *origin->with ? origin->with : "rtworker";
+        bool volume = strncmp(with, "vcworker", strlen("vcworker")) == 0;
+        buf_printf(out, "gather -m%s | %s %s >> ", all, with, volume ? "GRID SPEC" : "SCENE");
         buf_quote(out, last);
         buf_printf(out, "; gather%s%s", options, all);
     }

@@ -56,6 +56,7 @@ void cut_free(struct cut *cut)
 {
     free(cut->ends);
     cut->ends = NULL;
+    cut->n = 0;
 }
 
 struct lattice chunk_at(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, uint32_t id)

@@ -135,6 +135,15 @@ struct volume_options {
 #define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, VOLUME_AUTO}
 /* clang-format on */
 
+/*
+ * "adaptive", "adaptive:E", "doubling", "doubling:E", "trapezoid:N" or "gauss:N": method, tolerance
+ * and n of o; what is not said is as by default. False with what was expected in err. (method.c)
+ */
+bool volume_method_parse(const char *s, struct volume_options *o, char err[VOLUME_ERR]);
+#define VOLUME_METHOD 64 /* bytes of its name */
+/* The same way round; returns whether it is the default one. */
+bool volume_method_print(const struct volume_options *o, char text[VOLUME_METHOD]);
+
 struct volume;
 /* Keeps pointers to g and s, which must outlive it. Never NULL. */
 struct volume *volume_new(

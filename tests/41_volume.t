@@ -1,0 +1,169 @@
+#!/bin/sh
+# Volumes: vcworker alone, by every method, nested and in vectors of every width, the same bytes; several grids and
+# several views in one stream; what is refused; restarts; memory.
+. "$(dirname "$0")/lib.sh"
+
+# grid PHASE: 24x18x7 nodes, uneven, y descending, a missing one
+grid() {
+	awk -v phase="$1" 'BEGIN {
+		print "# vtk DataFile Version 3.0\nwind\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 24 18 7"
+		print "X_COORDINATES 24 float"; for (i = 0; i < 24; i++) print i * (1 + .02 * i)
+		print "Y_COORDINATES 18 float"; for (i = 17; i >= 0; i--) print i * (1 + .02 * i)
+		print "Z_COORDINATES 7 float"; for (i = 0; i < 7; i++) print i * (1 + .1 * i)
+		print "POINT_DATA 3024\nSCALARS wind float 1\nLOOKUP_TABLE default"
+		for (k = 0; k < 7; k++) for (j = 0; j < 18; j++) for (i = 0; i < 24; i++)
+			if (i == 5 && j == 5 && k == 3) print "nan"
+			else print 30 + 20 * sin(i / 3 + k / 2 + phase) * cos(j / 4)
+	}'
+}
+# spec FROM RESOLUTION
+spec() {
+	printf '%s\n' "from $1" 'at 14 10 3' 'up 0 0 1' 'angle 40' "resolution $2" 'light 9 -9 30' \
+		'map 25 .2 .2 1 0' 'map 32 1 .5 0 .3' 'map 32 0 1 0 0' 'map 60 0 1 1 .2' 'iso 45 1 1 1 .5'
+}
+grid 0 >a.vtk
+grid 1 >b.vtk
+spec '12 -30 25' '48 40' >one.spec
+spec '44 -20 9' '48 40' >two.spec
+spec '12 -30 25' '30 20' >small.spec
+size=48x40
+
+# picture OUT GRID SPEC [OPTIONS]: one worker, no balancer
+picture() { out=$1 of="$2 $3"; shift 3; partition $size | vcworker "$@" $of | gather -o "$out"; }
+same() { ok "$1" cmp out.pam "$2"; rm -f out.pam; }
+picture a1.pam a.vtk one.spec
+like "alpha is kept" "$(head -n 7 a1.pam | tr '\n' ' ')" 'DEPTH 4 .*RGB_ALPHA'
+picture a1.png a.vtk one.spec
+is "also in a PNG" "$(dd if=a1.png bs=1 skip=25 count=1 2>/dev/null | od -An -tu1 | tr -d ' ')" 6
+
+# ---- the same bytes ------------------------------------------------------------------------------------------
+for m in interleaved masterslave hybrid gdc gdc-published ss sc ds dc; do
+	balance $m -j 3 -o out.pam a.vtk one.spec
+	same "$m" a1.pam
+done
+printf '%s\n' ': slots=2' 'other via="sh -c %c"' >hosts
+balance ds -S hosts -o out.pam a.vtk one.spec
+same "ds on two hosts" a1.pam
+balance masterslave -j 2 -s 30x20 -o out.pam a.vtk one.spec
+size=30x20 && picture s.pam a.vtk one.spec && size=48x40
+same "of another size" s.pam
+state() { pack grid a.vtk; pack spec one.spec; partition "$@" $size; }
+state -u tile:7x5 | deal fan -j 2 deal fan -j 2 vcworker | gather -o out.pam
+same "deal fan -j 2 deal fan -j 2" a1.pam
+{ pack spec one.spec; partition -u run:97 $size; } | deal -q 2 fan -j 2 vcworker -c -f 17 a.vtk - | gather -o out.pam
+same "the grid a file, the specification a record" a1.pam
+state -n 3 | ringctl fan -j 3 ringctl -n vcworker | gather -o out.pam
+same "a ring" a1.pam
+for isa in sse2 avx2; do
+	if vcworker -x $isa -i a.vtk one.spec >/dev/null 2>&1; then
+		picture out.pam a.vtk one.spec -x $isa
+		same "vectors of $isa" a1.pam
+	else skip "vectors of $isa" "this processor has none"
+	fi
+done
+picture exact.pam a.vtk one.spec -m gauss:9
+balance dc -j 2 -W '-m gauss:9' -o out.pam a.vtk one.spec
+same "another integrator, and the same" exact.pam
+
+# ---- many pictures -------------------------------------------------------------------------------------------
+picture a2.pam a.vtk two.spec
+picture b1.pam b.vtk one.spec
+picture b2.pam b.vtk two.spec
+size=30x20 && picture a3.pam a.vtk small.spec && size=48x40
+# pictures NAME: they are f0.pam and so on
+pictures() {
+	name=$1
+	shift
+	for expected; do ok "$name: $expected" cmp f$((at)).pam "$expected.pam"; at=$((at + 1)); done
+	is "$name: no others" "$(ls f*.pam | wc -l)" $at
+	rm -f f*.pam
+}
+for m in interleaved hybrid gdc gdc-published ss sc ds dc; do
+	balance $m -j 3 -o f%d.pam a.vtk one.spec small.spec two.spec
+	at=0 && pictures "$m, three views" a1 a3 a2
+done
+balance ds -j 2 -o f%d.pam a.vtk b.vtk one.spec
+at=0 && pictures 'two grids' a1 b1
+balance sc -j 2 -o f%d.pam a.vtk b.vtk one.spec two.spec
+at=0 && pictures 'two grids, two views' a1 a2 b1 b2
+balance ds -j 2 -s 30x20 -o f%d.pam a.vtk small.spec one.spec
+at=0 && pictures 'all of one size' a3 s
+balance ds -j 2 -r job.frags -o f%d.pam a.vtk one.spec two.spec
+rm -f f*.pam
+head -c $(($(wc -c <job.frags) * 3 / 5)) job.frags >torn
+balance gdc -j 3 -r torn -o f%d.pam a.vtk one.spec two.spec 2>said
+at=0 && pictures 'gone on with' a1 a2
+balance ds -j 2 -r torn -o f%d.pam a.vtk one.spec two.spec
+at=0 && pictures 'nothing left to do' a1 a2
+run balance ds -j 2 -r torn -o f%d.pam a.vtk two.spec one.spec
+like 'a log of other pictures is refused' "$status $err" '^2 .*other|another'
+
+# ---- what it says of itself ----------------------------------------------------------------------------------
+run vcworker -i a.vtk one.spec small.spec
+is '-i: sizes' "$(printf '%s\n' "$out" | grep frame | tr '\n' ' ')" 'frame 48 40 frame 30 20 '
+job() { vcworker -i "$@" | sed -n 's/^job=//p'; }
+is 'the job is of grid, specification and method' \
+	"$({ job a.vtk one.spec; job b.vtk one.spec; job a.vtk two.spec; job -m gauss:9 a.vtk one.spec
+		job -m adaptive:.1 a.vtk one.spec; } | sort -u | wc -l)" 5
+is 'and of no more' "$(job -m adaptive -x sse2 -f 9 a.vtk one.spec)" "$(job a.vtk one.spec)"
+run vcworker -n a.vtk one.spec
+is '-n: all rays' "$(printf '%s\n' "$out" | awk '$1 == "rays" { print $2 + $3 }')" 1920
+is '-n: its table' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" \
+	'quantity rays min_s max_s median_s mean_s sd_s cells samples most_cells '
+ok '-n: in order' awk '{ v[$1] = $2 } END { exit !(v["min_s"] <= v["median_s"] && v["median_s"] <= v["max_s"]) }' "$tmp/.out"
+
+# ---- bad input -----------------------------------------------------------------------------------------------
+# refused NAME ERE COMMAND ...
+refused() { name=$1 ere=$2; shift 2; run timeout 20 "$@" </dev/null; like "$name" "$status $(printf '%s' "$err" | tr '\n' ' ')" "^2 $ere"; }
+sed 's/^iso/fog/' one.spec >bad.spec
+sed 's/^DIMENSIONS.*/DIMENSIONS 24 18 8/' a.vtk >bad.vtk
+refused 'a bad specification' 'vcworker: bad.spec:11: line: first word is .fog., expected' vcworker a.vtk bad.spec
+refused 'a bad grid' 'vcworker: bad.vtk:[0-9]+: .*, expected' vcworker bad.vtk one.spec
+refused 'no such grid' 'vcworker: none: No such file' vcworker none one.spec
+refused 'one file' 'usage: vcworker' vcworker a.vtk
+refused '-i and -n' 'vcworker: -n: expected one of' vcworker -i -n a.vtk one.spec
+refused '-i of records' 'vcworker: -i: expected GRID.vtk SPEC' vcworker -i
+refused 'an unknown method' 'vcworker: -m simpson: expected adaptive' vcworker -m simpson a.vtk one.spec
+refused 'gauss:0' 'vcworker: -m gauss:0: expected gauss:N, an integer from 1 to 64' vcworker -m gauss:0 a.vtk one.spec
+refused 'balance: a bad specification' 'vcworker: bad.spec:11:' balance ds -o x-%d.png a.vtk one.spec bad.spec
+refused 'balance: a bad grid behind a good one' 'vcworker: bad.vtk:' balance ds -o x-%d.png a.vtk bad.vtk one.spec
+refused 'balance: no specification' 'balance: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
+refused 'balance: no grid' 'vcworker: one.spec:1: no VTK' balance ds -o x.png one.spec two.spec
+refused 'balance: one name for two' 'balance: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
+refused 'balance: the picture over a specification' 'balance: two.spec: is' balance ds -o two.spec a.vtk one.spec two.spec
+refused 'balance -W -n' 'vcworker: -[in]: expected one of' balance ds -W -n -o x.png a.vtk one.spec
+said() { { "$@" | timeout 20 vcworker >/dev/null; } 2>&1; }
+like 'a task before any grid' "$(said partition 2x2)" 'no grid, expected a .grid. record before the first task'
+like 'a task before its specification' "$({ pack grid a.vtk; partition 2x2; } | said cat)" 'no spec, expected'
+like 'a scene' "$(said pack scene one.spec)" 'record .scene., expected .grid. or .spec.'
+like 'a bad record' "$({ pack grid a.vtk; pack spec bad.spec; } | said cat)" 'vcworker: spec:11: line: first word'
+
+# ---- memory: a grid once as float, and 10 % ------------------------------------------------------------------
+perl -e 'binmode STDOUT; my @n = (256, 256, 200);
+	print "# vtk DataFile Version 3.0\nbig\nBINARY\nDATASET RECTILINEAR_GRID\nDIMENSIONS @n\n";
+	for my $a (0 .. 2) { print qw(X Y Z)[$a], "_COORDINATES $n[$a] float\n", pack("f>*", 0 .. $n[$a] - 1), "\n" }
+	print "POINT_DATA 13107200\nSCALARS s float 1\nLOOKUP_TABLE default\n";
+	print pack("f>*", map { 40 + $_ % 7 } 0 .. 65535) for 1 .. 200' >big.vtk
+# peak NAME VCWORKER-OPERANDS: of what comes on descriptor 8
+peak() {
+	name=$1
+	shift
+	rm -f in said && mkfifo in
+	vcworker "$@" <in >said &
+	worker=$!
+	exec 9>in
+	cat <&8 >&9
+	tries=0
+	until grep -aq 'done 0 19 ' said || [ $((tries += 1)) -gt 600 ]; do sleep .1; done
+	kb=$(awk '/^VmHWM/ { print $2 }' /proc/$worker/status)
+	exec 9>&-
+	wait $worker
+	ok "$name: $kb KiB for 51200" [ "$kb" -le 56320 ]
+}
+peak 'a file' big.vtk small.spec 8<<END
+$(partition 30x20)
+END
+mkfifo stream
+{ pack grid big.vtk; pack spec small.spec; partition 30x20; } >stream &
+peak 'a record' - - 8<stream
+finish
