@@ -28,7 +28,8 @@ LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
 PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(wildcard bin/*.c)))
 SCRIPTS  = $(filter-out %.c $(patsubst bin/%.c,bin/%,$(wildcard bin/*.c)),$(wildcard bin/*))
 PAGES    = $(wildcard man/*.[1-9])
-LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%),$(wildcard lib/*/*.c)))
+LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%) \
+           $(if $(findstring grib2vtk,$(LACKING)),lib/grib/%),$(wildcard lib/*/*.c)))
 UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 # Two commands must do: they use all cores without being told.

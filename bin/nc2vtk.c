@@ -3,7 +3,6 @@
 #include "cf/cf.h"
 #include "image/image.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,11 +17,10 @@ struct options {
     const char *file, *what;
 };
 
-/* A variable, or the two of a derived one, and the name that the grid's scalar gets. */
-struct request {
-    char name[VOLUME_NAME];
+/* The variables of a request: one, or the two of a derived one. */
+struct source {
+    struct grid_request request;
     struct cf_field part[2];
-    int n;
 };
 
 static struct options parse(int argc, char **argv)
@@ -50,39 +48,19 @@ static struct options parse(int argc, char **argv)
 
 /* ---- what was asked for ---------------------------------------------------------------------- */
 
-static void find(
-    struct cf_file *c, const char *file, const char *name, size_t n, struct cf_field *f)
+static struct source find(struct cf_file *c, const struct options *o)
 {
     char err[VOLUME_ERR];
-    if (!cf_find(c, name, n, f, err)) die(ST_USAGE, "%s: %.*s: %s", file, (int)n, name, err);
-}
-
-static void set_name(struct request *r, const char *name, size_t n)
-{
-    if (!n) die(ST_USAGE, "%s: expected a name before `='", name);
-    snprintf(r->name, VOLUME_NAME, "%.*s", (int)(n < VOLUME_NAME ? n : VOLUME_NAME - 1), name);
-}
-
-/* "U", or "speed=hypot(U,V)" */
-static struct request request(struct cf_file *c, const struct options *o)
-{
-    static const char call[] = "=hypot(";
-    struct request r = {.n = 1};
-    const char *what = o->what, *end = what + strlen(what);
-    const char *at = strstr(what, call), *comma = at ? strchr(at, ',') : NULL;
-    if (!comma || end[-1] != ')') {
-        find(c, o->file, what, (size_t)(end - what), &r.part[0]);
-        set_name(&r, r.part[0].name, strlen(r.part[0].name));
-        return r;
-    }
-    const char *first = at + sizeof call - 1, *second = comma + 1;
-    set_name(&r, what, (size_t)(at - what));
-    find(c, o->file, first, (size_t)(comma - first), &r.part[0]);
-    find(c, o->file, second, (size_t)(end - 1 - second), &r.part[1]);
-    r.n = 2;
-    if (!cf_same_axes(&r.part[0], &r.part[1]))
-        die(ST_USAGE, "%s: %s: the two have different axes, expected the same", o->file, what);
-    return r;
+    struct source s = {.part[0].n_axes = 0};
+    const struct grid_request *r = &s.request;
+    if (!grid_request_parse(o->what, &s.request))
+        die(ST_USAGE, "%s: expected a name before `='", o->what);
+    for (int i = 0; i < r->n; i++)
+        if (!cf_find(c, r->part[i], (size_t)r->length[i], &s.part[i], err))
+            die(ST_USAGE, "%s: %.*s: %s", o->file, r->length[i], r->part[i], err);
+    if (r->n > 1 && !cf_same_axes(&s.part[0], &s.part[1]))
+        die(ST_USAGE, "%s: %s: the two have different axes, expected the same", o->file, o->what);
+    return s;
 }
 
 /* ---- listing --------------------------------------------------------------------------------- */
@@ -115,10 +93,10 @@ static void list(struct cf_file *c, const struct options *o)
 /* ---- converting ------------------------------------------------------------------------------ */
 
 /* What is along the grid's axes, in which units; stormring-grid(5). */
-static void describe(const struct request *r, size_t time, struct buf *b)
+static void describe(const struct source *s, size_t time, struct buf *b)
 {
-    const struct cf_field *f = &r->part[0];
-    buf_printf(b, "%s [%s]", r->name, f->units);
+    const struct cf_field *f = &s->part[0];
+    buf_printf(b, "%s [%s]", s->request.name, f->units);
     for (int k = CF_X; k <= CF_Z; k++) {
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
@@ -129,33 +107,28 @@ static void describe(const struct request *r, size_t time, struct buf *b)
     buf_append(b, "", 1);
 }
 
-static void save(const char *pattern, size_t time, const struct buf *b)
+static void put(const struct options *o, size_t time, const struct buf *b)
 {
-    struct outfile o;
-    char *path = image_name(pattern, (uint32_t)time);
-    if (outfile_open(&o, path) != 0) die(ST_SYSTEM, "%s:", path);
-    if (fwrite(buf_data(b), 1, buf_size(b), o.f) != buf_size(b)) {
-        int err = errno;
-        outfile_discard(&o);
-        errno = err;
-        die(ST_SYSTEM, "%s:", path);
+    if (!o->out) {
+        put_stdout(buf_data(b), buf_size(b));
+        return;
     }
-    if (outfile_commit(&o) != 0) die(ST_SYSTEM, "%s:", path);
+    char *path = image_name(o->out, (uint32_t)time);
+    if (outfile_put(path, buf_data(b), buf_size(b)) != 0) die(ST_SYSTEM, "%s:", path);
     free(path);
 }
 
-static void convert_time(struct cf_file *c, const struct options *o, const struct request *r,
-    size_t time, struct grid *g)
+static void convert_time(
+    struct cf_file *c, const struct options *o, const struct source *s, size_t time, struct grid *g)
 {
     char err[VOLUME_ERR];
     struct buf title = {0}, b = {0};
-    for (int i = 0; i < r->n; i++)
-        if (!cf_values(c, &r->part[i], time, g, i > 0, err))
-            die(ST_USAGE, "%s: %s: %s", o->file, r->part[i].name, err);
-    describe(r, time, &title);
+    for (int i = 0; i < s->request.n; i++)
+        if (!cf_values(c, &s->part[i], time, g, i > 0, err))
+            die(ST_USAGE, "%s: %s: %s", o->file, s->part[i].name, err);
+    describe(s, time, &title);
     grid_write(g, (const char *)buf_data(&title), &b);
-    if (o->out) save(o->out, time, &b);
-    else put_stdout(buf_data(&b), buf_size(&b));
+    put(o, time, &b);
     buf_free(&title);
     buf_free(&b);
 }
@@ -164,16 +137,16 @@ static void convert(struct cf_file *c, const struct options *o)
 {
     char err[VOLUME_ERR];
     struct grid g;
-    struct request r = request(c, o);
-    const struct cf_axis *t = cf_axis_of(&r.part[0], CF_T);
+    struct source s = find(c, o);
+    const struct cf_axis *t = cf_axis_of(&s.part[0], CF_T);
     size_t times = t ? t->n : 1, end = o->every ? times : o->time + 1;
     if (end > times || !times)
-        die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, r.name, o->time,
-            times);
-    if (!cf_axes(&r.part[0], &g, err)) die(ST_USAGE, "%s: %s: %s", o->file, r.name, err);
-    memcpy(g.name, r.name, sizeof g.name);
-    for (size_t time = o->every ? 0 : o->time; time < end; time++) convert_time(c, o, &r, time, &g);
-    for (int i = 0; i < r.n; i++) cf_field_free(&r.part[i]);
+        die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, s.request.name,
+            o->time, times);
+    if (!cf_axes(&s.part[0], &g, err)) die(ST_USAGE, "%s: %s: %s", o->file, s.request.name, err);
+    memcpy(g.name, s.request.name, sizeof g.name);
+    for (size_t time = o->every ? 0 : o->time; time < end; time++) convert_time(c, o, &s, time, &g);
+    for (int i = 0; i < s.request.n; i++) cf_field_free(&s.part[i]);
     grid_free(&g);
 }
 

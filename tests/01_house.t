@@ -21,6 +21,7 @@ spd scene base
 trace scene image task base
 volume image task base
 cf volume base
+grib volume base
 sched task base
 sim sched stats task base
 proc base

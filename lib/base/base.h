@@ -117,6 +117,8 @@ int outfile_open(struct outfile *o, const char *path);
 /* Flush, close, rename. 0, or -1 with errno, and then nothing is left behind. */
 int outfile_commit(struct outfile *o);
 void outfile_discard(struct outfile *o);
+/* All of n bytes as such a file. 0, or -1 with errno, and then nothing is left behind. */
+int outfile_put(const char *path, const void *p, size_t n);
 /* Could path be written? 0, or -1 with errno. A name with `%` in its directory is taken on
  * trust. */
 int outfile_check(const char *path);

@@ -102,6 +102,17 @@ void outfile_discard(struct outfile *o)
     outfile_end(o, false);
 }
 
+int outfile_put(const char *path, const void *p, size_t n)
+{
+    struct outfile o;
+    if (outfile_open(&o, path) != 0) return -1;
+    if (fwrite(p, 1, n, o.f) == n) return outfile_commit(&o);
+    int err = errno;
+    outfile_discard(&o);
+    errno = err;
+    return -1;
+}
+
 int outfile_check(const char *path)
 {
     char *dir = xstrdup(path), *slash = strrchr(dir, '/');

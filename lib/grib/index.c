@@ -1,0 +1,190 @@
+/* Messages, and what a file holds of which variable. */
+#include "grib/grib_int.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool gb_fail(char err[VOLUME_ERR], const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(err, VOLUME_ERR, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+/* ---- messages ------------------------------------------------------------------------------- */
+
+static void say_nothing(const codes_context *c, int level, const char *text)
+{
+    (void)c, (void)level, (void)text; /* what matters comes back as a status */
+}
+
+bool gb_open(const char *path, struct gb_file *in, char err[VOLUME_ERR])
+{
+    *in = (struct gb_file){.f = fopen(path, "re")};
+    if (!in->f) return gb_fail(err, "%s", strerror(errno));
+    codes_context_set_logging_proc(codes_context_get_default(), say_nothing);
+    codes_grib_multi_support_on(NULL);
+    codes_grib_multi_support_reset_file(NULL, in->f);
+    return true;
+}
+
+bool gb_next(struct gb_file *in, char err[VOLUME_ERR])
+{
+    int status = 0;
+    if (in->h) {
+        codes_handle_delete(in->h);
+        in->number++;
+    }
+    in->h = codes_grib_handle_new_from_file(NULL, in->f, &status);
+    if (!status) return true;
+    if (in->h) codes_handle_delete(in->h);
+    in->h = NULL;
+    return gb_fail(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
+}
+
+void gb_close(struct gb_file *in)
+{
+    if (in->h) codes_handle_delete(in->h);
+    fclose(in->f);
+}
+
+/* "" where there is none */
+static void get_text(const codes_handle *h, const char *key, char out[GB_TEXT])
+{
+    size_t n = GB_TEXT;
+    if (codes_get_string(h, key, out, &n) != CODES_SUCCESS) out[0] = '\0';
+    out[GB_TEXT - 1] = '\0';
+    for (char *c = out; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
+}
+
+long gb_long(const codes_handle *h, const char *key)
+{
+    long v = 0;
+    return codes_get_long(h, key, &v) == CODES_SUCCESS ? v : 0;
+}
+
+double gb_real(const codes_handle *h, const char *key)
+{
+    double v = 0;
+    return codes_get_double(h, key, &v) == CODES_SUCCESS ? v : (double)NAN;
+}
+
+/* ---- the index ------------------------------------------------------------------------------ */
+
+/* Layers are where their middle is. */
+static double level_of(const codes_handle *h, const char *levels)
+{
+    size_t n = strlen(levels);
+    if (n > 5 && strcmp(levels + n - 5, "Layer") == 0)
+        return (gb_real(h, "topLevel") + gb_real(h, "bottomLevel")) / 2;
+    return gb_real(h, "level");
+}
+
+static void read_entry(const struct gb_file *in, struct gb_entry *e)
+{
+    *e = (struct gb_entry){.number = in->number};
+    get_text(in->h, "shortName", e->name);
+    get_text(in->h, "name", e->long_name);
+    get_text(in->h, "units", e->units);
+    get_text(in->h, "typeOfLevel", e->levels);
+    get_text(in->h, "md5GridSection", e->grid);
+    get_text(in->h, "gridType", e->kind);
+    e->level = level_of(in->h, e->levels);
+    e->when = (int64_t)gb_long(in->h, "validityDate") * 10000 + gb_long(in->h, "validityTime");
+    e->nx = gb_long(in->h, "Ni");
+    e->ny = gb_long(in->h, "Nj");
+}
+
+static int in_order(const void *a, const void *b)
+{
+    const struct gb_entry *p = a, *q = b;
+    int d = strcmp(p->name, q->name);
+    if (!d) d = strcmp(p->levels, q->levels);
+    if (!d) d = (p->when > q->when) - (p->when < q->when);
+    if (!d) d = (p->level > q->level) - (p->level < q->level);
+    return d ? d : (p->number > q->number) - (p->number < q->number);
+}
+
+bool gb_index_read(const char *path, struct gb_index *x, char err[VOLUME_ERR])
+{
+    struct gb_file in;
+    size_t room = 0;
+    *x = (struct gb_index){0};
+    if (!gb_open(path, &in, err)) return false;
+    bool good;
+    while ((good = gb_next(&in, err)) && in.h) {
+        if (x->n == room) {
+            room = room ? 2 * room : 256;
+            x->at = xrealloc(x->at, room, sizeof *x->at);
+        }
+        read_entry(&in, &x->at[x->n++]);
+    }
+    gb_close(&in);
+    if (good && !x->n) good = gb_fail(err, "there is no GRIB message in it, expected some");
+    if (good) qsort(x->at, x->n, sizeof *x->at, in_order);
+    else gb_index_free(x);
+    return good;
+}
+
+void gb_index_free(struct gb_index *x)
+{
+    free(x->at);
+    *x = (struct gb_index){0};
+}
+
+/* ---- stacks --------------------------------------------------------------------------------- */
+
+struct gb_stack gb_stack_at(const struct gb_index *x, size_t first)
+{
+    struct gb_stack s = {.at = x->at + first, .n = 1, .n_levels = 1};
+    while (first + s.n < x->n && strcmp(s.at[s.n].name, s.at->name) == 0 &&
+           strcmp(s.at[s.n].levels, s.at->levels) == 0) {
+        if (s.at[s.n].when == s.at->when) s.n_levels++;
+        s.n++;
+    }
+    s.n_times = s.n / s.n_levels;
+    return s;
+}
+
+static bool is_rectilinear(const char *kind)
+{
+    static const char *const kinds[] = {"regular_ll", "rotated_ll", "regular_gg", "lambert",
+        "polar_stereographic", "mercator", "lambert_azimuthal_equal_area", "albers"};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kind, kinds[i]) == 0) return true;
+    return false;
+}
+
+bool gb_stack_check(const struct gb_stack *s, char err[VOLUME_ERR])
+{
+    const struct gb_entry *a = s->at;
+    if (!is_rectilinear(a->kind))
+        return gb_fail(err, "a grid of type '%s', expected a rectilinear one", a->kind);
+    if (a->nx < 2 || a->nx > INT32_MAX || a->ny < 2 || a->ny > INT32_MAX)
+        return gb_fail(err, "%lldx%lld nodes, expected 2 at least on each axis", (long long)a->nx,
+            (long long)a->ny);
+    for (size_t i = 1; i < s->n; i++) {
+        const struct gb_entry *e = &a[i];
+        size_t k = i % s->n_levels;
+        if (strcmp(e->grid, a->grid) != 0 || e->nx != a->nx || e->ny != a->ny)
+            return gb_fail(err, "not the same grid at all levels, expected one");
+        if (e->when == e[-1].when && !(e->level > e[-1].level))
+            return gb_fail(err, "several fields at level %g of one time, expected one", e->level);
+        if (s->n % s->n_levels || e->level != a[k].level || e->when != a[i - k].when)
+            return gb_fail(err, "not the same levels at all times, expected them");
+    }
+    return s->n_levels > 1 || gb_fail(err, "1 level, expected 2 at least");
+}
+
+bool gb_same_axes(const struct gb_stack *a, const struct gb_stack *b)
+{
+    bool same = a->n == b->n && a->n_levels == b->n_levels &&
+                strcmp(a->at->grid, b->at->grid) == 0 && strcmp(a->at->levels, b->at->levels) == 0;
+    for (size_t i = 0; same && i < a->n; i++)
+        same = a->at[i].level == b->at[i].level && a->at[i].when == b->at[i].when;
+    return same;
+}

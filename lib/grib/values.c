@@ -1,0 +1,170 @@
+/* A stack's axes and values as a grid. */
+#include "grib/grib_int.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MISSING 9.9e35 /* what ecCodes is told to put where a bit map says that nothing is */
+
+const struct gb_measure *gb_measure_of(const char *levels)
+{
+    static const struct gb_measure measures[] = {{"isobaricInhPa", "hPa", true},
+        {"isobaricInPa", "Pa", true}, {"isobaricLayer", "hPa", true}, {"heightAbove", "m", false},
+        {"pressureFromGround", "Pa", false}, {"theta", "K", false}, {"depthBelow", "m", true},
+        {"hybrid", "1", true}, {"sigma", "1", true}, {"eta", "1", true},
+        {"generalVertical", "1", true}, {"", "", false}};
+    const struct gb_measure *m = measures;
+    while (strncmp(levels, m->prefix, strlen(m->prefix)) != 0) m++;
+    return m;
+}
+
+bool gb_is_projected(const char *kind)
+{
+    return !strstr(kind, "_ll") && strcmp(kind, "regular_gg") != 0;
+}
+
+/* ---- axes ----------------------------------------------------------------------------------- */
+
+static void spread(double *at, uint32_t n, double first, double last)
+{
+    for (uint32_t i = 0; i < n; i++) at[i] = first + (last - first) * i / (n - 1);
+}
+
+/* The distance of nodes on the plane of projection, by the first key there is. */
+static double distance(const codes_handle *h, const char *const keys[3])
+{
+    double v = (double)NAN;
+    for (int i = 0; i < 3 && !(v > 0); i++) v = gb_real(h, keys[i]);
+    return v;
+}
+
+/* Metres from the corner where both are least. */
+static void plane_axes(const codes_handle *h, struct grid *g)
+{
+    static const char *const dx[] = {"DxInMetres", "DiInMetres", "xDirectionGridLengthInMetres"};
+    static const char *const dy[] = {"DyInMetres", "DjInMetres", "yDirectionGridLengthInMetres"};
+    spread(g->at[0], g->n[0], 0, distance(h, dx) * (g->n[0] - 1));
+    spread(g->at[1], g->n[1], 0, distance(h, dy) * (g->n[1] - 1));
+}
+
+/* Degrees; eastwards from the west, beyond 360 where it has to be. */
+static void sphere_axes(const codes_handle *h, const char *kind, struct grid *g)
+{
+    double first = gb_real(h, "longitudeOfFirstGridPointInDegrees");
+    double last = gb_real(h, "longitudeOfLastGridPointInDegrees");
+    double a = gb_real(h, "latitudeOfFirstGridPointInDegrees");
+    double b = gb_real(h, "latitudeOfLastGridPointInDegrees");
+    bool westwards = gb_long(h, "iScansNegatively");
+    double west = westwards ? last : first, east = westwards ? first : last;
+    spread(g->at[0], g->n[0], west, east < west ? east + 360 : east);
+    spread(g->at[1], g->n[1], fmin(a, b), fmax(a, b));
+    size_t n = 0;
+    if (strcmp(kind, "regular_gg") != 0 ||
+        codes_get_size(h, "distinctLatitudes", &n) != CODES_SUCCESS || n != g->n[1])
+        return;
+    double *gaussian = xmalloc(n, sizeof *gaussian);
+    if (codes_get_double_array(h, "distinctLatitudes", gaussian, &n) == CODES_SUCCESS)
+        for (size_t i = 0; i < n; i++)
+            g->at[1][i] = gaussian[gaussian[0] > gaussian[n - 1] ? n - 1 - i : i];
+    free(gaussian);
+}
+
+static bool check_axes(const struct grid *g, char err[VOLUME_ERR])
+{
+    for (int a = 0; a < 3; a++) {
+        const double *at = g->at[a];
+        uint32_t i = grid_axis_fault(at, g->n[a]), end = g->n[a] - 1;
+        if (i)
+            return gb_fail(
+                err, "%g follows %g along %c, expected all to ascend", at[i], at[i - 1], "xyz"[a]);
+        if (!(fabs(at[0]) <= GRID_MAX && fabs(at[end]) <= GRID_MAX))
+            return gb_fail(err, "%c goes from %g to %g, expected %g at most", "xyz"[a], at[0],
+                at[end], GRID_MAX);
+    }
+    return true;
+}
+
+bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[VOLUME_ERR])
+{
+    const struct gb_entry *e = s->at;
+    const size_t n[] = {(size_t)e->nx, (size_t)e->ny, s->n_levels};
+    const bool down = gb_measure_of(e->levels)->down;
+    struct gb_file in;
+    *g = (struct grid){.value = NULL};
+    if (!gb_open(path, &in, err)) return false;
+    bool good = gb_next(&in, err);
+    while (good && in.h && in.number < e->number) good = gb_next(&in, err);
+    if (good && !in.h) good = gb_fail(err, "it has changed, expected the same messages again");
+    for (int a = 0; a < 3; a++) {
+        g->n[a] = (uint32_t)n[a];
+        g->at[a] = xcalloc(n[a], sizeof *g->at[a]);
+    }
+    for (size_t k = 0; k < n[2]; k++)
+        g->at[2][down ? n[2] - 1 - k : k] = (down ? -e[k].level : e[k].level) + 0.0; /* no -0 */
+    if (good && gb_is_projected(e->kind)) plane_axes(in.h, g);
+    else if (good) sphere_axes(in.h, e->kind, g);
+    gb_close(&in);
+    good = good && check_axes(g, err);
+    size_t nodes;
+    if (good && __builtin_mul_overflow(n[0] * n[1], n[2], &nodes))
+        good = gb_fail(err, "too many nodes, expected as many as fit in memory");
+    if (good) g->value = xcalloc(nodes, sizeof *g->value);
+    else grid_free(g);
+    return good;
+}
+
+/* ---- values --------------------------------------------------------------------------------- */
+
+/* Values stand row by row, or column by column, in one of two directions along each; every other
+ * row may go back. */
+static bool take_values(
+    codes_handle *h, struct grid *g, size_t k, bool combine, double *values, char err[VOLUME_ERR])
+{
+    const size_t nx = g->n[0], ny = g->n[1];
+    const bool columns = gb_long(h, "jPointsAreConsecutive");
+    const bool turns = gb_long(h, "alternativeRowScanning");
+    const bool leftwards = gb_long(h, "iScansNegatively"), up = gb_long(h, "jScansPositively");
+    size_t n = nx * ny, row = columns ? ny : nx, there = 0;
+    codes_set_double(h, "missingValue", MISSING);
+    int status = codes_get_size(h, "values", &there);
+    if (!status && there != n)
+        return gb_fail(err, "a message has %zu values, expected %zu", there, n);
+    if (!status) status = codes_get_double_array(h, "values", values, &n);
+    if (status) return gb_fail(err, "%s", codes_get_error_message(status));
+    for (size_t m = 0; m < n; m++) {
+        size_t along = m % row, across = m / row;
+        if (turns && across % 2) along = row - 1 - along;
+        size_t i = columns ? across : along, j = columns ? along : across;
+        float *to = g->value + (k * ny + (up ? j : ny - 1 - j)) * nx + (leftwards ? nx - 1 - i : i);
+        double v = values[m] == MISSING ? (double)NAN : values[m];
+        if (fabs(v) > GRID_MAX)
+            return gb_fail(err, "a value is %g, expected %g at most", v, GRID_MAX);
+        *to = (float)(combine ? hypot((double)*to, v) : v);
+    }
+    return true;
+}
+
+bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct grid *g,
+    bool combine, char err[VOLUME_ERR])
+{
+    const struct gb_entry *level = s->at + time * s->n_levels;
+    const bool down = gb_measure_of(level->levels)->down;
+    struct gb_file in;
+    size_t taken = 0;
+    if (!gb_open(path, &in, err)) return false;
+    double *values = xmalloc((size_t)g->n[0] * g->n[1], sizeof *values);
+    bool good;
+    while ((good = gb_next(&in, err)) && in.h && taken < s->n_levels)
+        for (size_t k = 0; good && k < s->n_levels; k++) {
+            if (level[k].number != in.number) continue;
+            good = take_values(in.h, g, down ? s->n_levels - 1 - k : k, combine, values, err);
+            if (!good) goto out;
+            taken++;
+        }
+out:
+    free(values);
+    gb_close(&in);
+    if (good && taken < s->n_levels)
+        good = gb_fail(err, "it has changed, expected the same messages again");
+    return good;
+}
