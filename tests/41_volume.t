@@ -1,7 +1,9 @@
 #!/bin/sh
 # Volumes: vcworker alone, by every method, nested and in vectors of every width, the same bytes; several grids and
-# several views in one stream; what is refused; restarts; memory.
+# several views in one stream; StormView's input; what is refused; restarts, kills; memory.
 . "$(dirname "$0")/lib.sh"
+# shellcheck disable=SC2154
+. "$root/tests/marked.sh"
 
 # grid PHASE: 24x18x7 nodes, uneven, y descending, a missing one
 grid() {
@@ -111,6 +113,35 @@ is '-n: all rays' "$(printf '%s\n' "$out" | awk '$1 == "rays" { print $2 + $3 }'
 is '-n: its table' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" \
 	'quantity rays min_s max_s median_s mean_s sd_s cells samples most_cells '
 ok '-n: in order' awk '{ v[$1] = $2 } END { exit !(v["min_s"] <= v["median_s"] && v["median_s"] <= v["max_s"]) }' "$tmp/.out"
+
+# ---- StormView's own input: as its paper says, and as the file does --------------------------------------------
+ok 'the wind of nc4uvt.nc' sh -c 'nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc "speed=hypot(U,V)" >wind.vtk'
+run vcworker -n wind.vtk "$root/scenes/stormview.spec"
+is 'its 54549 rays hit the grid, and none misses' "$(printf '%s\n' "$out" | grep rays)" "rays	54549	0"
+ok 'and none passes more than 18 cells' awk '$1 == "most_cells" { n = $2 } END { exit !(n >= 13 && n <= 18) }' "$tmp/.out"
+ok 'the light is off' grep -qx 'light off' "$root/scenes/stormview.spec"
+like 'the contour is at 40 m/s' "$(grep -c '^map' "$root/scenes/stormview.spec") $(grep '^map 40 ' "$root/scenes/stormview.spec")" '^3 map 40 .* 40$'
+
+# ---- kills -----------------------------------------------------------------------------------------------------
+casting() { [ "$(program vcworker | wc -l)" -ge 3 ]; }
+for stage in gather balance pack partition; do
+	rm -f f*.pam
+	env MARK=$mark balance ds -j 3 -s 400x300 -W '-m trapezoid:200000' -o f%d.pam a.vtk b.vtk one.spec two.spec 2>said &
+	pid=$!
+	await 5 casting
+	victims=$(program $stage)
+	[ $stage != balance ] || victims=$pid
+	if [ -n "$victims" ]; then
+		# shellcheck disable=SC2086
+		kill -9 $victims
+	else
+		pass "$stage was done before it could be killed"
+		kill -9 $pid
+	fi
+	ok "kill -9 of $stage over several pictures: no process after 2 s" await 2 none_alive
+	wait $pid 2>/dev/null
+	is "kill -9 of $stage: no picture" "$(ls f*.pam* 2>/dev/null)" ''
+done
 
 # ---- bad input -----------------------------------------------------------------------------------------------
 # refused NAME ERE COMMAND ...
