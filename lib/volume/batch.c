@@ -18,14 +18,14 @@ static void put(struct batch *b, const struct walk *w, double t0, double t1)
         b->plane[a][j] = v->plane[a][i[a]];
         b->inv[a][j] = v->inv_edge[a][i[a]];
     }
-    b->corner[0][j] = (double)s[0];
-    b->corner[1][j] = (double)s[x];
-    b->corner[2][j] = (double)s[y];
-    b->corner[3][j] = (double)s[x + y];
-    b->corner[4][j] = (double)s[z];
-    b->corner[5][j] = (double)s[x + z];
-    b->corner[6][j] = (double)s[y + z];
-    b->corner[7][j] = (double)s[x + y + z];
+    b->corner[0][j] = s[0];
+    b->corner[1][j] = s[x];
+    b->corner[2][j] = s[y];
+    b->corner[3][j] = s[x + y];
+    b->corner[4][j] = s[z];
+    b->corner[5][j] = s[x + z];
+    b->corner[6][j] = s[y + z];
+    b->corner[7][j] = s[x + y + z];
 }
 
 enum kind { CELL_CLEAR, CELL_SIMPLE, CELL_CUT };
@@ -82,7 +82,7 @@ static void gather(struct path *p, struct batch *b, const struct walk *w, int *h
             p->clear *= b->through[j];
         } else if (kind[j] != CELL_CLEAR) {
             struct cell *c = p->cell; /* of which no more is wanted without light */
-            c->base = b->corner[0][j];
+            c->base = (double)b->corner[0][j];
             c->t = w->before + b->t0[j];
             c->len = b->t1[j] - b->t0[j];
             for (int k = 0; k < 4; k++) c->p[k] = b->p[k][j];

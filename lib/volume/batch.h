@@ -16,7 +16,8 @@ struct batch {
     uint32_t n;
     /* Given: where the ray is in them; the lower planes, 1 / edges; values at the corners, x
      * fastest. */
-    double t0[BATCH], t1[BATCH], plane[3][BATCH], inv[3][BATCH], corner[8][BATCH];
+    double t0[BATCH], t1[BATCH], plane[3][BATCH], inv[3][BATCH];
+    float corner[8][BATCH];
     /* By kernel->cubics: the field less `corner[0]` along the ray, and its bounds with it. */
     double p[4][BATCH], lo[BATCH], hi[BATCH];
     /* Given: the span; extinction and colours at its lower end, and by unit of s. */

@@ -5,6 +5,8 @@
  */
 #include "volume/volume_int.h"
 
+/* After a step of this what is left is its square: of p, nothing. */
+#define SQUARED 0x1p-27
 #define STEPS_MAX 200 /* bisection alone ends in 60 */
 
 void cubic_part(const double p[4], double a, double b, double q[4])
@@ -58,9 +60,10 @@ double cubic_root(const double p[4], double a, double b, double y)
         if ((f < 0) == (fa < 0)) a = w;
         else b = w;
         double next = w - f / d, step = fabs(next - w);
-        if (!(next > a && next < b) || step > 0.5 * last) next = a + (b - a) / 2;
+        bool newton = next > a && next < b && step <= 0.5 * last;
+        if (newton && step <= SQUARED) return next;
+        if (!newton) next = a + (b - a) / 2;
         last = fabs(next - w);
-        if (last <= 0x1p-52) return next;
         w = next;
     }
     return w;

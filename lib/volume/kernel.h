@@ -18,10 +18,10 @@ static void cubics(struct batch *b)
         vd t0 = vd_load(b->t0 + j), t1 = vd_load(b->t1 + j);
         vd x = local(b, 0, j, t0), y = local(b, 1, j, t0), z = local(b, 2, j, t0);
         vd dx = local(b, 0, j, t1) - x, dy = local(b, 1, j, t1) - y, dz = local(b, 2, j, t1) - z;
-        vd o = vd_load(b->corner[0] + j), fx = vd_load(b->corner[1] + j) - o;
-        vd fy = vd_load(b->corner[2] + j) - o, sxy = vd_load(b->corner[3] + j) - o;
-        vd fz = vd_load(b->corner[4] + j) - o, sxz = vd_load(b->corner[5] + j) - o;
-        vd syz = vd_load(b->corner[6] + j) - o, sxyz = vd_load(b->corner[7] + j) - o;
+        vd o = vd_widen(b->corner[0] + j), fx = vd_widen(b->corner[1] + j) - o;
+        vd fy = vd_widen(b->corner[2] + j) - o, sxy = vd_widen(b->corner[3] + j) - o;
+        vd fz = vd_widen(b->corner[4] + j) - o, sxz = vd_widen(b->corner[5] + j) - o;
+        vd syz = vd_widen(b->corner[6] + j) - o, sxyz = vd_widen(b->corner[7] + j) - o;
         vd fxy = sxy - fx - fy, fxz = sxz - fx - fz, fyz = syz - fy - fz;
         vd fxyz = sxyz - sxy - syz - fxz + fy;
         vd xy = fxy + fxyz * z, xz = fxz + fxyz * y, yz = fyz + fxyz * x;
@@ -43,7 +43,7 @@ static void cubics(struct batch *b)
 static void moments(struct batch *b)
 {
     for (uint32_t j = 0; j < b->n; j += VD) {
-        vd q0 = vd_load(b->p[0] + j) - (vd_load(b->from + j) - vd_load(b->corner[0] + j));
+        vd q0 = vd_load(b->p[0] + j) - (vd_load(b->from + j) - vd_widen(b->corner[0] + j));
         vd q1 = vd_load(b->p[1] + j), q2 = vd_load(b->p[2] + j), q3 = vd_load(b->p[3] + j);
         vd k0 = vd_load(b->k0 + j), k1 = vd_load(b->k1 + j);
         vd one = q0 + q1 * (1.0 / 2) + q2 * (1.0 / 3) + q3 * (1.0 / 4);

@@ -16,6 +16,7 @@
 #define VD 2
 #endif
 typedef double vd __attribute__((vector_size(8 * VD)));
+typedef float vf __attribute__((vector_size(4 * VD)));
 typedef int64_t vl __attribute__((vector_size(8 * VD)));
 
 #define SIMD_INLINE static inline __attribute__((always_inline))
@@ -25,6 +26,12 @@ SIMD_INLINE vd vd_load(const double *p)
     vd a;
     memcpy(&a, p, sizeof a);
     return a;
+}
+SIMD_INLINE vd vd_widen(const float *p)
+{
+    vf a;
+    memcpy(&a, p, sizeof a);
+    return __builtin_convertvector(a, vd);
 }
 SIMD_INLINE void vd_store(double *p, vd a) { memcpy(p, &a, sizeof a); }
 SIMD_INLINE vd vd_set(double a) { return a - (vd){0}; }
