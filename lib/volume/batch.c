@@ -4,16 +4,13 @@
  */
 #include "volume/volume_int.h"
 
-static void put(struct batch *b, const struct walk *w, double t0, double t1)
+static void put(struct batch *b, uint32_t j, const struct volume *v, const struct stretch *c)
 {
-    const struct volume *v = w->v;
-    const uint32_t j = b->n++;
     const ptrdiff_t x = v->stride[0], y = v->stride[1], z = v->stride[2];
-    int32_t i[3];
-    walk_cell(w, i);
+    const int32_t *i = c->i;
     const float *s = v->first + i[0] * x + i[1] * y + i[2] * z;
-    b->t0[j] = t0;
-    b->t1[j] = t1;
+    b->t0[j] = c->t0;
+    b->t1[j] = c->t1;
     for (int a = 0; a < 3; a++) {
         b->plane[a][j] = v->plane[a][i[a]];
         b->inv[a][j] = v->inv_edge[a][i[a]];
@@ -60,7 +57,7 @@ static enum kind classify(struct batch *b, uint32_t j, const struct map *m, int 
     return CELL_SIMPLE;
 }
 
-/* What the batch adds to the ray, front to back; empties it. */
+/* What the batch adds to the ray, front to back. */
 static void gather(struct path *p, struct batch *b, const struct walk *w, int *hint)
 {
     struct volume *v = p->v;
@@ -89,19 +86,16 @@ static void gather(struct path *p, struct batch *b, const struct walk *w, int *h
             integrate_cut(p, kind[j] == CELL_CUT ? NULL : b->span[j]);
         }
     }
-    b->n = 0;
 }
 
 void batch_ray(struct path *p, struct walk *w)
 {
     struct batch *b = &p->v->batch;
-    double t0, t1;
+    struct stretch cell[BATCH];
     int hint = 0;
-    b->n = 0;
     for (int a = 0; a < 3; a++) b->o[a] = w->o[a], b->d[a] = w->d[a];
-    while (!path_done(p) && walk_next(w, &t0, &t1)) {
-        put(b, w, t0, t1);
-        if (b->n == BATCH) gather(p, b, w, &hint);
+    while (!path_done(p) && (b->n = walk_cells(w, cell, BATCH)) > 0) {
+        for (uint32_t j = 0; j < b->n; j++) put(b, j, w->v, &cell[j]);
+        gather(p, b, w, &hint);
     }
-    if (b->n > 0) gather(p, b, w, &hint);
 }

@@ -21,12 +21,13 @@ static void corners(struct cell *c, const struct volume *v, const int32_t i[3])
     c->f[6] = xyz - xy - xz - yz + fx + fy + fz;
 }
 
-void cell_init(struct cell *c, const struct walk *w, const int32_t i[3], double t0, double t1)
+void cell_init(struct cell *c, const struct walk *w, const struct stretch *s)
 {
+    const double t0 = s->t0, t1 = s->t1;
     const struct volume *v = w->v;
-    corners(c, v, i);
+    corners(c, v, s->i);
     for (int a = 0; a < 3; a++) {
-        const double *plane = v->plane[a] + i[a];
+        const double *plane = v->plane[a] + s->i[a];
         double h = c->edge[a] = plane[1] - plane[0];
         double u0 = (w->o[a] + t0 * w->d[a] - plane[0]) / h;
         double u1 = (w->o[a] + t1 * w->d[a] - plane[0]) / h;

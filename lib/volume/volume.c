@@ -72,13 +72,12 @@ void volume_frame(struct volume *v, uint32_t w, uint32_t h)
 
 static void ray(struct path *p, struct walk *w)
 {
-    double t0, t1, last = -1;
-    while (!path_done(p) && walk_next(w, &t0, &t1)) {
-        int32_t i[3];
-        walk_cell(w, i);
-        cell_init(p->cell, w, i, t0, t1);
-        surfaces(p, t0 != last);
-        last = t1;
+    struct stretch s[1];
+    double last = -1;
+    while (!path_done(p) && walk_cells(w, s, 1)) {
+        cell_init(p->cell, w, s);
+        surfaces(p, s->t0 != last);
+        last = s->t1;
         p->v->counts.cells++;
     }
 }
@@ -93,7 +92,7 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
         v->counts.hits++;
         if (v->batched) batch_ray(&p, &w);
         else ray(&p, &w);
-        if (w.passed > v->counts.most_cells) v->counts.most_cells = w.passed;
+        if (w.front.passed > v->counts.most_cells) v->counts.most_cells = w.front.passed;
     }
     bool backed = v->spec->backed;
     for (int c = 0; c < 3; c++)

@@ -135,29 +135,33 @@ struct vec3 view_direction(const struct view *c, uint64_t p);
 
 /* ---- the walk (walk.c) ---------------------------------------------------------------------- */
 
+/* How far a ray has come. */
+struct front {
+    double t;               /* from o */
+    double next[3];         /* where the cell ends along each axis, */
+    const double *plane[3]; /* by the planes there */
+    size_t cell;
+    uint32_t passed; /* cells */
+};
 struct walk {
     const struct volume *v;
+    struct front front;
     double o[3], d[3], inv[3]; /* from where the ray enters the grid, or the eye inside it */
-    double next[3];            /* where the cell ends along each axis */
-    const double *plane[3];    /* the planes there */
-    double t, before, end;     /* so far, from o; from the eye to o; of the cell handed out */
-    double exit;               /* where the ray leaves the grid */
+    double before, exit;       /* from the eye to o; where the ray leaves the grid */
     ptrdiff_t step[3];         /* -1, 0 or 1 */
-    size_t cell;               /* its index, and what a step adds to that */
-    ptrdiff_t to_cell[3];
-    double start[3];       /* o; -infinity along an axis whose step is 0 */
-    const double *zero[3]; /* plane of cell 0 */
-    uint32_t passed;       /* cells */
+    ptrdiff_t to_cell[3];      /* what a step adds to a cell's index */
+    double start[3];           /* o; -infinity along an axis whose step is 0 */
+    const double *zero[3];     /* the plane of cell 0 */
 };
 /* False when the ray misses the grid. */
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir);
-/* The next live cell and where the ray is in it; false when there is none. */
-bool walk_next(struct walk *w, double *t0, double *t1);
-/* Which one that was. */
-static inline void walk_cell(const struct walk *w, int32_t i[3])
-{
-    for (int a = 0; a < 3; a++) i[a] = (int32_t)(w->plane[a] - w->zero[a]);
-}
+/* A cell, and where the ray is in it. */
+struct stretch {
+    double t0, t1;
+    int32_t i[3];
+};
+/* The next live cells, at most so many; 0 when there is none left. */
+uint32_t walk_cells(struct walk *w, struct stretch *out, uint32_t most);
 
 /* ---- one cell (cell.c) ---------------------------------------------------------------------- */
 
@@ -169,7 +173,7 @@ struct cell {
     double from[3], way[3]; /* local coordinates at entry; how they change until exit */
     double t, len;          /* entry, from the eye; length */
 };
-void cell_init(struct cell *c, const struct walk *w, const int32_t i[3], double t0, double t1);
+void cell_init(struct cell *c, const struct walk *w, const struct stretch *s);
 /* The gradient, in scaled space, at w. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 

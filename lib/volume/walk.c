@@ -16,10 +16,12 @@ static double met(const struct walk *w, int a, int32_t i)
     return (w->v->plane[a][i] - w->o[a]) * w->inv[a];
 }
 
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
 /* Where the plane n beyond the next one is met. */
-static inline double ahead(const struct walk *w, int a, ptrdiff_t n)
+ALWAYS_INLINE double ahead(const struct walk *w, const struct front *f, int a, ptrdiff_t n)
 {
-    return (w->plane[a][n * w->step[a]] - w->start[a]) * w->inv[a];
+    return (f->plane[a][n * w->step[a]] - w->start[a]) * w->inv[a];
 }
 
 /* The first cell along an axis that is not left at 0 yet; in cells of the upper side where the ray
@@ -61,35 +63,34 @@ static void begin_axis(struct walk *w, int a)
     const struct volume *v = w->v;
     const size_t stride[3] = {1, v->cells[0], (size_t)v->cells[0] * v->cells[1]};
     size_t i = (size_t)first_cell(w, a), exit = w->step[a] > 0 ? v->cells[a] : 0;
-    w->cell += i * stride[a];
+    w->front.cell += i * stride[a];
     w->to_cell[a] = w->step[a] * (ptrdiff_t)stride[a];
     w->zero[a] = v->plane[a] + (w->step[a] > 0);
-    w->plane[a] = w->zero[a] + i;
+    w->front.plane[a] = w->zero[a] + i;
     w->start[a] = w->o[a];
     if (w->step[a] == 0) w->inv[a] = 1, w->start[a] = -HUGE_VAL; /* no plane is ever met */
     else w->exit = fmin(w->exit, (v->plane[a][exit] - w->o[a]) * w->inv[a]);
-    w->next[a] = ahead(w, a, 0);
+    w->front.next[a] = ahead(w, &w->front, a, 0);
 }
 
-/* No branch on which plane is met at t: that is chance to a processor. */
-static inline void pass_axis(struct walk *w, int a, double t)
+/* Through n planes. */
+ALWAYS_INLINE void pass_axis(const struct walk *w, struct front *f, int a, ptrdiff_t n)
 {
-    ptrdiff_t meets = -(ptrdiff_t)(w->next[a] <= t);
-    w->cell += (size_t)(meets & w->to_cell[a]);
-    w->plane[a] += meets & w->step[a];
-    w->next[a] = ahead(w, a, 0);
+    f->cell += (size_t)(n * w->to_cell[a]);
+    f->plane[a] += n * w->step[a];
+    f->next[a] = ahead(w, f, a, 0);
 }
 
-/* Through the planes that are met at t. */
-static inline void pass(struct walk *w, double t)
+/* Through the planes that are met at t, and no branch on which: that is chance to a processor. */
+ALWAYS_INLINE void pass(const struct walk *w, struct front *f, double t)
 {
-    w->t = t;
-    pass_axis(w, 0, t);
-    pass_axis(w, 1, t);
-    pass_axis(w, 2, t);
+    f->t = t;
+    pass_axis(w, f, 0, f->next[0] <= t);
+    pass_axis(w, f, 1, f->next[1] <= t);
+    pass_axis(w, f, 2, f->next[2] <= t);
 }
 
-static inline double least(double a, double b) { return a < b ? a : b; }
+ALWAYS_INLINE double least(double a, double b) { return a < b ? a : b; }
 
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir)
 {
@@ -118,47 +119,57 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     return true;
 }
 
-/* Past a block that shows nothing. Of the planes ahead, as many are passed as are met until it
- * ends: counted, as branches would be chance here too. */
-static void leap(struct walk *w, const int32_t i[3])
+/* Where the block is left along an axis. */
+ALWAYS_INLINE double block_end(const struct walk *w, const struct front *f, int a, int32_t i)
 {
-    double end = w->exit;
-    for (int a = 0; a < 3; a++) {
-        int32_t in = i[a] & (BLOCK - 1);
-        end = least(end, ahead(w, a, w->step[a] > 0 ? BLOCK - 1 - in : in));
-    }
-    for (int a = 0; a < 3; a++) {
-        ptrdiff_t n = 0;
-        for (int k = 0; k < BLOCK; k++) n += ahead(w, a, k) <= end;
-        w->cell += (size_t)(n * w->to_cell[a]);
-        w->plane[a] += n * w->step[a];
-        w->passed += (uint32_t)n;
-        w->next[a] = ahead(w, a, 0);
-    }
-    w->t = end;
+    int32_t in = i & (BLOCK - 1);
+    return ahead(w, f, a, w->step[a] > 0 ? BLOCK - 1 - in : in);
 }
 
-bool walk_next(struct walk *w, double *t0, double *t1)
+/* Of the planes ahead, as many are passed as are met until the block ends: counted, without a
+ * branch here too. */
+ALWAYS_INLINE void leap_axis(const struct walk *w, struct front *f, int a, double end)
+{
+    ptrdiff_t n = 0;
+    for (int k = 0; k < BLOCK; k++) n += ahead(w, f, a, k) <= end;
+    f->passed += (uint32_t)n;
+    pass_axis(w, f, a, n);
+}
+
+/* Past a block that shows nothing. */
+ALWAYS_INLINE void leap(const struct walk *w, struct front *f, const int32_t i[3])
+{
+    double x = block_end(w, f, 0, i[0]), y = block_end(w, f, 1, i[1]);
+    double end = least(least(x, y), least(block_end(w, f, 2, i[2]), w->exit));
+    leap_axis(w, f, 0, end);
+    leap_axis(w, f, 1, end);
+    leap_axis(w, f, 2, end);
+    f->t = end;
+}
+
+uint32_t walk_cells(struct walk *w, struct stretch *out, uint32_t most)
 {
     const struct volume *v = w->v;
-    if (w->end > w->t) pass(w, w->end);
-    while (w->t < w->exit) {
-        double end = least(least(w->next[0], w->next[1]), w->next[2]);
-        bool real = end > w->t; /* else it only touches the cell */
-        if (real && v->live[w->cell >> 3] >> (w->cell & 7) & 1) {
-            w->passed++;
-            *t0 = w->t;
-            *t1 = w->end = end;
-            return true;
-        }
-        int32_t i[3];
-        walk_cell(w, i);
-        if (real && !v->block[block_index(v, i)]) {
-            leap(w, i);
+    struct front f = w->front; /* in registers, as far as they go */
+    uint32_t n = 0;
+    while (n < most && f.t < w->exit) {
+        double end = least(least(f.next[0], f.next[1]), f.next[2]);
+        bool real = end > f.t; /* else it only touches the cell */
+        bool live = v->live[f.cell >> 3] >> (f.cell & 7) & 1;
+        struct stretch *s = &out[n];
+        s->t0 = f.t;
+        s->t1 = end;
+        s->i[0] = (int32_t)(f.plane[0] - w->zero[0]);
+        s->i[1] = (int32_t)(f.plane[1] - w->zero[1]);
+        s->i[2] = (int32_t)(f.plane[2] - w->zero[2]);
+        if (real && !live && !v->block[block_index(v, s->i)]) {
+            leap(w, &f, s->i);
             continue;
         }
-        w->passed += real;
-        pass(w, end);
+        n += real && live;
+        f.passed += real;
+        pass(w, &f, end);
     }
-    return false;
+    w->front = f;
+    return n;
 }

@@ -188,14 +188,15 @@ static uint32_t walked(
     const struct volume *v, struct vec3 o, struct vec3 d, double *length, double *gap)
 {
     struct walk w;
-    double t0, t1, last = 0;
+    struct stretch s[1];
+    double last = 0;
     uint32_t n = 0;
     *length = *gap = 0;
     if (!walk_begin(&w, v, o, d)) return 0;
-    for (; walk_next(&w, &t0, &t1); n++) {
-        *gap += fabs(t0 - last);
-        last = t1;
-        *length += t1 - t0;
+    for (; walk_cells(&w, s, 1); n++) {
+        *gap += fabs(s->t0 - last);
+        last = s->t1;
+        *length += s->t1 - s->t0;
     }
     return n;
 }
