@@ -152,15 +152,15 @@ static void moments(struct path *p, const struct piece *s, double depth)
 }
 
 /*
- * What the mean colour is wrong by, at most: colour and exp(-tau) have a covariance of at most a
- * quarter of the product of their ranges (A. Grüss, Math. Zeitschrift 39, 1935). It counts per
- * alpha that the piece adds, so that a ray's error is no more than the worst piece's.
+ * What the mean colour is wrong by: the covariance of colour and exp(-tau), which COVARIANCE bounds
+ * by their ranges. It counts per alpha that the piece adds, so that a ray's error is no more than
+ * the worst piece's.
  */
 static double moments_error(const struct piece *s, double depth)
 {
     double lo, hi;
     cubic_bounds(s->q, &lo, &hi);
-    return s->span->slope * (hi - lo) * depth / 4;
+    return s->span->slope * (hi - lo) * depth * COVARIANCE;
 }
 
 /* Halved until it changes less than the tolerance: light on a curved field has no better bound. */

@@ -55,7 +55,7 @@ static void moments(struct batch *b)
         vd range = vd_load(b->hi + j) - vd_load(b->lo + j);
         vd_store(b->depth + j, depth);
         vd_store(b->through + j, vd_exp(-depth));
-        vd_store(b->error + j, vd_load(b->slope + j) * range * depth * 0.25);
+        vd_store(b->error + j, vd_load(b->slope + j) * range * depth * COVARIANCE);
         for (int c = 0; c < 3; c++)
             vd_store(b->rgb[c] + j, vd_load(b->rgb0[c] + j) + vd_load(b->rgb1[c] + j) * mean);
     }
