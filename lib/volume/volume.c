@@ -29,7 +29,6 @@ struct volume *volume_new(
     const struct grid *g, const struct spec *s, const struct volume_options *o)
 {
     struct volume *v = xcalloc(1, sizeof *v);
-    v->grid = g;
     v->spec = s;
     v->o = *o;
     set_planes(v, g, s->scale);

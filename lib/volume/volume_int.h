@@ -1,7 +1,8 @@
 /*
  * volume_int: what the renderer's files share. A ray walks the grid (walk.c); the field along it in
  * one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c); it is cut where it meets a
- * sheet or a knot of the map (piece.c), and integrated (integrate.c, lit.c).
+ * sheet or a knot of the map (piece.c), and integrated (integrate.c). Where there are neither sheets nor light, the default method
+ * takes cells several at a time (batch.h, kernel.h).
  */
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
@@ -92,7 +93,6 @@ struct crossing {
 };
 
 struct volume {
-    const struct grid *grid;
     const struct spec *spec;
     struct volume_options o;
     double *plane[3];    /* scaled coordinates, ascending; BLOCK at infinity to either side */
@@ -177,7 +177,7 @@ void cell_init(struct cell *c, const struct walk *w, const struct stretch *s);
 /* The gradient, in scaled space, at w. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
-/* ---- integration (integrate.c, surface.c) -------------------------------------------- */
+/* ---- integration (integrate.c, surface.c, batch.c) ------------------------------------------ */
 
 /* What a ray has gathered. */
 struct path {
@@ -205,7 +205,7 @@ static inline bool path_done(const struct path *p)
 void path_add(struct path *p, double dtau, const double rgb[3]);
 /* exp(-a t) and, when lit, the light at w of the cell: what a colour there is multiplied by. */
 double path_light(const struct path *p, double w);
-/* The whole cell by the adaptive method: cut where the map has knots, or known to be in one span. */
+/* The whole cell by the adaptive method: in one span, or, s NULL, cut where the map has knots. */
 void integrate_cut(struct path *p, const struct span *s);
 /* The pieces between a and b, each to `each`, front to back. */
 void pieces(struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
