@@ -304,6 +304,55 @@ static void test_values(void **state)
     grid_free(&g);
 }
 
+/* Bytes that are given back while they are read make the same grid, and the same message. */
+static void test_consume(void **state)
+{
+    (void)state;
+    enum { N = 300 };
+    struct buf b = {0};
+    buf_printf(&b,
+        "# vtk DataFile Version 3.0\n\nBINARY\nDATASET RECTILINEAR_GRID\n"
+        "DIMENSIONS %d %d 2\n",
+        N, N);
+    for (int a = 0; a < 3; a++) {
+        int n = a == 2 ? 2 : N;
+        buf_printf(&b, "%c_COORDINATES %d short\n", "XYZ"[a], n);
+        for (int i = 0; i < n; i++) put(&b, (uint64_t)i, 2);
+        buf_printf(&b, "\n");
+    }
+    buf_printf(&b, "POINT_DATA %d\nSCALARS s float\nLOOKUP_TABLE default\n", 2 * N * N);
+    for (int i = 0; i < 2 * N * N; i++) put_real(&b, i, 4);
+    struct grid g = parse_n(buf_data(&b), buf_size(&b)), other;
+    char err[VOLUME_ERR], again[VOLUME_ERR];
+    buf_printf(&b, "\nx");
+    assert_int_equal(read_bytes(buf_data(&b), buf_size(&b), &other, err), -1);
+    struct buf copy = {0};
+    buf_append(&copy, buf_data(&b), buf_size(&b));
+    assert_int_equal(grid_consume("t", copy.data, copy.len, &other, again), -1);
+    assert_string_equal(err, again);
+    assert_int_equal(grid_consume("t", b.data, b.len - 2, &other, err), 0);
+    assert_memory_equal(g.value, other.value, 2 * N * N * sizeof *g.value);
+    grid_free(&g);
+    grid_free(&other);
+    buf_free(&b);
+    buf_free(&copy);
+}
+
+static void test_request(void **state)
+{
+    (void)state;
+    struct grid_request r;
+    assert_true(grid_request_parse("a/b/U", &r) && r.n == 1 && r.length[0] == 5);
+    assert_string_equal(r.name, "U");
+    assert_true(grid_request_parse("speed=hypot(a/U,V)", &r) && r.n == 2);
+    assert_string_equal(r.name, "speed");
+    assert_true(r.length[0] == 3 && memcmp(r.part[0], "a/U", 3) == 0);
+    assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
+    assert_false(grid_request_parse("=hypot(U,V)", &r));
+    assert_true(grid_request_parse("s=hypot(U)", &r) && r.n == 1);
+    assert_true(grid_request_parse("", &r) && r.n == 1 && r.length[0] == 0);
+}
+
 static void test_axis(void **state)
 {
     (void)state;
@@ -326,6 +375,8 @@ int main(void)
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_values),
         cmocka_unit_test(test_axis),
+        cmocka_unit_test(test_consume),
+        cmocka_unit_test(test_request),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,180 @@
+/* Words and numbers of VTK legacy files, of which neither need be right. */
+#include "volume/vtk_text.h"
+
+#include <float.h>
+#include <string.h>
+#include <strings.h>
+
+#define NUMBER_LEN_MAX 63 /* characters */
+
+/* ---- messages ------------------------------------------------------------------------------ */
+
+size_t vtk_lines(const unsigned char *p, const unsigned char *end)
+{
+    size_t n = 0;
+    for (; p < end; p++) n += *p == '\n';
+    return n;
+}
+
+bool vtk_fail(struct vtk_reader *r, const char *fmt, ...)
+{
+    size_t line = r->line + vtk_lines(r->kept ? r->kept : r->bytes, r->at);
+    int n = snprintf(r->err, VOLUME_ERR, "%.100s:%zu: ", r->name, line + 1);
+    if (n < 0 || n >= VOLUME_ERR) n = 0;
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(r->err + n, VOLUME_ERR - (size_t)n, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+/* ---- words --------------------------------------------------------------------------------- */
+
+static inline bool is_blank(unsigned char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+size_t vtk_peek(struct vtk_reader *r)
+{
+    while (r->at < r->end && is_blank(*r->at)) r->at++;
+    const unsigned char *p = r->at;
+    while (p < r->end && !is_blank(*p)) p++;
+    return (size_t)(p - r->at);
+}
+
+bool vtk_fail_word(struct vtk_reader *r, const char *what, const char *expected)
+{
+    char shown[32];
+    size_t n = vtk_peek(r), k = 0;
+    if (!n) return vtk_fail(r, "the file ends where %s is due, expected %s", what, expected);
+    for (; k < n && k + 1 < sizeof shown; k++)
+        shown[k] = r->at[k] > ' ' && r->at[k] < 0x7f ? (char)r->at[k] : '?';
+    shown[k] = '\0';
+    return vtk_fail(r, "%s is '%s%s', expected %s", what, shown, k < n ? "..." : "", expected);
+}
+
+bool vtk_next_is(struct vtk_reader *r, const char *word)
+{
+    size_t n = vtk_peek(r);
+    return n == strlen(word) && strncasecmp((const char *)r->at, word, n) == 0;
+}
+
+bool vtk_take(struct vtk_reader *r, const char *word)
+{
+    if (!vtk_next_is(r, word)) return false;
+    r->at += strlen(word);
+    return true;
+}
+
+bool vtk_expect(struct vtk_reader *r, const char *what, const char *word)
+{
+    return vtk_take(r, word) || vtk_fail_word(r, what, word);
+}
+
+bool vtk_count(struct vtk_reader *r, const char *what, uint64_t min, uint64_t max, uint64_t *v)
+{
+    char text[NUMBER_LEN_MAX + 1], range[80];
+    int64_t value;
+    size_t n = vtk_peek(r);
+    if (min == max) snprintf(range, sizeof range, "%llu", (unsigned long long)min);
+    else
+        snprintf(range, sizeof range, "an integer from %llu to %llu", (unsigned long long)min,
+            (unsigned long long)max);
+    if (!n || n > NUMBER_LEN_MAX) return vtk_fail_word(r, what, range);
+    memcpy(text, r->at, n);
+    text[n] = '\0';
+    if (strlen(text) != n || !parse_int(text, (int64_t)min, (int64_t)max, &value))
+        return vtk_fail_word(r, what, range);
+    r->at += n;
+    *v = (uint64_t)value;
+    return true;
+}
+
+bool vtk_type(struct vtk_reader *r, struct vtk_type *t)
+{
+    for (size_t i = 0; i < VTK_TYPES; i++)
+        if (vtk_take(r, vtk_types[i].name)) {
+            *t = vtk_types[i];
+            return true;
+        }
+    return vtk_fail_word(r, "type of numbers", "float, double or an integer type of VTK");
+}
+
+static int hex(unsigned char c)
+{
+    static const char digits[] = "0123456789abcdef";
+    const char *at = c ? strchr(digits, c | 0x20) : NULL;
+    return at && !(c < '0') ? (int)(at - digits) : -1;
+}
+
+bool vtk_name(struct vtk_reader *r, char name[VOLUME_NAME])
+{
+    size_t n = vtk_peek(r), k = 0;
+    if (!n) return vtk_fail_word(r, "name of an array", "a word");
+    for (size_t i = 0; i < n && k + 1 < VOLUME_NAME; i++) {
+        unsigned char c = r->at[i];
+        if (c == '%' && n - i > 2 && hex(r->at[i + 1]) >= 0 && hex(r->at[i + 2]) >= 0) {
+            c = (unsigned char)(hex(r->at[i + 1]) * 16 + hex(r->at[i + 2]));
+            i += 2;
+        }
+        name[k++] = c < ' ' || c == 0x7f ? '?' : (char)c;
+    }
+    name[k] = '\0';
+    r->at += n;
+    return true;
+}
+
+/* ---- numbers ------------------------------------------------------------------------------- */
+
+bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t, uint64_t count)
+{
+    uint64_t room;
+    if (r->binary) {
+        while (r->at < r->end && (*r->at == ' ' || *r->at == '\t' || *r->at == '\r')) r->at++;
+        if (r->at == r->end || *r->at != '\n')
+            return vtk_fail_word(r, what, "a line end before them");
+        r->at++;
+        room = (uint64_t)(r->end - r->at) / t.size;
+    } else {
+        room = ((uint64_t)(r->end - r->at) + 1) / 2; /* a digit and a blank */
+    }
+    if (count <= room) return true;
+    return vtk_fail(r, "%s: %llu are announced, and the file has bytes for %llu, expected all",
+        what, (unsigned long long)count, (unsigned long long)room);
+}
+
+bool vtk_text(struct vtk_reader *r, const char *what, double *v)
+{
+    char text[NUMBER_LEN_MAX + 1];
+    size_t n = vtk_peek(r), sign = n && (*r->at == '-' || *r->at == '+');
+    if (n && n <= NUMBER_LEN_MAX) {
+        memcpy(text, r->at, n);
+        text[n] = '\0';
+        if (strcasecmp(text + sign, "nan") == 0) *v = (double)NAN;
+        else if (strlen(text) != n || !parse_real(text, -DBL_MAX, DBL_MAX, v)) n = 0;
+    } else n = 0;
+    r->at += n;
+    return n || vtk_fail_word(r, what, "a number");
+}
+
+bool vtk_number(struct vtk_reader *r, const char *what, struct vtk_type t, double *v)
+{
+    if (r->binary) {
+        *v = vtk_decode(r->at, t);
+        r->at += t.size;
+    } else if (!vtk_text(r, what, v)) return false;
+    if (isnan(*v) || fabs(*v) <= GRID_MAX) return true;
+    return vtk_fail(r, "%s: %g, expected numbers from %g to %g, and nan for missing ones", what, *v,
+        -GRID_MAX, GRID_MAX);
+}
+
+void vtk_skip_metadata(struct vtk_reader *r)
+{
+    if (!vtk_take(r, "METADATA")) return;
+    size_t line = 1;
+    while (r->at < r->end && line) {
+        const unsigned char *nl = memchr(r->at, '\n', (size_t)(r->end - r->at));
+        const unsigned char *next = nl ? nl + 1 : r->end, *p = r->at;
+        if (p > r->bytes && p[-1] == '\n')
+            for (line = 0; p < next; p++) line += !is_blank(*p);
+        r->at = next;
+    }
+}
