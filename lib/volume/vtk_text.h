@@ -1,6 +1,6 @@
 /*
- * vtk_text: what every part of a VTK legacy file is read with: words, counts, names and numbers, and
- * messages that say where. Private to lib/volume.
+ * vtk_text: what every part of a VTK legacy file is read with: words, counts, names and numbers,
+ * and messages that say where. Private to lib/volume.
  */
 #ifndef STORMRING_VOLUME_VTK_TEXT_H
 #define STORMRING_VOLUME_VTK_TEXT_H
