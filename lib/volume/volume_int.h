@@ -1,8 +1,8 @@
 /*
  * volume_int: what the renderer's files share. A ray walks the grid (walk.c); the field along it in
  * one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c); it is cut where it meets a
- * sheet or a knot of the map (piece.c), and integrated (integrate.c). Where there are neither sheets nor light, the default method
- * takes cells several at a time (batch.h, kernel.h).
+ * sheet or a knot of the map (piece.c), and integrated (integrate.c). Where there are neither
+ * sheets nor light, the default method takes cells several at a time (batch.h, kernel.h).
  */
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
