@@ -181,7 +181,7 @@ static void adaptive_keeps_its_tolerance(void **state)
 static void errors_are_those_expected(void **state)
 {
     (void)state;
-    static const double expected[4][5] = {{3e-3, 5e-4, 2e-4, 1e-4, 2e-7},
+    static const double expected[4][5] = {{1.5e-3, 1e-4, 6e-6, 5e-7, 2e-7},
         {0.1, 1e-2, 5e-4, 5e-5, 3e-5}, {0.4, 0.2, 4e-2, 3e-3, 4e-5}, {0.4, 0.3, 0.3, 0.2, 4e-5}};
     struct grid g = wind_grid();
     for (int i = 0; i < 4; i++) {

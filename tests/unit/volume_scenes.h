@@ -88,7 +88,7 @@ static inline void smooth_map(struct scene *c)
     knot(c, 10, 0.1, 0.2, 0.9, 0);
     knot(c, 30, 0.2, 0.9, 0.3, 0.04);
     knot(c, 45, 0.9, 0.8, 0.1, 0.12);
-    knot(c, 70, 0.9, 0.1, 0.1, 0.3);
+    knot(c, 90, 0.9, 0.1, 0.1, 0.3); /* above all values: the map has no jump */
 }
 /* A tent at 30 m/s, as wide as said, of one optical depth for each value. */
 static inline void contour_map(struct scene *c, double width)
