@@ -1,4 +1,4 @@
-# Stormring. make: the programs. make demo, make check: they install the Debian packages they miss, and say which.
+# Stormring. make: the programs. make demo, demo-volume, check: they install the Debian packages they miss, and say which.
 # make bench, bench-volume, soak, chart, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
@@ -45,6 +45,11 @@ demo:
 	@tests/need demo
 	@$(PARALLEL) -s all
 	@tests/demo
+
+demo-volume:
+	@tests/need volume
+	@$(PARALLEL) -s all
+	@tests/demo-volume
 
 check:
 	@tests/need check
@@ -117,8 +122,8 @@ uninstall:
 	for page in $(notdir $(PAGES)); do rm -f $(MANDIR)/man$${page##*.}/$$page; done
 
 clean:
-	rm -rf build $(PROGRAMS) gears.png gears.frags
+	rm -rf build $(PROGRAMS) gears.png gears.frags wind-*.png wind-*.frags
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all need demo check bench bench-volume soak chart fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo demo-volume check bench bench-volume soak chart fuzz unit fuzzers install uninstall clean

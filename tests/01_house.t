@@ -22,6 +22,7 @@ trace scene image task base
 volume image task base
 cf volume base
 grib volume base
+backdrop volume image base
 sched task base
 sim sched stats task base
 proc base
@@ -233,6 +234,6 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 # ---- the rest --------------------------------------------------------------------------------------------------
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
 clean 'nothing built is committed'
-printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|gears\.(png|frags)' >"$found"
+printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|(gears|wind-.*)\.(png|frags)' >"$found"
 clean 'the top level is as fixed'
 finish

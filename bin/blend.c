@@ -1,0 +1,91 @@
+/*
+ * blend: pictures one over another, in linear light.
+ *
+ * Pixels are premultiplied, so that "over" is a + (1 - alpha) b (T. Porter, T. Duff, "Compositing
+ * digital images", SIGGRAPH 1984).
+ */
+#include <inttypes.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/base.h"
+#include "image/image.h"
+
+struct options {
+    const char *out; /* -o: NULL: PNG on standard output */
+    enum image_format format;
+    int bits;    /* -k */
+    char **path; /* topmost first */
+    int n;
+};
+
+static const char usage_text[] = "[-h] [-k 8|16] [-o OUT.png|.pam|.pfm] PICTURE ... BACKDROP";
+
+static int opt_bits(const char *s)
+{
+    if (strcmp(s, "8") != 0 && strcmp(s, "16") != 0) die(ST_USAGE, "-k: %s, expected 8 or 16", s);
+    return s[0] == '8' ? 8 : 16;
+}
+
+static struct options parse(int argc, char **argv)
+{
+    struct options o = {.bits = 8, .format = IMAGE_PNG};
+    for (int c; (c = getopt(argc, argv, "hk:o:")) != -1;) switch (c) {
+        case 'h': usage(ST_OK, usage_text);
+        case 'k': o.bits = opt_bits(optarg); break;
+        case 'o': o.out = optarg; break;
+        default: usage(ST_USAGE, usage_text);
+        }
+    o.path = argv + optind;
+    o.n = argc - optind;
+    if (o.n < 2) usage(ST_USAGE, usage_text);
+    if (o.out && !image_format_of(o.out, &o.format))
+        die(ST_USAGE, "-o %s: expected a name that ends in .png, .pam or .pfm", o.out);
+    int piped = 0;
+    for (int i = 0; i < o.n; i++) piped += strcmp(o.path[i], "-") == 0;
+    if (piped > 1) die(ST_USAGE, "two pictures from standard input, expected one at most");
+    return o;
+}
+
+static void open_picture(const char *path, struct image *im)
+{
+    char err[IMAGE_ERR];
+    if (image_read(path, im, err) != 0) die(ST_USAGE, "%s: %s", path, err);
+}
+
+/* b under what is in a already. */
+static void put_under(struct image *a, const struct image *b)
+{
+    for (size_t p = 0; p < (size_t)a->w * a->h; p++) {
+        float *top = a->rgba + 4 * p, clear = 1 - top[3];
+        for (int c = 0; c < 4; c++) top[c] += clear * b->rgba[4 * p + (size_t)c];
+    }
+}
+
+static void write_picture(const struct options *o, const struct image *im)
+{
+    int failed = o->out ? image_save(o->out, im, o->format, o->bits, NULL)
+                        : image_write(stdout, im, o->format, o->bits, NULL);
+    if (failed) die(ST_SYSTEM, "%s:", o->out ? o->out : "standard output");
+}
+
+int main(int argc, char **argv)
+{
+    prog_init(argv[0]);
+    struct options o = parse(argc, argv);
+    struct image all, next;
+    open_picture(o.path[0], &all);
+    for (int i = 1; i < o.n; i++) {
+        open_picture(o.path[i], &next);
+        if (next.w != all.w || next.h != all.h)
+            die(ST_USAGE,
+                "%s has %" PRIu32 "x%" PRIu32 " pixels, expected %" PRIu32 "x%" PRIu32 " as %s",
+                o.path[i], next.w, next.h, all.w, all.h, o.path[0]);
+        put_under(&all, &next);
+        image_free(&next);
+    }
+    write_picture(&o, &all);
+    image_free(&all);
+    close_stdout();
+    return ST_OK;
+}

@@ -1,0 +1,30 @@
+/*
+ * backdrop: what is behind a picture of a grid, as a gnuplot script: the grid's lowest plane as a
+ * map, with lines such as coasts; the edges of the grid, the graticule, heights; a legend of the
+ * colours. All is projected here, by the specification's camera; gnuplot gets pixels. No I/O.
+ */
+#ifndef STORMRING_BACKDROP_H
+#define STORMRING_BACKDROP_H
+
+#include "base/base.h"
+#include "volume/volume.h"
+
+#define BACKDROP_ERR 256 /* bytes of a message: "name:line: what, expected what" */
+
+struct backdrop {
+    const struct grid *grid; /* x is longitude, y latitude, in degrees */
+    const struct spec *spec;
+    uint32_t w, h;          /* of the picture */
+    const char *title;      /* of the legend */
+    const char *unit;       /* of heights */
+    bool down;              /* heights are negated depths or pressures, and read as those */
+    const char *lines_name; /* for messages */
+    const char *lines;      /* NULL, or text: longitude and latitude in each line; an empty line, or
+                               one that begins with # or >, begins another line on the map */
+};
+
+/* Appends a script that writes a PNG of w x h to standard output. 0, or -1 with text in err where
+ * the lines are not such. */
+int backdrop_write(const struct backdrop *b, struct buf *out, char err[BACKDROP_ERR]);
+
+#endif

@@ -1,0 +1,133 @@
+/* map: the graticule, the edges of the grid, and what is written beside them. */
+#include "backdrop/drawing.h"
+
+static void segment(const struct drawing *s, const double a[3], const double b[3])
+{
+    for (int i = 0; i <= 64; i++) {
+        double f = i / 64.0;
+        backdrop_point(
+            s, a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2]));
+    }
+    buf_printf(s->out, "\n");
+}
+
+/* Along `axis`, where the two others are as in at. */
+static void along(const struct drawing *s, int axis, const double at[3])
+{
+    double a[3] = {at[0], at[1], at[2]}, b[3] = {at[0], at[1], at[2]};
+    a[axis] = s->lo[axis];
+    b[axis] = s->hi[axis];
+    segment(s, a, b);
+}
+
+/* Is this side of the box (0 low, 1 high) between the eye and what is inside? */
+static bool in_front(const struct drawing *s, int axis, int side)
+{
+    const double *scale = s->b->spec->scale;
+    double here = (side ? s->hi : s->lo)[axis] * scale[axis];
+    double there = (side ? s->lo : s->hi)[axis] * scale[axis];
+    return here > there ? s->b->spec->from[axis] > here : s->b->spec->from[axis] < here;
+}
+
+/* Of a graticule, in degrees. */
+static double degree_step(double range)
+{
+    static const double steps[] = {1, 2, 5, 10, 15, 30, 45, 60, 90};
+    if (range <= 12) return backdrop_step(range, 12);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
+        if (range / steps[i] <= 12) return steps[i];
+    return backdrop_step(range, 12);
+}
+
+/* 0 W to 180 E for longitudes (axis 0), latitudes as they are. */
+static void degrees_text(char *out, size_t n, int axis, double v)
+{
+    if (axis == 0) v = remainder(v, 360);
+    const char *side = v < 0 ? axis ? "S" : "W" : axis ? "N" : "E";
+    bool neither = v == 0 || (axis == 0 && fabs(v) == 180);
+    snprintf(out, n, "%.6g°%s", fabs(v), neither ? "" : side);
+}
+
+static struct ticks graticule_of(const struct drawing *s, int axis)
+{
+    double wide = fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
+    return backdrop_ticks(s->lo[axis], s->hi[axis], degree_step(wide));
+}
+
+static struct ticks heights_of(const struct drawing *s)
+{
+    double a = fmin(s->lo[2], s->hi[2]), b = fmax(s->lo[2], s->hi[2]);
+    return backdrop_ticks(a, b, backdrop_step(b - a, 6));
+}
+
+void backdrop_graticule(const struct drawing *s)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        struct ticks t = graticule_of(s, axis);
+        for (int i = t.first; i <= t.last; i++) {
+            double at[3] = {s->lo[0], s->lo[1], s->lo[2]};
+            at[axis] = i * t.step;
+            along(s, 1 - axis, at);
+        }
+    }
+    struct ticks t = heights_of(s);
+    for (int i = t.first; i <= t.last; i++)
+        for (int wall = 0; wall < 4; wall++) {
+            int axis = wall / 2, side = wall % 2;
+            double at[3] = {s->lo[0], s->lo[1], i * t.step};
+            if (side) at[axis] = s->hi[axis];
+            if (!in_front(s, axis, side)) along(s, 1 - axis, at);
+        }
+}
+
+/* An edge between two sides that are in front is in front of the volume, which hides all here. */
+void backdrop_edges(const struct drawing *s)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int side = 0; side < 4; side++) {
+            int b = (axis + 1) % 3, c = (axis + 2) % 3, sb = side & 1, sc = side >> 1;
+            double at[3] = {0};
+            at[b] = (sb ? s->hi : s->lo)[b];
+            at[c] = (sc ? s->hi : s->lo)[c];
+            if (!in_front(s, b, sb) || !in_front(s, c, sc)) along(s, axis, at);
+        }
+}
+
+void backdrop_labels(const struct drawing *s)
+{
+    const double *lo = s->lo, *hi = s->hi;
+    double pad = .025 * fmax(hi[0] - lo[0], hi[1] - lo[1]), xy[2], other[2];
+    char text[128];
+    double middle = (lo[1] + hi[1]) / 2 * s->b->spec->scale[1];
+    bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
+    struct ticks t = graticule_of(s, 0);
+    for (int i = t.first; i <= t.last; i++) {
+        degrees_text(text, sizeof text, 0, i * t.step);
+        if (backdrop_project(s, i * t.step, low ? lo[1] - pad : hi[1] + pad, lo[2], xy))
+            backdrop_label(s, text, xy, "center");
+    }
+    t = graticule_of(s, 1);
+    for (int i = t.first; i <= t.last; i++) {
+        degrees_text(text, sizeof text, 1, i * t.step);
+        bool a = backdrop_project(s, lo[0] - pad / 2, i * t.step, lo[2], xy);
+        bool b = backdrop_project(s, hi[0] + pad / 2, i * t.step, lo[2], other);
+        if (!a || !b) continue;
+        bool left = in_front(s, 0, 0) || in_front(s, 0, 1) ? in_front(s, 0, 0) : xy[0] < other[0];
+        bool first = xy[0] < other[0] ? left : !left;
+        backdrop_label(s, text, left ? xy : other, first ? "right" : "left");
+    }
+    double corner[2] = {lo[0], lo[1]}, most = -HUGE_VAL;
+    for (int i = 0; i < 4; i++) {
+        double x = i & 1 ? hi[0] : lo[0], y = i & 2 ? hi[1] : lo[1];
+        if (!backdrop_project(s, x, y, lo[2], xy) || xy[0] <= most) continue;
+        most = xy[0];
+        corner[0] = x;
+        corner[1] = y;
+    }
+    t = heights_of(s);
+    for (int i = t.first; i <= t.last; i++) {
+        snprintf(text, sizeof text, "%.6g %s", (s->b->down ? -i : i) * t.step + 0.0, s->b->unit);
+        if (backdrop_project(s, corner[0], corner[1], i * t.step, xy))
+            backdrop_label(s, text, xy, "left offset 0.7,0");
+    }
+}

@@ -1,0 +1,151 @@
+#!/bin/sh
+# backdrop, coastlines, blend: places on the map are where vcworker sees them; what is over what; refusals.
+. "$(dirname "$0")/lib.sh"
+
+# pixel R G B A: a PAM of one, MAXVAL 255, samples in octal
+pixel() {
+	printf 'P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n'
+	# shellcheck disable=SC2059  # they are escapes
+	printf "\\$1\\$2\\$3\\$4"
+}
+samples() { tail -c 12 "$1" | od -An -t f4 --endian=little | awk '{ printf "%.4f %.4f %.4f", $1, $2, $3 }'; }
+
+# ---- blend -------------------------------------------------------------------------------------------------
+pixel 377 000 000 200 >red.pam # alpha 128/255
+pixel 000 000 377 377 >blue.pam
+pixel 000 377 000 000 >clear.pam
+blend -o both.pfm red.pam blue.pam
+is 'half of red over blue, in linear light' "$(samples both.pfm)" '0.5020 0.0000 0.4980'
+blend -o three.pfm clear.pam red.pam blue.pam
+ok 'what is clear changes nothing' imgcmp three.pfm both.pfm
+blend -o under.pfm blue.pam red.pam
+is 'what is opaque hides what is under it' "$(samples under.pfm)" '0.0000 0.0000 1.0000'
+blend -k 16 red.pam clear.pam >still.png
+ok 'alpha is kept' imgcmp -t 1e-4 still.png red.pam
+blend - blue.pam <red.pam >piped.png
+blend -o file.png red.pam blue.pam
+ok 'by a pipe, to standard output' cmp piped.png file.png
+printf 'P6 2 1 255\n123456' >wide.ppm
+run blend red.pam wide.ppm
+is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected 1x1 as red.pam'
+for bad in '' red.pam '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
+	# shellcheck disable=SC2086
+	run blend $bad
+	is "refused: blend $bad" "$status:$out" 2:
+done
+blend red.pam blue.pam >/dev/full 2>err
+is 'a full disk is exit 3' "$?" 3
+
+# ---- backdrop: what is at a place of the lowest plane is at its place there ----------------------------------
+cat >wall.vtk <<'END'
+# vtk DataFile Version 3.0
+x
+ASCII
+DATASET RECTILINEAR_GRID
+DIMENSIONS 2 2 2
+X_COORDINATES 2 float
+0 20
+Y_COORDINATES 2 float
+40 50
+Z_COORDINATES 2 float
+-1000 -990
+POINT_DATA 8
+SCALARS x float 1
+LOOKUP_TABLE default
+0 20 0 20 0 20 0 20
+END
+cat >wall.spec <<'END'
+from 7 20 -70
+at 10 45 -100
+up 0 0 1
+angle 40
+resolution 300 200
+scale 1 1 .1
+map -1 1 0 0 1e6
+map 30 1 0 0 1e6
+END
+printf '# a meridian, around the globe\n372 41\n-348 45\n12 49\n> far away\n100 45\n' >line
+backdrop -t "it's x" -z -hPa wall.vtk wall.spec line >wall.gp
+# block NAME FILE: the points of a data block
+block() { awk -v name="\$$1" '$1 == "EOD" { on = 0 } on && NF; $1 == name { on = 1 }' "$2"; }
+is 'the line is on the map, where the grid is' "$(block lines wall.gp | wc -l)" 3
+# Where the camera sees the line, by NFF's rules: 100 pixels are half the frame's height.
+is 'its points are where the camera sees them' "$(block lines wall.gp | tr '\n' ' ')" "$(awk 'BEGIN {
+	pi = atan2(0, -1)
+	fx = 3; fy = 25; fz = -30; f = sqrt(fx * fx + fy * fy + fz * fz); fx /= f; fy /= f; fz /= f
+	r = sqrt(fx * fx + fy * fy); rx = fy / r; ry = -fx / r
+	ux = ry * fz; uy = -rx * fz; uz = rx * fy - ry * fx
+	half = sin(pi / 9) / cos(pi / 9)
+	for (y = 41; y <= 49; y += 4) {
+		dx = 12 - 7; dy = y - 20; dz = -100 + 70
+		d = (dx * fx + dy * fy + dz * fz) * half
+		printf "%.2f %.2f ", 150 + 100 * (dx * rx + dy * ry) / d, 100 + 100 * (dx * ux + dy * uy + dz * uz) / d
+	}
+}')"
+# A grid so flat that it is its lowest plane, opaque, by vcworker; and that plane in the same red, by gnuplot.
+sed 's/^-1000 -990$/-1000 -999.99/' wall.vtk >flat.vtk
+partition 300x200 | vcworker flat.vtk wall.spec | gather -k 16 -o flat.png
+printf 'P6 300 200 255\n' >black.ppm
+head -c 180000 /dev/zero >>black.ppm
+blend -o seen.png flat.png black.ppm
+backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/
+	s/^plot .*/plot $plane with filledcurves closed fc rgb "red"/' | gnuplot >plane.png
+ok 'gnuplot fills the pixels that vcworker does, but for some of the edge' imgcmp -t .75 -f .002 seen.png plane.png
+run imgcmp -t .75 -f .1 seen.png black.ppm
+is 'and those are many' "$status" 1
+like 'a title is text' "$(cat wall.gp)" "^set label 'it''s x' at"
+like 'heights that were negated' "$(cat wall.gp)" "^set label '998 hPa' at"
+like 'longitudes' "$(cat wall.gp)" "^set label '10°E' at"
+like 'latitudes' "$(cat wall.gp)" "^set label '42°N' at"
+# The eye is above, and beyond the low end of y: one edge is between these two sides.
+is 'the edge in front is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
+ok 'gnuplot draws it' sh -c 'gnuplot wall.gp >wall.png 2>said && [ ! -s said ]'
+like 'in its size' "$(imgcmp wall.png wall.png)" 'size	300x200'
+backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
+like 'or another' "$(imgcmp small.png small.png)" 'size	90x60'
+
+printf '1 2\n\n3\n' >bad.line
+run backdrop wall.vtk wall.spec bad.line
+is 'a line that is none is refused' "$status:$out:$err" \
+	'2::backdrop: bad.line:3: expected longitude and latitude'
+for bad in '' wall.vtk '-s 0x3 wall.vtk wall.spec' 'wall.spec wall.vtk' 'none.vtk wall.spec' \
+	'wall.vtk wall.spec none'; do
+	# shellcheck disable=SC2086
+	run backdrop $bad
+	is "refused: backdrop $bad" "$status:$out" 2:
+done
+backdrop wall.vtk wall.spec >/dev/full 2>err
+is 'a full disk is exit 3, too' "$?" 3
+
+# ---- coastlines --------------------------------------------------------------------------------------------
+coastlines >coasts
+is 'coasts are all over the globe' "$(awk 'NF {
+	if ($1 < 0 || $1 > 360 || $2 < -90 || $2 > 90) bad++
+	s[int($1 / 90.001)]
+} END { print length(s) + bad }' coasts)" 4
+# Cape Agulhas, Cabo da Roca, Lindesnes: some point of coast is within a sixth of a degree.
+for place in '20.00 -34.83' '350.50 38.78' '7.05 57.98'; do
+	ok "a coast is at $place" awk -v at="$place" 'BEGIN { split(at, p, " ") }
+		NF && ($1 - p[1]) ^ 2 + ($2 - p[2]) ^ 2 < 1 / 36 { found = 1; exit } END { exit !found }' coasts
+done
+run coastlines wall.vtk
+is 'what is no file of coasts is refused' "$status:$out" 2:
+like 'and said' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'
+for bad in none.nc '-x' 'a b'; do
+	# shellcheck disable=SC2086
+	run coastlines $bad
+	is "refused: coastlines $bad" "$status:$out" 2:
+done
+
+# ---- make demo-volume --------------------------------------------------------------------------------------
+run "$root/tests/demo-volume"
+is 'demo-volume: exit 0' "$status:$err" 0:
+[ "$(printf '%s\n' "$out" | wc -l)" -le 24 ]
+is 'demo-volume: fits on one screen of 24 lines and 120 columns' \
+	"$?$(printf '%s\n' "$out" | awk 'length > 120')" 0
+for look in smooth surfaces; do
+	like "demo-volume: $look" "$(imgcmp "$root/wind-$look.png" "$root/wind-$look.png")" 'size	1200x800'
+done
+run imgcmp -t .1 -f .01 "$root/wind-smooth.png" "$root/wind-surfaces.png"
+is 'demo-volume: two looks' "$status" 1
+finish
