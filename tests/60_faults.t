@@ -260,7 +260,8 @@ deaf='trap "" TERM INT HUP; sleep 47 & sleep 47'
 deafly() {
 	signal=$1 whom=$2
 	shift 2
-	env MARK=$mark "$@" sh -c "$deaf" <&8 >/dev/null 2>&1 8>&- &
+	# Under nohup(1) a program ignores SIGHUP, and rightly.
+	env --default-signal=HUP MARK=$mark "$@" sh -c "$deaf" <&8 >/dev/null 2>&1 8>&- &
 	await 2 eval '[ "$(program sleep | wc -l)" -ge 4 ]'
 	# shellcheck disable=SC2046
 	kill "-$signal" $(program "$whom")
