@@ -303,7 +303,8 @@ kill -9 "$(hosts pids host2 rtworker | head -n 1)"
 wait $job
 is "$name: exit 0" $? 0
 ok "$name: the same picture" cmp out.pfm good64.pfm
-is "$name: said there, and shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with 1 tasks' said)" 1
+# a worker may have been between two tasks
+is "$name: said there, and shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with [01] tasks' said)" 1
 ok "$name: no more than that" [ "$(grep -vc '^host2: ' said)" = 0 ]
 
 # ---- and the hosts that were left alone ------------------------------------------------------------------------------
