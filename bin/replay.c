@@ -268,18 +268,15 @@ static struct options parse(int argc, char **argv)
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
     /* Options may follow the log: methods append theirs to the command that they are given. */
-    while ((opt = getopt(argc, argv, "cf:hl:p:s:x:")) != -1) {
+    while ((opt = getopt(argc, argv, "hl:p:s:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
-        case 'c': o.worker.concentrate = true; break;
-        case 'f':
-            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
-            break;
         case 'h': usage(ST_OK, text);
         case 'l': o.load = opt_real(opt, optarg, 0, 1e3); break;
         case 'p': o.power = opt_real(opt, optarg, POWER_LEAST, POWER_MOST); break;
         case 's': o.seed = (uint64_t)opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'x': o.scale = opt_real(opt, optarg, 0, 1e6); break;
-        default: usage(ST_USAGE, text);
+        default:
+            if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
     }
     if (argc - optind != 1) usage(ST_USAGE, text);

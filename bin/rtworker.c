@@ -139,26 +139,6 @@ static void parse_sampling(const char *s, struct trace_options *t)
         die(ST_USAGE, "-a %s: expected N:THRESHOLD, a number >= 0", s);
 }
 
-static enum trace_isa parse_isa(const char *s)
-{
-    enum trace_isa isa = strcmp(s, "sse2") == 0   ? TRACE_SSE2
-                         : strcmp(s, "avx2") == 0 ? TRACE_AVX2
-                                                  : TRACE_AUTO;
-    if (isa == TRACE_AUTO) die(ST_USAGE, "-x %s: expected sse2 or avx2", s);
-    if (!trace_isa_available(isa)) die(ST_USAGE, "-x %s: not on this machine", s);
-    return isa;
-}
-
-/* The shortest decimal that reads back as v. */
-static void shortest(char *text, size_t size, double v)
-{
-    for (int digits = 6; digits <= 17; digits++) {
-        snprintf(text, size, "%.*g", digits, v);
-        double back;
-        if (parse_real(text, 0, 1e6, &back) && back == v) return;
-    }
-}
-
 static void describe(struct options *o)
 {
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT, *t = &o->trace;
@@ -167,7 +147,7 @@ static void describe(struct options *o)
         n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-a%d", t->samples);
     if (t->threshold >= 0) {
         char text[32];
-        shortest(text, sizeof text, t->threshold);
+        print_real(text, t->threshold);
         n += (size_t)snprintf(o->with + n, sizeof o->with - n, ":%s", text);
     }
     if (t->depth != usual.depth) snprintf(o->with + n, sizeof o->with - n, ",-d%d", t->depth);
@@ -179,21 +159,18 @@ static struct options parse(int argc, char **argv)
                                "[-x sse2|avx2] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = getopt(argc, argv, "+a:cd:f:hix:")) != -1) {
+    while ((opt = getopt(argc, argv, "+a:d:hix:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
-        case 'c': o.worker.concentrate = true; break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
-        case 'f':
-            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
-            break;
         case 'h': usage(ST_OK, text);
         case 'i':
             if (o.inspect) die(ST_USAGE, "-i: twice, expected it once");
             o.inspect = true;
             break;
-        case 'x': o.trace.isa = parse_isa(optarg); break;
-        default: usage(ST_USAGE, text);
+        case 'x': o.trace.isa = opt_isa(opt, optarg); break;
+        default:
+            if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
     }
     if (argc - optind > 1) usage(ST_USAGE, text);

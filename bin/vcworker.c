@@ -164,16 +164,6 @@ static const struct worker_ops ops = {
 
 /* ---- options -------------------------------------------------------------------------------- */
 
-static enum volume_isa parse_isa(const char *s)
-{
-    enum volume_isa isa = strcmp(s, "sse2") == 0   ? VOLUME_SSE2
-                          : strcmp(s, "avx2") == 0 ? VOLUME_AVX2
-                                                   : VOLUME_AUTO;
-    if (isa == VOLUME_AUTO) die(ST_USAGE, "-x %s: expected sse2 or avx2", s);
-    if (!volume_isa_available(isa)) die(ST_USAGE, "-x %s: not on this machine", s);
-    return isa;
-}
-
 static void describe(struct options *o)
 {
     char method[VOLUME_METHOD];
@@ -192,12 +182,8 @@ static struct options parse(int argc, char **argv)
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
     char err[VOLUME_ERR];
     int opt;
-    while ((opt = getopt(argc, argv, "+cf:him:nx:")) != -1) {
+    while ((opt = getopt(argc, argv, "+him:nx:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
-        case 'c': o.worker.concentrate = true; break;
-        case 'f':
-            o.worker.frag_pixels = (uint32_t)opt_int(opt, optarg, 1, WIRE_FRAG_PIXELS_MAX);
-            break;
         case 'h': usage(ST_OK, text);
         case 'i':
         case 'n':
@@ -208,8 +194,9 @@ static struct options parse(int argc, char **argv)
             if (!volume_method_parse(optarg, &o.volume, err))
                 die(ST_USAGE, "-m %s: expected %s", optarg, err);
             break;
-        case 'x': o.volume.isa = parse_isa(optarg); break;
-        default: usage(ST_USAGE, text);
+        case 'x': o.volume.isa = opt_isa(opt, optarg); break;
+        default:
+            if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
     }
     if (argc - optind != 2 && argc != optind && (o.what != INSPECT || argc - optind < 2))

@@ -106,7 +106,7 @@ clean 'every program checks its output at the end'
 letters() { grep -o . | grep '[A-Za-z0-9]' | sort -u | tr -d '\n'; }
 by_getopt() {
 	case $1 in
-	*.c) sed -nE 's/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
+	*.c) sed -nE 's/" WORKER_OPTIONS/cf:"/; s/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
 	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
 	esac | letters
 }

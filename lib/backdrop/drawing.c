@@ -1,19 +1,11 @@
 /* drawing: points to pixels; labels; ticks. */
 #include "backdrop/drawing.h"
 
-static struct vec3 vec(const double a[3]) { return v3(a[0], a[1], a[2]); }
-
-/* The camera is that of lib/volume/view.c. */
 void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
 {
     const struct spec *spec = b->spec;
-    double half = tan(spec->angle * 3.14159265358979323846 / 360);
-    struct vec3 forward = v3_unit(v3_sub(vec(spec->at), vec(spec->from)));
-    struct vec3 right = v3_unit(v3_cross(forward, vec(spec->up)));
-    *s = (struct drawing){.b = b, .out = out, .w = b->w, .h = b->h, .eye = vec(spec->from)};
-    s->forward = forward;
-    s->right = v3_scale(right, 1 / half);
-    s->up = v3_scale(v3_cross(right, forward), 1 / half);
+    *s = (struct drawing){.b = b, .out = out, .w = b->w, .h = b->h};
+    s->camera = camera_new(v3_of(spec->from), v3_of(spec->at), v3_of(spec->up), spec->angle);
     for (int a = 0; a < 3; a++) {
         bool turned = a == 2 && spec->scale[a] < 0;
         uint32_t last = b->grid->n[a] - 1;
@@ -25,11 +17,13 @@ void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2])
 {
     const double *scale = s->b->spec->scale;
-    struct vec3 d = v3_sub(v3(x * scale[0], y * scale[1], z * scale[2]), s->eye);
-    double far = v3_dot(d, s->forward);
+    const struct camera *c = &s->camera;
+    struct vec3 d = v3_sub(v3(x * scale[0], y * scale[1], z * scale[2]), c->eye);
+    double far = v3_dot(d, c->forward);
     if (far <= 1e-6 * v3_len(d)) return false;
-    xy[0] = (s->w + s->h * v3_dot(d, s->right) / far) / 2;
-    xy[1] = (s->h + s->h * v3_dot(d, s->up) / far) / 2;
+    double half = v3_dot(c->up, c->up); /* of the frame's height at distance 1, squared */
+    xy[0] = (s->w + s->h * v3_dot(d, c->right) / half / far) / 2;
+    xy[1] = (s->h + s->h * v3_dot(d, c->up) / half / far) / 2;
     return true;
 }
 

@@ -16,8 +16,8 @@
 struct drawing {
     const struct backdrop *b;
     struct buf *out;
-    struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
-    double w, h;                         /* pixels */
+    struct camera camera;
+    double w, h;         /* pixels */
     double lo[3], hi[3]; /* the grid's box, in its own coordinates; z: lo is below */
 };
 

@@ -61,6 +61,18 @@ double opt_real(int opt, const char *s, double min, double max);
 /* The same of a list with commas between: *n numbers, which the caller frees. */
 double *opt_reals(int opt, const char *s, double min, double max, size_t *n);
 
+/* The shortest decimal of 6 digits or more that reads back as v. */
+void print_real(char text[32], double v);
+
+/* ---- vector units --------------------------------------------------------------------- */
+
+/* What kernels are compiled for; ISA_SSE2 stands for the least that a machine has. The width never
+ * changes a result. */
+enum isa { ISA_AUTO, ISA_SSE2, ISA_AVX2 };
+bool isa_available(enum isa isa);
+/* "sse2" or "avx2" for the argument of option `-opt`; dies with status 2 at anything else. */
+enum isa opt_isa(int opt, const char *s);
+
 /* ---- memory --------------------------------------------------------------------------- */
 
 /* Never NULL: they die with status 3. n * size is checked for overflow. */
@@ -173,6 +185,7 @@ struct vec3 {
 };
 
 static inline struct vec3 v3(double x, double y, double z) { return (struct vec3){x, y, z}; }
+static inline struct vec3 v3_of(const double a[3]) { return v3(a[0], a[1], a[2]); }
 static inline struct vec3 v3_add(struct vec3 a, struct vec3 b)
 {
     return v3(a.x + b.x, a.y + b.y, a.z + b.z);
@@ -200,5 +213,32 @@ static inline struct vec3 v3_cross(struct vec3 a, struct vec3 b)
 }
 static inline double v3_len(struct vec3 a) { return sqrt(v3_dot(a, a)); }
 static inline struct vec3 v3_unit(struct vec3 a) { return v3_scale(a, 1 / v3_len(a)); }
+
+/* ---- camera --------------------------------------------------------------------------- */
+
+/*
+ * From pixels to rays, as NFF has it (E. Haines, "A Proposal for Standard Graphics Environments",
+ * IEEE Computer Graphics and Applications 7, 1987): the angle spans the frame's top edge to its
+ * bottom edge, pixels are square, x grows along direction x up, row 0 is on top. The same bits on
+ * every host.
+ */
+struct camera {
+    struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
+    uint32_t w, h;                       /* of the frame, in pixels: the caller's to set */
+};
+
+/* angle_deg in (0, 180); at is not where from is. Where `up` is along the view, any roll will do,
+ * but it is always the same. */
+struct camera camera_new(struct vec3 from, struct vec3 at, struct vec3 up, double angle_deg);
+/* From the eye to the frame's point (x, y), in pixels from its top left corner: as far as that is
+ * at distance 1 along forward. */
+static inline struct vec3 camera_direction(const struct camera *c, double x, double y)
+{
+    double sx = (2 * x - c->w) / c->h, sy = (c->h - 2 * y) / c->h;
+    return v3_mad(v3_mad(c->forward, c->right, sx), c->up, sy);
+}
+
+/* angle in [0, pi/2). A C library's own may differ in the last bit from host to host. */
+double portable_tan(double angle);
 
 #endif

@@ -72,3 +72,11 @@ double *opt_reals(int opt, const char *s, double min, double max, size_t *n)
     free(copy);
     return v;
 }
+
+void print_real(char text[32], double v)
+{
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, 32, "%.*g", digits, v);
+        if (strtod(text, NULL) == v) return;
+    }
+}

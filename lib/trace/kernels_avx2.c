@@ -5,7 +5,7 @@
 
 static const struct kernels table = {"avx2", closest, blocked, closest_packet, blocked_packet};
 
-const struct kernels *kernels_avx2(void) { return __builtin_cpu_supports("avx2") ? &table : NULL; }
+const struct kernels *kernels_avx2(void) { return isa_available(ISA_AVX2) ? &table : NULL; }
 #else
 #include "trace/trace_int.h"
 

@@ -59,20 +59,3 @@ double trace_pow(double x, double y)
     if (x >= 1) return 1;
     return exp2_of(y * log2_of(x));
 }
-
-/* By the Taylor series of sine and cosine at a/8 (below 0.2), then three doublings of the angle. */
-double trace_tan(double a)
-{
-    double x = a / 8, z = x * x, s = 1, c = 1;
-    for (int k = 8; k >= 1; k--) {
-        s = 1 - s * z / ((2 * k) * (2 * k + 1));
-        c = 1 - c * z / ((2 * k - 1) * (2 * k));
-    }
-    s *= x;
-    for (int i = 0; i < 3; i++) {
-        double s2 = 2 * s * c;
-        c = c * c - s * s;
-        s = s2;
-    }
-    return s / c;
-}

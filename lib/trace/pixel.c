@@ -84,6 +84,18 @@ static void flush(struct group *g)
     g->waiting = 0;
 }
 
+/* Through the frame's point (x, y). */
+static void eye_ray(const struct tracer *t, double x, double y, struct ray *r)
+{
+    struct vec3 d = camera_direction(&t->camera, x, y);
+    double len = v3_len(d);
+    r->o = t->camera.eye;
+    r->d = v3_scale(d, 1 / len);
+    r->t_min = t->scene->view.hither * len; /* hither is a depth, along forward */
+    r->t_max = HUGE_VAL;
+    r->err = 0;
+}
+
 /* Samples of a pixel are added up in the order of these calls, whatever comes between. */
 static void sample(struct group *g, uint32_t k, int stratum)
 {
@@ -94,7 +106,7 @@ static void sample(struct group *g, uint32_t k, int stratum)
         fx = (stratum % n + rng_unit(pixel, 2 * (uint64_t)stratum)) / n;
         fy = (stratum / n + rng_unit(pixel, 2 * (uint64_t)stratum + 1)) / n;
     }
-    camera_ray(g->t, x + fx, y + fy, &g->ray[g->waiting]);
+    eye_ray(g->t, x + fx, y + fy, &g->ray[g->waiting]);
     g->owner[g->waiting] = k;
     if (++g->waiting == WAVE_RAYS) flush(g);
 }

@@ -11,8 +11,6 @@
 #include "scene/scene.h"
 #include "task/task.h"
 
-enum trace_isa { TRACE_AUTO, TRACE_SSE2, TRACE_AVX2 };
-
 struct trace_options {
     /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
     int depth;
@@ -20,10 +18,10 @@ struct trace_options {
     /* < 0: always all samples; else refine only pixels whose first samples differ by more: 4, or 9
      * where there are 36 and more */
     double threshold;
-    enum trace_isa isa;
+    enum isa isa;
 };
 /* clang-format off */
-#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, TRACE_AUTO}
+#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, ISA_AUTO}
 /* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024
@@ -45,6 +43,5 @@ struct trace_counts {
 };
 void tracer_counts(const struct tracer *t, struct trace_counts *c);
 /* False when this machine cannot run it. */
-bool trace_isa_available(enum trace_isa isa);
 
 #endif

@@ -195,19 +195,8 @@ struct tracer {
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
-    struct {
-        struct vec3 eye, forward;
-        struct vec3 right, up; /* from the centre to the edge of a square frame at distance 1 */
-        double hither;
-        uint32_t w, h;
-    } camera;
+    struct camera camera;
 };
-
-/* camera.c */
-void camera_init(struct tracer *t);
-void camera_frame(struct tracer *t, uint32_t w, uint32_t h);
-/* Through the frame's point (x, y), in pixels from its top left corner. */
-void camera_ray(const struct tracer *t, double x, double y, struct ray *r);
 
 /* Where a ray met an item. */
 struct point {
@@ -248,7 +237,5 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
 
 /* math.c: the same bits on every host. x in [0, 1], y > 0. */
 double trace_pow(double x, double y);
-/* angle in [0, pi/2) */
-double trace_tan(double a);
 
 #endif

@@ -104,9 +104,9 @@ static void make_transmits(struct tracer *t)
         t->transmits[i] = t->scene->materials[t->items[i].material].t > 0;
 }
 
-static const struct kernels *choose_kernels(enum trace_isa isa)
+static const struct kernels *choose_kernels(enum isa isa)
 {
-    const struct kernels *wide = isa == TRACE_SSE2 ? NULL : kernels_avx2();
+    const struct kernels *wide = isa == ISA_SSE2 ? NULL : kernels_avx2();
     return wide ? wide : kernels_sse2();
 }
 
@@ -127,7 +127,9 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
     free(refs);
     t->wave = wave_new(t);
-    camera_init(t);
+    const struct view *v = &s->view;
+    t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
+    tracer_frame(t, v->res_x, v->res_y);
     return t;
 }
 
@@ -143,8 +145,10 @@ void tracer_free(struct tracer *t)
     free(t);
 }
 
-void tracer_frame(struct tracer *t, uint32_t w, uint32_t h) { camera_frame(t, w, h); }
+void tracer_frame(struct tracer *t, uint32_t w, uint32_t h)
+{
+    t->camera.w = w;
+    t->camera.h = h;
+}
 
 void tracer_counts(const struct tracer *t, struct trace_counts *c) { *c = t->counts; }
-
-bool trace_isa_available(enum trace_isa isa) { return isa != TRACE_AVX2 || kernels_avx2() != NULL; }

@@ -22,7 +22,7 @@ double path_light(const struct path *p, double w)
     if (s->attenuation > 0) light = volume_exp(-s->attenuation * (p->cell->t + w * p->cell->len));
     if (!s->lit) return light;
     struct vec3 g = cell_gradient(p->cell, w);
-    struct vec3 at = v3_mad(p->v->view.eye, p->dir, p->cell->t + w * p->cell->len);
+    struct vec3 at = v3_mad(p->v->camera.eye, p->dir, p->cell->t + w * p->cell->len);
     struct vec3 l = v3_sub(v3(s->light[0], s->light[1], s->light[2]), at);
     double gg = v3_dot(g, g) * v3_dot(l, l);
     if (!(gg > 0)) return light;

@@ -3,7 +3,7 @@
 #ifdef __AVX2__
 #include "volume/kernel.h"
 
-const struct kernel *kernel_avx2(void) { return __builtin_cpu_supports("avx2") ? &table : NULL; }
+const struct kernel *kernel_avx2(void) { return isa_available(ISA_AVX2) ? &table : NULL; }
 #else
 #include "volume/batch.h"
 

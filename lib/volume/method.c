@@ -44,21 +44,11 @@ bool volume_method_parse(const char *s, struct volume_options *o, char err[VOLUM
     return true;
 }
 
-/* The shortest decimal that reads back as v. */
-static void shortest(char *text, size_t size, double v)
-{
-    double back;
-    for (int digits = 1; digits <= 17; digits++) {
-        snprintf(text, size, "%.*g", digits, v);
-        if (parse_real(text, 0, 1, &back) && back == v) return;
-    }
-}
-
 bool volume_method_print(const struct volume_options *o, char text[VOLUME_METHOD])
 {
     char number[32];
     if (methods[o->method].most) snprintf(number, sizeof number, "%d", o->n);
-    else shortest(number, sizeof number, o->tolerance);
+    else print_real(number, o->tolerance);
     snprintf(text, VOLUME_METHOD, "%s:%s", methods[o->method].name, number);
     return o->method == usual.method && o->tolerance == usual.tolerance;
 }

@@ -34,10 +34,11 @@ struct volume *volume_new(
     set_planes(v, g, s->scale);
     map_init(&v->map, s);
     skip_init(v);
-    view_init(&v->view, s);
+    v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
+    volume_frame(v, s->w, s->h);
     v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance);
     v->depth = 1;
-    v->kernel = o->isa == VOLUME_SSE2 ? NULL : kernel_avx2();
+    v->kernel = o->isa == ISA_SSE2 ? NULL : kernel_avx2();
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
                  !(s->attenuation > 0);
@@ -64,8 +65,8 @@ void volume_free(struct volume *v)
 
 void volume_frame(struct volume *v, uint32_t w, uint32_t h)
 {
-    v->view.w = w;
-    v->view.h = h;
+    v->camera.w = w;
+    v->camera.h = h;
     v->counts = (struct volume_counts){0};
 }
 
@@ -81,13 +82,19 @@ static void ray(struct path *p, struct walk *w)
     }
 }
 
+/* Through the middle of pixel p. */
+static struct vec3 direction(const struct camera *c, uint64_t p)
+{
+    return v3_unit(camera_direction(c, (double)(p % c->w) + 0.5, (double)(p / c->w) + 0.5));
+}
+
 static void pixel(struct volume *v, uint64_t at, float *rgba)
 {
     struct cell cell;
-    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = view_direction(&v->view, at)};
+    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = direction(&v->camera, at)};
     struct walk w;
     v->counts.rays++;
-    if (walk_begin(&w, v, v->view.eye, p.dir)) {
+    if (walk_begin(&w, v, v->camera.eye, p.dir)) {
         v->counts.hits++;
         if (v->batched) batch_ray(&p, &w);
         else ray(&p, &w);
@@ -102,9 +109,7 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
 void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
     for (uint32_t i = 0; i < n; i++)
-        pixel(v, lattice_pixel(l, v->view.w, n0 + i), rgba + 4 * (size_t)i);
+        pixel(v, lattice_pixel(l, v->camera.w, n0 + i), rgba + 4 * (size_t)i);
 }
 
 void volume_counts(const struct volume *v, struct volume_counts *c) { *c = v->counts; }
-
-bool volume_isa_available(enum volume_isa isa) { return isa != VOLUME_AVX2 || kernel_avx2(); }

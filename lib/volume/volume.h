@@ -133,15 +133,14 @@ enum volume_method {
     VOLUME_GAUSS      /* split at the knots, n Gauss-Legendre nodes between */
 };
 #define VOLUME_NODES_MAX 64 /* n of VOLUME_GAUSS */
-enum volume_isa { VOLUME_AUTO, VOLUME_SSE2, VOLUME_AVX2 };
 struct volume_options {
     enum volume_method method;
     double tolerance; /* of a colour or alpha, 0 .. 1 */
     int n;
-    enum volume_isa isa;
+    enum isa isa;
 };
 /* clang-format off */
-#define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, VOLUME_AUTO}
+#define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, ISA_AUTO}
 /* clang-format on */
 
 /*
@@ -173,6 +172,5 @@ struct volume_counts {
 };
 void volume_counts(const struct volume *v, struct volume_counts *c);
 /* False when this machine cannot run it. */
-bool volume_isa_available(enum volume_isa isa);
 
 #endif

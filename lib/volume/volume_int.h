@@ -81,11 +81,6 @@ double cubic_root(const double p[4], double a, double b, double y);
 
 /* ---- the grid, prepared (skip.c, volume.c) -------------------------------------------------- */
 
-struct view {
-    struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
-    uint32_t w, h;
-};
-
 /* A ray meets an iso-surface, at w of a cell. */
 struct crossing {
     double w;
@@ -104,7 +99,7 @@ struct volume {
     uint8_t *block;      /* a byte a block: some cell of it is live */
     uint32_t blocks[3];
     struct map map;
-    struct view view;
+    struct camera camera;
     int m; /* Gauss-Legendre nodes and weights on 0 .. 1 */
     double node[GAUSS_MAX], weight[GAUSS_MAX];
     double depth;              /* a piece's optical depth is at most this */
@@ -126,12 +121,6 @@ static inline size_t block_index(const struct volume *v, const int32_t i[3])
     size_t x = (size_t)i[0] >> BLOCK_SHIFT, y = (size_t)i[1] >> BLOCK_SHIFT;
     return (((size_t)i[2] >> BLOCK_SHIFT) * v->blocks[1] + y) * v->blocks[0] + x;
 }
-
-/* ---- view (view.c) ------------------------------------------------------------------------- */
-
-void view_init(struct view *c, const struct spec *s);
-/* The direction of pixel p, of length 1. */
-struct vec3 view_direction(const struct view *c, uint64_t p);
 
 /* ---- the walk (walk.c) ---------------------------------------------------------------------- */
 

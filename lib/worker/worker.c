@@ -233,6 +233,14 @@ static bool fill(struct worker *w)
     return n > 0;
 }
 
+bool worker_option(struct worker_options *o, int opt, const char *arg)
+{
+    if (opt == 'c') o->concentrate = true;
+    else if (opt == 'f') o->frag_pixels = (uint32_t)opt_int(opt, arg, 1, WIRE_FRAG_PIXELS_MAX);
+    else return false;
+    return true;
+}
+
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
     struct worker w = {.ops = ops, .options = o, .ctx = ctx};

@@ -49,6 +49,10 @@ struct worker_options {
     bool concentrate;     /* keep fragments until flush or end of input */
 };
 
+/* -c and -f PIXELS, which all workers have, among getopt's: takes opt if it is one of them. */
+#define WORKER_OPTIONS "cf:"
+bool worker_option(struct worker_options *o, int opt, const char *arg);
+
 /* Runs to the end of input; returns the exit status. */
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx);
 

@@ -103,7 +103,7 @@ static struct options parse(int argc, char **argv)
             o.w = (uint32_t)w, o.h = (uint32_t)h;
             break;
         case 'u': o.unit = (uint32_t)opt_int(opt, optarg, 1, FRAME_SIDE_MAX); break;
-        case 'x': o.trace.isa = strcmp(optarg, "sse2") == 0 ? TRACE_SSE2 : TRACE_AVX2; break;
+        case 'x': o.trace.isa = opt_isa(opt, optarg); break;
         default: usage(ST_USAGE, text);
         }
     }

@@ -49,7 +49,7 @@ static void test_methods(void **state)
             continue;
         }
         assert_true(o.method == cases[i].method && o.n == cases[i].n);
-        assert_true(o.tolerance == cases[i].tolerance && o.isa == VOLUME_AUTO);
+        assert_true(o.tolerance == cases[i].tolerance && o.isa == ISA_AUTO);
         assert_true(volume_method_print(&o, text) == (i == 0));
         assert_string_equal(text, cases[i].printed);
     }

@@ -215,10 +215,10 @@ static void bits_are_the_same(void **state)
         set_map(&c, i);
         c.s.opacity_limit = 0.9;
         struct volume_options o = VOLUME_OPTIONS_DEFAULT;
-        o.isa = VOLUME_SSE2;
+        o.isa = ISA_SSE2;
         render(&g, &c.s, &o, narrow, NULL);
-        o.isa = VOLUME_AVX2;
-        if (volume_isa_available(o.isa)) {
+        o.isa = ISA_AVX2;
+        if (isa_available(o.isa)) {
             render(&g, &c.s, &o, wide, NULL);
             assert_memory_equal(narrow, wide, sizeof narrow);
         }
