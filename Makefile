@@ -97,19 +97,19 @@ $(BUILD)/libstormring.a: $(LIBOBJ)
 
 $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -c -o $@ $<
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -MP -c -o $@ $<
 
 $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(BUILD)/dep $(BIN)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $(BUILD)/dep/$*.d -o $@ $< \
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
 
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) -fsanitize=fuzzer -MMD -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
 MANDIR   = $(DESTDIR)$(PREFIX)/share/man
 install: all

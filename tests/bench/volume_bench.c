@@ -58,7 +58,7 @@ static double rms(const float *a, const float *b)
 
 static float *converged(const struct grid *g, struct scene *c)
 {
-    struct volume_options o = {VOLUME_ADAPTIVE, 1e-7, 0, VOLUME_AUTO};
+    struct volume_options o = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO};
     float *p = xmalloc((size_t)4 * SIDE * SIDE, sizeof *p);
     double limit = c->s.opacity_limit;
     c->s.knot = c->knot;

@@ -7,10 +7,10 @@
 
 #include "volume_scenes.h"
 
-static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, VOLUME_AUTO};
-static const struct volume_options doubling = {VOLUME_DOUBLING, 1e-7, 0, VOLUME_AUTO};
-static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, VOLUME_AUTO};
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, VOLUME_AUTO};
+static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, ISA_AUTO};
+static const struct volume_options doubling = {VOLUME_DOUBLING, 1e-7, 0, ISA_AUTO};
+static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, ISA_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO};
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
 static void near(double got, double expected, double e)
@@ -167,7 +167,7 @@ static void adaptive_keeps_its_tolerance(void **state)
         for (int k = 0; k < SIDE * SIDE; k++) seen += (double)r[4 * k + 3] / (SIDE * SIDE);
         assert_true(seen > 0.1);
         for (int k = 0; k < 4; k++) {
-            struct volume_options o = {VOLUME_ADAPTIVE, tolerance[k], 0, VOLUME_AUTO};
+            struct volume_options o = {VOLUME_ADAPTIVE, tolerance[k], 0, ISA_AUTO};
             render(&g, &c.s, &o, p, NULL);
             rms(p, r, &most);
             if (most > tolerance[k])
@@ -192,8 +192,8 @@ static void errors_are_those_expected(void **state)
         set_map(&c, i);
         reference(&g, &c.s, r);
         for (int k = 0; k < 5; k++) {
-            struct volume_options o = {VOLUME_TRAPEZOID, 0, 1 << (2 * k), VOLUME_AUTO};
-            if (k == 4) o = (struct volume_options){VOLUME_GAUSS, 0, 3, VOLUME_AUTO};
+            struct volume_options o = {VOLUME_TRAPEZOID, 0, 1 << (2 * k), ISA_AUTO};
+            if (k == 4) o = (struct volume_options){VOLUME_GAUSS, 0, 3, ISA_AUTO};
             render(&g, &c.s, &o, p, NULL);
             double e = rms(p, r, &most);
             print_message(
@@ -252,7 +252,7 @@ static void orders_of_convergence(void **state)
     ref_pixel(&g, &c.s, 0, 0, 400, r);
     double last = 0;
     for (int n = 4; n <= 64; n *= 2) {
-        struct volume_options o = {VOLUME_TRAPEZOID, 0, n, VOLUME_AUTO};
+        struct volume_options o = {VOLUME_TRAPEZOID, 0, n, ISA_AUTO};
         float p[4];
         render(&g, &c.s, &o, p, NULL);
         double e = fabs((double)((real)p[0] - r[0]));
@@ -260,7 +260,7 @@ static void orders_of_convergence(void **state)
         last = e;
     }
     for (int m = 1; m <= 4; m++) {
-        struct volume_options o = {VOLUME_GAUSS, 0, m, VOLUME_AUTO};
+        struct volume_options o = {VOLUME_GAUSS, 0, m, ISA_AUTO};
         float p[4];
         render(&g, &c.s, &o, p, NULL);
         double e = fabs((double)((real)p[0] - r[0]));

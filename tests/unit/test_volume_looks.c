@@ -41,8 +41,8 @@ static void sheets_lie_one_behind_the_other(void **state)
     /* A fog of k = .2 and its own colour before, between and behind; all of it far away. */
     knot(&c, 0, 0, 0, 1, 0.2), knot(&c, 9, 0, 0, 1, 0.2);
     c.s.attenuation = 0.03;
-    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, VOLUME_AUTO};
-    const struct volume_options doubling = {VOLUME_DOUBLING, 1e-6, 0, VOLUME_AUTO};
+    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, ISA_AUTO};
+    const struct volume_options doubling = {VOLUME_DOUBLING, 1e-6, 0, ISA_AUTO};
     const struct volume_options *all[] = {&usual, &gauss, &doubling};
     for (int i = 0; i < 3; i++) {
         render(&g, &c.s, all[i], p, NULL);
@@ -116,8 +116,8 @@ static void light_keeps_the_tolerance(void **state)
         c.s.w = c.s.h = 24, c.s.angle = 40, c.s.attenuation = 0.1;
         knot(&c, 4, 1, 0.1, 0, 0), knot(&c, 6, 0.2, 1, 0.4, 2), knot(&c, 7.5, 0.1, 0.3, 1, 0.5);
         if (lit) light_at(&c, 30, -20, 25);
-        const struct volume_options exact = {VOLUME_TRAPEZOID, 0, 1000, VOLUME_AUTO};
-        const struct volume_options gauss = {VOLUME_GAUSS, 0, 12, VOLUME_AUTO};
+        const struct volume_options exact = {VOLUME_TRAPEZOID, 0, 1000, ISA_AUTO};
+        const struct volume_options gauss = {VOLUME_GAUSS, 0, 12, ISA_AUTO};
         render(&g, &c.s, &exact, p[0], NULL);
         render(&g, &c.s, &gauss, p[1], NULL);
         render(&g, &c.s, &usual, p[2], NULL);

@@ -9,7 +9,7 @@
 #include "volume/volume_int.h"
 #include "volume_scenes.h"
 
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, VOLUME_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
 static void near(double got, double expected, double e)
