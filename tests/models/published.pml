@@ -2,40 +2,31 @@
  * The ring as it was published, for spin: the master (lib/sched/gdc.c), the nodes (gdc_node.c) and the links
  * between them. What is a function in C has its name. tests/55_models.t runs it.
  *
- *     spin -a published.pml && cc -O1 -DNP -DCOLLAPSE -DNOREDUCE -o pan pan.c && ./pan -l
+ *     spin -a published.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && ./pan -a
  *
  * Without faults all runs end: where nothing can happen any more everything is complete (watch), and no state comes
- * twice (-DNP and -l find cycles). With -DCRASHES=1, and with the other faults, some do not; with -DHAZARD=k only
- * hazard k, of those that ringctl(1) lists, is a failure, and the assertion that fails has its name.
+ * twice (watch accepts all of them, and -a finds every cycle). With CRASHES=1 ./pan, and with the other faults, some
+ * do not; with HAZARD=k only hazard k, of those that ringctl(1) lists, is a failure, and the assertion that fails has
+ * its name.
  *
  * CRASHES nodes die and RETURNS of them come up again, LOSES messages from node to node are lost, SLOW reports of a
  * crash are wrong, each at most. Else a time-out is as long as it should be: a request is repeated when it, or its
  * answer, was lost, and a crash is reported when there was one. Links are as in ring.pml, but what is under way to
  * a node that dies is lost. Left out: the number of tries; the order in which those who wait for an answer get it.
  */
-#ifndef CRASHES
-#define CRASHES 0
-#endif
-#ifndef RETURNS
-#define RETURNS 0
-#endif
-#ifndef LOSES
-#define LOSES 0
-#endif
-#ifndef SLOW
-#define SLOW 0
-#endif
-#ifndef HAZARD
-#define HAZARD 0
-#endif
-#ifndef BUG
-#define BUG 0 /* as in lib/sched */
-#endif
+/* One verifier for all: what it is to look at is in its environment. */
+c_decl {
+	\#include <stdlib.h>
+	static long given_as(const char *name) { return getenv(name) ? strtol(getenv(name), NULL, 10) : 0; }
+}
+hidden byte planted, hazard;
+#define BUG(k) (planted == k) /* as in lib/sched */
+#define HAZARD(k) (hazard == k)
 #define N 3 /* nodes */
 #define ROWS 5
 #define home(r) ((r) < N -> (r) : 0) /* row r is node r's, the last ones node 0's, which so has some to give */
 #define KEPT 1 /* the first rows, whose pixels are held back */
-#define LINK (8 + 8 * (CRASHES + SLOW + LOSES)) /* messages on a link */
+#define LINK 24 /* messages on a link: 8, and 8 for each fault */
 
 #define NONE_OF N /* -1 in C */
 #define bit(i) (1 << (i))
@@ -48,7 +39,8 @@
 mtype = { TASK, FLUSH, PLACE, ASK, NONE, HEIR };
 
 chan down[N] = [LINK] of { mtype, byte, byte }; /* TASK row of peer; ASK of peer; NONE, HEIR of peer, next */
-byte crashes = CRASHES, returns = RETURNS, loses = LOSES, slow = SLOW;
+byte crashes, returns, loses, slow; /* that may still come */
+bool began;
 bool over; /* END was said */
 
 /* The master: rows of the global scanline table that are computed, complete, were sent. */
@@ -104,14 +96,14 @@ inline ends()
 	if
 	:: !asked_all && (computed | complete) == EVERY && complete != EVERY ->
 		asked_all = true;
-		a = (BUG == 59);
+		a = BUG(59);
 		do
 		:: a < N -> act(a, FLUSH, 0, 0); a++
 		:: else -> break
 		od
 	:: else
 	fi;
-	over = (complete | computed * (BUG == 57)) == EVERY;
+	over = (complete | computed * BUG(57)) == EVERY;
 	assert(!over || complete == EVERY);
 	a = 0; b = 0; c = 0; d = 0
 }
@@ -147,9 +139,9 @@ inline take_crashed(heir, dead)
 	:: a < ROWS ->
 		if
 		:: home(a) == dead && !has(complete, a) ->
-			a_slow_row_looks_like_a_crash = HAZARD == 3 && has(is_up, dead) && at[a] == dead;
+			a_slow_row_looks_like_a_crash = HAZARD(3) && has(is_up, dead) && at[a] == dead;
 			assert(!a_slow_row_looks_like_a_crash);
-			two_detectors_both_take_over = HAZARD == 6 && has(is_up, at[a]) && at[a] != heir && !has(given, a);
+			two_detectors_both_take_over = HAZARD(6) && has(is_up, at[a]) && at[a] != heir && !has(given, a);
 			assert(!two_detectors_both_take_over);
 			asked_all = false; computed = without(computed, a); sent = with(sent, a);
 			send_row(heir, a, dead)
@@ -240,8 +232,8 @@ active [N] proctype node()
 
 end_opening:
 	if
-	:: d_step { !over -> take_up(me); ends() }
-	:: d_step { !over && crashes > 0 -> crashes--; died = with(died, me) } goto end_closed
+	:: d_step { began && !over -> take_up(me); ends() }
+	:: d_step { began && !over && crashes > 0 -> crashes--; died = with(died, me) } goto end_closed
 	fi;
 end_open:
 	do
@@ -263,7 +255,7 @@ end_open:
 		:: what == NONE && has(waits, me) && row == next ->
 			if
 			:: peer != NONE_OF && distance(peer) > distance(next) -> search_on(peer)
-			:: else -> next = (BUG == 60 -> next : after(next)); search_on(next)
+			:: else -> next = (BUG(60) -> next : after(next)); search_on(next)
 			fi
 		:: what == NONE && (!has(waits, me) || row != next)
 		:: what == HEIR && has(waits, me) && row == next -> search_on(peer)
@@ -326,6 +318,14 @@ end:
 active proctype watch()
 {
 	byte r;
+	d_step {
+		c_code {
+			planted = given_as("BUG"); hazard = given_as("HAZARD");
+			now.crashes = given_as("CRASHES"); now.returns = given_as("RETURNS");
+			now.loses = given_as("LOSES"); now.slow = given_as("SLOW");
+		};
+		began = true }
+accept_end:
 	timeout ->
 	d_step {
 		do
@@ -334,12 +334,12 @@ active proctype watch()
 			if
 			:: has(complete, r) || has(computed, r) /* who has it waits for the others */
 			:: else ->
-				a_node_that_ended_early = HAZARD == 1 && has(died, a) && !has(is_up | reported, a) && b == a;
-				a_stolen_row_whose_thief_dies = HAZARD == 2 && !has(died, a) && b != a && has(died, b);
-				a_lost_answer = HAZARD == 4 && !died;
-				the_heir_may_be_dead = HAZARD == 5 && has(reported, a) && b != a && has(died, b) && !has(given, r);
+				a_node_that_ended_early = HAZARD(1) && has(died, a) && !has(is_up | reported, a) && b == a;
+				a_stolen_row_whose_thief_dies = HAZARD(2) && !has(died, a) && b != a && has(died, b);
+				a_lost_answer = HAZARD(4) && !died;
+				the_heir_may_be_dead = HAZARD(5) && has(reported, a) && b != a && has(died, b) && !has(given, r);
 				a_node_that_returns_hides_its_loss =
-					HAZARD == 7 && has(died & is_up, a) && !has(reported, a) && b == a;
+					HAZARD(7) && has(died & is_up, a) && !has(reported, a) && b == a;
 				assert(!a_node_that_ended_early);
 				assert(!a_stolen_row_whose_thief_dies);
 				assert(!a_lost_answer);
@@ -349,5 +349,5 @@ active proctype watch()
 			r++
 		:: else -> break
 		od;
-		assert(HAZARD || over) }
+		assert(hazard || over) }
 }

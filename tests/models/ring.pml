@@ -2,11 +2,12 @@
  * The ring by default, for spin: the hub (lib/sched/ring.c, ring_ask.c), the nodes (ring_node.c) and the links
  * between them. What is a function in C has its name. tests/55_models.t runs it.
  *
- *     spin -DCRASHES=2 -a ring.pml && cc -O1 -DNP -DCOLLAPSE -DNOREDUCE -o pan pan.c && ./pan -l
+ *     spin -a ring.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && CRASHES=2 ./pan -a
  *
  * Holds, however the steps interleave: a row is committed once; one that is not has an owner that is up, or waits
  * for one that may come up; the end does not come before all are committed; where nothing can happen any more it
- * has come (watch); and no state comes twice (-DNP and -l find cycles), so that every run gets there.
+ * has come; and no state comes twice (as long as there is more to come watch accepts all of them, and -a finds every
+ * cycle), so that every run gets there.
  *
  * Nodes die, CRASHES times, and their connections are made anew, RETURNS times, at any moment; both at most: faults
  * stop. Links are FIFO. What is under way to a node that dies is lost from its beginning to anywhere, and the rest
@@ -21,16 +22,15 @@
  * be as late again); and so the NONE for who has to wait, whose measure of time it is for. The worker behind the
  * node, and its pipe. Frames, and pieces of a row.
  */
-#ifndef CRASHES
-#define CRASHES 0
-#endif
-#ifndef BUG
-#define BUG 0 /* as in lib/sched, where it says so; 1 and 2 are of this file */
-#endif
+/* One verifier for all: what it is to look at is in its environment. */
+c_decl {
+	\#include <stdlib.h>
+	static long given_as(const char *name) { return getenv(name) ? strtol(getenv(name), NULL, 10) : 0; }
+}
+hidden byte planted;
+#define BUG(k) (planted == k) /* as in lib/sched, where it says so; 1 and 2 are of this file */
 #define N 3
 #define ROWS 4
-#define RETURNS (CRASHES == 1)
-#define UPS (CRASHES -> N : 0) /* nodes that are up from the beginning; the others may come up at any time */
 #define EARLY 3 /* rows that are there; the others come in at any time */
 #define KEPT 1 /* the first rows, whose pixels are held back */
 #define LINK 8 /* messages on a link */
@@ -52,7 +52,7 @@
 mtype = { TASK, FLUSH, PLACE, ASK };
 
 chan down[N] = [LINK] of { mtype, byte }; /* TASK row; ASK for peer; FLUSH; PLACE */
-byte crashes = CRASHES, returns = RETURNS;
+byte crashes, returns; /* that may still come */
 byte strays; /* rows whose pixels outlived their connection */
 byte came;   /* rows */
 bool began, input_ended, over; /* over: END was said */
@@ -114,7 +114,7 @@ inline enlist(r, k)
 
 inline send(k, r)
 {
-	put(flushed, k, BUG == 38 && has(flushed, k));
+	put(flushed, k, BUG(38) && has(flushed, k));
 	act(k, TASK, r);
 	asking = without(asking, k);
 	dry = without(dry, k);
@@ -183,7 +183,7 @@ inline take_up(k)
 	do
 	:: a < ROWS ->
 		if
-		:: has(held & owned[k], a) && BUG != 36 -> send(k, a)
+		:: has(held & owned[k], a) && !BUG(36) -> send(k, a)
 		:: has(owned[NONE_OF], a) -> assign(a, k)
 		:: else
 		fi;
@@ -209,7 +209,7 @@ inline take_gone(k)
 	do
 	:: a < ROWS ->
 		if
-		:: has(owned[k] & (held * (BUG != 28) | computed * (BUG != 27)), a) -> assign(a, k)
+		:: has(owned[k] & (held * !BUG(28) | computed * !BUG(27)), a) -> assign(a, k)
 		:: else
 		fi;
 		a++
@@ -263,10 +263,10 @@ inline ring_has_none(k, peer)
 inline take_give(k, r, peer)
 {
 	if
-	:: has(owned[k] & ~(computed * (BUG == 1)), r) || (BUG == 29 && has(held | computed, r)) -> assign(r, peer)
+	:: has(owned[k] & ~(computed * BUG(1)), r) || (BUG(29) && has(held | computed, r)) -> assign(r, peer)
 	:: else ->
 		if
-		:: BUG != 80 -> ring_has_none(k, peer)
+		:: !BUG(80) -> ring_has_none(k, peer)
 		:: else
 		fi
 	fi;
@@ -283,7 +283,7 @@ inline ends()
 	assert(!(owned[0] * has(gone, 0) | owned[1] * has(gone, 1) | owned[2] * has(gone, 2)));
 	assert(!owned[NONE_OF] || !is_up);
 	if
-	:: input_ended && !held && (!computed || BUG == 35) ->
+	:: input_ended && !held && (!computed || BUG(35)) ->
 		assert(committed == EVERY);
 		over = true
 	:: else
@@ -295,14 +295,16 @@ inline ends()
 active proctype input()
 {
 	d_step {
+		c_code { planted = given_as("BUG"); now.crashes = given_as("CRASHES"); };
+		returns = (crashes == 1);
 		do /* so many rows are there when the nodes come up */
 		:: came < EARLY -> assign(came, came % N); came++
 		:: else -> break
 		od;
 		input_ended = (EARLY == ROWS);
 		b = 0;
-		do
-		:: b < UPS -> take_up(b); b++
+		do /* all are up from the beginning; without crashes they come up at any time */
+		:: crashes && b < N -> take_up(b); b++
 		:: else -> break
 		od;
 		began = true;
@@ -345,7 +347,7 @@ inline feed()
 	:: else
 	fi;
 	if
-	:: placed && !asked && !queue && (!fed || BUG == 2) -> says_ask()
+	:: placed && !asked && !queue && (!fed || BUG(2)) -> says_ask()
 	:: else
 	fi;
 	if
@@ -414,7 +416,7 @@ end_open:
 		:: what == TASK ->
 			asked = false;
 			if
-			:: has(queue | fed | kept * (BUG == 47), row)
+			:: has(queue | fed | kept * BUG(47), row)
 			:: else -> queue = with(queue, row)
 			fi
 		:: what == ASK -> none = placed; to = row * placed
@@ -423,7 +425,7 @@ end_open:
 		fi;
 		what = 0;
 		feed() }
-	:: d_step { !over && none && (!asked || BUG == 42) && queue -> none = false; answer(to) }
+	:: d_step { !over && none && (!asked || BUG(42)) && queue -> none = false; answer(to) }
 	:: d_step { !over && crashes > 0 ->
 		crashes--; take_gone(me); ends();
 		queue = 0; fed = 0; placed = false; asked = false; ahead = false; flush = false;
@@ -448,5 +450,6 @@ end_closed:
 
 active proctype watch()
 {
+accept_end:
 	timeout -> assert(over)
 }
