@@ -1,0 +1,300 @@
+/*
+ * grid2pov: a grid and a rendering specification as a POV-Ray 3.7 scene of the same meaning.
+ *
+ * The picture is POV-Ray's integral of two media in one box: one absorbs k(s), the other emits
+ * c(s) k(s), a product of two densities. s is POV-Ray's own trilinear interpolation of a DF3 file;
+ * piecewise linear splines lead from coordinates to its nodes. Each mapping below was checked by
+ * rendering:
+ *
+ * - A DF3 file has node i of n at i / n, and wraps round from there.
+ * - A pattern's value of 1 is one of 0. A colour map's own numbers are float: they are taken over
+ *   the map's width, so that a narrow one is not rounded away.
+ * - A medium is sampled in the middles of intervals of equal length from one surface to the next:
+ *   invisible planes at the grid's own make surfaces of the cells' faces, where the field kinks.
+ *   A ray passes 256 surfaces at most.
+ * - Surfaces nearer than a fixed distance are not told apart: the scene is scaled to make that
+ *   small.
+ */
+#include "volume/volume.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PLANES_MAX 250
+#define INTERVALS_MAX 255
+#define KNOTS_MAX 250   /* a colour map has room for 256 entries */
+#define NODES_MAX 32767 /* of a DF3 file, with the mask behind the field */
+#define REACH 1e5       /* from the eye to the box's farthest corner: 1e7 ends POV-Ray's world */
+
+static const char usage_text[] = "[-h] [-n samples] GRID SPEC FILE.df3";
+
+struct options {
+    int samples; /* -n: between two planes of the grid */
+    const char *grid, *spec, *df3;
+};
+
+struct pov {
+    const struct options *o;
+    const struct grid *g;
+    const struct spec *s;
+    double unit;        /* POV-Ray's lengths, of one in scaled space */
+    double least, most; /* values of the field */
+    bool missing;       /* some of them: the mask of cells follows the field */
+    double lo, width;   /* of the map, with a margin to either side that is clear */
+    double stride;      /* from one invisible plane to the next, in cells: 2^n or 1 / n */
+    int intervals;      /* from one to the next */
+};
+
+/* ---- the field as a DF3 file ----------------------------------------------------------------- */
+
+static void put_number(struct buf *b, uint32_t v, int size)
+{
+    unsigned char bytes[4];
+    for (int i = 0; i < size; i++) bytes[i] = (unsigned char)(v >> 8 * (size - 1 - i));
+    buf_append(b, bytes, (size_t)size);
+}
+
+/* Is the cell above this node there, with all its corners? */
+static bool cell_there(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
+{
+    if (i + 1 == g->n[0] || j + 1 == g->n[1] || k + 1 == g->n[2]) return false;
+    for (uint32_t c = 0; c < 8; c++)
+        if (isnan(g->value[grid_node(g, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))]))
+            return false;
+    return true;
+}
+
+static void field(const struct pov *p, struct buf *b)
+{
+    const struct grid *g = p->g;
+    size_t nodes = grid_node(g, 0, 0, g->n[2]);
+    double range = p->most - p->least;
+    for (int a = 0; a < 3; a++) put_number(b, a == 2 && p->missing ? 2 * g->n[a] : g->n[a], 2);
+    for (size_t i = 0; i < nodes; i++) {
+        double v = ((double)g->value[i] - p->least) / range;
+        put_number(b, isnan(v) ? 0 : (uint32_t)(v * UINT32_MAX + 0.5), 4);
+    }
+    for (uint32_t k = 0; p->missing && k < g->n[2]; k++)
+        for (uint32_t j = 0; j < g->n[1]; j++)
+            for (uint32_t i = 0; i < g->n[0]; i++)
+                put_number(b, cell_there(g, i, j, k) ? UINT32_MAX : 0, 4);
+}
+
+/* ---- the scene ------------------------------------------------------------------------------- */
+
+static void put_vec(const char *lead, struct vec3 v)
+{
+    printf("%s<%.17g,%.17g,%.17g>", lead, v.x, v.y, v.z);
+}
+/* Of node i, or between two. */
+static double place(const struct pov *p, int a, double i)
+{
+    const double *at = p->g->at[a];
+    uint32_t low = (uint32_t)i;
+    double x = i > low ? at[low] + (i - low) * (at[low + 1] - at[low]) : at[low];
+    return x * p->s->scale[a] * p->unit;
+}
+static struct vec3 corner(const struct pov *p, bool far)
+{
+    uint32_t i[3];
+    for (int a = 0; a < 3; a++) i[a] = far ? p->g->n[a] - 1 : 0;
+    return v3(place(p, 0, i[0]), place(p, 1, i[1]), place(p, 2, i[2]));
+}
+
+static void put_head(const struct pov *p)
+{
+    const struct spec *s = p->s;
+    printf("// Render this file, scene.pov, to linear 16 bit with\n"
+           "//   povray +Iscene.pov +Oscene.ppm +W%u +H%u File_Gamma=1 +FP16 -A -D\n"
+           "#version 3.7;\n"
+           "global_settings { assumed_gamma 1 max_trace_level 256 adc_bailout 0 }\n",
+        s->w, s->h);
+    struct vec3 from = v3(s->from[0], s->from[1], s->from[2]);
+    struct vec3 dir = v3_unit(v3_sub(v3(s->at[0], s->at[1], s->at[2]), from));
+    struct vec3 right = v3_unit(v3_cross(dir, v3_unit(v3(s->up[0], s->up[1], s->up[2]))));
+    double height = 2 * tan(s->angle * (M_PI / 360));
+    put_vec("camera { perspective location ", v3_scale(from, p->unit));
+    put_vec(" direction ", dir);
+    put_vec("\n  up ", v3_scale(v3_cross(right, dir), height));
+    put_vec(" right image_width/image_height*", v3_scale(right, height));
+    put_vec(" }\nbackground { rgb ", v3(s->background[0], s->background[1], s->background[2]));
+    puts(" }");
+}
+
+/* M: where the field is in the map, 0 .. 1, at a point of the scene; clear at both ends. */
+static void put_field(const struct pov *p)
+{
+    const char *df3 = p->o->df3;
+    double layers = p->g->n[2] * (p->missing ? 2.0 : 1);
+    for (int a = 0; a < 3; a++) {
+        double n = a == 2 ? layers : p->g->n[a];
+        printf("#declare Node_%c = function { spline { linear_spline", "xyz"[a]);
+        for (uint32_t i = 0; i < p->g->n[a]; i++)
+            printf("%s%.17g,%.17g", i % 4 ? ", " : i ? ",\n  " : "\n  ", place(p, a, i), i / n);
+        puts(" } }");
+    }
+    printf(
+        "#declare Field = function { pattern { density_file df3 \"%s\" interpolate 1 } }\n", df3);
+    if (p->missing)
+        printf("#declare Cell = function { pattern { density_file df3 \"%s\" interpolate 0 } }\n",
+            df3);
+    const char *node = "Node_x(x).x, Node_y(y).x, Node_z(z).x";
+    printf("#declare M = function { ");
+    if (p->missing) printf("select(Cell(%s + 0.5) - 0.5, 0, ", node);
+    printf("min(1, max(0, %.17g + %.17g * Field(%s)))", (p->least - p->lo) / p->width,
+        (p->most - p->least) / p->width, node);
+    puts(p->missing ? ") }" : " }");
+}
+
+/* The map as a colour map of name: its extinction, or its colour. */
+static void put_map(const struct pov *p, const char *name, bool colour)
+{
+    printf("#declare %s = color_map {\n", name);
+    for (size_t i = 0; i < p->s->n_knots; i++) {
+        const struct spec_knot *k = &p->s->knot[i];
+        double at = (k->s - p->lo) / p->width, e = k->k / p->unit;
+        struct vec3 v = colour ? v3(k->rgb[0], k->rgb[1], k->rgb[2]) : v3(e, e, e);
+        if (i == 0) printf("  [0 rgb 0] [%.17g rgb 0]\n", at);
+        printf("  [%.17g ", at);
+        put_vec("rgb ", v);
+        puts("]");
+        if (i + 1 == p->s->n_knots) printf("  [%.17g rgb 0] [1 rgb 0]\n", at);
+    }
+    puts("}");
+}
+
+static void put_medium(const struct pov *p, const char *what, bool emits)
+{
+    printf("  media { %s 1 method 2 samples 1,1 intervals %d jitter 0\n", what, p->intervals);
+    puts("    density { function { M(x,y,z) } color_map { Extinction } }");
+    if (emits) puts("    density { function { M(x,y,z) } color_map { Colour } }");
+    if (emits && p->s->attenuation > 0) {
+        const double *e = p->s->from, u = p->unit;
+        printf(
+            "    density { function { exp(-%.17g * sqrt(pow(x - (%.17g), 2) + pow(y - (%.17g), 2) "
+            "+ pow(z - (%.17g), 2))) } color_map { [0 rgb 0] [1 rgb 1] } }\n",
+            p->s->attenuation / u, e[0] * u, e[1] * u, e[2] * u);
+    }
+    puts("  }");
+}
+
+static void put_box(const struct pov *p)
+{
+    const struct grid *g = p->g;
+    for (int a = 0; a < 3; a++)
+        for (uint32_t i = 1; i * p->stride < g->n[a] - 1; i++)
+            printf("plane { %c, %.17g pigment { rgbt 1 } hollow }\n", "xyz"[a],
+                place(p, a, i * p->stride));
+    put_vec("box { ", corner(p, false));
+    put_vec(", ", corner(p, true));
+    puts(" pigment { rgbt 1 } hollow interior {");
+    put_medium(p, "absorption", false);
+    put_medium(p, "emission", true);
+    puts("} }");
+}
+
+/* ---- what is asked for ----------------------------------------------------------------------- */
+
+static double distance_to_box(const struct pov *p)
+{
+    double sum = 0;
+    for (int a = 0; a < 3; a++) {
+        const double *at = p->g->at[a], scale = p->s->scale[a], eye = p->s->from[a];
+        double d = fmax(fabs(at[0] * scale - eye), fabs(at[p->g->n[a] - 1] * scale - eye));
+        sum += d * d;
+    }
+    return sqrt(sum);
+}
+
+static void survey(struct pov *p)
+{
+    size_t nodes = grid_node(p->g, 0, 0, p->g->n[2]);
+    p->least = HUGE_VAL, p->most = -HUGE_VAL;
+    for (size_t i = 0; i < nodes; i++) {
+        double v = (double)p->g->value[i];
+        if (isnan(v)) p->missing = true;
+        else p->least = fmin(p->least, v), p->most = fmax(p->most, v);
+    }
+    if (!(p->least <= p->most)) p->least = p->most = 0;
+    if (!(p->least < p->most)) p->most = p->least + 1;
+    const struct spec_knot *k = p->s->knot;
+    double width = k[p->s->n_knots - 1].s - k[0].s, margin = (width > 0 ? width : 1) / 16;
+    p->lo = k[0].s - margin;
+    p->width = width + 2 * margin;
+    p->unit = REACH / distance_to_box(p);
+}
+
+/* Where the invisible planes are. False where the samples cannot be had. */
+static bool cut(struct pov *p)
+{
+    double samples = p->o->samples, cells = -3.0 + p->g->n[0] + p->g->n[1] + p->g->n[2];
+    for (p->stride = 1 / ceil(samples / INTERVALS_MAX); cells / p->stride > PLANES_MAX;)
+        p->stride *= 2;
+    p->intervals = (int)ceil(samples * p->stride);
+    return p->intervals <= INTERVALS_MAX;
+}
+
+static struct options parse(int argc, char **argv)
+{
+    struct options o = {.samples = 64};
+    for (int c; (c = getopt(argc, argv, "hn:")) != -1;) switch (c) {
+        case 'h': usage(ST_OK, usage_text);
+        case 'n': o.samples = (int)opt_int(c, optarg, 1, PLANES_MAX * INTERVALS_MAX); break;
+        default: usage(ST_USAGE, usage_text);
+        }
+    if (argc - optind != 3) usage(ST_USAGE, usage_text);
+    o.grid = argv[optind], o.spec = argv[optind + 1], o.df3 = argv[optind + 2];
+    return o;
+}
+
+static void read_both(const struct options *o, struct grid *g, struct spec *s)
+{
+    struct buf bytes = {0}, text = {0};
+    char err[VOLUME_ERR];
+    if (read_file(o->grid, &bytes) != 0) die(ST_USAGE, "%s:", o->grid);
+    if (grid_read(o->grid, buf_data(&bytes), buf_size(&bytes), g, err) != 0)
+        die(ST_USAGE, "%s", err);
+    buf_free(&bytes);
+    if (read_file(o->spec, &text) != 0) die(ST_USAGE, "%s:", o->spec);
+    if (spec_read(o->spec, (const char *)buf_data(&text), buf_size(&text), s, err) != 0)
+        die(ST_USAGE, "%s", err);
+    buf_free(&text);
+    for (int a = 0; a < 3; a++)
+        if (g->n[a] > NODES_MAX)
+            die(ST_USAGE, "%s: %u nodes along %c, expected at most %d", o->grid, g->n[a], "xyz"[a],
+                NODES_MAX);
+    if (s->n_knots == 0 || s->n_knots > KNOTS_MAX)
+        die(ST_USAGE, "%s: %zu map lines, expected 2 to %d", o->spec, s->n_knots, KNOTS_MAX);
+    if (strpbrk(o->df3, "\"\\\n"))
+        die(ST_USAGE, "%s: expected a name without quote, backslash and line end", o->df3);
+}
+
+int main(int argc, char **argv)
+{
+    prog_init(argv[0]);
+    struct options o = parse(argc, argv);
+    struct grid g;
+    struct spec s;
+    struct buf df3 = {0};
+    read_both(&o, &g, &s);
+    struct pov p = {.o = &o, .g = &g, .s = &s};
+    survey(&p);
+    if (!cut(&p))
+        die(ST_USAGE, "-n %d: more than POV-Ray takes of a grid of this size, expected fewer",
+            o.samples);
+    field(&p, &df3);
+    if (outfile_put(o.df3, buf_data(&df3), buf_size(&df3)) != 0) die(ST_SYSTEM, "%s:", o.df3);
+    buf_free(&df3);
+    put_head(&p);
+    put_field(&p);
+    put_map(&p, "Extinction", false);
+    put_map(&p, "Colour", true);
+    put_box(&p);
+    close_stdout();
+    bool whole = !s.lit && s.n_isos == 0;
+    if (!whole) warn("%s: light and iso-surfaces are left out", o.spec);
+    grid_free(&g);
+    spec_free(&s);
+    return whole ? ST_OK : ST_PARTIAL;
+}
