@@ -22,6 +22,7 @@ trace scene image task base
 volume image task base
 cf volume base
 grib volume base
+convert volume image base
 backdrop volume image base
 sched task base
 sim sched stats task base

@@ -87,15 +87,6 @@ uint32_t grid_axis_fault(const double *at, uint32_t n);
  */
 double grid_at(const struct grid *g, const double p[3]);
 
-/* What a converter is asked for: "U", or "speed=hypot(U,V)". */
-struct grid_request {
-    char name[VOLUME_NAME]; /* of the scalar: "U", without what is before a slash; "speed" */
-    const char *part[2];    /* into the text */
-    int length[2], n;
-};
-/* False where a derived one has no name. */
-bool grid_request_parse(const char *text, struct grid_request *r);
-
 /* ---- the specification (spec.c): stormring-spec(5) ------------------------------------------ */
 
 struct spec_knot {

@@ -1,4 +1,5 @@
 /* Grids: what of VTK legacy is taken, what is refused and where, truncations; writing; values. */
+#include "convert/convert.h"
 #include "volume/volume.h"
 
 #include <setjmp.h>
@@ -341,16 +342,16 @@ static void test_consume(void **state)
 static void test_request(void **state)
 {
     (void)state;
-    struct grid_request r;
-    assert_true(grid_request_parse("a/b/U", &r) && r.n == 1 && r.length[0] == 5);
+    struct convert_request r;
+    assert_true(convert_request_parse("a/b/U", &r) && r.n == 1 && r.length[0] == 5);
     assert_string_equal(r.name, "U");
-    assert_true(grid_request_parse("speed=hypot(a/U,V)", &r) && r.n == 2);
+    assert_true(convert_request_parse("speed=hypot(a/U,V)", &r) && r.n == 2);
     assert_string_equal(r.name, "speed");
     assert_true(r.length[0] == 3 && memcmp(r.part[0], "a/U", 3) == 0);
     assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
-    assert_false(grid_request_parse("=hypot(U,V)", &r));
-    assert_true(grid_request_parse("s=hypot(U)", &r) && r.n == 1);
-    assert_true(grid_request_parse("", &r) && r.n == 1 && r.length[0] == 0);
+    assert_false(convert_request_parse("=hypot(U,V)", &r));
+    assert_true(convert_request_parse("s=hypot(U)", &r) && r.n == 1);
+    assert_true(convert_request_parse("", &r) && r.n == 1 && r.length[0] == 0);
 }
 
 static void test_axis(void **state)

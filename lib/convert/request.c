@@ -1,5 +1,5 @@
 /* Which variables become a grid: one, or two from which a third is derived. */
-#include "volume/volume.h"
+#include "convert/convert.h"
 
 #include <string.h>
 
@@ -8,18 +8,18 @@ static void set_name(char to[VOLUME_NAME], const char *name, size_t n)
     snprintf(to, VOLUME_NAME, "%.*s", (int)(n < VOLUME_NAME ? n : VOLUME_NAME - 1), name);
 }
 
-static void set_part(struct grid_request *r, const char *begin, const char *end)
+static void set_part(struct convert_request *r, const char *begin, const char *end)
 {
     r->part[r->n] = begin;
     r->length[r->n++] = (int)(end - begin);
 }
 
-bool grid_request_parse(const char *text, struct grid_request *r)
+bool convert_request_parse(const char *text, struct convert_request *r)
 {
     static const char call[] = "=hypot(";
     const char *end = text + strlen(text), *at = strstr(text, call);
     const char *comma = at ? strchr(at, ',') : NULL;
-    *r = (struct grid_request){.n = 0};
+    *r = (struct convert_request){.n = 0};
     if (!comma || end[-1] != ')') {
         const char *slash = strrchr(text, '/'), *name = slash ? slash + 1 : text;
         set_part(r, text, end);
