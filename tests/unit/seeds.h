@@ -1,0 +1,98 @@
+/*
+ * What tests of a policy in virtual time under seeded faults have in common. `test_NAME SEED` runs
+ * one seed and says what happened; `test_NAME` runs seeds 0 .. 999 (SEEDS in the environment:
+ * another number), and ends at the first that fails. Who includes it defines what is declared
+ * first, and SEEDS_TEST, the test's name.
+ */
+#ifndef STORMRING_TESTS_SEEDS_H
+#define STORMRING_TESTS_SEEDS_H
+
+#include "sim/sim.h"
+
+/* False where it failed; why is in r->failure. */
+static bool run_seed(uint64_t seed, struct sim_result *r);
+static void note_seed(uint64_t seed, const struct sim_result *r);
+/* The plan, and what happened, without a line's end. */
+static void say_seed(uint64_t seed, const struct sim_result *r);
+
+static bool seeds_hold; /* every one of them; else the other tests have nothing to say */
+
+static bool try_seed(uint64_t seed, struct sim_result *r)
+{
+    bool good = run_seed(seed, r);
+    if (!good)
+        print_error("%s\nto repeat: build/unit/" SEEDS_TEST " %llu\n", r->failure,
+            (unsigned long long)seed);
+    return good;
+}
+
+/* How many were wanted. */
+static int64_t run_seeds(void)
+{
+    const char *text = getenv("SEEDS");
+    int64_t seeds = 1000;
+    if (text && !parse_int(text, 1, 100000000, &seeds)) fail_msg("SEEDS=%s", text);
+    seeds_hold = true;
+    for (int64_t seed = 0; seed < seeds && seeds_hold; seed++) {
+        struct sim_result r;
+        seeds_hold = try_seed((uint64_t)seed, &r);
+        note_seed((uint64_t)seed, &r);
+    }
+    return seeds;
+}
+
+static void sum_result(struct sim_result *sum, const struct sim_result *r)
+{
+    sum->events += r->events;
+    sum->gives += r->gives;
+    sum->commits += r->commits;
+    sum->flushes += r->flushes;
+    sum->crashes += r->crashes;
+    sum->silences += r->silences;
+    sum->pauses += r->pauses;
+    sum->slows += r->slows;
+    sum->kills += r->kills;
+    sum->twice += r->twice;
+    sum->garbage += r->garbage;
+    sum->returns += r->returns;
+    sum->uncommitted += r->uncommitted;
+    sum->copies += r->copies;
+    sum->pieces += r->pieces;
+    sum->stops += r->stops;
+    sum->withheld += r->withheld;
+    sum->messages += r->messages;
+    sum->steals += r->steals;
+    sum->passed += r->passed;
+    sum->reports += r->reports;
+    sum->lost += r->lost;
+    sum->doubled += r->doubled;
+    sum->late += r->late;
+}
+
+static void a_seed_is_one_run_exactly(void **state)
+{
+    (void)state;
+    if (!seeds_hold) skip();
+    for (uint64_t seed = 0; seed < 60; seed++) {
+        struct sim_result a, b;
+        try_seed(seed, &a);
+        try_seed(seed, &b);
+        assert_true(a.trace_hash == b.trace_hash && a.events == b.events && a.end_us == b.end_us);
+    }
+}
+
+/* The exit status of `test_NAME SEED`. */
+static int one_seed(const char *text)
+{
+    struct sim_result r;
+    int64_t seed;
+    if (!parse_int(text, 0, INT64_MAX, &seed)) return 2;
+    bool good = try_seed((uint64_t)seed, &r);
+    printf("seed %lld: ", (long long)seed);
+    say_seed((uint64_t)seed, &r);
+    printf(", end %lld us, trace %016llx: %s\n", (long long)r.end_us,
+        (unsigned long long)r.trace_hash, *r.failure ? r.failure : "complete");
+    return !good;
+}
+
+#endif
