@@ -3,22 +3,8 @@
 # the depth that follows the link; what `done` says of second tries.
 # shellcheck disable=SC2154  # lib.sh sets them
 . "$(dirname "$0")/lib.sh"
-
-mark=stormring-deal-$$
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | wc -l; }
-none_alive() {
-	i=0
-	while [ "$(alive)" -gt 0 ] && [ $i -lt 40 ]; do
-		sleep .05
-		i=$((i + 1))
-	done
-	[ "$(alive)" = 0 ]
-}
-cleanup() {
-	grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,' | xargs -r kill -9 2>/dev/null
-	rm -rf "$tmp"
-}
-trap cleanup EXIT
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
 
 # Rows of some milliseconds.
 spdgen -s 2 gears >gears.nff
@@ -44,7 +30,7 @@ late() { # DEAL-OPTIONS
 for options in -e '-e -q 4' '-e -q auto'; do
 	ok "deal $options: does not wait for who is late" late "$options"
 	ok "deal $options: the same picture" same out.pfm
-	ok "deal $options: leaves nobody behind after 2 s" none_alive
+	ok "deal $options: leaves nobody behind after 2 s" await 2 none_alive
 	ok "deal $options: the last record is bye" sh -c 'tail -n 1 log | grep -aq "bye$"'
 	ok "deal $options: a task was given again, or a piece of it" sh -c 'grep -aq "done .* try=[23]" log'
 done

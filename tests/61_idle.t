@@ -2,25 +2,10 @@
 # Invariant 4 for chains that have nothing to do: who waits for work sees at once that its reader has gone, and costs
 # nothing while it waits.
 . "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
 
 spdgen -s 1 tetra >tetra.nff
-mark=stormring-idle-$$
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
-cleanup() {
-	# shellcheck disable=SC2046
-	kill -9 $(alive) 2>/dev/null
-	rm -rf "$tmp"
-}
-trap cleanup EXIT
-await() { # SECONDS COMMAND ...: until it succeeds
-	tries=$(($1 * 20))
-	shift
-	until "$@"; do
-		[ $((tries -= 1)) -gt 0 ] || return 1
-		sleep .05
-	done
-}
-none_alive() { [ -z "$(alive)" ]; }
 some_alive() { [ "$(alive | wc -l)" -ge "$1" ]; }
 # ticks: clock ticks of CPU time used by all of them
 ticks() { for p in $(alive); do cut -d ' ' -f 14,15 "/proc/$p/stat"; done 2>/dev/null | awk '{ n += $1 + $2 } END { print n }'; }
@@ -30,7 +15,7 @@ mkfifo in out
 idle() {
 	want=$1
 	shift
-	env MARK=$mark "$@" <in >out 2>said &
+	env MARK="$mark" "$@" <in >out 2>said &
 	exec 8>in 9<out
 	await 5 some_alive "$want"
 	sleep .3
@@ -40,8 +25,7 @@ idle() {
 	ok "$*: waiting costs nothing ($used ticks a second)" test $used -le 3
 	exec 9<&-
 	ok "$*: ends when its reader has gone" await 2 none_alive
-	# shellcheck disable=SC2046
-	kill -9 $(alive) 2>/dev/null
+	end_all
 	wait
 	is "$*: not a word" "$(cat said)" ""
 	exec 8>&-

@@ -2,21 +2,9 @@
 # Hosts without hosts: shells of this machine play them, well or badly. Who cannot be reached is tried again, who is not
 # to be trusted is refused, nobody is waited for in vain, and the picture is the same.
 . "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
 # shellcheck disable=SC2154,SC2016,SC2089,SC2090  # lib.sh sets them; scripts for others; quotes in hosts files
-mark=stormring-hosts-test-$$
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
-program() { for p in $(alive); do [ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && echo "$p"; done; }
-await() { # SECONDS COMMAND ...: until it succeeds
-	await_end=$(($(date +%s%N) / 1000000 + $1 * 1000))
-	shift
-	until "$@"; do
-		[ $(($(date +%s%N) / 1000000)) -lt $await_end ] || return 1
-		sleep .05
-	done
-}
-none_alive() { [ -z "$(alive)" ]; }
-cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
-trap cleanup EXIT
 
 spdgen -s 2 gears >gears.nff
 partition 64x64 | rtworker gears.nff | gather -o good.pfm

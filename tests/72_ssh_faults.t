@@ -6,7 +6,7 @@ want_hosts=3
 . "$(dirname "$0")/hosts.sh"
 spdgen -s 2 gears >gears.nff
 for samples in 64 144; do partition 192x192 | rtworker -a $samples gears.nff | gather -o good$samples.pfm; done
-file=$TEST_HOSTS/hosts mark=stormring-ssh-$$
+file=$TEST_HOSTS/hosts
 unequal
 
 # ---- no host left, which takes its time: beside the rest, on hosts of its own ----------------------------------------
@@ -27,15 +27,13 @@ nobody=$!
 
 # ---- what runs, here and there ---------------------------------------------------------------------------------------
 here() { # NAME [ERE]: processes of this test, by name and command line
-	for p in $(grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | cut -d / -f 3); do
-		[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] && tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"
-	done
+	for p in $(program "$1"); do tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"; done
 }
 there() { # but for what makes a host
 	ps -o comm= -p "$(for h in host1 host2 host3; do hosts pids $h; done | paste -sd ,)" | grep -vxE 'hosts|sleep|sshd'
 }
 none_there() { [ -z "$(there)" ]; }
-none_left() { [ -z "$(grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null)" ] && none_there; }
+none_left() { none_alive && none_there; }
 stamp() { perl -MTime::HiRes=time -ne 'BEGIN { $| = 1 } printf "%d %s", 1000 * time, $_'; }
 
 # begin METHOD [SAMPLES]: in the background; each line of what it says goes to said, behind the time

@@ -1,21 +1,13 @@
 # For tests that need test hosts. Begin with `want_hosts=N` and `. "$(dirname "$0")/hosts.sh"` in the place of lib.sh:
-# the test starts again among N hosts (0: as it is), or is skipped where there can be none; lib.sh is read here.
+# the test starts again among N hosts (0: as it is), or is skipped where there can be none; lib.sh and marked.sh are read here.
 # shellcheck shell=sh disable=SC2034,SC2154
 tests=$(cd "$(dirname "$0")" && pwd) && tests=${tests%/tests*}/tests || exit 3
 hosts() { "$tests/hosts" "$@"; }
 why=$(hosts check 2>&1) || { echo "1..0 # SKIP $why"; exit 0; }
 [ -n "${TEST_HOSTS-}" ] || [ "$want_hosts" -eq 0 ] || exec "$tests/hosts" with "$want_hosts" "$0"
 . "$tests/lib.sh"
+. "$tests/marked.sh"
 
-now_ms() { echo $(($(date +%s%N) / 1000000)); }
-await() { # SECONDS COMMAND ...: until it succeeds
-	await_end=$(($(now_ms) + $1 * 1000))
-	shift
-	until "$@"; do
-		[ "$(now_ms)" -lt $await_end ] || return 1
-		sleep .05
-	done
-}
 # Powers of which one machine has enough; where they cannot be set, all have the same.
 unequal() {
 	for power in 'host1 .4' 'host2 .25' 'host3 .1'; do

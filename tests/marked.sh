@@ -10,15 +10,16 @@ program() {
 		case $(tr '\0' ' ' <"/proc/$p/cmdline") in "${2-}"*) echo "$p" ;; esac
 	done
 }
+now_ms() { echo $(($(date +%s%N) / 1000000)); }
 await() { # SECONDS COMMAND ...: until it succeeds
-	end=$(($(date +%s%N) / 1000000 + $1 * 1000))
+	await_end=$(($(now_ms) + $1 * 1000))
 	shift
 	until "$@"; do
-		[ $(($(date +%s%N) / 1000000)) -lt $end ] || return 1
+		[ "$(now_ms)" -lt $await_end ] || return 1
 		sleep .05
 	done
 }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
-cleanup() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"; }
-trap cleanup EXIT
+end_all() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; }
+trap 'end_all; rm -rf "$tmp"' EXIT

@@ -6,12 +6,11 @@
 # picture, is it the same, and what does the exit status say? A peer that is not installed is a line that says so.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-rounds=3 mark=stormring-peers-$$
-unset MARK
 # Whatever a killed run has left is found by the mark in its environment.
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
-end_all() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; }
-trap 'end_all; rm -rf "$tmp"' EXIT
+# shellcheck source=../marked.sh
+. "$root/tests/marked.sh"
+rounds=3
+unset MARK
 
 # Debian's tachyon runs with whichever build of its library is there; mpirun wants the one for Open MPI.
 mpi=$(ls /usr/lib/*/libtachyon-openmpi.so.0 2>/dev/null) && mkdir mpi && ln -s "$mpi" mpi/libtachyon.so.0
@@ -65,9 +64,7 @@ same() { # PICTURE NAME: as the first of that peer, pixel by pixel
 # strike PID WORKER: kills one WORKER of the run that PID has started, as soon as there is one
 strike() {
 	while kill -0 "$1" 2>/dev/null; do
-		for p in $(alive); do
-			[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$2" ] && kill -9 "$p" 2>/dev/null && return
-		done
+		for p in $(program "$2"); do kill -9 "$p" 2>/dev/null && return; done
 	done
 	return 1
 }

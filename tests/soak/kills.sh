@@ -3,23 +3,14 @@
 # one stopped. Nothing may remain; and where only a worker dies under deal, the picture is the same and the exit 0.
 . "$(dirname "$0")/../lib.sh"
 runs=${1:-200} seed=${2:-$(date +%s)}
-# shellcheck disable=SC2154  # lib.sh sets tmp
-trap 'for p in $(alive); do kill -9 "$p"; done 2>/dev/null; rm -rf "$tmp"' EXIT
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
+# shellcheck source=../marked.sh
+. "$root/tests/marked.sh"
 name() { cat "/proc/$1/comm" 2>/dev/null; }
 # pick N: a number below N, the next of the seed's
 pick() { seed=$(((seed * 1103515245 + 12345) % 2147483648)) && picked=$((seed / 65536 % $1)); }
-# gone SECONDS: no process is left after so long
-gone() {
-	tries=$(($1 * 20))
-	while [ -n "$(alive)" ]; do
-		[ $((tries -= 1)) -gt 0 ] || return 1
-		sleep .05
-	done
-}
 
 spdgen -s 2 gears >gears.nff
-size=96x96 mark=none
+size=96x96
 partition $size | rtworker -a 16 gears.nff | gather -o good.pfm
 state="{ pack scene gears.nff; partition $size; } |"
 diag "seed $seed"
@@ -54,7 +45,7 @@ while [ $((run += 1)) -le "$runs" ]; do
 	# A stopped worker is found after 3 s; who kills the last stage waits for nobody.
 	limit=20
 	[ "$what" = gather ] && limit=2
-	ok "run $run: $what of: $chain: no process remains" gone $limit
+	ok "run $run: $what of: $chain: no process remains" await $limit none_alive
 	wait "$pid"
 	status=$?
 	if [ "$what" != rtworker ] || ! $saved; then continue; fi

@@ -5,6 +5,8 @@
 spdgen -s 2 tetra >tetra.nff
 # shellcheck source=../peaks.sh
 . "$root/tests/peaks.sh"
+# shellcheck source=../marked.sh
+. "$root/tests/marked.sh"
 # bounded NAME PROGRAM kib|open LIMIT
 bounded() { ok "$1: $2 has at most $4 $3 ($(most "$2" "$3"))" [ "$(most "$2" "$3")" -le "$4" ]; }
 
@@ -47,14 +49,11 @@ measured '{ pack scene big.nff; partition 64x64; } | deal fan -t .6 -j 6 rtworke
 ok '40 MB of scene, silence of 0.6 s allowed: the same picture' cmp out.pfm big.pfm
 is '40 MB of scene: nobody is lost' "$(cat said)" ''
 for p in deal fan; do bounded '40 MB of scene, three times' $p kib 131072; done
-export MARK=$$
-{ pack scene big.nff; partition 64x64; } | deal fan -j 4 rtworker - 2>said | gather -o out.pfm &
+env MARK="$mark" sh -c '{ pack scene big.nff; partition 64x64; } | deal fan -j 4 rtworker - 2>said | gather -o out.pfm' &
 sleep 1.5
-for p in $(pgrep -x gather); do grep -qz "^MARK=$$\$" "/proc/$p/environ" && kill -9 "$p"; done
+kill -9 "$(program gather)"
 wait $!
-sleep 1
-is 'gather killed while scenes are loaded: no process after 1 s' \
-	"$(for p in $(pgrep -x fan; pgrep -x deal; pgrep -x rtworker); do grep -lz "^MARK=$$\$" "/proc/$p/environ"; done)" ''
+ok 'gather killed while scenes are loaded: no process after 1 s' await 1 none_alive
 
 partition 512x512 | rtworker tetra.nff | gather -o good.pfm
 { pack scene tetra.nff; partition 512x512; } | deal fan -j 200 rtworker - 2>said | gather -o out.pfm
