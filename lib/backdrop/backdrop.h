@@ -9,7 +9,7 @@
 #include "base/base.h"
 #include "volume/volume.h"
 
-#define BACKDROP_ERR 256 /* bytes of a message: "name:line: what, expected what" */
+#define BACKDROP_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
 
 struct backdrop {
     const struct grid *grid; /* x is longitude, y latitude, in degrees */

@@ -42,6 +42,18 @@ _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
  * as \x1b.
  */
 void relay(const char *who, const char *text, size_t n);
+/*
+ * Messages that a function hands back instead. err_set's text is cut where it does not fit; err_at
+ * has "file:line: " in front of it, that name cut at 100 bytes. Both return false, for their caller
+ * to return.
+ */
+#define ERR_BYTES 256
+bool err_set(char err[ERR_BYTES], const char *fmt, ...) PRINTF_LIKE(2, 3);
+bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt, va_list ap)
+    PRINTF_LIKE(4, 0);
+/* The n bytes at word as messages show them: in quotes, cut, and printable. Returns out. */
+#define ERR_WORD 40
+const char *err_word(char out[ERR_WORD], const void *word, size_t n);
 /* Prints "usage: program TEXT": to stdout with status 0 (-h), else to stderr; exits. */
 _Noreturn void usage(int status, const char *text);
 

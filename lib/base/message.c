@@ -59,6 +59,33 @@ void die(int status, const char *fmt, ...)
     exit(status);
 }
 
+bool err_set(char err[ERR_BYTES], const char *fmt, ...)
+{
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(err, ERR_BYTES, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt, va_list ap)
+{
+    int n = snprintf(err, ERR_BYTES, "%.100s:%zu: ", file, line);
+    if (n < 0 || n >= ERR_BYTES) n = 0;
+    vsnprintf(err + n, ERR_BYTES - (size_t)n, fmt, ap);
+    return false;
+}
+
+const char *err_word(char out[ERR_WORD], const void *word, size_t n)
+{
+    char shown[32];
+    size_t k = 0;
+    for (const char *c = word; k < n && k + 1 < sizeof shown; k++)
+        shown[k] = c[k] > ' ' && c[k] < 0x7f ? c[k] : '?';
+    snprintf(out, ERR_WORD, "'%.*s%s'", (int)k, shown, k < n ? "..." : "");
+    return out;
+}
+
 void relay(const char *who, const char *text, size_t n)
 {
     struct buf b = {0};

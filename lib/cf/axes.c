@@ -61,7 +61,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_did(c, nc_inq_dim(group, dim, name, &a->n))) return cf_look(c, err);
     snprintf(a->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
     if (a->n > INT32_MAX)
-        return cf_fail(err, "%.60s has %zu nodes, expected %d at most", name, a->n, INT32_MAX);
+        return err_set(err, "%.60s has %zu nodes, expected %d at most", name, a->n, INT32_MAX);
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
     if (!find_coordinates(group, dim, name, &in, &id)) return true;
     cf_packing(c, in, id, &p);
@@ -83,7 +83,7 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
         const struct cf_axis *a = &f->axis[i];
         if (a->kind == CF_NONE) continue;
         if (of[a->kind])
-            return cf_fail(err, "%.60s and %.60s both are %c, expected one", of[a->kind]->name,
+            return err_set(err, "%.60s and %.60s both are %c, expected one", of[a->kind]->name,
                 a->name, "xyzt"[a->kind]);
         of[a->kind] = a;
     }
@@ -96,7 +96,7 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
     }
     for (int k = CF_X; k <= CF_Z; k++)
         if (!of[k])
-            return cf_fail(
+            return err_set(
                 err, "no %c among its %d dimensions, expected x, y and z", "xyz"[k], f -> n_axes);
     return true;
 }

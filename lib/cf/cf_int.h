@@ -10,9 +10,8 @@ static inline bool cf_did(struct cf_file *c, int status)
     if (status && !c->status) c->status = status;
     return !status;
 }
-/* False, with the text in err. */
-bool cf_fail(char err[VOLUME_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
-/* The same, by what libnetcdf refused; true where it refused nothing. Forgets it. */
+/* False, with the first thing that libnetcdf refused in err, which is then forgotten; true where it
+ * refused nothing. */
 bool cf_look(struct cf_file *c, char err[VOLUME_ERR]);
 
 /* The text of an attribute, the first if there are several; "" where there is none. */

@@ -7,20 +7,11 @@
 
 #define PATH_MAX_BYTES 1024 /* of a variable's whole name, as shown */
 
-bool cf_fail(char err[VOLUME_ERR], const char *fmt, ...)
-{
-    va_list ap;
-    va_start(ap, fmt);
-    vsnprintf(err, VOLUME_ERR, fmt, ap);
-    va_end(ap);
-    return false;
-}
-
 bool cf_look(struct cf_file *c, char err[VOLUME_ERR])
 {
     int status = c->status;
     c->status = NC_NOERR;
-    return !status || cf_fail(err, "%s", nc_strerror(status));
+    return !status || err_set(err, "%s", nc_strerror(status));
 }
 
 bool cf_open(const char *path, struct cf_file *c, char err[VOLUME_ERR])
@@ -49,10 +40,10 @@ static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
 {
     if (a->kind == CF_T) return true;
-    if (a->n < 2) return cf_fail(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
+    if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
-    return cf_fail(err, "%.60s is %.9g after %.9g, expected all to ascend or all to descend",
+    return err_set(err, "%.60s is %.9g after %.9g, expected all to ascend or all to descend",
         a->name, a->at[at], a->at[at - 1]);
 }
 
@@ -61,7 +52,7 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ER
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->at || a->kind == CF_T) continue;
-        return cf_fail(err,
+        return err_set(err,
             "%s: there are no coordinates along %.60s, expected them along each axis",
             is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name);
     }
@@ -83,9 +74,9 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
     cf_packing(c, group, id, &f->packing);
     if (!cf_look(c, err)) return false;
     if (!cf_is_numeric(&f->packing))
-        return cf_fail(err, "its values are no numbers, expected some");
+        return err_set(err, "its values are no numbers, expected some");
     if (n > CF_AXES_MAX)
-        return cf_fail(err, "it has %d dimensions, expected x, y, z and perhaps time", n);
+        return err_set(err, "it has %d dimensions, expected x, y, z and perhaps time", n);
     for (; f->n_axes < n; f->n_axes++)
         if (!cf_axis_read(c, group, dims[f->n_axes], &f->axis[f->n_axes], err)) return false;
     return cf_look(c, err) && check_axes(c, f, err);
@@ -111,7 +102,7 @@ bool cf_find(
     found = found && nc_inq_varid(group, slash ? slash + 1 : path, &id) == NC_NOERR;
     free(path);
     return found ? cf_field_read(c, group, id, f, err)
-                 : cf_fail(err, "no such variable, expected one that -l lists");
+                 : err_set(err, "no such variable, expected one that -l lists");
 }
 
 static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg)

@@ -18,7 +18,7 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[VOLUME_ERR])
         for (size_t i = 0; i < a->n; i++)
             at[is_turned(a) ? a->n - 1 - i : i] = sign_of(a) * a->at[i] + 0.0; /* no -0 */
         if (!(fabs(at[0]) <= GRID_MAX && fabs(at[a->n - 1]) <= GRID_MAX)) {
-            cf_fail(err, "%.60s goes from %g to %g, expected %g at most", a->name, at[0],
+            err_set(err, "%.60s goes from %g to %g, expected %g at most", a->name, at[0],
                 at[a->n - 1], GRID_MAX);
             grid_free(g);
             return false;
@@ -27,7 +27,7 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[VOLUME_ERR])
     size_t nodes;
     if (__builtin_mul_overflow((size_t)g->n[0] * g->n[1], g->n[2], &nodes)) {
         grid_free(g);
-        return cf_fail(err, "too many nodes, expected as many as fit in memory");
+        return err_set(err, "too many nodes, expected as many as fit in memory");
     }
     g->value = xmalloc(nodes, sizeof *g->value);
     return true;
@@ -85,6 +85,6 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct 
     free(slab);
     if (!cf_look(c, err)) return false;
     if (worst <= GRID_MAX) return true;
-    return cf_fail(err, "a value is as large as %g, expected %g at most, or to be missing_value",
+    return err_set(err, "a value is as large as %g, expected %g at most, or to be missing_value",
         worst, GRID_MAX);
 }

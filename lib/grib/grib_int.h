@@ -6,9 +6,6 @@
 
 #include <eccodes.h>
 
-/* False, with the text in err. */
-bool gb_fail(char err[VOLUME_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
-
 /* The messages of a file, one after the other. */
 struct gb_file {
     FILE *f;

@@ -5,15 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool gb_fail(char err[VOLUME_ERR], const char *fmt, ...)
-{
-    va_list ap;
-    va_start(ap, fmt);
-    vsnprintf(err, VOLUME_ERR, fmt, ap);
-    va_end(ap);
-    return false;
-}
-
 /* ---- messages ------------------------------------------------------------------------------- */
 
 static void say_nothing(const codes_context *c, int level, const char *text)
@@ -24,7 +15,7 @@ static void say_nothing(const codes_context *c, int level, const char *text)
 bool gb_open(const char *path, struct gb_file *in, char err[VOLUME_ERR])
 {
     *in = (struct gb_file){.f = fopen(path, "re")};
-    if (!in->f) return gb_fail(err, "%s", strerror(errno));
+    if (!in->f) return err_set(err, "%s", strerror(errno));
     codes_context_set_logging_proc(codes_context_get_default(), say_nothing);
     codes_grib_multi_support_on(NULL);
     codes_grib_multi_support_reset_file(NULL, in->f);
@@ -42,7 +33,7 @@ bool gb_next(struct gb_file *in, char err[VOLUME_ERR])
     if (!status) return true;
     if (in->h) codes_handle_delete(in->h);
     in->h = NULL;
-    return gb_fail(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
+    return err_set(err, "message %zu: %s", in->number + 1, codes_get_error_message(status));
 }
 
 void gb_close(struct gb_file *in)
@@ -124,7 +115,7 @@ bool gb_index_read(const char *path, struct gb_index *x, char err[VOLUME_ERR])
         read_entry(&in, &x->at[x->n++]);
     }
     gb_close(&in);
-    if (good && !x->n) good = gb_fail(err, "there is no GRIB message in it, expected some");
+    if (good && !x->n) good = err_set(err, "there is no GRIB message in it, expected some");
     if (good) qsort(x->at, x->n, sizeof *x->at, in_order);
     else gb_index_free(x);
     return good;
@@ -163,21 +154,21 @@ bool gb_stack_check(const struct gb_stack *s, char err[VOLUME_ERR])
 {
     const struct gb_entry *a = s->at;
     if (!is_rectilinear(a->kind))
-        return gb_fail(err, "a grid of type '%s', expected a rectilinear one", a->kind);
+        return err_set(err, "a grid of type '%s', expected a rectilinear one", a->kind);
     if (a->nx < 2 || a->nx > INT32_MAX || a->ny < 2 || a->ny > INT32_MAX)
-        return gb_fail(err, "%lldx%lld nodes, expected 2 at least on each axis", (long long)a->nx,
+        return err_set(err, "%lldx%lld nodes, expected 2 at least on each axis", (long long)a->nx,
             (long long)a->ny);
     for (size_t i = 1; i < s->n; i++) {
         const struct gb_entry *e = &a[i];
         size_t k = i % s->n_levels;
         if (strcmp(e->grid, a->grid) != 0 || e->nx != a->nx || e->ny != a->ny)
-            return gb_fail(err, "not the same grid at all levels, expected one");
+            return err_set(err, "not the same grid at all levels, expected one");
         if (e->when == e[-1].when && !(e->level > e[-1].level))
-            return gb_fail(err, "several fields at level %g of one time, expected one", e->level);
+            return err_set(err, "several fields at level %g of one time, expected one", e->level);
         if (s->n % s->n_levels || e->level != a[k].level || e->when != a[i - k].when)
-            return gb_fail(err, "not the same levels at all times, expected them");
+            return err_set(err, "not the same levels at all times, expected them");
     }
-    return s->n_levels > 1 || gb_fail(err, "1 level, expected 2 at least");
+    return s->n_levels > 1 || err_set(err, "1 level, expected 2 at least");
 }
 
 bool gb_same_axes(const struct gb_stack *a, const struct gb_stack *b)

@@ -75,10 +75,10 @@ static bool check_axes(const struct grid *g, char err[VOLUME_ERR])
         const double *at = g->at[a];
         uint32_t i = grid_axis_fault(at, g->n[a]), end = g->n[a] - 1;
         if (i)
-            return gb_fail(
+            return err_set(
                 err, "%g follows %g along %c, expected all to ascend", at[i], at[i - 1], "xyz"[a]);
         if (!(fabs(at[0]) <= GRID_MAX && fabs(at[end]) <= GRID_MAX))
-            return gb_fail(err, "%c goes from %g to %g, expected %g at most", "xyz"[a], at[0],
+            return err_set(err, "%c goes from %g to %g, expected %g at most", "xyz"[a], at[0],
                 at[end], GRID_MAX);
     }
     return true;
@@ -94,7 +94,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
     if (!gb_open(path, &in, err)) return false;
     bool good = gb_next(&in, err);
     while (good && in.h && in.number < e->number) good = gb_next(&in, err);
-    if (good && !in.h) good = gb_fail(err, "it has changed, expected the same messages again");
+    if (good && !in.h) good = err_set(err, "it has changed, expected the same messages again");
     for (int a = 0; a < 3; a++) {
         g->n[a] = (uint32_t)n[a];
         g->at[a] = xcalloc(n[a], sizeof *g->at[a]);
@@ -107,7 +107,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
     good = good && check_axes(g, err);
     size_t nodes;
     if (good && __builtin_mul_overflow(n[0] * n[1], n[2], &nodes))
-        good = gb_fail(err, "too many nodes, expected as many as fit in memory");
+        good = err_set(err, "too many nodes, expected as many as fit in memory");
     if (good) g->value = xcalloc(nodes, sizeof *g->value);
     else grid_free(g);
     return good;
@@ -128,9 +128,9 @@ static bool take_values(
     codes_set_double(h, "missingValue", MISSING);
     int status = codes_get_size(h, "values", &there);
     if (!status && there != n)
-        return gb_fail(err, "a message has %zu values, expected %zu", there, n);
+        return err_set(err, "a message has %zu values, expected %zu", there, n);
     if (!status) status = codes_get_double_array(h, "values", values, &n);
-    if (status) return gb_fail(err, "%s", codes_get_error_message(status));
+    if (status) return err_set(err, "%s", codes_get_error_message(status));
     for (size_t m = 0; m < n; m++) {
         size_t along = m % row, across = m / row;
         if (turns && across % 2) along = row - 1 - along;
@@ -138,7 +138,7 @@ static bool take_values(
         float *to = g->value + (k * ny + (up ? j : ny - 1 - j)) * nx + (leftwards ? nx - 1 - i : i);
         double v = values[m] == MISSING ? (double)NAN : values[m];
         if (fabs(v) > GRID_MAX)
-            return gb_fail(err, "a value is %g, expected %g at most", v, GRID_MAX);
+            return err_set(err, "a value is %g, expected %g at most", v, GRID_MAX);
         *to = (float)(combine ? hypot((double)*to, v) : v);
     }
     return true;
@@ -165,6 +165,6 @@ out:
     free(values);
     gb_close(&in);
     if (good && taken < s->n_levels)
-        good = gb_fail(err, "it has changed, expected the same messages again");
+        good = err_set(err, "it has changed, expected the same messages again");
     return good;
 }

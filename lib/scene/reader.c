@@ -6,23 +6,18 @@
 bool reader_fail(struct reader *r, const char *fmt, ...)
 {
     va_list ap;
-    int n = snprintf(r->err, SCENE_ERR, "%.100s:%u: ", r->name, r->t.line);
-    if (n < 0 || n >= SCENE_ERR) n = 0;
     va_start(ap, fmt);
-    vsnprintf(r->err + n, SCENE_ERR - (size_t)n, fmt, ap);
+    err_at(r->err, r->name, r->t.line, fmt, ap);
     va_end(ap);
     return false;
 }
 
 bool reader_fail_token(struct reader *r, const char *what, const char *expected)
 {
-    char shown[32];
-    size_t n = token_peek(&r->t), k = 0;
+    char shown[ERR_WORD];
+    size_t n = token_peek(&r->t);
     if (!n) return reader_fail(r, "the file ends where %s is due, expected %s", what, expected);
-    for (; k < n && k + 1 < sizeof shown; k++)
-        shown[k] = r->t.at[k] > ' ' && r->t.at[k] < 0x7f ? r->t.at[k] : '?';
-    shown[k] = '\0';
-    return reader_fail(r, "%s is '%s%s', expected %s", what, shown, k < n ? "..." : "", expected);
+    return reader_fail(r, "%s is %s, expected %s", what, err_word(shown, r->t.at, n), expected);
 }
 
 bool reader_real(struct reader *r, const char *what, double min, double max, double *out)

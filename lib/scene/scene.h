@@ -8,7 +8,7 @@
 
 #include "base/base.h"
 
-#define SCENE_ERR 256
+#define SCENE_ERR ERR_BYTES
 
 struct view {
     struct vec3 from, at, up;

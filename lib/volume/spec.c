@@ -81,11 +81,9 @@ struct reader {
 static bool fail(struct reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
 static bool fail(struct reader *r, const char *fmt, ...)
 {
-    int n = snprintf(r->err, VOLUME_ERR, "%.100s:%zu: ", r->name, r->line);
-    if (n < 0 || n >= VOLUME_ERR) n = 0;
     va_list ap;
     va_start(ap, fmt);
-    vsnprintf(r->err + n, VOLUME_ERR - (size_t)n, fmt, ap);
+    err_at(r->err, r->name, r->line, fmt, ap);
     va_end(ap);
     return false;
 }
@@ -103,14 +101,10 @@ static size_t peek(struct reader *r)
 
 static bool fail_word(struct reader *r, const char *word, const char *what, const char *expected)
 {
-    char shown[32];
-    size_t n = peek(r), k = 0;
+    char shown[ERR_WORD];
+    size_t n = peek(r);
     if (!n) return fail(r, "%s: no %s, expected %s", word, what, expected);
-    for (; k < n && k + 1 < sizeof shown; k++)
-        shown[k] = r->at[k] > ' ' && r->at[k] < 0x7f ? r->at[k] : '?';
-    shown[k] = '\0';
-    return fail(
-        r, "%s: %s is '%s%s', expected %s", word, what, shown, k < n ? "..." : "", expected);
+    return fail(r, "%s: %s is %s, expected %s", word, what, err_word(shown, r->at, n), expected);
 }
 
 static bool read_number(struct reader *r, const char *word, const struct range *range, double *v)

@@ -30,7 +30,7 @@
 #include "base/base.h"
 #include "task/task.h"
 
-#define VOLUME_ERR 256 /* bytes of a message: "name:line: what, expected what" */
+#define VOLUME_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
 #define VOLUME_NAME 64
 #define GRID_TITLE 256 /* bytes: what VTK's reader has room for */
 #define VOLUME_AMBIENT 0.3

@@ -19,11 +19,9 @@ size_t vtk_lines(const unsigned char *p, const unsigned char *end)
 bool vtk_fail(struct vtk_reader *r, const char *fmt, ...)
 {
     size_t line = r->line + vtk_lines(r->kept ? r->kept : r->bytes, r->at);
-    int n = snprintf(r->err, VOLUME_ERR, "%.100s:%zu: ", r->name, line + 1);
-    if (n < 0 || n >= VOLUME_ERR) n = 0;
     va_list ap;
     va_start(ap, fmt);
-    vsnprintf(r->err + n, VOLUME_ERR - (size_t)n, fmt, ap);
+    err_at(r->err, r->name, line + 1, fmt, ap);
     va_end(ap);
     return false;
 }
@@ -42,13 +40,10 @@ size_t vtk_peek(struct vtk_reader *r)
 
 bool vtk_fail_word(struct vtk_reader *r, const char *what, const char *expected)
 {
-    char shown[32];
-    size_t n = vtk_peek(r), k = 0;
+    char shown[ERR_WORD];
+    size_t n = vtk_peek(r);
     if (!n) return vtk_fail(r, "the file ends where %s is due, expected %s", what, expected);
-    for (; k < n && k + 1 < sizeof shown; k++)
-        shown[k] = r->at[k] > ' ' && r->at[k] < 0x7f ? (char)r->at[k] : '?';
-    shown[k] = '\0';
-    return vtk_fail(r, "%s is '%s%s', expected %s", what, shown, k < n ? "..." : "", expected);
+    return vtk_fail(r, "%s is %s, expected %s", what, err_word(shown, r->at, n), expected);
 }
 
 bool vtk_next_is(struct vtk_reader *r, const char *word)
