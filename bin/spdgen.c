@@ -58,7 +58,7 @@ int main(int argc, char **argv)
         if (!scene)
             die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
         struct nff_out out = {stdout, opt.digits};
-        scene->write(&out, checked_size(scene, opt.size), opt.imbalanced);
+        spd_write(scene, &out, checked_size(scene, opt.size), opt.imbalanced);
     }
     close_stdout();
     return ST_OK;

@@ -10,7 +10,6 @@ static const struct view view = {.from = {2.1, 1.3, 1.7},
     .hither = 0.01,
     .res_x = 512,
     .res_y = 512};
-#define IMBALANCED_DEG 25
 static const struct vec3 lights[] = {{4, 3, 2}, {1, -4, 4}, {-3, 1, 5}};
 static const struct material floor_stuff = {1, 0.75, 0.33, 0.8, 0, 1e5, 0, 1};
 static const struct vec3 floor_corners[] = {
@@ -79,11 +78,10 @@ static void put_flake(struct nff_out *o, const struct vec3 directions[9], int de
     }
 }
 
-void spd_balls(struct nff_out *o, int size, bool imbalanced)
+void spd_balls(struct nff_out *o, int size, double turn_deg)
 {
     struct vec3 directions[9];
-    spd_put_setting(
-        o, &view, imbalanced ? IMBALANCED_DEG : 0, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &floor_stuff);
     nff_put_polygon(o, 4, floor_corners, NULL);
     nff_put_material(o, &(struct material){1, 0.9, 0.7, 0.5, 0.5, spd_shine(37), 0, 1});

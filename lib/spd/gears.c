@@ -18,7 +18,6 @@ static const struct view view = {.from = {-1.1, -2.1, 2.6},
     .hither = 1,
     .res_x = 512,
     .res_y = 512};
-#define IMBALANCED_DEG 22
 static const struct vec3 lights[] = {
     {2, 4, 4}, {-2, 4, 3}, {2, -2.5, 2.5}, {-1, -4, 2}, {-1.111, -2.121, 2.626}};
 static const struct vec3 ground[] = {{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}};
@@ -86,10 +85,9 @@ static void put_gear(
     nff_put_polygon(o, CORNERS, face, NULL);
 }
 
-void spd_gears(struct nff_out *o, int size, bool imbalanced)
+void spd_gears(struct nff_out *o, int size, double turn_deg)
 {
-    spd_put_setting(
-        o, &view, imbalanced ? IMBALANCED_DEG : 0, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &(struct material){1, 0.85, 0.7, 0.3, 0.6, spd_shine(37), 0, 0});
     nff_put_polygon(o, 4, ground, NULL);
 

@@ -32,9 +32,7 @@ static inline struct vec3 spd_divide(struct vec3 v, double d)
 struct mat3 spd_rotate_z(double angle);
 /*
  * Background, view and lights, which all scenes begin with; the camera turned upward by so many
- * degrees, about its place. An imbalanced view is the one where the costs of rows vary twice as
- * much as in SPD's, by their coefficient of variation, or, where no turn does that, most: of CPU
- * time, at size 2 and 512x512, by whole degrees. Found by tests/bench/90_views.sh.
+ * degrees, about its place.
  */
 void spd_put_setting(
     struct nff_out *o, const struct view *v, double turn_deg, const struct vec3 *lights, size_t n);

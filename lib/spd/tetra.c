@@ -11,7 +11,6 @@ static const struct view view = {.from = {1.022846, -3.177154, -2.174512},
     .hither = 1,
     .res_x = 512,
     .res_y = 512};
-#define IMBALANCED_DEG (-23)
 static const struct vec3 lights[] = {{2, -18, -5}};
 
 /* Every second corner of a cube: those of a tetrahedron. */
@@ -32,10 +31,9 @@ static void put_tetra(struct nff_out *o, int depth, struct vec3 center, double h
     }
 }
 
-void spd_tetra(struct nff_out *o, int size, bool imbalanced)
+void spd_tetra(struct nff_out *o, int size, double turn_deg)
 {
-    spd_put_setting(
-        o, &view, imbalanced ? IMBALANCED_DEG : 0, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &(struct material){1, 0.2, 0.2, 1, 0, spd_shine(0), 0, 0});
     put_tetra(o, size, v3(0, 0, 0), 1);
 }

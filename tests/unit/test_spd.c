@@ -45,7 +45,7 @@ static char *scene_text(const char *name, int size, int digits)
     char *text;
     size_t n;
     struct nff_out o = {open_memstream(&text, &n), digits};
-    spd_find(name)->write(&o, size, false);
+    spd_write(spd_find(name), &o, size, false);
     assert_int_equal(fclose(o.f), 0);
     return text;
 }
