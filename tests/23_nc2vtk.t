@@ -1,26 +1,17 @@
 #!/bin/sh
 # nc2vtk: the numbers of real files and of ones made for it, against ncdump's; what it refuses, and why.
 . "$(dirname "$0")/lib.sh"
+converter=nc2vtk
+# shellcheck source=grids.sh
+. "$root/tests/grids.sh"
 ncarg=/usr/share/ncarg/data ferret=/usr/share/ferret-vis/data
 
-# ---- two readers: of NetCDF, ncdump; of what is written, od --------------------------------------------------
+# ---- readers: of NetCDF, ncdump; of what is written, grids.sh --------------------------------------------------
 # want FILE VARIABLE: its numbers, a line each, _ where missing; of a group, by its whole name
 want() {
 	ncdump -p 9,17 -v "$2" "$1" | sed -n "/^ *data:/,\$p" | awk -v name="${2##*/}" '
 		$1 == name && $2 == "=" && !done { on = 1; sub(/^[^=]*=/, "") }
 		on { end = /;/; gsub(/[,;]/, " "); for (i = 1; i <= NF; i++) print $i; if (end) { on = 0; done = 1 } }'
-}
-# coordinates X FILE: big-endian doubles after the line of their name
-coordinates() {
-	at=$(grep -abom 1 "^$1_COORDINATES [0-9]* double" "$2") || return
-	from=${at%%:*} line=${at#*:}
-	count=${line#* } count=${count% *}
-	tail -c +$((from + ${#line} + 2)) "$2" | head -c $((8 * count)) | od -An -v -t f8 -w8 --endian=big
-}
-# values FILE: the last block of floats
-values() {
-	count=$(grep -am 1 '^POINT_DATA' "$1") && count=${count#* }
-	tail -c $((4 * count + 1)) "$1" | head -c $((4 * count)) | od -An -v -t f4 -w4 --endian=big
 }
 # same WANT GOT TOLERANCE [NX NY NZ TURNED]: numbers one by one, relative; the axes named in TURNED, of y and z, turned
 same() {
@@ -108,8 +99,6 @@ like 'the title tells the time' "$(sed -n 2p m07.vtk)" '; t TIME [0-9.]+ \[hour 
 make_nc() { printf 'netcdf a {\ndimensions: %s\nvariables: %s\ndata: %s\n}\n' "$2" "$3" "$4" >"$1.cdl" && ncgen -o "$1.nc" "$1.cdl"; }
 axes='double x(x); x:axis = "X"; double y(y); y:axis = "Y"; double z(z); z:axis = "Z";'
 cube='x = 2; y = 2; z = 2;' nodes='x = 1, 2; y = 3, 4; z = 5, 6;'
-# got FILE VARIABLE ...: the values on one line
-got() { nc2vtk "$@" >a.vtk && values a.vtk | tr -s ' \n' ' ' | sed 's/^ //; s/ $//; s/-nan/nan/g'; }
 
 make_nc packed "$cube" "$axes short s(z, y, x); s:scale_factor = 0.5; s:add_offset = 100.; s:_FillValue = -1s;
 	s:missing_value = 7s, 8s; s:valid_range = 0s, 30s;" "$nodes s = 1, _, 7, 8, 0, 30, 31, -5;"
@@ -152,12 +141,6 @@ is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 
 like 'and listed' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
 
 # ---- refused, and why ------------------------------------------------------------------------------------------
-# refused FILE VARIABLE MESSAGE
-refused() {
-	run nc2vtk "$1" "$2"
-	is "refused: $1 $2" "$status:$out" 2:
-	like 'saying why' "$err" "^nc2vtk: $1: .*$3"
-}
 data='s = 1, 2, 3, 4, 5, 6, 7, 8;' scalar='float s(z, y, x);'
 make_nc twice "$cube" "$axes $scalar" "x = 1, 1; y = 3, 4; z = 5, 6; $data"
 refused twice.nc s 's: x is 1 after 1, expected all to ascend or all to descend'
@@ -195,16 +178,7 @@ is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: exp
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
 
 # ---- usage, and a full disk ----------------------------------------------------------------------------------
-for bad in '' 'a.nc' '-l' '-l a.nc s' '-t -1 a.nc s' '-t x a.nc s' '-t all a.nc s' '-t all -o a.vtk a.nc s' '-o %d%d a.nc s' '-q a.nc s'; do
-	# shellcheck disable=SC2086  # a word each
-	run nc2vtk $bad
-	is "refused: nc2vtk $bad" "$status:$out" 2:
-done
-nc2vtk packed.nc s >/dev/full 2>err
-is 'a full disk: exit 3' "$?" 3
-like 'and said' "$(cat err)" '^nc2vtk: standard output: No space left'
-run nc2vtk -o no/such.vtk packed.nc s
-is 'a directory that is not there: exit 3' "$status" 3
+at_the_end packed.nc s
 nc2vtk -o p.vtk packed.nc s
 nc2vtk packed.nc s >q.vtk
 ok '-o writes the same' cmp p.vtk q.vtk

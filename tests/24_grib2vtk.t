@@ -1,23 +1,10 @@
 #!/bin/sh
 # grib2vtk: the numbers of a real file and of ones made for it, against grib_get_data's; what it refuses, and why.
 . "$(dirname "$0")/lib.sh"
+converter=grib2vtk
+# shellcheck source=grids.sh
+. "$root/tests/grids.sh"
 grb=/usr/share/ncarg/data/grb samples=/usr/share/eccodes/samples
-
-# ---- readers of what is written: od -----------------------------------------------------------------------------
-# coordinates X FILE: big-endian doubles after the line of their name, on one line
-coordinates() {
-	at=$(grep -abom 1 "^$1_COORDINATES [0-9]* double" "$2") || return
-	from=${at%%:*} line=${at#*:}
-	count=${line#* } count=${count% *}
-	tail -c +$((from + ${#line} + 2)) "$2" | head -c $((8 * count)) | od -An -v -t f8 -w8 --endian=big | tr -s ' \n' ' ' | sed 's/^ //; s/ $//'
-}
-# values FILE: the last block of floats
-values() {
-	count=$(grep -am 1 '^POINT_DATA' "$1") && count=${count#* }
-	tail -c $((4 * count + 1)) "$1" | head -c $((4 * count)) | od -An -v -t f4 -w4 --endian=big
-}
-# got FILE VARIABLE ...: the values on one line
-got() { grib2vtk "$@" >a.vtk && values a.vtk | tr -s ' \n' ' ' | sed 's/^ //; s/ $//; s/-nan/nan/g'; }
 
 # ---- the file that Debian has: a Lambert grid, 19 pressure levels ------------------------------------------------
 file=$grb/fh.0012_tl.press_gr.awp211.grb2
@@ -39,14 +26,14 @@ ok 'speed=hypot(u,v) is what grib_get_data reads' awk '
 	NR == FNR { w[n++] = $1; next }
 	{ d = $1 - w[FNR - 1]; if (d * d > (3e-7 * w[FNR - 1]) ^ 2) { print FNR ": " $1 ", expected " w[FNR - 1]; exit bad = 1 } seen++ }
 	END { exit bad || n != 93 * 65 * 19 || seen != n }' w g
-is 'x is metres on the plane of projection' "$(coordinates X speed.vtk | cut -d' ' -f1,2,93)" '0 81271 7476932'
-is 'as y is' "$(coordinates Y speed.vtk | cut -d' ' -f1,2,65)" '0 81271 5201344'
+is 'x is metres on the plane of projection' "$(on_line coordinates X speed.vtk | cut -d' ' -f1,2,93)" '0 81271 7476932'
+is 'as y is' "$(on_line coordinates Y speed.vtk | cut -d' ' -f1,2,65)" '0 81271 5201344'
 # shellcheck disable=SC2086  # a word each
-is 'pressure is negated, and so points up' "$(coordinates Z speed.vtk)" "$(printf -- '-%s ' $levels | sed 's/ $//')"
+is 'pressure is negated, and so points up' "$(on_line coordinates Z speed.vtk)" "$(printf -- '-%s ' $levels | sed 's/ $//')"
 is 'the title' "$(sed -n 2p speed.vtk)" \
 	'speed [m s**-1]; x lambert_x [m]; y lambert_y [m]; z -isobaricInhPa [hPa]; t validity 200701241200 [YYYYMMDDhhmm]'
 grib2vtk -L pressureFromGroundLayer "$file" t >layer.vtk
-is '-L: layers are at their middle, in Pa from the ground' "$(coordinates Z layer.vtk)" '1500 4500 7500 10500 13500'
+is '-L: layers are at their middle, in Pa from the ground' "$(on_line coordinates Z layer.vtk)" '1500 4500 7500 10500 13500'
 
 # ---- files made for it -------------------------------------------------------------------------------------------
 # make_grib NAME RULES: NAME.grib2, of 3x2 nodes around Greenwich, by rules of grib_filter
@@ -63,15 +50,15 @@ END
 one='set level=500; set values={1,2,3,4,5,6}; write;' two='set level=850; set values={11,12,13,14,15,16}; write;'
 make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPresent=1; set values={21,9999,23,24,25,26}; write;"
 is 'from the bottom up and from the south, and a bit map' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
-is 'longitudes go on beyond 360' "$(coordinates X a.vtk)" '350 360 370'
-is 'latitudes' "$(coordinates Y a.vtk)" '58 60'
+is 'longitudes go on beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'
+is 'latitudes' "$(on_line coordinates Y a.vtk)" '58 60'
 like 'their names' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
 grib_set -s edition=1,packingType=grid_simple plain.grib2 plain.grib1
 is 'GRIB 1' "$(got plain.grib1 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
 make_grib north "set jScansPositively=1; set latitudeOfFirstGridPointInDegrees=58; set latitudeOfLastGridPointInDegrees=60; $one $two"
 is 'rows from the south' "$(got north.grib2 t)" '11 12 13 14 15 16 1 2 3 4 5 6'
 make_grib west "set iScansNegatively=1; set longitudeOfFirstGridPointInDegrees=10; set longitudeOfLastGridPointInDegrees=350; $one $two"
-is 'rows from the east' "$(got west.grib2 t):$(coordinates X a.vtk)" '16 15 14 13 12 11 6 5 4 3 2 1:350 360 370'
+is 'rows from the east' "$(got west.grib2 t):$(on_line coordinates X a.vtk)" '16 15 14 13 12 11 6 5 4 3 2 1:350 360 370'
 make_grib columns "set jPointsAreConsecutive=1; $one $two"
 is 'columns' "$(got columns.grib2 t)" '12 14 16 11 13 15 2 4 6 1 3 5'
 make_grib turns "set alternativeRowScanning=1; $one $two"
@@ -81,7 +68,7 @@ grib_filter -o gauss.grib2 - "$samples/regular_gg_pl_grib2.tmpl" <<'END'
 set shortName="t"; set typeOfLevel="isobaricInhPa"; set level=500; write; set level=850; write;
 END
 grib2vtk gauss.grib2 t >a.vtk
-like 'Gaussian latitudes' "$(coordinates Y a.vtk)" '^-87\.86379[0-9]* -85\.09652[0-9]* .* 87\.86379[0-9]*$'
+like 'Gaussian latitudes' "$(on_line coordinates Y a.vtk)" '^-87\.86379[0-9]* -85\.09652[0-9]* .* 87\.86379[0-9]*$'
 make_grib times "set dataDate=20260102; set dataTime=600; $one $two set dataDate=20260101; set dataTime=1800; $one
 	set level=850; set values={31,32,33,34,35,36}; write;"
 is 'times are sorted' "$(got -t 0 times.grib2 t)" '34 35 36 31 32 33 4 5 6 1 2 3'
@@ -90,12 +77,6 @@ like 'and in the title' "$(sed -n 2p a.vtk)" '; t validity 202601020600 \[YYYYMM
 ok 'each time a file' sh -c 'grib2vtk -t all -o t%d.vtk times.grib2 t && cmp t1.vtk a.vtk && [ "$(echo t?.vtk)" = "t0.vtk t1.vtk" ]'
 
 # ---- refused, and why --------------------------------------------------------------------------------------------
-# refused FILE VARIABLE MESSAGE
-refused() {
-	run grib2vtk "$1" "$2"
-	is "refused: $1 $2" "$status:$out" 2:
-	like 'saying why' "$err" "^grib2vtk: $1: .*$3"
-}
 refused "$file" prmsl 'prmsl: 1 level, expected 2 at least'
 refused "$file" nothing 'no nothing, expected one that -l lists'
 refused "$file" 'a=hypot(u,absv)' 'the two have different axes'
@@ -119,14 +100,5 @@ run grib2vtk -t 1 "$file" u
 like 'a time that is not there' "$status:$err" '^2:grib2vtk: .*: -t 1: expected an index below 1'
 
 # ---- usage, and a full disk --------------------------------------------------------------------------------------
-for bad in '' 'a.grb' '-l' '-l a.grb t' '-t -1 a.grb t' '-t all a.grb t' '-t all -o a.vtk a.grb t' '-o %d%d a.grb t' '-q a.grb t' 'plain.grib2 =hypot(t,t)'; do
-	# shellcheck disable=SC2086  # a word each
-	run grib2vtk $bad
-	is "refused: grib2vtk $bad" "$status:$out" 2:
-done
-grib2vtk plain.grib2 t >/dev/full 2>err
-is 'a full disk: exit 3' "$?" 3
-like 'and said' "$(cat err)" '^grib2vtk: standard output: No space left'
-run grib2vtk -o no/such.vtk plain.grib2 t
-is 'a directory that is not there: exit 3' "$status" 3
+at_the_end plain.grib2 t 'plain.grib2 =hypot(t,t)'
 finish

@@ -1,0 +1,39 @@
+# For tests of programs that write grids. After lib.sh, with such a program's name in $converter.
+# shellcheck shell=sh disable=SC2154
+# coordinates X FILE: big-endian doubles after the line of their name
+coordinates() {
+	at=$(grep -abom 1 "^$1_COORDINATES [0-9]* double" "$2") || return
+	from=${at%%:*} line=${at#*:}
+	count=${line#* } count=${count% *}
+	tail -c +$((from + ${#line} + 2)) "$2" | head -c $((8 * count)) | od -An -v -t f8 -w8 --endian=big
+}
+# values FILE: the last block of floats
+values() {
+	count=$(grep -am 1 '^POINT_DATA' "$1") && count=${count#* }
+	tail -c $((4 * count + 1)) "$1" | head -c $((4 * count)) | od -An -v -t f4 -w4 --endian=big
+}
+# on_line COMMAND ...: its numbers on one line
+on_line() { "$@" | tr -s ' \n' ' ' | sed 's/^ //; s/ $//; s/-nan/nan/g'; }
+# got ARGUMENTS: the values of the grid that this makes, which is in a.vtk
+got() { "$converter" "$@" >a.vtk && on_line values a.vtk; }
+# refused FILE VARIABLE MESSAGE
+refused() {
+	run "$converter" "$1" "$2"
+	is "refused: $1 $2" "$status:$out" 2:
+	like 'saying why' "$err" "^$converter: $1: .*$3"
+}
+# at_the_end FILE VARIABLE [ARGUMENTS] ...: usage, also wrong ARGUMENTS of its own, and what cannot be written
+at_the_end() {
+	good=$1 name=$2
+	shift 2
+	for bad in '' a '-l' '-l a b' '-t -1 a b' '-t x a b' '-t all a b' '-t all -o a.vtk a b' '-o %d%d a b' '-q a b' "$@"; do
+		# shellcheck disable=SC2086  # a word each
+		run "$converter" $bad
+		is "refused: $converter $bad" "$status:$out" 2:
+	done
+	"$converter" "$good" "$name" >/dev/full 2>err
+	is 'a full disk: exit 3' "$?" 3
+	like 'and said' "$(cat err)" "^$converter: standard output: No space left"
+	run "$converter" -o no/such.vtk "$good" "$name"
+	is 'a directory that is not there: exit 3' "$status" 3
+}
