@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 static const char text[] = "[-h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
-                           "       fan -l [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
+                           "       fan -l [-l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
 /* At most one of the two is given. */
 static void find_hosts(struct hosts *h, const char *list, int slots)
@@ -22,14 +22,14 @@ int main(int argc, char **argv)
     struct fan_options o = {.hosts = &hosts, .silence_s = 3};
     const char *list = NULL;
     int slots = 0;
-    bool listing = false;
+    int listing = 0;
     prog_init(argv[0]);
     int opt;
     while ((opt = getopt(argc, argv, "+hj:lS:t:")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
-        case 'l': listing = true; break;
+        case 'l': listing++; break;
         case 'S': list = optarg; break;
         case 't': o.silence_s = opt_real(opt, optarg, .6, 1e6); break;
         default: usage(ST_USAGE, text);
@@ -38,6 +38,7 @@ int main(int argc, char **argv)
     if (optind == argc && !listing) usage(ST_USAGE, text);
     find_hosts(&hosts, list, slots);
     o.command = argv + optind;
+    o.trips = listing > 1;
     int status = listing ? drive_list(&o) : drive_fan(&o);
     hosts_free(&hosts);
     return status;

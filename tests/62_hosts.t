@@ -79,6 +79,10 @@ is 'and those that are stated are kept' "$(fan -l -S hosts rtworker - | cut -f 3
 script asked 'echo asked >>asked.said; exec sh -c "$1"'
 printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
 is 'nor asked for' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
+script far '{ cat; sleep .1; } | sh -c "$1"'
+printf ': slots=1\nfar power=3 via="./far %%c"\nnone via="false %%c"\n' >far.hosts
+is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -S far.hosts rtworker - 2>said |
+	awk '{ print $2, ($3 == 3), ($4 >= 100 ? "far" : $4 > 0 ? "near" : $4) }' | tr '\n' ';')" ': 0 near;far 1 far;none 0 -;'
 bad() { # NAME HOSTS ERE
 	run fan -S "$2" rtworker - </dev/null
 	is "$1: exit 2" "$status" 2

@@ -16,14 +16,16 @@
 struct fan_options {
     const struct hosts *hosts;
     char *const *command; /* NULL-ended: the worker, one for each slot */
+    bool trips;           /* fan -l: round trips as well */
     double silence_s;     /* a slot that has work and says nothing for so long is lost */
 };
 
 /* Runs until the input has ended and every slot is done. Returns the exit status. */
 int drive_fan(const struct fan_options *o);
 /*
- * Writes a line for each slot: number, host, power. Powers that the hosts do not state are asked
- * for, where there is a command, by starting it on every such slot. Returns the exit status.
+ * Writes a line for each slot: number, host, power; with trips how long it takes from the end of a
+ * worker's input to its bye, in milliseconds. What the hosts do not state is asked for, where there
+ * is a command, by starting it on every such slot. Returns the exit status.
  */
 int drive_list(const struct fan_options *o);
 

@@ -178,7 +178,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
                 .host = &f->hosts[i],
                 .child = CHILD_NONE,
                 .power = h->power,
-                .measured = h->power > 0,
+                .measured = h->power > 0 && !o->trips,
                 .missing_us = f->start_us};
     }
     f->n[FAN_WAITING] = f->n_slots;

@@ -52,11 +52,13 @@ struct fan_slot {
     int stale;      /* answers to questions not asked */
     int64_t ahead;  /* messages of a node, beyond those that were sent to it */
     int64_t beat_us;
+    int64_t closed_us; /* when its input was closed, and hello was said; 0: not yet */
 
     /* of all of them */
     bool was_up;
     bool told_gone;     /* `gone` was said, and `up` not since */
     bool measured;      /* fan -l: nothing more is to be learnt */
+    int64_t trip_us;    /* from then to its bye; 0: not known */
     int failures;       /* connections in a row over which no task was done, */
     int deaths;         /* and over which tasks were lost */
     int64_t retry_us;   /* waiting: not before */

@@ -26,6 +26,13 @@ static void level(struct fan *f)
     }
 }
 
+/* A slot's round trip in milliseconds, where it has ended as it was asked to. */
+static void print_trip(const struct fan_slot *s)
+{
+    if (s->trip_us > 0) printf("\t%.3f", (double)s->trip_us / 1e3);
+    else printf("\t-");
+}
+
 /* Returns how many powers are not known. */
 static int print(const struct fan *f)
 {
@@ -33,8 +40,10 @@ static int print(const struct fan *f)
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         const char *host = s->host->host->name;
-        if (s->power > 0) printf("%d\t%s\t%.6g\n", k, host, s->power);
-        else printf("%d\t%s\t-\n", k, host);
+        if (s->power > 0) printf("%d\t%s\t%.6g", k, host, s->power);
+        else printf("%d\t%s\t-", k, host);
+        if (f->o->trips) print_trip(s);
+        printf("\n");
         unknown += !(s->power > 0);
     }
     return unknown;

@@ -83,6 +83,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->stale = 0;
     s->ahead = 0;
     s->before_hello = 0;
+    s->closed_us = 0;
     *s->chatter = '\0';
     s->opened_us = s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
@@ -103,6 +104,7 @@ void slot_up(struct fan *f, struct fan_slot *s)
     s->host->failures = 0;
     s->host->retry_us = 0;
     s->heard_us = now_us();
+    if (s->closed_us) s->closed_us = s->heard_us;
     enter(f, s, FAN_UP);
     if (!s->primed && slot_wanted(f, s)) fan_prime(f, s);
     snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
@@ -154,7 +156,10 @@ void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     }
     /* A pipe that was empty takes a little whether anybody reads it or not. */
     if (p->events & POLLOUT && down_size(&s->down) != before) s->heard_us = now_us();
-    if (!f->in_open && !down_size(&s->down)) child_close(&s->child.to);
+    if (!f->in_open && !down_size(&s->down)) {
+        if (s->child.to >= 0) s->closed_us = now_us();
+        child_close(&s->child.to);
+    }
 }
 
 /* Why the slot is parted from is known: that is said, and decided what becomes of it. */

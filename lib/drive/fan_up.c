@@ -203,7 +203,10 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_NONE:
     case REC_CRASHED: return take_ring(f, s, r);
     case REC_UP: /* of an inner fan: its own affair */
-    case REC_BYE: return NULL;
+        return NULL;
+    case REC_BYE:
+        if (s->closed_us) s->trip_us = now_us() - s->closed_us;
+        return NULL;
     default: return "wrong-record";
     }
 }
