@@ -55,9 +55,13 @@ wait "$pid" 2>/dev/null
 is 'Ctrl-C: no picture' "$(ls out.pfm* 2>/dev/null)" ''
 
 # ---- all begins at one node ------------------------------------------------------------------------------------------
+# However busy this machine is, none begins before the others are there.
+printf '#!/bin/sh\n: >up.$$; until [ "$(ls up.* | wc -l)" -ge 3 ]; do sleep .01; done; exec rtworker -a 64 -\n' >together
+chmod +x together
 for give in half one; do
+	rm -f up.*
 	{ pack scene gears.nff; partition -n 1 256x256; } |
-		ringctl -k $give fan -j 3 ringctl -n rtworker -a 64 - 2>said | gather -r first.frags -o first.pfm
+		ringctl -k $give fan -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
 	is "all begins at one node, -k $give: not a word" "$(cat said)" ''
 	is "what the others did, it gave to them, -k $give" "$(fragstat first.frags |
 		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print (at > 0), did - had }')" '1 0'
@@ -241,28 +245,43 @@ for power in .77 .77 .77 1 1 1.96 1.96 1.96 1.96; do
 done >table.hosts
 rows() { grep -ao 'done 0 [0-9]* cpu' table.frags 2>/dev/null | wc -l; }
 after() { [ "$(rows)" -ge 300 ]; }
-# table NAME [OPTIONS]
+# table [OPTIONS]
 table() {
 	rm -f removed table.frags out.pfm
-	name=$1
-	shift
 	partition -n 9 32x512 | env MARK=$mark timeout 60 ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
 		gather -r table.frags -o out.pfm &
 	await 20 after
-	[ "$name" = 'nobody removed' ] || for p in $(nodes); do
-		grep -qz '^REPLAY_POWER=1.96$' "/proc/$p/environ" && echo "$p"
-	done | head -n 2 >victims
+	: >victims
 	: >removed
+	[ "$remove" = none ] || for p in $(nodes); do
+		grep -qz '^REPLAY_POWER=1.96$' "/proc/$p/environ" && echo "$p"
+	done | sed -n '1p; 3p' >victims
 	[ ! -s victims ] || kill -9 $(cat victims)
 	wait $!
-	is "Table 3, $name: exit 0" $? 0
-	ok "Table 3, $name: the same picture" cmp out.pfm table.pfm
-	diag "Table 3, $name: $(fragstat -s -S table.hosts table.frags | grep -E 'makespan|bound|steals' | tr '\n\t' '; ')"
+	status=$?
 }
-: >victims
-table 'nobody removed' -p
-table 'as published' -p
+# finished NAME
+finished() {
+	is "Table 3, $1: exit 0" $status 0
+	ok "Table 3, $1: the same picture" cmp out.pfm table.pfm
+	diag "Table 3, $1: $(fragstat -s -S table.hosts table.frags | grep -E 'makespan|bound|steals' | tr '\n\t' '; ')"
+}
+# As published it has hazards, some of which a busy machine brings about: it is to come through once in three times.
+published() {
+	for try in 1 2 3; do
+		table -p
+		[ $status != 0 ] || break
+		diag "as published, try $try: exit $status, $(cat said)"
+	done
+}
+remove=none
+published
+finished 'nobody removed'
+remove=two
+published
+finished 'as published'
 is 'Table 3: two hosts were removed' "$(grep -c 'lost (signal-9)' said)" 2
-table 'by default'
+table
+finished 'by default'
 ok 'Table 3: no process remains' await 2 none_alive
 finish
