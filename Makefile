@@ -1,5 +1,5 @@
 # Stormring. make: the programs. make demo, demo-volume, check: they install the Debian packages they miss, and say which.
-# make bench, bench-volume, soak, chart, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+# make bench, bench-volume, soak, chart, report, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -77,6 +77,12 @@ chart:
 	@$(PARALLEL) -s all
 	@tests/chart
 
+# What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
+report:
+	@tests/need check
+	@$(PARALLEL) -s all
+	@FULL=$(FULL) tests/report
+
 # Each target starts from its committed corpus; what it finds worth keeping stays in build/fuzz.
 fuzz:
 	@tests/need check
@@ -122,8 +128,8 @@ uninstall:
 	for page in $(notdir $(PAGES)); do rm -f $(MANDIR)/man$${page##*.}/$$page; done
 
 clean:
-	rm -rf build $(PROGRAMS) gears.png gears.frags wind-*.png wind-*.frags
+	rm -rf build report $(PROGRAMS) gears.png gears.frags wind-*.png wind-*.frags
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all need demo demo-volume check bench bench-volume soak chart fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo demo-volume check bench bench-volume soak chart report fuzz unit fuzzers install uninstall clean

@@ -115,7 +115,7 @@ by_usage() {
 	"$1" -h | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
 }
 by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
-programs=$(for p in bin/*; do case $p in bin/balance-*) ;; *) basename "$p" .c ;; esac; done | sort -u)
+programs=$(for p in bin/*; do case $p in bin/balance-* | bin/protocol-*) ;; *) basename "$p" .c ;; esac; done | sort -u)
 for program in $programs; do
 	source=bin/$program.c page=man/$program.1
 	[ -e "$source" ] || source=bin/$program
@@ -235,6 +235,6 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 # ---- the rest --------------------------------------------------------------------------------------------------
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
 clean 'nothing built is committed'
-printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|(gears|wind-.*)\.(png|frags)' >"$found"
+printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|report|(gears|wind-.*)\.(png|frags)' >"$found"
 clean 'the top level is as fixed'
 finish

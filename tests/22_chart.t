@@ -50,6 +50,19 @@ chart -o one.svg one.tsv
 chart -o three.svg three.tsv
 is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 
+
+# Where a table names a level, the means and their intervals: 4, 4 and 10 are not 4, and 1000 is no outlier of four.
+leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \
+	'a real m 1 1 4 s 4 0' 'a real m 2 1 6 s 1 0'; }
+leveled kept >level.tsv && chart -o level.svg level.tsv && texts level.svg >said
+like 'means, with the confidence that the table names' "$(cat said)" '^means, with bands of 90 % confidence, of up to 4 samples$'
+leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
+like 'and without outliers' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
+is 'these are others' "$(cmp -s level.svg drop.svg; echo $?)" 1
+tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
+run chart bad.tsv
+like 'refused: a level that is none' "$status $err" '^2 .*-c much: expected a number'
+
 # Intervals: a lane for each slot, a look for each thing done, and none of the points' options.
 bars=$(printf '%s until' "$header")
 tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \

@@ -1,0 +1,118 @@
+#!/bin/sh
+# protocol and tsvstat: tables that are stopped and go on, or are another run's; what samples tell, and what they refuse.
+. "$(dirname "$0")/lib.sh"
+tab=$(printf '\t')
+tsv() { printf '%s\n' 'experiment kind method x x_unit y y_unit sample seed' "$@" | tr ' ' "$tab"; }
+
+# ---- tsvstat: means and intervals ----------------------------------------------------------------------------------
+tsv 'e real m 1 s 1 s 1 0' 'e real m 1 s 2 s 2 0' 'e real m 1 s 3 s 3 0' 'e real m 1 s 4 s 4 0' 'e real m 1 s 5 s 5 0' \
+	'e real m@a 1 s 7 s 1 0' 'e real m@a 2 s 9 s 2 0' 'e real m 2 s 8 s 1 0' >five.tsv
+run tsvstat five.tsv
+# t of .975 and 4 degrees of freedom is 2.77645
+is 'a mean and its interval, by hand' "$(echo "$out" | sed -n 2p)" "e${tab}real${tab}m${tab}1${tab}5${tab}0${tab}3${tab}2.5${tab}1.03675684${tab}4.96324316"
+like 'one sample tells nothing of its mean' "$out" "m${tab}2${tab}1${tab}0${tab}8${tab}0${tab}-inf${tab}inf"
+like 'a setting is one point at any x' "$out" "m@a${tab}1.5${tab}2${tab}0${tab}8"
+{ cat five.tsv; tsv 'e real m 1 s 99 s 6 0' | sed 1d; } >six.tsv
+like 'an outlier counts' "$(tsvstat six.tsv)" "m${tab}1${tab}6${tab}0${tab}19"
+like '-r removes it' "$(tsvstat -r six.tsv)" "m${tab}1${tab}5${tab}1${tab}3${tab}2.5"
+
+# ---- and comparisons: of b, a is 1 less in each pair, c is as far apart in all, d is a with more noise ----------------
+for i in 1 2 3 4 5 6; do
+	echo "$i" | awk '{ i = $1
+		print "e real a 1 s", 10 * i, "s", i, 0; print "e real b 1 s", 10 * i + 1 + i / 100, "s", i, 0
+		print "e real c 1 s", 10 * i + .1 * (i % 2), "s", i, 0; print "e real d 1 s", (i % 2 ? -1 : 1) * 1000, "s", i, 0 }'
+done >lines
+xargs -d '\n' sh -c 'printf "%s\n" "$@"' x <lines | { tsv; tr ' ' "$tab"; } | sed '/^$/d' >pairs.tsv
+verdict() { tsvstat -c .999 -t "$@" pairs.tsv | awk -F '\t' -v s="$?" 'NR > 1 { print $NF }'; }
+is 'less, by pairs' "$(verdict less a b)" holds
+is 'and not more' "$(verdict more a b)" fails
+is 'what is not certain is open' "$(verdict less a d)" open
+is 'the same within a margin' "$(verdict same:.01 a c)" holds
+is 'not the same within a smaller one' "$(verdict same:.001 a b)" fails
+is 'steadier' "$(verdict steadier a d)$(verdict steadier d a)$(verdict steadier a a)" holdsfailsopen
+run tsvstat -t less a b pairs.tsv
+is 'exit 0 when it holds' "$status" 0
+run tsvstat -t more a b pairs.tsv
+is 'exit 1 when it does not' "$status" 1
+# refused LINE WHY ROW: exit 2, the line, the reason
+refused() {
+	tsv "$3" >bad.tsv
+	run tsvstat bad.tsv
+	is "refused: $2" "$status $(echo "$err" | grep -c "^tsvstat: bad.tsv:$1: .*$2.*expected\|^tsvstat: bad.tsv:$1: expected.*$2")" '2 1'
+}
+refused 2 'y is "x"' 'e real m 1 s x s 1 0'
+refused 2 'sample is "-1"' 'e real m 1 s 1 s -1 0'
+refused 2 '9 columns' 'e real m 1 s 1 s 1'
+run sh -c 'echo nonsense | tsvstat'
+like 'refused: no names of columns' "$status $err" '^2 tsvstat: standard input:1: expected'
+run tsvstat -t less a nobody pairs.tsv
+like 'nothing to compare' "$status $err" '^1 .*expected experiments with both methods'
+{ cat five.tsv; sed -n 2p five.tsv; } >twice.tsv
+run tsvstat twice.tsv
+like 'refused: the same sample twice' "$status $err" '^2 .*expected one'
+
+# ---- protocol: what there is ---------------------------------------------------------------------------------------
+run protocol -l
+is 'the list names every experiment' "$(echo "$out" | cut -f 1)" "$(cd "$root/bin" && for e in protocol-*; do echo "${e#protocol-}"; done)"
+is 'with six columns' "$(echo "$out" | awk -F '\t' 'NF != 6 || /\t\t|\t$/')" ''
+for e in $(echo "$out" | cut -f 1); do
+	grep -q "^\.It Cm $e\$" "$root/man/protocol.1" || echo "$e"
+done >missing
+is 'and the page has all of them' "$(cat missing)" ''
+for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-o' 'nosuch' '../protocol' 'faults faults'; do
+	# shellcheck disable=SC2086
+	run protocol $args
+	is "usage: protocol $args" "$status" 2
+done
+
+# ---- stopped, and going on: the same costs, one run without a stop and one that is killed at any moment ------------
+ok 'an experiment' protocol -n 2 -o whole.tsv faults
+is 'nothing is left beside a whole table' "$(echo whole.tsv*)" 'whole.tsv'
+is 'all rows' "$(grep -vc '^#' whole.tsv)" 21
+protocol -n 2 -o a.tsv faults 2>/dev/null &
+run=$!
+until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done
+kill -9 $run 2>/dev/null
+wait $run
+# It may have been quick enough, and what it left is then whole.
+mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
+if [ -d a.tsv.d ]; then
+	printf 'balls	simulated	to' >>a.tsv
+	ok 'the same command goes on, behind half a row' protocol -n 2 -o a.tsv faults
+	ok 'and one without a stop, by the same costs' protocol -n 2 -o b.tsv faults
+	ok 'gives the same' cmp a.tsv b.tsv
+fi
+run protocol -n 2 -o whole.tsv faults
+is 'a whole table is left alone' "$status$out" 0
+run protocol -n 2 -s 1 -o whole.tsv faults
+like 'refused: another seed' "$status $err" '^2 protocol: .*whole.tsv:1: is "# command: protocol -n 2 -s 0 faults", expected'
+sed 's/^# commit: .*/# commit: other/' whole.tsv >other.tsv
+run protocol -n 2 -o other.tsv faults
+like 'refused: another commit' "$status $err" '^2 protocol: .*other.tsv:2: is "# commit: other", expected "# commit: '
+sed 's/	hybrid	/	other	/' whole.tsv >other.tsv
+run protocol -n 2 -o other.tsv faults
+like 'refused: another plan' "$status $err" '^2 protocol: .*other.tsv:[0-9]+: .*expected'
+run protocol -n 2 -o /nowhere/x.tsv faults
+is 'nowhere to write: status 3' "$status" 3
+
+# ---- verdicts: tables made so that a claim holds, fails, or is open ------------------------------------------------
+# made GDC INTERLEAVED: faults with these speed-ups after two are deleted
+made() {
+	sed '/^#/!d' whole.tsv
+	for i in 1 2 3 4 5; do echo "$i"; done | awk -v gdc="$1" -v fan="$2" 'BEGIN { OFS = "\t"
+		split("experiment kind method x x_unit y y_unit sample seed", c, " "); $0 = ""; for (i = 1; i <= 9; i++) $i = c[i]; print }
+		function row(method, x, y) { print "balls", "simulated", method, x, 1, y, 1, i, i }
+		{ i = $1; for (x = 0; x <= 2; x += 2) { row("interleaved", x, x ? fan : 6); row("masterslave", x, 10 + i / 50); row("hybrid", x, 10 + i / 50)
+			row("gdc", x, x ? gdc * (1 + i / 50) : 11); row("gdc-published", x, 7 + i / 50) } }'
+}
+made 9 0 >good.tsv
+run protocol -v faults good.tsv
+is 'verdicts: a line each' "$status $(echo "$out" | wc -l)" "0 $(protocol -v faults whole.tsv | wc -l)"
+is 'found' "$(echo "$out" | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" '2 2 0 found -'
+made 0 0 >bad.tsv
+is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 0 found in part'
+made 9 5 >bad.tsv
+is 'not found' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
+run protocol -v complexity whole.tsv
+is 'refused: verdicts on a table of another experiment' "$status" 2
+finish
