@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 static const char usage_text[] =
-    "[-h] [-L LEVELS] [-o FILE] [-t INDEX|all] FILE.grb VARIABLE | -l FILE.grb";
+    "[-ch] [-L LEVELS] [-o FILE] [-t INDEX|all] FILE.grb VARIABLE | -l FILE.grb";
 
 struct options {
     struct convert_options common;
@@ -24,7 +24,7 @@ struct source {
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.levels = NULL};
-    for (int c; (c = getopt(argc, argv, "hL:lo:t:")) != -1;)
+    for (int c; (c = getopt(argc, argv, "chL:lo:t:")) != -1;)
         if (c == 'L') o.levels = optarg;
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
@@ -125,6 +125,7 @@ static void convert_stack(const struct gb_index *x, const struct options *o)
     struct source s = find(x, o);
     struct converter from = {.what = o->common.what,
         .name = s.request.name,
+        .degrees = !gb_is_projected(s.part[0].at->kind),
         .times = s.part[0].n_times,
         .ctx = &s,
         .axes = axes,

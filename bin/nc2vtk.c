@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-static const char usage_text[] = "[-h] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE | -l FILE.nc";
+static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE | -l FILE.nc";
 
 /* The variables of a request: one, or the two of a derived one. */
 struct source {
@@ -18,7 +18,7 @@ struct source {
 static struct convert_options parse(int argc, char **argv)
 {
     struct convert_options o = {0};
-    for (int c; (c = getopt(argc, argv, "hlo:t:")) != -1;)
+    for (int c; (c = getopt(argc, argv, "chlo:t:")) != -1;)
         convert_option(&o, c, optarg, usage_text);
     convert_operands(&o, argc - optind, argv + optind, usage_text);
     return o;
@@ -107,6 +107,7 @@ static void convert_field(struct cf_file *c, const struct convert_options *o)
     const struct cf_axis *t = cf_axis_of(&s.part[0], CF_T);
     struct converter from = {.what = s.request.name,
         .name = s.request.name,
+        .degrees = cf_axis_is_longitude(cf_axis_of(&s.part[0], CF_X)),
         .times = t ? t->n : 1,
         .ctx = &s,
         .axes = axes,

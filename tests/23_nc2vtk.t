@@ -94,6 +94,21 @@ ok 'and the same by -t' sh -c "nc2vtk -t 7 '$atlas' TEMP | cmp - m07.vtk"
 ok 'the first is the default' sh -c "nc2vtk '$atlas' TEMP | cmp - m00.vtk"
 like 'the title tells the time' "$(sed -n 2p m07.vtk)" '; t TIME [0-9.]+ \[hour since 0000-01-01 00:00:00\]$'
 
+for file in "$nc4 U 128 -180 180" "$echam t 192 -180 180" "$levitus TEMP 360 20.5 380.5" "$atlas TEMP 180 20.5 380.5"; do
+	# shellcheck disable=SC2086  # a word each
+	set -- $file
+	nc2vtk "$1" "$2" >open.vtk
+	nc2vtk -c "$1" "$2" >closed.vtk
+	ok "-c: the globe of $(basename "$1") is closed" closed open.vtk closed.vtk "$3"
+	is 'at the place where it began' "$(coordinates X closed.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" " $4 $5 "
+	is 'and the rest of the file is the same' "$(coordinates Y closed.vtk | cksum)$(sed -n '2p' closed.vtk)" \
+		"$(coordinates Y open.vtk | cksum)$(sed -n '2p' open.vtk)"
+done
+nc2vtk -c -t all -o 'c%d.vtk' "$atlas" TEMP
+for month in 0 1 11; do
+	ok "-c, of month $month" closed "$(printf 'm%02d.vtk' $month)" c$month.vtk 180
+done
+
 # ---- files made for it -----------------------------------------------------------------------------------------
 # make NAME DIMENSIONS VARIABLES DATA: NAME.nc
 make_nc() { printf 'netcdf a {\ndimensions: %s\nvariables: %s\ndata: %s\n}\n' "$2" "$3" "$4" >"$1.cdl" && ncgen -o "$1.nc" "$1.cdl"; }
@@ -140,6 +155,27 @@ ncgen -k nc4 -o inner.nc inner.cdl
 is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 4 5 6 7 8'
 like 'and listed' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
 
+# longitudes NAME LON ...: NAME.nc, whose values count up
+longitudes() {
+	name=$1
+	shift
+	make_nc "$name" "lon = $#; lat = 2; z = 2;" \
+		'float lon(lon); lon:units = "degrees_east"; float lat(lat); lat:units = "degrees_north"; float z(z); float s(z, lat, lon);' \
+		"lon = $(echo "$@" | sed 's/ /, /g'); lat = 1, 2; z = 1, 2; s = $(seq -s, $((4 * $#)));"
+}
+longitudes round -180 -90 0 90
+is '-c: the first column again' "$(got -c round.nc s)" '1 2 3 4 1 5 6 7 8 5 9 10 11 12 9 13 14 15 16 13'
+is '-c: 360 degrees further east' "$(on_line coordinates X a.vtk)" '-180 -90 0 90 180'
+longitudes westwards 270 180 90 0
+is '-c: longitudes that descend' "$(got -c westwards.nc s):$(on_line coordinates X a.vtk)" \
+	'4 3 2 1 4 8 7 6 5 8 12 11 10 9 12 16 15 14 13 16:0 90 180 270 360'
+longitudes stretched 0 100 180 270
+is '-c: steps that differ' "$(got -c stretched.nc s >/dev/null; on_line coordinates X a.vtk)" '0 100 180 270 360'
+longitudes rounded 0 51.43 102.86 154.29 205.71 257.14 308.57
+is '-c: rounded ones' "$(got -c rounded.nc s >/dev/null; on_line coordinates X a.vtk | cut -d' ' -f 8)" 360
+longitudes whole 0 90 180 270 360
+ok '-c: what is closed already stays as it is' sh -c 'nc2vtk -c whole.nc s >a.vtk; nc2vtk whole.nc s | cmp - a.vtk'
+
 # ---- refused, and why ------------------------------------------------------------------------------------------
 data='s = 1, 2, 3, 4, 5, 6, 7, 8;' scalar='float s(z, y, x);'
 make_nc twice "$cube" "$axes $scalar" "x = 1, 1; y = 3, 4; z = 5, 6; $data"
@@ -175,6 +211,16 @@ echo text >no.nc
 refused no.nc s 'Unknown file format'
 run nc2vtk -t 12 "$atlas" TEMP
 is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: expected an index below 12"
+longitudes half 0 90 180
+longitudes gap 0 60 120 180 240
+longitudes twice 0 120 240 360 480
+for name in half gap twice; do
+	run nc2vtk -c $name.nc s
+	like "refused: -c of $name.nc" "$status:$out:$err" "^2::nc2vtk: $name.nc: s: -c: x goes from 0 to [0-9]*, expected it to go round but for one step"
+done
+make_nc metres "$cube" "$axes x:units = \"km\"; $scalar" "$nodes $data"
+run nc2vtk -c metres.nc s
+is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is no longitude in degrees'
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
 
 # ---- usage, and a full disk ----------------------------------------------------------------------------------

@@ -76,6 +76,15 @@ is 'and counted' "$(got -t 1 times.grib2 t)" '14 15 16 11 12 13 4 5 6 1 2 3'
 like 'and in the title' "$(sed -n 2p a.vtk)" '; t validity 202601020600 \[YYYYMMDDhhmm\]$'
 ok 'each time a file' sh -c 'grib2vtk -t all -o t%d.vtk times.grib2 t && cmp t1.vtk a.vtk && [ "$(echo t?.vtk)" = "t0.vtk t1.vtk" ]'
 
+make_grib round "set Ni=4; set longitudeOfFirstGridPointInDegrees=90; set longitudeOfLastGridPointInDegrees=0;
+set iDirectionIncrementInDegrees=90; set level=500; set values={1,2,3,4,5,6,7,8}; write; set level=850; write;"
+is '-c: the first column again' "$(got -c round.grib2 t)" '5 6 7 8 5 1 2 3 4 1 5 6 7 8 5 1 2 3 4 1'
+is '-c: 360 degrees further east' "$(on_line coordinates X a.vtk)" '90 180 270 360 450'
+grib2vtk gauss.grib2 t >open.vtk
+grib2vtk -c gauss.grib2 t >a.vtk
+ok '-c: a Gaussian grid' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"
+is 'is closed' "$(coordinates X a.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" ' 0 360 '
+
 # ---- refused, and why --------------------------------------------------------------------------------------------
 refused "$file" prmsl 'prmsl: 1 level, expected 2 at least'
 refused "$file" nothing 'no nothing, expected one that -l lists'
@@ -94,6 +103,10 @@ refused torn.grib2 u 'message 1: '
 echo text >no.grib2
 refused no.grib2 t 'there is no GRIB message in it'
 refused missing.grib2 t 'No such file'
+run grib2vtk -c "$file" u
+like 'refused: -c of a plane' "$status:$err" '^2:grib2vtk: .*: u: -c: x is no longitude in degrees'
+run grib2vtk -c plain.grib2 t
+like 'refused: -c of a part of the globe' "$status:$err" '^2:grib2vtk: .*: t: -c: x goes from 350 to 370, expected'
 run grib2vtk -L surface "$file" u
 like 'levels that are not there' "$status:$err" '^2:grib2vtk: .*: no u at levels of type surface'
 run grib2vtk -t 1 "$file" u

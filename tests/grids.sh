@@ -16,6 +16,18 @@ values() {
 on_line() { "$@" | tr -s ' \n' ' ' | sed 's/^ //; s/ $//; s/-nan/nan/g'; }
 # got ARGUMENTS: the values of the grid that this makes, which is in a.vtk
 got() { "$converter" "$@" >a.vtk && on_line values a.vtk; }
+# closed OPEN CLOSED NX: the grid of one file is that of the other, and in each row the first value again
+closed() {
+	values "$1" >open.values
+	values "$2" | awk -v nx="$3" '
+		NR == FNR { want[n++] = $1; next }
+		{
+			row = int((FNR - 1) / (nx + 1)); x = (FNR - 1) % (nx + 1)
+			if ($1 != want[row * nx + x % nx]) { print "value " FNR ": " $1; exit bad = 1 }
+			seen++
+		}
+		END { exit bad || !n || seen != n / nx * (nx + 1) }' open.values -
+}
 # refused FILE VARIABLE MESSAGE
 refused() {
 	run "$converter" "$1" "$2"

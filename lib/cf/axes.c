@@ -108,6 +108,11 @@ const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind)
     return NULL;
 }
 
+bool cf_axis_is_longitude(const struct cf_axis *a)
+{
+    return a->kind == CF_X && (!a->units[0] || strncasecmp(a->units, "degree", 6) == 0);
+}
+
 bool cf_same_axes(const struct cf_field *a, const struct cf_field *b)
 {
     bool same = a->n_axes == b->n_axes;

@@ -65,6 +65,8 @@ bool cf_find(
 void cf_field_free(struct cf_field *f);
 /* NULL where it has none. */
 const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind);
+/* Does it come round after 360? x in units of degrees, or without any. */
+bool cf_axis_is_longitude(const struct cf_axis *a);
 bool cf_same_axes(const struct cf_field *a, const struct cf_field *b);
 
 /* The variables of two dimensions and more, of all groups, in the file's order; path is the

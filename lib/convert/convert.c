@@ -3,6 +3,7 @@
 #include "image/image.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static void put(const struct convert_options *o, size_t time, const struct buf *b)
 {
@@ -15,15 +16,57 @@ static void put(const struct convert_options *o, size_t time, const struct buf *
     free(path);
 }
 
-static void convert_time(
-    const struct convert_options *o, const struct converter *c, size_t time, struct grid *g)
+/* ---- the last column of a globe ------------------------------------------------------------- */
+
+#define SLACK .01 /* of a step: coordinates are rounded, to floats or to some decimals */
+
+/* Does x come round to where it began but for one step, which is not wider than the others? */
+static bool wants_closing(
+    const struct convert_options *o, const struct converter *c, const struct grid *g)
+{
+    const double *x = g->at[0], range = x[g->n[0] - 1] - x[0];
+    double step = 0;
+    if (!c->degrees) die(ST_USAGE, "%s: %s: -c: x is no longitude in degrees", o->file, c->what);
+    for (uint32_t i = 1; i < g->n[0]; i++) step = fmax(step, x[i] - x[i - 1]);
+    if (fabs(360 - range) <= SLACK * step) return false;
+    if (range > 360 || 360 - range > (1 + SLACK) * step)
+        die(ST_USAGE, "%s: %s: -c: x goes from %g to %g, expected it to go round but for one step",
+            o->file, c->what, x[0], x[0] + range);
+    return true;
+}
+
+/* Room for one column more. */
+static void make_room(struct grid *g)
+{
+    g->at[0] = xrealloc(g->at[0], g->n[0] + 1, sizeof *g->at[0]);
+    g->at[0][g->n[0]] = g->at[0][0] + 360;
+    g->value = xrealloc(g->value, (size_t)(g->n[0] + 1) * g->n[1], g->n[2] * sizeof *g->value);
+}
+
+/* The values of it are those of the first one. */
+static void close_round(struct grid *g)
+{
+    const size_t n = g->n[0]++;
+    for (size_t row = (size_t)g->n[1] * g->n[2]; row-- > 0;) {
+        float *to = g->value + row * (n + 1);
+        memmove(to, g->value + row * n, n * sizeof *to);
+        to[n] = to[0];
+    }
+}
+
+/* ---- the way of a grid ---------------------------------------------------------------------- */
+
+static void convert_time(const struct convert_options *o, const struct converter *c, size_t time,
+    bool closing, struct grid *g)
 {
     struct buf title = {0}, b = {0};
     c->values(c->ctx, time, g);
+    if (closing) close_round(g);
     c->describe(c->ctx, time, &title);
     buf_append(&title, "", 1);
     grid_write(g, (const char *)buf_data(&title), &b);
     put(o, time, &b);
+    if (closing) g->n[0]--;
     buf_free(&title);
     buf_free(&b);
 }
@@ -37,6 +80,9 @@ void convert(const struct convert_options *o, const struct converter *c)
             c->times);
     c->axes(c->ctx, &g);
     snprintf(g.name, sizeof g.name, "%s", c->name);
-    for (size_t time = o->every ? 0 : o->time; time < end; time++) convert_time(o, c, time, &g);
+    bool closing = o->round && wants_closing(o, c, &g);
+    if (closing) make_room(&g);
+    for (size_t time = o->every ? 0 : o->time; time < end; time++)
+        convert_time(o, c, time, closing, &g);
     grid_free(&g);
 }

@@ -14,13 +14,14 @@
 
 struct convert_options {
     const char *out; /* -o: a file, %d in it is the time's index; NULL: standard output */
+    bool round;      /* -c: the first column again, where longitudes come round to it */
     bool list;       /* -l */
     bool every;      /* -t all */
     size_t time;     /* -t INDEX */
     const char *file, *what;
 };
 
-/* One of -h, -l, -o and -t; any other letter is refused with the usage. */
+/* One of -c, -h, -l, -o and -t; any other letter is refused with the usage. */
 void convert_option(
     struct convert_options *o, int letter, const char *argument, const char *usage_text);
 /* The file, and, but with -l, what is wanted of it; do the options go together? */
@@ -38,6 +39,7 @@ bool convert_request_parse(const char *text, struct convert_request *r);
 /* Where grids come from. */
 struct converter {
     const char *what, *name; /* for messages; of the scalar */
+    bool degrees; /* x is, of longitude */
     size_t times;
     void *ctx; /* of the functions */
     /* The axes, and room for values. */

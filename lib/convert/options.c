@@ -8,6 +8,7 @@ void convert_option(
     struct convert_options *o, int letter, const char *argument, const char *usage_text)
 {
     switch (letter) {
+    case 'c': o->round = true; break;
     case 'h': usage(ST_OK, usage_text);
     case 'l': o->list = true; break;
     case 'o': o->out = argument; break;
