@@ -214,7 +214,8 @@ static void order_by_cost(const struct options *o, struct place *at, uint32_t n)
             o->cost_log);
     for (uint32_t i = 0; i < n; i++) {
         struct task t = cut_task(&o->cut, w, h, i);
-        at[i].cost = log_cost_of(&costs, &t.at, w, h);
+        for (uint64_t k = 0, pixels = lattice_count(&t.at); k < pixels; k++)
+            at[i].cost += log_cost_at(&costs, lattice_pixel(&t.at, w, k), w, h);
     }
     qsort(at, n, sizeof *at, dearest_first);
     log_costs_free(&costs);

@@ -229,9 +229,7 @@ static double *costs_of(const struct options *o)
     struct log_costs c = {0};
     if (o->log) {
         if (log_costs_read(o->log, &c) != 0) die(ST_USAGE, "%s:", o->log);
-        if (!c.us || c.w != w->frame_w || c.h != w->frame_h)
-            die(ST_USAGE, "%s: expected the log of a picture of %ux%u", o->log, w->frame_w,
-                w->frame_h);
+        if (!c.us) die(ST_USAGE, "%s: expected the log of a picture", o->log);
     }
     double *us = xcalloc((size_t)w->frame_w * w->frame_h, sizeof *us);
     for (int32_t i = 0; i < o->plan.tasks; i++) {
@@ -239,7 +237,7 @@ static double *costs_of(const struct options *o)
         double made_us = o->us * pow(o->spread, drawn(o, 2 * (uint64_t)t->id));
         for (uint64_t k = 0, n = lattice_count(&t->at); k < n; k++) {
             uint64_t p = lattice_pixel(&t->at, w->frame_w, k);
-            us[p] = o->scale * (c.us ? c.us[p] : made_us);
+            us[p] = o->scale * (c.us ? log_cost_at(&c, p, w->frame_w, w->frame_h) : made_us);
         }
     }
     log_costs_free(&c);

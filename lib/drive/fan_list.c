@@ -14,15 +14,22 @@ static void measure(struct fan *f)
     free(p);
 }
 
-/* The slots of a host are of one machine: the best of their self-tests was disturbed least. */
+/* The slots of a host are of one machine: the best of their self-tests was disturbed least, and so
+ * was the shortest of their round trips. */
 static void level(struct fan *f)
 {
     for (int k = 0, end; k < f->n_slots; k = end) {
         double best = 0;
-        for (end = k; end < f->n_slots && f->slots[end].host == f->slots[k].host; end++)
+        int64_t trip_us = INT64_MAX;
+        for (end = k; end < f->n_slots && f->slots[end].host == f->slots[k].host; end++) {
             best = fmax(best, f->slots[end].power);
-        for (int i = k; i < end; i++)
+            int64_t trip = f->slots[end].trip_us;
+            if (trip && trip < trip_us) trip_us = trip;
+        }
+        for (int i = k; i < end; i++) {
             if (f->slots[i].power > 0) f->slots[i].power = best;
+            if (f->slots[i].trip_us) f->slots[i].trip_us = trip_us;
+        }
     }
 }
 

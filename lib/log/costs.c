@@ -113,14 +113,8 @@ void log_costs_free(struct log_costs *c)
     *c = (struct log_costs){0};
 }
 
-double log_cost_of(
-    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h)
+double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint32_t frame_h)
 {
-    double us = 0;
-    for (uint64_t i = 0, n = lattice_count(at); i < n; i++) {
-        uint64_t p = lattice_pixel(at, frame_w, i);
-        uint64_t x = p % frame_w * c->w / frame_w, y = p / frame_w * c->h / frame_h;
-        us += c->us[y * c->w + x];
-    }
-    return us;
+    uint64_t x = p % frame_w * c->w / frame_w, y = p / frame_w * c->h / frame_h;
+    return c->us[y * c->w + x];
 }

@@ -68,9 +68,8 @@ struct log_costs {
 /* Reads the log's first frame; what is missing of it gets the mean. 0, or -1 with errno. */
 int log_costs_read(const char *path, struct log_costs *c);
 void log_costs_free(struct log_costs *c);
-/* The same for pixels of a picture of any size of the same scene: a measure, not a time. */
-double log_cost_of(
-    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h);
+/* The same for pixel p of a picture of any size of the same scene. */
+double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint32_t frame_h);
 
 /* ---- the file ------------------------------------------------------------------------ */
 
