@@ -18,6 +18,8 @@
 #define COVARIANCE (1.0 / 9)
 
 struct span;
+struct stream;
+struct lattice;
 
 struct batch {
     double o[3], d[3]; /* of the ray */
@@ -39,6 +41,7 @@ struct batch {
 struct kernel {
     void (*cubics)(struct batch *);
     void (*moments)(struct batch *);
+    void (*rays)(struct stream *, const struct lattice *, uint64_t n0, uint32_t n);
 };
 const struct kernel *kernel_sse2(void);
 /* NULL where this machine has no such instructions. */

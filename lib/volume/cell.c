@@ -21,22 +21,22 @@ static void corners(struct cell *c, const struct volume *v, const int32_t i[3])
     c->f[6] = xyz - xy - xz - yz + fx + fy + fz;
 }
 
-void cell_init(struct cell *c, const struct walk *w, const struct stretch *s)
+void cell_init(struct cell *c, const struct volume *v, const double o[3], const double d[3],
+    const struct stretch *s)
 {
     const double t0 = s->t0, t1 = s->t1;
-    const struct volume *v = w->v;
     corners(c, v, s->i);
     for (int a = 0; a < 3; a++) {
         const double *plane = v->plane[a] + s->i[a];
         double h = c->edge[a] = plane[1] - plane[0];
-        double u0 = (w->o[a] + t0 * w->d[a] - plane[0]) / h;
-        double u1 = (w->o[a] + t1 * w->d[a] - plane[0]) / h;
+        double u0 = (o[a] + t0 * d[a] - plane[0]) / h;
+        double u1 = (o[a] + t1 * d[a] - plane[0]) / h;
         u0 = u0 < 0 ? 0 : u0 > 1 ? 1 : u0;
         u1 = u1 < 0 ? 0 : u1 > 1 ? 1 : u1;
         c->from[a] = u0;
         c->way[a] = u1 - u0;
     }
-    c->t = w->before + t0;
+    c->t = t0;
     c->len = t1 - t0;
     const double *f = c->f, x = c->from[0], y = c->from[1], z = c->from[2];
     const double dx = c->way[0], dy = c->way[1], dz = c->way[2];

@@ -4,6 +4,7 @@
  */
 #include "volume/batch.h"
 #include "volume/simd.h"
+#include "volume/stream_ray.h"
 
 /* Local coordinates at t; rounding takes none out of the cell. */
 SIMD_INLINE vd local(const struct batch *b, int a, uint32_t j, vd t)
@@ -12,7 +13,7 @@ SIMD_INLINE vd local(const struct batch *b, int a, uint32_t j, vd t)
     return vd_min(vd_max(u, vd_set(0)), vd_set(1));
 }
 
-static void cubics(struct batch *b)
+static void batch_cubics(struct batch *b)
 {
     for (uint32_t j = 0; j < b->n; j += VD) {
         vd t0 = vd_load(b->t0 + j), t1 = vd_load(b->t1 + j);
@@ -40,7 +41,7 @@ static void cubics(struct batch *b)
     }
 }
 
-static void moments(struct batch *b)
+static void batch_moments(struct batch *b)
 {
     for (uint32_t j = 0; j < b->n; j += VD) {
         vd q0 = vd_load(b->p[0] + j) - (vd_load(b->from + j) - vd_widen(b->corner[0] + j));
@@ -61,4 +62,4 @@ static void moments(struct batch *b)
     }
 }
 
-static const struct kernel table = {cubics, moments};
+static const struct kernel table = {batch_cubics, batch_moments, rays};

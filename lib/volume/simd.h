@@ -1,7 +1,7 @@
 /*
- * simd: vectors of VD doubles, as wide as the file that includes this is compiled for, by the
- * compilers' own vectors: + - * / work lane by lane, each exactly the IEEE operation, so that the
- * width changes no bit.
+ * simd: vectors as wide as the file that includes this is compiled for: VD doubles, or LANES floats
+ * in as many bytes. + - * / work lane by lane by the compilers' own vectors, each exactly the IEEE
+ * operation, so that the width changes no bit; what they lack is said for AVX2, and in plain C.
  */
 #ifndef STORMRING_VOLUME_SIMD_H
 #define STORMRING_VOLUME_SIMD_H
@@ -11,15 +11,21 @@
 #include <string.h>
 
 #ifdef __AVX2__
+#include <immintrin.h>
 #define VD 4
 #else
 #define VD 2
 #endif
+#define LANES (2 * VD)
 typedef double vd __attribute__((vector_size(8 * VD)));
-typedef float vf __attribute__((vector_size(4 * VD)));
 typedef int64_t vl __attribute__((vector_size(8 * VD)));
+typedef float vf __attribute__((vector_size(4 * LANES)));
+typedef int32_t vi __attribute__((vector_size(4 * LANES)));
+typedef float vh __attribute__((vector_size(4 * VD))); /* half of a vf */
 
 #define SIMD_INLINE static inline __attribute__((always_inline))
+
+/* ---- doubles -------------------------------------------------------------------------------- */
 
 SIMD_INLINE vd vd_load(const double *p)
 {
@@ -29,16 +35,78 @@ SIMD_INLINE vd vd_load(const double *p)
 }
 SIMD_INLINE vd vd_widen(const float *p)
 {
-    vf a;
+    vh a;
     memcpy(&a, p, sizeof a);
     return __builtin_convertvector(a, vd);
 }
 SIMD_INLINE void vd_store(double *p, vd a) { memcpy(p, &a, sizeof a); }
+SIMD_INLINE vl vl_load(const int64_t *p)
+{
+    vl a;
+    memcpy(&a, p, sizeof a);
+    return a;
+}
+SIMD_INLINE void vl_store(int64_t *p, vl a) { memcpy(p, &a, sizeof a); }
 SIMD_INLINE vd vd_set(double a) { return a - (vd){0}; }
 /* m's lanes all ones: a, all zeros: b */
-SIMD_INLINE vd vd_choose(vl m, vd a, vd b) { return (vd)((m & (vl)a) | (~m & (vl)b)); }
-SIMD_INLINE vd vd_min(vd a, vd b) { return vd_choose((vl)(a < b), a, b); }
-SIMD_INLINE vd vd_max(vd a, vd b) { return vd_choose((vl)(a > b), a, b); }
+SIMD_INLINE vd vd_choose(vl m, vd a, vd b)
+{
+#ifdef __AVX2__
+    return _mm256_blendv_pd(b, a, (vd)m);
+#else
+    return (vd)((m & (vl)a) | (~m & (vl)b));
+#endif
+}
+SIMD_INLINE vl vl_choose(vl m, vl a, vl b) { return (vl)vd_choose(m, (vd)a, (vd)b); }
+/* As a < b ? a : b, and a > b ? a : b. */
+SIMD_INLINE vd vd_min(vd a, vd b)
+{
+#ifdef __AVX2__
+    return _mm256_min_pd(a, b);
+#else
+    return vd_choose((vl)(a < b), a, b);
+#endif
+}
+SIMD_INLINE vd vd_max(vd a, vd b)
+{
+#ifdef __AVX2__
+    return _mm256_max_pd(a, b);
+#else
+    return vd_choose((vl)(a > b), a, b);
+#endif
+}
+/* A bit a lane: its sign. */
+SIMD_INLINE unsigned vl_signs(vl m)
+{
+#ifdef __AVX2__
+    return (unsigned)_mm256_movemask_pd((vd)m);
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < VD; i++) bits |= (unsigned)(m[i] < 0) << i;
+    return bits;
+#endif
+}
+SIMD_INLINE vd vd_gather(const double *p, vl at)
+{
+#ifdef __AVX2__
+    return _mm256_i64gather_pd(p, (__m256i)at, 8);
+#else
+    vd a;
+    for (int i = 0; i < VD; i++) a[i] = p[at[i]];
+    return a;
+#endif
+}
+/* The sign of each lane is a bit of p; 8 bytes from that one's on are read. */
+SIMD_INLINE vl vl_bits(const uint8_t *p, vl at)
+{
+    vl word;
+#ifdef __AVX2__
+    word = (vl)_mm256_i64gather_epi64((const void *)p, (__m256i)(at >> 3), 1);
+#else
+    for (int i = 0; i < VD; i++) word[i] = p[at[i] >> 3];
+#endif
+    return word << (63 - (at & 7));
+}
 
 /* exp(x) for x <= 0, as volume_exp. */
 SIMD_INLINE vd vd_exp(vd x)
@@ -55,6 +123,96 @@ SIMD_INLINE vd vd_exp(vd x)
                (f4 * f4);
     vd scale = (vd)(((vl)sum + 1023) << 52);
     return vd_choose((vl)(x > vd_set(-700)), (1 + (f + f2 * q)) * scale, vd_set(0));
+}
+
+/* ---- floats --------------------------------------------------------------------------------- */
+
+SIMD_INLINE vf vf_load(const float *p)
+{
+    vf a;
+    memcpy(&a, p, sizeof a);
+    return a;
+}
+SIMD_INLINE void vf_store(float *p, vf a) { memcpy(p, &a, sizeof a); }
+SIMD_INLINE vi vi_load(const int32_t *p)
+{
+    vi a;
+    memcpy(&a, p, sizeof a);
+    return a;
+}
+SIMD_INLINE void vi_store(int32_t *p, vi a) { memcpy(p, &a, sizeof a); }
+SIMD_INLINE vf vf_set(float a) { return a - (vf){0}; }
+SIMD_INLINE vi vi_set(int32_t a) { return a - (vi){0}; }
+SIMD_INLINE vf vf_choose(vi m, vf a, vf b)
+{
+#ifdef __AVX2__
+    return _mm256_blendv_ps(b, a, (vf)m);
+#else
+    return (vf)((m & (vi)a) | (~m & (vi)b));
+#endif
+}
+SIMD_INLINE vf vf_min(vf a, vf b)
+{
+#ifdef __AVX2__
+    return _mm256_min_ps(a, b);
+#else
+    return vf_choose((vi)(a < b), a, b);
+#endif
+}
+SIMD_INLINE vf vf_max(vf a, vf b)
+{
+#ifdef __AVX2__
+    return _mm256_max_ps(a, b);
+#else
+    return vf_choose((vi)(a > b), a, b);
+#endif
+}
+SIMD_INLINE vf vf_abs(vf a) { return (vf)((vi)a & INT32_MAX); }
+SIMD_INLINE unsigned vi_signs(vi m)
+{
+#ifdef __AVX2__
+    return (unsigned)_mm256_movemask_ps((vf)m);
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < LANES; i++) bits |= (unsigned)(m[i] < 0) << i;
+    return bits;
+#endif
+}
+/* Of two halves. */
+SIMD_INLINE vf vf_narrow(vd a, vd b)
+{
+    vh low = __builtin_convertvector(a, vh), high = __builtin_convertvector(b, vh);
+#ifdef __AVX2__
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3);
+#endif
+}
+/* p[at] of a table of n entries; with room for 8 where it has fewer. */
+SIMD_INLINE vf vf_lookup(const float *p, uint32_t n, vi at)
+{
+#ifdef __AVX2__
+    if (n <= 8) return _mm256_permutevar8x32_ps(vf_load(p), (__m256i)at);
+    return _mm256_i32gather_ps(p, (__m256i)at, 4);
+#else
+    (void)n;
+    vf a;
+    for (int i = 0; i < LANES; i++) a[i] = p[at[i]];
+    return a;
+#endif
+}
+/*
+ * exp(x) for x <= 0: to within 2 units of the last digit.
+ */
+SIMD_INLINE vf vf_exp(vf x)
+{
+    const vf round = vf_set(0x1.8p23f); /* its last bits are then n */
+    vf sum = x * 1.44269504f + round, n = sum - round;
+    vf f = (x - n * 0.693359375f) + n * 2.12194440e-4f, f2 = f * f; /* ln 2 in two parts */
+    vf q = (0.5f + f * (1.0f / 6)) +
+           f2 * ((1.0f / 24 + f * (1.0f / 120)) + f2 * (1.0f / 720 + f * (1.0f / 5040)));
+    vf scale = (vf)(((vi)sum + 127) << 23);
+    return vf_choose(x > vf_set(-80), (1 + (f + f2 * q)) * scale, vf_set(0));
 }
 
 #endif

@@ -30,13 +30,13 @@ static bool seen(const struct volume *v, double lo, double hi)
 
 void skip_init(struct volume *v)
 {
-    size_t n_blocks = 1, n_cells = 1;
+    size_t n_blocks = 1, n_nodes = 1;
     for (int a = 0; a < 3; a++) {
         v->blocks[a] = ((v->cells[a] - 1) >> BLOCK_SHIFT) + 1;
         n_blocks *= v->blocks[a];
-        n_cells *= v->cells[a];
+        n_nodes *= v->cells[a] + 1;
     }
-    v->live = xcalloc(n_cells / 8 + 1, 1);
+    v->live = xcalloc(n_nodes / 8 + 8, 1);
     v->block = xcalloc(n_blocks, 1);
     int32_t i[3];
     for (i[2] = 0; i[2] < (int32_t)v->cells[2]; i[2]++)
@@ -46,6 +46,7 @@ void skip_init(struct volume *v)
                 const float *f =
                     v->first + i[0] * v->stride[0] + i[1] * v->stride[1] + i[2] * v->stride[2];
                 if (!range(v, f, &lo, &hi) || !seen(v, lo, hi)) continue;
+                v->range = fmax(v->range, hi - lo);
                 size_t cell = cell_index(v, i);
                 v->live[cell >> 3] |= (uint8_t)(1u << (cell & 7));
                 v->block[block_index(v, i)] = 1;

@@ -9,17 +9,22 @@ static int nodes_for(double tolerance) { return tolerance >= 5e-4 ? 3 : toleranc
 static void set_planes(struct volume *v, const struct grid *g, const double scale[3])
 {
     const ptrdiff_t stride[3] = {1, g->n[0], (ptrdiff_t)g->n[0] * g->n[1]};
-    v->first = g->value;
+    double *room = xmalloc((size_t)g->n[0] + g->n[1] + g->n[2] + 6 * BLOCK, sizeof *room);
+    v->first = v->value = g->value;
+    v->row = stride[1];
+    v->layer = stride[2];
     for (int a = 0; a < 3; a++) {
         uint32_t n = g->n[a];
         v->cells[a] = n - 1;
-        double *plane = v->plane[a] = (double *)xmalloc(n + 2 * BLOCK, sizeof *plane) + BLOCK;
+        double *plane = v->plane[a] = room + BLOCK;
+        room += n + 2 * BLOCK;
         for (uint32_t i = 0; i < BLOCK; i++)
             plane[n + i] = HUGE_VAL, plane[-1 - (int)i] = -HUGE_VAL;
         v->inv_edge[a] = xmalloc(n, sizeof *v->inv_edge[a]);
         bool turned = scale[a] < 0;
         v->stride[a] = turned ? -stride[a] : stride[a];
         if (turned) v->first += stride[a] * (ptrdiff_t)(n - 1);
+        if (turned) v->origin += stride[a] * (ptrdiff_t)(n - 2);
         for (uint32_t i = 0; i < n; i++) plane[i] = g->at[a][turned ? n - 1 - i : i] * scale[a];
         for (uint32_t i = 0; i + 1 < n; i++) v->inv_edge[a][i] = 1 / (plane[i + 1] - plane[i]);
     }
@@ -42,6 +47,7 @@ struct volume *volume_new(
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
                  !(s->attenuation > 0);
+    if (v->batched && stream_fits(v)) v->stream = stream_new(v);
     gauss_rule(v->m, v->node, v->weight);
     v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
@@ -51,10 +57,9 @@ struct volume *volume_new(
 void volume_free(struct volume *v)
 {
     if (!v) return;
-    for (int a = 0; a < 3; a++) {
-        free(v->plane[a] - BLOCK);
-        free(v->inv_edge[a]);
-    }
+    free(v->plane[0] - BLOCK);
+    for (int a = 0; a < 3; a++) free(v->inv_edge[a]);
+    stream_free(v->stream);
     free(v->map.span);
     free(v->live);
     free(v->block);
@@ -75,23 +80,26 @@ static void ray(struct path *p, struct walk *w)
     struct stretch s[1];
     double last = -1;
     while (!path_done(p) && walk_cells(w, s, 1)) {
-        cell_init(p->cell, w, s);
+        cell_init(p->cell, w->v, w->o, w->d, s);
+        p->cell->t += w->before;
         surfaces(p, s->t0 != last);
         last = s->t1;
         p->v->counts.cells++;
     }
 }
 
-/* Through the middle of pixel p. */
-static struct vec3 direction(const struct camera *c, uint64_t p)
+void volume_put(const struct volume *v, const double rgb[3], double clear, float *rgba)
 {
-    return v3_unit(camera_direction(c, (double)(p % c->w) + 0.5, (double)(p / c->w) + 0.5));
+    bool backed = v->spec->backed;
+    for (int c = 0; c < 3; c++)
+        rgba[c] = (float)(rgb[c] + (backed ? clear * v->spec->background[c] : 0));
+    rgba[3] = backed ? 1 : (float)(1 - clear);
 }
 
 static void pixel(struct volume *v, uint64_t at, float *rgba)
 {
     struct cell cell;
-    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = direction(&v->camera, at)};
+    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = volume_direction(v, at)};
     struct walk w;
     v->counts.rays++;
     if (walk_begin(&w, v, v->camera.eye, p.dir)) {
@@ -100,15 +108,13 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
         else ray(&p, &w);
         if (w.front.passed > v->counts.most_cells) v->counts.most_cells = w.front.passed;
     }
-    bool backed = v->spec->backed;
-    for (int c = 0; c < 3; c++)
-        rgba[c] = (float)(p.rgb[c] + (backed ? p.clear * v->spec->background[c] : 0));
-    rgba[3] = backed ? 1 : (float)(1 - p.clear);
+    volume_put(v, p.rgb, p.clear, rgba);
 }
 
 void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
-    for (uint32_t i = 0; i < n; i++)
+    if (v->stream) stream_pixels(v->stream, l, n0, n, rgba);
+    for (uint32_t i = 0; !v->stream && i < n; i++)
         pixel(v, lattice_pixel(l, v->camera.w, n0 + i), rgba + 4 * (size_t)i);
 }
 

@@ -90,14 +90,18 @@ struct crossing {
 struct volume {
     const struct spec *spec;
     struct volume_options o;
-    double *plane[3];    /* scaled coordinates, ascending; BLOCK at infinity to either side */
-    double *inv_edge[3]; /* of the cell above each plane but the last */
-    uint32_t cells[3];   /* planes less one */
-    ptrdiff_t stride[3]; /* from a node to the next, in values; negative where the scale is */
-    const float *first;  /* the node at the lowest corner */
-    uint8_t *live;       /* a bit a cell: something is seen in it */
-    uint8_t *block;      /* a byte a block: some cell of it is live */
+    double *plane[3];     /* scaled coordinates, ascending; BLOCK at infinity to either side */
+    double *inv_edge[3];  /* of the cell above each plane but the last */
+    uint32_t cells[3];    /* planes less one */
+    ptrdiff_t stride[3];  /* from a node to the next, in values; negative where the scale is */
+    const float *first;   /* the node at the lowest corner */
+    const float *value;   /* in memory: */
+    ptrdiff_t row, layer; /* nodes from one to the next */
+    ptrdiff_t origin;     /* the cell at the lowest corner: of its nodes the first in memory */
+    uint8_t *live;        /* a bit a cell, by its first node in memory: something is seen in it */
+    uint8_t *block;       /* a byte a block: some cell of it is live */
     uint32_t blocks[3];
+    double range; /* of values in a live cell, at most */
     struct map map;
     struct camera camera;
     int m; /* Gauss-Legendre nodes and weights on 0 .. 1 */
@@ -106,7 +110,8 @@ struct volume {
     struct crossing *crossing; /* of one cell */
     bool *above;               /* by surface: the ray is at or above its value */
     const struct kernel *kernel;
-    bool batched; /* cells are taken several at a time */
+    bool batched;          /* cells are taken several at a time */
+    struct stream *stream; /* rays are */
     struct batch batch;
     struct volume_counts counts;
 };
@@ -114,7 +119,13 @@ struct volume {
 void skip_init(struct volume *v);
 static inline size_t cell_index(const struct volume *v, const int32_t i[3])
 {
-    return ((size_t)i[2] * v->cells[1] + (size_t)i[1]) * v->cells[0] + (size_t)i[0];
+    return (size_t)(v->origin + i[0] * v->stride[0] + i[1] * v->stride[1] + i[2] * v->stride[2]);
+}
+static inline void cell_of_index(const struct volume *v, int64_t at, int32_t i[3])
+{
+    const ptrdiff_t part[3] = {at % v->row, at % v->layer / v->row, at / v->layer};
+    for (int a = 0; a < 3; a++)
+        i[a] = (int32_t)(v->stride[a] < 0 ? (ptrdiff_t)v->cells[a] - 1 - part[a] : part[a]);
 }
 static inline size_t block_index(const struct volume *v, const int32_t i[3])
 {
@@ -142,6 +153,12 @@ struct walk {
     double start[3];           /* o; -infinity along an axis whose step is 0 */
     const double *zero[3];     /* the plane of cell 0 */
 };
+/* Through the middle of pixel p. */
+static inline struct vec3 volume_direction(const struct volume *v, uint64_t p)
+{
+    const struct camera *c = &v->camera;
+    return v3_unit(camera_direction(c, (double)(p % c->w) + 0.5, (double)(p / c->w) + 0.5));
+}
 /* False when the ray misses the grid. */
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir);
 /* A cell, and where the ray is in it. */
@@ -162,7 +179,9 @@ struct cell {
     double from[3], way[3]; /* local coordinates at entry; how they change until exit */
     double t, len;          /* entry, from the eye; length */
 };
-void cell_init(struct cell *c, const struct walk *w, const struct stretch *s);
+/* Times are from o; the caller adds what is before that to t. */
+void cell_init(struct cell *c, const struct volume *v, const double o[3], const double d[3],
+    const struct stretch *s);
 /* The gradient, in scaled space, at w. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
@@ -204,6 +223,13 @@ void pieces_cut(
 /* Integrates the cell, and lays the sheets of its iso-surfaces between. fresh: the ray comes from
  * where the field was not known. */
 void surfaces(struct path *p, bool fresh);
+/* Puts what a ray gathered. */
+void volume_put(const struct volume *v, const double rgb[3], double clear, float *rgba);
+/* Is the adaptive method precise enough in float? */
+bool stream_fits(const struct volume *v);
+struct stream *stream_new(struct volume *v);
+void stream_free(struct stream *s);
+void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
 /* The whole ray by the adaptive method, where there is neither light, nor attenuation, nor a
  * surface. */
 void batch_ray(struct path *p, struct walk *w);

@@ -61,10 +61,9 @@ static bool clip(struct walk *w, double *in)
 static void begin_axis(struct walk *w, int a)
 {
     const struct volume *v = w->v;
-    const size_t stride[3] = {1, v->cells[0], (size_t)v->cells[0] * v->cells[1]};
     size_t i = (size_t)first_cell(w, a), exit = w->step[a] > 0 ? v->cells[a] : 0;
-    w->front.cell += i * stride[a];
-    w->to_cell[a] = w->step[a] * (ptrdiff_t)stride[a];
+    w->front.cell += i * (size_t)v->stride[a];
+    w->to_cell[a] = w->step[a] * v->stride[a];
     w->zero[a] = v->plane[a] + (w->step[a] > 0);
     w->front.plane[a] = w->zero[a] + i;
     w->start[a] = w->o[a];
@@ -115,6 +114,7 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     }
     for (int a = 0; a < 3; a++) w->o[a] = at[a];
     w->exit = HUGE_VAL;
+    w->front.cell = (size_t)v->origin;
     for (int a = 0; a < 3; a++) begin_axis(w, a);
     return true;
 }

@@ -1,0 +1,92 @@
+/* stream: the map as the kernels want it; where float is precise enough; pixels. */
+#include "volume/stream.h"
+
+#include <stdlib.h>
+
+/* What rounding in float comes to, by the range of a cell's values. */
+#define ROUNDING 0x1p-20
+#define TOLERANCE_MIN 0x1p-15
+
+/*
+ * A value is wrong by ROUNDING of its cell's range at most, so that k is wrong by as much of itself
+ * as that is of the span's width: and alpha by less.
+ */
+bool stream_fits(const struct volume *v)
+{
+    double width = HUGE_VAL;
+    for (uint32_t i = 0; i < v->map.n; i++)
+        if (!v->map.span[i].clear) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
+    return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
+}
+
+static float *table(const struct stream_map *m) { return xcalloc(m->entries + 8, sizeof(float)); }
+
+/* x as the sum of two. */
+static void split(double x, float *high, float *low)
+{
+    *high = (float)x;
+    *low = (float)(x - (double)*high);
+}
+
+static void map_tables(struct stream_map *t, const struct map *m)
+{
+    t->edges = m->n + 1;
+    t->entries = m->n + 2;
+    t->closed = m->closed;
+    float **const all[] = {&t->edge_high, &t->edge_low, &t->k0, &t->k1, &t->rgb0[0], &t->rgb0[1],
+        &t->rgb0[2], &t->rgb1[0], &t->rgb1[1], &t->rgb1[2], &t->slope, &t->from_high, &t->from_low};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) *all[i] = table(t);
+    t->clear = xcalloc(t->entries, sizeof *t->clear);
+    t->clear[0] = t->clear[m->n + 1] = true;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const struct span *p = &m->span[i];
+        t->clear[i + 1] = p->clear;
+        split(p->lo, &t->edge_high[i], &t->edge_low[i]);
+        split(p->lo, &t->from_high[i + 1], &t->from_low[i + 1]);
+        t->k0[i + 1] = (float)p->k0;
+        t->k1[i + 1] = (float)p->k1;
+        t->slope[i + 1] = (float)p->slope;
+        for (int c = 0; c < 3; c++) {
+            t->rgb0[c][i + 1] = (float)p->rgb0[c];
+            t->rgb1[c][i + 1] = (float)p->rgb1[c];
+        }
+    }
+    split(m->span[m->n - 1].hi, &t->edge_high[m->n], &t->edge_low[m->n]);
+}
+
+struct stream *stream_new(struct volume *v)
+{
+    struct stream *s = xcalloc(1, sizeof *s);
+    s->v = v;
+    s->tolerance = (float)v->o.tolerance;
+    map_tables(&s->map, &v->map);
+    for (unsigned mask = 0; mask < 256; mask++) {
+        int n = 0;
+        for (unsigned i = 0; i < 8; i++)
+            if (mask >> i & 1) s->pack[mask] |= (uint64_t)i << 8 * n++;
+    }
+    return s;
+}
+
+void stream_free(struct stream *s)
+{
+    if (!s) return;
+    struct stream_map *t = &s->map;
+    float *const all[] = {t->edge_high, t->edge_low, t->k0, t->k1, t->rgb0[0], t->rgb0[1],
+        t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    free(t->clear);
+    free(s);
+}
+
+void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
+{
+    for (uint32_t at = 0, some; at < n; at += some) {
+        some = n - at < STREAM_RAYS ? n - at : STREAM_RAYS;
+        s->v->kernel->rays(s, l, n0 + at, some);
+        for (uint32_t i = 0; i < some; i++) {
+            const double *sum = s->ray[i].sum;
+            volume_put(s->v, sum, 1 - sum[3], rgba + 4 * (size_t)(at + i));
+        }
+    }
+}

@@ -1,0 +1,227 @@
+/*
+ * stream_cut: cells of the list that are not done with at once: cut where the field meets knots of
+ * the map, as in piece.c, and where that is not enough for the tolerance, into ever finer parts.
+ */
+#ifndef STORMRING_VOLUME_STREAM_CUT_H
+#define STORMRING_VOLUME_STREAM_CUT_H
+
+#include "volume/stream_cell.h"
+
+#define ROOT_STEPS 6      /* of Newton; where the last one is no smaller than this, */
+#define ROOT_LAST 0x1p-10 /* whose square is nothing in float, the cell is done alone */
+#define PARTS_MAX 4096    /* of a piece */
+
+SIMD_INLINE vf at_v(const vf p[4], vf w) { return p[0] + w * (p[1] + w * (p[2] + w * p[3])); }
+static inline float at(const float p[4], float w)
+{
+    return p[0] + w * (p[1] + w * (p[2] + w * p[3]));
+}
+
+/* ---- where ---------------------------------------------------------------------------------- */
+
+/* Does p not turn within 0 .. 1? For sure where its derivative's control points agree. */
+static bool is_monotone(const float p[4])
+{
+    float a = p[1], b = a + p[2], c = b + p[2] + 3 * p[3];
+    return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+/* Stretches of cell j between which it turns: their ends. */
+static int turns(const float p[4], float w[4])
+{
+    double wide[4], q[4] = {(double)p[0], (double)p[1], (double)p[2], (double)p[3]};
+    w[0] = 0, w[1] = 1;
+    if (is_monotone(p)) return 2;
+    int n = cubic_monotone(q, wide);
+    for (int i = 0; i < n; i++) w[i] = (float)wide[i];
+    return n;
+}
+
+static void put_root(struct stream *s, const float p[4], float a, float b, float y, int32_t entry)
+{
+    struct stream_roots *r = &s->roots;
+    uint32_t n = r->n++;
+    for (int i = 0; i < 4; i++) r->p[i][n] = p[i];
+    r->a[n] = a, r->b[n] = b, r->y[n] = y;
+    r->entry[n] = entry;
+}
+
+/* Asks for the roots of cell j; returns how many. */
+static uint32_t ask_roots(struct stream *s, uint32_t j)
+{
+    const struct stream_map *m = &s->map;
+    const float p[4] = {s->p[0][j], s->p[1][j], s->p[2][j], s->p[3][j]}, base = s->base[j];
+    const int32_t first = s->first[j], last = s->last[j];
+    const uint32_t before = s->roots.n;
+    float w[4];
+    int n = first == last ? 0 : turns(p, w);
+    s->entry[j] = first;
+    for (int32_t e = first; e < last; e++)
+        s->entry[j] += !(p[0] < (m->edge_high[e] - base) + m->edge_low[e]);
+    for (int k = 1; k < n; k++) {
+        float from = at(p, w[k - 1]), to = at(p, w[k]);
+        bool up = from < to;
+        for (int32_t i = first; i < last; i++) {
+            int32_t e = up ? i : first + last - 1 - i;
+            float y = (m->edge_high[e] - base) + m->edge_low[e];
+            if ((from < y) == (to < y)) continue;
+            if (s->roots.n - before == STREAM_PIECES - 1) return STREAM_PIECES;
+            put_root(s, p, w[k - 1], w[k], y, up ? e + 1 : e);
+        }
+    }
+    return s->roots.n - before;
+}
+
+/* Newton's steps within a bracket, and bisections where they leave it. */
+static void find_roots(struct stream_roots *r)
+{
+    for (uint32_t j = 0; j < r->n; j += LANES) {
+        const vf p[4] = {
+            vf_load(r->p[0] + j), vf_load(r->p[1] + j), vf_load(r->p[2] + j), vf_load(r->p[3] + j)};
+        vf a = vf_load(r->a + j), b = vf_load(r->b + j), y = vf_load(r->y + j);
+        vf fa = at_v(p, a) - y, fb = at_v(p, b) - y;
+        vf w = vf_min(vf_max(a + (b - a) * (fa / (fa - fb)), a), b), step = w;
+        vi below = fa < vf_set(0);
+        for (int i = 0; i < ROOT_STEPS; i++) {
+            vf f = at_v(p, w) - y, d = p[1] + w * (2 * p[2] + w * 3 * p[3]);
+            vi side = (f < vf_set(0)) == below;
+            a = vf_choose(side, w, a);
+            b = vf_choose(side, b, w);
+            vf next = w - f / d;
+            next = vf_choose((next >= a) & (next <= b), next, (a + b) * 0.5f);
+            step = vf_abs(next - w);
+            w = next;
+        }
+        vf_store(r->w + j, w);
+        vi_store(r->good + j, step <= vf_set(ROOT_LAST));
+    }
+}
+
+/* ---- pieces --------------------------------------------------------------------------------- */
+
+static void put_piece(struct stream *s, uint32_t j, float a, float b, int32_t entry)
+{
+    struct stream_pieces *q = &s->pieces;
+    if (!(a < b) || s->map.clear[entry]) return;
+    uint32_t n = q->n++;
+    for (int i = 0; i < 4; i++) q->p[i][n] = s->p[i][j];
+    q->base[n] = s->base[j];
+    q->len[n] = s->len[j];
+    q->a[n] = a, q->b[n] = b;
+    q->entry[n] = entry;
+}
+
+/* Between roots `from` and `to`; false where one was not found. */
+static bool put_pieces(struct stream *s, uint32_t j, uint32_t from, uint32_t to)
+{
+    const struct stream_roots *r = &s->roots;
+    int32_t entry = s->entry[j];
+    float a = 0;
+    for (uint32_t i = from; i < to; i++)
+        if (!r->good[i]) return false;
+    for (uint32_t i = from; i < to; i++) {
+        put_piece(s, j, a, r->w[i], entry);
+        a = r->w[i];
+        entry = r->entry[i];
+    }
+    put_piece(s, j, a, 1, entry);
+    return true;
+}
+
+/* The part a .. b of p, whose stretch is so long. */
+SIMD_INLINE struct added part(
+    const struct stream_map *m, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
+{
+    vf h = b - a, bend = p[2] + 3 * a * p[3], lo, hi;
+    const vf q[4] = {at_v(p, a), h * (p[1] + a * (p[2] + bend)), h * h * bend, h * h * h * p[3]};
+    bounds(q, &lo, &hi);
+    return moments(m, entry, base, q, hi - lo, h * len);
+}
+
+static void integrate_pieces(struct stream *s)
+{
+    struct stream_pieces *q = &s->pieces;
+    for (uint32_t j = q->n; j % LANES; j++) q->entry[j] = 0;
+    for (uint32_t j = 0; j < q->n; j += LANES) {
+        const vf p[4] = {
+            vf_load(q->p[0] + j), vf_load(q->p[1] + j), vf_load(q->p[2] + j), vf_load(q->p[3] + j)};
+        struct added r = part(&s->map, vi_load(q->entry + j), vf_load(q->base + j), p,
+            vf_load(q->a + j), vf_load(q->b + j), vf_load(q->len + j));
+        put_added(q->add + j, &r);
+        vf_store(q->error + j, r.error);
+    }
+}
+
+/* All of the list that is not simple. */
+static void cut(struct stream *s)
+{
+    uint32_t root[STREAM_ROOM], todo[STREAM_ROOM], n = 0;
+    s->roots.n = s->pieces.n = 0;
+    for (uint32_t j = 0; j < s->cells; j++) {
+        if (s->simple[j]) continue;
+        root[n] = s->roots.n;
+        s->piece[j] = ask_roots(s, j) == STREAM_PIECES ? STREAM_ALONE : 0;
+        todo[n++] = j;
+    }
+    find_roots(&s->roots);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t j = todo[i], end = i + 1 < n ? root[i + 1] : s->roots.n, first = s->pieces.n;
+        bool good = s->piece[j] != STREAM_ALONE && put_pieces(s, j, root[i], end);
+        s->piece[j] = good ? first : STREAM_ALONE;
+        s->piece_end[j] = s->pieces.n;
+    }
+    integrate_pieces(s);
+}
+
+/* ---- parts ---------------------------------------------------------------------------------- */
+
+/* What a stretch adds. */
+static inline void add_to(struct stream_ray *r, const float add[4], double limit)
+{
+    double clear = 1 - r->sum[3];
+    for (int c = 0; c < 4; c++) r->sum[c] += clear * (double)add[c];
+    r->done = r->sum[3] >= limit;
+}
+
+/* In n parts. False when that is too coarse: the ray is then spoilt. */
+static bool add_parts(struct stream *s, uint32_t j, int n, struct stream_ray *r)
+{
+    const struct stream_pieces *q = &s->pieces;
+    const vf p[4] = {
+        vf_set(q->p[0][j]), vf_set(q->p[1][j]), vf_set(q->p[2][j]), vf_set(q->p[3][j])};
+    const float a = q->a[j], step = (q->b[j] - a) / (float)n;
+    const double limit = s->v->spec->opacity_limit;
+    vf count;
+    for (int i = 0; i < LANES; i++) count[i] = (float)i;
+    for (int i = 0; i < n; i += LANES, count += LANES) {
+        float add[LANES][4];
+        struct added x = part(&s->map, vi_set(q->entry[j]), vf_set(q->base[j]), p, a + count * step,
+            a + (count + 1) * step, vf_set(q->len[j]));
+        put_added(add, &x);
+        for (int k = 0; k < LANES && !r->done; k++) {
+            if (!(x.error[k] <= s->tolerance) && n < PARTS_MAX) return false;
+            add_to(r, add[k], limit);
+            s->v->counts.samples++;
+        }
+    }
+    return true;
+}
+
+static void add_piece(struct stream *s, uint32_t j, struct stream_ray *r)
+{
+    const struct stream_pieces *q = &s->pieces;
+    if (q->error[j] <= s->tolerance) {
+        add_to(r, q->add[j], s->v->spec->opacity_limit);
+        s->v->counts.samples++;
+        return;
+    }
+    struct stream_ray before = *r;
+    int n = STREAM_LANES;
+    while (n < PARTS_MAX && q->error[j] > s->tolerance * (float)(n * n)) n *= 2;
+    while (!add_parts(s, j, n, r)) {
+        *r = before;
+        n *= 2;
+    }
+}
+
+#endif
