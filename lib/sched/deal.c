@@ -24,13 +24,13 @@
 #include <stdlib.h>
 
 #define SLOTS_MAX (1 << 20)
-#define SHARES 2 /* of the pool, a slot may have in store at the end */
 
 static void *deal_create(const struct sched_params *p)
 {
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
     d->pool = d->out = TASK_LIST_EMPTY;
+    deal_make_room(d, 1);
     return d;
 }
 
@@ -41,6 +41,7 @@ static void deal_destroy(void *state)
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
     frames_free(&d->frames);
+    deal_close_room(d);
     free(d->account);
     free(d->slots);
     free(d);
@@ -48,47 +49,16 @@ static void deal_destroy(void *state)
 
 static struct slot *slot_at(struct deal *d, int32_t k)
 {
-    if (k >= d->n_slots) {
-        d->slots = xrealloc(d->slots, (size_t)k + 1, sizeof *d->slots);
-        for (; d->n_slots <= k; d->n_slots++)
-            d->slots[d->n_slots] = (struct slot){.promised = TASK_LIST_EMPTY,
-                .computed = TASK_LIST_EMPTY,
-                .held = TASK_LIST_EMPTY,
-                .shared = TASK_LIST_EMPTY};
-    }
+    deal_make_room(d, k + 1);
+    for (; d->n_slots <= k; d->n_slots++)
+        d->slots[d->n_slots] = (struct slot){.promised = TASK_LIST_EMPTY,
+            .computed = TASK_LIST_EMPTY,
+            .held = TASK_LIST_EMPTY,
+            .shared = TASK_LIST_EMPTY};
     return &d->slots[k];
 }
 
 /* ---- giving ---------------------------------------------------------------------------------- */
-
-/*
- * So many tasks may slot s, which is up, have. With SCHED_DEPTH_AUTO that follows what is measured
- * of it (pace.c). What is too deep costs nothing until the end, and there the queues are run down:
- * when the input has ended, no slot may hold more beyond the task it is on than SHARES times its
- * share of the pool.
- */
-static int32_t limit_of(const struct deal *d, const struct slot *s)
-{
-    bool adapts = d->p.depth == SCHED_DEPTH_AUTO;
-    int32_t depth = (adapts ? pace_depth(&s->pace, s->width) : d->p.depth) + (BUG(5) ? 1 : 0);
-    bool revoked = d->ended && (adapts || d->p.endgame);
-    int32_t share = revoked && !BUG(23) ? SHARES * d->pool.count / d->up : depth;
-    return s->width + (depth < share ? depth : share);
-}
-
-/* The slot that has least, the lowest of equals, or -1 when all have what they may. */
-static int32_t hungriest(const struct deal *d)
-{
-    int32_t best = -1, least = INT32_MAX;
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        const struct slot *s = &d->slots[k];
-        int32_t load = slot_load(s);
-        if (s->state != SLOT_UP || load >= least || load >= limit_of(d, s)) continue;
-        best = k;
-        least = load;
-    }
-    return best;
-}
 
 /* Entry i, or a piece of it, to slot k. */
 static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
@@ -101,20 +71,17 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k;
-    while (d->pool.count && (k = hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
+    while (d->pool.count && (k = pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
 }
 
 /* With the pool empty, the slots that have nothing get what others have, and what was cut off that.
  * What one is given may give another something to do. */
 static void hand_copies(struct deal *d, int64_t now, struct sched_actions *out)
 {
-    for (int32_t k = 0; d->ended && !d->pool.count && k < d->n_slots; k++) {
-        if (d->slots[k].state != SLOT_UP || slot_load(&d->slots[k])) continue;
-        int32_t i = end_other(d, k);
-        if (i < 0) continue;
+    int32_t k, i;
+    while (d->ended && !d->pool.count && (i = end_other(d, &k)) >= 0) {
         hand(d, k, i, now, out);
         hand_out(d, now, out);
-        k = -1;
     }
 }
 
@@ -136,13 +103,14 @@ static void take_gone(struct deal *d, int32_t k)
 {
     struct slot *s = slot_at(d, k);
     if (!BUG(1)) {
-        deal_lose(d, s, &s->shared);
-        deal_lose(d, s, &s->held);
+        deal_lose(d, k, &s->shared);
+        deal_lose(d, k, &s->held);
     }
     if (!BUG(2)) deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;
     s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
+    deal_mark(d, k);
 }
 
 static void take_up(
@@ -155,6 +123,7 @@ static void take_up(
     s->width = e->n > 1 ? e->n : 1;
     d->up++;
     s->pace = (struct pace){0};
+    deal_mark(d, k);
     while (s->promised.count) {
         int32_t i = s->promised.head;
         deal_take(d, i);
@@ -180,11 +149,12 @@ static void take_done(
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
     if (c >= 0) {
         pace_note(&s->pace, &s->has.at[c], e->wall_us, now);
-        deal_drop_copy(s, c);
+        deal_drop_copy(d, e->slot, c);
         if (i >= 0) d->account[i].copies--;
     } else if (!BUG(11)) {
         /* Said before it was so? What it holds back it may not have had when it was asked. */
         if (i >= 0 && d->ledger.at[i].slot == e->slot) s->asked = false;
+        deal_mark(d, e->slot);
         return;
     }
     if (i < 0 || d->account[i].place != OUT) return; /* somebody was faster */
@@ -205,10 +175,10 @@ static void take_pixels(struct deal *d, const struct sched_event *e, struct sche
 /* With nothing left to give, slots that have computed all of theirs are asked for it. */
 static void ask_flush(struct deal *d, struct sched_actions *out)
 {
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        struct slot *s = &d->slots[k];
-        if (s->state != SLOT_UP || s->asked || slot_load(s) || !s->computed.count) continue;
-        s->asked = true;
+    int32_t k;
+    while ((k = set_after(&d->unflushed, -1)) >= 0) {
+        d->slots[k].asked = true;
+        deal_mark(d, k);
         sched_act(out, SCHED_ASK_FLUSH, k, NULL);
     }
 }
@@ -250,9 +220,7 @@ static int64_t deal_uncommitted(const void *state)
 static int64_t deal_waiting(const void *state)
 {
     const struct deal *d = state;
-    int64_t n = d->pool.count;
-    for (int32_t k = 0; k < d->n_slots; k++) n += d->slots[k].promised.count;
-    return n;
+    return (int64_t)d->pool.count + d->n_promised;
 }
 
 static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)

@@ -42,18 +42,10 @@ static bool may_copy(const struct deal *d, int32_t i)
 /* Rule 2: what the slot that has most in store, by time, would come to last. */
 static int32_t in_store(const struct deal *d)
 {
-    const struct slot *most = NULL;
-    double most_us = 0;
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        const struct slot *s = &d->slots[k];
-        double us = slot_load(s) * (s->pace.task_us > 0 ? s->pace.task_us : 1);
-        if (s->state != SLOT_UP || s->held.count < s->width + (BUG(17) ? 0 : 1) || us <= most_us)
-            continue;
-        most = s;
-        most_us = us;
-    }
-    if (!most) return -1;
-    const struct task *t = &most->has.at[most->held.tail].task;
+    int32_t k = pick_store(d);
+    if (k < 0) return -1;
+    const struct task_table *has = &d->slots[k].has;
+    const struct task *t = &has->at[d->slots[k].held.tail].task;
     int32_t i = tasks_find(&d->ledger, t->frame, t->id);
     return i >= 0 && may_copy(d, i) ? i : -1;
 }
@@ -66,25 +58,25 @@ static int32_t oldest(const struct deal *d)
     return i;
 }
 
+/* The lowest member. */
+static int32_t lowest(const struct slot_set *s) { return set_after(s, -1); }
+
 /* Rule 4. */
 static int32_t withheld(const struct deal *d)
 {
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        const struct slot *s = &d->slots[k];
-        bool owes = s->computed.count && (s->asked || slot_load(s));
-        if (s->state == SLOT_UP && owes) return s->computed.head;
-    }
-    return -1;
+    int32_t k = lowest(&d->withheld);
+    return k >= 0 ? d->slots[k].computed.head : -1;
 }
 
-int32_t end_other(struct deal *d, int32_t k)
+int32_t end_other(struct deal *d, int32_t *k)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    if (!revoke) return -1;
+    if (!revoke || (*k = lowest(&d->idle)) < 0) return -1;
     int32_t i = in_store(d);
     if (i < 0 && d->p.endgame) i = oldest(d);
-    if (i < 0 && d->p.endgame && !d->slots[k].computed.count && !BUG(26)) i = withheld(d);
-    return i;
+    if (i >= 0 || !d->p.endgame) return i;
+    if (!BUG(26)) *k = lowest(&d->free);
+    return *k >= 0 ? withheld(d) : -1;
 }
 
 /* Rule 1: so many pixels are enough for slot s. */
@@ -161,7 +153,5 @@ int32_t end_piece(struct deal *d, int32_t k, int32_t i)
 bool end_busy(const struct deal *d)
 {
     bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    for (int32_t k = 0; copied && k < d->n_slots; k++)
-        if (d->slots[k].state == SLOT_UP && slot_load(&d->slots[k])) return !BUG(20);
-    return false;
+    return copied && d->up > d->idle.count && !BUG(20);
 }

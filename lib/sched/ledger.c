@@ -29,13 +29,20 @@ static struct task_list *list_of(struct deal *d, int32_t i)
     return &d->pool;
 }
 
-void deal_take(struct deal *d, int32_t i) { list_remove(&d->ledger, list_of(d, i), i); }
+void deal_take(struct deal *d, int32_t i)
+{
+    list_remove(&d->ledger, list_of(d, i), i);
+    d->n_promised -= d->account[i].place == PROMISED;
+    if (d->account[i].place == COMPUTED && !BUG(82)) deal_mark(d, d->ledger.at[i].slot);
+}
 
 void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot)
 {
     d->account[i].place = place;
     d->ledger.at[i].slot = slot;
     list_push_back(&d->ledger, list_of(d, i), i);
+    d->n_promised += place == PROMISED;
+    if (place == COMPUTED) deal_mark(d, slot);
 }
 
 void deal_put_first(struct deal *d, int32_t i)
@@ -93,12 +100,15 @@ void deal_share(struct deal *d, int32_t i)
     list_remove(&s->has, &s->held, c);
     list_push_back(&s->has, &s->shared, c);
     s->has.at[c].done = true;
+    deal_mark(d, d->account[i].latest);
 }
 
-void deal_drop_copy(struct slot *s, int32_t c)
+void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
 {
+    struct slot *s = &d->slots[k];
     list_remove(&s->has, s->has.at[c].done ? &s->shared : &s->held, c);
     tasks_remove(&s->has, c);
+    deal_mark(d, k);
 }
 
 /* The id under which entry i, or the whole of which it is a piece, came. */
@@ -115,7 +125,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     struct task_entry *e = &d->ledger.at[i];
     struct account *a = &d->account[i];
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
-    if (c >= 0) deal_drop_copy(s, c); /* of a task of the same name, before this one */
+    if (c >= 0) deal_drop_copy(d, k, c); /* of a task of the same name, before this one */
     if (a->copies) deal_share(d, i);
     c = tasks_add(&s->has, &e->task, e->frame_w);
     s->has.at[c].since_us = now;
@@ -127,17 +137,19 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     a->latest = k;
     e->done = false;
     deal_put(d, i, OUT, -1);
+    deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);
     out->at[out->n - 1].of = came_as(d, i);
 }
 
 /* What the slot had is the others', or goes back to the front of the pool, in its order. */
-void deal_lose(struct deal *d, struct slot *s, struct task_list *l)
+void deal_lose(struct deal *d, int32_t k, struct task_list *l)
 {
+    struct slot *s = &d->slots[k];
     while (l->count) {
         const struct task *t = &s->has.at[l->tail].task;
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
-        deal_drop_copy(s, l->tail);
+        deal_drop_copy(d, k, l->tail);
         if (i < 0) continue; /* it was committed */
         d->account[i].copies--;
         if (d->account[i].place != OUT) continue;

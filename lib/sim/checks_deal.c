@@ -220,6 +220,16 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
         fail(w, "more in store than waits", k, id);
 }
 
+/* Where all may have as many: it is for who has least, of equals the first. A copy is for one of
+ * those who have nothing. */
+static void check_least(struct world *w, int32_t k, uint32_t id)
+{
+    for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
+        int32_t first = i < k && !w->plan->params.endgame, had = w->slots[k].has - 1;
+        if (is_up(w, i) && w->slots[i].has - first < had) fail(w, "another has less", i, id);
+    }
+}
+
 static void check_give(struct world *w, const struct sched_action *a)
 {
     struct vslot *s = &w->slots[a->slot];
@@ -243,7 +253,9 @@ static void check_give(struct world *w, const struct sched_action *a)
     of(t)->order = w->result->gives;
     s->has++;
     s->asked = false;
-    if (t->to != a->slot) check_depth(w, a->slot, a->task.id);
+    if (t->to == a->slot) return;
+    check_depth(w, a->slot, a->task.id);
+    check_least(w, a->slot, a->task.id);
 }
 
 static void check_stop(struct world *w, bool stop)

@@ -21,6 +21,7 @@
  *   give      only to a slot that is up, only what is to do, from the pool only up to the depth;
  *             what somebody has already only to a slot that has nothing, when the input has ended
  *             and nothing waits, and only up to SIM_COPIES_MOST times at once
+ *   least     where all may have as many, who has least is given to
  *   withheld  what is computed elsewhere, only in an endgame, when that slot is busy, or was asked
  *             for its pixels, and only to a slot that owes none
  *   pieces    of tasks only in an endgame; under new ids, inside one task, beside each other

@@ -172,7 +172,7 @@ simulated_big() {
 		"efficiency $(of efficiency)"
 }
 big() {
-	simulated_big deal 1000x100
+	simulated_big deal 1000x1000
 	simulated_big ring 1000x1000
 	report '10,000 hosts, 1,000,000 tasks' "$(cat took)" ' s' 60
 }

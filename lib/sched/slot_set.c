@@ -1,5 +1,5 @@
 /* Sets of slots: trees of bits, 64 to a node (as in van Emde Boas' of 1977, with fixed degree). */
-#include "sched/ring_int.h"
+#include "sched/slot_set.h"
 
 #include <stdlib.h>
 
