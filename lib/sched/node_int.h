@@ -17,7 +17,7 @@ struct node {
     struct task_list queue;    /* not begun, in the order in which they will be */
     struct task_list fed;      /* the worker has them */
     struct task_list computed; /* their pixels have not all come */
-    double queue_px;           /* of the tasks of queue */
+    double queue_px, fed_px;   /* of the tasks of these */
     int32_t width;             /* tasks that the worker is on at once; 0: there is none */
     struct pace pace;          /* of the worker */
     bool ended, flush, closed; /* the input has; what is held back is wanted; END was said */

@@ -70,7 +70,10 @@ static void unlist(struct node *n, int32_t i)
 {
     switch (n->has.at[i].slot) {
     case QUEUED: queue_take(n, i); break;
-    case FED: list_remove(&n->has, &n->fed, i); break;
+    case FED:
+        list_remove(&n->has, &n->fed, i);
+        n->fed_px -= px_of(n, i);
+        break;
     default: list_remove(&n->has, &n->computed, i);
     }
 }
@@ -118,6 +121,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
         int32_t i = n->queue.head;
         queue_take(n, i);
         list_push_back(&n->has, &n->fed, i);
+        n->fed_px += px_of(n, i);
         n->has.at[i].slot = FED;
         n->has.at[i].since_us = now;
         sched_act(out, SCHED_GIVE, 0, &n->has.at[i].task);
@@ -208,21 +212,13 @@ static void take(
 /* Microseconds for a pixel, by all that the worker is on at once; 0: not known. */
 static double pace_of(const struct node *n) { return n->width ? n->pace.us_per_px / n->width : 0; }
 
-/* So long the worker needs for what it was fed, not knowing how far it is. */
-static double fed_whole_us(const struct node *n, double us_per_px)
-{
-    double px = 0;
-    for (int32_t i = n->fed.head; i >= 0; i = n->has.at[i].next) px += px_of(n, i);
-    return px * us_per_px;
-}
-
-/* The same now. Where it is late it will be as late again. */
+/* So long the worker needs for what it was fed. Where it is late it will be as late again. */
 static double fed_us(const struct node *n, double us_per_px, int64_t now)
 {
     if (!n->fed.count) return 0;
     int64_t since = n->has.at[n->fed.head].since_us;
     if (since < n->pace.done_us) since = n->pace.done_us;
-    return fabs(fed_whole_us(n, us_per_px) - (double)(now - since));
+    return fabs(n->fed_px * us_per_px - (double)(now - since));
 }
 
 /* Rule 1. more: other tasks may have come with the one that just did. */
@@ -248,7 +244,7 @@ static int32_t spare(const struct node *n, int64_t now)
 {
     bool known = pace_of(n) > 0; /* else pixels are as good as microseconds */
     double us_per_px = known ? pace_of(n) : 1;
-    double here_us = known ? fed_us(n, us_per_px, now) : fed_whole_us(n, us_per_px);
+    double here_us = known ? fed_us(n, us_per_px, now) : n->fed_px;
     double there_us = known ? n->trip_us : 0;
     here_us += n->queue_px * us_per_px;
     int32_t given = 0, most = n->place.one && !BUG(48) ? 1 : n->queue.count;
