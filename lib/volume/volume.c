@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* By the tolerance: what the rule is wrong by on pieces of an optical depth of at most 1. */
+/* By the tolerance: where light varies on the way (the rule is then tried against two halves). */
 static int nodes_for(double tolerance) { return tolerance >= 5e-4 ? 3 : tolerance >= 2e-5 ? 4 : 6; }
 
 static void set_planes(struct volume *v, const struct grid *g, const double scale[3])
@@ -42,7 +42,6 @@ struct volume *volume_new(
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
     v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance);
-    v->depth = 1;
     v->kernel = o->isa == ISA_SSE2 ? NULL : kernel_avx2();
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&

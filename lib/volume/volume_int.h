@@ -106,7 +106,6 @@ struct volume {
     struct camera camera;
     int m; /* Gauss-Legendre nodes and weights on 0 .. 1 */
     double node[GAUSS_MAX], weight[GAUSS_MAX];
-    double depth;              /* a piece's optical depth is at most this */
     struct crossing *crossing; /* of one cell */
     bool *above;               /* by surface: the ray is at or above its value */
     const struct kernel *kernel;

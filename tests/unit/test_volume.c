@@ -177,6 +177,41 @@ static void adaptive_keeps_its_tolerance(void **state)
     free_grid(&g);
 }
 
+/* One cell, whatever its corners, map and rays are: the error is within tolerance times alpha, and
+ * not much less at worst. */
+static void adaptive_keeps_its_bound(void **state)
+{
+    (void)state;
+    enum { WIDTH = 8, VALUES = 4 * WIDTH * WIDTH };
+    struct grid g = make_grid(2, 2, 2);
+    double worst = 0;
+    for (uint64_t i = 0; i < 1000; i++) {
+        double r[19], end[2][3];
+        float p[VALUES], q[VALUES];
+        for (uint64_t k = 0; k < 19; k++) r[k] = rng_unit(11, 19 * i + k);
+        for (int k = 0; k < 8; k++) g.value[k] = i & 1 ? r[k] > 0.5 : (float)r[k];
+        for (int a = 0; a < 3; a++) end[0][a] = -1 + 3 * r[8 + a], end[1][a] = r[11 + a];
+        struct scene c = make_scene(end[0], end[1]);
+        double thick = 4 * r[14] * r[14], tolerance = pow(10, -0.5 - 3 * r[15]);
+        bool falls = r[16] < 0.5;
+        c.s.w = c.s.h = WIDTH;
+        knot(&c, 0, falls, !falls, 0.5, r[17] < 0.5 ? 0 : thick * r[18]);
+        knot(&c, 1, !falls, falls, 0.5, r[17] > 0.8 ? 0 : thick);
+        const struct volume_options o = {VOLUME_ADAPTIVE, tolerance, 0, ISA_AUTO};
+        const struct volume_options exact = {VOLUME_GAUSS, 0, 12, ISA_AUTO};
+        render(&g, &c.s, &o, p, NULL);
+        render(&g, &c.s, &exact, q, NULL);
+        for (int k = 0; k < VALUES; k++) {
+            double alpha = (double)q[k | 3], most = tolerance * alpha;
+            near((double)p[k], (double)q[k], 1e-6 + (k % 4 == 3 ? 0 : most));
+            if (alpha > 0.1) worst = fmax(worst, fabs((double)p[k] - (double)q[k]) / most);
+        }
+    }
+    print_message("# at worst %.2g of tolerance times alpha\n", worst);
+    assert_true(worst > 0.5);
+    free_grid(&g);
+}
+
 /* Bounds of the error: trapezoid n = 1, 4, 16, 64, then knot-split m = 3. */
 static void errors_are_those_expected(void **state)
 {
@@ -279,6 +314,7 @@ int main(void)
         cmocka_unit_test(attenuation_dims_colour_and_not_alpha),
         cmocka_unit_test(opacity_limit_and_background),
         cmocka_unit_test(adaptive_keeps_its_tolerance),
+        cmocka_unit_test(adaptive_keeps_its_bound),
         cmocka_unit_test(errors_are_those_expected),
         cmocka_unit_test(bits_are_the_same),
         cmocka_unit_test(orders_of_convergence),
