@@ -5,7 +5,7 @@
 # 3 scenes x 2 views x 4 sets of hosts x 3 latencies. It takes about three minutes, and wants a quiet machine.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-cc -std=c11 -O2 -I"$root/lib" -o delay "$root/tests/bench/delay.c" "$root/build/libstormring.a" -lpng -lz -lm || stop 'no delay'
+cc -std=c11 -D_GNU_SOURCE -O2 -I"$root/lib" -o delay "$root/tests/bench/delay.c" "$root/build/libstormring.a" -lpng -lz -lm || stop "no delay"
 size=512x512
 partition $size >rows.task
 printf '2 1,1\n4 1,1,1,1\n8 1,1,1,1,.442,1.347,1,2\n14 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347\n' >sets
@@ -24,10 +24,10 @@ for scene in gears balls tetra; do
 		spdgen -s 2 $([ $view = normal ] || echo -V $view) $scene >scene.nff || stop "no $scene"
 		# shellcheck disable=SC2154  # lib.sh sets pin
 		$pin rtworker scene.nff <rows.task >whole.frags || stop "measuring $scene failed"
-		[ -n "$scale" ] || scale=$(fragstat -s whole.frags | awk -v s=$paper_s '$1 == "cpu_s" { print s / $2 }')
+		[ -n "$scale" ] || scale=$(fragstat -s whole.frags | awk -v s="$paper_s" '$1 == "cpu_s" { print s / $2 }')
 		here=$(fan -l -j 1 rtworker | cut -f 3)
 		while read -r slots powers; do
-			methods "$slots" "$powers" >methods
+			methods "$slots" "$powers" >table
 			for ms in 0 .5 20; do
 				# A host for each slot, so slow that coarse costs come out at the paper's times.
 				echo "$powers" | tr , '\n' | awk -v ms=$ms -v f="$here" -v s="$scale" -v delay="$PWD/delay" \
@@ -37,7 +37,7 @@ for scene in gears balls tetra; do
 					# shellcheck disable=SC2086
 					partition $cut $size | simulate -t whole.frags -x "$scale" -w "$powers" -l $ms $run |
 						awk -v m="$method" '$1 == "makespan_s" { print m, $2 }'
-				done <methods | awk -v chosen="$(cat chosen)" -v what="$scene-$view $slots $ms" '
+				done <table | awk -v chosen="$(cat chosen)" -v what="$scene-$view $slots $ms" '
 					{ if (NR == 1 || $2 < least) { least = $2; best = $1 } if ($1 == chosen) at = $2 }
 					END { printf "%.4f %s %s %s\n", at / least - 1, what, chosen, best }' >>regrets
 			done
