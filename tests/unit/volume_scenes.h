@@ -109,6 +109,29 @@ static inline void render(const struct grid *g, const struct spec *s,
     volume_free(v);
 }
 
+/* Alpha of the one ray from o to e. */
+static inline double alpha_of(const struct grid *g, const struct scene *like, double ox, double oy,
+    double oz, double ex, double ey, double ez)
+{
+    struct scene c = *like;
+    const double o[3] = {ox, oy, oz}, e[3] = {ex, ey, ez};
+    const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
+    float p[4];
+    c.s.knot = c.knot, c.s.iso = c.iso;
+    for (int a = 0; a < 3; a++) c.s.from[a] = o[a], c.s.at[a] = e[a];
+    render(g, &c.s, &fine, p, NULL);
+    return (double)p[3];
+}
+/* One extinction for all values. */
+static inline struct scene even_map(double k)
+{
+    const double zero[3] = {0, 0, 0};
+    struct scene c = make_scene(zero, zero);
+    knot(&c, -1e9, 1, 1, 1, k);
+    knot(&c, 1e9, 1, 1, 1, k);
+    return c;
+}
+
 /* ---- the reference -------------------------------------------------------------------------- */
 
 /* A double becomes a long double wherever the two meet, on purpose. */
