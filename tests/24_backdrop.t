@@ -93,6 +93,45 @@ backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/blac
 ok 'gnuplot fills the pixels that vcworker does, but for some of the edge' imgcmp -t .75 -f .002 seen.png plane.png
 run imgcmp -t .75 -f .1 seen.png black.ppm
 is 'and those are many' "$status" 1
+
+# ---- areas: filled where vcworker sees a grid that has their extent -------------------------------------------
+# filled NAME X Y SPEC [PART]: what lines.txt has, against a flat grid between these longitudes and latitudes; so great
+# a part of the pixels may differ, those at its edge
+filled() {
+	sed "s/^0 20\$/$2/; s/^40 50\$/$3/; s/^-1000 -990\$/-1000 -999.99/; s/^0 20 0.*/10 10 10 10 10 10 10 10/" wall.vtk >part.vtk
+	partition 300x200 | vcworker part.vtk "$4" | gather -k 16 -o part.png
+	blend -o seen.png part.png black.ppm
+	backdrop flat.vtk "$4" lines.txt | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/
+		s/^plot .*/plot $area0 with filledcurves closed fc rgb "red"/' | gnuplot >area.png
+	ok "$1" imgcmp -t .75 -f "${5-.002}" seen.png area.png
+	run imgcmp -t .75 -f .01 seen.png black.ppm
+	is 'of which there is much' "$status" 1
+}
+printf '> land\n365 42\n-348 42\n12 48\n5 48\n' >lines.txt
+filled 'an area, which is where the grid is' '5 12' '42 48' wall.spec
+printf '> land\n10 45\n30 45\n30 60\n10 60\n10 45\n' >lines.txt
+filled 'is cut at the edges of the map' '10 20' '45 50' wall.spec
+printf '>  land\n355 41\n5 41\n5 46\n355 46\n' >lines.txt
+filled 'goes on beyond Greenwich' '0 5' '41 46' wall.spec
+for ring in '15 105 195 285' '285 195 105 15'; do
+	{ echo '> land'; for x in $ring; do echo "$x 46"; done; } >lines.txt
+	filled "round the globe, $ring: to the nearer pole" '0 20' '46 50' wall.spec
+done
+# The eye is above the map, and looks along it: half of the map lies behind. gnuplot halves pixels at the picture's edge.
+sed 's/^from.*/from 10 45.2 -99.4/; s/^at.*/at 10 50 -100.3/; s/^angle.*/angle 80/' wall.spec >within.spec
+printf '> land\n3 41\n17 41\n17 49\n3 49\n' >lines.txt
+filled 'what is behind the eye is cut off' '3 17' '41 49' within.spec .01
+{
+	printf '> land\n0 41\n20 41\n20 49\n0 49\n> water\n3 42\n17 42\n17 48\n3 48\n> land\n5 43\n7 43\n7 45\n5 45\n'
+	printf '> land\n1 41.5\n1.01 41.5\n1.01 41.51\n'
+} >lines.txt
+backdrop wall.vtk wall.spec lines.txt >areas.gp
+is 'lakes are on land, islands on lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fc rgb .#......' | sed 's/ .*#/ /' |
+	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
+	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
+is 'what is too small to be seen is left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
+
+# ---- what is written ------------------------------------------------------------------------------------------
 like 'a title is text' "$(cat wall.gp)" "^set label 'it''s x' at"
 like 'heights that were negated' "$(cat wall.gp)" "^set label '998 hPa' at"
 like 'longitudes' "$(cat wall.gp)" "^set label '10°E' at"
@@ -119,15 +158,36 @@ is 'a full disk is exit 3, too' "$?" 3
 
 # ---- coastlines --------------------------------------------------------------------------------------------
 coastlines >coasts
-is 'coasts are all over the globe' "$(awk 'NF {
+is 'coasts are all over the globe' "$(awk '!/^>/ {
 	if ($1 < 0 || $1 > 360 || $2 < -90 || $2 > 90) bad++
 	s[int($1 / 90.001)]
 } END { print length(s) + bad }' coasts)" 4
 # Cape Agulhas, Cabo da Roca, Lindesnes: some point of coast is within a sixth of a degree.
 for place in '20.00 -34.83' '350.50 38.78' '7.05 57.98'; do
 	ok "a coast is at $place" awk -v at="$place" 'BEGIN { split(at, p, " ") }
-		NF && ($1 - p[1]) ^ 2 + ($2 - p[2]) ^ 2 < 1 / 36 { found = 1; exit } END { exit !found }' coasts
+		!/^>/ && ($1 - p[1]) ^ 2 + ($2 - p[2]) ^ 2 < 1 / 36 { found = 1; exit } END { exit !found }' coasts
 done
+# By Green's theorem on the sphere; the one that goes round it is the Antarctic's, and ends at the pole.
+awk 'function step(x2, y2,    d) {
+	d = x2 - x; d -= 360 * int(d / 360 + (d < 0 ? -.5 : .5))
+	if ((y2 - y) ^ 2 > far) far = (y2 - y) ^ 2
+	turn += d; area += d * rad * (sin(y * rad) + sin(y2 * rad)) / 2
+	x = x2; y = y2
+}
+function ring() {
+	if (!n) return
+	if (x != x0 || y != y0) open++
+	if (turn ^ 2 > 1) { round++; area += turn * rad }
+	all += (area < 0 ? -area : area) * (kind == "water" ? -1 : 1)
+	n = area = turn = 0
+}
+BEGIN { rad = atan2(0, -1) / 180 }
+/^>/ { ring(); kind = $2; next }
+n++ { step($1, $2); next }
+{ x0 = x = $1; y0 = y = $2 }
+END { ring(); printf "%d open, %d round the globe, steps of %.0f degrees, %.2f of the sphere\n", open, round, sqrt(far), all / 720 / rad }' coasts >land
+is 'each comes back to where it began, none leaps, land is what land is' "$(cat land)" \
+	'0 open, 1 round the globe, steps of 2 degrees, 0.29 of the sphere'
 run coastlines wall.vtk
 is 'what is no file of coasts is refused' "$status:$out" 2:
 like 'and said' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'

@@ -19,8 +19,7 @@ struct backdrop {
     const char *unit;       /* of heights */
     bool down;              /* heights are negated depths or pressures, and read as those */
     const char *lines_name; /* for messages */
-    const char *lines;      /* NULL, or text: longitude and latitude in each line; an empty line, or
-                               one that begins with # or >, begins another line on the map */
+    const char *lines;      /* NULL, or text: backdrop(1) */
 };
 
 /* Appends a script that writes a PNG of w x h to standard output. 0, or -1 with text in err where

@@ -9,7 +9,9 @@
 #define PAGE 0.92       /* linear light of what is behind all, */
 #define PAPER "#f6f6f6" /* the same in sRGB */
 #define SEA "#e3ebf1"
-#define COAST "#66737c"
+#define LAND "#d9d9cf"
+#define COAST "#76828a"
+#define COAST_WIDTH .6
 #define GRATICULE "#c3ccd3"
 #define FRAME "#8a949b"
 

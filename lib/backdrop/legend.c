@@ -47,10 +47,11 @@ static void bar_spans(const struct bar *b, const struct drawing *s)
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
+    double y = b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* below are values of the map */
     for (size_t i = 0; i < s->b->spec->n_isos; i++) {
         const struct spec_iso *iso = s->b->spec->iso + i;
-        double x = bar_x(b, iso->s), at[2] = {x, b->y + 1.7 * b->h};
-        patch(s, x - 3, x + 3, b->y, b->y + b->h, iso->rgb, iso->opacity);
+        double x = bar_x(b, iso->s), at[2] = {x, y};
+        patch(s, x - .012 * b->w, x + .012 * b->w, b->y, b->y + b->h, iso->rgb, iso->opacity);
         snprintf(text, sizeof text, "%.6g", iso->s);
         backdrop_label(s, text, at, "center");
     }
@@ -78,6 +79,5 @@ void backdrop_legend(const struct drawing *s)
         snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
         backdrop_label(s, text, (double[2]){bar_x(&b, i * t.step), b.y - .8 * b.h}, "center");
     }
-    double below = p->n_knots ? 2.1 : .9;
-    backdrop_label(s, s->b->title, (double[2]){.5 * s->w, b.y - below * b.h}, "center");
+    backdrop_label(s, s->b->title, (double[2]){.5 * s->w, b.y - 2.1 * b.h}, "center");
 }

@@ -93,41 +93,82 @@ void backdrop_edges(const struct drawing *s)
         }
 }
 
-void backdrop_labels(const struct drawing *s)
+/* ---- what is written ------------------------------------------------------------------------ */
+
+/* From a place on an edge of the map to one beside it: text goes on in that direction. */
+static void label_beside(const struct drawing *s, const char *text, const double at[2], double pad)
 {
-    const double *lo = s->lo, *hi = s->hi;
-    double pad = .025 * fmax(hi[0] - lo[0], hi[1] - lo[1]), xy[2], other[2];
-    char text[128];
-    double middle = (lo[1] + hi[1]) / 2 * s->b->spec->scale[1];
+    double edge[2], xy[2];
+    if (!backdrop_project(s, at[0], at[1], s->lo[2], edge)) return;
+    if (!backdrop_project(s, at[0], at[1] + pad, s->lo[2], xy)) return;
+    double slant = (xy[0] - edge[0]) / hypot(xy[0] - edge[0], xy[1] - edge[1]);
+    backdrop_label(s, text, xy, slant > .4 ? "left" : slant < -.4 ? "right" : "center");
+}
+
+/* Below the map, as the eye has it; but at the corner where the heights are. */
+static void label_longitudes(const struct drawing *s, const double corner[2], double pad)
+{
+    double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
     bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
+    double y = low ? s->lo[1] : s->hi[1];
     struct ticks t = graticule_of(s, 0);
+    char text[64];
     for (int i = t.first; i <= t.last; i++) {
-        degrees_text(text, sizeof text, 0, i * t.step);
-        if (backdrop_project(s, i * t.step, low ? lo[1] - pad : hi[1] + pad, lo[2], xy))
-            backdrop_label(s, text, xy, "center");
+        double at[2] = {i * t.step, y};
+        if (y == corner[1] && fabs(at[0] - corner[0]) < .3 * t.step) continue;
+        degrees_text(text, sizeof text, 0, at[0]);
+        label_beside(s, text, at, low ? -pad : pad);
     }
-    t = graticule_of(s, 1);
+}
+
+static void label_latitudes(const struct drawing *s, double pad)
+{
+    struct ticks t = graticule_of(s, 1);
+    double xy[2], other[2];
+    char text[64];
     for (int i = t.first; i <= t.last; i++) {
         degrees_text(text, sizeof text, 1, i * t.step);
-        bool a = backdrop_project(s, lo[0] - pad / 2, i * t.step, lo[2], xy);
-        bool b = backdrop_project(s, hi[0] + pad / 2, i * t.step, lo[2], other);
+        bool a = backdrop_project(s, s->lo[0] - pad / 2, i * t.step, s->lo[2], xy);
+        bool b = backdrop_project(s, s->hi[0] + pad / 2, i * t.step, s->lo[2], other);
         if (!a || !b) continue;
         bool left = in_front(s, 0, 0) || in_front(s, 0, 1) ? in_front(s, 0, 0) : xy[0] < other[0];
         bool first = xy[0] < other[0] ? left : !left;
         backdrop_label(s, text, left ? xy : other, first ? "right" : "left");
     }
-    double corner[2] = {lo[0], lo[1]}, most = -HUGE_VAL;
-    for (int i = 0; i < 4; i++) {
-        double x = i & 1 ? hi[0] : lo[0], y = i & 2 ? hi[1] : lo[1];
-        if (!backdrop_project(s, x, y, lo[2], xy) || xy[0] <= most) continue;
-        most = xy[0];
-        corner[0] = x;
-        corner[1] = y;
-    }
-    t = heights_of(s);
+}
+
+static void label_heights(const struct drawing *s, const double corner[2])
+{
+    struct ticks t = heights_of(s);
+    double xy[2];
+    char text[128];
     for (int i = t.first; i <= t.last; i++) {
         snprintf(text, sizeof text, "%.6g %s", (s->b->down ? -i : i) * t.step + 0.0, s->b->unit);
         if (backdrop_project(s, corner[0], corner[1], i * t.step, xy))
             backdrop_label(s, text, xy, "left offset 0.7,0");
     }
+}
+
+/* The one furthest to the right. */
+static void find_corner(const struct drawing *s, double corner[2])
+{
+    double most = -HUGE_VAL, xy[2];
+    corner[0] = s->lo[0];
+    corner[1] = s->lo[1];
+    for (int i = 0; i < 4; i++) {
+        double x = i & 1 ? s->hi[0] : s->lo[0], y = i & 2 ? s->hi[1] : s->lo[1];
+        if (!backdrop_project(s, x, y, s->lo[2], xy) || xy[0] <= most) continue;
+        most = xy[0];
+        corner[0] = x;
+        corner[1] = y;
+    }
+}
+
+void backdrop_labels(const struct drawing *s)
+{
+    double pad = .025 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]), corner[2];
+    find_corner(s, corner);
+    label_longitudes(s, corner, pad);
+    label_latitudes(s, pad);
+    label_heights(s, corner);
 }

@@ -1,0 +1,64 @@
+/*
+ * cut: what is seen of the map. It is a plane, and so is what bounds the view: on the map each
+ * bound is a straight line, and lines stay straight in the picture.
+ */
+#include "backdrop/outline.h"
+
+static double side(const struct half *h, struct point p) { return h->a * p.x + h->b * p.y + h->c; }
+
+struct point point_between(struct point p, struct point q, double f)
+{
+    return (struct point){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
+}
+
+void seen_halves(const struct drawing *s, struct half h[HALVES])
+{
+    const double *scale = s->b->spec->scale, *lo = s->lo, *hi = s->hi;
+    const struct vec3 f = s->camera.forward, e = s->camera.eye;
+    struct vec3 corner = v3(lo[0] * scale[0], lo[1] * scale[1], lo[2] * scale[2]);
+    h[0] = (struct half){1, 0, -lo[0]};
+    h[1] = (struct half){-1, 0, hi[0]};
+    h[2] = (struct half){0, 1, -lo[1]};
+    h[3] = (struct half){0, -1, hi[1]};
+    /* by a little, as measured by how far the map is */
+    h[4] = (struct half){f.x * scale[0], f.y * scale[1],
+        f.z * corner.z - v3_dot(f, e) - 1e-3 * v3_len(v3_sub(corner, e))};
+}
+
+bool cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2])
+{
+    part[0] = 0;
+    part[1] = 1;
+    for (int i = 0; i < HALVES; i++) {
+        double a = side(&h[i], p), b = side(&h[i], q);
+        if (a < 0 && b < 0) return false;
+        if (a < 0) part[0] = fmax(part[0], a / (a - b));
+        if (b < 0) part[1] = fmin(part[1], a / (a - b));
+    }
+    return part[0] <= part[1];
+}
+
+/* I. E. Sutherland, G. W. Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974. Pieces that fall
+ * apart stay joined along the line, where they enclose nothing. */
+static void cut_by(const struct half *h, const struct outline *o, struct outline *kept)
+{
+    kept->n = 0;
+    for (size_t i = 0; i < o->n; i++) {
+        struct point p = o->at[i ? i - 1 : o->n - 1], q = o->at[i];
+        double a = side(h, p), b = side(h, q);
+        if ((a < 0) != (b < 0)) outline_append(kept, point_between(p, q, a / (a - b)));
+        if (b >= 0) outline_append(kept, q);
+    }
+}
+
+void cut_polygon(const struct half h[HALVES], struct outline *o)
+{
+    struct outline other = {0};
+    for (int i = 0; i < HALVES; i++) {
+        cut_by(&h[i], o, &other);
+        struct outline swap = *o;
+        *o = other;
+        other = swap;
+    }
+    outline_free(&other);
+}
