@@ -187,16 +187,16 @@ static void load_log(struct replay *r)
 }
 
 /* Scenes and the like are for who renders. */
-static int take_state(void *ctx, enum rec_kind kind,
+static int take_state(void *ctx, uint32_t generation, enum rec_kind kind,
     unsigned char *body, // NOLINT(readability-non-const-parameter)
     size_t n, char err[WORKER_ERR])
 {
-    (void)ctx, (void)kind, (void)body, (void)n;
+    (void)ctx, (void)generation, (void)kind, (void)body, (void)n;
     *err = '\0';
     return 0;
 }
 
-static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
+static int ready(void *ctx, const struct frame_size *wanted, char err[WORKER_ERR])
 {
     struct replay *r = ctx;
     int64_t begin = now_us();
@@ -204,10 +204,10 @@ static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WOR
     /* The worker that this one stands in for has no log to read: it is part of the next wait. */
     if (!r->loaded) r->owed_us -= (double)(now_us() - begin);
     r->loaded = true;
-    const struct history_frame *f = history_frame_of(&r->log, frame);
-    if (!f || f->w != w || f->h != h) {
+    const struct history_frame *f = history_frame_of(&r->log, wanted->frame);
+    if (!f || f->w != wanted->w || f->h != wanted->h) {
         snprintf(err, WORKER_ERR, "%s: frame %u of %ux%u is not there, expected one that is",
-            r->o->path, frame, w, h);
+            r->o->path, wanted->frame, wanted->w, wanted->h);
         return -1;
     }
     if (f != r->frame) r->own_us = cpu_us();

@@ -19,48 +19,66 @@ struct options {
     char with[80];    /* this program, and what of the above changes pixels, as options */
 };
 
-struct renderer {
-    const struct options *o;
-    const char *name;
+/* What pictures of one generation are of. */
+struct subject {
     struct scene scene;
     struct tracer *tracer;
-    uint64_t scene_hash;
-    uint32_t w, h; /* of the frame */
+    uint64_t hash;
     bool loaded;
 };
 
-static int load(struct renderer *r, const char *text, size_t n, char err[WORKER_ERR])
+struct renderer {
+    const struct options *o;
+    const char *name;
+    struct subject subjects[2]; /* of the latest generation, and the one before: by parity */
+    struct subject *at;         /* of the frame made ready */
+    uint32_t w, h;
+};
+
+static void unload(struct subject *s)
 {
-    tracer_free(r->tracer);
-    r->tracer = NULL;
-    if (r->loaded) scene_free(&r->scene);
-    r->loaded = false;
-    if (nff_read(r->name, text, n, &r->scene, err) != 0) return -1;
-    r->loaded = true;
-    r->scene_hash = hash64(HASH64_INIT, text, n);
-    return 0;
+    tracer_free(s->tracer);
+    if (s->loaded) scene_free(&s->scene);
+    *s = (struct subject){0};
 }
 
-static int take_state(
-    void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR])
+static int load(struct renderer *r, struct subject *s, const char *text, size_t n, char *err)
 {
-    if (kind == REC_SCENE) return load(ctx, (const char *)body, n, err);
-    snprintf(err, WORKER_ERR, "record `%s`, expected `scene`", rec_name(kind));
+    unload(s);
+    s->loaded = nff_read(r->name, text, n, &s->scene, err) == 0;
+    s->hash = hash64(HASH64_INIT, text, n);
+    return s->loaded ? 0 : -1;
+}
+
+static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,
+    size_t n, char err[WORKER_ERR])
+{
+    struct renderer *r = ctx;
+    bool streamed = strcmp(r->o->path, "-") == 0;
+    if (kind == REC_SCENE && streamed)
+        return load(r, &r->subjects[generation & 1], (const char *)body, n, err);
+    snprintf(err, WORKER_ERR, "record `%s`, expected %s", rec_name(kind),
+        streamed ? "`scene`" : "none of state, since the scene is a file");
     return -1;
 }
 
-static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
+static void drop(void *ctx, uint32_t generation)
+{
+    unload(&((struct renderer *)ctx)->subjects[generation & 1]);
+}
+
+static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct renderer *r = ctx;
-    (void)frame;
-    if (!r->loaded) {
+    struct subject *s = r->at = &r->subjects[f->generation & 1];
+    if (!s->loaded) {
         snprintf(err, WORKER_ERR, "no scene, expected a `scene` record before the first task");
         return -1;
     }
-    if (!r->tracer) r->tracer = tracer_new(&r->scene, &r->o->trace);
-    tracer_frame(r->tracer, w, h);
-    r->w = w;
-    r->h = h;
+    if (!s->tracer) s->tracer = tracer_new(&s->scene, &r->o->trace);
+    tracer_frame(s->tracer, f->w, f->h);
+    r->w = f->w;
+    r->h = f->h;
     return 0;
 }
 
@@ -71,7 +89,7 @@ static uint64_t job(void *ctx)
     char text[120];
     int n =
         snprintf(text, sizeof text, "rt %d depth=%d samples=%d threshold=%.17g scene=%016" PRIx64,
-            FORMAT_VERSION, t->depth, t->samples, t->threshold, r->scene_hash);
+            FORMAT_VERSION, t->depth, t->samples, t->threshold, r->at->hash);
     const uint32_t size[2] = {r->w, r->h};
     return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
 }
@@ -81,7 +99,7 @@ static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
     struct renderer *r = ctx;
-    tracer_pixels(r->tracer, at, n0, n, rgba);
+    tracer_pixels(r->at->tracer, at, n0, n, rgba);
 }
 
 /* Every primitive, a mirror, glass and a shadow, small enough to take a millisecond or two. */
@@ -112,6 +130,7 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
 static const struct worker_ops ops = {
     .program = "rtworker",
     .state = take_state,
+    .drop = drop,
     .ready = ready,
     .job = job,
     .with = with,
@@ -185,14 +204,16 @@ static void open_scene(struct renderer *r)
     struct buf text = {0};
     char err[WORKER_ERR];
     if (read_file(r->o->path, &text) != 0) die(ST_USAGE, "%s:", r->o->path);
-    if (load(r, (const char *)buf_data(&text), buf_size(&text), err) != 0) die(ST_USAGE, "%s", err);
+    r->at = r->subjects;
+    if (load(r, r->at, (const char *)buf_data(&text), buf_size(&text), err) != 0)
+        die(ST_USAGE, "%s", err);
     buf_free(&text);
 }
 
 static void inspect(struct renderer *r)
 {
-    r->w = r->scene.view.res_x;
-    r->h = r->scene.view.res_y;
+    r->w = r->at->scene.view.res_x;
+    r->h = r->at->scene.view.res_y;
     printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
     close_stdout();
 }
@@ -207,7 +228,6 @@ int main(int argc, char **argv)
     int status = ST_OK;
     if (o.inspect) inspect(&r);
     else status = worker_run(&ops, &o.worker, &r);
-    tracer_free(r.tracer);
-    if (r.loaded) scene_free(&r.scene);
+    for (uint32_t i = 0; i < 2; i++) drop(&r, i);
     return status;
 }

@@ -25,69 +25,132 @@ struct options {
     char with[80]; /* this program, and what of the above changes pixels, as options */
 };
 
+/* Of each generation that uses them. */
+struct shared_grid {
+    struct grid grid;
+    uint64_t hash;
+    int users;
+};
+struct shared_spec {
+    struct spec spec;
+    uint64_t hash;
+    int users;
+};
+
+/* What pictures of one generation are of. */
+struct subject {
+    struct shared_grid *grid; /* NULL: it has not come, as the following */
+    struct shared_spec *spec;
+    struct volume *volume; /* of these two, once it is needed */
+};
+
 struct renderer {
     const struct options *o;
-    struct grid grid;
-    struct spec spec;
-    struct volume *volume; /* of these two, once both are there */
-    uint64_t grid_hash, spec_hash;
-    bool has_grid, has_spec;
-    uint32_t w, h; /* of the frame */
+    struct subject subjects[2]; /* of the latest generation, and the one before: by parity */
+    uint32_t latest;            /* generation */
+    struct subject *at;         /* of the frame made ready */
+    uint32_t w, h;
 };
 
 /* ---- state ---------------------------------------------------------------------------------- */
 
-static void drop_volume(struct renderer *r)
+static void drop_volume(struct subject *s)
 {
-    volume_free(r->volume);
-    r->volume = NULL;
+    volume_free(s->volume);
+    s->volume = NULL;
+}
+
+static void drop_grid(struct subject *s)
+{
+    drop_volume(s);
+    if (s->grid && --s->grid->users == 0) {
+        grid_free(&s->grid->grid);
+        free(s->grid);
+    }
+    s->grid = NULL;
+}
+
+static void drop_spec(struct subject *s)
+{
+    drop_volume(s);
+    if (s->spec && --s->spec->users == 0) {
+        spec_free(&s->spec->spec);
+        free(s->spec);
+    }
+    s->spec = NULL;
+}
+
+static void drop(void *ctx, uint32_t generation)
+{
+    struct subject *s = &((struct renderer *)ctx)->subjects[generation & 1];
+    drop_grid(s);
+    drop_spec(s);
 }
 
 /* Who is replaced goes first: a grid is large. */
-static int load_grid(
-    struct renderer *r, const char *name, unsigned char *bytes, size_t n, char err[WORKER_ERR])
+static int load_grid(struct subject *s, const char *name, unsigned char *bytes, size_t n, char *err)
 {
-    drop_volume(r);
-    if (r->has_grid) grid_free(&r->grid);
-    r->has_grid = false;
-    r->grid_hash = hash64(HASH64_INIT, bytes, n);
-    r->has_grid = grid_consume(name, bytes, n, &r->grid, err) == 0;
-    return r->has_grid ? 0 : -1;
+    drop_grid(s);
+    struct shared_grid *g = xcalloc(1, sizeof *g);
+    *g = (struct shared_grid){.hash = hash64(HASH64_INIT, bytes, n), .users = 1};
+    if (grid_consume(name, bytes, n, &g->grid, err) == 0) s->grid = g;
+    else free(g);
+    return s->grid ? 0 : -1;
 }
 
 static int load_spec(
-    struct renderer *r, const char *name, const unsigned char *text, size_t n, char err[WORKER_ERR])
+    struct subject *s, const char *name, const unsigned char *text, size_t n, char *err)
 {
-    drop_volume(r);
-    if (r->has_spec) spec_free(&r->spec);
-    r->spec_hash = hash64(HASH64_INIT, text, n);
-    r->has_spec = spec_read(name, (const char *)text, n, &r->spec, err) == 0;
-    return r->has_spec ? 0 : -1;
+    drop_spec(s);
+    struct shared_spec *p = xcalloc(1, sizeof *p);
+    *p = (struct shared_spec){.hash = hash64(HASH64_INIT, text, n), .users = 1};
+    if (spec_read(name, (const char *)text, n, &p->spec, err) == 0) s->spec = p;
+    else free(p);
+    return s->spec ? 0 : -1;
 }
 
-static int take_state(
-    void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR])
+/* A generation begins with all that the one before has. */
+static struct subject *subject_of(struct renderer *r, uint32_t generation)
 {
-    if (kind == REC_GRID) return load_grid(ctx, "grid", body, n, err);
-    if (kind == REC_SPEC) return load_spec(ctx, "spec", body, n, err);
-    snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec`", rec_name(kind));
-    return -1;
+    struct subject *s = &r->subjects[generation & 1], *before = &r->subjects[~generation & 1];
+    if (generation == r->latest) return s;
+    r->latest = generation;
+    drop(r, generation);
+    *s = (struct subject){before->grid, before->spec, NULL};
+    if (s->grid) s->grid->users++;
+    if (s->spec) s->spec->users++;
+    return s;
 }
 
-static int ready(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR])
+static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,
+    size_t n, char err[WORKER_ERR])
 {
     struct renderer *r = ctx;
-    (void)frame;
-    if (!r->has_grid || !r->has_spec) {
-        const char *missing = r->has_grid ? "spec" : "grid";
+    const char *file = kind == REC_GRID ? r->o->grid : kind == REC_SPEC ? *r->o->specs : "";
+    if (strcmp(file, "-") != 0) {
+        snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec`, where it is no file",
+            rec_name(kind));
+        return -1;
+    }
+    struct subject *s = subject_of(r, generation);
+    return kind == REC_GRID ? load_grid(s, "grid", body, n, err)
+                            : load_spec(s, "spec", body, n, err);
+}
+
+static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
+{
+    struct renderer *r = ctx;
+    struct subject *s = r->at = &r->subjects[f->generation & 1];
+    if (!s->grid || !s->spec) {
+        const char *missing = s->grid ? "spec" : "grid";
         snprintf(err, WORKER_ERR, "no %s, expected a `%s` record before the first task", missing,
             missing);
         return -1;
     }
-    if (!r->volume) r->volume = volume_new(&r->grid, &r->spec, &r->o->volume);
-    volume_frame(r->volume, w, h);
-    r->w = w;
-    r->h = h;
+    if (!s->volume) s->volume = volume_new(&s->grid->grid, &s->spec->spec, &r->o->volume);
+    volume_frame(s->volume, f->w, f->h);
+    r->w = f->w;
+    r->h = f->h;
     return 0;
 }
 
@@ -98,7 +161,7 @@ static uint64_t job(void *ctx)
     char text[160];
     int n = snprintf(text, sizeof text,
         "vc %d method=%d tolerance=%.17g n=%d grid=%016" PRIx64 " spec=%016" PRIx64, FORMAT_VERSION,
-        (int)v->method, v->tolerance, v->n, r->grid_hash, r->spec_hash);
+        (int)v->method, v->tolerance, v->n, r->at->grid->hash, r->at->spec->hash);
     const uint32_t size[2] = {r->w, r->h};
     return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
 }
@@ -108,14 +171,7 @@ static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
     struct renderer *r = ctx;
-    volume_pixels(r->volume, at, n0, n, rgba);
-}
-
-static void release(struct renderer *r)
-{
-    drop_volume(r);
-    if (r->has_grid) grid_free(&r->grid);
-    if (r->has_spec) spec_free(&r->spec);
+    volume_pixels(r->at->volume, at, n0, n, rgba);
 }
 
 /* ---- the self-test -------------------------------------------------------------------------- */
@@ -155,6 +211,7 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
 static const struct worker_ops ops = {
     .program = "vcworker",
     .state = take_state,
+    .drop = drop,
     .ready = ready,
     .job = job,
     .with = with,
@@ -238,7 +295,7 @@ static void open_grid(struct renderer *r)
         if (read_file(r->o->grid, &bytes) != 0) die(ST_USAGE, "%s:", r->o->grid);
         n = buf_size(&bytes);
     }
-    if (load_grid(r, r->o->grid, map ? map : bytes.data, n, err) != 0) die(ST_USAGE, "%s", err);
+    if (load_grid(r->at, r->o->grid, map ? map : bytes.data, n, err) != 0) die(ST_USAGE, "%s", err);
     if (map) munmap(map, n);
     buf_free(&bytes);
 }
@@ -248,7 +305,8 @@ static void open_spec(struct renderer *r, const char *path)
     char err[WORKER_ERR];
     struct buf text = {0};
     if (read_file(path, &text) != 0) die(ST_USAGE, "%s:", path);
-    if (load_spec(r, path, buf_data(&text), buf_size(&text), err) != 0) die(ST_USAGE, "%s", err);
+    if (load_spec(r->at, path, buf_data(&text), buf_size(&text), err) != 0)
+        die(ST_USAGE, "%s", err);
     buf_free(&text);
 }
 
@@ -258,8 +316,8 @@ static void inspect(struct renderer *r)
 {
     for (int i = 0; i < r->o->n_specs; i++) {
         if (i) open_spec(r, r->o->specs[i]);
-        r->w = r->spec.w;
-        r->h = r->spec.h;
+        r->w = r->at->spec->spec.w;
+        r->h = r->at->spec->spec.h;
         printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
     }
 }
@@ -307,17 +365,18 @@ static void count(struct renderer *r)
 {
     char err[WORKER_ERR];
     float rgba[4];
-    const struct lattice all = {0, 0, r->spec.w, r->spec.h, 1, 1};
+    const struct frame_size f = {.w = r->at->spec->spec.w, .h = r->at->spec->spec.h};
+    const struct lattice all = {0, 0, f.w, f.h, 1, 1};
     uint64_t rays = lattice_count(&all);
     struct sample of[2] = {{xmalloc(rays, sizeof(double)), 0}, {xmalloc(rays, sizeof(double)), 0}};
     struct volume_counts c = {0};
-    if (ready(r, 0, r->spec.w, r->spec.h, err) != 0) die(ST_USAGE, "%s", err);
+    if (ready(r, &f, err) != 0) die(ST_USAGE, "%s", err);
     for (uint64_t p = 0; p < rays; p++) {
         uint64_t hits = c.hits;
         double start = now_s();
-        volume_pixels(r->volume, &all, p, 1, rgba);
+        volume_pixels(r->at->volume, &all, p, 1, rgba);
         double took = now_s() - start;
-        volume_counts(r->volume, &c);
+        volume_counts(r->at->volume, &c);
         struct sample *s = &of[c.hits == hits];
         s->s[s->n++] = took;
     }
@@ -334,6 +393,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct renderer r = {.o = &o};
+    r.at = r.subjects;
     bool streamed = o.what == RUN, named = strcmp(o.grid, "-") != 0;
     for (int i = 0; i < o.n_specs; i++)
         if (strcmp(o.specs[i], "-") == 0 && !streamed && (!named || i))
@@ -346,6 +406,6 @@ int main(int argc, char **argv)
     else if (o.what == COUNT) count(&r);
     else inspect(&r);
     if (!streamed) close_stdout();
-    release(&r);
+    for (uint32_t i = 0; i < 2; i++) drop(&r, i);
     return status;
 }

@@ -82,8 +82,16 @@ typedef int stream_taker(void *ctx, const struct record *r);
 int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx);
 /* The same without reading. */
 int stream_take(struct decoder *d, stream_taker *take, void *ctx);
-/* The frame of a task record whose pixels lie in it; else says what is wrong: NULL. */
-const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r);
+/* The frames of the input, and which state they are of. */
+struct stream_state {
+    struct frames frames;
+    struct generations generations;
+};
+/* Takes a frame record. */
+void stream_frame(struct stream_state *f, const struct record *r);
+/* The frame of a task record whose pixels lie in it, and whose state is there; else says what is
+ * wrong: NULL. */
+const struct frame_size *stream_frame_of(const struct stream_state *f, const struct record *r);
 /* Forwards r as one record of the bulk queue. */
 void up_forward(
     struct up_queue *q, const struct record *r, const char *const *drop, const char *extra);

@@ -31,7 +31,7 @@ static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
     /* Pixels of what is done may be held back until somebody asks. */
     bool asked = s->undone || (s->tasks.count && (s->flushed || !f->in_open));
     if (!asked) return 0;
-    return s->loading ? LOADING_S : f->o->silence_s;
+    return s->loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
 
 /*
@@ -218,15 +218,13 @@ void fan_close(struct fan *f)
 {
     stop(f);
     for (int i = 0; i < f->n_hosts; i++) host_argv_free(f->hosts[i].argv);
-    for (size_t i = 0; i < sizeof f->state / sizeof *f->state; i++)
-        if (f->state[i]) blob_drop(f->state[i]);
+    for (int i = 0; i < 2; i++) fan_forget(&f->states[i]);
     free(f->hosts);
     free(f->slots);
     wire_free(&f->in);
-    frames_free(&f->frames);
+    frames_free(&f->input.frames);
     up_free(&f->out.queue);
     buf_free(&f->line);
-    buf_free(&f->frame_lines);
 }
 
 /* Every slot has been given up for good. */

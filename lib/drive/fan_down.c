@@ -23,23 +23,74 @@ bool fan_room_down(const struct fan *f)
 
 bool fan_takes(const struct fan_slot *s) { return s->primed && (!slot_fed(s) || s->child.to >= 0); }
 
-void fan_prime(struct fan *f, struct fan_slot *s)
+#define KINDS 3 /* of state */
+
+void fan_forget(struct fan_state_of *state)
 {
-    for (size_t i = 0; i < sizeof f->state / sizeof *f->state; i++)
-        if (f->state[i]) down_share(&s->down, f->state[i]);
-    down_append(&s->down, buf_data(&f->frame_lines), buf_size(&f->frame_lines));
+    for (int i = 0; i < KINDS; i++)
+        if (state->kind[i]) blob_drop(state->kind[i]);
+    buf_free(&state->frame_lines);
+    *state = (struct fan_state_of){0};
+}
+
+/* Slot s, which has this state already, or none (NULL), is sent that one. */
+static void send_state(
+    struct fan_slot *s, const struct fan_state_of *has, const struct fan_state_of *state)
+{
+    for (int i = 0; i < KINDS; i++)
+        if (state->kind[i] && !(has && has->kind[i] == state->kind[i]))
+            down_share(&s->down, state->kind[i]);
+    down_append(&s->down, buf_data(&state->frame_lines), buf_size(&state->frame_lines));
+}
+
+/*
+ * A task of the state before the latest, for a slot that was not sent that: it is sent both, in
+ * their order, so that the worker's latest is the latest again.
+ */
+void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation)
+{
+    uint32_t now = f->input.generations.now;
+    const struct fan_state_of *latest = &f->states[now & 1], *before = &f->states[~now & 1];
+    const struct fan_state_of *has = s->primed ? latest : NULL;
+    if (generation != now) {
+        send_state(s, has, before);
+        has = before;
+    }
+    send_state(s, has, latest);
+    s->since = generation;
     s->primed = s->loading = true;
+}
+
+/* Once the latest state has tasks, those of the one before were all given to somebody: they come
+ * only where that one is lost. */
+void fan_prime_early(struct fan *f, struct fan_slot *s)
+{
+    uint32_t now = f->input.generations.now;
+    fan_prime(f, s, f->begun ? now : now - 1);
+}
+
+/* A generation begins with all that the one before has, and the one before that goes. */
+static void begin_generation(struct fan *f)
+{
+    uint32_t now = f->input.generations.now;
+    struct fan_state_of *latest = &f->states[now & 1];
+    f->begun = false;
+    fan_forget(latest);
+    for (int i = 0; i < KINDS; i++) {
+        latest->kind[i] = f->states[~now & 1].kind[i];
+        if (latest->kind[i]) latest->kind[i]->users++;
+    }
 }
 
 static void route_state(struct fan *f, const struct record *r)
 {
+    struct generations *g = &f->input.generations;
     struct buf bytes = {0};
     wire_forward(&bytes, r, NULL, NULL);
-    struct blob *b = blob_new(&bytes), **kept = &f->state[r->kind - REC_SCENE];
-    /* What is announced from now on belongs to other state, and no slot is told of it that comes
-     * too late for the old one. */
-    for (size_t i = 0; i < f->frames.n; i++) f->frames.at[i].said = false;
-    if (*kept) buf_consume(&f->frame_lines, buf_size(&f->frame_lines));
+    bool begins = generation_ends(g, r->kind);
+    generation_state(g, r->kind);
+    if (begins) begin_generation(f);
+    struct blob *b = blob_new(&bytes), **kept = &f->states[g->now & 1].kind[r->kind - REC_SCENE];
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s)) continue;
@@ -56,7 +107,8 @@ static void route_small(struct fan *f, const struct record *r)
     static const char *const drop[] = {"to", NULL};
     buf_consume(&f->line, buf_size(&f->line));
     wire_forward(&f->line, r, drop, NULL);
-    if (r->kind == REC_FRAME) buf_append(&f->frame_lines, buf_data(&f->line), buf_size(&f->line));
+    struct buf *lines = &f->states[f->input.generations.now & 1].frame_lines;
+    if (r->kind == REC_FRAME) buf_append(lines, buf_data(&f->line), buf_size(&f->line));
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s) || (r->task.to >= 0 && r->task.to != k)) continue;
@@ -68,12 +120,13 @@ static void route_small(struct fan *f, const struct record *r)
 static int route_task(struct fan *f, const struct record *r)
 {
     const struct task *t = &r->task;
-    const struct frame_size *frame = stream_frame_of(&f->frames, r);
+    const struct frame_size *frame = stream_frame_of(&f->input, r);
     if (!frame) return ST_USAGE;
     if (t->to >= f->n_slots) {
         warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->n_slots);
         return ST_USAGE;
     }
+    f->begun |= frame->generation == f->input.generations.now;
     return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
@@ -103,7 +156,7 @@ static int route(void *ctx, const struct record *r)
     case REC_GRID:
     case REC_SPEC: route_state(f, r); return 0;
     case REC_FRAME:
-        frames_set(&f->frames, r->task.frame, r->frame_w, r->frame_h);
+        stream_frame(&f->input, r);
         route_small(f, r);
         return 0;
     case REC_FLUSH: route_small(f, r); return 0;

@@ -68,6 +68,7 @@ struct fan_slot {
 
     struct down_queue down;
     bool primed;             /* down begins with the state, and what follows it is added */
+    uint32_t since;          /* the first generation that it was sent then */
     struct task_table tasks; /* sent, and not yet both done and delivered */
     int32_t undone;          /* of these, not done */
 };
@@ -76,6 +77,12 @@ struct fan_slot {
 struct fan_reference {
     char program[64], selftest[24]; /* program: its name and version */
     char of[HOST_NAME_MOST + 4];    /* who said it; "": nobody yet */
+};
+
+/* State of one generation, and the frames that are of it. */
+struct fan_state_of {
+    struct blob *kind[3]; /* scene, grid, spec; NULL: none */
+    struct buf frame_lines;
 };
 
 struct fan {
@@ -88,9 +95,9 @@ struct fan {
     int well;          /* slots that have ended as they should */
     struct fan_reference reference;
     struct decoder in;
-    struct frames frames;
-    struct blob *state[3];  /* the latest scene, grid, spec; NULL: none */
-    struct buf frame_lines; /* frame records of that state */
+    struct stream_state input;
+    struct fan_state_of states[2]; /* of the latest generation, and the one before: by parity */
+    bool begun;                    /* a task of the latest has come */
     struct outlet out;
     struct buf line;     /* a record on its way down */
     int64_t start_us;    /* the zero of sent_us and recv_us */
@@ -118,8 +125,12 @@ void fan_close(struct fan *f);
 
 /* One read of the input, and everything that can be decoded from it, to the slots. */
 void fan_take_input(struct fan *f);
-/* What a slot needs before its first task. */
-void fan_prime(struct fan *f, struct fan_slot *s);
+/* What a slot needs before its first task, where that is of this generation; and where it is not
+ * known of which that will be. */
+void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation);
+void fan_prime_early(struct fan *f, struct fan_slot *s);
+/* Frees what is kept of a generation. */
+void fan_forget(struct fan_state_of *state);
 /* It is sent what comes, or that waits for it because there are tasks for it. */
 bool fan_takes(const struct fan_slot *s);
 /* No slot has more queued than it should. */

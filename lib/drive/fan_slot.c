@@ -87,7 +87,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     *s->chatter = '\0';
     s->opened_us = s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
-    if (s->host->here && !s->primed) fan_prime(f, s);
+    if (s->host->here && !s->primed) fan_prime_early(f, s);
     int failed = s->host->here ? child_start(&s->child, s->host->argv)
                                : child_start_apart(&s->child, s->host->argv);
     if (!failed) return;
@@ -106,7 +106,7 @@ void slot_up(struct fan *f, struct fan_slot *s)
     s->heard_us = now_us();
     if (s->closed_us) s->closed_us = s->heard_us;
     enter(f, s, FAN_UP);
-    if (!s->primed && slot_wanted(f, s)) fan_prime(f, s);
+    if (!s->primed && slot_wanted(f, s)) fan_prime_early(f, s);
     snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
         s->power, s->inner);
     wire_plain(&f->out.queue.bulk, REC_UP, text);
@@ -129,7 +129,8 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
             r->task.id);
         return ST_USAGE;
     }
-    if (!s->primed) fan_prime(f, s);
+    if (!s->primed || (int32_t)(frame->generation - s->since) < 0)
+        fan_prime(f, s, frame->generation);
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;
     if (rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) s->tasks.at[i].slot = (int32_t)from;

@@ -88,7 +88,7 @@ static const char *take_job(
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
-    struct frame_size *asked = frames_find(&f->frames, r->task.frame);
+    struct frame_size *asked = frames_find(&f->input.frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     const char *why = take_job(f, s, asked, r);
     if (why) return why;

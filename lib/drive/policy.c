@@ -27,9 +27,9 @@ struct driver {
     struct down_queue down;
     struct outlet out;
     struct decoder in, from;
-    struct frames frames;
+    struct stream_state input;
     struct tags tags;
-    struct buf held; /* state that came, and the input waits behind it, until all before is there */
+    struct buf held; /* state that came, and the input waits behind it: it is not admitted yet */
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */
     bool node;     /* of a ring */
@@ -101,11 +101,12 @@ static void tell(struct driver *d, struct sched_event e)
 
 static int take_task(struct driver *d, const struct record *r)
 {
-    const struct frame_size *f = stream_frame_of(&d->frames, r);
+    const struct frame_size *f = stream_frame_of(&d->input, r);
     struct sched_event e = {.kind = SCHED_TASK, .task = r->task, .from = -1};
     int64_t from;
     if (!f) return ST_USAGE;
     e.frame_w = f->w;
+    e.task.generation = f->generation;
     if (d->node && rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) e.from = (int32_t)from;
     tags_keep(&d->tags, r);
     tell(d, e);
@@ -121,15 +122,22 @@ static int take_ring(struct driver *d, const struct record *r)
 }
 
 /*
- * A task is of the state that came before it, wherever and however often it is given, and a slot
- * that comes late is sent the latest. So new state goes no further while there is a task that is
- * not committed; what is held back of those is asked for.
+ * A task is of the state that its frame came after, wherever and however often it is given: workers
+ * keep the latest state and the one before. So what would be a third goes no further while there
+ * are tasks of the first; what is held back of those is asked for.
  */
+static bool admitted(const struct driver *d)
+{
+    return sched_admits(d->policy, d->state, d->input.generations.now);
+}
+
 static int take_state(struct driver *d, const struct record *r)
 {
-    bool clear = d->policy->uncommitted(d->state) == 0;
-    wire_forward(clear ? &d->down.bytes : &d->held, r, NULL, NULL);
-    if (clear) return 0;
+    bool begins = generation_ends(&d->input.generations, r->kind);
+    generation_state(&d->input.generations, r->kind);
+    bool waits = begins && !admitted(d);
+    wire_forward(waits ? &d->held : &d->down.bytes, r, NULL, NULL);
+    if (!waits) return 0;
     tell(d, (struct sched_event){.kind = SCHED_FLUSH});
     return STREAM_HOLD;
 }
@@ -142,7 +150,7 @@ static int take_down(void *ctx, const struct record *r)
     case REC_GRID:
     case REC_SPEC: return take_state(d, r);
     case REC_FRAME:
-        frames_set(&d->frames, r->task.frame, r->frame_w, r->frame_h);
+        stream_frame(&d->input, r);
         wire_forward(&d->down.bytes, r, NULL, NULL);
         return 0;
     case REC_TASK: return take_task(d, r);
@@ -169,7 +177,7 @@ static void take_input(struct driver *d)
 /* The input goes on behind state that has waited for long enough. */
 static void release(struct driver *d)
 {
-    while (buf_size(&d->held) && !d->refused && d->policy->uncommitted(d->state) == 0) {
+    while (buf_size(&d->held) && !d->refused && admitted(d)) {
         buf_append(&d->down.bytes, buf_data(&d->held), buf_size(&d->held));
         buf_free(&d->held);
         d->refused = stream_take(&d->in, take_down, d);
@@ -325,7 +333,7 @@ static bool poll_round(struct driver *d)
 static int finish(struct driver *d, char *const *command)
 {
     if (d->refused) return d->refused;
-    int64_t left = d->policy->uncommitted(d->state);
+    int64_t left = sched_uncommitted(d->policy, d->state);
     bool unfinished = left || d->in_open;
     if (!d->out.gone) {
         wire_bye(&d->out.queue.bulk, d->why);
@@ -359,7 +367,7 @@ int drive_policy(
     up_free(&d.out.queue);
     wire_free(&d.in);
     wire_free(&d.from);
-    frames_free(&d.frames);
+    frames_free(&d.input.frames);
     tags_free(&d.tags);
     buf_free(&d.held);
     if (signals_came()) signals_die();

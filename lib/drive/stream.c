@@ -42,12 +42,21 @@ int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx)
     return ST_SYSTEM;
 }
 
-const struct frame_size *stream_frame_of(const struct frames *f, const struct record *r)
+void stream_frame(struct stream_state *f, const struct record *r)
+{
+    struct frame_size *frame = frames_set(&f->frames, r->task.frame, r->frame_w, r->frame_h);
+    generation_frame(&f->generations, frame);
+}
+
+const struct frame_size *stream_frame_of(const struct stream_state *f, const struct record *r)
 {
     const struct task *t = &r->task;
-    const struct frame_size *frame = frames_find(f, t->frame);
-    if (frame && lattice_valid(&t->at, frame->w, frame->h)) return frame;
-    if (frame)
+    const struct frame_size *frame = frames_find(&f->frames, t->frame);
+    bool inside = frame && lattice_valid(&t->at, frame->w, frame->h);
+    if (inside && generation_lives(&f->generations, frame)) return frame;
+    if (inside)
+        warn("task %u %u: its state was replaced twice, expected it before", t->frame, t->id);
+    else if (frame)
         warn("task %u %u: expected pixels inside %ux%u", t->frame, t->id, frame->w, frame->h);
     else warn("task %u %u: expected `frame` before its tasks", t->frame, t->id);
     return NULL;

@@ -212,9 +212,9 @@ static void deal_step(
     }
 }
 
-static int64_t deal_uncommitted(const void *state)
+static int32_t deal_uncommitted(const void *state, uint32_t parity)
 {
-    return ((const struct deal *)state)->ledger.count;
+    return ((const struct deal *)state)->ledger.of[parity];
 }
 
 static int64_t deal_waiting(const void *state)

@@ -244,9 +244,9 @@ static void master_step(
     sched_act(out, m->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }
 
-static int64_t master_uncommitted(const void *state)
+static int32_t master_uncommitted(const void *state, uint32_t parity)
 {
-    return ((const struct master *)state)->table.count;
+    return ((const struct master *)state)->table.of[parity];
 }
 
 /* Where a row is, and whether it was begun, is not known here. */

@@ -319,9 +319,9 @@ static void ring_step(
     sched_act(out, SCHED_END, -1, NULL);
 }
 
-static int64_t ring_uncommitted(const void *state)
+static int32_t ring_uncommitted(const void *state, uint32_t parity)
 {
-    return ((const struct hub *)state)->ledger.count;
+    return ((const struct hub *)state)->ledger.of[parity];
 }
 
 static int64_t ring_waiting(const void *state)

@@ -293,9 +293,9 @@ static void node_step(
     sched_act(out, SCHED_END, -1, NULL);
 }
 
-static int64_t node_uncommitted(const void *state)
+static int32_t node_uncommitted(const void *state, uint32_t parity)
 {
-    return ((const struct node *)state)->has.count;
+    return ((const struct node *)state)->has.of[parity];
 }
 
 static int64_t node_waiting(const void *state) { return ((const struct node *)state)->queue.count; }

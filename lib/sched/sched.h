@@ -106,7 +106,8 @@ struct policy {
     void *(*create)(const struct sched_params *p);
     void (*step)(
         void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
-    int64_t (*uncommitted)(const void *state); /* tasks */
+    /* Tasks of generations that are even (0), or odd (1). */
+    int32_t (*uncommitted)(const void *state, uint32_t parity);
     /* Tasks that no slot was given yet: the driver reads on while they are few. */
     int64_t (*waiting)(const void *state);
     /* The copy of this task that slot is on, or has in store, was its so many-th; 0: it has none.
@@ -116,6 +117,19 @@ struct policy {
     int64_t (*wake_us)(const void *state);
     void (*destroy)(void *state);
 };
+
+static inline int64_t sched_uncommitted(const struct policy *p, const void *state)
+{
+    return (int64_t)p->uncommitted(state, 0) + p->uncommitted(state, 1);
+}
+/*
+ * State that begins a generation may go on, and with it its tasks, while there is no task that is
+ * older than the generation before: so two at most are alive, and nobody waits at the end of one.
+ */
+static inline bool sched_admits(const struct policy *p, const void *state, uint32_t generation)
+{
+    return p->uncommitted(state, generation & 1) == 0;
+}
 
 extern const struct policy policy_deal;
 extern const struct policy policy_ring;      /* the hub */

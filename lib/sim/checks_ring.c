@@ -319,8 +319,8 @@ static void ring_after(struct world *w)
     if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
         fail(w, "a node was not told its place", k, 0);
     if (k >= 0 && owes_flush(m, &m->slots[k])) fail(w, "pixels are not asked for", k, 0);
-    if (w->policy->uncommitted(w->state) != m->open)
-        fail(w, "another number of tasks to do", w->policy->uncommitted(w->state), m->open);
+    int64_t open = sched_uncommitted(w->policy, w->state);
+    if (open != m->open) fail(w, "another number of tasks to do", open, m->open);
     if (w->policy->waiting(w->state) != m->open - m->computed)
         fail(w, "another number of tasks waits", w->policy->waiting(w->state), m->open);
     if (m->input_ended && !m->open && !w->ended) fail(w, "all is done, and no end", 0, 0);

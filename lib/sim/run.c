@@ -280,7 +280,7 @@ static void open_world(struct world *w)
     coverage_init(&w->sent, w->frame_w, w->frame_h);
     for (int32_t i = 0; i < p->tasks; i++) {
         uint32_t id = (uint32_t)i, rows = (uint32_t)p->rows;
-        struct task made = {0, id, {0, id * rows, FRAME_W, rows, 1, 1}, -1};
+        struct task made = {.id = id, .at = {0, id * rows, FRAME_W, rows, 1, 1}, .to = -1};
         w->order[i] = p->work ? p->work->tasks[i].id : id;
         struct vtask *t = vtask_at(w, w->order[i]);
         t->task = p->work ? p->work->tasks[i] : made;

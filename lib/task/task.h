@@ -21,7 +21,8 @@ struct lattice {
 struct task {
     uint32_t frame, id; /* the key; id counts from 0 in each frame */
     struct lattice at;
-    int32_t to; /* preassigned slot, -1 none */
+    int32_t to;          /* preassigned slot, -1 none */
+    uint32_t generation; /* of its frame: for the owner of a table of tasks */
 };
 
 static inline uint64_t lattice_count(const struct lattice *l) { return (uint64_t)l->w * l->h; }
@@ -110,6 +111,7 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
 /* The frames known so far, in the order of their numbers. */
 struct frame_size {
     uint32_t frame, w, h;
+    uint32_t generation; /* which state of its stream it is of (wire.h), 0 at first */
     bool said;       /* for the owner of the table, false at first and when the size is set again */
     uint32_t top_id; /* likewise, 0 */
     int32_t by;      /* likewise, 0, as the following */
@@ -146,6 +148,7 @@ struct task_table {
     struct task_entry *at;
     int32_t *heads;
     int32_t n_heads, cap, free_list, count;
+    int32_t of[2]; /* so many are of a generation that is even, or odd */
 };
 struct task_list {
     int32_t head, tail, count; /* -1: none */

@@ -302,6 +302,14 @@ static enum wire_result look(const struct decoder *d, struct record *r, char why
     return WIRE_BAD;
 }
 
+enum rec_kind wire_awaited(const struct decoder *d)
+{
+    struct record r;
+    char why[sizeof d->why];
+    bool awaits = !d->lost && look(d, &r, why) == WIRE_MORE && r.body_len;
+    return awaits ? r.kind : REC_KINDS;
+}
+
 enum wire_result wire_next(struct decoder *d, struct record *r)
 {
     char why[sizeof d->why];

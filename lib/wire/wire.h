@@ -85,6 +85,31 @@ struct decoder wire_over(unsigned char *p, size_t n);
 void wire_end(struct decoder *d);
 enum wire_result wire_next(struct decoder *d, struct record *r);
 void wire_free(struct decoder *d);
+/* After WIRE_MORE: of what kind is the record whose body is on its way? REC_KINDS: of none. */
+enum rec_kind wire_awaited(const struct decoder *d);
+
+/*
+ * A stream may go on with other state. A frame is of the state that stands before it in the stream,
+ * and one that comes before all state is of the first. Generations number these states: a record of
+ * state begins the next one where a frame came since the last one began, and it replaces what the
+ * stream has of its kind. Who reads the stream counts so, everywhere in a chain of programs, though
+ * not from the same number on. All zero at first.
+ */
+struct generations {
+    uint32_t now;
+    bool framed; /* a frame came */
+    bool has[3]; /* a scene, a grid, a spec */
+};
+/* Would a record of state of this kind begin a new one? */
+bool generation_ends(const struct generations *g, enum rec_kind kind);
+/* It came, or a frame, which is of g->now. */
+void generation_state(struct generations *g, enum rec_kind kind);
+void generation_frame(struct generations *g, struct frame_size *f);
+/* There are two at most: is f of the latest one, or of the one before? */
+static inline bool generation_lives(const struct generations *g, const struct frame_size *f)
+{
+    return g->now - f->generation <= 1;
+}
 
 /* The value of KEY=VALUE in r's line (not terminated), or NULL. */
 const char *rec_key(const struct record *r, const char *key, size_t *len);

@@ -23,7 +23,9 @@ struct worker {
     void *ctx;
     struct decoder in;
     struct buf out, held; /* held: the frags that -c keeps back */
+    uint32_t held_of;     /* their generation */
     struct frames frames; /* said: announced */
+    struct generations generations;
     float *pixels;
     int64_t cpu_us; /* used when the last task was done, or the last other record taken */
 };
@@ -114,7 +116,7 @@ static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR
 {
     if (f->said) return true;
     begin();
-    int failed = w->ops->ready(w->ctx, f->frame, f->w, f->h, err);
+    int failed = w->ops->ready(w->ctx, f, err);
     end();
     if (failed) return false;
     char extra[WITH_MAX + 64];
@@ -129,10 +131,19 @@ static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR
 static void take_frame(struct worker *w, const struct record *r)
 {
     struct frame_size *f = frames_find(&w->frames, r->task.frame);
-    if (f && f->w == r->frame_w && f->h == r->frame_h && f->said) return;
+    bool same = f && f->w == r->frame_w && f->h == r->frame_h;
+    if (same && f->said && f->generation == w->generations.now) return;
     f = frames_set(&w->frames, r->task.frame, r->frame_w, r->frame_h);
+    generation_frame(&w->generations, f);
     char err[WORKER_ERR];
     announce(w, f, err); /* state may still be to come: then the first task tries again */
+}
+
+static void release_held(struct worker *w)
+{
+    push(w);
+    if (write_full(STDOUT_FILENO, buf_data(&w->held), buf_size(&w->held)) != 0) reader_gone(errno);
+    buf_consume(&w->held, buf_size(&w->held));
 }
 
 static void emit_frag(struct worker *w, const struct task *t, const struct lattice *at)
@@ -162,8 +173,13 @@ static void take_task(struct worker *w, const struct task *t)
             t->id);
     if (!lattice_valid(&t->at, f->w, f->h))
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
+    if (!generation_lives(&w->generations, f))
+        die(ST_USAGE, "task %u %u: its state was replaced twice, expected it before", t->frame,
+            t->id);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
-    if (w->ops->ready(w->ctx, f->frame, f->w, f->h, err) != 0) die(ST_USAGE, "%s", err);
+    if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
+    if (w->held_of != f->generation) release_held(w);
+    w->held_of = f->generation;
     int64_t wall = now_us();
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
@@ -184,20 +200,23 @@ static void take_task(struct worker *w, const struct task *t)
     }
 }
 
-static void release_held(struct worker *w)
+/* A record of this kind is here, or its beginning is: then nobody needs the state before the latest
+ * any more. */
+static void drop_older(struct worker *w, enum rec_kind kind)
 {
-    push(w);
-    if (write_full(STDOUT_FILENO, buf_data(&w->held), buf_size(&w->held)) != 0) reader_gone(errno);
-    buf_consume(&w->held, buf_size(&w->held));
+    if (w->ops->drop && generation_ends(&w->generations, kind))
+        w->ops->drop(w->ctx, w->generations.now - 1);
 }
 
 static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
     unsigned char *body = w->in.in.data + (r->body - w->in.in.data);
-    for (size_t i = 0; i < w->frames.n; i++) w->frames.at[i].said = false;
+    drop_older(w, r->kind);
+    generation_state(&w->generations, r->kind);
     begin();
-    if (w->ops->state(w->ctx, r->kind, body, r->body_len, err) != 0) die(ST_USAGE, "%s", err);
+    if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
+        die(ST_USAGE, "%s", err);
     end();
 }
 
@@ -250,6 +269,8 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
     for (bool more = true; more;) {
         /* State that is long on its way is no silence: whoever waits for this worker may not see it
          * come. */
+        enum rec_kind kind = wire_awaited(&w.in);
+        if (kind != REC_KINDS) drop_older(&w, kind);
         if (buf_size(&w.in.in) > WIRE_LINE_MAX) begin();
         more = fill(&w);
         end();

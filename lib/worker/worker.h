@@ -3,7 +3,8 @@
  * fragments out on stdout, as stormring-task(5) and stormring-frag(5) say.
  *
  * The loop says hello; takes state (scene, ...) and frame records; says `frame ... job=` once it
- * can render; renders tasks in order. While a callback is at work, or a part of a long record is
+ * can render; renders tasks in order, each with the state that its frame is of, which is the latest
+ * or the one before: that one goes when the next begins to come. While a callback is at work, or a part of a long record is
  * there, a timer (SIGALRM) sends a beat every 500 ms, and looks at stdout every 100 ms: when its
  * reader is gone the process ends at once. End of input: what was read is finished, then bye. It
  * blocks only in poll, read and write.
@@ -19,12 +20,21 @@
 
 struct worker_ops {
     const char *program; /* for hello */
-    /* Take a state record. 0, or -1 with text in err. `body` is valid during the call, which may
-     * destroy it. */
-    int (*state)(
-        void *ctx, enum rec_kind kind, unsigned char *body, size_t n, char err[WORKER_ERR]);
-    /* All state there and usable? Called before every task; builds what is needed. */
-    int (*ready)(void *ctx, uint32_t frame, uint32_t w, uint32_t h, char err[WORKER_ERR]);
+    /*
+     * Take a state record of this generation (wire.h): the latest, or the next one, which begins
+     * with all that the latest has. 0, or -1 with text in err. `body` is valid during the call,
+     * which may destroy it.
+     */
+    int (*state)(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body, size_t n,
+        char err[WORKER_ERR]);
+    /* No more tasks of this generation will come, if it ever was: what only it needs can go. NULL:
+     * nothing can. */
+    void (*drop)(void *ctx, uint32_t generation);
+    /*
+     * Is all state of f's generation there and usable? Called before every task, of the latest
+     * generation or the one before it; builds what is needed.
+     */
+    int (*ready)(void *ctx, const struct frame_size *f, char err[WORKER_ERR]);
     /* The hash of format, options that change pixels, state and size, of the frame made ready. */
     uint64_t (*job)(void *ctx);
     /*
@@ -46,7 +56,7 @@ struct worker_ops {
 
 struct worker_options {
     uint32_t frag_pixels; /* at most so many pixels in a frag; 0: whole tasks */
-    bool concentrate;     /* keep fragments until flush or end of input */
+    bool concentrate;     /* keep fragments until flush, other state's tasks, or end of input */
 };
 
 /* -c and -f PIXELS, which all workers have, among getopt's: takes opt if it is one of them. */

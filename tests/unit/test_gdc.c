@@ -125,7 +125,7 @@ static void two_of_nine_hosts_are_removed_after_300_rows(void **state)
     static struct task rows[ROWS];
     (void)state;
     for (uint32_t y = 0; y < ROWS; y++) {
-        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, -1};
+        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, -1, 0};
         row_us[y] = 170e6 / ROWS * (.5 + rng_unit(3, y)); /* 12.15 hosts need 14 seconds */
     }
     struct sim_work work = {

@@ -35,7 +35,7 @@ static int32_t add_rows(struct hazard *h, int32_t k, int32_t count, double ms)
     int32_t first = h->rows;
     for (int32_t i = 0; i < count; i++) {
         uint32_t y = (uint32_t)h->rows++;
-        h->row[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, k};
+        h->row[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, k, 0};
         h->row_us[y] = ms * MS;
     }
     return first;

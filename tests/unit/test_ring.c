@@ -78,7 +78,7 @@ static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
     double sum_us = 0, sum_power = 0;
     for (uint32_t y = 0; y < ROWS; y++) {
         double hump = seed % 2 ? 1 : .3 + sin(3.14159 * y / ROWS);
-        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, -1};
+        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, -1, 0};
         row_us[y] = hump * (.5 + rng_unit(seed, y));
         sum_us += row_us[y];
     }
@@ -148,13 +148,13 @@ static int64_t asks_again_us(bool told)
     uint32_t id = 0;
     for (uint32_t i = 0; i < 100; i++) {
         struct sched_event e = {.kind = SCHED_TASK, .frame_w = 64, .from = 1};
-        e.task = (struct task){0, i, {0, i, 64, 1, 1, 1}, -1};
+        e.task = (struct task){0, i, {0, i, 64, 1, 1, 1}, -1, 0};
         p->step(n, &e, now, &acts);
     }
     count_acts(&acts, SCHED_GIVE, &id);
     while (asked_us < 0) {
         struct sched_event e = {.kind = SCHED_DONE, .wall_us = 1000, .from = -1};
-        e.task = (struct task){0, id, {0, id, 64, 1, 1, 1}, -1};
+        e.task = (struct task){0, id, {0, id, 64, 1, 1, 1}, -1, 0};
         now += 1000;
         p->step(n, &e, now, &acts);
         for (size_t i = 0; i < acts.n; i++)

@@ -40,7 +40,7 @@ static void assert_word(const struct record *r, const char *key, const char *exp
     if (expected) assert_string_equal(text, expected);
 }
 
-static const struct task some_task = {7, 4294967295u, {1, 2, 3, 2, 4, 5}, 12};
+static const struct task some_task = {7, 4294967295u, {1, 2, 3, 2, 4, 5}, 12, 0};
 
 /* Pixels with every kind of float: they are bits here. */
 static void some_pixels(float *rgba, size_t n)
@@ -57,7 +57,7 @@ static void some_log(struct buf *b)
     float rgba[16];
     some_pixels(rgba, 16);
     rgba[3] = 0;
-    struct task t = {0, 1, {0, 1, 2, 2, 1, 1}, -1};
+    struct task t = {0, 1, {0, 1, 2, 2, 1, 1}, -1, 0};
     wire_plain(b, REC_HELLO, "rtworker 0.1 selftest=00ff power=1.25");
     wire_frame(b, 0, 4, 4, " job=0123456789abcdef");
     wire_frag(b, &t, &t.at, rgba);
@@ -532,7 +532,7 @@ static void test_every_bit_flipped(void **state)
     (void)state;
     float rgba[8];
     struct buf b = {0};
-    struct task t = {0, 1, {0, 1, 2, 1, 1, 1}, -1};
+    struct task t = {0, 1, {0, 1, 2, 1, 1, 1}, -1, 0};
     some_pixels(rgba, 8);
     wire_frag(&b, &t, &t.at, rgba);
     size_t n = buf_size(&b), head = n - 32;

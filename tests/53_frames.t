@@ -1,0 +1,141 @@
+#!/bin/sh
+# Frames of a stream, each with a scene of its own: who has nothing left to do of one goes on with the next, and nobody
+# waits at a frame's end for the slowest. Shown by workers that get no task of the first frame before something is true
+# that takes the others' work on the second.
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
+. "$(dirname "$0")/lib.sh"
+trap 'touch "$tmp/over"; rm -rf "$tmp"' EXIT
+
+spdgen -s 1 balls >0.nff
+spdgen -s 1 tetra >1.nff
+cp "$root/scenes/boat.nff" 2.nff
+for f in 0 1 2; do partition 40x32 | rtworker -a 4 $f.nff | gather -o good$f.pfm; done
+for f in 0 1 2; do pack scene $f.nff && partition -F $f 40x32; done >three
+cat >tell <<'END'
+#!/bin/sh
+# until COMMAND ...: waits for it, or for the end of the test
+until "$@"; do [ -e "$0" ] && [ ! -e over ] || exit 1; sleep .02; done
+END
+mv tell until
+# held UNTIL AFTER: a worker; the first of them gets no task of frame 0 before the command UNTIL is true, and does AFTER then
+cat >held <<'END'
+#!/bin/sh
+mkdir first 2>/dev/null || exec rtworker $options -a 4 -
+while IFS= read -r line; do
+	case $line in 'task 0 '*) touch holds; ./until $1 && $2 || exit ;; esac
+	printf '%s\n' "$line"
+done | rtworker $options -a 4 -
+END
+chmod +x held until
+export options=''
+# right NAME FRAMES: the pictures are right
+right() {
+	f=0
+	while [ $f -lt "$2" ]; do
+		ok "$1: picture $f" cmp f$f.pfm good$((f % 3)).pfm
+		f=$((f + 1))
+	done
+}
+# held_by NAME UNTIL COMMAND ...: a film of three through it
+held_by() {
+	name=$1 until=$2
+	shift 2
+	rm -rf first holds log f?.pfm
+	run timeout 60 sh -c 'until=$1; shift; "$@" sh ./held "$until" : <three | tee log | gather -o f%d.pfm' sh "$until" "$@"
+	is "$name: complete" "$status $err" '0 '
+	right "$name" 3
+}
+# What is true only if the others go on with the second frame while there is a task of the first.
+whole='test -e f1.pfm' begun='grep -aq done.1 log'
+
+held_by 'deal' "$whole" deal fan -t 60 -j 2
+held_by 'deal, three slots' "$whole" deal -q 2 fan -t 60 -j 3
+held_by 'a tree' "$whole" deal fan -t 60 -j 2 deal fan -t 60 -j 2
+held_by 'a tree of lone workers' "$whole" deal -q 1 fan -t 60 -j 3 deal
+held_by 'ring' "$whole" ringctl fan -t 60 -j 2 ringctl -n
+held_by 'ring, one at a time' "$whole" ringctl -k one fan -t 60 -j 3 ringctl -n
+held_by 'ring as published' "$begun" ringctl -p fan -t 60 -j 2 ringctl -n
+held_by 'static' "$begun" fan -t 60 -j 2
+options=-c
+held_by 'deal, concentrated' "$begun" deal fan -t 60 -j 2
+held_by 'ring, concentrated' "$begun" ringctl fan -t 60 -j 2 ringctl -n
+held_by 'static, concentrated' "$begun" fan -t 60 -j 2
+options=''
+
+# ---- a third state waits -----------------------------------------------------------------------------------------
+# order: of what goes down: the last task of the second frame comes before the third scene
+order() { grep -a '^scene \|^task 1 ' down | awk '$1 == "scene" { n++ } $1 == "task" && n > 2 { exit 1 }'; }
+for policy in deal 'ringctl -k half'; do
+	node=''
+	[ "$policy" = deal ] || node='ringctl -n'
+	# shellcheck disable=SC2086
+	held_by "$policy, a third state" "$whole" $policy sh -c 'tee down | fan -t 60 -j 2 '"$node"' "$@"' sh
+	ok "$policy: it goes no further while there is a task of the first" order
+	is "$policy: all three went down" "$(grep -ac '^scene ' down)" 3
+done
+
+# ---- a slot dies with a task of the first frame, when the others have done the second -------------------------------
+for command in 'deal fan -t 60 -j 2' 'deal -e fan -t 60 -j 3' 'ringctl fan -t 60 -j 3 ringctl -n' \
+	'deal fan -t 60 -j 2 deal -q 1 fan -t 60 -j 2'; do
+	rm -rf first log f?.pfm
+	# shellcheck disable=SC2086
+	run timeout 60 sh -c 'until=$1; shift; "$@" sh ./held "$until" "exit 9" <three | tee log | gather -o f%d.pfm' sh "$whole" $command
+	like "$command, a slot dies: it is said" "$err" 'lost \(exit-.\) with [1-9][0-9]* tasks'
+	is "$command, a slot dies: complete" "$status" 0
+	right "$command, a slot dies" 3
+	ok "$command, a slot dies: what it had is given again" grep -aq 'done 0 [^f]* try=2' log
+done
+
+# ---- so it does, and who gets its task came when that state was not the latest any more ----------------------------
+# Slot 0 holds a task of frame 0; slot 1 does the rest of both and is gone; slot 2 comes, and then slot 0 dies.
+cat >plan <<'END'
+#!/bin/sh
+case $1 in
+0) exec ./held 'grep -aq up.w=2 log' 'exit 9' ;;
+1) exec 3<&0; ./until test -e holds; rtworker -a 4 - <&3 & ./until test -e f1.pfm; kill $!; exit 9 ;;
+2) ./until grep -aq 'gone w=1 ' log; exec rtworker -a 4 - ;;
+esac
+END
+chmod +x plan
+for slot in 0 1 2; do echo "host$slot via=\"./plan $slot; : %c\""; done >hosts
+late() {
+	rm -rf first holds f?.pfm
+	: >log
+	run timeout 60 sh -c '"$@" <three | gather -o f%d.pfm' sh "$@"
+	is "$name: complete" "$status" 0
+	right "$name" 3
+	is "$name: who came at the beginning has both, in their order" \
+		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=0(\.0)?$' log | cut -d ' ' -f 2 | head -n 2 | tr '\n' ' ')" '0 1 '
+	is "$name: it is sent first the latest state, then the one before it, and the latest again" \
+		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)?$' log | cut -d ' ' -f 2 | head -n 3 | tr '\n' ' ')" '1 0 1 '
+}
+name='a late slot' && late deal sh -c 'fan -t 60 -S hosts rtworker | tee log'
+# The same, where each slot is a policy around others.
+sed -i 's,exec ./held,exec deal sh ./held,; s,; rtworker,; deal rtworker,; s,exec rtworker,exec deal fan -j 2 rtworker,' plan
+name='a late slot that is a tree' && late deal sh -c 'fan -t 60 -S hosts deal rtworker | tee log'
+
+# ---- what is held back is handed over with the first task of other state: the input goes on until it has come --------
+rm -f f?.pfm
+run timeout 60 sh -c '{ cat three; ./until test -e f0.pfm; } | fan -j 2 rtworker -c -a 4 - | gather -o f%d.pfm'
+is 'concentrated: the first picture does not wait for the end' "$status $err" '0 '
+right 'concentrated' 3
+
+# ---- frames of two states, mixed ----------------------------------------------------------------------------------------
+{ pack scene 0.nff; echo 'frame 0 40 32'; pack scene 1.nff; echo 'frame 1 40 32'; } >mixed
+for f in 0 1; do partition -F $f 40x32 | grep task; done | sort -n -k 3 >tasks
+cat tasks >>mixed
+for command in 'rtworker -a 4 -' 'rtworker -c -a 4 -' 'fan -j 2 rtworker -a 4 -' 'deal fan -j 2 rtworker -a 4 -' \
+	'ringctl fan -j 2 ringctl -n rtworker -a 4 -'; do
+	rm -f f?.pfm
+	run timeout 60 sh -c "$command <mixed | gather -o f%d.pfm"
+	is "$command, mixed: complete" "$status $err" '0 '
+	right "$command, mixed" 2
+done
+{ cat mixed; pack scene 2.nff; echo 'frame 2 40 32'; head -n 1 tasks; } >thrice
+for command in 'rtworker -' 'fan -j 1 rtworker -' 'deal fan -j 1 rtworker -'; do
+	run timeout 20 sh -c "$command <thrice >/dev/null"
+	like "$command: a task of the state before those" "$status $err" '^2 .*task 0 0: its state was replaced twice'
+done
+run timeout 20 sh -c 'rtworker 0.nff <mixed >/dev/null'
+like 'a scene where it is a file already' "$status $err" '^2 rtworker: record .scene., expected none'
+finish
