@@ -25,13 +25,9 @@ struct options {
     char with[80]; /* this program, and what of the above changes pixels, as options */
 };
 
-/* Of each generation that uses them. */
-struct shared_grid {
+/* A grid or a specification, of each generation that uses it. */
+struct shared {
     struct grid grid;
-    uint64_t hash;
-    int users;
-};
-struct shared_spec {
     struct spec spec;
     uint64_t hash;
     int users;
@@ -39,9 +35,8 @@ struct shared_spec {
 
 /* What pictures of one generation are of. */
 struct subject {
-    struct shared_grid *grid; /* NULL: it has not come, as the following */
-    struct shared_spec *spec;
-    struct volume *volume; /* of these two, once it is needed */
+    struct shared *grid, *spec; /* NULL: it has not come */
+    struct volume *volume;      /* of these two, once it is needed */
 };
 
 struct renderer {
@@ -54,45 +49,31 @@ struct renderer {
 
 /* ---- state ---------------------------------------------------------------------------------- */
 
-static void drop_volume(struct subject *s)
+static void drop_part(struct subject *s, struct shared **part)
 {
     volume_free(s->volume);
     s->volume = NULL;
-}
-
-static void drop_grid(struct subject *s)
-{
-    drop_volume(s);
-    if (s->grid && --s->grid->users == 0) {
-        grid_free(&s->grid->grid);
-        free(s->grid);
+    if (*part && --(*part)->users == 0) {
+        grid_free(&(*part)->grid);
+        spec_free(&(*part)->spec);
+        free(*part);
     }
-    s->grid = NULL;
-}
-
-static void drop_spec(struct subject *s)
-{
-    drop_volume(s);
-    if (s->spec && --s->spec->users == 0) {
-        spec_free(&s->spec->spec);
-        free(s->spec);
-    }
-    s->spec = NULL;
+    *part = NULL;
 }
 
 static void drop(void *ctx, uint32_t generation)
 {
     struct subject *s = &((struct renderer *)ctx)->subjects[generation & 1];
-    drop_grid(s);
-    drop_spec(s);
+    drop_part(s, &s->grid);
+    drop_part(s, &s->spec);
 }
 
 /* Who is replaced goes first: a grid is large. */
 static int load_grid(struct subject *s, const char *name, unsigned char *bytes, size_t n, char *err)
 {
-    drop_grid(s);
-    struct shared_grid *g = xcalloc(1, sizeof *g);
-    *g = (struct shared_grid){.hash = hash64(HASH64_INIT, bytes, n), .users = 1};
+    drop_part(s, &s->grid);
+    struct shared *g = xcalloc(1, sizeof *g);
+    *g = (struct shared){.hash = hash64(HASH64_INIT, bytes, n), .users = 1};
     if (grid_consume(name, bytes, n, &g->grid, err) == 0) s->grid = g;
     else free(g);
     return s->grid ? 0 : -1;
@@ -101,9 +82,9 @@ static int load_grid(struct subject *s, const char *name, unsigned char *bytes, 
 static int load_spec(
     struct subject *s, const char *name, const unsigned char *text, size_t n, char *err)
 {
-    drop_spec(s);
-    struct shared_spec *p = xcalloc(1, sizeof *p);
-    *p = (struct shared_spec){.hash = hash64(HASH64_INIT, text, n), .users = 1};
+    drop_part(s, &s->spec);
+    struct shared *p = xcalloc(1, sizeof *p);
+    *p = (struct shared){.hash = hash64(HASH64_INIT, text, n), .users = 1};
     if (spec_read(name, (const char *)text, n, &p->spec, err) == 0) s->spec = p;
     else free(p);
     return s->spec ? 0 : -1;

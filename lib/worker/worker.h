@@ -4,10 +4,10 @@
  *
  * The loop says hello; takes state (scene, ...) and frame records; says `frame ... job=` once it
  * can render; renders tasks in order, each with the state that its frame is of, which is the latest
- * or the one before: that one goes when the next begins to come. While a callback is at work, or a part of a long record is
- * there, a timer (SIGALRM) sends a beat every 500 ms, and looks at stdout every 100 ms: when its
- * reader is gone the process ends at once. End of input: what was read is finished, then bye. It
- * blocks only in poll, read and write.
+ * or the one before: that one goes when the next begins to come. While a callback is at work, or a
+ * part of a long record is there, a timer (SIGALRM) sends a beat every 500 ms, and looks at stdout
+ * every 100 ms: when its reader is gone the process ends at once. End of input: what was read is
+ * finished, then bye. It blocks only in poll, read and write.
  */
 #ifndef STORMRING_WORKER_H
 #define STORMRING_WORKER_H
