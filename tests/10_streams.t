@@ -140,7 +140,7 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	run timeout 20 balance $bad
 	is "balance $bad: exit 2" "$status" 2
 done
-like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
+like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
