@@ -65,7 +65,7 @@ static struct source find(const struct gb_index *x, const struct options *o)
     const char *file = o->common.file, *what = o->common.what;
     struct source s = {.o = &o->common};
     if (!convert_request_parse(what, &s.request))
-        die(ST_USAGE, "%s: expected a name before `='", what);
+        die(ST_USAGE, "%s: expected a variable, or NAME=hypot(U,V)", what);
     for (int i = 0; i < s.request.n; i++)
         s.part[i] = find_stack(x, o, s.request.part[i], s.request.length[i]);
     if (s.request.n > 1 && !gb_same_axes(&s.part[0], &s.part[1]))

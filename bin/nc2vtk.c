@@ -32,7 +32,7 @@ static struct source find(struct cf_file *c, const struct convert_options *o)
     struct source s = {.c = c, .o = o};
     const struct convert_request *r = &s.request;
     if (!convert_request_parse(o->what, &s.request))
-        die(ST_USAGE, "%s: expected a name before `='", o->what);
+        die(ST_USAGE, "%s: expected a variable, or NAME=hypot(U,V)", o->what);
     for (int i = 0; i < r->n; i++)
         if (!cf_find(c, r->part[i], (size_t)r->length[i], &s.part[i], err))
             die(ST_USAGE, "%s: %.*s: %s", o->file, r->length[i], r->part[i], err);

@@ -143,6 +143,12 @@ is 'axes that say nothing, by their order' "$(got -t 1 plain.nc s)" '13 12 15 14
 is 'and their names' "$(sed -n 2p a.vtk)" 's []; x c []; y b []; z a []'
 ok 'the classic formats and NetCDF-4' sh -c 'for kind in 1 2 4 5; do ncgen -k $kind -o k.nc packed.cdl && nc2vtk k.nc s | cmp - "$1" || exit; done' - \
 	"$(nc2vtk packed.nc s >p.vtk; echo p.vtk)"
+make_nc ensemble "$cube member = 1; run = 1; t = 2;" \
+	"$axes double t(t); t:axis = \"T\"; int member(member); float s(t, member, z, run, y, x); float u(t, z, y, x);" \
+	"$nodes t = 0, 1; member = 7; s = $(seq -s, 16); u = $(seq -s, 16);"
+is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11 12 13 14 15 16'
+is 'the axes are the same without them' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
+like 'nor are they listed' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
 cat >inner.cdl <<'END'
 netcdf inner {
 dimensions: x = 2; y = 2; z = 2;
@@ -194,8 +200,11 @@ make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"
 refused flat.nc s 'no z among its 2 dimensions'
 make_nc double "$cube" 'float x(x); x:axis = "X"; float y(y); y:axis = "X"; float z(z); float s(z, y, x);' "$nodes $data"
 refused double.nc s 'y and x both are x'
-make_nc five "$cube a = 1; b = 1;" "$axes float s(a, b, z, y, x);" "$nodes $data"
-refused five.nc s 'it has 5 dimensions'
+make_nc five "$cube a = 2; b = 1; t = 1;" "$axes double t(t); t:axis = \"T\"; int a(a); float s(t, a, b, z, y, x);" \
+	"$nodes t = 0; a = 1, 2; s = $(seq -s, 16);"
+refused five.nc s 'a has 2 elements and is none of x, y, z and time, expected 1'
+make_nc many 'a = 2; b = 2; c = 2; d = 2; e = 2;' 'float s(a, b, c, d, e);' "s = $(seq -s, 32);"
+refused many.nc s '5 of its dimensions have several elements, expected 4 at most'
 make_nc huge "$cube" "$axes $scalar" "$nodes s = 1, 2, 3, 1e20, 5, 6, 7, 8;"
 refused huge.nc s 'a value is as large as 1e\+20, expected 1e\+18 at most, or to be missing_value'
 make_nc text "$cube" "$axes char s(z, y, x);" "$nodes s = \"abcdefgh\";"
@@ -204,6 +213,9 @@ make_nc other 'x = 2; y = 2; z = 2; w = 2;' "$axes double w(w); w:axis = \"X\"; 
 refused other.nc 'a=hypot(s,u)' 'the two have different axes'
 refused other.nc nothing 'nothing: no such variable, expected one that -l lists'
 refused "$ncarg/nug/tos_ocean_bipolar_grid.nc" tos 'a curvilinear grid'
+run nc2vtk other.nc 's=hypot(s,u'
+is 'what is no request is refused, and how one is made is said' "$status:$err" \
+	'2:nc2vtk: s=hypot(s,u: expected a variable, or NAME=hypot(U,V)'
 refused missing.nc s 'No such file'
 head -c 1000 "$nc4" >torn.nc
 refused torn.nc U '.'

@@ -89,8 +89,12 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
     }
     for (int i = f->n_axes - 1, next = CF_X; i >= 0; i--) {
         struct cf_axis *a = &f->axis[i];
-        if (a->kind != CF_NONE) continue;
-        while (of[next]) next++; /* there are no more axes than kinds */
+        if (a->kind != CF_NONE || a->n == 1) continue;
+        while (next < CF_NONE && of[next]) next++;
+        if (next == CF_NONE)
+            return err_set(err,
+                "%.60s has %zu elements and is none of x, y, z and time, expected 1", a->name,
+                a->n);
         of[next] = a;
         a->kind = (enum cf_kind)next;
     }
@@ -115,7 +119,7 @@ bool cf_axis_is_longitude(const struct cf_axis *a)
 
 bool cf_same_axes(const struct cf_field *a, const struct cf_field *b)
 {
-    bool same = a->n_axes == b->n_axes;
+    bool same = true;
     for (int k = CF_X; same && k <= CF_T; k++) {
         const struct cf_axis *p = cf_axis_of(a, (enum cf_kind)k),
                              *q = cf_axis_of(b, (enum cf_kind)k);

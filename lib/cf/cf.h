@@ -15,8 +15,8 @@
 #include "base/base.h"
 #include "volume/volume.h"
 
-#define CF_TEXT 128 /* bytes of a name or an attribute that is text; longer ones are cut */
-#define CF_AXES_MAX 4
+#define CF_TEXT 128    /* bytes of a name or an attribute that is text; longer ones are cut */
+#define CF_AXES_MAX 16 /* with those of one element */
 #define CF_MISSING_MAX 16
 
 struct cf_file {
@@ -24,7 +24,7 @@ struct cf_file {
     int status; /* the first thing that libnetcdf refused since it was last looked at */
 };
 
-enum cf_kind { CF_X, CF_Y, CF_Z, CF_T, CF_NONE };
+enum cf_kind { CF_X, CF_Y, CF_Z, CF_T, CF_NONE /* one element, that of an ensemble perhaps */ };
 
 struct cf_axis {
     enum cf_kind kind;

@@ -25,8 +25,8 @@ double cf_unpack(const struct cf_packing *p, double stored);
 /* False, with the reason in err, where it cannot be the axis of a grid. */
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[VOLUME_ERR]);
 /*
- * Those that do not say what they are get what is left, in the order that CF recommends: t z y x.
- * False, with the reason in err, where not each of x, y and z is there once.
+ * Those that do not say what they are get what is left, in the order that CF recommends: t z y x;
+ * those of one element nothing. False, with the reason in err, where not each of x, y and z is there once.
  */
 bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR]);
 

@@ -39,7 +39,7 @@ static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 
 static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
 {
-    if (a->kind == CF_T) return true;
+    if (a->kind == CF_T || a->kind == CF_NONE) return true;
     if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
@@ -49,9 +49,14 @@ static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
 
 static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ERR])
 {
+    int several = 0;
+    for (int i = 0; i < f->n_axes; i++) several += f->axis[i].n != 1;
+    if (several > CF_NONE)
+        return err_set(err, "%d of its dimensions have several elements, expected %d at most",
+            several, CF_NONE);
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
-        if (a->at || a->kind == CF_T) continue;
+        if (a->at || a->kind == CF_T || a->n == 1) continue;
         return err_set(err,
             "%s: there are no coordinates along %.60s, expected them along each axis",
             is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name);
@@ -76,7 +81,7 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
     if (!cf_is_numeric(&f->packing))
         return err_set(err, "its values are no numbers, expected some");
     if (n > CF_AXES_MAX)
-        return err_set(err, "it has %d dimensions, expected x, y, z and perhaps time", n);
+        return err_set(err, "it has %d dimensions, expected %d at most", n, CF_AXES_MAX);
     for (; f->n_axes < n; f->n_axes++)
         if (!cf_axis_read(c, group, dims[f->n_axes], &f->axis[f->n_axes], err)) return false;
     return cf_look(c, err) && check_axes(c, f, err);

@@ -51,6 +51,7 @@ static struct way find_way(const struct cf_field *f, size_t time, const struct g
             w.start[i] = time;
             continue;
         }
+        if (a->kind == CF_NONE) continue;
         w.n[k] = a->n;
         w.step[k] = (ptrdiff_t)grid_node(g, a->kind == CF_X, a->kind == CF_Y, a->kind == CF_Z);
         if (is_turned(a)) {

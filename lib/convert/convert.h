@@ -33,7 +33,7 @@ struct convert_request {
     const char *part[2];    /* into the text */
     int length[2], n;
 };
-/* False where a derived one has no name. */
+/* Blanks do not matter. False where it is neither. */
 bool convert_request_parse(const char *text, struct convert_request *r);
 
 /* Where grids come from. */

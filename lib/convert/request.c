@@ -3,31 +3,46 @@
 
 #include <string.h>
 
-static void set_name(char to[VOLUME_NAME], const char *name, size_t n)
+/* Characters of a text, without the blanks around them. */
+struct part {
+    const char *at;
+    size_t n;
+};
+
+static struct part part_of(const char *begin, const char *end)
 {
-    snprintf(to, VOLUME_NAME, "%.*s", (int)(n < VOLUME_NAME ? n : VOLUME_NAME - 1), name);
+    while (begin < end && *begin == ' ') begin++;
+    while (end > begin && end[-1] == ' ') end--;
+    return (struct part){begin, (size_t)(end - begin)};
 }
 
-static void set_part(struct convert_request *r, const char *begin, const char *end)
+static void set_name(struct convert_request *r, struct part p)
 {
-    r->part[r->n] = begin;
-    r->length[r->n++] = (int)(end - begin);
+    snprintf(r->name, VOLUME_NAME, "%.*s", (int)(p.n < VOLUME_NAME ? p.n : VOLUME_NAME - 1), p.at);
+}
+
+static bool add_part(struct convert_request *r, struct part p)
+{
+    r->part[r->n] = p.at;
+    r->length[r->n++] = (int)p.n;
+    return p.n > 0;
 }
 
 bool convert_request_parse(const char *text, struct convert_request *r)
 {
-    static const char call[] = "=hypot(";
-    const char *end = text + strlen(text), *at = strstr(text, call);
-    const char *comma = at ? strchr(at, ',') : NULL;
+    static const char call[] = "hypot(";
+    const char *end = text + strlen(text), *equals = strchr(text, '=');
+    struct part p = part_of(equals ? equals + 1 : text, end);
+    bool derived = p.n > sizeof call && strncmp(p.at, call, sizeof call - 1) == 0;
     *r = (struct convert_request){.n = 0};
-    if (!comma || end[-1] != ')') {
-        const char *slash = strrchr(text, '/'), *name = slash ? slash + 1 : text;
-        set_part(r, text, end);
-        set_name(r->name, name, (size_t)(end - name));
-        return true;
+    if (!equals && !derived) {
+        const char *slash = strrchr(text, '/');
+        set_name(r, part_of(slash ? slash + 1 : text, end));
+        return add_part(r, p);
     }
-    set_part(r, at + sizeof call - 1, comma);
-    set_part(r, comma + 1, end - 1);
-    set_name(r->name, text, (size_t)(at - text));
-    return at > text;
+    const char *comma = memchr(p.at, ',', p.n);
+    if (!equals || !derived || !comma || p.at[p.n - 1] != ')') return false;
+    set_name(r, part_of(text, equals));
+    return add_part(r, part_of(p.at + sizeof call - 1, comma)) &&
+           add_part(r, part_of(comma + 1, p.at + p.n - 1)) && r->name[0];
 }

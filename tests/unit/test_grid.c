@@ -350,8 +350,15 @@ static void test_request(void **state)
     assert_true(r.length[0] == 3 && memcmp(r.part[0], "a/U", 3) == 0);
     assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
     assert_false(convert_request_parse("=hypot(U,V)", &r));
-    assert_true(convert_request_parse("s=hypot(U)", &r) && r.n == 1);
-    assert_true(convert_request_parse("", &r) && r.n == 1 && r.length[0] == 0);
+    assert_true(convert_request_parse(" s = hypot( U , V ) ", &r) && r.n == 2);
+    assert_string_equal(r.name, "s");
+    assert_true(r.length[0] == 1 && r.part[0][0] == 'U');
+    assert_true(r.length[1] == 1 && r.part[1][0] == 'V');
+    assert_true(convert_request_parse("T(K)", &r) && r.n == 1 && r.length[0] == 4);
+    static const char *const bad[] = {"", " ", "=", "s=", "s=U", "s=hypot(U)", "s=hypot(U,V",
+        "s=hypot(,V)", "s=hypot(U,)", "hypot(U,V)", "s=sqrt(U,V)", "s=hypot("};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(convert_request_parse(bad[i], &r));
 }
 
 static void test_axis(void **state)
