@@ -17,6 +17,7 @@
 #define VD 2
 #endif
 #define LANES (2 * VD)
+#define ALL_LANES ((1u << LANES) - 1)
 typedef double vd __attribute__((vector_size(8 * VD)));
 typedef int64_t vl __attribute__((vector_size(8 * VD)));
 typedef float vf __attribute__((vector_size(4 * LANES)));
@@ -24,6 +25,7 @@ typedef int32_t vi __attribute__((vector_size(4 * LANES)));
 typedef float vh __attribute__((vector_size(4 * VD))); /* half of a vf */
 
 #define SIMD_INLINE static inline __attribute__((always_inline))
+#define UNROLLED _Pragma("GCC unroll 4") /* a loop over arrays of vectors: in registers */
 
 /* ---- doubles -------------------------------------------------------------------------------- */
 
@@ -47,6 +49,15 @@ SIMD_INLINE vl vl_load(const int64_t *p)
     return a;
 }
 SIMD_INLINE void vl_store(int64_t *p, vl a) { memcpy(p, &a, sizeof a); }
+SIMD_INLINE vd vd_sqrt(vd a)
+{
+#ifdef __AVX2__
+    return _mm256_sqrt_pd(a);
+#else
+    for (int i = 0; i < VD; i++) a[i] = sqrt(a[i]);
+    return a;
+#endif
+}
 SIMD_INLINE vd vd_set(double a) { return a - (vd){0}; }
 /* m's lanes all ones: a, all zeros: b */
 SIMD_INLINE vd vd_choose(vl m, vd a, vd b)
@@ -96,14 +107,27 @@ SIMD_INLINE vd vd_gather(const double *p, vl at)
     return a;
 #endif
 }
-/* The sign of each lane is a bit of p; 8 bytes from that one's on are read. */
-SIMD_INLINE vl vl_bits(const uint8_t *p, vl at)
+/* The same from places in memory, which processors are faster at when these are known for long. */
+SIMD_INLINE vd vd_fetch(const double *p, const int64_t *at)
+{
+#ifdef __AVX2__
+    return _mm256_set_pd(p[at[3]], p[at[2]], p[at[1]], p[at[0]]);
+#else
+    vd a;
+    for (int i = 0; i < VD; i++) a[i] = p[at[i]];
+    return a;
+#endif
+}
+/* The sign of each lane is bit at[i] of p, in byte[i]; 8 bytes from there on are read. */
+SIMD_INLINE vl vl_bits(const uint8_t *p, const int64_t *byte, vl at)
 {
     vl word;
 #ifdef __AVX2__
-    word = (vl)_mm256_i64gather_epi64((const void *)p, (__m256i)(at >> 3), 1);
+    double b[4];
+    for (int i = 0; i < 4; i++) memcpy(b + i, p + byte[i], sizeof *b);
+    word = (vl)_mm256_set_pd(b[3], b[2], b[1], b[0]);
 #else
-    for (int i = 0; i < VD; i++) word[i] = p[at[i] >> 3];
+    for (int i = 0; i < VD; i++) word[i] = p[byte[i]];
 #endif
     return word << (63 - (at & 7));
 }
@@ -188,14 +212,14 @@ SIMD_INLINE vf vf_narrow(vd a, vd b)
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #endif
 }
-/* p[at] of a table of n entries; with room for 8 where it has fewer. */
-SIMD_INLINE vf vf_lookup(const float *p, uint32_t n, vi at)
+/* p[at]; few: of a table of at most 8, with room for as many. */
+SIMD_INLINE vf vf_lookup(const float *p, bool few, vi at)
 {
 #ifdef __AVX2__
-    if (n <= 8) return _mm256_permutevar8x32_ps(vf_load(p), (__m256i)at);
+    if (few) return _mm256_permutevar8x32_ps(vf_load(p), (__m256i)at);
     return _mm256_i32gather_ps(p, (__m256i)at, 4);
 #else
-    (void)n;
+    (void)few;
     vf a;
     for (int i = 0; i < LANES; i++) a[i] = p[at[i]];
     return a;

@@ -56,7 +56,9 @@ static void map_tables(struct stream_map *t, const struct map *m)
 
 struct stream *stream_new(struct volume *v)
 {
-    struct stream *s = xcalloc(1, sizeof *s);
+    unsigned char *room = xcalloc(1, sizeof(struct stream) + STREAM_LINE);
+    struct stream *s = (void *)(room + STREAM_LINE - (uintptr_t)room % STREAM_LINE);
+    s->room = room;
     s->v = v;
     s->tolerance = (float)v->o.tolerance;
     map_tables(&s->map, &v->map);
@@ -64,6 +66,9 @@ struct stream *stream_new(struct volume *v)
         int n = 0;
         for (unsigned i = 0; i < 8; i++)
             if (mask >> i & 1) s->pack[mask] |= (uint64_t)i << 8 * n++;
+        n = 0;
+        for (unsigned i = 0; i < 4 && mask < 16; i++)
+            if (mask >> i & 1) s->half_pack[mask] |= (uint64_t)(i * 0x202 + 0x100) << 16 * n++;
     }
     return s;
 }
@@ -76,7 +81,7 @@ void stream_free(struct stream *s)
         t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     free(t->clear);
-    free(s);
+    free(s->room);
 }
 
 void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
@@ -85,7 +90,7 @@ void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint3
         some = n - at < STREAM_RAYS ? n - at : STREAM_RAYS;
         s->v->kernel->rays(s, l, n0 + at, some);
         for (uint32_t i = 0; i < some; i++) {
-            const double *sum = s->ray[i].sum;
+            const double *sum = s->sum[i];
             volume_put(s->v, sum, 1 - sum[3], rgba + 4 * (size_t)(at + i));
         }
     }

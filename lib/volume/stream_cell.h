@@ -94,44 +94,91 @@ SIMD_INLINE void entries(const struct stream_map *m, vf base, vf lo, vf hi, vi *
     *last = b - (m->closed ? y < hi : y <= hi);
 }
 
-/* ---- exact moments -------------------------------------------------------------------------- */
+/* ---- what a stretch adds -------------------------------------------------------------------- */
+
+/* Of extinction alone, at most: a stretch's depth that the nodes of Gauss and Legendre are for. */
+#define DEPTH_MAX 1
 
 struct added {
-    vf rgb[3], alpha, error;
+    vf rgb[3], alpha;
+    vi rough; /* the colour is not within the tolerance */
 };
 
-/* Of stretches of length len in the map's entries e; as moments of integrate.c. */
-SIMD_INLINE struct added moments(
-    const struct stream_map *m, vi e, vf base, const vf p[4], vf range, vf len)
+/* The mean of the field, weighted by k exp(-depth): by quadrature, as gauss of integrate.c. */
+SIMD_INLINE vf mean_by_nodes(const struct volume *v, const vf q[4], vf k0, vf k1, vf len)
 {
-    const uint32_t n = m->entries;
+    vf sum = vf_set(0), first = vf_set(0);
+    for (int i = 0; i < v->m; i++) {
+        const float x = (float)v->node[i], weight = (float)v->weight[i];
+        vf mean =
+            q[0] + x * (q[1] * (1.0f / 2) + x * (q[2] * (1.0f / 3) + x * (q[3] * (1.0f / 4))));
+        vf s = q[0] + x * (q[1] + x * (q[2] + x * q[3]));
+        vf w = weight * (k0 + k1 * s) * vf_exp(-(x * (k0 + k1 * mean) * len));
+        sum += w;
+        first += w * s;
+    }
+    return first / vf_choose(sum > vf_set(0), sum, vf_set(1));
+}
+
+/*
+ * Of stretches of length len in the map's entries e, where the field is base + p and ranges as
+ * far: from exact moments, as in integrate.c, and where these are not good enough by quadrature.
+ * few: as of vf_lookup; fine: look for those.
+ */
+SIMD_INLINE struct added stretch(
+    const struct stream *s, bool few, bool fine, vi e, vf base, const vf p[4], vf range, vf len)
+{
+    const struct stream_map *m = &s->map;
     struct added r;
-    vf from = (vf_lookup(m->from_high, n, e) - base) + vf_lookup(m->from_low, n, e);
-    vf k0 = vf_lookup(m->k0, n, e), k1 = vf_lookup(m->k1, n, e);
-    vf q0 = p[0] - from, q1 = p[1], q2 = p[2], q3 = p[3];
+    vf k0 = vf_lookup(m->k0, few, e), k1 = vf_lookup(m->k1, few, e);
+    vf q0 = p[0] - ((vf_lookup(m->from_high, few, e) - base) + vf_lookup(m->from_low, few, e));
+    vf q1 = p[1], q2 = p[2], q3 = p[3];
     vf one = q0 + q1 * (1.0f / 2) + q2 * (1.0f / 3) + q3 * (1.0f / 4);
-    vf two = q0 * (q0 + q1) + (q1 * q1 + 2 * q0 * q2) * (1.0f / 3) +
-             (q0 * q3 + q1 * q2) * (1.0f / 2) + (q2 * q2 + 2 * q1 * q3) * (1.0f / 5) +
-             q2 * q3 * (1.0f / 3) + q3 * q3 * (1.0f / 7);
+    /* Its variance, as a sum of Legendre polynomials: the mean of the square is one^2 and that. */
+    vf slant = q1 + q2 + q3 * 0.9f, bend = q2 + q3 * 1.5f;
+    vf variance =
+        slant * slant * (1.0f / 12) + bend * bend * (1.0f / 180) + q3 * q3 * (1.0f / 2800);
     vf k = k0 + k1 * one, depth = k * len;
     vi seen = depth > vf_set(0);
-    vf mean = (k0 * one + k1 * two) / vf_choose(seen, k, vf_set(1));
+    vf mean = one + k1 * variance / vf_choose(seen, k, vf_set(1));
+    vf error = vf_lookup(m->slope, few, e) * range * depth * (float)COVARIANCE;
+    r.rough = ~(error <= vf_set(s->tolerance));
+    if (fine && vi_signs(r.rough)) {
+        const vf q[4] = {q0, q1, q2, q3};
+        mean = vf_choose(r.rough, mean_by_nodes(s->v, q, k0, k1, len), mean);
+        r.rough &= ~(depth <= vf_set(DEPTH_MAX));
+    }
     r.alpha = vf_choose(seen, 1 - vf_exp(-depth), vf_set(0));
-    r.error = vf_lookup(m->slope, n, e) * range * depth * (float)COVARIANCE;
+    UNROLLED
     for (int c = 0; c < 3; c++)
-        r.rgb[c] = r.alpha * (vf_lookup(m->rgb0[c], n, e) + vf_lookup(m->rgb1[c], n, e) * mean);
+        r.rgb[c] = r.alpha * (vf_lookup(m->rgb0[c], few, e) + vf_lookup(m->rgb1[c], few, e) * mean);
     return r;
 }
 
+/* A row for each lane. */
 SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 {
+#ifdef __AVX2__
+    __m256 rg_low = _mm256_unpacklo_ps(r->rgb[0], r->rgb[1]);
+    __m256 rg_high = _mm256_unpackhi_ps(r->rgb[0], r->rgb[1]);
+    __m256 ba_low = _mm256_unpacklo_ps(r->rgb[2], r->alpha);
+    __m256 ba_high = _mm256_unpackhi_ps(r->rgb[2], r->alpha);
+    const __m256 row[4] = {/* row i and, behind it, i + 4 */
+        _mm256_shuffle_ps(rg_low, ba_low, 0x44), _mm256_shuffle_ps(rg_low, ba_low, 0xee),
+        _mm256_shuffle_ps(rg_high, ba_high, 0x44), _mm256_shuffle_ps(rg_high, ba_high, 0xee)};
+    vf_store(to[0], _mm256_permute2f128_ps(row[0], row[1], 0x20));
+    vf_store(to[2], _mm256_permute2f128_ps(row[2], row[3], 0x20));
+    vf_store(to[4], _mm256_permute2f128_ps(row[0], row[1], 0x31));
+    vf_store(to[6], _mm256_permute2f128_ps(row[2], row[3], 0x31));
+#else
     for (int i = 0; i < LANES; i++) {
         to[i][0] = r->rgb[0][i], to[i][1] = r->rgb[1][i], to[i][2] = r->rgb[2][i];
         to[i][3] = r->alpha[i];
     }
+#endif
 }
 
-static void cells(struct stream *s)
+SIMD_INLINE void cells_by(struct stream *s, bool few)
 {
     const struct stream_map *m = &s->map;
     /* What is behind the end is some cell. */
@@ -142,17 +189,21 @@ static void cells(struct stream *s)
         vi first, last;
         bounds(c.p, &lo, &hi);
         entries(m, c.base, lo, hi, &first, &last);
-        struct added r = moments(m, first, c.base, c.p, hi - lo, vf_load(s->len + j));
-        vi simple = (first == last) & (r.error <= vf_set(s->tolerance));
+        struct added r = stretch(s, few, false, first, c.base, c.p, hi - lo, vf_load(s->len + j));
+        unsigned simple = vi_signs((first == last) & ~r.rough);
         put_added(s->add + j, &r);
-        unsigned mask = vi_signs(simple);
-        for (int i = 0; i < LANES; i++) s->simple[j + (uint32_t)i] = mask >> i & 1;
-        if (mask == (1u << LANES) - 1) continue;
+        s->simple[j / LANES] = (uint8_t)simple;
+        UNROLLED
         for (int i = 0; i < 4; i++) vf_store(s->p[i] + j, c.p[i]);
         vf_store(s->base + j, c.base);
         vi_store(s->first + j, first);
         vi_store(s->last + j, last);
     }
+}
+static void cells(struct stream *s)
+{
+    if (s->map.entries <= 8) cells_by(s, true);
+    else cells_by(s, false);
 }
 
 #endif

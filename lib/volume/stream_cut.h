@@ -130,25 +130,25 @@ static bool put_pieces(struct stream *s, uint32_t j, uint32_t from, uint32_t to)
 
 /* The part a .. b of p, whose stretch is so long. */
 SIMD_INLINE struct added part(
-    const struct stream_map *m, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
+    const struct stream *s, bool few, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
 {
     vf h = b - a, bend = p[2] + 3 * a * p[3], lo, hi;
     const vf q[4] = {at_v(p, a), h * (p[1] + a * (p[2] + bend)), h * h * bend, h * h * h * p[3]};
     bounds(q, &lo, &hi);
-    return moments(m, entry, base, q, hi - lo, h * len);
+    return stretch(s, few, true, entry, base, q, hi - lo, h * len);
 }
 
-static void integrate_pieces(struct stream *s)
+SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
 {
     struct stream_pieces *q = &s->pieces;
     for (uint32_t j = q->n; j % LANES; j++) q->entry[j] = 0;
     for (uint32_t j = 0; j < q->n; j += LANES) {
         const vf p[4] = {
             vf_load(q->p[0] + j), vf_load(q->p[1] + j), vf_load(q->p[2] + j), vf_load(q->p[3] + j)};
-        struct added r = part(&s->map, vi_load(q->entry + j), vf_load(q->base + j), p,
+        struct added r = part(s, few, vi_load(q->entry + j), vf_load(q->base + j), p,
             vf_load(q->a + j), vf_load(q->b + j), vf_load(q->len + j));
         put_added(q->add + j, &r);
-        vf_store(q->error + j, r.error);
+        vi_store(q->rough + j, r.rough);
     }
 }
 
@@ -157,34 +157,41 @@ static void cut(struct stream *s)
 {
     uint32_t root[STREAM_ROOM], todo[STREAM_ROOM], n = 0;
     s->roots.n = s->pieces.n = 0;
-    for (uint32_t j = 0; j < s->cells; j++) {
-        if (s->simple[j]) continue;
-        root[n] = s->roots.n;
-        s->piece[j] = ask_roots(s, j) == STREAM_PIECES ? STREAM_ALONE : 0;
-        todo[n++] = j;
-    }
+    for (uint32_t g = 0; g < s->cells; g += LANES)
+        for (unsigned m = ~s->simple[g / LANES] & ALL_LANES; m; m &= m - 1) {
+            uint32_t j = g + (uint32_t)__builtin_ctz(m);
+            if (j >= s->cells) break;
+            root[n] = s->roots.n;
+            s->piece[j] = ask_roots(s, j) == STREAM_PIECES ? STREAM_ALONE : 0;
+            todo[n++] = j;
+        }
+    root[n] = s->roots.n;
     find_roots(&s->roots);
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t j = todo[i], end = i + 1 < n ? root[i + 1] : s->roots.n, first = s->pieces.n;
-        bool good = s->piece[j] != STREAM_ALONE && put_pieces(s, j, root[i], end);
+        uint32_t j = todo[i], first = s->pieces.n;
+        bool good = s->piece[j] != STREAM_ALONE && put_pieces(s, j, root[i], root[i + 1]);
         s->piece[j] = good ? first : STREAM_ALONE;
         s->piece_end[j] = s->pieces.n;
     }
-    integrate_pieces(s);
+    if (s->map.entries <= 8) integrate_pieces(s, true);
+    else integrate_pieces(s, false);
 }
 
 /* ---- parts ---------------------------------------------------------------------------------- */
 
-/* What a stretch adds. */
-static inline void add_to(struct stream_ray *r, const float add[4], double limit)
+/* What a stretch adds to a ray's rgb and alpha. */
+SIMD_INLINE void add_to(double sum[4], const float add[4])
 {
-    double clear = 1 - r->sum[3];
-    for (int c = 0; c < 4; c++) r->sum[c] += clear * (double)add[c];
-    r->done = r->sum[3] >= limit;
+#ifdef __AVX2__
+    vd_store(sum, vd_load(sum) + (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add)));
+#else
+    double clear = 1 - sum[3];
+    for (int c = 0; c < 4; c++) sum[c] += clear * (double)add[c];
+#endif
 }
 
 /* In n parts. False when that is too coarse: the ray is then spoilt. */
-static bool add_parts(struct stream *s, uint32_t j, int n, struct stream_ray *r)
+static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])
 {
     const struct stream_pieces *q = &s->pieces;
     const vf p[4] = {
@@ -195,33 +202,29 @@ static bool add_parts(struct stream *s, uint32_t j, int n, struct stream_ray *r)
     for (int i = 0; i < LANES; i++) count[i] = (float)i;
     for (int i = 0; i < n; i += LANES, count += LANES) {
         float add[LANES][4];
-        struct added x = part(&s->map, vi_set(q->entry[j]), vf_set(q->base[j]), p, a + count * step,
-            a + (count + 1) * step, vf_set(q->len[j]));
+        struct added x = part(s, s->map.entries <= 8, vi_set(q->entry[j]), vf_set(q->base[j]), p,
+            a + count * step, a + (count + 1) * step, vf_set(q->len[j]));
+        unsigned rough = vi_signs(x.rough);
         put_added(add, &x);
-        for (int k = 0; k < LANES && !r->done; k++) {
-            if (!(x.error[k] <= s->tolerance) && n < PARTS_MAX) return false;
-            add_to(r, add[k], limit);
+        for (int k = 0; k < LANES && sum[3] < limit; k++) {
+            if ((rough >> k & 1) && n < PARTS_MAX) return false;
+            add_to(sum, add[k]);
             s->v->counts.samples++;
         }
     }
     return true;
 }
 
-static void add_piece(struct stream *s, uint32_t j, struct stream_ray *r)
+static void add_piece(struct stream *s, uint32_t j, double sum[4])
 {
-    const struct stream_pieces *q = &s->pieces;
-    if (q->error[j] <= s->tolerance) {
-        add_to(r, q->add[j], s->v->spec->opacity_limit);
+    if (!s->pieces.rough[j]) {
+        add_to(sum, s->pieces.add[j]);
         s->v->counts.samples++;
         return;
     }
-    struct stream_ray before = *r;
-    int n = STREAM_LANES;
-    while (n < PARTS_MAX && q->error[j] > s->tolerance * (float)(n * n)) n *= 2;
-    while (!add_parts(s, j, n, r)) {
-        *r = before;
-        n *= 2;
-    }
+    double before[4];
+    memcpy(before, sum, sizeof before);
+    for (int n = STREAM_LANES; !add_parts(s, j, n, sum); n *= 2) memcpy(sum, before, sizeof before);
 }
 
 #endif

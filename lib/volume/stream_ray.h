@@ -6,40 +6,39 @@
 #include "volume/stream_cut.h"
 #include "volume/stream_walk.h"
 
-/* One cell, by the methods of one ray: in double, cut where the map has knots. */
-static void alone(struct stream *s, uint32_t j, struct stream_ray *r)
+/* One cell as it would be done alone. */
+static void alone(struct stream *s, uint32_t j, double sum[4])
 {
-    struct volume *v = s->v;
-    struct cell cell;
-    struct stretch at = {.t0 = s->t0[j], .t1 = s->t1[j]};
-    struct path p = {.v = v, .clear = 1 - r->sum[3], .cell = &cell};
-    cell_of_index(v, s->node[j], at.i);
-    cell_init(&cell, v, r->o, r->d, &at);
-    cell.t += r->before;
-    for (int c = 0; c < 3; c++) p.rgb[c] = r->sum[c];
+    struct cell cell = {.base = (double)s->base[j], .len = (double)s->len[j]};
+    struct path p = {.v = s->v, .clear = 1 - sum[3], .cell = &cell};
+    for (int i = 0; i < 4; i++) cell.p[i] = (double)s->p[i][j];
+    for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
     integrate_cut(&p, NULL);
-    for (int c = 0; c < 3; c++) r->sum[c] = p.rgb[c];
-    r->sum[3] = 1 - p.clear;
+    for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
+    sum[3] = 1 - p.clear;
 }
 
 static void add(struct stream *s)
 {
     struct volume *v = s->v;
     const double limit = v->spec->opacity_limit;
+    uint64_t cells = 0, simple = 0;
     for (uint32_t j = 0; j < s->cells; j++) {
-        struct stream_ray *r = &s->ray[s->of[j]];
-        if (r->done) continue;
-        v->counts.cells++;
-        if (s->simple[j]) {
-            v->counts.samples++;
-            add_to(r, s->add[j], limit);
+        double *sum = s->sum[s->of[j]];
+        if (sum[3] >= limit) continue;
+        cells++;
+        if (s->simple[j / LANES] >> j % LANES & 1) {
+            simple++;
+            add_to(sum, s->add[j]);
         } else if (s->piece[j] == STREAM_ALONE) {
-            alone(s, j, r);
-            r->done = r->sum[3] >= limit;
+            alone(s, j, sum);
         } else {
-            for (uint32_t i = s->piece[j]; i < s->piece_end[j] && !r->done; i++) add_piece(s, i, r);
+            for (uint32_t i = s->piece[j]; i < s->piece_end[j] && sum[3] < limit; i++)
+                add_piece(s, i, sum);
         }
     }
+    v->counts.cells += cells;
+    v->counts.samples += simple;
 }
 
 static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n)
@@ -48,15 +47,18 @@ static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_
     s->n0 = n0;
     s->n = n;
     s->taken = s->parked = 0;
-    for (int lane = 0; lane < LANES; lane++) put_ray(s, lane);
+    memset(s->sum, 0, sizeof s->sum);
+    for (int lane = 0; lane < STREAM_WALKERS; lane++) put_ray(s, lane);
     do {
         s->cells = 0;
+        for (int h = 0; h < STREAM_WALKERS; h += LANES) refill(s, h);
         walk(s);
         cells(s);
         cut(s);
         add(s);
-        for (int lane = 0; lane < LANES; lane++)
-            if (!(s->parked >> lane & 1) && s->ray[s->lanes.ray[lane]].done)
+        for (int lane = 0; lane < STREAM_WALKERS; lane++)
+            if (!(s->parked >> lane & 1) &&
+                s->sum[s->lanes.ray[lane]][3] >= s->v->spec->opacity_limit)
                 s->lanes.exit[lane] = -1;
     } while (s->cells);
 }

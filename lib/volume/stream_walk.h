@@ -2,11 +2,9 @@
 #ifndef STORMRING_VOLUME_STREAM_WALK_H
 #define STORMRING_VOLUME_STREAM_WALK_H
 
-#include "volume/simd.h"
-#include "volume/stream.h"
+#include "volume/stream_begin.h"
 
 #define HALVES (LANES / VD)
-#define UNROLLED _Pragma("GCC unroll 4")
 
 /* ---- a lane's ray --------------------------------------------------------------------------- */
 
@@ -23,61 +21,49 @@ static void park(struct stream *s, int lane)
         l->inv[a][lane] = 1;
         l->plane[a][lane] = l->step[a][lane] = l->to_node[a][lane] = 0;
     }
+    l->byte[lane] = l->beyond[lane] = 0;
+    l->end[lane] = 0;
     s->parked |= 1u << lane;
 }
 
-static void put_axis(struct stream *s, int lane, const struct walk *w, int a)
+static void put_axis(struct stream_lanes *l, int lane, const struct stream_starts *t, int i, int a)
 {
-    struct stream_lanes *l = &s->lanes;
-    const struct volume *v = s->v;
-    const struct front *f = &w->front;
-    bool turned = v->stride[a] < 0;
-    l->next[a][lane] = f->next[a];
-    l->start[a][lane] = w->start[a];
-    l->inv[a][lane] = w->inv[a];
-    l->step[a][lane] = w->step[a];
-    l->to_node[a][lane] = w->to_cell[a];
-    l->plane[a][lane] = f->plane[a] - v->plane[0];
-    if (w->step[a] == 0) {
-        int32_t i = (int32_t)(f->plane[a] - w->zero[a]);
-        double u = (w->o[a] - v->plane[a][i]) * v->inv_edge[a][i];
-        l->prev[a][lane] = l->rate[a][lane] = 0;
-        l->base[a][lane] = (float)(turned ? 1 - u : u);
-        l->sign[a][lane] = 0;
-        return;
-    }
-    bool up = (w->step[a] > 0) != turned;
-    double behind = (*(f->plane[a] - w->step[a]) - w->start[a]) * w->inv[a];
-    l->prev[a][lane] = behind;
-    l->rate[a][lane] = 1 / (f->next[a] - behind);
-    l->base[a][lane] = up ? 0 : 1;
-    l->sign[a][lane] = up ? 1 : -1;
+    l->next[a][lane] = t->next[a][i];
+    l->prev[a][lane] = t->prev[a][i];
+    l->rate[a][lane] = t->rate[a][i];
+    l->start[a][lane] = t->start[a][i];
+    l->inv[a][lane] = t->inv[a][i];
+    l->plane[a][lane] = t->plane[a][i];
+    l->step[a][lane] = t->step[a][i];
+    l->to_node[a][lane] = t->to_node[a][i];
+    l->base[a][lane] = (float)t->base[a][i];
+    l->sign[a][lane] = (float)t->sign[a][i];
 }
 
 /* The next pixel whose ray meets the grid. */
 static void put_ray(struct stream *s, int lane)
 {
-    struct volume *v = s->v;
-    struct walk w;
-    while (s->taken < s->n) {
-        uint32_t i = s->taken++;
-        struct stream_ray *r = &s->ray[i];
-        *r = (struct stream_ray){.sum = {0}};
-        v->counts.rays++;
-        uint64_t pixel = lattice_pixel(s->pixels, v->camera.w, s->n0 + i);
-        if (!walk_begin(&w, v, v->camera.eye, volume_direction(v, pixel))) continue;
-        v->counts.hits++;
-        for (int a = 0; a < 3; a++) r->o[a] = w.o[a], r->d[a] = w.d[a];
-        r->before = w.before;
-        s->lanes.t[lane] = w.front.t;
-        s->lanes.exit[lane] = w.exit;
-        s->lanes.node[lane] = (int64_t)w.front.cell;
-        s->lanes.passed[lane] = 0;
-        s->lanes.ray[lane] = (int32_t)i;
-        for (int a = 0; a < 3; a++) put_axis(s, lane, &w, a);
+    struct stream_lanes *l = &s->lanes;
+    struct stream_starts *t = &s->starts;
+    while (!t->hit && s->taken < s->n) begin(s);
+    if (!t->hit) {
+        park(s, lane);
         return;
     }
-    park(s, lane);
+    int i = __builtin_ctzll(t->hit);
+    t->hit &= t->hit - 1;
+    l->t[lane] = 0;
+    l->exit[lane] = t->exit[i];
+    l->node[lane] = t->node[i];
+    l->passed[lane] = 0;
+    l->ray[lane] = (int32_t)t->ray + i;
+    UNROLLED
+    for (int a = 0; a < 3; a++) put_axis(l, lane, t, i, a);
+    int a = t->next[0][i] <= t->next[1][i] ? 0 : 1;
+    if (!(t->next[a][i] <= t->next[2][i])) a = 2;
+    l->end[lane] = t->next[a][i];
+    l->beyond[lane] = t->plane[a][i] + t->step[a][i];
+    l->byte[lane] = t->node[i] >> 3;
 }
 
 static void take_ray(struct stream *s, int lane)
@@ -101,140 +87,173 @@ SIMD_INLINE vl of_axis_l(struct which m, vl x, vl y, vl z)
 {
     return vl_choose(m.x, x, vl_choose(m.y, y, z));
 }
-SIMD_INLINE struct which which_ends(const struct stream_lanes *l, int h)
+SIMD_INLINE struct which which_ends(vd x, vd y, vd z)
 {
-    vd x = vd_load(l->next[0] + h), y = vd_load(l->next[1] + h), z = vd_load(l->next[2] + h);
-    struct which m = {(vl)(x <= y) & (vl)(x <= z), (vl)(y <= z)};
-    return m;
+    return (struct which){(vl)(x <= y) & (vl)(x <= z), (vl)(y <= z)};
 }
-SIMD_INLINE vd cell_end(const struct stream_lanes *l, int h)
+SIMD_INLINE vd of_axes(struct which m, double (*of)[STREAM_WALKERS], int h)
 {
-    vd x = vd_load(l->next[0] + h), y = vd_load(l->next[1] + h), z = vd_load(l->next[2] + h);
-    return vd_min(vd_min(x, y), z);
+    return of_axis(m, vd_load(of[0] + h), vd_load(of[1] + h), vd_load(of[2] + h));
 }
 
-/* Through the plane that ends the cell. */
-SIMD_INLINE void pass(struct stream *s, int h, vd end)
+/* Through the plane that ends the cell; and which one ends the next. */
+SIMD_INLINE void pass(struct stream *s, int h)
 {
     struct stream_lanes *l = &s->lanes;
-    struct which m = which_ends(l, h);
+    vd next[3] = {vd_load(l->next[0] + h), vd_load(l->next[1] + h), vd_load(l->next[2] + h)};
+    const struct which m = which_ends(next[0], next[1], next[2]);
     const vl mine[3] = {m.x, ~m.x & m.y, ~m.x & ~m.y};
-    vl plane[3];
+    const vd end = vd_load(l->end + h), at = vd_fetch(s->v->plane[0], l->beyond + h);
+    const vd met = (at - of_axes(m, l->start, h)) * of_axes(m, l->inv, h), rate = 1 / (met - end);
+    vl beyond[3];
     UNROLLED
     for (int a = 0; a < 3; a++) {
-        plane[a] = vl_load(l->plane[a] + h) + (mine[a] & vl_load(l->step[a] + h));
-        vl_store(l->plane[a] + h, plane[a]);
-    }
-    vd start =
-        of_axis(m, vd_load(l->start[0] + h), vd_load(l->start[1] + h), vd_load(l->start[2] + h));
-    vd inv = of_axis(m, vd_load(l->inv[0] + h), vd_load(l->inv[1] + h), vd_load(l->inv[2] + h));
-    vl to = of_axis_l(
-        m, vl_load(l->to_node[0] + h), vl_load(l->to_node[1] + h), vl_load(l->to_node[2] + h));
-    vd at = vd_gather(s->v->plane[0], of_axis_l(m, plane[0], plane[1], plane[2]));
-    vd next = (at - start) * inv, rate = 1 / (next - end);
-    vl_store(l->node + h, vl_load(l->node + h) + to);
-    UNROLLED
-    for (int a = 0; a < 3; a++) {
-        vd_store(l->next[a] + h, vd_choose(mine[a], next, vd_load(l->next[a] + h)));
+        vl step = vl_load(l->step[a] + h), plane = vl_load(l->plane[a] + h) + (mine[a] & step);
+        next[a] = vd_choose(mine[a], met, next[a]);
+        beyond[a] = plane + step;
+        vl_store(l->plane[a] + h, plane);
+        vd_store(l->next[a] + h, next[a]);
         vd_store(l->prev[a] + h, vd_choose(mine[a], end, vd_load(l->prev[a] + h)));
         vd_store(l->rate[a] + h, vd_choose(mine[a], rate, vd_load(l->rate[a] + h)));
     }
+    vl node = vl_load(l->node + h) + of_axis_l(m, vl_load(l->to_node[0] + h),
+                                         vl_load(l->to_node[1] + h), vl_load(l->to_node[2] + h));
+    const struct which then = which_ends(next[0], next[1], next[2]);
+    vl_store(l->node + h, node);
+    vl_store(l->byte + h, node >> 3);
+    vl_store(l->beyond + h, of_axis_l(then, beyond[0], beyond[1], beyond[2]));
     vd_store(l->t + h, end);
+    vd_store(l->end + h, of_axis(then, next[0], next[1], next[2]));
 }
 
 /* ---- the list ------------------------------------------------------------------------------- */
 
 /* The lanes of the mask, side by side. */
 #ifdef __AVX2__
-SIMD_INLINE void pack_f(const struct stream *s, float *to, vf a, unsigned mask)
+struct order {
+    __m256i of;
+};
+SIMD_INLINE struct order order_of(const struct stream *s, unsigned mask)
 {
-    __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)s->pack[mask]));
-    vf_store(to, _mm256_permutevar8x32_ps(a, order));
+    return (struct order){_mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)s->pack[mask]))};
+}
+SIMD_INLINE void pack_f(struct order order, void *to, vf a)
+{
+    a = _mm256_permutevar8x32_ps(a, order.of);
+    memcpy(to, &a, sizeof a);
+}
+SIMD_INLINE void pack_half(const struct stream *s, int64_t *to, vl a, unsigned mask)
+{
+    __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)s->half_pack[mask]));
+    vl_store(to, (vl)_mm256_permutevar8x32_ps((vf)a, order));
+}
+SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES], unsigned mask)
+{
+    pack_half(s, to, a[0], mask & 15);
+    pack_half(s, to + __builtin_popcount(mask & 15), a[1], mask >> 4);
 }
 #else
-SIMD_INLINE void pack_f(const struct stream *s, float *to, vf a, unsigned mask)
+struct order {
+    unsigned mask;
+};
+SIMD_INLINE struct order order_of(const struct stream *s, unsigned mask)
+{
+    (void)s;
+    return (struct order){mask};
+}
+SIMD_INLINE void pack_f(struct order order, void *to, vf a)
+{
+    float *next = to;
+    for (int i = 0; i < LANES; i++)
+        if (order.mask >> i & 1) memcpy(next++, (const float *)&a + i, sizeof *next);
+}
+SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES], unsigned mask)
 {
     (void)s;
     for (int i = 0; i < LANES; i++)
-        if (mask >> i & 1) *to++ = a[i];
-}
-#endif
-SIMD_INLINE void pack_d(double *to, const vd a[HALVES], unsigned mask)
-{
-    for (int i = 0; i < LANES; i++)
         if (mask >> i & 1) *to++ = a[i / VD][i % VD];
 }
-
-SIMD_INLINE void put_cells(struct stream *s, const vd end[HALVES], unsigned mask)
+#endif
+SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsigned mask)
 {
     const struct stream_lanes *l = &s->lanes;
+    const struct order order = order_of(s, mask);
     uint32_t n = s->cells;
+    vl node[HALVES];
     vd t[HALVES], long_[HALVES], u[HALVES], way[HALVES];
     UNROLLED
     for (int h = 0; h < HALVES; h++) {
-        t[h] = vd_load(l->t + h * VD);
+        t[h] = vd_load(l->t + h0 + h * VD);
         long_[h] = end[h] - t[h];
     }
     UNROLLED
     for (int a = 0; a < 3; a++) {
         UNROLLED
         for (int h = 0; h < HALVES; h++) {
-            vd rate = vd_load(l->rate[a] + h * VD);
-            u[h] = (t[h] - vd_load(l->prev[a] + h * VD)) * rate;
+            vd rate = vd_load(l->rate[a] + h0 + h * VD);
+            u[h] = (t[h] - vd_load(l->prev[a] + h0 + h * VD)) * rate;
             way[h] = long_[h] * rate;
         }
-        vf base = vf_load(l->base[a]), sign = vf_load(l->sign[a]);
-        pack_f(s, s->from[a] + n, base + sign * vf_narrow(u[0], u[1]), mask);
-        pack_f(s, s->way[a] + n, sign * vf_narrow(way[0], way[1]), mask);
+        vf base = vf_load(l->base[a] + h0), sign = vf_load(l->sign[a] + h0);
+        pack_f(order, s->from[a] + n, base + sign * vf_narrow(u[0], u[1]));
+        pack_f(order, s->way[a] + n, sign * vf_narrow(way[0], way[1]));
     }
-    pack_f(s, s->len + n, vf_narrow(long_[0], long_[1]), mask);
-    for (unsigned m = mask; m; m &= m - 1, n++) {
-        int i = __builtin_ctz(m);
-        s->node[n] = l->node[i];
-        s->of[n] = l->ray[i];
-        s->t0[n] = l->t[i];
-        s->t1[n] = end[i / VD][i % VD];
-    }
-    s->cells = n;
+    pack_f(order, s->len + n, vf_narrow(long_[0], long_[1]));
+    pack_f(order, s->of + n, (vf)vi_load(l->ray + h0));
+    UNROLLED
+    for (int h = 0; h < HALVES; h++) node[h] = vl_load(l->node + h0 + h * VD);
+    pack_l(s, s->node + n, node, mask);
+    s->cells = n + (uint32_t)__builtin_popcount(mask);
 }
 
 /* ---- the walk ------------------------------------------------------------------------------- */
 
-SIMD_INLINE unsigned ended(const struct stream_lanes *l)
-{
-    unsigned bits = 0;
-    UNROLLED
-    for (int h = 0; h < HALVES; h++)
-        bits |= vl_signs(~(vl)(vd_load(l->t + h * VD) < vd_load(l->exit + h * VD))) << h * VD;
-    return bits;
-}
-
-/* Fills the list; it is not full only when no ray is left. */
-static void walk(struct stream *s)
+/* LANES rays from h0 on: their cells, where live, into the list; and on to the next. */
+SIMD_INLINE void step(struct stream *s, int h0)
 {
     struct stream_lanes *l = &s->lanes;
-    const uint8_t *live = s->v->live;
-    while (s->cells <= STREAM_CELLS) {
-        for (unsigned m = ended(l) & ~s->parked; m; m &= m - 1) {
-            int lane = __builtin_ctz(m);
-            take_ray(s, lane);
-            put_ray(s, lane);
-        }
-        if (s->parked == (1u << LANES) - 1) return;
-        vd end[HALVES];
-        unsigned mask = 0;
-        UNROLLED
-        for (int h = 0; h < HALVES; h++) {
-            end[h] = cell_end(l, h * VD);
-            vd t = vd_load(l->t + h * VD);
-            vl real = (vl)(end[h] > t) & (vl)(t < vd_load(l->exit + h * VD));
-            vl_store(l->passed + h * VD, vl_load(l->passed + h * VD) - real);
-            mask |= vl_signs(real & vl_bits(live, vl_load(l->node + h * VD))) << h * VD;
-        }
-        if (mask) put_cells(s, end, mask);
-        UNROLLED
-        for (int h = 0; h < HALVES; h++) pass(s, h * VD, end[h]);
+    vd end[HALVES];
+    unsigned mask = 0;
+    UNROLLED
+    for (int i = 0; i < HALVES; i++) {
+        const int h = h0 + i * VD;
+        end[i] = vd_load(l->end + h);
+        vd t = vd_load(l->t + h);
+        vl real = (vl)(end[i] > t) & (vl)(t < vd_load(l->exit + h));
+        vl_store(l->passed + h, vl_load(l->passed + h) - real);
+        mask |= vl_signs(real & vl_bits(s->v->live, l->byte + h, vl_load(l->node + h))) << i * VD;
     }
+    if (mask) put_cells(s, h0, end, mask);
+    UNROLLED
+    for (int i = 0; i < HALVES; i++) pass(s, h0 + i * VD);
+}
+
+/* Who is at the end makes room for the next. */
+SIMD_INLINE void refill(struct stream *s, int h0)
+{
+    struct stream_lanes *l = &s->lanes;
+    unsigned ended = 0;
+    UNROLLED
+    for (int h = 0; h < LANES; h += VD)
+        ended |= vl_signs(~(vl)(vd_load(l->t + h0 + h) < vd_load(l->exit + h0 + h))) << h;
+    for (unsigned m = ended & ~(s->parked >> h0); m; m &= m - 1) {
+        int lane = h0 + __builtin_ctz(m);
+        take_ray(s, lane);
+        put_ray(s, lane);
+    }
+}
+
+/*
+ * Fills the list; it is not full only when no ray is left. Who was put there by single numbers is
+ * loaded as vectors only after the others' steps: at once would be to wait for memory.
+ */
+static void walk(struct stream *s)
+{
+    while (s->cells <= STREAM_CELLS && s->parked != (1u << STREAM_WALKERS) - 1)
+        for (int h = 0; h < STREAM_WALKERS; h += LANES) {
+            step(s, h);
+            refill(s, h);
+        }
 }
 
 #endif

@@ -134,6 +134,9 @@ static inline size_t block_index(const struct volume *v, const int32_t i[3])
 
 /* ---- the walk (walk.c) ---------------------------------------------------------------------- */
 
+/* Slopes below this move a ray by nothing in any grid; their reciprocals would overflow. */
+#define WALK_LEVEL 1e-200
+
 /* How far a ray has come. */
 struct front {
     double t;               /* from o */

@@ -7,9 +7,6 @@
  */
 #include "volume/volume_int.h"
 
-/* Slopes below this move a ray by nothing in any grid; their reciprocals would overflow. */
-#define LEVEL 1e-200
-
 /* Where plane i of an axis is met. */
 static double met(const struct walk *w, int a, int32_t i)
 {
@@ -97,7 +94,7 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     *w = (struct walk){.v = v};
     for (int a = 0; a < 3; a++) {
         w->o[a] = o[a];
-        w->step[a] = (d[a] > LEVEL) - (d[a] < -LEVEL);
+        w->step[a] = (d[a] > WALK_LEVEL) - (d[a] < -WALK_LEVEL);
         w->d[a] = w->step[a] ? d[a] : 0;
         w->inv[a] = w->step[a] ? 1 / d[a] : 0;
     }

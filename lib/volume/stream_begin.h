@@ -1,0 +1,170 @@
+/*
+ * stream_begin: where rays enter the grid: walk_begin of walk.c for VD of them at a time, by the
+ * same operations.
+ */
+#ifndef STORMRING_VOLUME_STREAM_BEGIN_H
+#define STORMRING_VOLUME_STREAM_BEGIN_H
+
+#include "volume/simd.h"
+#include "volume/stream.h"
+
+struct aim {
+    vd d[3], inv[3]; /* direction; its reciprocals, 0 along an axis that it does not move on */
+    vl up[3], down[3];
+    vd in[3], out[3]; /* the planes where it enters and leaves */
+    vd near, at[3], exit;
+    vl hit;
+};
+
+/* Through the middles of pixels. */
+SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
+{
+    const double f[3] = {c->forward.x, c->forward.y, c->forward.z};
+    const double r[3] = {c->right.x, c->right.y, c->right.z};
+    const double u[3] = {c->up.x, c->up.y, c->up.z};
+    const double w = c->w, h = c->h;
+    vd sx = (2 * x - w) / h, sy = (h - 2 * y) / h, d[3];
+    UNROLLED
+    for (int a = 0; a < 3; a++) d[a] = (f[a] + r[a] * sx) + u[a] * sy;
+    vd unit = 1 / vd_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        d[a] = d[a] * unit;
+        m->up[a] = (vl)(d[a] > vd_set(WALK_LEVEL));
+        m->down[a] = (vl)(d[a] < vd_set(-WALK_LEVEL));
+        vl moves = m->up[a] | m->down[a];
+        m->d[a] = vd_choose(moves, d[a], vd_set(0));
+        m->inv[a] = vd_choose(moves, 1 / d[a], vd_set(0));
+    }
+}
+
+/* The stretch within the grid. */
+SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
+{
+    const double eye[3] = {v->camera.eye.x, v->camera.eye.y, v->camera.eye.z};
+    vd far = vd_set(HUGE_VAL);
+    m->near = vd_set(0);
+    m->hit = ~(vl){0};
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        m->in[a] = vd_choose(m->down[a], high, low);
+        m->out[a] = vd_choose(m->down[a], low, high);
+        vl moves = m->up[a] | m->down[a];
+        vl inside = (vl)(low <= eye[a]) & (vl)(high >= eye[a]);
+        vd near = (m->in[a] - eye[a]) * m->inv[a], away = (m->out[a] - eye[a]) * m->inv[a];
+        m->near = vd_choose(moves & (vl)(near > m->near), near, m->near);
+        far = vd_choose(moves & (vl)(away < far), away, far);
+        m->hit &= moves | inside;
+    }
+    m->hit &= (vl)(m->near < far);
+    m->exit = vd_set(HUGE_VAL);
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        vd at = eye[a] + m->near * m->d[a], near = (m->in[a] - eye[a]) * m->inv[a];
+        vl entry = (vl)(m->near > vd_set(0)) & (vl)(m->near == near);
+        at = vd_choose(entry, m->in[a], at);
+        m->at[a] = at = vd_min(vd_max(at, low), high);
+        vd exit = vd_choose(m->up[a] | m->down[a], (m->out[a] - at) * m->inv[a], vd_set(HUGE_VAL));
+        m->exit = vd_min(m->exit, exit);
+    }
+}
+
+#define TRIES 3 /* from the cells of the rays before, which are mostly these or the next */
+
+/* Is cell i left already? */
+SIMD_INLINE vl is_left(const struct aim *m, const double *plane, int a, vl i)
+{
+    vd p = vd_gather(plane + 1, i);
+    return (vl)(p < m->at[a]) | (~m->down[a] & (vl)(p == m->at[a]));
+}
+
+/* As first_cell of walk.c. */
+SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int64_t *guess)
+{
+    const double *plane = v->plane[a];
+    const vl last = (vl){0} + (int64_t)(v->cells[a] - 1);
+    vl lo = vl_load(guess);
+    for (int i = 0; i < TRIES; i++) {
+        vl up = is_left(m, plane, a, lo) & (lo < last);
+        vl down = ~is_left(m, plane, a, lo - 1) & (lo > 0);
+        if (!vl_signs(up | down)) {
+            vl_store(guess, lo);
+            return lo;
+        }
+        lo += (down & ~up) - up;
+    }
+    vl hi = last;
+    lo = (vl){0};
+    for (uint32_t n = v->cells[a]; n > 1; n = (n + 1) / 2) {
+        vl middle = (lo + hi) >> 1, open = lo < hi;
+        vl left = is_left(m, plane, a, middle);
+        lo = vl_choose(open & left, middle + 1, lo);
+        hi = vl_choose(open & ~left, middle, hi);
+    }
+    vl_store(guess, lo);
+    return lo;
+}
+
+/* Into the starts from i on. */
+SIMD_INLINE vl start_axis(
+    struct stream_starts *s, uint32_t i, const struct aim *m, const struct volume *v, int a)
+{
+    const double *plane = v->plane[a];
+    const int64_t offset = plane - v->plane[0], stride = v->stride[a];
+    vl cell = find_cell(m, v, a, s->guess[a]), moves = m->up[a] | m->down[a];
+    vl step = m->down[a] - m->up[a], ahead = cell - m->up[a];
+    vd start = vd_choose(moves, m->at[a], vd_set(-HUGE_VAL));
+    vd inv = vd_choose(moves, m->inv[a], vd_set(1));
+    vd next = (vd_gather(plane, ahead) - start) * inv;
+    vd prev = (vd_gather(plane, ahead - step) - start) * inv;
+    vd still = (m->at[a] - vd_gather(plane, cell)) * vd_gather(v->inv_edge[a], cell);
+    vl turned = (vl){0} - (stride < 0), rises = m->up[a] ^ turned;
+    vd base = vd_choose(turned, 1 - still, still), zero = vd_set(0), one = vd_set(1);
+    vd_store(s->start[a] + i, start);
+    vd_store(s->inv[a] + i, inv);
+    vd_store(s->next[a] + i, next);
+    vd_store(s->prev[a] + i, vd_choose(moves, prev, zero));
+    vd_store(s->rate[a] + i, vd_choose(moves, 1 / (next - prev), zero));
+    vd_store(s->base[a] + i, vd_choose(moves, vd_choose(rises, zero, one), base));
+    vd_store(s->sign[a] + i, vd_choose(moves, vd_choose(rises, one, -one), zero));
+    vl_store(s->plane[a] + i, ahead + offset);
+    vl_store(s->step[a] + i, step);
+    vl_store(s->to_node[a] + i, step * stride);
+    return cell * stride;
+}
+
+/* The next pixels' rays: those that meet the grid are in `hit`. */
+static void begin(struct stream *s)
+{
+    struct volume *v = s->v;
+    struct stream_starts *t = &s->starts;
+    t->ray = s->taken;
+    t->hit = 0;
+    uint32_t n = s->n - s->taken < STREAM_STARTS ? s->n - s->taken : STREAM_STARTS;
+    for (uint32_t i = 0; i < n; i += VD) {
+        struct aim m;
+        vd x, y;
+        for (uint32_t k = 0; k < VD; k++) {
+            uint32_t at = s->taken + (i + k < n ? i + k : i);
+            uint64_t p = lattice_pixel(s->pixels, v->camera.w, s->n0 + at);
+            x[k] = (double)(p % v->camera.w) + 0.5;
+            y[k] = (double)(p / v->camera.w) + 0.5;
+        }
+        aim_at(&m, &v->camera, x, y);
+        clip_aim(&m, v);
+        t->hit |= (uint64_t)vl_signs(m.hit) << i;
+        vd_store(t->exit + i, m.exit);
+        vl node = (vl){0} + (int64_t)v->origin;
+        UNROLLED
+        for (int a = 0; a < 3; a++) node += start_axis(t, i, &m, v, a);
+        vl_store(t->node + i, node);
+    }
+    if (n < 64) t->hit &= ((uint64_t)1 << n) - 1;
+    s->taken += n;
+    v->counts.rays += n;
+    v->counts.hits += (uint64_t)__builtin_popcountll(t->hit);
+}
+
+#endif
