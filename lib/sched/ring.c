@@ -26,6 +26,7 @@ static void *ring_create(const struct sched_params *p)
     struct hub *h = xcalloc(1, sizeof *h);
     h->p = *p;
     h->pool = TASK_LIST_EMPTY;
+    h->oldest = h->newest = -1;
     return h;
 }
 
@@ -259,6 +260,7 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
     if (i >= 0 && (h->ledger.at[i].slot == k || BUG(29))) {
+        ring_answers(h, k, peer);
         unlist(h, i);
         h->from[i] = k;
         assign(h, i, peer, out);
@@ -278,6 +280,14 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
     }
 }
 
+/* Pixels may be older. */
+static void note_life(struct hub *h, const struct sched_event *e)
+{
+    if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_is_up(h, e->slot)) return;
+    h->nodes[e->slot].silent = BUG(85) && h->nodes[e->slot].silent;
+    hub_mark(h, e->slot);
+}
+
 static void flush_all(struct hub *h, struct sched_actions *out)
 {
     for (int32_t k = 0; k < h->n_nodes; k++) ask_flush(h, k, out);
@@ -289,6 +299,8 @@ static void ring_step(
     struct hub *h = state;
     bool known = e->slot >= 0 && e->slot < h->n_nodes;
     h->now_us = now;
+    ring_late(h);
+    note_life(h, e);
     switch (e->kind) {
     case SCHED_TASK: take_task(h, e, out); break;
     case SCHED_INPUT_END:
@@ -337,5 +349,7 @@ static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint3
     return i >= 0 && h->ledger.at[i].slot == slot ? h->ledger.at[i].tries : 0;
 }
 
+static int64_t ring_wake_us(const void *state) { return ring_late_us(state); }
+
 const struct policy policy_ring = {"ringctl", ring_create, ring_step, ring_uncommitted,
-    ring_waiting, ring_tries, NULL, ring_destroy};
+    ring_waiting, ring_tries, ring_wake_us, ring_destroy};

@@ -15,8 +15,17 @@
  *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, or has done
  *            one, and whoever asked is remembered again; what it was given while the ask was under
  *            way it may have not seen when it answered
+ *
+ * A node that is out of reach is known as lost only after seconds. Who asked does not wait as long,
+ * but for some times the longest answer of late: then it is remembered again, and the node, silent,
+ * is not asked until it says something. Its answer may come after all: what it gives then is given,
+ * as its GIVE counts whoever waits for it.
  */
 #include "sched/ring_int.h"
+
+#define LATE_TIMES 8       /* so often the longest answer is late, */
+#define LATE_US 100000     /* and so much besides: a machine that is busy */
+#define ANSWERS_OF_LATE 16 /* the longest of about so many */
 
 /* The class of node k's work. Where nothing is known of a node, it is like the others. */
 static int32_t load_of(const struct hub *h, const struct hub_node *s)
@@ -53,7 +62,7 @@ void hub_mark(struct hub *h, int32_t k)
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
-    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry);
+    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry && (!s->silent || BUG(83)));
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -71,6 +80,11 @@ static void pair(struct hub *h, int32_t k, int32_t thief)
     struct hub_node *s = &h->nodes[k], *t = &h->nodes[thief];
     t->victim = k;
     t->given_before = s->given;
+    t->since_us = h->now_us;
+    t->older = h->newest;
+    t->newer = -1;
+    *(h->newest >= 0 ? &h->nodes[h->newest].newer : &h->oldest) = thief;
+    h->newest = thief;
     t->before = -1;
     t->after = s->thief;
     if (s->thief >= 0) h->nodes[s->thief].before = thief;
@@ -88,6 +102,8 @@ static void part(struct hub *h, int32_t thief)
     if (t->before >= 0) h->nodes[t->before].after = t->after;
     else h->nodes[k].thief = t->after;
     if (t->after >= 0) h->nodes[t->after].before = t->before;
+    *(t->older >= 0 ? &h->nodes[t->older].newer : &h->oldest) = t->newer;
+    *(t->newer >= 0 ? &h->nodes[t->newer].older : &h->newest) = t->older;
     t->victim = -1;
     h->nodes[k].thieves--;
     hub_mark(h, k);
@@ -134,23 +150,54 @@ void ring_asks(struct hub *h, int32_t k)
     hub_mark(h, k);
 }
 
+void ring_answers(struct hub *h, int32_t k, int32_t peer)
+{
+    if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
+    int64_t us = h->now_us - h->nodes[peer].since_us;
+    h->answer_us -= h->answer_us / ANSWERS_OF_LATE;
+    if (us > h->answer_us) h->answer_us = us;
+}
+
 void ring_has_none(struct hub *h, int32_t k, int32_t peer)
 {
     if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
+    ring_answers(h, k, peer);
     h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before || BUG(39);
     h->nodes[peer].passed_on = true;
     if (!BUG(33)) part(h, peer);
     hub_mark(h, k);
 }
 
+/* Whoever asked node k has to ask another one. */
+static void pass_on(struct hub *h, int32_t k)
+{
+    while (h->nodes[k].thief >= 0) {
+        h->nodes[h->nodes[k].thief].passed_on = true;
+        part(h, h->nodes[k].thief);
+    }
+    hub_mark(h, k);
+}
+
 void ring_lost(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
-    s->asking = s->told = s->passed_on = s->dry = false;
+    s->asking = s->told = s->passed_on = s->dry = s->silent = false;
     part(h, k);
-    while (s->thief >= 0 && !BUG(34)) {
-        h->nodes[s->thief].passed_on = true;
-        part(h, s->thief);
+    if (!BUG(34)) pass_on(h, k);
+    else hub_mark(h, k);
+}
+
+int64_t ring_late_us(const struct hub *h)
+{
+    if (h->oldest < 0 || !h->answer_us || BUG(84)) return INT64_MAX;
+    return h->nodes[h->oldest].since_us + LATE_TIMES * h->answer_us + LATE_US;
+}
+
+void ring_late(struct hub *h)
+{
+    while (h->now_us >= ring_late_us(h)) {
+        int32_t k = h->nodes[h->oldest].victim;
+        h->nodes[k].silent = true;
+        pass_on(h, k);
     }
-    hub_mark(h, k);
 }

@@ -31,6 +31,9 @@ struct hub_node {
     int32_t victim;         /* the node that was asked for it, and has not answered; -1: */
     int32_t before, after;  /* the others for which that one was */
     uint64_t given_before;  /* the victim's `given` then */
+    int64_t since_us;       /* and when that was */
+    int32_t older, newer;   /* those for whom somebody was asked just before, and after that */
+    bool silent;            /* it did not answer in time, and has said nothing since */
 };
 
 struct hub {
@@ -49,6 +52,8 @@ struct hub {
     struct slot_set rich[LOADS];           /* likewise: by the class of their work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
     struct pace pace;                      /* of all */
+    int32_t oldest, newest;                /* those for whom somebody was asked, in that order */
+    int64_t answer_us;                     /* the longest that an answer took, of late; 0: none */
     int64_t now_us;                        /* of this step */
     bool ended, flush, closed;
 };
@@ -71,7 +76,12 @@ void ring_served(struct hub *h, int32_t k);
 /* Node k says ASK; or NONE, to node peer. */
 void ring_asks(struct hub *h, int32_t k);
 void ring_has_none(struct hub *h, int32_t k, int32_t peer);
+/* Node k, which was asked for node peer, answers. */
+void ring_answers(struct hub *h, int32_t k, int32_t peer);
 /* Node k is lost. */
 void ring_lost(struct hub *h, int32_t k);
+/* Who was not answered in time waits for that one no more; when that will be so, INT64_MAX. */
+void ring_late(struct hub *h);
+int64_t ring_late_us(const struct hub *h);
 
 #endif

@@ -6,6 +6,11 @@
 
 #include <stdlib.h>
 
+/* As in the rules: of an ask that is late. */
+#define LATE_TIMES 8
+#define LATE_US 100000
+#define ANSWERS 16
+
 #define PASSES_MOST 12 /* of a task: for 64 nodes twice as often as halving takes */
 
 struct ring_model *ring_model(struct world *w)
@@ -37,7 +42,7 @@ static void mark(struct world *w, struct ring_model *m, int32_t k)
     struct rslot *s = &m->slots[k];
     bool up = s->state == RING_UP, has = s->held > w->plan->width + s->thieves;
     bool hungry = up && s->asking && s->victim < 0;
-    bool rich = up && has && !s->asking && !s->dry;
+    bool rich = up && has && !s->asking && !s->dry && !s->silent;
     m->hungry += hungry - s->hungry;
     m->rich += rich - s->rich;
     s->hungry = hungry;
@@ -147,7 +152,7 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
     part(w, m, k);
     for (int32_t i = 0; i < w->plan->slots; i++)
         if (m->slots[i].victim == k) part(w, m, i);
-    s->asking = s->told = s->dry = false;
+    s->asking = s->told = s->dry = s->silent = false;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (!t || t->base != k || t->place == RING_ABSENT) continue;
@@ -188,10 +193,34 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
             fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
         enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
+    if (!exists || m->slots[peer].victim != e->slot) return;
+    m->answer_us -= m->answer_us / ANSWERS;
+    if (w->now_us - m->slots[peer].since_us > m->answer_us)
+        m->answer_us = w->now_us - m->slots[peer].since_us;
     /* What was not its to give is an answer all the same. */
-    if (given || !exists || m->slots[peer].victim != e->slot) return;
+    if (given) return;
     s->dry = s->given == m->slots[peer].given_before;
     part(w, m, peer);
+    mark(w, m, e->slot);
+}
+
+/* Who was not answered in time waits no more, nor do the others that wait for the same. */
+static void note_late(struct world *w, struct ring_model *m)
+{
+    int64_t since_us = w->now_us - LATE_TIMES * m->answer_us - LATE_US;
+    for (int32_t i = 0; m->answer_us && i < w->plan->slots; i++) {
+        int32_t k = m->slots[i].victim;
+        if (k < 0 || m->slots[i].since_us > since_us) continue;
+        m->slots[k].silent = true;
+        for (int32_t j = 0; j < w->plan->slots; j++)
+            if (m->slots[j].victim == k) part(w, m, j);
+    }
+}
+
+static void note_life(struct world *w, struct ring_model *m, const struct sched_event *e)
+{
+    if (e->kind != SCHED_DONE && e->kind != SCHED_RING) return;
+    m->slots[e->slot].silent = false;
     mark(w, m, e->slot);
 }
 
@@ -199,6 +228,8 @@ static void ring_event(struct world *w, const struct sched_event *e)
 {
     struct ring_model *m = ring_model(w);
     struct rtask *t;
+    note_late(w, m);
+    note_life(w, m, e);
     m->touched = e->kind == SCHED_TASK ? -1 : e->slot;
     switch (e->kind) {
     case SCHED_TASK: note_task(w, m, &e->task); break;
@@ -259,6 +290,7 @@ static void check_asked(struct world *w, struct ring_model *m, int32_t victim, i
     v->thieves++;
     s->victim = victim;
     s->given_before = v->given;
+    s->since_us = w->now_us;
     mark(w, m, victim);
     mark(w, m, thief);
 }

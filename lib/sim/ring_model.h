@@ -28,6 +28,8 @@ struct rslot {
     int32_t thieves;      /* nodes for which it was asked, and that have not been given any */
     int32_t victim;       /* the node that was asked for it; -1 */
     int64_t given_before; /* what that one had been given then */
+    int64_t since_us;     /* and when that was */
+    bool silent;          /* it did not answer in time, and has said nothing since */
     /* the node itself, since it began */
     int32_t queued, fed;
     bool has_place, asked, ended;
@@ -44,6 +46,7 @@ struct ring_model {
     int32_t late, late_left; /* the slot not up whose tasks are being given, and how many may be */
     double most_px;          /* of a task */
     int32_t touched;         /* the slot of the latest event, -1 */
+    int64_t answer_us;       /* the longest answer, of late, 0 */
     struct rslot slots[];
 };
 

@@ -16,6 +16,8 @@
  * connection was never said. Pixels may be held back until they are asked for; those of a node that dies are lost,
  * or come late.
  *
+ * LATE times an answer takes too long, whenever and whatever for.
+ *
  * Left out: time, so that of those with work left the next in the ring is asked, not the one with most; who is
  * asked gives nothing, or half of its queue, whatever it is worth; and a node may ask ahead once while its worker
  * is on a row, or not (in C as long before the end of the row as an ask takes; a worker that is late is expected to
@@ -28,7 +30,7 @@ c_decl {
 	static long given_as(const char *name) { return getenv(name) ? strtol(getenv(name), NULL, 10) : 0; }
 }
 hidden byte planted;
-#define BUG(k) (planted == k) /* as in lib/sched, where it says so; 1 and 2 are of this file */
+#define BUG(k) (planted == k) /* as in lib/sched, where it says so; 1 to 3 are of this file */
 #define N 3
 #define ROWS 4
 #define EARLY 3 /* rows that are there; the others come in at any time */
@@ -52,7 +54,7 @@ hidden byte planted;
 mtype = { TASK, FLUSH, PLACE, ASK };
 
 chan down[N] = [LINK] of { mtype, byte }; /* TASK row; ASK for peer; FLUSH; PLACE */
-byte crashes, returns; /* that may still come */
+byte crashes, returns, late_answers; /* that may still come */
 byte strays; /* rows whose pixels outlived their connection */
 byte came;   /* rows */
 bool began, input_ended, over; /* over: END was said */
@@ -60,7 +62,7 @@ bool began, input_ended, over; /* over: END was said */
 /* The ledger: rows that are not committed; those whose pixels miss; and whose they are: NONE_OF, the pool's. */
 byte held, computed, owned[N + 1];
 /* What the hub knows of nodes; given: whose victim was given a row since. */
-byte is_up, gone, asking, dry, flushed, given, hungry, rich, late;
+byte is_up, gone, asking, dry, silent, flushed, given, hungry, rich, late;
 byte victim[N] = NONE_OF; /* of a node: who was asked for it, and has not answered */
 byte committed; /* for watch */
 
@@ -85,7 +87,7 @@ inline hub_mark(k)
 {
 	put(late, k, !has(is_up | gone, k) && held & owned[k]);
 	put(hungry, k, has(is_up & asking, k) && victim[k] == NONE_OF);
-	put(rich, k, has(is_up & ~(asking | dry), k) && size(held & owned[k]) > 1 + thieves(k))
+	put(rich, k, has(is_up & ~(asking | dry | silent), k) && size(held & owned[k]) > 1 + thieves(k))
 }
 
 inline pair(k, thief)
@@ -102,6 +104,32 @@ inline part(thief)
 	:: d != NONE_OF -> victim[thief] = NONE_OF; hub_mark(d); hub_mark(thief)
 	:: else
 	fi
+}
+
+/* Whoever asked k has to ask another one. Uses e. */
+inline pass_on(k)
+{
+	e = 0;
+	do
+	:: e < N && victim[e] == k -> part(e); e++
+	:: e < N && victim[e] != k -> e++
+	:: else -> break
+	od
+}
+
+/* What k was asked takes too long: it may be out of reach, or not. */
+inline ring_late(k)
+{
+	late_answers--;
+	silent = with(silent, k);
+	pass_on(k);
+	hub_mark(k)
+}
+
+inline note_life(k)
+{
+	silent = without(silent, k);
+	hub_mark(k)
 }
 
 /* Row r is k's, or nobody's. */
@@ -196,14 +224,9 @@ inline take_up(k)
 inline take_gone(k)
 {
 	is_up = without(is_up, k); gone = with(gone, k);
-	asking = without(asking, k); dry = without(dry, k);
+	asking = without(asking, k); dry = without(dry, k); silent = without(silent, k);
 	part(k);
-	a = 0;
-	do
-	:: a < N && victim[a] == k -> part(a); a++
-	:: a < N && victim[a] != k -> a++
-	:: else -> break
-	od;
+	pass_on(k);
 	hub_mark(k);
 	a = 0;
 	do
@@ -263,7 +286,8 @@ inline ring_has_none(k, peer)
 inline take_give(k, r, peer)
 {
 	if
-	:: has(owned[k] & ~(computed * BUG(1)), r) || (BUG(29) && has(held | computed, r)) -> assign(r, peer)
+	:: has(owned[k] & ~(computed * BUG(1)), r) && (!BUG(3) || victim[peer] == k) ||
+	   (BUG(29) && has(held | computed, r)) -> assign(r, peer)
 	:: else ->
 		if
 		:: !BUG(80) -> ring_has_none(k, peer)
@@ -295,7 +319,7 @@ inline ends()
 active proctype input()
 {
 	d_step {
-		c_code { planted = given_as("BUG"); now.crashes = given_as("CRASHES"); };
+		c_code { planted = given_as("BUG"); now.crashes = given_as("CRASHES"); now.late_answers = given_as("LATE"); };
 		returns = (crashes == 1);
 		do /* so many rows are there when the nodes come up */
 		:: came < EARLY -> assign(came, came % N); came++
@@ -325,6 +349,9 @@ end:
 		strays = without(strays, b);
 		take_pixels(b);
 		ends() }
+	:: d_step { !over && late_answers && thieves(0) -> ring_late(0); ends() }
+	:: d_step { !over && late_answers && thieves(1) -> ring_late(1); ends() }
+	:: d_step { !over && late_answers && thieves(2) -> ring_late(2); ends() }
 	od
 }
 
@@ -335,7 +362,7 @@ end:
 inline says_ask()
 {
 	asked = true; asking = with(asking, me);
-	hub_mark(me);
+	note_life(me);
 	ring_match()
 }
 
@@ -395,12 +422,13 @@ end_opening:
 end_open:
 	do
 	:: d_step { !over && gives -> row = first(gives); gives = without(gives, row);
-		take_give(me, row, to); ends(); row = 0; to = to * (gives > 0) }
-	:: d_step { !over && none -> none = false; ring_has_none(me, to); ends(); to = 0 }
+		note_life(me); take_give(me, row, to); ends(); row = 0; to = to * (gives > 0) }
+	:: d_step { !over && none -> none = false; note_life(me); ring_has_none(me, to); ends(); to = 0 }
 	:: d_step { !over && sent -> row = first(sent); sent = without(sent, row); queue = without(queue, row);
 		take_pixels(row); ends(); feed() }
 	:: d_step { !over && !gives && !none && fed ->
 		row = first(fed); fed = 0; ahead = false;
+		note_life(me);
 		take_done(me, row);
 		if
 		:: row >= KEPT -> take_pixels(row)

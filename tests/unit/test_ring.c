@@ -174,6 +174,50 @@ static void a_wait_for_work_is_no_measure_of_an_ask(void **state)
     assert_true(asks_again_us(false) == 1000); /* where that is what an ask takes */
 }
 
+/* ---- a node that is out of reach ------------------------------------------------------------- */
+
+static int32_t given_by[3]; /* tasks, of the nodes */
+static void watched_step(
+    void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
+{
+    if (e->kind == SCHED_RING && e->ring.kind == RING_GIVE) given_by[e->slot]++;
+    policy_ring.step(state, e, now, out);
+}
+
+/* Node 0 has little to do, and asks node 1, which has most; then again, when that hangs, and node 2
+ * has work as well. It is 10 s until node 1 is given up. */
+static void who_asks_a_node_that_hangs_asks_another_one(void **state)
+{
+    static struct task rows[71];
+    static double row_us[71];
+    static const double power[] = {1, 1, 1};
+    (void)state;
+    for (uint32_t y = 0; y < 71; y++) {
+        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, y < 1 ? 0 : y < 41 ? 1 : 2};
+        row_us[y] = 100000;
+    }
+    struct sim_work work = {
+        .frame_w = 1, .frame_h = 71, .tasks = rows, .pixel_us = row_us, .power = power};
+    struct sim_fault hangs = {.kind = SIM_SILENCE, .slot = 1, .at_us = 1000000};
+    struct sim_plan plan = {.node = &policy_node,
+        .checks = &sim_checks_ring,
+        .slots = 3,
+        .tasks = 71,
+        .width = 1,
+        .latency_us = 10000,
+        .hops = 2,
+        .silence_us = 10000000,
+        .faults = &hangs,
+        .n_faults = 1,
+        .work = &work};
+    struct policy watched = policy_ring;
+    struct sim_result r;
+    watched.step = watched_step;
+    sim_run(&watched, &plan, &r);
+    assert_true(!*r.failure && r.silences == 1);
+    assert_true(given_by[1] > 15 && given_by[2] > 2);
+}
+
 /* ---- sets of slots, against sets of flags ---------------------------------------------------- */
 
 static int32_t next_flag(const bool *flags, int32_t n, int32_t k, int32_t by)
@@ -221,6 +265,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_seed_is_one_run_exactly),
         cmocka_unit_test(work_is_spread_over_unequal_hosts),
         cmocka_unit_test(a_wait_for_work_is_no_measure_of_an_ask),
+        cmocka_unit_test(who_asks_a_node_that_hangs_asks_another_one),
         cmocka_unit_test(a_set_finds_the_next_round_the_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
