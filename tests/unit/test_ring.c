@@ -193,7 +193,11 @@ static void who_asks_a_node_that_hangs_asks_another_one(void **state)
     static const double power[] = {1, 1, 1};
     (void)state;
     for (uint32_t y = 0; y < 71; y++) {
-        rows[y] = (struct task){0, y, {0, y, 1, 1, 1, 1}, y < 1 ? 0 : y < 41 ? 1 : 2};
+        rows[y] = (struct task){.id = y,
+            .at = {0, y, 1, 1, 1, 1},
+            .to = y < 1    ? 0
+                  : y < 41 ? 1
+                           : 2};
         row_us[y] = 100000;
     }
     struct sim_work work = {
