@@ -113,6 +113,19 @@ made 0 0 >bad.tsv
 is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 0 found in part'
 made 9 5 >bad.tsv
 is 'not found' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
+# Every experiment's claims, of tables of its plan in which nothing is known: seven fields a line, and no word that is none.
+for e in $(protocol -l | cut -f 1); do
+	if ! protocol -p -n 4 "$e" >plan 2>said; then
+		skip "the claims of $e" "$(head -n 1 said)"
+		continue
+	fi
+	awk -F '\t' -v OFS='\t' -v e="$e" 'BEGIN { print "# command: protocol -n 4 -s 0 " e
+			for (i = split("experiment kind method x x_unit y y_unit sample seed", c, " "); i; i--) $i = c[i]; print }
+		{ print $1, "real", $2, $3, 1, 1 + NR * 7919 % 101 / 1000, 1, $4, $5 }' plan >made.tsv
+	protocol -v "$e" made.tsv >verdicts 2>said
+	awk -F '\t' 'NF != 7 || /\t\t|\t$/ || NR > 1 && $6 !~ /^(found|found in part|not found|not decided|does not hold|holds until X = [0-9]+)$/' verdicts >odd
+	is "the claims of $e" "$(wc -l <verdicts | awk '{ print ($1 > 1) }')$(cat odd said)" 1
+done
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 finish
