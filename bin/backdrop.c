@@ -2,13 +2,13 @@
 #include "backdrop/backdrop.h"
 
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 struct options {
-    int w, h;          /* -s; 0: the specification's */
-    const char *title; /* -t; NULL: the scalar's name */
-    const char *unit;  /* -z, without the minus sign that is in `down` */
-    bool down;
+    int w, h;                        /* -s; 0: the specification's */
+    const char *title;               /* -t; NULL: by the grid's title */
+    const char *unit;                /* -z, likewise */
     const char *grid, *spec, *lines; /* files; lines may be NULL */
 };
 
@@ -16,7 +16,7 @@ static const char usage_text[] = "[-h] [-s WxH] [-t TITLE] [-z UNIT] GRID.vtk SP
 
 static struct options parse(int argc, char **argv)
 {
-    struct options o = {.unit = ""};
+    struct options o = {.w = 0};
     for (int c; (c = getopt(argc, argv, "hs:t:z:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 's':
@@ -24,10 +24,7 @@ static struct options parse(int argc, char **argv)
                 die(ST_USAGE, "-s %s: expected a size such as 800x600", optarg);
             break;
         case 't': o.title = optarg; break;
-        case 'z':
-            o.down = optarg[0] == '-';
-            o.unit = optarg + (o.down ? 1 : 0);
-            break;
+        case 'z': o.unit = optarg; break;
         default: usage(ST_USAGE, usage_text);
         }
     if (argc - optind < 2 || argc - optind > 3) usage(ST_USAGE, usage_text);
@@ -56,12 +53,33 @@ static void open_spec(const char *path, struct spec *s)
     buf_free(&text);
 }
 
+/* What the grid's title says, as far as the options do not. */
+struct names {
+    struct backdrop_named scalar, x, z;
+    char title[2 * VOLUME_NAME + 2];
+};
+
+static void set_names(
+    struct names *n, const struct options *o, const struct grid *g, struct backdrop *b)
+{
+    bool known = backdrop_title(g->title, 0, &n->scalar) && n->scalar.unit[0];
+    if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
+    b->title = o->title ? o->title : known ? n->title : g->name;
+    if (backdrop_title(g->title, 'x', &n->x) && n->x.unit[0] &&
+        strncasecmp(n->x.unit, "degree", 6) != 0)
+        b->flat = n->x.unit;
+    known = backdrop_title(g->title, 'z', &n->z);
+    b->down = o->unit ? o->unit[0] == '-' : known && n->z.down;
+    b->unit = o->unit ? o->unit + b->down : known ? n->z.unit : "";
+}
+
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct grid grid;
     struct spec spec;
+    struct names names;
     struct buf lines = {0}, script = {0};
     char err[BACKDROP_ERR];
     open_grid(o.grid, &grid);
@@ -72,11 +90,9 @@ int main(int argc, char **argv)
         .spec = &spec,
         .w = o.w ? (uint32_t)o.w : spec.w,
         .h = o.h ? (uint32_t)o.h : spec.h,
-        .title = o.title ? o.title : grid.name,
-        .unit = o.unit,
-        .down = o.down,
         .lines_name = o.lines,
         .lines = o.lines ? (const char *)buf_data(&lines) : NULL};
+    set_names(&names, &o, &grid, &b);
     if (backdrop_write(&b, &script, err) != 0) die(ST_USAGE, "%s", err);
     put_stdout(buf_data(&script), buf_size(&script));
     buf_free(&script);

@@ -136,6 +136,21 @@ like 'a title is text' "$(cat wall.gp)" "^set label 'it''s x' at"
 like 'heights that were negated' "$(cat wall.gp)" "^set label '998 hPa' at"
 like 'longitudes' "$(cat wall.gp)" "^set label '10°E' at"
 like 'latitudes' "$(cat wall.gp)" "^set label '42°N' at"
+# titled TITLE [OPTION ...]: the labels of a grid of that title, between commas
+titled() {
+	sed "2s,.*,$1," wall.vtk >titled.vtk
+	shift
+	backdrop "$@" titled.vtk wall.spec line | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,
+}
+like "units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
+	'^0°,2°E,.*,42°N,.*,990 hPa,.*,speed, m/s,$'
+like 'and of a grid on a plane' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
+	'^0 m,2 m,.*,42 m,.*,-1000 m,.*,T, K,$'
+like 'options are stronger' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
+like 'a title may be anything' "$(titled 'x [; z [[]; x [')" '^0°,2°E,.*,-1000 ,.*,x,$'
+sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
+printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
+is 'on a plane nothing comes round the globe' "$(block lines titled.gp | wc -l)" 2
 # The eye is above, and beyond the low end of y: one edge is between these two sides.
 is 'the edge in front is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
 ok 'gnuplot draws it' sh -c 'gnuplot wall.gp >wall.png 2>said && [ ! -s said ]'

@@ -15,7 +15,7 @@ static void head(const struct drawing *s)
 /* The grid's lowest plane, as far as it is in front of the eye. */
 static void plane(const struct drawing *s)
 {
-    struct outline o = {0};
+    struct outline o = {.flat = s->b->flat};
     for (int i = 0; i <= 4; i++)
         outline_append(
             &o, (struct point){(i + 1) & 2 ? s->hi[0] : s->lo[0], i & 2 ? s->hi[1] : s->lo[1]});

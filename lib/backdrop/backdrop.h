@@ -12,15 +12,24 @@
 #define BACKDROP_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
 
 struct backdrop {
-    const struct grid *grid; /* x is longitude, y latitude, in degrees */
+    const struct grid *grid;
     const struct spec *spec;
     uint32_t w, h;          /* of the picture */
     const char *title;      /* of the legend */
+    const char *flat;       /* unit of x and y; NULL: they are longitude and latitude, in degrees */
     const char *unit;       /* of heights */
     bool down;              /* heights are negated depths or pressures, and read as those */
     const char *lines_name; /* for messages */
     const char *lines;      /* NULL, or text: backdrop(1) */
 };
+
+/* What a grid's title says of its scalar, or of an axis; stormring-grid(5). */
+struct backdrop_named {
+    char name[VOLUME_NAME], unit[VOLUME_NAME];
+    bool down; /* it is negated */
+};
+/* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False where the title does not say. */
+bool backdrop_title(const char *title, char axis, struct backdrop_named *n);
 
 /* Appends a script that writes a PNG of w x h to standard output. 0, or -1 with text in err where
  * the lines are not such. */

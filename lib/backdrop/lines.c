@@ -86,7 +86,7 @@ static bool read_line(struct reader *r, char *line)
 
 bool lines_read(const struct drawing *s, struct lines *l, char err[BACKDROP_ERR])
 {
-    struct reader r = {.s = s, .l = l};
+    struct reader r = {.s = s, .l = l, .now.flat = s->b->flat};
     char line[LINE];
     int number = 1;
     bool good = true;

@@ -1,6 +1,8 @@
 /* map: the graticule, the edges of the grid, and what is written beside them. */
 #include "backdrop/drawing.h"
 
+#include <string.h>
+
 static void segment(const struct drawing *s, const double a[3], const double b[3])
 {
     for (int i = 0; i <= 64; i++) {
@@ -48,10 +50,25 @@ static void degrees_text(char *out, size_t n, int axis, double v)
     snprintf(out, n, "%.6g°%s", fabs(v), neither ? "" : side);
 }
 
+#define KM_LEAST 2e4 /* metres: a range from which on they are written as kilometres */
+
+static void flat_text(const struct drawing *s, char *out, size_t n, double v)
+{
+    bool km = strcmp(s->b->flat, "m") == 0 && s->hi[0] - s->lo[0] >= KM_LEAST;
+    snprintf(out, n, "%.6g %s%s", km ? v / 1000 : v, km ? "k" : "", s->b->flat);
+}
+
+static void place_text(const struct drawing *s, char *out, size_t n, int axis, double v)
+{
+    if (s->b->flat) flat_text(s, out, n, v);
+    else degrees_text(out, n, axis, v);
+}
+
 static struct ticks graticule_of(const struct drawing *s, int axis)
 {
     double wide = fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
-    return backdrop_ticks(s->lo[axis], s->hi[axis], degree_step(wide));
+    return backdrop_ticks(
+        s->lo[axis], s->hi[axis], s->b->flat ? backdrop_step(wide, 12) : degree_step(wide));
 }
 
 static struct ticks heights_of(const struct drawing *s)
@@ -112,11 +129,11 @@ static void label_longitudes(const struct drawing *s, const double corner[2], do
     bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
     double y = low ? s->lo[1] : s->hi[1];
     struct ticks t = graticule_of(s, 0);
-    char text[64];
+    char text[128];
     for (int i = t.first; i <= t.last; i++) {
         double at[2] = {i * t.step, y};
         if (y == corner[1] && fabs(at[0] - corner[0]) < .3 * t.step) continue;
-        degrees_text(text, sizeof text, 0, at[0]);
+        place_text(s, text, sizeof text, 0, at[0]);
         label_beside(s, text, at, low ? -pad : pad);
     }
 }
@@ -125,9 +142,9 @@ static void label_latitudes(const struct drawing *s, double pad)
 {
     struct ticks t = graticule_of(s, 1);
     double xy[2], other[2];
-    char text[64];
+    char text[128];
     for (int i = t.first; i <= t.last; i++) {
-        degrees_text(text, sizeof text, 1, i * t.step);
+        place_text(s, text, sizeof text, 1, i * t.step);
         bool a = backdrop_project(s, s->lo[0] - pad / 2, i * t.step, s->lo[2], xy);
         bool b = backdrop_project(s, s->hi[0] + pad / 2, i * t.step, s->lo[2], other);
         if (!a || !b) continue;

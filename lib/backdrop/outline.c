@@ -18,14 +18,14 @@ void outline_append(struct outline *o, struct point p)
 
 void outline_add(struct outline *o, struct point p)
 {
-    if (o->n) p.x += 360 * round((o->at[o->n - 1].x - p.x) / 360);
+    if (o->n && !o->flat) p.x += 360 * round((o->at[o->n - 1].x - p.x) / 360);
     outline_append(o, p);
 }
 
 void outline_free(struct outline *o)
 {
     free(o->at);
-    *o = (struct outline){0};
+    *o = (struct outline){.flat = o->flat};
 }
 
 /* Shifted by which multiples of 360 it may be seen; as it is where the map's numbers are none of
@@ -34,7 +34,7 @@ static void find_turns(const struct drawing *s, const struct outline *o, int tur
 {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     turn[0] = turn[1] = 0;
-    if (fmax(fabs(s->lo[0]), fabs(s->hi[0])) > 360 * TURNS_MAX) return;
+    if (o->flat || fmax(fabs(s->lo[0]), fabs(s->hi[0])) > 360 * TURNS_MAX) return;
     for (size_t i = 0; i < o->n; i++) {
         lo = fmin(lo, o->at[i].x);
         hi = fmax(hi, o->at[i].x);
@@ -145,9 +145,10 @@ bool outline_fill(const struct drawing *s, const struct outline *o, struct buf *
     bool seen = false;
     if (o->n < 3) return false;
     find_turns(s, o, turn);
-    if (fabs(o->at[o->n - 1].x - o->at[0].x) > 180) return fill_to_pole(s, o, turn, out);
+    if (!o->flat && fabs(o->at[o->n - 1].x - o->at[0].x) > 180)
+        return fill_to_pole(s, o, turn, out);
     for (int k = turn[0]; k <= turn[1]; k++) {
-        struct outline one = {0};
+        struct outline one = {.flat = o->flat};
         for (size_t i = 0; i < o->n; i++) outline_append(&one, turned(o->at[i], k));
         seen |= fill_polygon(s, &one, out);
         outline_free(&one);

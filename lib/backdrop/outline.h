@@ -1,5 +1,5 @@
 /*
- * outline: lines and areas on the map, in degrees. They are continued round the globe to where the
+ * outline: lines and areas on the map. In degrees, they are continued round the globe to where the
  * grid is; what is outside of the map, or behind the eye, is cut off. Private to lib/backdrop.
  */
 #ifndef STORMRING_BACKDROP_OUTLINE_H
@@ -13,6 +13,7 @@ struct point {
 struct outline {
     struct point *at;
     size_t n, room;
+    bool flat; /* not in degrees: there is no way round the globe */
 };
 
 /* One point more, as it is; the next one, by the shorter way round the globe. */

@@ -1,0 +1,30 @@
+/* title: "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]", of which any part may be missing. */
+#include "backdrop/backdrop.h"
+
+#include <string.h>
+
+/* "NAME [UNIT]" */
+static bool take(const char *at, const char *end, struct backdrop_named *n)
+{
+    const char *open = end;
+    if (at == end || end[-1] != ']') return false;
+    while (open > at && *open != '[') open--;
+    if (open <= at || open[-1] != ' ') return false;
+    snprintf(n->name, sizeof n->name, "%.*s", (int)(open - 1 - at), at);
+    snprintf(n->unit, sizeof n->unit, "%.*s", (int)(end - open - 2), open + 1);
+    return true;
+}
+
+bool backdrop_title(const char *title, char axis, struct backdrop_named *n)
+{
+    for (const char *next, *at = title; at; at = next ? next + 2 : NULL) {
+        next = strstr(at, "; ");
+        const char *end = next ? next : at + strlen(at);
+        *n = (struct backdrop_named){.down = false};
+        if (axis && (at == title || *at != axis || at[1] != ' ')) continue;
+        if (axis) at += 2;
+        n->down = axis == 'z' && *at == '-';
+        return take(at + n->down, end, n);
+    }
+    return false;
+}
