@@ -26,7 +26,8 @@ double cf_unpack(const struct cf_packing *p, double stored);
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[VOLUME_ERR]);
 /*
  * Those that do not say what they are get what is left, in the order that CF recommends: t z y x;
- * those of one element nothing. False, with the reason in err, where not each of x, y and z is there once.
+ * those of one element nothing. False, with the reason in err, where not each of x, y and z is
+ * there once.
  */
 bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR]);
 
