@@ -143,6 +143,33 @@ for stage in gather balance pack partition; do
 	is "kill -9 of $stage: no picture" "$(ls f*.pam* 2>/dev/null)" ''
 done
 
+# ---- a series that is killed, and gone on with ------------------------------------------------------------------
+# killed NAME WHOM FILE ...: kill -9 once the second picture is there, of the last stage or of the whole group
+killed() {
+	name=$1 whom=$2
+	shift 2
+	rm -f log f*.pam
+	# The pictures of one run, to compare with; each costs enough to be killed over.
+	balance ds -j 2 -W '-m trapezoid:300' -o whole%d.pam "$@"
+	setsid balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
+	pid=$!
+	await 20 test -e f1.pam
+	kill -9 "$whom$pid" 2>/dev/null
+	wait $pid
+	diag "$name: $(find . -name 'f*.pam' | wc -l) of $(find . -name 'whole*.pam' | wc -l) pictures were there"
+	run balance ds -j 2 -W '-m trapezoid:300' -r log -o f%d.pam "$@"
+	is "$name: the same command finishes it" "$status $(printf '%s' "$err" | grep -v 'damaged record')" '0 '
+	same=0
+	for picture in whole*.pam; do cmp -s "$picture" "f${picture#whole}" && same=$((same + 1)); done
+	is "$name: the same pictures" "$same $(find . -name 'f*.pam' | wc -l)" \
+		"$(find . -name 'whole*.pam' | wc -l) $(find . -name 'whole*.pam' | wc -l)"
+	is "$name: no pixel came twice" "$(gather -P -o twice%d.pam log 2>&1 | grep -o '[0-9]* pixels came twice.*')" ''
+	rm -f whole*.pam f*.pam twice*.pam
+}
+killed 'a grid for each picture' '' a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk one.spec
+killed 'the whole group' - a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk a.vtk b.vtk one.spec
+killed 'a specification for each picture' - a.vtk one.spec two.spec small.spec one.spec two.spec small.spec one.spec two.spec
+
 # ---- bad input -----------------------------------------------------------------------------------------------
 # refused NAME ERE COMMAND ...
 refused() { name=$1 ere=$2; shift 2; run timeout 20 "$@" </dev/null; like "$name" "$status $(printf '%s' "$err" | tr '\n' ' ')" "^2 $ere"; }
@@ -175,26 +202,30 @@ perl -e 'binmode STDOUT; my @n = (256, 256, 200);
 	for my $a (0 .. 2) { print qw(X Y Z)[$a], "_COORDINATES $n[$a] float\n", pack("f>*", 0 .. $n[$a] - 1), "\n" }
 	print "POINT_DATA 13107200\nSCALARS s float 1\nLOOKUP_TABLE default\n";
 	print pack("f>*", map { 40 + $_ % 7 } 0 .. 65535) for 1 .. 200' >big.vtk
-# peak NAME VCWORKER-OPERANDS: of what comes on descriptor 8
+# peak NAME TASK KIB VCWORKER-OPERANDS: of what comes on descriptor 8, until that task is done
 peak() {
-	name=$1
-	shift
+	name=$1 last=$2 most=$3
+	shift 3
 	rm -f in said && mkfifo in
 	vcworker "$@" <in >said &
 	worker=$!
 	exec 9>in
 	cat <&8 >&9
 	tries=0
-	until grep -aq 'done 0 19 ' said || [ $((tries += 1)) -gt 600 ]; do sleep .1; done
+	until grep -aq "done $last " said || [ $((tries += 1)) -gt 600 ]; do sleep .1; done
 	kb=$(awk '/^VmHWM/ { print $2 }' /proc/$worker/status)
 	exec 9>&-
 	wait $worker
-	ok "$name: $kb KiB for 51200" [ "$kb" -le 56320 ]
+	ok "$name: $kb KiB for $most" [ "$kb" -le $((most * 11 / 10)) ]
 }
-peak 'a file' big.vtk small.spec 8<<END
+peak 'a file' '0 19' 51200 big.vtk small.spec 8<<END
 $(partition 30x20)
 END
 mkfifo stream
 { pack grid big.vtk; pack spec small.spec; partition 30x20; } >stream &
-peak 'a record' - - 8<stream
+peak 'a record' '0 19' 51200 - - 8<stream
+{ pack spec small.spec; for f in 0 1 2 3; do pack grid big.vtk; partition -F $f 30x20; done; } >stream &
+peak 'four, one after the other: two at a time' '3 19' 102400 - - 8<stream
+{ pack grid big.vtk; for f in 0 1 2 3; do pack spec small.spec; partition -F $f 30x20; done; } >stream &
+peak 'four views of one, and what says of two where nothing is seen' '3 19' 53248 - - 8<stream
 finish

@@ -30,7 +30,7 @@ family() {
 }
 
 ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
-family sim deal deal_pick deal_end ledger pace
-family ring ring ring_ask ring_node
+family sim actions deal deal_pick deal_end ledger pace
+family ring actions ring ring_ask ring_node
 family gdc gdc gdc_node
 finish

@@ -1,4 +1,4 @@
-/* The list of actions of one step. */
+/* The list of actions of one step; what may go on. */
 #include "sched/sched.h"
 
 void sched_act(
@@ -15,4 +15,11 @@ void sched_act(
         a->task = *task;
         a->of = task->id;
     }
+}
+
+bool sched_admits(const struct policy *p, const void *state, uint32_t generation)
+{
+    if (BUG(83)) return true;
+    if (BUG(84)) return sched_uncommitted(p, state) == 0;
+    return p->uncommitted(state, generation & 1) == 0;
 }

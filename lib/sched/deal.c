@@ -190,7 +190,7 @@ static void deal_step(
     switch (e->kind) {
     case SCHED_TASK: take_task(d, e, now, out); break;
     case SCHED_INPUT_END: d->ended = true; break;
-    case SCHED_FLUSH: d->flush = true; break;
+    case SCHED_FLUSH: d->flush = !BUG(85); break;
     case SCHED_SLOTS: take_slots(d, e->n); break;
     case SCHED_UP: take_up(d, e, now, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;

@@ -123,13 +123,11 @@ static inline int64_t sched_uncommitted(const struct policy *p, const void *stat
     return (int64_t)p->uncommitted(state, 0) + p->uncommitted(state, 1);
 }
 /*
- * State that begins a generation may go on, and with it its tasks, while there is no task that is
- * older than the generation before: so two at most are alive, and nobody waits at the end of one.
+ * May the next generation go on, with its state and its tasks? Not while there is a task that is
+ * older than those of the generation before: so two at most are alive, and nobody waits at the end
+ * of one.
  */
-static inline bool sched_admits(const struct policy *p, const void *state, uint32_t generation)
-{
-    return p->uncommitted(state, generation & 1) == 0;
-}
+bool sched_admits(const struct policy *p, const void *state, uint32_t generation);
 
 extern const struct policy policy_deal;
 extern const struct policy policy_ring;      /* the hub */

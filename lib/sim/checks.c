@@ -23,6 +23,7 @@ void note_event(struct world *w, const struct sched_event *e)
     struct vtask *t = named ? &w->tasks[e->task.id] : NULL;
     if (e->kind == SCHED_TASK && t) {
         w->n_open += !t->known;
+        w->open_of[t->task.generation & 1] += !t->known;
         t->known = true;
     }
     if (e->kind == SCHED_INPUT_END) w->input_ended = true;
@@ -44,7 +45,9 @@ static void check_commit(struct world *w, const struct sched_action *a)
     else if (!is_sent(w, &t->task.at)) fail(w, "a commit before the last pixel", a->task.id, 0);
     if (!t) return;
     t->committed = true;
-    w->n_open -= a->task.id < (uint32_t)w->plan->tasks;
+    if (a->task.id >= (uint32_t)w->plan->tasks) return;
+    w->n_open--;
+    w->open_of[t->task.generation & 1]--;
 }
 
 static void check_end(struct world *w)

@@ -115,7 +115,9 @@ void restart_hub(struct world *w)
     w->state = w->policy->create(&w->plan->params);
     w->wake_us = INT64_MAX;
     w->slots_known = w->input_ended = w->input_due = false;
-    w->n_read = w->n_open = 0;
+    w->n_read = w->n_open = w->open_of[0] = w->open_of[1] = 0;
+    w->generation = 0;
+    w->waits = false;
     w->spread_us = 0;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct vtask *t = &w->tasks[i];

@@ -27,7 +27,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->latency_us = tiny ? 200000 : 50000;
     p->concentrate = false;
     p->assigned = 0;
-    p->rows = 1;
+    p->rows = p->frames = 1;
     p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_kill = 0;
     p->p_return = p->p_twice = p->p_garbage = 0;
 }
@@ -57,6 +57,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
     p.p_slow = chance(seed, 21, .3);
     p.p_kill = chance(seed, 22, .3);
+    p.frames = unit(seed, 23) < .6 ? 1 : pick(seed, 24, 2, 6);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;

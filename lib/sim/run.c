@@ -98,6 +98,23 @@ static void step(struct world *w, const struct sched_event *e)
     if (w->result->commits > commits) befall_by_commits(w, commits);
 }
 
+/* May tasks of this generation come? One after the other is asked for, as its state would be. */
+static bool admitted(struct world *w, uint32_t generation)
+{
+    while (w->generation != generation) {
+        uint32_t next = w->generation + 1;
+        int32_t older = w->open_of[next & 1];
+        bool waits = !sched_admits(w->policy, w->state, next), before = w->waits;
+        if (waits != (older > 0))
+            fail(w, "a frame waits, or does not, with older tasks", next, older);
+        w->waits = waits;
+        if (waits && !before) step(w, &(struct sched_event){.kind = SCHED_FLUSH});
+        if (waits) return false;
+        w->generation = next;
+    }
+    return true;
+}
+
 /* The tasks that have come by now, as long as few wait; those of which all is there are skipped. */
 static void read_input(struct world *w)
 {
@@ -109,7 +126,9 @@ static void read_input(struct world *w)
             schedule(w, at, 0, (struct sim_event){.kind = SIM_INPUT});
             return;
         }
-        const struct vtask *t = &w->tasks[w->order[w->n_read++]];
+        const struct vtask *t = &w->tasks[w->order[w->n_read]];
+        if (!admitted(w, t->task.generation)) return;
+        w->n_read++;
         struct sched_event e = {
             .kind = SCHED_TASK, .task = t->task, .frame_w = w->frame_w, .from = -1};
         if (!t->committed) step(w, &e);
@@ -284,6 +303,7 @@ static void open_world(struct world *w)
         w->order[i] = p->work ? p->work->tasks[i].id : id;
         struct vtask *t = vtask_at(w, w->order[i]);
         t->task = p->work ? p->work->tasks[i] : made;
+        if (p->frames) t->task.generation = (uint32_t)((int64_t)i * p->frames / p->tasks);
         t->to = t->task.to;
     }
     w->wanted_px = count_wanted(w);

@@ -11,8 +11,12 @@
  * SCHED_WAITING_MOST tasks wait, as the live driver does. When the hub is killed everything dies
  * with it; a new one gets those tasks of which some pixel had not been passed on.
  *
+ * Where a plan has several frames, each has state of its own, and the input waits at a frame until
+ * the policy admits it, as the live driver does; meanwhile what is held back is asked for.
+ *
  * What is checked of every run, after every event: a task commits once, and only when all of its
- * pixels were passed on; the end comes once, when everything is committed and no pixel is missing;
+ * pixels were passed on; a frame waits exactly while there is a task that is older than those of the
+ * frame before; the end comes once, when everything is committed and no pixel is missing;
  * time goes on. The rest is the affair of a policy's own checks (plan.checks), which may be too
  * slow for large runs:
  *
@@ -87,6 +91,7 @@ struct sim_plan {
     const struct sim_checks *checks; /* NULL: no more than those of every run */
     struct sched_params params;      /* the policy's */
     int32_t slots, tasks;
+    int32_t frames;   /* that these are of, one after the other, each of another state; 0 is 1 */
     int32_t rows;     /* of FRAME_W pixels, a task */
     int32_t width;    /* tasks that a slot says it is on at once */
     int32_t assigned; /* so many tasks have to=K */

@@ -650,9 +650,63 @@ static void test_enemies(void **state)
     check_cost("scene bytes=2147483647\n", 1 << 20);
 }
 
+/* A stream of state ('s' a spec, 'g' a grid) and frames ('f'): the generation of the last frame. */
+static uint32_t last_of(const char *stream)
+{
+    struct generations g = {0};
+    struct frame_size f = {0};
+    for (; *stream; stream++) {
+        if (*stream == 'f') generation_frame(&g, &f);
+        else generation_state(&g, *stream == 's' ? REC_SPEC : REC_GRID);
+    }
+    return f.generation;
+}
+
+static void test_generations(void **state)
+{
+    (void)state;
+    assert_int_equal(last_of("gsf"), 0);
+    assert_int_equal(last_of("fgs"), 0); /* before all state: of the first */
+    assert_int_equal(last_of("gfs"), 0);
+    assert_int_equal(last_of("gsff"), 0);
+    assert_int_equal(last_of("gsfsf"), 1);
+    assert_int_equal(last_of("gsfgsf"), 1); /* two records, one state */
+    assert_int_equal(last_of("gsfggssf"), 1);
+    assert_int_equal(last_of("gsfgfsf"), 2);
+    assert_int_equal(last_of("gsfsfgffsf"), 3);
+    struct generations g = {.now = 0};
+    const struct frame_size before = {.generation = UINT32_MAX},
+                            older = {.generation = UINT32_MAX - 1};
+    assert_true(generation_lives(&g, &before)); /* the count may wrap */
+    assert_false(generation_lives(&g, &older));
+}
+
+static void test_awaited(void **state)
+{
+    (void)state;
+    struct decoder d = {0};
+    struct record r;
+    static const char stream[] = "frame 0 1 1\ngrid bytes=3\nabcspec bytes=0\n";
+    size_t body = strlen("frame 0 1 1\ngrid bytes=3\n");
+    for (size_t i = 0; i < sizeof stream - 1; i++) {
+        bool within = i >= body && i < body + 3;
+        assert_int_equal(wire_awaited(&d), within ? REC_GRID : REC_KINDS);
+        wire_feed(&d, stream + i, 1);
+        while (wire_next(&d, &r) == WIRE_RECORD) continue;
+    }
+    wire_free(&d);
+    d = (struct decoder){.upward = true};
+    wire_feed(&d, stream, body);
+    while (wire_next(&d, &r) != WIRE_MORE) continue;
+    assert_int_equal(wire_awaited(&d), REC_KINDS);
+    wire_free(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_generations),
+        cmocka_unit_test(test_awaited),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_state),
         cmocka_unit_test(test_task),
