@@ -15,10 +15,10 @@
  * the policy admits it, as the live driver does; meanwhile what is held back is asked for.
  *
  * What is checked of every run, after every event: a task commits once, and only when all of its
- * pixels were passed on; a frame waits exactly while there is a task that is older than those of the
- * frame before; the end comes once, when everything is committed and no pixel is missing;
- * time goes on. The rest is the affair of a policy's own checks (plan.checks), which may be too
- * slow for large runs:
+ * pixels were passed on; a frame waits exactly while there is a task that is older than those of
+ * the frame before; the end comes once, when everything is committed and no pixel is missing; time
+ * goes on. The rest is the affair of a policy's own checks (plan.checks), which may be too slow for
+ * large runs:
  *
  * sim_checks_deal, of at most SIM_SLOTS_MOST slots:
  *
