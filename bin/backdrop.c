@@ -34,25 +34,6 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-static void open_grid(const char *path, struct grid *g)
-{
-    struct buf bytes = {0};
-    char err[VOLUME_ERR];
-    if (read_file(path, &bytes) != 0) die(ST_USAGE, "%s:", path);
-    if (grid_read(path, buf_data(&bytes), buf_size(&bytes), g, err) != 0) die(ST_USAGE, "%s", err);
-    buf_free(&bytes);
-}
-
-static void open_spec(const char *path, struct spec *s)
-{
-    struct buf text = {0};
-    char err[VOLUME_ERR];
-    if (read_file(path, &text) != 0) die(ST_USAGE, "%s:", path);
-    if (spec_read(path, (const char *)buf_data(&text), buf_size(&text), s, err) != 0)
-        die(ST_USAGE, "%s", err);
-    buf_free(&text);
-}
-
 /* What the grid's title says, as far as the options do not. */
 struct names {
     struct backdrop_named scalar, x, z;
@@ -82,8 +63,8 @@ int main(int argc, char **argv)
     struct names names;
     struct buf lines = {0}, script = {0};
     char err[BACKDROP_ERR];
-    open_grid(o.grid, &grid);
-    open_spec(o.spec, &spec);
+    if (grid_load(o.grid, &grid, err) != 0 || spec_load(o.spec, &spec, err) != 0)
+        die(ST_USAGE, "%s", err);
     if (o.lines && read_file(o.lines, &lines) != 0) die(ST_USAGE, "%s:", o.lines);
     buf_append(&lines, "", 1);
     struct backdrop b = {.grid = &grid,

@@ -250,16 +250,9 @@ static struct options parse(int argc, char **argv)
 
 static void read_both(const struct options *o, struct grid *g, struct spec *s)
 {
-    struct buf bytes = {0}, text = {0};
     char err[VOLUME_ERR];
-    if (read_file(o->grid, &bytes) != 0) die(ST_USAGE, "%s:", o->grid);
-    if (grid_read(o->grid, buf_data(&bytes), buf_size(&bytes), g, err) != 0)
+    if (grid_load(o->grid, g, err) != 0 || spec_load(o->spec, s, err) != 0)
         die(ST_USAGE, "%s", err);
-    buf_free(&bytes);
-    if (read_file(o->spec, &text) != 0) die(ST_USAGE, "%s:", o->spec);
-    if (spec_read(o->spec, (const char *)buf_data(&text), buf_size(&text), s, err) != 0)
-        die(ST_USAGE, "%s", err);
-    buf_free(&text);
     for (int a = 0; a < 3; a++)
         if (g->n[a] > NODES_MAX)
             die(ST_USAGE, "%s: %u nodes along %c, expected at most %d", o->grid, g->n[a], "xyz"[a],

@@ -1,6 +1,6 @@
 /*
  * volume: ray casting of a scalar field on a rectilinear grid: grid, rendering specification, cell
- * walk, integrators, iso-surfaces, gradient shading. No I/O.
+ * walk, integrators, iso-surfaces, gradient shading. No I/O but grid_load and spec_load.
  *
  * The model (emission and absorption; N. Max, "Optical models for direct volume rendering", IEEE
  * TVCG 1(2), 1995): along a ray with t in scaled space,
@@ -63,6 +63,8 @@ static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uin
  */
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR]);
+/* The same of a file; "-": standard input. */
+int grid_load(const char *path, struct grid *g, char err[VOLUME_ERR]);
 /*
  * The same of bytes that nobody else needs, in memory of this process alone: a buffer, or a file
  * mapped private. Pages of them are given back to the system while they are read, so that the
@@ -113,6 +115,8 @@ struct spec {
 };
 /* 0, or -1 with text in err; `name` is for messages. The caller frees the specification. */
 int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[VOLUME_ERR]);
+/* The same of a file; "-": standard input. */
+int spec_load(const char *path, struct spec *s, char err[VOLUME_ERR]);
 void spec_free(struct spec *s);
 
 /* ---- rendering ------------------------------------------------------------------------------ */
