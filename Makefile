@@ -75,7 +75,7 @@ soak:
 chart:
 	@tests/need chart
 	@$(PARALLEL) -s all
-	@tests/chart
+	@tests/chart && tests/chart-volume
 
 # What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
 report:

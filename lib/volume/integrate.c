@@ -7,7 +7,6 @@
 
 #define DOUBLING_MAX 65536 /* sub-steps in a cell */
 #define HALVINGS_MAX 24    /* of a piece */
-#define DEPTH_MAX 1.0      /* of a piece under a rule of Gauss and Legendre */
 
 void path_add(struct path *p, double dtau, const double rgb[3])
 {
@@ -137,7 +136,9 @@ static void piece_gauss(struct path *p, const struct piece *s) { by_depth(p, s, 
 
 /* ---- adaptive ------------------------------------------------------------------------------- */
 
-/* Exact k-weighted mean colour, from the integrals of q and its square: no sampling, no exp. */
+/* Exact k-weighted mean colour, from the integrals of q and its square: no sampling, no exp. What
+ * it is wrong by is bounded per alpha that the piece adds (COVARIANCE), so that a ray's error is no
+ * more than the worst piece's. */
 static void moments(struct path *p, const struct piece *s, double depth)
 {
     const double *q = s->q;
@@ -150,17 +151,6 @@ static void moments(struct path *p, const struct piece *s, double depth)
     for (int c = 0; c < 3; c++) rgb[c] = f->rgb0[c] + f->rgb1[c] * mean;
     p->v->counts.samples++;
     path_add(p, depth, rgb);
-}
-
-/*
- * What the mean colour is wrong by at most (see COVARIANCE), per alpha that the piece adds: so that
- * a ray's error is no more than the worst piece's.
- */
-static double moments_error(const struct piece *s, double depth)
-{
-    double lo, hi;
-    cubic_bounds(s->q, &lo, &hi);
-    return s->span->slope * (hi - lo) * depth * COVARIANCE;
 }
 
 /* Halved until it changes less than the tolerance: light on a curved field has no better bound. */
@@ -183,27 +173,28 @@ static void refine(struct path *p, const struct piece *s, int halvings)
     for (int i = 0; i < 2; i++) refine(p, &half[i], halvings + 1);
 }
 
-/* Halved until the exact mean colours are good enough: a quarter of the error each time. A rule of
- * few nodes would be cheaper, but what it is wrong by is bounded by nothing: with 3 of them a cubic
- * that turns may cost a fifth of the colour's range, however thin it is. */
-static void by_moments(struct path *p, const struct piece *s, int halvings)
+/* By exact moments or by nodes, what is good enough; else its halves. */
+static void by_bounds(struct path *p, const struct piece *s, int halvings)
 {
-    double depth = depth_to(p, s, 1);
+    double depth = depth_to(p, s, 1), lo, hi;
     if (!(depth > 0) || path_done(p)) return;
-    if (moments_error(s, depth) <= p->v->o.tolerance || halvings == HALVINGS_MAX) {
-        moments(p, s, depth);
-        return;
+    cubic_bounds(s->q, &lo, &hi);
+    double error = s->span->slope * (hi - lo) * depth * COVARIANCE;
+    bool straight = fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
+    if (error <= p->v->o.tolerance) moments(p, s, depth);
+    else if ((straight && depth <= DEPTH_MAX) || halvings == HALVINGS_MAX) gauss(p, s, depth);
+    else {
+        struct piece half[2];
+        halve(s, half);
+        for (int i = 0; i < 2; i++) by_bounds(p, &half[i], halvings + 1);
     }
-    struct piece half[2];
-    halve(s, half);
-    for (int i = 0; i < 2; i++) by_moments(p, &half[i], halvings + 1);
 }
 
 static void piece_adaptive(struct path *p, const struct piece *s)
 {
     const struct spec *spec = p->v->spec;
     if (spec->lit || spec->attenuation > 0) refine(p, s, 0);
-    else by_moments(p, s, 0);
+    else by_bounds(p, s, 0);
 }
 
 void integrate_cut(struct path *p, const struct span *s)

@@ -96,9 +96,6 @@ SIMD_INLINE void entries(const struct stream_map *m, vf base, vf lo, vf hi, vi *
 
 /* ---- what a stretch adds -------------------------------------------------------------------- */
 
-/* Of extinction alone, at most: a stretch's depth that the nodes of Gauss and Legendre are for. */
-#define DEPTH_MAX 1
-
 struct added {
     vf rgb[3], alpha;
     vi rough; /* the colour is not within the tolerance */
@@ -146,7 +143,8 @@ SIMD_INLINE struct added stretch(
     if (fine && vi_signs(r.rough)) {
         const vf q[4] = {q0, q1, q2, q3};
         mean = vf_choose(r.rough, mean_by_nodes(s->v, q, k0, k1, len), mean);
-        r.rough &= ~(depth <= vf_set(DEPTH_MAX));
+        vi straight = vf_abs(q2) + vf_abs(q3) <= (float)BEND_MAX * range;
+        r.rough &= ~(straight & (depth <= vf_set((float)DEPTH_MAX)));
     }
     r.alpha = vf_choose(seen, 1 - vf_exp(-depth), vf_set(0));
     UNROLLED

@@ -3,8 +3,19 @@
 
 #include <stdlib.h>
 
-/* By the tolerance: where light varies on the way (the rule is then tried against two halves). */
-static int nodes_for(double tolerance) { return tolerance >= 5e-4 ? 3 : tolerance >= 2e-5 ? 4 : 6; }
+/* Of the rule whose error on pieces of DEPTH_MAX and BEND_MAX, times the range of a colour, is
+ * within the tolerance. */
+static int nodes_for(double tolerance, const struct map *m)
+{
+    static const double error[] = {4e-3, 2e-4, 8e-6, 2.5e-7, 7e-9}; /* of 3 nodes and more */
+    double range = 0;
+    for (uint32_t i = 0; i < m->n; i++)
+        if (!m->span[i].clear)
+            range = fmax(range, m->span[i].slope * (m->span[i].hi - m->span[i].lo));
+    int n = 0;
+    while (n < 5 && range * error[n] > tolerance) n++;
+    return 3 + n;
+}
 
 static void set_planes(struct volume *v, const struct grid *g, const double scale[3])
 {
@@ -41,7 +52,7 @@ struct volume *volume_new(
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
-    v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance);
+    v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map);
     v->kernel = o->isa == ISA_SSE2 ? NULL : kernel_avx2();
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
