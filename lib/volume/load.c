@@ -15,6 +15,7 @@ static bool load(const char *path, struct buf *b, char err[VOLUME_ERR])
 int grid_load(const char *path, struct grid *g, char err[VOLUME_ERR])
 {
     struct buf b;
+    *g = (struct grid){.value = NULL};
     if (!load(path, &b, err)) return -1;
     int failed = grid_read(path, buf_data(&b), buf_size(&b), g, err);
     buf_free(&b);
@@ -24,6 +25,7 @@ int grid_load(const char *path, struct grid *g, char err[VOLUME_ERR])
 int spec_load(const char *path, struct spec *s, char err[VOLUME_ERR])
 {
     struct buf b;
+    *s = (struct spec){.knot = NULL};
     if (!load(path, &b, err)) return -1;
     int failed = spec_read(path, (const char *)buf_data(&b), buf_size(&b), s, err);
     buf_free(&b);
