@@ -18,7 +18,8 @@ void outline_append(struct outline *o, struct point p)
 
 void outline_add(struct outline *o, struct point p)
 {
-    if (o->n && !o->flat) p.x += 360 * round((o->at[o->n - 1].x - p.x) / 360);
+    double before = o->n ? o->at[o->n - 1].x : 0;
+    if (!o->flat) p.x += 360 * round((before - p.x) / 360);
     outline_append(o, p);
 }
 

@@ -16,7 +16,7 @@ struct outline {
     bool flat; /* not in degrees: there is no way round the globe */
 };
 
-/* One point more, as it is; the next one, by the shorter way round the globe. */
+/* One point more, as it is; or by the shorter way round the globe, the first one near Greenwich. */
 void outline_append(struct outline *o, struct point p);
 void outline_add(struct outline *o, struct point p);
 void outline_free(struct outline *o);
