@@ -71,7 +71,8 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k;
-    while (d->pool.count && (k = pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
+    while (d->pool.count && (k = pick_hungriest(d)) >= 0)
+        hand(d, k, BUG(88) ? d->pool.tail : d->pool.head, now, out);
 }
 
 /* With the pool empty, the slots that have nothing get what others have, and what was cut off that.

@@ -110,7 +110,7 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {
     const struct task *t = &h->ledger.at[i].task;
-    bool chosen = t->to >= 0 && t->to < h->n_nodes;
+    bool chosen = t->to >= 0 && t->to < h->n_nodes && !BUG(90);
     assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
@@ -211,7 +211,7 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
         while (lists[l]->count) {
             int32_t i = lists[l]->head;
             unlist(h, i);
-            h->from[i] = -1;
+            if (!BUG(89)) h->from[i] = -1;
             h->ledger.at[i].tries += had;
             assign(h, i, k, out);
         }
@@ -234,7 +234,8 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     else note_pace(h, i, e->wall_us);
     unlist(h, i);
     enlist(h, i, k, true);
-    h->nodes[k].dry = false; /* if it has more, it may be slower than it thought */
+    h->nodes[k].dry =
+        BUG(91) && h->nodes[k].dry; /* if it has more, it may be slower than it thought */
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -284,7 +285,7 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 static void note_life(struct hub *h, const struct sched_event *e)
 {
     if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_is_up(h, e->slot)) return;
-    h->nodes[e->slot].silent = BUG(85) && h->nodes[e->slot].silent;
+    h->nodes[e->slot].silent = BUG(98) && h->nodes[e->slot].silent;
     hub_mark(h, e->slot);
 }
 

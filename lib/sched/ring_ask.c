@@ -33,7 +33,7 @@ static int32_t load_of(const struct hub *h, const struct hub_node *s)
     double us_per_px = s->pace.us_per_px > 0 ? s->pace.us_per_px : h->pace.us_per_px;
     if (us_per_px <= 0) us_per_px = 1;
     double us = s->held_px * us_per_px / s->width / (1 + s->thieves);
-    if (us < 1) return 0;
+    if (us < 1 || BUG(92)) return 0;
     int32_t load = ilogb(us);
     return load < LOADS ? load : LOADS - 1;
 }
@@ -61,8 +61,9 @@ void hub_mark(struct hub *h, int32_t k)
     bool up = s->state == NODE_UP, more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
-    set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
-    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry && (!s->silent || BUG(83)));
+    set_put(
+        &h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on || BUG(94)));
+    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry && (!s->silent || BUG(87)));
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -70,7 +71,8 @@ static void give_late(struct hub *h, struct sched_actions *out)
     while (h->hungry.count && h->late.count) {
         int32_t late = set_after(&h->late, set_after(&h->hungry, -1));
         int32_t held = h->nodes[late].held.count;
-        hub_give(h, late, set_before(&h->hungry, late), h->p.one ? 1 : (held + 1) / 2, out);
+        hub_give(
+            h, late, set_before(&h->hungry, late), h->p.one && !BUG(96) ? 1 : (held + 1) / 2, out);
     }
 }
 
@@ -122,7 +124,7 @@ void ring_match(struct hub *h, struct sched_actions *out)
     while (h->hungry.count && h->loads) {
         const struct slot_set *rich = &h->rich[63 - __builtin_clzll(h->loads)];
         int32_t victim = set_after(rich, set_after(&h->hungry, -1));
-        int32_t thief = set_before(&h->hungry, victim);
+        int32_t thief = BUG(93) ? set_after(&h->hungry, -1) : set_before(&h->hungry, victim);
         pair(h, victim, thief);
         tell(victim, RING_ASK, thief, out);
     }
@@ -189,7 +191,7 @@ void ring_lost(struct hub *h, int32_t k)
 
 int64_t ring_late_us(const struct hub *h)
 {
-    if (h->oldest < 0 || !h->answer_us || BUG(84)) return INT64_MAX;
+    if (h->oldest < 0 || !h->answer_us || BUG(97)) return INT64_MAX;
     return h->nodes[h->oldest].since_us + LATE_TIMES * h->answer_us + LATE_US;
 }
 

@@ -263,7 +263,7 @@ static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actio
 {
     int32_t given = spare(n, now);
     if (!given && !BUG(44)) node_say(RING_NONE, peer, out);
-    while (given-- > 0) node_give(n, n->queue.head, peer, out);
+    while (given-- > 0) node_give(n, BUG(95) ? n->queue.tail : n->queue.head, peer, out);
 }
 
 static void default_rules(

@@ -230,6 +230,16 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
     }
 }
 
+/* What nobody had is given in the order in which it came, after all that was lost. */
+static void check_turn(struct world *w, const struct vtask *t)
+{
+    for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
+        const struct vtask *other = &w->tasks[i];
+        bool first = of(other)->gives ? !of(other)->owners : other->task.id < t->task.id;
+        if (other->to < 0 && is_open(other) && first) fail(w, "out of turn", t->task.id, i);
+    }
+}
+
 static void check_give(struct world *w, const struct sched_action *a)
 {
     struct vslot *s = &w->slots[a->slot];
@@ -246,6 +256,7 @@ static void check_give(struct world *w, const struct sched_action *a)
         fail(w, "work given that is not to do", a->slot, a->task.id);
     if (of(t)->computed_by >= 0) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot);
+    else if (t->to < 0 && !of(t)->gives) check_turn(w, t);
     bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
     if (chosen && t->to != a->slot) fail(w, "work of one slot given to another", t->to, a->slot);
     of(t)->owners |= UINT64_C(1) << a->slot;

@@ -142,6 +142,16 @@ static void part(struct world *w, struct ring_model *m, int32_t k)
     mark(w, m, k);
 }
 
+/* Nor is slot k, for anybody; they ask others. */
+static void pass_on(struct world *w, struct ring_model *m, int32_t k)
+{
+    for (int32_t i = 0; i < w->plan->slots; i++) {
+        if (m->slots[i].victim != k) continue;
+        m->slots[i].passed = true;
+        part(w, m, i);
+    }
+}
+
 static void note_gone(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
@@ -150,9 +160,8 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
     s->promised = 0;
     s->state = RING_GONE;
     part(w, m, k);
-    for (int32_t i = 0; i < w->plan->slots; i++)
-        if (m->slots[i].victim == k) part(w, m, i);
-    s->asking = s->told = s->dry = s->silent = false;
+    pass_on(w, m, k);
+    s->asking = s->told = s->passed = s->dry = s->silent = false;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (!t || t->base != k || t->place == RING_ABSENT) continue;
@@ -168,6 +177,7 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     struct rslot *s = &m->slots[k];
     if (t->base != k || s->state != RING_UP || t->place == RING_ABSENT) return;
     s->dry = false;
+    m->paced = true;
     mark(w, m, k);
     if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
     if (t->place == RING_HELD) enter(w, m, t, RING_COMPUTED, k);
@@ -200,6 +210,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     /* What was not its to give is an answer all the same. */
     if (given) return;
     s->dry = s->given == m->slots[peer].given_before;
+    m->slots[peer].passed = true;
     part(w, m, peer);
     mark(w, m, e->slot);
 }
@@ -212,16 +223,8 @@ static void note_late(struct world *w, struct ring_model *m)
         int32_t k = m->slots[i].victim;
         if (k < 0 || m->slots[i].since_us > since_us) continue;
         m->slots[k].silent = true;
-        for (int32_t j = 0; j < w->plan->slots; j++)
-            if (m->slots[j].victim == k) part(w, m, j);
+        pass_on(w, m, k);
     }
-}
-
-static void note_life(struct world *w, struct ring_model *m, const struct sched_event *e)
-{
-    if (e->kind != SCHED_DONE && e->kind != SCHED_RING) return;
-    m->slots[e->slot].silent = false;
-    mark(w, m, e->slot);
 }
 
 static void ring_event(struct world *w, const struct sched_event *e)
@@ -229,7 +232,10 @@ static void ring_event(struct world *w, const struct sched_event *e)
     struct ring_model *m = ring_model(w);
     struct rtask *t;
     note_late(w, m);
-    note_life(w, m, e);
+    if (e->kind == SCHED_DONE || e->kind == SCHED_RING) {
+        m->slots[e->slot].silent = false;
+        mark(w, m, e->slot);
+    }
     m->touched = e->kind == SCHED_TASK ? -1 : e->slot;
     switch (e->kind) {
     case SCHED_TASK: note_task(w, m, &e->task); break;
@@ -277,9 +283,26 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     if (a->from != t->from) fail(w, "a task given as from another", a->from, t->from);
     if (s->state != RING_UP) return;
     s->given++;
-    s->asking = s->told = s->dry = s->flushed = false;
+    s->asking = s->told = s->passed = s->dry = s->flushed = false;
     part(w, m, a->slot);
     enter(w, m, t, RING_HELD, a->slot);
+}
+
+/* What slot k has left, in powers of two; before anybody is known to be faster than another. */
+static int class_of(const struct world *w, const struct rslot *s)
+{
+    return ilogb(s->held * (double)w->plan->rows * FRAME_W / w->plan->width / (1 + s->thieves));
+}
+
+/* One of those with most work is asked, for the nearest before it of those who want some. */
+static void check_choice(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
+{
+    const int32_t n = w->plan->slots;
+    for (int32_t i = 0; i < n && !m->paced && !w->plan->work; i++)
+        if (m->slots[i].rich && class_of(w, &m->slots[i]) > class_of(w, &m->slots[victim]))
+            fail(w, "another has more work", i, victim);
+    for (int32_t i = (thief + 1) % n; i != victim; i = (i + 1) % n)
+        if (m->slots[i].hungry) fail(w, "another is nearer", i, thief);
 }
 
 static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
@@ -287,6 +310,7 @@ static void check_asked(struct world *w, struct ring_model *m, int32_t victim, i
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
     if (!v->rich) fail(w, "who has nothing to give is asked", victim, thief);
     if (!s->hungry) fail(w, "somebody is asked for who does not want", victim, thief);
+    check_choice(w, m, victim, thief);
     v->thieves++;
     s->victim = victim;
     s->given_before = v->given;
@@ -302,7 +326,7 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
     if (s->state != RING_UP) fail(w, "something said to who is not there", a->slot, r->kind);
     if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
     else if (r->kind == RING_NONE) {
-        if (!s->asking || s->told || r->peer != a->slot)
+        if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
             fail(w, "none, to whom?", a->slot, r->peer);
         s->told = true;
     } else if (r->kind != RING_PLACE) fail(w, "the hub says what it may not", a->slot, r->kind);

@@ -15,14 +15,15 @@ struct rtask {
     int32_t from;   /* whose it was before, where it was given away, -1 */
     int32_t passes; /* so often it was, since a connection was lost with it */
     uint64_t queued, fed; /* the node there has it, not begun; its worker has it */
+    int64_t came;         /* as the so many-th of all that are queued anywhere */
 };
 
 enum rstate { RING_NEW, RING_UP, RING_GONE };
 struct rslot {
     enum rstate state;
     /* as the hub knows it */
-    int32_t held, computed, promised; /* tasks; promised: ORPHAN, while it is NEW */
-    bool asking, told, dry, flushed, placed;
+    int32_t held, computed, promised;                /* tasks; promised: ORPHAN, while it is NEW */
+    bool asking, told, passed, dry, flushed, placed; /* passed: its ask is, to another one */
     bool hungry, rich;    /* wants, and nobody was asked for it; has, and may be asked */
     int64_t given;        /* tasks */
     int32_t thieves;      /* nodes for which it was asked, and that have not been given any */
@@ -43,6 +44,8 @@ struct rslot {
 struct ring_model {
     int32_t orphans, promised, up, hungry, rich, open, computed;
     bool known, input_ended, flush;
+    bool paced;              /* the hub knows how fast a node is */
+    int64_t came;            /* tasks that were queued */
     int32_t late, late_left; /* the slot not up whose tasks are being given, and how many may be */
     double most_px;          /* of a task */
     int32_t touched;         /* the slot of the latest event, -1 */

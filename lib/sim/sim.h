@@ -25,6 +25,7 @@
  *   give      only to a slot that is up, only what is to do, from the pool only up to the depth;
  *             what somebody has already only to a slot that has nothing, when the input has ended
  *             and nothing waits, and only up to SIM_COPIES_MOST times at once
+ *   turn      what nobody had goes in the order in which it came, after what was lost
  *   least     where all may have as many, who has least is given to
  *   withheld  what is computed elsewhere, only in an endgame, when that slot is busy, or was asked
  *             for its pixels, and only to a slot that owes none
