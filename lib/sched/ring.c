@@ -234,8 +234,8 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     else note_pace(h, i, e->wall_us);
     unlist(h, i);
     enlist(h, i, k, true);
-    h->nodes[k].dry =
-        BUG(91) && h->nodes[k].dry; /* if it has more, it may be slower than it thought */
+    /* If it has more, it may be slower than it thought. */
+    h->nodes[k].dry = BUG(91) && h->nodes[k].dry;
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
