@@ -49,7 +49,7 @@ void backdrop_label(const struct drawing *s, const char *text, const double xy[2
 {
     buf_printf(s->out, "set label ");
     quoted(s, text);
-    buf_printf(s->out, " at %.2f,%.2f %s noenhanced\n", xy[0], xy[1], how);
+    buf_printf(s->out, " at %.2f,%.2f %s front noenhanced\n", xy[0], xy[1], how);
 }
 
 struct ticks backdrop_ticks(double lo, double hi, double step)

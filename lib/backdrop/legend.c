@@ -44,6 +44,14 @@ static void bar_spans(const struct bar *b, const struct drawing *s)
     }
 }
 
+/* What the bar and its labels stand on, where the map goes on below them. */
+static void bar_plate(const struct bar *b, const struct drawing *s)
+{
+    static const double page[3] = {PAGE, PAGE, PAGE};
+    double above = s->b->spec->n_knots && s->b->spec->n_isos ? 2.6 : 1.6;
+    patch(s, b->x - b->h, b->x + b->w + b->h, b->y - 3 * b->h, b->y + above * b->h, page, 1);
+}
+
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
@@ -68,6 +76,7 @@ void backdrop_legend(const struct drawing *s)
     double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
     b.lo -= pad;
     b.hi += pad;
+    bar_plate(&b, s);
     bar_spans(&b, s);
     bar_isos(&b, s);
     buf_printf(s->out,

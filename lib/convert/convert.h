@@ -39,7 +39,7 @@ bool convert_request_parse(const char *text, struct convert_request *r);
 /* Where grids come from. */
 struct converter {
     const char *what, *name; /* for messages; of the scalar */
-    bool degrees; /* x is, of longitude */
+    bool degrees;            /* x is, of longitude */
     size_t times;
     void *ctx; /* of the functions */
     /* The axes, and room for values. */
