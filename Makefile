@@ -8,9 +8,10 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -W
            -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wdouble-promotion
 # No contraction into FMA and no fast-math: the same bits on every host.
 MODEL    = -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -Ilib
-# Two files are compiled for wider vectors, and used only where the machine has them.
+# Three files are compiled for wider vectors, and used only where the machine has them.
 FLAGS_kernels_avx2 = $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),-mavx2 -mno-fma)
 FLAGS_kernel_avx2 = $(FLAGS_kernels_avx2)
+FLAGS_kernel_avx512 = $(if $(FLAGS_kernels_avx2),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
 LIBS     = -Wl,--as-needed -lpng -lz -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build

@@ -175,7 +175,7 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] = "[-chi] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
-                               "[-x sse2|avx2] [SCENE.nff|-]";
+                               "[-x sse2|avx2|avx512] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
     while ((opt = getopt(argc, argv, "+a:d:hix:" WORKER_OPTIONS)) != -1) {

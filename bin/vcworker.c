@@ -213,7 +213,7 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
-        "[-x sse2|avx2] "
+        "[-x sse2|avx2|avx512] "
         "[GRID.vtk|- SPEC|- ...]";
     static const char *const record[] = {"-"};
     struct options o = {

@@ -40,7 +40,7 @@ for slots in 1 3 7; do
 done
 
 # isa ISA: what this machine cannot run cannot be compared
-for isa in sse2 avx2; do
+for isa in sse2 avx2 avx512; do
 	if rtworker -x $isa -i gears.nff >/dev/null 2>&1; then
 		partition $size | rtworker -x $isa gears.nff | gather -o out.pfm
 		same "vectors of $isa" gears.pfm

@@ -56,7 +56,7 @@ same "deal fan -j 2 deal fan -j 2" a1.pam
 same "the grid a file, the specification a record" a1.pam
 state -n 3 | ringctl fan -j 3 ringctl -n vcworker | gather -o out.pam
 same "a ring" a1.pam
-for isa in sse2 avx2; do
+for isa in sse2 avx2 avx512; do
 	if vcworker -x $isa -i a.vtk one.spec >/dev/null 2>&1; then
 		picture out.pam a.vtk one.spec -x $isa
 		same "vectors of $isa" a1.pam

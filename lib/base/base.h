@@ -80,9 +80,9 @@ void print_real(char text[32], double v);
 
 /* What kernels are compiled for; ISA_SSE2 stands for the least that a machine has. The width never
  * changes a result. */
-enum isa { ISA_AUTO, ISA_SSE2, ISA_AVX2 };
+enum isa { ISA_AUTO, ISA_SSE2, ISA_AVX2, ISA_AVX512 };
 bool isa_available(enum isa isa);
-/* "sse2" or "avx2" for the argument of option `-opt`; dies with status 2 at anything else. */
+/* "sse2", "avx2" or "avx512", as said with option `-opt`; dies with status 2 at anything else. */
 enum isa opt_isa(int opt, const char *s);
 
 /* ---- memory --------------------------------------------------------------------------- */

@@ -6,16 +6,22 @@
 bool isa_available(enum isa isa)
 {
 #ifdef __x86_64__
-    return isa != ISA_AVX2 || __builtin_cpu_supports("avx2");
+    bool avx2 = __builtin_cpu_supports("avx2");
+    bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                  __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
 #else
-    return isa != ISA_AVX2;
+    bool avx2 = false, avx512 = false;
 #endif
+    return isa == ISA_AVX512 ? avx512 : isa == ISA_AVX2 ? avx2 : true;
 }
 
 enum isa opt_isa(int opt, const char *s)
 {
-    enum isa isa = strcmp(s, "sse2") == 0 ? ISA_SSE2 : strcmp(s, "avx2") == 0 ? ISA_AVX2 : ISA_AUTO;
-    if (isa == ISA_AUTO) die(ST_USAGE, "-%c %s: expected sse2 or avx2", opt, s);
+    static const char *const names[] = {
+        [ISA_SSE2] = "sse2", [ISA_AVX2] = "avx2", [ISA_AVX512] = "avx512"};
+    enum isa isa = ISA_AVX512;
+    while (isa != ISA_AUTO && strcmp(s, names[isa]) != 0) isa--;
+    if (isa == ISA_AUTO) die(ST_USAGE, "-%c %s: expected sse2, avx2 or avx512", opt, s);
     if (!isa_available(isa)) die(ST_USAGE, "-%c %s: not on this machine", opt, s);
     return isa;
 }

@@ -51,5 +51,6 @@ struct kernel {
 const struct kernel *kernel_sse2(void);
 /* NULL where this machine has no such instructions. */
 const struct kernel *kernel_avx2(void);
+const struct kernel *kernel_avx512(void);
 
 #endif

@@ -1,6 +1,6 @@
 /*
  * kernel: cell.c and the exact moments for VD cells at a time, for the vector width of the file
- * that includes this (kernel_sse2.c, kernel_avx2.c).
+ * that includes this (kernel_sse2.c, kernel_avx2.c, kernel_avx512.c).
  */
 #include "volume/batch.h"
 #include "volume/simd.h"

@@ -12,6 +12,10 @@
 
 #ifdef __AVX2__
 #include <immintrin.h>
+#endif
+#ifdef __AVX512F__
+#define VD 8
+#elif defined __AVX2__
 #define VD 4
 #else
 #define VD 2
@@ -51,7 +55,9 @@ SIMD_INLINE vl vl_load(const int64_t *p)
 SIMD_INLINE void vl_store(int64_t *p, vl a) { memcpy(p, &a, sizeof a); }
 SIMD_INLINE vd vd_sqrt(vd a)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_sqrt_pd(a);
+#elif defined __AVX2__
     return _mm256_sqrt_pd(a);
 #else
     for (int i = 0; i < VD; i++) a[i] = sqrt(a[i]);
@@ -62,7 +68,9 @@ SIMD_INLINE vd vd_set(double a) { return a - (vd){0}; }
 /* m's lanes all ones: a, all zeros: b */
 SIMD_INLINE vd vd_choose(vl m, vd a, vd b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return (vd)_mm512_ternarylogic_epi64((__m512i)m, (__m512i)a, (__m512i)b, 0xca);
+#elif defined __AVX2__
     return _mm256_blendv_pd(b, a, (vd)m);
 #else
     return (vd)((m & (vl)a) | (~m & (vl)b));
@@ -72,7 +80,9 @@ SIMD_INLINE vl vl_choose(vl m, vl a, vl b) { return (vl)vd_choose(m, (vd)a, (vd)
 /* As a < b ? a : b, and a > b ? a : b. */
 SIMD_INLINE vd vd_min(vd a, vd b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_min_pd(a, b);
+#elif defined __AVX2__
     return _mm256_min_pd(a, b);
 #else
     return vd_choose((vl)(a < b), a, b);
@@ -80,7 +90,9 @@ SIMD_INLINE vd vd_min(vd a, vd b)
 }
 SIMD_INLINE vd vd_max(vd a, vd b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_max_pd(a, b);
+#elif defined __AVX2__
     return _mm256_max_pd(a, b);
 #else
     return vd_choose((vl)(a > b), a, b);
@@ -89,7 +101,9 @@ SIMD_INLINE vd vd_max(vd a, vd b)
 /* A bit a lane: its sign. */
 SIMD_INLINE unsigned vl_signs(vl m)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_movepi64_mask((__m512i)m);
+#elif defined __AVX2__
     return (unsigned)_mm256_movemask_pd((vd)m);
 #else
     unsigned bits = 0;
@@ -99,7 +113,9 @@ SIMD_INLINE unsigned vl_signs(vl m)
 }
 SIMD_INLINE vd vd_gather(const double *p, vl at)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_i64gather_pd((__m512i)at, p, 8);
+#elif defined __AVX2__
     return _mm256_i64gather_pd(p, (__m256i)at, 8);
 #else
     vd a;
@@ -110,7 +126,10 @@ SIMD_INLINE vd vd_gather(const double *p, vl at)
 /* The same from places in memory, which processors are faster at when these are known for long. */
 SIMD_INLINE vd vd_fetch(const double *p, const int64_t *at)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_set_pd(
+        p[at[7]], p[at[6]], p[at[5]], p[at[4]], p[at[3]], p[at[2]], p[at[1]], p[at[0]]);
+#elif defined __AVX2__
     return _mm256_set_pd(p[at[3]], p[at[2]], p[at[1]], p[at[0]]);
 #else
     vd a;
@@ -122,7 +141,11 @@ SIMD_INLINE vd vd_fetch(const double *p, const int64_t *at)
 SIMD_INLINE vl vl_bits(const uint8_t *p, const int64_t *byte, vl at)
 {
     vl word;
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    double b[8];
+    for (int i = 0; i < 8; i++) memcpy(b + i, p + byte[i], sizeof *b);
+    word = (vl)_mm512_set_pd(b[7], b[6], b[5], b[4], b[3], b[2], b[1], b[0]);
+#elif defined __AVX2__
     double b[4];
     for (int i = 0; i < 4; i++) memcpy(b + i, p + byte[i], sizeof *b);
     word = (vl)_mm256_set_pd(b[3], b[2], b[1], b[0]);
@@ -169,7 +192,9 @@ SIMD_INLINE vf vf_set(float a) { return a - (vf){0}; }
 SIMD_INLINE vi vi_set(int32_t a) { return a - (vi){0}; }
 SIMD_INLINE vf vf_choose(vi m, vf a, vf b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return (vf)_mm512_ternarylogic_epi32((__m512i)m, (__m512i)a, (__m512i)b, 0xca);
+#elif defined __AVX2__
     return _mm256_blendv_ps(b, a, (vf)m);
 #else
     return (vf)((m & (vi)a) | (~m & (vi)b));
@@ -177,7 +202,9 @@ SIMD_INLINE vf vf_choose(vi m, vf a, vf b)
 }
 SIMD_INLINE vf vf_min(vf a, vf b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_min_ps(a, b);
+#elif defined __AVX2__
     return _mm256_min_ps(a, b);
 #else
     return vf_choose((vi)(a < b), a, b);
@@ -185,7 +212,9 @@ SIMD_INLINE vf vf_min(vf a, vf b)
 }
 SIMD_INLINE vf vf_max(vf a, vf b)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_max_ps(a, b);
+#elif defined __AVX2__
     return _mm256_max_ps(a, b);
 #else
     return vf_choose((vi)(a > b), a, b);
@@ -194,7 +223,9 @@ SIMD_INLINE vf vf_max(vf a, vf b)
 SIMD_INLINE vf vf_abs(vf a) { return (vf)((vi)a & INT32_MAX); }
 SIMD_INLINE unsigned vi_signs(vi m)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return _mm512_movepi32_mask((__m512i)m);
+#elif defined __AVX2__
     return (unsigned)_mm256_movemask_ps((vf)m);
 #else
     unsigned bits = 0;
@@ -206,16 +237,21 @@ SIMD_INLINE unsigned vi_signs(vi m)
 SIMD_INLINE vf vf_narrow(vd a, vd b)
 {
     vh low = __builtin_convertvector(a, vh), high = __builtin_convertvector(b, vh);
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif defined __AVX2__
     return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 #else
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #endif
 }
-/* p[at]; few: of a table of at most 8, with room for as many. */
+/* p[at]; few: of a table of at most 8, with room for 16. */
 SIMD_INLINE vf vf_lookup(const float *p, bool few, vi at)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    if (few) return _mm512_permutexvar_ps((__m512i)at, vf_load(p));
+    return _mm512_i32gather_ps((__m512i)at, p, 4);
+#elif defined __AVX2__
     if (few) return _mm256_permutevar8x32_ps(vf_load(p), (__m256i)at);
     return _mm256_i32gather_ps(p, (__m256i)at, 4);
 #else

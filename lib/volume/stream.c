@@ -19,7 +19,10 @@ bool stream_fits(const struct volume *v)
     return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
 }
 
-static float *table(const struct stream_map *m) { return xcalloc(m->entries + 8, sizeof(float)); }
+static float *table(const struct stream_map *m)
+{
+    return xcalloc(m->entries + STREAM_LANES, sizeof(float));
+}
 
 /* x as the sum of two. */
 static void split(double x, float *high, float *low)

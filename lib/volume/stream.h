@@ -18,7 +18,7 @@
 
 #include "volume/volume_int.h"
 
-#define STREAM_LANES 8    /* the most that a kernel has */
+#define STREAM_LANES 16   /* the most that a kernel has */
 #define STREAM_WALKERS 16 /* rays on their way: several steps hide what each waits for */
 #define STREAM_RAYS 256   /* in one call */
 #define STREAM_CELLS 128  /* in the list, when it is worked on */
@@ -69,7 +69,8 @@ struct stream_pieces {
     uint32_t n;
     _Alignas(STREAM_LINE) float p[4][STREAM_PARTS], base[STREAM_PARTS], len[STREAM_PARTS];
     float a[STREAM_PARTS], b[STREAM_PARTS], add[STREAM_PARTS][4];
-    int32_t entry[STREAM_PARTS], rough[STREAM_PARTS];
+    float error[STREAM_PARTS];
+    int32_t entry[STREAM_PARTS];
 };
 
 /* Rays at their first cells. */
@@ -113,7 +114,7 @@ struct stream {
     int32_t first[STREAM_ROOM], last[STREAM_ROOM];
     /* what it adds: rgb and alpha, where `simple`. */
     _Alignas(STREAM_LINE) float add[STREAM_ROOM][4];
-    uint8_t simple[STREAM_ROOM]; /* a bit a lane */
+    uint16_t simple[STREAM_ROOM]; /* a bit a lane */
     /* Where it is not: the entry where it begins; its pieces. */
     int32_t entry[STREAM_ROOM];
     uint32_t piece[STREAM_ROOM], piece_end[STREAM_ROOM];

@@ -15,8 +15,7 @@ SIMD_INLINE __m128 two_pairs(const float *p, const float *q)
     memcpy(&b, q, sizeof b);
     return _mm_castpd_ps(_mm_set_pd(b, a));
 }
-/* The values at the nodes, and at the next along x. */
-SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *high)
+SIMD_INLINE void eight_pairs(const float *value, const int64_t *node, __m256 *low, __m256 *high)
 {
     __m256 a = _mm256_set_m128(
         two_pairs(value + node[4], value + node[5]), two_pairs(value + node[0], value + node[1]));
@@ -25,15 +24,27 @@ SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *hig
     *low = _mm256_shuffle_ps(a, b, 0x88);
     *high = _mm256_shuffle_ps(a, b, 0xdd);
 }
-#else
+#endif
+/* The values at the nodes, and at the next along x. */
 SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *high)
 {
+#ifdef __AVX512F__
+    __m256 a, b, c, d;
+    eight_pairs(value, node, &a, &b);
+    eight_pairs(value, node + 8, &c, &d);
+    *low = _mm512_insertf32x8(_mm512_castps256_ps512(a), c, 1);
+    *high = _mm512_insertf32x8(_mm512_castps256_ps512(b), d, 1);
+#elif defined __AVX2__
+    __m256 a, b;
+    eight_pairs(value, node, &a, &b);
+    *low = a, *high = b;
+#else
     for (int i = 0; i < LANES; i++) {
         (*low)[i] = value[node[i]];
         (*high)[i] = value[node[i] + 1];
     }
-}
 #endif
+}
 
 /* ---- the field along the ray ---------------------------------------------------------------- */
 
@@ -96,78 +107,95 @@ SIMD_INLINE void entries(const struct stream_map *m, vf base, vf lo, vf hi, vi *
 
 /* ---- what a stretch adds -------------------------------------------------------------------- */
 
+/*
+ * The colour of a stretch of optical depth D is the mean of c, weighted by exp(-u), u = tau from 0
+ * to D. Let c be its mean over u, a part that is linear in u, and a rest r. The mean is by exact
+ * moments. The linear part rises by c(end) - c(begin), so that r is the same at both ends; it
+ * contributes what it rises by times
+ *
+ *     1 / D - 1 / (exp(D) - 1) - 1 / 2 = -D / 12 + D^3 / 720 - D^5 / 30240 + ...
+ *
+ * and r, which is left out, no more than its range times D / 8 (see COVARIANCE). Within an entry of
+ * the map c is linear in the field q, and u is the integral of k0 + k1 q: r is a polynomial of
+ * degree 4 along the ray, within the range of its control points.
+ */
 struct added {
     vf rgb[3], alpha;
-    vi rough; /* the colour is not within the tolerance */
+    vf error; /* of the colour, at most, per alpha */
 };
 
-/* The mean of the field, weighted by k exp(-depth): by quadrature, as gauss of integrate.c. */
-SIMD_INLINE vf mean_by_nodes(const struct volume *v, const vf q[4], vf k0, vf k1, vf len)
+/* What the linear part's rise is to be multiplied by; through: exp(-depth). */
+SIMD_INLINE vf lag(vf depth, vf through, vf alpha)
 {
-    vf sum = vf_set(0), first = vf_set(0);
-    for (int i = 0; i < v->m; i++) {
-        const float x = (float)v->node[i], weight = (float)v->weight[i];
-        vf mean =
-            q[0] + x * (q[1] * (1.0f / 2) + x * (q[2] * (1.0f / 3) + x * (q[3] * (1.0f / 4))));
-        vf s = q[0] + x * (q[1] + x * (q[2] + x * q[3]));
-        vf w = weight * (k0 + k1 * s) * vf_exp(-(x * (k0 + k1 * mean) * len));
-        sum += w;
-        first += w * s;
-    }
-    return first / vf_choose(sum > vf_set(0), sum, vf_set(1));
+    vf square = depth * depth;
+    vf few = depth * ((square * (1.0f / 720) - 1.0f / 12) - square * square * (1.0f / 30240));
+    vf many = 1 / depth - through / alpha - 0.5f;
+    return vf_choose(depth < vf_set(1), few, many);
 }
 
-/*
- * Of stretches of length len in the map's entries e, where the field is base + p and ranges as
- * far: from exact moments, as in integrate.c, and where these are not good enough by quadrature.
- * few: as of vf_lookup; fine: look for those.
- */
-SIMD_INLINE struct added stretch(
-    const struct stream *s, bool few, bool fine, vi e, vf base, const vf p[4], vf range, vf len)
+/* The range of r; k0: at the beginning; slope: what q rises by for each unit of k. */
+SIMD_INLINE vf rest_range(const vf q[4], vf k0, vf k1, vf slope)
 {
-    const struct stream_map *m = &s->map;
+    vf bend = slope * k1, zero = vf_set(0);
+    vf r1 = q[1] - slope * k0, r2 = q[2] - bend * q[1] * 0.5f;
+    vf r3 = q[3] - bend * q[2] * (1.0f / 3);
+    vf b1 = r1 * 0.25f, b2 = r1 * 0.5f + r2 * (1.0f / 6);
+    vf b3 = r1 * 0.75f + r2 * 0.5f + r3 * 0.25f;
+    return vf_max(vf_max(b1, b2), vf_max(b3, zero)) - vf_min(vf_min(b1, b2), vf_min(b3, zero));
+}
+
+/* Of stretches of length len in the map's entries e, where the field is base + p. few: as of
+ * vf_lookup. */
+SIMD_INLINE struct added stretch(
+    const struct stream_map *m, bool few, vi e, vf base, const vf p[4], vf len)
+{
     struct added r;
     vf k0 = vf_lookup(m->k0, few, e), k1 = vf_lookup(m->k1, few, e);
-    vf q0 = p[0] - ((vf_lookup(m->from_high, few, e) - base) + vf_lookup(m->from_low, few, e));
-    vf q1 = p[1], q2 = p[2], q3 = p[3];
-    vf one = q0 + q1 * (1.0f / 2) + q2 * (1.0f / 3) + q3 * (1.0f / 4);
+    vf from = (vf_lookup(m->from_high, few, e) - base) + vf_lookup(m->from_low, few, e);
+    const vf q[4] = {p[0] - from, p[1], p[2], p[3]};
+    vf one = q[0] + q[1] * (1.0f / 2) + q[2] * (1.0f / 3) + q[3] * (1.0f / 4);
     /* Its variance, as a sum of Legendre polynomials: the mean of the square is one^2 and that. */
-    vf slant = q1 + q2 + q3 * 0.9f, bend = q2 + q3 * 1.5f;
+    vf slant = q[1] + q[2] + q[3] * 0.9f, bend = q[2] + q[3] * 1.5f;
     vf variance =
-        slant * slant * (1.0f / 12) + bend * bend * (1.0f / 180) + q3 * q3 * (1.0f / 2800);
-    vf k = k0 + k1 * one, depth = k * len;
+        slant * slant * (1.0f / 12) + bend * bend * (1.0f / 180) + q[3] * q[3] * (1.0f / 2800);
+    vf k = k0 + k1 * one, depth = k * len, rise = q[1] + q[2] + q[3];
     vi seen = depth > vf_set(0);
-    vf mean = one + k1 * variance / vf_choose(seen, k, vf_set(1));
-    vf error = vf_lookup(m->slope, few, e) * range * depth * (float)COVARIANCE;
-    r.rough = ~(error <= vf_set(s->tolerance));
-    if (fine && vi_signs(r.rough)) {
-        const vf q[4] = {q0, q1, q2, q3};
-        mean = vf_choose(r.rough, mean_by_nodes(s->v, q, k0, k1, len), mean);
-        vi straight = vf_abs(q2) + vf_abs(q3) <= (float)BEND_MAX * range;
-        r.rough &= ~(straight & (depth <= vf_set((float)DEPTH_MAX)));
-    }
-    r.alpha = vf_choose(seen, 1 - vf_exp(-depth), vf_set(0));
+    vf by_k = 1 / vf_choose(seen, k, vf_set(1)), through = vf_exp(-depth);
+    vf range = rest_range(q, k0 + k1 * q[0], k1, rise * by_k);
+    r.alpha = vf_choose(seen, 1 - through, vf_set(0));
+    r.error = vf_lookup(m->slope, few, e) * range * depth * (float)COVARIANCE;
+    vf mean = one + k1 * variance * by_k + rise * lag(depth, through, 1 - through);
+    mean = vf_choose(seen, mean, vf_set(0));
     UNROLLED
     for (int c = 0; c < 3; c++)
         r.rgb[c] = r.alpha * (vf_lookup(m->rgb0[c], few, e) + vf_lookup(m->rgb1[c], few, e) * mean);
     return r;
 }
 
-/* A row for each lane. */
-SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
-{
 #ifdef __AVX2__
-    __m256 rg_low = _mm256_unpacklo_ps(r->rgb[0], r->rgb[1]);
-    __m256 rg_high = _mm256_unpackhi_ps(r->rgb[0], r->rgb[1]);
-    __m256 ba_low = _mm256_unpacklo_ps(r->rgb[2], r->alpha);
-    __m256 ba_high = _mm256_unpackhi_ps(r->rgb[2], r->alpha);
+SIMD_INLINE void put_eight(float (*to)[4], __m256 r, __m256 g, __m256 b, __m256 a)
+{
+    __m256 rg_low = _mm256_unpacklo_ps(r, g), rg_high = _mm256_unpackhi_ps(r, g);
+    __m256 ba_low = _mm256_unpacklo_ps(b, a), ba_high = _mm256_unpackhi_ps(b, a);
     const __m256 row[4] = {/* row i and, behind it, i + 4 */
         _mm256_shuffle_ps(rg_low, ba_low, 0x44), _mm256_shuffle_ps(rg_low, ba_low, 0xee),
         _mm256_shuffle_ps(rg_high, ba_high, 0x44), _mm256_shuffle_ps(rg_high, ba_high, 0xee)};
-    vf_store(to[0], _mm256_permute2f128_ps(row[0], row[1], 0x20));
-    vf_store(to[2], _mm256_permute2f128_ps(row[2], row[3], 0x20));
-    vf_store(to[4], _mm256_permute2f128_ps(row[0], row[1], 0x31));
-    vf_store(to[6], _mm256_permute2f128_ps(row[2], row[3], 0x31));
+    _mm256_storeu_ps(to[0], _mm256_permute2f128_ps(row[0], row[1], 0x20));
+    _mm256_storeu_ps(to[2], _mm256_permute2f128_ps(row[2], row[3], 0x20));
+    _mm256_storeu_ps(to[4], _mm256_permute2f128_ps(row[0], row[1], 0x31));
+    _mm256_storeu_ps(to[6], _mm256_permute2f128_ps(row[2], row[3], 0x31));
+}
+#endif
+/* A row for each lane. */
+SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
+{
+#ifdef __AVX512F__
+    put_eight(to, _mm512_castps512_ps256(r->rgb[0]), _mm512_castps512_ps256(r->rgb[1]),
+        _mm512_castps512_ps256(r->rgb[2]), _mm512_castps512_ps256(r->alpha));
+    put_eight(to + 8, _mm512_extractf32x8_ps(r->rgb[0], 1), _mm512_extractf32x8_ps(r->rgb[1], 1),
+        _mm512_extractf32x8_ps(r->rgb[2], 1), _mm512_extractf32x8_ps(r->alpha, 1));
+#elif defined __AVX2__
+    put_eight(to, r->rgb[0], r->rgb[1], r->rgb[2], r->alpha);
 #else
     for (int i = 0; i < LANES; i++) {
         to[i][0] = r->rgb[0][i], to[i][1] = r->rgb[1][i], to[i][2] = r->rgb[2][i];
@@ -187,10 +215,10 @@ SIMD_INLINE void cells_by(struct stream *s, bool few)
         vi first, last;
         bounds(c.p, &lo, &hi);
         entries(m, c.base, lo, hi, &first, &last);
-        struct added r = stretch(s, few, false, first, c.base, c.p, hi - lo, vf_load(s->len + j));
-        unsigned simple = vi_signs((first == last) & ~r.rough);
+        struct added r = stretch(m, few, first, c.base, c.p, vf_load(s->len + j));
+        unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
         put_added(s->add + j, &r);
-        s->simple[j / LANES] = (uint8_t)simple;
+        s->simple[j / LANES] = (uint16_t)simple;
         UNROLLED
         for (int i = 0; i < 4; i++) vf_store(s->p[i] + j, c.p[i]);
         vf_store(s->base + j, c.base);

@@ -9,7 +9,8 @@
 
 #define ROOT_STEPS 6      /* of Newton; where the last one is no smaller than this, */
 #define ROOT_LAST 0x1p-10 /* whose square is nothing in float, the cell is done alone */
-#define PARTS_MAX 4096    /* of a piece */
+#define PARTS_MIN 8       /* of a piece */
+#define PARTS_MAX 4096
 
 SIMD_INLINE vf at_v(const vf p[4], vf w) { return p[0] + w * (p[1] + w * (p[2] + w * p[3])); }
 static inline float at(const float p[4], float w)
@@ -130,12 +131,11 @@ static bool put_pieces(struct stream *s, uint32_t j, uint32_t from, uint32_t to)
 
 /* The part a .. b of p, whose stretch is so long. */
 SIMD_INLINE struct added part(
-    const struct stream *s, bool few, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
+    const struct stream_map *m, bool few, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
 {
-    vf h = b - a, bend = p[2] + 3 * a * p[3], lo, hi;
+    vf h = b - a, bend = p[2] + 3 * a * p[3];
     const vf q[4] = {at_v(p, a), h * (p[1] + a * (p[2] + bend)), h * h * bend, h * h * h * p[3]};
-    bounds(q, &lo, &hi);
-    return stretch(s, few, true, entry, base, q, hi - lo, h * len);
+    return stretch(m, few, entry, base, q, h * len);
 }
 
 SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
@@ -145,10 +145,10 @@ SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
     for (uint32_t j = 0; j < q->n; j += LANES) {
         const vf p[4] = {
             vf_load(q->p[0] + j), vf_load(q->p[1] + j), vf_load(q->p[2] + j), vf_load(q->p[3] + j)};
-        struct added r = part(s, few, vi_load(q->entry + j), vf_load(q->base + j), p,
+        struct added r = part(&s->map, few, vi_load(q->entry + j), vf_load(q->base + j), p,
             vf_load(q->a + j), vf_load(q->b + j), vf_load(q->len + j));
         put_added(q->add + j, &r);
-        vi_store(q->rough + j, r.rough);
+        vf_store(q->error + j, r.error);
     }
 }
 
@@ -183,7 +183,8 @@ static void cut(struct stream *s)
 SIMD_INLINE void add_to(double sum[4], const float add[4])
 {
 #ifdef __AVX2__
-    vd_store(sum, vd_load(sum) + (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add)));
+    __m256d seen = (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add));
+    _mm256_storeu_pd(sum, _mm256_loadu_pd(sum) + seen);
 #else
     double clear = 1 - sum[3];
     for (int c = 0; c < 4; c++) sum[c] += clear * (double)add[c];
@@ -202,12 +203,12 @@ static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])
     for (int i = 0; i < LANES; i++) count[i] = (float)i;
     for (int i = 0; i < n; i += LANES, count += LANES) {
         float add[LANES][4];
-        struct added x = part(s, s->map.entries <= 8, vi_set(q->entry[j]), vf_set(q->base[j]), p,
-            a + count * step, a + (count + 1) * step, vf_set(q->len[j]));
-        unsigned rough = vi_signs(x.rough);
+        struct added x = part(&s->map, s->map.entries <= 8, vi_set(q->entry[j]), vf_set(q->base[j]),
+            p, a + count * step, a + (count + 1) * step, vf_set(q->len[j]));
+        unsigned good = vi_signs(x.error <= vf_set(s->tolerance));
         put_added(add, &x);
-        for (int k = 0; k < LANES && sum[3] < limit; k++) {
-            if ((rough >> k & 1) && n < PARTS_MAX) return false;
+        for (int k = 0; k < LANES && i + k < n && sum[3] < limit; k++) {
+            if (!(good >> k & 1) && n < PARTS_MAX) return false;
             add_to(sum, add[k]);
             s->v->counts.samples++;
         }
@@ -217,14 +218,16 @@ static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])
 
 static void add_piece(struct stream *s, uint32_t j, double sum[4])
 {
-    if (!s->pieces.rough[j]) {
+    if (s->pieces.error[j] <= s->tolerance) {
         add_to(sum, s->pieces.add[j]);
         s->v->counts.samples++;
         return;
     }
     double before[4];
     memcpy(before, sum, sizeof before);
-    for (int n = STREAM_LANES; !add_parts(s, j, n, sum); n *= 2) memcpy(sum, before, sizeof before);
+    int n = PARTS_MIN;
+    while (n < PARTS_MAX && s->pieces.error[j] > s->tolerance * (float)(n * n)) n *= 2;
+    for (; !add_parts(s, j, n, sum); n *= 2) memcpy(sum, before, sizeof before);
 }
 
 #endif

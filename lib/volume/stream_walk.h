@@ -129,7 +129,28 @@ SIMD_INLINE void pass(struct stream *s, int h)
 /* ---- the list ------------------------------------------------------------------------------- */
 
 /* The lanes of the mask, side by side. */
-#ifdef __AVX2__
+#ifdef __AVX512F__
+struct order {
+    __mmask16 of;
+};
+SIMD_INLINE struct order order_of(const struct stream *s, unsigned mask)
+{
+    (void)s;
+    return (struct order){(__mmask16)mask};
+}
+SIMD_INLINE void pack_f(struct order order, void *to, vf a)
+{
+    a = _mm512_maskz_compress_ps(order.of, a);
+    memcpy(to, &a, sizeof a);
+}
+SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES], unsigned mask)
+{
+    (void)s;
+    vl_store(to, (vl)_mm512_maskz_compress_epi64((__mmask8)mask, (__m512i)a[0]));
+    to += __builtin_popcount(mask & 255);
+    vl_store(to, (vl)_mm512_maskz_compress_epi64((__mmask8)(mask >> 8), (__m512i)a[1]));
+}
+#elif defined __AVX2__
 struct order {
     __m256i of;
 };

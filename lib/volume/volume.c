@@ -53,7 +53,8 @@ struct volume *volume_new(
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
     v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map);
-    v->kernel = o->isa == ISA_SSE2 ? NULL : kernel_avx2();
+    v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? kernel_avx512() : NULL;
+    if (!v->kernel && o->isa != ISA_SSE2) v->kernel = kernel_avx2();
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
                  !(s->attenuation > 0);

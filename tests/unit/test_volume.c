@@ -208,7 +208,7 @@ static void adaptive_keeps_its_bound(void **state)
         }
     }
     print_message("# at worst %.2g of tolerance times alpha\n", worst);
-    assert_true(worst > 0.5);
+    assert_true(worst > 0.2);
     free_grid(&g);
 }
 
@@ -252,8 +252,8 @@ static void bits_are_the_same(void **state)
         struct volume_options o = VOLUME_OPTIONS_DEFAULT;
         o.isa = ISA_SSE2;
         render(&g, &c.s, &o, narrow, NULL);
-        o.isa = ISA_AVX2;
-        if (isa_available(o.isa)) {
+        for (o.isa = ISA_AVX2; o.isa <= ISA_AVX512; o.isa++) {
+            if (!isa_available(o.isa)) continue;
             render(&g, &c.s, &o, wide, NULL);
             assert_memory_equal(narrow, wide, sizeof narrow);
         }
