@@ -1,7 +1,8 @@
 #!/bin/sh
-# 91_frames: many pictures in one stream, on two workers: a year of the ocean atlas, a grid a month, and a turn round the
-# wind, a view each 15 degrees; here, and over links of 10 ms each way. Efficiency is what one worker alone takes for the
-# whole stream / 2 / the run's wall time; median of ROUNDS. BEFORE=DIR: programs of another version, in the same run.
+# 91_frames: many pictures in one stream, on two workers: a year of the ocean atlas, a grid a month, and a turn round
+# the wind, a view each 15 degrees; here, and over links of 10 ms each way, with queues that are deep enough for them.
+# Efficiency is what one worker alone takes for the whole stream / 2 / the run's wall time: not 1 where each loads every
+# grid. Median of ROUNDS; STREAMS and WHERE name some of the cases. BEFORE=DIR: programs of another version, in turns.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} size=800x600
@@ -50,12 +51,12 @@ echo "apart slots=2 via=\"$tmp/delay 10 sh -c %c\"" >apart
 # run WHO STREAM WHERE: its wall time
 run() {
 	q=0
-	[ "$3" = here ] || q=auto
+	[ "$3" = here ] || q=128
 	PATH=$1:$PATH wall_s "deal -q $q fan -S $3 vcworker <$2.task | gather -o x%d.pfm" || stop "$2 $3 failed"
 }
 printf 'stream  where   one worker s  now s  efficiency%s\n' "${BEFORE:+  before s  efficiency  before/now}"
-for stream in year turn; do
-	for where in here apart; do
+for stream in ${STREAMS:-year turn}; do
+	for where in ${WHERE:-here apart}; do
 		: >now
 		: >before
 		: >alone
