@@ -20,11 +20,13 @@ like '-r removes it' "$(tsvstat -r six.tsv)" "m${tab}1${tab}5${tab}1${tab}3${tab
 for i in 1 2 3 4 5 6; do
 	echo "$i" | awk '{ i = $1
 		print "e real a 1 s", 10 * i, "s", i, 0; print "e real b 1 s", 10 * i + 1 + i / 100, "s", i, 0
-		print "e real c 1 s", 10 * i + .1 * (i % 2), "s", i, 0; print "e real d 1 s", (i % 2 ? -1 : 1) * 1000, "s", i, 0 }'
+		print "e real c 1 s", 10 * i + .1 * (i % 2), "s", i, 0; print "e real d 1 s", (i % 2 ? -1 : 1) * 1000, "s", i, 0
+		if (i > 1) print "e real f 1 s", 10 * i + 2 + i / 100, "s", i, 0 }'
 done >lines
 xargs -d '\n' sh -c 'printf "%s\n" "$@"' x <lines | { tsv; tr ' ' "$tab"; } | sed '/^$/d' >pairs.tsv
 verdict() { tsvstat -c .999 -t "$@" pairs.tsv | awk -F '\t' -v s="$?" 'NR > 1 { print $NF }'; }
 is 'less, by pairs' "$(verdict less a b)" holds
+is 'less, by the pairs that there are' "$(verdict less a f)$(verdict more f a)" holdsholds
 is 'and not more' "$(verdict more a b)" fails
 is 'what is not certain is open' "$(verdict less a d)" open
 is 'the same within a margin' "$(verdict same:.01 a c)" holds
