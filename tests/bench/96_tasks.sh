@@ -17,7 +17,7 @@ once() {
 	fragstat -s log | awk '{ v[$1] = $2 } END { n = v["slots"]; s = v["busy_s"] + v["waiting_s"] + v["tail_s"]
 		print n, v["tasks"], v["busy_s"], v["waiting_s"], v["tail_s"], s / n }'
 }
-for look in stormview wind-smooth wind-surfaces; do
+for look in ${LOOKS:-stormview wind-smooth wind-surfaces}; do
 	spec=$root/scenes/$look.spec
 	round=0
 	while [ $((round += 1)) -le "$rounds" ]; do
