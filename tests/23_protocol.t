@@ -71,14 +71,14 @@ done
 ok 'an experiment' protocol -n 2 -o whole.tsv faults
 is 'nothing is left beside a whole table' "$(echo whole.tsv*)" 'whole.tsv'
 is 'all rows' "$(grep -vc '^#' whole.tsv)" 21
-protocol -n 2 -o a.tsv faults 2>/dev/null &
+TMPDIR=$tmp protocol -n 2 -o a.tsv faults 2>/dev/null &
 run=$!
 until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done
 kill -9 $run 2>/dev/null
 wait $run
 # It may have been quick enough, and what it left is then whole.
 mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
-if [ -d a.tsv.d ]; then
+if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
 	printf 'balls	simulated	to' >>a.tsv
 	ok 'the same command goes on, behind half a row' protocol -n 2 -o a.tsv faults
 	ok 'and one without a stop, by the same costs' protocol -n 2 -o b.tsv faults
