@@ -1,0 +1,72 @@
+#!/bin/sh
+# views: keys are met, the way between them is even, and what is wrong with keys is said.
+# shellcheck disable=SC2154  # lib.sh sets them
+. "$(dirname "$0")/lib.sh"
+
+# key NAME FROM AT UP ANGLE
+key() {
+	printf '%s\n' '# a comment' "from $2" "at $3" 'resolution 16 12 # of pixels' "up $4" "angle $5" \
+		'map 1 .5 .5 .5 0' 'map 2 1 1 1 3' >"$1"
+}
+key a.spec '10 0 5' '0 0 0' '0 0 1' 30
+key b.spec '0 10 5' '0 0 0' '0 0 1' 30
+key c.spec '-10 0 5' '0 0 0' '0 0 1' 30
+key d.spec '0 -10 5' '0 0 0' '0 0 1' 30
+# word WORD FILE: its numbers, rounded
+word() { awk -v w="$1" '$1 == w { for (i = 2; i <= NF; i++) printf "%.3f ", $i + 1e-9 }' "$2"; }
+
+run views -n 5 -o v%d.spec a.spec b.spec c.spec
+is 'five views of three keys' "$status$out$err" 0
+for pair in 0:a 2:b 4:c; do ok "view ${pair%:*} is a key's" cmp "v${pair%:*}.spec" "${pair#*:}.spec"; done
+is 'no others' "$(echo v*.spec)" 'v0.spec v1.spec v2.spec v3.spec v4.spec'
+is 'half way round, at the same height' "$(word from v1.spec)" '7.071 7.071 5.000 '
+is 'all else as it was' "$(grep -v '^from' v3.spec)" "$(grep -v '^from' a.spec)"
+rm -f v?.spec
+run views -c -n 8 -o v%02d.spec a.spec b.spec c.spec d.spec
+is 'closed' "$status $(echo v*.spec | wc -w) $(word from v07.spec)" '0 8 7.071 -7.071 5.000 '
+ok 'closed: the last key' cmp v06.spec d.spec
+rm -f v*.spec
+run views -n 1 -o v%d.spec b.spec c.spec
+ok 'one is the first' cmp v0.spec b.spec
+
+key near.spec '1 0 0' '0 0 0' '0 0 1' 20
+key far.spec '104 0 0' '4 0 0' '0 1 0' 60
+views -n 3 -o v%d.spec near.spec far.spec
+is 'distance by even factors from what it looks at, that one straight' \
+	"$(word from v1.spec)$(word at v1.spec)" '12.000 0.000 0.000 2.000 0.000 0.000 '
+is 'up by even angles' "$(word up v1.spec)" '0.000 0.707 0.707 '
+is 'the tangent of half the angle by even factors' "$(word angle v1.spec)" '35.392 '
+key top.spec '0 0 20' '0 0 0' '0 1 0' 30
+views -n 3 -o v%d.spec b.spec top.spec
+is 'to above, without going round' "$(word from v1.spec | cut -d ' ' -f 1)" 0.000
+{
+	printf '%s\n' '# vtk DataFile Version 3.0' t ASCII 'DATASET RECTILINEAR_GRID' 'DIMENSIONS 2 2 2'
+	for axis in X Y Z; do printf '%s\n' "${axis}_COORDINATES 2 float" '0 1'; done
+	printf '%s\n' 'POINT_DATA 8' 'SCALARS s float' 'LOOKUP_TABLE default' '1 2 1 2 1 2 1 2'
+} >g.vtk
+ok 'they are specifications' vcworker -i g.vtk v?.spec
+
+# refused NAME ERE ARGUMENT ...
+refused() { name=$1 ere=$2; shift 2; run views "$@"; like "$name" "$status $err" "^2 $ere"; }
+sed 's/^map 2/map 3/' b.spec >map.spec
+sed '/^map 2/d' b.spec >less.spec
+sed '/^up/d' b.spec >noup.spec
+key word.spec 'x 0 5' '0 0 0' '0 0 1' 30
+key here.spec '0 0 0' '0 0 0' '0 0 1' 30
+: >empty.spec
+refused 'another map' 'views: map.spec:8: map 3 1 1 1 3, expected what a.spec has, but for the view: map 2' \
+	-n 3 -o v%d.spec a.spec map.spec
+refused 'less' 'views: less.spec: has fewer lines than a.spec, expected' -n 3 -o v%d.spec a.spec less.spec
+refused 'no up' 'views: noup.spec: no up, expected' -n 3 -o v%d.spec a.spec noup.spec
+refused 'no number' 'views: word.spec:2: from: x, expected a number' -n 3 -o v%d.spec a.spec word.spec
+refused 'no direction' 'views: here.spec: from has no length' -n 3 -o v%d.spec a.spec here.spec
+refused 'opposite' 'views: c.spec: from is opposite to that of a.spec, expected another' -n 3 -o v%d.spec a.spec c.spec
+refused 'empty' 'views: expected no empty file' -n 3 -o v%d.spec a.spec empty.spec
+refused 'no file' 'views: none: cannot be read' -n 3 -o v%d.spec a.spec none
+refused 'a key would be overwritten' 'views: v1.spec: is a key as well' -n 3 -o v%d.spec a.spec v1.spec
+refused 'no pattern' 'views: -o v.spec: expected one %d' -n 3 -o v.spec a.spec b.spec
+refused 'no number of them' 'views: -n 0: expected a number' -n 0 -o v%d.spec a.spec b.spec
+refused 'one key' 'usage: views' -n 3 -o v%d.spec a.spec
+run views -n 3 -o none/v%d.spec a.spec b.spec
+is 'no directory: exit 3' "$status" 3
+finish
