@@ -5,18 +5,21 @@
  */
 #include "volume/volume_int.h"
 
-/* The range of a cell's corners; false where one is missing. */
-static bool range(const struct volume *v, const float *f, double *lo, double *hi)
+#include <stdlib.h>
+
+/* The range of the values at i of 4 rows: NaN where one is missing. */
+static void columns(
+    const float *at, ptrdiff_t row, ptrdiff_t layer, uint32_t n, float *lo, float *hi)
 {
-    *lo = HUGE_VAL, *hi = -HUGE_VAL;
-    for (int corner = 0; corner < 8; corner++) {
-        double s = (double)f[(corner & 1) * v->stride[0] + (corner >> 1 & 1) * v->stride[1] +
-                             (corner >> 2) * v->stride[2]];
-        if (!isfinite(s)) return false;
-        *lo = s < *lo ? s : *lo;
-        *hi = s > *hi ? s : *hi;
+    for (uint32_t i = 0; i < n; i++) {
+        float a = at[i], b = at[i + row], c = at[i + layer], d = at[i + row + layer];
+        float low = a < b ? a : b, high = a > b ? a : b;
+        low = c < low ? c : low, high = c > high ? c : high;
+        low = d < low ? d : low, high = d > high ? d : high;
+        float missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0, or NaN */
+        lo[i] = low + missing;
+        hi[i] = high + missing;
     }
-    return true;
 }
 
 static bool seen(const struct volume *v, double lo, double hi)
@@ -26,6 +29,22 @@ static bool seen(const struct volume *v, double lo, double hi)
         if (lo <= s && s <= hi) return true;
     }
     return map_absorbs(&v->map, lo, hi);
+}
+
+/* A row of cells between n columns, from the cell at `at` on. */
+static void mark(struct volume *v, ptrdiff_t at, const float *lo, const float *hi, uint32_t n)
+{
+    int32_t i[3];
+    cell_of_index(v, at, i);
+    for (uint32_t x = 1; x < n; x++, at++, i[0] += v->stride[0] < 0 ? -1 : 1) {
+        if (!(hi[x - 1] + hi[x] < HUGE_VALF)) continue;
+        double low = (double)(lo[x - 1] < lo[x] ? lo[x - 1] : lo[x]);
+        double high = (double)(hi[x - 1] > hi[x] ? hi[x - 1] : hi[x]);
+        if (!seen(v, low, high)) continue;
+        v->range = fmax(v->range, high - low);
+        v->live[at >> 3] |= (uint8_t)(1u << (at & 7));
+        v->block[block_index(v, i)] = 1;
+    }
 }
 
 void skip_init(struct volume *v)
@@ -38,17 +57,14 @@ void skip_init(struct volume *v)
     }
     v->live = xcalloc(n_nodes / 8 + 8, 1);
     v->block = xcalloc(n_blocks, 1);
-    int32_t i[3];
-    for (i[2] = 0; i[2] < (int32_t)v->cells[2]; i[2]++)
-        for (i[1] = 0; i[1] < (int32_t)v->cells[1]; i[1]++)
-            for (i[0] = 0; i[0] < (int32_t)v->cells[0]; i[0]++) {
-                double lo, hi;
-                const float *f =
-                    v->first + i[0] * v->stride[0] + i[1] * v->stride[1] + i[2] * v->stride[2];
-                if (!range(v, f, &lo, &hi) || !seen(v, lo, hi)) continue;
-                v->range = fmax(v->range, hi - lo);
-                size_t cell = cell_index(v, i);
-                v->live[cell >> 3] |= (uint8_t)(1u << (cell & 7));
-                v->block[block_index(v, i)] = 1;
-            }
+    const uint32_t n = v->cells[0] + 1;
+    float *lo = xmalloc(n, sizeof *lo), *hi = xmalloc(n, sizeof *hi);
+    for (ptrdiff_t z = 0; z < (ptrdiff_t)v->cells[2]; z++)
+        for (ptrdiff_t y = 0; y < (ptrdiff_t)v->cells[1]; y++) {
+            const ptrdiff_t first = z * v->layer + y * v->row;
+            columns(v->value + first, v->row, v->layer, n, lo, hi);
+            mark(v, first, lo, hi, n);
+        }
+    free(lo);
+    free(hi);
 }

@@ -115,6 +115,7 @@ struct stream {
     /* what it adds: rgb and alpha, where `simple`. */
     _Alignas(STREAM_LINE) float add[STREAM_ROOM][4];
     uint16_t simple[STREAM_ROOM]; /* a bit a lane */
+    uint8_t whole[STREAM_ROOM];   /* `add` is all of it: 1 + the samples it took */
     /* Where it is not: the entry where it begins; its pieces. */
     int32_t entry[STREAM_ROOM];
     uint32_t piece[STREAM_ROOM], piece_end[STREAM_ROOM];

@@ -204,9 +204,9 @@ SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 #endif
 }
 
-SIMD_INLINE void cells_by(struct stream *s, bool few)
+/* The field in the cells of the list. */
+static void fields(struct stream *s)
 {
-    const struct stream_map *m = &s->map;
     /* What is behind the end is some cell. */
     for (uint32_t j = s->cells; j % LANES; j++) s->node[j] = s->node[0];
     for (uint32_t j = 0; j < s->cells; j += LANES) {
@@ -214,11 +214,7 @@ SIMD_INLINE void cells_by(struct stream *s, bool few)
         vf lo, hi;
         vi first, last;
         bounds(c.p, &lo, &hi);
-        entries(m, c.base, lo, hi, &first, &last);
-        struct added r = stretch(m, few, first, c.base, c.p, vf_load(s->len + j));
-        unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
-        put_added(s->add + j, &r);
-        s->simple[j / LANES] = (uint16_t)simple;
+        entries(&s->map, c.base, lo, hi, &first, &last);
         UNROLLED
         for (int i = 0; i < 4; i++) vf_store(s->p[i] + j, c.p[i]);
         vf_store(s->base + j, c.base);
@@ -226,10 +222,27 @@ SIMD_INLINE void cells_by(struct stream *s, bool few)
         vi_store(s->last + j, last);
     }
 }
+
+/* What those add that are simple. (A loop of its own: short turns overlap in a processor, while one
+ * waits for what it depends on.) */
+SIMD_INLINE void integrate_simple(struct stream *s, bool few)
+{
+    for (uint32_t j = 0; j < s->cells; j += LANES) {
+        const vf p[4] = {
+            vf_load(s->p[0] + j), vf_load(s->p[1] + j), vf_load(s->p[2] + j), vf_load(s->p[3] + j)};
+        vi first = vi_load(s->first + j), last = vi_load(s->last + j);
+        struct added r = stretch(&s->map, few, first, vf_load(s->base + j), p, vf_load(s->len + j));
+        unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
+        put_added(s->add + j, &r);
+        s->simple[j / LANES] = (uint16_t)simple;
+    }
+}
+
 static void cells(struct stream *s)
 {
-    if (s->map.entries <= 8) cells_by(s, true);
-    else cells_by(s, false);
+    fields(s);
+    if (s->map.entries <= 8) integrate_simple(s, true);
+    else integrate_simple(s, false);
 }
 
 #endif

@@ -152,6 +152,31 @@ SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
     }
 }
 
+/* What a stretch adds to a ray's rgb and alpha. */
+SIMD_INLINE void add_to(double sum[4], const float add[4])
+{
+#ifdef __AVX2__
+    __m256d seen = (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add));
+    _mm256_storeu_pd(sum, _mm256_loadu_pd(sum) + seen);
+#else
+    double clear = 1 - sum[3];
+    for (int c = 0; c < 4; c++) sum[c] += clear * (double)add[c];
+#endif
+}
+
+/* What the pieces of cell j add together, unless some are to be refined. */
+static void put_whole(struct stream *s, uint32_t j)
+{
+    const struct stream_pieces *q = &s->pieces;
+    double sum[4] = {0};
+    for (uint32_t i = s->piece[j]; i < s->piece_end[j]; i++) {
+        if (!(q->error[i] <= s->tolerance)) return;
+        add_to(sum, q->add[i]);
+    }
+    for (int c = 0; c < 4; c++) s->add[j][c] = (float)sum[c];
+    s->whole[j] = (uint8_t)(1 + s->piece_end[j] - s->piece[j]);
+}
+
 /* All of the list that is not simple. */
 static void cut(struct stream *s)
 {
@@ -175,21 +200,14 @@ static void cut(struct stream *s)
     }
     if (s->map.entries <= 8) integrate_pieces(s, true);
     else integrate_pieces(s, false);
+    memset(s->whole, 2, s->cells);
+    for (uint32_t i = 0; i < n; i++) {
+        s->whole[todo[i]] = 0;
+        if (s->piece[todo[i]] != STREAM_ALONE) put_whole(s, todo[i]);
+    }
 }
 
 /* ---- parts ---------------------------------------------------------------------------------- */
-
-/* What a stretch adds to a ray's rgb and alpha. */
-SIMD_INLINE void add_to(double sum[4], const float add[4])
-{
-#ifdef __AVX2__
-    __m256d seen = (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add));
-    _mm256_storeu_pd(sum, _mm256_loadu_pd(sum) + seen);
-#else
-    double clear = 1 - sum[3];
-    for (int c = 0; c < 4; c++) sum[c] += clear * (double)add[c];
-#endif
-}
 
 /* In n parts. False when that is too coarse: the ray is then spoilt. */
 static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])

@@ -22,13 +22,13 @@ static void add(struct stream *s)
 {
     struct volume *v = s->v;
     const double limit = v->spec->opacity_limit;
-    uint64_t cells = 0, simple = 0;
+    uint64_t cells = 0, samples = 0;
     for (uint32_t j = 0; j < s->cells; j++) {
         double *sum = s->sum[s->of[j]];
         if (sum[3] >= limit) continue;
         cells++;
-        if (s->simple[j / LANES] >> j % LANES & 1) {
-            simple++;
+        if (s->whole[j]) {
+            samples += s->whole[j] - 1u;
             add_to(sum, s->add[j]);
         } else if (s->piece[j] == STREAM_ALONE) {
             alone(s, j, sum);
@@ -38,7 +38,7 @@ static void add(struct stream *s)
         }
     }
     v->counts.cells += cells;
-    v->counts.samples += simple;
+    v->counts.samples += samples;
 }
 
 static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n)
