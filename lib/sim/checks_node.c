@@ -84,7 +84,7 @@ void ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
     if (e->kind == SCHED_TASK) s->asked = false;
     if (e->kind == SCHED_TASK && !((t->queued | t->fed) & bit)) {
         t->queued |= bit;
-        t->came = ring_model(w)->came++;
+        t->came[k] = ring_model(w)->came++;
         s->queued++;
         s->has_px += px_of(&e->task);
     }
@@ -103,7 +103,7 @@ static void check_give_away(
     if (s->asked) fail(w, "who wants work gives some", k, (int32_t)a->task.id);
     for (int32_t i = 0; i < w->n_tasks && w->plan->p_false <= 0; i++) {
         const struct rtask *other = w->tasks[i].note;
-        if (other && other->queued & bit && other->came < t->came)
+        if (other && other->queued & bit && other->came[k] < t->came[k])
             fail(w, "given what is not the next", k, (int32_t)a->task.id);
     }
     node_forgets(s, k, t, &a->task);

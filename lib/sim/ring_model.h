@@ -14,8 +14,8 @@ struct rtask {
     int32_t base;   /* whose it is; ORPHAN: whose it is to be, or whose heir's; -1: not known */
     int32_t from;   /* whose it was before, where it was given away, -1 */
     int32_t passes; /* so often it was, since a connection was lost with it */
-    uint64_t queued, fed; /* the node there has it, not begun; its worker has it */
-    int64_t came;         /* as the so many-th of all that are queued anywhere */
+    uint64_t queued, fed;         /* the node there has it, not begun; its worker has it */
+    int64_t came[SIM_SLOTS_MOST]; /* there as the so many-th of all that were queued anywhere */
 };
 
 enum rstate { RING_NEW, RING_UP, RING_GONE };
