@@ -21,7 +21,7 @@
 #define STREAM_LANES 16   /* the most that a kernel has */
 #define STREAM_WALKERS 16 /* rays on their way: several steps hide what each waits for */
 #define STREAM_RAYS 256   /* in one call */
-#define STREAM_CELLS 128  /* in the list, when it is worked on */
+#define STREAM_CELLS 256  /* in the list, when it is worked on */
 #define STREAM_ROOM (STREAM_CELLS + 2 * STREAM_WALKERS)
 #define STREAM_PIECES 8 /* that one cell may be cut into; one of more is left to piece.c */
 #define STREAM_LINE 64  /* bytes of a cache line: no vector lies in two */

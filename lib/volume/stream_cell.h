@@ -129,8 +129,9 @@ SIMD_INLINE vf lag(vf depth, vf through, vf alpha)
 {
     vf square = depth * depth;
     vf few = depth * ((square * (1.0f / 720) - 1.0f / 12) - square * square * (1.0f / 30240));
-    vf many = 1 / depth - through / alpha - 0.5f;
-    return vf_choose(depth < vf_set(1), few, many);
+    vi deep = depth >= vf_set(1);
+    if (!vi_signs(deep)) return few;
+    return vf_choose(deep, 1 / depth - through / alpha - 0.5f, few);
 }
 
 /* The range of r; k0: at the beginning; slope: what q rises by for each unit of k. */

@@ -7,7 +7,7 @@
 
 #include "volume/stream_cell.h"
 
-#define ROOT_STEPS 6      /* of Newton; where the last one is no smaller than this, */
+#define ROOT_STEPS 5      /* of Newton; where the last one is no smaller than this, */
 #define ROOT_LAST 0x1p-10 /* whose square is nothing in float, the cell is done alone */
 #define PARTS_MIN 8       /* of a piece */
 #define PARTS_MAX 4096
