@@ -12,8 +12,9 @@ partition $size >rows.task
 printf '2 1,1\n4 1,1,1,1\n8 1,1,1,1,.442,1.347,1,2\n14 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347\n' >sets
 # As in balance-auto: partition's options, and simulate's method.
 methods() { # SLOTS POWERS
-	run=$(awk -v slots="$1" 'BEGIN { run = int(512 * 512 / (150 * slots)); print run < 512 ? run : 512 }')
-	printf '%s\n' "interleaved|-n $1|fan" 'masterslave||deal' 'ds|-u run:250|deal' "hybrid|-w $2 -c 400/512|deal -q 1" \
+	run=$(awk -v slots="$1" 'BEGIN { run = int(512 * 512 / (150 * slots)); print (run < 512 ? run : 512) }')
+	long=$(awk -v slots="$1" 'BEGIN { run = int(512 * 512 / (150 * slots)); print (run < 250 ? 250 : run) }')
+	printf '%s\n' "interleaved|-n $1|fan" 'masterslave||deal' "ds|-u run:$long|deal" "hybrid|-w $2 -c 400/512|deal -q 1" \
 		"gdc|-u run:$run -n $1|ring"
 }
 : >regrets
