@@ -10,8 +10,7 @@
 #include <unistd.h>
 
 #define LOOK_US 100000
-#define BEAT_US 450000  /* from when on a look is a beat as well: every fifth */
-#define GROUP_PIXELS 64 /* rendered at a time: coherent rays */
+#define BEAT_US 450000 /* from when on a look is a beat as well: every fifth */
 #define GONE (POLLERR | POLLHUP | POLLNVAL)
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
@@ -187,10 +186,7 @@ static void take_task(struct worker *w, const struct task *t)
         struct lattice piece = lattice_cut(&t->at, f->w, n0, most);
         uint32_t count = (uint32_t)lattice_count(&piece);
         begin();
-        for (uint32_t i = 0, n; i < count; i += n) {
-            n = count - i < GROUP_PIXELS ? count - i : GROUP_PIXELS;
-            w->ops->render(w->ctx, &piece, i, n, w->pixels + 4 * (size_t)i);
-        }
+        w->ops->render(w->ctx, &piece, 0, count, w->pixels);
         end();
         n0 += count;
         /* `done` is the scheduling event: it goes before the last pixels. */

@@ -44,8 +44,7 @@ struct worker_ops {
     const char *(*with)(void *ctx);
     /* Pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
-    /* One tile of a built-in picture, always the same; its bytes are hashed, its time gives the
-     * power. */
+    /* A built-in picture, always the same; its bytes are hashed, its time gives the power. */
     void (*selftest)(void *ctx, float *rgba, uint32_t *n); /* n: room for 4*n floats, then pixels */
     /*
      * For who stands in for another worker; NULL for all others: the CPU time that this one would
