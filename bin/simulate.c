@@ -337,26 +337,6 @@ static int simulate(struct options *o, int argc, char **argv)
 
 /* ---- seeds ----------------------------------------------------------------------------------- */
 
-static void add(struct sim_result *sum, const struct sim_result *r)
-{
-    sum->commits += r->commits;
-    sum->gives += r->gives;
-    sum->computed += r->computed;
-    sum->crashes += r->crashes;
-    sum->silences += r->silences;
-    sum->pauses += r->pauses;
-    sum->slows += r->slows;
-    sum->kills += r->kills;
-    sum->returns += r->returns;
-    sum->twice += r->twice;
-    sum->garbage += r->garbage;
-    sum->lost += r->lost;
-    sum->doubled += r->doubled;
-    sum->late += r->late;
-    sum->events += r->events;
-    sum->trace_hash = hash64(sum->trace_hash, &r->trace_hash, sizeof r->trace_hash);
-}
-
 /* Everything is made up from the seed. */
 static int run_seeds(const struct options *o)
 {
@@ -369,7 +349,7 @@ static int run_seeds(const struct options *o)
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);
         plan.trace = o->plan.trace;
         sim_run(o->policy, &plan, &r);
-        add(&sum, &r);
+        sim_add(&sum, &r);
         if (!*r.failure) continue;
         warn("%s; to repeat: simulate -n 1 -s %" PRIu64 " %s", r.failure, seed,
             ring ? "ring" : "deal");

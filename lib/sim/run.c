@@ -361,3 +361,33 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     policy->destroy(w.state);
     close_world(&w);
 }
+
+void sim_add(struct sim_result *sum, const struct sim_result *r)
+{
+    sum->commits += r->commits;
+    sum->gives += r->gives;
+    sum->flushes += r->flushes;
+    sum->events += r->events;
+    sum->crashes += r->crashes;
+    sum->silences += r->silences;
+    sum->pauses += r->pauses;
+    sum->slows += r->slows;
+    sum->kills += r->kills;
+    sum->twice += r->twice;
+    sum->garbage += r->garbage;
+    sum->returns += r->returns;
+    sum->uncommitted += r->uncommitted;
+    sum->copies += r->copies;
+    sum->pieces += r->pieces;
+    sum->stops += r->stops;
+    sum->withheld += r->withheld;
+    sum->computed += r->computed;
+    sum->messages += r->messages;
+    sum->steals += r->steals;
+    sum->passed += r->passed;
+    sum->reports += r->reports;
+    sum->lost += r->lost;
+    sum->doubled += r->doubled;
+    sum->late += r->late;
+    sum->trace_hash = hash64(sum->trace_hash, &r->trace_hash, sizeof r->trace_hash);
+}

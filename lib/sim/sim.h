@@ -153,6 +153,9 @@ struct sim_result {
  */
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);
 
+/* Adds the counts of a run to those of others; the hash becomes one of all their hashes. */
+void sim_add(struct sim_result *sum, const struct sim_result *r);
+
 /*
  * The least time that a measured run could have taken, whatever the schedule (stats.h): pieces are
  * rows where r split none of them, else pixels; and no less than all pixels take through the hub.

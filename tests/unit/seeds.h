@@ -41,34 +41,6 @@ static int64_t run_seeds(void)
     return seeds;
 }
 
-static void sum_result(struct sim_result *sum, const struct sim_result *r)
-{
-    sum->events += r->events;
-    sum->gives += r->gives;
-    sum->commits += r->commits;
-    sum->flushes += r->flushes;
-    sum->crashes += r->crashes;
-    sum->silences += r->silences;
-    sum->pauses += r->pauses;
-    sum->slows += r->slows;
-    sum->kills += r->kills;
-    sum->twice += r->twice;
-    sum->garbage += r->garbage;
-    sum->returns += r->returns;
-    sum->uncommitted += r->uncommitted;
-    sum->copies += r->copies;
-    sum->pieces += r->pieces;
-    sum->stops += r->stops;
-    sum->withheld += r->withheld;
-    sum->messages += r->messages;
-    sum->steals += r->steals;
-    sum->passed += r->passed;
-    sum->reports += r->reports;
-    sum->lost += r->lost;
-    sum->doubled += r->doubled;
-    sum->late += r->late;
-}
-
 static void a_seed_is_one_run_exactly(void **state)
 {
     (void)state;

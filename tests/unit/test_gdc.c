@@ -58,7 +58,7 @@ static void note_seed(uint64_t seed, const struct sim_result *r)
     o->seeds++;
     o->complete += !r->uncommitted;
     o->twice += !r->uncommitted && r->computed > r->commits;
-    sum_result(&o->sum, r);
+    sim_add(&o->sum, r);
 }
 
 static void say_seed(uint64_t seed, const struct sim_result *r)

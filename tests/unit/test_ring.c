@@ -22,7 +22,7 @@ static bool run_seed(uint64_t seed, struct sim_result *r)
 
 static void note_seed(uint64_t seed, const struct sim_result *r)
 {
-    sum_result(&total, r);
+    sim_add(&total, r);
     all_but_one += r->crashes + r->silences >= sim_ring_plan_of(seed).slots - 1;
 }
 

@@ -21,7 +21,7 @@ static bool run_seed(uint64_t seed, struct sim_result *r)
 static void note_seed(uint64_t seed, const struct sim_result *r)
 {
     (void)seed;
-    sum_result(&total, r);
+    sim_add(&total, r);
 }
 
 static void say_seed(uint64_t seed, const struct sim_result *r)
