@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "volume_scenes.h"
+#include "volume_cases.h"
 
 #include <string.h>
 
@@ -15,17 +15,7 @@ static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, ISA_AUTO};
 static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO};
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
-static void near(double got, double expected, double e)
-{
-    if (!(fabs(got - expected) <= e)) fail_msg("%.9g, expected %.9g", got, expected);
-}
-
-static double of_z(double x, double y, double z) { return 0 * x + 0 * y + z; }
-static double seven(double x, double y, double z) { return 7 + 0 * (x + y + z); }
-
 /* ---- closed forms --------------------------------------------------------------------------- */
-
-static const double above[3] = {2.3, 1.6, 20}, below[3] = {2.3, 1.6, 0};
 
 static void constant_field(void **state)
 {

@@ -7,23 +7,9 @@
 #include <cmocka.h>
 
 #include "volume/volume_int.h"
-#include "volume_scenes.h"
+#include "volume_cases.h"
 
 static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
-
-static void near(double got, double expected, double e)
-{
-    if (!(fabs(got - expected) <= e)) fail_msg("%.9g, expected %.9g", got, expected);
-}
-static double of_z(double x, double y, double z) { return 0 * (x + y) + z; }
-static double seven(double x, double y, double z) { return 7 + 0 * (x + y + z); }
-static double rough(double x, double y, double z)
-{
-    uint64_t node = (uint64_t)(x * 8 + 1000) * 1000003 + (uint64_t)(y * 8 + 1000) * 1009;
-    return floor(10 * 64 * rng_unit(3, node + (uint64_t)(z * 8 + 1000))) / 64;
-}
-
-static double absorbed(double depth) { return 1 - exp(-depth); }
 
 static void rays_in_faces_and_edges(void **state)
 {

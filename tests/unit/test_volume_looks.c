@@ -5,17 +5,9 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "volume_scenes.h"
+#include "volume_cases.h"
 
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
-static const double above[3] = {2.3, 1.6, 20}, below[3] = {2.3, 1.6, 0};
-
-static void near(double got, double expected, double e)
-{
-    if (!(fabs(got - expected) <= e)) fail_msg("%.9g, expected %.9g", got, expected);
-}
-static double of_z(double x, double y, double z) { return 0 * (x + y) + z; }
-static double seven(double x, double y, double z) { return 7 + 0 * (x + y + z); }
 static double waves(double x, double y, double z)
 {
     return 5 + 3 * sin(x * 1.1 + 0.3) * cos(y * 0.9) + 2 * sin(z + x);
