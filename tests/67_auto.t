@@ -21,7 +21,8 @@ chosen 'unequal ones' 'masterslave|hybrid|ds|gdc' unequal
 printf '#!/bin/sh\n{ cat; sleep .2; } | sh -c "$1"\n' >far && chmod +x far
 printf 'far slots=3 power=3 via="./far %%c"\nfar2 power=2 via="./far %%c"\n' >away
 chosen 'far away' 'interleaved|hybrid|gdc' away
-printf ': slots=3 power=3\nnone via="false %%c"\n' >none
+# So far away that all would be given in advance, if they were all there.
+printf 'far slots=3 power=3 via="./far %%c"\nnone via="false %%c"\n' >none
 chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|gdc' none
 like '... and it is named' "$err" 'no answer: none$'
 
