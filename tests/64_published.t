@@ -34,7 +34,7 @@ heard first first.task -a 64
 first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.$k | grep -E -m 1 "$1"; done; }
 is 'without a row of its own it asks the next one first' "$(first_word ask 1)" 'ask peer=2'
 # It has none either, if it has not been given some meanwhile.
-like 'that one answers' "$(first_word '^(none|give).* peer=1' 2)" '^(none peer=1 idle=[01]|give .*peer=1)$'
+like 'that one answers' "$(first_word '^(none|give).* peer=1' 2)" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
 
 # ---- a node dies ----------------------------------------------------------------------------------------------------
 env MARK=$mark timeout 60 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
