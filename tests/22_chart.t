@@ -30,6 +30,8 @@ chart -l -o named.svg times.tsv && texts named.svg >said
 is '-l names them, in both panels' "$(grep -c '^q=1$' said)" 2
 chart -p times.tsv >front.svg && texts front.svg >said
 like '-p marks the front' "$(cat said)" '^Pareto front$'
+{ echo '# front: marked'; cat times.tsv; } | chart >marked.svg
+ok 'as does a table that wants it' cmp front.svg marked.svg
 ok 'PNG' chart -L y -o times.png times.tsv
 is 'it is one' "$(head -c 4 times.png | tail -c 3)" PNG
 ok 'the same on standard output' sh -c 'chart <times.tsv | cmp - times.svg'
