@@ -130,4 +130,11 @@ for e in $(protocol -l | cut -f 1); do
 done
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
+
+# ---- the page that make report makes, of one experiment ------------------------------------------------------------
+EXPERIMENTS='faults' run "$root/tests/report" "$tmp/page"
+like 'a report' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
+is 'has the chart, the verdicts, and the pictures of both views' \
+	"$(grep -c '<svg\|<b>The paper reports\|<table class="verdicts"\|alt="".*base64,i.*<figcaption>gears, ' page/index.html)" 5
+is 'and is all in one file' "$(grep -Eo '(src|href)="[^"]{0,5}' page/index.html | grep -v '="data:\|="#' | head -n 3)" ''
 finish
