@@ -72,14 +72,21 @@ static void parse_assigned(struct options *o, const char *s)
             UINT32_MAX);
 }
 
+static bool in_runs(const struct options *o)
+{
+    return o->cut.unit == CUT_FINE || o->cut.unit == CUT_COARSE;
+}
+
 static bool in_chunks(const struct options *o)
 {
     return o->cut.unit == CUT_GUIDED || o->cut.unit == CUT_FACTORING;
 }
 
-/* Chunks are given in their order, on demand; they need to know for how many. */
-static void check_chunks(const struct options *o)
+/* Chunks are given in their order, on demand; they, and runs, need to know for how many. */
+static void check_slots(const struct options *o)
 {
+    if (in_runs(o) && !o->slots && !o->powers)
+        die(ST_USAGE, "-u fine or coarse: expected -n SLOTS or -w POWER,...");
     if (!in_chunks(o)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
     if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
@@ -105,7 +112,8 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] = "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...] "
                                "[-o shuffle[:SEED]|cost:LOG] [-r LOG] "
-                               "[-u row|tile:WxH|run:N|scatter|guided[:N]|factoring[:N]] "
+                               "[-u row|tile:WxH|run:N|scatter|fine|coarse:N|"
+                               "guided[:N]|factoring[:N]] "
                                "WxH[@FILE]";
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
@@ -124,8 +132,8 @@ static struct options parse(int argc, char **argv)
         case 'u':
             if (!cut_parse(optarg, &o.cut))
                 die(ST_USAGE,
-                    "-u %s: expected row, tile:WxH, run:N, scatter, guided, guided:N, factoring or "
-                    "factoring:N",
+                    "-u %s: expected row, tile:WxH, run:N, scatter, fine, coarse:N, guided, "
+                    "guided:N, factoring or factoring:N",
                     optarg);
             break;
         case 'w': parse_powers(&o, optarg); break;
@@ -140,7 +148,7 @@ static struct options parse(int argc, char **argv)
         if (!o.slots) die(ST_USAGE, "-u scatter: expected -n SLOTS, the number of sets");
         o.cut.w = (uint32_t)o.slots;
     }
-    check_chunks(&o);
+    check_slots(&o);
     return o;
 }
 
@@ -256,14 +264,15 @@ static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t 
 /* Slots get their shares of what is to be done: with a log, of what is left. */
 static void write_tasks(struct options *o)
 {
-    if (in_chunks(o))
-        cut_chunks(
-            &o->cut, (uint32_t)o->w, (uint32_t)o->h, o->powers, o->powers ? o->n_powers : o->slots);
+    uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
+    int slots = o->powers ? o->n_powers : o->slots;
+    if (in_runs(o)) cut_runs(&o->cut, w, h, slots);
+    if (in_chunks(o)) cut_chunks(&o->cut, w, h, o->powers, slots);
     struct buf out = {0};
     struct coverage have = read_log(o);
     struct interleave v = {
         o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
-    uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h, count = cut_count(&o->cut, w, h);
+    uint32_t count = cut_count(&o->cut, w, h);
     uint32_t left = 0; /* tasks so far, those left out not counted */
     int64_t assigned = o->of ? (int64_t)count * o->assigned / o->of : o->assigned;
     wire_frame(&out, o->frame, w, h, NULL);

@@ -16,11 +16,18 @@ is '... and only the first batch is preassigned' \
 is 'guided:N: chunks of whole runs, the last one what is left' \
 	"$(partition -u guided:30 -n 2 10x10 | awk '$1 == "task" { printf "%s ", $6 }')" '60 30 10 '
 
+is 'fine: 150 tasks a slot, or rows' \
+	"$(for slots in 1 2; do partition -u fine -n $slots 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '8to=0 5to=0'
+is 'coarse: 150 tasks a slot, or what was asked for, and with -c 0 nobody'\''s' \
+	"$(for slots in 1 2; do partition -u coarse:9 -n $slots -c 0 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '10 9'
+is 'each picture of several is cut by its own size' \
+	"$(printf 'frame 0 8 8\nframe 1 8 400\n' | partition -u coarse:2 -n 1 -c 0 8x8@- | awk '/^task/ && !n[$2]++ { printf "%s ", $6 }')" '2 21 '
+
 spdgen -s 2 tetra >tetra.nff
 partition 40x32 | rtworker tetra.nff | gather -o rows.pfm
 partition 10x8 | rtworker tetra.nff >coarse.frags
 same() { partition "$@" 40x32 >tasks && rtworker tetra.nff <tasks | gather -o other.pfm && imgcmp rows.pfm other.pfm; }
-for cut in 'guided -n 3' 'guided:7 -n 3' 'factoring -n 3' 'factoring:50 -w .5,2' 'guided -n 100' 'factoring:1000000 -n 3'; do
+for cut in 'fine -n 3' 'coarse:7 -w 1,2' 'guided -n 3' 'guided:7 -n 3' 'factoring -n 3' 'factoring:50 -w .5,2' 'guided -n 100' 'factoring:1000000 -n 3'; do
 	# shellcheck disable=SC2086
 	ok "-u $cut: every pixel once" same -u $cut
 done
@@ -48,6 +55,8 @@ refused() { run partition "$@"; [ "$status" = 2 ] && [ -z "$out" ]; }
 : >empty
 ok 'refused: guided without slots' refused -u guided 8x8
 ok 'refused: guided with powers' refused -u guided -w 1,2 8x8
+ok 'refused: fine without slots' refused -u fine 8x8
+ok 'refused: coarse without slots' refused -u coarse:9 8x8
 ok 'refused: factoring without slots' refused -u factoring 8x8
 ok 'refused: chunks in another order' refused -u guided -n 2 -o shuffle 8x8
 ok 'refused: chunks and a count' refused -u factoring -n 2 -c 3 8x8

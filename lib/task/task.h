@@ -41,20 +41,36 @@ struct lattice lattice_cut(const struct lattice *l, uint32_t frame_w, uint64_t n
 int64_t lattice_offset(const struct lattice *l, uint32_t frame_w, const struct lattice *sub);
 
 /* How a frame is cut into tasks. */
-enum cut_unit { CUT_ROW, CUT_TILE, CUT_RUN, CUT_SCATTER, CUT_GUIDED, CUT_FACTORING };
+enum cut_unit {
+    CUT_ROW,
+    CUT_TILE,
+    CUT_RUN,
+    CUT_SCATTER,
+    CUT_FINE,
+    CUT_COARSE,
+    CUT_GUIDED,
+    CUT_FACTORING
+};
+/* So many tasks a slot are enough to even them out, and few enough for their way to cost little. */
+#define CUT_TASKS_A_SLOT 150
 struct cut {
     enum cut_unit unit;
     uint32_t w,
-        h; /* tile: its sides; run: w pixels; scatter: w sets; the last two: chunks are of */
-           /* whole rows, or of whole runs of w pixels */
+        h; /* tile: its sides; run: w pixels; scatter: w sets; fine, coarse: runs of h pixels, */
+           /* coarse: at least w; the last two: chunks are of whole rows, or of whole runs of w */
+           /* pixels */
     uint32_t *ends; /* where chunk i ends, in these; its own */
     uint32_t n;
 };
 /*
- * "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "guided", "guided:N", "factoring",
- * "factoring:N" (the caller calls cut_chunks); false when it is none of them.
+ * "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "fine", "coarse:N" (the caller calls
+ * cut_runs), "guided", "guided:N", "factoring", "factoring:N" (the caller calls cut_chunks); false
+ * when it is none of them.
  */
 bool cut_parse(const char *s, struct cut *cut);
+/* How long the runs of a frame are, by the number of slots: as long as makes CUT_TASKS_A_SLOT for
+ * each, but fine ones no longer than a row, coarse ones no shorter than w. */
+void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots);
 /* The chunks of a frame, by the number of slots and, for factoring, their powers (or NULL): with
  * them the first `slots` chunks are one for each slot. */
 void cut_chunks(

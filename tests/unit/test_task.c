@@ -220,6 +220,34 @@ static void test_cut_kinds(void **state)
     assert_true(lattice_valid(&last.at, FRAME_SIDE_MAX, FRAME_SIDE_MAX));
 }
 
+/* 150 tasks a slot, but fine ones no longer than a row, coarse ones no shorter than asked. */
+static void test_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        enum cut_unit unit;
+        uint32_t w, fw, fh;
+        int slots;
+        uint32_t count, first;
+    } cases[] = {
+        {CUT_FINE, 0, 512, 512, 14, 2115, 124},     /* 262144 / 2100 */
+        {CUT_FINE, 0, 512, 512, 2, 512, 512},       /* 873 pixels are more than a row */
+        {CUT_FINE, 0, 3, 4, 100, 12, 1},            /* a pixel at least */
+        {CUT_COARSE, 250, 512, 512, 2, 301, 873},   /* longer than asked */
+        {CUT_COARSE, 250, 512, 512, 14, 1049, 250}, /* as asked */
+        {CUT_COARSE, 250, 10, 10, 1000000, 1, 100}, /* all there is */
+        {CUT_COARSE, 1, FRAME_SIDE_MAX, FRAME_SIDE_MAX, 1, 151, 28632241},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct cut cut = {.unit = cases[i].unit, .w = cases[i].w};
+        cut_runs(&cut, cases[i].fw, cases[i].fh, cases[i].slots);
+        assert_int_equal(cut_count(&cut, cases[i].fw, cases[i].fh), cases[i].count);
+        struct task first = cut_task(&cut, cases[i].fw, cases[i].fh, 0);
+        assert_int_equal(lattice_count(&first.at), cases[i].first);
+        if (cases[i].fw <= 512) check_cover(&cut, cases[i].fw, cases[i].fh);
+    }
+}
+
 /* Chunks never grow from one batch to the next, and cover every frame. */
 static void test_chunks(void **state)
 {
@@ -257,13 +285,15 @@ static void test_cut_parse(void **state)
 {
     (void)state;
     static const char *const bad[] = {"", "rows", "row:2", "tile", "tile:", "tile:0x1", "tile:4",
-        "run:0", "run:", "run:-1", "run:4294967296", "scatter:3", "Row", "run:1x1",
-        "guided:", "guided:0", "guided:x", "guide", "factoring:0", "factoring5"};
+        "fine:2", "coarse", "coarse:0", "run:0", "run:", "run:-1", "run:4294967296", "scatter:3",
+        "Row", "run:1x1", "guided:", "guided:0", "guided:x", "guide", "factoring:0", "factoring5"};
     struct cut c;
     assert_true(cut_parse("row", &c) && c.unit == CUT_ROW);
     assert_true(cut_parse("scatter", &c) && c.unit == CUT_SCATTER);
     assert_true(cut_parse("tile:32x16", &c) && c.unit == CUT_TILE && c.w == 32 && c.h == 16);
     assert_true(cut_parse("run:250", &c) && c.unit == CUT_RUN && c.w == 250);
+    assert_true(cut_parse("fine", &c) && c.unit == CUT_FINE);
+    assert_true(cut_parse("coarse:250", &c) && c.unit == CUT_COARSE && c.w == 250);
     assert_true(cut_parse("guided", &c) && c.unit == CUT_GUIDED && c.w == 0);
     assert_true(cut_parse("factoring:16", &c) && c.unit == CUT_FACTORING && c.w == 16);
     assert_true(cut_parse("run:4294967295", &c) && c.w == UINT32_MAX);
@@ -534,6 +564,7 @@ int main(void)
         cmocka_unit_test(test_cut_anywhere),
         cmocka_unit_test(test_false_claims),
         cmocka_unit_test(test_cut_kinds),
+        cmocka_unit_test(test_runs),
         cmocka_unit_test(test_chunks),
         cmocka_unit_test(test_cut_parse),
         cmocka_unit_test(test_missing_of_every_small_frame),
