@@ -122,10 +122,12 @@ MANDIR   = $(DESTDIR)$(PREFIX)/share/man
 install: all
 	install -d $(DESTDIR)$(PREFIX)/bin
 	install -m 755 $(PROGRAMS) $(SCRIPTS) $(DESTDIR)$(PREFIX)/bin
+	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/stormring scenes/*
 	for page in $(PAGES); do install -D -m 644 -t $(MANDIR)/man$${page##*.} $$page || exit; done
 
 uninstall:
 	cd $(DESTDIR)$(PREFIX)/bin && rm -f $(notdir $(PROGRAMS) $(SCRIPTS))
+	rm -rf $(DESTDIR)$(PREFIX)/share/stormring
 	for page in $(notdir $(PAGES)); do rm -f $(MANDIR)/man$${page##*.}/$$page; done
 
 clean:

@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "stats/stats.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -277,8 +278,9 @@ static struct interval compared(const struct options *o, const struct row *a, si
         of = mean_interval(x, *used, o->level);
     }
     if (o->relation == SAME) {
-        double whole = fabs(mean(y, samples(b, m, y)));
-        if (whole > 0) of = (struct interval){of.estimate / whole, of.low / whole, of.high / whole};
+        /* Of 0, only 0 is the same. */
+        double whole = fmax(fabs(mean(y, samples(b, m, y))), DBL_MIN);
+        of = (struct interval){of.estimate / whole, of.low / whole, of.high / whole};
     }
     free(x);
     return of;

@@ -32,6 +32,10 @@ is 'what is not certain is open' "$(verdict less a d)" open
 is 'the same within a margin' "$(verdict same:.01 a c)" holds
 is 'not the same within a smaller one' "$(verdict same:.001 a b)" fails
 is 'steadier' "$(verdict steadier a d)$(verdict steadier d a)$(verdict steadier a a)" holdsfailsopen
+tsv 'e real z 1 s 0 s 1 0' 'e real z 1 s 0 s 2 0' 'e real w 1 s .001 s 1 0' 'e real w 1 s .001 s 2 0' 'e real v 1 s 0 s 1 0' \
+	'e real v 1 s 0 s 2 0' >zero.tsv
+is 'of 0, only 0 is the same' "$(tsvstat -t same:.1 v z zero.tsv | cut -f 10)$(tsvstat -t same:.1 w z zero.tsv | cut -f 10)" "$(
+	printf 'verdict\nholdsverdict\nfails')"
 run tsvstat -t less a b pairs.tsv
 is 'exit 0 when it holds' "$status" 0
 run tsvstat -t more a b pairs.tsv
@@ -77,6 +81,7 @@ until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/de
 kill -9 $run 2>/dev/null
 wait $run
 # It may have been quick enough, and what it left is then whole.
+sed '/^experiment/q' a.tsv >b.tsv
 mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
 if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
 	printf 'balls	simulated	to' >>a.tsv
@@ -96,6 +101,29 @@ run protocol -n 2 -o other.tsv faults
 like 'refused: another plan' "$status $err" '^2 protocol: .*other.tsv:[0-9]+: .*expected'
 run protocol -n 2 -o /nowhere/x.tsv faults
 is 'nowhere to write: status 3' "$status" 3
+run protocol -n 2 -o /dev/full faults
+is 'a full disk: status 3' "$status $(echo "$err" | grep -c '^protocol: /dev/full: cannot be written$')" '3 1'
+printf 'not a table,\nnor a whole line' >notes
+cp notes kept
+run protocol -n 2 -o notes faults
+is 'another file is refused, and left as it was' "$status$(cmp notes kept 2>&1)" 2
+mkdir mine.tsv.d
+run protocol -n 2 -o mine.tsv faults
+is 'and so is a directory that is somebody else'"'"'s' "$status $(ls -d mine.tsv*)" '2 mine.tsv.d'
+mkfifo held
+flock whole.tsv cat held &
+until ! flock -n whole.tsv true; do sleep .02; done
+run protocol -n 2 -o whole.tsv faults
+like 'one run at a time' "$status $err" '^2 protocol: .*whole.tsv: another run writes it'
+: >held
+wait
+mkdir "in stalled" && cp "$root"/bin/* "in stalled" # what is installed has no tests beside it
+run "in stalled/protocol" -n 1 power
+like 'real hosts want a clone' "$status $err" '^3 protocol: power: is for a clone of the source'
+run protocol -n 1 -o real.tsv complexity
+like 'real ones say what else the machine did' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
+run protocol -n 1 -o real.tsv complexity
+is 'and are whole then' "$status$out$err" 0
 
 # ---- verdicts: tables made so that a claim holds, fails, or is open ------------------------------------------------
 # made GDC INTERLEAVED: faults with these speed-ups after two are deleted
@@ -116,6 +144,11 @@ is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print 
 made 9 5 >bad.tsv
 is 'not found' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
 # Every experiment's claims, of tables of its plan in which nothing is known: seven fields a line, and no word that is none.
+grep -v '	gdc' good.tsv >bad.tsv
+is 'not decided, where there is nothing to decide by' \
+	"$(protocol -v faults bad.tsv 2>said | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" \
+	'0 0 0 not decided the table has no samples of it'
+like 'a statistic says of which rows it is' "$(protocol -v faults good.tsv)" '	where x == 2: gdc more no picture; gdc-published more no picture	'
 for e in $(protocol -l | cut -f 1); do
 	if ! protocol -p -n 4 "$e" >plan 2>said; then
 		skip "the claims of $e" "$(head -n 1 said)"
