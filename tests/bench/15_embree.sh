@@ -1,0 +1,21 @@
+#!/bin/sh
+# 15_embree: our ray tracing kernels against those of Embree (Debian's 3), one core: the same shading asks both for the
+# same rays, depth 5, one sample a pixel. Time to trace a picture and to build the hierarchy, medians of 9 in turns, beside
+# the fastest of Embree's: one ray a call, 16, or 16 that it is told are coherent. Embree computes in float, ours decides
+# hits in double: how far its picture is from ours stands beside. Scenes with cones are left out, as Embree has none.
+# shellcheck source=lib.sh
+. "$(dirname "$0")/lib.sh"
+cc -std=c11 -D_GNU_SOURCE -O2 -ffp-contract=off -I"$root/lib" -o embree_bench "$root/tests/bench/embree_bench.c" \
+	"$root/build/libstormring.a" -lembree3 -lpng -lz -lm || stop 'embree_bench does not compile'
+for scene in balls gears tetra; do spdgen $scene >$scene.nff || stop "no $scene"; done
+cp "$root/scenes/marbles.nff" "$root/scenes/polygons.nff" . || exit 3
+printf '%-9s %-26s %9s %9s %9s %8s\n' scene kernels 'build ms' 'trace ms' RMSE 'far off'
+for scene in balls gears tetra marbles polygons; do
+	# shellcheck disable=SC2154  # lib.sh sets pin
+	$pin ./embree_bench 9 512x512 $scene.nff >$scene.times || stop "failed: $scene"
+	awk -F '\t' -v s=$scene '{ printf "%-9s %-26s %9.2f %9.2f %9s %8d\n", s, $1, $2, $3, $4, $5 }' $scene.times
+done
+for scene in balls gears tetra marbles polygons; do
+	awk -F '\t' 'NR == 1 { ours = $3; next } !least || $3 < least { least = $3 } END { print ours / least }' $scene.times >ratio
+	report "$scene, time by that of Embree's fastest" "$(cat ratio)" '' 1
+done
