@@ -180,6 +180,7 @@ static inline real ref_along(
 static inline void ref_stretch(const struct grid *g, const struct spec *m, const uint32_t i[3],
     const real o[3], const real d[3], real t0, real t1, real *tau, real out[4])
 {
+    if (*tau > 60) return; /* behind it is 1e-26 */
     real rgb[3], unused[3], near = (t1 - t0) * 1e-12L; /* within the stretch, off the knots */
     int parts = 4 + (int)(300 * (t1 - t0) * ref_map(m, ref_along(g, i, o, d, (t0 + t1) / 2), rgb));
     real h = (t1 - t0) / parts, k0 = ref_map(m, ref_along(g, i, o, d, t0 + near), unused);
