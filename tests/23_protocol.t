@@ -156,11 +156,30 @@ for e in $(protocol -l | cut -f 1); do
 	fi
 	awk -F '\t' -v OFS='\t' -v e="$e" 'BEGIN { print "# command: protocol -n 4 -s 0 " e
 			for (i = split("experiment kind method x x_unit y y_unit sample seed", c, " "); i; i--) $i = c[i]; print }
-		{ print $1, "real", $2, $3, 1, 1 + NR * 7919 % 101 / 1000, 1, $4, $5 }' plan >made.tsv
+		{ print $1, "real", $2, ($3 == "-" ? 1 + NR * 7907 % 103 / 1000 : $3), 1, 1 + NR * 7919 % 101 / 1000, 1, $4, $5 }' plan >made.tsv
 	protocol -v "$e" made.tsv >verdicts 2>said
 	awk -F '\t' 'NF != 7 || /\t\t|\t$/ || NR > 1 && $6 !~ /^(found|found in part|not found|not decided|does not hold|holds until X = [0-9]+(e[0-9]+)?)$/' verdicts >odd
 	is "the claims of $e" "$(wc -l <verdicts | awk '{ print ($1 > 1) }')$(cat odd said)" 1
 done
+# What is as exact as a point of POV-Ray: the cheapest of it is compared, and where nothing is, that is no success.
+# traced TIME ERROR: verdict and cells of a table in which POV-Ray takes 1 s to an error of .02
+traced() {
+	echo '# command: protocol -n 3 -s 0 tracing'
+	tsv
+	for i in 1 2 3; do
+		echo "$i" | awk -v OFS='\t' -v time="$1" -v error="$2" 'function row(method, x, y) { print "gears", "real", method, x, "s", y, 1, i, 0 }
+			{ i = $1; row("POV-Ray +RN@1", 1 + i / 100, .02); row("rtworker -a N@1", time + i / 1000, error)
+				row("rtworker -a N@4", time + 9, error); row("rtworker -a 16:T@0.1", time + 2, error)
+				row("rtworker -a 1 -d N@5", .001 * i, .5); row("Tachyon -aasamples N@0", 5, .4) }'
+	done
+}
+cheapest() {
+	traced "$1" "$2" >traced.tsv
+	protocol -v tracing traced.tsv | awk -F '\t' '$1 ~ /POV-Ray/ { print $3, $4, $5, $6 }'
+}
+is 'less than half' "$(cheapest .4 .02)" '1 1 0 found'
+is 'more than half' "$(cheapest .6 .01)" '1 0 1 not found'
+is 'not as exact' "$(cheapest .4 .0203)" '1 0 1 not found'
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 
