@@ -1,5 +1,5 @@
 # Stormring. make: the programs. make demo, demo-volume, check: they install the Debian packages they miss, and say which.
-# make bench, bench-volume, soak, chart, report, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+# make bench, soak, chart, report, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -62,21 +62,19 @@ bench:
 	@$(PARALLEL) -s all
 	@for test in tests/bench/[0-9]*.sh; do echo "== $$test"; $$test || exit; done
 
-bench-volume:
-	@tests/need bench
-	@$(PARALLEL) -s all
-	@tests/bench/90_volume.sh
-
 # Minutes of kills and loads, by hand.
 soak:
 	@tests/need check
 	@$(PARALLEL) -s all
 	@prove -v tests/soak/*.sh
 
+# Speed against accuracy of both workers, beside others': README's charts, and what is claimed of them.
 chart:
-	@tests/need chart
+	@tests/need bench chart
 	@$(PARALLEL) -s all
-	@tests/chart-volume
+	@for e in tracing:speed casting:volume; do table=build/$${e%:*}.tsv; rm -rf $$table*; \
+		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table && \
+		bin/chart -l -o man/pictures/$${e#*:}-accuracy.svg $$table || exit; done
 
 # What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
 report:
@@ -135,4 +133,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
 
-.PHONY: all need demo demo-volume check bench bench-volume soak chart report fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo demo-volume check bench soak chart report fuzz unit fuzzers install uninstall clean

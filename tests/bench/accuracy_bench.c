@@ -1,92 +1,242 @@
 /*
- * accuracy_bench: what integrators of volumes cost, and what they are wrong by, on the wind of the
- * tests as it is seen from above, by the smooth map or by a contour of so many m/s.
+ * accuracy_bench: what pictures of the tests' wind cost, and what they are wrong by: seen from
+ * above, 500 x 500, by the smooth map, the same of an extinction 20 times as high, or a contour of
+ * so many m/s.
  *
- *     error MAP METHOD ...    METHOD, RMS error and the greatest error of a channel
- *     time MAP METHOD ...     METHOD, CPU us a ray
+ *     error MAP METHOD ...      METHOD, RMS error and the greatest error of a channel, at every
+ *                               12th pixel of every 12th row, against marching in long double
+ *     reference MAP FILE        a picture that has converged, as raw float RGBA; ends the program
+ *                               where marching sees another
+ *     cast MAP METHOD FILE      CPU ms of a picture, with all that is prepared for it, and its RMS
+ *                               error against FILE
+ *     compare FILE FILE         the RMS error of one against the other
+ *     field FILE                the even field for others: raw float; says its size and step
+ *     scene MAP                 from, at, up, angle and size, then the map's knots: for others
  *
- * MAP is `smooth` or a width. Errors are against marching in long double (volume_scenes.h), which
- * shares no code with what is measured, at every 4th pixel of every 4th row. No ray ends early.
+ * MAP is `smooth`, `dense` or a width; even:MAP is the field resampled to 64 even levels. METHOD is
+ * one of vcworker -m; METHOD/LIMIT ends rays at this opacity, which none does otherwise. Marching
+ * (volume_scenes.h) shares no code with what is measured.
  */
 #include "../unit/volume_scenes.h"
 
 #include <string.h>
 
-#define SIDE 160
-#define EVERY 4
-#define REF_SIDE (SIDE / EVERY)
+#define SIDE 500
+#define SAMPLES ((size_t)4 * SIDE * SIDE)
+#define EVERY 12       /* pixel of every such row is marched through, for errors, */
+#define CHECK_EVERY 36 /* and for what has converged */
+#define REF_VALUES ((size_t)4 * (SIDE / EVERY) * (SIDE / EVERY))
 #define REF_STEPS 24 /* in each stretch between faces, to find knots by */
+#define CONVERGED "adaptive:1e-7"
+#define CONVERGED_RMS 2e-6 /* from marching, whose own errors are most of that */
+#define LEVELS 64
+#define DENSE 20        /* times the smooth map's extinction: most rays end before the grid does */
+#define LEAST_US 150000 /* pictures are made until they took this: the fastest counts */
+static const struct lattice all = {0, 0, SIDE, SIDE, 1, 1};
 
-static struct scene scene_of(const char *map)
+/* A view of the wind: what MAP says. `c.s` points into c. */
+struct look {
+    struct grid g;
+    struct scene c;
+};
+
+/* The wind at LEVELS levels as far apart as each other. */
+static struct grid even_grid(void)
 {
-    struct scene c = wind_scene(SIDE);
-    double width;
-    if (strcmp(map, "smooth") == 0) smooth_map(&c);
-    else if (parse_real(map, 1e-6, 1e3, &width)) contour_map(&c, width);
-    else die(ST_USAGE, "%s: expected smooth or a width", map);
-    return c;
+    struct grid from = wind_grid(), g = make_grid(from.n[0], from.n[1], LEVELS);
+    double top = from.at[2][from.n[2] - 1];
+    for (uint32_t k = 0; k < LEVELS; k++) {
+        g.at[2][k] = k + 1 < LEVELS ? top * k / (LEVELS - 1) : top;
+        for (uint32_t j = 0; j < g.n[1]; j++)
+            for (uint32_t i = 0; i < g.n[0]; i++) {
+                const double p[3] = {i, j, g.at[2][k]};
+                g.value[grid_node(&g, i, j, k)] = (float)grid_at(&from, p);
+            }
+    }
+    free_grid(&from);
+    return g;
 }
 
-static struct volume_options method_of(const char *name)
+static void look_at(struct look *l, const char *map)
+{
+    bool even = strncmp(map, "even:", 5) == 0;
+    const char *name = even ? map + 5 : map;
+    double width;
+    l->c = wind_scene(SIDE);
+    if (strcmp(name, "smooth") == 0 || strcmp(name, "dense") == 0) smooth_map(&l->c);
+    else if (parse_real(name, 1e-6, 1e3, &width)) contour_map(&l->c, width);
+    else die(ST_USAGE, "%s: expected smooth or a width, or even: and one of these", map);
+    for (size_t i = 0; *name == 'd' && i < l->c.s.n_knots; i++) l->c.knot[i].k *= DENSE;
+    l->g = even ? even_grid() : wind_grid();
+}
+
+/* What METHOD says; the limit goes to the scene. */
+static struct volume_options method_of(struct look *l, const char *name)
 {
     struct volume_options o;
-    char err[VOLUME_ERR];
-    if (!volume_method_parse(name, &o, err)) die(ST_USAGE, "%s: expected %s", name, err);
+    char err[VOLUME_ERR], method[VOLUME_METHOD] = "";
+    size_t n = strcspn(name, "/");
+    const char *limit = name[n] ? name + n : NULL;
+    if (n < sizeof method) memcpy(method, name, n);
+    if (!volume_method_parse(method, &o, err)) die(ST_USAGE, "%s: expected %s", name, err);
+    l->c.s.opacity_limit = 1;
+    if (limit && !parse_real(limit + 1, 1e-9, 1, &l->c.s.opacity_limit))
+        die(ST_USAGE, "%s: expected a limit from 1e-9 to 1", name);
     o.isa = ISA_AUTO;
     return o;
 }
 
-static struct volume *volume_of(const struct grid *g, const struct spec *s, const char *method)
+static void draw(struct look *l, const char *method, const struct lattice *pixels, float *p)
 {
-    struct volume_options o = method_of(method);
-    struct volume *v = volume_new(g, s, &o);
+    struct volume_options o = method_of(l, method);
+    struct volume *v = volume_new(&l->g, &l->c.s, &o);
     volume_frame(v, SIDE, SIDE);
-    return v;
+    volume_pixels(v, pixels, 0, pixels->w * pixels->h, p);
+    volume_free(v);
 }
 
-static void put_error(
-    const struct grid *g, const struct spec *s, const char *method, const real *ref)
+/* What marching sees at such pixels: so many values. */
+static size_t march(const struct look *l, uint32_t every, real *ref)
 {
-    static float p[4 * REF_SIDE * REF_SIDE];
-    const struct lattice every = {0, 0, REF_SIDE, REF_SIDE, EVERY, EVERY};
-    struct volume *v = volume_of(g, s, method);
-    double sum = 0, most = 0;
-    volume_pixels(v, &every, 0, REF_SIDE * REF_SIDE, p);
-    for (int i = 0; i < 4 * REF_SIDE * REF_SIDE; i++) {
+    size_t n = 0;
+    for (uint32_t y = 0; y + every <= SIDE; y += every)
+        for (uint32_t x = 0; x + every <= SIDE; x += every, n += 4)
+            ref_pixel(&l->g, &l->c.s, x, y, REF_STEPS, ref + n);
+    return n;
+}
+
+/* How far METHOD is from that: the RMS of all channels. */
+static double from_marching(
+    struct look *l, const char *method, uint32_t every, const real *ref, double *most)
+{
+    static float p[REF_VALUES];
+    const struct lattice some = {0, 0, SIDE / every, SIDE / every, every, every};
+    size_t n = 4 * (size_t)some.w * some.h;
+    double sum = 0;
+    draw(l, method, &some, p);
+    *most = 0;
+    for (size_t i = 0; i < n; i++) {
         double e = fabs((double)((real)p[i] - ref[i]));
         sum += e * e;
-        most = fmax(most, e);
+        *most = fmax(*most, e);
     }
-    printf("%s %.3g %.3g\n", method, sqrt(sum / (4 * REF_SIDE * REF_SIDE)), most);
-    volume_free(v);
+    return sqrt(sum / (double)n);
 }
 
-static void put_time(const struct grid *g, const struct spec *s, const char *method)
+static void put_errors(struct look *l, char *const *method, int n)
 {
-    static float p[4 * SIDE * SIDE];
-    const struct lattice all = {0, 0, SIDE, SIDE, 1, 1};
-    struct volume *v = volume_of(g, s, method);
-    int64_t begin = cpu_us();
-    volume_pixels(v, &all, 0, SIDE * SIDE, p);
-    printf("%s %.4g\n", method, (double)(cpu_us() - begin) / (SIDE * SIDE));
-    volume_free(v);
+    static real ref[REF_VALUES];
+    double most;
+    march(l, EVERY, ref);
+    for (; n; n--, method++) {
+        double rms = from_marching(l, *method, EVERY, ref, &most);
+        printf("%s %.3g %.3g\n", *method, rms, most);
+    }
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+static void write_raw(const char *path, const float *v, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    if (!f || fwrite(v, sizeof *v, n, f) != n || fclose(f))
+        die(ST_SYSTEM, "cannot write %s:", path);
+}
+
+/* SAMPLES of them; the caller frees the bytes. */
+static const float *read_picture(const char *path, struct buf *b)
+{
+    if (read_file(path, b) || buf_size(b) != SAMPLES * sizeof(float))
+        die(ST_USAGE, "%s: no picture, expected %d x %d of float RGBA", path, SIDE, SIDE);
+    return (const float *)(const void *)buf_data(b);
+}
+
+static double rms_error(const float *p, const char *path)
+{
+    struct buf b = {0};
+    const float *ref = read_picture(path, &b);
+    double sum = 0;
+    for (size_t i = 0; i < SAMPLES; i++) {
+        double e = (double)p[i] - (double)ref[i];
+        sum += e * e;
+    }
+    buf_free(&b);
+    return sqrt(sum / (double)SAMPLES);
+}
+
+static void put_reference(struct look *l, const char *path)
+{
+    static real ref[REF_VALUES];
+    static float p[SAMPLES];
+    double most, rms;
+    march(l, CHECK_EVERY, ref);
+    rms = from_marching(l, CONVERGED, CHECK_EVERY, ref, &most);
+    if (!(rms < CONVERGED_RMS))
+        die(ST_PARTIAL, "marching differs by %.3g, expected less than %g", rms, CONVERGED_RMS);
+    draw(l, CONVERGED, &all, p);
+    write_raw(path, p, SAMPLES);
+}
+
+static void put_cast(struct look *l, const char *method, const char *path)
+{
+    static float p[SAMPLES];
+    int64_t best = INT64_MAX, end = cpu_us() + LEAST_US;
+    do {
+        int64_t begin = cpu_us(), took;
+        draw(l, method, &all, p);
+        took = cpu_us() - begin;
+        best = took < best ? took : best;
+    } while (cpu_us() < end);
+    printf("%.5g %.3g\n", (double)best / 1e3, rms_error(p, path));
+}
+
+static void put_compared(const char *path, const char *ref)
+{
+    struct buf b = {0};
+    printf("%.3g\n", rms_error(read_picture(path, &b), ref));
+    buf_free(&b);
+}
+
+/* ---- for others ------------------------------------------------------------------------------ */
+
+static void put_scene(const struct spec *s)
+{
+    const double *const triple[] = {s->from, s->at, s->up};
+    for (int i = 0; i < 3; i++)
+        printf("%.17g %.17g %.17g\n", triple[i][0], triple[i][1], triple[i][2]);
+    printf("%.17g %d\n", s->angle, SIDE);
+    for (size_t i = 0; i < s->n_knots; i++) {
+        const struct spec_knot *k = &s->knot[i];
+        printf("%.17g %.17g %.17g %.17g %.17g\n", k->s, k->rgb[0], k->rgb[1], k->rgb[2], k->k);
+    }
+}
+
+static void put_field(const char *path)
+{
+    struct grid g = even_grid();
+    write_raw(path, g.value, (size_t)g.n[0] * g.n[1] * g.n[2]);
+    printf("%u %u %u %.17g\n", g.n[0], g.n[1], g.n[2], g.at[2][1]);
+    free_grid(&g);
 }
 
 int main(int argc, char **argv)
 {
+    static struct look l;
     prog_init(argv[0]);
-    if (argc < 4 || (*argv[1] != 'e' && *argv[1] != 't'))
-        usage(ST_USAGE, "error MAP METHOD ... | time MAP METHOD ...");
-    struct grid g = wind_grid();
-    struct scene c = scene_of(argv[2]);
-    static real ref[4 * REF_SIDE * REF_SIDE];
-    c.s.knot = c.knot;
-    for (uint32_t i = 0; *argv[1] == 'e' && i < REF_SIDE * REF_SIDE; i++)
-        ref_pixel(&g, &c.s, i % REF_SIDE * EVERY, i / REF_SIDE * EVERY, REF_STEPS, ref + 4 * i);
-    for (int i = 3; i < argc; i++)
-        if (*argv[1] == 'e') put_error(&g, &c.s, argv[i], ref);
-        else put_time(&g, &c.s, argv[i]);
-    free_grid(&g);
+    const char *what = argc > 2 ? argv[1] : "";
+    bool looks = *what && strcmp(what, "field") != 0 && strcmp(what, "compare") != 0;
+    if (looks) look_at(&l, argv[2]);
+    l.c.s.knot = l.c.knot;
+    if (strcmp(what, "error") == 0 && argc > 3) put_errors(&l, argv + 3, argc - 3);
+    else if (strcmp(what, "reference") == 0 && argc == 4) put_reference(&l, argv[3]);
+    else if (strcmp(what, "cast") == 0 && argc == 5) put_cast(&l, argv[3], argv[4]);
+    else if (strcmp(what, "compare") == 0 && argc == 4) put_compared(argv[2], argv[3]);
+    else if (strcmp(what, "field") == 0 && argc == 3) put_field(argv[2]);
+    else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(&l.c.s);
+    else
+        usage(ST_USAGE, "error MAP METHOD ... | reference MAP FILE | cast MAP METHOD FILE | "
+                        "compare FILE FILE | field FILE | scene MAP");
+    free_grid(&l.g);
     close_stdout();
     return 0;
 }
