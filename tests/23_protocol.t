@@ -180,6 +180,25 @@ cheapest() {
 is 'less than half' "$(cheapest .4 .02)" '1 1 0 found'
 is 'more than half' "$(cheapest .6 .01)" '1 0 1 not found'
 is 'not as exact' "$(cheapest .4 .0203)" '1 0 1 not found'
+# A sample is taken: the last of the plan, behind others that are made up. kill leaves the table's head.
+sampled() {
+	rm -rf last.tsv*
+	protocol -n 1 -o last.tsv "$1" 2>said &
+	run=$!
+	until grep -q ^experiment last.tsv 2>/dev/null || ! kill -0 $run 2>/dev/null; do sleep .02; done
+	kill -9 $run 2>/dev/null
+	wait $run 2>/dev/null
+	protocol -p -n 1 "$1" >plan
+	{ sed '/^experiment/q' last.tsv; awk -F '\t' -v OFS='\t' '{ print $1, "made", $2, $3, 1, 1, 1, $4, $5 }' plan | sed '$d'; } >made.tsv
+	rm -rf last.tsv.d
+	mkdir last.tsv.d && cat made.tsv >last.tsv
+	run protocol -n 1 -o last.tsv "$1"
+	like "a sample of $1" "$status $(grep -v '^#' last.tsv | tail -n 1 | cut -f 6)" "$2"
+}
+sampled latency '^0 [.0-9]+$'
+sampled regret '^0 [.0-9]+$'
+sampled agreement '^0 [.0-9]+$'
+sampled steals '^0 [.0-9]+$'
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 
