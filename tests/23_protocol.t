@@ -65,7 +65,7 @@ for e in $(echo "$out" | cut -f 1); do
 	grep -q "^\.It Cm $e\$" "$root/man/protocol.1" || echo "$e"
 done >missing
 is 'and the page has all of them' "$(cat missing)" ''
-for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-o' 'nosuch' '../protocol' 'faults faults'; do
+for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-s 010 faults' '-o' 'nosuch' '../protocol' 'faults faults'; do
 	# shellcheck disable=SC2086
 	run protocol $args
 	is "usage: protocol $args" "$status" 2
@@ -199,6 +199,10 @@ sampled latency '^0 [.0-9]+$'
 sampled regret '^0 [.0-9]+$'
 sampled agreement '^0 [.0-9]+$'
 sampled steals '^0 [.0-9]+$'
+run sh -c 'echo | protocol -v faults'
+is 'refused: what is no table' "$status $err" '2 protocol: standard input: expected a table of protocol faults'
+run protocol -v faults nosuch.tsv
+is 'refused: what is not there' "$status $err" '2 protocol: nosuch.tsv: cannot be read, expected a table of protocol faults'
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 
