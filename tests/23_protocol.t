@@ -180,6 +180,32 @@ cheapest() {
 is 'less than half' "$(cheapest .4 .02)" '1 1 0 found'
 is 'more than half' "$(cheapest .6 .01)" '1 0 1 not found'
 is 'not as exact' "$(cheapest .4 .0203)" '1 0 1 not found'
+# What is simulated under the name of a method is what its balancer runs: the same policy, of the same tasks.
+sed -n '/^simulated() {/,/^}/p' "$root/bin/protocol" >simulated
+mkdir stand-in
+cat >stand-in/deal <<'END'
+#!/bin/sh
+case ${0##*/} in
+fan) [ "$1" != -l ] || { printf '0\t:\t1\n1\t:\t.442\n2\t:\t2\n'; exit; } ;;
+ringctl) words=ring ;;
+deal) words=deal ;;
+esac
+while [ "${1#-}" != "$1" ]; do words="$words $1" && shift; case $1 in fan | -*) ;; *) words="$words $1" && shift ;; esac done
+[ "${0##*/}" != fan ] || words=fan
+echo "$words $(cksum)"
+END
+chmod +x stand-in/deal
+ln stand-in/deal stand-in/fan
+ln stand-in/deal stand-in/ringctl
+for m in interleaved masterslave ds hybrid gdc gdc-published; do
+	is "$m is simulated as it is run" "$(
+		quietly() { shift 3 && echo "$* $(cksum)"; }
+		# shellcheck source=/dev/null
+		. ./simulated
+		# shellcheck disable=SC2034  # it reads them
+		frame=512x100 unit='' && simulated $m 1,.442,2
+	)" "$(PATH=$PWD/stand-in:$PATH "balance-$m" 512x100 3 /dev/null fan -j 3 rtworker </dev/null)"
+done
 # A sample is taken: the last of the plan, behind others that are made up. kill leaves the table's head.
 sampled() {
 	rm -rf last.tsv*
