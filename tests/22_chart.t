@@ -56,8 +56,9 @@ is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 # Where a table names a level, the means and their intervals: 4, 4 and 10 are not 4, and 1000 is no outlier of four.
 leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \
 	'a real m 1 1 4 s 4 0' 'a real m 2 1 6 s 1 0'; }
-leveled kept >level.tsv && chart -o level.svg level.tsv && texts level.svg >said
+{ leveled kept; echo '# others: took .50 of 2 processors'; } >level.tsv && chart -o level.svg level.tsv && texts level.svg >said
 like 'means, with the confidence that the table names' "$(cat said)" '^means, with bands of 90 % confidence, of up to 4 samples$'
+like 'what else the machine did' "$(cat said)" '^others took .50 of 2 processors$'
 leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
 like 'and without outliers' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
 is 'these are others' "$(cmp -s level.svg drop.svg; echo $?)" 1
