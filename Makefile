@@ -131,6 +131,6 @@ uninstall:
 clean:
 	rm -rf build report $(PROGRAMS) gears.png gears.frags wind-*.png wind-*.frags
 
--include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/*.d)
+-include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
 .PHONY: all need demo demo-volume check bench soak chart report fuzz unit fuzzers install uninstall clean
