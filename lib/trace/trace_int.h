@@ -192,6 +192,7 @@ struct tracer {
     uint32_t n_items;
     struct surface *surfaces;
     uint8_t *transmits; /* per item: its material's t > 0 */
+    struct media around; /* what eye rays begin inside of */
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
@@ -228,6 +229,8 @@ struct onward {
 void go_on(const struct tracer *t, const struct ray *r, const struct point *at, int level,
     const struct media *outside, struct media *inside, struct onward *o);
 void media_copy(struct media *to, const struct media *from);
+/* around.c: what a ray that begins at p is inside of, once surfaces are set. */
+void media_around(const struct tracer *t, struct vec3 p, struct media *in);
 
 /* wave.c: the colours that n <= WAVE_RAYS eye rays see. */
 #define WAVE_RAYS 64

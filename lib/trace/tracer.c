@@ -129,6 +129,7 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     t->wave = wave_new(t);
     const struct view *v = &s->view;
     t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
+    if (t->transmits) media_around(t, v3_mad(v->from, t->camera.forward, v->hither), &t->around);
     tracer_frame(t, v->res_x, v->res_y);
     return t;
 }

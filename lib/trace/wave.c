@@ -264,7 +264,7 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
     t->counts.eye += n;
     for (uint32_t i = 0; i < n; i++) {
         add_node(w, &eye[i], 1, 1, NONE);
-        if (w->media) w->media[i].n = 0;
+        if (w->media) media_copy(&w->media[i], &t->around);
     }
     for (uint32_t first = 0, end = n; first < end; first = end, end = w->n) {
         find_hits(t, w, first, end);

@@ -77,6 +77,26 @@ static void test_rays(void **state)
         .25, .25, .25);
 }
 
+/* The eye is within glass: what leaves it beyond the critical angle is turned back, until levels
+ * end. Entering, as seen from nowhere, would bend and see the background. */
+static void test_eye_in_glass(void **state)
+{
+    (void)state;
+#define WITHIN(name, hither)                                                                       \
+    "b 1 1 1 v from 0 0 0 at 1 0 0 up 0 1 0 angle 30 hither " hither " resolution 1 1 "            \
+    "f 1 1 1 0 0 1 1 1.5 " name " "
+#define BALL "s 0 -.9 0 1"
+    centre_is(WITHIN(BALL, "0"), 0, 0, 0);
+    /* where hither is past it, another ball bends the way to a black one */
+    centre_is(WITHIN(BALL " s 10 -.9 0 1 f 1 1 1 0 0 1 0 0 s 15 0 0 .5", "5"), 1, 1, 1);
+    /* the same in a rod; not past a rod's end, or that would be left, not the ball */
+    centre_is(WITHIN("c 0 -9 .9 1 0 9 .9 1", "0"), 0, 0, 0);
+    centre_is(WITHIN(BALL " c 0 1 .9 .95 0 9 .9 .95", "0"), 0, 0, 0);
+    /* glass in a ball that bends nothing: the smaller is left first, whichever stands first */
+    centre_is(WITHIN(BALL " f 1 1 1 0 0 1 1 1 s 0 0 0 9", "0"), 0, 0, 0);
+    centre_is("f 1 1 1 0 0 1 1 1 s 0 0 0 9 " WITHIN(BALL, "0"), 0, 0, 0);
+}
+
 static void test_hither(void **state)
 {
     (void)state;
@@ -338,6 +358,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_colours),
         cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_eye_in_glass),
         cmocka_unit_test(test_hither),
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_any_grouping),

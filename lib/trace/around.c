@@ -1,0 +1,44 @@
+/*
+ * around: what eye rays begin inside of: the spheres and cones of glass that the eye is in, the
+ * larger first, as a smaller one that holds the eye as well is left sooner. Polygons enclose
+ * nothing, as in the reference, whose meshes have no inside.
+ */
+#include "trace/trace_int.h"
+
+#include <string.h>
+
+/* How large the primitive is that p is inside of; 0: it is not. */
+static double size_around(const struct prim *q, struct vec3 p)
+{
+    if (q->kind == PRIM_SPHERE) {
+        double r = fabs(q->sphere.radius);
+        return v3_len(v3_sub(p, q->sphere.center)) < r ? r : 0;
+    }
+    if (q->kind != PRIM_CONE) return 0;
+    struct vec3 axis = v3_sub(q->cone.apex, q->cone.base), up = v3_sub(p, q->cone.base);
+    double r0 = fabs(q->cone.base_radius), r1 = fabs(q->cone.apex_radius);
+    double z = v3_dot(up, axis) / v3_dot(axis, axis); /* 0 at the base, 1 at the apex */
+    bool in = z > 0 && z < 1 && v3_len(v3_mad(up, axis, -z)) < r0 + (r1 - r0) * z;
+    return in ? fmax(r0, r1) : 0;
+}
+
+void media_around(const struct tracer *t, struct vec3 p, struct media *in)
+{
+    const struct scene *s = t->scene;
+    double size[MEDIA_MAX];
+    in->n = 0;
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *q = &s->prims[i];
+        double d = t->surfaces[q->material].t > 0 ? size_around(q, p) : 0;
+        uint32_t at = in->n;
+        if (!(d > 0)) continue;
+        while (at > 0 && size[at - 1] < d) at--;
+        if (at == MEDIA_MAX) continue;
+        uint32_t moved = (in->n < MEDIA_MAX ? in->n : MEDIA_MAX - 1) - at;
+        memmove(&in->id[at + 1], &in->id[at], moved * sizeof in->id[0]);
+        memmove(&size[at + 1], &size[at], moved * sizeof size[0]);
+        in->id[at] = s->n_materials + i;
+        size[at] = d;
+        in->n = at + moved + 1;
+    }
+}
