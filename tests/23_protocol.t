@@ -225,6 +225,9 @@ sampled latency '^0 [.0-9]+$'
 sampled regret '^0 [.0-9]+$'
 sampled agreement '^0 [.0-9]+$'
 sampled steals '^0 [.0-9]+$'
+sampled stability '^0 [.0-9]+$'
+sampled variance '^0 [.0-9]+$'
+sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
 run sh -c 'echo | protocol -v faults'
 is 'refused: what is no table' "$status $err" '2 protocol: standard input: expected a table of protocol faults'
 run protocol -v faults nosuch.tsv
@@ -237,5 +240,12 @@ EXPERIMENTS='faults' run "$root/tests/report" "$tmp/page"
 like 'a report' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
 is 'has the chart, the verdicts, and the pictures of both views' \
 	"$(grep -c '<svg\|<b>The paper reports\|<table class="verdicts"\|alt="".*base64,i.*<figcaption>gears, ' page/index.html)" 5
+# Until where methods hold: a and c are beside each other, as b meets a stress of each; z meets another one.
+sed -n '/^held() {/,/^}/p' "$root/tests/report" >held.sh
+held() { printf "not claimed: how long $1 holds when $2${tab}mean${tab}3${tab}2${tab}1${tab}$3${tab}${4--}\\n"; }
+{ held a 'X fall' 'holds until X = 4' && held b 'X fall' 'does not hold' && held b 'X rise' 'holds until X = 1e9' 'no more was tried'
+	held c 'X rise' 'holds until X = 16' && held z 'it is X' 'holds until X = 2' && printf "other${tab}t${tab}1${tab}1${tab}0${tab}found${tab}-\\n"; } >lasting
+is 'the tables of until where methods hold' "$(sh -c '. ./held.sh; held <lasting' | tr '\t\n' ',;')" \
+	'method,X fall,X rise;a,4,-;b,no,≥ 1e9;c,-,16;;method,it is X;z,2;;'
 is 'and is all in one file' "$(grep -Eo '(src|href)="[^"]{0,5}' page/index.html | grep -v '="data:\|="#' | head -n 3)" ''
 finish
