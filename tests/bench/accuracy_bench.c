@@ -7,9 +7,9 @@
  *                               12th pixel of every 12th row, against marching in long double
  *     reference MAP FILE        a picture that has converged, as raw float RGBA; ends the program
  *                               where marching sees another
- *     cast MAP METHOD FILE      CPU ms of a picture, with all that is prepared for it, and its RMS
- *                               error against FILE
- *     compare FILE FILE         the RMS error of one against the other
+ *     cast MAP FILE METHOD ...  METHOD, CPU ms of a picture, with all that is prepared for it, and
+ *                               its RMS error against FILE
+ *     compare FILE PICTURE ...  PICTURE, its RMS error against FILE
  *     field FILE                the even field for others: raw float; says its size and step
  *     scene MAP                 from, at, up, angle and size, then the map's knots: for others
  *
@@ -31,7 +31,7 @@
 #define CONVERGED_RMS 2e-6 /* from marching, whose own errors are most of that */
 #define LEVELS 64
 #define DENSE 20        /* times the smooth map's extinction: most rays end before the grid does */
-#define LEAST_US 150000 /* pictures are made until they took this: the fastest counts */
+#define LEAST_US 120000 /* pictures are made until they took this: the fastest counts */
 static const struct lattice all = {0, 0, SIDE, SIDE, 1, 1};
 
 /* A view of the wind: what MAP says. `c.s` points into c. */
@@ -151,16 +151,13 @@ static const float *read_picture(const char *path, struct buf *b)
     return (const float *)(const void *)buf_data(b);
 }
 
-static double rms_error(const float *p, const char *path)
+static double rms_error(const float *p, const float *ref)
 {
-    struct buf b = {0};
-    const float *ref = read_picture(path, &b);
     double sum = 0;
     for (size_t i = 0; i < SAMPLES; i++) {
         double e = (double)p[i] - (double)ref[i];
         sum += e * e;
     }
-    buf_free(&b);
     return sqrt(sum / (double)SAMPLES);
 }
 
@@ -177,7 +174,7 @@ static void put_reference(struct look *l, const char *path)
     write_raw(path, p, SAMPLES);
 }
 
-static void put_cast(struct look *l, const char *method, const char *path)
+static void put_cast(struct look *l, const char *method, const float *ref)
 {
     static float p[SAMPLES];
     int64_t best = INT64_MAX, end = cpu_us() + LEAST_US;
@@ -187,13 +184,20 @@ static void put_cast(struct look *l, const char *method, const char *path)
         took = cpu_us() - begin;
         best = took < best ? took : best;
     } while (cpu_us() < end);
-    printf("%.5g %.3g\n", (double)best / 1e3, rms_error(p, path));
+    printf("%s %.5g %.3g\n", method, (double)best / 1e3, rms_error(p, ref));
 }
 
-static void put_compared(const char *path, const char *ref)
+/* METHODs of a look or, where there is none, pictures of others. */
+static void put_casts(struct look *l, const char *path, char *const *word, int n)
 {
     struct buf b = {0};
-    printf("%.3g\n", rms_error(read_picture(path, &b), ref));
+    const float *ref = read_picture(path, &b);
+    for (int i = 0; i < n; i++) {
+        struct buf p = {0};
+        if (l) put_cast(l, word[i], ref);
+        else printf("%s %.3g\n", word[i], rms_error(read_picture(word[i], &p), ref));
+        buf_free(&p);
+    }
     buf_free(&b);
 }
 
@@ -229,8 +233,8 @@ int main(int argc, char **argv)
     l.c.s.knot = l.c.knot;
     if (strcmp(what, "error") == 0 && argc > 3) put_errors(&l, argv + 3, argc - 3);
     else if (strcmp(what, "reference") == 0 && argc == 4) put_reference(&l, argv[3]);
-    else if (strcmp(what, "cast") == 0 && argc == 5) put_cast(&l, argv[3], argv[4]);
-    else if (strcmp(what, "compare") == 0 && argc == 4) put_compared(argv[2], argv[3]);
+    else if (strcmp(what, "cast") == 0 && argc > 4) put_casts(&l, argv[3], argv + 4, argc - 4);
+    else if (strcmp(what, "compare") == 0 && argc > 3) put_casts(NULL, argv[2], argv + 3, argc - 3);
     else if (strcmp(what, "field") == 0 && argc == 3) put_field(argv[2]);
     else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(&l.c.s);
     else
