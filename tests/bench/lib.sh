@@ -1,9 +1,9 @@
-# What the measurements share. Begin with `. "$(dirname "$0")/lib.sh"` (tests/chart: bench/lib.sh): that goes to a
+# What the measurements share. Begin with `. "$(dirname "$0")/lib.sh"`: that goes to a
 # temporary directory $tmp, removed on every exit, with this clone's programs first on PATH. A timing is a line of
 # numbers; statistics are of columns of lines. Interleave what is compared: A B A B, so that both meet the same noise.
 # shellcheck shell=sh disable=SC2034
 set -u
-root=$(cd "$(dirname "$0")/${up:-../..}" && pwd) && tmp=$(mktemp -d) || exit 3
+root=$(cd "$(dirname "$0")/../.." && pwd) && tmp=$(mktemp -d) || exit 3
 trap 'rm -rf "$tmp"' EXIT
 trap 'exit 130' HUP INT TERM
 PATH=$root/bin:$PATH
