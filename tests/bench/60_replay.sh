@@ -30,9 +30,8 @@ once() { # SCENE METHOD: a line of SCENE.METHOD: efficiency, and but for start-u
 	fragstat -s -S hosts "$1.$2.frags" | awk -F '\t' '{ v[$1] = $2 } END {
 		print v["efficiency"], v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }' >>"$1.$2"
 }
-for round in $(seq "$rounds"); do
+for _ in $(seq "$rounds"); do
 	for scene in balls gears tetra; do for method in $methods; do once $scene "$method"; done; done
-	printf '\r%s of %s rounds' "$round" "$rounds" >&2
 done
 echo "scene  method         efficiency  but for start-up, medians of $rounds, times 1/$shrink of the paper's"
 for scene in balls gears tetra; do for method in $methods; do

@@ -21,7 +21,7 @@ for round in $(seq "${ROUNDS:-9}"); do
 	done
 done
 for method in ring deal 'deal -q auto'; do echo "1000 hosts, $method: efficiency $(median 1 <"$method.1000")"; done
-median 1 <ring.1000 | awk '{ printf "gdc on 1000 hosts: %.3f, target at least .9: %s\n", $1, $1 >= .9 ? "met" : "MISSED" }'
+median 1 <ring.1000 | awk '{ printf "gdc on 1000 hosts: %.3f, target at least .9: %s\n", $1, ($1 >= .9 ? "met" : "MISSED") }'
 
 partition -u run:1 1000x1000 >big.task
 for method in deal ring; do
