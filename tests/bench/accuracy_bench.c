@@ -3,10 +3,8 @@
  * above, 500 x 500, by the smooth map, the same of an extinction 20 times as high, or a contour of
  * so many m/s.
  *
- *     error MAP METHOD ...      METHOD, RMS error and the greatest error of a channel, at every
- *                               12th pixel of every 12th row, against marching in long double
  *     reference MAP FILE        a picture that has converged, as raw float RGBA; ends the program
- *                               where marching sees another
+ *                               where marching in long double, at some pixels, sees another
  *     cast MAP FILE METHOD ...  METHOD, CPU ms of a picture, with all that is prepared for it, and
  *                               its RMS error against FILE
  *     compare FILE PICTURE ...  PICTURE, its RMS error against FILE
@@ -23,9 +21,9 @@
 
 #define SIDE 500
 #define SAMPLES ((size_t)4 * SIDE * SIDE)
-#define EVERY 12       /* pixel of every such row is marched through, for errors, */
-#define CHECK_EVERY 36 /* and for what has converged */
-#define REF_VALUES ((size_t)4 * (SIDE / EVERY) * (SIDE / EVERY))
+#define EVERY 36 /* pixel of every such row is marched through */
+#define REF_SIDE (SIDE / EVERY)
+#define REF_VALUES ((size_t)4 * REF_SIDE * REF_SIDE)
 #define REF_STEPS 24 /* in each stretch between faces, to find knots by */
 #define CONVERGED "adaptive:1e-7"
 #define CONVERGED_RMS 2e-6 /* from marching, whose own errors are most of that */
@@ -95,43 +93,22 @@ static void draw(struct look *l, const char *method, const struct lattice *pixel
     volume_free(v);
 }
 
-/* What marching sees at such pixels: so many values. */
-static size_t march(const struct look *l, uint32_t every, real *ref)
-{
-    size_t n = 0;
-    for (uint32_t y = 0; y + every <= SIDE; y += every)
-        for (uint32_t x = 0; x + every <= SIDE; x += every, n += 4)
-            ref_pixel(&l->g, &l->c.s, x, y, REF_STEPS, ref + n);
-    return n;
-}
-
-/* How far METHOD is from that: the RMS of all channels. */
-static double from_marching(
-    struct look *l, const char *method, uint32_t every, const real *ref, double *most)
+/* How far METHOD is from what marching sees: the RMS of all channels. */
+static double from_marching(struct look *l, const char *method)
 {
     static float p[REF_VALUES];
-    const struct lattice some = {0, 0, SIDE / every, SIDE / every, every, every};
-    size_t n = 4 * (size_t)some.w * some.h;
+    const struct lattice some = {0, 0, REF_SIDE, REF_SIDE, EVERY, EVERY};
     double sum = 0;
     draw(l, method, &some, p);
-    *most = 0;
-    for (size_t i = 0; i < n; i++) {
-        double e = fabs((double)((real)p[i] - ref[i]));
-        sum += e * e;
-        *most = fmax(*most, e);
+    for (uint32_t i = 0; i < REF_SIDE * REF_SIDE; i++) {
+        real ref[4];
+        ref_pixel(&l->g, &l->c.s, i % REF_SIDE * EVERY, i / REF_SIDE * EVERY, REF_STEPS, ref);
+        for (size_t c = 0; c < 4; c++) {
+            double e = (double)((real)p[4 * (size_t)i + c] - ref[c]);
+            sum += e * e;
+        }
     }
-    return sqrt(sum / (double)n);
-}
-
-static void put_errors(struct look *l, char *const *method, int n)
-{
-    static real ref[REF_VALUES];
-    double most;
-    march(l, EVERY, ref);
-    for (; n; n--, method++) {
-        double rms = from_marching(l, *method, EVERY, ref, &most);
-        printf("%s %.3g %.3g\n", *method, rms, most);
-    }
+    return sqrt(sum / (double)REF_VALUES);
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
@@ -163,11 +140,8 @@ static double rms_error(const float *p, const float *ref)
 
 static void put_reference(struct look *l, const char *path)
 {
-    static real ref[REF_VALUES];
     static float p[SAMPLES];
-    double most, rms;
-    march(l, CHECK_EVERY, ref);
-    rms = from_marching(l, CONVERGED, CHECK_EVERY, ref, &most);
+    double rms = from_marching(l, CONVERGED);
     if (!(rms < CONVERGED_RMS))
         die(ST_PARTIAL, "marching differs by %.3g, expected less than %g", rms, CONVERGED_RMS);
     draw(l, CONVERGED, &all, p);
@@ -231,14 +205,13 @@ int main(int argc, char **argv)
     bool looks = *what && strcmp(what, "field") != 0 && strcmp(what, "compare") != 0;
     if (looks) look_at(&l, argv[2]);
     l.c.s.knot = l.c.knot;
-    if (strcmp(what, "error") == 0 && argc > 3) put_errors(&l, argv + 3, argc - 3);
-    else if (strcmp(what, "reference") == 0 && argc == 4) put_reference(&l, argv[3]);
+    if (strcmp(what, "reference") == 0 && argc == 4) put_reference(&l, argv[3]);
     else if (strcmp(what, "cast") == 0 && argc > 4) put_casts(&l, argv[3], argv + 4, argc - 4);
     else if (strcmp(what, "compare") == 0 && argc > 3) put_casts(NULL, argv[2], argv + 3, argc - 3);
     else if (strcmp(what, "field") == 0 && argc == 3) put_field(argv[2]);
     else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(&l.c.s);
     else
-        usage(ST_USAGE, "error MAP METHOD ... | reference MAP FILE | cast MAP METHOD FILE | "
+        usage(ST_USAGE, "reference MAP FILE | cast MAP METHOD FILE | "
                         "compare FILE FILE | field FILE | scene MAP");
     free_grid(&l.g);
     close_stdout();
