@@ -63,7 +63,7 @@ static void look_at(struct look *l, const char *map)
     l->c = wind_scene(SIDE);
     if (strcmp(name, "smooth") == 0 || strcmp(name, "dense") == 0) smooth_map(&l->c);
     else if (parse_real(name, 1e-6, 1e3, &width)) contour_map(&l->c, width);
-    else die(ST_USAGE, "%s: expected smooth or a width, or even: and one of these", map);
+    else die(ST_USAGE, "%s: expected smooth, dense or a width, or even: and one of these", map);
     for (size_t i = 0; *name == 'd' && i < l->c.s.n_knots; i++) l->c.knot[i].k *= DENSE;
     l->g = even ? even_grid() : wind_grid();
 }
@@ -211,8 +211,8 @@ int main(int argc, char **argv)
     else if (strcmp(what, "field") == 0 && argc == 3) put_field(argv[2]);
     else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(&l.c.s);
     else
-        usage(ST_USAGE, "reference MAP FILE | cast MAP METHOD FILE | "
-                        "compare FILE FILE | field FILE | scene MAP");
+        usage(ST_USAGE, "reference MAP FILE | cast MAP FILE METHOD ... | "
+                        "compare FILE PICTURE ... | field FILE | scene MAP");
     free_grid(&l.g);
     close_stdout();
     return 0;
