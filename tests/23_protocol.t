@@ -208,18 +208,17 @@ for m in interleaved masterslave ds hybrid gdc gdc-published; do
 done
 # A sample is taken: the last of the plan, behind others that are made up. kill leaves the table's head.
 sampled() {
-	rm -rf last.tsv*
-	protocol -n 1 -o last.tsv "$1" 2>said &
+	# What it has started may write beside its table for a while.
+	protocol -n 1 -o "head.$1.tsv" "$1" 2>said &
 	run=$!
-	until grep -q ^experiment last.tsv 2>/dev/null || ! kill -0 $run 2>/dev/null; do sleep .02; done
+	until grep -q ^experiment "head.$1.tsv" 2>/dev/null || ! kill -0 $run 2>/dev/null; do sleep .02; done
 	kill -9 $run 2>/dev/null
 	wait $run 2>/dev/null
 	protocol -p -n 1 "$1" >plan
-	{ sed '/^experiment/q' last.tsv; awk -F '\t' -v OFS='\t' '{ print $1, "made", $2, $3, 1, 1, 1, $4, $5 }' plan | sed '$d'; } >made.tsv
-	rm -rf last.tsv.d
-	mkdir last.tsv.d && cat made.tsv >last.tsv
-	run protocol -n 1 -o last.tsv "$1"
-	like "a sample of $1" "$status $(grep -v '^#' last.tsv | tail -n 1 | cut -f 6)" "$2"
+	{ sed '/^experiment/q' "head.$1.tsv"; awk -F '\t' -v OFS='\t' '{ print $1, "made", $2, $3, 1, 1, 1, $4, $5 }' plan | sed '$d'; } >made.tsv
+	mkdir "$1.tsv.d" && mv made.tsv "$1.tsv"
+	run protocol -n 1 -o "$1.tsv" "$1"
+	like "a sample of $1" "$status $(grep -v '^#' "$1.tsv" | tail -n 1 | cut -f 6)" "$2"
 }
 sampled latency '^0 [.0-9]+$'
 sampled regret '^0 [.0-9]+$'
