@@ -31,7 +31,7 @@ static void take(struct way *w, int64_t delay_us)
     if (n < 0) die(ST_SYSTEM, "read:");
     if (n == 0) w->ended = true;
     struct part part = {now_us() + delay_us, (size_t)n};
-    if (n > 0) buf_append(&w->parts, &part, sizeof part);
+    buf_append(&w->parts, &part, sizeof part); /* of nothing: the end, which is as late */
     buf_append(&w->bytes, buf_data(&got), buf_size(&got));
     buf_free(&got);
 }
@@ -45,7 +45,7 @@ static struct part *first(const struct way *w)
 static bool pass(struct way *w)
 {
     for (struct part *p; (p = first(w)) != NULL && p->due_us <= now_us();) {
-        ssize_t n = write(w->out, buf_data(&w->bytes), p->n);
+        ssize_t n = p->n ? write(w->out, buf_data(&w->bytes), p->n) : 0;
         if (n < 0) return errno == EAGAIN || errno == EINTR;
         buf_consume(&w->bytes, (size_t)n);
         p->n -= (size_t)n;
