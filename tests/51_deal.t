@@ -34,10 +34,16 @@ for options in -e '-e -q 4' '-e -q auto'; do
 	ok "deal $options: the last record is bye" sh -c 'tail -n 1 log | grep -aq "bye$"'
 	ok "deal $options: a task was given again, or a piece of it" sh -c 'grep -aq "done .* try=[23]" log'
 done
-deal -e fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm
-ok "long tasks are cut: the same picture" imgcmp long.pfm out.pfm
-ids=$(grep -ao 'frag 0 [0-9]* ' log | cut -d' ' -f3 | sort -n | tail -1)
-ok "pieces have numbers above those that came" [ "$ids" -ge 16 ]
+# How long a round trip takes decides what is worth cutting, and load makes trips long: a few runs are looked at.
+divided() {
+	for try in 1 2 3 4 5; do
+		deal -e fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm && imgcmp long.pfm out.pfm || return 1
+		[ "$(grep -ao 'frag 0 [0-9]* ' log | cut -d' ' -f3 | sort -n | tail -1)" -lt 16 ] || return 0
+		echo "# try $try: nothing was cut"
+	done
+	return 1
+}
+ok "long tasks are cut: the same picture, pieces have numbers above those that came" divided
 
 # Without -e the late one is waited for, until it is known to be lost.
 env MARK=$mark timeout 2 deal fan -t 300 -j 3 sh late <late.task >log
@@ -47,10 +53,16 @@ cat >noted <<'END'
 tee -a down.$$ | rtworker -a 64 -
 END
 sed 's/^task.*/& note=x/' long.task >noted.task
-ok "pieces and copies keep the unknown keys of their task" sh -c '
-	deal -e fan -j 3 sh noted <noted.task | gather -o noted.pfm && imgcmp long.pfm noted.pfm &&
-	grep -a "^task" down.* >given && ! grep -v "note=x" given'
-ok "... and there were pieces" sh -c 'cut -d" " -f3 given | sort -n | tail -1 | xargs test 16 -le'
+noted() {
+	for _ in 1 2 3 4 5; do
+		rm -f down.*
+		deal -e fan -j 3 sh noted <noted.task | gather -o noted.pfm && imgcmp long.pfm noted.pfm || return 1
+		grep -a "^task" down.* >given && ! grep -v "note=x" given || return 1
+		[ "$(cut -d" " -f3 given | sort -n | tail -1)" -lt 16 ] || return 0
+	done
+	return 1
+}
+ok "pieces and copies keep the unknown keys of their task" noted
 
 for command in 'deal -e rtworker -a 64 -' 'deal -q auto rtworker -a 64 -' 'deal -e -q auto fan -j 2 deal -e -q auto fan -j 2 rtworker -a 64 -' \
 	'deal -e deal -e fan -j 2 rtworker -c -a 64 -'; do
