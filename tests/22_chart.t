@@ -116,6 +116,10 @@ done
 status=0
 chart times.tsv >/dev/full 2>err.txt || status=$?
 is 'nowhere to write: status 3' "$status" 3
+# A disk that fills up half-way, as its writer sees it.
+mkdir full half && printf '#!/bin/sh\nhead -c 100 "$@"\nexit 1\n' >full/cat && chmod +x full/cat && echo before >half/x.svg
+(PATH=$tmp/full:$PATH && exec chart -o half/x.svg times.tsv) 2>err.txt
+is 'half written: status 3, and what was there is there' "$? $(cat half/*)" '3 before'
 
 # shellcheck disable=SC2016  # for gnuplot and the shell to leave alone
 tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #' "$header" \
