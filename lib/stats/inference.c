@@ -93,7 +93,8 @@ struct interval spread_interval(double *x, size_t n, double *y, size_t m, double
 {
     to_distances(x, n);
     to_distances(y, m);
-    return difference_interval(x, n, y, m, level);
+    /* Two are equally far from their median, whatever they are from: that tells as much as one. */
+    return difference_interval(x, n == 2 ? 1 : n, y, m == 2 ? 1 : m, level);
 }
 
 /* ---- outliers -------------------------------------------------------------------------------- */

@@ -53,7 +53,8 @@ struct interval difference_interval(
 /*
  * How much more x varies than y: the same of the distances of each from its median (M. B. Brown,
  * A. B. Forsythe, "Robust tests for the equality of variances", J. Amer. Stat. Assoc. 69, 1974;
- * differs in Welch's degrees of freedom). Leaves these in x and y.
+ * differs in Welch's degrees of freedom). Fewer than three of either tell nothing. Leaves these in
+ * x and y.
  */
 struct interval spread_interval(double *x, size_t n, double *y, size_t m, double level);
 

@@ -184,6 +184,11 @@ static void intervals_by_hand(void **state)
     close_to(of.high - 1, 2.7764 * sqrt(2.5 / 5), 1e-4);
     of = spread_interval(wide, 4, x, 5, .95); /* distances 5 5 15 15 against 2 1 0 1 2 */
     near(of.estimate, 10 - 1.2);
+    double three[] = {1, 2, 3}, two[] = {1, 9};
+    of = spread_interval(
+        three, 3, two, 2, .5); /* distances 1 0 1 against 4 4: of two, always the same */
+    near(of.estimate, 2. / 3 - 4);
+    assert_true(isinf(of.low) && isinf(of.high));
 }
 
 /* What overflows is not known: no interval that looks sure. */
