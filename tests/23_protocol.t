@@ -140,7 +140,7 @@ run protocol -v faults good.tsv
 is 'verdicts: a line each' "$status $(echo "$out" | wc -l)" "0 $(protocol -v faults whole.tsv | wc -l)"
 is 'found' "$(echo "$out" | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" '2 2 0 found -'
 made 0 0 >bad.tsv
-is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 0 found in part'
+is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 1 found in part'
 made 9 5 >bad.tsv
 is 'not found' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
 # Every experiment's claims, of tables of its plan in which nothing is known: seven fields a line, and no word that is none.
@@ -148,7 +148,7 @@ grep -v '	gdc' good.tsv >bad.tsv
 is 'not decided, where there is nothing to decide by' \
 	"$(protocol -v faults bad.tsv 2>said | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" \
 	'0 0 0 not decided the table has no samples of it'
-like 'a statistic says of which rows it is' "$(protocol -v faults good.tsv)" '	where x == 2: gdc more no picture; gdc-published more no picture	'
+like 'a statistic says of which rows it is' "$(protocol -v faults good.tsv)" '	where x == 2: gdc same:0 each one; gdc-published same:0 each one	'
 for e in $(protocol -l | cut -f 1); do
 	if ! protocol -p -n 4 "$e" >plan 2>said; then
 		skip "the claims of $e" "$(head -n 1 said)"
@@ -160,6 +160,9 @@ for e in $(protocol -l | cut -f 1); do
 	protocol -v "$e" made.tsv >verdicts 2>said
 	awk -F '\t' 'NF != 7 || /\t\t|\t$/ || NR > 1 && $6 !~ /^(found|found in part|not found|not decided|does not hold|holds until X = [0-9]+(e[0-9]+)?)$/' verdicts >odd
 	is "the claims of $e" "$(wc -l <verdicts | awk '{ print ($1 > 1) }')$(cat odd said)" 1
+	head -n 3 made.tsv >one.tsv
+	run protocol -v "$e" one.tsv
+	is 'and of a table that has only begun' "$status" 0
 done
 # What is as exact as a point of POV-Ray: the cheapest of it is compared, and where nothing is, that is no success.
 # traced TIME ERROR: a table in which POV-Ray takes 1 s to an error of .02
