@@ -14,6 +14,7 @@
  * its three is there.
  */
 #include "base/base.h"
+#include "stats/stats.h"
 #include "trace/trace_int.h"
 
 #include <embree3/rtcore.h>
@@ -232,7 +233,8 @@ static void embree_build(RTCDevice device)
 
 /* ---- the comparison -------------------------------------------------------------------------- */
 
-static int64_t render(const struct kernels *k, uint32_t w, uint32_t h, float *rgba)
+/* Milliseconds. */
+static double render(const struct kernels *k, uint32_t w, uint32_t h, float *rgba)
 {
     tracer->k = k;
     coherent = k == &embree[2];
@@ -241,19 +243,7 @@ static int64_t render(const struct kernels *k, uint32_t w, uint32_t h, float *rg
         const struct lattice row = {0, y, w, 1, 1, 1};
         tracer_pixels(tracer, &row, 0, w, rgba + (size_t)4 * y * w);
     }
-    return cpu_us() - begin;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_ms(int64_t *v, int n)
-{
-    qsort(v, (size_t)n, sizeof *v, ascending);
-    return (double)v[n / 2] / 1000;
+    return (double)(cpu_us() - begin) / 1000;
 }
 
 /* How far b is from a: the RMSE, and the pixels that differ by more than 1/255. */
@@ -277,16 +267,16 @@ static void compare(int runs, uint32_t w, uint32_t h, double ours_ms, double emb
 {
     const struct kernels *const k[KINDS] = {tracer->k, &embree[0], &embree[1], &embree[2]};
     size_t pixels = (size_t)w * h;
-    int64_t took[KINDS][RUNS_MAX];
+    double took_ms[KINDS][RUNS_MAX];
     float *rgba[KINDS];
     for (int i = 0; i < n; i++) rgba[i] = xmalloc(pixels, 4 * sizeof **rgba);
     for (int r = 0; r < runs; r++)
-        for (int i = 0; i < n; i++) took[i][r] = render(k[i], w, h, rgba[i]);
+        for (int i = 0; i < n; i++) took_ms[i][r] = render(k[i], w, h, rgba[i]);
     for (int i = 0; i < n; i++) {
         size_t far;
         double rmse = apart(rgba[0], rgba[i], pixels, &far);
         printf("%s\t%.2f\t%.2f\t%.2g\t%zu\n", i ? k[i]->name : "ours", i ? embree_ms : ours_ms,
-            median_ms(took[i], runs), rmse, far);
+            median(took_ms[i], (size_t)runs), rmse, far);
     }
     for (int i = 0; i < n; i++) free(rgba[i]);
 }

@@ -8,6 +8,7 @@
  * Prints the median of -n runs of each phase; -u renders that many pixels a call instead of a row.
  */
 #include "base/base.h"
+#include "stats/stats.h"
 #include "trace/trace.h"
 
 #include <inttypes.h>
@@ -24,8 +25,8 @@ struct options {
     const char *out, *scene;
 };
 
-struct times {
-    int64_t parse, build, trace;
+struct phases {
+    double parse_ms, build_ms, trace_ms;
 };
 
 static void render(struct tracer *t, const struct options *o, float *rgba)
@@ -40,7 +41,7 @@ static void render(struct tracer *t, const struct options *o, float *rgba)
     }
 }
 
-static struct times run(
+static struct phases run(
     struct options *o, const struct buf *text, float **rgba, struct trace_counts *c)
 {
     struct scene s;
@@ -59,19 +60,8 @@ static struct times run(
     tracer_counts(t, c);
     tracer_free(t);
     scene_free(&s);
-    return (struct times){t1 - t0, t2 - t1, t3 - t2};
-}
-
-static int ascending(const void *a, const void *b)
-{
-    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_ms(int64_t *v, int n)
-{
-    qsort(v, (size_t)n, sizeof *v, ascending);
-    return (double)v[n / 2] / 1000;
+    return (struct phases){
+        (double)(t1 - t0) / 1000, (double)(t2 - t1) / 1000, (double)(t3 - t2) / 1000};
 }
 
 static void write_pfm(const char *path, const struct options *o, const float *rgba)
@@ -118,17 +108,18 @@ int main(int argc, char **argv)
     struct options o = parse(argc, argv);
     struct buf text = {0};
     if (read_file(o.scene, &text) != 0) die(ST_USAGE, "%s:", o.scene);
-    int64_t phase[3][RUNS_MAX];
+    double phase[3][RUNS_MAX];
     struct trace_counts c;
     float *rgba = NULL;
     for (int i = 0; i < o.runs; i++) {
-        struct times t = run(&o, &text, &rgba, &c);
-        phase[0][i] = t.parse, phase[1][i] = t.build, phase[2][i] = t.trace;
+        struct phases t = run(&o, &text, &rgba, &c);
+        phase[0][i] = t.parse_ms, phase[1][i] = t.build_ms, phase[2][i] = t.trace_ms;
     }
     uint64_t rays = c.eye + c.reflected + c.refracted + c.shadow;
-    double parse_ms = median_ms(phase[0], o.runs), build_ms = median_ms(phase[1], o.runs);
-    double trace_ms = median_ms(phase[2], o.runs);
-    printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", parse_ms, build_ms, trace_ms);
+    size_t runs = (size_t)o.runs;
+    double trace_ms = median(phase[2], runs);
+    printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", median(phase[0], runs),
+        median(phase[1], runs), trace_ms);
     printf("eye\t%" PRIu64 "\nreflected\t%" PRIu64 "\nrefracted\t%" PRIu64 "\nshadow\t%" PRIu64
            "\n",
         c.eye, c.reflected, c.refracted, c.shadow);
