@@ -261,7 +261,7 @@ static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t 
     return o->slots ? (int32_t)(n % (uint32_t)o->slots) : -1;
 }
 
-/* Slots get their shares of what is to be done: with a log, of what is left. */
+/* Slots get their shares of what is to be done: with a log, of what is left. Uses up o->cut. */
 static void write_tasks(struct options *o)
 {
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
@@ -298,8 +298,9 @@ static void write_tasks(struct options *o)
 
 /* ---- many pictures --------------------------------------------------------------------------- */
 
-static void take(struct options *o, const struct record *r)
+static void take(const struct options *o, const struct record *r)
 {
+    struct options one = *o;
     struct buf out = {0};
     switch (r->kind) {
     case REC_SCENE:
@@ -310,10 +311,10 @@ static void take(struct options *o, const struct record *r)
         buf_free(&out);
         break;
     case REC_FRAME:
-        o->frame = r->task.frame;
-        o->w = (int)r->frame_w;
-        o->h = (int)r->frame_h;
-        write_tasks(o);
+        one.frame = r->task.frame;
+        one.w = (int)r->frame_w;
+        one.h = (int)r->frame_h;
+        write_tasks(&one);
         break;
     default:
         die(ST_USAGE, "%s: record `%s`, expected state and frames", o->pictures, rec_name(r->kind));
@@ -321,7 +322,7 @@ static void take(struct options *o, const struct record *r)
 }
 
 /* State goes on as it is, and each frame is cut. */
-static void write_pictures(struct options *o)
+static void write_pictures(const struct options *o)
 {
     struct decoder in = {0};
     struct record r;

@@ -36,12 +36,10 @@ bool cut_parse(const char *s, struct cut *cut)
 void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots)
 {
     uint32_t run = (uint32_t)((uint64_t)frame_w * frame_h / CUT_TASKS_A_SLOT / (uint32_t)slots);
-    if (!run) run = 1;
-    if (cut->unit == CUT_FINE) cut->h = run < frame_w ? run : frame_w;
-    if (cut->unit == CUT_COARSE) cut->h = run > cut->w ? run : cut->w;
+    if (cut->unit == CUT_COARSE) run = run > cut->w ? run : cut->w;
+    else run = run < 1 ? 1 : run < frame_w ? run : frame_w;
+    *cut = (struct cut){.unit = CUT_RUN, .w = run};
 }
-
-static uint32_t run_of(const struct cut *cut) { return cut->unit == CUT_RUN ? cut->w : cut->h; }
 
 static uint32_t ceil_div(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
 
@@ -50,12 +48,12 @@ uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h)
     uint64_t pixels = (uint64_t)frame_w * frame_h;
     switch (cut->unit) {
     case CUT_TILE: return ceil_div(frame_w, cut->w) * ceil_div(frame_h, cut->h);
-    case CUT_RUN:
-    case CUT_FINE:
-    case CUT_COARSE: return ceil_div(pixels, run_of(cut));
+    case CUT_RUN: return ceil_div(pixels, cut->w);
     case CUT_SCATTER: return (uint32_t)(cut->w < pixels ? cut->w : pixels);
     case CUT_GUIDED:
     case CUT_FACTORING: return cut->n;
+    case CUT_FINE:
+    case CUT_COARSE:
     case CUT_ROW: break;
     }
     return frame_h;
@@ -73,11 +71,11 @@ struct task cut_task(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, 
         at.y = id / across * cut->h;
         at.w = least(cut->w, frame_w - at.x);
         at.h = least(cut->h, frame_h - at.y);
-    } else if (cut->unit == CUT_RUN || cut->unit == CUT_FINE || cut->unit == CUT_COARSE) {
-        uint64_t start = (uint64_t)id * run_of(cut);
+    } else if (cut->unit == CUT_RUN) {
+        uint64_t start = (uint64_t)id * cut->w;
         at.x = (uint32_t)(start % frame_w);
         at.y = (uint32_t)(start / frame_w);
-        at.w = least(run_of(cut), pixels - start);
+        at.w = least(cut->w, pixels - start);
     } else if (cut->unit == CUT_SCATTER) {
         uint32_t sets = least(cut->w, pixels);
         at = (struct lattice){id % frame_w, id / frame_w, ceil_div(pixels - id, sets), 1, sets, 1};

@@ -56,9 +56,8 @@ enum cut_unit {
 struct cut {
     enum cut_unit unit;
     uint32_t w,
-        h; /* tile: its sides; run: w pixels; scatter: w sets; fine, coarse: runs of h pixels, */
-           /* coarse: at least w; the last two: chunks are of whole rows, or of whole runs of w */
-           /* pixels */
+        h; /* tile: its sides; run: w pixels; coarse: at least w; scatter: w sets; the last */
+           /* two: chunks are of whole rows, or of whole runs of w pixels */
     uint32_t *ends; /* where chunk i ends, in these; its own */
     uint32_t n;
 };
@@ -68,8 +67,8 @@ struct cut {
  * when it is none of them.
  */
 bool cut_parse(const char *s, struct cut *cut);
-/* How long the runs of a frame are, by the number of slots: as long as makes CUT_TASKS_A_SLOT for
- * each, but fine ones no longer than a row, coarse ones no shorter than w. */
+/* Makes fine and coarse the runs of a frame, by the number of slots: as long as makes
+ * CUT_TASKS_A_SLOT for each, but fine ones no longer than a row, coarse ones no shorter than w. */
 void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots);
 /* The chunks of a frame, by the number of slots and, for factoring, their powers (or NULL): with
  * them the first `slots` chunks are one for each slot. */
