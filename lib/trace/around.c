@@ -25,20 +25,18 @@ static double size_around(const struct prim *q, struct vec3 p)
 void media_around(const struct tracer *t, struct vec3 p, struct media *in)
 {
     const struct scene *s = t->scene;
-    double size[MEDIA_MAX];
-    in->n = 0;
+    double size[MEDIA_MAX + 1]; /* what comes to the last place is too deep to be kept */
+    uint32_t id[MEDIA_MAX + 1], n = 0;
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *q = &s->prims[i];
         double d = t->surfaces[q->material].t > 0 ? size_around(q, p) : 0;
-        uint32_t at = in->n;
+        uint32_t at = n;
         if (!(d > 0)) continue;
-        while (at > 0 && size[at - 1] < d) at--;
-        if (at == MEDIA_MAX) continue;
-        uint32_t moved = (in->n < MEDIA_MAX ? in->n : MEDIA_MAX - 1) - at;
-        memmove(&in->id[at + 1], &in->id[at], moved * sizeof in->id[0]);
-        memmove(&size[at + 1], &size[at], moved * sizeof size[0]);
-        in->id[at] = s->n_materials + i;
+        for (; at > 0 && size[at - 1] < d; at--) size[at] = size[at - 1], id[at] = id[at - 1];
         size[at] = d;
-        in->n = at + moved + 1;
+        id[at] = s->n_materials + i;
+        if (n < MEDIA_MAX) n++;
     }
+    in->n = n;
+    memcpy(in->id, id, n * sizeof id[0]);
 }
