@@ -62,6 +62,14 @@ like 'what else the machine did' "$(cat said)" '^others took .50 of 2 processors
 leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
 like 'and without outliers' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
 is 'these are others' "$(cmp -s level.svg drop.svg; echo $?)" 1
+# gnuplot is not left with what lies beyond an axis: 1 and 9 say little of their mean.
+tsv '# level: .99' "$header" 'a real m 1 1 4 s 1 0' 'a real m 2 1 1 s 1 0' 'a real m 2 1 9 s 2 0' >wide.tsv
+# shellcheck disable=SC2016
+mkdir seen && printf '#!/bin/sh\ncp "$3" script\n' >seen/gnuplot && chmod +x seen/gnuplot
+sh -c 'PATH=$0:$PATH; exec chart wide.tsv' "$tmp/seen" >/dev/null 2>&1
+is 'a band ends at the axis, and has a point where each edge leaves it' "$(tr '[:]' '   ' <script | awk '
+	/^set xrange/ && high == "" { low = $8; high = $9 }
+	/^END_OF_DATA/ { band = 0 } band { n++; out += $2 < low || $3 > high } /^\$band/ { band = 1 } END { print n, out + 0 }')" '4 0'
 tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
 run chart bad.tsv
 like 'refused: a level that is none' "$status $err" '^2 .*-c much: expected a number'
