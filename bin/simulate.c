@@ -11,6 +11,7 @@
 
 #define SLOTS_MOST 100000
 #define DETECT_US 20000000 /* by nodes that go by the rules as published, each of a dead one */
+#define MOST_US 1e14       /* all tasks on the weakest slot: sums of times stay within int64_t */
 #define CHECKED_TASKS 4096 /* the checks of a policy look at all of them, after every event */
 
 static const char text[] =
@@ -113,6 +114,8 @@ static void parse_method(struct options *o, int argc, char **argv)
     if (o->policy == &policy_published) o->plan.detect_us = DETECT_US;
 }
 
+static bool crawls(double bytes_per_s) { return bytes_per_s > 0 && bytes_per_s < 1; }
+
 static void print_event(const char *line) { printf("# %s\n", line); }
 
 static void parse(struct options *o, int argc, char **argv)
@@ -127,6 +130,8 @@ static void parse(struct options *o, int argc, char **argv)
         switch (opt) {
         case 'b':
             parse_pair(opt, optarg, 0, 1e15, &p->link_bytes_per_s, &p->hub_bytes_per_s);
+            if (crawls(p->link_bytes_per_s) || crawls(p->hub_bytes_per_s))
+                die(ST_USAGE, "-b %s: expected 0, or a byte per second and more", optarg);
             break;
         case 'c': p->concentrate = true; break;
         case 'f': faults = optarg; break;
@@ -244,6 +249,17 @@ static double *costs_of(const struct options *o)
     return us;
 }
 
+static void check_costs(const struct options *o)
+{
+    double us = 0, least = 1;
+    for (uint64_t p = 0, n = (uint64_t)o->work.frame_w * o->work.frame_h; p < n; p++)
+        us += o->pixel_us[p];
+    for (size_t k = 0; k < o->n_power; k++) least = fmin(least, o->power[k]);
+    if (!(us / least <= MOST_US))
+        die(ST_USAGE, "tasks of %g s on the weakest slot, expected at most %g s", us / least * 1e-6,
+            MOST_US * 1e-6);
+}
+
 /* ---- a run ----------------------------------------------------------------------------------- */
 
 static void print(const char *key, double value) { printf("%s\t%.6f\n", key, value); }
@@ -309,6 +325,7 @@ static int simulate(struct options *o, int argc, char **argv)
     struct sim_result r;
     read_tasks(o);
     o->work.pixel_us = o->pixel_us = costs_of(o);
+    check_costs(o);
     p->slots = (int32_t)o->n_power;
     p->width = 1;
     p->work = &o->work;

@@ -147,6 +147,8 @@ refuses 'seeds and an option of the method' 'made up' simulate -n 1 deal -e
 refuses 'hosts twice' 'expected one of' simulate -j 2 -w 1,2 deal
 refuses 'costs twice' 'expected one of' simulate -m 1 -t log deal
 refuses 'a log of nothing' 'expected the log of a picture' simulate -t /dev/null deal
+refuses 'costs that no clock counts' 'expected at most' simulate -m 1e9 -x 1e9 deal
+refuses 'less than a byte per second' 'expected 0, or' simulate -b 0,.5 deal
 refuses 'no log' 'nothing: ' simulate -t nothing deal
 refuses 'hosts without power' 'expected power=P' simulate -S one,two deal
 for fault in crash crash= crash=2 crash@ crash@5 crash@0:1 crash@5:1:2 kill@5:1 return@5:1 slow@5:1:2 slow@s:1 =1 '' x=1; do
