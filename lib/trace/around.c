@@ -1,7 +1,7 @@
 /*
- * around: what eye rays begin inside of: the spheres and cones of glass that the eye is in, the
- * larger first, as a smaller one that holds the eye as well is left sooner. Polygons enclose
- * nothing, as in the reference, whose meshes have no inside.
+ * around: what eye rays begin inside of, all of them what the middle one does: the spheres and
+ * cones of glass that the eye is in, the larger first, as a smaller one that holds the eye as well
+ * is left sooner. Polygons enclose nothing, as in the reference, whose meshes have no inside.
  */
 #include "trace/trace_int.h"
 

@@ -42,6 +42,5 @@ struct trace_counts {
     uint64_t eye, reflected, refracted, shadow;
 };
 void tracer_counts(const struct tracer *t, struct trace_counts *c);
-/* False when this machine cannot run it. */
 
 #endif

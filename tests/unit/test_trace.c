@@ -97,6 +97,23 @@ static void test_eye_in_glass(void **state)
     centre_is("f 1 1 1 0 0 1 1 1 s 0 0 0 9 " WITHIN(BALL, "0"), 0, 0, 0);
 }
 
+/* The innermost of more balls than are kept is forgotten, wherever it stands, and so is entered. */
+static void test_eye_deep_in_glass(void **state)
+{
+    (void)state;
+    static const char ball[] = WITHIN(BALL, "0");
+    for (int i = 0; i < 4; i++) {
+        struct buf text = {0};
+        int around = TRACE_DEPTH_MAX - 1 + i / 2;
+        buf_printf(&text, "%s f 1 1 1 0 0 1 1 1", i % 2 ? ball : "");
+        for (int k = 0; k < around; k++) buf_printf(&text, " s 0 0 0 %d", 5 + k * 29 % around);
+        buf_printf(&text, " %s", i % 2 ? "" : ball);
+        buf_append(&text, "", 1);
+        centre_is((const char *)buf_data(&text), i / 2, i / 2, i / 2);
+        buf_free(&text);
+    }
+}
+
 static void test_hither(void **state)
 {
     (void)state;
@@ -359,6 +376,7 @@ int main(void)
         cmocka_unit_test(test_colours),
         cmocka_unit_test(test_rays),
         cmocka_unit_test(test_eye_in_glass),
+        cmocka_unit_test(test_eye_deep_in_glass),
         cmocka_unit_test(test_hither),
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_any_grouping),
