@@ -32,7 +32,7 @@
 #define LEAST_US 120000 /* pictures are made until they took this: the fastest counts */
 static const struct lattice all = {0, 0, SIDE, SIDE, 1, 1};
 
-/* A view of the wind: what MAP says. `c.s` points into c. */
+/* A view of the wind: what MAP says. `c.s` points into c: not to be copied. */
 struct look {
     struct grid g;
     struct scene c;
@@ -204,7 +204,6 @@ int main(int argc, char **argv)
     const char *what = argc > 2 ? argv[1] : "";
     bool looks = *what && strcmp(what, "field") != 0 && strcmp(what, "compare") != 0;
     if (looks) look_at(&l, argv[2]);
-    l.c.s.knot = l.c.knot;
     if (strcmp(what, "reference") == 0 && argc == 4) put_reference(&l, argv[3]);
     else if (strcmp(what, "cast") == 0 && argc > 4) put_casts(&l, argv[3], argv + 4, argc - 4);
     else if (strcmp(what, "compare") == 0 && argc > 3) put_casts(NULL, argv[2], argv + 3, argc - 3);

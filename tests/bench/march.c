@@ -13,6 +13,8 @@ static void check(const char *name, const struct spec *s)
     bool scaled = s->scale[0] != 1 || s->scale[1] != 1 || s->scale[2] != 1;
     if (s->n_isos || s->lit || s->backed || scaled)
         die(ST_USAGE, "%s: has iso, light, background or scale, expected a map alone", name);
+    if (s->n_knots > KNOTS_MAX)
+        die(ST_USAGE, "%s: a map of %zu knots, expected at most %d", name, s->n_knots, KNOTS_MAX);
 }
 
 int main(int argc, char **argv)

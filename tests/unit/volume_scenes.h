@@ -51,10 +51,10 @@ static inline struct grid wind_grid(void)
     return g;
 }
 
-/* Of up to 16 knots. */
+#define KNOTS_MAX 16
 struct scene {
     struct spec s;
-    struct spec_knot knot[16];
+    struct spec_knot knot[KNOTS_MAX];
     struct spec_iso iso[8];
 };
 static inline void knot(struct scene *c, double s, double r, double g, double b, double k)
@@ -132,7 +132,7 @@ static inline struct scene even_map(double k)
     return c;
 }
 
-/* ---- the reference -------------------------------------------------------------------------- */
+/* ---- the reference: of up to KNOTS_MAX knots ------------------------------------------------- */
 
 /* A double becomes a long double wherever the two meet, on purpose. */
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
@@ -180,7 +180,7 @@ static inline real ref_along(
 static inline void ref_stretch(const struct grid *g, const struct spec *m, const uint32_t i[3],
     const real o[3], const real d[3], real t0, real t1, real *tau, real out[4])
 {
-    if (*tau > 60) return; /* behind it is 1e-26 */
+    if (*tau > 60) return;                             /* behind it is 1e-26 */
     real rgb[3], unused[3], near = (t1 - t0) * 1e-12L; /* within the stretch, off the knots */
     int parts = 4 + (int)(300 * (t1 - t0) * ref_map(m, ref_along(g, i, o, d, (t0 + t1) / 2), rgb));
     real h = (t1 - t0) / parts, k0 = ref_map(m, ref_along(g, i, o, d, t0 + near), unused);
@@ -218,7 +218,7 @@ static inline void ref_ray(const struct grid *g, const struct spec *m, const rea
         }
         for (int k = 0; in && k < steps; k++) {
             real a = t0 + (t1 - t0) * k / steps, b = t0 + (t1 - t0) * (k + 1) / steps;
-            real sa = ref_along(g, i, o, d, a), sb = ref_along(g, i, o, d, b), edges[18];
+            real sa = ref_along(g, i, o, d, a), sb = ref_along(g, i, o, d, b), edges[KNOTS_MAX + 2];
             int n_edges = 0;
             edges[n_edges++] = a;
             for (size_t q = 0; q < m->n_knots; q++) {
