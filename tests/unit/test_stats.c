@@ -162,7 +162,7 @@ static void intervals_cover_as_they_say(void **state)
     assert_in_range(missed, 10, 50);
     assert_in_range(missed_by_two, 10, 50);
     assert_in_range(missed_between, 10, 50);
-    /* 1 %: distances are not normal, nor quite apart from each other. */
+    /* 1 %: distances are not normal, nor quite independent. */
     assert_in_range(missed_spread, RUNS / 100 / 2, RUNS / 100 * 3 / 2);
 }
 
