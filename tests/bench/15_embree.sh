@@ -5,8 +5,7 @@
 # hits in double: how far its picture is from ours stands beside. Scenes with cones are left out, as Embree has none.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-cc -std=c11 -D_GNU_SOURCE -O2 -ffp-contract=off -I"$root/lib" -o embree_bench "$root/tests/bench/embree_bench.c" \
-	"$root/build/libstormring.a" -lembree3 -lpng -lz -lm || stop 'embree_bench does not compile'
+built embree_bench -lembree3
 for scene in balls gears tetra; do spdgen $scene >$scene.nff || stop "no $scene"; done
 cp "$root/scenes/marbles.nff" "$root/scenes/polygons.nff" . || exit 3
 printf '%-9s %-26s %9s %9s %9s %8s\n' scene kernels 'build ms' 'trace ms' RMSE 'far off'

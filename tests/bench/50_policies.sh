@@ -6,8 +6,7 @@
 . "$(dirname "$0")/lib.sh"
 rounds='1 2 3 4 5'
 
-cc -std=c11 -D_GNU_SOURCE -O2 -I"$root/lib" -o policy_bench "$root/tests/bench/policy_bench.c" \
-	"$root/build/libstormring.a" -lpng -lz -lm || stop 'policy_bench does not compile'
+built policy_bench
 for s in gears balls tetra; do
 	spdgen -s 2 $s >$s.nff || stop "spdgen $s failed"
 	# shellcheck disable=SC2154  # lib.sh sets pin

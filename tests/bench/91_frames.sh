@@ -7,7 +7,7 @@
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} size=800x600
 
-cc -std=c11 -D_GNU_SOURCE -O2 -I"$root/lib" -o delay "$root/tests/bench/delay.c" "$root/build/libstormring.a" -lm || stop 'delay does not compile'
+built delay
 month=0
 while [ $month -lt 12 ]; do
 	nc2vtk -t $month /usr/share/ferret-vis/data/ocean_atlas_subset.nc TEMP >"$(printf 'month%02d.vtk' $month)" || stop 'ocean_atlas_subset.nc'

@@ -14,12 +14,21 @@ pin="taskset -c $core"
 $pin true 2>/dev/null || pin=''
 
 stop() { echo "${0##*/}: $*" >&2; exit 3; }
-# cpu_s TIMES COMMAND: CPU seconds of one COMMAND, a line of shell, with all the processes that it waits for.
-# The system counts in ticks of 10 ms, so that a short one wants many TIMES.
+# built NAME [-lLIBRARY ...]: makes tests/bench/NAME.c a program, here
+built() {
+	[ ! -x "$1" ] || return 0
+	name=$1
+	shift
+	cc -std=c11 -D_GNU_SOURCE -O2 -ffp-contract=off -I"$root/lib" -o "$name" "$root/tests/bench/$name.c" \
+		"$root/build/libstormring.a" "$@" -lpng -lz -lm || stop "$name does not compile"
+}
+# cpu_s TIMES COMMAND: CPU seconds of one COMMAND, a line of shell, with all the processes that it waits for
 cpu_s() {
+	built cpu
 	# shellcheck disable=SC2016  # the inner shell counts
-	$pin sh -c "n=$1; "'while [ $n -gt 0 ]; do '"{ $2; }"' || exit; n=$((n - 1)); done >/dev/null; times' >.times </dev/null || return
-	tail -n 1 .times | awk -v n="$1" '{ split($1, u, /[ms]/); split($2, s, /[ms]/); printf "%.6f\n", (60 * (u[1] + s[1]) + u[2] + s[2]) / n }'
+	$pin ./cpu "n=$1; "'while [ $n -gt 0 ]; do '"{ $2; }"' || exit; n=$((n - 1)); done >/dev/null' </dev/null >.cpu ||
+		return
+	awk -v n="$1" '{ printf "%.6f\n", $1 / n }' .cpu
 }
 # wall_s COMMAND: its elapsed seconds
 wall_s() {
@@ -29,7 +38,7 @@ wall_s() {
 	echo "$begin $end" | awk '{ printf "%.6f\n", $2 - $1 }'
 }
 # times_for SECONDS COMMAND: how often COMMAND must run to fill so many CPU seconds
-times_for() { cpu_s 1 "$2" | awk -v t="$1" '{ n = int(t / ($1 > 0.01 ? $1 : 0.01)) + 1; print n }'; }
+times_for() { cpu_s 1 "$2" | awk -v t="$1" '{ print int(t / $1) + 1 }'; }
 # median COLUMN <LINES
 median() { awk -v c="$1" '{ print $c }' | sort -g | awk '{ v[NR] = $1 } END { printf "%.6g\n", (v[int((NR + 1) / 2)] + v[int(NR / 2) + 1]) / 2 }'; }
 # report WHAT GOT UNIT TARGET: at most the target?
