@@ -90,8 +90,8 @@ static void check_slots(const struct options *o)
     if (!in_chunks(o)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
     if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
-    if (o->assigned >= 0) die(ST_USAGE, "-c: expected -u row, tile, run or scatter with it");
-    if (o->order) die(ST_USAGE, "-o: expected -u row, tile, run or scatter with it");
+    if (o->assigned >= 0) die(ST_USAGE, "-c: expected any -u but guided and factoring with it");
+    if (o->order) die(ST_USAGE, "-o: expected any -u but guided and factoring with it");
 }
 
 /* A size; that of the first of several pictures, `@`, and where all of them come from. */
@@ -274,7 +274,8 @@ static void write_tasks(struct options *o)
         o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
     uint32_t count = cut_count(&o->cut, w, h);
     uint32_t left = 0; /* tasks so far, those left out not counted */
-    int64_t assigned = o->of ? (int64_t)count * o->assigned / o->of : o->assigned;
+    int64_t assigned = o->assigned;
+    if (o->of) assigned = (int64_t)((uint64_t)count * (uint64_t)assigned / (uint64_t)o->of);
     wire_frame(&out, o->frame, w, h, NULL);
     struct place *order = order_of(o, count);
     for (uint32_t i = 0; i < count; i++) {
