@@ -41,7 +41,7 @@ struct interval {
     double estimate, low, high; /* not finite where there are too few samples to tell */
 };
 
-/* Of the mean, at the level (0 to 1, as .999), for samples of a normal distribution; n >= 1. */
+/* Of the mean, at the level (0 to 1, as .999), for samples of a normal distribution. */
 struct interval mean_interval(const double *x, size_t n, double level);
 /*
  * Of the mean that x is from minus that of y, which need not vary equally (B. L. Welch, "The
