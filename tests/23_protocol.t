@@ -1,6 +1,8 @@
 #!/bin/sh
 # protocol and tsvstat: tables that are stopped and go on, or are another run's; what samples tell, and what they refuse.
 . "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
 tab=$(printf '\t')
 tsv() { printf '%s\n' 'experiment kind method x x_unit y y_unit sample seed' "$@" | tr ' ' "$tab"; }
 
@@ -230,6 +232,14 @@ sampled steals '^0 [.0-9]+$'
 sampled stability '^0 [.0-9]+$'
 sampled variance '^0 [.0-9]+$'
 sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
+# Ctrl-C while others compute beside a sample; an interactive shell gives it a group of its own.
+# shellcheck disable=SC2016  # of perl
+setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' env MARK=$mark "$root/bin/protocol" -n 1 -o c.tsv slaves 2>/dev/null &
+run=$!
+computing() { [ -n "$(program sh 'sh -c while kill -0')" ]; }
+ok 'a sample beside others that compute' await 60 computing
+kill -INT -$run
+ok 'Ctrl-C ends them and it' await 10 none_alive
 run sh -c 'echo | protocol -v faults'
 is 'refused: what is no table' "$status $err" '2 protocol: standard input: expected a table of protocol faults'
 run protocol -v faults nosuch.tsv
