@@ -112,15 +112,6 @@ is 'another file is refused, and left as it was' "$status$(cmp notes kept 2>&1)"
 mkdir mine.tsv.d
 run protocol -n 2 -o mine.tsv faults
 is 'and so is a directory that is somebody else'"'"'s' "$status $(ls -d mine.tsv*)" '2 mine.tsv.d'
-# Ctrl-C, to all of the terminal, while processes of the experiment's own compute.
-env --default-signal=INT setsid sh -c 'echo $$ >group; exec protocol -n 1 -o stop.tsv slaves' 2>said &
-run=$!
-until pgrep -g "$(cat group 2>/dev/null)" -f '^sh -c while kill -0' >busy 2>/dev/null && [ "$(wc -l <busy)" -eq 3 ] || ! kill -0 $run 2>/dev/null; do sleep .1; done
-kill -s INT -- "-$(cat group)"
-for i in $(seq 600); do kill -0 $run 2>/dev/null || break; sleep .1; done
-kill -s KILL -- "-$(cat group)" 2>/dev/null
-wait $run 2>/dev/null
-is 'Ctrl-C ends all at once' "$? $(wc -l <busy)" '130 3'
 mkfifo held
 flock whole.tsv cat held &
 until ! flock -n whole.tsv true; do sleep .02; done
