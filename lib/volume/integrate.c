@@ -93,17 +93,21 @@ static void gauss(struct path *p, const struct piece *s, double depth)
 {
     const struct volume *v = p->v;
     const struct span *f = s->span;
+    bool lit = v->spec->lit || v->spec->attenuation > 0;
     double sum = 0, rgb[3] = {0, 0, 0};
     for (int i = 0; i < v->m; i++) {
         double x = cubic_at(s->q, v->node[i]), k = f->k0 + f->k1 * x;
         double weight = v->weight[i] * k * volume_exp(-depth_to(p, s, v->node[i]));
-        bool lit = v->spec->lit || v->spec->attenuation > 0;
         double light = lit ? path_light(p, s->a + (s->b - s->a) * v->node[i]) : 1;
         sum += weight;
         for (int c = 0; c < 3; c++) rgb[c] += weight * light * (f->rgb0[c] + f->rgb1[c] * x);
     }
     p->v->counts.samples += (uint64_t)v->m;
-    if (!(sum > 0)) return;
+    if (!(sum > 0)) { /* so deep that no node is seen: it is where it begins that is */
+        double light = lit ? path_light(p, s->a) : 1;
+        for (int c = 0; c < 3; c++) rgb[c] = light * (f->rgb0[c] + f->rgb1[c] * s->q[0]);
+        sum = 1;
+    }
     for (int c = 0; c < 3; c++) rgb[c] /= sum;
     path_add(p, depth, rgb);
 }

@@ -124,6 +124,28 @@ static void offsets_cost_no_digits(void **state)
     free_grid(&g);
 }
 
+/* However deep a cell is, what is seen is where it begins: at the top, as the light is above it. */
+static void deep_cells_are_opaque(void **state)
+{
+    (void)state;
+    static const struct volume_options methods[] = {VOLUME_OPTIONS_DEFAULT,
+        {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO}, {VOLUME_GAUSS, 0, 9, ISA_AUTO}};
+    struct grid g = make_grid(4, 4, 4);
+    fill(&g, of_z);
+    for (int i = 0; i < 30; i++) {
+        struct scene c = make_scene(above, below);
+        double k = pow(10, 4 + i / 6 * 3);
+        float p[4];
+        knot(&c, 0, 0, 0, 0, k);
+        knot(&c, 6, 1, 1, 1, k);
+        c.s.lit = i % 2;
+        for (int a = 0; a < 3; a++) c.s.light[a] = above[a];
+        render(&g, &c.s, &methods[i / 2 % 3], p, NULL);
+        for (int v = 0; v < 4; v++) near((double)p[v], v < 3 ? .5 : 1, 1e-3);
+    }
+    free_grid(&g);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -132,6 +154,7 @@ int main(void)
         cmocka_unit_test(roots_on_faces_count_once),
         cmocka_unit_test(cells_constant_at_a_knot),
         cmocka_unit_test(offsets_cost_no_digits),
+        cmocka_unit_test(deep_cells_are_opaque),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
