@@ -22,7 +22,8 @@ FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-
 # Two programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf
 LIBS_grib2vtk = -leccodes
-lacks    = $(shell echo '\#include <$(1)>' | $(CC) -E - >/dev/null 2>&1 || echo $(2))
+# No "#" here: whether it needs a backslash depends on make's version.
+lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev)
 LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
 

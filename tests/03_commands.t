@@ -19,6 +19,27 @@ is 'need: nothing to do, nothing said' "$status$out$err" 0
 run "$root/tests/need" nonsense
 is 'need: an unknown role is refused' "$status" 2
 
+# ---- make without a header: a compiler that finds four others, and puts nothing into its outputs --------------------
+mkdir include
+for header in stdio png zlib eccodes; do : >include/$header.h; done
+cat >cc <<END
+#!/bin/sh
+output='' before=''
+for word; do
+	[ "\$before" != -o ] || output=\$word
+	before=\$word
+done
+case " \$* " in *' -E '*) exec cc -nostdinc '-I$tmp/include' "\$@" ;; esac
+case \$output in *nc2vtk* | */cf/*) exit 1 ;; esac
+[ -z "\$output" ] || : >"\$output"
+END
+chmod +x cc
+run make -s -C "$root" BUILD="$tmp/lacking" CC="$tmp/cc"
+is 'make: without a header it builds the other programs' "$status" 0
+is 'make: all of them' "$(cd lacking/bin && ls)" "$(cd "$root/bin" && ls ./*.c | sed 's/.*\///; s/[.]c$//' | grep -vx nc2vtk)"
+is 'make: one line says which is not built, and which package is missing' "$err" \
+	'make: nc2vtk is not built: libnetcdf-dev is missing'
+
 # ---- demo --------------------------------------------------------------------------------------------------
 run "$root/tests/demo"
 is 'demo: exit 0' "$status" 0
