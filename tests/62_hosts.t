@@ -89,17 +89,26 @@ bad() { # NAME HOSTS ERE
 	like "$1: it is said" "$err" "^fan: $3"
 }
 printf ': slots=1\na cores=2\n' >bad-key
-bad 'an unknown key' bad-key 'bad-key:2: cores: unknown, expected slots='
+bad 'an unknown key' bad-key "bad-key:2: 'cores': unknown, expected slots="
 printf 'a slots=many\n' >bad-number
-bad 'a bad number' bad-number 'bad-number:1: slots=many: expected an integer from 1 to 4096'
+bad 'a bad number' bad-number "bad-number:1: slots='many': expected an integer from 1 to 4096"
 : >empty
 bad 'an empty file' empty 'empty: no host, expected'
-bad 'an option for a host' -oProxyCommand=x '-S: -oProxyCommand=x: no host name, expected'
+bad 'an option for a host' -oProxyCommand=x "-S: '-oProxyCommand=x': no host name, expected"
 bad 'a file that is not there, by its suffix' my.txt '-S: my\.txt: no such file, expected one, or 1/my\.txt for a host'
 is 'a host with the name of a file' "$(fan -l -S 1/my.txt | cut -f 2)" my.txt
 bad 'a file that is not there' no/hosts '-S: no/hosts: no such file.*expected'
 run fan -S hosts -j 2 rtworker -
 is '-S and -j: exit 2' "$status" 2
+# Hosts before a bad line are not reached either, and a name is no shell's words.
+printf 'first via="echo >reached; : %%c"\na$(touch${IFS}reached) via="sh -c '"'echo %%h'"' %%c"\n' >evil
+bad 'a name of other bytes' evil "evil:2: 'a\\$\\(touch\\$\\{IFS\\}reached\\)': no host name, expected"
+is 'nothing of that file is run' "$(ls reached 2>/dev/null)" ''
+bad 'a file of something else' /etc/passwd "/etc/passwd:1: '[^ ]*': no host name, expected"
+bad 'a device without end' /dev/zero '/dev/zero: no regular file, expected one'
+bad 'a directory' "$tmp" "$tmp: no regular file, expected one"
+mkfifo pipe
+bad 'a pipe that nobody writes' "$tmp/pipe" "$tmp/pipe: no regular file, expected one"
 
 # ---- the same picture -------------------------------------------------------------------------------------------
 deal fan -S hosts rtworker - <job.task | gather -o out.pfm

@@ -7,11 +7,17 @@
  */
 #include "proc/proc.h"
 
+#include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
+
+#define FILE_MOST (1 << 20) /* bytes */
+#define LINE_MOST 4096
 
 /* Where the text is being read, and where to complain. */
 struct reader {
@@ -43,21 +49,39 @@ static struct host *add(struct hosts *h)
     return &h->at[h->n++];
 }
 
-/* What can be passed on as one word of a record, and is no option of any program. */
+#define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._:@%+-"
+
+/* Of names with a colon, an address of IPv6, with or without %ZONE, is the only one that exists. */
+static bool is_ipv6(const char *s)
+{
+    char address[INET6_ADDRSTRLEN];
+    struct in6_addr bytes;
+    size_t n = strcspn(s, "%");
+    if (n >= sizeof address) return false;
+    memcpy(address, s, n);
+    address[n] = '\0';
+    return inet_pton(AF_INET6, address, &bytes) == 1;
+}
+
+/* It is one word for every shell and in every record, and no program takes it for an option. */
 static bool name_valid(const char *s)
 {
     size_t n = strlen(s);
-    if (!n || n > HOST_NAME_MOST || *s == '-') return false;
-    for (; *s; s++)
-        if (*s <= ' ' || *s > '~' || strchr("=,/\"\\", *s)) return false;
-    return true;
+    if (strcmp(s, ":") == 0) return true;
+    if (n > HOST_NAME_MOST || *s == '-' || *s == '@' || s[strspn(s, NAME_BYTES)]) return false;
+    const char *at = strchr(s, '@'), *host = at ? at + 1 : s;
+    if (!*host || *host == '-' || strchr(host, '@')) return false;
+    return !strchr(s, ':') || is_ipv6(host);
 }
 
 static bool set_name(const struct reader *r, struct host *host, const char *name)
 {
+    char shown[ERR_WORD];
     host->name = xstrdup(name);
     if (name_valid(name)) return true;
-    return refuse(r, "%s: no host name, expected `:`, HOST or USER@HOST first", name);
+    return refuse(r,
+        "%s: no host name, expected `:`, HOST or USER@HOST first, of letters, digits and ._:@%%+-",
+        err_word(shown, name, strlen(name)));
 }
 
 /* The host is complete: its slots count. */
@@ -117,16 +141,18 @@ static const struct key {
 
 static bool set_key(const struct reader *r, struct host *host, char *word, unsigned *seen)
 {
-    char *value = strchr(word, '=');
+    char shown[ERR_WORD], *value = strchr(word, '=');
     if (value) *value++ = '\0';
     for (unsigned i = 0; i < N_KEYS && value; i++) {
         if (strcmp(word, keys[i].name) != 0) continue;
         if (*seen & 1U << i) return refuse(r, "%s comes twice, expected it once", word);
         *seen |= 1U << i;
         if (keys[i].set(host, value)) return true;
-        return refuse(r, "%s=%s: expected %s", word, value, keys[i].expected);
+        return refuse(
+            r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
     }
-    return refuse(r, "%s: unknown, expected slots=, power=, via= or bin=", word);
+    return refuse(r,
+        "%s: unknown, expected slots=, power=, via= or bin=", err_word(shown, word, strlen(word)));
 }
 
 /*
@@ -155,6 +181,8 @@ static int next_word(struct reader *r, struct buf *word)
 static bool read_line(struct reader *r, struct hosts *h, struct buf *word)
 {
     unsigned seen = 0;
+    if (r->end - r->at > LINE_MOST)
+        return refuse(r, "a line of more than %d bytes, expected one host a line", LINE_MOST);
     if (memchr(r->at, '\0', (size_t)(r->end - r->at)))
         return refuse(r, "a NUL byte, expected text");
     int more = next_word(r, word);
@@ -193,8 +221,9 @@ static bool read_entry(struct reader *r, struct hosts *h, char *entry)
     char *slash = strchr(entry, '/');
     if (slash) *slash = '\0';
     if (slash && !set_slots(host, entry))
-        return refuse(r, "%s/%s: no such file, and no slots, expected 1 to 4096 before `/`", entry,
-            slash + 1);
+        return refuse(r,
+            "%s/%s: no such file, expected one, or a host's number of slots before `/`, 1 to 4096",
+            entry, slash + 1);
     return set_name(r, host, slash ? slash + 1 : entry) && count(r, h, host);
 }
 
@@ -230,6 +259,27 @@ static bool read_list(struct reader *r, struct hosts *h, const char *list)
     return good && (strpbrk(list, ",/") || doubt(r, h, list));
 }
 
+/*
+ * A hosts file is read more than once in a run, and what is no regular file may have no end. It may
+ * have been anything else that was named by mistake, so it has a limit, too.
+ */
+static bool read_hosts_file(const struct reader *r, struct buf *text)
+{
+    struct stat st;
+    ptrdiff_t n = 0;
+    int fd = open(r->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0) return refuse(r, "%s, expected a file that can be read", strerror(errno));
+    bool regular = fstat(fd, &st) == 0 && S_ISREG(st.st_mode);
+    while (regular && buf_size(text) <= FILE_MOST && (n = read_some(fd, text, 1 << 16)) > 0)
+        ;
+    int err = errno;
+    close(fd);
+    if (!regular) return refuse(r, "no regular file, expected one with a line for each host");
+    if (n < 0) return refuse(r, "%s, expected a file that can be read", strerror(err));
+    if (buf_size(text) <= FILE_MOST) return true;
+    return refuse(r, "larger than %d bytes, expected a line for each host", FILE_MOST);
+}
+
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
 {
     struct stat st;
@@ -238,13 +288,12 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
     bool good;
     *h = (struct hosts){0};
     *err = '\0';
-    if (stat(arg, &st) != 0 || S_ISDIR(st.st_mode)) {
+    /* A directory may have the name of a host, where it has what came from there. */
+    if (stat(arg, &st) != 0 || (S_ISDIR(st.st_mode) && !strchr(arg, '/'))) {
         r.name = "-S";
         good = read_list(&r, h, arg);
-    } else if (read_file(arg, &text) != 0) {
-        good = refuse(&r, "%s, expected a file that can be read", strerror(errno));
     } else {
-        good = read_lines(&r, h, &text);
+        good = read_hosts_file(&r, &text) && read_lines(&r, h, &text);
     }
     buf_free(&text);
     if (!good) hosts_free(h);

@@ -114,21 +114,21 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     char name[300];
     refused("", 0, "no host");
     refused("# nobody\n\n", 0, "no host");
-    refused("a\nb slots=0\n", 2, "slots=0: expected an integer");
-    refused("a slots=4097", 1, "slots=4097");
+    refused("a\nb slots=0\n", 2, "slots='0': expected an integer");
+    refused("a slots=4097", 1, "slots='4097'");
     refused("a slots=1 slots=1", 1, "slots comes twice");
     refused("a slots=4000\n\nb slots=97", 3, "4097 slots");
-    refused("a power=0", 1, "power=0");
-    refused("a power=nan", 1, "power=nan");
-    refused("a power=", 1, "power=");
+    refused("a power=0", 1, "power='0'");
+    refused("a power=nan", 1, "power='nan'");
+    refused("a power=", 1, "power=''");
     refused("a via=\"ssh %h\"", 1, "%c");
     refused("a via=\"ssh %h %c %x\"", 1, "via=");
     refused("a via=\"%c %\"", 1, "via=");
     refused("a via=\"ssh %h %c\nb", 1, "quote");
-    refused("a bin=here", 1, "bin=here");
-    refused("a bin=/a:/b", 1, "bin=");
-    refused("a cores=4", 1, "cores: unknown");
-    refused("a slots", 1, "slots: unknown");
+    refused("a bin=here", 1, "bin='here'");
+    refused("a bin=/a:/b", 1, "bin='/a:/b'");
+    refused("a cores=4", 1, "'cores': unknown");
+    refused("a slots", 1, "'slots': unknown");
     refused("slots=4", 1, "no host name");
     refused("-x", 1, "no host name");
     refused("\"a b\"", 1, "no host name");
@@ -137,6 +137,43 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     memset(name, 'n', sizeof name - 1);
     name[sizeof name - 1] = '\0';
     refused(name, 1, "no host name");
+}
+
+/* No shell, no other program and no reader of records makes anything else of a name. */
+static void names_consist_of_harmless_bytes(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"Render-1.example.org", "me.too+x@10.0.0.1", "a_b%eth0",
+        "::1", "me@fe80::1%eth0", "2001:db8::7", "9"};
+    static const char *const bad[] = {"a$(touch${IFS}X)", "a;b", "a`b`", "a|b", "a&b", "a'b", "a*b",
+        "a~b", "a!b", "a(b", "a{b}", "a>b", "a^b", "a[1]", "me@-oProxyCommand", "@a", "me@",
+        "a@b@c", "root:x:0:0:root", "daemon::1:", "a:22", "me:x@a", "::1::2", "a\177", "\303\244"};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        assert_true(read_text(good[i]));
+        assert_string_equal(hosts.at[0].name, good[i]);
+        hosts_free(&hosts);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) refused(bad[i], 1, "no host name");
+    assert_false(hosts_read(&hosts, "a;b", err));
+    assert_non_null(strstr(err, "'a;b': no host name"));
+}
+
+/* A file that was named by mistake is refused soon, and little of it is shown. */
+static void what_is_no_hosts_file_is_refused(void **state)
+{
+    (void)state;
+    static char line[5000], text[(1 << 20) + 2];
+    memset(line, 'x', sizeof line - 1);
+    refused(line, 1, "more than 4096 bytes");
+    line[200] = '\0';
+    memcpy(line, "a secret", 8);
+    refused(line, 1, "'secretxxxxxxxxxxxxxxxxxxxxxxxxx...': unknown");
+    memset(text, '\n', sizeof text - 1);
+    refused(text, 0, "larger than 1048576 bytes");
+    assert_false(hosts_read(&hosts, "/dev/zero", err));
+    assert_non_null(strstr(err, "/dev/zero: no regular file, expected"));
+    assert_false(hosts_read(&hosts, "/tmp/", err));
+    assert_non_null(strstr(err, "/tmp/: no regular file, expected"));
 }
 
 /* What the host's shell is to run, when `via` only prints it. */
@@ -194,6 +231,8 @@ int main(void)
         cmocka_unit_test(a_list_is_taken_as_parallel_takes_it),
         cmocka_unit_test(a_bad_list_is_refused),
         cmocka_unit_test(a_bad_file_is_refused_with_its_line),
+        cmocka_unit_test(names_consist_of_harmless_bytes),
+        cmocka_unit_test(what_is_no_hosts_file_is_refused),
         cmocka_unit_test(commands_are_quoted_for_both_shells),
         cmocka_unit_test(here_nothing_is_between),
     };
