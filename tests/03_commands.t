@@ -46,8 +46,7 @@ is 'demo: exit 0' "$status" 0
 like 'demo: names the picture' "$out" 'gears\.png'
 like 'demo: states the efficiency' "$out" 'efficiency +[0-9.]+ %'
 like 'demo: POV-Ray agrees' "$out" 'POV-Ray agrees'
-[ "$(printf '%s\n' "$out" | wc -l)" -le 24 ]
-is 'demo: fits on one screen of 24 lines and 120 columns' "$?$(printf '%s\n' "$out" | awk 'length > 120')" 0
+is 'demo: fits on one screen of 24 lines and 120 columns' "$(printf '%s\n' "$out" | awk 'NR > 24 || length > 120')" ''
 like 'demo: the picture is 512x512' "$(imgcmp "$root/gears.png" "$root/gears.png")" 'size	512x512'
 
 mkdir other

@@ -153,7 +153,13 @@ printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titl
 is 'on a plane nothing comes round the globe' "$(block lines titled.gp | wc -l)" 2
 # The eye is above, and beyond the low end of y: one edge is between these two sides.
 is 'the edge in front is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
-ok 'gnuplot draws it' sh -c 'gnuplot wall.gp >wall.png 2>said && [ ! -s said ]'
+# C has no degree sign.
+for locale in C C.UTF-8; do
+	ok "gnuplot draws it, and says nothing: locale $locale" \
+		sh -c 'LC_ALL=$0 gnuplot wall.gp >$0.png 2>said && [ ! -s said ]' "$locale"
+done
+ok 'the same picture' cmp C.png C.UTF-8.png
+mv C.png wall.png
 like 'in its size' "$(imgcmp wall.png wall.png)" 'size	300x200'
 backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
 like 'or another' "$(imgcmp small.png small.png)" 'size	90x60'
@@ -215,9 +221,8 @@ done
 # ---- make demo-volume --------------------------------------------------------------------------------------
 run "$root/tests/demo-volume"
 is 'demo-volume: exit 0' "$status:$err" 0:
-[ "$(printf '%s\n' "$out" | wc -l)" -le 24 ]
 is 'demo-volume: fits on one screen of 24 lines and 120 columns' \
-	"$?$(printf '%s\n' "$out" | awk 'length > 120')" 0
+	"$(printf '%s\n' "$out" | awk 'NR > 24 || length > 120')" ''
 for look in smooth surfaces; do
 	like "demo-volume: $look" "$(imgcmp "$root/wind-$look.png" "$root/wind-$look.png")" 'size	1200x800'
 done

@@ -1,11 +1,15 @@
 /* backdrop: the script as a whole. */
 #include "backdrop/lines.h"
 
+/*
+ * pngcairo takes UTF-8 as it is. `set encoding` would make gnuplot warn in a locale that has no
+ * degree sign, as C.
+ */
 static void head(const struct drawing *s)
 {
     buf_printf(s->out,
         "set terminal pngcairo size %g,%g fontscale %.3f background rgb '" PAPER "'\n"
-        "unset border\nunset tics\nunset key\nset encoding utf8\n"
+        "unset border\nunset tics\nunset key\n"
         "set lmargin at screen 0\nset rmargin at screen 1\n"
         "set bmargin at screen 0\nset tmargin at screen 1\n"
         "set xrange [0:%g]\nset yrange [0:%g]\n",

@@ -5,7 +5,8 @@
  */
 #include "spd/parts.h"
 
-enum { TEETH = 36, CORNERS = 4 * TEETH };
+#define TEETH 36 /* of a gear */
+#define CORNERS (4 * TEETH)
 
 #define OUTER_RATIO 0.995 /* of the radius: teeth that mesh shall not touch */
 #define INNER_RATIO 0.9   /* of the radius, between the teeth */
