@@ -4,6 +4,7 @@
 CC       = cc
 CFLAGS   = -O2 -g
 PREFIX   = /usr/local
+TO       = '$(subst ','\'',$(DESTDIR)$(PREFIX))'
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
            -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wdouble-promotion
 # No contraction into FMA and no fast-math: the same bits on every host.
@@ -15,6 +16,7 @@ FLAGS_kernel_avx512 = $(if $(FLAGS_kernels_avx2),-mavx512f -mavx512dq -mavx512vl
 LIBS     = -Wl,--as-needed -lpng -lz -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build
+$(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a directory, without blanks in its name))
 BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
 FUZZ_SECONDS = 600
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
@@ -27,17 +29,21 @@ lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev)
 LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
 
-PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(wildcard bin/*.c)))
-SCRIPTS  = $(filter-out %.c $(patsubst bin/%.c,bin/%,$(wildcard bin/*.c)),$(wildcard bin/*))
-PAGES    = $(wildcard man/*.[1-9])
+EVERY    = $(wildcard bin/*.c)
+PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(EVERY)))
+SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
+# Scripts look for programs beside themselves, so another BUILD has copies of its own.
+COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%))
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%) \
            $(if $(findstring grib2vtk,$(LACKING)),lib/grib/%),$(wildcard lib/*/*.c)))
 UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+# What tests and measurements run: these programs.
+RUN      = @BIN="$$(cd $(BIN) && pwd)"
 # Two commands must do: they use all cores without being told.
 PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
-all: $(PROGRAMS)
+all: $(PROGRAMS) $(COPIES)
 	$(if $(strip $(LACKING)),@for l in $(LACKING); do echo "make: $${l%:*} is not built: $${l#*:} is missing" >&2; done)
 
 need:
@@ -46,17 +52,17 @@ need:
 demo:
 	@tests/need demo
 	@$(PARALLEL) -s all
-	@tests/demo
+	$(RUN) tests/demo
 
 demo-volume:
 	@tests/need volume
 	@$(PARALLEL) -s all
-	@tests/demo-volume
+	$(RUN) tests/demo-volume
 
 check:
 	@tests/need check
 	@$(PARALLEL) -s all unit
-	@tests/check
+	$(RUN) tests/check
 
 bench:
 	@tests/need bench
@@ -110,6 +116,10 @@ $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
+$(COPIES): $(BIN)/%: bin/%
+	@mkdir -p $(@D)
+	cp $< $@
+
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
 	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
@@ -117,20 +127,20 @@ $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
-MANDIR   = $(DESTDIR)$(PREFIX)/share/man
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin
-	install -m 755 $(PROGRAMS) $(SCRIPTS) $(DESTDIR)$(PREFIX)/bin
-	install -D -m 644 -t $(DESTDIR)$(PREFIX)/share/stormring scenes/*
-	for page in $(PAGES); do install -D -m 644 -t $(MANDIR)/man$${page##*.} $$page || exit; done
+	@tests/install $(TO) $(PROGRAMS) $(SCRIPTS)
 
 uninstall:
-	cd $(DESTDIR)$(PREFIX)/bin && rm -f $(notdir $(PROGRAMS) $(SCRIPTS))
-	rm -rf $(DESTDIR)$(PREFIX)/share/stormring
-	for page in $(notdir $(PAGES)); do rm -f $(MANDIR)/man$${page##*.}/$$page; done
+	@tests/install -u $(TO)
 
+# Another BUILD may be a directory with more in it than what was built.
+EVERY_O  = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
+OF_BUILD = $(BUILD)/.need $(BUILD)/libstormring.a $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
+           $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES)
 clean:
-	rm -rf build report $(PROGRAMS) gears.png gears.frags wind-*.png wind-*.frags
+	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags)
+	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)
+	@rmdir -p $(sort $(dir $(OF_BUILD))) 2>/dev/null || :
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 

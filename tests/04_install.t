@@ -1,0 +1,55 @@
+#!/bin/sh
+# make install into places with blanks and quotes in their names, and make uninstall: what is installed works by itself,
+# and nothing is removed but what was installed.
+. "$(dirname "$0")/lib.sh"
+unset MAKEFLAGS
+# tree: every name in the user's home and the staging directory, with what it holds
+tree() { find home stage -type d | sort; find home stage ! -type d -exec cksum {} + | sort -k 3; }
+programs=$(for f in "$root"/bin/*; do basename "$f" .c; done | sort -u)
+
+mkdir -p stage home/my "home/my prefix/bin" "home/my prefix/share/man/man1" "home/my prefix/share/empty" home/prefix/share/stormring
+for file in home/my/thesis home/prefix/share/stormring/wind.nc "home/my prefix/bin/mine" "home/my prefix/share/man/man1/mine.1"; do
+	echo "$file" >"$file"
+done
+before=$(tree)
+
+# ---- an ordinary user's ------------------------------------------------------------------------------------
+prefix="$tmp/home/my prefix"
+ok 'make install' make -s -C "$root" install PREFIX="$prefix"
+is 'every program and script is installed' "$(ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
+is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
+is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; echo manifest; } | sort)"
+is 'nothing is written beside it' "$(tree | grep -v "home/my prefix")" "$(echo "$before" | grep -v "home/my prefix")"
+cat >installed <<END
+PATH='$prefix/bin:/usr/bin:/bin'
+cd home
+spdgen -s 2 tetra >tetra.nff
+balance masterslave -j 2 -s 16x16 -o tetra.png tetra.nff
+imgcmp tetra.png tetra.png
+rm tetra.*
+END
+ok 'what is installed renders by itself' sh -e installed
+echo older >"$prefix/bin/older"
+echo bin/older >>"$prefix/share/stormring/manifest"
+ok 'make install over an earlier version' make -s -C "$root" install PREFIX="$prefix"
+ok 'make uninstall, without a compiler' make -s -C "$root" uninstall PREFIX="$prefix" CC=false
+is 'what was installed is gone, by the earlier version too, and all else is as it was' "$(tree)" "$before"
+
+# ---- a package's: DESTDIR and PREFIX are made, and go again ----------------------------------------------------
+stage="$tmp/stage/it's \\ a \"new\" *"
+ok 'make install into a directory with quotes in its name' make -s -C "$root" install DESTDIR="$stage" PREFIX=/usr
+is 'every program and script is there' "$(ls "$stage/usr/bin")" "$programs"
+is 'and nothing elsewhere' "$(ls stage)" "${stage##*/}"
+ok 'make uninstall' make -s -C "$root" uninstall DESTDIR="$stage" PREFIX=/usr
+is 'and nothing is left' "$(tree)" "$before"
+
+# ---- where nothing was installed ----------------------------------------------------------------------------
+run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
+is 'make uninstall: without a manifest it fails' "$status" 2
+like 'make uninstall: and says so' "$err" 'home/prefix/share/stormring/manifest: is not there, expected'
+printf 'bin/fan\n../my/thesis\n' >home/prefix/share/stormring/manifest
+run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
+like 'make uninstall: a manifest that names a file elsewhere is refused' "$status $err" '^2 .*manifest:2: is "../my/thesis", expected'
+rm home/prefix/share/stormring/manifest
+is 'and nothing was removed' "$(tree)" "$before"
+finish
