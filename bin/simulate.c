@@ -19,13 +19,14 @@ static const char text[] =
     "POWER,...]\n"
     "           [-l MS] [-m US[,SPREAD] | -t LOG] [-s SEED] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
-    "METHOD: fan, best, deal [-e] [-q DEPTH|auto], ring [-p] [-k half|one]";
+    "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto], ring [-p] [-k half|one]";
 
 struct options {
     struct sim_plan plan;
     struct sim_work work;
     const struct policy *policy;
     bool best;         /* METHOD */
+    bool adaptive;     /* METHOD: deal with all that its options add */
     int64_t seeds;     /* -n; 0: a run of the tasks on standard input */
     const char *log;   /* -t */
     double us, spread; /* -m: what a pixel costs, drawn for each task from us / spread on */
@@ -89,14 +90,16 @@ static void parse_method(struct options *o, int argc, char **argv)
     static const struct {
         const char *name;
         const struct policy *policy;
-    } table[] = {
-        {"fan", &sim_fan}, {"best", &sim_fan}, {"deal", &policy_deal}, {"ring", &policy_ring}};
+    } table[] = {{"fan", &sim_fan}, {"best", &sim_fan}, {"adaptive", &policy_deal},
+        {"deal", &policy_deal}, {"ring", &policy_ring}};
     struct sched_params *p = &o->plan.params;
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(argv[0], table[i].name) == 0) o->policy = table[i].policy;
-    if (!o->policy) die(ST_USAGE, "%s: expected fan, best, deal or ring", argv[0]);
-    bool deal = o->policy == &policy_deal, ring = o->policy == &policy_ring;
+    if (!o->policy) die(ST_USAGE, "%s: expected fan, best, adaptive, deal or ring", argv[0]);
     o->best = strcmp(argv[0], "best") == 0;
+    o->adaptive = strcmp(argv[0], "adaptive") == 0;
+    if (o->adaptive) *p = (struct sched_params){.depth = SCHED_DEPTH_AUTO, .endgame = true};
+    bool deal = o->policy == &policy_deal && !o->adaptive, ring = o->policy == &policy_ring;
     int opt;
     optind = 0; /* begin again */
     while ((opt = getopt(argc, argv, "+ehk:pq:")) != -1) {
@@ -364,12 +367,15 @@ static int run_seeds(const struct options *o)
     for (int64_t i = 0; i < o->seeds; i++) {
         uint64_t seed = o->plan.seed + (uint64_t)i;
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);
+        if (o->adaptive) plan.params = o->plan.params;
         plan.trace = o->plan.trace;
         sim_run(o->policy, &plan, &r);
         sim_add(&sum, &r);
         if (!*r.failure) continue;
         warn("%s; to repeat: simulate -n 1 -s %" PRIu64 " %s", r.failure, seed,
-            ring ? "ring" : "deal");
+            ring          ? "ring"
+            : o->adaptive ? "adaptive"
+                          : "deal");
         return ST_PARTIAL;
     }
     count("seeds", o->seeds);

@@ -13,7 +13,7 @@ one() { partition $size | rtworker "$1.nff" | gather -o "$1.pfm"; }
 for s in gears balls; do
 	one "$s"
 	for slots in 1 2 3 7; do
-		for m in interleaved masterslave gdc; do
+		for m in adaptive interleaved masterslave gdc; do
 			balance $m -j "$slots" -s $size -o out.pfm $s.nff
 			same "$s: $m on $slots slots" $s.pfm
 		done

@@ -39,7 +39,7 @@ picture a1.png a.vtk one.spec
 is "also in a PNG" "$(dd if=a1.png bs=1 skip=25 count=1 2>/dev/null | od -An -tu1 | tr -d ' ')" 6
 
 # ---- the same bytes ------------------------------------------------------------------------------------------
-for m in interleaved masterslave hybrid gdc gdc-published ss sc ds dc; do
+for m in adaptive interleaved masterslave hybrid gdc gdc-published ss sc ds dc; do
 	balance $m -j 3 -o out.pam a.vtk one.spec
 	same "$m" a1.pam
 done
@@ -80,7 +80,7 @@ pictures() {
 	is "$name: no others" "$(ls f*.pam | wc -l)" $at
 	rm -f f*.pam
 }
-for m in interleaved hybrid gdc gdc-published ss sc ds dc; do
+for m in adaptive interleaved hybrid gdc gdc-published ss sc ds dc; do
 	balance $m -j 3 -o f%d.pam a.vtk one.spec small.spec two.spec
 	at=0 && pictures "$m, three views" a1 a3 a2
 done

@@ -28,6 +28,8 @@ is 'no schedule is faster than the sum of costs by that of powers' "$(of bound_s
 is '... and in a simulation than that and three messages' "$(of least_s)" 1.633333
 is 'efficiency is the bound by the makespan' "$(of efficiency)" 0.5333
 takes 'deal -q 1: two tasks each, at once' 2.300000 deal -q 1
+takes 'adaptive: two tasks each, at once, and a copy of the second one of the first' 2.000000 adaptive
+takes 'adaptive: the first becomes a thousand times slower, the other one does all' 2.700000 -f slow@.1s:0:.001 adaptive
 takes 'fan: the same' 2.300000 fan
 takes 'best: one task to the first, three to the second' 1.800000 best
 partition -n 1 1x4 >first.task
@@ -140,7 +142,7 @@ refuses() {
 	like '... and says so' "$err" "$pattern"
 }
 refuses 'no method' usage simulate
-refuses 'another method' 'none: expected fan, best, deal or ring' simulate none
+refuses 'another method' 'none: expected fan, best, adaptive, deal or ring' simulate none
 refuses 'an option of another method' usage simulate fan -q 1
 refuses 'seeds and a latency' 'made up' simulate -n 1 -l 5 deal
 refuses 'seeds and an option of the method' 'made up' simulate -n 1 deal -e

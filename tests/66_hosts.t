@@ -8,7 +8,7 @@ size=96x80
 partition $size | rtworker gears.nff | gather -o good.pfm
 printf '# name\n:\tslots=2\t# here\n\nother  slots=2 power=7 via="sh -c %%c" bin=%s\n' "$BIN" >hosts
 
-for m in interleaved masterslave hybrid ss sc ds dc; do
+for m in adaptive interleaved masterslave hybrid ss sc ds dc; do
 	rm -f log out.pfm
 	balance $m -S hosts -s $size -r log -o out.pfm gears.nff
 	ok "$m -S FILE: the same picture" cmp out.pfm good.pfm

@@ -14,16 +14,16 @@ chosen() {
 	like "$1: why" "$err" "^balance auto: ($2): [0-9.e-]+ s on [34] slots at [0-9.e-]+ ms, as simulated;( [a-z]+ [0-9.e-]+)+"
 }
 printf ': slots=4 power=3\n' >equal
-chosen 'four equal slots' 'interleaved|masterslave|ds|hybrid|gdc' equal
+chosen 'four equal slots' 'interleaved|masterslave|ds|adaptive|hybrid|gdc' equal
 printf ': slots=2 power=3\n: power=.4\n: power=.2\n' >unequal
-chosen 'unequal ones' 'masterslave|hybrid|ds|gdc' unequal
+chosen 'unequal ones' 'masterslave|adaptive|hybrid|ds|gdc' unequal
 # Its answers come late, so that nothing is to wait for them.
 printf '#!/bin/sh\n{ cat; sleep .2; } | sh -c "$1"\n' >far && chmod +x far
 printf 'far slots=3 power=3 via="./far %%c"\nfar2 power=2 via="./far %%c"\n' >away
-chosen 'far away' 'interleaved|hybrid|gdc' away
+chosen 'far away' 'interleaved|adaptive|hybrid|gdc' away
 # So far away that all would be given in advance, if they were all there.
 printf 'far slots=3 power=3 via="./far %%c"\nnone via="false %%c"\n' >none
-chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|gdc' none
+chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|adaptive|gdc' none
 like '... and it is named' "$err" 'no answer: none$'
 
 same() { ok "$1: the same picture" cmp out.pfm good.pfm; rm -f out.pfm; }

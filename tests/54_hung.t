@@ -1,0 +1,60 @@
+#!/bin/sh
+# The adaptive method with workers that hang: the picture is the same, the run ends without them, and no process remains.
+# What fan gives up for silence is no help here: it would wait for 300 s.
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
+. "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
+
+size=48x32
+for n in 1 2 3; do spdgen -s $n balls >$n.nff; done
+for n in 1 2 3; do partition $size | rtworker -a 4 $n.nff | gather -o good$n.pfm; done
+
+# A worker that takes one of the places to be bad, as long as there are some, and else a good one. A bad one says hello as
+# a good one does, and then it is as $kind says. The good ones wait for all places to be taken.
+cat >worker <<'END'
+#!/bin/sh
+for place in $bad; do
+	mkdir "$dir/$place" 2>/dev/null || continue
+	[ "$kind" = slow ] || rtworker -a 4 - </dev/null | head -n 1
+	case $kind in
+	beats) # reads all, and is always at work
+		while echo beat; do sleep .5; done &
+		exec cat >/dev/null ;;
+	deaf) # the same, but reads nothing: not even the scene
+		while echo beat; do sleep .5; done ;;
+	trickle) # a byte of its answer at a time
+		rtworker -a 4 - | tail -n +2 | while b=$(dd bs=1 count=1 2>/dev/null | od -An -to1) && [ "$b" ]; do
+			printf "\\${b# }" && sleep 1
+		done ;;
+	stopped) kill -STOP $$ ;;
+	slow) # each task takes long
+		perl -e '$| = 1; while (<STDIN>) { sleep 20 if /^task/; print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b } }' |
+			rtworker -a 4 - ;;
+	esac
+	exit
+done
+until [ "$(ls "$dir" | wc -w)" = "$(echo $bad | wc -w)" ]; do sleep .02; done
+exec rtworker -a 4 -
+END
+chmod +x worker
+export dir="$tmp/places"
+# hung NAME KIND BAD SLOTS: three scenes one after the other
+hung() {
+	rm -rf places f?.pfm
+	mkdir places
+	export kind="$2" bad="$3"
+	run timeout 30 sh -c '{ for n in 1; do pack scene $n.nff; partition -F $n "$1"; done; } |
+		env MARK="$2" deal -q auto -e fan -t 300 -j "$3" ./worker | gather -o f%d.pfm' sh "$size" "$mark" "$4"
+	is "$1: complete" "$status $err" '0 '
+	is "$1: so many were bad" "$(ls places | wc -w)" "$(echo "$3" | wc -w)"
+	for n in 1; do ok "$1: picture $n" cmp f$n.pfm good$n.pfm; done
+	ok "$1: no process remains" await 10 none_alive
+}
+for k in beats deaf trickle stopped slow; do
+	hung "one of three $k" $k 1 3
+done
+hung 'all but one of five beat' beats '1 2 3 4' 5
+hung 'all but one of five stopped' stopped '1 2 3 4' 5
+hung 'all but one of five do not read' deaf '1 2 3 4' 5
+finish
