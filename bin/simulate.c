@@ -274,6 +274,7 @@ static void print_faults(const struct sim_result *r)
     count("silences", r->silences);
     count("pauses", r->pauses);
     count("slows", r->slows);
+    count("hangs", r->hangs);
     count("kills", r->kills);
     count("returns", r->returns);
     count("twice", r->twice);
@@ -367,7 +368,7 @@ static int run_seeds(const struct options *o)
     for (int64_t i = 0; i < o->seeds; i++) {
         uint64_t seed = o->plan.seed + (uint64_t)i;
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);
-        if (o->adaptive) plan.params = o->plan.params;
+        if (o->adaptive) plan.params = o->plan.params, plan.width = 1;
         plan.trace = o->plan.trace;
         sim_run(o->policy, &plan, &r);
         sim_add(&sum, &r);

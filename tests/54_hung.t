@@ -44,11 +44,11 @@ hung() {
 	rm -rf places f?.pfm
 	mkdir places
 	export kind="$2" bad="$3"
-	run timeout 30 sh -c '{ for n in 1; do pack scene $n.nff; partition -F $n "$1"; done; } |
+	run timeout 60 sh -c '{ for n in 1 2 3; do pack scene $n.nff; partition -F $n "$1"; done; } |
 		env MARK="$2" deal -q auto -e fan -t 300 -j "$3" ./worker | gather -o f%d.pfm' sh "$size" "$mark" "$4"
 	is "$1: complete" "$status $err" '0 '
 	is "$1: so many were bad" "$(ls places | wc -w)" "$(echo "$3" | wc -w)"
-	for n in 1; do ok "$1: picture $n" cmp f$n.pfm good$n.pfm; done
+	for n in 1 2 3; do ok "$1: picture $n" cmp f$n.pfm good$n.pfm; done
 	ok "$1: no process remains" await 10 none_alive
 }
 for k in beats deaf trickle stopped slow; do
@@ -57,4 +57,14 @@ done
 hung 'all but one of five beat' beats '1 2 3 4' 5
 hung 'all but one of five stopped' stopped '1 2 3 4' 5
 hung 'all but one of five do not read' deaf '1 2 3 4' 5
+
+# Nor is the input's end waited for, where it stays open until the picture is there.
+rm -rf places f?.pfm
+mkdir places
+export kind=beats bad=1
+run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm ]; do sleep .05; done; } |
+	env MARK="$2" deal -q auto -e fan -t 300 -j 3 ./worker | gather -o f%d.pfm' sh "$size" "$mark"
+is 'live input: the picture comes before its end' "$status $err" '0 '
+ok 'live input: the same picture' cmp f1.pfm good1.pfm
+ok 'live input: no process remains' await 10 none_alive
 finish

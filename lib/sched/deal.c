@@ -17,7 +17,8 @@
  * deliver. DONE counts only from a slot that has a copy. Anything else is late or wrong, and
  * ignored. What a slot has keeps it busy, needed or not, until it says DONE or is gone.
  *
- * More than one copy of a task, and pieces of it, exist only at the end: deal_end.c.
+ * More than one copy of a task exists only at the end, or where it is late; pieces of it only at
+ * the end: deal_end.c.
  */
 #include "sched/deal_int.h"
 
@@ -30,6 +31,7 @@ static void *deal_create(const struct sched_params *p)
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
     d->pool = d->out = TASK_LIST_EMPTY;
+    d->late_us = INT64_MAX;
     deal_make_room(d, 1);
     return d;
 }
@@ -80,7 +82,7 @@ static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 static void hand_copies(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k, i;
-    while (d->ended && !d->pool.count && (i = end_other(d, &k)) >= 0) {
+    while (!d->pool.count && (i = end_other(d, &k, now)) >= 0) {
         hand(d, k, i, now, out);
         hand_out(d, now, out);
     }
@@ -162,6 +164,7 @@ static void take_done(
     deal_forget_pieces(d, i);
     deal_take(d, i);
     d->ledger.at[i].done = true;
+    d->ledger.at[i].since_us = now;
     deal_put(d, i, COMPUTED, e->slot);
     if (BUG(6)) deal_commit(d, i, out);
 }
@@ -198,11 +201,12 @@ static void deal_step(
     case SCHED_DONE: take_done(d, e, now, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
-    case SCHED_WAKE: break; /* no slot of it is a node */
+    case SCHED_WAKE: break; /* no slot of it is a node; something is late */
     }
     hand_out(d, now, out);
+    d->late_us = INT64_MAX;
+    hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
-        hand_copies(d, now, out);
         ask_flush(d, out);
         hand_copies(d, now, out); /* of what was asked for, too */
     }
@@ -233,5 +237,11 @@ static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint3
     return c < 0 ? 0 : has->at[c].tries;
 }
 
-const struct policy policy_deal = {
-    "deal", deal_create, deal_step, deal_uncommitted, deal_waiting, deal_tries, NULL, deal_destroy};
+static int64_t deal_wake_us(const void *state)
+{
+    const struct deal *d = state;
+    return d->closed ? INT64_MAX : d->late_us;
+}
+
+const struct policy policy_deal = {"deal", deal_create, deal_step, deal_uncommitted, deal_waiting,
+    deal_tries, deal_wake_us, deal_destroy};

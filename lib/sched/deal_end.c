@@ -1,5 +1,5 @@
 /*
- * deal: the last tasks. Four rules, all after the input has ended:
+ * deal: the last tasks. Four rules, all after the input has ended, and one for before:
  *
  * 1. With an endgame, a task is cut before it is given to a slot where it has more pixels than half
  *    of the slot's share of what is left: factoring, carried on below a row, and weighted by the
@@ -20,6 +20,11 @@
  *    pixels have not come although their slot was asked for them, or cannot be asked yet: it may be
  *    dead. But first of all a slot gives what it owes itself.
  *
+ * 5. With an endgame, an idle slot is given what is late, whether the input has ended or not, and
+ *    however many have it: that slot itself could have done it LATE_TIMES over since it was last
+ *    given. So a slot that hangs holds up no frame that others wait for, and no live input; nor
+ *    do COPIES_MOST of them.
+ *
  * A task that is cut stays in the ledger, its pieces refer to it, and either its own pixels or the
  * last of its pieces commits it. Pieces have new ids, above all that came in the frame.
  */
@@ -29,6 +34,9 @@
 #define PIECE_LEAST 16  /* pixels */
 #define PIECE_US 1000.0 /* a piece shall keep its slot busy for so long, and as long as so many */
 #define PIECE_TRIPS 2.0 /* round trips: else it costs more than it saves */
+#define LATE_TIMES 4
+#define LATE_US 200000 /* and so much besides: a machine that is busy */
+#define LATE_MOST_US 86400e6
 
 /* Is entry i computed by somebody, and by few enough, as itself or as what it is a piece of? */
 static bool may_copy(const struct deal *d, int32_t i)
@@ -68,15 +76,50 @@ static int32_t withheld(const struct deal *d)
     return k >= 0 ? d->slots[k].computed.head : -1;
 }
 
-int32_t end_other(struct deal *d, int32_t *k)
+/* What a pixel takes slot k; where it has done none, the others in the mean; 0: not known. */
+static double us_per_px_of(const struct deal *d, int32_t k)
+{
+    double sum = 0, known = 0;
+    if (d->slots[k].pace.us_per_px > 0) return d->slots[k].pace.us_per_px;
+    for (int32_t i = 0; i < d->n_slots; i++) {
+        sum += d->slots[i].pace.us_per_px;
+        known += d->slots[i].pace.us_per_px > 0;
+    }
+    return known > 0 ? sum / known : 0;
+}
+
+/* Rule 5: is entry i late, for slot k? If not, notes when it will be. */
+static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
+{
+    const struct task_entry *e = &d->ledger.at[i];
+    double us = (double)lattice_count(&e->task.at) * us_per_px_of(d, k);
+    us = LATE_US + LATE_TIMES * (us + d->slots[k].pace.round_trip_us);
+    int64_t late_us = e->since_us + (int64_t)fmin(us, LATE_MOST_US);
+    if (now >= late_us) return true;
+    if (late_us < d->late_us) d->late_us = late_us;
+    return false;
+}
+
+/* The whole that was given longest ago, or the piece, if that is late. */
+static int32_t late(struct deal *d, int32_t k, int64_t now)
+{
+    int32_t i = d->out.head;
+    while (i >= 0 && d->account[i].pieces) i = d->ledger.at[i].next;
+    return i >= 0 && is_late(d, i, k, now) && !BUG(99) ? i : -1;
+}
+
+int32_t end_other(struct deal *d, int32_t *k, int64_t now)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
+    int32_t i = -1;
     if (!revoke || (*k = lowest(&d->idle)) < 0) return -1;
-    int32_t i = in_store(d);
-    if (i < 0 && d->p.endgame) i = oldest(d);
-    if (i >= 0 || !d->p.endgame) return i;
+    if (d->ended) i = in_store(d);
+    if (i < 0 && d->ended && d->p.endgame) i = oldest(d);
+    if (i < 0 && d->p.endgame) i = late(d, *k, now);
+    if (i >= 0 || !d->p.endgame || !(d->ended || d->flush)) return i;
     if (!BUG(26)) *k = lowest(&d->free);
-    return *k >= 0 ? withheld(d) : -1;
+    i = *k >= 0 ? withheld(d) : -1;
+    return i >= 0 && (d->ended || is_late(d, i, *k, now)) ? i : -1;
 }
 
 /* Rule 1: so many pixels are enough for slot s. */

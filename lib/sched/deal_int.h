@@ -57,6 +57,7 @@ struct deal {
     struct slot_set free;      /* nor have they computed what is not committed */
     struct slot_set withheld;  /* they have, and were asked for it, or cannot be asked yet */
     struct slot_set unflushed; /* they have, are idle, and were not asked for it */
+    int64_t late_us;           /* when a task that others have will be late; INT64_MAX: none will */
     bool ended, flush, closed;
 };
 
@@ -101,8 +102,9 @@ int32_t pick_store(const struct deal *d);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 
-/* With the pool empty: a task that others have, for a slot that has nothing to do, *k; or -1. */
-int32_t end_other(struct deal *d, int32_t *k);
+/* With the pool empty: a task that others have, for a slot that has nothing to do, *k; or -1. Then
+ * late_us says when there may be one. */
+int32_t end_other(struct deal *d, int32_t *k, int64_t now);
 /* What to give to slot k instead of entry i: a piece of it where it is long, else itself. */
 int32_t end_piece(struct deal *d, int32_t k, int32_t i);
 /* Is any slot still computing something? */

@@ -136,6 +136,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     a->copies++;
     a->latest = k;
     e->done = false;
+    e->since_us = now;
     deal_put(d, i, OUT, -1);
     deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);

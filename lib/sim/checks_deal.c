@@ -10,9 +10,11 @@ struct note {
     uint8_t nth[SIM_SLOTS_MOST]; /* which of these the slot's was */
     int32_t computed_by;         /* the first slot that said so, and is not lost, -1 */
     bool overtaken;              /* a piece of what was computed since */
+    int64_t since_us;            /* it was given, or computed, last then */
 };
 static struct note *of(const struct vtask *t) { return t->note; }
 
+#define LATE_US 200000 /* what was given or computed less long ago is not late */
 #define AUTO_MOST 1001 /* tasks at a slot, where the depth follows the link */
 
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
@@ -96,6 +98,7 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
     w->slots[k].has--;
     if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
     of(t)->computed_by = k;
+    of(t)->since_us = w->now_us;
     overtake(w, t);
 }
 
@@ -134,12 +137,18 @@ static bool owes(const struct world *w, int32_t k)
     return false;
 }
 
-/* Slot k is given what is computed: only in the endgame, when who computed it is busy or was
- * asked for it. */
+static bool is_late(const struct world *w, const struct vtask *t)
+{
+    return w->plan->params.endgame && w->now_us - of(t)->since_us >= LATE_US;
+}
+
+/* Slot k is given what is computed: only in the endgame, or late, when who computed it is busy or
+ * was asked for it. */
 static void check_withheld(struct world *w, struct vtask *t, int32_t k)
 {
     const struct vslot *s = &w->slots[of(t)->computed_by];
-    bool late = w->plan->params.endgame && w->input_ended && (s->asked || s->has);
+    bool late =
+        w->plan->params.endgame && (w->input_ended || is_late(w, t)) && (s->asked || s->has);
     if (!late || owes(w, k)) fail(w, "work given that is computed", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
@@ -198,14 +207,16 @@ static bool in_store(const struct world *w, const struct vtask *t)
 static void check_copy(struct world *w, const struct vtask *t, int32_t k)
 {
     w->result->copies++;
-    if (!w->input_ended || !(w->plan->params.endgame || adapts(w)))
-        fail(w, "work given twice", k, t->task.id);
+    bool may = w->input_ended && (w->plan->params.endgame || adapts(w));
+    if (!may && !is_late(w, t)) fail(w, "work given twice", k, t->task.id);
+    w->result->late_copies += !may;
     if (w->slots[k].has) fail(w, "a copy to a slot that is busy", k, t->task.id);
     if (count_waiting(w, false)) fail(w, "a copy, while other work waits", k, t->task.id);
     if (in_pieces(w, t, false)) fail(w, "a copy of what is in pieces", k, t->task.id);
     if (!w->plan->params.endgame && !in_store(w, t))
         fail(w, "a copy of what is begun", k, t->task.id);
-    if (copies_of(w, t) >= SIM_COPIES_MOST) fail(w, "too many copies", k, t->task.id);
+    if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t))
+        fail(w, "too many copies", k, t->task.id);
 }
 
 /* Beyond the depth, or what is left of it at the end? */
@@ -262,6 +273,7 @@ static void check_give(struct world *w, const struct sched_action *a)
     of(t)->owners |= UINT64_C(1) << a->slot;
     of(t)->nth[a->slot] = (uint8_t)++of(t)->gives;
     of(t)->order = w->result->gives;
+    of(t)->since_us = w->now_us;
     s->has++;
     s->asked = false;
     if (t->to == a->slot) return;

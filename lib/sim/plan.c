@@ -28,7 +28,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->concentrate = false;
     p->assigned = 0;
     p->rows = p->frames = 1;
-    p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_kill = 0;
+    p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_hang = p->p_kill = 0;
     p->p_return = p->p_twice = p->p_garbage = 0;
 }
 
@@ -57,6 +57,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
     p.p_slow = chance(seed, 21, .3);
     p.p_kill = chance(seed, 22, .3);
+    p.p_hang = p.params.endgame ? chance(seed, 25, .5) : 0;
     p.frames = unit(seed, 23) < .6 ? 1 : pick(seed, 24, 2, 6);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
@@ -69,6 +70,7 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     p.node = &policy_node;
     p.checks = &sim_checks_ring;
     p.calm = false;
+    p.p_hang = 0;
     p.params = (struct sched_params){.one = unit(seed, 30) < .3};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);

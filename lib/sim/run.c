@@ -372,6 +372,7 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->silences += r->silences;
     sum->pauses += r->pauses;
     sum->slows += r->slows;
+    sum->hangs += r->hangs;
     sum->kills += r->kills;
     sum->twice += r->twice;
     sum->garbage += r->garbage;
@@ -381,6 +382,7 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->pieces += r->pieces;
     sum->stops += r->stops;
     sum->withheld += r->withheld;
+    sum->late_copies += r->late_copies;
     sum->computed += r->computed;
     sum->messages += r->messages;
     sum->steals += r->steals;

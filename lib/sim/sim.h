@@ -24,7 +24,8 @@
  *
  *   give      only to a slot that is up, only what is to do, from the pool only up to the depth;
  *             what somebody has already only to a slot that has nothing, when the input has ended
- *             and nothing waits, and only up to SIM_COPIES_MOST times at once
+ *             and nothing waits, and only up to SIM_COPIES_MOST times at once; in an endgame also
+ *             before, and more often, where it is late
  *   turn      what nobody had goes in the order in which it came, after what was lost
  *   least     where all may have as many, who has least is given to
  *   withheld  what is computed elsewhere, only in an endgame, when that slot is busy, or was asked
@@ -71,6 +72,7 @@ enum sim_fault_kind {
     SIM_SILENCE, /* its connection is half open: the fan gives it up after silence_us */
     SIM_PAUSE,   /* it is silent for less than that, and goes on */
     SIM_SLOW,    /* what it begins from now on takes longer */
+    SIM_HANG,    /* it never ends what it is on, and is not silent: no fan gives it up */
     SIM_KILL     /* the hub is killed, and started again later */
 };
 /* A fault that is not drawn by chance. */
@@ -98,11 +100,11 @@ struct sim_plan {
     int32_t assigned; /* so many tasks have to=K */
     bool concentrate; /* slots hand over pixels on a flush only */
     double cost_us;   /* the least that a row costs at power 1; the most is exp(4) times that */
-    double p_crash, p_silence, p_pause, p_slow; /* at most one of these befalls a slot */
-    double p_kill;                              /* of the hub */
-    double p_return;                            /* a lost slot comes back */
-    double p_twice;                             /* an answer is sent twice */
-    double p_garbage;                           /* an answer names what was not asked */
+    double p_crash, p_silence, p_pause, p_slow, p_hang; /* at most one of these befalls a slot */
+    double p_kill;                                      /* of the hub */
+    double p_return;                                    /* a lost slot comes back */
+    double p_twice;                                     /* an answer is sent twice */
+    double p_garbage;                                   /* an answer names what was not asked */
     double p_false; /* a node says something to its hub that is not so */
     double p_lose, p_double,
         p_late;               /* a ring message is, on each of its links: a datagram's fate */
@@ -134,10 +136,11 @@ struct sim_result {
     int64_t end_us;
     uint64_t trace_hash;
     int64_t events, gives, commits, flushes;
-    int64_t crashes, silences, pauses, slows, kills, twice, garbage, returns;
+    int64_t crashes, silences, pauses, slows, hangs, kills, twice, garbage, returns;
     int64_t uncommitted;           /* tasks, where the run did not end */
     int64_t copies, pieces, stops; /* gives of what another has; pieces given; ends that stop */
     int64_t withheld;              /* gives of what is computed elsewhere */
+    int64_t late_copies;           /* of the copies: before the input had ended */
     int64_t computed;              /* tasks, by whomever; more than commits: some more than once */
     int64_t messages;              /* of the ring, by each node and to it, without PLACE */
     int64_t steals;                /* asks of a node that brought it work of another one */

@@ -91,7 +91,7 @@ void start_next(struct world *w, int32_t k)
     s->began_us = w->now_us;
     if (s->first_us < 0) s->first_us = w->now_us;
     struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = llround(us)};
-    schedule(w, w->now_us + e.sched.wall_us, k, e);
+    if (!s->hung) schedule(w, w->now_us + e.sched.wall_us, k, e);
 }
 
 void hand_over(struct world *w, int32_t k)
@@ -113,6 +113,7 @@ static void count_time(struct world *w, struct vslot *s)
 static void computed(struct world *w, int32_t k, int64_t wall_us)
 {
     struct vslot *s = &w->slots[k];
+    if (s->hung) return;
     count_time(w, s);
     if (s->stalled) return; /* it will begin again when it resumes */
     struct task t = s->queue.at[s->queue.first++];
@@ -182,7 +183,7 @@ void end_slot(struct world *w, int32_t k)
     count_time(w, s);
     if (s->node) w->plan->node->destroy(s->node);
     s->node = NULL;
-    s->alive = s->stalled = false;
+    s->alive = s->stalled = s->hung = false;
     s->epoch++;
     s->inbox.n = 0;
     s->queue.first = s->queue.n = 0;

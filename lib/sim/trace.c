@@ -13,6 +13,7 @@ static const char *const faults[] = {[SIM_CRASH] = "crash",
     [SIM_SILENCE] = "silence",
     [SIM_PAUSE] = "pause",
     [SIM_SLOW] = "slow",
+    [SIM_HANG] = "hang",
     [SIM_KILL] = "kill"};
 static const char *const scheds[] = {[SCHED_TASK] = "task",
     [SCHED_INPUT_END] = "end",

@@ -56,6 +56,7 @@ static bool parse_word(struct sim_plan *p, char *word)
         {"silence", &p->p_silence, SIM_SILENCE},
         {"pause", &p->p_pause, SIM_PAUSE},
         {"slow", &p->p_slow, SIM_SLOW},
+        {"hang", &p->p_hang, SIM_HANG},
         {"kill", &p->p_kill, SIM_KILL},
         {"return", &p->p_return, -1},
         {"lose", &p->p_lose, -1},

@@ -36,7 +36,7 @@ struct vslot {
     double power;
     struct tasks queue; /* to compute, in order */
     struct tasks held;  /* computed, pixels not sent */
-    bool busy;
+    bool busy, hung;    /* hung: and will be for ever */
     /* its links: latest arrivals, which keep order, and when the last pixels have left it */
     int64_t down_us, up_us, pixels_us, left_us;
     /* its time */
