@@ -161,14 +161,14 @@ is 'talk without end: exit 3' "$status" 3
 like 'talk without end: it is said' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
 
 # ---- who is refused -----------------------------------------------------------------------------------------------
-# both: the two slots have begun, and been spoken of
-both() { await 10 eval '[ "$(wc -l <liar.started)" -eq 2 ]' && await 10 grep -q '^fan: liar:' .err && sleep .2; }
+# spoken: the host was tried, and that was said
+spoken() { await 30 test -s liar.started && await 30 grep -q '^fan: liar:' .err && sleep .2; }
 # refused NAME SCRIPT ERE: a host that runs SCRIPT beside a good one
 refused() {
 	script liar "echo >>liar.started; $2"
 	rm -f liar.started
 	printf 'liar slots=2 via="./liar %%c"\n: slots=1\n' >liars
-	run eval '{ cat job.task; both; } | deal fan -S liars rtworker - | gather -o out.pfm'
+	run eval '{ cat job.task; spoken; } | deal fan -S liars rtworker - | gather -o out.pfm'
 	same "$1"
 	like "$1: it is said" "$err" "$3"
 	is "$1: once" "$(printf '%s\n' "$err" | grep -c '^fan: liar:')" 1
@@ -179,10 +179,10 @@ refused 'other arithmetic' "echo $hello selftest=77 power=99; exec cat >/dev/nul
 refused 'another version' 'echo hello rtworker 0.0 selftest=77; exec cat >/dev/null' \
 	'^fan: liar: refused: it runs rtworker 0\.0, here it is rtworker [0-9.]+$'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'
-is 'and is not started again' "$(wc -l <liar.started)" 2
+is 'and is not started again, nor for another slot' "$(wc -l <liar.started)" 1
 refused 'a worker that is not there' 'exec no-such-worker' \
-	'^fan: liar: cannot be used \(exit-127\): command not found, expected .* PATH there, or bin=DIR in the hosts file$'
-refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: cannot be used \(exit-126\): command found .* bin=DIR'
+	'^fan: liar: no rtworker on its PATH; install it there, or say bin=DIRECTORY in a hosts file$'
+refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: rtworker cannot be run there; install one for that machine$'
 script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
 run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
 same 'garbage'
@@ -202,16 +202,16 @@ same 'a host that comes late'
 is 'it is gone, then up, with the same number' "$(events out.frags | grep w=1 | sed 's/power.*//' | tr '\n' ';')" \
 	'gone w=1 why=exit-255 lost=0;up w=1 host=flaky ;'
 is 'the reason is shown once' "$(cat said)" 'flaky: cannot reach flaky
-fan: flaky: cannot be reached (exit-255)
+fan: flaky: cannot be reached (exit-255); trying again
 fan: slot 1 on flaky: is up'
 
-script crowd 'mkdir "crowd.$$"; [ "$(ls -d crowd.* | wc -l)" -gt 8 ] || { sleep .3; exit 255; }; exec sh -c "$1"'
+script crowd 'mkdir "crowd.$$"; n=$(ls -d crowd.* | wc -l); [ "$n" -eq 1 ] || [ "$n" -gt 8 ] || exit 255; exec sh -c "$1"'
 echo 'crowd slots=8 via="./crowd %c"' >crowd.hosts
-start_ms=$(($(date +%s%N) / 1000000))
-fan -S crowd.hosts rtworker - <job.task 2>said | gather -o out.pfm
-took_ms=$(($(date +%s%N) / 1000000 - start_ms))
-same 'eight connections that fail at once'
-ok "are tried again soon ($took_ms ms)" test $took_ms -lt 6000
+{ cat job.task; await 60 eval '[ "$(events crowd.frags | grep -c ^up)" -eq 8 ]'; } | fan -S crowd.hosts rtworker - >crowd.frags 2>said
+gather -o out.pfm crowd.frags
+same 'seven connections that fail at once'
+is 'all come up' "$(events crowd.frags | grep -c ^up)" 8
+is 'and it is said once' "$(grep -c 'trying again' said)" 1
 
 # long [OPTION ...]: some seconds of work on slots elsewhere, one dealt
 pack scene gears.nff >long.task
@@ -288,7 +288,7 @@ is 'and a line a slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '
 mkdir now
 script slow 'mkdir now/$$; ls now | wc -l >>most; sleep .05; rmdir now/$$; exec sh -c "$1"'
 echo 'many slots=100 via="./slow %c"' >many
-{ cat job.task; await 30 eval '[ "$(events many.frags | grep -c ^up)" -ge 100 ]'; } | fan -S many rtworker - >many.frags
+{ cat job.task; await 120 eval '[ "$(events many.frags | grep -c ^up)" -ge 100 ]'; } | fan -S many rtworker - >many.frags
 is '100 slots: all are up' "$(events many.frags | grep -c '^up')" 100
 gather -o out.pfm many.frags
 same '100 slots'

@@ -19,8 +19,6 @@
 #define LOADING_S 15.0 /* while state is on its way: a slow link has it in pieces, */
 #define CLOSING_S 1.0  /* and when nothing is left to say */
 #define LATE_US 100000 /* a round may begin so much later than was asked for */
-#define UNREACHED_S                                                                                \
-    30.0 /* nobody is up, and who could be is not for so long: there is no host left */
 
 /* So long may slot s say nothing; 0: as long as it likes. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
@@ -99,7 +97,7 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 
 static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
-    if (s->child.err >= 0 && p[s->poll + 2].revents) slot_show_err(s);
+    if (s->child.err >= 0 && p[s->poll + 2].revents) slot_show_err(f, s);
     if (slot_fed(s) && s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
     if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
     if (s->state == FAN_LEAVING) slot_left(f, s);
@@ -160,6 +158,20 @@ bool fan_working(const struct fan *f)
     return false;
 }
 
+/* Two descriptors a slot, a third where its messages come apart, and a few besides. */
+static void make_room(const struct fan *f)
+{
+    int need = 16;
+    for (int i = 0; i < f->n_hosts; i++)
+        need += f->hosts[i].host->slots * (f->hosts[i].here ? 2 : 3);
+    int most = want_descriptors(need);
+    if (most < need)
+        die(ST_SYSTEM,
+            "%d slots need %d open files, expected fewer slots, or a higher limit than %d (ulimit "
+            "-Hn)",
+            f->n_slots, need, most);
+}
+
 void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 {
     *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us()};
@@ -182,16 +194,17 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
                 .missing_us = f->start_us};
     }
     f->n[FAN_WAITING] = f->n_slots;
-    want_descriptors(3 * f->n_slots + 16);
-    if (*o->command) fan_ask_reference(f);
+    if (!*o->command) return;
+    make_room(f);
+    fan_ask_reference(f);
 }
 
 /* What it says meanwhile is shown: it may be why it ends. */
-static void await_exit(struct fan_slot *s, int64_t end_us)
+static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 {
     int status;
     while (!child_ended(&s->child, &status) && now_us() < end_us) {
-        if (s->child.err >= 0) slot_show_err(s);
+        if (s->child.err >= 0) slot_show_err(f, s);
         nanosleep(&(struct timespec){0, 500000}, NULL);
     }
 }
@@ -205,13 +218,16 @@ static void stop(struct fan *f)
         struct fan_slot *s = &f->slots[k];
         f->lost += s->tasks.count;
         f->unreached |= s->tasks.count > 0;
-        await_exit(s, end_us);
-        slot_end_err(s);
+        await_exit(f, s, end_us);
+        slot_end_err(f, s);
+        slot_show_held(s);
         child_end(&s->child, 0);
         slot_free(s);
         wire_free(&s->from);
         buf_free(&s->err);
+        buf_free(&s->held);
     }
+    hosts_end_err(f);
 }
 
 void fan_close(struct fan *f)
@@ -235,10 +251,22 @@ static bool all_gone(const struct fan *f)
     return true;
 }
 
-/* There is work, and nobody to do it. */
+/* Slots that never were up; one that is here, and would have come, does not count. */
+static int never_up(const struct fan *f)
+{
+    int n = 0;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        n += !s->was_up && (!s->host->here || s->failures);
+    }
+    return n;
+}
+
+/* There is work, and nobody to do it; or there would be nobody. */
 static bool deserted(const struct fan *f)
 {
-    bool nobody = !f->well && (f->unreached || (f->lost && all_gone(f)));
+    bool lost = f->lost || never_up(f) == f->n_slots;
+    bool nobody = !f->well && (f->unreached || (lost && all_gone(f)));
     return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
 
@@ -251,6 +279,8 @@ static void say_bye(struct fan *f)
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
     else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
+    int missing = never_up(f);
+    if (!none && f->asked && missing) warn("%d of %d slots never connected", missing, f->n_slots);
 }
 
 static int status_of(const struct fan *f)

@@ -126,6 +126,7 @@ static int route_task(struct fan *f, const struct record *r)
         warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->n_slots);
         return ST_USAGE;
     }
+    f->asked = true;
     f->begun |= frame->generation == f->input.generations.now;
     return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }

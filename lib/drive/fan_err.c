@@ -1,29 +1,54 @@
 /*
  * fan: what workers elsewhere write to their standard error, shown line by line with the host's
- * name. It is read whenever there is something: no worker has to wait for a reader of messages.
+ * name. It is read whenever there is something: no worker has to wait for a reader of messages. A
+ * host that has too much to say is not shown all of it.
  */
 #include "drive/fan_int.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <string.h>
 
 #define READ_MOST 4096
-#define LINE_MOST 1000 /* what is longer comes in pieces */
-#define LAST_READS 16  /* when the process has ended */
+#define LINE_MOST 1000     /* what is longer comes in pieces */
+#define LAST_READS 16      /* when the process has ended */
+#define LINES_MOST 100     /* of a host that are shown */
+#define WINDOW_US 10000000 /* in this time */
+
+static void say_dropped(struct fan_host *h)
+{
+    if (h->dropped)
+        warn("%s: %" PRId64 " more lines of messages dropped", h->host->name, h->dropped);
+    h->dropped = 0;
+}
+
+static void show_line(struct fan_host *h, const char *line, size_t n)
+{
+    int64_t now = now_us();
+    if (!h->window_us || now - h->window_us > WINDOW_US) {
+        say_dropped(h);
+        h->window_us = now;
+        h->shown = 0;
+    }
+    if (h->shown++ < LINES_MOST) relay(h->host->name, line, n);
+    else h->dropped++;
+}
 
 /*
  * A host that is tried again and again says why it cannot be reached each time: once will do, until
- * it says something else.
+ * it says something else. What may be said in one line is kept until the connection has failed.
  */
-static void show(struct fan_slot *s, const char *line, size_t n)
+static void show(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
 {
     uint64_t hash = hash64(HASH64_INIT, line, n);
     if (n && line[n - 1] == '\r') n--;
-    if (s->connected || hash != s->host->told) relay(s->host->host->name, line, n);
+    if (!s->connected && refusal_holds(f, s, line, n)) return;
+    slot_show_held(s);
+    if (s->connected || hash != s->host->told) show_line(s->host, line, n);
     s->host->told = hash;
 }
 
-static void show_lines(struct fan_slot *s, bool all)
+static void show_lines(const struct fan *f, struct fan_slot *s, bool all)
 {
     size_t n;
     while ((n = buf_size(&s->err)) > 0) {
@@ -31,26 +56,42 @@ static void show_lines(struct fan_slot *s, bool all)
         const char *newline = memchr(line, '\n', n < LINE_MOST ? n : LINE_MOST);
         if (!newline && n < LINE_MOST && !all) return;
         size_t len = newline ? (size_t)(newline - line) : n < LINE_MOST ? n : LINE_MOST;
-        show(s, line, len);
+        show(f, s, line, len);
         buf_consume(&s->err, len + (newline != NULL));
     }
 }
 
-static bool read_err(struct fan_slot *s)
+static bool read_err(const struct fan *f, struct fan_slot *s)
 {
     ptrdiff_t n = read_some(s->child.err, &s->err, READ_MOST);
-    show_lines(s, false);
+    show_lines(f, s, false);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK)) child_close(&s->child.err);
     return n > 0;
 }
 
-void slot_show_err(struct fan_slot *s) { read_err(s); }
+void slot_show_err(const struct fan *f, struct fan_slot *s) { read_err(f, s); }
 
-void slot_end_err(struct fan_slot *s)
+void slot_end_err(const struct fan *f, struct fan_slot *s)
 {
-    for (int i = 0; i < LAST_READS && s->child.err >= 0 && read_err(s); i++)
+    for (int i = 0; i < LAST_READS && s->child.err >= 0 && read_err(f, s); i++)
         ;
     child_close(&s->child.err);
-    show_lines(s, true);
+    show_lines(f, s, true);
     buf_free(&s->err);
+}
+
+void slot_show_held(struct fan_slot *s)
+{
+    size_t n;
+    while ((n = buf_size(&s->held)) > 0) {
+        const char *line = (const char *)buf_data(&s->held), *newline = memchr(line, '\n', n);
+        size_t len = newline ? (size_t)(newline - line) : n;
+        show_line(s->host, line, len);
+        buf_consume(&s->held, len + (newline != NULL));
+    }
+}
+
+void hosts_end_err(struct fan *f)
+{
+    for (int i = 0; i < f->n_hosts; i++) say_dropped(&f->hosts[i]);
 }

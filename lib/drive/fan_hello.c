@@ -82,8 +82,8 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
     if (s->host->here) warn("%s: refused: %s", slot_name(s, name), text);
-    else if (!s->host->complained) warn("%s: refused: %s", s->host->host->name, text);
-    s->host->complained = true;
+    else if (s->host->said != FAN_ENDED) warn("%s: refused: %s", s->host->host->name, text);
+    s->host->said = FAN_ENDED;
     return why;
 }
 

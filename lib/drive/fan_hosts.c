@@ -1,8 +1,8 @@
 /*
  * fan: whose turn it is to connect, and what is said of hosts. A server takes few connections at a
  * time that have not proved yet who they are (sshd's MaxStartups), so few are opened at once. First
- * tries go before further ones; and a host whose last connection failed is tried by one slot at a
- * time, so that dead hosts do not keep the living waiting.
+ * tries go before further ones; and a host that was not up yet, or whose last connection failed, is
+ * tried by one slot at a time: it refuses once, and dead hosts do not keep the living waiting.
  */
 #include "drive/fan_int.h"
 
@@ -20,7 +20,8 @@ static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
     if (s->state != FAN_WAITING || s->retry_us > now || !slot_wanted(f, s)) return false;
     const struct fan_host *h = s->host;
     if (h->here) return true;
-    return f->connecting < OPENING_MOST && (!h->failures || !h->opening) && h->retry_us <= now;
+    bool alone = !h->reached || h->failures;
+    return f->connecting < OPENING_MOST && !(alone && h->opening) && h->retry_us <= now;
 }
 
 int hosts_connect(struct fan *f)
@@ -69,32 +70,51 @@ void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
     s->told_gone = true;
 }
 
-/* What to look at first; 126 and 127 are the shell's own statuses (POSIX, 2.8.2). */
-static const char *hint(const struct fan *f, const char *why)
+/* Is a slot of the host needed? *last: no other host has slots that may come. */
+static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *last)
 {
-    if (strcmp(why, "exit-127") == 0)
-        return ": command not found, expected the worker on the PATH there, or bin=DIR in the "
-               "hosts file";
-    if (strcmp(why, "exit-126") == 0)
-        return ": command found but not run, expected a program for that machine on the PATH "
-               "there, or bin=DIR in the hosts file";
-    return f->o->hosts->no_file ? ", and there is no such file" : "";
+    bool wanted = false;
+    *last = true;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (s->host == h) wanted |= slot_wanted(f, s);
+        else if (slot_comes(s)) *last = false;
+    }
+    return wanted;
+}
+
+/* `why` is the reason where ssh or the shell there has not told a better one. */
+static void complain(const struct fan *f, struct fan_slot *s, const char *why, bool again)
+{
+    struct buf text = {0};
+    bool last;
+    if (!refusal_explain(f, s, why, &text))
+        buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
+            again ? "reached" : "used", why, *s->chatter ? ", it says: " : "", s->chatter);
+    if (again && host_wanted(f, s->host, &last)) {
+        buf_printf(&text, "; trying again");
+        if (last && !f->listing) buf_printf(&text, " for %g s", UNREACHED_S);
+    }
+    buf_append(&text, "", 1);
+    warn("%s", (const char *)buf_data(&text));
+    buf_free(&text);
 }
 
 void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct fan_host *h = s->host;
-    if (!h->complained)
-        warn("%s: %s (%s)%s%s%s", h->host->name, again ? "cannot be reached" : "cannot be used",
-            why, hint(f, why), *s->chatter ? ", it says: " : "", s->chatter);
-    h->complained = true;
-    if (!again) return;
-    if (s->opened_us >= h->failed_us) { /* those opened at one time fail as one */
+    bool ends = !again && !h->reached;
+    if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) complain(f, s, why, again);
+    else refusal_forget(s);
+    h->said = again ? FAN_RETRIED : FAN_ENDED;
+    if (again && s->opened_us >= h->failed_us) { /* those opened at one time fail as one */
         h->failed_us = now_us();
         h->retry_us = h->failed_us + retry_wait_us(++h->failures);
     }
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
-        if (other->host == h && other->state == FAN_WAITING) say_gone(f, other, why, 0);
+        if (other->host != h || other->state != FAN_WAITING) continue;
+        if (again) say_gone(f, other, why, 0);
+        else if (ends) slot_give_up(f, other, why);
     }
 }

@@ -1,13 +1,16 @@
 /*
  * fan's router, shared by its files: fan.c (the loop), fan_down.c (what comes from the input),
  * fan_slot.c (the life of a slot), fan_hosts.c (whose turn it is to connect, what is said of
- * hosts), fan_hello.c (who is let in), fan_up.c (what workers say), fan_err.c (their standard
- * error), fan_list.c (fan -l).
+ * hosts), fan_refusal.c (why a connection failed), fan_hello.c (who is let in), fan_up.c (what
+ * workers say), fan_err.c (their standard error), fan_list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
 #include "drive/drive.h"
+
+/* When no slot is up, and none that may come up was for so long, no host is left. */
+#define UNREACHED_S 30.0
 
 enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_STATES };
 
@@ -15,12 +18,16 @@ struct fan_host {
     const struct host *host;
     char **argv;       /* what is run for each of its slots */
     bool here;         /* this machine: no connection that could fail */
-    int opening;       /* slots that are */
+    int opening;       /* slots that are being connected */
     int failures;      /* connections in a row that failed: one slot at a time tries again, */
     int64_t retry_us;  /* and not before */
     int64_t failed_us; /* when that was last counted */
-    bool complained;   /* that it cannot be used, or reached, has been said since a slot was up */
+    bool reached;      /* a slot of it was up */
+    enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* why it is not up, since a slot of it was */
     uint64_t told;     /* hash of the last line of its standard error */
+    int64_t window_us; /* since then so many lines were shown, */
+    int shown;
+    int64_t dropped; /* and so many not */
 };
 
 struct fan_slot {
@@ -32,6 +39,9 @@ struct fan_slot {
     size_t poll; /* the place of child.to in the last poll, .from behind it, then .err; 0: none */
     struct decoder from;
     struct buf err;      /* of its standard error, a line that is not whole yet */
+    struct buf held;     /* lines of its standard error that may tell why the connection fails */
+    int reason;          /* of that, in fan_refusal.c; */
+    char detail[200];    /* the line that told it */
     char chatter[160];   /* what it said first, when that was no hello */
     size_t before_hello; /* bytes */
     int64_t opened_us;   /* when its process was started */
@@ -105,6 +115,7 @@ struct fan {
     int64_t lost, stale; /* tasks lost with their slots; answers to questions not asked */
     bool disputed;       /* slots have pixels of different jobs, and nobody knows who is right */
     bool unreached;      /* tasks were waiting to the end for slots that never were up */
+    bool asked;          /* a task came */
     bool in_open;
     bool listing; /* fan -l: slots are asked for their hello, and that is all */
     int refused;  /* the status to end with at once: the input is bad, or cannot be read */
@@ -157,6 +168,8 @@ void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
 void slot_leave(struct fan *f, struct fan_slot *s);
 /* Has a slot that is leaving exited, in good order or not? Or must it be killed? */
 void slot_left(struct fan *f, struct fan_slot *s);
+/* A slot that waits is given up with its host. */
+void slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
 /* Is there, or may there be, work for a slot that is not up? */
 bool slot_wanted(const struct fan *f, const struct fan_slot *s);
 /* It is up, or may come up. */
@@ -173,7 +186,10 @@ int hosts_connect(struct fan *f);
 const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
 /* How long to wait after so many failures in a row. */
 int64_t retry_wait_us(int failures);
-/* Slot s could not be connected: the others of its host need not be waited for either. */
+/*
+ * Slot s could not be connected: that is said, once for the host, and what to do. The other slots
+ * of the host need not be waited for either; unless it is tried again they are given up.
+ */
 void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* `gone` for slot s, unless that has been said. */
 void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
@@ -185,13 +201,30 @@ void fan_ask_reference(struct fan *f);
 /* NULL, or why the slot is refused; it is up when it is not. */
 const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
 
+/* ---- fan_refusal.c ---- */
+
+/* A connection begins: nothing was said about its failing. */
+void refusal_forget(struct fan_slot *s);
+/* Does this line of standard error tell, or begin to tell, why it fails? Then it is held. */
+bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);
+/* Was it refused in such words that no second try can help? Only where the host never was up. */
+bool refusal_is_final(const struct fan_slot *s);
+/* Appends the reason and what to do, and drops the lines that were held; or returns false. */
+bool refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
+
 /* ---- fan_up.c, fan_err.c ---- */
 
 /* Everything that can be decoded from slot s. */
 void slot_listen(struct fan *f, struct fan_slot *s);
+/* The beginning of a line as messages show it. */
+void printable(char *to, size_t room, const char *line, size_t n);
 /* Shows what the slot wrote to its standard error, line by line. */
-void slot_show_err(struct fan_slot *s);
+void slot_show_err(const struct fan *f, struct fan_slot *s);
 /* The rest of it; then it is closed. */
-void slot_end_err(struct fan_slot *s);
+void slot_end_err(const struct fan *f, struct fan_slot *s);
+/* What was held: it was not about a failure, or another one. */
+void slot_show_held(struct fan_slot *s);
+/* Says how much of the hosts' messages was not shown. */
+void hosts_end_err(struct fan *f);
 
 #endif

@@ -30,9 +30,15 @@
 #define ASK_AGAIN_US 5000000 /* fan -l: who failed within this time is asked once more */
 #define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
 
+/* It is being connected, or that has failed and why is not known yet. */
+static bool connects(const struct fan_slot *s, enum fan_state state)
+{
+    return state == FAN_OPENING || (state == FAN_LEAVING && !s->connected);
+}
+
 static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
 {
-    int opening = (state == FAN_OPENING) - (s->state == FAN_OPENING);
+    int opening = connects(s, state) - connects(s, s->state);
     f->n[s->state]--;
     f->n[state]++;
     if (!s->host->here) f->connecting += opening;
@@ -62,7 +68,8 @@ void slot_free(struct fan_slot *s)
 /* The process is no more. */
 static void settle(struct fan *f, struct fan_slot *s)
 {
-    slot_end_err(s);
+    slot_end_err(f, s);
+    slot_show_held(s);
     wire_free(&s->from);
     if (s->again) {
         s->retry_us = now_us() + retry_wait_us(s->failures);
@@ -85,13 +92,16 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->before_hello = 0;
     s->closed_us = 0;
     *s->chatter = '\0';
+    refusal_forget(s);
     s->opened_us = s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
     if (s->host->here && !s->primed) fan_prime_early(f, s);
     int failed = s->host->here ? child_start(&s->child, s->host->argv)
                                : child_start_apart(&s->child, s->host->argv);
     if (!failed) return;
-    warn("%s: %s", s->host->argv[0], strerror(errno));
+    if (s->host->said == FAN_QUIET)
+        warn("%s: %s%s", s->host->argv[0], strerror(errno), s->host->here ? "" : "; trying again");
+    s->host->said = FAN_RETRIED;
     slot_lose(f, s, "not-started", true);
 }
 
@@ -99,8 +109,10 @@ void slot_up(struct fan *f, struct fan_slot *s)
 {
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
     if (s->told_gone) warn("%s: is up", slot_name(s, name));
-    s->connected = s->was_up = true;
-    s->told_gone = s->host->complained = false;
+    slot_show_held(s);
+    s->connected = s->was_up = s->host->reached = true;
+    s->told_gone = false;
+    s->host->said = FAN_QUIET;
     s->host->failures = 0;
     s->host->retry_us = 0;
     s->heard_us = now_us();
@@ -172,16 +184,25 @@ static void decide(struct fan *f, struct fan_slot *s, const char *why, bool agai
     else if (s->connected && s->tasks.count) s->deaths++;
     s->again = again && !s->host->here && s->deaths < DEATHS_MOST;
     s->decided = true;
+    s->measured |= !s->again || s->failures > 1 || now_us() - s->opened_us > ASK_AGAIN_US;
     int32_t lost = s->connected || !s->again ? s->tasks.count : 0;
     say_gone(f, s, why, lost);
     if (!s->connected && !s->host->here) host_failed(f, s, why, s->again);
-    else if (lost || f->in_open)
+    else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", slot_name(s, name), why, lost,
             s->again ? ", connecting again" : "");
     f->lost += lost;
     if (s->connected) s->missing_us = now_us();
     if (s->connected || !s->again) slot_free(s);
-    s->measured |= !s->again || s->failures > 1 || now_us() - s->opened_us > ASK_AGAIN_US;
+}
+
+void slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
+{
+    say_gone(f, s, why, s->tasks.count);
+    f->lost += s->tasks.count;
+    s->measured = true;
+    slot_free(s);
+    enter(f, s, FAN_GONE);
 }
 
 void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
@@ -206,11 +227,13 @@ void slot_left(struct fan *f, struct fan_slot *s)
     int status;
     if (!child_ended(&s->child, &status)) {
         if (now_us() < s->leave_us) return;
-        slot_end_err(s);
+        slot_end_err(f, s);
         status = child_end(&s->child, 0);
     }
+    slot_end_err(f, s); /* before it is judged by that */
     bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    bool connection = WIFSIGNALED(status) || WEXITSTATUS(status) == VIA_FAILED ||
+    bool connection = WIFSIGNALED(status) ||
+                      (WEXITSTATUS(status) == VIA_FAILED && !refusal_is_final(s)) ||
                       (s->connected && WEXITSTATUS(status) == ST_SYSTEM);
     if (!s->decided && well) f->well++;
     else if (!s->decided) decide(f, s, status_text(status, why), connection);

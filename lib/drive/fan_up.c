@@ -211,14 +211,18 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     }
 }
 
+void printable(char *to, size_t room, const char *line, size_t n)
+{
+    size_t i = 0;
+    for (; i < n && i + 1 < room && line[i] != '\n'; i++)
+        to[i] = (char)(line[i] >= ' ' && line[i] <= '~' ? line[i] : '?');
+    to[i] = '\0';
+}
+
 /* The first line of what a host says before hello, in case that none comes. */
 static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
 {
-    size_t i = 0;
-    if (s->before_hello) return;
-    for (; i < n && i < sizeof s->chatter - 1 && said[i] != '\n'; i++)
-        s->chatter[i] = (char)(said[i] >= ' ' && said[i] <= '~' ? said[i] : '?');
-    s->chatter[i] = '\0';
+    if (!s->before_hello) printable(s->chatter, sizeof s->chatter, (const char *)said, n);
 }
 
 /*

@@ -1,0 +1,136 @@
+/*
+ * fan: why a connection failed, and what to do. ssh has one exit status, 255, for all of its own
+ * failures; its words (those of OpenSSH 7 to 10) tell failures that a second try cannot mend from
+ * those that pass. 126 and 127 are the statuses of the shell there (POSIX, 2.8.2).
+ */
+#include "drive/fan_int.h"
+
+#include <string.h>
+
+#define HELD_MOST 16384 /* bytes of a host's messages that wait for the end of a connection */
+
+/* Of several that came, the first in this table is the reason. */
+static const struct reason {
+    const char *words;  /* in a line of ssh's */
+    bool final;         /* no second try */
+    const char *said;   /* NULL: the line only begins a longer message, or goes before another */
+    const char *advice; /* % stands for the host; NULL: ssh's line says it; "": none */
+} reasons[] = {
+    {"REVOKED HOST KEY", true, "host key revoked", "it needs a new one"},
+    {"REMOTE HOST IDENTIFICATION HAS CHANGED", true, "host key has changed",
+        "if that is right, forget the old one with: ssh-keygen -R %"},
+    {"Host key verification failed", true, "host key unknown", "accept it once with: ssh % true"},
+    {"Too many authentication failures", true, "too many keys were offered",
+        "name one in ~/.ssh/config, with IdentitiesOnly yes"},
+    {"Permission denied (", true, "key refused", "put yours there with: ssh-copy-id %"},
+    {"Temporary failure in name resolution", false, "its name cannot be resolved now", ""},
+    {"Could not resolve hostname", true, "unknown host name", "check the hosts file, or -S"},
+    {"Unable to negotiate with", true, "ssh and sshd do not agree", NULL},
+    {"Bad owner or permissions on", true, "ssh does not start", NULL},
+    {"Bad configuration option", true, "ssh does not start", NULL},
+    {"Bad port", true, "ssh does not start", NULL},
+    {"usage: ssh", true, "ssh does not start", NULL},
+    {"Connection refused", false, "connection refused", ""},
+    {"Connection timed out", false, "no answer", ""},
+    {"No route to host", false, "no route to it", ""},
+    {"Network is unreachable", false, "no network", ""},
+    {"Connection reset by", false, "connection reset", ""},
+    {"Connection closed by", false, "connection closed", ""},
+    {" host key is known for ", false, NULL, NULL},
+    {"@@@@@@@@@@", false, NULL, NULL},
+};
+#define N_REASONS ((int)(sizeof reasons / sizeof *reasons))
+
+static bool has(const char *line, size_t n, const char *words)
+{
+    return memmem(line, n, words, strlen(words)) != NULL;
+}
+
+/* The last component of the worker's path: what a shell, or env(1), says is missing. */
+static const char *worker_of(const struct fan *f)
+{
+    const char *slash = strrchr(f->o->command[0], '/');
+    return slash ? slash + 1 : f->o->command[0];
+}
+
+static bool names_worker(const struct fan *f, const char *line, size_t n)
+{
+    return has(line, n, worker_of(f)) &&
+           (has(line, n, "not found") || has(line, n, "No such file or directory") ||
+               has(line, n, "annot execute") || has(line, n, "Permission denied") ||
+               has(line, n, "Exec format error"));
+}
+
+void refusal_forget(struct fan_slot *s)
+{
+    buf_consume(&s->held, buf_size(&s->held));
+    s->reason = N_REASONS;
+    *s->detail = '\0';
+}
+
+bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
+{
+    int i = 0;
+    while (i < N_REASONS && !has(line, n, reasons[i].words)) i++;
+    if (i < s->reason) {
+        s->reason = i;
+        printable(s->detail, sizeof s->detail, line, n);
+    } else if (!buf_size(&s->held) && !names_worker(f, line, n)) {
+        return false;
+    }
+    if (buf_size(&s->held) + n > HELD_MOST) return false;
+    buf_append(&s->held, line, n);
+    buf_append(&s->held, "\n", 1);
+    return true;
+}
+
+bool refusal_is_final(const struct fan_slot *s)
+{
+    return !s->connected && !s->host->reached && s->reason < N_REASONS && reasons[s->reason].final;
+}
+
+/* By the exit status of ssh and of the shell there. */
+static void explain_command(const struct fan *f, const struct host *h, bool found, struct buf *text)
+{
+    const char *worker = worker_of(f);
+    buf_printf(text, "%s: ", h->name);
+    if (found) buf_printf(text, "%s cannot be run there; install one for that machine", worker);
+    else if (h->bin)
+        buf_printf(text, "no %s in %s, nor on its PATH; install it there", worker, h->bin);
+    else
+        buf_printf(text,
+            "no %s on its PATH; install it there, or say bin=DIRECTORY in a hosts "
+            "file",
+            worker);
+}
+
+static void explain_connection(const struct fan *f, const struct fan_slot *s, struct buf *text)
+{
+    const struct reason *r = &reasons[s->reason];
+    const struct host *h = s->host->host;
+    bool no_file = f->o->hosts->no_file && strstr(s->detail, "resol");
+    if (no_file && r->final) {
+        buf_printf(text, "-S %s: no such file, and no host of that name", h->name);
+        return;
+    }
+    buf_printf(text, "%s: %s%s", h->name, r->said, no_file ? ", and there is no such file" : "");
+    if (!r->advice) buf_printf(text, ": %s", s->detail);
+    if (!r->advice || !*r->advice) return;
+    size_t n = strcspn(r->advice, "%");
+    bool by_ssh = !r->advice[n] || !h->via; /* another command than ssh NAME reaches it */
+    if (!by_ssh) buf_printf(text, "; reach it once by hand, as its via= does");
+    else
+        buf_printf(text, "; %.*s%s%s", (int)n, r->advice, r->advice[n] ? h->name : "",
+            r->advice[n] ? r->advice + n + 1 : "");
+}
+
+bool refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text)
+{
+    bool failed = strcmp(why, "exit-255") == 0 && s->reason < N_REASONS && reasons[s->reason].said;
+    bool missing = strcmp(why, "exit-127") == 0, barred = strcmp(why, "exit-126") == 0;
+    if (!failed && !missing && !barred) return false;
+    if (failed) explain_connection(f, s, text);
+    else explain_command(f, s->host->host, barred, text);
+    refusal_forget(s);
+    return true;
+}

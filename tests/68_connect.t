@@ -1,0 +1,192 @@
+#!/bin/sh
+# Connections that fail: what no second try can mend ends the host at once, with one line that says what to do; other
+# failures are tried again, which is said. Scripts speak as ssh does; 71_ssh.t has the real one.
+. "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
+
+spdgen -s 2 gears >gears.nff
+size=32x24
+partition $size | rtworker gears.nff | gather -o good.pfm
+{ pack scene gears.nff; partition $size; } >job.task
+
+# An ssh whose failures are files: says/NAME has the words, status/NAME its status; each try is a line in tries.
+cat >ssh <<'END'
+#!/bin/sh
+for name; do [ ! -e "says/$name" ] || break; done
+echo "$name" >>tries
+cat "says/$name" >&2
+exit "$(cat "status/$name")"
+END
+chmod +x ssh
+mkdir says status
+PATH=$tmp:$PATH
+# says NAME STATUS: the words are on standard input
+says() { cat >"says/$1"; echo "$2" >"status/$1"; }
+
+# ---- no second try ----------------------------------------------------------------------------------------------
+# ends NAME STATUS LINE: beside this machine's slot, a host of three slots ends with one line
+ends() {
+	says far "$2"
+	rm -f tries
+	run sh -c '{ cat job.task; until [ -s tries ] && grep -q "^fan: far" .err; do sleep .05; done; } |
+		deal fan -S :,3/far rtworker - | gather -o out.pfm'
+	is "$1: one line, and how many are missing" "$err" "fan: far: $3
+fan: 3 of 4 slots never connected"
+	ok "$1: the same picture" cmp out.pfm good.pfm
+	is "$1: one try" "$(cat tries)" far
+	rm -f tries
+	run sh -c 'fan -S 3/far rtworker - <job.task >frags'
+	is "$1: no other host: exit 3, at once" "$status:$err" "3:fan: far: $3
+fan: no slot left"
+	is "$1: no other host: one try" "$(cat tries)" far
+}
+ends 'an unknown host key' 255 'host key unknown; accept it once with: ssh far true' <<'END'
+No ED25519 host key is known for far and you have requested strict checking.
+Host key verification failed.
+END
+ends 'another host key' 255 'host key has changed; if that is right, forget the old one with: ssh-keygen -R far' <<'END'
+@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@
+@    WARNING: REMOTE HOST IDENTIFICATION HAS CHANGED!     @
+@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@
+IT IS POSSIBLE THAT SOMEONE IS DOING SOMETHING NASTY!
+Offending ED25519 key in /root/.ssh/known_hosts:2
+Host key for far has changed and you have requested strict checking.
+Host key verification failed.
+END
+ends 'a refused key' 255 'key refused; put yours there with: ssh-copy-id far' <<'END'
+me@far: Permission denied (publickey,password).
+END
+ends 'too many keys' 255 'too many keys were offered; name one in ~/.ssh/config, with IdentitiesOnly yes' <<'END'
+Received disconnect from 198.18.0.1 port 22:2: Too many authentication failures
+Connection closed by 198.18.0.1 port 22
+END
+ends 'an unknown name' 255 'unknown host name; check the hosts file, or -S' <<'END'
+ssh: Could not resolve hostname far: Name or service not known
+END
+ends 'no common algorithm' 255 'ssh and sshd do not agree: Unable to negotiate with far port 22: no matching host key type found.' <<'END'
+Unable to negotiate with far port 22: no matching host key type found.
+END
+ends 'a bad ssh_config' 255 'ssh does not start: /root/.ssh/config: line 3: Bad configuration option: nosuch' <<'END'
+/root/.ssh/config: line 3: Bad configuration option: nosuch
+END
+ends 'no worker there' 127 'no rtworker on its PATH; install it there, or say bin=DIRECTORY in a hosts file' <<'END'
+bash: line 1: exec: rtworker: not found
+END
+ends 'a worker of another machine' 126 'rtworker cannot be run there; install one for that machine' <<'END'
+bash: line 1: /usr/local/bin/rtworker: cannot execute binary file: Exec format error
+END
+ends 'a worker that ends' 3 'cannot be used (exit-3)' </dev/null
+
+# In a hosts file: where the programs are, and another way, for which advice about ssh may not hold.
+says far 127 </dev/null
+echo 'far bin=/opt/bin' >binned
+run sh -c 'fan -S binned rtworker - <job.task >frags'
+is 'bin= without a worker' "$err" 'fan: far: no rtworker in /opt/bin, nor on its PATH; install it there
+fan: no slot left'
+echo 'Host key verification failed.' | says far 255
+echo 'far via="ssh -p 2222 %h %c"' >by-via
+run sh -c 'fan -S by-via rtworker - <job.task >frags'
+like 'via=, and an unknown key' "$err" '^fan: far: host key unknown; reach it once by hand, as its via= does$'
+rm tries
+printf 'far slots=2\nalso slots=2\n' >two
+echo 'ssh: Could not resolve hostname also: Name or service not known' | says also 255
+run balance calibrate -n 2 -s 16x16 -S two gears.nff
+is 'calibrate: exit 3' "$status" 3
+is 'calibrate: one line a host, and what became of it' "$(printf '%s\n' "$err" | sort)" 'balance calibrate: also: not measured
+balance calibrate: far: not measured
+fan: also: unknown host name; check the hosts file, or -S
+fan: far: host key unknown; accept it once with: ssh far true'
+is 'calibrate: one try each' "$(sort tries | tr '\n' ' ')" 'also far '
+
+# A lone name may have been meant for a file.
+cp says/also says/nosuch; cp status/also status/nosuch
+run sh -c 'fan -S nosuch rtworker - <job.task >frags'
+is 'a lone name that is none: exit 3, and said' "$status:$err" '3:fan: -S nosuch: no such file, and no host of that name
+fan: no slot left'
+
+# ---- another try ------------------------------------------------------------------------------------------------
+cat >later <<'END'
+#!/bin/sh
+[ -s tries ] || { echo later >>tries; cat says/later >&2; exit 255; }
+exec sh -c "$1"
+END
+chmod +x later
+echo 'later via="./later %c"' >later.hosts
+# again NAME LINE: a host that fails so once, and then does its part
+again() {
+	cat >says/later
+	rm -f tries
+	run sh -c 'fan -S later.hosts rtworker - <job.task | gather -o out.pfm'
+	is "$1: it is said that it is tried again, and that it is up" "$err" "fan: later: $2
+fan: slot 0 on later: is up"
+	ok "$1: the same picture" cmp out.pfm good.pfm
+}
+again 'nobody listens' 'connection refused; trying again for 30 s' <<'END'
+ssh: connect to host later port 22: Connection refused
+END
+again 'a host that is down' 'no route to it; trying again for 30 s' <<'END'
+ssh: connect to host later port 22: No route to host
+END
+again 'a host that hangs' 'no answer; trying again for 30 s' <<'END'
+Connection timed out during banner exchange
+Connection to 198.18.0.1 port 22 timed out
+END
+again 'a resolver that is down' 'its name cannot be resolved now; trying again for 30 s' <<'END'
+ssh: Could not resolve hostname later: Temporary failure in name resolution
+END
+again 'no reason' 'cannot be reached (exit-255); trying again for 30 s' </dev/null
+
+# What looks like the beginning of a failure is shown where there is none.
+cat >warned <<'END'
+#!/bin/sh
+printf '@@@@@@@@@@@@ WARNING\nmore of it\n' >&2
+exec sh -c "$1"
+END
+chmod +x warned
+echo 'warned via="./warned %c"' >warned.hosts
+run sh -c 'fan -S warned.hosts rtworker - <job.task | gather -o out.pfm'
+is 'a warning, and no failure: it is shown' "$err" 'warned: @@@@@@@@@@@@ WARNING
+warned: more of it'
+ok 'a warning, and no failure: the same picture' cmp out.pfm good.pfm
+
+# A host that was up is tried again, whatever it says.
+cat >once <<'END'
+#!/bin/sh
+echo try >>tries
+case $(wc -l <tries) in
+1) sh -c "$1" | dd bs=1 count=300 2>/dev/null; exit 255 ;;
+2) echo 'me@once: Permission denied (publickey).' >&2; exit 255 ;;
+esac
+exec sh -c "$1"
+END
+chmod +x once
+echo 'once via="./once %c"' >once.hosts
+rm -f tries
+run sh -c 'deal fan -S once.hosts rtworker - <job.task | gather -o out.pfm'
+ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
+like 'a host that was up, then refuses: it is tried again' "$err" \
+	'^fan: once: key refused; reach it once by hand, as its via= does; trying again for 30 s$'
+
+# ---- what hosts say ---------------------------------------------------------------------------------------------
+printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood
+chmod +x flood
+echo 'flood via="./flood %c"' >flood.hosts
+run sh -c 'fan -S flood.hosts rtworker - <job.task | gather -o out.pfm'
+ok 'a flood of messages: the same picture' cmp out.pfm good.pfm
+is 'each is shown, or counted' "$(printf '%s\n' "$err" | awk '/^flood: / { n++ }
+	/^fan: flood: [0-9]+ more lines of messages dropped$/ { n += $3 } END { print n }')" 20000
+ok 'and most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
+
+# ---- nobody to do it --------------------------------------------------------------------------------------------
+for input in /dev/null job.task; do
+	run sh -c "fan -j 3 nosuchprogram <$input"
+	is "a worker that is not here, input $input: exit 3, and one line" "$status:$err" \
+		'3:fan: nosuchprogram: No such file or directory
+fan: no slot left'
+done
+run sh -c 'ulimit -n 40; exec fan -j 20 rtworker gears.nff </dev/null'
+is 'more slots than files may be open: exit 3, and one line' "$status:$err" \
+	'3:fan: 20 slots need 56 open files, expected fewer slots, or a higher limit than 40 (ulimit -Hn)'
+finish
