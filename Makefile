@@ -1,5 +1,6 @@
 # Stormring. make: the programs. make demo, demo-volume, check: they install the Debian packages they miss, and say which.
-# make bench, soak, chart, report, fuzz FUZZ_SECONDS=600, make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+# make fresh (as root): make demo in a Debian that has nothing yet. make bench, soak, chart, report, fuzz FUZZ_SECONDS=600.
+# make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -68,6 +69,10 @@ bench:
 	@tests/need bench
 	@$(PARALLEL) -s all
 	@for test in tests/bench/[0-9]*.sh; do echo "== $$test"; $$test || exit; done
+
+# The first two commands of a new user, on a machine that has nothing yet.
+fresh:
+	@tests/fresh
 
 # Minutes of kills and loads, by hand.
 soak:
@@ -144,4 +149,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all need demo demo-volume check bench soak chart report fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo demo-volume check fresh bench soak chart report fuzz unit fuzzers install uninstall clean

@@ -19,6 +19,13 @@ is 'need: nothing to do, nothing said' "$status$out$err" 0
 run "$root/tests/need" nonsense
 is 'need: an unknown role is refused' "$status" 2
 
+# ---- fresh -------------------------------------------------------------------------------------------------
+mkdir user
+printf '#!/bin/sh\necho 1000\n' >user/id
+chmod +x user/id
+run env PATH="$tmp/user:$PATH" make -s -C "$root" fresh
+like 'make fresh: an ordinary user is told why it is not tried' "$status $err" '^2 fresh: SKIP: only root'
+
 # ---- make, with a compiler that finds all headers but one, and whose programs are those of the clone -----------------
 mkdir include
 for header in stdio png zlib eccodes; do : >include/$header.h; done
