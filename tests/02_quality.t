@@ -9,7 +9,7 @@ build() {
 	shift 3
 	make -s -j2 BUILD="build/$name" CC="$cc" CFLAGS="$flags" "${@:-all}"
 }
-sanitize='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all'
+sanitize='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all'
 ok 'gcc has nothing to say' build gcc gcc '-O2 -Werror' all unit
 ok 'clang has nothing to say' build clang clang '-O2 -Werror' all unit
 ok 'with sanitizers it builds' build sanitized gcc "$sanitize -Werror" all unit

@@ -30,12 +30,12 @@ void outline_free(struct outline *o)
 }
 
 /* Shifted by which multiples of 360 it may be seen; as it is where the map's numbers are none of
- * degrees, by far. */
+ * degrees, by far. An outline without points has no extent to divide. */
 static void find_turns(const struct drawing *s, const struct outline *o, int turn[2])
 {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     turn[0] = turn[1] = 0;
-    if (o->flat || fmax(fabs(s->lo[0]), fabs(s->hi[0])) > 360 * TURNS_MAX) return;
+    if (o->flat || o->n == 0 || fmax(fabs(s->lo[0]), fabs(s->hi[0])) > 360 * TURNS_MAX) return;
     for (size_t i = 0; i < o->n; i++) {
         lo = fmin(lo, o->at[i].x);
         hi = fmax(hi, o->at[i].x);
