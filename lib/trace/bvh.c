@@ -4,6 +4,7 @@
  * EGSR 2008; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", RT 2008), its leaves cut
  * into blocks of items.
  */
+#include "trace/ends.h"
 #include "trace/trace_int.h"
 
 #include <float.h>
@@ -123,6 +124,41 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     make_node(&c, 0);
     free(bin);
     b->slack = (float)(reach * 0x1p-22);
+}
+
+static bool leaf_holds(const struct bvh *b, uint32_t leaf, struct vec3 p, double err)
+{
+    enum item_kind kind = leaf_kind(leaf);
+    for (uint32_t i = 0; i < leaf_count(leaf); i++) {
+        uint32_t at = leaf_first(leaf) + i;
+        const uint32_t *item =
+            lane_items(kind, (char *)b->blocks[kind] + at * shapes[kind]->block_size);
+        for (int k = 0; k < LANES; k++)
+            if (item[k] != NO_ITEM && on_surface(b, kind, at, k, p, err)) return true;
+    }
+    return false;
+}
+
+static bool below_holds(const struct bvh *b, uint32_t child, struct vec3 p, double err)
+{
+    if (child & LEAF) return leaf_holds(b, child, p, err);
+    const struct node8 *n = &b->nodes[child];
+    const double at[3] = {p.x, p.y, p.z};
+    for (int i = 0; i < WIDTH; i++) {
+        bool in = n->used >> i & 1;
+        for (int a = 0; a < 3; a++) {
+            double lo = (double)n->lo[a][i] - (double)b->slack;
+            double hi = (double)n->hi[a][i] + (double)b->slack;
+            in = in && lo <= at[a] && at[a] <= hi;
+        }
+        if (in && below_holds(b, n->child[i], p, err)) return true;
+    }
+    return false;
+}
+
+bool bvh_holds(const struct bvh *b, struct vec3 p, double err)
+{
+    return b->nodes && below_holds(b, 0, p, err);
 }
 
 void bvh_free(struct bvh *b)

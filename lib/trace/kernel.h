@@ -4,6 +4,7 @@
  * hitting; what counts as a hit is decided in double, by the same operations lane by lane at
  * every width.
  */
+#include "trace/ends.h"
 #include "trace/trace_int.h"
 #include "trace/simd.h"
 
@@ -223,6 +224,24 @@ static ALWAYS_INLINE unsigned hit_block(const struct bvh *b, enum item_kind kind
     return hit_cone4(p, r, t_max, t, twice);
 }
 
+/*
+ * How often the ray crosses lane k of block i on its way, where it was found to be hit `times`
+ * times. If the light lies in that surface (ends.h), one crossing is the ray's end; the other one
+ * is what the ray back from the light meets, unless that is the ray's start.
+ */
+static inline unsigned crossed(const struct bvh *b, enum item_kind kind, uint32_t i, int k,
+    const struct ray *r, unsigned times)
+{
+    _Alignas(32) double t[LANES];
+    double far = fabs(r->o.x) + fabs(r->o.y) + fabs(r->o.z) + r->t_max;
+    const uint32_t *items;
+    struct ray back = {
+        v3_mad(r->o, r->d, r->t_max), v3_scale(r->d, -1), 0, r->t_max, ERR_UNIT * far, false};
+    if (!on_surface(b, kind, i, k, back.o, back.err)) return times;
+    if (on_surface(b, kind, i, k, r->o, r->err)) return 0;
+    return hit_block(b, kind, i, &back, r->t_max, t, &items, NULL) >> k & 1;
+}
+
 static inline int take_bit(unsigned *mask)
 {
     int i = __builtin_ctz(*mask);
@@ -318,9 +337,10 @@ static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, co
             mask = hit_block(b, leaf_kind(leaf), first + i, r, r->t_max, t, &items, &twice);
         while (mask) {
             int k = take_bit(&mask);
-            if (!transmits || !transmits[items[k]]) return true;
-            crossings_add(c, items[k]);
-            if (twice >> k & 1) crossings_add(c, items[k]);
+            unsigned times = 1 + (twice >> k & 1);
+            if (r->to_surface) times = crossed(b, leaf_kind(leaf), first + i, k, r, times);
+            if (times && (!transmits || !transmits[items[k]])) return true;
+            for (; times; times--) crossings_add(c, items[k]);
         }
     }
     return false;

@@ -22,7 +22,10 @@ bool light_from(const struct tracer *t, const struct point *at, uint32_t i, stru
     const struct light *l = &t->scene->lights[i];
     const struct surface *f = at->surface;
     struct vec3 to = v3_sub(l->pos, at->p);
-    if (!(v3_dot(at->n, to) > 0)) return false; /* behind, before the square root is paid for */
+    /* Behind, or in the surface's own plane, where rounding would decide (ends.h): that is found
+     * before the square root is paid for. */
+    double err = at->err + ERR_UNIT * (fabs(to.x) + fabs(to.y) + fabs(to.z));
+    if (!(v3_dot(at->n, to) > err)) return false;
     double distance = v3_len(to);
     struct vec3 d = v3_scale(to, 1 / distance);
     double n_l = v3_dot(at->n, d), r_l = f->ks > 0 ? v3_dot(at->mirrored, d) : 0;
@@ -31,7 +34,7 @@ bool light_from(const struct tracer *t, const struct point *at, uint32_t i, stru
     light->x = l->r * (f->colour_kd.x * n_l + highlight);
     light->y = l->g * (f->colour_kd.y * n_l + highlight);
     light->z = l->b * (f->colour_kd.z * n_l + highlight);
-    *shadow = (struct ray){at->p, d, 0, distance, at->err};
+    *shadow = (struct ray){at->p, d, 0, distance, at->err, t->light_in_surface[i]};
     return true;
 }
 

@@ -67,7 +67,7 @@ void go_on(const struct tracer *t, const struct ray *r, const struct point *at, 
         media_copy(inside, outside);
         media_cross(inside, medium_of(t, at->item));
         enum passage how = refract(&d, at->n, ior_in(t, outside) / ior_in(t, inside));
-        o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err};
+        o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err, false};
         o->through_weight = f->t;
         o->through_level = level + (how == BENT);
         if (how == TURNED_BACK) {
@@ -76,6 +76,7 @@ void go_on(const struct tracer *t, const struct ray *r, const struct point *at, 
             o->mirror_weight = 1;
         }
     }
-    if (o->reflected) o->mirror = (struct ray){at->p, v3_unit(at->mirrored), 0, HUGE_VAL, at->err};
+    if (o->reflected)
+        o->mirror = (struct ray){at->p, v3_unit(at->mirrored), 0, HUGE_VAL, at->err, false};
     o->mirror_level = level + 1;
 }

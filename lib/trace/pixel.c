@@ -94,6 +94,7 @@ static void eye_ray(const struct tracer *t, double x, double y, struct ray *r)
     r->t_min = t->scene->view.hither * len; /* hither is a depth, along forward */
     r->t_max = HUGE_VAL;
     r->err = 0;
+    r->to_surface = false;
 }
 
 /* Samples of a pixel are added up in the order of these calls, whatever comes between. */

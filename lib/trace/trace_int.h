@@ -21,6 +21,7 @@ struct ray {
     struct vec3 o, d;    /* d has length 1 */
     double t_min, t_max; /* hits count where t_min < t < t_max, or == t_max with a lower item */
     double err;          /* how far o may be from the surface it was computed to lie on */
+    bool to_surface;     /* a shadow ray whose light lies in some surface */
 };
 
 struct hit {
@@ -121,6 +122,8 @@ struct ref {
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
     const struct item *items, double reach);
 void bvh_free(struct bvh *b);
+/* Whether p, known up to err, is on some surface. */
+bool bvh_holds(const struct bvh *b, struct vec3 p, double err);
 
 struct bnode {
     float lo[3], hi[3];
@@ -191,8 +194,9 @@ struct tracer {
     struct item *items;
     uint32_t n_items;
     struct surface *surfaces;
-    uint8_t *transmits; /* per item: its material's t > 0 */
-    struct media around; /* what eye rays begin inside of */
+    uint8_t *transmits;     /* per item: its material's t > 0 */
+    bool *light_in_surface; /* per light */
+    struct media around;    /* what eye rays begin inside of */
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;

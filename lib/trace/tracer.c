@@ -110,6 +110,16 @@ static const struct kernels *choose_kernels(enum isa isa)
     return wide ? wide : kernels_sse2();
 }
 
+/* A shadow ray's ends are within reach of 0 along each axis, so that 8 of it is more than what
+ * bounds its light's error (ends.h). */
+static void mark_lights(struct tracer *t, double reach)
+{
+    const struct scene *s = t->scene;
+    t->light_in_surface = xcalloc(s->n_lights, sizeof *t->light_in_surface);
+    for (uint32_t i = 0; i < s->n_lights; i++)
+        t->light_in_surface[i] = bvh_holds(&t->bvh, s->lights[i].pos, ERR_UNIT * 8 * reach);
+}
+
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
 {
     struct tracer *t = xcalloc(1, sizeof *t);
@@ -126,6 +136,7 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     make_transmits(t);
     bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
     free(refs);
+    mark_lights(t, reach);
     t->wave = wave_new(t);
     const struct view *v = &s->view;
     t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
@@ -141,6 +152,7 @@ void tracer_free(struct tracer *t)
     free(t->items);
     free(t->surfaces);
     free(t->transmits);
+    free(t->light_in_surface);
     for (int i = 0; i < PACKET; i++) free(t->crossings[i].item);
     wave_free(t->wave);
     free(t);

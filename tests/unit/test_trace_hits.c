@@ -94,7 +94,7 @@ static void test_random_rays(void **state)
         for (int i = 0; i < 3000; i++) {
             struct vec3 o = random_point(seed, &n, 4), to = random_point(seed, &n, 2);
             if (i % 4 == 0) to = v3(o.x, o.y, o.z - 1); /* along an axis: slopes of 0 */
-            struct ray r = {o, v3_unit(v3_sub(to, o)), 0, i % 3 ? HUGE_VAL : 2, 0};
+            struct ray r = {o, v3_unit(v3_sub(to, o)), 0, i % 3 ? HUGE_VAL : 2, 0, false};
             for (int k = 0; k < 3; k++)
                 if (all[k]) same_hits(all[k], t, &r);
         }
@@ -121,7 +121,7 @@ static void test_random_packets(void **state)
         for (unsigned k = 0; k < count; k++) {
             struct vec3 from = v3_add(o, random_point(5, &n, i % 3 ? 0 : apart));
             struct vec3 d = v3_sub(v3_add(to, random_point(5, &n, apart)), from);
-            r[k] = (struct ray){from, v3_unit(d), 0, i % 2 ? v3_len(d) : HUGE_VAL, 0};
+            r[k] = (struct ray){from, v3_unit(d), 0, i % 2 ? v3_len(d) : HUGE_VAL, 0, false};
         }
         for (int k = 0; k < 3; k++)
             if (all[k]) same_packets(all[k], t, r, count);
@@ -204,7 +204,7 @@ static void test_ties(void **state)
     uint64_t n = 0;
     for (int i = 0; i < 3000; i++) {
         struct vec3 o = random_point(9, &n, 4), to = random_point(9, &n, 2);
-        struct ray r = {o, v3_unit(v3_sub(to, o)), 0, HUGE_VAL, 0};
+        struct ray r = {o, v3_unit(v3_sub(to, o)), 0, HUGE_VAL, 0, false};
         for (int k = 0; k < 3; k++) {
             struct hit h;
             if (!all[k]) continue;
