@@ -17,14 +17,14 @@ static const char usage_text[] = "[-h] [-s WxH] [-t TITLE] [-z UNIT] GRID.vtk SP
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.w = 0};
-    for (int c; (c = getopt(argc, argv, "hs:t:z:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hs:t:z:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 's':
             if (!parse_size(optarg, 16384, &o.w, &o.h))
                 die(ST_USAGE, "-s %s: expected a size such as 800x600", optarg);
             break;
-        case 't': o.title = optarg; break;
-        case 'z': o.unit = optarg; break;
+        case 't': o.title = opt_text(c, optarg); break;
+        case 'z': o.unit = opt_text(c, optarg); break;
         default: usage(ST_USAGE, usage_text);
         }
     if (argc - optind < 2 || argc - optind > 3) usage(ST_USAGE, usage_text);

@@ -13,7 +13,7 @@ int main(int argc, char **argv)
     struct sched_params p = {0};
     prog_init(argv[0]);
     int opt;
-    while ((opt = getopt(argc, argv, "+ehq:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehq:")) != -1) {
         switch (opt) {
         case 'e': p.endgame = true; break;
         case 'h': usage(ST_OK, text);

@@ -25,12 +25,12 @@ int main(int argc, char **argv)
     int listing = 0;
     prog_init(argv[0]);
     int opt;
-    while ((opt = getopt(argc, argv, "+hj:lS:t:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+hj:lS:t:")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
         case 'l': listing++; break;
-        case 'S': list = optarg; break;
+        case 'S': list = opt_text(opt, optarg); break;
         case 't': o.silence_s = opt_real(opt, optarg, .6, 1e6); break;
         default: usage(ST_USAGE, text);
         }

@@ -333,13 +333,13 @@ static struct options parse(int argc, char **argv)
         "[-h] [-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
     struct options o = {0};
     int opt;
-    while ((opt = getopt(argc, argv, "+c:ghsS:w:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+c:ghsS:w:")) != -1) {
         switch (opt) {
-        case 'c': o.costs = optarg; break;
+        case 'c': o.costs = opt_text(opt, optarg); break;
         case 'g': choose(&o, GANTT); break;
         case 'h': usage(ST_OK, text);
         case 's': choose(&o, SUMMARY); break;
-        case 'S': o.hosts = optarg; break;
+        case 'S': o.hosts = opt_text(opt, optarg); break;
         case 'w': o.powers = opt_reals(opt, optarg, 1e-3, 1e3, &o.n_powers); break;
         default: usage(ST_USAGE, text);
         }

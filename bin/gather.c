@@ -74,13 +74,13 @@ static int opt_bits(const char *s)
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = getopt(argc, argv, "hk:mo:Pr:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hk:mo:Pr:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.bits = opt_bits(optarg); break;
         case 'm': o.missing = true; break;
-        case 'o': o.out = optarg; break;
+        case 'o': o.out = opt_text(c, optarg); break;
         case 'P': o.progress = true; break;
-        case 'r': o.log = optarg; break;
+        case 'r': o.log = opt_text(c, optarg); break;
         default: usage(ST_USAGE, usage_text);
         }
     if (o.missing && (o.out || o.log)) die(ST_USAGE, "-m: expected neither -o nor -r with it");

@@ -24,8 +24,8 @@ struct source {
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.levels = NULL};
-    for (int c; (c = getopt(argc, argv, "chL:lo:t:")) != -1;)
-        if (c == 'L') o.levels = optarg;
+    for (int c; (c = prog_getopt(argc, argv, "chL:lo:t:")) != -1;)
+        if (c == 'L') o.levels = opt_text(c, optarg);
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
     return o;

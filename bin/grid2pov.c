@@ -238,7 +238,7 @@ static bool cut(struct pov *p)
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.samples = 64};
-    for (int c; (c = getopt(argc, argv, "hn:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hn:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 'n': o.samples = (int)opt_int(c, optarg, 1, PLANES_MAX * INTERVALS_MAX); break;
         default: usage(ST_USAGE, usage_text);

@@ -27,7 +27,7 @@ static const char usage_text[] = "[-hq] [-d DROP] [-f FRACTION] [-r RMSE] [-t TO
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.tolerance = 1.0 / 255, .drop = 0.001};
-    for (int c; (c = getopt(argc, argv, "d:f:hqr:t:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "d:f:hqr:t:")) != -1;) switch (c) {
         case 'd': o.drop = opt_real(c, optarg, 0, 1); break;
         case 'f': o.fraction = opt_real(c, optarg, 0, 1), o.limit_over = true; break;
         case 'h': usage(ST_OK, usage_text);

@@ -18,7 +18,7 @@ struct source {
 static struct convert_options parse(int argc, char **argv)
 {
     struct convert_options o = {0};
-    for (int c; (c = getopt(argc, argv, "chlo:t:")) != -1;)
+    for (int c; (c = prog_getopt(argc, argv, "chlo:t:")) != -1;)
         convert_option(&o, c, optarg, usage_text);
     convert_operands(&o, argc - optind, argv + optind, usage_text);
     return o;

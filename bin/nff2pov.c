@@ -9,7 +9,7 @@ int main(int argc, char **argv)
 {
     double scale = 1; /* of all lengths */
     prog_init(argv[0]);
-    for (int c; (c = getopt(argc, argv, "hx:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hx:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 'x': scale = opt_real(c, optarg, 1e-9, 1e9); break;
         default: usage(ST_USAGE, usage_text);

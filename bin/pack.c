@@ -32,7 +32,8 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     int opt;
-    while ((opt = getopt(argc, argv, "+h")) != -1) usage(opt == 'h' ? ST_OK : ST_USAGE, usage_text);
+    while ((opt = prog_getopt(argc, argv, "+h")) != -1)
+        usage(opt == 'h' ? ST_OK : ST_USAGE, usage_text);
     if (argc - optind < 2) usage(ST_USAGE, usage_text);
     enum rec_kind kind = kind_named(argv[optind]);
     for (int i = optind + 1; i < argc; i++) pack(kind, argv[i]);

@@ -118,7 +118,7 @@ static struct options parse(int argc, char **argv)
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
     int opt;
-    while ((opt = getopt(argc, argv, "+c:F:hn:o:r:u:w:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+c:F:hn:o:r:u:w:")) != -1) {
         switch (opt) {
         case 'c': parse_assigned(&o, optarg); break;
         case 'F':
@@ -128,7 +128,7 @@ static struct options parse(int argc, char **argv)
         case 'h': usage(ST_OK, text);
         case 'n': o.slots = (int)opt_int(opt, optarg, 1, 1000000); break;
         case 'o': parse_order(&o, optarg); break;
-        case 'r': o.log = optarg; break;
+        case 'r': o.log = opt_text(opt, optarg); break;
         case 'u':
             if (!cut_parse(optarg, &o.cut))
                 die(ST_USAGE,

@@ -268,7 +268,7 @@ static struct options parse(int argc, char **argv)
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
     /* Options may follow the log: methods append theirs to the command that they are given. */
-    while ((opt = getopt(argc, argv, "hl:p:s:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "hl:p:s:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'l': o.load = opt_real(opt, optarg, 0, 1e3); break;

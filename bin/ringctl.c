@@ -18,7 +18,7 @@ struct options {
 static void parse(struct options *o, int argc, char **argv)
 {
     int opt;
-    while ((opt = getopt(argc, argv, "+hk:np")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+hk:np")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'k':

@@ -178,7 +178,7 @@ static struct options parse(int argc, char **argv)
                                "[-x sse2|avx2|avx512] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = getopt(argc, argv, "+a:d:hix:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:d:hix:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;

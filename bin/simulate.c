@@ -102,7 +102,7 @@ static void parse_method(struct options *o, int argc, char **argv)
     bool deal = o->policy == &policy_deal && !o->adaptive, ring = o->policy == &policy_ring;
     int opt;
     optind = 0; /* begin again */
-    while ((opt = getopt(argc, argv, "+ehk:pq:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehk:pq:")) != -1) {
         if (opt == 'h') usage(ST_OK, text);
         if (opt == 'e' && deal) p->endgame = true;
         else if (opt == 'q' && deal && strcmp(optarg, "auto") == 0) p->depth = SCHED_DEPTH_AUTO;
@@ -128,7 +128,7 @@ static void parse(struct options *o, int argc, char **argv)
     int64_t seed = 0;
     bool made = false, more = false;
     int opt, ways = 0;
-    while ((opt = getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:vw:x:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:vw:x:")) != -1) {
         more = more || !strchr("nsv", opt);
         switch (opt) {
         case 'b':
@@ -137,10 +137,10 @@ static void parse(struct options *o, int argc, char **argv)
                 die(ST_USAGE, "-b %s: expected 0, or a byte per second and more", optarg);
             break;
         case 'c': p->concentrate = true; break;
-        case 'f': faults = optarg; break;
+        case 'f': faults = opt_text(opt, optarg); break;
         case 'h': usage(ST_OK, text);
         case 'H': p->hops = opt_real(opt, optarg, 0, 100); break;
-        case 'j': slots = optarg, ways++; break;
+        case 'j': slots = opt_text(opt, optarg), ways++; break;
         case 'l': p->latency_us = llround(opt_real(opt, optarg, 0, 1e7) * 1e3); break;
         case 'm':
             made = true;
@@ -148,8 +148,8 @@ static void parse(struct options *o, int argc, char **argv)
             break;
         case 'n': o->seeds = opt_int(opt, optarg, 1, INT32_MAX); break;
         case 's': seed = opt_int(opt, optarg, 0, INT64_MAX); break;
-        case 'S': hosts = optarg, ways++; break;
-        case 't': o->log = optarg; break;
+        case 'S': hosts = opt_text(opt, optarg), ways++; break;
+        case 't': o->log = opt_text(opt, optarg); break;
         case 'v': p->trace = print_event; break;
         case 'w': o->power = opt_reals(opt, optarg, 1e-3, 1e3, &o->n_power), ways++; break;
         case 'x': o->scale = opt_real(opt, optarg, 1e-9, 1e9); break;

@@ -43,7 +43,7 @@ int main(int argc, char **argv)
 {
     struct options opt = {.digits = NFF_DIGITS_SPD};
     prog_init(argv[0]);
-    for (int c; (c = getopt(argc, argv, "hlp:s:V:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "hlp:s:V:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
         case 'l': opt.list = true; break;
         case 'p': opt.digits = (int)opt_int(c, optarg, NFF_DIGITS_SPD, NFF_DIGITS_MAX); break;

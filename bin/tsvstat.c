@@ -66,7 +66,7 @@ static void parse_relation(struct options *o, const char *arg)
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.level = .95, .path = "-"};
-    for (int c; (c = getopt(argc, argv, "c:hrt:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "c:hrt:")) != -1;) switch (c) {
         case 'c': o.level = opt_real(c, optarg, .5, .999999); break;
         case 'h': usage(ST_OK, text);
         case 'r': o.drop = true; break;

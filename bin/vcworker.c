@@ -227,7 +227,7 @@ static struct options parse(int argc, char **argv)
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
     char err[VOLUME_ERR];
     int opt;
-    while ((opt = getopt(argc, argv, "+him:nx:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+him:nx:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'i':

@@ -111,11 +111,17 @@ by_getopt() {
 	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
 	esac | letters
 }
+by_argument() { # the letters that take one
+	case $1 in
+	*.c) sed -nE 's/" WORKER_OPTIONS/cf:"/; s/.*getopt\(argc, argv, "\+?:?([^"]*)".*/\1/p' "$1" ;;
+	*) sed -nE 's/.*getopts :?([A-Za-z0-9:]+) .*/\1/p' "$1" ;;
+	esac | grep -o '[A-Za-z0-9]:' | tr -d :
+}
 by_usage() {
 	"$1" -h | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
 }
 by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
-programs=$(for p in bin/*; do case $p in bin/balance-* | bin/protocol-*) ;; *) basename "$p" .c ;; esac; done | sort -u)
+programs=$(for p in bin/*; do case $p in bin/balance-* | bin/protocol-* | *.sh) ;; *) basename "$p" .c ;; esac; done | sort -u)
 for program in $programs; do
 	source=bin/$program.c page=man/$program.1
 	[ -e "$source" ] || source=bin/$program
@@ -128,11 +134,50 @@ for program in $programs; do
 done >"$found"
 clean 'getopt, -h and man page name the same options'
 
-for program in $programs $(cd bin && ls -d balance-*); do
-	"$program" -h >/dev/full 2>/dev/null
-	[ $? -eq 3 ] || echo "$program: -h to a full disk does not exit 3"
+all=$(find bin/ -type f -perm -1 -exec basename {} \;)
+version=$(sed -n 's/^#define STORMRING_VERSION "\(.*\)"/\1/p' lib/base/base.h)
+for program in $all; do
+	for option in -h --help; do
+		"$program" $option >"$tmp/usage.$option" 2>&1 || echo "$program: $option exits $?"
+	done
+	cmp "$tmp/usage.-h" "$tmp/usage.--help"
+	"$program" --version >"$tmp/said" 2>&1 || echo "$program: --version exits $?"
+	case $program in protocol*) name=protocol ;; *) name=$program ;; esac
+	[ "$(cat "$tmp/said")" = "$name $version" ] || echo "$program: --version says $(cat "$tmp/said"), expected $name $version"
+done >"$found" 2>&1
+clean 'every program answers --help and --version'
+for program in $all; do
+	for option in -h --help --version; do
+		"$program" $option 2>"$tmp/stderr" >/dev/full
+		[ $? -eq 3 ] || echo "$program: $option to a full disk does not exit 3"
+		grep -c . "$tmp/stderr" | grep -qx 1 || echo "$program: $option to a full disk says $(cat "$tmp/stderr"), expected one line"
+		grep -q "^[a-z0-9-]*: standard output: " "$tmp/stderr" || echo "$program: $option to a full disk says $(cat "$tmp/stderr")"
+	done
 done >"$found"
-clean 'a usage that cannot be written is no success'
+clean 'an answer that cannot be written is no success, and one line says so'
+for command in 'fan -j 1' deal ringctl 'ringctl -n'; do
+	[ "$(PATH=$tmp:$PATH; printf '#!/bin/sh\necho said "$@"\n' >"$tmp/other"; chmod +x "$tmp/other"
+		$command other --help </dev/null 2>&1 | grep -c usage)" = 0 ] || echo "$command: takes --help from its command"
+done >"$found"
+clean 'an option of the command that a program runs is left to it'
+# Each option that takes an argument finds the next option in its place: that is what is wrong, and one line says so.
+for program in $all; do
+	case $program in balance*) method=masterslave ;; *) method='' ;; esac
+	case $program in balance-calibrate | balance) ;; balance-* | protocol-*) continue ;; esac
+	source=bin/$program.c
+	[ -e "$source" ] || source=bin/$program
+	[ "$program" != balance-calibrate ] || method=''
+	for option in $(by_argument "$source"); do
+		case $program,$option in balance*,W | simulate,[kq]) continue ;; esac # of a worker, of a method
+		# shellcheck disable=SC2086  # none, or a word
+		timeout 10 "$program" $method -"$option" -h </dev/null >"$tmp/stdout" 2>"$tmp/stderr"
+		case $? in 2) ;; *) echo "$program: -$option -h exits with another status than 2" ;; esac
+		[ ! -s "$tmp/stdout" ] || echo "$program: -$option -h says $(head -n 1 "$tmp/stdout")"
+		[ "$(grep -c . "$tmp/stderr")" = 1 ] && grep -q ": -$option -h: .*expected" "$tmp/stderr" ||
+			echo "$program: -$option -h says $(cat "$tmp/stderr"), expected one line"
+	done
+done >"$found"
+clean 'an option in the place of an argument is refused in one line'
 for program in $programs; do
 	"$program" -'?' >"$tmp/stdout" 2>"$tmp/stderr"
 	[ $? -eq 2 ] || echo "$program: an unknown option does not exit 2"

@@ -56,6 +56,19 @@ bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt,
 const char *err_word(char out[ERR_WORD], const void *word, size_t n);
 /* Prints "usage: program TEXT": to stdout with status 0 (-h), else to stderr; exits. */
 _Noreturn void usage(int status, const char *text);
+/* Prints "program VERSION" to stdout, and exits with status 0. */
+_Noreturn void version(void);
+
+/*
+ * getopt(3), for every program: `--help` is -h, and `--version` prints the name and the version and
+ * exits. With a '+' in front of the letters neither is taken behind the first operand.
+ */
+int prog_getopt(int argc, char **argv, const char *letters);
+/*
+ * The argument of option `-opt`, such as a file's name. It dies with status 2 if that looks like
+ * the next option, because the argument was left out.
+ */
+const char *opt_text(int opt, const char *s);
 
 /* ---- numbers -------------------------------------------------------------------------- */
 

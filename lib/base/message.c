@@ -105,6 +105,13 @@ void usage(int status, const char *text)
     exit(status);
 }
 
+void version(void)
+{
+    printf("%s %s\n", name, STORMRING_VERSION);
+    close_stdout();
+    exit(ST_OK);
+}
+
 void close_stdout(void)
 {
     bool failed = ferror(stdout) != 0; /* then errno is long gone */

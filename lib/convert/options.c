@@ -11,7 +11,7 @@ void convert_option(
     case 'c': o->round = true; break;
     case 'h': usage(ST_OK, usage_text);
     case 'l': o->list = true; break;
-    case 'o': o->out = argument; break;
+    case 'o': o->out = opt_text(letter, argument); break;
     case 't':
         o->every = strcmp(argument, "all") == 0;
         if (!o->every) o->time = (size_t)opt_int(letter, argument, 0, UINT32_MAX);

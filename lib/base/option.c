@@ -1,0 +1,26 @@
+/* The command line, as every program reads it. */
+#include "base/base.h"
+
+#include <ctype.h>
+#include <getopt.h>
+#include <string.h>
+
+int prog_getopt(int argc, char **argv, const char *letters)
+{
+    enum { VERSION = 256 }; /* no letter */
+    static const struct option words[] = {
+        {"help", no_argument, NULL, 'h'}, {"version", no_argument, NULL, VERSION}, {0}};
+    int opt = getopt_long(argc, argv, letters, words, NULL);
+    if (opt == VERSION) version();
+    return opt;
+}
+
+const char *opt_text(int opt, const char *s)
+{
+    if (!*s) die(ST_USAGE, "-%c: is empty, expected a value", opt);
+    bool option = s[0] == '-' && isalpha((unsigned char)s[1]) && !s[2];
+    if (option || strcmp(s, "--help") == 0 || strcmp(s, "--version") == 0)
+        die(ST_USAGE, "-%c %s: expected a value, not an option; of a file's name write ./%s", opt,
+            s, s);
+    return s;
+}
