@@ -31,6 +31,6 @@ family() {
 
 ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
 family sim actions deal deal_pick deal_end ledger pace
-family ring actions ring ring_ask ring_node
+family ring actions ring ring_ask ring_hung ring_node
 family gdc gdc gdc_node
 finish

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The adaptive method with workers that hang: the picture is the same, the run ends without them, and no process remains.
+# The adaptive method, and the ring, with workers that hang: the picture is the same, the run ends without them, and no
+# process remains.
 # What fan gives up for silence is no help here: it would wait for 300 s.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
@@ -39,13 +40,14 @@ exec rtworker -a 4 -
 END
 chmod +x worker
 export dir="$tmp/places"
-# hung NAME KIND BAD SLOTS: three scenes one after the other
+adaptive='deal -q auto -e fan -t 300 -j' node=''
+# hung NAME KIND BAD SLOTS [FAN [NODE]]: three scenes one after the other
 hung() {
 	rm -rf places f?.pfm
 	mkdir places
 	export kind="$2" bad="$3"
 	run timeout 60 sh -c '{ for n in 1 2 3; do pack scene $n.nff; partition -F $n "$1"; done; } |
-		env MARK="$2" deal -q auto -e fan -t 300 -j "$3" ./worker | gather -o f%d.pfm' sh "$size" "$mark" "$4"
+		env MARK="$2" $3 ./worker | gather -o f%d.pfm' sh "$size" "$mark" "${5:-$adaptive} $4 ${6-}"
 	is "$1: complete" "$status $err" '0 '
 	is "$1: so many were bad" "$(ls places | wc -w)" "$(echo "$3" | wc -w)"
 	for n in 1 2 3; do ok "$1: picture $n" cmp f$n.pfm good$n.pfm; done
@@ -57,6 +59,10 @@ done
 hung 'all but one of five beat' beats '1 2 3 4' 5
 hung 'all but one of five stopped' stopped '1 2 3 4' 5
 hung 'all but one of five do not read' deaf '1 2 3 4' 5
+for k in beats deaf trickle stopped slow; do
+	hung "a ring, one of three $k" $k 1 3 'ringctl fan -t 300 -j' 'ringctl -n'
+done
+hung 'a ring, all but one of five beat' beats '1 2 3 4' 5 'ringctl fan -t 300 -j' 'ringctl -n'
 
 # Nor is the input's end waited for, where it stays open until the picture is there.
 rm -rf places f?.pfm

@@ -5,7 +5,8 @@
  *   owner    of a task that is not committed     changes on
  *   pool     nobody that is known could have it  SLOTS, UP of a node: -> node
  *   node     NEW: it waits here for the node;    GIVE of its owner: -> the other one
- *            UP: it was given to it              GONE: -> the next before it that is up, or pool
+ *            UP: it was given to it              GONE: -> the next before it that is up, or pool;
+ *                                                it is late: -> an idle node (ring_hung.c)
  *   (any)    -                                   the last PIXELS: committed
  *
  * A task starts at the node it is preassigned to, else at node id mod n. A GIVE counts only from
@@ -26,7 +27,8 @@ static void *ring_create(const struct sched_params *p)
     struct hub *h = xcalloc(1, sizeof *h);
     h->p = *p;
     h->pool = TASK_LIST_EMPTY;
-    h->oldest = h->newest = -1;
+    h->oldest = h->newest = h->stalest = h->freshest = -1;
+    h->hung_us = INT64_MAX;
     return h;
 }
 
@@ -37,6 +39,7 @@ static void ring_destroy(void *state)
     tasks_free(&h->ledger);
     set_free(&h->up);
     set_free(&h->hungry);
+    set_free(&h->idle);
     for (int c = 0; c < LOADS; c++) set_free(&h->rich[c]);
     set_free(&h->late);
     set_free(&h->delayed);
@@ -85,6 +88,7 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = h->from[i];
     ring_served(h, k);
+    if (s->held.count == 1) ring_progress(h, k);
 }
 
 /* Entry i, on no list, is node k's, or, where that is gone, the next one's before it that is up. */
@@ -132,7 +136,21 @@ static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
     bool wanted = (h->ended || h->flush) && s->state == NODE_UP;
     if (!wanted || s->flushed || s->held.count || !s->computed.count) return;
     s->flushed = true;
+    hub_mark(h, k);
+    ring_progress(h, k);
     sched_act(out, SCHED_ASK_FLUSH, k, NULL);
+}
+
+void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out)
+{
+    int32_t k = h->ledger.at[i].slot;
+    unlist(h, i);
+    h->from[i] = k;
+    h->ledger.at[i].tries++;
+    h->taken_over = !BUG(102);
+    assign(h, i, thief, out);
+    hub_mark(h, k);
+    ask_flush(h, k, out);
 }
 
 /* ---- events ---------------------------------------------------------------------------------- */
@@ -171,6 +189,7 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
             .victim = -1};
     set_init(&h->up, n);
     set_init(&h->hungry, n);
+    set_init(&h->idle, n);
     for (int c = 0; c < LOADS; c++) set_init(&h->rich[c], n);
     set_init(&h->late, n);
     set_init(&h->delayed, n);
@@ -231,7 +250,10 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     if (i < 0 || !hub_is_up(h, k) || (h->ledger.at[i].slot != k && !BUG(31))) return;
     /* Said before it was so? What it holds back it may not have had when it was asked. */
     if (h->ledger.at[i].done) h->nodes[k].flushed = false;
-    else note_pace(h, i, e->wall_us);
+    else {
+        note_pace(h, i, e->wall_us);
+        ring_progress(h, k);
+    }
     unlist(h, i);
     enlist(h, i, k, true);
     /* If it has more, it may be slower than it thought. */
@@ -243,7 +265,11 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
 static void take_pixels(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    if (i < 0 || !tasks_deliver(&h->ledger, i, &e->task.at) || !tasks_whole(&h->ledger, i)) return;
+    if (i < 0) return;
+    uint64_t before = h->ledger.at[i].delivered;
+    if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
+    if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) ring_progress(h, e->slot);
+    if (!tasks_whole(&h->ledger, i)) return;
     int32_t k = h->ledger.at[i].slot;
     sched_act(out, SCHED_COMMIT, k, &h->ledger.at[i].task);
     unlist(h, i);
@@ -326,10 +352,11 @@ static void ring_step(
     case SCHED_WAKE: break;
     }
     ring_match(h, out);
+    ring_hung(h, out);
     if (!h->ledger.count) h->flush = false;
     if (!h->ended || h->ledger.count - (BUG(35) ? h->n_computed : 0) || h->closed) return;
     h->closed = true;
-    sched_act(out, SCHED_END, -1, NULL);
+    sched_act(out, h->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }
 
 static int32_t ring_uncommitted(const void *state, uint32_t parity)
@@ -350,7 +377,13 @@ static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint3
     return i >= 0 && h->ledger.at[i].slot == slot ? h->ledger.at[i].tries : 0;
 }
 
-static int64_t ring_wake_us(const void *state) { return ring_late_us(state); }
+static int64_t ring_wake_us(const void *state)
+{
+    const struct hub *h = state;
+    int64_t late_us = ring_late_us(h);
+    if (h->closed) return INT64_MAX;
+    return late_us < h->hung_us ? late_us : h->hung_us;
+}
 
 const struct policy policy_ring = {"ringctl", ring_create, ring_step, ring_uncommitted,
     ring_waiting, ring_tries, ring_wake_us, ring_destroy};

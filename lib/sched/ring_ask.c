@@ -25,6 +25,7 @@
 
 #define LATE_TIMES 8       /* so often the longest answer is late, */
 #define LATE_US 100000     /* and so much besides: a machine that is busy */
+#define FIRST_US 3000000   /* where none has come yet */
 #define ANSWERS_OF_LATE 16 /* the longest of about so many */
 
 /* The class of node k's work. Where nothing is known of a node, it is like the others. */
@@ -64,6 +65,7 @@ void hub_mark(struct hub *h, int32_t k)
     set_put(
         &h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on || BUG(94)));
     mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry && (!s->silent || BUG(87)));
+    ring_busy(h, k);
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -191,8 +193,9 @@ void ring_lost(struct hub *h, int32_t k)
 
 int64_t ring_late_us(const struct hub *h)
 {
-    if (h->oldest < 0 || !h->answer_us || BUG(97)) return INT64_MAX;
-    return h->nodes[h->oldest].since_us + LATE_TIMES * h->answer_us + LATE_US;
+    if (h->oldest < 0 || BUG(97)) return INT64_MAX;
+    int64_t late_us = h->answer_us ? LATE_TIMES * h->answer_us + LATE_US : FIRST_US;
+    return h->nodes[h->oldest].since_us + (BUG(103) && !h->answer_us ? INT64_MAX / 2 : late_us);
 }
 
 void ring_late(struct hub *h)

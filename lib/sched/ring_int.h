@@ -1,6 +1,6 @@
 /*
  * The hub of the ring, shared by its files: ring.c (events, the ledger), ring_ask.c (who is asked
- * for whom).
+ * for whom), ring_hung.c (nodes that make no progress).
  */
 #ifndef STORMRING_SCHED_RING_INT_H
 #define STORMRING_SCHED_RING_INT_H
@@ -27,13 +27,16 @@ struct hub_node {
     bool passed_on, told;            /* its ask was, to another one; that it has to wait */
     bool dry;                        /* it had nothing to give, and no task came or went since */
     uint64_t given;                  /* tasks */
-    int32_t thief, thieves; /* the first of the nodes for which it was asked; how many they are */
-    int32_t victim;         /* the node that was asked for it, and has not answered; -1: */
-    int32_t before, after;  /* the others for which that one was */
-    uint64_t given_before;  /* the victim's `given` then */
-    int64_t since_us;       /* and when that was */
-    int32_t older, newer;   /* those for whom somebody was asked just before, and after that */
-    bool silent;            /* it did not answer in time, and has said nothing since */
+    int32_t thief, thieves;  /* the first of the nodes for which it was asked; how many they are */
+    int32_t victim;          /* the node that was asked for it, and has not answered; -1: */
+    int32_t before, after;   /* the others for which that one was */
+    uint64_t given_before;   /* the victim's `given` then */
+    int64_t since_us;        /* and when that was */
+    int32_t older, newer;    /* those for whom somebody was asked just before, and after that */
+    bool silent;             /* it did not answer in time, and has said nothing since */
+    bool busy;               /* it has to make progress: ring_hung.c */
+    int32_t staler, fresher; /* of those, who made progress just before, and after it */
+    int64_t progress_us;     /* when that was */
 };
 
 struct hub {
@@ -55,6 +58,10 @@ struct hub {
     int32_t oldest, newest;                /* those for whom somebody was asked, in that order */
     int64_t answer_us;                     /* the longest that an answer took, of late; 0: none */
     int64_t now_us;                        /* of this step */
+    struct slot_set idle;                  /* they want work, have none, and nobody was asked */
+    int32_t stalest, freshest;             /* busy nodes, by their latest progress */
+    int64_t hung_us;                       /* when one is late, INT64_MAX */
+    bool taken_over;                       /* a task of a node that is still on it, maybe */
     bool ended, flush, closed;
 };
 
@@ -64,6 +71,8 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 }
 /* The next n tasks that node k has are peer's, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
+/* Entry i, which its node does not get done, is node thief's, which is up. */
+void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
 /* Something about node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
@@ -83,5 +92,15 @@ void ring_lost(struct hub *h, int32_t k);
 /* Who was not answered in time waits for that one no more; when that will be so, INT64_MAX. */
 void ring_late(struct hub *h);
 int64_t ring_late_us(const struct hub *h);
+
+/* ---- ring_hung.c ----------------------------------------------------------------------------- */
+
+/* Something about node k has changed: notes whether it has to make progress, and whether it has
+ * nothing to do. */
+void ring_busy(struct hub *h, int32_t k);
+/* It has made some. */
+void ring_progress(struct hub *h, int32_t k);
+/* Who has nothing to do is given what is late; hung_us says when something will be. */
+void ring_hung(struct hub *h, struct sched_actions *out);
 
 #endif

@@ -9,90 +9,13 @@
 /* As in the rules: of an ask that is late. */
 #define LATE_TIMES 8
 #define LATE_US 100000
+#define FIRST_US 3000000
 #define ANSWERS 16
+#define HUNG_US 200000 /* who made progress less long ago is not late */
 
 #define PASSES_MOST 12 /* of a task: for 64 nodes twice as often as halving takes */
 
-struct ring_model *ring_model(struct world *w)
-{
-    if (!w->note) {
-        size_t n = (size_t)w->plan->slots;
-        struct ring_model *m = xcalloc(1, sizeof *m + n * sizeof *m->slots);
-        for (size_t k = 0; k < n; k++) m->slots[k].victim = m->slots[k].asker = -1;
-        w->note = m;
-    }
-    return w->note;
-}
-
-struct rtask *ring_task(struct world *w, const struct task *t)
-{
-    struct vtask *v = t->frame ? NULL : t->id < (uint32_t)w->n_tasks ? &w->tasks[t->id] : NULL;
-    if (!v) return NULL;
-    if (!v->note) {
-        struct rtask *r = xcalloc(1, sizeof *r);
-        r->base = r->from = -1;
-        v->note = r;
-    }
-    return v->note;
-}
-
-/* Slot k has changed. */
-static void mark(struct world *w, struct ring_model *m, int32_t k)
-{
-    struct rslot *s = &m->slots[k];
-    bool up = s->state == RING_UP, has = s->held > w->plan->width + s->thieves;
-    bool hungry = up && s->asking && s->victim < 0;
-    bool rich = up && has && !s->asking && !s->dry && !s->silent;
-    m->hungry += hungry - s->hungry;
-    m->rich += rich - s->rich;
-    s->hungry = hungry;
-    s->rich = rich;
-}
-
-/* The nearest slot before k that is up, k itself the last; -1: none is. */
-static int32_t heir_of(const struct world *w, const struct ring_model *m, int32_t k)
-{
-    const int32_t n = w->plan->slots;
-    for (int32_t i = 1; i <= n && m->up; i++) {
-        int32_t at = (k - i + n) % n;
-        if (m->slots[at].state == RING_UP) return at;
-    }
-    return -1;
-}
-
-/* Who is to be given a task whose base is k; -1: nobody, yet. */
-static int32_t receiver_of(const struct world *w, const struct ring_model *m, int32_t k)
-{
-    if (k < 0 || m->slots[k].state == RING_NEW) return -1;
-    return m->slots[k].state == RING_UP ? k : heir_of(w, m, k);
-}
-
 /* ---- the ledger ------------------------------------------------------------------------------ */
-
-/* It is so many more, of slot k where there is one, in that place. */
-static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
-{
-    struct rslot *s = k >= 0 ? &m->slots[k] : NULL;
-    bool promised = p == RING_ORPHAN && s && s->state == RING_NEW;
-    m->orphans += p == RING_ORPHAN ? more : 0;
-    m->computed += p == RING_COMPUTED ? more : 0;
-    m->promised += promised ? more : 0;
-    if (!s) return;
-    s->held += p == RING_HELD ? more : 0;
-    s->computed += p == RING_COMPUTED ? more : 0;
-    s->promised += promised ? more : 0;
-}
-
-static void enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k)
-{
-    int32_t before = t->base;
-    count(m, t->place, before, -1);
-    t->place = p;
-    t->base = k;
-    count(m, p, k, 1);
-    if (before >= 0) mark(w, m, before);
-    if (k >= 0) mark(w, m, k);
-}
 
 static int32_t home_of(const struct world *w, const struct task *t)
 {
@@ -107,7 +30,7 @@ static void note_task(struct world *w, struct ring_model *m, const struct task *
     m->open++;
     m->most_px = fmax(m->most_px, px_of(task));
     t->from = -1;
-    enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
+    ring_enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
 }
 
 static void note_slots(struct world *w, struct ring_model *m)
@@ -116,7 +39,7 @@ static void note_slots(struct world *w, struct ring_model *m)
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (t && t->place == RING_ORPHAN)
-            enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
+            ring_enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
     }
 }
 
@@ -128,7 +51,7 @@ static void note_up(struct world *w, struct ring_model *m, int32_t k)
     s->promised = 0;
     s->state = RING_UP;
     s->placed = false;
-    mark(w, m, k);
+    ring_mark(w, m, k);
 }
 
 /* Nobody is asked for slot k any more. */
@@ -138,8 +61,8 @@ static void part(struct world *w, struct ring_model *m, int32_t k)
     if (victim < 0) return;
     m->slots[k].victim = -1;
     m->slots[victim].thieves--;
-    mark(w, m, victim);
-    mark(w, m, k);
+    ring_mark(w, m, victim);
+    ring_mark(w, m, k);
 }
 
 /* Nor is slot k, for anybody; they ask others. */
@@ -167,9 +90,9 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
         if (!t || t->base != k || t->place == RING_ABSENT) continue;
         if (t->place != RING_ORPHAN) t->passes = 0;
         t->from = -1;
-        enter(w, m, t, RING_ORPHAN, k);
+        ring_enter(w, m, t, RING_ORPHAN, k);
     }
-    mark(w, m, k);
+    ring_mark(w, m, k);
 }
 
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
@@ -178,9 +101,10 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     if (t->base != k || s->state != RING_UP || t->place == RING_ABSENT) return;
     s->dry = false;
     m->paced = true;
-    mark(w, m, k);
+    ring_mark(w, m, k);
     if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
-    if (t->place == RING_HELD) enter(w, m, t, RING_COMPUTED, k);
+    if (t->place == RING_HELD) s->moved_us = w->now_us;
+    if (t->place == RING_HELD) ring_enter(w, m, t, RING_COMPUTED, k);
 }
 
 static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
@@ -191,7 +115,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     if (s->state != RING_UP) return;
     if (e->ring.kind == RING_ASK) {
         s->asking = true;
-        mark(w, m, e->slot);
+        ring_mark(w, m, e->slot);
         return;
     }
     if (e->ring.kind != RING_GIVE && e->ring.kind != RING_NONE) return;
@@ -201,7 +125,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
         t->from = e->slot;
         if (++t->passes > PASSES_MOST && w->plan->p_false <= 0)
             fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
-        enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
+        ring_enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
     if (!exists || m->slots[peer].victim != e->slot) return;
     m->answer_us -= m->answer_us / ANSWERS;
@@ -212,14 +136,15 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     s->dry = s->given == m->slots[peer].given_before;
     m->slots[peer].passed = true;
     part(w, m, peer);
-    mark(w, m, e->slot);
+    ring_mark(w, m, e->slot);
 }
 
 /* Who was not answered in time waits no more, nor do the others that wait for the same. */
 static void note_late(struct world *w, struct ring_model *m)
 {
-    int64_t since_us = w->now_us - LATE_TIMES * m->answer_us - LATE_US;
-    for (int32_t i = 0; m->answer_us && i < w->plan->slots; i++) {
+    int64_t late_us = m->answer_us ? LATE_TIMES * m->answer_us + LATE_US : FIRST_US;
+    int64_t since_us = w->now_us - late_us;
+    for (int32_t i = 0; i < w->plan->slots; i++) {
         int32_t k = m->slots[i].victim;
         if (k < 0 || m->slots[i].since_us > since_us) continue;
         m->slots[k].silent = true;
@@ -234,7 +159,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
     note_late(w, m);
     if (e->kind == SCHED_DONE || e->kind == SCHED_RING) {
         m->slots[e->slot].silent = false;
-        mark(w, m, e->slot);
+        ring_mark(w, m, e->slot);
     }
     m->touched = e->kind == SCHED_TASK ? -1 : e->slot;
     switch (e->kind) {
@@ -269,23 +194,43 @@ static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int3
 
 /* ---- what the hub does ----------------------------------------------------------------------- */
 
+/* An idle node is given what another one does not get done, when nobody can be asked for it. */
+static void check_taken_over(
+    struct world *w, struct ring_model *m, struct rtask *t, const struct sched_action *a)
+{
+    const struct rslot *s = &m->slots[a->slot], *before = &m->slots[t->base];
+    bool owed = t->place == RING_HELD || (t->place == RING_COMPUTED && before->flushed);
+    if (!owed || w->now_us - before->moved_us < HUNG_US)
+        fail(w, "a task taken from who is in time", t->base, (int32_t)a->task.id);
+    if (!s->asking || s->held || s->victim >= 0)
+        fail(w, "taken over by who is not idle", a->slot, (int32_t)a->task.id);
+    if (m->rich) fail(w, "taken over, and some have work to give", m->rich, a->slot);
+    t->from = t->base;
+    m->taken_over = true;
+    w->result->taken_over++;
+    ring_enter(w, m, t, RING_ORPHAN, a->slot);
+}
+
 static void check_given(struct world *w, struct ring_model *m, const struct sched_action *a)
 {
     struct rslot *s = &m->slots[a->slot];
     struct rtask *t = ring_task(w, &a->task);
     int32_t id = (int32_t)a->task.id;
+    if (t && (t->place == RING_HELD || t->place == RING_COMPUTED) && t->base != a->slot)
+        check_taken_over(w, m, t, a);
     if (!t || t->place != RING_ORPHAN) {
         fail(w, "a task given that is not to be given", a->slot, id);
         return;
     }
-    int32_t k = is_late(w, m, t, a->slot) ? a->slot : receiver_of(w, m, t->base);
+    int32_t k = is_late(w, m, t, a->slot) ? a->slot : ring_receiver(w, m, t->base);
     if (a->slot != k) fail(w, "a task given to another than whose it is", a->slot, k);
     if (a->from != t->from) fail(w, "a task given as from another", a->from, t->from);
     if (s->state != RING_UP) return;
+    if (!s->held) s->moved_us = w->now_us;
     s->given++;
     s->asking = s->told = s->passed = s->dry = s->flushed = false;
     part(w, m, a->slot);
-    enter(w, m, t, RING_HELD, a->slot);
+    ring_enter(w, m, t, RING_HELD, a->slot);
 }
 
 /* What slot k has left, in powers of two; before anybody is known to be faster than another. */
@@ -315,8 +260,8 @@ static void check_asked(struct world *w, struct ring_model *m, int32_t victim, i
     s->victim = victim;
     s->given_before = v->given;
     s->since_us = w->now_us;
-    mark(w, m, victim);
-    mark(w, m, thief);
+    ring_mark(w, m, victim);
+    ring_mark(w, m, thief);
 }
 
 static void check_said(struct world *w, struct ring_model *m, const struct sched_action *a)
@@ -351,14 +296,16 @@ static void ring_action(struct world *w, const struct sched_action *a)
     case SCHED_ASK_FLUSH:
         if (!owes_flush(m, &m->slots[a->slot])) fail(w, "a flush for nothing", a->slot, 0);
         m->slots[a->slot].flushed = true;
+        m->slots[a->slot].moved_us = w->now_us;
         break;
     case SCHED_COMMIT:
         if ((t = ring_task(w, &a->task)) == NULL) break;
         m->open--;
-        enter(w, m, t, RING_ABSENT, -1);
+        ring_enter(w, m, t, RING_ABSENT, -1);
         break;
-    case SCHED_END: break;
-    case SCHED_STOP: fail(w, "nodes are stopped", 0, 0);
+    case SCHED_END:
+    case SCHED_STOP:
+        if ((a->kind == SCHED_STOP) != m->taken_over) fail(w, "nodes are stopped, or not", 0, 0);
     }
 }
 

@@ -1,7 +1,6 @@
 /*
- * Faults: crash, silence, pause, slow-down, hang of slots, and the hub killed. By chance at most
- * one
- * befalls a slot, and slot 0 is never lost.
+ * Faults: crash, silence, pause, slow-down, hang, and the hub killed. By chance at most one befalls
+ * a slot, and slot 0 is never lost.
  */
 #include "sim/world.h"
 
@@ -27,7 +26,8 @@ void draw_fault(struct world *w, int32_t k)
     else if (draw(w) < p->p_pause) plan_fault(w, at, k, SIM_PAUSE, 0);
     else if (draw(w) < p->p_slow && mortal)
         plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * draw(w));
-    else if (p->p_hang > 0 && draw(w) < p->p_hang && mortal) plan_fault(w, at, k, SIM_HANG, 0);
+    else if (p->p_hang > 0 && draw(w) < p->p_hang && mortal)
+        plan_fault(w, at, k, SIM_HANG, draw(w) < .5);
 }
 
 void plan_faults(struct world *w)
@@ -92,6 +92,7 @@ void befall(struct world *w, const struct sim_event *e)
     case SIM_HANG:
         w->result->hangs++;
         s->hung = true;
+        s->stalled = e->sched.power > 0; /* it does not read its input either */
         break;
     case SIM_KILL: break;
     }

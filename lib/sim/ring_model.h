@@ -1,5 +1,6 @@
 /*
- * The ring as its checks see it, shared by checks_ring.c (the hub) and checks_node.c (the nodes):
+ * The ring as its checks see it, shared by ring_model.c (the ledger), checks_ring.c (the hub) and
+ * checks_node.c (the nodes):
  * a ledger of their own.
  */
 #ifndef STORMRING_SIM_RING_MODEL_H
@@ -31,6 +32,7 @@ struct rslot {
     int64_t given_before; /* what that one had been given then */
     int64_t since_us;     /* and when that was */
     bool silent;          /* it did not answer in time, and has said nothing since */
+    int64_t moved_us;     /* it made progress, or had none to make, last then */
     /* the node itself, since it began */
     int32_t queued, fed;
     bool has_place, asked, ended;
@@ -44,6 +46,7 @@ struct rslot {
 struct ring_model {
     int32_t orphans, promised, up, hungry, rich, open, computed;
     bool known, input_ended, flush;
+    bool taken_over;         /* a task of a node that was late */
     bool paced;              /* the hub knows how fast a node is */
     int64_t came;            /* tasks that were queued */
     int32_t late, late_left; /* the slot not up whose tasks are being given, and how many may be */
@@ -53,11 +56,17 @@ struct ring_model {
     struct rslot slots[];
 };
 
-/* ---- checks_ring.c --------------------------------------------------------------------------- */
+/* ---- ring_model.c ---------------------------------------------------------------------------- */
 
 struct ring_model *ring_model(struct world *w);
 /* What is known of the task of that key, NULL where there is none. */
 struct rtask *ring_task(struct world *w, const struct task *t);
+/* Slot k has changed. */
+void ring_mark(struct world *w, struct ring_model *m, int32_t k);
+/* Who is to be given a task whose base is k; -1: nobody, yet. */
+int32_t ring_receiver(const struct world *w, const struct ring_model *m, int32_t k);
+/* Task t is in place p, with base k, from now on. */
+void ring_enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
 
 /* ---- checks_node.c --------------------------------------------------------------------------- */

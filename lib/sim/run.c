@@ -387,6 +387,7 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->messages += r->messages;
     sum->steals += r->steals;
     sum->passed += r->passed;
+    sum->taken_over += r->taken_over;
     sum->reports += r->reports;
     sum->lost += r->lost;
     sum->doubled += r->doubled;

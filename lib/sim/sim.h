@@ -111,7 +111,7 @@ struct sim_plan {
     int64_t faults_us;        /* faults by chance come before this */
     struct sim_fault *faults; /* the caller's */
     size_t n_faults;
-    int64_t detect_us; /* so long it may take that a lost slot is missed: the end may be as late */
+    int64_t detect_us; /* so long it may take that a lost or hung slot is missed: so late is the end */
     bool calm;         /* no faults, and enough to do: it must take little longer than the bound */
     int64_t silence_us;
     int64_t latency_us; /* of a link, one way */
@@ -144,6 +144,7 @@ struct sim_result {
     int64_t computed;              /* tasks, by whomever; more than commits: some more than once */
     int64_t messages;              /* of the ring, by each node and to it, without PLACE */
     int64_t steals;                /* asks of a node that brought it work of another one */
+    int64_t taken_over;            /* tasks of nodes that made no progress, by the hub */
     int64_t passed;                /* tasks that a node gave to another one */
     int64_t reports;               /* of a node, that another one does not answer */
     int64_t lost, doubled, late;   /* ring messages, where they are datagrams */

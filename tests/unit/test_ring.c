@@ -42,12 +42,13 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
     print_message("# %lld seeds: %lld events, %lld tasks given, %lld commits, %lld crashes, "
                   "%lld silences, %lld pauses, %lld slow-downs, %lld hubs killed, "
                   "%lld comings up, %lld answers twice, %lld of garbage, %lld ring messages, "
-                  "%lld steals, %lld tasks stolen\n",
+                  "%lld steals, %lld tasks stolen; %lld hang, %lld tasks taken over\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
         (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
         (long long)total.slows, (long long)total.kills, (long long)total.returns,
         (long long)total.twice, (long long)total.garbage, (long long)total.messages,
-        (long long)total.steals, (long long)total.passed);
+        (long long)total.steals, (long long)total.passed, (long long)total.hangs,
+        (long long)total.taken_over);
     assert_true(seeds_hold);
 }
 
@@ -58,6 +59,7 @@ static void faults_of_every_kind_happened(void **state)
     if (!seeds_hold) skip();
     assert_true(total.crashes > 100 && total.silences > 100 && total.pauses > 100);
     assert_true(total.slows > 100 && total.kills > 50 && total.returns > 1000);
+    assert_true(total.hangs > 100 && total.taken_over > 1000 && total.stops > 100);
     assert_true(total.twice > 1000 && total.garbage > 1000);
     assert_true(total.steals > 1000 && total.passed > 1000 && total.flushes > 100);
     assert_true(all_but_one > 10);
@@ -218,7 +220,8 @@ static void who_asks_a_node_that_hangs_asks_another_one(void **state)
     struct sim_result r;
     watched.step = watched_step;
     sim_run(&watched, &plan, &r);
-    assert_true(!*r.failure && r.silences == 1);
+    if (*r.failure) print_error("%s\n", r.failure);
+    assert_true(!*r.failure);
     assert_true(given_by[1] > 15 && given_by[2] > 2);
 }
 

@@ -1,0 +1,81 @@
+/* The ledger of the checks of the ring. */
+#include "sim/ring_model.h"
+
+#include <stdlib.h>
+
+struct ring_model *ring_model(struct world *w)
+{
+    if (!w->note) {
+        size_t n = (size_t)w->plan->slots;
+        struct ring_model *m = xcalloc(1, sizeof *m + n * sizeof *m->slots);
+        for (size_t k = 0; k < n; k++) m->slots[k].victim = m->slots[k].asker = -1;
+        w->note = m;
+    }
+    return w->note;
+}
+
+struct rtask *ring_task(struct world *w, const struct task *t)
+{
+    struct vtask *v = t->frame ? NULL : t->id < (uint32_t)w->n_tasks ? &w->tasks[t->id] : NULL;
+    if (!v) return NULL;
+    if (!v->note) {
+        struct rtask *r = xcalloc(1, sizeof *r);
+        r->base = r->from = -1;
+        v->note = r;
+    }
+    return v->note;
+}
+
+void ring_mark(struct world *w, struct ring_model *m, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    bool up = s->state == RING_UP, has = s->held > w->plan->width + s->thieves;
+    bool hungry = up && s->asking && s->victim < 0;
+    bool rich = up && has && !s->asking && !s->dry && !s->silent;
+    m->hungry += hungry - s->hungry;
+    m->rich += rich - s->rich;
+    s->hungry = hungry;
+    s->rich = rich;
+}
+
+/* The nearest slot before k that is up, k itself the last; -1: none is. */
+static int32_t heir_of(const struct world *w, const struct ring_model *m, int32_t k)
+{
+    const int32_t n = w->plan->slots;
+    for (int32_t i = 1; i <= n && m->up; i++) {
+        int32_t at = (k - i + n) % n;
+        if (m->slots[at].state == RING_UP) return at;
+    }
+    return -1;
+}
+
+int32_t ring_receiver(const struct world *w, const struct ring_model *m, int32_t k)
+{
+    if (k < 0 || m->slots[k].state == RING_NEW) return -1;
+    return m->slots[k].state == RING_UP ? k : heir_of(w, m, k);
+}
+
+/* It is so many more, of slot k where there is one, in that place. */
+static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
+{
+    struct rslot *s = k >= 0 ? &m->slots[k] : NULL;
+    bool promised = p == RING_ORPHAN && s && s->state == RING_NEW;
+    m->orphans += p == RING_ORPHAN ? more : 0;
+    m->computed += p == RING_COMPUTED ? more : 0;
+    m->promised += promised ? more : 0;
+    if (!s) return;
+    s->held += p == RING_HELD ? more : 0;
+    s->computed += p == RING_COMPUTED ? more : 0;
+    s->promised += promised ? more : 0;
+}
+
+void ring_enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k)
+{
+    int32_t before = t->base;
+    count(m, t->place, before, -1);
+    t->place = p;
+    t->base = k;
+    count(m, p, k, 1);
+    if (before >= 0) ring_mark(w, m, before);
+    if (k >= 0) ring_mark(w, m, k);
+}
