@@ -111,7 +111,7 @@ struct sim_plan {
     int64_t faults_us;        /* faults by chance come before this */
     struct sim_fault *faults; /* the caller's */
     size_t n_faults;
-    int64_t detect_us; /* so long it may take that a lost or hung slot is missed: so late is the end */
+    int64_t detect_us; /* so long it may take that a lost or hung slot is missed, and so the end */
     bool calm;         /* no faults, and enough to do: it must take little longer than the bound */
     int64_t silence_us;
     int64_t latency_us; /* of a link, one way */
