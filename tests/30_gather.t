@@ -243,7 +243,7 @@ exec 3>slow
 echo 'frame 7 4 3 job=cafe' >&3
 picture 0 >&3
 i=0
-while [ ! -e p0.pam ] && [ $i -lt 50 ]; do sleep 0.1; i=$((i + 1)); done
+while [ ! -e p0.pam ] && [ $i -lt 1000 ]; do sleep 0.1; i=$((i + 1)); done
 ok 'a frame is written while the stream goes on' cmp p0.pam want.pam
 picture 7 >&3
 exec 3>&-

@@ -50,17 +50,22 @@ for isa in sse2 avx2 avx512; do
 done
 
 state() { pack scene gears.nff; partition $size; }
-# four COMMAND: whether four slots have had work, in ten tries at most: one that is late to start finds none left
+# However busy this machine is, no worker goes on with its first task before all four have one.
+cat >together <<'END'
+#!/bin/sh
+while IFS= read -r line; do
+	case $line in 'task '*) : >has.$$; until [ "$(ls has.* | wc -l)" -ge 4 ]; do sleep .05; done ;; esac
+	printf '%s\n' "$line"
+done | rtworker -
+END
+chmod +x together
+# four COMMAND: four slots have had work
 four() {
-	for try in 1 2 3 4 5 6 7 8 9 10; do
-		rm -f tried.frags
-		"$@" | gather -r tried.frags -o out.pfm
-		fragstat tried.frags | awk 'NR > 1 && $2 > 0 { n++ } END { exit n != 4 }' && return
-		echo "# try $try: less than four"
-	done
-	return 1
+	rm -f tried.frags has.*
+	"$@" | gather -r tried.frags -o out.pfm
+	fragstat tried.frags | awk 'NR > 1 && $2 > 0 { n++ } END { exit n != 4 }'
 }
-tree() { state | deal fan -j 2 deal fan -j 2 rtworker -; }
+tree() { state | deal fan -t 300 -j 2 deal fan -t 300 -j 2 ./together; }
 ok "all four workers of a tree are given work" four tree
 same "deal fan -j 2 deal fan -j 2" gears.pfm
 state | deal -q 3 fan -j 2 deal -q 2 fan -j 2 deal fan -j 2 rtworker - | gather -o out.pfm
@@ -71,7 +76,7 @@ ring() { { pack scene gears.nff; partition -n 3 $size; } | "$@" | gather -r ring
 ring ringctl fan -j 3 ringctl -n deal fan -j 2 rtworker -
 same "a ring of nodes of two slots" gears.pfm
 rm ring.frags
-rings() { { pack scene gears.nff; partition -n 3 "$size"; } | deal -q 2 fan -j 2 ringctl -k one fan -j 2 ringctl -n rtworker -; }
+rings() { { pack scene gears.nff; partition -n 3 "$size"; } | deal -q 2 fan -t 300 -j 2 ringctl -k one fan -t 300 -j 2 ringctl -n ./together; }
 ok "all four nodes of rings that are dealt to are given work" four rings
 same "rings dealt to" gears.pfm
 ring ringctl fan -j 2 ringctl -n ringctl -p fan -j 2 ringctl -n rtworker -

@@ -138,7 +138,7 @@ for stage in gather balance pack partition; do
 		pass "$stage was done before it could be killed"
 		kill -9 $pid
 	fi
-	ok "kill -9 of $stage over several pictures: no process after 2 s" await 2 none_alive
+	ok "kill -9 of $stage over several pictures: no process remains" await 2 none_alive
 	wait $pid 2>/dev/null
 	is "kill -9 of $stage: no picture" "$(ls f*.pam* 2>/dev/null)" ''
 done

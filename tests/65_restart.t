@@ -152,7 +152,7 @@ pid=$!
 exec 3>slow
 head -n 3 whole >&3
 tries=0
-until [ "$(wc -c <log)" -gt 60000 ] || [ $((tries += 1)) -gt 200 ]; do sleep .05; done
+until [ "$(wc -c <log)" -gt 60000 ] || [ $((tries += 1)) -gt 4000 ]; do sleep .05; done
 run balance masterslave -j 2 -r log -o out2.pfm -s $size gears.nff
 is 'a log that is in use: exit 2' "$status" 2
 like 'a log that is in use: said' "$err" 'log: is in use by another run'
@@ -183,10 +183,10 @@ fi
 rm -f log out.pfm
 # shellcheck disable=SC2016
 setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
-	balance masterslave -j 2 -s 256x256 -W '-a 64' -r log -o out.pfm gears.nff 2>said &
+	balance masterslave -j 2 -s 1024x1024 -W '-a 1024' -r log -o out.pfm gears.nff 2>said &
 pid=$!
 tries=0
-until [ -s log ] || [ $((tries += 1)) -gt 400 ]; do sleep .05; done
+until [ -s log ] || [ $((tries += 1)) -gt 4000 ]; do sleep .05; done
 sleep .2
 kill -INT "-$pid"
 wait "$pid"

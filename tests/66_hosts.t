@@ -85,9 +85,9 @@ run balance calibrate -n 1 -s 32x32 -S -odd -o -measured -- "$odd"
 is 'calibrate: odd names, and backslashes in a via: exit 0' "$status$err" 0
 is 'and they stay what they are' "$(cat odd.said; grep -v '^#' ./-measured | sed 's/ power=[0-9.]*//')" "a\\cb
 $(cat ./-odd)"
-# A host whose rtworker takes nine samples for one has about a ninth of the power; half of it on a machine with other work.
+# A host whose rtworker takes 256 samples for one has about a 256th of the power; less than half of it on any machine.
 mkdir slow
-printf '#!/bin/sh\nexec %s/rtworker -a 9 "$@"\n' "$BIN" >slow/rtworker
+printf '#!/bin/sh\nexec %s/rtworker -a 256 "$@"\n' "$BIN" >slow/rtworker
 chmod +x slow/rtworker
 printf ':\nslow bin=%s/slow via="sh -c %%c"\n' "$tmp" >unequal
 run balance calibrate -n 3 -s 64x48 -S unequal gears.nff

@@ -59,8 +59,8 @@ left() { # RUN: what still tells of it
 none_left() { [ -z "$(left "$1")" ]; }
 for signal in EXIT INT TERM HUP KILL; do
 	rm -f ready
-	script='echo $TEST_HOSTS >ready.new; ssh host1 "exec sleep 47" & mv ready.new ready; sleep 48'
-	[ $signal = EXIT ] && script='echo $TEST_HOSTS >ready; ssh host1 "sleep 47 >/dev/null 2>&1 &"'
+	script='echo $TEST_HOSTS >ready.new; ssh host1 "exec sleep 7200" & mv ready.new ready; sleep 7201'
+	[ $signal = EXIT ] && script='echo $TEST_HOSTS >ready; ssh host1 "sleep 7200 >/dev/null 2>&1 &"'
 	# A session of its own, and the default action for the signal, as a terminal gives.
 	setsid perl -e '$SIG{INT} = $SIG{HUP} = "DEFAULT"; setpgrp; exec @ARGV' "$hosts" with 2 sh -c "$script" >said 2>&1 &
 	pid=$!
@@ -71,7 +71,7 @@ for signal in EXIT INT TERM HUP KILL; do
 	ok "nothing is left after $signal" await 3 none_left "$run_of"
 done
 rm -f ready
-"$hosts" with 2 sh -c 'echo $TEST_HOSTS >ready; exec sleep 47' &
+"$hosts" with 2 sh -c 'echo $TEST_HOSTS >ready; exec sleep 7200' &
 await 10 test -s ready
 run_of=$(cat ready)
 # shellcheck disable=SC2046
