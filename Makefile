@@ -1,4 +1,4 @@
-# Stormring. make: the programs. make demo, demo-volume, check: they install the Debian packages they miss, and say which.
+# Stormring. make: the programs. make demo, demo-volume, check, test: they install the Debian packages they miss, and say which.
 # make fresh (as root): make demo in a Debian that has nothing yet. make bench, soak, chart, report, fuzz FUZZ_SECONDS=600.
 # make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
 
@@ -37,7 +37,7 @@ SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%))
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%) \
            $(if $(findstring grib2vtk,$(LACKING)),lib/grib/%),$(wildcard lib/*/*.c)))
-UNIT     = $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c))
+UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c)))
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"
@@ -60,8 +60,16 @@ demo-volume:
 	@$(PARALLEL) -s all
 	$(RUN) tests/demo-volume
 
+# The inner loop, under a minute: tests of one unit, of one program, and in simulated time.
+test:
+	@tests/need build
+	@$(PARALLEL) -s all unit
+	$(RUN) tests/check quick
+
+# What cannot be installed is said, and tests that need it are skipped.
 check:
-	@tests/need check
+	@tests/need build
+	@tests/need check || [ "$$CI" != true ]
 	@$(PARALLEL) -s all unit
 	$(RUN) tests/check
 
@@ -90,7 +98,7 @@ chart:
 
 # What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
 report:
-	@tests/need check bench
+	@tests/need test check bench
 	@$(PARALLEL) -s all
 	@FULL=$(FULL) tests/report
 

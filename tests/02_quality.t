@@ -1,6 +1,7 @@
 #!/bin/sh
 # The compilers, sanitizers and analyzers find nothing, and every build renders the same picture.
 . "$(dirname "$0")/lib.sh"
+needs gcc clang clang-tidy cppcheck shellcheck valgrind /usr/include/cmocka.h
 cd "$root" || exit 3
 
 # build NAME CC CFLAGS [TARGET ...]: into build/NAME, apart from the programs that other tests run

@@ -2,6 +2,7 @@
 # The commands that a newcomer types: make demo (its verdict can be no, too), and what make and tests/need say where packages
 # are missing and cannot be had.
 . "$(dirname "$0")/lib.sh"
+needs povray
 unset MAKEFLAGS
 
 # ---- need --------------------------------------------------------------------------------------------------

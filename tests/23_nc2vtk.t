@@ -1,6 +1,7 @@
 #!/bin/sh
 # nc2vtk: the numbers of real files and of ones made for it, against ncdump's; what it refuses, and why.
 . "$(dirname "$0")/lib.sh"
+needs nc2vtk ncdump ncgen /usr/share/ncarg/data /usr/share/ferret-vis/data
 converter=nc2vtk
 # shellcheck source=grids.sh
 . "$root/tests/grids.sh"

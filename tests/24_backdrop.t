@@ -1,6 +1,7 @@
 #!/bin/sh
 # backdrop, coastlines, blend: places on the map are where vcworker sees them; what is over what; refusals.
 . "$(dirname "$0")/lib.sh"
+needs gnuplot /usr/share/gmt-gshhg
 
 # pixel R G B A: a PAM of one, MAXVAL 255, samples in octal
 pixel() {

@@ -1,6 +1,7 @@
 #!/bin/sh
 # grib2vtk: the numbers of a real file and of ones made for it, against grib_get_data's; what it refuses, and why.
 . "$(dirname "$0")/lib.sh"
+needs grib2vtk grib_filter /usr/share/ncarg/data /usr/share/eccodes/samples
 converter=grib2vtk
 # shellcheck source=grids.sh
 . "$root/tests/grids.sh"

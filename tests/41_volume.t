@@ -115,10 +115,14 @@ is '-n: its table' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" \
 ok '-n: in order' awk '{ v[$1] = $2 } END { exit !(v["min_s"] <= v["median_s"] && v["median_s"] <= v["max_s"]) }' "$tmp/.out"
 
 # ---- StormView's own input: as its paper says, and as the file does --------------------------------------------
-ok 'the wind of nc4uvt.nc' sh -c 'nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc "speed=hypot(U,V)" >wind.vtk'
-run vcworker -n wind.vtk "$root/scenes/stormview.spec"
-is 'its 54549 rays hit the grid, and none misses' "$(printf '%s\n' "$out" | grep rays)" "rays	54549	0"
-ok 'and none passes more than 18 cells' awk '$1 == "most_cells" { n = $2 } END { exit !(n >= 13 && n <= 18) }' "$tmp/.out"
+if there nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc; then
+	ok 'the wind of nc4uvt.nc' sh -c 'nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc "speed=hypot(U,V)" >wind.vtk'
+	run vcworker -n wind.vtk "$root/scenes/stormview.spec"
+	is 'its 54549 rays hit the grid, and none misses' "$(printf '%s\n' "$out" | grep rays)" "rays	54549	0"
+	ok 'and none passes more than 18 cells' awk '$1 == "most_cells" { n = $2 } END { exit !(n >= 13 && n <= 18) }' "$tmp/.out"
+else
+	skip "StormView's own input" "$missing is not there"
+fi
 ok 'the light is off' grep -qx 'light off' "$root/scenes/stormview.spec"
 like 'the contour is at 40 m/s' "$(grep -c '^map' "$root/scenes/stormview.spec") $(grep '^map 40 ' "$root/scenes/stormview.spec")" '^3 map 40 .* 40$'
 

@@ -3,11 +3,7 @@
 # safety, and that every run ends. The default ring with up to 2 crashes; the published one without, and with the faults
 # that it is to fail, in the ways that ringctl(1) lists. What the models are worth is shown by planted bugs.
 . "$(dirname "$0")/lib.sh"
-
-if ! command -v spin >/dev/null; then
-	skip 'the models' 'spin is not installed'
-	finish
-fi
+needs spin
 
 # verifier MODEL: ./MODEL
 verifier() {

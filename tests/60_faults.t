@@ -2,6 +2,7 @@
 # Invariants 3, 4 and 6 on one machine: whoever is killed, stops, babbles or leaves, nothing is lost that the method
 # can save, what is missing is named, and no process remains.
 . "$(dirname "$0")/lib.sh"
+needs ps
 
 # shellcheck disable=SC2154,SC2016,SC2094  # lib.sh sets them; scripts for others; a log that grows
 . "$root/tests/marked.sh"

@@ -3,6 +3,7 @@
 # fan makes of the records between nodes and hub.
 # shellcheck disable=SC2154,SC2016,SC2046,SC2094  # lib.sh sets them; scripts for others; a pid each; a log that grows
 . "$(dirname "$0")/lib.sh"
+needs ps
 
 . "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
@@ -240,14 +241,14 @@ cat >via <<'END'
 [ ! -e removed ] || exit 255
 export REPLAY_POWER="$1"
 echo $$ >"pid.$2"
-exec sh -c "exec $3"
+exec sh -c "$3"
 END
 for power in .77 .77 .77 1 1 1.96 1.96 1.96 1.96; do
 	hosts=$((${hosts-0} + 1))
 	echo "host$hosts power=$power via=\"sh via $power $hosts %c\""
 done >table.hosts
 rows() { grep -ao 'done 0 [0-9]* cpu' table.frags 2>/dev/null | wc -l; }
-after() { [ "$(rows)" -ge 300 ]; }
+after() { [ "$(rows)" -ge 300 ] || ! kill -0 $! 2>/dev/null; }
 # table [OPTIONS]
 table() {
 	rm -f removed table.frags out.pfm pid.*
