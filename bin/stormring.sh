@@ -1,0 +1,28 @@
+# shellcheck shell=sh disable=SC2154  # usage and here are set by the script that reads this
+# Each script reads this first, with its usage in $usage and its own directory in $here: what all programs answer.
+# Those in C have it from lib/base/option.c.
+# answer TEXT: all that was asked for
+answer() {
+	{ printf '%s\n' "$1"; } 2>/dev/null || { echo "${0##*/}: standard output: cannot be written" >&2; exit 3; }
+	exit 0
+}
+# asked WORD: answers it, if it is one of these
+asked() {
+	case $1 in
+	-h | --help) answer "$usage" ;;
+	--version) version=$("$here/fan" --version) || exit; answer "${0##*/} ${version#* }" ;;
+	esac
+}
+# given LETTER VALUE: that option's argument is none where it looks like the next option
+given() {
+	case $1,$2 in
+	?,) refused="-$1: is empty, expected a value" ;;
+	s,[1-9]*x[1-9]*) return ;;
+	s,*) refused="-s $2: expected WxH, such as 512x512" ;;
+	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; of a file's name write ./$2" ;;
+	*) return ;;
+	esac
+	echo "${0##*/}: $refused" >&2
+	exit 2
+}
+asked "${1-}"
