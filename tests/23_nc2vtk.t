@@ -150,6 +150,20 @@ make_nc ensemble "$cube member = 1; run = 1; t = 2;" \
 is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11 12 13 14 15 16'
 is 'the axes are the same without them' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
 like 'nor are they listed' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
+# A name is the last that decides, but height is not what is left over.
+for name in timestep time_step xtime date level_type ensemble; do
+	make_nc named "$name = 2; lat = 2; lon = 2;" "float $name($name); float lat(lat); float lon(lon); float s($name, lat, lon);" \
+		"$name = 0, 1; lat = 1, 2; lon = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;"
+	run nc2vtk named.nc s
+	is "an axis named $name is not taken for height" "$status:$(echo "$err" | grep -cE 'no z among its 3|is none of x, y, z and time')" 2:1
+done
+make_nc named 'bottom_top = 2; timestep = 2; lon = 2; lat = 2;' 'float bottom_top(bottom_top); float timestep(timestep);
+	float lon(lon); float lat(lat); float s(bottom_top, timestep, lon, lat);' \
+	"bottom_top = 1, 2; timestep = 0, 1; lon = 1, 2; lat = 1, 2; s = $(seq -s, 16);"
+is 'axes by their names, where nothing else says what they are' "$(got -t 1 named.nc s)" '5 7 6 8 13 15 14 16'
+make_nc named 'y = 2; step = 2; x = 2;' 'float y(y); float step(step); step:standard_name = "altitude"; float x(x); float s(y, step, x);' \
+	'y = 1, 2; step = 1, 2; x = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;'
+is 'and a standard name before those' "$(got named.nc s)" '1 2 5 6 3 4 7 8'
 cat >inner.cdl <<'END'
 netcdf inner {
 dimensions: x = 2; y = 2; z = 2;

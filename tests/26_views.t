@@ -54,14 +54,16 @@ sed '/^up/d' b.spec >noup.spec
 key word.spec 'x 0 5' '0 0 0' '0 0 1' 30
 key here.spec '0 0 0' '0 0 0' '0 0 1' 30
 : >empty.spec
-refused 'another map' 'views: map.spec:8: map 3 1 1 1 3, expected what a.spec has, but for the view: map 2' \
+refused 'another map' 'views: map.spec:8: `map 3 1 1 1 3`, expected `map 2 1 1 1 3`, as in a.spec: only the view' \
 	-n 3 -o v%d.spec a.spec map.spec
 refused 'less' 'views: less.spec: has fewer lines than a.spec, expected' -n 3 -o v%d.spec a.spec less.spec
+{ cat b.spec; echo 'limit 1'; } >more.spec
+refused 'more' "views: more.spec:[0-9]*: .limit 1., expected the file's end, as in a.spec" -n 3 -o v%d.spec a.spec more.spec
 refused 'no up' 'views: noup.spec: no up, expected' -n 3 -o v%d.spec a.spec noup.spec
 refused 'no number' 'views: word.spec:2: from: x, expected a number' -n 3 -o v%d.spec a.spec word.spec
 refused 'no direction' 'views: here.spec: from has no length' -n 3 -o v%d.spec a.spec here.spec
 refused 'opposite' 'views: c.spec: from is opposite to that of a.spec, expected another' -n 3 -o v%d.spec a.spec c.spec
-refused 'empty' 'views: expected no empty file' -n 3 -o v%d.spec a.spec empty.spec
+refused 'empty' 'views: a key is an empty file' -n 3 -o v%d.spec a.spec empty.spec
 refused 'no file' 'views: none: cannot be read' -n 3 -o v%d.spec a.spec none
 refused 'a key would be overwritten' 'views: v1.spec: is a key as well' -n 3 -o v%d.spec a.spec v1.spec
 refused 'no pattern' 'views: -o v.spec: expected one %d' -n 3 -o v.spec a.spec b.spec

@@ -27,6 +27,8 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct c
         "degreeE", "degreesE", "longitude", "grid_longitude", "projection_x_coordinate", NULL};
     static const char *const north[] = {"degrees_north", "degree_north", "degree_N", "degrees_N",
         "degreeN", "degreesN", "latitude", "grid_latitude", "projection_y_coordinate", NULL};
+    static const char *const up[] = {
+        "height", "altitude", "depth", "air_pressure", "model_level_number", NULL};
     static const char letters[] = "XYZT";
     char axis[CF_TEXT], standard[CF_TEXT], positive[CF_TEXT];
     cf_text(c, group, id, "axis", axis);
@@ -36,8 +38,37 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct c
     if (at) return (enum cf_kind)(at - letters);
     if (one_of(a->units, east) || one_of(standard, east)) return CF_X;
     if (one_of(a->units, north) || one_of(standard, north)) return CF_Y;
-    if (strstr(a->units, " since ") || strcasecmp(a->name, "time") == 0) return CF_T;
-    return positive[0] || is_pressure(a->units) ? CF_Z : CF_NONE;
+    if (strstr(a->units, " since ") || strcasecmp(standard, "time") == 0 ||
+        strcasecmp(a->name, "time") == 0)
+        return CF_T;
+    return positive[0] || is_pressure(a->units) || one_of(standard, up) ? CF_Z : CF_NONE;
+}
+
+/*
+ * What the name of an axis suggests where its file says nothing else; CF_NONE where it suggests
+ * nothing. `other`: it is no axis of a grid, and must not be taken for height because height is
+ * what is left.
+ */
+static enum cf_kind kind_by_name(const char *name, bool *other)
+{
+    static const struct {
+        const char *part; /* of the name; with "=" in front all of it */
+        enum cf_kind kind;
+    } table[] = {{"_type", CF_NONE}, {"ensemble", CF_NONE}, {"member", CF_NONE}, {"=ens", CF_NONE},
+        {"realization", CF_NONE}, {"bnds", CF_NONE}, {"time", CF_T}, {"step", CF_T}, {"date", CF_T},
+        {"month", CF_T}, {"year", CF_T}, {"hour", CF_T}, {"=day", CF_T}, {"=t", CF_T},
+        {"longitude", CF_X}, {"west_east", CF_X}, {"=lon", CF_X}, {"=x", CF_X}, {"latitude", CF_Y},
+        {"south_north", CF_Y}, {"=lat", CF_Y}, {"=y", CF_Y}, {"bottom_top", CF_Z}, {"level", CF_Z},
+        {"height", CF_Z}, {"depth", CF_Z}, {"altitude", CF_Z}, {"pressure", CF_Z}, {"=lev", CF_Z},
+        {"=z", CF_Z}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        const char *part = table[i].part;
+        if (*part == '=' ? strcasecmp(name, part + 1) != 0 : !strcasestr(name, part)) continue;
+        *other = table[i].kind == CF_NONE;
+        return table[i].kind;
+    }
+    *other = false;
+    return CF_NONE;
 }
 
 /* The coordinate variable of a dimension: of its name and along it, in the group or one around. */
@@ -79,6 +110,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
 bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
 {
     const struct cf_axis *of[CF_NONE] = {NULL};
+    bool other[sizeof f->axis / sizeof *f->axis] = {false};
     for (int i = 0; i < f->n_axes; i++) {
         const struct cf_axis *a = &f->axis[i];
         if (a->kind == CF_NONE) continue;
@@ -87,11 +119,21 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
                 a->name, "xyzt"[a->kind]);
         of[a->kind] = a;
     }
+    for (int i = 0; i < f->n_axes; i++) {
+        struct cf_axis *a = &f->axis[i];
+        if (a->kind != CF_NONE || a->n == 1) continue;
+        enum cf_kind kind = kind_by_name(a->name, &other[i]);
+        if (kind == CF_NONE) continue;
+        other[i] = of[kind] != NULL;
+        if (other[i]) continue;
+        of[kind] = a;
+        a->kind = kind;
+    }
     for (int i = f->n_axes - 1, next = CF_X; i >= 0; i--) {
         struct cf_axis *a = &f->axis[i];
         if (a->kind != CF_NONE || a->n == 1) continue;
         while (next < CF_NONE && of[next]) next++;
-        if (next == CF_NONE)
+        if (next == CF_NONE || other[i])
             return err_set(err,
                 "%.60s has %zu elements and is none of x, y, z and time, expected 1", a->name,
                 a->n);

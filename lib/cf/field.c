@@ -43,8 +43,9 @@ static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
     if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;
-    return err_set(err, "%.60s is %.9g after %.9g, expected all to ascend or all to descend",
-        a->name, a->at[at], a->at[at - 1]);
+    char why[GRID_FAULT];
+    grid_axis_why(a->at, at, why);
+    return err_set(err, "%.60s is %s", a->name, why);
 }
 
 static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ERR])

@@ -20,6 +20,17 @@ uint32_t grid_axis_fault(const double *at, uint32_t n)
     return 0;
 }
 
+void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT])
+{
+    double a = at[fault], b = at[fault - 1], step = fabs(a - b);
+    if (step > 0 && step < GRID_STEP_MIN)
+        snprintf(why, GRID_FAULT, "%.17g after %.17g, expected steps of %g at least", a, b,
+            GRID_STEP_MIN);
+    else
+        snprintf(
+            why, GRID_FAULT, "%.9g after %.9g, expected all to ascend or all to descend", a, b);
+}
+
 /* The cell of p on an axis, and where in it, 0 .. 1. False outside. */
 static bool find_cell(const double *at, uint32_t n, double p, uint32_t *cell, double *t)
 {

@@ -83,6 +83,9 @@ void grid_free(struct grid *g);
  * continue as the first two began, or 0 where all do. n is at least 2.
  */
 uint32_t grid_axis_fault(const double *at, uint32_t n);
+/* "A after B, expected ...": what is wrong with at[fault]. */
+#define GRID_FAULT 128
+void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
 /*
  * The field at a point given in the grid's coordinates: trilinear in the cell that it is in, the
  * upper one where it is on a face. NaN outside, and where a corner of the cell is missing.

@@ -66,7 +66,7 @@ static bool skip_field(struct vtk_reader *r)
             return false;
         for (uint64_t i = 0; i < components * tuples; i++)
             if (r->binary) r->at += t.size;
-            else if (!vtk_text(r, "number of a field", &v)) return false;
+            else if (!vtk_text(r, "number of a field", t, &v)) return false;
         vtk_skip_metadata(r);
     }
     return true;
@@ -89,10 +89,11 @@ static bool read_axis(struct vtk_reader *r, int axis, struct grid *g)
             return vtk_fail(r, "%s: number %u is nan, expected a number", keyword, i + 1);
     }
     uint32_t fault = grid_axis_fault(at, (uint32_t)n);
-    if (fault)
-        return vtk_fail(r,
-            "%s: number %u is %.9g after %.9g, expected all to ascend or all to descend", keyword,
-            fault + 1, at[fault], at[fault - 1]);
+    if (fault) {
+        char why[GRID_FAULT];
+        grid_axis_why(at, fault, why);
+        return vtk_fail(r, "%s: number %u is %s", keyword, fault + 1, why);
+    }
     r->down[axis] = at[1] < at[0];
     for (uint32_t i = 0, j = (uint32_t)n - 1; r->down[axis] && i < j; i++, j--) {
         double swap = at[i];

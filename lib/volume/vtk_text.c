@@ -6,6 +6,7 @@
 #include <strings.h>
 
 #define NUMBER_LEN_MAX 63 /* characters */
+#define RANGE 128
 
 /* ---- messages ------------------------------------------------------------------------------ */
 
@@ -136,18 +137,42 @@ bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t
         what, (unsigned long long)count, (unsigned long long)room);
 }
 
-bool vtk_text(struct vtk_reader *r, const char *what, double *v)
+/* The least and the greatest number of a type; these in words, unless range is NULL. */
+static void type_range(struct vtk_type t, double *min, double *max, char *range)
 {
-    char text[NUMBER_LEN_MAX + 1];
+    const char *name = t.name;
+    if (t.form == FORM_REAL) {
+        *max = t.size == sizeof(float) ? (double)FLT_MAX : DBL_MAX;
+        *min = -*max;
+        if (range)
+            snprintf(range, RANGE, "a number from %g to %g: it is of type %s", *min, *max, name);
+        return;
+    }
+    uint64_t most = UINT64_MAX >> (64 - 8 * t.size + (t.form == FORM_SIGNED));
+    int64_t least = t.form == FORM_SIGNED ? -(int64_t)most - 1 : 0;
+    *max = (double)most; /* of 64 bits rounded */
+    *min = (double)least;
+    if (range)
+        snprintf(range, RANGE, "an integer from %lld to %llu: it is of type %s", (long long)least,
+            (unsigned long long)most, name);
+}
+
+bool vtk_text(struct vtk_reader *r, const char *what, struct vtk_type t, double *v)
+{
+    char text[NUMBER_LEN_MAX + 1], range[RANGE];
+    double min, max;
     size_t n = vtk_peek(r), sign = n && (*r->at == '-' || *r->at == '+');
-    if (n && n <= NUMBER_LEN_MAX) {
-        memcpy(text, r->at, n);
-        text[n] = '\0';
-        if (strcasecmp(text + sign, "nan") == 0) *v = (double)NAN;
-        else if (strlen(text) != n || !parse_real(text, -DBL_MAX, DBL_MAX, v)) n = 0;
-    } else n = 0;
+    bool real = t.form == FORM_REAL, good = n && n <= NUMBER_LEN_MAX && !memchr(r->at, 0, n);
+    type_range(t, &min, &max, NULL);
+    memcpy(text, r->at, good ? n : 0);
+    text[good ? n : 0] = '\0';
+    if (good && real && strcasecmp(text + sign, "nan") == 0) *v = (double)NAN;
+    else if (!good || !parse_real(text, min, max, v) || (!real && trunc(*v) != *v)) {
+        type_range(t, &min, &max, range);
+        return vtk_fail_word(r, what, range);
+    }
     r->at += n;
-    return n || vtk_fail_word(r, what, "a number");
+    return true;
 }
 
 bool vtk_number(struct vtk_reader *r, const char *what, struct vtk_type t, double *v)
@@ -155,7 +180,7 @@ bool vtk_number(struct vtk_reader *r, const char *what, struct vtk_type t, doubl
     if (r->binary) {
         *v = vtk_decode(r->at, t);
         r->at += t.size;
-    } else if (!vtk_text(r, what, v)) return false;
+    } else if (!vtk_text(r, what, t, v)) return false;
     if (isnan(*v) || fabs(*v) <= GRID_MAX) return true;
     return vtk_fail(r, "%s: %g, expected numbers from %g to %g, and nan for missing ones", what, *v,
         -GRID_MAX, GRID_MAX);

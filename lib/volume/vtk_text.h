@@ -37,8 +37,8 @@ bool vtk_type(struct vtk_reader *r, struct vtk_type *t);
 bool vtk_name(struct vtk_reader *r, char name[VOLUME_NAME]);
 /* `count` numbers of this type follow; true when the bytes for them are there. */
 bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t, uint64_t count);
-/* A number as text; "nan", as printf writes it, is one. */
-bool vtk_text(struct vtk_reader *r, const char *what, double *v);
+/* A number as text, one that this type can hold; of reals "nan", as printf writes it, is one. */
+bool vtk_text(struct vtk_reader *r, const char *what, struct vtk_type t, double *v);
 /* After vtk_begin_numbers. NaN is left to the caller; others are in range. */
 bool vtk_number(struct vtk_reader *r, const char *what, struct vtk_type t, double *v);
 /* What VTK appends to an array: lines up to an empty one. */
