@@ -29,8 +29,8 @@ enum {
 
 /* ---- messages ------------------------------------------------------------------------- */
 
-/* Remember argv[0]'s last component for messages, and see to it that descriptors 0, 1 and 2 are
- * taken. Call first in main. */
+/* Remember argv[0]'s last component for messages, see to it that descriptors 0, 1 and 2 are taken,
+ * and that a file that may grow no more is an error of write, not a signal. Call first in main. */
 void prog_init(const char *argv0);
 const char *prog_name(void);
 /* "program: text" on stderr; a format that ends in ':' has errno's text appended. */

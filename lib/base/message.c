@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -24,6 +25,7 @@ static void fill_standard_descriptors(void)
 void prog_init(const char *argv0)
 {
     fill_standard_descriptors();
+    signal(SIGXFSZ, SIG_IGN); /* then write says EFBIG, and that is reported as any other error */
     if (!argv0) return;
     const char *slash = strrchr(argv0, '/');
     name = slash ? slash + 1 : argv0;

@@ -158,20 +158,6 @@ bool fan_working(const struct fan *f)
     return false;
 }
 
-/* Two descriptors a slot, a third where its messages come apart, and a few besides. */
-static void make_room(const struct fan *f)
-{
-    int need = 16;
-    for (int i = 0; i < f->n_hosts; i++)
-        need += f->hosts[i].host->slots * (f->hosts[i].here ? 2 : 3);
-    int most = want_descriptors(need);
-    if (most < need)
-        die(ST_SYSTEM,
-            "%d slots need %d open files, expected fewer slots, or a higher limit than %d (ulimit "
-            "-Hn)",
-            f->n_slots, need, most);
-}
-
 void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 {
     *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us()};
@@ -194,9 +180,8 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
                 .missing_us = f->start_us};
     }
     f->n[FAN_WAITING] = f->n_slots;
-    if (!*o->command) return;
-    make_room(f);
-    fan_ask_reference(f);
+    want_descriptors(3 * f->n_slots + 16);
+    if (*o->command) fan_ask_reference(f);
 }
 
 /* What it says meanwhile is shown: it may be why it ends. */

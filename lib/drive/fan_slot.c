@@ -112,7 +112,7 @@ void slot_up(struct fan *f, struct fan_slot *s)
     slot_show_held(s);
     s->connected = s->was_up = s->host->reached = true;
     s->told_gone = false;
-    s->host->said = FAN_QUIET;
+    if (!s->host->here) s->host->said = FAN_QUIET;
     s->host->failures = 0;
     s->host->retry_us = 0;
     s->heard_us = now_us();

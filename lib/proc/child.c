@@ -150,11 +150,10 @@ int cores_available(void)
     return n > 0 ? n : 1;
 }
 
-int want_descriptors(int n)
+void want_descriptors(int n)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)n) return n;
-    rlim_t was = limit.rlim_cur;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)n) return;
     limit.rlim_cur = limit.rlim_max < (rlim_t)n ? limit.rlim_max : (rlim_t)n;
-    return (int)(setrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : was);
+    setrlimit(RLIMIT_NOFILE, &limit);
 }

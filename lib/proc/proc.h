@@ -85,8 +85,8 @@ int child_end(struct child *c, int grace_ms);
 const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */
 int cores_available(void);
-/* Asks the system for room for so many descriptors. Returns how many it allows. */
-int want_descriptors(int n);
+/* Asks the system for room for so many descriptors. */
+void want_descriptors(int n);
 
 /* ---- signals: they come only while this process waits in poll_signals ---- */
 
