@@ -25,4 +25,16 @@ given() {
 	echo "${0##*/}: $refused" >&2
 	exit 2
 }
+# directory: prints the name of a new one for temporary files
+directory() {
+	mktemp -d 2>/dev/null && return
+	echo "${0##*/}: ${TMPDIR:-/tmp}: no directory can be made there, expected TMPDIR to name one where it can" >&2
+	exit 3
+}
 asked "${1-}"
+trap '' XFSZ # that a file may grow no more is an error of write, which is reported
+# A shell that lacks descriptors takes programs for missing, and cannot even say that itself.
+# shellcheck disable=SC3045,SC2016  # dash and bash have -n; a script for another shell
+case $(ulimit -n) in
+[0-9] | [12][0-9]) exec sh -c 'echo "$0: expected a limit of 30 open files or more (ulimit -n)" >&2; exit 3' "${0##*/}" ;;
+esac

@@ -1,0 +1,54 @@
+#!/bin/sh
+# Limits of the system, each with one clear line: a file that may grow no more (SIGXFSZ), few open files, no place for
+# temporary files; and an option in the place of an argument.
+. "$(dirname "$0")/lib.sh"
+# shellcheck disable=SC2154,SC3045  # lib.sh sets them; dash and bash both know ulimit -n
+
+spdgen -s 2 gears >gears.nff
+partition 64x64 >plain.task
+{ pack scene gears.nff; cat plain.task; } >job.task
+rtworker gears.nff <plain.task >gears.frags
+view=$root/scenes/stormview.spec
+
+# Files of 512 bytes: messages are shorter.
+while IFS='|' read -r command line; do
+	run sh -c "ulimit -f 1; $command"
+	is "$command: exit 3, and a line" "$status:$err" "3:$line"
+	rm -f big*
+done <<END
+spdgen gears >big|spdgen: standard output: File too large
+pack scene gears.nff >big|pack: standard output: File too large
+partition 64x64 >big|partition: standard output: File too large
+rtworker gears.nff <plain.task >big|rtworker: standard output: File too large
+fan -j 2 rtworker - <job.task >big|fan: standard output: File too large
+deal fan -j 2 rtworker - <job.task >big|deal: standard output: File too large
+gather -o big.png <gears.frags|gather: big.png: File too large
+gather -r big.log <gears.frags >/dev/null|gather: big.log: File too large
+gather <gears.frags >big|gather: standard output: File too large
+gather -m gears.frags >big; nff2pov gears.nff >big|nff2pov: standard output: File too large
+balance interleaved -j 2 -o big.png gears.nff|gather: big.png: File too large
+balance calibrate -n 1 -s 16x16 gears.nff|pack: standard output: File too large
+END
+run sh -c "ulimit -f 1; views -n 9 -o big-%d.spec '$view' '$view'"
+like 'views: exit 3, and why' "$status:$err" '^3:.*File too large'
+run sh -c 'ulimit -f 1; balance interleaved -j 1 -o big.png - <gears.nff'
+like 'balance, a scene from a pipe: exit 3, and why' "$status:$err" '^3:.*File too large'
+
+for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol -l' 'chart gears.tsv' coastlines; do
+	run sh -c "ulimit -n 12; exec $program" # too few for the shell to read its scripts
+	is "12 open files, $program: a line that says so" "$(printf '%s\n' "$err" | sed 's/.*: //')" 'Too many open files'
+	run sh -c "ulimit -n 20; exec $program"
+	like "20 open files, $program: exit 3, and a line" "$status:$err" \
+		'^3:[a-z]+(-calibrate)?: expected a limit of 30 open files or more \(ulimit -n\)$'
+done
+echo x >gears.tsv
+for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol master' 'chart gears.tsv' "$root/tests/demo"; do
+	run env TMPDIR="$tmp/none" sh -c "$program"
+	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
+		"^3:[a-z]+(-calibrate)?: $tmp/none: no directory can be made there, expected TMPDIR to name one where it can$"
+done
+for program in 'balance interleaved -j 1' 'balance calibrate'; do
+	run sh -c "$program -s -h gears.nff"
+	like "$program -s -h: exit 2, and a line" "$status:$err" '^2:[a-z-]+: -s -h: expected WxH'
+done
+finish
