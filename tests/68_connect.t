@@ -123,20 +123,27 @@ again() {
 fan: slot 0 on later: is up"
 	ok "$1: the same picture" cmp out.pfm good.pfm
 }
-again 'nobody listens' 'connection refused; trying again for 30 s' <<'END'
+again 'nobody listens' 'connection refused; trying again for up to 30 s' <<'END'
 ssh: connect to host later port 22: Connection refused
 END
-again 'a host that is down' 'no route to it; trying again for 30 s' <<'END'
+again 'a host that is down' 'no route to it; trying again for up to 30 s' <<'END'
 ssh: connect to host later port 22: No route to host
 END
-again 'a host that hangs' 'no answer; trying again for 30 s' <<'END'
+again 'a host that hangs' 'no answer; trying again for up to 30 s' <<'END'
 Connection timed out during banner exchange
 Connection to 198.18.0.1 port 22 timed out
 END
-again 'a resolver that is down' 'its name cannot be resolved now; trying again for 30 s' <<'END'
+again 'a resolver that is down' 'its name cannot be resolved now; trying again for up to 30 s' <<'END'
 ssh: Could not resolve hostname later: Temporary failure in name resolution
 END
-again 'no reason' 'cannot be reached (exit-255); trying again for 30 s' </dev/null
+again 'no reason' 'cannot be reached (exit-255); trying again for up to 30 s' </dev/null
+
+# fan -l asks a host once more, not once for each slot.
+echo 'ssh: connect to host down port 22: Connection refused' | says down 255
+rm -f tries
+run fan -l -S 5/down rtworker
+is 'fan -l: exit 1, and one line' "$status:$err" '1:fan: down: connection refused; trying again'
+is 'fan -l: two tries' "$(tr '\n' ' ' <tries)" 'down down '
 
 # What looks like the beginning of a failure is shown where there is none.
 cat >warned <<'END'
@@ -167,7 +174,7 @@ rm -f tries
 run sh -c 'deal fan -S once.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
-	'^fan: once: key refused; reach it once by hand, as its via= does; trying again for 30 s$'
+	'^fan: once: key refused; reach it once by hand, as its via= does; trying again for up to 30 s$'
 
 # ---- what hosts say ---------------------------------------------------------------------------------------------
 printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood

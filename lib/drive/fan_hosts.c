@@ -93,7 +93,7 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
             again ? "reached" : "used", why, *s->chatter ? ", it says: " : "", s->chatter);
     if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
-        if (last && !f->listing) buf_printf(&text, " for %g s", UNREACHED_S);
+        if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
     }
     buf_append(&text, "", 1);
     warn("%s", (const char *)buf_data(&text));
@@ -114,6 +114,7 @@ void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
         if (other->host != h || other->state != FAN_WAITING) continue;
+        other->measured |= s->measured;
         if (again) say_gone(f, other, why, 0);
         else if (ends) slot_give_up(f, other, why);
     }

@@ -217,7 +217,7 @@ bool refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, s
 /* Everything that can be decoded from slot s. */
 void slot_listen(struct fan *f, struct fan_slot *s);
 /* The beginning of a line as messages show it. */
-void printable(char *to, size_t room, const char *line, size_t n);
+void fan_printable(char *to, size_t room, const char *line, size_t n);
 /* Shows what the slot wrote to its standard error, line by line. */
 void slot_show_err(const struct fan *f, struct fan_slot *s);
 /* The rest of it; then it is closed. */

@@ -74,7 +74,7 @@ bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, si
     while (i < N_REASONS && !has(line, n, reasons[i].words)) i++;
     if (i < s->reason) {
         s->reason = i;
-        printable(s->detail, sizeof s->detail, line, n);
+        fan_printable(s->detail, sizeof s->detail, line, n);
     } else if (!buf_size(&s->held) && !names_worker(f, line, n)) {
         return false;
     }

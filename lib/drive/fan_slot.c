@@ -184,7 +184,8 @@ static void decide(struct fan *f, struct fan_slot *s, const char *why, bool agai
     else if (s->connected && s->tasks.count) s->deaths++;
     s->again = again && !s->host->here && s->deaths < DEATHS_MOST;
     s->decided = true;
-    s->measured |= !s->again || s->failures > 1 || now_us() - s->opened_us > ASK_AGAIN_US;
+    bool more = s->again && s->failures <= 1 && !s->host->failures;
+    s->measured |= !more || now_us() - s->opened_us > ASK_AGAIN_US;
     int32_t lost = s->connected || !s->again ? s->tasks.count : 0;
     say_gone(f, s, why, lost);
     if (!s->connected && !s->host->here) host_failed(f, s, why, s->again);

@@ -211,7 +211,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     }
 }
 
-void printable(char *to, size_t room, const char *line, size_t n)
+void fan_printable(char *to, size_t room, const char *line, size_t n)
 {
     size_t i = 0;
     for (; i < n && i + 1 < room && line[i] != '\n'; i++)
@@ -222,7 +222,7 @@ void printable(char *to, size_t room, const char *line, size_t n)
 /* The first line of what a host says before hello, in case that none comes. */
 static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
 {
-    if (!s->before_hello) printable(s->chatter, sizeof s->chatter, (const char *)said, n);
+    if (!s->before_hello) fan_printable(s->chatter, sizeof s->chatter, (const char *)said, n);
 }
 
 /*
