@@ -50,6 +50,7 @@ static void read_log(struct history *l, const char *path)
     if (fd < 0) die(ST_USAGE, "%s:", path);
     if (std) path = "standard input";
     if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
+    if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad > bad)
         warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path, l->bad - bad,
             l->bad - bad == 1 ? "" : "s", l->why);

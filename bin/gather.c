@@ -168,27 +168,24 @@ static void write_picture(struct gather *g, const struct assembly_frame *f)
     }
 }
 
-static void warn_refused(
-    struct gather *g, const struct record *r, const char *worker, const char *job)
+static void warn_refused(struct gather *g, const struct record *r, const char *job)
 {
     const struct assembly_frame *f = assembly_find(&g->in.parts, r->task.frame);
+    char source[LOG_SOURCE_TEXT];
     if (g->warnings++ >= WARNINGS_MAX) return;
     progress_clear(&g->progress);
+    log_source_text(&g->in.sources, log_source_of(&g->in.sources, r), source);
     if (f)
-        warn("frame %u: worker %s has job %s of %ux%u, expected %s of %ux%u: its fragments are "
-             "ignored",
-            r->task.frame, *worker ? worker : "without a name", job, r->frame_w, r->frame_h, f->job,
-            f->have.w, f->have.h);
-    else
-        warn("frame %u: too many, expected at most %d frames and %d workers with other jobs",
-            r->task.frame, ASSEMBLY_FRAMES_MAX, ASSEMBLY_FOREIGN_MAX);
+        warn("frame %u: %s has job %s of %ux%u, expected %s of %ux%u: its fragments are ignored",
+            r->task.frame, source, job, r->frame_w, r->frame_h, f->job, f->have.w, f->have.h);
+    else warn("frame %u: too many, expected at most %d", r->task.frame, ASSEMBLY_FRAMES_MAX);
 }
 
 static void confirm(struct gather *g, const struct record *r);
 
 static void take_frame(struct gather *g, const struct record *r)
 {
-    char worker[ASSEMBLY_NAME], job[ASSEMBLY_NAME];
+    char job[ASSEMBLY_NAME];
     const struct assembly *parts = &g->in.parts;
     uint32_t number = r->task.frame;
     bool said = rec_str(r, "job", job, sizeof job);
@@ -199,13 +196,13 @@ static void take_frame(struct gather *g, const struct record *r)
         die(ST_USAGE, "frame %u: %ux%u pixels, expected at most %" PRIu64 " in a picture", number,
             r->frame_w, r->frame_h, IMAGE_PIXELS_MAX);
     }
-    enum assembly_verdict verdict = intake_frame(&g->in, r, worker);
+    enum assembly_verdict verdict = intake_frame(&g->in, r);
     if (parts->n_frames > 1 && !g->o->missing && g->o->naming != IMAGE_NAME_NUMBERED) {
         flush_log(g);
         die(ST_USAGE, "frame %u: a second picture for %s, expected -o with %%d in the name", number,
             g->o->out ? g->o->out : "standard output");
     }
-    if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r, worker, job);
+    if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r, job);
 }
 
 static void take_record(void *ctx, const struct record *r)
@@ -254,9 +251,11 @@ static void confirm(struct gather *g, const struct record *r)
     if (refused > 0) flush_log(g);
     if (refused > 0) die(ST_USAGE, "%s: %s", g->o->log, why);
     if (g->trusted) return;
+    const char *input = g->in.sources.input;
     g->rereading = true;
     if (refused < 0 || log_reread(&g->log, &g->in, &reader) != 0) die(ST_SYSTEM, "%s:", g->o->log);
     g->rereading = false;
+    log_sources_begin(&g->in.sources, input);
     g->trusted = true;
     progress_resume(&g->progress, g->in.parts.done_px);
 }
@@ -266,8 +265,10 @@ static void read_stream(struct gather *g, int fd, const char *name)
     const struct log_reader reader = reader_of(g);
     struct stat st;
     if (fstat(fd, &st) == 0) check_not_log(g, &st, name);
-    if (log_read(&g->in, fd, &reader) != 0) die(ST_SYSTEM, "%s:", name);
+    int failed = log_read(&g->in, fd, name, &reader);
+    if (failed < 0) die(ST_SYSTEM, "%s:", name);
     flush_log(g);
+    if (failed) die(ST_USAGE, "%s: %s", name, g->in.why);
 }
 
 static void read_streams(struct gather *g)
@@ -308,12 +309,11 @@ static void report_refused(const struct gather *g)
 
 static void report_twice(const struct gather *g)
 {
-    uint64_t same, differing;
-    const struct assembly_frame *f = assembly_again(&g->in.parts, &same, &differing);
-    if (f)
-        warn("%" PRIu64 " pixels came twice and differ, the most in frame %u at %u,%u, by %.3g: "
-             "the first were kept",
-            differing, f->number, f->worst_x, f->worst_y, f->worst);
+    const struct assembly *parts = &g->in.parts;
+    uint64_t same = assembly_again(parts);
+    char text[LOG_DISPUTE_TEXT];
+    for (uint32_t i = 0; i < parts->n_disputes; i++)
+        warn("%s", log_dispute_text(&g->in.sources, &parts->disputes[i], text));
     if (same && g->o->progress) warn("%" PRIu64 " pixels came twice", same);
 }
 
@@ -377,8 +377,8 @@ static int finish(struct gather *g)
         intake_missing(parts->frames[i], put);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) report_missing(g);
     if (g->status != ST_OK || disputed) return ST_SYSTEM;
-    if (assembly_whole(parts) || (parts->n_frames && g->o->missing)) return ST_OK;
-    return unfinished(g);
+    if (!assembly_whole(parts) && !(parts->n_frames && g->o->missing)) return unfinished(g);
+    return parts->differing || intake_orphaned(&g->in) ? ST_PARTIAL : ST_OK;
 }
 
 int main(int argc, char **argv)

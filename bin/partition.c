@@ -25,6 +25,7 @@ struct options {
     const char *cost_log;                                 /* -o cost: */
     int w, h;
     const char *pictures; /* where state and frames come from; NULL: a frame of this size */
+    char job[80];         /* "job=HASH", where a frame from there has one */
 };
 
 static void parse_powers(struct options *o, const char *list)
@@ -187,9 +188,10 @@ static struct coverage read_log(const struct options *o)
 {
     struct coverage have = {0};
     if (!o->log) return have;
-    int odd = log_coverage(o->log, o->frame, &have);
+    char why[LOG_WHY];
+    int odd = log_coverage(o->log, o->frame, &have, why);
     if (odd < 0) die(ST_USAGE, "%s:", o->log);
-    if (odd) die(ST_USAGE, "%s: is no log, expected fragments, or a new file", o->log);
+    if (odd) die(ST_USAGE, "%s: %s", o->log, why);
     if (have.bits && (have.w != (uint32_t)o->w || have.h != (uint32_t)o->h))
         die(ST_USAGE, "%s: has another size: frame %u of %ux%u pixels, expected %dx%d", o->log,
             o->frame, have.w, have.h, o->w, o->h);
@@ -216,7 +218,10 @@ static void order_by_cost(const struct options *o, struct place *at, uint32_t n)
 {
     struct log_costs costs;
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
-    if (log_costs_read(o->cost_log, &costs) != 0) die(ST_USAGE, "%s:", o->cost_log);
+    char why[LOG_WHY];
+    int failed = log_costs_read(o->cost_log, &costs, why);
+    if (failed > 0) die(ST_USAGE, "%s: %s", o->cost_log, why);
+    if (failed) die(ST_USAGE, "%s:", o->cost_log);
     if (!costs.us)
         die(ST_USAGE, "%s: has no costs, expected a log of a picture of the same scene",
             o->cost_log);
@@ -276,7 +281,7 @@ static void write_tasks(struct options *o)
     uint32_t left = 0; /* tasks so far, those left out not counted */
     int64_t assigned = o->assigned;
     if (o->of) assigned = (int64_t)((uint64_t)count * (uint64_t)assigned / (uint64_t)o->of);
-    wire_frame(&out, o->frame, w, h, NULL);
+    wire_frame(&out, o->frame, w, h, o->job);
     struct place *order = order_of(o, count);
     for (uint32_t i = 0; i < count; i++) {
         struct task t = cut_task(&o->cut, w, h, order ? order[i].id : i);
@@ -302,19 +307,20 @@ static void write_tasks(struct options *o)
 static void take(const struct options *o, const struct record *r)
 {
     struct options one = *o;
-    struct buf out = {0};
+    char job[64];
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
-        wire_forward(&out, r, NULL, NULL);
-        put_stdout(buf_data(&out), buf_size(&out));
-        buf_free(&out);
+        put_stdout(r->line, r->line_len);
+        put_stdout("\n", 1);
+        put_stdout(r->body, r->body_len);
         break;
     case REC_FRAME:
         one.frame = r->task.frame;
         one.w = (int)r->frame_w;
         one.h = (int)r->frame_h;
+        if (rec_str(r, "job", job, sizeof job)) snprintf(one.job, sizeof one.job, "job=%s", job);
         write_tasks(&one);
         break;
     default:

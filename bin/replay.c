@@ -162,8 +162,11 @@ static void open_log(struct replay *r)
     size_t n = 0;
     enum wire_result got;
     d.upward = d.unsummed = true;
-    while (!job && (got = wire_next(&d, &rec)) != WIRE_MORE)
-        if (got == WIRE_RECORD && rec.kind == REC_FRAME) job = rec_key(&rec, "job", &n);
+    while (!job && (got = wire_next(&d, &rec)) != WIRE_MORE) {
+        if (got != WIRE_RECORD) continue;
+        if (!rec_ours(&rec, d.why)) die(ST_USAGE, "%s: %s", r->o->path, d.why);
+        if (rec.kind == REC_FRAME) job = rec_key(&rec, "job", &n);
+    }
     if (!job) die(ST_USAGE, "%s: no task with its pixels, expected the log of a run", r->o->path);
     r->first_job = hash64(HASH64_INIT, job, n);
 }
@@ -173,6 +176,7 @@ static void load_log(struct replay *r)
     const char *path = r->o->path;
     struct history *l = &r->log;
     history_over(l, r->bytes, r->n_bytes);
+    if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad)
         warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path, l->bad,
             l->why);

@@ -288,7 +288,7 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c lib/history/*.c'
 	{
 		cat $wire bin/*.c | grep -oE '(rec_(key|int|real|str)\(&?r, |has_key\(r, )"[a-z_]+"' | grep -oE '[a-z_]+"$' | tr -d '"'
-		cat $wire | grep -oE '[" ][a-z_]+=[%:]' | tr -d '" =%:'
+		cat $wire | grep -oE '[" ][a-z_]+=[%:"]' | tr -d '" =%:'
 	} | sort -u >"$tmp/code"
 	cat $pages 2>&1 | sed -nE 's/^\.It Cm ([a-z_]+) Ns =.*/\1/p' | sort -u >"$tmp/pages"
 	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</the code has, the pages do not: /p; s/^>/the pages have, the code does not: /p' >"$found"

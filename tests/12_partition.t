@@ -41,11 +41,11 @@ ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1
 {
 	echo 'frame 0 1 2 job=1'
 	for y in 0 1; do
-		printf 'frag 0 %d 0 %d 1 1 1 1 ch=4 crc=%s bytes=16\n' $y $y 3971697493
+		printf 'frag 0 %d 0 %d 1 1 1 1 job=1 ch=4 crc=%s bytes=16\n' $y $y 3971697493
 		head -c 16 /dev/zero
 		echo "done 0 $y cpu_us=$((10 + 90 * y)) wall_us=1"
 	done
-} >two.frags
+} | "$root/tests/seal" >two.frags
 is 'cost: the dearest first, equals in their order' \
 	"$(partition -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 }')" '2 3 0 1 '
 is 'cost: slots take turns in the order written' \

@@ -7,7 +7,8 @@
 half='\000\000\000\077\000\000\000\000\000\000\200\076\000\000\200\077'
 full='\000\000\200\077\000\000\000\000\000\000\200\076\000\000\200\077'
 
-# frag FRAME ID "X Y W H SX SY" PIXEL COUNT [KEYS]: one record
+PATH=$PATH:$root/tests
+# frag FRAME ID "X Y W H SX SY" PIXEL COUNT [KEYS [JOB]]: one record, not sealed
 frag() {
 	rm -f body
 	i=0
@@ -17,18 +18,20 @@ frag() {
 	done >body
 	crc=$(gzip -c <body | tail -c 8 | od -An -tu1 -N4 |
 		awk '{ printf "%.0f", $1 + 256 * ($2 + 256 * ($3 + 256 * $4)) }')
-	printf 'frag %s %s %s ch=4 crc=%s bytes=%d%s\n' "$1" "$2" "$3" "$crc" $((16 * $5)) "${6-}"
+	printf 'frag %s %s %s job=%s ch=4 crc=%s bytes=%d%s\n' "$1" "$2" "$3" "${7-cafe}" "$crc" $((16 * $5)) "${6-}"
 	cat body
 }
 # picture FRAME [JOB]: a whole stream of 3 rows of 4 pixels
 picture() {
-	echo 'hello rtworker 0.1 selftest=0'
-	echo "frame $1 4 3 job=${2-cafe}"
-	for y in 0 1 2; do
-		echo "done $1 $y cpu_us=1 wall_us=1"
-		frag "$1" "$y" "0 $y 4 1 1 1" "$half" 4
-	done
-	echo bye
+	{
+		echo 'hello rtworker 0.1 selftest=0'
+		echo "frame $1 4 3 job=${2-cafe}"
+		for y in 0 1 2; do
+			echo "done $1 $y cpu_us=1 wall_us=1"
+			frag "$1" "$y" "0 $y 4 1 1 1" "$half" 4 '' "${2-cafe}"
+		done
+		echo bye
+	} | seal
 }
 picture 0 >whole
 {
@@ -53,24 +56,30 @@ ok '-k 16: linear light to 1/65535' imgcmp -t 0.000008 c.png c.pfm
 	echo 'frame 0 4 3 job=cafe w=0'
 	frag 0 7 '1 0 6 1 2 1' "$half" 6 ' w=0'
 	frag 0 8 '0 0 6 1 2 1' "$half" 6 ' w=1.2'
-} >scattered
+} | seal >scattered
 gather -o e.png scattered
 ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e.png
 
 # ---- twice, and differently
-{ cat whole; frag 0 9 '0 1 4 1 1 1' "$full" 4; } >twice
+{
+	echo 'hello fan 0.1 selftest=0'
+	echo 'frame 0 4 3 job=cafe w=2.1 host=render1'
+	frag 0 9 '0 1 4 1 1 1' "$full" 4 ' w=2.1'
+	echo bye
+} | seal >other
+{ cat whole other; } >twice
 run gather -o t.pam twice
-is 'differing duplicates: status 0' "$status" 0
-like 'differing duplicates: numbers' "$err" '^gather: 4 pixels came twice and differ, .*frame 0 at 0,1, by 0.5: the first'
+is 'differing duplicates: status 1' "$status" 1
+is 'differing duplicates: whose, where, how much' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, the most at 0,1, by 0.5: one of the two is wrong; the first were kept'
 ok 'the first stands' cmp t.pam want.pam
 cat whole whole >same
 run gather -o t.pam same
 is 'equal duplicates: silent' "$status$err" 0
 gather <same >s.png
 ok 'a whole picture is written once' cmp a.png s.png
-{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; cat whole; } | gather -o t.pam 2>err.txt
-like 'the overlap alone is counted' "$(cat err.txt)" '^gather: 8 pixels came twice and differ'
-{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; frag 0 2 '0 2 4 1 1 1' "$half" 4; } |
+{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; cat whole; } | seal | gather -o t.pam 2>err.txt
+like 'the overlap alone is counted' "$(cat err.txt)" '^gather: frame 0: 8 pixels of a worker \(standard input\) and'
+{ echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; frag 0 2 '0 2 4 1 1 1' "$half" 4; } | seal |
 	gather -o u.pam
 ok 'the first stands, whatever comes before the frame is whole' cmp t.pam u.pam
 
@@ -78,12 +87,12 @@ ok 'the first stands, whatever comes before the frame is whole' cmp t.pam u.pam
 {
 	echo 'frame 0 4 3 job=cafe w=0'
 	echo 'frame 0 4 3 job=beef w=1'
-	frag 0 0 '0 0 4 3 1 1' "$full" 12 ' w=1'
+	frag 0 0 '0 0 4 3 1 1' "$full" 12 ' w=1' beef
 	cat whole
-} >foreign
+} | seal >foreign
 run gather -o f.pam foreign
 is 'another job: status 0 once the rest is there' "$status" 0
-like 'another job: named' "$err" 'frame 0: worker 1 has job beef of 4x3, expected cafe of 4x3'
+like 'another job: named' "$err" 'frame 0: slot 1 \(foreign\) has job beef of 4x3, expected cafe of 4x3'
 like 'another job: counted' "$err" '1 fragment ignored: of another job'
 ok 'another job: not in the picture' cmp f.pam want.pam
 {
@@ -92,20 +101,63 @@ ok 'another job: not in the picture' cmp f.pam want.pam
 	frag 0 0 '0 3 4 1 1 1' "$full" 4
 	echo 'task 0 9 0 0 1 1 1 1'
 	echo 'frame 0 4 3'
-} >odd
+} | seal >odd
 run gather -o f.pam odd
 is 'garbage: status 0' "$status" 0
 like 'a fragment before its frame' "$err" '1 fragment ignored: of no declared frame'
 like 'a fragment outside' "$err" '1 fragment ignored: outside'
 like 'tasks, and frames without a job' "$err" '2 records ignored, expected fragments'
 ok 'garbage: not in the picture' cmp f.pam want.pam
+{
+	echo 'frame 0 4 3 job=cafe'
+	frag 3 0 '0 0 4 1 1 1' "$full" 4
+	cat whole
+} | seal >odd
+run gather -o f.pam odd
+is 'a frame that nobody declared: status 1, and the picture' "$status$(cmp f.pam want.pam)" 1
+nan='\000\000\300\177\000\000\000\000\000\000\200\076\000\000\200\077'
+{ cat whole; frag 0 9 '0 1 4 1 1 1' "$nan" 4 | seal; } >odd
+run gather -o f.pam odd
+is 'pixels that are no light: not in the picture' "$status$(cmp f.pam want.pam)" 0
+is 'pixels that are no light: said' "$err" \
+	"gather: 1 damaged record ($(($(wc -c <odd) - $(wc -c <whole))) bytes) skipped; the last: pixels are no light, expected finite numbers >= 0, and alpha of at most 1"
+for change in 's/ 0 1 0 1 4 / 0 1 0 2 4 /' 's/^(frag 0 2 .*)cafe/$1cafd/' 's/^frame 0/frame 1/'; do
+	perl -pe "$change" whole >odd
+	run gather -o f.pam odd
+	is "$change: status 1" "$status" 1
+	like "$change: said" "$err" 'damaged record.*: sum differs, expected the line that was sent'
+done
+
+# ---- a log of another format
+sed -e 's/ sum=........$//; s/ format=2//' -e 's/ job=cafe ch/ ch/' whole >old
+sed 's/ format=2/ format=3/' whole | seal >new
+for args in 'gather -o f.pam' 'gather -m' 'gather -o f.pam whole' fragstat 'replay -x 0' 'partition -o cost:'; do
+	for log in old new; do
+		case $args in *:) set -- "$args$log" 4x3 ;; *) set -- "$args" "$log" ;; esac
+		# shellcheck disable=SC2086
+		run $1 $2 <whole
+		is "$args of another format ($log): status 2" "$status" 2
+		like "$args of another format ($log): by name" "$err" ": $log: is of format $([ $log = old ] && echo 1 || echo 3), expected 2\$"
+	done
+done
+for log in old new; do
+	cp $log before
+	run gather -r $log -o f.pam whole
+	is "gather -r $log: status 2, and nothing is appended" "$status$(cmp $log before)" 2
+	like "gather -r $log: by name" "$err" "$log: is of format [13], expected 2\$"
+	run partition -r $log 4x3
+	like "partition -r $log: by name" "$status$err" "^2.*$log: is of format [13], expected 2\$"
+	run gather -o f.pam <$log
+	like "gather <$log: by name" "$status$err" '^2.*standard input: is of format [13], expected 2$'
+done
+
 printf 'Linux render1 6.1.0\nLast login: today\n' | cat - whole >chatty
 run gather -o f.pam chatty
 is 'bytes between records: status 0' "$status" 0
 like 'bytes between records: counted' "$err" 'damaged record.*\(38 bytes\) skipped'
 
 # ---- incomplete
-head -c 200 whole >torn
+head -c 320 whole >torn
 run gather -o n.png torn
 is 'incomplete: status 1' "$status" 1
 like 'incomplete: what is missing' "$err" '^gather: frame 0: 8 of 12 pixels missing: rows 1-2$'
@@ -125,9 +177,9 @@ like 'nothing at all: said' "$err" 'no frame was declared'
 run gather -m whole
 is '-m: nothing is missing' "$status$out$err" 0
 run gather -m torn
-is '-m: frame and tasks, new ids' "$out" 'frame 0 4 3
-task 0 1 0 1 4 1 1 1
-task 0 2 0 2 4 1 1 1'
+is '-m: frame and tasks, new ids' "$out" 'frame 0 4 3 job=cafe
+task 0 2 0 1 4 1 1 1
+task 0 3 0 2 4 1 1 1'
 spdgen -s 2 tetra >tetra.nff
 partition 16x12 | rtworker tetra.nff >good.frags
 head -c 1700 good.frags >job.frags
@@ -146,11 +198,11 @@ offsets() {
 		echo "$kind $row $at $((at + size))"
 		at=$((at + size))
 	done <<LIST
-hello - 30
-frame - 21
+hello - $(sed -n 1p whole | wc -c)
+frame - $(sed -n 2p whole | wc -c)
 $(for y in 0 1 2; do
-		echo "done - $(printf 'done 0 %d cpu_us=1 wall_us=1\n' $y | wc -c)"
-		echo "frag $y $(frag 0 $y "0 $y 4 1 1 1" "$half" 4 | wc -c)"
+		echo "done - $(printf 'done 0 %d cpu_us=1 wall_us=1\n' $y | seal | wc -c)"
+		echo "frag $y $(frag 0 $y "0 $y 4 1 1 1" "$half" 4 | seal | wc -c)"
 	done)
 bye - 4
 LIST
@@ -164,7 +216,7 @@ while read -r kind row from to; do
 	at=$from
 	while [ "$at" -lt "$to" ]; do
 		expected=1
-		[ "$from" -gt 30 ] && expected=0
+		[ "$kind" = hello ] || [ "$kind" = frame ] || expected=0
 		head -c "$at" whole >ended
 		gather -m ended >listed 2>/dev/null
 		got="$? $(rows)"
@@ -182,7 +234,7 @@ end at $at: got $got, expected $want"
 torn at $at: got $got, expected $want"
 		fi
 		checked=$((checked + 1))
-		at=$((at + 1))
+		at=$((at + 5))
 	done
 	[ "$kind" = frag ] && missing=${missing#* }
 done <offsets.txt
@@ -213,11 +265,11 @@ ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
 
 # ---- too large
 for size in '65535 65535' '16385 16384'; do
-	run sh -c "echo 'frame 0 $size job=cafe' | gather -o l.pam"
+	run sh -c "echo 'frame 0 $size job=cafe' | seal | gather -o l.pam"
 	is "frame 0 $size: status 2" "$status" 2
 	like "frame 0 $size: said" "$err" "frame 0: ${size% *}x${size#* } pixels, expected at most 268435456 in a picture"
 done
-{ echo 'frame 0 4 3 job=cafe w=0'; echo 'frame 0 65535 65535 job=cafe w=1'; cat whole; } >foreign
+{ echo 'frame 0 4 3 job=cafe w=0'; echo 'frame 0 65535 65535 job=cafe w=1'; cat whole; } | seal >foreign
 run gather -o f.pam foreign
 is 'another size, too large: one worker'"'"'s mistake' "$status" 0
 
@@ -240,7 +292,7 @@ mkfifo slow
 gather -o 'p%d.pam' <slow &
 pid=$!
 exec 3>slow
-echo 'frame 7 4 3 job=cafe' >&3
+echo 'frame 7 4 3 job=cafe' | seal >&3
 picture 0 >&3
 i=0
 while [ ! -e p0.pam ] && [ $i -lt 1000 ]; do sleep 0.1; i=$((i + 1)); done

@@ -13,7 +13,7 @@ gives() {
 column() { fragstat "$2" | tail -n +2 | cut -f "$1" | tr '\n' ' '; }
 
 # ---- a log by hand: times in ms; slot 2 is never given anything, task 2 is done twice ---------------------------
-cat >hand.frags <<'END'
+"$root/tests/seal" >hand.frags <<'END'
 hello deal 0.1 selftest=0 slots=3
 done 0 0 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=120000
 done 0 1 cpu_us=200000 wall_us=200000 w=1 sent_us=0 recv_us=230000
@@ -28,7 +28,7 @@ is 'tail' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
 is 'wasted' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
 is 'duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
 is 'the five make up all of it' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
-sed 's/w=1/& from=0/' hand.frags >stolen.frags
+sed 's/w=1/& from=0/' hand.frags | "$root/tests/seal" >stolen.frags
 is 'steals' "$(column 12 stolen.frags)" '0 2 0 '
 gives steals 2 stolen.frags
 gives steals 0 hand.frags
@@ -46,7 +46,7 @@ is 'the table says the powers' "$(fragstat -S hosts hand.frags | cut -f 11 | tr 
 
 # A second run goes on after the first, and what it does again is wasted.
 { cat hand.frags; echo 'hello fan 0.1 selftest=0 slots=3'; echo 'done 0 0 cpu_us=1000 wall_us=1000 w=2 recv_us=100000'
-	echo 'done 0 3 cpu_us=1000 wall_us=1000 w=2 recv_us=102000'; } >again.frags
+	echo 'done 0 3 cpu_us=1000 wall_us=1000 w=2 recv_us=102000'; } | "$root/tests/seal" >again.frags
 gives runs 2 again.frags
 gives makespan_s 0.402000 again.frags
 gives tasks 4 again.frags
@@ -55,7 +55,7 @@ is 'one file, or two, are the same runs' "$(tail -n 3 again.frags >second.frags;
 is 'the five make up all of two runs' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
 
 # A lone worker has CPU time in which it read and wrote: it was not faster than that.
-printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' >lone.frags
+printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' | "$root/tests/seal" >lone.frags
 gives makespan_s 0.005000 lone.frags
 gives efficiency 0.8000 lone.frags
 is 'its slot has no name' "$(column 1 lone.frags)" '- '
@@ -109,7 +109,7 @@ is 'a line for each done' "$(grep -vc '^#' gantt.tsv)" 7
 is 'where it began and ended' "$(awk -F '\t' '/^again/ { print $3, $4, $6, $10; exit }' gantt.tsv)" 'task 0.020000 0 0.120000'
 is 'runs follow each other' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000
 is 'what it was' "$(awk -F '\t' '/^again/ { print $3 }' gantt.tsv | sort | uniq -c | tr -s ' \n' ' ')" ' 4 task 2 wasted '
-sed 's/done 0 1 /done 0 1 try=3 /' hand.frags | fragstat -g >tries.tsv
+sed 's/done 0 1 /done 0 1 try=3 /' hand.frags | "$root/tests/seal" | fragstat -g >tries.tsv
 like 'a task that was given again' "$(cut -f 3 tries.tsv)" '^task given again$'
 like 'kind: real' "$(cut -f 2 gantt.tsv)" '^real$'
 partition 64x64 | replay one.frags | fragstat -g >replayed.tsv

@@ -112,7 +112,7 @@ is '80 rows on 70 slots, the last ones in pieces' "$status $(of uncommitted) $(o
 # ---- costs of a log --------------------------------------------------------------------------------------
 spdgen -s 2 tetra >tetra.nff
 partition 24x16 >rows.task
-rtworker tetra.nff <rows.task | LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=1\20000 wall_us=1/' >log
+rtworker tetra.nff <rows.task | LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=1\20000 wall_us=1/' | "$root/tests/seal" >log
 sum=$(seq 0 15 | awk '{ s += 1 $1 "0000" } END { printf "%.6f", s / 1e6 }')
 run simulate -t log fan <rows.task
 is 'what the log says: all rows on one slot' "$(of makespan_s)" "$sum"
@@ -122,7 +122,7 @@ is '... however they are cut, but for what is rounded' "$(of makespan_s | awk -v
 # Rows of 3, 3, 2, 2 and 2 s on two hosts: the longest first would take 7 s.
 partition 24x5 >five.task
 rtworker tetra.nff <five.task | LC_ALL=C sed 's/^\(.*\)done 0 \([01]\) .*$/\1done 0 \2 cpu_us=3000000 wall_us=1/
-	s/^\(.*\)done 0 \([234]\) .*$/\1done 0 \2 cpu_us=2000000 wall_us=1/' >five.log
+	s/^\(.*\)done 0 \([234]\) .*$/\1done 0 \2 cpu_us=2000000 wall_us=1/' | "$root/tests/seal" >five.log
 run simulate -t five.log -j 2 best <five.task
 is 'best: swaps what is better swapped' "$(of makespan_s)" 6.000000
 cat >hosts <<'END'

@@ -194,12 +194,21 @@ liar() {
 }
 # For a liar that comes second: another slot is up.
 second='until grep -aq "up w=" up; do sleep .02; done'
-# through SCRIPT: passes on what a worker writes, as it comes, each piece with what perl makes of it
+# through SCRIPT: passes on what a worker writes, line by line, each with what perl makes of it, and with the right sums
 cat >through <<'END'
 #!/usr/bin/perl
-while (sysread STDIN, $_, 1 << 20) { eval "$ARGV[0]; 1" or die $@; syswrite STDOUT, $_ }
+$| = 1;
+open OUT, "|-", $ENV{SEAL} or die;
+select OUT;
+$| = 1;
+while (<STDIN>) {
+	read STDIN, $body, / bytes=(\d+)/ ? $1 : 0;
+	eval "$ARGV[0]; 1" or die $@;
+	print $_, $body;
+}
 END
 chmod +x through
+export SEAL="$root/tests/seal"
 liar 'rtworker - | { head -c 5000; cat /dev/urandom; }; exit'
 is "garbage after a while: exit 0" "$status" 0
 ok "garbage after a while: the same picture" cmp out.pfm small.pfm
@@ -214,32 +223,32 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference: the liar's comes second.
-liar "$second; "'echo "hello rtworker 0.1 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
+liar "$second; "'echo "hello rtworker 0.1 format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | ./through "s/(frame 0 .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
-liar "$second; "'rtworker - | ./through "s/ job=\S+/ job=0/"; exit' 3 'lost .other-job'
+liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: it is said" "$(cat said)" 'lost \(other-job\)'
 like "another job: who says what" "$(cat said)" \
 	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which said it first$'
 # The liar is the first: before it is believed for long, the others have contradicted.
 for slots in 2 3; do
-	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/"\n' >liar
+	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL\n' >liar
 	rm -rf first out.pfm
 	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
 	like "the first of $slots slots has another job: it is said" "$(cat said)" "frame 0: 1 said job 0, $((slots - 1)) another: given up"
 	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
 done
-liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7\n) while 1"; exit'
+liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7 x=1\n) while 1" | $SEAL; exit'
 ok "answers to no question: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/frame 0 64 64/frame 0 64 65/"; exit'
 ok "a frame of another size: the same picture" cmp out.pfm small.pfm
 like "a frame of another size: it is said" "$(cat said)" 'lost \(wrong-frame\)'
-liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; }; exit'
+liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; } | $SEAL; exit'
 ok "frames that nobody asked for: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | { head -c 3000; echo "scene bytes=2147483647"; cat /dev/zero; }; exit'
 ok "two gigabytes of state from a worker: the same picture" cmp out.pfm small.pfm

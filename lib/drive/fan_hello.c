@@ -93,23 +93,21 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
  */
 static void say_hello(struct fan *f, double power)
 {
-    char text[192];
     double sum = 0;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         sum += s->power > 0 ? s->power : power;
     }
-    snprintf(text, sizeof text, "fan %s selftest=%s power=%.6g slots=%d", STORMRING_VERSION,
-        f->reference.selftest, sum, f->n_slots);
-    wire_plain(&f->out.queue.control, REC_HELLO, text);
+    wire_hello(&f->out.queue.control, "fan", f->reference.selftest, sum, f->n_slots);
     f->out.greeted = true;
 }
 
 const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     const struct fan_reference *ref = &f->reference;
-    char selftest[24], program[64];
+    char selftest[24], program[64], format[160];
     int64_t inner;
+    if (!rec_ours(r, format)) return refuse(s, "other-version", "its stream %s", format);
     if (s->connected) return "second-hello";
     if (!rec_str(r, "selftest", selftest, sizeof selftest)) return "no-selftest";
     program_of(r, program);

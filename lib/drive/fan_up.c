@@ -9,7 +9,7 @@
 #define STALE_MOST 1000                /* answers to no question over one connection; questions */
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
-static const char *const stamped[] = {"w", "from", "sent_us", "recv_us", NULL};
+static const char *const stamped[] = {"w", "host", "from", "sent_us", "recv_us", NULL};
 
 /* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
@@ -48,8 +48,14 @@ static const char *dispute(
     struct fan *f, const struct fan_slot *s, struct frame_size *frame, const char *job)
 {
     char name[SLOT_NAME], first[SLOT_NAME];
-    frame->differ++;
     slot_name(s, name);
+    if (frame->by < 0) {
+        warn("%s: frame %" PRIu32 " has job %s there, expected %s: the same scene, with the same "
+             "options",
+            name, frame->frame, job, frame->job);
+        return "other-job";
+    }
+    frame->differ++;
     warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which said it first", name,
         frame->frame, job, frame->job, slot_name(&f->slots[frame->by], first));
     int to_come = may_announce(f, frame);
@@ -87,7 +93,7 @@ static const char *take_job(
  */
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    char text[96];
+    char text[HOST_NAME_MOST + 96];
     struct frame_size *asked = frames_find(&f->input.frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     const char *why = take_job(f, s, asked, r);
@@ -95,6 +101,8 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     s->loaded = true;
     s->loading = false;
     stamp(s, r, text, sizeof text);
+    size_t n = strlen(text);
+    snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
     up_forward(&f->out.queue, r, stamped, text);
     return NULL;
 }
@@ -137,7 +145,9 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0) return take_stale(f, s);
-    if (!s->loaded) return "frag-before-frame";
+    const struct frame_size *frame = frames_find(&f->input.frames, r->task.frame);
+    if (!s->loaded || !frame->said) return "frag-before-frame";
+    if (!rec_is(r, "job", frame->job)) return "other-job";
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
     stamp(s, r, text, sizeof text);

@@ -55,22 +55,22 @@ static int32_t slot_of(const struct record *r)
 
 static void flush(struct driver *d, int32_t to)
 {
-    if (to < 0) buf_printf(&d->down.bytes, "flush\n");
-    else buf_printf(&d->down.bytes, "flush to=%" PRId32 "\n", to);
+    char text[24] = "";
+    if (to >= 0) snprintf(text, sizeof text, "to=%" PRId32, to);
+    wire_plain(&d->down.bytes, REC_FLUSH, text);
 }
 
 /* The task of an action, under the keys that it, or what it is a piece of, came with. */
 static void give(struct driver *d, const struct sched_action *a, int32_t to)
 {
-    struct buf *line = &d->down.bytes;
     const char *keys = tags_find(&d->tags, a->task.frame, a->of);
+    char text[WIRE_LINE_MAX] = "";
     struct task t = a->task;
     t.to = to;
-    wire_task(line, &t);
-    line->len--; /* the newline */
-    if (a->from >= 0) buf_printf(line, " peer=%" PRId32, a->from);
-    if (keys) buf_printf(line, " %s", keys);
-    buf_append(line, "\n", 1);
+    int n = 0;
+    if (a->from >= 0) n = snprintf(text, sizeof text, "peer=%" PRId32, a->from);
+    if (keys) snprintf(text + n, sizeof text - (size_t)n, "%s%s", n ? " " : "", keys);
+    wire_give(&d->down.bytes, &t, text);
 }
 
 static void perform(struct driver *d)
@@ -192,15 +192,14 @@ static void release(struct driver *d)
 static void take_hello(struct driver *d, const struct record *r)
 {
     static const char fan[] = "hello fan ";
-    char selftest[24] = "", text[128];
+    char selftest[24] = "", why[160];
     double power = 1;
     int64_t n = 1;
+    if (!rec_ours(r, why)) die(ST_SYSTEM, "the command %s", why);
     rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n);
     rec_real(r, "power", POWER_LEAST, POWER_MOST, &power);
     rec_str(r, "selftest", selftest, sizeof selftest);
-    snprintf(text, sizeof text, "%s %s selftest=%s power=%.6g slots=%" PRId64, d->policy->name,
-        STORMRING_VERSION, selftest, power, n);
-    wire_plain(&d->out.queue.control, REC_HELLO, text);
+    wire_hello(&d->out.queue.control, d->policy->name, selftest, power, (int)n);
     d->out.greeted = true;
     d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
     tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = d->lone ? 1 : (int32_t)n});

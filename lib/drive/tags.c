@@ -13,7 +13,7 @@ static char *unknown_keys(const struct record *r)
     struct buf line = {0};
     if (!memchr(r->line, '=', r->line_len)) return NULL;
     wire_forward(&line, r, known, NULL);
-    line.data[line.len - 1] = '\0';
+    line.data[line.len - 1 - WIRE_SEAL_BYTES] = '\0'; /* without its sum */
     const char *at = (const char *)buf_data(&line);
     for (int i = 0; at && i < KNOWN_WORDS; i++) {
         at = strchr(at, ' ');

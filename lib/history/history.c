@@ -113,37 +113,13 @@ static struct history_frame *add_frame(struct history *l, const struct record *r
     return f;
 }
 
-static bool is_foreign(const struct history *l, int32_t slot, uint32_t frame)
-{
-    for (size_t i = 0; i < l->n_foreign; i++)
-        if (l->foreign[i].slot == slot && l->foreign[i].frame == frame) return true;
-    return false;
-}
-
-static void set_foreign(struct history *l, int32_t slot, uint32_t frame, bool foreign)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < l->n_foreign; i++)
-        if (l->foreign[i].slot != slot || l->foreign[i].frame != frame)
-            l->foreign[n++] = l->foreign[i];
-    l->n_foreign = n;
-    if (!foreign) return;
-    l->foreign = xrealloc(l->foreign, n + 1, sizeof *l->foreign);
-    l->foreign[l->n_foreign++] = (struct history_foreign){slot, frame};
-}
-
 /* The first that a frame is announced with is its job; what belongs to another is nobody's. */
 static void take_frame(struct history *l, const struct record *r)
 {
     char job[HISTORY_JOB];
     if (!rec_str(r, "job", job, sizeof job)) return;
-    struct history_frame *f = find_frame(l, r->task.frame);
-    if (!f) {
-        f = add_frame(l, r);
-        memcpy(f->job, job, sizeof job);
-    }
-    bool same = f->w == r->frame_w && f->h == r->frame_h && strcmp(f->job, job) == 0;
-    set_foreign(l, slot_of(l, r), f->number, !same);
+    slot_of(l, r);
+    if (!find_frame(l, r->task.frame)) memcpy(add_frame(l, r)->job, job, sizeof job);
 }
 
 /* The done that these pixels are of: the last one of that slot, in this run, for that task. */
@@ -204,8 +180,7 @@ static void take_frag(struct history *l, const struct record *r)
     struct history_frame *f = find_frame(l, r->task.frame);
     const struct lattice *at = &r->task.at;
     int32_t slot = slot_of(l, r);
-    if (!f || !lattice_valid(at, f->w, f->h)) return;
-    if (l->n_foreign && is_foreign(l, slot, f->number)) return;
+    if (!f || !rec_is(r, "job", f->job) || !lattice_valid(at, f->w, f->h)) return;
     int32_t di = done_of(l, &r->task, slot);
     if (l->keep) keep_frag(l, r, di);
     l->n_frags++;
@@ -227,8 +202,11 @@ static void take_record(struct history *l, const struct record *r)
 static void take_records(struct history *l, struct decoder *d)
 {
     struct record r;
-    for (enum wire_result got; (got = wire_next(d, &r)) != WIRE_MORE;)
-        if (got == WIRE_RECORD) take_record(l, &r);
+    for (enum wire_result got; !l->refused && (got = wire_next(d, &r)) != WIRE_MORE;) {
+        if (got != WIRE_RECORD) continue;
+        l->refused = !rec_ours(&r, l->why);
+        if (!l->refused) take_record(l, &r);
+    }
 }
 
 static void end_file(struct history *l, const struct decoder *d)
@@ -237,7 +215,7 @@ static void end_file(struct history *l, const struct decoder *d)
     if (run_idle(l)) l->n_runs--;
     l->bad += d->bad;
     l->skipped += d->skipped;
-    if (d->bad) memcpy(l->why, d->why, sizeof l->why);
+    if (d->bad && !l->refused) memcpy(l->why, d->why, sizeof l->why);
 }
 
 int history_read(struct history *l, int fd)
@@ -248,7 +226,7 @@ int history_read(struct history *l, int fd)
         n = read_some(fd, &d.in, READ_BYTES);
         if (n <= 0) wire_end(&d);
         take_records(l, &d);
-    } while (n > 0);
+    } while (n > 0 && !l->refused);
     int err = errno;
     end_file(l, &d);
     wire_free(&d);
@@ -266,7 +244,7 @@ void history_over(struct history *l, unsigned char *p, size_t n)
         l->keep = true;
         take_records(l, &d);
         end_file(l, &d);
-        if (summed || !d.bad) return;
+        if (summed || l->refused || !d.bad) return;
     }
 }
 
@@ -282,7 +260,6 @@ void history_free(struct history *l)
     free(l->slots);
     free(l->slot_at);
     free(l->runs);
-    free(l->foreign);
     free(l->frags);
     free(l->sorted);
     tasks_free(&l->last);

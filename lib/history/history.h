@@ -73,11 +73,6 @@ struct history_run {
     int32_t slots; /* as its hello says, 1 without one */
 };
 
-struct history_foreign {
-    int32_t slot;
-    uint32_t frame;
-};
-
 struct history {
     struct history_done *dones;
     size_t n_dones;
@@ -91,6 +86,7 @@ struct history {
     size_t n_frags;        /* of these jobs; 0: a log without pixels, maybe filtered as text */
     uint64_t bad, skipped; /* records and bytes lost to damage */
     char why[160];         /* what was wrong with the last bad one */
+    bool refused;          /* it is of another format, as why says: nothing behind that is read */
 
     /* private */
     bool keep;                       /* frags */
@@ -99,8 +95,6 @@ struct history {
     size_t *sorted;                  /* numbers of frags by place, when somebody looks for one */
     struct task_table last;          /* by key; since_us is the place of its last done */
     bool running;                    /* the last run goes on */
-    struct history_foreign *foreign; /* slots whose fragments of a frame are of another job */
-    size_t n_foreign;
 };
 
 /* Reads fd to its end; whoever opened it closes it. 0, or -1 with errno. */
@@ -111,7 +105,7 @@ int history_read(struct history *l, int fd);
  * with every body summed, so that no good record is lost with a bad one.
  */
 void history_over(struct history *l, unsigned char *p, size_t n);
-/* Are these bytes those that were sent? */
+/* Are these bytes those that were sent, and pixels? */
 bool history_sound(struct history_frag *f);
 /* The first frag that has just these pixels, or NULL. */
 struct history_frag *history_frag_at(

@@ -6,7 +6,8 @@
 
 bool history_sound(struct history_frag *f)
 {
-    if (!f->summed) f->summed = wire_crc(f->body, f->bytes) == f->crc;
+    if (!f->summed)
+        f->summed = wire_crc(f->body, f->bytes) == f->crc && wire_light(f->body, f->bytes);
     return f->summed;
 }
 

@@ -19,7 +19,7 @@ void assembly_init(struct assembly *a, bool keep_pixels, uint64_t most_bytes)
 static uint64_t frame_bytes(const struct assembly *a, const struct assembly_frame *f)
 {
     uint64_t pixels = (uint64_t)f->have.w * f->have.h;
-    return (a->keep_pixels ? pixels * 4 * sizeof(float) : 0) + pixels / 8 + 8;
+    return (a->keep_pixels ? pixels * (4 * sizeof(float) + 2) : 0) + pixels / 8 + 8;
 }
 
 /* Gives the pixels and the bitmap back; what is known of them stays. */
@@ -28,6 +28,8 @@ static void close_frame(struct assembly *a, struct assembly_frame *f)
     if (!f->have.bits) return;
     a->room_bytes += frame_bytes(a, f);
     image_free(&f->picture);
+    free(f->source);
+    f->source = NULL;
     free(f->have.bits);
     f->have.bits = NULL;
 }
@@ -36,7 +38,6 @@ void assembly_free(struct assembly *a)
 {
     for (uint32_t i = 0; i < a->n_frames; i++) {
         close_frame(a, a->frames[i]);
-        free(a->frames[i]->foreign);
         free(a->frames[i]);
     }
     free(a->frames);
@@ -61,11 +62,6 @@ struct assembly_frame *assembly_find(const struct assembly *a, uint32_t number)
     return at < a->n_frames && a->frames[at]->number == number ? a->frames[at] : NULL;
 }
 
-static void copy_name(char to[ASSEMBLY_NAME], const char *from)
-{
-    snprintf(to, ASSEMBLY_NAME, "%s", from);
-}
-
 static struct assembly_frame *add_frame(struct assembly *a, uint32_t number, uint32_t w, uint32_t h)
 {
     uint32_t at = place_of(a, number);
@@ -81,44 +77,21 @@ static struct assembly_frame *add_frame(struct assembly *a, uint32_t number, uin
     return f;
 }
 
-/* This worker's place among the foreign ones of f; n_foreign when it is none. */
-static uint32_t foreign_place(const struct assembly_frame *f, const char *worker)
+static bool same_job(const struct assembly_frame *f, const char *job)
 {
-    uint32_t i = 0;
-    while (i < f->n_foreign && strncmp(f->foreign[i], worker, ASSEMBLY_NAME - 1) != 0) i++;
-    return i;
+    return strncmp(f->job, job, ASSEMBLY_NAME - 1) == 0;
 }
 
-static enum assembly_verdict mark_foreign(
-    struct assembly *a, struct assembly_frame *f, const char *worker)
-{
-    if (foreign_place(f, worker) < f->n_foreign) return ASSEMBLY_FOREIGN;
-    if (a->n_foreign >= ASSEMBLY_FOREIGN_MAX) return ASSEMBLY_NO_ROOM;
-    f->foreign = xrealloc(f->foreign, (size_t)f->n_foreign + 1, sizeof *f->foreign);
-    copy_name(f->foreign[f->n_foreign++], worker);
-    a->n_foreign++;
-    return ASSEMBLY_FOREIGN;
-}
-
-enum assembly_verdict assembly_declare(struct assembly *a, uint32_t number, uint32_t w, uint32_t h,
-    const char *job, const char *worker)
+enum assembly_verdict assembly_declare(
+    struct assembly *a, uint32_t number, uint32_t w, uint32_t h, const char *job)
 {
     struct assembly_frame *f = assembly_find(a, number);
     if (!f) {
         if (a->n_frames >= ASSEMBLY_FRAMES_MAX) return ASSEMBLY_NO_ROOM;
         f = add_frame(a, number, w, h);
-        copy_name(f->job, job);
-        copy_name(f->worker, worker);
-        return ASSEMBLY_TAKEN;
+        snprintf(f->job, ASSEMBLY_NAME, "%s", job);
     }
-    if (f->have.w != w || f->have.h != h || strncmp(f->job, job, ASSEMBLY_NAME - 1) != 0)
-        return mark_foreign(a, f, worker);
-    uint32_t at = foreign_place(f, worker);
-    if (at < f->n_foreign) { /* it came back with the right job */
-        memmove(f->foreign[at], f->foreign[--f->n_foreign], ASSEMBLY_NAME);
-        a->n_foreign--;
-    }
-    return ASSEMBLY_TAKEN;
+    return f->have.w == w && f->have.h == h && same_job(f, job) ? ASSEMBLY_TAKEN : ASSEMBLY_FOREIGN;
 }
 
 /* Memory for f, at its first fragment; false when there is none left. */
@@ -133,64 +106,84 @@ static bool open_frame(struct assembly *a, struct assembly_frame *f)
     if (bytes > a->room_bytes) return false;
     a->room_bytes -= bytes;
     coverage_init(&f->have, f->have.w, f->have.h);
-    if (a->keep_pixels) image_init(&f->picture, f->have.w, f->have.h);
+    if (!a->keep_pixels) return true;
+    image_init(&f->picture, f->have.w, f->have.h);
+    f->source = xmalloc((size_t)f->have.w * f->have.h, sizeof *f->source);
     return true;
 }
 
-/* Pixel p of f has come before: it must be the same. */
-static void meet_again(struct assembly_frame *f, uint64_t p, const float *rgba)
+/* NULL where there are too many. */
+static struct assembly_dispute *dispute_of(
+    struct assembly *a, uint32_t frame, uint16_t first, uint16_t second)
 {
-    f->again++;
-    if (!f->picture.rgba || !rgba) return;
-    const float *first = f->picture.rgba + 4 * p;
-    if (memcmp(first, rgba, 4 * sizeof *rgba) == 0) return;
-    double most = 0;
-    for (int c = 0; c < 4; c++) {
-        double d = fabs((double)first[c] - (double)rgba[c]);
-        most = d <= most ? most : isnan(d) ? (double)INFINITY : d;
+    for (uint32_t i = 0; i < a->n_disputes; i++) {
+        struct assembly_dispute *d = &a->disputes[i];
+        if (d->frame == frame && d->first == first && d->second == second) return d;
     }
-    if (f->differing++ && most <= f->worst) return;
-    f->worst = most;
-    f->worst_x = (uint32_t)(p % f->have.w);
-    f->worst_y = (uint32_t)(p / f->have.w);
+    if (a->n_disputes == ASSEMBLY_DISPUTES_MAX) return NULL;
+    struct assembly_dispute *d = &a->disputes[a->n_disputes++];
+    *d = (struct assembly_dispute){.frame = frame, .first = first, .second = second};
+    return d;
 }
 
-static void commit_pixels(
-    struct assembly *a, struct assembly_frame *f, const struct lattice *at, const float *rgba)
+/* Pixel p of f has come before: it must be the same. */
+static void meet_again(
+    struct assembly *a, struct assembly_frame *f, uint64_t p, uint16_t source, const float *rgba)
+{
+    f->again++;
+    if (!f->source || !rgba) return;
+    const float *first = f->picture.rgba + 4 * p;
+    if (memcmp(first, rgba, 4 * sizeof *rgba) == 0) return;
+    a->differing++;
+    struct assembly_dispute *d = dispute_of(a, f->number, f->source[p], source);
+    if (!d) return;
+    double most = 0;
+    for (int c = 0; c < 4; c++) most = fmax(most, fabs((double)first[c] - (double)rgba[c]));
+    if (d->pixels++ && most <= d->worst) return;
+    d->worst = most;
+    d->x = (uint32_t)(p % f->have.w);
+    d->y = (uint32_t)(p / f->have.w);
+}
+
+static void commit_pixels(struct assembly *a, struct assembly_frame *f, uint16_t source,
+    const struct lattice *at, const float *rgba)
 {
     uint64_t before = f->have.done;
     for (uint64_t j = 0; j < at->h; j++) {
         uint64_t p = lattice_pixel(at, f->have.w, j * at->w);
         for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
-            if (!coverage_set(&f->have, p)) meet_again(f, p, rgba);
-            else if (f->picture.rgba && rgba)
+            if (!coverage_set(&f->have, p)) {
+                meet_again(a, f, p, source, rgba);
+            } else if (f->source && rgba) {
                 memcpy(f->picture.rgba + 4 * p, rgba, 4 * sizeof *rgba);
+                f->source[p] = source;
+            }
             if (rgba) rgba += 4;
         }
     }
     a->done_px += f->have.done - before;
 }
 
-static enum assembly_verdict commit(struct assembly *a, uint32_t number, const char *worker,
-    const struct lattice *at, const float *rgba)
+static enum assembly_verdict commit(struct assembly *a, uint32_t number, const char *job,
+    uint16_t source, const struct lattice *at, const float *rgba)
 {
     struct assembly_frame *f = assembly_find(a, number);
     if (!f) return ASSEMBLY_UNDECLARED;
-    if (foreign_place(f, worker) < f->n_foreign) return ASSEMBLY_FOREIGN;
+    if (!same_job(f, job)) return ASSEMBLY_FOREIGN;
     if (!lattice_valid(at, f->have.w, f->have.h)) return ASSEMBLY_OUTSIDE;
     if (f->released && !f->have.bits) { /* too late even to compare */
         f->again += lattice_count(at);
         return ASSEMBLY_TAKEN;
     }
     if (!open_frame(a, f)) return ASSEMBLY_NO_ROOM;
-    commit_pixels(a, f, at, rgba);
+    commit_pixels(a, f, source, at, rgba);
     return ASSEMBLY_TAKEN;
 }
 
-enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *worker,
-    const struct lattice *at, const float *rgba)
+enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *job,
+    uint16_t source, const struct lattice *at, const float *rgba)
 {
-    enum assembly_verdict verdict = commit(a, number, worker, at, rgba);
+    enum assembly_verdict verdict = commit(a, number, job, source, at, rgba);
     if (verdict != ASSEMBLY_TAKEN) a->refused[verdict]++;
     return verdict;
 }

@@ -82,73 +82,79 @@ char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
  *
  * Call order: init, then declare and commit as records come; a frame that is full is the
  * caller's to write and then to release; free. Pixels are committed one by one: the first
- * stands, a later one is counted, compared bit by bit, and dropped. Memory for a frame is taken
- * at its first fragment.
+ * stands, a later one is counted, compared bit by bit, and dropped; where they differ, it is known
+ * which two sources brought them. Memory for a frame is taken at its first fragment.
  */
-#define ASSEMBLY_NAME 64 /* bytes of a job's or a worker's name, terminator included */
+#define ASSEMBLY_NAME 64 /* bytes of a job's name, terminator included */
 #define ASSEMBLY_FRAMES_MAX (1 << 20)
-#define ASSEMBLY_FOREIGN_MAX (1 << 16) /* workers with another job, over all frames */
+#define ASSEMBLY_DISPUTES_MAX 64
 
 enum assembly_verdict {
     ASSEMBLY_TAKEN,      /* valid; whatever of it was new is in */
     ASSEMBLY_UNDECLARED, /* nobody declared this frame */
     ASSEMBLY_OUTSIDE,    /* the lattice is not inside the frame */
-    ASSEMBLY_FOREIGN,    /* this worker declared another job, or size, for this frame */
+    ASSEMBLY_FOREIGN,    /* of another job, or size, than the frame's first declaration */
     ASSEMBLY_NO_ROOM,    /* a limit above was met, or the open frames' memory */
     ASSEMBLY_VERDICTS
 };
 
 struct assembly_frame {
     uint32_t number;
-    char job[ASSEMBLY_NAME], worker[ASSEMBLY_NAME]; /* of the first declaration, which stands */
-    struct image picture; /* rgba NULL: no fragment yet, released, or pixels are not kept */
+    char job[ASSEMBLY_NAME]; /* of the first declaration, which stands */
+    struct image picture;    /* rgba NULL: no fragment yet, released, or pixels are not kept */
+    uint16_t *source;        /* of each pixel, where they are kept */
     struct coverage
         have; /* bits NULL: no fragment yet, or released; w, h and done are always right */
     bool released;
-    uint64_t again;     /* pixels that came again */
-    uint64_t differing; /* ... with other bits */
-    double worst;       /* the largest difference among them, at */
-    uint32_t worst_x, worst_y;
-    char (*foreign)[ASSEMBLY_NAME]; /* workers whose last declaration did not match */
-    uint32_t n_foreign;
+    uint64_t again;   /* pixels that came again */
     uint32_t next_id; /* for the caller: above any task's id seen */
+};
+
+/* Two sources that sent different pixels: one of them is wrong. */
+struct assembly_dispute {
+    uint32_t frame;
+    uint16_t first, second; /* the first one's pixels stand */
+    uint64_t pixels;
+    double worst; /* the largest difference, at */
+    uint32_t x, y;
 };
 
 struct assembly {
     struct assembly_frame **frames; /* by number */
-    uint32_t n_frames, n_foreign;
+    uint32_t n_frames;
     bool keep_pixels;
     uint64_t room_bytes; /* left for open frames */
     struct assembly_frame
         *recent; /* the last released, kept so that late pixels are still compared */
     uint64_t declared_px, done_px;
     uint64_t refused[ASSEMBLY_VERDICTS]; /* fragments, by verdict */
+    struct assembly_dispute disputes[ASSEMBLY_DISPUTES_MAX]; /* the first ones */
+    uint32_t n_disputes;
+    uint64_t differing; /* pixels, of all disputes */
 };
 
 /* keep_pixels false: only which pixels are there. The open frames, and the last whole one,
- * together hold at most most_bytes: 16 1/8 bytes a pixel, or 1/8. */
+ * together hold at most most_bytes: 18 1/8 bytes a pixel, or 1/8. */
 void assembly_init(struct assembly *a, bool keep_pixels, uint64_t most_bytes);
 void assembly_free(struct assembly *a);
 /* NULL when it was not declared. */
 struct assembly_frame *assembly_find(const struct assembly *a, uint32_t number);
-/* `worker` renders frame `number` for `job`. The first declaration of a frame stands; a worker
- * that says otherwise is FOREIGN in that frame until it declares the right one. Names are cut
- * to their length. */
-enum assembly_verdict assembly_declare(struct assembly *a, uint32_t number, uint32_t w, uint32_t h,
-    const char *job, const char *worker);
-/* rgba (NULL where pixels are not kept): 4 floats a pixel, in the lattice's order. */
-enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *worker,
-    const struct lattice *at, const float *rgba);
+/* Frame `number` is of this size and job, whose name is cut to its length. The first declaration of
+ * a frame stands. */
+enum assembly_verdict assembly_declare(
+    struct assembly *a, uint32_t number, uint32_t w, uint32_t h, const char *job);
+/* source: any number that tells the caller whose pixels these are. rgba (NULL where pixels are not
+ * kept): 4 floats a pixel, in the lattice's order. */
+enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *job,
+    uint16_t source, const struct lattice *at, const float *rgba);
 /* The frame was written: its memory goes back (when the next one is released). */
 void assembly_release(struct assembly *a, struct assembly_frame *f);
 /* Every pixel of every frame, and one frame at least. */
 bool assembly_whole(const struct assembly *a);
 /* A copy of what is there of f; the caller's to free. */
 void assembly_coverage(const struct assembly_frame *f, struct coverage *copy);
-/* Pixels that came again, over all frames: with the same bits, with others. The frame with the
- * largest difference, NULL when nothing differs. */
-const struct assembly_frame *assembly_again(
-    const struct assembly *a, uint64_t *same, uint64_t *differing);
+/* Pixels that came again with the same bits, over all frames. */
+uint64_t assembly_again(const struct assembly *a);
 /* "3072 of 262144 pixels missing: rows 5, 13, 20-31, ..." */
 #define ASSEMBLY_TEXT 256
 void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT]);

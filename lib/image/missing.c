@@ -58,16 +58,9 @@ void assembly_coverage(const struct assembly_frame *f, struct coverage *copy)
     for (uint64_t p = 0; p < (uint64_t)copy->w * copy->h; p++) coverage_set(copy, p);
 }
 
-const struct assembly_frame *assembly_again(
-    const struct assembly *a, uint64_t *same, uint64_t *differing)
+uint64_t assembly_again(const struct assembly *a)
 {
-    const struct assembly_frame *worst = NULL;
-    *same = *differing = 0;
-    for (uint32_t i = 0; i < a->n_frames; i++) {
-        const struct assembly_frame *f = a->frames[i];
-        *same += f->again - f->differing;
-        *differing += f->differing;
-        if (f->differing && (!worst || f->worst > worst->worst)) worst = f;
-    }
-    return worst;
+    uint64_t again = 0;
+    for (uint32_t i = 0; i < a->n_frames; i++) again += a->frames[i]->again;
+    return again - a->differing;
 }

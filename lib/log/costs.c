@@ -89,16 +89,18 @@ static void spread(struct survey *s)
     if (!known) log_costs_free(c);
 }
 
-int log_costs_read(const char *path, struct log_costs *c)
+int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY])
 {
     struct survey s = {.costs = c};
     struct intake unused = {0};
     const struct log_reader reader = {.record = take, .ctx = &s};
     *c = (struct log_costs){0};
+    *why = '\0';
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) return -1;
-    int failed = log_read(&unused, fd, &reader);
+    int failed = log_read(&unused, fd, path, &reader);
     close(fd);
+    if (failed > 0) snprintf(why, LOG_WHY, "%s", unused.why);
     if (!failed && s.of) spread(&s);
     tasks_free(&s.tasks);
     free(s.us);

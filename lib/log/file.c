@@ -57,15 +57,14 @@ void log_close(struct log_file *l)
 
 int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader)
 {
-    return lseek(l->fd, 0, SEEK_SET) < 0 ? -1 : log_read(in, l->fd, reader);
+    return lseek(l->fd, 0, SEEK_SET) < 0 ? -1 : log_read(in, l->fd, l->path, reader);
 }
 
 static void survey(void *ctx, const struct record *r)
 {
     struct intake *in = ctx;
-    char worker[ASSEMBLY_NAME];
     if (r->kind == REC_FRAME) {
-        intake_frame(in, r, worker);
+        intake_frame(in, r);
         return;
     }
     struct assembly_frame *whole = intake_record(in, r);
@@ -85,11 +84,13 @@ int log_survey(const struct log_file *l, struct intake *in)
 {
     const struct log_reader reader = {.record = survey, .ctx = in};
     intake_init(in, false);
-    if (log_reread(l, in, &reader) != 0) return -1;
-    return !in->good && !begins_as_log(l->fd);
+    int odd = log_reread(l, in, &reader);
+    if (odd || in->good || begins_as_log(l->fd)) return odd;
+    snprintf(in->why, sizeof in->why, "is no log, expected fragments, or a new file");
+    return 1;
 }
 
-int log_coverage(const char *path, uint32_t frame, struct coverage *have)
+int log_coverage(const char *path, uint32_t frame, struct coverage *have, char why[LOG_WHY])
 {
     struct log_file l = {.path = path};
     struct stat st;
@@ -102,6 +103,7 @@ int log_coverage(const char *path, uint32_t frame, struct coverage *have)
     int failed = log_survey(&l, &in);
     const struct assembly_frame *f = assembly_find(&in.parts, frame);
     if (!failed && f) assembly_coverage(f, have);
+    if (failed > 0) snprintf(why, LOG_WHY, "%s", in.why);
     intake_free(&in);
     log_close(&l);
     return failed;

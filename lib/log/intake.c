@@ -1,12 +1,14 @@
 /* Records into an assembly. */
 #include "log/log.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define OPEN_BYTES_MAX                                                                             \
     (UINT64_C(5) << 30) /* pixels and bitmaps of the frames that are open at once */
 #define READ_BYTES (1 << 18)
+#define LOG_ORPHANS_MOST 64
 
 /* A shell takes these for nothing but parts of a word. */
 #define WORD_BYTES "-.:,+0123456789abcdefghijklmnopqrstuvwxyz"
@@ -21,6 +23,8 @@ void intake_init(struct intake *in, bool keep_pixels)
 void intake_free(struct intake *in)
 {
     assembly_free(&in->parts);
+    log_sources_free(&in->sources);
+    frames_free(&in->orphans);
     free(in->pixels);
     *in = (struct intake){0};
 }
@@ -51,23 +55,16 @@ void intake_note(struct intake *in, const struct record *r)
     if (r->kind == REC_FRAME) note_options(&in->origin, r);
 }
 
-/* Where fan says it came from; the one worker of a plain pipeline has no name. */
-static void worker_of(const struct record *r, char name[ASSEMBLY_NAME])
-{
-    if (!rec_str(r, "w", name, ASSEMBLY_NAME)) *name = '\0';
-}
-
-enum assembly_verdict intake_frame(
-    struct intake *in, const struct record *r, char worker[ASSEMBLY_NAME])
+enum assembly_verdict intake_frame(struct intake *in, const struct record *r)
 {
     char job[ASSEMBLY_NAME];
-    worker_of(r, worker);
     if (!rec_str(r, "job", job, sizeof job)) {
         in->unexpected++;
         return ASSEMBLY_UNDECLARED;
     }
     intake_note(in, r);
-    return assembly_declare(&in->parts, r->task.frame, r->frame_w, r->frame_h, job, worker);
+    log_source_of(&in->sources, r);
+    return assembly_declare(&in->parts, r->task.frame, r->frame_w, r->frame_h, job);
 }
 
 /* Ids of new tasks must not be those of old ones. */
@@ -80,14 +77,26 @@ static struct assembly_frame *note_id(struct intake *in, const struct task *t)
 
 static struct assembly_frame *take_frag(struct intake *in, const struct record *r)
 {
-    char worker[ASSEMBLY_NAME];
-    worker_of(r, worker);
+    char job[ASSEMBLY_NAME];
+    uint32_t number = r->task.frame;
+    uint16_t source = in->pixels ? log_source_of(&in->sources, r) : 0;
+    if (!rec_str(r, "job", job, sizeof job)) *job = '\0';
     if (in->pixels) rec_pixels(r, in->pixels);
-    if (assembly_commit(&in->parts, r->task.frame, worker, &r->task.at, in->pixels) !=
-        ASSEMBLY_TAKEN)
-        return NULL;
+    enum assembly_verdict verdict =
+        assembly_commit(&in->parts, number, job, source, &r->task.at, in->pixels);
+    if (verdict == ASSEMBLY_UNDECLARED && in->orphans.n < LOG_ORPHANS_MOST &&
+        !frames_find(&in->orphans, number))
+        frames_set(&in->orphans, number, 1, 1);
+    if (verdict != ASSEMBLY_TAKEN) return NULL;
     struct assembly_frame *f = note_id(in, &r->task);
     return f->released || !coverage_full(&f->have) ? NULL : f;
+}
+
+bool intake_orphaned(const struct intake *in)
+{
+    for (size_t i = 0; i < in->orphans.n; i++)
+        if (!assembly_find(&in->parts, in->orphans.at[i].frame)) return true;
+    return false;
 }
 
 struct assembly_frame *intake_record(struct intake *in, const struct record *r)
@@ -95,7 +104,10 @@ struct assembly_frame *intake_record(struct intake *in, const struct record *r)
     switch (r->kind) {
     case REC_FRAG: return take_frag(in, r);
     case REC_DONE: note_id(in, &r->task); return NULL;
-    case REC_HELLO: intake_note(in, r); return NULL;
+    case REC_HELLO:
+        intake_note(in, r);
+        log_sources_begin(&in->sources, in->sources.input);
+        return NULL;
     default:
         /* What flows down, or between the nodes of a ring, has no place here. */
         in->unexpected += r->kind < REC_HELLO || r->kind > REC_GONE;
@@ -107,10 +119,12 @@ void intake_missing(const struct assembly_frame *f, void (*put)(const void *p, s
 {
     struct buf b = {0};
     struct coverage taken;
+    char job[ASSEMBLY_NAME + 8];
     if (coverage_full(&f->have)) return;
     assembly_coverage(f, &taken);
     struct task t = {.frame = f->number, .id = f->next_id, .to = -1};
-    wire_frame(&b, f->number, f->have.w, f->have.h, NULL);
+    snprintf(job, sizeof job, "job=%s", f->job);
+    wire_frame(&b, f->number, f->have.w, f->have.h, job);
     for (uint64_t p = 0; coverage_missing(&taken, &p, &t.at); t.id++) {
         wire_task(&b, &t);
         put(buf_data(&b), buf_size(&b));
@@ -120,24 +134,36 @@ void intake_missing(const struct assembly_frame *f, void (*put)(const void *p, s
     buf_free(&b);
 }
 
-int log_read(struct intake *in, int fd, const struct log_reader *reader)
+/* All records that are there, as far as they are of our format. */
+static bool take_records(struct intake *in, struct decoder *d, const struct log_reader *reader)
+{
+    struct record r;
+    for (enum wire_result got; (got = wire_next(d, &r)) != WIRE_MORE;) {
+        if (got != WIRE_RECORD) continue;
+        if (!rec_ours(&r, in->why)) return false;
+        in->good++;
+        reader->record(reader->ctx, &r);
+    }
+    return true;
+}
+
+int log_read(struct intake *in, int fd, const char *name, const struct log_reader *reader)
 {
     struct decoder d = {.upward = true};
     ptrdiff_t n;
+    bool ours = true;
+    log_sources_begin(&in->sources, name);
     do {
         if (reader->before) reader->before(reader->ctx, fd);
         n = read_some(fd, &d.in, READ_BYTES);
         if (n <= 0) wire_end(&d);
-        struct record r;
-        for (enum wire_result got; (got = wire_next(&d, &r)) != WIRE_MORE;)
-            if (got == WIRE_RECORD) {
-                in->good++;
-                reader->record(reader->ctx, &r);
-            }
-    } while (n > 0);
+        ours = take_records(in, &d, reader);
+    } while (n > 0 && ours);
     in->bad += d.bad;
     in->skipped += d.skipped;
-    if (d.bad) memcpy(in->why, d.why, sizeof in->why);
+    if (d.bad && ours) memcpy(in->why, d.why, sizeof in->why);
+    int err = errno;
     wire_free(&d);
-    return n < 0 ? -1 : 0;
+    errno = err;
+    return !ours ? 1 : n < 0 ? -1 : 0;
 }

@@ -12,6 +12,8 @@
 #include "image/image.h"
 #include "wire/wire.h"
 
+#define LOG_WHY 512
+
 /* Who made a stream, as it first says; empty strings where it does not. */
 struct log_origin {
     char with[160];    /* the worker and its options that change pixels: words for a shell */
@@ -19,12 +21,41 @@ struct log_origin {
     char selftest[24]; /* the hash of its arithmetic */
 };
 
+/* Slots that sent pixels. A worker without a fan has no name, and its host is not known. */
+#define LOG_NAME 256
+struct log_source {
+    char slot[LOG_NAME], host[LOG_NAME];
+    const char *input; /* the file that they came from */
+    uint32_t run;
+};
+struct log_sources {
+    struct log_source *at;
+    uint32_t n;
+    uint32_t run;      /* now; slots of another run are other ones */
+    const char *input; /* now */
+    uint16_t *places;  /* by the hash of their names */
+};
+/* Another run, or input, begins; its name is the caller's, and has to stay. */
+void log_sources_begin(struct log_sources *s, const char *input);
+/* The number of r's slot for assembly_commit; a frame record says where that is. */
+uint16_t log_source_of(struct log_sources *s, const struct record *r);
+/* "slot 2 on render1 (job.log)" */
+#define LOG_SOURCE_TEXT 1024
+void log_source_text(const struct log_sources *s, uint16_t source, char out[LOG_SOURCE_TEXT]);
+/* "frame 0: 4 pixels of slot 2 on render1 (a.log) and of slot 0 (b.log) differ, ..." */
+#define LOG_DISPUTE_TEXT (2 * LOG_SOURCE_TEXT + 256)
+const char *log_dispute_text(
+    const struct log_sources *s, const struct assembly_dispute *d, char out[LOG_DISPUTE_TEXT]);
+void log_sources_free(struct log_sources *s);
+
 struct intake {
     struct assembly parts;
+    struct log_sources sources;
+    struct frames orphans; /* whose fragments came where nobody had declared them */
     struct log_origin origin;
     uint64_t good;         /* records read */
     uint64_t bad, skipped; /* records and bytes lost */
-    char why[160];         /* about the last of them */
+    char why[160];         /* about the last of them, or why log_read stopped */
     uint64_t unexpected;   /* records that do not belong in a stream of fragments */
     float *pixels;         /* of one frag; NULL: pixels are not kept, only which are there */
 };
@@ -34,12 +65,14 @@ void intake_free(struct intake *in);
 /* Notes what a hello or frame record says of its maker; others say nothing. */
 void intake_note(struct intake *in, const struct record *r);
 /* A frame record, as assembly_declare takes it; UNDECLARED where it has no job, which is counted
- * as unexpected. worker: whose it is, "" where fan did not say. */
-enum assembly_verdict intake_frame(
-    struct intake *in, const struct record *r, char worker[ASSEMBLY_NAME]);
+ * as unexpected. */
+enum assembly_verdict intake_frame(struct intake *in, const struct record *r);
 /* Any other record. Returns the frame that is whole by it, which is the caller's to write and to
  * release, else NULL. */
 struct assembly_frame *intake_record(struct intake *in, const struct record *r);
+
+/* Are there fragments of a frame that nobody declared, before or after? Its record was lost. */
+bool intake_orphaned(const struct intake *in);
 
 /* A frame record and the tasks of what f lacks, with new ids, to put; nothing where it is whole. */
 void intake_missing(const struct assembly_frame *f, void (*put)(const void *p, size_t n));
@@ -50,15 +83,16 @@ struct log_reader {
     void (*before)(void *ctx, int fd);                 /* each read, which may block; or NULL */
     void *ctx;
 };
-/* Reads fd to its end; what is lost on the way is counted in `in`. 0, or -1 with errno. */
-int log_read(struct intake *in, int fd, const struct log_reader *reader);
+/* Reads fd, which messages call `name`, to its end; what is lost on the way is counted in `in`. 0;
+ * 1 at a hello of another format, and in->why says so; or -1 with errno. */
+int log_read(struct intake *in, int fd, const char *name, const struct log_reader *reader);
 
 /*
  * What the log at `path` holds of frame number `frame`: *have has its size and pixels (the caller's
  * to free); of size 0x0 where the log has nothing of it, is empty, missing, or a device or a pipe.
- * 0; 1 where the file is no log; or -1 with errno.
+ * 0; 1 where it cannot be gone on with, and why says what it is; or -1 with errno.
  */
-int log_coverage(const char *path, uint32_t frame, struct coverage *have);
+int log_coverage(const char *path, uint32_t frame, struct coverage *have, char why[LOG_WHY]);
 
 /* What each pixel of a picture cost, by the CPU time of the tasks in a log of it. */
 struct log_costs {
@@ -66,7 +100,7 @@ struct log_costs {
     double *us;    /* row by row */
 };
 /* Reads the log's first frame; what is missing of it gets the mean. 0, or -1 with errno. */
-int log_costs_read(const char *path, struct log_costs *c);
+int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY]);
 void log_costs_free(struct log_costs *c);
 /* The same for pixel p of a picture of any size of the same scene. */
 double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint32_t frame_h);
@@ -90,13 +124,13 @@ int log_open(struct log_file *l, const char *path);
 void log_append(struct log_file *l, const struct record *r);
 int log_flush(struct log_file *l);
 void log_close(struct log_file *l);
-/* Reads it from its beginning. 0, or -1 with errno. */
+/* Reads it from its beginning, as log_read. */
 int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader);
-/* The same into a new intake, for what is there alone. 1 where the file holds neither a record nor
- * the beginning of one: it is no log, and not to be appended to. */
+/* The same into a new intake, for what is there alone. 1 where the file is of another format, or
+ * holds neither a record nor the beginning of one: it is not to be appended to, as in->why says.
+ */
 int log_survey(const struct log_file *l, struct intake *in);
 
-#define LOG_WHY 512
 /* What a log held before a run, and which frames of the run belong there; all zero at first. */
 struct log_past {
     bool known;

@@ -41,7 +41,7 @@ int log_confirm(struct log_past *past, const struct log_file *l, const struct lo
 {
     int refused = past->known ? 0 : log_survey(l, &past->held);
     past->known = true;
-    if (refused > 0) snprintf(why, LOG_WHY, "is no log, expected fragments, or a new file");
+    if (refused > 0) snprintf(why, LOG_WHY, "%s", past->held.why);
     if (refused || frames_find(&past->confirmed, r->task.frame)) return refused;
     if (!continues(&past->held, now, r, why)) return 1;
     frames_set(&past->confirmed, r->task.frame, r->frame_w, r->frame_h);

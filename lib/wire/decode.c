@@ -1,6 +1,6 @@
 /*
  * Decoding of records: bytes in, records out. The grammar is one table; a record that breaks it, or
- * a frag whose crc is wrong, is lost, and the search for the next good one starts at the byte after
+ * whose sum or crc is wrong, is lost, and the search for the next good one starts at the byte after
  * its first.
  */
 #include "wire/wire.h"
@@ -172,7 +172,34 @@ static bool parse_body(struct record *r, char why[160])
         return fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
     if (!rec_int(r, "ch", 4, 4, &n)) return fail(why, "frag without ch=4", "RGBA float32");
     if (!has_key(r, "crc")) return fail(why, "frag without crc", "crc=C");
+    if (!has_key(r, "job")) return fail(why, "frag without job", "job=HASH");
     return true;
+}
+
+static int hex(char c)
+{
+    if (c >= '0' && c <= '9') return c - '0';
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/*
+ * A line that ends in its sum must have the right one. Workers are not trusted to be heard well:
+ * what they say has one where it is more than a word; but a hello without one is of format 1.
+ */
+static bool check_seal(const struct record *r, bool upward, char why[160])
+{
+    if (!rec_sealed(r)) {
+        if (!upward || r->kind == REC_HELLO || !memchr(r->line, ' ', r->line_len)) return true;
+        return fail(why, "no sum", "sum=HHHHHHHH at the end of the line (format 2)");
+    }
+    size_t n = r->line_len - WIRE_SEAL_BYTES;
+    uint32_t sum = 0;
+    for (size_t i = r->line_len - 8; i < r->line_len; i++) {
+        int v = hex(r->line[i]);
+        if (v < 0) return fail(why, "sum out of range", "8 hexadecimal digits");
+        sum = sum << 4 | (uint32_t)v;
+    }
+    return sum == wire_crc(r->line, n) ? true : fail(why, "sum differs", "the line that was sent");
 }
 
 static bool parse_line(const char *line, size_t len, bool upward, struct record *r, char why[160])
@@ -207,14 +234,18 @@ static bool parse_line(const char *line, size_t len, bool upward, struct record 
         return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
     if ((r->kind == REC_UP || r->kind == REC_GONE) && !has_key(r, "w"))
         return fail(why, grammar[r->kind].name, "w=K");
-    return parse_body(r, why);
+    return parse_body(r, why) && check_seal(r, upward, why);
 }
 
-bool rec_sound(const struct record *r)
+static bool check_body(struct decoder *d, const struct record *r, char why[160])
 {
     int64_t crc;
-    if (!rec_int(r, "crc", 0, UINT32_MAX, &crc)) return r->kind != REC_FRAG;
-    return wire_crc(r->body, r->body_len) == crc;
+    if (d->unsummed || !rec_int(r, "crc", 0, UINT32_MAX, &crc)) return true;
+    if (wire_crc(r->body, r->body_len) != crc)
+        return fail(why, "crc differs", "the bytes that were sent");
+    if (r->kind != REC_FRAG || wire_light(r->body, r->body_len)) return true;
+    d->extent = r->line_len + 1 + r->body_len;
+    return fail(why, "pixels are no light", "finite numbers >= 0, and alpha of at most 1");
 }
 
 void wire_feed(struct decoder *d, const void *p, size_t n) { buf_append(&d->in, p, n); }
@@ -259,14 +290,15 @@ static bool seek_record(struct decoder *d)
 }
 
 /*
- * The record at the front of the buffer is bad: step over its first byte and look on from there. An
- * enemy can nest heads so that every few bytes ask for a long crc; who has spent too much on that
- * steps over the whole record.
+ * The record at the front of the buffer is bad: step over its first byte and look on from there;
+ * over all of it where only its pixels are wrong. An enemy can nest heads so that every few bytes
+ * ask for a long crc; who has spent too much on that steps over the whole record.
  */
 static void lose(struct decoder *d, const struct record *r)
 {
-    size_t step = 1;
-    if (r->body) {
+    size_t step = d->extent ? d->extent : 1;
+    d->extent = 0;
+    if (r->body && step == 1) {
         d->checked += r->body_len;
         if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = r->line_len + 1 + r->body_len;
     }
@@ -277,7 +309,7 @@ static void lose(struct decoder *d, const struct record *r)
 }
 
 /* What stands at the front of the buffer? */
-static enum wire_result look(const struct decoder *d, struct record *r, char why[160])
+static enum wire_result look(struct decoder *d, struct record *r, char why[160])
 {
     const char *line = (const char *)buf_data(&d->in);
     size_t n = buf_size(&d->in);
@@ -297,12 +329,10 @@ static enum wire_result look(const struct decoder *d, struct record *r, char why
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;
-    if (d->unsummed || rec_sound(r)) return WIRE_RECORD;
-    fail(why, "crc differs", "the bytes that were sent");
-    return WIRE_BAD;
+    return check_body(d, r, why) ? WIRE_RECORD : WIRE_BAD;
 }
 
-enum rec_kind wire_awaited(const struct decoder *d)
+enum rec_kind wire_awaited(struct decoder *d)
 {
     struct record r;
     char why[sizeof d->why];

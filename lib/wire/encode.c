@@ -6,14 +6,51 @@
 #include <string.h>
 #include <zlib.h>
 
-void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
-{
-    buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32 "%s\n", frame, w, h, extra ? extra : "");
-}
-
 uint32_t wire_crc(const void *p, size_t n)
 {
     return (uint32_t)crc32(crc32(0, NULL, 0), p, (uInt)n);
+}
+
+void wire_seal(struct buf *b, size_t at)
+{
+    static const char hex[] = "0123456789abcdef";
+    char seal[] = " sum=01234567\n";
+    const unsigned char *line = buf_data(b) + at;
+    size_t n = buf_size(b) - at;
+    uint32_t sum = wire_crc(line, n);
+    for (int i = 0; i < 8; i++) seal[5 + i] = hex[sum >> (28 - 4 * i) & 15];
+    if (memchr(line, ' ', n)) buf_append(b, seal, sizeof seal - 1);
+    else buf_append(b, "\n", 1);
+}
+
+static void put_extra(struct buf *b, const char *extra)
+{
+    if (!extra || !*extra) return;
+    buf_append(b, " ", 1);
+    buf_append(b, extra, strlen(extra));
+}
+
+void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
+{
+    buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32, frame, w, h);
+    put_extra(b, extra);
+    buf_append(b, "\n", 1);
+}
+
+void wire_job(struct buf *b, const struct frame_size *f, const char *job, const char *extra)
+{
+    size_t at = buf_size(b);
+    buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32 " job=%s", f->frame, f->w, f->h, job);
+    put_extra(b, extra);
+    wire_seal(b, at);
+}
+
+void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots)
+{
+    size_t at = buf_size(b);
+    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d", program,
+        STORMRING_VERSION, WIRE_FORMAT, selftest, power, slots);
+    wire_seal(b, at);
 }
 
 void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
@@ -54,9 +91,19 @@ void wire_task(struct buf *b, const struct task *t)
     else buf_append(b, "\n", 1);
 }
 
-void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const float *rgba)
+void wire_give(struct buf *b, const struct task *t, const char *extra)
 {
-    size_t n = (size_t)lattice_count(at) * 4;
+    size_t at = buf_size(b);
+    put_lattice(b, "task", t, &t->at);
+    if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);
+    put_extra(b, extra);
+    wire_seal(b, at);
+}
+
+void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
+    const float *rgba)
+{
+    size_t n = (size_t)lattice_count(at) * 4, line = buf_size(b);
     put_lattice(b, "frag", t, at);
     /* The body first, to know its crc; the line is put before it. */
     size_t bytes = n * 4;
@@ -66,25 +113,33 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
         memcpy(&bits, rgba + i, 4);
         for (int k = 0; k < 4; k++) body[4 * i + (size_t)k] = (unsigned char)(bits >> (8 * k));
     }
-    buf_printf(b, " ch=4 crc=%" PRIu32 " bytes=%zu\n", wire_crc(body, bytes), bytes);
+    buf_printf(b, " job=%s ch=4 crc=%" PRIu32 " bytes=%zu", job, wire_crc(body, bytes), bytes);
+    wire_seal(b, line);
     buf_append(b, body, bytes);
     free(body);
 }
 
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t wall_us)
 {
-    buf_printf(b, "done %" PRIu32 " %" PRIu32 " cpu_us=%" PRId64 " wall_us=%" PRId64 "\n", t->frame,
+    size_t at = buf_size(b);
+    buf_printf(b, "done %" PRIu32 " %" PRIu32 " cpu_us=%" PRId64 " wall_us=%" PRId64, t->frame,
         t->id, cpu_us_used, wall_us);
+    wire_seal(b, at);
 }
 
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra)
 {
-    buf_printf(b, "%s%s%s\n", rec_name(kind), extra && *extra ? " " : "", extra ? extra : "");
+    size_t at = buf_size(b);
+    buf_printf(b, "%s", rec_name(kind));
+    put_extra(b, extra);
+    wire_seal(b, at);
 }
 
 void wire_bye(struct buf *b, const char *why)
 {
-    buf_printf(b, "%s%s%s\n", rec_name(REC_BYE), *why ? " why=" : "", why);
+    char text[64];
+    snprintf(text, sizeof text, "why=%s", why);
+    wire_plain(b, REC_BYE, *why ? text : NULL);
 }
 
 static bool dropped(const char *const *drop, const char *word, size_t len)
@@ -99,6 +154,8 @@ static bool dropped(const char *const *drop, const char *word, size_t len)
 void wire_forward(struct buf *b, const struct record *r, const char *const *drop, const char *extra)
 {
     const char *at = r->line, *end = r->line + r->line_len;
+    size_t begin = buf_size(b);
+    if (rec_sealed(r)) end -= WIRE_SEAL_BYTES;
     while (at < end) {
         const char *space = memchr(at, ' ', (size_t)(end - at));
         size_t len = (size_t)((space ? space : end) - at);
@@ -108,10 +165,7 @@ void wire_forward(struct buf *b, const struct record *r, const char *const *drop
         }
         at += len + 1;
     }
-    if (extra && *extra) {
-        buf_append(b, " ", 1);
-        buf_append(b, extra, strlen(extra));
-    }
-    buf_append(b, "\n", 1);
+    put_extra(b, extra);
+    wire_seal(b, begin);
     buf_append(b, r->body, r->body_len);
 }

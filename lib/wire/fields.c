@@ -1,6 +1,7 @@
 /* Reading the fields of a decoded record. */
 #include "wire/wire.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 const char *rec_key(const struct record *r, const char *key, size_t *len)
@@ -26,6 +27,29 @@ bool rec_str(const struct record *r, const char *key, char *out, size_t size)
     memcpy(out, v, n);
     out[n] = '\0';
     return true;
+}
+
+bool rec_is(const struct record *r, const char *key, const char *value)
+{
+    size_t n;
+    const char *v = rec_key(r, key, &n);
+    return v && n == strlen(value) && memcmp(v, value, n) == 0;
+}
+
+bool rec_sealed(const struct record *r)
+{
+    return r->line_len > WIRE_SEAL_BYTES &&
+           memcmp(r->line + r->line_len - WIRE_SEAL_BYTES, " sum=", 5) == 0;
+}
+
+bool rec_ours(const struct record *r, char why[160])
+{
+    int64_t format = 1; /* did not say so yet */
+    if (r->kind != REC_HELLO) return true;
+    rec_int(r, "format", 0, INT64_MAX, &format);
+    if (format == WIRE_FORMAT) return true;
+    snprintf(why, 160, "is of format %" PRId64 ", expected %d", format, WIRE_FORMAT);
+    return false;
 }
 
 bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, int64_t *out)

@@ -51,6 +51,7 @@ bool rec_ring(const struct record *r, struct rec_ring *m)
 void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m)
 {
     bool none = kind == REC_NONE;
+    size_t at = buf_size(b);
     buf_printf(b, "%s", rec_name(kind));
     if (kind == REC_GIVE) buf_printf(b, " %" PRIu32 " %" PRIu32, t->frame, t->id);
     if (kind == REC_RING)
@@ -60,5 +61,5 @@ void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const st
     if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
     if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
     if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);
-    buf_append(b, "\n", 1);
+    wire_seal(b, at);
 }

@@ -12,7 +12,9 @@
 #include "base/base.h"
 #include "task/task.h"
 
+#define WIRE_FORMAT 2                      /* of streams of fragments, as hello says it */
 #define WIRE_LINE_MAX 1024                 /* bytes, newline included */
+#define WIRE_SEAL_BYTES 13                 /* " sum=89abcdef", the last word of a sealed line */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* a longer task comes in several frags */
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
@@ -60,7 +62,7 @@ struct decoder {
     struct buf in;
     bool upward;   /* reads what workers say, who are not trusted: state records are bad there, */
                    /* so that no more than a frag is ever waited for */
-    bool unsummed; /* a body is taken without looking at it: rec_sound says whether it is good */
+    bool unsummed; /* a body is taken without looking at it: wire_crc and wire_light tell more */
     bool ended;    /* no more will be fed */
     bool lost;     /* looking for the next good record */
     uint64_t bad;  /* records lost so far; what is lost in one piece counts as one */
@@ -68,11 +70,12 @@ struct decoder {
     char why[160];    /* what was wrong with the last bad one, and what was expected */
     size_t consumed;  /* bytes of the record handed out, dropped at the next call */
     uint64_t checked; /* bytes whose crc was computed in vain */
+    size_t extent;    /* of a bad record, where that is certain */
 };
 
 enum wire_result {
     WIRE_MORE,   /* feed me (or, once ended: that was all) */
-    WIRE_RECORD, /* *r is a valid record; a frag's crc was checked */
+    WIRE_RECORD, /* *r is a valid record; its sum, its body's crc and its pixels were checked */
     WIRE_BAD     /* something was lost; why says what. Calling again resynchronises */
 };
 
@@ -86,7 +89,7 @@ void wire_end(struct decoder *d);
 enum wire_result wire_next(struct decoder *d, struct record *r);
 void wire_free(struct decoder *d);
 /* After WIRE_MORE: of what kind is the record whose body is on its way? REC_KINDS: of none. */
-enum rec_kind wire_awaited(const struct decoder *d);
+enum rec_kind wire_awaited(struct decoder *d);
 
 /*
  * A stream may go on with other state. A frame is of the state that stands before it in the stream,
@@ -125,33 +128,52 @@ struct rec_ring {
 /* False where r is no record of a ring, lacks a key or has one out of range: none that a decoder
  * hands out. */
 bool rec_ring(const struct record *r, struct rec_ring *m);
-/* Are the bytes of the body those that were sent? */
-bool rec_sound(const struct record *r);
+/* Is r's KEY=VALUE just this? */
+bool rec_is(const struct record *r, const char *key, const char *value);
+/* Does its line end in its sum? What a decoder hands out was checked then. */
+bool rec_sealed(const struct record *r);
+/* Is r no hello, or does a stream of our format begin with it? Else why says of which it is. */
+bool rec_ours(const struct record *r, char why[160]);
 /* The pixels of a frag, host byte order, 4 floats each, lattice order. */
 void rec_pixels(const struct record *r, float *rgba);
 /* n pixels of its body, from the byte on. */
 void wire_pixels(const unsigned char *body, size_t n, float *rgba);
 
-/* CRC-32 of a body. */
+/* CRC-32, of a body or a line. */
 uint32_t wire_crc(const void *p, size_t n);
+/* Can a frag's body be pixels: finite numbers >= 0, and alpha of at most 1? */
+bool wire_light(const unsigned char *body, size_t n);
 
-/* Encoders append one record to b. `extra` is NULL or " key=value ..." added to the line. */
+/*
+ * Encoders append one record to b. `extra` is NULL or "key=value ...". What goes up, or from one
+ * program to another, is sealed: its line ends in its own sum. What people may write or change as
+ * text is not: frames and tasks as partition cuts them.
+ */
 void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra);
-void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n);
 void wire_task(struct buf *b, const struct task *t);
-void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const float *rgba);
+void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n);
+/* Sealed: a task as a policy gives it; */
+void wire_give(struct buf *b, const struct task *t, const char *extra);
+/* a frame as a worker announces it; */
+void wire_job(struct buf *b, const struct frame_size *f, const char *job, const char *extra);
+void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
+    const float *rgba);
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
-/* A record of no body: "kind extra"; extra without a leading blank. */
+void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots);
+/* a record of no numbers and no body: "kind extra"; */
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
-/* A record of a ring, of task t where it is a give; to=K where t->to says so. */
+/* one of a ring, of task t where it is a give; to=K where t->to says so; */
 void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m);
-/* why: "", or why the stream ends before its time. */
+/* why: "", or why the stream ends before its time; */
 void wire_bye(struct buf *b, const char *why);
 /*
- * r again, with `extra` appended and the keys named in drop (NULL-ended, may be NULL) left out.
+ * and r again, with `extra` appended and the keys named in drop (NULL-ended, may be NULL) left out.
  * All other keys, known or not, are passed on.
  */
 void wire_forward(
     struct buf *b, const struct record *r, const char *const *drop, const char *extra);
+/* Ends the line that begins at byte `at` of b's unread ones: with its sum, unless it is one word,
+ * and a newline. */
+void wire_seal(struct buf *b, size_t at);
 
 #endif

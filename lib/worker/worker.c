@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -103,10 +104,10 @@ static void hello(struct worker *w)
     w->ops->selftest(w->ctx, rgba, &n);
     int64_t took = now_us() - start;
     uint64_t hash = hash64(HASH64_INIT, rgba, (size_t)n * 4 * sizeof *rgba);
-    char text[160];
-    snprintf(text, sizeof text, "%s %s selftest=%016" PRIx64 " power=%.3f slots=1", w->ops->program,
-        STORMRING_VERSION, hash, WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1));
-    wire_plain(&w->out, REC_HELLO, text);
+    char selftest[24];
+    snprintf(selftest, sizeof selftest, "%016" PRIx64, hash);
+    wire_hello(&w->out, w->ops->program, selftest,
+        WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1), 1);
     push(w);
 }
 
@@ -118,11 +119,18 @@ static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR
     int failed = w->ops->ready(w->ctx, f, err);
     end();
     if (failed) return false;
-    char extra[WITH_MAX + 64];
-    snprintf(extra, sizeof extra, " job=%016" PRIx64 " with=%.*s%s", w->ops->job(w->ctx), WITH_MAX,
-        w->ops->with(w->ctx), w->ops->cpu_us ? " kind=replayed" : "");
-    wire_frame(&w->out, f->frame, f->w, f->h, extra);
+    char extra[WITH_MAX + 32], job[sizeof f->job];
+    snprintf(job, sizeof job, "%016" PRIx64, w->ops->job(w->ctx));
+    snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
+        w->ops->cpu_us ? " kind=replayed" : "");
+    wire_job(&w->out, f, job, extra);
     push(w);
+    if (*f->job && strcmp(f->job, job) != 0)
+        die(ST_USAGE,
+            "frame %u: has job %s here, expected %s: the same scene or grid and specification, "
+            "with the same options",
+            f->frame, job, f->job);
+    memcpy(f->job, job, sizeof job);
     f->said = true;
     return true;
 }
@@ -130,10 +138,13 @@ static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR
 static void take_frame(struct worker *w, const struct record *r)
 {
     struct frame_size *f = frames_find(&w->frames, r->task.frame);
-    bool same = f && f->w == r->frame_w && f->h == r->frame_h;
-    if (same && f->said && f->generation == w->generations.now) return;
+    char job[sizeof f->job] = "";
+    bool same = f && f->w == r->frame_w && f->h == r->frame_h && f->said;
+    if (rec_str(r, "job", job, sizeof job)) same = same && strcmp(job, f->job) == 0;
+    if (same && f->generation == w->generations.now) return;
     f = frames_set(&w->frames, r->task.frame, r->frame_w, r->frame_h);
     generation_frame(&w->generations, f);
+    memcpy(f->job, job, sizeof job);
     char err[WORKER_ERR];
     announce(w, f, err); /* state may still be to come: then the first task tries again */
 }
@@ -145,9 +156,10 @@ static void release_held(struct worker *w)
     buf_consume(&w->held, buf_size(&w->held));
 }
 
-static void emit_frag(struct worker *w, const struct task *t, const struct lattice *at)
+static void emit_frag(
+    struct worker *w, const struct task *t, const struct lattice *at, const char *job)
 {
-    wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, w->pixels);
+    wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, job, w->pixels);
 }
 
 static int64_t used_us(const struct worker *w)
@@ -191,7 +203,7 @@ static void take_task(struct worker *w, const struct task *t)
         n0 += count;
         /* `done` is the scheduling event: it goes before the last pixels. */
         if (n0 == total) say_done(w, t, now_us() - wall);
-        emit_frag(w, t, &piece);
+        emit_frag(w, t, &piece, f->job);
         push(w);
     }
 }

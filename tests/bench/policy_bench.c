@@ -63,7 +63,8 @@ static void parse(struct bench *b, int argc, char **argv)
         }
     }
     if (optind + 1 != argc || !b->power) die(ST_USAGE, "expected -w POWER,... LOG");
-    if (log_costs_read(argv[optind], &b->costs) != 0 || !b->costs.us)
+    char why[LOG_WHY];
+    if (log_costs_read(argv[optind], &b->costs, why) != 0 || !b->costs.us)
         die(ST_USAGE, "%s: expected a log", argv[optind]);
 }
 

@@ -48,12 +48,12 @@ static void check_counts(const struct intake *in)
 }
 
 /* The pixels of t, in pieces that one record can have. */
-static void render(struct buf *run, const struct task *t, uint32_t frame_w)
+static void render(struct buf *run, const struct task *t, const struct assembly_frame *f)
 {
     static float rgba[4 * WIRE_FRAG_PIXELS_MAX];
     for (uint64_t n0 = 0, n = lattice_count(&t->at); n0 < n;) {
-        struct lattice at = lattice_cut(&t->at, frame_w, n0, WIRE_FRAG_PIXELS_MAX);
-        wire_frag(run, t, &at, rgba);
+        struct lattice at = lattice_cut(&t->at, f->have.w, n0, WIRE_FRAG_PIXELS_MAX);
+        wire_frag(run, t, &at, f->job, rgba);
         n0 += lattice_count(&at);
     }
 }
@@ -73,7 +73,7 @@ static void render_missing(struct buf *run, const struct assembly_frame *f)
         if (r.kind != REC_TASK) continue;
         MUST(lattice_valid(&r.task.at, f->have.w, f->have.h));
         n += lattice_count(&r.task.at);
-        render(run, &r.task, f->have.w);
+        render(run, &r.task, f);
     }
     MUST(d.bad == 0 && n + f->have.done == (uint64_t)f->have.w * f->have.h);
     wire_free(&d);
@@ -87,7 +87,7 @@ static void render_rows(struct buf *run, const struct assembly_frame *f)
     assembly_coverage(f, &have);
     for (uint32_t y = 0; y < f->have.h; y++) {
         struct task t = {.frame = f->number, .id = y, .at = {0, y, f->have.w, 1, 1, 1}, .to = -1};
-        if (coverage_trim(&have, &t.at)) render(run, &t, f->have.w);
+        if (coverage_trim(&have, &t.at)) render(run, &t, f);
     }
     coverage_free(&have);
 }
@@ -99,15 +99,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct log_file l = log_of(data, size);
     struct intake in;
     int odd = log_survey(&l, &in);
-    MUST(odd == 0 || (odd == 1 && !in.good));
+    MUST(odd == 0 || (odd == 1 && strstr(in.why, ", expected ")));
     check_counts(&in);
+    if (odd && strstr(in.why, "format")) { /* nobody appends to it */
+        intake_free(&in);
+        log_close(&l);
+        return 0;
+    }
     buf_append(&run, data, size);
-    wire_plain(&run, REC_HELLO, "fuzzer 0 selftest=0");
+    wire_hello(&run, "fuzzer", "0", 1, 1);
     for (uint32_t i = 0; i < in.parts.n_frames; i++) {
         const struct assembly_frame *f = in.parts.frames[i];
-        char extra[ASSEMBLY_NAME + 8];
-        snprintf(extra, sizeof extra, " job=%s", f->job);
-        wire_frame(&run, f->number, f->have.w, f->have.h, extra);
+        const struct frame_size said = {.frame = f->number, .w = f->have.w, .h = f->have.h};
+        wire_job(&run, &said, f->job, NULL);
         if (size % 2) render_missing(&run, f);
         else render_rows(&run, f);
     }

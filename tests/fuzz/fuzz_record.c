@@ -20,7 +20,7 @@ static void check_frag(const struct record *r)
     float *rgba = xmalloc(r->body_len, 1);
     rec_pixels(r, rgba);
     struct buf b = {0};
-    wire_frag(&b, &r->task, at, rgba);
+    wire_frag(&b, &r->task, at, "0", rgba);
     MUST(memcmp(buf_data(&b) + buf_size(&b) - r->body_len, r->body, r->body_len) == 0);
     buf_free(&b);
     free(rgba);
@@ -35,7 +35,7 @@ static void check_forward(const struct record *r)
     wire_forward(&b, r, drop, "w=12.3");
     wire_feed(&d, buf_data(&b), buf_size(&b));
     wire_end(&d);
-    if (r->line_len + sizeof " w=12.3" > WIRE_LINE_MAX) {
+    if (r->line_len + sizeof " w=12.3" + WIRE_SEAL_BYTES > WIRE_LINE_MAX) {
         wire_next(&d, &again);
     } else {
         char w[8];

@@ -1,8 +1,8 @@
-/* What the fuzz targets that read records share: checks, and mutations that get past the crc. */
+/* What the fuzz targets that read records share: checks, and mutations that get past sums. */
 #ifndef STORMRING_MEND_H
 #define STORMRING_MEND_H
 
-#include "base/base.h"
+#include "wire/wire.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +20,26 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned
 static uint8_t *find(uint8_t *at, const uint8_t *end, const char *text)
 {
     return at < end ? memmem(at, (size_t)(end - at), text, strlen(text)) : NULL;
+}
+
+/* The line that ends in the first "sum=" at or after `at` gets the right one. */
+static uint8_t *mend_sum(uint8_t *at, uint8_t *end)
+{
+    uint8_t *sum = find(at, end, " sum="), *begin = sum;
+    char text[24];
+    if (!sum || end - sum < 14) return NULL;
+    while (begin > at && begin[-1] != '\n') begin--;
+    /* A body need not end in a newline: the line may begin at any record's name. */
+    for (uint8_t *name = begin; name < sum; name++)
+        for (int kind = 0; kind < REC_KINDS; kind++) {
+            size_t n = strlen(rec_name((enum rec_kind)kind));
+            if (n < (size_t)(sum - name) && !memcmp(name, rec_name((enum rec_kind)kind), n) &&
+                name[n] == ' ')
+                begin = name;
+        }
+    snprintf(text, sizeof text, "%08lx", crc32(0, begin, (uInt)(sum - begin)));
+    memcpy(sum + 5, text, 8);
+    return sum + 13;
 }
 
 /* The first "crc=" at or after `at` is made right for the body that the line announces. Where to
@@ -44,6 +64,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned
 {
     size = LLVMFuzzerMutate(data, size, most);
     for (uint8_t *at = data; at && seed % 4; at = mend_crc(at, data + size))
+        ;
+    for (uint8_t *at = data; at && seed % 4; at = mend_sum(at, data + size))
         ;
     return size;
 }

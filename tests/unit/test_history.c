@@ -11,15 +11,22 @@
 
 #define JOB "0123456789abcdef"
 
-static void line(struct buf *b, const char *text) { buf_printf(b, "%s\n", text); }
+static void line(struct buf *b, const char *text)
+{
+    size_t at = buf_size(b);
+    buf_printf(b, "%s", text);
+    wire_seal(b, at);
+}
 
-static void frag(struct buf *b, uint32_t id, struct lattice at, int w, float value)
+static void frag_of(
+    const char *job, struct buf *b, uint32_t id, struct lattice at, int w, float value)
 {
     float rgba[4 * 64];
     struct task t = {.id = id, .at = at, .to = -1};
     struct buf one = {0};
-    for (uint64_t i = 0; i < 4 * lattice_count(&at); i++) rgba[i] = value + (float)i;
-    wire_frag(&one, &t, &at, rgba);
+    for (uint64_t i = 0; i < 4 * lattice_count(&at); i++)
+        rgba[i] = i % 4 == 3 ? 1 : value + (float)i;
+    wire_frag(&one, &t, &at, job, rgba);
     struct decoder d = wire_over(one.data, one.len);
     struct record r;
     char stamp[16];
@@ -27,6 +34,20 @@ static void frag(struct buf *b, uint32_t id, struct lattice at, int w, float val
     snprintf(stamp, sizeof stamp, "w=%d", w);
     wire_forward(b, &r, NULL, stamp);
     buf_free(&one);
+}
+
+static void frag(struct buf *b, uint32_t id, struct lattice at, int w, float value)
+{
+    frag_of(JOB, b, id, at, w, value);
+}
+
+/* Of slot w, or w.inner. */
+static void done(struct buf *b, uint32_t id, int w, int inner)
+{
+    char text[80], behind[24] = "";
+    if (inner) snprintf(behind, sizeof behind, ".%d", inner);
+    snprintf(text, sizeof text, "done 0 %u cpu_us=1 w=%d%s", id, w, behind);
+    line(b, text);
 }
 
 static struct lattice row(uint32_t y) { return (struct lattice){0, y, 8, 1, 1, 1}; }
@@ -48,7 +69,7 @@ static void the_first_pixels_count(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 selftest=1 slots=3");
+    line(&b, "hello deal 0.1 format=2 selftest=1 slots=3");
     line(&b, "frame 0 8 4 job=" JOB " with=rtworker w=0");
     line(&b, "frame 0 8 4 job=" JOB " w=1");
     line(&b, "done 0 0 cpu_us=10 wall_us=11 w=0 recv_us=100");
@@ -79,13 +100,13 @@ static void a_hello_begins_a_run(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 selftest=1 slots=2"); /* nothing came of this one */
-    line(&b, "hello deal 0.1 selftest=1 slots=2");
+    line(&b, "hello deal 0.1 format=2 selftest=1 slots=2"); /* nothing came of this one */
+    line(&b, "hello deal 0.1 format=2 selftest=1 slots=2");
     line(&b, "done 0 0 cpu_us=1 w=0");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 selftest=1 slots=5");
+    line(&b, "hello fan 0.1 format=2 selftest=1 slots=5");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 selftest=1 slots=9");
+    line(&b, "hello fan 0.1 format=2 selftest=1 slots=9");
     struct history l = read_log(&b);
     assert_int_equal(l.n_runs, 2);
     assert_int_equal(l.runs[0].slots, 2);
@@ -106,7 +127,7 @@ static void another_job_is_nobodys(void **state)
     line(&b, "frame 0 8 4 job=fedcba9876543210 w=1");
     line(&b, "done 0 0 cpu_us=1 w=1");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    frag(&b, 0, row(0), 1, 1);
+    frag_of("fedcba9876543210", &b, 0, row(0), 1, 1);
     frag(&b, 1, row(0), 0, 2);
     line(&b, "frame 0 8 4 job=" JOB " w=1");
     line(&b, "done 0 2 cpu_us=1 w=1");
@@ -150,7 +171,7 @@ static void pixels_are_found_again(void **state)
     struct buf b = {0};
     line(&b, "frame 0 8 4 job=" JOB " w=0");
     for (uint32_t y = 0; y < 4; y++) {
-        buf_printf(&b, "done 0 %u cpu_us=1 w=0\n", y);
+        done(&b, y, 0, 0);
         frag(&b, y, row(3 - y), 0, (float)(100 * y));
     }
     struct history l = {0};
@@ -167,7 +188,7 @@ static void pixels_are_found_again(void **state)
         float rgba[4];
         wire_pixels(l.frags[at.frag].body + at.n * WIRE_PIXEL_BYTES, 1, rgba);
         assert_int_equal(l.frags[at.frag].done, 2 - i);
-        assert_true(rgba[3] == (float)(100 * (2 - i) + 15));
+        assert_true(rgba[2] == (float)(100 * (2 - i) + 14));
     }
     history_free(&l);
     buf_free(&b);
@@ -180,7 +201,7 @@ static void damage_costs_itself(void **state)
     struct buf b = {0};
     line(&b, "frame 0 8 4 job=" JOB " w=0");
     for (uint32_t y = 0; y < 4; y++) {
-        buf_printf(&b, "done 0 %u cpu_us=1 w=0\n", y);
+        done(&b, y, 0, 0);
         frag(&b, y, row(y), 0, (float)y);
     }
     size_t torn = b.len - 60; /* in the last body; another run follows */
@@ -209,14 +230,14 @@ static void many_slots_keep_their_names(void **state)
     enum { SLOTS = 3000 };
     struct buf b = {0};
     for (int round = 0; round < 2; round++)
-        for (int k = 0; k < SLOTS; k++)
-            buf_printf(&b, "done 0 %d cpu_us=1 w=%d.%d\n", round * SLOTS + k, k % 7, k);
+        for (int k = 0; k < SLOTS; k++) done(&b, (uint32_t)(round * SLOTS + k), k % 7, k);
     struct history l = {0};
     history_over(&l, b.data, b.len);
     assert_int_equal(l.n_slots, SLOTS);
     for (int i = 0; i < 2 * SLOTS; i++) {
         char name[24];
-        snprintf(name, sizeof name, "%d.%d", i % SLOTS % 7, i % SLOTS);
+        if (i % SLOTS) snprintf(name, sizeof name, "%d.%d", i % SLOTS % 7, i % SLOTS);
+        else snprintf(name, sizeof name, "0");
         assert_int_equal(l.dones[i].slot, i % SLOTS);
         assert_string_equal(l.slots[i % SLOTS].name, name);
     }

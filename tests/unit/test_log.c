@@ -18,15 +18,32 @@
 
 static char path[] = "/tmp/stormring-log-XXXXXX";
 
-static void put_text(struct buf *b, const char *text) { buf_append(b, text, strlen(text)); }
+/* Lines, each sealed; what has no newline at its end is put as it is. */
+static void put_text(struct buf *b, const char *text)
+{
+    for (const char *nl; (nl = strchr(text, '\n')) != NULL; text = nl + 1) {
+        size_t at = buf_size(b);
+        buf_append(b, text, (size_t)(nl - text));
+        wire_seal(b, at);
+    }
+    buf_append(b, text, strlen(text));
+}
+
+static void feed_text(struct decoder *d, const char *text)
+{
+    struct buf b = {0};
+    put_text(&b, text);
+    wire_feed(d, buf_data(&b), buf_size(&b));
+    buf_free(&b);
+}
 
 /* Row y of frame number `frame`, as worker 0. */
 static void put_row(struct buf *b, uint32_t frame, uint32_t y)
 {
     float rgba[4 * W];
     struct task t = {.frame = frame, .id = y, .at = {0, y, W, 1, 1, 1}, .to = -1};
-    for (int i = 0; i < 4 * W; i++) rgba[i] = (float)y;
-    wire_frag(b, &t, &t.at, rgba);
+    for (int i = 0; i < 4 * W; i++) rgba[i] = i % 4 == 3 ? 1 : (float)y;
+    wire_frag(b, &t, &t.at, "cafe", rgba);
 }
 
 static void write_log(const struct buf *b)
@@ -45,7 +62,7 @@ static void put_run(struct buf *b, const char *hello, const char *frame, uint32_
     for (uint32_t y = from; y < to; y++) put_row(b, 0, y);
 }
 
-static const char hello[] = "hello rtworker 0.1 selftest=00000000000000aa power=1\n";
+static const char hello[] = "hello rtworker 0.1 format=2 selftest=00000000000000aa power=1\n";
 static const char frame[] = "frame 0 8 6 job=cafe with=rtworker,-a4\n";
 
 static void test_origin(void **state)
@@ -55,7 +72,8 @@ static void test_origin(void **state)
     struct log_file l;
     struct intake in;
     put_run(&b, hello, frame, 0, 2);
-    put_text(&b, "hello rtworker 9 selftest=bb\nframe 0 8 6 job=cafe with=other\nbeat\ntorn");
+    put_text(
+        &b, "hello rtworker 9 format=2 selftest=bb\nframe 0 8 6 job=cafe with=other\nbeat\ntorn");
     write_log(&b);
     assert_int_equal(log_open(&l, path), 0);
     assert_true(l.holds);
@@ -82,13 +100,12 @@ static void test_options_are_words(void **state)
         struct intake in;
         struct decoder d = {.upward = true};
         struct record r;
-        char line[80], worker[ASSEMBLY_NAME];
+        char line[80];
         intake_init(&in, false);
         snprintf(line, sizeof line, "frame 0 8 6 job=cafe w=3 %s\n", with[i]);
-        wire_feed(&d, line, strlen(line));
+        feed_text(&d, line);
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
-        assert_int_equal(intake_frame(&in, &r, worker), ASSEMBLY_TAKEN);
-        assert_string_equal(worker, "3");
+        assert_int_equal(intake_frame(&in, &r), ASSEMBLY_TAKEN);
         assert_string_equal(in.origin.with, want[i]);
         wire_free(&d);
         intake_free(&in);
@@ -103,7 +120,6 @@ static void test_whole_once(void **state)
     struct decoder d = {.upward = true};
     struct record r;
     struct intake in;
-    char worker[ASSEMBLY_NAME];
     int told = 0;
     put_run(&b, hello, frame, 0, H);
     put_row(&b, 0, 0);
@@ -112,7 +128,7 @@ static void test_whole_once(void **state)
     wire_feed(&d, buf_data(&b), buf_size(&b));
     while (wire_next(&d, &r) == WIRE_RECORD) {
         struct assembly_frame *f = NULL;
-        if (r.kind == REC_FRAME) intake_frame(&in, &r, worker);
+        if (r.kind == REC_FRAME) intake_frame(&in, &r);
         else f = intake_record(&in, &r);
         if (!f) continue;
         told++;
@@ -132,9 +148,10 @@ static void test_coverage(void **state)
     (void)state;
     struct buf b = {0};
     struct coverage have;
+    char why[LOG_WHY] = "";
     put_run(&b, hello, frame, 2, 4);
     write_log(&b);
-    assert_int_equal(log_coverage(path, 0, &have), 0);
+    assert_int_equal(log_coverage(path, 0, &have, why), 0);
     assert_int_equal(have.w, W);
     assert_int_equal(have.done, 2 * W);
     assert_false(coverage_has(&have, 2 * W - 1));
@@ -142,25 +159,25 @@ static void test_coverage(void **state)
     coverage_free(&have);
     static const char *const none[] = {"/dev/null", "/nonexistent-log", "/tmp/stormring-log"};
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(log_coverage(none[i], 0, &have), 0);
+        assert_int_equal(log_coverage(none[i], 0, &have, why), 0);
         assert_null(have.bits);
     }
-    assert_int_equal(log_coverage(path, 7, &have), 0);
+    assert_int_equal(log_coverage(path, 7, &have, why), 0);
     assert_null(have.bits);
-    assert_int_equal(log_coverage("/", 0, &have), -1);
+    assert_int_equal(log_coverage("/", 0, &have, why), -1);
     static const char *const text[] = {"", "h", "hello", "hello x", "hellx", "# a file\n", "\n"};
     for (int i = 0; i < 7; i++) {
         buf_consume(&b, buf_size(&b));
         put_text(&b, text[i]);
         write_log(&b);
-        assert_int_equal(log_coverage(path, 0, &have), i > 3);
+        assert_int_equal(log_coverage(path, 0, &have, why), i > 3);
         assert_null(have.bits);
     }
     /* A whole frame was released while it was read: all of it is there. */
     buf_consume(&b, buf_size(&b));
     put_run(&b, hello, frame, 0, H);
     write_log(&b);
-    assert_int_equal(log_coverage(path, 0, &have), 0);
+    assert_int_equal(log_coverage(path, 0, &have, why), 0);
     assert_true(coverage_full(&have));
     coverage_free(&have);
     buf_free(&b);
@@ -178,7 +195,7 @@ static void test_lock(void **state)
     assert_false(one.holds);
     assert_int_equal(log_open(&two, path), -1);
     assert_int_equal(errno, EWOULDBLOCK);
-    wire_feed(&d, hello, strlen(hello));
+    feed_text(&d, hello);
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
     log_append(&one, &r);
     assert_int_equal(log_flush(&one), 0);
@@ -211,8 +228,8 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
     write_log(&b);
     assert_int_equal(log_open(&l, path), 0);
     intake_init(&now, false);
-    wire_feed(&d, now_hello, strlen(now_hello));
-    wire_feed(&d, now_frame, strlen(now_frame));
+    feed_text(&d, now_hello);
+    feed_text(&d, now_frame);
     do {
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         intake_note(&now, &r);
@@ -232,13 +249,13 @@ static void test_continues(void **state)
     const char *other = "frame 0 8 6 job=beef with=rtworker,-a4\n";
     differs(hello, frame, "");
     differs("", frame, "");
-    differs("hello deal 0.2 selftest=00000000000000aa\n", frame, "");
+    differs("hello deal 0.2 format=2 selftest=00000000000000aa\n", frame, "");
     differs(hello, "frame 1 9 9 job=beef\n", "");
     differs(hello, "frame 0 8 7 job=beef with=rtworker,-d1\n", "has another size: frame 0 of 8x6");
     differs(hello, "frame 0 8 6 job=beef with=rtworker\n", "was rendered with other options");
-    differs("hello deal 0.2 selftest=bb\n", other, "was rendered by another version: 0.1");
-    differs("hello deal 0.1 selftest=bb\n", other, "was rendered by other arithmetic");
-    differs("hello deal 0.2 selftest=bb\n", frame, "was rendered by another version");
+    differs("hello deal 0.2 format=2 selftest=bb\n", other, "was rendered by another version: 0.1");
+    differs("hello deal 0.1 format=2 selftest=bb\n", other, "was rendered by other arithmetic");
+    differs("hello deal 0.2 format=2 selftest=bb\n", frame, "was rendered by another version");
     differs(hello, other, "is of another scene: frame 0 has job cafe, expected beef");
     differs("", "frame 0 8 6 job=beef\n", "is of another scene");
 }
@@ -277,7 +294,8 @@ static void test_missing(void **state)
     assert_int_equal(log_survey(&l, &in), 0);
     intake_missing(in.parts.frames[0], lack);
     buf_append(&lacking, "", 1);
-    assert_string_equal((const char *)buf_data(&lacking), "frame 0 8 6\ntask 0 5 0 5 8 1 1 1\n");
+    assert_string_equal(
+        (const char *)buf_data(&lacking), "frame 0 8 6 job=cafe\ntask 0 5 0 5 8 1 1 1\n");
     buf_free(&lacking);
     intake_free(&in);
     log_close(&l);
@@ -290,16 +308,17 @@ static void test_costs(void **state)
     (void)state;
     struct buf b = {0};
     struct log_costs c;
+    char why[LOG_WHY];
     float rgba[4 * W] = {0};
     for (int run = 0; run < 2; run++) {
         struct task t = {.at = {0, (uint32_t)run, W, 1, 1, 1}, .to = -1};
         put_text(&b, hello);
         put_text(&b, frame);
         wire_done(&b, &t, run ? 9 * W : W, 0);
-        wire_frag(&b, &t, &t.at, rgba);
+        wire_frag(&b, &t, &t.at, "cafe", rgba);
     }
     write_log(&b);
-    assert_int_equal(log_costs_read(path, &c), 0);
+    assert_int_equal(log_costs_read(path, &c, why), 0);
     assert_true(c.us[0] == 1 && c.us[W - 1] == 1);
     assert_true(c.us[W] == 9 && c.us[2 * W - 1] == 9);
     assert_true(c.us[2 * W] == 5);

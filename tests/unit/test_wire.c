@@ -42,11 +42,13 @@ static void assert_word(const struct record *r, const char *key, const char *exp
 
 static const struct task some_task = {7, 4294967295u, {1, 2, 3, 2, 4, 5}, 12, 0};
 
-/* Pixels with every kind of float: they are bits here. */
+#define JOB "0123456789abcdef"
+
+/* Pixels with every kind of float from 0 to 1. */
 static void some_pixels(float *rgba, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        uint32_t bits = (uint32_t)rng_u64(9, i);
+        uint32_t bits = (uint32_t)rng_u64(9, i) & 0x3f7fffff;
         memcpy(rgba + i, &bits, 4);
     }
 }
@@ -58,16 +60,16 @@ static void some_log(struct buf *b)
     some_pixels(rgba, 16);
     rgba[3] = 0;
     struct task t = {0, 1, {0, 1, 2, 2, 1, 1}, -1, 0};
-    wire_plain(b, REC_HELLO, "rtworker 0.1 selftest=00ff power=1.25");
-    wire_frame(b, 0, 4, 4, " job=0123456789abcdef");
-    wire_frag(b, &t, &t.at, rgba);
+    wire_hello(b, "rtworker", "00ff", 1.25, 1);
+    wire_job(b, &(struct frame_size){.w = 4, .h = 4}, JOB, "with=rtworker");
+    wire_frag(b, &t, &t.at, JOB, rgba);
     wire_done(b, &t, 120, 130);
     wire_plain(b, REC_BEAT, "w=3");
     wire_plain(b, REC_UP, "w=4 host=: power=1");
     wire_plain(b, REC_GONE, "w=4 why=exit-3");
     wire_plain(b, REC_NONE, "peer=4 idle=1 next=0");
     t.id = 2;
-    wire_frag(b, &t, &t.at, rgba);
+    wire_frag(b, &t, &t.at, JOB, rgba);
     wire_done(b, &t, 1, 2);
     wire_plain(b, REC_BYE, NULL);
 }
@@ -125,7 +127,7 @@ static void test_frame(void **state)
     struct buf b = {0};
     struct decoder d;
     struct record r;
-    wire_frame(&b, 4294967295u, 65535, 1, " job=00ff");
+    wire_frame(&b, 4294967295u, 65535, 1, "job=00ff");
     assert_memory_equal(buf_data(&b), "frame 4294967295 65535 1 job=00ff\n", buf_size(&b));
     only(&d, &b, &r);
     assert_int_equal(r.kind, REC_FRAME);
@@ -192,7 +194,7 @@ static void test_frag(void **state)
     struct decoder d;
     struct record r;
     some_pixels(rgba, 24);
-    wire_frag(&b, &some_task, &some_task.at, rgba);
+    wire_frag(&b, &some_task, &some_task.at, JOB, rgba);
     only(&d, &b, &r);
     assert_int_equal(r.kind, REC_FRAG);
     assert_true(r.task.frame == 7 && r.task.id == 4294967295u && r.task.to == -1);
@@ -217,12 +219,12 @@ static void test_largest_frag(void **state)
     struct buf b = {0};
     struct decoder d = {0};
     struct record r;
-    wire_frag(&b, &t, &t.at, rgba);
+    wire_frag(&b, &t, &t.at, JOB, rgba);
     only(&d, &b, &r);
     no_more(&d);
     buf_consume(&b, buf_size(&b));
     t.at.w++;
-    wire_frag(&b, &t, &t.at, rgba);
+    wire_frag(&b, &t, &t.at, JOB, rgba);
     wire_feed(&d, buf_data(&b), buf_size(&b));
     assert_int_equal(wire_next(&d, &r), WIRE_BAD);
     assert_non_null(strstr(d.why, "at most 65536 pixels"));
@@ -248,7 +250,7 @@ static void test_done_and_plain(void **state)
     assert_false(rec_int(&r, "us", 0, 9, &v)); /* the end of a key is no key */
     no_more(&d);
     buf_consume(&b, buf_size(&b));
-    wire_plain(&b, REC_HELLO, "rtworker 0.1 selftest=abc power=1.347");
+    wire_hello(&b, "rtworker", "abc", 1.347, 1);
     only(&d, &b, &r);
     assert_true(r.kind == REC_HELLO && rec_real(&r, "power", 0, 10, &x) && x == 1.347);
     assert_false(rec_real(&r, "selftest", 0, 10, &x));
@@ -272,6 +274,18 @@ static void test_done_and_plain(void **state)
 
 /* ---- passing on ------------------------------------------------------------------------- */
 
+/* It is this line, and sealed if that is more than a word. */
+static void assert_unsealed(const struct buf *b, const char *expected)
+{
+    size_t n = strcspn(expected, "\n");
+    bool seal = memchr(expected, ' ', n);
+    size_t at = seal ? n + WIRE_SEAL_BYTES : n;
+    assert_int_equal(buf_size(b), strlen(expected) + at - n);
+    assert_memory_equal(buf_data(b), expected, n);
+    if (seal) assert_memory_equal(buf_data(b) + n, " sum=", 5);
+    assert_memory_equal(buf_data(b) + at, expected + n, strlen(expected) - n);
+}
+
 static void check_forward(
     const char *line, const char *const *drop, const char *extra, const char *expected)
 {
@@ -282,8 +296,7 @@ static void check_forward(
     wire_end(&d);
     if (wire_next(&d, &r) != WIRE_RECORD) fail_msg("refused: %s", d.why);
     wire_forward(&b, &r, drop, extra);
-    assert_int_equal(buf_size(&b), strlen(expected));
-    assert_memory_equal(buf_data(&b), expected, strlen(expected));
+    assert_unsealed(&b, expected);
     buf_free(&b);
     wire_free(&d);
 }
@@ -298,8 +311,7 @@ static void assert_ring(
     struct task t = some_task;
     t.to = to;
     wire_ring(&b, kind, &t, m);
-    assert_int_equal(buf_size(&b), strlen(expected));
-    assert_memory_equal(buf_data(&b), expected, buf_size(&b));
+    assert_unsealed(&b, expected);
     only(&d, &b, &r);
     assert_true(r.kind == kind && r.task.to == to && rec_ring(&r, &got));
     assert_true(got.peer == m->peer && got.next == m->next && got.me == m->me && got.n == m->n);
@@ -343,6 +355,8 @@ static void test_forward(void **state)
     check_forward("scene new=1 bytes=3\nabc", drop, "w=1", "scene new=1 bytes=3 w=1\nabc");
     check_forward("beat w=1 w=2\n", drop, NULL, "beat\n");
     check_forward("beat empty=\n", drop, NULL, "beat empty=\n");
+    check_forward("beat w=3 sum=c52c795e\n", drop, NULL, "beat\n");
+    check_forward("beat w=3 sum=c52c795e\n", NULL, "x=1", "beat w=3 x=1\n");
 }
 
 /* ---- what is refused -------------------------------------------------------------------- */
@@ -366,7 +380,8 @@ static void test_refused(void **state)
         "frag 0 0 0 0 1 1 1 1 ch=3 crc=0 bytes=16\n0123456789abcdef",
         "frag 0 0 0 0 1 1 1 1 ch=4 crc=0 bytes=15\n0123456789abcde",
         "frag 0 0 0 0 65537 1 1 1 ch=4 crc=0 bytes=1048592\n",
-        "frag 0 0 0 0 4294967295 65535 1 1 ch=4\n", "hello\n", "hello rtworker\n",
+        "frag 0 0 0 0 4294967295 65535 1 1 ch=4\n", "beat w=3 sum=c52c795f\n",
+        "beat w=3 sum=C52C795E\n", "beat w=3 sum=zzzzzzzz\n", "hello\n", "hello rtworker\n",
         "hello rtworker x=1\n", "beat 3\n", "beat w\n", "beat \303\244=1\n", "beat", "flush",
         "up\n", "gone why=x\n", "up host=: power=1\n", "task 0 0 0 0 1 1 1 1 peer=-1\n",
         "task 0 0 0 0 1 1 1 1 peer=1048576\n", "ask 3\n", "ask peer=\n", "ask peer=1048576\n",
@@ -525,8 +540,7 @@ static void test_begun_at_every_byte(void **state)
     buf_free(&log);
 }
 
-/* Any bit of a frag flipped: it is lost or, where the line still says something sane, says
- * something else; all that follows is there. */
+/* Any bit of a frag flipped: it is lost, and all that follows is there. */
 static void test_every_bit_flipped(void **state)
 {
     (void)state;
@@ -534,21 +548,116 @@ static void test_every_bit_flipped(void **state)
     struct buf b = {0};
     struct task t = {0, 1, {0, 1, 2, 1, 1, 1}, -1, 0};
     some_pixels(rgba, 8);
-    wire_frag(&b, &t, &t.at, rgba);
-    size_t n = buf_size(&b), head = n - 32;
+    wire_frag(&b, &t, &t.at, JOB, rgba);
+    size_t n = buf_size(&b);
     wire_done(&b, &t, 1, 2);
     wire_plain(&b, REC_BYE, NULL);
     for (size_t bit = 0; bit < 8 * n; bit++) {
-        struct decoder d = {0};
+        struct decoder d = {.upward = true};
         b.data[b.off + bit / 8] ^= (unsigned char)(1 << bit % 8);
         struct seen s = decode(&d, buf_data(&b), buf_size(&b), bit & 1);
-        if (bit / 8 >= head) assert_true(s.records == 2 && d.bad == 1 && d.skipped == n);
-        else assert_true(s.records >= 2 && d.bad <= 1);
+        assert_true(s.records == 2 && d.bad == 1 && d.skipped == n);
         wire_free(&d);
         buf_free(&s.bytes);
         b.data[b.off + bit / 8] ^= (unsigned char)(1 << bit % 8);
     }
     buf_free(&b);
+}
+
+/* Two bits of any sealed line: as above. */
+static void test_sealed_lines(void **state)
+{
+    (void)state;
+    struct buf log = {0};
+    struct decoder d = {.upward = true};
+    struct record r;
+    some_log(&log);
+    wire_feed(&d, buf_data(&log), buf_size(&log));
+    while (wire_next(&d, &r) == WIRE_RECORD) {
+        assert_true(rec_sealed(&r) || r.line_len == strlen(rec_name(r.kind)));
+        for (uint64_t k = 0; k < 200 && rec_sealed(&r); k++) {
+            struct decoder one = {.upward = true};
+            struct record got;
+            char line[WIRE_LINE_MAX];
+            memcpy(line, r.line, r.line_len);
+            line[r.line_len] = '\n';
+            size_t bits = 8 * r.line_len, at[2] = {rng_u64(r.line_len, 2 * k) % bits};
+            at[1] = (at[0] + 1 + rng_u64(r.line_len, 2 * k + 1) % (bits - 1)) % bits;
+            for (int i = 0; i < 2; i++) line[at[i] / 8] ^= (char)(1 << at[i] % 8);
+            wire_feed(&one, line, r.line_len + 1);
+            wire_end(&one);
+            bool hello = wire_next(&one, &got) == WIRE_RECORD && got.kind == REC_HELLO;
+            /* A hello may have none, and says something else then only in three bits. */
+            assert_true(hello ? !rec_sealed(&got) : one.bad == 1);
+            wire_free(&one);
+        }
+    }
+    wire_free(&d);
+    buf_free(&log);
+}
+
+/* Only workers' lines have to be sealed: who writes tasks by hand has no sums. */
+static void test_seal_is_asked_for(void **state)
+{
+    (void)state;
+    static const char text[] = "done 0 1 cpu_us=1 wall_us=1\nhello x 1 format=3 selftest=0\nbeat\n";
+    for (int upward = 0; upward <= 1; upward++) {
+        struct decoder d = {.upward = upward};
+        struct record r;
+        char why[160] = "";
+        feed_text(&d, text);
+        assert_int_equal(wire_next(&d, &r), upward ? WIRE_BAD : WIRE_RECORD);
+        if (upward) assert_non_null(strstr(d.why, "no sum, expected sum="));
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        assert_false(rec_ours(&r, why));
+        assert_string_equal(why, "is of format 3, expected 2");
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        assert_true(rec_ours(&r, why));
+        wire_free(&d);
+    }
+    struct decoder d = {.upward = true};
+    struct record r;
+    char why[160];
+    feed_text(&d, "hello rtworker 0.1 selftest=00ff\n");
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    assert_false(rec_ours(&r, why));
+    assert_string_equal(why, "is of format 1, expected 2");
+    wire_free(&d);
+}
+
+/* A frag that is no light is bad as a whole, whatever its body looks like. */
+static void test_light(void **state)
+{
+    (void)state;
+    const struct {
+        float value;
+        int channel;
+        bool good;
+    } cases[] = {{0, 0, true}, {-0.0f, 1, true}, {1e-45f, 2, true}, {3.4028235e38f, 0, true},
+        {1, 3, true}, {-0.0f, 3, true}, {1.0000001f, 3, false}, {-1e-45f, 3, false},
+        {-1e-45f, 0, false}, {-1, 1, false}, {INFINITY, 2, false}, {-INFINITY, 0, false},
+        {INFINITY, 3, false}, {NAN, 0, false}, {-NAN, 1, false}, {NAN, 3, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (size_t at = 0; at < 3; at++) {
+            float rgba[12];
+            struct task t = {.at = {0, 0, 3, 1, 1, 1}};
+            struct buf b = {0};
+            struct decoder d = {.upward = true};
+            struct record r;
+            some_pixels(rgba, 12);
+            rgba[4 * at + (size_t)cases[i].channel] = cases[i].value;
+            wire_frag(&b, &t, &t.at, JOB, rgba);
+            size_t n = buf_size(&b);
+            wire_plain(&b, REC_BEAT, NULL);
+            wire_feed(&d, buf_data(&b), buf_size(&b));
+            assert_int_equal(wire_next(&d, &r), cases[i].good ? WIRE_RECORD : WIRE_BAD);
+            if (!cases[i].good) assert_non_null(strstr(d.why, "no light"));
+            assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+            assert_int_equal(r.kind, REC_BEAT);
+            assert_int_equal(d.skipped, cases[i].good ? 0 : n);
+            wire_free(&d);
+            buf_free(&b);
+        }
 }
 
 static void test_garbage_between(void **state)
@@ -722,6 +831,9 @@ int main(void)
         cmocka_unit_test(test_torn_at_every_byte),
         cmocka_unit_test(test_begun_at_every_byte),
         cmocka_unit_test(test_every_bit_flipped),
+        cmocka_unit_test(test_sealed_lines),
+        cmocka_unit_test(test_seal_is_asked_for),
+        cmocka_unit_test(test_light),
         cmocka_unit_test(test_garbage_between),
         cmocka_unit_test(test_told_once),
         cmocka_unit_test(test_enemies),
