@@ -219,9 +219,7 @@ static void order_by_cost(const struct options *o, struct place *at, uint32_t n)
     struct log_costs costs;
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
     char why[LOG_WHY];
-    int failed = log_costs_read(o->cost_log, &costs, why);
-    if (failed > 0) die(ST_USAGE, "%s: %s", o->cost_log, why);
-    if (failed) die(ST_USAGE, "%s:", o->cost_log);
+    if (log_costs_read(o->cost_log, &costs, why) != 0) die(ST_USAGE, "%s: %s", o->cost_log, why);
     if (!costs.us)
         die(ST_USAGE, "%s: has no costs, expected a log of a picture of the same scene",
             o->cost_log);

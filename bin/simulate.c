@@ -237,9 +237,7 @@ static double *costs_of(const struct options *o)
     struct log_costs c = {0};
     if (o->log) {
         char why[LOG_WHY];
-        int failed = log_costs_read(o->log, &c, why);
-        if (failed > 0) die(ST_USAGE, "%s: %s", o->log, why);
-        if (failed) die(ST_USAGE, "%s:", o->log);
+        if (log_costs_read(o->log, &c, why) != 0) die(ST_USAGE, "%s: %s", o->log, why);
         if (!c.us) die(ST_USAGE, "%s: expected the log of a picture", o->log);
     }
     double *us = xcalloc((size_t)w->frame_w * w->frame_h, sizeof *us);

@@ -1,6 +1,7 @@
 /* What pixels cost, after a log. */
 #include "log/log.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,12 +96,10 @@ int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY])
     struct intake unused = {0};
     const struct log_reader reader = {.record = take, .ctx = &s};
     *c = (struct log_costs){0};
-    *why = '\0';
     int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) return -1;
-    int failed = log_read(&unused, fd, path, &reader);
-    close(fd);
-    if (failed > 0) snprintf(why, LOG_WHY, "%s", unused.why);
+    int failed = fd < 0 ? -1 : log_read(&unused, fd, path, &reader);
+    if (failed) snprintf(why, LOG_WHY, "%s", failed > 0 ? unused.why : strerror(errno));
+    if (fd >= 0) close(fd);
     if (!failed && s.of) spread(&s);
     tasks_free(&s.tasks);
     free(s.us);

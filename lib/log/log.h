@@ -99,7 +99,7 @@ struct log_costs {
     uint32_t w, h; /* 0: the log has no task that was both done and delivered */
     double *us;    /* row by row */
 };
-/* Reads the log's first frame; what is missing of it gets the mean. 0, or -1 with errno. */
+/* Reads the log's first frame; what is missing of it gets the mean. 0, or else why says why not. */
 int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY]);
 void log_costs_free(struct log_costs *c);
 /* The same for pixel p of a picture of any size of the same scene. */
