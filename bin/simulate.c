@@ -235,11 +235,9 @@ static double *costs_of(const struct options *o)
 {
     const struct sim_work *w = &o->work;
     struct log_costs c = {0};
-    if (o->log) {
-        char why[LOG_WHY];
-        if (log_costs_read(o->log, &c, why) != 0) die(ST_USAGE, "%s: %s", o->log, why);
-        if (!c.us) die(ST_USAGE, "%s: expected the log of a picture", o->log);
-    }
+    char why[LOG_WHY];
+    if (o->log && log_costs_read(o->log, &c, why) != 0) die(ST_USAGE, "%s: %s", o->log, why);
+    if (o->log && !c.us) die(ST_USAGE, "%s: expected the log of a picture", o->log);
     double *us = xcalloc((size_t)w->frame_w * w->frame_h, sizeof *us);
     for (int32_t i = 0; i < o->plan.tasks; i++) {
         const struct task *t = &o->tasks[i];
