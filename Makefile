@@ -10,6 +10,15 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -W
            -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wdouble-promotion
 # No contraction into FMA and no fast-math: the same bits on every host.
 MODEL    = -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -Ilib
+# Hardened: what this compiler lacks, or warns of with these CFLAGS, is left out. CFLAGS and LDFLAGS come later and win.
+HARD     = -fPIE -fstack-protector-strong -fstack-clash-protection -fcf-protection -mbranch-protection=standard
+HARD_LD  = -Wl,-z,relro,-z,now $(if $(filter -static,$(CFLAGS) $(LDFLAGS)),,-pie)
+FORTIFY  = -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=
+accepted = $(shell $(CC) $(1) $(CFLAGS) -Werror -S -o - -x c -include stdio.h /dev/null >/dev/null 2>&1 && echo '$(1)')
+# A sanitizer sees more where the C library does not check first. Found out when something is compiled, and once.
+probed   = $(foreach f,$(HARD),$(call accepted,$(f))) $(if $(findstring -fsanitize,$(CFLAGS)),,$(or \
+           $(call accepted,$(FORTIFY)3),$(call accepted,$(FORTIFY)2)))
+HARDENED = $(eval HARDENED := $(probed))$(HARDENED)
 # Three files are compiled for wider vectors, and used only where the machine has them.
 FLAGS_kernels_avx2 = $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),-mavx2 -mno-fma)
 FLAGS_kernel_avx2 = $(FLAGS_kernels_avx2)
@@ -122,11 +131,11 @@ $(BUILD)/libstormring.a: $(LIBOBJ)
 
 $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -MP -c -o $@ $<
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -MP -c -o $@ $<
 
 $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(BUILD)/dep $(BIN)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
 $(COPIES): $(BIN)/%: bin/%
@@ -135,10 +144,10 @@ $(COPIES): $(BIN)/%: bin/%
 
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
 
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
-	$(CC) $(MODEL) $(WARN) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
 install: all
 	@tests/install $(TO) $(PROGRAMS) $(SCRIPTS)

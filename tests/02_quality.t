@@ -15,6 +15,27 @@ ok 'gcc has nothing to say' build gcc gcc '-O2 -Werror' all unit
 ok 'clang has nothing to say' build clang clang '-O2 -Werror' all unit
 ok 'with sanitizers it builds' build sanitized gcc "$sanitize -Werror" all unit
 
+# hardened BUILD: each program is position independent, relocations are read-only and bound at the start, and there are
+# calls to check the stack and the sizes of buffers; each object is marked for CET where all are meant to be. (Programs
+# are not: Debian's own start-up files are not marked.)
+hardened() {
+	make -n -B BUILD="build/$1" CC="$1" CFLAGS='-O2 -Werror' "build/$1/base/clock.o" | grep -e -fstack-clash-protection || return
+	[ "$($1 -dumpmachine)" != x86_64-linux-gnu ] ||
+		readelf -n "build/$1/libstormring.a" | awk '/^File:/ { n++ } /IBT, SHSTK/ { with++ } END { print n - with, "objects of", n, "without CET"; exit !n || n > with }' || return
+	[ -x "build/$1/bin/deal" ] && for program in "build/$1"/bin/*; do
+		[ "$(dd if="$program" bs=1 skip=1 count=3 2>/dev/null)" = ELF ] || continue
+		readelf -W -h -l -d --dyn-syms "$program" >"$tmp/elf" || return
+		for sign in 'Type: +DYN' 'FLAGS_1.* NOW.* PIE' GNU_RELRO __stack_chk_fail '_chk(@|$)'; do
+			grep -Eq "$sign" "$tmp/elf" || { echo "$program: has no $sign"; return 1; }
+		done
+	done
+}
+for name in gcc clang; do ok "what $name builds is hardened" hardened $name; done
+ok 'without optimisation it builds as well' build plain gcc '-O0 -Werror' build/plain/base/clock.o
+is 'CFLAGS and LDFLAGS come behind, and win' "$(make -n -B BUILD=build/plain CC=gcc CFLAGS='-O0 -fno-pie -fno-stack-protector' \
+	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |
+	grep -Ec 'stack-protector-strong .*-fno-stack-protector .*-pie .*-no-pie ')" 1
+
 # Out of memory is one of the things that test_base tries.
 for unit in tests/unit/test_*.c; do
 	name=$(basename "$unit" .c)
