@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 5 /* of the picture: raise it when a pixel of any volume changes */
+#define FORMAT_VERSION 6 /* of the picture: raise it when a pixel of any volume changes */
 
 struct options {
     struct volume_options volume;

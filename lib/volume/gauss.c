@@ -28,8 +28,9 @@ static double root_between(int m, double lo, double hi)
     return lo;
 }
 
-void gauss_rule(int m, double *node, double *weight)
+void gauss_rule(struct rule *r, int m)
 {
+    r->m = m;
     double x[GAUSS_MAX] = {0}, old[GAUSS_MAX + 2] = {-1 + 0x1p-52, 1 - 0x1p-52};
     for (int n = 1; n <= m; n++) {
         for (int i = 0; i < n; i++) x[i] = root_between(n, old[i], old[i + 1]);
@@ -39,7 +40,7 @@ void gauss_rule(int m, double *node, double *weight)
     for (int i = 0; i < m; i++) {
         double slope;
         legendre(m, x[i], &slope);
-        node[i] = 0.5 + 0.5 * x[i];
-        weight[i] = 1 / ((1 - x[i] * x[i]) * slope * slope);
+        r->node[i] = 0.5 + 0.5 * x[i];
+        r->weight[i] = 1 / ((1 - x[i] * x[i]) * slope * slope);
     }
 }

@@ -80,29 +80,26 @@ static void doubling(struct path *p, double a, double b)
 
 /* ---- Gauss-Legendre ------------------------------------------------------------------------- */
 
-/* The optical depth of a piece, up to x of it. */
-static double depth_to(const struct path *p, const struct piece *s, double x)
+double depth_to(const struct path *p, const struct piece *s, double x)
 {
     const double *q = s->q;
     double mean = q[0] + x * (q[1] / 2 + x * (q[2] / 3 + x * q[3] / 4));
     return x * (s->span->k0 + s->span->k1 * mean) * (s->b - s->a) * p->cell->len;
 }
 
-/* Its own quadrature gives the mean colour; the optical depth, and so alpha, is exact. */
-static void gauss(struct path *p, const struct piece *s, double depth)
+void gauss(struct path *p, const struct piece *s, double depth, const struct rule *r)
 {
-    const struct volume *v = p->v;
     const struct span *f = s->span;
-    bool lit = v->spec->lit || v->spec->attenuation > 0;
+    bool lit = is_lit(p->v);
     double sum = 0, rgb[3] = {0, 0, 0};
-    for (int i = 0; i < v->m; i++) {
-        double x = cubic_at(s->q, v->node[i]), k = f->k0 + f->k1 * x;
-        double weight = v->weight[i] * k * volume_exp(-depth_to(p, s, v->node[i]));
-        double light = lit ? path_light(p, s->a + (s->b - s->a) * v->node[i]) : 1;
+    for (int i = 0; i < r->m; i++) {
+        double x = cubic_at(s->q, r->node[i]), k = f->k0 + f->k1 * x;
+        double weight = r->weight[i] * k * volume_exp(-depth_to(p, s, r->node[i]));
+        double light = lit ? path_light(p, s->a + (s->b - s->a) * r->node[i]) : 1;
         sum += weight;
         for (int c = 0; c < 3; c++) rgb[c] += weight * light * (f->rgb0[c] + f->rgb1[c] * x);
     }
-    p->v->counts.samples += (uint64_t)v->m;
+    p->v->counts.samples += (uint64_t)r->m;
     if (!(sum > 0)) { /* so deep that no node is seen: it is where it begins that is */
         double light = lit ? path_light(p, s->a) : 1;
         for (int c = 0; c < 3; c++) rgb[c] = light * (f->rgb0[c] + f->rgb1[c] * s->q[0]);
@@ -112,8 +109,7 @@ static void gauss(struct path *p, const struct piece *s, double depth)
     path_add(p, depth, rgb);
 }
 
-/* The two halves of a piece. */
-static void halve(const struct piece *s, struct piece half[2])
+void halve(const struct piece *s, struct piece half[2])
 {
     double middle = s->a + (s->b - s->a) / 2;
     half[0] = half[1] = *s;
@@ -127,7 +123,7 @@ static void by_depth(struct path *p, const struct piece *s, int halvings)
     double depth = depth_to(p, s, 1);
     if (!(depth > 0) || path_done(p)) return;
     if (depth <= DEPTH_MAX || halvings == HALVINGS_MAX) {
-        gauss(p, s, depth);
+        gauss(p, s, depth, &p->v->rule);
         return;
     }
     struct piece half[2];
@@ -157,24 +153,9 @@ static void moments(struct path *p, const struct piece *s, double depth)
     path_add(p, depth, rgb);
 }
 
-/* Halved until it changes less than the tolerance: light on a curved field has no better bound. */
-static void refine(struct path *p, const struct piece *s, int halvings)
+bool is_straight(const struct piece *s, double lo, double hi)
 {
-    double depth = depth_to(p, s, 1);
-    if (!(depth > 0) || path_done(p)) return;
-    struct path whole = *p, halved = *p;
-    struct piece half[2];
-    gauss(&whole, s, depth);
-    halve(s, half);
-    for (int i = 0; i < 2; i++) gauss(&halved, &half[i], depth_to(p, &half[i], 1));
-    double change = 0;
-    for (int c = 0; c < 3; c++) change = fmax(change, fabs(whole.rgb[c] - halved.rgb[c]));
-    bool good = change <= p->v->o.tolerance * (p->clear - halved.clear);
-    if (good || halvings == HALVINGS_MAX) {
-        *p = halved;
-        return;
-    }
-    for (int i = 0; i < 2; i++) refine(p, &half[i], halvings + 1);
+    return fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
 }
 
 /* By exact moments or by nodes, what is good enough; else its halves. */
@@ -184,9 +165,10 @@ static void by_bounds(struct path *p, const struct piece *s, int halvings)
     if (!(depth > 0) || path_done(p)) return;
     cubic_bounds(s->q, &lo, &hi);
     double error = s->span->slope * (hi - lo) * depth * COVARIANCE;
-    bool straight = fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
+    bool straight = is_straight(s, lo, hi);
     if (error <= p->v->o.tolerance) moments(p, s, depth);
-    else if ((straight && depth <= DEPTH_MAX) || halvings == HALVINGS_MAX) gauss(p, s, depth);
+    else if ((straight && depth <= DEPTH_MAX) || halvings == HALVINGS_MAX)
+        gauss(p, s, depth, &p->v->rule);
     else {
         struct piece half[2];
         halve(s, half);
@@ -196,8 +178,7 @@ static void by_bounds(struct path *p, const struct piece *s, int halvings)
 
 static void piece_adaptive(struct path *p, const struct piece *s)
 {
-    const struct spec *spec = p->v->spec;
-    if (spec->lit || spec->attenuation > 0) refine(p, s, 0);
+    if (is_lit(p->v)) lit_piece(p, s);
     else by_bounds(p, s, 0);
 }
 

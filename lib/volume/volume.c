@@ -52,14 +52,14 @@ struct volume *volume_new(
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
-    v->m = o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map);
+    gauss_rule(&v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
+    if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
     v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? kernel_avx512() : NULL;
     if (!v->kernel && o->isa != ISA_SSE2) v->kernel = kernel_avx2();
     if (!v->kernel) v->kernel = kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
                  !(s->attenuation > 0);
     if (v->batched && stream_fits(v)) v->stream = stream_new(v);
-    gauss_rule(v->m, v->node, v->weight);
     v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
     return v;

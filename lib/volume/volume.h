@@ -100,7 +100,7 @@ struct spec_knot {
 struct spec_iso {
     double s, rgb[3], opacity; /* opacity 0 .. 1, of the sheet itself, whatever its slant */
 };
-#define SPEC_LIMIT .999 /* of opacity, where none is given */
+#define SPEC_LIMIT .9999 /* of opacity, where none is given */
 struct spec {
     double from[3], at[3], up[3], angle; /* as in NFF, in scaled space; angle in degrees */
     uint32_t w, h;                       /* resolution */

@@ -1,8 +1,8 @@
 /*
  * volume_int: what the renderer's files share. A ray walks the grid (walk.c); the field along it in
  * one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c); it is cut where it meets a
- * sheet or a knot of the map (piece.c), and integrated (integrate.c). Where there are neither
- * sheets nor light, the default method takes cells several at a time (batch.h, kernel.h).
+ * sheet or a knot of the map (piece.c), and integrated (integrate.c, lit.c). Where there are
+ * neither sheets nor light, the default method takes cells several at a time (batch.h, kernel.h).
  */
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
@@ -87,6 +87,12 @@ struct crossing {
     const struct spec_iso *iso;
 };
 
+/* Nodes and weights of Gauss and Legendre for 0 .. 1. */
+struct rule {
+    int m;
+    double node[GAUSS_MAX], weight[GAUSS_MAX];
+};
+
 struct volume {
     const struct spec *spec;
     struct volume_options o;
@@ -104,8 +110,9 @@ struct volume {
     double range; /* of values in a live cell, at most */
     struct map map;
     struct camera camera;
-    int m; /* Gauss-Legendre nodes and weights on 0 .. 1 */
-    double node[GAUSS_MAX], weight[GAUSS_MAX];
+    struct rule rule;          /* of the method; under a light, for straight pieces, */
+    struct rule bent;          /* and for others */
+    double bright;             /* the greatest colour that the map has */
     struct crossing *crossing; /* of one cell */
     bool *above;               /* by surface: the ray is at or above its value */
     const struct kernel *kernel;
@@ -211,8 +218,22 @@ struct piece {
  */
 #define DEPTH_MAX 1.0
 #define BEND_MAX 0.5
-/* Nodes and weights of Gauss and Legendre for 0 .. 1. */
-void gauss_rule(int m, double *node, double *weight);
+void gauss_rule(struct rule *r, int m);
+/* The optical depth of a piece, up to x of it. */
+double depth_to(const struct path *p, const struct piece *s, double x);
+bool is_straight(const struct piece *s, double lo, double hi);
+/* Adds a piece of this depth: the rule gives the mean colour, alpha is exact. */
+void gauss(struct path *p, const struct piece *s, double depth, const struct rule *r);
+/* The two halves of a piece. */
+void halve(const struct piece *s, struct piece half[2]);
+/* lit.c: a piece by the adaptive method, where there is a light or an attenuation; and the rules
+ * for it. */
+static inline bool is_lit(const struct volume *v)
+{
+    return v->spec->lit || v->spec->attenuation > 0;
+}
+void lit_piece(struct path *p, const struct piece *s);
+void lit_rules(struct volume *v);
 /* Between w = a and b of the cell, by the method of the options. */
 void integrate(struct path *p, double a, double b);
 /* As opaque as the specification wants. */

@@ -35,7 +35,7 @@ static void test_defaults(void **state)
     assert_true(s.at[0] == 1 && s.at[1] == 2 && s.at[2] == 3);
     assert_true(s.up[0] == 0 && s.up[1] == 0 && s.up[2] == 1);
     assert_true(s.angle == 40 && s.w == 64 && s.h == 48);
-    assert_true(!s.lit && !s.backed && s.attenuation == 0 && s.opacity_limit == .999);
+    assert_true(!s.lit && !s.backed && s.attenuation == 0 && s.opacity_limit == .9999);
     assert_true(s.scale[0] == 1 && s.scale[1] == 1 && s.scale[2] == 1);
     assert_true(s.n_knots == 2 && s.n_isos == 0);
     assert_true(s.knot[0].s == 1 && s.knot[0].k == .4);
