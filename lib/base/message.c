@@ -117,10 +117,8 @@ void version(void)
 void close_stdout(void)
 {
     bool failed = ferror(stdout) != 0; /* then errno is long gone */
-    errno = 0;
-    if (fclose(stdout) != 0 || failed) {
-        if (!errno) errno = EIO;
-        if (errno == EPIPE) exit(ST_SYSTEM); /* the reader has gone: nobody to tell */
-        die(ST_SYSTEM, "standard output:");
-    }
+    int err = fclose(stdout) != 0 ? errno : failed ? EIO : 0;
+    if (err == EPIPE) exit(ST_SYSTEM); /* the reader has gone: nobody to tell */
+    errno = err;
+    if (err) die(ST_SYSTEM, "standard output:");
 }
