@@ -1,6 +1,7 @@
 # shellcheck shell=sh disable=SC2154  # usage and here are set by the script that reads this
 # Each script reads this first, with its usage in $usage and its own directory in $here: what all programs answer.
 # Those in C have it from lib/base/option.c.
+LC_ALL=C && export LC_ALL # awk and others write and read numbers with a point, whatever the user's language
 # answer TEXT: all that was asked for
 answer() {
 	{ printf '%s\n' "$1"; } 2>/dev/null || { echo "${0##*/}: standard output: cannot be written" >&2; exit 3; }

@@ -61,6 +61,14 @@ clean 'every public header compiles alone'
 # ---- sizes -------------------------------------------------------------------------------------------------
 sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
 scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* .ci/run 2>/dev/null)
+# What awk, sort and others print and read is by the user's language, unless LC_ALL is set, which stormring.sh does.
+{
+	grep -q '^LC_ALL=C && export LC_ALL' bin/stormring.sh || echo 'bin/stormring.sh does not set LC_ALL'
+	for script in $(printf '%s\n' "$scripts" | grep '^bin/' | grep -v '^bin/protocol-\|stormring.sh'); do # protocol runs those
+		grep -q '[.] "$here/stormring.sh"' "$script" || grep -HnE '\b(awk|bc|od|seq|sort) ' "$script"
+	done
+} >"$found"
+clean 'numbers that scripts print have a point, in any language'
 # shellcheck disable=SC2086  # lists of names without blanks
 {
 	awk 'length > 100 { print FILENAME ":" FNR ": " length " columns, expected at most 100" }' $sources >"$found"

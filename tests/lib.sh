@@ -16,6 +16,12 @@ for tap_source in "$root"/bin/*.c; do
 	[ -x "$BIN/$tap_program" ] || { echo "Bail out! $tap_program is not built, expected \`make\` first"; exit 3; }
 done
 
+# The programs get the caller's locale; numbers of the tests themselves have a point.
+awk() { LC_ALL=C command awk "$@"; }
+od() { LC_ALL=C command od "$@"; }
+seq() { LC_ALL=C command seq "$@"; }
+sort() { LC_ALL=C command sort "$@"; }
+
 diag() { printf '%s\n' "$*" | sed 's/^/# /'; }
 pass() { tap_n=$((tap_n + 1)); echo "ok $tap_n - $1"; }
 # fail NAME WHY

@@ -2,6 +2,7 @@
 # temporary directory $tmp, removed on every exit, with this clone's programs first on PATH. A timing is a line of
 # numbers; statistics are of columns of lines. Interleave what is compared: A B A B, so that both meet the same noise.
 # shellcheck shell=sh disable=SC2034
+LC_ALL=C && export LC_ALL # numbers have a point, in any language
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd) && tmp=$(mktemp -d) || exit 3
 trap 'rm -rf "$tmp"' EXIT
