@@ -91,7 +91,7 @@ static uint64_t job(void *ctx)
         snprintf(text, sizeof text, "rt %d depth=%d samples=%d threshold=%.17g scene=%016" PRIx64,
             FORMAT_VERSION, t->depth, t->samples, t->threshold, r->at->hash);
     const uint32_t size[2] = {r->w, r->h};
-    return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
+    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
 }
 
 static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }

@@ -144,7 +144,7 @@ static uint64_t job(void *ctx)
         "vc %d method=%d tolerance=%.17g n=%d grid=%016" PRIx64 " spec=%016" PRIx64, FORMAT_VERSION,
         (int)v->method, v->tolerance, v->n, r->at->grid->hash, r->at->spec->hash);
     const uint32_t size[2] = {r->w, r->h};
-    return hash64(hash64(HASH64_INIT, text, (size_t)n), size, sizeof size);
+    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
 }
 
 static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }

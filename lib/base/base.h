@@ -202,6 +202,8 @@ static inline double rng_unit(uint64_t seed, uint64_t counter)
 #define HASH64_INIT UINT64_C(0xcbf29ce484222325)
 /* FNV-1a (Fowler, Noll, Vo), 64 bit, continued from h. Not for adversaries. */
 uint64_t hash64(uint64_t h, const void *p, size_t n);
+/* The same of n numbers of 32 bits, bytes from the least significant: one hash on all machines. */
+uint64_t hash64_u32(uint64_t h, const void *p, size_t n);
 
 /* ---- vectors -------------------------------------------------------------------------- */
 

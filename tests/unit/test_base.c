@@ -446,6 +446,8 @@ static void test_hash(void **state)
     assert_true(hash64(HASH64_INIT, "a", 1) == UINT64_C(0xaf63dc4c8601ec8c));
     assert_true(hash64(HASH64_INIT, "foobar", 6) == UINT64_C(0x85944171f73967e8));
     assert_true(hash64(hash64(HASH64_INIT, "foo", 3), "bar", 3) == UINT64_C(0x85944171f73967e8));
+    const uint32_t foob = 0x626f6f66; /* from its least significant byte */
+    assert_true(hash64(hash64_u32(HASH64_INIT, &foob, 1), "ar", 2) == UINT64_C(0x85944171f73967e8));
 }
 
 static void test_vectors(void **state)
