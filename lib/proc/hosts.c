@@ -240,7 +240,7 @@ static bool named_as_file(const char *name)
 /* A lone name: of a host, or of a file that is not there? */
 static bool doubt(const struct reader *r, struct hosts *h, const char *name)
 {
-    h->no_file = !host_is_here(&h->at[0]) && !strchr(name, '@');
+    h->no_file = strcmp(name, ":") != 0 && !strchr(name, '@');
     if (!named_as_file(name)) return true;
     return refuse(r, "%s: no such file, expected one, or 1/%s for a host", name, name);
 }

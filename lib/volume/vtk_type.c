@@ -16,13 +16,14 @@ const struct vtk_type vtk_types[VTK_TYPES] = {
 
 double vtk_decode(const unsigned char *p, struct vtk_type t)
 {
-    uint64_t u = 0;
-    for (int i = 0; i < t.size; i++) u = u << 8 | p[i];
-    if (t.form == FORM_UNSIGNED) return (double)u;
-    if (t.form == FORM_SIGNED) {
-        uint64_t sign = UINT64_C(1) << (8 * t.size - 1);
-        return u & sign ? -(double)((sign - 1 - (u & (sign - 1))) + 1) : (double)u;
+    uint64_t u = 0, sign = 0;
+    for (int i = 0; i < t.size; i++) {
+        u = u << 8 | p[i];
+        sign = i ? sign << 8 : 0x80;
     }
+    if (t.form == FORM_UNSIGNED) return (double)u;
+    if (t.form == FORM_SIGNED)
+        return u & sign ? -(double)((sign - 1 - (u & (sign - 1))) + 1) : (double)u;
     double d;
     float f;
     uint32_t low = (uint32_t)u;
