@@ -115,8 +115,8 @@ bool gb_index_read(const char *path, struct gb_index *x, char err[VOLUME_ERR])
         read_entry(&in, &x->at[x->n++]);
     }
     gb_close(&in);
-    if (good && !x->at) good = err_set(err, "there is no GRIB message in it, expected some");
-    if (good) qsort(x->at, x->n, sizeof *x->at, in_order);
+    if (good && !x->n) good = err_set(err, "there is no GRIB message in it, expected some");
+    if (good && x->at) qsort(x->at, x->n, sizeof *x->at, in_order);
     else gb_index_free(x);
     return good;
 }

@@ -44,14 +44,14 @@ static int32_t slot_of(struct history *l, const struct record *r)
 /* Was nothing done in the last run? */
 static bool run_idle(const struct history *l)
 {
-    return l->runs && (!l->n_dones || l->dones[l->n_dones - 1].run + 1 < (int32_t)l->n_runs);
+    return l->n_runs && (!l->n_dones || l->dones[l->n_dones - 1].run + 1 < (int32_t)l->n_runs);
 }
 
 /* A hello, or anything else where none came, begins a run; one without a task is none. */
 static void begin_run(struct history *l)
 {
     l->running = true;
-    if (!run_idle(l)) {
+    if (!l->runs || !run_idle(l)) {
         l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
         l->n_runs++;
     }
