@@ -1,0 +1,97 @@
+#!/bin/sh
+# balance -v: what a lying worker computed is found by another host; honest runs pass. Hosts are commands on this machine.
+. "$(dirname "$0")/lib.sh"
+cc -std=c11 -D_GNU_SOURCE -I"$root/lib" -o liar "$root/tests/liar.c" "$root/build/libstormring.a" -lpng -lz -lm ||
+	{ echo 'Bail out! tests/liar.c does not compile'; exit 3; }
+spdgen -s 1 balls >balls.nff
+sed 's/^from .*/from 2 3 1/' balls.nff >other.nff
+balance interleaved -j 2 -s 32x32 -o true.png balls.nff
+
+# three B: hosts a, b and c of a slot, where b's command is B
+three() { printf '%s\n' 'a via="sh -c %c"' "b via=\"$1\"" 'c via="sh -c %c"' >hosts; head -n 2 hosts >two; }
+# counts: "N pieces, D differ, U unchecked" of the last line that verify said
+counts() { printf '%s\n' "$err" | sed -nE 's/^verify: ([0-9]+) of [0-9]+ pieces were .*: ([0-9]+) differ, ([0-9]+) could not be$/\1 \2 \3/p'; }
+
+# ---- honest ------------------------------------------------------------------------------------------------------
+three 'sh -c %c'
+for method in interleaved masterslave adaptive hybrid gdc ss sc ds dc; do
+	rm -f out.png
+	run balance $method -v 1 -S hosts -s 32x32 -o out.png balls.nff
+	is "$method: honest hosts pass" "$status:$(counts | cut -d ' ' -f 2-):$(cmp out.png true.png && echo same)" '0:0 0:same'
+done
+run balance masterslave -v 1 -j 2 -s 32x32 -o out.png balls.nff
+like 'of one host the other slot computes it again, and that is said' "$status $(echo "$err" | tail -n 1)" \
+	'^0 verify: 32 of 32 pieces were computed again on another slot of the only host: 0 differ'
+run balance masterslave -v 1 -j 1 -s 32x32 -o out.png balls.nff
+is 'one slot is refused' "$status:$err" '2:balance: -v: one slot, expected two at least, and two hosts to check hosts'
+for bad in 0 1.5 x -1; do
+	run balance masterslave -v $bad -j 2 -s 32x32 -o out.png balls.nff
+	like "-v $bad is refused" "$status:$err" "^2:balance: -v $bad: expected a fraction above 0, up to 1$"
+done
+run balance masterslave -v 1 -S hosts -s 32x32 balls.nff
+cmp -s "$tmp/.out" true.png
+is 'a picture on standard output' "$?:$status" 0:0
+
+# ---- a liar --------------------------------------------------------------------------------------------------------
+three 'sh -c %c | ./liar .5'
+for method in interleaved masterslave adaptive gdc ss dc; do
+	rm -f lies
+	run balance $method -v 1 -S hosts -s 32x32 -r $method.log -o out.png balls.nff
+	[ -s lies ] || { skip "$method: a lie is found" 'b lied in no fragment'; continue; }
+	is "$method: status 1" "$status" 1
+	like "$method: the liar is named" "$err" '^verify: frame 0 at [0-9]+,[0-9]+: slot 1 \(host b\) computed other pixels than two other hosts'
+	like "$method: and nobody else" "$(echo "$err" | grep -c 'slot [02]')" '^0$'
+done
+rm -f lies
+run balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff
+is 'of two hosts: status 1' "$status" 1
+like 'both are named' "$err" '^verify: frame 0 at 0,[0-9]+: slot [01] \(host [ab]\) and slot [01] \(host [ab]\) computed different pixels'
+
+# What a share of .2 finds: of n lies one at least with 1 - .8^n.
+three 'sh -c %c | ./liar .3 7'
+rm -f lies
+balance interleaved -S hosts -s 32x64 -r few.log -o out.png balls.nff
+sort -u lies >lied
+lied=$(wc -l <lied) found=0 seed=0
+while [ $((seed += 1)) -le 100 ]; do
+	verify -S hosts -s $seed .2 few.log </dev/null | awk '/^task/ { print $4, $5 }' | sort >chosen
+	[ -z "$(comm -12 lied chosen)" ] || found=$((found + 1))
+done
+expected=$(awk -v n="$lied" 'BEGIN { print 100 * (1 - .8 ^ n) }')
+# Four standard deviations; the seeds are always the same ones.
+ok "-v .2: of 100 draws $found find one of $lied lies, expected some $expected" \
+	awk -v found=$found -v e="$expected" 'BEGIN { exit !((found - e) ^ 2 <= 16 * e * (1 - e / 100) + 1) }'
+
+# ---- many pictures, a log that is there ------------------------------------------------------------------------------
+three 'sh -c %c'
+{
+	printf '%s\n' '# vtk DataFile Version 3.0' t ASCII 'DATASET RECTILINEAR_GRID' 'DIMENSIONS 2 2 2'
+	for axis in X Y Z; do printf '%s\n' "${axis}_COORDINATES 2 float" '0 1'; done
+	printf '%s\n' 'POINT_DATA 8' 'SCALARS s float' 'LOOKUP_TABLE default' '1 2 1 2 1 2 1 2'
+} >g.vtk
+sed 's/1 2 1 2 1 2 1 2/2 1 1 2 2 2 1 1/' g.vtk >h.vtk
+printf '%s\n' 'from 3 2 4' 'at .5 .5 .5' 'up 0 0 1' 'angle 30' 'resolution 16 12' 'map 1 1 0 0 1' 'map 2 0 0 1 1' >a.spec
+sed 's/^from.*/from -3 2 4/' a.spec >b.spec
+run balance ds -v 1 -S hosts -o p%d.png g.vtk h.vtk a.spec b.spec
+is 'four pictures of two grids' "$status:$(counts | cut -d ' ' -f 2-):$(echo p?.png)" '0:0 0:p0.png p1.png p2.png p3.png'
+balance interleaved -S hosts -s 32x32 -r there.log -o out.png balls.nff
+run balance interleaved -v 1 -S hosts -s 32x32 -r there.log -o out.png balls.nff
+is 'a log of an earlier run' "$status:$(counts)" '0:32 0 0'
+
+# ---- faults while it verifies ----------------------------------------------------------------------------------------
+# Its second start is cut off in the middle.
+cat >torn <<'END'
+#!/bin/sh
+echo >>starts
+[ "$(wc -l <starts)" -ne 2 ] || { sh -c "$1" | head -c 2500; exit 9; }
+exec sh -c "$1"
+END
+chmod +x torn
+three './torn %c'
+run balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+is 'a worker that is lost leaves its share to others' "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
+printf '#!/bin/sh\nsleep 1\nexec sh -c "$1"\n' >late && chmod +x late
+three './late %c'
+run balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+is 'a slow host' "$status:$(counts)" '0:32 0 0'
+finish
