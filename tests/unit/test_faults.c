@@ -1,7 +1,7 @@
 /*
- * Seeded faults in logs: flipped bits, cuts, records that changed places or came twice. What is
- * called whole afterwards, or when a run has gone on with it, is the same picture. FAULTS=20000 FIRST=SEED make it a campaign; a failing
- * seed is printed as a command.
+ * Seeded faults in logs: flipped bits, cuts, holes, records that changed places or came again. A
+ * picture that is called good afterwards, or when a run has gone on with it, is the same picture.
+ * FAULTS=20000 FIRST=SEED make it a campaign; a failing seed is printed as a command.
  */
 #include "log/log.h"
 
@@ -35,8 +35,7 @@ static void put_row(struct buf *b, uint32_t frame, uint32_t y, const char *job)
     wire_frag(b, &t, &t.at, job, rgba);
 }
 
-/* Three pictures by two runs, the first of which was ended within the second picture. The second one
- * ends early. */
+/* Three pictures by two runs: the first ends within the second picture, the second run early. */
 static void make_log(void)
 {
     for (int run = 0; run < 2; run++) {
