@@ -30,8 +30,8 @@ struct subject {
 struct renderer {
     const struct options *o;
     const char *name;
-    struct subject subjects[2]; /* of the latest generation, and the one before: by parity */
-    struct subject *at;         /* of the frame made ready */
+    struct subject subjects[GENERATIONS]; /* of each that may have tasks, modulo that */
+    struct subject *at;                   /* of the frame made ready */
     uint32_t w, h;
 };
 
@@ -56,7 +56,7 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
     struct renderer *r = ctx;
     bool streamed = strcmp(r->o->path, "-") == 0;
     if (kind == REC_SCENE && streamed)
-        return load(r, &r->subjects[generation & 1], (const char *)body, n, err);
+        return load(r, &r->subjects[generation % GENERATIONS], (const char *)body, n, err);
     snprintf(err, WORKER_ERR, "record `%s`, expected %s", rec_name(kind),
         streamed ? "`scene`" : "none of state, since the scene is a file");
     return -1;
@@ -64,13 +64,13 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
 
 static void drop(void *ctx, uint32_t generation)
 {
-    unload(&((struct renderer *)ctx)->subjects[generation & 1]);
+    unload(&((struct renderer *)ctx)->subjects[generation % GENERATIONS]);
 }
 
 static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct renderer *r = ctx;
-    struct subject *s = r->at = &r->subjects[f->generation & 1];
+    struct subject *s = r->at = &r->subjects[f->generation % GENERATIONS];
     if (!s->loaded) {
         snprintf(err, WORKER_ERR, "no scene, expected a `scene` record before the first task");
         return -1;

@@ -41,9 +41,9 @@ struct subject {
 
 struct renderer {
     const struct options *o;
-    struct subject subjects[2]; /* of the latest generation, and the one before: by parity */
-    uint32_t latest;            /* generation */
-    struct subject *at;         /* of the frame made ready */
+    struct subject subjects[GENERATIONS]; /* of each that may have tasks, modulo that */
+    uint32_t latest;                      /* generation */
+    struct subject *at;                   /* of the frame made ready */
     uint32_t w, h;
 };
 
@@ -63,7 +63,7 @@ static void drop_part(struct subject *s, struct shared **part)
 
 static void drop(void *ctx, uint32_t generation)
 {
-    struct subject *s = &((struct renderer *)ctx)->subjects[generation & 1];
+    struct subject *s = &((struct renderer *)ctx)->subjects[generation % GENERATIONS];
     drop_part(s, &s->grid);
     drop_part(s, &s->spec);
 }
@@ -93,7 +93,8 @@ static int load_spec(
 /* A generation begins with all that the one before has. */
 static struct subject *subject_of(struct renderer *r, uint32_t generation)
 {
-    struct subject *s = &r->subjects[generation & 1], *before = &r->subjects[~generation & 1];
+    struct subject *s = &r->subjects[generation % GENERATIONS],
+                   *before = &r->subjects[(generation - 1) % GENERATIONS];
     if (generation == r->latest) return s;
     r->latest = generation;
     drop(r, generation);
@@ -121,7 +122,7 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
 static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct renderer *r = ctx;
-    struct subject *s = r->at = &r->subjects[f->generation & 1];
+    struct subject *s = r->at = &r->subjects[f->generation % GENERATIONS];
     if (!s->grid || !s->spec) {
         const char *missing = s->grid ? "spec" : "grid";
         snprintf(err, WORKER_ERR, "no %s, expected a `%s` record before the first task", missing,

@@ -163,6 +163,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us()};
     f->listing = listing;
     f->in_open = !listing;
+    f->input.generations.keeps = true;
     f->n_hosts = (int)o->hosts->n;
     f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
     f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
@@ -219,7 +220,7 @@ void fan_close(struct fan *f)
 {
     stop(f);
     for (int i = 0; i < f->n_hosts; i++) host_argv_free(f->hosts[i].argv);
-    for (int i = 0; i < 2; i++) fan_forget(&f->states[i]);
+    for (int i = 0; i < GENERATIONS; i++) fan_forget(&f->states[i]);
     free(f->hosts);
     free(f->slots);
     wire_free(&f->in);

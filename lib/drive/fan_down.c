@@ -1,22 +1,34 @@
 /*
  * fan: what comes down. State goes to all slots, a task to one; a bad input ends the run. The
- * latest state and its frames are kept for slots that come later.
+ * latest states and their frames are kept for slots that come later.
  */
 #include "drive/fan_int.h"
 
 #include <unistd.h>
 
 /* What may wait in the queue of one slot, then the input has to wait. State is kept once for all
- * slots, so it is the number of its records that counts. */
-#define STATES_MOST 16
+ * slots, so many records of it may, but not both many and long ones. A slot that lags is sent no
+ * more of it before its next task (leave_behind): before the others have to wait. */
+#define STATES_MOST 128
+#define LAG_MOST 64
+#define LONG_STATES_MOST 16 /* with more than: */
+#define LONG_LAG_MOST 8     /* likewise */
+#define LONG_BYTES STATE_BYTES
 #define LATE_QUEUE_MOST (64 << 20) /* bytes of tasks for a slot that was not up yet */
+
+static bool too_many(const struct down_queue *q, size_t most, size_t long_most)
+{
+    size_t n = down_blobs(q);
+    return n >= most || (n >= long_most && q->blob_bytes > LONG_BYTES);
+}
 
 bool fan_room_down(const struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         size_t most = slot_fed(s) ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
-        if (buf_size(&s->down.bytes) > most || down_blobs(&s->down) > STATES_MOST) return false;
+        if (buf_size(&s->down.bytes) > most) return false;
+        if (too_many(&s->down, STATES_MOST, LONG_STATES_MOST)) return false;
     }
     return true;
 }
@@ -33,53 +45,59 @@ void fan_forget(struct fan_state_of *state)
     *state = (struct fan_state_of){0};
 }
 
-/* Slot s, which has this state already, or none (NULL), is sent that one. */
-static void send_state(
-    struct fan_slot *s, const struct fan_state_of *has, const struct fan_state_of *state)
+/* Slot s is sent what it lacks of this state. */
+static void send_state(struct fan_slot *s, const struct fan_state_of *state)
 {
-    for (int i = 0; i < KINDS; i++)
-        if (state->kind[i] && !(has && has->kind[i] == state->kind[i]))
-            down_share(&s->down, state->kind[i]);
+    for (int i = 0; i < KINDS; i++) {
+        if (!state->kind[i] || s->sent[i] == state->number[i]) continue;
+        down_share(&s->down, state->kind[i]);
+        s->sent[i] = state->number[i];
+    }
     down_append(&s->down, buf_data(&state->frame_lines), buf_size(&state->frame_lines));
 }
 
 /*
- * A task of the state before the latest, for a slot that was not sent that: it is sent both, in
- * their order, so that the worker's latest is the latest again.
+ * A task of a state before the latest, for a slot that was not sent that: it is sent this one and
+ * all that came after, in their order, so that the worker's latest is the latest again.
  */
 void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation)
 {
-    uint32_t now = f->input.generations.now;
-    const struct fan_state_of *latest = &f->states[now & 1], *before = &f->states[~now & 1];
-    const struct fan_state_of *has = s->primed ? latest : NULL;
-    if (generation != now) {
-        send_state(s, has, before);
-        has = before;
-    }
-    send_state(s, has, latest);
+    for (uint32_t g = generation; g != f->input.generations.now + 1; g++)
+        send_state(s, &f->states[g % GENERATIONS]);
     s->since = generation;
     s->primed = s->loading = true;
+    s->behind = false;
 }
 
 /* Once the latest state has tasks, those of the one before were all given to somebody: they come
  * only where that one is lost. */
 void fan_prime_early(struct fan *f, struct fan_slot *s)
 {
-    uint32_t now = f->input.generations.now;
-    fan_prime(f, s, f->begun ? now : now - 1);
+    const struct generations *g = &f->input.generations;
+    fan_prime(f, s, f->begun || g->now == g->oldest ? g->now : g->now - 1);
 }
 
-/* A generation begins with all that the one before has, and the one before that goes. */
+/* A generation begins with all that the one before has, and the oldest goes. */
 static void begin_generation(struct fan *f)
 {
     uint32_t now = f->input.generations.now;
-    struct fan_state_of *latest = &f->states[now & 1];
+    struct fan_state_of *latest = &f->states[now % GENERATIONS];
+    const struct fan_state_of *before = &f->states[(now - 1) % GENERATIONS];
     f->begun = false;
     fan_forget(latest);
     for (int i = 0; i < KINDS; i++) {
-        latest->kind[i] = f->states[~now & 1].kind[i];
+        latest->kind[i] = before->kind[i];
+        latest->number[i] = before->number[i];
         if (latest->kind[i]) latest->kind[i]->users++;
     }
+}
+
+/* A slot that lags reads nothing, or its link is slow, and others have gone on: it is sent no more
+ * state until it has a task again, so that nobody waits for it. */
+static void leave_behind(struct fan *f)
+{
+    for (int k = 0; k < f->n_slots; k++)
+        f->slots[k].behind |= too_many(&f->slots[k].down, LAG_MOST, LONG_LAG_MOST);
 }
 
 static void route_state(struct fan *f, const struct record *r)
@@ -88,13 +106,22 @@ static void route_state(struct fan *f, const struct record *r)
     struct buf bytes = {0};
     wire_forward(&bytes, r, NULL, NULL);
     bool begins = generation_ends(g, r->kind);
-    generation_state(g, r->kind);
-    if (begins) begin_generation(f);
-    struct blob *b = blob_new(&bytes), **kept = &f->states[g->now & 1].kind[r->kind - REC_SCENE];
+    uint32_t forgotten = g->oldest;
+    generation_state(g, r->kind, r->body_len);
+    for (; forgotten != g->oldest; forgotten++) fan_forget(&f->states[forgotten % GENERATIONS]);
+    if (begins) {
+        begin_generation(f);
+        leave_behind(f);
+    }
+    unsigned kind = r->kind - REC_SCENE;
+    struct fan_state_of *latest = &f->states[g->now % GENERATIONS];
+    struct blob *b = blob_new(&bytes), **kept = &latest->kind[kind];
+    latest->number[kind] = ++f->n_states;
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (!fan_takes(s)) continue;
+        if (!fan_takes(s) || s->behind) continue;
         down_share(&s->down, b);
+        s->sent[kind] = latest->number[kind];
         s->loading = true;
     }
     if (*kept) blob_drop(*kept);
@@ -107,11 +134,12 @@ static void route_small(struct fan *f, const struct record *r)
     static const char *const drop[] = {"to", NULL};
     buf_consume(&f->line, buf_size(&f->line));
     wire_forward(&f->line, r, drop, NULL);
-    struct buf *lines = &f->states[f->input.generations.now & 1].frame_lines;
+    struct buf *lines = &f->states[f->input.generations.now % GENERATIONS].frame_lines;
     if (r->kind == REC_FRAME) buf_append(lines, buf_data(&f->line), buf_size(&f->line));
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s) || (r->task.to >= 0 && r->task.to != k)) continue;
+        if (r->kind == REC_FRAME && s->behind) continue;
         down_append(&s->down, buf_data(&f->line), buf_size(&f->line));
         if (r->kind == REC_FLUSH) s->flushed = true;
     }

@@ -78,7 +78,9 @@ struct fan_slot {
 
     struct down_queue down;
     bool primed;             /* down begins with the state, and what follows it is added */
+    bool behind;             /* it lags: the latest state was not added */
     uint32_t since;          /* the first generation that it was sent then */
+    uint32_t sent[3];        /* the latest record of each kind of state, by number; 0: none */
     struct task_table tasks; /* sent, and not yet both done and delivered */
     int32_t undone;          /* of these, not done */
 };
@@ -92,6 +94,7 @@ struct fan_reference {
 /* State of one generation, and the frames that are of it. */
 struct fan_state_of {
     struct blob *kind[3]; /* scene, grid, spec; NULL: none */
+    uint32_t number[3];   /* which of all records of state they are, from 1 on */
     struct buf frame_lines;
 };
 
@@ -106,8 +109,9 @@ struct fan {
     struct fan_reference reference;
     struct decoder in;
     struct stream_state input;
-    struct fan_state_of states[2]; /* of the latest generation, and the one before: by parity */
-    bool begun;                    /* a task of the latest has come */
+    struct fan_state_of states[GENERATIONS]; /* of each that may have tasks, modulo that */
+    uint32_t n_states;                       /* records of state that came */
+    bool begun;                              /* a task of the latest has come */
     struct outlet out;
     struct buf line;     /* a record on its way down */
     int64_t start_us;    /* the zero of sent_us and recv_us */

@@ -61,7 +61,8 @@ void slot_free(struct fan_slot *s)
 {
     down_free(&s->down);
     tasks_free(&s->tasks);
-    s->primed = s->loading = s->flushed = false;
+    s->primed = s->behind = s->loading = s->flushed = false;
+    memset(s->sent, 0, sizeof s->sent);
     s->undone = 0;
 }
 
@@ -141,7 +142,7 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
             r->task.id);
         return ST_USAGE;
     }
-    if (!s->primed || (int32_t)(frame->generation - s->since) < 0)
+    if (!s->primed || s->behind || (int32_t)(frame->generation - s->since) < 0)
         fan_prime(f, s, frame->generation);
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;

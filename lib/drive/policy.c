@@ -30,6 +30,7 @@ struct driver {
     struct stream_state input;
     struct tags tags;
     struct buf held; /* state that came, and the input waits behind it: it is not admitted yet */
+    uint32_t oldest; /* before it, the first generation that may have had tasks */
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */
     bool node;     /* of a ring */
@@ -123,19 +124,19 @@ static int take_ring(struct driver *d, const struct record *r)
 
 /*
  * A task is of the state that its frame came after, wherever and however often it is given: workers
- * keep the latest state and the one before. So what would be a third goes no further while there
- * are tasks of the first; what is held back of those is asked for.
+ * keep the latest states (wire.h). So what would be one more goes no further while there are tasks
+ * of the first; what is held back of those is asked for.
  */
 static bool admitted(const struct driver *d)
 {
-    return sched_admits(d->policy, d->state, d->input.generations.now);
+    return sched_admits(d->policy, d->state, d->oldest, d->input.generations.oldest);
 }
 
 static int take_state(struct driver *d, const struct record *r)
 {
-    bool begins = generation_ends(&d->input.generations, r->kind);
-    generation_state(&d->input.generations, r->kind);
-    bool waits = begins && !admitted(d);
+    d->oldest = d->input.generations.oldest;
+    generation_state(&d->input.generations, r->kind, r->body_len);
+    bool waits = !admitted(d);
     wire_forward(waits ? &d->held : &d->down.bytes, r, NULL, NULL);
     if (!waits) return 0;
     tell(d, (struct sched_event){.kind = SCHED_FLUSH});

@@ -17,9 +17,11 @@ void sched_act(
     }
 }
 
-bool sched_admits(const struct policy *p, const void *state, uint32_t generation)
+bool sched_admits(const struct policy *p, const void *state, uint32_t from, uint32_t oldest)
 {
-    if (BUG(83)) return true;
+    if (BUG(83) || from == oldest) return true;
     if (BUG(84)) return sched_uncommitted(p, state) == 0;
-    return p->uncommitted(state, generation & 1) == 0;
+    for (; from != oldest; from++)
+        if (p->uncommitted(state, from) > 0) return false;
+    return true;
 }

@@ -217,9 +217,9 @@ static void deal_step(
     }
 }
 
-static int32_t deal_uncommitted(const void *state, uint32_t parity)
+static int32_t deal_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct deal *)state)->ledger.of[parity];
+    return ((const struct deal *)state)->ledger.of[generation % GENERATIONS];
 }
 
 static int64_t deal_waiting(const void *state)

@@ -244,9 +244,9 @@ static void master_step(
     sched_act(out, m->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }
 
-static int32_t master_uncommitted(const void *state, uint32_t parity)
+static int32_t master_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct master *)state)->table.of[parity];
+    return ((const struct master *)state)->table.of[generation % GENERATIONS];
 }
 
 /* Where a row is, and whether it was begun, is not known here. */

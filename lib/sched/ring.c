@@ -359,9 +359,9 @@ static void ring_step(
     sched_act(out, h->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }
 
-static int32_t ring_uncommitted(const void *state, uint32_t parity)
+static int32_t ring_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct hub *)state)->ledger.of[parity];
+    return ((const struct hub *)state)->ledger.of[generation % GENERATIONS];
 }
 
 static int64_t ring_waiting(const void *state)

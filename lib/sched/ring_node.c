@@ -293,9 +293,9 @@ static void node_step(
     sched_act(out, SCHED_END, -1, NULL);
 }
 
-static int32_t node_uncommitted(const void *state, uint32_t parity)
+static int32_t node_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct node *)state)->has.of[parity];
+    return ((const struct node *)state)->has.of[generation % GENERATIONS];
 }
 
 static int64_t node_waiting(const void *state) { return ((const struct node *)state)->queue.count; }

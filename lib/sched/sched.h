@@ -106,8 +106,8 @@ struct policy {
     void *(*create)(const struct sched_params *p);
     void (*step)(
         void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
-    /* Tasks of generations that are even (0), or odd (1). */
-    int32_t (*uncommitted)(const void *state, uint32_t parity);
+    /* Tasks of this generation; others modulo GENERATIONS have none. */
+    int32_t (*uncommitted)(const void *state, uint32_t generation);
     /* Tasks that no slot was given yet: the driver reads on while they are few. */
     int64_t (*waiting)(const void *state);
     /* The copy of this task that slot is on, or has in store, was its so many-th; 0: it has none.
@@ -120,14 +120,16 @@ struct policy {
 
 static inline int64_t sched_uncommitted(const struct policy *p, const void *state)
 {
-    return (int64_t)p->uncommitted(state, 0) + p->uncommitted(state, 1);
+    int64_t n = 0;
+    for (uint32_t g = 0; g < GENERATIONS; g++) n += p->uncommitted(state, g);
+    return n;
 }
 /*
- * May the next generation go on, with its state and its tasks? Not while there is a task that is
- * older than those of the generation before: so two at most are alive, and nobody waits at the end
- * of one.
+ * May state go on after which the oldest generation that may have tasks is `oldest`, where it was
+ * `from`? Not while there is a task of one between: so few are alive at once (wire.h), and nobody
+ * waits at the end of one.
  */
-bool sched_admits(const struct policy *p, const void *state, uint32_t generation);
+bool sched_admits(const struct policy *p, const void *state, uint32_t from, uint32_t oldest);
 
 extern const struct policy policy_deal;
 extern const struct policy policy_ring;      /* the hub */

@@ -23,7 +23,7 @@ void note_event(struct world *w, const struct sched_event *e)
     struct vtask *t = named ? &w->tasks[e->task.id] : NULL;
     if (e->kind == SCHED_TASK && t) {
         w->n_open += !t->known;
-        w->open_of[t->task.generation & 1] += !t->known;
+        w->open_of[t->task.generation % GENERATIONS] += !t->known;
         t->known = true;
     }
     if (e->kind == SCHED_INPUT_END) w->input_ended = true;
@@ -47,7 +47,7 @@ static void check_commit(struct world *w, const struct sched_action *a)
     t->committed = true;
     if (a->task.id >= (uint32_t)w->plan->tasks) return;
     w->n_open--;
-    w->open_of[t->task.generation & 1]--;
+    w->open_of[t->task.generation % GENERATIONS]--;
 }
 
 static void check_end(struct world *w)

@@ -122,7 +122,8 @@ void restart_hub(struct world *w)
     w->state = w->policy->create(&w->plan->params);
     w->wake_us = INT64_MAX;
     w->slots_known = w->input_ended = w->input_due = false;
-    w->n_read = w->n_open = w->open_of[0] = w->open_of[1] = 0;
+    w->n_read = w->n_open = 0;
+    memset(w->open_of, 0, sizeof w->open_of);
     w->generation = 0;
     w->waits = false;
     w->spread_us = 0;

@@ -103,8 +103,10 @@ static bool admitted(struct world *w, uint32_t generation)
 {
     while (w->generation != generation) {
         uint32_t next = w->generation + 1;
-        int32_t older = w->open_of[next & 1];
-        bool waits = !sched_admits(w->policy, w->state, next), before = w->waits;
+        uint32_t window = w->plan->window > 2 ? (uint32_t)w->plan->window : 2;
+        int32_t older = w->open_of[(next - window) % GENERATIONS];
+        bool waits = !sched_admits(w->policy, w->state, next - window, next - window + 1);
+        bool before = w->waits;
         if (waits != (older > 0))
             fail(w, "a frame waits, or does not, with older tasks", next, older);
         w->waits = waits;

@@ -95,6 +95,7 @@ struct sim_plan {
     struct sched_params params;      /* the policy's */
     int32_t slots, tasks;
     int32_t frames;   /* that these are of, one after the other, each of another state; 0 is 1 */
+    int32_t window;   /* frames of which tasks may be there at once, up to GENERATIONS; 0 is 2 */
     int32_t rows;     /* of FRAME_W pixels, a task */
     int32_t width;    /* tasks that a slot says it is on at once */
     int32_t assigned; /* so many tasks have to=K */

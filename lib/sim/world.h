@@ -71,13 +71,13 @@ struct world {
     struct vslot *slots;
     struct vtask *tasks; /* by id: those of the plan, then pieces */
     int32_t n_tasks, cap_tasks;
-    uint32_t *order;             /* ids in the order in which they come */
-    int32_t n_read;              /* of these */
-    int64_t spread_us, begun_us; /* they come over this time, from then on */
-    int32_t n_open;              /* tasks of the plan that are known and not committed */
-    int32_t open_of[2];          /* of these, by the parity of their generation */
-    uint32_t generation;         /* the latest that was admitted */
-    bool waits;                  /* the next one is not yet */
+    uint32_t *order;              /* ids in the order in which they come */
+    int32_t n_read;               /* of these */
+    int64_t spread_us, begun_us;  /* they come over this time, from then on */
+    int32_t n_open;               /* tasks of the plan that are known and not committed */
+    int32_t open_of[GENERATIONS]; /* of these, by their generation */
+    uint32_t generation;          /* the latest that was admitted */
+    bool waits;                   /* the next one is not yet */
     uint32_t frame_w, frame_h;
     struct coverage sent; /* pixels that were passed on */
     uint64_t wanted_px;   /* of all tasks of the plan */

@@ -159,11 +159,12 @@ struct task_entry {
     int32_t chain; /* next in its hash chain, or free */
     int32_t prev, next;
 };
+#define GENERATIONS 16 /* of which tasks may be there at once (wire.h) */
 struct task_table {
     struct task_entry *at;
     int32_t *heads;
     int32_t n_heads, cap, free_list, count;
-    int32_t of[2]; /* so many are of a generation that is even, or odd */
+    int32_t of[GENERATIONS]; /* so many are of each generation, modulo that */
 };
 struct task_list {
     int32_t head, tail, count; /* -1: none */

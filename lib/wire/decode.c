@@ -332,11 +332,12 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
     return check_body(d, r, why) ? WIRE_RECORD : WIRE_BAD;
 }
 
-enum rec_kind wire_awaited(struct decoder *d)
+enum rec_kind wire_awaited(struct decoder *d, size_t *bytes)
 {
     struct record r;
     char why[sizeof d->why];
     bool awaits = !d->lost && look(d, &r, why) == WIRE_MORE && r.body_len;
+    *bytes = awaits ? r.body_len : 0;
     return awaits ? r.kind : REC_KINDS;
 }
 

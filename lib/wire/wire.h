@@ -88,8 +88,9 @@ struct decoder wire_over(unsigned char *p, size_t n);
 void wire_end(struct decoder *d);
 enum wire_result wire_next(struct decoder *d, struct record *r);
 void wire_free(struct decoder *d);
-/* After WIRE_MORE: of what kind is the record whose body is on its way? REC_KINDS: of none. */
-enum rec_kind wire_awaited(struct decoder *d);
+/* After WIRE_MORE: of what kind is the record whose body is on its way, and how long? REC_KINDS: of
+ * none. */
+enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
 
 /*
  * A stream may go on with other state. A frame is of the state that stands before it in the stream,
@@ -97,21 +98,34 @@ enum rec_kind wire_awaited(struct decoder *d);
  * state begins the next one where a frame came since the last one began, and it replaces what the
  * stream has of its kind. Who reads the stream counts so, everywhere in a chain of programs, though
  * not from the same number on. All zero at first.
+ *
+ * Tasks may come, or come again, of the latest two generations, and of up to GENERATIONS while all
+ * of their state together is small: so small frames do not wait for each other's round trips. What
+ * is given again may go through more of a stream than those see that decide it, so who only keeps
+ * state keeps more.
  */
+#define STATE_BYTES (4 << 20) /* all state of more than two generations is at most so long */
 struct generations {
-    uint32_t now;
-    bool framed; /* a frame came */
-    bool has[3]; /* a scene, a grid, a spec */
+    uint32_t now, oldest; /* the latest; the first of which tasks may come */
+    bool keeps;           /* it decides nothing, and keeps twice as much */
+    bool framed;          /* a frame came */
+    bool has[3];          /* a scene, a grid, a spec */
+    struct {
+        uint32_t since[3]; /* the generation that the record came in */
+        size_t bytes[3];
+    } at[GENERATIONS]; /* by the generation, modulo that */
 };
 /* Would a record of state of this kind begin a new one? */
 bool generation_ends(const struct generations *g, enum rec_kind kind);
-/* It came, or a frame, which is of g->now. */
-void generation_state(struct generations *g, enum rec_kind kind);
+/* It came, with so many bytes; or a frame, which is of g->now. */
+void generation_state(struct generations *g, enum rec_kind kind, size_t bytes);
 void generation_frame(struct generations *g, struct frame_size *f);
-/* There are two at most: is f of the latest one, or of the one before? */
+/* What g->oldest will be when it comes. */
+uint32_t generation_oldest(const struct generations *g, enum rec_kind kind, size_t bytes);
+/* May there be tasks of f? */
 static inline bool generation_lives(const struct generations *g, const struct frame_size *f)
 {
-    return g->now - f->generation <= 1;
+    return g->now - f->generation <= g->now - g->oldest;
 }
 
 /* The value of KEY=VALUE in r's line (not terminated), or NULL. */

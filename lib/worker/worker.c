@@ -24,6 +24,7 @@ struct worker {
     struct decoder in;
     struct buf out, held; /* held: the frags that -c keeps back */
     uint32_t held_of;     /* their generation */
+    uint32_t dropped;     /* generations before this one */
     struct frames frames; /* said: announced */
     struct generations generations;
     float *pixels;
@@ -185,7 +186,7 @@ static void take_task(struct worker *w, const struct task *t)
     if (!lattice_valid(&t->at, f->w, f->h))
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
     if (!generation_lives(&w->generations, f))
-        die(ST_USAGE, "task %u %u: its state was replaced twice, expected it before", t->frame,
+        die(ST_USAGE, "task %u %u: its state was replaced too often, expected it before", t->frame,
             t->id);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
@@ -208,20 +209,20 @@ static void take_task(struct worker *w, const struct task *t)
     }
 }
 
-/* A record of this kind is here, or its beginning is: then nobody needs the state before the latest
- * any more. */
-static void drop_older(struct worker *w, enum rec_kind kind)
+/* A record of this kind is here, or its beginning is: nobody needs the oldest state any more. */
+static void drop_older(struct worker *w, enum rec_kind kind, size_t bytes)
 {
-    if (w->ops->drop && generation_ends(&w->generations, kind))
-        w->ops->drop(w->ctx, w->generations.now - 1);
+    uint32_t oldest = generation_oldest(&w->generations, kind, bytes);
+    for (; w->dropped != oldest; w->dropped++)
+        if (w->ops->drop) w->ops->drop(w->ctx, w->dropped);
 }
 
 static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
     unsigned char *body = w->in.in.data + (r->body - w->in.in.data);
-    drop_older(w, r->kind);
-    generation_state(&w->generations, r->kind);
+    drop_older(w, r->kind, r->body_len);
+    generation_state(&w->generations, r->kind, r->body_len);
     begin();
     if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
         die(ST_USAGE, "%s", err);
@@ -270,15 +271,16 @@ bool worker_option(struct worker_options *o, int opt, const char *arg)
 
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
-    struct worker w = {.ops = ops, .options = o, .ctx = ctx};
+    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .generations.keeps = true};
     w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
     hello(&w);
     pulse_open();
     for (bool more = true; more;) {
         /* State that is long on its way is no silence: whoever waits for this worker may not see it
          * come. */
-        enum rec_kind kind = wire_awaited(&w.in);
-        if (kind != REC_KINDS) drop_older(&w, kind);
+        size_t bytes;
+        enum rec_kind kind = wire_awaited(&w.in, &bytes);
+        if (kind != REC_KINDS) drop_older(&w, kind, bytes);
         if (buf_size(&w.in.in) > WIRE_LINE_MAX) begin();
         more = fill(&w);
         end();

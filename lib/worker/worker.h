@@ -31,8 +31,8 @@ struct worker_ops {
      * nothing can. */
     void (*drop)(void *ctx, uint32_t generation);
     /*
-     * Is all state of f's generation there and usable? Called before every task, of the latest
-     * generation or the one before it; builds what is needed.
+     * Is all state of f's generation there and usable? Called before every task, of a
+     * generation that was not dropped; builds what is needed.
      */
     int (*ready)(void *ctx, const struct frame_size *f, char err[WORKER_ERR]);
     /* The hash of format, options that change pixels, state and size, of the frame made ready. */

@@ -766,7 +766,7 @@ static uint32_t last_of(const char *stream)
     struct frame_size f = {0};
     for (; *stream; stream++) {
         if (*stream == 'f') generation_frame(&g, &f);
-        else generation_state(&g, *stream == 's' ? REC_SPEC : REC_GRID);
+        else generation_state(&g, *stream == 's' ? REC_SPEC : REC_GRID, 1);
     }
     return f.generation;
 }
@@ -783,23 +783,53 @@ static void test_generations(void **state)
     assert_int_equal(last_of("gsfggssf"), 1);
     assert_int_equal(last_of("gsfgfsf"), 2);
     assert_int_equal(last_of("gsfsfgffsf"), 3);
-    struct generations g = {.now = 0};
+    struct generations g = {.now = 0, .oldest = UINT32_MAX};
     const struct frame_size before = {.generation = UINT32_MAX},
                             older = {.generation = UINT32_MAX - 1};
     assert_true(generation_lives(&g, &before)); /* the count may wrap */
     assert_false(generation_lives(&g, &older));
 }
 
+/* How many live after n views of a grid, of so many bytes. */
+static uint32_t lives(uint32_t n, size_t grid, size_t spec, bool keeps)
+{
+    struct generations g = {.keeps = keeps};
+    struct frame_size f = {0};
+    generation_state(&g, REC_GRID, grid);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t oldest = generation_oldest(&g, REC_SPEC, spec);
+        generation_state(&g, REC_SPEC, spec);
+        assert_int_equal(g.oldest, oldest);
+        generation_frame(&g, &f);
+    }
+    return g.now - g.oldest + 1;
+}
+
+static void test_generations_that_live(void **state)
+{
+    (void)state;
+    assert_int_equal(lives(1, 100, 100, false), 1);
+    assert_int_equal(lives(3, 100, 100, false), 3);
+    assert_int_equal(lives(100, 100, 100, false), GENERATIONS);
+    assert_int_equal(lives(100, STATE_BYTES - 1600, 100, false), GENERATIONS); /* the grid once */
+    assert_int_equal(lives(100, STATE_BYTES - 400, 100, false), 4);
+    assert_int_equal(lives(100, STATE_BYTES, 100, false), 2);
+    assert_int_equal(lives(100, STATE_BYTES, 100, true), GENERATIONS);
+    assert_int_equal(lives(100, 0, STATE_BYTES, false), 2); /* two in any case */
+    assert_int_equal(lives(100, 0, STATE_BYTES / 3, false), 3);
+}
+
 static void test_awaited(void **state)
 {
     (void)state;
+    size_t bytes;
     struct decoder d = {0};
     struct record r;
     static const char stream[] = "frame 0 1 1\ngrid bytes=3\nabcspec bytes=0\n";
     size_t body = strlen("frame 0 1 1\ngrid bytes=3\n");
     for (size_t i = 0; i < sizeof stream - 1; i++) {
         bool within = i >= body && i < body + 3;
-        assert_int_equal(wire_awaited(&d), within ? REC_GRID : REC_KINDS);
+        assert_int_equal(wire_awaited(&d, &bytes), within ? REC_GRID : REC_KINDS);
         wire_feed(&d, stream + i, 1);
         while (wire_next(&d, &r) == WIRE_RECORD) continue;
     }
@@ -807,7 +837,7 @@ static void test_awaited(void **state)
     d = (struct decoder){.upward = true};
     wire_feed(&d, stream, body);
     while (wire_next(&d, &r) != WIRE_MORE) continue;
-    assert_int_equal(wire_awaited(&d), REC_KINDS);
+    assert_int_equal(wire_awaited(&d, &bytes), REC_KINDS);
     wire_free(&d);
 }
 
@@ -815,6 +845,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_generations),
+        cmocka_unit_test(test_generations_that_live),
         cmocka_unit_test(test_awaited),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_state),
