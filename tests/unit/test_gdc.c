@@ -21,6 +21,7 @@ static bool is_kind(uint64_t seed) { return seed % 2 == 0; }
 static struct sim_plan plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_ring_plan_of(seed);
+    p.p_hang = 0; /* nothing is published about that */
     p.checks = &sim_checks_gdc;
     p.detect_us = 20000000;
     p.p_false = 0; /* the paper's master takes a node's word */
