@@ -89,7 +89,7 @@ bench:
 
 # The first two commands of a new user, on a machine that has nothing yet.
 fresh:
-	@tests/fresh
+	@FULL=$(FULL) tests/fresh
 
 # Minutes of kills and loads, by hand.
 soak:
@@ -166,4 +166,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all need demo demo-volume check fresh bench soak chart report fuzz unit fuzzers install uninstall clean
+.PHONY: all need demo demo-volume test check fresh bench soak chart report fuzz unit fuzzers install uninstall clean
