@@ -28,9 +28,12 @@ run env PATH="$tmp/user:$PATH" make -s -C "$root" fresh
 like 'make fresh: an ordinary user is told why it is not tried' "$status $err" '^2 fresh: SKIP: only root'
 
 # ---- make, with a compiler that finds all headers but one, and whose programs are those of the clone -----------------
+# make takes no CC or BUILD with blanks in its name, and the temporary directory may have some.
+plain=$(mktemp -d /tmp/commands.XXXXXX) && other=$plain/other || exit 3
+trap 'rm -rf "$tmp" "$plain"' EXIT
 mkdir include
 for header in stdio png zlib eccodes; do : >include/$header.h; done
-cat >cc <<END
+cat >"$plain/cc" <<END
 #!/bin/sh
 output='' before=''
 for word; do
@@ -42,13 +45,13 @@ case \$output in
 '') exit 0 ;;
 *nc2vtk* | */cf/*) exit 1 ;;
 *.o) : >"\$output" ;;
-*) printf '#!/bin/sh\necho %s >>$tmp/used\nexec $BIN/%s "\$@"\n' "\${output##*/}" "\${output##*/}" '\$@' >"\$output" && chmod +x "\$output" ;;
+*) printf '#!/bin/sh\necho %s >>"$tmp/used"\nexec "$BIN/%s" "\$@"\n' "\${output##*/}" "\${output##*/}" '\$@' >"\$output" && chmod +x "\$output" ;;
 esac
 END
-chmod +x cc
-run make -s -C "$root" BUILD="$tmp/other" CC="$tmp/cc"
+chmod +x "$plain/cc"
+run make -s -C "$root" BUILD="$other" CC="$plain/cc"
 is 'make: without a header it builds the other programs' "$status" 0
-is 'make: all of them, and copies of the scripts' "$(cd other/bin && ls)" \
+is 'make: all of them, and copies of the scripts' "$(cd "$other/bin" && ls)" \
 	"$(cd "$root/bin" && for f in *; do basename "$f" .c; done | sort -u | grep -vx nc2vtk)"
 is 'make: one line says which is not built, and which package is missing' "$err" \
 	'make: nc2vtk is not built: libnetcdf-dev is missing'
@@ -56,7 +59,7 @@ run make -s -C "$root" BUILD='two words'
 like 'make: a BUILD with blanks is refused' "$status $err" '^2 .*BUILD is "two words", expected'
 
 # ---- demo --------------------------------------------------------------------------------------------------
-run make -s -C "$root" demo BUILD="$tmp/other" CC="$tmp/cc"
+run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"
 is 'demo: exit 0' "$status" 0
 is 'demo: with the programs of its BUILD' "$(sort -u used | tr '\n' ' ')" \
 	'deal fan fragstat gather imgcmp nff2pov pack partition rtworker spdgen '
@@ -65,9 +68,10 @@ like 'demo: states the efficiency' "$out" 'efficiency +[0-9.]+ %'
 like 'demo: POV-Ray agrees' "$out" 'POV-Ray agrees'
 is 'demo: fits on one screen of 24 lines and 120 columns' "$(printf '%s\n' "$out" | awk 'NR > 24 || length > 120')" ''
 like 'demo: the picture is 512x512' "$(imgcmp "$root/gears.png" "$root/gears.png")" 'size	512x512'
-touch other/mine
-ok 'make clean' make -s -C "$root" clean BUILD="$tmp/other"
-is 'make clean: removes what was built, whichever headers there are, and nothing else' "$(find other)" "$(printf 'other\nother/mine')"
+touch "$other/mine"
+ok 'make clean' make -s -C "$root" clean BUILD="$other"
+is 'make clean: removes what was built, whichever headers there are, and nothing else' \
+	"$(find "$other")" "$(printf '%s\n' "$other" "$other/mine")"
 
 mkdir wrong
 cat >wrong/povray <<'END'

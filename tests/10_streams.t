@@ -140,20 +140,20 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	run timeout 20 balance $bad
 	is "balance $bad: exit 2" "$status" 2
 done
-like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
+like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
 like "a bad scene from a pipe has a name" "$status $err" '^2 rtworker: scene:2: '
 mkdir unbuilt
-cp "$root"/bin/balance* unbuilt
+cp "$root"/bin/balance* "$root/bin/stormring.sh" unbuilt
 for c in 'masterslave -o x.png' calibrate; do
 	# shellcheck disable=SC2086
 	run env PATH=/usr/bin:/bin unbuilt/balance $c tetra.nff
 	like "balance $c, not built: says so" "$status $err" '^2 balance.*: [a-z]+ is not there, expected it .*built by make'
 done
 mkdir own
-cp "$root/bin/balance" own
+cp "$root/bin/balance" "$root/bin/stormring.sh" own
 echo 'cat >/dev/null; partition 8by6' >own/balance-wrong
 echo 'exec no-such-program' >own/balance-lost
 echo 'cat >/dev/null' >own/balance-idle
