@@ -42,7 +42,7 @@ for word; do
 done
 case " \$* " in *' -E '*) exec cc -nostdinc '-I$tmp/include' "\$@" ;; esac
 case \$output in
-'') exit 0 ;;
+'' | -) exit 0 ;;
 *nc2vtk* | */cf/*) exit 1 ;;
 *.o) : >"\$output" ;;
 *) printf '#!/bin/sh\necho %s >>"$tmp/used"\nexec "$BIN/%s" "\$@"\n' "\${output##*/}" "\${output##*/}" '\$@' >"\$output" && chmod +x "\$output" ;;
