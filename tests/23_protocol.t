@@ -203,7 +203,7 @@ END
 chmod +x stand-in/deal
 ln stand-in/deal stand-in/fan
 ln stand-in/deal stand-in/ringctl
-for m in interleaved masterslave ds hybrid gdc gdc-published; do
+for m in interleaved masterslave ds adaptive hybrid gdc gdc-published; do
 	is "$m is simulated as it is run" "$(
 		quietly() { shift 3 && echo "$* $(cksum)"; }
 		# shellcheck source=/dev/null
