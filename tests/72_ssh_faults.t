@@ -162,7 +162,8 @@ for method in masterslave gdc; do
 	end
 	is "$name: exit 0" "$status" 0
 	ok "$name: the same picture" cmp out.pfm good64.pfm
-	noticed "$name" "$(lost silent)"
+	# An idle node takes the late row over, so a ring need not wait until silence is noticed.
+	[ $method = gdc ] || noticed "$name" "$(lost silent)"
 	report "$name" .25
 	if [ $method = gdc ]; then
 		ok "$name: its node has killed it" await 2 none_there
@@ -199,7 +200,6 @@ inflict node
 end
 is "$name: exit 0" "$status" 0
 ok "$name: the same picture" cmp out.pfm good64.pfm
-noticed "$name" "$(lost silent)"
 report "$name" .25
 kill -CONT "$stopped"
 ok "$name: it ends as soon as it runs again" await 2 none_there
