@@ -154,7 +154,7 @@ refuses 'less than a byte per second' 'expected 0, or' simulate -b 0,.5 deal
 refuses 'no log' 'nothing: ' simulate -t nothing deal
 refuses 'hosts without power' 'expected power=P' simulate -S one,two deal
 for fault in crash crash= crash=2 crash@ crash@5 crash@0:1 crash@5:1:2 kill@5:1 return@5:1 slow@5:1:2 slow@s:1 =1 '' x=1; do
-	refuses "-f '$fault'" 'expected KIND=CHANCE' simulate -f "$fault" deal
+	refuses "-f '$fault'" "expected ${fault:+KIND=CHANCE}" simulate -f "$fault" deal
 done
 refuses 'a fault of a slot that is none' 'slot 2 of 2' simulate -j 2 -f crash@1:2 deal
 refuses '-j with half a slot' 'expected SLOTS' simulate -j 1.5 deal
