@@ -17,7 +17,7 @@ struct vec {
 };
 static struct vec less(struct vec3 a, struct vec3 b)
 {
-    return (struct vec){(real)a.x - b.x, (real)a.y - b.y, (real)a.z - b.z};
+    return (struct vec){(real)a.x - (real)b.x, (real)a.y - (real)b.y, (real)a.z - (real)b.z};
 }
 static real dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static struct vec mad(struct vec a, struct vec b, real s)
@@ -39,8 +39,8 @@ static enum answer reference(const struct scene *s, struct vec3 lamp, struct vec
     } else if (q->kind == PRIM_CONE) {
         struct vec axis = less(q->cone.apex, q->cone.base), up = less(lamp, q->cone.base);
         real len2 = dot(axis, axis), z0 = dot(up, axis) / len2, rise = dot(way, axis) / len2;
-        real widen = (real)q->cone.apex_radius - q->cone.base_radius;
-        real r = q->cone.base_radius + widen * z0;
+        real widen = (real)q->cone.apex_radius - (real)q->cone.base_radius;
+        real r = (real)q->cone.base_radius + widen * z0;
         struct vec across = mad(up, axis, -z0), e = mad(way, axis, -rise);
         real a = dot(e, e) - widen * rise * widen * rise;
         t = 1 - 2 * (dot(across, e) - r * widen * rise) / a;
