@@ -116,7 +116,9 @@ static void test_line(void **state)
     for (int i = 0; i < 49999; i++) buf_printf(&b, "1 2 3 4\n");
     buf_printf(&b, "1 2 x 4\n");
     assert_int_equal(grid_consume("t", b.data, b.len, &g, err), -1);
-    assert_string_equal(err, "t:100013: values is 'x', expected a number");
+    assert_string_equal(err,
+        "t:100013: values is 'x', expected a number from -3.40282e+38 to 3.40282e+38: it is of "
+        "type float");
     assert_true(!g.value && !g.at[0]);
     buf_free(&b);
 }
