@@ -27,6 +27,7 @@ struct options {
     enum image_naming naming;
     int bits;        /* -k */
     const char *log; /* -r */
+    const char *expected; /* -e: a file of the frames that are to come, or NULL */
     bool missing;    /* -m: print tasks instead of pictures */
     bool progress;   /* -P, or stderr is a terminal */
     char **inputs;   /* NULL-ended; none: standard input */
@@ -45,7 +46,7 @@ struct gather {
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-k 8|16] [-o OUT] [-r LOG] [FRAGS ...]\n"
+static const char usage_text[] = "[-hP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG] [FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
 
 static void check_out(struct options *o)
@@ -74,7 +75,8 @@ static int opt_bits(const char *s)
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = prog_getopt(argc, argv, "hk:mo:Pr:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "e:hk:mo:Pr:")) != -1;) switch (c) {
+        case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.bits = opt_bits(optarg); break;
         case 'm': o.missing = true; break;
@@ -283,30 +285,6 @@ static void read_streams(struct gather *g)
     }
 }
 
-static const char *plural(uint64_t n) { return n == 1 ? "" : "s"; }
-
-static void report_refused(const struct gather *g)
-{
-    static const char *const what[ASSEMBLY_VERDICTS] = {
-        [ASSEMBLY_UNDECLARED] = "of no declared frame, expected `frame` before them",
-        [ASSEMBLY_OUTSIDE] = "outside their frame",
-        [ASSEMBLY_FOREIGN] = "of another job",
-        [ASSEMBLY_NO_ROOM] =
-            "beyond the memory for open frames, expected fewer or smaller ones at once",
-    };
-    const struct intake *in = &g->in;
-    if (in->bad)
-        warn("%" PRIu64 " damaged record%s (%" PRIu64 " bytes) skipped; the last: %s", in->bad,
-            plural(in->bad), in->skipped, in->why);
-    if (in->unexpected)
-        warn("%" PRIu64 " record%s ignored, expected fragments, and frames with job=",
-            in->unexpected, plural(in->unexpected));
-    for (int v = 0; v < ASSEMBLY_VERDICTS; v++)
-        if (in->parts.refused[v])
-            warn("%" PRIu64 " fragment%s ignored: %s", in->parts.refused[v],
-                plural(in->parts.refused[v]), what[v]);
-}
-
 static void report_twice(const struct gather *g)
 {
     const struct assembly *parts = &g->in.parts;
@@ -358,6 +336,14 @@ static int unfinished(const struct gather *g)
     return strcmp(g->why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
 }
 
+/* Frames of which nothing has come are missing as well; where none has come, that is said. */
+static void add_expected(struct gather *g)
+{
+    char why[LOG_WHY];
+    if (!g->o->expected || !g->in.parts.n_frames) return;
+    if (intake_expect(&g->in, g->o->expected, why) != 0) die(ST_USAGE, "%s", why);
+}
+
 static int finish(struct gather *g)
 {
     const struct assembly *parts = &g->in.parts;
@@ -366,7 +352,8 @@ static int finish(struct gather *g)
         warn("%s: no worker has announced a frame, expected one that belongs there", g->o->log);
         return unfinished(g);
     }
-    report_refused(g);
+    add_expected(g);
+    intake_report(&g->in);
     report_twice(g);
     bool disputed = parts->n_frames && !*g->o->inputs && strcmp(g->why, "other-jobs") == 0;
     if (disputed) warn("slots did not agree on a job: what is there may be of another scene");

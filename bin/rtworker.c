@@ -15,6 +15,7 @@ struct options {
     struct trace_options trace;
     struct worker_options worker;
     bool inspect;     /* -i: print the frame and the job, render nothing */
+    int w, h;         /* -s: of that frame; 0: what the scene asks for */
     const char *path; /* of the scene; "-": it comes as a record */
     char with[80];    /* this program, and what of the above changes pixels, as options */
 };
@@ -175,10 +176,10 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] = "[-chi] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
-                               "[-x sse2|avx2|avx512] [SCENE.nff|-]";
+                               "[-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:d:hix:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:d:his:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
@@ -187,12 +188,14 @@ static struct options parse(int argc, char **argv)
             if (o.inspect) die(ST_USAGE, "-i: twice, expected it once");
             o.inspect = true;
             break;
+        case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
         case 'x': o.trace.isa = opt_isa(opt, optarg); break;
         default:
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
     }
     if (argc - optind > 1) usage(ST_USAGE, text);
+    if (o.w && !o.inspect) die(ST_USAGE, "-s: expected -i with it");
     if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
@@ -212,8 +215,8 @@ static void open_scene(struct renderer *r)
 
 static void inspect(struct renderer *r)
 {
-    r->w = r->at->scene.view.res_x;
-    r->h = r->at->scene.view.res_y;
+    r->w = r->o->w ? (uint32_t)r->o->w : r->at->scene.view.res_x;
+    r->h = r->o->w ? (uint32_t)r->o->h : r->at->scene.view.res_y;
     printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
     close_stdout();
 }

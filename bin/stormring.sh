@@ -18,7 +18,7 @@ asked() {
 given() {
 	case $1,$2 in
 	?,) refused="-$1: is empty, expected a value" ;;
-	s,[0-9]*x[0-9]*) return ;; # partition says what it refuses of these
+	s,[0-9]*x[0-9]*) return ;; # the worker says what it refuses of these
 	s,*) refused="-s $2: expected WxH, such as 512x512" ;;
 	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; of a file's name write ./$2" ;;
 	*) return ;;

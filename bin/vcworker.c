@@ -22,6 +22,7 @@ struct options {
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
     const char *grid, *const *specs;   /* files; "-": it comes as a record */
     int n_specs;                       /* 1; of -i any number */
+    int w, h;      /* -s: of -i; 0: what the specification asks for */
     char with[80]; /* this program, and what of the above changes pixels, as options */
 };
 
@@ -221,14 +222,12 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
-        "[-x sse2|avx2|avx512] "
-        "[GRID.vtk|- SPEC|- ...]";
+        "[-s WxH] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|- ...]";
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
     char err[VOLUME_ERR];
-    int opt;
-    while ((opt = prog_getopt(argc, argv, "+him:nx:" WORKER_OPTIONS)) != -1) {
+    for (int opt; (opt = prog_getopt(argc, argv, "+him:ns:x:" WORKER_OPTIONS)) != -1;) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'i':
@@ -240,6 +239,7 @@ static struct options parse(int argc, char **argv)
             if (!volume_method_parse(optarg, &o.volume, err))
                 die(ST_USAGE, "-m %s: expected %s", optarg, err);
             break;
+        case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
         case 'x': o.volume.isa = opt_isa(opt, optarg); break;
         default:
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
@@ -247,6 +247,7 @@ static struct options parse(int argc, char **argv)
     }
     if (argc - optind != 2 && argc != optind && (o.what != INSPECT || argc - optind < 2))
         usage(ST_USAGE, text);
+    if (o.w && o.what != INSPECT) die(ST_USAGE, "-s: expected -i with it");
     if (argc != optind) {
         o.grid = argv[optind];
         o.specs = (const char *const *)argv + optind + 1;
@@ -292,11 +293,10 @@ static void open_grid(struct renderer *r)
 static void open_spec(struct renderer *r, const char *path)
 {
     char err[WORKER_ERR];
-    struct buf text = {0};
-    if (read_file(path, &text) != 0) die(ST_USAGE, "%s:", path);
-    if (load_spec(r->at, path, buf_data(&text), buf_size(&text), err) != 0)
-        die(ST_USAGE, "%s", err);
-    buf_free(&text);
+    struct buf b = {0};
+    if (read_file(path, &b) != 0) die(ST_USAGE, "%s:", path);
+    if (load_spec(r->at, path, buf_data(&b), buf_size(&b), err) != 0) die(ST_USAGE, "%s", err);
+    buf_free(&b);
 }
 
 /* ---- -i and -n ------------------------------------------------------------------------------ */
@@ -305,8 +305,8 @@ static void inspect(struct renderer *r)
 {
     for (int i = 0; i < r->o->n_specs; i++) {
         if (i) open_spec(r, r->o->specs[i]);
-        r->w = r->at->spec->spec.w;
-        r->h = r->at->spec->spec.h;
+        r->w = r->o->w ? (uint32_t)r->o->w : r->at->spec->spec.w;
+        r->h = r->o->w ? (uint32_t)r->o->h : r->at->spec->spec.h;
         printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
     }
 }

@@ -38,6 +38,7 @@ struct piece {
 struct size {
     uint32_t frame, w, h;
     bool written;
+    char job[80]; /* "job=HASH" */
 };
 
 struct verify {
@@ -69,7 +70,10 @@ static void take_frame(struct verify *v, const struct record *r)
 {
     if (v->again || size_of(v, r->task.frame)) return;
     v->size = xrealloc(v->size, (size_t)v->n_sizes + 1, sizeof *v->size);
-    v->size[v->n_sizes++] = (struct size){r->task.frame, r->frame_w, r->frame_h, false};
+    struct size *s = &v->size[v->n_sizes++];
+    *s = (struct size){.frame = r->task.frame, .w = r->frame_w, .h = r->frame_h};
+    char job[64];
+    if (rec_str(r, "job", job, sizeof job)) snprintf(s->job, sizeof s->job, "job=%s", job);
 }
 
 static void add_up(struct verify *v, struct opinion *o, const struct record *r, uint32_t frame_w)
@@ -242,7 +246,7 @@ static void write_tasks(struct verify *v, struct size *s)
     for (uint32_t i = 0; i < v->n; i++) {
         struct task t = v->piece[i].task;
         if (t.frame != s->frame || (t.to = next_slot(v, &v->piece[i])) < 0) continue;
-        if (!s->written) wire_frame(&b, s->frame, s->w, s->h, NULL);
+        if (!s->written) wire_frame(&b, s->frame, s->w, s->h, s->job);
         s->written = true;
         wire_task(&b, &t);
         if (buf_size(&b) >= READ_BYTES) flush(&b);

@@ -118,9 +118,9 @@ late() {
 	is "$name: complete" "$status" 0
 	right "$name" 3
 	like "$name: who came at the beginning has both, in their order" \
-		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=0(\.0)?$' log | cut -d ' ' -f 2 | tr '\n' ' ')" '0 1 '
+		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=0(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '0 1 '
 	like "$name: it is sent first a later state, then the one that it needs, and the later ones again" \
-		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)?$' log | cut -d ' ' -f 2 | tr '\n' ' ')" '[12] 0 1 '
+		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '[12] 0 1 '
 }
 name='a late slot' && late deal sh -c 'fan -t 60 -S hosts rtworker | tee log'
 # The same, where each slot is a policy around others.

@@ -83,6 +83,8 @@ bool parse_size(const char *s, int max, int *w, int *h);
 /* parse_int for the argument of option `-opt`; dies with status 2 and the range in the text. */
 int64_t opt_int(int opt, const char *s, int64_t min, int64_t max);
 double opt_real(int opt, const char *s, double min, double max);
+/* The same for parse_size. */
+void opt_size(int opt, const char *s, int max, int *w, int *h);
 /* The same of a list with commas between: *n numbers, which the caller frees. */
 double *opt_reals(int opt, const char *s, double min, double max, size_t *n);
 

@@ -51,6 +51,12 @@ int64_t opt_int(int opt, const char *s, int64_t min, int64_t max)
     return v;
 }
 
+void opt_size(int opt, const char *s, int max, int *w, int *h)
+{
+    if (!parse_size(s, max, w, h))
+        die(ST_USAGE, "-%c %s: expected a size such as 512x512, sides up to %d", opt, s, max);
+}
+
 double opt_real(int opt, const char *s, double min, double max)
 {
     double v;

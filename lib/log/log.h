@@ -71,6 +71,15 @@ enum assembly_verdict intake_frame(struct intake *in, const struct record *r);
  * release, else NULL. */
 struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 
+/* Says on standard error what was skipped or ignored. */
+void intake_report(const struct intake *in);
+/*
+ * The file at `path` has a record `frame F W H job=HASH` for each picture that is to come: those of
+ * which nothing came are declared. 0, or else why says what is wrong: the file, or that a picture
+ * that came is another.
+ */
+int intake_expect(struct intake *in, const char *path, char why[LOG_WHY]);
+
 /* Are there fragments of a frame that nobody declared, before or after? Its record was lost. */
 bool intake_orphaned(const struct intake *in);
 

@@ -2,6 +2,7 @@
 #include "worker/worker.h"
 
 #include <errno.h>
+#include <float.h>
 #include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
@@ -163,6 +164,16 @@ static void emit_frag(
     wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, job, w->pixels);
 }
 
+/* Absurd but valid scenes, such as mirrors of Ks 1e6, leave the range of a float. What is beyond
+ * its end is the end, and what is no number is 0: the same everywhere, and light to all readers. */
+static void limit(float *rgba, uint64_t n)
+{
+    for (uint64_t i = 0; i < 4 * n; i++) {
+        float most = i % 4 == 3 ? 1 : FLT_MAX;
+        rgba[i] = rgba[i] >= 0 ? fminf(rgba[i], most) : 0;
+    }
+}
+
 static int64_t used_us(const struct worker *w)
 {
     return w->ops->cpu_us ? w->ops->cpu_us(w->ctx) : cpu_us();
@@ -200,6 +211,7 @@ static void take_task(struct worker *w, const struct task *t)
         uint32_t count = (uint32_t)lattice_count(&piece);
         begin();
         w->ops->render(w->ctx, &piece, 0, count, w->pixels);
+        limit(w->pixels, count);
         end();
         n0 += count;
         /* `done` is the scheduling event: it goes before the last pixels. */
