@@ -25,12 +25,12 @@ struct options {
     const char *out; /* -o: pattern of the pictures' names, NULL: stdout */
     enum image_format format;
     enum image_naming naming;
-    int bits;        /* -k */
-    const char *log; /* -r */
+    int bits;             /* -k */
+    const char *log;      /* -r */
     const char *expected; /* -e: a file of the frames that are to come, or NULL */
-    bool missing;    /* -m: print tasks instead of pictures */
-    bool progress;   /* -P, or stderr is a terminal */
-    char **inputs;   /* NULL-ended; none: standard input */
+    bool missing;         /* -m: print tasks instead of pictures */
+    bool progress;        /* -P, or stderr is a terminal */
+    char **inputs;        /* NULL-ended; none: standard input */
 };
 
 struct gather {

@@ -22,7 +22,7 @@ struct options {
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
     const char *grid, *const *specs;   /* files; "-": it comes as a record */
     int n_specs;                       /* 1; of -i any number */
-    int w, h;      /* -s: of -i; 0: what the specification asks for */
+    int w, h;                          /* -s: of -i; 0: what the specification asks for */
     char with[80]; /* this program, and what of the above changes pixels, as options */
 };
 

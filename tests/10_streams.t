@@ -165,4 +165,13 @@ done
 like "a method that fails: gather says so" "$(own/balance lost -j 1 -s 8x6 -o x.png tetra.nff 2>&1)" 'nothing was rendered: method-failed'
 partition -u tile:8x4 8x8 | deal fan -j 4 rtworker tetra.nff >two.frags
 is "fragstat -s counts slots that had nothing to do" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
+# ---- light beyond a float's range ---------------------------------------------------------------------------------
+{ printf '%s\n' 'b 1 1 1' v 'from 0 -3 1' 'at 0 0 0' 'up 0 0 1' 'angle 40' 'hither 0' 'resolution 8 8'
+	printf '%s\n' 'l 0 -1 0 1000000 1000000 1000000' 'f 1 .5 0 1000000 1000000 3 0 0' 's 0 0 0 5'; } >mirror.nff
+for depth in 8 64; do
+	run sh -c "partition 8x8 | fan -j 1 rtworker -d $depth mirror.nff | gather -o mirror.pfm"
+	is "mirrors of Ks 1e6, $depth levels: light is at the range's end, and no slot is lost" \
+		"$status $err $(od -An -tf4 -j 12 mirror.pfm | grep -c 'inf\|nan\|-[0-9]')" '0  0'
+done
+
 finish
