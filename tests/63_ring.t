@@ -19,7 +19,7 @@ begin() {
 	long "$@"
 	await 5 working 3
 }
-endless() { work='-s 1024x1024 -W -a1024' begin "$@"; }
+endless() { work='-s 1024x1024 -W -a1024' begin; }
 # whole NAME: the run has ended well
 whole() {
 	wait "$pid"
@@ -154,11 +154,13 @@ liar 'a node that ends at once' node 'exit 0'
 liar 'a node that never says a word' node 'sleep 7200; exit'
 is 'a node that never says a word: nobody waits until it is lost' "$(grep lost said)" ''
 liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000); exit"
-liar 'a worker that speaks to the hub' worker 'rtworker -a 16 - | perl also "ask;give 0 7 peer=1;"; exit'
+# sealed RECORDS: with their sums
+sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
+liar 'a worker that speaks to the hub' worker "rtworker -a 16 - | perl also '$(sealed 'ask;give 0 7 peer=1;')'; exit"
 is 'a worker that speaks to the hub: not a word' "$(cat said)" ''
 # forger NAME RECORDS: a node that also says these, with ; for newlines
 forger() {
-	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$2'; exit"
+	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit"
 }
 forger 'tasks given away that are its own, and done all the same' 'give 0 120 peer=0;give 0 121 peer=1;give 0 60 peer=1;give 0 61 peer=0;'
 forger 'tasks given away that there are not' 'give 0 128 peer=0;give 7 1 peer=1;'

@@ -18,6 +18,15 @@ render() {
 	is "$1: exit 0" "$status" 0
 	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
 }
+# heard NAME HOSTS ERE: the same by deal, whose input stays open until fan has said so
+heard() {
+	rm -f out.pfm job.log
+	: >said
+	{ pack scene gears.nff; partition 96x96; await 10 grep -Eq "$3" said; } |
+		deal fan -S "$2" rtworker -a 64 - 2>>said | gather -o out.pfm -r job.log 2>>said
+	is "$1: exit 0" $? 0
+	ok "$1: the same picture" cmp out.pfm good64.pfm
+}
 slots_in() { fragstat "$1" | awk 'NR > 1 && $2 > 0 { printf "%s ", $1 }'; } # that have done something
 
 # ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
@@ -99,12 +108,12 @@ other() {
 }
 as_before() { hosts run "$1" mv $bin/rtworker.good $bin/rtworker; }
 other host2 '1s/selftest=./selftest=x/'
-render 'a host of other arithmetic' masterslave "$file" 64
+heard 'a host of other arithmetic' "$file" 'host2: refused'
 like 'it is refused by name and reason' "$(cat said)" '^fan: host2: refused: its arithmetic differs'
 ok 'and nothing is from it' [ "$(slots_in job.log | grep -c 1)" = 0 ]
 as_before host2
 other host2 '1s/rtworker [^ ]*/rtworker 99/'
-render 'a host of another version' masterslave "$file" 64
+heard 'a host of another version' "$file" 'host2: refused'
 like 'it is refused by name and reason as well' "$(cat said)" \
 	'^fan: host2: refused: it runs rtworker 99, here it is rtworker '
 as_before host2
@@ -114,7 +123,7 @@ nobody.invalid bin=$bin
 host3 bin=/home/nothing
 END
 start=$(now_ms)
-render 'nobody answers, a name that is none, and no programs' masterslave more.hosts 64
+heard 'nobody answers, a name that is none, and no programs' more.hosts 'host3: no rtworker'
 ok 'nobody was waited for until ssh gave up' [ $(($(now_ms) - start)) -lt 9500 ]
 like 'a name, and no resolver' "$(cat said)" '^fan: nobody\.invalid: its name cannot be resolved now; trying again'
 like 'the programs are missed' "$(cat said)" '^fan: host3: no rtworker in /home/nothing, nor on its PATH; install it there$'
