@@ -4,15 +4,15 @@
 needs /usr/include/cmocka.h
 
 # Only the file with the bug differs; the rest is compiled once.
-flags="-std=c11 -D_GNU_SOURCE -O1 -I$root/lib"
+flags="-std=c11 -D_GNU_SOURCE -O1"
 # shellcheck disable=SC2086
-compile() { for c in "$@"; do cc $flags -c -o "$(basename "$(dirname "$c")")-$(basename "$c" .c).o" "$c" || return; done; }
+compile() { for c in "$@"; do cc $flags "-I$root/lib" -c -o "$(basename "$(dirname "$c")")-$(basename "$c" .c).o" "$c" || return; done; }
 # objects FILE: all that a test is linked with, but that of lib/sched/FILE.c
 objects() { for o in base-*.o task-*.o stats-*.o sim-*.o sched-*.o; do [ "$o" = "sched-$1.o" ] || echo "$o"; done; }
 # finds TEST BUG FILE
 # shellcheck disable=SC2046,SC2086
 finds() {
-	cc $flags "-DPLANTED_BUG=$2" -c -o "bug$2.o" "$root/lib/sched/$3.c" &&
+	cc $flags "-I$root/lib" "-DPLANTED_BUG=$2" -c -o "bug$2.o" "$root/lib/sched/$3.c" &&
 		cc -o "bug$2" "bug$2.o" "unit-test_$1.o" $(objects "$3") -lcmocka -lm &&
 		! timeout 60 "./bug$2" >said 2>&1 && grep -q 'to repeat:' said
 }

@@ -130,7 +130,7 @@ same 'a command of odd words'
 is 'and each word is what it was' "$(cat odd.said)" "a b|it's|\$HOME \`x\` \"\\||*|-x|#|
 |"
 mkdir there && cp "$(command -v rtworker)" there/only-there
-echo "there via=\"sh -c %c\" bin=$tmp/there" >bin
+echo "there via=\"sh -c %c\" bin=\"$tmp/there\"" >bin
 run sh -c 'fan -S bin only-there - <job.task | gather -o out.pfm'
 same 'bin='
 like 'a worker that is not here: it is said' "$err" 'only-there says no hello here: the first to say it decides'

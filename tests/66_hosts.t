@@ -6,7 +6,7 @@
 spdgen -s 2 gears >gears.nff
 size=96x80
 partition $size | rtworker gears.nff | gather -o good.pfm
-printf '# name\n:\tslots=2\t# here\n\nother  slots=2 power=7 via="sh -c %%c" bin=%s\n' "$BIN" >hosts
+printf '# name\n:\tslots=2\t# here\n\nother  slots=2 power=7 via="sh -c %%c" bin="%s"\n' "$BIN" >hosts
 
 for m in adaptive interleaved masterslave hybrid ss sc ds dc; do
 	rm -f log out.pfm
@@ -73,7 +73,7 @@ is 'calibrate: max, min, mean and power are what they are called' "$(printf '%s\
 	NR == 2 { first = $4 }
 	{ r = first / $4 / $5; print ($2 >= $4 && $4 >= $3 && $3 > 0 && r > .7 && r < 1.4) }' | tr '\n' ' ')" '1 1 '
 is 'calibrate -o: the hosts as they were, with the powers measured' \
-	"$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/')" "$(printf ': power=\tslots=2\t# here\nother power=  slots=2 via="sh -c %%c" bin=%s' "$BIN")"
+	"$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/')" "$(printf ': power=\tslots=2\t# here\nother power=  slots=2 via="sh -c %%c" bin="%s"' "$BIN")"
 is 'calibrate -o: the powers of the table' "$(fan -l -S measured | cut -f 3 | uniq | tr '\n' ' ')" \
 	"$(printf '%s\n' "$out" | tail -n 2 | awk -F "$tab" '{ printf "%g ", $5 }')"
 odd=$(printf -- '-a scene\nevil via="x %%c')
@@ -87,9 +87,9 @@ is 'and they stay what they are' "$(cat odd.said; grep -v '^#' ./-measured | sed
 $(cat ./-odd)"
 # A host whose rtworker takes 256 samples for one has about a 256th of the power; less than half of it on any machine.
 mkdir slow
-printf '#!/bin/sh\nexec %s/rtworker -a 256 "$@"\n' "$BIN" >slow/rtworker
+printf '#!/bin/sh\nexec "%s/rtworker" -a 256 "$@"\n' "$BIN" >slow/rtworker
 chmod +x slow/rtworker
-printf ':\nslow bin=%s/slow via="sh -c %%c"\n' "$tmp" >unequal
+printf ':\nslow bin="%s/slow" via="sh -c %%c"\n' "$tmp" >unequal
 run balance calibrate -n 3 -s 64x48 -S unequal gears.nff
 is 'calibrate: a slow host is told from a fast one' "$(printf '%s\n' "$out" | awk 'NR == 3 { print $5 < .5 }')" 1
 run balance calibrate -n 1 -s 64x48 -S 2/:,: -o measured gears.nff
