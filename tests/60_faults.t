@@ -226,7 +226,7 @@ ok "ends at once: the same picture" cmp out.pfm small.pfm
 liar "$second; "'echo "hello rtworker 0.1 format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
-liar 'rtworker - | ./through "s/(frame 0 .*)\n/\$1.q( x=).(q(y) x 970).qq(\n)/e"; exit'
+liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit'
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
 liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'

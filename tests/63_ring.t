@@ -125,8 +125,8 @@ liar() {
 	node) good='ringctl -n rtworker -a 16 -' command=./liar ;;
 	worker) good='rtworker -a 16 -' command='ringctl -n ./liar' ;;
 	esac
-	printf '#!/bin/sh\nif [ ! -e %s/taken ] && mkdir %s/taken 2>/dev/null; then\n%s\nfi\n%s\nexec %s\n' \
-		"$tmp" "$tmp" "$3" 'for i in 1 2 3 4 5 6 7 8 9 10; do ! grep -aq "^up " up || break; sleep .1; done' "$good" >liar
+	printf '#!/bin/sh\nif mkdir taken 2>/dev/null; then\n%s\nfi\n%s\nexec %s\n' \
+		"$3" 'for i in 1 2 3 4 5 6 7 8 9 10; do ! grep -aq "^up " up || break; sleep .1; done' "$good" >liar
 	chmod +x liar
 	# shellcheck disable=SC2086  # words
 	timeout 300 env MARK=$mark ringctl sh -c 'fan -j 2 "$@" | tee up' fan $command <job.task 2>said | gather -o out.pfm 2>>said
