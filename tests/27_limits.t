@@ -42,7 +42,7 @@ for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate 
 		'^3:[a-z]+(-calibrate)?: expected a limit of 30 open files or more \(ulimit -n\)$'
 done
 echo x >gears.tsv
-for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol master' 'chart gears.tsv' "$root/tests/demo"; do
+for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol master' 'chart gears.tsv' "'$root/tests/demo'"; do
 	run env TMPDIR="$tmp/none" sh -c "$program"
 	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
 		"^3:[a-z]+(-calibrate)?: $tmp/none: no directory can be made there, expected TMPDIR to name one where it can$"
