@@ -58,12 +58,12 @@ int32_t ring_receiver(const struct world *w, const struct ring_model *m, int32_t
 /* It is so many more, of slot k where there is one, in that place. */
 static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
 {
-    struct rslot *s = k >= 0 ? &m->slots[k] : NULL;
-    bool promised = p == RING_ORPHAN && s && s->state == RING_NEW;
+    bool promised = p == RING_ORPHAN && k >= 0 && m->slots[k].state == RING_NEW;
     m->orphans += p == RING_ORPHAN ? more : 0;
     m->computed += p == RING_COMPUTED ? more : 0;
     m->promised += promised ? more : 0;
-    if (!s) return;
+    if (k < 0) return;
+    struct rslot *s = &m->slots[k];
     s->held += p == RING_HELD ? more : 0;
     s->computed += p == RING_COMPUTED ? more : 0;
     s->promised += promised ? more : 0;
