@@ -104,7 +104,7 @@ like 'where it is not, it is said' "$(cat said)" '^fan: host1: no loud in /home/
 # other HOST SCRIPT: rtworker there is filtered by sed
 other() {
 	hosts run "$1" mv $bin/rtworker $bin/rtworker.good
-	printf '#!/bin/sh\n%s/rtworker.good "$@" | sed -u "%s"\n' $bin "$2" | put "$1" $bin/rtworker
+	printf '#!/bin/sh\n%s/rtworker.good "$@" | sed -u "1s/ sum=.*//; %s"\n' $bin "$2" | put "$1" $bin/rtworker
 }
 as_before() { hosts run "$1" mv $bin/rtworker.good $bin/rtworker; }
 other host2 '1s/selftest=./selftest=x/'
