@@ -161,7 +161,7 @@ static void forget_earlier(struct verify *v)
         if (v->piece[i].run != v->runs) v->piece[i].by[0].place = v->piece[i].by[0].slot = -1;
 }
 
-/* ---- what is known of a piece ---------------------------------------------------------------- */
+/* ---- the verdict on a piece ------------------------------------------------------------------ */
 
 static bool whole(const struct piece *p, const struct opinion *o)
 {

@@ -25,9 +25,9 @@ struct fan_host {
     bool reached;      /* a slot of it was up */
     enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* why it is not up, since a slot of it was */
     uint64_t told;     /* hash of the last line of its standard error */
-    int64_t window_us; /* since then so many lines were shown, */
+    int64_t window_us; /* when the count of lines shown began */
     int shown;
-    int64_t dropped; /* and so many not */
+    int64_t dropped; /* lines not shown, and not reported yet */
 };
 
 struct fan_slot {

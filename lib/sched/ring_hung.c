@@ -14,7 +14,7 @@
 #define LATE_TIMES 4
 #define LATE_US 200000 /* and so much besides: a machine that is busy */
 #define LATE_MOST_US 86400e6
-#define TRIES 8 /* after so many it has to be late by as much more: it may just be long */
+#define TRIES 8 /* after each TRIES takeovers of a task the wait grows by its first length */
 
 static void unlist(struct hub *h, int32_t k)
 {
