@@ -63,7 +63,7 @@ is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | r
 is "-c keeps them to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
 	"hell fram done done done frag frag frag bye "
 { partition 4x2; echo flush; echo 'task 0 9 0 0 1 1 1 1'; } | rtworker -c tetra.nff >held
-is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag done frag bye "
+is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag beat done frag bye "
 is "the worker's options are told" \
 	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -x sse2 tetra.nff | lines - | grep -o 'with=[^ ]*')" "with=rtworker,-a16:0.1,-d3"
 a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)

@@ -5,14 +5,30 @@
 cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o damage "$root/tests/damage.c" "$root/build/libstormring.a" -lpng -lz -lm ||
 	{ echo 'Bail out! tests/damage.c does not compile'; exit 3; }
 PATH=$tmp:$PATH
+# Two frames each of a scene and of a grid, in directories of their workers' names.
+mkdir rtworker vcworker
 for frame in 0 1; do
 	spdgen -s 1 tetra | sed "s/^angle .*/angle 4$frame/" >scene$frame
-	pack scene scene$frame
-	echo "frame $frame 8 6 $(rtworker -i -s 8x6 scene$frame | grep job=)"
-done >states
-partition 8x6@states >tasks
-grep -a ^frame states >frames
-rtworker - <tasks | gather -e frames -o true%d.pfm
+	{ pack scene scene$frame; echo "frame $frame 8 6 $(rtworker -i -s 8x6 scene$frame | grep job=)"; } >>rtworker/states
+done
+awk 'BEGIN {
+	print "# vtk DataFile Version 3.0\na\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 4 3"
+	print "X_COORDINATES 4 float\n0 1 2 3\nY_COORDINATES 4 float\n0 1 2 3\nZ_COORDINATES 3 float\n0 1 2"
+	print "POINT_DATA 48\nSCALARS a float 1\nLOOKUP_TABLE default"
+	for (i = 0; i < 48; i++) print i * i % 37
+}' >grid
+pack grid grid >vcworker/states
+for frame in 0 1; do
+	printf '%s\n' "from 9 -8 ${frame}6" 'at 1.5 1.5 1' 'up 0 0 1' 'angle 35' 'resolution 8 6' \
+		'map 5 .1 .4 .9 0' 'map 30 .9 .3 .1 .8' >spec$frame
+	{ pack spec spec$frame; echo "frame $frame 8 6 $(vcworker -i grid spec$frame | grep job=)"; } >>vcworker/states
+done
+for worker in rtworker vcworker; do
+	partition 8x6@$worker/states >$worker/tasks
+	grep -a ^frame $worker/states >$worker/frames
+	$worker <$worker/tasks | gather -e $worker/frames -o $worker/true%d.pfm ||
+		{ echo "Bail out! no picture of $worker"; exit 3; }
+done
 # The first worker that starts has the fault.
 cat >down <<'END'
 mkdir once 2>/dev/null || exec "$@"
@@ -23,39 +39,41 @@ mkdir once 2>/dev/null || exec "$@"
 "$@" | damage "$seed"
 END
 cat >places <<'END'
-damage "$seed" <tasks | rtworker -
-damage "$seed" <tasks | fan -t 2 -j 2 rtworker -
-damage "$seed" <tasks | deal fan -t 2 -j 2 rtworker -
-damage "$seed" <tasks | ringctl fan -t 2 -j 2 ringctl -n rtworker -
-deal sh -c 'damage "$seed" | fan -t 2 -j 2 rtworker -' <tasks
-ringctl sh -c 'damage "$seed" | fan -t 2 -j 2 ringctl -n rtworker -' <tasks
-deal fan -t 2 -j 2 sh ./down rtworker - <tasks
-ringctl fan -t 2 -j 2 sh ./down ringctl -n rtworker - <tasks
-fan -t 2 -j 2 sh ./up rtworker - <tasks
-deal fan -t 2 -j 2 sh ./up rtworker - <tasks
-ringctl fan -t 2 -j 2 sh ./up ringctl -n rtworker - <tasks
-ringctl fan -t 2 -j 2 ringctl -n sh ./up rtworker - <tasks
-deal sh -c 'fan -t 2 -j 2 rtworker - | damage "$seed"' <tasks
-ringctl sh -c 'fan -t 2 -j 2 ringctl -n rtworker - | damage "$seed"' <tasks
-deal fan -t 2 -j 2 rtworker - <tasks | damage "$seed"
+damage "$seed" <$worker/tasks | $worker
+damage "$seed" <$worker/tasks | fan -t 2 -j 2 $worker
+damage "$seed" <$worker/tasks | deal fan -t 2 -j 2 $worker
+damage "$seed" <$worker/tasks | ringctl fan -t 2 -j 2 ringctl -n $worker
+deal sh -c 'damage "$seed" | fan -t 2 -j 2 $worker' <$worker/tasks
+ringctl sh -c 'damage "$seed" | fan -t 2 -j 2 ringctl -n $worker' <$worker/tasks
+deal fan -t 2 -j 2 sh ./down $worker <$worker/tasks
+ringctl fan -t 2 -j 2 sh ./down ringctl -n $worker <$worker/tasks
+fan -t 2 -j 2 sh ./up $worker <$worker/tasks
+deal fan -t 2 -j 2 sh ./up $worker <$worker/tasks
+ringctl fan -t 2 -j 2 sh ./up ringctl -n $worker <$worker/tasks
+ringctl fan -t 2 -j 2 ringctl -n sh ./up $worker <$worker/tasks
+deal sh -c 'fan -t 2 -j 2 $worker | damage "$seed"' <$worker/tasks
+ringctl sh -c 'fan -t 2 -j 2 ringctl -n $worker | damage "$seed"' <$worker/tasks
+deal fan -t 2 -j 2 $worker <$worker/tasks | damage "$seed"
 END
 n_places=$(wc -l <places)
 seed=${FIRST:-1} end=$((${FIRST:-1} + ${FAULTS:-120})) good=0 refused=0 bad=''
-export seed
+export seed worker
 while [ "$seed" -lt "$end" ]; do
 	place=$(sed -n $((seed % n_places + 1))p places)
+	worker=rtworker
+	[ $((seed / n_places % 2)) -eq 0 ] || worker=vcworker
 	rm -rf once damaged f?.pfm said
-	timeout 60 sh -c "{ $place; } 2>said | gather -e frames -o f%d.pfm 2>>said"
+	timeout 60 sh -c "{ $place; } 2>said | gather -e $worker/frames -o f%d.pfm 2>>said"
 	status=$?
 	why=''
 	case $status in
-	0) cmp -s f0.pfm true0.pfm && cmp -s f1.pfm true1.pfm || why='another picture with status 0' ;;
+	0) cmp -s f0.pfm $worker/true0.pfm && cmp -s f1.pfm $worker/true1.pfm || why='another picture with status 0' ;;
 	124) why='it hangs' ;;
 	[123]) [ -s said ] || why="status $status without a reason" ;;
 	*) why="status $status" ;;
 	esac
 	! grep -q 'signal-\(4\|6\|7\|8\|11\)\|Sanitizer\|core dumped' said || why='a crash'
-	for frame in 0 1; do [ ! -e f$frame.pfm ] || cmp -s f$frame.pfm true$frame.pfm || [ $status -ne 0 ] || why='another picture'; done
+	for frame in 0 1; do [ ! -e f$frame.pfm ] || cmp -s f$frame.pfm $worker/true$frame.pfm || [ $status -ne 0 ] || why='another picture'; done
 	if [ $status -eq 0 ]; then good=$((good + 1)); else refused=$((refused + 1)); fi
 	if [ -n "$why" ]; then
 		bad="$bad $seed"

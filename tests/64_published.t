@@ -29,12 +29,18 @@ says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) 
 heard turn turn.task -a 64 -c
 is 'a node is told its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
 { pack scene gears.nff; partition -n 1 192x192; } >first.task
-heard first first.task -a 64
 # first_word KIND NODE: the first such record of that node
 first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.$k | grep -E -m 1 "$1"; done; }
+# Node 2 has none either, if it has not been given some meanwhile. It does not answer when the run is over before it reads
+# the question, as on a busy machine: then the run is repeated.
+for try in 1 2 3; do
+	heard first first.task -a 64
+	answer=$(first_word '^(none|give).* peer=1' 2)
+	[ -z "$answer" ] || break
+	diag "try $try: node 2 did not answer"
+done
 is 'without a row of its own it asks the next one first' "$(first_word ask 1)" 'ask peer=2'
-# It has none either, if it has not been given some meanwhile.
-like 'that one answers' "$(first_word '^(none|give).* peer=1' 2)" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
+like 'that one answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
 
 # ---- a node dies ----------------------------------------------------------------------------------------------------
 # These rules have hazards, some of which a busy machine brings about: it is to come through once in three times.

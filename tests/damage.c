@@ -38,7 +38,7 @@ static void hurt(uint64_t seed, unsigned char *p, size_t n)
     if (!said) die(ST_SYSTEM, "damaged:");
     const unsigned char *end = memchr(p, '\n', n);
     size_t line = end ? (size_t)(end - p) : n;
-    if (kind == 1 || at == line) at %= line ? line : 1; /* a line's end: see tests/README */
+    if (kind == 1) at %= line + (line < n);
     fprintf(said, "%s at byte %zu of `%.*s`\n", kinds[kind], (size_t)at, (int)line, (char *)p);
     fclose(said);
     if (kind < 2) p[at] ^= (unsigned char)(1 << rng_u64(seed, 3) % 8);

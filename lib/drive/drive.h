@@ -68,6 +68,8 @@ void outlet_push(struct outlet *o);
  * then, since nobody behind this process knows of it yet.
  */
 void outlet_beat(struct outlet *o, const struct decoder *input);
+/* A flush came: says `beat`, so that who asked hears something even where nothing was held back. */
+void outlet_answer(struct outlet *o);
 /* The rest goes to the reader, who may be slow; or until a signal comes. */
 void outlet_drain(struct outlet *o);
 

@@ -188,7 +188,10 @@ static int route(void *ctx, const struct record *r)
         stream_frame(&f->input, r);
         route_small(f, r);
         return 0;
-    case REC_FLUSH: route_small(f, r); return 0;
+    case REC_FLUSH:
+        route_small(f, r);
+        if (r->task.to < 0) outlet_answer(&f->out);
+        return 0;
     case REC_TASK: return route_task(f, r);
     case REC_RING:
     case REC_HEIR:

@@ -18,6 +18,7 @@
 #define POWER_MOST 1e9
 #define WAIT_MOST_US INT64_C(3600000000) /* for anything; then it is looked once more */
 #define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
+#define QUIET_US INT64_C(3000000)        /* of the command, before it is asked whether it is there */
 
 struct driver {
     const struct policy *policy;
@@ -31,6 +32,7 @@ struct driver {
     struct tags tags;
     struct buf held; /* state that came, and the input waits behind it: it is not admitted yet */
     uint32_t oldest; /* before it, the first generation that may have had tasks */
+    int64_t heard_us; /* when the command said something last, or was asked to */
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */
     bool node;     /* of a ring */
@@ -155,7 +157,10 @@ static int take_down(void *ctx, const struct record *r)
         wire_forward(&d->down.bytes, r, NULL, NULL);
         return 0;
     case REC_TASK: return take_task(d, r);
-    case REC_FLUSH: tell(d, (struct sched_event){.kind = SCHED_FLUSH}); return 0;
+    case REC_FLUSH:
+        tell(d, (struct sched_event){.kind = SCHED_FLUSH});
+        outlet_answer(&d->out);
+        return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:
@@ -269,6 +274,7 @@ static bool listen_up(struct driver *d)
     struct record r;
     enum wire_result result;
     bool more = stream_read(&d->from, d->child.from) > 0;
+    d->heard_us = now_us();
     while ((result = wire_next(&d->from, &r)) != WIRE_MORE) {
         if (result == WIRE_RECORD) take_up(d, &r);
         else if (!d->from.ended) die(ST_SYSTEM, "from the command: %s", d->from.why);
@@ -293,10 +299,32 @@ static int64_t wake_us(const struct driver *d)
     return d->policy->wake_us ? d->policy->wake_us(d->state) : INT64_MAX;
 }
 
+/* When a command that owes tasks has been quiet for too long. */
+static int64_t quiet_us(const struct driver *d)
+{
+    bool owes = d->child.to >= 0 && sched_uncommitted(d->policy, d->state);
+    return owes ? d->heard_us + QUIET_US : INT64_MAX;
+}
+
+/*
+ * Workers that compute send beats. When there are none, the end of a line may have been damaged, in
+ * either direction, and its reader waits for the rest of it. A flush, and the beat that answers it,
+ * end such a line, which is then refused. To others a flush does nothing.
+ */
+static void ask_quiet(struct driver *d)
+{
+    int64_t now = now_us();
+    if (now < quiet_us(d)) return;
+    d->heard_us = now;
+    flush(d, -1);
+}
+
 /* For how long poll may wait: -1, for ever. */
 static int wait_ms(const struct driver *d)
 {
-    int64_t wake = wake_us(d), left_us = wake - now_us();
+    int64_t wake = wake_us(d), quiet = quiet_us(d);
+    if (quiet < wake) wake = quiet;
+    int64_t left_us = wake - now_us();
     if (wake == INT64_MAX) return -1;
     if (left_us <= 0) return 0;
     return left_us < WAIT_MOST_US ? (int)((left_us + 999) / 1000) : (int)(WAIT_MOST_US / 1000);
@@ -325,6 +353,7 @@ static bool poll_round(struct driver *d)
     bool more = p[3].revents ? listen_up(d) : true;
     if (now_us() >= wake_us(d)) tell(d, (struct sched_event){.kind = SCHED_WAKE});
     release(d);
+    ask_quiet(d);
     if (d->child.to >= 0) feed(d, &p[2]);
     outlet_push(&d->out);
     return more;

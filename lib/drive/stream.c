@@ -106,6 +106,11 @@ void outlet_beat(struct outlet *o, const struct decoder *input)
     wire_plain(&o->queue.control, REC_BEAT, NULL);
 }
 
+void outlet_answer(struct outlet *o)
+{
+    if (o->greeted) wire_plain(&o->queue.control, REC_BEAT, NULL);
+}
+
 void outlet_drain(struct outlet *o)
 {
     while (up_size(&o->queue) && !o->gone && !signals_came()) {

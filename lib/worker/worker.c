@@ -249,7 +249,11 @@ static void take_record(struct worker *w, const struct record *r)
     }
     switch (r->kind) {
     case REC_FRAME: take_frame(w, r); break;
-    case REC_FLUSH: release_held(w); break;
+    case REC_FLUSH:
+        release_held(w);
+        wire_plain(&w->out, REC_BEAT, NULL); /* an answer, also where nothing was held back */
+        push(w);
+        break;
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC: take_state(w, r); break;
