@@ -107,7 +107,7 @@ chart:
 
 # What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
 report:
-	@tests/need test check bench
+	@tests/need check bench
 	@$(PARALLEL) -s all
 	@FULL=$(FULL) tests/report
 

@@ -54,6 +54,10 @@ ringctl fan -t 2 -j 2 ringctl -n sh ./up $worker <$worker/tasks
 deal sh -c 'fan -t 2 -j 2 $worker | damage "$seed"' <$worker/tasks
 ringctl sh -c 'fan -t 2 -j 2 ringctl -n $worker | damage "$seed"' <$worker/tasks
 deal fan -t 2 -j 2 $worker <$worker/tasks | damage "$seed"
+deal sh -c 'damage "$seed" | fan -t 2 -j 1 $worker' <$worker/tasks
+deal sh -c 'fan -t 2 -j 1 $worker | damage "$seed"' <$worker/tasks
+deal sh -c 'damage "$seed" | $worker' <$worker/tasks
+deal sh -c '$worker | damage "$seed"' <$worker/tasks
 END
 n_places=$(wc -l <places)
 seed=${FIRST:-1} end=$((${FIRST:-1} + ${FAULTS:-120})) good=0 refused=0 bad=''

@@ -11,8 +11,7 @@
 #define PAUSE 100 /* ms: a record that was to change places with the next waits for it so long */
 
 static struct buf in, held; /* held: it waits for the next */
-static const char *const kinds[] = {
-    "flip", "flip in the line", "cut", "cut within", "again", "places"};
+static const char *const kinds[] = {"flip", "flip in the line", "flip of its end", "cut", "cut within", "again", "places"};
 
 /* The whole record at the front; 0: it has not come yet. */
 static size_t record(void)
@@ -33,20 +32,22 @@ static void put(const void *p, size_t n)
 
 static void hurt(uint64_t seed, unsigned char *p, size_t n)
 {
-    uint64_t kind = rng_u64(seed, 1) % 6, at = rng_u64(seed, 2) % n;
+    enum { FLIP, FLIP_LINE, FLIP_END, CUT, CUT_WITHIN, AGAIN, PLACES, KINDS };
+    uint64_t kind = rng_u64(seed, 1) % KINDS, at = rng_u64(seed, 2) % n;
     FILE *said = fopen("damaged", "ae");
     if (!said) die(ST_SYSTEM, "damaged:");
     const unsigned char *end = memchr(p, '\n', n);
-    size_t line = end ? (size_t)(end - p) : n;
-    if (kind == 1) at %= line + (line < n);
+    size_t line = end ? (size_t)(end - p) : n - 1;
+    if (kind == FLIP_LINE) at %= line + 1;
+    if (kind == FLIP_END) at = line;
     fprintf(said, "%s at byte %zu of `%.*s`\n", kinds[kind], (size_t)at, (int)line, (char *)p);
     fclose(said);
-    if (kind < 2) p[at] ^= (unsigned char)(1 << rng_u64(seed, 3) % 8);
-    if (kind == 3) put(p, at);
-    if (kind == 2 || kind == 3) exit(ST_OK);
-    if (kind < 2 || kind == 4) put(p, n);
-    if (kind == 4) put(p, n);
-    if (kind == 5) buf_append(&held, p, n);
+    if (kind <= FLIP_END) p[at] ^= (unsigned char)(1 << rng_u64(seed, 3) % 8);
+    if (kind == CUT_WITHIN) put(p, at);
+    if (kind == CUT || kind == CUT_WITHIN) exit(ST_OK);
+    if (kind <= AGAIN) put(p, n);
+    if (kind == AGAIN) put(p, n);
+    if (kind == PLACES) buf_append(&held, p, n);
 }
 
 static void release(void)

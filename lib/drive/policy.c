@@ -18,7 +18,7 @@
 #define POWER_MOST 1e9
 #define WAIT_MOST_US INT64_C(3600000000) /* for anything; then it is looked once more */
 #define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
-#define QUIET_US INT64_C(3000000)        /* of the command, before it is asked whether it is there */
+#define QUIET_US INT64_C(3000000)        /* a command that owes tasks may be silent for so long */
 
 struct driver {
     const struct policy *policy;
@@ -299,7 +299,7 @@ static int64_t wake_us(const struct driver *d)
     return d->policy->wake_us ? d->policy->wake_us(d->state) : INT64_MAX;
 }
 
-/* When a command that owes tasks has been quiet for too long. */
+/* When a command that owes tasks has been silent for too long. */
 static int64_t quiet_us(const struct driver *d)
 {
     bool owes = d->child.to >= 0 && sched_uncommitted(d->policy, d->state);
@@ -322,8 +322,7 @@ static void ask_quiet(struct driver *d)
 /* For how long poll may wait: -1, for ever. */
 static int wait_ms(const struct driver *d)
 {
-    int64_t wake = wake_us(d), quiet = quiet_us(d);
-    if (quiet < wake) wake = quiet;
+    int64_t wake = wake_us(d) < quiet_us(d) ? wake_us(d) : quiet_us(d);
     int64_t left_us = wake - now_us();
     if (wake == INT64_MAX) return -1;
     if (left_us <= 0) return 0;

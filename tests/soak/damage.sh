@@ -1,0 +1,16 @@
+#!/bin/sh
+# damage.sh [LOGS [STREAMS [SEED]]]: one seeded fault in each of LOGS logs and of STREAMS streams of live runs: the same
+# picture, or a status other than 0 with a reason.
+. "$(dirname "$0")/../lib.sh"
+logs=${1:-10000} streams=${2:-10000} seed=${3:-$(date +%s)}
+diag "seed $seed"
+ok "$logs logs" env FAULTS="$logs" FIRST="$seed" "$root/build/unit/test_faults"
+# Two at a time: they mostly wait.
+half=$((streams / 2))
+FAULTS=$half FIRST=$seed "$root/tests/57_damage.t" >one &
+FAULTS=$half FIRST=$((seed + half)) "$root/tests/57_damage.t" >two
+status=$?
+wait $! || status=$?
+diag "$(cat one two)"
+is "$streams streams" $status 0
+finish
