@@ -16,7 +16,7 @@
 
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9
-#define WAIT_MOST_US INT64_C(3600000000) /* for anything; then it is looked once more */
+#define WAIT_MOST_US INT64_C(3600000000) /* for anything */
 #define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
 #define QUIET_US INT64_C(3000000)        /* a command that owes tasks may be silent for so long */
 
@@ -307,24 +307,21 @@ static int64_t quiet_us(const struct driver *d)
 }
 
 /*
- * Workers that compute send beats. When there are none, the end of a line may have been damaged, in
- * either direction, and its reader waits for the rest of it. A flush, and the beat that answers it,
- * end such a line, which is then refused. To others a flush does nothing.
+ * Workers that compute send beats. Where none come, the end of a line may have been damaged, in
+ * either direction: its reader waits for the rest. A flush, and its answer, end such a line.
  */
 static void ask_quiet(struct driver *d)
 {
-    int64_t now = now_us();
-    if (now < quiet_us(d)) return;
-    d->heard_us = now;
+    if (now_us() < quiet_us(d)) return;
+    d->heard_us = now_us();
     flush(d, -1);
 }
 
-/* For how long poll may wait: -1, for ever. */
+/* For how long poll may wait. */
 static int wait_ms(const struct driver *d)
 {
     int64_t wake = wake_us(d) < quiet_us(d) ? wake_us(d) : quiet_us(d);
     int64_t left_us = wake - now_us();
-    if (wake == INT64_MAX) return -1;
     if (left_us <= 0) return 0;
     return left_us < WAIT_MOST_US ? (int)((left_us + 999) / 1000) : (int)(WAIT_MOST_US / 1000);
 }
