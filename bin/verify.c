@@ -2,13 +2,12 @@
  * verify: which pieces of a log are computed a second time, on another host, and what came of it.
  *
  * The pieces are chosen when the pixels are there, by a number that was drawn after them: no worker
- * can know, while it computes a piece, that the piece will be checked. What two hosts made of a
- * piece is compared by sums over all its bits under two secret keys, linear in the words (J. L.
- * Carter, M. N. Wegman, "Universal classes of hash functions", JCSS 18, 1979): pieces of pieces add
- * up, in any order.
+ * can know, while it computes a piece, that the piece will be checked. lib/verify has the rules.
  */
+#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -16,134 +15,69 @@
 #include "base/base.h"
 #include "log/log.h"
 #include "proc/proc.h"
+#include "verify/verify.h"
 #include "wire/wire.h"
 
-#define OPINIONS 8 /* of a piece: the log's, and one of each slot that has computed it again */
-#define ENOUGH 3   /* hosts: two that agree tell which is wrong */
 #define READ_BYTES 65536
-#define LINES_MOST 16 /* of the report */
+#define LINES_MOST 16     /* of the report */
+#define PATIENCE_TIMES 10 /* as long as the log's longest task may pass without a fragment */
 
-struct opinion {
-    int32_t slot;
-    int32_t place;   /* its host; of one host alone its slot; -1: of an earlier run, not known */
-    uint64_t pixels; /* so far */
-    uint64_t sum[2];
-};
-struct piece {
-    struct task task;
-    uint32_t run; /* of those in the log */
-    uint32_t n;
-    struct opinion by[OPINIONS];
-};
-struct size {
-    uint32_t frame, w, h;
-    bool written;
-    char job[80]; /* "job=HASH" */
-};
+/* What is read out of a file now: lib/verify has the order. */
+enum phase { CHOOSE, CUT, FIRST, AGAIN };
 
-struct verify {
-    double fraction;
-    uint64_t seed; /* -s */
-    bool report;   /* -r */
+struct program {
+    struct verify v;
     struct hosts hosts;
-    int *host_of; /* by slot */
-    struct piece *piece;
-    uint32_t n, runs;
-    uint64_t seen; /* fragments in the log */
-    struct size *size;
-    uint32_t n_sizes;
-    bool again;      /* a file of second opinions is read */
-    uint32_t rounds; /* of these */
+    int32_t *place_of; /* by slot */
+    enum phase phase;
+    uint32_t runs, run; /* in the log: all, and begun in the phase FIRST */
     float *pixels;
 };
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static struct size *size_of(struct verify *v, uint32_t frame)
-{
-    for (uint32_t i = v->n_sizes; i-- > 0;)
-        if (v->size[i].frame == frame) return &v->size[i];
-    return NULL;
-}
-
-static void take_frame(struct verify *v, const struct record *r)
-{
-    if (v->again || size_of(v, r->task.frame)) return;
-    v->size = xrealloc(v->size, (size_t)v->n_sizes + 1, sizeof *v->size);
-    struct size *s = &v->size[v->n_sizes++];
-    *s = (struct size){.frame = r->task.frame, .w = r->frame_w, .h = r->frame_h};
-    char job[64];
-    if (rec_str(r, "job", job, sizeof job)) snprintf(s->job, sizeof s->job, "job=%s", job);
-}
-
-static void add_up(struct verify *v, struct opinion *o, const struct record *r, uint32_t frame_w)
-{
-    const struct lattice *at = &r->task.at;
-    uint64_t count = lattice_count(at);
-    rec_pixels(r, v->pixels);
-    for (uint64_t k = 0; k < count; k++) {
-        uint32_t word[4];
-        uint64_t p = lattice_pixel(at, frame_w, k);
-        memcpy(word, v->pixels + 4 * k, sizeof word);
-        for (uint64_t c = 0; c < 4; c++)
-            for (uint64_t key = 0; key < 2; key++)
-                o->sum[key] += rng_u64(v->seed + 1 + key, 4 * p + c) * word[c];
-    }
-    o->pixels += count;
-}
-
-/* The slot's opinion of the piece, new or begun; NULL where there is no room. */
-static struct opinion *opinion_of(struct verify *v, struct piece *p, int32_t slot)
-{
-    uint32_t i = v->again ? 1 : 0;
-    while (i < p->n && p->by[i].slot != slot) i++;
-    if (i == OPINIONS) return NULL;
-    if (i == p->n) {
-        int place = slot < 0 || slot >= v->hosts.slots ? -1 : v->host_of[slot];
-        p->by[p->n++] = (struct opinion){.slot = slot, .place = place};
-    }
-    return &p->by[i];
-}
-
-static void take_frag(struct verify *v, const struct record *r)
+/* The slot of the outermost fan, or -1. */
+static int32_t slot_of(const struct record *r)
 {
     char name[32];
-    const struct size *s = size_of(v, r->task.frame);
-    struct piece *p = NULL;
     int64_t slot = -1;
-    if (!s || !lattice_valid(&r->task.at, s->w, s->h)) return;
-    if (rec_str(r, "w", name, sizeof name)) {
-        name[strcspn(name, ".")] = '\0'; /* of the outermost fan */
-        (void)parse_int(name, 0, HOSTS_SLOTS_MAX - 1, &slot);
+    if (!rec_str(r, "w", name, sizeof name)) return -1;
+    name[strcspn(name, ".")] = '\0';
+    return parse_int(name, 0, HOSTS_SLOTS_MAX - 1, &slot) ? (int32_t)slot : -1;
+}
+
+static void take_frag(struct program *p, const struct record *r)
+{
+    int32_t slot = slot_of(r);
+    if (p->phase == FIRST || p->phase == AGAIN) rec_pixels(r, p->pixels);
+    switch (p->phase) {
+    case CHOOSE: verify_choose(&p->v, &r->task); break;
+    case CUT: verify_cut(&p->v, &r->task); break;
+    case FIRST: /* slots of an earlier run may have been other hosts */
+        verify_first(&p->v, &r->task, p->run == p->runs ? slot : -1, p->pixels);
+        break;
+    case AGAIN: verify_again(&p->v, &r->task, slot, p->pixels); break;
     }
-    if (v->again) {
-        if (r->task.id < v->n) p = &v->piece[r->task.id];
-        if (!p || p->task.frame != r->task.frame) return;
-        if (lattice_offset(&p->task.at, s->w, &r->task.at) < 0) return;
-    } else {
-        if (rng_unit(v->seed, v->seen++) >= v->fraction) return;
-        if ((v->n & (v->n - 1)) == 0)
-            v->piece = xrealloc(v->piece, v->n ? (size_t)v->n * 2 : 1, sizeof *p);
-        p = &v->piece[v->n];
-        *p = (struct piece){.task = r->task, .run = v->runs};
-        p->task.id = v->n++;
-    }
-    struct opinion *o = opinion_of(v, p, (int32_t)slot);
-    if (o && o->pixels < lattice_count(&p->task.at)) add_up(v, o, r, s->w);
 }
 
 static void take(void *ctx, const struct record *r)
 {
-    struct verify *v = ctx;
-    if (r->kind == REC_HELLO && !v->again) v->runs++;
-    if (r->kind == REC_FRAME) take_frame(v, r);
-    if (r->kind == REC_FRAG) take_frag(v, r);
+    struct program *p = ctx;
+    char job[64];
+    if (r->kind == REC_HELLO) {
+        p->runs += p->phase == CHOOSE;
+        p->run += p->phase == FIRST;
+    }
+    if (r->kind == REC_FRAME && p->phase == CHOOSE)
+        verify_frame(&p->v, r->task.frame, r->frame_w, r->frame_h,
+            rec_str(r, "job", job, sizeof job) ? job : NULL);
+    if (r->kind == REC_FRAG) take_frag(p, r);
 }
 
-static void read_one(struct verify *v, const char *name)
+static void read_one(const char *name, void (*record)(void *, const struct record *), void *ctx)
 {
     struct intake in;
-    const struct log_reader reader = {take, NULL, v};
+    const struct log_reader reader = {record, NULL, ctx};
     int fd = open(name, O_RDONLY | O_CLOEXEC);
     if (fd < 0) die(ST_USAGE, "%s:", name);
     intake_init(&in, false);
@@ -154,82 +88,24 @@ static void read_one(struct verify *v, const char *name)
     close(fd);
 }
 
-/* Slots of an earlier run may have been other hosts. */
-static void forget_earlier(struct verify *v)
+/* The log, and the checks behind it; NULL ends them. */
+static void read_all(struct program *p, char *const *file)
 {
-    for (uint32_t i = 0; i < v->n; i++)
-        if (v->piece[i].run != v->runs) v->piece[i].by[0].place = v->piece[i].by[0].slot = -1;
-}
-
-/* ---- the verdict on a piece ------------------------------------------------------------------ */
-
-static bool whole(const struct piece *p, const struct opinion *o)
-{
-    return o->pixels == lattice_count(&p->task.at);
-}
-
-static bool same(const struct opinion *a, const struct opinion *b)
-{
-    return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1];
-}
-
-static bool used(const struct piece *p, int place)
-{
-    for (uint32_t i = 0; i < p->n; i++)
-        if (whole(p, &p->by[i]) && p->by[i].place == place) return true;
-    return false;
-}
-
-/* How many hosts made the same of it as opinion o, that one included. */
-static uint32_t votes(const struct piece *p, const struct opinion *o)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < p->n; i++) {
-        bool counts = whole(p, &p->by[i]) && same(&p->by[i], o);
-        for (uint32_t k = 0; counts && k < i; k++)
-            counts =
-                !(whole(p, &p->by[k]) && same(&p->by[k], o) && p->by[k].place == p->by[i].place);
-        n += counts;
+    p->pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *p->pixels);
+    p->phase = CHOOSE;
+    read_one(file[0], take, p);
+    p->phase = CUT;
+    for (int i = 1; file[i]; i++) read_one(file[i], take, p);
+    verify_split(&p->v);
+    p->phase = FIRST;
+    read_one(file[0], take, p);
+    p->phase = AGAIN;
+    for (int i = 1; file[i]; i++) {
+        verify_begin(&p->v);
+        read_one(file[i], take, p);
+        verify_end(&p->v);
     }
-    return n;
-}
-
-enum verdict { UNCHECKED, AGREED, DIFFERENT };
-static enum verdict judge(const struct piece *p)
-{
-    bool checked = false;
-    for (uint32_t i = 1; i < p->n; i++) {
-        if (!whole(p, &p->by[i])) continue;
-        if (!same(&p->by[i], &p->by[0])) return DIFFERENT;
-        checked = checked || p->by[i].place != p->by[0].place;
-    }
-    return checked ? AGREED : UNCHECKED;
-}
-
-/* Hosts that have computed it. */
-static uint32_t places(const struct piece *p)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < p->n; i++) {
-        bool first = whole(p, &p->by[i]);
-        for (uint32_t k = 0; first && k < i; k++)
-            first = !(whole(p, &p->by[k]) && p->by[k].place == p->by[i].place);
-        n += first;
-    }
-    return n;
-}
-
-/* The slot that shall compute it next, on a host that has not; -1: it is not needed, or none is. */
-static int32_t next_slot(const struct verify *v, const struct piece *p)
-{
-    enum verdict verdict = judge(p);
-    if (verdict == AGREED || (verdict == DIFFERENT && places(p) >= ENOUGH)) return -1;
-    int from = (int)(rng_unit(v->seed + 3 + v->rounds, p->task.id) * v->hosts.slots);
-    for (int i = 0; i < v->hosts.slots; i++) {
-        int slot = (from + i) % v->hosts.slots;
-        if (!used(p, v->host_of[slot])) return slot;
-    }
-    return -1;
+    free(p->pixels);
 }
 
 /* ---- tasks ----------------------------------------------------------------------------------- */
@@ -240,14 +116,20 @@ static void flush(struct buf *b)
     buf_consume(b, buf_size(b));
 }
 
-static void write_tasks(struct verify *v, struct size *s)
+/* Of a frame of which none were written yet. */
+static void write_tasks(const struct verify *v, struct frame_size *f)
 {
+    char job[sizeof f->job + 4];
     struct buf b = {0};
-    for (uint32_t i = 0; i < v->n; i++) {
-        struct task t = v->piece[i].task;
-        if (t.frame != s->frame || (t.to = next_slot(v, &v->piece[i])) < 0) continue;
-        if (!s->written) wire_frame(&b, s->frame, s->w, s->h, s->job);
-        s->written = true;
+    uint32_t i, end = verify_of_frame(v, f->frame, &i);
+    if (f->said) return;
+    snprintf(job, sizeof job, "job=%s", f->job);
+    for (; i < end; i++) {
+        const struct verify_part *p = &v->part[i];
+        struct task t = {.frame = p->frame, .id = i, .at = p->at, .to = verify_next(v, p)};
+        if (t.to < 0) continue;
+        if (!f->said) wire_frame(&b, f->frame, f->w, f->h, *f->job ? job : "");
+        f->said = true;
         wire_task(&b, &t);
         if (buf_size(&b) >= READ_BYTES) flush(&b);
     }
@@ -268,120 +150,186 @@ static void pass_state(struct verify *v)
         if (n < 0) die(ST_SYSTEM, "standard input:");
         if (!n) wire_end(&in);
         while ((result = wire_next(&in, &r)) == WIRE_RECORD) {
-            struct size *s = r.kind == REC_FRAME ? size_of(v, r.task.frame) : NULL;
-            if (s) write_tasks(v, s);
-            if (r.kind == REC_FRAME) continue;
+            struct frame_size *f = frames_find(&v->frames, r.task.frame);
+            if (r.kind == REC_FRAME) {
+                if (f) write_tasks(v, f);
+                continue;
+            }
             wire_forward(&b, &r, NULL, NULL);
             flush(&b);
         }
         if (result == WIRE_BAD) die(ST_USAGE, "standard input: %s", in.why);
     }
-    for (uint32_t i = 0; i < v->n_sizes; i++)
-        if (!v->size[i].written) write_tasks(v, &v->size[i]);
+    for (size_t i = 0; i < v->frames.n; i++) write_tasks(v, &v->frames.at[i]);
     buf_free(&b);
     wire_free(&in);
 }
 
 /* ---- the report ------------------------------------------------------------------------------ */
 
-static void name_of(const struct verify *v, const struct opinion *o, struct buf *b)
+static void name_of(const struct program *p, int32_t slot, struct buf *b)
 {
-    if (o->place < 0) buf_printf(b, "a slot of an earlier run");
+    if (slot < 0) buf_printf(b, "a slot of an earlier run");
     else {
         size_t h = 0;
-        for (int slot = o->slot; slot >= v->hosts.at[h].slots; h++) slot -= v->hosts.at[h].slots;
-        buf_printf(b, "slot %d (host %s)", o->slot, v->hosts.at[h].name);
+        for (int at = slot; at >= p->hosts.at[h].slots; h++) at -= p->hosts.at[h].slots;
+        buf_printf(b, "slot %d (host %s)", slot, p->hosts.at[h].name);
     }
 }
 
-/* One that two hosts and more contradict, and no other agrees with, is wrong; else nobody knows. */
-static void report_piece(const struct verify *v, const struct piece *p)
+static void report_part(const struct program *p, const struct verify_part *part)
 {
     struct buf b = {0};
-    const char *between = "";
-    uint32_t most = 0, second = 0;
-    for (uint32_t i = 0; i < p->n; i++) {
-        uint32_t n = whole(p, &p->by[i]) ? votes(p, &p->by[i]) : 0;
-        if (n > most) most = n;
+    bool known = false;
+    for (uint32_t i = 0; i < part->n; i++) {
+        if (!verify_named(&p->v, part, i, &known)) continue;
+        if (buf_size(&b)) buf_printf(&b, known ? ", " : " and ");
+        name_of(p, verify_opinion(part, i)->slot, &b);
     }
-    for (uint32_t i = 0; i < p->n; i++)
-        if (whole(p, &p->by[i]) && votes(p, &p->by[i]) < most) second++;
-    bool known = most > 1 && second;
-    for (uint32_t i = 0; i < p->n; i++) {
-        if (!whole(p, &p->by[i]) || (known && votes(p, &p->by[i]) == most)) continue;
-        buf_printf(&b, "%s", between);
-        name_of(v, &p->by[i], &b);
-        between = known ? ", " : " and ";
-    }
-    warn("frame %" PRIu32 " at %" PRIu32 ",%" PRIu32 ": %.*s %s", p->task.frame, p->task.at.x,
-        p->task.at.y, (int)buf_size(&b), (const char *)buf_data(&b),
+    warn("frame %" PRIu32 " at %" PRIu32 ",%" PRIu32 ": %.*s %s", part->frame, part->at.x,
+        part->at.y, (int)buf_size(&b), (const char *)buf_data(&b),
         known ? "computed other pixels than two other hosts" : "computed different pixels");
     buf_free(&b);
 }
 
-static int report(const struct verify *v)
+static int report(const struct program *p)
 {
-    uint32_t count[3] = {0};
-    for (uint32_t i = 0; i < v->n; i++) {
-        enum verdict verdict = judge(&v->piece[i]);
-        if (verdict == DIFFERENT && count[DIFFERENT] < LINES_MOST) report_piece(v, &v->piece[i]);
-        count[verdict]++;
+    const struct verify *v = &p->v;
+    const struct verify_count count = verify_counted(v);
+    int lines = 0;
+    for (uint32_t i = 0; i < v->n && lines < LINES_MOST; i++) {
+        if (verify_judge(v, &v->part[i]) != VERIFY_DIFFERENT) continue;
+        report_part(p, &v->part[i]);
+        lines++;
     }
-    warn("%" PRIu32 " of %" PRIu64 " pieces were computed again on another %s: %" PRIu32
+    warn("%" PRIu32 " of %" PRIu32 " pieces were computed again on another %s: %" PRIu32
          " differ, %" PRIu32 " could not be",
-        v->n, v->seen, v->hosts.n > 1 ? "host" : "slot of the only host", count[DIFFERENT],
-        count[UNCHECKED]);
-    return count[DIFFERENT] || count[UNCHECKED] ? ST_PARTIAL : ST_OK;
+        v->pieces, v->seen, p->hosts.n > 1 ? "host" : "slot of the only host", count.different,
+        count.unchecked);
+    return count.different || count.unchecked ? ST_PARTIAL : ST_OK;
+}
+
+/* ---- patience -------------------------------------------------------------------------------- */
+
+struct longest {
+    int64_t us; /* of a run's first task from the run's begin, or of any task */
+    bool began; /* the run's first task has been done */
+};
+
+static void measure(void *ctx, const struct record *r)
+{
+    struct longest *l = ctx;
+    int64_t us = 0;
+    if (r->kind == REC_HELLO) l->began = false;
+    if (r->kind != REC_DONE) return;
+    const char *key = l->began ? "wall_us" : "recv_us";
+    l->began = true;
+    if (rec_int(r, key, 0, INT64_MAX / 2 / PATIENCE_TIMES, &us) && us > l->us) l->us = us;
+}
+
+/* Is there something to read before it is too late? */
+static bool readable(int64_t until_us)
+{
+    for (int64_t left_us; (left_us = until_us - now_us()) > 0;) {
+        struct pollfd p = {STDIN_FILENO, POLLIN, 0};
+        int ms = left_us / 1000 < INT32_MAX ? (int)(left_us / 1000) + 1 : INT32_MAX;
+        int n = poll(&p, 1, ms);
+        if (n > 0) return true;
+        if (n < 0 && errno != EINTR) die(ST_SYSTEM, "poll:");
+    }
+    return false;
+}
+
+/* Passes standard input on until no fragment comes for too long: a host that hangs may send beats,
+ * or a byte now and then. */
+static int pass_fragments(const char *log, int64_t seconds)
+{
+    struct longest longest = {0};
+    struct decoder in = {.upward = true};
+    struct record r;
+    struct buf b = {0};
+    ptrdiff_t n = 1;
+    read_one(log, measure, &longest);
+    const int64_t patience_us = seconds * 1000000 + PATIENCE_TIMES * longest.us;
+    int64_t until_us = now_us() + patience_us;
+    while (n > 0 && readable(until_us)) {
+        n = read_some(STDIN_FILENO, &in.in, READ_BYTES);
+        if (n < 0) die(ST_SYSTEM, "standard input:");
+        if (!n) wire_end(&in);
+        for (enum wire_result result; (result = wire_next(&in, &r)) != WIRE_MORE;) {
+            if (result == WIRE_BAD) continue;
+            if (r.kind == REC_FRAG) until_us = now_us() + patience_us;
+            wire_forward(&b, &r, NULL, NULL);
+        }
+        flush(&b);
+    }
+    buf_free(&b);
+    wire_free(&in);
+    if (!n) return ST_OK;
+    warn("no fragment came for %" PRId64 " s: what is missing is not waited for",
+        patience_us / 1000000);
+    return ST_PARTIAL;
 }
 
 /* ---------------------------------------------------------------------------------------------- */
 
-static void find_slots(struct verify *v, const char *list, int slots)
+/* A place is a host; of one host alone, a slot. */
+static int32_t find_places(struct program *p, const char *list, int slots)
 {
     char err[HOSTS_ERR];
     if (!list == !slots) die(ST_USAGE, "expected either -S or -j");
-    if (!list) hosts_here(&v->hosts, slots);
-    else if (!hosts_read(&v->hosts, list, err)) die(ST_USAGE, "%s", err);
-    v->host_of = xmalloc((size_t)v->hosts.slots, sizeof *v->host_of);
-    int slot = 0;
-    for (size_t h = 0; h < v->hosts.n; h++)
-        for (int i = 0; i < v->hosts.at[h].slots; i++, slot++)
-            v->host_of[slot] = v->hosts.n > 1 ? (int)h : slot;
+    if (!list) hosts_here(&p->hosts, slots);
+    else if (!hosts_read(&p->hosts, list, err)) die(ST_USAGE, "%s", err);
+    p->place_of = xmalloc((size_t)p->hosts.slots, sizeof *p->place_of);
+    int32_t slot = 0;
+    for (size_t h = 0; h < p->hosts.n; h++)
+        for (int i = 0; i < p->hosts.at[h].slots; i++, slot++)
+            p->place_of[slot] = p->hosts.n > 1 ? (int32_t)h : slot;
+    return p->hosts.n > 1 ? (int32_t)p->hosts.n : slot;
 }
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-hr] [-s SEED] -j SLOTS | -S HOSTS FRACTION LOG [CHECK ...]";
-    struct verify v = {0};
+    static const char text[] = "[-hr] [-s SEED] -j SLOTS | -S HOSTS FRACTION LOG [CHECK ...]\n"
+                               "       verify -t SECONDS LOG <FRAGMENTS";
+    struct program p = {0};
     const char *list = NULL;
-    int opt, slots = 0;
+    uint64_t seed = 0;
+    bool reports = false;
+    double fraction;
+    int opt, slots = 0, seconds = 0;
     prog_init(argv[0]);
-    while ((opt = prog_getopt(argc, argv, "+hj:rs:S:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+hj:rs:S:t:")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
-        case 'r': v.report = true; break;
-        case 's': v.seed = (uint64_t)opt_int(opt, optarg, 0, INT64_MAX); break;
+        case 'r': reports = true; break;
+        case 's': seed = (uint64_t)opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': list = opt_text(opt, optarg); break;
+        case 't': seconds = (int)opt_int(opt, optarg, 1, 1000000); break;
         default: usage(ST_USAGE, text);
         }
     }
-    if (argc - optind < 2) usage(ST_USAGE, text);
-    if (!parse_real(argv[optind], 0, 1, &v.fraction) || v.fraction <= 0)
-        die(ST_USAGE, "%s: expected a fraction above 0, up to 1", argv[optind]);
-    find_slots(&v, list, slots);
-    v.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *v.pixels);
-    read_one(&v, argv[++optind]);
-    forget_earlier(&v);
-    for (v.again = true; ++optind < argc; v.rounds++) read_one(&v, argv[optind]);
+    argv += optind;
+    argc -= optind;
     int status = ST_OK;
-    if (v.report) status = report(&v);
-    else pass_state(&v);
-    free(v.piece);
-    free(v.size);
-    free(v.pixels);
-    free(v.host_of);
-    hosts_free(&v.hosts);
+    if (seconds) {
+        if (argc != 1 || list || slots || reports) usage(ST_USAGE, text);
+        status = pass_fragments(argv[0], seconds);
+        close_stdout();
+        return status;
+    }
+    if (argc < 2) usage(ST_USAGE, text);
+    if (!parse_real(argv[0], 0, 1, &fraction) || fraction <= 0)
+        die(ST_USAGE, "%s: expected a fraction above 0, up to 1", argv[0]);
+    int32_t places = find_places(&p, list, slots);
+    verify_init(&p.v, seed, fraction, p.place_of, p.hosts.slots, places);
+    read_all(&p, argv + 1);
+    if (reports) status = report(&p);
+    else pass_state(&p.v);
+    verify_free(&p.v);
+    free(p.place_of);
+    hosts_free(&p.hosts);
     close_stdout();
     return status;
 }

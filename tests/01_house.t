@@ -29,6 +29,7 @@ sim sched stats task base
 proc base
 worker wire image task base
 history wire task base
+verify task base
 drive sched proc wire task base
 END
 

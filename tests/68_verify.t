@@ -1,6 +1,9 @@
 #!/bin/sh
 # balance -v: what a lying worker computed is found by another host; honest runs pass. Hosts are commands on this machine.
+# shellcheck disable=SC2154,SC2016  # lib.sh and marked.sh set them; scripts for others
 . "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
 cc -std=c11 -D_GNU_SOURCE -I"$root/lib" -o liar "$root/tests/liar.c" "$root/build/libstormring.a" -lpng -lz -lm ||
 	{ echo 'Bail out! tests/liar.c does not compile'; exit 3; }
 spdgen -s 1 balls >balls.nff
@@ -83,10 +86,15 @@ is 'a log of an earlier run' "$status:$(counts)" '0:32 0 0'
 cat >torn <<'END'
 #!/bin/sh
 echo >>starts
-[ "$(wc -l <starts)" -ne 2 ] || { sh -c "$1" | head -c 2500; exit 9; }
+[ "$(wc -l <starts)" -ne 2 ] || { sh -c "$1" | ./first 2500; exit 9; }
 exec sh -c "$1"
 END
-chmod +x torn
+cat >first <<'END'
+#!/usr/bin/perl
+$left = shift; # bytes to pass on, at once, unlike head -c
+while ($left > 0 && ($n = sysread STDIN, $b, $left)) { syswrite STDOUT, $b; $left -= $n }
+END
+chmod +x torn first
 three './torn %c'
 run balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 is 'a worker that is lost leaves its share to others' "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
@@ -94,4 +102,102 @@ printf '#!/bin/sh\nsleep 1\nexec sh -c "$1"\n' >late && chmod +x late
 three './late %c'
 run balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 is 'a slow host' "$status:$(counts)" '0:32 0 0'
+
+# ---- a host that hangs while it verifies -----------------------------------------------------------------------------
+# FIRST starts of all hosts are good. A later one says hello when COUNT have started; then it hangs, as KIND says, or it
+# is good.
+cat >later <<'END'
+#!/bin/sh
+# later KIND FIRST COUNT COMMAND
+echo >>starts
+[ "$(wc -l <starts)" -gt "$2" ] || exec sh -c "$4"
+until [ "$(wc -l <starts)" -ge "$3" ]; do sleep .02; done
+case $1 in
+good) # a task takes a while, so that no slot has done all before another one is up
+	perl -e '$| = 1; while (<STDIN>) { select undef, undef, undef, .05 if /^task/; print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b } }' |
+		sh -c "$4" ;;
+beats) # reads all, and is always at work
+	sh -c "$4" </dev/null | head -n 1
+	while echo beat; do sleep .5; done &
+	exec cat >/dev/null ;;
+deaf) # the same, but reads nothing
+	sh -c "$4" </dev/null | head -n 1
+	while echo beat; do sleep .5; done ;;
+trickle) # a byte of its answer at a time
+	sh -c "$4" | { dd bs=4096 count=1 2>/dev/null; while b=$(dd bs=1 count=1 2>/dev/null | od -An -to1) && [ "$b" ]; do
+		printf "\\${b# }" && sleep 1
+	done; } ;;
+hold) sh -c "$4" | { dd bs=4096 count=1 2>/dev/null; while echo beat; do sleep .5; done; } ;;
+esac
+END
+chmod +x later
+for kind in beats deaf trickle; do
+	printf '%s\n' 'a via="./later good 3 6 %c"' "b via=\"./later $kind 3 6 %c\"" 'c via="./later good 3 6 %c"' >hosts
+	rm -f starts out.png
+	run env MARK="$mark" timeout 300 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+	is "$kind: the two others check all" "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
+	ok "$kind: no process remains" await 10 none_alive
+done
+# Its share is found to be wrong as well: what b computed in the picture, and what it was to check.
+printf '%s\n' 'a via="./later good 3 6 %c"' 'b via="./later beats 3 6 %c"' 'c via="./later good 3 6 %c | ./liar 1"' \
+	'd via="sh -c %c"' >hosts
+rm -f starts lies
+run env MARK="$mark" timeout 300 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+is 'beats, and a liar: status, and pieces that could not be checked' "$status:$(counts | cut -d ' ' -f 3)" 1:0
+like '... the liar is named' "$err" ': slot 2 \(host c\) computed other pixels than two other hosts$'
+like '... and nobody else' "$(echo "$err" | grep -c 'slot [013]')" '^0$'
+ok '... no process remains' await 10 none_alive
+
+# verify -t passes on what comes, and does not wait for ever for more.
+balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
+run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
+is 'verify -t: beats are no fragments' "$status:$err" '1:verify: no fragment came for 1 s: what is missing is not waited for'
+grep -av '^beat$' "$tmp/.out" | cmp -s - long.log
+is 'verify -t: all has come through' $? 0
+run verify -t 1000 long.log <long.log
+cmp -s "$tmp/.out" long.log
+is 'verify -t: the end is waited for' "$?:$status:$err" 0:0:
+
+# ---- what stays behind -----------------------------------------------------------------------------------------------
+mkdir temporary
+# Two starts are cut off, later ones say nothing.
+cat >part <<'END'
+#!/bin/sh
+echo >>parted
+[ "$(wc -l <parted)" -gt 2 ] || sh -c "$1" | ./first 3500
+exit 9
+END
+chmod +x part
+printf '%s\n' 'a via="./part %c"' 'b via="./part %c"' >parts
+run env TMPDIR="$tmp/temporary" balance interleaved -v 1 -S parts -s 32x32 -o out.png balls.nff
+log=$(ls temporary/*/log)
+like 'a picture that is not whole: the log stays, and that is said' "$status:$err" "^balance: .*/$log is kept: .* -r .*/$log "
+run balance interleaved -v 1 -j 2 -r "$log" -s 32x32 -o out.png balls.nff
+is '... with it the run goes on' "$status:$(counts | cut -d ' ' -f 2-):$(cmp out.png true.png && echo same)" '0:0 0:same'
+rm -r temporary/*
+printf '%s\n' 'a via="sh -c %c"' 'b via="sh -c %c"' >two
+for refused in '-k 9' '-r balls.nff'; do
+	# shellcheck disable=SC2086
+	run env TMPDIR="$tmp/temporary" balance interleaved -v 1 -S two -s 32x32 $refused -o out.png balls.nff
+	is "$refused: status, and nothing stays" "$status:$(ls temporary)" 2:
+done
+# signalled PASS SIGNAL: nothing stays in either pass
+first_pass() { [ -s "$(echo temporary/*/log)" ]; }
+second_pass() { [ -e "$(echo temporary/*/1)" ] && [ "$(wc -l <starts)" -eq 4 ]; }
+signalled() {
+	printf '%s\n' "a via=\"./later hold $3 0 %c\"" "b via=\"./later hold $3 0 %c\"" >two
+	rm -f starts
+	MARK="$mark" TMPDIR="$tmp/temporary" perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
+		balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff 2>said &
+	of=$!
+	ok "$2 in the $1 pass: it is there" await 10 "$1_pass"
+	kill -"$2" $of
+	wait $of
+	is "$2 in the $1 pass: status, messages and files" "$?:$(grep -v '^fan: ' said):$(ls temporary)" 130::
+	ok "$2 in the $1 pass: no process remains" await 10 none_alive
+}
+for signal in INT TERM; do
+	signalled first $signal 0
+	signalled second $signal 2
+done
 finish

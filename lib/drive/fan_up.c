@@ -249,6 +249,8 @@ static bool is_chatter(const struct fan_slot *s, enum wire_result result, const 
 void slot_listen(struct fan *f, struct fan_slot *s)
 {
     size_t before = buf_size(&s->from.in), n;
+    /* It was told to end and owes nothing: its beats are no reason to wait for it. */
+    bool over = !f->in_open && !s->tasks.count && s->child.to < 0;
     int more = stream_read(&s->from, s->child.from);
     n = buf_size(&s->from.in) - before;
     if (!s->connected) note_chatter(s, buf_data(&s->from.in) + before, n);
@@ -265,7 +267,7 @@ void slot_listen(struct fan *f, struct fan_slot *s)
             why = "garbage";
         }
     }
-    if (s->connected && (at_work || buf_size(&s->from.in))) s->heard_us = now_us();
+    if (s->connected && !over && (at_work || buf_size(&s->from.in))) s->heard_us = now_us();
     if (!s->connected && !why && (s->before_hello += n) > CHATTER_MOST) why = "no-hello";
     if (why) slot_lose(f, s, why, false);
     else if (more <= 0) slot_leave(f, s);

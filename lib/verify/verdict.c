@@ -1,0 +1,150 @@
+/* What the opinions of a part say, and which slot is asked next. */
+#include "verify/verify.h"
+
+#include <stdlib.h>
+
+#define SEED_NEXT 3 /* added to the seed; parts.c has those below */
+
+static int32_t place_of(const struct verify *v, const struct verify_opinion *o)
+{
+    return o->slot < 0 ? -1 : v->place_of[o->slot];
+}
+
+static bool same(const struct verify_opinion *a, const struct verify_opinion *b)
+{
+    return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1];
+}
+
+static bool computed(const struct verify *v, const struct verify_part *p, int32_t place)
+{
+    for (uint32_t i = 0; i < p->n; i++)
+        if (place_of(v, verify_opinion(p, i)) == place) return true;
+    return false;
+}
+
+/* ---- the verdict ----------------------------------------------------------------------------- */
+
+enum verify_verdict verify_judge(const struct verify *v, const struct verify_part *p)
+{
+    bool checked = false;
+    for (uint32_t i = 1; i < p->n; i++) {
+        const struct verify_opinion *o = verify_opinion(p, i);
+        if (!same(o, &p->by[0])) return VERIFY_DIFFERENT;
+        checked = checked || place_of(v, o) != place_of(v, &p->by[0]);
+    }
+    return checked ? VERIFY_AGREED : VERIFY_UNCHECKED;
+}
+
+uint32_t verify_votes(const struct verify *v, const struct verify_part *p, uint32_t i)
+{
+    const struct verify_opinion *o = verify_opinion(p, i);
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < p->n; k++) {
+        const struct verify_opinion *other = verify_opinion(p, k);
+        int32_t place = place_of(v, other);
+        bool counts = place >= 0 && same(other, o);
+        for (uint32_t m = 0; counts && m < k; m++) {
+            const struct verify_opinion *before = verify_opinion(p, m);
+            counts = !same(before, o) || place_of(v, before) != place;
+        }
+        n += counts;
+    }
+    return n;
+}
+
+static uint32_t most_votes(const struct verify *v, const struct verify_part *p)
+{
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < p->n; i++) {
+        uint32_t n = verify_votes(v, p, i);
+        if (n > most) most = n;
+    }
+    return most;
+}
+
+bool verify_named(const struct verify *v, const struct verify_part *p, uint32_t i, bool *known)
+{
+    uint32_t most = most_votes(v, p);
+    *known = false;
+    for (uint32_t k = 0; k < p->n; k++)
+        *known = *known || (most > 1 && verify_votes(v, p, k) < most);
+    return !*known || verify_votes(v, p, i) < most;
+}
+
+struct verify_count verify_counted(const struct verify *v)
+{
+    struct verify_count count = {0};
+    unsigned char *worst = xcalloc((size_t)v->seen + 1, 1); /* by piece */
+    for (uint32_t i = 0; i < v->n; i++) {
+        enum verify_verdict verdict = verify_judge(v, &v->part[i]);
+        unsigned char *w = &worst[v->part[i].piece];
+        if (verdict > *w) *w = (unsigned char)verdict;
+    }
+    for (uint32_t k = 0; k < v->seen; k++) {
+        count.different += worst[k] == VERIFY_DIFFERENT;
+        count.unchecked += worst[k] == VERIFY_UNCHECKED;
+    }
+    free(worst);
+    return count;
+}
+
+/* ---- the next round -------------------------------------------------------------------------- */
+
+/* Two that agree settle it: they confirm the first, or say which of several is wrong. */
+static bool settled(const struct verify *v, const struct verify_part *p)
+{
+    enum verify_verdict verdict = verify_judge(v, p);
+    return !p->n || verdict == VERIFY_AGREED ||
+           (verdict == VERIFY_DIFFERENT && most_votes(v, p) > 1);
+}
+
+/* What speaks against asking it for the part again; GIVEN_UP: it failed twice. The first failure
+ * says less: in the first round, another slot may just have been faster. */
+#define GIVEN_UP 3
+static int failures(const struct verify_part *p, int32_t place)
+{
+    return (p->failed[0] == place) + 2 * (p->failed[1] == place);
+}
+
+/* One that delivered nothing most likely hangs. One that delivered less than half may just be slow:
+ * deal -e gave what it was asked for to others. */
+static int behind(const struct verify_place *p)
+{
+    if (p->asked_px && !p->made_px) return 2;
+    return p->made_px < p->asked_px / 2;
+}
+
+int32_t verify_next(const struct verify *v, const struct verify_part *p)
+{
+    int32_t best = -1;
+    int least = INT32_MAX; /* reasons against it */
+    if (settled(v, p)) return -1;
+    int32_t from = (int32_t)(rng_unit(v->seed + SEED_NEXT + v->rounds, p->piece) * v->slots);
+    for (int32_t i = 0; i < v->slots && least; i++) {
+        int32_t slot = (from + i) % v->slots, place = v->place_of[slot];
+        int failed = failures(p, place), against = failed + 4 * behind(&v->place[place]);
+        if (against >= least || failed == GIVEN_UP || computed(v, p, place)) continue;
+        best = slot;
+        least = against;
+    }
+    return best;
+}
+
+void verify_begin(struct verify *v)
+{
+    for (uint32_t i = 0; i < v->n; i++) v->part[i].asked = verify_next(v, &v->part[i]);
+    v->rounds++;
+}
+
+void verify_end(struct verify *v)
+{
+    for (uint32_t i = 0; i < v->n; i++) {
+        struct verify_part *p = &v->part[i];
+        if (p->asked < 0) continue;
+        int32_t place = v->place_of[p->asked];
+        uint64_t px = lattice_count(&p->at);
+        v->place[place].asked_px += px;
+        if (computed(v, p, place)) v->place[place].made_px += px;
+        else p->failed[p->failed[0] >= 0] = place;
+    }
+}
