@@ -89,4 +89,14 @@ run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm
 is 'live input: the picture comes before its end' "$status $err" '0 '
 ok 'live input: the same picture' cmp f1.pfm good1.pfm
 ok 'live input: no process remains' await 10 none_alive
+
+# Nor is a slot waited for that has nothing to do, and beats when its input has ended.
+printf '#!/bin/sh\nrtworker -a 4 - </dev/null | head -n 1\n: >up\nwhile echo beat; do sleep .5; done\n' >beating && chmod +x beating
+printf '%s\n' 'a via="sh -c %c"' 'b via="./beating %c"' >idle
+rm -f f?.pfm
+run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1" | sed "s/ sum=.*//; /^task/s/\$/ to=0/"; until [ -e up ]; do sleep .05; done; sleep .5; } |
+	env MARK="$2" deal fan -S idle rtworker -a 4 - | gather -o f%d.pfm' sh "$size" "$mark"
+is 'an idle slot that beats: complete' "$status" 0
+ok 'an idle slot that beats: the same picture' cmp f1.pfm good1.pfm
+ok 'an idle slot that beats: no process remains' await 10 none_alive
 finish
