@@ -1,6 +1,6 @@
 /*
- * verify: runs in memory. A host computes a pixel of a number that its kind decides; checks are cut,
- * copied and repeated as deal -e does it, and more often. What has to come out is known by hand.
+ * verify: runs in memory. A host computes a pixel of a number that its kind decides; checks are
+ * cut, copied and repeated as deal -e does it, and more often. What comes out is known by hand.
  */
 #include "verify/verify.h"
 
@@ -367,7 +367,7 @@ static void test_twice_in_log(void **state)
     verify_free(&v);
 }
 
-/* ---- one row, and what each slot says of it, by hand ------------------------------------------ */
+/* ---- one row, and what each slot says of it, by hand ----------------------------------------- */
 
 static const struct task one = {.at = {0, 0, W, 1, 1, 1}};
 
