@@ -67,22 +67,22 @@ held_by 'ring, concentrated' "$begun" ringctl fan -t 60 -j 2 ringctl -n
 held_by 'static, concentrated' "$begun" fan -t 60 -j 2
 options=''
 
-# ---- a seventeenth state waits -------------------------------------------------------------------------------------
+# ---- a 129th state waits -------------------------------------------------------------------------------------
 mv three short
 {
 	pack scene 0.nff && partition -F 0 40x32
-	for n in $(seq 10 23); do pack scene 1.nff && partition -F "$n" 8x1; done
+	for n in $(seq 10 135); do pack scene 1.nff && partition -F "$n" 8x1; done
 	for f in 1 2; do pack scene $f.nff && partition -F $f 40x32; done
 } >three
-# order: of what goes down: the last task of the sixteenth state comes before the seventeenth
-order() { grep -a '^scene \|^task 1 ' down | awk '$1 == "scene" { n++ } $1 == "task" && n > 16 { exit 1 }'; }
+# order: of what goes down: frame 1 is of state 128, whose tasks come before the next state
+order() { grep -a '^scene \|^task 1 ' down | awk '$1 == "scene" { n++ } $1 == "task" && n > 128 { exit 1 }'; }
 for policy in deal 'ringctl -k half'; do
 	node=''
 	[ "$policy" = deal ] || node='ringctl -n'
 	# shellcheck disable=SC2086
-	held_by "$policy, a seventeenth state" "$whole" $policy sh -c 'tee down | fan -t 60 -j 2 '"$node"' "$@"' sh
+	held_by "$policy, a 129th state" "$whole" $policy sh -c 'tee down | fan -t 60 -j 2 '"$node"' "$@"' sh
 	ok "$policy: it goes no further while there is a task of the first" order
-	is "$policy: all went down" "$(grep -ac '^scene ' down)" 17
+	is "$policy: all went down" "$(grep -ac '^scene ' down)" 129
 done
 
 mv short three
@@ -146,7 +146,7 @@ for command in 'rtworker -a 4 -' 'rtworker -c -a 4 -' 'fan -j 2 rtworker -a 4 -'
 	is "$command, mixed: complete" "$status $err" '0 '
 	right "$command, mixed" 2
 done
-{ cat mixed; for n in $(seq 2 17); do pack scene 2.nff; echo "frame $n 40 32"; done; head -n 1 tasks; } >often
+{ cat mixed; for n in $(seq 2 129); do pack scene 2.nff; echo "frame $n 40 32"; done; head -n 1 tasks; } >often
 for command in 'rtworker -' 'fan -j 1 rtworker -' 'deal fan -j 1 rtworker -'; do
 	run timeout 20 sh -c "$command <often >/dev/null"
 	like "$command: a task of the state before those" "$status $err" '^2 .*task 0 0: its state was replaced too often'

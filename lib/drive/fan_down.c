@@ -9,8 +9,8 @@
 /* What may wait in the queue of one slot, then the input has to wait. State is kept once for all
  * slots, so many records of it may, but not both many and long ones. A slot that lags is sent no
  * more of it before its next task (leave_behind): before the others have to wait. */
-#define STATES_MOST 128
-#define LAG_MOST 64
+#define STATES_MOST (4 * GENERATIONS)
+#define LAG_MOST (2 * GENERATIONS)
 #define LONG_STATES_MOST 16 /* with more than: */
 #define LONG_LAG_MOST 8     /* likewise */
 #define LONG_BYTES STATE_BYTES

@@ -16,7 +16,6 @@
 
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9
-#define WAIT_MOST_US INT64_C(3600000000) /* for anything */
 #define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
 #define QUIET_US INT64_C(3000000)        /* a command that owes tasks may be silent for so long */
 
@@ -299,31 +298,24 @@ static int64_t wake_us(const struct driver *d)
     return d->policy->wake_us ? d->policy->wake_us(d->state) : INT64_MAX;
 }
 
-/* When a command that owes tasks has been silent for too long. */
-static int64_t quiet_us(const struct driver *d)
-{
-    bool owes = d->child.to >= 0 && sched_uncommitted(d->policy, d->state);
-    return owes ? d->heard_us + QUIET_US : INT64_MAX;
-}
-
 /*
  * Workers that compute send beats. Where none come, the end of a line may have been damaged, in
  * either direction: its reader waits for the rest. A flush, and its answer, end such a line.
  */
 static void ask_quiet(struct driver *d)
 {
-    if (now_us() < quiet_us(d)) return;
+    if (now_us() < d->heard_us + QUIET_US) return;
     d->heard_us = now_us();
-    flush(d, -1);
+    if (sched_uncommitted(d->policy, d->state)) flush(d, -1);
 }
 
 /* For how long poll may wait. */
 static int wait_ms(const struct driver *d)
 {
-    int64_t wake = wake_us(d) < quiet_us(d) ? wake_us(d) : quiet_us(d);
-    int64_t left_us = wake - now_us();
+    int64_t wake = wake_us(d), quiet = d->heard_us + QUIET_US;
+    int64_t left_us = (wake < quiet ? wake : quiet) - now_us();
     if (left_us <= 0) return 0;
-    return left_us < WAIT_MOST_US ? (int)((left_us + 999) / 1000) : (int)(WAIT_MOST_US / 1000);
+    return (int)((left_us + 999) / 1000);
 }
 
 /* One round. Returns false when the command's stream has ended. */
@@ -379,6 +371,7 @@ int drive_policy(
     signals_catch();
     outlet_open(&d.out);
     d.state = policy->create(params);
+    d.heard_us = now_us();
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);
     bool more = true;
     while (more && !d.out.gone && !d.refused && !d.stopping && !signals_came())

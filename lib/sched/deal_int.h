@@ -33,7 +33,7 @@ struct account {
 /* Of a slot; in the tournament also the best of those of several. */
 struct rating {
     int32_t load;    /* what it has, the least first; INT32_MAX: it has what it may */
-    int32_t excess;  /* that without its width; likewise */
+    int32_t excess;  /* that without what it may have in any case; likewise */
     double store_us; /* the work that it has in store, by time, the most first; 0: none */
 };
 

@@ -8,7 +8,8 @@
 
 #include <stdlib.h>
 
-#define SHARES 2 /* of the pool, a slot may have in store at the end */
+#define SHARES 2   /* of the pool, a slot may have in store at the end, */
+#define TRIP .25   /* and with an endgame what it does in this part of a round trip */
 
 static const struct rating nothing = {INT32_MAX, INT32_MAX, 0};
 
@@ -18,7 +19,8 @@ static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO
  * So many tasks slot s, which is up, may have beyond those that it is on. With SCHED_DEPTH_AUTO
  * that follows what is measured of it (pace.c). What is too deep costs nothing until the end, and
  * there the queues are run down: when the input has ended, no slot may hold more than SHARES times
- * its share of the pool (share_of).
+ * its share of the pool (share_of), and with an endgame, which can take more back,
+ * what keeps it busy for a part of a round trip.
  */
 static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
@@ -31,6 +33,13 @@ static int32_t share_of(const struct deal *d)
     return revoked && !BUG(23) ? SHARES * d->pool.count / d->up : INT32_MAX;
 }
 
+/* Tasks that slot s does in that part of a round trip. */
+static int32_t trip_of(const struct deal *d, const struct slot *s)
+{
+    double tasks = s->pace.task_us > 0 ? s->width * s->pace.round_trip_us / s->pace.task_us : 0;
+    return adapts(d) && d->p.endgame ? (int32_t)fmin(TRIP * tasks, INT16_MAX) : 0;
+}
+
 /* ---- the tournament -------------------------------------------------------------------------- */
 
 static struct rating rating_of(const struct deal *d, const struct slot *s)
@@ -40,7 +49,7 @@ static struct rating rating_of(const struct deal *d, const struct slot *s)
     if (s->state != SLOT_UP) return r;
     if (load - s->width < depth_of(d, s)) {
         r.load = BUG(81) ? 0 : load;
-        r.excess = load - s->width;
+        r.excess = load - s->width - trip_of(d, s);
     }
     if (s->held.count >= s->width + (BUG(17) ? 0 : 1))
         r.store_us = load * (s->pace.task_us > 0 ? s->pace.task_us : 1);

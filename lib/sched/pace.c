@@ -15,7 +15,7 @@
  */
 #include "sched/pace.h"
 
-#define DEPTH_MOST 1000
+#define DEPTH_MOST 2500
 #define SAFETY 1.25     /* tasks are not equal, nor are trips */
 #define SHORT .01       /* so small a part of a task a trip is not worth a queue */
 #define WEIGHT (1 / 8.) /* of the latest in a recent mean */

@@ -15,7 +15,7 @@ struct note {
 static struct note *of(const struct vtask *t) { return t->note; }
 
 #define LATE_US 200000 /* what was given or computed less long ago is not late */
-#define AUTO_MOST 1001 /* tasks at a slot, where the depth follows the link */
+#define AUTO_MOST 2501 /* tasks at a slot, where the depth follows the link */
 
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
 static bool is_up(const struct world *w, int32_t k) { return w->slots[k].up; }
@@ -203,8 +203,9 @@ static bool in_store(const struct world *w, const struct vtask *t)
     return false;
 }
 
-/* Slot k is given what others have. */
-static void check_copy(struct world *w, const struct vtask *t, int32_t k)
+/* Slot k is given what others have; `withheld`: one of them has computed it, and its pixels do not
+ * come, however many others are still on it. */
+static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool withheld)
 {
     w->result->copies++;
     bool may = w->input_ended && (w->plan->params.endgame || adapts(w));
@@ -215,7 +216,7 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k)
     if (in_pieces(w, t, false)) fail(w, "a copy of what is in pieces", k, t->task.id);
     if (!w->plan->params.endgame && !in_store(w, t))
         fail(w, "a copy of what is begun", k, t->task.id);
-    if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t))
+    if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
         fail(w, "too many copies", k, t->task.id);
 }
 
@@ -265,8 +266,9 @@ static void check_give(struct world *w, const struct sched_action *a)
     if (!s->up) fail(w, "work given to a slot that is not up", a->slot, a->task.id);
     if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
         fail(w, "work given that is not to do", a->slot, a->task.id);
-    if (of(t)->computed_by >= 0) check_withheld(w, t, a->slot);
-    if (of(t)->owners) check_copy(w, t, a->slot);
+    bool withheld = of(t)->computed_by >= 0;
+    if (withheld) check_withheld(w, t, a->slot);
+    if (of(t)->owners) check_copy(w, t, a->slot, withheld);
     else if (t->to < 0 && !of(t)->gives) check_turn(w, t);
     bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
     if (chosen && t->to != a->slot) fail(w, "work of one slot given to another", t->to, a->slot);

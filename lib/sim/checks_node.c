@@ -7,7 +7,7 @@
 /* Tasks that a node may feed its worker beyond those that it is on; and where pauses, and answers
  * that are wrong, make the way to it seem long. */
 #define SLACK 1
-#define SLACK_MOST 1001
+#define SLACK_MOST 2501
 
 /* What a node measures of its worker is so. */
 static bool is_steady(const struct world *w)

@@ -59,7 +59,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.p_kill = chance(seed, 22, .3);
     p.p_hang = p.params.endgame ? chance(seed, 25, .5) : 0;
     p.frames = unit(seed, 23) < .6 ? 1 : pick(seed, 24, 2, 20);
-    p.window = pick(seed, 26, 2, GENERATIONS);
+    p.window = pick(seed, 26, 2, 16);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;

@@ -255,7 +255,7 @@ static int64_t calm_us(const struct world *w)
         least = fmin(least, w->slots[k].power);
     }
     double last_us = w->plan->cost_us * exp(4) / least;
-    return (int64_t)(1.25 * w->cost_us / power + last_us + 8 * (double)w->plan->latency_us);
+    return (int64_t)(1.25 * w->cost_us / power + last_us + 10 * (double)w->plan->latency_us);
 }
 
 static void trace_event(struct world *w, const struct sim_event *e)

@@ -159,7 +159,7 @@ struct task_entry {
     int32_t chain; /* next in its hash chain, or free */
     int32_t prev, next;
 };
-#define GENERATIONS 16 /* of which tasks may be there at once (wire.h) */
+#define GENERATIONS 128 /* of which tasks may be there at once (wire.h) */
 struct task_table {
     struct task_entry *at;
     int32_t *heads;

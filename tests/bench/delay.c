@@ -55,25 +55,23 @@ static bool pass(struct way *w)
     return true;
 }
 
-static bool is_due(const struct way *w) { return first(w) && first(w)->due_us <= now_us(); }
-
 /* Until something comes, goes, or is due. */
 static void wait_for(struct way *down, struct way *up, int64_t delay_us)
 {
     struct pollfd p[4] = {
         {down->ended ? -1 : down->in, POLLIN, 0},
         {up->ended ? -1 : up->in, POLLIN, 0},
-        {is_due(down) ? down->out : -1, POLLOUT, 0},
-        {is_due(up) ? up->out : -1, POLLOUT, 0},
+        {-1, POLLOUT, 0},
+        {-1, POLLOUT, 0},
     };
     struct way *ways[] = {down, up};
-    struct timespec t = {1, 0};
+    int64_t now = now_us(), us = 1000000;
     for (int i = 0; i < 2; i++) {
         struct part *next = first(ways[i]);
-        int64_t us = next ? next->due_us - now_us() : INT64_MAX;
-        if (us > 0 && us < t.tv_sec * 1000000 + t.tv_nsec / 1000)
-            t = (struct timespec){us / 1000000, us % 1000000 * 1000};
+        if (next && next->due_us <= now) p[2 + i].fd = ways[i]->out; /* its pipe was full */
+        else if (next && next->due_us - now < us) us = next->due_us - now;
     }
+    struct timespec t = {us / 1000000, us % 1000000 * 1000};
     if (ppoll(p, 4, &t, NULL) < 0 && errno != EINTR) die(ST_SYSTEM, "poll:");
     if (p[0].revents) take(down, delay_us);
     if (p[1].revents) take(up, delay_us);

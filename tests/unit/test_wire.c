@@ -810,11 +810,12 @@ static void test_generations_that_live(void **state)
     (void)state;
     assert_int_equal(lives(1, 100, 100, false), 1);
     assert_int_equal(lives(3, 100, 100, false), 3);
-    assert_int_equal(lives(100, 100, 100, false), GENERATIONS);
-    assert_int_equal(lives(100, STATE_BYTES - 1600, 100, false), GENERATIONS); /* the grid once */
+    assert_int_equal(lives(200, 100, 100, false), GENERATIONS);
+    /* the grid once */
+    assert_int_equal(lives(200, STATE_BYTES - GENERATIONS * 100, 100, false), GENERATIONS);
     assert_int_equal(lives(100, STATE_BYTES - 400, 100, false), 4);
     assert_int_equal(lives(100, STATE_BYTES, 100, false), 2);
-    assert_int_equal(lives(100, STATE_BYTES, 100, true), GENERATIONS);
+    assert_int_equal(lives(200, STATE_BYTES, 100, true), GENERATIONS);
     assert_int_equal(lives(100, 0, STATE_BYTES, false), 2); /* two in any case */
     assert_int_equal(lives(100, 0, STATE_BYTES / 3, false), 3);
 }
