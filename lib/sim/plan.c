@@ -22,7 +22,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->params.depth = SCHED_DEPTH_AUTO;
     p->width = 1;
     p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
-    p->tasks = tiny ? 3000 : 300 * p->slots;
+    p->tasks = tiny ? 6000 : 300 * p->slots;
     p->cost_us = tiny ? 5 : 1000;
     p->latency_us = tiny ? 200000 : 50000;
     p->concentrate = false;
