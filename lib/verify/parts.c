@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* What seeds draw is independent: these are added to the caller's. */
-enum { SEED_CHOICE, SEED_KEYS, SEED_NEXT = 3 };
+enum { SEED_CHOICE = 0, SEED_KEYS = 1, SEED_NEXT = 3 };
 
 void verify_init(struct verify *v, uint64_t seed, double fraction, const int32_t *place_of,
     int32_t slots, int32_t places)
