@@ -127,7 +127,7 @@ static void test_kept_is_what_sorting_keeps(void **state)
         for (size_t drop = 0; drop < N; drop += 97) {
             double sum = 0;
             for (size_t i = 0; i < N - drop; i++) sum += error[i];
-            image_compare(&a, &b, 0, ((double)drop + 0.5) / N, &d);
+            image_compare(&a, &b, 0, ((double)drop + 0.5) / (double)N, &d);
             assert_int_equal(d.dropped, drop);
             near(d.rmse_kept, sqrt(sum / (3.0 * (double)(N - drop))));
         }

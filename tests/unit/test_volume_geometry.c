@@ -16,7 +16,8 @@ static void rays_in_faces_and_edges(void **state)
     (void)state;
     struct grid g = make_grid(5, 5, 5);
     fill(&g, rough);
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     c.s.n_knots = 0;
     knot(&c, 0, 1, 0, 0, 0), knot(&c, 10, 0, 1, 0, 0.3);
     static const double place[][2] = {{2, 1.5}, {2, 2}, {1.5, 3}, {0, 0.5}, {4, 4}, {0, 0}};
@@ -57,7 +58,8 @@ static void slopes_of_almost_nothing(void **state)
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 5; i++) g.at[a][i] -= 2;
     fill(&g, seven);
-    struct scene c = even_map(0.1);
+    struct scene c;
+    even_map(&c, 0.1);
     struct volume *v = volume_new(&g, &c.s, &fine);
     static const double slope[] = {0.0, -0.0, 1e-30, -1e-30, 1e-320, 1e-160, -1e-199, 1e-17};
     for (int i = 0; i < 8; i++)
@@ -80,7 +82,8 @@ static void corner_diagonals(void **state)
     (void)state;
     struct grid g = make_grid(10, 10, 10);
     fill(&g, seven);
-    struct scene c = even_map(0.1);
+    struct scene c;
+    even_map(&c, 0.1);
     struct volume *v = volume_new(&g, &c.s, &fine);
     for (int i = 0; i < 8; i++) {
         struct vec3 o = v3(i & 1 ? -3 : 12, i & 2 ? -3 : 12, i & 4 ? -3 : 12);
@@ -102,7 +105,8 @@ static void cells_fill_the_ray(void **state)
         for (uint32_t i = 0; i < g.n[a]; i++)
             g.at[a][i] = i + 0.4 * rng_unit(9, i * 3 + (uint32_t)a);
     fill(&g, seven);
-    struct scene c = even_map(0.1);
+    struct scene c;
+    even_map(&c, 0.1);
     struct volume *v = volume_new(&g, &c.s, &fine);
     uint32_t hits = 0;
     for (uint64_t i = 0; i < 2000; i++) {
@@ -130,7 +134,8 @@ static void cameras_inside_on_and_far(void **state)
     (void)state;
     struct grid g = make_grid(5, 5, 5);
     fill(&g, of_z);
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     c.s.n_knots = 0;
     knot(&c, 0, 1, 1, 1, 0), knot(&c, 4, 1, 1, 1, 0.4);
     near(alpha_of(&g, &c, 1.5, 1.5, 2.5, 1.5, 1.5, 0), absorbed(0.05 * 2.5 * 2.5), 1e-6);
@@ -180,7 +185,8 @@ static void pictures_of_almost_no_slope(void **state)
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 5; i++) g.at[a][i] -= 2;
     fill(&g, rough);
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     c.s.n_knots = 0;
     knot(&c, 0, 1, 0, 0, 0), knot(&c, 6, 0, 1, 0, 0.5), knot(&c, 6.5, 0, 0, 1, 0);
     static const double slope[] = {-0.0, 1e-30, -1e-30, 1e-320, 1e-160, -1e-199, 1e-17, -1e-9};
@@ -200,7 +206,8 @@ static void no_index_is_nan(void **state)
     (void)state;
     struct grid g = make_grid(5, 5, 5);
     fill(&g, seven);
-    struct scene c = even_map(0.1);
+    struct scene c;
+    even_map(&c, 0.1);
     for (int place = 0; place < 27; place++)
         for (int way = 0; way < 27; way++) {
             const int p[3] = {place % 3, place / 3 % 3, place / 9};
@@ -250,7 +257,8 @@ static void missing_values_are_clear(void **state)
     struct grid g = make_grid(7, 7, 7);
     fill(&g, seven);
     g.value[grid_node(&g, 3, 3, 3)] = NAN;
-    struct scene c = even_map(0.2);
+    struct scene c;
+    even_map(&c, 0.2);
     iso(&c, 7, 1, 1, 1, 0.5);
     near(alpha_of(&g, &c, 2.5, 2.5, 9, 2.5, 2.5, 0), absorbed(0.8), 1e-6);
     near(alpha_of(&g, &c, 0.5, 2.5, 9, 0.5, 2.5, 0), absorbed(1.2), 1e-6);

@@ -38,7 +38,8 @@ static void tangent_roots(void **state)
         double value, alpha;
     } table[] = {{0.25 - 1e-12, 0.75}, {0.25 - 1e-3, 0.75}, {0.25 + 1e-12, 0}, {0.1, 0.75}};
     for (int i = 0; i < 4; i++) {
-        struct scene c = even_map(0);
+        struct scene c;
+        even_map(&c, 0);
         iso(&c, table[i].value, 1, 1, 1, 0.5);
         near(alpha_of(&g, &c, -1, -1, 0.5, 1, 1, 0.5), table[i].alpha, 1e-7);
         near(alpha_of(&g, &c, 2, 2, 0.5, 0, 0, 0.5), table[i].alpha, 1e-7);
@@ -46,7 +47,8 @@ static void tangent_roots(void **state)
     }
     /* From above it is not met: -s + 1/2 touches 1/4. */
     for (size_t i = 0; i < 8; i++) g.value[i] = 0.5f - g.value[i];
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     iso(&c, 0.25, 1, 1, 1, 0.5);
     double touched = alpha_of(&g, &c, -1, -1, 0.5, 1, 1, 0.5);
     assert_true(touched == 0 || fabs(touched - 0.75) < 1e-7);
@@ -74,7 +76,8 @@ static void roots_on_faces_count_once(void **state)
         for (uint32_t j = 0; j < 7; j++)
             for (uint32_t i = 0; i < 8; i++)
                 g.value[grid_node(&g, i, j, k)] = (float)(i + j + k) / 3;
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     for (int i = 1; i < 8; i++) iso(&c, (double)((float)i / 3), 1, 1, 1, 0.25);
     for (int i = 0; i < 7; i++) g.at[0][i] = i; /* diagonals go through nodes */
     near(alpha_of(&g, &c, -1, -1, -1, 1, 1, 1), 1 - pow(0.75, 7), 1e-6);
@@ -86,7 +89,8 @@ static void cells_constant_at_a_knot(void **state)
     (void)state;
     struct grid g = make_grid(4, 4, 4);
     fill(&g, seven);
-    struct scene c = even_map(0);
+    struct scene c;
+    even_map(&c, 0);
     c.s.n_knots = 0;
     knot(&c, 6, 1, 1, 1, 0), knot(&c, 7, 1, 1, 1, 0.3), knot(&c, 8, 1, 1, 1, 0);
     near(alpha_of(&g, &c, 1.3, 1.4, 9, 1.3, 1.4, 0), absorbed(0.9), 1e-6);

@@ -122,14 +122,14 @@ static inline double alpha_of(const struct grid *g, const struct scene *like, do
     render(g, &c.s, &fine, p, NULL);
     return (double)p[3];
 }
-/* One extinction for all values. */
-static inline struct scene even_map(double k)
+/* One extinction for all values. The specification points into its scene, which therefore stays where
+ * it is. */
+static inline void even_map(struct scene *c, double k)
 {
     const double zero[3] = {0, 0, 0};
-    struct scene c = make_scene(zero, zero);
-    knot(&c, -1e9, 1, 1, 1, k);
-    knot(&c, 1e9, 1, 1, 1, k);
-    return c;
+    *c = make_scene(zero, zero);
+    knot(c, -1e9, 1, 1, 1, k);
+    knot(c, 1e9, 1, 1, 1, k);
 }
 
 /* ---- the reference: of up to KNOTS_MAX knots ------------------------------------------------- */
