@@ -122,8 +122,7 @@ static inline double alpha_of(const struct grid *g, const struct scene *like, do
     render(g, &c.s, &fine, p, NULL);
     return (double)p[3];
 }
-/* One extinction for all values. The specification points into its scene, which therefore stays where
- * it is. */
+/* One extinction for all values. The specification points into its scene, which stays in place. */
 static inline void even_map(struct scene *c, double k)
 {
     const double zero[3] = {0, 0, 0};
