@@ -36,7 +36,7 @@ cmp -s "$tmp/.out" true.png
 is 'a picture on standard output' "$?:$status" 0:0
 
 # ---- a liar --------------------------------------------------------------------------------------------------------
-# Where rows go to who asks, the others begin when b has lied: else they may have done everything before b is there.
+# The honest hosts begin when b has lied. Otherwise they may compute every row before b has started.
 cat >after <<'END'
 n=0
 until [ -s lies ] || [ $((n += 1)) -gt 100 ]; do sleep .1; done

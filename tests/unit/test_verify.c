@@ -452,8 +452,8 @@ static void test_both_ways(void **state)
     verify_free(&v);
 }
 
-/* Who is asked when: one that delivered little is better than one that delivered nothing, and one
- * that failed at first better than one that failed later. */
+/* The order in which places are asked: one that delivered little comes before one that delivered
+ * nothing, and one that failed at first before one that failed later. */
 static void test_next(void **state)
 {
     (void)state;
@@ -493,7 +493,7 @@ static void test_earlier(void **state)
     }
 }
 
-/* What is chosen and who is asked follows from the seed alone; another one chooses others. */
+/* The seed alone decides which pieces are chosen and which slots are asked. */
 static void test_seeds(void **state)
 {
     (void)state;
