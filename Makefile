@@ -29,6 +29,7 @@ BUILD    = build
 $(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a directory, without blanks in its name))
 BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
 FUZZ_SECONDS = 600
+FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
 # Two programs need a library each: where it is missing, the others are built, and make says so.
@@ -115,7 +116,7 @@ report:
 fuzz:
 	@tests/need check
 	@$(PARALLEL) -s BUILD=build/fuzz CC=clang CFLAGS='$(FUZZ_FLAGS)' fuzzers
-	@tests/fuzz/run $(FUZZ_SECONDS)
+	@tests/fuzz/run $(FUZZ_SECONDS) $(FUZZ_SEED)
 
 unit: $(UNIT)
 fuzzers: $(FUZZERS)

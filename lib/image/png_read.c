@@ -101,6 +101,20 @@ static void read_pixels(struct reader *r)
     png_read_end(r->png, NULL);
 }
 
+/* libpng allocates what a chunk declares before it reads the chunk, whatever its limits say. */
+static bool chunks_whole(const unsigned char *p, size_t n)
+{
+    enum { SIGNATURE = 8, AROUND = 12 }; /* around the data: length, type, checksum */
+    size_t at = SIGNATURE;
+    while (n >= AROUND && at <= n - AROUND) {
+        uint32_t data = png_get_uint_32(p + at);
+        if (data > n - AROUND - at) return false;
+        if (memcmp(p + at + 4, "IEND", 4) == 0) return true;
+        at += AROUND + data;
+    }
+    return false;
+}
+
 static int guarded(struct reader *r)
 {
     if (setjmp(png_jmpbuf(r->png))) return -1;
@@ -115,6 +129,8 @@ static int guarded(struct reader *r)
 
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
 {
+    if (!chunks_whole(p, n))
+        return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
     struct reader r = {.p = p, .n = n, .im = im, .err = err};
     r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning);
     if (r.png) r.info = png_create_info_struct(r.png);

@@ -235,6 +235,23 @@ static void test_float_maps(void **state)
     REFUSE("PF\n65535 65535\n-1.0\n", "pixels, expected sides");
 }
 
+/* libpng would allocate the 2 GB that the chunk after the header declares. */
+static void test_chunks_that_do_not_fit(void **state)
+{
+    (void)state;
+    const float white[4] = {1, 1, 1, 1};
+    struct image im;
+    image_of(&im, white, 1, 1);
+    struct bytes file = encoded(&im, IMAGE_PNG, 8, NULL);
+    image_free(&im);
+    for (size_t n = 8; n < file.n; n++) refuse(file.p, n, "it ends within a chunk");
+    memcpy(file.p + 33, "\x7f\xff\xff\xfftEXt", 8);
+    refuse(file.p, file.n, "it ends within a chunk");
+    memcpy(file.p + 33, "\xff\xff\xff\xfftEXt", 8);
+    refuse(file.p, file.n, "it ends within a chunk");
+    free(file.p);
+}
+
 /* ---- errors of writing ---------------------------------------------------------------- */
 
 static void test_write_errors_are_reported(void **state)
@@ -295,6 +312,7 @@ int main(void)
         cmocka_unit_test(test_alpha_is_not_premultiplied_in_files),
         cmocka_unit_test(test_netpbm),
         cmocka_unit_test(test_float_maps),
+        cmocka_unit_test(test_chunks_that_do_not_fit),
         cmocka_unit_test(test_write_errors_are_reported),
         cmocka_unit_test(test_names),
     };
