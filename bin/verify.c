@@ -36,19 +36,9 @@ struct program {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* The slot of the outermost fan, or -1. */
-static int32_t slot_of(const struct record *r)
-{
-    char name[32];
-    int64_t slot = -1;
-    if (!rec_str(r, "w", name, sizeof name)) return -1;
-    name[strcspn(name, ".")] = '\0';
-    return parse_int(name, 0, HOSTS_SLOTS_MAX - 1, &slot) ? (int32_t)slot : -1;
-}
-
 static void take_frag(struct program *p, const struct record *r)
 {
-    int32_t slot = slot_of(r);
+    int32_t slot = rec_slot(r);
     if (p->phase == FIRST || p->phase == AGAIN) rec_pixels(r, p->pixels);
     switch (p->phase) {
     case CHOOSE: verify_choose(&p->v, &r->task); break;

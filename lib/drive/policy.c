@@ -40,21 +40,6 @@ struct driver {
     char why[24];  /* of the command's bye: it ended before its time */
 };
 
-/* "2.1" is slot 2 of the fan inside: deeper levels are its own affair. -1: none. */
-static int32_t slot_of(const struct record *r)
-{
-    char text[24];
-    size_t n;
-    int64_t k;
-    const char *w = rec_key(r, "w", &n);
-    const char *dot = w ? memchr(w, '.', n) : NULL;
-    if (dot) n = (size_t)(dot - w);
-    if (!w || n >= sizeof text) return -1;
-    memcpy(text, w, n);
-    text[n] = '\0';
-    return parse_int(text, 0, WIRE_SLOTS_MAX - 1, &k) ? (int32_t)k : -1;
-}
-
 static void flush(struct driver *d, int32_t to)
 {
     char text[24] = "";
@@ -241,7 +226,7 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
 
 static void take_up(struct driver *d, const struct record *r)
 {
-    struct sched_event e = {.slot = d->lone ? 0 : slot_of(r), .task = r->task, .from = -1};
+    struct sched_event e = {.slot = d->lone ? 0 : rec_slot(r), .task = r->task, .from = -1};
     switch (r->kind) {
     case REC_HELLO: take_hello(d, r); return;
     case REC_BEAT: wire_forward(&d->out.queue.control, r, NULL, NULL); return;

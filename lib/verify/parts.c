@@ -4,9 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What seeds draw is independent: these are added to the caller's. */
-enum { SEED_CHOICE = 0, SEED_KEYS = 1, SEED_NEXT = 3 };
-
 void verify_init(struct verify *v, uint64_t seed, double fraction, const int32_t *place_of,
     int32_t slots, int32_t places)
 {
@@ -106,7 +103,7 @@ uint32_t verify_of_frame(const struct verify *v, uint32_t frame, uint32_t *first
 
 static bool chosen(const struct verify *v, uint32_t n)
 {
-    return rng_unit(v->seed + SEED_CHOICE, n) < v->fraction;
+    return rng_unit(v->seed + VERIFY_SEED_CHOICE, n) < v->fraction;
 }
 
 void verify_choose(struct verify *v, const struct task *t)
@@ -206,7 +203,7 @@ static struct verify_opinion summed(const struct verify *v, const struct verify_
         memcpy(word, pixels + 4 * (n0 + k), sizeof word);
         for (uint64_t c = 0; c < 4; c++)
             for (uint64_t key = 0; key < 2; key++)
-                o.sum[key] += rng_u64(v->seed + SEED_KEYS + key, 4 * px + c) * word[c];
+                o.sum[key] += rng_u64(v->seed + VERIFY_SEED_KEYS + key, 4 * px + c) * word[c];
     }
     return o;
 }
@@ -215,8 +212,7 @@ static void add_opinion(struct verify_part *p, const struct verify_opinion *o)
 {
     for (uint32_t i = 0; i < p->n; i++) {
         const struct verify_opinion *have = verify_opinion(p, i);
-        bool same = have->sum[0] == o->sum[0] && have->sum[1] == o->sum[1];
-        if (have->slot == o->slot && same) return;
+        if (have->slot == o->slot && verify_same(have, o)) return;
     }
     if (p->n >= VERIFY_INLINE) {
         p->more = xrealloc(p->more, p->n + 1 - VERIFY_INLINE, sizeof *p->more);

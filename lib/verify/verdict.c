@@ -3,16 +3,9 @@
 
 #include <stdlib.h>
 
-#define SEED_NEXT 3 /* added to the seed; parts.c has those below */
-
 static int32_t place_of(const struct verify *v, const struct verify_opinion *o)
 {
     return o->slot < 0 ? -1 : v->place_of[o->slot];
-}
-
-static bool same(const struct verify_opinion *a, const struct verify_opinion *b)
-{
-    return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1];
 }
 
 static bool computed(const struct verify *v, const struct verify_part *p, int32_t place)
@@ -29,7 +22,7 @@ enum verify_verdict verify_judge(const struct verify *v, const struct verify_par
     bool checked = false;
     for (uint32_t i = 1; i < p->n; i++) {
         const struct verify_opinion *o = verify_opinion(p, i);
-        if (!same(o, &p->by[0])) return VERIFY_DIFFERENT;
+        if (!verify_same(o, &p->by[0])) return VERIFY_DIFFERENT;
         checked = checked || place_of(v, o) != place_of(v, &p->by[0]);
     }
     return checked ? VERIFY_AGREED : VERIFY_UNCHECKED;
@@ -42,10 +35,10 @@ uint32_t verify_votes(const struct verify *v, const struct verify_part *p, uint3
     for (uint32_t k = 0; k < p->n; k++) {
         const struct verify_opinion *other = verify_opinion(p, k);
         int32_t place = place_of(v, other);
-        bool counts = place >= 0 && same(other, o);
+        bool counts = place >= 0 && verify_same(other, o);
         for (uint32_t m = 0; counts && m < k; m++) {
             const struct verify_opinion *before = verify_opinion(p, m);
-            counts = !same(before, o) || place_of(v, before) != place;
+            counts = !verify_same(before, o) || place_of(v, before) != place;
         }
         n += counts;
     }
@@ -119,7 +112,7 @@ int32_t verify_next(const struct verify *v, const struct verify_part *p)
     int32_t best = -1;
     int least = INT32_MAX; /* reasons against it */
     if (settled(v, p)) return -1;
-    int32_t from = (int32_t)(rng_unit(v->seed + SEED_NEXT + v->rounds, p->piece) * v->slots);
+    int32_t from = (int32_t)(rng_unit(v->seed + VERIFY_SEED_NEXT + v->rounds, p->piece) * v->slots);
     for (int32_t i = 0; i < v->slots && least; i++) {
         int32_t slot = (from + i) % v->slots, place = v->place_of[slot];
         int failed = failures(p, place), against = failed + 4 * behind(&v->place[place]);

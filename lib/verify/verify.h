@@ -33,6 +33,13 @@ struct verify_opinion {
     int32_t slot; /* -1: not known, as of an earlier run in the same log */
     uint64_t sum[2];
 };
+static inline bool verify_same(const struct verify_opinion *a, const struct verify_opinion *b)
+{
+    return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1];
+}
+
+/* What is drawn from the seed: each has a seed of its own, which is this much more. */
+enum { VERIFY_SEED_CHOICE = 0, VERIFY_SEED_KEYS = 1 /* and 2 */, VERIFY_SEED_NEXT = 3 };
 
 #define VERIFY_INLINE 2
 struct verify_part {

@@ -29,6 +29,15 @@ bool rec_str(const struct record *r, const char *key, char *out, size_t size)
     return true;
 }
 
+int32_t rec_slot(const struct record *r)
+{
+    char name[32];
+    int64_t slot = -1;
+    if (!rec_str(r, "w", name, sizeof name)) return -1;
+    name[strcspn(name, ".")] = '\0';
+    return parse_int(name, 0, WIRE_SLOTS_MAX - 1, &slot) ? (int32_t)slot : -1;
+}
+
 bool rec_is(const struct record *r, const char *key, const char *value)
 {
     size_t n;

@@ -134,6 +134,8 @@ bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, 
 bool rec_real(const struct record *r, const char *key, double min, double max, double *out);
 /* As a string into out[size]; false when absent or too long. */
 bool rec_str(const struct record *r, const char *key, char *out, size_t size);
+/* The slot that r is stamped with, of the outermost fan: 2 where w is "2.1". -1: none. */
+int32_t rec_slot(const struct record *r);
 /* What the keys of a record of a ring say; -1 and false where they do not. */
 struct rec_ring {
     int32_t peer, next, me, n;
