@@ -31,7 +31,7 @@ here() { # NAME [ERE]: processes of this test, by name and command line
 	for p in $(program "$1"); do tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"; done
 }
 there() { # but for what makes a host
-	ps -o comm= -p "$(for h in host1 host2 host3; do hosts pids $h; done | paste -sd ,)" | grep -vxE 'hosts|sleep|sshd'
+	ps -o comm= -p "$(for h in host1 host2 host3; do hosts pids $h; done | paste -sd ,)" | grep -vxE 'hosts|sleep|sshd(-session|-auth)?'
 }
 none_there() { [ -z "$(there)" ]; }
 none_left() { none_alive && none_there; }
@@ -91,7 +91,7 @@ listener() { ps -o pid=,comm= --ppid "$(cat "$TEST_HOSTS/host2/init")" | awk '$2
 fault_worker() { kill -9 "$(hosts pids host2 rtworker)"; }
 fault_node() { stopped=$(hosts pids host2 ringctl) && kill -STOP "$stopped"; }
 fault_ssh() { kill -9 "$(here ssh ' host2 ')"; }
-fault_session() { kill -9 $(ps -o pid= --ppid "$(listener)"); }
+fault_session() { kill -9 $(hosts pids host2 sshd | grep -vx "$(listener)"); }
 fault_sshd() { kill -9 $(hosts pids host2 sshd); }
 fault_stop() { stopped=$(hosts pids host2 rtworker) && kill -STOP "$stopped"; }
 fault_link() { hosts link host2 down; }
