@@ -37,7 +37,7 @@ static struct options parse(int argc, char **argv)
 /* What the grid's title says, as far as the options do not. */
 struct names {
     struct backdrop_named scalar, x, z;
-    char title[2 * VOLUME_NAME + 2];
+    char title[2 * GRID_NAME + 2];
 };
 
 static void set_names(

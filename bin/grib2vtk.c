@@ -38,7 +38,7 @@ static struct gb_stack find_stack(
     const struct gb_index *x, const struct options *o, const char *name, int n)
 {
     struct gb_stack best = {.n = 0};
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     bool tie = false;
     for (size_t i = 0; i < x->n;) {
         struct gb_stack s = gb_stack_at(x, i);
@@ -75,7 +75,7 @@ static struct source find(const struct gb_index *x, const struct options *o)
 
 static void list(const struct gb_index *x)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     for (size_t i = 0; i < x->n;) {
         struct gb_stack s = gb_stack_at(x, i);
         const struct gb_entry *e = s.at;
@@ -92,7 +92,7 @@ static void list(const struct gb_index *x)
 static void axes(void *ctx, struct grid *g)
 {
     struct source *s = ctx;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (!gb_axes(s->o->file, &s->part[0], g, err))
         die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
 }
@@ -100,7 +100,7 @@ static void axes(void *ctx, struct grid *g)
 static void values(void *ctx, size_t time, struct grid *g)
 {
     struct source *s = ctx;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     for (int i = 0; i < s->request.n; i++)
         if (!gb_values(s->o->file, &s->part[i], time, g, i > 0, err))
             die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
@@ -136,7 +136,7 @@ static void convert_stack(const struct gb_index *x, const struct options *o)
 
 int main(int argc, char **argv)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     struct gb_index x;
     prog_init(argv[0]);
     struct options o = parse(argc, argv);

@@ -250,7 +250,7 @@ static struct options parse(int argc, char **argv)
 
 static void read_both(const struct options *o, struct grid *g, struct spec *s)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (grid_load(o->grid, g, err) != 0 || spec_load(o->spec, s, err) != 0)
         die(ST_USAGE, "%s", err);
     for (int a = 0; a < 3; a++)

@@ -28,7 +28,7 @@ static struct convert_options parse(int argc, char **argv)
 
 static struct source find(struct cf_file *c, const struct convert_options *o)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     struct source s = {.c = c, .o = o};
     const struct convert_request *r = &s.request;
     if (!convert_request_parse(o->what, &s.request))
@@ -46,7 +46,7 @@ static struct source find(struct cf_file *c, const struct convert_options *o)
 static void list_one(struct cf_file *c, int group, int id, const char *path, void *arg)
 {
     struct cf_field f;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     (void)arg;
     if (!cf_field_read(c, group, id, &f, err)) printf("# %s\t%s\n", path, err);
     else {
@@ -64,7 +64,7 @@ static void list_one(struct cf_file *c, int group, int id, const char *path, voi
 
 static void list(struct cf_file *c, const struct convert_options *o)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (!cf_each(c, list_one, NULL, err)) die(ST_USAGE, "%s: %s", o->file, err);
 }
 
@@ -73,7 +73,7 @@ static void list(struct cf_file *c, const struct convert_options *o)
 static void axes(void *ctx, struct grid *g)
 {
     struct source *s = ctx;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (!cf_axes(&s->part[0], g, err))
         die(ST_USAGE, "%s: %s: %s", s->o->file, s->request.name, err);
 }
@@ -81,7 +81,7 @@ static void axes(void *ctx, struct grid *g)
 static void values(void *ctx, size_t time, struct grid *g)
 {
     struct source *s = ctx;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     for (int i = 0; i < s->request.n; i++)
         if (!cf_values(s->c, &s->part[i], time, g, i > 0, err))
             die(ST_USAGE, "%s: %s: %s", s->o->file, s->part[i].name, err);
@@ -119,7 +119,7 @@ static void convert_field(struct cf_file *c, const struct convert_options *o)
 
 int main(int argc, char **argv)
 {
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     struct cf_file c;
     prog_init(argv[0]);
     struct convert_options o = parse(argc, argv);

@@ -174,7 +174,7 @@ static const char *const selftest_specs[] = {SELFTEST_VIEW SELFTEST_MAP,
 static void selftest_look(const struct grid *g, const char *text, float *rgba, uint32_t *n)
 {
     struct spec s;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     const struct volume_options o = VOLUME_OPTIONS_DEFAULT;
     if (spec_read("selftest", text, strlen(text), &s, err) != 0) die(ST_SYSTEM, "%s", err);
     struct volume *v = volume_new(g, &s, &o);
@@ -190,7 +190,7 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
     (void)ctx;
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (grid_read("selftest", selftest_vtk, sizeof selftest_vtk - 1, &g, err) != 0)
         die(ST_SYSTEM, "%s", err);
     *n = 0;
@@ -226,7 +226,7 @@ static struct options parse(int argc, char **argv)
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     for (int opt; (opt = prog_getopt(argc, argv, "+him:ns:x:" WORKER_OPTIONS)) != -1;) {
         switch (opt) {
         case 'h': usage(ST_OK, text);

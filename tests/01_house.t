@@ -19,11 +19,13 @@ stats base
 scene base
 spd scene base
 trace scene image task base
-volume image task base
-cf volume base
-grib volume base
-convert volume image base
-backdrop volume image base
+grid base
+spec grid base
+volume grid spec task base
+cf grid base
+grib grid base
+convert grid image base
+backdrop grid spec image base
 sched task base
 sim sched stats task base
 proc base

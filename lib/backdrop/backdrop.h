@@ -7,7 +7,7 @@
 #define STORMRING_BACKDROP_H
 
 #include "base/base.h"
-#include "volume/volume.h"
+#include "spec/spec.h"
 
 #define BACKDROP_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
 
@@ -25,7 +25,7 @@ struct backdrop {
 
 /* What a grid's title says of its scalar, or of an axis; stormring-grid(5). */
 struct backdrop_named {
-    char name[VOLUME_NAME], unit[VOLUME_NAME];
+    char name[GRID_NAME], unit[GRID_NAME];
     bool down; /* it is negated */
 };
 /* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False where the title does not say. */

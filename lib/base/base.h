@@ -141,6 +141,8 @@ int write_full(int fd, const void *p, size_t n);
 ptrdiff_t read_some(int fd, struct buf *b, size_t most);
 /* The whole file ("-": standard input) appended to b. 0, or -1 with errno. */
 int read_file(const char *path, struct buf *b);
+/* The same into *b, which is set anew; false with a message in err, and *b is empty. */
+bool load_file(const char *path, struct buf *b, char err[ERR_BYTES]);
 /* All of n bytes to stdout; dies with status 3 where that fails. */
 void put_stdout(const void *p, size_t n);
 /* Flush and close stdout; dies with status 3 when anything written to it was lost. */

@@ -44,6 +44,15 @@ int read_file(const char *path, struct buf *b)
     return k < 0 ? -1 : 0;
 }
 
+bool load_file(const char *path, struct buf *b, char err[ERR_BYTES])
+{
+    *b = (struct buf){0};
+    if (read_file(path, b) == 0) return true;
+    int why = errno;
+    buf_free(b);
+    return err_set(err, "%.128s: %s", path, strerror(why));
+}
+
 void put_stdout(const void *p, size_t n)
 {
     if (fwrite(p, 1, n, stdout) != n) die(ST_SYSTEM, "standard output:");

@@ -83,7 +83,7 @@ static bool find_coordinates(int group, int dim, const char *name, int *in, int 
     }
 }
 
-bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[VOLUME_ERR])
+bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
     char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
     int in, id;
@@ -107,7 +107,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     return true;
 }
 
-bool cf_tell_axes_apart(struct cf_field *f, char err[VOLUME_ERR])
+bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
 {
     const struct cf_axis *of[CF_NONE] = {NULL};
     bool other[sizeof f->axis / sizeof *f->axis] = {false};

@@ -13,7 +13,7 @@
 #define STORMRING_CF_H
 
 #include "base/base.h"
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #define CF_TEXT 128    /* bytes of a name or an attribute that is text; longer ones are cut */
 #define CF_AXES_MAX 16 /* with those of one element */
@@ -51,17 +51,17 @@ struct cf_field {
     char name[CF_TEXT], units[CF_TEXT], long_name[CF_TEXT];
 };
 
-bool cf_open(const char *path, struct cf_file *c, char err[VOLUME_ERR]);
+bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES]);
 void cf_close(struct cf_file *c);
 
 /*
  * Variable `id` of a group: false where it is no field on a rectilinear grid, of x, y, z and
  * perhaps time. To be freed in either case.
  */
-bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[VOLUME_ERR]);
+bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[ERR_BYTES]);
 /* The same of the variable with this name of n characters: "U", "group/U" or "/group/U". */
 bool cf_find(
-    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[VOLUME_ERR]);
+    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES]);
 void cf_field_free(struct cf_field *f);
 /* NULL where it has none. */
 const struct cf_axis *cf_axis_of(const struct cf_field *f, enum cf_kind kind);
@@ -72,15 +72,15 @@ bool cf_same_axes(const struct cf_field *a, const struct cf_field *b);
 /* The variables of two dimensions and more, of all groups, in the file's order; path is the
  * variable's whole name. */
 typedef void cf_visit(struct cf_file *c, int group, int id, const char *path, void *arg);
-bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[VOLUME_ERR]);
+bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[ERR_BYTES]);
 
 /* A grid with these axes, ascending, and values that are yet to come; the caller frees it. */
-bool cf_axes(const struct cf_field *f, struct grid *g, char err[VOLUME_ERR]);
+bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES]);
 /*
  * The values of one time into a grid with the field's axes; where `combine`, hypot of what is there
  * and them. Missing values become NaN. Needs room for one slab of values beside the grid.
  */
 bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct grid *g,
-    bool combine, char err[VOLUME_ERR]);
+    bool combine, char err[ERR_BYTES]);
 
 #endif

@@ -7,14 +7,14 @@
 
 #define PATH_MAX_BYTES 1024 /* of a variable's whole name, as shown */
 
-bool cf_look(struct cf_file *c, char err[VOLUME_ERR])
+bool cf_look(struct cf_file *c, char err[ERR_BYTES])
 {
     int status = c->status;
     c->status = NC_NOERR;
     return !status || err_set(err, "%s", nc_strerror(status));
 }
 
-bool cf_open(const char *path, struct cf_file *c, char err[VOLUME_ERR])
+bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES])
 {
     *c = (struct cf_file){0};
     cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
@@ -37,7 +37,7 @@ static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
     return false;
 }
 
-static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
+static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 {
     if (a->kind == CF_T || a->kind == CF_NONE) return true;
     if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
@@ -48,7 +48,7 @@ static bool check_axis(const struct cf_axis *a, char err[VOLUME_ERR])
     return err_set(err, "%.60s is %s", a->name, why);
 }
 
-static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ERR])
+static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES])
 {
     int several = 0;
     for (int i = 0; i < f->n_axes; i++) several += f->axis[i].n != 1;
@@ -68,7 +68,7 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[VOLUME_ER
     return true;
 }
 
-bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[VOLUME_ERR])
+bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[ERR_BYTES])
 {
     int n = 0, dims[NC_MAX_VAR_DIMS];
     char name[NC_MAX_NAME + 1] = "";
@@ -95,7 +95,7 @@ void cf_field_free(struct cf_field *f)
 }
 
 bool cf_find(
-    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[VOLUME_ERR])
+    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES])
 {
     int group = c->root, id = 0;
     char *path = xmalloc(n + 1, 1);
@@ -133,7 +133,7 @@ static void visit_group(struct cf_file *c, int group, cf_visit *visit, void *arg
     free(inside);
 }
 
-bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[VOLUME_ERR])
+bool cf_each(struct cf_file *c, cf_visit *visit, void *arg, char err[ERR_BYTES])
 {
     visit_group(c, c->root, visit, arg);
     return cf_look(c, err);

@@ -8,7 +8,7 @@
 static double sign_of(const struct cf_axis *a) { return a->kind == CF_Z && a->down ? -1 : 1; }
 static bool is_turned(const struct cf_axis *a) { return (a->at[1] < a->at[0]) != (sign_of(a) < 0); }
 
-bool cf_axes(const struct cf_field *f, struct grid *g, char err[VOLUME_ERR])
+bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
 {
     *g = (struct grid){0};
     for (int k = 0; k < 3; k++) {
@@ -66,7 +66,7 @@ static struct way find_way(const struct cf_field *f, size_t time, const struct g
 }
 
 bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct grid *g,
-    bool combine, char err[VOLUME_ERR])
+    bool combine, char err[ERR_BYTES])
 {
     struct way w = find_way(f, time, g);
     double *slab = xcalloc(w.n[1] * w.n[2], sizeof *slab), worst = 0;

@@ -10,7 +10,7 @@
 #define STORMRING_CONVERT_H
 
 #include "base/base.h"
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 struct convert_options {
     const char *out; /* -o: a file, %d in it is the time's index; NULL: standard output */
@@ -29,7 +29,7 @@ void convert_operands(struct convert_options *o, int n, char **operand, const ch
 
 /* What is wanted: "U", or "speed=hypot(U,V)". */
 struct convert_request {
-    char name[VOLUME_NAME]; /* of the scalar: "U", without what is before a slash; "speed" */
+    char name[GRID_NAME]; /* of the scalar: "U", without what is before a slash; "speed" */
     const char *part[2];    /* into the text */
     int length[2], n;
 };

@@ -18,7 +18,7 @@ static struct part part_of(const char *begin, const char *end)
 
 static void set_name(struct convert_request *r, struct part p)
 {
-    snprintf(r->name, VOLUME_NAME, "%.*s", (int)(p.n < VOLUME_NAME ? p.n : VOLUME_NAME - 1), p.at);
+    snprintf(r->name, GRID_NAME, "%.*s", (int)(p.n < GRID_NAME ? p.n : GRID_NAME - 1), p.at);
 }
 
 static bool add_part(struct convert_request *r, struct part p)

@@ -13,7 +13,7 @@
 #define STORMRING_GRIB_H
 
 #include "base/base.h"
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #define GB_TEXT 80 /* bytes of a key that is text; longer ones are cut */
 
@@ -38,12 +38,12 @@ struct gb_stack {
     size_t n, n_levels, n_times;
 };
 
-bool gb_index_read(const char *path, struct gb_index *x, char err[VOLUME_ERR]);
+bool gb_index_read(const char *path, struct gb_index *x, char err[ERR_BYTES]);
 void gb_index_free(struct gb_index *x);
 /* The stack that begins at entry `first`; the next one begins n entries later. */
 struct gb_stack gb_stack_at(const struct gb_index *x, size_t first);
 /* Is it one rectilinear grid at each time? */
-bool gb_stack_check(const struct gb_stack *s, char err[VOLUME_ERR]);
+bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES]);
 bool gb_same_axes(const struct gb_stack *a, const struct gb_stack *b);
 
 /* What a type of levels is measured in, and do they count downwards? Then z is negated. */
@@ -56,9 +56,9 @@ const struct gb_measure *gb_measure_of(const char *levels);
 bool gb_is_projected(const char *kind);
 
 /* A grid with these axes, ascending, and values that are yet to come; the caller frees it. */
-bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[VOLUME_ERR]);
+bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[ERR_BYTES]);
 /* The values of one time into it; where `combine`, hypot of what is there and them. */
 bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct grid *g,
-    bool combine, char err[VOLUME_ERR]);
+    bool combine, char err[ERR_BYTES]);
 
 #endif

@@ -12,9 +12,9 @@ struct gb_file {
     codes_handle *h; /* the message; NULL at the end, and after a failure */
     size_t number;   /* of it, from 0 */
 };
-bool gb_open(const char *path, struct gb_file *in, char err[VOLUME_ERR]);
+bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES]);
 /* The first, or the next one. */
-bool gb_next(struct gb_file *in, char err[VOLUME_ERR]);
+bool gb_next(struct gb_file *in, char err[ERR_BYTES]);
 void gb_close(struct gb_file *in);
 
 /* What a key says; 0 and NaN where it is not there. */

@@ -12,7 +12,7 @@ static void say_nothing(const codes_context *c, int level, const char *text)
     (void)c, (void)level, (void)text; /* what matters comes back as a status */
 }
 
-bool gb_open(const char *path, struct gb_file *in, char err[VOLUME_ERR])
+bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES])
 {
     *in = (struct gb_file){.f = fopen(path, "re")};
     if (!in->f) return err_set(err, "%s", strerror(errno));
@@ -22,7 +22,7 @@ bool gb_open(const char *path, struct gb_file *in, char err[VOLUME_ERR])
     return true;
 }
 
-bool gb_next(struct gb_file *in, char err[VOLUME_ERR])
+bool gb_next(struct gb_file *in, char err[ERR_BYTES])
 {
     int status = 0;
     if (in->h) {
@@ -100,7 +100,7 @@ static int in_order(const void *a, const void *b)
     return d ? d : (p->number > q->number) - (p->number < q->number);
 }
 
-bool gb_index_read(const char *path, struct gb_index *x, char err[VOLUME_ERR])
+bool gb_index_read(const char *path, struct gb_index *x, char err[ERR_BYTES])
 {
     struct gb_file in;
     size_t room = 0;
@@ -150,7 +150,7 @@ static bool is_rectilinear(const char *kind)
     return false;
 }
 
-bool gb_stack_check(const struct gb_stack *s, char err[VOLUME_ERR])
+bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES])
 {
     const struct gb_entry *a = s->at;
     if (!is_rectilinear(a->kind))

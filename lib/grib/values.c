@@ -69,7 +69,7 @@ static void sphere_axes(const codes_handle *h, const char *kind, struct grid *g)
     free(gaussian);
 }
 
-static bool check_axes(const struct grid *g, char err[VOLUME_ERR])
+static bool check_axes(const struct grid *g, char err[ERR_BYTES])
 {
     for (int a = 0; a < 3; a++) {
         const double *at = g->at[a];
@@ -84,7 +84,7 @@ static bool check_axes(const struct grid *g, char err[VOLUME_ERR])
     return true;
 }
 
-bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[VOLUME_ERR])
+bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char err[ERR_BYTES])
 {
     const struct gb_entry *e = s->at;
     const size_t n[] = {(size_t)e->nx, (size_t)e->ny, s->n_levels};
@@ -118,7 +118,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
 /* Values stand row by row, or column by column, in one of two directions along each; every other
  * row may go back. */
 static bool take_values(
-    codes_handle *h, struct grid *g, size_t k, bool combine, double *values, char err[VOLUME_ERR])
+    codes_handle *h, struct grid *g, size_t k, bool combine, double *values, char err[ERR_BYTES])
 {
     const size_t nx = g->n[0], ny = g->n[1];
     const bool columns = gb_long(h, "jPointsAreConsecutive");
@@ -145,7 +145,7 @@ static bool take_values(
 }
 
 bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct grid *g,
-    bool combine, char err[VOLUME_ERR])
+    bool combine, char err[ERR_BYTES])
 {
     const struct gb_entry *level = s->at + time * s->n_levels;
     const bool down = gb_measure_of(level->levels)->down;

@@ -18,24 +18,24 @@ static const struct {
 #define METHODS (sizeof methods / sizeof *methods)
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
-bool volume_method_parse(const char *s, struct volume_options *o, char err[VOLUME_ERR])
+bool volume_method_parse(const char *s, struct volume_options *o, char err[ERR_BYTES])
 {
     const char *colon = strchr(s, ':');
     size_t n = colon ? (size_t)(colon - s) : strlen(s), i = 0;
     while (i < METHODS && (strlen(methods[i].name) != n || memcmp(methods[i].name, s, n) != 0)) i++;
     if (i == METHODS || (methods[i].most && !colon)) {
-        snprintf(err, VOLUME_ERR, "adaptive[:E], doubling[:E], trapezoid:N or gauss:M");
+        snprintf(err, ERR_BYTES, "adaptive[:E], doubling[:E], trapezoid:N or gauss:M");
         return false;
     }
     double tolerance = usual.tolerance;
     int64_t count = usual.n;
     if (methods[i].most && !parse_int(colon + 1, 1, methods[i].most, &count)) {
         snprintf(
-            err, VOLUME_ERR, "%s:N, an integer from 1 to %d", methods[i].name, methods[i].most);
+            err, ERR_BYTES, "%s:N, an integer from 1 to %d", methods[i].name, methods[i].most);
         return false;
     }
     if (!methods[i].most && colon && !parse_real(colon + 1, TOLERANCE_MIN, 1, &tolerance)) {
-        snprintf(err, VOLUME_ERR, "%s:E, a number from %g to 1", methods[i].name, TOLERANCE_MIN);
+        snprintf(err, ERR_BYTES, "%s:E, a number from %g to 1", methods[i].name, TOLERANCE_MIN);
         return false;
     }
     o->method = (enum volume_method)i;

@@ -1,6 +1,6 @@
 /*
- * volume: ray casting of a scalar field on a rectilinear grid: grid, rendering specification, cell
- * walk, integrators, iso-surfaces, gradient shading. No I/O but grid_load and spec_load.
+ * volume: ray casting of a scalar field on a rectilinear grid (grid/grid.h) as a specification says
+ * (spec/spec.h): cell walk, integrators, iso-surfaces, gradient shading. No I/O.
  *
  * The model (emission and absorption; N. Max, "Optical models for direct volume rendering", IEEE
  * TVCG 1(2), 1995): along a ray with t in scaled space,
@@ -28,101 +28,11 @@
 #define STORMRING_VOLUME_H
 
 #include "base/base.h"
+#include "grid/grid.h"
+#include "spec/spec.h"
 #include "task/task.h"
 
-#define VOLUME_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
-#define VOLUME_NAME 64
-#define GRID_TITLE 256 /* bytes: what VTK's reader has room for */
 #define VOLUME_AMBIENT 0.3
-
-/* ---- the grid (grid.c, vtk.c) ---------------------------------------------------------------- */
-
-/* A scalar field on axis-aligned planes; coordinates as in the file, in its units. */
-struct grid {
-    uint32_t n[3]; /* nodes along x, y, z; at least 2 of each */
-    double *at[3]; /* n[a] coordinates, ascending (what descends in the file is turned round) */
-    float *value;  /* n[0]*n[1]*n[2], x fastest; NaN: missing */
-    char name[VOLUME_NAME]; /* of the scalar */
-    char title[GRID_TITLE]; /* the second line of the file that was read: units are there */
-};
-/* Index of node i, j, k. */
-static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
-{
-    return ((size_t)k * g->n[1] + j) * g->n[0] + i;
-}
-/*
- * What is read: coordinates and values are within GRID_MAX of 0, so that squares of them stay
- * inside a float, and neighbouring coordinates differ by GRID_STEP_MIN at least.
- */
-#define GRID_MAX 1e18
-#define GRID_STEP_MIN 1e-18
-/*
- * Reads VTK legacy RECTILINEAR_GRID, ASCII or BINARY: one scalar of point data, of float, double or
- * integers; stormring-grid(5) is the manual. 0, or -1 with text in err; `name` is for messages. The
- * caller frees the grid, which holds no part of `bytes`.
- */
-int grid_read(
-    const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR]);
-/* The same of a file; "-": standard input. */
-int grid_load(const char *path, struct grid *g, char err[VOLUME_ERR]);
-/*
- * The same of bytes that nobody else needs, in memory of this process alone: a buffer, or a file
- * mapped private. Pages of them are given back to the system while they are read, so that the
- * values of a BINARY float grid are in memory once. What the bytes are afterwards is undefined.
- */
-int grid_consume(
-    const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR]);
-/*
- * The same format, BINARY float with coordinates in double, appended to b; title stands in the
- * file's second line, cut there where it does not fit. Reading it gives the same grid bit by bit.
- */
-void grid_write(const struct grid *g, const char *title, struct buf *b);
-void grid_free(struct grid *g);
-/*
- * Where ascending or descending coordinates are not apart: the index of the first one that does not
- * continue as the first two began, or 0 where all do. n is at least 2.
- */
-uint32_t grid_axis_fault(const double *at, uint32_t n);
-/* "A after B, expected ...": what is wrong with at[fault]. */
-#define GRID_FAULT 128
-void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
-/*
- * The field at a point given in the grid's coordinates: trilinear in the cell that it is in, the
- * upper one where it is on a face. NaN outside, and where a corner of the cell is missing.
- */
-double grid_at(const struct grid *g, const double p[3]);
-
-/* ---- the specification (spec.c): stormring-spec(5) ------------------------------------------ */
-
-struct spec_knot {
-    double s, rgb[3], k; /* two of one s are a jump: the first holds below it, the second above */
-};
-struct spec_iso {
-    double s, rgb[3], opacity; /* opacity 0 .. 1, of the sheet itself, whatever its slant */
-};
-#define SPEC_LIMIT .9999 /* of opacity, where none is given */
-struct spec {
-    double from[3], at[3], up[3], angle; /* as in NFF, in scaled space; angle in degrees */
-    uint32_t w, h;                       /* resolution */
-    bool lit;
-    double light[3];      /* in scaled space */
-    double attenuation;   /* a, per unit of scaled space */
-    double scale[3];      /* of the grid's coordinates; not 0 */
-    double opacity_limit; /* a ray ends when its alpha reaches it */
-    bool backed;
-    double background[3];   /* behind everything, where backed; else transparent */
-    struct spec_knot *knot; /* ascending by s, none or two and more; outside of them k = 0 */
-    size_t n_knots;
-    struct spec_iso *iso; /* ascending by s, each s once */
-    size_t n_isos;
-};
-/* 0, or -1 with text in err; `name` is for messages. The caller frees the specification. */
-int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[VOLUME_ERR]);
-/* The same of a file; "-": standard input. */
-int spec_load(const char *path, struct spec *s, char err[VOLUME_ERR]);
-void spec_free(struct spec *s);
-
-/* ---- rendering ------------------------------------------------------------------------------ */
 
 enum volume_method {
     VOLUME_ADAPTIVE, /* to an error of `tolerance`, by whatever is cheapest in each cell */
@@ -145,7 +55,7 @@ struct volume_options {
  * "adaptive", "adaptive:E", "doubling", "doubling:E", "trapezoid:N" or "gauss:N": method, tolerance
  * and n of o; what is not said is as by default. False with what was expected in err. (method.c)
  */
-bool volume_method_parse(const char *s, struct volume_options *o, char err[VOLUME_ERR]);
+bool volume_method_parse(const char *s, struct volume_options *o, char err[ERR_BYTES]);
 #define VOLUME_METHOD 64 /* bytes of its name */
 /* The same way round; returns whether it is the default one. */
 bool volume_method_print(const struct volume_options *o, char text[VOLUME_METHOD]);
@@ -169,6 +79,5 @@ struct volume_counts {
     uint32_t most_cells; /* that one ray passed */
 };
 void volume_counts(const struct volume *v, struct volume_counts *c);
-/* False when this machine cannot run it. */
 
 #endif

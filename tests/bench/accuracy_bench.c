@@ -72,7 +72,7 @@ static void look_at(struct look *l, const char *map)
 static struct volume_options method_of(struct look *l, const char *name)
 {
     struct volume_options o;
-    char err[VOLUME_ERR], method[VOLUME_METHOD] = "";
+    char err[ERR_BYTES], method[VOLUME_METHOD] = "";
     size_t n = strcspn(name, "/");
     const char *limit = name[n] ? name + n : NULL;
     if (n < sizeof method) memcpy(method, name, n);

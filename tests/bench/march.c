@@ -22,7 +22,7 @@ int main(int argc, char **argv)
     struct grid g;
     struct spec s;
     struct image im;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     prog_init(argv[0]);
     if (argc != 3) usage(ST_USAGE, "GRID SPEC");
     if (grid_load(argv[1], &g, err) != 0 || spec_load(argv[2], &s, err) != 0)

@@ -2,7 +2,7 @@
  * Whatever the bytes: grid_read returns a grid or a message. What it accepts is in range, ascends,
  * and survives being written and read again.
  */
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static void check_grid(const struct grid *g, size_t size)
     }
     for (size_t i = 0; i < n; i++)
         MUST(isnan(g->value[i]) || fabsf(g->value[i]) <= (float)GRID_MAX);
-    MUST(memchr(g->name, '\0', VOLUME_NAME));
+    MUST(memchr(g->name, '\0', GRID_NAME));
     const double first[] = {g->at[0][0], g->at[1][0], g->at[2][0]};
     const double v = grid_at(g, first);
     MUST(isnan(v) || (float)v == g->value[0]);
@@ -35,7 +35,7 @@ static void check_round_trip(const struct grid *g)
 {
     struct grid again;
     struct buf b = {0}, twice = {0};
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     grid_write(g, "title", &b);
     MUST(grid_read("again", buf_data(&b), buf_size(&b), &again, err) == 0);
     grid_write(&again, "title", &twice);
@@ -49,7 +49,7 @@ static void check_round_trip(const struct grid *g)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     /* Exactly as long as the bytes, so that a read past them is seen. */
     unsigned char *bytes = xmalloc(size, 1);
     if (size) memcpy(bytes, data, size);

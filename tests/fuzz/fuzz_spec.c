@@ -1,5 +1,5 @@
 /* Whatever the bytes: spec_read returns a specification in range, or a message. */
-#include "volume/volume.h"
+#include "spec/spec.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +40,7 @@ static void check_spec(const struct spec *s)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct spec s;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     /* Exactly as long as the bytes, so that a read past them is seen. */
     char *text = xmalloc(size, 1);
     if (size) memcpy(text, data, size);

@@ -14,7 +14,7 @@ static void load(struct grid *g, struct spec *s)
         "POINT_DATA 8\nSCALARS x float 1\nLOOKUP_TABLE default\n0 1 0 1 0 1 0 1\n";
     static const char spec[] = "from 10 45 30\nat 10 45 0\nup 0 1 0\nangle 60\nresolution 40 "
                                "40\nmap 0 1 1 1 1\nmap 1 1 1 1 1\n";
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (grid_read("grid", (const unsigned char *)vtk, strlen(vtk), g, err) != 0)
         fail_msg("%s", err);
     if (spec_read("spec", spec, strlen(spec), s, err) != 0) fail_msg("%s", err);

@@ -1,6 +1,6 @@
 /* Grids: what of VTK legacy is taken, what is refused and where, truncations; writing; values. */
 #include "convert/convert.h"
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #include <setjmp.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #define SCALARS "POINT_DATA 12\nSCALARS wind float 1\nLOOKUP_TABLE default\n"
 #define VALUES "1 2 3 4 5 6 7 8 9 10 11 12\n"
 
-static int read_bytes(const void *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
+static int read_bytes(const void *bytes, size_t n, struct grid *g, char err[ERR_BYTES])
 {
     /* Exactly as long as the bytes, so that a read past them is seen. */
     unsigned char *copy = xmalloc(n, 1);
@@ -27,7 +27,7 @@ static int read_bytes(const void *bytes, size_t n, struct grid *g, char err[VOLU
 static struct grid parse_n(const void *bytes, size_t n)
 {
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (read_bytes(bytes, n, &g, err) != 0) fail_msg("refused: %s", err);
     return g;
 }
@@ -171,7 +171,7 @@ static void test_binary(void **state)
 static void assert_refused(const char *text, const char *message)
 {
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (read_bytes(text, strlen(text), &g, err) == 0) fail_msg("taken: %s", text);
     if (!strstr(err, message)) fail_msg("got: %s, expected: %s", err, message);
     assert_true(!g.value && !g.at[0] && !g.at[1] && !g.at[2]);
@@ -252,7 +252,7 @@ static void test_truncated(void **state)
 {
     (void)state;
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     static const char text[] = HEAD AXES SCALARS "1 2 3 4 5 6 7 8 9 10 11";
     for (size_t n = 0; n < sizeof text; n++) {
         assert_int_equal(read_bytes(text, n, &g, err), -1);
@@ -341,7 +341,7 @@ static void test_consume(void **state)
     buf_printf(&b, "POINT_DATA %d\nSCALARS s float\nLOOKUP_TABLE default\n", 2 * N * N);
     for (int i = 0; i < 2 * N * N; i++) put_real(&b, i, 4);
     struct grid g = parse_n(buf_data(&b), buf_size(&b)), other;
-    char err[VOLUME_ERR], again[VOLUME_ERR];
+    char err[ERR_BYTES], again[ERR_BYTES];
     buf_printf(&b, "\nx");
     assert_int_equal(read_bytes(buf_data(&b), buf_size(&b), &other, err), -1);
     struct buf copy = {0};

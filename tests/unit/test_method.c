@@ -41,7 +41,7 @@ static void test_methods(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct volume_options o = VOLUME_OPTIONS_DEFAULT;
-        char err[VOLUME_ERR] = "", text[VOLUME_METHOD];
+        char err[ERR_BYTES] = "", text[VOLUME_METHOD];
         bool good = volume_method_parse(cases[i].text, &o, err);
         if (good != !!cases[i].printed) fail_msg("'%s': %s", cases[i].text, err);
         if (!good) {
@@ -80,7 +80,7 @@ static void test_consumed(void **state)
     size_t n = buf_size(&b);
     for (size_t i = 0; i < sizeof offsets / sizeof *offsets; i++) {
         struct grid g, want;
-        char err[VOLUME_ERR];
+        char err[ERR_BYTES];
         unsigned char *map =
             mmap(NULL, n + 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         assert_true(map != MAP_FAILED);
@@ -107,7 +107,7 @@ static void test_line(void **state)
     (void)state;
     struct buf b = {0};
     struct grid g;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     buf_printf(&b, "# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\n"
                    "DIMENSIONS 2 2 50000\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 2 float\n0 1\n"
                    "Z_COORDINATES 50000 float\n");

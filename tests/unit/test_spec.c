@@ -1,5 +1,5 @@
 /* Specifications: words, defaults, ranges; what is refused and where; truncations. */
-#include "volume/volume.h"
+#include "spec/spec.h"
 
 #include <setjmp.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #define VIEW "from 0 -5 2\nat 1 2 3\nup 0 0 1\nangle 40\nresolution 64 48\n"
 #define MAP "map 1 .1 .2 .3 .4\nmap 2 1 1 1 0\n"
 
-static int read_bytes(const char *text, size_t n, struct spec *s, char err[VOLUME_ERR])
+static int read_bytes(const char *text, size_t n, struct spec *s, char err[ERR_BYTES])
 {
     /* Exactly as long as the text, so that a read past it is seen. */
     char *copy = xmalloc(n, 1);
@@ -22,7 +22,7 @@ static int read_bytes(const char *text, size_t n, struct spec *s, char err[VOLUM
 static struct spec parse(const char *text)
 {
     struct spec s;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     if (read_bytes(text, strlen(text), &s, err) != 0) fail_msg("refused: %s", err);
     return s;
 }
@@ -127,7 +127,7 @@ static void test_refused(void **state)
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct spec s;
-        char err[VOLUME_ERR];
+        char err[ERR_BYTES];
         assert_int_equal(read_bytes(bad[i].text, strlen(bad[i].text), &s, err), -1);
         assert_string_equal(err, bad[i].err);
         assert_true(!s.knot && !s.iso);
@@ -141,12 +141,12 @@ static void test_truncated(void **state)
     static const char text[] = VIEW MAP "iso 7 .5 .6 .7 .8\nlight 1 2 3\nscale 1 2 .001\n";
     for (size_t n = 0; n < sizeof text; n++) {
         struct spec s;
-        char err[VOLUME_ERR];
+        char err[ERR_BYTES];
         if (read_bytes(text, n, &s, err) == 0) spec_free(&s);
         else assert_true(strncmp(err, "t:", 2) == 0 && strstr(err, "expected"));
     }
     struct spec s;
-    char err[VOLUME_ERR];
+    char err[ERR_BYTES];
     assert_int_equal(read_bytes("angle 4\0", 8, &s, err), -1);
 }
 

@@ -1,5 +1,5 @@
 /* A scalar field on axis-aligned planes: its axes, its value at a point. */
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
  * One table says which words there are, how many numbers each has and between what; what holds
  * between lines is checked as they come (the map ascends), or at the end (the view is one).
  */
-#include "volume/volume.h"
+#include "spec/spec.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -71,7 +71,7 @@ static const struct {
 struct reader {
     const char *at, *end; /* what is unread of the line */
     const char *name;     /* stands in messages */
-    char *err;            /* VOLUME_ERR bytes */
+    char *err;            /* ERR_BYTES bytes */
     size_t line;          /* from 1 */
     unsigned seen;        /* a bit a word */
     struct spec *s;
@@ -274,7 +274,7 @@ static bool read_lines(struct reader *r, const char *text, const char *end)
     return check_view(r) && check_field(r);
 }
 
-int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[VOLUME_ERR])
+int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[ERR_BYTES])
 {
     struct reader r = {.name = name, .err = err, .s = s};
     *s = (struct spec){.scale = {1, 1, 1}, .opacity_limit = SPEC_LIMIT};
@@ -289,4 +289,14 @@ void spec_free(struct spec *s)
     free(s->knot);
     free(s->iso);
     *s = (struct spec){0};
+}
+
+int spec_load(const char *path, struct spec *s, char err[ERR_BYTES])
+{
+    struct buf b;
+    *s = (struct spec){.knot = NULL};
+    if (!load_file(path, &b, err)) return -1;
+    int failed = spec_read(path, (const char *)buf_data(&b), buf_size(&b), s, err);
+    buf_free(&b);
+    return failed;
 }

@@ -5,13 +5,13 @@
 #ifndef STORMRING_VOLUME_VTK_TEXT_H
 #define STORMRING_VOLUME_VTK_TEXT_H
 
-#include "volume/volume.h"
-#include "volume/vtk_type.h"
+#include "grid/grid.h"
+#include "grid/vtk_type.h"
 
 struct vtk_reader {
     const unsigned char *bytes, *at, *end; /* at .. end is unread */
     const char *name;                      /* stands in messages */
-    char *err;                             /* VOLUME_ERR bytes */
+    char *err;                             /* ERR_BYTES bytes */
     bool binary;
     bool down[3];        /* this axis descends in the file */
     unsigned char *kept; /* to here pages were given back; NULL: none are */
@@ -34,7 +34,7 @@ bool vtk_expect(struct vtk_reader *r, const char *what, const char *word);
 bool vtk_count(struct vtk_reader *r, const char *what, uint64_t min, uint64_t max, uint64_t *v);
 bool vtk_type(struct vtk_reader *r, struct vtk_type *t);
 /* The name of an array, as much of it as there is room for; %XX is a byte. */
-bool vtk_name(struct vtk_reader *r, char name[VOLUME_NAME]);
+bool vtk_name(struct vtk_reader *r, char name[GRID_NAME]);
 /* `count` numbers of this type follow; true when the bytes for them are there. */
 bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t, uint64_t count);
 /* A number as text, one that this type can hold; of reals "nan", as printf writes it, is one. */

@@ -1,5 +1,5 @@
 /* Words and numbers of VTK legacy files, of which neither need be right. */
-#include "volume/vtk_text.h"
+#include "grid/vtk_text.h"
 
 #include <float.h>
 #include <string.h>
@@ -101,11 +101,11 @@ static int hex(unsigned char c)
     return at && !(c < '0') ? (int)(at - digits) : -1;
 }
 
-bool vtk_name(struct vtk_reader *r, char name[VOLUME_NAME])
+bool vtk_name(struct vtk_reader *r, char name[GRID_NAME])
 {
     size_t n = vtk_peek(r), k = 0;
     if (!n) return vtk_fail_word(r, "name of an array", "a word");
-    for (size_t i = 0; i < n && k + 1 < VOLUME_NAME; i++) {
+    for (size_t i = 0; i < n && k + 1 < GRID_NAME; i++) {
         unsigned char c = r->at[i];
         if (c == '%' && n - i > 2 && hex(r->at[i + 1]) >= 0 && hex(r->at[i + 2]) >= 0) {
             c = (unsigned char)(hex(r->at[i + 1]) * 16 + hex(r->at[i + 2]));

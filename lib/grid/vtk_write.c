@@ -1,5 +1,5 @@
 /* A grid as a VTK legacy file: RECTILINEAR_GRID, BINARY. */
-#include "volume/volume.h"
+#include "grid/grid.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
  * line end that follows its header, big-endian, and is as long as the header says. Nothing that a
  * header says is believed before as many bytes are there.
  */
-#include "volume/vtk_text.h"
+#include "grid/vtk_text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static bool read_head(struct vtk_reader *r, struct grid *g)
 /* FIELD arrays that belong to the file as a whole, such as its time: passed over. */
 static bool skip_field(struct vtk_reader *r)
 {
-    char name[VOLUME_NAME];
+    char name[GRID_NAME];
     struct vtk_type t = vtk_types[0];
     uint64_t arrays = 0, components = 0, tuples = 0;
     double v = 0;
@@ -129,7 +129,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
 static bool read_scalar_head(
     struct vtk_reader *r, uint64_t nodes, struct grid *g, struct vtk_type *t)
 {
-    char field[VOLUME_NAME];
+    char field[GRID_NAME];
     uint64_t n = 0;
     if (vtk_take(r, "FIELD"))
         return vtk_name(r, field) && vtk_count(r, "number of arrays", 1, 1, &n) &&
@@ -189,7 +189,7 @@ static bool read_grid(struct vtk_reader *r, struct grid *g)
            vtk_fail_word(r, "what follows the values", "one scalar and the file's end");
 }
 
-static int read_from(struct vtk_reader r, struct grid *g, char err[VOLUME_ERR])
+static int read_from(struct vtk_reader r, struct grid *g, char err[ERR_BYTES])
 {
     *g = (struct grid){0};
     r.err = err;
@@ -200,16 +200,26 @@ static int read_from(struct vtk_reader r, struct grid *g, char err[VOLUME_ERR])
 }
 
 int grid_read(
-    const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
+    const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES])
 {
     struct vtk_reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name};
     return read_from(r, g, err);
 }
 
 int grid_consume(
-    const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[VOLUME_ERR])
+    const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES])
 {
     struct vtk_reader r = {.bytes = bytes, .at = bytes, .end = bytes + n, .name = name};
     r.kept = bytes;
     return read_from(r, g, err);
+}
+
+int grid_load(const char *path, struct grid *g, char err[ERR_BYTES])
+{
+    struct buf b;
+    *g = (struct grid){.value = NULL};
+    if (!load_file(path, &b, err)) return -1;
+    int failed = grid_read(path, buf_data(&b), buf_size(&b), g, err);
+    buf_free(&b);
+    return failed;
 }

@@ -1,5 +1,5 @@
 /* The types of numbers in VTK legacy files, and what BINARY ones look like. */
-#include "volume/vtk_type.h"
+#include "grid/vtk_type.h"
 
 #include <string.h>
 
