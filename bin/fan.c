@@ -1,6 +1,7 @@
 /* fan: runs a worker on every slot, routes tasks to them, merges what they say. */
 #include "base/base.h"
-#include "drive/drive.h"
+#include "fan/fan.h"
+#include "proc/proc.h"
 
 #include <unistd.h>
 
@@ -39,7 +40,7 @@ int main(int argc, char **argv)
     find_hosts(&hosts, list, slots);
     o.command = argv + optind;
     o.trips = listing > 1;
-    int status = listing ? drive_list(&o) : drive_fan(&o);
+    int status = listing ? fan_list(&o) : fan_run(&o);
     hosts_free(&hosts);
     return status;
 }

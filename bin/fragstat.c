@@ -1,7 +1,7 @@
 /* fragstat: who did what, when, and how well the work was balanced, from a log of fragments. */
 #include "base/base.h"
 #include "history/history.h"
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 #include "stats/stats.h"
 
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* simulate: the policies in virtual time, with faults: tasks, costs and hosts in, figures out. */
 #include "base/base.h"
 #include "log/log.h"
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 #include "sim/sim.h"
 
 #include <inttypes.h>

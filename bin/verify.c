@@ -14,7 +14,7 @@
 
 #include "base/base.h"
 #include "log/log.h"
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 #include "verify/verify.h"
 #include "wire/wire.h"
 

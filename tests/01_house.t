@@ -29,10 +29,13 @@ backdrop grid spec image base
 sched task base
 sim sched stats task base
 proc base
+hosts base
+pipe proc wire task base
+fan pipe hosts proc wire task base
 worker wire image task base
 history wire task base
 verify task base
-drive sched proc wire task base
+drive sched pipe proc wire task base
 END
 
 awk '
@@ -111,7 +114,7 @@ lib=$(ls lib/*/*.[ch])
 	grep -nw stderr $others bin/*.c | grep -vE ':[0-9]+: *(/?\*)|STDERR|/\*.*stderr' >"$found"
 }
 clean 'messages go through base'
-for c in bin/*.c; do grep -q 'close_stdout()' "$c" || grep -q 'worker_run\|drive_' "$c" || echo "$c:1: stdout is not checked at the end"; done >"$found"
+for c in bin/*.c; do grep -q 'close_stdout()' "$c" || grep -q 'worker_run\|drive_\|fan_run' "$c" || echo "$c:1: stdout is not checked at the end"; done >"$found"
 clean 'every program checks its output at the end'
 
 # ---- options: getopt, usage and man page say the same --------------------------------------------------------
@@ -296,7 +299,7 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	cat $pages 2>&1 | sed -nE 's/^\.It Ic ([a-z]+).*/\1/p' | sort -u >"$tmp/pages"
 	diff "$tmp/code" "$tmp/pages" | sed -n 's/^</lib\/wire knows, the pages do not: /p; s/^>/the pages know, lib\/wire does not: /p' >"$found"
 	clean 'the pages name the records that lib/wire knows'
-	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c lib/history/*.c'
+	wire='lib/wire/*.c lib/worker/*.c lib/drive/*.c lib/fan/*.c lib/pipe/*.c lib/history/*.c'
 	{
 		cat $wire bin/*.c | grep -oE '(rec_(key|int|real|str)\(&?r, |has_key\(r, )"[a-z_]+"' | grep -oE '[a-z_]+"$' | tr -d '"'
 		cat $wire | grep -oE '[" ][a-z_]+=[%:"]' | tr -d '" =%:'

@@ -5,8 +5,9 @@
  * through the command.
  */
 #include "drive/drive.h"
-#include "drive/ring.h"
+#include "drive/ring_record.h"
 #include "drive/tags.h"
+#include "pipe/pipe.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -16,8 +17,8 @@
 
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9
-#define GRACE_MS 1000                    /* for the command to exit once its stream has ended */
-#define QUIET_US INT64_C(3000000)        /* a command that owes tasks may be silent for so long */
+#define GRACE_MS 1000             /* for the command to exit once its stream has ended */
+#define QUIET_US INT64_C(3000000) /* a command that owes tasks may be silent for so long */
 
 struct driver {
     const struct policy *policy;
@@ -29,8 +30,8 @@ struct driver {
     struct decoder in, from;
     struct stream_state input;
     struct tags tags;
-    struct buf held; /* state that came, and the input waits behind it: it is not admitted yet */
-    uint32_t oldest; /* before it, the first generation that may have had tasks */
+    struct buf held;  /* state that came, and the input waits behind it: it is not admitted yet */
+    uint32_t oldest;  /* before it, the first generation that may have had tasks */
     int64_t heard_us; /* when the command said something last, or was asked to */
     bool in_open, closing;
     bool stopping; /* nothing of what the command still does is needed */

@@ -15,7 +15,7 @@ struct grid {
     uint32_t n[3]; /* nodes along x, y, z; at least 2 of each */
     double *at[3]; /* n[a] coordinates, ascending (what descends in the file is turned round) */
     float *value;  /* n[0]*n[1]*n[2], x fastest; NaN: missing */
-    char name[GRID_NAME]; /* of the scalar */
+    char name[GRID_NAME];   /* of the scalar */
     char title[GRID_TITLE]; /* the second line of the file that was read: units are there */
 };
 /* Index of node i, j, k. */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 
 #include <string.h>
 #include <unistd.h>

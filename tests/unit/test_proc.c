@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "proc/proc.h"
+#include "pipe/pipe.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* What both drivers do to their streams. */
-#include "drive/drive.h"
+#include "pipe/pipe.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -4,7 +4,7 @@
  * when a worker is slow, the input is not read. Neither can stop the other direction, so there is
  * no deadlock; and a slot that is not up stops nobody.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -45,7 +45,7 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         double allowed_s = silence_allowed_s(f, s);
         if (!reading || allowed_s <= 0) s->heard_us = now_us();
         else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6)
-            slot_lose(f, s, s->connected ? "silent" : "no-hello", true);
+            fan_slot_lose(f, s, s->connected ? "silent" : "no-hello", true);
     }
 }
 
@@ -88,7 +88,7 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
         s->poll = 0;
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->poll = n;
-        p[n++] = poll_entry(c->to, slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
+        p[n++] = poll_entry(c->to, fan_slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
         p[n++] = poll_entry(c->from, reading, POLLIN);
         if (c->err >= 0) p[n++] = poll_entry(c->err, true, POLLIN);
     }
@@ -97,15 +97,15 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 
 static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
-    if (s->child.err >= 0 && p[s->poll + 2].revents) slot_show_err(f, s);
-    if (slot_fed(s) && s->child.to >= 0) slot_feed(f, s, &p[s->poll]);
-    if (s->child.from >= 0 && p[s->poll + 1].revents) slot_listen(f, s);
-    if (s->state == FAN_LEAVING) slot_left(f, s);
+    if (s->child.err >= 0 && p[s->poll + 2].revents) fan_slot_show_err(f, s);
+    if (fan_slot_fed(s) && s->child.to >= 0) fan_slot_feed(f, s, &p[s->poll]);
+    if (s->child.from >= 0 && p[s->poll + 1].revents) fan_slot_listen(f, s);
+    if (s->state == FAN_LEAVING) fan_slot_left(f, s);
 }
 
 void fan_round(struct fan *f, struct pollfd *p)
 {
-    int wait_ms = hosts_connect(f);
+    int wait_ms = fan_connect(f);
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
@@ -153,7 +153,7 @@ bool fan_working(const struct fan *f)
         bool comes = s->state == FAN_WAITING || s->state == FAN_OPENING ||
                      (s->state == FAN_LEAVING && s->again);
         bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
-        if (comes && slot_wanted(f, s) && (early || untried(s))) return true;
+        if (comes && fan_slot_wanted(f, s) && (early || untried(s))) return true;
     }
     return false;
 }
@@ -190,7 +190,7 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 {
     int status;
     while (!child_ended(&s->child, &status) && now_us() < end_us) {
-        if (s->child.err >= 0) slot_show_err(f, s);
+        if (s->child.err >= 0) fan_slot_show_err(f, s);
         nanosleep(&(struct timespec){0, 500000}, NULL);
     }
 }
@@ -205,15 +205,15 @@ static void stop(struct fan *f)
         f->lost += s->tasks.count;
         f->unreached |= s->tasks.count > 0;
         await_exit(f, s, end_us);
-        slot_end_err(f, s);
-        slot_show_held(s);
+        fan_slot_end_err(f, s);
+        fan_slot_show_held(s);
         child_end(&s->child, 0);
-        slot_free(s);
+        fan_slot_free(s);
         wire_free(&s->from);
         buf_free(&s->err);
         buf_free(&s->held);
     }
-    hosts_end_err(f);
+    fan_end_err(f);
 }
 
 void fan_close(struct fan *f)
@@ -233,7 +233,7 @@ void fan_close(struct fan *f)
 static bool all_gone(const struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++)
-        if (slot_comes(&f->slots[k])) return false;
+        if (fan_slot_comes(&f->slots[k])) return false;
     return true;
 }
 
@@ -276,7 +276,7 @@ static int status_of(const struct fan *f)
     return f->lost ? ST_PARTIAL : ST_OK;
 }
 
-int drive_fan(const struct fan_options *o)
+int fan_run(const struct fan_options *o)
 {
     struct fan f;
     signals_catch();

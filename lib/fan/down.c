@@ -2,7 +2,7 @@
  * fan: what comes down. State goes to all slots, a task to one; a bad input ends the run. The
  * latest states and their frames are kept for slots that come later.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <unistd.h>
 
@@ -26,14 +26,17 @@ bool fan_room_down(const struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        size_t most = slot_fed(s) ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
+        size_t most = fan_slot_fed(s) ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
         if (buf_size(&s->down.bytes) > most) return false;
         if (too_many(&s->down, STATES_MOST, LONG_STATES_MOST)) return false;
     }
     return true;
 }
 
-bool fan_takes(const struct fan_slot *s) { return s->primed && (!slot_fed(s) || s->child.to >= 0); }
+bool fan_takes(const struct fan_slot *s)
+{
+    return s->primed && (!fan_slot_fed(s) || s->child.to >= 0);
+}
 
 #define KINDS 3 /* of state */
 
@@ -156,7 +159,7 @@ static int route_task(struct fan *f, const struct record *r)
     }
     f->asked = true;
     f->begun |= frame->generation == f->input.generations.now;
-    return slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
+    return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
 /* What the hub of a ring says to one node. Who is not up hears nothing: it is told its place when

@@ -3,7 +3,7 @@
  * failures; its words (those of OpenSSH 7 to 10) tell failures that a second try cannot mend from
  * those that pass. 126 and 127 are the statuses of the shell there (POSIX, 2.8.2).
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <string.h>
 
@@ -61,14 +61,14 @@ static bool names_worker(const struct fan *f, const char *line, size_t n)
                has(line, n, "Exec format error"));
 }
 
-void refusal_forget(struct fan_slot *s)
+void fan_refusal_forget(struct fan_slot *s)
 {
     buf_consume(&s->held, buf_size(&s->held));
     s->reason = N_REASONS;
     *s->detail = '\0';
 }
 
-bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
+bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
 {
     int i = 0;
     while (i < N_REASONS && !has(line, n, reasons[i].words)) i++;
@@ -84,7 +84,7 @@ bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, si
     return true;
 }
 
-bool refusal_is_final(const struct fan_slot *s)
+bool fan_refusal_is_final(const struct fan_slot *s)
 {
     return !s->connected && !s->host->reached && s->reason < N_REASONS && reasons[s->reason].final;
 }
@@ -124,13 +124,13 @@ static void explain_connection(const struct fan *f, const struct fan_slot *s, st
             r->advice[n] ? r->advice + n + 1 : "");
 }
 
-bool refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text)
+bool fan_refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text)
 {
     bool failed = strcmp(why, "exit-255") == 0 && s->reason < N_REASONS && reasons[s->reason].said;
     bool missing = strcmp(why, "exit-127") == 0, barred = strcmp(why, "exit-126") == 0;
     if (!failed && !missing && !barred) return false;
     if (failed) explain_connection(f, s, text);
     else explain_command(f, s->host->host, barred, text);
-    refusal_forget(s);
+    fan_refusal_forget(s);
     return true;
 }

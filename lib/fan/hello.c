@@ -3,7 +3,7 @@
  * agree with the first in program, version and self-test. Where a slot is elsewhere, the first is
  * that of a worker on this machine, before any other is listened to.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -61,7 +61,7 @@ void fan_ask_reference(struct fan *f)
         warn("%s:", f->o->command[0]);
     } else {
         child_close(&c.to);
-        hosts_connect(f); /* slots begin to start meanwhile; they are listened to later */
+        fan_connect(f); /* slots begin to start meanwhile; they are listened to later */
         listen_here(f, &c);
         child_end(&c, END_MS);
     }
@@ -81,7 +81,7 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
-    if (s->host->here) warn("%s: refused: %s", slot_name(s, name), text);
+    if (s->host->here) warn("%s: refused: %s", fan_slot_name(s, name), text);
     else if (s->host->said != FAN_ENDED) warn("%s: refused: %s", s->host->host->name, text);
     s->host->said = FAN_ENDED;
     return why;
@@ -102,7 +102,7 @@ static void say_hello(struct fan *f, double power)
     f->out.greeted = true;
 }
 
-const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
+const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     const struct fan_reference *ref = &f->reference;
     char selftest[24], program[64], format[160];
@@ -126,7 +126,7 @@ const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r
     if (!rec_int(r, "slots", 1, HOSTS_SLOTS_MAX, &inner)) inner = 1;
     s->inner = (int)inner;
     if (!f->out.greeted) say_hello(f, s->power);
-    slot_up(f, s);
+    fan_slot_up(f, s);
     s->measured = true;
     return NULL;
 }

@@ -1,5 +1,5 @@
 /* Queues of bytes that never block their writer: see proc.h. */
-#include "proc/proc.h"
+#include "pipe/pipe.h"
 
 #include <errno.h>
 #include <fcntl.h>

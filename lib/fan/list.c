@@ -1,5 +1,5 @@
 /* fan -l: the slots, one a line; who they are is known, how fast they are may have to be asked. */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <stdlib.h>
 
@@ -56,7 +56,7 @@ static int print(const struct fan *f)
     return unknown;
 }
 
-int drive_list(const struct fan_options *o)
+int fan_list(const struct fan_options *o)
 {
     struct fan f;
     signals_catch();

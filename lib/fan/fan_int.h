@@ -1,13 +1,14 @@
 /*
- * fan's router, shared by its files: fan.c (the loop), fan_down.c (what comes from the input),
- * fan_slot.c (the life of a slot), fan_hosts.c (whose turn it is to connect, what is said of
- * hosts), fan_refusal.c (why a connection failed), fan_hello.c (who is let in), fan_up.c (what
- * workers say), fan_err.c (their standard error), fan_list.c (fan -l).
+ * fan, shared by its files: loop.c; down.c (what comes from the input); slot.c (the life of a slot);
+ * connect.c (which slots are connected next, and what is reported about hosts); refusal.c (why a
+ * connection failed); hello.c (which workers are let in); up.c (what workers send); err.c (their
+ * standard error); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
-#include "drive/drive.h"
+#include "fan/fan.h"
+#include "pipe/pipe.h"
 
 /* When no slot is up, and none that may come up was for so long, no host is left. */
 #define UNREACHED_S 30.0
@@ -40,7 +41,7 @@ struct fan_slot {
     struct decoder from;
     struct buf err;      /* of its standard error, a line that is not whole yet */
     struct buf held;     /* lines of its standard error that may tell why the connection fails */
-    int reason;          /* of that, in fan_refusal.c; */
+    int reason;          /* of that, in refusal.c; */
     char detail[200];    /* the line that told it */
     char chatter[160];   /* what it said first, when that was no hello */
     size_t before_hello; /* bytes */
@@ -125,7 +126,7 @@ struct fan {
     int refused;  /* the status to end with at once: the input is bad, or cannot be read */
 };
 
-/* ---- fan.c ---- */
+/* ---- loop.c ---- */
 
 void fan_open(struct fan *f, const struct fan_options *o, bool listing);
 /* One round of the loop; p has room for FAN_POLL(f) entries. */
@@ -136,7 +137,7 @@ bool fan_working(const struct fan *f);
 /* Ends what runs, and frees everything. */
 void fan_close(struct fan *f);
 
-/* ---- fan_down.c ---- */
+/* ---- down.c ---- */
 
 /* One read of the input, and everything that can be decoded from it, to the slots. */
 void fan_take_input(struct fan *f);
@@ -151,84 +152,85 @@ bool fan_takes(const struct fan_slot *s);
 /* No slot has more queued than it should. */
 bool fan_room_down(const struct fan *f);
 
-/* ---- fan_slot.c ---- */
+/* ---- slot.c ---- */
 
 /* Starts the process of a slot that waits. */
-void slot_open(struct fan *f, struct fan_slot *s);
+void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* It has said hello, and is let in. */
-void slot_up(struct fan *f, struct fan_slot *s);
+void fan_slot_up(struct fan *f, struct fan_slot *s);
 /* Sends one task record to slot k, and keeps account of it. 0, or the status to end with. */
-int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
+int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* It is sent what is queued for it. */
-bool slot_fed(const struct fan_slot *s);
+bool fan_slot_fed(const struct fan_slot *s);
 /* Writes to the slot what its pipe takes. */
-void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
+void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /*
  * Gives the slot's process up and says `gone`, with the number of tasks that went with it; `again`:
  * only the connection is at fault.
  */
-void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
+void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* The stream of slot s has ended: it is given a moment to exit. */
-void slot_leave(struct fan *f, struct fan_slot *s);
+void fan_slot_leave(struct fan *f, struct fan_slot *s);
 /* Has a slot that is leaving exited, in good order or not? Or must it be killed? */
-void slot_left(struct fan *f, struct fan_slot *s);
+void fan_slot_left(struct fan *f, struct fan_slot *s);
 /* A slot that waits is given up with its host. */
-void slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
+void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
 /* Is there, or may there be, work for a slot that is not up? */
-bool slot_wanted(const struct fan *f, const struct fan_slot *s);
+bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
 /* It is up, or may come up. */
-bool slot_comes(const struct fan_slot *s);
+bool fan_slot_comes(const struct fan_slot *s);
 /* Frees what the slot holds besides its process. */
-void slot_free(struct fan_slot *s);
+void fan_slot_free(struct fan_slot *s);
 
-/* ---- fan_hosts.c ---- */
+/* ---- connect.c ---- */
 
 /* Starts those whose turn it is. Returns in how many milliseconds another may have its turn. */
-int hosts_connect(struct fan *f);
+int fan_connect(struct fan *f);
 /* Whom a message is about: "slot 3", "slot 3 on render1". */
 #define SLOT_NAME (HOST_NAME_MOST + 32)
-const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
+const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
 /* How long to wait after so many failures in a row. */
-int64_t retry_wait_us(int failures);
+int64_t fan_retry_wait_us(int failures);
 /*
  * Slot s could not be connected: that is said, once for the host, and what to do. The other slots
  * of the host need not be waited for either; unless it is tried again they are given up.
  */
-void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
+void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* `gone` for slot s, unless that has been said. */
-void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
 
-/* ---- fan_hello.c ---- */
+/* ---- hello.c ---- */
 
 /* Asks a worker on this machine for what other hosts have to agree with. */
 void fan_ask_reference(struct fan *f);
 /* NULL, or why the slot is refused; it is up when it is not. */
-const char *take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
+const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
 
-/* ---- fan_refusal.c ---- */
+/* ---- refusal.c ---- */
 
 /* A connection begins: nothing was said about its failing. */
-void refusal_forget(struct fan_slot *s);
+void fan_refusal_forget(struct fan_slot *s);
 /* Does this line of standard error tell, or begin to tell, why it fails? Then it is held. */
-bool refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);
+bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);
 /* Was it refused in such words that no second try can help? Only where the host never was up. */
-bool refusal_is_final(const struct fan_slot *s);
+bool fan_refusal_is_final(const struct fan_slot *s);
 /* Appends the reason and what to do, and drops the lines that were held; or returns false. */
-bool refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
+bool fan_refusal_explain(
+    const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
 
-/* ---- fan_up.c, fan_err.c ---- */
+/* ---- up.c, err.c ---- */
 
 /* Everything that can be decoded from slot s. */
-void slot_listen(struct fan *f, struct fan_slot *s);
+void fan_slot_listen(struct fan *f, struct fan_slot *s);
 /* The beginning of a line as messages show it. */
 void fan_printable(char *to, size_t room, const char *line, size_t n);
 /* Shows what the slot wrote to its standard error, line by line. */
-void slot_show_err(const struct fan *f, struct fan_slot *s);
+void fan_slot_show_err(const struct fan *f, struct fan_slot *s);
 /* The rest of it; then it is closed. */
-void slot_end_err(const struct fan *f, struct fan_slot *s);
+void fan_slot_end_err(const struct fan *f, struct fan_slot *s);
 /* What was held: it was not about a failure, or another one. */
-void slot_show_held(struct fan_slot *s);
+void fan_slot_show_held(struct fan_slot *s);
 /* Says how much of the hosts' messages was not shown. */
-void hosts_end_err(struct fan *f);
+void fan_end_err(struct fan *f);
 
 #endif

@@ -5,7 +5,7 @@
  * tool", ;login: 36(1), 2011), without commands in it; differs in that a host without a number
  * offers one slot, not as many as it has cores.
  */
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
  * tries go before further ones; and a host that was not up yet, or whose last connection failed, is
  * tried by one slot at a time: it refuses once, and dead hosts do not keep the living waiting.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -17,14 +17,14 @@
 
 static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
 {
-    if (s->state != FAN_WAITING || s->retry_us > now || !slot_wanted(f, s)) return false;
+    if (s->state != FAN_WAITING || s->retry_us > now || !fan_slot_wanted(f, s)) return false;
     const struct fan_host *h = s->host;
     if (h->here) return true;
     bool alone = !h->reached || h->failures;
     return f->connecting < OPENING_MOST && !(alone && h->opening) && h->retry_us <= now;
 }
 
-int hosts_connect(struct fan *f)
+int fan_connect(struct fan *f)
 {
     int64_t now = now_us(), first_us = now + TURN_MS * INT64_C(1000);
     int here = 0; /* started on this machine */
@@ -35,7 +35,7 @@ int hosts_connect(struct fan *f)
             bool first = !s->failures && !s->host->failures;
             if (first == further || !may_open(f, s, now)) continue;
             if (s->host->here && here++ >= STARTING_MOST) continue;
-            slot_open(f, s);
+            fan_slot_open(f, s);
         }
     if (here > STARTING_MOST) return 0;
     for (int k = 0; k < f->n_slots; k++) {
@@ -46,21 +46,21 @@ int hosts_connect(struct fan *f)
     return (int)((first_us - now + 999) / 1000);
 }
 
-int64_t retry_wait_us(int failures)
+int64_t fan_retry_wait_us(int failures)
 {
     int64_t wait_us = RETRY_FIRST_US;
     for (int i = 1; i < failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
     return wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US;
 }
 
-const char *slot_name(const struct fan_slot *s, char text[SLOT_NAME])
+const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME])
 {
     if (s->host->here) snprintf(text, SLOT_NAME, "slot %d", s->number);
     else snprintf(text, SLOT_NAME, "slot %d on %s", s->number, s->host->host->name);
     return text;
 }
 
-void say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
 {
     char extra[96];
     if (s->told_gone && !lost) return;
@@ -77,8 +77,8 @@ static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *las
     *last = true;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        if (s->host == h) wanted |= slot_wanted(f, s);
-        else if (slot_comes(s)) *last = false;
+        if (s->host == h) wanted |= fan_slot_wanted(f, s);
+        else if (fan_slot_comes(s)) *last = false;
     }
     return wanted;
 }
@@ -88,7 +88,7 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
 {
     struct buf text = {0};
     bool last;
-    if (!refusal_explain(f, s, why, &text))
+    if (!fan_refusal_explain(f, s, why, &text))
         buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
             again ? "reached" : "used", why, *s->chatter ? ", it says: " : "", s->chatter);
     if (again && host_wanted(f, s->host, &last)) {
@@ -100,22 +100,22 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
     buf_free(&text);
 }
 
-void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
+void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct fan_host *h = s->host;
     bool ends = !again && !h->reached;
     if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) complain(f, s, why, again);
-    else refusal_forget(s);
+    else fan_refusal_forget(s);
     h->said = again ? FAN_RETRIED : FAN_ENDED;
     if (again && s->opened_us >= h->failed_us) { /* those opened at one time fail as one */
         h->failed_us = now_us();
-        h->retry_us = h->failed_us + retry_wait_us(++h->failures);
+        h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
     }
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
         if (other->host != h || other->state != FAN_WAITING) continue;
         other->measured |= s->measured;
-        if (again) say_gone(f, other, why, 0);
-        else if (ends) slot_give_up(f, other, why);
+        if (again) fan_say_gone(f, other, why, 0);
+        else if (ends) fan_slot_give_up(f, other, why);
     }
 }

@@ -3,7 +3,7 @@
  * words of the command are quoted once for the shell there; the whole of it once more, as one word
  * of the template, for the shell here.
  */
-#include "proc/proc.h"
+#include "hosts/hosts.h"
 
 #include <stdlib.h>
 #include <string.h>

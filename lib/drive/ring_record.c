@@ -1,5 +1,5 @@
 /* Messages of a ring to records and back: see ring.h. */
-#include "drive/ring.h"
+#include "drive/ring_record.h"
 
 static const enum rec_kind record_of[] = {
     [RING_PLACE] = REC_RING,

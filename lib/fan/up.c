@@ -1,5 +1,5 @@
 /* fan: what workers say. It is checked against what they were asked, stamped, and passed on. */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -35,7 +35,7 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 static int may_announce(const struct fan *f, const struct frame_size *frame)
 {
     int n = 0;
-    for (int k = 0; k < f->n_slots; k++) n += slot_comes(&f->slots[k]);
+    for (int k = 0; k < f->n_slots; k++) n += fan_slot_comes(&f->slots[k]);
     return n - 1 - frame->agree;
 }
 
@@ -48,7 +48,7 @@ static const char *dispute(
     struct fan *f, const struct fan_slot *s, struct frame_size *frame, const char *job)
 {
     char name[SLOT_NAME], first[SLOT_NAME];
-    slot_name(s, name);
+    fan_slot_name(s, name);
     if (frame->by < 0) {
         warn("%s: frame %" PRIu32 " has job %s there, expected %s: the same scene, with the same "
              "options",
@@ -57,7 +57,7 @@ static const char *dispute(
     }
     frame->differ++;
     warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which said it first", name,
-        frame->frame, job, frame->job, slot_name(&f->slots[frame->by], first));
+        frame->frame, job, frame->job, fan_slot_name(&f->slots[frame->by], first));
     int to_come = may_announce(f, frame);
     if (frame->differ > frame->agree || (frame->differ == frame->agree && to_come <= 0)) {
         f->disputed = true;
@@ -202,7 +202,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     if (too_long(r)) return "long-line";
     if (!s->connected && r->kind != REC_HELLO) return "no-hello";
     switch (r->kind) {
-    case REC_HELLO: return take_hello(f, s, r);
+    case REC_HELLO: return fan_take_hello(f, s, r);
     case REC_FRAME: return take_frame(f, s, r);
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
@@ -212,8 +212,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_GIVE:
     case REC_NONE:
     case REC_CRASHED: return take_ring(f, s, r);
-    case REC_UP: /* of an inner fan: its own affair */
-        return NULL;
+    case REC_UP: /* of an inner fan: its own affair */ return NULL;
     case REC_BYE:
         if (s->closed_us) s->trip_us = now_us() - s->closed_us;
         return NULL;
@@ -246,7 +245,7 @@ static bool is_chatter(const struct fan_slot *s, enum wire_result result, const 
     return result == WIRE_BAD || r->kind != REC_HELLO || !rec_key(r, "selftest", &n);
 }
 
-void slot_listen(struct fan *f, struct fan_slot *s)
+void fan_slot_listen(struct fan *f, struct fan_slot *s)
 {
     size_t before = buf_size(&s->from.in), n;
     /* It was told to end and owes nothing: its beats are no reason to wait for it. */
@@ -269,6 +268,6 @@ void slot_listen(struct fan *f, struct fan_slot *s)
     }
     if (s->connected && !over && (at_work || buf_size(&s->from.in))) s->heard_us = now_us();
     if (!s->connected && !why && (s->before_hello += n) > CHATTER_MOST) why = "no-hello";
-    if (why) slot_lose(f, s, why, false);
-    else if (more <= 0) slot_leave(f, s);
+    if (why) fan_slot_lose(f, s, why, false);
+    else if (more <= 0) fan_slot_leave(f, s);
 }

@@ -3,7 +3,7 @@
  * name. It is read whenever there is something: no worker has to wait for a reader of messages. A
  * host that has too much to say is not shown all of it.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -42,8 +42,8 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
 {
     uint64_t hash = hash64(HASH64_INIT, line, n);
     if (n && line[n - 1] == '\r') n--;
-    if (!s->connected && refusal_holds(f, s, line, n)) return;
-    slot_show_held(s);
+    if (!s->connected && fan_refusal_holds(f, s, line, n)) return;
+    fan_slot_show_held(s);
     if (s->connected || hash != s->host->told) show_line(s->host, line, n);
     s->host->told = hash;
 }
@@ -69,9 +69,9 @@ static bool read_err(const struct fan *f, struct fan_slot *s)
     return n > 0;
 }
 
-void slot_show_err(const struct fan *f, struct fan_slot *s) { read_err(f, s); }
+void fan_slot_show_err(const struct fan *f, struct fan_slot *s) { read_err(f, s); }
 
-void slot_end_err(const struct fan *f, struct fan_slot *s)
+void fan_slot_end_err(const struct fan *f, struct fan_slot *s)
 {
     for (int i = 0; i < LAST_READS && s->child.err >= 0 && read_err(f, s); i++)
         ;
@@ -80,7 +80,7 @@ void slot_end_err(const struct fan *f, struct fan_slot *s)
     buf_free(&s->err);
 }
 
-void slot_show_held(struct fan_slot *s)
+void fan_slot_show_held(struct fan_slot *s)
 {
     size_t n;
     while ((n = buf_size(&s->held)) > 0) {
@@ -91,7 +91,7 @@ void slot_show_held(struct fan_slot *s)
     }
 }
 
-void hosts_end_err(struct fan *f)
+void fan_end_err(struct fan *f)
 {
     for (int i = 0; i < f->n_hosts; i++) say_dropped(&f->hosts[i]);
 }

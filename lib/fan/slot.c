@@ -17,7 +17,7 @@
  * are lost with it; those for a slot that was never up wait for it, and so nothing is sent over a
  * connection before its hello.
  */
-#include "drive/fan_int.h"
+#include "fan/fan_int.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -46,18 +46,18 @@ static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
     s->state = state;
 }
 
-bool slot_wanted(const struct fan *f, const struct fan_slot *s)
+bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 {
     if (f->listing) return !s->measured;
     return f->in_open || s->tasks.count || s->host->here;
 }
 
-bool slot_comes(const struct fan_slot *s)
+bool fan_slot_comes(const struct fan_slot *s)
 {
     return s->state != FAN_GONE && !(s->state == FAN_LEAVING && s->decided && !s->again);
 }
 
-void slot_free(struct fan_slot *s)
+void fan_slot_free(struct fan_slot *s)
 {
     down_free(&s->down);
     tasks_free(&s->tasks);
@@ -69,19 +69,19 @@ void slot_free(struct fan_slot *s)
 /* The process is no more. */
 static void settle(struct fan *f, struct fan_slot *s)
 {
-    slot_end_err(f, s);
-    slot_show_held(s);
+    fan_slot_end_err(f, s);
+    fan_slot_show_held(s);
     wire_free(&s->from);
     if (s->again) {
-        s->retry_us = now_us() + retry_wait_us(s->failures);
+        s->retry_us = now_us() + fan_retry_wait_us(s->failures);
         enter(f, s, FAN_WAITING);
     } else {
-        slot_free(s);
+        fan_slot_free(s);
         enter(f, s, FAN_GONE);
     }
 }
 
-void slot_open(struct fan *f, struct fan_slot *s)
+void fan_slot_open(struct fan *f, struct fan_slot *s)
 {
     wire_free(&s->from);
     s->from.upward = true;
@@ -93,7 +93,7 @@ void slot_open(struct fan *f, struct fan_slot *s)
     s->before_hello = 0;
     s->closed_us = 0;
     *s->chatter = '\0';
-    refusal_forget(s);
+    fan_refusal_forget(s);
     s->opened_us = s->heard_us = now_us();
     enter(f, s, FAN_OPENING);
     if (s->host->here && !s->primed) fan_prime_early(f, s);
@@ -103,14 +103,14 @@ void slot_open(struct fan *f, struct fan_slot *s)
     if (s->host->said == FAN_QUIET)
         warn("%s: %s%s", s->host->argv[0], strerror(errno), s->host->here ? "" : "; trying again");
     s->host->said = FAN_RETRIED;
-    slot_lose(f, s, "not-started", true);
+    fan_slot_lose(f, s, "not-started", true);
 }
 
-void slot_up(struct fan *f, struct fan_slot *s)
+void fan_slot_up(struct fan *f, struct fan_slot *s)
 {
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
-    if (s->told_gone) warn("%s: is up", slot_name(s, name));
-    slot_show_held(s);
+    if (s->told_gone) warn("%s: is up", fan_slot_name(s, name));
+    fan_slot_show_held(s);
     s->connected = s->was_up = s->host->reached = true;
     s->told_gone = false;
     if (!s->host->here) s->host->said = FAN_QUIET;
@@ -119,14 +119,14 @@ void slot_up(struct fan *f, struct fan_slot *s)
     s->heard_us = now_us();
     if (s->closed_us) s->closed_us = s->heard_us;
     enter(f, s, FAN_UP);
-    if (!s->primed && slot_wanted(f, s)) fan_prime_early(f, s);
+    if (!s->primed && fan_slot_wanted(f, s)) fan_prime_early(f, s);
     snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
         s->power, s->inner);
     wire_plain(&f->out.queue.bulk, REC_UP, text);
     up_end_record(&f->out.queue);
 }
 
-int slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
+int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
     static const char *const drop[] = {"to", NULL};
     struct fan_slot *s = &f->slots[k];
@@ -153,12 +153,12 @@ int slot_send(struct fan *f, int k, const struct record *r, const struct frame_s
     return 0;
 }
 
-bool slot_fed(const struct fan_slot *s)
+bool fan_slot_fed(const struct fan_slot *s)
 {
     return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here);
 }
 
-void slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
+void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
     size_t before = down_size(&s->down);
@@ -188,26 +188,26 @@ static void decide(struct fan *f, struct fan_slot *s, const char *why, bool agai
     bool more = s->again && s->failures <= 1 && !s->host->failures;
     s->measured |= !more || now_us() - s->opened_us > ASK_AGAIN_US;
     int32_t lost = s->connected || !s->again ? s->tasks.count : 0;
-    say_gone(f, s, why, lost);
-    if (!s->connected && !s->host->here) host_failed(f, s, why, s->again);
+    fan_say_gone(f, s, why, lost);
+    if (!s->connected && !s->host->here) fan_host_failed(f, s, why, s->again);
     else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
-        warn("%s: lost (%s) with %" PRId32 " tasks%s", slot_name(s, name), why, lost,
+        warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
             s->again ? ", connecting again" : "");
     f->lost += lost;
     if (s->connected) s->missing_us = now_us();
-    if (s->connected || !s->again) slot_free(s);
+    if (s->connected || !s->again) fan_slot_free(s);
 }
 
-void slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
+void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
 {
-    say_gone(f, s, why, s->tasks.count);
+    fan_say_gone(f, s, why, s->tasks.count);
     f->lost += s->tasks.count;
     s->measured = true;
-    slot_free(s);
+    fan_slot_free(s);
     enter(f, s, FAN_GONE);
 }
 
-void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
+void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     decide(f, s, why, again);
     child_stop(&s->child);
@@ -216,26 +216,26 @@ void slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     if (!s->child.pid) settle(f, s);
 }
 
-void slot_leave(struct fan *f, struct fan_slot *s)
+void fan_slot_leave(struct fan *f, struct fan_slot *s)
 {
     s->asked = s->child.to < 0 && !f->in_open; /* its input was closed: it was to end */
     s->leave_us = now_us() + GRACE_US;
     enter(f, s, FAN_LEAVING);
 }
 
-void slot_left(struct fan *f, struct fan_slot *s)
+void fan_slot_left(struct fan *f, struct fan_slot *s)
 {
     char why[24];
     int status;
     if (!child_ended(&s->child, &status)) {
         if (now_us() < s->leave_us) return;
-        slot_end_err(f, s);
+        fan_slot_end_err(f, s);
         status = child_end(&s->child, 0);
     }
-    slot_end_err(f, s); /* before it is judged by that */
+    fan_slot_end_err(f, s); /* before it is judged by that */
     bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
     bool connection = WIFSIGNALED(status) ||
-                      (WEXITSTATUS(status) == VIA_FAILED && !refusal_is_final(s)) ||
+                      (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->connected && WEXITSTATUS(status) == ST_SYSTEM);
     if (!s->decided && well) f->well++;
     else if (!s->decided) decide(f, s, status_text(status, why), connection);
