@@ -44,7 +44,8 @@ EVERY    = $(wildcard bin/*.c)
 PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(EVERY)))
 SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 # Scripts look for programs beside themselves, so another BUILD has copies of its own.
-COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%))
+COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
+           $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/*)))
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%) \
            $(if $(findstring grib2vtk,$(LACKING)),lib/grib/%),$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c)))
@@ -139,7 +140,7 @@ $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
-$(COPIES): $(BIN)/%: bin/%
+$(COPIES): $(BUILD)/%: %
 	@mkdir -p $(@D)
 	cp $< $@
 

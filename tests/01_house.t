@@ -66,11 +66,11 @@ clean 'every public header compiles alone'
 
 # ---- sizes -------------------------------------------------------------------------------------------------
 sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
-scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* .ci/run 2>/dev/null)
+scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* tests/experiments/* .ci/run 2>/dev/null)
 # What awk, sort and others print and read is by the user's language, unless LC_ALL is set, which stormring.sh does.
 {
 	grep -q '^LC_ALL=C && export LC_ALL' bin/stormring.sh || echo 'bin/stormring.sh does not set LC_ALL'
-	for script in $(printf '%s\n' "$scripts" | grep '^bin/' | grep -v '^bin/protocol-\|stormring.sh'); do # protocol runs those
+	for script in $(printf '%s\n' "$scripts" | grep '^bin/' | grep -v 'stormring.sh'); do
 		grep -q '[.] "$here/stormring.sh"' "$script" || grep -HnE '\b(awk|bc|od|seq|sort) ' "$script"
 	done
 } >"$found"
@@ -135,7 +135,7 @@ by_usage() {
 	"$1" -h | grep -oE '(^|[[ |])-[A-Za-z0-9]+' | letters
 }
 by_page() { awk '/^\.It Fl / { for (i = 3; i <= NF && length($i) == 1; i++) print $i; } /^\.It Xo/ { getline; print $2 }' "$1" | letters; }
-programs=$(for p in bin/*; do case $p in bin/balance-* | bin/protocol-* | *.sh) ;; *) basename "$p" .c ;; esac; done | sort -u)
+programs=$(for p in bin/*; do case $p in bin/balance-* | *.sh) ;; *) basename "$p" .c ;; esac; done | sort -u)
 for program in $programs; do
 	source=bin/$program.c page=man/$program.1
 	[ -e "$source" ] || source=bin/$program
@@ -177,7 +177,7 @@ clean 'an option of the command that a program runs is left to it'
 # Each option that takes an argument finds the next option in its place: that is what is wrong, and one line says so.
 for program in $all; do
 	case $program in balance*) method=masterslave ;; *) method='' ;; esac
-	case $program in balance-calibrate | balance) ;; balance-* | protocol-*) continue ;; esac
+	case $program in balance-calibrate | balance) ;; balance-*) continue ;; esac
 	source=bin/$program.c
 	[ -e "$source" ] || source=bin/$program
 	[ "$program" != balance-calibrate ] || method=''

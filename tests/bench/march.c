@@ -1,7 +1,7 @@
 /*
  * march: the picture of GRID by SPEC as it should be: marched in long double by code that shares
  * none with what renders (volume_scenes.h), as a PFM, premultiplied, on standard output.
- * protocol-limits holds the methods of vcworker against it. SPEC has a map and nothing beside.
+ * tests/experiments/limits holds the methods of vcworker against it. SPEC has a map and nothing beside.
  */
 #include "../unit/volume_scenes.h"
 #include "image/image.h"
