@@ -19,8 +19,6 @@ void sched_act(
 
 bool sched_admits(const struct policy *p, const void *state, uint32_t from, uint32_t oldest)
 {
-    if (BUG(83) || from == oldest) return true;
-    if (BUG(84)) return sched_uncommitted(p, state) == 0;
     for (; from != oldest; from++)
         if (p->uncommitted(state, from) > 0) return false;
     return true;

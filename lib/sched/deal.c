@@ -73,8 +73,7 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k;
-    while (d->pool.count && (k = pick_hungriest(d)) >= 0)
-        hand(d, k, BUG(88) ? d->pool.tail : d->pool.head, now, out);
+    while (d->pool.count && (k = pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
 }
 
 /* With the pool empty, the slots that have nothing get what others have, and what was cut off that.
@@ -94,7 +93,7 @@ static void take_task(
     struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     if (tasks_find(&d->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = deal_enter(d, &e->task, e->frame_w, -1), to = BUG(12) ? -1 : e->task.to;
+    int32_t i = deal_enter(d, &e->task, e->frame_w, -1), to = e->task.to;
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
     d->left_px += (double)lattice_count(&e->task.at);
     if (s && s->state == SLOT_UP) deal_give(d, to, i, now, out);
@@ -105,14 +104,12 @@ static void take_task(
 static void take_gone(struct deal *d, int32_t k)
 {
     struct slot *s = slot_at(d, k);
-    if (!BUG(1)) {
-        deal_lose(d, k, &s->shared);
-        deal_lose(d, k, &s->held);
-    }
-    if (!BUG(2)) deal_reclaim(d, &s->computed);
+    deal_lose(d, k, &s->shared);
+    deal_lose(d, k, &s->held);
+    deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;
-    s->state = BUG(3) ? SLOT_UP : SLOT_GONE;
+    s->state = SLOT_GONE;
     deal_mark(d, k);
 }
 
@@ -138,14 +135,11 @@ static void take_up(
 static void take_slots(struct deal *d, int32_t n)
 {
     d->known = n;
-    for (int32_t k = BUG(4) ? d->n_slots : n; k < d->n_slots; k++)
-        deal_reclaim(d, &d->slots[k].promised);
+    for (int32_t k = n; k < d->n_slots; k++) deal_reclaim(d, &d->slots[k].promised);
 }
 
-static void take_done(
-    struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
+static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
 {
-    (void)out;
     if (e->slot >= d->n_slots || d->slots[e->slot].state != SLOT_UP) return;
     struct slot *s = &d->slots[e->slot];
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
@@ -154,7 +148,7 @@ static void take_done(
         pace_note(&s->pace, &s->has.at[c], e->wall_us, now);
         deal_drop_copy(d, e->slot, c);
         if (i >= 0) d->account[i].copies--;
-    } else if (!BUG(11)) {
+    } else {
         /* Said before it was so? What it holds back it may not have had when it was asked. */
         if (i >= 0 && d->ledger.at[i].slot == e->slot) s->asked = false;
         deal_mark(d, e->slot);
@@ -166,14 +160,13 @@ static void take_done(
     d->ledger.at[i].done = true;
     d->ledger.at[i].since_us = now;
     deal_put(d, i, COMPUTED, e->slot);
-    if (BUG(6)) deal_commit(d, i, out);
 }
 
 static void take_pixels(struct deal *d, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     if (i < 0 || !tasks_deliver(&d->ledger, i, &e->task.at)) return;
-    if (BUG(8) || tasks_whole(&d->ledger, i)) deal_commit(d, i, out);
+    if (tasks_whole(&d->ledger, i)) deal_commit(d, i, out);
 }
 
 /* With nothing left to give, slots that have computed all of theirs are asked for it. */
@@ -194,11 +187,11 @@ static void deal_step(
     switch (e->kind) {
     case SCHED_TASK: take_task(d, e, now, out); break;
     case SCHED_INPUT_END: d->ended = true; break;
-    case SCHED_FLUSH: d->flush = !BUG(85); break;
+    case SCHED_FLUSH: d->flush = true; break;
     case SCHED_SLOTS: take_slots(d, e->n); break;
     case SCHED_UP: take_up(d, e, now, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;
-    case SCHED_DONE: take_done(d, e, now, out); break;
+    case SCHED_DONE: take_done(d, e, now); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
     case SCHED_WAKE: break; /* no slot of it is a node; something is late */
@@ -211,7 +204,7 @@ static void deal_step(
         hand_copies(d, now, out); /* of what was asked for, too */
     }
     if (!d->ledger.count) d->flush = false;
-    if (d->ended && !(BUG(10) ? d->pool.count : d->ledger.count) && !d->closed) {
+    if (d->ended && !d->ledger.count && !d->closed) {
         d->closed = true;
         sched_act(out, end_busy(d) ? SCHED_STOP : SCHED_END, -1, NULL);
     }

@@ -41,10 +41,10 @@
 /* Is entry i computed by somebody, and by few enough, as itself or as what it is a piece of? */
 static bool may_copy(const struct deal *d, int32_t i)
 {
-    if (d->account[i].place != OUT || (d->account[i].pieces && !BUG(22))) return false;
+    if (d->account[i].place != OUT || d->account[i].pieces) return false;
     int32_t copies = 0;
     for (; i >= 0; i = d->account[i].parent) copies += d->account[i].copies;
-    return copies < COPIES_MOST || BUG(16);
+    return copies < COPIES_MOST;
 }
 
 /* Rule 2: what the slot that has most in store, by time, would come to last. */
@@ -105,7 +105,7 @@ static int32_t late(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->out.head;
     while (i >= 0 && d->account[i].pieces) i = d->ledger.at[i].next;
-    return i >= 0 && is_late(d, i, k, now) && !BUG(99) ? i : -1;
+    return i >= 0 && is_late(d, i, k, now) ? i : -1;
 }
 
 int32_t end_other(struct deal *d, int32_t *k, int64_t now)
@@ -117,7 +117,7 @@ int32_t end_other(struct deal *d, int32_t *k, int64_t now)
     if (i < 0 && d->ended && d->p.endgame) i = oldest(d);
     if (i < 0 && d->p.endgame) i = late(d, *k, now);
     if (i >= 0 || !d->p.endgame || !(d->ended || d->flush)) return i;
-    if (!BUG(26)) *k = lowest(&d->free);
+    *k = lowest(&d->free);
     i = *k >= 0 ? withheld(d) : -1;
     return i >= 0 && (d->ended || is_late(d, i, *k, now)) ? i : -1;
 }
@@ -167,7 +167,7 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
     uint32_t frame_w = e->frame_w;
     int32_t tries = e->tries, parent = d->account[i].parent;
     t.at = lattice_cut(&e->task.at, frame_w, 0, n);
-    e->task.at = lattice_cut(&e->task.at, frame_w, n + (BUG(13) ? 1 : 0), UINT32_MAX);
+    e->task.at = lattice_cut(&e->task.at, frame_w, n, UINT32_MAX);
     t.id = frames_find(&d->frames, t.frame)->top_id + 1;
     int32_t piece = deal_enter(d, &t, frame_w, parent);
     d->ledger.at[piece].tries = tries;
@@ -178,7 +178,7 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
 
 int32_t end_piece(struct deal *d, int32_t k, int32_t i)
 {
-    if (!d->p.endgame || (!d->ended && !BUG(15))) return i;
+    if (!d->p.endgame || !d->ended) return i;
     uint64_t px = piece_px(d, &d->slots[k]);
     for (;;) {
         const struct task_entry *e = &d->ledger.at[i];
@@ -196,5 +196,5 @@ int32_t end_piece(struct deal *d, int32_t k, int32_t i)
 bool end_busy(const struct deal *d)
 {
     bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    return copied && d->up > d->idle.count && !BUG(20);
+    return copied && d->up > d->idle.count;
 }

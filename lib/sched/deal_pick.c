@@ -24,13 +24,13 @@ static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO
  */
 static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
-    return (adapts(d) ? pace_depth(&s->pace, s->width) : d->p.depth) + (BUG(5) ? 1 : 0);
+    return adapts(d) ? pace_depth(&s->pace, s->width) : d->p.depth;
 }
 
 static int32_t share_of(const struct deal *d)
 {
     bool revoked = d->ended && (adapts(d) || d->p.endgame);
-    return revoked && !BUG(23) ? SHARES * d->pool.count / d->up : INT32_MAX;
+    return revoked ? SHARES * d->pool.count / d->up : INT32_MAX;
 }
 
 /* Tasks that slot s does in that part of a round trip. */
@@ -48,11 +48,10 @@ static struct rating rating_of(const struct deal *d, const struct slot *s)
     struct rating r = nothing;
     if (s->state != SLOT_UP) return r;
     if (load - s->width < depth_of(d, s)) {
-        r.load = BUG(81) ? 0 : load;
+        r.load = load;
         r.excess = load - s->width - trip_of(d, s);
     }
-    if (s->held.count >= s->width + (BUG(17) ? 0 : 1))
-        r.store_us = load * (s->pace.task_us > 0 ? s->pace.task_us : 1);
+    if (s->held.count > s->width) r.store_us = load * (s->pace.task_us > 0 ? s->pace.task_us : 1);
     return r;
 }
 

@@ -77,7 +77,7 @@ static void send_row(
 static void send_assigned(struct master *m, int32_t i, struct sched_actions *out)
 {
     struct task_entry *e = &m->table.at[i];
-    if ((e->tries && !BUG(51)) || !m->node[e->slot].met) return;
+    if (e->tries || !m->node[e->slot].met) return;
     e->tries = 1;
     send_row(m, e->slot, &e->task, -1, out);
 }
@@ -89,8 +89,7 @@ static void send_assigned(struct master *m, int32_t i, struct sched_actions *out
 static void assign(struct master *m, int32_t i, struct sched_actions *out)
 {
     struct task_entry *e = &m->table.at[i];
-    e->slot =
-        is_node(m, e->task.to) ? e->task.to : (int32_t)((e->task.id + BUG(50)) % (uint32_t)m->n);
+    e->slot = is_node(m, e->task.to) ? e->task.to : (int32_t)(e->task.id % (uint32_t)m->n);
     list_push_back(&m->table, &m->node[e->slot].rows, i);
     send_assigned(m, i, out);
 }
@@ -144,8 +143,7 @@ static void take_done(struct master *m, const struct task *t)
 static void take_pixels(struct master *m, const struct task *t, struct sched_actions *out)
 {
     int32_t i = tasks_find(&m->table, t->frame, t->id);
-    if (i < 0 || !tasks_deliver(&m->table, i, &t->at) || (!tasks_whole(&m->table, i) && !BUG(58)))
-        return;
+    if (i < 0 || !tasks_deliver(&m->table, i, &t->at) || !tasks_whole(&m->table, i)) return;
     struct task_entry *e = &m->table.at[i];
     sched_act(out, SCHED_COMMIT, e->slot, &e->task);
     m->computed -= e->done;
@@ -166,11 +164,9 @@ static void take_pixels(struct master *m, const struct task *t, struct sched_act
  */
 static void take_crashed(struct master *m, int32_t heir, int32_t dead, struct sched_actions *out)
 {
-    send_ring(
-        m, heir, (struct ring){RING_HEIR, .peer = dead, .next = (dead + !BUG(52)) % m->n}, out);
-    for (int32_t i = m->node[BUG(54) ? heir : dead].rows.head; i >= 0; i = m->table.at[i].next) {
+    send_ring(m, heir, (struct ring){RING_HEIR, .peer = dead, .next = (dead + 1) % m->n}, out);
+    for (int32_t i = m->node[dead].rows.head; i >= 0; i = m->table.at[i].next) {
         struct task_entry *e = &m->table.at[i];
-        if (BUG(53) && e->done) continue;
         m->taken_over = m->taken_over || e->tries > 0;
         m->asked = false;
         m->computed -= e->done;
@@ -188,13 +184,12 @@ static void take_ring(
     int32_t to = r.peer, i;
     if (!is_node(m, to) || to == k) return;
     r.peer = k;
-    if (BUG(55)) r.next = -1;
     switch (r.kind) {
     case RING_ASK:
     case RING_NONE: send_ring(m, to, r, out); break;
     case RING_GIVE:
         i = tasks_find(&m->table, e->task.frame, e->task.id);
-        if (i >= 0) send_row(m, BUG(56) ? k : to, &m->table.at[i].task, k, out);
+        if (i >= 0) send_row(m, to, &m->table.at[i].task, k, out);
         break;
     case RING_CRASHED: take_crashed(m, k, to, out); break;
     case RING_PLACE:
@@ -209,7 +204,7 @@ static void ask_flush(struct master *m, struct sched_actions *out)
 {
     if (m->asked || !m->table.count || m->computed < m->table.count) return;
     m->asked = true;
-    for (int32_t k = BUG(59); k < m->n; k++)
+    for (int32_t k = 0; k < m->n; k++)
         if (m->node[k].up) sched_act(out, SCHED_ASK_FLUSH, k, NULL);
 }
 
@@ -239,7 +234,7 @@ static void master_step(
     }
     if (m->ended || m->flush) ask_flush(m, out);
     if (!m->table.count) m->flush = false;
-    if (!m->ended || m->table.count - BUG(57) * m->computed || m->closed) return;
+    if (!m->ended || m->table.count || m->closed) return;
     m->closed = true;
     sched_act(out, m->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }

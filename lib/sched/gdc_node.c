@@ -71,7 +71,7 @@ static void take_place(struct node *n, int64_t now)
     if (n->gdc) return; /* one was on its way to who was here before */
     n->gdc = xcalloc(1, sizeof *n->gdc);
     search_on(n, after(n, n->place.me));
-    if (!BUG(76)) n->gdc->due_us = now + TIMEOUT_LEAST_US;
+    n->gdc->due_us = now + TIMEOUT_LEAST_US;
 }
 
 /* ---- asking ---------------------------------------------------------------------------------- */
@@ -81,7 +81,7 @@ static void say_and_wait(
 {
     struct gdc_node *g = n->gdc;
     int64_t wait_us = TIMEOUT_ROWS * g->longest_us;
-    g->due_us = now + (wait_us > TIMEOUT_LEAST_US ? wait_us : TIMEOUT_LEAST_US / (1 + BUG(66)));
+    g->due_us = now + (wait_us > TIMEOUT_LEAST_US ? wait_us : TIMEOUT_LEAST_US);
     g->tries++;
     node_say(kind, g->next, out);
 }
@@ -96,10 +96,8 @@ static void say_and_wait(
  */
 static void ask(struct node *n, int64_t now, struct sched_actions *out)
 {
-    bool idle = n->width && (!n->fed.count || BUG(72)) && !n->queue.count;
-    if (!idle || n->ended || n->gdc->due_us != INT64_MAX ||
-        (n->gdc->next == n->place.me && !BUG(71)))
-        return;
+    bool idle = n->width && !n->fed.count && !n->queue.count;
+    if (!idle || n->ended || n->gdc->due_us != INT64_MAX || n->gdc->next == n->place.me) return;
     say_and_wait(n, RING_ASK, now, out);
 }
 
@@ -116,8 +114,7 @@ static void take_timeout(struct node *n, int64_t now, struct sched_actions *out)
     if (now < g->due_us) return;
     g->due_us = INT64_MAX;
     if (!g->tries) return; /* phase 1 brought nothing */
-    say_and_wait(
-        n, g->tries > TRIES_MOST - BUG(64) && !BUG(65) ? RING_CRASHED : RING_ASK, now, out);
+    say_and_wait(n, g->tries > TRIES_MOST ? RING_CRASHED : RING_ASK, now, out);
 }
 
 /*
@@ -127,10 +124,10 @@ static void take_timeout(struct node *n, int64_t now, struct sched_actions *out)
 static void take_row(struct node *n, int32_t from)
 {
     struct gdc_node *g = n->gdc;
-    if (from < 0 && !BUG(75)) search_on(n, after(n, n->place.me));
-    if (g->tries && from == g->next && !BUG(63)) g->found = true;
-    if (!BUG(74)) g->tries = 0;
-    if (!BUG(74)) g->due_us = INT64_MAX;
+    if (from < 0) search_on(n, after(n, n->place.me));
+    if (g->tries && from == g->next) g->found = true;
+    g->tries = 0;
+    g->due_us = INT64_MAX;
 }
 
 /*
@@ -144,10 +141,10 @@ static void take_row(struct node *n, int32_t from)
 static void take_none(struct node *n, const struct ring *r)
 {
     struct gdc_node *g = n->gdc;
-    if ((!g->tries && !BUG(79)) || (r->peer != g->next && !BUG(78))) return;
+    if (!g->tries || r->peer != g->next) return;
     bool hint = r->idle && r->next >= 0 && r->next < n->place.n &&
-                (distance(n, r->next) > distance(n, g->next) || BUG(62));
-    search_on(n, hint && !BUG(61) ? r->next : BUG(60) ? g->next : after(n, g->next));
+                distance(n, r->next) > distance(n, g->next);
+    search_on(n, hint ? r->next : after(n, g->next));
 }
 
 /*
@@ -157,9 +154,7 @@ static void take_none(struct node *n, const struct ring *r)
  */
 static void take_heir(struct node *n, const struct ring *r)
 {
-    if (BUG(73) || !n->gdc->tries || r->peer != n->gdc->next || r->next < 0 ||
-        r->next >= n->place.n)
-        return;
+    if (!n->gdc->tries || r->peer != n->gdc->next || r->next < 0 || r->next >= n->place.n) return;
     search_on(n, r->next);
 }
 
@@ -187,11 +182,11 @@ static void answer(struct node *n, int32_t peer, struct sched_actions *out)
     const struct gdc_node *g = n->gdc;
     if (n->queue.count) {
         node_give(n, n->queue.tail, peer, out);
-        if (!BUG(70)) return;
+        return;
     }
     struct ring *r = node_say(RING_NONE, peer, out);
-    r->idle = !n->fed.count || BUG(68);
-    r->next = r->idle && (g->found || BUG(69)) ? g->next : -1;
+    r->idle = !n->fed.count;
+    r->next = r->idle && g->found ? g->next : -1;
 }
 
 /*
@@ -200,8 +195,8 @@ static void answer(struct node *n, int32_t peer, struct sched_actions *out)
  */
 static void answer_all(struct node *n, const struct sched_event *e, struct sched_actions *out)
 {
-    if (n->fed.count && e->kind != SCHED_DONE && !BUG(67)) return;
-    for (int32_t i = 0; i < n->gdc->n_asked - BUG(77); i++) answer(n, n->gdc->asked[i], out);
+    if (n->fed.count && e->kind != SCHED_DONE) return;
+    for (int32_t i = 0; i < n->gdc->n_asked; i++) answer(n, n->gdc->asked[i], out);
     n->gdc->n_asked = 0;
 }
 

@@ -13,7 +13,7 @@ int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32
     d->account[i] = (struct account){.latest = -1, .parent = parent};
     struct frame_size *f = frames_find(&d->frames, t->frame);
     if (!f) f = frames_set(&d->frames, t->frame, frame_w, 1);
-    if (t->id > f->top_id && !(BUG(14) && parent < 0)) f->top_id = t->id;
+    if (t->id > f->top_id) f->top_id = t->id;
     return i;
 }
 
@@ -33,7 +33,7 @@ void deal_take(struct deal *d, int32_t i)
 {
     list_remove(&d->ledger, list_of(d, i), i);
     d->n_promised -= d->account[i].place == PROMISED;
-    if (d->account[i].place == COMPUTED && !BUG(82)) deal_mark(d, d->ledger.at[i].slot);
+    if (d->account[i].place == COMPUTED) deal_mark(d, d->ledger.at[i].slot);
 }
 
 void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot)
@@ -57,13 +57,13 @@ void deal_put_first(struct deal *d, int32_t i)
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = &d->account[i];
-    if ((a->copies && !BUG(21)) || a->pieces) deal_put(d, i, OUT, -1);
+    if (a->copies || a->pieces) deal_put(d, i, OUT, -1);
     else deal_put_first(d, i);
 }
 
 void deal_forget_pieces(struct deal *d, int32_t i)
 {
-    for (int32_t j = 0; d->account[i].pieces && j < d->ledger.cap && !BUG(19); j++) {
+    for (int32_t j = 0; d->account[i].pieces && j < d->ledger.cap; j++) {
         if (!d->ledger.at[j].live || d->account[j].parent != i) continue;
         deal_forget_pieces(d, j);
         deal_take(d, j);
@@ -79,13 +79,12 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
         const struct task *t = &d->ledger.at[i].task;
         int32_t parent = d->account[i].parent;
         sched_act(out, SCHED_COMMIT, d->ledger.at[i].slot, t);
-        if (BUG(9)) return;
         if (parent < 0) d->left_px -= (double)lattice_count(&t->at);
         deal_forget_pieces(d, i);
         deal_take(d, i);
         tasks_remove(&d->ledger, i);
         i = parent;
-        if (i >= 0 && (--d->account[i].pieces || BUG(18))) return;
+        if (i >= 0 && --d->account[i].pieces) return;
     }
 }
 
@@ -132,7 +131,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     s->has.at[c].tries = ++e->tries;
     s->has.at[c].done = a->copies > 0;
     list_push_back(&s->has, a->copies ? &s->shared : &s->held, c);
-    s->asked = BUG(7);
+    s->asked = false;
     a->copies++;
     a->latest = k;
     e->done = false;

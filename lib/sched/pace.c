@@ -41,9 +41,9 @@ void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, i
 
 int32_t pace_depth(const struct pace *p, int32_t width)
 {
-    if (p->task_us <= 0 || BUG(24)) return 1;
+    if (p->task_us <= 0) return 1;
     double tasks = SAFETY * width * p->round_trip_us / p->task_us;
     if (tasks < SHORT) return 0;
     double depth = ceil(tasks + .5);
-    return depth > DEPTH_MOST && !BUG(25) ? DEPTH_MOST : (int32_t)depth;
+    return depth > DEPTH_MOST ? DEPTH_MOST : (int32_t)depth;
 }

@@ -82,7 +82,7 @@ static void enlist(struct hub *h, int32_t i, int32_t k, bool done)
 static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
-    s->flushed = BUG(38) && s->flushed;
+    s->flushed = false;
     h->ledger.at[i].tries += !h->ledger.at[i].tries;
     h->ledger.at[i].since_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
@@ -94,7 +94,7 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 /* Entry i, on no list, is node k's, or, where that is gone, the next one's before it that is up. */
 static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
-    if (h->nodes[k].state == NODE_GONE) k = BUG(30) ? set_after(&h->up, k) : set_before(&h->up, k);
+    if (h->nodes[k].state == NODE_GONE) k = set_before(&h->up, k);
     enlist(h, i, k, false);
     if (hub_is_up(h, k)) send(h, k, i, out);
     else if (k >= 0) hub_mark(h, k);
@@ -114,7 +114,7 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {
     const struct task *t = &h->ledger.at[i].task;
-    bool chosen = t->to >= 0 && t->to < h->n_nodes && !BUG(90);
+    bool chosen = t->to >= 0 && t->to < h->n_nodes;
     assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
@@ -147,7 +147,7 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
     unlist(h, i);
     h->from[i] = k;
     h->ledger.at[i].tries++;
-    h->taken_over = !BUG(102);
+    h->taken_over = true;
     assign(h, i, thief, out);
     hub_mark(h, k);
     ask_flush(h, k, out);
@@ -204,15 +204,12 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     int32_t k = e->slot;
     struct hub_node *s = &h->nodes[k];
     if (s->state == NODE_UP) return;
-    bool told = BUG(37) && s->state == NODE_GONE;
     s->state = NODE_UP;
     s->width = e->n > 1 ? e->n : 1;
     set_put(&h->up, k, true);
     hub_mark(h, k);
-    for (int32_t i = BUG(36) ? -1 : s->held.head; i >= 0; i = h->ledger.at[i].next)
-        send(h, k, i, out);
+    for (int32_t i = s->held.head; i >= 0; i = h->ledger.at[i].next) send(h, k, i, out);
     take_pool(h, k, out);
-    if (told) return;
     sched_act(out, SCHED_SAY, k, NULL);
     out->at[out->n - 1].ring = (struct ring){
         .kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes, .one = h->p.one};
@@ -226,11 +223,11 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
     ring_lost(h, k);
-    for (int l = BUG(27) ? 1 : 0; l < (BUG(28) ? 1 : 2); l++) {
+    for (int l = 0; l < 2; l++) {
         while (lists[l]->count) {
             int32_t i = lists[l]->head;
             unlist(h, i);
-            if (!BUG(89)) h->from[i] = -1;
+            h->from[i] = -1;
             h->ledger.at[i].tries += had;
             assign(h, i, k, out);
         }
@@ -247,7 +244,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
 static void take_done(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    if (i < 0 || !hub_is_up(h, k) || (h->ledger.at[i].slot != k && !BUG(31))) return;
+    if (i < 0 || !hub_is_up(h, k) || h->ledger.at[i].slot != k) return;
     /* Said before it was so? What it holds back it may not have had when it was asked. */
     if (h->ledger.at[i].done) h->nodes[k].flushed = false;
     else {
@@ -257,7 +254,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     unlist(h, i);
     enlist(h, i, k, true);
     /* If it has more, it may be slower than it thought. */
-    h->nodes[k].dry = BUG(91) && h->nodes[k].dry;
+    h->nodes[k].dry = false;
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -286,12 +283,12 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
     int32_t k = e->slot, peer = e->ring.peer;
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
-    if (i >= 0 && (h->ledger.at[i].slot == k || BUG(29))) {
+    if (i >= 0 && h->ledger.at[i].slot == k) {
         ring_answers(h, k, peer);
         unlist(h, i);
         h->from[i] = k;
         assign(h, i, peer, out);
-    } else if (!BUG(80)) ring_has_none(h, k, peer);
+    } else ring_has_none(h, k, peer);
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -311,7 +308,7 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 static void note_life(struct hub *h, const struct sched_event *e)
 {
     if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_is_up(h, e->slot)) return;
-    h->nodes[e->slot].silent = BUG(98) && h->nodes[e->slot].silent;
+    h->nodes[e->slot].silent = false;
     hub_mark(h, e->slot);
 }
 
@@ -335,7 +332,7 @@ static void ring_step(
         flush_all(h, out);
         break;
     case SCHED_FLUSH:
-        h->flush = !BUG(86);
+        h->flush = true;
         flush_all(h, out);
         break;
     case SCHED_SLOTS: take_slots(h, e->n, out); break;
@@ -354,7 +351,7 @@ static void ring_step(
     ring_match(h, out);
     ring_hung(h, out);
     if (!h->ledger.count) h->flush = false;
-    if (!h->ended || h->ledger.count - (BUG(35) ? h->n_computed : 0) || h->closed) return;
+    if (!h->ended || h->ledger.count || h->closed) return;
     h->closed = true;
     sched_act(out, h->taken_over ? SCHED_STOP : SCHED_END, -1, NULL);
 }

@@ -34,7 +34,7 @@ static int32_t load_of(const struct hub *h, const struct hub_node *s)
     double us_per_px = s->pace.us_per_px > 0 ? s->pace.us_per_px : h->pace.us_per_px;
     if (us_per_px <= 0) us_per_px = 1;
     double us = s->held_px * us_per_px / s->width / (1 + s->thieves);
-    if (us < 1 || BUG(92)) return 0;
+    if (us < 1) return 0;
     int32_t load = ilogb(us);
     return load < LOADS ? load : LOADS - 1;
 }
@@ -62,9 +62,8 @@ void hub_mark(struct hub *h, int32_t k)
     bool up = s->state == NODE_UP, more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
-    set_put(
-        &h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on || BUG(94)));
-    mark_rich(h, k, up && more && (!s->asking || BUG(40)) && !s->dry && (!s->silent || BUG(87)));
+    set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
+    mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);
     ring_busy(h, k);
 }
 
@@ -73,8 +72,7 @@ static void give_late(struct hub *h, struct sched_actions *out)
     while (h->hungry.count && h->late.count) {
         int32_t late = set_after(&h->late, set_after(&h->hungry, -1));
         int32_t held = h->nodes[late].held.count;
-        hub_give(
-            h, late, set_before(&h->hungry, late), h->p.one && !BUG(96) ? 1 : (held + 1) / 2, out);
+        hub_give(h, late, set_before(&h->hungry, late), h->p.one ? 1 : (held + 1) / 2, out);
     }
 }
 
@@ -126,7 +124,7 @@ void ring_match(struct hub *h, struct sched_actions *out)
     while (h->hungry.count && h->loads) {
         const struct slot_set *rich = &h->rich[63 - __builtin_clzll(h->loads)];
         int32_t victim = set_after(rich, set_after(&h->hungry, -1));
-        int32_t thief = BUG(93) ? set_after(&h->hungry, -1) : set_before(&h->hungry, victim);
+        int32_t thief = set_before(&h->hungry, victim);
         pair(h, victim, thief);
         tell(victim, RING_ASK, thief, out);
     }
@@ -141,8 +139,7 @@ void ring_match(struct hub *h, struct sched_actions *out)
 void ring_served(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
-    s->asking = s->told = s->passed_on = false;
-    s->dry = BUG(32) && s->dry;
+    s->asking = s->told = s->passed_on = s->dry = false;
     s->given++;
     part(h, k);
     hub_mark(h, k);
@@ -166,9 +163,9 @@ void ring_has_none(struct hub *h, int32_t k, int32_t peer)
 {
     if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
     ring_answers(h, k, peer);
-    h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before || BUG(39);
+    h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before;
     h->nodes[peer].passed_on = true;
-    if (!BUG(33)) part(h, peer);
+    part(h, peer);
     hub_mark(h, k);
 }
 
@@ -187,15 +184,14 @@ void ring_lost(struct hub *h, int32_t k)
     struct hub_node *s = &h->nodes[k];
     s->asking = s->told = s->passed_on = s->dry = s->silent = false;
     part(h, k);
-    if (!BUG(34)) pass_on(h, k);
-    else hub_mark(h, k);
+    pass_on(h, k);
 }
 
 int64_t ring_late_us(const struct hub *h)
 {
-    if (h->oldest < 0 || BUG(97)) return INT64_MAX;
+    if (h->oldest < 0) return INT64_MAX;
     int64_t late_us = h->answer_us ? LATE_TIMES * h->answer_us + LATE_US : FIRST_US;
-    return h->nodes[h->oldest].since_us + (BUG(103) && !h->answer_us ? INT64_MAX / 2 : late_us);
+    return h->nodes[h->oldest].since_us + late_us;
 }
 
 void ring_late(struct hub *h)

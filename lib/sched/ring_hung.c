@@ -66,7 +66,7 @@ static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
 void ring_hung(struct hub *h, struct sched_actions *out)
 {
     h->hung_us = INT64_MAX;
-    while (h->idle.count && h->stalest >= 0 && !BUG(100)) {
+    while (h->idle.count && h->stalest >= 0) {
         int32_t k = h->stalest, thief = set_before(&h->idle, k);
         if (thief == k)
             k = h->nodes[k].fresher; /* it owes pixels itself, and nobody else is idle */
@@ -74,7 +74,7 @@ void ring_hung(struct hub *h, struct sched_actions *out)
         const struct hub_node *s = &h->nodes[k];
         int32_t i = s->held.count ? s->held.head : s->computed.head;
         h->hung_us = late_us(h, i, k, thief);
-        if (h->now_us < h->hung_us && !BUG(101)) return;
+        if (h->now_us < h->hung_us) return;
         h->hung_us = INT64_MAX;
         hub_take_over(h, i, thief, out);
     }

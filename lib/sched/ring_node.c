@@ -117,7 +117,7 @@ static int32_t store_of(const struct node *n)
 static void feed(struct node *n, int64_t now, struct sched_actions *out)
 {
     int32_t most = n->width ? n->width + store_of(n) : 0;
-    while (n->queue.count && (n->fed.count < most || (BUG(43) && most))) {
+    while (n->queue.count && n->fed.count < most) {
         int32_t i = n->queue.head;
         queue_take(n, i);
         list_push_back(&n->has, &n->fed, i);
@@ -139,8 +139,8 @@ static void take_task(struct node *n, const struct sched_event *e, int64_t now)
         if (n->trip_us <= 0 || trip_us < n->trip_us) n->trip_us = trip_us;
         else pace_mix(&n->trip_us, fmin(trip_us, 2 * n->trip_us));
     }
-    if (!BUG(46)) n->asked_us = -1;
-    if (i >= 0 && (n->has.at[i].slot != COMPUTED || BUG(47))) return;
+    n->asked_us = -1;
+    if (i >= 0 && n->has.at[i].slot != COMPUTED) return;
     if (i >= 0) unlist(n, i);
     else i = tasks_add(&n->has, &e->task, e->frame_w);
     enqueue(n, i);
@@ -228,9 +228,9 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
     double idle_us = fed_us(n, us_per_px, now) + n->queue_px * us_per_px - n->trip_us;
     bool busy = n->queue.count || n->fed.count;
     n->ask_us = INT64_MAX;
-    if ((n->asked_us >= 0 && !BUG(41)) || n->ended || !n->width) return;
+    if (n->asked_us >= 0 || n->ended || !n->width) return;
     if (busy && us_per_px <= 0) return;
-    if (more || (busy && (idle_us >= LEAST_US || BUG(49)))) {
+    if (more || (busy && idle_us >= LEAST_US)) {
         n->ask_us = idle_us < WAIT_MOST_US ? now + (int64_t)fmax(idle_us, 0) : INT64_MAX;
         return;
     }
@@ -247,11 +247,11 @@ static int32_t spare(const struct node *n, int64_t now)
     double here_us = known ? fed_us(n, us_per_px, now) : n->fed_px;
     double there_us = known ? n->trip_us : 0;
     here_us += n->queue_px * us_per_px;
-    int32_t given = 0, most = n->place.one && !BUG(48) ? 1 : n->queue.count;
-    if (n->asked_us >= 0 && !BUG(42)) return 0;
+    int32_t given = 0, most = n->place.one ? 1 : n->queue.count;
+    if (n->asked_us >= 0) return 0;
     for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
         double us = px_of(n, i) * us_per_px;
-        if (there_us + us + LEAST_US > here_us && !BUG(45)) break;
+        if (there_us + us + LEAST_US > here_us) break;
         there_us += us;
         here_us -= us;
         given++;
@@ -262,8 +262,8 @@ static int32_t spare(const struct node *n, int64_t now)
 static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actions *out)
 {
     int32_t given = spare(n, now);
-    if (!given && !BUG(44)) node_say(RING_NONE, peer, out);
-    while (given-- > 0) node_give(n, BUG(95) ? n->queue.tail : n->queue.head, peer, out);
+    if (!given) node_say(RING_NONE, peer, out);
+    while (given-- > 0) node_give(n, n->queue.head, peer, out);
 }
 
 static void default_rules(

@@ -136,13 +136,4 @@ extern const struct policy policy_ring;      /* the hub */
 extern const struct policy policy_published; /* the master of the ring as it was published */
 extern const struct policy policy_node;      /* a node of either, as its PLACE says */
 
-/*
- * Planted bugs: compiled with -DPLANTED_BUG=k a policy breaks its rule k, and the simulation has to
- * find it. A simulation that finds nothing proves nothing.
- */
-#ifndef PLANTED_BUG
-#define PLANTED_BUG 0
-#endif
-#define BUG(k) (PLANTED_BUG == (k))
-
 #endif

@@ -1,0 +1,87 @@
+#!/bin/sh
+# The seeds of `make check` find every mutant of a policy (mutants/); the shipped policies pass them.
+. "$(dirname "$0")/lib.sh"
+needs /usr/include/cmocka.h
+mutants=$root/tests/mutants
+
+# Only the file with the mutant differs; the rest is compiled once.
+flags="-std=c11 -D_GNU_SOURCE -O1"
+object() { echo "$(basename "$(dirname "$1")")-$(basename "$1" .c).o"; }
+# shellcheck disable=SC2086
+compile() { for c in "$@"; do cc $flags "-I$root/lib" -c -o "$(object "$c")" "$c" || return; done; }
+# objects EXCEPT: all that a test is linked with, except this one
+objects() { for o in base-*.o task-*.o stats-*.o sim-*.o sched-*.o; do [ "$o" = "$1" ] || echo "$o"; done; }
+# found TEST LIST NAME: row NAME of LIST makes a mutant, and a seed of test_TEST fails with it
+# shellcheck disable=SC2046,SC2086
+found() {
+	"$mutants/apply" "$3" "$2" >mutant.c || return
+	file=$(awk -v name="$3" '$1 == "@" && $2 == name { print $3 }' "$2")
+	cc $flags "-I$root/lib" -c -o mutant.o mutant.c || { echo "$3: does not compile"; return 1; }
+	cc -o mutant mutant.o "unit-test_$1.o" $(objects "$(object "$file")") -lcmocka -lm ||
+		{ echo "$3: does not link"; return 1; }
+	status=0
+	timeout 60 ./mutant >said 2>&1 || status=$?
+	{ [ "$status" -ne 0 ] && grep -q 'to repeat:' said; } ||
+		{ echo "$3: survives: test_$1 exits with $status, and no seed fails"; return 1; }
+}
+# listed LIST: it has rows, and nothing else
+listed() { grep -q '^@' "$1" && ! grep -nvE '^(#.*|@ [a-z0-9-]+  lib/[a-z0-9_/]+[.]c|[-+]( .*)?|)$' "$1"; }
+names() { awk '$1 == "@" { print $2 }' "$@"; }
+# family TEST: the mutants of its list
+# shellcheck disable=SC2046
+family() {
+	ok "mutants/$1 is a list of mutants" listed "$mutants/$1"
+	ok "the seeds of test_$1 compile" compile "$root/tests/unit/test_$1.c"
+	cc -o shipped "unit-test_$1.o" $(objects none) -lcmocka -lm
+	ok "what is shipped passes those of test_$1" ./shipped
+	for name in $(names "$mutants/$1"); do ok "test_$1 finds: $name" found "$1" "$mutants/$1" "$name"; done
+}
+
+ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
+is 'each mutant has a name of its own' "$(names "$mutants"/sim "$mutants"/ring "$mutants"/gdc | sort | uniq -d)" ''
+family sim
+family ring
+family gdc
+
+# A wrong row fails, and the reason is said.
+cat >wrong <<'END'
+@ text-missing  lib/sched/gdc.c
+- no such text
++
+@ text-twice  lib/sched/gdc.c
+- struct member
++
+@ replacement-missing  lib/sched/gdc.c
+- struct member {
+@ no-program  lib/sched/gdc.c
+- struct member {
++
+@ no-change  lib/sched/gdc.c
+- struct member {
++ struct member {
+@ name-twice  lib/sched/gdc.c
+- struct member {
++
+@ name-twice  lib/sched/gdc.c
+- struct master {
++
+@ no-bug  lib/sched/gdc.c
+- struct member {
++ struct  member {
+END
+# refused NAME ERE: for this reason
+refused() {
+	run found gdc wrong "$1"
+	like "a row fails: $1" "$status $out$err" "$2"
+}
+refused text-missing '^1 text-missing: lib/sched/gdc.c does not have the text: no such text'
+refused text-twice '^1 text-twice: lib/sched/gdc.c has the text more than once: struct member'
+refused replacement-missing '^1 replacement-missing: no line with "[+]" follows: struct member'
+refused no-program '^1 no-program: does not compile'
+refused no-change '^1 no-change: changes nothing in lib/sched/gdc.c'
+refused name-twice '^1 name-twice: this name is in wrong 2 times, expected once'
+refused no-bug '^1 no-bug: survives: test_gdc exits with 0, and no seed fails'
+printf '%s\n' '@name lib/sched/gdc.c' '- text' '+' '@ other  lib/sched/gdc.c' '- text' '+' >wrong
+run listed wrong
+is 'a line that is none of a row is found' "$status $out" '1 1:@name lib/sched/gdc.c'
+finish
