@@ -45,27 +45,27 @@ family gdc
 
 # A wrong row fails, and the reason is said.
 cat >wrong <<'END'
-@ text-missing  lib/sched/gdc.c
+@ text-missing  lib/sched/gdc_master.c
 - no such text
 +
-@ text-twice  lib/sched/gdc.c
+@ text-twice  lib/sched/gdc_master.c
 - struct member
 +
-@ replacement-missing  lib/sched/gdc.c
+@ replacement-missing  lib/sched/gdc_master.c
 - struct member {
-@ no-program  lib/sched/gdc.c
+@ no-program  lib/sched/gdc_master.c
 - struct member {
 +
-@ no-change  lib/sched/gdc.c
+@ no-change  lib/sched/gdc_master.c
 - struct member {
 + struct member {
-@ name-twice  lib/sched/gdc.c
+@ name-twice  lib/sched/gdc_master.c
 - struct member {
 +
-@ name-twice  lib/sched/gdc.c
+@ name-twice  lib/sched/gdc_master.c
 - struct master {
 +
-@ no-bug  lib/sched/gdc.c
+@ no-bug  lib/sched/gdc_master.c
 - struct member {
 + struct  member {
 END
@@ -74,14 +74,14 @@ refused() {
 	run found gdc wrong "$1"
 	like "a row fails: $1" "$status $out$err" "$2"
 }
-refused text-missing '^1 text-missing: lib/sched/gdc.c does not have the text: no such text'
-refused text-twice '^1 text-twice: lib/sched/gdc.c has the text more than once: struct member'
+refused text-missing '^1 text-missing: lib/sched/gdc_master.c does not have the text: no such text'
+refused text-twice '^1 text-twice: lib/sched/gdc_master.c has the text more than once: struct member'
 refused replacement-missing '^1 replacement-missing: no line with "[+]" follows: struct member'
 refused no-program '^1 no-program: does not compile'
-refused no-change '^1 no-change: changes nothing in lib/sched/gdc.c'
+refused no-change '^1 no-change: changes nothing in lib/sched/gdc_master.c'
 refused name-twice '^1 name-twice: this name is in wrong 2 times, expected once'
 refused no-bug '^1 no-bug: survives: test_gdc exits with 0, and no seed fails'
-printf '%s\n' '@name lib/sched/gdc.c' '- text' '+' '@ other  lib/sched/gdc.c' '- text' '+' >wrong
+printf '%s\n' '@name lib/sched/gdc_master.c' '- text' '+' '@ other  lib/sched/gdc_master.c' '- text' '+' >wrong
 run listed wrong
-is 'a line that is none of a row is found' "$status $out" '1 1:@name lib/sched/gdc.c'
+is 'a line that is none of a row is found' "$status $out" '1 1:@name lib/sched/gdc_master.c'
 finish

@@ -10,35 +10,35 @@
  * may leave corners but no ear; then one of them goes all the same, so it always ends.
  */
 #include "scene/scene.h"
-#include "scene/ring.h"
+#include "scene/corners.h"
 
 #define DESPAIR_LOOKS 64 /* corners looked at for the best of a bad lot */
 
 /* Where there is no ear: the next straight corner, which costs nothing, or convex one, or any. */
-static uint32_t least_evil(const struct ring *g, uint32_t from)
+static uint32_t least_evil(const struct corners *g, uint32_t from)
 {
-    uint32_t convex = RING_NONE, i = from;
+    uint32_t convex = CORNERS_NONE, i = from;
     for (int k = 0; k < DESPAIR_LOOKS; k++, i = g->c[i].next) {
-        double t = ring_turn(g, i);
+        double t = corners_turn(g, i);
         if (t == 0) return i;
-        if (t > 0 && convex == RING_NONE) convex = i;
+        if (t > 0 && convex == CORNERS_NONE) convex = i;
     }
-    return convex != RING_NONE ? convex : from;
+    return convex != CORNERS_NONE ? convex : from;
 }
 
-static uint32_t clip_ears(struct ring *g, uint32_t first, struct triangle *out)
+static uint32_t clip_ears(struct corners *g, uint32_t first, struct triangle *out)
 {
     uint32_t n = 0, alive = 0; /* a corner that is still there */
     while (g->left > 2) {
-        uint32_t i = ring_pop(g);
-        bool any = i == RING_NONE;
+        uint32_t i = corners_pop(g);
+        bool any = i == CORNERS_NONE;
         if (any) i = least_evil(g, alive);
-        double t = ring_turn(g, i);
-        if (t > 0 && (any || ring_is_ear(g, i)))
+        double t = corners_turn(g, i);
+        if (t > 0 && (any || corners_is_ear(g, i)))
             out[n++] = (struct triangle){{first + g->c[i].prev, first + i, first + g->c[i].next}};
-        else if (!any && (t != 0 || !ring_is_empty(g, i))) continue;
+        else if (!any && (t != 0 || !corners_is_empty(g, i))) continue;
         alive = g->c[i].next;
-        ring_remove(g, i);
+        corners_remove(g, i);
     }
     return n;
 }
@@ -46,10 +46,10 @@ static uint32_t clip_ears(struct ring *g, uint32_t first, struct triangle *out)
 static uint32_t triangulate_polygon(
     const struct vec3 *v, uint32_t first, uint32_t n, struct triangle *out)
 {
-    struct ring g;
-    if (!ring_init(&g, v, n)) return 0;
+    struct corners g;
+    if (!corners_init(&g, v, n)) return 0;
     uint32_t triangles = clip_ears(&g, first, out);
-    ring_free(&g);
+    corners_free(&g);
     return triangles;
 }
 

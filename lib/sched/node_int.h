@@ -1,5 +1,5 @@
 /*
- * A node of the ring, shared by its files: ring_node.c (the queue, the worker, and the default
+ * A node of the ring, shared by its files: node.c (the queue, the worker, and the default
  * rules), gdc_node.c (the rules as published).
  *
  * A task is queued, then fed to the worker, then computed with pixels missing; when they have come
@@ -30,7 +30,7 @@ struct node {
     struct gdc_node *gdc;      /* published rules: theirs; NULL at first */
 };
 
-/* ---- ring_node.c ----------------------------------------------------------------------------- */
+/* ---- node.c ----------------------------------------------------------------------------- */
 
 /* Says it to the hub; the caller may set what else it says, until the next action. */
 struct ring *node_say(enum ring_kind kind, int32_t peer, struct sched_actions *out);

@@ -1,5 +1,5 @@
 /*
- * The ring by default, for spin: the hub (lib/sched/ring.c, ring_ask.c), the nodes (ring_node.c) and the links
+ * The ring by default, for spin: the hub (lib/sched/hub.c, hub_match.c), the nodes (node.c) and the links
  * between them. What is a function in C has its name. tests/55_models.t runs it.
  *
  *     spin -a ring.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && CRASHES=2 ./pan -a

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "sched/ring_int.h"
+#include "sched/hub_int.h"
 #define SEEDS_TEST "test_ring"
 #include "seeds.h"
 

@@ -21,7 +21,7 @@
  * is not asked until it says something. Its answer may come after all: what it gives then is given,
  * as its GIVE counts whoever waits for it.
  */
-#include "sched/ring_int.h"
+#include "sched/hub_int.h"
 
 #define LATE_TIMES 8       /* so often the longest answer is late, */
 #define LATE_US 100000     /* and so much besides: a machine that is busy */

@@ -9,7 +9,7 @@
  * do, or were asked for pixels that have not come, stand in a list in the order of their latest
  * progress.
  */
-#include "sched/ring_int.h"
+#include "sched/hub_int.h"
 
 #define LATE_TIMES 4
 #define LATE_US 200000 /* and so much besides: a machine that is busy */

@@ -1,6 +1,6 @@
 /*
- * The hub of the ring, shared by its files: ring.c (events, the ledger), ring_ask.c (who is asked
- * for whom), ring_hung.c (nodes that make no progress).
+ * The hub of the ring, shared by its files: hub.c (events, the ledger), hub_match.c (who is asked
+ * for whom), hub_hung.c (nodes that make no progress).
  */
 #ifndef STORMRING_SCHED_RING_INT_H
 #define STORMRING_SCHED_RING_INT_H
@@ -8,7 +8,7 @@
 #include "sched/pace.h"
 #include "sched/slot_set.h"
 
-/* ---- ring.c ---------------------------------------------------------------------------------- */
+/* ---- hub.c ----------------------------------------------------------------------------------- */
 
 #define LOADS 48 /* classes of work: class c lasts for 2^c microseconds, and not for twice that */
 
@@ -34,7 +34,7 @@ struct hub_node {
     int64_t since_us;        /* and when that was */
     int32_t older, newer;    /* those for whom somebody was asked just before, and after that */
     bool silent;             /* it did not answer in time, and has said nothing since */
-    bool busy;               /* it has to make progress: ring_hung.c */
+    bool busy;               /* it has to make progress: hub_hung.c */
     int32_t staler, fresher; /* of those, who made progress just before, and after it */
     int64_t progress_us;     /* when that was */
 };
@@ -51,7 +51,7 @@ struct hub {
     size_t n_early;
     int64_t n_computed;                    /* entries */
     struct slot_set up;                    /* nodes that are */
-    struct slot_set hungry, late, delayed; /* ring_ask.c */
+    struct slot_set hungry, late, delayed; /* hub_match.c */
     struct slot_set rich[LOADS];           /* likewise: by the class of their work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
     struct pace pace;                      /* of all */
@@ -76,7 +76,7 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
 /* Something about node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
-/* ---- ring_ask.c ------------------------------------------------------------------------------ */
+/* ---- hub_match.c ------------------------------------------------------------------------------ */
 
 /* Whoever wants work has somebody asked for it, as far as there is somebody. */
 void ring_match(struct hub *h, struct sched_actions *out);
@@ -93,7 +93,7 @@ void ring_lost(struct hub *h, int32_t k);
 void ring_late(struct hub *h);
 int64_t ring_late_us(const struct hub *h);
 
-/* ---- ring_hung.c ----------------------------------------------------------------------------- */
+/* ---- hub_hung.c ----------------------------------------------------------------------------- */
 
 /* Something about node k has changed: notes whether it has to make progress, and whether it has
  * nothing to do. */

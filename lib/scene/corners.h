@@ -1,15 +1,15 @@
 /*
- * ring: the corners of a polygon in its plane, linked in a ring that loses corner after corner,
+ * corners: the corners of a polygon in its plane, linked in a ring that loses corner after corner,
  * and the question whether a corner is an ear. Private to lib/scene.
  */
-#ifndef STORMRING_SCENE_RING_H
-#define STORMRING_SCENE_RING_H
+#ifndef STORMRING_CORNERS_H
+#define STORMRING_CORNERS_H
 
 #include "base/base.h"
 #include "scene/points.h"
 
-#define RING_STACK 256 /* corners that need no memory from the heap */
-#define RING_NONE UINT32_MAX
+#define CORNERS_STACK 256 /* corners that need no memory from the heap */
+#define CORNERS_NONE UINT32_MAX
 
 struct corner {
     double x, y;
@@ -20,7 +20,7 @@ struct corner {
     bool later;  /* its turn in the queue was put off: a neighbour has just gone */
 };
 
-struct ring {
+struct corners {
     struct corner *c;
     uint32_t n, left;     /* corners at first, and now */
     double width, height; /* of the whole */
@@ -28,33 +28,33 @@ struct ring {
     uint32_t *queue;      /* circular, room for n */
     uint32_t queue_at, queue_n;
     uint64_t patience; /* so many corners that coincide with one of an ear's may still be asked */
-    struct corner stack_c[RING_STACK];
-    struct point stack_p[RING_STACK];
-    struct points_node stack_n[2 * RING_STACK / POINTS_LEAF];
-    uint32_t stack_u[2 * RING_STACK];
+    struct corner stack_c[CORNERS_STACK];
+    struct point stack_p[CORNERS_STACK];
+    struct points_node stack_n[2 * CORNERS_STACK / POINTS_LEAF];
+    uint32_t stack_u[2 * CORNERS_STACK];
 };
 
 /*
  * The ring of a polygon, counterclockwise in its plane; every corner is queued, in order from the
  * second. False, and nothing to free, when the polygon has no area.
  */
-bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n);
-void ring_free(struct ring *g);
+bool corners_init(struct corners *g, const struct vec3 *v, uint32_t n);
+void corners_free(struct corners *g);
 /*
  * Twice the area of the corner's triangle: positive when convex; 0 when that is within its
  * rounding error.
  */
-double ring_turn(const struct ring *g, uint32_t i);
+double corners_turn(const struct corners *g, uint32_t i);
 /* Of a convex corner: no other corner lies in its triangle. */
-bool ring_is_ear(struct ring *g, uint32_t i);
+bool corners_is_ear(struct corners *g, uint32_t i);
 /*
  * Of a straight corner: it repeats a neighbour's place, or is the tip of an edge that goes
  * there and back.
  */
-bool ring_is_empty(const struct ring *g, uint32_t i);
+bool corners_is_empty(const struct corners *g, uint32_t i);
 /* Takes corner i out. Its neighbours are queued, behind all that wait. */
-void ring_remove(struct ring *g, uint32_t i);
-/* The next corner to look at, or RING_NONE. */
-uint32_t ring_pop(struct ring *g);
+void corners_remove(struct corners *g, uint32_t i);
+/* The next corner to look at, or CORNERS_NONE. */
+uint32_t corners_pop(struct corners *g);
 
 #endif

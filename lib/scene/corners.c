@@ -1,5 +1,5 @@
 /* Corners of a polygon: projection, orientation, ears. */
-#include "scene/ring.h"
+#include "scene/corners.h"
 #include "scene/reader.h"
 
 #include <stdlib.h>
@@ -19,13 +19,13 @@ static double cross2(const struct corner *a, const struct corner *b, const struc
     return fabs(l - r) <= CROSS_ERROR * (fabs(l) + fabs(r)) ? 0 : l - r;
 }
 
-double ring_turn(const struct ring *g, uint32_t i)
+double corners_turn(const struct corners *g, uint32_t i)
 {
     const struct corner *b = &g->c[i];
     return cross2(&g->c[b->prev], b, &g->c[b->next]);
 }
 
-bool ring_is_empty(const struct ring *g, uint32_t i)
+bool corners_is_empty(const struct corners *g, uint32_t i)
 {
     const struct corner *b = &g->c[i], *a = &g->c[b->prev], *c = &g->c[b->next];
     return (a->x - b->x) * (c->x - b->x) + (a->y - b->y) * (c->y - b->y) >= 0;
@@ -50,7 +50,7 @@ static bool in_wedge(
  * (holes are joined to the outline by a bridge) it does so only if one of its own edges leads into
  * the ear.
  */
-static bool spoils(const struct ring *g, const struct corner *a, const struct corner *b,
+static bool spoils(const struct corners *g, const struct corner *a, const struct corner *b,
     const struct corner *c, const struct corner *q)
 {
     const struct corner *p = &g->c[q->prev], *n = &g->c[q->next];
@@ -61,7 +61,7 @@ static bool spoils(const struct ring *g, const struct corner *a, const struct co
 }
 
 struct ear {
-    struct ring *g;
+    struct corners *g;
     const struct corner *a, *b, *c;
 };
 
@@ -78,7 +78,7 @@ static bool spoils_ear(void *ctx, uint32_t i)
     return spoils(e->g, a, b, c, q);
 }
 
-bool ring_is_ear(struct ring *g, uint32_t i)
+bool corners_is_ear(struct corners *g, uint32_t i)
 {
     const struct corner *b = &g->c[i], *a = &g->c[b->prev], *c = &g->c[b->next];
     const struct points_triangle t = {{a->x, b->x, c->x}, {a->y, b->y, c->y}, g->width, g->height};
@@ -87,13 +87,13 @@ bool ring_is_ear(struct ring *g, uint32_t i)
 
 /* ---- the queue ------------------------------------------------------------------------ */
 
-static void push(struct ring *g, uint32_t i)
+static void push(struct corners *g, uint32_t i)
 {
     g->queue[(g->queue_at + g->queue_n++) % g->n] = i;
     g->c[i].queued = true;
 }
 
-uint32_t ring_pop(struct ring *g)
+uint32_t corners_pop(struct corners *g)
 {
     while (g->queue_n) {
         uint32_t i = g->queue[g->queue_at];
@@ -106,25 +106,25 @@ uint32_t ring_pop(struct ring *g)
         c->later = false;
         push(g, i);
     }
-    return RING_NONE;
+    return CORNERS_NONE;
 }
 
 /* Corner i is blunt no more, or gone. */
-static void sharpen(struct ring *g, uint32_t i)
+static void sharpen(struct corners *g, uint32_t i)
 {
     if (g->c[i].blunt) points_remove(&g->blunt, i);
     g->c[i].blunt = false;
 }
 
-static void put_off(struct ring *g, uint32_t i)
+static void put_off(struct corners *g, uint32_t i)
 {
     struct corner *c = &g->c[i];
-    if (c->blunt && ring_turn(g, i) > 0) sharpen(g, i);
+    if (c->blunt && corners_turn(g, i) > 0) sharpen(g, i);
     if (c->queued) c->later = true;
     else push(g, i);
 }
 
-void ring_remove(struct ring *g, uint32_t i)
+void corners_remove(struct corners *g, uint32_t i)
 {
     struct corner *b = &g->c[i];
     g->c[b->prev].next = b->next;
@@ -159,7 +159,7 @@ struct vec3 newell_unit(const struct vec3 *v, uint32_t n)
  * counterclockwise. It takes coordinates as they were read, so nothing is rounded before the
  * orientation tests.
  */
-static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
+static void project(struct corners *g, const struct vec3 *v, struct vec3 normal)
 {
     double ax = fabs(normal.x), ay = fabs(normal.y), az = fabs(normal.z);
     for (uint32_t i = 0; i < g->n; i++) {
@@ -175,14 +175,14 @@ static void project(struct ring *g, const struct vec3 *v, struct vec3 normal)
     }
 }
 
-static void gather_blunt(struct ring *g)
+static void gather_blunt(struct corners *g)
 {
     double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
     for (uint32_t i = 0; i < g->n; i++) {
         struct corner *c = &g->c[i];
         x0 = fmin(x0, c->x), x1 = fmax(x1, c->x);
         y0 = fmin(y0, c->y), y1 = fmax(y1, c->y);
-        c->blunt = ring_turn(g, i) <= 0;
+        c->blunt = corners_turn(g, i) <= 0;
         if (c->blunt) g->blunt.at[g->blunt.n++] = (struct point){c->x, c->y, i};
     }
     g->width = x1 - x0;
@@ -190,7 +190,7 @@ static void gather_blunt(struct ring *g)
     points_build(&g->blunt);
 }
 
-bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
+bool corners_init(struct corners *g, const struct vec3 *v, uint32_t n)
 {
     struct vec3 normal = newell(v, n);
     if (normal.x == 0 && normal.y == 0 && normal.z == 0) return false;
@@ -200,7 +200,7 @@ bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
     g->c = g->stack_c;
     g->queue = g->stack_u;
     g->blunt = (struct points){.at = g->stack_p, .node = g->stack_n};
-    if (n > RING_STACK) {
+    if (n > CORNERS_STACK) {
         g->c = xmalloc(n, sizeof *g->c);
         g->queue = xmalloc(n, 2 * sizeof *g->queue);
         g->blunt.at = xmalloc(n, sizeof *g->blunt.at);
@@ -213,7 +213,7 @@ bool ring_init(struct ring *g, const struct vec3 *v, uint32_t n)
     return true;
 }
 
-void ring_free(struct ring *g)
+void corners_free(struct corners *g)
 {
     if (g->c == g->stack_c) return;
     free(g->c);

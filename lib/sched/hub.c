@@ -6,7 +6,7 @@
  *   pool     nobody that is known could have it  SLOTS, UP of a node: -> node
  *   node     NEW: it waits here for the node;    GIVE of its owner: -> the other one
  *            UP: it was given to it              GONE: -> the next before it that is up, or pool;
- *                                                it is late: -> an idle node (ring_hung.c)
+ *                                                it is late: -> an idle node (hub_hung.c)
  *   (any)    -                                   the last PIXELS: committed
  *
  * A task starts at the node it is preassigned to, else at node id mod n. A GIVE counts only from
@@ -16,7 +16,7 @@
  *
  * The ledger alone ends the run.
  */
-#include "sched/ring_int.h"
+#include "sched/hub_int.h"
 
 #include <stdlib.h>
 
