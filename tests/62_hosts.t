@@ -300,13 +300,13 @@ ok "at most 8 are being opened at a time ($(sort -n most | tail -1))" [ "$(sort 
 wait $half_pid
 is 'one of two hosts is dead, interleaved: exit 1' "$(cat half.status)" 1
 took_s=$(($(cat half.end) - start))
-ok "after 30 s ($took_s)" [ $took_s -ge 29 ] && [ $took_s -le 120 ]
+ok "after 30 s ($took_s)" [ $took_s -ge 29 ]
 gather -m half.frags | rtworker gears.nff >>half.frags 2>/dev/null
 gather -o out.pfm half.frags 2>/dev/null
 same 'and it can be finished'
 wait $drip_pid
-is 'a scene that is on its way for 17 s: exit 0' "$(cat drip.status) $(cat drip.said)" '0 '
-is 'a scene that is on its way to a tree for 17 s: not a word' "$(cat tree.said)" ''
+is 'a scene that is on its way for 17 s: exit 0' "$(cat drip.status) $(unexpected drip.said)" '0 '
+is 'a scene that is on its way to a tree for 17 s: not a word' "$(unexpected tree.said)" ''
 rtworker - <large.task | gather -o large.pfm
 for frags in drip tree; do
 	gather -o out.pfm $frags.frags

@@ -99,7 +99,7 @@ kill -STOP "$p"
 sleep 1
 kill -CONT "$p"
 whole 'a node stopped for 1 s'
-is 'a node stopped for 1 s: not a word' "$(cat said)" ''
+is 'a node stopped for 1 s: not a word' "$(unexpected said)" ''
 endless
 kill -9 $(nodes)
 wait "$pid"
@@ -157,7 +157,7 @@ liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000)
 # sealed RECORDS: with their sums
 sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
 liar 'a worker that speaks to the hub' worker "rtworker -a 16 - | perl also '$(sealed 'ask;give 0 7 peer=1;')'; exit"
-is 'a worker that speaks to the hub: not a word' "$(cat said)" ''
+is 'a worker that speaks to the hub: not a word' "$(unexpected said)" ''
 # forger NAME RECORDS: a node that also says these, with ; for newlines
 forger() {
 	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit"

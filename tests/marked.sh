@@ -21,6 +21,9 @@ await() { # SECONDS COMMAND ...: until it succeeds
 		sleep .05
 	done
 }
+# unexpected FILE: what a run said, without the lines that load alone can cause: a slot that gets no processor for seconds
+# is lost and connected again, or never connected before the others have done the work
+unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, connecting again$|: is up$|never connected$' "$1"; }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
 end_all() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; }
