@@ -7,28 +7,6 @@
 #define STEP 0.4 /* pixels: a point that is nearer to the one before it is left out */
 #define TURNS_MAX 3
 
-void outline_append(struct outline *o, struct point p)
-{
-    if (o->n == o->room) {
-        o->room = o->room ? 2 * o->room : 256;
-        o->at = xrealloc(o->at, o->room, sizeof *o->at);
-    }
-    o->at[o->n++] = p;
-}
-
-void outline_add(struct outline *o, struct point p)
-{
-    double before = o->n ? o->at[o->n - 1].x : 0;
-    if (!o->flat) p.x += 360 * round((before - p.x) / 360);
-    outline_append(o, p);
-}
-
-void outline_free(struct outline *o)
-{
-    free(o->at);
-    *o = (struct outline){.flat = o->flat};
-}
-
 /* Shifted by which multiples of 360 it may be seen; as it is where the map's numbers are none of
  * degrees, by far. An outline without points has no extent to divide. */
 static void find_turns(const struct drawing *s, const struct outline *o, int turn[2])

@@ -88,18 +88,6 @@ const char *err_word(char out[ERR_WORD], const void *word, size_t n)
     return out;
 }
 
-void relay(const char *who, const char *text, size_t n)
-{
-    struct buf b = {0};
-    for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char)text[i];
-        if ((c >= ' ' && c <= '~') || c == '\t') buf_append(&b, &c, 1);
-        else buf_printf(&b, "\\x%02x", c);
-    }
-    fprintf(stderr, "%s: %.*s\n", who, (int)buf_size(&b), (const char *)buf_data(&b));
-    buf_free(&b);
-}
-
 void usage(int status, const char *text)
 {
     fprintf(status ? stderr : stdout, "usage: %s %s\n", name, text);

@@ -7,22 +7,6 @@
 
 #define PATH_MAX_BYTES 1024 /* of a variable's whole name, as shown */
 
-bool cf_look(struct cf_file *c, char err[ERR_BYTES])
-{
-    int status = c->status;
-    c->status = NC_NOERR;
-    return !status || err_set(err, "%s", nc_strerror(status));
-}
-
-bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES])
-{
-    *c = (struct cf_file){0};
-    cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
-    return cf_look(c, err);
-}
-
-void cf_close(struct cf_file *c) { nc_close(c->root); }
-
 /* Does it name coordinates that vary along more than one dimension? */
 static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 {
@@ -94,8 +78,7 @@ void cf_field_free(struct cf_field *f)
     f->n_axes = 0;
 }
 
-bool cf_find(
-    struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES])
+bool cf_find(struct cf_file *c, const char *name, size_t n, struct cf_field *f, char err[ERR_BYTES])
 {
     int group = c->root, id = 0;
     char *path = xmalloc(n + 1, 1);

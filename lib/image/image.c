@@ -1,4 +1,4 @@
-/* Pixel buffers, and the choice of a codec. */
+/* Reading and writing files of pictures: the choice of a codec. */
 #include "image/codecs.h"
 
 #include <errno.h>
@@ -11,38 +11,6 @@
 /* No file of a picture that is accepted is longer: 16-bit RGBA that deflate could not shrink,
  * and headers. */
 #define FILE_BYTES_MAX ((size_t)IMAGE_PIXELS_MAX * 12 + (1 << 20))
-
-void image_init(struct image *im, uint32_t w, uint32_t h)
-{
-    im->w = w;
-    im->h = h;
-    im->rgba = xcalloc((size_t)w * h, 4 * sizeof(float));
-}
-
-void image_free(struct image *im)
-{
-    free(im->rgba);
-    *im = (struct image){0};
-}
-
-int image_fail(char err[IMAGE_ERR], const char *fmt, ...)
-{
-    va_list ap;
-    va_start(ap, fmt);
-    vsnprintf(err, IMAGE_ERR, fmt, ap);
-    va_end(ap);
-    return -1;
-}
-
-bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR])
-{
-    if (w >= 1 && h >= 1 && w <= FRAME_SIDE_MAX && h <= FRAME_SIDE_MAX && w * h <= IMAGE_PIXELS_MAX)
-        return true;
-    image_fail(err, "%llux%llu pixels, expected sides from 1 to %d and at most %llu pixels",
-        (unsigned long long)w, (unsigned long long)h, FRAME_SIDE_MAX,
-        (unsigned long long)IMAGE_PIXELS_MAX);
-    return false;
-}
 
 bool image_format_of(const char *path, enum image_format *format)
 {

@@ -1,7 +1,7 @@
 /* What must hold of every run, checked as it goes on, in time that does not grow with the run. */
 #include "sim/world.h"
 
-bool is_sent(const struct world *w, const struct lattice *at)
+bool sim_is_sent(const struct world *w, const struct lattice *at)
 {
     uint64_t n = lattice_count(at), i = 0;
     while (i < n && coverage_has(&w->sent, lattice_pixel(at, w->frame_w, i))) i++;
@@ -17,7 +17,7 @@ static void note_pixels(struct world *w, struct vtask *t, const struct lattice *
     for (uint64_t i = 0; i < n; i++) coverage_set(&w->sent, lattice_pixel(at, w->frame_w, i));
 }
 
-void note_event(struct world *w, const struct sched_event *e)
+void sim_note_event(struct world *w, const struct sched_event *e)
 {
     bool named = e->task.frame == 0 && e->task.id < (uint32_t)w->n_tasks;
     struct vtask *t = named ? &w->tasks[e->task.id] : NULL;
@@ -39,10 +39,11 @@ void note_event(struct world *w, const struct sched_event *e)
 
 static void check_commit(struct world *w, const struct sched_action *a)
 {
-    struct vtask *t = vtask_at(w, a->task.id);
+    struct vtask *t = sim_vtask_at(w, a->task.id);
     w->result->commits++;
-    if (!t || !t->known || t->committed) fail(w, "a second commit", a->task.id, 0);
-    else if (!is_sent(w, &t->task.at)) fail(w, "a commit before the last pixel", a->task.id, 0);
+    if (!t || !t->known || t->committed) sim_fail(w, "a second commit", a->task.id, 0);
+    else if (!sim_is_sent(w, &t->task.at))
+        sim_fail(w, "a commit before the last pixel", a->task.id, 0);
     if (!t) return;
     t->committed = true;
     if (a->task.id >= (uint32_t)w->plan->tasks) return;
@@ -52,23 +53,23 @@ static void check_commit(struct world *w, const struct sched_action *a)
 
 static void check_end(struct world *w)
 {
-    if (w->ended) fail(w, "a second end", 0, 0);
-    if (!w->input_ended || w->n_open) fail(w, "the end, with work uncommitted", w->n_open, 0);
+    if (w->ended) sim_fail(w, "a second end", 0, 0);
+    if (!w->input_ended || w->n_open) sim_fail(w, "the end, with work uncommitted", w->n_open, 0);
     if (w->sent.done != w->wanted_px)
-        fail(w, "the end, with pixels missing", (int64_t)w->sent.done, (int64_t)w->wanted_px);
+        sim_fail(w, "the end, with pixels missing", (int64_t)w->sent.done, (int64_t)w->wanted_px);
     w->ended = true;
 }
 
 /* What is made of a task is seen for the first time when it is given. */
 static void note_piece(struct world *w, const struct sched_action *a)
 {
-    struct vtask *t = vtask_at(w, a->task.id);
+    struct vtask *t = sim_vtask_at(w, a->task.id);
     if (!t || t->known) return;
     t->task = a->task;
     t->known = true;
 }
 
-void note_action(struct world *w, const struct sched_action *a)
+void sim_note_action(struct world *w, const struct sched_action *a)
 {
     bool given = a->kind == SCHED_GIVE, piece = given && a->task.id >= (uint32_t)w->plan->tasks;
     w->result->gives += given;

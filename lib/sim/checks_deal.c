@@ -93,7 +93,8 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
 {
     if (!has(t, k)) return;
     int32_t nth = w->policy->tries(w->state, k, 0, t->task.id);
-    if (!is_piece(w, t) && nth != of(t)->nth[k]) fail(w, "done of another try", nth, of(t)->nth[k]);
+    if (!is_piece(w, t) && nth != of(t)->nth[k])
+        sim_fail(w, "done of another try", nth, of(t)->nth[k]);
     of(t)->owners &= ~(UINT64_C(1) << k);
     w->slots[k].has--;
     if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
@@ -149,7 +150,7 @@ static void check_withheld(struct world *w, struct vtask *t, int32_t k)
     const struct vslot *s = &w->slots[of(t)->computed_by];
     bool late =
         w->plan->params.endgame && (w->input_ended || is_late(w, t)) && (s->asked || s->has);
-    if (!late || owes(w, k)) fail(w, "work given that is computed", k, t->task.id);
+    if (!late || owes(w, k)) sim_fail(w, "work given that is computed", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
 }
@@ -160,7 +161,7 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
     int32_t wholes = 0;
     t->task = a->task;
     if (!w->plan->params.endgame || !w->input_ended)
-        fail(w, "a piece before the end", a->slot, a->task.id);
+        sim_fail(w, "a piece before the end", a->slot, a->task.id);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *other = &w->tasks[i];
         if (other == t || !other->known || of(other)->overtaken) continue;
@@ -169,9 +170,9 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
         if (inside(w, t, other)) wholes += i < w->plan->tasks;
         else if (inside(w, other, t)) continue;
         else if (i >= w->plan->tasks && meet(w, &t->task.at, &other->task.at))
-            fail(w, "pieces overlap", a->task.id, i);
+            sim_fail(w, "pieces overlap", a->task.id, i);
     }
-    if (wholes != 1) fail(w, "a piece of no task", wholes, a->task.id);
+    if (wholes != 1) sim_fail(w, "a piece of no task", wholes, a->task.id);
     t->known = true;
 }
 
@@ -209,15 +210,15 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
 {
     w->result->copies++;
     bool may = w->input_ended && (w->plan->params.endgame || adapts(w));
-    if (!may && !is_late(w, t)) fail(w, "work given twice", k, t->task.id);
+    if (!may && !is_late(w, t)) sim_fail(w, "work given twice", k, t->task.id);
     w->result->late_copies += !may;
-    if (w->slots[k].has) fail(w, "a copy to a slot that is busy", k, t->task.id);
-    if (count_waiting(w, false)) fail(w, "a copy, while other work waits", k, t->task.id);
-    if (in_pieces(w, t, false)) fail(w, "a copy of what is in pieces", k, t->task.id);
+    if (w->slots[k].has) sim_fail(w, "a copy to a slot that is busy", k, t->task.id);
+    if (count_waiting(w, false)) sim_fail(w, "a copy, while other work waits", k, t->task.id);
+    if (in_pieces(w, t, false)) sim_fail(w, "a copy of what is in pieces", k, t->task.id);
     if (!w->plan->params.endgame && !in_store(w, t))
-        fail(w, "a copy of what is begun", k, t->task.id);
+        sim_fail(w, "a copy of what is begun", k, t->task.id);
     if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
-        fail(w, "too many copies", k, t->task.id);
+        sim_fail(w, "too many copies", k, t->task.id);
 }
 
 /* Beyond the depth, or what is left of it at the end? */
@@ -225,11 +226,11 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
 {
     int32_t most = adapts(w) ? AUTO_MOST : w->plan->width + w->plan->params.depth,
             n = w->slots[k].has;
-    if (n > most) fail(w, "more given than the depth allows", k, id);
+    if (n > most) sim_fail(w, "more given than the depth allows", k, id);
     /* With pieces there may be more that waits than is seen here. */
     if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
     if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
-        fail(w, "more in store than waits", k, id);
+        sim_fail(w, "more in store than waits", k, id);
 }
 
 /* Where all may have as many: it is for who has least, of equals the first. A copy is for one of
@@ -238,7 +239,7 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
 {
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
         int32_t first = i < k && !w->plan->params.endgame, had = w->slots[k].has - 1;
-        if (is_up(w, i) && w->slots[i].has - first < had) fail(w, "another has less", i, id);
+        if (is_up(w, i) && w->slots[i].has - first < had) sim_fail(w, "another has less", i, id);
     }
 }
 
@@ -248,30 +249,31 @@ static void check_turn(struct world *w, const struct vtask *t)
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
         bool first = of(other)->gives ? !of(other)->owners : other->task.id < t->task.id;
-        if (other->to < 0 && is_open(other) && first) fail(w, "out of turn", t->task.id, i);
+        if (other->to < 0 && is_open(other) && first) sim_fail(w, "out of turn", t->task.id, i);
     }
 }
 
 static void check_give(struct world *w, const struct sched_action *a)
 {
     struct vslot *s = &w->slots[a->slot];
-    struct vtask *t = vtask_at(w, a->task.id);
+    struct vtask *t = sim_vtask_at(w, a->task.id);
     if (!t) {
-        fail(w, "work that does not exist", a->slot, a->task.id);
+        sim_fail(w, "work that does not exist", a->slot, a->task.id);
         return;
     }
     if (!t->known && is_piece(w, t)) check_piece(w, t, a);
     if (memcmp(&t->task.at, &a->task.at, sizeof a->task.at) != 0)
-        fail(w, "other pixels under the same id", a->slot, a->task.id);
-    if (!s->up) fail(w, "work given to a slot that is not up", a->slot, a->task.id);
+        sim_fail(w, "other pixels under the same id", a->slot, a->task.id);
+    if (!s->up) sim_fail(w, "work given to a slot that is not up", a->slot, a->task.id);
     if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
-        fail(w, "work given that is not to do", a->slot, a->task.id);
+        sim_fail(w, "work given that is not to do", a->slot, a->task.id);
     bool withheld = of(t)->computed_by >= 0;
     if (withheld) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot, withheld);
     else if (t->to < 0 && !of(t)->gives) check_turn(w, t);
     bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
-    if (chosen && t->to != a->slot) fail(w, "work of one slot given to another", t->to, a->slot);
+    if (chosen && t->to != a->slot)
+        sim_fail(w, "work of one slot given to another", t->to, a->slot);
     of(t)->owners |= UINT64_C(1) << a->slot;
     of(t)->nth[a->slot] = (uint8_t)++of(t)->gives;
     of(t)->order = w->result->gives;
@@ -287,15 +289,15 @@ static void check_stop(struct world *w, bool stop)
 {
     bool busy = false, may = w->plan->params.endgame || adapts(w);
     for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (is_up(w, k) && w->slots[k].has);
-    if (stop && !may) fail(w, "slots are stopped", 0, 0);
-    if (may && stop != busy) fail(w, "busy at the end", busy, stop);
+    if (stop && !may) sim_fail(w, "slots are stopped", 0, 0);
+    if (may && stop != busy) sim_fail(w, "busy at the end", busy, stop);
 }
 
 static void deal_action(struct world *w, const struct sched_action *a)
 {
     if (a->kind == SCHED_GIVE) check_give(w, a);
     if (a->kind == SCHED_ASK_FLUSH) w->slots[a->slot].asked = true;
-    if (a->kind == SCHED_COMMIT) overtake(w, vtask_at(w, a->task.id));
+    if (a->kind == SCHED_COMMIT) overtake(w, sim_vtask_at(w, a->task.id));
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_stop(w, a->kind == SCHED_STOP);
 }
 
@@ -310,15 +312,16 @@ static void check_owners(struct world *w)
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
     if (!endgame && waiting > count_waiting(w, false))
-        fail(w, "more waiting than there is", waiting, 0);
+        sim_fail(w, "more waiting than there is", waiting, 0);
     if (!endgame || idle < 0 || w->ended) return;
-    if (waiting) fail(w, "a slot is idle, and work waits", idle, waiting);
+    if (waiting) sim_fail(w, "a slot is idle, and work waits", idle, waiting);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
-        if (free >= 0 && computed) fail(w, "a slot is free, and pixels are withheld", free, i);
+        if (free >= 0 && computed) sim_fail(w, "a slot is free, and pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
-        if (copies_of(w, t) < SIM_COPIES_MOST) fail(w, "a slot is idle in the endgame", idle, i);
+        if (copies_of(w, t) < SIM_COPIES_MOST)
+            sim_fail(w, "a slot is idle in the endgame", idle, i);
     }
 }
 

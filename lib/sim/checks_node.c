@@ -20,16 +20,16 @@ static bool is_steady(const struct world *w)
 static void settle(struct world *w, struct rslot *s, int32_t k)
 {
     const int32_t width = w->plan->width;
-    double most_px = s->had_px / 2 + ring_model(w)->most_px;
-    if (s->asker >= 0 && !s->answers) fail(w, "an ask was not answered", k, s->asker);
+    double most_px = s->had_px / 2 + sim_ring_model(w)->most_px;
+    if (s->asker >= 0 && !s->answers) sim_fail(w, "an ask was not answered", k, s->asker);
     if (s->asker >= 0 && w->plan->params.one && s->answers > 1)
-        fail(w, "more than one given", k, s->answers);
+        sim_fail(w, "more than one given", k, s->answers);
     if (s->in_time && s->given_px > most_px)
-        fail(w, "more than half given", (int64_t)s->given_px, k);
+        sim_fail(w, "more than half given", (int64_t)s->given_px, k);
     s->asker = -1;
-    if (s->queued && s->fed < width) fail(w, "a worker could have work", k, s->queued);
+    if (s->queued && s->fed < width) sim_fail(w, "a worker could have work", k, s->queued);
     if (!s->queued && !s->fed && s->has_place && !s->asked && !s->ended)
-        fail(w, "a node has nothing to do, and does not ask", k, 0);
+        sim_fail(w, "a node has nothing to do, and does not ask", k, 0);
 }
 
 static void node_begins(struct world *w, struct rslot *s, int32_t k)
@@ -71,11 +71,11 @@ static void node_forgets(struct rslot *s, int32_t k, struct rtask *t, const stru
     t->fed &= ~bit;
 }
 
-void ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
+void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
 {
-    struct rslot *s = &ring_model(w)->slots[k];
+    struct rslot *s = &sim_ring_model(w)->slots[k];
     struct rtask *t =
-        e->kind == SCHED_TASK || e->kind == SCHED_DONE ? ring_task(w, &e->task) : NULL;
+        e->kind == SCHED_TASK || e->kind == SCHED_DONE ? sim_ring_task(w, &e->task) : NULL;
     uint64_t bit = UINT64_C(1) << k;
     if (e->kind == SCHED_SLOTS) node_begins(w, s, k);
     else settle(w, s, k);
@@ -84,7 +84,7 @@ void ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
     if (e->kind == SCHED_TASK) s->asked = false;
     if (e->kind == SCHED_TASK && !((t->queued | t->fed) & bit)) {
         t->queued |= bit;
-        t->came[k] = ring_model(w)->came++;
+        t->came[k] = sim_ring_model(w)->came++;
         s->queued++;
         s->has_px += px_of(&e->task);
     }
@@ -96,15 +96,15 @@ static void check_give_away(
 {
     uint64_t bit = UINT64_C(1) << k;
     if (!t || !(t->queued & bit)) {
-        fail(w, "given by who does not have it", k, (int32_t)a->task.id);
+        sim_fail(w, "given by who does not have it", k, (int32_t)a->task.id);
         return;
     }
-    if (a->ring.peer != s->asker) fail(w, "given to who has not asked", k, a->ring.peer);
-    if (s->asked) fail(w, "who wants work gives some", k, (int32_t)a->task.id);
+    if (a->ring.peer != s->asker) sim_fail(w, "given to who has not asked", k, a->ring.peer);
+    if (s->asked) sim_fail(w, "who wants work gives some", k, (int32_t)a->task.id);
     for (int32_t i = 0; i < w->n_tasks && w->plan->p_false <= 0; i++) {
         const struct rtask *other = w->tasks[i].note;
         if (other && other->queued & bit && other->came[k] < t->came[k])
-            fail(w, "given what is not the next", k, (int32_t)a->task.id);
+            sim_fail(w, "given what is not the next", k, (int32_t)a->task.id);
     }
     node_forgets(s, k, t, &a->task);
     s->given_px += px_of(&a->task);
@@ -116,38 +116,39 @@ static void check_node_says(
 {
     switch (a->ring.kind) {
     case RING_ASK:
-        if (s->asked) fail(w, "an ask beside another", k, 0);
-        if (!s->has_place || s->ended) fail(w, "an ask of who has no place", k, 0);
+        if (s->asked) sim_fail(w, "an ask beside another", k, 0);
+        if (!s->has_place || s->ended) sim_fail(w, "an ask of who has no place", k, 0);
         s->asked = true;
         break;
     case RING_NONE:
-        if (s->answers++ || a->ring.peer != s->asker) fail(w, "none, to whom?", k, a->ring.peer);
+        if (s->answers++ || a->ring.peer != s->asker)
+            sim_fail(w, "none, to whom?", k, a->ring.peer);
         break;
-    case RING_GIVE: check_give_away(w, s, k, ring_task(w, &a->task), a); break;
-    default: fail(w, "a node says what it may not", k, a->ring.kind);
+    case RING_GIVE: check_give_away(w, s, k, sim_ring_task(w, &a->task), a); break;
+    default: sim_fail(w, "a node says what it may not", k, a->ring.kind);
     }
 }
 
 static void check_feed(struct world *w, struct rslot *s, int32_t k, const struct sched_action *a)
 {
-    struct rtask *t = ring_task(w, &a->task);
+    struct rtask *t = sim_ring_task(w, &a->task);
     uint64_t bit = UINT64_C(1) << k;
     int32_t slack = is_steady(w) ? SLACK : SLACK_MOST * w->plan->width;
     if (!t || !(t->queued & bit)) {
-        fail(w, "a worker is fed what is not there", k, (int32_t)a->task.id);
+        sim_fail(w, "a worker is fed what is not there", k, (int32_t)a->task.id);
         return;
     }
     t->queued &= ~bit;
     t->fed |= bit;
     s->queued--;
     if (++s->fed > w->plan->width + slack)
-        fail(w, "a worker is fed more than it can do", k, s->fed);
+        sim_fail(w, "a worker is fed more than it can do", k, s->fed);
 }
 
-void ring_node_action(struct world *w, int32_t k, const struct sched_action *a)
+void sim_ring_node_action(struct world *w, int32_t k, const struct sched_action *a)
 {
-    struct rslot *s = &ring_model(w)->slots[k];
+    struct rslot *s = &sim_ring_model(w)->slots[k];
     if (a->kind == SCHED_SAY) check_node_says(w, s, k, a);
     if (a->kind == SCHED_GIVE) check_feed(w, s, k, a);
-    if (a->kind == SCHED_COMMIT) node_forgets(s, k, ring_task(w, &a->task), &a->task);
+    if (a->kind == SCHED_COMMIT) node_forgets(s, k, sim_ring_task(w, &a->task), &a->task);
 }

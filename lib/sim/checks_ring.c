@@ -25,12 +25,12 @@ static int32_t home_of(const struct world *w, const struct task *t)
 
 static void note_task(struct world *w, struct ring_model *m, const struct task *task)
 {
-    struct rtask *t = ring_task(w, task);
+    struct rtask *t = sim_ring_task(w, task);
     if (t->place != RING_ABSENT) return;
     m->open++;
     m->most_px = fmax(m->most_px, px_of(task));
     t->from = -1;
-    ring_enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
+    sim_ring_enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
 }
 
 static void note_slots(struct world *w, struct ring_model *m)
@@ -39,7 +39,7 @@ static void note_slots(struct world *w, struct ring_model *m)
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (t && t->place == RING_ORPHAN)
-            ring_enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
+            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
     }
 }
 
@@ -51,7 +51,7 @@ static void note_up(struct world *w, struct ring_model *m, int32_t k)
     s->promised = 0;
     s->state = RING_UP;
     s->placed = false;
-    ring_mark(w, m, k);
+    sim_ring_mark(w, m, k);
 }
 
 /* Nobody is asked for slot k any more. */
@@ -61,8 +61,8 @@ static void part(struct world *w, struct ring_model *m, int32_t k)
     if (victim < 0) return;
     m->slots[k].victim = -1;
     m->slots[victim].thieves--;
-    ring_mark(w, m, victim);
-    ring_mark(w, m, k);
+    sim_ring_mark(w, m, victim);
+    sim_ring_mark(w, m, k);
 }
 
 /* Nor is slot k, for anybody; they ask others. */
@@ -90,9 +90,9 @@ static void note_gone(struct world *w, struct ring_model *m, int32_t k)
         if (!t || t->base != k || t->place == RING_ABSENT) continue;
         if (t->place != RING_ORPHAN) t->passes = 0;
         t->from = -1;
-        ring_enter(w, m, t, RING_ORPHAN, k);
+        sim_ring_enter(w, m, t, RING_ORPHAN, k);
     }
-    ring_mark(w, m, k);
+    sim_ring_mark(w, m, k);
 }
 
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
@@ -101,21 +101,21 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     if (t->base != k || s->state != RING_UP || t->place == RING_ABSENT) return;
     s->dry = false;
     m->paced = true;
-    ring_mark(w, m, k);
+    sim_ring_mark(w, m, k);
     if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
     if (t->place == RING_HELD) s->moved_us = w->now_us;
-    if (t->place == RING_HELD) ring_enter(w, m, t, RING_COMPUTED, k);
+    if (t->place == RING_HELD) sim_ring_enter(w, m, t, RING_COMPUTED, k);
 }
 
 static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
 {
     struct rslot *s = &m->slots[e->slot];
-    struct rtask *t = e->ring.kind == RING_GIVE ? ring_task(w, &e->task) : NULL;
+    struct rtask *t = e->ring.kind == RING_GIVE ? sim_ring_task(w, &e->task) : NULL;
     int32_t peer = e->ring.peer;
     if (s->state != RING_UP) return;
     if (e->ring.kind == RING_ASK) {
         s->asking = true;
-        ring_mark(w, m, e->slot);
+        sim_ring_mark(w, m, e->slot);
         return;
     }
     if (e->ring.kind != RING_GIVE && e->ring.kind != RING_NONE) return;
@@ -124,8 +124,8 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     if (given) {
         t->from = e->slot;
         if (++t->passes > PASSES_MOST && w->plan->p_false <= 0)
-            fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
-        ring_enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
+            sim_fail(w, "a task is passed round", e->slot, (int32_t)e->task.id);
+        sim_ring_enter(w, m, t, RING_ORPHAN, exists ? peer : e->slot);
     }
     if (!exists || m->slots[peer].victim != e->slot) return;
     m->answer_us -= m->answer_us / ANSWERS;
@@ -136,7 +136,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     s->dry = s->given == m->slots[peer].given_before;
     m->slots[peer].passed = true;
     part(w, m, peer);
-    ring_mark(w, m, e->slot);
+    sim_ring_mark(w, m, e->slot);
 }
 
 /* Who was not answered in time waits no more, nor do the others that wait for the same. */
@@ -154,12 +154,12 @@ static void note_late(struct world *w, struct ring_model *m)
 
 static void ring_event(struct world *w, const struct sched_event *e)
 {
-    struct ring_model *m = ring_model(w);
+    struct ring_model *m = sim_ring_model(w);
     struct rtask *t;
     note_late(w, m);
     if (e->kind == SCHED_DONE || e->kind == SCHED_RING) {
         m->slots[e->slot].silent = false;
-        ring_mark(w, m, e->slot);
+        sim_ring_mark(w, m, e->slot);
     }
     m->touched = e->kind == SCHED_TASK ? -1 : e->slot;
     switch (e->kind) {
@@ -170,7 +170,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
     case SCHED_UP: note_up(w, m, e->slot); break;
     case SCHED_GONE: note_gone(w, m, e->slot); break;
     case SCHED_DONE:
-        if ((t = ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
+        if ((t = sim_ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
         break;
     case SCHED_RING: note_ring(w, m, e); break;
     case SCHED_PIXELS:
@@ -201,36 +201,36 @@ static void check_taken_over(
     const struct rslot *s = &m->slots[a->slot], *before = &m->slots[t->base];
     bool owed = t->place == RING_HELD || (t->place == RING_COMPUTED && before->flushed);
     if (!owed || w->now_us - before->moved_us < HUNG_US)
-        fail(w, "a task taken from who is in time", t->base, (int32_t)a->task.id);
+        sim_fail(w, "a task taken from who is in time", t->base, (int32_t)a->task.id);
     if (!s->asking || s->held || s->victim >= 0)
-        fail(w, "taken over by who is not idle", a->slot, (int32_t)a->task.id);
-    if (m->rich) fail(w, "taken over, and some have work to give", m->rich, a->slot);
+        sim_fail(w, "taken over by who is not idle", a->slot, (int32_t)a->task.id);
+    if (m->rich) sim_fail(w, "taken over, and some have work to give", m->rich, a->slot);
     t->from = t->base;
     m->taken_over = true;
     w->result->taken_over++;
-    ring_enter(w, m, t, RING_ORPHAN, a->slot);
+    sim_ring_enter(w, m, t, RING_ORPHAN, a->slot);
 }
 
 static void check_given(struct world *w, struct ring_model *m, const struct sched_action *a)
 {
     struct rslot *s = &m->slots[a->slot];
-    struct rtask *t = ring_task(w, &a->task);
+    struct rtask *t = sim_ring_task(w, &a->task);
     int32_t id = (int32_t)a->task.id;
     if (t && (t->place == RING_HELD || t->place == RING_COMPUTED) && t->base != a->slot)
         check_taken_over(w, m, t, a);
     if (!t || t->place != RING_ORPHAN) {
-        fail(w, "a task given that is not to be given", a->slot, id);
+        sim_fail(w, "a task given that is not to be given", a->slot, id);
         return;
     }
-    int32_t k = is_late(w, m, t, a->slot) ? a->slot : ring_receiver(w, m, t->base);
-    if (a->slot != k) fail(w, "a task given to another than whose it is", a->slot, k);
-    if (a->from != t->from) fail(w, "a task given as from another", a->from, t->from);
+    int32_t k = is_late(w, m, t, a->slot) ? a->slot : sim_ring_receiver(w, m, t->base);
+    if (a->slot != k) sim_fail(w, "a task given to another than whose it is", a->slot, k);
+    if (a->from != t->from) sim_fail(w, "a task given as from another", a->from, t->from);
     if (s->state != RING_UP) return;
     if (!s->held) s->moved_us = w->now_us;
     s->given++;
     s->asking = s->told = s->passed = s->dry = s->flushed = false;
     part(w, m, a->slot);
-    ring_enter(w, m, t, RING_HELD, a->slot);
+    sim_ring_enter(w, m, t, RING_HELD, a->slot);
 }
 
 /* What slot k has left, in powers of two; before anybody is known to be faster than another. */
@@ -245,38 +245,38 @@ static void check_choice(struct world *w, struct ring_model *m, int32_t victim, 
     const int32_t n = w->plan->slots;
     for (int32_t i = 0; i < n && !m->paced && !w->plan->work; i++)
         if (m->slots[i].rich && class_of(w, &m->slots[i]) > class_of(w, &m->slots[victim]))
-            fail(w, "another has more work", i, victim);
+            sim_fail(w, "another has more work", i, victim);
     for (int32_t i = (thief + 1) % n; i != victim; i = (i + 1) % n)
-        if (m->slots[i].hungry) fail(w, "another is nearer", i, thief);
+        if (m->slots[i].hungry) sim_fail(w, "another is nearer", i, thief);
 }
 
 static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
 {
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
-    if (!v->rich) fail(w, "who has nothing to give is asked", victim, thief);
-    if (!s->hungry) fail(w, "somebody is asked for who does not want", victim, thief);
+    if (!v->rich) sim_fail(w, "who has nothing to give is asked", victim, thief);
+    if (!s->hungry) sim_fail(w, "somebody is asked for who does not want", victim, thief);
     check_choice(w, m, victim, thief);
     v->thieves++;
     s->victim = victim;
     s->given_before = v->given;
     s->since_us = w->now_us;
-    ring_mark(w, m, victim);
-    ring_mark(w, m, thief);
+    sim_ring_mark(w, m, victim);
+    sim_ring_mark(w, m, thief);
 }
 
 static void check_said(struct world *w, struct ring_model *m, const struct sched_action *a)
 {
     struct rslot *s = &m->slots[a->slot];
     const struct ring *r = &a->ring;
-    if (s->state != RING_UP) fail(w, "something said to who is not there", a->slot, r->kind);
+    if (s->state != RING_UP) sim_fail(w, "something said to who is not there", a->slot, r->kind);
     if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
     else if (r->kind == RING_NONE) {
         if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
-            fail(w, "none, to whom?", a->slot, r->peer);
+            sim_fail(w, "none, to whom?", a->slot, r->peer);
         s->told = true;
-    } else if (r->kind != RING_PLACE) fail(w, "the hub says what it may not", a->slot, r->kind);
+    } else if (r->kind != RING_PLACE) sim_fail(w, "the hub says what it may not", a->slot, r->kind);
     else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
-        fail(w, "another place", a->slot, r->me);
+        sim_fail(w, "another place", a->slot, r->me);
     if (r->kind == RING_PLACE) s->placed = true;
 }
 
@@ -288,45 +288,47 @@ static bool owes_flush(const struct ring_model *m, const struct rslot *s)
 
 static void ring_action(struct world *w, const struct sched_action *a)
 {
-    struct ring_model *m = ring_model(w);
+    struct ring_model *m = sim_ring_model(w);
     struct rtask *t;
     switch (a->kind) {
     case SCHED_GIVE: check_given(w, m, a); break;
     case SCHED_SAY: check_said(w, m, a); break;
     case SCHED_ASK_FLUSH:
-        if (!owes_flush(m, &m->slots[a->slot])) fail(w, "a flush for nothing", a->slot, 0);
+        if (!owes_flush(m, &m->slots[a->slot])) sim_fail(w, "a flush for nothing", a->slot, 0);
         m->slots[a->slot].flushed = true;
         m->slots[a->slot].moved_us = w->now_us;
         break;
     case SCHED_COMMIT:
-        if ((t = ring_task(w, &a->task)) == NULL) break;
+        if ((t = sim_ring_task(w, &a->task)) == NULL) break;
         m->open--;
-        ring_enter(w, m, t, RING_ABSENT, -1);
+        sim_ring_enter(w, m, t, RING_ABSENT, -1);
         break;
     case SCHED_END:
     case SCHED_STOP:
-        if ((a->kind == SCHED_STOP) != m->taken_over) fail(w, "nodes are stopped, or not", 0, 0);
+        if ((a->kind == SCHED_STOP) != m->taken_over)
+            sim_fail(w, "nodes are stopped, or not", 0, 0);
     }
 }
 
 /* What was to be done in this step was done. */
 static void ring_after(struct world *w)
 {
-    struct ring_model *m = ring_model(w);
+    struct ring_model *m = sim_ring_model(w);
     int32_t k = m->touched;
     if (m->known && m->up && m->orphans > m->promised)
-        fail(w, "a task is nobody's", m->orphans, m->promised);
-    if (m->hungry && m->rich) fail(w, "one wants work, another has it", m->hungry, m->rich);
-    if (m->hungry && m->promised) fail(w, "one wants work, some waits", m->hungry, m->promised);
-    if (k >= 0 && m->slots[k].hungry && !m->slots[k].told) fail(w, "who waits is not told", k, 0);
+        sim_fail(w, "a task is nobody's", m->orphans, m->promised);
+    if (m->hungry && m->rich) sim_fail(w, "one wants work, another has it", m->hungry, m->rich);
+    if (m->hungry && m->promised) sim_fail(w, "one wants work, some waits", m->hungry, m->promised);
+    if (k >= 0 && m->slots[k].hungry && !m->slots[k].told)
+        sim_fail(w, "who waits is not told", k, 0);
     if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
-        fail(w, "a node was not told its place", k, 0);
-    if (k >= 0 && owes_flush(m, &m->slots[k])) fail(w, "pixels are not asked for", k, 0);
+        sim_fail(w, "a node was not told its place", k, 0);
+    if (k >= 0 && owes_flush(m, &m->slots[k])) sim_fail(w, "pixels are not asked for", k, 0);
     int64_t open = sched_uncommitted(w->policy, w->state);
-    if (open != m->open) fail(w, "another number of tasks to do", open, m->open);
+    if (open != m->open) sim_fail(w, "another number of tasks to do", open, m->open);
     if (w->policy->waiting(w->state) != m->open - m->computed)
-        fail(w, "another number of tasks waits", w->policy->waiting(w->state), m->open);
-    if (m->input_ended && !m->open && !w->ended) fail(w, "all is done, and no end", 0, 0);
+        sim_fail(w, "another number of tasks waits", w->policy->waiting(w->state), m->open);
+    if (m->input_ended && !m->open && !w->ended) sim_fail(w, "all is done, and no end", 0, 0);
     if (!m->open) m->flush = false;
 }
 
@@ -341,5 +343,5 @@ const struct sim_checks sim_checks_ring = {.event = ring_event,
     .action = ring_action,
     .after = ring_after,
     .restart = ring_restart,
-    .node_event = ring_node_event,
-    .node_action = ring_node_action};
+    .node_event = sim_ring_node_event,
+    .node_action = sim_ring_node_action};

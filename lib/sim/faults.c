@@ -13,35 +13,35 @@ static void plan_fault(
     struct world *w, int64_t at_us, int32_t k, enum sim_fault_kind kind, double power)
 {
     struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = (int32_t)kind, .power = power}};
-    schedule(w, at_us, k, e);
+    sim_schedule(w, at_us, k, e);
 }
 
-void draw_fault(struct world *w, int32_t k)
+void sim_draw_fault(struct world *w, int32_t k)
 {
     const struct sim_plan *p = w->plan;
-    int64_t at = (int64_t)(draw(w) * draw(w) * (double)p->faults_us);
+    int64_t at = (int64_t)(sim_draw(w) * sim_draw(w) * (double)p->faults_us);
     bool mortal = k > 0;
-    if (draw(w) < p->p_crash && mortal) plan_fault(w, at, k, SIM_CRASH, 0);
-    else if (draw(w) < p->p_silence && mortal) plan_fault(w, at, k, SIM_SILENCE, 0);
-    else if (draw(w) < p->p_pause) plan_fault(w, at, k, SIM_PAUSE, 0);
-    else if (draw(w) < p->p_slow && mortal)
-        plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * draw(w));
-    else if (p->p_hang > 0 && draw(w) < p->p_hang && mortal)
-        plan_fault(w, at, k, SIM_HANG, draw(w) < .5);
+    if (sim_draw(w) < p->p_crash && mortal) plan_fault(w, at, k, SIM_CRASH, 0);
+    else if (sim_draw(w) < p->p_silence && mortal) plan_fault(w, at, k, SIM_SILENCE, 0);
+    else if (sim_draw(w) < p->p_pause) plan_fault(w, at, k, SIM_PAUSE, 0);
+    else if (sim_draw(w) < p->p_slow && mortal)
+        plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * sim_draw(w));
+    else if (p->p_hang > 0 && sim_draw(w) < p->p_hang && mortal)
+        plan_fault(w, at, k, SIM_HANG, sim_draw(w) < .5);
 }
 
-void plan_faults(struct world *w)
+void sim_plan_faults(struct world *w)
 {
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
         if (f->at_us >= 0) plan_fault(w, f->at_us, f->slot, f->kind, f->power);
     }
-    if (draw(w) < p->p_kill)
-        plan_fault(w, (int64_t)(draw(w) * (double)p->faults_us), 0, SIM_KILL, 0);
+    if (sim_draw(w) < p->p_kill)
+        plan_fault(w, (int64_t)(sim_draw(w) * (double)p->faults_us), 0, SIM_KILL, 0);
 }
 
-void befall_by_commits(struct world *w, int64_t before)
+void sim_inject_by_commits(struct world *w, int64_t before)
 {
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
@@ -56,14 +56,14 @@ static void kill_hub(struct world *w)
 {
     if (w->ended || w->down) return;
     w->result->kills++;
-    for (int32_t k = 0; k < w->plan->slots; k++) end_slot(w, k);
+    for (int32_t k = 0; k < w->plan->slots; k++) sim_end_slot(w, k);
     w->hub++;
     w->down = true;
-    int64_t at = w->now_us + (int64_t)(draw(w) * HUB_DOWN_US);
-    schedule(w, at, 0, (struct sim_event){.kind = SIM_RESTART});
+    int64_t at = w->now_us + (int64_t)(sim_draw(w) * HUB_DOWN_US);
+    sim_schedule(w, at, 0, (struct sim_event){.kind = SIM_RESTART});
 }
 
-void befall(struct world *w, const struct sim_event *e)
+void sim_inject_fault(struct world *w, const struct sim_event *e)
 {
     int32_t k = e->slot;
     struct vslot *s = &w->slots[k];
@@ -74,15 +74,15 @@ void befall(struct world *w, const struct sim_event *e)
     switch (kind) {
     case SIM_CRASH:
         w->result->crashes++;
-        lose_slot(w, k);
+        sim_lose_slot(w, k);
         break;
     case SIM_SILENCE:
         s->stalled = true;
-        schedule(w, w->now_us + silence_us, k, (struct sim_event){.kind = SIM_GIVE_UP});
+        sim_schedule(w, w->now_us + silence_us, k, (struct sim_event){.kind = SIM_GIVE_UP});
         break;
     case SIM_PAUSE:
         s->stalled = true;
-        schedule(w, w->now_us + (int64_t)(draw(w) * (double)silence_us), k,
+        sim_schedule(w, w->now_us + (int64_t)(sim_draw(w) * (double)silence_us), k,
             (struct sim_event){.kind = SIM_RESUME});
         break;
     case SIM_SLOW:
@@ -107,7 +107,7 @@ static void forget(struct world *w, struct vtask *t)
     bool last = t->task.id + 1 == (uint32_t)w->plan->tasks;
     t->known = false;
     t->sent = 0;
-    t->committed = !last && is_sent(w, &t->task.at);
+    t->committed = !last && sim_is_sent(w, &t->task.at);
     for (uint64_t i = 0, n = lattice_count(&t->task.at); i < n && !t->committed; i++) {
         uint64_t p = lattice_pixel(&t->task.at, w->frame_w, i), bit = UINT64_C(1) << (p & 63);
         w->sent.done -= (w->sent.bits[p >> 6] & bit) != 0;
@@ -115,7 +115,7 @@ static void forget(struct world *w, struct vtask *t)
     }
 }
 
-void restart_hub(struct world *w)
+void sim_restart_hub(struct world *w)
 {
     w->down = false;
     w->policy->destroy(w->state);
@@ -142,5 +142,5 @@ void restart_hub(struct world *w)
         s->has = 0;
     }
     if (w->checks && w->checks->restart) w->checks->restart(w);
-    start_slots(w, w->now_us);
+    sim_start_slots(w, w->now_us);
 }

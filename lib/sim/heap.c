@@ -16,7 +16,7 @@ static void grow(struct sim_heap *h)
     for (; h->cap < cap; h->cap++) h->at[h->cap].body = h->cap;
 }
 
-void heap_push(struct sim_heap *h, const struct sim_event *e)
+void sim_heap_push(struct sim_heap *h, const struct sim_event *e)
 {
     if (h->n == h->cap) grow(h);
     struct sim_key key = {e->at_us, h->order++, h->at[h->n].body};
@@ -26,7 +26,7 @@ void heap_push(struct sim_heap *h, const struct sim_event *e)
     h->at[i] = key;
 }
 
-bool heap_pop(struct sim_heap *h, struct sim_event *e)
+bool sim_heap_pop(struct sim_heap *h, struct sim_event *e)
 {
     if (!h->n) return false;
     size_t body = h->at[0].body, i = 0;
@@ -42,7 +42,7 @@ bool heap_pop(struct sim_heap *h, struct sim_event *e)
     return true;
 }
 
-void heap_free(struct sim_heap *h)
+void sim_heap_free(struct sim_heap *h)
 {
     free(h->at);
     free(h->bodies);

@@ -40,8 +40,8 @@ struct sim_heap {
     size_t n, cap;
     uint64_t order;
 };
-void heap_push(struct sim_heap *h, const struct sim_event *e);
-bool heap_pop(struct sim_heap *h, struct sim_event *e);
-void heap_free(struct sim_heap *h);
+void sim_heap_push(struct sim_heap *h, const struct sim_event *e);
+bool sim_heap_pop(struct sim_heap *h, struct sim_event *e);
+void sim_heap_free(struct sim_heap *h);
 
 #endif

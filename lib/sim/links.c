@@ -7,7 +7,7 @@
 static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
 {
     double us = (double)w->plan->latency_us * trips;
-    if (w->plan->jitter > 0) us *= 1 + w->plan->jitter * (2 * draw(w) - 1);
+    if (w->plan->jitter > 0) us *= 1 + w->plan->jitter * (2 * sim_draw(w) - 1);
     int64_t at = from_us + (int64_t)us;
     if (at < *latest) at = *latest;
     return *latest = at;
@@ -41,21 +41,21 @@ static bool is_bulk(const struct sched_event *e)
 static void send_datagram(struct world *w, int64_t at_us, int32_t k, struct sim_event e)
 {
     const struct sim_plan *p = w->plan;
-    if (p->p_lose > 0 && draw(w) < p->p_lose) {
+    if (p->p_lose > 0 && sim_draw(w) < p->p_lose) {
         w->result->lost++;
         return;
     }
-    if (p->p_late > 0 && draw(w) < p->p_late) {
+    if (p->p_late > 0 && sim_draw(w) < p->p_late) {
         w->result->late++;
-        at_us += (int64_t)(draw(w) * LATE_US);
+        at_us += (int64_t)(sim_draw(w) * LATE_US);
     }
-    schedule(w, at_us, k, e);
-    if (p->p_double <= 0 || draw(w) >= p->p_double) return;
+    sim_schedule(w, at_us, k, e);
+    if (p->p_double <= 0 || sim_draw(w) >= p->p_double) return;
     w->result->doubled++;
-    schedule(w, at_us + (int64_t)(draw(w) * LATE_US), k, e);
+    sim_schedule(w, at_us + (int64_t)(sim_draw(w) * LATE_US), k, e);
 }
 
-void say(struct world *w, int32_t k, struct sched_event e)
+void sim_say(struct world *w, int32_t k, struct sched_event e)
 {
     struct vslot *s = &w->slots[k];
     int64_t at;
@@ -70,10 +70,10 @@ void say(struct world *w, int32_t k, struct sched_event e)
     bool waits = w->plan->hub_bytes_per_s > 0 && is_bulk(&e);
     struct sim_event up = {.kind = waits ? SIM_AT_HUB : SIM_SCHED, .sched = e};
     if (e.kind == SCHED_RING) send_datagram(w, at, k, up);
-    else schedule(w, at, k, up);
+    else sim_schedule(w, at, k, up);
 }
 
-void pass_hub(struct world *w, const struct sim_event *e)
+void sim_pass_hub(struct world *w, const struct sim_event *e)
 {
     struct sim_event passed = *e;
     double bytes = SIM_PIXEL_BYTES * (double)lattice_count(&e->sched.task.at);
@@ -81,10 +81,10 @@ void pass_hub(struct world *w, const struct sim_event *e)
     if (e->sched.kind == SCHED_PIXELS)
         w->hub_us += (int64_t)(1e6 * bytes / w->plan->hub_bytes_per_s);
     passed.kind = SIM_SCHED;
-    schedule(w, w->hub_us, e->slot, passed);
+    sim_schedule(w, w->hub_us, e->slot, passed);
 }
 
-void send_down(struct world *w, int32_t k, const struct sched_action *a)
+void sim_send_down(struct world *w, int32_t k, const struct sched_action *a)
 {
     struct sched_event e = {.task = a->task, .frame_w = w->frame_w, .from = -1, .ring = a->ring};
     bool between_nodes = a->kind == SCHED_SAY && a->ring.kind != RING_PLACE;
@@ -103,5 +103,5 @@ void send_down(struct world *w, int32_t k, const struct sched_action *a)
     w->result->messages += between_nodes;
     struct sim_event down = {.kind = SIM_TO_SLOT, .sched = e};
     if (between_nodes) send_datagram(w, at, k, down);
-    else schedule(w, at, k, down);
+    else sim_schedule(w, at, k, down);
 }

@@ -9,11 +9,11 @@ static void say_false(struct world *w, int32_t k)
 {
     static const enum ring_kind kinds[] = {RING_GIVE, RING_GIVE, RING_NONE, RING_ASK, RING_HEIR};
     struct sched_event e = {.kind = SCHED_RING, .ring.next = -1};
-    e.ring.kind = kinds[(int)(draw(w) * 5)];
-    e.ring.peer = (int32_t)(draw(w) * (w->plan->slots + 2)) - 1;
-    e.task.id = (uint32_t)(draw(w) * w->plan->tasks);
+    e.ring.kind = kinds[(int)(sim_draw(w) * 5)];
+    e.ring.peer = (int32_t)(sim_draw(w) * (w->plan->slots + 2)) - 1;
+    e.task.id = (uint32_t)(sim_draw(w) * w->plan->tasks);
     w->result->garbage++;
-    say(w, k, e);
+    sim_say(w, k, e);
 }
 
 static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
@@ -23,8 +23,8 @@ static void say_ring(struct world *w, int32_t k, const struct sched_action *a)
     w->result->passed += a->ring.kind == RING_GIVE;
     w->result->reports += a->ring.kind == RING_CRASHED;
     if (a->ring.kind == RING_ASK) s->asks = true;
-    if (w->plan->p_false > 0 && draw(w) < w->plan->p_false) say_false(w, k);
-    say(w, k, (struct sched_event){.kind = SCHED_RING, .task = a->task, .ring = a->ring});
+    if (w->plan->p_false > 0 && sim_draw(w) < w->plan->p_false) say_false(w, k);
+    sim_say(w, k, (struct sched_event){.kind = SCHED_RING, .task = a->task, .ring = a->ring});
 }
 
 static void node_act(struct world *w, int32_t k, const struct sched_action *a)
@@ -33,23 +33,23 @@ static void node_act(struct world *w, int32_t k, const struct sched_action *a)
     if (w->checks && w->checks->node_action) w->checks->node_action(w, k, a);
     switch (a->kind) {
     case SCHED_GIVE:
-        append_task(&s->queue, &a->task);
-        start_next(w, k);
+        sim_append_task(&s->queue, &a->task);
+        sim_start_next(w, k);
         break;
     case SCHED_SAY: say_ring(w, k, a); break;
-    case SCHED_ASK_FLUSH: hand_over(w, k); break;
+    case SCHED_ASK_FLUSH: sim_hand_over(w, k); break;
     case SCHED_COMMIT: break;
     case SCHED_END:
     case SCHED_STOP:
         s->node_ended = true;
-        hand_over(w, k);
+        sim_hand_over(w, k);
         break;
     }
 }
 
 /* What it does may make its worker answer, which is its next event: one list has the actions of
  * both. */
-void node_step(struct world *w, int32_t k, struct sched_event e)
+void sim_node_step(struct world *w, int32_t k, struct sched_event e)
 {
     struct vslot *s = &w->slots[k];
     struct sched_actions *acts = &w->node_acts;
@@ -66,24 +66,24 @@ void node_step(struct world *w, int32_t k, struct sched_event e)
         node_act(w, k, &a);
     }
     acts->n = 0;
-    schedule_wake(w, w->plan->node, s->node, k);
+    sim_schedule_wake(w, w->plan->node, s->node, k);
 }
 
-void node_begin(struct world *w, int32_t k)
+void sim_node_begin(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     s->node = w->plan->node->create(&(struct sched_params){0});
     s->node_ended = s->asks = false;
     s->wake_us = INT64_MAX;
-    node_step(w, k, (struct sched_event){.kind = SCHED_SLOTS, .n = 1, .from = -1});
-    node_step(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width, .from = -1});
+    sim_node_step(w, k, (struct sched_event){.kind = SCHED_SLOTS, .n = 1, .from = -1});
+    sim_node_step(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width, .from = -1});
 }
 
-void node_wake(struct world *w, int32_t k)
+void sim_node_wake(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     s->wake_us = INT64_MAX;
     if (w->plan->node->wake_us(s->node) <= w->now_us)
-        node_step(w, k, (struct sched_event){.kind = SCHED_WAKE, .from = -1});
-    else schedule_wake(w, w->plan->node, s->node, k);
+        sim_node_step(w, k, (struct sched_event){.kind = SCHED_WAKE, .from = -1});
+    else sim_schedule_wake(w, w->plan->node, s->node, k);
 }

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-struct ring_model *ring_model(struct world *w)
+struct ring_model *sim_ring_model(struct world *w)
 {
     if (!w->note) {
         size_t n = (size_t)w->plan->slots;
@@ -14,7 +14,7 @@ struct ring_model *ring_model(struct world *w)
     return w->note;
 }
 
-struct rtask *ring_task(struct world *w, const struct task *t)
+struct rtask *sim_ring_task(struct world *w, const struct task *t)
 {
     struct vtask *v = t->frame ? NULL : t->id < (uint32_t)w->n_tasks ? &w->tasks[t->id] : NULL;
     if (!v) return NULL;
@@ -26,7 +26,7 @@ struct rtask *ring_task(struct world *w, const struct task *t)
     return v->note;
 }
 
-void ring_mark(struct world *w, struct ring_model *m, int32_t k)
+void sim_ring_mark(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
     bool up = s->state == RING_UP, has = s->held > w->plan->width + s->thieves;
@@ -49,7 +49,7 @@ static int32_t heir_of(const struct world *w, const struct ring_model *m, int32_
     return -1;
 }
 
-int32_t ring_receiver(const struct world *w, const struct ring_model *m, int32_t k)
+int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int32_t k)
 {
     if (k < 0 || m->slots[k].state == RING_NEW) return -1;
     return m->slots[k].state == RING_UP ? k : heir_of(w, m, k);
@@ -69,13 +69,14 @@ static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
     s->promised += promised ? more : 0;
 }
 
-void ring_enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k)
+void sim_ring_enter(
+    struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k)
 {
     int32_t before = t->base;
     count(m, t->place, before, -1);
     t->place = p;
     t->base = k;
     count(m, p, k, 1);
-    if (before >= 0) ring_mark(w, m, before);
-    if (k >= 0) ring_mark(w, m, k);
+    if (before >= 0) sim_ring_mark(w, m, before);
+    if (k >= 0) sim_ring_mark(w, m, k);
 }

@@ -58,20 +58,21 @@ struct ring_model {
 
 /* ---- ring_model.c ---------------------------------------------------------------------------- */
 
-struct ring_model *ring_model(struct world *w);
+struct ring_model *sim_ring_model(struct world *w);
 /* What is known of the task of that key, NULL where there is none. */
-struct rtask *ring_task(struct world *w, const struct task *t);
+struct rtask *sim_ring_task(struct world *w, const struct task *t);
 /* Slot k has changed. */
-void ring_mark(struct world *w, struct ring_model *m, int32_t k);
+void sim_ring_mark(struct world *w, struct ring_model *m, int32_t k);
 /* Who is to be given a task whose base is k; -1: nobody, yet. */
-int32_t ring_receiver(const struct world *w, const struct ring_model *m, int32_t k);
+int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int32_t k);
 /* Task t is in place p, with base k, from now on. */
-void ring_enter(struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
+void sim_ring_enter(
+    struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
 
 /* ---- checks_node.c --------------------------------------------------------------------------- */
 
-void ring_node_event(struct world *w, int32_t k, const struct sched_event *e);
-void ring_node_action(struct world *w, int32_t k, const struct sched_action *a);
+void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e);
+void sim_ring_node_action(struct world *w, int32_t k, const struct sched_action *a);
 
 #endif

@@ -8,50 +8,6 @@
 
 #define AT_ONCE 100   /* events for each slot and task: there are those who go round without end; */
 #define PX_AT_ONCE 10 /* and for each pixel */
-#define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
-
-double draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
-
-void fail(struct world *w, const char *what, int64_t a, int64_t b)
-{
-    if (*w->result->failure) return;
-    snprintf(w->result->failure, sizeof w->result->failure, "%s (%lld, %lld) at %lld us", what,
-        (long long)a, (long long)b, (long long)w->now_us);
-}
-
-void schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e)
-{
-    e.at_us = at_us;
-    e.slot = k;
-    e.epoch = k >= 0 ? w->slots[k].epoch : 0;
-    e.hub = w->hub;
-    heap_push(&w->heap, &e);
-}
-
-void schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k)
-{
-    int64_t *next_us = k < 0 ? &w->wake_us : &w->slots[k].wake_us;
-    int64_t at = p->wake_us ? p->wake_us(state) : INT64_MAX;
-    if (at >= *next_us) return;
-    *next_us = at < w->now_us ? w->now_us : at;
-    schedule(w, *next_us, k, (struct sim_event){.kind = SIM_WAKE});
-}
-
-struct vtask *vtask_at(struct world *w, uint32_t id)
-{
-    if (id >= (uint32_t)w->plan->tasks + PIECES_MOST) return NULL;
-    while (w->n_tasks <= (int32_t)id) {
-        if (w->n_tasks == w->cap_tasks) {
-            w->cap_tasks = w->cap_tasks ? 2 * w->cap_tasks : 256;
-            w->tasks = xrealloc(w->tasks, (size_t)w->cap_tasks, sizeof *w->tasks);
-        }
-        struct vtask *t = &w->tasks[w->n_tasks];
-        *t = (struct vtask){.to = -1};
-        t->task.id = (uint32_t)w->n_tasks++;
-        if (w->checks && w->checks->task) w->checks->task(t);
-    }
-    return &w->tasks[id];
-}
 
 /* ---- the hub --------------------------------------------------------------------------------- */
 
@@ -77,25 +33,25 @@ static void close_run(struct world *w, const struct sched_action *a)
 {
     account(w);
     for (int32_t k = 0; w->plan->node && k < w->plan->slots; k++)
-        if (w->slots[k].alive) send_down(w, k, a);
+        if (w->slots[k].alive) sim_send_down(w, k, a);
 }
 
 static void step(struct world *w, const struct sched_event *e)
 {
     struct sched_actions *acts = &w->acts;
     int64_t commits = w->result->commits;
-    note_event(w, e);
+    sim_note_event(w, e);
     w->policy->step(w->state, e, w->now_us, acts);
     for (size_t i = 0; i < acts->n; i++) {
         const struct sched_action *a = &acts->at[i];
-        note_action(w, a);
+        sim_note_action(w, a);
         if (a->kind == SCHED_END || a->kind == SCHED_STOP) close_run(w, a);
-        else if (a->kind != SCHED_COMMIT) send_down(w, a->slot, a);
+        else if (a->kind != SCHED_COMMIT) sim_send_down(w, a->slot, a);
     }
     acts->n = 0;
     if (w->checks && w->checks->after) w->checks->after(w);
-    schedule_wake(w, w->policy, w->state, -1);
-    if (w->result->commits > commits) befall_by_commits(w, commits);
+    sim_schedule_wake(w, w->policy, w->state, -1);
+    if (w->result->commits > commits) sim_inject_by_commits(w, commits);
 }
 
 /* May tasks of this generation come? One after the other is asked for, as its state would be. */
@@ -108,7 +64,7 @@ static bool admitted(struct world *w, uint32_t generation)
         bool waits = !sched_admits(w->policy, w->state, next - window, next - window + 1);
         bool before = w->waits;
         if (waits != (older > 0))
-            fail(w, "a frame waits, or does not, with older tasks", next, older);
+            sim_fail(w, "a frame waits, or does not, with older tasks", next, older);
         w->waits = waits;
         if (waits && !before) step(w, &(struct sched_event){.kind = SCHED_FLUSH});
         if (waits) return false;
@@ -125,7 +81,7 @@ static void read_input(struct world *w)
         int64_t at = w->begun_us + w->spread_us * w->n_read / n;
         if (at > w->now_us) {
             w->input_due = true;
-            schedule(w, at, 0, (struct sim_event){.kind = SIM_INPUT});
+            sim_schedule(w, at, 0, (struct sim_event){.kind = SIM_INPUT});
             return;
         }
         const struct vtask *t = &w->tasks[w->order[w->n_read]];
@@ -143,7 +99,7 @@ static void wake_hub(struct world *w)
     w->wake_us = INT64_MAX;
     if (w->policy->wake_us(w->state) <= w->now_us)
         step(w, &(struct sched_event){.kind = SCHED_WAKE});
-    else schedule_wake(w, w->policy, w->state, -1);
+    else sim_schedule_wake(w, w->policy, w->state, -1);
 }
 
 /* For a process, or from one, that is no more. */
@@ -166,57 +122,46 @@ static void handle(struct world *w, const struct sim_event *e)
 {
     switch (e->kind) {
     case SIM_SCHED: step(w, &e->sched); break;
-    case SIM_AT_HUB: pass_hub(w, e); break;
+    case SIM_AT_HUB: sim_pass_hub(w, e); break;
     case SIM_INPUT: w->input_due = false; break;
-    case SIM_RETURN: come_up(w, e->slot); break;
-    case SIM_RESUME: resume(w, e->slot); break;
+    case SIM_RETURN: sim_slot_comes_up(w, e->slot); break;
+    case SIM_RESUME: sim_resume(w, e->slot); break;
     case SIM_GIVE_UP:
         w->result->silences++;
-        lose_slot(w, e->slot);
+        sim_lose_slot(w, e->slot);
         break;
     case SIM_WAKE:
         if (e->slot < 0) wake_hub(w);
-        else deliver(w, e);
+        else sim_deliver(w, e);
         break;
     case SIM_TO_SLOT:
-    case SIM_COMPUTED: deliver(w, e); break;
-    case SIM_FAULT: befall(w, e); return;
-    case SIM_RESTART: restart_hub(w); return;
+    case SIM_COMPUTED: sim_deliver(w, e); break;
+    case SIM_FAULT: sim_inject_fault(w, e); return;
+    case SIM_RESTART: sim_restart_hub(w); return;
     }
     if (!w->input_due && !w->input_ended && !w->down) read_input(w);
 }
 
 /* ---- a run ------------------------------------------------------------------------------ */
 
-void start_slots(struct world *w, int64_t known_us)
-{
-    const struct sim_plan *p = w->plan;
-    schedule(w, known_us, 0,
-        (struct sim_event){.kind = SIM_SCHED, .sched = {.kind = SCHED_SLOTS, .n = p->slots}});
-    for (int32_t k = 0; k < p->slots; k++) {
-        int64_t up_us = p->work ? 0 : (int64_t)(draw(w) * 1e5);
-        schedule(w, known_us + up_us, k, (struct sim_event){.kind = SIM_RETURN});
-    }
-}
-
 static void begin(struct world *w)
 {
     const struct sim_plan *p = w->plan;
     for (int32_t k = 0; k < p->slots; k++) {
-        w->slots[k].power = k ? .25 + 2 * draw(w) : 1;
+        w->slots[k].power = k ? .25 + 2 * sim_draw(w) : 1;
         if (p->work) w->slots[k].power = p->work->power[k];
-        draw_fault(w, k);
+        sim_draw_fault(w, k);
     }
-    plan_faults(w);
+    sim_plan_faults(w);
     /* How many slots there are may be known before or after the first tasks. */
-    start_slots(w, draw(w) < .5 || p->work ? 0 : (int64_t)(draw(w) * 2e5));
-    w->spread_us = draw(w) < .5 || p->calm || p->work ? 0 : (int64_t)(1e6 * draw(w));
+    sim_start_slots(w, sim_draw(w) < .5 || p->work ? 0 : (int64_t)(sim_draw(w) * 2e5));
+    w->spread_us = sim_draw(w) < .5 || p->calm || p->work ? 0 : (int64_t)(1e6 * sim_draw(w));
     for (int32_t i = 0; i < p->assigned; i++) { /* one in eight to a slot that does not exist */
         struct vtask *t = &w->tasks[w->order[i]];
-        t->to = t->task.to = (int32_t)(draw(w) * 1.125 * p->slots);
+        t->to = t->task.to = (int32_t)(sim_draw(w) * 1.125 * p->slots);
     }
     w->input_due = true;
-    schedule(w, 0, 0, (struct sim_event){.kind = SIM_INPUT});
+    sim_schedule(w, 0, 0, (struct sim_event){.kind = SIM_INPUT});
 }
 
 /* All of the work, one after the other, at the least power that a slot may have. */
@@ -262,7 +207,7 @@ static void trace_event(struct world *w, const struct sim_event *e)
 {
     char line[SIM_LINE];
     if (w->plan->trace) {
-        trace_line(e, is_void(w, e), line);
+        sim_trace_line(e, is_void(w, e), line);
         w->plan->trace(line);
     }
     const struct sched_event *s = &e->sched;
@@ -303,7 +248,7 @@ static void open_world(struct world *w)
         uint32_t id = (uint32_t)i, rows = (uint32_t)p->rows;
         struct task made = {.id = id, .at = {0, id * rows, FRAME_W, rows, 1, 1}, .to = -1};
         w->order[i] = p->work ? p->work->tasks[i].id : id;
-        struct vtask *t = vtask_at(w, w->order[i]);
+        struct vtask *t = sim_vtask_at(w, w->order[i]);
         t->task = p->work ? p->work->tasks[i] : made;
         if (p->frames) t->task.generation = (uint32_t)((int64_t)i * p->frames / p->tasks);
         t->to = t->task.to;
@@ -327,7 +272,7 @@ static void close_world(struct world *w)
     free(w->slots);
     free(w->order);
     free(w->tasks);
-    heap_free(&w->heap);
+    sim_heap_free(&w->heap);
     free(w->acts.at);
     free(w->node_acts.at);
 }
@@ -344,10 +289,10 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
     most += PX_AT_ONCE * (int64_t)w.frame_w * w.frame_h;
     if (plan->detect_us) most += AT_ONCE * n * n; /* each asks each */
-    while (!*result->failure && !result->stops && heap_pop(&w.heap, &e)) {
+    while (!*result->failure && !result->stops && sim_heap_pop(&w.heap, &e)) {
         if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
         at_once = e.at_us > w.now_us ? 0 : at_once + 1;
-        if (at_once > most) fail(&w, "time stands still", at_once, most);
+        if (at_once > most) sim_fail(&w, "time stands still", at_once, most);
         w.now_us = e.at_us;
         result->events++;
         trace_event(&w, &e);
@@ -356,10 +301,11 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     int64_t allowed_us = time_allowed_us(&w);
     if (!w.ended) account(&w);
     for (int32_t i = 0; i < plan->tasks; i++) result->uncommitted += !w.tasks[i].committed;
-    if (!w.ended) fail(&w, "the run did not end", result->commits, plan->tasks);
-    else if (result->end_us > allowed_us) fail(&w, "the end came late", result->end_us, allowed_us);
+    if (!w.ended) sim_fail(&w, "the run did not end", result->commits, plan->tasks);
+    else if (result->end_us > allowed_us)
+        sim_fail(&w, "the end came late", result->end_us, allowed_us);
     else if (plan->calm && result->end_us > calm_us(&w))
-        fail(&w, "a long link was not hidden", result->end_us, calm_us(&w));
+        sim_fail(&w, "a long link was not hidden", result->end_us, calm_us(&w));
     policy->destroy(w.state);
     close_world(&w);
 }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void append_task(struct tasks *l, const struct task *t)
+void sim_append_task(struct tasks *l, const struct task *t)
 {
     if (l->first > l->n / 2) { /* what was taken makes room */
         l->n -= l->first;
@@ -26,10 +26,10 @@ void append_task(struct tasks *l, const struct task *t)
 /* To the fan, and to the node where there is one, which hears of it at once. */
 static void answer(struct world *w, int32_t k, struct sched_event e)
 {
-    say(w, k, e);
+    sim_say(w, k, e);
     e.slot = 0;
     e.frame_w = w->frame_w;
-    if (w->plan->node) node_step(w, k, e);
+    if (w->plan->node) sim_node_step(w, k, e);
 }
 
 /*
@@ -38,20 +38,20 @@ static void answer(struct world *w, int32_t k, struct sched_event e)
  */
 static struct sched_event garbled(struct world *w, struct sched_event e)
 {
-    double u = draw(w);
+    double u = sim_draw(w);
     w->result->garbage++;
     if (u < .3) e.task.id = (uint32_t)w->plan->tasks + 7;
-    else if (u < .6) e.task.id = (uint32_t)(draw(w) * w->plan->tasks);
-    else if (e.kind == SCHED_PIXELS) e.task.at.x += 1 + (uint32_t)(draw(w) * 70);
+    else if (u < .6) e.task.id = (uint32_t)(sim_draw(w) * w->plan->tasks);
+    else if (e.kind == SCHED_PIXELS) e.task.at.x += 1 + (uint32_t)(sim_draw(w) * 70);
     else e.task.frame = 99;
     return e;
 }
 
 static void answer_twice_or_worse(struct world *w, int32_t k, struct sched_event e)
 {
-    if (draw(w) < w->plan->p_garbage) answer(w, k, garbled(w, e));
+    if (sim_draw(w) < w->plan->p_garbage) answer(w, k, garbled(w, e));
     answer(w, k, e);
-    if (draw(w) >= w->plan->p_twice) return;
+    if (sim_draw(w) >= w->plan->p_twice) return;
     w->result->twice++;
     answer(w, k, e);
 }
@@ -61,7 +61,7 @@ static void send_pixels(struct world *w, int32_t k, const struct task *t)
 {
     struct sched_event e = {.kind = SCHED_PIXELS, .task = *t};
     uint64_t n0 = 0, all = lattice_count(&t->at);
-    uint64_t most = w->plan->work ? all : 1 + (uint64_t)(draw(w) * 2 * w->frame_w);
+    uint64_t most = w->plan->work ? all : 1 + (uint64_t)(sim_draw(w) * 2 * w->frame_w);
     while (n0 < all) {
         e.task.at = lattice_cut(&t->at, w->frame_w, n0, most);
         n0 += lattice_count(&e.task.at);
@@ -74,13 +74,13 @@ static double cost_us(struct world *w, const struct task *t)
 {
     const struct sim_work *work = w->plan->work;
     uint64_t n = lattice_count(&t->at);
-    if (!work) return w->plan->cost_us * exp(4 * draw(w)) * (double)n / FRAME_W;
+    if (!work) return w->plan->cost_us * exp(4 * sim_draw(w)) * (double)n / FRAME_W;
     double us = work->task_us;
     for (uint64_t i = 0; i < n; i++) us += work->pixel_us[lattice_pixel(&t->at, w->frame_w, i)];
     return us;
 }
 
-void start_next(struct world *w, int32_t k)
+void sim_start_next(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     if (s->busy || s->stalled || !s->alive || s->queue.first == s->queue.n) return;
@@ -91,10 +91,10 @@ void start_next(struct world *w, int32_t k)
     s->began_us = w->now_us;
     if (s->first_us < 0) s->first_us = w->now_us;
     struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = llround(us)};
-    if (!s->hung) schedule(w, w->now_us + e.sched.wall_us, k, e);
+    if (!s->hung) sim_schedule(w, w->now_us + e.sched.wall_us, k, e);
 }
 
-void hand_over(struct world *w, int32_t k)
+void sim_hand_over(struct world *w, int32_t k)
 {
     struct tasks *held = &w->slots[k].held;
     for (size_t i = held->first; i < held->n; i++) send_pixels(w, k, &held->at[i]);
@@ -120,9 +120,9 @@ static void computed(struct world *w, int32_t k, int64_t wall_us)
     struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
     w->result->computed++;
     answer_twice_or_worse(w, k, e);
-    if (w->plan->concentrate) append_task(&s->held, &t);
+    if (w->plan->concentrate) sim_append_task(&s->held, &t);
     else send_pixels(w, k, &t);
-    start_next(w, k);
+    sim_start_next(w, k);
 }
 
 /* ---- the process ----------------------------------------------------------------------------- */
@@ -139,45 +139,45 @@ static void keep(struct inbox *in, const struct sim_event *e)
 /* What the worker reads itself, where there is no node. */
 static void read_down(struct world *w, int32_t k, const struct sched_event *e)
 {
-    if (e->kind == SCHED_FLUSH) hand_over(w, k);
+    if (e->kind == SCHED_FLUSH) sim_hand_over(w, k);
     if (e->kind != SCHED_TASK) return;
-    append_task(&w->slots[k].queue, &e->task);
-    start_next(w, k);
+    sim_append_task(&w->slots[k].queue, &e->task);
+    sim_start_next(w, k);
 }
 
-void deliver(struct world *w, const struct sim_event *e)
+void sim_deliver(struct world *w, const struct sim_event *e)
 {
     struct vslot *s = &w->slots[e->slot];
     if (e->kind == SIM_COMPUTED) computed(w, e->slot, e->sched.wall_us);
     else if (s->stalled) keep(&s->inbox, e);
-    else if (e->kind == SIM_WAKE) node_wake(w, e->slot);
-    else if (w->plan->node) node_step(w, e->slot, e->sched);
+    else if (e->kind == SIM_WAKE) sim_node_wake(w, e->slot);
+    else if (w->plan->node) sim_node_step(w, e->slot, e->sched);
     else read_down(w, e->slot, &e->sched);
 }
 
-void come_up(struct world *w, int32_t k)
+void sim_slot_comes_up(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     s->alive = true;
     w->result->returns++;
-    if (w->plan->node) node_begin(w, k);
-    say(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
+    if (w->plan->node) sim_node_begin(w, k);
+    sim_say(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
 }
 
-void resume(struct world *w, int32_t k)
+void sim_resume(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     s->stalled = false;
     w->result->pauses++;
-    start_next(w, k);
+    sim_start_next(w, k);
     for (size_t i = 0; i < s->inbox.n; i++) {
         struct sim_event e = s->inbox.at[i];
-        deliver(w, &e);
+        sim_deliver(w, &e);
     }
     s->inbox.n = 0;
 }
 
-void end_slot(struct world *w, int32_t k)
+void sim_end_slot(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     count_time(w, s);
@@ -190,10 +190,11 @@ void end_slot(struct world *w, int32_t k)
     s->held.first = s->held.n = 0;
 }
 
-void lose_slot(struct world *w, int32_t k)
+void sim_lose_slot(struct world *w, int32_t k)
 {
-    end_slot(w, k);
-    say(w, k, (struct sched_event){.kind = SCHED_GONE});
-    if (draw(w) >= w->plan->p_return) return;
-    schedule(w, w->now_us + (int64_t)(draw(w) * 2e6), k, (struct sim_event){.kind = SIM_RETURN});
+    sim_end_slot(w, k);
+    sim_say(w, k, (struct sched_event){.kind = SCHED_GONE});
+    if (sim_draw(w) >= w->plan->p_return) return;
+    sim_schedule(
+        w, w->now_us + (int64_t)(sim_draw(w) * 2e6), k, (struct sim_event){.kind = SIM_RETURN});
 }

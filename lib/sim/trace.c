@@ -52,7 +52,7 @@ static int describe(const struct sched_event *e, char *at, size_t room)
     return snprintf(at, room, "task %" PRIu32 " from=%" PRId32, e->task.id, e->from);
 }
 
-void trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE])
+void sim_trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE])
 {
     char what[64];
     bool to_hub = e->kind == SIM_SCHED || e->kind == SIM_AT_HUB;

@@ -92,7 +92,7 @@ struct world {
 };
 
 /*
- * The checks of a policy: each is called where it is not NULL, after those of all runs; fail() says
+ * The checks of a policy: each is called where it is not NULL, after those of all runs; sim_fail() says
  * what does not hold. restart: all that was is forgotten, but for what has been passed on.
  */
 struct sim_checks {
@@ -108,68 +108,68 @@ struct sim_checks {
 /* ---- run.c ----------------------------------------------------------------------------------- */
 
 /* The next number in [0, 1) of this run. */
-double draw(struct world *w);
+double sim_draw(struct world *w);
 /* Notes the first thing that does not hold. */
-void fail(struct world *w, const char *what, int64_t a, int64_t b);
+void sim_fail(struct world *w, const char *what, int64_t a, int64_t b);
 /* e for slot k's process as it is now, or what this hub is to know of it. */
-void schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e);
+void sim_schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e);
 /* Sees to it that who has this policy and state is woken in time; k: a node's, or -1. */
-void schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k);
+void sim_schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k);
 /* The task of that id, or NULL when there can be none. */
-struct vtask *vtask_at(struct world *w, uint32_t id);
+struct vtask *sim_vtask_at(struct world *w, uint32_t id);
 /* Tells the hub how many slots there are, and starts them. */
-void start_slots(struct world *w, int64_t known_us);
+void sim_start_slots(struct world *w, int64_t known_us);
 
 /* ---- links.c --------------------------------------------------------------------------------- */
 
 /* To the hub, from slot k or its fan: control, pixels, or, for GONE and UP, behind both. */
-void say(struct world *w, int32_t k, struct sched_event e);
+void sim_say(struct world *w, int32_t k, struct sched_event e);
 /* These are at the hub, through which all pixels go one after the other. */
-void pass_hub(struct world *w, const struct sim_event *e);
+void sim_pass_hub(struct world *w, const struct sim_event *e);
 /* The hub's action, to slot k. */
-void send_down(struct world *w, int32_t k, const struct sched_action *a);
+void sim_send_down(struct world *w, int32_t k, const struct sched_action *a);
 
 /* ---- slots.c --------------------------------------------------------------------------------- */
 
 /* What has come to slot k, which is alive. */
-void deliver(struct world *w, const struct sim_event *e);
-void append_task(struct tasks *list, const struct task *t);
-void start_next(struct world *w, int32_t k);
-void hand_over(struct world *w, int32_t k);
-void come_up(struct world *w, int32_t k);
-void resume(struct world *w, int32_t k);
+void sim_deliver(struct world *w, const struct sim_event *e);
+void sim_append_task(struct tasks *list, const struct task *t);
+void sim_start_next(struct world *w, int32_t k);
+void sim_hand_over(struct world *w, int32_t k);
+void sim_slot_comes_up(struct world *w, int32_t k);
+void sim_resume(struct world *w, int32_t k);
 /* The process and all that it has is no more. */
-void end_slot(struct world *w, int32_t k);
+void sim_end_slot(struct world *w, int32_t k);
 /* The same, and the hub will hear of it; it may come back. */
-void lose_slot(struct world *w, int32_t k);
+void sim_lose_slot(struct world *w, int32_t k);
 
 /* ---- node.c ---------------------------------------------------------------------------------- */
 
-void node_step(struct world *w, int32_t k, struct sched_event e);
-void node_begin(struct world *w, int32_t k);
-void node_wake(struct world *w, int32_t k);
+void sim_node_step(struct world *w, int32_t k, struct sched_event e);
+void sim_node_begin(struct world *w, int32_t k);
+void sim_node_wake(struct world *w, int32_t k);
 
 /* ---- faults.c -------------------------------------------------------------------------------- */
 
 /* Those that the plan names, and those that it draws for slot k; k -1: for the hub. */
-void plan_faults(struct world *w);
-void draw_fault(struct world *w, int32_t k);
-void befall(struct world *w, const struct sim_event *e);
+void sim_plan_faults(struct world *w);
+void sim_draw_fault(struct world *w, int32_t k);
+void sim_inject_fault(struct world *w, const struct sim_event *e);
 /* More tasks are committed than before: those that wait for that. */
-void befall_by_commits(struct world *w, int64_t before);
-void restart_hub(struct world *w);
+void sim_inject_by_commits(struct world *w, int64_t before);
+void sim_restart_hub(struct world *w);
 
 /* ---- trace.c --------------------------------------------------------------------------------- */
 
 #define SIM_LINE 128
 /* The event in words; lost: it meets nobody. */
-void trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE]);
+void sim_trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE]);
 
 /* ---- checks.c -------------------------------------------------------------------------------- */
 
 /* What an event means, before the hub's policy sees it; what it does. */
-void note_event(struct world *w, const struct sched_event *e);
-void note_action(struct world *w, const struct sched_action *a);
-bool is_sent(const struct world *w, const struct lattice *at);
+void sim_note_event(struct world *w, const struct sched_event *e);
+void sim_note_action(struct world *w, const struct sched_action *a);
+bool sim_is_sent(const struct world *w, const struct lattice *at);
 
 #endif

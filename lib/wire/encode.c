@@ -4,24 +4,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
-
-uint32_t wire_crc(const void *p, size_t n)
-{
-    return (uint32_t)crc32(crc32(0, NULL, 0), p, (uInt)n);
-}
-
-void wire_seal(struct buf *b, size_t at)
-{
-    static const char hex[] = "0123456789abcdef";
-    char seal[] = " sum=01234567\n";
-    const unsigned char *line = buf_data(b) + at;
-    size_t n = buf_size(b) - at;
-    uint32_t sum = wire_crc(line, n);
-    for (int i = 0; i < 8; i++) seal[5 + i] = hex[sum >> (28 - 4 * i) & 15];
-    if (memchr(line, ' ', n)) buf_append(b, seal, sizeof seal - 1);
-    else buf_append(b, "\n", 1);
-}
 
 static void put_extra(struct buf *b, const char *extra)
 {
@@ -168,4 +150,20 @@ void wire_forward(struct buf *b, const struct record *r, const char *const *drop
     put_extra(b, extra);
     wire_seal(b, begin);
     buf_append(b, r->body, r->body_len);
+}
+
+void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m)
+{
+    bool none = kind == REC_NONE;
+    size_t at = buf_size(b);
+    buf_printf(b, "%s", rec_name(kind));
+    if (kind == REC_GIVE) buf_printf(b, " %" PRIu32 " %" PRIu32, t->frame, t->id);
+    if (kind == REC_RING)
+        buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s give=%s", m->me, m->n,
+            m->published ? "published" : "default", m->one ? "one" : "half");
+    else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
+    if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
+    if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
+    if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);
+    wire_seal(b, at);
 }

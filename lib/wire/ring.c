@@ -1,4 +1,4 @@
-/* The records of a ring: what its hub and its nodes say to each other, see ringctl(1). */
+/* Reading the records of a ring: what its hub and its nodes say to each other, see ringctl(1). */
 #include "wire/wire.h"
 
 #include <inttypes.h>
@@ -46,20 +46,4 @@ bool rec_ring(const struct record *r, struct rec_ring *m)
     case REC_CRASHED: return m->peer >= 0;
     default: return false;
     }
-}
-
-void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m)
-{
-    bool none = kind == REC_NONE;
-    size_t at = buf_size(b);
-    buf_printf(b, "%s", rec_name(kind));
-    if (kind == REC_GIVE) buf_printf(b, " %" PRIu32 " %" PRIu32, t->frame, t->id);
-    if (kind == REC_RING)
-        buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s give=%s", m->me, m->n,
-            m->published ? "published" : "default", m->one ? "one" : "half");
-    else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
-    if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
-    if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
-    if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);
-    wire_seal(b, at);
 }

@@ -1,0 +1,20 @@
+/* NetCDF files: opening, closing, and what the library says. */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+
+bool cf_look(struct cf_file *c, char err[ERR_BYTES])
+{
+    int status = c->status;
+    c->status = NC_NOERR;
+    return !status || err_set(err, "%s", nc_strerror(status));
+}
+
+bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES])
+{
+    *c = (struct cf_file){0};
+    cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
+    return cf_look(c, err);
+}
+
+void cf_close(struct cf_file *c) { nc_close(c->root); }
