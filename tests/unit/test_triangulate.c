@@ -201,7 +201,7 @@ static void test_many_corners(void **state)
     v[N - 3] = v3(N, 0, 0), v[N - 2] = v3(N, -1, 0), v[N - 1] = v3(-1, -1, 0);
     assert_int_equal(scene_triangulate(&s, &p, t), N - 2);
     for (uint32_t i = 0; i < N; i++) { /* a star, in a corner of what the last point spans */
-        double a = 2 * M_PI * i / N, r = 1e-6 * (.05 + rng_unit(1, i));
+        double a = 2 * M_PI * i / (double)N, r = 1e-6 * (.05 + rng_unit(1, i));
         v[i] = v3(r * cos(a), r * sin(a), 0);
     }
     v[N - 1] = v3(1, 0, 0);
