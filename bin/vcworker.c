@@ -221,8 +221,10 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
-        "[-s WxH] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|- ...]";
+        "[-ch] [-f PIXELS] [-m METHOD] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|-]\n"
+        "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
+        "       vcworker -n [-m METHOD] GRID.vtk SPEC\n"
+        "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
