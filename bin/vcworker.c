@@ -261,8 +261,7 @@ static struct options parse(int argc, char **argv)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* The file's bytes for this process alone, to be given back page by page; NULL where it cannot be
- * mapped. */
+/* The file's bytes, private and freed page by page; NULL if it cannot be mapped. */
 static unsigned char *map_file(const char *path, size_t *n)
 {
     struct stat st;
