@@ -4,7 +4,6 @@
 #include "volume/volume.h"
 #include "worker/worker.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -223,7 +222,7 @@ static struct options parse(int argc, char **argv)
     static const char text[] =
         "[-ch] [-f PIXELS] [-m METHOD] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|-]\n"
         "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
-        "       vcworker -n [-m METHOD] GRID.vtk SPEC\n"
+        "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
         "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
     static const char *const record[] = {"-"};
     struct options o = {
