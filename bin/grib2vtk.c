@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] =
-    "[-ch] [-L LEVELS] [-o FILE] [-t INDEX|all] FILE.grb VARIABLE | -l FILE.grb";
+static const char usage_text[] = "[-ch] [-L LEVELS] [-o FILE] [-t INDEX|all] FILE.grb VARIABLE\n"
+                                 "       grib2vtk -l FILE.grb";
 
 struct options {
     struct convert_options common;

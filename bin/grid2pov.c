@@ -27,7 +27,7 @@
 #define NODES_MAX 32767 /* of a DF3 file, with the mask behind the field */
 #define REACH 1e5       /* from the eye to the box's farthest corner: 1e7 ends POV-Ray's world */
 
-static const char usage_text[] = "[-h] [-n samples] GRID SPEC FILE.df3";
+static const char usage_text[] = "[-h] [-n SAMPLES] GRID.vtk SPEC FILE.df3";
 
 struct options {
     int samples; /* -n: between two planes of the grid */

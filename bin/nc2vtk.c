@@ -5,7 +5,8 @@
 
 #include <unistd.h>
 
-static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE | -l FILE.nc";
+static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE\n"
+                                 "       nc2vtk -l FILE.nc";
 
 /* The variables of a request: one, or the two of a derived one. */
 struct source {

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-static const char usage_text[] = "[-h] [-x factor] [file]";
+static const char usage_text[] = "[-h] [-x FACTOR] [SCENE.nff|-]";
 
 int main(int argc, char **argv)
 {

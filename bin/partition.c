@@ -111,11 +111,10 @@ static void parse_operand(struct options *o, const char *s, bool numbered)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...] "
-                               "[-o shuffle[:SEED]|cost:LOG] [-r LOG] "
-                               "[-u row|tile:WxH|run:N|scatter|fine|coarse:N|"
-                               "guided[:N]|factoring[:N]] "
-                               "WxH[@FILE]";
+    static const char text[] =
+        "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...]\n"
+        "           [-o shuffle[:SEED]|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
+        "UNIT: row, tile:WxH, run:N, scatter, fine, coarse:N, guided[:N], factoring[:N]";
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
     int opt;

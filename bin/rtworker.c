@@ -175,8 +175,10 @@ static void describe(struct options *o)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-chi] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS] "
-                               "[-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]";
+    static const char text[] =
+        "[-ch] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS]\n"
+        "           [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
+        "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
     while ((opt = prog_getopt(argc, argv, "+a:d:his:x:" WORKER_OPTIONS)) != -1) {

@@ -5,7 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-h] [-p digits] [-s size] [-V view] name | -l [-s size]";
+static const char usage_text[] = "[-h] [-p DIGITS] [-s SIZE] [-V balanced|imbalanced] NAME\n"
+                                 "       spdgen -l [-s SIZE]";
 
 struct options {
     int size;        /* 0: the scene's own default */

@@ -4,7 +4,6 @@
 #include "volume/volume.h"
 #include "worker/worker.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -221,8 +220,10 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-ch] [-i | -n] [-f PIXELS] [-m adaptive[:E]|doubling[:E]|trapezoid:N|gauss:M] "
-        "[-s WxH] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|- ...]";
+        "[-ch] [-f PIXELS] [-m METHOD] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|-]\n"
+        "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
+        "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
+        "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
@@ -259,8 +260,7 @@ static struct options parse(int argc, char **argv)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* The file's bytes for this process alone, to be given back page by page; NULL where it cannot be
- * mapped. */
+/* The file's bytes, private and freed page by page; NULL if it cannot be mapped. */
 static unsigned char *map_file(const char *path, size_t *n)
 {
     struct stat st;

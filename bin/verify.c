@@ -280,7 +280,7 @@ static int32_t find_places(struct program *p, const char *list, int slots)
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-hr] [-s SEED] -j SLOTS | -S HOSTS FRACTION LOG [CHECK ...]\n"
+    static const char text[] = "[-hr] [-s SEED] { -j SLOTS | -S HOSTS } FRACTION LOG [CHECK ...]\n"
                                "       verify -t SECONDS LOG <FRAGMENTS";
     struct program p = {0};
     const char *list = NULL;
