@@ -1,24 +1,24 @@
 # shellcheck shell=sh disable=SC2154  # usage and here are set by the script that reads this
-# Each script reads this first, with its usage in $usage and its own directory in $here: what all programs answer.
-# Those in C have it from lib/base/option.c.
-LC_ALL=C && export LC_ALL # awk and others write and read numbers with a point, whatever the user's language
-# answer TEXT: all that was asked for
+# Every script reads this first, with its usage in $usage and its own directory in $here. It has the options and checks
+# that all programs share; programs in C have them in lib/base/option.c.
+LC_ALL=C && export LC_ALL # so that awk and others read and write numbers with a point in every locale
+# answer TEXT: prints TEXT and exits
 answer() {
 	{ printf '%s\n' "$1"; } 2>/dev/null || { echo "${0##*/}: standard output: cannot be written" >&2; exit 3; }
 	exit 0
 }
-# asked WORD: answers it, if it is one of these
+# asked WORD: answers -h, --help and --version
 asked() {
 	case $1 in
 	-h | --help) answer "$usage" ;;
 	--version) version=$("$here/fan" --version) || exit; answer "${0##*/} ${version#* }" ;;
 	esac
 }
-# given LETTER VALUE: that option's argument is none where it looks like the next option
+# given LETTER VALUE: refuses the argument of an option if it is empty or looks like the next option
 given() {
 	case $1,$2 in
 	?,) refused="-$1: is empty, expected a value" ;;
-	s,[0-9]*x[0-9]*) return ;; # the worker says what it refuses of these
+	s,[0-9]*x[0-9]*) return ;; # the worker checks the numbers
 	s,*) refused="-s $2: expected WxH, such as 512x512" ;;
 	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; of a file's name write ./$2" ;;
 	*) return ;;
@@ -26,16 +26,16 @@ given() {
 	echo "${0##*/}: $refused" >&2
 	exit 2
 }
-# directory: prints the name of a new one for temporary files
+# directory: makes a directory for temporary files and prints its name
 directory() {
 	mktemp -d 2>/dev/null && return
 	echo "${0##*/}: ${TMPDIR:-/tmp}: no directory can be made there, expected TMPDIR to name one where it can" >&2
 	exit 3
 }
 asked "${1-}"
-trap '' XFSZ # that a file may grow no more is an error of write, which is reported
-# A shell that lacks descriptors takes programs for missing, and cannot even say that itself.
-# shellcheck disable=SC3045,SC2016  # dash and bash have -n; a script for another shell
+trap '' XFSZ # so that a file at its size limit is a write error, which is reported
+# With too few descriptors, a shell takes programs for missing and cannot print a message.
+# shellcheck disable=SC3045,SC2016  # dash and bash have ulimit -n; the $0 is of the inner shell
 case $(ulimit -n) in
 [0-9] | [12][0-9]) exec sh -c 'echo "$0: expected a limit of 30 open files or more (ulimit -n)" >&2; exit 3' "${0##*/}" ;;
 esac

@@ -1,15 +1,14 @@
 # shellcheck shell=sh disable=SC2034,SC2154  # protocol sets table, level, drop and work
-# The commands that claims are written with: what a paper says, and whether the samples of a table show it. protocol reads
-# this file.
+# Functions for judging the papers' claims by the samples of a table. protocol reads this file.
 
-# rows [CONDITION]: what is tested next: those of the table for which a condition of awk holds, in which fields have names
+# rows [CONDITION]: selects the rows for the next tests by a condition of awk, in which the fields have names
 rows() {
 	where=${1:+where $1: }
 	awk -F '\t' '/^#/ || !headed++ { print; next }
 		{ experiment = $1; method = $3; x = $4; y = $6; sample = $8 }
 		'"${1-1} { print }" "$table" >"$work/rows" || exit 3
 }
-# reworked PROGRAM [NAME=VALUE ...]: they become what a program of awk, which has the values, prints of them
+# reworked PROGRAM [NAME=VALUE ...]: replaces these rows by the output of an awk program, which gets the values
 reworked() {
 	program=$1
 	shift
@@ -20,17 +19,18 @@ reworked() {
 	awk -F '\t' -v OFS='\t' "$@" '/^#/ || !headed++ { print; next } '"$program" "$work/rows" >"$work/reworked" &&
 		mv "$work/reworked" "$work/rows" || exit 3
 }
-# turned [x]: experiments become methods and methods experiments, so that experiments are compared; or every x a method
+# turned [x]: swaps experiments and methods, so that experiments are compared; with x: makes every x a method
 turned() {
 	if [ "${1-}" = x ]; then reworked '{ $1 = $1 ", " $3; $3 = $4; $4 = 0; print }'; else reworked '{ t = $1; $1 = $3; $3 = t; print }'; fi
 }
-# also METHOD VALUE: and beside each of them one of another method, with this y
+# also METHOD VALUE: adds to each row one of another method, with this y
 also() { reworked '{ print; $3 = method; $6 = y; if (!seen[$1 FS $4 FS $8]++) print }' "method=$1" "y=$2"; }
-# part METHOD P NAME: and beside each of that method one called NAME, P times it
+# part METHOD P NAME: adds to each row of METHOD one of method NAME, with P times its y
 part() { reworked '{ print } $3 == method { $3 = name; $6 *= p; print }' "method=$1" "p=$2" "name=$3"; }
-# rivals METHODS OTHERS VALUE WORDS: for each point of METHODS that of OTHERS, both patterns of awk, which is the cheapest, by a
-# measured x, in the mean of those at least as exact, to 1 %: its part of the other's x, sample by sample, as what else
-# runs slows down both, and beside it VALUE. Where none is as exact, a part beyond all.
+# rivals METHODS OTHERS VALUE WORDS: compares each point of METHODS with its cheapest rival. METHODS and OTHERS are patterns
+# of awk. The rival is the point of OTHERS that is at least as exact (within 1 %) and has the smallest mean x, which is
+# measured. y becomes the rival's x divided by the point's own, sample by sample, because other load slows both. If no
+# point is as exact, y is 1e9. Beside each row there is one of method WORDS with VALUE.
 rivals() {
 	reworked '{
 			key = $1 FS $3
@@ -57,34 +57,34 @@ rivals() {
 		}' "methods=$1" "others=$2"
 	also "$4" "$3"
 }
-# claim WORDS REASON: begins one: what a paper says, and why it is not so here, where it is not
+# claim WORDS REASON: begins a claim of a paper; REASON says why the claim fails here, if it does
 claim() { words=$1 reason=$2 cells=0 hold=0 against=0 tests='' told=''; }
-# put RELATION A B: one test of it in every cell that has both
+# put RELATION A B: tests the claim by "A RELATION B" in every cell that has both
 put() {
 	tests="$tests${tests:+; }$([ "$where" = "$told" ] || echo "$where")$2 $1 $3" told=$where
 	[ "$level" = .999 ] || tests="$tests at $level"
-	awk '!/^#/ && headed++ { exit 1 }' "$work/rows" && return # a table that is not whole may have none
+	awk '!/^#/ && headed++ { exit 1 }' "$work/rows" && return # an incomplete table may have no such rows
 	# shellcheck disable=SC2086
 	tsvstat $drop -c "$level" -t "$1" "$2" "$3" "$work/rows" >"$work/tests"
 	[ $? -le 1 ] || fail 3 'tsvstat failed'
 	counts=$(awk -F '\t' 'FNR > 1 { n++; yes += $NF == "holds"; no += $NF == "fails" } END { print n + 0, yes + 0, no + 0 }' "$work/tests")
 	cells=$((cells + ${counts%% *})) hold=$((hold + $(echo "$counts" | cut -d' ' -f2))) against=$((against + ${counts##* }))
 }
-# verdict: ends it: a line
+# verdict: ends the claim and prints its line
 verdict() {
 	word='not decided'
 	[ "$hold" -eq 0 ] || word='found in part'
 	[ "$cells" -eq 0 ] || [ "$hold" -lt "$cells" ] || word=found
 	[ "$against" -le "$hold" ] || word='not found'
 	if [ "$cells" -eq 0 ]; then reason='the table has no samples of it'
-	elif [ "$against" -eq 0 ]; then : "${reason:=these samples do not tell it from nothing$disturbed}"
+	elif [ "$against" -eq 0 ]; then : "${reason:=these samples do not decide it$disturbed}"
 	else : "${reason:=the contrary holds, and why is not known}"
 	fi
 	[ "$word" != found ] || reason=-
 	printf '%s\t%s\t%d\t%d\t%d\t%s\t%s\n' "$words" "$tests" "$cells" "$hold" "$against" "$word" "$reason"
 }
-# lasting STATISTIC PROGRAM: a line for each method and stress, which is an experiment: the last x up to which it is good,
-# which lines of awk say, in which stress, x, and y, the mean, have names
+# lasting STATISTIC PROGRAM: prints a line for each method and stress (an experiment): the last x up to which the method
+# holds. PROGRAM, lines of awk, sets good; it has the names stress, x, and y, the mean.
 lasting() {
 	tsvstat -c "$level" "$table" | awk -F '\t' -v OFS='\t' -v statistic="$1" 'NR > 1 {
 		stress = $1; x = $4; y = $7; key = stress OFS $3; good = 0

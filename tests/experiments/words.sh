@@ -1,19 +1,19 @@
 # shellcheck shell=sh disable=SC2154  # protocol sets here, experiment, work and scenes
-# The commands that experiments are written with. protocol reads this file.
+# Functions for experiments. protocol reads this file.
 
-# of KEY <FIGURES: as simulate and fragstat -s print them
+# of KEY <FIGURES: prints the value of KEY in the output of simulate or fragstat -s
 of() { awk -F '\t' -v key="$1" '$1 == key { print $2 }'; }
-# planned EXPERIMENT METHOD X SAMPLE: a line of the plan; what is random about it goes by the seed and the sample. X is -
-# where it is measured as well: sample then says X and Y, with a blank between.
+# planned EXPERIMENT METHOD X SAMPLE: prints a line of the plan. Random numbers of a simulated sample depend on the seed and
+# on SAMPLE. If X is measured too, it is - here, and sample prints X and Y, with a blank between.
 planned() {
 	drawn=0
 	[ $kind != simulated ] || drawn=$((seed * 1000 + $4))
 	printf '%s\t%s\t%s\t%s\t%s\n' "$1" "$2" "$3" "$4" $drawn || exit 3
 }
-# For programs of awk: uniform(N), the N-th draw in [0, 1) of the seed, which depends on no other draw. Rounds of cubing in a
-# prime field, which scatter what differs little (M. Albrecht et al., "MiMC", ASIACRYPT 2016); not for adversaries: 26 bits,
-# as numbers of awk are exact up to 53.
-# shellcheck shell=sh disable=SC2016,SC2034  # of awk, for experiments
+# For awk programs: uniform(N) is the N-th draw in [0, 1) of the seed, independent of other draws. Rounds of cubing in a
+# prime field scatter similar inputs (M. Albrecht et al., "MiMC", ASIACRYPT 2016). It is not cryptographic: it has 26 bits,
+# because awk's numbers are exact up to 53.
+# shellcheck disable=SC2016,SC2034  # $ of awk; used by experiments
 uniform='function uniform(n,  x, i) {
 	x = seed
 	for (i = 0; i < 12; i++) {
@@ -22,12 +22,12 @@ uniform='function uniform(n,  x, i) {
 	}
 	return x / 67108859
 }'
-# workstations N: the powers of the first N of the 14 workstations of the GDC paper, with commas between
+# workstations N: prints the powers of the first N of the GDC paper's 14 workstations, as a comma list
 workstations() { echo 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347 | cut -d, -f "1-$1"; }
-# loaded SEED POWERS [MEAN]: powers as other users leave them: a run takes 1 + e of the shortest, e exponential with that
-# mean. Without one all goes by the GDC paper's own Table 1: runs of the HP took 96 to 101 s, 97.86 in the mean, which makes
-# .019; and one of 50 runs of the Sparc 20 must have taken 96 s where the others took some 72: so with a chance of 1/50 it
-# takes a third more.
+# loaded SEED POWERS [MEAN]: prints powers reduced by the load of other users. A run takes 1 + e times the shortest one,
+# with e exponential of this mean. Without MEAN the load is that of the GDC paper's Table 1. There runs of the HP took 96 to
+# 101 s, 97.86 in the mean, which gives .019. One of 50 runs of the Sparc 20 must have taken 96 s, while the others took
+# about 72 s: so with a probability of 1/50 a run takes a third more.
 loaded() {
 	often=.02
 	[ $# -lt 3 ] || often=0
@@ -37,12 +37,12 @@ loaded() {
 		print
 	}'
 }
-# once NAME COMMAND: runs the line of shell unless the file NAME is there, which it writes; kept until the table is whole
+# once NAME COMMAND: writes the file NAME by a line of shell, unless it exists; it is kept until the table is complete
 once() {
 	[ -e "$1" ] || { sh -c "$2" >"$1.new.$$" </dev/null && mv "$1.new.$$" "$1"; } || fail 3 "failed: $2"
 }
-# costs COMMAND NAME ...: NAME.frags, which the line of shell writes of each $name, the log of one worker: of five runs the one
-# that took least, as what else a machine does only adds to it. They take turns, as that may last.
+# costs COMMAND NAME ...: writes NAME.frags, the log of one worker, by a line of shell that uses $name. It is the shortest
+# of five runs, because other load on the machine can only add time. The names take turns, because such load may last.
 costs() {
 	command=$1
 	shift
@@ -57,7 +57,7 @@ costs() {
 		rm -f "$name".[1-5]
 	done
 }
-# paper_s SCENE: the seconds that its balanced view takes on the GDC paper's reference host (Tables 1 and 2)
+# paper_s SCENE: prints the seconds of its balanced view on the GDC paper's reference host (Tables 1 and 2)
 paper_s() {
 	case $1 in
 	gears) echo 1091.14 ;;
@@ -65,9 +65,9 @@ paper_s() {
 	tetra) echo 44.53 ;;
 	esac
 }
-# pictured SCENE-VIEW SECONDS: SCENE-VIEW.frags, the costs of its rows by one worker, whose sum makes SECONDS when they are
-# multiplied by what SCENE-VIEW.scale says; without SECONDS the scale is that of the balanced view
-# shellcheck shell=sh disable=SC2016  # $name is costs' affair
+# pictured SCENE-VIEW [SECONDS]: writes SCENE-VIEW.frags, the costs of its rows on one worker, and SCENE-VIEW.scale, a
+# factor by which their sum becomes SECONDS. Without SECONDS the scale is that of the balanced view.
+# shellcheck disable=SC2016  # costs expands $name
 pictured() {
 	scene=${1%-*}
 	for view in balanced imbalanced; do once "$scene-$view.nff" "spdgen -s 2 -V $view $scene"; done
@@ -75,10 +75,10 @@ pictured() {
 	[ -z "${2-}" ] || once "$1.scale" "fragstat -s $1.frags | awk -v s=$2 '\$1 == \"cpu_s\" { print s / \$2 }'"
 	[ -n "${2-}" ] || cp "$scene-balanced.scale" "$1.scale"
 }
-# The wind that the StormView paper's measurements are repeated with: wind.frags, the costs of 29 rays at a time, and
-# wind.scale, by which a ray costs .052072 s in the mean, as in its Table 1. Here cells in which nothing is seen are
-# skipped; there all were integrated, so a faint haze lies everywhere. The tolerance gives costs that are distributed as
-# in that table: 29 rays cost 1.15 times their median in the mean (a ray there 1.145 times).
+# The wind for repeating the StormView paper's measurements: wind.frags has the costs of runs of 29 rays, and wind.scale
+# is the factor by which a ray costs .052072 s in the mean, as in its Table 1. vcworker skips transparent cells; StormView
+# integrated all cells, so a faint haze is added everywhere. The tolerance gives the distribution of costs of that table:
+# the mean of 29 rays is 1.15 times their median (there the mean of a ray is 1.145 times).
 winded() {
 	once wind.vtk "nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc 'speed=hypot(U,V)'"
 	once wind.spec "awk '/^map 39.75/ { print \"map 0 1 .3 .1 1e-6\" } /^map/ && \$6 == 0 { \$6 = \"1e-6\" } { print }
@@ -87,23 +87,23 @@ winded() {
 	costs 'partition -u run:29 261x209 | vcworker -m doubling:.003 $name.vtk $name.spec' wind
 	once wind.scale "fragstat -s wind.frags | awk '\$1 == \"cpu_s\" { print 54549 * .052072 / \$2 }'"
 }
-# can_build NAME: for a plan of which samples need tests/bench/NAME.c
+# can_build NAME: checks that tests/bench/NAME.c can be built, for a plan whose samples need it
 can_build() {
 	[ -r "$here/../tests/bench/$1.c" ] && [ -r "$here/../build/libstormring.a" ] ||
-		fail 3 "$experiment: is for a clone of the source that is built, where there are tests/bench/$1.c and build/libstormring.a"
+		fail 3 "$experiment: is for a clone of the source that is built, expected tests/bench/$1.c and build/libstormring.a there"
 }
-# built NAME: makes that program, here
+# built NAME: builds that program in this directory
 built() {
 	[ -x "$1" ] || { cc -std=c11 -D_GNU_SOURCE -O2 -I"$here/../lib" -o "$1.new" "$here/../tests/bench/$1.c" "$here/../build/libstormring.a" \
 		-lpng -lz -lm && mv "$1.new" "$1"; } >&2 || fail 3 'failed: cc'
 }
-# delayed MS: the words that make a command one behind a link of so many ms, one way, over real pipes
+# delayed MS: prints the words that put a command behind a link of MS milliseconds, one way, over real pipes
 delayed() { built delay && echo "$PWD/delay $1"; }
-# Links at 10 Mbit/s in all, in which a pixel is 3 bytes (GDC) or 5 (StormView), and 16 in simulate.
-# shellcheck shell=sh disable=SC2034  # for experiments
+# Links of 10 Mbit/s in all. A pixel has 3 bytes (GDC) or 5 (StormView) there, but 16 in simulate.
+# shellcheck disable=SC2034  # for experiments
 ethernet_gdc='-l 1 -b 6.67e6,6.67e6' ethernet_stormview='-l 1 -b 4e6,4e6'
-# simulated METHOD POWERS OPTION ...: leaves $work/figures of balance METHOD in virtual time, or of the best schedule
-# that is known, of $frame cut into $unit or as that method does
+# simulated METHOD POWERS OPTION ...: writes $work/figures for balance METHOD in virtual time, or for the best known
+# schedule, with $frame cut into $unit; the default unit is that of the method
 simulated() {
 	method=$1 powers=$2 slots=$(echo "$2" | tr , '\n' | wc -l)
 	shift 2
@@ -121,25 +121,25 @@ simulated() {
 	# shellcheck disable=SC2086
 	partition $cut "$frame" | quietly simulate -w "$powers" "$@" $run
 }
-# speed [SECONDS]: of that run: so many, or one, by the makespan; 0 for a picture that is never complete
+# speed [SECONDS]: prints SECONDS (1) divided by the makespan of that run; 0 if the picture was never complete
 speed() {
 	awk -F '\t' -v s="${1-1}" '{ v[$1] = $2 } END { printf "%.9g\n", (v["uncommitted"] > 0 ? 0 : s / v["makespan_s"]) }' "$work/figures"
 }
-# quietly SIMULATE ...: the same of any run; one in which not every pixel comes is a result
+# quietly SIMULATE ...: writes $work/figures for any run; an incomplete picture is a result, not a failure
 quietly() {
 	"$@" >"$work/figures" 2>"$work/said" && return
 	[ $? -eq 1 ] || { cat "$work/said" >&2; false; }
 }
 
-# processor: the last one that this may use
+# processor: prints the number of the last processor that this process may use
 processor() { taskset -cp $$ | sed 's/.*[-, ]//'; }
-# hosts ARGUMENT ...: test hosts of this machine, which are for root, in a clone
+# hosts ARGUMENT ...: makes test hosts on this machine; needs root and a clone of the source
 hosts() {
-	[ -x "$here/../tests/hosts" ] || fail 3 "$experiment: is for a clone of the source, where there are tests/hosts"
+	[ -x "$here/../tests/hosts" ] || fail 3 "$experiment: is for a clone of the source, expected tests/hosts there"
 	"$here/../tests/hosts" "$@"
 }
-# among SECONDS N PROGRAM ARGUMENT ...: runs a program of the shell among N test hosts, for so long at most, and no longer than
-# this: a program that is waited for in the foreground would hold back a Ctrl-C
+# among SECONDS N PROGRAM ARGUMENT ...: runs a shell program among N test hosts, for at most SECONDS. It ends with this
+# script: a program in the foreground would delay a Ctrl-C.
 among() {
 	limit=$1 number=$2 code=$3
 	shift 3
