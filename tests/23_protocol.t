@@ -120,8 +120,9 @@ run protocol -n 2 -o whole.tsv faults
 like 'one run at a time' "$status $err" '^2 protocol: .*whole.tsv: another run writes it'
 : >held
 wait
-mkdir "in stalled" && cp "$root"/bin/* "in stalled" # what is installed has no tests beside it
-run "in stalled/protocol" -n 1 power
+mkdir -p "in stalled/bin" "in stalled/share/stormring" && cp "$root"/bin/* "in stalled/bin" &&
+	cp -r "$root/tests/experiments" "in stalled/share/stormring" # what is installed has no tests beside it
+run "in stalled/bin/protocol" -n 1 power
 like 'real hosts want a clone' "$status $err" '^3 protocol: power: is for a clone of the source'
 run protocol -n 1 -o real.tsv complexity
 like 'real ones say what else the machine did' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
@@ -187,7 +188,7 @@ is 'less than half' "$(cheapest .4 .02)" '1 1 0 found, 1 1 0 found'
 is 'more than half' "$(cheapest .6 .01)" '1 1 0 found, 1 0 1 not found'
 is 'not as exact' "$(cheapest .4 .0203)" '1 0 1 not found, 1 0 1 not found'
 # What is simulated under the name of a method is what its balancer runs: the same policy, of the same tasks.
-sed -n '/^simulated() {/,/^}/p' "$root/bin/protocol" >simulated
+sed -n '/^simulated() {/,/^}/p' "$root/tests/experiments/words.sh" >simulated
 mkdir stand-in
 cat >stand-in/deal <<'END'
 #!/bin/sh

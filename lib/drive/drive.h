@@ -1,6 +1,6 @@
 /*
  * drive: the poll loop of a policy around one command. It turns records into scheduling events, and
- * actions into records. It ends quietly when its reader is gone, and then nothing it started is left.
+ * actions into records. When its reader is gone, it ends quietly, with all that it started.
  */
 #ifndef STORMRING_DRIVE_H
 #define STORMRING_DRIVE_H

@@ -1,8 +1,8 @@
 /*
- * fan, shared by its files: loop.c; down.c (what comes from the input); slot.c (the life of a slot);
- * connect.c (which slots are connected next, and what is reported about hosts); refusal.c (why a
- * connection failed); hello.c (which workers are let in); up.c (what workers send); err.c (their
- * standard error); list.c (fan -l).
+ * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
+ * (which slots are connected next, and what is reported about hosts); refusal.c (why a connection
+ * failed); hello.c (which workers are let in); up.c (what workers send); err.c (their standard
+ * error); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H

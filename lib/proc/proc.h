@@ -1,7 +1,7 @@
 /*
  * proc: child processes connected by pipes, and signals.
  *
- * Descriptors made here are close-on-exec. The writing end of a pipe made here is nobody else's, and
+ * Descriptors made here are close-on-exec. The writing end of a pipe made here is not shared, and
  * is non-blocking.
  */
 #ifndef STORMRING_PROC_H

@@ -1,6 +1,6 @@
 /*
- * deal, shared by its files: deal.c (events, and who gets what), deal_ledger.c (tasks, and what slots
- * have of them), deal_pick.c (which slot is the next), deal_end.c (the last tasks).
+ * deal, shared by its files: deal.c (events, and what each slot gets), deal_ledger.c (tasks, and
+ * the slots that hold them), deal_pick.c (which slot is next), deal_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
@@ -63,7 +63,7 @@ struct deal {
 
 static inline int32_t slot_load(const struct slot *s) { return s->held.count + s->shared.count; }
 
-/* ---- deal_ledger.c -------------------------------------------------------------------------------- */
+/* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
 /* A new entry of the ledger, on no list. */
 int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent);

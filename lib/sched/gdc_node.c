@@ -1,6 +1,6 @@
 /*
- * The ring as it was published, GDC: the rules of a node. The master's are in gdc_master.c; the quotations
- * are from the paper named there, sections 3 and "Fault tolerance".
+ * The ring as it was published, GDC: the rules of a node. The master's are in gdc_master.c; the
+ * quotations are from the paper named there, sections 3 and "Fault tolerance".
  *
  *   a node is  when                       ASK            NONE of whom it   a row       timeout
  *                                                        asked, HEIR

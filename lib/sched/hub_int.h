@@ -76,7 +76,7 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
 /* Something about node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
-/* ---- hub_match.c ------------------------------------------------------------------------------ */
+/* ---- hub_match.c ----------------------------------------------------------------------------- */
 
 /* Whoever wants work has somebody asked for it, as far as there is somebody. */
 void ring_match(struct hub *h, struct sched_actions *out);

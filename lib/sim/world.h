@@ -92,8 +92,8 @@ struct world {
 };
 
 /*
- * The checks of a policy: each is called where it is not NULL, after those of all runs; sim_fail() says
- * what does not hold. restart: all that was is forgotten, but for what has been passed on.
+ * The checks of a policy. Each is called where it is not NULL, after those of all runs; sim_fail()
+ * says what does not hold. restart: all is forgotten except what has been passed on.
  */
 struct sim_checks {
     void (*task)(struct vtask *t); /* first of all, and after a restart: to make its note */
