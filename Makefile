@@ -1,6 +1,29 @@
-# Stormring. make: the programs. make demo, demo-volume, check, test: they install the Debian packages they miss, and say which.
-# make fresh (as root): make demo in a Debian that has nothing yet. make bench, soak, chart, report, fuzz FUZZ_SECONDS=600.
-# make install PREFIX=/usr/local DESTDIR=, make uninstall, make clean
+#: Stormring's Makefile. A target installs the Debian packages that it misses (as root), or names them.
+#:
+#: For users
+#:   make                   builds the programs, in bin/
+#:   make demo              renders gears.png on all cores, measures the balance, compares with POV-Ray
+#:   make demo-volume       renders the wind of a NetCDF file over a map: wind-smooth.png, wind-surfaces.png
+#:   make install           PREFIX=/usr/local DESTDIR=; make uninstall removes what was installed
+#:   make need              installs what a build needs
+#:
+#: Tests
+#:   make test              the inner loop, under a minute: units, single programs, simulated time
+#:   make check             every test, about ten minutes
+#:   make fresh             as root: make demo in a Debian that has nothing yet; FULL=1: make check there, takes hours
+#:   make fuzz              each decoder for FUZZ_SECONDS=600; FUZZ_SEED=1 repeats a run
+#:   make soak              minutes of kills and load
+#:
+#: Measurements (tests/bench/RESULTS.md)
+#:   make bench             every benchmark
+#:   make chart             draws speed against accuracy of both workers
+#:   make report            repeats the papers' experiments: report/index.html; FULL=1 takes their numbers of samples
+#:
+#: Releases
+#:   make dist              packs the last commit: stormring-VERSION.tar.gz
+#:   make clean             removes what was built
+#:
+#: BUILD=DIR builds elsewhere; CC, CFLAGS and LDFLAGS are as usual.
 
 CC       = cc
 CFLAGS   = -O2 -g
@@ -57,6 +80,9 @@ PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
 all: $(PROGRAMS) $(COPIES)
 	$(if $(strip $(LACKING)),@for l in $(LACKING); do echo "make: $${l%:*} is not built: $${l#*:} is missing" >&2; done)
+
+help:
+	@sed -n 's/^#: \{0,1\}//p' Makefile
 
 need:
 	@tests/need build
@@ -157,15 +183,19 @@ install: all
 uninstall:
 	@tests/install -u $(TO)
 
+VERSION  = $(shell sed -n 's/^.define STORMRING_VERSION "\(.*\)"/\1/p' lib/base/base.h)
+dist:
+	git archive --prefix=stormring-$(VERSION)/ -o stormring-$(VERSION).tar.gz HEAD
+
 # Another BUILD may be a directory with more in it than what was built.
 EVERY_O  = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
 OF_BUILD = $(BUILD)/.need $(BUILD)/libstormring.a $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
            $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES)
 clean:
-	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags)
+	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)
 	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)
 	@rmdir -p $(sort $(dir $(OF_BUILD))) 2>/dev/null || :
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all need demo demo-volume test check fresh bench soak chart report fuzz unit fuzzers install uninstall clean
+.PHONY: all help dist need demo demo-volume test check fresh bench soak chart report fuzz unit fuzzers install uninstall clean

@@ -290,6 +290,6 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 # ---- the rest --------------------------------------------------------------------------------------------------
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
 clean 'nothing built is committed'
-printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|LICENSE|build|report|(gears|wind-.*)\.(png|frags)' >"$found"
+printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|CHANGELOG\.md|LICENSE|build|report|(gears|wind-.*)\.(png|frags)|stormring-.*\.tar\.gz' >"$found"
 clean 'the top level is as fixed'
 finish

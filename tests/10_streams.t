@@ -97,7 +97,7 @@ state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
 is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ sum=.*//')" \
-	"hello fan 0.1 format=2 S P slots=3"
+	"hello fan 0.2 format=2 S P slots=3"
 is "fan: up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
 is "fan: stamps" "$(lines frags | grep '^done 0 4 ' | sed 's/ sum=.*//; s/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="

@@ -15,7 +15,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define STORMRING_VERSION "0.1"
+#define STORMRING_VERSION "0.2"
 
 /* Exit statuses, the same for every program. */
 enum {
