@@ -55,12 +55,14 @@ FUZZ_SECONDS = 600
 FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
-# Two programs need a library each: where it is missing, the others are built, and make says so.
+# Three programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf
 LIBS_grib2vtk = -leccodes
+LIBS_tsvstat  = -lgsl -lgslcblas
 # No "#" here: whether it needs a backslash depends on make's version.
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
-LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev)
+LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev) \
+           $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev)
 LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
 
 EVERY    = $(wildcard bin/*.c)
@@ -69,9 +71,12 @@ SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 # Scripts look for programs beside themselves, so another BUILD has copies of its own.
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/*)))
-LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(if $(findstring nc2vtk,$(LACKING)),lib/cf/%) \
-           $(if $(findstring grib2vtk,$(LACKING)),lib/grib/%),$(wildcard lib/*/*.c)))
-UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(wildcard tests/unit/test_*.c)))
+NO       = $(foreach l,nc2vtk:cf grib2vtk:grib tsvstat:inference,\
+           $(if $(findstring $(firstword $(subst :, ,$(l))):,$(LACKING)),$(lastword $(subst :, ,$(l)))))
+LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%),$(wildcard lib/*/*.c)))
+UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
+           $(filter-out $(NO:%=tests/unit/test_%.c),$(wildcard tests/unit/test_*.c))))
+LIBS_test_inference = $(LIBS_tsvstat)
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"
@@ -172,7 +177,7 @@ $(COPIES): $(BUILD)/%: %
 
 $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS) $(LIBS_$(@F))
 
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)

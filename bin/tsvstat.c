@@ -1,6 +1,6 @@
 /* tsvstat: a table of samples in, what they tell out: a line for each point, or each comparison. */
 #include "base/base.h"
-#include "stats/stats.h"
+#include "inference/inference.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -196,7 +196,7 @@ static size_t samples(const struct row *r, size_t n, double *y)
 static void mark_outliers(struct row *r, size_t n)
 {
     double low, high, *y = xmalloc(n, sizeof *y);
-    fences(y, samples(r, n, y), &low, &high);
+    inference_fences(y, samples(r, n, y), &low, &high);
     for (size_t i = 0; i < n; i++) r[i].outlier = r[i].y < low || r[i].y > high;
     free(y);
 }
@@ -228,7 +228,7 @@ static void summarise(const struct table *t, const struct options *o)
         const struct row *r = &t->rows[p->from];
         double *y = xmalloc(p->n, sizeof *y), x = 0;
         size_t n = samples(r, p->n, y);
-        struct interval of = mean_interval(y, n, o->level);
+        struct interval of = inference_mean(y, n, o->level);
         for (size_t k = 0; k < p->n; k++) x += r[k].x / (double)p->n;
         printf("%s\t%s\t%s\t%.9g\t%zu\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\n", r->experiment, r->kind,
             r->method, x, n, p->n - n, of.estimate, variance(y, n), of.low, of.high);
@@ -271,11 +271,11 @@ static struct interval compared(const struct options *o, const struct row *a, si
     struct interval of;
     if (o->relation == STEADIER) {
         size_t p = samples(a, n, x), q = samples(b, m, y);
-        of = spread_interval(x, p, y, q, o->level);
+        of = inference_spread(x, p, y, q, o->level);
         *used = p < q ? p : q;
     } else {
         *used = pair(a, n, b, m, x);
-        of = mean_interval(x, *used, o->level);
+        of = inference_mean(x, *used, o->level);
     }
     if (o->relation == SAME) {
         /* Of 0, only 0 is the same. */

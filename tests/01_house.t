@@ -16,6 +16,7 @@ wire task base
 image task base
 log wire image task base
 stats base
+inference stats base
 scene base
 spd scene base
 trace scene image task base

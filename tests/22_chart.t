@@ -2,7 +2,7 @@
 # chart: what it draws, what it refuses and in which line, and that data is never taken for commands.
 # shellcheck disable=SC1091,SC2154
 . "$(dirname "$0")/lib.sh"
-needs gnuplot
+needs gnuplot tsvstat
 
 header='experiment kind method x x_unit y y_unit sample seed'
 # tsv LINE ...: with blanks for tabs, but for comment lines

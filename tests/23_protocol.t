@@ -1,7 +1,7 @@
 #!/bin/sh
 # protocol and tsvstat: tables that are stopped and go on, or are another run's; what samples tell, and what they refuse.
 . "$(dirname "$0")/lib.sh"
-needs gnuplot ps
+needs gnuplot ps tsvstat
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"
 tab=$(printf '\t')

@@ -32,6 +32,9 @@ lacking() {
 		! grep -qw "$lacking_command" "$tmp/.named" || there "$lacking_need" || return 0
 	done <<-END
 		chart gnuplot
+		chart tsvstat
+		protocol tsvstat
+		tsvstat tsvstat
 		gnuplot gnuplot
 		povray povray
 		coastlines /usr/share/gmt-gshhg

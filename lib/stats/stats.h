@@ -27,45 +27,6 @@ double variance(const double *x, size_t n);
 /* Sorts x, descending. The mean of the two middle ones when n is even. */
 double median(double *x, size_t n);
 
-/* ---- what samples tell of where they come from --------------------------------------------- */
-
-/*
- * The p-quantile of Student's t distribution, 0 < p < 1, of dof > 0 degrees of freedom, which need
- * not be whole: correct to about 12 digits. (Student, "The probable error of a mean", Biometrika 6,
- * 1908.)
- */
-double t_quantile(double p, double dof);
-
-/* From low to high lies, with the confidence that was asked for, what was estimated. */
-struct interval {
-    double estimate, low, high; /* not finite where there are too few samples to tell */
-};
-
-/* Of the mean, at the level (0 to 1, as .999), for samples of a normal distribution. */
-struct interval mean_interval(const double *x, size_t n, double level);
-/*
- * Of the mean that x is from minus that of y, which need not vary equally (B. L. Welch, "The
- * generalization of `Student's' problem when several different population variances are involved",
- * Biometrika 34, 1947). n and m >= 1.
- */
-struct interval difference_interval(
-    const double *x, size_t n, const double *y, size_t m, double level);
-/*
- * How much more x varies than y: the same of the distances of each from its median (M. B. Brown,
- * A. B. Forsythe, "Robust tests for the equality of variances", J. Amer. Stat. Assoc. 69, 1974;
- * differs in Welch's degrees of freedom). Fewer than three of either tell nothing. Leaves these in
- * x and y.
- */
-struct interval spread_interval(double *x, size_t n, double *y, size_t m, double level);
-
-/*
- * The inner fences (J. W. Tukey, "Exploratory Data Analysis", 1977): samples outside of [*low,
- * *high] are outliers: further from the middle half than 1.5 times its width. The quartiles are the
- * medians of the lower and the upper half, the middle one being in both. Of fewer than 4 samples
- * none is an outlier. Sorts x.
- */
-void fences(double *x, size_t n, double *low, double *high);
-
 /* ---- who did what, when --------------------------------------------------------------------- */
 
 /* A task that a slot did. Times are in seconds since its run began. */

@@ -1,0 +1,61 @@
+/* Confidence intervals and outliers: see inference.h. */
+#include "inference/inference.h"
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+
+/* ---- intervals ------------------------------------------------------------------------------- */
+
+/* Around an estimate with this standard error; without degrees of freedom all is possible. */
+static struct interval around(double estimate, double error, double dof, double level)
+{
+    double half = HUGE_VAL;
+    gsl_set_error_handler_off(); /* GSL's default aborts the program */
+    if (dof > 0) half = error > 0 ? gsl_cdf_tdist_Pinv((1 + level) / 2, dof) * error : 0;
+    return (struct interval){estimate, estimate - half, estimate + half};
+}
+
+struct interval inference_mean(const double *x, size_t n, double level)
+{
+    return around(mean(x, n), sqrt(variance(x, n) / (double)n), (double)n - 1, level);
+}
+
+struct interval inference_difference(
+    const double *x, size_t n, const double *y, size_t m, double level)
+{
+    double a = variance(x, n) / (double)n, b = variance(y, m) / (double)m, dof = 0;
+    if (n > 1 && m > 1) {
+        dof = (double)(n + m - 2);
+        if (a + b > 0)
+            dof = (a + b) * (a + b) / (a * a / (double)(n - 1) + b * b / (double)(m - 1));
+    }
+    return around(mean(x, n) - mean(y, m), sqrt(a + b), dof, level);
+}
+
+static void to_distances(double *x, size_t n)
+{
+    double middle = median(x, n);
+    for (size_t i = 0; i < n; i++) x[i] = fabs(x[i] - middle);
+}
+
+struct interval inference_spread(double *x, size_t n, double *y, size_t m, double level)
+{
+    to_distances(x, n);
+    to_distances(y, m);
+    /* Two are equally far from their median, whatever they are from: that tells as much as one. */
+    return inference_difference(x, n == 2 ? 1 : n, y, m == 2 ? 1 : m, level);
+}
+
+/* ---- outliers -------------------------------------------------------------------------------- */
+
+void inference_fences(double *x, size_t n, double *low, double *high)
+{
+    *low = -HUGE_VAL;
+    *high = HUGE_VAL;
+    if (n < 4) return;
+    median(x, n); /* sorts, the largest first */
+    size_t half = (n + 1) / 2;
+    double upper = median(x, half), lower = median(x + n - half, half);
+    *low = lower - 1.5 * (upper - lower);
+    *high = upper + 1.5 * (upper - lower);
+}
