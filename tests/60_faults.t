@@ -179,10 +179,12 @@ ok "all workers killed: no process remains" await 2 none_alive
 
 # ---- workers that cannot be trusted ---------------------------------------------------------------------
 partition 64x64 | rtworker gears.nff | gather -o small.pfm
-# liar SCRIPT [SLOTS [ERE]]: one of two slots runs SCRIPT for its worker; the input ends when that has been said
+# liar SCRIPT [SLOTS [ERE [late]]]: one of two slots runs SCRIPT for its worker; the input ends when that has been said.
+# late: until then the others do not begin, so that they cannot do all the work before the liar does any.
 liar() {
 	ere=${3-}
-	printf '#!/bin/sh\nif mkdir taken 2>/dev/null; then\n%s\nfi\nexec rtworker -\n' "$1" >liar
+	printf '#!/bin/sh\nif mkdir taken 2>/dev/null; then\n%s\nfi\n%s\nexec rtworker -\n' "$1" \
+		"${4:+until grep -Eq '$ere' said; do sleep .02; done}" >liar
 	chmod +x liar
 	rm -rf taken out.pfm
 	: >up
@@ -212,7 +214,8 @@ export SEAL=./seal
 liar 'rtworker - | { head -c 5000; cat /dev/urandom; }; exit'
 is "garbage after a while: exit 0" "$status" 0
 ok "garbage after a while: the same picture" cmp out.pfm small.pfm
-liar 'rtworker - | ./through "s/frag 0 (\d+) 0 (\d+)/q(frag 0 ).\$1.q( 0 ).((\$2+1)%64)/e"; exit'
+liar 'rtworker - | ./through "s/frag 0 (\d+) 0 (\d+)/q(frag 0 ).\$1.q( 0 ).((\$2+1)%64)/e"; exit' \
+	2 'lost .(wrong-pixels|garbage)' late
 ok "pixels of another row: the same picture" cmp out.pfm small.pfm
 like "pixels of another row: it is said" "$(cat said)" 'lost \((wrong-pixels|garbage)\)'
 liar 'sleep 7200; exit'
@@ -223,10 +226,10 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference: the liar's comes second.
-liar "$second; "'echo "hello rtworker 0.1 format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
+liar "$second; "'echo "hello $(rtworker --version) format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
-liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit'
+liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
 liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
@@ -245,7 +248,7 @@ for slots in 2 3; do
 done
 liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7 x=1\n) while 1" | $SEAL; exit'
 ok "answers to no question: the same picture" cmp out.pfm small.pfm
-liar 'rtworker - | ./through "s/frame 0 64 64/frame 0 64 65/"; exit'
+liar 'rtworker - | ./through "s/frame 0 64 64/frame 0 64 65/"; exit' 2 'lost .wrong-frame' late
 ok "a frame of another size: the same picture" cmp out.pfm small.pfm
 like "a frame of another size: it is said" "$(cat said)" 'lost \(wrong-frame\)'
 liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; } | $SEAL; exit'
