@@ -32,7 +32,8 @@ like 'make fresh: an ordinary user is told why it is not tried' "$status $err" '
 plain=$(mktemp -d /tmp/commands.XXXXXX) && other=$plain/other || exit 3
 trap 'rm -rf "$tmp" "$plain"' EXIT
 mkdir include
-for header in stdio png zlib eccodes; do : >include/$header.h; done
+mkdir include/gsl
+for header in stdio png zlib eccodes gsl/gsl_cdf; do : >include/$header.h; done
 cat >"$plain/cc" <<END
 #!/bin/sh
 output='' before=''
