@@ -14,7 +14,7 @@ static void close_to(double got, double expected, double tolerance)
     if (!(fabs(got - expected) <= tolerance)) fail_msg("got %.12g, not %.12g", got, expected);
 }
 
-/* Half the width of the interval at level 2 p - 1 of dof + 1 samples; their mean has an error of 1. */
+/* Half the width of the interval at level 2 p - 1 of dof + 1 samples whose mean has error 1. */
 static double t_of(double p, size_t dof)
 {
     size_t n = dof + 1;
