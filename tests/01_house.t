@@ -288,6 +288,46 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	clean 'the pages name the keys that the code reads and writes'
 }
 
+# ---- prose: plain English, about files that exist --------------------------------------------------------------
+find lib bin tests man scenes -type f | sed 's,.*/,,' | sort -u >"$tmp/there"
+# Of C files the comments are read, with END behind each file's last one.
+prose='README.md CHANGELOG.md lib/README.md tests/README tests/bench/RESULTS.md man/*.[1-9]'
+comments='lib/*/*.[ch] bin/*.c tests/unit/*.[ch] tests/fuzz/*.[ch] tests/bench/*.c tests/*.c'
+# shellcheck disable=SC2086
+awk '
+function say(text) { if (text !~ /^[ \t]*$/) print FILENAME ":" FNR ": " text }
+FILENAME !~ /[.][ch]$/ { say($0); next }
+{
+	rest = $0; text = ""
+	while (rest != "") {
+		if (within) {
+			end = index(rest, "*/")
+			text = text " " (end ? substr(rest, 1, end - 1) : rest)
+			rest = end ? substr(rest, end + 2) : ""
+			within = !end
+		} else if ((begin = index(rest, "/*")) > 0) {
+			rest = substr(rest, begin + 2)
+			within = 1
+		} else rest = ""
+	}
+	say(text)
+}' $prose $comments >"$tmp/prose"
+awk 'FNR == NR { there[$1] = 1; next }
+{
+	place = $1
+	while (match($0, /[A-Za-z0-9_]*[a-z0-9_][a-z0-9_][.][ch]([^A-Za-z0-9_]|$)/)) {
+		name = substr($0, RSTART, RLENGTH)
+		$0 = substr($0, RSTART + RLENGTH)
+		sub(/[^A-Za-z0-9_]$/, "", name)
+		if (!(name in there) && name !~ /NAME/ && RSTART > 0) print place " " name " does not exist"
+	}
+}' "$tmp/there" "$tmp/prose" | grep -v '[.][ch]:[0-9]*: [a-z_]*[.][ch]: ' >"$found"
+clean 'pages and comments name files that exist'
+words='\b[Ww]ho(ever|m)?\b|\b[Ll]est\b|\bso many\b|\bof it[.;]|\b([Nn]o|[Aa]ny|[Ss]ome)body\b|comes? of (it|that)\b|\bin store\b|^[^ ]* What is\b|[.;:] [Ww]hat is\b'
+# People are "who"; the rest are words that a reader has to read twice.
+grep -E "$words" "$tmp/prose" | grep -vE '(people|users?|reader|somebody) who|^man/stormring-hosts' >"$found"
+clean 'prose does without words that need a second reading'
+
 # ---- the rest --------------------------------------------------------------------------------------------------
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
 clean 'nothing built is committed'
