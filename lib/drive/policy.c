@@ -51,7 +51,7 @@ static void flush(struct driver *d, int32_t to)
 /* The task of an action, under the keys that it, or what it is a piece of, came with. */
 static void give(struct driver *d, const struct sched_action *a, int32_t to)
 {
-    const char *keys = tags_find(&d->tags, a->task.frame, a->of);
+    const char *keys = tags_find(&d->tags, a->task.frame, a->origin_id);
     char text[WIRE_LINE_MAX] = "";
     struct task t = a->task;
     t.to = to;

@@ -53,7 +53,7 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
  * Nobody was listened to while this process was kept from running, and whoever shares the machine
  * may have been kept from it longer: that is no silence.
  */
-static void forgive(struct fan *f, int64_t looked_us)
+static void credit_own_delay(struct fan *f, int64_t looked_us)
 {
     int64_t late_us = looked_us - f->awake_us - LATE_US;
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
@@ -109,7 +109,7 @@ void fan_round(struct fan *f, struct pollfd *p)
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
-    forgive(f, looked_us);
+    credit_own_delay(f, looked_us);
     if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
     f->awake_us = looked_us + wait_ms * INT64_C(1000);

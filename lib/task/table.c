@@ -96,7 +96,7 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
         .task = *task, .frame_w = frame_w, .slot = -1, .live = true, .prev = -1, .next = -1};
     chain(t, i);
     t->count++;
-    t->of[task->generation % GENERATIONS]++;
+    t->n_by_generation[task->generation % GENERATIONS]++;
     return i;
 }
 
@@ -110,7 +110,7 @@ void tasks_remove(struct task_table *t, int32_t i)
     e->chain = t->free_list;
     t->free_list = i;
     t->count--;
-    t->of[e->task.generation % GENERATIONS]--;
+    t->n_by_generation[e->task.generation % GENERATIONS]--;
 }
 
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)

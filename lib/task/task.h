@@ -164,7 +164,7 @@ struct task_table {
     struct task_entry *at;
     int32_t *heads;
     int32_t n_heads, cap, free_list, count;
-    int32_t of[GENERATIONS]; /* so many are of each generation, modulo that */
+    int32_t n_by_generation[GENERATIONS]; /* so many are of each generation, modulo that */
 };
 struct task_list {
     int32_t head, tail, count; /* -1: none */
