@@ -1,15 +1,15 @@
 /*
- * The fan alone, as a policy: what is for a slot waits until it is up, and then goes there, once.
+ * The fan alone, as a policy: tasks wait until their slot is up, and then go there, once.
  */
 #include "sim/sim.h"
 
 #include <stdlib.h>
 
 struct fan {
-    struct task_table ledger;  /* not committed */
-    struct task_list *waiting; /* for each slot; later they are on none */
+    struct task_table ledger;  /* uncommitted tasks */
+    struct task_list *waiting; /* per slot; later they are on no list */
     bool *up;
-    int32_t n_slots; /* 0: not known yet; everything waits in: */
+    int32_t n_slots; /* 0: not known yet; all tasks wait in: */
     struct task_list early;
     int64_t n_waiting;
     bool ended, closed;
