@@ -11,7 +11,7 @@
  *     e - g        >= round trip: the worker was busy; the task was there before the last ended
  *
  * The first sample is taken as it is, and so is each lower one. A higher sample counts only if the
- * worker was waiting, as far as known, or idle for longer than a task takes. It then counts with
+ * worker was waiting, by these data, or idle for longer than a task takes. It then counts with
  * weight 1/8, so that one hiccup does not fill a queue.
  */
 #include "sched/pace.h"

@@ -73,7 +73,7 @@ enum sched_action_kind {
     SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once */
     SCHED_SAY, /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
     SCHED_END, /* close the input of all slots */
-    SCHED_STOP /* the same, and stop the slots: nobody needs their current tasks */
+    SCHED_STOP /* the same, and stop the slots: their current tasks are not needed */
 };
 struct sched_action {
     enum sched_action_kind kind;

@@ -1,4 +1,4 @@
-/* Sets of slots: trees of bits with 64 children per node (van Emde Boas, 1977, with fixed degree). */
+/* Sets of slots: trees of bits with 64 children per node (van Emde Boas, 1977; fixed degree). */
 #include "sched/slot_set.h"
 
 #include <stdlib.h>
