@@ -104,7 +104,8 @@ struct policy {
     void *(*create)(const struct sched_params *p);
     void (*step)(
         void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
-    /* Uncommitted tasks of this generation; numbers count modulo GENERATIONS. */
+    /* Uncommitted tasks of this generation. No generation equal to it modulo GENERATIONS may have
+     * any. */
     int32_t (*uncommitted)(const void *state, uint32_t generation);
     /* Tasks not yet dispatched; the driver pauses its input at SCHED_WAITING_MOST. */
     int64_t (*waiting)(const void *state);

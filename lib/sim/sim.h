@@ -23,7 +23,7 @@
  *
  *   give      only to a slot that is up, only an open task, from the pool only up to the depth;
  *             a copy only to an idle slot, after the end of the input, with an empty pool, and at
- *             most SIM_COPIES_MOST at once; in an endgame also earlier, and more copies, of a late task
+ *             most SIM_COPIES_MOST at once; in an endgame earlier, or more, of a late task
  *   turn      tasks without an owner go in order of arrival, after lost tasks
  *   least     with equal depths, the slot with the least load is given the task
  *   withheld  a computed task only in an endgame, if its slot is busy or was asked to flush, and
