@@ -1,4 +1,4 @@
-/* deal: hands out tasks on demand around a command. */
+/* deal: hands out tasks on demand, around a command. */
 #include "base/base.h"
 #include "drive/drive.h"
 

@@ -1,4 +1,4 @@
-/* fan: runs a worker on every slot, routes tasks to them, merges what they say. */
+/* fan: runs a worker on every slot, routes tasks to them, and merges their records. */
 #include "base/base.h"
 #include "fan/fan.h"
 #include "proc/proc.h"
@@ -8,7 +8,7 @@
 static const char text[] = "[-h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
                            "       fan -l [-l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
-/* At most one of the two is given. */
+/* At most one of the two may be given. */
 static void find_hosts(struct hosts *h, const char *list, int slots)
 {
     char err[HOSTS_ERR];

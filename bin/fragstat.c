@@ -1,4 +1,5 @@
-/* fragstat: who did what, when, and how well the work was balanced, from a log of fragments. */
+/* fragstat: the work of each slot over time, and the balance of the work, from a log of
+ * fragments. */
 #include "base/base.h"
 #include "history/history.h"
 #include "hosts/hosts.h"
@@ -20,7 +21,7 @@ struct options {
     char **inputs; /* NULL-ended; none: standard input */
 };
 
-/* A line of the table: a slot that did something, or that a hello claims. */
+/* A row of the table: a slot that did something, or that a hello counts. */
 struct row {
     char name[HISTORY_NAME];
     double power;
@@ -29,13 +30,13 @@ struct row {
     int64_t tasks, duplicates, retries, steals;
 };
 
-/* What is said of a log. */
+/* The analysis of a log. */
 struct report {
     struct history log;
     struct row *rows;
     size_t n_rows;
-    uint32_t *row_of;   /* by the log's slot */
-    struct span *spans; /* by its done */
+    uint32_t *row_of;   /* row of a slot of the log */
+    struct span *spans; /* span of a done */
     double *run_s, makespan_s, bound_s;
     int64_t tasks; /* different ones */
 };
@@ -82,7 +83,7 @@ static int64_t outermost(const char *name)
     return parse_int(text, 0, HISTORY_SLOTS_MAX - 1, &k) ? k : -1;
 }
 
-/* Slots that were given nothing were idle: those that a hello claims, and nobody heard of. */
+/* Slots counted in a hello but without any record were idle. */
 static void add_idle(struct report *r)
 {
     int32_t claimed = 0;
@@ -116,7 +117,7 @@ static void make_rows(struct report *r)
     }
 }
 
-/* -S: the power of each slot of the outermost fan, by its number. */
+/* -S: the power of each slot of the outermost fan, by number. */
 static void powers_of_hosts(struct report *r, const char *arg)
 {
     struct hosts h;
@@ -151,8 +152,8 @@ static void set_powers(struct report *r, const struct options *o)
 /* ---- times and costs -------------------------------------------------------------------- */
 
 /*
- * A slot was on a task for as long as the worker says, and never for less than the CPU time that it
- * used since the task before: that has reading and writing in it, which its wall time has not.
+ * The time of a slot on a task is the worker's wall time, but at least the CPU time since the
+ * previous task. The latter includes reading and writing, which the wall time does not.
  */
 static void make_spans(struct report *r)
 {
@@ -190,8 +191,8 @@ static double cost_s(const struct report *r, const struct history_done *d)
 }
 
 /*
- * The lower bound (stats.h). Its pieces are rows where this log has each of them from one task,
- * else pixels: it is the same for all methods that never split a row.
+ * The lower bound (stats.h). Pieces are rows if no row of this log was split, else pixels. So the
+ * bound is the same for all methods that never split a row.
  */
 static void find_bound(struct report *r, const char *path)
 {
@@ -268,12 +269,13 @@ static void print_summary(const struct report *r)
     printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, efficiency(r));
 }
 
-/* The intervals of stormring-tsv(5): a bar for each `done`. */
+/* The intervals of stormring-tsv(5): a bar per `done`. */
 static void print_gantt(const struct report *r, const char *name)
 {
     const struct history *l = &r->log;
     const char *kind = l->n_frames && l->frames[0].replayed ? "replayed" : "real";
-    double *zero_s = xcalloc(l->n_runs + 1, sizeof *zero_s); /* of each run: they follow another */
+    /* start of each run: they follow each other */
+    double *zero_s = xcalloc(l->n_runs + 1, sizeof *zero_s);
     for (size_t i = 0; i < l->n_runs; i++) zero_s[i + 1] = zero_s[i] + r->run_s[i];
     printf("# x: time\n# y: slot\n# note: efficiency %.3f: at least %.3g s, and it took %.3g s%s\n",
         efficiency(r), r->bound_s, r->makespan_s, l->n_runs > 1 ? ", all runs together" : "");
@@ -289,7 +291,7 @@ static void print_gantt(const struct report *r, const char *name)
     free(zero_s);
 }
 
-/* A word for the chart's title: the file's name, without what would end a field. */
+/* The file name for the chart's title, without bytes that would end a field. */
 static char *title_of(const struct options *o)
 {
     const char *path = *o->inputs ? *o->inputs : "-", *slash = strrchr(path, '/');

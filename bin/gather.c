@@ -1,9 +1,9 @@
 /*
- * gather: fragments in, pictures out; the last stage of every pipeline.
+ * gather: turns fragments into pictures; the last stage of every pipeline.
  *
- * Records go through log's intake into image's assembly, which holds the rules of committing; a
- * frame is written as soon as it is whole. What the run could not do is said here, with the command
- * that finishes it: see gather(1).
+ * Records go through log's intake into image's assembly, which holds the rules of committing. A
+ * frame is written as soon as it is whole. Missing parts are reported with the command that
+ * finishes the pictures: gather(1).
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -18,16 +18,16 @@
 #include "base/base.h"
 #include "log/log.h"
 
-#define FRAMES_LISTED 8 /* incomplete frames described one by one */
+#define FRAMES_LISTED 8 /* incomplete frames described singly */
 #define WARNINGS_MAX 16 /* about refused declarations */
 
 struct options {
-    const char *out; /* -o: pattern of the pictures' names, NULL: stdout */
+    const char *out; /* -o: pattern of the picture names; NULL: stdout */
     enum image_format format;
     enum image_naming naming;
     int bits;             /* -k */
     const char *log;      /* -r */
-    const char *expected; /* -e: a file of the frames that are to come, or NULL */
+    const char *expected; /* -e: a file of the expected frames, or NULL */
     bool missing;         /* -m: print tasks instead of pictures */
     bool progress;        /* -P, or stderr is a terminal */
     char **inputs;        /* NULL-ended; none: standard input */
@@ -38,11 +38,11 @@ struct gather {
     struct intake in;
     struct log_file log;
     struct log_past past;
-    bool trusted;   /* the log holds nothing, or what this run's workers would say too */
-    bool rereading; /* what comes is from the log */
+    bool trusted;   /* the log is empty, or of the same origin as this run */
+    bool rereading; /* records come from the log */
     struct progress progress;
     int warnings;
-    char why[24]; /* of the stream's bye: it ended before its time */
+    char why[24]; /* of the stream's bye: it ended early */
     int status;
 };
 
@@ -61,7 +61,7 @@ static void check_out(struct options *o)
         die(ST_USAGE,
             "%s: bad pattern, expected one %%d or %%03d at most, and %%%% for a percent sign",
             o->out);
-    /* Better now than after hours of rendering. */
+    /* Better to fail now than after hours of rendering. */
     if (outfile_check(o->out) != 0) die(ST_SYSTEM, "%s:", o->out);
 }
 
@@ -91,7 +91,7 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* What errno says about `name`; the run goes on and ends with status 3. */
+/* Reports errno for `name`; the run goes on and ends with status 3. */
 static void complain(struct gather *g, const char *name)
 {
     int err = errno;
@@ -101,13 +101,13 @@ static void complain(struct gather *g, const char *name)
     g->status = ST_SYSTEM;
 }
 
-/* What was read and is not in the log yet; nothing goes there before it is known to belong. */
+/* Writes the records read so far to the log, once it is known that they belong there. */
 static void flush_log(struct gather *g)
 {
     if (g->trusted && log_flush(&g->log) != 0) complain(g, g->o->log);
 }
 
-/* Reading what is being appended would never end, and a picture would replace its own log. */
+/* Reading a file that is being appended to would never end. A picture would replace its own log. */
 static void check_not_log(const struct gather *g, const struct stat *st, const char *name)
 {
     struct stat log;
@@ -118,7 +118,7 @@ static void check_not_log(const struct gather *g, const struct stat *st, const c
 
 static char interrupted_text[4352];
 
-/* What came since the last read is not in the log, as after kill -9; all else is. */
+/* Only records since the last read are missing from the log, as after kill -9. */
 static void interrupted(int sig)
 {
     ssize_t said = write(STDERR_FILENO, interrupted_text, strlen(interrupted_text));
@@ -148,7 +148,7 @@ static void open_log(struct gather *g)
         if (signal(ending[i], interrupted) == SIG_IGN) signal(ending[i], SIG_IGN);
 }
 
-/* The reader of stdout is gone: what was read is kept, and there is nobody to tell. */
+/* The reader of stdout is gone: keeps the records read so far, and ends. */
 static _Noreturn void reader_gone(struct gather *g)
 {
     flush_log(g);
@@ -210,7 +210,7 @@ static void take_frame(struct gather *g, const struct record *r)
 static void take_record(void *ctx, const struct record *r)
 {
     struct gather *g = ctx;
-    /* Before a log is trusted, nothing counts but who the workers are and what they are on. */
+    /* Before the log is trusted, only the origin and the frames of the workers count. */
     if (!g->trusted && !g->rereading && (r->kind == REC_FRAG || r->kind == REC_BEAT)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
     if (r->kind == REC_BYE && !g->rereading && !rec_str(r, "why", g->why, sizeof g->why))
@@ -222,7 +222,7 @@ static void take_record(void *ctx, const struct record *r)
     assembly_release(&g->in.parts, whole);
 }
 
-/* Before a read that may block: what was read is kept, and the reader of stdout is looked at. */
+/* Before a read that may block: keeps the records read so far, and checks the reader of stdout. */
 static void before_read(void *ctx, int fd)
 {
     struct gather *g = ctx;
@@ -241,8 +241,9 @@ static struct log_reader reader_of(struct gather *g)
 }
 
 /*
- * The first word of this run's workers about a picture, and the log held something: it has to
- * belong there. With the first of all, what the log holds counts before what this run brings.
+ * The first record of this run's workers about a picture, when the log was not empty: the picture
+ * must belong to the log. At the first record of all, the log's content is counted before this
+ * run's.
  */
 static void confirm(struct gather *g, const struct record *r)
 {
@@ -295,7 +296,7 @@ static void report_twice(const struct gather *g)
     if (same && g->o->progress) warn("%" PRIu64 " pixels came twice", same);
 }
 
-/* The command that finishes the pictures, from the log or from the files that were read. */
+/* The command that finishes the pictures, from the log or from the input files. */
 static void report_remedy(const struct gather *g)
 {
     const struct options *o = g->o;
@@ -329,14 +330,14 @@ static void report_missing(const struct gather *g)
 
 static void put(const void *p, size_t n) { fwrite(p, 1, n, stdout); }
 
-/* Status 3, or 2, where the stream itself said that it ends before its time. */
+/* Status 3; or 2 if the stream itself announced its early end. */
 static int unfinished(const struct gather *g)
 {
     if (!*g->why || *g->o->inputs) return ST_PARTIAL;
     return strcmp(g->why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
 }
 
-/* Frames of which nothing has come are missing as well; where none has come, that is said. */
+/* Frames without any record are missing too; reports it if there is no frame at all. */
 static void add_expected(struct gather *g)
 {
     char why[LOG_WHY];
@@ -382,6 +383,6 @@ int main(int argc, char **argv)
     intake_free(&g.in);
     log_past_free(&g.past);
     log_close(&g.log);
-    if (status != ST_SYSTEM) close_stdout(); /* else it has been said */
+    if (status != ST_SYSTEM) close_stdout(); /* else the error was reported */
     return status;
 }

@@ -13,19 +13,19 @@
 
 struct options {
     struct cut cut; /* -u */
-    int slots;      /* -n: preassign round robin; 0: not */
+    int slots;      /* -n: preassign round robin; 0: no */
     double *powers; /* -w: preassign by weighted interleave */
     int n_powers;
-    int64_t assigned; /* -c: only the first so many tasks are preassigned; -1: all */
-    int64_t of;       /* -c: of each so many; 0: of all */
-    uint32_t frame;   /* -F: the frame's number */
-    const char *log;  /* -r: leave out what it holds */
+    int64_t assigned; /* -c: number of tasks to preassign; -1: all */
+    int64_t of;       /* -c: out of this number of tasks; 0: of all */
+    uint32_t frame;   /* -F: number of the frame */
+    const char *log;  /* -r: leave out pixels that it has */
     enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST } order; /* -o */
     int64_t seed;                                         /* -o shuffle: */
     const char *cost_log;                                 /* -o cost: */
     int w, h;
-    const char *pictures; /* where state and frames come from; NULL: a frame of this size */
-    char job[80];         /* "job=HASH", where a frame from there has one */
+    const char *pictures; /* source of state and frames; NULL: one frame of this size */
+    char job[80];         /* "job=HASH", if a frame from there has one */
 };
 
 static void parse_powers(struct options *o, const char *list)
@@ -83,7 +83,7 @@ static bool in_chunks(const struct options *o)
     return o->cut.unit == CUT_GUIDED || o->cut.unit == CUT_FACTORING;
 }
 
-/* Chunks are given in their order, on demand; they, and runs, need to know for how many. */
+/* Chunks are given in order, on demand. They, and runs, depend on the number of slots. */
 static void check_slots(const struct options *o)
 {
     if (in_runs(o) && !o->slots && !o->powers)
@@ -95,7 +95,7 @@ static void check_slots(const struct options *o)
     if (o->order) die(ST_USAGE, "-o: expected any -u but guided and factoring with it");
 }
 
-/* A size; that of the first of several pictures, `@`, and where all of them come from. */
+/* A size; `@`: the size of the first picture, and the source of all pictures. */
 static void parse_operand(struct options *o, const char *s, bool numbered)
 {
     char size[32];
@@ -154,27 +154,27 @@ static struct options parse(int argc, char **argv)
 
 /*
  * Weighted interleave (the hybrid's first phase): slots with credit >= 1 get a task each, in order,
- * and pay 1; only when none has, every credit grows by its slot's relative power. 1,2,1 gives 0 1
- * 2 1.
+ * and pay 1. When no slot has that, every credit grows by its slot's relative power. 1,2,1 gives 0
+ * 1 2 1.
  */
 struct interleave {
     const double *power;
     double *credit;
-    int n, at; /* at: the next slot to look at in this round */
+    int n, at; /* at: the next slot of this round */
 };
 
 static int interleave_next(struct interleave *v)
 {
     for (;;) {
         for (; v->at < v->n; v->at++) {
-            /* A hair below 1 counts: powers such as .1 are not exact, and ten of them shall be
-             * 1. */
+            /* Slightly less than 1 is enough: powers such as .1 are not exact, and ten of them
+             * should be 1. */
             if (v->credit[v->at] < 1 - 1e-9) continue;
             v->credit[v->at] -= 1;
             return v->at++;
         }
         v->at = 0;
-        /* So many rounds pass until anybody has enough; small powers need many. */
+        /* The number of rounds until a slot has enough credit; small powers need many. */
         double rounds = HUGE_VAL;
         for (int k = 0; k < v->n; k++)
             rounds = fmin(rounds, ceil((1 - 1e-9 - v->credit[k]) / v->power[k]));
@@ -182,7 +182,7 @@ static int interleave_next(struct interleave *v)
     }
 }
 
-/* -r: the pixels that need no task; none where the log has nothing of this frame. */
+/* -r: pixels that need no task; none if the log has none of this frame. */
 static struct coverage read_log(const struct options *o)
 {
     struct coverage have = {0};
@@ -242,7 +242,7 @@ static void shuffle(const struct options *o, struct place *at, uint32_t n)
     }
 }
 
-/* The ids in the order in which they are written, or NULL when that is theirs. */
+/* The ids in the order of writing; NULL if that is ascending. */
 static struct place *order_of(const struct options *o, uint32_t n)
 {
     if (!o->order) return NULL;
@@ -255,7 +255,7 @@ static struct place *order_of(const struct options *o, uint32_t n)
 
 /* ---- the tasks ------------------------------------------------------------------------------- */
 
-/* Who gets the n-th of what is to be done, or -1: task `place` of those that are written. */
+/* The slot of the n-th task to be done, or -1. The task is number `place` of those written. */
 static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t place, uint32_t n)
 {
     if (in_chunks(o)) return o->powers && place < (uint32_t)o->n_powers ? (int32_t)place : -1;
@@ -263,7 +263,7 @@ static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t 
     return o->slots ? (int32_t)(n % (uint32_t)o->slots) : -1;
 }
 
-/* Slots get their shares of what is to be done: with a log, of what is left. Uses up o->cut. */
+/* Slots get their shares of the work to be done: with a log, of the rest. Uses up o->cut. */
 static void write_tasks(struct options *o)
 {
     uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
@@ -275,7 +275,7 @@ static void write_tasks(struct options *o)
     struct interleave v = {
         o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
     uint32_t count = cut_count(&o->cut, w, h);
-    uint32_t left = 0; /* tasks so far, those left out not counted */
+    uint32_t left = 0; /* tasks so far, except those left out */
     int64_t assigned = o->assigned;
     if (o->of) assigned = (int64_t)((uint64_t)count * (uint64_t)assigned / (uint64_t)o->of);
     wire_frame(&out, o->frame, w, h, o->job);
@@ -325,7 +325,7 @@ static void take(const struct options *o, const struct record *r)
     }
 }
 
-/* State goes on as it is, and each frame is cut. */
+/* State is passed on unchanged; each frame is cut. */
 static void write_pictures(const struct options *o)
 {
     struct decoder in = {0};

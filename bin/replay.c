@@ -1,4 +1,5 @@
-/* replay: stands in for a worker. It takes as long as a log says, and returns the log's pixels. */
+/* replay: stands in for a worker. It takes the time that a log states, and returns the log's
+ * pixels. */
 #include "base/base.h"
 #include "history/history.h"
 #include "worker/worker.h"
@@ -14,16 +15,16 @@
 #include <time.h>
 #include <unistd.h>
 
-#define OVERSLEPT_MOST_US                                                                          \
-    10000.0 /* that is made up for: a process that was stopped does not race */
+/* Limit of the time made up for: a process that was stopped does not race. */
+#define OVERSLEPT_MOST_US 10000.0
 
 #define POWER_LEAST 1e-3
 #define POWER_MOST 1e3
 
 struct options {
     struct worker_options worker;
-    double power; /* -p: 1 is the machine that the log is of */
-    double load;  /* -l: the mean of what other users add to a task, in its own time */
+    double power; /* -p: 1 is the machine of the log */
+    double load;  /* -l: mean load by other users, relative to a task's time */
     double scale; /* -x: of all times */
     uint64_t seed;
     const char *path;
@@ -33,16 +34,16 @@ struct replay {
     const struct options *o;
     unsigned char *bytes; /* of the log */
     size_t n_bytes;
-    bool loaded;        /* log is what it says */
-    uint64_t first_job; /* the hash of the first one */
+    bool loaded;        /* the log was read */
+    uint64_t first_job; /* hash of the first job */
     struct history log;
     const struct history_frame *frame;
     const struct history_frag
-        *whole;      /* has just the pixels that are asked for; NULL: they are spread */
-    uint64_t pieces; /* done so far: the counter of the load */
-    double used_us;  /* CPU time that the worker stood in for would have used so far */
-    double owed_us;  /* of this time, not waited for yet; < 0: the system woke this process late */
-    int64_t own_us;  /* CPU time of this process that has been counted as part of the wait */
+        *whole;      /* the frag with exactly the requested pixels; NULL: they are spread */
+    uint64_t pieces; /* done so far: counter of the random load */
+    double used_us;  /* CPU time that the original worker would have used so far */
+    double owed_us;  /* waiting time still owed; < 0: the system woke this process late */
+    int64_t own_us;  /* CPU time of this process already counted as part of the wait */
 };
 
 static void sleep_us(double us)
@@ -52,19 +53,19 @@ static void sleep_us(double us)
     int64_t ns = t.tv_nsec + (int64_t)(us * 1e3);
     t.tv_sec += (time_t)(ns / 1000000000);
     t.tv_nsec = (long)(ns % 1000000000);
-    /* The pulse of the worker's loop interrupts it. */
+    /* The pulse of the worker's loop may interrupt the sleep. */
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL) == EINTR)
         ;
 }
 
 /*
- * Lasts as long as a task of this cost: what this process used since the last one for decoding and
- * writing is part of it, as it is of a worker's CPU time, and what the system overslept then is
+ * Takes the time of a task of this cost. The CPU time that this process used for decoding and
+ * writing since the last task is part of it, as in a worker. Time that the system overslept then is
  * made up for now.
  */
 static void last(struct replay *r, double us)
 {
-    double e = r->o->load > 0 ? -log1p(-rng_unit(r->o->seed, r->pieces)) : 0; /* of mean 1 */
+    double e = r->o->load > 0 ? -log1p(-rng_unit(r->o->seed, r->pieces)) : 0; /* mean 1 */
     int64_t own = cpu_us();
     r->pieces++;
     r->used_us += us;
@@ -87,7 +88,7 @@ static _Noreturn void refuse(const struct replay *r, uint64_t p, const char *why
         r->o->path, f->number, p % f->w, p / f->w, why);
 }
 
-/* Of pixel p, which is of this frag: its share of what its task took. */
+/* The cost of pixel p of this frag: its share of its task's time. */
 static double pixel_us(const struct replay *r, struct history_frag *frag, uint64_t p)
 {
     if (frag->done < 0) refuse(r, p, "is there without what it cost");
@@ -96,7 +97,8 @@ static double pixel_us(const struct replay *r, struct history_frag *frag, uint64
     return (double)d->cpu_us / (double)d->sent;
 }
 
-/* What these pixels cost: as one, where the log has them as one; else the sum of their shares. */
+/* The cost of these pixels: that of the task if the log has them as one frag, else the sum of
+ * their shares. */
 static double cost_us(struct replay *r, const struct lattice *at)
 {
     const struct history_frame *f = r->frame;
@@ -130,7 +132,8 @@ static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n,
     }
 }
 
-/* The log lies in memory that all replays of it share; or in this one's, where it is no file. */
+/* The log is in memory shared by all its replays; if it is no regular file, in this process's
+ * own. */
 static void map_log(struct replay *r)
 {
     struct stat st;
@@ -152,7 +155,7 @@ static void map_log(struct replay *r)
     close(fd);
 }
 
-/* Maps the log, and looks no further than it takes to see that it is one. */
+/* Maps the log, and reads only enough of it to see that it is one. */
 static void open_log(struct replay *r)
 {
     map_log(r);
@@ -190,7 +193,7 @@ static void load_log(struct replay *r)
     }
 }
 
-/* Scenes and the like are for who renders. */
+/* Scenes and other state are for renderers: ignored. */
 static int take_state(void *ctx, uint32_t generation, enum rec_kind kind,
     unsigned char *body, // NOLINT(readability-non-const-parameter)
     size_t n, char err[WORKER_ERR])
@@ -205,7 +208,7 @@ static int ready(void *ctx, const struct frame_size *wanted, char err[WORKER_ERR
     struct replay *r = ctx;
     int64_t begin = now_us();
     if (!r->loaded) load_log(r);
-    /* The worker that this one stands in for has no log to read: it is part of the next wait. */
+    /* The original worker has no log to read, so the time for it is part of the next wait. */
     if (!r->loaded) r->owed_us -= (double)(now_us() - begin);
     r->loaded = true;
     const struct history_frame *f = history_frame_of(&r->log, wanted->frame);
@@ -233,8 +236,8 @@ static const char *with(void *ctx) { return ((struct replay *)ctx)->frame->with;
 static int64_t used_us(void *ctx) { return llrint(((struct replay *)ctx)->used_us); }
 
 /*
- * Takes the reference's time, for the power that hello tells. The pixel stands for the log's job:
- * slots that replay different ones are told apart as machines of different arithmetic are.
+ * Takes the reference's time, so that hello states the power. The pixel encodes the log's job:
+ * slots that replay different jobs are told apart like machines with different arithmetic.
  */
 static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
@@ -255,7 +258,7 @@ static const struct worker_ops ops = {
     .cpu_us = used_us,
 };
 
-/* Where the same command runs on every host, what reaches a host can say how fast it is. */
+/* If all hosts run the same command, the environment of a host can state its speed. */
 static double usual_power(void)
 {
     const char *s = getenv("REPLAY_POWER");
@@ -271,7 +274,7 @@ static struct options parse(int argc, char **argv)
     static const char text[] = "[-ch] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
-    /* Options may follow the log: methods append theirs to the command that they are given. */
+    /* Options may follow the log: methods append theirs to the command line. */
     while ((opt = prog_getopt(argc, argv, "hl:p:s:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
@@ -293,7 +296,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct replay r = {.o = &o};
-    prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); /* ns: sleeps end when they should */
+    prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); /* ns: sleeps end on time */
     open_log(&r);
     int status = worker_run(&ops, &o.worker, &r);
     history_free(&r.log);

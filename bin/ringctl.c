@@ -1,4 +1,4 @@
-/* ringctl: the ring of global distributed control: its hub around a fan, or a node of it. */
+/* ringctl: the GDC ring (global distributed control): its hub around a fan, or a node. */
 #include "base/base.h"
 #include "drive/drive.h"
 
@@ -11,8 +11,8 @@ static const char text[] = "[-hp] [-k half|one] COMMAND [ARGUMENT ...]\n"
 struct options {
     struct sched_params params;
     bool node;      /* -n */
-    bool published; /* -p: the rules of the paper */
-    bool rules;     /* some were given: nodes hear them from the hub */
+    bool published; /* -p: the rules as published */
+    bool rules;     /* rules were given: nodes get them from the hub */
 };
 
 static void parse(struct options *o, int argc, char **argv)

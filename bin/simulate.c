@@ -1,4 +1,5 @@
-/* simulate: the policies in virtual time, with faults: tasks, costs and hosts in, figures out. */
+/* simulate: policies in virtual time, with faults. Tasks, costs and hosts go in, figures come
+ * out. */
 #include "base/base.h"
 #include "log/log.h"
 #include "hosts/hosts.h"
@@ -10,9 +11,9 @@
 #include <unistd.h>
 
 #define SLOTS_MOST 100000
-#define DETECT_US 20000000 /* by nodes that go by the rules as published, each of a dead one */
-#define MOST_US 1e14       /* all tasks on the weakest slot: sums of times stay within int64_t */
-#define CHECKED_TASKS 4096 /* the checks of a policy look at all of them, after every event */
+#define DETECT_US 20000000 /* for nodes to detect a dead one, by the rules as published */
+#define MOST_US 1e14       /* all tasks on the weakest slot: sums of times must fit int64_t */
+#define CHECKED_TASKS 4096 /* limit for a policy's checks: they look at all tasks at each event */
 
 static const char text[] =
     "[-chv] [-b LINK[,HUB]] [-f FAULT,...] [-H HOPS] [-j SLOTS[,SPREAD] | -S HOSTS | -w "
@@ -26,12 +27,12 @@ struct options {
     struct sim_work work;
     const struct policy *policy;
     bool best;         /* METHOD */
-    bool adaptive;     /* METHOD: deal with all that its options add */
-    int64_t seeds;     /* -n; 0: a run of the tasks on standard input */
+    bool adaptive;     /* METHOD: deal with all options of adaptive */
+    int64_t seeds;     /* -n; 0: one run of the tasks on standard input */
     const char *log;   /* -t */
-    double us, spread; /* -m: what a pixel costs, drawn for each task from us / spread on */
+    double us, spread; /* -m: cost of a pixel, drawn per task from us / spread up */
     double scale;      /* -x */
-    double *power;     /* of each slot */
+    double *power;     /* per slot */
     size_t n_power;
     struct task *tasks;
     double *pixel_us;
@@ -39,7 +40,7 @@ struct options {
 
 /* ---- hosts ----------------------------------------------------------------------------------- */
 
-/* Evenly from -1 to 1, the same for the same seed and number. */
+/* A number in [-1, 1), the same for the same seed and index. */
 static double drawn(const struct options *o, uint64_t i)
 {
     return 2 * rng_unit(o->plan.seed, i) - 1;
@@ -84,7 +85,7 @@ static void parse_pair(int opt, const char *arg, double least, double most, doub
     free(v);
 }
 
-/* METHOD and its options, as the program of that name has them. */
+/* METHOD and its options, as in the program of that name. */
 static void parse_method(struct options *o, int argc, char **argv)
 {
     static const struct {
@@ -101,7 +102,7 @@ static void parse_method(struct options *o, int argc, char **argv)
     if (o->adaptive) *p = (struct sched_params){.depth = SCHED_DEPTH_AUTO, .endgame = true};
     bool deal = o->policy == &policy_deal && !o->adaptive, ring = o->policy == &policy_ring;
     int opt;
-    optind = 0; /* begin again */
+    optind = 0; /* restart getopt */
     while ((opt = prog_getopt(argc, argv, "+ehk:pq:")) != -1) {
         if (opt == 'h') usage(ST_OK, text);
         if (opt == 'e' && deal) p->endgame = true;
@@ -195,7 +196,7 @@ static void take(struct options *o, const struct record *r)
     o->tasks[n].frame = 0;
 }
 
-/* Their numbers name them in what follows. */
+/* Renumbers the tasks by their position. */
 static void check_ids(const struct options *o)
 {
     int32_t n = o->plan.tasks;
@@ -230,7 +231,7 @@ static void read_tasks(struct options *o)
     check_ids(o);
 }
 
-/* What each pixel costs at power 1: as the log says; or all of a task the same, drawn for it. */
+/* The cost of each pixel at power 1: from the log; or the same for all pixels of a task, drawn. */
 static double *costs_of(const struct options *o)
 {
     const struct sim_work *w = &o->work;
@@ -309,7 +310,7 @@ static void print_result(const struct options *o, const struct sim_result *r)
     print_faults(r);
 }
 
-/* The command line, to repeat what failed. */
+/* Prints the command line that repeats a failure. */
 static void say_again(int argc, char **argv, const char *why)
 {
     struct buf line = {0};
@@ -357,7 +358,7 @@ static int simulate(struct options *o, int argc, char **argv)
 
 /* ---- seeds ----------------------------------------------------------------------------------- */
 
-/* Everything is made up from the seed. */
+/* The plan is made up from the seed. */
 static int run_seeds(const struct options *o)
 {
     struct sim_result sum = {.trace_hash = HASH64_INIT}, r;

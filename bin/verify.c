@@ -1,8 +1,8 @@
 /*
- * verify: which pieces of a log are computed a second time, on another host, and what came of it.
+ * verify: chooses pieces of a log that another host computes a second time, and reports the result.
  *
- * The pieces are chosen when the pixels are there, by a number that was drawn after them: no worker
- * can know, while it computes a piece, that the piece will be checked. lib/verify has the rules.
+ * The pieces are chosen after their pixels have arrived, by a number drawn then. So a worker cannot
+ * know, while it computes a piece, that the piece will be checked. lib/verify has the rules.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -20,9 +20,9 @@
 
 #define READ_BYTES 65536
 #define LINES_MOST 16     /* of the report */
-#define PATIENCE_TIMES 10 /* as long as the log's longest task may pass without a fragment */
+#define PATIENCE_TIMES 10 /* times the log's longest task may pass without a fragment */
 
-/* What is read out of a file now: lib/verify has the order. */
+/* The current purpose of reading a file: lib/verify has the order. */
 enum phase { CHOOSE, CUT, FIRST, AGAIN };
 
 struct program {
@@ -30,7 +30,7 @@ struct program {
     struct hosts hosts;
     int32_t *place_of; /* by slot */
     enum phase phase;
-    uint32_t runs, run; /* in the log: all, and begun in the phase FIRST */
+    uint32_t runs, run; /* of the log: all; begun in phase FIRST */
     float *pixels;
 };
 
@@ -43,7 +43,7 @@ static void take_frag(struct program *p, const struct record *r)
     switch (p->phase) {
     case CHOOSE: verify_choose(&p->v, &r->task); break;
     case CUT: verify_cut(&p->v, &r->task); break;
-    case FIRST: /* slots of an earlier run may have been other hosts */
+    case FIRST: /* slots of an earlier run may have been on other hosts */
         verify_first(&p->v, &r->task, p->run == p->runs ? slot : -1, p->pixels);
         break;
     case AGAIN: verify_again(&p->v, &r->task, slot, p->pixels); break;
@@ -78,7 +78,7 @@ static void read_one(const char *name, void (*record)(void *, const struct recor
     close(fd);
 }
 
-/* The log, and the checks behind it; NULL ends them. */
+/* The log, and then the checks; NULL ends them. */
 static void read_all(struct program *p, char *const *file)
 {
     p->pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *p->pixels);
@@ -106,7 +106,7 @@ static void flush(struct buf *b)
     buf_consume(b, buf_size(b));
 }
 
-/* Of a frame of which none were written yet. */
+/* A frame of which no task has been written yet. */
 static void write_tasks(const struct verify *v, struct frame_size *f)
 {
     char job[sizeof f->job + 4];
@@ -127,7 +127,8 @@ static void write_tasks(const struct verify *v, struct frame_size *f)
     buf_free(&b);
 }
 
-/* State goes on as it is; each frame's tasks follow it, and at the end those of all others. */
+/* State is passed on unchanged. Each frame's tasks follow it; at the end come those of all other
+ * frames. */
 static void pass_state(struct verify *v)
 {
     struct decoder in = {0};
@@ -202,8 +203,8 @@ static int report(const struct program *p)
 /* ---- patience -------------------------------------------------------------------------------- */
 
 struct longest {
-    int64_t us; /* of a run's first task from the run's begin, or of any task */
-    bool began; /* the run's first task has been done */
+    int64_t us; /* from a run's begin to its first done, or of any task */
+    bool began; /* the run's first task is done */
 };
 
 static void measure(void *ctx, const struct record *r)
@@ -217,7 +218,7 @@ static void measure(void *ctx, const struct record *r)
     if (rec_int(r, key, 0, INT64_MAX / 2 / PATIENCE_TIMES, &us) && us > l->us) l->us = us;
 }
 
-/* Is there something to read before it is too late? */
+/* True if there is input before the deadline. */
 static bool readable(int64_t until_us)
 {
     for (int64_t left_us; (left_us = until_us - now_us()) > 0;) {
@@ -230,8 +231,8 @@ static bool readable(int64_t until_us)
     return false;
 }
 
-/* Passes standard input on until no fragment comes for too long: a host that hangs may send beats,
- * or a byte now and then. */
+/* Passes standard input on until no fragment comes for too long: a hanging host may still send
+ * beats, or a byte now and then. */
 static int pass_fragments(const char *log, int64_t seconds)
 {
     struct longest longest = {0};
@@ -263,7 +264,7 @@ static int pass_fragments(const char *log, int64_t seconds)
 
 /* ---------------------------------------------------------------------------------------------- */
 
-/* A place is a host; of one host alone, a slot. */
+/* A place is a host; if there is only one host, a slot. */
 static int32_t find_places(struct program *p, const char *list, int slots)
 {
     char err[HOSTS_ERR];

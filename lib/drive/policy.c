@@ -1,8 +1,8 @@
 /*
- * The live driver of a policy: records to events, actions to records, around one command. It holds
- * no scheduling decision. What the command says of slots (hello, up, gone) ends here; outwards this
- * is one worker. A node of a ring hears its hub on the standard input, and the hub its nodes
- * through the command.
+ * The live driver of a policy: turns records into events, and actions into records, around one
+ * command. It takes no scheduling decision. Records about the command's slots (hello, up, gone) end
+ * here; outwards the driver is one worker. A node of a ring reads its hub's messages from standard
+ * input; the hub reads its nodes' messages from the command.
  */
 #include "drive/drive.h"
 #include "drive/ring_record.h"
@@ -18,7 +18,7 @@
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9
 #define GRACE_MS 1000             /* for the command to exit once its stream has ended */
-#define QUIET_US INT64_C(3000000) /* a command that owes tasks may be silent for so long */
+#define QUIET_US INT64_C(3000000) /* silence allowed to a command that owes tasks */
 
 struct driver {
     const struct policy *policy;
@@ -30,15 +30,15 @@ struct driver {
     struct decoder in, from;
     struct stream_state input;
     struct tags tags;
-    struct buf held;  /* state that came, and the input waits behind it: it is not admitted yet */
-    uint32_t oldest;  /* before it, the first generation that may have had tasks */
-    int64_t heard_us; /* when the command said something last, or was asked to */
+    struct buf held;  /* state that is not admitted yet; the input waits behind it */
+    uint32_t oldest;  /* the oldest live generation before `held` */
+    int64_t heard_us; /* when the command last sent something or was asked to */
     bool in_open, closing;
-    bool stopping; /* nothing of what the command still does is needed */
+    bool stopping; /* nothing that the command still does is needed */
     bool node;     /* of a ring */
-    bool lone;     /* the command is no fan, but one slot */
-    int refused;   /* the status to end with at once */
-    char why[24];  /* of the command's bye: it ended before its time */
+    bool lone;     /* the command is one slot, not a fan */
+    int refused;   /* status to end with at once */
+    char why[24];  /* reason in the command's bye: it ended early */
 };
 
 static void flush(struct driver *d, int32_t to)
@@ -48,10 +48,10 @@ static void flush(struct driver *d, int32_t to)
     wire_plain(&d->down.bytes, REC_FLUSH, text);
 }
 
-/* The task of an action, under the keys that it, or what it is a piece of, came with. */
+/* Sends the task of an action, with the unknown keys of the input task. */
 static void give(struct driver *d, const struct sched_action *a, int32_t to)
 {
-    const char *keys = tags_find(&d->tags, a->task.frame, a->of);
+    const char *keys = tags_find(&d->tags, a->task.frame, a->origin_id);
     char text[WIRE_LINE_MAX] = "";
     struct task t = a->task;
     t.to = to;
@@ -101,7 +101,7 @@ static int take_task(struct driver *d, const struct record *r)
     return 0;
 }
 
-/* What the hub says to this node. */
+/* Handles a message from the hub to this node. */
 static int take_ring(struct driver *d, const struct record *r)
 {
     struct sched_event e = {.kind = SCHED_RING, .from = -1};
@@ -110,9 +110,9 @@ static int take_ring(struct driver *d, const struct record *r)
 }
 
 /*
- * A task is of the state that its frame came after, wherever and however often it is given: workers
- * keep the latest states (wire.h). So what would be one more goes no further while there are tasks
- * of the first; what is held back of those is asked for.
+ * A task belongs to the state before its frame, whichever slot gets it and however often. Workers
+ * keep only the latest states (wire.h). So new state waits while tasks of the oldest generation are
+ * uncommitted; their pixels that are held back are flushed.
  */
 static bool admitted(const struct driver *d)
 {
@@ -165,7 +165,7 @@ static void take_input(struct driver *d)
     if (!d->in_open && !d->refused) tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
 }
 
-/* The input goes on behind state that has waited for long enough. */
+/* Continues the input behind state once the state is admitted. */
 static void release(struct driver *d)
 {
     while (buf_size(&d->held) && !d->refused && admitted(d)) {
@@ -176,9 +176,9 @@ static void release(struct driver *d)
 }
 
 /*
- * A fan tells of its slots one by one. Any other command, a policy or a lone worker, is one slot
- * that is on as many tasks at once as it says; whatever becomes of its own slots, it sees to its
- * tasks itself. A node is around one worker, whatever that is.
+ * A fan reports its slots one by one. Any other command, a policy or a lone worker, is one slot
+ * that computes as many tasks at once as its hello states, and handles the loss of its own slots
+ * itself. A node is around one worker, whatever that is.
  */
 static void take_hello(struct driver *d, const struct record *r)
 {
@@ -197,7 +197,7 @@ static void take_hello(struct driver *d, const struct record *r)
     if (d->lone) tell(d, (struct sched_event){.kind = SCHED_UP, .n = (int32_t)n, .power = power});
 }
 
-/* A task may have been given before, to another slot or to this one: its `done` says so. */
+/* A task given before, to this or another slot: its `done` gets the attempt number. */
 static void forward_done(struct driver *d, const struct record *r, const struct sched_event *e)
 {
     static const char *const drop[] = {"try", NULL};
@@ -209,8 +209,8 @@ static void forward_done(struct driver *d, const struct record *r, const struct 
 }
 
 /*
- * Something has become of a slot. That of a bare fan within a node is a matter for who is outside:
- * nobody here would give its tasks to another.
+ * A slot came up or was lost. A node passes on the reports of a bare fan within it: the node would
+ * not give the fan's tasks to another slot.
  */
 static bool take_slot(struct driver *d, const struct record *r, struct sched_event *e)
 {
@@ -253,7 +253,7 @@ static void take_up(struct driver *d, const struct record *r)
     if (e.slot >= 0) tell(d, e);
 }
 
-/* What the command says. False when its stream has ended. */
+/* Handles records from the command. False at the end of its stream. */
 static bool listen_up(struct driver *d)
 {
     struct record r;
@@ -267,7 +267,7 @@ static bool listen_up(struct driver *d)
     return more;
 }
 
-/* What has just been queued goes out at once, unless the pipe was found full. */
+/* Writes new records at once, unless the pipe was found full. */
 static void feed(struct driver *d, const struct pollfd *p)
 {
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
@@ -278,15 +278,15 @@ static void feed(struct driver *d, const struct pollfd *p)
     if (d->closing && !down_size(&d->down)) child_close(&d->child.to);
 }
 
-/* When the policy wants to be called. */
+/* The time at which the policy wants SCHED_WAKE. */
 static int64_t wake_us(const struct driver *d)
 {
     return d->policy->wake_us ? d->policy->wake_us(d->state) : INT64_MAX;
 }
 
 /*
- * Workers that compute send beats. Where none come, the end of a line may have been damaged, in
- * either direction: its reader waits for the rest. A flush, and its answer, end such a line.
+ * Busy workers send beats. If none come, the end of a line may have been damaged, in either
+ * direction, and its reader waits for the rest. A flush, and its answer, end such a line.
  */
 static void ask_quiet(struct driver *d)
 {
@@ -295,7 +295,7 @@ static void ask_quiet(struct driver *d)
     if (sched_uncommitted(d->policy, d->state)) flush(d, -1);
 }
 
-/* For how long poll may wait. */
+/* The time that poll may wait. */
 static int wait_ms(const struct driver *d)
 {
     int64_t wake = wake_us(d), quiet = d->heard_us + QUIET_US;

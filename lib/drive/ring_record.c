@@ -1,4 +1,4 @@
-/* Messages of a ring to records and back: see ring_record.h. */
+/* Ring messages to records and back: see ring_record.h. */
 #include "drive/ring_record.h"
 
 static const enum rec_kind record_of[] = {

@@ -6,7 +6,7 @@
 
 #define KNOWN_WORDS 9 /* task F ID X Y W H SX SY */
 
-/* r's line without the keys known here, from its first other one on; to be freed. NULL: none. */
+/* r's line from its first unknown key, without known keys; NULL: none. The caller frees it. */
 static char *unknown_keys(const struct record *r)
 {
     static const char *const known[] = {"to", "peer", NULL};

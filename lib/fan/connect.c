@@ -1,8 +1,8 @@
 /*
- * fan: whose turn it is to connect, and what is said of hosts. A server takes few connections at a
- * time that have not proved yet who they are (sshd's MaxStartups), so few are opened at once. First
- * tries go before further ones; and a host that was not up yet, or whose last connection failed, is
- * tried by one slot at a time: it refuses once, and dead hosts do not keep the living waiting.
+ * fan: the order of connecting, and messages about hosts. A server limits connections that have not
+ * authenticated yet (sshd's MaxStartups), so only a few are opened at a time. First tries go before
+ * retries. A host that was not up yet, or whose last connection failed, is tried by one slot at a
+ * time: it refuses only once, and dead hosts do not delay live ones.
  */
 #include "fan/fan_int.h"
 
@@ -10,9 +10,9 @@
 #include <string.h>
 
 #define OPENING_MOST 8
-#define STARTING_MOST 2       /* on this machine, between two looks at what others have to say */
-#define TURN_MS 500           /* how often to look, when nothing else tells */
-#define RETRY_FIRST_US 500000 /* before a slot is connected again; twice as long each time, */
+#define STARTING_MOST 2       /* on this machine, per round of the loop */
+#define TURN_MS 500           /* the longest wait between two looks */
+#define RETRY_FIRST_US 500000 /* before a slot is connected again; doubled each time */
 #define RETRY_MOST_US 10000000
 
 static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
@@ -27,7 +27,7 @@ static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
 int fan_connect(struct fan *f)
 {
     int64_t now = now_us(), first_us = now + TURN_MS * INT64_C(1000);
-    int here = 0; /* started on this machine */
+    int here = 0; /* slots started on this machine */
     if (!f->n[FAN_WAITING]) return TURN_MS;
     for (int further = 0; further <= 1; further++)
         for (int k = 0; k < f->n_slots; k++) {
@@ -70,7 +70,7 @@ void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lo
     s->told_gone = true;
 }
 
-/* Is a slot of the host needed? *last: no other host has slots that may come. */
+/* True if a slot of the host is needed. *last: no other host has slots that may come. */
 static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *last)
 {
     bool wanted = false;
@@ -83,7 +83,7 @@ static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *las
     return wanted;
 }
 
-/* `why` is the reason where ssh or the shell there has not told a better one. */
+/* Prints the failure. `why` is the reason if neither ssh nor the remote shell gave a better one. */
 static void complain(const struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct buf text = {0};
@@ -107,7 +107,7 @@ void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool ag
     if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) complain(f, s, why, again);
     else fan_refusal_forget(s);
     h->said = again ? FAN_RETRIED : FAN_ENDED;
-    if (again && s->opened_us >= h->failed_us) { /* those opened at one time fail as one */
+    if (again && s->opened_us >= h->failed_us) { /* slots opened at one time fail as one */
         h->failed_us = now_us();
         h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
     }

@@ -1,17 +1,17 @@
 /*
- * fan: what comes down. State goes to all slots, a task to one; a bad input ends the run. The
- * latest states and their frames are kept for slots that come later.
+ * fan: records from the input. State goes to all slots, a task to one; a bad input ends the run.
+ * The live states and their frames are kept for slots that come later.
  */
 #include "fan/fan_int.h"
 
 #include <unistd.h>
 
-/* What may wait in the queue of one slot, then the input has to wait. State is kept once for all
- * slots, so many records of it may, but not both many and long ones. A slot that lags is sent no
- * more of it before its next task (leave_behind): before the others have to wait. */
+/* Limits on the queue of one slot; beyond them the input waits. State is kept once for all
+ * slots, so a queue may hold many records, or long ones, but not both. A slot that lags gets no
+ * more state before its next task (leave_behind), so that the others do not wait. */
 #define STATES_MOST (4 * GENERATIONS)
 #define LAG_MOST (2 * GENERATIONS)
-#define LONG_STATES_MOST 16 /* with more than: */
+#define LONG_STATES_MOST 16 /* likewise, if they have more than LONG_BYTES */
 #define LONG_LAG_MOST 8     /* likewise */
 #define LONG_BYTES STATE_BYTES
 #define LATE_QUEUE_MOST (64 << 20) /* bytes of tasks for a slot that was not up yet */
@@ -38,7 +38,7 @@ bool fan_takes(const struct fan_slot *s)
     return s->primed && (!fan_slot_fed(s) || s->child.to >= 0);
 }
 
-#define KINDS 3 /* of state */
+#define KINDS 3 /* kinds of state */
 
 void fan_forget(struct fan_state_of *state)
 {
@@ -48,7 +48,7 @@ void fan_forget(struct fan_state_of *state)
     *state = (struct fan_state_of){0};
 }
 
-/* Slot s is sent what it lacks of this state. */
+/* Sends slot s the parts of this state that it lacks. */
 static void send_state(struct fan_slot *s, const struct fan_state_of *state)
 {
     for (int i = 0; i < KINDS; i++) {
@@ -60,8 +60,8 @@ static void send_state(struct fan_slot *s, const struct fan_state_of *state)
 }
 
 /*
- * A task of a state before the latest, for a slot that was not sent that: it is sent this one and
- * all that came after, in their order, so that the worker's latest is the latest again.
+ * A task of an earlier state, for a slot that was not sent that state: the slot gets the state and
+ * all later ones in order, so that the worker's latest state is the latest again.
  */
 void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation)
 {
@@ -72,15 +72,15 @@ void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation)
     s->behind = false;
 }
 
-/* Once the latest state has tasks, those of the one before were all given to somebody: they come
- * only where that one is lost. */
+/* Once the latest state has tasks, all tasks of the one before have been given to slots. They
+ * come again only if they are lost. */
 void fan_prime_early(struct fan *f, struct fan_slot *s)
 {
     const struct generations *g = &f->input.generations;
     fan_prime(f, s, f->begun || g->now == g->oldest ? g->now : g->now - 1);
 }
 
-/* A generation begins with all that the one before has, and the oldest goes. */
+/* A new generation inherits all state of the previous one. */
 static void begin_generation(struct fan *f)
 {
     uint32_t now = f->input.generations.now;
@@ -95,8 +95,8 @@ static void begin_generation(struct fan *f)
     }
 }
 
-/* A slot that lags reads nothing, or its link is slow, and others have gone on: it is sent no more
- * state until it has a task again, so that nobody waits for it. */
+/* A slot that lags reads nothing, or has a slow link, while others have gone on. It gets no more
+ * state until it has a task again, so that no slot waits for it. */
 static void leave_behind(struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++)
@@ -131,7 +131,7 @@ static void route_state(struct fan *f, const struct record *r)
     *kept = b;
 }
 
-/* A frame or a flush. */
+/* Routes a frame or a flush. */
 static void route_small(struct fan *f, const struct record *r)
 {
     static const char *const drop[] = {"to", NULL};
@@ -162,8 +162,8 @@ static int route_task(struct fan *f, const struct record *r)
     return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
-/* What the hub of a ring says to one node. Who is not up hears nothing: it is told its place when
- * it is. */
+/* Routes a message of the hub to one node. A slot that is not up does not get it: it is told its
+ * place when it comes up. */
 static int route_ring(struct fan *f, const struct record *r)
 {
     static const char *const drop[] = {"to", NULL};

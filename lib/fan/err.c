@@ -1,7 +1,7 @@
 /*
- * fan: what workers elsewhere write to their standard error, shown line by line with the host's
- * name. It is read whenever there is something: no worker has to wait for a reader of messages. A
- * host that has too much to say is not shown all of it.
+ * fan: standard error of workers on other machines, shown line by line with the host's name. It is
+ * always read, so no worker blocks on its messages. A host that prints too much is not shown in
+ * full.
  */
 #include "fan/fan_int.h"
 
@@ -10,9 +10,9 @@
 #include <string.h>
 
 #define READ_MOST 4096
-#define LINE_MOST 1000     /* what is longer comes in pieces */
-#define LAST_READS 16      /* when the process has ended */
-#define LINES_MOST 100     /* of a host that are shown */
+#define LINE_MOST 1000     /* longer lines are split */
+#define LAST_READS 16      /* reads after the process has ended */
+#define LINES_MOST 100     /* lines of a host shown */
 #define WINDOW_US 10000000 /* in this time */
 
 static void say_dropped(struct fan_host *h)
@@ -35,8 +35,8 @@ static void show_line(struct fan_host *h, const char *line, size_t n)
 }
 
 /*
- * A host that is tried again and again says why it cannot be reached each time: once will do, until
- * it says something else. What may be said in one line is kept until the connection has failed.
+ * A host prints the same reason at each failed try; it is shown only once until it changes. Lines
+ * that one message may sum up are held until the connection has failed.
  */
 static void show(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
 {

@@ -1,6 +1,6 @@
 /*
  * fan: a poll loop that runs a worker on each slot, and routes tasks and fragments. It knows slots,
- * and no policy. It ends quietly when its reader is gone, and then nothing it started is left.
+ * but no policy. When its reader is gone it ends quietly, and ends all processes that it started.
  */
 #ifndef STORMRING_FAN_H
 #define STORMRING_FAN_H
@@ -11,15 +11,15 @@ struct fan_options {
     const struct hosts *hosts;
     char *const *command; /* NULL-ended: the worker, one for each slot */
     bool trips;           /* fan -l: round trips as well */
-    double silence_s;     /* a slot that has work and says nothing for so long is lost */
+    double silence_s;     /* a slot that has work is lost after this silence */
 };
 
-/* Runs until the input has ended and every slot is done. Returns the exit status. */
+/* Runs until the input has ended and every slot is done. Returns the exit status. Blocks. */
 int fan_run(const struct fan_options *o);
 /*
- * Writes a line for each slot: number, host, power; with trips how long it takes from the end of a
- * worker's input to its bye, in milliseconds. What the hosts do not state is asked for, where there
- * is a command, by starting it on every such slot. Returns the exit status.
+ * Writes a line for each slot: number, host, power; with `trips` also the time from the end of a
+ * worker's input to its bye, in milliseconds. If there is a command, starts it on every slot whose
+ * values the hosts do not state, and measures them. Returns the exit status.
  */
 int fan_list(const struct fan_options *o);
 

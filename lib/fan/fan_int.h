@@ -10,25 +10,25 @@
 #include "fan/fan.h"
 #include "pipe/pipe.h"
 
-/* When no slot is up, and none that may come up was for so long, no host is left. */
+/* If no slot is up, and no slot that may come up was up for this time, no host is left. */
 #define UNREACHED_S 30.0
 
 enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_STATES };
 
 struct fan_host {
     const struct host *host;
-    char **argv;       /* what is run for each of its slots */
-    bool here;         /* this machine: no connection that could fail */
-    int opening;       /* slots that are being connected */
-    int failures;      /* connections in a row that failed: one slot at a time tries again, */
-    int64_t retry_us;  /* and not before */
-    int64_t failed_us; /* when that was last counted */
+    char **argv;       /* command line of each of its slots */
+    bool here;         /* this machine: no connection can fail */
+    int opening;       /* slots being connected */
+    int failures;      /* failed connections in a row: one slot at a time retries */
+    int64_t retry_us;  /* not before this time */
+    int64_t failed_us; /* when `failures` was last counted */
     bool reached;      /* a slot of it was up */
-    enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* why it is not up, since a slot of it was */
-    uint64_t told;     /* hash of the last line of its standard error */
-    int64_t window_us; /* when the count of lines shown began */
+    enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
+    uint64_t told;                                   /* hash of the last line of standard error */
+    int64_t window_us;                               /* start of the count of lines shown */
     int shown;
-    int64_t dropped; /* lines not shown, and not reported yet */
+    int64_t dropped; /* lines not shown, and not yet reported */
 };
 
 struct fan_slot {
@@ -37,65 +37,65 @@ struct fan_slot {
     enum fan_state state;
 
     struct child child;
-    size_t poll; /* the place of child.to in the last poll, .from behind it, then .err; 0: none */
+    size_t poll; /* index of child.to in the last poll; .from and .err follow; 0: none */
     struct decoder from;
-    struct buf err;      /* of its standard error, a line that is not whole yet */
-    struct buf held;     /* lines of its standard error that may tell why the connection fails */
-    int reason;          /* of that, in refusal.c; */
-    char detail[200];    /* the line that told it */
-    char chatter[160];   /* what it said first, when that was no hello */
-    size_t before_hello; /* bytes */
-    int64_t opened_us;   /* when its process was started */
-    int64_t heard_us;    /* when something moved last */
-    int64_t leave_us;    /* leaving: it has until then to exit */
+    struct buf err;      /* an incomplete line of its standard error */
+    struct buf held;     /* lines of its standard error that may explain a failed connection */
+    int reason;          /* row of refusal.c that explains it */
+    char detail[200];    /* the line that matched this row */
+    char chatter[160];   /* its first output, if that was no hello */
+    size_t before_hello; /* bytes before hello */
+    int64_t opened_us;   /* start of its process */
+    int64_t heard_us;    /* last activity */
+    int64_t leave_us;    /* leaving: deadline for its exit */
 
-    /* of this connection */
-    bool connected; /* it said hello, and was let in */
-    bool loaded;    /* it has announced a frame */
-    bool loading;   /* since it was last sent state, it has not */
-    int64_t agreed; /* the frame about whose job it last said what the first slot did, -1 */
-    bool flushed;   /* it was asked for what it holds back */
-    bool asked;     /* its input had been closed when its stream ended */
-    bool decided;   /* leaving: why is known, and has been said */
-    bool again;     /* leaving: then it is connected again */
-    bool did;       /* it has done and delivered a task */
-    bool placed;    /* it was told its place in a ring: what it says to the hub is passed on */
-    int stale;      /* answers to questions not asked */
-    int64_t ahead;  /* messages of a node, beyond those that were sent to it */
+    /* State of this connection: */
+    bool connected;          /* it said hello and was accepted */
+    bool loaded;             /* it has announced a frame */
+    bool loading;            /* it was sent state and has announced no frame since */
+    int64_t agreed;          /* the last frame for which its job agreed with the first slot's, -1 */
+    bool flushed;            /* it was asked to flush */
+    bool input_closed_first; /* the stream ended after its input was closed */
+    bool loss_reported;      /* leaving: the reason of the loss is known and was reported */
+    bool reconnect;          /* leaving: it will be connected again */
+    bool completed_task;     /* it has computed and delivered a task */
+    bool placed;             /* it was told its place in a ring: its messages to the hub pass */
+    int stale;               /* answers to no question */
+    int64_t ahead;           /* messages of a node, less those sent to it */
     int64_t beat_us;
-    int64_t closed_us; /* when its input was closed, and hello was said; 0: not yet */
+    int64_t closed_us; /* when its input was closed, at or after hello; 0: not yet */
 
-    /* of all of them */
+    /* State over all connections: */
     bool was_up;
-    bool told_gone;     /* `gone` was said, and `up` not since */
-    bool measured;      /* fan -l: nothing more is to be learnt */
-    int64_t trip_us;    /* from then to its bye; 0: not known */
-    int failures;       /* connections in a row over which no task was done, */
-    int deaths;         /* and over which tasks were lost */
-    int64_t retry_us;   /* waiting: not before */
-    int64_t missing_us; /* not up since then */
-    double power;       /* 0: not known yet */
-    int inner;          /* slots of its own that it stands for */
+    bool told_gone;     /* `gone` was reported, and `up` not since */
+    bool measured;      /* fan -l: nothing is left to measure */
+    int64_t trip_us;    /* time from closed_us to its bye; 0: not known */
+    int failures;       /* connections in a row without a completed task */
+    int deaths;         /* likewise, if tasks were lost */
+    int64_t retry_us;   /* waiting: not before this time */
+    int64_t missing_us; /* not up since this time */
+    double power;       /* 0: not known */
+    int inner;          /* number of slots that it stands for */
 
     struct down_queue down;
-    bool primed;             /* down begins with the state, and what follows it is added */
+    bool primed;             /* `down` begins with the state; later records are added */
     bool behind;             /* it lags: the latest state was not added */
-    uint32_t since;          /* the first generation that it was sent then */
-    uint32_t sent[3];        /* the latest record of each kind of state, by number; 0: none */
-    struct task_table tasks; /* sent, and not yet both done and delivered */
-    int32_t undone;          /* of these, not done */
+    uint32_t since;          /* the first generation sent to it then */
+    uint32_t sent[3];        /* number of the latest record of each kind of state; 0: none */
+    struct task_table tasks; /* sent, and not yet both computed and delivered */
+    int32_t undone;          /* tasks not computed */
 };
 
-/* What every hello has to agree with. */
+/* Every hello must agree with this. */
 struct fan_reference {
-    char program[64], selftest[24]; /* program: its name and version */
-    char of[HOST_NAME_MOST + 4];    /* who said it; "": nobody yet */
+    char program[64], selftest[24]; /* program name and version */
+    char of[HOST_NAME_MOST + 4];    /* its source; "": no hello yet */
 };
 
-/* State of one generation, and the frames that are of it. */
+/* State of one generation, and its frames. */
 struct fan_state_of {
     struct blob *kind[3]; /* scene, grid, spec; NULL: none */
-    uint32_t number[3];   /* which of all records of state they are, from 1 on */
+    uint32_t number[3];   /* number of each record of state, counted from 1 */
     struct buf frame_lines;
 };
 
@@ -105,25 +105,25 @@ struct fan {
     struct fan_slot *slots;
     struct fan_host *hosts;
     int n[FAN_STATES]; /* slots in each state */
-    int connecting;    /* those that are opening elsewhere */
-    int well;          /* slots that have ended as they should */
+    int connecting;    /* slots that are opening on other machines */
+    int well;          /* slots that ended with success */
     struct fan_reference reference;
     struct decoder in;
     struct stream_state input;
-    struct fan_state_of states[GENERATIONS]; /* of each that may have tasks, modulo that */
-    uint32_t n_states;                       /* records of state that came */
-    bool begun;                              /* a task of the latest has come */
+    struct fan_state_of states[GENERATIONS]; /* live generations, modulo GENERATIONS */
+    uint32_t n_states;                       /* records of state so far */
+    bool begun;                              /* a task of the latest generation has come */
     struct outlet out;
-    struct buf line;     /* a record on its way down */
-    int64_t start_us;    /* the zero of sent_us and recv_us */
-    int64_t awake_us;    /* by then the next round was to begin */
-    int64_t lost, stale; /* tasks lost with their slots; answers to questions not asked */
-    bool disputed;       /* slots have pixels of different jobs, and nobody knows who is right */
-    bool unreached;      /* tasks were waiting to the end for slots that never were up */
-    bool asked;          /* a task came */
+    struct buf line;     /* record being built for the workers */
+    int64_t start_us;    /* zero of sent_us and recv_us */
+    int64_t awake_us;    /* when the next round was due to begin */
+    int64_t lost, stale; /* tasks lost with their slots; answers to no question */
+    bool disputed;       /* slots disagree on a job, and no majority decides */
+    bool unreached;      /* tasks waited to the end for slots that never were up */
+    bool asked;          /* a task has come */
     bool in_open;
-    bool listing; /* fan -l: slots are asked for their hello, and that is all */
-    int refused;  /* the status to end with at once: the input is bad, or cannot be read */
+    bool listing; /* fan -l: only asks slots for their hello */
+    int refused;  /* status to end with at once: the input is bad or unreadable */
 };
 
 /* ---- loop.c ---- */
@@ -132,105 +132,105 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing);
 /* One round of the loop; p has room for FAN_POLL(f) entries. */
 void fan_round(struct fan *f, struct pollfd *p);
 #define FAN_POLL(f) ((size_t)(f)->n_slots * 3 + 2)
-/* Can anything still come of it? */
+/* True while a slot works or may still come up. */
 bool fan_working(const struct fan *f);
-/* Ends what runs, and frees everything. */
+/* Ends all processes, and frees everything. */
 void fan_close(struct fan *f);
 
 /* ---- down.c ---- */
 
-/* One read of the input, and everything that can be decoded from it, to the slots. */
+/* Reads the input once, and routes all records that can be decoded. */
 void fan_take_input(struct fan *f);
-/* What a slot needs before its first task, where that is of this generation; and where it is not
- * known of which that will be. */
+/* Sends slot s the state that it needs before its first task. The task is of this generation;
+ * or, early, of an unknown one. */
 void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation);
 void fan_prime_early(struct fan *f, struct fan_slot *s);
-/* Frees what is kept of a generation. */
+/* Frees the state kept for a generation. */
 void fan_forget(struct fan_state_of *state);
-/* It is sent what comes, or that waits for it because there are tasks for it. */
+/* True if records for the slot are queued: it is fed, or tasks wait for it. */
 bool fan_takes(const struct fan_slot *s);
-/* No slot has more queued than it should. */
+/* True if no slot's queue is too long. */
 bool fan_room_down(const struct fan *f);
 
 /* ---- slot.c ---- */
 
-/* Starts the process of a slot that waits. */
+/* Starts the process of a waiting slot. */
 void fan_slot_open(struct fan *f, struct fan_slot *s);
-/* It has said hello, and is let in. */
+/* The slot's hello was accepted: it is up. */
 void fan_slot_up(struct fan *f, struct fan_slot *s);
-/* Sends one task record to slot k, and keeps account of it. 0, or the status to end with. */
+/* Sends a task record to slot k, and keeps account of it. Returns 0, or the status to end with. */
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
-/* It is sent what is queued for it. */
+/* True if the slot is sent what is queued for it. */
 bool fan_slot_fed(const struct fan_slot *s);
-/* Writes to the slot what its pipe takes. */
+/* Writes as much to the slot as its pipe takes. */
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /*
- * Gives the slot's process up and says `gone`, with the number of tasks that went with it; `again`:
- * only the connection is at fault.
+ * Stops the slot's process and reports `gone`, with the number of tasks lost. `again`: only the
+ * connection failed, so the slot may be connected again.
  */
 void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
-/* The stream of slot s has ended: it is given a moment to exit. */
+/* The stream of slot s has ended: gives the process a moment to exit. */
 void fan_slot_leave(struct fan *f, struct fan_slot *s);
-/* Has a slot that is leaving exited, in good order or not? Or must it be killed? */
+/* For a leaving slot: checks its exit status, if it has exited; kills it after its deadline. */
 void fan_slot_left(struct fan *f, struct fan_slot *s);
-/* A slot that waits is given up with its host. */
+/* Gives up a waiting slot together with its host. */
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
-/* Is there, or may there be, work for a slot that is not up? */
+/* True if there is, or may be, work for a slot that is not up. */
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
-/* It is up, or may come up. */
+/* True if the slot is up or may come up. */
 bool fan_slot_comes(const struct fan_slot *s);
-/* Frees what the slot holds besides its process. */
+/* Frees all memory of the slot except its process. */
 void fan_slot_free(struct fan_slot *s);
 
 /* ---- connect.c ---- */
 
-/* Starts those whose turn it is. Returns in how many milliseconds another may have its turn. */
+/* Starts slots whose turn it is. Returns the milliseconds until another may have its turn. */
 int fan_connect(struct fan *f);
-/* Whom a message is about: "slot 3", "slot 3 on render1". */
+/* The slot's name in messages: "slot 3", "slot 3 on render1". */
 #define SLOT_NAME (HOST_NAME_MOST + 32)
 const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
-/* How long to wait after so many failures in a row. */
+/* The wait before the next try after this number of failures in a row. */
 int64_t fan_retry_wait_us(int failures);
 /*
- * Slot s could not be connected: that is said, once for the host, and what to do. The other slots
- * of the host need not be waited for either; unless it is tried again they are given up.
+ * Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
+ * of the host are reported as gone; without a retry (`again`) they are given up.
  */
 void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
-/* `gone` for slot s, unless that has been said. */
+/* Reports `gone` for slot s, unless that was reported. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
 
 /* ---- hello.c ---- */
 
-/* Asks a worker on this machine for what other hosts have to agree with. */
+/* Asks a worker on this machine for the values that other hosts must agree with. */
 void fan_ask_reference(struct fan *f);
-/* NULL, or why the slot is refused; it is up when it is not. */
+/* Returns NULL if the slot is accepted (it is up then), or the reason of refusal. */
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
 
 /* ---- refusal.c ---- */
 
-/* A connection begins: nothing was said about its failing. */
+/* A new connection: forgets the messages of the last one. */
 void fan_refusal_forget(struct fan_slot *s);
-/* Does this line of standard error tell, or begin to tell, why it fails? Then it is held. */
+/* True if this line of standard error may explain a failed connection. The line is held then. */
 bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);
-/* Was it refused in such words that no second try can help? Only where the host never was up. */
+/* True if ssh's message shows that a retry cannot help. Only if the host never was up. */
 bool fan_refusal_is_final(const struct fan_slot *s);
-/* Appends the reason and what to do, and drops the lines that were held; or returns false. */
+/* Appends the reason and advice, and drops the held lines; or returns false. */
 bool fan_refusal_explain(
     const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
 
 /* ---- up.c, err.c ---- */
 
-/* Everything that can be decoded from slot s. */
+/* Decodes and handles everything that slot s has sent. */
 void fan_slot_listen(struct fan *f, struct fan_slot *s);
-/* The beginning of a line as messages show it. */
+/* Copies a line for use in messages: `room` bytes at most, unprintable bytes as `?`. */
 void fan_printable(char *to, size_t room, const char *line, size_t n);
-/* Shows what the slot wrote to its standard error, line by line. */
+/* Shows new lines of the slot's standard error. */
 void fan_slot_show_err(const struct fan *f, struct fan_slot *s);
-/* The rest of it; then it is closed. */
+/* Shows the rest of it, and closes it. */
 void fan_slot_end_err(const struct fan *f, struct fan_slot *s);
-/* What was held: it was not about a failure, or another one. */
+/* Shows the held lines: they did not explain a failed connection. */
 void fan_slot_show_held(struct fan_slot *s);
-/* Says how much of the hosts' messages was not shown. */
+/* Reports the number of lines that were not shown, per host. */
 void fan_end_err(struct fan *f);
 
 #endif

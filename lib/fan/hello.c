@@ -1,7 +1,7 @@
 /*
- * fan: who is let in. The pictures of all slots must have the same bits, so every hello has to
- * agree with the first in program, version and self-test. Where a slot is elsewhere, the first is
- * that of a worker on this machine, before any other is listened to.
+ * fan: accepts or refuses workers. The pictures of all slots must have the same bits. So each hello
+ * must agree with the first in program, version and self-test. If a slot is on another machine, the
+ * first hello is that of a worker on this machine, before any other is read.
  */
 #include "fan/fan_int.h"
 
@@ -9,10 +9,10 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define REFERENCE_US 10000000 /* for that worker's hello, */
-#define END_MS 200            /* and for it to exit, its input being closed */
+#define REFERENCE_US 10000000 /* for that worker's hello */
+#define END_MS 200            /* for it to exit once its input is closed */
 #define POWER_LEAST 1e-6
-#define POWER_MOST 1e9 /* of an inner fan: the sum of its slots */
+#define POWER_MOST 1e9 /* an inner fan: the sum of its slots */
 
 /* "PROGRAM VERSION" of a hello, which has both. */
 static void program_of(const struct record *r, char text[64])
@@ -61,7 +61,7 @@ void fan_ask_reference(struct fan *f)
         warn("%s:", f->o->command[0]);
     } else {
         child_close(&c.to);
-        fan_connect(f); /* slots begin to start meanwhile; they are listened to later */
+        fan_connect(f); /* slots start meanwhile; they are read later */
         listen_here(f, &c);
         child_end(&c, END_MS);
     }
@@ -73,7 +73,7 @@ void fan_ask_reference(struct fan *f)
 static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, ...)
     PRINTF_LIKE(3, 4);
 
-/* Says why, once for a host. */
+/* Prints the reason, once per host. */
 static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, ...)
 {
     char text[512], name[SLOT_NAME];
@@ -88,8 +88,8 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
 }
 
 /*
- * fan is itself a worker: its hello goes out with the first of its slots'. A slot of which nothing
- * is known yet is taken to be as fast as that.
+ * fan is itself a worker: it sends its hello with the first hello of a slot. A slot without
+ * measurements counts as fast as that one.
  */
 static void say_hello(struct fan *f, double power)
 {

@@ -1,21 +1,21 @@
-/* fan -l: the slots, one a line; who they are is known, how fast they are may have to be asked. */
+/* fan -l: one line per slot. Hosts are known; their speed may have to be measured. */
 #include "fan/fan_int.h"
 
 #include <stdlib.h>
 
-/* Starts a worker on every slot whose power nobody stated, and hears its hello. */
+/* Starts a worker on every slot without a stated power, and reads its hello. */
 static void measure(struct fan *f)
 {
     struct pollfd *p = xcalloc(FAN_POLL(f), sizeof *p);
     while (fan_working(f)) {
         fan_round(f, p);
-        up_free(&f->out.queue); /* records are for nobody here */
+        up_free(&f->out.queue); /* no reader for records here */
     }
     free(p);
 }
 
-/* The slots of a host are of one machine: the best of their self-tests was disturbed least, and so
- * was the shortest of their round trips. */
+/* The slots of a host are on one machine. The best of their self-tests, and the shortest of
+ * their round trips, was disturbed least. */
 static void level(struct fan *f)
 {
     for (int k = 0, end; k < f->n_slots; k = end) {
@@ -33,14 +33,14 @@ static void level(struct fan *f)
     }
 }
 
-/* A slot's round trip in milliseconds, where it has ended as it was asked to. */
+/* A slot's round trip in milliseconds, if it ended when told to. */
 static void print_trip(const struct fan_slot *s)
 {
     if (s->trip_us > 0) printf("\t%.3f", (double)s->trip_us / 1e3);
     else printf("\t-");
 }
 
-/* Returns how many powers are not known. */
+/* Returns the number of unknown powers. */
 static int print(const struct fan *f)
 {
     int unknown = 0;

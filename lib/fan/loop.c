@@ -1,8 +1,8 @@
 /*
- * fan: the router. Tasks with to=K go to slot K, others to slot ID mod N, state to all; what comes
- * back is checked, stamped and merged. Backpressure: when the reader is slow, workers are not read;
- * when a worker is slow, the input is not read. Neither can stop the other direction, so there is
- * no deadlock; and a slot that is not up stops nobody.
+ * fan: the router. A task with to=K goes to slot K, others to slot ID mod N, state to all slots.
+ * Records from workers are checked, stamped and merged. Backpressure: if the reader is slow,
+ * workers are not read; if a worker is slow, the input is not read. Neither stops the other
+ * direction, so there is no deadlock. A slot that is not up stops no other slot.
  */
 #include "fan/fan_int.h"
 
@@ -12,29 +12,29 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LEAVING_MS 100 /* while a slot is exiting; its end is told by SIGCHLD, its staying is not */
-#define STOP_MS 200    /* for workers to end when all is given up */
-#define HELLO_S 10.0   /* silence allowed before the first word, */
-#define REACH_S 15.0   /* also where ssh is given 10 s to connect, */
-#define LOADING_S 15.0 /* while state is on its way: a slow link has it in pieces, */
-#define CLOSING_S 1.0  /* and when nothing is left to say */
-#define LATE_US 100000 /* a round may begin so much later than was asked for */
+#define LEAVING_MS 100 /* poll while a slot is exiting: SIGCHLD reports its end, not its staying */
+#define STOP_MS 200    /* for workers to end when the run is given up */
+#define HELLO_S 10.0   /* silence allowed before hello */
+#define REACH_S 15.0   /* likewise if ssh has 10 s to connect */
+#define LOADING_S 15.0 /* while state is under way: a slow link takes long */
+#define CLOSING_S 1.0  /* when nothing is left to send */
+#define LATE_US 100000 /* a round may begin this much late */
 
-/* So long may slot s say nothing; 0: as long as it likes. */
+/* The silence allowed to slot s, in seconds; 0: no limit. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
     if (!f->in_open && !s->tasks.count && s->host->here) return CLOSING_S;
     if (!s->connected) return s->host->here ? HELLO_S : REACH_S;
     if (!f->in_open && !s->tasks.count) return f->o->silence_s;
-    /* Pixels of what is done may be held back until somebody asks. */
+    /* Pixels of computed tasks may be held back until a flush. */
     bool asked = s->undone || (s->tasks.count && (s->flushed || !f->in_open));
     if (!asked) return 0;
     return s->loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
 
 /*
- * Slots that have work, or were told to end, and say nothing. What counts is that a slot had been
- * silent for too long before poll looked, and that poll found nothing: this process may itself have
+ * Finds slots that have work, or were told to end, and are silent. A slot is lost only if its
+ * silence was too long before poll looked, and poll found nothing: this process itself may have
  * been kept from running.
  */
 static void find_silent(struct fan *f, int64_t looked_us, bool reading)
@@ -50,10 +50,10 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
 }
 
 /*
- * Nobody was listened to while this process was kept from running, and whoever shares the machine
- * may have been kept from it longer: that is no silence.
+ * While this process was kept from running it read nothing. Workers on the same machine may have
+ * been kept from running for longer. This time does not count as their silence.
  */
-static void forgive(struct fan *f, int64_t looked_us)
+static void credit_own_delay(struct fan *f, int64_t looked_us)
 {
     int64_t late_us = looked_us - f->awake_us - LATE_US;
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
@@ -62,7 +62,7 @@ static void forgive(struct fan *f, int64_t looked_us)
     }
 }
 
-/* In how many milliseconds, at most wait_ms, somebody may have been silent for too long. */
+/* Milliseconds until a slot may have been silent for too long, at most wait_ms. */
 static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
 {
     for (int k = 0; k < f->n_slots; k++) {
@@ -76,7 +76,8 @@ static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
     return wait_ms;
 }
 
-/* Only what is open: poll takes no more entries than descriptors may be open. Returns how many. */
+/* Fills p with open descriptors only: poll allows no more entries than the descriptor limit.
+ * Returns their number. */
 static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
     size_t n = 2;
@@ -109,14 +110,14 @@ void fan_round(struct fan *f, struct pollfd *p)
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
-    forgive(f, looked_us);
+    credit_own_delay(f, looked_us);
     if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
     f->awake_us = looked_us + wait_ms * INT64_C(1000);
     if (poll_signals(p, n, wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) p[i].revents = 0;
-        looked_us = 0; /* nobody was found silent */
+        looked_us = 0; /* no slot was found silent */
     }
     outlet_polled(&f->out, &p[1]);
     if (f->out.gone) return;
@@ -127,16 +128,16 @@ void fan_round(struct fan *f, struct pollfd *p)
     outlet_push(&f->out);
 }
 
-/* It works, or what it did is being looked at. */
+/* The slot works, or its end is being judged. */
 static bool at_work(const struct fan_slot *s)
 {
-    return s->state == FAN_UP || (s->state == FAN_LEAVING && !s->decided) ||
+    return s->state == FAN_UP || (s->state == FAN_LEAVING && !s->loss_reported) ||
            (s->state == FAN_OPENING && s->host->here);
 }
 
 /*
- * Its host has not had its first try, or is having it: behind hosts that are silent that may come
- * late, since few are tried at a time.
+ * The slot's host has not had its first try, or is having it. Silent hosts may delay that, because
+ * only a few are tried at a time.
  */
 static bool untried(const struct fan_slot *s)
 {
@@ -151,7 +152,7 @@ bool fan_working(const struct fan *f)
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
         bool comes = s->state == FAN_WAITING || s->state == FAN_OPENING ||
-                     (s->state == FAN_LEAVING && s->again);
+                     (s->state == FAN_LEAVING && s->reconnect);
         bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
         if (comes && fan_slot_wanted(f, s) && (early || untried(s))) return true;
     }
@@ -185,7 +186,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     if (*o->command) fan_ask_reference(f);
 }
 
-/* What it says meanwhile is shown: it may be why it ends. */
+/* Shows its last messages: they may explain why it ends. */
 static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 {
     int status;
@@ -195,7 +196,7 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
     }
 }
 
-/* Nobody needs the rest, or nothing is left. */
+/* Ends the run: the rest is not needed, or no slot is left. */
 static void stop(struct fan *f)
 {
     int64_t end_us = now_us() + STOP_MS * INT64_C(1000);
@@ -229,7 +230,7 @@ void fan_close(struct fan *f)
     buf_free(&f->line);
 }
 
-/* Every slot has been given up for good. */
+/* All slots have been given up. */
 static bool all_gone(const struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++)
@@ -237,7 +238,7 @@ static bool all_gone(const struct fan *f)
     return true;
 }
 
-/* Slots that never were up; one that is here, and would have come, does not count. */
+/* Slots that never were up. A slot on this machine that did not fail does not count. */
 static int never_up(const struct fan *f)
 {
     int n = 0;
@@ -248,7 +249,7 @@ static int never_up(const struct fan *f)
     return n;
 }
 
-/* There is work, and nobody to do it; or there would be nobody. */
+/* True if work remains, or would have remained, without a slot to do it. */
 static bool deserted(const struct fan *f)
 {
     bool lost = f->lost || never_up(f) == f->n_slots;
@@ -256,7 +257,7 @@ static bool deserted(const struct fan *f)
     return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
 
-/* The last word to the reader. */
+/* Sends bye to the reader. */
 static void say_bye(struct fan *f)
 {
     bool none = !f->disputed && deserted(f);

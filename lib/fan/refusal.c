@@ -1,20 +1,20 @@
 /*
- * fan: why a connection failed, and what to do. ssh has one exit status, 255, for all of its own
- * failures; its words (those of OpenSSH 7 to 10) tell failures that a second try cannot mend from
- * those that pass. 126 and 127 are the statuses of the shell there (POSIX, 2.8.2).
+ * fan: the reason of a failed connection, and advice. ssh has one exit status, 255, for all of its
+ * own failures. Its messages (OpenSSH 7 to 10) tell permanent failures from passing ones. 126 and
+ * 127 come from the remote shell (POSIX, 2.8.2).
  */
 #include "fan/fan_int.h"
 
 #include <string.h>
 
-#define HELD_MOST 16384 /* bytes of a host's messages that wait for the end of a connection */
+#define HELD_MOST 16384 /* bytes of a host's messages held until a connection ends */
 
-/* Of several that came, the first in this table is the reason. */
+/* If several match, the first row is the reason. */
 static const struct reason {
-    const char *words;  /* in a line of ssh's */
-    bool final;         /* no second try */
-    const char *said;   /* NULL: the line only begins a longer message, or goes before another */
-    const char *advice; /* % stands for the host; NULL: ssh's line says it; "": none */
+    const char *words;  /* in a line of ssh */
+    bool final;         /* a retry cannot help */
+    const char *said;   /* NULL: the line only begins a longer message, or precedes another */
+    const char *advice; /* % is the host; NULL: print ssh's line; "": no advice */
 } reasons[] = {
     {"REVOKED HOST KEY", true, "host key revoked", "it needs a new one"},
     {"REMOTE HOST IDENTIFICATION HAS CHANGED", true, "host key has changed",
@@ -46,7 +46,7 @@ static bool has(const char *line, size_t n, const char *words)
     return memmem(line, n, words, strlen(words)) != NULL;
 }
 
-/* The last component of the worker's path: what a shell, or env(1), says is missing. */
+/* The last component of the worker's path: a shell, or env(1), names it if it is missing. */
 static const char *worker_of(const struct fan *f)
 {
     const char *slash = strrchr(f->o->command[0], '/');
@@ -89,7 +89,7 @@ bool fan_refusal_is_final(const struct fan_slot *s)
     return !s->connected && !s->host->reached && s->reason < N_REASONS && reasons[s->reason].final;
 }
 
-/* By the exit status of ssh and of the shell there. */
+/* Explains the exit status of ssh or of the remote shell. */
 static void explain_command(const struct fan *f, const struct host *h, bool found, struct buf *text)
 {
     const char *worker = worker_of(f);
@@ -117,7 +117,7 @@ static void explain_connection(const struct fan *f, const struct fan_slot *s, st
     if (!r->advice) buf_printf(text, ": %s", s->detail);
     if (!r->advice || !*r->advice) return;
     size_t n = strcspn(r->advice, "%");
-    bool by_ssh = !r->advice[n] || !h->via; /* another command than ssh NAME reaches it */
+    bool by_ssh = !r->advice[n] || !h->via; /* a via= command other than ssh NAME reaches it */
     if (!by_ssh) buf_printf(text, "; reach it once by hand, as its via= does");
     else
         buf_printf(text, "; %.*s%s%s", (int)n, r->advice, r->advice[n] ? h->name : "",

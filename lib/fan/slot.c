@@ -1,21 +1,21 @@
 /*
  * fan: the life of a slot.
  *
- *   state    what there is                      leaves it when
+ *   state    meaning                            leaves it when
  *   WAITING  no process                         it is its turn: -> OPENING; it cannot be started:
  *                                               -> WAITING, GONE
  *   OPENING  a process that has not said hello  its hello is good: -> UP; it is refused, says no
  *                                               hello in time, its stream ends: -> LEAVING
  *   UP       a worker                           its stream ends, it is silent or wrong: -> LEAVING
- *   LEAVING  a process that is to exit          it has, or its time is over and it was killed:
+ *   LEAVING  a process that is to exit          it has exited, or was killed after its deadline:
  *                                               -> WAITING to be connected again, or GONE
  *   GONE     nothing                            never
  *
- * Connected again is a slot elsewhere whose connection was at fault: ssh exits with 255 or is
- * killed, or nothing was heard; or one that has lost its own worker, and says so by its status.
- * Nothing of an old connection is read any more once it is LEAVING. Tasks that were sent over it
- * are lost with it; those for a slot that was never up wait for it, and so nothing is sent over a
- * connection before its hello.
+ * A slot on another machine is connected again if its connection failed: ssh exits with 255 or is
+ * killed, or the slot is silent. So is a slot that has lost its own worker and reports that by its
+ * status. Once a slot is LEAVING, nothing more is read from its connection. Tasks sent over a
+ * connection are lost with it. Tasks for a slot that was never up wait for it; therefore nothing is
+ * sent over a connection before its hello.
  */
 #include "fan/fan_int.h"
 
@@ -24,13 +24,13 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define GRACE_US 500000      /* for a worker to exit once its stream has ended, */
-#define STOP_US 200000       /* and when it was given up and told to end */
+#define GRACE_US 500000      /* for a worker to exit once its stream has ended */
+#define STOP_US 200000       /* for a slot that was given up and told to end */
 #define VIA_FAILED 255       /* ssh's status for its own failures */
-#define ASK_AGAIN_US 5000000 /* fan -l: who failed within this time is asked once more */
+#define ASK_AGAIN_US 5000000 /* fan -l: a slot that failed within this time is asked once more */
 #define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
 
-/* It is being connected, or that has failed and why is not known yet. */
+/* It is being connected, or failed to connect for a reason that is not known yet. */
 static bool connects(const struct fan_slot *s, enum fan_state state)
 {
     return state == FAN_OPENING || (state == FAN_LEAVING && !s->connected);
@@ -54,7 +54,7 @@ bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 
 bool fan_slot_comes(const struct fan_slot *s)
 {
-    return s->state != FAN_GONE && !(s->state == FAN_LEAVING && s->decided && !s->again);
+    return s->state != FAN_GONE && !(s->state == FAN_LEAVING && s->loss_reported && !s->reconnect);
 }
 
 void fan_slot_free(struct fan_slot *s)
@@ -66,13 +66,13 @@ void fan_slot_free(struct fan_slot *s)
     s->undone = 0;
 }
 
-/* The process is no more. */
+/* The process has ended. */
 static void settle(struct fan *f, struct fan_slot *s)
 {
     fan_slot_end_err(f, s);
     fan_slot_show_held(s);
     wire_free(&s->from);
-    if (s->again) {
+    if (s->reconnect) {
         s->retry_us = now_us() + fan_retry_wait_us(s->failures);
         enter(f, s, FAN_WAITING);
     } else {
@@ -85,8 +85,8 @@ void fan_slot_open(struct fan *f, struct fan_slot *s)
 {
     wire_free(&s->from);
     s->from.upward = true;
-    s->connected = s->loaded = s->asked = s->decided = s->again = false;
-    s->did = s->placed = false;
+    s->connected = s->loaded = s->input_closed_first = s->loss_reported = s->reconnect = false;
+    s->completed_task = s->placed = false;
     s->agreed = -1;
     s->stale = 0;
     s->ahead = 0;
@@ -136,7 +136,7 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
         return 0;
     }
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-    if (i >= 0) { /* it is on its way */
+    if (i >= 0) { /* the same task is under way */
         if (memcmp(&s->tasks.at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
         warn("task %u %u: comes twice, expected another number for other pixels", r->task.frame,
             r->task.id);
@@ -163,12 +163,12 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
     size_t before = down_size(&s->down);
     if (p->revents & POLLERR || (!full && down_write(&s->down, s->child.to) != 0)) {
-        /* It reads no more: its output tells why, and what it still does. */
+        /* It reads no more. Its output explains why, or has pixels to come. */
         child_close(&s->child.to);
         down_free(&s->down);
         return;
     }
-    /* A pipe that was empty takes a little whether anybody reads it or not. */
+    /* A pipe that was empty takes a little even if its reader does not read. */
     if (p->events & POLLOUT && down_size(&s->down) != before) s->heard_us = now_us();
     if (!f->in_open && !down_size(&s->down)) {
         if (s->child.to >= 0) s->closed_us = now_us();
@@ -176,26 +176,26 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     }
 }
 
-/* Why the slot is parted from is known: that is said, and decided what becomes of it. */
+/* Reports the loss of the slot, and decides whether to connect it again. */
 static void decide(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     char name[SLOT_NAME];
-    s->failures = s->did ? 1 : s->failures + 1;
-    if (s->did) s->deaths = 0;
+    s->failures = s->completed_task ? 1 : s->failures + 1;
+    if (s->completed_task) s->deaths = 0;
     else if (s->connected && s->tasks.count) s->deaths++;
-    s->again = again && !s->host->here && s->deaths < DEATHS_MOST;
-    s->decided = true;
-    bool more = s->again && s->failures <= 1 && !s->host->failures;
+    s->reconnect = again && !s->host->here && s->deaths < DEATHS_MOST;
+    s->loss_reported = true;
+    bool more = s->reconnect && s->failures <= 1 && !s->host->failures;
     s->measured |= !more || now_us() - s->opened_us > ASK_AGAIN_US;
-    int32_t lost = s->connected || !s->again ? s->tasks.count : 0;
+    int32_t lost = s->connected || !s->reconnect ? s->tasks.count : 0;
     fan_say_gone(f, s, why, lost);
-    if (!s->connected && !s->host->here) fan_host_failed(f, s, why, s->again);
+    if (!s->connected && !s->host->here) fan_host_failed(f, s, why, s->reconnect);
     else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
-            s->again ? ", connecting again" : "");
+            s->reconnect ? ", connecting again" : "");
     f->lost += lost;
     if (s->connected) s->missing_us = now_us();
-    if (s->connected || !s->again) fan_slot_free(s);
+    if (s->connected || !s->reconnect) fan_slot_free(s);
 }
 
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
@@ -218,7 +218,7 @@ void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool agai
 
 void fan_slot_leave(struct fan *f, struct fan_slot *s)
 {
-    s->asked = s->child.to < 0 && !f->in_open; /* its input was closed: it was to end */
+    s->input_closed_first = s->child.to < 0 && !f->in_open; /* then it was to end */
     s->leave_us = now_us() + GRACE_US;
     enter(f, s, FAN_LEAVING);
 }
@@ -233,11 +233,12 @@ void fan_slot_left(struct fan *f, struct fan_slot *s)
         status = child_end(&s->child, 0);
     }
     fan_slot_end_err(f, s); /* before it is judged by that */
-    bool well = s->asked && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    bool well =
+        s->input_closed_first && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
     bool connection = WIFSIGNALED(status) ||
                       (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->connected && WEXITSTATUS(status) == ST_SYSTEM);
-    if (!s->decided && well) f->well++;
-    else if (!s->decided) decide(f, s, status_text(status, why), connection);
+    if (!s->loss_reported && well) f->well++;
+    else if (!s->loss_reported) decide(f, s, status_text(status, why), connection);
     settle(f, s);
 }

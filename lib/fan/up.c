@@ -1,17 +1,19 @@
-/* fan: what workers say. It is checked against what they were asked, stamped, and passed on. */
+/* fan: records from workers. They are checked against what the workers were sent, stamped, and
+ * passed on. */
 #include "fan/fan_int.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-#define CHATTER_MOST 65536             /* bytes before hello, where start-up files may talk */
-#define BEAT_US 250000                 /* a slot's beats are passed on so far apart */
-#define STALE_MOST 1000                /* answers to no question over one connection; questions */
+#define CHATTER_MOST 65536 /* bytes before hello, which start-up files may print */
+#define BEAT_US 250000     /* time between beats of a slot that are passed on */
+/* answers to no question, per connection; likewise messages */
+#define STALE_MOST 1000
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
 static const char *const stamped[] = {"w", "host", "from", "sent_us", "recv_us", NULL};
 
-/* " w=K", or "w=K.I" where an inner fan had stamped w=I. */
+/* " w=K", or "w=K.I" if an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
 {
     size_t n = 0;
@@ -20,7 +22,7 @@ static void stamp(const struct fan_slot *s, const struct record *r, char *text, 
     else snprintf(text, size, "w=%d", s->number);
 }
 
-/* Beats say one thing however many there are: who babbles fills no log with them. */
+/* More beats carry no more information: a slot that sends many does not fill a log. */
 static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
@@ -31,7 +33,8 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
     wire_forward(&f->out.queue.control, r, stamped, text);
 }
 
-/* Of slot s, which is about to be lost, and the others: who may still announce a frame? */
+/* The number of slots, except slot s that is about to be lost, that may still announce the
+ * frame. */
 static int may_announce(const struct fan *f, const struct frame_size *frame)
 {
     int n = 0;
@@ -40,9 +43,9 @@ static int may_announce(const struct fan *f, const struct frame_size *frame)
 }
 
 /*
- * Slot s says that a frame belongs to another job than the first slot said. Where most say so, or
- * as many as not and nobody else is to be asked, the first may as well be the one that is wrong:
- * then nothing can be made of what has come.
+ * Slot s reports another job for a frame than the first slot did. If most slots disagree with the
+ * first, or as many as agree and none is left to report, the first may be the wrong one. Then the
+ * pixels so far are useless, and the run ends.
  */
 static const char *dispute(
     struct fan *f, const struct fan_slot *s, struct frame_size *frame, const char *job)
@@ -68,7 +71,7 @@ static const char *dispute(
     return "other-job";
 }
 
-/* Do all slots say the same of what a frame belongs to? Who says it first is believed. */
+/* Checks that all slots report the same job for a frame. The first to report it is believed. */
 static const char *take_job(
     struct fan *f, struct fan_slot *s, struct frame_size *frame, const struct record *r)
 {
@@ -82,14 +85,14 @@ static const char *take_job(
     }
     frame->said = true;
     if (strcmp(frame->job, job) != 0) return dispute(f, s, frame, job);
-    frame->agree += s->agreed != frame->frame; /* a tree says it for each of its workers */
+    frame->agree += s->agreed != frame->frame; /* a tree reports it for each of its workers */
     s->agreed = frame->frame;
     return NULL;
 }
 
 /*
- * A frame that was asked for is announced, and with it the state is known to be loaded. It keeps
- * its place among the pixels: those before it may belong to another job.
+ * A requested frame is announced: the slot has loaded the state. The record keeps its place among
+ * the pixels, because those before it may belong to another job.
  */
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -107,17 +110,18 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     return NULL;
 }
 
-/* Done and delivered: the slot owes nothing more for it. */
+/* Computed and delivered: removes the task. */
 static void settle(struct fan_slot *s, int32_t i)
 {
     if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) {
         tasks_remove(&s->tasks, i);
-        s->did = true;
+        s->completed_task = true;
     }
     if (!s->tasks.count) s->flushed = false;
 }
 
-/* An answer to no question is dropped; who gives nothing else keeps its tasks from the others. */
+/* Drops an answer to no question. A slot that sends too many is lost, so that others get its
+ * tasks. */
 static const char *take_stale(struct fan *f, struct fan_slot *s)
 {
     f->stale++;
@@ -157,9 +161,9 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
 }
 
 /*
- * A node speaks to the hub: only who was told its place does that. It asks for what it was not
- * sent, and answers what it was, so that it cannot say much more than that. A task that it gives
- * away is no more its own.
+ * A node's message to the hub: allowed only if the node was told its place. A node asks for tasks
+ * that it was not sent, and answers messages that it was sent, so it cannot send many more. A task
+ * that it gives away is no longer its own.
  */
 static const char *take_ring(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -180,7 +184,7 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
     return NULL;
 }
 
-/* Would the line grow too long with this stamp, or that of some more fans around this one? */
+/* True if the line would grow too long with the stamps of this fan, and of a few more around it. */
 static bool too_long(const struct record *r)
 {
     size_t said = r->line_len, n;
@@ -190,13 +194,13 @@ static bool too_long(const struct record *r)
     return said > SAID_MAX;
 }
 
-/* An inner fan, without a policy, has lost a slot: what goes to that will not come back. */
+/* An inner fan without a policy has lost a slot: tasks sent to that slot will not come back. */
 static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s)
 {
     return f->in_open || s->tasks.count ? "inner-gone" : NULL;
 }
 
-/* NULL, or why the slot cannot be trusted any more. */
+/* Returns NULL, or the reason why the slot cannot be trusted any more. */
 static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     if (too_long(r)) return "long-line";
@@ -228,15 +232,15 @@ void fan_printable(char *to, size_t room, const char *line, size_t n)
     to[i] = '\0';
 }
 
-/* The first line of what a host says before hello, in case that none comes. */
+/* Keeps the first line that a host prints before hello, in case no hello comes. */
 static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
 {
     if (!s->before_hello) fan_printable(s->chatter, sizeof s->chatter, (const char *)said, n);
 }
 
 /*
- * Start-up files of a host may print what they like before the worker runs. It is skipped, until
- * what looks like a hello comes, or too much.
+ * Start-up files of a host may print anything before the worker runs. It is skipped until a line
+ * looks like a hello, or until CHATTER_MOST bytes.
  */
 static bool is_chatter(const struct fan_slot *s, enum wire_result result, const struct record *r)
 {
@@ -248,7 +252,7 @@ static bool is_chatter(const struct fan_slot *s, enum wire_result result, const 
 void fan_slot_listen(struct fan *f, struct fan_slot *s)
 {
     size_t before = buf_size(&s->from.in), n;
-    /* It was told to end and owes nothing: its beats are no reason to wait for it. */
+    /* It was told to end and owes nothing: its beats are no reason to wait. */
     bool over = !f->in_open && !s->tasks.count && s->child.to < 0;
     int more = stream_read(&s->from, s->child.from);
     n = buf_size(&s->from.in) - before;
@@ -256,7 +260,7 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
     struct record r;
     enum wire_result result;
     const char *why = NULL;
-    bool at_work = false; /* a node that answers others may have a worker that does nothing */
+    bool at_work = false; /* a node that answers others may have an idle worker */
     while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
         if (is_chatter(s, result, &r)) continue;
         if (result == WIRE_RECORD) {

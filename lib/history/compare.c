@@ -1,4 +1,4 @@
-/* What can be said of a log as a whole: see history.h. */
+/* Queries about a whole log: see history.h. */
 #include "history/history.h"
 
 #include <inttypes.h>

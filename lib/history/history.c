@@ -7,7 +7,7 @@
 
 #define READ_BYTES (1 << 18)
 
-/* Where the slot of that name is hashed to, or would be. */
+/* The place of a slot name in the hash table, or where it belongs. */
 static int32_t *slot_place(const struct history *l, const char *name)
 {
     size_t at = hash64(HASH64_INIT, name, strlen(name));
@@ -17,7 +17,7 @@ static int32_t *slot_place(const struct history *l, const char *name)
     }
 }
 
-/* Room for twice as many slots, and twice that many places. */
+/* Doubles the room for slots, with twice that many hash places. */
 static void grow_slots(struct history *l)
 {
     l->slots_room = l->slots_room ? 2 * l->slots_room : 16;
@@ -28,7 +28,7 @@ static void grow_slots(struct history *l)
     for (size_t i = 0; i < l->n_slots; i++) *slot_place(l, l->slots[i].name) = (int32_t)i;
 }
 
-/* The slot of this record, by the name that it is stamped with. */
+/* The slot of this record, by its stamp. */
 static int32_t slot_of(struct history *l, const struct record *r)
 {
     char name[HISTORY_NAME];
@@ -41,13 +41,14 @@ static int32_t slot_of(struct history *l, const struct record *r)
     return (int32_t)l->n_slots++;
 }
 
-/* Was nothing done in the last run? */
+/* True if no task was done in the last run. */
 static bool run_idle(const struct history *l)
 {
     return l->n_runs && (!l->n_dones || l->dones[l->n_dones - 1].run + 1 < (int32_t)l->n_runs);
 }
 
-/* A hello, or anything else where none came, begins a run; one without a task is none. */
+/* A hello begins a run, and so does any record before the first hello. A run without a task is
+ * dropped. */
 static void begin_run(struct history *l)
 {
     l->running = true;
@@ -113,7 +114,7 @@ static struct history_frame *add_frame(struct history *l, const struct record *r
     return f;
 }
 
-/* The first that a frame is announced with is its job; what belongs to another is nobody's. */
+/* The first announcement sets a frame's job. Pixels of another job belong to no frame. */
 static void take_frame(struct history *l, const struct record *r)
 {
     char job[HISTORY_JOB];
@@ -122,7 +123,7 @@ static void take_frame(struct history *l, const struct record *r)
     if (!find_frame(l, r->task.frame)) memcpy(add_frame(l, r)->job, job, sizeof job);
 }
 
-/* The done that these pixels are of: the last one of that slot, in this run, for that task. */
+/* The done of these pixels: the last one of that slot, in this run, for that task. */
 static int32_t done_of(const struct history *l, const struct task *t, int32_t slot)
 {
     int32_t i = tasks_find(&l->last, t->frame, t->id);
@@ -133,7 +134,7 @@ static int32_t done_of(const struct history *l, const struct task *t, int32_t sl
     return HISTORY_UNKNOWN;
 }
 
-/* A pixel of row y that nobody had brought. */
+/* Counts a new pixel of row y. */
 static void take_pixel(struct history *l, struct history_frame *f, uint32_t y, int32_t di)
 {
     struct history_done *d = di >= 0 ? &l->dones[di] : NULL;
@@ -152,7 +153,7 @@ static void take_pixels(
     for (uint32_t j = 0; j < at->h; j++) {
         uint64_t p = lattice_pixel(at, f->w, (uint64_t)j * at->w);
         uint32_t y = (uint32_t)(p / f->w);
-        uint64_t next = (uint64_t)(y + 1) * f->w; /* the first of the row below */
+        uint64_t next = (uint64_t)(y + 1) * f->w; /* the first pixel of the row below */
         for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
             for (; p >= next; next += f->w) y++;
             if (coverage_set(&f->have, p)) take_pixel(l, f, y, di);

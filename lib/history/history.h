@@ -1,12 +1,12 @@
 /*
- * history: what a log of fragments tells, as tables: its runs and slots, each task that a slot did
- * and what of the picture came of it. One reader for whoever judges a run (fragstat) or repeats it
- * (replay).
+ * history: the content of a log of fragments as tables: its runs and slots, and the tasks that
+ * slots did with the pixels that each brought. fragstat, which judges a run, and replay, which
+ * repeats it, share this reader.
  *
- * Call history_read for each file, or history_over for one that lies in memory and whose pixels are
- * wanted; then look at the tables; then history_free. A log is a set of facts that nobody vouches
- * for: damaged records are skipped and counted, and of each pixel the first one counts, as in
- * gather. A pixel belongs to the `done` that its slot said last of that task.
+ * Call history_read for each file; or history_over for one in memory, if its pixels are needed.
+ * Then use the tables, then call history_free. A log is not trusted: damaged records are skipped
+ * and counted, and of each pixel the first one counts, as in gather. A pixel belongs to the latest
+ * `done` of its slot for that task.
  */
 #ifndef STORMRING_HISTORY_H
 #define STORMRING_HISTORY_H
@@ -19,58 +19,58 @@
 #define HISTORY_JOB 24
 #define HISTORY_ERR 256
 #define HISTORY_WITH 160
-#define HISTORY_SLOTS_MAX (1 << 20) /* what a hello may claim */
+#define HISTORY_SLOTS_MAX (1 << 20) /* limit of slots in a hello */
 
 /* A task that a slot did, in the order of the log. */
 struct history_done {
     uint32_t frame, id;
-    int32_t run, slot;       /* places in their tables */
-    int64_t cpu_us, wall_us; /* as its worker says: see stormring-frag(5) */
-    int64_t recv_us;         /* when fan heard of it, since the run began; -1: no fan did */
-    int64_t try;             /* how many times the task had been given: 1, or 2, ... */
-    bool stolen;             /* another node of a ring gave it to this one */
-    uint64_t sent;           /* pixels that it brought; */
-    uint64_t pixels;         /* of them, those that nobody had brought before */
-    uint32_t rows;           /* rows of the frame of which it brought the first pixel */
-    int32_t before;          /* the one before of this key, or -1 */
+    int32_t run, slot;       /* indices into their tables */
+    int64_t cpu_us, wall_us; /* as its worker reports: see stormring-frag(5) */
+    int64_t recv_us;         /* time in the run at which fan received it; -1: no fan */
+    int64_t try;             /* attempt number: 1, 2, ... */
+    bool stolen;             /* given by another node of a ring */
+    uint64_t sent;           /* pixels that it brought */
+    uint64_t pixels;         /* of them, those that came first */
+    uint32_t rows;           /* rows of which it brought the first pixel */
+    int32_t before;          /* previous done of this key, -1: none */
 };
 
 struct history_frame {
     uint32_t number, w, h;
-    char job[HISTORY_JOB], with[HISTORY_WITH]; /* of the first slot that announced it */
+    char job[HISTORY_JOB], with[HISTORY_WITH]; /* as first announced */
     bool replayed;                             /* its times are those of another run */
-    bool split;                                /* some row came of several tasks */
+    bool split;                                /* a row came from several tasks */
     struct coverage have;
     int32_t
         *row_of; /* by row: the done that brought its first pixel, HISTORY_NONE, HISTORY_UNKNOWN */
-    struct history_place *places; /* private: by pixel, when somebody asks for one */
+    struct history_place *places; /* private: by pixel; built when first needed */
 };
-#define HISTORY_NONE (-1)    /* not there */
-#define HISTORY_UNKNOWN (-2) /* there, but the log does not say what it cost */
+#define HISTORY_NONE (-1)    /* not present */
+#define HISTORY_UNKNOWN (-2) /* present, but the log does not state its cost */
 
-/* Pixels, in the order of the log; only of history_over. */
+/* Pixels, in the order of the log; only after history_over. */
 struct history_frag {
     uint32_t frame;
-    int32_t done; /* that they are of, or HISTORY_UNKNOWN */
+    int32_t done; /* the done they belong to, or HISTORY_UNKNOWN */
     struct lattice at;
-    const unsigned char *body; /* for wire_pixels, once it is sound */
+    const unsigned char *body; /* for wire_pixels, once history_sound is true */
     size_t bytes;
-    uint32_t crc; /* that the body should have */
-    bool summed;  /* and has */
+    uint32_t crc; /* expected crc of the body */
+    bool summed;  /* the crc was checked */
 };
 
 /* A pixel: the n-th of a frag. */
 struct history_place {
-    int32_t frag; /* or HISTORY_NONE */
+    int32_t frag; /* index, or HISTORY_NONE */
     uint32_t n;
 };
 
 struct history_slot {
-    char name[HISTORY_NAME]; /* as fan stamped it: "0", "1.0"; "-" for a worker without one */
+    char name[HISTORY_NAME]; /* as stamped by fan: "0", "1.0"; "-" without a fan */
 };
 
 struct history_run {
-    int32_t slots; /* as its hello says, 1 without one */
+    int32_t slots; /* from its hello; 1 without one */
 };
 
 struct history {
@@ -80,48 +80,48 @@ struct history {
     size_t n_frames;
     struct history_slot *slots;
     size_t n_slots;
-    struct history_run *runs; /* those in which a task was done */
+    struct history_run *runs; /* runs in which a task was done */
     size_t n_runs;
     struct history_frag *frags;
-    size_t n_frags;        /* of these jobs; 0: a log without pixels, maybe filtered as text */
+    size_t n_frags;        /* of these jobs; 0: no pixels, perhaps filtered as text */
     uint64_t bad, skipped; /* records and bytes lost to damage */
-    char why[160];         /* what was wrong with the last bad one */
-    bool refused;          /* it is of another format, as why says: nothing behind that is read */
+    char why[160];         /* the error in the last bad record */
+    bool refused;          /* a hello of another format, see why: the rest is not read */
 
     /* private */
-    bool keep;                       /* frags */
-    int32_t *slot_at;                /* slots by the hash of their names; -1: none */
-    size_t slots_room;               /* places there, twice those in `slots` */
-    size_t *sorted;                  /* numbers of frags by place, when somebody looks for one */
-    struct task_table last;          /* by key; since_us is the place of its last done */
+    bool keep;                       /* fills frags */
+    int32_t *slot_at;                /* slots by hash of the name; -1: none */
+    size_t slots_room;               /* size of slot_at, twice that of `slots` */
+    size_t *sorted;                  /* indices of frags by place; built when first needed */
+    struct task_table last;          /* by key; since_us is the index of its last done */
     bool running;                    /* the last run goes on */
 };
 
-/* Reads fd to its end; whoever opened it closes it. 0, or -1 with errno. */
+/* Reads fd to its end; the caller closes it. 0, or -1 with errno. */
 int history_read(struct history *l, int fd);
 /*
- * A whole log of n bytes, which have to stay until history_free. Its bodies are not looked at: ask
- * history_sound before using one. Where records are damaged in other ways, it is all read again,
- * with every body summed, so that no good record is lost with a bad one.
+ * Reads a whole log of n bytes in memory, which must stay until history_free. Bodies are not
+ * checked: call history_sound before using one. If records are damaged in other ways, reads all
+ * again with every body checked, so that a bad record costs no good one.
  */
 void history_over(struct history *l, unsigned char *p, size_t n);
-/* Are these bytes those that were sent, and pixels? */
+/* True if these bytes are those that were sent, and valid pixels. */
 bool history_sound(struct history_frag *f);
-/* The first frag that has just these pixels, or NULL. */
+/* The first frag with exactly these pixels, or NULL. */
 struct history_frag *history_frag_at(
     struct history *l, const struct history_frame *f, const struct lattice *at);
-/* Where pixel p came first. */
+/* The first occurrence of pixel p. */
 struct history_place history_place_of(struct history *l, const struct history_frame *f, uint64_t p);
 /*
- * Did nothing of it come to use: others had brought its pixels, or nobody ever got them? A log
- * without any pixels is taken at its word: of each key the first one did.
+ * True if the done was useless: its pixels had come before, or never came. In a log without any
+ * pixels the first done of each key counts as useful.
  */
 bool history_wasted(const struct history *l, const struct history_done *d);
-/* Does some row have pixels of several tasks? */
+/* True if a row has pixels of several tasks. */
 bool history_split(const struct history *l);
-/* Has l the pixels of the jobs of `other`, and as many? Else false, with text in err. */
+/* True if l has the jobs of `other`, with the same number of pixels; else text in err. */
 bool history_same(const struct history *l, const struct history *other, char err[HISTORY_ERR]);
-/* NULL when no slot announced it. */
+/* NULL if no slot announced it. */
 const struct history_frame *history_frame_of(const struct history *l, uint32_t number);
 void history_free(struct history *l);
 

@@ -13,7 +13,7 @@ bool history_sound(struct history_frag *f)
 
 static int compare(uint32_t a, uint32_t b) { return (a > b) - (a < b); }
 
-/* By frame and first pixel. */
+/* Orders frags by frame and first pixel. */
 static int by_start(const struct history_frag *a, uint32_t frame, const struct lattice *at)
 {
     int order = compare(a->frame, frame);
@@ -41,7 +41,7 @@ struct history_frag *history_frag_at(
 {
     if (!l->sorted) sort(l);
     size_t low = 0, high = l->n_frags;
-    while (low < high) { /* the first that does not come before it */
+    while (low < high) { /* binary search for the first frag not before it */
         size_t mid = low + (high - low) / 2;
         if (by_start(&l->frags[l->sorted[mid]], f->number, at) < 0) low = mid + 1;
         else high = mid;

@@ -1,9 +1,9 @@
 /*
- * Hosts, as stormring-hosts(5) has them: a comma list or a file, read into one table.
+ * Hosts, as in stormring-hosts(5): a comma list or a file, read into one table.
  *
- * The comma list is what GNU parallel takes (Ole Tange, "GNU Parallel: the command-line power
- * tool", ;login: 36(1), 2011), without commands in it; differs in that a host without a number
- * offers one slot, not as many as it has cores.
+ * The comma list is that of GNU parallel (Ole Tange, "GNU Parallel: the command-line power tool",
+ * ;login: 36(1), 2011), without commands in it. Differs in that a host without a number offers one
+ * slot, not one per core.
  */
 #include "hosts/hosts.h"
 
@@ -19,7 +19,7 @@
 #define FILE_MOST (1 << 20) /* bytes */
 #define LINE_MOST 4096
 
-/* Where the text is being read, and where to complain. */
+/* Position in the text, and the place for errors. */
 struct reader {
     const char *name; /* of the file */
     int line;
@@ -51,7 +51,7 @@ static struct host *add(struct hosts *h)
 
 #define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._:@%+-"
 
-/* Of names with a colon, an address of IPv6, with or without %ZONE, is the only one that exists. */
+/* The only names with a colon are IPv6 addresses, with or without %ZONE. */
 static bool is_ipv6(const char *s)
 {
     char address[INET6_ADDRSTRLEN];
@@ -63,7 +63,8 @@ static bool is_ipv6(const char *s)
     return inet_pton(AF_INET6, address, &bytes) == 1;
 }
 
-/* It is one word for every shell and in every record, and no program takes it for an option. */
+/* A valid name is one word for every shell and in every record, and no program takes it for an
+ * option. */
 static bool name_valid(const char *s)
 {
     size_t n = strlen(s);
@@ -84,7 +85,7 @@ static bool set_name(const struct reader *r, struct host *host, const char *name
         err_word(shown, name, strlen(name)));
 }
 
-/* The host is complete: its slots count. */
+/* Call when the host is complete: checks it, and counts its slots. */
 static bool count(const struct reader *r, struct hosts *h, const struct host *host)
 {
     if (host_is_here(host) && (host->via || host->bin))
@@ -156,8 +157,8 @@ static bool set_key(const struct reader *r, struct host *host, char *word, unsig
 }
 
 /*
- * The next word of the line into `word`; within double quotes blanks and # are letters, and a
- * backslash takes the next one as it is. 1; 0 at the end of the line; -1 when a quote is open.
+ * Reads the next word of the line into `word`. Within double quotes blanks and # are letters, and a
+ * backslash quotes the next byte. Returns 1; 0 at the end of the line; -1 if a quote is open.
  */
 static int next_word(struct reader *r, struct buf *word)
 {
@@ -227,7 +228,7 @@ static bool read_entry(struct reader *r, struct hosts *h, char *entry)
     return set_name(r, host, slash ? slash + 1 : entry) && count(r, h, host);
 }
 
-/* Endings of files' names which are no top-level domains. */
+/* Suffixes of file names that are no top-level domains. */
 static bool named_as_file(const char *name)
 {
     static const char *const suffix[] = {"cfg", "conf", "hosts", "lst", "tsv", "txt"};
@@ -237,7 +238,7 @@ static bool named_as_file(const char *name)
     return false;
 }
 
-/* A lone name: of a host, or of a file that is not there? */
+/* A single name: of a host, or of a missing file? */
 static bool doubt(const struct reader *r, struct hosts *h, const char *name)
 {
     h->no_file = strcmp(name, ":") != 0 && !strchr(name, '@');
@@ -260,8 +261,8 @@ static bool read_list(struct reader *r, struct hosts *h, const char *list)
 }
 
 /*
- * A hosts file is read more than once in a run, and what is no regular file may have no end. It may
- * have been anything else that was named by mistake, so it has a limit, too.
+ * A hosts file is read more than once in a run, and anything but a regular file may have no end.
+ * The size is limited because any file may be named by mistake.
  */
 static bool read_hosts_file(const struct reader *r, struct buf *text)
 {
@@ -288,7 +289,7 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
     bool good;
     *h = (struct hosts){0};
     *err = '\0';
-    /* A directory may have the name of a host, where it has what came from there. */
+    /* A directory with results of a host may have its name. */
     if (stat(arg, &st) != 0 || (S_ISDIR(st.st_mode) && !strchr(arg, '/'))) {
         r.name = "-S";
         good = read_list(&r, h, arg);

@@ -1,6 +1,6 @@
 /*
- * hosts: which machines there are, and the command that starts a worker on each of them.
- * stormring-hosts(5) is the manual of the file.
+ * hosts: the machines of a run, and the command that starts a worker on each. stormring-hosts(5)
+ * describes the file.
  */
 #ifndef STORMRING_HOSTS_H
 #define STORMRING_HOSTS_H
@@ -12,30 +12,31 @@
 #define HOSTS_ERR 512
 
 struct host {
-    char *name, *via, *bin; /* via, bin: NULL where nothing is said */
+    char *name, *via, *bin; /* via, bin: NULL if not stated */
     int slots;
-    double power; /* of a slot; 0: nobody said */
+    double power; /* of a slot; 0: not stated */
 };
 struct hosts {
     struct host *at;
     size_t n;
-    int slots;    /* of all */
-    bool no_file; /* of one name, which could have been meant for a file's */
+    int slots;    /* over all hosts */
+    bool no_file; /* a single name, which could have been meant for a file */
 };
 /*
- * Where `arg` is an existing file, its hosts, a line each; else those of a comma list. Slots are
- * numbered from 0 in this order. A lone name with a suffix that files have, and networks have not,
- * is not taken for a host. False with text in err, which begins with the place.
+ * Reads hosts from `arg`: an existing file, one host per line; else a comma list. Slots are
+ * numbered from 0 in this order. A single name with a suffix of files, such as .txt, is refused.
+ * False with text in err, which begins with the place. hosts_free frees *h after success.
  */
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
-/* This machine alone. */
+/* This machine only, with `slots` slots. */
 void hosts_here(struct hosts *h, int slots);
 void hosts_free(struct hosts *h);
-/* This machine: its commands are run as they are. */
+/* True for this machine: commands are run as they are. */
 bool host_is_here(const struct host *h);
 /*
- * What to run here so that `worker` (NULL-ended) runs on the host: `worker` itself, or the host's
- * via with the worker as a command for the shell there. NULL-ended, freed by host_argv_free.
+ * The command line to run here so that `worker` (NULL-ended) runs on the host: `worker` itself, or
+ * the host's `via` with the worker as a command for the remote shell. NULL-ended; free it with
+ * host_argv_free.
  */
 char **host_argv(const struct host *h, char *const worker[]);
 void host_argv_free(char **argv);

@@ -1,7 +1,7 @@
 /*
- * How a command reaches a host: by a template, ssh unless the hosts file says something else. The
- * words of the command are quoted once for the shell there; the whole of it once more, as one word
- * of the template, for the shell here.
+ * How a command reaches a host: by a template, which is ssh unless the hosts file states another.
+ * The words of the command are quoted once for the remote shell. The whole command is quoted again,
+ * as one word of the template, for the local shell.
  */
 #include "hosts/hosts.h"
 
@@ -9,15 +9,15 @@
 #include <string.h>
 
 /*
- * No terminal, no X11, no agent, no escape character, no question asked; a host that does not
- * answer is given up after 10 s, a connection over which nothing comes after 15. What the user's
- * own configuration says about hosts and their keys stays.
+ * No terminal, X11, agent, escape character or prompt. A host that does not answer is given up
+ * after 10 s; a connection without any data is given up after 15 s. The user's own configuration of
+ * hosts and keys still applies.
  */
 static const char default_via[] =
     "ssh -T -x -a -e none -oBatchMode=yes -oConnectTimeout=10 -oServerAliveInterval=5"
     " -oServerAliveCountMax=3 %h %c";
 
-/* ~ is the home directory there. */
+/* ~ is the remote home directory. */
 static void add_path(struct buf *b, const char *bin)
 {
     buf_printf(b, "env PATH=");
@@ -26,7 +26,7 @@ static void add_path(struct buf *b, const char *bin)
     buf_printf(b, ":\"$PATH\" ");
 }
 
-/* For the shell on the host, which ends where the worker begins. */
+/* Text for the remote shell, which is replaced by the worker. */
 static void add_remote(struct buf *b, const struct host *h, char *const worker[])
 {
     buf_printf(b, "exec ");

@@ -1,4 +1,4 @@
-/* What pixels cost, after a log. */
+/* The cost of pixels, from a log. */
 #include "log/log.h"
 
 #include <errno.h>
@@ -10,12 +10,12 @@
 struct survey {
     struct log_costs *costs;
     uint32_t frame;
-    struct task_table tasks; /* of this run: in another one the same key may be another task */
-    size_t before;           /* tasks of earlier runs: their places come first in */
-    double *us;              /* the time of the task, -1 where nothing says it; */
+    struct task_table tasks; /* of this run: in another run a key may mean another task */
+    size_t before;           /* tasks of earlier runs; their entries come first */
+    double *us;              /* time of the task; -1 if the log has none */
     uint32_t *pixels;
     size_t room;
-    uint32_t *of; /* by pixel: 1 + the place of its task, or 0 */
+    uint32_t *of; /* by pixel: 1 + the entry of its task, or 0 */
 };
 
 static size_t place_of(struct survey *s, const struct task *t)
@@ -33,7 +33,7 @@ static size_t place_of(struct survey *s, const struct task *t)
     return place;
 }
 
-/* A hello begins a run. No task is removed, so the table's places are the first ones. */
+/* A hello begins a run. No task is removed, so the table's indices are consecutive from 0. */
 static void begin_run(struct survey *s)
 {
     s->before += (size_t)s->tasks.count;
@@ -71,7 +71,7 @@ static void take(void *ctx, const struct record *r)
     }
 }
 
-/* What is not there is taken for the mean of what is. */
+/* Pixels without a cost get the mean of the others. */
 static void spread(struct survey *s)
 {
     struct log_costs *c = s->costs;

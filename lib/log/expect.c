@@ -1,4 +1,4 @@
-/* What was to come and has not, and what came and cannot be used. */
+/* Pictures that were expected and are missing; fragments that cannot be used. */
 #include "log/log.h"
 
 #include <errno.h>
@@ -28,7 +28,8 @@ void intake_report(const struct intake *in)
                 plural(in->parts.refused[v]), what[v]);
 }
 
-/* False where r is no frame with a job, or another job or size was declared for its number. */
+/* False if r is no frame record with a job, or if its frame was declared with another job or
+ * size. */
 static bool expect(struct intake *in, const struct record *r)
 {
     char job[ASSEMBLY_NAME];

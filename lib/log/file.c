@@ -23,7 +23,7 @@ int log_open(struct log_file *l, const char *path)
     bool regular = stat(path, &st) != 0 || S_ISREG(st.st_mode);
     l->fd = open(path, (regular ? O_RDWR : O_WRONLY) | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
     if (l->fd < 0 || !regular) return l->fd < 0 ? -1 : 0;
-    /* Its size is looked at when nobody else can change it any more. */
+    /* Check the size under the lock, when no other process can change it. */
     if (flock(l->fd, LOCK_EX | LOCK_NB) != 0 || fstat(l->fd, &st) != 0) {
         close_keeping_errno(&l->fd);
         return -1;
@@ -71,7 +71,7 @@ static void survey(void *ctx, const struct record *r)
     if (whole) assembly_release(&in->parts, whole);
 }
 
-/* So begins every stream: a file that was cut off within its first record begins so too. */
+/* Every stream begins like this, even a file cut off within its first record. */
 static bool begins_as_log(int fd)
 {
     static const char first[] = "hello ";

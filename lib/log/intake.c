@@ -10,7 +10,7 @@
 #define READ_BYTES (1 << 18)
 #define LOG_ORPHANS_MOST 64
 
-/* A shell takes these for nothing but parts of a word. */
+/* Bytes that a shell takes only as parts of a word. */
 #define WORD_BYTES "-.:,+0123456789abcdefghijklmnopqrstuvwxyz"
 
 void intake_init(struct intake *in, bool keep_pixels)
@@ -67,7 +67,7 @@ enum assembly_verdict intake_frame(struct intake *in, const struct record *r)
     return assembly_declare(&in->parts, r->task.frame, r->frame_w, r->frame_h, job);
 }
 
-/* Ids of new tasks must not be those of old ones. */
+/* Ids of new tasks must differ from those of old ones. */
 static struct assembly_frame *note_id(struct intake *in, const struct task *t)
 {
     struct assembly_frame *f = assembly_find(&in->parts, t->frame);
@@ -109,7 +109,7 @@ struct assembly_frame *intake_record(struct intake *in, const struct record *r)
         log_sources_begin(&in->sources, in->sources.input);
         return NULL;
     default:
-        /* What flows down, or between the nodes of a ring, has no place here. */
+        /* Records that go down, or between the nodes of a ring, do not belong here. */
         in->unexpected += r->kind < REC_HELLO || r->kind > REC_GONE;
         return NULL;
     }
@@ -134,7 +134,7 @@ void intake_missing(const struct assembly_frame *f, void (*put)(const void *p, s
     buf_free(&b);
 }
 
-/* All records that are there, as far as they are of our format. */
+/* Handles all complete records, up to a hello of another format. */
 static bool take_records(struct intake *in, struct decoder *d, const struct log_reader *reader)
 {
     struct record r;

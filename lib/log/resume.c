@@ -1,13 +1,13 @@
-/* What a log may be gone on with, and by what. */
+/* Conditions for resuming a log, and the command that does it. */
 #include "log/log.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-/* Both are known, and differ. */
+/* True if both are known and differ. */
 static bool differ(const char *a, const char *b) { return *a && *b && strcmp(a, b) != 0; }
 
-/* May r follow past? Else why says what differs. */
+/* May r follow past? If not, why names the difference. */
 static bool continues(const struct intake *past, const struct log_origin *now,
     const struct record *r, char why[LOG_WHY])
 {

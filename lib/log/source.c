@@ -1,11 +1,11 @@
-/* Who sent pixels: slots by name, and the hosts that they are on, run by run. */
+/* The senders of pixels: slots by name, with their hosts, run by run. */
 #include "log/log.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define SOURCES_MAX UINT16_MAX /* the first one stands for all that found no place */
+#define SOURCES_MAX UINT16_MAX /* the first entry stands for all beyond the limit */
 #define PLACES 131072          /* more than twice that many, a power of two */
 
 void log_sources_begin(struct log_sources *s, const char *input)
@@ -14,7 +14,7 @@ void log_sources_begin(struct log_sources *s, const char *input)
     s->run++;
 }
 
-/* Where the slot of this run is, or belongs. */
+/* The place of this run's slot in the hash table, or where it belongs. */
 static uint16_t *place_of(struct log_sources *s, const char *slot)
 {
     uint64_t at = hash64(s->run, slot, strlen(slot));

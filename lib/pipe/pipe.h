@@ -1,12 +1,11 @@
 /*
- * pipe: reading and writing streams of records through pipes without ever blocking: queues of bytes
- * towards children, a queue of whole records towards the reader, and what every loop around them
- * does.
+ * pipe: streams of records through pipes, without blocking: queues of bytes towards children, a
+ * queue of whole records towards the reader, and what all poll loops share.
  *
- * An inherited descriptor is never set non-blocking (that would leak to whoever shares it). Where
- * the standard output is a pipe it is opened once more, which gives a description of its own that
- * may be non-blocking; else the queue towards the reader writes only after poll has said POLLOUT,
- * and at most PIPE_BUF bytes, which are then taken.
+ * An inherited descriptor is never set non-blocking, because that affects all processes that share
+ * it. If standard output is a pipe it is opened once more; the new description may be non-blocking.
+ * If not, the queue towards the reader writes only after POLLOUT, and at most PIPE_BUF bytes, which
+ * cannot block.
  */
 #ifndef STORMRING_PIPE_H
 #define STORMRING_PIPE_H
@@ -16,26 +15,26 @@
 
 #include <poll.h>
 
-/* ---- towards children: bytes in order, with long bodies shared between many queues ---- */
+/* ---- towards children: bytes in order; queues share long bodies ---- */
 
 struct blob {
     struct buf bytes;
-    int users; /* queues that still need it, and its maker */
+    int users; /* queues that still need it, and its maker until blob_drop */
 };
-/* Takes the bytes over and leaves an empty buffer; its maker is its first user. */
+/* Takes over the bytes and leaves an empty buffer. The maker is the first user. */
 struct blob *blob_new(struct buf *bytes);
-void blob_drop(struct blob *b); /* one user less; the last one frees it */
+void blob_drop(struct blob *b); /* removes a user; the last one frees it */
 
 struct down_queue {
-    struct buf bytes; /* append to it, between blobs */
-    uint64_t written; /* of the bytes, not counting blobs */
+    struct buf bytes; /* between blobs; append to it */
+    uint64_t written; /* bytes written, without blobs */
     struct down_blob {
         struct blob *blob;
-        uint64_t at; /* goes out when `written` reaches this */
+        uint64_t at; /* is written when `written` reaches this */
         size_t sent;
     } * blobs;
     size_t n_blobs, first_blob;
-    size_t blob_bytes; /* that are still to be written */
+    size_t blob_bytes; /* bytes of blobs not yet written */
 };
 void down_append(struct down_queue *q, const void *p, size_t n);
 void down_share(struct down_queue *q, struct blob *b); /* adds a user */
@@ -43,9 +42,9 @@ static inline size_t down_size(const struct down_queue *q)
 {
     return buf_size(&q->bytes) + q->blob_bytes;
 }
-/* Blobs that are not written yet. */
+/* Blobs not yet written. */
 static inline size_t down_blobs(const struct down_queue *q) { return q->n_blobs - q->first_blob; }
-/* Writes what a non-blocking fd takes now. 0, or -1 with errno (EPIPE: the reader has gone). */
+/* Writes as much as a non-blocking fd takes. 0, or -1 with errno (EPIPE: the reader is gone). */
 int down_write(struct down_queue *q, int fd);
 void down_free(struct down_queue *q);
 
@@ -53,11 +52,11 @@ void down_free(struct down_queue *q);
 
 struct up_queue {
     struct buf control, bulk;
-    struct buf sizes; /* size_t each: lengths of the records in bulk */
-    size_t left;      /* bytes of the bulk record that is being written */
-    size_t marked;    /* bulk bytes that belong to ended records */
+    struct buf sizes; /* size_t each: lengths of the records in `bulk` */
+    size_t left;      /* unwritten bytes of the bulk record under way */
+    size_t marked;    /* bytes of ended records in `bulk` */
 };
-/* Append to q->bulk, then say that a record has ended there. */
+/* Ends a record: call it after appending one to q->bulk. */
 void up_end_record(struct up_queue *q);
 static inline size_t up_size(const struct up_queue *q)
 {
@@ -67,74 +66,74 @@ static inline size_t up_size(const struct up_queue *q)
 int up_write(struct up_queue *q, int fd, size_t most);
 void up_free(struct up_queue *q);
 /*
- * Makes a pipe at standard output non-blocking without touching the description that others share.
- * Returns how many bytes may be written at a time: more than PIPE_BUF where it succeeded, and then
- * without asking poll first.
+ * Makes a pipe at standard output non-blocking without changing the description that other
+ * processes share. Returns the largest size of a write. If that is more than PIPE_BUF it succeeded,
+ * and writes need no poll.
  */
 size_t stdout_private(void);
 
 /* ---- loops ---- */
 
-#define UP_QUEUE_MOST (4 << 20)   /* bytes for the reader, then workers have to wait */
-#define DOWN_QUEUE_MOST (1 << 20) /* bytes for one child, then the input has to wait */
+#define UP_QUEUE_MOST (4 << 20)   /* bytes for the reader; then workers wait */
+#define DOWN_QUEUE_MOST (1 << 20) /* bytes for one child; then the input waits */
 
-/* fd with events, or a place that poll ignores. */
+/* An entry for fd and events; or one that poll ignores. */
 struct pollfd poll_entry(int fd, bool wanted, short events);
-#define POLL_GONE (POLLERR | POLLHUP | POLLNVAL) /* of a writing end: nobody reads there any more */
+#define POLL_GONE (POLLERR | POLLHUP | POLLNVAL) /* writing end: no reader left */
 
 /*
- * One read(2) of fd into d; at the end of the stream d is ended. 1, 0 at the end, or -1 with errno,
- * which ends it as well.
+ * One read(2) of fd into d. 1; 0 at the end of the stream, or -1 with errno; both end d.
  */
 int stream_read(struct decoder *d, int fd);
 
-/* The standard output of a driver. */
+/* Standard output of a driver. */
 struct outlet {
     struct up_queue queue;
-    size_t most;     /* bytes a write may have */
-    bool full;       /* it took less than it was given */
-    bool gone;       /* its reader is, or writing fails, which has been said */
-    bool greeted;    /* hello has been said */
-    int64_t beat_us; /* when outlet_beat last did */
+    size_t most;     /* the largest size of a write */
+    bool full;       /* the pipe is full */
+    bool gone;       /* the reader is gone, or writing failed (reported) */
+    bool greeted;    /* hello has been queued */
+    int64_t beat_us; /* time of the last beat of outlet_beat */
 };
 void outlet_open(struct outlet *o);
 struct pollfd outlet_poll(const struct outlet *o);
-/* What poll said of it. */
+/* Takes the result of poll; writes if it can. */
 void outlet_polled(struct outlet *o, const struct pollfd *p);
-/* What has just been queued goes out at once, where that cannot block. */
+/* Writes queued records at once, if that cannot block. */
 void outlet_push(struct outlet *o);
 /*
- * After a read of the input: a body that is long on its way is life as well. Says `beat` now and
- * then, since nobody behind this process knows of it yet.
+ * Call after a read of the input. While a long body arrives, queues a `beat` now and then, because
+ * no process behind this one can know of it yet.
  */
 void outlet_beat(struct outlet *o, const struct decoder *input);
-/* A flush came: says `beat`, so that who asked hears something even where nothing was held back. */
+/* Answers a flush with a `beat`, so that the sender gets an answer even if nothing was held
+ * back. */
 void outlet_answer(struct outlet *o);
-/* The rest goes to the reader, who may be slow; or until a signal comes. */
+/* Writes the rest, waiting for the reader; a signal ends it. */
 void outlet_drain(struct outlet *o);
 
 /*
- * One read(2) of standard input; every record in it goes to take until that returns other than 0:
- * the status to end with at once, or STREAM_HOLD, after which nothing is to be read before
- * stream_take has gone on with what is there. Returns the status to end with, the reason having
- * been said, or 0. *open: more may come.
+ * One read(2) of standard input. Calls `take` for each record until it returns non-zero: the status
+ * to end with at once, or STREAM_HOLD. After STREAM_HOLD do not read before stream_take has handled
+ * the buffered rest. Returns 0, or the status to end with after printing the reason. *open: more
+ * may come.
  */
 #define STREAM_HOLD (-1)
 typedef int stream_taker(void *ctx, const struct record *r);
 int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx);
-/* The same without reading. */
+/* The same without reading: for the buffered rest. */
 int stream_take(struct decoder *d, stream_taker *take, void *ctx);
-/* The frames of the input, and which state they are of. */
+/* The frames of the input and their generations. */
 struct stream_state {
     struct frames frames;
     struct generations generations;
 };
-/* Takes a frame record. */
+/* Adds a frame record. */
 void stream_frame(struct stream_state *f, const struct record *r);
-/* The frame of a task record whose pixels lie in it, and whose state is there; else says what is
- * wrong: NULL. */
+/* The frame of a task record if its pixels lie inside and its state is alive; else prints the
+ * error and returns NULL. */
 const struct frame_size *stream_frame_of(const struct stream_state *f, const struct record *r);
-/* Forwards r as one record of the bulk queue. */
+/* Queues r as one bulk record; drop and extra as in wire_forward. */
 void up_forward(
     struct up_queue *q, const struct record *r, const char *const *drop, const char *extra);
 

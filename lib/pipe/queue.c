@@ -1,4 +1,4 @@
-/* Queues of bytes that never block their writer: see proc.h. */
+/* Queues of bytes that never block their writer: see pipe.h. */
 #include "pipe/pipe.h"
 
 #include <errno.h>
@@ -38,7 +38,7 @@ void down_share(struct down_queue *q, struct blob *b)
     b->users++;
 }
 
-/* Bytes written, 0 when the pipe is full, -1. */
+/* Returns the bytes written, 0 if the pipe is full, or -1. */
 static ptrdiff_t write_now(int fd, const void *p, size_t n)
 {
     ssize_t k;
@@ -97,7 +97,7 @@ void up_end_record(struct up_queue *q)
     q->marked += n;
 }
 
-/* k bytes of bulk were written: how much of which record is left? */
+/* k bytes of bulk were written: updates the rest of the record under way. */
 static void advance_bulk(struct up_queue *q, size_t k)
 {
     buf_consume(&q->bulk, k);
@@ -115,7 +115,7 @@ static void advance_bulk(struct up_queue *q, size_t k)
 
 int up_write(struct up_queue *q, int fd, size_t most)
 {
-    /* What is left of a record, then control, then other records. */
+    /* The rest of a record under way, then control, then other records. */
     size_t part[3] = {q->left, buf_size(&q->control), q->marked - q->left};
     struct iovec v[3];
     for (int i = 0; i < 3; i++) {

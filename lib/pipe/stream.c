@@ -1,4 +1,4 @@
-/* What both drivers do to their streams. */
+/* Stream handling that both drivers share. */
 #include "pipe/pipe.h"
 
 #include <errno.h>

@@ -1,10 +1,10 @@
 /*
  * Starting and ending children.
  *
- * Who closes what: the pipes are all close-on-exec. The child dup2s its ends onto 0, 1 and, where
- * it is to have one, 2 (which clears the flag there) and execs; a failure before or in exec goes
- * back as errno over the REPORT pipe, whose write end a successful exec closes. The parent closes
- * the child's ends at once.
+ * All pipes are close-on-exec. The child dup2s its ends onto 0, 1 and, if it has a pipe for it, 2,
+ * which clears the flag there; then it execs. A failure before or in exec goes back as errno over
+ * the REPORT pipe. A successful exec closes that pipe's write end. The parent closes the child's
+ * ends at once.
  */
 #include "proc/proc.h"
 
@@ -31,7 +31,8 @@ static _Noreturn void run_child(pid_t parent, int p[PIPES][2], char *const argv[
 {
     setpgid(0, 0);
     signals_restore();
-    /* A parent that was killed can kill nobody: this also ends a child that is stopped or deaf. */
+    /* A killed parent cannot kill its children: this also ends a stopped child, or one that
+     * ignores signals. */
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
     if (dup2(p[TO][0], STDIN_FILENO) >= 0 && dup2(p[FROM][1], STDOUT_FILENO) >= 0 &&
@@ -55,7 +56,7 @@ static int open_pipes(int p[PIPES][2], int n)
     return 0;
 }
 
-/* The errno that the child met before or in exec, or 0. */
+/* The errno of a failure before or in exec, or 0. */
 static int read_report(int fd)
 {
     int err = 0;
@@ -110,7 +111,7 @@ bool child_ended(struct child *c, int *status)
     child_close(&c->from);
     *status = -1;
     if (c->pid <= 0) return true;
-    /* Seen, not reaped: until it is, its number, which is its group's, is nobody else's. */
+    /* Do not reap yet: until then no other process can get its number, which is its group's. */
     if (waitid(P_PID, (id_t)c->pid, &info, WEXITED | WNOWAIT | WNOHANG) == 0 && !info.si_pid)
         return false;
     *status = kill_group(c);

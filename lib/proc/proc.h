@@ -14,56 +14,56 @@
 /* ---- children ---- */
 
 struct child {
-    pid_t pid;    /* its own process group's leader; 0: none, or reaped */
+    pid_t pid;    /* leader of its own process group; 0: none, or reaped */
     int to, from; /* its standard input (non-blocking) and output, -1 once closed */
-    int err;      /* its standard error (non-blocking), -1 where it shares this process's */
+    int err;      /* its standard error (non-blocking); -1 if it shares this process's */
 };
 #define CHILD_NONE ((struct child){0, -1, -1, -1})
 
 /*
- * Starts argv (found on PATH) in a process group of its own, stderr shared, SIGPIPE at its default;
- * it is killed when this process dies, however that comes about. 0, or -1 with errno of what
- * failed, execvp included.
+ * Starts argv (found on PATH) in its own process group, with shared stderr and default SIGPIPE. It
+ * is killed when this process dies in any way. 0, or -1 with errno of the failed call, execvp
+ * included. End it with child_ended or child_end.
  */
 int child_start(struct child *c, char *const argv[]);
 /* The same, with standard error through a pipe of its own. */
 int child_start_apart(struct child *c, char *const argv[]);
 void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
 /*
- * Has the child ended? Then what is left of its group is killed, it is reaped, and *status is its
- * wait status, or -1 when there was no child. `to` and `from` are closed in any case; what it wrote
- * last may still be in `err`. Does not wait.
+ * Has the child ended? If so, kills the rest of its group, reaps it, and sets *status to its wait
+ * status; -1 if there was no child. Closes `to` and `from` in any case; `err` may still hold its
+ * last output. Does not wait.
  */
 bool child_ended(struct child *c, int *status);
-/* Asks the child's group to end, so that it can end what it has started itself; does not wait. */
+/* Sends SIGTERM to the child's group, so that it can end its own children. Does not wait. */
 void child_stop(struct child *c);
 /*
- * Closes all pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait
- * status, or -1 when there was no child.
+ * Closes all pipes, waits up to grace_ms, then kills the group, and reaps. Returns the wait status,
+ * or -1 if there was no child.
  */
 int child_end(struct child *c, int grace_ms);
 /* "exit-3", "signal-9" for a wait status, into text[24]. */
 const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */
 int cores_available(void);
-/* Asks the system for room for so many descriptors. */
+/* Raises the limit of open descriptors to n if the system allows it. */
 void want_descriptors(int n);
 
-/* ---- signals: they come only while this process waits in poll_signals ---- */
+/* ---- signals: delivered only while this process waits in poll_signals ---- */
 
 /*
- * From now on SIGINT, SIGTERM and SIGHUP, where they are not ignored, end nothing by themselves;
- * SIGPIPE is ignored. Children are started without any of this.
+ * From now on SIGINT, SIGTERM and SIGHUP, unless ignored, only set signals_came. SIGPIPE is
+ * ignored. Children start without these changes.
  */
 void signals_catch(void);
 struct pollfd;
-/* poll(2); the end of a child, and the signals above, cut it short as EINTR. */
+/* poll(2). The end of a child, or one of the signals above, ends it with EINTR. */
 int poll_signals(struct pollfd *p, size_t n, int timeout_ms);
-/* What a child undoes before exec. */
+/* Undoes signals_catch in a child, before exec. */
 void signals_restore(void);
-/* One of the above has come. */
+/* True if one of the signals has come. */
 bool signals_came(void);
-/* Ends this process by the signal that came: what started it sees what it expects. */
+/* Ends this process by the signal that came, so that its parent sees the usual status. */
 _Noreturn void signals_die(void);
 
 #endif

@@ -9,8 +9,8 @@
 static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
 #define N_ENDING (sizeof ending / sizeof *ending)
 
-static volatile sig_atomic_t came; /* the first of them */
-static sigset_t before;            /* the mask that this process was started with */
+static volatile sig_atomic_t came; /* the first one that came */
+static sigset_t before;            /* the mask at the start of this process */
 static bool catching;
 
 static void note(int sig)
@@ -32,7 +32,8 @@ void signals_catch(void)
         sigaddset(&blocked, ending[i]);
     }
     signal(SIGPIPE, SIG_IGN);
-    /* Whoever has children of its own is told to end them when its parent dies, not killed. */
+    /* If this process is to be killed when its parent dies, changes that to SIGTERM: it has
+     * children of its own to end. */
     int sig = 0;
     if (prctl(PR_GET_PDEATHSIG, &sig) == 0 && sig) prctl(PR_SET_PDEATHSIG, SIGTERM);
     sigprocmask(SIG_BLOCK, &blocked, &before);

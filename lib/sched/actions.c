@@ -1,4 +1,4 @@
-/* The list of actions of one step; what may go on. */
+/* The list of actions of one step, and the limit on live generations. */
 #include "sched/sched.h"
 
 void sched_act(
@@ -13,7 +13,7 @@ void sched_act(
         .kind = kind, .slot = slot, .from = -1, .ring = {.peer = -1, .next = -1}};
     if (task) {
         a->task = *task;
-        a->of = task->id;
+        a->origin_id = task->id;
     }
 }
 

@@ -1,24 +1,24 @@
 /*
  * deal: demand-driven distribution (self-scheduling; the papers' master-slave and D_S).
  *
- * A task is in one of these states; the ledger holds it until it is committed and forgets it then.
+ * The ledger holds each task until it is committed. A task is in one of these states:
  *
  *   state     where                 leaves it on
  *   pool      pool list             a slot that is up may hold one more: -> out
  *   promised  slot's promised list  its slot comes up: -> out; is gone, or does not exist: -> pool
  *   out       out list; copies in   DONE from a slot that has a copy: -> computed; the last such
- *             `has` of some slots   slot gone, and no piece of it there: -> pool (front)
- *   computed  slot's computed list  slot gone: -> out where another has a copy, else pool (front);
+ *             `has` of some slots   slot gone, and no piece left: -> pool (front)
+ *   computed  slot's computed list  slot gone: -> out if another has a copy, else pool (front);
  *                                   given once more (deal_end.c, rule 4): -> out
  *   (any)     -                     the last PIXELS, its own or those of its pieces: committed
  *
- * Tasks with to=K are sent to slot K at once, all of them, whatever the depth (the hybrid's first
- * phase). PIXELS count whoever sends them: a slot that was given up may still be the first to
- * deliver. DONE counts only from a slot that has a copy. Anything else is late or wrong, and
- * ignored. What a slot has keeps it busy, needed or not, until it says DONE or is gone.
+ * A task with to=K goes to slot K at once, whatever the depth (the hybrid's first phase). PIXELS
+ * count from any slot: a slot that was given up may still deliver first. DONE counts only from a
+ * slot that has a copy. Anything else is late or wrong, and is ignored. A copy occupies its slot,
+ * needed or not, until the slot reports DONE or is gone.
  *
- * More than one copy of a task exists only at the end, or where it is late; pieces of it only at
- * the end: deal_end.c.
+ * A task has more than one copy only at the end or if it is late, and pieces only at the end:
+ * deal_end.c.
  */
 #include "sched/deal_int.h"
 
@@ -62,7 +62,7 @@ static struct slot *slot_at(struct deal *d, int32_t k)
 
 /* ---- giving ---------------------------------------------------------------------------------- */
 
-/* Entry i, or a piece of it, to slot k. */
+/* Gives entry i, or a piece of it, to slot k. */
 static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
 {
     i = end_piece(d, k, i);
@@ -76,8 +76,8 @@ static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
     while (d->pool.count && (k = pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
 }
 
-/* With the pool empty, the slots that have nothing get what others have, and what was cut off that.
- * What one is given may give another something to do. */
+/* With the pool empty, idle slots get copies of other slots' tasks, or pieces of them. A cut
+ * leaves pieces in the pool, which other slots can take. */
 static void hand_copies(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k, i;
@@ -131,7 +131,7 @@ static void take_up(
     }
 }
 
-/* Tasks promised to slots that do not exist are everybody's. */
+/* Tasks promised to slots that do not exist go to the pool. */
 static void take_slots(struct deal *d, int32_t n)
 {
     d->known = n;
@@ -149,12 +149,12 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
         deal_drop_copy(d, e->slot, c);
         if (i >= 0) d->account[i].copies--;
     } else {
-        /* Said before it was so? What it holds back it may not have had when it was asked. */
+        /* Was DONE repeated? The slot may not have had these pixels when it was asked to flush. */
         if (i >= 0 && d->ledger.at[i].slot == e->slot) s->asked = false;
         deal_mark(d, e->slot);
         return;
     }
-    if (i < 0 || d->account[i].place != OUT) return; /* somebody was faster */
+    if (i < 0 || d->account[i].place != OUT) return; /* another slot finished first */
     deal_forget_pieces(d, i);
     deal_take(d, i);
     d->ledger.at[i].done = true;
@@ -169,7 +169,7 @@ static void take_pixels(struct deal *d, const struct sched_event *e, struct sche
     if (tasks_whole(&d->ledger, i)) deal_commit(d, i, out);
 }
 
-/* With nothing left to give, slots that have computed all of theirs are asked for it. */
+/* With nothing left to give, flushes the slots that have computed all of their tasks. */
 static void ask_flush(struct deal *d, struct sched_actions *out)
 {
     int32_t k;
@@ -194,14 +194,14 @@ static void deal_step(
     case SCHED_DONE: take_done(d, e, now); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
-    case SCHED_WAKE: break; /* no slot of it is a node; something is late */
+    case SCHED_WAKE: break; /* deal's slots are no nodes; a task may be late */
     }
     hand_out(d, now, out);
     d->late_us = INT64_MAX;
     hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
         ask_flush(d, out);
-        hand_copies(d, now, out); /* of what was asked for, too */
+        hand_copies(d, now, out); /* also of tasks that slots were asked to flush */
     }
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !d->ledger.count && !d->closed) {
@@ -212,7 +212,7 @@ static void deal_step(
 
 static int32_t deal_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct deal *)state)->ledger.of[generation % GENERATIONS];
+    return ((const struct deal *)state)->ledger.n_by_generation[generation % GENERATIONS];
 }
 
 static int64_t deal_waiting(const void *state)

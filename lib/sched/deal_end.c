@@ -1,44 +1,42 @@
 /*
- * deal: the last tasks. Four rules, all after the input has ended, and one for before:
+ * deal: the last tasks. Rules 1 to 4 apply once the input has ended, rule 5 at any time.
  *
- * 1. With an endgame, a task is cut before it is given to a slot where it has more pixels than half
- *    of the slot's share of what is left: factoring, carried on below a row, and weighted by the
- *    speed that was measured (S. F. Hummel, E. Schonberg, L. E. Flynn, "Factoring: a method for
- *    scheduling parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma,
- *    J. Wein, "Load-sharing in heterogeneous systems via weighted factoring", SPAA 1996).
- * 2. With the pool empty, a slot that has nothing to do is given what another one has in store
- *    beyond the task it is on: the last of it, from the slot that needs longest for what it has.
- *    What was sent cannot be called back through a pipe; a second copy does the same, as long as
- *    the first is not waited for. This belongs to SCHED_DEPTH_AUTO as well: so its queues are
- *    revoked.
- * 3. With an endgame, when nobody has anything in store, it is given the task that was given
- *    longest ago, by rule 1 in pieces where it is long (D. P. da Silva, W. Cirne,
- *    F. V. Brasileiro, "Trading cycles for information: using replication to schedule bag-of-tasks
- *    applications on computational grids", Euro-Par 2003; there tasks are not divided).
+ * 1. With an endgame, a task is cut before a slot gets it if it has more pixels than half of the
+ *    slot's share of the work left. This is factoring, continued below a row and weighted by the
+ *    measured speeds (S. F. Hummel, E. Schonberg, L. E. Flynn, "Factoring: a method for scheduling
+ *    parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein,
+ *    "Load-sharing in heterogeneous systems via weighted factoring", SPAA 1996).
+ * 2. With the pool empty, an idle slot gets a task that another slot has queued: the last one of
+ *    the slot that needs longest for its queue. A task cannot be called back through a pipe; a
+ *    second copy has the same effect, because the run does not wait for the first. The rule also
+ *    applies with SCHED_DEPTH_AUTO alone, so that its queues can be revoked.
+ * 3. With an endgame, if no slot has queued tasks, the idle slot gets the task that was given
+ *    longest ago, cut by rule 1 if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading
+ *    cycles for information: using replication to schedule bag-of-tasks applications on
+ *    computational grids", Euro-Par 2003; there tasks are not divided).
+ * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
+ *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
+ *    cannot be asked: it may be dead. A slot that owes pixels itself does not get such a task.
+ * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
+ *    whatever number of slots have a copy. A task is late if the idle slot could have done it
+ *    LATE_TIMES over since it was last given. So neither one hanging slot nor COPIES_MOST of them
+ *    can hold up a frame that other slots wait for, or a live input.
  *
- * 4. With an endgame, when there is no such task either, it is given one that is computed, whose
- *    pixels have not come although their slot was asked for them, or cannot be asked yet: it may be
- *    dead. But first of all a slot gives what it owes itself.
- *
- * 5. With an endgame, an idle slot is given what is late, whether the input has ended or not, and
- *    however many have it: that slot itself could have done it LATE_TIMES over since it was last
- *    given. So a slot that hangs holds up no frame that others wait for, and no live input; nor
- *    do COPIES_MOST of them.
- *
- * A task that is cut stays in the ledger, its pieces refer to it, and either its own pixels or the
- * last of its pieces commits it. Pieces have new ids, above all that came in the frame.
+ * A task that is cut stays in the ledger, and its pieces refer to it. Either its own pixels or the
+ * last of its pieces commits it. Pieces get new ids, above all input ids of the frame.
  */
 #include "sched/deal_int.h"
 
-#define COPIES_MOST 3   /* of a pixel, at once */
+#define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
 #define PIECE_LEAST 16  /* pixels */
-#define PIECE_US 1000.0 /* a piece shall keep its slot busy for so long, and as long as so many */
-#define PIECE_TRIPS 2.0 /* round trips: else it costs more than it saves */
+#define PIECE_US 1000.0 /* a piece keeps its slot busy for at least this time, plus */
+#define PIECE_TRIPS 2.0 /* this number of round trips: smaller ones cost more than they save */
 #define LATE_TIMES 4
-#define LATE_US 200000 /* and so much besides: a machine that is busy */
+#define LATE_US 200000 /* added for a busy machine */
 #define LATE_MOST_US 86400e6
 
-/* Is entry i computed by somebody, and by few enough, as itself or as what it is a piece of? */
+/* Is entry i being computed by fewer than COPIES_MOST slots, counting copies of the tasks that
+ * it is a piece of? */
 static bool may_copy(const struct deal *d, int32_t i)
 {
     if (d->account[i].place != OUT || d->account[i].pieces) return false;
@@ -47,7 +45,7 @@ static bool may_copy(const struct deal *d, int32_t i)
     return copies < COPIES_MOST;
 }
 
-/* Rule 2: what the slot that has most in store, by time, would come to last. */
+/* Rule 2: the last queued task of the slot with the longest queue. */
 static int32_t in_store(const struct deal *d)
 {
     int32_t k = pick_store(d);
@@ -58,7 +56,7 @@ static int32_t in_store(const struct deal *d)
     return i >= 0 && may_copy(d, i) ? i : -1;
 }
 
-/* Rule 3. */
+/* Rule 3: the task given longest ago. */
 static int32_t oldest(const struct deal *d)
 {
     int32_t i = d->out.head;
@@ -69,14 +67,14 @@ static int32_t oldest(const struct deal *d)
 /* The lowest member. */
 static int32_t lowest(const struct slot_set *s) { return set_after(s, -1); }
 
-/* Rule 4. */
+/* Rule 4: a computed task whose pixels are missing. */
 static int32_t withheld(const struct deal *d)
 {
     int32_t k = lowest(&d->withheld);
     return k >= 0 ? d->slots[k].computed.head : -1;
 }
 
-/* What a pixel takes slot k; where it has done none, the others in the mean; 0: not known. */
+/* Time per pixel of slot k, or the mean of the others if it has done none; 0: not known. */
 static double us_per_px_of(const struct deal *d, int32_t k)
 {
     double sum = 0, known = 0;
@@ -100,7 +98,7 @@ static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
     return false;
 }
 
-/* The whole that was given longest ago, or the piece, if that is late. */
+/* The uncut task or piece that was given longest ago, if it is late. */
 static int32_t late(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->out.head;
@@ -122,7 +120,7 @@ int32_t end_other(struct deal *d, int32_t *k, int64_t now)
     return i >= 0 && (d->ended || is_late(d, i, *k, now)) ? i : -1;
 }
 
-/* Rule 1: so many pixels are enough for slot s. */
+/* Rule 1: the largest piece, in pixels, for slot s. */
 static uint64_t piece_px(const struct deal *d, const struct slot *s)
 {
     double sum = 0, known = 0, up = 0;
@@ -140,7 +138,8 @@ static uint64_t piece_px(const struct deal *d, const struct slot *s)
     return (uint64_t)fmin(fmax(fmax(share, least), PIECE_LEAST), UINT32_MAX);
 }
 
-/* A piece in the pool that is all that is missing of entry i, which others may have. */
+/* Puts a piece into the pool that covers all missing pixels of entry i, of which slots may hold
+ * copies. */
 static int32_t open_task(struct deal *d, int32_t i)
 {
     const struct task_entry *e = &d->ledger.at[i];
@@ -159,7 +158,8 @@ static int32_t open_task(struct deal *d, int32_t i)
     return piece;
 }
 
-/* The first n pixels of entry i, a piece, whole rows where it has several, become another one. */
+/* Splits the first n pixels off entry i, a piece, as another piece; n is whole rows if i has
+ * several. */
 static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
 {
     struct task_entry *e = &d->ledger.at[i];
@@ -187,7 +187,7 @@ int32_t end_piece(struct deal *d, int32_t k, int32_t i)
         bool ids_left = frames_find(&d->frames, e->task.frame)->top_id < UINT32_MAX - 1;
         if (left_px < px + px / 2 || !ids_left) return i;
         uint64_t rows_px = px < at->w ? at->w : px - px % at->w;
-        /* What came, or was given, under a name keeps its pixels. */
+        /* An input task, or a piece that was given, keeps its pixels. */
         bool named = d->account[i].parent < 0 || d->account[i].latest >= 0;
         i = named ? open_task(d, i) : cut_off(d, i, at->h > 1 ? rows_px : px);
     }

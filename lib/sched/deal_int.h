@@ -1,6 +1,6 @@
 /*
- * deal, shared by its files: deal.c (events, and what each slot gets), deal_ledger.c (tasks, and
- * the slots that hold them), deal_pick.c (which slot is next), deal_end.c (the last tasks).
+ * deal, shared by its files: deal.c (events, and which tasks a slot gets), deal_ledger.c (tasks and
+ * the slots that hold them), deal_pick.c (choice of the next slot), deal_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
@@ -12,52 +12,53 @@ enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
 
 struct slot {
     enum slot_state state;
-    int32_t width;                       /* tasks that it is on at once, when it has enough */
-    bool asked;                          /* for a flush, since it was last given work */
+    int32_t width;                       /* tasks that it computes at once */
+    bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
-    struct task_table has;               /* what it was given and has not done; on these lists: */
-    struct task_list held, shared; /* given to it alone; `done`: and to others, or in pieces */
+    struct task_table has;               /* copies given to it and not done, on these lists: */
+    struct task_list held;               /* those that no other slot has */
+    struct task_list shared; /* `done` is set: other slots have them too, or they were cut */
     struct pace pace;
 };
 
-/* What the ledger says beyond its entries, by their index. */
+/* Per ledger entry, by index: what the table of tasks does not hold. */
 enum place { IN_POOL, PROMISED, OUT, COMPUTED };
 struct account {
     enum place place;
-    int32_t copies; /* slots that have it, and have not done it */
+    int32_t copies; /* slots that have a copy and have not done it */
     int32_t latest; /* the slot it was last given to */
-    int32_t parent; /* the entry that it is a piece of, -1 */
-    int32_t pieces; /* of it, not committed; together they hold what is missing of it */
+    int32_t parent; /* the entry of which it is a piece, -1: none */
+    int32_t pieces; /* its uncommitted pieces; together they cover its missing pixels */
 };
 
-/* Of a slot; in the tournament also the best of those of several. */
+/* Rates a slot; a node of the tournament holds the best of each field below it. */
 struct rating {
-    int32_t load;    /* what it has, the least first; INT32_MAX: it has what it may */
-    int32_t excess;  /* that without what it may have in any case; likewise */
-    double store_us; /* the work that it has in store, by time, the most first; 0: none */
+    int32_t load;    /* tasks held, fewest first; INT32_MAX: it may not get more */
+    int32_t excess;  /* load less the width and the round-trip allowance; likewise */
+    double store_us; /* time of its queued work, longest first; 0: none queued */
 };
 
 struct deal {
     struct sched_params p;
-    struct task_table ledger; /* tasks that are not committed */
+    struct task_table ledger; /* uncommitted tasks */
     struct account *account;
     int32_t n_accounts;
     struct task_list pool, out;
     struct frames frames; /* top_id: the highest id of each frame so far */
-    double left_px;       /* pixels of the tasks that came, and are not committed */
+    double left_px;       /* pixels of uncommitted input tasks */
     struct slot *slots;
-    int32_t n_slots;    /* entries of slots */
-    int32_t up;         /* of these */
-    int32_t known;      /* what SLOTS said, 0 before */
-    int32_t n_promised; /* tasks */
-    /* deal_pick.c; of the slots that are up: */
-    int32_t n_places;          /* entries of slots that there is room for: a power of two */
+    int32_t n_slots;    /* entries of `slots` */
+    int32_t up;         /* slots that are up */
+    int32_t known;      /* number of slots, from SCHED_SLOTS; 0 before */
+    int32_t n_promised; /* promised tasks */
+    /* deal_pick.c; only slots that are up: */
+    int32_t n_places;          /* capacity of `slots`: a power of two */
     struct rating *best;       /* the tournament: 1 is the root, 2 i and 2 i + 1 are below i */
-    struct slot_set idle;      /* they have nothing to do */
-    struct slot_set free;      /* nor have they computed what is not committed */
-    struct slot_set withheld;  /* they have, and were asked for it, or cannot be asked yet */
-    struct slot_set unflushed; /* they have, are idle, and were not asked for it */
-    int64_t late_us;           /* when a task that others have will be late; INT64_MAX: none will */
+    struct slot_set idle;      /* slots with no task to compute */
+    struct slot_set free;      /* idle slots that owe no pixels of computed tasks */
+    struct slot_set withheld;  /* slots that owe pixels, and were asked to flush or are busy */
+    struct slot_set unflushed; /* idle slots that owe pixels and were not asked to flush */
+    int64_t late_us;           /* when a dispatched task will be late; INT64_MAX: none */
     bool ended, flush, closed;
 };
 
@@ -65,49 +66,50 @@ static inline int32_t slot_load(const struct slot *s) { return s->held.count + s
 
 /* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
-/* A new entry of the ledger, on no list. */
+/* Adds an entry to the ledger, on no list. */
 int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent);
-/* Takes entry i off the list that it is on. */
+/* Removes entry i from its list. */
 void deal_take(struct deal *d, int32_t i);
-/* Puts entry i, on no list, at the end of one; slot: whose, for PROMISED and COMPUTED, else -1. */
+/* Appends entry i, on no list, to a list. slot: its owner for PROMISED and COMPUTED, else -1. */
 void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot);
-/* Puts it at the head of the pool. */
+/* Puts entry i, on no list, at the head of the pool. */
 void deal_put_first(struct deal *d, int32_t i);
-/* The last pixels of entry i have been passed on: forgets it, and the whole with its last piece. */
+/* The last pixels of entry i were passed on: removes it. The last piece also commits the whole. */
 void deal_commit(struct deal *d, int32_t i, struct sched_actions *out);
-/* The pieces of entry i are needed no more. */
+/* Removes the pieces of entry i. */
 void deal_forget_pieces(struct deal *d, int32_t i);
-/* The slot that entry i was last given to has it not alone any more. */
+/* Moves the latest slot's copy of entry i from `held` to `shared`. */
 void deal_share(struct deal *d, int32_t i);
 /* Gives entry i, on no list, to slot k. */
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out);
-/* Slot k has its entry c no more. */
+/* Removes copy c of slot k. */
 void deal_drop_copy(struct deal *d, int32_t k, int32_t c);
-/* Slot k is gone: what it had, of list l, is the others', or goes back to the front of the pool. */
+/* Slot k is gone: tasks of its list l stay with other slots that have a copy, or go back to the
+ * front of the pool. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
-/* The same of the ledger's entries on list l, which it had computed, or was to have. */
+/* The same for ledger entries on list l: tasks that the slot had computed or was promised. */
 void deal_reclaim(struct deal *d, struct task_list *l);
 
 /* ---- deal_pick.c ----------------------------------------------------------------------------- */
 
-/* Something about slot k has changed: notes what it may be picked for. */
+/* Slot k has changed: updates the sets and the tournament. */
 void deal_mark(struct deal *d, int32_t k);
-/* There are up to n slots: makes room for them, and what is marked of them. */
+/* Makes room for n slots, and marks all again. */
 void deal_make_room(struct deal *d, int32_t n);
 void deal_close_room(struct deal *d);
-/* The slot that has least, the lowest of equals, or -1 when all have what they may. */
+/* The slot with the least load, the lowest of equals; -1 if no slot may get more. */
 int32_t pick_hungriest(const struct deal *d);
-/* The slot that has most in store, by time, the lowest of equals, or -1. */
+/* The slot with the longest queued work, the lowest of equals; -1 if none. */
 int32_t pick_store(const struct deal *d);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 
-/* With the pool empty: a task that others have, for a slot that has nothing to do, *k; or -1. Then
- * late_us says when there may be one. */
+/* With the pool empty: a dispatched task for the idle slot *k, or -1. After -1, late_us is the
+ * time when there may be one. */
 int32_t end_other(struct deal *d, int32_t *k, int64_t now);
-/* What to give to slot k instead of entry i: a piece of it where it is long, else itself. */
+/* The entry to give to slot k instead of entry i: a piece of it if it is long, else i itself. */
 int32_t end_piece(struct deal *d, int32_t k, int32_t i);
-/* Is any slot still computing something? */
+/* True if a slot is still computing a copy that may no longer be needed. */
 bool end_busy(const struct deal *d);
 
 #endif

@@ -1,5 +1,6 @@
 /*
- * deal: the ledger, and what slots have of it. Every entry is on one list, which its account names.
+ * deal: the ledger, and the copies that slots hold. Every entry is on the one list that its account
+ * names.
  */
 #include "sched/deal_int.h"
 
@@ -52,8 +53,8 @@ void deal_put_first(struct deal *d, int32_t i)
     list_push_front(&d->ledger, &d->pool, i);
 }
 
-/* Who had entry i, which is on no list, is gone: it is the next to be given, unless others have it.
- */
+/* The owner of entry i, which is on no list, is gone. The entry is the next to be given, unless
+ * other slots have a copy or a piece. */
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = &d->account[i];
@@ -72,7 +73,6 @@ void deal_forget_pieces(struct deal *d, int32_t i)
     }
 }
 
-/* The last pixels of entry i have been passed on: forget it. The last piece commits the whole. */
 void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 {
     while (i >= 0) {
@@ -110,21 +110,20 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
     deal_mark(d, k);
 }
 
-/* The id under which entry i, or the whole of which it is a piece, came. */
+/* The id of the input task that entry i is, or is a piece of. */
 static uint32_t came_as(const struct deal *d, int32_t i)
 {
     while (d->account[i].parent >= 0) i = d->account[i].parent;
     return d->ledger.at[i].task.id;
 }
 
-/* Entry i is on no list. */
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
 {
     struct slot *s = &d->slots[k];
     struct task_entry *e = &d->ledger.at[i];
     struct account *a = &d->account[i];
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
-    if (c >= 0) deal_drop_copy(d, k, c); /* of a task of the same name, before this one */
+    if (c >= 0) deal_drop_copy(d, k, c); /* an earlier task with the same key */
     if (a->copies) deal_share(d, i);
     c = tasks_add(&s->has, &e->task, e->frame_w);
     s->has.at[c].since_us = now;
@@ -139,10 +138,10 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     deal_put(d, i, OUT, -1);
     deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);
-    out->at[out->n - 1].of = came_as(d, i);
+    out->at[out->n - 1].origin_id = came_as(d, i);
 }
 
-/* What the slot had is the others', or goes back to the front of the pool, in its order. */
+/* Tasks go back to the front of the pool in their order, unless other slots have them. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l)
 {
     struct slot *s = &d->slots[k];
@@ -150,7 +149,7 @@ void deal_lose(struct deal *d, int32_t k, struct task_list *l)
         const struct task *t = &s->has.at[l->tail].task;
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
         deal_drop_copy(d, k, l->tail);
-        if (i < 0) continue; /* it was committed */
+        if (i < 0) continue; /* committed already */
         d->account[i].copies--;
         if (d->account[i].place != OUT) continue;
         deal_take(d, i);

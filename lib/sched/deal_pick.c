@@ -1,26 +1,26 @@
 /*
- * deal: which slot is the next. Whatever changes about a slot is marked, and what is asked at every
- * step is then answered in the logarithm of the number of slots: by sets, and by a tournament (the
- * tree selection of D. E. Knuth, "The Art of Computer Programming" vol. 3, 5.2.3), in which the
- * winners stand between slots that may be given more, and between those that have some in store.
+ * deal: the choice of the next slot. Each change of a slot is marked. Queries at each step then
+ * take time logarithmic in the number of slots: sets, and a tournament (tree selection, D. E.
+ * Knuth, "The Art of Computer Programming" vol. 3, 5.2.3) for the slot with the least load and the
+ * slot with the longest queue.
  */
 #include "sched/deal_int.h"
 
 #include <stdlib.h>
 
-#define SHARES 2   /* of the pool, a slot may have in store at the end, */
-#define TRIP .25   /* and with an endgame what it does in this part of a round trip */
+#define SHARES 2   /* of the pool: the most a slot may hold at the end */
+#define TRIP .25   /* of a round trip: the work a slot may hold beyond its share, with an endgame */
 
 static const struct rating nothing = {INT32_MAX, INT32_MAX, 0};
 
 static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO; }
 
 /*
- * So many tasks slot s, which is up, may have beyond those that it is on. With SCHED_DEPTH_AUTO
- * that follows what is measured of it (pace.c). What is too deep costs nothing until the end, and
- * there the queues are run down: when the input has ended, no slot may hold more than SHARES times
- * its share of the pool (share_of), and with an endgame, which can take more back,
- * what keeps it busy for a part of a round trip.
+ * The number of tasks that slot s, which is up, may hold beyond those it computes. With
+ * SCHED_DEPTH_AUTO it follows measurements (pace.c). A queue that is too deep costs nothing until
+ * the end, and there the queues are run down: once the input has ended, a slot may hold at most
+ * SHARES times its share of the pool (share_of). With an endgame, which can take more back, it may
+ * also hold work for TRIP of a round trip.
  */
 static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
@@ -33,7 +33,7 @@ static int32_t share_of(const struct deal *d)
     return revoked ? SHARES * d->pool.count / d->up : INT32_MAX;
 }
 
-/* Tasks that slot s does in that part of a round trip. */
+/* The number of tasks that slot s computes in TRIP of a round trip. */
 static int32_t trip_of(const struct deal *d, const struct slot *s)
 {
     double tasks = s->pace.task_us > 0 ? s->width * s->pace.round_trip_us / s->pace.task_us : 0;
@@ -78,13 +78,14 @@ static void rate(struct deal *d, int32_t k, struct rating r)
 }
 
 /*
- * The slot below i with the least load, of equals the lowest, whose excess is less than `share`, if
- * it is better than slot k, -1. Where all slots have one width, one way down is all.
+ * The slot below tree node i with the least load, the lowest of equals, whose excess is less than
+ * `share`; k (or -1) if that slot is no better than k. If all slots have one width, one descent is
+ * enough.
  */
 static int32_t least(const struct deal *d, int32_t i, int32_t share, int32_t k)
 {
     const struct rating *best = d->best;
-    int32_t first = i; /* of its places */
+    int32_t first = i; /* the first leaf below i */
     while (first < d->n_places) first *= 2;
     int32_t most = k < 0 ? INT32_MAX : best[d->n_places + k].load;
     bool better = best[i].load < most || (best[i].load == most && first - d->n_places < k);

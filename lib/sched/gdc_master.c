@@ -5,14 +5,14 @@
  *   C.-N. Lee, T.-Y. Lee, T.-C. Lu: Comparisons of Load Balancing Strategies for Ray Tracing on
  *   Network Clustered Environments. Proc. Int. Conf. on Networking and Multimedia, 1996.
  *
- *   a row of the table   it is                         leaves that on
+ *   a row of the table   meaning                       leaves that on
  *   early                of no node yet                SLOTS: -> promised
  *   promised             of a node not up yet          that node's first UP: -> sent;
  *                                                      CRASHED of that node: -> sent, to the heir
  *   sent                 sent to its node, once        (the table does not follow it from there)
  *   (any)                -                             its last PIXELS: complete
  *
- * Differs in that messages between nodes pass through the master's process, which hands them on
+ * Differs in that messages between nodes pass through the master's process, which forwards them
  * unread, and in that a node may come up late, or again.
  */
 #include "sched/sched.h"
@@ -21,17 +21,17 @@
 
 struct member {
     bool up, met;          /* now; ever */
-    struct task_list rows; /* of the table: those that phase 1 assigned to it */
+    struct task_list rows; /* of the table: those that phase 1 assigned to this node */
 };
 
 struct master {
-    struct task_table table; /* the global scanline table: rows that are not complete */
+    struct task_table table; /* the global scanline table: incomplete rows */
     struct task_list early;
     struct member *node;
     int32_t n;        /* nodes; 0 before SLOTS */
-    int32_t computed; /* rows of the table that some node has computed */
+    int32_t computed; /* rows of the table that a node has computed */
     bool ended, flush, asked, closed;
-    bool taken_over; /* some row was sent twice: somebody may be on what is needed no more */
+    bool taken_over; /* a row was sent twice: a node may compute one that is not needed */
 };
 
 static void *master_create(const struct sched_params *p)
@@ -53,7 +53,7 @@ static void master_destroy(void *state)
 
 static bool is_node(const struct master *m, int32_t k) { return k >= 0 && k < m->n; }
 
-/* ---- sending; what goes to a dead node is lost, and nobody notices -------------------------- */
+/* ---- sending; messages to a dead node are lost without notice -------------------------------- */
 
 static void send_ring(struct master *m, int32_t k, struct ring r, struct sched_actions *out)
 {
@@ -62,13 +62,13 @@ static void send_ring(struct master *m, int32_t k, struct ring r, struct sched_a
     out->at[out->n - 1].ring = r;
 }
 
-/* from: the node whose it was, -1 in phase 1. */
+/* from: the previous owner; -1 in phase 1. */
 static void send_row(
     struct master *m, int32_t k, const struct task *t, int32_t from, struct sched_actions *out)
 {
     if (!m->node[k].up) return;
     sched_act(out, SCHED_GIVE, k, t);
-    out->at[out->n - 1].of = t->id;
+    out->at[out->n - 1].origin_id = t->id;
     out->at[out->n - 1].from = from;
 }
 
@@ -115,7 +115,7 @@ static void take_slots(struct master *m, int32_t n, struct sched_actions *out)
     }
 }
 
-/* A node that was here before begins anew, with nothing: the paper has no rule for it. */
+/* A node that was up before starts again, with no rows: the paper has no rule for this. */
 static void take_up(struct master *m, int32_t k, struct sched_actions *out)
 {
     struct member *node = &m->node[k];
@@ -135,7 +135,7 @@ static void take_done(struct master *m, const struct task *t)
 {
     int32_t i = tasks_find(&m->table, t->frame, t->id);
     if (i < 0) return;
-    m->asked = false; /* it may hold back more than when it was asked */
+    m->asked = false; /* nodes may hold back more than when they were asked */
     m->computed += !m->table.at[i].done;
     m->table.at[i].done = true;
 }
@@ -159,8 +159,9 @@ static void take_pixels(struct master *m, const struct task *t, struct sched_act
  * P(i+1). The information includes how many scanlines P(i+1) has not finished and the processor
  * identifier of P(i+1)'s next processor."
  *
- * The rows follow the identifier. The table knows to whom phase 1 assigned a row, and whether it is
- * complete: not who stole it, who took it over, or whether who asks is right.
+ * The rows follow the identifier. The table knows the node to which phase 1 assigned a row, and
+ * whether the row is complete. It does not know which node stole it or took it over, or whether the
+ * report of a crash is right.
  */
 static void take_crashed(struct master *m, int32_t heir, int32_t dead, struct sched_actions *out)
 {
@@ -176,7 +177,8 @@ static void take_crashed(struct master *m, int32_t heir, int32_t dead, struct sc
     }
 }
 
-/* From node k to another, in the words of the sender, or to the master. */
+/* Forwards a message of node k to another node, with k as its peer; or handles one to the
+ * master. */
 static void take_ring(
     struct master *m, int32_t k, const struct sched_event *e, struct sched_actions *out)
 {
@@ -193,13 +195,13 @@ static void take_ring(
         break;
     case RING_CRASHED: take_crashed(m, k, to, out); break;
     case RING_PLACE:
-    case RING_HEIR: break; /* no node says that */
+    case RING_HEIR: break; /* nodes do not send these */
     }
 }
 
 /* ---- the end -------------------------------------------------------------------------------- */
 
-/* With everything computed, all nodes are asked for what they hold back. */
+/* Once everything is computed, asks all nodes to flush. */
 static void ask_flush(struct master *m, struct sched_actions *out)
 {
     if (m->asked || !m->table.count || m->computed < m->table.count) return;
@@ -221,7 +223,7 @@ static void master_step(
     case SCHED_UP:
         if (is_node(m, e->slot)) take_up(m, e->slot, out);
         break;
-    /* No rule of the paper begins here: a node is dead when one of the others says so. */
+    /* The paper has no rule for this: a node is dead when another one reports it. */
     case SCHED_GONE:
         if (is_node(m, e->slot)) m->node[e->slot].up = false;
         break;
@@ -241,10 +243,10 @@ static void master_step(
 
 static int32_t master_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct master *)state)->table.of[generation % GENERATIONS];
+    return ((const struct master *)state)->table.n_by_generation[generation % GENERATIONS];
 }
 
-/* Where a row is, and whether it was begun, is not known here. */
+/* The master does not know where a row is, or whether it was begun. */
 static int64_t master_waiting(const void *state)
 {
     const struct master *m = state;

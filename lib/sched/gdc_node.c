@@ -2,7 +2,7 @@
  * The ring as it was published, GDC: the rules of a node. The master's are in gdc_master.c; the
  * quotations are from the paper named there, sections 3 and "Fault tolerance".
  *
- *   a node is  when                       ASK            NONE of whom it   a row       timeout
+ *   a node is  when                       ASK            NONE of the node  a row       timeout
  *                                                        asked, HEIR
  *   computing  its worker is on a row     waits until    -                 queued      -
  *                                         that is done
@@ -11,20 +11,19 @@
  *   ended      it is idle, and next is    answers none   -                 computing   -
  *              itself
  *
- * A row of the master's first phase begins the ring anew: next is P(i+1) again. What the paper
- * leaves open is decided here so:
+ * A row of the master's first phase begins the ring anew: next is P(i+1) again. The paper leaves
+ * some points open. They are decided as follows:
  *
- * - A request is repeated when TIMEOUT_ROWS times the longest row that the node itself has
- *   computed, and at least TIMEOUT_LEAST_US, have brought no answer; after TRIES_MOST repetitions
- *   the next such time is reported to the master, and so on until an answer comes.
- * - Requests have no numbers: each is answered, the repeated ones too, and any answer of whom is
- *   asked is one to the latest.
- * - A node to which phase 1 brings nothing within TIMEOUT_LEAST_US asks all the same.
- * - Messages are read between rows: when a row is done and the next one begun.
- * - Visited is whoever lies between P(i) and P(next), going up; so a hint that leads back, or to
- *   P(i) itself, is not followed.
- * - An ended node asks no more. Rows that still come, late answers to what it had asked before, it
- *   computes.
+ * - A node repeats a request that was not answered within TIMEOUT_ROWS times the longest row that
+ *   the node itself has computed, and at least TIMEOUT_LEAST_US. After TRIES_MOST repetitions each
+ *   further timeout is reported to the master, until an answer comes.
+ * - Requests have no numbers. Each is answered, repeated ones too, and any answer of the node asked
+ *   counts as the answer to the latest request.
+ * - A node that gets no row of phase 1 within TIMEOUT_LEAST_US asks all the same.
+ * - Messages are read between rows: when a row is done and the next one begins.
+ * - Visited are the nodes between P(i) and P(next), going up. So a hint that leads back, or to P(i)
+ *   itself, is not followed.
+ * - An ended node asks no more. It computes rows that still come: late answers to earlier requests.
  */
 #include "sched/node_int.h"
 
@@ -33,16 +32,16 @@
 #define TRIES_MOST 3
 #define TIMEOUT_ROWS 2
 #define TIMEOUT_LEAST_US 500000
-#define ASKED_MOST 4 /* requests that wait, for each node of the ring; more are lost */
-#define ROW_MOST_US INT64_C(3600000000) /* longer ones are not believed */
+#define ASKED_MOST 4                    /* waiting requests, per node of the ring; more are lost */
+#define ROW_MOST_US INT64_C(3600000000) /* longer times are not believed */
 
 struct gdc_node {
-    int32_t next;       /* whom it asks; itself: it has visited all */
-    bool found;         /* that one was not idle, when it answered last */
-    int32_t tries;      /* requests to it without an answer; 0: none is out */
-    int64_t due_us;     /* when the wait, for an answer or for phase 1, is too long; INT64_MAX */
-    int64_t longest_us; /* row that was computed here */
-    int32_t *asked;     /* who asked, in order, and was not answered yet */
+    int32_t next;       /* the node it asks; itself: it has visited all */
+    bool found;         /* P(next) was not idle when it answered last */
+    int32_t tries;      /* requests to it without an answer; 0: none outstanding */
+    int64_t due_us;     /* when the wait for an answer or for phase 1 times out; INT64_MAX: never */
+    int64_t longest_us; /* the longest time of a row computed here */
+    int32_t *asked;     /* nodes whose requests wait, in order */
     int32_t n_asked, cap_asked;
 };
 
@@ -52,7 +51,7 @@ struct gdc_node {
  */
 static int32_t after(const struct node *n, int32_t k) { return (k + 1) % n->place.n; }
 
-/* How far up the ring from this node to node k. */
+/* Distance up the ring from this node to node k. */
 static int32_t distance(const struct node *n, int32_t k)
 {
     return (k - n->place.me + n->place.n) % n->place.n;
@@ -68,7 +67,7 @@ static void search_on(struct node *n, int32_t next)
 
 static void take_place(struct node *n, int64_t now)
 {
-    if (n->gdc) return; /* one was on its way to who was here before */
+    if (n->gdc) return; /* a PLACE for an earlier connection on this slot */
     n->gdc = xcalloc(1, sizeof *n->gdc);
     search_on(n, after(n, n->place.me));
     n->gdc->due_us = now + TIMEOUT_LEAST_US;
@@ -173,9 +172,10 @@ static void note_asker(struct node *n, int32_t peer)
 
 /*
  * Case 1: "If P(i+1) is not idle, P(i+1) will send an" unfinished scanline to P(i). (The end of the
- * sentence is illegible in the copy at hand.) It is one that is not begun: who has only the one
- * that its worker is on has nothing to give.
- * Case 3: who is idle itself answers with the one that it remembers.
+ * sentence is illegible in the copy at hand.) That scanline is one not begun: a node that has only
+ * its worker's current row has nothing to give.
+ *
+ * Case 3: an idle node answers with the node that it remembers.
  */
 static void answer(struct node *n, int32_t peer, struct sched_actions *out)
 {
@@ -210,7 +210,7 @@ static void take_ring(struct node *n, const struct ring *r, int64_t now)
     case RING_NONE: take_none(n, r); break;
     case RING_HEIR: take_heir(n, r); break;
     case RING_GIVE:
-    case RING_CRASHED: break; /* those go up */
+    case RING_CRASHED: break; /* these go up only */
     }
 }
 

@@ -1,18 +1,18 @@
 /*
- * The hub of the ring: it passes on what nodes say to each other, over FIFO links, and keeps the
- * ledger of who owns which task. It does not decide how much is given, or which.
+ * The hub of the ring: it forwards messages between nodes over FIFO links, and keeps the ledger of
+ * the owner of each task. It does not decide how many tasks are given, or which.
  *
- *   owner    of a task that is not committed     changes on
- *   pool     nobody that is known could have it  SLOTS, UP of a node: -> node
+ *   owner    of an uncommitted task              changes on
+ *   pool     no known node could have it         SLOTS, UP of a node: -> node
  *   node     NEW: it waits here for the node;    GIVE of its owner: -> the other one
  *            UP: it was given to it              GONE: -> the next before it that is up, or pool;
  *                                                it is late: -> an idle node (hub_hung.c)
  *   (any)    -                                   the last PIXELS: committed
  *
- * A task starts at the node it is preassigned to, else at node id mod n. A GIVE counts only from
- * the owner, and so does DONE; PIXELS count whoever sends them. What belongs to a connection that
- * was lost is thus void, and a task that reaches the next one on that slot, which does not own it,
- * is computed once too often at worst.
+ * A task starts at the node it is preassigned to, else at node id mod n. GIVE and DONE count only
+ * from the owner; PIXELS count from any node. So messages of a lost connection are void. A task of
+ * a lost connection may still reach the next node on that slot, which does not own it: at worst it
+ * is computed once too often.
  *
  * The ledger alone ends the run.
  */
@@ -78,7 +78,7 @@ static void enlist(struct hub *h, int32_t i, int32_t k, bool done)
     if (k >= 0 && !done) h->nodes[k].held_px += px_of(e);
 }
 
-/* Node k, which is up, is told of entry i, which is its. */
+/* Sends entry i to its owner, node k, which is up. */
 static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
@@ -91,7 +91,8 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     if (s->held.count == 1) ring_progress(h, k);
 }
 
-/* Entry i, on no list, is node k's, or, where that is gone, the next one's before it that is up. */
+/* Entry i, on no list, goes to node k or, if that is gone, to the nearest node before it that is
+ * up. */
 static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
     if (h->nodes[k].state == NODE_GONE) k = set_before(&h->up, k);
@@ -118,7 +119,8 @@ static void start(struct hub *h, int32_t i, struct sched_actions *out)
     assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
-/* Where node k is the only one that is up, it is everybody's heir; -1: nodes are known. */
+/* The pool goes to node k, the only one that is up (k >= 0); or each task to its first node,
+ * once nodes are known (-1). */
 static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
 {
     for (int32_t left = h->pool.count; left > 0; left--) {
@@ -129,7 +131,7 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
     }
 }
 
-/* Once all of what node k has is computed, it is asked for what is missing of it. */
+/* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
 static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
@@ -168,7 +170,7 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
     else enlist(h, i, -1, false);
 }
 
-/* A node may be lost before it is known how many there are. */
+/* A node may be lost before the number of nodes is known. */
 static void note_gone(struct hub *h, int32_t k)
 {
     if (h->n_nodes || k < 0) return;
@@ -198,7 +200,7 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
     take_pool(h, -1, out);
 }
 
-/* The tasks come first, so that it does not ask for what is under way. */
+/* Tasks come before PLACE, so that the node does not ask for tasks that are under way. */
 static void take_up(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot;
@@ -245,7 +247,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (i < 0 || !hub_is_up(h, k) || h->ledger.at[i].slot != k) return;
-    /* Said before it was so? What it holds back it may not have had when it was asked. */
+    /* Was DONE repeated? The node may not have had these pixels when it was asked to flush. */
     if (h->ledger.at[i].done) h->nodes[k].flushed = false;
     else {
         note_pace(h, i, e->wall_us);
@@ -253,7 +255,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     }
     unlist(h, i);
     enlist(h, i, k, true);
-    /* If it has more, it may be slower than it thought. */
+    /* If it has more, it may be slower than it thought, and can give some. */
     h->nodes[k].dry = false;
     hub_mark(h, k);
     ask_flush(h, k, out);
@@ -276,8 +278,8 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     ask_flush(h, k, out);
 }
 
-/* To a node that does not exist it was not given. What was not its to give is no gift, but an
- * answer: whoever asked waits for it no more. */
+/* A GIVE to a node that does not exist leaves the task with its owner. A GIVE of a task that the
+ * node does not own gives nothing, but answers the ask: the asking node stops waiting for it. */
 static void take_give(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, peer = e->ring.peer;
@@ -304,7 +306,7 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
     }
 }
 
-/* Pixels may be older. */
+/* Only these count: pixels may be older. */
 static void note_life(struct hub *h, const struct sched_event *e)
 {
     if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_is_up(h, e->slot)) return;
@@ -358,7 +360,7 @@ static void ring_step(
 
 static int32_t ring_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct hub *)state)->ledger.of[generation % GENERATIONS];
+    return ((const struct hub *)state)->ledger.n_by_generation[generation % GENERATIONS];
 }
 
 static int64_t ring_waiting(const void *state)

@@ -1,20 +1,19 @@
 /*
- * The hub: nodes that make no progress. Nobody can be asked for a task that a worker is on, and a
- * node may not answer at all, while beats tell its fan that it lives. So when a node has nothing to
- * do, and nobody can be asked for it, the hub gives it a task of the node that has made no progress
- * for longest, if that is late: if the idle one could have done the task LATE_TIMES over since. It
- * is the idle node's then; if the other one has it first after all, its pixels count.
+ * The hub: nodes that make no progress. A worker's current task cannot be asked for, and a node may
+ * not answer at all although beats tell its fan that it is alive. So if a node is idle and no node
+ * can be asked for work, the hub looks at the node that has made no progress for longest. If that
+ * node's task is late, the idle node becomes its owner. A task is late if the idle node could have
+ * done it LATE_TIMES over since. If the first node finishes it first after all, its pixels count.
  *
- * Progress is a task done, or new pixels, or a first task after none. Nodes that have something to
- * do, or were asked for pixels that have not come, stand in a list in the order of their latest
- * progress.
+ * Progress is a task done, new pixels, or a first task after none. Nodes that have tasks, or were
+ * asked for pixels that have not arrived, are in a list in the order of their latest progress.
  */
 #include "sched/hub_int.h"
 
 #define LATE_TIMES 4
-#define LATE_US 200000 /* and so much besides: a machine that is busy */
+#define LATE_US 200000 /* added for a busy machine */
 #define LATE_MOST_US 86400e6
-#define TRIES 8 /* after each TRIES takeovers of a task the wait grows by its first length */
+#define TRIES 8 /* takeovers of a task that add its first wait once more */
 
 static void unlist(struct hub *h, int32_t k)
 {
@@ -52,7 +51,7 @@ void ring_progress(struct hub *h, int32_t k)
     enlist(h, k);
 }
 
-/* Entry i of node k is late for node thief then. */
+/* The time from which entry i of node k is late for node thief. */
 static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
 {
     const struct task_entry *e = &h->ledger.at[i];
@@ -69,7 +68,8 @@ void ring_hung(struct hub *h, struct sched_actions *out)
     while (h->idle.count && h->stalest >= 0) {
         int32_t k = h->stalest, thief = set_before(&h->idle, k);
         if (thief == k)
-            k = h->nodes[k].fresher; /* it owes pixels itself, and nobody else is idle */
+            k = h->nodes[k]
+                    .fresher; /* the idle node owes pixels itself, and no other node is idle */
         if (k < 0) return;
         const struct hub_node *s = &h->nodes[k];
         int32_t i = s->held.count ? s->held.head : s->computed.head;

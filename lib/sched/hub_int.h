@@ -1,6 +1,6 @@
 /*
- * The hub of the ring, shared by its files: hub.c (events, the ledger), hub_match.c (who is asked
- * for whom), hub_hung.c (nodes that make no progress).
+ * The hub of the ring, shared by its files: hub.c (events, the ledger), hub_match.c (pairs nodes
+ * that want work with nodes that have some), hub_hung.c (nodes that make no progress).
  */
 #ifndef STORMRING_SCHED_RING_INT_H
 #define STORMRING_SCHED_RING_INT_H
@@ -10,58 +10,60 @@
 
 /* ---- hub.c ----------------------------------------------------------------------------------- */
 
-#define LOADS 48 /* classes of work: class c lasts for 2^c microseconds, and not for twice that */
+/* Classes of work: class c lasts at least 2^c microseconds, and less than twice that. */
+#define LOADS 48
 
 enum node_state { NODE_NEW, NODE_UP, NODE_GONE };
 
-/* What the hub knows of the node on a slot. */
+/* The hub's record of the node on a slot. */
 struct hub_node {
     enum node_state state;
-    int32_t width;                   /* tasks that it is on at once */
-    struct task_list held, computed; /* entries of the ledger: its tasks; `computed`: pixels miss */
-    double held_px;                  /* of `held` */
-    struct pace pace;                /* of its worker, by what it says of that */
-    int32_t load;                    /* the class of its work, where it may be asked for some; -1 */
-    bool flushed;                    /* it was asked for these, since it was last given a task */
-    bool asking;                     /* it wants work, and was given none since it said so */
-    bool passed_on, told;            /* its ask was, to another one; that it has to wait */
-    bool dry;                        /* it had nothing to give, and no task came or went since */
-    uint64_t given;                  /* tasks */
-    int32_t thief, thieves;  /* the first of the nodes for which it was asked; how many they are */
-    int32_t victim;          /* the node that was asked for it, and has not answered; -1: */
-    int32_t before, after;   /* the others for which that one was */
-    uint64_t given_before;   /* the victim's `given` then */
-    int64_t since_us;        /* and when that was */
-    int32_t older, newer;    /* those for whom somebody was asked just before, and after that */
-    bool silent;             /* it did not answer in time, and has said nothing since */
-    bool busy;               /* it has to make progress: hub_hung.c */
-    int32_t staler, fresher; /* of those, who made progress just before, and after it */
-    int64_t progress_us;     /* when that was */
+    int32_t width;             /* tasks that it computes at once */
+    struct task_list held;     /* its tasks: entries of the ledger */
+    struct task_list computed; /* likewise; computed, but pixels are missing */
+    double held_px;            /* pixels of `held` */
+    struct pace pace;          /* of its worker, from its DONE messages */
+    int32_t load;              /* class of its work if it may be asked for some; else -1 */
+    bool flushed;              /* asked to flush `computed` since it was last given a task */
+    bool asking;               /* wants work, and was given none since it asked */
+    bool passed_on, told;      /* its ask went on to another victim; it was told to wait */
+    bool dry;                  /* had nothing to give, and no task came or went since */
+    uint64_t given;            /* number of tasks given to it */
+    int32_t thief, thieves;    /* the list of nodes that wait for its answer; their number */
+    int32_t victim;            /* the node asked on its behalf that has not answered; -1: none */
+    int32_t before, after;     /* its neighbours in the victim's list of thieves */
+    uint64_t given_before;     /* the victim's `given` at that time */
+    int64_t since_us;          /* the time of that ask */
+    int32_t older, newer;      /* its neighbours in the list of outstanding asks, by time */
+    bool silent;               /* did not answer in time, and has sent nothing since */
+    bool busy;                 /* has to make progress: hub_hung.c */
+    int32_t staler, fresher;   /* its neighbours in the list of busy nodes, by latest progress */
+    int64_t progress_us;       /* the time of its latest progress */
 };
 
 struct hub {
     struct sched_params p;
-    struct task_table ledger; /* tasks that are not committed; slot: whose, -1 in the pool */
-    int32_t *from;            /* by entry: whose it was before, where it was stolen, -1 */
+    struct task_table ledger; /* uncommitted tasks; slot: the owner, -1 in the pool */
+    int32_t *from;            /* per entry: the previous owner, if it was stolen; else -1 */
     int32_t n_from;
-    struct task_list pool; /* no node is known that could have them */
+    struct task_list pool; /* no known node could own them */
     struct hub_node *nodes;
     int32_t n_nodes; /* 0: not known yet */
-    int32_t *early;  /* nodes that were lost before that */
+    int32_t *early;  /* nodes lost before n_nodes was known */
     size_t n_early;
-    int64_t n_computed;                    /* entries */
-    struct slot_set up;                    /* nodes that are */
+    int64_t n_computed;                    /* entries of the ledger */
+    struct slot_set up;                    /* nodes that are up */
     struct slot_set hungry, late, delayed; /* hub_match.c */
-    struct slot_set rich[LOADS];           /* likewise: by the class of their work */
+    struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
-    struct pace pace;                      /* of all */
-    int32_t oldest, newest;                /* those for whom somebody was asked, in that order */
-    int64_t answer_us;                     /* the longest that an answer took, of late; 0: none */
-    int64_t now_us;                        /* of this step */
-    struct slot_set idle;                  /* they want work, have none, and nobody was asked */
-    int32_t stalest, freshest;             /* busy nodes, by their latest progress */
-    int64_t hung_us;                       /* when one is late, INT64_MAX */
-    bool taken_over;                       /* a task of a node that is still on it, maybe */
+    struct pace pace;                      /* the mean of all nodes */
+    int32_t oldest, newest;                /* the ends of the list of outstanding asks */
+    int64_t answer_us;                     /* the longest recent time to an answer; 0: none yet */
+    int64_t now_us;                        /* the time of this step */
+    struct slot_set idle;                  /* nodes that want work and have none, with no victim */
+    int32_t stalest, freshest; /* the ends of the list of busy nodes, by latest progress */
+    int64_t hung_us;           /* when a task will be late; INT64_MAX: none */
+    bool taken_over;           /* a node may still compute a task that was taken from it */
     bool ended, flush, closed;
 };
 
@@ -69,38 +71,38 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 {
     return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;
 }
-/* The next n tasks that node k has are peer's, which is up. */
+/* Moves the next n tasks of node k to node peer, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
-/* Entry i, which its node does not get done, is node thief's, which is up. */
+/* Moves entry i, whose node does not finish it, to node thief, which is up. */
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
-/* Something about node k has changed: notes whether it wants work, and whether it has some. */
+/* Node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
 /* ---- hub_match.c ----------------------------------------------------------------------------- */
 
-/* Whoever wants work has somebody asked for it, as far as there is somebody. */
+/* Pairs each node that wants work with a victim while victims remain. */
 void ring_match(struct hub *h, struct sched_actions *out);
-/* Node k was given a task: whatever it had asked for, it has. */
+/* Node k was given a task: this ends its ask. */
 void ring_served(struct hub *h, int32_t k);
 /* Node k says ASK; or NONE, to node peer. */
 void ring_asks(struct hub *h, int32_t k);
 void ring_has_none(struct hub *h, int32_t k, int32_t peer);
-/* Node k, which was asked for node peer, answers. */
+/* Node k answers the ask of node peer. */
 void ring_answers(struct hub *h, int32_t k, int32_t peer);
 /* Node k is lost. */
 void ring_lost(struct hub *h, int32_t k);
-/* Who was not answered in time waits for that one no more; when that will be so, INT64_MAX. */
+/* Ends asks that were not answered in time. The second function returns when there will be one;
+ * INT64_MAX: none is outstanding. */
 void ring_late(struct hub *h);
 int64_t ring_late_us(const struct hub *h);
 
 /* ---- hub_hung.c ----------------------------------------------------------------------------- */
 
-/* Something about node k has changed: notes whether it has to make progress, and whether it has
- * nothing to do. */
+/* Node k has changed: notes whether it has to make progress, and whether it is idle. */
 void ring_busy(struct hub *h, int32_t k);
-/* It has made some. */
+/* Node k has made progress. */
 void ring_progress(struct hub *h, int32_t k);
-/* Who has nothing to do is given what is late; hung_us says when something will be. */
+/* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
 void ring_hung(struct hub *h, struct sched_actions *out);
 
 #endif

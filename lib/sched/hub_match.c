@@ -1,34 +1,34 @@
 /*
- * The hub: who is asked for whom. An ask goes to a node that by the ledger has tasks which are not
- * begun, and does not ask itself: of those with most work left, by powers of two of its time, the
- * next one in the ring. The more have asked a node already, the less it has. These are two looks at
- * sets, instead of the paper's search from node to node, which finds who is near, not who needs
- * help. Where there is none the hub remembers who asked, and serves it when somebody has work.
+ * The hub: pairs asks with victims. The victim of an ask is a node that by the ledger has tasks not
+ * begun, and does not ask itself. Of the nodes with most work left, by powers of two of its time,
+ * the hub takes the next one in the ring. Outstanding asks reduce the work left of a node. The
+ * search takes two set queries. The paper searches from node to node, which finds the nearest node,
+ * not the one that needs help. If there is no victim the hub remembers the ask, and serves it when
+ * a node has work.
  *
- * An ask that has to wait, or to go to another one, is told so, once: by NONE, of the node itself.
- * How long it takes then is not how long an ask takes.
+ * If an ask has to wait, or to go to another victim, the asking node is told so once: by a NONE
+ * with its own number. It must not take the time of such an ask for the time of a normal one.
  *
- * What waits for a node that is not up yet nobody can be asked for: the hub gives it, as much as
- * that node would.
+ * The hub itself gives away tasks that wait for a node not up yet, as many as that node would give.
  *
- *   asks     is remembered (hungry) until a task is given to it, whoever's that was
+ *   asks     is remembered (hungry) until the node is given a task, from whichever node
  *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, or has done
- *            one, and whoever asked is remembered again; what it was given while the ask was under
- *            way it may have not seen when it answered
+ *            one, and the ask is remembered again; it is not dry if it was given a task while the
+ *            ask was under way, because it may not have seen that task when it answered
  *
- * A node that is out of reach is known as lost only after seconds. Who asked does not wait as long,
- * but for some times the longest answer of late: then it is remembered again, and the node, silent,
- * is not asked until it says something. Its answer may come after all: what it gives then is given,
- * as its GIVE counts whoever waits for it.
+ * The loss of an unreachable node is known only after seconds. A node that asked does not wait that
+ * long, but for a multiple of the longest recent answer. Then its ask is remembered again, and the
+ * victim is silent: it is not asked until it sends something. Its answer may still come: its GIVE
+ * counts, whatever the asking node waits for by then.
  */
 #include "sched/hub_int.h"
 
-#define LATE_TIMES 8       /* so often the longest answer is late, */
-#define LATE_US 100000     /* and so much besides: a machine that is busy */
-#define FIRST_US 3000000   /* where none has come yet */
-#define ANSWERS_OF_LATE 16 /* the longest of about so many */
+#define LATE_TIMES 8       /* of the longest answer: then an answer is late, */
+#define LATE_US 100000     /* with this added for a busy machine */
+#define FIRST_US 3000000   /* while no answer has come yet */
+#define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
 
-/* The class of node k's work. Where nothing is known of a node, it is like the others. */
+/* The class of node k's work. A node without measurements counts as the mean of the others. */
 static int32_t load_of(const struct hub *h, const struct hub_node *s)
 {
     double us_per_px = s->pace.us_per_px > 0 ? s->pace.us_per_px : h->pace.us_per_px;
@@ -55,7 +55,7 @@ static void mark_rich(struct hub *h, int32_t k, bool rich)
     s->load = load;
 }
 
-/* A node whose every task is asked for, or more, is not asked for another. */
+/* A node is not a victim if there is an outstanding ask for each task that it has not begun. */
 void hub_mark(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
@@ -76,7 +76,7 @@ static void give_late(struct hub *h, struct sched_actions *out)
     }
 }
 
-/* Node k is asked for by node thief; or not any more. */
+/* pair: node k is asked on behalf of node thief. part: ends that. */
 static void pair(struct hub *h, int32_t k, int32_t thief)
 {
     struct hub_node *s = &h->nodes[k], *t = &h->nodes[thief];
@@ -169,7 +169,7 @@ void ring_has_none(struct hub *h, int32_t k, int32_t peer)
     hub_mark(h, k);
 }
 
-/* Whoever asked node k has to ask another one. */
+/* The asks that wait for node k go to other victims. */
 static void pass_on(struct hub *h, int32_t k)
 {
     while (h->nodes[k].thief >= 0) {

@@ -1,30 +1,29 @@
 /*
- * A node of the ring: a queue of tasks around one worker, which is fed so few at once that the node
- * can give the others away while they wait.
+ * A node of the ring: a queue of tasks around one worker. The worker is fed few tasks at once, so
+ * that the node can give the others away while they wait.
  *
- * The default rules, as they stand below:
+ * The default rules:
  *
- * 1. A node asks ahead: as long before it has nothing left to do as an ask takes, by what it has
- *    measured of its worker and of its asks; at the latest when it has nothing left. One ask is
- *    outstanding at most; whatever task comes ends it.
- * 2. Who is asked gives so many tasks that both have done what they have then at the same time, if
- *    the other one is as fast, and begins an ask's time from now: about half, and never so much
- *    that it would have to ask itself at once. (Steal-half: D. Hendler,
- *    N. Shavit, "Non-blocking steal-half work queues", PODC 2002; here they do not come from the
- *    other end of the queue: what was to be done first is, so that the order in which partition
- *    has put the tasks, such as the dearest first, is that in which all of them are begun.)
- * 3. It gives nothing while it asks itself. What is given, thus, is begun where it arrives: the
- *    last task is not passed round.
+ * 1. A node asks ahead. It asks when the time until it runs dry has shrunk to the time that an ask
+ *    takes, by its measurements of its worker and of its asks; at the latest when it has no tasks.
+ *    At most one ask is outstanding; any task that comes ends it.
+ * 2. The victim gives tasks until both nodes would finish at the same time, if the thief is as fast
+ *    and begins one ask's time from now. That is about half, and never so much that the victim
+ *    would have to ask at once. (Steal-half: D. Hendler, N. Shavit, "Non-blocking steal-half work
+ *    queues", PODC 2002. Differs in the end of the queue: the victim gives the tasks that it would
+ *    begin first. So all tasks are begun in the order of partition, such as the dearest first.)
+ * 3. A node that asks gives nothing. So a given task is begun where it arrives, and the last task
+ *    is not passed round.
  *
- * A node that no hub has given a place feeds its worker, and that is all.
+ * A node that has no PLACE from a hub only feeds its worker.
  */
 #include "sched/node_int.h"
 
 #include <stdlib.h>
 
 #define STORE_US 5000
-#define LEAST_US 1        /* less is no time: who asks and who gives agree on that */
-#define WAIT_MOST_US 1e12 /* more is not waited for */
+#define LEAST_US 1        /* less counts as no time, both for asks and for gifts */
+#define WAIT_MOST_US 1e12 /* no wait is longer */
 
 static void *node_create(const struct sched_params *p)
 {
@@ -64,7 +63,7 @@ static void queue_take(struct node *n, int32_t i)
     n->queue_px -= px_of(n, i);
 }
 
-/* Takes entry i off the list that it is on: slot says which. */
+/* Takes entry i off its list; `slot` names the list. */
 enum { QUEUED = -1, FED, COMPUTED };
 static void unlist(struct node *n, int32_t i)
 {
@@ -102,9 +101,9 @@ void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *ou
 }
 
 /*
- * So many tasks the worker has in store, which cannot be given away any more: as many as hide the
- * way to it, but no more than last for STORE_US. A worker that shares its processor looks far away,
- * and a task that waits there behind another one would wait for nothing.
+ * The number of tasks that the worker holds beyond its current ones, which cannot be given away any
+ * more. They hide the delay of its link, but last for at most STORE_US. A worker that shares its
+ * processor seems to have a long delay; a task would wait behind another one for nothing.
  */
 static int32_t store_of(const struct node *n)
 {
@@ -130,7 +129,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
 
 /* ---- events ---------------------------------------------------------------------------------- */
 
-/* What is computed, and comes again, was lost on its way. */
+/* A computed task that comes again was lost on its way. */
 static void take_task(struct node *n, const struct sched_event *e, int64_t now)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
@@ -150,7 +149,7 @@ static void take_done(struct node *n, const struct sched_event *e, int64_t now)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
     if (i < 0 || n->has.at[i].slot != FED) {
-        n->flush = n->flush || n->ended; /* it was not so when it was said before */
+        n->flush = n->flush || n->ended; /* it was not done when a flush was asked for before */
         return;
     }
     pace_note(&n->pace, &n->has.at[i], e->wall_us, now);
@@ -168,7 +167,7 @@ static void take_pixels(struct node *n, const struct sched_event *e, struct sche
     tasks_remove(&n->has, i);
 }
 
-/* The worker is lost, with all it had; another one may come. */
+/* The worker is lost with all its tasks. Another one may come. */
 static void take_gone(struct node *n)
 {
     struct task_list *lost[] = {&n->fed, &n->computed};
@@ -209,10 +208,11 @@ static void take(
 
 /* ---- the default rules ----------------------------------------------------------------------- */
 
-/* Microseconds for a pixel, by all that the worker is on at once; 0: not known. */
+/* Microseconds per pixel, over all tasks that the worker computes at once; 0: not known. */
 static double pace_of(const struct node *n) { return n->width ? n->pace.us_per_px / n->width : 0; }
 
-/* So long the worker needs for what it was fed. Where it is late it will be as late again. */
+/* The time that the worker needs for its fed tasks. If it is late by some time, it counts as
+ * late by that time again. */
 static double fed_us(const struct node *n, double us_per_px, int64_t now)
 {
     if (!n->fed.count) return 0;
@@ -239,10 +239,10 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
     node_say(RING_ASK, -1, out);
 }
 
-/* Rules 2 and 3: so many tasks are given. */
+/* Rules 2 and 3: the number of tasks to give. */
 static int32_t spare(const struct node *n, int64_t now)
 {
-    bool known = pace_of(n) > 0; /* else pixels are as good as microseconds */
+    bool known = pace_of(n) > 0; /* if not, pixels stand for microseconds */
     double us_per_px = known ? pace_of(n) : 1;
     double here_us = known ? fed_us(n, us_per_px, now) : n->fed_px;
     double there_us = known ? n->trip_us : 0;
@@ -295,12 +295,12 @@ static void node_step(
 
 static int32_t node_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct node *)state)->has.of[generation % GENERATIONS];
+    return ((const struct node *)state)->has.n_by_generation[generation % GENERATIONS];
 }
 
 static int64_t node_waiting(const void *state) { return ((const struct node *)state)->queue.count; }
 
-/* What it was given again it was given by the hub, which counts. */
+/* Only the hub counts attempts. */
 static int32_t node_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)
 {
     (void)slot;

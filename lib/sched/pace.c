@@ -1,31 +1,32 @@
 /*
- * How many tasks a worker must have in store follows what is measured: enough that the next task is
- * there when one ends, although the news of the end and the next task take a round trip. It is the
- * window of a link, bandwidth times delay, in tasks.
+ * The queue depth of a worker follows measurements. The next task must be there when one ends,
+ * although the `done` and the next task take a round trip. The depth is the window of the link,
+ * bandwidth times delay, in tasks.
  *
- * A worker computes in the order in which it was given. With g when a task was given, d when its
- * `done` came, c how long it was computed, and e when the `done` before it came:
+ * A worker computes its tasks in the order in which they were sent. Let g be the time at which a
+ * task was sent, d the arrival of its `done`, c its computing time, e the arrival of the previous
+ * `done`:
  *
- *     d - c - g    is the round trip, if the worker had nothing else; more, if it had
- *     e - g        is the least that tells that it had: the task was there before the last ended
+ *     d - c - g    is the round trip if the worker was idle, and more if it was busy
+ *     e - g        >= round trip: the worker was busy; the task was there before the last ended
  *
- * So the first sample is taken as it is; each lower one is nearer the truth; a higher one counts
- * where by what is known the worker was waiting, or where it stood idle for longer than a task
- * takes, and then with an eighth of its weight, so that one hiccup does not fill a queue.
+ * The first sample is taken as it is, and so is each lower one. A higher sample counts only if the
+ * worker was waiting, by these data, or idle for longer than a task takes. It then counts with
+ * weight 1/8, so that one hiccup does not fill a queue.
  */
 #include "sched/pace.h"
 
 #define DEPTH_MOST 2500
-#define SAFETY 1.25     /* tasks are not equal, nor are trips */
-#define SHORT .01       /* so small a part of a task a trip is not worth a queue */
-#define WEIGHT (1 / 8.) /* of the latest in a recent mean */
+#define SAFETY 1.25     /* margin: tasks and trips vary */
+#define SHORT .01       /* of a task: a shorter round trip needs no queue */
+#define WEIGHT (1 / 8.) /* weight of the latest sample in a recent mean */
 
 void pace_mix(double *mean, double x) { *mean += *mean > 0 ? WEIGHT * (x - *mean) : x; }
 
 void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us)
 {
     int64_t before = p->done_us > copy->since_us ? p->done_us : copy->since_us;
-    /* What a slot says of its time is limited by what was seen of it. */
+    /* The observed time limits the time that a slot reports. */
     if (wall_us < 0 || wall_us > now_us - copy->since_us) wall_us = now_us - before;
     double computed_us = wall_us > 1 ? (double)wall_us : 1;
     double sample_us = (double)(now_us - copy->since_us - wall_us);

@@ -1,7 +1,6 @@
 /*
- * How a worker at the other end of a link does, as seen from here, and how many tasks it must have
- * in store so that the link is hidden: shared by deal, for its slots, and by the nodes of a ring,
- * each for its worker.
+ * The measured speed of a worker at the other end of a link, and the queue depth that hides the
+ * link's delay. deal keeps one per slot; each ring node keeps one for its worker.
  */
 #ifndef STORMRING_SCHED_PACE_H
 #define STORMRING_SCHED_PACE_H
@@ -9,22 +8,23 @@
 #include "sched/sched.h"
 
 struct pace {             /* 0: not known yet */
-    double round_trip_us; /* what a task takes beyond its computing, when none is before it */
-    double task_us;       /* the computing; a recent mean */
-    double us_per_px;     /* likewise */
-    int64_t done_us;      /* when its latest `done` came */
+    double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
+    double task_us;       /* computing time of a task; recent mean */
+    double us_per_px;     /* recent mean */
+    int64_t done_us;      /* arrival of the latest `done` */
 };
 
-/* Pixels in a microsecond; 0: not known. */
+/* Pixels per microsecond; 0: not known. */
 static inline double pace_rate(const struct pace *p)
 {
     return p->us_per_px > 0 ? 1 / p->us_per_px : 0;
 }
-/* x into a recent mean, which is 0 at first. */
+/* Updates a recent mean with sample x; a mean of 0 takes x as it is. */
 void pace_mix(double *mean, double x);
-/* A task is done, of which it had `copy`; wall_us: it says, or -1. */
+/* Records that a task is done. `copy` is the worker's entry, with since_us the time it was sent;
+ * wall_us: computing time as the worker reports it, -1: not reported. */
 void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us);
-/* So many tasks beyond the `width` that it is on at once should it have. */
+/* The number of tasks that the worker should hold beyond the `width` that it computes at once. */
 int32_t pace_depth(const struct pace *p, int32_t width);
 
 #endif

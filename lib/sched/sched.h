@@ -1,18 +1,18 @@
 /*
- * sched: scheduling policies as state machines. No clock, no I/O, no chance: an event and the time
- * go in, actions come out, and the same calls give the same actions. The live driver (deal,
- * ringctl) and the virtual-time simulation run the very same object code. Calls: policy->create,
- * then step for every event, then destroy.
+ * sched: scheduling policies as state machines without clock, I/O or random numbers. An event and
+ * the time go in, actions come out; the same calls give the same actions. The live drivers (deal,
+ * ringctl) and the virtual-time simulation run the same object code. Call policy->create, then step
+ * for each event, then destroy.
  *
  * The GDC ring is two policies: the hub, around a fan of nodes, and the node, around one worker,
- * which is its slot 0; what they say to each other are ring messages. A node's work comes as
- * SCHED_TASK, and END is its input's end.
+ * which is the node's slot 0. Hub and nodes exchange ring messages. Work reaches a node as
+ * SCHED_TASK; SCHED_END to a node's fan closes the node's input.
  *
- * What every policy around a fan guarantees to its driver: each task whose pixels were delivered is
- * committed once; a task that is not committed is in the pool, or has an owner that is up, or has
- * pieces for which that holds; SCHED_END or SCHED_STOP comes once, when, and only when, the input
- * has ended and nothing is uncommitted. policy_published guarantees the second and the "when" of
- * the third only as long as nothing fails.
+ * Every policy around a fan guarantees three things to its driver. (1) Each task whose pixels were
+ * delivered is committed exactly once. (2) An uncommitted task is in the pool, or its owner is up,
+ * or (1) to (3) hold for its pieces. (3) SCHED_END or SCHED_STOP comes exactly once: as soon as the
+ * input has ended and no task is uncommitted, never before. policy_published guarantees (2), and
+ * that the end comes at all, only while nothing fails.
  */
 #ifndef STORMRING_SCHED_H
 #define STORMRING_SCHED_H
@@ -21,71 +21,69 @@
 #include "task/task.h"
 
 /*
- * What a node and the hub say to each other (ringctl(1)). Slots number the nodes; peer is always
- * the other node that it is about. The links are FIFO; a task that a node gives to another one goes
- * up as RING_GIVE, and comes down as the task itself.
+ * Messages between a node and the hub (ringctl(1)). Slots number the nodes; `peer` is always the
+ * other node that the message concerns. The links are FIFO. A task that a node gives to another
+ * goes up as RING_GIVE and comes down as the task itself.
  */
 enum ring_kind {
-    RING_PLACE,   /* down: you are node `me` of n, by these rules */
-    RING_ASK,     /* up: I want work of peer, or, -1, of who has some; down: peer wants some */
-    RING_GIVE,    /* up: the task of this key is peer's now */
-    RING_NONE,    /* up, and down to peer: I have nothing to give; idle, next; by the default rules,
-                   * down to who asked, and is peer: you have to wait for work */
+    RING_PLACE,   /* down: you are node `me` of n; these rules apply */
+    RING_ASK,     /* up: I want work from peer, or from any node (-1); down: peer wants some */
+    RING_GIVE,    /* up: the task with this key now belongs to peer */
+    RING_NONE,    /* up, and down to peer: I have nothing to give; sets idle, next; by the default
+                   * rules also down to the asking node, which is peer then: wait for work */
     RING_CRASHED, /* up, published rules: peer does not answer */
-    RING_HEIR     /* down, published rules: the tasks that peer had follow; next came after it */
+    RING_HEIR     /* down, published rules: peer's tasks follow; next came after peer */
 };
 struct ring {
     enum ring_kind kind;
     int32_t peer;   /* -1: none */
-    int32_t next;   /* NONE: ask this one, which had work; HEIR; -1: none */
+    int32_t next;   /* NONE: ask this node, which had work; HEIR: see there; -1: none */
     bool idle;      /* NONE: I have nothing to do myself */
     int32_t me, n;  /* PLACE */
-    bool published; /* PLACE: as the paper has it */
-    bool one;       /* PLACE: one task is given at a time, not half of them */
+    bool published; /* PLACE: the rules as published apply */
+    bool one;       /* PLACE: give one task at a time, not half of them */
 };
 
 enum sched_event_kind {
-    SCHED_TASK,      /* task, frame_w: work has come */
-    SCHED_INPUT_END, /* no more work will come */
-    SCHED_FLUSH,     /* whoever reads wants what is held back */
+    SCHED_TASK,      /* task, frame_w: a task has arrived */
+    SCHED_INPUT_END, /* no more tasks will arrive */
+    SCHED_FLUSH,     /* the reader wants the pixels that are held back */
     SCHED_SLOTS,     /* n: slots are numbered 0 .. n-1 */
-    SCHED_UP,        /* slot: it can be given work; n: and works on so many tasks at once, 1 if 0 */
-    SCHED_GONE,      /* slot: its connection is lost, with all it held */
-    SCHED_DONE,      /* slot, task key: computed; its pixels may still be held back there */
-    SCHED_PIXELS,    /* slot, task key, at: these pixels have come, and were passed on */
-    SCHED_RING, /* ring, task key where it is a GIVE: from the node on that slot; to a node: from
-                      * the hub */
-    SCHED_WAKE  /* it is as late as wake_us said, or later */
+    SCHED_UP,        /* slot: it can be given work; n: tasks it computes at once, 1 if 0 */
+    SCHED_GONE,      /* slot: its connection is lost, with all that the slot held */
+    SCHED_DONE,      /* slot, task key: computed; the slot may still hold back pixels */
+    SCHED_PIXELS,    /* slot, task key, at: these pixels have arrived and were passed on */
+    SCHED_RING, /* ring, task key for a GIVE; slot: the sending node; to a node: from the hub */
+    SCHED_WAKE  /* the time is wake_us or later */
 };
 struct sched_event {
     enum sched_event_kind kind;
     int32_t slot, n;
     struct task task;
     uint32_t frame_w;
-    int64_t wall_us; /* DONE: so long it was computed, as the slot says; -1: it does not */
-    double power;    /* UP: of the slot, relative; 0: not known */
-    int32_t from;    /* TASK, to a node: the node whose it was; -1: it was nobody's */
+    int64_t wall_us; /* DONE: computing time, as the slot reports it; -1: not reported */
+    double power;    /* UP: relative power of the slot; 0: unknown */
+    int32_t from;    /* TASK, to a node: the previous owner; -1: none */
     struct ring ring;
 };
 
 enum sched_action_kind {
     SCHED_GIVE,      /* task to slot */
-    SCHED_ASK_FLUSH, /* slot: hand over what is held back */
-    SCHED_COMMIT,    /* task: all of its pixels have been passed on, once */
-    SCHED_SAY,       /* ring, task key where it is a GIVE: to the node on that slot; of a node: to
-                      * the hub */
-    SCHED_END,       /* close the input of all slots */
-    SCHED_STOP       /* the same, and stop them: what they are still on is needed no more */
+    SCHED_ASK_FLUSH, /* slot: send the pixels that are held back */
+    SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once */
+    SCHED_SAY, /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
+    SCHED_END, /* close the input of all slots */
+    SCHED_STOP /* the same, and stop the slots: their current tasks are not needed */
 };
 struct sched_action {
     enum sched_action_kind kind;
     int32_t slot;
     struct task task;
-    uint32_t of;  /* GIVE: the id of the task, as it came, that this one is, or is a piece of */
-    int32_t from; /* GIVE, to a node: the node whose it was, -1 */
+    uint32_t origin_id; /* GIVE: id of the input task that this one is, or is a piece of */
+    int32_t from;       /* GIVE, to a node: the previous owner; -1: none */
     struct ring ring;
 };
-/* The actions of one step, in order; the driver empties it. */
+/* The actions of one step, in order. The driver empties the list and frees it at last. */
 struct sched_actions {
     struct sched_action *at;
     size_t n, cap;
@@ -93,11 +91,11 @@ struct sched_actions {
 void sched_act(
     struct sched_actions *out, enum sched_action_kind kind, int32_t slot, const struct task *task);
 
-#define SCHED_WAITING_MOST 65536 /* tasks waiting: the driver reads no more */
+#define SCHED_WAITING_MOST 65536 /* undispatched tasks: the driver pauses its input */
 #define SCHED_DEPTH_AUTO (-1)
 struct sched_params {
-    int32_t depth; /* -q: tasks a slot may hold beyond those it is on, or SCHED_DEPTH_AUTO */
-    bool endgame;  /* -e: the last tasks are cut smaller, and given to more than one slot */
+    int32_t depth; /* -q: tasks a slot may hold beyond those it computes, or SCHED_DEPTH_AUTO */
+    bool endgame;  /* -e: cut the last tasks smaller and give them to more than one slot */
     bool one;      /* ring -k one: nodes give one task at a time */
 };
 
@@ -106,14 +104,14 @@ struct policy {
     void *(*create)(const struct sched_params *p);
     void (*step)(
         void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out);
-    /* Tasks of this generation; others modulo GENERATIONS have none. */
+    /* Uncommitted tasks of this generation. No generation equal to it modulo GENERATIONS may have
+     * any. */
     int32_t (*uncommitted)(const void *state, uint32_t generation);
-    /* Tasks that no slot was given yet: the driver reads on while they are few. */
+    /* Tasks not yet dispatched; the driver pauses its input at SCHED_WAITING_MOST. */
     int64_t (*waiting)(const void *state);
-    /* The copy of this task that slot is on, or has in store, was its so many-th; 0: it has none.
-     */
+    /* Attempt number of the copy that this slot holds, from 1; 0: it holds none. */
     int32_t (*tries)(const void *state, int32_t slot, uint32_t frame, uint32_t id);
-    /* When it wants SCHED_WAKE; INT64_MAX: it does not. NULL: it never does. */
+    /* Time at which the policy wants SCHED_WAKE; INT64_MAX: none. A NULL pointer: never. */
     int64_t (*wake_us)(const void *state);
     void (*destroy)(void *state);
 };
@@ -125,15 +123,15 @@ static inline int64_t sched_uncommitted(const struct policy *p, const void *stat
     return n;
 }
 /*
- * May state go on after which the oldest generation that may have tasks is `oldest`, where it was
- * `from`? Not while there is a task of one between: so few are alive at once (wire.h), and nobody
- * waits at the end of one.
+ * True if the oldest live generation may advance from `from` to `oldest`: no task of the
+ * generations before `oldest` is uncommitted. This limits the generations that are alive at once
+ * (wire.h); no slot waits at the end of a generation.
  */
 bool sched_admits(const struct policy *p, const void *state, uint32_t from, uint32_t oldest);
 
 extern const struct policy policy_deal;
 extern const struct policy policy_ring;      /* the hub */
-extern const struct policy policy_published; /* the master of the ring as it was published */
-extern const struct policy policy_node;      /* a node of either, as its PLACE says */
+extern const struct policy policy_published; /* the master of the ring as published */
+extern const struct policy policy_node;      /* a node of either ring, as its PLACE states */
 
 #endif

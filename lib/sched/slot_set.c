@@ -1,4 +1,4 @@
-/* Sets of slots: trees of bits, 64 to a node (as in van Emde Boas' of 1977, with fixed degree). */
+/* Sets of slots: trees of bits with 64 children per node (van Emde Boas, 1977; fixed degree). */
 #include "sched/slot_set.h"
 
 #include <stdlib.h>
@@ -33,7 +33,7 @@ void set_put(struct slot_set *s, int32_t k, bool member)
     }
 }
 
-/* The first member at or after k; -1: there is none. */
+/* The first member at or after k; -1 if none. */
 static int32_t upward(const struct slot_set *s, int32_t k)
 {
     int i = 0;
@@ -49,7 +49,7 @@ static int32_t upward(const struct slot_set *s, int32_t k)
     return k;
 }
 
-/* The last member at or before k; -1: there is none. */
+/* The last member at or before k; -1 if none. */
 static int32_t downward(const struct slot_set *s, int32_t k)
 {
     int i = 0;

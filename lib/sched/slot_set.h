@@ -1,7 +1,7 @@
 /*
- * Sets of slots, around the ring: bits in words of 64, and above each level one of a bit for each
- * word that is not empty, so that the next member is found in as many steps as there are levels.
- * The hub of the ring and deal keep who wants what in them.
+ * Sets of slots in ring order. Each level is an array of 64-bit words; a bit of the level above is
+ * set if the word below is not empty. Finding the next member takes as many steps as there are
+ * levels. The hub and deal keep the slots that want work, or have some, in these sets.
  */
 #ifndef STORMRING_SCHED_SLOT_SET_H
 #define STORMRING_SCHED_SLOT_SET_H
@@ -14,11 +14,11 @@ struct slot_set {
     int32_t n; /* slots 0 .. n-1 may be members */
     int32_t count;
 };
-void set_init(struct slot_set *s, int32_t n); /* n <= 1 << 20 */
+void set_init(struct slot_set *s, int32_t n); /* n <= 1 << 20; allocates, set_free frees */
 void set_free(struct slot_set *s);
 bool set_has(const struct slot_set *s, int32_t k);
 void set_put(struct slot_set *s, int32_t k, bool member);
-/* The first member after k, or before it, around the ring, k itself the last; -1: it is empty. */
+/* The next member after k, or the last before it, in ring order; k itself comes last. -1: empty. */
 int32_t set_after(const struct slot_set *s, int32_t k);
 int32_t set_before(const struct slot_set *s, int32_t k);
 

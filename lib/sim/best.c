@@ -1,4 +1,4 @@
-/* What a run is measured by: the bound, and a schedule made with all costs known. */
+/* The measures of a run: the lower bound, and a schedule made with all costs known. */
 #include "sim/sim.h"
 #include "stats/stats.h"
 
@@ -38,10 +38,10 @@ struct job {
 };
 struct best {
     const double *power;
-    struct job *jobs; /* the longest first */
+    struct job *jobs; /* longest first */
     int32_t n, slots;
     double *load_us; /* of each slot, at power 1 */
-    int32_t *to;     /* of each job */
+    int32_t *to;     /* slot of each job */
 };
 
 static int longest_first(const void *a, const void *b)
@@ -51,7 +51,7 @@ static int longest_first(const void *a, const void *b)
     return x->task < y->task ? -1 : 1;
 }
 
-/* When slot k ends with so much more to do. */
+/* The end of slot k with this much more work. */
 static double ends_us(const struct best *b, int32_t k, double more_us)
 {
     return (b->load_us[k] + more_us) / b->power[k];
@@ -80,15 +80,15 @@ static int32_t last_done(const struct best *b)
     return last;
 }
 
-/* Does it relieve slot `last`, and make no other one end as late, when job j goes from it to k, and
- * other_us comes from there? */
+/* True if moving job j from slot `last` to k, with other_us coming back, makes `last` end
+ * earlier and no other slot end as late. */
 static bool relieves(const struct best *b, int32_t last, int32_t j, int32_t k, double other_us)
 {
     double moved_us = b->jobs[j].us - other_us, end_us = ends_us(b, last, 0);
     return moved_us > 1e-9 * end_us && ends_us(b, k, moved_us) < end_us * (1 - 1e-12);
 }
 
-/* A move, or a swap, of a job of the slot that ends last. False: there is none. */
+/* Moves or swaps a job of the slot that ends last. False if nothing helps. */
 static bool improve(struct best *b)
 {
     int32_t last = last_done(b);

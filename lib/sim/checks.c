@@ -1,4 +1,4 @@
-/* What must hold of every run, checked as it goes on, in time that does not grow with the run. */
+/* Checks of every run, after each event, in time that does not grow with the run. */
 #include "sim/world.h"
 
 bool sim_is_sent(const struct world *w, const struct lattice *at)
@@ -60,7 +60,7 @@ static void check_end(struct world *w)
     w->ended = true;
 }
 
-/* What is made of a task is seen for the first time when it is given. */
+/* A piece is seen for the first time when it is given. */
 static void note_piece(struct world *w, const struct sched_action *a)
 {
     struct vtask *t = sim_vtask_at(w, a->task.id);

@@ -1,4 +1,4 @@
-/* What must hold of deal, checked as it acts. */
+/* Checks of deal after each action. */
 #include "sim/world.h"
 
 #include <string.h>
@@ -6,16 +6,16 @@
 struct note {
     uint64_t owners; /* slots that were given it and have not answered: bit K */
     int32_t gives;
-    int64_t order;               /* of the latest, among all gives */
-    uint8_t nth[SIM_SLOTS_MOST]; /* which of these the slot's was */
-    int32_t computed_by;         /* the first slot that said so, and is not lost, -1 */
-    bool overtaken;              /* a piece of what was computed since */
-    int64_t since_us;            /* it was given, or computed, last then */
+    int64_t order;               /* of the latest give, among all gives */
+    uint8_t nth[SIM_SLOTS_MOST]; /* attempt number of the slot's copy */
+    int32_t computed_by;         /* the first slot that computed it and is not lost, -1: none */
+    bool overtaken;              /* it is a piece of a task computed since */
+    int64_t since_us;            /* time it was last given or computed */
 };
 static struct note *of(const struct vtask *t) { return t->note; }
 
-#define LATE_US 200000 /* what was given or computed less long ago is not late */
-#define AUTO_MOST 2501 /* tasks at a slot, where the depth follows the link */
+#define LATE_US 200000 /* a task given or computed since then is not late */
+#define AUTO_MOST 2501 /* most tasks at a slot if the depth follows the link */
 
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
 static bool is_up(const struct world *w, int32_t k) { return w->slots[k].up; }
@@ -36,13 +36,13 @@ static bool meet(const struct world *w, const struct lattice *a, const struct la
             if (lattice_pixel(a, w->frame_w, i) == lattice_pixel(b, w->frame_w, j)) return true;
     return false;
 }
-/* Not committed, and computed by nobody who is up. */
+/* Not committed, and not computed by a slot that is up. */
 static bool is_open(const struct vtask *t)
 {
     return t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by < 0;
 }
 
-/* Was a piece of t given, that counts still? Do committed ones? */
+/* True if a piece of t was given that still counts; and if committed ones do. */
 static bool in_pieces(const struct world *w, const struct vtask *t, bool committed)
 {
     for (int32_t i = w->plan->tasks; i < w->n_tasks; i++) {
@@ -53,7 +53,7 @@ static bool in_pieces(const struct world *w, const struct vtask *t, bool committ
     return false;
 }
 
-/* For a slot that has not come up yet, or of which it is not known that it does not exist. */
+/* True if t waits for a slot that has not come up yet, or may not exist. */
 static bool is_promised(const struct world *w, const struct vtask *t)
 {
     if (t->to < 0 || of(t)->gives) return false;
@@ -61,7 +61,7 @@ static bool is_promised(const struct world *w, const struct vtask *t)
     return !w->slots[t->to].up && !w->slots[t->to].lost;
 }
 
-/* Known tasks that nobody has, and that wait as themselves, for anybody or for their slot. */
+/* Known tasks without an owner that wait as a whole, for any slot or for theirs. */
 static int32_t count_waiting(const struct world *w, bool promised)
 {
     int32_t n = 0;
@@ -82,7 +82,7 @@ static int32_t count_up(const struct world *w)
 
 /* ---- what the policy is told ----------------------------------------------------------------- */
 
-/* What was made of t is needed no more, unless it is lost. */
+/* The pieces of t are not needed any more, unless t is lost. */
 static void overtake(struct world *w, const struct vtask *t)
 {
     for (int32_t i = w->plan->tasks; i < w->n_tasks; i++)
@@ -128,7 +128,7 @@ static void deal_event(struct world *w, const struct sched_event *e)
 
 /* ---- what it does ---------------------------------------------------------------------------- */
 
-/* Does slot k owe pixels? */
+/* True if slot k owes pixels. */
 static bool owes(const struct world *w, int32_t k)
 {
     for (int32_t i = 0; i < w->n_tasks; i++) {
@@ -143,8 +143,8 @@ static bool is_late(const struct world *w, const struct vtask *t)
     return w->plan->params.endgame && w->now_us - of(t)->since_us >= LATE_US;
 }
 
-/* Slot k is given what is computed: only in the endgame, or late, when who computed it is busy or
- * was asked for it. */
+/* Slot k is given a computed task: only in the endgame, or late, if the slot that computed it is
+ * busy or was asked to flush. */
 static void check_withheld(struct world *w, struct vtask *t, int32_t k)
 {
     const struct vslot *s = &w->slots[of(t)->computed_by];
@@ -155,7 +155,7 @@ static void check_withheld(struct world *w, struct vtask *t, int32_t k)
     w->result->withheld++;
 }
 
-/* A piece that is seen for the first time: of one task, and beside the other pieces. */
+/* A new piece: of one task, and disjoint from the other pieces. */
 static void check_piece(struct world *w, struct vtask *t, const struct sched_action *a)
 {
     int32_t wholes = 0;
@@ -176,7 +176,7 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
     t->known = true;
 }
 
-/* Is t, or anything that it is a piece of, committed? */
+/* True if t, or a task that it is a piece of, is committed. */
 static bool is_committed(const struct world *w, const struct vtask *t)
 {
     if (t->committed) return true;
@@ -186,7 +186,7 @@ static bool is_committed(const struct world *w, const struct vtask *t)
     return false;
 }
 
-/* So many slots have t, as itself or as a part of something longer. */
+/* The number of slots that have t, by itself or as part of a longer task. */
 static int32_t copies_of(const struct world *w, const struct vtask *t)
 {
     int32_t n = count_owners(t);
@@ -195,7 +195,7 @@ static int32_t copies_of(const struct world *w, const struct vtask *t)
     return n;
 }
 
-/* Is the slot that has t, and nobody else, still on something else? */
+/* True if the only slot that has t is still computing another task. */
 static bool in_store(const struct world *w, const struct vtask *t)
 {
     for (int32_t i = 0; i < w->n_tasks; i++)
@@ -204,8 +204,8 @@ static bool in_store(const struct world *w, const struct vtask *t)
     return false;
 }
 
-/* Slot k is given what others have; `withheld`: one of them has computed it, and its pixels do not
- * come, however many others are still on it. */
+/* Slot k is given a task that others have. `withheld`: one of them has computed it and its
+ * pixels do not come, whatever number still compute it. */
 static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool withheld)
 {
     w->result->copies++;
@@ -221,20 +221,20 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
         sim_fail(w, "too many copies", k, t->task.id);
 }
 
-/* Beyond the depth, or what is left of it at the end? */
+/* True if this exceeds the depth, or its reduced value at the end. */
 static void check_depth(struct world *w, int32_t k, uint32_t id)
 {
     int32_t most = adapts(w) ? AUTO_MOST : w->plan->width + w->plan->params.depth,
             n = w->slots[k].has;
     if (n > most) sim_fail(w, "more given than the depth allows", k, id);
-    /* With pieces there may be more that waits than is seen here. */
+    /* With pieces, more tasks may wait than these checks count. */
     if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
     if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
         sim_fail(w, "more in store than waits", k, id);
 }
 
-/* Where all may have as many: it is for who has least, of equals the first. A copy is for one of
- * those who have nothing. */
+/* With equal depths the slot with the least load gets the task, of equals the first. A copy goes
+ * to an idle slot. */
 static void check_least(struct world *w, int32_t k, uint32_t id)
 {
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
@@ -243,7 +243,7 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
     }
 }
 
-/* What nobody had is given in the order in which it came, after all that was lost. */
+/* Tasks without an owner are given in order of arrival, after all lost ones. */
 static void check_turn(struct world *w, const struct vtask *t)
 {
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
@@ -304,7 +304,7 @@ static void deal_action(struct world *w, const struct sched_action *a)
 static void check_owners(struct world *w)
 {
     bool endgame = w->plan->params.endgame && w->input_ended;
-    int32_t idle = -1, free = -1; /* free: it owes nothing either */
+    int32_t idle = -1, free = -1; /* free: it owes no pixels either */
     for (int32_t k = 0; endgame && k < w->plan->slots; k++) {
         if (!is_up(w, k) || w->slots[k].has) continue;
         idle = k;

@@ -1,28 +1,28 @@
 /*
- * What must hold of the ring as published, whatever befalls it: who says what to whom, and when.
- * That a run ends is not among it.
+ * Checks of the ring as published under all faults: the sender, receiver and time of each message.
+ * They do not check that a run ends.
  */
 #include "sim/world.h"
 
 #include <stdlib.h>
 
-#define REQUESTS_MOST 4 /* to one node without an answer, then it is reported */
-#define OWED_MOST 4     /* answers, for each node of the ring */
+#define REQUESTS_MOST 4 /* to one node without an answer, then a report */
+#define OWED_MOST 4     /* answers, per node of the ring */
 #define TIMEOUT_LEAST_US 500000
 
-/* What the checks know of a node; the latest SLOTS, its first event, begins it anew. */
+/* The checks' record of a node. The latest SLOTS, its first event, resets it. */
 struct shadow {
-    bool placed, began;         /* it was; and it has had a row */
-    int64_t placed_us, step_us; /* then it was placed; its latest step */
-    int32_t asked;              /* whom it asked last in this search; itself: nobody yet */
-    int32_t requests;           /* to that one, without an answer */
-    int64_t asked_us;           /* the latest of them */
-    bool found;                 /* that one answered with a row, last time */
-    int32_t next; /* that one has none, or is given up: this one is next; -1: it may be asked */
+    bool placed, began;         /* it has a PLACE; it has had a row */
+    int64_t placed_us, step_us; /* time of its PLACE; of its latest step */
+    int32_t asked;              /* the node asked last in this search; itself: none yet */
+    int32_t requests;           /* unanswered requests to that node */
+    int64_t asked_us;           /* time of the latest one */
+    bool found;                 /* that node answered with a row last time */
+    int32_t next; /* the node to ask next, if that one has none or is given up; -1: that one */
     int32_t owes; /* answers */
     int32_t queued, begun;
-    bool done;    /* this step is about a row that is done */
-    int32_t at[]; /* by slot: answers that it owes to that; then by task: where that is */
+    bool done;    /* this step handles a row that is done */
+    int32_t at[]; /* by slot: answers it owes to that slot; then by task: its place */
 };
 enum row { ELSEWHERE, QUEUED, BEGUN };
 
@@ -45,7 +45,7 @@ static int32_t distance(const struct world *w, int32_t from, int32_t to)
     return (to - from + w->plan->slots) % w->plan->slots;
 }
 
-/* ---- what a node is told --------------------------------------------------------------------- */
+/* ---- events of a node ------------------------------------------------------------------------ */
 
 static void forget(struct world *w, int32_t k)
 {
@@ -94,7 +94,7 @@ static void note_ring(struct world *w, int32_t k, const struct ring *r)
     search_from(x, x->asked, r->idle && ahead ? r->next : after(w, x->asked));
 }
 
-/* What the step before must have left behind. */
+/* The state that the previous step must have left. */
 static void check_left(struct world *w, int32_t k)
 {
     const struct shadow *x = shadow_of(w, k);
@@ -123,7 +123,7 @@ static void node_event(struct world *w, int32_t k, const struct sched_event *e)
 
 /* ---- what it does ---------------------------------------------------------------------------- */
 
-/* Asked again, or reported. */
+/* The node asks again, or reports. */
 static void check_again(struct world *w, int32_t k, const struct ring *r)
 {
     const struct shadow *x = shadow_of(w, k);
@@ -193,7 +193,7 @@ static int32_t home_of(const struct world *w, const struct vtask *t)
     return t->to >= 0 && t->to < n ? t->to : (int32_t)(t->task.id % (uint32_t)n);
 }
 
-/* What it is on, and how much of what it has to do for that it did. */
+/* The event that the master handles; the messages and rows that it has sent for it. */
 struct master {
     struct sched_event event;
     int32_t says, rows;
@@ -210,7 +210,7 @@ static void event(struct world *w, const struct sched_event *e)
     *master_of(w) = (struct master){.event = *e};
 }
 
-/* Node to node as it was said; HEIR to who reported; PLACE to who came up. */
+/* Node to node unchanged; HEIR to the reporting node; PLACE to the node that came up. */
 static void check_say(struct world *w, const struct sched_action *a)
 {
     struct master *m = master_of(w);
@@ -228,7 +228,7 @@ static void check_say(struct world *w, const struct sched_action *a)
     if (!good || m->says++) sim_fail(w, "the master says what nobody said", a->slot, r->kind);
 }
 
-/* In phase 1 to its node, once; or handed on; or taken over. */
+/* In phase 1 to its node, once; or forwarded; or taken over. */
 static void check_row(struct world *w, const struct sched_action *a)
 {
     struct master *m = master_of(w);
@@ -255,7 +255,7 @@ static void action(struct world *w, const struct sched_action *a)
     if (!w->slots[a->slot].up) sim_fail(w, "something for a node that is not up", a->slot, 0);
 }
 
-/* What was to be handed on, or taken over, was. */
+/* All rows to be forwarded or taken over were sent. */
 static void after_step(struct world *w)
 {
     const struct master *m = master_of(w);

@@ -1,22 +1,22 @@
 /*
- * What must hold of a node of the ring (by its default rules), checked as it acts. What it has, and
- * what its worker has of that, is noted apart from what the hub knows.
+ * Checks of a node of the ring (default rules) after each action. The node's tasks, and those of
+ * its worker, are recorded apart from the hub's view.
  */
 #include "sim/ring_model.h"
 
-/* Tasks that a node may feed its worker beyond those that it is on; and where pauses, and answers
- * that are wrong, make the way to it seem long. */
+/* Tasks that a node may feed its worker beyond the current ones; also if pauses, and wrong
+ * answers, make its link seem slow. */
 #define SLACK 1
 #define SLACK_MOST 2501
 
-/* What a node measures of its worker is so. */
+/* True if a node's measurements of its worker are valid. */
 static bool is_steady(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     return p->width == 1 && p->p_pause + p->p_silence + p->p_slow + p->p_garbage <= 0;
 }
 
-/* Before the next thing comes to node k: what was to be done was done. */
+/* Before the next event of node k: all due actions were taken. */
 static void settle(struct world *w, struct rslot *s, int32_t k)
 {
     const int32_t width = w->plan->width;
@@ -45,13 +45,14 @@ static void node_begins(struct world *w, struct rslot *s, int32_t k)
     s->asker = -1;
 }
 
-/* A worker that has not been on its task for longer than the shortest one takes cannot be late. */
+/* A worker cannot be late before the shortest task time has passed. */
 static void node_takes_ring(struct world *w, struct rslot *s, int32_t k, const struct ring *r)
 {
     const struct vslot *v = &w->slots[k];
     double shortest_us = w->plan->cost_us * w->plan->rows / v->power;
     if (r->kind == RING_PLACE) s->has_place = true;
-    if (r->kind != RING_ASK || !s->has_place) return; /* before it has, it was another one's */
+    /* before its PLACE, asks were for an earlier node */
+    if (r->kind != RING_ASK || !s->has_place) return;
     s->asker = r->peer;
     s->answers = 0;
     s->given_px = 0;
@@ -59,7 +60,7 @@ static void node_takes_ring(struct world *w, struct rslot *s, int32_t k, const s
     s->in_time = is_steady(w) && v->busy && (double)(w->now_us - v->began_us) < shortest_us;
 }
 
-/* It has been computed, or given away, or all of its pixels have come. */
+/* It was computed, or given away, or all of its pixels have come. */
 static void node_forgets(struct rslot *s, int32_t k, struct rtask *t, const struct task *task)
 {
     uint64_t bit = UINT64_C(1) << k;

@@ -1,19 +1,19 @@
 /*
- * What must hold of the ring (by its default rules), checked as hub and nodes act, against a ledger
- * of its own. Steps cost no more than those of what is checked, but where a slot comes or goes.
+ * Checks of the ring (default rules) after each action of hub and nodes, against the checks' own
+ * ledger. Steps cost no more than those of the policy, except when a slot comes or goes.
  */
 #include "sim/ring_model.h"
 
 #include <stdlib.h>
 
-/* As in the rules: of an ask that is late. */
+/* Limits of a late ask, as in the rules. */
 #define LATE_TIMES 8
 #define LATE_US 100000
 #define FIRST_US 3000000
 #define ANSWERS 16
-#define HUNG_US 200000 /* who made progress less long ago is not late */
+#define HUNG_US 200000 /* a node with progress since then is not late */
 
-#define PASSES_MOST 12 /* of a task: for 64 nodes twice as often as halving takes */
+#define PASSES_MOST 12 /* of a task: twice as many as halving takes for 64 nodes */
 
 /* ---- the ledger ------------------------------------------------------------------------------ */
 
@@ -54,7 +54,7 @@ static void note_up(struct world *w, struct ring_model *m, int32_t k)
     sim_ring_mark(w, m, k);
 }
 
-/* Nobody is asked for slot k any more. */
+/* Slot k has no victim any more. */
 static void part(struct world *w, struct ring_model *m, int32_t k)
 {
     int32_t victim = m->slots[k].victim;
@@ -65,7 +65,7 @@ static void part(struct world *w, struct ring_model *m, int32_t k)
     sim_ring_mark(w, m, k);
 }
 
-/* Nor is slot k, for anybody; they ask others. */
+/* Slot k is no victim any more; the nodes that asked it ask others. */
 static void pass_on(struct world *w, struct ring_model *m, int32_t k)
 {
     for (int32_t i = 0; i < w->plan->slots; i++) {
@@ -102,7 +102,8 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     s->dry = false;
     m->paced = true;
     sim_ring_mark(w, m, k);
-    if (t->place == RING_COMPUTED) s->flushed = false; /* it was not, when it said so before */
+    /* the repeated report means that the first was too early */
+    if (t->place == RING_COMPUTED) s->flushed = false;
     if (t->place == RING_HELD) s->moved_us = w->now_us;
     if (t->place == RING_HELD) sim_ring_enter(w, m, t, RING_COMPUTED, k);
 }
@@ -131,7 +132,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     m->answer_us -= m->answer_us / ANSWERS;
     if (w->now_us - m->slots[peer].since_us > m->answer_us)
         m->answer_us = w->now_us - m->slots[peer].since_us;
-    /* What was not its to give is an answer all the same. */
+    /* A GIVE of a task that the node does not own is still an answer. */
     if (given) return;
     s->dry = s->given == m->slots[peer].given_before;
     m->slots[peer].passed = true;
@@ -139,7 +140,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     sim_ring_mark(w, m, e->slot);
 }
 
-/* Who was not answered in time waits no more, nor do the others that wait for the same. */
+/* Ends asks that were not answered in time, and all others to the same victim. */
 static void note_late(struct world *w, struct ring_model *m)
 {
     int64_t late_us = m->answer_us ? LATE_TIMES * m->answer_us + LATE_US : FIRST_US;
@@ -178,7 +179,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
     }
 }
 
-/* What waits for a slot that is not up yet goes, about half of it at a time, to who wants work. */
+/* Tasks that wait for a slot not up yet go to nodes that ask, about half of them at a time. */
 static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     int32_t late = t->base;
@@ -194,7 +195,7 @@ static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int3
 
 /* ---- what the hub does ----------------------------------------------------------------------- */
 
-/* An idle node is given what another one does not get done, when nobody can be asked for it. */
+/* An idle node is given a late task of another node, if no node can be asked. */
 static void check_taken_over(
     struct world *w, struct ring_model *m, struct rtask *t, const struct sched_action *a)
 {
@@ -233,13 +234,13 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     sim_ring_enter(w, m, t, RING_HELD, a->slot);
 }
 
-/* What slot k has left, in powers of two; before anybody is known to be faster than another. */
+/* The work left of slot k, in powers of two, while no speeds are known. */
 static int class_of(const struct world *w, const struct rslot *s)
 {
     return ilogb(s->held * (double)w->plan->rows * FRAME_W / w->plan->width / (1 + s->thieves));
 }
 
-/* One of those with most work is asked, for the nearest before it of those who want some. */
+/* The victim is one of the nodes with most work; the thief is the nearest asking node before it. */
 static void check_choice(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
 {
     const int32_t n = w->plan->slots;
@@ -310,7 +311,7 @@ static void ring_action(struct world *w, const struct sched_action *a)
     }
 }
 
-/* What was to be done in this step was done. */
+/* All due actions of this step were taken. */
 static void ring_after(struct world *w)
 {
     struct ring_model *m = sim_ring_model(w);
@@ -332,7 +333,7 @@ static void ring_after(struct world *w)
     if (!m->open) m->flush = false;
 }
 
-/* Another hub, with no nodes yet. */
+/* A new hub, without nodes yet. */
 static void ring_restart(struct world *w)
 {
     free(w->note);

@@ -1,15 +1,15 @@
 /*
- * The fan alone, as a policy: what is for a slot waits until it is up, and then goes there, once.
+ * The fan alone, as a policy: tasks wait until their slot is up, and then go there, once.
  */
 #include "sim/sim.h"
 
 #include <stdlib.h>
 
 struct fan {
-    struct task_table ledger;  /* not committed */
-    struct task_list *waiting; /* for each slot; later they are on none */
+    struct task_table ledger;  /* uncommitted tasks */
+    struct task_list *waiting; /* per slot; later they are on no list */
     bool *up;
-    int32_t n_slots; /* 0: not known yet; everything waits in: */
+    int32_t n_slots; /* 0: not known yet; all tasks wait in: */
     struct task_list early;
     int64_t n_waiting;
     bool ended, closed;
@@ -106,7 +106,7 @@ static void fan_step(
 
 static int32_t fan_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct fan *)state)->ledger.of[generation % GENERATIONS];
+    return ((const struct fan *)state)->ledger.n_by_generation[generation % GENERATIONS];
 }
 static int64_t fan_waiting(const void *state) { return ((const struct fan *)state)->n_waiting; }
 static int32_t fan_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)

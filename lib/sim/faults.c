@@ -1,13 +1,13 @@
 /*
- * Faults: crash, silence, pause, slow-down, hang, and the hub killed. By chance at most one befalls
- * a slot, and slot 0 is never lost.
+ * Faults: crash, silence, pause, slow-down, hang, and a killed hub. At most one random fault
+ * befalls a slot; slot 0 is never lost.
  */
 #include "sim/world.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define HUB_DOWN_US 1e6 /* at most, between a hub and the next one */
+#define HUB_DOWN_US 1e6 /* at most, from one hub to the next */
 
 static void plan_fault(
     struct world *w, int64_t at_us, int32_t k, enum sim_fault_kind kind, double power)
@@ -51,7 +51,7 @@ void sim_inject_by_commits(struct world *w, int64_t before)
     }
 }
 
-/* Everything dies with it. */
+/* The hub and all slots die. */
 static void kill_hub(struct world *w)
 {
     if (w->ended || w->down) return;
@@ -100,8 +100,8 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
 
 /* ---- the next hub ---------------------------------------------------------------------------- */
 
-/* What the log has not whole comes again, as if nothing of it had come; the last one in any case,
- * so that the ids of pieces stay above those of the plan. */
+/* Tasks that the log does not have as a whole come again as new. The last task always comes
+ * again, so that the ids of pieces stay above those of the plan. */
 static void forget(struct world *w, struct vtask *t)
 {
     bool last = t->task.id + 1 == (uint32_t)w->plan->tasks;

@@ -1,6 +1,6 @@
 /*
- * A priority queue of events by (time, order of insertion): equal times keep their order, so a seed
- * is one run.
+ * A priority queue of events by (time, order of insertion). Equal times keep their order, so that a
+ * seed gives exactly one run.
  */
 #ifndef STORMRING_SIM_HEAP_H
 #define STORMRING_SIM_HEAP_H
@@ -9,26 +9,26 @@
 
 enum sim_kind {
     SIM_SCHED,    /* sched event arrives at the hub's policy */
-    SIM_AT_HUB,   /* it does, behind the pixels that pass the hub */
+    SIM_AT_HUB,   /* the same, after the pixels that pass the hub */
     SIM_INPUT,    /* the next tasks may be read */
-    SIM_TO_SLOT,  /* sched event arrives at the slot: a task, a flush, a ring message, the end */
+    SIM_TO_SLOT,  /* sched event arrives at the slot: task, flush, ring message or end */
     SIM_COMPUTED, /* the slot has finished its task */
-    SIM_WAKE,     /* of the slot's node, or, slot -1, of the hub */
-    SIM_FAULT,    /* number sched.n of the plan's */
-    SIM_RESUME,   /* the slot goes on after a pause */
-    SIM_GIVE_UP,  /* it was silent for too long */
-    SIM_RETURN,   /* it comes up */
-    SIM_RESTART   /* a new hub begins */
+    SIM_WAKE,     /* of the slot's node; slot -1: of the hub */
+    SIM_FAULT,    /* fault number sched.n of the plan */
+    SIM_RESUME,   /* the slot continues after a pause */
+    SIM_GIVE_UP,  /* the fan gives up the silent slot */
+    SIM_RETURN,   /* the slot comes up again */
+    SIM_RESTART   /* a new hub starts */
 };
 struct sim_event {
     int64_t at_us;
     enum sim_kind kind;
     int32_t slot;
-    uint32_t epoch; /* of the slot's process: what belongs to a dead one is void */
-    uint32_t hub;   /* likewise, of the hub's */
+    uint32_t epoch; /* of the slot's process: events for a dead one are void */
+    uint32_t hub;   /* likewise, of the hub's process */
     struct sched_event sched;
 };
-/* Keys are moved, events stay: those at or after n name bodies that are free. */
+/* The heap moves keys; events stay. Keys at or after n name free bodies. */
 struct sim_key {
     int64_t at_us;
     uint64_t order;

@@ -1,9 +1,9 @@
 /* Links between the fan and its slots. */
 #include "sim/world.h"
 
-#define LATE_US 1e6 /* at most, of a datagram that others overtake */
+#define LATE_US 1e6 /* at most, for a datagram that others overtake */
 
-/* Arrival of what leaves at from_us over a link that keeps order; trips: 1 is the latency. */
+/* Arrival over a link that keeps order, for a message sent at from_us; trips: latencies. */
 static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
 {
     double us = (double)w->plan->latency_us * trips;
@@ -13,7 +13,7 @@ static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *
     return *latest = at;
 }
 
-/* A ring message takes its hops from node to node: half of them on each of the two links. */
+/* A ring message between nodes takes its hops on two links, half of them on each. */
 static double trips_of(const struct world *w, bool between_nodes)
 {
     return between_nodes ? w->plan->hops / 2 : 1;
@@ -28,15 +28,15 @@ static int64_t pixels_arrive(struct world *w, struct vslot *s, const struct task
     return arrival(w, s->left_us, 1, &s->pixels_us);
 }
 
-/* What comes in order with pixels. */
+/* Messages that keep their order with pixels. */
 static bool is_bulk(const struct sched_event *e)
 {
     return e->kind == SCHED_PIXELS || e->kind == SCHED_GONE || e->kind == SCHED_UP;
 }
 
 /*
- * A ring message that is due at at_us: it may be lost, come twice, or so late that others overtake
- * it. Links lose nothing; what the published ring ran on may.
+ * A ring message due at at_us. It may be lost, come twice, or be so late that others overtake it.
+ * Links lose nothing, but the network of the published ring may.
  */
 static void send_datagram(struct world *w, int64_t at_us, int32_t k, struct sim_event e)
 {

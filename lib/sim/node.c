@@ -1,10 +1,10 @@
 /*
- * Nodes: the policy that stands between a slot's link and its worker. What it says goes up the
- * link; what it gives is the worker's at once.
+ * Nodes: the policy between a slot's link and its worker. Its messages go up the link; its tasks
+ * reach the worker at once.
  */
 #include "sim/world.h"
 
-/* That it gives a task, which it may not have; that it has none, or wants some; to anybody. */
+/* A false message: GIVE of a task that it may not have, NONE or ASK, to a random node. */
 static void say_false(struct world *w, int32_t k)
 {
     static const enum ring_kind kinds[] = {RING_GIVE, RING_GIVE, RING_NONE, RING_ASK, RING_HEIR};
@@ -47,8 +47,8 @@ static void node_act(struct world *w, int32_t k, const struct sched_action *a)
     }
 }
 
-/* What it does may make its worker answer, which is its next event: one list has the actions of
- * both. */
+/* An action may make the worker answer, which is the node's next event: one list holds the
+ * actions of both. */
 void sim_node_step(struct world *w, int32_t k, struct sched_event e)
 {
     struct vslot *s = &w->slots[k];

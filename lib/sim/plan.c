@@ -1,4 +1,4 @@
-/* A plan from a seed. */
+/* Makes up a plan from a seed. */
 #include "sim/sim.h"
 
 static double unit(uint64_t seed, uint64_t k) { return rng_unit(seed, 1000 + k); }
@@ -8,14 +8,14 @@ static int32_t pick(uint64_t seed, uint64_t k, int32_t least, int32_t most)
     return least + (int32_t)(unit(seed, k) * (most - least + 1));
 }
 
-/* A fault is absent in half of the plans, and now and then nearly certain. */
+/* A fault is absent in half of the plans, and sometimes nearly certain. */
 static double chance(uint64_t seed, uint64_t k, double usual)
 {
     double u = unit(seed, k);
     return u < .5 ? 0 : u < .9 ? usual : .9;
 }
 
-/* Nothing goes wrong, and the depth follows a long link: it has to be hidden. */
+/* No faults; the depth follows a long link and must hide it. */
 static void calm(struct sim_plan *p, bool tiny)
 {
     p->calm = !tiny;
@@ -78,7 +78,7 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
     if (p.assigned > p.tasks) p.assigned = p.tasks;
     p.width = unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
-    p.p_false = fmin(p.p_garbage, .1);       /* more, and one brings on the next without end */
-    if (unit(seed, 31) < .03) p.p_crash = 1; /* of all but one */
+    p.p_false = fmin(p.p_garbage, .1);       /* each can cause the next: more would never end */
+    if (unit(seed, 31) < .03) p.p_crash = 1; /* of all slots but one */
     return p;
 }

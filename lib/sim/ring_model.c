@@ -1,4 +1,4 @@
-/* The ledger of the checks of the ring. */
+/* The ledger of the ring's checks. */
 #include "sim/ring_model.h"
 
 #include <stdlib.h>
@@ -38,7 +38,7 @@ void sim_ring_mark(struct world *w, struct ring_model *m, int32_t k)
     s->rich = rich;
 }
 
-/* The nearest slot before k that is up, k itself the last; -1: none is. */
+/* The nearest slot before k that is up, k itself last; -1 if none. */
 static int32_t heir_of(const struct world *w, const struct ring_model *m, int32_t k)
 {
     const int32_t n = w->plan->slots;
@@ -55,7 +55,7 @@ int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int
     return m->slots[k].state == RING_UP ? k : heir_of(w, m, k);
 }
 
-/* It is so many more, of slot k where there is one, in that place. */
+/* Adds `more` to the tasks of slot k in that place, if k is a slot. */
 static void count(struct ring_model *m, enum rplace p, int32_t k, int32_t more)
 {
     bool promised = p == RING_ORPHAN && k >= 0 && m->slots[k].state == RING_NEW;

@@ -1,17 +1,16 @@
 /*
- * One run: the plan's faults are laid out, then events are taken in order of time until none is
- * left.
+ * One run: schedules the plan's faults, then handles events in order of time until none is left.
  */
 #include "sim/world.h"
 
 #include <stdlib.h>
 
-#define AT_ONCE 100   /* events for each slot and task: there are those who go round without end; */
-#define PX_AT_ONCE 10 /* and for each pixel */
+#define AT_ONCE 100   /* limit of events per slot and task, against endless loops */
+#define PX_AT_ONCE 10 /* likewise, per pixel */
 
 /* ---- the hub --------------------------------------------------------------------------------- */
 
-/* Where the time of all slots went. */
+/* Splits the time of all slots. */
 static void account(struct world *w)
 {
     struct sim_result *r = w->result;
@@ -28,7 +27,7 @@ static void account(struct world *w)
     }
 }
 
-/* What is measured ends here; nodes end with their input. */
+/* Measuring ends here; nodes end with their input. */
 static void close_run(struct world *w, const struct sched_action *a)
 {
     account(w);
@@ -54,7 +53,7 @@ static void step(struct world *w, const struct sched_event *e)
     if (w->result->commits > commits) sim_inject_by_commits(w, commits);
 }
 
-/* May tasks of this generation come? One after the other is asked for, as its state would be. */
+/* Admits the generations up to this one, each like its state in the live driver. */
 static bool admitted(struct world *w, uint32_t generation)
 {
     while (w->generation != generation) {
@@ -73,7 +72,7 @@ static bool admitted(struct world *w, uint32_t generation)
     return true;
 }
 
-/* The tasks that have come by now, as long as few wait; those of which all is there are skipped. */
+/* Reads tasks that have arrived while few wait, and skips committed ones. */
 static void read_input(struct world *w)
 {
     const int32_t n = w->plan->tasks;
@@ -102,7 +101,7 @@ static void wake_hub(struct world *w)
     else sim_schedule_wake(w, w->policy, w->state, -1);
 }
 
-/* For a process, or from one, that is no more. */
+/* True if the event is for, or from, a process that no longer exists. */
 static bool is_void(const struct world *w, const struct sim_event *e)
 {
     switch (e->kind) {
@@ -153,7 +152,7 @@ static void begin(struct world *w)
         sim_draw_fault(w, k);
     }
     sim_plan_faults(w);
-    /* How many slots there are may be known before or after the first tasks. */
+    /* The number of slots may be known before or after the first tasks. */
     sim_start_slots(w, sim_draw(w) < .5 || p->work ? 0 : (int64_t)(sim_draw(w) * 2e5));
     w->spread_us = sim_draw(w) < .5 || p->calm || p->work ? 0 : (int64_t)(1e6 * sim_draw(w));
     for (int32_t i = 0; i < p->assigned; i++) { /* one in eight to a slot that does not exist */
@@ -164,7 +163,7 @@ static void begin(struct world *w)
     sim_schedule(w, 0, 0, (struct sim_event){.kind = SIM_INPUT});
 }
 
-/* All of the work, one after the other, at the least power that a slot may have. */
+/* All of the work in sequence, at the least power that a slot may have. */
 static double alone_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
@@ -179,8 +178,8 @@ static double alone_us(const struct world *w)
 }
 
 /*
- * One slot alone could do all of it, one round trip a task, once the faults are over; twice that is
- * enough. Pieces are more tasks, of less work.
+ * One slot alone could do all of it, with one round trip per task, once the faults are over; twice
+ * that is enough. Pieces are more tasks, with less work each.
  */
 static int64_t time_allowed_us(const struct world *w)
 {
@@ -191,7 +190,7 @@ static int64_t time_allowed_us(const struct world *w)
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
 }
 
-/* Without faults, and the link hidden: the bound, what is on the way at both ends, a last task. */
+/* Without faults, and with the link hidden: the bound, transfers at both ends, and a last task. */
 static int64_t calm_us(const struct world *w)
 {
     double power = 0, least = 1;
@@ -288,9 +287,9 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     w.alone_us = alone_us(&w);
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
     most += PX_AT_ONCE * (int64_t)w.frame_w * w.frame_h;
-    if (plan->detect_us) most += AT_ONCE * n * n; /* each asks each */
+    if (plan->detect_us) most += AT_ONCE * n * n; /* each node asks each other */
     while (!*result->failure && !result->stops && sim_heap_pop(&w.heap, &e)) {
-        if (e.at_us > 2 * time_allowed_us(&w)) break; /* there are those who ask for ever */
+        if (e.at_us > 2 * time_allowed_us(&w)) break; /* some methods ask for ever */
         at_once = e.at_us > w.now_us ? 0 : at_once + 1;
         if (at_once > most) sim_fail(&w, "time stands still", at_once, most);
         w.now_us = e.at_us;

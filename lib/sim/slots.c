@@ -1,6 +1,6 @@
 /*
- * Slots. A slot is a process that takes its tasks in order; with its end what is on the way to it
- * and what it was computing is void, not what it had sent.
+ * Slots. A slot is a process that takes its tasks in order. When it ends, messages under way to it
+ * and its current task are void; messages that it had sent are not.
  */
 #include "sim/world.h"
 
@@ -9,7 +9,7 @@
 
 void sim_append_task(struct tasks *l, const struct task *t)
 {
-    if (l->first > l->n / 2) { /* what was taken makes room */
+    if (l->first > l->n / 2) { /* reuses the room of taken entries */
         l->n -= l->first;
         memmove(l->at, l->at + l->first, l->n * sizeof *l->at);
         l->first = 0;
@@ -23,7 +23,7 @@ void sim_append_task(struct tasks *l, const struct task *t)
 
 /* ---- the worker ------------------------------------------------------------------------------ */
 
-/* To the fan, and to the node where there is one, which hears of it at once. */
+/* Sends to the fan; a node, if there is one, gets it at once. */
 static void answer(struct world *w, int32_t k, struct sched_event e)
 {
     sim_say(w, k, e);
@@ -33,8 +33,7 @@ static void answer(struct world *w, int32_t k, struct sched_event e)
 }
 
 /*
- * A wrong answer: about work that does not exist, about another slot's, or with pixels beside the
- * task.
+ * A wrong answer: about an unknown task, another slot's task, or pixels outside the task.
  */
 static struct sched_event garbled(struct world *w, struct sched_event e)
 {
@@ -56,7 +55,7 @@ static void answer_twice_or_worse(struct world *w, int32_t k, struct sched_event
     answer(w, k, e);
 }
 
-/* In one piece where times are measured, else in a few. */
+/* Sends pixels in one piece if times are measured, else in a few. */
 static void send_pixels(struct world *w, int32_t k, const struct task *t)
 {
     struct sched_event e = {.kind = SCHED_PIXELS, .task = *t};
@@ -101,7 +100,7 @@ void sim_hand_over(struct world *w, int32_t k)
     held->first = held->n = 0;
 }
 
-/* The time on the task that it was on, which has ended one way or other. */
+/* Adds the time of its current task, which has ended in one way or another. */
 static void count_time(struct world *w, struct vslot *s)
 {
     if (!s->busy) return;
@@ -115,7 +114,7 @@ static void computed(struct world *w, int32_t k, int64_t wall_us)
     struct vslot *s = &w->slots[k];
     if (s->hung) return;
     count_time(w, s);
-    if (s->stalled) return; /* it will begin again when it resumes */
+    if (s->stalled) return; /* it begins again when it resumes */
     struct task t = s->queue.at[s->queue.first++];
     struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
     w->result->computed++;
@@ -136,7 +135,7 @@ static void keep(struct inbox *in, const struct sim_event *e)
     in->at[in->n++] = *e;
 }
 
-/* What the worker reads itself, where there is no node. */
+/* Records that the worker reads itself, if there is no node. */
 static void read_down(struct world *w, int32_t k, const struct sched_event *e)
 {
     if (e->kind == SCHED_FLUSH) sim_hand_over(w, k);

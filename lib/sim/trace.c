@@ -1,4 +1,4 @@
-/* What happens, as text. */
+/* Events as text. */
 #include "sim/world.h"
 
 #include <inttypes.h>
@@ -33,7 +33,7 @@ static const char *const kinds[] = {[SIM_INPUT] = "input",
     [SIM_RETURN] = "starts",
     [SIM_RESTART] = "restarts"};
 
-/* What it is that arrives. */
+/* The arriving event in words. */
 static int describe(const struct sched_event *e, char *at, size_t room)
 {
     const struct ring *r = &e->ring;

@@ -5,9 +5,9 @@
 #include <string.h>
 
 #define SLOT_MOST 1000000
-#define SLOWED .1 /* of its power is left, where nothing else is said */
+#define SLOWED .1 /* default share of its power left */
 
-/* The word's end at the next ':', or NULL. */
+/* Ends the word at the next ':'; the rest, or NULL. */
 static char *cut_off(char *word)
 {
     char *colon = strchr(word, ':');
@@ -16,7 +16,7 @@ static char *cut_off(char *word)
     return colon + 1;
 }
 
-/* WHEN: "2.5s", or so many tasks committed. */
+/* WHEN: "2.5s", or a number of committed tasks. */
 static bool parse_when(char *when, struct sim_fault *f)
 {
     size_t n = strlen(when);
@@ -29,7 +29,7 @@ static bool parse_when(char *when, struct sim_fault *f)
     return true;
 }
 
-/* WHEN[:SLOT[:POWER]]; only the hub has no slot, only a slow one another power. */
+/* WHEN[:SLOT[:POWER]]; the hub has no slot, and only a slow-down has a power. */
 static bool parse_fault(struct sim_plan *plan, enum sim_fault_kind kind, char *when)
 {
     struct sim_fault f = {.kind = kind, .power = SLOWED};
@@ -50,7 +50,7 @@ static bool parse_word(struct sim_plan *p, char *word)
     const struct {
         const char *name;
         double *chance;
-        int kind; /* -1: it comes by chance only */
+        int kind; /* -1: random only */
     } table[] = {
         {"crash", &p->p_crash, SIM_CRASH},
         {"silence", &p->p_silence, SIM_SILENCE},

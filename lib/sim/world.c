@@ -1,10 +1,10 @@
-/* The world of a run: its random numbers, its events to come, its tasks. */
+/* The world of a run: its random numbers, its queue of events, its tasks. */
 #include "sim/world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-#define PIECES_MOST (1 << 20) /* no policy needs ids so far above those that it was given */
+#define PIECES_MOST (1 << 20) /* limit of new ids above those of the plan */
 
 double sim_draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 8); }
 

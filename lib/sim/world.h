@@ -1,7 +1,7 @@
 /*
  * The world of one simulated run, shared by its files: run.c (the hub, its input, the loop),
- * links.c, slots.c (processes and workers), node.c (a node's policy), faults.c, checks.c (what must
- * hold of all), checks_deal.c.
+ * links.c, slots.c (processes and workers), node.c (a node's policy), faults.c, checks.c (checks of
+ * every run), checks_deal.c.
  */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H
@@ -9,10 +9,10 @@
 #include "sim/heap.h"
 #include "sim/sim.h"
 
-#define FRAME_W 64  /* of the one frame, where the plan makes it up */
-#define SLOWEST .05 /* of its power, that is left to a slot that slows down by chance */
+#define FRAME_W 64  /* pixels; of frames that the plan makes up */
+#define SLOWEST .05 /* share of its power left to a slot slowed down by chance */
 
-/* What comes to a stopped process waits for it. */
+/* Events for a stopped process wait here. */
 struct inbox {
     struct sim_event *at;
     size_t n, cap;
@@ -23,38 +23,39 @@ struct tasks {
 };
 
 struct vslot {
-    bool up, lost; /* the hub's policy was told that it is; that it is gone, ever */
-    /* the process */
+    bool up, lost; /* the hub's policy was told that it is up; that it was lost, ever */
+    /* The process: */
     bool alive, stalled;
     uint32_t epoch;
     struct inbox inbox; /* while it is stalled */
-    void *node;         /* the state of its policy, where the plan names one */
-    bool node_ended;    /* that said END */
-    bool asks;          /* it said that it wants work, and none has come since */
-    int64_t wake_us;    /* when it is woken next, INT64_MAX */
-    /* its worker */
+    void *node;         /* state of its policy, if the plan names one */
+    bool node_ended;    /* that policy has sent END */
+    bool asks;          /* asked for work, and got none since */
+    int64_t wake_us;    /* next wake-up, INT64_MAX: none */
+    /* Its worker: */
     double power;
     struct tasks queue; /* to compute, in order */
     struct tasks held;  /* computed, pixels not sent */
-    bool busy, hung;    /* hung: and will be for ever */
-    /* its links: latest arrivals, which keep order, and when the last pixels have left it */
+    bool busy, hung;    /* hung: busy for ever */
+    /* Its links: latest arrivals, which keep order, and when the last pixels have left. */
     int64_t down_us, up_us, pixels_us, left_us;
-    /* its time */
-    int64_t first_us, began_us, last_us; /* its first task, the one that it is on; its last end */
+    /* Its time: */
+    /* begin of its first and of its current task; end of its last */
+    int64_t first_us, began_us, last_us;
     double busy_us;
-    /* for the checks of deal */
-    void *note;  /* what else the plan's checks know of it; NULL at first, freed with it */
-    int32_t has; /* tasks that it was given and has not answered */
-    bool asked;  /* for a flush, since it was last given work */
+    /* For the checks of deal: */
+    void *note;  /* data of the plan's checks; NULL at first, freed with the slot */
+    int32_t has; /* tasks given and not answered */
+    bool asked;  /* asked to flush since it was last given work */
 };
 
 /* A task of the plan, or a piece that the policy made of one. */
 struct vtask {
     struct task task;
-    int32_t to; /* preassigned slot, -1 */
+    int32_t to; /* preassigned slot, -1: none */
     bool known, committed;
     uint64_t sent; /* pixels 0 .. sent were passed to the policy under this id */
-    void *note;    /* what else the plan's checks know of it; freed with it */
+    void *note;    /* data of the plan's checks; freed with the task */
 };
 
 struct world {
@@ -63,43 +64,43 @@ struct world {
     const struct sim_checks *checks;
     struct sim_result *result;
     void *state;
-    uint32_t hub; /* which one it is; what was for an earlier one is void */
-    bool down;    /* it was killed, and is not started again */
+    uint32_t hub; /* its number; events for an earlier hub are void */
+    bool down;    /* killed, and not started again yet */
     int64_t wake_us;
     struct sched_actions acts, node_acts;
     struct sim_heap heap;
     struct vslot *slots;
     struct vtask *tasks; /* by id: those of the plan, then pieces */
     int32_t n_tasks, cap_tasks;
-    uint32_t *order;              /* ids in the order in which they come */
-    int32_t n_read;               /* of these */
-    int64_t spread_us, begun_us;  /* they come over this time, from then on */
-    int32_t n_open;               /* tasks of the plan that are known and not committed */
-    int32_t open_of[GENERATIONS]; /* of these, by their generation */
-    uint32_t generation;          /* the latest that was admitted */
-    bool waits;                   /* the next one is not yet */
+    uint32_t *order;              /* ids in order of arrival */
+    int32_t n_read;               /* number of tasks read */
+    int64_t spread_us, begun_us;  /* tasks arrive over spread_us, from begun_us on */
+    int32_t n_open;               /* known tasks of the plan that are not committed */
+    int32_t open_of[GENERATIONS]; /* of these, by generation */
+    uint32_t generation;          /* the latest admitted generation */
+    bool waits;                   /* the next one is not admitted yet */
     uint32_t frame_w, frame_h;
-    struct coverage sent; /* pixels that were passed on */
+    struct coverage sent; /* pixels passed on */
     uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
-    int64_t hub_us;  /* until then pixels pass the hub */
-    double cost_us;  /* drawn so far, at power 1 */
-    double alone_us; /* what all would take the slowest slot */
+    int64_t hub_us;  /* pixels pass the hub until then */
+    double cost_us;  /* sum of costs drawn, at power 1 */
+    double alone_us; /* time of all tasks on the slowest slot */
     uint64_t draws;
     bool slots_known, input_ended, ended;
-    void *note;     /* of the plan's checks, likewise */
-    bool input_due; /* more will come, and when is known */
+    void *note;     /* data of the plan's checks */
+    bool input_due; /* more input will come at a known time */
 };
 
 /*
- * The checks of a policy. Each is called where it is not NULL, after those of all runs; sim_fail()
- * says what does not hold. restart: all is forgotten except what has been passed on.
+ * The checks of a policy. Each that is not NULL is called after the checks of all runs; sim_fail()
+ * reports a violation. restart: forget everything except the pixels passed on.
  */
 struct sim_checks {
-    void (*task)(struct vtask *t); /* first of all, and after a restart: to make its note */
-    void (*event)(struct world *w, const struct sched_event *e); /* before the hub sees it */
+    void (*task)(struct vtask *t); /* first of all, and after a restart: makes the task's note */
+    void (*event)(struct world *w, const struct sched_event *e); /* before the hub gets it */
     void (*action)(struct world *w, const struct sched_action *a);
-    void (*after)(struct world *w); /* a step of the hub, with all of its actions */
+    void (*after)(struct world *w); /* after a step of the hub and all of its actions */
     void (*restart)(struct world *w);
     void (*node_event)(struct world *w, int32_t k, const struct sched_event *e);
     void (*node_action)(struct world *w, int32_t k, const struct sched_action *a);
@@ -107,40 +108,40 @@ struct sim_checks {
 
 /* ---- run.c ----------------------------------------------------------------------------------- */
 
-/* The next number in [0, 1) of this run. */
+/* The next random number in [0, 1) of this run. */
 double sim_draw(struct world *w);
-/* Notes the first thing that does not hold. */
+/* Notes the first violation. */
 void sim_fail(struct world *w, const char *what, int64_t a, int64_t b);
-/* e for slot k's process as it is now, or what this hub is to know of it. */
+/* An event for the current process of slot k, or for the current hub. */
 void sim_schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e);
-/* Sees to it that who has this policy and state is woken in time; k: a node's, or -1. */
+/* Schedules the wake-up that this policy and state want; k: a node's slot, or -1 for the hub. */
 void sim_schedule_wake(struct world *w, const struct policy *p, void *state, int32_t k);
-/* The task of that id, or NULL when there can be none. */
+/* The task of that id, or NULL if none can have it. */
 struct vtask *sim_vtask_at(struct world *w, uint32_t id);
-/* Tells the hub how many slots there are, and starts them. */
+/* Tells the hub the number of slots, and starts them. */
 void sim_start_slots(struct world *w, int64_t known_us);
 
 /* ---- links.c --------------------------------------------------------------------------------- */
 
-/* To the hub, from slot k or its fan: control, pixels, or, for GONE and UP, behind both. */
+/* Sends to the hub, from slot k or its fan: control, pixels or, for GONE and UP, after both. */
 void sim_say(struct world *w, int32_t k, struct sched_event e);
-/* These are at the hub, through which all pixels go one after the other. */
+/* These pixels are at the hub; all pixels pass it one after the other. */
 void sim_pass_hub(struct world *w, const struct sim_event *e);
-/* The hub's action, to slot k. */
+/* Sends the hub's action to slot k. */
 void sim_send_down(struct world *w, int32_t k, const struct sched_action *a);
 
 /* ---- slots.c --------------------------------------------------------------------------------- */
 
-/* What has come to slot k, which is alive. */
+/* An event arrives at slot k, which is alive. */
 void sim_deliver(struct world *w, const struct sim_event *e);
 void sim_append_task(struct tasks *list, const struct task *t);
 void sim_start_next(struct world *w, int32_t k);
 void sim_hand_over(struct world *w, int32_t k);
 void sim_slot_comes_up(struct world *w, int32_t k);
 void sim_resume(struct world *w, int32_t k);
-/* The process and all that it has is no more. */
+/* Ends the process with all that it has. */
 void sim_end_slot(struct world *w, int32_t k);
-/* The same, and the hub will hear of it; it may come back. */
+/* The same; the hub is told later, and the slot may come back. */
 void sim_lose_slot(struct world *w, int32_t k);
 
 /* ---- node.c ---------------------------------------------------------------------------------- */
@@ -151,23 +152,23 @@ void sim_node_wake(struct world *w, int32_t k);
 
 /* ---- faults.c -------------------------------------------------------------------------------- */
 
-/* Those that the plan names, and those that it draws for slot k; k -1: for the hub. */
+/* Schedules the faults that the plan names, and draws some for slot k; k -1: for the hub. */
 void sim_plan_faults(struct world *w);
 void sim_draw_fault(struct world *w, int32_t k);
 void sim_inject_fault(struct world *w, const struct sim_event *e);
-/* More tasks are committed than before: those that wait for that. */
+/* More tasks are committed: starts the faults that wait for that. */
 void sim_inject_by_commits(struct world *w, int64_t before);
 void sim_restart_hub(struct world *w);
 
 /* ---- trace.c --------------------------------------------------------------------------------- */
 
 #define SIM_LINE 128
-/* The event in words; lost: it meets nobody. */
+/* The event in words; lost: no process receives it. */
 void sim_trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE]);
 
 /* ---- checks.c -------------------------------------------------------------------------------- */
 
-/* What an event means, before the hub's policy sees it; what it does. */
+/* Checks an event before the hub's policy gets it; checks an action. */
 void sim_note_event(struct world *w, const struct sched_event *e);
 void sim_note_action(struct world *w, const struct sched_action *a);
 bool sim_is_sent(const struct world *w, const struct lattice *at);

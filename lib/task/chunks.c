@@ -1,18 +1,18 @@
 /*
- * Cuts whose tasks get smaller towards the end: few tasks while much is left, small ones when the
- * slots have to end together.
+ * Cuts whose tasks get smaller towards the end: few tasks while much work is left, small ones when
+ * all slots should finish together.
  *
- * guided     a chunk is what is left divided by the slots (C. D. Polychronopoulos, D. J. Kuck,
+ * guided     a chunk is the rest divided by the slots (C. D. Polychronopoulos, D. J. Kuck,
  *            "Guided self-scheduling: a practical scheduling scheme for parallel supercomputers",
  *            IEEE Trans. Computers C-36(12), 1987)
- * factoring  a batch is half of what is left, in a chunk for each slot (S. F. Hummel, E. Schonberg,
+ * factoring  a batch is half of the rest, in one chunk per slot (S. F. Hummel, E. Schonberg,
  *            L. E. Flynn, "Factoring: a method for scheduling parallel loops", Comm. ACM 35(8),
  *            1992)
  *
  * Weighted factoring (S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein, "Load-sharing in heterogeneous
- * systems via weighted factoring", SPAA 1996) gives slots chunks of a batch by their power. Differs
- * in that: who will ask for a chunk is not known here, so that only the first batch is cut by
- * power; chunks of the later ones are of the size that suits the weakest.
+ * systems via weighted factoring", SPAA 1996) sizes chunks of a batch by the power of slots.
+ * Differs in that only the first batch is cut by power, because the slot that will take a chunk is
+ * not known here. Chunks of later batches have the size that suits the weakest slot.
  */
 #include "task/task.h"
 
@@ -28,7 +28,7 @@ static void add_chunk(struct cut *cut, uint32_t *left, double size)
     *left -= n;
 }
 
-/* Half of what is left, in n chunks. */
+/* Half of the rest, in n chunks. */
 static void add_batch(struct cut *cut, uint32_t *left, double n)
 {
     double size = *left / 2. / n;

@@ -1,4 +1,4 @@
-/* Which pixels of a frame are there, and what is missing as tasks. */
+/* The pixels of a frame that are present; the missing ones as tasks. */
 #include "task/task.h"
 
 #include <stdlib.h>
@@ -35,7 +35,7 @@ static uint64_t next_missing(const struct coverage *c, uint64_t p, uint64_t end)
     return end;
 }
 
-/* How many pixels p, p + stride, ... below end are missing before the first that is not. */
+/* Counts missing pixels p, p + stride, ... below end, up to the first that is present. */
 static uint64_t missing_run(const struct coverage *c, uint64_t p, uint64_t stride, uint64_t end)
 {
     uint64_t n = 0;
@@ -49,8 +49,8 @@ bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out)
     uint64_t first = next_missing(taken, *p, pixels);
     *p = first;
     if (first == pixels) return false;
-    /* Neighbours missing: the rest of the row. Else the gap to the next missing pixel is the
-     * stride of a scattered set, which goes on over the frame. */
+    /* If neighbours are missing: the rest of the row. If not, the gap to the next missing pixel
+     * is the stride of a scattered set, which continues over the frame. */
     uint64_t second = next_missing(taken, first + 1, pixels);
     uint64_t stride = second < pixels ? second - first : 1;
     uint64_t row_end = (first / taken->w + 1) * taken->w;

@@ -1,4 +1,4 @@
-/* How a frame is cut into tasks. */
+/* Cutting a frame into tasks. */
 #include "task/task.h"
 
 #include <string.h>

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where frame is, or would be: numbers mostly come in ascending order, and the latest is asked for
- * most. */
+/* The place of the frame, or where it would be. Numbers mostly ascend, and most queries are for
+ * the latest. */
 static size_t frame_place(const struct frames *f, uint32_t frame)
 {
     size_t low = 0, high = f->n;
@@ -53,7 +53,7 @@ static void chain(struct task_table *t, int32_t i)
     *head = i;
 }
 
-/* Twice the entries, and as many hash chains. */
+/* Doubles the entries and the hash chains. */
 static void grow(struct task_table *t)
 {
     int32_t cap = t->cap ? t->cap * 2 : 64;
@@ -68,7 +68,7 @@ static void grow(struct task_table *t)
         t->at[i] = (struct task_entry){.chain = t->free_list};
         t->free_list = i;
     }
-    for (int32_t i = 0; i < t->cap; i++) chain(t, i); /* it grows only when all are live */
+    for (int32_t i = 0; i < t->cap; i++) chain(t, i); /* it grows only if all are live */
     t->cap = cap;
 }
 
@@ -96,7 +96,7 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
         .task = *task, .frame_w = frame_w, .slot = -1, .live = true, .prev = -1, .next = -1};
     chain(t, i);
     t->count++;
-    t->of[task->generation % GENERATIONS]++;
+    t->n_by_generation[task->generation % GENERATIONS]++;
     return i;
 }
 
@@ -110,7 +110,7 @@ void tasks_remove(struct task_table *t, int32_t i)
     e->chain = t->free_list;
     t->free_list = i;
     t->count--;
-    t->of[e->task.generation % GENERATIONS]--;
+    t->n_by_generation[e->task.generation % GENERATIONS]--;
 }
 
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)

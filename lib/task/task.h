@@ -22,7 +22,7 @@ struct task {
     uint32_t frame, id; /* the key; id counts from 0 in each frame */
     struct lattice at;
     int32_t to;          /* preassigned slot, -1 none */
-    uint32_t generation; /* of its frame: for the owner of a table of tasks */
+    uint32_t generation; /* of its frame; for the owner of a table of tasks */
 };
 
 static inline uint64_t lattice_count(const struct lattice *l) { return (uint64_t)l->w * l->h; }
@@ -30,17 +30,17 @@ static inline uint64_t lattice_pixel(const struct lattice *l, uint32_t frame_w, 
 {
     return (uint64_t)(l->y + n / l->w * l->sy) * frame_w + l->x + n % l->w * l->sx;
 }
-/* Every number in range and every pixel inside a frame of w x h. */
+/* True if every number is in range and every pixel inside a frame of w x h. */
 bool lattice_valid(const struct lattice *l, uint32_t frame_w, uint32_t frame_h);
 /*
- * The lattice of pixels n0 .. of l, in order, at most `most` (> 0) of them: part of one row, or
+ * The lattice of the pixels of l from n0 on, in order: at most `most` (> 0), part of one row or
  * whole rows. Cutting from 0 by the returned counts visits every pixel once.
  */
 struct lattice lattice_cut(const struct lattice *l, uint32_t frame_w, uint64_t n0, uint64_t most);
-/* n such that sub is pixels n .. n + count of l as lattice_cut makes them; -1 if it is not. */
+/* Returns n if sub is pixels n .. n + count of l as lattice_cut makes them; else -1. */
 int64_t lattice_offset(const struct lattice *l, uint32_t frame_w, const struct lattice *sub);
 
-/* How a frame is cut into tasks. */
+/* Ways to cut a frame into tasks. */
 enum cut_unit {
     CUT_ROW,
     CUT_TILE,
@@ -51,27 +51,27 @@ enum cut_unit {
     CUT_GUIDED,
     CUT_FACTORING
 };
-/* So many tasks a slot are enough to even them out, and few enough for their way to cost little. */
+/* Tasks per slot: enough to balance the load, and few enough that their transfer costs little. */
 #define CUT_TASKS_A_SLOT 150
 struct cut {
     enum cut_unit unit;
     uint32_t w,
         h; /* tile: its sides; run: w pixels; coarse: at least w; scatter: w sets; the last */
            /* two: chunks are of whole rows, or of whole runs of w pixels */
-    uint32_t *ends; /* where chunk i ends, in these; its own */
+    uint32_t *ends; /* the end of each chunk: n entries, owned */
     uint32_t n;
 };
 /*
- * "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "fine", "coarse:N" (the caller calls
- * cut_runs), "guided", "guided:N", "factoring", "factoring:N" (the caller calls cut_chunks); false
- * when it is none of them.
+ * Parses "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "fine", "coarse:N" (the caller
+ * calls cut_runs), "guided", "guided:N", "factoring", "factoring:N" (the caller calls cut_chunks).
+ * False if s is none of them.
  */
 bool cut_parse(const char *s, struct cut *cut);
-/* Makes fine and coarse the runs of a frame, by the number of slots: as long as makes
- * CUT_TASKS_A_SLOT for each, but fine ones no longer than a row, coarse ones no shorter than w. */
+/* Turns fine and coarse into runs of a frame that give CUT_TASKS_A_SLOT tasks per slot. Fine
+ * runs are no longer than a row, coarse ones no shorter than w. */
 void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots);
-/* The chunks of a frame, by the number of slots and, for factoring, their powers (or NULL): with
- * them the first `slots` chunks are one for each slot. */
+/* Computes the chunks of a frame. power: for factoring, the powers of the slots, or NULL. With
+ * powers the first `slots` chunks are one for each slot. cut_free frees them. */
 void cut_chunks(
     struct cut *cut, uint32_t frame_w, uint32_t frame_h, const double *power, int slots);
 /* The pixels of chunk id. */
@@ -81,7 +81,7 @@ uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h);
 /* Task number id (< cut_count) of frame 0, unassigned. */
 struct task cut_task(const struct cut *cut, uint32_t frame_w, uint32_t frame_h, uint32_t id);
 
-/* Which pixels of a frame are there. */
+/* The set of pixels of a frame that are present. */
 struct coverage {
     uint32_t w, h;
     uint64_t done; /* pixels set */
@@ -94,7 +94,7 @@ static inline bool coverage_has(const struct coverage *c, uint64_t p)
 {
     return c->bits[p >> 6] >> (p & 63) & 1;
 }
-/* True when p was not there before. */
+/* True if p was not present before. */
 static inline bool coverage_set(struct coverage *c, uint64_t p)
 {
     uint64_t bit = UINT64_C(1) << (p & 63), *word = &c->bits[p >> 6];
@@ -108,28 +108,28 @@ static inline bool coverage_full(const struct coverage *c)
     return c->done == (uint64_t)c->w * c->h;
 }
 /*
- * The next lattice of pixels that are missing, starting at or after *p; advances *p; false when
- * there are none. Whole and partial rows come as one lattice each, what a scattered worker left as
- * one strided lattice. Calling it until false names each missing pixel once: it marks them in
- * `taken`, a coverage the caller made as a copy of c.
+ * Finds the next lattice of missing pixels at or after *p, and advances *p; false if there are
+ * none. Whole and partial rows come as one lattice each, the gaps of a scattered worker as one
+ * strided lattice. Calling it until false names each missing pixel once. It marks them in `taken`,
+ * which the caller must have made as a copy of c.
  */
 bool coverage_missing(struct coverage *taken, uint64_t *p, struct lattice *out);
 void coverage_copy(struct coverage *to, const struct coverage *from);
 /*
- * Cuts off the pixels at the beginning of *at, which is inside the frame, that are there: pixel by
- * pixel where it has one row, else by whole rows. False when all are there, and *at is unchanged.
+ * Cuts off leading pixels of *at that are present: by pixel if it has one row, else by whole rows.
+ * *at must be inside the frame. False if all are present; *at is unchanged then.
  */
 bool coverage_trim(const struct coverage *c, struct lattice *at);
 
 /* ---- tables ------------------------------------------------------------------------- */
 
-/* The frames known so far, in the order of their numbers. */
+/* The known frames, in ascending order of number. */
 struct frame_size {
     uint32_t frame, w, h;
-    uint32_t generation; /* which state of its stream it is of (wire.h), 0 at first */
-    bool said;       /* for the owner of the table, false at first and when the size is set again */
-    uint32_t top_id; /* likewise, 0 */
-    int32_t by;      /* likewise, 0, as the following */
+    uint32_t generation; /* generation of its state (wire.h), 0 at first */
+    bool said;           /* for the owner of the table; false at first and after a new size */
+    uint32_t top_id;     /* likewise, 0 */
+    int32_t by;          /* likewise, 0; so are the next two */
     int32_t agree, differ;
     char job[24];
 };
@@ -137,34 +137,34 @@ struct frames {
     struct frame_size *at;
     size_t n;
 };
-/* NULL when not known. */
+/* NULL if unknown. */
 struct frame_size *frames_find(const struct frames *f, uint32_t frame);
-/* Adds it, or changes its size. */
+/* Adds the frame, or changes its size. */
 struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h);
 void frames_free(struct frames *f);
 
 /*
- * Tasks by key (frame, id), and on at most one list each. Entries are named by index: stable until
- * removed. Memory is kept for reuse, so a run's steady state allocates nothing.
+ * Tasks by key (frame, id); each is on at most one list. An entry's index is stable until it is
+ * removed. Memory is reused, so the steady state of a run allocates nothing.
  */
 struct task_entry {
     struct task task;
-    uint64_t delivered; /* pixels 0 .. delivered have come */
+    uint64_t delivered; /* pixels 0 .. delivered have arrived */
     int64_t since_us;   /* for the owner of the table */
     uint32_t frame_w;
     int32_t slot;  /* for the owner of the table, -1 at first */
     int32_t tries; /* likewise, 0 */
-    bool done;     /* computed, says its worker */
+    bool done;     /* its worker reported it as computed */
     bool live;     /* in the table */
     int32_t chain; /* next in its hash chain, or free */
     int32_t prev, next;
 };
-#define GENERATIONS 128 /* of which tasks may be there at once (wire.h) */
+#define GENERATIONS 128 /* limit of generations with live tasks (wire.h) */
 struct task_table {
     struct task_entry *at;
     int32_t *heads;
     int32_t n_heads, cap, free_list, count;
-    int32_t of[GENERATIONS]; /* so many are of each generation, modulo that */
+    int32_t n_by_generation[GENERATIONS]; /* number per generation, modulo GENERATIONS */
 };
 struct task_list {
     int32_t head, tail, count; /* -1: none */
@@ -174,13 +174,13 @@ struct task_list {
 void tasks_free(struct task_table *t);
 /* Index of the entry with this key, or -1. */
 int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id);
-/* A new entry (the key must not be there). */
+/* Adds an entry. Its key must be new. */
 int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_w);
-/* Forgets an entry that is on no list. */
+/* Removes an entry that is on no list. */
 void tasks_remove(struct task_table *t, int32_t i);
 /*
- * Notes that pixels `at` of entry i have come. Counts only what continues or repeats what came:
- * returns false when `at` is no piece of the task or leaves a gap.
+ * Records that pixels `at` of entry i have arrived. Only pixels that continue or repeat the
+ * delivered ones count: false if `at` is no piece of the task or leaves a gap.
  */
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at);
 static inline bool tasks_whole(const struct task_table *t, int32_t i)

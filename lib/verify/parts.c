@@ -1,4 +1,4 @@
-/* Pieces and their parts: which are chosen, where they are cut, and the sums over their pixels. */
+/* Pieces and their parts: choosing pieces, cutting them into parts, and the sums over pixels. */
 #include "verify/verify.h"
 
 #include <stdlib.h>
@@ -33,7 +33,7 @@ void verify_frame(
     if (job) snprintf(f->job, sizeof f->job, "%s", job);
 }
 
-/* The frame's width; 0 where t is not inside of a known one. */
+/* The frame's width; 0 if t is not inside a known frame. */
 static uint32_t width_of(const struct verify *v, const struct task *t)
 {
     const struct frame_size *f = frames_find(&v->frames, t->frame);
@@ -79,7 +79,7 @@ static void sort_parts(struct verify *v)
     if (v->n) qsort(v->part, v->n, sizeof *v->part, compare_parts);
 }
 
-/* The first part of the frame, or of a later one, that begins at pixel px or behind it. */
+/* The first part, of the frame or a later one, that begins at or after pixel px. */
 static uint32_t part_from(const struct verify *v, uint32_t frame, uint64_t px, uint32_t frame_w)
 {
     uint32_t low = 0, high = v->n;
@@ -127,8 +127,8 @@ static void add_cut(struct verify *v, uint32_t part, uint64_t offset)
     v->cut[v->n_cuts++] = (struct verify_cut){part, offset};
 }
 
-/* Every piece that has the fragment is cut where it begins and ends: pieces may overlap, because
- * two slots may have delivered the same pixels. */
+/* Cuts every piece that overlaps the fragment at the fragment's begin and end. Pieces may
+ * overlap, because two slots may have delivered the same pixels. */
 void verify_cut(struct verify *v, const struct task *t)
 {
     uint32_t frame_w = width_of(v, t);
@@ -153,7 +153,7 @@ static int compare_cuts(const void *a, const void *b)
     return (c->offset > d->offset) - (c->offset < d->offset);
 }
 
-/* The parts of p, which is cut at these places, in ascending order; one may be there twice. */
+/* The parts of p, which is cut at these places, in ascending order; a place may occur twice. */
 static void divide(
     struct verify *v, struct verify_part p, const struct verify_cut *cut, const size_t n)
 {
@@ -191,7 +191,7 @@ void verify_split(struct verify *v)
 
 /* ---- opinions -------------------------------------------------------------------------------- */
 
-/* Of a part, which is pixels n0 and following of those given. */
+/* Adds an opinion of a part: pixels n0 and following of the given ones. */
 static struct verify_opinion summed(const struct verify *v, const struct verify_part *p,
     int32_t slot, uint32_t frame_w, const float *pixels, uint64_t n0)
 {
@@ -221,7 +221,7 @@ static void add_opinion(struct verify_part *p, const struct verify_opinion *o)
     p->n++;
 }
 
-/* To all parts that are in t; of the log, to those of the piece that t is. */
+/* Adds opinions to all parts in t; for the log, to the parts of the piece that t is. */
 static void add_opinions(
     struct verify *v, const struct task *t, int32_t slot, const float *pixels, bool log)
 {

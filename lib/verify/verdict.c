@@ -1,4 +1,4 @@
-/* What the opinions of a part say, and which slot is asked next. */
+/* The verdict on a part from its opinions, and the slot to ask next. */
 #include "verify/verify.h"
 
 #include <stdlib.h>
@@ -83,7 +83,7 @@ struct verify_count verify_counted(const struct verify *v)
 
 /* ---- the next round -------------------------------------------------------------------------- */
 
-/* Two that agree settle it: they confirm the first, or say which of several is wrong. */
+/* Two equal results settle a part: they confirm the first opinion, or show which one is wrong. */
 static bool settled(const struct verify *v, const struct verify_part *p)
 {
     enum verify_verdict verdict = verify_judge(v, p);
@@ -91,16 +91,16 @@ static bool settled(const struct verify *v, const struct verify_part *p)
            (verdict == VERIFY_DIFFERENT && most_votes(v, p) > 1);
 }
 
-/* What speaks against asking it for the part again; GIVEN_UP: it failed twice. The first failure
- * says less: in the first round, another slot may just have been faster. */
+/* Reasons against asking a place for the part again; GIVEN_UP: it failed twice. One failure in
+ * the first round counts less: another slot may just have been faster. */
 #define GIVEN_UP 3
 static int failures(const struct verify_part *p, int32_t place)
 {
     return (p->failed[0] == place) + 2 * (p->failed[1] == place);
 }
 
-/* One that delivered nothing most likely hangs. One that delivered less than half may just be slow:
- * deal -e gave what it was asked for to others. */
+/* A place that delivered nothing probably hangs. A place that delivered less than half may just
+ * be slow: deal -e gave its tasks to others. */
 static int behind(const struct verify_place *p)
 {
     if (p->asked_px && !p->made_px) return 2;

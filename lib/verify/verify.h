@@ -1,17 +1,17 @@
 /*
- * verify: which fragments of a log are computed a second time, on which slot, and what came of it.
+ * verify: chooses fragments of a log, has them computed a second time on another slot, and judges
+ * the results.
  *
- * The chosen fragments are pieces. What is computed again may come in smaller fragments than it was
+ * The chosen fragments are pieces. A second computation may come in smaller fragments than it was
  * asked for, because deal cuts tasks (sched/deal_end.c). So pieces are divided into parts, wherever
- * a fragment of a check begins or ends: each fragment has a part as a whole or not at all, and an
- * opinion of a part is one sum over all of its pixels. A sum that was added up over several
- * fragments could count a pixel twice, and accuse an honest host.
+ * a fragment of a check begins or ends. Each fragment has a part as a whole or not at all, and an
+ * opinion of a part is one sum over all of its pixels. A sum over several fragments could count a
+ * pixel twice, and accuse an honest host.
  *
  * The sums are linear in the bits, under two secret keys (J. L. Carter, M. N. Wegman, "Universal
- * classes of hash functions", JCSS 18, 1979). A slot that sends a part a second time, and the same,
- * adds nothing.
+ * classes of hash functions", JCSS 18, 1979). A slot that sends the same part again adds nothing.
  *
- * Call order. All files are read twice, first for where their fragments are, then for the pixels:
+ * Call order. All files are read twice, first for the places of their fragments, then for pixels:
  *
  *     verify_init
  *     verify_frame, verify_choose    the log, in order
@@ -21,14 +21,14 @@
  *     for each check: verify_begin, verify_again for its fragments, verify_end
  *     verify_next for each part: the tasks of the next round; or verify_judge: the report
  *
- * What was asked in earlier rounds is not stored anywhere: it follows from the seed and the checks.
+ * The requests of earlier rounds are not stored: they follow from the seed and the checks.
  */
 #ifndef STORMRING_VERIFY_H
 #define STORMRING_VERIFY_H
 
 #include "task/task.h"
 
-/* What one slot computed of a part. */
+/* The result of one slot for a part. */
 struct verify_opinion {
     int32_t slot; /* -1: not known, as of an earlier run in the same log */
     uint64_t sum[2];
@@ -38,27 +38,27 @@ static inline bool verify_same(const struct verify_opinion *a, const struct veri
     return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1];
 }
 
-/* What is drawn from the seed: each has a seed of its own, which is this much more. */
+/* Offsets to the seed: each kind of random number has its own. */
 enum { VERIFY_SEED_CHOICE = 0, VERIFY_SEED_KEYS = 1 /* and 2 */, VERIFY_SEED_NEXT = 3 };
 
 #define VERIFY_INLINE 2
 struct verify_part {
     struct lattice at;
     uint32_t frame;
-    uint32_t piece;    /* number of the log's fragment that it is of */
+    uint32_t piece;    /* number of its fragment in the log */
     uint32_t n;        /* opinions; the first is the log's */
-    int32_t asked;     /* the slot of this round, -1: none */
+    int32_t asked;     /* slot asked in this round, -1: none */
     int32_t failed[2]; /* places that did not deliver, first and last; -1: none */
     struct verify_opinion by[VERIFY_INLINE];
-    struct verify_opinion *more; /* the third and later ones */
+    struct verify_opinion *more; /* the third and later opinions */
 };
 
 /*
- * A place is what checks another place: a host, or, where all slots are on one host, a slot. Places
- * are numbered from 0.
+ * A place checks another place: a host or, if all slots are on one host, a slot. Places are
+ * numbered from 0.
  */
 struct verify_place {
-    uint64_t asked_px, made_px; /* in all rounds so far */
+    uint64_t asked_px, made_px; /* pixels asked for and delivered, in all rounds so far */
 };
 struct verify_cut {
     uint32_t part;
@@ -68,41 +68,42 @@ struct verify {
     uint64_t seed;
     double fraction;
     int32_t slots, places;
-    const int32_t *place_of; /* by slot; the caller's, and stays */
+    const int32_t *place_of; /* by slot; the caller's, must stay valid */
     struct verify_place *place;
     struct frames frames; /* of the log; `said` is the caller's */
     struct verify_part *part;
     uint32_t n, cap;
-    uint32_t pieces;  /* chosen */
+    uint32_t pieces;  /* chosen fragments */
     uint32_t seen;    /* fragments of the log */
-    uint32_t again;   /* the same when it is read again */
-    uint32_t rounds;  /* checks that were begun */
-    uint64_t span_px; /* from the first to the last pixel of a part, at most */
+    uint32_t again;   /* the same in the second reading */
+    uint32_t rounds;  /* checks begun */
+    uint64_t span_px; /* most pixels from the first to the last pixel of a part */
     struct verify_cut *cut;
     size_t n_cuts, cap_cuts;
 };
 
-/* place_of has a number from 0 to places - 1 for each of `slots` slots. */
+/* place_of has a number from 0 to places - 1 for each of `slots` slots. verify_free frees v. */
 void verify_init(struct verify *v, uint64_t seed, double fraction, const int32_t *place_of,
     int32_t slots, int32_t places);
 void verify_free(struct verify *v);
 
-/* A frame record of the log: the first of a number counts; job may be NULL. */
+/* Handles a frame record of the log. The first one of a number counts. job may be NULL. */
 void verify_frame(
     struct verify *v, uint32_t frame, uint32_t frame_w, uint32_t frame_h, const char *job);
-/* The next fragment of the log: chosen, or not. Fragments outside of a known frame are not. */
+/* Handles the next fragment of the log: chooses it or not. Only fragments inside a known frame
+ * are chosen. */
 void verify_choose(struct verify *v, const struct task *t);
-/* A fragment of a check. */
+/* Handles a fragment of a check. */
 void verify_cut(struct verify *v, const struct task *t);
 /* Makes the parts, in the order of frames and of first pixels. */
 void verify_split(struct verify *v);
-/* The next fragment of the log, and its pixels, four floats each. slot -1: not known. */
+/* Handles the next fragment of the log with its pixels, four floats each. slot -1: not known. */
 void verify_first(struct verify *v, const struct task *t, int32_t slot, const float *pixels);
-/* The next check begins: notes what was asked for. */
+/* Begins the next check: recomputes its requests. */
 void verify_begin(struct verify *v);
-/* A fragment of it, from this slot. A slot that there is none of is ignored. */
+/* Handles a fragment of the check, from this slot. Ignored if there is no such slot. */
 void verify_again(struct verify *v, const struct task *t, int32_t slot, const float *pixels);
-/* It ends: notes what was not delivered. */
+/* Ends the check: notes requests that were not delivered. */
 void verify_end(struct verify *v);
 
 static inline const struct verify_opinion *verify_opinion(const struct verify_part *p, uint32_t i)
@@ -115,24 +116,24 @@ uint32_t verify_of_frame(const struct verify *v, uint32_t frame, uint32_t *first
 /* ---- the verdict ----------------------------------------------------------------------------- */
 
 enum verify_verdict { VERIFY_AGREED, VERIFY_UNCHECKED, VERIFY_DIFFERENT };
-/* Agreed: two places and more computed it, all the same. */
+/* Agreed: at least two places computed it, all with the same result. */
 enum verify_verdict verify_judge(const struct verify *v, const struct verify_part *p);
-/* How many places computed the same as opinion i. A slot that is not known is no place. */
+/* The number of places with the same result as opinion i. An unknown slot is no place. */
 uint32_t verify_votes(const struct verify *v, const struct verify_part *p, uint32_t i);
 /*
- * Is opinion i of a part that is different to be named? *known says what that means: it is wrong,
- * since two places contradict it and fewer agree with it; or nobody knows which of those that are
- * named is.
+ * True if opinion i of a part with different results is to be named. *known: it is wrong, because
+ * two places contradict it and fewer agree with it. If not known, any of the named ones may be
+ * wrong.
  */
 bool verify_named(const struct verify *v, const struct verify_part *p, uint32_t i, bool *known);
 /*
- * The slot that shall compute the part next: one of a place that has not computed it. Last come
- * places that delivered nothing of what they were asked for in all rounds; before these, those that
- * delivered less than half of it; before these, those that failed to deliver this part. -1: enough
- * is known, or there is no such slot, or each has failed twice.
+ * The slot that should compute the part next, of a place that has not computed it. Places come last
+ * if they delivered nothing of their requests in all rounds; before these if they delivered less
+ * than half; before these if they failed to deliver this part. -1: enough is known, or there is no
+ * such slot, or each has failed twice.
  */
 int32_t verify_next(const struct verify *v, const struct verify_part *p);
-/* Pieces of which a part is different; of which none is, but a part is unchecked. */
+/* Pieces with a part of different results; pieces without one but with an unchecked part. */
 struct verify_count {
     uint32_t different, unchecked;
 };

@@ -1,18 +1,18 @@
 /*
- * Decoding of records: bytes in, records out. The grammar is one table; a record that breaks it, or
- * whose sum or crc is wrong, is lost, and the search for the next good one starts at the byte after
- * its first.
+ * Decoding of records: bytes in, records out. The grammar is one table. A record is lost if it
+ * breaks the grammar, or if its sum or crc is wrong. The search for the next good record then
+ * starts at the byte after its first.
  */
 #include "wire/wire.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* So many bytes of bodies are checked in vain for each byte skipped, after the first so many. */
+/* Limits on checking bodies in vain: CRC_FREE bytes, plus CRC_FACTOR per byte skipped. */
 #define CRC_FACTOR 64
 #define CRC_FREE (64 * (uint64_t)WIRE_FRAG_PIXELS_MAX * WIRE_PIXEL_BYTES)
 
-#define KIND_MAX 7 /* letters of a record's name */
+#define KIND_MAX 7 /* letters in the name of a record */
 
 enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
 
@@ -126,7 +126,7 @@ static bool parse_hello(struct words *w)
     return true;
 }
 
-/* All that is left must be key=value. */
+/* The rest must be key=value. */
 static bool keys_valid(struct words w)
 {
     while (w.at < w.end) {
@@ -183,8 +183,8 @@ static int hex(char c)
 }
 
 /*
- * A line that ends in its sum must have the right one. Workers are not trusted to be heard well:
- * what they say has one where it is more than a word; but a hello without one is of format 1.
+ * A line that ends in its sum must have the right one. Workers are not trusted: each of their lines
+ * must have one, unless it is one word. A hello without one is of format 1.
  */
 static bool check_seal(const struct record *r, bool upward, char why[160])
 {
@@ -263,7 +263,7 @@ void wire_free(struct decoder *d)
     *d = (struct decoder){0};
 }
 
-/* Drops bytes up to one where a record may begin; true when such a place was found. */
+/* Drops bytes up to one where a record may begin. True if there is one. */
 static bool seek_record(struct decoder *d)
 {
     const char *data = (const char *)buf_data(&d->in);
@@ -290,9 +290,9 @@ static bool seek_record(struct decoder *d)
 }
 
 /*
- * The record at the front of the buffer is bad: step over its first byte and look on from there;
- * over all of it where only its pixels are wrong. An enemy can nest heads so that every few bytes
- * ask for a long crc; who has spent too much on that steps over the whole record.
+ * The record at the front of the buffer is bad. Steps over its first byte, or over all of it if
+ * only its pixels are wrong. An attacker can nest heads so that every few bytes need a long crc. A
+ * stream that has caused too much of that loses the whole record.
  */
 static void lose(struct decoder *d, const struct record *r)
 {
@@ -308,7 +308,7 @@ static void lose(struct decoder *d, const struct record *r)
     buf_consume(&d->in, step);
 }
 
-/* What stands at the front of the buffer? */
+/* Decodes the front of the buffer. */
 static enum wire_result look(struct decoder *d, struct record *r, char why[160])
 {
     const char *line = (const char *)buf_data(&d->in);
@@ -350,7 +350,7 @@ enum wire_result wire_next(struct decoder *d, struct record *r)
         if (d->lost && !seek_record(d)) return WIRE_MORE;
         enum wire_result result = look(d, r, why);
         if (result == WIRE_MORE) return result;
-        bool known = d->lost; /* this loss was told */
+        bool known = d->lost; /* this loss was reported */
         if (result == WIRE_RECORD) {
             d->lost = false;
             d->consumed = r->line_len + 1 + r->body_len;

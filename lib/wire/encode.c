@@ -41,8 +41,7 @@ void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
     buf_append(b, body, n);
 }
 
-/* Hot for small tasks: decimal by hand, where printf would cost more than the rest of the
- * record. */
+/* Hot for small tasks: printf would cost more than the rest of the record. */
 static char *put_u32(char *at, uint32_t v)
 {
     char digits[10];
@@ -87,7 +86,7 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
 {
     size_t n = (size_t)lattice_count(at) * 4, line = buf_size(b);
     put_lattice(b, "frag", t, at);
-    /* The body first, to know its crc; the line is put before it. */
+    /* The body comes first, because the line needs its crc. */
     size_t bytes = n * 4;
     unsigned char *body = xmalloc(bytes, 1);
     for (size_t i = 0; i < n; i++) {

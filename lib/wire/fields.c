@@ -53,7 +53,7 @@ bool rec_sealed(const struct record *r)
 
 bool rec_ours(const struct record *r, char why[160])
 {
-    int64_t format = 1; /* did not say so yet */
+    int64_t format = 1; /* no key: format 1 */
     if (r->kind != REC_HELLO) return true;
     rec_int(r, "format", 0, INT64_MAX, &format);
     if (format == WIRE_FORMAT) return true;

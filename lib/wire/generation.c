@@ -1,4 +1,4 @@
-/* Which state a frame is of. */
+/* The generation of state that a frame belongs to. */
 #include "wire/wire.h"
 
 bool generation_ends(const struct generations *g, enum rec_kind kind)
@@ -6,7 +6,7 @@ bool generation_ends(const struct generations *g, enum rec_kind kind)
     return g->framed && g->has[kind - REC_SCENE];
 }
 
-/* All state of generations first .. now; what several have counts once. */
+/* Bytes of all state of generations first .. now; shared records count once. */
 static size_t bytes_from(const struct generations *g, uint32_t first)
 {
     size_t sum = 0;

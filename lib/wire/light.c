@@ -1,4 +1,4 @@
-/* Can these be pixels? Asked wherever a body is summed, so it has to cost little beside that. */
+/* Checks pixels. It is called wherever a body is summed, so it must be cheap beside that. */
 #include "wire/wire.h"
 
 #include <float.h>
@@ -26,7 +26,7 @@ bool wire_light(const unsigned char *body, size_t n)
     lanes good = {-1, -1, -1, -1};
     for (size_t i = 0; i + WIRE_PIXEL_BYTES <= n; i += WIRE_PIXEL_BYTES) {
         pixel p = load(body + i);
-        good &= (p >= least) & (p <= most); /* both are false of NaN */
+        good &= (p >= least) & (p <= most); /* both are false for NaN */
     }
     return good[0] & good[1] & good[2] & good[3];
 }

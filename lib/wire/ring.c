@@ -1,10 +1,10 @@
-/* Reading the records of a ring: what its hub and its nodes say to each other, see ringctl(1). */
+/* Reading ring records: messages between the hub and its nodes, see ringctl(1). */
 #include "wire/wire.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-/* A number that may be left out, and is -1 then. */
+/* An optional number; -1 if absent. */
 static bool number(const struct record *r, const char *key, int64_t max, int32_t *out)
 {
     size_t len;
@@ -14,7 +14,7 @@ static bool number(const struct record *r, const char *key, int64_t max, int32_t
     return true;
 }
 
-/* One of two words. */
+/* A value that is one of two words. */
 static bool either(
     const struct record *r, const char *key, const char *no, const char *yes, bool *out)
 {

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #define LOOK_US 100000
-#define BEAT_US 450000 /* from when on a look is a beat as well: every fifth */
+#define BEAT_US 450000 /* time after which a check is also a beat: every fifth */
 #define GONE (POLLERR | POLLHUP | POLLNVAL)
 #define SELFTEST_PIXELS 4096 /* room */
 #define READ_BYTES 65536
@@ -23,22 +23,22 @@ struct worker {
     const struct worker_options *options;
     void *ctx;
     struct decoder in;
-    struct buf out, held; /* held: the frags that -c keeps back */
-    uint32_t held_of;     /* their generation */
-    uint32_t dropped;     /* generations before this one */
+    struct buf out, held; /* held: the frags that -c holds */
+    uint32_t held_of;     /* the generation of `held` */
+    uint32_t dropped;     /* first generation that is not dropped */
     struct frames frames; /* said: announced */
     struct generations generations;
     float *pixels;
-    int64_t cpu_us; /* used when the last task was done, or the last other record taken */
+    int64_t cpu_us; /* used at the latest done or other record */
 };
 
 /*
- * The pulse: a callback may load a scene for minutes, or be on one pixel for as long. Meanwhile a
- * timer looks whether the reader is still there, and says that this process is. It writes only
- * while `busy`, when nothing of a record is on its way; it stops by itself when nothing is done.
+ * The pulse. A callback may load a scene for minutes, or take as long for one pixel. Meanwhile a
+ * timer checks that the reader is still there, and sends beats. It writes only while `busy`, when
+ * no record is half written. It stops itself when the worker is idle.
  */
 static volatile sig_atomic_t busy, ticking;
-static int64_t beat_us; /* the latest; by the clock, since who is short of time misses looks */
+static int64_t beat_us; /* time of the latest; a slow process misses checks */
 
 static void set_timer(suseconds_t us)
 {
@@ -72,7 +72,7 @@ static void pulse_open(void)
     sigprocmask(SIG_UNBLOCK, &own, NULL);
 }
 
-/* Around every callback. */
+/* begin and end enclose each callback. */
 static void begin(void)
 {
     busy = 1;
@@ -83,7 +83,7 @@ static void begin(void)
 
 static void end(void) { busy = 0; }
 
-/* The reader is gone, or writing to it fails: nobody needs this process any more. */
+/* The reader is gone, or writing failed: this process is not needed any more. */
 static _Noreturn void reader_gone(int err)
 {
     if (err == EPIPE || !err) exit(ST_SYSTEM);
@@ -113,7 +113,7 @@ static void hello(struct worker *w)
     push(w);
 }
 
-/* Says what the following pixels belong to, once everything is loaded. */
+/* Announces the job of the frame's pixels, once all state is loaded. */
 static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR])
 {
     if (f->said) return true;
@@ -148,7 +148,7 @@ static void take_frame(struct worker *w, const struct record *r)
     generation_frame(&w->generations, f);
     memcpy(f->job, job, sizeof job);
     char err[WORKER_ERR];
-    announce(w, f, err); /* state may still be to come: then the first task tries again */
+    announce(w, f, err); /* state may be missing: then the first task tries again */
 }
 
 static void release_held(struct worker *w)
@@ -164,8 +164,9 @@ static void emit_frag(
     wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, job, w->pixels);
 }
 
-/* Absurd but valid scenes, such as mirrors of Ks 1e6, leave the range of a float. What is beyond
- * its end is the end, and what is no number is 0: the same everywhere, and light to all readers. */
+/* Absurd but valid scenes, such as mirrors of Ks 1e6, exceed the range of float. Values beyond
+ * it become its limit, and NaN becomes 0: the same on all machines, and valid light for all
+ * readers. */
 static void limit(float *rgba, uint64_t n)
 {
     for (uint64_t i = 0; i < 4 * n; i++) {
@@ -179,7 +180,7 @@ static int64_t used_us(const struct worker *w)
     return w->ops->cpu_us ? w->ops->cpu_us(w->ctx) : cpu_us();
 }
 
-/* A task's CPU time is all since the one before: reading and writing are part of the work. */
+/* The CPU time of a task includes all since the previous one: reading and writing are work too. */
 static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
 {
     int64_t cpu = used_us(w);
@@ -214,14 +215,14 @@ static void take_task(struct worker *w, const struct task *t)
         limit(w->pixels, count);
         end();
         n0 += count;
-        /* `done` is the scheduling event: it goes before the last pixels. */
+        /* `done` is the scheduling event: it is sent before the last pixels. */
         if (n0 == total) say_done(w, t, now_us() - wall);
         emit_frag(w, t, &piece, f->job);
         push(w);
     }
 }
 
-/* A record of this kind is here, or its beginning is: nobody needs the oldest state any more. */
+/* A record of this kind is here or on its way: drops state that is too old then. */
 static void drop_older(struct worker *w, enum rec_kind kind, size_t bytes)
 {
     uint32_t oldest = generation_oldest(&w->generations, kind, bytes);
@@ -251,7 +252,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_FRAME: take_frame(w, r); break;
     case REC_FLUSH:
         release_held(w);
-        wire_plain(&w->out, REC_BEAT, NULL); /* an answer, also where nothing was held back */
+        wire_plain(&w->out, REC_BEAT, NULL); /* an answer even if nothing was held */
         push(w);
         break;
     case REC_SCENE:
@@ -265,7 +266,7 @@ static void take_record(struct worker *w, const struct record *r)
     w->cpu_us = used_us(w);
 }
 
-/* Waits for input while watching the reader; then one read. False at the end of input. */
+/* Waits for input while watching the reader, then reads once. False at the end of input. */
 static bool fill(struct worker *w)
 {
     struct pollfd p[2] = {{STDIN_FILENO, POLLIN, 0}, {STDOUT_FILENO, 0, 0}};
@@ -292,8 +293,8 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
     hello(&w);
     pulse_open();
     for (bool more = true; more;) {
-        /* State that is long on its way is no silence: whoever waits for this worker may not see it
-         * come. */
+        /* While a long state record arrives, beats go on: a program that waits for this worker
+         * may not see the record arrive. */
         size_t bytes;
         enum rec_kind kind = wire_awaited(&w.in, &bytes);
         if (kind != REC_KINDS) drop_older(&w, kind, bytes);
