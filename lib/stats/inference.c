@@ -1,4 +1,4 @@
-/* What samples tell of where they come from: see stats.h. */
+/* inference: quantiles, confidence intervals, outliers; see stats.h. */
 #include "stats/stats.h"
 
 #include <float.h>
@@ -8,9 +8,9 @@
 
 /*
  * The incomplete beta function's continued fraction (M. Abramowitz, I. A. Stegun, "Handbook of
- * Mathematical Functions", 1964, 26.5.8), from the front (W. J. Lentz, "Generating Bessel functions
- * in Mie scattering calculations using continued fractions", Applied Optics 15, 1976). It converges
- * within some sqrt(max(a, b)) terms where x < (a + 1) / (a + b + 2).
+ * Mathematical Functions", 1964, 26.5.8), evaluated from the front (W. J. Lentz, "Generating Bessel
+ * functions in Mie scattering calculations using continued fractions", Applied Optics 15, 1976).
+ * Converges in about sqrt(max(a, b)) terms if x < (a + 1) / (a + b + 2).
  */
 static double beta_fraction(double a, double b, double x)
 {
@@ -30,7 +30,8 @@ static double beta_fraction(double a, double b, double x)
     return value;
 }
 
-/* I_x(a, b), where y = 1 - x is known better than that difference. */
+/* I_x(a, b). The caller passes y = 1 - x, because it knows y more accurately than that
+ * difference. */
 static double beta_part(double a, double b, double x, double y)
 {
     double front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log(y));
@@ -38,7 +39,7 @@ static double beta_part(double a, double b, double x, double y)
     return 1 - front * beta_fraction(b, a, y) / b;
 }
 
-/* The chance of more than t > 0. */
+/* The probability of a value above t > 0. */
 static double t_tail(double t, double dof)
 {
     double all = dof + t * t;
@@ -58,7 +59,7 @@ double t_quantile(double p, double dof)
 
 /* ---- intervals ------------------------------------------------------------------------------- */
 
-/* Around an estimate with this standard error; without degrees of freedom all is possible. */
+/* Interval around an estimate with this standard error. Infinite without degrees of freedom. */
 static struct interval around(double estimate, double error, double dof, double level)
 {
     double half = HUGE_VAL;
@@ -93,7 +94,7 @@ struct interval spread_interval(double *x, size_t n, double *y, size_t m, double
 {
     to_distances(x, n);
     to_distances(y, m);
-    /* Two are equally far from their median, whatever they are from: that tells as much as one. */
+    /* Two samples are always equally far from their median, so they count as one. */
     return difference_interval(x, n == 2 ? 1 : n, y, m == 2 ? 1 : m, level);
 }
 
@@ -104,7 +105,7 @@ void fences(double *x, size_t n, double *low, double *high)
     *low = -HUGE_VAL;
     *high = HUGE_VAL;
     if (n < 4) return;
-    median(x, n); /* sorts, the largest first */
+    median(x, n); /* sorts, descending */
     size_t half = (n + 1) / 2;
     double upper = median(x, half), lower = median(x + n - half, half);
     *low = lower - 1.5 * (upper - lower);

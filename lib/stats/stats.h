@@ -1,17 +1,15 @@
-/*
- * stats: the measures by which runs are judged.
- */
+/* stats: measures for judging runs. */
 #ifndef STORMRING_STATS_H
 #define STORMRING_STATS_H
 
 #include "base/base.h"
 
 /*
- * The least time in which n pieces of cost c (any unit of time at speed 1) can be done by m slots
- * of speed v, whatever the schedule: the largest of sum c / sum v and, for k = 1 .. m-1, (sum of
- * the k largest c) / (sum of the k largest v). A piece is never split. Sorts both arrays,
- * descending. 0 when n is 0. (T. Gonzalez, O. Ibarra, S. Sahni, "Bounds for LPT schedules on
- * uniform processors", SIAM J. Comput. 6, 1977.)
+ * Lower bound on the time in which m slots of speed v can do n pieces of cost c (any unit of time
+ * at speed 1), for any schedule. It is the largest of sum c / sum v and, for k = 1 .. m-1, (sum of
+ * the k largest c) / (sum of the k largest v). Pieces are never split. Sorts both arrays,
+ * descending. 0 if n is 0. (T. Gonzalez, O. Ibarra, S. Sahni, "Bounds for LPT schedules on uniform
+ * processors", SIAM J. Comput. 6, 1977.)
  */
 double lower_bound(double *c, size_t n, double *v, size_t m);
 /* n pieces of cost c each. */
@@ -19,82 +17,82 @@ struct pieces {
     double c;
     uint64_t n;
 };
-/* The same of n kinds of pieces. Sorts both arrays, descending. */
+/* The same for n kinds of pieces. Sorts both arrays, descending. */
 double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m);
 double mean(const double *x, size_t n);
-/* Of a sample: divides by n - 1. 0 when n < 2. */
+/* Sample variance: divides by n - 1. 0 if n < 2. */
 double variance(const double *x, size_t n);
-/* Sorts x, descending. The mean of the two middle ones when n is even. */
+/* Sorts x, descending. For even n the mean of the two middle values. */
 double median(double *x, size_t n);
 
-/* ---- what samples tell of where they come from --------------------------------------------- */
+/* ---- inference from samples ---------------------------------------------------------------- */
 
 /*
- * The p-quantile of Student's t distribution, 0 < p < 1, of dof > 0 degrees of freedom, which need
- * not be whole: correct to about 12 digits. (Student, "The probable error of a mean", Biometrika 6,
- * 1908.)
+ * The p-quantile of Student's t distribution, 0 < p < 1, with dof > 0 degrees of freedom, not
+ * necessarily an integer. Correct to about 12 digits. (Student, "The probable error of a mean",
+ * Biometrika 6, 1908.)
  */
 double t_quantile(double p, double dof);
 
-/* From low to high lies, with the confidence that was asked for, what was estimated. */
+/* A confidence interval: [low, high] contains the true value with the requested confidence. */
 struct interval {
-    double estimate, low, high; /* not finite where there are too few samples to tell */
+    double estimate, low, high; /* low, high: infinite if there are too few samples */
 };
 
-/* Of the mean, at the level (0 to 1, as .999), for samples of a normal distribution. */
+/* Interval of the mean for normally distributed samples. level is in (0, 1), such as .999. */
 struct interval mean_interval(const double *x, size_t n, double level);
 /*
- * Of the mean that x is from minus that of y, which need not vary equally (B. L. Welch, "The
- * generalization of `Student's' problem when several different population variances are involved",
- * Biometrika 34, 1947). n and m >= 1.
+ * Interval of the mean of x's distribution minus the mean of y's. The variances may differ (B. L.
+ * Welch, "The generalization of `Student's' problem when several different population variances are
+ * involved", Biometrika 34, 1947). n and m >= 1.
  */
 struct interval difference_interval(
     const double *x, size_t n, const double *y, size_t m, double level);
 /*
- * How much more x varies than y: the same of the distances of each from its median (M. B. Brown,
- * A. B. Forsythe, "Robust tests for the equality of variances", J. Amer. Stat. Assoc. 69, 1974;
- * differs in Welch's degrees of freedom). Fewer than three of either tell nothing. Leaves these in
- * x and y.
+ * Compares the spread of x with that of y: the difference interval of the absolute deviations from
+ * the medians (M. B. Brown, A. B. Forsythe, "Robust tests for the equality of variances", J. Amer.
+ * Stat. Assoc. 69, 1974; differs in Welch's degrees of freedom). Infinite if either has fewer than
+ * three samples. Overwrites x and y with their deviations.
  */
 struct interval spread_interval(double *x, size_t n, double *y, size_t m, double level);
 
 /*
- * The inner fences (J. W. Tukey, "Exploratory Data Analysis", 1977): samples outside of [*low,
- * *high] are outliers: further from the middle half than 1.5 times its width. The quartiles are the
- * medians of the lower and the upper half, the middle one being in both. Of fewer than 4 samples
- * none is an outlier. Sorts x.
+ * The inner fences (J. W. Tukey, "Exploratory Data Analysis", 1977). Samples outside [*low, *high]
+ * are outliers: more than 1.5 times the interquartile range beyond a quartile. The quartiles are
+ * the medians of the lower and the upper half; both halves include a middle sample. With fewer than
+ * 4 samples there are no outliers. Sorts x.
  */
 void fences(double *x, size_t n, double *low, double *high);
 
-/* ---- who did what, when --------------------------------------------------------------------- */
+/* ---- timelines of slots ---------------------------------------------------------------------- */
 
-/* A task that a slot did. Times are in seconds since its run began. */
+/* A task that a slot completed. Times are in seconds since the start of its run. */
 struct span {
     uint32_t run, slot;
-    double end_s;  /* when it was done; < 0: nobody looked at a clock */
-    double took_s; /* how long the slot was on it, by its own account */
-    bool wasted;   /* another one's pixels were taken */
+    double end_s;  /* completion time; < 0: unknown */
+    double took_s; /* time spent on it, as the slot reported */
+    bool wasted;   /* another copy's pixels were used */
     double begin_s;
 };
 
 /*
- * What slots did with their time. The five make up all of it, to the last digit: of all slots they
- * are slots x the makespans of all runs.
+ * How slots spent their time. The five values add up exactly: summed over all slots, they equal
+ * slots x the makespans of all runs.
  */
 struct times {
-    double busy_s;    /* on tasks whose pixels were taken */
-    double wasted_s;  /* on tasks whose pixels were not */
-    double startup_s; /* idle from the beginning to its first task; without one, all the time */
+    double busy_s;    /* on tasks whose pixels were used */
+    double wasted_s;  /* on tasks whose pixels were not used */
+    double startup_s; /* idle until its first task; all the time if it had none */
     double waiting_s; /* idle between tasks */
-    double tail_s;    /* idle after its last task, until the last one of all was done */
+    double tail_s;    /* idle from its last task to the end of the run */
 };
 
 /*
- * Lays the spans on one line a slot, and accounts for the time on it. Spans come run by run, those
- * of a slot in the order in which they were done; runs and slots are numbered from 0. A slot is on
- * one task at a time: where clocks of two processes say otherwise, the later task begins when the
- * earlier one is done. A span without a clock follows the one before it at once. Sets begin_s and
- * end_s of all spans, of[slot], and run_s[run]: the makespan, until its last task was done.
+ * Places the spans on one timeline per slot and accounts for the time. Spans are ordered by run,
+ * and those of a slot by completion; runs and slots are numbered from 0. A slot does one task at a
+ * time: if clocks of two processes say otherwise, the later task begins when the earlier one ends.
+ * A span without a completion time directly follows the previous one. Sets begin_s and end_s of all
+ * spans, of[slot], and run_s[run], the makespan: the time until the run's last task ends.
  */
 void timeline(
     struct span *at, size_t n, struct times *of, size_t n_slots, double *run_s, size_t n_runs);
