@@ -55,8 +55,7 @@ static void bar_plate(const struct bar *b, const struct drawing *s)
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
-    double y =
-        b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* labels of the map are below the bar */
+    double y = b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* the map has labels below */
     for (size_t i = 0; i < s->b->spec->n_isos; i++) {
         const struct spec_iso *iso = s->b->spec->iso + i;
         double x = bar_x(b, iso->s), at[2] = {x, y};

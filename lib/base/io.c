@@ -78,8 +78,7 @@ int outfile_open(struct outfile *o, const char *path)
             errno = err;
             return -1;
         }
-        mode_t mask =
-            umask(0); /* mkostemp made it 0600; set the mode that open(2) would have set */
+        mode_t mask = umask(0); /* mkostemp used 0600; set the mode that open(2) sets */
         umask(mask);
         fchmod(fd, 0666 & ~mask);
     }

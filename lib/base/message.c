@@ -25,8 +25,7 @@ static void fill_standard_descriptors(void)
 void prog_init(const char *argv0)
 {
     fill_standard_descriptors();
-    signal(
-        SIGXFSZ, SIG_IGN); /* write then fails with EFBIG, which is reported like any other error */
+    signal(SIGXFSZ, SIG_IGN); /* write then fails with EFBIG, like other errors */
     if (!argv0) return;
     const char *slash = strrchr(argv0, '/');
     name = slash ? slash + 1 : argv0;

@@ -24,9 +24,8 @@ struct corners {
     struct corner *c;
     uint32_t n, left;     /* number of corners at the start, and now */
     double width, height; /* extent of all corners */
-    struct points
-        blunt;       /* the blunt corners by place, so that the ear test checks only nearby ones */
-    uint32_t *queue; /* circular, room for n */
+    struct points blunt;  /* blunt corners by place: the ear test checks only nearby ones */
+    uint32_t *queue;      /* circular, room for n */
     uint32_t queue_at, queue_n;
     uint64_t patience; /* remaining tests of corners that coincide with a corner of the ear */
     struct corner stack_c[CORNERS_STACK];

@@ -33,8 +33,7 @@ static void make_pyramid(const struct view *v, struct pyramid *y)
     }
     y->normal[4] = dir;
     y->offset[4] = v->hither;
-    y->normal[5] =
-        v3_scale(dir, -1); /* implied by the sides, but rejects objects behind the eye directly */
+    y->normal[5] = v3_scale(dir, -1); /* redundant, but rejects objects behind the eye */
     y->offset[5] = 0;
     y->corner[0] = v3(0, 0, 0);
     y->eye = v->from;

@@ -23,11 +23,10 @@ struct points_node {
 };
 
 struct points {
-    struct point *at;   /* in tree order; the remaining points of each leaf come first */
-    uint32_t n, leaves; /* number of points at the start; leaves, a power of two */
-    uint32_t *place;    /* by id: index into `at` */
-    struct points_node
-        *node; /* 1: the root; children of k: 2 k and 2 k + 1; from `leaves` on: leaves */
+    struct point *at;         /* in tree order; the remaining points of each leaf come first */
+    uint32_t n, leaves;       /* number of points at the start; leaves, a power of two */
+    uint32_t *place;          /* by id: index into `at` */
+    struct points_node *node; /* 1: root; children of k: 2 k, 2 k + 1; from `leaves` on: leaves */
 };
 
 /* Number of nodes that n points need. */

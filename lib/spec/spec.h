@@ -8,8 +8,8 @@
 #include "grid/grid.h"
 
 struct spec_knot {
-    double s, rgb[3],
-        k; /* two knots at the same s are a jump: the first holds below, the second above */
+    /* Two knots at one s are a jump: the first holds below it, the second above. */
+    double s, rgb[3], k;
 };
 struct spec_iso {
     double s, rgb[3], opacity; /* opacity 0 .. 1 of the sheet, independent of the viewing angle */

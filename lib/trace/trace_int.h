@@ -81,9 +81,8 @@ extern const struct shape *const trace_shapes[ITEM_KINDS];
 
 /* ---- the hierarchy ---------------------------------------------------------------------- */
 
-#define WIDTH 8 /* children of a node */
-#define STACK_MAX                                                                                  \
-    704 /* (SAH_DEPTH + 32 levels of halving + 3 of kinds) * (WIDTH - 1), rounded up */
+#define WIDTH 8       /* children of a node */
+#define STACK_MAX 704 /* > (SAH_DEPTH + 32 levels of halving + 3 of kinds) * (WIDTH - 1) */
 
 /* A child is a node's index or a leaf: LEAF | kind << 29 | (blocks - 1) << 27 | first block of that
  * kind. */

@@ -96,8 +96,7 @@ static struct vec3 smooth_normal(
     struct vec3 m = v3_scale(n[it->vertex[0]], 1 - u - v);
     m = v3_mad(v3_mad(m, n[it->vertex[1]], u), n[it->vertex[2]], v);
     double len = v3_len(m);
-    return len > 1e-12 ? v3_scale(m, 1 / len)
-                       : flat; /* opposite normals cancel: use the flat normal */
+    return len > 1e-12 ? v3_scale(m, 1 / len) : flat; /* opposite normals cancel: flat */
 }
 
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)

@@ -45,8 +45,8 @@ struct stream_lanes {
     double exit[STREAM_WALKERS];
     double next[3][STREAM_WALKERS], prev[3][STREAM_WALKERS], rate[3][STREAM_WALKERS];
     double start[3][STREAM_WALKERS], inv[3][STREAM_WALKERS];
-    int64_t plane[3][STREAM_WALKERS],
-        step[3][STREAM_WALKERS]; /* plane: of `next`, as an index into plane[0] */
+    /* plane: of `next`, as an index into plane[0]. */
+    int64_t plane[3][STREAM_WALKERS], step[3][STREAM_WALKERS];
     int64_t node[STREAM_WALKERS], to_node[3][STREAM_WALKERS];
     int64_t passed[STREAM_WALKERS];
     /* End of the cell; the plane that follows on that axis; the byte of `live`. */

@@ -71,8 +71,8 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
     }
 }
 
-#define TRIES                                                                                      \
-    3 /* starting at the cells of the previous rays, which mostly are these or neighbours */
+/* Starts at the cells of the previous rays; the new cells are mostly these or neighbours. */
+#define TRIES 3
 
 /* True if the ray is already past cell i. */
 SIMD_INLINE vl is_left(const struct aim *m, const double *plane, int a, vl i)

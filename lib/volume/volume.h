@@ -37,8 +37,8 @@
 #define VOLUME_AMBIENT 0.3
 
 enum volume_method {
-    VOLUME_ADAPTIVE, /* error at most `tolerance`, with the cheapest rule per cell */
-    VOLUME_DOUBLING, /* as published: trapezoid, sub-steps doubled until the change is < tolerance */
+    VOLUME_ADAPTIVE,  /* error at most `tolerance`, with the cheapest rule per cell */
+    VOLUME_DOUBLING,  /* as published: trapezoid, sub-steps doubled until change < tolerance */
     VOLUME_TRAPEZOID, /* n sub-steps per cell */
     VOLUME_GAUSS      /* split at the knots; n Gauss-Legendre nodes per piece */
 };

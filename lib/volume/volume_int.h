@@ -14,8 +14,7 @@
 #include <string.h>
 
 #define BLOCK_SHIFT 2
-#define BLOCK                                                                                      \
-    (1 << BLOCK_SHIFT) /* cells along each edge of a block; blocks are skipped as a whole */
+#define BLOCK (1 << BLOCK_SHIFT) /* cells per edge of a block; skipped as a whole */
 #define GAUSS_MAX VOLUME_NODES_MAX
 
 /* ---- the map (map.c) ------------------------------------------------------------------------ */
