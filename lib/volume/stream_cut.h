@@ -8,8 +8,8 @@
 
 #include "volume/stream_cell.h"
 
-#define ROOT_STEPS 5      /* Newton steps. If the last step exceeds ROOT_LAST, */
-#define ROOT_LAST 0x1p-10 /* whose square is 0 in float, the cell is integrated alone */
+#define ROOT_STEPS 5      /* Newton steps */
+#define ROOT_LAST 0x1p-10 /* largest last step: its square is 0 in float. Else: cell done alone */
 #define PARTS_MIN 8       /* parts of a piece */
 #define PARTS_MAX 4096
 

@@ -129,7 +129,7 @@ SIMD_INLINE void pass(struct stream *s, int h)
 
 /* ---- the list ------------------------------------------------------------------------------- */
 
-/* Moves the lanes of the mask side by side. */
+/* Compaction: the lanes of the mask become adjacent. */
 #ifdef __AVX512F__
 struct order {
     __mmask16 of;
