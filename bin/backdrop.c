@@ -1,4 +1,5 @@
-/* backdrop: a map, frame and legend to put under a picture of a grid, as a gnuplot script. */
+/* backdrop: writes a map, frame and legend for the background of a picture of a grid, as a gnuplot
+ * script. */
 #include "backdrop/backdrop.h"
 
 #include <string.h>
@@ -7,8 +8,8 @@
 
 struct options {
     int w, h;                        /* -s; 0: the specification's */
-    const char *title;               /* -t; NULL: by the grid's title */
-    const char *unit;                /* -z, likewise */
+    const char *title;               /* -t; NULL: from the grid's title */
+    const char *unit;                /* -z; NULL: from the grid's title */
     const char *grid, *spec, *lines; /* files; lines may be NULL */
 };
 
@@ -34,7 +35,7 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* What the grid's title says, as far as the options do not. */
+/* Names from the grid's title, unless options give them. */
 struct names {
     struct backdrop_named scalar, x, z;
     char title[2 * GRID_NAME + 2];

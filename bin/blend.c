@@ -1,7 +1,7 @@
 /*
- * blend: pictures one over another, in linear light.
+ * blend: composites pictures over one another, in linear light.
  *
- * Pixels are premultiplied, so that "over" is a + (1 - alpha) b (T. Porter, T. Duff, "Compositing
+ * Pixels are premultiplied, so "over" is a + (1 - alpha) b (T. Porter, T. Duff, "Compositing
  * digital images", SIGGRAPH 1984).
  */
 #include <inttypes.h>
@@ -12,7 +12,7 @@
 #include "image/image.h"
 
 struct options {
-    const char *out; /* -o: NULL: PNG on standard output */
+    const char *out; /* -o; NULL: PNG on standard output */
     enum image_format format;
     int bits;    /* -k */
     char **path; /* topmost first */
@@ -53,7 +53,7 @@ static void open_picture(const char *path, struct image *im)
     if (image_read(path, im, err) != 0) die(ST_USAGE, "%s: %s", path, err);
 }
 
-/* b under what is in a already. */
+/* Composites a over b, into a. */
 static void put_under(struct image *a, const struct image *b)
 {
     for (size_t p = 0; p < (size_t)a->w * a->h; p++) {

@@ -1,4 +1,4 @@
-/* grib2vtk: the fields of a GRIB file at several levels as a rectilinear grid. */
+/* grib2vtk: converts the fields of a GRIB file at several levels to a rectilinear grid. */
 #include "base/base.h"
 #include "convert/convert.h"
 #include "grib/grib.h"
@@ -11,10 +11,10 @@ static const char usage_text[] = "[-ch] [-L LEVELS] [-o FILE] [-t INDEX|all] FIL
 
 struct options {
     struct convert_options common;
-    const char *levels; /* -L: a type of levels; NULL: that of which there are most */
+    const char *levels; /* -L: type of level; NULL: the type with the most levels */
 };
 
-/* The variables of a request: one, or the two of a derived one. */
+/* The variables of a request: one, or two of a derived one. */
 struct source {
     const struct convert_options *o;
     struct convert_request request;
@@ -31,9 +31,9 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- what was asked for --------------------------------------------------------------------- */
+/* ---- the request ---------------------------------------------------------------------------- */
 
-/* The variable at the levels that were asked for, or at those of which it has most. */
+/* Finds the variable at the requested type of level, or at the type with the most levels. */
 static struct gb_stack find_stack(
     const struct gb_index *x, const struct options *o, const char *name, int n)
 {

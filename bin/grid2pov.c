@@ -1,19 +1,19 @@
 /*
- * grid2pov: a grid and a rendering specification as a POV-Ray 3.7 scene of the same meaning.
+ * grid2pov: converts a grid and a rendering specification to an equivalent POV-Ray 3.7 scene.
  *
- * The picture is POV-Ray's integral of two media in one box: one absorbs k(s), the other emits
- * c(s) k(s), a product of two densities. s is POV-Ray's own trilinear interpolation of a DF3 file;
- * piecewise linear splines lead from coordinates to its nodes. Each mapping below was checked by
+ * The picture is POV-Ray's integral of two media in one box: one absorbs k(s), the other emits c(s)
+ * k(s), a product of two densities. s is POV-Ray's own trilinear interpolation of a DF3 file;
+ * piecewise linear splines map coordinates to its nodes. Each mapping below was checked by
  * rendering:
  *
- * - A DF3 file has node i of n at i / n, and wraps round from there.
- * - A pattern's value of 1 is one of 0. A colour map's own numbers are float: they are taken over
- *   the map's width, so that a narrow one is not rounded away.
- * - A medium is sampled in the middles of intervals of equal length from one surface to the next:
- *   invisible planes at the grid's own make surfaces of the cells' faces, where the field kinks.
- *   A ray passes 256 surfaces at most.
- * - Surfaces nearer than a fixed distance are not told apart: the scene is scaled to make that
- *   small.
+ *   - In a DF3 file, node i of n is at i / n; the file wraps round from there.
+ *   - A pattern's value of 1 counts as 0. A colour map's numbers are float. They are relative to
+ *     the map's width, so that rounding does not lose a narrow map.
+ *   - A medium is sampled in the middles of equal intervals from one surface to the next. Invisible
+ *     planes at the grid's planes turn cell faces into surfaces, where the field has kinks. A ray
+ *     passes at most 256 surfaces.
+ *   - POV-Ray merges surfaces nearer than a fixed distance. The scene is scaled to make that
+ *     distance small.
  */
 #include "volume/volume.h"
 
@@ -24,13 +24,13 @@
 #define PLANES_MAX 250
 #define INTERVALS_MAX 255
 #define KNOTS_MAX 250   /* a colour map has room for 256 entries */
-#define NODES_MAX 32767 /* of a DF3 file, with the mask behind the field */
-#define REACH 1e5       /* from the eye to the box's farthest corner: 1e7 ends POV-Ray's world */
+#define NODES_MAX 32767 /* limit of a DF3 file, including the mask after the field */
+#define REACH 1e5 /* distance from the eye to the box's farthest corner: POV-Ray's limit is 1e7 */
 
 static const char usage_text[] = "[-h] [-n SAMPLES] GRID.vtk SPEC FILE.df3";
 
 struct options {
-    int samples; /* -n: between two planes of the grid */
+    int samples; /* -n: samples between two planes of the grid */
     const char *grid, *spec, *df3;
 };
 
@@ -38,12 +38,12 @@ struct pov {
     const struct options *o;
     const struct grid *g;
     const struct spec *s;
-    double unit;        /* POV-Ray's lengths, of one in scaled space */
-    double least, most; /* values of the field */
-    bool missing;       /* some of them: the mask of cells follows the field */
-    double lo, width;   /* of the map, with a margin to either side that is clear */
+    double unit;        /* POV-Ray's length per unit of scaled space */
+    double least, most; /* lowest and highest value of the field */
+    bool missing;       /* some values are missing: the mask of cells follows the field */
+    double lo, width;   /* of the map, with a transparent margin on either side */
     double stride;      /* from one invisible plane to the next, in cells: 2^n or 1 / n */
-    int intervals;      /* from one to the next */
+    int intervals;      /* between two invisible planes */
 };
 
 /* ---- the field as a DF3 file ----------------------------------------------------------------- */
@@ -55,7 +55,7 @@ static void put_number(struct buf *b, uint32_t v, int size)
     buf_append(b, bytes, (size_t)size);
 }
 
-/* Is the cell above this node there, with all its corners? */
+/* True if the cell above this node exists and has all its corners. */
 static bool cell_there(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
 {
     if (i + 1 == g->n[0] || j + 1 == g->n[1] || k + 1 == g->n[2]) return false;
@@ -87,7 +87,7 @@ static void put_vec(const char *lead, struct vec3 v)
 {
     printf("%s<%.17g,%.17g,%.17g>", lead, v.x, v.y, v.z);
 }
-/* Of node i, or between two. */
+/* Coordinate of node i, or between two nodes. */
 static double place(const struct pov *p, int a, double i)
 {
     const double *at = p->g->at[a];
@@ -122,7 +122,7 @@ static void put_head(const struct pov *p)
     puts(" }");
 }
 
-/* M: where the field is in the map, 0 .. 1, at a point of the scene; clear at both ends. */
+/* M: the field's position in the map, 0 .. 1, at a point of the scene; transparent at both ends. */
 static void put_field(const struct pov *p)
 {
     const char *df3 = p->o->df3;
@@ -147,7 +147,7 @@ static void put_field(const struct pov *p)
     puts(p->missing ? ") }" : " }");
 }
 
-/* The map as a colour map of name: its extinction, or its colour. */
+/* Writes the map's extinction or colour as a colour map `name`. */
 static void put_map(const struct pov *p, const char *name, bool colour)
 {
     printf("#declare %s = color_map {\n", name);
@@ -194,7 +194,7 @@ static void put_box(const struct pov *p)
     puts("} }");
 }
 
-/* ---- what is asked for ----------------------------------------------------------------------- */
+/* ---- input and options ---------------------------------------------------------------------- */
 
 static double distance_to_box(const struct pov *p)
 {
@@ -225,7 +225,7 @@ static void survey(struct pov *p)
     p->unit = REACH / distance_to_box(p);
 }
 
-/* Where the invisible planes are. False where the samples cannot be had. */
+/* Chooses the invisible planes. False if the number of samples cannot be reached. */
 static bool cut(struct pov *p)
 {
     double samples = p->o->samples, cells = -3.0 + p->g->n[0] + p->g->n[1] + p->g->n[2];

@@ -1,8 +1,8 @@
 /*
- * imgcmp: how far are two pictures apart?
+ * imgcmp: compares two pictures.
  *
- * The exemplar of the house's programs: options land in one struct, main parses, opens, runs and
- * closes, and nothing below main sees argv.
+ * The exemplar of this project's programs: options go into one struct; main parses, opens, runs and
+ * closes; functions called by main do not see argv.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -12,13 +12,13 @@
 #include "image/image.h"
 
 struct options {
-    double tolerance;  /* -t: a component may be off by so much, in [0,1] */
-    double fraction;   /* -f: so many of the pixels may be off by more */
-    double rmse_limit; /* -r: on rmse_kept */
-    double drop;       /* -d: the fraction of pixels that rmse_kept leaves out */
+    double tolerance;  /* -t: permitted difference of a component, in [0,1] */
+    double fraction;   /* -f: fraction of the pixels that may differ by more */
+    double rmse_limit; /* -r: limit of rmse_kept */
+    double drop;       /* -d: fraction of pixels excluded from rmse_kept */
     bool limit_over;   /* -t or -f was given */
     bool limit_rmse;   /* -r was given */
-    bool quiet;        /* -q: the exit status is all */
+    bool quiet;        /* -q: print nothing */
     const char *path[2];
 };
 

@@ -1,4 +1,4 @@
-/* nc2vtk: a variable of a NetCDF file as a rectilinear grid. */
+/* nc2vtk: converts a variable of a NetCDF file to a rectilinear grid. */
 #include "base/base.h"
 #include "cf/cf.h"
 #include "convert/convert.h"
@@ -8,7 +8,7 @@
 static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE\n"
                                  "       nc2vtk -l FILE.nc";
 
-/* The variables of a request: one, or the two of a derived one. */
+/* The variables of a request: one, or two of a derived one. */
 struct source {
     struct cf_file *c;
     const struct convert_options *o;
@@ -25,7 +25,7 @@ static struct convert_options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- what was asked for ---------------------------------------------------------------------- */
+/* ---- the request ---------------------------------------------------------------------------- */
 
 static struct source find(struct cf_file *c, const struct convert_options *o)
 {

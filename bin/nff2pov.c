@@ -1,4 +1,4 @@
-/* nff2pov: an NFF scene as a POV-Ray 3.7 scene of the same meaning. */
+/* nff2pov: converts an NFF scene to an equivalent POV-Ray 3.7 scene. */
 #include "scene/scene.h"
 
 #include <unistd.h>
@@ -7,7 +7,7 @@ static const char usage_text[] = "[-h] [-x FACTOR] [SCENE.nff|-]";
 
 int main(int argc, char **argv)
 {
-    double scale = 1; /* of all lengths */
+    double scale = 1; /* factor of all lengths */
     prog_init(argv[0]);
     for (int c; (c = prog_getopt(argc, argv, "hx:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);

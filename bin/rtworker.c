@@ -9,18 +9,18 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 4 /* of the picture: raise it when a pixel of any scene changes */
+#define FORMAT_VERSION 4 /* raise it when a pixel of any scene changes */
 
 struct options {
     struct trace_options trace;
     struct worker_options worker;
     bool inspect;     /* -i: print the frame and the job, render nothing */
-    int w, h;         /* -s: of that frame; 0: what the scene asks for */
-    const char *path; /* of the scene; "-": it comes as a record */
-    char with[80];    /* this program, and what of the above changes pixels, as options */
+    int w, h;         /* -s: size of that frame; 0: the scene's */
+    const char *path; /* scene file; "-": the scene comes as a record */
+    char with[80];    /* the program and its pixel-changing options, for `with=` */
 };
 
-/* What pictures of one generation are of. */
+/* The scene of the pictures of one generation. */
 struct subject {
     struct scene scene;
     struct tracer *tracer;
@@ -31,8 +31,8 @@ struct subject {
 struct renderer {
     const struct options *o;
     const char *name;
-    struct subject subjects[GENERATIONS]; /* of each that may have tasks, modulo that */
-    struct subject *at;                   /* of the frame made ready */
+    struct subject subjects[GENERATIONS]; /* by generation, modulo GENERATIONS */
+    struct subject *at;                   /* subject of the current frame */
     uint32_t w, h;
 };
 
@@ -103,7 +103,8 @@ static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n,
     tracer_pixels(r->at->tracer, at, n0, n, rgba);
 }
 
-/* Every primitive, a mirror, glass and a shadow, small enough to take a millisecond or two. */
+/* Every primitive, a mirror, glass and a shadow, small enough to render in one or two
+ * milliseconds. */
 static const char selftest_nff[] =
     "b .1 .3 .7\nv from 3 4 5 at 0 0 .4 up 0 0 1 angle 40 hither 0 resolution 32 32\n"
     "l 5 3 9\nl -4 6 5 .5 .6 .7\nf 1 .9 .5 .8 .2 20 0 0\n"

@@ -11,7 +11,7 @@ static const char usage_text[] = "[-h] [-p DIGITS] [-s SIZE] [-V balanced|imbala
 struct options {
     int size;        /* 0: the scene's own default */
     int digits;      /* significant digits of the numbers written */
-    bool imbalanced; /* the view is, not SPD's */
+    bool imbalanced; /* the imbalanced view instead of SPD's */
     bool list;
 };
 

@@ -1,4 +1,4 @@
-/* tsvstat: a table of samples in, what they tell out: a line for each point, or each comparison. */
+/* tsvstat: summarises or compares the samples of a table: one line per point or comparison. */
 #include "base/base.h"
 #include "inference/inference.h"
 
@@ -11,14 +11,14 @@ static const char text[] = "[-hr] [-c LEVEL] [FILE.tsv]\n"
                            "       tsvstat [-hr] [-c LEVEL] -t less|more|same:MARGIN|steadier A B "
                            "[FILE.tsv]";
 
-/* What is asked of two methods. */
+/* The claim to test about two methods. */
 enum relation { NONE, LESS, MORE, SAME, STEADIER };
 
 struct options {
     double level;           /* -c: the confidence of intervals */
-    bool drop;              /* -r: without outliers */
+    bool drop;              /* -r: exclude outliers */
     enum relation relation; /* -t */
-    double margin;          /* of SAME: so far apart, as a part of B's mean, is the same */
+    double margin;          /* SAME: permitted difference, as a fraction of B's mean */
     const char *a, *b;
     const char *path;
 };
@@ -28,13 +28,13 @@ static const char *const column_name[COLUMNS] = {
     "experiment", "kind", "method", "x", "x_unit", "y", "y_unit", "sample", "seed"};
 
 struct row {
-    const char *experiment, *kind, *method, *at; /* names: the same pointer is the same name */
+    const char *experiment, *kind, *method, *at; /* interned: equal names have equal pointers */
     double x, y;
     int64_t sample, seed;
     bool outlier;
 };
 
-/* Rows from `from` on are of one point. */
+/* The rows of one point start at `from`. */
 struct point {
     size_t from, n;
 };
@@ -87,7 +87,7 @@ static const char *shown(const struct options *o)
     return strcmp(o->path, "-") == 0 ? "standard input" : o->path;
 }
 
-/* The one pointer for this name: there are a few dozen. */
+/* Interns a name. Linear search suffices for a few dozen names. */
 static const char *name_of(struct table *t, const char *s)
 {
     for (size_t i = t->n_names; i-- > 0;)
@@ -97,7 +97,7 @@ static const char *name_of(struct table *t, const char *s)
     return t->names[t->n_names++] = s;
 }
 
-/* Cuts the line at its tabs: the number of fields, COLUMNS of them kept. */
+/* Splits the line at its tabs. Returns the number of fields; keeps COLUMNS of them. */
 static size_t cut(char *line, char **field)
 {
     size_t n = 0;
@@ -162,7 +162,7 @@ static void read_table(struct table *t, const struct options *o)
 
 static int apart(const char *a, const char *b) { return a == b ? 0 : strcmp(a, b); }
 
-/* Of two settings or, where they have none, of two x. */
+/* Orders by setting or, if there is none, by x. */
 static int by_point(const struct row *a, const struct row *b)
 {
     int d = apart(a->experiment, b->experiment);
@@ -184,7 +184,7 @@ static int in_order(const void *a, const void *b)
     return d ? d : by_sample(a, b);
 }
 
-/* The y of rows, at least one; without outliers when they are left out. */
+/* Copies the y of at least one row, without marked outliers. Returns their number. */
 static size_t samples(const struct row *r, size_t n, double *y)
 {
     size_t kept = 0;
@@ -218,7 +218,7 @@ static void find_points(struct table *t, const struct options *o)
         mark_outliers(&t->rows[t->points[i].from], t->points[i].n);
 }
 
-/* ---- what each tells ------------------------------------------------------------------------- */
+/* ---- summary -------------------------------------------------------------------------------- */
 
 static void summarise(const struct table *t, const struct options *o)
 {
@@ -236,7 +236,7 @@ static void summarise(const struct table *t, const struct options *o)
     }
 }
 
-/* ---- two of them ----------------------------------------------------------------------------- */
+/* ---- comparison ----------------------------------------------------------------------------- */
 
 static const char *verdict(const struct options *o, struct interval of)
 {
@@ -250,7 +250,7 @@ static const char *verdict(const struct options *o, struct interval of)
     }
 }
 
-/* The differences of those samples that both have. */
+/* Differences of the samples that both methods have. */
 static size_t pair(const struct row *a, size_t n, const struct row *b, size_t m, double *y)
 {
     size_t pairs = 0;
@@ -263,7 +263,7 @@ static size_t pair(const struct row *a, size_t n, const struct row *b, size_t m,
     return pairs;
 }
 
-/* Of the means by pairs, of the spreads by all samples; of SAME as a part of B's mean. */
+/* Means are compared by pairs, spreads by all samples. SAME is relative to B's mean. */
 static struct interval compared(const struct options *o, const struct row *a, size_t n,
     const struct row *b, size_t m, size_t *used)
 {
@@ -278,7 +278,7 @@ static struct interval compared(const struct options *o, const struct row *a, si
         of = inference_mean(x, *used, o->level);
     }
     if (o->relation == SAME) {
-        /* Of 0, only 0 is the same. */
+        /* If the mean is 0, only 0 counts as the same. */
         double whole = fmax(fabs(mean(y, samples(b, m, y))), DBL_MIN);
         of = (struct interval){of.estimate / whole, of.low / whole, of.high / whole};
     }
@@ -286,7 +286,7 @@ static struct interval compared(const struct options *o, const struct row *a, si
     return of;
 }
 
-/* The point of B that stands beside one of A, or NULL. */
+/* The point of B with the same experiment, kind and x as a; NULL if there is none. */
 static const struct point *beside(const struct table *t, const struct row *a, const char *b)
 {
     for (size_t i = 0; i < t->n_points; i++) {

@@ -13,19 +13,19 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 6 /* of the picture: raise it when a pixel of any volume changes */
+#define FORMAT_VERSION 6 /* raise it when a pixel of any volume changes */
 
 struct options {
     struct volume_options volume;
     struct worker_options worker;
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
     const char *grid, *const *specs;   /* files; "-": it comes as a record */
-    int n_specs;                       /* 1; of -i any number */
-    int w, h;                          /* -s: of -i; 0: what the specification asks for */
-    char with[80]; /* this program, and what of the above changes pixels, as options */
+    int n_specs;                       /* 1; with -i any number */
+    int w, h;                          /* -s: size for -i; 0: the specification's */
+    char with[80];                     /* the program and its pixel-changing options, for `with=` */
 };
 
-/* A grid or a specification, of each generation that uses it. */
+/* A grid or a specification, shared by the generations that use it. */
 struct shared {
     struct grid grid;
     struct spec spec;
@@ -33,17 +33,17 @@ struct shared {
     int users;
 };
 
-/* What pictures of one generation are of. */
+/* The data of the pictures of one generation. */
 struct subject {
-    struct shared *grid, *spec; /* NULL: it has not come */
-    struct volume *volume;      /* of these two, once it is needed */
+    struct shared *grid, *spec; /* NULL: not received yet */
+    struct volume *volume;      /* built from both when first needed */
 };
 
 struct renderer {
     const struct options *o;
-    struct subject subjects[GENERATIONS]; /* of each that may have tasks, modulo that */
-    uint32_t latest;                      /* generation */
-    struct subject *at;                   /* of the frame made ready */
+    struct subject subjects[GENERATIONS]; /* by generation, modulo GENERATIONS */
+    uint32_t latest;                      /* latest generation */
+    struct subject *at;                   /* subject of the current frame */
     uint32_t w, h;
 };
 
@@ -68,7 +68,7 @@ static void drop(void *ctx, uint32_t generation)
     drop_part(s, &s->spec);
 }
 
-/* Who is replaced goes first: a grid is large. */
+/* Frees the replaced grid first, because grids are large. */
 static int load_grid(struct subject *s, const char *name, unsigned char *bytes, size_t n, char *err)
 {
     drop_part(s, &s->grid);
@@ -90,7 +90,7 @@ static int load_spec(
     return s->spec ? 0 : -1;
 }
 
-/* A generation begins with all that the one before has. */
+/* A new generation starts with the state of the previous one. */
 static struct subject *subject_of(struct renderer *r, uint32_t generation)
 {
     struct subject *s = &r->subjects[generation % GENERATIONS],
@@ -158,7 +158,7 @@ static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n,
 
 /* ---- the self-test -------------------------------------------------------------------------- */
 
-/* Uneven planes, a missing corner, a jump, a surface and a light, in a millisecond or two. */
+/* Uneven planes, a missing corner, a jump, a surface and a light, in one or two milliseconds. */
 static const unsigned char selftest_vtk[] =
     "# vtk DataFile Version 3.0\nselftest\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 4 3 3\n"
     "X_COORDINATES 4 float\n-2 -.5 .7 2\nY_COORDINATES 3 float\n1.5 .2 -1.5\n"
@@ -166,7 +166,7 @@ static const unsigned char selftest_vtk[] =
     "1 3 7 2 4 9 6 1 2 5 3 8\n7 2 .5 6 9 4.5 8 3 1 6 2 7\n3 8 1 5 2 7 4 9 6 1 5 nan\n";
 #define SELFTEST_VIEW "from 3 -6 4\nat 0 0 0\nup 0 0 1\nangle 36\nresolution 32 32\n"
 #define SELFTEST_MAP "map 1 .1 .2 .9 0\nmap 4 .3 .9 .2 .4\nmap 4 .9 .8 .1 1.5\nmap 9 .9 .1 .1 .2\n"
-/* What is lit is integrated cell by cell, what is not in streams of rays. */
+/* Lit pictures are integrated cell by cell, others in streams of rays. */
 static const char *const selftest_specs[] = {SELFTEST_VIEW SELFTEST_MAP,
     SELFTEST_VIEW SELFTEST_MAP "light 2 -5 9\nattenuation .01\niso 6 .8 .8 1 .5\n"};
 
@@ -260,7 +260,7 @@ static struct options parse(int argc, char **argv)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* The file's bytes, private and freed page by page; NULL if it cannot be mapped. */
+/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped. */
 static unsigned char *map_file(const char *path, size_t *n)
 {
     struct stat st;
@@ -318,7 +318,7 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Seconds of rays that hit the grid, and of rays that miss it. */
+/* Times in seconds of rays that hit the grid, or of rays that miss it. */
 struct sample {
     double *s;
     size_t n;
@@ -339,7 +339,7 @@ static void print_times(const struct sample of[2])
     static const char *const names[] = {"min_s", "max_s", "median_s", "mean_s", "sd_s"};
     for (int i = 0; i < 2; i++) {
         if (!of[i].n) continue;
-        v[2][i] = median(of[i].s, of[i].n); /* sorts, either way */
+        v[2][i] = median(of[i].s, of[i].n); /* sorts, so first and last are the extremes */
         double first = of[i].s[0], last = of[i].s[of[i].n - 1];
         v[0][i] = fmin(first, last);
         v[1][i] = fmax(first, last);
@@ -349,7 +349,7 @@ static void print_times(const struct sample of[2])
     for (int k = 0; k < 5; k++) print_time(names[k], v[k], of);
 }
 
-/* Table 1 of the StormView paper, of the frame that the specification asks for: rays one by one. */
+/* Prints Table 1 of the StormView paper for the specification's frame, ray by ray. */
 static void count(struct renderer *r)
 {
     char err[WORKER_ERR];

@@ -2,8 +2,8 @@
 #include "backdrop/lines.h"
 
 /*
- * pngcairo takes UTF-8 as it is. `set encoding` would make gnuplot warn in a locale that has no
- * degree sign, as C.
+ * pngcairo accepts UTF-8 directly. `set encoding` would make gnuplot warn in a locale without a
+ * degree sign, such as C.
  */
 static void head(const struct drawing *s)
 {
@@ -16,7 +16,7 @@ static void head(const struct drawing *s)
         s->w, s->h, fmax(.4, s->h / 720), s->w, s->h);
 }
 
-/* The grid's lowest plane, as far as it is in front of the eye. */
+/* The part of the grid's lowest plane that is in front of the eye. */
 static void plane(const struct drawing *s)
 {
     struct outline o = {.flat = s->b->flat};

@@ -1,7 +1,7 @@
 /*
- * backdrop: what is behind a picture of a grid, as a gnuplot script: the grid's lowest plane as a
- * map, with lines such as coasts; the edges of the grid, the graticule, heights; a legend of the
- * colours. All is projected here, by the specification's camera; gnuplot gets pixels. No I/O.
+ * backdrop: writes the background of a picture of a grid as a gnuplot script: the grid's lowest
+ * plane as a map, with lines such as coasts; the grid's edges, the graticule, heights; a legend of
+ * the colours. The specification's camera projects everything here, so gnuplot gets pixels. No I/O.
  */
 #ifndef STORMRING_BACKDROP_H
 #define STORMRING_BACKDROP_H
@@ -14,25 +14,25 @@
 struct backdrop {
     const struct grid *grid;
     const struct spec *spec;
-    uint32_t w, h;          /* of the picture */
-    const char *title;      /* of the legend */
-    const char *flat;       /* unit of x and y; NULL: they are longitude and latitude, in degrees */
-    const char *unit;       /* of heights */
-    bool down;              /* heights are negated depths or pressures, and read as those */
+    uint32_t w, h;          /* picture size in pixels */
+    const char *title;      /* title of the legend */
+    const char *flat;       /* unit of x and y; NULL: longitude and latitude in degrees */
+    const char *unit;       /* unit of heights */
+    bool down;              /* heights are negated depths or pressures, and are labelled as those */
     const char *lines_name; /* for messages */
-    const char *lines;      /* NULL, or text: backdrop(1) */
+    const char *lines;      /* NULL, or text in the format of backdrop(1) */
 };
 
-/* What a grid's title says of its scalar, or of an axis; stormring-grid(5). */
+/* Name and unit of a scalar or an axis from a grid's title; see stormring-grid(5). */
 struct backdrop_named {
     char name[GRID_NAME], unit[GRID_NAME];
-    bool down; /* it is negated */
+    bool down; /* the axis is negated */
 };
-/* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False where the title does not say. */
+/* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False if the title does not mention it. */
 bool backdrop_title(const char *title, char axis, struct backdrop_named *n);
 
-/* Appends a script that writes a PNG of w x h to standard output. 0, or -1 with text in err where
- * the lines are not such. */
+/* Appends a script that writes a PNG of w x h to standard output. Returns 0, or -1 with a message
+ * in err if the lines are invalid. */
 int backdrop_write(const struct backdrop *b, struct buf *out, char err[BACKDROP_ERR]);
 
 #endif

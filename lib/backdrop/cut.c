@@ -1,6 +1,6 @@
 /*
- * cut: what is seen of the map. It is a plane, and so is what bounds the view: on the map each
- * bound is a straight line, and lines stay straight in the picture.
+ * cut: clips the map to its visible part. The map is a plane, and so are the bounds of the view. So
+ * each bound is a straight line on the map, and lines stay straight in the picture.
  */
 #include "backdrop/outline.h"
 
@@ -20,7 +20,7 @@ void seen_halves(const struct drawing *s, struct half h[HALVES])
     h[1] = (struct half){-1, 0, hi[0]};
     h[2] = (struct half){0, 1, -lo[1]};
     h[3] = (struct half){0, -1, hi[1]};
-    /* by a little, as measured by how far the map is */
+    /* a small margin, relative to the distance of the map */
     h[4] = (struct half){f.x * scale[0], f.y * scale[1],
         f.z * corner.z - v3_dot(f, e) - 1e-3 * v3_len(v3_sub(corner, e))};
 }
@@ -38,8 +38,8 @@ bool cut_line(const struct half h[HALVES], struct point p, struct point q, doubl
     return part[0] <= part[1];
 }
 
-/* I. E. Sutherland, G. W. Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974. Pieces that fall
- * apart stay joined along the line, where they enclose nothing. */
+/* I. E. Sutherland, G. W. Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974. Separate pieces
+ * stay joined along the clipping line, where they enclose no area. */
 static void cut_by(const struct half *h, const struct outline *o, struct outline *kept)
 {
     kept->n = 0;

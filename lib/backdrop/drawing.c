@@ -1,4 +1,4 @@
-/* drawing: points to pixels; labels; ticks. */
+/* drawing: projection to pixels; labels; ticks. */
 #include "backdrop/drawing.h"
 
 void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
@@ -21,7 +21,7 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
     struct vec3 d = v3_sub(v3(x * scale[0], y * scale[1], z * scale[2]), c->eye);
     double far = v3_dot(d, c->forward);
     if (far <= 1e-6 * v3_len(d)) return false;
-    double half = v3_dot(c->up, c->up); /* of the frame's height at distance 1, squared */
+    double half = v3_dot(c->up, c->up); /* half the frame's height at distance 1, squared */
     xy[0] = (s->w + s->h * v3_dot(d, c->right) / half / far) / 2;
     xy[1] = (s->h + s->h * v3_dot(d, c->up) / half / far) / 2;
     return true;
@@ -34,7 +34,7 @@ void backdrop_point(const struct drawing *s, double x, double y, double z)
     else buf_printf(s->out, "\n");
 }
 
-/* Between single quotes, where gnuplot takes nothing but a quote for more than it is. */
+/* Writes text in single quotes, where gnuplot treats only a quote specially. */
 static void quoted(const struct drawing *s, const char *text)
 {
     buf_append(s->out, "'", 1);

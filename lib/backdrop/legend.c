@@ -1,10 +1,10 @@
-/* legend: a bar of the colours, with values. */
+/* legend: a colour bar with values. */
 #include "backdrop/drawing.h"
 #include "image/image.h"
 
-#define SPAN_PIECES 48 /* of one colour each */
+#define SPAN_PIECES 48 /* pieces of one colour per span */
 
-/* A piece of the bar: a colour of this opacity over the page. */
+/* Draws a piece of the bar: a colour of this opacity over the page. */
 static void patch(const struct drawing *s, double x0, double x1, double y0, double y1,
     const double rgb[3], double alpha)
 {
@@ -17,7 +17,7 @@ static void patch(const struct drawing *s, double x0, double x1, double y0, doub
 }
 
 struct bar {
-    double x, y, w, h, lo, hi; /* place in pixels; values at its ends */
+    double x, y, w, h, lo, hi; /* place in pixels; values at the ends */
 };
 
 static double bar_x(const struct bar *b, double v)
@@ -25,7 +25,7 @@ static double bar_x(const struct bar *b, double v)
     return b->x + b->w * (v - b->lo) / (b->hi - b->lo);
 }
 
-/* As opaque as a layer as thick as the grid's shortest extent is. */
+/* The opacity is that of a layer as thick as the grid's shortest extent. */
 static void bar_spans(const struct bar *b, const struct drawing *s)
 {
     double thick = HUGE_VAL;
@@ -44,7 +44,7 @@ static void bar_spans(const struct bar *b, const struct drawing *s)
     }
 }
 
-/* What the bar and its labels stand on, where the map goes on below them. */
+/* The background of the bar and its labels, because the map may extend below them. */
 static void bar_plate(const struct bar *b, const struct drawing *s)
 {
     static const double page[3] = {PAGE, PAGE, PAGE};
@@ -55,7 +55,7 @@ static void bar_plate(const struct bar *b, const struct drawing *s)
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
-    double y = b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* below are values of the map */
+    double y = b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* the map has labels below */
     for (size_t i = 0; i < s->b->spec->n_isos; i++) {
         const struct spec_iso *iso = s->b->spec->iso + i;
         double x = bar_x(b, iso->s), at[2] = {x, y};

@@ -1,4 +1,4 @@
-/* lines: places in the order of the text; where one kind of areas ends, its block does. */
+/* lines: areas are kept in the order of the text. A block ends where the kind of area changes. */
 #include "backdrop/lines.h"
 
 #include <stdlib.h>
@@ -11,11 +11,11 @@ enum kind { OPEN, LAND_AREA, WATER_AREA };
 struct reader {
     const struct drawing *s;
     struct lines *l;
-    struct outline now; /* what is being read */
-    enum kind kind;     /* of it */
+    struct outline now; /* the line or area being read */
+    enum kind kind;     /* its kind */
 };
 
-/* Two numbers of a line; false where there are not two. */
+/* Reads the two numbers of a line. False if there are not exactly two. */
 static bool numbers(char *line, double v[2])
 {
     char *rest = line, *a = strtok_r(rest, " \t\r", &rest), *b = strtok_r(NULL, " \t\r", &rest);
@@ -23,7 +23,7 @@ static bool numbers(char *line, double v[2])
            parse_real(b, -GRID_MAX, GRID_MAX, &v[1]);
 }
 
-/* The next of them into line, cut where it does not fit: no two numbers are as long. */
+/* Copies the next line, cut to LINE bytes: two numbers always fit. Returns the rest, or NULL. */
 static const char *next_line(const char *text, char line[LINE])
 {
     size_t n = strcspn(text, "\n"), kept = n < LINE - 1 ? n : LINE - 1;
@@ -32,7 +32,7 @@ static const char *next_line(const char *text, char line[LINE])
     return text[n] ? text + n + 1 : NULL;
 }
 
-/* "> land" or "> water" */
+/* Parses "> land" or "> water". */
 static enum kind kind_of(char *line)
 {
     char *rest = line, *mark = strtok_r(rest, " \t\r", &rest);
@@ -41,7 +41,7 @@ static enum kind kind_of(char *line)
     return strcmp(word, "land") == 0 ? LAND_AREA : strcmp(word, "water") == 0 ? WATER_AREA : OPEN;
 }
 
-/* The block that an area of this kind goes to, a new one where it has to be. */
+/* The block for an area of this kind. Starts a new block if the last one has the other kind. */
 static struct buf *block(struct lines *l, bool is_water)
 {
     if (l->n_areas && l->is_water[l->n_areas - 1] == is_water) return &l->areas;
@@ -74,7 +74,7 @@ static void flush(struct reader *r)
 static bool read_line(struct reader *r, char *line)
 {
     double v[2];
-    if (strchr("#>", line[0])) { /* or empty: strchr finds the end, too */
+    if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(r);
         r->kind = kind_of(line);
         return true;

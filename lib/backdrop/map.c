@@ -1,4 +1,4 @@
-/* map: the graticule, the edges of the grid, and what is written beside them. */
+/* map: the graticule, the edges of the grid, and their labels. */
 #include "backdrop/drawing.h"
 
 #include <string.h>
@@ -13,7 +13,7 @@ static void segment(const struct drawing *s, const double a[3], const double b[3
     buf_printf(s->out, "\n");
 }
 
-/* Along `axis`, where the two others are as in at. */
+/* Draws a line along `axis` through `at`. */
 static void along(const struct drawing *s, int axis, const double at[3])
 {
     double a[3] = {at[0], at[1], at[2]}, b[3] = {at[0], at[1], at[2]};
@@ -22,7 +22,7 @@ static void along(const struct drawing *s, int axis, const double at[3])
     segment(s, a, b);
 }
 
-/* Is this side of the box (0 low, 1 high) between the eye and what is inside? */
+/* True if this side of the box (0 low, 1 high) is between the eye and the interior. */
 static bool in_front(const struct drawing *s, int axis, int side)
 {
     const double *scale = s->b->spec->scale;
@@ -31,7 +31,7 @@ static bool in_front(const struct drawing *s, int axis, int side)
     return here > there ? s->b->spec->from[axis] > here : s->b->spec->from[axis] < here;
 }
 
-/* Of a graticule, in degrees. */
+/* Step of a graticule in degrees. */
 static double degree_step(double range)
 {
     static const double steps[] = {1, 2, 5, 10, 15, 30, 45, 60, 90};
@@ -41,7 +41,7 @@ static double degree_step(double range)
     return backdrop_step(range, 12);
 }
 
-/* 0 W to 180 E for longitudes (axis 0), latitudes as they are. */
+/* Longitudes (axis 0) from 180 W to 180 E, latitudes unchanged. */
 static void degrees_text(char *out, size_t n, int axis, double v)
 {
     if (axis == 0) v = remainder(v, 360);
@@ -50,7 +50,7 @@ static void degrees_text(char *out, size_t n, int axis, double v)
     snprintf(out, n, "%.6g°%s", fabs(v), neither ? "" : side);
 }
 
-#define KM_LEAST 2e4 /* metres: a range from which on they are written as kilometres */
+#define KM_LEAST 2e4 /* metres: larger ranges are labelled in kilometres */
 
 static void flat_text(const struct drawing *s, char *out, size_t n, double v)
 {
@@ -97,7 +97,8 @@ void backdrop_graticule(const struct drawing *s)
         }
 }
 
-/* An edge between two sides that are in front is in front of the volume, which hides all here. */
+/* An edge between two front sides is left out, because it is in front of the volume. The volume
+ * covers everything drawn here. */
 void backdrop_edges(const struct drawing *s)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -110,9 +111,9 @@ void backdrop_edges(const struct drawing *s)
         }
 }
 
-/* ---- what is written ------------------------------------------------------------------------ */
+/* ---- labels ---------------------------------------------------------------------------------- */
 
-/* From a place on an edge of the map to one beside it: text goes on in that direction. */
+/* Places a label beside an edge of the map. The text extends away from the edge. */
 static void label_beside(const struct drawing *s, const char *text, const double at[2], double pad)
 {
     double edge[2], xy[2];
@@ -122,7 +123,7 @@ static void label_beside(const struct drawing *s, const char *text, const double
     backdrop_label(s, text, xy, slant > .4 ? "left" : slant < -.4 ? "right" : "center");
 }
 
-/* Below the map, as the eye has it; but at the corner where the heights are. */
+/* Below the map as seen from the eye, except at the corner of the heights. */
 static void label_longitudes(const struct drawing *s, const double corner[2], double pad)
 {
     double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
@@ -166,7 +167,7 @@ static void label_heights(const struct drawing *s, const double corner[2])
     }
 }
 
-/* The one furthest to the right. */
+/* Finds the corner that is furthest to the right. */
 static void find_corner(const struct drawing *s, double corner[2])
 {
     double most = -HUGE_VAL, xy[2];

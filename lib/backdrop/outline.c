@@ -1,14 +1,14 @@
-/* outline: round the globe, and to pixels. */
+/* outline: shifts outlines by whole turns and projects them to pixels. */
 #include "backdrop/outline.h"
 
 #include <stdlib.h>
 
-#define SEEN 2.0 /* pixels: an area that is smaller both ways is left out */
-#define STEP 0.4 /* pixels: a point that is nearer to the one before it is left out */
+#define SEEN 2.0 /* pixels: areas smaller in both directions are left out */
+#define STEP 0.4 /* pixels: points nearer to the previous one are left out */
 #define TURNS_MAX 3
 
-/* Shifted by which multiples of 360 it may be seen; as it is where the map's numbers are none of
- * degrees, by far. An outline without points has no extent to divide. */
+/* The range of multiples of 360 by which the outline may be visible. 0 if the map's coordinates are
+ * far outside degrees. An outline without points has no extent to divide. */
 static void find_turns(const struct drawing *s, const struct outline *o, int turn[2])
 {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
@@ -29,7 +29,7 @@ static struct point turned(struct point p, int turn)
 
 /* ---- lines ---------------------------------------------------------------------------------- */
 
-/* What is being written. */
+/* The piece being written. */
 struct piece {
     const struct drawing *s;
     struct buf *out;
@@ -98,7 +98,7 @@ static bool fill_polygon(const struct drawing *s, struct outline *o, struct buf 
     return true;
 }
 
-/* From one edge of the map to the other, and back along the pole. */
+/* Fills from one edge of the map to the other, and back along the pole. */
 static bool fill_to_pole(
     const struct drawing *s, const struct outline *o, const int turn[2], struct buf *out)
 {

@@ -1,4 +1,4 @@
-/* The points of an outline. */
+/* points: the points of an outline. */
 #include "backdrop/outline.h"
 
 #include <stdlib.h>

@@ -1,9 +1,10 @@
-/* title: "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]", of which any part may be missing. */
+/* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]", where any part may be
+ * missing. */
 #include "backdrop/backdrop.h"
 
 #include <string.h>
 
-/* "NAME [UNIT]" */
+/* Parses "NAME [UNIT]". */
 static bool take(const char *at, const char *end, struct backdrop_named *n)
 {
     const char *open = end;

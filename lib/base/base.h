@@ -1,9 +1,10 @@
 /*
- * base: what every module may use. Messages and exit statuses, ranged number parsing, memory,
- * byte buffers, checked input and output, clocks, a counter-based generator, hashing, vectors.
+ * base: what every module may use. Messages and exit statuses, ranged number parsing, memory, byte
+ * buffers, checked input and output, clocks, a counter-based random generator, hashing, vectors.
  *
- * Nothing here keeps state but the program's name. Functions that can fail for reasons outside
- * the program return -1 with errno set, or say otherwise; only die() and the x-allocators exit.
+ * The program's name is the only state. Functions that can fail for outside reasons return -1 with
+ * errno set, unless stated otherwise. Only die(), functions that call it as stated, and the
+ * x-allocators exit.
  */
 #ifndef STORMRING_BASE_H
 #define STORMRING_BASE_H
@@ -29,75 +30,76 @@ enum {
 
 /* ---- messages ------------------------------------------------------------------------- */
 
-/* Remember argv[0]'s last component for messages, see to it that descriptors 0, 1 and 2 are taken,
- * and that a file that may grow no more is an error of write, not a signal. Call first in main. */
+/* Call first in main. Stores the last component of argv[0] for messages, fills closed descriptors
+ * 0, 1 and 2, and makes a file size limit an error of write instead of a signal. */
 void prog_init(const char *argv0);
 const char *prog_name(void);
-/* "program: text" on stderr; a format that ends in ':' has errno's text appended. */
+/* Prints "program: text" on stderr. If the format ends in ':', errno's text is appended. */
 void warn(const char *fmt, ...) PRINTF_LIKE(1, 2);
 /* The same, then exit(status). */
 _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
 /*
- * "who: text" on stderr: a line that another program wrote there, whose unprintable bytes are shown
- * as \x1b.
+ * Prints "who: text" on stderr: a line from another program. Unprintable bytes appear as \x1b.
  */
 void relay(const char *who, const char *text, size_t n);
 /*
- * Messages that a function hands back instead. err_set's text is cut where it does not fit; err_at
- * has "file:line: " in front of it, that name cut at 100 bytes. Both return false, for their caller
- * to return.
+ * Messages that a function returns to its caller. err_set cuts the text to ERR_BYTES. err_at puts
+ * "file:line: " in front, with the name cut to 100 bytes. Both return false, so that their caller
+ * can return that.
  */
 #define ERR_BYTES 256
 bool err_set(char err[ERR_BYTES], const char *fmt, ...) PRINTF_LIKE(2, 3);
 bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt, va_list ap)
     PRINTF_LIKE(4, 0);
-/* The n bytes at word as messages show them: in quotes, cut, and printable. Returns out. */
+/* Formats n bytes at word for a message: in quotes, cut, and printable. Returns out. */
 #define ERR_WORD 40
 const char *err_word(char out[ERR_WORD], const void *word, size_t n);
-/* Prints "usage: program TEXT": to stdout with status 0 (-h), else to stderr; exits. */
+/* Prints "usage: program TEXT" and exits: to stdout if status is 0 (-h), otherwise to stderr. */
 _Noreturn void usage(int status, const char *text);
 /* Prints "program VERSION" to stdout, and exits with status 0. */
 _Noreturn void version(void);
 
 /*
- * getopt(3), for every program: `--help` is -h, and `--version` prints the name and the version and
- * exits. With a '+' in front of the letters neither is taken behind the first operand.
+ * getopt(3) for every program. `--help` counts as -h. `--version` prints the name and the version
+ * and exits. If the letters begin with '+', parsing stops at the first operand.
  */
 int prog_getopt(int argc, char **argv, const char *letters);
 /*
- * The argument of option `-opt`, such as a file's name. It dies with status 2 if that looks like
- * the next option, because the argument was left out.
+ * Returns the argument of option `-opt`, such as a file name. Dies with status 2 if it is empty or
+ * looks like the next option, because the argument was probably left out.
  */
 const char *opt_text(int opt, const char *s);
 
 /* ---- numbers -------------------------------------------------------------------------- */
 
 /*
- * The whole string must be a decimal number within [min, max]; anything else (empty, blanks,
- * trailing text, NaN, infinity, hexadecimal) returns false and leaves *out alone.
+ * Accept only a whole string that is a decimal number within [min, max]. Anything else (empty,
+ * blanks, trailing text, NaN, infinity, hexadecimal) returns false and leaves *out unchanged.
  */
 bool parse_int(const char *s, int64_t min, int64_t max, int64_t *out);
 bool parse_real(const char *s, double min, double max, double *out);
-/* "512x384" with both sides in [1, max]. */
+/* Parses "512x384" with both sides in [1, max]. */
 bool parse_size(const char *s, int max, int *w, int *h);
-/* parse_int for the argument of option `-opt`; dies with status 2 and the range in the text. */
+/* parse_int for the argument of option `-opt`. Dies with status 2 and prints the range if that
+ * fails. */
 int64_t opt_int(int opt, const char *s, int64_t min, int64_t max);
 double opt_real(int opt, const char *s, double min, double max);
-/* The same for parse_size. */
+/* The same with parse_size. */
 void opt_size(int opt, const char *s, int max, int *w, int *h);
-/* The same of a list with commas between: *n numbers, which the caller frees. */
+/* The same for a comma-separated list. Returns *n numbers, which the caller frees. */
 double *opt_reals(int opt, const char *s, double min, double max, size_t *n);
 
-/* The shortest decimal of 6 digits or more that reads back as v. */
+/* Writes the shortest decimal of at least 6 digits that reads back as v. */
 void print_real(char text[32], double v);
 
 /* ---- vector units --------------------------------------------------------------------- */
 
-/* What kernels are compiled for; ISA_SSE2 stands for the least that a machine has. The width never
- * changes a result. */
+/* Instruction sets that kernels are compiled for. ISA_SSE2 stands for the baseline of any machine.
+ * The width never changes a result. */
 enum isa { ISA_AUTO, ISA_SSE2, ISA_AVX2, ISA_AVX512 };
 bool isa_available(enum isa isa);
-/* "sse2", "avx2" or "avx512", as said with option `-opt`; dies with status 2 at anything else. */
+/* Parses "sse2", "avx2" or "avx512" for option `-opt`. Dies with status 2 on other text, or if this
+ * machine lacks it. */
 enum isa opt_isa(int opt, const char *s);
 
 /* ---- memory --------------------------------------------------------------------------- */
@@ -107,24 +109,24 @@ void *xmalloc(size_t n, size_t size);
 void *xcalloc(size_t n, size_t size);
 void *xrealloc(void *p, size_t n, size_t size);
 char *xstrdup(const char *s);
-/* As above, on 64-byte boundaries, not cleared; free() releases it. */
+/* The same, aligned to 64 bytes, not cleared. Release with free(). */
 void *xaligned(size_t n, size_t size);
 
-/* Bytes in [off, len) of data are unread; append at the end, consume at the front. */
+/* Bytes [off, len) of data are unread. Append at the end, consume at the front. */
 struct buf {
     unsigned char *data;
     size_t off, len, cap;
 };
 
 void buf_free(struct buf *b);
-/* Room for n more bytes after len (may move data and drop what was consumed). */
+/* Makes room for n more bytes after len. May move data and drop consumed bytes. */
 unsigned char *buf_reserve(struct buf *b, size_t n);
 void buf_append(struct buf *b, const void *p, size_t n);
 void buf_printf(struct buf *b, const char *fmt, ...) PRINTF_LIKE(2, 3);
 void buf_consume(struct buf *b, size_t n);
-/* s as one word of a shell command; */
+/* Appends s as one word of a shell command. */
 void buf_word(struct buf *b, const char *s);
-/* a file's name, which is then never mistaken for an option. */
+/* Appends a file name as one word that is never taken for an option. */
 void buf_quote(struct buf *b, const char *s);
 static inline size_t buf_size(const struct buf *b) { return b->len - b->off; }
 static inline const unsigned char *buf_data(const struct buf *b)
@@ -134,34 +136,35 @@ static inline const unsigned char *buf_data(const struct buf *b)
 
 /* ---- input and output ----------------------------------------------------------------- */
 
-/* All of n bytes to fd, riding out EINTR. 0, or -1 with errno. */
+/* Writes all n bytes to fd; repeats on EINTR. Returns 0, or -1 with errno. */
 int write_full(int fd, const void *p, size_t n);
-/* Append one read(2) of at most `most` bytes to b, riding out EINTR: bytes read, 0 at the end,
- * -1. */
+/* Appends one read(2) of at most `most` bytes to b; repeats on EINTR. Returns the bytes read, 0 at
+ * the end, or -1 with errno. */
 ptrdiff_t read_some(int fd, struct buf *b, size_t most);
-/* The whole file ("-": standard input) appended to b. 0, or -1 with errno. */
+/* Appends the whole file to b; "-": standard input. Returns 0, or -1 with errno. */
 int read_file(const char *path, struct buf *b);
-/* The same into *b, which is set anew; false with a message in err, and *b is empty. */
+/* The same into *b, which is initialized. On failure returns false with a message in err and *b
+ * empty. */
 bool load_file(const char *path, struct buf *b, char err[ERR_BYTES]);
-/* All of n bytes to stdout; dies with status 3 where that fails. */
+/* Writes all n bytes to stdout. Dies with status 3 on failure. */
 void put_stdout(const void *p, size_t n);
-/* Flush and close stdout; dies with status 3 when anything written to it was lost. */
+/* Flushes and closes stdout. Dies with status 3 if any output was lost. */
 void close_stdout(void);
 
-/* A file that appears under its name only when whole: written beside it, then renamed. */
+/* A file that appears under its name only when complete: written beside it, then renamed. */
 struct outfile {
     FILE *f;
-    char *path, *temporary; /* temporary NULL: path is written as it is (a device, a pipe) */
+    char *path, *temporary; /* temporary NULL: path is written directly (a device, a pipe) */
 };
 
 int outfile_open(struct outfile *o, const char *path);
-/* Flush, close, rename. 0, or -1 with errno, and then nothing is left behind. */
+/* Flushes, closes, renames. Returns 0, or -1 with errno and no file left. */
 int outfile_commit(struct outfile *o);
 void outfile_discard(struct outfile *o);
-/* All of n bytes as such a file. 0, or -1 with errno, and then nothing is left behind. */
+/* Writes n bytes as such a file. Returns 0, or -1 with errno and no file left. */
 int outfile_put(const char *path, const void *p, size_t n);
-/* Could path be written? 0, or -1 with errno. A name with `%` in its directory is taken on
- * trust. */
+/* Tests whether path's directory is writable. Returns 0, or -1 with errno. A directory name with
+ * `%` is not tested. */
 int outfile_check(const char *path);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */
@@ -171,24 +174,24 @@ int64_t cpu_us(void); /* this process */
 
 /* ---- progress ------------------------------------------------------------------------- */
 
-/* One line on stderr, rewritten at most five times a second: percent and estimated time left. */
+/* One line on stderr, updated at most five times a second: percent and estimated time left. */
 struct progress {
     bool on;
-    int width; /* columns on the screen now */
+    int width; /* columns now on the screen */
     int64_t start_us, next_us;
-    uint64_t before; /* done before it started */
+    uint64_t before; /* units done before the start */
 };
 
 void progress_start(struct progress *p, bool on);
-/* So much had been done by an earlier run: the estimate begins here. */
+/* Sets the units done by an earlier run. The estimate begins here. */
 void progress_resume(struct progress *p, uint64_t done);
 void progress_show(struct progress *p, uint64_t done, uint64_t total);
-/* Before any other message, and at the end. */
+/* Erases the line. Call before any other message, and at the end. */
 void progress_clear(struct progress *p);
 
 /* ---- chance and hashes ---------------------------------------------------------------- */
 
-/* A counter-based generator: the value is a function of (seed, counter) alone. The finaliser is
+/* A counter-based generator: the value depends only on (seed, counter). The finaliser is
  * SplitMix64's (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014). */
 static inline uint64_t rng_u64(uint64_t seed, uint64_t counter)
 {
@@ -197,16 +200,16 @@ static inline uint64_t rng_u64(uint64_t seed, uint64_t counter)
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
     return z ^ (z >> 31);
 }
-/* in [0, 1) */
+/* In [0, 1). */
 static inline double rng_unit(uint64_t seed, uint64_t counter)
 {
     return (double)(rng_u64(seed, counter) >> 11) * 0x1p-53;
 }
 
 #define HASH64_INIT UINT64_C(0xcbf29ce484222325)
-/* FNV-1a (Fowler, Noll, Vo), 64 bit, continued from h. Not for adversaries. */
+/* 64-bit FNV-1a (Fowler, Noll, Vo), continued from h. Not safe against adversaries. */
 uint64_t hash64(uint64_t h, const void *p, size_t n);
-/* The same of n numbers of 32 bits, bytes from the least significant: one hash on all machines. */
+/* The same for n 32-bit numbers, least significant byte first: the same hash on all machines. */
 uint64_t hash64_u32(uint64_t h, const void *p, size_t n);
 
 /* ---- vectors -------------------------------------------------------------------------- */
@@ -248,20 +251,19 @@ static inline struct vec3 v3_unit(struct vec3 a) { return v3_scale(a, 1 / v3_len
 /* ---- camera --------------------------------------------------------------------------- */
 
 /*
- * From pixels to rays, as NFF has it (E. Haines, "A Proposal for Standard Graphics Environments",
- * IEEE Computer Graphics and Applications 7, 1987): the angle spans the frame's top edge to its
- * bottom edge, pixels are square, x grows along direction x up, row 0 is on top. The same bits on
- * every host.
+ * Converts pixels to rays as in NFF (E. Haines, "A Proposal for Standard Graphics Environments",
+ * IEEE Computer Graphics and Applications 7, 1987): the angle is the vertical field of view, pixels
+ * are square, x grows along forward x up, row 0 is on top. The same bits on every host.
  */
 struct camera {
     struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
-    uint32_t w, h;                       /* of the frame, in pixels: the caller's to set */
+    uint32_t w, h;                       /* frame size in pixels; the caller sets it */
 };
 
-/* angle_deg in (0, 180); at is not where from is. Where `up` is along the view, any roll will do,
- * but it is always the same. */
+/* angle_deg in (0, 180); at differs from from. If `up` is parallel to the view, the roll is
+ * arbitrary but always the same. */
 struct camera camera_new(struct vec3 from, struct vec3 at, struct vec3 up, double angle_deg);
-/* From the eye to the frame's point (x, y), in pixels from its top left corner: as far as that is
+/* Vector from the eye to the frame's point (x, y), in pixels from the top left corner, on the plane
  * at distance 1 along forward. */
 static inline struct vec3 camera_direction(const struct camera *c, double x, double y)
 {
@@ -269,7 +271,7 @@ static inline struct vec3 camera_direction(const struct camera *c, double x, dou
     return v3_mad(v3_mad(c->forward, c->right, sx), c->up, sy);
 }
 
-/* angle in [0, pi/2). A C library's own may differ in the last bit from host to host. */
+/* angle in [0, pi/2). A C library's tan may differ in the last bit between hosts. */
 double portable_tan(double angle);
 
 #endif

@@ -1,9 +1,9 @@
-/* camera: what a frame is seen from. */
+/* camera: view and projection. */
 #include "base/base.h"
 
 #define HALF_DEGREE_RAD (3.14159265358979323846 / 360)
 
-/* By the Taylor series of sine and cosine at a/8 (below 0.2), then three doublings of the angle. */
+/* Taylor series of sine and cosine at a/8 (below 0.2), then three doublings of the angle. */
 double portable_tan(double a)
 {
     double x = a / 8, z = x * x, s = 1, c = 1;
@@ -20,7 +20,7 @@ double portable_tan(double a)
     return s / c;
 }
 
-/* Some unit vector across d. */
+/* A unit vector perpendicular to d. */
 static struct vec3 across(struct vec3 d)
 {
     return v3_unit(v3_cross(d, fabs(d.x) < 0.6 ? v3(1, 0, 0) : v3(0, 1, 0)));

@@ -1,4 +1,4 @@
-/* Clocks and hashing. */
+/* clock: clocks and hashing. */
 #include "base/base.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Checked reading and writing, and files that appear only when whole. */
+/* io: checked reading and writing, and files that appear only when complete. */
 #include "base/base.h"
 
 #include <errno.h>
@@ -78,7 +78,7 @@ int outfile_open(struct outfile *o, const char *path)
             errno = err;
             return -1;
         }
-        mode_t mask = umask(0); /* mkostemp made it 0600: give it what open(2) would have */
+        mode_t mask = umask(0); /* mkostemp used 0600; set the mode that open(2) sets */
         umask(mask);
         fchmod(fd, 0666 & ~mask);
     }

@@ -1,10 +1,10 @@
-/* Allocators that do not return NULL, and byte buffers. */
+/* memory: allocators that never return NULL, and byte buffers. */
 #include "base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define BUF_KEEP (8 << 20) /* bytes: an empty buffer that once held a big scene is given back */
+#define BUF_KEEP (8 << 20) /* bytes; an empty buffer with more capacity is freed */
 
 static size_t product(size_t n, size_t size)
 {
@@ -59,7 +59,7 @@ void buf_free(struct buf *b)
 unsigned char *buf_reserve(struct buf *b, size_t n)
 {
     if (b->cap - b->len >= n) return b->data + b->len;
-    /* Drop what was consumed before growing: a long stream through a short queue stays small. */
+    /* Drops consumed bytes before growing, so a long stream through a short queue stays small. */
     if (b->off && b->off >= b->len - b->off) {
         memmove(b->data, b->data + b->off, b->len - b->off);
         b->len -= b->off;
@@ -111,7 +111,7 @@ void buf_word(struct buf *b, const char *s)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,:=@%+-";
-    /* zsh would look for a program where a word begins with `=`. */
+    /* zsh would look up a program for a word that begins with `=`. */
     if (*s && *s != '=' && strspn(s, plain) == strlen(s)) {
         buf_append(b, s, strlen(s));
         return;

@@ -1,4 +1,4 @@
-/* Messages, exit, and the last look at stdout. */
+/* message: messages, exit, and the final check of stdout. */
 #include "base/base.h"
 
 #include <errno.h>
@@ -11,9 +11,9 @@
 static const char *name = "stormring";
 
 /*
- * A program may be started with a standard descriptor closed. The next file or pipe that it opened
- * would become its standard input or output, so each gap is filled with one that cannot be used the
- * expected way: reading or writing then fails as on a closed one. Messages go nowhere.
+ * A program may be started with a standard descriptor closed. The next file or pipe that it opens
+ * would become its standard input or output. So each gap is filled with a descriptor that cannot be
+ * used the expected way: reading or writing fails as on a closed one. Messages are discarded.
  */
 static void fill_standard_descriptors(void)
 {
@@ -25,7 +25,7 @@ static void fill_standard_descriptors(void)
 void prog_init(const char *argv0)
 {
     fill_standard_descriptors();
-    signal(SIGXFSZ, SIG_IGN); /* then write says EFBIG, and that is reported as any other error */
+    signal(SIGXFSZ, SIG_IGN); /* write then fails with EFBIG, like other errors */
     if (!argv0) return;
     const char *slash = strrchr(argv0, '/');
     name = slash ? slash + 1 : argv0;
@@ -104,9 +104,9 @@ void version(void)
 
 void close_stdout(void)
 {
-    bool failed = ferror(stdout) != 0; /* then errno is long gone */
+    bool failed = ferror(stdout) != 0; /* errno of that failure is lost */
     int err = fclose(stdout) != 0 ? errno : failed ? EIO : 0;
-    if (err == EPIPE) exit(ST_SYSTEM); /* the reader has gone: nobody to tell */
+    if (err == EPIPE) exit(ST_SYSTEM); /* the reader has gone; no message */
     errno = err;
     if (err) die(ST_SYSTEM, "standard output:");
 }

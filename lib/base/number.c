@@ -1,4 +1,4 @@
-/* Ranged number parsing: the only way text becomes a number here. */
+/* number: ranged number parsing. All conversion of text to numbers goes through here. */
 #include "base/base.h"
 
 #include <errno.h>

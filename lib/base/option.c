@@ -1,4 +1,4 @@
-/* The command line, as every program reads it. */
+/* option: parsing of command lines, shared by all programs. */
 #include "base/base.h"
 
 #include <ctype.h>
@@ -7,7 +7,7 @@
 
 int prog_getopt(int argc, char **argv, const char *letters)
 {
-    enum { VERSION = 256 }; /* no letter */
+    enum { VERSION = 256 }; /* not a letter */
     static const struct option words[] = {
         {"help", no_argument, NULL, 'h'}, {"version", no_argument, NULL, VERSION}, {0}};
     int opt = getopt_long(argc, argv, letters, words, NULL);

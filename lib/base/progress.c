@@ -1,4 +1,4 @@
-/* The progress line: how much is done, and when the rest will be. */
+/* progress: the progress line: percent done and estimated time left. */
 #include "base/base.h"
 
 #include <string.h>
@@ -34,7 +34,7 @@ void progress_show(struct progress *p, uint64_t done, uint64_t total)
         put_duration(eta, sizeof eta, elapsed_s * (double)(total - done) / here);
     int width = snprintf(text, sizeof text, "%s: %5.1f %%, ETA %s", prog_name(),
         100 * (double)done / (double)total, eta);
-    /* Blanks over what is left of a longer line before. */
+    /* Overwrites the rest of a longer previous line with blanks. */
     fprintf(stderr, "\r%s%*s", text, p->width > width ? p->width - width : 0, "");
     fflush(stderr);
     p->width = width > p->width ? width : p->width;

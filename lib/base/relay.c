@@ -1,4 +1,4 @@
-/* A line of another program, as a message. */
+/* relay: prints a line from another program as a message. */
 #include "base/base.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Axes: coordinate variables, and which of them is x, y, z and time. */
+/* axes: reads coordinate variables and identifies x, y, z and time. */
 #include "cf/cf_int.h"
 
 #include <netcdf.h>
@@ -20,7 +20,7 @@ static bool is_pressure(const char *units)
     return one_of(units, words);
 }
 
-/* What a coordinate variable says of itself; CF_NONE where it says nothing. */
+/* The kind that a coordinate variable's attributes state; CF_NONE if they state none. */
 static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct cf_axis *a)
 {
     static const char *const east[] = {"degrees_east", "degree_east", "degree_E", "degrees_E",
@@ -45,14 +45,13 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct c
 }
 
 /*
- * What the name of an axis suggests where its file says nothing else; CF_NONE where it suggests
- * nothing. `other`: it is no axis of a grid, and must not be taken for height because height is
- * what is left.
+ * The kind that an axis's name suggests, for files without attributes; CF_NONE if it suggests none.
+ * `other`: it is not an axis of a grid, so it must not become the height by elimination.
  */
 static enum cf_kind kind_by_name(const char *name, bool *other)
 {
     static const struct {
-        const char *part; /* of the name; with "=" in front all of it */
+        const char *part; /* part of the name; with "=" in front the whole name */
         enum cf_kind kind;
     } table[] = {{"_type", CF_NONE}, {"ensemble", CF_NONE}, {"member", CF_NONE}, {"=ens", CF_NONE},
         {"realization", CF_NONE}, {"bnds", CF_NONE}, {"time", CF_T}, {"step", CF_T}, {"date", CF_T},
@@ -71,7 +70,8 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
     return CF_NONE;
 }
 
-/* The coordinate variable of a dimension: of its name and along it, in the group or one around. */
+/* Finds the coordinate variable of a dimension: the variable of the same name along it, in the
+ * group or an enclosing one. */
 static bool find_coordinates(int group, int dim, const char *name, int *in, int *id)
 {
     int n, its;
@@ -96,7 +96,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
     if (!find_coordinates(group, dim, name, &in, &id)) return true;
     cf_packing(c, in, id, &p);
-    if (!cf_is_numeric(&p)) return true; /* labels */
+    if (!cf_is_numeric(&p)) return true; /* labels, not numbers */
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
     a->kind = kind_of(c, in, id, a);

@@ -1,13 +1,13 @@
-/* Files and variables: finding them, and whether one is a field on a rectilinear grid. */
+/* field: finds variables and checks that they are fields on a rectilinear grid. */
 #include "cf/cf_int.h"
 
 #include <netcdf.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define PATH_MAX_BYTES 1024 /* of a variable's whole name, as shown */
+#define PATH_MAX_BYTES 1024 /* bytes of a variable's full name, as printed */
 
-/* Does it name coordinates that vary along more than one dimension? */
+/* True if the field's coordinates vary along more than one dimension. */
 static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 {
     char names[CF_TEXT], *rest = names, *word;

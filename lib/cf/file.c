@@ -1,4 +1,4 @@
-/* NetCDF files: opening, closing, and what the library says. */
+/* file: opens and closes NetCDF files; reports libnetcdf's failures. */
 #include "cf/cf_int.h"
 
 #include <netcdf.h>

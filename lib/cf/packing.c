@@ -1,4 +1,4 @@
-/* Attributes, and what they say of stored numbers: which are missing, and what others stand for. */
+/* packing: attributes, and their rules for stored numbers: missing ones and unpacking. */
 #include "cf/cf_int.h"
 
 #include <netcdf.h>
@@ -31,7 +31,7 @@ void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF
 static bool is_number(int type) { return type > NC_CHAR ? type < NC_STRING : type == NC_BYTE; }
 bool cf_is_numeric(const struct cf_packing *p) { return is_number(p->type); }
 
-/* The numbers of an attribute, at most `most`: how many; 0 where it holds none. */
+/* Reads at most `most` numbers of an attribute. Returns their count; 0 if there are none. */
 static size_t numbers(
     struct cf_file *c, int group, int id, const char *name, size_t most, double *out, int *type)
 {
@@ -46,7 +46,8 @@ static size_t numbers(
     return got ? n : 0;
 }
 
-/* What a variable is filled with that does not say: not for bytes, which have too few values. */
+/* Adds the default fill value of a variable without _FillValue. Bytes have none, because they have
+ * too few values. */
 static void add_default_fill(struct cf_packing *p)
 {
     static const struct {
@@ -66,7 +67,7 @@ static double widen(const struct cf_packing *p, double stored)
     return stored + (p->type == NC_BYTE ? 0x1p8 : p->type == NC_SHORT ? 0x1p16 : 0x1p32);
 }
 
-/* An attribute may be more precise than what is stored. */
+/* Rounds an attribute to the stored type, because the attribute may be more precise. */
 static double as_stored(const struct cf_packing *p, double v)
 {
     return widen(p, p->type == NC_FLOAT ? (double)(float)v : v);
@@ -97,7 +98,7 @@ void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
         p->valid_min = range[0], p->valid_max = range[1];
     numbers(c, group, id, "valid_min", 1, &p->valid_min, &type);
     numbers(c, group, id, "valid_max", 1, &p->valid_max, &type);
-    /* They are of stored numbers, unless their type is that of the values. */
+    /* They apply to stored numbers, unless their type is that of the values. */
     p->valid_unpacked = type != p->type && type == of_scale;
     if (!p->valid_unpacked) {
         p->valid_min = as_stored(p, p->valid_min);

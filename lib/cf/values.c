@@ -1,10 +1,10 @@
-/* A field's axes and values as a grid. */
+/* values: converts a field's axes and values to a grid. */
 #include "cf/cf_int.h"
 
 #include <netcdf.h>
 #include <stdlib.h>
 
-/* From the bottom up: z, and only z, is negated where it increases downwards. */
+/* z is negated if it increases downwards, so that it points up. Other axes are not negated. */
 static double sign_of(const struct cf_axis *a) { return a->kind == CF_Z && a->down ? -1 : 1; }
 static bool is_turned(const struct cf_axis *a) { return (a->at[1] < a->at[0]) != (sign_of(a) < 0); }
 
@@ -33,7 +33,8 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
     return true;
 }
 
-/* Where values lie in the file, and where they go: 0 .. 2 from the outermost axis in the file. */
+/* Mapping from the file's layout to the grid's; arrays 0 .. 2 start with the outermost axis in the
+ * file. */
 struct way {
     size_t start[CF_AXES_MAX], count[CF_AXES_MAX]; /* of a slab: one node of the outermost axis */
     int outermost;

@@ -1,4 +1,4 @@
-/* From values to files. */
+/* convert: writes the grids to files. */
 #include "convert/convert.h"
 #include "image/image.h"
 
@@ -18,9 +18,9 @@ static void put(const struct convert_options *o, size_t time, const struct buf *
 
 /* ---- the last column of a globe ------------------------------------------------------------- */
 
-#define SLACK .01 /* of a step: coordinates are rounded, to floats or to some decimals */
+#define SLACK .01 /* of a step: coordinates are rounded, to float or to some decimals */
 
-/* Does x come round to where it began but for one step, which is not wider than the others? */
+/* True if x lacks exactly one step, no wider than the others, to a full circle. */
 static bool wants_closing(
     const struct convert_options *o, const struct converter *c, const struct grid *g)
 {
@@ -35,7 +35,7 @@ static bool wants_closing(
     return true;
 }
 
-/* Room for one column more. */
+/* Makes room for one more column. */
 static void make_room(struct grid *g)
 {
     g->at[0] = xrealloc(g->at[0], g->n[0] + 1, sizeof *g->at[0]);
@@ -43,7 +43,7 @@ static void make_room(struct grid *g)
     g->value = xrealloc(g->value, (size_t)(g->n[0] + 1) * g->n[1], g->n[2] * sizeof *g->value);
 }
 
-/* The values of it are those of the first one. */
+/* Copies the first column to the end of each row. */
 static void close_round(struct grid *g)
 {
     const size_t n = g->n[0]++;
@@ -54,7 +54,7 @@ static void close_round(struct grid *g)
     }
 }
 
-/* ---- the way of a grid ---------------------------------------------------------------------- */
+/* ---- output ---------------------------------------------------------------------------------- */
 
 static void convert_time(const struct convert_options *o, const struct converter *c, size_t time,
     bool closing, struct grid *g)

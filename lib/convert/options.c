@@ -1,4 +1,4 @@
-/* The options that all converters have. */
+/* options: the options that all converters share. */
 #include "convert/convert.h"
 #include "image/image.h"
 

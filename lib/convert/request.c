@@ -1,9 +1,9 @@
-/* Which variables become a grid: one, or two from which a third is derived. */
+/* request: parses which variables become a grid: one, or two from which a third is derived. */
 #include "convert/convert.h"
 
 #include <string.h>
 
-/* Characters of a text, without the blanks around them. */
+/* Part of a text, without surrounding blanks. */
 struct part {
     const char *at;
     size_t n;

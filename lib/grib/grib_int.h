@@ -1,4 +1,4 @@
-/* Private to lib/grib. */
+/* grib_int: private to lib/grib. */
 #ifndef STORMRING_GRIB_INT_H
 #define STORMRING_GRIB_INT_H
 
@@ -6,18 +6,18 @@
 
 #include <eccodes.h>
 
-/* The messages of a file, one after the other. */
+/* Iterates over the messages of a file. */
 struct gb_file {
     FILE *f;
-    codes_handle *h; /* the message; NULL at the end, and after a failure */
-    size_t number;   /* of it, from 0 */
+    codes_handle *h; /* current message; NULL at the end, and after a failure */
+    size_t number;   /* number of the current message, from 0 */
 };
 bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES]);
-/* The first, or the next one. */
+/* Reads the first or the next message. */
 bool gb_next(struct gb_file *in, char err[ERR_BYTES]);
 void gb_close(struct gb_file *in);
 
-/* What a key says; 0 and NaN where it is not there. */
+/* The value of a key. If it is missing: 0, or NaN for gb_real. */
 long gb_long(const codes_handle *h, const char *key);
 double gb_real(const codes_handle *h, const char *key);
 

@@ -1,4 +1,4 @@
-/* Messages, and what a file holds of which variable. */
+/* index: iterates over messages and builds the index of a file. */
 #include "grib/grib_int.h"
 
 #include <errno.h>
@@ -9,7 +9,7 @@
 
 static void say_nothing(const codes_context *c, int level, const char *text)
 {
-    (void)c, (void)level, (void)text; /* what matters comes back as a status */
+    (void)c, (void)level, (void)text; /* errors are returned as a status */
 }
 
 bool gb_open(const char *path, struct gb_file *in, char err[ERR_BYTES])
@@ -42,7 +42,7 @@ void gb_close(struct gb_file *in)
     fclose(in->f);
 }
 
-/* "" where there is none */
+/* "" if the key is missing. */
 static void get_text(const codes_handle *h, const char *key, char out[GB_TEXT])
 {
     size_t n = GB_TEXT;
@@ -66,7 +66,7 @@ double gb_real(const codes_handle *h, const char *key)
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
-/* Layers are where their middle is. */
+/* A layer's level is its middle. */
 static double level_of(const codes_handle *h, const char *levels)
 {
     size_t n = strlen(levels);

@@ -1,10 +1,10 @@
-/* A stack's axes and values as a grid. */
+/* values: converts a stack's axes and values to a grid. */
 #include "grib/grib_int.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define MISSING 9.9e35 /* what ecCodes is told to put where a bit map says that nothing is */
+#define MISSING 9.9e35 /* ecCodes stores this where the bitmap marks a missing value */
 
 const struct gb_measure *gb_measure_of(const char *levels)
 {
@@ -30,7 +30,7 @@ static void spread(double *at, uint32_t n, double first, double last)
     for (uint32_t i = 0; i < n; i++) at[i] = first + (last - first) * i / (n - 1);
 }
 
-/* The distance of nodes on the plane of projection, by the first key there is. */
+/* Node distance on the projection plane, from the first key that exists. */
 static double distance(const codes_handle *h, const char *const keys[3])
 {
     double v = (double)NAN;
@@ -38,7 +38,7 @@ static double distance(const codes_handle *h, const char *const keys[3])
     return v;
 }
 
-/* Metres from the corner where both are least. */
+/* Metres from the corner with the lowest x and y. */
 static void plane_axes(const codes_handle *h, struct grid *g)
 {
     static const char *const dx[] = {"DxInMetres", "DiInMetres", "xDirectionGridLengthInMetres"};
@@ -47,7 +47,7 @@ static void plane_axes(const codes_handle *h, struct grid *g)
     spread(g->at[1], g->n[1], 0, distance(h, dy) * (g->n[1] - 1));
 }
 
-/* Degrees; eastwards from the west, beyond 360 where it has to be. */
+/* Degrees, eastwards from the western edge, beyond 360 if needed. */
 static void sphere_axes(const codes_handle *h, const char *kind, struct grid *g)
 {
     double first = gb_real(h, "longitudeOfFirstGridPointInDegrees");
@@ -115,8 +115,8 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
 
 /* ---- values --------------------------------------------------------------------------------- */
 
-/* Values stand row by row, or column by column, in one of two directions along each; every other
- * row may go back. */
+/* Stores the values of one message. They come row by row or column by column, in either direction
+ * along each axis; every other row may be reversed. */
 static bool take_values(
     codes_handle *h, struct grid *g, size_t k, bool combine, double *values, char err[ERR_BYTES])
 {

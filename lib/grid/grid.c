@@ -1,4 +1,4 @@
-/* A scalar field on axis-aligned planes: its axes, its value at a point. */
+/* grid: the axes of a scalar field and its value at a point. */
 #include "grid/grid.h"
 
 #include <stdlib.h>
@@ -31,7 +31,7 @@ void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT])
             why, GRID_FAULT, "%.9g after %.9g, expected all to ascend or all to descend", a, b);
 }
 
-/* The cell of p on an axis, and where in it, 0 .. 1. False outside. */
+/* Finds the cell of p on an axis and the position in it, 0 .. 1. False outside. */
 static bool find_cell(const double *at, uint32_t n, double p, uint32_t *cell, double *t)
 {
     if (!(p >= at[0] && p <= at[n - 1])) return false;
@@ -47,7 +47,7 @@ static bool find_cell(const double *at, uint32_t n, double p, uint32_t *cell, do
 }
 
 static double mix(double a, double b, double t) { return a + (b - a) * t; }
-/* Between two neighbours along x. */
+/* Interpolates between two neighbours along x. */
 static double mix_at(const float *v, double t) { return mix((double)v[0], (double)v[1], t); }
 
 double grid_at(const struct grid *g, const double p[3])

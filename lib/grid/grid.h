@@ -1,22 +1,22 @@
 /*
- * grid: a scalar field on a rectilinear grid, read from and written to VTK legacy files. No I/O but
- * grid_load. stormring-grid(5) is the manual of the format.
+ * grid: a scalar field on a rectilinear grid, read from and written to VTK legacy files. Only
+ * grid_load does I/O. stormring-grid(5) is the manual of the format.
  */
 #ifndef STORMRING_GRID_H
 #define STORMRING_GRID_H
 
 #include "base/base.h"
 
-#define GRID_NAME 64   /* bytes: the scalar's name */
-#define GRID_TITLE 256 /* bytes: what VTK's reader has room for */
+#define GRID_NAME 64   /* bytes of the scalar's name */
+#define GRID_TITLE 256 /* bytes; the limit of VTK's reader */
 
-/* A scalar field on axis-aligned planes; coordinates as in the file, in its units. */
+/* A scalar field on axis-aligned planes. Coordinates are in the file's units. */
 struct grid {
-    uint32_t n[3]; /* nodes along x, y, z; at least 2 of each */
-    double *at[3]; /* n[a] coordinates, ascending (what descends in the file is turned round) */
+    uint32_t n[3]; /* nodes along x, y, z; at least 2 each */
+    double *at[3]; /* n[a] coordinates, ascending; axes that descend in the file are reversed */
     float *value;  /* n[0]*n[1]*n[2], x fastest; NaN: missing */
-    char name[GRID_NAME];   /* of the scalar */
-    char title[GRID_TITLE]; /* the second line of the file that was read: units are there */
+    char name[GRID_NAME];   /* name of the scalar */
+    char title[GRID_TITLE]; /* second line of the file; holds the units */
 };
 /* Index of node i, j, k. */
 static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
@@ -24,44 +24,44 @@ static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uin
     return ((size_t)k * g->n[1] + j) * g->n[0] + i;
 }
 /*
- * What is read: coordinates and values are within GRID_MAX of 0, so that squares of them stay
- * inside a float, and neighbouring coordinates differ by GRID_STEP_MIN at least.
+ * Limits of input. Coordinates and values are within GRID_MAX of 0, so their squares fit a float.
+ * Neighbouring coordinates differ by at least GRID_STEP_MIN.
  */
 #define GRID_MAX 1e18
 #define GRID_STEP_MIN 1e-18
 /*
  * Reads VTK legacy RECTILINEAR_GRID, ASCII or BINARY: one scalar of point data, of float, double or
- * integers. 0, or -1 with text in err; `name` is for messages. The
- * caller frees the grid, which holds no part of `bytes`.
+ * integers. Returns 0, or -1 with the message in err; `name` is for messages. The caller frees the
+ * grid, which keeps no pointer into `bytes`.
  */
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES]);
-/* The same of a file; "-": standard input. */
+/* Reads a file; "-": standard input. */
 int grid_load(const char *path, struct grid *g, char err[ERR_BYTES]);
 /*
- * The same of bytes that nobody else needs, in memory of this process alone: a buffer, or a file
- * mapped private. Pages of them are given back to the system while they are read, so that the
- * values of a BINARY float grid are in memory once. What the bytes are afterwards is undefined.
+ * As grid_read, but destroys `bytes`. They must be private memory of this process: a buffer, or a
+ * file mapped private. Pages are returned to the system during reading, so the values of a BINARY
+ * float grid are in memory only once. The contents of `bytes` are undefined afterwards.
  */
 int grid_consume(
     const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES]);
 /*
- * The same format, BINARY float with coordinates in double, appended to b; title stands in the
- * file's second line, cut there where it does not fit. Reading it gives the same grid bit by bit.
+ * Appends the grid to b in the same format, BINARY float with coordinates in double. title becomes
+ * the file's second line, cut at GRID_TITLE. Reading the file gives the same grid bit by bit.
  */
 void grid_write(const struct grid *g, const char *title, struct buf *b);
 void grid_free(struct grid *g);
 /*
- * Where ascending or descending coordinates are not apart: the index of the first one that does not
- * continue as the first two began, or 0 where all do. n is at least 2.
+ * Checks that coordinates ascend or descend in steps of at least GRID_STEP_MIN. Returns the index
+ * of the first one that breaks the direction of the first two, or 0 if none does. n is at least 2.
  */
 uint32_t grid_axis_fault(const double *at, uint32_t n);
-/* "A after B, expected ...": what is wrong with at[fault]. */
+/* Writes "A after B, expected ...", the fault of at[fault]. */
 #define GRID_FAULT 128
 void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
 /*
- * The field at a point given in the grid's coordinates: trilinear in the cell that it is in, the
- * upper one where it is on a face. NaN outside, and where a corner of the cell is missing.
+ * The trilinear field at p, in the grid's coordinates. A point on a face belongs to the upper cell.
+ * NaN outside the grid, and if a corner of the cell is missing.
  */
 double grid_at(const struct grid *g, const double p[3]);
 

@@ -1,10 +1,10 @@
 /*
- * A VTK legacy file as a grid. The format is described in "VTK File Formats", Kitware; what of it
- * is taken, in stormring-grid(5).
+ * vtk_read: reads a VTK legacy file as a grid. "VTK File Formats", Kitware, describes the format;
+ * stormring-grid(5) lists the supported part.
  *
- * Keywords and types are words in any case; in BINARY files a block of numbers begins after the
- * line end that follows its header, big-endian, and is as long as the header says. Nothing that a
- * header says is believed before as many bytes are there.
+ * Keywords and types are words in any case. In BINARY files a block of numbers begins after the
+ * line end that follows its header, big-endian, with the length given in the header. A header's
+ * count is not trusted until that many bytes are present.
  */
 #include "grid/vtk_text.h"
 
@@ -14,12 +14,12 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#define GIVE_BACK 65536 /* bytes read, or more, at a time */
-#define FIELDS_MAX 1000 /* arrays of a FIELD that is passed over */
+#define GIVE_BACK 65536 /* minimum number of bytes to return at once */
+#define FIELDS_MAX 1000 /* arrays of a skipped FIELD */
 
 /* ---- the parts of a file ------------------------------------------------------------------- */
 
-/* The line's end, which is read as well. */
+/* Consumes the rest of the line. Returns its end. */
 static const unsigned char *read_line(struct vtk_reader *r)
 {
     const unsigned char *nl = memchr(r->at, '\n', (size_t)(r->end - r->at));
@@ -50,7 +50,7 @@ static bool read_head(struct vtk_reader *r, struct grid *g)
     return vtk_expect(r, "third part", "DATASET") && vtk_expect(r, "dataset", "RECTILINEAR_GRID");
 }
 
-/* FIELD arrays that belong to the file as a whole, such as its time: passed over. */
+/* Skips FIELD arrays that belong to the whole file, such as its time. */
 static bool skip_field(struct vtk_reader *r)
 {
     char name[GRID_NAME];
@@ -114,7 +114,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     for (int a = 0; a < 3; a++) {
         if (!vtk_count(r, what[a], 2, INT32_MAX, &n)) return false;
         g->n[a] = (uint32_t)n;
-        /* A byte a node at the least, so that nothing overflows later. */
+        /* At least one byte per node, so that nothing overflows later. */
         if (*nodes > (uint64_t)(r->end - r->bytes) / n)
             return vtk_fail(
                 r, "the file is too short for its DIMENSIONS, expected a number a node");
@@ -125,7 +125,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     return true;
 }
 
-/* The header of the one scalar, as SCALARS or as a FIELD of one array. */
+/* Reads the header of the one scalar: SCALARS, or a FIELD of one array. */
 static bool read_scalar_head(
     struct vtk_reader *r, uint64_t nodes, struct grid *g, struct vtk_type *t)
 {
@@ -142,7 +142,7 @@ static bool read_scalar_head(
     return vtk_expect(r, "next part", "LOOKUP_TABLE") && vtk_name(r, field);
 }
 
-/* What was read is not needed any more. */
+/* Returns pages that were read to the system. */
 static void give_back(struct vtk_reader *r)
 {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -151,10 +151,10 @@ static void give_back(struct vtk_reader *r)
     unsigned char *from = r->kept + skip, *to = from + ((n - skip) & ~(page - 1));
     r->line += vtk_lines(r->kept, to);
     r->kept = to;
-    (void)madvise(from, (size_t)(to - from), MADV_DONTNEED); /* refused, it only costs memory */
+    (void)madvise(from, (size_t)(to - from), MADV_DONTNEED); /* failure only costs memory */
 }
 
-/* In the file's order, to where they are when every axis ascends. */
+/* Reads the values in file order and stores them with every axis ascending. */
 static bool read_values(struct vtk_reader *r, struct vtk_type t, struct grid *g)
 {
     const uint32_t *n = g->n;

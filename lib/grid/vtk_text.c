@@ -1,4 +1,4 @@
-/* Words and numbers of VTK legacy files, of which neither need be right. */
+/* vtk_text: words and numbers of untrusted VTK legacy files. */
 #include "grid/vtk_text.h"
 
 #include <float.h>
@@ -130,14 +130,14 @@ bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t
         r->at++;
         room = (uint64_t)(r->end - r->at) / t.size;
     } else {
-        room = ((uint64_t)(r->end - r->at) + 1) / 2; /* a digit and a blank */
+        room = ((uint64_t)(r->end - r->at) + 1) / 2; /* one digit and one blank */
     }
     if (count <= room) return true;
     return vtk_fail(r, "%s: %llu are announced, and the file has bytes for %llu, expected all",
         what, (unsigned long long)count, (unsigned long long)room);
 }
 
-/* The least and the greatest number of a type; these in words, unless range is NULL. */
+/* The range of a type, also in words if range is not NULL. */
 static void type_range(struct vtk_type t, double *min, double *max, char *range)
 {
     const char *name = t.name;
@@ -150,7 +150,7 @@ static void type_range(struct vtk_type t, double *min, double *max, char *range)
     }
     uint64_t most = UINT64_MAX >> (64 - 8 * t.size + (t.form == FORM_SIGNED));
     int64_t least = t.form == FORM_SIGNED ? -(int64_t)most - 1 : 0;
-    *max = (double)most; /* of 64 bits rounded */
+    *max = (double)most; /* 64-bit limits are rounded */
     *min = (double)least;
     if (range)
         snprintf(range, RANGE, "an integer from %lld to %llu: it is of type %s", (long long)least,

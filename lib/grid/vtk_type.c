@@ -1,4 +1,4 @@
-/* The types of numbers in VTK legacy files, and what BINARY ones look like. */
+/* vtk_type: the number types of VTK legacy files and their BINARY form. */
 #include "grid/vtk_type.h"
 
 #include <string.h>
@@ -8,10 +8,10 @@ const struct vtk_type vtk_types[VTK_TYPES] = {
     {"signed_char", 1, FORM_SIGNED}, {"unsigned_char", 1, FORM_UNSIGNED}, {"short", 2, FORM_SIGNED},
     {"unsigned_short", 2, FORM_UNSIGNED}, {"int", 4, FORM_SIGNED},
     {"unsigned_int", 4, FORM_UNSIGNED},
-    {"long", 8, FORM_SIGNED}, /* of 4 bytes where Windows wrote it: then the file is too short */
+    {"long", 8, FORM_SIGNED}, /* 4 bytes if written on Windows; the file is then too short */
     {"unsigned_long", 8, FORM_UNSIGNED}, {"vtktypeint64", 8, FORM_SIGNED},
     {"vtktypeuint64", 8, FORM_UNSIGNED},
-    {"vtkidtype", 4, FORM_SIGNED}, /* VTK writes 32 bits of it */
+    {"vtkidtype", 4, FORM_SIGNED}, /* VTK writes it as 32 bits */
 };
 
 double vtk_decode(const unsigned char *p, struct vtk_type t)

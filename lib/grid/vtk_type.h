@@ -1,6 +1,6 @@
-/* vtk_type: the types of numbers in VTK legacy files. Private to lib/volume. */
-#ifndef STORMRING_VOLUME_VTK_TYPE_H
-#define STORMRING_VOLUME_VTK_TYPE_H
+/* vtk_type: the number types of VTK legacy files. Private to lib/grid. */
+#ifndef STORMRING_GRID_VTK_TYPE_H
+#define STORMRING_GRID_VTK_TYPE_H
 
 #include "base/base.h"
 
@@ -13,7 +13,7 @@ struct vtk_type {
 #define VTK_TYPES 14
 extern const struct vtk_type vtk_types[VTK_TYPES];
 
-/* A number of a BINARY file, big-endian. */
+/* Decodes a big-endian number of a BINARY file. */
 double vtk_decode(const unsigned char *p, struct vtk_type t);
 
 #endif

@@ -1,4 +1,4 @@
-/* A grid as a VTK legacy file: RECTILINEAR_GRID, BINARY. */
+/* vtk_write: writes a grid as a VTK legacy file: RECTILINEAR_GRID, BINARY. */
 #include "grid/grid.h"
 
 #include <string.h>
@@ -16,7 +16,7 @@ static void put_title(struct buf *b, const char *title)
     }
 }
 
-/* A name is one word: what would end or break it is written %XX, as VTK does. */
+/* Writes a name as one word. Bytes that would end or break it become %XX, as in VTK. */
 static void put_name(struct buf *b, const char *name)
 {
     for (; *name; name++) {

@@ -1,9 +1,10 @@
 /*
- * Pictures from fragments: who may commit to which frame, and the idempotent commit itself.
+ * assembly: pictures from fragments: checks which fragments may be committed, and the idempotent
+ * commit.
  *
- * Nothing here infers "done" from a pixel's value: that is what the coverage is for. A whole
- * frame's pixels are kept until the next frame is whole, so that what still comes for it (an
- * endgame's second copies) is compared too.
+ * Completeness is never inferred from pixel values; the coverage records it. The pixels of a
+ * complete frame are kept until the next frame is complete, so that late copies (from an endgame)
+ * are still compared.
  */
 #include "image/image.h"
 
@@ -22,7 +23,7 @@ static uint64_t frame_bytes(const struct assembly *a, const struct assembly_fram
     return (a->keep_pixels ? pixels * (4 * sizeof(float) + 2) : 0) + pixels / 8 + 8;
 }
 
-/* Gives the pixels and the bitmap back; what is known of them stays. */
+/* Frees the pixels and the bitmap; the counts stay. */
 static void close_frame(struct assembly *a, struct assembly_frame *f)
 {
     if (!f->have.bits) return;
@@ -44,7 +45,7 @@ void assembly_free(struct assembly *a)
     *a = (struct assembly){0};
 }
 
-/* Where `number` is among the frames, or belongs. */
+/* Index of frame `number`, or the index where it would be inserted. */
 static uint32_t place_of(const struct assembly *a, uint32_t number)
 {
     uint32_t lo = 0, hi = a->n_frames;
@@ -65,7 +66,7 @@ struct assembly_frame *assembly_find(const struct assembly *a, uint32_t number)
 static struct assembly_frame *add_frame(struct assembly *a, uint32_t number, uint32_t w, uint32_t h)
 {
     uint32_t at = place_of(a, number);
-    if ((a->n_frames & (a->n_frames - 1)) == 0) /* a power of two: full, or empty */
+    if ((a->n_frames & (a->n_frames - 1)) == 0) /* a power of two: full or empty */
         a->frames =
             xrealloc(a->frames, a->n_frames ? (size_t)a->n_frames * 2 : 1, sizeof(*a->frames));
     memmove(a->frames + at + 1, a->frames + at, (a->n_frames - at) * sizeof(*a->frames));
@@ -94,7 +95,7 @@ enum assembly_verdict assembly_declare(
     return f->have.w == w && f->have.h == h && same_job(f, job) ? ASSEMBLY_TAKEN : ASSEMBLY_FOREIGN;
 }
 
-/* Memory for f, at its first fragment; false when there is none left. */
+/* Allocates f at its first fragment. False if no memory is left. */
 static bool open_frame(struct assembly *a, struct assembly_frame *f)
 {
     if (f->have.bits) return true;
@@ -112,7 +113,7 @@ static bool open_frame(struct assembly *a, struct assembly_frame *f)
     return true;
 }
 
-/* NULL where there are too many. */
+/* NULL if the list is full. */
 static struct assembly_dispute *dispute_of(
     struct assembly *a, uint32_t frame, uint16_t first, uint16_t second)
 {
@@ -126,7 +127,7 @@ static struct assembly_dispute *dispute_of(
     return d;
 }
 
-/* Pixel p of f has come before: it must be the same. */
+/* Compares a repeated pixel p of f with the first copy. */
 static void meet_again(
     struct assembly *a, struct assembly_frame *f, uint64_t p, uint16_t source, const float *rgba)
 {
@@ -171,7 +172,7 @@ static enum assembly_verdict commit(struct assembly *a, uint32_t number, const c
     if (!f) return ASSEMBLY_UNDECLARED;
     if (!same_job(f, job)) return ASSEMBLY_FOREIGN;
     if (!lattice_valid(at, f->have.w, f->have.h)) return ASSEMBLY_OUTSIDE;
-    if (f->released && !f->have.bits) { /* too late even to compare */
+    if (f->released && !f->have.bits) { /* too late to compare */
         f->again += lattice_count(at);
         return ASSEMBLY_TAKEN;
     }

@@ -1,17 +1,17 @@
 /*
- * Inside image only: the codecs, and the samples that they share.
+ * codecs: the picture codecs and their sample conversion. Private to lib/image.
  *
  * A file's samples are 8 or 16 bit integers, big-endian, alpha not premultiplied. sampler_*
- * turns them into linear premultiplied floats, quantizer_* back.
+ * converts them to linear premultiplied floats, quantizer_* converts back.
  */
 #ifndef STORMRING_IMAGE_CODECS_H
 #define STORMRING_IMAGE_CODECS_H
 
 #include "image/image.h"
 
-/* "what, expected what" into err; returns -1. */
+/* Writes "what, expected what" into err. Returns -1. */
 int image_fail(char err[IMAGE_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
-/* Whether a picture of this size may be held at all; the text is in err when not. */
+/* True if a picture of this size is allowed; otherwise the message is in err. */
 bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR]);
 
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
@@ -25,30 +25,30 @@ int pfm_encode(FILE *f, const struct image *im);
 double srgb_to_linear(double v);
 double srgb_from_linear(double v);
 
-/* What samples mean: a power > 0 (1: linear light), or sRGB. */
+/* Transfer curve of samples: an exponent > 0 (1: linear light), or sRGB. */
 #define CURVE_SRGB 0.0
 
 struct sampler {
-    uint32_t max;  /* the sample that means 1 */
+    uint32_t max;  /* the sample value of 1.0 */
     float *linear; /* max + 1 values */
 };
 
 void sampler_init(struct sampler *s, uint32_t max, double curve);
 void sampler_free(struct sampler *s);
-/* n pixels of `channels` (1 grey, 2 grey + alpha, 3 RGB, 4 RGBA), two bytes a sample when max >
- * 255. False when a sample is above max. */
+/* Converts n pixels of `channels` (1 grey, 2 grey + alpha, 3 RGB, 4 RGBA). Samples have two bytes
+ * if max > 255. False if a sample exceeds max. */
 bool sampler_row(
     const struct sampler *s, const unsigned char *in, int channels, uint32_t n, float *rgba);
 
-/* Floats below 2^-13 are 0 in 8-bit sRGB; from there to 1 each 1/128 of an octave meets one
- * threshold at most. */
+/* Floats below 2^-13 are 0 in 8-bit sRGB. From there to 1, each 1/128 of an octave contains at most
+ * one threshold. */
 #define SRGB_OCTAVES 13
 #define SRGB_STEPS 128
 
 struct quantizer {
-    int bits, channels;   /* channels 3 when every pixel is opaque, else 4 */
-    float threshold[257]; /* [k]: the smallest float that becomes k; [256]: none */
-    uint8_t below[SRGB_OCTAVES * SRGB_STEPS + 1]; /* what the smallest float of each step becomes */
+    int bits, channels;   /* channels: 3 if every pixel is opaque, else 4 */
+    float threshold[257]; /* [k]: the smallest float with code k; [256]: none */
+    uint8_t below[SRGB_OCTAVES * SRGB_STEPS + 1]; /* code of the smallest float of each step */
 };
 
 void quantizer_init(struct quantizer *q, const struct image *im, int bits);

@@ -1,4 +1,4 @@
-/* Reading and writing files of pictures: the choice of a codec. */
+/* image: reads and writes picture files; chooses the codec. */
 #include "image/codecs.h"
 
 #include <errno.h>
@@ -8,8 +8,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-/* No file of a picture that is accepted is longer: 16-bit RGBA that deflate could not shrink,
- * and headers. */
+/* Upper bound on the length of an accepted file: incompressible 16-bit RGBA, and headers. */
 #define FILE_BYTES_MAX ((size_t)IMAGE_PIXELS_MAX * 12 + (1 << 20))
 
 bool image_format_of(const char *path, enum image_format *format)
@@ -35,7 +34,7 @@ int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IM
     return image_fail(err, "no picture format known here, expected PNG, PAM, PPM, PGM or PFM");
 }
 
-/* The whole file, if it is no longer than a picture can be. */
+/* Reads the whole file, up to the maximum length of a picture. */
 static int slurp(const char *path, struct buf *b, char err[IMAGE_ERR])
 {
     int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);

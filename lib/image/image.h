@@ -1,14 +1,14 @@
 /*
- * image: pixel buffers; PNG (through libpng), PAM, PPM and PFM; metrics; assembly of pictures
- * from fragments.
+ * image: pixel buffers; PNG (through libpng), PAM, PPM and PFM; metrics; assembly of pictures from
+ * fragments.
  *
- * Pixels are linear light, premultiplied RGBA, float32, row 0 on top. Files: 8 bits hold sRGB,
- * 16 bits linear light (PNG says so by gAMA 1); alpha is written, not premultiplied, only where
- * some pixel is not opaque. PAM is as PNG without compression. PFM is float RGB, bottom row
- * first, and has no alpha.
+ * Pixels are linear light, premultiplied RGBA, float32, row 0 on top. In files, 8 bits hold sRGB
+ * and 16 bits linear light (PNG marks it with gAMA 1). Alpha is written only if some pixel is not
+ * opaque, and not premultiplied. PAM holds the same samples as PNG, uncompressed. PFM is float RGB,
+ * bottom row first, without alpha.
  *
- * Files are untrusted: sizes are checked before memory is taken, and everything that can be
- * wrong in one comes back as text. The library keeps no state.
+ * Files are untrusted: sizes are checked before memory is allocated, and all faults are returned as
+ * text. The library keeps no state.
  */
 #ifndef STORMRING_IMAGE_H
 #define STORMRING_IMAGE_H
@@ -24,134 +24,136 @@ struct image {
 enum image_format { IMAGE_PNG, IMAGE_PAM, IMAGE_PFM };
 
 #define IMAGE_ERR 256
-/* Larger pictures are refused, in files and in assembly: 4 GiB of pixels. */
+/* Limit of pictures in files and in assembly: 4 GiB of pixels. */
 #define IMAGE_PIXELS_MAX (UINT64_C(1) << 28)
 
 void image_init(struct image *im, uint32_t w, uint32_t h); /* transparent black */
 void image_free(struct image *im);
-/* By suffix (.png .pam .pfm); false when it is none of them. */
+/* Chooses the format by suffix (.png .pam .pfm). False if it is none of them. */
 bool image_format_of(const char *path, enum image_format *format);
 /*
- * Reads a PNG (any kind), PAM, PPM, PGM or PFM, told apart by content; "-" is standard input.
- * PNG with an sRGB chunk, or 8 bits with gAMA 1/2.2, holds sRGB; with another gAMA that power;
- * with neither, and in PNM, 8 bits hold sRGB and 16 linear light. 0, or -1 with "what, expected
- * what" in err and nothing allocated.
+ * Reads a PNG (any kind), PAM, PPM, PGM or PFM, recognised by content; "-" is standard input. A PNG
+ * with an sRGB chunk, or with 8 bits and gAMA 1/2.2, holds sRGB. Another gAMA gives the exponent.
+ * Without either, and in PNM, 8 bits hold sRGB and 16 bits linear light. Returns 0, or -1 with
+ * "what, expected what" in err and nothing allocated.
  */
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
-/* The same from n bytes in memory. */
+/* Reads n bytes in memory. */
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
-/* bits 8 or 16 (PFM: ignored). job: NULL or the hash put in PNG's text chunk "Job". 0, or -1
- * with errno. */
+/* bits: 8 or 16 (PFM ignores it). job: NULL, or the hash for PNG's text chunk "Job". Returns 0, or
+ * -1 with errno. */
 int image_write(
     FILE *f, const struct image *im, enum image_format format, int bits, const char *job);
 
-/* To a file that appears under its name only when whole. 0, or -1 with errno and nothing left
- * behind. */
+/* Writes a file that appears under its name only when complete. Returns 0, or -1 with errno and no
+ * file left. */
 int image_save(
     const char *path, const struct image *im, enum image_format format, int bits, const char *job);
 
-/* The sRGB transfer functions (IEC 61966-2-1); encode clamps to [0,1] (NaN: 0) and rounds to
+/* The sRGB transfer functions (IEC 61966-2-1). encode clamps to [0,1] (NaN: 0) and rounds to
  * nearest. */
 uint8_t srgb_encode8(float linear);
 float srgb_decode8(uint8_t v);
 
 struct image_diff {
-    double rmse;               /* over R, G, B of pixels clamped to [0,1], linear */
+    double rmse;               /* over R, G, B, clamped to [0,1], linear */
     double rmse_kept;          /* the same without the worst `drop` fraction of pixels */
-    double psnr_db;            /* 20 log10(1/rmse); INFINITY when equal */
-    double worst;              /* largest difference of a clamped component, R G B A */
+    double psnr_db;            /* 20 log10(1/rmse); INFINITY if rmse is 0 */
+    double worst;              /* largest difference of a clamped component R, G, B or A */
     uint32_t worst_x, worst_y; /* the first such pixel */
-    uint64_t pixels, dropped;  /* all; those that rmse_kept leaves out, rounded down */
-    uint64_t over;             /* pixels with a clamped component off by more than tolerance */
-    uint64_t differing;        /* pixels that differ at all, not clamped, alpha included */
+    uint64_t pixels, dropped;  /* all pixels; pixels excluded from rmse_kept, rounded down */
+    uint64_t over;      /* pixels with a clamped component that differs by more than tolerance */
+    uint64_t differing; /* pixels that differ at all, not clamped, alpha included */
 };
-/* Sizes must be equal (the caller checks). A NaN differs from every number by 1. */
+/* The caller checks that the sizes are equal. A NaN differs from every number by 1. */
 void image_compare(const struct image *a, const struct image *b, double tolerance, double drop,
     struct image_diff *d);
 
 /*
- * The name of frame number `frame`: pattern with its one %d (%4d, %03d: width below 100) replaced.
- * image_name_check tells whether a pattern is valid ("%%" is a percent sign) and numbers frames.
+ * image_name returns the name of frame number `frame`: pattern with its one %d (%4d, %03d: width
+ * below 100) replaced. "%%" stands for a percent sign. image_name_check tells whether a pattern is
+ * valid and whether it numbers frames.
  */
 enum image_naming { IMAGE_NAME_BAD, IMAGE_NAME_SINGLE, IMAGE_NAME_NUMBERED };
 enum image_naming image_name_check(const char *pattern);
 char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
 
 /*
- * ---- assembly: pictures from fragments that come in any order, twice, or not at all ----
+ * ---- assembly: pictures from fragments in any order, repeated or missing ----
  *
- * Call order: init, then declare and commit as records come; a frame that is full is the
- * caller's to write and then to release; free. Pixels are committed one by one: the first
- * stands, a later one is counted, compared bit by bit, and dropped; where they differ, it is known
- * which two sources brought them. Memory for a frame is taken at its first fragment.
+ * Call order: assembly_init; assembly_declare and assembly_commit for each record; the caller
+ * writes each complete frame and then calls assembly_release; assembly_free. Pixels are committed
+ * one by one. The first one is kept. A later one is counted, compared bit by bit and dropped. If
+ * the two differ, a dispute records both sources. A frame's memory is allocated at its first
+ * fragment.
  */
-#define ASSEMBLY_NAME 64 /* bytes of a job's name, terminator included */
+#define ASSEMBLY_NAME 64 /* bytes of a job's name, including the terminator */
 #define ASSEMBLY_FRAMES_MAX (1 << 20)
 #define ASSEMBLY_DISPUTES_MAX 64
 
 enum assembly_verdict {
-    ASSEMBLY_TAKEN,      /* valid; whatever of it was new is in */
-    ASSEMBLY_UNDECLARED, /* nobody declared this frame */
+    ASSEMBLY_TAKEN,      /* valid; its new pixels are stored */
+    ASSEMBLY_UNDECLARED, /* the frame was not declared */
     ASSEMBLY_OUTSIDE,    /* the lattice is not inside the frame */
-    ASSEMBLY_FOREIGN,    /* of another job, or size, than the frame's first declaration */
-    ASSEMBLY_NO_ROOM,    /* a limit above was met, or the open frames' memory */
+    ASSEMBLY_FOREIGN,    /* job or size differs from the frame's first declaration */
+    ASSEMBLY_NO_ROOM,    /* a limit above, or the memory for open frames, is exhausted */
     ASSEMBLY_VERDICTS
 };
 
 struct assembly_frame {
     uint32_t number;
-    char job[ASSEMBLY_NAME]; /* of the first declaration, which stands */
-    struct image picture;    /* rgba NULL: no fragment yet, released, or pixels are not kept */
-    uint16_t *source;        /* of each pixel, where they are kept */
+    char job[ASSEMBLY_NAME]; /* from the first declaration, which stands */
+    struct image picture;    /* rgba NULL: no fragment yet, released, or pixels not kept */
+    uint16_t *source;        /* source of each pixel, if pixels are kept */
     struct coverage
-        have; /* bits NULL: no fragment yet, or released; w, h and done are always right */
+        have; /* bits NULL: no fragment yet, or released; w, h and done are always valid */
     bool released;
-    uint64_t again;   /* pixels that came again */
-    uint32_t next_id; /* for the caller: above any task's id seen */
+    uint64_t again;   /* pixels that came more than once */
+    uint32_t next_id; /* for the caller: above every task id seen */
 };
 
-/* Two sources that sent different pixels: one of them is wrong. */
+/* Two sources that sent different pixels. One of them is wrong. */
 struct assembly_dispute {
     uint32_t frame;
-    uint16_t first, second; /* the first one's pixels stand */
+    uint16_t first, second; /* the pixels of first are kept */
     uint64_t pixels;
-    double worst; /* the largest difference, at */
+    double worst; /* the largest difference, at x, y */
     uint32_t x, y;
 };
 
 struct assembly {
-    struct assembly_frame **frames; /* by number */
+    struct assembly_frame **frames; /* sorted by number */
     uint32_t n_frames;
     bool keep_pixels;
-    uint64_t room_bytes; /* left for open frames */
+    uint64_t room_bytes; /* memory left for open frames */
     struct assembly_frame
-        *recent; /* the last released, kept so that late pixels are still compared */
+        *recent; /* the last released frame, kept so that late pixels are still compared */
     uint64_t declared_px, done_px;
-    uint64_t refused[ASSEMBLY_VERDICTS]; /* fragments, by verdict */
+    uint64_t refused[ASSEMBLY_VERDICTS];                     /* refused fragments by verdict */
     struct assembly_dispute disputes[ASSEMBLY_DISPUTES_MAX]; /* the first ones */
     uint32_t n_disputes;
-    uint64_t differing; /* pixels, of all disputes */
+    uint64_t differing; /* pixels of all disputes */
 };
 
-/* keep_pixels false: only which pixels are there. The open frames, and the last whole one,
- * together hold at most most_bytes: 18 1/8 bytes a pixel, or 1/8. */
+/* keep_pixels false: records only which pixels arrived. The open frames and the last complete one
+ * together hold at most most_bytes: 18 1/8 bytes per pixel, or 1/8 without pixels. */
 void assembly_init(struct assembly *a, bool keep_pixels, uint64_t most_bytes);
 void assembly_free(struct assembly *a);
-/* NULL when it was not declared. */
+/* NULL if the frame was not declared. */
 struct assembly_frame *assembly_find(const struct assembly *a, uint32_t number);
-/* Frame `number` is of this size and job, whose name is cut to its length. The first declaration of
- * a frame stands. */
+/* Declares the size and job of frame `number`; the job's name is cut at ASSEMBLY_NAME. The first
+ * declaration of a frame stands. */
 enum assembly_verdict assembly_declare(
     struct assembly *a, uint32_t number, uint32_t w, uint32_t h, const char *job);
-/* source: any number that tells the caller whose pixels these are. rgba (NULL where pixels are not
- * kept): 4 floats a pixel, in the lattice's order. */
+/* source: any number by which the caller identifies the sender. rgba: 4 floats per pixel, in
+ * lattice order; NULL if pixels are not kept. */
 enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *job,
     uint16_t source, const struct lattice *at, const float *rgba);
-/* The frame was written: its memory goes back (when the next one is released). */
+/* Call after the frame was written. Its memory is freed when the next frame is released. */
 void assembly_release(struct assembly *a, struct assembly_frame *f);
-/* Every pixel of every frame, and one frame at least. */
+/* True if every pixel of every frame is there, and there is at least one frame. */
 bool assembly_whole(const struct assembly *a);
-/* A copy of what is there of f; the caller's to free. */
+/* Copies the coverage of f; the caller frees the copy. */
 void assembly_coverage(const struct assembly_frame *f, struct coverage *copy);
 /* Pixels that came again with the same bits, over all frames. */
 uint64_t assembly_again(const struct assembly *a);

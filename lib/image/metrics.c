@@ -1,7 +1,7 @@
 /*
- * How far two pictures are apart. The worst pixels are left out of rmse_kept by selection, not
- * sorting: the error of the first one left out is found by counting on its leading, then its
- * trailing 16 bits. No memory a pixel.
+ * metrics: differences between two pictures. rmse_kept excludes the worst pixels by selection, not
+ * by sorting. The error of the first excluded pixel is found by counting its leading, then its
+ * trailing 16 bits. Needs no memory per pixel.
  */
 #include "image/image.h"
 
@@ -10,7 +10,7 @@
 
 #define BINS 65536
 
-/* In [0,1]; NaN stays. */
+/* Clamps to [0,1]; NaN stays. */
 static double clamped(float x) { return x < 0 ? 0 : x > 1 ? 1 : (double)x; }
 
 static double apart(float a, float b)
@@ -19,7 +19,7 @@ static double apart(float a, float b)
     return fabs(clamped(a) - clamped(b));
 }
 
-/* Squared error of a pixel over R, G, B. As float: its bits then order as its values. */
+/* Squared error of a pixel over R, G, B. As a float, because float bits sort like values. */
 static float pixel_error(const struct image *a, const struct image *b, size_t i)
 {
     double sum = 0;
@@ -37,8 +37,8 @@ static uint32_t bits_of(float x)
     return u;
 }
 
-/* From the top bin down: the bin in which the rank-th largest (from 0) lies; *rank becomes its
- * rank there. */
+/* The bin of the rank-th largest value (from 0), counted from the top bin. *rank becomes the rank
+ * within that bin. */
 static uint32_t bin_of_rank(const uint64_t *count, uint64_t *rank)
 {
     uint32_t bin = BINS - 1;
@@ -46,7 +46,7 @@ static uint32_t bin_of_rank(const uint64_t *count, uint64_t *rank)
     return bin;
 }
 
-/* Sum of squared errors but for the `drop` largest of n pixels, drop < n. */
+/* Sum of squared errors without the `drop` largest of n pixels; drop < n. */
 static double sum_kept(const struct image *a, const struct image *b, size_t n, uint64_t drop)
 {
     uint64_t *count = xcalloc(BINS, sizeof *count), rank = drop;
@@ -60,7 +60,7 @@ static double sum_kept(const struct image *a, const struct image *b, size_t n, u
     uint32_t low = bin_of_rank(count, &rank), pivot = high << 16 | low;
     uint64_t equal = count[low];
     free(count);
-    /* The pivot is the largest that is kept; of those equal to it, `rank` are dropped. */
+    /* The pivot is the largest kept value. Of the values equal to it, `rank` are dropped. */
     double sum = 0;
     float pivot_error;
     memcpy(&pivot_error, &pivot, sizeof pivot);

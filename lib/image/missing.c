@@ -1,20 +1,20 @@
-/* What frames lack, and what they got twice. */
+/* missing: the missing and the repeated pixels of frames. */
 #include "image/image.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-#define RANGES_MAX 8 /* of rows, named in full */
+#define RANGES_MAX 8 /* row ranges listed in full */
 
 static bool row_complete(const struct coverage *c, uint32_t y)
 {
-    if (!c->bits) return c->done > 0; /* no fragment yet, or released whole */
+    if (!c->bits) return c->done > 0; /* no fragment yet, or released complete */
     for (uint64_t p = (uint64_t)y * c->w, end = p + c->w; p < end; p++)
         if (!coverage_has(c, p)) return false;
     return true;
 }
 
-/* The next rows first .. last that lack pixels, from `y` on; false when there are none. */
+/* The next range of rows first .. last with missing pixels, from `y` on. False if there is none. */
 static bool next_range(const struct coverage *c, uint32_t y, uint32_t *first, uint32_t *last)
 {
     while (y < c->h && row_complete(c, y)) y++;

@@ -1,5 +1,5 @@
-/* Names of numbered pictures. The pattern is the user's: it is read here and never handed to
- * printf. */
+/* name: names of numbered pictures. The pattern comes from the user, so it is parsed here and never
+ * passed to printf. */
 #include "image/image.h"
 
 #include <inttypes.h>
@@ -8,7 +8,7 @@
 
 #define WIDTH_MAX 99
 
-/* %d, %4d, %03d at s ('%' included): its length, else 0. */
+/* Length of %d, %4d, %03d at s ('%' included); 0 if there is none. */
 static size_t number_at(const char *s, char *fill, int *width)
 {
     size_t n = 1;

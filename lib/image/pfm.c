@@ -1,7 +1,7 @@
 /*
- * Portable float maps (P. Debevec, "HDRI and image-based lighting", SIGGRAPH course, 2003):
- * "PF" colour or "Pf" grey, bottom row first; the sign of the third number is the byte order,
- * its size is not used.
+ * pfm: portable float maps (P. Debevec, "HDRI and image-based lighting", SIGGRAPH course, 2003):
+ * "PF" colour or "Pf" grey, bottom row first. The sign of the third number gives the byte order;
+ * its magnitude is ignored.
  */
 #include "image/codecs.h"
 
@@ -25,7 +25,7 @@ static void float_put(unsigned char *p, float x)
     for (int i = 0; i < 4; i++) p[i] = (unsigned char)(u >> (8 * i));
 }
 
-/* Word `index` of the header, cut at size; *at is moved past it and the one blank behind it. */
+/* Reads the next word of the header, cut at size. Moves *at past it and one blank. */
 static bool word(const unsigned char *p, size_t n, size_t *at, char *out, size_t size)
 {
     size_t k = 0;

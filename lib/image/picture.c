@@ -1,4 +1,4 @@
-/* Pixel buffers, and messages about them. */
+/* picture: pixel buffers and messages about them. */
 #include "image/codecs.h"
 
 #include <stdarg.h>

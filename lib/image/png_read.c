@@ -1,9 +1,9 @@
 /*
- * PNG in, through libpng, from memory; the bytes are untrusted.
+ * png_read: reads untrusted PNG from memory, through libpng.
  *
- * libpng reports errors by longjmp. Everything that must be released lives in struct reader,
- * which the jump does not touch, and the work is done by functions below the one that calls
- * setjmp: no local variable is looked at after a jump.
+ * libpng reports errors by longjmp. All resources to release are in struct reader, which the jump
+ * does not touch. The work is done in functions below the one that calls setjmp, so no local
+ * variable is read after a jump.
  */
 #include "image/codecs.h"
 
@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* libpng may keep this much of any one chunk besides the pixels. */
+/* Memory limit for any one chunk in libpng, besides the pixels. */
 #define CHUNK_BYTES_MAX (1 << 22)
 #define CHUNKS_MAX 1000
-/* Deflate cannot pack more than this many bytes into one. */
+/* Deflate's maximum compression ratio. */
 #define DEFLATE_RATIO_MAX 1032
 
 struct reader {
@@ -22,7 +22,7 @@ struct reader {
     png_infop info;
     const unsigned char *p;
     size_t n;
-    unsigned char *rows; /* one, or all when interlaced */
+    unsigned char *rows; /* one row, or all rows if interlaced */
     struct sampler sampler;
     struct image *im;
     char *err;
@@ -50,7 +50,7 @@ static void take(png_structp png, png_bytep to, size_t n)
     r->n -= n;
 }
 
-/* What the samples mean: the sRGB chunk, the gAMA chunk, or the rule of image.h for neither. */
+/* The samples' transfer curve: from the sRGB chunk, the gAMA chunk, or the default in image.h. */
 static double curve_of(const struct reader *r, int depth)
 {
     png_fixed_point gamma; /* 100000 times the exponent from light to sample */
@@ -61,7 +61,7 @@ static double curve_of(const struct reader *r, int depth)
     return gamma == 100000 ? 1.0 : 100000.0 / gamma;
 }
 
-/* Every kind becomes RGB or RGBA of 8 or 16 bits. */
+/* Converts every kind to RGB or RGBA of 8 or 16 bits. */
 static void unify(struct reader *r)
 {
     png_set_expand(r->png); /* palettes, grey below 8 bits, tRNS */
@@ -101,10 +101,11 @@ static void read_pixels(struct reader *r)
     png_read_end(r->png, NULL);
 }
 
-/* libpng allocates what a chunk declares before it reads the chunk, whatever its limits say. */
+/* Checks that all chunks are complete, because libpng allocates a chunk's declared length before
+ * reading it, regardless of its limits. */
 static bool chunks_whole(const unsigned char *p, size_t n)
 {
-    enum { SIGNATURE = 8, AROUND = 12 }; /* around the data: length, type, checksum */
+    enum { SIGNATURE = 8, AROUND = 12 }; /* bytes around the data: length, type, checksum */
     size_t at = SIGNATURE;
     while (n >= AROUND && at <= n - AROUND) {
         uint32_t data = png_get_uint_32(p + at);

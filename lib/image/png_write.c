@@ -1,9 +1,9 @@
 /*
- * PNG out, through libpng. For errors and setjmp see png_read.c: the state that outlives a jump
- * is in struct writer, and no local variable is looked at after one.
+ * png_write: writes PNG through libpng. See png_read.c for errors and setjmp: state that must
+ * survive a jump is in struct writer, and no local variable is read after one.
  *
  * Encoding is the serial end of every run, so speed counts more than the last percent of size.
- * Milliseconds and kilobytes for 512x512, gears and balls, quantizing included (one core, zlib
+ * Milliseconds and kilobytes for 512x512, gears and balls, including quantization (one core, zlib
  * 1.2.13, best of 7):
  *
  *              8 bits: level 1     level 6      16 bits, gears: level 1
@@ -57,7 +57,7 @@ static void put(png_structp png, png_bytep from, size_t n)
     png_error(png, "write");
 }
 
-/* The caller flushes, and looks at what that says. */
+/* The caller flushes f and checks the result. */
 static void flush(png_structp png) { (void)png; }
 
 static void write_header(struct writer *w)

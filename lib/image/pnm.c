@@ -1,6 +1,7 @@
 /*
- * The Netpbm formats: PAM (P7), PPM (P6) and PGM (P5) in, PAM out. One picture a file. Samples
- * up to 255 hold sRGB, larger ones linear light: what Netpbm leaves open, image.h settles.
+ * pnm: the Netpbm formats: reads PAM (P7), PPM (P6) and PGM (P5), writes PAM. One picture per file.
+ * Samples up to 255 hold sRGB, larger ones linear light, as image.h defines; Netpbm leaves this
+ * open.
  */
 #include "image/codecs.h"
 
@@ -10,10 +11,10 @@
 
 struct header {
     int64_t w, h, channels, max;
-    size_t size; /* bytes, the pixels start there */
+    size_t size; /* bytes of the header; the pixels start there */
 };
 
-/* A text being read, always within n. */
+/* Text being read; at <= n. */
 struct text {
     const unsigned char *p;
     size_t n, at;
@@ -21,7 +22,7 @@ struct text {
 
 static bool blank(unsigned char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/* The next word, comments and blanks before it skipped; false at the end or when it is too long. */
+/* Reads the next word after comments and blanks. False at the end, or if the word is too long. */
 static bool word(struct text *t, char *out, size_t size)
 {
     while (t->at < t->n && (blank(t->p[t->at]) || t->p[t->at] == '#')) {
@@ -35,7 +36,7 @@ static bool word(struct text *t, char *out, size_t size)
         out[k++] = (char)t->p[t->at++];
     }
     out[k] = '\0';
-    return k > 0 && t->at < t->n; /* something follows every word of a header */
+    return k > 0 && t->at < t->n; /* every word of a header is followed by a blank */
 }
 
 static bool number(struct text *t, int64_t max, int64_t *out)
@@ -44,7 +45,8 @@ static bool number(struct text *t, int64_t max, int64_t *out)
     return word(t, w, sizeof w) && parse_int(w, 1, max, out);
 }
 
-/* WIDTH 4, DEPTH 3, ... in any order until ENDHDR; TUPLTYPE says nothing that DEPTH does not. */
+/* WIDTH 4, DEPTH 3, ... in any order until ENDHDR. TUPLTYPE is ignored: DEPTH determines the
+ * channels. */
 static bool pam_header(struct text *t, struct header *h)
 {
     char key[24];

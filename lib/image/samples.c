@@ -1,8 +1,9 @@
 /*
- * Samples of files to linear light and back: the sRGB curve (IEC 61966-2-1), powers, 16-bit linear.
+ * samples: converts file samples to linear light and back: the sRGB curve (IEC 61966-2-1), powers,
+ * 16-bit linear.
  *
- * Encoding to 8 bits is exact: a float's code is found from its leading bits, and one
- * comparison with the threshold between two codes decides. No pow per pixel, no approximation.
+ * Encoding to 8 bits is exact: the leading bits of a float select a code, and one comparison with
+ * the threshold to the next code decides. No pow per pixel, no approximation.
  */
 #include "image/codecs.h"
 

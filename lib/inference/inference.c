@@ -6,7 +6,7 @@
 
 /* ---- intervals ------------------------------------------------------------------------------- */
 
-/* Around an estimate with this standard error; without degrees of freedom all is possible. */
+/* Interval around an estimate with this standard error. Infinite without degrees of freedom. */
 static struct interval around(double estimate, double error, double dof, double level)
 {
     double half = HUGE_VAL;
@@ -42,7 +42,7 @@ struct interval inference_spread(double *x, size_t n, double *y, size_t m, doubl
 {
     to_distances(x, n);
     to_distances(y, m);
-    /* Two are equally far from their median, whatever they are from: that tells as much as one. */
+    /* Two samples are always equally far from their median, so they count as one. */
     return inference_difference(x, n == 2 ? 1 : n, y, m == 2 ? 1 : m, level);
 }
 
@@ -53,7 +53,7 @@ void inference_fences(double *x, size_t n, double *low, double *high)
     *low = -HUGE_VAL;
     *high = HUGE_VAL;
     if (n < 4) return;
-    median(x, n); /* sorts, the largest first */
+    median(x, n); /* sorts, descending */
     size_t half = (n + 1) / 2;
     double upper = median(x, half), lower = median(x + n - half, half);
     *low = lower - 1.5 * (upper - lower);

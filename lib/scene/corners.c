@@ -1,4 +1,4 @@
-/* Corners of a polygon: projection, orientation, ears. */
+/* corners: projection, orientation and ear test of a polygon's corners. */
 #include "scene/corners.h"
 #include "scene/reader.h"
 
@@ -7,11 +7,10 @@
 /* Bound on the rounding error of cross2, relative to the sum of its two products' magnitudes
  * (J. R. Shewchuk, "Adaptive precision floating-point arithmetic ...", 1997: (3 + 16 eps) eps). */
 #define CROSS_ERROR 3.4e-16
-#define PATIENCE (UINT64_C(1) << 31) /* looks at corners that coincide with others: some 20 s */
+#define PATIENCE (UINT64_C(1) << 31) /* tests of coinciding corners: about 20 s */
 
 /*
- * Twice the area of a b c, positive when counterclockwise; 0 when that is within its rounding
- * error.
+ * Twice the area of a b c, positive if counterclockwise. 0 if it is within its rounding error.
  */
 static double cross2(const struct corner *a, const struct corner *b, const struct corner *c)
 {
@@ -38,7 +37,7 @@ static bool same_place(const struct corner *a, const struct corner *b)
     return a->x == b->x && a->y == b->y;
 }
 
-/* Whether p lies strictly between the two edges that meet at corner b (a before it, c after). */
+/* True if p lies strictly between the two edges that meet at corner b (a before it, c after). */
 static bool in_wedge(
     const struct corner *a, const struct corner *b, const struct corner *c, const struct corner *p)
 {
@@ -46,9 +45,9 @@ static bool in_wedge(
 }
 
 /*
- * Whether q, which is none of its corners, spoils the ear a b c. Where it coincides with one
- * (holes are joined to the outline by a bridge) it does so only if one of its own edges leads into
- * the ear.
+ * True if q, a corner other than a, b and c, prevents the ear a b c. A corner may coincide with a
+ * corner of the ear (a bridge joins a hole to the outline). Then q prevents the ear only if one of
+ * its own edges leads into the ear.
  */
 static bool spoils(const struct corners *g, const struct corner *a, const struct corner *b,
     const struct corner *c, const struct corner *q)
@@ -70,7 +69,8 @@ static bool spoils_ear(void *ctx, uint32_t i)
     const struct ear *e = ctx;
     const struct corner *q = &e->g->c[i], *a = e->a, *b = e->b, *c = e->c;
     if (q == a || q == b || q == c) return false;
-    /* Corners at one place are asked one by one. Where that would go into hours, they spoil it. */
+    /* Coinciding corners are tested one by one. After PATIENCE tests they all count as spoiling,
+     * because the tests would take hours. */
     if (same_place(q, a) || same_place(q, b) || same_place(q, c)) {
         if (!e->g->patience) return true;
         e->g->patience--;
@@ -109,7 +109,7 @@ uint32_t corners_pop(struct corners *g)
     return CORNERS_NONE;
 }
 
-/* Corner i is blunt no more, or gone. */
+/* Marks corner i as not blunt, or as removed. */
 static void sharpen(struct corners *g, uint32_t i)
 {
     if (g->c[i].blunt) points_remove(&g->blunt, i);
@@ -141,7 +141,7 @@ void corners_remove(struct corners *g, uint32_t i)
 static struct vec3 newell(const struct vec3 *v, uint32_t n)
 {
     struct vec3 sum = v3(0, 0, 0);
-    /* Relative to the first vertex: a polygon far from the origin keeps its normal. */
+    /* Relative to the first vertex, which keeps the normal accurate far from the origin. */
     for (uint32_t i = 1; i + 1 < n; i++)
         sum = v3_add(sum, v3_cross(v3_sub(v[i], v[0]), v3_sub(v[i + 1], v[0])));
     return sum;
@@ -155,9 +155,9 @@ struct vec3 newell_unit(const struct vec3 *v, uint32_t n)
 }
 
 /*
- * The projection along the normal's largest component, turned so that the polygon is
- * counterclockwise. It takes coordinates as they were read, so nothing is rounded before the
- * orientation tests.
+ * Projects along the normal's largest component, mirrored if needed so that the polygon is
+ * counterclockwise. The coordinates are used as read, so nothing is rounded before the orientation
+ * tests.
  */
 static void project(struct corners *g, const struct vec3 *v, struct vec3 normal)
 {

@@ -1,6 +1,6 @@
 /*
- * corners: the corners of a polygon in its plane, linked in a ring that loses corner after corner,
- * and the question whether a corner is an ear. Private to lib/scene.
+ * corners: the corners of a polygon in its plane, as a linked ring that shrinks corner by corner,
+ * and the ear test. Private to lib/scene.
  */
 #ifndef STORMRING_CORNERS_H
 #define STORMRING_CORNERS_H
@@ -8,26 +8,26 @@
 #include "base/base.h"
 #include "scene/points.h"
 
-#define CORNERS_STACK 256 /* corners that need no memory from the heap */
+#define CORNERS_STACK 256 /* more corners are stored on the heap */
 #define CORNERS_NONE UINT32_MAX
 
 struct corner {
     double x, y;
     uint32_t prev, next;
-    bool blunt; /* reflex or straight: may lie in an ear, and is none; once not so, never again */
+    bool blunt; /* reflex or straight: may lie in an ear, is not an ear; never becomes true again */
     bool gone;
-    bool queued; /* waits to be looked at */
-    bool later;  /* its turn in the queue was put off: a neighbour has just gone */
+    bool queued; /* waits in the queue */
+    bool later;  /* moves to the end of the queue once, because a neighbour was removed */
 };
 
 struct corners {
     struct corner *c;
-    uint32_t n, left;     /* corners at first, and now */
-    double width, height; /* of the whole */
-    struct points blunt;  /* the blunt corners by place, so that an ear asks only those near it */
+    uint32_t n, left;     /* number of corners at the start, and now */
+    double width, height; /* extent of all corners */
+    struct points blunt;  /* blunt corners by place: the ear test checks only nearby ones */
     uint32_t *queue;      /* circular, room for n */
     uint32_t queue_at, queue_n;
-    uint64_t patience; /* so many corners that coincide with one of an ear's may still be asked */
+    uint64_t patience; /* remaining tests of corners that coincide with a corner of the ear */
     struct corner stack_c[CORNERS_STACK];
     struct point stack_p[CORNERS_STACK];
     struct points_node stack_n[2 * CORNERS_STACK / POINTS_LEAF];
@@ -35,26 +35,26 @@ struct corners {
 };
 
 /*
- * The ring of a polygon, counterclockwise in its plane; every corner is queued, in order from the
- * second. False, and nothing to free, when the polygon has no area.
+ * Builds the ring of a polygon, counterclockwise in its plane. Queues every corner, in order from
+ * the second. False if the polygon has no area; then there is nothing to free.
  */
 bool corners_init(struct corners *g, const struct vec3 *v, uint32_t n);
 void corners_free(struct corners *g);
 /*
- * Twice the area of the corner's triangle: positive when convex; 0 when that is within its
- * rounding error.
+ * Twice the area of the corner's triangle, positive if convex. 0 if the area is within its rounding
+ * error.
  */
 double corners_turn(const struct corners *g, uint32_t i);
-/* Of a convex corner: no other corner lies in its triangle. */
+/* For a convex corner: true if no other corner lies in its triangle. */
 bool corners_is_ear(struct corners *g, uint32_t i);
 /*
- * Of a straight corner: it repeats a neighbour's place, or is the tip of an edge that goes
- * there and back.
+ * For a straight corner: true if it coincides with a neighbour or is the tip of an edge that runs
+ * back on itself.
  */
 bool corners_is_empty(const struct corners *g, uint32_t i);
-/* Takes corner i out. Its neighbours are queued, behind all that wait. */
+/* Removes corner i. Its neighbours go to the end of the queue. */
 void corners_remove(struct corners *g, uint32_t i);
-/* The next corner to look at, or CORNERS_NONE. */
+/* The next corner to test, or CORNERS_NONE. */
 uint32_t corners_pop(struct corners *g);
 
 #endif

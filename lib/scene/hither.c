@@ -1,9 +1,9 @@
 /*
- * What hither may hide: primitives that reach into the pyramid between the eye and the hither
- * plane. A convex primitive that lies wholly outside one of the pyramid's planes does not reach
- * into it; polygons are judged a triangle at a time, and cut plane by plane (I. Sutherland, G.
- * Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974), which is exact: floors often pass the
- * eye close by, outside the picture.
+ * hither: finds primitives that hither may hide: those that reach into the pyramid between the eye
+ * and the hither plane. A convex primitive that lies wholly outside one of the pyramid's planes
+ * does not reach into it. Polygons are tested triangle by triangle and clipped plane by plane (I.
+ * Sutherland, G. Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974). Clipping is exact, which
+ * matters because floors often pass close to the eye, outside the picture.
  */
 #include "scene/scene.h"
 
@@ -11,11 +11,11 @@
 
 enum { PLANES = 6, CLIPPED_MAX = 3 + PLANES };
 
-/* Inside is where dot(normal, p) <= offset; p relative to the eye, normals of unit length. */
+/* Inside: dot(normal, p) <= offset. p is relative to the eye; normals have unit length. */
 struct pyramid {
     struct vec3 normal[PLANES];
     double offset[PLANES];
-    struct vec3 corner[5]; /* the eye, and the hither plane's four */
+    struct vec3 corner[5]; /* the eye and the four corners on the hither plane */
     struct vec3 eye;
 };
 
@@ -33,7 +33,7 @@ static void make_pyramid(const struct view *v, struct pyramid *y)
     }
     y->normal[4] = dir;
     y->offset[4] = v->hither;
-    y->normal[5] = v3_scale(dir, -1); /* follows from the sides, but tells more of what is behind */
+    y->normal[5] = v3_scale(dir, -1); /* redundant, but rejects objects behind the eye */
     y->offset[5] = 0;
     y->corner[0] = v3(0, 0, 0);
     y->eye = v->from;
@@ -60,7 +60,7 @@ static bool triangle_reaches(const struct pyramid *y, const struct vec3 t[3])
     return n > 0;
 }
 
-/* The sphere's surface: neither all of it outside, nor the whole pyramid within. */
+/* The sphere's surface reaches in unless all of it is outside or it contains the whole pyramid. */
 static bool sphere_reaches(const struct pyramid *y, struct vec3 center, double radius)
 {
     struct vec3 c = v3_sub(center, y->eye);
@@ -71,7 +71,7 @@ static bool sphere_reaches(const struct pyramid *y, struct vec3 center, double r
     return false;
 }
 
-/* How far a disc with unit normal `axis` reaches against the unit vector n from its center. */
+/* Extent of a disc with unit normal `axis` along the unit vector n, from its center. */
 static double disc_depth(struct vec3 n, struct vec3 axis, double radius)
 {
     return radius * v3_len(v3_cross(n, axis));

@@ -1,6 +1,7 @@
 /*
- * Materials of an NFF scene. Equal ones share an index: many writers repeat the same `f` before
- * every polygon, and users that group by material (one mesh each) depend on it.
+ * nff_material: materials of an NFF scene. Equal materials share an index, because many writers
+ * repeat the same `f` before every polygon. Users that group by material (one mesh per material)
+ * rely on this.
  */
 #include "scene/reader.h"
 
@@ -20,7 +21,7 @@ static uint32_t *slot_of(struct reader *r, const struct material *m)
     return &r->material_slot[i];
 }
 
-/* At most half full. */
+/* Keeps the table at most half full. */
 static void grow_slots(struct reader *r)
 {
     if (r->n_slots / 2 > r->s->n_materials) return;
@@ -55,10 +56,10 @@ bool reader_material(struct reader *r)
         !reader_real(r, "Shine", 0, SHINE_MAX, &m.shine) ||
         !reader_real(r, "transmittance", 0, 1, &m.t))
         return false;
-    /* An opaque material's index means nothing, and is 0 in most files. */
+    /* The index of an opaque material is unused, and 0 in most files. */
     if (!reader_real(r, "index of refraction", m.t > 0 ? IOR_MIN : 0, IOR_MAX, &m.ior))
         return false;
-    /* x + 0 turns -0 into 0, so that equal materials are equal in their bytes. */
+    /* x + 0 turns -0 into 0, so that equal materials have equal bytes. */
     m.r = rgb[0] + 0, m.g = rgb[1] + 0, m.b = rgb[2] + 0;
     m.kd += 0, m.ks += 0, m.shine += 0, m.t += 0, m.ior += 0;
     set_material(r, &m);

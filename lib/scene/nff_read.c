@@ -1,19 +1,19 @@
 /*
- * Reading NFF (E. Haines, NFF.TXT 3.1): a stream of tokens, each entity a letter and its numbers,
- * wherever the lines break. Differs in: view, lights and background may come anywhere; a material
- * may be missing; the words of a view may come in any order. A light's colour is there when a
- * number follows its position: no entity begins with one.
+ * nff_read: reads NFF (E. Haines, NFF.TXT 3.1): a stream of tokens. Each entity is a letter and its
+ * numbers, with any line breaks. Differs in: view, lights and background may come anywhere; a
+ * material may be missing; the words of a view may come in any order. A light has a colour if a
+ * number follows its position, because no entity begins with a number.
  */
 #include "scene/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define POLYGON_MAX 1000000U /* vertices of one: its triangles are there after 10 s, mostly */
-#define COUNT_MAX 0x7fffffffU /* entities or vertices in all: indices fit in 31 bits */
+#define POLYGON_MAX 1000000U /* vertices per polygon; 10 s to triangulate, in most cases */
+#define COUNT_MAX 0x7fffffffU /* entities or vertices in total: indices fit in 31 bits */
 #define NORMAL_MAX 1e18
 
-/* Room for one more of `size` bytes in p, which holds n; the room doubles. */
+/* Ensures room for one more element of `size` bytes in p, which holds n. Doubles the room. */
 static void *grown(void *p, uint32_t n, uint32_t *room, size_t size)
 {
     if (n < *room) return p;
@@ -108,7 +108,8 @@ static void add_vertex(struct reader *r, struct vec3 v)
     s->vertices[s->n_vertices++] = v;
 }
 
-/* The last vertex's. Allocated at the first patch; as zero for the polygons before it. */
+/* Sets the last vertex's normal. The first patch allocates the array, with zeros for earlier
+ * polygons. */
 static void set_normal(struct reader *r, struct vec3 n)
 {
     struct scene *s = r->s;
@@ -118,8 +119,7 @@ static void set_normal(struct reader *r, struct vec3 n)
 }
 
 /*
- * A patch's zero normals become the patch's own, so that there is always something to shade
- * with.
+ * Replaces a patch's zero normals by the patch's own normal, so that shading always has one.
  */
 static void fill_normals(struct scene *s, uint32_t first)
 {
@@ -131,7 +131,7 @@ static void fill_normals(struct scene *s, uint32_t first)
     }
 }
 
-/* p or pp. Memory grows with the vertices that are there, not with the count that is claimed. */
+/* Reads p or pp. Memory grows with the vertices read, not with the declared count. */
 static bool read_polygon(struct reader *r, bool patch)
 {
     struct scene *s = r->s;

@@ -1,13 +1,13 @@
-/* The view of an NFF scene: a `v`, then words with their numbers, in any order. */
+/* nff_view: the view of an NFF scene: a `v`, then words with their numbers, in any order. */
 #include "scene/reader.h"
 
 #include <string.h>
 
 #define RESOLUTION_MAX 65535
-#define ANGLE_MIN 1e-6 /* degrees; its tangent still has all its digits */
+#define ANGLE_MIN 1e-6 /* degrees; its tangent still has full precision */
 /*
- * The least sine of the angle between `up` and the viewing direction: what is left of the cross
- * product's digits then still beats the six that NFF files are written with.
+ * Minimum sine of the angle between `up` and the viewing direction. The cross product then still
+ * has more digits than the six that NFF files are written with.
  */
 #define UP_SINE_MIN 1e-9
 
@@ -37,7 +37,7 @@ static bool word_value(struct reader *r, int word)
     }
 }
 
-/* Whether from, at and up span a picture. */
+/* Checks that from, at and up define a view. */
 static bool check_frame(struct reader *r)
 {
     const struct view *v = &r->s->view;

@@ -1,10 +1,10 @@
 /*
- * Writing NFF, laid out as the SPD programs do: an entity a line, a polygon's vertices a line
- * each.
+ * nff_write: writes NFF in the layout of the SPD programs: one line per entity, and one line per
+ * vertex of a polygon.
  */
 #include "scene/scene.h"
 
-/* " a b c", or "a b c" where lead is "". */
+/* Writes lead, then "a b c". */
 static void put_vec(struct nff_out *o, const char *lead, struct vec3 v)
 {
     int d = o->digits;

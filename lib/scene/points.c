@@ -1,7 +1,7 @@
-/* Points of a plane in a k-d tree: see points.h. */
+/* points: points of a plane in a k-d tree; see points.h. */
 #include "scene/points.h"
 
-#define STACK_MAX 64 /* levels and one */
+#define STACK_MAX 64 /* levels of the tree + 1 */
 /* Four times the bound on the relative rounding error of a cross product (J. R. Shewchuk, 1997). */
 #define SLACK 1.4e-15
 
@@ -12,7 +12,7 @@ uint32_t points_nodes(uint32_t n)
     return 2 * leaves;
 }
 
-/* Where the points of a leaf begin. */
+/* Index of the first point of a leaf. */
 static uint32_t leaf_start(const struct points *p, uint32_t leaf)
 {
     return (uint32_t)((uint64_t)leaf * p->n / p->leaves);
@@ -25,7 +25,7 @@ static uint32_t leaf_of(const struct points *p, uint32_t place)
 
 static double along(const struct point *p, bool y) { return y ? p->y : p->x; }
 
-/* The k lowest of n to the front (C. A. R. Hoare, "Algorithm 65: FIND", CACM 4(7), 1961). */
+/* Moves the k lowest of n to the front (C. A. R. Hoare, "Algorithm 65: FIND", CACM 4(7), 1961). */
 static void part(struct point *a, uint32_t n, uint32_t k, bool y)
 {
     int64_t low = 0, high = (int64_t)n - 1;
@@ -80,8 +80,8 @@ void points_remove(struct points *p, uint32_t id)
     for (uint32_t k = p->leaves + leaf; k; k /= 2) p->node[k].left--;
 }
 
-/* Does the whole box lie to the right of the triangle's edge i? Its corner farthest to the left
- * tells. */
+/* True if the whole box lies to the right of the triangle's edge i. Tests the corner that is
+ * farthest to the left. */
 static bool beyond(const struct points_node *b, const struct points_triangle *t, int i)
 {
     int j = i < 2 ? i + 1 : 0;

@@ -1,23 +1,23 @@
 /*
- * A scene for POV-Ray 3.7. Each mapping below was checked by rendering: POV-Ray's documentation
- * leaves much open.
+ * pov: writes a scene for POV-Ray 3.7. POV-Ray's documentation leaves much open, so each mapping
+ * below was checked by rendering.
  *
- * - The camera is given by location, direction, right and up: look_at and angle follow other
- *   conventions. Its aspect is the picture's own, whatever size povray is asked for.
- * - Diffuse light is scaled by 1 - transmit there, highlights and reflection are not; `phong` is
- *   Phong's own model (`specular` is Blinn's).
- * - `transmit` is not coloured by the surface, neither along a ray nor in its shadow; `filter`
- *   would be.
- * - All polygons of one material are one mesh: going in and out of glass is counted per object.
- * - Interiors stand at each object: a shared one would make two glass objects one.
+ *   - The camera is given by location, direction, right and up: look_at and angle follow other
+ *     conventions. Its aspect is the picture's own, for any size that povray renders.
+ *   - POV-Ray scales diffuse light by 1 - transmit, but not highlights and reflection. `phong` is
+ *     Phong's own model (`specular` is Blinn's).
+ *   - The surface does not colour `transmit`, neither along a ray nor in its shadow; `filter`
+ *     would be coloured.
+ *   - All polygons of one material form one mesh: POV-Ray counts entering and leaving glass per
+ *     object.
+ *   - Each object has its own interior: a shared interior would join two glass objects into one.
  */
 #include "scene/scene.h"
 
 #include <stdlib.h>
 
 /*
- * With transmit 1 POV-Ray's diffuse light would be 0 whatever its coefficient. Colours are
- * float there.
+ * With transmit 1, POV-Ray's diffuse light would be 0 for any coefficient. Its colours are float.
  */
 #define TRANSMIT_MAX (1 - 0x1p-20)
 
@@ -27,7 +27,7 @@ struct pov {
     double scale;
 };
 
-/* The shortest of 15 and 17 digits that reads back as v. */
+/* Writes the shorter of 15 and 17 digits that reads back as v. */
 static void put_real(struct pov *o, const char *lead, double v)
 {
     char text[32];
@@ -95,7 +95,7 @@ static void put_texture(struct pov *o, uint32_t i)
     fputs(" } }\n", o->f);
 }
 
-/* The end of every object. */
+/* Ends an object. */
 static void put_material(struct pov *o, uint32_t i)
 {
     const struct material *m = &o->s->materials[i];
@@ -136,7 +136,7 @@ static void put_triangle(struct pov *o, const struct triangle *t, bool smooth)
     fputs(" }\n", o->f);
 }
 
-/* Prims in an order: those of one material together, as they come in the file. */
+/* Primitives grouped by material, in file order within a material. */
 struct listed {
     uint32_t material, prim;
 };

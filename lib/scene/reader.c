@@ -1,4 +1,4 @@
-/* What every entity of NFF is read with: numbers in a range, and messages that say where. */
+/* reader: reads the numbers of NFF entities with range checks and messages with line numbers. */
 #include "scene/reader.h"
 
 #include <string.h>

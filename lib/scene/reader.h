@@ -1,4 +1,4 @@
-/* reader: the state of one nff_read. Private to lib/scene. */
+/* reader: the state of one nff_read call. Private to lib/scene. */
 #ifndef STORMRING_SCENE_READER_H
 #define STORMRING_SCENE_READER_H
 
@@ -7,37 +7,37 @@
 
 struct reader {
     struct tokens t;
-    const char *name; /* stands in messages */
+    const char *name; /* for messages */
     char *err;        /* SCENE_ERR bytes */
     struct scene *s;
     uint32_t room_lights, room_materials, room_prims, room_vertices;
-    uint32_t material;                   /* of the primitives that follow */
-    uint32_t *material_slot;             /* hash table: index of a material + 1, 0 free */
+    uint32_t material;                   /* material of the following primitives */
+    uint32_t *material_slot;             /* hash table: index of a material + 1; 0: free */
     uint32_t n_slots;                    /* a power of two, or 0 */
-    uint32_t view_line, background_line; /* where they were given, 0 if not yet */
+    uint32_t view_line, background_line; /* lines of `v` and `b`; 0: not seen yet */
 };
 
-/* All return false with the message in r->err. */
+/* These functions return false with the message in r->err. */
 bool reader_fail(struct reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
-/* "WHAT is 'the next token', expected EXPECTED", or that the file ends there. */
+/* Fails with "WHAT is 'the next token', expected EXPECTED", or reports the end of the file. */
 bool reader_fail_token(struct reader *r, const char *what, const char *expected);
-/* The next token must be a number within [min, max]; `what` names it in messages. */
+/* Reads a number within [min, max]; `what` names it in messages. */
 bool reader_real(struct reader *r, const char *what, double min, double max, double *out);
 bool reader_int(struct reader *r, const char *what, uint32_t min, uint32_t max, uint32_t *out);
-/* Three reals. */
+/* Reads three reals. */
 bool reader_vec(struct reader *r, const char *what, double min, double max, struct vec3 *out);
 bool reader_rgb(struct reader *r, const char *what, double rgb[3]);
-/* The view's words, after its `v`. */
+/* Reads the words of a view after its `v`. */
 bool reader_view(struct reader *r);
-/* The numbers after `f`: sets r->material, to an equal one given before where there is one. */
+/* Reads the numbers after `f` and sets r->material. Equal materials share one index. */
 bool reader_material(struct reader *r);
 
-/* Newell's normal of a polygon, unit length; +z where it is zero. */
+/* Newell's normal of a polygon, of unit length; +z if it is zero. */
 struct vec3 newell_unit(const struct vec3 *v, uint32_t n);
 
 /*
- * Sizes: squares of coordinates, and areas of boxes, stay far inside a float; what is smaller than
- * LENGTH_MIN would have a square that underflows in one.
+ * Limits of sizes. Squares of coordinates and areas of boxes stay far inside float. The square of a
+ * length below LENGTH_MIN would underflow in float.
  */
 #define COORDINATE_MAX 1e18
 #define LENGTH_MIN 1e-18

@@ -1,14 +1,12 @@
 /*
- * What is left of a scene when reading is done with: freeing it, and the bounds of its
- * primitives.
+ * scene: frees a scene and computes the bounds of its primitives.
  */
 #include "scene/scene.h"
 
 #include <stdlib.h>
 
 /*
- * Bounds that come out of a computation are widened by this much of their magnitude: four
- * roundings.
+ * Computed bounds are widened by this fraction of their magnitude: four roundings.
  */
 #define WIDEN 0x1p-50
 
@@ -28,7 +26,7 @@ static inline void include(struct vec3 *lo, struct vec3 *hi, struct vec3 a, stru
     *hi = v3(fmax(hi->x, b.x), fmax(hi->y, b.y), fmax(hi->z, b.z));
 }
 
-/* c - e and c + e, and a little more. */
+/* Includes c - e and c + e, slightly widened. */
 static void include_about(struct vec3 *lo, struct vec3 *hi, struct vec3 c, struct vec3 e)
 {
     e = v3(e.x + WIDEN * (fabs(c.x) + e.x), e.y + WIDEN * (fabs(c.y) + e.y),
@@ -37,8 +35,8 @@ static void include_about(struct vec3 *lo, struct vec3 *hi, struct vec3 c, struc
 }
 
 /*
- * A disc of unit normal a reaches r * (the sine of the angle between a and an axis) along that
- * axis.
+ * A disc of radius r and unit normal a extends r times the sine of the angle between a and an axis,
+ * along that axis.
  */
 static struct vec3 disc_reach(struct vec3 a, double r)
 {

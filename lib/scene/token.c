@@ -1,10 +1,10 @@
 /*
- * Tokens of NFF text, and decimal to double.
+ * token: tokens of NFF text, and decimal to double.
  *
  * A number with at most 15 significant digits and a power of ten within 10^22 is one exact integer
- * times or divided by one exact power, so that a single rounding gives the right double (W. D.
- * Clinger, "How to read floating point numbers accurately", PLDI 1990). That is nearly all of
- * them; strtod reads the rest.
+ * times or divided by one exact power. So a single rounding gives the correct double (W. D.
+ * Clinger, "How to read floating point numbers accurately", PLDI 1990). Nearly all numbers are of
+ * this kind; strtod reads the others.
  */
 #include "scene/token.h"
 
@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define NUMBER_LEN_MAX 511 /* characters; %f of the largest double has 317 */
-#define EXPONENT_MAX 99999 /* beyond it the value is 0 or infinite whatever the digits */
+#define EXPONENT_MAX 99999 /* beyond this the value is 0 or infinite for any digits */
 
 static inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 static inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -28,7 +28,7 @@ void tokens_init(struct tokens *t, const char *text, size_t n)
     *t = (struct tokens){text, text + n, 1};
 }
 
-/* To the next byte that is neither blank nor comment. */
+/* Advances to the next byte that is neither blank nor comment. */
 static void skip_blanks(struct tokens *t)
 {
     const char *p = t->at, *end = t->end;
@@ -49,11 +49,11 @@ size_t token_peek(struct tokens *t)
     return (size_t)(p - t->at);
 }
 
-/* What a token spells: (-1)^negative * digits * 10^power. */
+/* The value of a token: (-1)^negative * digits * 10^power. */
 struct decimal {
     bool negative;
-    uint64_t digits; /* the first 19 significant ones */
-    int n_digits;    /* significant digits in all, leading zeros not counted */
+    uint64_t digits; /* the first 19 significant digits */
+    int n_digits;    /* number of significant digits, without leading zeros */
     int power;
 };
 
@@ -67,7 +67,7 @@ static const char *scan_digits(const char *p, const char *end, struct decimal *d
     return p;
 }
 
-/* The end of the number that starts at p, or NULL where there is none that ends with its token. */
+/* Returns the end of the number that starts at p; NULL if no number ends with the token. */
 static const char *scan_decimal(const char *p, const char *end, struct decimal *d)
 {
     bool any = false;

@@ -1,32 +1,32 @@
-/* token: NFF text as tokens. Private to lib/scene. */
+/* token: splits NFF text into tokens. Private to lib/scene. */
 #ifndef STORMRING_SCENE_TOKEN_H
 #define STORMRING_SCENE_TOKEN_H
 
 #include "base/base.h"
 
-/* Text from at to end is unread; line is the one that `at` is on, from 1. */
+/* at .. end is unread. line is the line of `at`, from 1. */
 struct tokens {
     const char *at, *end;
     uint32_t line;
 };
 
 /*
- * Blanks and comments separate tokens; '#' starts a comment wherever it stands. Lines end in LF,
- * CR LF or CR. A byte order mark in front and a DOS end-of-file mark behind are not part of the
- * text.
+ * Blanks and comments separate tokens. '#' starts a comment anywhere. Lines end in LF, CR LF or CR.
+ * Skips a byte order mark at the start and a DOS end-of-file mark at the end.
  */
 void tokens_init(struct tokens *t, const char *text, size_t n);
-/* To the next token; its length, 0 at the end of the text. Does not consume it. */
+/* Advances to the next token and returns its length; 0 at the end of the text. Does not consume the
+ * token. */
 size_t token_peek(struct tokens *t);
-/* The token (of length n as token_peek said) is read. */
+/* Consumes the token; n is its length from token_peek. */
 static inline void token_take(struct tokens *t, size_t n) { t->at += n; }
 
 enum token_number { TOKEN_OK, TOKEN_END, TOKEN_BAD };
 
 /*
- * The next token as a decimal number, correctly rounded; consumed only when TOKEN_OK. Hexadecimal,
- * NaN and infinity in words are TOKEN_BAD; a number too large for a double is TOKEN_OK and
- * infinite: the caller has a range.
+ * Reads the next token as a decimal number, correctly rounded. Consumes it only if TOKEN_OK.
+ * Hexadecimal, "nan" and "inf" are TOKEN_BAD. A number too large for a double is TOKEN_OK and
+ * infinite: the caller checks the range.
  */
 enum token_number token_real(struct tokens *t, double *out);
 

@@ -1,20 +1,21 @@
 /*
- * Polygons to triangles: ear clipping (G. H. Meisters, "Polygons have ears", American Mathematical
- * Monthly 82, 1975) in the plane that Newell's normal gives (I. Sutherland, R. Sproull, R.
- * Schumacker, "A characterization of ten hidden-surface algorithms", Computing Surveys 6(1),
- * 1974).
+ * triangulate: polygons to triangles by ear clipping (G. H. Meisters, "Polygons have ears",
+ * American Mathematical Monthly 82, 1975) in the plane of Newell's normal (I. Sutherland, R.
+ * Sproull, R. Schumacker, "A characterization of ten hidden-surface algorithms", Computing Surveys
+ * 6(1), 1974).
  *
- * A corner that is no ear can become one only when a neighbour is clipped, so each is looked at
- * once, and again whenever that happens: at most 3 n looks. A straight corner is not dropped:
- * another ear takes it along (dropped, it would leave a T where triangles meet). Edges that cross
- * may leave corners but no ear; then one of them goes all the same, so it always ends.
+ * A corner that is not an ear can become one only when a neighbour is clipped. So each corner is
+ * tested once, and again after each such removal: at most 3 n tests. Straight corners are not
+ * dropped; another ear includes them. (Dropping one would leave a T-junction between triangles.) If
+ * edges cross, there may be corners left but no ear. Then one of them is removed anyway, so the
+ * loop always ends.
  */
 #include "scene/scene.h"
 #include "scene/corners.h"
 
-#define DESPAIR_LOOKS 64 /* corners looked at for the best of a bad lot */
+#define DESPAIR_LOOKS 64 /* corners tested for the least bad choice */
 
-/* Where there is no ear: the next straight corner, which costs nothing, or convex one, or any. */
+/* Without an ear: the next straight corner (no area lost), else a convex one, else any. */
 static uint32_t least_evil(const struct corners *g, uint32_t from)
 {
     uint32_t convex = CORNERS_NONE, i = from;
@@ -28,7 +29,7 @@ static uint32_t least_evil(const struct corners *g, uint32_t from)
 
 static uint32_t clip_ears(struct corners *g, uint32_t first, struct triangle *out)
 {
-    uint32_t n = 0, alive = 0; /* a corner that is still there */
+    uint32_t n = 0, alive = 0; /* a corner that still exists */
     while (g->left > 2) {
         uint32_t i = corners_pop(g);
         bool any = i == CORNERS_NONE;

@@ -1,6 +1,6 @@
 /*
- * balls, or sphereflake: a mirroring sphere that carries nine of a third of its radius, each of
- * which does the same, size levels deep, above a square. Three lights.
+ * balls, or sphereflake: a mirroring sphere with nine children of a third of its radius. Each child
+ * has nine children in turn, size levels deep. Above a square. Three lights.
  */
 #include "spd/parts.h"
 
@@ -36,7 +36,7 @@ static struct mat3 rotate_about(struct vec3 a, double angle)
 }
 
 /*
- * The nine directions of a sphere whose own is +z: three sets of three, a third of a turn
+ * The nine child directions of a sphere whose own direction is +z: three sets of three, 120 degrees
  * apart.
  */
 static void make_directions(struct vec3 out[9])
@@ -51,11 +51,11 @@ static void make_directions(struct vec3 out[9])
     }
 }
 
-/* Takes +z to a direction. */
+/* Rotates +z to a direction. */
 static struct mat3 rotate_from_z(struct vec3 to)
 {
     struct vec3 z = v3(0, 0, 1), axis = v3_cross(z, to);
-    /* Nearly along z there is no axis to speak of. */
+    /* Nearly along z the axis is undefined. */
     if (to.z >= 0.9999) return (struct mat3){{v3(1, 0, 0), v3(0, 1, 0), v3(0, 0, 1)}};
     if (to.z <= -0.9999) {
         double c = cos(SPD_PI), s = sin(SPD_PI);

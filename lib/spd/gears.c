@@ -1,15 +1,15 @@
 /*
- * gears: size^3 meshing gears, every fifth of them of glass, over a mirroring square. A gear is
- * two concave faces of 144 corners and the 144 quadrilaterals between them. Five lights, one of
- * them at the eye.
+ * gears: size^3 meshing gears over a mirroring square; every fifth gear is glass. A gear is two
+ * concave faces of 144 corners and the 144 quadrilaterals between them. Five lights, one of them at
+ * the eye.
  */
 #include "spd/parts.h"
 
-#define TEETH 36 /* of a gear */
+#define TEETH 36 /* per gear */
 #define CORNERS (4 * TEETH)
 
-#define OUTER_RATIO 0.995 /* of the radius: teeth that mesh shall not touch */
-#define INNER_RATIO 0.9   /* of the radius, between the teeth */
+#define OUTER_RATIO 0.995 /* fraction of the radius: meshing teeth do not touch */
+#define INNER_RATIO 0.9   /* fraction of the radius between the teeth */
 #define TOOTH_RATIO (1.0 - INNER_RATIO)
 #define THICKNESS 0.1
 
@@ -31,7 +31,7 @@ uint64_t spd_gears_count(int size)
 
 static double fraction(double x) { return x - floor(x); }
 
-/* Bright, and different from the neighbours'. */
+/* A bright colour that differs from the neighbours' colours. */
 static struct material stuff(int ix, int iy, int iz)
 {
     double r = 0.01 + fraction((double)(ix * 3 + iy * 2 + iz + 1) * 5.0 / 7.0);
@@ -55,7 +55,7 @@ static void make_tooth(struct vec3 out[4], struct vec3 center, double gear_angle
 }
 
 /*
- * sense 1 goes round counterclockwise, -1 clockwise: faces point outwards. z is relative to the
+ * sense 1: counterclockwise, -1: clockwise, so that faces point outwards. z is relative to the
  * center.
  */
 static void make_face(struct vec3 out[CORNERS], struct vec3 center, double z, double offset_angle,

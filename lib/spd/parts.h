@@ -1,9 +1,9 @@
 /*
- * parts: what the scenes have in common. Private to lib/spd.
+ * parts: functions that the scenes share. Private to lib/spd.
  *
- * Scenes are to come out digit for digit as SPD's programs write them, whose coordinates that
- * ought to be 0 are rounding errors like 1e-16: sums and products here are in SPD's order, and
- * unit vectors are divided, not scaled.
+ * Scenes must match the output of SPD's programs digit for digit. In that output, coordinates that
+ * should be 0 are rounding errors like 1e-16. Therefore sums and products here follow SPD's order,
+ * and unit vectors are divided, not scaled.
  */
 #ifndef STORMRING_SPD_PARTS_H
 #define STORMRING_SPD_PARTS_H
@@ -12,7 +12,7 @@
 
 #define SPD_PI 3.141592653589793
 
-/* Rows; vectors are rows and stand on the left. */
+/* Row-major; vectors are rows and multiply from the left. */
 struct mat3 {
     struct vec3 row[3];
 };
@@ -28,15 +28,16 @@ static inline struct vec3 spd_divide(struct vec3 v, double d)
     return v3(v.x / d, v.y / d, v.z / d);
 }
 
-/* Counterclockwise about +z. */
+/* Counterclockwise rotation about +z. */
 struct mat3 spd_rotate_z(double angle);
 /*
- * Background, view and lights, which all scenes begin with; the camera turned upward by so many
- * degrees, about its place.
+ * Writes the background, view and lights that begin every scene. The camera is tilted upward by
+ * turn_deg degrees about its position.
  */
 void spd_put_setting(
     struct nff_out *o, const struct view *v, double turn_deg, const struct vec3 *lights, size_t n);
-/* Phong's exponent of a highlight that falls to one half at this angle; 1e5 at 0 means none. */
+/* Phong exponent of a highlight that falls to one half at this angle. At 0 it is 1e5, which means
+ * no highlight. */
 double spd_shine(double half_angle_deg);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the scenes have in common: see parts.h. */
+/* setting: functions that the scenes share; see parts.h. */
 #include "spd/parts.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The table of scenes. */
+/* spd: the table of scenes. */
 #include "spd/spd.h"
 #include "spd/parts.h"
 

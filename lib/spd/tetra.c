@@ -1,5 +1,5 @@
 /*
- * tetra: a tetrahedron of four tetrahedra of half its size, and so on, size - 1 times; the view is
+ * tetra: a tetrahedron of four tetrahedra of half its size, and so on, size - 1 times. The view is
  * that of A. Glassner (IEEE CG&A 4(10), 1984) and T. Kay and J. Kajiya (SIGGRAPH 1986). One light.
  */
 #include "spd/parts.h"
@@ -13,9 +13,9 @@ static const struct view view = {.from = {1.022846, -3.177154, -2.174512},
     .res_y = 512};
 static const struct vec3 lights[] = {{2, -18, -5}};
 
-/* Every second corner of a cube: those of a tetrahedron. */
+/* Every second corner of a cube; together the corners of a tetrahedron. */
 static const struct vec3 corners[4] = {{-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}, {1, 1, 1}};
-/* Its faces, seen from outside. */
+/* Its faces, counterclockwise from outside. */
 static const int faces[4][3] = {{0, 1, 2}, {3, 2, 1}, {2, 3, 0}, {1, 0, 3}};
 
 uint64_t spd_tetra_count(int size) { return UINT64_C(1) << 2 * size; }

@@ -1,8 +1,9 @@
 /*
- * A rendering specification: lines of a word and its numbers. stormring-spec(5) is the manual.
+ * spec: reads a rendering specification: lines of one word and its numbers. stormring-spec(5) is
+ * the manual.
  *
- * One table says which words there are, how many numbers each has and between what; what holds
- * between lines is checked as they come (the map ascends), or at the end (the view is one).
+ * One table lists the words, their numbers and the ranges. Constraints between lines are checked
+ * when the line comes (the map ascends) or at the end (the view is complete).
  */
 #include "spec/spec.h"
 
@@ -14,11 +15,11 @@
 #define RESOLUTION_MAX 65535
 #define COLOUR_MAX 1e6
 #define LIMIT_MIN 1e-3
-#define LENGTH_MIN 1e-18 /* its square is no denormal */
+#define LENGTH_MIN 1e-18 /* its square is a normal number */
 #define SCALE_MIN 1e-9
 #define SCALE_MAX 1e9
-#define ANGLE_MIN 1e-6 /* degrees; its tangent still has all its digits */
-/* The least sine between `up` and the viewing direction, as in NFF scenes. */
+#define ANGLE_MIN 1e-6 /* degrees; its tangent still has full precision */
+/* Minimum sine of the angle between `up` and the viewing direction, as in NFF scenes. */
 #define UP_SINE_MIN 1e-9
 
 enum word {
@@ -48,7 +49,7 @@ struct range {
     {"red", 0, COLOUR_MAX}, {"green", 0, COLOUR_MAX}, { "blue", 0, COLOUR_MAX }
 static const struct {
     const char *name;
-    struct range number[NUMBERS_MAX]; /* up to the first without a name */
+    struct range number[NUMBERS_MAX]; /* ends at the first entry without a name */
     bool many;
 } words[] = {
     [FROM] = {"from", {COORDINATES}, false},
@@ -69,11 +70,11 @@ static const struct {
 #define NEEDED (1U << FROM | 1U << AT | 1U << UP | 1U << ANGLE | 1U << RESOLUTION)
 
 struct reader {
-    const char *at, *end; /* what is unread of the line */
-    const char *name;     /* stands in messages */
+    const char *at, *end; /* the unread part of the line */
+    const char *name;     /* for messages */
     char *err;            /* ERR_BYTES bytes */
     size_t line;          /* from 1 */
-    unsigned seen;        /* a bit a word */
+    unsigned seen;        /* one bit per word */
     struct spec *s;
     size_t room_knots, room_isos;
 };
@@ -90,7 +91,8 @@ static bool fail(struct reader *r, const char *fmt, ...)
 
 static inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* To the next word of the line; its length, 0 at the end or before a comment. */
+/* Advances to the next word of the line and returns its length; 0 at the end or before a
+ * comment. */
 static size_t peek(struct reader *r)
 {
     while (r->at < r->end && is_blank(*r->at)) r->at++;

@@ -1,4 +1,4 @@
-/* Measures: see stats.h. */
+/* stats: measures; see stats.h. */
 #include "stats/stats.h"
 
 #include <stdlib.h>
@@ -22,7 +22,7 @@ double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
     for (size_t i = 0; i < n; i++) all_c += p[i].c * (double)p[i].n;
     for (size_t k = 0; k < m; k++) all_v += v[k];
     if (all_v > 0) bound = all_c / all_v;
-    uint64_t used = 0; /* pieces of kind i that are among the largest k */
+    uint64_t used = 0; /* pieces of kind i among the k largest */
     for (size_t k = 0, i = 0; k + 1 < m; k++, used++) {
         for (; i < n && used >= p[i].n; i++) used = 0;
         if (i == n) break;

@@ -1,15 +1,15 @@
-/* Who did what, when, and where the rest of the time went: see stats.h. */
+/* timeline: when each slot worked and when it was idle; see stats.h. */
 #include "stats/stats.h"
 
 #include <stdlib.h>
 
-/* A slot in the run that is being looked at. */
+/* A slot in the current run. */
 struct line {
-    double until_s; /* its last task was done then */
+    double until_s; /* end of its last task */
     bool began;     /* it has had a task */
 };
 
-/* Between what came before it and what its slot says. */
+/* Places a span after the slot's previous one, by the reported times. */
 static void lay(struct span *s, struct line *line, struct times *t)
 {
     if (s->end_s < 0) s->end_s = line->until_s + s->took_s;

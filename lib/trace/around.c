@@ -1,13 +1,14 @@
 /*
- * around: what eye rays begin inside of, all of them what the middle one does: the spheres and
- * cones of glass that the eye is in, the larger first, as a smaller one that holds the eye as well
- * is left sooner. Polygons enclose nothing, as in the reference, whose meshes have no inside.
+ * around: the media that contain the start of eye rays. The middle eye ray stands for all. These
+ * are the transmitting spheres and cones that contain the eye. The larger comes first, because a
+ * ray leaves the smaller one sooner. Polygons enclose nothing, as in the reference, whose meshes
+ * have no inside.
  */
 #include "trace/trace_int.h"
 
 #include <string.h>
 
-/* How large the primitive is that p is inside of; 0: it is not. */
+/* Size of the primitive if it contains p, otherwise 0. */
 static double size_around(const struct prim *q, struct vec3 p)
 {
     if (q->kind == PRIM_SPHERE) {
@@ -25,7 +26,7 @@ static double size_around(const struct prim *q, struct vec3 p)
 void media_around(const struct tracer *t, struct vec3 p, struct media *in)
 {
     const struct scene *s = t->scene;
-    double size[MEDIA_MAX + 1]; /* what comes to the last place is too deep to be kept */
+    double size[MEDIA_MAX + 1]; /* the last element is spare: what is shifted into it is dropped */
     uint32_t id[MEDIA_MAX + 1], n = 0;
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *q = &s->prims[i];

@@ -1,8 +1,8 @@
 /*
- * bvh: the binary hierarchy collapsed to eight children a node (H. Dammertz, J. Hanika, A.
- * Keller, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays",
- * EGSR 2008; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", RT 2008), its leaves cut
- * into blocks of items.
+ * bvh: the binary hierarchy collapsed to eight children per node (H. Dammertz, J. Hanika, A.
+ * Keller, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays", EGSR
+ * 2008; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", RT 2008). Leaves are cut into
+ * blocks of items.
  */
 #include "trace/ends.h"
 #include "trace/trace_int.h"
@@ -38,7 +38,7 @@ static uint32_t *lane_items(uint32_t kind, void *block)
 static void fill_block(
     struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
 {
-    const struct shape *shape = shapes[kind];
+    const struct shape *shape = trace_shapes[kind];
     for (uint32_t lane = 0; lane < LANES; lane++) {
         shape->clear(block, (int)lane);
         if (lane >= n) continue;
@@ -51,7 +51,7 @@ static uint32_t make_leaf(struct collapse *c, const struct bnode *leaf)
 {
     const struct ref *r = c->refs + leaf->left;
     uint32_t kind = r->kind, first = c->b->n_blocks[kind], n = (leaf->count + LANES - 1) / LANES;
-    size_t size = shapes[kind]->block_size;
+    size_t size = trace_shapes[kind]->block_size;
     if (first + n > LEAF_FIRST_MASK) die(ST_SYSTEM, "too many primitives");
     for (uint32_t i = 0; i < n; i++) {
         uint32_t left = leaf->count - i * LANES;
@@ -62,7 +62,8 @@ static uint32_t make_leaf(struct collapse *c, const struct bnode *leaf)
     return LEAF | kind << 29 | (n - 1) << 27 | first;
 }
 
-/* Up to eight descendants of bin[root], by opening the largest until there are eight. */
+/* Finds up to eight descendants of bin[root]: opens the node with the largest surface until there
+ * are eight. Returns their number. */
 static int gather(const struct bnode *bin, uint32_t root, uint32_t out[WIDTH])
 {
     int n = 1;
@@ -101,7 +102,7 @@ static uint32_t make_node(struct collapse *c, uint32_t root)
     return k;
 }
 
-/* Blocks of each kind that the leaves will take. */
+/* Counts the blocks of each kind that the leaves need. */
 static void count_blocks(
     const struct bnode *bin, uint32_t n, const struct ref *refs, uint32_t count[])
 {
@@ -118,7 +119,7 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     uint32_t n_bin = sah_build(bin, refs, n), count[ITEM_KINDS] = {0};
     count_blocks(bin, n_bin, refs, count);
     for (int k = 0; k < ITEM_KINDS; k++)
-        if (count[k]) b->blocks[k] = xaligned(count[k], shapes[k]->block_size);
+        if (count[k]) b->blocks[k] = xaligned(count[k], trace_shapes[k]->block_size);
     b->nodes = xaligned(n_bin / 2 + 1, sizeof *b->nodes);
     struct collapse c = {b, bin, refs, s, items, reach};
     make_node(&c, 0);
@@ -132,7 +133,7 @@ static bool leaf_holds(const struct bvh *b, uint32_t leaf, struct vec3 p, double
     for (uint32_t i = 0; i < leaf_count(leaf); i++) {
         uint32_t at = leaf_first(leaf) + i;
         const uint32_t *item =
-            lane_items(kind, (char *)b->blocks[kind] + at * shapes[kind]->block_size);
+            lane_items(kind, (char *)b->blocks[kind] + at * trace_shapes[kind]->block_size);
         for (int k = 0; k < LANES; k++)
             if (item[k] != NO_ITEM && on_surface(b, kind, at, k, p, err)) return true;
     }

@@ -1,5 +1,5 @@
 /*
- * cone: the open mantle of a cone or cylinder, two-sided; signs of the radii mean nothing. The
+ * cone: the open mantle of a cone or cylinder, two-sided. The signs of the radii are ignored. The
  * intersection is in kernel.h. A cone whose ends coincide has no mantle.
  */
 #include "trace/trace_int.h"
@@ -56,8 +56,8 @@ static void clear(void *block, int lane)
     b->item[lane] = NO_ITEM;
 }
 
-/* The box around the two end circles: a circle of radius r across a reaches r sqrt(1 - a_i^2)
- * along axis i. */
+/* The box around the two end circles. A circle of radius r perpendicular to the unit axis a extends
+ * r sqrt(1 - a_i^2) along axis i. */
 static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi)
 {
     const struct prim *p = &s->prims[it->prim];

@@ -1,28 +1,29 @@
 /*
- * ends: what a shadow ray does not cross, because its light lies in it: is a point on a surface?
+ * ends: tests whether a point lies on a surface. A shadow ray does not cross the surface that its
+ * own light lies on.
  *
- * Where a lamp lies in a surface, the hit is at the ray's end, and its t is off by d / |n.d|, where
- * d is what rounding moves the lamp and the surface apart, and n.d the slope at which they meet: no
- * bound on t alone holds for grazing rays. So it is the lamp's distance from the surface that
- * decides, as the origin's does where a ray starts. Let u = 2^-53, p the ray's origin and l its
- * light, D between them, |.| the sum of absolute coordinates. Rounding moves
+ * If a lamp lies on a surface, the hit is at the ray's end. Its t is off by d / |n.d|, where d is
+ * the error in the distance between lamp and surface, and n.d is the slope of the ray to the
+ * surface. So no bound on t alone holds for grazing rays. The lamp's distance from the surface
+ * decides instead, as the origin's distance does at a ray's start. Let u = 2^-53, p the ray's
+ * origin, l its light, D their distance, |.| the sum of absolute coordinates. Rounding moves
  *
  *     the lamp as it was read         by u |l|
  *     l - p, its length, the direction by 4 u D, and so p + D d by u |l| + 6 u D in all,
- *     the vertices, centre or axis    by u times their coordinates, and the surface made of
- *     them, as its value at a point   by 6 u times these and the coordinates of the point,
+ *     the vertices, centre or axis    by u times their coordinates, and the value of the surface
+ *     equation at a point             by 6 u times these and the coordinates of the point,
  *
  * and |l| <= |p| + D sqrt 3. The sum is below 16 u (|p| + D) for the lamp and 16 u times the
- * surface's coordinates; ERR_UNIT is 32 u. In 2^-48 of the coordinates, a lamp is behind a surface
- * and shaded by it from a distance of 1 on, and in it below.
+ * surface's coordinates. ERR_UNIT is 32 u. In units of 2^-48 of the coordinates: a lamp at a
+ * distance of 1 or more behind a surface is shaded by it; a nearer lamp lies on it.
  */
 #ifndef STORMRING_TRACE_ENDS_H
 #define STORMRING_TRACE_ENDS_H
 
 #include "trace/trace_int.h"
 
-/* Is p, known up to err, on the surface of lane k of a block? As the hit functions ask of a ray's
- * origin, in the same operations. */
+/* True if p, known up to err, lies on the surface of lane k of a block. Uses the same operations as
+ * the hit functions use for a ray's origin. */
 static inline bool on_tri(const struct tri4 *b, int k, struct vec3 p, double err)
 {
     double num = b->d[k] - (b->n[0][k] * p.x + b->n[1][k] * p.y + b->n[2][k] * p.z);

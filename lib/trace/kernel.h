@@ -1,8 +1,7 @@
 /*
- * kernel: walking the hierarchy and hitting blocks, for the vector width of the file that
- * includes this (kernels_sse2.c, kernels_avx2.c). Box tests are in float and err on the side of
- * hitting; what counts as a hit is decided in double, by the same operations lane by lane at
- * every width.
+ * kernel: traverses the hierarchy and intersects blocks, at the vector width of the including file
+ * (kernels_sse2.c, kernels_avx2.c). Box tests use float and are conservative: they may report a box
+ * that the ray misses. Hits are decided in double, by the same operations per lane at every width.
  */
 #include "trace/ends.h"
 #include "trace/trace_int.h"
@@ -12,14 +11,14 @@
 
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 
-/* Slopes below this are taken as this: slack / TINY is then longer than any ray. */
+/* Smaller slopes are replaced by this one. slack / TINY is then longer than any ray. */
 #define TINY 1e-18f
-/* More than what the float arithmetic of a slab test rounds off. */
+/* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
 
 struct walk {
-    float near[3], far[3], inv[3];        /* origins as seen by the near and far planes, 1/d */
-    uint32_t near_plane[3], far_plane[3]; /* where in a node these planes are, in floats */
+    float near[3], far[3], inv[3];        /* origins for the near and far planes; 1/d */
+    uint32_t near_plane[3], far_plane[3]; /* offsets of these planes in a node, in floats */
 };
 
 static inline void walk_axis(struct walk *w, int axis, float o, float pad, float inv)
@@ -48,14 +47,14 @@ static inline void walk_init(struct walk *w, const struct bvh *b, const struct r
     walk_axis(w, 2, z, pad_of(z, b->slack), slope(r->d.z));
 }
 
-/* Rounded so that no smaller or equal double is beyond it. */
+/* Rounds up: t and all smaller doubles are below the result. */
 static inline float t_above(double t) { return t < 1e37 ? (float)t * T_ROUNDING : INFINITY; }
 
-/* Which children the ray meets before t_max, and where. */
+/* The children that the ray enters before t_max, and the entry distances. */
 static ALWAYS_INLINE unsigned hit_boxes(
     const struct node8 *n, const struct walk *w, float t_max, float t_near[WIDTH])
 {
-    const float *planes = (const float *)n; /* lo, then hi: they stand first */
+    const float *planes = (const float *)n; /* lo and hi are the node's first members */
     const float *x0 = planes + w->near_plane[0], *x1 = planes + w->far_plane[0];
     const float *y0 = planes + w->near_plane[1], *y1 = planes + w->far_plane[1];
     const float *z0 = planes + w->near_plane[2], *z1 = planes + w->far_plane[2];
@@ -77,8 +76,8 @@ static ALWAYS_INLINE unsigned hit_boxes(
 }
 
 /*
- * Each of these: the lanes of a block that are hit at t_min < t <= t_max, and the first t there;
- * *twice (may be NULL): those that are hit once more within these bounds.
+ * Each of these functions returns the lanes of a block that are hit at t_min < t <= t_max, and the
+ * first t of each. *twice (may be NULL): the lanes hit a second time within these bounds.
  */
 
 static ALWAYS_INLINE unsigned hit_tri4(
@@ -107,9 +106,9 @@ static ALWAYS_INLINE unsigned hit_tri4(
 
 /*
  * E. Haines, J. Gunther, T. Akenine-Moller, "Precision improvements for ray/sphere intersection",
- * Ray Tracing Gems ch. 7, 2019: the discriminant from the centre's distance to the ray, the
- * smaller root from the product of both. A ray that starts on the sphere, within error bounds,
- * has only the other root.
+ * Ray Tracing Gems ch. 7, 2019: the discriminant from the centre's distance to the ray, the smaller
+ * root from the product of both. If a ray starts on the sphere, within error bounds, only the other
+ * root counts.
  */
 static ALWAYS_INLINE unsigned hit_sphere4(const struct sphere4 *s, const struct ray *r,
     double t_max, double t_out[LANES], unsigned *twice)
@@ -133,7 +132,7 @@ static ALWAYS_INLINE unsigned hit_sphere4(const struct sphere4 *s, const struct 
         vd on = vd_le(vd_abs(c), (radius + radius) * (vd_load(s->err + i) + vd_set(r->err)));
         vd p = c / q;
         vd near = vd_choose(positive, p, q), far = vd_choose(positive, q, p);
-        /* On the surface p is the root near 0: the other one, q, is all there is. */
+        /* On the surface p is the root near 0, so only the other root q counts. */
         near = vd_choose(on, zero, near);
         far = vd_choose(on, q, far);
         vd enters = vd_lt(vd_set(r->t_min), near), t = vd_choose(enters, near, far),
@@ -147,8 +146,8 @@ static ALWAYS_INLINE unsigned hit_sphere4(const struct sphere4 *s, const struct 
 }
 
 /*
- * The quadratic a t^2 + 2 b t + c in the coordinates along and across the axis, taken from the
- * point of the ray that is nearest to the cone's middle, where the coefficients are smallest.
+ * The quadratic a t^2 + 2 b t + c in coordinates along and across the axis. Its origin is the ray's
+ * point nearest to the middle of the cone, because the coefficients are smallest there.
  */
 static ALWAYS_INLINE unsigned hit_cone4(
     const struct cone4 *s, const struct ray *r, double t_max, double t_out[LANES], unsigned *twice)
@@ -160,13 +159,13 @@ static ALWAYS_INLINE unsigned hit_cone4(
     for (int i = 0; i < LANES; i += VD) {
         vd ax = vd_load(s->a[0] + i), ay = vd_load(s->a[1] + i), az = vd_load(s->a[2] + i);
         vd h = vd_load(s->h + i), k = vd_load(s->k + i), half = vd_set(0.5) * h, zero = vd_set(0);
-        /* From the middle of the axis; radius there m. */
+        /* q is relative to the middle of the axis; m is the radius there. */
         vd m = vd_load(s->r + i) + k * half;
         vd qx = ox - (vd_load(s->b[0] + i) + half * ax);
         vd qy = oy - (vd_load(s->b[1] + i) + half * ay);
         vd qz = oz - (vd_load(s->b[2] + i) + half * az);
-        vd z0 = qx * ax + qy * ay + qz * az;   /* of the origin */
-        vd rise = dx * ax + dy * ay + dz * az; /* along the axis, per t */
+        vd z0 = qx * ax + qy * ay + qz * az;   /* height of the origin */
+        vd rise = dx * ax + dy * ay + dz * az; /* height per unit of t */
         vd ex = dx - rise * ax, ey = dy - rise * ay, ez = dz - rise * az;
         vd shift = zero - (qx * dx + qy * dy + qz * dz);
         vd sx = qx + shift * dx, sy = qy + shift * dy, sz = qz + shift * dz;
@@ -181,8 +180,8 @@ static ALWAYS_INLINE unsigned hit_cone4(
         if (!vd_bits(hit)) continue;
         vd root = vd_sqrt(disc);
         vd q = zero - (b + vd_choose(vd_lt(b, zero), zero - root, root));
-        vd t1 = q / a + shift, t2 = c / q + shift; /* infinite where there is only one */
-        /* Does the ray start on the surface? Then its other root is all there is. */
+        vd t1 = q / a + shift, t2 = c / q + shift; /* infinite if there is only one root */
+        /* If the ray starts on the surface, only its other root counts. */
         vd rx = qx - z0 * ax, ry = qy - z0 * ay, rz = qz - z0 * az, w0 = m + k * z0;
         vd err = vd_load(s->err + i) + vd_set(r->err), width = vd_abs(w0);
         vd c0 = rx * rx + ry * ry + rz * rz - w0 * w0;
@@ -225,9 +224,9 @@ static ALWAYS_INLINE unsigned hit_block(const struct bvh *b, enum item_kind kind
 }
 
 /*
- * How often the ray crosses lane k of block i on its way, where it was found to be hit `times`
- * times. If the light lies in that surface (ends.h), one crossing is the ray's end; the other one
- * is what the ray back from the light meets, unless that is the ray's start.
+ * How many times the ray crosses lane k of block i, given that it hits the lane `times` times. If
+ * the light lies on that surface (ends.h), one of the hits is the ray's end. The reverse ray from
+ * the light then finds the other crossing, unless the ray also starts on the surface.
  */
 static inline unsigned crossed(const struct bvh *b, enum item_kind kind, uint32_t i, int k,
     const struct ray *r, unsigned times)
@@ -270,7 +269,7 @@ struct todo {
     float t;
 };
 
-/* Pushes the children in mask but the nearest, farthest first, and returns the nearest. */
+/* Pushes all children in mask except the nearest, farthest first. Returns the nearest. */
 static inline uint32_t push_children(const struct node8 *n, unsigned mask,
     const float t_near[WIDTH], struct todo *stack, uint32_t *top)
 {
@@ -292,7 +291,7 @@ static inline uint32_t push_children(const struct node8 *n, unsigned mask,
     return best.child;
 }
 
-/* Below child cur; *h is the nearest so far. */
+/* Traverses child cur. *h is the nearest hit so far. */
 static void closest_below(
     const struct bvh *b, uint32_t cur, const struct walk *w, const struct ray *r, struct hit *h)
 {
@@ -325,7 +324,7 @@ static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
     closest_below(b, 0, &w, r, h);
 }
 
-/* True when something opaque of the leaf is hit. */
+/* True if the ray hits an opaque item of the leaf. */
 static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct ray *r,
     const uint8_t *transmits, struct crossings *c)
 {

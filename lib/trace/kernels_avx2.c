@@ -1,5 +1,5 @@
-/* kernels_avx2: the kernels at 256 bits; the Makefile compiles this file with -mavx2 where there
- * is such a thing. */
+/* kernels_avx2: the kernels with 256-bit vectors. On x86-64 the Makefile compiles this file with
+ * -mavx2. */
 #ifdef __AVX2__
 #include "trace/packet.h"
 

@@ -1,5 +1,5 @@
-/* kernels_sse2: the kernels at the width that every machine of this kind has (SSE2 on x86-64,
- * else scalar). */
+/* kernels_sse2: the kernels with the vectors that every machine of this architecture has (SSE2 on
+ * x86-64, otherwise scalar). */
 #define SIMD_NARROW
 #include "trace/packet.h"
 

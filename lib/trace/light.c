@@ -1,15 +1,16 @@
 /*
- * light: where a ray met a surface, and what reaches it from the lights. Per light:
- * I * (kd C N.L + ks (R.L)^shine) times what the surfaces in between let through.
+ * light: the point where a ray hit a surface, and its direct light. Per light: I * (kd C N.L + ks
+ * (R.L)^shine) times the transmission of the surfaces in between.
  */
 #include "trace/trace_int.h"
 
-void meet(const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at)
+void trace_hit_point(
+    const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at)
 {
     at->item = &t->items[h->item];
     at->surface = &t->surfaces[at->item->material];
     at->p = v3_mad(r->o, r->d, h->t);
-    at->n = shapes[at->item->kind]->normal(t->scene, at->item, &at->p);
+    at->n = trace_shapes[at->item->kind]->normal(t->scene, at->item, &at->p);
     double along = v3_dot(at->n, r->d);
     at->mirrored = v3_mad(r->d, at->n, -2 * along);
     if (along > 0) at->n = v3_scale(at->n, -1); /* two-sided: toward the ray */
@@ -22,8 +23,8 @@ bool light_from(const struct tracer *t, const struct point *at, uint32_t i, stru
     const struct light *l = &t->scene->lights[i];
     const struct surface *f = at->surface;
     struct vec3 to = v3_sub(l->pos, at->p);
-    /* Behind, or in the surface's own plane, where rounding would decide (ends.h): that is found
-     * before the square root is paid for. */
+    /* The light is behind the surface, or in its plane, where rounding would decide (ends.h). This
+     * test comes before the square root, because it is cheaper. */
     double err = at->err + ERR_UNIT * (fabs(to.x) + fabs(to.y) + fabs(to.z));
     if (!(v3_dot(at->n, to) > err)) return false;
     double distance = v3_len(to);
@@ -38,7 +39,7 @@ bool light_from(const struct tracer *t, const struct point *at, uint32_t i, stru
     return true;
 }
 
-/* By insertion: there are few. */
+/* Insertion sort: the lists are short. */
 static void sort_items(uint32_t *item, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
@@ -49,9 +50,9 @@ static void sort_items(uint32_t *item, uint32_t n)
 }
 
 /*
- * Multiplied in the order of items, so that the order of traversal does not show. Polygons and
- * patches count once, also where the ray met the seam of two triangles; the others as often as
- * they stand there, on the way in and out.
+ * The factors are multiplied in item order, so the traversal order does not change the product. A
+ * polygon or patch counts once, even if the ray hit the seam of two triangles. Other items count
+ * once per crossing, on the way in and out.
  */
 double light_through(const struct tracer *t, struct crossings *c)
 {

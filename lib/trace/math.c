@@ -1,7 +1,7 @@
 /*
- * math: the few transcendental functions that pixels depend on. A C library's own may differ in
- * the last bit from host to host (it picks FMA variants at run time); these are plain sums and
- * products of doubles.
+ * math: the transcendental functions that pixels depend on. A C library's versions may differ in
+ * the last bit between hosts, because the library picks FMA variants at run time. These are plain
+ * sums and products of doubles.
  */
 #include "trace/trace_int.h"
 
@@ -10,7 +10,7 @@
 #define LOG2_E 1.4426950408889634074
 #define LN_2 0.69314718055994530942
 
-/* log2 of x > 0, normal: x = m 2^e with m in [sqrt(1/2), sqrt 2), log m = 2 atanh((m-1)/(m+1)). */
+/* log2 of a normal x > 0: x = m 2^e with m in [sqrt(1/2), sqrt 2), log m = 2 atanh((m-1)/(m+1)). */
 static double log2_of(double x)
 {
     uint64_t bits;
@@ -23,17 +23,17 @@ static double log2_of(double x)
         m *= 2;
         e--;
     }
-    double s = (m - 1) / (m + 1), z = s * s; /* z < .0295: the first term left out is below 1e-17 */
+    double s = (m - 1) / (m + 1), z = s * s; /* z < .0295: the first omitted term is below 1e-17 */
     static const double c[] = {1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15,
         1.0 / 17, 1.0 / 19, 1.0 / 21};
-    /* Estrin's scheme: pairs, then pairs of pairs, for shorter chains than Horner's. */
+    /* Estrin's scheme (pairs, then pairs of pairs): shorter dependency chains than Horner's. */
     double z2 = z * z, z4 = z2 * z2;
     double p = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2 +
                ((c[4] + c[5] * z) + (c[6] + c[7] * z) * z2) * z4 + (c[8] + c[9] * z) * (z4 * z4);
     return (double)e + 2 * LOG2_E * (s + s * z * p);
 }
 
-/* 2^y for y <= 0; 0 where the result would not be a normal number. */
+/* 2^y for y <= 0. Returns 0 if the result would not be a normal number. */
 static double exp2_of(double y)
 {
     if (!(y > -1021)) return 0;

@@ -1,14 +1,14 @@
 /*
- * onward: reflection and refraction, and the media that a ray is inside of, as POV-Ray 3.7 does
- * it. Crossing the surface of a medium that the ray is in leaves it, of another enters it. Total
- * internal reflection counts with weight 1 and replaces both rays. A surface that does not bend
- * the ray does not use up a level.
+ * onward: reflection, refraction and the media around a ray, as in POV-Ray 3.7. A ray that crosses
+ * the surface of a medium that contains it leaves that medium; otherwise it enters the medium.
+ * Total internal reflection has weight 1 and replaces both rays. A surface that does not bend the
+ * ray does not use up a level.
  */
 #include "trace/trace_int.h"
 
 #include <string.h>
 
-#define SAME_IOR 1e-10 /* the reference's: a ratio as near to 1 as this bends nothing */
+#define SAME_IOR 1e-10 /* the reference's value: a ratio this close to 1 bends nothing */
 
 void media_copy(struct media *to, const struct media *from)
 {
@@ -22,7 +22,7 @@ static uint32_t medium_of(const struct tracer *t, const struct item *it)
     return it->kind == ITEM_TRIANGLE ? it->material : t->scene->n_materials + it->prim;
 }
 
-/* The index of refraction around a ray. */
+/* The index of refraction of the innermost medium. */
 static double ior_in(const struct tracer *t, const struct media *in)
 {
     if (in->n == 0) return 1;
@@ -55,8 +55,8 @@ static enum passage refract(struct vec3 *d, struct vec3 n, double ratio)
     return BENT;
 }
 
-void go_on(const struct tracer *t, const struct ray *r, const struct point *at, int level,
-    const struct media *outside, struct media *inside, struct onward *o)
+void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct point *at,
+    int level, const struct media *outside, struct media *inside, struct onward *o)
 {
     const struct surface *f = at->surface;
     o->reflected = f->ks > 0;

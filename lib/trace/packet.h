@@ -1,12 +1,11 @@
 /*
- * packet: up to PACKET rays walk the hierarchy together. Each node is first tested against the
- * bounds of all the rays (interval arithmetic, as in S. Boulos, I. Wald, P. Shirley, "Geometric
- * and arithmetic culling methods for entire ray packets", 2006), then each child, when its turn
- * comes, against every ray; where only one ray is left, it goes on alone (C. Benthin, I. Wald, S.
- * Woop, M. Ernst, W. Mark, "Combining single and packet-ray tracing for arbitrary ray
- * distributions on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Boxes only ever err on
- * the side of hitting and blocks are tested ray by ray, so the answers are those of one ray at a
- * time.
+ * packet: up to PACKET rays traverse the hierarchy together. Each node is first tested against the
+ * bounds of all rays (interval arithmetic, as in S. Boulos, I. Wald, P. Shirley, "Geometric and
+ * arithmetic culling methods for entire ray packets", 2006). Each child is tested against every ray
+ * when it leaves the stack. If only one ray remains, it continues alone (C. Benthin, I. Wald, S.
+ * Woop, M. Ernst, W. Mark, "Combining single and packet-ray tracing for arbitrary ray distributions
+ * on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Box tests are conservative and blocks are
+ * tested ray by ray, so the hits equal those of single rays.
  */
 #ifndef STORMRING_TRACE_PACKET_H
 #define STORMRING_TRACE_PACKET_H
@@ -16,20 +15,20 @@
 struct packet {
     _Alignas(32) float o[3][PACKET];
     _Alignas(32) float inv[3][PACKET];
-    _Alignas(32) float limit[PACKET]; /* t beyond which a ray has no interest; -1: none at all */
+    _Alignas(32) float limit[PACKET]; /* no hit beyond this t matters; -1: the ray is finished */
     float pad[3];
-    /* Bounds of the rays: origins, padded, and slopes. */
+    /* Bounds over all rays: padded origins, and reciprocal slopes. */
     float o_lo[3], o_hi[3], inv_lo[3], inv_hi[3];
-    bool mixed[3]; /* slopes of both signs: such an axis culls nothing */
+    bool mixed[3]; /* slopes of both signs: this axis does not cull */
     float limit_max;
     const struct ray *const *ray;
 };
 
-/* d: the slopes' reciprocals, PACKET of them, as o. */
+/* d: the directions along axis, PACKET of them. p->o is already set. */
 static ALWAYS_INLINE void packet_axis(struct packet *p, int axis, const float *d, float slack)
 {
     vf o_lo = vf_set(FLT_MAX), o_hi = vf_set(FLT_MAX), lo = vf_set(FLT_MAX), hi = vf_set(FLT_MAX);
-    for (int i = 0; i < PACKET; i += VF) { /* upper bounds as negated lower ones */
+    for (int i = 0; i < PACKET; i += VF) { /* upper bounds are kept as negated lower bounds */
         vf o = vf_load(p->o[axis] + i), dir = vf_load(d + i);
         vf inv = vf_set(1) / vf_copysign(vf_max(vf_abs(dir), vf_set(TINY)), dir);
         vf_store(p->inv[axis] + i, inv);
@@ -52,7 +51,7 @@ static void packet_init(
     p->limit_max = -1;
     for (unsigned i = 0; i < PACKET; i++) {
         const struct ray *a =
-            r[i < n ? i : 0]; /* places left over repeat the first ray, without interest */
+            r[i < n ? i : 0]; /* unused places repeat the first ray, with limit -1 */
         p->limit[i] = i < n ? t_above(a->t_max) : -1;
         p->limit_max = p->limit[i] > p->limit_max ? p->limit[i] : p->limit_max;
         p->o[0][i] = (float)a->o.x, d[0][i] = (float)a->d.x;
@@ -63,13 +62,13 @@ static void packet_init(
     p->ray = r;
 }
 
-/* What ray i needs to walk alone. */
+/* Extracts ray i for traversal alone. */
 static inline void packet_walk(const struct packet *p, int i, struct walk *w)
 {
     for (int a = 0; a < 3; a++) walk_axis(w, a, p->o[a][i], p->pad[a], p->inv[a][i]);
 }
 
-/* Which children some ray of the packet may meet, and a bound on where. */
+/* The children that a ray of the packet may enter, and lower bounds on the entry distances. */
 static ALWAYS_INLINE unsigned bound_boxes(
     const struct node8 *n, const struct packet *p, float t_near[WIDTH])
 {
@@ -89,10 +88,10 @@ static ALWAYS_INLINE unsigned bound_boxes(
         vf_store(t_near + i, near);
         mask |= vf_le(near, far * vf_set(T_ROUNDING)) << i;
     }
-    return mask & n->used; /* where axes are mixed, nothing culls the unused */
+    return mask & n->used; /* if all axes are mixed, no test rejects the unused children */
 }
 
-/* Which rays meet child k of n before their limit. */
+/* The rays that enter child k of n before their limit. */
 static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, int k, const struct packet *p)
 {
     vf lo[3], hi[3];
@@ -114,7 +113,7 @@ static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, int k, const st
     return mask;
 }
 
-/* A child whose turn is to come: number k of a node. */
+/* A child that waits on the stack: number k of a node. */
 struct turn {
     uint32_t node, k;
     float t;
@@ -161,7 +160,7 @@ static void closest_packet(
         _Alignas(32) float t_near[WIDTH];
         unsigned mask = bound_boxes(&b->nodes[node], &p, t_near);
         push_turns(node, mask, t_near, stack, &top);
-        for (;;) { /* to the next inner node that two rays or more go into */
+        for (;;) { /* until an inner node that at least two rays enter */
             if (top == 0) return;
             struct turn t = stack[--top];
             if (t.t > p.limit_max * T_ROUNDING) continue;
@@ -192,7 +191,7 @@ static bool blocked_alone(const struct bvh *b, uint32_t child, const struct pack
     return blocked_below(b, child, &w, p->ray[i], transmits, c);
 }
 
-/* Bit i: ray i is blocked; else c[i] has what it crosses. */
+/* Bit i: ray i is blocked. Otherwise c[i] holds its crossings. */
 static unsigned blocked_packet(const struct bvh *b, const struct ray *const *r, unsigned n,
     const uint8_t *transmits, struct crossings *c)
 {

@@ -1,29 +1,30 @@
 /*
- * pixel: where in a pixel samples are taken, and when more are. All of it depends on the pixel's
- * number in the frame and on its own samples: a pixel is the same whoever computes it and
- * whatever else they compute.
+ * pixel: where samples lie in a pixel, and when a pixel takes more. Both depend only on the pixel's
+ * number in the frame and on its own samples. So a pixel is the same in every worker and in every
+ * group of pixels.
  */
 #include "trace/trace_int.h"
 
 /*
- * Stratum k of n * n, each in one of the n * n squares of the pixel. Where refining may stop early,
- * the first m * m decide, those in the pixel's corners among them: a feature that crosses it
- * parts them more often than it parts samples further inside. Measured at 256x256, 64 samples,
- * threshold .02: share of the pixels off by more than .02, with 4 first ones in the middle of their
- * quarters, with 4 in the corners, with 9, with 16; and CPU time, of that for always 64.
+ * The pixel is divided into n * n squares; stratum k has one sample in square k. With adaptive
+ * sampling, the first m * m samples decide. They include the pixel's corners, because a feature
+ * that crosses the pixel separates the corners more often than samples further inside. Measured at
+ * 256x256, 64 samples, threshold .02: the share of pixels with an error over .02, with 4 first
+ * samples in the middle of the quarters, with 4 in the corners, with 9, with 16; after each, the
+ * CPU time relative to always taking 64.
  *
  *     gears   6.4 % .40   0.22 % .57   0.038 % .63   0.009 % .70
  *     balls   2.7 % .75   0.31 % .80   0.063 % .83   0.011 % .90
  *     chess   1.4 % .21   0.05 % .34   0.005 % .41   0.000 % .51
  */
-#define FIRST_SIDE_MAX 3 /* m, where that is at most a quarter of all; else 2 */
+#define FIRST_SIDE_MAX 3 /* m is this if m * m is at most a quarter of all samples, else 2 */
 
 struct strata {
     int n, n_first;
     int first[FIRST_SIDE_MAX * FIRST_SIDE_MAX];
 };
 
-/* The i-th of m columns of strata out of n, or of rows: from edge to edge. */
+/* Column (or row) i of m, spread from edge to edge over n columns of strata. */
 static int spread(int i, int m, int n)
 {
     return 2 * i < m ? i * (n - 1) / (m - 1) : n - 1 - (m - 1 - i) * (n - 1) / (m - 1);
@@ -46,15 +47,15 @@ static bool is_first(const struct strata *s, int k)
     return false;
 }
 
-#define GROUP WAVE_RAYS /* pixels that are sampled together */
+#define GROUP WAVE_RAYS /* pixels sampled together */
 
 struct group {
     struct tracer *t;
     struct strata strata;
     uint32_t x[GROUP], y[GROUP];
-    struct vec3 sum[GROUP];           /* of the samples so far */
-    struct vec3 lo[GROUP], hi[GROUP]; /* their bounds, where there will be more than one */
-    /* Samples that wait for their wave, and whose they are. */
+    struct vec3 sum[GROUP];           /* sum of the samples so far */
+    struct vec3 lo[GROUP], hi[GROUP]; /* bounds of the samples; unused with one sample per pixel */
+    /* Samples that wait for the next wave, and the pixels they belong to. */
     struct ray ray[WAVE_RAYS];
     uint32_t owner[WAVE_RAYS], waiting;
 };
@@ -84,20 +85,21 @@ static void flush(struct group *g)
     g->waiting = 0;
 }
 
-/* Through the frame's point (x, y). */
+/* The eye ray through point (x, y) of the frame, in pixels. */
 static void eye_ray(const struct tracer *t, double x, double y, struct ray *r)
 {
     struct vec3 d = camera_direction(&t->camera, x, y);
     double len = v3_len(d);
     r->o = t->camera.eye;
     r->d = v3_scale(d, 1 / len);
-    r->t_min = t->scene->view.hither * len; /* hither is a depth, along forward */
+    r->t_min = t->scene->view.hither * len; /* hither is a depth along forward */
     r->t_max = HUGE_VAL;
     r->err = 0;
     r->to_surface = false;
 }
 
-/* Samples of a pixel are added up in the order of these calls, whatever comes between. */
+/* Queues a sample. A pixel's samples are summed in the order of its calls, independent of other
+ * pixels. */
 static void sample(struct group *g, uint32_t k, int stratum)
 {
     int n = g->strata.n;
@@ -119,7 +121,7 @@ static bool disagree(const struct group *g, uint32_t k)
     return limit < 0 || spread.x > limit || spread.y > limit || spread.z > limit;
 }
 
-/* The first n pixels of the group, into sum. */
+/* Computes the first n pixels of the group into sum. */
 static void colours(struct group *g, uint32_t n)
 {
     const struct strata *s = &g->strata;
@@ -145,7 +147,8 @@ static void colours(struct group *g, uint32_t n)
         g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : s->n_first));
 }
 
-/* Where pixels first .. first + n of the lattice are; dividing once a row, not once a pixel. */
+/* Finds the coordinates of lattice pixels first .. first + n. Divides once per row, not per
+ * pixel. */
 static void locate(struct group *g, const struct lattice *l, uint64_t first, uint32_t n)
 {
     uint32_t w = g->t->camera.w, i = (uint32_t)(first % l->w);
@@ -164,7 +167,7 @@ static void locate(struct group *g, const struct lattice *l, uint64_t first, uin
 
 void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
-    struct group g; /* large: what is not set here is set where it is used first */
+    struct group g; /* large: members are set on first use, not here */
     g.t = t;
     g.waiting = 0;
     strata_init(&g.strata, t->options.samples);

@@ -1,9 +1,9 @@
 /*
  * sah: a binary hierarchy by the surface area heuristic (J. Goldsmith, J. Salmon, "Automatic
- * creation of object hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald,
- * "On fast construction of SAH-based bounding volume hierarchies", RT 2007). One pass bins along
- * all three axes. The same on every host: comparisons and plain float arithmetic, no order that
- * depends on addresses.
+ * creation of object hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald, "On
+ * fast construction of SAH-based bounding volume hierarchies", RT 2007). One pass bins along all
+ * three axes. The tree is the same on every host: comparisons and plain float arithmetic, and no
+ * order that depends on addresses.
  */
 #define SIMD_NARROW
 #include "trace/trace_int.h"
@@ -12,15 +12,15 @@
 #include <float.h>
 
 #define BINS 16
-#define BINS_FEW                                                                                   \
-    8 /* where at most FEW are left to part: emptying and sweeping bins is what costs there */
+/* For at most FEW refs: clearing and sweeping the bins takes most of the time there. */
+#define BINS_FEW 8
 #define FEW 64
-#define SAH_DEPTH 64   /* below, halves: the depth is bounded by SAH_DEPTH + log2 n */
+#define SAH_DEPTH 64   /* deeper nodes are halved: the depth is at most SAH_DEPTH + log2 n */
 #define COST_NODE 0.4f /* of one binary step, relative to a block of four items; measured */
 
 struct box {
     _Alignas(16) float lo[4];
-    float hi[4]; /* the fourth is idle */
+    float hi[4]; /* the fourth lane is unused */
 };
 
 struct bin {
@@ -30,7 +30,7 @@ struct bin {
 
 struct split {
     float cost;
-    int axis; /* -1: none */
+    int axis; /* -1: no split found */
     int bin;  /* the last bin of the left side */
 };
 
@@ -45,7 +45,7 @@ static struct box box_empty(void)
     return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX, 0}, {-FLT_MAX, -FLT_MAX, -FLT_MAX, 0}};
 }
 
-/* lo and hi: three floats on 16 bytes, and something after them. */
+/* lo and hi: three floats, 16-byte aligned, followed by at least one more readable float. */
 static inline void box_grow(struct box *b, const float *lo, const float *hi)
 {
     for (int i = 0; i < 3; i += VF) {
@@ -54,7 +54,7 @@ static inline void box_grow(struct box *b, const float *lo, const float *hi)
     }
 }
 
-/* Half the surface. */
+/* Half the surface area. */
 static float box_area(const struct box *b)
 {
     float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
@@ -67,7 +67,7 @@ static inline void centre(const struct ref *r, float c[4])
     for (int i = 0; i < 3; i += VF) vf_store(c + i, vf_load(r->lo + i) + vf_load(r->hi + i));
 }
 
-/* Which bin a centre falls in, along each axis: the same in counting and in parting. */
+/* Assigns a centre to a bin along each axis. Counting and partitioning use the same function. */
 struct binning {
     _Alignas(16) float lo[4];
     float scale[4];
@@ -144,7 +144,7 @@ static uint32_t part_by_bin(
     return i;
 }
 
-/* Refs of the first ref's kind come first; how many they are. */
+/* Moves refs of the first ref's kind to the front. Returns their number. */
 static uint32_t part_by_kind(struct ref *r, uint32_t n)
 {
     uint32_t i = 1, j = n, kind = r[0].kind;
@@ -169,7 +169,7 @@ static uint32_t make_node(struct builder *b, const struct box *box, uint32_t fir
     return k;
 }
 
-/* How many of the refs go left; 0: they stay together as a leaf. */
+/* Returns the number of refs that go left; 0: the refs stay together as a leaf. */
 static uint32_t divide(
     struct ref *r, uint32_t n, const struct box *box, const struct box *centres, int depth)
 {
@@ -179,7 +179,7 @@ static uint32_t divide(
         float extent = centres->hi[i] - centres->lo[i];
         g.lo[i] = centres->lo[i];
         g.scale[i] = extent > 0 ? (float)g.bins * (1 - 0x1p-20f) / extent : 0;
-        if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: leave the axis alone */
+        if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: do not split along this axis */
     }
     struct split s = {FLT_MAX, -1, 0};
     if (depth < SAH_DEPTH) s = find_split(r, n, &g);

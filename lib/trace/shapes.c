@@ -1,7 +1,7 @@
 /* shapes: the table of item kinds. */
 #include "trace/trace_int.h"
 
-const struct shape *const shapes[ITEM_KINDS] = {
+const struct shape *const trace_shapes[ITEM_KINDS] = {
     [ITEM_TRIANGLE] = &triangle_shape,
     [ITEM_SPHERE] = &sphere_shape,
     [ITEM_CONE] = &cone_shape,

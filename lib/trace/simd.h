@@ -1,15 +1,15 @@
 /*
- * simd: vectors as wide as the file that includes this is compiled for. vf holds VF floats, vd
- * holds VD doubles; + - * / work lane by lane, each exactly the IEEE operation. Comparisons give
- * a bit a lane, lane 0 lowest.
+ * simd: vectors as wide as the including file's target allows. vf holds VF floats, vd holds VD
+ * doubles. + - * / work per lane and are exactly the IEEE operations. Comparisons yield one bit per
+ * lane, lane 0 lowest.
  */
 #ifndef STORMRING_SIMD_H
 #define STORMRING_SIMD_H
 
 #include "base/base.h"
 
-/* SIMD_SCALAR asks for one lane anywhere, as on machines whose vectors are not known here;
- * SIMD_NARROW for at most four. */
+/* SIMD_SCALAR forces one lane, as on machines whose vectors are not known here. SIMD_NARROW allows
+ * at most four. */
 #if defined(__AVX2__) && !defined(SIMD_NARROW) && !defined(SIMD_SCALAR)
 
 #include <immintrin.h>
@@ -30,7 +30,7 @@ static inline float vf_least(vf a)
 }
 static inline vf vf_abs(vf a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
 static inline vf vf_neg(vf a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a); }
-/* a's magnitude, b's sign */
+/* Magnitude of a, sign of b. */
 static inline vf vf_copysign(vf a, vf b)
 {
     vf sign = _mm256_set1_ps(-0.0f);
@@ -52,7 +52,7 @@ static inline vd vd_abs(vd a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)
 static inline vd vd_and(vd a, vd b) { return _mm256_and_pd(a, b); }
 static inline vd vd_le(vd a, vd b) { return _mm256_cmp_pd(a, b, _CMP_LE_OQ); }
 static inline vd vd_lt(vd a, vd b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
-/* m's lanes all ones: a, all zeros: b */
+/* Per lane: a if m is all ones, b if m is all zeros. */
 static inline vd vd_choose(vd m, vd a, vd b) { return _mm256_blendv_pd(b, a, m); }
 static inline unsigned vd_bits(vd m) { return (unsigned)_mm256_movemask_pd(m); }
 

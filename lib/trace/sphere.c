@@ -1,6 +1,4 @@
-/*
- * sphere: two-sided; the sign of the radius means nothing. The intersection is in kernel.h.
- */
+/* sphere: two-sided. The sign of the radius is ignored. The intersection is in kernel.h. */
 #include "trace/trace_int.h"
 
 static bool init(const struct scene *s, struct item *it)

@@ -1,9 +1,9 @@
 /*
- * trace: ray tracing of a scene as DESIGN's shading model says (NFF meaning, POV-Ray 3.7 the
- * reference): intersectors, hierarchies, shading, pixel sampling.
+ * trace: ray tracing of a scene with the meaning that stormring-nff(5) gives it. POV-Ray 3.7 is the
+ * reference. Intersection, hierarchy, shading, pixel sampling.
  *
- * The picture is a function of the scene, the frame's size, depth and sampling alone: neither the
- * hierarchy, nor the SIMD width, nor the order or grouping of pixels changes a bit of it.
+ * The pixels depend only on the scene, the frame's size, depth and sampling. The hierarchy, the
+ * SIMD width, and the order and grouping of pixels do not change a bit.
  */
 #ifndef STORMRING_TRACE_H
 #define STORMRING_TRACE_H
@@ -12,11 +12,12 @@
 #include "task/task.h"
 
 struct trace_options {
-    /* levels: 5 is the eye ray and four more; rays that pass unbent stay on their level */
+    /* Maximum ray level: 5 is the eye ray and four more. Unbent rays keep their level. */
     int depth;
-    int samples; /* per pixel, a square: 1 is the centre, n*n are stratified in the pixel */
-    /* < 0: always all samples; else refine only pixels whose first samples differ by more: 4, or 9
-     * where there are 36 and more */
+    int samples; /* per pixel: 1 samples the centre; n*n are stratified over the pixel */
+    /* Adaptive sampling: < 0 always takes all samples. Otherwise a pixel takes all samples only if
+     * its first samples differ by more than this in a channel. The first samples are 4, or 9 if
+     * samples >= 36. */
     double threshold;
     enum isa isa;
 };
@@ -28,16 +29,18 @@ struct trace_options {
 
 struct tracer;
 
-/* Builds the hierarchy. Keeps a pointer to s, which must outlive it. Never NULL. */
+/* Builds the hierarchy. Keeps a pointer to s, which must outlive the tracer. Never NULL. The caller
+ * frees it with tracer_free. */
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o);
 void tracer_free(struct tracer *t);
-/* The frame that following pixels belong to. Cheap; before the first tracer_pixels. */
+/* Sets the frame size in pixels for the following calls. Cheap. Without this call the size is the
+ * scene's resolution. */
 void tracer_frame(struct tracer *t, uint32_t w, uint32_t h);
-/* Pixels n0 .. n0+n of the lattice, in its order, into rgba[4*n]: linear, alpha 1. Cheapest for
- * runs of 64 neighbours and more. */
+/* Renders pixels n0 .. n0+n of the lattice, in lattice order, into rgba[4*n]: linear, alpha 1.
+ * Fastest for runs of at least 64 neighbours. */
 void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
 
-/* What was traced since tracer_new. */
+/* Rays traced since tracer_new. */
 struct trace_counts {
     uint64_t eye, reflected, refracted, shadow;
 };

@@ -1,10 +1,11 @@
 /*
- * trace_int: what the files of trace share; nobody else includes it.
+ * trace_int: declarations that the files of trace share. Files outside trace do not include it.
  *
- * Every primitive of the scene becomes one or more items (a sphere, a cone, or each triangle of a
- * polygon or patch). Items are numbered in the order of primitives, and of triangles within one,
- * so that "the lower primitive index, then the lower triangle" is simply the lower item. Items
- * are kept in blocks of four of a kind, arrays of lanes, which the leaves of the hierarchy name.
+ * Each primitive of the scene becomes one or more items: a sphere, a cone, or each triangle of a
+ * polygon or patch. Items are numbered in the order of primitives, and of triangles within a
+ * primitive. So the lower item is the lower primitive index, then the lower triangle. Items are
+ * stored in blocks of four of one kind, as arrays of lanes. The leaves of the hierarchy refer to
+ * blocks.
  */
 #ifndef STORMRING_TRACE_INT_H
 #define STORMRING_TRACE_INT_H
@@ -14,14 +15,14 @@
 #define LANES 4
 #define NO_ITEM UINT32_MAX
 
-/* A bound on what rounding does to a computed point, relative to the numbers that went into it. */
+/* Bound on the rounding error of a computed point, relative to the numbers it was computed from. */
 #define ERR_UNIT 0x1p-48
 
 struct ray {
     struct vec3 o, d;    /* d has length 1 */
-    double t_min, t_max; /* hits count where t_min < t < t_max, or == t_max with a lower item */
-    double err;          /* how far o may be from the surface it was computed to lie on */
-    bool to_surface;     /* a shadow ray whose light lies in some surface */
+    double t_min, t_max; /* a hit counts if t_min < t < t_max, or t == t_max with a lower item */
+    double err;          /* bound on the distance of o from the surface it was computed on */
+    bool to_surface;     /* a shadow ray whose light lies on a surface */
 };
 
 struct hit {
@@ -39,22 +40,22 @@ struct item {
     uint32_t vertex[3]; /* triangle: indices into the scene's vertices */
     struct vec3 n;      /* triangle: the plane's unit normal */
     uint8_t kind;
-    bool smooth; /* a patch's triangle: normals are interpolated */
+    bool smooth; /* triangle of a patch: normals are interpolated */
 };
 
-/* Lane i of a block holds item[i]; NO_ITEM lanes hold numbers that no ray can hit. */
+/* Lane i of a block holds item[i]. Lanes with NO_ITEM hold numbers that no ray can hit. */
 struct tri4 {
     _Alignas(32) double n[3][LANES], d[LANES]; /* the plane: n.p = d, n of length 1 */
-    /* u.p + du >= 0, v.p + dv >= 0, their sum <= 1: inside, with a margin */
+    /* Inside if u.p + du >= 0, v.p + dv >= 0 and their sum <= 1; a margin is included. */
     double u[3][LANES], du[LANES], v[3][LANES], dv[LANES];
-    double err[LANES]; /* how far the plane may be from the vertices it was made of */
+    double err[LANES]; /* bound on the distance of the plane from its vertices */
     uint32_t item[LANES];
 };
 struct sphere4 {
     _Alignas(32) double c[3][LANES], r[LANES], err[LANES];
     uint32_t item[LANES];
 };
-/* Axis a from base b, 0 <= z <= h along it, radius r + k z. */
+/* Axis a from base b; height z along it in [0, h]; radius r + k z. */
 struct cone4 {
     _Alignas(32) double b[3][LANES], a[3][LANES], h[LANES], r[LANES], k[LANES], err[LANES];
     uint32_t item[LANES];
@@ -63,28 +64,28 @@ struct cone4 {
 /* One row per kind (shapes.c). */
 struct shape {
     size_t block_size;
-    /* Sets what the item keeps beside its indices; false when it has no surface (degenerate). */
+    /* Sets the item's derived fields. False: degenerate, the item has no surface. */
     bool (*init)(const struct scene *s, struct item *it);
-    /* Fills a lane of a block. No coordinate of the scene, eye and lights included, is beyond
+    /* Fills a lane of a block. No coordinate of the scene, eye and lights included, exceeds
      * reach. */
     void (*fill)(const struct scene *s, const struct item *it, double reach, void *block, int lane);
-    /* A lane that nothing hits. */
+    /* Makes a lane that no ray hits. */
     void (*clear)(void *block, int lane);
     void (*bounds)(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi);
-    /* The unit normal at p, either side; p is moved onto the surface where that can be told
-     * better than by o + t d. */
+    /* The unit normal at p, on either side. Moves p onto the surface if that is more accurate than
+     * o + t d. */
     struct vec3 (*normal)(const struct scene *s, const struct item *it, struct vec3 *p);
 };
 extern const struct shape triangle_shape, sphere_shape, cone_shape;
-extern const struct shape *const shapes[ITEM_KINDS];
+extern const struct shape *const trace_shapes[ITEM_KINDS];
 
 /* ---- the hierarchy ---------------------------------------------------------------------- */
 
 #define WIDTH 8       /* children of a node */
-#define STACK_MAX 704 /* (SAH_DEPTH + 32 levels of halving + 3 of kinds) * (WIDTH - 1), and some */
+#define STACK_MAX 704 /* > (SAH_DEPTH + 32 levels of halving + 3 of kinds) * (WIDTH - 1) */
 
-/* A child: a node's index, or a leaf: LEAF | kind << 29 | (blocks - 1) << 27 | first block of
- * that kind. */
+/* A child is a node's index or a leaf: LEAF | kind << 29 | (blocks - 1) << 27 | first block of that
+ * kind. */
 #define LEAF UINT32_C(0x80000000)
 #define LEAF_BLOCKS_MAX 4
 #define LEAF_FIRST_MASK UINT32_C(0x07ffffff)
@@ -93,24 +94,24 @@ static inline enum item_kind leaf_kind(uint32_t c) { return (enum item_kind)(c >
 static inline uint32_t leaf_count(uint32_t c) { return (c >> 27 & 3) + 1; }
 static inline uint32_t leaf_first(uint32_t c) { return c & LEAF_FIRST_MASK; }
 
-/* Bounds of eight children, to the nearest float (bvh.slack covers that); an unused child is inside
- * out. */
+/* Bounds of eight children, rounded to the nearest float; bvh.slack covers the rounding. An unused
+ * child has lo > hi. */
 struct node8 {
     float lo[3][WIDTH], hi[3][WIDTH];
     uint32_t child[WIDTH];
-    uint32_t used;   /* a bit a child */
+    uint32_t used;   /* one bit per child */
     uint32_t pad[7]; /* four cache lines */
 };
 
 struct bvh {
-    struct node8 *nodes; /* nodes[0] is the root; NULL when there is nothing to hit */
+    struct node8 *nodes; /* nodes[0] is the root; NULL if no item has a surface */
     uint32_t n_nodes;
     void *blocks[ITEM_KINDS];
     uint32_t n_blocks[ITEM_KINDS];
-    float slack; /* what box tests add on every side, beside what the ray's origin calls for */
+    float slack; /* box tests add this on every side, and a margin for the ray's origin */
 };
 
-/* A reference to (a part of) an item: what the builder sorts. */
+/* A reference to an item or a part of one. The builder sorts references. */
 struct ref {
     _Alignas(16) float lo[3];
     uint32_t item;
@@ -118,26 +119,26 @@ struct ref {
     uint32_t kind;
 };
 
-/* refs are permuted; items, s: for filling blocks. */
+/* Permutes refs. s and items are needed to fill the blocks. */
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
     const struct item *items, double reach);
 void bvh_free(struct bvh *b);
-/* Whether p, known up to err, is on some surface. */
+/* True if p, known up to err, lies on a surface. */
 bool bvh_holds(const struct bvh *b, struct vec3 p, double err);
 
 struct bnode {
     float lo[3], hi[3];
     uint32_t left, right; /* leaf: left is the first ref, right NO_CHILD */
-    uint32_t count;       /* refs below; only leaves use it */
+    uint32_t count;       /* refs below this node; used for leaves only */
 };
-/* The binary tree over refs[0..n) into nodes[2n-1]; leaves are of one kind, at most
- * LEAF_BLOCKS_MAX blocks. Root is 0. */
+/* Builds the binary tree over refs[0..n) into nodes[2n-1] and returns the number of nodes. The root
+ * is node 0. Each leaf holds one kind and at most LEAF_BLOCKS_MAX blocks. */
 uint32_t sah_build(struct bnode *nodes, struct ref *refs, uint32_t n);
 
 /* ---- tracing ------------------------------------------------------------------------------ */
 
-/* The transmitting items a shadow ray met, as they came: a triangle at least once, others once a
- * crossing. */
+/* Transmitting items that a shadow ray crossed, in traversal order: a triangle at least once, other
+ * items once per crossing. */
 struct crossings {
     uint32_t *item;
     uint32_t n, cap;
@@ -146,40 +147,40 @@ void crossings_add(struct crossings *c, uint32_t item);
 
 struct tracer;
 
-#define PACKET 16 /* rays that go together */
+#define PACKET 16 /* rays traced together */
 
-/* The kernels of one instruction set. All give the same answers, bit for bit. */
+/* The kernels of one instruction set. All return the same bits. */
 struct kernels {
     const char *name;
-    /* The nearest hit within (t_min, t_max), equal t: the lower item; h->item NO_ITEM when
-     * there is none. */
+    /* The nearest hit within (t_min, t_max); for equal t the lower item. h->item is NO_ITEM if
+     * there is no hit. */
     void (*closest)(const struct bvh *b, const struct ray *r, struct hit *h);
-    /* True when an opaque item is hit; else c holds every transmitting item that is, maybe
-     * twice. */
+    /* True if the ray hits an opaque item. Otherwise c holds every transmitting item that it hits,
+     * some of them twice. */
     bool (*blocked)(
         const struct bvh *b, const struct ray *r, const uint8_t *transmits, struct crossings *c);
-    /* The same for n <= PACKET rays at once; blocked_packet: bit i for ray i, c[i] what that
-     * crosses. */
+    /* The same for n <= PACKET rays at once. blocked_packet: bit i stands for ray i, c[i] for its
+     * crossings. */
     void (*closest_packet)(
         const struct bvh *b, const struct ray *const *r, unsigned n, struct hit *const *h);
     unsigned (*blocked_packet)(const struct bvh *b, const struct ray *const *r, unsigned n,
         const uint8_t *transmits, struct crossings *c);
 };
-/* NULL where this build or machine has none. */
+/* NULL if this build or this machine lacks the instruction set. */
 const struct kernels *kernels_sse2(void);
 const struct kernels *kernels_avx2(void);
 
 #define MEDIA_MAX TRACE_DEPTH_MAX
 
-/* What a ray is inside of, innermost last. All polygons of one material bound one medium (they
- * are one mesh in the reference), a sphere or cone bounds its own. Deeper than MEDIA_MAX is not
- * kept. */
+/* The media that contain a ray, innermost last. All polygons of one material bound one medium (they
+ * are one mesh in the reference). Each sphere or cone bounds its own. Media deeper than MEDIA_MAX
+ * are dropped. */
 struct media {
     uint32_t n;
     uint32_t id[MEDIA_MAX]; /* a material, or the number of materials + a primitive */
 };
 
-/* A material as shading wants it. */
+/* A material, prepared for shading. */
 struct surface {
     struct vec3 colour_kd; /* colour times kd */
     double ks, shine, t, ior;
@@ -196,53 +197,54 @@ struct tracer {
     struct surface *surfaces;
     uint8_t *transmits;     /* per item: its material's t > 0 */
     bool *light_in_surface; /* per light */
-    struct media around;    /* what eye rays begin inside of */
+    struct media around;    /* the media that contain the start of eye rays */
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
     struct camera camera;
 };
 
-/* Where a ray met an item. */
+/* The point where a ray hit an item. */
 struct point {
-    struct vec3 p, n; /* n toward the ray */
+    struct vec3 p, n; /* n faces the ray */
     struct vec3 mirrored;
     double err;
     const struct item *item;
     const struct surface *surface;
 };
 
-/* light.c: h as a point of r, */
-void meet(const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at);
-/* light i as it arrives there if nothing is in the way, and the ray that asks whether something is
- * (false: none arrives anyhow), */
+/* light.c. Computes the point where r hit h. */
+void trace_hit_point(
+    const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at);
+/* Computes the contribution of light i at that point if unshadowed, and the shadow ray to test.
+ * False: no contribution, no ray. */
 bool light_from(const struct tracer *t, const struct point *at, uint32_t i, struct vec3 *light,
     struct ray *shadow);
-/* and what the crossed surfaces let through (c is sorted). */
+/* Product of the transmissions of the crossed surfaces. Sorts c. */
 double light_through(const struct tracer *t, struct crossings *c);
 
-/* onward.c: the rays that go on from a point. */
+/* onward.c: the secondary rays of a point. */
 struct onward {
     bool reflected, passed;
     struct ray mirror, through;
-    double mirror_weight, through_weight; /* of what they see, in what this ray sees */
+    double mirror_weight, through_weight; /* share of their light in this ray's light */
     int mirror_level, through_level;
 };
-/* The mirrored ray stays where r is; what the other one is inside of comes in *inside, if there
- * is one. */
-void go_on(const struct tracer *t, const struct ray *r, const struct point *at, int level,
-    const struct media *outside, struct media *inside, struct onward *o);
+/* Computes the mirrored and the transmitted ray. The mirrored ray stays in *outside. If a ray is
+ * transmitted, *inside becomes its media. */
+void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct point *at,
+    int level, const struct media *outside, struct media *inside, struct onward *o);
 void media_copy(struct media *to, const struct media *from);
-/* around.c: what a ray that begins at p is inside of, once surfaces are set. */
+/* around.c: the media that contain a ray starting at p. Needs t->surfaces. */
 void media_around(const struct tracer *t, struct vec3 p, struct media *in);
 
-/* wave.c: the colours that n <= WAVE_RAYS eye rays see. */
+/* wave.c: the colours of n <= WAVE_RAYS eye rays. */
 #define WAVE_RAYS 64
 struct wave *wave_new(const struct tracer *t);
 void wave_free(struct wave *w);
 void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct vec3 *colour);
 
-/* math.c: the same bits on every host. x in [0, 1], y > 0. */
+/* math.c: x^y with the same bits on every host. x in [0, 1], y > 0. */
 double trace_pow(double x, double y);
 
 #endif

@@ -1,12 +1,12 @@
-/* tracer: items and hierarchy of a scene, and the calls of trace.h. */
+/* tracer: the items and hierarchy of a scene, and the functions of trace.h. */
 #include "trace/trace_int.h"
 
 #include <stdlib.h>
 
-/* Adds an item, and its reference when it has a surface at all. */
+/* Adds an item. Adds a reference only if the item has a surface. */
 static void add_item(struct tracer *t, struct ref *refs, uint32_t *n_refs, struct item it)
 {
-    const struct shape *shape = shapes[it.kind];
+    const struct shape *shape = trace_shapes[it.kind];
     if (shape->init(t->scene, &it)) {
         struct vec3 lo, hi;
         shape->bounds(t->scene, &it, &lo, &hi);
@@ -64,7 +64,7 @@ static double farther(double reach, struct vec3 p)
     return fmax(reach, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
 }
 
-/* The largest coordinate that a ray may start from or hit at. */
+/* The largest absolute coordinate of a ray's origin or hit. */
 static double reach_of(const struct scene *s)
 {
     double reach = farther(0, s->view.from);
@@ -86,14 +86,13 @@ static void make_surfaces(struct tracer *t)
     for (uint32_t i = 0; i < s->n_materials; i++) {
         const struct material *m = &s->materials[i];
         struct vec3 c = v3(m->r * m->kd, m->g * m->kd, m->b * m->kd);
-        /* An index of 0 stands on opaque things; on others it could only mean that
-         * nothing bends. */
+        /* A refractive index of 0 means opaque. On a transmitting material it means no bending. */
         t->surfaces[i] = (struct surface){
             c, m->ks, m->shine, m->t, m->ior > 0 ? m->ior : 1, c.x != 0 || c.y != 0 || c.z != 0};
     }
 }
 
-/* Stays NULL when nothing in the scene transmits: shadow rays then end at the first hit. */
+/* Leaves transmits NULL if no material transmits. Shadow rays then end at the first hit. */
 static void make_transmits(struct tracer *t)
 {
     bool any = false;
@@ -110,8 +109,8 @@ static const struct kernels *choose_kernels(enum isa isa)
     return wide ? wide : kernels_sse2();
 }
 
-/* A shadow ray's ends are within reach of 0 along each axis, so that 8 of it is more than what
- * bounds its light's error (ends.h). */
+/* Both ends of a shadow ray are within reach of 0 along each axis. So 8 * reach exceeds the bound
+ * on the light's error (ends.h). */
 static void mark_lights(struct tracer *t, double reach)
 {
     const struct scene *s = t->scene;

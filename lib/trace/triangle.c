@@ -1,11 +1,11 @@
 /*
  * triangle: one triangle of a polygon or patch, two-sided, with its own plane.
  *
- * Kept as three planes, as in J. Havel, A. Herout, "Yet faster ray-triangle intersection (using
- * SSE4)", IEEE TVCG 16(3), 2010: the triangle's own and two whose values are barycentric
- * coordinates. Differs in being in double, in dividing at once, and in a margin that makes
- * neighbours overlap by a rounding error rather than leave a crack. A ray that starts on the
- * plane, within the error bounds of both, does not hit it.
+ * Stored as three planes, as in J. Havel, A. Herout, "Yet faster ray-triangle intersection (using
+ * SSE4)", IEEE TVCG 16(3), 2010: the triangle's own plane and two planes whose values are
+ * barycentric coordinates. Differs in using double, in dividing at once, and in a margin that makes
+ * neighbours overlap by a rounding error instead of leaving a crack. A ray that starts on the
+ * plane, within the error bounds of both, does not hit the triangle.
  */
 #include "trace/trace_int.h"
 
@@ -16,7 +16,7 @@ static struct vec3 corner(const struct scene *s, const struct item *it, int i)
     return s->vertices[it->vertex[i]];
 }
 
-/* The library's fmin and fmax are calls, for the sake of NaN. */
+/* The library's fmin and fmax are slower: they are function calls that handle NaN. */
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
@@ -51,8 +51,8 @@ static void fill(const struct scene *s, const struct item *it, double reach, voi
         off = larger(off, fabs(v3_dot(n, corner(s, it, i)) - d));
         far = larger(far, largest(corner(s, it, i)));
     }
-    /* A computed hit is off by rounding of at most `margin`; in units of u, that over the
-     * height. */
+    /* A computed hit is off by rounding by at most `margin`. In units of u that is margin over the
+     * triangle's height. */
     double margin = ERR_UNIT * 4 * reach;
     double mu = smaller(margin * v3_len(u), 0.125), mv = smaller(margin * v3_len(v), 0.125);
     double mw = smaller(margin * v3_len(v3_add(u, v)), 0.125), k = 1 / (1 + mu + mv + mw);
@@ -68,7 +68,7 @@ static void fill(const struct scene *s, const struct item *it, double reach, voi
 static void clear(void *block, int lane)
 {
     struct tri4 *b = block;
-    put(b->n, lane, v3(0, 0, 0)); /* never crossed: |n.o - d| > err fails */
+    put(b->n, lane, v3(0, 0, 0)); /* never hit: |n.o - d| > err is false */
     put(b->u, lane, v3(0, 0, 0));
     put(b->v, lane, v3(0, 0, 0));
     b->d[lane] = b->du[lane] = b->dv[lane] = b->err[lane] = 0;
@@ -96,7 +96,7 @@ static struct vec3 smooth_normal(
     struct vec3 m = v3_scale(n[it->vertex[0]], 1 - u - v);
     m = v3_mad(v3_mad(m, n[it->vertex[1]], u), n[it->vertex[2]], v);
     double len = v3_len(m);
-    return len > 1e-12 ? v3_scale(m, 1 / len) : flat; /* opposite normals cancel: the flat one */
+    return len > 1e-12 ? v3_scale(m, 1 / len) : flat; /* opposite normals cancel: flat */
 }
 
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)

@@ -1,14 +1,13 @@
 /*
- * wave: the eye rays of neighbouring pixels go through the scene together, level by level: rays
- * of one level are traced in packets, then all their shadow rays to the first light, to the
- * second, and so on; then the rays that these surfaces send on are the next level (as in P.
- * Hanrahan, "Using caching and breadth-first search to speed up ray-tracing", Graphics Interface
- * 1986).
+ * wave: the eye rays of neighbouring pixels are traced together, level by level. The rays of one
+ * level are traced in packets. Then their shadow rays are traced, one light after another. The
+ * secondary rays of the hit surfaces form the next level (as in P. Hanrahan, "Using caching and
+ * breadth-first search to speed up ray-tracing", Graphics Interface 1986).
  *
- * Every ray is a node of its eye ray's tree and knows its weight. A tree's colours are added up
- * in preorder at the end, so a pixel does not depend on what it was computed with. Where the pool
- * is full, the rest of a tree is traced depth first, one ray at a time, with the same operations
- * in the same order.
+ * Every ray is a node of its eye ray's tree and stores its weight. A tree's colours are summed in
+ * preorder at the end, so a pixel does not depend on the other pixels of the wave. If the pool is
+ * full, the rest of a tree is traced depth first, one ray at a time, with the same operations in
+ * the same order.
  */
 #include "trace/trace_int.h"
 
@@ -19,20 +18,20 @@
 
 struct node {
     struct ray ray;
-    double weight; /* of this ray's light in the eye ray's */
+    double weight; /* share of this ray's light in the eye ray's light */
     int level;
     uint32_t mirror, through; /* children */
-    uint32_t from;            /* the primitive it comes from; NONE: the eye, or a curved one */
-    bool late;                /* its rays go on when colours are added up */
+    uint32_t from;            /* primitive it starts from; NONE: the eye or a curved primitive */
+    bool late;                /* its secondary rays are traced during summation */
     struct hit h;
     struct point at;
-    struct vec3 light; /* from the lights alone */
+    struct vec3 light; /* direct light only */
 };
 
 /* A shadow ray that waits for its packet. */
-struct asking {
+struct shadow_query {
     struct ray ray;
-    struct vec3 light; /* what arrives if nothing is in the way */
+    struct vec3 light; /* contribution if the ray is not blocked */
     struct vec3 *sum;
     uint32_t prim;
 };
@@ -40,16 +39,16 @@ struct asking {
 struct wave {
     struct node node[POOL];
     uint32_t n;
-    struct media *media; /* one for each node; NULL where nothing transmits */
-    struct asking asking[PACKET];
-    uint32_t n_asking;
+    struct media *media; /* one per node; NULL if nothing transmits */
+    struct shadow_query query[PACKET];
+    uint32_t n_queries;
 };
 
 struct wave *wave_new(const struct tracer *t)
 {
     struct wave *w = xmalloc(1, sizeof *w);
     w->media = t->transmits ? xmalloc(POOL, sizeof *w->media) : NULL;
-    w->n_asking = 0;
+    w->n_queries = 0;
     return w;
 }
 
@@ -67,49 +66,49 @@ static struct vec3 background(const struct tracer *t)
 
 /* ---- lights ------------------------------------------------------------------------------ */
 
-/* Adds what arrives. Each sum is in the packet once at most: its lights are added one after the
- * other. */
-static void ask(struct tracer *t, struct wave *w)
+/* Traces the waiting shadow rays and adds their light. A packet holds each sum at most once: lights
+ * are processed one after another. */
+static void trace_shadows(struct tracer *t, struct wave *w)
 {
     const struct ray *ray[PACKET];
-    uint32_t n = w->n_asking;
+    uint32_t n = w->n_queries;
     for (uint32_t i = 0; i < n; i++) {
-        ray[i] = &w->asking[i].ray;
+        ray[i] = &w->query[i].ray;
         t->crossings[i].n = 0;
     }
     unsigned blocked = 0;
     if (n == 0) return;
-    if (n == 1 || w->asking[0].prim != w->asking[n - 1].prim)
+    if (n == 1 || w->query[0].prim != w->query[n - 1].prim)
         for (uint32_t i = 0; i < n; i++)
             blocked |= (unsigned)t->k->blocked(&t->bvh, ray[i], t->transmits, &t->crossings[i])
                        << i;
     else blocked = t->k->blocked_packet(&t->bvh, ray, n, t->transmits, t->crossings);
     for (uint32_t i = 0; i < n; i++) {
         if (blocked >> i & 1) continue;
-        const struct asking *a = &w->asking[i];
+        const struct shadow_query *a = &w->query[i];
         double part = t->crossings[i].n ? light_through(t, &t->crossings[i]) : 1;
         *a->sum = v3_mad(*a->sum, a->light, part);
     }
     t->counts.shadow += n;
-    w->n_asking = 0;
+    w->n_queries = 0;
 }
 
-static void light_up(struct tracer *t, struct wave *w, uint32_t first, uint32_t end)
+static void shade_direct(struct tracer *t, struct wave *w, uint32_t first, uint32_t end)
 {
     for (uint32_t l = 0; l < t->scene->n_lights; l++) {
         for (uint32_t i = first; i < end; i++) {
             struct node *k = &w->node[i];
-            struct asking *a = &w->asking[w->n_asking];
+            struct shadow_query *a = &w->query[w->n_queries];
             if (k->h.item == NO_ITEM || !light_from(t, &k->at, l, &a->light, &a->ray)) continue;
             a->sum = &k->light;
             a->prim = k->level > 1 ? k->at.item->prim : NONE;
-            if (++w->n_asking == PACKET) ask(t, w);
+            if (++w->n_queries == PACKET) trace_shadows(t, w);
         }
-        ask(t, w);
+        trace_shadows(t, w);
     }
 }
 
-/* The same for one point, when there is no wave to go with. */
+/* Direct light of a single point, outside a wave. */
 static struct vec3 light_one(struct tracer *t, const struct point *at)
 {
     struct vec3 sum = v3(0, 0, 0), light;
@@ -130,7 +129,7 @@ static struct vec3 light_one(struct tracer *t, const struct point *at)
 static void follow(struct tracer *t, struct ray r, double weight, int level,
     const struct media *outside, struct vec3 *sum);
 
-/* The rays that o says; the one that passes is left for the caller to follow. */
+/* Traces the mirrored ray of o, if any. The caller follows the transmitted ray. */
 static void follow_mirror(struct tracer *t, const struct onward *o, double weight,
     const struct media *outside, struct vec3 *sum)
 {
@@ -139,14 +138,14 @@ static void follow_mirror(struct tracer *t, const struct onward *o, double weigh
     follow(t, o->mirror, weight * o->mirror_weight, o->mirror_level, outside, sum);
 }
 
-/* A loop over what is passed straight on, so that only levels recurse. */
+/* Follows a ray depth first. Transmitted rays are a loop, so recursion is bounded by levels. */
 static void follow(struct tracer *t, struct ray r, double weight, int level,
     const struct media *outside, struct vec3 *sum)
 {
     struct media in[2];
     int now = 0;
     media_copy(&in[0], outside);
-    /* A straight ray crosses a surface twice at most: the bound is there lest anything hang. */
+    /* A straight ray crosses a surface at most twice. The bound guarantees that the loop ends. */
     for (uint64_t left = (uint64_t)2 * t->n_items + TRACE_DEPTH_MAX; left > 0; left--) {
         struct hit h;
         struct point at;
@@ -156,10 +155,10 @@ static void follow(struct tracer *t, struct ray r, double weight, int level,
             *sum = v3_mad(*sum, background(t), weight);
             return;
         }
-        meet(t, &r, &h, &at);
+        trace_hit_point(t, &r, &h, &at);
         *sum = v3_mad(*sum, light_one(t, &at), weight);
         if (level >= t->options.depth) return;
-        go_on(t, &r, &at, level, &in[now], &in[!now], &o);
+        trace_spawn_secondary(t, &r, &at, level, &in[now], &in[!now], &o);
         follow_mirror(t, &o, weight, &in[now], sum);
         if (!o.passed) return;
         t->counts.refracted++;
@@ -176,7 +175,7 @@ static void follow_late(struct tracer *t, struct wave *w, const struct node *k, 
     const struct media *outside = w->media ? &w->media[k - w->node] : &nowhere;
     struct media inside;
     struct onward o;
-    go_on(t, &k->ray, &k->at, k->level, outside, &inside, &o);
+    trace_spawn_secondary(t, &k->ray, &k->at, k->level, outside, &inside, &o);
     follow_mirror(t, &o, k->weight, outside, sum);
     if (!o.passed) return;
     t->counts.refracted++;
@@ -214,7 +213,7 @@ static void find_hits(struct tracer *t, struct wave *w, uint32_t first, uint32_t
             for (uint32_t k = 0; k < n; k++) t->k->closest(&t->bvh, ray[k], h[k]);
         else t->k->closest_packet(&t->bvh, ray, n, h);
         for (uint32_t k = 0; k < n; k++)
-            if (h[k]->item != NO_ITEM) meet(t, ray[k], h[k], &w->node[i + k].at);
+            if (h[k]->item != NO_ITEM) trace_hit_point(t, ray[k], h[k], &w->node[i + k].at);
     }
 }
 
@@ -227,10 +226,10 @@ static void send_on(struct tracer *t, struct wave *w, uint32_t i)
     if (k->late) return;
     struct onward o;
     uint32_t from = k->at.item->kind == ITEM_TRIANGLE ? k->at.item->prim : NONE;
-    /* The medium goes where the node of the ray that passes will be: after the mirrored
-     * one's, if any. */
+    /* The transmitted ray's node comes after the mirrored ray's node, if any. Its media are copied
+     * there. */
     struct media *m = w->media, inside;
-    go_on(t, &k->ray, &k->at, k->level, m ? &m[i] : NULL, &inside, &o);
+    trace_spawn_secondary(t, &k->ray, &k->at, k->level, m ? &m[i] : NULL, &inside, &o);
     if (o.reflected) {
         t->counts.reflected++;
         k->mirror = w->n;
@@ -245,7 +244,7 @@ static void send_on(struct tracer *t, struct wave *w, uint32_t i)
     }
 }
 
-/* Preorder: a node, what it mirrors, what is behind it. */
+/* Preorder: a node, its mirrored subtree, its transmitted subtree. */
 static void add_up(struct tracer *t, struct wave *w, uint32_t i, struct vec3 *sum)
 {
     for (; i != NONE; i = w->node[i].through) {
@@ -268,7 +267,7 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
     }
     for (uint32_t first = 0, end = n; first < end; first = end, end = w->n) {
         find_hits(t, w, first, end);
-        light_up(t, w, first, end);
+        shade_direct(t, w, first, end);
         for (uint32_t i = first; i < end; i++) send_on(t, w, i);
     }
     for (uint32_t i = 0; i < n; i++) {

@@ -1,10 +1,10 @@
 /*
- * batch: the adaptive method on cells of one ray, several at a time. Most cells lie in one span of
- * the map, and are thin enough for exact moments; the others are left to piece.c.
+ * batch: the adaptive method on several cells of one ray at once. Most cells lie in one span of the
+ * map and are thin enough for exact moments. piece.c handles the others.
  */
 #include "volume/volume_int.h"
 
-static void put(struct batch *b, uint32_t j, const struct volume *v, const struct stretch *c)
+static void put(struct batch *b, uint32_t j, const struct volume *v, const struct segment *c)
 {
     const ptrdiff_t x = v->stride[0], y = v->stride[1], z = v->stride[2];
     const int32_t *i = c->i;
@@ -25,7 +25,7 @@ static void put(struct batch *b, uint32_t j, const struct volume *v, const struc
     b->corner[7][j] = s[x + y + z];
 }
 
-enum kind { CELL_CLEAR, CELL_SIMPLE, CELL_CUT };
+enum kind { CELL_TRANSPARENT, CELL_SIMPLE, CELL_CUT };
 
 static void use_span(struct batch *b, uint32_t j, const struct span *s)
 {
@@ -40,24 +40,24 @@ static void use_span(struct batch *b, uint32_t j, const struct span *s)
     }
 }
 
-/* hint: the span that was used last. */
+/* hint: the span used last. */
 static enum kind classify(struct batch *b, uint32_t j, const struct map *m, int *hint)
 {
     double lo = b->lo[j], hi = b->hi[j];
     const struct span *s = &m->span[*hint];
     if (!(lo >= s->lo && hi < s->hi)) {
-        if (hi < m->span[0].lo || lo > m->span[m->n - 1].hi) return CELL_CLEAR;
+        if (hi < m->span[0].lo || lo > m->span[m->n - 1].hi) return CELL_TRANSPARENT;
         int first = map_find(m, lo), last = map_find(m, hi);
         if (first != last || first < 0) return CELL_CUT;
         *hint = first;
         s = &m->span[first];
     }
-    if (s->clear) return CELL_CLEAR;
+    if (s->transparent) return CELL_TRANSPARENT;
     use_span(b, j, s);
     return CELL_SIMPLE;
 }
 
-/* What the batch adds to the ray, front to back. */
+/* Integrates the batch and adds it to the ray, front to back. */
 static void gather(struct path *p, struct batch *b, const struct walk *w, int *hint)
 {
     struct volume *v = p->v;
@@ -74,16 +74,16 @@ static void gather(struct path *p, struct batch *b, const struct walk *w, int *h
         if (kind[j] == CELL_SIMPLE && b->error[j] <= v->o.tolerance) {
             v->counts.samples++;
             if (!(b->depth[j] > 0)) continue;
-            double seen = p->clear * (1 - b->through[j]);
+            double seen = p->transmittance * (1 - b->through[j]);
             for (int c = 0; c < 3; c++) p->rgb[c] += seen * b->rgb[c][j];
-            p->clear *= b->through[j];
-        } else if (kind[j] != CELL_CLEAR) {
-            struct cell *c = p->cell; /* of which no more is wanted without light */
+            p->transmittance *= b->through[j];
+        } else if (kind[j] != CELL_TRANSPARENT) {
+            struct cell *c = p->cell; /* without light the other members are not read */
             c->base = (double)b->corner[0][j];
             c->t = w->before + b->t0[j];
             c->len = b->t1[j] - b->t0[j];
             for (int k = 0; k < 4; k++) c->p[k] = b->p[k][j];
-            integrate_cut(p, kind[j] == CELL_CUT ? NULL : b->span[j]);
+            volume_integrate_cut(p, kind[j] == CELL_CUT ? NULL : b->span[j]);
         }
     }
 }
@@ -91,7 +91,7 @@ static void gather(struct path *p, struct batch *b, const struct walk *w, int *h
 void batch_ray(struct path *p, struct walk *w)
 {
     struct batch *b = &p->v->batch;
-    struct stretch cell[BATCH];
+    struct segment cell[BATCH];
     int hint = 0;
     for (int a = 0; a < 3; a++) b->o[a] = w->o[a], b->d[a] = w->d[a];
     while (!path_done(p) && (b->n = walk_cells(w, cell, BATCH)) > 0) {

@@ -1,7 +1,7 @@
 /*
- * cell: the trilinear field of a cell along a ray. All is relative to the cell's lowest corner:
- * the differences of neighbours are exact in double, so that an offset (pressure in Pa,
- * temperature in K) costs no digits.
+ * cell: the trilinear field of a cell along a ray. All values are relative to the cell's lowest
+ * corner. Differences of neighbours are exact in double, so an offset (pressure in Pa, temperature
+ * in K) costs no digits.
  */
 #include "volume/volume_int.h"
 
@@ -22,7 +22,7 @@ static void corners(struct cell *c, const struct volume *v, const int32_t i[3])
 }
 
 void cell_init(struct cell *c, const struct volume *v, const double o[3], const double d[3],
-    const struct stretch *s)
+    const struct segment *s)
 {
     const double t0 = s->t0, t1 = s->t1;
     corners(c, v, s->i);
@@ -34,12 +34,12 @@ void cell_init(struct cell *c, const struct volume *v, const double o[3], const 
         u0 = u0 < 0 ? 0 : u0 > 1 ? 1 : u0;
         u1 = u1 < 0 ? 0 : u1 > 1 ? 1 : u1;
         c->from[a] = u0;
-        c->way[a] = u1 - u0;
+        c->delta[a] = u1 - u0;
     }
     c->t = t0;
     c->len = t1 - t0;
     const double *f = c->f, x = c->from[0], y = c->from[1], z = c->from[2];
-    const double dx = c->way[0], dy = c->way[1], dz = c->way[2];
+    const double dx = c->delta[0], dy = c->delta[1], dz = c->delta[2];
     double xy = f[3] + f[6] * z, xz = f[4] + f[6] * y, yz = f[5] + f[6] * x;
     c->p[0] = f[0] * x + y * (f[1] + f[3] * x) + z * (f[2] + f[4] * x + y * yz);
     c->p[1] = dx * (f[0] + f[3] * y + z * xz) + dy * (f[1] + f[3] * x + z * yz) +
@@ -51,8 +51,8 @@ void cell_init(struct cell *c, const struct volume *v, const double o[3], const 
 struct vec3 cell_gradient(const struct cell *c, double w)
 {
     const double *f = c->f;
-    double x = c->from[0] + w * c->way[0], y = c->from[1] + w * c->way[1];
-    double z = c->from[2] + w * c->way[2];
+    double x = c->from[0] + w * c->delta[0], y = c->from[1] + w * c->delta[1];
+    double z = c->from[2] + w * c->delta[2];
     return v3((f[0] + f[3] * y + z * (f[4] + f[6] * y)) / c->edge[0],
         (f[1] + f[3] * x + z * (f[5] + f[6] * x)) / c->edge[1],
         (f[2] + f[4] * x + y * (f[5] + f[6] * x)) / c->edge[2]);

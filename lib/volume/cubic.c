@@ -1,13 +1,13 @@
 /*
- * cubic: roots by bracketing. A cubic is cut where it turns; between these points it is monotone,
- * so that a value between its ends is met once, and tangent roots, vanishing leading coefficients
- * and constants need no cases of their own.
+ * cubic: roots by bracketing. A cubic is cut at its turning points. Between them it is monotone, so
+ * a value between the ends has one root. Tangent roots, vanishing leading coefficients and
+ * constants need no special cases.
  */
 #include "volume/volume_int.h"
 
-/* After a step of this what is left is its square: of p, nothing. */
+/* After a step this small the remaining error is its square, which does not change p. */
 #define SQUARED 0x1p-27
-#define STEPS_MAX 200 /* bisection alone ends in 60 */
+#define STEPS_MAX 200 /* bisection alone needs 60 */
 
 void cubic_part(const double p[4], double a, double b, double q[4])
 {
@@ -30,7 +30,8 @@ int cubic_monotone(const double p[4], double w[4])
 {
     int n = 0;
     w[n++] = 0;
-    /* 3 p3 w^2 + 2 p2 w + p1, by the form that loses no digits, whichever coefficient is small. */
+    /* Roots of 3 p3 w^2 + 2 p2 w + p1, in the form that loses no digits if a coefficient is
+     * small. */
     double a = 3 * p[3], b = p[2], c = p[1], disc = b * b - a * c;
     if (disc > 0) {
         double q = -(b + copysign(sqrt(disc), b)), r0 = q / a, r1 = c / q;
@@ -38,7 +39,7 @@ int cubic_monotone(const double p[4], double w[4])
             double swap = r0;
             r0 = r1, r1 = swap;
         }
-        /* Comparisons are false for what is no number, which a = 0 makes. */
+        /* a = 0 yields NaN, for which the comparisons are false. */
         if (r0 > 0 && r0 < 1) w[n++] = r0;
         if (r1 > 0 && r1 < 1 && r1 > w[n - 1]) w[n++] = r1;
     }
@@ -46,7 +47,7 @@ int cubic_monotone(const double p[4], double w[4])
     return n;
 }
 
-/* Newton's steps, and where one leaves the bracket or gains little, a bisection. */
+/* Newton's method. Bisects if a step leaves the bracket or gains little. */
 double cubic_root(const double p[4], double a, double b, double y)
 {
     double fa = cubic_at(p, a) - y, fb = cubic_at(p, b) - y;

@@ -1,6 +1,6 @@
 /*
- * gauss: the rule of Gauss and Legendre. The roots of each Legendre polynomial lie between those
- * of the one before, so that bisection finds them by arithmetic alone: the same bits everywhere.
+ * gauss: Gauss-Legendre rules. The roots of each Legendre polynomial interlace with those of the
+ * previous one. So bisection finds them by arithmetic alone, with the same bits on every host.
  */
 #include "volume/volume_int.h"
 
@@ -28,7 +28,7 @@ static double root_between(int m, double lo, double hi)
     return lo;
 }
 
-void gauss_rule(struct rule *r, int m)
+void volume_gauss_rule(struct rule *r, int m)
 {
     r->m = m;
     double x[GAUSS_MAX] = {0}, old[GAUSS_MAX + 2] = {-1 + 0x1p-52, 1 - 0x1p-52};

@@ -1,18 +1,18 @@
 /*
- * integrate: the volume rendering integral over a stretch of a cell. Every method gathers
- * segments, each as T (1 - exp(-dtau)) times the k-weighted mean of its colour: the plain sum of
- * c k T would overshoot alpha where k is large.
+ * integrate: the volume rendering integral over a segment of a cell. Every method adds
+ * sub-segments, each as T (1 - exp(-dtau)) times the k-weighted mean of its colour. The plain sum
+ * of c k T would exceed alpha if k is large.
  */
 #include "volume/volume_int.h"
 
-#define DOUBLING_MAX 65536 /* sub-steps in a cell */
-#define HALVINGS_MAX 24    /* of a piece */
+#define DOUBLING_MAX 65536 /* maximum sub-steps per cell */
+#define HALVINGS_MAX 24    /* maximum halvings of a piece */
 
 void path_add(struct path *p, double dtau, const double rgb[3])
 {
-    double through = volume_exp(-dtau), seen = p->clear * (1 - through);
+    double through = volume_exp(-dtau), seen = p->transmittance * (1 - through);
     for (int c = 0; c < 3; c++) p->rgb[c] += seen * rgb[c];
-    p->clear *= through;
+    p->transmittance *= through;
 }
 
 double path_light(const struct path *p, double w)
@@ -31,7 +31,7 @@ double path_light(const struct path *p, double w)
 
 /* ---- trapezoid: as published ---------------------------------------------------------------- */
 
-/* Extinction, and colour as it arrives, at w of the cell. */
+/* Extinction, and the colour including light and attenuation, at w of the cell. */
 static double sample(struct path *p, double w, double rgb[3])
 {
     const struct map *m = &p->v->map;
@@ -39,7 +39,7 @@ static double sample(struct path *p, double w, double rgb[3])
     int i = map_find(m, s);
     p->v->counts.samples++;
     rgb[0] = rgb[1] = rgb[2] = 0;
-    if (i < 0 || m->span[i].clear) return 0;
+    if (i < 0 || m->span[i].transparent) return 0;
     const struct span *a = &m->span[i];
     double x = s - a->lo, light = path_light(p, w);
     for (int c = 0; c < 3; c++) rgb[c] = (a->rgb0[c] + a->rgb1[c] * x) * light;
@@ -73,34 +73,34 @@ static void doubling(struct path *p, double a, double b)
         *p = begin;
         n *= 2;
         trapezoid(p, a, b, n);
-        change = fabs(p->clear - before.clear);
+        change = fabs(p->transmittance - before.transmittance);
         for (int c = 0; c < 3; c++) change = fmax(change, fabs(p->rgb[c] - before.rgb[c]));
     } while (change >= p->v->o.tolerance && n < DOUBLING_MAX);
 }
 
 /* ---- Gauss-Legendre ------------------------------------------------------------------------- */
 
-double depth_to(const struct path *p, const struct piece *s, double x)
+double volume_depth_to(const struct path *p, const struct piece *s, double x)
 {
     const double *q = s->q;
     double mean = q[0] + x * (q[1] / 2 + x * (q[2] / 3 + x * q[3] / 4));
     return x * (s->span->k0 + s->span->k1 * mean) * (s->b - s->a) * p->cell->len;
 }
 
-void gauss(struct path *p, const struct piece *s, double depth, const struct rule *r)
+void volume_gauss(struct path *p, const struct piece *s, double depth, const struct rule *r)
 {
     const struct span *f = s->span;
     bool lit = is_lit(p->v);
     double sum = 0, rgb[3] = {0, 0, 0};
     for (int i = 0; i < r->m; i++) {
         double x = cubic_at(s->q, r->node[i]), k = f->k0 + f->k1 * x;
-        double weight = r->weight[i] * k * volume_exp(-depth_to(p, s, r->node[i]));
+        double weight = r->weight[i] * k * volume_exp(-volume_depth_to(p, s, r->node[i]));
         double light = lit ? path_light(p, s->a + (s->b - s->a) * r->node[i]) : 1;
         sum += weight;
         for (int c = 0; c < 3; c++) rgb[c] += weight * light * (f->rgb0[c] + f->rgb1[c] * x);
     }
     p->v->counts.samples += (uint64_t)r->m;
-    if (!(sum > 0)) { /* so deep that no node is seen: it is where it begins that is */
+    if (!(sum > 0)) { /* all weights underflow: only the start of the piece is visible */
         double light = lit ? path_light(p, s->a) : 1;
         for (int c = 0; c < 3; c++) rgb[c] = light * (f->rgb0[c] + f->rgb1[c] * s->q[0]);
         sum = 1;
@@ -109,7 +109,7 @@ void gauss(struct path *p, const struct piece *s, double depth, const struct rul
     path_add(p, depth, rgb);
 }
 
-void halve(const struct piece *s, struct piece half[2])
+void volume_halve(const struct piece *s, struct piece half[2])
 {
     double middle = s->a + (s->b - s->a) / 2;
     half[0] = half[1] = *s;
@@ -120,14 +120,14 @@ void halve(const struct piece *s, struct piece half[2])
 
 static void by_depth(struct path *p, const struct piece *s, int halvings)
 {
-    double depth = depth_to(p, s, 1);
+    double depth = volume_depth_to(p, s, 1);
     if (!(depth > 0) || path_done(p)) return;
     if (depth <= DEPTH_MAX || halvings == HALVINGS_MAX) {
-        gauss(p, s, depth, &p->v->rule);
+        volume_gauss(p, s, depth, &p->v->rule);
         return;
     }
     struct piece half[2];
-    halve(s, half);
+    volume_halve(s, half);
     by_depth(p, &half[0], halvings + 1);
     by_depth(p, &half[1], halvings + 1);
 }
@@ -136,9 +136,9 @@ static void piece_gauss(struct path *p, const struct piece *s) { by_depth(p, s, 
 
 /* ---- adaptive ------------------------------------------------------------------------------- */
 
-/* Exact k-weighted mean colour, from the integrals of q and its square: no sampling, no exp. What
- * it is wrong by is bounded per alpha that the piece adds (COVARIANCE), so that a ray's error is no
- * more than the worst piece's. */
+/* Adds the exact k-weighted mean colour, from the integrals of q and its square: no sampling, no
+ * exp. The error is bounded relative to the alpha that the piece adds (COVARIANCE). So the error of
+ * a ray is at most that of its worst piece. */
 static void moments(struct path *p, const struct piece *s, double depth)
 {
     const double *q = s->q;
@@ -153,25 +153,25 @@ static void moments(struct path *p, const struct piece *s, double depth)
     path_add(p, depth, rgb);
 }
 
-bool is_straight(const struct piece *s, double lo, double hi)
+bool volume_is_straight(const struct piece *s, double lo, double hi)
 {
     return fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
 }
 
-/* By exact moments or by nodes, what is good enough; else its halves. */
+/* Uses exact moments or Gauss nodes if their error bound suffices. Otherwise splits the piece. */
 static void by_bounds(struct path *p, const struct piece *s, int halvings)
 {
-    double depth = depth_to(p, s, 1), lo, hi;
+    double depth = volume_depth_to(p, s, 1), lo, hi;
     if (!(depth > 0) || path_done(p)) return;
     cubic_bounds(s->q, &lo, &hi);
     double error = s->span->slope * (hi - lo) * depth * COVARIANCE;
-    bool straight = is_straight(s, lo, hi);
+    bool straight = volume_is_straight(s, lo, hi);
     if (error <= p->v->o.tolerance) moments(p, s, depth);
     else if ((straight && depth <= DEPTH_MAX) || halvings == HALVINGS_MAX)
-        gauss(p, s, depth, &p->v->rule);
+        volume_gauss(p, s, depth, &p->v->rule);
     else {
         struct piece half[2];
-        halve(s, half);
+        volume_halve(s, half);
         for (int i = 0; i < 2; i++) by_bounds(p, &half[i], halvings + 1);
     }
 }
@@ -182,10 +182,10 @@ static void piece_adaptive(struct path *p, const struct piece *s)
     else by_bounds(p, s, 0);
 }
 
-void integrate_cut(struct path *p, const struct span *s)
+void volume_integrate_cut(struct path *p, const struct span *s)
 {
     if (!s) {
-        pieces_cut(p, 0, 1, piece_adaptive);
+        volume_pieces_cut(p, 0, 1, piece_adaptive);
         return;
     }
     const double *q = p->cell->p;
@@ -193,14 +193,14 @@ void integrate_cut(struct path *p, const struct span *s)
     piece_adaptive(p, &whole);
 }
 
-void integrate(struct path *p, double a, double b)
+void volume_integrate(struct path *p, double a, double b)
 {
     const struct volume_options *o = &p->v->o;
     if (p->v->map.n == 0) return;
     switch (o->method) {
     case VOLUME_TRAPEZOID: trapezoid(p, a, b, o->n); break;
     case VOLUME_DOUBLING: doubling(p, a, b); break;
-    case VOLUME_GAUSS: pieces(p, a, b, piece_gauss); break;
-    case VOLUME_ADAPTIVE: pieces(p, a, b, piece_adaptive); break;
+    case VOLUME_GAUSS: volume_pieces(p, a, b, piece_gauss); break;
+    case VOLUME_ADAPTIVE: volume_pieces(p, a, b, piece_adaptive); break;
     }
 }

@@ -1,12 +1,12 @@
 /*
- * kernel: cell.c and the exact moments for VD cells at a time, for the vector width of the file
- * that includes this (kernel_sse2.c, kernel_avx2.c, kernel_avx512.c).
+ * kernel: cell.c and the exact moments for VD cells at a time, at the vector width of the including
+ * file (kernel_sse2.c, kernel_avx2.c, kernel_avx512.c).
  */
 #include "volume/batch.h"
 #include "volume/simd.h"
 #include "volume/stream_ray.h"
 
-/* Local coordinates at t; rounding takes none out of the cell. */
+/* Local coordinates at t, clamped to the cell against rounding. */
 SIMD_INLINE vd local(const struct batch *b, int a, uint32_t j, vd t)
 {
     vd u = (b->o[a] + t * b->d[a] - vd_load(b->plane[a] + j)) * vd_load(b->inv[a] + j);

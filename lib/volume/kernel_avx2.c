@@ -1,5 +1,5 @@
-/* kernel_avx2: the kernel at 256 bits; the Makefile compiles this file with -mavx2 where there is
- * such a thing. */
+/* kernel_avx2: the kernel with 256-bit vectors. On x86-64 the Makefile compiles this file with
+ * -mavx2. */
 #ifdef __AVX2__
 #include "volume/kernel.h"
 

@@ -1,5 +1,5 @@
-/* kernel_avx512: the kernel at 512 bits; the Makefile compiles this file with -mavx512f and others
- * where there are such things. */
+/* kernel_avx512: the kernel with 512-bit vectors. On x86-64 the Makefile compiles this file with
+ * -mavx512f and related flags. */
 #ifdef __AVX512F__
 #include "volume/kernel.h"
 

@@ -1,4 +1,4 @@
-/* map: from scalars to extinction and colour, by the knots themselves: no table, no sampling. */
+/* map: extinction and colour from scalars, directly by the knots: no table, no sampling. */
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ static void span_init(struct span *p, const struct spec_knot *a, const struct sp
         p->rgb1[c] = (b->rgb[c] - a->rgb[c]) / width;
         p->slope = fmax(p->slope, fabs(p->rgb1[c]));
     }
-    p->clear = a->k == 0 && b->k == 0;
+    p->transparent = a->k == 0 && b->k == 0;
 }
 
 void map_init(struct map *m, const struct spec *s)
@@ -48,7 +48,7 @@ bool map_absorbs(const struct map *m, double lo, double hi)
 {
     for (uint32_t i = 0; i < m->n; i++) {
         const struct span *p = &m->span[i];
-        if (!p->clear && p->lo <= hi && p->hi >= lo) return true;
+        if (!p->transparent && p->lo <= hi && p->hi >= lo) return true;
     }
     return false;
 }

@@ -1,4 +1,4 @@
-/* The names of the methods, with the number that belongs to each. */
+/* method: the names of the methods and the number that follows each. */
 #include "volume/volume.h"
 
 #include <string.h>
@@ -8,7 +8,7 @@
 
 static const struct {
     const char *name;
-    int most; /* n from 1 to this must follow; 0: a tolerance may */
+    int most; /* maximum n, which must follow; 0: a tolerance may follow */
 } methods[] = {
     [VOLUME_ADAPTIVE] = {"adaptive", 0},
     [VOLUME_DOUBLING] = {"doubling", 0},

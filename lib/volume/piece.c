@@ -1,8 +1,7 @@
 /*
- * piece: a stretch of a cell is cut where the field along the ray meets a knot of the map. Within
- * a piece extinction and colour are polynomials, which Gauss-Legendre quadrature is made for. A
- * piece belongs to the span that holds in its middle: which side of a knot its ends are on is
- * left to no rounding.
+ * piece: cuts a segment of a cell where the field along the ray crosses a knot of the map. Within a
+ * piece extinction and colour are polynomials, which suits Gauss-Legendre quadrature. A piece
+ * belongs to the span at its middle, so rounding at its ends does not matter.
  */
 #include "volume/volume_int.h"
 
@@ -12,7 +11,7 @@ static void piece(struct path *p, double a, double b, int span, piece_fn *each)
 {
     const struct cell *c = p->cell;
     const struct span *s = span < 0 ? NULL : &p->v->map.span[span];
-    if (!s || s->clear || !(a < b)) return;
+    if (!s || s->transparent || !(a < b)) return;
     struct piece out = {.span = s, .a = a, .b = b};
     cubic_part(c->p, a, b, out.q);
     out.q[0] -= s->lo - c->base;
@@ -25,13 +24,13 @@ static void by_middle(struct path *p, double a, double b, piece_fn *each)
     piece(p, a, b, map_find(&p->v->map, middle), each);
 }
 
-/* Edge i of the map: the lower end of span i, or the upper end of the last. */
+/* Edge i of the map: the lower end of span i, or the upper end of the last span. */
 static double edge(const struct map *m, int i)
 {
     return i < (int)m->n ? m->span[i].lo : m->span[m->n - 1].hi;
 }
 
-/* From a to b the field is monotone. */
+/* Cuts a .. b, where the field is monotone. */
 static void monotone(struct path *p, double a, double b, piece_fn *each)
 {
     const struct map *m = &p->v->map;
@@ -50,23 +49,23 @@ static void monotone(struct path *p, double a, double b, piece_fn *each)
     by_middle(p, a, b, each);
 }
 
-void pieces(struct path *p, double a, double b, piece_fn *each)
+void volume_pieces(struct path *p, double a, double b, piece_fn *each)
 {
     const struct map *m = &p->v->map;
     double part[4], lo, hi;
     cubic_part(p->cell->p, a, b, part);
     cubic_bounds(part, &lo, &hi);
-    /* Mostly it is all in one span. */
+    /* The common case: the whole segment lies in one span. */
     int first = map_find(m, p->cell->base + lo), last = map_find(m, p->cell->base + hi);
     if (first == last && (first >= 0 || m->n == 0 || p->cell->base + lo > m->span[m->n - 1].hi ||
                              p->cell->base + hi < m->span[0].lo)) {
         piece(p, a, b, first, each);
         return;
     }
-    pieces_cut(p, a, b, each);
+    volume_pieces_cut(p, a, b, each);
 }
 
-void pieces_cut(struct path *p, double a, double b, piece_fn *each)
+void volume_pieces_cut(struct path *p, double a, double b, piece_fn *each)
 {
     double part[4], w[4];
     cubic_part(p->cell->p, a, b, part);

@@ -1,7 +1,8 @@
 /*
- * simd: vectors as wide as the file that includes this is compiled for: VD doubles, or LANES floats
- * in as many bytes. + - * / work lane by lane by the compilers' own vectors, each exactly the IEEE
- * operation, so that the width changes no bit; what they lack is said for AVX2, and in plain C.
+ * simd: vectors as wide as the including file's target allows: VD doubles, or LANES floats in as
+ * many bytes. + - * / use the compilers' vector types, work per lane and are exactly the IEEE
+ * operations. So the width changes no bit. The other operations are written with intrinsics, and in
+ * plain C for other targets.
  */
 #ifndef STORMRING_VOLUME_SIMD_H
 #define STORMRING_VOLUME_SIMD_H
@@ -26,10 +27,10 @@ typedef double vd __attribute__((vector_size(8 * VD)));
 typedef int64_t vl __attribute__((vector_size(8 * VD)));
 typedef float vf __attribute__((vector_size(4 * LANES)));
 typedef int32_t vi __attribute__((vector_size(4 * LANES)));
-typedef float vh __attribute__((vector_size(4 * VD))); /* half of a vf */
+typedef float vh __attribute__((vector_size(4 * VD))); /* half as many floats as a vf */
 
 #define SIMD_INLINE static inline __attribute__((always_inline))
-#define UNROLLED _Pragma("GCC unroll 4") /* a loop over arrays of vectors: in registers */
+#define UNROLLED _Pragma("GCC unroll 4") /* keeps arrays of vectors in registers */
 
 /* ---- doubles -------------------------------------------------------------------------------- */
 
@@ -65,7 +66,7 @@ SIMD_INLINE vd vd_sqrt(vd a)
 #endif
 }
 SIMD_INLINE vd vd_set(double a) { return a - (vd){0}; }
-/* m's lanes all ones: a, all zeros: b */
+/* Per lane: a if m is all ones, b if m is all zeros. */
 SIMD_INLINE vd vd_choose(vl m, vd a, vd b)
 {
 #ifdef __AVX512F__
@@ -77,7 +78,7 @@ SIMD_INLINE vd vd_choose(vl m, vd a, vd b)
 #endif
 }
 SIMD_INLINE vl vl_choose(vl m, vl a, vl b) { return (vl)vd_choose(m, (vd)a, (vd)b); }
-/* As a < b ? a : b, and a > b ? a : b. */
+/* a < b ? a : b, and a > b ? a : b. */
 SIMD_INLINE vd vd_min(vd a, vd b)
 {
 #ifdef __AVX512F__
@@ -98,7 +99,7 @@ SIMD_INLINE vd vd_max(vd a, vd b)
     return vd_choose((vl)(a > b), a, b);
 #endif
 }
-/* A bit a lane: its sign. */
+/* One bit per lane: its sign. */
 SIMD_INLINE unsigned vl_signs(vl m)
 {
 #ifdef __AVX512F__
@@ -123,7 +124,7 @@ SIMD_INLINE vd vd_gather(const double *p, vl at)
     return a;
 #endif
 }
-/* The same from places in memory, which processors are faster at when these are known for long. */
+/* The same with indices in memory. Faster if the indices were stored long before. */
 SIMD_INLINE vd vd_fetch(const double *p, const int64_t *at)
 {
 #ifdef __AVX512F__
@@ -137,7 +138,7 @@ SIMD_INLINE vd vd_fetch(const double *p, const int64_t *at)
     return a;
 #endif
 }
-/* The sign of each lane is bit at[i] of p, in byte[i]; 8 bytes from there on are read. */
+/* The sign of lane i is bit at[i] & 7 of p[byte[i]]. Reads 8 bytes from p + byte[i] on. */
 SIMD_INLINE vl vl_bits(const uint8_t *p, const int64_t *byte, vl at)
 {
     vl word;
@@ -155,13 +156,13 @@ SIMD_INLINE vl vl_bits(const uint8_t *p, const int64_t *byte, vl at)
     return word << (63 - (at & 7));
 }
 
-/* exp(x) for x <= 0, as volume_exp. */
+/* exp(x) for x <= 0, the same as volume_exp. */
 SIMD_INLINE vd vd_exp(vd x)
 {
     const vd log2_e = vd_set(1.4426950408889634074);
     const vd ln2_high = vd_set(0.693147180369123816490),
              ln2_low = vd_set(1.90821492927058770002e-10);
-    const vd round = vd_set(0x1.8p52); /* its last bits are then n */
+    const vd round = vd_set(0x1.8p52); /* adding this puts n into the last bits */
     vd sum = x * log2_e + round, n = sum - round;
     vd f = (x - n * ln2_high) - n * ln2_low, f2 = f * f, f4 = f2 * f2;
     vd q = (1.0 / 2 + 1.0 / 6 * f) + (1.0 / 24 + 1.0 / 120 * f) * f2 +
@@ -233,7 +234,7 @@ SIMD_INLINE unsigned vi_signs(vi m)
     return bits;
 #endif
 }
-/* Of two halves. */
+/* Joins two halves. */
 SIMD_INLINE vf vf_narrow(vd a, vd b)
 {
     vh low = __builtin_convertvector(a, vh), high = __builtin_convertvector(b, vh);
@@ -245,7 +246,7 @@ SIMD_INLINE vf vf_narrow(vd a, vd b)
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #endif
 }
-/* p[at]; few: of a table of at most 8, with room for 16. */
+/* p[at]. few: the table has at most 8 entries and room for 16. */
 SIMD_INLINE vf vf_lookup(const float *p, bool few, vi at)
 {
 #ifdef __AVX512F__
@@ -261,12 +262,10 @@ SIMD_INLINE vf vf_lookup(const float *p, bool few, vi at)
     return a;
 #endif
 }
-/*
- * exp(x) for x <= 0: to within 2 units of the last digit.
- */
+/* exp(x) for x <= 0, to within 2 units in the last place. */
 SIMD_INLINE vf vf_exp(vf x)
 {
-    const vf round = vf_set(0x1.8p23f); /* its last bits are then n */
+    const vf round = vf_set(0x1.8p23f); /* adding this puts n into the last bits */
     vf sum = x * 1.44269504f + round, n = sum - round;
     vf f = (x - n * 0.693359375f) + n * 2.12194440e-4f, f2 = f * f; /* ln 2 in two parts */
     vf q = (0.5f + f * (1.0f / 6)) +

@@ -1,13 +1,13 @@
 /*
- * skip: which cells show something: none of their corners is missing, and the map absorbs, or an
- * iso-surface has its value, somewhere between the least and the greatest of them. A trilinear
- * field is within its corners' range, so that what is skipped is exactly clear.
+ * skip: marks the visible cells. A cell is visible if no corner is missing and, between its lowest
+ * and highest corner, the map absorbs or an iso-surface has its value. A trilinear field stays
+ * within the range of its corners, so skipped cells are exactly transparent.
  */
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
 
-/* The range of the values at i of 4 rows: NaN where one is missing. */
+/* The range of the values at column i of 4 rows; NaN if a value is missing. */
 static void columns(
     const float *at, ptrdiff_t row, ptrdiff_t layer, uint32_t n, float *lo, float *hi)
 {
@@ -16,7 +16,7 @@ static void columns(
         float low = a < b ? a : b, high = a > b ? a : b;
         low = c < low ? c : low, high = c > high ? c : high;
         low = d < low ? d : low, high = d > high ? d : high;
-        float missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0, or NaN */
+        float missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0 or NaN */
         lo[i] = low + missing;
         hi[i] = high + missing;
     }
@@ -31,7 +31,7 @@ static bool seen(const struct volume *v, double lo, double hi)
     return map_absorbs(&v->map, lo, hi);
 }
 
-/* A row of cells between n columns, from the cell at `at` on. */
+/* Marks a row of cells between n columns, starting with cell `at`. */
 static void mark(struct volume *v, ptrdiff_t at, const float *lo, const float *hi, uint32_t n)
 {
     int32_t i[3];

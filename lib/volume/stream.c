@@ -1,21 +1,21 @@
-/* stream: the map as the kernels want it; where float is precise enough; pixels. */
+/* stream: the map in the kernels' layout; the test whether float suffices; pixels. */
 #include "volume/stream.h"
 
 #include <stdlib.h>
 
-/* What rounding in float comes to, by the range of a cell's values. */
+/* Bound on float rounding errors, relative to the range of a cell's values. */
 #define ROUNDING 0x1p-20
 #define TOLERANCE_MIN 0x1p-15
 
 /*
- * A value is wrong by ROUNDING of its cell's range at most, so that k is wrong by as much of itself
- * as that is of the span's width: and alpha by less.
+ * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
+ * that divided by the span's width; alpha's error is smaller.
  */
 bool stream_fits(const struct volume *v)
 {
     double width = HUGE_VAL;
     for (uint32_t i = 0; i < v->map.n; i++)
-        if (!v->map.span[i].clear) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
+        if (!v->map.span[i].transparent) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
     return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
 }
 
@@ -24,7 +24,7 @@ static float *table(const struct stream_map *m)
     return xcalloc(m->entries + STREAM_LANES, sizeof(float));
 }
 
-/* x as the sum of two. */
+/* Splits x into a sum of two floats. */
 static void split(double x, float *high, float *low)
 {
     *high = (float)x;
@@ -39,11 +39,11 @@ static void map_tables(struct stream_map *t, const struct map *m)
     float **const all[] = {&t->edge_high, &t->edge_low, &t->k0, &t->k1, &t->rgb0[0], &t->rgb0[1],
         &t->rgb0[2], &t->rgb1[0], &t->rgb1[1], &t->rgb1[2], &t->slope, &t->from_high, &t->from_low};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) *all[i] = table(t);
-    t->clear = xcalloc(t->entries, sizeof *t->clear);
-    t->clear[0] = t->clear[m->n + 1] = true;
+    t->transparent = xcalloc(t->entries, sizeof *t->transparent);
+    t->transparent[0] = t->transparent[m->n + 1] = true;
     for (uint32_t i = 0; i < m->n; i++) {
         const struct span *p = &m->span[i];
-        t->clear[i + 1] = p->clear;
+        t->transparent[i + 1] = p->transparent;
         split(p->lo, &t->edge_high[i], &t->edge_low[i]);
         split(p->lo, &t->from_high[i + 1], &t->from_low[i + 1]);
         t->k0[i + 1] = (float)p->k0;
@@ -83,7 +83,7 @@ void stream_free(struct stream *s)
     float *const all[] = {t->edge_high, t->edge_low, t->k0, t->k1, t->rgb0[0], t->rgb0[1],
         t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
-    free(t->clear);
+    free(t->transparent);
     free(s->room);
 }
 

@@ -1,5 +1,5 @@
 /*
- * stream_begin: where rays enter the grid: walk_begin of walk.c for VD of them at a time, by the
+ * stream_begin: the entry of rays into the grid: walk_begin of walk.c for VD rays at a time, by the
  * same operations.
  */
 #ifndef STORMRING_VOLUME_STREAM_BEGIN_H
@@ -9,14 +9,14 @@
 #include "volume/stream.h"
 
 struct aim {
-    vd d[3], inv[3]; /* direction; its reciprocals, 0 along an axis that it does not move on */
+    vd d[3], inv[3]; /* direction; its reciprocals, 0 on an axis without movement */
     vl up[3], down[3];
-    vd in[3], out[3]; /* the planes where it enters and leaves */
+    vd in[3], out[3]; /* planes of entry and exit */
     vd near, at[3], exit;
     vl hit;
 };
 
-/* Through the middles of pixels. */
+/* Directions through the middles of pixels. */
 SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
 {
     const double f[3] = {c->forward.x, c->forward.y, c->forward.z};
@@ -38,7 +38,7 @@ SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
     }
 }
 
-/* The stretch within the grid. */
+/* Clips the rays to the grid. */
 SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
 {
     const double eye[3] = {v->camera.eye.x, v->camera.eye.y, v->camera.eye.z};
@@ -71,16 +71,17 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
     }
 }
 
-#define TRIES 3 /* from the cells of the rays before, which are mostly these or the next */
+/* Starts at the cells of the previous rays; the new cells are mostly these or neighbours. */
+#define TRIES 3
 
-/* Is cell i left already? */
+/* True if the ray is already past cell i. */
 SIMD_INLINE vl is_left(const struct aim *m, const double *plane, int a, vl i)
 {
     vd p = vd_gather(plane + 1, i);
     return (vl)(p < m->at[a]) | (~m->down[a] & (vl)(p == m->at[a]));
 }
 
-/* As first_cell of walk.c. */
+/* The same as first_cell of walk.c. */
 SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int64_t *guess)
 {
     const double *plane = v->plane[a];
@@ -107,7 +108,7 @@ SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int
     return lo;
 }
 
-/* Into the starts from i on. */
+/* Writes the starts from index i on. Returns the cell's offset on this axis. */
 SIMD_INLINE vl start_axis(
     struct stream_starts *s, uint32_t i, const struct aim *m, const struct volume *v, int a)
 {
@@ -135,7 +136,7 @@ SIMD_INLINE vl start_axis(
     return cell * stride;
 }
 
-/* The next pixels' rays: those that meet the grid are in `hit`. */
+/* Sets up the rays of the next pixels. `hit` marks those that hit the grid. */
 static void begin(struct stream *s)
 {
     struct volume *v = s->v;

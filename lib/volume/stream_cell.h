@@ -1,4 +1,4 @@
-/* stream_cell: what the cells of the list add, LANES at a time. */
+/* stream_cell: the contributions of the cells of the list, LANES at a time. */
 #ifndef STORMRING_VOLUME_STREAM_CELL_H
 #define STORMRING_VOLUME_STREAM_CELL_H
 
@@ -25,7 +25,7 @@ SIMD_INLINE void eight_pairs(const float *value, const int64_t *node, __m256 *lo
     *high = _mm256_shuffle_ps(a, b, 0xdd);
 }
 #endif
-/* The values at the nodes, and at the next along x. */
+/* The values at the nodes and at their neighbours along x. */
 SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *high)
 {
 #ifdef __AVX512F__
@@ -49,10 +49,10 @@ SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *hig
 /* ---- the field along the ray ---------------------------------------------------------------- */
 
 struct cubics {
-    vf base, p[4]; /* less base */
+    vf base, p[4]; /* minus base */
 };
 
-/* As cell_init. */
+/* The same as cell_init. */
 SIMD_INLINE struct cubics cubics(const struct stream *s, uint32_t j)
 {
     struct cubics c;
@@ -65,7 +65,7 @@ SIMD_INLINE struct cubics cubics(const struct stream *s, uint32_t j)
     pairs(value + row + layer, s->node + j, &syz, &sxyz);
     fx -= o, fy -= o, sxy -= o, fz -= o, sxz -= o, syz -= o, sxyz -= o;
     vf x = vf_load(s->from[0] + j), y = vf_load(s->from[1] + j), z = vf_load(s->from[2] + j);
-    vf dx = vf_load(s->way[0] + j), dy = vf_load(s->way[1] + j), dz = vf_load(s->way[2] + j);
+    vf dx = vf_load(s->delta[0] + j), dy = vf_load(s->delta[1] + j), dz = vf_load(s->delta[2] + j);
     vf fxy = sxy - fx - fy, fxz = sxz - fx - fz, fyz = syz - fy - fz;
     vf fxyz = sxyz - sxy - syz - fxz + fy;
     vf xy = fxy + fxyz * z, xz = fxz + fxyz * y, yz = fyz + fxyz * x;
@@ -78,7 +78,7 @@ SIMD_INLINE struct cubics cubics(const struct stream *s, uint32_t j)
     return c;
 }
 
-/* Bounds: the control points'. */
+/* Bounds from the control points. */
 SIMD_INLINE void bounds(const vf p[4], vf *lo, vf *hi)
 {
     vf b1 = p[0] + p[1] * (1.0f / 3), b2 = b1 + (p[1] + p[2]) * (1.0f / 3);
@@ -91,7 +91,7 @@ SIMD_INLINE void bounds(const vf p[4], vf *lo, vf *hi)
 
 #define FEW_EDGES 12 /* are looked at one by one */
 
-/* The entries of the map that hold at lo and hi, both less base. */
+/* The map entries at lo and hi, both relative to base. */
 SIMD_INLINE void entries(const struct stream_map *m, vf base, vf lo, vf hi, vi *first, vi *last)
 {
     vi a = {0}, b = {0};
@@ -105,26 +105,26 @@ SIMD_INLINE void entries(const struct stream_map *m, vf base, vf lo, vf hi, vi *
     *last = b - (m->closed ? y < hi : y <= hi);
 }
 
-/* ---- what a stretch adds -------------------------------------------------------------------- */
+/* ---- what a segment adds -------------------------------------------------------------------- */
 
 /*
- * The colour of a stretch of optical depth D is the mean of c, weighted by exp(-u), u = tau from 0
- * to D. Let c be its mean over u, a part that is linear in u, and a rest r. The mean is by exact
- * moments. The linear part rises by c(end) - c(begin), so that r is the same at both ends; it
- * contributes what it rises by times
+ * The colour of a segment of optical depth D is the mean of c, weighted by exp(-u), u = tau from 0
+ * to D. Let c be its mean over u, a part that is linear in u, and a remainder r. The mean comes
+ * from exact moments. The linear part rises by c(end) - c(begin), so r has the same value at both
+ * ends. It contributes its rise times
  *
  *     1 / D - 1 / (exp(D) - 1) - 1 / 2 = -D / 12 + D^3 / 720 - D^5 / 30240 + ...
  *
- * and r, which is left out, no more than its range times D / 8 (see COVARIANCE). Within an entry of
- * the map c is linear in the field q, and u is the integral of k0 + k1 q: r is a polynomial of
- * degree 4 along the ray, within the range of its control points.
+ * r is omitted; it would contribute at most its range times D / 8 (see COVARIANCE). Within an entry
+ * of the map c is linear in the field q, and u is the integral of k0 + k1 q. So r is a polynomial
+ * of degree 4 along the ray, within the range of its control points.
  */
 struct added {
     vf rgb[3], alpha;
-    vf error; /* of the colour, at most, per alpha */
+    vf error; /* bound on the colour's error, per alpha */
 };
 
-/* What the linear part's rise is to be multiplied by; through: exp(-depth). */
+/* The factor of the linear part's rise. through: exp(-depth). */
 SIMD_INLINE vf lag(vf depth, vf through, vf alpha)
 {
     vf square = depth * depth;
@@ -134,7 +134,7 @@ SIMD_INLINE vf lag(vf depth, vf through, vf alpha)
     return vf_choose(deep, 1 / depth - through / alpha - 0.5f, few);
 }
 
-/* The range of r; k0: at the beginning; slope: what q rises by for each unit of k. */
+/* The range of r. k0: k at the start; slope: rise of q per unit of k. */
 SIMD_INLINE vf rest_range(const vf q[4], vf k0, vf k1, vf slope)
 {
     vf bend = slope * k1, zero = vf_set(0);
@@ -145,9 +145,9 @@ SIMD_INLINE vf rest_range(const vf q[4], vf k0, vf k1, vf slope)
     return vf_max(vf_max(b1, b2), vf_max(b3, zero)) - vf_min(vf_min(b1, b2), vf_min(b3, zero));
 }
 
-/* Of stretches of length len in the map's entries e, where the field is base + p. few: as of
+/* Integrates segments of length len in the map's entries e, where the field is base + p. few: see
  * vf_lookup. */
-SIMD_INLINE struct added stretch(
+SIMD_INLINE struct added integrate_segment(
     const struct stream_map *m, bool few, vi e, vf base, const vf p[4], vf len)
 {
     struct added r;
@@ -155,7 +155,8 @@ SIMD_INLINE struct added stretch(
     vf from = (vf_lookup(m->from_high, few, e) - base) + vf_lookup(m->from_low, few, e);
     const vf q[4] = {p[0] - from, p[1], p[2], p[3]};
     vf one = q[0] + q[1] * (1.0f / 2) + q[2] * (1.0f / 3) + q[3] * (1.0f / 4);
-    /* Its variance, as a sum of Legendre polynomials: the mean of the square is one^2 and that. */
+    /* The variance, as a sum of Legendre polynomials. The mean square is one^2 plus the
+     * variance. */
     vf slant = q[1] + q[2] + q[3] * 0.9f, bend = q[2] + q[3] * 1.5f;
     vf variance =
         slant * slant * (1.0f / 12) + bend * bend * (1.0f / 180) + q[3] * q[3] * (1.0f / 2800);
@@ -178,7 +179,7 @@ SIMD_INLINE void put_eight(float (*to)[4], __m256 r, __m256 g, __m256 b, __m256 
 {
     __m256 rg_low = _mm256_unpacklo_ps(r, g), rg_high = _mm256_unpackhi_ps(r, g);
     __m256 ba_low = _mm256_unpacklo_ps(b, a), ba_high = _mm256_unpackhi_ps(b, a);
-    const __m256 row[4] = {/* row i and, behind it, i + 4 */
+    const __m256 row[4] = {/* row i, followed by row i + 4 */
         _mm256_shuffle_ps(rg_low, ba_low, 0x44), _mm256_shuffle_ps(rg_low, ba_low, 0xee),
         _mm256_shuffle_ps(rg_high, ba_high, 0x44), _mm256_shuffle_ps(rg_high, ba_high, 0xee)};
     _mm256_storeu_ps(to[0], _mm256_permute2f128_ps(row[0], row[1], 0x20));
@@ -187,7 +188,7 @@ SIMD_INLINE void put_eight(float (*to)[4], __m256 r, __m256 g, __m256 b, __m256 
     _mm256_storeu_ps(to[6], _mm256_permute2f128_ps(row[2], row[3], 0x31));
 }
 #endif
-/* A row for each lane. */
+/* Writes one row per lane. */
 SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 {
 #ifdef __AVX512F__
@@ -205,10 +206,10 @@ SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 #endif
 }
 
-/* The field in the cells of the list. */
+/* Computes the field in the cells of the list. */
 static void fields(struct stream *s)
 {
-    /* What is behind the end is some cell. */
+    /* Pads the list with copies of its first cell. */
     for (uint32_t j = s->cells; j % LANES; j++) s->node[j] = s->node[0];
     for (uint32_t j = 0; j < s->cells; j += LANES) {
         struct cubics c = cubics(s, j);
@@ -224,15 +225,16 @@ static void fields(struct stream *s)
     }
 }
 
-/* What those add that are simple. (A loop of its own: short turns overlap in a processor, while one
- * waits for what it depends on.) */
+/* Integrates all cells; marks those that are simple. (A separate loop, because short iterations
+ * overlap in the processor.) */
 SIMD_INLINE void integrate_simple(struct stream *s, bool few)
 {
     for (uint32_t j = 0; j < s->cells; j += LANES) {
         const vf p[4] = {
             vf_load(s->p[0] + j), vf_load(s->p[1] + j), vf_load(s->p[2] + j), vf_load(s->p[3] + j)};
         vi first = vi_load(s->first + j), last = vi_load(s->last + j);
-        struct added r = stretch(&s->map, few, first, vf_load(s->base + j), p, vf_load(s->len + j));
+        struct added r =
+            integrate_segment(&s->map, few, first, vf_load(s->base + j), p, vf_load(s->len + j));
         unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
         put_added(s->add + j, &r);
         s->simple[j / LANES] = (uint16_t)simple;

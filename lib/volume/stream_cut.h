@@ -1,15 +1,16 @@
 /*
- * stream_cut: cells of the list that are not done with at once: cut where the field meets knots of
- * the map, as in piece.c, and where that is not enough for the tolerance, into ever finer parts.
+ * stream_cut: cells of the list that need more than one step. They are cut where the field crosses
+ * knots of the map, as in piece.c. Pieces that miss the tolerance are divided into ever finer
+ * parts.
  */
 #ifndef STORMRING_VOLUME_STREAM_CUT_H
 #define STORMRING_VOLUME_STREAM_CUT_H
 
 #include "volume/stream_cell.h"
 
-#define ROOT_STEPS 5      /* of Newton; where the last one is no smaller than this, */
-#define ROOT_LAST 0x1p-10 /* whose square is nothing in float, the cell is done alone */
-#define PARTS_MIN 8       /* of a piece */
+#define ROOT_STEPS 5      /* Newton steps */
+#define ROOT_LAST 0x1p-10 /* largest last step: its square is 0 in float. Else: cell done alone */
+#define PARTS_MIN 8       /* parts of a piece */
 #define PARTS_MAX 4096
 
 SIMD_INLINE vf at_v(const vf p[4], vf w) { return p[0] + w * (p[1] + w * (p[2] + w * p[3])); }
@@ -20,14 +21,14 @@ static inline float at(const float p[4], float w)
 
 /* ---- where ---------------------------------------------------------------------------------- */
 
-/* Does p not turn within 0 .. 1? For sure where its derivative's control points agree. */
+/* True if p is certainly monotone on 0 .. 1: the control points of its derivative have one sign. */
 static bool is_monotone(const float p[4])
 {
     float a = p[1], b = a + p[2], c = b + p[2] + 3 * p[3];
     return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
-/* Stretches of cell j between which it turns: their ends. */
+/* The ends and turning points of p on 0 .. 1. Returns their count. */
 static int turns(const float p[4], float w[4])
 {
     double wide[4], q[4] = {(double)p[0], (double)p[1], (double)p[2], (double)p[3]};
@@ -47,7 +48,7 @@ static void put_root(struct stream *s, const float p[4], float a, float b, float
     r->entry[n] = entry;
 }
 
-/* Asks for the roots of cell j; returns how many. */
+/* Queues the roots of cell j. Returns their number, or STREAM_PIECES if there are too many. */
 static uint32_t ask_roots(struct stream *s, uint32_t j)
 {
     const struct stream_map *m = &s->map;
@@ -73,7 +74,7 @@ static uint32_t ask_roots(struct stream *s, uint32_t j)
     return s->roots.n - before;
 }
 
-/* Newton's steps within a bracket, and bisections where they leave it. */
+/* Newton steps within a bracket; bisects if a step leaves it. */
 static void find_roots(struct stream_roots *r)
 {
     for (uint32_t j = 0; j < r->n; j += LANES) {
@@ -103,7 +104,7 @@ static void find_roots(struct stream_roots *r)
 static void put_piece(struct stream *s, uint32_t j, float a, float b, int32_t entry)
 {
     struct stream_pieces *q = &s->pieces;
-    if (!(a < b) || s->map.clear[entry]) return;
+    if (!(a < b) || s->map.transparent[entry]) return;
     uint32_t n = q->n++;
     for (int i = 0; i < 4; i++) q->p[i][n] = s->p[i][j];
     q->base[n] = s->base[j];
@@ -112,7 +113,7 @@ static void put_piece(struct stream *s, uint32_t j, float a, float b, int32_t en
     q->entry[n] = entry;
 }
 
-/* Between roots `from` and `to`; false where one was not found. */
+/* Queues the pieces between roots `from` and `to`. False if a root was not found. */
 static bool put_pieces(struct stream *s, uint32_t j, uint32_t from, uint32_t to)
 {
     const struct stream_roots *r = &s->roots;
@@ -129,13 +130,13 @@ static bool put_pieces(struct stream *s, uint32_t j, uint32_t from, uint32_t to)
     return true;
 }
 
-/* The part a .. b of p, whose stretch is so long. */
+/* Integrates part a .. b of p, a segment of length len. */
 SIMD_INLINE struct added part(
     const struct stream_map *m, bool few, vi entry, vf base, const vf p[4], vf a, vf b, vf len)
 {
     vf h = b - a, bend = p[2] + 3 * a * p[3];
     const vf q[4] = {at_v(p, a), h * (p[1] + a * (p[2] + bend)), h * h * bend, h * h * h * p[3]};
-    return stretch(m, few, entry, base, q, h * len);
+    return integrate_segment(m, few, entry, base, q, h * len);
 }
 
 SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
@@ -152,19 +153,19 @@ SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
     }
 }
 
-/* What a stretch adds to a ray's rgb and alpha. */
+/* Adds the contribution of a segment to a ray's rgb and alpha. */
 SIMD_INLINE void add_to(double sum[4], const float add[4])
 {
 #ifdef __AVX2__
     __m256d seen = (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add));
     _mm256_storeu_pd(sum, _mm256_loadu_pd(sum) + seen);
 #else
-    double clear = 1 - sum[3];
-    for (int c = 0; c < 4; c++) sum[c] += clear * (double)add[c];
+    double transmittance = 1 - sum[3];
+    for (int c = 0; c < 4; c++) sum[c] += transmittance * (double)add[c];
 #endif
 }
 
-/* What the pieces of cell j add together, unless some are to be refined. */
+/* Sums the pieces of cell j, unless one needs refinement. */
 static void put_whole(struct stream *s, uint32_t j)
 {
     const struct stream_pieces *q = &s->pieces;
@@ -177,7 +178,7 @@ static void put_whole(struct stream *s, uint32_t j)
     s->whole[j] = (uint8_t)(1 + s->piece_end[j] - s->piece[j]);
 }
 
-/* All of the list that is not simple. */
+/* Cuts all cells of the list that are not simple. */
 static void cut(struct stream *s)
 {
     uint32_t root[STREAM_ROOM], todo[STREAM_ROOM], n = 0;
@@ -209,7 +210,7 @@ static void cut(struct stream *s)
 
 /* ---- parts ---------------------------------------------------------------------------------- */
 
-/* In n parts. False when that is too coarse: the ray is then spoilt. */
+/* Integrates in n parts. False if n is too small; sum is then invalid. */
 static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])
 {
     const struct stream_pieces *q = &s->pieces;

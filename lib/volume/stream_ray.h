@@ -1,4 +1,4 @@
-/* stream_ray: the list added to its rays, front to back. */
+/* stream_ray: adds the list to its rays, front to back. */
 #ifndef STORMRING_VOLUME_STREAM_RAY_H
 #define STORMRING_VOLUME_STREAM_RAY_H
 
@@ -6,16 +6,16 @@
 #include "volume/stream_cut.h"
 #include "volume/stream_walk.h"
 
-/* One cell as it would be done alone. */
+/* Integrates one cell without vectors. */
 static void alone(struct stream *s, uint32_t j, double sum[4])
 {
     struct cell cell = {.base = (double)s->base[j], .len = (double)s->len[j]};
-    struct path p = {.v = s->v, .clear = 1 - sum[3], .cell = &cell};
+    struct path p = {.v = s->v, .transmittance = 1 - sum[3], .cell = &cell};
     for (int i = 0; i < 4; i++) cell.p[i] = (double)s->p[i][j];
     for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
-    integrate_cut(&p, NULL);
+    volume_integrate_cut(&p, NULL);
     for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
-    sum[3] = 1 - p.clear;
+    sum[3] = 1 - p.transmittance;
 }
 
 static void add(struct stream *s)

@@ -1,4 +1,4 @@
-/* stream_walk: LANES rays from cell to cell. */
+/* stream_walk: moves LANES rays from cell to cell. */
 #ifndef STORMRING_VOLUME_STREAM_WALK_H
 #define STORMRING_VOLUME_STREAM_WALK_H
 
@@ -40,7 +40,7 @@ static void put_axis(struct stream_lanes *l, int lane, const struct stream_start
     l->sign[a][lane] = (float)t->sign[a][i];
 }
 
-/* The next pixel whose ray meets the grid. */
+/* Gives the lane the next pixel whose ray hits the grid, or parks it. */
 static void put_ray(struct stream *s, int lane)
 {
     struct stream_lanes *l = &s->lanes;
@@ -75,7 +75,8 @@ static void take_ray(struct stream *s, int lane)
 
 /* ---- a step --------------------------------------------------------------------------------- */
 
-/* Which axis ends the cell; of several, the first: the others' steps are of no length. */
+/* The axis whose plane ends the cell. Of several axes the first: the steps of the others then have
+ * length 0. */
 struct which {
     vl x, y;
 };
@@ -96,7 +97,7 @@ SIMD_INLINE vd of_axes(struct which m, double (*of)[STREAM_WALKERS], int h)
     return of_axis(m, vd_load(of[0] + h), vd_load(of[1] + h), vd_load(of[2] + h));
 }
 
-/* Through the plane that ends the cell; and which one ends the next. */
+/* Steps through the plane that ends the cell and finds the plane that ends the next. */
 SIMD_INLINE void pass(struct stream *s, int h)
 {
     struct stream_lanes *l = &s->lanes;
@@ -128,7 +129,7 @@ SIMD_INLINE void pass(struct stream *s, int h)
 
 /* ---- the list ------------------------------------------------------------------------------- */
 
-/* The lanes of the mask, side by side. */
+/* Compaction: the lanes of the mask become adjacent. */
 #ifdef __AVX512F__
 struct order {
     __mmask16 of;
@@ -201,11 +202,11 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
     const struct order order = order_of(s, mask);
     uint32_t n = s->cells;
     vl node[HALVES];
-    vd t[HALVES], long_[HALVES], u[HALVES], way[HALVES];
+    vd t[HALVES], length[HALVES], u[HALVES], delta[HALVES];
     UNROLLED
     for (int h = 0; h < HALVES; h++) {
         t[h] = vd_load(l->t + h0 + h * VD);
-        long_[h] = end[h] - t[h];
+        length[h] = end[h] - t[h];
     }
     UNROLLED
     for (int a = 0; a < 3; a++) {
@@ -213,13 +214,13 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
         for (int h = 0; h < HALVES; h++) {
             vd rate = vd_load(l->rate[a] + h0 + h * VD);
             u[h] = (t[h] - vd_load(l->prev[a] + h0 + h * VD)) * rate;
-            way[h] = long_[h] * rate;
+            delta[h] = length[h] * rate;
         }
         vf base = vf_load(l->base[a] + h0), sign = vf_load(l->sign[a] + h0);
         pack_f(order, s->from[a] + n, base + sign * vf_narrow(u[0], u[1]));
-        pack_f(order, s->way[a] + n, sign * vf_narrow(way[0], way[1]));
+        pack_f(order, s->delta[a] + n, sign * vf_narrow(delta[0], delta[1]));
     }
-    pack_f(order, s->len + n, vf_narrow(long_[0], long_[1]));
+    pack_f(order, s->len + n, vf_narrow(length[0], length[1]));
     pack_f(order, s->of + n, (vf)vi_load(l->ray + h0));
     UNROLLED
     for (int h = 0; h < HALVES; h++) node[h] = vl_load(l->node + h0 + h * VD);
@@ -229,7 +230,7 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
 
 /* ---- the walk ------------------------------------------------------------------------------- */
 
-/* LANES rays from h0 on: their cells, where live, into the list; and on to the next. */
+/* LANES rays from lane h0: adds their live cells to the list and steps to the next cells. */
 SIMD_INLINE void step(struct stream *s, int h0)
 {
     struct stream_lanes *l = &s->lanes;
@@ -249,7 +250,7 @@ SIMD_INLINE void step(struct stream *s, int h0)
     for (int i = 0; i < HALVES; i++) pass(s, h0 + i * VD);
 }
 
-/* Who is at the end makes room for the next. */
+/* Lanes whose rays have ended take the next rays. */
 SIMD_INLINE void refill(struct stream *s, int h0)
 {
     struct stream_lanes *l = &s->lanes;
@@ -265,8 +266,9 @@ SIMD_INLINE void refill(struct stream *s, int h0)
 }
 
 /*
- * Fills the list; it is not full only when no ray is left. Who was put there by single numbers is
- * loaded as vectors only after the others' steps: at once would be to wait for memory.
+ * Fills the list. Stops early only if no ray is left. A new ray's lane is written by scalar stores;
+ * it is loaded as vectors only after the steps of the other lanes, because an immediate load would
+ * stall.
  */
 static void walk(struct stream *s)
 {

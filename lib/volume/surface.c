@@ -1,7 +1,7 @@
 /*
- * surface: iso-surfaces as roots. A ray carries from cell to cell on which side of each value it
- * is (below, or at and above), and meets the surface where that changes: a root on a face shared by
- * two cells, whose cubics may disagree about it by a rounding, is counted once.
+ * surface: iso-surfaces as roots. From cell to cell a ray carries its side of each value: below, or
+ * at or above. It crosses the surface where the side changes. So a root on a face shared by two
+ * cells counts once, even if their cubics differ there by rounding.
  */
 #include "volume/volume_int.h"
 
@@ -13,7 +13,7 @@ static uint32_t insert(struct crossing *list, uint32_t n, double w, const struct
     return n + 1;
 }
 
-/* At most 3 for each surface. */
+/* Finds the crossings of a cell, at most 3 per surface. Returns their number. */
 static uint32_t find(const struct path *p, bool fresh)
 {
     const struct volume *v = p->v;
@@ -37,17 +37,17 @@ static uint32_t find(const struct path *p, bool fresh)
     return n;
 }
 
-void surfaces(struct path *p, bool fresh)
+void volume_surfaces(struct path *p, bool fresh)
 {
     double from = 0;
     uint32_t n = p->v->spec->n_isos ? find(p, fresh) : 0;
     for (uint32_t i = 0; i < n; i++) {
         const struct crossing *x = &p->v->crossing[i];
-        if (x->w > from) integrate(p, from, x->w);
+        if (x->w > from) volume_integrate(p, from, x->w);
         from = x->w;
-        double light = path_light(p, x->w), seen = p->clear * x->iso->opacity;
+        double light = path_light(p, x->w), seen = p->transmittance * x->iso->opacity;
         for (int c = 0; c < 3; c++) p->rgb[c] += seen * light * x->iso->rgb[c];
-        p->clear *= 1 - x->iso->opacity;
+        p->transmittance *= 1 - x->iso->opacity;
     }
-    if (from < 1) integrate(p, from, 1);
+    if (from < 1) volume_integrate(p, from, 1);
 }

@@ -1,16 +1,16 @@
-/* volume: a grid made ready for one specification, and the rays of its pixels. */
+/* volume: prepares a grid for one specification and casts the rays of its pixels. */
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
 
-/* Of the rule whose error on pieces of DEPTH_MAX and BEND_MAX, times the range of a colour, is
- * within the tolerance. */
+/* Number of nodes of the smallest rule whose error on pieces of DEPTH_MAX and BEND_MAX, times the
+ * colour range, is within the tolerance. */
 static int nodes_for(double tolerance, const struct map *m)
 {
-    static const double error[] = {4e-3, 2e-4, 8e-6, 2.5e-7, 7e-9}; /* of 3 nodes and more */
+    static const double error[] = {4e-3, 2e-4, 8e-6, 2.5e-7, 7e-9}; /* of 3, 4, ... nodes */
     double range = 0;
     for (uint32_t i = 0; i < m->n; i++)
-        if (!m->span[i].clear)
+        if (!m->span[i].transparent)
             range = fmax(range, m->span[i].slope * (m->span[i].hi - m->span[i].lo));
     int n = 0;
     while (n < 5 && range * error[n] > tolerance) n++;
@@ -52,7 +52,8 @@ struct volume *volume_new(
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
-    gauss_rule(&v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
+    volume_gauss_rule(
+        &v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
     if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
     v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? kernel_avx512() : NULL;
     if (!v->kernel && o->isa != ISA_SSE2) v->kernel = kernel_avx2();
@@ -88,29 +89,29 @@ void volume_frame(struct volume *v, uint32_t w, uint32_t h)
 
 static void ray(struct path *p, struct walk *w)
 {
-    struct stretch s[1];
+    struct segment s[1];
     double last = -1;
     while (!path_done(p) && walk_cells(w, s, 1)) {
         cell_init(p->cell, w->v, w->o, w->d, s);
         p->cell->t += w->before;
-        surfaces(p, s->t0 != last);
+        volume_surfaces(p, s->t0 != last);
         last = s->t1;
         p->v->counts.cells++;
     }
 }
 
-void volume_put(const struct volume *v, const double rgb[3], double clear, float *rgba)
+void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba)
 {
     bool backed = v->spec->backed;
     for (int c = 0; c < 3; c++)
-        rgba[c] = (float)(rgb[c] + (backed ? clear * v->spec->background[c] : 0));
-    rgba[3] = backed ? 1 : (float)(1 - clear);
+        rgba[c] = (float)(rgb[c] + (backed ? transmittance * v->spec->background[c] : 0));
+    rgba[3] = backed ? 1 : (float)(1 - transmittance);
 }
 
 static void pixel(struct volume *v, uint64_t at, float *rgba)
 {
     struct cell cell;
-    struct path p = {.v = v, .clear = 1, .cell = &cell, .dir = volume_direction(v, at)};
+    struct path p = {.v = v, .transmittance = 1, .cell = &cell, .dir = volume_direction(v, at)};
     struct walk w;
     v->counts.rays++;
     if (walk_begin(&w, v, v->camera.eye, p.dir)) {
@@ -119,7 +120,7 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
         else ray(&p, &w);
         if (w.front.passed > v->counts.most_cells) v->counts.most_cells = w.front.passed;
     }
-    volume_put(v, p.rgb, p.clear, rgba);
+    volume_put(v, p.rgb, p.transmittance, rgba);
 }
 
 void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)

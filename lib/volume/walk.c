@@ -1,13 +1,13 @@
 /*
- * walk: from cell to cell. Where the ray meets a plane is computed from the plane's own coordinate
- * each time, never by adding steps (as J. Amanatides and A. Woo, "A fast voxel traversal algorithm
- * for ray tracing", Eurographics 1987, may on even grids): it is the same number for the cells on
- * both sides, and errors do not add up. The origin is moved to where the ray enters the grid, so
- * that an eye far away costs no digits inside.
+ * walk: traversal from cell to cell. The intersection with a plane is computed from the plane's own
+ * coordinate each time, not by adding steps (as J. Amanatides and A. Woo, "A fast voxel traversal
+ * algorithm for ray tracing", Eurographics 1987, may on even grids). So it is the same number for
+ * the cells on both sides, and errors do not add up. The origin is moved to the ray's entry into
+ * the grid, so a distant eye costs no digits inside.
  */
 #include "volume/volume_int.h"
 
-/* Where plane i of an axis is met. */
+/* t at plane i of an axis. */
 static double met(const struct walk *w, int a, int32_t i)
 {
     return (w->v->plane[a][i] - w->o[a]) * w->inv[a];
@@ -15,17 +15,17 @@ static double met(const struct walk *w, int a, int32_t i)
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* Where the plane n beyond the next one is met. */
+/* t at the plane n beyond the next one. */
 ALWAYS_INLINE double ahead(const struct walk *w, const struct front *f, int a, ptrdiff_t n)
 {
     return (f->plane[a][n * w->step[a]] - w->start[a]) * w->inv[a];
 }
 
-/* The first cell along an axis that is not left at 0 yet; in cells of the upper side where the ray
- * runs in a plane. */
+/* The first cell along an axis that the ray has not left at its origin. A ray within a plane
+ * belongs to the upper cell. */
 static int32_t first_cell(const struct walk *w, int a)
 {
-    int32_t lo = 0, hi = (int32_t)w->v->cells[a] - 1; /* the answer is in lo .. hi */
+    int32_t lo = 0, hi = (int32_t)w->v->cells[a] - 1; /* invariant: the answer is in lo .. hi */
     const double *plane = w->v->plane[a];
     while (lo < hi) {
         int32_t mid = (lo + hi) / 2;
@@ -36,7 +36,7 @@ static int32_t first_cell(const struct walk *w, int a)
     return lo;
 }
 
-/* The stretch of the ray within the grid; false when there is none. */
+/* Clips the ray to the grid. False if it misses. */
 static bool clip(struct walk *w, double *in)
 {
     double near = 0, far = HUGE_VAL;
@@ -54,7 +54,7 @@ static bool clip(struct walk *w, double *in)
     return near < far;
 }
 
-/* Where the ray is along an axis, and where it goes next. */
+/* Sets the ray's cell and next plane on an axis. */
 static void begin_axis(struct walk *w, int a)
 {
     const struct volume *v = w->v;
@@ -64,12 +64,12 @@ static void begin_axis(struct walk *w, int a)
     w->zero[a] = v->plane[a] + (w->step[a] > 0);
     w->front.plane[a] = w->zero[a] + i;
     w->start[a] = w->o[a];
-    if (w->step[a] == 0) w->inv[a] = 1, w->start[a] = -HUGE_VAL; /* no plane is ever met */
+    if (w->step[a] == 0) w->inv[a] = 1, w->start[a] = -HUGE_VAL; /* never meets a plane */
     else w->exit = fmin(w->exit, (v->plane[a][exit] - w->o[a]) * w->inv[a]);
     w->front.next[a] = ahead(w, &w->front, a, 0);
 }
 
-/* Through n planes. */
+/* Steps through n planes of an axis. */
 ALWAYS_INLINE void pass_axis(const struct walk *w, struct front *f, int a, ptrdiff_t n)
 {
     f->cell += (size_t)(n * w->to_cell[a]);
@@ -77,7 +77,7 @@ ALWAYS_INLINE void pass_axis(const struct walk *w, struct front *f, int a, ptrdi
     f->next[a] = ahead(w, f, a, 0);
 }
 
-/* Through the planes that are met at t, and no branch on which: that is chance to a processor. */
+/* Steps through all planes at t. No branch selects the axis, because it would be unpredictable. */
 ALWAYS_INLINE void pass(const struct walk *w, struct front *f, double t)
 {
     f->t = t;
@@ -104,7 +104,8 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
         const double *plane = v->plane[a];
         double low = plane[0], high = plane[v->cells[a]];
         at[a] = o[a] + w->before * w->d[a];
-        /* The plane where it enters, exactly; and rounding takes no ray out. */
+        /* The plane of entry, exactly. The clamp keeps rounding from moving the ray out of the
+         * grid. */
         if (w->before > 0 && w->before == met(w, a, w->step[a] > 0 ? 0 : (int32_t)v->cells[a]))
             at[a] = w->step[a] > 0 ? low : high;
         at[a] = at[a] < low ? low : at[a] > high ? high : at[a];
@@ -116,15 +117,15 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     return true;
 }
 
-/* Where the block is left along an axis. */
+/* t at which the ray leaves the block along an axis. */
 ALWAYS_INLINE double block_end(const struct walk *w, const struct front *f, int a, int32_t i)
 {
     int32_t in = i & (BLOCK - 1);
     return ahead(w, f, a, w->step[a] > 0 ? BLOCK - 1 - in : in);
 }
 
-/* Of the planes ahead, as many are passed as are met until the block ends: counted, without a
- * branch here too. */
+/* Steps through all planes of this axis that the ray meets before the block ends. Counts them
+ * without a branch. */
 ALWAYS_INLINE void leap_axis(const struct walk *w, struct front *f, int a, double end)
 {
     ptrdiff_t n = 0;
@@ -133,7 +134,7 @@ ALWAYS_INLINE void leap_axis(const struct walk *w, struct front *f, int a, doubl
     pass_axis(w, f, a, n);
 }
 
-/* Past a block that shows nothing. */
+/* Skips a block without live cells. */
 ALWAYS_INLINE void leap(const struct walk *w, struct front *f, const int32_t i[3])
 {
     double x = block_end(w, f, 0, i[0]), y = block_end(w, f, 1, i[1]);
@@ -144,16 +145,16 @@ ALWAYS_INLINE void leap(const struct walk *w, struct front *f, const int32_t i[3
     f->t = end;
 }
 
-uint32_t walk_cells(struct walk *w, struct stretch *out, uint32_t most)
+uint32_t walk_cells(struct walk *w, struct segment *out, uint32_t most)
 {
     const struct volume *v = w->v;
-    struct front f = w->front; /* in registers, as far as they go */
+    struct front f = w->front; /* a copy, so that the compiler keeps it in registers */
     uint32_t n = 0;
     while (n < most && f.t < w->exit) {
         double end = least(least(f.next[0], f.next[1]), f.next[2]);
-        bool real = end > f.t; /* else it only touches the cell */
+        bool real = end > f.t; /* otherwise the ray only touches the cell */
         bool live = v->live[f.cell >> 3] >> (f.cell & 7) & 1;
-        struct stretch *s = &out[n];
+        struct segment *s = &out[n];
         s->t0 = f.t;
         s->t1 = end;
         s->i[0] = (int32_t)(f.plane[0] - w->zero[0]);

@@ -117,7 +117,8 @@ static void leave_surface(const struct tracer *t, uint64_t seed, struct placing 
         t->k->closest(&t->bvh, &r, &h);
         if (h.item == NO_ITEM) continue;
         const struct item *it = &t->items[h.item];
-        struct vec3 p = v3_mad(r.o, r.d, h.t), normal = shapes[it->kind]->normal(t->scene, it, &p);
+        struct vec3 p = v3_mad(r.o, r.d, h.t),
+                    normal = trace_shapes[it->kind]->normal(t->scene, it, &p);
         if (it->kind != ITEM_TRIANGLE && v3_dot(normal, r.d) > 0) continue; /* seen from inside */
         if (v3_dot(normal, r.d) > 0) normal = v3_scale(normal, -1);
         struct vec3 side = v3_unit(v3_cross(normal, r.d));

@@ -38,7 +38,7 @@ static uint32_t walked(
     const struct volume *v, struct vec3 o, struct vec3 d, double *length, double *gap)
 {
     struct walk w;
-    struct stretch s[1];
+    struct segment s[1];
     double last = 0;
     uint32_t n = 0;
     *length = *gap = 0;
