@@ -323,7 +323,7 @@ awk 'FNR == NR { there[$1] = 1; next }
 	}
 }' "$tmp/there" "$tmp/prose" | grep -v '[.][ch]:[0-9]*: [a-z_]*[.][ch]: ' >"$found"
 clean 'pages and comments name files that exist'
-words='\b[Ww]ho(ever|m)?\b|\b[Ll]est\b|\bso many\b|\bof it[.;]|\b([Nn]o|[Aa]ny|[Ss]ome)body\b|comes? of (it|that)\b|\bin store\b|^[^ ]* What is\b|[.;:] [Ww]hat is\b'
+words='\b[Ww]ho(ever|m)?\b|\b[Ll]est\b|\bso many\b|\bof it[.;]|\b([Nn]o|[Aa]ny|[Ss]ome)body\b|comes? of (it|that)\b|\bin store\b|^[^ ]* What is\b|[.] What is\b'
 # People are "who"; the rest are words that a reader has to read twice.
 grep -E "$words" "$tmp/prose" | grep -vE '(people|users?|reader|somebody) who|^man/stormring-hosts' >"$found"
 clean 'prose does without words that need a second reading'

@@ -39,7 +39,7 @@ void warn(const char *fmt, ...) PRINTF_LIKE(1, 2);
 /* The same, then exit(status). */
 _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
 /*
- * Prints "who: text" on stderr: a line from another program. Unprintable bytes appear as \x1b.
+ * Prints "NAME: text" on stderr: a line from another program. Unprintable bytes appear as \x1b.
  */
 void relay(const char *who, const char *text, size_t n);
 /*

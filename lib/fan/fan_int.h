@@ -158,7 +158,7 @@ bool fan_room_down(const struct fan *f);
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
 void fan_slot_up(struct fan *f, struct fan_slot *s);
-/* Sends a task record to slot k, and keeps account of it. Returns 0, or the status to end with. */
+/* Sends a task record to slot k, and records it. Returns 0, or the status to end with. */
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* True if the slot is sent what is queued for it. */
 bool fan_slot_fed(const struct fan_slot *s);

@@ -1,7 +1,7 @@
 /*
  * accuracy_bench: what pictures of the tests' wind cost, and what they are wrong by: seen from
  * above, 500 x 500, by the smooth map, the same of an extinction 20 times as high, or a contour of
- * so many m/s.
+ * this many m/s.
  *
  *     reference MAP FILE        a picture that has converged, as raw float RGBA; ends the program
  *                               where marching in long double, at some pixels, sees another

@@ -41,7 +41,7 @@ static struct part *first(const struct way *w)
     return buf_size(&w->parts) ? (struct part *)(void *)(w->parts.data + w->parts.off) : NULL;
 }
 
-/* What is due, as far as the pipe takes it. False where nobody reads there. */
+/* Writes the bytes that are due, up to what the pipe takes. False if its reader is gone. */
 static bool pass(struct way *w)
 {
     for (struct part *p; (p = first(w)) != NULL && p->due_us <= now_us();) {

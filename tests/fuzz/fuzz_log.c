@@ -1,7 +1,7 @@
 /*
- * Whatever a log holds: what is counted of a frame is there; what is said to be missing is missing,
- * and a run that is appended to the log and renders just that makes every picture whole; and so
- * does one that renders the rows as partition -r leaves them.
+ * Whatever a log holds: counted pixels are there, missing ones are missing. A run that is appended
+ * to the log and renders only the missing pixels completes every picture; so does a run that
+ * renders the rows left by partition -r.
  */
 #include "log/log.h"
 #include "mend.h"
@@ -101,7 +101,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     int odd = log_survey(&l, &in);
     MUST(odd == 0 || (odd == 1 && strstr(in.why, ", expected ")));
     check_counts(&in);
-    if (odd && strstr(in.why, "format")) { /* nobody appends to it */
+    if (odd && strstr(in.why, "format")) { /* no run appends to it */
         intake_free(&in);
         log_close(&l);
         return 0;

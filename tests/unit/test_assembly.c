@@ -1,4 +1,4 @@
-/* The commit: once per pixel, the first stands; who may commit where; memory; what is missing. */
+/* The commit: once per pixel, the first stands; access; memory; missing pixels. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

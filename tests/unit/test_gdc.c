@@ -34,7 +34,7 @@ static struct sim_plan plan_of(uint64_t seed)
     return p;
 }
 
-/* Without faults, a row is computed twice only where somebody was taken for dead. */
+/* Without faults, a row is computed twice only if a node was taken for dead. */
 static bool run_seed(uint64_t seed, struct sim_result *r)
 {
     struct sim_plan plan = plan_of(seed);

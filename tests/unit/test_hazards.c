@@ -50,16 +50,16 @@ static void add_fault(struct hazard *h, enum sim_fault_kind kind, int32_t k, int
 
 struct seen {
     struct sim_result r;
-    int32_t computed[ROWS_MOST];      /* so often a node said so */
+    int32_t computed[ROWS_MOST];      /* how often a node reported it */
     bool gave[NODES_MOST][ROWS_MOST]; /* node k gave that row to another one */
-    int32_t holder[ROWS_MOST];        /* whom it was sent to last */
-    int32_t came_back;                /* a row that was sent to who had given it away, -1 */
-    int64_t waited_us;                /* and so long ago that one had asked */
+    int32_t holder[ROWS_MOST];        /* the node it was sent to last */
+    int32_t came_back;                /* a row that went back to a node that gave it away; -1 */
+    int64_t waited_us;                /* the time since that node had asked */
     int64_t asked_us[NODES_MOST];     /* the latest time */
     bool committed[ROWS_MOST];
     int32_t last;                /* the last row that was committed */
-    int32_t reports[NODES_MOST]; /* so often node k was taken for dead */
-    int32_t heirs[NODES_MOST];   /* and by so many it was followed */
+    int32_t reports[NODES_MOST]; /* how often node k was reported dead */
+    int32_t heirs[NODES_MOST];   /* the number of its heirs */
     bool lost[NODES_MOST];       /* node k is; and the time of: */
     int64_t lost_us, said_us;    /* the latest loss; the latest word of a node */
 };
@@ -276,7 +276,7 @@ static void a_node_declared_dead_returns(void **state)
     by_default_it_ends(&h, false); /* what it is on may be taken over, when that is late */
 }
 
-/* Node 1 dies and comes up anew before it was missed: it answers, nobody asks for what it had. */
+/* Node 1 dies and comes up anew before it is missed. It answers, so its rows are not asked for. */
 static void a_node_that_returns_before_it_is_missed_hides_its_loss(void **state)
 {
     struct hazard h = {.nodes = 2, .more = {.seed = 1, .p_return = 1}};

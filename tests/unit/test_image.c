@@ -1,4 +1,4 @@
-/* Curves, codecs and names: what is written is read again; what is damaged is refused and leaks
+/* Curves, codecs and names: round trips; damaged files are refused and leak
  * nothing. */
 #include <errno.h>
 #include <setjmp.h>

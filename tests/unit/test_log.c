@@ -90,7 +90,7 @@ static void test_origin(void **state)
     buf_free(&b);
 }
 
-/* What a shell would take for more than words is not repeated to anybody. */
+/* Text that a shell would take for more than words is not repeated. */
 static void test_options_are_words(void **state)
 {
     (void)state;
@@ -183,7 +183,7 @@ static void test_coverage(void **state)
     buf_free(&b);
 }
 
-/* A second opening, by whomever, is refused while the first stands; what is appended stays. */
+/* A second opening is refused while the first lasts; appended bytes stay. */
 static void test_lock(void **state)
 {
     (void)state;

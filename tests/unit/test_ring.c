@@ -104,7 +104,7 @@ static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
     return 1e6 * total_s / sum_power / (double)r.end_us;
 }
 
-/* Who is slow is relieved in time, whatever its place in the ring. */
+/* A slow node is relieved in time, wherever it is in the ring. */
 static void work_is_spread_over_unequal_hosts(void **state)
 {
     double mean = 0, far = 0;
@@ -168,7 +168,7 @@ static int64_t asks_again_us(bool told)
     return asked_us;
 }
 
-/* Who waited long for work is not, from then on, one that wants some as long before. */
+/* A node that waited long for work does not count as early from then on. */
 static void a_wait_for_work_is_no_measure_of_an_ask(void **state)
 {
     (void)state;

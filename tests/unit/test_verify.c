@@ -325,7 +325,7 @@ static void test_parent_and_piece(void **state)
     verify_free(&v);
 }
 
-/* Half of a piece is no check of it; the other half is what is asked for then. */
+/* Half of a piece does not check it; then the other half is asked for. */
 static void test_half(void **state)
 {
     (void)state;
@@ -435,7 +435,7 @@ static void test_one_host(void **state)
     verify_free(&v);
 }
 
-/* One that contradicts itself is wrong once; two against two, nobody knows. */
+/* A slot that contradicts itself is wrong once; two against two is undecided. */
 static void test_both_ways(void **state)
 {
     (void)state;

@@ -105,7 +105,7 @@ static void converges_to_the_integral(void **state)
     }
 }
 
-/* Nothing varies; steps of 1e18; denormals, holes and all of it. */
+/* Nothing varies; steps of 1e18; denormals, holes, and all together. */
 static float hard_value(int kind, uint64_t i)
 {
     static const float v[] = {5, 1e18F, -1e18F, 1e-40F, 0, NAN};

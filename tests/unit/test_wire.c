@@ -596,7 +596,7 @@ static void test_sealed_lines(void **state)
     buf_free(&log);
 }
 
-/* Only workers' lines have to be sealed: who writes tasks by hand has no sums. */
+/* Only workers' lines must be sealed: tasks written by hand have no sums. */
 static void test_seal_is_asked_for(void **state)
 {
     (void)state;
@@ -790,7 +790,7 @@ static void test_generations(void **state)
     assert_false(generation_lives(&g, &older));
 }
 
-/* How many live after n views of a grid, of so many bytes. */
+/* How many generations live after n views of a grid of this many bytes. */
 static uint32_t lives(uint32_t n, size_t grid, size_t spec, bool keeps)
 {
     struct generations g = {.keeps = keeps};
