@@ -43,9 +43,10 @@ probed   = $(foreach f,$(HARD),$(call accepted,$(f))) $(if $(findstring -fsaniti
            $(call accepted,$(FORTIFY)3),$(call accepted,$(FORTIFY)2)))
 HARDENED = $(eval HARDENED := $(probed))$(HARDENED)
 # Three files are compiled for wider vectors, and used only where the machine has them.
-FLAGS_kernels_avx2 = $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),-mavx2 -mno-fma)
-FLAGS_kernel_avx2 = $(FLAGS_kernels_avx2)
-FLAGS_kernel_avx512 = $(if $(FLAGS_kernels_avx2),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
+X86      = $(findstring x86_64,$(shell $(CC) -dumpmachine))
+FLAGS_trace/trace_avx2    = $(if $(X86),-mavx2 -mno-fma)
+FLAGS_volume/volume_avx2  = $(FLAGS_trace/trace_avx2)
+FLAGS_volume/volume_avx512 = $(if $(X86),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
 LIBS     = -Wl,--as-needed -lpng -lz -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build
@@ -164,7 +165,7 @@ $(BUILD)/libstormring.a: $(LIBOBJ)
 
 $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(FLAGS_$(notdir $*)) -MMD -MP -c -o $@ $<
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(FLAGS_$*) -MMD -MP -c -o $@ $<
 
 $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(BUILD)/dep $(BIN)

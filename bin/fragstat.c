@@ -177,7 +177,7 @@ static void make_spans(struct report *r)
     }
     r->run_s = xcalloc(l->n_runs, sizeof *r->run_s);
     struct times *of = xcalloc(r->n_rows, sizeof *of);
-    timeline(r->spans, l->n_dones, of, r->n_rows, r->run_s, l->n_runs);
+    stats_timeline(r->spans, l->n_dones, of, r->n_rows, r->run_s, l->n_runs);
     for (size_t k = 0; k < r->n_rows; k++) r->rows[k].times = of[k];
     for (size_t i = 0; i < l->n_runs; i++) r->makespan_s += r->run_s[i];
     free(of);
@@ -216,7 +216,7 @@ static void find_bound(struct report *r, const char *path)
     }
     double *v = xcalloc(r->n_rows, sizeof *v);
     for (size_t k = 0; k < r->n_rows; k++) v[k] = r->rows[k].power;
-    r->bound_s = lower_bound_pieces(p, l->n_dones, v, r->n_rows);
+    r->bound_s = stats_lower_bound_pieces(p, l->n_dones, v, r->n_rows);
     free(v);
     free(p);
     history_free(&one.log);

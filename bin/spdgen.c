@@ -32,7 +32,7 @@ static int checked_size(const struct spd_scene *scene, int size)
 static void list_scenes(int size)
 {
     printf("# name size primitives formula\n");
-    for (size_t i = 0; i < n_spd_scenes; i++) {
+    for (size_t i = 0; i < spd_n_scenes; i++) {
         const struct spd_scene *scene = &spd_scenes[i];
         int s = checked_size(scene, size);
         printf(

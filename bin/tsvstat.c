@@ -231,7 +231,7 @@ static void summarise(const struct table *t, const struct options *o)
         struct interval of = inference_mean(y, n, o->level);
         for (size_t k = 0; k < p->n; k++) x += r[k].x / (double)p->n;
         printf("%s\t%s\t%s\t%.9g\t%zu\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\n", r->experiment, r->kind,
-            r->method, x, n, p->n - n, of.estimate, variance(y, n), of.low, of.high);
+            r->method, x, n, p->n - n, of.estimate, stats_variance(y, n), of.low, of.high);
         free(y);
     }
 }
@@ -279,7 +279,7 @@ static struct interval compared(const struct options *o, const struct row *a, si
     }
     if (o->relation == SAME) {
         /* If the mean is 0, only 0 counts as the same. */
-        double whole = fmax(fabs(mean(y, samples(b, m, y))), DBL_MIN);
+        double whole = fmax(fabs(stats_mean(y, samples(b, m, y))), DBL_MIN);
         of = (struct interval){of.estimate / whole, of.low / whole, of.high / whole};
     }
     free(x);

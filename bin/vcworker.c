@@ -339,12 +339,12 @@ static void print_times(const struct sample of[2])
     static const char *const names[] = {"min_s", "max_s", "median_s", "mean_s", "sd_s"};
     for (int i = 0; i < 2; i++) {
         if (!of[i].n) continue;
-        v[2][i] = median(of[i].s, of[i].n); /* sorts, so first and last are the extremes */
+        v[2][i] = stats_median(of[i].s, of[i].n); /* sorts, so first and last are the extremes */
         double first = of[i].s[0], last = of[i].s[of[i].n - 1];
         v[0][i] = fmin(first, last);
         v[1][i] = fmax(first, last);
-        v[3][i] = mean(of[i].s, of[i].n);
-        v[4][i] = sqrt(variance(of[i].s, of[i].n));
+        v[3][i] = stats_mean(of[i].s, of[i].n);
+        v[4][i] = sqrt(stats_variance(of[i].s, of[i].n));
     }
     for (int k = 0; k < 5; k++) print_time(names[k], v[k], of);
 }

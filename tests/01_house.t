@@ -51,6 +51,74 @@ FNR == 1 { split(FILENAME, path, "/"); from = path[2]; if (!known[from]) print F
 }' "$tmp/arrows" lib/*/*.[ch] >"$found"
 clean 'modules include only what the table allows'
 
+# A name that files share begins with its module's name, or with one of these words, which no other module has.
+cat >"$tmp/prefixes" <<'END'
+backdrop drawing lines outline
+base buf camera close_stdout cpu_us die err hash64 isa load_file now_us opt outfile parse portable_tan print_real prog progress
+base put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
+drive tags
+grib gb
+grid vtk
+hosts host
+image assembly pam pfm png pnm quantizer sampler srgb
+log intake
+pipe blob down outlet stdout_private stream up
+proc child cores_available signals status_text want_descriptors
+scene corners nff points pov reader token tokens
+sched deal gdc hub node pace policy ring set
+task chunk_at coverage cut frames lattice list tasks
+trace bvh cone_shape crossings light media sah sphere_shape tracer triangle_shape wave
+volume batch cell cubic lit map path skip_init walk
+wire generation rec
+END
+objects=${BUILD:-build}
+for source in lib/*/*.c; do
+	object=$objects/${source#lib/}
+	[ ! -e "${object%.c}.o" ] || nm -g "${object%.c}.o" | awk -v file="$source" '{ print file, $(NF - 1), $NF }'
+done >"$tmp/externs"
+[ -s "$tmp/externs" ] || echo "$objects has no objects" >"$tmp/externs"
+awk '
+FNR == NR { for (i = 2; i <= NF; i++) { may[$1, $i] = 1; if ($i in of && of[$i] != $1) print $i ": of " of[$i] " and of " $1; of[$i] = $1 } next }
+$2 ~ /^[A-TV-Z]$/ {
+	split($1, path, "/")
+	module = path[2]; known = 0
+	n = split($3, word, "_")
+	prefix = word[1]
+	for (i = 1; i <= n; i++) {
+		if (i > 1) prefix = prefix "_" word[i]
+		known = known || prefix == module || (module, prefix) in may
+	}
+	if (!known) print $1 ":1: " $3 " does not begin with " module ", nor with a word of its table"
+}
+NF < 3 || $1 !~ /^lib/' "$tmp/prefixes" "$tmp/externs" >"$found"
+clean 'what files share begins with the name of its module'
+
+# Files that call each other in a circle are one machine, and say so at their head.
+awk '
+$2 != "U" && $2 ~ /^[A-Z]$/ { at[$3] = $1 }
+{ line[++n] = $0 }
+END {
+	for (i = 1; i <= n; i++) {
+		split(line[i], f, " ")
+		if (f[2] == "U" && f[3] in at && at[f[3]] != f[1]) calls[f[1], at[f[3]]] = 1
+		left[f[1]] = 1
+	}
+	do { # what calls none of those left, or is called by none of them, is in no circle
+		gone = 0
+		for (a in left) {
+			out = into = 0
+			for (b in left) { out += (a, b) in calls; into += (b, a) in calls }
+			if (!out || !into) { delete left[a]; gone = 1 }
+		}
+	} while (gone)
+	for (a in left) for (b in left) reaches[a, b] = (a, b) in calls
+	for (c in left) for (a in left) for (b in left) if (reaches[a, c] && reaches[c, b]) reaches[a, b] = 1
+	for (a in left) if (reaches[a, a]) print a
+}' "$tmp/externs" | sort | while read -r file; do
+	sed '/^#/q' "$file" | tr -s '\n *' ' ' | grep -q 'One machine with' || echo "$file:1: calls files that call it, expected \"One machine with ...\" at its head"
+done >"$found"
+clean 'files that call each other say so'
+
 awk '/^[ \t]*#[ \t]*include[ \t]*"/ {
 	split($0, part, "\""); split(part[2], to, "/")
 	if (to[2] != to[1] ".h") print FILENAME ":" FNR ": " part[2] " is private to " to[1]

@@ -6,12 +6,12 @@
 
 static double side(const struct half *h, struct point p) { return h->a * p.x + h->b * p.y + h->c; }
 
-struct point point_between(struct point p, struct point q, double f)
+struct point outline_between(struct point p, struct point q, double f)
 {
     return (struct point){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
 }
 
-void seen_halves(const struct drawing *s, struct half h[HALVES])
+void outline_halves(const struct drawing *s, struct half h[HALVES])
 {
     const double *scale = s->b->spec->scale, *lo = s->lo, *hi = s->hi;
     const struct vec3 f = s->camera.forward, e = s->camera.eye;
@@ -25,7 +25,7 @@ void seen_halves(const struct drawing *s, struct half h[HALVES])
         f.z * corner.z - v3_dot(f, e) - 1e-3 * v3_len(v3_sub(corner, e))};
 }
 
-bool cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2])
+bool backdrop_cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2])
 {
     part[0] = 0;
     part[1] = 1;
@@ -46,12 +46,12 @@ static void cut_by(const struct half *h, const struct outline *o, struct outline
     for (size_t i = 0; i < o->n; i++) {
         struct point p = o->at[i ? i - 1 : o->n - 1], q = o->at[i];
         double a = side(h, p), b = side(h, q);
-        if ((a < 0) != (b < 0)) outline_append(kept, point_between(p, q, a / (a - b)));
+        if ((a < 0) != (b < 0)) outline_append(kept, outline_between(p, q, a / (a - b)));
         if (b >= 0) outline_append(kept, q);
     }
 }
 
-void cut_polygon(const struct half h[HALVES], struct outline *o)
+void backdrop_cut_polygon(const struct half h[HALVES], struct outline *o)
 {
     struct outline other = {0};
     for (int i = 0; i < HALVES; i++) {

@@ -59,17 +59,17 @@ void outline_stroke(const struct drawing *s, const struct outline *o, struct buf
     struct half h[HALVES];
     struct piece piece = {.s = s, .out = out};
     int turn[2];
-    seen_halves(s, h);
+    outline_halves(s, h);
     find_turns(s, o, turn);
     for (int k = turn[0]; k <= turn[1]; k++, put_end(&piece))
         for (size_t i = 0; i + 1 < o->n; i++) {
             struct point p = turned(o->at[i], k), q = turned(o->at[i + 1], k);
             double part[2];
-            bool seen = cut_line(h, p, q, part);
+            bool seen = backdrop_cut_line(h, p, q, part);
             if (!seen || part[0] > 0) put_end(&piece);
             if (!seen) continue;
-            if (!piece.open) put_point(&piece, point_between(p, q, part[0]), true);
-            put_point(&piece, point_between(p, q, part[1]), part[1] < 1 || i + 2 == o->n);
+            if (!piece.open) put_point(&piece, outline_between(p, q, part[0]), true);
+            put_point(&piece, outline_between(p, q, part[1]), part[1] < 1 || i + 2 == o->n);
         }
 }
 
@@ -90,8 +90,8 @@ static bool fill_polygon(const struct drawing *s, struct outline *o, struct buf 
 {
     struct half h[HALVES];
     struct piece piece = {.s = s, .out = out};
-    seen_halves(s, h);
-    cut_polygon(h, o);
+    outline_halves(s, h);
+    backdrop_cut_polygon(h, o);
     if (!is_large(s, o)) return false;
     for (size_t i = 0; i < o->n; i++) put_point(&piece, o->at[i], !piece.open);
     put_end(&piece);

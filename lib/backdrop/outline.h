@@ -28,12 +28,12 @@ struct half {
 };
 #define HALVES 5
 /* The half-planes that bound the visible part of the map: its edges, and the plane of the eye. */
-void seen_halves(const struct drawing *s, struct half h[HALVES]);
+void outline_halves(const struct drawing *s, struct half h[HALVES]);
 /* The part of a line inside all half-planes, as two factors. False if there is none. */
-bool cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2]);
+bool backdrop_cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2]);
 /* Clips a polygon in place. */
-void cut_polygon(const struct half h[HALVES], struct outline *o);
-struct point point_between(struct point p, struct point q, double f);
+void backdrop_cut_polygon(const struct half h[HALVES], struct outline *o);
+struct point outline_between(struct point p, struct point q, double f);
 
 /* Writes points in pixels; an empty line ends each visible piece. */
 void outline_stroke(const struct drawing *s, const struct outline *o, struct buf *out);

@@ -71,8 +71,8 @@ static void perform(struct driver *d)
         case SCHED_ASK_FLUSH: flush(d, to); break;
         case SCHED_COMMIT: tags_drop(&d->tags, &a->task); break;
         case SCHED_SAY:
-            if (d->node) ring_say(&d->out.queue.control, a, -1);
-            else ring_say(&d->down.bytes, a, to);
+            if (d->node) drive_ring_say(&d->out.queue.control, a, -1);
+            else drive_ring_say(&d->down.bytes, a, to);
             break;
         case SCHED_END: d->closing = true; break;
         case SCHED_STOP: d->stopping = true; break;
@@ -105,7 +105,7 @@ static int take_task(struct driver *d, const struct record *r)
 static int take_ring(struct driver *d, const struct record *r)
 {
     struct sched_event e = {.kind = SCHED_RING, .from = -1};
-    if (ring_of(r, &e.ring)) tell(d, e);
+    if (drive_ring_of(r, &e.ring)) tell(d, e);
     return 0;
 }
 
@@ -248,7 +248,7 @@ static void take_up(struct driver *d, const struct record *r)
         break;
     default:
         e.kind = SCHED_RING;
-        if (d->node || !ring_of(r, &e.ring)) return;
+        if (d->node || !drive_ring_of(r, &e.ring)) return;
     }
     if (e.slot >= 0) tell(d, e);
 }
@@ -312,12 +312,12 @@ static bool poll_round(struct driver *d)
                 d->policy->waiting(d->state) < SCHED_WAITING_MOST &&
                 down_size(&d->down) < DOWN_QUEUE_MOST;
     struct pollfd p[4] = {
-        poll_entry(STDIN_FILENO, want, POLLIN),
+        pipe_poll_entry(STDIN_FILENO, want, POLLIN),
         outlet_poll(&d->out),
-        poll_entry(d->child.to, true, down_size(&d->down) ? POLLOUT : 0),
-        poll_entry(d->child.from, reading, POLLIN),
+        pipe_poll_entry(d->child.to, true, down_size(&d->down) ? POLLOUT : 0),
+        pipe_poll_entry(d->child.from, reading, POLLIN),
     };
-    if (poll_signals(p, 4, wait_ms(d)) < 0) {
+    if (signals_poll(p, 4, wait_ms(d)) < 0) {
         if (errno == EINTR) return true;
         die(ST_SYSTEM, "poll:");
     }

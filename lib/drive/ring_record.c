@@ -11,7 +11,7 @@ static const enum rec_kind record_of[] = {
 };
 #define KINDS (sizeof record_of / sizeof *record_of)
 
-bool ring_of(const struct record *r, struct ring *m)
+bool drive_ring_of(const struct record *r, struct ring *m)
 {
     struct rec_ring said;
     size_t kind = 0;
@@ -28,7 +28,7 @@ bool ring_of(const struct record *r, struct ring *m)
     return true;
 }
 
-void ring_say(struct buf *b, const struct sched_action *a, int32_t to)
+void drive_ring_say(struct buf *b, const struct sched_action *a, int32_t to)
 {
     const struct ring *m = &a->ring;
     struct task t = a->task;

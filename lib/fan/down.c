@@ -1,6 +1,7 @@
 /*
  * fan: records from the input. State goes to all slots, a task to one; a bad input ends the run.
  * The live states and their frames are kept for slots that come later.
+ * One machine with connect.c, err.c, hello.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

@@ -2,6 +2,7 @@
  * fan: accepts or refuses workers. The pictures of all slots must have the same bits. So each hello
  * must agree with the first in program, version and self-test. If a slot is on another machine, the
  * first hello is that of a worker on this machine, before any other is read.
+ * One machine with connect.c, down.c, err.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 
@@ -39,8 +40,8 @@ static void listen_here(struct fan *f, struct child *c)
     int64_t end_us = now_us() + REFERENCE_US, left_us;
     bool more = true;
     while (more && !*f->reference.of && !signals_came() && (left_us = end_us - now_us()) > 0) {
-        struct pollfd p = poll_entry(c->from, true, POLLIN);
-        if (poll_signals(&p, 1, (int)(left_us / 1000) + 1) < 0) {
+        struct pollfd p = pipe_poll_entry(c->from, true, POLLIN);
+        if (signals_poll(&p, 1, (int)(left_us / 1000) + 1) < 0) {
             if (errno != EINTR) die(ST_SYSTEM, "poll:");
             continue;
         }

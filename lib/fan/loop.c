@@ -81,7 +81,7 @@ static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
 static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 {
     size_t n = 2;
-    p[0] = poll_entry(STDIN_FILENO, f->in_open && fan_room_down(f), POLLIN);
+    p[0] = pipe_poll_entry(STDIN_FILENO, f->in_open && fan_room_down(f), POLLIN);
     p[1] = outlet_poll(&f->out);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
@@ -89,9 +89,9 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
         s->poll = 0;
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->poll = n;
-        p[n++] = poll_entry(c->to, fan_slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
-        p[n++] = poll_entry(c->from, reading, POLLIN);
-        if (c->err >= 0) p[n++] = poll_entry(c->err, true, POLLIN);
+        p[n++] = pipe_poll_entry(c->to, fan_slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
+        p[n++] = pipe_poll_entry(c->from, reading, POLLIN);
+        if (c->err >= 0) p[n++] = pipe_poll_entry(c->err, true, POLLIN);
     }
     return n;
 }
@@ -114,7 +114,7 @@ void fan_round(struct fan *f, struct pollfd *p)
     if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
     f->awake_us = looked_us + wait_ms * INT64_C(1000);
-    if (poll_signals(p, n, wait_ms) < 0) {
+    if (signals_poll(p, n, wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) p[i].revents = 0;
         looked_us = 0; /* no slot was found silent */

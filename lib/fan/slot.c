@@ -16,6 +16,7 @@
  * status. Once a slot is LEAVING, nothing more is read from its connection. Tasks sent over a
  * connection are lost with it. Tasks for a slot that was never up wait for it; therefore nothing is
  * sent over a connection before its hello.
+ * One machine with connect.c, down.c, err.c, hello.c, refusal.c and up.c.
  */
 #include "fan/fan_int.h"
 

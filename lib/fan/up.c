@@ -1,5 +1,7 @@
-/* fan: records from workers. They are checked against what the workers were sent, stamped, and
- * passed on. */
+/*
+ * fan: records from workers. They are checked against what the workers were sent, stamped, and
+ * passed on. One machine with connect.c, down.c, err.c, hello.c, refusal.c and slot.c.
+ */
 #include "fan/fan_int.h"
 
 #include <inttypes.h>

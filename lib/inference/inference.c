@@ -17,24 +17,24 @@ static struct interval around(double estimate, double error, double dof, double 
 
 struct interval inference_mean(const double *x, size_t n, double level)
 {
-    return around(mean(x, n), sqrt(variance(x, n) / (double)n), (double)n - 1, level);
+    return around(stats_mean(x, n), sqrt(stats_variance(x, n) / (double)n), (double)n - 1, level);
 }
 
 struct interval inference_difference(
     const double *x, size_t n, const double *y, size_t m, double level)
 {
-    double a = variance(x, n) / (double)n, b = variance(y, m) / (double)m, dof = 0;
+    double a = stats_variance(x, n) / (double)n, b = stats_variance(y, m) / (double)m, dof = 0;
     if (n > 1 && m > 1) {
         dof = (double)(n + m - 2);
         if (a + b > 0)
             dof = (a + b) * (a + b) / (a * a / (double)(n - 1) + b * b / (double)(m - 1));
     }
-    return around(mean(x, n) - mean(y, m), sqrt(a + b), dof, level);
+    return around(stats_mean(x, n) - stats_mean(y, m), sqrt(a + b), dof, level);
 }
 
 static void to_distances(double *x, size_t n)
 {
-    double middle = median(x, n);
+    double middle = stats_median(x, n);
     for (size_t i = 0; i < n; i++) x[i] = fabs(x[i] - middle);
 }
 
@@ -53,9 +53,9 @@ void inference_fences(double *x, size_t n, double *low, double *high)
     *low = -HUGE_VAL;
     *high = HUGE_VAL;
     if (n < 4) return;
-    median(x, n); /* sorts, descending */
+    stats_median(x, n); /* sorts, descending */
     size_t half = (n + 1) / 2;
-    double upper = median(x, half), lower = median(x + n - half, half);
+    double upper = stats_median(x, half), lower = stats_median(x + n - half, half);
     *low = lower - 1.5 * (upper - lower);
     *high = upper + 1.5 * (upper - lower);
 }

@@ -78,7 +78,7 @@ size_t stdout_private(void);
 #define DOWN_QUEUE_MOST (1 << 20) /* bytes for one child; then the input waits */
 
 /* An entry for fd and events; or one that poll ignores. */
-struct pollfd poll_entry(int fd, bool wanted, short events);
+struct pollfd pipe_poll_entry(int fd, bool wanted, short events);
 #define POLL_GONE (POLLERR | POLLHUP | POLLNVAL) /* writing end: no reader left */
 
 /*

@@ -8,7 +8,7 @@
 #define READ_BYTES 65536
 #define BEAT_US 500000
 
-struct pollfd poll_entry(int fd, bool wanted, short events)
+struct pollfd pipe_poll_entry(int fd, bool wanted, short events)
 {
     return (struct pollfd){.fd = wanted ? fd : -1, .events = events};
 }
@@ -115,7 +115,7 @@ void outlet_drain(struct outlet *o)
 {
     while (up_size(&o->queue) && !o->gone && !signals_came()) {
         struct pollfd p = outlet_poll(o);
-        if (poll_signals(&p, 1, -1) >= 0) outlet_polled(o, &p);
+        if (signals_poll(&p, 1, -1) >= 0) outlet_polled(o, &p);
         else if (errno != EINTR) die(ST_SYSTEM, "poll:");
     }
 }

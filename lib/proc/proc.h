@@ -49,7 +49,7 @@ int cores_available(void);
 /* Raises the limit of open descriptors to n if the system allows it. */
 void want_descriptors(int n);
 
-/* ---- signals: delivered only while this process waits in poll_signals ---- */
+/* ---- signals: delivered only while this process waits in signals_poll ---- */
 
 /*
  * From now on SIGINT, SIGTERM and SIGHUP, unless ignored, only set signals_came. SIGPIPE is
@@ -58,7 +58,7 @@ void want_descriptors(int n);
 void signals_catch(void);
 struct pollfd;
 /* poll(2). The end of a child, or one of the signals above, ends it with EINTR. */
-int poll_signals(struct pollfd *p, size_t n, int timeout_ms);
+int signals_poll(struct pollfd *p, size_t n, int timeout_ms);
 /* Undoes signals_catch in a child, before exec. */
 void signals_restore(void);
 /* True if one of the signals has come. */

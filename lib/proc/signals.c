@@ -47,7 +47,7 @@ void signals_restore(void)
     if (catching) sigprocmask(SIG_SETMASK, &before, NULL);
 }
 
-int poll_signals(struct pollfd *p, size_t n, int timeout_ms)
+int signals_poll(struct pollfd *p, size_t n, int timeout_ms)
 {
     struct timespec t = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
     return ppoll(p, (nfds_t)n, timeout_ms < 0 ? NULL : &t, catching ? &before : NULL);

@@ -147,7 +147,7 @@ static struct vec3 newell(const struct vec3 *v, uint32_t n)
     return sum;
 }
 
-struct vec3 newell_unit(const struct vec3 *v, uint32_t n)
+struct vec3 scene_newell_unit(const struct vec3 *v, uint32_t n)
 {
     struct vec3 sum = newell(v, n);
     double len = v3_len(sum);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define POLYGON_MAX 1000000U /* vertices per polygon; 10 s to triangulate, in most cases */
+#define POLYGON_MAX 1000000U  /* vertices per polygon; 10 s to triangulate, in most cases */
 #define COUNT_MAX 0x7fffffffU /* entities or vertices in total: indices fit in 31 bits */
 #define NORMAL_MAX 1e18
 
@@ -126,7 +126,8 @@ static void fill_normals(struct scene *s, uint32_t first)
     struct vec3 own = v3(0, 0, 0);
     for (uint32_t i = first; i < s->n_vertices; i++) {
         if (s->normals[i].x != 0 || s->normals[i].y != 0 || s->normals[i].z != 0) continue;
-        if (v3_dot(own, own) == 0) own = newell_unit(s->vertices + first, s->n_vertices - first);
+        if (v3_dot(own, own) == 0)
+            own = scene_newell_unit(s->vertices + first, s->n_vertices - first);
         s->normals[i] = own;
     }
 }

@@ -33,7 +33,7 @@ bool reader_view(struct reader *r);
 bool reader_material(struct reader *r);
 
 /* Newell's normal of a polygon, of unit length; +z if it is zero. */
-struct vec3 newell_unit(const struct vec3 *v, uint32_t n);
+struct vec3 scene_newell_unit(const struct vec3 *v, uint32_t n);
 
 /*
  * Limits of sizes. Squares of coordinates and areas of boxes stay far inside float. The square of a

@@ -43,7 +43,8 @@ static struct vec3 disc_reach(struct vec3 a, double r)
     return v3(r * hypot(a.y, a.z), r * hypot(a.x, a.z), r * hypot(a.x, a.y));
 }
 
-void prim_bounds(const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi)
+void scene_prim_bounds(
+    const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi)
 {
     *lo = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
     *hi = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);

@@ -67,7 +67,8 @@ struct scene {
 int nff_read(const char *name, const char *text, size_t n, struct scene *s, char err[SCENE_ERR]);
 void scene_free(struct scene *s);
 /* Axis-aligned bounds of one primitive. */
-void prim_bounds(const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi);
+void scene_prim_bounds(
+    const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi);
 
 /* Indices into the scene's vertices. */
 struct triangle {

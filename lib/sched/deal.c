@@ -65,7 +65,7 @@ static struct slot *slot_at(struct deal *d, int32_t k)
 /* Gives entry i, or a piece of it, to slot k. */
 static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
 {
-    i = end_piece(d, k, i);
+    i = deal_end_piece(d, k, i);
     deal_take(d, i);
     deal_give(d, k, i, now, out);
 }
@@ -73,7 +73,7 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k;
-    while (d->pool.count && (k = pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
+    while (d->pool.count && (k = deal_pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
 }
 
 /* With the pool empty, idle slots get copies of other slots' tasks, or pieces of them. A cut
@@ -81,7 +81,7 @@ static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 static void hand_copies(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k, i;
-    while (!d->pool.count && (i = end_other(d, &k, now)) >= 0) {
+    while (!d->pool.count && (i = deal_end_other(d, &k, now)) >= 0) {
         hand(d, k, i, now, out);
         hand_out(d, now, out);
     }
@@ -206,7 +206,7 @@ static void deal_step(
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !d->ledger.count && !d->closed) {
         d->closed = true;
-        sched_act(out, end_busy(d) ? SCHED_STOP : SCHED_END, -1, NULL);
+        sched_act(out, deal_end_busy(d) ? SCHED_STOP : SCHED_END, -1, NULL);
     }
 }
 

@@ -48,7 +48,7 @@ static bool may_copy(const struct deal *d, int32_t i)
 /* Rule 2: the last queued task of the slot with the longest queue. */
 static int32_t in_store(const struct deal *d)
 {
-    int32_t k = pick_store(d);
+    int32_t k = deal_pick_store(d);
     if (k < 0) return -1;
     const struct task_table *has = &d->slots[k].has;
     const struct task *t = &has->at[d->slots[k].held.tail].task;
@@ -106,7 +106,7 @@ static int32_t late(struct deal *d, int32_t k, int64_t now)
     return i >= 0 && is_late(d, i, k, now) ? i : -1;
 }
 
-int32_t end_other(struct deal *d, int32_t *k, int64_t now)
+int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
     int32_t i = -1;
@@ -176,7 +176,7 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
     return piece;
 }
 
-int32_t end_piece(struct deal *d, int32_t k, int32_t i)
+int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
 {
     if (!d->p.endgame || !d->ended) return i;
     uint64_t px = piece_px(d, &d->slots[k]);
@@ -193,7 +193,7 @@ int32_t end_piece(struct deal *d, int32_t k, int32_t i)
     }
 }
 
-bool end_busy(const struct deal *d)
+bool deal_end_busy(const struct deal *d)
 {
     bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
     return copied && d->up > d->idle.count;

@@ -98,18 +98,18 @@ void deal_mark(struct deal *d, int32_t k);
 void deal_make_room(struct deal *d, int32_t n);
 void deal_close_room(struct deal *d);
 /* The slot with the least load, the lowest of equals; -1 if no slot may get more. */
-int32_t pick_hungriest(const struct deal *d);
+int32_t deal_pick_hungriest(const struct deal *d);
 /* The slot with the longest queued work, the lowest of equals; -1 if none. */
-int32_t pick_store(const struct deal *d);
+int32_t deal_pick_store(const struct deal *d);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 
 /* With the pool empty: a dispatched task for the idle slot *k, or -1. After -1, late_us is the
  * time when there may be one. */
-int32_t end_other(struct deal *d, int32_t *k, int64_t now);
+int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now);
 /* The entry to give to slot k instead of entry i: a piece of it if it is long, else i itself. */
-int32_t end_piece(struct deal *d, int32_t k, int32_t i);
+int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i);
 /* True if a slot is still computing a copy that may no longer be needed. */
-bool end_busy(const struct deal *d);
+bool deal_end_busy(const struct deal *d);
 
 #endif

@@ -95,13 +95,13 @@ static int32_t least(const struct deal *d, int32_t i, int32_t share, int32_t k)
     return least(d, near ^ 1, share, least(d, near, share, k));
 }
 
-int32_t pick_hungriest(const struct deal *d)
+int32_t deal_pick_hungriest(const struct deal *d)
 {
     if (d->best[1].load == INT32_MAX) return -1;
     return least(d, 1, share_of(d), -1);
 }
 
-int32_t pick_store(const struct deal *d)
+int32_t deal_pick_store(const struct deal *d)
 {
     if (d->best[1].store_us <= 0) return -1;
     int32_t i = 1;

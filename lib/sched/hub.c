@@ -15,6 +15,7 @@
  * is computed once too often.
  *
  * The ledger alone ends the run.
+ * One machine with hub_hung.c and hub_match.c.
  */
 #include "sched/hub_int.h"
 

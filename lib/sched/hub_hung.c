@@ -7,6 +7,7 @@
  *
  * Progress is a task done, new pixels, or a first task after none. Nodes that have tasks, or were
  * asked for pixels that have not arrived, are in a list in the order of their latest progress.
+ * One machine with hub.c and hub_match.c.
  */
 #include "sched/hub_int.h"
 

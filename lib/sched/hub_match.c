@@ -20,6 +20,7 @@
  * long, but for a multiple of the longest recent answer. Then its ask is remembered again, and the
  * victim is silent: it is not asked until it sends something. Its answer may still come: its GIVE
  * counts, whatever the asking node waits for by then.
+ * One machine with hub.c and hub_hung.c.
  */
 #include "sched/hub_int.h"
 

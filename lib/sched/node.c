@@ -16,6 +16,7 @@
  *    is not passed round.
  *
  * A node that has no PLACE from a hub only feeds its worker.
+ * One machine with gdc_node.c.
  */
 #include "sched/node_int.h"
 

@@ -23,7 +23,7 @@ double sim_bound_s(const struct sim_plan *p, const struct sim_result *r)
     double *c = xcalloc(n / piece, sizeof *c), *v = xmalloc(m, sizeof *v);
     for (size_t i = 0; i < n; i++) c[i / piece] += p->work->pixel_us[i];
     memcpy(v, p->work->power, m * sizeof *v);
-    double s = lower_bound(c, n / piece, v, m) * 1e-6;
+    double s = stats_lower_bound(c, n / piece, v, m) * 1e-6;
     if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * (double)n / p->hub_bytes_per_s);
     free(c);
     free(v);

@@ -1,6 +1,7 @@
 /*
  * Nodes: the policy between a slot's link and its worker. Its messages go up the link; its tasks
  * reach the worker at once.
+ * One machine with slots.c.
  */
 #include "sim/world.h"
 

@@ -10,11 +10,11 @@ const struct spd_scene spd_scenes[] = {
         spd_gears},
     {"tetra", 6, -23, "4^s triangles", spd_tetra_count, spd_tetra},
 };
-const size_t n_spd_scenes = sizeof spd_scenes / sizeof *spd_scenes;
+const size_t spd_n_scenes = sizeof spd_scenes / sizeof *spd_scenes;
 
 const struct spd_scene *spd_find(const char *name)
 {
-    for (size_t i = 0; i < n_spd_scenes; i++)
+    for (size_t i = 0; i < spd_n_scenes; i++)
         if (strcmp(spd_scenes[i].name, name) == 0) return &spd_scenes[i];
     return NULL;
 }

@@ -32,7 +32,7 @@ struct spd_scene {
 };
 
 extern const struct spd_scene spd_scenes[];
-extern const size_t n_spd_scenes;
+extern const size_t spd_n_scenes;
 
 /* NULL if no scene has this name. */
 const struct spd_scene *spd_find(const char *name);

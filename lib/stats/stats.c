@@ -14,7 +14,7 @@ static int dearest(const void *a, const void *b)
     return descending(&((const struct pieces *)a)->c, &((const struct pieces *)b)->c);
 }
 
-double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
+double stats_lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
 {
     double all_c = 0, all_v = 0, bound = 0, first_c = 0, first_v = 0;
     qsort(p, n, sizeof *p, dearest);
@@ -33,31 +33,31 @@ double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
     return bound;
 }
 
-double lower_bound(double *c, size_t n, double *v, size_t m)
+double stats_lower_bound(double *c, size_t n, double *v, size_t m)
 {
     struct pieces *p = xmalloc(n + 1, sizeof *p);
     qsort(c, n, sizeof *c, descending);
     for (size_t i = 0; i < n; i++) p[i] = (struct pieces){c[i], 1};
-    double bound = lower_bound_pieces(p, n, v, m);
+    double bound = stats_lower_bound_pieces(p, n, v, m);
     free(p);
     return bound;
 }
 
-double mean(const double *x, size_t n)
+double stats_mean(const double *x, size_t n)
 {
     double sum = 0;
     for (size_t i = 0; i < n; i++) sum += x[i];
     return n ? sum / (double)n : 0;
 }
 
-double variance(const double *x, size_t n)
+double stats_variance(const double *x, size_t n)
 {
-    double m = mean(x, n), sum = 0;
+    double m = stats_mean(x, n), sum = 0;
     for (size_t i = 0; i < n; i++) sum += (x[i] - m) * (x[i] - m);
     return n > 1 ? sum / (double)(n - 1) : 0;
 }
 
-double median(double *x, size_t n)
+double stats_median(double *x, size_t n)
 {
     if (!n) return 0;
     qsort(x, n, sizeof *x, descending);

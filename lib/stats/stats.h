@@ -11,19 +11,19 @@
  * descending. 0 if n is 0. (T. Gonzalez, O. Ibarra, S. Sahni, "Bounds for LPT schedules on uniform
  * processors", SIAM J. Comput. 6, 1977.)
  */
-double lower_bound(double *c, size_t n, double *v, size_t m);
+double stats_lower_bound(double *c, size_t n, double *v, size_t m);
 /* n pieces of cost c each. */
 struct pieces {
     double c;
     uint64_t n;
 };
 /* The same for n kinds of pieces. Sorts both arrays, descending. */
-double lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m);
-double mean(const double *x, size_t n);
+double stats_lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m);
+double stats_mean(const double *x, size_t n);
 /* Sample variance: divides by n - 1. 0 if n < 2. */
-double variance(const double *x, size_t n);
+double stats_variance(const double *x, size_t n);
 /* Sorts x, descending. For even n the mean of the two middle values. */
-double median(double *x, size_t n);
+double stats_median(double *x, size_t n);
 
 /* ---- timelines of slots ---------------------------------------------------------------------- */
 
@@ -55,7 +55,7 @@ struct times {
  * A span without a completion time directly follows the previous one. Sets begin_s and end_s of all
  * spans, of[slot], and run_s[run], the makespan: the time until the run's last task ends.
  */
-void timeline(
+void stats_timeline(
     struct span *at, size_t n, struct times *of, size_t n_slots, double *run_s, size_t n_runs);
 
 #endif

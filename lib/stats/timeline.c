@@ -21,7 +21,7 @@ static void lay(struct span *s, struct line *line, struct times *t)
     *line = (struct line){s->end_s, true};
 }
 
-void timeline(
+void stats_timeline(
     struct span *at, size_t n, struct times *of, size_t n_slots, double *run_s, size_t n_runs)
 {
     struct line *lines = xmalloc(n_slots, sizeof *lines);

@@ -1,6 +1,6 @@
 /*
  * kernel: traverses the hierarchy and intersects blocks, at the vector width of the including file
- * (kernels_sse2.c, kernels_avx2.c). Box tests use float and are conservative: they may report a box
+ * (trace_sse2.c, trace_avx2.c). Box tests use float and are conservative: they may report a box
  * that the ray misses. Hits are decided in double, by the same operations per lane at every width.
  */
 #include "trace/ends.h"

@@ -167,8 +167,8 @@ struct kernels {
         const uint8_t *transmits, struct crossings *c);
 };
 /* NULL if this build or this machine lacks the instruction set. */
-const struct kernels *kernels_sse2(void);
-const struct kernels *kernels_avx2(void);
+const struct kernels *trace_kernels_sse2(void);
+const struct kernels *trace_kernels_avx2(void);
 
 #define MEDIA_MAX TRACE_DEPTH_MAX
 

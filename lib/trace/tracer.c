@@ -73,7 +73,7 @@ static double reach_of(const struct scene *s)
     for (uint32_t i = 0; i < s->n_prims; i++) {
         struct vec3 lo, hi;
         if (is_poly(&s->prims[i])) continue;
-        prim_bounds(s, &s->prims[i], &lo, &hi);
+        scene_prim_bounds(s, &s->prims[i], &lo, &hi);
         reach = farther(farther(reach, lo), hi);
     }
     return reach;
@@ -105,8 +105,8 @@ static void make_transmits(struct tracer *t)
 
 static const struct kernels *choose_kernels(enum isa isa)
 {
-    const struct kernels *wide = isa == ISA_SSE2 ? NULL : kernels_avx2();
-    return wide ? wide : kernels_sse2();
+    const struct kernels *wide = isa == ISA_SSE2 ? NULL : trace_kernels_avx2();
+    return wide ? wide : trace_kernels_sse2();
 }
 
 /* Both ends of a shadow ray are within reach of 0 along each axis. So 8 * reach exceeds the bound

@@ -49,9 +49,9 @@ struct kernel {
     void (*moments)(struct batch *);
     void (*rays)(struct stream *, const struct lattice *, uint64_t n0, uint32_t n);
 };
-const struct kernel *kernel_sse2(void);
+const struct kernel *volume_kernel_sse2(void);
 /* NULL if this build or this machine lacks the instructions. */
-const struct kernel *kernel_avx2(void);
-const struct kernel *kernel_avx512(void);
+const struct kernel *volume_kernel_avx2(void);
+const struct kernel *volume_kernel_avx512(void);
 
 #endif

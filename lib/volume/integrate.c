@@ -2,6 +2,7 @@
  * integrate: the volume rendering integral over a segment of a cell. Every method adds
  * sub-segments, each as T (1 - exp(-dtau)) times the k-weighted mean of its colour. The plain sum
  * of c k T would exceed alpha if k is large.
+ * One machine with lit.c.
  */
 #include "volume/volume_int.h"
 

@@ -1,6 +1,6 @@
 /*
  * kernel: cell.c and the exact moments for VD cells at a time, at the vector width of the including
- * file (kernel_sse2.c, kernel_avx2.c, kernel_avx512.c).
+ * file (volume_sse2.c, volume_avx2.c, volume_avx512.c).
  */
 #include "volume/batch.h"
 #include "volume/simd.h"

@@ -23,6 +23,7 @@
  * Pieces that exp(-a t) makes fainter than the tolerance are not halved. After HALVINGS_MAX a piece
  * is integrated as it is: it has 1e-12 of the cell's length and is next to a point where the field
  * has no gradient.
+ * One machine with integrate.c.
  */
 #include "volume/volume_int.h"
 

@@ -1,4 +1,7 @@
-/* stream: the map in the kernels' layout; the test whether float suffices; pixels. */
+/*
+ * stream: the map in the kernels' layout; the test whether float suffices; pixels. One machine
+ * with volume.c.
+ */
 #include "volume/stream.h"
 
 #include <stdlib.h>
@@ -11,7 +14,7 @@
  * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
  * that divided by the span's width; alpha's error is smaller.
  */
-bool stream_fits(const struct volume *v)
+bool volume_stream_fits(const struct volume *v)
 {
     double width = HUGE_VAL;
     for (uint32_t i = 0; i < v->map.n; i++)
@@ -57,7 +60,7 @@ static void map_tables(struct stream_map *t, const struct map *m)
     split(m->span[m->n - 1].hi, &t->edge_high[m->n], &t->edge_low[m->n]);
 }
 
-struct stream *stream_new(struct volume *v)
+struct stream *volume_stream_new(struct volume *v)
 {
     unsigned char *room = xcalloc(1, sizeof(struct stream) + STREAM_LINE);
     struct stream *s = (void *)(room + STREAM_LINE - (uintptr_t)room % STREAM_LINE);
@@ -76,7 +79,7 @@ struct stream *stream_new(struct volume *v)
     return s;
 }
 
-void stream_free(struct stream *s)
+void volume_stream_free(struct stream *s)
 {
     if (!s) return;
     struct stream_map *t = &s->map;
@@ -87,7 +90,8 @@ void stream_free(struct stream *s)
     free(s->room);
 }
 
-void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
+void volume_stream_pixels(
+    struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
     for (uint32_t at = 0, some; at < n; at += some) {
         some = n - at < STREAM_RAYS ? n - at : STREAM_RAYS;

@@ -1,4 +1,7 @@
-/* volume: prepares a grid for one specification and casts the rays of its pixels. */
+/*
+ * volume: prepares a grid for one specification and casts the rays of its pixels. One machine
+ * with stream.c.
+ */
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
@@ -55,12 +58,12 @@ struct volume *volume_new(
     volume_gauss_rule(
         &v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
     if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
-    v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? kernel_avx512() : NULL;
-    if (!v->kernel && o->isa != ISA_SSE2) v->kernel = kernel_avx2();
-    if (!v->kernel) v->kernel = kernel_sse2();
+    v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? volume_kernel_avx512() : NULL;
+    if (!v->kernel && o->isa != ISA_SSE2) v->kernel = volume_kernel_avx2();
+    if (!v->kernel) v->kernel = volume_kernel_sse2();
     v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
                  !(s->attenuation > 0);
-    if (v->batched && stream_fits(v)) v->stream = stream_new(v);
+    if (v->batched && volume_stream_fits(v)) v->stream = volume_stream_new(v);
     v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
     return v;
@@ -71,7 +74,7 @@ void volume_free(struct volume *v)
     if (!v) return;
     free(v->plane[0] - BLOCK);
     for (int a = 0; a < 3; a++) free(v->inv_edge[a]);
-    stream_free(v->stream);
+    volume_stream_free(v->stream);
     free(v->map.span);
     free(v->live);
     free(v->block);
@@ -125,7 +128,7 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
 
 void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
-    if (v->stream) stream_pixels(v->stream, l, n0, n, rgba);
+    if (v->stream) volume_stream_pixels(v->stream, l, n0, n, rgba);
     for (uint32_t i = 0; !v->stream && i < n; i++)
         pixel(v, lattice_pixel(l, v->camera.w, n0 + i), rgba + 4 * (size_t)i);
 }

@@ -262,10 +262,11 @@ void volume_surfaces(struct path *p, bool fresh);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
 /* True if float is precise enough for the adaptive method. */
-bool stream_fits(const struct volume *v);
-struct stream *stream_new(struct volume *v);
-void stream_free(struct stream *s);
-void stream_pixels(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
+bool volume_stream_fits(const struct volume *v);
+struct stream *volume_stream_new(struct volume *v);
+void volume_stream_free(struct stream *s);
+void volume_stream_pixels(
+    struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
 /* Integrates the whole ray by the adaptive method. Requires: no light, no attenuation, no
  * surface. */
 void batch_ray(struct path *p, struct walk *w);

@@ -276,7 +276,7 @@ static void compare(int runs, uint32_t w, uint32_t h, double ours_ms, double emb
         size_t far;
         double rmse = apart(rgba[0], rgba[i], pixels, &far);
         printf("%s\t%.2f\t%.2f\t%.2g\t%zu\n", i ? k[i]->name : "ours", i ? embree_ms : ours_ms,
-            median(took_ms[i], (size_t)runs), rmse, far);
+            stats_median(took_ms[i], (size_t)runs), rmse, far);
     }
     for (int i = 0; i < n; i++) free(rgba[i]);
 }

@@ -92,7 +92,7 @@ static double lower_bound_of(const struct bench *b)
     double *c = xmalloc(n, sizeof *c), *v = xmalloc(m, sizeof *v);
     memcpy(c, b->costs.us, n * sizeof *c);
     memcpy(v, b->power, m * sizeof *v);
-    double bound = lower_bound(c, n, v, m);
+    double bound = stats_lower_bound(c, n, v, m);
     free(c);
     free(v);
     return bound;

@@ -117,9 +117,9 @@ int main(int argc, char **argv)
     }
     uint64_t rays = c.eye + c.reflected + c.refracted + c.shadow;
     size_t runs = (size_t)o.runs;
-    double trace_ms = median(phase[2], runs);
-    printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", median(phase[0], runs),
-        median(phase[1], runs), trace_ms);
+    double trace_ms = stats_median(phase[2], runs);
+    printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", stats_median(phase[0], runs),
+        stats_median(phase[1], runs), trace_ms);
     printf("eye\t%" PRIu64 "\nreflected\t%" PRIu64 "\nrefracted\t%" PRIu64 "\nshadow\t%" PRIu64
            "\n",
         c.eye, c.reflected, c.refracted, c.shadow);

@@ -37,7 +37,7 @@ static void check_prim(const struct scene *s, const struct prim *p)
 {
     struct vec3 lo, hi;
     MUST(p->material < s->n_materials);
-    prim_bounds(s, p, &lo, &hi);
+    scene_prim_bounds(s, p, &lo, &hi);
     MUST(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z);
     MUST(isfinite(lo.x + lo.y + lo.z) && isfinite(hi.x + hi.y + hi.z));
     switch (p->kind) {

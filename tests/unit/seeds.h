@@ -1,8 +1,8 @@
 /*
  * What tests of a policy in virtual time under seeded faults have in common. `test_NAME SEED` runs
  * one seed and says what happened; `test_NAME` runs seeds 0 .. 999 (SEEDS in the environment:
- * another number), and ends at the first that fails. The file that includes it defines what is declared
- * first, and SEEDS_TEST, the test's name.
+ * another number), and ends at the first that fails. The file that includes it defines the
+ * functions declared first, and SEEDS_TEST, the test's name.
  */
 #ifndef STORMRING_TESTS_SEEDS_H
 #define STORMRING_TESTS_SEEDS_H

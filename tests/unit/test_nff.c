@@ -303,7 +303,7 @@ static void check_bounds(
 {
     struct scene s = parse(text);
     struct vec3 lo, hi, slack_lo, slack_hi;
-    prim_bounds(&s, s.prims, &lo, &hi);
+    scene_prim_bounds(&s, s.prims, &lo, &hi);
     slack_lo = slack_hi = v3(1, 1, 1);
     for (int i = 0; i <= 2000; i++)
         for (int j = 0; j <= 60; j++) {
@@ -347,7 +347,7 @@ static void test_bounds(void **state)
     check_bounds(VIEW "c 0 0 0 0 0 .01 0 2", cone_point);
     struct scene s = parse(VIEW "p 4 0 0 0 1 5 0 -3 1 0 0 1 7");
     struct vec3 lo, hi;
-    prim_bounds(&s, s.prims, &lo, &hi);
+    scene_prim_bounds(&s, s.prims, &lo, &hi);
     assert_vec(lo, -3, 0, 0);
     assert_vec(hi, 1, 5, 7);
     scene_free(&s);

@@ -122,7 +122,7 @@ static void test_table(void **state)
     (void)state;
     assert_null(spd_find("ball"));
     assert_null(spd_find(""));
-    for (size_t i = 0; i < n_spd_scenes; i++) {
+    for (size_t i = 0; i < spd_n_scenes; i++) {
         const struct spd_scene *scene = &spd_scenes[i];
         int max = spd_size_max(scene);
         assert_ptr_equal(spd_find(scene->name), scene);

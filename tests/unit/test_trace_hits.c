@@ -83,7 +83,7 @@ static void same_packets(
 static void test_random_rays(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     for (uint64_t seed = 1; seed <= 4; seed++) {
         struct buf text = {0};
         struct scene s;
@@ -106,7 +106,7 @@ static void test_random_rays(void **state)
 static void test_random_packets(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     struct buf text = {0};
     struct scene s;
     put_random_scene(&text, in_place, 5, 300);
@@ -132,7 +132,7 @@ static void test_random_packets(void **state)
 
 static void same_pictures(const struct scene *s)
 {
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     struct tracer *t = tracer_with(s, &brute);
     float *want = render(t, 48, 32, 48, false);
     for (int k = 0; k < 3; k++) {
@@ -191,7 +191,7 @@ static void test_factors_in_order(void **state)
 static void test_ties(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     struct buf text = {0};
     struct scene s;
     put_view(&text, in_place, 5, 0, 1, 0);

@@ -82,7 +82,7 @@ static struct vec3 lamp_on(const struct scene *s, uint64_t seed, uint64_t *n, st
 
 static void seen_from(const struct tracer *t, struct vec3 p, enum answer want, const char *what)
 {
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     struct vec3 light, n = v3_unit(v3_sub(t->scene->lights[0].pos, p));
     double err = ERR_UNIT * (fabs(p.x) + fabs(p.y) + fabs(p.z));
     struct point at = {p, n, n, err, &t->items[0], &t->surfaces[0]};

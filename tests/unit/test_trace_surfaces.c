@@ -61,8 +61,8 @@ static void test_no_cracks(void **state)
         put_ball_of_squares(&text, at[i], 9);
         read_scene(&text, &s);
         struct vec3 centre = v3(at[i].shift, at[i].shift, at[i].shift);
-        shoot_at_seams(&s, centre, kernels_sse2());
-        shoot_at_seams(&s, v3_mad(centre, v3(0.1, 0.2, 0.3), at[i].scale), kernels_sse2());
+        shoot_at_seams(&s, centre, trace_kernels_sse2());
+        shoot_at_seams(&s, v3_mad(centre, v3(0.1, 0.2, 0.3), at[i].scale), trace_kernels_sse2());
         scene_free(&s);
     }
 }
@@ -80,7 +80,7 @@ static void test_axis_parallel(void **state)
             x + 0.1, y, x + 0.1, y + 0.1, x, y + 0.1);
     }
     read_scene(&text, &s);
-    const struct kernels *all[] = {&scalar, kernels_sse2(), kernels_avx2()};
+    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     for (int k = 0; k < 3; k++) {
         if (!all[k]) continue;
         struct tracer *t = tracer_with(&s, all[k]);
@@ -160,7 +160,7 @@ static void test_no_self_hit(void **state)
                 p->cone.base_radius *= at[k].scale;
                 p->cone.apex_radius *= at[k].scale;
             }
-            struct tracer *t = tracer_with(&s, kernels_sse2());
+            struct tracer *t = tracer_with(&s, trace_kernels_sse2());
             leave_surface(t, 7, at[k]);
             tracer_free(t);
             scene_free(&s);
@@ -175,7 +175,7 @@ static void test_sphere_from_inside(void **state)
     put_view(&text, in_place, 5, 0, 1, 0);
     buf_printf(&text, "s 3 -2 1 .5\n");
     read_scene(&text, &s);
-    struct tracer *t = tracer_with(&s, kernels_sse2());
+    struct tracer *t = tracer_with(&s, trace_kernels_sse2());
     uint64_t n = 0;
     for (int i = 0; i < 1000; i++) {
         struct vec3 c = v3(3, -2, 1), a = v3_unit(random_point(3, &n, 1)),

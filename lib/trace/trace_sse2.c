@@ -1,8 +1,8 @@
-/* kernels_sse2: the kernels with the vectors that every machine of this architecture has (SSE2 on
+/* The kernels with the vectors that every machine of this architecture has (SSE2 on
  * x86-64, otherwise scalar). */
 #define SIMD_NARROW
 #include "trace/packet.h"
 
 static const struct kernels table = {"sse2", closest, blocked, closest_packet, blocked_packet};
 
-const struct kernels *kernels_sse2(void) { return &table; }
+const struct kernels *trace_kernels_sse2(void) { return &table; }
