@@ -62,7 +62,7 @@ like 'refused: the same sample twice' "$status $err" '^2 .*expected one'
 
 # ---- protocol: what there is ---------------------------------------------------------------------------------------
 run protocol -l
-is 'the list names every experiment' "$(echo "$out" | cut -f 1)" "$(cd "$root/tests/experiments" && ls | grep -v '[.]sh$')"
+is 'the list names every experiment' "$(echo "$out" | cut -f 1)" "$(cd "$root/tests/experiments" && find . -type f ! -name '*.sh' | sed 's,.*/,,' | LC_ALL=C sort)"
 is 'with six columns' "$(echo "$out" | awk -F '\t' 'NF != 6 || /\t\t|\t$/')" ''
 for e in $(echo "$out" | cut -f 1); do
 	grep -q "^\.It Cm $e\$" "$root/man/protocol.1" || echo "$e"
