@@ -60,20 +60,19 @@ FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-
 LIBS_nc2vtk   = -lnetcdf
 LIBS_grib2vtk = -leccodes
 LIBS_tsvstat  = -lgsl -lgslcblas
-# No "#" here: whether it needs a backslash depends on make's version.
+# PROGRAM:PACKAGE:MODULE of each that is left out. No "#" here: whether it needs a backslash depends on make's version.
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
-LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev) \
-           $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev)
-LEFT_OUT = $(foreach l,$(LACKING),bin/$(firstword $(subst :, ,$(l))).c)
+LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
+           $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference)
+part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
-PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(LEFT_OUT),$(EVERY)))
+PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(patsubst %,bin/%.c,$(call part,1)),$(EVERY)))
 SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 # Scripts look for programs beside themselves, so another BUILD has copies of its own.
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/*)))
-NO       = $(foreach l,nc2vtk:cf grib2vtk:grib tsvstat:inference,\
-           $(if $(findstring $(firstword $(subst :, ,$(l))):,$(LACKING)),$(lastword $(subst :, ,$(l)))))
+NO       = $(call part,3)
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%),$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c),$(wildcard tests/unit/test_*.c))))
@@ -85,7 +84,7 @@ RUN      = @BIN="$$(cd $(BIN) && pwd)"
 PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
 all: $(PROGRAMS) $(COPIES)
-	$(if $(strip $(LACKING)),@for l in $(LACKING); do echo "make: $${l%:*} is not built: $${l#*:} is missing" >&2; done)
+	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
 
 help:
 	@sed -n 's/^#: \{0,1\}//p' Makefile
