@@ -88,8 +88,8 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     h->ledger.at[i].since_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = h->from[i];
-    ring_served(h, k);
-    if (s->held.count == 1) ring_progress(h, k);
+    hub_served(h, k);
+    if (s->held.count == 1) hub_progress(h, k);
 }
 
 /* Entry i, on no list, goes to node k or, if that is gone, to the nearest node before it that is
@@ -140,7 +140,7 @@ static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
     if (!wanted || s->flushed || s->held.count || !s->computed.count) return;
     s->flushed = true;
     hub_mark(h, k);
-    ring_progress(h, k);
+    hub_progress(h, k);
     sched_act(out, SCHED_ASK_FLUSH, k, NULL);
 }
 
@@ -225,7 +225,7 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     bool had = s->state == NODE_UP;
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
-    ring_lost(h, k);
+    hub_lost(h, k);
     for (int l = 0; l < 2; l++) {
         while (lists[l]->count) {
             int32_t i = lists[l]->head;
@@ -252,7 +252,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     if (h->ledger.at[i].done) h->nodes[k].flushed = false;
     else {
         note_pace(h, i, e->wall_us);
-        ring_progress(h, k);
+        hub_progress(h, k);
     }
     unlist(h, i);
     enlist(h, i, k, true);
@@ -268,7 +268,7 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     if (i < 0) return;
     uint64_t before = h->ledger.at[i].delivered;
     if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
-    if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) ring_progress(h, e->slot);
+    if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) hub_progress(h, e->slot);
     if (!tasks_whole(&h->ledger, i)) return;
     int32_t k = h->ledger.at[i].slot;
     sched_act(out, SCHED_COMMIT, k, &h->ledger.at[i].task);
@@ -287,11 +287,11 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
     if (i >= 0 && h->ledger.at[i].slot == k) {
-        ring_answers(h, k, peer);
+        hub_answers(h, k, peer);
         unlist(h, i);
         h->from[i] = k;
         assign(h, i, peer, out);
-    } else ring_has_none(h, k, peer);
+    } else hub_has_none(h, k, peer);
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -300,9 +300,9 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 {
     if (!hub_is_up(h, e->slot)) return;
     switch (e->ring.kind) {
-    case RING_ASK: ring_asks(h, e->slot); break;
+    case RING_ASK: hub_asks(h, e->slot); break;
     case RING_GIVE: take_give(h, e, out); break;
-    case RING_NONE: ring_has_none(h, e->slot, e->ring.peer); break;
+    case RING_NONE: hub_has_none(h, e->slot, e->ring.peer); break;
     default: break;
     }
 }
@@ -326,7 +326,7 @@ static void ring_step(
     struct hub *h = state;
     bool known = e->slot >= 0 && e->slot < h->n_nodes;
     h->now_us = now;
-    ring_late(h);
+    hub_late(h);
     note_life(h, e);
     switch (e->kind) {
     case SCHED_TASK: take_task(h, e, out); break;
@@ -351,8 +351,8 @@ static void ring_step(
     case SCHED_RING: take_ring(h, e, out); break;
     case SCHED_WAKE: break;
     }
-    ring_match(h, out);
-    ring_hung(h, out);
+    hub_match(h, out);
+    hub_hung(h, out);
     if (!h->ledger.count) h->flush = false;
     if (!h->ended || h->ledger.count || h->closed) return;
     h->closed = true;
@@ -380,7 +380,7 @@ static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint3
 static int64_t ring_wake_us(const void *state)
 {
     const struct hub *h = state;
-    int64_t late_us = ring_late_us(h);
+    int64_t late_us = hub_late_us(h);
     if (h->closed) return INT64_MAX;
     return late_us < h->hung_us ? late_us : h->hung_us;
 }

@@ -36,7 +36,7 @@ static void enlist(struct hub *h, int32_t k)
     h->freshest = k;
 }
 
-void ring_busy(struct hub *h, int32_t k)
+void hub_busy(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
     bool busy = s->state == NODE_UP && (s->held.count || (s->computed.count && s->flushed));
@@ -45,7 +45,7 @@ void ring_busy(struct hub *h, int32_t k)
     set_put(&h->idle, k, s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count);
 }
 
-void ring_progress(struct hub *h, int32_t k)
+void hub_progress(struct hub *h, int32_t k)
 {
     if (!h->nodes[k].busy) return;
     unlist(h, k);
@@ -63,7 +63,7 @@ static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
     return h->nodes[k].progress_us + (int64_t)fmin(us * (1 + e->tries / TRIES), LATE_MOST_US);
 }
 
-void ring_hung(struct hub *h, struct sched_actions *out)
+void hub_hung(struct hub *h, struct sched_actions *out)
 {
     h->hung_us = INT64_MAX;
     while (h->idle.count && h->stalest >= 0) {

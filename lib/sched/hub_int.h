@@ -2,8 +2,8 @@
  * The hub of the ring, shared by its files: hub.c (events, the ledger), hub_match.c (pairs nodes
  * that want work with nodes that have some), hub_hung.c (nodes that make no progress).
  */
-#ifndef STORMRING_SCHED_RING_INT_H
-#define STORMRING_SCHED_RING_INT_H
+#ifndef STORMRING_SCHED_HUB_INT_H
+#define STORMRING_SCHED_HUB_INT_H
 
 #include "sched/pace.h"
 #include "sched/slot_set.h"
@@ -81,28 +81,28 @@ void hub_mark(struct hub *h, int32_t k);
 /* ---- hub_match.c ----------------------------------------------------------------------------- */
 
 /* Pairs each node that wants work with a victim while victims remain. */
-void ring_match(struct hub *h, struct sched_actions *out);
+void hub_match(struct hub *h, struct sched_actions *out);
 /* Node k was given a task: this ends its ask. */
-void ring_served(struct hub *h, int32_t k);
+void hub_served(struct hub *h, int32_t k);
 /* Node k says ASK; or NONE, to node peer. */
-void ring_asks(struct hub *h, int32_t k);
-void ring_has_none(struct hub *h, int32_t k, int32_t peer);
+void hub_asks(struct hub *h, int32_t k);
+void hub_has_none(struct hub *h, int32_t k, int32_t peer);
 /* Node k answers the ask of node peer. */
-void ring_answers(struct hub *h, int32_t k, int32_t peer);
+void hub_answers(struct hub *h, int32_t k, int32_t peer);
 /* Node k is lost. */
-void ring_lost(struct hub *h, int32_t k);
+void hub_lost(struct hub *h, int32_t k);
 /* Ends asks that were not answered in time. The second function returns when there will be one;
  * INT64_MAX: none is outstanding. */
-void ring_late(struct hub *h);
-int64_t ring_late_us(const struct hub *h);
+void hub_late(struct hub *h);
+int64_t hub_late_us(const struct hub *h);
 
 /* ---- hub_hung.c ----------------------------------------------------------------------------- */
 
 /* Node k has changed: notes whether it has to make progress, and whether it is idle. */
-void ring_busy(struct hub *h, int32_t k);
+void hub_busy(struct hub *h, int32_t k);
 /* Node k has made progress. */
-void ring_progress(struct hub *h, int32_t k);
+void hub_progress(struct hub *h, int32_t k);
 /* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
-void ring_hung(struct hub *h, struct sched_actions *out);
+void hub_hung(struct hub *h, struct sched_actions *out);
 
 #endif

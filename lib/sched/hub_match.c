@@ -65,7 +65,7 @@ void hub_mark(struct hub *h, int32_t k)
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
     mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);
-    ring_busy(h, k);
+    hub_busy(h, k);
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -119,7 +119,7 @@ static void tell(int32_t k, enum ring_kind kind, int32_t peer, struct sched_acti
     out->at[out->n - 1].ring = (struct ring){.kind = kind, .peer = peer, .next = -1};
 }
 
-void ring_match(struct hub *h, struct sched_actions *out)
+void hub_match(struct hub *h, struct sched_actions *out)
 {
     give_late(h, out);
     while (h->hungry.count && h->loads) {
@@ -137,7 +137,7 @@ void ring_match(struct hub *h, struct sched_actions *out)
     }
 }
 
-void ring_served(struct hub *h, int32_t k)
+void hub_served(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
     s->asking = s->told = s->passed_on = s->dry = false;
@@ -146,13 +146,13 @@ void ring_served(struct hub *h, int32_t k)
     hub_mark(h, k);
 }
 
-void ring_asks(struct hub *h, int32_t k)
+void hub_asks(struct hub *h, int32_t k)
 {
     h->nodes[k].asking = true;
     hub_mark(h, k);
 }
 
-void ring_answers(struct hub *h, int32_t k, int32_t peer)
+void hub_answers(struct hub *h, int32_t k, int32_t peer)
 {
     if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
     int64_t us = h->now_us - h->nodes[peer].since_us;
@@ -160,10 +160,10 @@ void ring_answers(struct hub *h, int32_t k, int32_t peer)
     if (us > h->answer_us) h->answer_us = us;
 }
 
-void ring_has_none(struct hub *h, int32_t k, int32_t peer)
+void hub_has_none(struct hub *h, int32_t k, int32_t peer)
 {
     if (peer < 0 || peer >= h->n_nodes || h->nodes[peer].victim != k) return;
-    ring_answers(h, k, peer);
+    hub_answers(h, k, peer);
     h->nodes[k].dry = h->nodes[k].given == h->nodes[peer].given_before;
     h->nodes[peer].passed_on = true;
     part(h, peer);
@@ -180,7 +180,7 @@ static void pass_on(struct hub *h, int32_t k)
     hub_mark(h, k);
 }
 
-void ring_lost(struct hub *h, int32_t k)
+void hub_lost(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
     s->asking = s->told = s->passed_on = s->dry = s->silent = false;
@@ -188,16 +188,16 @@ void ring_lost(struct hub *h, int32_t k)
     pass_on(h, k);
 }
 
-int64_t ring_late_us(const struct hub *h)
+int64_t hub_late_us(const struct hub *h)
 {
     if (h->oldest < 0) return INT64_MAX;
     int64_t late_us = h->answer_us ? LATE_TIMES * h->answer_us + LATE_US : FIRST_US;
     return h->nodes[h->oldest].since_us + late_us;
 }
 
-void ring_late(struct hub *h)
+void hub_late(struct hub *h)
 {
-    while (h->now_us >= ring_late_us(h)) {
+    while (h->now_us >= hub_late_us(h)) {
         int32_t k = h->nodes[h->oldest].victim;
         h->nodes[k].silent = true;
         pass_on(h, k);
