@@ -65,7 +65,7 @@ log intake
 pipe blob down outlet stdout_private stream up
 proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
-sched deal gdc hub node pace policy ring set
+sched deal gdc hub node pace policy set
 task chunk_at coverage cut frames lattice list tasks
 trace bvh cone_shape crossings light media sah sphere_shape tracer triangle_shape wave
 volume batch cell cubic lit map path skip_init walk
@@ -392,7 +392,9 @@ awk 'FNR == NR { there[$1] = 1; next }
 }' "$tmp/there" "$tmp/prose" | grep -v '[.][ch]:[0-9]*: [a-z_]*[.][ch]: ' >"$found"
 clean 'pages and comments name files that exist'
 words='\b[Ww]ho(ever|m)?\b|\b[Ll]est\b|\bso many\b|\bof it[.;]|\b([Nn]o|[Aa]ny|[Ss]ome)body\b|comes? of (it|that)\b|\bin store\b|^[^ ]* What is\b|[.] What is\b'
-# People are "who"; the rest are words that a reader has to read twice.
+# People are "who"; the rest are words that a reader has to read twice. Messages are prose as well.
+# shellcheck disable=SC2086
+grep -noE '"[^"]*"' lib/*/*.[ch] bin/*.c >>"$tmp/prose"
 grep -E "$words" "$tmp/prose" | grep -vE '(people|users?|reader|somebody) who|^man/stormring-hosts' >"$found"
 clean 'prose does without words that need a second reading'
 

@@ -230,7 +230,7 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
     /* With pieces, more tasks may wait than these checks count. */
     if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
     if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
-        sim_fail(w, "more in store than waits", k, id);
+        sim_fail(w, "more tasks are queued than wait", k, id);
 }
 
 /* With equal depths the slot with the least load gets the task, of equals the first. A copy goes

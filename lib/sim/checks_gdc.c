@@ -142,7 +142,7 @@ static void check_ask(struct world *w, int32_t k, const struct ring *r)
         sim_fail(w, "asks before phase 1", k, 0);
     if (r->peer == k) sim_fail(w, "asks itself", k, k);
     if (x->requests) check_again(w, k, r);
-    else if (r->kind == RING_CRASHED) sim_fail(w, "reports whom it did not ask", k, r->peer);
+    else if (r->kind == RING_CRASHED) sim_fail(w, "reports a node that it did not ask", k, r->peer);
     else if (r->peer != next) sim_fail(w, "asks the wrong one", k, r->peer);
     x->asked = r->peer;
     x->next = -1;
@@ -156,7 +156,7 @@ static void check_answer(struct world *w, int32_t k, const struct sched_action *
     const struct ring *r = &a->ring;
     int32_t *row = row_of(w, x, &a->task);
     int32_t hint = !x->begun && x->found ? x->asked : -1;
-    if (!x->at[r->peer]--) sim_fail(w, "answers who did not ask", k, r->peer);
+    if (!x->at[r->peer]--) sim_fail(w, "answers a node that did not ask", k, r->peer);
     x->owes--;
     if (x->begun && !x->done) sim_fail(w, "answers while it computes", k, r->peer);
     if (r->kind == RING_GIVE) {
@@ -225,7 +225,8 @@ static void check_say(struct world *w, const struct sched_action *a)
     else if (m->event.kind == SCHED_RING)
         good = said->kind == r->kind && a->slot == said->peer && r->peer == from &&
                r->idle == said->idle && r->next == said->next;
-    if (!good || m->says++) sim_fail(w, "the master says what nobody said", a->slot, r->kind);
+    if (!good || m->says++)
+        sim_fail(w, "the master forwards a message that no node sent", a->slot, r->kind);
 }
 
 /* In phase 1 to its node, once; or forwarded; or taken over. */

@@ -97,11 +97,12 @@ static void check_give_away(
 {
     uint64_t bit = UINT64_C(1) << k;
     if (!t || !(t->queued & bit)) {
-        sim_fail(w, "given by who does not have it", k, (int32_t)a->task.id);
+        sim_fail(w, "a node gives a task that it does not have", k, (int32_t)a->task.id);
         return;
     }
-    if (a->ring.peer != s->asker) sim_fail(w, "given to who has not asked", k, a->ring.peer);
-    if (s->asked) sim_fail(w, "who wants work gives some", k, (int32_t)a->task.id);
+    if (a->ring.peer != s->asker)
+        sim_fail(w, "a node gives to one that has not asked", k, a->ring.peer);
+    if (s->asked) sim_fail(w, "a node that wants work gives some", k, (int32_t)a->task.id);
     for (int32_t i = 0; i < w->n_tasks && w->plan->p_false <= 0; i++) {
         const struct rtask *other = w->tasks[i].note;
         if (other && other->queued & bit && other->came[k] < t->came[k])
@@ -118,12 +119,12 @@ static void check_node_says(
     switch (a->ring.kind) {
     case RING_ASK:
         if (s->asked) sim_fail(w, "an ask beside another", k, 0);
-        if (!s->has_place || s->ended) sim_fail(w, "an ask of who has no place", k, 0);
+        if (!s->has_place || s->ended) sim_fail(w, "a node without a place asks", k, 0);
         s->asked = true;
         break;
     case RING_NONE:
         if (s->answers++ || a->ring.peer != s->asker)
-            sim_fail(w, "none, to whom?", k, a->ring.peer);
+            sim_fail(w, "none, but no node asked", k, a->ring.peer);
         break;
     case RING_GIVE: check_give_away(w, s, k, sim_ring_task(w, &a->task), a); break;
     default: sim_fail(w, "a node says what it may not", k, a->ring.kind);

@@ -202,9 +202,9 @@ static void check_taken_over(
     const struct rslot *s = &m->slots[a->slot], *before = &m->slots[t->base];
     bool owed = t->place == RING_HELD || (t->place == RING_COMPUTED && before->flushed);
     if (!owed || w->now_us - before->moved_us < HUNG_US)
-        sim_fail(w, "a task taken from who is in time", t->base, (int32_t)a->task.id);
+        sim_fail(w, "a task is taken from a node that is in time", t->base, (int32_t)a->task.id);
     if (!s->asking || s->held || s->victim >= 0)
-        sim_fail(w, "taken over by who is not idle", a->slot, (int32_t)a->task.id);
+        sim_fail(w, "a node that is not idle takes a task over", a->slot, (int32_t)a->task.id);
     if (m->rich) sim_fail(w, "taken over, and some have work to give", m->rich, a->slot);
     t->from = t->base;
     m->taken_over = true;
@@ -254,8 +254,8 @@ static void check_choice(struct world *w, struct ring_model *m, int32_t victim, 
 static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
 {
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
-    if (!v->rich) sim_fail(w, "who has nothing to give is asked", victim, thief);
-    if (!s->hungry) sim_fail(w, "somebody is asked for who does not want", victim, thief);
+    if (!v->rich) sim_fail(w, "a node that has nothing to give is asked", victim, thief);
+    if (!s->hungry) sim_fail(w, "a node is asked for one that does not want work", victim, thief);
     check_choice(w, m, victim, thief);
     v->thieves++;
     s->victim = victim;
@@ -269,11 +269,12 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
 {
     struct rslot *s = &m->slots[a->slot];
     const struct ring *r = &a->ring;
-    if (s->state != RING_UP) sim_fail(w, "something said to who is not there", a->slot, r->kind);
+    if (s->state != RING_UP)
+        sim_fail(w, "a message goes to a node that is not up", a->slot, r->kind);
     if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
     else if (r->kind == RING_NONE) {
         if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
-            sim_fail(w, "none, to whom?", a->slot, r->peer);
+            sim_fail(w, "none, but no node asked", a->slot, r->peer);
         s->told = true;
     } else if (r->kind != RING_PLACE) sim_fail(w, "the hub says what it may not", a->slot, r->kind);
     else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
@@ -317,11 +318,11 @@ static void ring_after(struct world *w)
     struct ring_model *m = sim_ring_model(w);
     int32_t k = m->touched;
     if (m->known && m->up && m->orphans > m->promised)
-        sim_fail(w, "a task is nobody's", m->orphans, m->promised);
+        sim_fail(w, "a task has no owner", m->orphans, m->promised);
     if (m->hungry && m->rich) sim_fail(w, "one wants work, another has it", m->hungry, m->rich);
     if (m->hungry && m->promised) sim_fail(w, "one wants work, some waits", m->hungry, m->promised);
     if (k >= 0 && m->slots[k].hungry && !m->slots[k].told)
-        sim_fail(w, "who waits is not told", k, 0);
+        sim_fail(w, "a node that waits is not told", k, 0);
     if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
         sim_fail(w, "a node was not told its place", k, 0);
     if (k >= 0 && owes_flush(m, &m->slots[k])) sim_fail(w, "pixels are not asked for", k, 0);
