@@ -91,7 +91,8 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
     bool last;
     if (!fan_refusal_explain(f, s, why, &text))
         buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
-            again ? "reached" : "used", why, *s->chatter ? ", it says: " : "", s->chatter);
+            again ? "reached" : "used", why, *s->conn.chatter ? ", it says: " : "",
+            s->conn.chatter);
     if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
         if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
@@ -108,7 +109,7 @@ void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool ag
     if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) complain(f, s, why, again);
     else fan_refusal_forget(s);
     h->said = again ? FAN_RETRIED : FAN_ENDED;
-    if (again && s->opened_us >= h->failed_us) { /* slots opened at one time fail as one */
+    if (again && s->conn.opened_us >= h->failed_us) { /* slots opened at one time fail as one */
         h->failed_us = now_us();
         h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
     }

@@ -28,15 +28,15 @@ bool fan_room_down(const struct fan *f)
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         size_t most = fan_slot_fed(s) ? DOWN_QUEUE_MOST : LATE_QUEUE_MOST;
-        if (buf_size(&s->down.bytes) > most) return false;
-        if (too_many(&s->down, STATES_MOST, LONG_STATES_MOST)) return false;
+        if (buf_size(&s->feed.queue.bytes) > most) return false;
+        if (too_many(&s->feed.queue, STATES_MOST, LONG_STATES_MOST)) return false;
     }
     return true;
 }
 
 bool fan_takes(const struct fan_slot *s)
 {
-    return s->primed && (!fan_slot_fed(s) || s->child.to >= 0);
+    return s->feed.primed && (!fan_slot_fed(s) || s->conn.child.to >= 0);
 }
 
 #define KINDS 3 /* kinds of state */
@@ -53,11 +53,11 @@ void fan_forget(struct fan_state_of *state)
 static void send_state(struct fan_slot *s, const struct fan_state_of *state)
 {
     for (int i = 0; i < KINDS; i++) {
-        if (!state->kind[i] || s->sent[i] == state->number[i]) continue;
-        down_share(&s->down, state->kind[i]);
-        s->sent[i] = state->number[i];
+        if (!state->kind[i] || s->feed.sent[i] == state->number[i]) continue;
+        down_share(&s->feed.queue, state->kind[i]);
+        s->feed.sent[i] = state->number[i];
     }
-    down_append(&s->down, buf_data(&state->frame_lines), buf_size(&state->frame_lines));
+    down_append(&s->feed.queue, buf_data(&state->frame_lines), buf_size(&state->frame_lines));
 }
 
 /*
@@ -68,9 +68,9 @@ void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation)
 {
     for (uint32_t g = generation; g != f->input.generations.now + 1; g++)
         send_state(s, &f->states[g % GENERATIONS]);
-    s->since = generation;
-    s->primed = s->loading = true;
-    s->behind = false;
+    s->feed.since = generation;
+    s->feed.primed = s->feed.loading = true;
+    s->feed.behind = false;
 }
 
 /* Once the latest state has tasks, all tasks of the one before have been given to slots. They
@@ -101,7 +101,7 @@ static void begin_generation(struct fan *f)
 static void leave_behind(struct fan *f)
 {
     for (int k = 0; k < f->n_slots; k++)
-        f->slots[k].behind |= too_many(&f->slots[k].down, LAG_MOST, LONG_LAG_MOST);
+        f->slots[k].feed.behind |= too_many(&f->slots[k].feed.queue, LAG_MOST, LONG_LAG_MOST);
 }
 
 static void route_state(struct fan *f, const struct record *r)
@@ -123,29 +123,34 @@ static void route_state(struct fan *f, const struct record *r)
     latest->number[kind] = ++f->n_states;
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (!fan_takes(s) || s->behind) continue;
-        down_share(&s->down, b);
-        s->sent[kind] = latest->number[kind];
-        s->loading = true;
+        if (!fan_takes(s) || s->feed.behind) continue;
+        down_share(&s->feed.queue, b);
+        s->feed.sent[kind] = latest->number[kind];
+        s->feed.loading = true;
     }
     if (*kept) blob_drop(*kept);
     *kept = b;
 }
 
+void fan_pass_down(struct buf *to, const struct record *r)
+{
+    static const char *const drop[] = {"to", NULL};
+    wire_forward(to, r, drop, NULL);
+}
+
 /* Routes a frame or a flush. */
 static void route_small(struct fan *f, const struct record *r)
 {
-    static const char *const drop[] = {"to", NULL};
     buf_consume(&f->line, buf_size(&f->line));
-    wire_forward(&f->line, r, drop, NULL);
+    fan_pass_down(&f->line, r);
     struct buf *lines = &f->states[f->input.generations.now % GENERATIONS].frame_lines;
     if (r->kind == REC_FRAME) buf_append(lines, buf_data(&f->line), buf_size(&f->line));
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_takes(s) || (r->task.to >= 0 && r->task.to != k)) continue;
-        if (r->kind == REC_FRAME && s->behind) continue;
-        down_append(&s->down, buf_data(&f->line), buf_size(&f->line));
-        if (r->kind == REC_FLUSH) s->flushed = true;
+        if (r->kind == REC_FRAME && s->feed.behind) continue;
+        down_append(&s->feed.queue, buf_data(&f->line), buf_size(&f->line));
+        if (r->kind == REC_FLUSH) s->feed.flushed = true;
     }
 }
 
@@ -167,7 +172,6 @@ static int route_task(struct fan *f, const struct record *r)
  * place when it comes up. */
 static int route_ring(struct fan *f, const struct record *r)
 {
-    static const char *const drop[] = {"to", NULL};
     int k = r->task.to;
     if (k < 0 || k >= f->n_slots) {
         warn("record `%s`: expected to=K, a slot below %d", rec_name(r->kind), f->n_slots);
@@ -175,9 +179,9 @@ static int route_ring(struct fan *f, const struct record *r)
     }
     struct fan_slot *s = &f->slots[k];
     if (s->state != FAN_UP || !fan_takes(s)) return 0;
-    s->placed |= r->kind == REC_RING;
-    s->ahead--;
-    wire_forward(&s->down.bytes, r, drop, NULL);
+    s->conn.placed |= r->kind == REC_RING;
+    s->conn.ahead--;
+    fan_pass_down(&s->feed.queue.bytes, r);
     return 0;
 }
 

@@ -43,30 +43,31 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
 {
     uint64_t hash = hash64(HASH64_INIT, line, n);
     if (n && line[n - 1] == '\r') n--;
-    if (!s->connected && fan_refusal_holds(f, s, line, n)) return;
+    if (!s->conn.connected && fan_refusal_holds(f, s, line, n)) return;
     fan_slot_show_held(s);
-    if (s->connected || hash != s->host->told) show_line(s->host, line, n);
+    if (s->conn.connected || hash != s->host->told) show_line(s->host, line, n);
     s->host->told = hash;
 }
 
 static void show_lines(const struct fan *f, struct fan_slot *s, bool all)
 {
     size_t n;
-    while ((n = buf_size(&s->err)) > 0) {
-        const char *line = (const char *)buf_data(&s->err);
+    while ((n = buf_size(&s->conn.err)) > 0) {
+        const char *line = (const char *)buf_data(&s->conn.err);
         const char *newline = memchr(line, '\n', n < LINE_MOST ? n : LINE_MOST);
         if (!newline && n < LINE_MOST && !all) return;
         size_t len = newline ? (size_t)(newline - line) : n < LINE_MOST ? n : LINE_MOST;
         show(f, s, line, len);
-        buf_consume(&s->err, len + (newline != NULL));
+        buf_consume(&s->conn.err, len + (newline != NULL));
     }
 }
 
 static bool read_err(const struct fan *f, struct fan_slot *s)
 {
-    ptrdiff_t n = read_some(s->child.err, &s->err, READ_MOST);
+    ptrdiff_t n = read_some(s->conn.child.err, &s->conn.err, READ_MOST);
     show_lines(f, s, false);
-    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK)) child_close(&s->child.err);
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK))
+        child_close(&s->conn.child.err);
     return n > 0;
 }
 
@@ -74,21 +75,21 @@ void fan_slot_show_err(const struct fan *f, struct fan_slot *s) { read_err(f, s)
 
 void fan_slot_end_err(const struct fan *f, struct fan_slot *s)
 {
-    for (int i = 0; i < LAST_READS && s->child.err >= 0 && read_err(f, s); i++)
+    for (int i = 0; i < LAST_READS && s->conn.child.err >= 0 && read_err(f, s); i++)
         ;
-    child_close(&s->child.err);
+    child_close(&s->conn.child.err);
     show_lines(f, s, true);
-    buf_free(&s->err);
+    buf_free(&s->conn.err);
 }
 
 void fan_slot_show_held(struct fan_slot *s)
 {
     size_t n;
-    while ((n = buf_size(&s->held)) > 0) {
-        const char *line = (const char *)buf_data(&s->held), *newline = memchr(line, '\n', n);
+    while ((n = buf_size(&s->conn.held)) > 0) {
+        const char *line = (const char *)buf_data(&s->conn.held), *newline = memchr(line, '\n', n);
         size_t len = newline ? (size_t)(newline - line) : n;
         show_line(s->host, line, len);
-        buf_consume(&s->held, len + (newline != NULL));
+        buf_consume(&s->conn.held, len + (newline != NULL));
     }
 }
 

@@ -13,7 +13,28 @@
 /* If no slot is up, and no slot that may come up was up for this time, no host is left. */
 #define UNREACHED_S 30.0
 
-enum fan_state { FAN_WAITING, FAN_OPENING, FAN_UP, FAN_LEAVING, FAN_GONE, FAN_STATES };
+/* The life of a slot; the table is at the head of slot.c. */
+enum fan_slot_state {
+    FAN_NEVER,   /* of no slot: the event cannot happen in the state */
+    FAN_WAITING, /* no process; the slot waits for its turn */
+    FAN_OPENING, /* a process whose hello has not come */
+    FAN_UP,      /* a worker */
+    FAN_CLOSED,  /* its stream has ended; the exit status of its process will tell why */
+    FAN_LOST,    /* lost; it will be connected again when its process has ended */
+    FAN_ENDING,  /* lost for good; its process has not ended */
+    FAN_GONE,    /* no process, and never again */
+    FAN_SLOT_STATES
+};
+enum fan_slot_event {
+    ON_START,   /* its turn: a process is started */
+    ON_HELLO,   /* its hello is accepted */
+    ON_EOF,     /* its stream ends */
+    ON_RETRY,   /* it is lost, and may be connected again */
+    ON_LOSS,    /* it is lost for good */
+    ON_EXIT,    /* its process has ended */
+    ON_GIVE_UP, /* its host cannot be used */
+    FAN_SLOT_EVENTS
+};
 
 struct fan_host {
     const struct host *host;
@@ -31,59 +52,67 @@ struct fan_host {
     int64_t dropped; /* lines not shown, and not yet reported */
 };
 
-struct fan_slot {
-    int number;
-    struct fan_host *host;
-    enum fan_state state;
-
+/* One process of a slot, and the facts learned from it. A slot without a process has
+ * CONNECTION_NONE. */
+struct connection {
     struct child child;
     size_t poll; /* index of child.to in the last poll; .from and .err follow; 0: none */
     struct decoder from;
-    struct buf err;      /* an incomplete line of its standard error */
-    struct buf held;     /* lines of its standard error that may explain a failed connection */
-    int reason;          /* row of refusal.c that explains it */
-    char detail[200];    /* the line that matched this row */
-    char chatter[160];   /* its first output, if that was no hello */
-    size_t before_hello; /* bytes before hello */
-    int64_t opened_us;   /* start of its process */
-    int64_t heard_us;    /* last activity */
-    int64_t leave_us;    /* leaving: deadline for its exit */
+    struct buf err;                /* an incomplete line of its standard error */
+    struct buf held;               /* lines of its standard error that may explain a failure */
+    const struct refusal *refusal; /* the row of refusal.c that explains it; NULL: none */
+    char detail[200];              /* the line that matched this row */
+    char chatter[160];             /* its first output, if that was no hello */
+    size_t before_hello;           /* bytes before hello */
+    int64_t opened_us;             /* start of the process */
+    int64_t heard_us;              /* last activity */
+    int64_t leave_us;              /* deadline for its exit, once it leaves */
+    int64_t beat_us;               /* its last beat that was passed on */
+    int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
+    int64_t agreed; /* the last frame for which its job agreed with the first slot's, -1 */
+    int64_t ahead;  /* messages of a node, less those sent to it */
+    int stale;      /* answers to no question */
 
-    /* State of this connection: */
     bool connected;          /* it said hello and was accepted */
-    bool loaded;             /* it has announced a frame */
-    bool loading;            /* it was sent state and has announced no frame since */
-    int64_t agreed;          /* the last frame for which its job agreed with the first slot's, -1 */
-    bool flushed;            /* it was asked to flush */
-    bool input_closed_first; /* the stream ended after its input was closed */
-    bool loss_reported;      /* leaving: the reason of the loss is known and was reported */
-    bool reconnect;          /* leaving: it will be connected again */
+    bool announced_frame;    /* it has announced a frame */
     bool completed_task;     /* it has computed and delivered a task */
     bool placed;             /* it was told its place in a ring: its messages to the hub pass */
-    int stale;               /* answers to no question */
-    int64_t ahead;           /* messages of a node, less those sent to it */
-    int64_t beat_us;
-    int64_t closed_us; /* when its input was closed, at or after hello; 0: not yet */
+    bool input_closed_first; /* the stream ended after its input was closed */
+};
+#define CONNECTION_NONE                                                                            \
+    ((struct connection){.child = CHILD_NONE, .from = {.upward = true}, .agreed = -1})
 
-    /* State over all connections: */
+/* Records for a slot. Those of a slot that was not up yet outlive a connection that fails. */
+struct feed {
+    struct down_queue queue;
+    bool primed;      /* the queue begins with the state; later records are added */
+    bool behind;      /* the slot lags: the latest state was not added */
+    bool loading;     /* it was sent state and has announced no frame since */
+    bool flushed;     /* it was asked to flush */
+    uint32_t since;   /* the first generation sent to it */
+    uint32_t sent[3]; /* number of the latest record of each kind of state; 0: none */
+};
+
+struct fan_slot {
+    int number;
+    struct fan_host *host;
+    enum fan_slot_state state; /* only slot.c changes it */
+    struct connection conn;
+    struct feed feed;
+    struct task_table tasks; /* sent, and not yet both computed and delivered */
+    int32_t undone;          /* tasks not computed */
+
+    /* Over all connections: */
     bool was_up;
     bool told_gone;     /* `gone` was reported, and `up` not since */
     bool measured;      /* fan -l: nothing is left to measure */
-    int64_t trip_us;    /* time from closed_us to its bye; 0: not known */
+    int64_t trip_us;    /* time from the end of its input to its bye; 0: not known */
     int failures;       /* connections in a row without a completed task */
     int deaths;         /* likewise, if tasks were lost */
     int64_t retry_us;   /* waiting: not before this time */
     int64_t missing_us; /* not up since this time */
     double power;       /* 0: not known */
     int inner;          /* number of slots that it stands for */
-
-    struct down_queue down;
-    bool primed;             /* `down` begins with the state; later records are added */
-    bool behind;             /* it lags: the latest state was not added */
-    uint32_t since;          /* the first generation sent to it then */
-    uint32_t sent[3];        /* number of the latest record of each kind of state; 0: none */
-    struct task_table tasks; /* sent, and not yet both computed and delivered */
-    int32_t undone;          /* tasks not computed */
 };
 
 /* Every hello must agree with this. */
@@ -104,9 +133,9 @@ struct fan {
     int n_slots, n_hosts;
     struct fan_slot *slots;
     struct fan_host *hosts;
-    int n[FAN_STATES]; /* slots in each state */
-    int connecting;    /* slots that are opening on other machines */
-    int well;          /* slots that ended with success */
+    int n[FAN_SLOT_STATES]; /* slots in each state */
+    int connecting;         /* slots that are opening on other machines */
+    int well;               /* slots that ended with success */
     struct fan_reference reference;
     struct decoder in;
     struct stream_state input;
@@ -147,6 +176,8 @@ void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation);
 void fan_prime_early(struct fan *f, struct fan_slot *s);
 /* Frees the state kept for a generation. */
 void fan_forget(struct fan_state_of *state);
+/* Appends a record of the input without the key that only this process needs, `to`. */
+void fan_pass_down(struct buf *to, const struct record *r);
 /* True if records for the slot are queued: it is fed, or tasks wait for it. */
 bool fan_takes(const struct fan_slot *s);
 /* True if no slot's queue is too long. */
@@ -154,6 +185,8 @@ bool fan_room_down(const struct fan *f);
 
 /* ---- slot.c ---- */
 
+/* The state after the event; FAN_NEVER: it cannot happen in this state. */
+enum fan_slot_state fan_slot_next(enum fan_slot_state state, enum fan_slot_event event);
 /* Starts the process of a waiting slot. */
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
@@ -162,6 +195,8 @@ void fan_slot_up(struct fan *f, struct fan_slot *s);
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* True if the slot is sent what is queued for it. */
 bool fan_slot_fed(const struct fan_slot *s);
+/* True if the slot has a process whose stream has not ended. */
+bool fan_slot_has_stream(const struct fan_slot *s);
 /* Writes as much to the slot as its pipe takes. */
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /*
@@ -171,7 +206,9 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* The stream of slot s has ended: gives the process a moment to exit. */
 void fan_slot_leave(struct fan *f, struct fan_slot *s);
-/* For a leaving slot: checks its exit status, if it has exited; kills it after its deadline. */
+/* True if the stream of the slot has ended, and its process perhaps not. */
+bool fan_slot_leaves(const struct fan_slot *s);
+/* For such a slot: checks its exit status, if it has exited; kills it after its deadline. */
 void fan_slot_left(struct fan *f, struct fan_slot *s);
 /* Gives up a waiting slot together with its host. */
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
@@ -179,8 +216,10 @@ void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
 /* True if the slot is up or may come up. */
 bool fan_slot_comes(const struct fan_slot *s);
-/* Frees all memory of the slot except its process. */
-void fan_slot_free(struct fan_slot *s);
+/* Drops its tasks and all records for it. */
+void fan_slot_forget(struct fan_slot *s);
+/* Ends its process, shows the rest of its messages, and resets the connection. */
+void fan_slot_disconnect(const struct fan *f, struct fan_slot *s);
 
 /* ---- connect.c ---- */
 
@@ -208,7 +247,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
 
 /* ---- refusal.c ---- */
 
-/* A new connection: forgets the messages of the last one. */
+/* Drops the held lines and the reason. */
 void fan_refusal_forget(struct fan_slot *s);
 /* True if this line of standard error may explain a failed connection. The line is held then. */
 bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);

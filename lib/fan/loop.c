@@ -24,12 +24,12 @@
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
     if (!f->in_open && !s->tasks.count && s->host->here) return CLOSING_S;
-    if (!s->connected) return s->host->here ? HELLO_S : REACH_S;
+    if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
     if (!f->in_open && !s->tasks.count) return f->o->silence_s;
     /* Pixels of computed tasks may be held back until a flush. */
-    bool asked = s->undone || (s->tasks.count && (s->flushed || !f->in_open));
+    bool asked = s->undone || (s->tasks.count && (s->feed.flushed || !f->in_open));
     if (!asked) return 0;
-    return s->loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
+    return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
 
 /*
@@ -41,11 +41,11 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
 {
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (s->state != FAN_OPENING && s->state != FAN_UP) continue;
+        if (!fan_slot_has_stream(s)) continue;
         double allowed_s = silence_allowed_s(f, s);
-        if (!reading || allowed_s <= 0) s->heard_us = now_us();
-        else if ((double)(looked_us - s->heard_us) > allowed_s * 1e6)
-            fan_slot_lose(f, s, s->connected ? "silent" : "no-hello", true);
+        if (!reading || allowed_s <= 0) s->conn.heard_us = now_us();
+        else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6)
+            fan_slot_lose(f, s, s->state == FAN_UP ? "silent" : "no-hello", true);
     }
 }
 
@@ -58,7 +58,9 @@ static void credit_own_delay(struct fan *f, int64_t looked_us)
     int64_t late_us = looked_us - f->awake_us - LATE_US;
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        s->heard_us = s->heard_us + late_us < looked_us ? s->heard_us + late_us : looked_us;
+        if (!fan_slot_has_stream(s)) continue;
+        int64_t heard_us = s->conn.heard_us + late_us;
+        s->conn.heard_us = heard_us < looked_us ? heard_us : looked_us;
     }
 }
 
@@ -67,10 +69,10 @@ static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
 {
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        if (s->state != FAN_OPENING && s->state != FAN_UP) continue;
+        if (!fan_slot_has_stream(s)) continue;
         double allowed_s = silence_allowed_s(f, s);
         if (allowed_s <= 0) continue;
-        double left_ms = allowed_s * 1e3 - (double)(now - s->heard_us) / 1e3;
+        double left_ms = allowed_s * 1e3 - (double)(now - s->conn.heard_us) / 1e3;
         if (left_ms < wait_ms) wait_ms = left_ms > 0 ? (int)left_ms + 1 : 0;
     }
     return wait_ms;
@@ -85,11 +87,11 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
     p[1] = outlet_poll(&f->out);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        const struct child *c = &s->child;
-        s->poll = 0;
+        const struct child *c = &s->conn.child;
+        s->conn.poll = 0;
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
-        s->poll = n;
-        p[n++] = pipe_poll_entry(c->to, fan_slot_fed(s), down_size(&s->down) ? POLLOUT : 0);
+        s->conn.poll = n;
+        p[n++] = pipe_poll_entry(c->to, fan_slot_fed(s), down_size(&s->feed.queue) ? POLLOUT : 0);
         p[n++] = pipe_poll_entry(c->from, reading, POLLIN);
         if (c->err >= 0) p[n++] = pipe_poll_entry(c->err, true, POLLIN);
     }
@@ -98,10 +100,10 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 
 static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
-    if (s->child.err >= 0 && p[s->poll + 2].revents) fan_slot_show_err(f, s);
-    if (fan_slot_fed(s) && s->child.to >= 0) fan_slot_feed(f, s, &p[s->poll]);
-    if (s->child.from >= 0 && p[s->poll + 1].revents) fan_slot_listen(f, s);
-    if (s->state == FAN_LEAVING) fan_slot_left(f, s);
+    if (s->conn.child.err >= 0 && p[s->conn.poll + 2].revents) fan_slot_show_err(f, s);
+    if (fan_slot_fed(s) && s->conn.child.to >= 0) fan_slot_feed(f, s, &p[s->conn.poll]);
+    if (s->conn.child.from >= 0 && p[s->conn.poll + 1].revents) fan_slot_listen(f, s);
+    if (fan_slot_leaves(s)) fan_slot_left(f, s);
 }
 
 void fan_round(struct fan *f, struct pollfd *p)
@@ -111,7 +113,8 @@ void fan_round(struct fan *f, struct pollfd *p)
     int64_t looked_us = now_us();
     size_t n = fill_poll(f, p, reading);
     credit_own_delay(f, looked_us);
-    if (f->n[FAN_LEAVING] && wait_ms > LEAVING_MS) wait_ms = LEAVING_MS;
+    if (f->n[FAN_CLOSED] + f->n[FAN_LOST] + f->n[FAN_ENDING] && wait_ms > LEAVING_MS)
+        wait_ms = LEAVING_MS;
     if (reading) wait_ms = next_silence_ms(f, looked_us, wait_ms);
     f->awake_us = looked_us + wait_ms * INT64_C(1000);
     if (signals_poll(p, n, wait_ms) < 0) {
@@ -122,8 +125,10 @@ void fan_round(struct fan *f, struct pollfd *p)
     outlet_polled(&f->out, &p[1]);
     if (f->out.gone) return;
     if (p[0].revents) fan_take_input(f);
-    for (int k = 0; k < f->n_slots && !f->refused; k++)
-        if (f->slots[k].poll || f->slots[k].state == FAN_LEAVING) tend_slot(f, &f->slots[k], p);
+    for (int k = 0; k < f->n_slots && !f->refused; k++) {
+        struct fan_slot *s = &f->slots[k];
+        if (s->conn.poll || fan_slot_leaves(s)) tend_slot(f, s, p);
+    }
     find_silent(f, looked_us, reading);
     outlet_push(&f->out);
 }
@@ -131,7 +136,7 @@ void fan_round(struct fan *f, struct pollfd *p)
 /* The slot works, or its end is being judged. */
 static bool at_work(const struct fan_slot *s)
 {
-    return s->state == FAN_UP || (s->state == FAN_LEAVING && !s->loss_reported) ||
+    return s->state == FAN_UP || s->state == FAN_CLOSED ||
            (s->state == FAN_OPENING && s->host->here);
 }
 
@@ -139,10 +144,7 @@ static bool at_work(const struct fan_slot *s)
  * The slot's host has not had its first try, or is having it. Silent hosts may delay that, because
  * only a few are tried at a time.
  */
-static bool untried(const struct fan_slot *s)
-{
-    return !s->host->failures && !s->failures && (!s->opened_us || s->state == FAN_OPENING);
-}
+static bool untried(const struct fan_slot *s) { return !s->host->failures && !s->failures; }
 
 bool fan_working(const struct fan *f)
 {
@@ -151,10 +153,8 @@ bool fan_working(const struct fan *f)
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
-        bool comes = s->state == FAN_WAITING || s->state == FAN_OPENING ||
-                     (s->state == FAN_LEAVING && s->reconnect);
         bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
-        if (comes && fan_slot_wanted(f, s) && (early || untried(s))) return true;
+        if (fan_slot_comes(s) && fan_slot_wanted(f, s) && (early || untried(s))) return true;
     }
     return false;
 }
@@ -176,7 +176,8 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
         for (int end = k + h->slots; k < end; k++)
             f->slots[k] = (struct fan_slot){.number = k,
                 .host = &f->hosts[i],
-                .child = CHILD_NONE,
+                .state = FAN_WAITING,
+                .conn = CONNECTION_NONE,
                 .power = h->power,
                 .measured = h->power > 0 && !o->trips,
                 .missing_us = f->start_us};
@@ -190,8 +191,8 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 {
     int status;
-    while (!child_ended(&s->child, &status) && now_us() < end_us) {
-        if (s->child.err >= 0) fan_slot_show_err(f, s);
+    while (!child_ended(&s->conn.child, &status) && now_us() < end_us) {
+        if (s->conn.child.err >= 0) fan_slot_show_err(f, s);
         nanosleep(&(struct timespec){0, 500000}, NULL);
     }
 }
@@ -200,19 +201,14 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 static void stop(struct fan *f)
 {
     int64_t end_us = now_us() + STOP_MS * INT64_C(1000);
-    for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].child);
+    for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].conn.child);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         f->lost += s->tasks.count;
         f->unreached |= s->tasks.count > 0;
         await_exit(f, s, end_us);
-        fan_slot_end_err(f, s);
-        fan_slot_show_held(s);
-        child_end(&s->child, 0);
-        fan_slot_free(s);
-        wire_free(&s->from);
-        buf_free(&s->err);
-        buf_free(&s->held);
+        fan_slot_disconnect(f, s);
+        fan_slot_forget(s);
     }
     fan_end_err(f);
 }

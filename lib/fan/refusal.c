@@ -11,12 +11,12 @@
 #define HELD_MOST 16384 /* bytes of a host's messages held until a connection ends */
 
 /* If several match, the first row is the reason. */
-static const struct reason {
+static const struct refusal {
     const char *words;  /* in a line of ssh */
     bool final;         /* a retry cannot help */
     const char *said;   /* NULL: the line only begins a longer message, or precedes another */
     const char *advice; /* % is the host; NULL: print ssh's line; "": no advice */
-} reasons[] = {
+} refusals[] = {
     {"REVOKED HOST KEY", true, "host key revoked", "it needs a new one"},
     {"REMOTE HOST IDENTIFICATION HAS CHANGED", true, "host key has changed",
         "if that is right, forget the old one with: ssh-keygen -R %"},
@@ -40,7 +40,7 @@ static const struct reason {
     {" host key is known for ", false, NULL, NULL},
     {"@@@@@@@@@@", false, NULL, NULL},
 };
-#define N_REASONS ((int)(sizeof reasons / sizeof *reasons))
+#define N_REFUSALS ((int)(sizeof refusals / sizeof *refusals))
 
 static bool has(const char *line, size_t n, const char *words)
 {
@@ -64,30 +64,30 @@ static bool names_worker(const struct fan *f, const char *line, size_t n)
 
 void fan_refusal_forget(struct fan_slot *s)
 {
-    buf_consume(&s->held, buf_size(&s->held));
-    s->reason = N_REASONS;
-    *s->detail = '\0';
+    buf_consume(&s->conn.held, buf_size(&s->conn.held));
+    s->conn.refusal = NULL;
+    *s->conn.detail = '\0';
 }
 
 bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
 {
-    int i = 0;
-    while (i < N_REASONS && !has(line, n, reasons[i].words)) i++;
-    if (i < s->reason) {
-        s->reason = i;
-        fan_printable(s->detail, sizeof s->detail, line, n);
-    } else if (!buf_size(&s->held) && !names_worker(f, line, n)) {
+    const struct refusal *r = refusals, *end = refusals + N_REFUSALS;
+    while (r < end && !has(line, n, r->words)) r++;
+    if (r < (s->conn.refusal ? s->conn.refusal : end)) {
+        s->conn.refusal = r;
+        fan_printable(s->conn.detail, sizeof s->conn.detail, line, n);
+    } else if (!buf_size(&s->conn.held) && !names_worker(f, line, n)) {
         return false;
     }
-    if (buf_size(&s->held) + n > HELD_MOST) return false;
-    buf_append(&s->held, line, n);
-    buf_append(&s->held, "\n", 1);
+    if (buf_size(&s->conn.held) + n > HELD_MOST) return false;
+    buf_append(&s->conn.held, line, n);
+    buf_append(&s->conn.held, "\n", 1);
     return true;
 }
 
 bool fan_refusal_is_final(const struct fan_slot *s)
 {
-    return !s->connected && !s->host->reached && s->reason < N_REASONS && reasons[s->reason].final;
+    return !s->host->reached && s->conn.refusal && s->conn.refusal->final;
 }
 
 /* Explains the exit status of ssh or of the remote shell. */
@@ -107,15 +107,15 @@ static void explain_command(const struct fan *f, const struct host *h, bool foun
 
 static void explain_connection(const struct fan *f, const struct fan_slot *s, struct buf *text)
 {
-    const struct reason *r = &reasons[s->reason];
+    const struct refusal *r = s->conn.refusal;
     const struct host *h = s->host->host;
-    bool no_file = f->o->hosts->no_file && strstr(s->detail, "resol");
+    bool no_file = f->o->hosts->no_file && strstr(s->conn.detail, "resol");
     if (no_file && r->final) {
         buf_printf(text, "-S %s: no such file, and no host of that name", h->name);
         return;
     }
     buf_printf(text, "%s: %s%s", h->name, r->said, no_file ? ", and there is no such file" : "");
-    if (!r->advice) buf_printf(text, ": %s", s->detail);
+    if (!r->advice) buf_printf(text, ": %s", s->conn.detail);
     if (!r->advice || !*r->advice) return;
     size_t n = strcspn(r->advice, "%");
     bool by_ssh = !r->advice[n] || !h->via; /* a via= command other than ssh NAME reaches it */
@@ -127,7 +127,7 @@ static void explain_connection(const struct fan *f, const struct fan_slot *s, st
 
 bool fan_refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text)
 {
-    bool failed = strcmp(why, "exit-255") == 0 && s->reason < N_REASONS && reasons[s->reason].said;
+    bool failed = strcmp(why, "exit-255") == 0 && s->conn.refusal && s->conn.refusal->said;
     bool missing = strcmp(why, "exit-127") == 0, barred = strcmp(why, "exit-126") == 0;
     if (!failed && !missing && !barred) return false;
     if (failed) explain_connection(f, s, text);

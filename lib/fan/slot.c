@@ -1,21 +1,22 @@
 /*
- * fan: the life of a slot.
+ * fan: the life of a slot. `transitions` has the state that follows each event; `change` alone sets
+ * states. Their meanings are in fan_int.h.
  *
- *   state    meaning                            leaves it when
- *   WAITING  no process                         it is its turn: -> OPENING; it cannot be started:
- *                                               -> WAITING, GONE
- *   OPENING  a process that has not said hello  its hello is good: -> UP; it is refused, says no
- *                                               hello in time, its stream ends: -> LEAVING
- *   UP       a worker                           its stream ends, it is silent or wrong: -> LEAVING
- *   LEAVING  a process that is to exit          it has exited, or was killed after its deadline:
- *                                               -> WAITING to be connected again, or GONE
- *   GONE     nothing                            never
+ *   event       happens when                                      then
+ *   ON_START    it is the slot's turn                             a process is started
+ *   ON_HELLO    its hello agrees with the first                   `up` is reported; it gets records
+ *   ON_EOF      its stream ends                                   its process has GRACE_US to exit
+ *   ON_RETRY    its connection has failed                         `gone` is reported; its process
+ *   ON_LOSS     likewise, or it is wrong, and no try will follow  is stopped; its tasks are lost
+ *   ON_EXIT     its process has exited, or was killed             the connection is reset
+ *   ON_GIVE_UP  its host cannot be used                           `gone` is reported; its tasks are
+ *                                                                 lost
  *
- * A slot on another machine is connected again if its connection failed: ssh exits with 255 or is
- * killed, or the slot is silent. So is a slot that has lost its own worker and reports that by its
- * status. Once a slot is LEAVING, nothing more is read from its connection. Tasks sent over a
- * connection are lost with it. Tasks for a slot that was never up wait for it; therefore nothing is
- * sent over a connection before its hello.
+ * A connection has failed if ssh exits with 255 or is killed, or if a slot on another machine is
+ * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
+ * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
+ * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
+ * machine before the slot's hello.
  * One machine with connect.c, down.c, err.c, hello.c, refusal.c and up.c.
  */
 #include "fan/fan_int.h"
@@ -31,14 +32,44 @@
 #define ASK_AGAIN_US 5000000 /* fan -l: a slot that failed within this time is asked once more */
 #define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
 
-/* It is being connected, or failed to connect for a reason that is not known yet. */
-static bool connects(const struct fan_slot *s, enum fan_state state)
+/* An event that a row does not name cannot happen in that state: FAN_NEVER. */
+static const enum fan_slot_state transitions[FAN_SLOT_STATES][FAN_SLOT_EVENTS] = {
+    [FAN_WAITING] = {[ON_START] = FAN_OPENING, [ON_GIVE_UP] = FAN_GONE},
+    [FAN_OPENING] =
+        {[ON_HELLO] = FAN_UP, [ON_EOF] = FAN_CLOSED, [ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING},
+    [FAN_UP] = {[ON_EOF] = FAN_CLOSED, [ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING},
+    [FAN_CLOSED] = {[ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING, [ON_EXIT] = FAN_GONE},
+    [FAN_LOST] = {[ON_EXIT] = FAN_WAITING},
+    [FAN_ENDING] = {[ON_EXIT] = FAN_GONE},
+};
+
+static const char *const state_names[FAN_SLOT_STATES] = {
+    "never", "waiting", "opening", "up", "closed", "lost", "ending", "gone"};
+static const char *const event_names[FAN_SLOT_EVENTS] = {
+    "start", "hello", "end of stream", "retry", "loss", "exit", "giving up"};
+
+enum fan_slot_state fan_slot_next(enum fan_slot_state state, enum fan_slot_event event)
 {
-    return state == FAN_OPENING || (state == FAN_LEAVING && !s->connected);
+    return transitions[state][event];
 }
 
-static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
+static bool leaves(enum fan_slot_state state)
 {
+    return state == FAN_CLOSED || state == FAN_LOST || state == FAN_ENDING;
+}
+
+/* It is being connected, or failed to connect and its process has not ended. */
+static bool connects(const struct fan_slot *s, enum fan_slot_state state)
+{
+    return state == FAN_OPENING || (leaves(state) && !s->conn.connected);
+}
+
+static void change(struct fan *f, struct fan_slot *s, enum fan_slot_event event)
+{
+    enum fan_slot_state state = fan_slot_next(s->state, event);
+    if (state == FAN_NEVER)
+        die(ST_SYSTEM, "slot %d: internal error: %s in state %s", s->number, event_names[event],
+            state_names[s->state]);
     int opening = connects(s, state) - connects(s, s->state);
     f->n[s->state]--;
     f->n[state]++;
@@ -46,6 +77,13 @@ static void enter(struct fan *f, struct fan_slot *s, enum fan_state state)
     s->host->opening += opening;
     s->state = state;
 }
+
+bool fan_slot_has_stream(const struct fan_slot *s)
+{
+    return s->state == FAN_OPENING || s->state == FAN_UP;
+}
+
+bool fan_slot_leaves(const struct fan_slot *s) { return leaves(s->state); }
 
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 {
@@ -55,54 +93,47 @@ bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 
 bool fan_slot_comes(const struct fan_slot *s)
 {
-    return s->state != FAN_GONE && !(s->state == FAN_LEAVING && s->loss_reported && !s->reconnect);
+    return s->state != FAN_GONE && s->state != FAN_ENDING;
 }
 
-void fan_slot_free(struct fan_slot *s)
+void fan_slot_forget(struct fan_slot *s)
 {
-    down_free(&s->down);
+    down_free(&s->feed.queue);
+    s->feed = (struct feed){0};
     tasks_free(&s->tasks);
-    s->primed = s->behind = s->loading = s->flushed = false;
-    memset(s->sent, 0, sizeof s->sent);
     s->undone = 0;
+}
+
+void fan_slot_disconnect(const struct fan *f, struct fan_slot *s)
+{
+    fan_slot_end_err(f, s);
+    fan_slot_show_held(s);
+    child_end(&s->conn.child, 0);
+    wire_free(&s->conn.from);
+    buf_free(&s->conn.held);
+    s->conn = CONNECTION_NONE;
 }
 
 /* The process has ended. */
 static void settle(struct fan *f, struct fan_slot *s)
 {
-    fan_slot_end_err(f, s);
-    fan_slot_show_held(s);
-    wire_free(&s->from);
-    if (s->reconnect) {
-        s->retry_us = now_us() + fan_retry_wait_us(s->failures);
-        enter(f, s, FAN_WAITING);
-    } else {
-        fan_slot_free(s);
-        enter(f, s, FAN_GONE);
-    }
+    change(f, s, ON_EXIT);
+    fan_slot_disconnect(f, s);
+    if (s->state == FAN_GONE) fan_slot_forget(s);
+    else s->retry_us = now_us() + fan_retry_wait_us(s->failures);
 }
 
 void fan_slot_open(struct fan *f, struct fan_slot *s)
 {
-    wire_free(&s->from);
-    s->from.upward = true;
-    s->connected = s->loaded = s->input_closed_first = s->loss_reported = s->reconnect = false;
-    s->completed_task = s->placed = false;
-    s->agreed = -1;
-    s->stale = 0;
-    s->ahead = 0;
-    s->before_hello = 0;
-    s->closed_us = 0;
-    *s->chatter = '\0';
-    fan_refusal_forget(s);
-    s->opened_us = s->heard_us = now_us();
-    enter(f, s, FAN_OPENING);
-    if (s->host->here && !s->primed) fan_prime_early(f, s);
-    int failed = s->host->here ? child_start(&s->child, s->host->argv)
-                               : child_start_apart(&s->child, s->host->argv);
+    change(f, s, ON_START);
+    s->conn.opened_us = s->conn.heard_us = now_us();
+    if (s->host->here && !s->feed.primed) fan_prime_early(f, s);
+    struct child *c = &s->conn.child;
+    char *const *argv = s->host->argv;
+    int failed = s->host->here ? child_start(c, argv) : child_start_apart(c, argv);
     if (!failed) return;
     if (s->host->said == FAN_QUIET)
-        warn("%s: %s%s", s->host->argv[0], strerror(errno), s->host->here ? "" : "; trying again");
+        warn("%s: %s%s", argv[0], strerror(errno), s->host->here ? "" : "; trying again");
     s->host->said = FAN_RETRIED;
     fan_slot_lose(f, s, "not-started", true);
 }
@@ -112,15 +143,15 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
     if (s->told_gone) warn("%s: is up", fan_slot_name(s, name));
     fan_slot_show_held(s);
-    s->connected = s->was_up = s->host->reached = true;
+    change(f, s, ON_HELLO);
+    s->conn.connected = s->was_up = s->host->reached = true;
     s->told_gone = false;
     if (!s->host->here) s->host->said = FAN_QUIET;
     s->host->failures = 0;
     s->host->retry_us = 0;
-    s->heard_us = now_us();
-    if (s->closed_us) s->closed_us = s->heard_us;
-    enter(f, s, FAN_UP);
-    if (!s->primed && fan_slot_wanted(f, s)) fan_prime_early(f, s);
+    s->conn.heard_us = now_us();
+    if (s->conn.closed_us) s->conn.closed_us = s->conn.heard_us;
+    if (!s->feed.primed && fan_slot_wanted(f, s)) fan_prime_early(f, s);
     snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
         s->power, s->inner);
     wire_plain(&f->out.queue.bulk, REC_UP, text);
@@ -129,7 +160,6 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
 
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
-    static const char *const drop[] = {"to", NULL};
     struct fan_slot *s = &f->slots[k];
     int64_t from;
     if (s->state == FAN_GONE || (s->was_up && s->state != FAN_UP)) {
@@ -143,14 +173,14 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
             r->task.id);
         return ST_USAGE;
     }
-    if (!s->primed || s->behind || (int32_t)(frame->generation - s->since) < 0)
+    if (!s->feed.primed || s->feed.behind || (int32_t)(frame->generation - s->feed.since) < 0)
         fan_prime(f, s, frame->generation);
     i = tasks_add(&s->tasks, &r->task, frame->w);
     s->tasks.at[i].since_us = now_us() - f->start_us;
     if (rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) s->tasks.at[i].slot = (int32_t)from;
     s->undone++;
-    s->ahead--;
-    if (fan_takes(s)) wire_forward(&s->down.bytes, r, drop, NULL);
+    if (fan_slot_has_stream(s)) s->conn.ahead--;
+    if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r);
     return 0;
 }
 
@@ -162,84 +192,90 @@ bool fan_slot_fed(const struct fan_slot *s)
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
-    size_t before = down_size(&s->down);
-    if (p->revents & POLLERR || (!full && down_write(&s->down, s->child.to) != 0)) {
+    size_t before = down_size(&s->feed.queue);
+    if (p->revents & POLLERR || (!full && down_write(&s->feed.queue, s->conn.child.to) != 0)) {
         /* It reads no more. Its output explains why, or has pixels to come. */
-        child_close(&s->child.to);
-        down_free(&s->down);
+        child_close(&s->conn.child.to);
+        down_free(&s->feed.queue);
         return;
     }
     /* A pipe that was empty takes a little even if its reader does not read. */
-    if (p->events & POLLOUT && down_size(&s->down) != before) s->heard_us = now_us();
-    if (!f->in_open && !down_size(&s->down)) {
-        if (s->child.to >= 0) s->closed_us = now_us();
-        child_close(&s->child.to);
+    if (p->events & POLLOUT && down_size(&s->feed.queue) != before) s->conn.heard_us = now_us();
+    if (!f->in_open && !down_size(&s->feed.queue)) {
+        if (s->conn.child.to >= 0) s->conn.closed_us = now_us();
+        child_close(&s->conn.child.to);
     }
 }
 
 /* Reports the loss of the slot, and decides whether to connect it again. */
-static void decide(struct fan *f, struct fan_slot *s, const char *why, bool again)
+static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     char name[SLOT_NAME];
-    s->failures = s->completed_task ? 1 : s->failures + 1;
-    if (s->completed_task) s->deaths = 0;
-    else if (s->connected && s->tasks.count) s->deaths++;
-    s->reconnect = again && !s->host->here && s->deaths < DEATHS_MOST;
-    s->loss_reported = true;
-    bool more = s->reconnect && s->failures <= 1 && !s->host->failures;
-    s->measured |= !more || now_us() - s->opened_us > ASK_AGAIN_US;
-    int32_t lost = s->connected || !s->reconnect ? s->tasks.count : 0;
+    s->failures = s->conn.completed_task ? 1 : s->failures + 1;
+    if (s->conn.completed_task) s->deaths = 0;
+    else if (s->conn.connected && s->tasks.count) s->deaths++;
+    again &= !s->host->here && s->deaths < DEATHS_MOST;
+    change(f, s, again ? ON_RETRY : ON_LOSS);
+    bool more = again && s->failures <= 1 && !s->host->failures;
+    s->measured |= !more || now_us() - s->conn.opened_us > ASK_AGAIN_US;
+    int32_t lost = s->conn.connected || !again ? s->tasks.count : 0;
     fan_say_gone(f, s, why, lost);
-    if (!s->connected && !s->host->here) fan_host_failed(f, s, why, s->reconnect);
+    if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
-            s->reconnect ? ", connecting again" : "");
+            again ? ", connecting again" : "");
     f->lost += lost;
-    if (s->connected) s->missing_us = now_us();
-    if (s->connected || !s->reconnect) fan_slot_free(s);
+    if (s->conn.connected) s->missing_us = now_us();
+    if (s->conn.connected || !again) fan_slot_forget(s);
 }
 
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
 {
+    change(f, s, ON_GIVE_UP);
     fan_say_gone(f, s, why, s->tasks.count);
     f->lost += s->tasks.count;
     s->measured = true;
-    fan_slot_free(s);
-    enter(f, s, FAN_GONE);
+    fan_slot_forget(s);
 }
 
 void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
-    decide(f, s, why, again);
-    child_stop(&s->child);
-    s->leave_us = now_us() + STOP_US;
-    enter(f, s, FAN_LEAVING);
-    if (!s->child.pid) settle(f, s);
+    lose(f, s, why, again);
+    child_stop(&s->conn.child);
+    s->conn.leave_us = now_us() + STOP_US;
+    if (!s->conn.child.pid) settle(f, s);
 }
 
 void fan_slot_leave(struct fan *f, struct fan_slot *s)
 {
-    s->input_closed_first = s->child.to < 0 && !f->in_open; /* then it was to end */
-    s->leave_us = now_us() + GRACE_US;
-    enter(f, s, FAN_LEAVING);
+    change(f, s, ON_EOF);
+    s->conn.input_closed_first = s->conn.child.to < 0 && !f->in_open; /* then it was to end */
+    s->conn.leave_us = now_us() + GRACE_US;
+}
+
+/* Decides by the exit status of its process whether the slot has ended as it was told to, or is
+ * lost. */
+static void judge(struct fan *f, struct fan_slot *s, int status)
+{
+    char why[24];
+    bool well = s->conn.input_closed_first && !s->tasks.count && WIFEXITED(status) &&
+                WEXITSTATUS(status) == 0;
+    bool connection = WIFSIGNALED(status) ||
+                      (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
+                      (s->conn.connected && WEXITSTATUS(status) == ST_SYSTEM);
+    if (well) f->well++;
+    else lose(f, s, status_text(status, why), connection);
 }
 
 void fan_slot_left(struct fan *f, struct fan_slot *s)
 {
-    char why[24];
     int status;
-    if (!child_ended(&s->child, &status)) {
-        if (now_us() < s->leave_us) return;
+    if (!child_ended(&s->conn.child, &status)) {
+        if (now_us() < s->conn.leave_us) return;
         fan_slot_end_err(f, s);
-        status = child_end(&s->child, 0);
+        status = child_end(&s->conn.child, 0);
     }
     fan_slot_end_err(f, s); /* before it is judged by that */
-    bool well =
-        s->input_closed_first && !s->tasks.count && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    bool connection = WIFSIGNALED(status) ||
-                      (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
-                      (s->connected && WEXITSTATUS(status) == ST_SYSTEM);
-    if (!s->loss_reported && well) f->well++;
-    else if (!s->loss_reported) decide(f, s, status_text(status, why), connection);
+    if (s->state == FAN_CLOSED) judge(f, s, status);
     settle(f, s);
 }

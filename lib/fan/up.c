@@ -29,8 +29,8 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
     int64_t now = now_us();
-    if (now - s->beat_us < BEAT_US) return;
-    s->beat_us = now;
+    if (now - s->conn.beat_us < BEAT_US) return;
+    s->conn.beat_us = now;
     stamp(s, r, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
 }
@@ -83,12 +83,12 @@ static const char *take_job(
         memcpy(frame->job, job, sizeof job);
         frame->by = s->number;
         frame->agree = frame->differ = 0;
-        s->agreed = -1;
+        s->conn.agreed = -1;
     }
     frame->said = true;
     if (strcmp(frame->job, job) != 0) return dispute(f, s, frame, job);
-    frame->agree += s->agreed != frame->frame; /* a tree reports it for each of its workers */
-    s->agreed = frame->frame;
+    frame->agree += s->conn.agreed != frame->frame; /* a tree reports it for each of its workers */
+    s->conn.agreed = frame->frame;
     return NULL;
 }
 
@@ -103,8 +103,8 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     const char *why = take_job(f, s, asked, r);
     if (why) return why;
-    s->loaded = true;
-    s->loading = false;
+    s->conn.announced_frame = true;
+    s->feed.loading = false;
     stamp(s, r, text, sizeof text);
     size_t n = strlen(text);
     snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
@@ -112,14 +112,18 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     return NULL;
 }
 
-/* Computed and delivered: removes the task. */
-static void settle(struct fan_slot *s, int32_t i)
+static void remove_task(struct fan_slot *s, int32_t i)
 {
-    if (s->tasks.at[i].done && tasks_whole(&s->tasks, i)) {
-        tasks_remove(&s->tasks, i);
-        s->completed_task = true;
-    }
-    if (!s->tasks.count) s->flushed = false;
+    tasks_remove(&s->tasks, i);
+    if (!s->tasks.count) s->feed.flushed = false;
+}
+
+/* Removes the task if it is both computed and delivered. */
+static void complete_task(struct fan_slot *s, int32_t i)
+{
+    if (!s->tasks.at[i].done || !tasks_whole(&s->tasks, i)) return;
+    remove_task(s, i);
+    s->conn.completed_task = true;
 }
 
 /* Drops an answer to no question. A slot that sends too many is lost, so that others get its
@@ -127,7 +131,7 @@ static void settle(struct fan_slot *s, int32_t i)
 static const char *take_stale(struct fan *f, struct fan_slot *s)
 {
     f->stale++;
-    return ++s->stale > STALE_MOST ? "unasked" : NULL;
+    return ++s->conn.stale > STALE_MOST ? "unasked" : NULL;
 }
 
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
@@ -143,7 +147,7 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     wire_forward(&f->out.queue.control, r, stamped, text);
     s->tasks.at[i].done = true;
     s->undone--;
-    settle(s, i);
+    complete_task(s, i);
     return NULL;
 }
 
@@ -152,13 +156,13 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0) return take_stale(f, s);
     const struct frame_size *frame = frames_find(&f->input.frames, r->task.frame);
-    if (!s->loaded || !frame->said) return "frag-before-frame";
+    if (!s->conn.announced_frame || !frame->said) return "frag-before-frame";
     if (!rec_is(r, "job", frame->job)) return "other-job";
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
     stamp(s, r, text, sizeof text);
     up_forward(&f->out.queue, r, stamped, text);
-    settle(s, i);
+    complete_task(s, i);
     return NULL;
 }
 
@@ -171,16 +175,15 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
 {
     struct rec_ring m;
     char text[96];
-    if (!s->placed) return "wrong-record";
+    if (!s->conn.placed) return "wrong-record";
     if (!rec_ring(r, &m) || m.peer >= f->n_slots || m.next >= f->n_slots) return "wrong-peer";
     if (r->kind == REC_GIVE) {
         int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
         if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
-        tasks_remove(&s->tasks, i);
+        remove_task(s, i);
         s->undone--;
-        if (!s->tasks.count) s->flushed = false;
     }
-    if (r->kind != REC_GIVE && ++s->ahead > STALE_MOST) return "unasked";
+    if (r->kind != REC_GIVE && ++s->conn.ahead > STALE_MOST) return "unasked";
     stamp(s, r, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
     return NULL;
@@ -206,7 +209,7 @@ static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s
 static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     if (too_long(r)) return "long-line";
-    if (!s->connected && r->kind != REC_HELLO) return "no-hello";
+    if (s->state != FAN_UP && r->kind != REC_HELLO) return "no-hello";
     switch (r->kind) {
     case REC_HELLO: return fan_take_hello(f, s, r);
     case REC_FRAME: return take_frame(f, s, r);
@@ -220,7 +223,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_CRASHED: return take_ring(f, s, r);
     case REC_UP: /* of an inner fan: its own affair */ return NULL;
     case REC_BYE:
-        if (s->closed_us) s->trip_us = now_us() - s->closed_us;
+        if (s->conn.closed_us) s->trip_us = now_us() - s->conn.closed_us;
         return NULL;
     default: return "wrong-record";
     }
@@ -237,7 +240,8 @@ void fan_printable(char *to, size_t room, const char *line, size_t n)
 /* Keeps the first line that a host prints before hello, in case no hello comes. */
 static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
 {
-    if (!s->before_hello) fan_printable(s->chatter, sizeof s->chatter, (const char *)said, n);
+    if (!s->conn.before_hello)
+        fan_printable(s->conn.chatter, sizeof s->conn.chatter, (const char *)said, n);
 }
 
 /*
@@ -247,33 +251,34 @@ static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n
 static bool is_chatter(const struct fan_slot *s, enum wire_result result, const struct record *r)
 {
     size_t n;
-    if (s->connected || s->host->here) return false;
+    if (s->state == FAN_UP || s->host->here) return false;
     return result == WIRE_BAD || r->kind != REC_HELLO || !rec_key(r, "selftest", &n);
 }
 
 void fan_slot_listen(struct fan *f, struct fan_slot *s)
 {
-    size_t before = buf_size(&s->from.in), n;
+    size_t before = buf_size(&s->conn.from.in), n;
     /* It was told to end and owes nothing: its beats are no reason to wait. */
-    bool over = !f->in_open && !s->tasks.count && s->child.to < 0;
-    int more = stream_read(&s->from, s->child.from);
-    n = buf_size(&s->from.in) - before;
-    if (!s->connected) note_chatter(s, buf_data(&s->from.in) + before, n);
+    bool over = !f->in_open && !s->tasks.count && s->conn.child.to < 0;
+    int more = stream_read(&s->conn.from, s->conn.child.from);
+    n = buf_size(&s->conn.from.in) - before;
+    if (s->state != FAN_UP) note_chatter(s, buf_data(&s->conn.from.in) + before, n);
     struct record r;
     enum wire_result result;
     const char *why = NULL;
     bool at_work = false; /* a node that answers others may have an idle worker */
-    while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
+    while (!why && (result = wire_next(&s->conn.from, &r)) != WIRE_MORE) {
         if (is_chatter(s, result, &r)) continue;
         if (result == WIRE_RECORD) {
             at_work |= r.kind < REC_RING;
             why = take_record(f, s, &r);
-        } else if (!s->from.ended) {
+        } else if (!s->conn.from.ended) {
             why = "garbage";
         }
     }
-    if (s->connected && !over && (at_work || buf_size(&s->from.in))) s->heard_us = now_us();
-    if (!s->connected && !why && (s->before_hello += n) > CHATTER_MOST) why = "no-hello";
+    if (s->state == FAN_UP && !over && (at_work || buf_size(&s->conn.from.in)))
+        s->conn.heard_us = now_us();
+    if (s->state != FAN_UP && !why && (s->conn.before_hello += n) > CHATTER_MOST) why = "no-hello";
     if (why) fan_slot_lose(f, s, why, false);
     else if (more <= 0) fan_slot_leave(f, s);
 }
