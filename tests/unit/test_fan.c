@@ -1,0 +1,439 @@
+/*
+ * fan: the table of the states of a slot; that its functions follow it; what a connection leaves to
+ * the next one; and which tasks are lost. The worker of these slots is cat(1): a test sends what a
+ * worker might send, and reads it back.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "fan/fan_int.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- the table ---------------------------------------------------------------------------- */
+
+/* One letter for each state, in the order of the enum; a dot: the event cannot happen. */
+#define LETTERS ".WOUCLEG"
+static const char *const expected[FAN_SLOT_STATES] = {
+    /* start, hello, end of stream, retry, loss, exit, giving up */
+    [FAN_NEVER] = ".......",
+    [FAN_WAITING] = "O.....G",
+    [FAN_OPENING] = ".UCLE..",
+    [FAN_UP] = "..CLE..",
+    [FAN_CLOSED] = "...LEG.",
+    [FAN_LOST] = ".....W.",
+    [FAN_ENDING] = ".....G.",
+    [FAN_GONE] = ".......",
+};
+
+static void each_state_and_event_leads_where_it_should(void **state)
+{
+    (void)state;
+    for (int s = 0; s < FAN_SLOT_STATES; s++) {
+        char row[FAN_SLOT_EVENTS + 1] = "";
+        for (int e = 0; e < FAN_SLOT_EVENTS; e++)
+            row[e] = LETTERS[fan_slot_next((enum fan_slot_state)s, (enum fan_slot_event)e)];
+        assert_string_equal(row, expected[s]);
+    }
+}
+
+/* Marks the states that events lead to, from `from` on. */
+static void reach(int from, bool reached[FAN_SLOT_STATES])
+{
+    if (reached[from]) return;
+    reached[from] = true;
+    for (int e = 0; e < FAN_SLOT_EVENTS; e++) {
+        int to = (int)fan_slot_next((enum fan_slot_state)from, (enum fan_slot_event)e);
+        if (to != FAN_NEVER) reach(to, reached);
+    }
+}
+
+static void every_state_is_reached_and_can_end(void **state)
+{
+    (void)state;
+    bool reached[FAN_SLOT_STATES] = {0};
+    reach(FAN_WAITING, reached);
+    assert_false(reached[FAN_NEVER]);
+    for (int s = FAN_WAITING; s < FAN_SLOT_STATES; s++) {
+        bool from[FAN_SLOT_STATES] = {0};
+        assert_true(reached[s]);
+        reach(s, from);
+        assert_true(from[FAN_GONE]);
+    }
+}
+
+/* ---- a fan of slots on one host ------------------------------------------------------------- */
+
+#define SLOTS 3
+static struct fan f;
+static struct fan_host host;
+static struct fan_slot slots[SLOTS];
+static struct host of_file = {.name = (char[]){"far"}, .slots = SLOTS};
+static const struct hosts hosts = {.at = &of_file, .n = 1, .slots = SLOTS};
+static char *worker[] = {(char[]){"cat"}, NULL};
+static const struct fan_options options = {.hosts = &hosts, .command = worker, .silence_s = 1};
+static int messages = -1; /* standard error, while it is not shown */
+
+static int begin(void **state)
+{
+    (void)state;
+    f = (struct fan){.o = &options, .n_slots = SLOTS, .n_hosts = 1, .slots = slots, .hosts = &host};
+    f.in_open = f.out.greeted = true;
+    f.n[FAN_WAITING] = SLOTS;
+    host = (struct fan_host){.host = &of_file, .argv = worker};
+    for (int k = 0; k < SLOTS; k++)
+        slots[k] = (struct fan_slot){
+            .number = k, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
+    frames_set(&f.input.frames, 0, 4, 4);
+    messages = dup(STDERR_FILENO);
+    int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(null, STDERR_FILENO);
+    close(null);
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    dup2(messages, STDERR_FILENO);
+    close(messages);
+    for (int k = 0; k < SLOTS; k++) {
+        fan_slot_disconnect(&f, &slots[k]);
+        fan_slot_forget(&slots[k]);
+    }
+    frames_free(&f.input.frames);
+    up_free(&f.out.queue);
+    return 0;
+}
+
+/* What was reported to the reader, as text; and forgets it. */
+static const char *reported(void)
+{
+    static char text[4096];
+    size_t n = buf_size(&f.out.queue.bulk);
+    assert_true(n < sizeof text);
+    if (n) memcpy(text, buf_data(&f.out.queue.bulk), n);
+    text[n] = '\0';
+    up_free(&f.out.queue);
+    return text;
+}
+
+/* The worker sends these bytes. */
+static void say(struct fan_slot *s, const void *p, size_t n)
+{
+    assert_int_equal(write_full(s->conn.child.to, p, n), 0);
+    struct pollfd ready = {.fd = s->conn.child.from, .events = POLLIN};
+    assert_int_equal(poll(&ready, 1, -1), 1);
+    fan_slot_listen(&f, s);
+}
+
+static void say_hello(struct fan_slot *s)
+{
+    struct buf b = {0};
+    wire_hello(&b, "cat", "0123", 1, 1);
+    say(s, buf_data(&b), buf_size(&b));
+    buf_free(&b);
+}
+
+/* The stream of the worker ends. */
+static void hang_up(struct fan_slot *s)
+{
+    child_close(&s->conn.child.to);
+    struct pollfd ready = {.fd = s->conn.child.from, .events = POLLIN};
+    assert_int_equal(poll(&ready, 1, -1), 1);
+    fan_slot_listen(&f, s);
+}
+
+/* Waits until its process has ended. */
+static void let_end(struct fan_slot *s)
+{
+    while (fan_slot_leaves(s)) {
+        fan_slot_left(&f, s);
+        nanosleep(&(struct timespec){0, 200000}, NULL);
+    }
+}
+
+/* A task of the input for slot k. */
+static void give_task(int k, uint32_t id)
+{
+    struct record r;
+    struct decoder d = {0};
+    struct buf b = {0};
+    wire_task(&b, &(struct task){.id = id, .at = {0, 0, 4, 1, 1, 1}, .to = k});
+    wire_feed(&d, buf_data(&b), buf_size(&b));
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    assert_int_equal(fan_slot_send(&f, k, &r, frames_find(&f.input.frames, 0)), 0);
+    wire_free(&d);
+    buf_free(&b);
+}
+
+/* ---- events that cannot happen ---------------------------------------------------------------- */
+
+static void happen(struct fan_slot *s, enum fan_slot_event event)
+{
+    switch (event) {
+    case ON_START: fan_slot_open(&f, s); return;
+    case ON_HELLO: fan_slot_up(&f, s); return;
+    case ON_EOF: fan_slot_leave(&f, s); return;
+    case ON_RETRY: fan_slot_lose(&f, s, "silent", true); return;
+    case ON_LOSS: fan_slot_lose(&f, s, "garbage", false); return;
+    case ON_EXIT: fan_slot_left(&f, s); return;
+    default: fan_slot_give_up(&f, s, "exit-127"); return;
+    }
+}
+
+/* Makes the event happen in a process of its own: an internal error must end that. */
+static void must_be_refused(struct fan_slot *s, enum fan_slot_event event)
+{
+    int status;
+    char said[256];
+    int ends[2];
+    assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
+    pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        dup2(ends[1], STDERR_FILENO);
+        happen(s, event);
+        _exit(0);
+    }
+    close(ends[1]);
+    ssize_t n = read(ends[0], said, sizeof said - 1);
+    close(ends[0]);
+    said[n > 0 ? n : 0] = '\0';
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), ST_SYSTEM);
+    assert_non_null(strstr(said, "slot 0: internal error: "));
+}
+
+static void what_cannot_happen_is_an_internal_error(void **state)
+{
+    (void)state;
+    for (int s = FAN_WAITING; s < FAN_SLOT_STATES; s++)
+        for (int e = 0; e < FAN_SLOT_EVENTS; e++) {
+            if (expected[s][e] != '.') continue;
+            slots[0].state = (enum fan_slot_state)s;
+            must_be_refused(&slots[0], (enum fan_slot_event)e);
+        }
+    slots[0].state = FAN_WAITING;
+}
+
+/* ---- lives of slots ----------------------------------------------------------------------------- */
+
+static void a_second_hello_is_refused(void **state)
+{
+    (void)state;
+    struct fan_slot *s = &slots[0];
+    fan_slot_open(&f, s);
+    assert_int_equal(s->state, FAN_OPENING);
+    say_hello(s);
+    assert_int_equal(s->state, FAN_UP);
+    assert_non_null(strstr(reported(), "up w=0 host=far power=1 slots=1 "));
+    say_hello(s);
+    assert_int_equal(s->state, FAN_ENDING);
+    assert_non_null(strstr(reported(), "gone w=0 why=second-hello lost=0"));
+    let_end(s);
+    assert_int_equal(s->state, FAN_GONE);
+}
+
+static void assert_no_connection(const struct connection *c)
+{
+    assert_int_equal(c->child.pid, 0);
+    assert_int_equal(c->child.to, -1);
+    assert_int_equal(c->child.from, -1);
+    assert_int_equal(c->child.err, -1);
+    assert_null(c->from.in.data);
+    assert_true(c->from.upward);
+    assert_false(c->from.ended);
+    assert_null(c->err.data);
+    assert_null(c->held.data);
+    assert_null(c->refusal);
+    assert_string_equal(c->detail, "");
+    assert_string_equal(c->chatter, "");
+    assert_int_equal(c->agreed, -1);
+    assert_int_equal((int64_t)c->before_hello | (int64_t)c->poll | c->opened_us | c->heard_us, 0);
+    assert_int_equal(c->leave_us | c->beat_us | c->closed_us | c->ahead | c->stale, 0);
+    assert_false(c->connected || c->announced_frame || c->completed_task);
+    assert_false(c->placed || c->input_closed_first);
+}
+
+static void a_connection_leaves_nothing_to_the_next(void **state)
+{
+    (void)state;
+    static const char words[] = "ssh: connect to host far port 22: Connection refused";
+    struct fan_slot *s = &slots[0];
+    fan_slot_open(&f, s);
+    say(s, "welcome to far\n", 15);
+    assert_string_equal(s->conn.chatter, "welcome to far");
+    assert_true(fan_refusal_holds(&f, s, words, sizeof words - 1));
+    assert_non_null(s->conn.refusal);
+    say_hello(s);
+    assert_int_equal(s->state, FAN_UP);
+    buf_append(&s->conn.held, words, sizeof words - 1);
+    say(s, "frag", 4); /* an incomplete record */
+    buf_append(&s->conn.err, "an incomplete line", 18);
+    struct connection *c = &s->conn;
+    c->announced_frame = c->completed_task = c->placed = c->input_closed_first = true;
+    c->poll = c->before_hello = 2;
+    c->agreed = c->ahead = c->stale = 3;
+    c->beat_us = c->closed_us = c->leave_us = 4;
+    fan_slot_lose(&f, s, "silent", true);
+    assert_int_equal(s->state, FAN_LOST);
+    let_end(s);
+    assert_int_equal(s->state, FAN_WAITING);
+    assert_no_connection(&s->conn);
+    assert_int_equal(s->failures, 1);
+    assert_true(s->was_up && s->told_gone);
+    fan_slot_open(&f, s);
+    assert_true(s->conn.opened_us && s->conn.heard_us == s->conn.opened_us);
+    assert_int_equal(s->conn.ahead, 0);
+    say_hello(s);
+    assert_int_equal(s->state, FAN_UP);
+    assert_false(s->told_gone);
+}
+
+static void tasks_wait_for_a_slot_that_was_never_up(void **state)
+{
+    (void)state;
+    struct fan_slot *s = &slots[0];
+    give_task(0, 1);
+    give_task(0, 2);
+    fan_slot_open(&f, s);
+    fan_slot_lose(&f, s, "no-hello", true);
+    give_task(0, 3);
+    let_end(s);
+    assert_int_equal(s->state, FAN_WAITING);
+    assert_true(s->feed.primed);
+    assert_int_equal(s->tasks.count, 3);
+    assert_int_equal(f.lost, 0);
+    fan_slot_open(&f, s);
+    assert_int_equal(s->conn.ahead, 0);
+    fan_slot_lose(&f, s, "garbage", false);
+    assert_int_equal(f.lost, 3);
+    assert_int_equal(s->tasks.count, 0);
+    assert_false(s->feed.primed);
+    let_end(s);
+    assert_int_equal(s->state, FAN_GONE);
+    assert_int_equal(f.lost, 3);
+    assert_int_equal(f.n[FAN_GONE], SLOTS); /* its host cannot be used */
+}
+
+static void a_worker_that_ends_as_told_ends_well(void **state)
+{
+    (void)state;
+    f.in_open = false;
+    for (int tasks = 0; tasks <= 1; tasks++) {
+        struct fan_slot *s = &slots[tasks];
+        fan_slot_open(&f, s);
+        say_hello(s);
+        for (int i = 0; i < tasks; i++) give_task(1, (uint32_t)i);
+        hang_up(s);
+        assert_int_equal(s->state, FAN_CLOSED);
+        assert_true(fan_slot_comes(s));
+        s->conn.leave_us = INT64_MAX; /* however long this machine takes */
+        let_end(s);
+        assert_int_equal(s->state, FAN_GONE);
+        assert_int_equal(f.well, 1); /* the one without tasks */
+        assert_int_equal(f.lost, tasks);
+    }
+}
+
+/* ---- anything that a worker may send ------------------------------------------------------------- */
+
+static const char *const bits[] = {"hello cat 1 format=2 selftest=0123 power=1\n", "bye\n",
+    "beat\n", "frame 0 4 4 job=1\n", "done 0 1 cpu_us=1 wall_us=1\n", "gone w=0\n", "up w=0\n",
+    "ask to=1\n", "task 0 1 0 0 4 1 1 1\n", "scene bytes=3\nabc", "flush\n", "none\n", "\n",
+    "\377\0", "frag 0 1"};
+
+/* The counts of states and of connections agree with the slots. */
+static void assert_counted(void)
+{
+    int n[FAN_SLOT_STATES] = {0}, opening = 0;
+    for (int k = 0; k < SLOTS; k++) {
+        const struct fan_slot *s = &slots[k];
+        n[s->state]++;
+        opening += s->state == FAN_OPENING || (fan_slot_leaves(s) && !s->conn.connected);
+        if (s->state == FAN_UP) assert_true(s->conn.connected);
+        if (s->state == FAN_WAITING || s->state == FAN_GONE) assert_no_connection(&s->conn);
+    }
+    assert_memory_equal(n, f.n, sizeof n);
+    assert_int_equal(host.opening, opening);
+    assert_int_equal(f.connecting, opening);
+}
+
+static void one_step(struct fan_slot *s, uint64_t dice)
+{
+    const char *text = bits[dice / 16 % (sizeof bits / sizeof *bits)];
+    struct buf b = {0};
+    switch (dice % 16) {
+    case 0: give_task(s->number, (uint32_t)(dice / 16 % 9)); break;
+    case 1:
+        if (fan_slot_has_stream(s)) hang_up(s);
+        break;
+    case 2:
+        if (fan_slot_has_stream(s)) fan_slot_lose(&f, s, "silent", true);
+        break;
+    case 3:
+    case 4:
+    case 5:
+    case 6:
+        if (s->state == FAN_OPENING) say_hello(s);
+        break;
+    default:
+        buf_append(&b, text, strlen(text));
+        if (dice / 4096 % 2) wire_seal(&b, 0);
+        if (fan_slot_has_stream(s)) say(s, buf_data(&b), buf_size(&b));
+        buf_free(&b);
+    }
+}
+
+/* Most of what it sends is wrong, and ends the slot; then another begins. */
+static void no_worker_breaks_the_table(void **state)
+{
+    (void)state;
+    bool seen[FAN_SLOT_STATES] = {0};
+    for (uint64_t i = 0; i < 1500; i++) {
+        uint64_t dice = rng_u64(7, i);
+        struct fan_slot *s = &slots[dice % SLOTS];
+        seen[s->state] = true;
+        if (s->state == FAN_WAITING) {
+            fan_slot_open(&f, s);
+        } else if (s->state == FAN_GONE) {
+            f.n[FAN_GONE]--, f.n[FAN_WAITING]++;
+            *s = (struct fan_slot){
+                .number = s->number, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
+        } else if (fan_slot_leaves(s) && dice / 8 % 2) {
+            let_end(s);
+        } else {
+            one_step(s, dice / 8);
+        }
+        assert_counted();
+        up_free(&f.out.queue);
+    }
+    for (int s = FAN_WAITING; s < FAN_SLOT_STATES; s++) assert_true(seen[s]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_state_and_event_leads_where_it_should),
+        cmocka_unit_test(every_state_is_reached_and_can_end),
+        cmocka_unit_test_setup_teardown(what_cannot_happen_is_an_internal_error, begin, end),
+        cmocka_unit_test_setup_teardown(a_second_hello_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(a_connection_leaves_nothing_to_the_next, begin, end),
+        cmocka_unit_test_setup_teardown(tasks_wait_for_a_slot_that_was_never_up, begin, end),
+        cmocka_unit_test_setup_teardown(a_worker_that_ends_as_told_ends_well, begin, end),
+        cmocka_unit_test_setup_teardown(no_worker_breaks_the_table, begin, end),
+    };
+    signals_catch();
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
