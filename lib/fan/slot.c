@@ -162,7 +162,7 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
 {
     struct fan_slot *s = &f->slots[k];
     int64_t from;
-    if (s->state == FAN_GONE || (s->was_up && s->state != FAN_UP)) {
+    if (!fan_slot_comes(s) || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
     }

@@ -321,9 +321,13 @@ static void tasks_wait_for_a_slot_that_was_never_up(void **state)
     assert_int_equal(f.lost, 3);
     assert_int_equal(s->tasks.count, 0);
     assert_false(s->feed.primed);
+    assert_int_equal(s->state, FAN_ENDING);
+    give_task(0, 4); /* was under way when the slot was lost */
+    assert_int_equal(f.lost, 4);
     let_end(s);
     assert_int_equal(s->state, FAN_GONE);
-    assert_int_equal(f.lost, 3);
+    give_task(0, 5);
+    assert_int_equal(f.lost, 5);
     assert_int_equal(f.n[FAN_GONE], SLOTS); /* its host cannot be used */
 }
 
