@@ -307,6 +307,7 @@ static void tasks_wait_for_a_slot_that_was_never_up(void **state)
     struct fan_slot *s = &slots[0];
     give_task(0, 1);
     give_task(0, 2);
+    assert_no_connection(&s->conn);
     fan_slot_open(&f, s);
     fan_slot_lose(&f, s, "no-hello", true);
     give_task(0, 3);
