@@ -40,7 +40,7 @@ static const struct refusal {
     {" host key is known for ", false, NULL, NULL},
     {"@@@@@@@@@@", false, NULL, NULL},
 };
-#define N_REFUSALS ((int)(sizeof refusals / sizeof *refusals))
+#define N_REFUSALS (sizeof refusals / sizeof *refusals)
 
 static bool has(const char *line, size_t n, const char *words)
 {
