@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- the table ---------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
 /* One letter for each state, in the order of the enum; a dot: the event cannot happen. */
 #define LETTERS ".WOUCLEG"
@@ -71,7 +71,7 @@ static void every_state_is_reached_and_can_end(void **state)
     }
 }
 
-/* ---- a fan of slots on one host ------------------------------------------------------------- */
+/* ---- a fan of slots on one host ---- */
 
 #define SLOTS 3
 static struct fan f;
@@ -176,7 +176,7 @@ static void give_task(int k, uint32_t id)
     buf_free(&b);
 }
 
-/* ---- events that cannot happen ---------------------------------------------------------------- */
+/* ---- events that cannot happen ---- */
 
 static void happen(struct fan_slot *s, enum fan_slot_event event)
 {
@@ -227,7 +227,7 @@ static void what_cannot_happen_is_an_internal_error(void **state)
     slots[0].state = FAN_WAITING;
 }
 
-/* ---- lives of slots ----------------------------------------------------------------------------- */
+/* ---- lives of slots ---- */
 
 static void a_second_hello_is_refused(void **state)
 {
@@ -352,7 +352,7 @@ static void a_worker_that_ends_as_told_ends_well(void **state)
     }
 }
 
-/* ---- anything that a worker may send ------------------------------------------------------------- */
+/* ---- anything that a worker may send ---- */
 
 static const char *const bits[] = {"hello cat 1 format=2 selftest=0123 power=1\n", "bye\n",
     "beat\n", "frame 0 4 4 job=1\n", "done 0 1 cpu_us=1 wall_us=1\n", "gone w=0\n", "up w=0\n",
