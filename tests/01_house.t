@@ -307,6 +307,7 @@ awk '/^\.Xr / { print FILENAME, FNR, $2 "." $3 }' man/*.[1-9] | while read -r pa
 	case $to in stormring* | balance*) [ -e "man/$to" ] ;; *) [ -e "man/$to" ] || [ ! -e "bin/${to%.1}.c" ] ;; esac ||
 		echo "$page:$line: man/$to is missing"
 done >"$found"
+awk '/^\.Xr .* [1-9] , [a-z]/ { print FILENAME ":" FNR ": one .Xr has one page, expected a line for each" }' man/*.[1-9] >>"$found"
 clean 'pages refer to pages that exist'
 for page in man/*.[1-9]; do
 	name=$(basename "$page")
