@@ -71,7 +71,7 @@ PROGRAMS = $(patsubst bin/%.c,$(BIN)/%,$(filter-out $(patsubst %,bin/%.c,$(call 
 SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 # Scripts look for programs beside themselves, so another BUILD has copies of its own.
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
-           $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/*)))
+           $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%),$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\

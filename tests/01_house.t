@@ -16,7 +16,8 @@ wire task base
 image task base
 log wire image task base
 stats base
-inference stats base
+table stats base
+inference table stats base
 scene base
 spd scene base
 trace scene image task base
@@ -127,6 +128,7 @@ clean 'programs include public headers only'
 
 for dir in lib/*/; do
 	module=$(basename "$dir")
+	[ "$module" != chart ] || continue # scripts
 	[ -e "$dir$module.h" ] || { echo "$dir: has no $module.h"; continue; }
 	echo "#include \"$module/$module.h\"" |
 		cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only -Ilib -x c - 2>&1
@@ -152,7 +154,7 @@ clean 'numbers that scripts print have a point, in any language'
 	clean 'files have at most 400 lines'
 	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
 	clean 'functions have at most 70 lines'
-	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] >"$found"
+	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] lib/chart/* >"$found"
 	clean 'no blanks at the end of lines'
 }
 

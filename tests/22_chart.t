@@ -73,7 +73,7 @@ is 'a band ends at the axis, and has a point where each edge leaves it' "$(tr '[
 	/^END_OF_DATA/ { band = 0 } band { n++; out += $2 < low || $3 > high } /^\$band/ { band = 1 } END { print n, out + 0 }')" '4 0'
 tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
 run chart bad.tsv
-like 'refused: a level that is none' "$status $err" '^2 .*-c much: expected a number'
+like 'refused: a level that is none' "$status $err" '^2 tsvstat: bad.tsv:1: level is "much", expected a number'
 
 # Intervals: a lane for each slot, a look for each thing done, and none of the points' options.
 bars=$(printf '%s until' "$header")
@@ -95,7 +95,7 @@ refused() {
 	tsv "$@" >bad.tsv
 	rm -f bad.svg
 	run chart -o bad.svg bad.tsv
-	is "refused: $why" "$status $(echo "$err" | head -n 1 | grep -c "^chart: bad.tsv:$line: .*$why.*expected") $(ls bad.svg 2>/dev/null)" '2 1 '
+	is "refused: $why" "$status $(echo "$err" | head -n 1 | grep -c "^tsvstat: bad.tsv:$line: .*$why.*expected") $(ls bad.svg 2>/dev/null)" '2 1 '
 }
 refused 1 'no column line' '# nothing'
 refused 1 'column 3 is "methods"' 'experiment kind methods x x_unit y y_unit sample seed'
@@ -116,7 +116,7 @@ refused 3 'x_unit is "ms"' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 ms 2 s 2
 refused 3 'the same .* as in line 2' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 s 3 s 1 0'
 tsv "$header" 'a real m 0 s 2 s 1 0' >zero.tsv
 run chart -L x -o bad.svg zero.tsv
-like '0 has no place on a logarithmic axis' "$status $err" '^2 chart: zero.tsv:2: x is 0, expected more than 0'
+like '0 has no place on a logarithmic axis' "$status $err" '^2 tsvstat: zero.tsv:2: x is 0, expected more than 0'
 for args in 'a.tsv b.tsv' '-L z times.tsv' '-o x.gif times.tsv' '-q times.tsv' 'nosuch.tsv' '.'; do
 	# shellcheck disable=SC2086
 	run chart $args

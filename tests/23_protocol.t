@@ -51,14 +51,14 @@ refused() {
 }
 refused 2 'y is "x"' 'e real m 1 s x s 1 0'
 refused 2 'sample is "-1"' 'e real m 1 s 1 s -1 0'
-refused 2 '9 columns' 'e real m 1 s 1 s 1'
+refused 2 '8 fields' 'e real m 1 s 1 s 1'
 run sh -c 'echo nonsense | tsvstat'
-like 'refused: no names of columns' "$status $err" '^2 tsvstat: standard input:1: expected'
+like 'refused: no names of columns' "$status $err" '^2 tsvstat: standard input:1: column 1 is "nonsense", expected'
 run tsvstat -t less a nobody pairs.tsv
 like 'nothing to compare' "$status $err" '^1 .*expected experiments with both methods'
 { cat five.tsv; sed -n 2p five.tsv; } >twice.tsv
 run tsvstat twice.tsv
-like 'refused: the same sample twice' "$status $err" '^2 .*expected one'
+like 'refused: the same sample twice' "$status $err" '^2 tsvstat: twice.tsv:10: the same .* as in line 2, expected each once'
 
 # ---- protocol: what there is ---------------------------------------------------------------------------------------
 run protocol -l

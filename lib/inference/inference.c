@@ -15,8 +15,17 @@ static struct interval around(double estimate, double error, double dof, double 
     return (struct interval){estimate, estimate - half, estimate + half};
 }
 
+static bool all_equal(const double *x, size_t n)
+{
+    for (size_t i = 1; i < n; i++)
+        if (x[i] != x[0]) return false;
+    return n > 0;
+}
+
 struct interval inference_mean(const double *x, size_t n, double level)
 {
+    /* Rounding would give equal samples a mean beside them, and an interval of some width. */
+    if (all_equal(x, n)) return around(x[0], 0, (double)n - 1, level);
     return around(stats_mean(x, n), sqrt(stats_variance(x, n) / (double)n), (double)n - 1, level);
 }
 

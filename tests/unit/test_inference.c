@@ -145,6 +145,102 @@ static void outliers(void **state)
     assert_true(low < 71 && high > 73.4 && high < 96);
 }
 
+/* ---- points of a table, made here: rows of method A, then of method B ------------------------- */
+
+enum { PAIRS = 6 };
+struct pairs {
+    struct table_row rows[2 * PAIRS];
+    struct table_point points[2];
+    struct table t;
+};
+
+/* B is PAIRS different loads; A is B plus `more`, and varies by `noise` besides. */
+static void make_pairs(struct pairs *p, double more, double noise)
+{
+    *p = (struct pairs){.points = {{.from = 0, .n = PAIRS}, {.from = PAIRS, .n = PAIRS}}};
+    for (int i = 0; i < PAIRS; i++) {
+        double load = 10 * (i + 1);
+        p->rows[i] = (struct table_row){.sample = i, .y = load + more + (i % 2 ? noise : -noise)};
+        p->rows[PAIRS + i] = (struct table_row){.sample = i, .y = load};
+    }
+    p->t = (struct table){.rows = p->rows, .points = p->points, .n_rows = 2 * PAIRS, .n_points = 2};
+}
+
+static const char *verdict(enum relation relation, double margin, double more, double noise)
+{
+    struct pairs p;
+    size_t used;
+    const struct claim c = {relation, margin, .999};
+    make_pairs(&p, more, noise);
+    struct interval of = inference_compare(&c, &p.t, &p.points[0], &p.points[1], &used);
+    assert_int_equal(used, PAIRS);
+    assert_string_equal(inference_verdict(&c, of, 1), "open");
+    return inference_verdict(&c, of, used);
+}
+
+static void claims_are_decided_by_the_whole_interval(void **state)
+{
+    (void)state;
+    assert_string_equal(verdict(INFERENCE_LESS, 0, -1, .01), "holds");
+    assert_string_equal(verdict(INFERENCE_LESS, 0, 1, .01), "fails");
+    assert_string_equal(verdict(INFERENCE_LESS, 0, -1, 5), "open");
+    assert_string_equal(verdict(INFERENCE_MORE, 0, 1, .01), "holds");
+    assert_string_equal(verdict(INFERENCE_MORE, 0, -1, .01), "fails");
+    assert_string_equal(verdict(INFERENCE_MORE, 0, 0, .01), "open");
+    assert_string_equal(verdict(INFERENCE_SAME, .1, 1, .01), "holds"); /* 1 of 35 */
+    assert_string_equal(verdict(INFERENCE_SAME, .02, 1, .01), "fails");
+    assert_string_equal(verdict(INFERENCE_SAME, .02, -1, .01), "fails");
+    assert_string_equal(verdict(INFERENCE_SAME, 1. / 35, 1, .01), "open");
+    assert_string_equal(verdict(INFERENCE_STEADIER, 0, 0, 1000), "fails");
+    assert_string_equal(verdict(INFERENCE_STEADIER, 0, 0, 1), "open");
+}
+
+static void samples_are_paired_by_number_and_seed(void **state)
+{
+    (void)state;
+    struct pairs p;
+    size_t used;
+    const struct claim less = {INFERENCE_LESS, 0, .95}, steadier = {INFERENCE_STEADIER, 0, .95};
+    make_pairs(&p, 3, 0);
+    p.rows[0].seed = 1;           /* now without a partner, and so is B's sample 0 */
+    p.rows[PAIRS - 1].sample = 9; /* nor has this one */
+    p.rows[PAIRS + 2].outlier = true;
+    struct interval of = inference_compare(&less, &p.t, &p.points[0], &p.points[1], &used);
+    assert_int_equal(used, PAIRS - 3);
+    near(of.low, 3);
+    near(of.high, 3);
+    inference_compare(&steadier, &p.t, &p.points[0], &p.points[1], &used);
+    assert_int_equal(used, PAIRS - 1);
+}
+
+static void means_of_points(void **state)
+{
+    (void)state;
+    static const double y[] = {1, 2, 3, 4, 5, 99, 7, .1, .1, .1};
+    struct table_row rows[10] = {{0}};
+    struct table_point points[] = {
+        {.from = 0, .n = 6, .x = {1, 2, 3}}, {.from = 6, .n = 1}, {.from = 7, .n = 3}};
+    for (int i = 0; i < 10; i++) rows[i].y = y[i];
+    struct table t = {.rows = rows, .points = points, .n_rows = 10, .n_points = 3};
+    size_t n;
+    double variance;
+    struct interval of = inference_point(&t, points, .95, &n, &variance);
+    assert_int_equal(n, 6);
+    near(of.estimate, 19);
+    inference_mark_outliers(&t);
+    for (int i = 0; i < 10; i++) assert_int_equal(rows[i].outlier, i == 5);
+    of = inference_point(&t, points, .95, &n, &variance);
+    assert_int_equal(n, 5);
+    near(variance, 2.5);
+    inference_means(&t, .95);
+    near(points[0].shown.at, 3);
+    near(points[0].shown.low, of.low);
+    near(points[1].shown.low, 7); /* one sample has no interval */
+    near(points[1].shown.high, 7);
+    assert_true(points[2].shown.low == .1 && points[2].shown.high == .1); /* rounding adds none */
+    assert_true(points[0].x.low == 2 && points[0].x.high == 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -153,6 +249,9 @@ int main(void)
         cmocka_unit_test(intervals_by_hand),
         cmocka_unit_test(intervals_of_what_is_too_large),
         cmocka_unit_test(outliers),
+        cmocka_unit_test(claims_are_decided_by_the_whole_interval),
+        cmocka_unit_test(samples_are_paired_by_number_and_seed),
+        cmocka_unit_test(means_of_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,101 @@
+# Panels of bars over time, a lane a slot (H. L. Gantt, "Work, Wages, and Profits", 1919), told apart by lightness and
+# hatching. See page.awk.
+function check() {
+	if (log_axes labels pareto != "00" || about["front"] == "marked")
+		bad("intervals, expected none of -L, -l and -p with them")
+}
+function take(p) {
+	x_unit = $5
+	y_unit = $7
+	take_bar(p, look_of($3), $4 + 0, $6 + 0, $10 + 0)
+}
+function samples() { return "" }
+
+# What fragstat tells apart has one look in all charts; what others do takes the looks that are left.
+function look_of(method,    i) {
+	if (!n_lines) {
+		n_lines = split("task;task given again;wasted", line_name, ";")
+		for (i = 1; i <= n_lines; i++) line_of[line_name[i]] = i
+	}
+	if (!(method in line_of)) line_name[line_of[method] = ++n_lines] = method
+	is_shown[line_of[method]] = 1
+	return line_of[method]
+}
+function take_bar(p, l, begin, lane, end) {
+	bar_panel[++n_bars] = p
+	bar_line[n_bars] = l
+	bar_begin[n_bars] = begin
+	bar_end[n_bars] = end
+	bar_lane[n_bars] = lane
+	has_bars[p, l] = 1
+	n_lanes = max(n_lanes, lane + 1)
+	last_until = max(last_until, end)
+}
+# What is too small to be seen is drawn as one bar with what follows it at once.
+function bar_block(p, l,    i, lane, apart, small) {
+	apart = last_until / plot_w / 4
+	small = last_until / plot_w
+	for (lane in open_begin) delete open_begin[lane]
+	printf "$b%d_%d << END_OF_DATA\n", p, l
+	for (i = 1; i <= n_bars; i++) {
+		if (bar_panel[i] != p || bar_line[i] != l) continue
+		lane = bar_lane[i]
+		if ((lane in open_begin) && bar_end[i] - bar_begin[i] < small && bar_begin[i] >= open_begin[lane] &&
+			bar_begin[i] - open_end[lane] < apart) {
+			open_end[lane] = max(open_end[lane], bar_end[i])
+			continue
+		}
+		if (lane in open_begin) print_bar(lane)
+		open_begin[lane] = bar_begin[i]
+		open_end[lane] = bar_end[i]
+	}
+	for (lane in open_begin) print_bar(lane)
+	print "END_OF_DATA"
+}
+function print_bar(lane) {
+	printf "%.9g %d %.9g %.9g %.2f %.2f\n", (open_begin[lane] + open_end[lane]) / 2, lane, open_begin[lane],
+		open_end[lane], lane - 0.4, lane + 0.4
+}
+function bar_look(l,    colours) {
+	split("0072B2 E69F00 CC79A7 009E73 808080", colours, " ")
+	if (l == 2) return "fc rgb 0xD55E00 fs solid 1 border lc rgb 0x000000 lw 0.7"
+	if (l == 3) return "fc rgb 0x000000 fs pattern 4 border lc rgb 0x000000 lw 0.7"
+	# A white edge shows where one task ends and the next begins, as long as there is room for it.
+	return "fc rgb 0x" (l == 1 ? "56B4E9" : colours[(l - 4) % 5 + 1]) " fs solid 1 " \
+		(bar_pixels > 4 ? "border lc rgb 0xffffff lw 0.7" : "noborder")
+}
+function draw_panel(p,    l, text) {
+	print "unset label"
+	open_panel(p)
+	print "set xlabel " quoted(x_title) " offset 0,0.4; set ylabel " quoted(y_title) " offset 0.5,0"
+	for (l = 1; l <= n_lines; l++) {
+		if (!((p, l) in has_bars)) continue
+		bar_block(p, l)
+		text = text ", $b" p "_" l " using 1:2:3:4:5:6 with boxxyerror " bar_look(l)
+	}
+	print "plot " substr(text, 3)
+}
+function axes(    i, step, name, text) {
+	split(about["lanes"], name, " ")
+	step = ceil(n_lanes * 13 / plot_h)
+	for (i = 0; i < n_lanes; i += step) text = text (i ? ", " : "") quoted(i + 1 in name ? name[i + 1] : i) " " i
+	printf "set xrange [0:%.9g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", last_until * 1.01, n_lanes - 0.4, text
+	print "set xtics autofreq; set grid xtics noytics"
+}
+function prepare(    l, name) {
+	n_lanes = max(n_lanes, split(about["lanes"], name, " ")) # those without a bar as well
+	plot_w = 900
+	plot_h = min(max(n_lanes * 22, 60), 640)
+	per_row = 1
+	bar_pixels = n_bars ? plot_w * n_lanes * n_panels / n_bars : 0
+	for (l = 1; l <= n_lines; l++) {
+		longest_key = max(longest_key, length(line_name[l]))
+		if (!is_shown[l]) continue
+		shown_as[++n_keys] = l
+		key_name[n_keys] = line_name[l]
+	}
+}
+function key_look(i, x, y) {
+	block("k" i, sprintf("%.1f %.1f %.1f %.1f %.1f %.1f\n", x + 24, y, x + 8, x + 40, y - 6, y + 6))
+	return ", $k" i " with boxxyerror " bar_look(shown_as[i])
+}
