@@ -1,9 +1,9 @@
 /* fragstat: the work of each slot over time, and the balance of the work, from a log of
  * fragments. */
+#include "account/account.h"
 #include "base/base.h"
 #include "history/history.h"
 #include "hosts/hosts.h"
-#include "stats/stats.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -21,24 +21,11 @@ struct options {
     char **inputs; /* NULL-ended; none: standard input */
 };
 
-/* A row of the table: a slot that did something, or that a hello counts. */
-struct row {
-    char name[HISTORY_NAME];
-    double power;
-    struct times times;
-    double cpu_s;
-    int64_t tasks, duplicates, retries, steals;
-};
-
-/* The analysis of a log. */
+/* What is reported of a log. */
 struct report {
     struct history log;
-    struct row *rows;
-    size_t n_rows;
-    uint32_t *row_of;   /* row of a slot of the log */
-    struct span *spans; /* span of a done */
-    double *run_s, makespan_s, bound_s;
-    int64_t tasks; /* different ones */
+    struct account of;
+    double bound_s;
 };
 
 /* ---- reading ---------------------------------------------------------------------------- */
@@ -58,67 +45,8 @@ static void read_log(struct history *l, const char *path)
     if (!std) close(fd);
 }
 
-/* ---- slots ------------------------------------------------------------------------------ */
-
-static void add_row(struct report *r, const char *name)
-{
-    r->rows = xrealloc(r->rows, r->n_rows + 1, sizeof *r->rows);
-    struct row *row = &r->rows[r->n_rows++];
-    *row = (struct row){.power = 1};
-    snprintf(row->name, sizeof row->name, "%s", name);
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strverscmp(((const struct row *)a)->name, ((const struct row *)b)->name);
-}
-
-/* The number before the first point of a slot's name, or -1. */
-static int64_t outermost(const char *name)
-{
-    char text[HISTORY_NAME];
-    int64_t k;
-    snprintf(text, sizeof text, "%s", name);
-    text[strcspn(text, ".")] = '\0';
-    return parse_int(text, 0, HISTORY_SLOTS_MAX - 1, &k) ? k : -1;
-}
-
-/* Slots counted in a hello but without any record were idle. */
-static void add_idle(struct report *r)
-{
-    int32_t claimed = 0;
-    for (size_t i = 0; i < r->log.n_runs; i++)
-        if (r->log.runs[i].slots > claimed) claimed = r->log.runs[i].slots;
-    bool *known = xcalloc((size_t)claimed + 1, sizeof *known);
-    for (size_t i = 0; i < r->log.n_slots; i++) {
-        int64_t k = outermost(r->log.slots[i].name);
-        if (k >= 0 && k < claimed) known[k] = true;
-    }
-    if (claimed == 1) known[0] = true; /* a lone worker */
-    for (int32_t k = 0; k < claimed; k++) {
-        char name[HISTORY_NAME];
-        snprintf(name, sizeof name, "%" PRId32, k);
-        if (!known[k]) add_row(r, name);
-    }
-    free(known);
-}
-
-static void make_rows(struct report *r)
-{
-    for (size_t i = 0; i < r->log.n_slots; i++) add_row(r, r->log.slots[i].name);
-    add_idle(r);
-    qsort(r->rows, r->n_rows, sizeof *r->rows, by_name);
-    r->row_of = xcalloc(r->log.n_slots, sizeof *r->row_of);
-    for (size_t i = 0; i < r->log.n_slots; i++) {
-        struct row key = {0};
-        memcpy(key.name, r->log.slots[i].name, sizeof key.name);
-        const struct row *row = bsearch(&key, r->rows, r->n_rows, sizeof key, by_name);
-        r->row_of[i] = (uint32_t)(row - r->rows);
-    }
-}
-
 /* -S: the power of each slot of the outermost fan, by number. */
-static void powers_of_hosts(struct report *r, const char *arg)
+static void powers_of_hosts(struct account *a, const char *arg)
 {
     struct hosts h;
     char err[HOSTS_ERR];
@@ -129,113 +57,50 @@ static void powers_of_hosts(struct report *r, const char *arg)
             die(ST_USAGE, "-S %s: host %s has no power, expected power=P", arg, h.at[i].name);
         for (int k = 0; k < h.at[i].slots; k++) *at++ = h.at[i].power;
     }
-    for (size_t i = 0; i < r->n_rows; i++) {
-        int64_t k = outermost(r->rows[i].name);
+    for (size_t i = 0; i < a->n_slots; i++) {
+        int64_t k = account_outermost(a->slots[i].name);
         if (k >= h.slots)
             die(ST_USAGE, "-S %s: %d slots, expected slot %s among them", arg, h.slots,
-                r->rows[i].name);
-        r->rows[i].power = power[k < 0 ? 0 : k];
+                a->slots[i].name);
+        a->slots[i].power = power[k < 0 ? 0 : k];
     }
     free(power);
     hosts_free(&h);
 }
 
-static void set_powers(struct report *r, const struct options *o)
+static void set_powers(struct account *a, const struct options *o)
 {
-    if (o->hosts) powers_of_hosts(r, o->hosts);
+    if (o->hosts) powers_of_hosts(a, o->hosts);
     if (!o->powers) return;
-    if (o->n_powers != r->n_rows)
-        die(ST_USAGE, "-w: %zu powers, expected %zu, one for each slot", o->n_powers, r->n_rows);
-    for (size_t k = 0; k < r->n_rows; k++) r->rows[k].power = o->powers[k];
+    if (o->n_powers != a->n_slots)
+        die(ST_USAGE, "-w: %zu powers, expected %zu, one for each slot", o->n_powers, a->n_slots);
+    for (size_t k = 0; k < a->n_slots; k++) a->slots[k].power = o->powers[k];
 }
 
-/* ---- times and costs -------------------------------------------------------------------- */
-
-/*
- * The time of a slot on a task is the worker's wall time, but at least the CPU time since the
- * previous task. The latter includes reading and writing, which the wall time does not.
- */
-static void make_spans(struct report *r)
-{
-    const struct history *l = &r->log;
-    r->spans = xcalloc(l->n_dones, sizeof *r->spans);
-    for (size_t i = 0; i < l->n_dones; i++) {
-        const struct history_done *d = &l->dones[i];
-        struct row *row = &r->rows[r->row_of[d->slot]];
-        struct span *s = &r->spans[i];
-        s->run = (uint32_t)d->run;
-        s->slot = r->row_of[d->slot];
-        s->end_s = d->recv_us < 0 ? -1 : (double)d->recv_us * 1e-6;
-        s->took_s = (double)(d->wall_us > d->cpu_us ? d->wall_us : d->cpu_us) * 1e-6;
-        s->wasted = history_wasted(l, d);
-        row->tasks++;
-        row->duplicates += s->wasted;
-        row->retries += d->try > 1;
-        row->steals += d->stolen;
-        row->cpu_s += (double)d->cpu_us * 1e-6;
-        r->tasks += !s->wasted;
-    }
-    r->run_s = xcalloc(l->n_runs, sizeof *r->run_s);
-    struct times *of = xcalloc(r->n_rows, sizeof *of);
-    stats_timeline(r->spans, l->n_dones, of, r->n_rows, r->run_s, l->n_runs);
-    for (size_t k = 0; k < r->n_rows; k++) r->rows[k].times = of[k];
-    for (size_t i = 0; i < l->n_runs; i++) r->makespan_s += r->run_s[i];
-    free(of);
-}
-
-/* Costs are measured on the slots of this log, or on one of power 1. */
-static double cost_s(const struct report *r, const struct history_done *d)
-{
-    double power = r->rows ? r->rows[r->row_of[d->slot]].power : 1;
-    return (double)d->cpu_us * 1e-6 * power;
-}
-
-/*
- * The lower bound (stats.h). Pieces are rows if no row of this log was split, else pixels. So the
- * bound is the same for all methods that never split a row.
- */
+/* -c: costs come from that log. */
 static void find_bound(struct report *r, const char *path)
 {
-    struct report one = {0};
-    const struct report *from = r;
-    if (path) {
-        read_log(&one.log, path);
-        char why[HISTORY_ERR];
-        if (!history_same(&one.log, &r->log, why)) die(ST_USAGE, "%s: %s", path, why);
-        from = &one;
-    }
-    const struct history *l = &from->log;
-    bool split = history_split(&r->log) || history_split(l);
-    struct pieces *p = xcalloc(l->n_dones, sizeof *p);
-    for (size_t i = 0; i < l->n_dones; i++) {
-        const struct history_done *d = &l->dones[i];
-        if (history_wasted(l, d)) continue;
-        double used = l->n_frags ? (double)d->pixels / (double)d->sent : 1;
-        p[i].n = !l->n_frags ? 1 : split ? d->pixels : d->rows;
-        p[i].c = p[i].n ? cost_s(from, d) * used / (double)p[i].n : 0;
-    }
-    double *v = xcalloc(r->n_rows, sizeof *v);
-    for (size_t k = 0; k < r->n_rows; k++) v[k] = r->rows[k].power;
-    r->bound_s = stats_lower_bound_pieces(p, l->n_dones, v, r->n_rows);
-    free(v);
-    free(p);
-    history_free(&one.log);
+    struct history one = {0};
+    char why[HISTORY_ERR];
+    if (path) read_log(&one, path);
+    if (path && !history_same(&one, &r->log, why)) die(ST_USAGE, "%s: %s", path, why);
+    r->bound_s = account_bound(&r->of, path ? &one : NULL);
+    history_free(&one);
 }
 
 /* ---- writing ---------------------------------------------------------------------------- */
 
 static double efficiency(const struct report *r)
 {
-    return r->makespan_s > 0 ? r->bound_s / r->makespan_s : 0;
+    return r->of.makespan_s > 0 ? r->bound_s / r->of.makespan_s : 0;
 }
 
-static void print_slots(const struct report *r)
+static void print_slots(const struct account *a)
 {
     printf(
         "slot\ttasks\tcpu_s\tbusy_s\tstartup_s\twaiting_s\ttail_s\twasted_s\tduplicates\tretries\t"
         "power\tsteals\n");
-    for (size_t k = 0; k < r->n_rows; k++) {
-        const struct row *s = &r->rows[k];
+    for (const struct account_slot *s = a->slots; s < a->slots + a->n_slots; s++) {
         const struct times *t = &s->times;
         printf("%s\t%" PRId64 "\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%" PRId64 "\t%" PRId64
                "\t%g\t%" PRId64 "\n",
@@ -246,26 +111,15 @@ static void print_slots(const struct report *r)
 
 static void print_summary(const struct report *r)
 {
-    struct row all = {0};
-    for (size_t k = 0; k < r->n_rows; k++) {
-        const struct row *s = &r->rows[k];
-        all.cpu_s += s->cpu_s;
-        all.duplicates += s->duplicates;
-        all.retries += s->retries;
-        all.steals += s->steals;
-        all.times.busy_s += s->times.busy_s;
-        all.times.startup_s += s->times.startup_s;
-        all.times.waiting_s += s->times.waiting_s;
-        all.times.tail_s += s->times.tail_s;
-        all.times.wasted_s += s->times.wasted_s;
-    }
+    const struct account *a = &r->of;
+    const struct account_slot all = account_total(a);
+    const struct times *t = &all.times;
     printf("slots\t%zu\ntasks\t%" PRId64 "\nduplicates\t%" PRId64 "\nretries\t%" PRId64
            "\nsteals\t%" PRId64 "\nlost_records\t%" PRIu64 "\nruns\t%zu\n",
-        r->n_rows, r->tasks, all.duplicates, all.retries, all.steals, r->log.bad, r->log.n_runs);
+        a->n_slots, a->tasks, all.duplicates, all.retries, all.steals, r->log.bad, r->log.n_runs);
     printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbusy_s\t%.6f\nstartup_s\t%.6f\nwaiting_s\t%.6f\n"
            "tail_s\t%.6f\nwasted_s\t%.6f\n",
-        r->makespan_s, all.cpu_s, all.times.busy_s, all.times.startup_s, all.times.waiting_s,
-        all.times.tail_s, all.times.wasted_s);
+        a->makespan_s, all.cpu_s, t->busy_s, t->startup_s, t->waiting_s, t->tail_s, t->wasted_s);
     printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, efficiency(r));
 }
 
@@ -276,14 +130,14 @@ static void print_gantt(const struct report *r, const char *name)
     const char *kind = l->n_frames && l->frames[0].replayed ? "replayed" : "real";
     /* start of each run: they follow each other */
     double *zero_s = xcalloc(l->n_runs + 1, sizeof *zero_s);
-    for (size_t i = 0; i < l->n_runs; i++) zero_s[i + 1] = zero_s[i] + r->run_s[i];
+    for (size_t i = 0; i < l->n_runs; i++) zero_s[i + 1] = zero_s[i] + r->of.run_s[i];
     printf("# x: time\n# y: slot\n# note: efficiency %.3f: at least %.3g s, and it took %.3g s%s\n",
-        efficiency(r), r->bound_s, r->makespan_s, l->n_runs > 1 ? ", all runs together" : "");
+        efficiency(r), r->bound_s, r->of.makespan_s, l->n_runs > 1 ? ", all runs together" : "");
     printf("# lanes:");
-    for (size_t k = 0; k < r->n_rows; k++) printf(" %s", r->rows[k].name);
+    for (size_t k = 0; k < r->of.n_slots; k++) printf(" %s", r->of.slots[k].name);
     printf("\nexperiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\tuntil\n");
     for (size_t i = 0; i < l->n_dones; i++) {
-        const struct span *s = &r->spans[i];
+        const struct span *s = &r->of.spans[i];
         const char *what = s->wasted ? "wasted" : l->dones[i].try > 1 ? "task given again" : "task";
         printf("%s\t%s\t%s\t%.6f\ts\t%" PRIu32 "\t1\t%zu\t0\t%.6f\n", name, kind, what,
             zero_s[s->run] + s->begin_s, s->slot, i + 1, zero_s[s->run] + s->end_s);
@@ -305,7 +159,7 @@ static void print_report(const struct report *r, const struct options *o)
 {
     char *title;
     switch (o->what) {
-    case SLOTS: print_slots(r); break;
+    case SLOTS: print_slots(&r->of); break;
     case SUMMARY: print_summary(r); break;
     case GANTT:
         title = title_of(o);
@@ -313,15 +167,6 @@ static void print_report(const struct report *r, const struct options *o)
         free(title);
         break;
     }
-}
-
-static void report_free(struct report *r)
-{
-    history_free(&r->log);
-    free(r->rows);
-    free(r->row_of);
-    free(r->spans);
-    free(r->run_s);
 }
 
 static void choose(struct options *o, enum what what)
@@ -360,12 +205,12 @@ int main(int argc, char **argv)
     if (!*o.inputs) read_log(&r.log, "-");
     for (char **name = o.inputs; *name; name++) read_log(&r.log, *name);
     if (!r.log.n_dones) die(ST_PARTIAL, "no task was done in this log, expected `done` records");
-    make_rows(&r);
-    set_powers(&r, &o);
-    make_spans(&r);
+    account_make(&r.of, &r.log);
+    set_powers(&r.of, &o);
     find_bound(&r, o.costs);
     print_report(&r, &o);
-    report_free(&r);
+    account_free(&r.of);
+    history_free(&r.log);
     free(o.powers);
     close_stdout();
     return ST_OK;

@@ -36,6 +36,7 @@ pipe proc wire task base
 fan pipe hosts proc wire task base
 worker wire image task base
 history wire task base
+account history wire task stats base
 verify task base
 drive sched pipe proc wire task base
 END
