@@ -21,18 +21,12 @@ struct options {
 
 static const char usage_text[] = "[-h] [-k 8|16] [-o OUT.png|.pam|.pfm] PICTURE ... BACKDROP";
 
-static int opt_bits(const char *s)
-{
-    if (strcmp(s, "8") != 0 && strcmp(s, "16") != 0) die(ST_USAGE, "-k %s: expected 8 or 16", s);
-    return s[0] == '8' ? 8 : 16;
-}
-
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.bits = 8, .format = IMAGE_PNG};
     for (int c; (c = prog_getopt(argc, argv, "hk:o:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
-        case 'k': o.bits = opt_bits(optarg); break;
+        case 'k': o.bits = image_opt_bits(c, optarg); break;
         case 'o': o.out = opt_text(c, optarg); break;
         default: usage(ST_USAGE, usage_text);
         }

@@ -6,7 +6,6 @@
 #include "hosts/hosts.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,17 +31,14 @@ struct report {
 
 static void read_log(struct history *l, const char *path)
 {
-    bool std = strcmp(path, "-") == 0;
     uint64_t bad = l->bad;
-    int fd = std ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) die(ST_USAGE, "%s:", path);
-    if (std) path = "standard input";
+    int fd = read_open(&path);
     if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad > bad)
         warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path, l->bad - bad,
             l->bad - bad == 1 ? "" : "s", l->why);
-    if (!std) close(fd);
+    if (fd != STDIN_FILENO) close(fd);
 }
 
 /* -S: the power of each slot of the outermost fan, by number. */

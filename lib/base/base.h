@@ -141,6 +141,9 @@ int write_full(int fd, const void *p, size_t n);
 /* Appends one read(2) of at most `most` bytes to b; repeats on EINTR. Returns the bytes read, 0 at
  * the end, or -1 with errno. */
 ptrdiff_t read_some(int fd, struct buf *b, size_t most);
+/* Opens the file *name for reading; "-" is standard input, and *name becomes that. Dies with status
+ * 2 on failure. */
+int read_open(const char **name);
 /* Appends the whole file to b; "-": standard input. Returns 0, or -1 with errno. */
 int read_file(const char *path, struct buf *b);
 /* The same into *b, which is initialized. On failure returns false with a message in err and *b

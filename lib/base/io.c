@@ -31,6 +31,17 @@ ptrdiff_t read_some(int fd, struct buf *b, size_t most)
     return k;
 }
 
+int read_open(const char **name)
+{
+    if (strcmp(*name, "-") == 0) {
+        *name = "standard input";
+        return STDIN_FILENO;
+    }
+    int fd = open(*name, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) die(ST_USAGE, "%s:", *name);
+    return fd;
+}
+
 int read_file(const char *path, struct buf *b)
 {
     int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);

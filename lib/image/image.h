@@ -78,6 +78,26 @@ enum image_naming { IMAGE_NAME_BAD, IMAGE_NAME_SINGLE, IMAGE_NAME_NUMBERED };
 enum image_naming image_name_check(const char *pattern);
 char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
 
+/* Where a program puts its pictures. */
+struct image_out {
+    const char *pattern; /* of their names; NULL: standard output */
+    int bits;            /* per sample of a PNG or PAM: 8 or 16 */
+    /* set by image_out_check */
+    enum image_format format;
+    enum image_naming naming;
+};
+/* Sets format and naming. Dies with status 2 if the pattern is bad, or with 3 if its directory is
+ * not writable: better now than after hours of rendering. */
+void image_out_check(struct image_out *o);
+/* The name of picture number `frame`, or "standard output"; the caller frees. */
+char *image_out_name(const struct image_out *o, uint32_t frame);
+/* Writes a picture under that name, with its job, if that is not NULL. Returns 0, or -1 with errno.
+ */
+int image_out_put(
+    const struct image_out *o, const char *name, const struct image *im, const char *job);
+/* Parses 8 or 16, the argument of option `-opt`; dies with status 2 on other text. */
+int image_opt_bits(int opt, const char *s);
+
 /*
  * ---- assembly: pictures from fragments in any order, repeated or missing ----
  *

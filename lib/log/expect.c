@@ -1,9 +1,11 @@
-/* Pictures that were expected and are missing; fragments that cannot be used. */
+/* Pictures that were expected and are missing; fragments that cannot be used, or came twice. */
 #include "log/log.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
+
+#define FRAMES_LISTED 8 /* incomplete frames described singly */
 
 static const char *plural(uint64_t n) { return n == 1 ? "" : "s"; }
 
@@ -26,6 +28,59 @@ void intake_report(const struct intake *in)
         if (in->parts.refused[v])
             warn("%" PRIu64 " fragment%s ignored: %s", in->parts.refused[v],
                 plural(in->parts.refused[v]), what[v]);
+}
+
+const char *intake_refused_text(
+    struct intake *in, const struct record *r, char out[LOG_DISPUTE_TEXT])
+{
+    const struct assembly_frame *f = assembly_find(&in->parts, r->task.frame);
+    char source[LOG_SOURCE_TEXT], job[ASSEMBLY_NAME];
+    log_source_text(&in->sources, log_source_of(&in->sources, r), source);
+    if (!rec_str(r, "job", job, sizeof job)) *job = '\0';
+    if (f)
+        snprintf(out, LOG_DISPUTE_TEXT,
+            "frame %" PRIu32 ": %s has job %s of %ux%u, expected %s of %ux%u: its fragments are "
+            "ignored",
+            r->task.frame, source, job, r->frame_w, r->frame_h, f->job, f->have.w, f->have.h);
+    else
+        snprintf(out, LOG_DISPUTE_TEXT, "frame %" PRIu32 ": too many, expected at most %d",
+            r->task.frame, ASSEMBLY_FRAMES_MAX);
+    return out;
+}
+
+void intake_report_twice(const struct intake *in, bool all)
+{
+    const struct assembly *parts = &in->parts;
+    uint64_t same = assembly_again(parts);
+    char text[LOG_DISPUTE_TEXT];
+    for (uint32_t i = 0; i < parts->n_disputes; i++)
+        warn("%s", log_dispute_text(&in->sources, &parts->disputes[i], text));
+    if (same && all) warn("%" PRIu64 " pixels came twice", same);
+}
+
+void intake_report_missing(const struct intake *in)
+{
+    uint32_t incomplete = 0;
+    for (uint32_t i = 0; i < in->parts.n_frames; i++) {
+        const struct assembly_frame *f = in->parts.frames[i];
+        if (coverage_full(&f->have) || ++incomplete > FRAMES_LISTED) continue;
+        char text[ASSEMBLY_TEXT];
+        assembly_missing_text(f, text);
+        warn("frame %u: %s", f->number, text);
+    }
+    if (incomplete > FRAMES_LISTED) warn("... and %u frames more", incomplete - FRAMES_LISTED);
+}
+
+void intake_report_remedy(
+    const struct intake *in, const char *log, char *const *inputs, const char *options)
+{
+    const char *const one[] = {log, NULL};
+    struct buf remedy = {0};
+    bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, options, &remedy);
+    if (log) warn("the same command again finishes it, with what is in %s; or these do", log);
+    if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
+    else warn("no log was kept (-r LOG): only a new run gets them");
+    buf_free(&remedy);
 }
 
 /* False if r is no frame record with a job, or if its frame was declared with another job or

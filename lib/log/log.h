@@ -4,7 +4,8 @@
  *
  * An intake turns records into calls of image's assembly, which holds the rules of committing. It
  * also remembers what the stream states about its maker. A log file is locked while a run appends
- * to it. Reading blocks as its descriptor does. Nothing here exits; only intake_report prints.
+ * to it. Reading blocks as its descriptor does. Nothing here exits; only the functions
+ * intake_report print.
  */
 #ifndef STORMRING_LOG_H
 #define STORMRING_LOG_H
@@ -67,12 +68,21 @@ void intake_note(struct intake *in, const struct record *r);
 /* Handles a frame record like assembly_declare. UNDECLARED if it has no job; it is counted as
  * unexpected. */
 enum assembly_verdict intake_frame(struct intake *in, const struct record *r);
+/* Why intake_frame refused r: "frame 0: slot 1 on render1 (a.log) has job X of 8x8, expected ..." */
+const char *intake_refused_text(
+    struct intake *in, const struct record *r, char out[LOG_DISPUTE_TEXT]);
 /* Handles any other record. Returns the frame that it completes, which the caller must write and
  * release; else NULL. */
 struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 
-/* Prints what was skipped or ignored to standard error. */
+/* Print to standard error: what was skipped or ignored; the pixels that differ, and with `all` how
+ * many came twice; what the first incomplete frames lack. */
 void intake_report(const struct intake *in);
+void intake_report_twice(const struct intake *in, bool all);
+void intake_report_missing(const struct intake *in);
+/* Prints the command that finishes the pictures with log_remedy: from `log`; NULL: from `inputs`. */
+void intake_report_remedy(
+    const struct intake *in, const char *log, char *const *inputs, const char *options);
 /*
  * The file at `path` has a record `frame F W H job=HASH` for each picture that is expected.
  * Declares those without any record so far. Returns 0; else why names the error: in the file, or a
@@ -159,6 +169,40 @@ struct log_past {
 int log_confirm(struct log_past *past, const struct log_file *l, const struct log_origin *now,
     const struct record *r, char why[LOG_WHY]);
 void log_past_free(struct log_past *past);
+/*
+ * A run that is appended to a log, or to none. If the log holds something, it is not trusted before
+ * a worker has announced a frame that belongs there: then its content is read, and counts before
+ * the run's. For each record r of the run: log_keep_ignores; if r is a frame record with a job,
+ * log_keep_confirm; log_keep_record; then intake_frame or intake_record.
+ */
+struct log_keep {
+    struct log_file file;
+    struct log_past past;
+    bool trusted;   /* the log is empty, or of the same origin as this run */
+    bool rereading; /* records come from the log */
+};
+/* log_open of `path`; NULL: no log. */
+int log_keep_open(struct log_keep *k, const char *path);
+/* True if st is the log's regular file: it can be neither input nor picture. */
+struct stat;
+bool log_keep_is(const struct log_keep *k, const struct stat *st);
+/* True for fragments and beats before the log is trusted: only the origin and the frames of the
+ * workers count until then. */
+bool log_keep_ignores(const struct log_keep *k, const struct record *r);
+/*
+ * Checks r as log_confirm does, and notes it in `in`. When the log is trusted for the first time,
+ * its records go to `reader`, while `rereading` is true. Returns 0; 1 if r does not belong to the
+ * log, with the reason in why; or -1 with errno. Does nothing for records from the log, or if it
+ * was empty.
+ */
+int log_keep_confirm(struct log_keep *k, struct intake *in, const struct record *r,
+    const struct log_reader *reader, char why[LOG_WHY]);
+/* Queues r, unless it comes from the log or is a beat. */
+void log_keep_record(struct log_keep *k, const struct record *r);
+/* log_flush, once the log is trusted. */
+int log_keep_flush(struct log_keep *k);
+void log_keep_close(struct log_keep *k);
+
 /*
  * Appends to `out` the shell commands, in one line, that finish the pictures of these logs
  * (NULL-ended): tasks, to the worker of that origin, to the last log; then `gather options LOGS`.

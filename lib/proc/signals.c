@@ -4,7 +4,9 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
 #define N_ENDING (sizeof ending / sizeof *ending)
@@ -38,6 +40,23 @@ void signals_catch(void)
     if (prctl(PR_GET_PDEATHSIG, &sig) == 0 && sig) prctl(PR_SET_PDEATHSIG, SIGTERM);
     sigprocmask(SIG_BLOCK, &blocked, &before);
     catching = true;
+}
+
+static const char *last_words;
+
+static void say(int sig)
+{
+    ssize_t said = write(STDERR_FILENO, last_words, strlen(last_words));
+    (void)said;
+    signal(sig, SIG_DFL);
+    raise(sig);
+}
+
+void signals_say(const char *text)
+{
+    last_words = text;
+    for (size_t i = 0; i < N_ENDING; i++)
+        if (signal(ending[i], say) == SIG_IGN) signal(ending[i], SIG_IGN);
 }
 
 /* Caught signals are reset by exec; the mask, and SIGPIPE, are not. */

@@ -349,6 +349,18 @@ static void test_outfile_fails(void **state)
     assert_int_equal(errno, ENOENT);
 }
 
+static void test_read_open(void **state)
+{
+    (void)state;
+    const char *std = "-", *name = "/dev/null";
+    assert_int_equal(read_open(&std), STDIN_FILENO);
+    assert_string_equal(std, "standard input");
+    int fd = read_open(&name);
+    assert_true(fd > STDERR_FILENO && fcntl(fd, F_GETFD) == FD_CLOEXEC);
+    assert_string_equal(name, "/dev/null");
+    close(fd);
+}
+
 static void test_write_full(void **state)
 {
     (void)state;
@@ -496,6 +508,7 @@ int main(void)
         cmocka_unit_test(test_quote),
         cmocka_unit_test(test_outfile),
         cmocka_unit_test(test_outfile_fails),
+        cmocka_unit_test(test_read_open),
         cmocka_unit_test(test_write_full),
         cmocka_unit_test(test_progress),
         cmocka_unit_test(test_clocks),

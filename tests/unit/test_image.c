@@ -303,6 +303,35 @@ static void test_names(void **state)
     check_name("%02d", 12345, "12345");
 }
 
+/* Names are made, files written, and what cannot be written is said. */
+static void test_out(void **state)
+{
+    (void)state;
+    struct image_out o = {.pattern = "/tmp/stormring-out-%02d.pam", .bits = 8}, std = {.bits = 8};
+    struct image im, back;
+    char err[IMAGE_ERR];
+    image_out_check(&o);
+    image_out_check(&std);
+    assert_true(o.format == IMAGE_PAM && o.naming == IMAGE_NAME_NUMBERED);
+    assert_true(std.format == IMAGE_PNG && std.naming == IMAGE_NAME_SINGLE);
+    char *name = image_out_name(&o, 7), *none = image_out_name(&std, 7);
+    assert_string_equal(name, "/tmp/stormring-out-07.pam");
+    assert_string_equal(none, "standard output");
+    image_init(&im, 3, 2);
+    for (int i = 0; i < 24; i++) im.rgba[i] = 1;
+    assert_int_equal(image_out_put(&o, name, &im, NULL), 0);
+    assert_int_equal(image_read(name, &back, err), 0);
+    assert_true(back.w == 3 && back.h == 2 && back.rgba[23] == 1);
+    assert_int_equal(image_out_put(&o, "/nonexistent/x.pam", &im, NULL), -1);
+    unlink(name);
+    image_free(&im);
+    image_free(&back);
+    free(name);
+    free(none);
+    assert_int_equal(image_opt_bits('k', "8"), 8);
+    assert_int_equal(image_opt_bits('k', "16"), 16);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -315,6 +344,7 @@ int main(void)
         cmocka_unit_test(test_chunks_that_do_not_fit),
         cmocka_unit_test(test_write_errors_are_reported),
         cmocka_unit_test(test_names),
+        cmocka_unit_test(test_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,6 +9,7 @@
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <cmocka.h>
@@ -260,6 +261,143 @@ static void test_continues(void **state)
     differs("", "frame 0 8 6 job=beef\n", "is of another scene");
 }
 
+/* What a run that is kept counts: every record of its own, and of the log when that is trusted. */
+struct kept {
+    struct log_keep k;
+    struct intake in;
+    struct log_reader reader;
+    int refused;
+    char why[LOG_WHY];
+};
+
+static void keep_record(void *ctx, const struct record *r)
+{
+    struct kept *kept = ctx;
+    if (log_keep_ignores(&kept->k, r)) return;
+    if (r->kind == REC_FRAME) {
+        int refused = log_keep_confirm(&kept->k, &kept->in, r, &kept->reader, kept->why);
+        if (refused) kept->refused = refused;
+        if (refused) return;
+        intake_frame(&kept->in, r);
+    }
+    log_keep_record(&kept->k, r);
+    if (r->kind == REC_FRAME) return;
+    struct assembly_frame *whole = intake_record(&kept->in, r);
+    if (whole) assembly_release(&kept->in.parts, whole);
+}
+
+/* A run of these records, appended to the log at `path`; what it counted stays in *kept. */
+static void keep_run(struct kept *kept, const struct buf *run)
+{
+    struct decoder d = {.upward = true};
+    struct record r;
+    *kept = (struct kept){.reader = {keep_record, NULL, kept}};
+    assert_int_equal(log_keep_open(&kept->k, path), 0);
+    intake_init(&kept->in, false);
+    wire_feed(&d, buf_data(run), buf_size(run));
+    while (wire_next(&d, &r) == WIRE_RECORD) keep_record(kept, &r);
+    wire_free(&d);
+}
+
+static void end_run(struct kept *kept)
+{
+    assert_int_equal(log_keep_flush(&kept->k), 0);
+    intake_free(&kept->in);
+    log_keep_close(&kept->k);
+}
+
+static void log_is(const struct buf *want)
+{
+    struct buf got = {0};
+    assert_int_equal(read_file(path, &got), 0);
+    assert_int_equal(buf_size(&got), buf_size(want));
+    assert_memory_equal(buf_data(&got), buf_data(want), buf_size(want));
+    buf_free(&got);
+}
+
+static void test_kept_runs(void **state)
+{
+    (void)state;
+    struct buf all = {0}, run = {0};
+    struct kept kept;
+    struct stat st;
+    unlink(path);
+    put_run(&run, hello, frame, 0, 2);
+    put_text(&run, "beat\n"); /* the only record that is not kept */
+    keep_run(&kept, &run);
+    assert_true(kept.k.trusted);
+    end_run(&kept);
+    put_run(&all, hello, frame, 0, 2);
+    log_is(&all);
+    /* The same picture: the log's rows count, and the run is appended. */
+    buf_consume(&run, buf_size(&run));
+    put_run(&run, hello, frame, 1, 4);
+    keep_run(&kept, &run);
+    assert_true(kept.k.trusted);
+    assert_int_equal(kept.in.parts.done_px, 4 * W);
+    assert_int_equal(assembly_again(&kept.in.parts), W); /* row 1 */
+    assert_int_equal(stat(path, &st), 0);
+    assert_true(log_keep_is(&kept.k, &st));
+    assert_int_equal(stat("/dev/null", &st), 0);
+    assert_false(log_keep_is(&kept.k, &st));
+    end_run(&kept);
+    put_run(&all, hello, frame, 1, 4);
+    log_is(&all);
+    buf_free(&all);
+    buf_free(&run);
+}
+
+static void test_kept_out(void **state)
+{
+    (void)state;
+    struct buf all = {0}, run = {0};
+    struct kept kept;
+    /* No frame was announced: nothing is appended, and its pixels do not count. */
+    put_run(&all, hello, frame, 0, 2);
+    write_log(&all);
+    put_row(&run, 0, 3);
+    keep_run(&kept, &run);
+    assert_false(kept.k.trusted);
+    assert_int_equal(kept.in.parts.done_px, 0);
+    end_run(&kept);
+    log_is(&all);
+    /* Another scene. */
+    buf_consume(&run, buf_size(&run));
+    put_run(&run, hello, "frame 0 8 6 job=beef with=rtworker,-a4\n", 0, 2);
+    keep_run(&kept, &run);
+    assert_int_equal(kept.refused, 1);
+    assert_non_null(strstr(kept.why, "is of another scene"));
+    assert_false(kept.k.trusted);
+    end_run(&kept);
+    log_is(&all);
+    assert_int_equal(log_keep_open(&kept.k, NULL), 0); /* no log at all */
+    assert_true(kept.k.trusted);
+    assert_int_equal(log_keep_flush(&kept.k), 0);
+    log_keep_close(&kept.k);
+    buf_free(&all);
+    buf_free(&run);
+}
+
+static void test_refused(void **state)
+{
+    (void)state;
+    struct intake in;
+    struct decoder d = {.upward = true};
+    struct record r;
+    char text[LOG_DISPUTE_TEXT];
+    intake_init(&in, false);
+    feed_text(&d, "frame 0 8 6 job=cafe w=0\nframe 0 9 6 job=beef w=1 host=render1\n");
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    assert_int_equal(intake_frame(&in, &r), ASSEMBLY_TAKEN);
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    assert_int_equal(intake_frame(&in, &r), ASSEMBLY_FOREIGN);
+    assert_string_equal(intake_refused_text(&in, &r, text),
+        "frame 0: slot 1 on render1 (standard input) has job beef of 9x6, expected cafe of 8x6: "
+        "its fragments are ignored");
+    wire_free(&d);
+    intake_free(&in);
+}
+
 static void test_remedy(void **state)
 {
     (void)state;
@@ -335,6 +473,9 @@ int main(void)
         cmocka_unit_test(test_coverage),
         cmocka_unit_test(test_lock),
         cmocka_unit_test(test_continues),
+        cmocka_unit_test(test_kept_runs),
+        cmocka_unit_test(test_kept_out),
+        cmocka_unit_test(test_refused),
         cmocka_unit_test(test_remedy),
         cmocka_unit_test(test_missing),
         cmocka_unit_test(test_costs),
