@@ -29,6 +29,12 @@ imgcmp tetra.png tetra.png
 rm tetra.*
 END
 ok 'what is installed renders by itself' sh -e installed
+if there gnuplot tsvstat; then
+	printf 'experiment kind method x x_unit y y_unit sample seed\na real m 1 s 2 s 1 0\n' | tr ' ' '\t' >one.tsv
+	ok 'an installed chart finds its parts' env -i PATH=/usr/bin:/bin "$prefix/bin/chart" -o one.svg one.tsv
+else
+	skip 'an installed chart finds its parts' "$missing is not there"
+fi
 echo older >"$prefix/bin/older"
 echo bin/older >>"$prefix/share/stormring/manifest"
 ok 'make install over an earlier version' make -s -C "$root" install PREFIX="$prefix"

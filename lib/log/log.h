@@ -68,7 +68,7 @@ void intake_note(struct intake *in, const struct record *r);
 /* Handles a frame record like assembly_declare. UNDECLARED if it has no job; it is counted as
  * unexpected. */
 enum assembly_verdict intake_frame(struct intake *in, const struct record *r);
-/* Why intake_frame refused r: "frame 0: slot 1 on render1 (a.log) has job X of 8x8, expected ..." */
+/* Why intake_frame refused r: "frame 0: slot 1 on render1 (a.log) has job X of 8x8, ..." */
 const char *intake_refused_text(
     struct intake *in, const struct record *r, char out[LOG_DISPUTE_TEXT]);
 /* Handles any other record. Returns the frame that it completes, which the caller must write and
@@ -80,7 +80,7 @@ struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 void intake_report(const struct intake *in);
 void intake_report_twice(const struct intake *in, bool all);
 void intake_report_missing(const struct intake *in);
-/* Prints the command that finishes the pictures with log_remedy: from `log`; NULL: from `inputs`. */
+/* Prints the command of log_remedy that finishes the pictures from `log`; NULL: from `inputs`. */
 void intake_report_remedy(
     const struct intake *in, const char *log, char *const *inputs, const char *options);
 /*

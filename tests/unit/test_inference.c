@@ -145,7 +145,7 @@ static void outliers(void **state)
     assert_true(low < 71 && high > 73.4 && high < 96);
 }
 
-/* ---- points of a table, made here: rows of method A, then of method B ------------------------- */
+/* ---- points of a table made here: rows of method A, then of method B ------------------------- */
 
 enum { PAIRS = 6 };
 struct pairs {
