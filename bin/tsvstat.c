@@ -84,7 +84,7 @@ static void take_from_table(struct options *o, const struct table *t)
     const char *said = table_said(t, "level", &line);
     if (!o->axes) o->axes = axes && are_axes(axes) ? axes : "";
     if (outliers && strcmp(outliers, "left out") == 0) o->drop = true;
-    if (said && !*level && !parse_real(said, LEVEL_LEAST, LEVEL_MOST, level))
+    if (said && *level <= 0 && !parse_real(said, LEVEL_LEAST, LEVEL_MOST, level))
         die(ST_USAGE, "%s:%zu: level is \"%s\", expected a number from %g to %g", shown(o), line,
             said, LEVEL_LEAST, LEVEL_MOST);
 }
@@ -96,7 +96,7 @@ static void read_table(struct table *t, struct options *o)
     if (t->intervals && !o->points)
         die(ST_USAGE, "%s:%zu: intervals, expected samples", shown(o), t->head);
     if (o->points) take_from_table(o, t);
-    else if (!o->claim.level) o->claim.level = .95;
+    else if (o->claim.level <= 0) o->claim.level = .95;
     if (o->points && !table_positive(t, o->axes, err)) die(ST_USAGE, "%s", err);
     if (!table_points(t, err)) die(ST_USAGE, "%s", err);
     if (o->drop) inference_mark_outliers(t);

@@ -13,6 +13,7 @@
 #include <limits.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define ARG(s) ((char[]){s}) /* execvp wants them writable */
@@ -216,6 +217,30 @@ static void a_child_that_stays_is_killed_with_its_group(void **state)
     if (f) fclose(f);
 }
 
+/* The last words come first, then the end by the signal; an ignored signal stays so. */
+static void last_words_are_said(void **state)
+{
+    (void)state;
+    char text[32] = "";
+    int words[2], status;
+    assert_int_equal(pipe(words), 0);
+    pid_t pid = fork();
+    if (pid == 0) {
+        dup2(words[1], STDERR_FILENO);
+        signal(SIGHUP, SIG_IGN);
+        signals_say("so far\n");
+        raise(SIGHUP);
+        raise(SIGTERM);
+        _exit(0);
+    }
+    close(words[1]);
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+    assert_int_equal(read(words[0], text, sizeof text - 1), 7);
+    assert_string_equal(text, "so far\n");
+    close(words[0]);
+}
+
 int main(void)
 {
     signal(SIGPIPE, SIG_IGN);
@@ -231,6 +256,7 @@ int main(void)
         cmocka_unit_test(a_child_talks_and_ends),
         cmocka_unit_test(what_exec_says_comes_back),
         cmocka_unit_test(a_child_that_stays_is_killed_with_its_group),
+        cmocka_unit_test(last_words_are_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
