@@ -1,8 +1,23 @@
-/* Tables of frames and of tasks. */
+/* Tables of frames and of tasks, with the payloads of their owners. */
 #include "task/task.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- payloads --------------------------------------------------------------------------------- */
+
+/* Makes room for the payloads of n entries. */
+static void make_room(struct payloads *p, size_t n)
+{
+    if (p->size) p->at = xrealloc(p->at, n, p->size);
+}
+
+static void clear(struct payloads *p, size_t i)
+{
+    if (p->size) memset(p->at + i * p->size, 0, p->size);
+}
+
+/* ---- frames ----------------------------------------------------------------------------------- */
 
 /* The place of the frame, or where it would be. Numbers mostly ascend, and most queries are for
  * the latest. */
@@ -18,28 +33,46 @@ static size_t frame_place(const struct frames *f, uint32_t frame)
     return low;
 }
 
+void frames_init(struct frames *f, size_t payload) { *f = (struct frames){.extra.size = payload}; }
+
 struct frame_size *frames_find(const struct frames *f, uint32_t frame)
 {
     size_t i = frame_place(f, frame);
     return i < f->n && f->at[i].frame == frame ? &f->at[i] : NULL;
 }
 
+/* Makes a gap at place i. */
+static void open_gap(struct frames *f, size_t i)
+{
+    struct payloads *p = &f->extra;
+    size_t moved = f->n - i;
+    if ((f->n & (f->n - 1)) == 0) { /* full: a power of two */
+        size_t room = f->n ? 2 * f->n : 1;
+        f->at = xrealloc(f->at, room, sizeof *f->at);
+        make_room(p, room);
+    }
+    memmove(f->at + i + 1, f->at + i, moved * sizeof *f->at);
+    if (p->size) memmove(p->at + (i + 1) * p->size, p->at + i * p->size, moved * p->size);
+    f->n++;
+}
+
 struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h)
 {
     size_t i = frame_place(f, frame);
-    if (i == f->n || f->at[i].frame != frame) {
-        f->at = xrealloc(f->at, f->n + 1, sizeof *f->at);
-        memmove(f->at + i + 1, f->at + i, (f->n++ - i) * sizeof *f->at);
-    }
+    if (i == f->n || f->at[i].frame != frame) open_gap(f, i);
     f->at[i] = (struct frame_size){.frame = frame, .w = w, .h = h};
+    clear(&f->extra, i);
     return &f->at[i];
 }
 
 void frames_free(struct frames *f)
 {
     free(f->at);
-    *f = (struct frames){0};
+    free(f->extra.at);
+    frames_init(f, f->extra.size);
 }
+
+/* ---- tasks ------------------------------------------------------------------------------------ */
 
 static int32_t *head_of(const struct task_table *t, uint32_t frame, uint32_t id)
 {
@@ -53,12 +86,18 @@ static void chain(struct task_table *t, int32_t i)
     *head = i;
 }
 
-/* Doubles the entries and the hash chains. */
+void tasks_init(struct task_table *t, size_t payload)
+{
+    *t = (struct task_table){.extra.size = payload};
+}
+
+/* Doubles the entries, their payloads and the hash chains. */
 static void grow(struct task_table *t)
 {
     int32_t cap = t->cap ? t->cap * 2 : 64;
     if (t->cap > INT32_MAX / 4) die(ST_SYSTEM, "more than %d tasks at once", t->cap);
     t->at = xrealloc(t->at, (size_t)cap, sizeof *t->at);
+    make_room(&t->extra, (size_t)cap);
     free(t->heads);
     t->heads = xmalloc((size_t)cap, sizeof *t->heads);
     for (int32_t i = 0; i < cap; i++) t->heads[i] = -1;
@@ -76,7 +115,8 @@ void tasks_free(struct task_table *t)
 {
     free(t->at);
     free(t->heads);
-    *t = (struct task_table){0};
+    free(t->extra.at);
+    tasks_init(t, t->extra.size);
 }
 
 int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id)
@@ -94,6 +134,7 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
     t->free_list = t->at[i].chain;
     t->at[i] = (struct task_entry){
         .task = *task, .frame_w = frame_w, .slot = -1, .live = true, .prev = -1, .next = -1};
+    clear(&t->extra, (size_t)i);
     chain(t, i);
     t->count++;
     t->n_by_generation[task->generation % GENERATIONS]++;

@@ -22,7 +22,7 @@ struct task {
     uint32_t frame, id; /* the key; id counts from 0 in each frame */
     struct lattice at;
     int32_t to;          /* preassigned slot, -1 none */
-    uint32_t generation; /* of its frame; for the owner of a table of tasks */
+    uint32_t generation; /* of its frame (wire.h) */
 };
 
 static inline uint64_t lattice_count(const struct lattice *l) { return (uint64_t)l->w * l->h; }
@@ -123,9 +123,23 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
 
 /* ---- tables ------------------------------------------------------------------------- */
 
+/*
+ * Tables of frames and of tasks. A table keeps what all owners need, and a payload for each entry:
+ * a struct of the owner's own, whose sizeof the owner states before it adds an entry (0: none, and
+ * no memory). It is aligned like that struct, and zeroed when its entry is added. The table owns
+ * the payloads, the owner what they point at. Adding an entry may move all others: a pointer to an
+ * entry or to a payload is valid until then. All zero is an empty table without payloads. If memory
+ * is short, or 2^29 tasks are not enough, the process ends.
+ */
+struct payloads {
+    unsigned char *at; /* `size` bytes for each entry, in the order of the entries */
+    size_t size;
+};
+
 /* The known frames, in ascending order of number. */
 struct frame_size {
-    uint32_t frame, w, h;
+    uint32_t frame;
+    uint32_t w, h;       /* 0: the owner does not need them */
     uint32_t generation; /* generation of its state (wire.h), 0 at first */
     bool said;           /* for the owner of the table; false at first and after a new size */
     uint32_t top_id;     /* likewise, 0 */
@@ -136,11 +150,20 @@ struct frame_size {
 struct frames {
     struct frame_size *at;
     size_t n;
+    struct payloads extra;
 };
+/* An empty table whose payloads have this size. */
+void frames_init(struct frames *f, size_t payload);
 /* NULL if unknown. */
 struct frame_size *frames_find(const struct frames *f, uint32_t frame);
-/* Adds the frame, or changes its size. */
+/* Adds the frame, or changes its size. Its generation and its payload are 0 after both. */
 struct frame_size *frames_set(struct frames *f, uint32_t frame, uint32_t w, uint32_t h);
+/* The payload of an entry of f, which has payloads. */
+static inline void *frames_extra(const struct frames *f, const struct frame_size *frame)
+{
+    return f->extra.at + (size_t)(frame - f->at) * f->extra.size;
+}
+/* Frees all entries: f is as frames_init left it. */
 void frames_free(struct frames *f);
 
 /*
@@ -152,17 +175,18 @@ struct task_entry {
     uint64_t delivered; /* pixels 0 .. delivered have arrived */
     int64_t since_us;   /* for the owner of the table */
     uint32_t frame_w;
-    int32_t slot;  /* for the owner of the table, -1 at first */
-    int32_t tries; /* likewise, 0 */
-    bool done;     /* its worker reported it as computed */
-    bool live;     /* in the table */
-    int32_t chain; /* next in its hash chain, or free */
-    int32_t prev, next;
+    int32_t slot;       /* for the owner of the table, -1 at first */
+    int32_t tries;      /* likewise, 0 */
+    bool done;          /* its worker reported it as computed */
+    bool live;          /* in the table */
+    int32_t chain;      /* next in its hash chain, or of those not in the table */
+    int32_t prev, next; /* in its list; -1: none */
 };
 #define GENERATIONS 128 /* limit of generations with live tasks (wire.h) */
 struct task_table {
     struct task_entry *at;
     int32_t *heads;
+    struct payloads extra;
     int32_t n_heads, cap, free_list, count;
     int32_t n_by_generation[GENERATIONS]; /* number per generation, modulo GENERATIONS */
 };
@@ -171,10 +195,18 @@ struct task_list {
 };
 #define TASK_LIST_EMPTY ((struct task_list){-1, -1, 0})
 
+/* An empty table whose payloads have this size. */
+void tasks_init(struct task_table *t, size_t payload);
+/* Frees all entries: t is as tasks_init left it. */
 void tasks_free(struct task_table *t);
+/* The payload of entry i of t, which has payloads. */
+static inline void *tasks_extra(const struct task_table *t, int32_t i)
+{
+    return t->extra.at + (size_t)i * t->extra.size;
+}
 /* Index of the entry with this key, or -1. */
 int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id);
-/* Adds an entry. Its key must be new. */
+/* Adds an entry. Its key must be new. frame_w: 0 if the owner never calls tasks_deliver. */
 int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_w);
 /* Removes an entry that is on no list. */
 void tasks_remove(struct task_table *t, int32_t i);

@@ -406,6 +406,45 @@ static void test_frames(void **state)
     assert_null(frames_find(&f, 21));
 }
 
+/* The payload of a frame. Its alignment is that of its widest member. */
+struct own_frame {
+    uint64_t mark;
+    uint8_t tail;
+};
+
+static uint64_t mark_of(const struct frames *f, uint32_t frame)
+{
+    const struct own_frame *own = frames_extra(f, frames_find(f, frame));
+    assert_int_equal(own->tail, (uint8_t)own->mark);
+    return own->mark;
+}
+
+/* A payload stays with its frame, wherever later frames are inserted; a new size zeroes it. */
+static void test_frame_payloads(void **state)
+{
+    (void)state;
+    enum { N = 97 };
+    struct frames f;
+    frames_init(&f, sizeof(struct own_frame));
+    for (uint32_t i = 0; i < N; i++) {
+        uint32_t frame = i * 29 % N; /* in no order */
+        struct own_frame *own = frames_extra(&f, frames_set(&f, frame, 1, 1));
+        assert_int_equal((uintptr_t)own % _Alignof(struct own_frame), 0);
+        assert_true(!own->mark && !own->tail);
+        own->mark = UINT64_C(1000000000000) + frame;
+        own->tail = (uint8_t)own->mark;
+        for (uint32_t k = 0; k <= i; k++)
+            assert_int_equal(mark_of(&f, k * 29 % N), UINT64_C(1000000000000) + k * 29 % N);
+    }
+    frames_set(&f, 13, 5, 6);
+    assert_int_equal(mark_of(&f, 13), 0);
+    assert_int_equal(mark_of(&f, 12), UINT64_C(1000000000012));
+    assert_int_equal(mark_of(&f, 14), UINT64_C(1000000000014));
+    frames_free(&f);
+    assert_int_equal(mark_of(&f, frames_set(&f, 13, 5, 6)->frame), 0); /* it has payloads still */
+    frames_free(&f);
+}
+
 enum { KEYS = 400 };
 
 static struct task key(uint64_t k)
@@ -451,6 +490,70 @@ static void test_table(void **state)
     assert_int_equal(t.cap, cap);
     tasks_free(&t);
     assert_int_equal(tasks_find(&t, 0, 0), -1);
+}
+
+/* The payload of a task; all of its bytes matter. */
+struct own_task {
+    int64_t key;
+    int32_t list[2];
+};
+
+/* Random additions and removals: each live task has its payload, through growth and its
+ * neighbours' removal; an added one begins with zeros, wherever it is. */
+static void test_payloads(void **state)
+{
+    (void)state;
+    struct task_table t;
+    bool live[KEYS] = {0};
+    tasks_init(&t, sizeof(struct own_task));
+    for (uint64_t step = 0; step < 20000; step++) {
+        uint64_t k = rng_u64(6, step) % KEYS;
+        struct task task = key(k);
+        int32_t i = tasks_find(&t, task.frame, task.id);
+        assert_int_equal(i >= 0, live[k]);
+        if (!live[k]) {
+            i = tasks_add(&t, &task, 4);
+            const struct own_task zero = {0};
+            struct own_task *own = tasks_extra(&t, i);
+            assert_int_equal((uintptr_t)own % _Alignof(struct own_task), 0);
+            assert_memory_equal(own, &zero, sizeof zero);
+            *own = (struct own_task){.key = -(int64_t)k, .list = {(int32_t)k, -1}};
+        } else {
+            const struct own_task want = {.key = -(int64_t)k, .list = {(int32_t)k, -1}};
+            assert_memory_equal(tasks_extra(&t, i), &want, sizeof want);
+            tasks_remove(&t, i);
+        }
+        live[k] = !live[k];
+    }
+    tasks_free(&t);
+    struct task task = key(1);
+    struct own_task *own = tasks_extra(&t, tasks_add(&t, &task, 4)); /* it has payloads still */
+    assert_int_equal(own->key, 0);
+    tasks_free(&t);
+}
+
+/* A payload is as long as its struct, whatever that is: the last byte of each is the owner's. */
+static void test_payload_sizes(void **state)
+{
+    (void)state;
+    for (size_t size = 0; size <= 40; size++) {
+        struct task_table t;
+        tasks_init(&t, size);
+        for (uint64_t k = 0; k < 130; k++) {
+            struct task task = key(k);
+            int32_t i = tasks_add(&t, &task, 4);
+            if (size) memset(tasks_extra(&t, i), (int)k + 1, size);
+        }
+        for (uint64_t k = 0; k < 130; k++) {
+            struct task task = key(k);
+            const unsigned char *own =
+                size ? tasks_extra(&t, tasks_find(&t, task.frame, task.id)) : NULL;
+            for (size_t b = 0; b < size; b++) assert_int_equal(own[b], k + 1);
+        }
+        assert_int_equal(t.extra.at != NULL, size > 0); /* none costs no memory */
+        tasks_free(&t);
+        assert_int_equal(t.extra.size, size);
+    }
 }
 
 static void assert_list(const struct task_table *t, const struct task_list *l, const char *ids)
@@ -572,7 +675,10 @@ int main(void)
         cmocka_unit_test(test_missing_share_of_a_worker),
         cmocka_unit_test(test_trim),
         cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_frame_payloads),
         cmocka_unit_test(test_table),
+        cmocka_unit_test(test_payloads),
+        cmocka_unit_test(test_payload_sizes),
         cmocka_unit_test(test_lists),
         cmocka_unit_test(test_deliver),
     };
