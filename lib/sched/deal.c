@@ -30,6 +30,8 @@ static void *deal_create(const struct sched_params *p)
 {
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
+    tasks_init(&d->ledger, sizeof(struct account));
+    frames_init(&d->frames, sizeof(struct frame_ids));
     d->pool = d->out = TASK_LIST_EMPTY;
     d->late_us = INT64_MAX;
     deal_make_room(d, 1);
@@ -44,7 +46,6 @@ static void deal_destroy(void *state)
     tasks_free(&d->ledger);
     frames_free(&d->frames);
     deal_close_room(d);
-    free(d->account);
     free(d->slots);
     free(d);
 }
@@ -52,11 +53,14 @@ static void deal_destroy(void *state)
 static struct slot *slot_at(struct deal *d, int32_t k)
 {
     deal_make_room(d, k + 1);
-    for (; d->n_slots <= k; d->n_slots++)
-        d->slots[d->n_slots] = (struct slot){.promised = TASK_LIST_EMPTY,
+    for (; d->n_slots <= k; d->n_slots++) {
+        struct slot *s = &d->slots[d->n_slots];
+        *s = (struct slot){.promised = TASK_LIST_EMPTY,
             .computed = TASK_LIST_EMPTY,
             .held = TASK_LIST_EMPTY,
             .shared = TASK_LIST_EMPTY};
+        tasks_init(&s->has, sizeof(struct copy));
+    }
     return &d->slots[k];
 }
 
@@ -138,6 +142,16 @@ static void take_slots(struct deal *d, int32_t n)
     for (int32_t k = n; k < d->n_slots; k++) deal_reclaim(d, &d->slots[k].promised);
 }
 
+/* Copy c of slot s is done. */
+static void note_pace(struct slot *s, int32_t c, int64_t wall_us, int64_t now)
+{
+    const struct pace_task done = {.px = lattice_count(&s->has.at[c].task.at),
+        .sent_us = deal_copy(s, c)->given_us,
+        .done_us = now,
+        .wall_us = wall_us};
+    pace_note(&s->pace, &done);
+}
+
 static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
 {
     if (e->slot >= d->n_slots || d->slots[e->slot].state != SLOT_UP) return;
@@ -145,20 +159,19 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
     if (c >= 0) {
-        pace_note(&s->pace, &s->has.at[c], e->wall_us, now);
+        note_pace(s, c, e->wall_us, now);
         deal_drop_copy(d, e->slot, c);
-        if (i >= 0) d->account[i].copies--;
+        if (i >= 0) deal_account(d, i)->copies--;
     } else {
         /* Was DONE repeated? The slot may not have had these pixels when it was asked to flush. */
-        if (i >= 0 && d->ledger.at[i].slot == e->slot) s->asked = false;
+        if (i >= 0 && deal_account(d, i)->owner == e->slot) s->asked = false;
         deal_mark(d, e->slot);
         return;
     }
-    if (i < 0 || d->account[i].place != OUT) return; /* another slot finished first */
+    if (i < 0 || deal_account(d, i)->place != OUT) return; /* another slot finished first */
     deal_forget_pieces(d, i);
     deal_take(d, i);
-    d->ledger.at[i].done = true;
-    d->ledger.at[i].since_us = now;
+    deal_account(d, i)->progress_us = now;
     deal_put(d, i, COMPUTED, e->slot);
 }
 
@@ -225,9 +238,9 @@ static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint3
 {
     const struct deal *d = state;
     if (slot < 0 || slot >= d->n_slots) return 0;
-    const struct task_table *has = &d->slots[slot].has;
-    int32_t c = tasks_find(has, frame, id);
-    return c < 0 ? 0 : has->at[c].tries;
+    const struct slot *s = &d->slots[slot];
+    int32_t c = tasks_find(&s->has, frame, id);
+    return c < 0 ? 0 : deal_copy(s, c)->tries;
 }
 
 static int64_t deal_wake_us(const void *state)

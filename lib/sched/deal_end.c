@@ -39,9 +39,9 @@
  * it is a piece of? */
 static bool may_copy(const struct deal *d, int32_t i)
 {
-    if (d->account[i].place != OUT || d->account[i].pieces) return false;
+    if (deal_account(d, i)->place != OUT || deal_account(d, i)->pieces) return false;
     int32_t copies = 0;
-    for (; i >= 0; i = d->account[i].parent) copies += d->account[i].copies;
+    for (; i >= 0; i = deal_account(d, i)->parent) copies += deal_account(d, i)->copies;
     return copies < COPIES_MOST;
 }
 
@@ -92,7 +92,7 @@ static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
     const struct task_entry *e = &d->ledger.at[i];
     double us = (double)lattice_count(&e->task.at) * us_per_px_of(d, k);
     us = LATE_US + LATE_TIMES * (us + d->slots[k].pace.round_trip_us);
-    int64_t late_us = e->since_us + (int64_t)fmin(us, LATE_MOST_US);
+    int64_t late_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, LATE_MOST_US);
     if (now >= late_us) return true;
     if (late_us < d->late_us) d->late_us = late_us;
     return false;
@@ -102,7 +102,7 @@ static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
 static int32_t late(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->out.head;
-    while (i >= 0 && d->account[i].pieces) i = d->ledger.at[i].next;
+    while (i >= 0 && deal_account(d, i)->pieces) i = d->ledger.at[i].next;
     return i >= 0 && is_late(d, i, k, now) ? i : -1;
 }
 
@@ -145,15 +145,15 @@ static int32_t open_task(struct deal *d, int32_t i)
     const struct task_entry *e = &d->ledger.at[i];
     struct task t = e->task;
     uint32_t frame_w = e->frame_w;
-    int32_t tries = e->tries;
+    int32_t tries = deal_account(d, i)->tries;
     if (t.at.h == 1) t.at = lattice_cut(&t.at, frame_w, e->delivered, t.at.w);
-    t.id = frames_find(&d->frames, t.frame)->top_id + 1;
+    t.id = deal_ids(d, t.frame)->top + 1;
     deal_take(d, i);
-    if (d->account[i].copies) deal_share(d, i);
-    d->account[i].pieces = 1;
+    if (deal_account(d, i)->copies) deal_share(d, i);
+    deal_account(d, i)->pieces = 1;
     deal_put(d, i, OUT, -1);
     int32_t piece = deal_enter(d, &t, frame_w, i);
-    d->ledger.at[piece].tries = tries;
+    deal_account(d, piece)->tries = tries;
     deal_put_first(d, piece);
     return piece;
 }
@@ -165,13 +165,13 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
     struct task_entry *e = &d->ledger.at[i];
     struct task t = e->task;
     uint32_t frame_w = e->frame_w;
-    int32_t tries = e->tries, parent = d->account[i].parent;
+    int32_t tries = deal_account(d, i)->tries, parent = deal_account(d, i)->parent;
     t.at = lattice_cut(&e->task.at, frame_w, 0, n);
     e->task.at = lattice_cut(&e->task.at, frame_w, n, UINT32_MAX);
-    t.id = frames_find(&d->frames, t.frame)->top_id + 1;
+    t.id = deal_ids(d, t.frame)->top + 1;
     int32_t piece = deal_enter(d, &t, frame_w, parent);
-    d->ledger.at[piece].tries = tries;
-    d->account[parent].pieces++;
+    deal_account(d, piece)->tries = tries;
+    deal_account(d, parent)->pieces++;
     deal_put_first(d, piece);
     return piece;
 }
@@ -184,11 +184,11 @@ int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
         const struct task_entry *e = &d->ledger.at[i];
         const struct lattice *at = &e->task.at;
         uint64_t left_px = lattice_count(at) - (at->h == 1 ? e->delivered : 0);
-        bool ids_left = frames_find(&d->frames, e->task.frame)->top_id < UINT32_MAX - 1;
+        bool ids_left = deal_ids(d, e->task.frame)->top < UINT32_MAX - 1;
         if (left_px < px + px / 2 || !ids_left) return i;
         uint64_t rows_px = px < at->w ? at->w : px - px % at->w;
         /* An input task, or a piece that was given, keeps its pixels. */
-        bool named = d->account[i].parent < 0 || d->account[i].latest >= 0;
+        bool named = deal_account(d, i)->parent < 0 || deal_account(d, i)->latest >= 0;
         i = named ? open_task(d, i) : cut_off(d, i, at->h > 1 ? rows_px : px);
     }
 }

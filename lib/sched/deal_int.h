@@ -13,22 +13,40 @@ enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
 struct slot {
     enum slot_state state;
     int32_t width;                       /* tasks that it computes at once */
+    struct pace pace;                    /* beside `state`: piece_px reads both of all slots */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it and not done, on these lists: */
     struct task_list held;               /* those that no other slot has */
-    struct task_list shared; /* `done` is set: other slots have them too, or they were cut */
-    struct pace pace;
+    struct task_list shared;             /* those that others have too, or that were cut */
 };
+/* Payload of an entry of `has`. */
+struct copy {
+    int64_t given_us; /* when the slot was given it */
+    int32_t tries;    /* attempt number, from 1 */
+    bool shared;      /* it is on the list `shared` */
+};
+static inline struct copy *deal_copy(const struct slot *s, int32_t c)
+{
+    return tasks_extra(&s->has, c);
+}
 
-/* Per ledger entry, by index: what the table of tasks does not hold. */
+/* Payload of an entry of the ledger. */
 enum place { IN_POOL, PROMISED, OUT, COMPUTED };
 struct account {
     enum place place;
-    int32_t copies; /* slots that have a copy and have not done it */
-    int32_t latest; /* the slot it was last given to */
-    int32_t parent; /* the entry of which it is a piece, -1: none */
-    int32_t pieces; /* its uncommitted pieces; together they cover its missing pixels */
+    int32_t owner;       /* PROMISED, COMPUTED: the slot on whose list it is; else -1 */
+    int32_t tries;       /* attempts so far */
+    int32_t copies;      /* slots that have a copy and have not done it */
+    int32_t latest;      /* the slot it was last given to */
+    int32_t parent;      /* the entry of which it is a piece, -1: none */
+    int32_t pieces;      /* its uncommitted pieces; together they cover its missing pixels */
+    int64_t progress_us; /* when it was last given, or computed after that */
+};
+
+/* Payload of a frame. */
+struct frame_ids {
+    uint32_t top; /* the highest id of its tasks so far; pieces get higher ones */
 };
 
 /* Rates a slot; a node of the tournament holds the best of each field below it. */
@@ -41,11 +59,9 @@ struct rating {
 struct deal {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
-    struct account *account;
-    int32_t n_accounts;
     struct task_list pool, out;
-    struct frames frames; /* top_id: the highest id of each frame so far */
-    double left_px;       /* pixels of uncommitted input tasks */
+    struct frames frames;
+    double left_px; /* pixels of uncommitted input tasks */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up */
@@ -63,6 +79,15 @@ struct deal {
 };
 
 static inline int32_t slot_load(const struct slot *s) { return s->held.count + s->shared.count; }
+static inline struct account *deal_account(const struct deal *d, int32_t i)
+{
+    return tasks_extra(&d->ledger, i);
+}
+/* The frame of a task that was in the ledger. */
+static inline struct frame_ids *deal_ids(const struct deal *d, uint32_t frame)
+{
+    return frames_extra(&d->frames, frames_find(&d->frames, frame));
+}
 
 /* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
@@ -70,8 +95,8 @@ static inline int32_t slot_load(const struct slot *s) { return s->held.count + s
 int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent);
 /* Removes entry i from its list. */
 void deal_take(struct deal *d, int32_t i);
-/* Appends entry i, on no list, to a list. slot: its owner for PROMISED and COMPUTED, else -1. */
-void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot);
+/* Appends entry i, on no list, to a list. owner: for PROMISED and COMPUTED, else -1. */
+void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner);
 /* Puts entry i, on no list, at the head of the pool. */
 void deal_put_first(struct deal *d, int32_t i);
 /* The last pixels of entry i were passed on: removes it. The last piece also commits the whole. */

@@ -7,21 +7,18 @@
 int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent)
 {
     int32_t i = tasks_add(&d->ledger, t, frame_w);
-    if (d->n_accounts < d->ledger.cap) {
-        d->n_accounts = d->ledger.cap;
-        d->account = xrealloc(d->account, (size_t)d->n_accounts, sizeof *d->account);
-    }
-    d->account[i] = (struct account){.latest = -1, .parent = parent};
-    struct frame_size *f = frames_find(&d->frames, t->frame);
-    if (!f) f = frames_set(&d->frames, t->frame, frame_w, 1);
-    if (t->id > f->top_id) f->top_id = t->id;
+    *deal_account(d, i) = (struct account){.owner = -1, .latest = -1, .parent = parent};
+    if (!frames_find(&d->frames, t->frame)) frames_set(&d->frames, t->frame, 0, 0);
+    struct frame_ids *ids = deal_ids(d, t->frame);
+    if (t->id > ids->top) ids->top = t->id;
     return i;
 }
 
 static struct task_list *list_of(struct deal *d, int32_t i)
 {
-    struct slot *s = d->ledger.at[i].slot >= 0 ? &d->slots[d->ledger.at[i].slot] : NULL;
-    switch (d->account[i].place) {
+    const struct account *a = deal_account(d, i);
+    struct slot *s = a->owner >= 0 ? &d->slots[a->owner] : NULL;
+    switch (a->place) {
     case PROMISED: return &s->promised;
     case COMPUTED: return &s->computed;
     case OUT: return &d->out;
@@ -32,24 +29,25 @@ static struct task_list *list_of(struct deal *d, int32_t i)
 
 void deal_take(struct deal *d, int32_t i)
 {
+    const struct account *a = deal_account(d, i);
     list_remove(&d->ledger, list_of(d, i), i);
-    d->n_promised -= d->account[i].place == PROMISED;
-    if (d->account[i].place == COMPUTED) deal_mark(d, d->ledger.at[i].slot);
+    d->n_promised -= a->place == PROMISED;
+    if (a->place == COMPUTED) deal_mark(d, a->owner);
 }
 
-void deal_put(struct deal *d, int32_t i, enum place place, int32_t slot)
+void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner)
 {
-    d->account[i].place = place;
-    d->ledger.at[i].slot = slot;
+    deal_account(d, i)->place = place;
+    deal_account(d, i)->owner = owner;
     list_push_back(&d->ledger, list_of(d, i), i);
     d->n_promised += place == PROMISED;
-    if (place == COMPUTED) deal_mark(d, slot);
+    if (place == COMPUTED) deal_mark(d, owner);
 }
 
 void deal_put_first(struct deal *d, int32_t i)
 {
-    d->account[i].place = IN_POOL;
-    d->ledger.at[i].slot = -1;
+    deal_account(d, i)->place = IN_POOL;
+    deal_account(d, i)->owner = -1;
     list_push_front(&d->ledger, &d->pool, i);
 }
 
@@ -57,19 +55,19 @@ void deal_put_first(struct deal *d, int32_t i)
  * other slots have a copy or a piece. */
 static void put_back(struct deal *d, int32_t i)
 {
-    const struct account *a = &d->account[i];
+    const struct account *a = deal_account(d, i);
     if (a->copies || a->pieces) deal_put(d, i, OUT, -1);
     else deal_put_first(d, i);
 }
 
 void deal_forget_pieces(struct deal *d, int32_t i)
 {
-    for (int32_t j = 0; d->account[i].pieces && j < d->ledger.cap; j++) {
-        if (!d->ledger.at[j].live || d->account[j].parent != i) continue;
+    for (int32_t j = 0; deal_account(d, i)->pieces && j < d->ledger.cap; j++) {
+        if (!d->ledger.at[j].live || deal_account(d, j)->parent != i) continue;
         deal_forget_pieces(d, j);
         deal_take(d, j);
         tasks_remove(&d->ledger, j);
-        d->account[i].pieces--;
+        deal_account(d, i)->pieces--;
     }
 }
 
@@ -77,14 +75,14 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 {
     while (i >= 0) {
         const struct task *t = &d->ledger.at[i].task;
-        int32_t parent = d->account[i].parent;
-        sched_act(out, SCHED_COMMIT, d->ledger.at[i].slot, t);
+        int32_t parent = deal_account(d, i)->parent;
+        sched_act(out, SCHED_COMMIT, deal_account(d, i)->owner, t);
         if (parent < 0) d->left_px -= (double)lattice_count(&t->at);
         deal_forget_pieces(d, i);
         deal_take(d, i);
         tasks_remove(&d->ledger, i);
         i = parent;
-        if (i >= 0 && --d->account[i].pieces) return;
+        if (i >= 0 && --deal_account(d, i)->pieces) return;
     }
 }
 
@@ -93,19 +91,19 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 void deal_share(struct deal *d, int32_t i)
 {
     const struct task *t = &d->ledger.at[i].task;
-    struct slot *s = &d->slots[d->account[i].latest];
+    struct slot *s = &d->slots[deal_account(d, i)->latest];
     int32_t c = tasks_find(&s->has, t->frame, t->id);
-    if (c < 0 || s->has.at[c].done) return;
+    if (c < 0 || deal_copy(s, c)->shared) return;
     list_remove(&s->has, &s->held, c);
     list_push_back(&s->has, &s->shared, c);
-    s->has.at[c].done = true;
-    deal_mark(d, d->account[i].latest);
+    deal_copy(s, c)->shared = true;
+    deal_mark(d, deal_account(d, i)->latest);
 }
 
 void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
 {
     struct slot *s = &d->slots[k];
-    list_remove(&s->has, s->has.at[c].done ? &s->shared : &s->held, c);
+    list_remove(&s->has, deal_copy(s, c)->shared ? &s->shared : &s->held, c);
     tasks_remove(&s->has, c);
     deal_mark(d, k);
 }
@@ -113,28 +111,25 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
 /* The id of the input task that entry i is, or is a piece of. */
 static uint32_t came_as(const struct deal *d, int32_t i)
 {
-    while (d->account[i].parent >= 0) i = d->account[i].parent;
+    while (deal_account(d, i)->parent >= 0) i = deal_account(d, i)->parent;
     return d->ledger.at[i].task.id;
 }
 
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
 {
     struct slot *s = &d->slots[k];
-    struct task_entry *e = &d->ledger.at[i];
-    struct account *a = &d->account[i];
+    const struct task_entry *e = &d->ledger.at[i];
+    struct account *a = deal_account(d, i);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
     if (c >= 0) deal_drop_copy(d, k, c); /* an earlier task with the same key */
     if (a->copies) deal_share(d, i);
     c = tasks_add(&s->has, &e->task, e->frame_w);
-    s->has.at[c].since_us = now;
-    s->has.at[c].tries = ++e->tries;
-    s->has.at[c].done = a->copies > 0;
+    *deal_copy(s, c) = (struct copy){.given_us = now, .tries = ++a->tries, .shared = a->copies > 0};
     list_push_back(&s->has, a->copies ? &s->shared : &s->held, c);
     s->asked = false;
     a->copies++;
     a->latest = k;
-    e->done = false;
-    e->since_us = now;
+    a->progress_us = now;
     deal_put(d, i, OUT, -1);
     deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);
@@ -150,8 +145,8 @@ void deal_lose(struct deal *d, int32_t k, struct task_list *l)
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
         deal_drop_copy(d, k, l->tail);
         if (i < 0) continue; /* committed already */
-        d->account[i].copies--;
-        if (d->account[i].place != OUT) continue;
+        deal_account(d, i)->copies--;
+        if (deal_account(d, i)->place != OUT) continue;
         deal_take(d, i);
         put_back(d, i);
     }
@@ -162,7 +157,6 @@ void deal_reclaim(struct deal *d, struct task_list *l)
     while (l->count) {
         int32_t i = l->tail;
         deal_take(d, i);
-        d->ledger.at[i].done = false;
         put_back(d, i);
     }
 }

@@ -24,6 +24,13 @@ struct member {
     struct task_list rows; /* of the table: those that phase 1 assigned to this node */
 };
 
+/* Payload of a row of the table. */
+struct row {
+    int32_t node;  /* the node to which phase 1 assigned it; -1: none yet */
+    int32_t tries; /* how often it was sent: to its node, then to heirs */
+    bool computed; /* a node has computed it; pixels are missing */
+};
+
 struct master {
     struct task_table table; /* the global scanline table: incomplete rows */
     struct task_list early;
@@ -38,6 +45,7 @@ static void *master_create(const struct sched_params *p)
 {
     struct master *m = xcalloc(1, sizeof *m);
     (void)p;
+    tasks_init(&m->table, sizeof(struct row));
     m->early = TASK_LIST_EMPTY;
     return m;
 }
@@ -50,6 +58,8 @@ static void master_destroy(void *state)
     free(m->node);
     free(m);
 }
+
+static struct row *row_at(const struct master *m, int32_t i) { return tasks_extra(&m->table, i); }
 
 static bool is_node(const struct master *m, int32_t k) { return k >= 0 && k < m->n; }
 
@@ -76,10 +86,10 @@ static void send_row(
 
 static void send_assigned(struct master *m, int32_t i, struct sched_actions *out)
 {
-    struct task_entry *e = &m->table.at[i];
-    if (e->tries || !m->node[e->slot].met) return;
-    e->tries = 1;
-    send_row(m, e->slot, &e->task, -1, out);
+    struct row *r = row_at(m, i);
+    if (r->tries || !m->node[r->node].met) return;
+    r->tries = 1;
+    send_row(m, r->node, &m->table.at[i].task, -1, out);
 }
 
 /*
@@ -88,9 +98,10 @@ static void send_assigned(struct master *m, int32_t i, struct sched_actions *out
  */
 static void assign(struct master *m, int32_t i, struct sched_actions *out)
 {
-    struct task_entry *e = &m->table.at[i];
-    e->slot = is_node(m, e->task.to) ? e->task.to : (int32_t)(e->task.id % (uint32_t)m->n);
-    list_push_back(&m->table, &m->node[e->slot].rows, i);
+    const struct task *t = &m->table.at[i].task;
+    int32_t k = is_node(m, t->to) ? t->to : (int32_t)(t->id % (uint32_t)m->n);
+    row_at(m, i)->node = k;
+    list_push_back(&m->table, &m->node[k].rows, i);
     send_assigned(m, i, out);
 }
 
@@ -98,6 +109,7 @@ static void take_task(struct master *m, const struct sched_event *e, struct sche
 {
     if (tasks_find(&m->table, e->task.frame, e->task.id) >= 0) return; /* the same key again */
     int32_t i = tasks_add(&m->table, &e->task, e->frame_w);
+    row_at(m, i)->node = -1;
     if (m->n) assign(m, i, out);
     else list_push_back(&m->table, &m->early, i);
 }
@@ -136,18 +148,18 @@ static void take_done(struct master *m, const struct task *t)
     int32_t i = tasks_find(&m->table, t->frame, t->id);
     if (i < 0) return;
     m->asked = false; /* nodes may hold back more than when they were asked */
-    m->computed += !m->table.at[i].done;
-    m->table.at[i].done = true;
+    m->computed += !row_at(m, i)->computed;
+    row_at(m, i)->computed = true;
 }
 
 static void take_pixels(struct master *m, const struct task *t, struct sched_actions *out)
 {
     int32_t i = tasks_find(&m->table, t->frame, t->id);
     if (i < 0 || !tasks_deliver(&m->table, i, &t->at) || !tasks_whole(&m->table, i)) return;
-    struct task_entry *e = &m->table.at[i];
-    sched_act(out, SCHED_COMMIT, e->slot, &e->task);
-    m->computed -= e->done;
-    list_remove(&m->table, e->slot >= 0 ? &m->node[e->slot].rows : &m->early, i);
+    const struct row *r = row_at(m, i);
+    sched_act(out, SCHED_COMMIT, r->node, &m->table.at[i].task);
+    m->computed -= r->computed;
+    list_remove(&m->table, r->node >= 0 ? &m->node[r->node].rows : &m->early, i);
     tasks_remove(&m->table, i);
 }
 
@@ -167,13 +179,13 @@ static void take_crashed(struct master *m, int32_t heir, int32_t dead, struct sc
 {
     send_ring(m, heir, (struct ring){RING_HEIR, .peer = dead, .next = (dead + 1) % m->n}, out);
     for (int32_t i = m->node[dead].rows.head; i >= 0; i = m->table.at[i].next) {
-        struct task_entry *e = &m->table.at[i];
-        m->taken_over = m->taken_over || e->tries > 0;
+        struct row *r = row_at(m, i);
+        m->taken_over = m->taken_over || r->tries > 0;
         m->asked = false;
-        m->computed -= e->done;
-        e->done = false;
-        e->tries++;
-        send_row(m, heir, &e->task, dead, out);
+        m->computed -= r->computed;
+        r->computed = false;
+        r->tries++;
+        send_row(m, heir, &m->table.at[i].task, dead, out);
     }
 }
 
@@ -258,7 +270,7 @@ static int32_t master_tries(const void *state, int32_t slot, uint32_t frame, uin
     const struct master *m = state;
     int32_t i = tasks_find(&m->table, frame, id);
     (void)slot;
-    return i < 0 ? 0 : m->table.at[i].tries;
+    return i < 0 ? 0 : row_at(m, i)->tries;
 }
 
 const struct policy policy_published = {"ringctl", master_create, master_step, master_uncommitted,

@@ -27,6 +27,7 @@ static void *ring_create(const struct sched_params *p)
 {
     struct hub *h = xcalloc(1, sizeof *h);
     h->p = *p;
+    tasks_init(&h->ledger, sizeof(struct hub_task));
     h->pool = TASK_LIST_EMPTY;
     h->oldest = h->newest = h->stalest = h->freshest = -1;
     h->hung_us = INT64_MAX;
@@ -44,7 +45,6 @@ static void ring_destroy(void *state)
     for (int c = 0; c < LOADS; c++) set_free(&h->rich[c]);
     set_free(&h->late);
     set_free(&h->delayed);
-    free(h->from);
     free(h->early);
     free(h->nodes);
     free(h);
@@ -54,40 +54,43 @@ static void ring_destroy(void *state)
 
 static struct task_list *list_of(struct hub *h, int32_t i)
 {
-    const struct task_entry *e = &h->ledger.at[i];
-    if (e->slot < 0) return &h->pool;
-    return e->done ? &h->nodes[e->slot].computed : &h->nodes[e->slot].held;
+    const struct hub_task *t = hub_task(h, i);
+    if (t->owner < 0) return &h->pool;
+    return t->computed ? &h->nodes[t->owner].computed : &h->nodes[t->owner].held;
 }
 
-static double px_of(const struct task_entry *e) { return (double)lattice_count(&e->task.at); }
+static double px_of(const struct hub *h, int32_t i)
+{
+    return (double)lattice_count(&h->ledger.at[i].task.at);
+}
 
 static void unlist(struct hub *h, int32_t i)
 {
-    struct task_entry *e = &h->ledger.at[i];
+    const struct hub_task *t = hub_task(h, i);
     list_remove(&h->ledger, list_of(h, i), i);
-    h->n_computed -= e->done;
-    if (e->slot >= 0 && !e->done) h->nodes[e->slot].held_px -= px_of(e);
+    h->n_computed -= t->computed;
+    if (t->owner >= 0 && !t->computed) h->nodes[t->owner].held_px -= px_of(h, i);
 }
 
-static void enlist(struct hub *h, int32_t i, int32_t k, bool done)
+static void enlist(struct hub *h, int32_t i, int32_t k, bool computed)
 {
-    struct task_entry *e = &h->ledger.at[i];
-    e->slot = k;
-    e->done = done;
-    h->n_computed += done;
+    hub_task(h, i)->owner = k;
+    hub_task(h, i)->computed = computed;
+    h->n_computed += computed;
     list_push_back(&h->ledger, list_of(h, i), i);
-    if (k >= 0 && !done) h->nodes[k].held_px += px_of(e);
+    if (k >= 0 && !computed) h->nodes[k].held_px += px_of(h, i);
 }
 
 /* Sends entry i to its owner, node k, which is up. */
 static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
+    struct hub_task *t = hub_task(h, i);
     s->flushed = false;
-    h->ledger.at[i].tries += !h->ledger.at[i].tries;
-    h->ledger.at[i].since_us = h->now_us;
+    t->tries += !t->tries;
+    t->sent_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
-    out->at[out->n - 1].from = h->from[i];
+    out->at[out->n - 1].from = t->from;
     hub_served(h, k);
     if (s->held.count == 1) hub_progress(h, k);
 }
@@ -107,7 +110,7 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
     while (n-- > 0) {
         int32_t i = h->nodes[k].held.head;
         unlist(h, i);
-        h->from[i] = k;
+        hub_task(h, i)->from = k;
         assign(h, i, peer, out);
     }
     hub_mark(h, k);
@@ -146,10 +149,11 @@ static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
 
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out)
 {
-    int32_t k = h->ledger.at[i].slot;
+    struct hub_task *t = hub_task(h, i);
+    int32_t k = t->owner;
     unlist(h, i);
-    h->from[i] = k;
-    h->ledger.at[i].tries++;
+    t->from = k;
+    t->tries++;
     h->taken_over = true;
     assign(h, i, thief, out);
     hub_mark(h, k);
@@ -162,11 +166,7 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
 {
     if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
     int32_t i = tasks_add(&h->ledger, &e->task, e->frame_w);
-    if (h->n_from < h->ledger.cap) {
-        h->n_from = h->ledger.cap;
-        h->from = xrealloc(h->from, (size_t)h->n_from, sizeof *h->from);
-    }
-    h->from[i] = -1;
+    hub_task(h, i)->owner = hub_task(h, i)->from = -1;
     if (h->n_nodes) start(h, i, out);
     else enlist(h, i, -1, false);
 }
@@ -230,8 +230,8 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
         while (lists[l]->count) {
             int32_t i = lists[l]->head;
             unlist(h, i);
-            h->from[i] = -1;
-            h->ledger.at[i].tries += had;
+            hub_task(h, i)->from = -1;
+            hub_task(h, i)->tries += had;
             assign(h, i, k, out);
         }
     }
@@ -239,17 +239,22 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
 
 static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
 {
-    const struct task_entry *e = &h->ledger.at[i];
-    pace_note(&h->nodes[e->slot].pace, e, wall_us, h->now_us);
-    pace_mix(&h->pace.us_per_px, h->nodes[e->slot].pace.us_per_px);
+    const struct hub_task *t = hub_task(h, i);
+    struct pace *pace = &h->nodes[t->owner].pace;
+    const struct pace_task done = {.px = lattice_count(&h->ledger.at[i].task.at),
+        .sent_us = t->sent_us,
+        .done_us = h->now_us,
+        .wall_us = wall_us};
+    pace_note(pace, &done);
+    pace_mix(&h->pace.us_per_px, pace->us_per_px);
 }
 
 static void take_done(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    if (i < 0 || !hub_is_up(h, k) || h->ledger.at[i].slot != k) return;
+    if (i < 0 || !hub_is_up(h, k) || hub_task(h, i)->owner != k) return;
     /* Was DONE repeated? The node may not have had these pixels when it was asked to flush. */
-    if (h->ledger.at[i].done) h->nodes[k].flushed = false;
+    if (hub_task(h, i)->computed) h->nodes[k].flushed = false;
     else {
         note_pace(h, i, e->wall_us);
         hub_progress(h, k);
@@ -270,7 +275,7 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
     if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) hub_progress(h, e->slot);
     if (!tasks_whole(&h->ledger, i)) return;
-    int32_t k = h->ledger.at[i].slot;
+    int32_t k = hub_task(h, i)->owner;
     sched_act(out, SCHED_COMMIT, k, &h->ledger.at[i].task);
     unlist(h, i);
     tasks_remove(&h->ledger, i);
@@ -286,10 +291,10 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
     int32_t k = e->slot, peer = e->ring.peer;
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
-    if (i >= 0 && h->ledger.at[i].slot == k) {
+    if (i >= 0 && hub_task(h, i)->owner == k) {
         hub_answers(h, k, peer);
         unlist(h, i);
-        h->from[i] = k;
+        hub_task(h, i)->from = k;
         assign(h, i, peer, out);
     } else hub_has_none(h, k, peer);
     hub_mark(h, k);
@@ -374,7 +379,7 @@ static int32_t ring_tries(const void *state, int32_t slot, uint32_t frame, uint3
 {
     const struct hub *h = state;
     int32_t i = tasks_find(&h->ledger, frame, id);
-    return i >= 0 && h->ledger.at[i].slot == slot ? h->ledger.at[i].tries : 0;
+    return i >= 0 && hub_task(h, i)->owner == slot ? hub_task(h, i)->tries : 0;
 }
 
 static int64_t ring_wake_us(const void *state)

@@ -55,12 +55,13 @@ void hub_progress(struct hub *h, int32_t k)
 /* The time from which entry i of node k is late for node thief. */
 static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
 {
-    const struct task_entry *e = &h->ledger.at[i];
+    uint64_t px = lattice_count(&h->ledger.at[i].task.at);
     const struct pace *p = &h->nodes[thief].pace;
     double us_per_px = p->us_per_px > 0 ? p->us_per_px : h->pace.us_per_px;
-    double us = (double)lattice_count(&e->task.at) * us_per_px;
+    double us = (double)px * us_per_px;
     us = LATE_US + LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
-    return h->nodes[k].progress_us + (int64_t)fmin(us * (1 + e->tries / TRIES), LATE_MOST_US);
+    us *= 1 + hub_task(h, i)->tries / TRIES;
+    return h->nodes[k].progress_us + (int64_t)fmin(us, LATE_MOST_US);
 }
 
 void hub_hung(struct hub *h, struct sched_actions *out)

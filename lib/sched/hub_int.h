@@ -41,12 +41,19 @@ struct hub_node {
     int64_t progress_us;       /* the time of its latest progress */
 };
 
+/* Payload of an entry of the ledger. */
+struct hub_task {
+    int32_t owner;   /* the node whose task it is; -1: in the pool */
+    int32_t from;    /* its previous owner, if it was stolen; else -1 */
+    int32_t tries;   /* attempts so far; 0: no node was sent it */
+    bool computed;   /* its owner has computed it; pixels are missing */
+    int64_t sent_us; /* when its owner was sent it */
+};
+
 struct hub {
     struct sched_params p;
-    struct task_table ledger; /* uncommitted tasks; slot: the owner, -1 in the pool */
-    int32_t *from;            /* per entry: the previous owner, if it was stolen; else -1 */
-    int32_t n_from;
-    struct task_list pool; /* no known node could own them */
+    struct task_table ledger; /* uncommitted tasks */
+    struct task_list pool;    /* no known node could own them */
     struct hub_node *nodes;
     int32_t n_nodes; /* 0: not known yet */
     int32_t *early;  /* nodes lost before n_nodes was known */
@@ -67,6 +74,10 @@ struct hub {
     bool ended, flush, closed;
 };
 
+static inline struct hub_task *hub_task(const struct hub *h, int32_t i)
+{
+    return tasks_extra(&h->ledger, i);
+}
 static inline bool hub_is_up(const struct hub *h, int32_t k)
 {
     return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;

@@ -30,6 +30,7 @@ static void *node_create(const struct sched_params *p)
 {
     (void)p;
     struct node *n = xcalloc(1, sizeof *n);
+    tasks_init(&n->has, sizeof(struct node_task));
     n->queue = n->fed = n->computed = TASK_LIST_EMPTY;
     n->asked_us = -1;
     n->ask_us = INT64_MAX;
@@ -64,23 +65,21 @@ static void queue_take(struct node *n, int32_t i)
     n->queue_px -= px_of(n, i);
 }
 
-/* Takes entry i off its list; `slot` names the list. */
-enum { QUEUED = -1, FED, COMPUTED };
 static void unlist(struct node *n, int32_t i)
 {
-    switch (n->has.at[i].slot) {
+    switch (node_task(n, i)->place) {
     case QUEUED: queue_take(n, i); break;
     case FED:
         list_remove(&n->has, &n->fed, i);
         n->fed_px -= px_of(n, i);
         break;
-    default: list_remove(&n->has, &n->computed, i);
+    case COMPUTED: list_remove(&n->has, &n->computed, i); break;
     }
 }
 
 static void enqueue(struct node *n, int32_t i)
 {
-    n->has.at[i].slot = QUEUED;
+    node_task(n, i)->place = QUEUED;
     n->has.at[i].delivered = 0;
     queue_push(n, i);
 }
@@ -122,8 +121,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
         queue_take(n, i);
         list_push_back(&n->has, &n->fed, i);
         n->fed_px += px_of(n, i);
-        n->has.at[i].slot = FED;
-        n->has.at[i].since_us = now;
+        *node_task(n, i) = (struct node_task){.place = FED, .fed_us = now};
         sched_act(out, SCHED_GIVE, 0, &n->has.at[i].task);
     }
 }
@@ -140,7 +138,7 @@ static void take_task(struct node *n, const struct sched_event *e, int64_t now)
         else pace_mix(&n->trip_us, fmin(trip_us, 2 * n->trip_us));
     }
     n->asked_us = -1;
-    if (i >= 0 && n->has.at[i].slot != COMPUTED) return;
+    if (i >= 0 && node_task(n, i)->place != COMPUTED) return;
     if (i >= 0) unlist(n, i);
     else i = tasks_add(&n->has, &e->task, e->frame_w);
     enqueue(n, i);
@@ -149,13 +147,17 @@ static void take_task(struct node *n, const struct sched_event *e, int64_t now)
 static void take_done(struct node *n, const struct sched_event *e, int64_t now)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
-    if (i < 0 || n->has.at[i].slot != FED) {
+    if (i < 0 || node_task(n, i)->place != FED) {
         n->flush = n->flush || n->ended; /* it was not done when a flush was asked for before */
         return;
     }
-    pace_note(&n->pace, &n->has.at[i], e->wall_us, now);
+    const struct pace_task done = {.px = lattice_count(&n->has.at[i].task.at),
+        .sent_us = node_task(n, i)->fed_us,
+        .done_us = now,
+        .wall_us = e->wall_us};
+    pace_note(&n->pace, &done);
     unlist(n, i);
-    n->has.at[i].slot = COMPUTED;
+    node_task(n, i)->place = COMPUTED;
     list_push_back(&n->has, &n->computed, i);
 }
 
@@ -217,7 +219,7 @@ static double pace_of(const struct node *n) { return n->width ? n->pace.us_per_p
 static double fed_us(const struct node *n, double us_per_px, int64_t now)
 {
     if (!n->fed.count) return 0;
-    int64_t since = n->has.at[n->fed.head].since_us;
+    int64_t since = node_task(n, n->fed.head)->fed_us;
     if (since < n->pace.done_us) since = n->pace.done_us;
     return fabs(n->fed_px * us_per_px - (double)(now - since));
 }

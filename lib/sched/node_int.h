@@ -12,6 +12,12 @@
 
 struct gdc_node;
 
+/* Payload of a task of a node. */
+struct node_task {
+    enum { QUEUED, FED, COMPUTED } place; /* the list it is on */
+    int64_t fed_us;                       /* FED: when the worker was given it */
+};
+
 struct node {
     struct task_table has;     /* its tasks, on these lists: */
     struct task_list queue;    /* not begun, in the order in which they will be fed */
@@ -29,6 +35,11 @@ struct node {
     double trip_us;            /* likewise: time from an ask to the first task that answers it */
     struct gdc_node *gdc;      /* state of the published rules; NULL at first */
 };
+
+static inline struct node_task *node_task(const struct node *n, int32_t i)
+{
+    return tasks_extra(&n->has, i);
+}
 
 /* ---- node.c ----------------------------------------------------------------------------- */
 

@@ -23,21 +23,22 @@
 
 void pace_mix(double *mean, double x) { *mean += *mean > 0 ? WEIGHT * (x - *mean) : x; }
 
-void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us)
+void pace_note(struct pace *p, const struct pace_task *t)
 {
-    int64_t before = p->done_us > copy->since_us ? p->done_us : copy->since_us;
+    int64_t before = p->done_us > t->sent_us ? p->done_us : t->sent_us;
+    int64_t wall_us = t->wall_us;
     /* The observed time limits the time that a slot reports. */
-    if (wall_us < 0 || wall_us > now_us - copy->since_us) wall_us = now_us - before;
+    if (wall_us < 0 || wall_us > t->done_us - t->sent_us) wall_us = t->done_us - before;
     double computed_us = wall_us > 1 ? (double)wall_us : 1;
-    double sample_us = (double)(now_us - copy->since_us - wall_us);
-    double idle_us = (double)(now_us - wall_us - p->done_us);
-    bool waited = !p->done_us || (double)copy->since_us + p->round_trip_us > (double)p->done_us;
+    double sample_us = (double)(t->done_us - t->sent_us - wall_us);
+    double idle_us = (double)(t->done_us - wall_us - p->done_us);
+    bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
     else if (waited || idle_us > p->task_us)
         p->round_trip_us += WEIGHT * (sample_us - p->round_trip_us);
     pace_mix(&p->task_us, computed_us);
-    pace_mix(&p->us_per_px, computed_us / (double)lattice_count(&copy->task.at));
-    p->done_us = now_us;
+    pace_mix(&p->us_per_px, computed_us / (double)t->px);
+    p->done_us = t->done_us;
 }
 
 int32_t pace_depth(const struct pace *p, int32_t width)

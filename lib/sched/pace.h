@@ -8,9 +8,9 @@
 #include "sched/sched.h"
 
 struct pace {             /* 0: not known yet */
-    double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
-    double task_us;       /* computing time of a task; recent mean */
     double us_per_px;     /* recent mean */
+    double task_us;       /* computing time of a task; recent mean */
+    double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
     int64_t done_us;      /* arrival of the latest `done` */
 };
 
@@ -21,9 +21,14 @@ static inline double pace_rate(const struct pace *p)
 }
 /* Updates a recent mean with sample x; a mean of 0 takes x as it is. */
 void pace_mix(double *mean, double x);
-/* Records that a task is done. `copy` is the worker's entry, with since_us the time it was sent;
- * wall_us: computing time as the worker reports it, -1: not reported. */
-void pace_note(struct pace *p, const struct task_entry *copy, int64_t wall_us, int64_t now_us);
+/* A task that the worker has done. */
+struct pace_task {
+    uint64_t px;              /* its pixels */
+    int64_t sent_us, done_us; /* when it was sent; when its `done` arrived */
+    int64_t wall_us;          /* its computing time, as the worker reports it; -1: not reported */
+};
+/* Records that a task is done. */
+void pace_note(struct pace *p, const struct pace_task *t);
 /* The number of tasks that the worker should hold beyond the `width` that it computes at once. */
 int32_t pace_depth(const struct pace *p, int32_t width);
 

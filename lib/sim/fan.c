@@ -19,6 +19,7 @@ static void *fan_create(const struct sched_params *p)
 {
     (void)p;
     struct fan *f = xcalloc(1, sizeof *f);
+    tasks_init(&f->ledger, 0);
     f->early = TASK_LIST_EMPTY;
     return f;
 }
