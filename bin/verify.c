@@ -107,19 +107,20 @@ static void flush(struct buf *b)
 }
 
 /* A frame of which no task has been written yet. */
-static void write_tasks(const struct verify *v, struct frame_size *f)
+static void write_tasks(const struct verify *v, const struct frame_size *f)
 {
-    char job[sizeof f->job + 4];
+    struct verify_frame *own = frames_extra(&v->frames, f);
+    char job[sizeof own->job + 4];
     struct buf b = {0};
     uint32_t i, end = verify_of_frame(v, f->frame, &i);
-    if (f->said) return;
-    snprintf(job, sizeof job, "job=%s", f->job);
+    if (own->tasks_written) return;
+    snprintf(job, sizeof job, "job=%s", own->job);
     for (; i < end; i++) {
         const struct verify_part *p = &v->part[i];
         struct task t = {.frame = p->frame, .id = i, .at = p->at, .to = verify_next(v, p)};
         if (t.to < 0) continue;
-        if (!f->said) wire_frame(&b, f->frame, f->w, f->h, *f->job ? job : "");
-        f->said = true;
+        if (!own->tasks_written) wire_frame(&b, f->frame, f->w, f->h, *own->job ? job : "");
+        own->tasks_written = true;
         wire_task(&b, &t);
         if (buf_size(&b) >= READ_BYTES) flush(&b);
     }
@@ -141,7 +142,7 @@ static void pass_state(struct verify *v)
         if (n < 0) die(ST_SYSTEM, "standard input:");
         if (!n) wire_end(&in);
         while ((result = wire_next(&in, &r)) == WIRE_RECORD) {
-            struct frame_size *f = frames_find(&v->frames, r.task.frame);
+            const struct frame_size *f = frames_find(&v->frames, r.task.frame);
             if (r.kind == REC_FRAME) {
                 if (f) write_tasks(v, f);
                 continue;

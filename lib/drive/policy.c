@@ -356,6 +356,7 @@ int drive_policy(
         .policy = policy, .node = policy == &policy_node, .in_open = true, .from.upward = true};
     signals_catch();
     outlet_open(&d.out);
+    tags_init(&d.tags);
     d.state = policy->create(params);
     d.heard_us = now_us();
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);

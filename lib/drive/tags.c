@@ -6,6 +6,15 @@
 
 #define KNOWN_WORDS 9 /* task F ID X Y W H SX SY */
 
+/* Payload of a task. */
+struct tag {
+    char *text; /* "key=value ..."; owned */
+};
+
+static struct tag *tag_at(const struct tags *t, int32_t i) { return tasks_extra(&t->tasks, i); }
+
+void tags_init(struct tags *t) { tasks_init(&t->tasks, sizeof(struct tag)); }
+
 /* r's line from its first unknown key, without known keys; NULL: none. The caller frees it. */
 static char *unknown_keys(const struct record *r)
 {
@@ -29,33 +38,26 @@ void tags_keep(struct tags *t, const struct record *r)
     char *text = unknown_keys(r);
     if (!text) return;
     tags_drop(t, &r->task);
-    int32_t i = tasks_add(&t->tasks, &r->task, 1);
-    if (i >= t->room) {
-        t->text = xrealloc(t->text, (size_t)t->tasks.cap, sizeof *t->text);
-        t->room = t->tasks.cap;
-    }
-    t->text[i] = text;
+    tag_at(t, tasks_add(&t->tasks, &r->task, 0))->text = text;
 }
 
 const char *tags_find(const struct tags *t, uint32_t frame, uint32_t id)
 {
     int32_t i = tasks_find(&t->tasks, frame, id);
-    return i < 0 ? NULL : t->text[i];
+    return i < 0 ? NULL : tag_at(t, i)->text;
 }
 
 void tags_drop(struct tags *t, const struct task *task)
 {
     int32_t i = tasks_find(&t->tasks, task->frame, task->id);
     if (i < 0) return;
-    free(t->text[i]);
+    free(tag_at(t, i)->text);
     tasks_remove(&t->tasks, i);
 }
 
 void tags_free(struct tags *t)
 {
     for (int32_t i = 0; i < t->tasks.cap; i++)
-        if (t->tasks.at[i].live) free(t->text[i]);
-    free(t->text);
+        if (t->tasks.at[i].live) free(tag_at(t, i)->text);
     tasks_free(&t->tasks);
-    *t = (struct tags){0};
 }

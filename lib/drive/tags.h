@@ -9,9 +9,8 @@
 
 struct tags {
     struct task_table tasks; /* tasks that have unknown keys */
-    char **text;             /* by the table's index: "key=value ..." */
-    int32_t room;
 };
+void tags_init(struct tags *t);
 /* Keeps r's unknown keys, if any. */
 void tags_keep(struct tags *t, const struct record *r);
 /* The keys of this task, valid until it is dropped; NULL: none. */

@@ -168,6 +168,15 @@ static int route_task(struct fan *f, const struct record *r)
     return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
 }
 
+/* The input states the frame's job, or leaves it to the first slot. */
+static void route_frame(struct fan *f, const struct record *r)
+{
+    struct fan_job *job = fan_job(f, stream_frame(&f->input, r));
+    job->stated = rec_str(r, "job", job->hash, sizeof job->hash);
+    job->by = -1;
+    route_small(f, r);
+}
+
 /* Routes a message of the hub to one node. A slot that is not up does not get it: it is told its
  * place when it comes up. */
 static int route_ring(struct fan *f, const struct record *r)
@@ -192,10 +201,7 @@ static int route(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC: route_state(f, r); return 0;
-    case REC_FRAME:
-        stream_frame(&f->input, r);
-        route_small(f, r);
-        return 0;
+    case REC_FRAME: route_frame(f, r); return 0;
     case REC_FLUSH:
         route_small(f, r);
         if (r->task.to < 0) outlet_answer(&f->out);

@@ -52,6 +52,21 @@ struct fan_host {
     int64_t dropped; /* lines not shown, and not yet reported */
 };
 
+/* Payload of a task of a slot. */
+struct fan_task {
+    int64_t sent_us; /* when the slot was sent it, since the fan's start */
+    int32_t from;    /* the node that it was stolen from; -1: none */
+    bool computed;   /* the slot has sent its `done` */
+};
+
+/* Payload of a frame: its job. */
+struct fan_job {
+    bool stated;           /* the input or a slot has stated it: */
+    char hash[24];         /* the hash */
+    int32_t by;            /* the slot that stated it first; -1: the input */
+    int32_t agree, differ; /* slots that stated this job; another one */
+};
+
 /* One process of a slot, and the facts learned from it. A slot without a process has
  * CONNECTION_NONE. */
 struct connection {
@@ -154,6 +169,15 @@ struct fan {
     bool listing; /* fan -l: only asks slots for their hello */
     int refused;  /* status to end with at once: the input is bad or unreadable */
 };
+
+static inline struct fan_task *fan_task(const struct fan_slot *s, int32_t i)
+{
+    return tasks_extra(&s->tasks, i);
+}
+static inline struct fan_job *fan_job(const struct fan *f, const struct frame_size *frame)
+{
+    return frames_extra(&f->input.frames, frame);
+}
 
 /* ---- loop.c ---- */
 

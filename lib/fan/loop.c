@@ -165,6 +165,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     f->listing = listing;
     f->in_open = !listing;
     f->input.generations.keeps = true;
+    frames_init(&f->input.frames, sizeof(struct fan_job));
     f->n_hosts = (int)o->hosts->n;
     f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
     f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
@@ -173,7 +174,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
         const struct host *h = &o->hosts->at[i];
         f->hosts[i] =
             (struct fan_host){.host = h, .argv = host_argv(h, o->command), .here = host_is_here(h)};
-        for (int end = k + h->slots; k < end; k++)
+        for (int end = k + h->slots; k < end; k++) {
             f->slots[k] = (struct fan_slot){.number = k,
                 .host = &f->hosts[i],
                 .state = FAN_WAITING,
@@ -181,6 +182,8 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
                 .power = h->power,
                 .measured = h->power > 0 && !o->trips,
                 .missing_us = f->start_us};
+            tasks_init(&f->slots[k].tasks, sizeof(struct fan_task));
+        }
     }
     f->n[FAN_WAITING] = f->n_slots;
     want_descriptors(3 * f->n_slots + 16);

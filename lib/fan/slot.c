@@ -176,8 +176,9 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     if (!s->feed.primed || s->feed.behind || (int32_t)(frame->generation - s->feed.since) < 0)
         fan_prime(f, s, frame->generation);
     i = tasks_add(&s->tasks, &r->task, frame->w);
-    s->tasks.at[i].since_us = now_us() - f->start_us;
-    if (rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) s->tasks.at[i].slot = (int32_t)from;
+    bool stolen = rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from);
+    *fan_task(s, i) =
+        (struct fan_task){.sent_us = now_us() - f->start_us, .from = stolen ? (int32_t)from : -1};
     s->undone++;
     if (fan_slot_has_stream(s)) s->conn.ahead--;
     if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r);

@@ -37,11 +37,11 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 
 /* The number of slots, except slot s that is about to be lost, that may still announce the
  * frame. */
-static int may_announce(const struct fan *f, const struct frame_size *frame)
+static int may_announce(const struct fan *f, const struct fan_job *known)
 {
     int n = 0;
     for (int k = 0; k < f->n_slots; k++) n += fan_slot_comes(&f->slots[k]);
-    return n - 1 - frame->agree;
+    return n - 1 - known->agree;
 }
 
 /*
@@ -50,44 +50,46 @@ static int may_announce(const struct fan *f, const struct frame_size *frame)
  * pixels so far are useless, and the run ends.
  */
 static const char *dispute(
-    struct fan *f, const struct fan_slot *s, struct frame_size *frame, const char *job)
+    struct fan *f, const struct fan_slot *s, const struct frame_size *frame, const char *job)
 {
+    struct fan_job *known = fan_job(f, frame);
     char name[SLOT_NAME], first[SLOT_NAME];
     fan_slot_name(s, name);
-    if (frame->by < 0) {
+    if (known->by < 0) {
         warn("%s: frame %" PRIu32 " has job %s there, expected %s: the same scene, with the same "
              "options",
-            name, frame->frame, job, frame->job);
+            name, frame->frame, job, known->hash);
         return "other-job";
     }
-    frame->differ++;
+    known->differ++;
     warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which said it first", name,
-        frame->frame, job, frame->job, fan_slot_name(&f->slots[frame->by], first));
-    int to_come = may_announce(f, frame);
-    if (frame->differ > frame->agree || (frame->differ == frame->agree && to_come <= 0)) {
+        frame->frame, job, known->hash, fan_slot_name(&f->slots[known->by], first));
+    int to_come = may_announce(f, known);
+    if (known->differ > known->agree || (known->differ == known->agree && to_come <= 0)) {
         f->disputed = true;
         warn("frame %" PRIu32 ": %" PRId32 " said job %s, %" PRId32 " another: given up, expected "
              "one scene, with the same options, on all",
-            frame->frame, frame->agree, frame->job, frame->differ);
+            frame->frame, known->agree, known->hash, known->differ);
     }
     return "other-job";
 }
 
 /* Checks that all slots report the same job for a frame. The first to report it is believed. */
 static const char *take_job(
-    struct fan *f, struct fan_slot *s, struct frame_size *frame, const struct record *r)
+    struct fan *f, struct fan_slot *s, const struct frame_size *frame, const struct record *r)
 {
-    char job[sizeof frame->job];
+    struct fan_job *known = fan_job(f, frame);
+    char job[sizeof known->hash];
     if (!rec_str(r, "job", job, sizeof job)) return "wrong-frame";
-    if (!frame->said) {
-        memcpy(frame->job, job, sizeof job);
-        frame->by = s->number;
-        frame->agree = frame->differ = 0;
+    if (!known->stated) {
+        memcpy(known->hash, job, sizeof job);
+        known->by = s->number;
+        known->agree = known->differ = 0;
         s->conn.agreed = -1;
     }
-    frame->said = true;
-    if (strcmp(frame->job, job) != 0) return dispute(f, s, frame, job);
-    frame->agree += s->conn.agreed != frame->frame; /* a tree reports it for each of its workers */
+    known->stated = true;
+    if (strcmp(known->hash, job) != 0) return dispute(f, s, frame, job);
+    known->agree += s->conn.agreed != frame->frame; /* a tree reports it for each of its workers */
     s->conn.agreed = frame->frame;
     return NULL;
 }
@@ -99,7 +101,7 @@ static const char *take_job(
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[HOST_NAME_MOST + 96];
-    struct frame_size *asked = frames_find(&f->input.frames, r->task.frame);
+    const struct frame_size *asked = frames_find(&f->input.frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     const char *why = take_job(f, s, asked, r);
     if (why) return why;
@@ -121,7 +123,7 @@ static void remove_task(struct fan_slot *s, int32_t i)
 /* Removes the task if it is both computed and delivered. */
 static void complete_task(struct fan_slot *s, int32_t i)
 {
-    if (!s->tasks.at[i].done || !tasks_whole(&s->tasks, i)) return;
+    if (!fan_task(s, i)->computed || !tasks_whole(&s->tasks, i)) return;
     remove_task(s, i);
     s->conn.completed_task = true;
 }
@@ -137,15 +139,15 @@ static const char *take_stale(struct fan *f, struct fan_slot *s)
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-    if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
-    const struct task_entry *task = &s->tasks.at[i];
+    if (i < 0 || fan_task(s, i)->computed) return take_stale(f, s);
+    struct fan_task *task = fan_task(s, i);
     char w[96], from[24] = "", text[184];
     stamp(s, r, w, sizeof w);
-    if (task->slot >= 0) snprintf(from, sizeof from, " from=%" PRId32, task->slot);
-    snprintf(text, sizeof text, "%s%s sent_us=%" PRId64 " recv_us=%" PRId64, w, from,
-        task->since_us, now_us() - f->start_us);
+    if (task->from >= 0) snprintf(from, sizeof from, " from=%" PRId32, task->from);
+    snprintf(text, sizeof text, "%s%s sent_us=%" PRId64 " recv_us=%" PRId64, w, from, task->sent_us,
+        now_us() - f->start_us);
     wire_forward(&f->out.queue.control, r, stamped, text);
-    s->tasks.at[i].done = true;
+    task->computed = true;
     s->undone--;
     complete_task(s, i);
     return NULL;
@@ -155,9 +157,9 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
 {
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0) return take_stale(f, s);
-    const struct frame_size *frame = frames_find(&f->input.frames, r->task.frame);
-    if (!s->conn.announced_frame || !frame->said) return "frag-before-frame";
-    if (!rec_is(r, "job", frame->job)) return "other-job";
+    const struct fan_job *known = fan_job(f, frames_find(&f->input.frames, r->task.frame));
+    if (!s->conn.announced_frame || !known->stated) return "frag-before-frame";
+    if (!rec_is(r, "job", known->hash)) return "other-job";
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
     stamp(s, r, text, sizeof text);
@@ -179,7 +181,7 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
     if (!rec_ring(r, &m) || m.peer >= f->n_slots || m.next >= f->n_slots) return "wrong-peer";
     if (r->kind == REC_GIVE) {
         int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-        if (i < 0 || s->tasks.at[i].done) return take_stale(f, s);
+        if (i < 0 || fan_task(s, i)->computed) return take_stale(f, s);
         remove_task(s, i);
         s->undone--;
     }

@@ -7,6 +7,16 @@
 
 #define READ_BYTES (1 << 18)
 
+/* Payload of a task. */
+struct history_task {
+    int32_t last; /* index of its last done */
+};
+
+static struct history_task *task_at(const struct history *l, int32_t i)
+{
+    return tasks_extra(&l->tasks, i);
+}
+
 /* The place of a slot name in the hash table, or where it belongs. */
 static int32_t *slot_place(const struct history *l, const char *name)
 {
@@ -52,6 +62,7 @@ static bool run_idle(const struct history *l)
 static void begin_run(struct history *l)
 {
     l->running = true;
+    if (!l->runs) tasks_init(&l->tasks, sizeof(struct history_task));
     if (!l->runs || !run_idle(l)) {
         l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
         l->n_runs++;
@@ -81,10 +92,10 @@ static void take_done(struct history *l, const struct record *r)
     rec_int(r, "recv_us", 0, INT64_MAX, &d->recv_us);
     rec_int(r, "try", 1, INT64_MAX, &d->try);
     d->stolen = rec_int(r, "from", 0, WIRE_SLOTS_MAX - 1, &from);
-    int32_t i = tasks_find(&l->last, d->frame, d->id);
-    d->before = i < 0 ? -1 : (int32_t)l->last.at[i].since_us;
-    if (i < 0) i = tasks_add(&l->last, &r->task, 1);
-    l->last.at[i].since_us = (int64_t)l->n_dones++;
+    int32_t i = tasks_find(&l->tasks, d->frame, d->id);
+    d->before = i < 0 ? -1 : task_at(l, i)->last;
+    if (i < 0) i = tasks_add(&l->tasks, &r->task, 0);
+    task_at(l, i)->last = (int32_t)l->n_dones++;
 }
 
 static struct history_frame *find_frame(const struct history *l, uint32_t number)
@@ -126,9 +137,9 @@ static void take_frame(struct history *l, const struct record *r)
 /* The done of these pixels: the last one of that slot, in this run, for that task. */
 static int32_t done_of(const struct history *l, const struct task *t, int32_t slot)
 {
-    int32_t i = tasks_find(&l->last, t->frame, t->id);
+    int32_t i = tasks_find(&l->tasks, t->frame, t->id);
     if (i < 0) return HISTORY_UNKNOWN;
-    int32_t at = (int32_t)l->last.at[i].since_us;
+    int32_t at = task_at(l, i)->last;
     for (; at >= 0; at = l->dones[at].before)
         if (l->dones[at].slot == slot && l->dones[at].run == (int32_t)l->n_runs - 1) return at;
     return HISTORY_UNKNOWN;
@@ -263,6 +274,6 @@ void history_free(struct history *l)
     free(l->runs);
     free(l->frags);
     free(l->sorted);
-    tasks_free(&l->last);
+    tasks_free(&l->tasks);
     *l = (struct history){0};
 }

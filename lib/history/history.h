@@ -93,7 +93,7 @@ struct history {
     int32_t *slot_at;                /* slots by hash of the name; -1: none */
     size_t slots_room;               /* size of slot_at, twice that of `slots` */
     size_t *sorted;                  /* indices of frags by place; built when first needed */
-    struct task_table last;          /* by key; since_us is the index of its last done */
+    struct task_table tasks;         /* those done, with history.c's payload */
     bool running;                    /* the last run goes on */
 };
 

@@ -22,7 +22,7 @@ static size_t place_of(struct survey *s, const struct task *t)
 {
     int32_t i = tasks_find(&s->tasks, t->frame, t->id);
     if (i >= 0) return s->before + (size_t)i;
-    size_t place = s->before + (size_t)tasks_add(&s->tasks, t, 1);
+    size_t place = s->before + (size_t)tasks_add(&s->tasks, t, 0);
     if (s->room < s->before + (size_t)s->tasks.cap) {
         s->room = s->before + (size_t)s->tasks.cap;
         s->us = xrealloc(s->us, s->room, sizeof *s->us);

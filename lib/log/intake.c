@@ -86,7 +86,7 @@ static struct assembly_frame *take_frag(struct intake *in, const struct record *
         assembly_commit(&in->parts, number, job, source, &r->task.at, in->pixels);
     if (verdict == ASSEMBLY_UNDECLARED && in->orphans.n < LOG_ORPHANS_MOST &&
         !frames_find(&in->orphans, number))
-        frames_set(&in->orphans, number, 1, 1);
+        frames_set(&in->orphans, number, 0, 0);
     if (verdict != ASSEMBLY_TAKEN) return NULL;
     struct assembly_frame *f = note_id(in, &r->task);
     return f->released || !coverage_full(&f->have) ? NULL : f;

@@ -123,13 +123,14 @@ typedef int stream_taker(void *ctx, const struct record *r);
 int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx);
 /* The same without reading: for the buffered rest. */
 int stream_take(struct decoder *d, stream_taker *take, void *ctx);
-/* The frames of the input and their generations. */
+/* The frames of the input and their generations. Frames have a payload if the owner calls
+ * frames_init before the first one. */
 struct stream_state {
     struct frames frames;
     struct generations generations;
 };
-/* Adds a frame record. */
-void stream_frame(struct stream_state *f, const struct record *r);
+/* Adds a frame record. The result is valid until the next frame. */
+struct frame_size *stream_frame(struct stream_state *f, const struct record *r);
 /* The frame of a task record if its pixels lie inside and its state is alive; else prints the
  * error and returns NULL. */
 const struct frame_size *stream_frame_of(const struct stream_state *f, const struct record *r);

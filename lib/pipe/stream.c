@@ -42,12 +42,11 @@ int stream_input(struct decoder *d, bool *open, stream_taker *take, void *ctx)
     return ST_SYSTEM;
 }
 
-void stream_frame(struct stream_state *f, const struct record *r)
+struct frame_size *stream_frame(struct stream_state *f, const struct record *r)
 {
     struct frame_size *frame = frames_set(&f->frames, r->task.frame, r->frame_w, r->frame_h);
     generation_frame(&f->generations, frame);
-    frame->said = rec_str(r, "job", frame->job, sizeof frame->job);
-    frame->by = -1;
+    return frame;
 }
 
 const struct frame_size *stream_frame_of(const struct stream_state *f, const struct record *r)

@@ -13,6 +13,7 @@ void verify_init(struct verify *v, uint64_t seed, double fraction, const int32_t
         .places = places,
         .place_of = place_of,
         .place = xcalloc((size_t)places, sizeof *v->place)};
+    frames_init(&v->frames, sizeof(struct verify_frame));
 }
 
 void verify_free(struct verify *v)
@@ -29,7 +30,8 @@ void verify_frame(
     struct verify *v, uint32_t frame, uint32_t frame_w, uint32_t frame_h, const char *job)
 {
     if (frames_find(&v->frames, frame)) return;
-    struct frame_size *f = frames_set(&v->frames, frame, frame_w, frame_h);
+    struct verify_frame *f =
+        frames_extra(&v->frames, frames_set(&v->frames, frame, frame_w, frame_h));
     if (job) snprintf(f->job, sizeof f->job, "%s", job);
 }
 

@@ -60,6 +60,11 @@ struct verify_part {
 struct verify_place {
     uint64_t asked_px, made_px; /* pixels asked for and delivered, in all rounds so far */
 };
+/* Payload of a frame. */
+struct verify_frame {
+    char job[24];       /* "": not known */
+    bool tasks_written; /* the caller's: false at first */
+};
 struct verify_cut {
     uint32_t part;
     uint64_t offset;
@@ -70,7 +75,7 @@ struct verify {
     int32_t slots, places;
     const int32_t *place_of; /* by slot; the caller's, must stay valid */
     struct verify_place *place;
-    struct frames frames; /* of the log; `said` is the caller's */
+    struct frames frames; /* of the log */
     struct verify_part *part;
     uint32_t n, cap;
     uint32_t pieces;  /* chosen fragments */

@@ -18,6 +18,12 @@
 #define READ_BYTES 65536
 #define WITH_MAX 160
 
+/* Payload of a frame: its job. */
+struct worker_job {
+    char hash[24];  /* as the input states it, then as announced; "": neither */
+    bool announced; /* the worker has said it */
+};
+
 struct worker {
     const struct worker_ops *ops;
     const struct worker_options *options;
@@ -26,7 +32,7 @@ struct worker {
     struct buf out, held; /* held: the frags that -c holds */
     uint32_t held_of;     /* the generation of `held` */
     uint32_t dropped;     /* first generation that is not dropped */
-    struct frames frames; /* said: announced */
+    struct frames frames;
     struct generations generations;
     float *pixels;
     int64_t cpu_us; /* used at the latest done or other record */
@@ -114,39 +120,42 @@ static void hello(struct worker *w)
 }
 
 /* Announces the job of the frame's pixels, once all state is loaded. */
-static bool announce(struct worker *w, struct frame_size *f, char err[WORKER_ERR])
+static bool announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
 {
-    if (f->said) return true;
+    struct worker_job *known = frames_extra(&w->frames, f);
+    if (known->announced) return true;
     begin();
     int failed = w->ops->ready(w->ctx, f, err);
     end();
     if (failed) return false;
-    char extra[WITH_MAX + 32], job[sizeof f->job];
+    char extra[WITH_MAX + 32], job[sizeof known->hash];
     snprintf(job, sizeof job, "%016" PRIx64, w->ops->job(w->ctx));
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
         w->ops->cpu_us ? " kind=replayed" : "");
     wire_job(&w->out, f, job, extra);
     push(w);
-    if (*f->job && strcmp(f->job, job) != 0)
+    if (*known->hash && strcmp(known->hash, job) != 0)
         die(ST_USAGE,
             "frame %u: has job %s here, expected %s: the same scene or grid and specification, "
             "with the same options",
-            f->frame, job, f->job);
-    memcpy(f->job, job, sizeof job);
-    f->said = true;
+            f->frame, job, known->hash);
+    memcpy(known->hash, job, sizeof job);
+    known->announced = true;
     return true;
 }
 
 static void take_frame(struct worker *w, const struct record *r)
 {
     struct frame_size *f = frames_find(&w->frames, r->task.frame);
-    char job[sizeof f->job] = "";
-    bool same = f && f->w == r->frame_w && f->h == r->frame_h && f->said;
-    if (rec_str(r, "job", job, sizeof job)) same = same && strcmp(job, f->job) == 0;
+    struct worker_job *known = f ? frames_extra(&w->frames, f) : NULL;
+    char job[sizeof known->hash] = "";
+    bool same = f && f->w == r->frame_w && f->h == r->frame_h && known->announced;
+    if (rec_str(r, "job", job, sizeof job)) same = same && strcmp(job, known->hash) == 0;
     if (same && f->generation == w->generations.now) return;
     f = frames_set(&w->frames, r->task.frame, r->frame_w, r->frame_h);
     generation_frame(&w->generations, f);
-    memcpy(f->job, job, sizeof job);
+    known = frames_extra(&w->frames, f);
+    memcpy(known->hash, job, sizeof job);
     char err[WORKER_ERR];
     announce(w, f, err); /* state may be missing: then the first task tries again */
 }
@@ -191,7 +200,7 @@ static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
 static void take_task(struct worker *w, const struct task *t)
 {
     char err[WORKER_ERR];
-    struct frame_size *f = frames_find(&w->frames, t->frame);
+    const struct frame_size *f = frames_find(&w->frames, t->frame);
     if (!f)
         die(ST_USAGE, "task %u %u: no such frame, expected `frame` before its tasks", t->frame,
             t->id);
@@ -202,6 +211,7 @@ static void take_task(struct worker *w, const struct task *t)
             t->id);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
+    const struct worker_job *known = frames_extra(&w->frames, f);
     if (w->held_of != f->generation) release_held(w);
     w->held_of = f->generation;
     int64_t wall = now_us();
@@ -217,7 +227,7 @@ static void take_task(struct worker *w, const struct task *t)
         n0 += count;
         /* `done` is the scheduling event: it is sent before the last pixels. */
         if (n0 == total) say_done(w, t, now_us() - wall);
-        emit_frag(w, t, &piece, f->job);
+        emit_frag(w, t, &piece, known->hash);
         push(w);
     }
 }
@@ -289,6 +299,7 @@ bool worker_option(struct worker_options *o, int opt, const char *arg)
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
     struct worker w = {.ops = ops, .options = o, .ctx = ctx, .generations.keeps = true};
+    frames_init(&w.frames, sizeof(struct worker_job));
     w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
     hello(&w);
     pulse_open();
