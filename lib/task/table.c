@@ -133,7 +133,7 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
     int32_t i = t->free_list;
     t->free_list = t->at[i].chain;
     t->at[i] = (struct task_entry){
-        .task = *task, .frame_w = frame_w, .slot = -1, .live = true, .prev = -1, .next = -1};
+        .task = *task, .frame_w = frame_w, .live = true, .prev = -1, .next = -1};
     clear(&t->extra, (size_t)i);
     chain(t, i);
     t->count++;

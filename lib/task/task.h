@@ -141,11 +141,6 @@ struct frame_size {
     uint32_t frame;
     uint32_t w, h;       /* 0: the owner does not need them */
     uint32_t generation; /* generation of its state (wire.h), 0 at first */
-    bool said;           /* for the owner of the table; false at first and after a new size */
-    uint32_t top_id;     /* likewise, 0 */
-    int32_t by;          /* likewise, 0; so are the next two */
-    int32_t agree, differ;
-    char job[24];
 };
 struct frames {
     struct frame_size *at;
@@ -173,11 +168,7 @@ void frames_free(struct frames *f);
 struct task_entry {
     struct task task;
     uint64_t delivered; /* pixels 0 .. delivered have arrived */
-    int64_t since_us;   /* for the owner of the table */
     uint32_t frame_w;
-    int32_t slot;       /* for the owner of the table, -1 at first */
-    int32_t tries;      /* likewise, 0 */
-    bool done;          /* its worker reported it as computed */
     bool live;          /* in the table */
     int32_t chain;      /* next in its hash chain, or of those not in the table */
     int32_t prev, next; /* in its list; -1: none */
