@@ -7,37 +7,36 @@
 #include <string.h>
 #include <unistd.h>
 
+/* What is known of a task. */
+struct cost {
+    double us; /* its time; -1: not known */
+    uint32_t pixels;
+};
+
+/* Payload of a task. */
+struct cost_ref {
+    size_t at; /* index of its cost */
+};
+
 struct survey {
     struct log_costs *costs;
     uint32_t frame;
     struct task_table tasks; /* of this run: in another run a key may mean another task */
-    size_t before;           /* tasks of earlier runs; their entries come first */
-    double *us;              /* time of the task; -1 if the log has none */
-    uint32_t *pixels;
-    size_t room;
-    uint32_t *of; /* by pixel: 1 + the entry of its task, or 0 */
+    struct cost *cost;       /* of tasks of all runs */
+    size_t n;
+    uint32_t *of; /* by pixel: 1 + the index of its task's cost, or 0 */
 };
 
+/* The index of the task's cost. */
 static size_t place_of(struct survey *s, const struct task *t)
 {
     int32_t i = tasks_find(&s->tasks, t->frame, t->id);
-    if (i >= 0) return s->before + (size_t)i;
-    size_t place = s->before + (size_t)tasks_add(&s->tasks, t, 0);
-    if (s->room < s->before + (size_t)s->tasks.cap) {
-        s->room = s->before + (size_t)s->tasks.cap;
-        s->us = xrealloc(s->us, s->room, sizeof *s->us);
-        s->pixels = xrealloc(s->pixels, s->room, sizeof *s->pixels);
-    }
-    s->us[place] = -1;
-    s->pixels[place] = 0;
-    return place;
-}
-
-/* A hello begins a run. No task is removed, so the table's indices are consecutive from 0. */
-static void begin_run(struct survey *s)
-{
-    s->before += (size_t)s->tasks.count;
-    tasks_free(&s->tasks);
+    if (i >= 0) return ((const struct cost_ref *)tasks_extra(&s->tasks, i))->at;
+    struct cost_ref *ref = tasks_extra(&s->tasks, tasks_add(&s->tasks, t, 0));
+    if ((s->n & (s->n - 1)) == 0) /* full: a power of two */
+        s->cost = xrealloc(s->cost, s->n ? 2 * s->n : 1, sizeof *s->cost);
+    s->cost[s->n] = (struct cost){.us = -1};
+    return ref->at = s->n++;
 }
 
 static void take_frag(struct survey *s, const struct task *t)
@@ -49,7 +48,7 @@ static void take_frag(struct survey *s, const struct task *t)
         uint32_t *of = &s->of[lattice_pixel(&t->at, c->w, i)];
         if (*of) continue;
         *of = (uint32_t)place + 1;
-        s->pixels[place]++;
+        s->cost[place].pixels++;
     }
 }
 
@@ -57,7 +56,7 @@ static void take(void *ctx, const struct record *r)
 {
     struct survey *s = ctx;
     int64_t us;
-    if (r->kind == REC_HELLO) begin_run(s);
+    if (r->kind == REC_HELLO) tasks_free(&s->tasks); /* a run begins */
     if (r->kind == REC_FRAME && !s->of) {
         s->frame = r->task.frame;
         s->costs->w = r->frame_w;
@@ -66,8 +65,9 @@ static void take(void *ctx, const struct record *r)
     }
     if (r->kind == REC_FRAG) take_frag(s, &r->task);
     if (r->kind == REC_DONE && rec_int(r, "cpu_us", 0, INT64_MAX, &us)) {
-        size_t i = place_of(s, &r->task);
-        if (s->us[i] < 0) s->us[i] = (double)us;
+        size_t place = place_of(s, &r->task);
+        struct cost *cost = &s->cost[place];
+        if (cost->us < 0) cost->us = (double)us;
     }
 }
 
@@ -79,8 +79,8 @@ static void spread(struct survey *s)
     double sum = 0;
     c->us = xmalloc(n, sizeof *c->us);
     for (size_t p = 0; p < n; p++) {
-        uint32_t of = s->of[p];
-        c->us[p] = of && s->us[of - 1] >= 0 ? s->us[of - 1] / s->pixels[of - 1] : -1;
+        const struct cost *cost = s->of[p] ? &s->cost[s->of[p] - 1] : NULL;
+        c->us[p] = cost && cost->us >= 0 ? cost->us / cost->pixels : -1;
         if (c->us[p] < 0) continue;
         known++;
         sum += c->us[p];
@@ -96,14 +96,14 @@ int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY])
     struct intake unused = {0};
     const struct log_reader reader = {.record = take, .ctx = &s};
     *c = (struct log_costs){0};
+    tasks_init(&s.tasks, sizeof(struct cost_ref));
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     int failed = fd < 0 ? -1 : log_read(&unused, fd, path, &reader);
     if (failed) snprintf(why, LOG_WHY, "%s", failed > 0 ? unused.why : strerror(errno));
     if (fd >= 0) close(fd);
     if (!failed && s.of) spread(&s);
     tasks_free(&s.tasks);
-    free(s.us);
-    free(s.pixels);
+    free(s.cost);
     free(s.of);
     return failed;
 }
