@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- payloads --------------------------------------------------------------------------------- */
+/* ---- payloads -------------------------------------------------------------------------------- */
 
 /* Makes room for the payloads of n entries. */
 static void make_room(struct payloads *p, size_t n)
@@ -17,7 +17,7 @@ static void clear(struct payloads *p, size_t i)
     if (p->size) memset(p->at + i * p->size, 0, p->size);
 }
 
-/* ---- frames ----------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 /* The place of the frame, or where it would be. Numbers mostly ascend, and most queries are for
  * the latest. */
@@ -72,7 +72,7 @@ void frames_free(struct frames *f)
     frames_init(f, f->extra.size);
 }
 
-/* ---- tasks ------------------------------------------------------------------------------------ */
+/* ---- tasks ----------------------------------------------------------------------------------- */
 
 static int32_t *head_of(const struct task_table *t, uint32_t frame, uint32_t id)
 {
