@@ -83,6 +83,13 @@ static char *worker[] = {(char[]){"cat"}, NULL};
 static const struct fan_options options = {.hosts = &hosts, .command = worker, .silence_s = 1};
 static int messages = -1; /* standard error, while it is not shown */
 
+static void make_slot(struct fan_slot *s, int number)
+{
+    *s = (struct fan_slot){
+        .number = number, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
+    tasks_init(&s->tasks, sizeof(struct fan_task));
+}
+
 static int begin(void **state)
 {
     (void)state;
@@ -90,9 +97,8 @@ static int begin(void **state)
     f.in_open = f.out.greeted = true;
     f.n[FAN_WAITING] = SLOTS;
     host = (struct fan_host){.host = &of_file, .argv = worker};
-    for (int k = 0; k < SLOTS; k++)
-        slots[k] = (struct fan_slot){
-            .number = k, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
+    for (int k = 0; k < SLOTS; k++) make_slot(&slots[k], k);
+    frames_init(&f.input.frames, sizeof(struct fan_job));
     frames_set(&f.input.frames, 0, 4, 4);
     messages = dup(STDERR_FILENO);
     int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -414,8 +420,7 @@ static void no_worker_breaks_the_table(void **state)
             fan_slot_open(&f, s);
         } else if (s->state == FAN_GONE) {
             f.n[FAN_GONE]--, f.n[FAN_WAITING]++;
-            *s = (struct fan_slot){
-                .number = s->number, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
+            make_slot(s, s->number);
         } else if (fan_slot_leaves(s) && dice / 8 % 2) {
             let_end(s);
         } else {
