@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 4 /* raise it when a pixel of any scene changes */
+#define FORMAT_VERSION 5 /* raise it when a pixel of any scene changes */
 
 struct options {
     struct trace_options trace;
@@ -87,10 +87,10 @@ static uint64_t job(void *ctx)
 {
     struct renderer *r = ctx;
     const struct trace_options *t = &r->o->trace;
-    char text[120];
-    int n =
-        snprintf(text, sizeof text, "rt %d depth=%d samples=%d threshold=%.17g scene=%016" PRIx64,
-            FORMAT_VERSION, t->depth, t->samples, t->threshold, r->at->hash);
+    char text[160];
+    int n = snprintf(text, sizeof text,
+        "rt %d depth=%d samples=%d threshold=%.17g budget=%.17g scene=%016" PRIx64, FORMAT_VERSION,
+        t->depth, t->samples, t->threshold, t->budget, r->at->hash);
     const uint32_t size[2] = {r->w, r->h};
     return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
 }
@@ -171,18 +171,25 @@ static void describe(struct options *o)
         print_real(text, t->threshold);
         n += (size_t)snprintf(o->with + n, sizeof o->with - n, ":%s", text);
     }
-    if (t->depth != usual.depth) snprintf(o->with + n, sizeof o->with - n, ",-d%d", t->depth);
+    if (t->depth != usual.depth)
+        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-d%d", t->depth);
+    if (t->budget != usual.budget) {
+        char text[32];
+        print_real(text, t->budget);
+        snprintf(o->with + n, sizeof o->with - n, ",-w%s", text);
+    }
 }
 
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS]\n"
-        "           [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
-        "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [SCENE.nff|-]";
+        "           [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
+        "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
+        "                [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:d:his:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:d:his:w:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
@@ -192,6 +199,7 @@ static struct options parse(int argc, char **argv)
             o.inspect = true;
             break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
+        case 'w': o.trace.budget = opt_real(opt, optarg, 0, 1); break;
         case 'x': o.trace.isa = opt_isa(opt, optarg); break;
         default:
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);

@@ -65,12 +65,17 @@ is "-c keeps them to the end" "$(partition 4x3 | rtworker -c tetra.nff | records
 { partition 4x2; echo flush; echo 'task 0 9 0 0 1 1 1 1'; } | rtworker -c tetra.nff >held
 is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag beat done frag bye "
 is "the worker's options are told" \
-	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -x sse2 tetra.nff | lines - | grep -o 'with=[^ ]*')" "with=rtworker,-a16:0.1,-d3"
+	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -w .5 -x sse2 tetra.nff | lines - | grep -o 'with=[^ ]*')" \
+	"with=rtworker,-a16:0.1,-d3,-w0.5"
 a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)
 is "the job does not know the vectors' width" "$c" "$a"
 run test "$a" = "$b"
 is "the job knows the depth" "$status" 1
-for bad in '-i -i tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-x mmx tetra.nff' no-such-file 'a b'; do
+run test "$a" = "$(rtworker -i -w 0 tetra.nff)"
+is "the job knows the error budget" "$status" 1
+is "the default budget is 2^-17" "$(rtworker -i -w 0.00000762939453125 tetra.nff)" "$a"
+for bad in '-i -i tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-w -1 tetra.nff' '-w 2 tetra.nff' \
+	'-x mmx tetra.nff' no-such-file 'a b'; do
 	# shellcheck disable=SC2086
 	run rtworker $bad
 	is "rtworker $bad: exit 2" "$status" 2

@@ -19,10 +19,13 @@ struct trace_options {
      * its first samples differ by more than this in a channel. The first samples are 4, or 9 if
      * samples >= 36. */
     double threshold;
+    /* Error budget of each sample, in units of a pixel's channel: rays are dropped that can change
+     * it by no more than this in all. 0: every ray is traced. */
+    double budget;
     enum isa isa;
 };
 /* clang-format off */
-#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, ISA_AUTO}
+#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO}
 /* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024

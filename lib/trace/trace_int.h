@@ -197,6 +197,7 @@ struct tracer {
     struct surface *surfaces;
     uint8_t *transmits;     /* per item: its material's t > 0 */
     bool *light_in_surface; /* per light */
+    double radiance[TRACE_DEPTH_MAX + 1]; /* by level: the most light a ray can bring */
     struct media around;    /* the media that contain the start of eye rays */
     struct crossings crossings[PACKET];
     struct wave *wave;
@@ -237,6 +238,9 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
 void media_copy(struct media *to, const struct media *from);
 /* around.c: the media that contain a ray starting at p. Needs t->surfaces. */
 void media_around(const struct tracer *t, struct vec3 p, struct media *in);
+
+/* bound.c: sets t->radiance. Needs t->surfaces. */
+void bound_radiance(struct tracer *t);
 
 /* wave.c: the colours of n <= WAVE_RAYS eye rays. */
 #define WAVE_RAYS 64

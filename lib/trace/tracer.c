@@ -133,6 +133,7 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     uint32_t n_refs = make_items(t, refs, largest);
     make_surfaces(t);
     make_transmits(t);
+    bound_radiance(t);
     bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
     free(refs);
     mark_lights(t, reach);

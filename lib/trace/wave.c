@@ -1,28 +1,27 @@
 /*
- * wave: the eye rays of neighbouring pixels are traced together, level by level. The rays of one
- * level are traced in packets. Then their shadow rays are traced, one light after another. The
- * secondary rays of the hit surfaces form the next level (as in P. Hanrahan, "Using caching and
- * breadth-first search to speed up ray-tracing", Graphics Interface 1986).
+ * wave: the samples of neighbouring pixels are traced together. In each round every unfinished
+ * sample traces one ray: first the eye ray, then the pending ray of largest weight. The rays
+ * of a round are traced in packets, then their shadow rays, one light after another. Rays that can
+ * bring too little are dropped (pending.h), and so are shadow rays.
  *
- * Every ray is a node of its eye ray's tree and stores its weight. A tree's colours are summed in
- * preorder at the end, so a pixel does not depend on the other pixels of the wave. If the pool is
- * full, the rest of a tree is traced depth first, one ray at a time, with the same operations in
- * the same order.
+ * The order of a sample's rays depends only on that sample, so a pixel does not depend on the other
+ * pixels of the wave.
  */
+#include "trace/pending.h"
 #include "trace/trace_int.h"
 
 #include <stdlib.h>
 
-#define POOL 1024 /* nodes of one wave */
-#define NONE UINT32_MAX
+#define ALONE 256 /* pending rays of a sample that is finished alone, so that memory is bounded */
+/* A shadow ray is dropped if it can bring at most this part of what is left of the budget. */
+#define SHADOW_PART 0.0625
 
-struct node {
-    struct ray ray;
-    double weight; /* share of this ray's light in the eye ray's light */
-    int level;
-    uint32_t mirror, through; /* children */
-    uint32_t from;            /* primitive it starts from; NONE: the eye or a curved primitive */
-    bool late;                /* its secondary rays are traced during summation */
+/* A sample, and the ray that it traces in this round. */
+struct sample {
+    struct pending_rays rays;
+    struct vec3 *colour;
+    double shadow_budget; /* what is left of it */
+    uint32_t now;         /* index of the ray */
     struct hit h;
     struct point at;
     struct vec3 light; /* direct light only */
@@ -37,31 +36,24 @@ struct shadow_query {
 };
 
 struct wave {
-    struct node node[POOL];
-    uint32_t n;
-    struct media *media; /* one per node; NULL if nothing transmits */
+    struct sample sample[WAVE_RAYS];
+    struct pending_pool pool;
     struct shadow_query query[PACKET];
     uint32_t n_queries;
 };
 
 struct wave *wave_new(const struct tracer *t)
 {
-    struct wave *w = xmalloc(1, sizeof *w);
-    w->media = t->transmits ? xmalloc(POOL, sizeof *w->media) : NULL;
-    w->n_queries = 0;
+    struct wave *w = xcalloc(1, sizeof *w);
+    pending_pool_init(&w->pool, t->transmits != NULL);
     return w;
 }
 
 void wave_free(struct wave *w)
 {
-    if (w) free(w->media);
+    for (int i = 0; w && i < WAVE_RAYS; i++) free(w->sample[i].rays.heap);
+    if (w) pending_pool_free(&w->pool);
     free(w);
-}
-
-static struct vec3 background(const struct tracer *t)
-{
-    const double *b = t->scene->background;
-    return v3(b[0], b[1], b[2]);
 }
 
 /* ---- lights ------------------------------------------------------------------------------ */
@@ -93,185 +85,153 @@ static void trace_shadows(struct tracer *t, struct wave *w)
     w->n_queries = 0;
 }
 
-static void shade_direct(struct tracer *t, struct wave *w, uint32_t first, uint32_t end)
+/* True if the sample's budget covers the loss of this light. */
+static bool dropped(struct sample *s, struct vec3 light, double weight)
+{
+    double loss = weight * fmax(light.x, fmax(light.y, light.z));
+    if (loss > s->shadow_budget * SHADOW_PART) return false;
+    s->shadow_budget -= loss;
+    return true;
+}
+
+static void shade_direct(struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n)
 {
     for (uint32_t l = 0; l < t->scene->n_lights; l++) {
-        for (uint32_t i = first; i < end; i++) {
-            struct node *k = &w->node[i];
+        for (uint32_t i = 0; i < n; i++) {
+            struct sample *s = list[i];
+            const struct pending *k = &w->pool.at[s->now];
             struct shadow_query *a = &w->query[w->n_queries];
-            if (k->h.item == NO_ITEM || !light_from(t, &k->at, l, &a->light, &a->ray)) continue;
-            a->sum = &k->light;
-            a->prim = k->level > 1 ? k->at.item->prim : NONE;
+            if (s->h.item == NO_ITEM || !light_from(t, &s->at, l, &a->light, &a->ray)) continue;
+            if (dropped(s, a->light, k->weight)) continue;
+            a->sum = &s->light;
+            a->prim = k->level > 1 ? s->at.item->prim : NO_PRIM;
             if (++w->n_queries == PACKET) trace_shadows(t, w);
         }
         trace_shadows(t, w);
     }
 }
 
-/* Direct light of a single point, outside a wave. */
-static struct vec3 light_one(struct tracer *t, const struct point *at)
+/* ---- rounds ------------------------------------------------------------------------------- */
+
+static void find_hits(
+    struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n, bool eye)
 {
-    struct vec3 sum = v3(0, 0, 0), light;
-    struct ray r;
-    for (uint32_t l = 0; l < t->scene->n_lights; l++) {
-        struct crossings *c = &t->crossings[0];
-        if (!light_from(t, at, l, &light, &r)) continue;
-        c->n = 0;
-        t->counts.shadow++;
-        if (t->k->blocked(&t->bvh, &r, t->transmits, c)) continue;
-        sum = v3_mad(sum, light, c->n ? light_through(t, c) : 1);
-    }
-    return sum;
-}
-
-/* ---- depth first --------------------------------------------------------------------------- */
-
-static void follow(struct tracer *t, struct ray r, double weight, int level,
-    const struct media *outside, struct vec3 *sum);
-
-/* Traces the mirrored ray of o, if any. The caller follows the transmitted ray. */
-static void follow_mirror(struct tracer *t, const struct onward *o, double weight,
-    const struct media *outside, struct vec3 *sum)
-{
-    if (!o->reflected) return;
-    t->counts.reflected++;
-    follow(t, o->mirror, weight * o->mirror_weight, o->mirror_level, outside, sum);
-}
-
-/* Follows a ray depth first. Transmitted rays are a loop, so recursion is bounded by levels. */
-static void follow(struct tracer *t, struct ray r, double weight, int level,
-    const struct media *outside, struct vec3 *sum)
-{
-    struct media in[2];
-    int now = 0;
-    media_copy(&in[0], outside);
-    /* A straight ray crosses a surface at most twice. The bound guarantees that the loop ends. */
-    for (uint64_t left = (uint64_t)2 * t->n_items + TRACE_DEPTH_MAX; left > 0; left--) {
-        struct hit h;
-        struct point at;
-        struct onward o;
-        t->k->closest(&t->bvh, &r, &h);
-        if (h.item == NO_ITEM) {
-            *sum = v3_mad(*sum, background(t), weight);
-            return;
-        }
-        trace_hit_point(t, &r, &h, &at);
-        *sum = v3_mad(*sum, light_one(t, &at), weight);
-        if (level >= t->options.depth) return;
-        trace_spawn_secondary(t, &r, &at, level, &in[now], &in[!now], &o);
-        follow_mirror(t, &o, weight, &in[now], sum);
-        if (!o.passed) return;
-        t->counts.refracted++;
-        r = o.through;
-        weight *= o.through_weight;
-        level = o.through_level;
-        now = !now;
-    }
-}
-
-static void follow_late(struct tracer *t, struct wave *w, const struct node *k, struct vec3 *sum)
-{
-    static const struct media nowhere;
-    const struct media *outside = w->media ? &w->media[k - w->node] : &nowhere;
-    struct media inside;
-    struct onward o;
-    trace_spawn_secondary(t, &k->ray, &k->at, k->level, outside, &inside, &o);
-    follow_mirror(t, &o, k->weight, outside, sum);
-    if (!o.passed) return;
-    t->counts.refracted++;
-    follow(t, o.through, k->weight * o.through_weight, o.through_level, &inside, sum);
-}
-
-/* ---- breadth first -------------------------------------------------------------------------- */
-
-static struct node *add_node(
-    struct wave *w, const struct ray *r, double weight, int level, uint32_t from)
-{
-    struct node *k = &w->node[w->n++];
-    k->ray = *r;
-    k->weight = weight;
-    k->level = level;
-    k->from = from;
-    k->mirror = k->through = NONE;
-    k->late = false;
-    k->light = v3(0, 0, 0);
-    return k;
-}
-
-static void find_hits(struct tracer *t, struct wave *w, uint32_t first, uint32_t end)
-{
-    for (uint32_t i = first; i < end; i += PACKET) {
+    for (uint32_t i = 0; i < n; i += PACKET) {
         const struct ray *ray[PACKET];
         struct hit *h[PACKET];
-        uint32_t n = end - i < PACKET ? end - i : PACKET;
-        for (uint32_t k = 0; k < n; k++) {
-            ray[k] = &w->node[i + k].ray;
-            h[k] = &w->node[i + k].h;
+        uint32_t end = n - i < PACKET ? n - i : PACKET;
+        for (uint32_t k = 0; k < end; k++) {
+            ray[k] = &w->pool.at[list[i + k]->now].ray;
+            h[k] = &list[i + k]->h;
         }
-        if (n == 1 || w->node[i].from != w->node[i + n - 1].from ||
-            (first && w->node[i].from == NONE))
-            for (uint32_t k = 0; k < n; k++) t->k->closest(&t->bvh, ray[k], h[k]);
-        else t->k->closest_packet(&t->bvh, ray, n, h);
-        for (uint32_t k = 0; k < n; k++)
-            if (h[k]->item != NO_ITEM) trace_hit_point(t, ray[k], h[k], &w->node[i + k].at);
+        uint32_t from = w->pool.at[list[i]->now].from;
+        if (end == 1 || from != w->pool.at[list[i + end - 1]->now].from ||
+            (!eye && from == NO_PRIM))
+            for (uint32_t k = 0; k < end; k++) t->k->closest(&t->bvh, ray[k], h[k]);
+        else t->k->closest_packet(&t->bvh, ray, end, h);
+        for (uint32_t k = 0; k < end; k++)
+            if (h[k]->item != NO_ITEM) trace_hit_point(t, ray[k], h[k], &list[i + k]->at);
     }
 }
 
-static void send_on(struct tracer *t, struct wave *w, uint32_t i)
+/* Adds a ray to the sample's pending ones. */
+static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, const struct ray *r,
+    double weight, int level, const struct media *media, uint64_t hops, bool mirrored,
+    uint32_t from)
 {
-    struct node *k = &w->node[i];
-    const struct surface *f = k->at.surface;
-    if (k->h.item == NO_ITEM || k->level >= t->options.depth || !(f->ks > 0 || f->t > 0)) return;
-    k->late = w->n + 2 > POOL;
-    if (k->late) return;
+    uint32_t i = pending_new(&w->pool);
+    struct pending *k = &w->pool.at[i];
+    k->ray = *r;
+    k->weight = weight;
+    k->bound = weight * t->radiance[level];
+    k->hops = hops;
+    k->level = level;
+    k->mirrored = mirrored;
+    k->from = from;
+    if (w->pool.media) media_copy(&w->pool.media[i], media);
+    pending_push(&s->rays, &w->pool, i);
+}
+
+/* Adds the secondary rays of the ray that the sample has traced. */
+static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
+{
+    const struct pending *k = &w->pool.at[s->now];
+    const struct surface *f = s->at.surface;
+    if (s->h.item == NO_ITEM || k->level >= t->options.depth || !(f->ks > 0 || f->t > 0)) return;
+    /* A straight ray crosses a surface at most twice. The bound guarantees that a tree ends. */
+    if (k->hops > ((uint64_t)2 * t->n_items + 1) * TRACE_DEPTH_MAX) return;
     struct onward o;
-    uint32_t from = k->at.item->kind == ITEM_TRIANGLE ? k->at.item->prim : NONE;
-    /* The transmitted ray's node comes after the mirrored ray's node, if any. Its media are copied
-     * there. */
-    struct media *m = w->media, inside;
-    trace_spawn_secondary(t, &k->ray, &k->at, k->level, m ? &m[i] : NULL, &inside, &o);
-    if (o.reflected) {
-        t->counts.reflected++;
-        k->mirror = w->n;
-        if (m) media_copy(&m[w->n], &m[i]);
-        add_node(w, &o.mirror, k->weight * o.mirror_weight, o.mirror_level, from);
+    struct media outside, inside;
+    if (w->pool.media) media_copy(&outside, &w->pool.media[s->now]);
+    trace_spawn_secondary(t, &k->ray, &s->at, k->level, &outside, &inside, &o);
+    uint32_t from = s->at.item->kind == ITEM_TRIANGLE ? s->at.item->prim : NO_PRIM;
+    uint64_t hops = k->hops + 1;
+    double weight = k->weight; /* adding rays may move k */
+    if (o.passed)
+        add_ray(t, w, s, &o.through, weight * o.through_weight, o.through_level, &inside, hops,
+            false, from);
+    if (o.reflected)
+        add_ray(t, w, s, &o.mirror, weight * o.mirror_weight, o.mirror_level, &outside, hops, true,
+            from);
+}
+
+/* Traces a ray of each sample of the list. */
+static void trace_round(
+    struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n, bool eye)
+{
+    const double *b = t->scene->background;
+    for (uint32_t i = 0; i < n; i++) {
+        list[i]->now = pending_pop(&list[i]->rays, &w->pool);
+        list[i]->light = v3(0, 0, 0);
+        const struct pending *k = &w->pool.at[list[i]->now];
+        (*(k->hops == 0   ? &t->counts.eye
+            : k->mirrored ? &t->counts.reflected
+                          : &t->counts.refracted))++;
     }
-    if (o.passed) {
-        t->counts.refracted++;
-        k->through = w->n;
-        media_copy(&m[w->n], &inside);
-        add_node(w, &o.through, k->weight * o.through_weight, o.through_level, from);
+    find_hits(t, w, list, n, eye);
+    shade_direct(t, w, list, n);
+    for (uint32_t i = 0; i < n; i++) {
+        struct sample *s = list[i];
+        struct vec3 light = s->h.item == NO_ITEM ? v3(b[0], b[1], b[2]) : s->light;
+        *s->colour = v3_mad(*s->colour, light, w->pool.at[s->now].weight);
+        send_on(t, w, s);
+        pending_release(&w->pool, s->now);
     }
 }
 
-/* Preorder: a node, its mirrored subtree, its transmitted subtree. */
-static void add_up(struct tracer *t, struct wave *w, uint32_t i, struct vec3 *sum)
+/* Traces rays of the listed samples until each is finished or, if there is another, has so many
+ * pending rays that it is to be finished alone. Returns the number of these; they come first. */
+static uint32_t trace_samples(struct tracer *t, struct wave *w, struct sample **list, uint32_t n)
 {
-    for (; i != NONE; i = w->node[i].through) {
-        const struct node *k = &w->node[i];
-        bool missed = k->h.item == NO_ITEM;
-        *sum = v3_mad(*sum, missed ? background(t) : k->light, k->weight);
-        if (k->late) follow_late(t, w, k, sum);
-        if (k->mirror != NONE) add_up(t, w, k->mirror, sum);
+    uint32_t large = 0, most = n > 1 ? ALONE : UINT32_MAX;
+    for (bool eye = n > 1; large < n; eye = false) {
+        trace_round(t, w, list + large, n - large, eye);
+        uint32_t end = large;
+        for (uint32_t i = large; i < n; i++) {
+            struct sample *s = list[i];
+            if (pending_end(&s->rays, &w->pool, t->options.budget / 2)) continue;
+            list[end++] = s;
+            if (s->rays.n <= most) continue;
+            list[end - 1] = list[large];
+            list[large++] = s;
+        }
+        n = end;
     }
+    return large;
 }
 
 void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct vec3 *colour)
 {
     struct wave *w = t->wave;
-    w->n = 0;
-    t->counts.eye += n;
+    struct sample *list[WAVE_RAYS];
     for (uint32_t i = 0; i < n; i++) {
-        add_node(w, &eye[i], 1, 1, NONE);
-        if (w->media) media_copy(&w->media[i], &t->around);
-    }
-    for (uint32_t first = 0, end = n; first < end; first = end, end = w->n) {
-        find_hits(t, w, first, end);
-        shade_direct(t, w, first, end);
-        for (uint32_t i = first; i < end; i++) send_on(t, w, i);
-    }
-    for (uint32_t i = 0; i < n; i++) {
+        struct sample *s = list[i] = &w->sample[i];
         colour[i] = v3(0, 0, 0);
-        add_up(t, w, i, &colour[i]);
+        s->colour = &colour[i];
+        s->rays.over = 0;
+        s->shadow_budget = t->options.budget / 2;
+        add_ray(t, w, s, &eye[i], 1, 1, &t->around, 0, false, NO_PRIM);
     }
+    uint32_t large = trace_samples(t, w, list, n);
+    for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1);
 }
