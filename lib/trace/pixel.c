@@ -6,7 +6,19 @@
 #include "trace/trace_int.h"
 
 /*
- * The pixel is divided into n * n squares; stratum k has one sample in square k. With adaptive
+ * The pixel is divided into n * n squares; stratum k has one sample in square k. Each of the n * n
+ * columns and rows of the pixel has one sample as well: correlated multi-jittered samples (A.
+ * Kensler, "Correlated Multi-Jittered Sampling", Pixar TM 13-01, 2013; differs in: the permutations
+ * are shuffles). RMS error of 16 and 64 of them, relative to as many that are only stratified, and
+ * that of a regular grid; 96x96 pixels:
+ *
+ *     balls     .86 .84   grid .78 .77          glass     .87      grid .68
+ *     gears     .84 .81   grid .76 .72          polygons  .82 .78  grid .67 .71
+ *     tetra     .85 .77   grid .76 .83          checker   .84 .81  grid .72 .59
+ *     marbles   .83 .79   grid .68 .62          stripes   .51 .38  grid 1.3 2.8
+ *     chess     .79 .80   grid .69 .78
+ *
+ * Stripes a third of a pixel wide show why it is no grid: a grid aliases. With adaptive
  * sampling, the first m * m samples decide. They include the pixel's corners, because a feature
  * that crosses the pixel separates the corners more often than samples further inside. Measured at
  * 256x256, 64 samples, threshold .02: the share of pixels with an error over .02, with 4 first
@@ -47,13 +59,16 @@ static bool is_first(const struct strata *s, int k)
     return false;
 }
 
+#define SIDE_MAX 32 /* SIDE_MAX^2 is TRACE_SAMPLES_MAX */
+_Static_assert(SIDE_MAX *SIDE_MAX == TRACE_SAMPLES_MAX, "sides of pixels");
 #define GROUP WAVE_RAYS /* pixels sampled together */
 
 struct group {
     struct tracer *t;
     struct strata strata;
     uint32_t x[GROUP], y[GROUP];
-    struct vec3 sum[GROUP];           /* sum of the samples so far */
+    uint32_t column[SIDE_MAX], row[SIDE_MAX]; /* permutations of the pixel that is sampled now */
+    struct vec3 sum[GROUP];                   /* sum of the samples so far */
     struct vec3 lo[GROUP], hi[GROUP]; /* bounds of the samples; unused with one sample per pixel */
     /* Samples that wait for the next wave, and the pixels they belong to. */
     struct ray ray[WAVE_RAYS];
@@ -98,6 +113,29 @@ static void eye_ray(const struct tracer *t, double x, double y, struct ray *r)
     r->to_surface = false;
 }
 
+static uint64_t pixel_number(const struct group *g, uint32_t k)
+{
+    return (uint64_t)g->y[k] * g->t->camera.w + g->x[k];
+}
+
+/* A random permutation of 0 .. n-1. R. Durstenfeld, "Algorithm 235: Random permutation", 1964. */
+static void shuffle(uint32_t *a, int n, uint64_t seed, uint64_t counter)
+{
+    for (int i = 0; i < n; i++) {
+        int k = (int)(rng_unit(seed, counter + (uint64_t)i) * (i + 1));
+        a[i] = a[k];
+        a[k] = (uint32_t)i;
+    }
+}
+
+/* Draws the permutations of pixel k. The counters follow those of the samples. */
+static void begin_pixel(struct group *g, uint32_t k)
+{
+    uint64_t pixel = pixel_number(g, k);
+    shuffle(g->column, g->strata.n, pixel, 2 * TRACE_SAMPLES_MAX);
+    shuffle(g->row, g->strata.n, pixel, 2 * TRACE_SAMPLES_MAX + SIDE_MAX);
+}
+
 /* Queues a sample. A pixel's samples are summed in the order of its calls, independent of other
  * pixels. */
 static void sample(struct group *g, uint32_t k, int stratum)
@@ -105,9 +143,10 @@ static void sample(struct group *g, uint32_t k, int stratum)
     int n = g->strata.n;
     double x = g->x[k], y = g->y[k], fx = 0.5, fy = 0.5;
     if (n > 1) {
-        uint64_t pixel = (uint64_t)g->y[k] * g->t->camera.w + g->x[k];
-        fx = (stratum % n + rng_unit(pixel, 2 * (uint64_t)stratum)) / n;
-        fy = (stratum / n + rng_unit(pixel, 2 * (uint64_t)stratum + 1)) / n;
+        uint64_t pixel = pixel_number(g, k), seed = (uint64_t)stratum;
+        uint32_t i = (uint32_t)(stratum % n), j = (uint32_t)(stratum / n);
+        fx = (i + (g->column[j] + rng_unit(pixel, 2 * seed)) / n) / n;
+        fy = (j + (g->row[i] + rng_unit(pixel, 2 * seed + 1)) / n) / n;
     }
     eye_ray(g->t, x + fx, y + fy, &g->ray[g->waiting]);
     g->owner[g->waiting] = k;
@@ -133,15 +172,19 @@ static void colours(struct group *g, uint32_t n)
         }
         g->lo[k] = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
         g->hi[k] = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+        begin_pixel(g, k);
         for (int i = 0; i < s->n_first; i++) sample(g, k, s->first[i]);
     }
     flush(g);
     if (s->n == 1) return;
     bool more[GROUP];
     for (uint32_t k = 0; k < n; k++) more[k] = s->n > 2 && disagree(g, k);
-    for (uint32_t k = 0; k < n; k++)
-        for (int i = 0; more[k] && i < s->n * s->n; i++)
+    for (uint32_t k = 0; k < n; k++) {
+        if (!more[k]) continue;
+        begin_pixel(g, k);
+        for (int i = 0; i < s->n * s->n; i++)
             if (!is_first(s, i)) sample(g, k, i);
+    }
     flush(g);
     for (uint32_t k = 0; k < n; k++)
         g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : s->n_first));

@@ -14,7 +14,7 @@
 struct trace_options {
     /* Maximum ray level: 5 is the eye ray and four more. Unbent rays keep their level. */
     int depth;
-    int samples; /* per pixel: 1 samples the centre; n*n are stratified over the pixel */
+    int samples; /* per pixel: 1 samples the centre; n*n are spread over the pixel (pixel.c) */
     /* Adaptive sampling: < 0 always takes all samples. Otherwise a pixel takes all samples only if
      * its first samples differ by more than this in a channel. The first samples are 4, or 9 if
      * samples >= 36. */

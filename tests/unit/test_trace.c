@@ -139,6 +139,7 @@ static void test_levels(void **state)
     for (int depth = 1; depth <= TRACE_DEPTH_MAX; depth++) {
         struct trace_options o = TRACE_OPTIONS_DEFAULT;
         o.depth = depth;
+        o.budget = 0;
         float *c = picture(nff, &o, 1, 1);
         sum += weight;
         weight *= .5;
