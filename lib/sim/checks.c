@@ -41,9 +41,9 @@ static void check_commit(struct world *w, const struct sched_action *a)
 {
     struct vtask *t = sim_vtask_at(w, a->task.id);
     w->result->commits++;
-    if (!t || !t->known || t->committed) sim_fail(w, "a second commit", a->task.id, 0);
+    if (!t || !t->known || t->committed) sim_fail(w, "a task was committed twice", a->task.id, 0);
     else if (!sim_is_sent(w, &t->task.at))
-        sim_fail(w, "a commit before the last pixel", a->task.id, 0);
+        sim_fail(w, "a task was committed before its last pixel came", a->task.id, 0);
     if (!t) return;
     t->committed = true;
     if (a->task.id >= (uint32_t)w->plan->tasks) return;
@@ -53,10 +53,12 @@ static void check_commit(struct world *w, const struct sched_action *a)
 
 static void check_end(struct world *w)
 {
-    if (w->ended) sim_fail(w, "a second end", 0, 0);
-    if (!w->input_ended || w->n_open) sim_fail(w, "the end, with work uncommitted", w->n_open, 0);
+    if (w->ended) sim_fail(w, "the run ended twice", 0, 0);
+    if (!w->input_ended || w->n_open)
+        sim_fail(w, "the run ended with tasks uncommitted", w->n_open, 0);
     if (w->sent.done != w->wanted_px)
-        sim_fail(w, "the end, with pixels missing", (int64_t)w->sent.done, (int64_t)w->wanted_px);
+        sim_fail(
+            w, "the run ended with pixels missing", (int64_t)w->sent.done, (int64_t)w->wanted_px);
     w->ended = true;
 }
 

@@ -94,7 +94,7 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
     if (!has(t, k)) return;
     int32_t nth = w->policy->tries(w->state, k, 0, t->task.id);
     if (!is_piece(w, t) && nth != of(t)->nth[k])
-        sim_fail(w, "done of another try", nth, of(t)->nth[k]);
+        sim_fail(w, "the policy numbers an attempt wrongly", nth, of(t)->nth[k]);
     of(t)->owners &= ~(UINT64_C(1) << k);
     w->slots[k].has--;
     if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
@@ -150,7 +150,7 @@ static void check_withheld(struct world *w, struct vtask *t, int32_t k)
     const struct vslot *s = &w->slots[of(t)->computed_by];
     bool late =
         w->plan->params.endgame && (w->input_ended || is_late(w, t)) && (s->asked || s->has);
-    if (!late || owes(w, k)) sim_fail(w, "work given that is computed", k, t->task.id);
+    if (!late || owes(w, k)) sim_fail(w, "a computed task was given again", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
 }
@@ -161,7 +161,7 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
     int32_t wholes = 0;
     t->task = a->task;
     if (!w->plan->params.endgame || !w->input_ended)
-        sim_fail(w, "a piece before the end", a->slot, a->task.id);
+        sim_fail(w, "a piece was given before the endgame", a->slot, a->task.id);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *other = &w->tasks[i];
         if (other == t || !other->known || of(other)->overtaken) continue;
@@ -172,7 +172,7 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
         else if (i >= w->plan->tasks && meet(w, &t->task.at, &other->task.at))
             sim_fail(w, "pieces overlap", a->task.id, i);
     }
-    if (wholes != 1) sim_fail(w, "a piece of no task", wholes, a->task.id);
+    if (wholes != 1) sim_fail(w, "a piece is not part of exactly one task", wholes, a->task.id);
     t->known = true;
 }
 
@@ -210,15 +210,16 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
 {
     w->result->copies++;
     bool may = w->input_ended && (w->plan->params.endgame || adapts(w));
-    if (!may && !is_late(w, t)) sim_fail(w, "work given twice", k, t->task.id);
+    if (!may && !is_late(w, t)) sim_fail(w, "a task was given twice", k, t->task.id);
     w->result->late_copies += !may;
-    if (w->slots[k].has) sim_fail(w, "a copy to a slot that is busy", k, t->task.id);
-    if (count_waiting(w, false)) sim_fail(w, "a copy, while other work waits", k, t->task.id);
-    if (in_pieces(w, t, false)) sim_fail(w, "a copy of what is in pieces", k, t->task.id);
+    if (w->slots[k].has) sim_fail(w, "a busy slot was given a copy", k, t->task.id);
+    if (count_waiting(w, false))
+        sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
+    if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
     if (!w->plan->params.endgame && !in_store(w, t))
-        sim_fail(w, "a copy of what is begun", k, t->task.id);
+        sim_fail(w, "a copy of a task that a slot has begun was given", k, t->task.id);
     if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
-        sim_fail(w, "too many copies", k, t->task.id);
+        sim_fail(w, "a task has too many copies", k, t->task.id);
 }
 
 /* True if this exceeds the depth, or its reduced value at the end. */
@@ -226,11 +227,11 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
 {
     int32_t most = adapts(w) ? AUTO_MOST : w->plan->width + w->plan->params.depth,
             n = w->slots[k].has;
-    if (n > most) sim_fail(w, "more given than the depth allows", k, id);
+    if (n > most) sim_fail(w, "a slot has more tasks than the queue depth allows", k, id);
     /* With pieces, more tasks may wait than these checks count. */
     if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
     if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
-        sim_fail(w, "more tasks are queued than wait", k, id);
+        sim_fail(w, "more tasks are queued at a slot than wait", k, id);
 }
 
 /* With equal depths the slot with the least load gets the task, of equals the first. A copy goes
@@ -239,7 +240,8 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
 {
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
         int32_t first = i < k && !w->plan->params.endgame, had = w->slots[k].has - 1;
-        if (is_up(w, i) && w->slots[i].has - first < had) sim_fail(w, "another has less", i, id);
+        if (is_up(w, i) && w->slots[i].has - first < had)
+            sim_fail(w, "another slot has fewer tasks", i, id);
     }
 }
 
@@ -249,7 +251,8 @@ static void check_turn(struct world *w, const struct vtask *t)
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
         bool first = of(other)->gives ? !of(other)->owners : other->task.id < t->task.id;
-        if (other->to < 0 && is_open(other) && first) sim_fail(w, "out of turn", t->task.id, i);
+        if (other->to < 0 && is_open(other) && first)
+            sim_fail(w, "a task was given out of order", t->task.id, i);
     }
 }
 
@@ -258,22 +261,22 @@ static void check_give(struct world *w, const struct sched_action *a)
     struct vslot *s = &w->slots[a->slot];
     struct vtask *t = sim_vtask_at(w, a->task.id);
     if (!t) {
-        sim_fail(w, "work that does not exist", a->slot, a->task.id);
+        sim_fail(w, "a task was given that does not exist", a->slot, a->task.id);
         return;
     }
     if (!t->known && is_piece(w, t)) check_piece(w, t, a);
     if (memcmp(&t->task.at, &a->task.at, sizeof a->task.at) != 0)
-        sim_fail(w, "other pixels under the same id", a->slot, a->task.id);
-    if (!s->up) sim_fail(w, "work given to a slot that is not up", a->slot, a->task.id);
+        sim_fail(w, "two tasks with the same number have different pixels", a->slot, a->task.id);
+    if (!s->up) sim_fail(w, "a slot that is not up was given a task", a->slot, a->task.id);
     if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
-        sim_fail(w, "work given that is not to do", a->slot, a->task.id);
+        sim_fail(w, "a task was given that is done or unknown", a->slot, a->task.id);
     bool withheld = of(t)->computed_by >= 0;
     if (withheld) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot, withheld);
     else if (t->to < 0 && !of(t)->gives) check_turn(w, t);
     bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
     if (chosen && t->to != a->slot)
-        sim_fail(w, "work of one slot given to another", t->to, a->slot);
+        sim_fail(w, "a task of one slot was given to another", t->to, a->slot);
     of(t)->owners |= UINT64_C(1) << a->slot;
     of(t)->nth[a->slot] = (uint8_t)++of(t)->gives;
     of(t)->order = w->result->gives;
@@ -289,8 +292,9 @@ static void check_stop(struct world *w, bool stop)
 {
     bool busy = false, may = w->plan->params.endgame || adapts(w);
     for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (is_up(w, k) && w->slots[k].has);
-    if (stop && !may) sim_fail(w, "slots are stopped", 0, 0);
-    if (may && stop != busy) sim_fail(w, "busy at the end", busy, stop);
+    if (stop && !may) sim_fail(w, "slots were stopped by a policy that must not stop them", 0, 0);
+    if (may && stop != busy)
+        sim_fail(w, "slots were stopped while idle, or left busy at the end", busy, stop);
 }
 
 static void deal_action(struct world *w, const struct sched_action *a)
@@ -312,13 +316,13 @@ static void check_owners(struct world *w)
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
     if (!endgame && waiting > count_waiting(w, false))
-        sim_fail(w, "more waiting than there is", waiting, 0);
+        sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);
     if (!endgame || idle < 0 || w->ended) return;
-    if (waiting) sim_fail(w, "a slot is idle, and work waits", idle, waiting);
+    if (waiting) sim_fail(w, "a slot is idle while tasks wait", idle, waiting);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
-        if (free >= 0 && computed) sim_fail(w, "a slot is free, and pixels are withheld", free, i);
+        if (free >= 0 && computed) sim_fail(w, "a slot is free while pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
         if (copies_of(w, t) < SIM_COPIES_MOST)
             sim_fail(w, "a slot is idle in the endgame", idle, i);

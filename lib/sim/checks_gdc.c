@@ -100,7 +100,7 @@ static void check_left(struct world *w, int32_t k)
     const struct shadow *x = shadow_of(w, k);
     bool early = !x->began && x->step_us < x->placed_us + TIMEOUT_LEAST_US;
     bool idle = x->placed && !early && !x->queued && !x->begun, over = x->next == k;
-    if (x->queued && !x->begun && x->placed) sim_fail(w, "a node has rows, and begins none", k, 0);
+    if (x->queued && !x->begun && x->placed) sim_fail(w, "a node has rows and begins none", k, 0);
     if (!x->begun && x->owes) sim_fail(w, "an idle node does not answer", k, x->owes);
     if (idle && !over && !x->requests && !w->ended)
         sim_fail(w, "an idle node does not ask", k, x->next);
@@ -128,22 +128,25 @@ static void check_again(struct world *w, int32_t k, const struct ring *r)
 {
     const struct shadow *x = shadow_of(w, k);
     bool report = r->kind == RING_CRASHED;
-    if (r->peer != x->asked) sim_fail(w, "asks another one before an answer", k, r->peer);
-    if (report != (x->requests >= REQUESTS_MOST)) sim_fail(w, "requests", k, x->requests);
-    if (w->now_us - x->asked_us < TIMEOUT_LEAST_US) sim_fail(w, "repeated too soon", k, r->peer);
+    if (r->peer != x->asked) sim_fail(w, "a node asks another node before the answer", k, r->peer);
+    if (report != (x->requests >= REQUESTS_MOST))
+        sim_fail(w, "a crash is reported after the wrong number of requests", k, x->requests);
+    if (w->now_us - x->asked_us < TIMEOUT_LEAST_US)
+        sim_fail(w, "a request is repeated too soon", k, r->peer);
 }
 
 static void check_ask(struct world *w, int32_t k, const struct ring *r)
 {
     struct shadow *x = shadow_of(w, k);
     int32_t next = x->next < 0 ? x->asked : x->next;
-    if (x->queued || x->begun) sim_fail(w, "asks, and has rows", k, x->queued);
+    if (x->queued || x->begun) sim_fail(w, "a node that has rows asks", k, x->queued);
     if (!x->began && w->now_us < x->placed_us + TIMEOUT_LEAST_US)
-        sim_fail(w, "asks before phase 1", k, 0);
-    if (r->peer == k) sim_fail(w, "asks itself", k, k);
+        sim_fail(w, "a node asks before phase 1", k, 0);
+    if (r->peer == k) sim_fail(w, "a node asks itself", k, k);
     if (x->requests) check_again(w, k, r);
-    else if (r->kind == RING_CRASHED) sim_fail(w, "reports a node that it did not ask", k, r->peer);
-    else if (r->peer != next) sim_fail(w, "asks the wrong one", k, r->peer);
+    else if (r->kind == RING_CRASHED)
+        sim_fail(w, "a node reports one that it did not ask", k, r->peer);
+    else if (r->peer != next) sim_fail(w, "a node asks the wrong node", k, r->peer);
     x->asked = r->peer;
     x->next = -1;
     x->requests++;
@@ -156,19 +159,20 @@ static void check_answer(struct world *w, int32_t k, const struct sched_action *
     const struct ring *r = &a->ring;
     int32_t *row = row_of(w, x, &a->task);
     int32_t hint = !x->begun && x->found ? x->asked : -1;
-    if (!x->at[r->peer]--) sim_fail(w, "answers a node that did not ask", k, r->peer);
+    if (!x->at[r->peer]--) sim_fail(w, "a node answers one that did not ask", k, r->peer);
     x->owes--;
-    if (x->begun && !x->done) sim_fail(w, "answers while it computes", k, r->peer);
+    if (x->begun && !x->done) sim_fail(w, "a node answers while it computes", k, r->peer);
     if (r->kind == RING_GIVE) {
         if (row && *row == QUEUED) {
             *row = ELSEWHERE;
             x->queued--;
-        } else sim_fail(w, "gives what it has not to give", k, a->task.id);
+        } else sim_fail(w, "a node gives a row that is not in its queue", k, a->task.id);
         return;
     }
-    if (x->queued) sim_fail(w, "gives nothing, and has rows", k, x->queued);
-    if (r->idle != !x->begun) sim_fail(w, "says that it is idle, or not, wrongly", k, r->idle);
-    if (r->next != hint) sim_fail(w, "a wrong hint", r->next, hint);
+    if (x->queued) sim_fail(w, "a node that has rows gives none", k, x->queued);
+    if (r->idle != !x->begun)
+        sim_fail(w, "an answer is wrong about whether the node is idle", k, r->idle);
+    if (r->next != hint) sim_fail(w, "an answer names the wrong next node", r->next, hint);
 }
 
 static void node_action(struct world *w, int32_t k, const struct sched_action *a)
@@ -179,7 +183,8 @@ static void node_action(struct world *w, int32_t k, const struct sched_action *a
         *row = BEGUN;
         x->queued--;
         x->begun++;
-    } else if (a->kind == SCHED_GIVE) sim_fail(w, "begins what it has not", k, a->task.id);
+    } else if (a->kind == SCHED_GIVE)
+        sim_fail(w, "a node begins a row that is not in its queue", k, a->task.id);
     if (a->kind != SCHED_SAY) return;
     if (a->ring.kind == RING_ASK || a->ring.kind == RING_CRASHED) check_ask(w, k, &a->ring);
     else check_answer(w, k, a);
@@ -244,7 +249,7 @@ static void check_row(struct world *w, const struct sched_action *a)
                a->task.id == m->event.task.id;
     else if (m->event.kind == SCHED_RING && said->kind == RING_CRASHED)
         good = a->slot == m->event.slot && a->from == said->peer && a->from == home_of(w, t);
-    if (!good || t->committed) sim_fail(w, "a row to the wrong node", a->slot, a->task.id);
+    if (!good || t->committed) sim_fail(w, "a row goes to the wrong node", a->slot, a->task.id);
     m->rows += a->from >= 0;
 }
 
@@ -253,7 +258,7 @@ static void action(struct world *w, const struct sched_action *a)
     if (a->kind == SCHED_SAY) check_say(w, a);
     if (a->kind == SCHED_GIVE) check_row(w, a);
     if (a->kind != SCHED_SAY && a->kind != SCHED_GIVE) return;
-    if (!w->slots[a->slot].up) sim_fail(w, "something for a node that is not up", a->slot, 0);
+    if (!w->slots[a->slot].up) sim_fail(w, "a message goes to a node that is not up", a->slot, 0);
 }
 
 /* All rows to be forwarded or taken over were sent. */
@@ -269,9 +274,10 @@ static void after_step(struct world *w)
         const struct vtask *t = &w->tasks[i];
         rows += t->known && !t->committed && home_of(w, t) == said->peer;
     }
-    if (m->rows != up * rows) sim_fail(w, "rows that were not sent", m->rows, rows);
+    if (m->rows != up * rows)
+        sim_fail(w, "the master did not send the rows that it should", m->rows, rows);
     if (m->says != (up && !give))
-        sim_fail(w, "a message that was not handed on", m->says, said->kind);
+        sim_fail(w, "the master did not forward a message", m->says, said->kind);
 }
 
 const struct sim_checks sim_checks_gdc = {.event = event,

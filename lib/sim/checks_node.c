@@ -23,13 +23,14 @@ static void settle(struct world *w, struct rslot *s, int32_t k)
     double most_px = s->had_px / 2 + sim_ring_model(w)->most_px;
     if (s->asker >= 0 && !s->answers) sim_fail(w, "an ask was not answered", k, s->asker);
     if (s->asker >= 0 && w->plan->params.one && s->answers > 1)
-        sim_fail(w, "more than one given", k, s->answers);
+        sim_fail(w, "a node gives more than one task", k, s->answers);
     if (s->in_time && s->given_px > most_px)
-        sim_fail(w, "more than half given", (int64_t)s->given_px, k);
+        sim_fail(w, "a node gives more than half of its queue", (int64_t)s->given_px, k);
     s->asker = -1;
-    if (s->queued && s->fed < width) sim_fail(w, "a worker could have work", k, s->queued);
+    if (s->queued && s->fed < width)
+        sim_fail(w, "a worker waits while its node has tasks", k, s->queued);
     if (!s->queued && !s->fed && s->has_place && !s->asked && !s->ended)
-        sim_fail(w, "a node has nothing to do, and does not ask", k, 0);
+        sim_fail(w, "an idle node does not ask", k, 0);
 }
 
 static void node_begins(struct world *w, struct rslot *s, int32_t k)
@@ -101,12 +102,12 @@ static void check_give_away(
         return;
     }
     if (a->ring.peer != s->asker)
-        sim_fail(w, "a node gives to one that has not asked", k, a->ring.peer);
-    if (s->asked) sim_fail(w, "a node that wants work gives some", k, (int32_t)a->task.id);
+        sim_fail(w, "a node gives a task to a node that has not asked", k, a->ring.peer);
+    if (s->asked) sim_fail(w, "a node that has asked gives a task", k, (int32_t)a->task.id);
     for (int32_t i = 0; i < w->n_tasks && w->plan->p_false <= 0; i++) {
         const struct rtask *other = w->tasks[i].note;
         if (other && other->queued & bit && other->came[k] < t->came[k])
-            sim_fail(w, "given what is not the next", k, (int32_t)a->task.id);
+            sim_fail(w, "a node gives tasks out of order", k, (int32_t)a->task.id);
     }
     node_forgets(s, k, t, &a->task);
     s->given_px += px_of(&a->task);
@@ -118,16 +119,16 @@ static void check_node_says(
 {
     switch (a->ring.kind) {
     case RING_ASK:
-        if (s->asked) sim_fail(w, "an ask beside another", k, 0);
+        if (s->asked) sim_fail(w, "a node asks again before the answer", k, 0);
         if (!s->has_place || s->ended) sim_fail(w, "a node without a place asks", k, 0);
         s->asked = true;
         break;
     case RING_NONE:
         if (s->answers++ || a->ring.peer != s->asker)
-            sim_fail(w, "none, but no node asked", k, a->ring.peer);
+            sim_fail(w, "a node answers NONE, and no node has asked", k, a->ring.peer);
         break;
     case RING_GIVE: check_give_away(w, s, k, sim_ring_task(w, &a->task), a); break;
-    default: sim_fail(w, "a node says what it may not", k, a->ring.kind);
+    default: sim_fail(w, "a node sends a message that it must not send", k, a->ring.kind);
     }
 }
 
@@ -137,14 +138,14 @@ static void check_feed(struct world *w, struct rslot *s, int32_t k, const struct
     uint64_t bit = UINT64_C(1) << k;
     int32_t slack = is_steady(w) ? SLACK : SLACK_MOST * w->plan->width;
     if (!t || !(t->queued & bit)) {
-        sim_fail(w, "a worker is fed what is not there", k, (int32_t)a->task.id);
+        sim_fail(w, "a node feeds a task that is not in its queue", k, (int32_t)a->task.id);
         return;
     }
     t->queued &= ~bit;
     t->fed |= bit;
     s->queued--;
     if (++s->fed > w->plan->width + slack)
-        sim_fail(w, "a worker is fed more than it can do", k, s->fed);
+        sim_fail(w, "a node feeds more tasks than its worker has room for", k, s->fed);
 }
 
 void sim_ring_node_action(struct world *w, int32_t k, const struct sched_action *a)

@@ -205,7 +205,8 @@ static void check_taken_over(
         sim_fail(w, "a task is taken from a node that is in time", t->base, (int32_t)a->task.id);
     if (!s->asking || s->held || s->victim >= 0)
         sim_fail(w, "a node that is not idle takes a task over", a->slot, (int32_t)a->task.id);
-    if (m->rich) sim_fail(w, "taken over, and some have work to give", m->rich, a->slot);
+    if (m->rich)
+        sim_fail(w, "a task is taken over while a node has tasks to give", m->rich, a->slot);
     t->from = t->base;
     m->taken_over = true;
     w->result->taken_over++;
@@ -220,12 +221,12 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     if (t && (t->place == RING_HELD || t->place == RING_COMPUTED) && t->base != a->slot)
         check_taken_over(w, m, t, a);
     if (!t || t->place != RING_ORPHAN) {
-        sim_fail(w, "a task given that is not to be given", a->slot, id);
+        sim_fail(w, "a task is given that has an owner, or does not exist", a->slot, id);
         return;
     }
     int32_t k = is_late(w, m, t, a->slot) ? a->slot : sim_ring_receiver(w, m, t->base);
-    if (a->slot != k) sim_fail(w, "a task given to another than whose it is", a->slot, k);
-    if (a->from != t->from) sim_fail(w, "a task given as from another", a->from, t->from);
+    if (a->slot != k) sim_fail(w, "a task is given to a node that does not own it", a->slot, k);
+    if (a->from != t->from) sim_fail(w, "a task names the wrong former owner", a->from, t->from);
     if (s->state != RING_UP) return;
     if (!s->held) s->moved_us = w->now_us;
     s->given++;
@@ -246,16 +247,16 @@ static void check_choice(struct world *w, struct ring_model *m, int32_t victim, 
     const int32_t n = w->plan->slots;
     for (int32_t i = 0; i < n && !m->paced && !w->plan->work; i++)
         if (m->slots[i].rich && class_of(w, &m->slots[i]) > class_of(w, &m->slots[victim]))
-            sim_fail(w, "another has more work", i, victim);
+            sim_fail(w, "another node has more work", i, victim);
     for (int32_t i = (thief + 1) % n; i != victim; i = (i + 1) % n)
-        if (m->slots[i].hungry) sim_fail(w, "another is nearer", i, thief);
+        if (m->slots[i].hungry) sim_fail(w, "another hungry node is nearer", i, thief);
 }
 
 static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
 {
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
-    if (!v->rich) sim_fail(w, "a node that has nothing to give is asked", victim, thief);
-    if (!s->hungry) sim_fail(w, "a node is asked for one that does not want work", victim, thief);
+    if (!v->rich) sim_fail(w, "a node without tasks to give is asked", victim, thief);
+    if (!s->hungry) sim_fail(w, "a node is asked for a node that wants no work", victim, thief);
     check_choice(w, m, victim, thief);
     v->thieves++;
     s->victim = victim;
@@ -274,11 +275,12 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
     if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
     else if (r->kind == RING_NONE) {
         if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
-            sim_fail(w, "none, but no node asked", a->slot, r->peer);
+            sim_fail(w, "the hub sends NONE to a node that has not asked", a->slot, r->peer);
         s->told = true;
-    } else if (r->kind != RING_PLACE) sim_fail(w, "the hub says what it may not", a->slot, r->kind);
+    } else if (r->kind != RING_PLACE)
+        sim_fail(w, "the hub sends a message that it must not send", a->slot, r->kind);
     else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
-        sim_fail(w, "another place", a->slot, r->me);
+        sim_fail(w, "a node is told the wrong place", a->slot, r->me);
     if (r->kind == RING_PLACE) s->placed = true;
 }
 
@@ -296,7 +298,8 @@ static void ring_action(struct world *w, const struct sched_action *a)
     case SCHED_GIVE: check_given(w, m, a); break;
     case SCHED_SAY: check_said(w, m, a); break;
     case SCHED_ASK_FLUSH:
-        if (!owes_flush(m, &m->slots[a->slot])) sim_fail(w, "a flush for nothing", a->slot, 0);
+        if (!owes_flush(m, &m->slots[a->slot]))
+            sim_fail(w, "a node that holds no pixels back is asked to flush", a->slot, 0);
         m->slots[a->slot].flushed = true;
         m->slots[a->slot].moved_us = w->now_us;
         break;
@@ -308,7 +311,7 @@ static void ring_action(struct world *w, const struct sched_action *a)
     case SCHED_END:
     case SCHED_STOP:
         if ((a->kind == SCHED_STOP) != m->taken_over)
-            sim_fail(w, "nodes are stopped, or not", 0, 0);
+            sim_fail(w, "nodes must be stopped exactly if tasks were taken over", 0, 0);
     }
 }
 
@@ -319,18 +322,23 @@ static void ring_after(struct world *w)
     int32_t k = m->touched;
     if (m->known && m->up && m->orphans > m->promised)
         sim_fail(w, "a task has no owner", m->orphans, m->promised);
-    if (m->hungry && m->rich) sim_fail(w, "one wants work, another has it", m->hungry, m->rich);
-    if (m->hungry && m->promised) sim_fail(w, "one wants work, some waits", m->hungry, m->promised);
+    if (m->hungry && m->rich)
+        sim_fail(w, "a node wants work while another has tasks to give", m->hungry, m->rich);
+    if (m->hungry && m->promised)
+        sim_fail(w, "a node wants work while tasks wait for a late node", m->hungry, m->promised);
     if (k >= 0 && m->slots[k].hungry && !m->slots[k].told)
-        sim_fail(w, "a node that waits is not told", k, 0);
+        sim_fail(w, "a hungry node was not told that it waits", k, 0);
     if (k >= 0 && m->slots[k].state == RING_UP && !m->slots[k].placed)
         sim_fail(w, "a node was not told its place", k, 0);
-    if (k >= 0 && owes_flush(m, &m->slots[k])) sim_fail(w, "pixels are not asked for", k, 0);
+    if (k >= 0 && owes_flush(m, &m->slots[k]))
+        sim_fail(w, "a node was not asked to flush its pixels", k, 0);
     int64_t open = sched_uncommitted(w->policy, w->state);
-    if (open != m->open) sim_fail(w, "another number of tasks to do", open, m->open);
+    if (open != m->open) sim_fail(w, "the hub counts the open tasks wrongly", open, m->open);
     if (w->policy->waiting(w->state) != m->open - m->computed)
-        sim_fail(w, "another number of tasks waits", w->policy->waiting(w->state), m->open);
-    if (m->input_ended && !m->open && !w->ended) sim_fail(w, "all is done, and no end", 0, 0);
+        sim_fail(
+            w, "the hub counts the waiting tasks wrongly", w->policy->waiting(w->state), m->open);
+    if (m->input_ended && !m->open && !w->ended)
+        sim_fail(w, "all tasks are committed, and the run goes on", 0, 0);
     if (!m->open) m->flush = false;
 }
 

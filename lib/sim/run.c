@@ -63,7 +63,7 @@ static bool admitted(struct world *w, uint32_t generation)
         bool waits = !sched_admits(w->policy, w->state, next - window, next - window + 1);
         bool before = w->waits;
         if (waits != (older > 0))
-            sim_fail(w, "a frame waits, or does not, with older tasks", next, older);
+            sim_fail(w, "a frame must wait exactly if older tasks are open", next, older);
         w->waits = waits;
         if (waits && !before) step(w, &(struct sched_event){.kind = SCHED_FLUSH});
         if (waits) return false;
