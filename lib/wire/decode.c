@@ -208,7 +208,7 @@ static bool parse_line(const char *line, size_t len, bool upward, struct record 
     r->kind = kind_of(line, len + 1);
     if (r->kind == REC_KINDS) return fail(why, "unknown record", "task, frame, frag, ...");
     if (upward && grammar[r->kind].body && r->kind != REC_FRAG)
-        return fail(why, grammar[r->kind].name, "what workers say");
+        return fail(why, grammar[r->kind].name, "a record that workers send");
     if (!printable(line, len)) return fail(why, "unprintable byte", "a line of ASCII text");
     size_t skip = strlen(grammar[r->kind].name);
     struct words w = {line + (len > skip ? skip + 1 : skip), line + len};
@@ -245,7 +245,7 @@ static bool check_body(struct decoder *d, const struct record *r, char why[160])
         return fail(why, "crc differs", "the bytes that were sent");
     if (r->kind != REC_FRAG || wire_light(r->body, r->body_len)) return true;
     d->extent = r->line_len + 1 + r->body_len;
-    return fail(why, "pixels are no light", "finite numbers >= 0, and alpha of at most 1");
+    return fail(why, "bad pixels", "finite numbers >= 0, and alpha of at most 1");
 }
 
 void wire_feed(struct decoder *d, const void *p, size_t n) { buf_append(&d->in, p, n); }
