@@ -148,7 +148,7 @@ printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtw
 chmod +x old
 { partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
 is "a tree with another scene: exit 3" $? 3
-like "a tree with another scene: it is said" "$(cat said)" 'frame 0: 1 said job [0-9a-f]{16}, 2 another: given up'
+like "a tree with another scene: it is said" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
 # A worker that gets a moment now and then, on one long task.
 { pack scene gears.nff; partition -u tile:256x256 256x256; } | env MARK=$mark fan -j 1 rtworker -a 25 - 2>said >frags &
@@ -236,14 +236,14 @@ liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit'
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: it is said" "$(cat said)" 'lost \(other-job\)'
 like "another job: who says what" "$(cat said)" \
-	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which said it first$'
+	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
 # The liar is the first: before it is believed for long, the others have contradicted.
 for slots in 2 3; do
 	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL\n' >liar
 	rm -rf first out.pfm
 	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
-	like "the first of $slots slots has another job: it is said" "$(cat said)" "frame 0: 1 said job 0, $((slots - 1)) another: given up"
+	like "the first of $slots slots has another job: it is said" "$(cat said)" "frame 0: 1 with job 0, $((slots - 1)) with another: the run ends"
 	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
 done
 liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7 x=1\n) while 1" | $SEAL; exit'

@@ -133,7 +133,7 @@ mkdir there && cp "$(command -v rtworker)" there/only-there
 echo "there via=\"sh -c %c\" bin=\"$tmp/there\"" >bin
 run sh -c 'fan -S bin only-there - <job.task | gather -o out.pfm'
 same 'bin='
-like 'a worker that is not here: it is said' "$err" 'only-there says no hello here: the first to say it decides'
+like 'a worker that is not here: it is said' "$err" 'only-there sends no hello here: the hello of the first slot sets the arithmetic'
 
 # ---- what hosts say besides ---------------------------------------------------------------------------------------
 cat >talker <<'END'
@@ -177,7 +177,7 @@ hello=$(rtworker gears.nff </dev/null | head -1 | cut -d ' ' -f 1-4)
 refused 'other arithmetic' "echo $hello selftest=77 power=99; exec cat >/dev/null" \
 	'^fan: liar: refused: its arithmetic differs \(selftest=77, here [0-9a-f]{16}\)'
 refused 'another version' 'echo hello rtworker 0.0 format=2 selftest=77; exec cat >/dev/null' \
-	'^fan: liar: refused: it runs rtworker 0\.0, here it is rtworker [0-9.]+$'
+	'^fan: liar: refused: it runs rtworker 0\.0, expected rtworker [0-9.]+ as here$'
 refused 'another format' "echo ${hello% *} selftest=77; exec cat >/dev/null" \
 	'^fan: liar: refused: its stream is of format 1, expected 2$'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'

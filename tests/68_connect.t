@@ -46,7 +46,7 @@ ends 'an unknown host key' 255 'host key unknown; accept it once with: ssh far t
 No ED25519 host key is known for far and you have requested strict checking.
 Host key verification failed.
 END
-ends 'another host key' 255 'host key has changed; if that is right, forget the old one with: ssh-keygen -R far' <<'END'
+ends 'another host key' 255 'host key has changed; if that is expected, remove the old key with: ssh-keygen -R far' <<'END'
 @@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@
 @    WARNING: REMOTE HOST IDENTIFICATION HAS CHANGED!     @
 @@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@@
@@ -55,7 +55,7 @@ Offending ED25519 key in /root/.ssh/known_hosts:2
 Host key for far has changed and you have requested strict checking.
 Host key verification failed.
 END
-ends 'a refused key' 255 'key refused; put yours there with: ssh-copy-id far' <<'END'
+ends 'a refused key' 255 'key refused; install your key with: ssh-copy-id far' <<'END'
 me@far: Permission denied (publickey,password).
 END
 ends 'too many keys' 255 'too many keys were offered; name one in ~/.ssh/config, with IdentitiesOnly yes' <<'END'
@@ -88,7 +88,7 @@ fan: no slot left'
 echo 'Host key verification failed.' | says far 255
 echo 'far via="ssh -p 2222 %h %c"' >by-via
 run sh -c 'fan -S by-via rtworker - <job.task >frags'
-like 'via=, and an unknown key' "$err" '^fan: far: host key unknown; reach it once by hand, as its via= does$'
+like 'via=, and an unknown key' "$err" '^fan: far: host key unknown; connect to it once by hand, as its via= does$'
 rm tries
 printf 'far slots=2\nalso slots=2\n' >two
 echo 'ssh: Could not resolve hostname also: Name or service not known' | says also 255
@@ -174,7 +174,7 @@ rm -f tries
 run sh -c 'deal fan -S once.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
-	'^fan: once: key refused; reach it once by hand, as its via= does; trying again for up to 30 s$'
+	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 30 s$'
 
 # ---- what hosts say ---------------------------------------------------------------------------------------------
 printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood

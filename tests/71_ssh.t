@@ -115,7 +115,7 @@ as_before host2
 other host2 '1s/rtworker [^ ]*/rtworker 99/'
 heard 'a host of another version' "$file" 'host2: refused'
 like 'it is refused by name and reason as well' "$(cat said)" \
-	'^fan: host2: refused: it runs rtworker 99, here it is rtworker '
+	'^fan: host2: refused: it runs rtworker 99, expected rtworker '
 as_before host2
 cat "$file" - >more.hosts <<END
 nowhere bin=$bin
@@ -130,7 +130,7 @@ cp "$TEST_HOSTS/known_hosts" known
 sed "s,^host2 .*,$(sed -n 's/^host1 /host2 /p' known)," known >"$TEST_HOSTS/known_hosts"
 render 'a host that shows another key' masterslave "$file" 64
 is 'is not trusted' "$(grep host2 said)" \
-	'fan: host2: host key has changed; if that is right, forget the old one with: ssh-keygen -R host2'
+	'fan: host2: host key has changed; if that is expected, remove the old key with: ssh-keygen -R host2'
 ok 'and gets nothing' [ "$(slots_in job.log | grep -c 1)" = 0 ]
 cp known "$TEST_HOSTS/known_hosts"
 
@@ -156,7 +156,7 @@ grep -v '^host1 ' known >"$TEST_HOSTS/known_hosts"
 final 'an unknown host key' 4/host1 'host1: host key unknown; accept it once with: ssh host1 true'
 cp known "$TEST_HOSTS/known_hosts"
 hosts run host1 mv /home/sshd/user.pub /home/sshd/user.away
-final 'a refused key' 4/me@host1 'me@host1: key refused; put yours there with: ssh-copy-id me@host1'
+final 'a refused key' 4/me@host1 'me@host1: key refused; install your key with: ssh-copy-id me@host1'
 hosts run host1 mv /home/sshd/user.away /home/sshd/user.pub
 final 'a name that is none' 4/rendr1 'rendr1: unknown host name; check the hosts file, or -S'
 final 'a file that is none' rendr1 '-S rendr1: no such file, and no host of that name'

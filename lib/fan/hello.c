@@ -67,7 +67,7 @@ void fan_ask_reference(struct fan *f)
         child_end(&c, END_MS);
     }
     if (!*f->reference.of && !signals_came())
-        warn("%s says no hello here: the first to say it decides whose arithmetic counts",
+        warn("%s sends no hello here: the hello of the first slot sets the arithmetic",
             f->o->command[0]);
 }
 
@@ -119,7 +119,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
     }
     if (strcmp(program, ref->program) != 0)
         return refuse(
-            s, "other-version", "it runs %s, %s it is %s", program, ref->of, ref->program);
+            s, "other-version", "it runs %s, expected %s as %s", program, ref->program, ref->of);
     if (strcmp(selftest, ref->selftest) != 0)
         return refuse(s, "other-arithmetic", "its arithmetic differs (selftest=%s, %s %s)",
             selftest, ref->of, ref->selftest);

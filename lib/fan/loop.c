@@ -287,7 +287,7 @@ int fan_run(const struct fan_options *o)
     stop(&f);
     if (!f.refused) say_bye(&f);
     int status = status_of(&f);
-    if (f.stale) warn("%" PRId64 " answers to no question were dropped", f.stale);
+    if (f.stale) warn("%" PRId64 " answers were dropped, because no node had asked", f.stale);
     free(p);
     fan_close(&f);
     if (signals_came()) signals_die();

@@ -17,13 +17,13 @@ static const struct refusal {
     const char *said;   /* NULL: the line only begins a longer message, or precedes another */
     const char *advice; /* % is the host; NULL: print ssh's line; "": no advice */
 } refusals[] = {
-    {"REVOKED HOST KEY", true, "host key revoked", "it needs a new one"},
+    {"REVOKED HOST KEY", true, "host key revoked", "the host needs a new one"},
     {"REMOTE HOST IDENTIFICATION HAS CHANGED", true, "host key has changed",
-        "if that is right, forget the old one with: ssh-keygen -R %"},
+        "if that is expected, remove the old key with: ssh-keygen -R %"},
     {"Host key verification failed", true, "host key unknown", "accept it once with: ssh % true"},
     {"Too many authentication failures", true, "too many keys were offered",
         "name one in ~/.ssh/config, with IdentitiesOnly yes"},
-    {"Permission denied (", true, "key refused", "put yours there with: ssh-copy-id %"},
+    {"Permission denied (", true, "key refused", "install your key with: ssh-copy-id %"},
     {"Temporary failure in name resolution", false, "its name cannot be resolved now", ""},
     {"Could not resolve hostname", true, "unknown host name", "check the hosts file, or -S"},
     {"Unable to negotiate with", true, "ssh and sshd do not agree", NULL},
@@ -119,7 +119,7 @@ static void explain_connection(const struct fan *f, const struct fan_slot *s, st
     if (!r->advice || !*r->advice) return;
     size_t n = strcspn(r->advice, "%");
     bool by_ssh = !r->advice[n] || !h->via; /* a via= command other than ssh NAME reaches it */
-    if (!by_ssh) buf_printf(text, "; reach it once by hand, as its via= does");
+    if (!by_ssh) buf_printf(text, "; connect to it once by hand, as its via= does");
     else
         buf_printf(text, "; %.*s%s%s", (int)n, r->advice, r->advice[n] ? h->name : "",
             r->advice[n] ? r->advice + n + 1 : "");

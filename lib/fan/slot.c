@@ -169,7 +169,7 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i >= 0) { /* the same task is under way */
         if (memcmp(&s->tasks.at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
-        warn("task %u %u: comes twice, expected another number for other pixels", r->task.frame,
+        warn("task %u %u: number used twice, expected another for other pixels", r->task.frame,
             r->task.id);
         return ST_USAGE;
     }

@@ -62,12 +62,12 @@ static const char *dispute(
         return "other-job";
     }
     known->differ++;
-    warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which said it first", name,
+    warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which sent it first", name,
         frame->frame, job, known->hash, fan_slot_name(&f->slots[known->by], first));
     int to_come = may_announce(f, known);
     if (known->differ > known->agree || (known->differ == known->agree && to_come <= 0)) {
         f->disputed = true;
-        warn("frame %" PRIu32 ": %" PRId32 " said job %s, %" PRId32 " another: given up, expected "
+        warn("frame %" PRIu32 ": %" PRId32 " with job %s, %" PRId32 " with another: the run ends, expected "
              "one scene, with the same options, on all",
             frame->frame, known->agree, known->hash, known->differ);
     }
