@@ -117,7 +117,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
         /* At least one byte per node, so that nothing overflows later. */
         if (*nodes > (uint64_t)(r->end - r->bytes) / n)
             return vtk_fail(
-                r, "the file is too short for its DIMENSIONS, expected a number a node");
+                r, "the file is too short for its DIMENSIONS, expected a number per node");
         *nodes *= n;
     }
     for (int a = 0; a < 3; a++)
@@ -135,7 +135,7 @@ static bool read_scalar_head(
         return vtk_name(r, field) && vtk_count(r, "number of arrays", 1, 1, &n) &&
                vtk_name(r, g->name) && vtk_count(r, "number of components", 1, 1, &n) &&
                vtk_count(r, "number of tuples", nodes, nodes, &n) && vtk_type(r, t);
-    if (!vtk_take(r, "SCALARS")) return vtk_fail_word(r, "first of the point data", "SCALARS");
+    if (!vtk_take(r, "SCALARS")) return vtk_fail_word(r, "first word of the point data", "SCALARS");
     if (!vtk_name(r, g->name) || !vtk_type(r, t)) return false;
     if (!vtk_next_is(r, "LOOKUP_TABLE") && !vtk_count(r, "number of components", 1, 1, &n))
         return false;
@@ -178,7 +178,7 @@ static bool read_grid(struct vtk_reader *r, struct grid *g)
     uint64_t nodes = 0, n = 0;
     struct vtk_type t = vtk_types[0];
     if (!read_head(r, g) || !read_geometry(r, g, &nodes)) return false;
-    if (!vtk_expect(r, "what follows the coordinates", "POINT_DATA") ||
+    if (!vtk_expect(r, "word after the coordinates", "POINT_DATA") ||
         !vtk_count(r, "number of point data", nodes, nodes, &n) ||
         !read_scalar_head(r, nodes, g, &t) || !vtk_begin_numbers(r, "values", t, nodes))
         return false;
@@ -186,7 +186,7 @@ static bool read_grid(struct vtk_reader *r, struct grid *g)
     if (!read_values(r, t, g)) return false;
     vtk_skip_metadata(r);
     return !vtk_peek(r) ||
-           vtk_fail_word(r, "what follows the values", "one scalar and the file's end");
+           vtk_fail_word(r, "word after the values", "one scalar and the file's end");
 }
 
 static int read_from(struct vtk_reader r, struct grid *g, char err[ERR_BYTES])

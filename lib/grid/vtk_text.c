@@ -43,7 +43,7 @@ bool vtk_fail_word(struct vtk_reader *r, const char *what, const char *expected)
 {
     char shown[ERR_WORD];
     size_t n = vtk_peek(r);
-    if (!n) return vtk_fail(r, "the file ends where %s is due, expected %s", what, expected);
+    if (!n) return vtk_fail(r, "the file ends before %s, expected %s", what, expected);
     return vtk_fail(r, "%s is %s, expected %s", what, err_word(shown, r->at, n), expected);
 }
 
@@ -133,7 +133,7 @@ bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t
         room = ((uint64_t)(r->end - r->at) + 1) / 2; /* one digit and one blank */
     }
     if (count <= room) return true;
-    return vtk_fail(r, "%s: %llu are announced, and the file has bytes for %llu, expected all",
+    return vtk_fail(r, "%s: %llu announced, but the file has bytes for %llu, expected all",
         what, (unsigned long long)count, (unsigned long long)room);
 }
 

@@ -16,7 +16,7 @@ bool reader_fail_token(struct reader *r, const char *what, const char *expected)
 {
     char shown[ERR_WORD];
     size_t n = token_peek(&r->t);
-    if (!n) return reader_fail(r, "the file ends where %s is due, expected %s", what, expected);
+    if (!n) return reader_fail(r, "the file ends before %s, expected %s", what, expected);
     return reader_fail(r, "%s is %s, expected %s", what, err_word(shown, r->t.at, n), expected);
 }
 

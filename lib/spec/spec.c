@@ -224,7 +224,7 @@ static bool read_line(struct reader *r)
             if (!read_number(r, name, &words[w].number[i], &v[i])) return false;
         if (!take_line(r, (enum word)w, v)) return false;
     }
-    return !peek(r) || fail_word(r, name, "what follows", "the line's end");
+    return !peek(r) || fail_word(r, name, "next word", "the line's end");
 }
 
 static struct vec3 vec(const double v[3]) { return v3(v[0], v[1], v[2]); }
@@ -252,7 +252,7 @@ static bool check_field(struct reader *r)
 {
     struct spec *s = r->s;
     if (!s->n_knots && !s->n_isos)
-        return fail(r, "nothing would be seen, expected map or iso lines");
+        return fail(r, "nothing is visible, expected map or iso lines");
     if (s->n_knots == 1) return fail(r, "one map line, expected two or more");
     if (s->n_isos) qsort(s->iso, s->n_isos, sizeof *s->iso, by_value);
     for (size_t i = 1; i < s->n_isos; i++)
