@@ -221,9 +221,9 @@ refused five.nc s 'a has 2 elements and is none of x, y, z and time, expected 1'
 make_nc many 'a = 2; b = 2; c = 2; d = 2; e = 2;' 'float s(a, b, c, d, e);' "s = $(seq -s, 32);"
 refused many.nc s '5 of its dimensions have several elements, expected 4 at most'
 make_nc huge "$cube" "$axes $scalar" "$nodes s = 1, 2, 3, 1e20, 5, 6, 7, 8;"
-refused huge.nc s 'a value is as large as 1e\+20, expected 1e\+18 at most, or to be missing_value'
+refused huge.nc s 'a value is as large as 1e\+20, expected at most 1e\+18, or missing_value'
 make_nc text "$cube" "$axes char s(z, y, x);" "$nodes s = \"abcdefgh\";"
-refused text.nc s 'its values are no numbers'
+refused text.nc s 'its values are not numbers'
 make_nc other 'x = 2; y = 2; z = 2; w = 2;' "$axes double w(w); w:axis = \"X\"; float s(z, y, x); float u(z, y, w);" "$nodes w = 1, 3; $data u = 1, 2, 3, 4, 5, 6, 7, 8;"
 refused other.nc 'a=hypot(s,u)' 'the two have different axes'
 refused other.nc nothing 'nothing: no such variable, expected one that -l lists'
@@ -243,11 +243,11 @@ longitudes gap 0 60 120 180 240
 longitudes twice 0 120 240 360 480
 for name in half gap twice; do
 	run nc2vtk -c $name.nc s
-	like "refused: -c of $name.nc" "$status:$out:$err" "^2::nc2vtk: $name.nc: s: -c: x goes from 0 to [0-9]*, expected it to go round but for one step"
+	like "refused: -c of $name.nc" "$status:$out:$err" "^2::nc2vtk: $name.nc: s: -c: x goes from 0 to [0-9]*, expected a circle without its last step"
 done
 make_nc metres "$cube" "$axes x:units = \"km\"; $scalar" "$nodes $data"
 run nc2vtk -c metres.nc s
-is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is no longitude in degrees'
+is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is not a longitude in degrees'
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
 
 # ---- usage, and a full disk ----------------------------------------------------------------------------------

@@ -94,18 +94,18 @@ refused "$grb/wafsgfs_L_t06z_intdsk60.grib2" gh "a grid of type 'reduced_ll', ex
 cat plain.grib2 plain.grib2 >twice.grib2
 refused twice.grib2 t 'several fields at level 500 of one time'
 make_grib uneven "set dataDate=20260101; $one $two set dataDate=20260102; $one"
-refused uneven.grib2 t 'not the same levels at all times'
+refused uneven.grib2 t 'levels differ between times'
 make_grib mixed "$one set longitudeOfFirstGridPointInDegrees=340; $two"
-refused mixed.grib2 t 'not the same grid at all levels'
+refused mixed.grib2 t 'grids differ between levels'
 make_grib huge "set level=500; set values={1,2,3,4,5,100000000000000000000.0}; write; $two"
 refused huge.grib2 t 'a value is 1e\+20, expected 1e\+18 at most'
 head -c 1000 "$file" >torn.grib2
 refused torn.grib2 u 'message 1: '
 echo text >no.grib2
-refused no.grib2 t 'there is no GRIB message in it'
+refused no.grib2 t 'no GRIB message, expected one or more'
 refused missing.grib2 t 'No such file'
 run grib2vtk -c "$file" u
-like 'refused: -c of a plane' "$status:$err" '^2:grib2vtk: .*: u: -c: x is no longitude in degrees'
+like 'refused: -c of a plane' "$status:$err" '^2:grib2vtk: .*: u: -c: x is not a longitude in degrees'
 run grib2vtk -c plain.grib2 t
 like 'refused: -c of a part of the globe' "$status:$err" '^2:grib2vtk: .*: t: -c: x goes from 350 to 370, expected'
 run grib2vtk -L surface "$file" u

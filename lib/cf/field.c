@@ -64,7 +64,7 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
     cf_packing(c, group, id, &f->packing);
     if (!cf_look(c, err)) return false;
     if (!cf_is_numeric(&f->packing))
-        return err_set(err, "its values are no numbers, expected some");
+        return err_set(err, "its values are not numbers, expected numbers");
     if (n > CF_AXES_MAX)
         return err_set(err, "it has %d dimensions, expected %d at most", n, CF_AXES_MAX);
     for (; f->n_axes < n; f->n_axes++)

@@ -26,11 +26,11 @@ static bool wants_closing(
 {
     const double *x = g->at[0], range = x[g->n[0] - 1] - x[0];
     double step = 0;
-    if (!c->degrees) die(ST_USAGE, "%s: %s: -c: x is no longitude in degrees", o->file, c->what);
+    if (!c->degrees) die(ST_USAGE, "%s: %s: -c: x is not a longitude in degrees", o->file, c->what);
     for (uint32_t i = 1; i < g->n[0]; i++) step = fmax(step, x[i] - x[i - 1]);
     if (fabs(360 - range) <= SLACK * step) return false;
     if (range > 360 || 360 - range > (1 + SLACK) * step)
-        die(ST_USAGE, "%s: %s: -c: x goes from %g to %g, expected it to go round but for one step",
+        die(ST_USAGE, "%s: %s: -c: x goes from %g to %g, expected a circle without its last step",
             o->file, c->what, x[0], x[0] + range);
     return true;
 }

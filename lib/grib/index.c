@@ -115,7 +115,7 @@ bool gb_index_read(const char *path, struct gb_index *x, char err[ERR_BYTES])
         read_entry(&in, &x->at[x->n++]);
     }
     gb_close(&in);
-    if (good && !x->n) good = err_set(err, "there is no GRIB message in it, expected some");
+    if (good && !x->n) good = err_set(err, "no GRIB message, expected one or more");
     if (good && x->at) qsort(x->at, x->n, sizeof *x->at, in_order);
     else gb_index_free(x);
     return good;
@@ -162,11 +162,11 @@ bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES])
         const struct gb_entry *e = &a[i];
         size_t k = i % s->n_levels;
         if (strcmp(e->grid, a->grid) != 0 || e->nx != a->nx || e->ny != a->ny)
-            return err_set(err, "not the same grid at all levels, expected one");
+            return err_set(err, "grids differ between levels, expected one grid");
         if (e->when == e[-1].when && !(e->level > e[-1].level))
             return err_set(err, "several fields at level %g of one time, expected one", e->level);
         if (s->n % s->n_levels || e->level != a[k].level || e->when != a[i - k].when)
-            return err_set(err, "not the same levels at all times, expected them");
+            return err_set(err, "levels differ between times, expected the same");
     }
     return s->n_levels > 1 || err_set(err, "1 level, expected 2 at least");
 }

@@ -94,7 +94,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
     if (!gb_open(path, &in, err)) return false;
     bool good = gb_next(&in, err);
     while (good && in.h && in.number < e->number) good = gb_next(&in, err);
-    if (good && !in.h) good = err_set(err, "it has changed, expected the same messages again");
+    if (good && !in.h) good = err_set(err, "the file has changed, expected the same messages");
     for (int a = 0; a < 3; a++) {
         g->n[a] = (uint32_t)n[a];
         g->at[a] = xcalloc(n[a], sizeof *g->at[a]);
@@ -165,6 +165,6 @@ out:
     free(values);
     gb_close(&in);
     if (good && taken < s->n_levels)
-        good = err_set(err, "it has changed, expected the same messages again");
+        good = err_set(err, "the file has changed, expected the same messages");
     return good;
 }
