@@ -186,7 +186,7 @@ static void take_hello(struct driver *d, const struct record *r)
     char selftest[24] = "", why[160];
     double power = 1;
     int64_t n = 1;
-    if (!rec_ours(r, why)) die(ST_SYSTEM, "the command %s", why);
+    if (!rec_ours(r, why)) die(ST_SYSTEM, "the stream of the command %s", why);
     rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n);
     rec_real(r, "power", POWER_LEAST, POWER_MOST, &power);
     rec_str(r, "selftest", selftest, sizeof selftest);
@@ -344,7 +344,7 @@ static int finish(struct driver *d, char *const *command)
         outlet_drain(&d->out);
         if (left && !signals_came())
             warn("%s ended with %" PRId64 " tasks unfinished", command[0], left);
-        else if (unfinished && !signals_came()) warn("%s ended before its input", command[0]);
+        else if (unfinished && !signals_came()) warn("%s ended before the end of its input", command[0]);
     }
     return d->out.gone || unfinished ? ST_SYSTEM : ST_OK;
 }

@@ -89,7 +89,7 @@ static bool set_name(const struct reader *r, struct host *host, const char *name
 static bool count(const struct reader *r, struct hosts *h, const struct host *host)
 {
     if (host_is_here(host) && (host->via || host->bin))
-        return refuse(r, "`:` is this machine, expected neither via nor bin");
+        return refuse(r, "`:` is this machine, expected no via= and no bin=");
     h->slots += host->slots;
     if (h->slots <= HOSTS_SLOTS_MAX) return true;
     return refuse(r, "%d slots, expected at most %d in all", h->slots, HOSTS_SLOTS_MAX);
@@ -192,7 +192,7 @@ static bool read_line(struct reader *r, struct hosts *h, struct buf *word)
     if (more > 0 && !set_name(r, host, (char *)word->data)) return false;
     while (more > 0 && (more = next_word(r, word)) > 0)
         if (!set_key(r, host, (char *)word->data, &seen)) return false;
-    if (more < 0) return refuse(r, "a quote is open, expected \" before the end of the line");
+    if (more < 0) return refuse(r, "a quote is not closed, expected \" before the end of the line");
     return count(r, h, host);
 }
 

@@ -31,7 +31,7 @@ int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IM
     if (n >= 4 && memcmp(p, "\211PNG", 4) == 0) return png_decode(p, n, im, err);
     if (n >= 2 && p[0] == 'P' && strchr("567", p[1]) && p[1]) return pnm_decode(p, n, im, err);
     if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f')) return pfm_decode(p, n, im, err);
-    return image_fail(err, "no picture format known here, expected PNG, PAM, PPM, PGM or PFM");
+    return image_fail(err, "unknown picture format, expected PNG, PAM, PPM, PGM or PFM");
 }
 
 /* Reads the whole file, up to the maximum length of a picture. */

@@ -106,7 +106,7 @@ int intake_expect(struct intake *in, const char *path, char why[LOG_WHY])
     while (!odd && (got = wire_next(&d, &r)) != WIRE_MORE) {
         odd = got == WIRE_RECORD ? !expect(in, &r) : 1;
         if (odd && got == WIRE_RECORD)
-            snprintf(why, LOG_WHY, "%s: `%.*s`, expected `frame F W H job=HASH`, as was rendered",
+            snprintf(why, LOG_WHY, "%s: `%.*s`, expected `frame F W H job=HASH` as it was rendered",
                 path, r.line_len < 80 ? (int)r.line_len : 80, r.line);
         else if (odd) snprintf(why, LOG_WHY, "%s: %s", path, d.why);
     }

@@ -86,7 +86,7 @@ int log_survey(const struct log_file *l, struct intake *in)
     intake_init(in, false);
     int odd = log_reread(l, in, &reader);
     if (odd || in->good || begins_as_log(l->fd)) return odd;
-    snprintf(in->why, sizeof in->why, "is no log, expected fragments, or a new file");
+    snprintf(in->why, sizeof in->why, "is not a log, expected fragments, or a new file");
     return 1;
 }
 

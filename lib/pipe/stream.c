@@ -56,7 +56,7 @@ const struct frame_size *stream_frame_of(const struct stream_state *f, const str
     bool inside = frame && lattice_valid(&t->at, frame->w, frame->h);
     if (inside && generation_lives(&f->generations, frame)) return frame;
     if (inside)
-        warn("task %u %u: its state was replaced too often, expected it before", t->frame, t->id);
+        warn("task %u %u: its state was replaced too often, expected it earlier", t->frame, t->id);
     else if (frame)
         warn("task %u %u: expected pixels inside %ux%u", t->frame, t->id, frame->w, frame->h);
     else warn("task %u %u: expected `frame` before its tasks", t->frame, t->id);

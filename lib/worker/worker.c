@@ -207,7 +207,7 @@ static void take_task(struct worker *w, const struct task *t)
     if (!lattice_valid(&t->at, f->w, f->h))
         die(ST_USAGE, "task %u %u: expected pixels inside %ux%u", t->frame, t->id, f->w, f->h);
     if (!generation_lives(&w->generations, f))
-        die(ST_USAGE, "task %u %u: its state was replaced too often, expected it before", t->frame,
+        die(ST_USAGE, "task %u %u: its state was replaced too often, expected it earlier", t->frame,
             t->id);
     if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);

@@ -203,9 +203,9 @@ static void test_netpbm(void **state)
     ACCEPT("P7\nDEPTH 2\nHEIGHT 1\nMAXVAL 255\nWIDTH 1\nTUPLTYPE GRAYSCALE_ALPHA\nENDHDR\n\xff\x33",
         .2f, .2f, .2f, .2f);
     REFUSE("", "empty");
-    REFUSE("P", "no picture format");
-    REFUSE("P3\n1 1\n255\n1 1 1\n", "no picture format");
-    REFUSE("GIF89a", "no picture format");
+    REFUSE("P", "unknown picture format");
+    REFUSE("P3\n1 1\n255\n1 1 1\n", "unknown picture format");
+    REFUSE("GIF89a", "unknown picture format");
     REFUSE("P6", "header");
     REFUSE("P6\n1 1\n255", "header");
     REFUSE("P6\n0 1\n255\n", "header");
