@@ -20,7 +20,7 @@ given() {
 	?,) refused="-$1: is empty, expected a value" ;;
 	s,[0-9]*x[0-9]*) return ;; # the worker checks the numbers
 	s,*) refused="-s $2: expected WxH, such as 512x512" ;;
-	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; of a file's name write ./$2" ;;
+	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; for a file of that name write ./$2" ;;
 	*) return ;;
 	esac
 	echo "${0##*/}: $refused" >&2
@@ -29,7 +29,7 @@ given() {
 # directory: makes a directory for temporary files and prints its name
 directory() {
 	mktemp -d 2>/dev/null && return
-	echo "${0##*/}: ${TMPDIR:-/tmp}: no directory can be made there, expected TMPDIR to name one where it can" >&2
+	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
 asked "${1-}"

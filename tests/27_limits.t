@@ -47,7 +47,7 @@ echo x >gears.tsv
 for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol master' 'chart gears.tsv' "'$root/tests/demo'"; do
 	run env TMPDIR="$tmp/none" sh -c "$program"
 	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
-		"^3:[a-z]+(-calibrate)?: $tmp/none: no directory can be made there, expected TMPDIR to name one where it can$"
+		"^3:[a-z]+(-calibrate)?: $tmp/none: cannot make a directory there, expected TMPDIR to name a writable directory$"
 done
 for program in 'balance interleaved -j 1' 'balance calibrate'; do
 	run sh -c "$program -s -h gears.nff"
