@@ -36,7 +36,7 @@ static void read_log(struct history *l, const char *path)
     if (history_read(l, fd) != 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad > bad)
-        warn("%s: damaged in %" PRIu64 " place%s, skipped there; the last: %s", path, l->bad - bad,
+        warn("%s: %" PRIu64 " damaged place%s skipped; the last: %s", path, l->bad - bad,
             l->bad - bad == 1 ? "" : "s", l->why);
     if (fd != STDIN_FILENO) close(fd);
 }

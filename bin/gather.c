@@ -83,7 +83,7 @@ static void flush_log(struct gather *g)
 static void check_not_log(const struct gather *g, const struct stat *st, const char *name)
 {
     if (log_keep_is(&g->log, st))
-        die(ST_USAGE, "%s: is the log as well, expected another file", name);
+        die(ST_USAGE, "%s: is also the log, expected another file", name);
 }
 
 static void open_log(struct gather *g)
@@ -100,7 +100,7 @@ static void open_log(struct gather *g)
     if (out && stat(out, &st) == 0) check_not_log(g, &st, out);
     /* Only records since the last read are missing from the log, as after kill -9. */
     snprintf(last_words, sizeof last_words,
-        "%sgather: interrupted; what has come is in %s: the same command finishes the rest\n",
+        "%sgather: interrupted; %s has the pixels so far: rerun the command to resume\n",
         o->progress ? "\n" : "", o->log);
     signals_say(last_words);
 }
@@ -236,7 +236,7 @@ static int finish(struct gather *g)
     char why[LOG_WHY];
     progress_clear(&g->progress);
     if (!g->log.trusted) {
-        warn("%s: no worker has announced a frame, expected one that belongs there", g->o->log);
+        warn("%s: no worker announced a frame, expected a frame of this log", g->o->log);
         return unfinished(g);
     }
     /* Frames without any record are missing too; if there is no frame at all, that is reported. */
@@ -245,7 +245,7 @@ static int finish(struct gather *g)
     intake_report(&g->in);
     intake_report_twice(&g->in, g->o->progress);
     bool disputed = parts->n_frames && !*g->o->inputs && strcmp(g->why, "other-jobs") == 0;
-    if (disputed) warn("slots did not agree on a job: what is there may be of another scene");
+    if (disputed) warn("slots did not agree on a job: the pixels may be of another scene");
     if (!parts->n_frames && *g->why) warn("nothing was rendered: %s", g->why);
     if (!parts->n_frames && !*g->why)
         warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");

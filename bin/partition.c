@@ -91,8 +91,8 @@ static void check_slots(const struct options *o)
     if (!in_chunks(o)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
     if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
-    if (o->assigned >= 0) die(ST_USAGE, "-c: expected any -u but guided and factoring with it");
-    if (o->order) die(ST_USAGE, "-o: expected any -u but guided and factoring with it");
+    if (o->assigned >= 0) die(ST_USAGE, "-c: expected another -u than guided and factoring");
+    if (o->order) die(ST_USAGE, "-o: expected another -u than guided and factoring");
 }
 
 /* A size; `@`: the size of the first picture, and the source of all pictures. */
@@ -105,7 +105,7 @@ static void parse_operand(struct options *o, const char *s, bool numbered)
     if (!parse_size(size, FRAME_SIDE_MAX, &o->w, &o->h) || (file && !file[1]))
         die(ST_USAGE, "%s: expected a size such as 512x512, sides up to %d, or SIZE@FILE", s,
             FRAME_SIDE_MAX);
-    if (file && numbered) die(ST_USAGE, "-F: expected a size with it; %s has numbers", file + 1);
+    if (file && numbered) die(ST_USAGE, "-F: frames of %s have numbers, expected a size", file + 1);
     if (file) o->pictures = file + 1;
 }
 

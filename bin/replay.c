@@ -83,15 +83,15 @@ static _Noreturn void refuse(const struct replay *r, uint64_t p, const char *why
 {
     const struct history_frame *f = r->frame;
     die(ST_USAGE,
-        "%s: frame %u: pixel %" PRIu64 ",%" PRIu64 " %s, expected a log of all that is "
-        "asked for",
+        "%s: frame %u: pixel %" PRIu64 ",%" PRIu64 " %s, expected a log that has every "
+        "pixel of the tasks",
         r->o->path, f->number, p % f->w, p / f->w, why);
 }
 
 /* The cost of pixel p of this frag: its share of its task's time. */
 static double pixel_us(const struct replay *r, struct history_frag *frag, uint64_t p)
 {
-    if (frag->done < 0) refuse(r, p, "is there without what it cost");
+    if (frag->done < 0) refuse(r, p, "has no CPU time");
     if (!history_sound(frag)) refuse(r, p, "is damaged");
     const struct history_done *d = &r->log.dones[frag->done];
     return (double)d->cpu_us / (double)d->sent;
@@ -110,7 +110,7 @@ static double cost_us(struct replay *r, const struct lattice *at)
     for (uint64_t i = 0; !whole && i < n; i++) {
         uint64_t p = lattice_pixel(at, f->w, i);
         struct history_place place = history_place_of(&r->log, f, p);
-        if (place.frag < 0) refuse(r, p, "is not there");
+        if (place.frag < 0) refuse(r, p, "is missing");
         us += pixel_us(r, &r->log.frags[place.frag], p);
     }
     return us * r->o->scale / r->o->power;
@@ -170,7 +170,7 @@ static void open_log(struct replay *r)
         if (!rec_ours(&rec, d.why)) die(ST_USAGE, "%s: %s", r->o->path, d.why);
         if (rec.kind == REC_FRAME) job = rec_key(&rec, "job", &n);
     }
-    if (!job) die(ST_USAGE, "%s: no task with its pixels, expected the log of a run", r->o->path);
+    if (!job) die(ST_USAGE, "%s: no task with pixels, expected the log of a run", r->o->path);
     r->first_job = hash64(HASH64_INIT, job, n);
 }
 
@@ -181,10 +181,10 @@ static void load_log(struct replay *r)
     history_over(l, r->bytes, r->n_bytes);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad)
-        warn("%s: damaged in %" PRIu64 " places, which were skipped; the last: %s", path, l->bad,
+        warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad,
             l->why);
     if (!l->n_frags || !l->n_dones)
-        die(ST_USAGE, "%s: no task with its pixels, expected the log of a run", path);
+        die(ST_USAGE, "%s: no task with pixels, expected the log of a run", path);
     for (size_t i = 0; i < l->n_frames; i++) {
         const struct history_frame *f = &l->frames[i];
         if (strlen(f->job) != 16 || f->job[strspn(f->job, "0123456789abcdef")])
@@ -213,7 +213,7 @@ static int ready(void *ctx, const struct frame_size *wanted, char err[WORKER_ERR
     r->loaded = true;
     const struct history_frame *f = history_frame_of(&r->log, wanted->frame);
     if (!f || f->w != wanted->w || f->h != wanted->h) {
-        snprintf(err, WORKER_ERR, "%s: frame %u of %ux%u is not there, expected one that is",
+        snprintf(err, WORKER_ERR, "%s: no frame %u of %ux%u, expected a frame of the log",
             r->o->path, wanted->frame, wanted->w, wanted->h);
         return -1;
     }

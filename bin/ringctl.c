@@ -34,7 +34,7 @@ static void parse(struct options *o, int argc, char **argv)
     }
     if (optind == argc) usage(ST_USAGE, text);
     if (o->node && o->rules)
-        die(ST_USAGE, "-n: expected no other option: a node goes by its hub's");
+        die(ST_USAGE, "-n: expected no other option, because the hub sets them");
 }
 
 int main(int argc, char **argv)

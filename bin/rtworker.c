@@ -59,7 +59,7 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
     if (kind == REC_SCENE && streamed)
         return load(r, &r->subjects[generation % GENERATIONS], (const char *)body, n, err);
     snprintf(err, WORKER_ERR, "record `%s`, expected %s", rec_name(kind),
-        streamed ? "`scene`" : "none of state, since the scene is a file");
+        streamed ? "`scene`" : "no state records, because the scene is a file");
     return -1;
 }
 

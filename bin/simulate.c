@@ -160,20 +160,20 @@ static void parse(struct options *o, int argc, char **argv)
     if (optind == argc) usage(ST_USAGE, text);
     p->seed = (uint64_t)seed;
     if (o->seeds && (more || optind + 1 != argc))
-        die(ST_USAGE, "-n: expected -s and -v beside it, and METHOD alone: all else is made up");
+        die(ST_USAGE, "-n: expected only -s, -v and METHOD with it: the seed sets the rest");
     parse_method(o, argc - optind, argv + optind);
     if (o->seeds) return;
     if (ways > 1 || (o->log && made))
         die(ST_USAGE, "expected one of -j, -S and -w, and one of -m and -t");
     if (p->concentrate && o->policy == &sim_fan)
-        die(ST_USAGE, "-c: expected deal or ring, which ask for what is held back");
+        die(ST_USAGE, "-c: expected deal or ring, which ask for pixels held back");
     if (hosts) read_hosts(o, hosts);
     else if (!o->power) draw_powers(o, slots ? slots : "1");
     if (faults && !sim_parse_faults(p, faults))
         die(ST_USAGE,
             "-f %s: expected KIND=CHANCE or KIND@WHEN[:SLOT[:POWER]], with commas between", faults);
     if ((p->p_lose > 0 || p->p_double > 0 || p->p_late > 0) && o->policy != &policy_published)
-        die(ST_USAGE, "-f %s: expected ring -p, whose messages are datagrams", faults);
+        die(ST_USAGE, "-f %s: expected ring -p, whose links lose messages", faults);
 }
 
 /* ---- tasks and costs ------------------------------------------------------------------------- */
@@ -364,7 +364,7 @@ static int run_seeds(const struct options *o)
     struct sim_result sum = {.trace_hash = HASH64_INIT}, r;
     bool ring = o->plan.node;
     if (o->policy == &sim_fan || o->policy == &policy_published)
-        die(ST_USAGE, "-n: expected deal or ring, which lose nothing");
+        die(ST_USAGE, "-n: expected deal or ring, which must lose no task");
     for (int64_t i = 0; i < o->seeds; i++) {
         uint64_t seed = o->plan.seed + (uint64_t)i;
         struct sim_plan plan = ring ? sim_ring_plan_of(seed) : sim_plan_of(seed);

@@ -110,7 +110,7 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
     struct renderer *r = ctx;
     const char *file = kind == REC_GRID ? r->o->grid : kind == REC_SPEC ? *r->o->specs : "";
     if (strcmp(file, "-") != 0) {
-        snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec`, where it is no file",
+        snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec` for an operand -",
             rec_name(kind));
         return -1;
     }

@@ -195,7 +195,7 @@ static int report(const struct program *p)
         lines++;
     }
     warn("%" PRIu32 " of %" PRIu32 " pieces were computed again on another %s: %" PRIu32
-         " differ, %" PRIu32 " could not be",
+         " differ, %" PRIu32 " could not be computed",
         v->pieces, v->seen, p->hosts.n > 1 ? "host" : "slot of the only host", count.different,
         count.unchecked);
     return count.different || count.unchecked ? ST_PARTIAL : ST_OK;
@@ -258,7 +258,7 @@ static int pass_fragments(const char *log, int64_t seconds)
     buf_free(&b);
     wire_free(&in);
     if (!n) return ST_OK;
-    warn("no fragment came for %" PRId64 " s: what is missing is not waited for",
+    warn("no fragment came for %" PRId64 " s: the missing ones are not waited for",
         patience_us / 1000000);
     return ST_PARTIAL;
 }

@@ -70,7 +70,7 @@ ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e
 { cat whole other; } >twice
 run gather -o t.pam twice
 is 'differing duplicates: status 1' "$status" 1
-is 'differing duplicates: whose, where, how much' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, the most at 0,1, by 0.5: one of the two is wrong; the first were kept'
+is 'differing duplicates: whose, where, how much' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, most at 0,1, by 0.5: one of the two is wrong; those of the first were kept'
 ok 'the first stands' cmp t.pam want.pam
 cat whole whole >same
 run gather -o t.pam same
@@ -120,7 +120,7 @@ nan='\000\000\300\177\000\000\000\000\000\000\200\076\000\000\200\077'
 run gather -o f.pam odd
 is 'pixels that are no light: not in the picture' "$status$(cmp f.pam want.pam)" 0
 is 'pixels that are no light: said' "$err" \
-	"gather: 1 damaged record ($(($(wc -c <odd) - $(wc -c <whole))) bytes) skipped; the last: pixels are no light, expected finite numbers >= 0, and alpha of at most 1"
+	"gather: 1 damaged record ($(($(wc -c <odd) - $(wc -c <whole))) bytes) skipped; the last: bad pixels, expected finite numbers >= 0, and alpha of at most 1"
 for change in 's/ 0 1 0 1 4 / 0 1 0 2 4 /' 's/^(frag 0 2 .*)cafe/$1cafd/' 's/^frame 0/frame 1/'; do
 	perl -pe "$change" whole >odd
 	run gather -o f.pam odd

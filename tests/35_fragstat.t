@@ -100,7 +100,7 @@ gives duplicates 64 twice.frags
 gives runs 2 twice.frags
 { head -c 8500 one.frags; cat one.frags; } >torn.frags # within the pixels of a row
 run fragstat -s torn.frags
-like 'damage is told' "$status $err" '^0 fragstat: torn.frags: damaged in 1 place'
+like 'damage is told' "$status $err" '^0 fragstat: torn.frags: 1 damaged place skipped'
 like 'and counted' "$out" '^lost_records	1$'
 
 # ---- as intervals --------------------------------------------------------------------------------------------

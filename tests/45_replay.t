@@ -113,7 +113,7 @@ refuses 'a log of another size' 'size.frags: frame 0 of 64x48 is not there' size
 LC_ALL=C sed 's/job=[0-9a-f]*/job=nonsense/' one.frags | "$root/tests/seal" >job.frags
 refuses 'a job that is none' 'job.frags: frame 0: job=nonsense' job.frags
 LC_ALL=C sed 's/done 0 5 /dine 0 5 /' one.frags >undone.frags
-refuses 'pixels of unknown cost' 'undone.frags: frame 0: pixel 0,5 is there without what it cost' undone.frags
+refuses 'pixels of unknown cost' 'undone.frags: frame 0: pixel 0,5 has no CPU time' undone.frags
 refuses 'power 0' '-p 0' -p 0 one.frags
 refuses 'scale -1' '-x -1' -x -1 one.frags
 run replay nosuch.frags

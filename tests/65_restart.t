@@ -82,7 +82,7 @@ cp log before
 refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
 # What is no log is not made one.
 cp gears.nff log && cp log before
-refused 'kind of file' 'is no log, expected fragments, or a new file' -s $size gears.nff
+refused 'kind of file' 'is not a log, expected fragments, or a new file' -s $size gears.nff
 run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"
 is 'another kind of file, by hand: exit 2' "$status" 2
 ok 'another kind of file, by hand: as it was' cmp log before
@@ -91,7 +91,7 @@ cp whole log && cp log before
 refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff
 run gather -r log -o out.pfm tetra.nff
 is 'no worker announced anything: exit 1' "$status$(ls out.pfm* 2>/dev/null)" 1
-like 'no worker announced anything: said' "$err" 'log: no worker has announced a frame'
+like 'no worker announced anything: said' "$err" 'log: no worker announced a frame, expected a frame of this log'
 ok 'no worker announced anything: the log as it was' cmp log before
 ln -s log log.pfm
 run gather -r log -o log.pfm whole
@@ -193,7 +193,7 @@ kill -INT "-$pid"
 wait "$pid"
 is 'Ctrl-C: ended by the signal' $? 130
 is 'Ctrl-C: one line tells how to finish' "$(cat said)" \
-	'gather: interrupted; what has come is in log: the same command finishes the rest'
+	'gather: interrupted; log has the pixels so far: rerun the command to resume'
 pid=''
 
 # ---- kill -9 ----------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ balance interleaved -j 2 -s 32x32 -o true.png balls.nff
 # three B: hosts a, b and c of a slot, where b's command is B
 three() { printf '%s\n' 'a via="sh -c %c"' "b via=\"$1\"" 'c via="sh -c %c"' >hosts; head -n 2 hosts >two; }
 # counts: "N pieces, D differ, U unchecked" of the last line that verify said
-counts() { printf '%s\n' "$err" | sed -nE 's/^verify: ([0-9]+) of [0-9]+ pieces were .*: ([0-9]+) differ, ([0-9]+) could not be$/\1 \2 \3/p'; }
+counts() { printf '%s\n' "$err" | sed -nE 's/^verify: ([0-9]+) of [0-9]+ pieces were .*: ([0-9]+) differ, ([0-9]+) could not be computed$/\1 \2 \3/p'; }
 
 # ---- honest ------------------------------------------------------------------------------------------------------
 three 'sh -c %c'
@@ -48,7 +48,7 @@ for method in interleaved masterslave adaptive gdc ss dc; do
 	run balance $method -v 1 -S hosts -s 32x32 -r $method.log -o out.png balls.nff
 	is "$method: status 1" "$status" 1
 	case $err in
-	*' differ, the most at '*) # idle slots had copies, so gather saw it before there was anything to verify
+	*' differ, most at '*) # idle slots had copies, so gather saw it before there was anything to verify
 		like "$method: the liar is named" "$err" '^gather: .* slot 1 on b'
 		continue
 		;;
@@ -163,7 +163,7 @@ ok '... no process remains' await 10 none_alive
 # verify -t passes on what comes, and does not wait for ever for more.
 balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
 run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
-is 'verify -t: beats are no fragments' "$status:$err" '1:verify: no fragment came for 1 s: what is missing is not waited for'
+is 'verify -t: beats are no fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
 grep -av '^beat$' "$tmp/.out" | cmp -s - long.log
 is 'verify -t: all has come through' $? 0
 run verify -t 1000 long.log <long.log

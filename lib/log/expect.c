@@ -77,9 +77,9 @@ void intake_report_remedy(
     const char *const one[] = {log, NULL};
     struct buf remedy = {0};
     bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, options, &remedy);
-    if (log) warn("the same command again finishes it, with what is in %s; or these do", log);
+    if (log) warn("to resume from %s, rerun the command, or finish as follows", log);
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else warn("no log was kept (-r LOG): only a new run gets them");
+    else warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
 }
 
