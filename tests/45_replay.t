@@ -107,9 +107,9 @@ refuses 'a scene' 'balls.nff: no task' balls.nff
 grep -a -o 'done .*' one.frags >times.frags
 refuses 'a log without pixels' 'times.frags: no task' times.frags
 head -c 20000 one.frags >half.frags
-refuses 'a log of half the picture' 'half.frags: frame 0: pixel 0,[0-9]* is not there' half.frags
+refuses 'a log of half the picture' 'half.frags: frame 0: pixel 0,[0-9]* is missing' half.frags
 sed 's/^frame 0 64 48/frame 0 64 47/' one.frags | "$root/tests/seal" >size.frags
-refuses 'a log of another size' 'size.frags: frame 0 of 64x48 is not there' size.frags
+refuses 'a log of another size' 'size.frags: no frame 0 of 64x48' size.frags
 LC_ALL=C sed 's/job=[0-9a-f]*/job=nonsense/' one.frags | "$root/tests/seal" >job.frags
 refuses 'a job that is none' 'job.frags: frame 0: job=nonsense' job.frags
 LC_ALL=C sed 's/done 0 5 /dine 0 5 /' one.frags >undone.frags

@@ -154,5 +154,5 @@ for command in 'rtworker -' 'fan -j 1 rtworker -' 'deal fan -j 1 rtworker -'; do
 	like "$command: a task of the state before those" "$status $err" '^2 .*task 0 0: its state was replaced too often'
 done
 run timeout 20 sh -c 'rtworker 0.nff <mixed >/dev/null'
-like 'a scene where it is a file already' "$status $err" '^2 rtworker: record .scene., expected none'
+like 'a scene where it is a file already' "$status $err" '^2 rtworker: record .scene., expected no state records'
 finish

@@ -96,7 +96,7 @@ ok 'no worker announced anything: the log as it was' cmp log before
 ln -s log log.pfm
 run gather -r log -o log.pfm whole
 is 'the log by another name as the picture: exit 2' "$status" 2
-like 'the log by another name as the picture: said' "$err" 'log.pfm: is the log as well'
+like 'the log by another name as the picture: said' "$err" 'log.pfm: is also the log'
 run balance masterslave -r log -o log -s $size gears.nff
 is 'balance -r log -o log: exit 2' "$status" 2
 run balance masterslave -r gears.nff -o out.pfm gears.nff
