@@ -1,6 +1,6 @@
 #!/bin/sh
-# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; examples; wire labels.
-# Every check prints what breaks it as file:line.
+# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; examples; wire labels;
+# words. Each check prints file:line of what breaks it.
 . "$(dirname "$0")/lib.sh"
 cd "$root" || exit 3
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The commands that a newcomer types: make demo (its verdict can be no, too), and what make and tests/need say where packages
-# are missing and cannot be had.
+# The first commands of a newcomer: make demo, also when POV-Ray disagrees; make and tests/need when packages are
+# missing and cannot be installed.
 . "$(dirname "$0")/lib.sh"
 needs povray
 unset MAKEFLAGS

@@ -1,6 +1,6 @@
 #!/bin/sh
-# make install into places with blanks and quotes in their names, and make uninstall: what is installed works by itself,
-# and nothing is removed but what was installed.
+# make install and make uninstall with blanks and quotes in directory names. The installed programs work alone, and
+# uninstall removes nothing else.
 . "$(dirname "$0")/lib.sh"
 unset MAKEFLAGS
 # tree: every name in the user's home and the staging directory, with what it holds

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The tutorial, stormring-tutorial(7), as a newcomer follows it: all of its commands, read from the page, in one shell and
-# one directory. Each exits 0 and prints what the page shows, "..." being any text; then the files that the step names
-# are there. A step that needs what is missing is skipped as a whole.
+# The tutorial, stormring-tutorial(7): all commands of the page, in one shell and one directory. Each exits with 0 and
+# prints the output that the page shows, where "..." stands for any text; then the files that the step names exist. A
+# step is skipped as a whole if it needs a program that is missing.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=examples.sh
 . "$root/tests/examples.sh"

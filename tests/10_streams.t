@@ -1,5 +1,5 @@
 #!/bin/sh
-# partition, pack, rtworker, fan and deal one by one: what goes in, what comes out, what is refused.
+# partition, pack, rtworker, fan, deal and balance one by one: input, output, refusals.
 . "$(dirname "$0")/lib.sh"
 
 # shellcheck disable=SC2154  # lib.sh sets out, err, status

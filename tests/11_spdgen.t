@@ -1,5 +1,5 @@
 #!/bin/sh
-# spdgen: what it lists, writes and refuses. That the scenes are SPD's is build/unit/test_spd's affair.
+# spdgen: its list, its output, its refusals. build/unit/test_spd checks that the scenes are those of SPD.
 . "$(dirname "$0")/lib.sh"
 
 run spdgen -h

@@ -1,5 +1,6 @@
 #!/bin/sh
-# partition: the cuts that get smaller, and the orders, against what their papers print; none changes the picture.
+# partition: decreasing chunks against the numbers that their papers print; orders; no cut and no order changes the
+# picture.
 . "$(dirname "$0")/lib.sh"
 
 # sizes OPTIONS: rows of each task of 100

@@ -1,5 +1,5 @@
 #!/bin/sh
-# imgcmp: its figures, its exit statuses, and that pictures of other programs mean what they should.
+# imgcmp: its figures and exit statuses; pictures of other programs are read with the right transfer curve.
 # shellcheck disable=SC1091,SC2059,SC2154
 . "$(dirname "$0")/lib.sh"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# nff2pov: refusals, hither, and that POV-Ray's picture of what it writes is rtworker's.
+# nff2pov: refusals, hither, and POV-Ray renders the same picture from its output as rtworker from the scene.
 . "$(dirname "$0")/lib.sh"
 
 run nff2pov -h

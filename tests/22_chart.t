@@ -1,5 +1,5 @@
 #!/bin/sh
-# chart: what it draws, what it refuses and in which line, and that data is never taken for commands.
+# chart: its drawings, its refusals with the line that is wrong, and data that looks like commands.
 # shellcheck disable=SC1091,SC2154
 . "$(dirname "$0")/lib.sh"
 needs gnuplot tsvstat

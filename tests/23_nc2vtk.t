@@ -1,5 +1,5 @@
 #!/bin/sh
-# nc2vtk: the numbers of real files and of ones made for it, against ncdump's; what it refuses, and why.
+# nc2vtk: the numbers of real files and of files made here, compared with ncdump; refusals and their messages.
 . "$(dirname "$0")/lib.sh"
 needs nc2vtk ncdump ncgen /usr/share/ncarg/data /usr/share/ferret-vis/data
 converter=nc2vtk

@@ -1,5 +1,5 @@
 #!/bin/sh
-# protocol and tsvstat: tables that are stopped and go on, or are another run's; what samples tell, and what they refuse.
+# protocol and tsvstat: interrupted tables resume, tables of other runs are refused; statistics of samples; refusals.
 . "$(dirname "$0")/lib.sh"
 needs gnuplot ps tsvstat
 # shellcheck source=marked.sh

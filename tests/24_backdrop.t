@@ -1,5 +1,5 @@
 #!/bin/sh
-# backdrop, coastlines, blend: places on the map are where vcworker sees them; what is over what; refusals.
+# backdrop, coastlines, blend: the map puts places where vcworker sees them; what covers what; refusals.
 . "$(dirname "$0")/lib.sh"
 needs gnuplot /usr/share/gmt-gshhg
 

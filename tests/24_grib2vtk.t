@@ -1,5 +1,5 @@
 #!/bin/sh
-# grib2vtk: the numbers of a real file and of ones made for it, against grib_get_data's; what it refuses, and why.
+# grib2vtk: the numbers of a real file and of files made here, compared with grib_get_data; refusals and their messages.
 . "$(dirname "$0")/lib.sh"
 needs grib2vtk grib_filter /usr/share/ncarg/data /usr/share/eccodes/samples
 converter=grib2vtk

@@ -1,6 +1,6 @@
 #!/bin/sh
-# grid2pov: refusals, what is left out, and that POV-Ray's picture of what it writes is vcworker's: within 2e-5 in every
-# pixel where the map is smooth, 1e-4 where it is sharp; 7.6e-6 of that is POV-Ray's rounding to 16 bits.
+# grid2pov: refusals, parts that it leaves out, and POV-Ray's picture of its output against vcworker's: within 2e-5 in
+# every pixel if the map is smooth, 1e-4 if it is sharp. POV-Ray's rounding to 16 bits makes 7.6e-6 of that.
 . "$(dirname "$0")/lib.sh"
 
 # grid UNEVEN HOLE: 12x9x6 nodes, y descending

@@ -1,5 +1,5 @@
 #!/bin/sh
-# views: keys are met, the way between them is even, and what is wrong with keys is said.
+# views: it meets the keys, moves evenly between them, and names what is wrong with a key.
 # shellcheck disable=SC2154  # lib.sh sets them
 . "$(dirname "$0")/lib.sh"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Limits of the system, each with one clear line: a file that may grow no more (SIGXFSZ), few open files, no place for
+# Limits of the system, one clear line each: a file that may not grow (SIGXFSZ), few open files, no directory for
 # temporary files; and an option in the place of an argument.
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154,SC3045  # lib.sh sets them; dash and bash both know ulimit -n

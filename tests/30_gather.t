@@ -1,5 +1,5 @@
 #!/bin/sh
-# gather: what it assembles, what it refuses, what it says about the rest, and how it ends.
+# gather: the pictures that it assembles, the input that it refuses or reports, and how it ends.
 # shellcheck disable=SC1091,SC2059,SC2154
 . "$(dirname "$0")/lib.sh"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# fragstat: where the time of a run went, by known logs and by real ones; and the bound that it is judged by.
+# fragstat: the parts of the time of a run, from logs made by hand and real ones; and the lower bound.
 . "$(dirname "$0")/lib.sh"
 
 value() { fragstat -s "$@" | awk -v key="$key" '$1 == key { print $2 }'; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Invariants 1 and 7: the same bytes, whatever the method, the number of slots, the cut, the order, the width of the
-# vectors and the nesting. The picture of one worker and no balancer is the measure.
+# Invariants 1 and 7: the same bytes for every method, number of slots, cut, order, vector width and nesting. The
+# reference is the picture of one worker without a balancer.
 . "$(dirname "$0")/lib.sh"
 
 spdgen -s 1 gears >gears.nff

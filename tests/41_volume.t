@@ -1,6 +1,6 @@
 #!/bin/sh
-# Volumes: vcworker alone, by every method, nested and in vectors of every width, the same bytes; several grids and
-# several views in one stream; StormView's input; what is refused; restarts, kills; memory.
+# Volumes: vcworker alone, with every method, nested, and with vectors of every width gives the same bytes; several
+# grids and several views in one stream; the input of StormView; refusals; restarts and kills; memory.
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154
 . "$root/tests/marked.sh"

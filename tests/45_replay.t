@@ -1,5 +1,5 @@
 #!/bin/sh
-# replay: the same bits whatever the cut, times that follow power and scale, a worker like any other, and what it refuses.
+# replay: the same bits for every cut, times that follow power and scale, use as any other worker, and refusals.
 . "$(dirname "$0")/lib.sh"
 
 spdgen -s 2 balls >balls.nff

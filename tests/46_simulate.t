@@ -1,5 +1,5 @@
 #!/bin/sh
-# simulate: what tiny runs take, as worked out by hand; the same seed gives the same bytes; what it refuses.
+# simulate: the times of tiny runs, computed by hand; the same seed gives the same bytes; refusals.
 # shellcheck disable=SC2154  # lib.sh sets them
 . "$(dirname "$0")/lib.sh"
 

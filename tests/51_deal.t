@@ -1,6 +1,6 @@
 #!/bin/sh
-# deal past the papers, live: the endgame ends without those who are late, leaves nobody behind, and changes no pixel;
-# the depth that follows the link; what `done` says of second tries.
+# Rules of deal that the papers do not have, live: the endgame does not wait for late slots, leaves no task behind, and
+# changes no pixel; the queue depth follows the round trip; `done` has the number of the attempt.
 # shellcheck disable=SC2154  # lib.sh sets them
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# State that changes in a stream: two scenes and their frames, one behind the other. Every task is rendered with the
-# scene before it, whoever gets it, how late that one comes, and however often it is given.
+# State that changes in a stream: two scenes and their frames, one after the other. Every task is rendered with the
+# scene before it, in every slot, however late the slot comes up and however often the task is given.
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 

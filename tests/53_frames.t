@@ -1,7 +1,7 @@
 #!/bin/sh
-# Frames of a stream, each with a scene of its own: who has nothing left to do of one goes on with the next, and nobody
-# waits at a frame's end for the slowest. Shown by workers that get no task of the first frame before something is true
-# that takes the others' work on the second.
+# Frames of a stream, each with its own scene. Idle slots start the next frame; no slot waits at the end of a frame for
+# the slowest one. The workers here hold their first task of frame 0 until something is true that needs the other
+# workers to render frame 1.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 trap 'touch "$tmp/over"; rm -rf "$tmp"' EXIT

@@ -1,7 +1,6 @@
 #!/bin/sh
-# The adaptive method, and the ring, with workers that hang: the picture is the same, the run ends without them, and no
-# process remains.
-# What fan gives up for silence is no help here: it would wait for 300 s.
+# The adaptive method and the ring with workers that hang: the picture is the same, the run ends without them, and no
+# process remains. The silence limit of fan does not help here: it is 300 s.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# balance says which job its pictures are of: a slot that announces another one is ended, also where it speaks first, and
-# a picture of which nothing came is missing.
+# balance tells the stages which jobs its pictures have: a slot that announces another job is ended, even if it reports
+# first, and a picture without any fragment is missing.
 . "$(dirname "$0")/lib.sh"
 spdgen -s 1 tetra >a.nff
 spdgen -s 1 balls >b.nff

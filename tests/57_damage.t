@@ -1,6 +1,6 @@
 #!/bin/sh
-# One seeded fault in one of the streams of a run, either way: the same picture, or a status other than 0 with a reason.
-# FAULTS=5000 FIRST=SEED tests/57_damage.t is a campaign; what failed is printed as a command.
+# One seeded fault in one stream of a run, in either direction: the picture is the same, or the status is not 0 and a
+# message gives the reason. FAULTS=5000 FIRST=SEED tests/57_damage.t is a campaign; a failure is printed as a command.
 . "$(dirname "$0")/lib.sh"
 cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o damage "$root/tests/damage.c" "$root/build/libstormring.a" -lpng -lz -lm ||
 	{ echo 'Bail out! tests/damage.c does not compile'; exit 3; }

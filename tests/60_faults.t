@@ -1,6 +1,6 @@
 #!/bin/sh
-# Invariants 3, 4 and 6 on one machine: whoever is killed, stops, babbles or leaves, nothing is lost that the method
-# can save, what is missing is named, and no process remains.
+# Invariants 3, 4 and 6 on one machine. Processes are killed, stop, send garbage or leave: no task is lost that the
+# method can save, missing pixels are listed, and no process remains.
 . "$(dirname "$0")/lib.sh"
 needs ps
 

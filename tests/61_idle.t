@@ -1,6 +1,6 @@
 #!/bin/sh
-# Invariant 4 for chains that have nothing to do: who waits for work sees at once that its reader has gone, and costs
-# nothing while it waits.
+# Invariant 4 for idle chains: a stage that waits for work notices at once that its reader has gone, and uses no
+# processor time while it waits.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Hosts without hosts: shells of this machine play them, well or badly. Who cannot be reached is tried again, who is not
-# to be trusted is refused, nobody is waited for in vain, and the picture is the same.
+# Hosts played by shells of this machine, which behave well or badly. fan retries hosts that it cannot reach, refuses
+# hosts that it must not trust, waits for none in vain, and the picture is the same.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The ring on this machine: whoever is killed, stops, babbles or leaves, nothing is lost and no process remains; and what
-# fan makes of the records between nodes and hub.
+# The ring on this machine. Processes are killed, stop, send garbage or leave: no task is lost and no process remains.
+# Also: how fan handles the records between nodes and hub.
 # shellcheck disable=SC2154,SC2016,SC2046,SC2094  # lib.sh sets them; scripts for others; a pid each; a log that grows
 . "$(dirname "$0")/lib.sh"
 needs ps

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The ring as published, on this machine: complete without faults, and when a node dies before it was robbed or robs.
+# The ring by the published rules, on this machine: complete without faults, and when a node dies before any steal.
 # shellcheck disable=SC2154,SC2046  # lib.sh sets them; a pid each
 . "$(dirname "$0")/lib.sh"
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A log that is gone on with: what is left out, what is refused and by which name, what a torn end costs, who else may
-# have it, a full disk, a word at Ctrl-C, and kill -9 at random moments.
+# Resuming from a log: tasks that are left out, logs that are refused and by which name, the cost of a torn end, a
+# second run on the same log, a full disk, the message at Ctrl-C, and kill -9 at random moments.
 . "$(dirname "$0")/lib.sh"
 
 # shellcheck disable=SC2154  # lib.sh sets them

@@ -1,5 +1,5 @@
 #!/bin/sh
-# balance -S and balance calibrate, with hosts that are other ways to this machine; what is done over ssh is in 7*.t.
+# balance -S and balance calibrate with hosts that are commands on this machine; 7*.t test ssh.
 . "$(dirname "$0")/lib.sh"
 
 # shellcheck disable=SC2154  # lib.sh sets them

@@ -1,5 +1,5 @@
 #!/bin/sh
-# balance auto: what it names, by powers, round trips and costs; and that it renders by it.
+# balance auto: the method that it chooses by powers, round trips and costs; and it renders with that method.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 

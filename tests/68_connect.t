@@ -1,6 +1,6 @@
 #!/bin/sh
-# Connections that fail: what no second try can mend ends the host at once, with one line that says what to do; other
-# failures are tried again, which is said. Scripts speak as ssh does; 71_ssh.t has the real one.
+# Connections that fail. A failure that no retry can mend ends the host at once, with one line that says what to do.
+# After other failures fan tries again and says so. Scripts print the messages of ssh; 71_ssh.t uses ssh itself.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# balance -v: what a lying worker computed is found by another host; honest runs pass. Hosts are commands on this machine.
+# balance -v: another host finds the pixels of a lying worker; honest runs pass. Hosts are commands on this machine.
 # shellcheck disable=SC2154,SC2016  # lib.sh and marked.sh set them; scripts for others
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh

@@ -1,5 +1,6 @@
 #!/bin/sh
-# tests/hosts itself: hosts are reached by ssh, see neither the clone nor the scene, obey, and leave nothing behind.
+# tests/hosts itself: test hosts are reached by ssh, see neither the clone nor the scene, take commands, and leave
+# nothing behind.
 want_hosts=0
 . "$(dirname "$0")/hosts.sh"
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others

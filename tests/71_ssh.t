@@ -1,6 +1,7 @@
 #!/bin/sh
-# Three hosts of unequal power, reached by ssh, that have neither the clone nor the scene: the same pixels by every
-# method, however they are named and whatever they say first; who would spoil the picture is refused by name.
+# Three hosts of unequal power, reached by ssh, without the clone and the scene: the same pixels by every method,
+# however the hosts are named and whatever their start-up files print. A host that would spoil the picture is refused by
+# name.
 want_hosts=3
 . "$(dirname "$0")/hosts.sh"
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for hosts

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Real faults on three hosts reached by ssh. Methods on deal finish with the same pixels and report each lost slot; static
-# ones say what is missing, and how to get it; nothing is left on any host. How long a fault went unnoticed is printed,
-# not judged, since the machine's load decides it.
+# Real faults on three hosts reached by ssh. Methods on deal finish with the same pixels and report each lost slot.
+# Static methods list the missing pixels and the command that renders them. No process remains on any host. The time
+# until a fault is noticed is printed and not judged, because it depends on the load of the machine.
 # shellcheck disable=SC2154,SC2016,SC2046  # lib.sh sets them; scripts for hosts; a pid each
 want_hosts=3
 . "$(dirname "$0")/hosts.sh"

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Invariant 6 under load: many slots, many tasks, a large picture, a reader that pauses. The picture is complete and
-# the same, nobody is lost, and memory and descriptors stay within what fan(1), deal(1) and gather(1) promise.
-# tests/soak/loads.sh has more of all of it.
+# Invariant 6 under load: many slots, many tasks, a large picture, a reader that pauses. The picture is complete and the
+# same, no slot is lost, and memory and descriptors stay within the limits of fan(1), deal(1) and gather(1).
+# tests/soak/loads.sh has larger cases.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=peaks.sh
 . "$root/tests/peaks.sh"

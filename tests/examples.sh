@@ -1,4 +1,4 @@
-# For tests that run the commands which pages show. Read it after lib.sh.
+# For tests that run the commands of man pages. Read it after lib.sh.
 # shellcheck shell=sh disable=SC2154
 
 # examples FILE: in literal displays of EXAMPLES (in README: in code blocks), the lines that begin with "$ ", with the

@@ -1,5 +1,6 @@
-# For tests that need test hosts. Begin with `want_hosts=N` and `. "$(dirname "$0")/hosts.sh"` in the place of lib.sh:
-# the test starts again among N hosts (0: as it is), or is skipped where there can be none; lib.sh and marked.sh are read here.
+# For tests that need test hosts. Begin with `want_hosts=N` and `. "$(dirname "$0")/hosts.sh"` in the place of lib.sh.
+# The test starts again among N hosts (0: without hosts), or is skipped if test hosts are impossible. hosts.sh reads
+# lib.sh and marked.sh.
 # shellcheck shell=sh disable=SC2034,SC2154
 tests=$(cd "$(dirname "$0")" && pwd) && tests=${tests%/tests*}/tests || exit 3
 hosts() { "$tests/hosts" "$@"; }

@@ -1,5 +1,5 @@
-# For tests that look after processes: those started with MARK=$mark in their environment, which they cannot shake off.
-# Read it after lib.sh. No shell of the test itself has the mark; what is left of them is killed at the end.
+# For tests that watch processes. Read it after lib.sh. Processes started with MARK=$mark in their environment keep it,
+# and so do their children. No shell of the test itself has the mark. At the end the processes that remain are killed.
 # shellcheck shell=sh disable=SC2154
 mark=stormring-test-$$
 alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }

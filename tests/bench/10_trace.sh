@@ -1,7 +1,7 @@
 #!/bin/sh
-# 10_trace: a whole run of rtworker against POV-Ray's trace time alone, CPU seconds on one core, medians of 5 rounds.
-# Ours is all of `partition | rtworker`: reading, building, tracing, writing fragments. POV-Ray's is what it reports for
-# tracing, without parsing, bounding and writing; beside it the CPU time and wall time of its whole run.
+# 10_trace: CPU seconds of a whole run of rtworker against POV-Ray's trace time alone, on one core, medians of 5 rounds.
+# Ours is all of `partition | rtworker`: reading, building, tracing, writing fragments. POV-Ray's is the time that it
+# reports for tracing, without parsing, bounding and writing; beside it the CPU time and wall time of its whole run.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=5 size=512

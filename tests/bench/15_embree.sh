@@ -1,8 +1,9 @@
 #!/bin/sh
-# 15_embree: our ray tracing kernels against those of Embree (Debian's 3), one core: the same shading asks both for the
-# same rays, depth 5, one sample a pixel. Time to trace a picture and to build the hierarchy, medians of 9 in turns, beside
-# the fastest of Embree's: one ray a call, 16, or 16 that it is told are coherent. Embree computes in float, ours decides
-# hits in double: how far its picture is from ours stands beside. Scenes with cones are left out, as Embree has none.
+# 15_embree: our ray tracing kernels against those of Embree (Debian's 3), on one core. The same shading code asks both
+# for the same rays, depth 5, one sample a pixel. Columns: time to trace a picture and to build the hierarchy, medians
+# of 9 in turns; for Embree the fastest of single rays, packets of 16, and packets of 16 marked as coherent; and the
+# difference of the pictures, because Embree computes in float while we decide hits in double. Embree has no cones, so
+# scenes with cones are left out.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 built embree_bench -lembree3

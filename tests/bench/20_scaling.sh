@@ -1,9 +1,9 @@
 #!/bin/sh
-# 20_scaling: elapsed time of master-slave with two slots against the pipeline of one worker, on a frame of more than
-# 10 s CPU; median of the ratios of 3 pairs, for a frame with many samples and for one with many pixels (which are 105
-# MB of fragments to pass on). It wants two idle cores. Two things bound the ratio from below, and are
-# measured beside it: what cannot be divided, and what the machine loses when both cores work (two threads of one core,
-# or a neighbour: two of the pipelines at once, which share nothing, show that).
+# 20_scaling: elapsed time of master-slave with two slots against the pipeline of one worker, on a frame of more than 10
+# s CPU; median of the ratios of 3 pairs, for a frame with many samples and for one with many pixels (105 MB of
+# fragments). It needs two idle cores. Two things bound the ratio from below, and are measured beside it: the serial
+# part, and the loss of the machine when both cores work (two hardware threads of one core, or other load), shown by two
+# independent pipelines at once.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 pairs=3

@@ -1,6 +1,6 @@
 #!/bin/sh
-# 30_overhead: what a task costs besides its pixels: CPU time of all processes for 10,000 tasks of a pixel through deal
-# and fan, less that for the same picture by rows; medians of 7 differences.
+# 30_overhead: the cost of a task besides its pixels: CPU time of all processes for 10,000 tasks of one pixel through
+# deal and fan, less the time of the same picture by rows; medians of 7 differences.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=7 size=100x100 tasks=10000

@@ -1,5 +1,5 @@
 #!/bin/sh
-# 40_latency: from command to picture, where there is next to nothing to render: median of 9.
+# 40_latency: time from command to picture for a scene with almost nothing to render; median of 9.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=9

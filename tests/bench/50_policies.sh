@@ -1,7 +1,8 @@
 #!/bin/sh
-# 50_policies: when does what deal and partition offer beyond the papers pay? Makespan / lower bound of each method, in
-# virtual time (the shipped policy, a model of slots and links), on costs measured per 16 pixels of the papers' scenes
-# at 512x512; medians of 5 such measurements. The bound is that of DESIGN for pixels; it knows nothing of latency, nor of the host that slows down.
+# 50_policies: when do the options of deal and partition that the papers do not have pay? Makespan / lower bound of each
+# method in virtual time (the shipped policy, a model of slots and links), with costs measured per 16 pixels of the
+# scenes of the papers at 512x512; medians of 5 such measurements. The lower bound is that of pixels; it ignores latency
+# and the host that slows down.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds='1 2 3 4 5'

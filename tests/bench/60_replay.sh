@@ -1,10 +1,10 @@
 #!/bin/sh
-# 60_replay: the GDC paper's 14 hosts on this machine, through the real deal, fan, pipes and gather: 12 of power 1, one of .442
-# and one of 1.347, rows of 512x512 at 1/20 of the paper's times, 97.86 s for balls on the reference host, 11.15 times that
-# for gears and .455 times for tetra. Efficiency is the lower bound / the makespan, by default settings; start is at 0. All
-# 14 start-ups share two cores here, and messages do not shrink with the costs: in 1/20 of the time both weigh 20 times as
-# much (SHRINK=2 has 1/2 of it; METHODS names the methods). masterslave+ is with deal's -q auto -e. It wants two idle cores,
-# and takes some minutes. How true a replay is, says protocol agreement.
+# 60_replay: the GDC paper's 14 hosts on this machine, through the real deal, fan, pipes and gather: 12 of power 1, one
+# of .442 and one of 1.347, rows of 512x512 at 1/20 of the paper's times (97.86 s for balls on the reference host, 11.15
+# times that for gears, .455 times for tetra). Efficiency is lower bound / makespan with default settings; all slots
+# start at 0. 14 start-ups share two cores here, and messages do not shrink with the costs: at 1/20 of the time both
+# weigh 20 times as much (SHRINK=2 sets 1/2; METHODS names the methods). masterslave+ is with deal -q auto -e. It needs
+# two idle cores and some minutes. `protocol agreement` measures how exact a replay is.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} shrink=${SHRINK:-20} methods=${METHODS:-interleaved masterslave hybrid ss sc ds dc masterslave+}

@@ -1,9 +1,9 @@
 #!/bin/sh
-# 70_peers [SIDE]: the same picture of SPD's gears, SIDE x SIDE pixels (a multiple of 8; 512 and 1536 unless given), by
-# what people use on one machine of two cores. Each is a script, as short as it can be written, which gets W workers and
-# the side S: its lines are counted, it is timed with one worker and with two (medians of 3 interleaved runs), and then,
-# at the longer side, it is run once more, and half way through one of its two workers is killed (kill -9). Is there a
-# picture, is it the same, and what does the exit status say? A peer that is not installed is a line that says so.
+# 70_peers [SIDE]: the same picture of SPD's gears, SIDE x SIDE pixels (a multiple of 8; default 512 and 1536), by the
+# tools that people use on one machine of two cores. Each is a script, as short as possible, which gets W workers and
+# the side S. Columns: its lines; times with one worker and with two (medians of 3 interleaved runs); and the result, at
+# the longer side, when one of its two workers is killed half way (kill -9): picture, differences, exit status. A line
+# names each tool that is not installed.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 # Whatever a killed run has left is found by the mark in its environment.

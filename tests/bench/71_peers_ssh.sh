@@ -1,8 +1,8 @@
 #!/bin/sh
-# 71_peers_ssh [SIDE]: the same picture of SPD's gears, SIDE x SIDE pixels (1536 unless given), on three test hosts
-# (tests/README) that have the programs and nothing else, by `balance -S` and by GNU parallel, which takes the scene
-# there by rsync. Medians of 3 interleaved runs; then a worker is killed half way, and then a host's cable is out from
-# half way on. The hosts share this machine's cores: it is the way that is compared, not its speed on more machines.
+# 71_peers_ssh [SIDE]: the same picture of SPD's gears, SIDE x SIDE pixels (default 1536), on three test hosts
+# (tests/README) that have only the programs, by `balance -S` and by GNU parallel, which copies the scene there by
+# rsync. Medians of 3 interleaved runs; then a worker is killed half way; then a host's cable is out from half way on.
+# The hosts share the cores of this machine, so the methods are compared and not the speed on more machines.
 hosts=$(cd "$(dirname "$0")/.." && pwd)/hosts
 why=$("$hosts" check 2>&1) || { echo "71_peers_ssh: no test hosts: $why"; exit 0; }
 [ -n "${TEST_HOSTS-}" ] || exec "$hosts" with 3 "$0" "$@"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# 80_simulate: many hosts in virtual time. 1000 unequal ones (from 1/3 to 3) at links of .5 ms, where tasks have to be shorter
-# than rows: gears of 512x512 by runs of two pixels, at the GDC paper's 1091 s, medians of nine measured costs (ROUNDS). And
-# 10,000 of them with 1,000,000 tasks: how long that takes to simulate. Fewer hosts, and what a steal costs: protocol
-# latency, scale and steals.
+# 80_simulate: many hosts in virtual time. 1000 unequal hosts (powers 1/3 to 3) at links of .5 ms, where tasks must be
+# shorter than rows: gears of 512x512 by runs of two pixels, at the GDC paper's 1091 s, medians of nine measured costs
+# (ROUNDS). And the time to simulate 10,000 hosts with 1,000,000 tasks. For fewer hosts, and the cost of a steal, see
+# protocol latency, scale and steals.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=../peaks.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# 85_grids: VTK's own reader opens what nc2vtk and grib2vtk write, and its writer's files are taken: the same numbers,
-# bit by bit, and the time that each takes to read. For `make bench`, since python3-vtk9 is 400 MB.
+# 85_grids: VTK's own reader opens the files of nc2vtk and grib2vtk, and ours opens the files of its writer: the same
+# numbers, bit by bit, and the time that each takes to read. For `make bench`, because python3-vtk9 takes 400 MB.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 ncarg=/usr/share/ncarg/data ferret=/usr/share/ferret-vis/data

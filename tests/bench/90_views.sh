@@ -1,8 +1,8 @@
 #!/bin/sh
-# 90_views: the rule of spdgen -V imbalanced, whose results lib/spd has. In balls, gears and tetra of size 2, 512x512,
-# the camera is turned about its place, up or down, until the costs of rows vary twice as much as in SPD's own view,
-# or, where no view does, until they vary most: by whole degrees, the least of them. Cost is CPU time of rtworker, for
-# each row the least of several runs; its variation is the standard deviation / the mean. Some minutes.
+# 90_views: computes the views of spdgen -V imbalanced, which lib/spd has. In balls, gears and tetra of size 2, 512x512,
+# the camera turns about its place, up or down, by whole degrees, until the costs of rows vary twice as much as in SPD's
+# own view, or, if no view does, until they vary most; of several such views the smallest turn. Cost is CPU time of
+# rtworker, for each row the least of several runs; variation is standard deviation / mean. Takes some minutes.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 runs=${RUNS:-9} factor=2 most=40

@@ -1,8 +1,9 @@
 #!/bin/sh
-# 91_frames: many pictures in one stream, on two workers: a year of the ocean atlas, a grid a month, and a turn round
-# the wind, a view each 15 degrees; here, and over links of 10 ms each way, with queues that are deep enough for them.
-# Efficiency is what one worker alone takes for the whole stream / 2 / the run's wall time: not 1 where each loads every
-# grid. Median of ROUNDS; STREAMS and WHERE name some of the cases. BEFORE=DIR: programs of another version, in turns.
+# 91_frames: many pictures in one stream on two workers: a year of the ocean atlas, one grid a month; and a turn round
+# the wind, one view each 15 degrees. Both without delay, and over links of 10 ms each way with queues deep enough for
+# them. Efficiency is the time of one worker for the whole stream / 2 / the wall time of the run; it is below 1 if each
+# worker loads every grid. Median of ROUNDS; STREAMS and WHERE name some of the cases. BEFORE=DIR compares programs of
+# another version, in turns.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} size=800x600

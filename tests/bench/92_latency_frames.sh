@@ -1,8 +1,8 @@
 #!/bin/sh
-# 92_latency_frames: 100 frames of 64x48 on two hosts that are MS (25) away each way, by interleaved, by adaptive and by
-# what else METHODS names ("ds" and "masterslave": a round trip for each task). Seconds from the first byte to the last
-# picture, in turns, ROUNDS times; the last line is the median of adaptive / interleaved. Frames of 2 ms (which the link
-# decides) and of 20 ms (which the hosts decide).
+# 92_latency_frames: 100 frames of 64x48 on two hosts that are MS (25) ms away each way, by interleaved, by adaptive and
+# by the methods in METHODS ("ds" and "masterslave": a round trip for each task). Seconds from the first byte to the
+# last picture, in turns, ROUNDS times; the last line is the median of adaptive / interleaved. Frames of 2 ms (the link
+# decides) and of 20 ms (the hosts decide).
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} ms=${MS:-25} size=64x48

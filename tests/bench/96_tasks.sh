@@ -1,7 +1,7 @@
 #!/bin/sh
-# 96_tasks: D_S on all cores with real workers, against the pixels in a task, with the overhead of tasks and the uneven end
-# told apart: what a slot was on tasks for, what it waited between them, and what it had left at the end, after start-up.
-# StormView's input is its paper's own size and view; the looks of make demo-volume are 18 times as many pixels.
+# 96_tasks: D_S on all cores with real workers, against the pixels in a task. It separates the overhead of tasks from
+# the uneven end: time in tasks, time between tasks, and idle time at the end, after start-up. StormView's input has the
+# size and the view of its paper; the pictures of make demo-volume have 18 times as many pixels.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 rounds=${ROUNDS:-5} sizes=${SIZES:-'63 125 250 500 1000 2000 4000 8000 16000'} slots=$(nproc)

@@ -1,6 +1,6 @@
-# What the measurements share. Begin with `. "$(dirname "$0")/lib.sh"`: that goes to a
-# temporary directory $tmp, removed on every exit, with this clone's programs first on PATH. A timing is a line of
-# numbers; statistics are of columns of lines. Interleave what is compared: A B A B, so that both meet the same noise.
+# Functions for measurements. Begin with `. "$(dirname "$0")/lib.sh"`: it changes to a temporary directory $tmp, which
+# every exit removes, and puts the programs of this clone first on PATH. A timing is a line of numbers; statistics are
+# of columns of lines. Interleave the alternatives: A B A B, so that both meet the same noise.
 # shellcheck shell=sh disable=SC2034
 LC_ALL=C && export LC_ALL # numbers have a point, in any language
 set -u

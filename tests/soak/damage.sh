@@ -1,6 +1,6 @@
 #!/bin/sh
-# damage.sh [LOGS [STREAMS [SEED]]]: one seeded fault in each of LOGS logs and of STREAMS streams of live runs: the same
-# picture, or a status other than 0 with a reason.
+# damage.sh [LOGS [STREAMS [SEED]]]: one seeded fault in each of LOGS logs and of STREAMS streams of live runs. The
+# picture is the same, or the status is not 0 and a message gives the reason.
 . "$(dirname "$0")/../lib.sh"
 logs=${1:-10000} streams=${2:-10000} seed=${3:-$(date +%s)}
 diag "seed $seed"

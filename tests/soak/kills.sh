@@ -1,6 +1,7 @@
 #!/bin/sh
-# kills.sh [RUNS [SEED]]: kill -9 at a random moment of a random process of a random chain, now and then with another
-# one stopped. Nothing may remain; and where only a worker dies under deal, the picture is the same and the exit 0.
+# kills.sh [RUNS [SEED]]: kill -9 at a random moment of a random process of a random chain, sometimes while another
+# process is stopped. No process remains. If only a worker dies under deal, the picture is the same and the exit status
+# is 0.
 . "$(dirname "$0")/../lib.sh"
 runs=${1:-200} seed=${2:-$(date +%s)}
 # shellcheck source=../marked.sh

@@ -1,6 +1,7 @@
 #!/bin/sh
-# 64 slots on eight hosts by ssh: complete, the same picture, nobody lost; the same with a reader that pauses for 5 s,
-# and as a tree of one connection a host. Memory and descriptors of the stages here are bounded.
+# 64 slots on eight hosts by ssh: the picture is complete and the same, and no slot is lost. The same with a reader that
+# pauses for 5 s, and as a tree with one connection per host. Memory and descriptors of the stages on this machine are
+# bounded.
 want_hosts=8
 . "$(dirname "$0")/../hosts.sh"
 # shellcheck disable=SC2154  # hosts.sh sets it

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Much of everything: a million tasks, a hundred thousand frames, a scene of 40 MB, many slots, a reader that sleeps.
-# Memory of deal and fan is bounded, nobody is lost by mistake, nothing takes quadratic time.
+# Large loads: a million tasks, a hundred thousand frames, a scene of 40 MB, many slots, a reader that sleeps. Memory of
+# deal and fan is bounded, no slot is lost by mistake, and no time is quadratic.
 . "$(dirname "$0")/../lib.sh"
 spdgen -s 2 tetra >tetra.nff
 # shellcheck source=../peaks.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# restart.sh [POINTS [SEED]]: kill -9 at random moments of runs that keep a log, each time of the last stage or of the
-# whole group, then the same command until it is done: the same picture, and nothing rendered again that the log holds.
+# restart.sh [POINTS [SEED]]: kill -9 of the last stage or of the whole group, at random moments of runs that keep a
+# log; then the same command until it is done. The picture is the same, and no task of the log is rendered again.
 . "$(dirname "$0")/../lib.sh"
 points=${1:-200} seed=${2:-$(date +%s)}
 # shellcheck disable=SC2154  # lib.sh sets tmp

@@ -1,6 +1,6 @@
 #!/bin/sh
-# seeds.sh [SEEDS [FIRST]]: so many seeds of everything that can go wrong, for deal and for the ring; and from 0 on for
-# the ring as published. What fails says how to repeat it.
+# seeds.sh [SEEDS [FIRST]]: SEEDS seeds of all faults, for deal and for the ring; and from 0 on for the published ring.
+# A failure is printed as a command.
 . "$(dirname "$0")/../lib.sh"
 seeds=${1:-100000} first=${2:-0}
 for method in deal ring; do
