@@ -4,27 +4,31 @@
  *
  *     spin -a published.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && ./pan -a
  *
- * Without faults all runs end: where nothing can happen any more everything is complete (watch), and no state comes
- * twice (watch accepts all of them, and -a finds every cycle). With CRASHES=1 ./pan, and with the other faults, some
- * do not; with HAZARD=k only hazard k, of those that ringctl(1) lists, is a failure, and the assertion that fails has
+ * Without faults all runs end: when no step is possible any more, all rows are complete (watch), and no state comes
+ * twice (watch accepts all states, and -a finds every cycle). With CRASHES=1 ./pan, and with the other faults, some
+ * runs do not end. With HAZARD=k, only hazard k of HAZARDS in ringctl(1) is a failure, and the assertion that fails has
  * its name.
  *
- * CRASHES nodes die and RETURNS of them come up again, LOSES messages from node to node are lost, SLOW reports of a
- * crash are wrong, each at most. Else a time-out is as long as it should be: a request is repeated when it, or its
- * answer, was lost, and a crash is reported when there was one. Links are as in ring.pml, but what is under way to
- * a node that dies is lost. Left out: the number of tries; the order in which those who wait for an answer get it.
+ * At most CRASHES nodes die, RETURNS of them come up again, LOSES messages between nodes are lost, and SLOW reports of
+ * a crash are wrong. Otherwise timeouts are right: a request is repeated if it or its answer was lost, and a crash is
+ * reported if a node died. Links are as in ring.pml, except that a node that dies loses all messages under way to it.
+ * Left out: the number of requests, and the order of answers to nodes that wait.
  */
-/* One verifier for all: what it is to look at is in its environment. */
+/* One verifier for all cases: the environment says which faults to try, and MUTANT which mutant of the rules. */
 c_decl {
 	\#include <stdlib.h>
+	\#include <string.h>
 	static long given_as(const char *name) { return getenv(name) ? strtol(getenv(name), NULL, 10) : 0; }
+	static int is_mutant(const char *name) { return getenv("MUTANT") && strcmp(getenv("MUTANT"), name) == 0; }
 }
-hidden byte planted, hazard;
-#define BUG(k) (planted == k) /* as in lib/sched */
-#define HAZARD(k) (hazard == k)
+hidden byte hazard;
+#define HAZARD(k) (hazard == k) /* the number in HAZARDS of ringctl(1) */
+/* Mutants: bugs that the verifier must find. They have the same names in tests/mutants/gdc. */
+#define MUTANT(name) name = is_mutant(#name)
+hidden byte asks_the_same_node_again_after_none, does_not_ask_node_0_for_pixels, master_ends_when_all_is_computed;
 #define N 3 /* nodes */
 #define ROWS 5
-#define home(r) ((r) < N -> (r) : 0) /* row r is node r's, the last ones node 0's, which so has some to give */
+#define home(r) ((r) < N -> (r) : 0) /* row r is node r's, the last rows are node 0's, so that it has rows to give */
 #define KEPT 1 /* the first rows, whose pixels are held back */
 #define LINK 24 /* messages on a link: 8, and 8 for each fault */
 
@@ -39,18 +43,18 @@ hidden byte planted, hazard;
 mtype = { TASK, FLUSH, PLACE, ASK, NONE, HEIR };
 
 chan down[N] = [LINK] of { mtype, byte, byte }; /* TASK row of peer; ASK of peer; NONE, HEIR of peer, next */
-byte crashes, returns, loses, slow; /* that may still come */
+byte crashes, returns, loses, slow; /* that may still happen */
 bool began;
-bool over; /* END was said */
+bool over; /* the master has sent END */
 
 /* The master: rows of the global scanline table that are computed, complete, were sent. */
 byte computed, complete, sent;
 byte is_up, met; /* nodes */
 bool asked_all;  /* for a flush */
 byte waits;      /* nodes that wait for an answer */
-byte askers[N];  /* of each node: who asked and was not answered yet */
+byte askers[N];  /* of each node: the nodes that wait for its answer */
 
-/* For watch: who died, ever, and of whom that was said; to whom a row went last; rows that were given away. */
+/* For watch: nodes that ever died; nodes that were reported; the node that each row went to last; rows given away. */
 byte died, reported, at[ROWS] = NONE_OF, given;
 
 hidden byte a_node_that_ended_early, a_stolen_row_whose_thief_dies, a_slow_row_looks_like_a_crash, a_lost_answer,
@@ -59,7 +63,7 @@ hidden byte a, b, c, d;
 
 /* ---- the master --------------------------------------------------------------------------------- */
 
-/* What goes to a dead node is lost. */
+/* Messages to a dead node are lost. */
 inline act(k, w, x, y)
 {
 	if
@@ -90,20 +94,20 @@ inline take_up(k)
 	od
 }
 
-/* The last of what is computed is asked for. */
+/* When all rows are computed, the master asks for the pixels that are missing. */
 inline ends()
 {
 	if
 	:: !asked_all && (computed | complete) == EVERY && complete != EVERY ->
 		asked_all = true;
-		a = BUG(59);
+		a = does_not_ask_node_0_for_pixels;
 		do
 		:: a < N -> act(a, FLUSH, 0, 0); a++
 		:: else -> break
 		od
 	:: else
 	fi;
-	over = (complete | computed * BUG(57)) == EVERY;
+	over = (complete | computed * master_ends_when_all_is_computed) == EVERY;
 	assert(!over || complete == EVERY);
 	a = 0; b = 0; c = 0; d = 0
 }
@@ -174,7 +178,7 @@ inline first(set)
 	od
 }
 
-/* Who asked is answered when no row is under way, or one is just done. */
+/* A node answers when its worker computes no row, or has just done one. */
 inline answer_all(done)
 {
 	a = 0;
@@ -202,7 +206,7 @@ inline answer_all(done)
 	od
 }
 
-/* What ends every step of a node. */
+/* Ends every step of a node. */
 inline goes_on(done)
 {
 	if
@@ -225,8 +229,8 @@ inline goes_on(done)
 
 active [N] proctype node()
 {
-	byte queue, fed, kept, out;       /* kept: computed, pixels held back; out: on their way */
-	bool placed, early, flush, found; /* early: phase 1 has brought nothing yet */
+	byte queue, fed, kept, out;       /* kept: computed, pixels held back; out: pixels under way */
+	bool placed, early, flush, found; /* early: no row of phase 1 has come yet */
 	byte next, row, peer;
 	mtype what;
 
@@ -255,7 +259,7 @@ end_open:
 		:: what == NONE && has(waits, me) && row == next ->
 			if
 			:: peer != NONE_OF && distance(peer) > distance(next) -> search_on(peer)
-			:: else -> next = (BUG(60) -> next : after(next)); search_on(next)
+			:: else -> next = (asks_the_same_node_again_after_none -> next : after(next)); search_on(next)
 			fi
 		:: what == NONE && (!has(waits, me) || row != next)
 		:: what == HEIR && has(waits, me) && row == next -> search_on(peer)
@@ -301,7 +305,7 @@ end_closed:
 	fi
 }
 
-/* A link between nodes that loses the message that is next. */
+/* A link between nodes that loses its next message. */
 active proctype loss()
 {
 	byte k;
@@ -314,13 +318,16 @@ end:
 	od
 }
 
-/* Where nothing can happen any more the end has come; else it is told why not, of each row that is missing. */
+/* When no step is possible any more, the run has ended; otherwise an assertion says why, for each missing row. */
 active proctype watch()
 {
 	byte r;
 	d_step {
 		c_code {
-			planted = given_as("BUG"); hazard = given_as("HAZARD");
+			hazard = given_as("HAZARD");
+			MUTANT(asks_the_same_node_again_after_none);
+			MUTANT(does_not_ask_node_0_for_pixels);
+			MUTANT(master_ends_when_all_is_computed);
 			now.crashes = given_as("CRASHES"); now.returns = given_as("RETURNS");
 			now.loses = given_as("LOSES"); now.slow = given_as("SLOW");
 		};
@@ -332,7 +339,7 @@ accept_end:
 		:: !over && r < ROWS ->
 			a = home(r); b = at[r];
 			if
-			:: has(complete, r) || has(computed, r) /* who has it waits for the others */
+			:: has(complete, r) || has(computed, r) /* its node waits for the others */
 			:: else ->
 				a_node_that_ended_early = HAZARD(1) && has(died, a) && !has(is_up | reported, a) && b == a;
 				a_stolen_row_whose_thief_dies = HAZARD(2) && !has(died, a) && b != a && has(died, b);

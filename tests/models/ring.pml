@@ -4,36 +4,48 @@
  *
  *     spin -a ring.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && CRASHES=2 ./pan -a
  *
- * Holds, however the steps interleave: a row is committed once; one that is not has an owner that is up, or waits
- * for one that may come up; the end does not come before all are committed; where nothing can happen any more it
- * has come; and no state comes twice (as long as there is more to come watch accepts all of them, and -a finds every
- * cycle), so that every run gets there.
+ * These hold in every order of the steps:
  *
- * Nodes die, CRASHES times, and their connections are made anew, RETURNS times, at any moment; both at most: faults
- * stop. Links are FIFO. What is under way to a node that dies is lost from its beginning to anywhere, and the rest
- * meets the next connection. What is under way from a node needs no states: all that it does to others goes through
- * that one link, so that a message which arrives late is a step that was taken late, and one that is lost with the
- * connection was never said. Pixels may be held back until they are asked for; those of a node that dies are lost,
- * or come late.
+ * - A row is committed once.
+ * - An uncommitted row has an owner that is up, or waits for a node that may come up.
+ * - The run does not end before all rows are committed.
+ * - When no step is possible any more, the run has ended.
+ * - No state comes twice, so every run ends. (Until the end, watch accepts all states, and -a finds every cycle.)
  *
- * LATE times an answer takes too long, whenever and whatever for.
+ * At any moment a node may die, at most CRASHES times, and reconnect, at most RETURNS times. So faults stop. Links are
+ * FIFO. When a node dies, its link loses messages from the first one up to any other; the next connection gets the
+ * rest. Messages from a node need no states: a node acts on others only through its one link, so a message that arrives
+ * late is a step taken late, and a message lost with the connection was never sent. Pixels may be held back until a
+ * flush. When a node dies, its pixels are lost or come late.
  *
- * Left out: time, so that of those with work left the next in the ring is asked, not the one with most; who is
- * asked gives nothing, or half of its queue, whatever it is worth; and a node may ask ahead once while its worker
- * is on a row, or not (in C as long before the end of the row as an ask takes; a worker that is late is expected to
- * be as late again); and so the NONE for who has to wait, whose measure of time it is for. The worker behind the
- * node, and its pipe. Frames, and pieces of a row.
+ * At most LATE answers take too long, at any moment, of any node.
+ *
+ * Left out:
+ *
+ * - Time. The hub asks the next node that has rows, not the one with most work. A node that is asked gives nothing, or
+ *   half of its queue, whatever the costs. A node may ask ahead once while its worker computes a row. (In C it asks
+ *   when the rest of the row takes as long as an ask.) The hub sends no NONE to nodes that wait, which use it to measure
+ *   time.
+ * - The worker behind the node, and its pipe.
+ * - Frames, and pieces of a row.
  */
-/* One verifier for all: what it is to look at is in its environment. */
+/* One verifier for all cases: the environment says which faults to try, and MUTANT which mutant of the rules. */
 c_decl {
 	\#include <stdlib.h>
+	\#include <string.h>
 	static long given_as(const char *name) { return getenv(name) ? strtol(getenv(name), NULL, 10) : 0; }
+	static int is_mutant(const char *name) { return getenv("MUTANT") && strcmp(getenv("MUTANT"), name) == 0; }
 }
-hidden byte planted;
-#define BUG(k) (planted == k) /* as in lib/sched, where it says so; 1 to 3 are of this file */
+/* Mutants: bugs that the verifier must find. Those of tests/mutants/ring have the same names there. */
+#define MUTANT(name) name = is_mutant(#name)
+hidden byte asks_while_its_worker_computes, counts_a_gift_from_a_node_that_does_not_own_the_task,
+	does_not_ask_a_node_again_for_pixels_of_later_tasks, does_not_send_a_node_the_tasks_that_waited_for_it,
+	forgets_computed_tasks_of_a_lost_node, forgets_held_tasks_of_a_lost_node,
+	hub_ends_when_all_is_computed, ignores_a_computed_task_that_comes_again, ignores_a_gift_of_a_computed_row,
+	ignores_a_gift_that_comes_late, takes_a_void_gift_for_no_answer;
 #define N 3
 #define ROWS 4
-#define EARLY 3 /* rows that are there; the others come in at any time */
+#define EARLY 3 /* rows that exist at the start; the others come at any time */
 #define KEPT 1 /* the first rows, whose pixels are held back */
 #define LINK 8 /* messages on a link */
 
@@ -43,10 +55,10 @@ hidden byte planted;
 #define with(set, i) ((set) | bit(i))
 #define without(set, i) ((set) & (255 - bit(i)))
 #define EVERY (bit(ROWS) - 1)
-/* Of sets of up to four: how many; the first, which there is. */
+/* Of sets of up to four members: the number of members; the first member of a set that is not empty. */
 #define size(set) (has(set, 0) + has(set, 1) + has(set, 2) + has(set, 3))
 #define first(set) (has(set, 0) -> 0 : (has(set, 1) -> 1 : (has(set, 2) -> 2 : 3)))
-/* Of sets of nodes: the first member after k, or before it, k itself the last; NONE_OF: the set is empty. */
+/* Of sets of nodes: the first member after k, or before k; k itself comes last. NONE_OF if the set is empty. */
 #define at_or(set, k, or) (has(set, k) -> (k) : or)
 #define set_after(set, k) at_or(set, ((k) + 1) % N, at_or(set, ((k) + 2) % N, at_or(set, k, NONE_OF)))
 #define set_before(set, k) at_or(set, ((k) + 2) % N, at_or(set, ((k) + 1) % N, at_or(set, k, NONE_OF)))
@@ -54,16 +66,17 @@ hidden byte planted;
 mtype = { TASK, FLUSH, PLACE, ASK };
 
 chan down[N] = [LINK] of { mtype, byte }; /* TASK row; ASK for peer; FLUSH; PLACE */
-byte crashes, returns, late_answers; /* that may still come */
+byte crashes, returns, late_answers; /* that may still happen */
 byte strays; /* rows whose pixels outlived their connection */
-byte came;   /* rows */
-bool began, input_ended, over; /* over: END was said */
+byte came;   /* rows that have come in */
+bool began, input_ended, over; /* over: the hub has sent END */
 
-/* The ledger: rows that are not committed; those whose pixels miss; and whose they are: NONE_OF, the pool's. */
+/* The ledger. held: rows not computed; computed: rows whose pixels are missing; owned: rows of each node, and of the
+   pool at NONE_OF. */
 byte held, computed, owned[N + 1];
-/* What the hub knows of nodes; given: whose victim was given a row since. */
+/* The hub's knowledge of the nodes, as sets. given: thieves whose victim has got a row since it was asked. */
 byte is_up, gone, asking, dry, silent, flushed, given, hungry, rich, late;
-byte victim[N] = NONE_OF; /* of a node: who was asked for it, and has not answered */
+byte victim[N] = NONE_OF; /* of a node: the node that was asked for it and has not answered */
 byte committed; /* for watch */
 
 hidden byte a, b, c, d, e, f;
@@ -106,7 +119,7 @@ inline part(thief)
 	fi
 }
 
-/* Whoever asked k has to ask another one. Uses e. */
+/* Nodes that wait for an answer of k must ask another node. Uses e. */
 inline pass_on(k)
 {
 	e = 0;
@@ -117,7 +130,7 @@ inline pass_on(k)
 	od
 }
 
-/* What k was asked takes too long: it may be out of reach, or not. */
+/* An answer of k takes too long. k may be out of reach, or not. */
 inline ring_late(k)
 {
 	late_answers--;
@@ -132,7 +145,7 @@ inline note_life(k)
 	hub_mark(k)
 }
 
-/* Row r is k's, or nobody's. */
+/* Node k, or the pool, owns row r. */
 inline enlist(r, k)
 {
 	owned[0] = without(owned[0], r); owned[1] = without(owned[1], r);
@@ -142,7 +155,7 @@ inline enlist(r, k)
 
 inline send(k, r)
 {
-	put(flushed, k, BUG(38) && has(flushed, k));
+	put(flushed, k, does_not_ask_a_node_again_for_pixels_of_later_tasks && has(flushed, k));
 	act(k, TASK, r);
 	asking = without(asking, k);
 	dry = without(dry, k);
@@ -162,7 +175,7 @@ inline assign(r, k)
 	fi
 }
 
-/* What waits for a node that is not up yet the hub gives, half of it, from its beginning. */
+/* The hub gives away the first half of the rows that wait for a node that is not up yet. */
 inline give_late()
 {
 	do
@@ -211,7 +224,7 @@ inline take_up(k)
 	do
 	:: a < ROWS ->
 		if
-		:: has(held & owned[k], a) && !BUG(36) -> send(k, a)
+		:: has(held & owned[k], a) && !does_not_send_a_node_the_tasks_that_waited_for_it -> send(k, a)
 		:: has(owned[NONE_OF], a) -> assign(a, k)
 		:: else
 		fi;
@@ -232,7 +245,8 @@ inline take_gone(k)
 	do
 	:: a < ROWS ->
 		if
-		:: has(owned[k] & (held * !BUG(28) | computed * !BUG(27)), a) -> assign(a, k)
+		:: has(owned[k] & (held * !forgets_held_tasks_of_a_lost_node |
+			computed * !forgets_computed_tasks_of_a_lost_node), a) -> assign(a, k)
 		:: else
 		fi;
 		a++
@@ -286,20 +300,21 @@ inline ring_has_none(k, peer)
 inline take_give(k, r, peer)
 {
 	if
-	:: has(owned[k] & ~(computed * BUG(1)), r) && (!BUG(3) || victim[peer] == k) ||
-	   (BUG(29) && has(held | computed, r)) -> assign(r, peer)
+	:: has(owned[k] & ~(computed * ignores_a_gift_of_a_computed_row), r) &&
+		(!ignores_a_gift_that_comes_late || victim[peer] == k) ||
+		(counts_a_gift_from_a_node_that_does_not_own_the_task && has(held | computed, r)) -> assign(r, peer)
 	:: else ->
 		if
-		:: !BUG(80) -> ring_has_none(k, peer)
+		:: !takes_a_void_gift_for_no_answer -> ring_has_none(k, peer)
 		:: else
 		fi
 	fi;
-	assert(victim[peer] != k); /* whoever asked waits for nobody any more */
+	assert(victim[peer] != k); /* the node that asked waits for no answer any more */
 	hub_mark(k);
 	ask_flush(k)
 }
 
-/* What ends every step, and what must hold after it. */
+/* Ends every step, and checks what must hold after it. */
 inline ends()
 {
 	ring_match();
@@ -307,7 +322,7 @@ inline ends()
 	assert(!(owned[0] * has(gone, 0) | owned[1] * has(gone, 1) | owned[2] * has(gone, 2)));
 	assert(!owned[NONE_OF] || !is_up);
 	if
-	:: input_ended && !held && (!computed || BUG(35)) ->
+	:: input_ended && !held && (!computed || hub_ends_when_all_is_computed) ->
 		assert(committed == EVERY);
 		over = true
 	:: else
@@ -315,19 +330,32 @@ inline ends()
 	c = 0
 }
 
-/* What comes in; and pixels that stray. */
+/* Rows that come in, and pixels that outlived their connection. */
 active proctype input()
 {
 	d_step {
-		c_code { planted = given_as("BUG"); now.crashes = given_as("CRASHES"); now.late_answers = given_as("LATE"); };
+		c_code {
+			now.crashes = given_as("CRASHES"); now.late_answers = given_as("LATE");
+			MUTANT(asks_while_its_worker_computes);
+			MUTANT(counts_a_gift_from_a_node_that_does_not_own_the_task);
+			MUTANT(does_not_ask_a_node_again_for_pixels_of_later_tasks);
+			MUTANT(does_not_send_a_node_the_tasks_that_waited_for_it);
+			MUTANT(forgets_computed_tasks_of_a_lost_node);
+			MUTANT(forgets_held_tasks_of_a_lost_node);
+			MUTANT(hub_ends_when_all_is_computed);
+			MUTANT(ignores_a_computed_task_that_comes_again);
+			MUTANT(ignores_a_gift_of_a_computed_row);
+			MUTANT(ignores_a_gift_that_comes_late);
+			MUTANT(takes_a_void_gift_for_no_answer);
+		};
 		returns = (crashes == 1);
-		do /* so many rows are there when the nodes come up */
+		do /* these rows exist when the nodes come up */
 		:: came < EARLY -> assign(came, came % N); came++
 		:: else -> break
 		od;
 		input_ended = (EARLY == ROWS);
 		b = 0;
-		do /* all are up from the beginning; without crashes they come up at any time */
+		do /* with crashes, all nodes are up from the start; without, they come up at any time */
 		:: crashes && b < N -> take_up(b); b++
 		:: else -> break
 		od;
@@ -366,7 +394,7 @@ inline says_ask()
 	ring_match()
 }
 
-/* The worker has one row; rule 1; with nothing to do any more, what is held back goes. */
+/* The worker gets one row; rule 1; an idle node sends the pixels that it held back. */
 inline feed()
 {
 	if
@@ -374,7 +402,7 @@ inline feed()
 	:: else
 	fi;
 	if
-	:: placed && !asked && !queue && (!fed || BUG(2)) -> says_ask()
+	:: placed && !asked && !queue && (!fed || asks_while_its_worker_computes) -> says_ask()
 	:: else
 	fi;
 	if
@@ -384,7 +412,7 @@ inline feed()
 	row = 0
 }
 
-/* Rules 2 and 3: half of the queue, from its beginning. */
+/* Rules 2 and 3: the first half of the queue. */
 inline answer(peer)
 {
 	e = (size(queue) + 1) / 2; d = 0;
@@ -397,17 +425,17 @@ inline answer(peer)
 		d++
 	:: else -> break
 	od;
-	kept = kept & ~gives; /* the fan takes no pixels of what was given */
+	kept = kept & ~gives; /* fan takes no pixels of rows that were given away */
 	to = peer; d = 0;
 	feed()
 }
 
 active [N] proctype node()
 {
-	byte queue, fed, kept, sent; /* kept: computed, pixels held back; sent: they are on their way */
+	byte queue, fed, kept, sent; /* kept: computed, pixels held back; sent: pixels under way */
 	bool placed, asked, flush;
-	bool ahead; /* it has asked while its worker was on this row */
-	/* What it says before it does anything else, to `to`: NONE, or one GIVE after the other. */
+	bool ahead; /* it has asked while its worker computed this row */
+	/* Before any other step it sends these to node `to`: NONE, or GIVEs one by one. */
 	bool none;
 	byte gives, to;
 	byte row;
@@ -444,7 +472,7 @@ end_open:
 		:: what == TASK ->
 			asked = false;
 			if
-			:: has(queue | fed | kept * BUG(47), row)
+			:: has(queue | fed | kept * ignores_a_computed_task_that_comes_again, row)
 			:: else -> queue = with(queue, row)
 			fi
 		:: what == ASK -> none = placed; to = row * placed
@@ -453,7 +481,7 @@ end_open:
 		fi;
 		what = 0;
 		feed() }
-	:: d_step { !over && none && (!asked || BUG(42)) && queue -> none = false; answer(to) }
+	:: d_step { !over && none && !asked && queue -> none = false; answer(to) }
 	:: d_step { !over && crashes > 0 ->
 		crashes--; take_gone(me); ends();
 		queue = 0; fed = 0; placed = false; asked = false; ahead = false; flush = false;
