@@ -78,7 +78,7 @@ verdict() {
 	[ "$against" -le "$hold" ] || word='not found'
 	if [ "$cells" -eq 0 ]; then reason='the table has no samples of it'
 	elif [ "$against" -eq 0 ]; then : "${reason:=these samples do not decide it$disturbed}"
-	else : "${reason:=the contrary holds, and why is not known}"
+	else : "${reason:=the contrary holds, for an unknown reason}"
 	fi
 	[ "$word" != found ] || reason=-
 	printf '%s\t%s\t%d\t%d\t%d\t%s\t%s\n' "$words" "$tests" "$cells" "$hold" "$against" "$word" "$reason"
