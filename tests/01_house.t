@@ -93,7 +93,7 @@ $2 ~ /^[A-TV-Z]$/ {
 	if (!known) print $1 ":1: " $3 " does not begin with " module ", nor with a word of its table"
 }
 NF < 3 || $1 !~ /^lib/' "$tmp/prefixes" "$tmp/externs" >"$found"
-clean 'what files share begins with the name of its module'
+clean 'externs begin with the name of their module'
 
 # Files that call each other in a circle are one machine, and say so at their head.
 awk '
@@ -119,7 +119,7 @@ END {
 }' "$tmp/externs" | sort | while read -r file; do
 	sed '/^#/q' "$file" | tr -s '\n *' ' ' | grep -q 'One machine with' || echo "$file:1: calls files that call it, expected \"One machine with ...\" at its head"
 done >"$found"
-clean 'files that call each other say so'
+clean 'files that call each other in a circle say so'
 
 awk '/^[ \t]*#[ \t]*include[ \t]*"/ {
 	split($0, part, "\""); split(part[2], to, "/")
@@ -156,7 +156,7 @@ clean 'numbers that scripts print have a point, in any language'
 	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
 	clean 'functions have at most 70 lines'
 	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] lib/chart/* >"$found"
-	clean 'no blanks at the end of lines'
+	clean 'lines do not end in blanks'
 }
 
 # ---- calls that are not made -------------------------------------------------------------------------------
@@ -404,7 +404,7 @@ clean 'prose does without words that need a second reading'
 
 # ---- the rest --------------------------------------------------------------------------------------------------
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
-clean 'nothing built is committed'
+clean 'no built file is committed'
 printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|CHANGELOG\.md|LICENSE|build|report|(gears|wind-.*)\.(png|frags)|stormring-.*\.tar\.gz' >"$found"
 clean 'the top level is as fixed'
 finish

@@ -11,9 +11,9 @@ build() {
 	make -s -j2 BUILD="build/$name" CC="$cc" CFLAGS="$flags" "${@:-all}"
 }
 sanitize='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all'
-ok 'gcc has nothing to say' build gcc gcc '-O2 -Werror' all unit
-ok 'clang has nothing to say' build clang clang '-O2 -Werror' all unit
-ok 'with sanitizers it builds' build sanitized gcc "$sanitize -Werror" all unit
+ok 'gcc warns of nothing' build gcc gcc '-O2 -Werror' all unit
+ok 'clang warns of nothing' build clang clang '-O2 -Werror' all unit
+ok 'it builds with sanitizers' build sanitized gcc "$sanitize -Werror" all unit
 
 # hardened BUILD: each program is position independent, relocations are read-only and bound at the start, and there are
 # calls to check the stack and the sizes of buffers; each object is marked for CET where all are meant to be. (Programs
@@ -30,9 +30,9 @@ hardened() {
 		done
 	done
 }
-for name in gcc clang; do ok "what $name builds is hardened" hardened $name; done
-ok 'without optimisation it builds as well' build plain gcc '-O0 -Werror' build/plain/base/clock.o
-is 'CFLAGS and LDFLAGS come behind, and win' "$(make -n -B BUILD=build/plain CC=gcc CFLAGS='-O0 -fno-pie -fno-stack-protector' \
+for name in gcc clang; do ok "programs built by $name are hardened" hardened $name; done
+ok 'it builds without optimisation' build plain gcc '-O0 -Werror' build/plain/base/clock.o
+is 'CFLAGS and LDFLAGS come last, so they win' "$(make -n -B BUILD=build/plain CC=gcc CFLAGS='-O0 -fno-pie -fno-stack-protector' \
 	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |
 	grep -Ec 'stack-protector-strong .*-fno-stack-protector .*-pie .*-no-pie ')" 1
 

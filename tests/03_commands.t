@@ -7,16 +7,16 @@ unset MAKEFLAGS
 
 # ---- need --------------------------------------------------------------------------------------------------
 run env CC=no-such-compiler "$root/tests/need" -n build
-is 'need -n: exit 3 where something is missing' "$status" 3
-like 'need -n: says what' "$err" 'missing: gcc.*make need'
+is 'need -n: exit 3 if a package is missing' "$status" 3
+like 'need -n: a message names it' "$err" 'missing: gcc.*make need'
 mkdir few
 for name in id grep uname sh cat; do ln -s "$(command -v $name)" few/$name; done
 run env PATH="$tmp/few" CC=no-such-compiler "$root/tests/need" build
-is 'need: exit 3 where it cannot install' "$status" 3
-is 'need: one line says so' "$(printf '%s\n' "$out$err" | wc -l)" 1
-like 'need: and what would have to be typed' "$err" 'as root: apt-get install gcc'
+is 'need: exit 3 if it cannot install' "$status" 3
+is 'need: it prints one line' "$(printf '%s\n' "$out$err" | wc -l)" 1
+like 'need: the line has the command to type' "$err" 'as root: apt-get install gcc'
 run env PATH="$tmp/few:$PATH" "$root/tests/need" build demo check chart
-is 'need: nothing to do, nothing said' "$status$out$err" 0
+is 'need: it prints nothing if no package is missing' "$status$out$err" 0
 run "$root/tests/need" nonsense
 is 'need: an unknown role is refused' "$status" 2
 
@@ -25,7 +25,7 @@ mkdir user
 printf '#!/bin/sh\necho 1000\n' >user/id
 chmod +x user/id
 run env PATH="$tmp/user:$PATH" make -s -C "$root" fresh
-like 'make fresh: an ordinary user is told why it is not tried' "$status $err" '^2 fresh: SKIP: only root'
+like 'make fresh: an ordinary user reads that only root can try it' "$status $err" '^2 fresh: SKIP: only root'
 
 # ---- make, with a compiler that finds all headers but one, and whose programs are those of the clone -----------------
 # make takes no CC or BUILD with blanks in its name, and the temporary directory may have some.
@@ -52,9 +52,9 @@ END
 chmod +x "$plain/cc"
 run make -s -C "$root" BUILD="$other" CC="$plain/cc"
 is 'make: without a header it builds the other programs' "$status" 0
-is 'make: all of them, and copies of the scripts' "$(cd "$other/bin" && ls)" \
+is 'make: all other programs and copies of the scripts are there' "$(cd "$other/bin" && ls)" \
 	"$(cd "$root/bin" && for f in *; do basename "$f" .c; done | sort -u | grep -vx nc2vtk)"
-is 'make: one line says which is not built, and which package is missing' "$err" \
+is 'make: one line names the program that is not built and the missing package' "$err" \
 	'make: nc2vtk is not built: libnetcdf-dev is missing'
 run make -s -C "$root" BUILD='two words'
 like 'make: a BUILD with blanks is refused' "$status $err" '^2 .*BUILD is "two words", expected'
@@ -62,7 +62,7 @@ like 'make: a BUILD with blanks is refused' "$status $err" '^2 .*BUILD is "two w
 # ---- demo --------------------------------------------------------------------------------------------------
 run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"
 is 'demo: exit 0' "$status" 0
-is 'demo: with the programs of its BUILD' "$(sort -u used | tr '\n' ' ')" \
+is 'demo: it runs the programs of its BUILD' "$(sort -u used | tr '\n' ' ')" \
 	'deal fan fragstat gather imgcmp nff2pov pack partition rtworker spdgen '
 like 'demo: names the picture' "$out" 'gears\.png'
 like 'demo: states the efficiency' "$out" 'efficiency +[0-9.]+ %'
@@ -71,7 +71,7 @@ is 'demo: fits on one screen of 24 lines and 120 columns' "$(printf '%s\n' "$out
 like 'demo: the picture is 512x512' "$(imgcmp "$root/gears.png" "$root/gears.png")" 'size	512x512'
 touch "$other/mine"
 ok 'make clean' make -s -C "$root" clean BUILD="$other"
-is 'make clean: removes what was built, whichever headers there are, and nothing else' \
+is 'make clean: removes all that was built, with any set of headers, and nothing else' \
 	"$(find "$other")" "$(printf '%s\n' "$other" "$other/mine")"
 
 mkdir wrong
@@ -81,6 +81,6 @@ cat >wrong/povray <<'END'
 END
 chmod +x wrong/povray
 run env PATH="$tmp/wrong:$PATH" "$root/tests/demo"
-is 'demo: exit 1 where the pictures differ' "$status" 1
-like 'demo: and says so' "$out" 'DISAGREES'
+is 'demo: exit 1 if the pictures differ' "$status" 1
+like 'demo: it says that they differ' "$out" 'DISAGREES'
 finish

@@ -19,7 +19,7 @@ ok 'make install' make -s -C "$root" install PREFIX="$prefix"
 is 'every program and script is installed' "$(ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
 is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
 is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; printf 'chart\nexperiments\nmanifest\n'; } | sort)"
-is 'nothing is written beside it' "$(tree | grep -v "home/my prefix")" "$(echo "$before" | grep -v "home/my prefix")"
+is 'nothing is written outside the prefix' "$(tree | grep -v "home/my prefix")" "$(echo "$before" | grep -v "home/my prefix")"
 cat >installed <<END
 PATH='$prefix/bin:/usr/bin:/bin'
 cd home
@@ -28,7 +28,7 @@ balance masterslave -j 2 -s 16x16 -o tetra.png tetra.nff
 imgcmp tetra.png tetra.png
 rm tetra.*
 END
-ok 'what is installed renders by itself' sh -e installed
+ok 'the installed programs render alone' sh -e installed
 if there gnuplot tsvstat; then
 	printf 'experiment kind method x x_unit y y_unit sample seed\na real m 1 s 2 s 1 0\n' | tr ' ' '\t' >one.tsv
 	ok 'an installed chart finds its parts' env -i PATH=/usr/bin:/bin "$prefix/bin/chart" -o one.svg one.tsv
@@ -39,23 +39,23 @@ echo older >"$prefix/bin/older"
 echo bin/older >>"$prefix/share/stormring/manifest"
 ok 'make install over an earlier version' make -s -C "$root" install PREFIX="$prefix"
 ok 'make uninstall, without a compiler' make -s -C "$root" uninstall PREFIX="$prefix" CC=false
-is 'what was installed is gone, by the earlier version too, and all else is as it was' "$(tree)" "$before"
+is 'all installed files are gone, also of the earlier version, and all other files are unchanged' "$(tree)" "$before"
 
 # ---- a package's: DESTDIR and PREFIX are made, and go again ----------------------------------------------------
 stage="$tmp/stage/it's \\ a \"new\" *"
 ok 'make install into a directory with quotes in its name' make -s -C "$root" install DESTDIR="$stage" PREFIX=/usr
-is 'every program and script is there' "$(ls "$stage/usr/bin")" "$programs"
-is 'and nothing elsewhere' "$(ls stage)" "${stage##*/}"
+is 'every program and script is in the staging directory' "$(ls "$stage/usr/bin")" "$programs"
+is 'nothing is installed elsewhere' "$(ls stage)" "${stage##*/}"
 ok 'make uninstall' make -s -C "$root" uninstall DESTDIR="$stage" PREFIX=/usr
-is 'and nothing is left' "$(tree)" "$before"
+is 'uninstall leaves nothing in the staging directory' "$(tree)" "$before"
 
 # ---- where nothing was installed ----------------------------------------------------------------------------
 run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
 is 'make uninstall: without a manifest it fails' "$status" 2
-like 'make uninstall: and says so' "$err" 'home/prefix/share/stormring/manifest: is not there, expected'
+like 'make uninstall: a message says that the manifest is missing' "$err" 'home/prefix/share/stormring/manifest: is not there, expected'
 printf 'bin/fan\n../my/thesis\n' >home/prefix/share/stormring/manifest
 run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
 like 'make uninstall: a manifest that names a file elsewhere is refused' "$status $err" '^2 .*manifest:2: is "../my/thesis", expected'
 rm home/prefix/share/stormring/manifest
-is 'and nothing was removed' "$(tree)" "$before"
+is 'uninstall without a valid manifest removes nothing' "$(tree)" "$before"
 finish

@@ -57,7 +57,7 @@ expected: ${status:+0,} $(cat "$run.shows" 2>/dev/null || echo nothing)"
 		fi
 	done
 	[ ! -e "$step.files" ] || while read -r file; do
-		ok "$title: $file is there" test -s "work/$file"
+		ok "$title: $file exists" test -s "work/$file"
 	done <"$step.files"
 done
 [ ! -s said ] || diag "$(cat said)"

@@ -22,7 +22,7 @@ is "scatter" "$(tasks -u scatter -n 2 3x3 | tr '\n' ';')" "0 0 0 0 5 1 2 1 to=0;
 is "round robin" "$(slots -n 3 1x7)" "0 1 2 0 1 2 0 "
 is "weighted interleave, the paper's w1 w2 w3 w2" "$(slots -w 1,2,1 1x8)" "0 1 2 1 0 1 2 1 "
 is "weights below 1 wait for their turn" "$(slots -w 1,.5 1x6)" "0 0 1 0 0 1 "
-is "only the first are assigned" "$(slots -n 2 -c 3 1x6)" "0 1 0 "
+is "only the first tasks are assigned" "$(slots -n 2 -c 3 1x6)" "0 1 0 "
 for cut in row tile:3x2 tile:100x1 run:1 run:5 run:1000 'scatter -n 4' 'scatter -n 500'; do
 	# shellcheck disable=SC2086
 	is "-u $cut names each pixel once" "$(partition -u $cut 11x7 | pixels 11)" "$(seq 0 76)"
@@ -53,24 +53,24 @@ lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "
 records() { lines - | sed 's/ crc=.*//; s/ sum=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=[^ ]*//'; }
 partition -u run:6 4x3 | rtworker tetra.nff >frags
 is "hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
-is "then the frame with its job" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/; s/ sum=.*//')" \
+is "the frame with its job comes next" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/; s/ sum=.*//')" \
 	"frame 0 4 3 job= with=rtworker"
 is "the job is the one that -i prints" "$(partition 512x512 | rtworker tetra.nff | head -2 | lines - | grep -o 'job=[^ ]*')" \
 	"$(rtworker -i tetra.nff | grep -o 'job=.*')"
 is "done, then pixels, then bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
 	"done 0 0 cpu wall;frag 0 0 0 0 6 1 1 1 ch=4;done 0 1 cpu wall;frag 0 1 2 1 6 1 1 1 ch=4;bye;"
 is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | records | grep -c '^frag')" 4
-is "-c keeps them to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
+is "-c keeps fragments to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
 	"hell fram done done done frag frag frag bye "
 { partition 4x2; echo flush; echo 'task 0 9 0 0 1 1 1 1'; } | rtworker -c tetra.nff >held
-is "or to a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag beat done frag bye "
-is "the worker's options are told" \
+is "-c keeps fragments until a flush" "$(records <held | cut -c 1-4 | tr '\n' ' ')" "hell fram done done frag frag beat done frag bye "
+is "the frame record has the worker's options" \
 	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -w .5 -x sse2 tetra.nff | lines - | grep -o 'with=[^ ]*')" \
 	"with=rtworker,-a16:0.1,-d3,-w0.5"
 a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)
-is "the job does not know the vectors' width" "$c" "$a"
+is "the job does not depend on the vector width" "$c" "$a"
 run test "$a" = "$b"
-is "the job knows the depth" "$status" 1
+is "the job depends on the depth" "$status" 1
 run test "$a" = "$(rtworker -i -w 0 tetra.nff)"
 is "the job knows the error budget" "$status" 1
 is "the default budget is 2^-17" "$(rtworker -i -w 0.00000762939453125 tetra.nff)" "$a"
@@ -83,7 +83,7 @@ done
 refused() { # NAME TEXT ERE: what a worker says of this input
 	run sh -c 'printf "%b" "$1" | rtworker tetra.nff >/dev/null' sh "$2"
 	is "$1: exit 2" "$status" 2
-	like "$1: it is said" "$err" "$3"
+	like "$1: a message says so" "$err" "$3"
 }
 refused "a task before its frame" 'task 0 0 0 0 1 1 1 1\n' 'no such frame, expected'
 refused "a task outside its frame" 'frame 0 4 4\ntask 0 0 0 3 5 1 1 1\n' 'expected pixels inside 4x4'
@@ -103,20 +103,20 @@ is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
 is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ sum=.*//')" \
 	"hello fan 0.2 format=2 S P slots=3"
-is "fan: up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
+is "fan: it sends up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
-is "fan: stamps" "$(lines frags | grep '^done 0 4 ' | sed 's/ sum=.*//; s/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="
-is "fan: to=K" "$(state -w 1,2 | fan -j 2 rtworker - | lines - | grep '^done' | grep -c w=1)" 5
+is "fan: it adds slot and times to done" "$(lines frags | grep '^done 0 4 ' | sed 's/ sum=.*//; s/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="
+is "fan: it obeys to=K" "$(state -w 1,2 | fan -j 2 rtworker - | lines - | grep '^done' | grep -c w=1)" 5
 run sh -c 'partition -n 3 8x8 | fan -j 2 rtworker tetra.nff >/dev/null'
-is "fan: a slot that is not there: exit 2" "$status" 2
+is "fan: a slot that does not exist: exit 2" "$status" 2
 run sh -c 'printf "frame 0 4 4\ntask 0 0 0 0 4 1 1 1\ntask 0 0 0 1 4 1 1 1\n" | fan -j 1 rtworker tetra.nff >/dev/null'
 is "fan: one number for two tasks: exit 2" "$status" 2
 state | deal fan -j 2 fan -j 2 rtworker - >frags
 is "nested fans: stamps are paths" "$(lines frags | grep '^frag' | grep -o ' w=[0-9.]*' | grep -vc ' w=[01]\.[01]$')" 0
 is "deal shows one worker" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"
-is "unknown keys are passed on" \
+is "fan passes unknown keys on" \
 	"$(state | sed 's/^task.*/& tag=7/' | fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c tag=7 seen)" 8
-is "by deal too" "$(state | sed 's/^task.*/& tag=7 more=8/' |
+is "deal passes unknown keys on" "$(state | sed 's/^task.*/& tag=7 more=8/' |
 	deal fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c 'tag=7 more=8 sum=........$' seen)" 8
 for bad in '' '-q' '-q -1 fan' '-x'; do
 	# shellcheck disable=SC2086
@@ -131,7 +131,7 @@ done
 run sh -c 'echo nonsense | deal fan -j 2 rtworker tetra.nff >/dev/null'
 is "nonsense into deal: exit 2" "$status" 2
 run sh -c 'fan -j 2 rtworker tetra.nff </dev/null >/dev/null'
-is "no work at all: exit 0" "$status" 0
+is "fan without any task: exit 0" "$status" 0
 
 # ---- balance -----------------------------------------------------------------------------------------
 balance interleaved -j 2 -s 8x6 tetra.nff >out.png
@@ -145,7 +145,7 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	run timeout 20 balance $bad
 	is "balance $bad: exit 2" "$status" 2
 done
-like "balance nomethod says which there are" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
+like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
@@ -169,7 +169,7 @@ for method in 'wrong 2' 'lost 2' 'idle 1'; do
 done
 like "a method that fails: gather says so" "$(own/balance lost -j 1 -s 8x6 -o x.png tetra.nff 2>&1)" 'nothing was rendered: method-failed'
 partition -u tile:8x4 8x8 | deal fan -j 4 rtworker tetra.nff >two.frags
-is "fragstat -s counts slots that had nothing to do" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
+is "fragstat -s counts slots without tasks" "$(fragstat -s two.frags | head -n 2 | tr '\n\t' '  ')" "slots 4 tasks 2 "
 # ---- light beyond a float's range ---------------------------------------------------------------------------------
 { printf '%s\n' 'b 1 1 1' v 'from 0 -3 1' 'at 0 0 0' 'up 0 0 1' 'angle 40' 'hither 0' 'resolution 8 8'
 	printf '%s\n' 'l 0 -1 0 1000000 1000000 1000000' 'f 1 .5 0 1000000 1000000 3 0 0' 's 0 0 0 5'; } >mirror.nff

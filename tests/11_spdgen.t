@@ -8,15 +8,15 @@ like '-h prints the usage' "$out" '^usage: spdgen '
 
 run spdgen -l
 is '-l exits 0' "$status" 0
-like 'balls at its default' "$out" '^balls 4 7382 '
-like 'gears at its default' "$out" '^gears 4 9345 '
-like 'tetra at its default' "$out" '^tetra 6 4096 '
+like '-l lists balls at its default size' "$out" '^balls 4 7382 '
+like '-l lists gears at its default size' "$out" '^gears 4 9345 '
+like '-l lists tetra at its default size' "$out" '^tetra 6 4096 '
 run spdgen -l -s 2
-like 'gears at size 2' "$out" '^gears 2 1169 '
+like '-l -s 2 lists gears at size 2' "$out" '^gears 2 1169 '
 spdgen -l | grep -v '^#' | while read -r name size primitives _; do
 	[ "$(spdgen "$name" | grep -c '^[sp] ')" = "$primitives" ] || echo "$name $size"
 done >wrong
-is 'as many primitives are written as are listed' "$(cat wrong)" ''
+is 'spdgen writes the number of primitives that it lists' "$(cat wrong)" ''
 spdgen tetra >default
 spdgen -s 6 tetra >named
 ok 'the default size is the listed one' cmp default named
@@ -37,11 +37,11 @@ turn() {
 for scene in balls gears tetra; do
 	spdgen -s 2 $scene >plain
 	spdgen -s 2 -V balanced $scene >named
-	ok "$scene is balanced unless told" cmp plain named
+	ok "$scene is balanced by default" cmp plain named
 	spdgen -s 2 -V imbalanced $scene >other
-	is "$scene, imbalanced, looks elsewhere, and that is all" \
+	is "$scene, imbalanced, differs only in the direction of the camera" \
 		"$(diff plain other | sed -n 's/^\([<>] [a-z]*\).*/\1/p' | tr '\n' ' ')" '< at > at '
-	like "as far from there as the page says of $scene" "$(cat "$root/man/spdgen.1")" \
+	like "the camera of $scene turns by the angle of spdgen(1)" "$(cat "$root/man/spdgen.1")" \
 		"^$scene +0[.][0-9]+ +[01][.][0-9]+ +$(turn $scene) degrees "
 done
 
@@ -51,11 +51,11 @@ for bad in '-V upward balls' '-V balls' '-s 0 balls' '-s -1 balls' '-s 1.5 balls
 	# shellcheck disable=SC2086  # a word each
 	run spdgen $bad
 	is "refused: spdgen $bad" "$status:$out" 2:
-	like "and it says why: spdgen $bad" "$err" '^(spdgen: |usage: spdgen )'
+	like "a message gives the reason: spdgen $bad" "$err" '^(spdgen: |usage: spdgen )'
 done
-ok 'the largest size is taken' sh -c 'spdgen -s 40 gears | head -c 100 | grep -q resolution'
+ok 'the largest size is accepted' sh -c 'spdgen -s 40 gears | head -c 100 | grep -q resolution'
 
 run sh -c 'spdgen balls >/dev/full'
 is 'a full disk exits 3' "$status" 3
-like 'and it says so' "$err" '^spdgen: standard output:'
+like 'a message names standard output' "$err" '^spdgen: standard output:'
 finish

@@ -12,16 +12,16 @@ is 'factoring: Hummel, Schonberg and Flynn, 100 iterations, 4 processors' "$(siz
 	'13 13 13 13 6 6 6 6 3 3 3 3 2 2 2 2 1 1 1 1 '
 is 'weighted factoring: the first batch by power, later ones for the weakest' "$(sizes -u factoring -w 1,3,1 | cut -d' ' -f1-8)" \
 	'10 30 10 5 5 5 5 5'
-is '... and only the first batch is preassigned' \
+is 'weighted factoring: only the first batch is preassigned' \
 	"$(partition -u factoring -w 1,3,1 8x100 | grep -c 'to=[0-2]$')" 3
-is 'guided:N: chunks of whole runs, the last one what is left' \
+is 'guided:N: chunks of whole runs, and the rest as the last one' \
 	"$(partition -u guided:30 -n 2 10x10 | awk '$1 == "task" { printf "%s ", $6 }')" '60 30 10 '
 
-is 'fine: 150 tasks a slot, or rows' \
+is 'fine: 150 tasks per slot, or rows' \
 	"$(for slots in 1 2; do partition -u fine -n $slots 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '8to=0 5to=0'
 is 'coarse: 150 tasks a slot, or what was asked for, and with -c 0 nobody'\''s' \
 	"$(for slots in 1 2; do partition -u coarse:9 -n $slots -c 0 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '10 9'
-is 'each picture of several is cut by its own size' \
+is 'each of several pictures is cut by its own size' \
 	"$(printf 'frame 0 8 8\nframe 1 8 400\n' | partition -u coarse:2 -n 1 -c 0 8x8@- | awk '/^task/ && !n[$2]++ { printf "%s ", $6 }')" '2 21 '
 
 spdgen -s 2 tetra >tetra.nff
@@ -47,7 +47,7 @@ ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1
 		echo "done 0 $y cpu_us=$((10 + 90 * y)) wall_us=1"
 	done
 } | "$root/tests/seal" >two.frags
-is 'cost: the dearest first, equals in their order' \
+is 'cost: the longest tasks first, equal ones in their order' \
 	"$(partition -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 }')" '2 3 0 1 '
 is 'cost: slots take turns in the order written' \
 	"$(partition -n 2 -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 $10 }')" '2to=0 3to=1 0to=0 1to=1 '
@@ -72,13 +72,13 @@ echo hello >state
 { pack spec state; echo 'frame 3 8 6'; echo 'frame 4 4 2'; pack scene state; echo 'frame 5 8 6'; } >pictures
 { pack spec state; partition -F 3 8x6; partition -F 4 4x2; pack scene state; partition -F 5 8x6; } >apart
 partition 8x6@pictures >together
-ok 'many pictures: as one by one' cmp together apart
+ok 'many pictures: the tasks are those of single pictures' cmp together apart
 partition 8x6@- <pictures >together
-ok 'from standard input' cmp together apart
+ok 'many pictures: the same from standard input' cmp together apart
 { partition -u guided -n 2 -F 3 8x6; partition -u guided -n 2 -F 4 4x2; } >apart
 grep -a '^frame [34]' pictures | partition -u guided -n 2 8x6@- >together
-ok 'chunks are of each frame' cmp together apart
-is '-c of each so many' "$(partition -n 2 -c 1/3 8x7 | grep -c to=)" 2
+ok 'chunks are computed for each frame' cmp together apart
+is '-c N/M assigns N of each M tasks' "$(partition -n 2 -c 1/3 8x7 | grep -c to=)" 2
 refused() { run partition "$@" </dev/null; [ "$status" = 2 ]; }
 ok 'refused: more than all' refused -n 2 -c 4/3 8x8
 ok 'refused: of none' refused -n 2 -c 0/0 8x8

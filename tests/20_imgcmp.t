@@ -29,31 +29,31 @@ is 'equal pictures: the figures' "$out" "$(printf '%s\t%s\n' size 20x10 rmse 0 r
 
 run imgcmp black.pgm dot.pgm
 is 'a pixel differs: status 1' "$status" 1
-is 'where the worst pixel is' "$(figure worst_at) $(figure worst)" '2,0 1'
+is 'worst_at is the position of the worst pixel' "$(figure worst_at) $(figure worst)" '2,0 1'
 is 'rmse of one white pixel in 200' "$(figure rmse)" 0.0707106781
-is 'psnr' "$(figure psnr_db)" 23.0103
+is 'psnr of one white pixel in 200' "$(figure psnr_db)" 23.0103
 is 'pixels over tolerance' "$(figure over) $(figure over_percent) $(figure differing)" '1 0.500000 1'
 is 'eleven lines of name TAB value' "$(printf '%s\n' "$out" | grep -c '^[a-z_]*	[^	]*$')" 11
 
 run imgcmp -d 0.005 black.pgm dot.pgm
-is '-d leaves the worst out' "$(figure rmse_kept) $(figure dropped)" '0 1'
-is '-d is no limit' "$status" 1
+is '-d leaves the worst pixels out' "$(figure rmse_kept) $(figure dropped)" '0 1'
+is '-d sets no limit' "$status" 1
 
 ok '-f: few enough pixels over tolerance' imgcmp -f 0.005 black.pgm dot.pgm
 run imgcmp -f 0.0049 black.pgm dot.pgm
 is '-f: too many' "$status" 1
 run imgcmp -t 0.5 black.pgm dot.pgm
-is '-t alone allows none over it' "$status" 1
+is '-t alone allows no pixel over the tolerance' "$status" 1
 ok '-t 1 allows everything' imgcmp -t 1 black.pgm dot.pgm
 ok '-r: rmse without the worst' imgcmp -d 0.005 -r 0 black.pgm dot.pgm
 run imgcmp -d 0 -r 0.07 black.pgm dot.pgm
 is '-r: over the limit' "$status" 1
 run imgcmp -d 0.005 -r 0 -f 0 black.pgm dot.pgm
-is 'both limits must hold' "$status" 1
+is '-f and -r: both limits must hold' "$status" 1
 
 run imgcmp black.pgm tall.pgm
 is 'another size: status 1' "$status" 1
-like 'another size: said' "$err" 'black.pgm has 20x10 pixels, tall.pgm 10x20: expected the same size'
+like 'another size: a message says so' "$err" 'black.pgm has 20x10 pixels, tall.pgm 10x20: expected the same size'
 run imgcmp -q black.pgm tall.pgm
 is '-q: silent' "$status$out$err" 1
 run imgcmp -q black.pgm dot.pgm
@@ -65,11 +65,11 @@ run imgcmp - -
 is 'both from standard input: status 2' "$status" 2
 run imgcmp black.pgm nosuch.png
 is 'no such file: status 2' "$status" 2
-like 'no such file: said' "$err" 'imgcmp: nosuch.png: No such file or directory'
+like 'no such file: a message says so' "$err" 'imgcmp: nosuch.png: No such file or directory'
 head -c 50 black.pgm >cut.pgm
 run imgcmp cut.pgm black.pgm
 is 'a damaged file: status 2' "$status" 2
-like 'a damaged file: said' "$err" 'cut.pgm: 37 bytes of pixels, expected 200'
+like 'a damaged file: a message says so' "$err" 'cut.pgm: 37 bytes of pixels, expected 200'
 for args in '' 'a' 'a b c' '-t x a b' '-t -1 a b' '-f 2 a b' '-z a b' '-r nan a b'; do
 	# shellcheck disable=SC2086
 	run imgcmp $args
@@ -80,7 +80,7 @@ is '-h: usage and status 0' "$status $(printf '%s' "$out" | cut -c 1-14)" '0 usa
 status=0
 imgcmp black.pgm dot.pgm >/dev/full 2>err.txt || status=$?
 is 'nowhere to write: status 3' "$status" 3
-like 'nowhere to write: said' "$(cat err.txt)" 'imgcmp: standard output: No space left'
+like 'nowhere to write: a message says so' "$(cat err.txt)" 'imgcmp: standard output: No space left'
 
 # POV-Ray: its linear 16-bit PPM, linear and sRGB PNG are one picture.
 cat >ball.pov <<'POV'

@@ -12,20 +12,20 @@ done
 spdgen -s 1 balls | sed 's/^s 0 0 0 .*/s 0 0 0 nan/' >nan.nff
 run nff2pov nan.nff
 is 'a bad scene exits 2' "$status:$out" 2:
-like 'and the message has file and line' "$err" "^nff2pov: nan.nff:19: sphere's radius is 'nan', expected a number"
+like 'a bad scene: the message has file and line' "$err" "^nff2pov: nan.nff:19: sphere's radius is 'nan', expected a number"
 spdgen -s 1 balls >balls.nff
 nff2pov balls.nff >a.pov
 nff2pov - <balls.nff >b.pov
 nff2pov <balls.nff >c.pov
-ok 'from a file, from -, and from standard input' cmp a.pov b.pov
-ok 'the same' cmp a.pov c.pov
-like 'the head tells the command' "$(head -n 3 a.pov)" 'povray .* File_Gamma=1 \+FP16 -A -D'
+ok '- is standard input' cmp a.pov b.pov
+ok 'standard input is the default' cmp a.pov c.pov
+like 'the head has the command of POV-Ray' "$(head -n 3 a.pov)" 'povray .* File_Gamma=1 \+FP16 -A -D'
 
 sed 's/^hither .*/hither 3/' balls.nff >near.nff
 run nff2pov near.nff
-is 'hither that hides something exits 1' "$status" 1
-like 'and it says what' "$err" '^nff2pov: near.nff: hither 3 may hide part of primitive 1,'
-like 'and the scene is written all the same' "$out" '^sphere '
+is 'a hither that hides a primitive exits 1' "$status" 1
+like 'a message names the hidden primitive' "$err" '^nff2pov: near.nff: hither 3 may hide part of primitive 1,'
+like 'a hither that hides a primitive: the scene is still written' "$out" '^sphere '
 
 # same NAME FACTOR WxH FILE: within the bounds that can be reached
 same() {
@@ -38,11 +38,11 @@ same() {
 if command -v povray >/dev/null; then
 	for scene in cones glass polygons; do
 		ok "POV-Ray agrees on $scene" same "$scene" 100 200x150 "$root/scenes/$scene.nff"
-		ok "and on a tall picture of $scene" same "$scene" 100 60x200 "$root/scenes/$scene.nff"
+		ok "POV-Ray agrees on a tall picture of $scene" same "$scene" 100 60x200 "$root/scenes/$scene.nff"
 	done
 	{ echo 'f 1 1 1 0 0 1 .9 1.2' && echo 's 2.5 -5 4 3' && echo 'f 1 1 1 0 0 1 .8 1.6' && echo 'c 3 -6 3 1  3 -6 5 .5'
 		sed 's/^hither .*/hither 0/' "$root/scenes/glass.nff"; } >within.nff
-	ok 'POV-Ray agrees from within a cone of glass in a ball of it' same within 100 128x128 within.nff
+	ok 'POV-Ray agrees from inside a cone of glass in a ball of glass' same within 100 128x128 within.nff
 	ok 'POV-Ray agrees on balls' same balls 100 128x128 balls.nff
 	# A lamp in each kind of surface. These let light through: POV-Ray tries the surface that shaded last by itself, and
 	# then counts a lamp in it as shaded. At 100 times the size its single precision moves polygons away from lamps.

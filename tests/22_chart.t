@@ -15,35 +15,35 @@ tsv '# title: Time by slots' '# x: slots' '# y: elapsed time' '# commit: abc1234
 	'gears real S_S 1 1 4.0 s 1 0' 'gears real S_S 1 1 4.4 s 2 0' 'gears real S_S 1 1 4.1 s 3 0' \
 	'gears real S_S 2 1 2.0 s 1 0' 'gears real D_C@q=1 2 1 1.9 s 1 0' 'balls real D_C@q=1 2 1 1.5 s 1 0' >times.tsv
 
-ok 'SVG' chart -o times.svg times.tsv
+ok 'it writes SVG' chart -o times.svg times.tsv
 texts times.svg >said
 said=$(cat said)
-like 'the title says the kind' "$said" '^Time by slots \(real\)$'
+like 'the title has the kind of the samples' "$said" '^Time by slots \(real\)$'
 like 'the axes have names and units' "$said" '^elapsed time \(s\)$'
-like 'a unit of 1 is none' "$said" '^slots$'
+like 'a unit of 1 is not printed' "$said" '^slots$'
 like 'a panel has the name of its experiment' "$said" '^gears$'
 like 'a line has the name of its method, underscores as they are' "$said" '^S_S$'
-like 'a setting is no part of the name' "$said" '^D_C$'
-like 'where the numbers come from' "$said" '^make times; machine this; commit abc1234; seed 0$'
+like 'a setting is not part of the name' "$said" '^D_C$'
+like 'the footer has command, machine, commit and seed' "$said" '^make times; machine this; commit abc1234; seed 0$'
 run grep -c '^q=1$' said
 is 'names of points only on request' "$out" 0
 chart -l -o named.svg times.tsv && texts named.svg >said
-is '-l names them, in both panels' "$(grep -c '^q=1$' said)" 2
+is '-l prints names of points, in both panels' "$(grep -c '^q=1$' said)" 2
 chart -p times.tsv >front.svg && texts front.svg >said
 like '-p marks the front' "$(cat said)" '^Pareto front$'
 { echo '# front: marked'; cat times.tsv; } | chart >marked.svg
-ok 'as does a table that wants it' cmp front.svg marked.svg
-ok 'PNG' chart -L y -o times.png times.tsv
-is 'it is one' "$(head -c 4 times.png | tail -c 3)" PNG
-ok 'the same on standard output' sh -c 'chart <times.tsv | cmp - times.svg'
-ok '-' sh -c 'chart - <times.tsv | cmp - times.svg'
+ok '"# front: marked" in a table does the same as -p' cmp front.svg marked.svg
+ok 'it writes PNG' chart -L y -o times.png times.tsv
+is 'the file is a PNG' "$(head -c 4 times.png | tail -c 3)" PNG
+ok 'standard input and output give the same chart' sh -c 'chart <times.tsv | cmp - times.svg'
+ok '- is standard input' sh -c 'chart - <times.tsv | cmp - times.svg'
 chart -t Other -x X -y Y times.tsv >other.svg && texts other.svg >said
 like 'options name title and axes' "$(tr '\n' ' ' <said)" 'Y \(s\).*X .*Other \(real\)'
 
 tsv "$header" 'a real m 1 s 2 s 1 0' 'a simulated m 1 s 3 s 1 7' >both.tsv
 chart -o both.svg both.tsv && texts both.svg >said
 like 'two kinds: both in the title' "$(cat said)" '^a \(real and simulated\)$'
-like 'two kinds: each line says its own' "$(cat said)" '^m \(simulated\)$'
+like 'two kinds: the legend names the kind of each line' "$(cat said)" '^m \(simulated\)$'
 
 # A median, not a mean: where three samples are, the line runs through the middle one.
 points() { tr -d '\n' <"$1" | grep -oE "<path stroke='rgb\( +0, 114, 178\)'  d='M[0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+ " | head -n 1; }
@@ -58,11 +58,11 @@ is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \
 	'a real m 1 1 4 s 4 0' 'a real m 2 1 6 s 1 0'; }
 { leveled kept; echo '# others: took .50 of 2 processors'; } >level.tsv && chart -o level.svg level.tsv && texts level.svg >said
-like 'means, with the confidence that the table names' "$(cat said)" '^means, with bands of 90 % confidence, of up to 4 samples$'
-like 'what else the machine did' "$(cat said)" '^others took .50 of 2 processors$'
+like 'the chart shows means, with the confidence level of the table' "$(cat said)" '^means, with bands of 90 % confidence, of up to 4 samples$'
+like 'the footer has the other load of the machine' "$(cat said)" '^others took .50 of 2 processors$'
 leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
-like 'and without outliers' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
-is 'these are others' "$(cmp -s level.svg drop.svg; echo $?)" 1
+like 'the chart says that outliers are left out' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
+is 'without outliers the chart differs' "$(cmp -s level.svg drop.svg; echo $?)" 1
 # gnuplot is not left with what lies beyond an axis: 1 and 9 say little of their mean.
 tsv '# level: .99' "$header" 'a real m 1 1 4 s 1 0' 'a real m 2 1 1 s 1 0' 'a real m 2 1 9 s 2 0' >wide.tsv
 # shellcheck disable=SC2016
@@ -73,20 +73,20 @@ is 'a band ends at the axis, and has a point where each edge leaves it' "$(tr '[
 	/^END_OF_DATA/ { band = 0 } band { n++; out += $2 < low || $3 > high } /^\$band/ { band = 1 } END { print n, out + 0 }')" '4 0'
 tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
 run chart bad.tsv
-like 'refused: a level that is none' "$status $err" '^2 tsvstat: bad.tsv:1: level is "much", expected a number'
+like 'refused: a level that is not a number' "$status $err" '^2 tsvstat: bad.tsv:1: level is "much", expected a number'
 
 # Intervals: a lane for each slot, a look for each thing done, and none of the points' options.
 bars=$(printf '%s until' "$header")
 tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \
 	'log real task 1.5 s 0 1 2 0 2' 'log real wasted 0.1 s 1 1 3 0 2' 'log real task_again 0 s 1 1 4 0 .1' >bars.tsv
-ok 'a Gantt chart' chart -o bars.svg bars.tsv
+ok 'it draws it draws a Gantt chart' chart -o bars.svg bars.tsv
 texts bars.svg >said
-is 'lanes have names, those without a bar as well' "$(grep -cx '0\|1\.0\|1\.1' said)" 3
-like 'its axes have names and units' "$(tr '\n' ' ' <said)" 'slot .*time \(s\).*log \(real\)'
-is 'the legend says what was done, and nothing else' "$(grep -c 'task given again' said)$(grep -cx 'task\|wasted\|task_again' said)" 03
-like 'what to know stands below' "$(cat said)" '^efficiency \.9$'
-is 'wasted ones are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
-ok 'as PNG' chart -o bars.png bars.tsv
+is 'Gantt chart: all lanes have names, also those without bars' "$(grep -cx '0\|1\.0\|1\.1' said)" 3
+like 'Gantt chart: the axes have names and units' "$(tr '\n' ' ' <said)" 'slot .*time \(s\).*log \(real\)'
+is 'Gantt chart: the legend has only the kinds of bars that occur' "$(grep -c 'task given again' said)$(grep -cx 'task\|wasted\|task_again' said)" 03
+like 'Gantt chart: the note is below the chart' "$(cat said)" '^efficiency \.9$'
+is 'Gantt chart: wasted tasks are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
+ok 'it writes it draws a Gantt chart it writes a Gantt chart as PNG' chart -o bars.png bars.tsv
 
 # refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
 refused() {
@@ -116,7 +116,7 @@ refused 3 'x_unit is "ms"' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 ms 2 s 2
 refused 3 'the same .* as in line 2' "$header" 'a real m 1 s 2 s 1 0' 'a real m 1 s 3 s 1 0'
 tsv "$header" 'a real m 0 s 2 s 1 0' >zero.tsv
 run chart -L x -o bad.svg zero.tsv
-like '0 has no place on a logarithmic axis' "$status $err" '^2 tsvstat: zero.tsv:2: x is 0, expected more than 0'
+like 'refused: 0 on a logarithmic axis' "$status $err" '^2 tsvstat: zero.tsv:2: x is 0, expected more than 0'
 for args in 'a.tsv b.tsv' '-L z times.tsv' '-o x.gif times.tsv' '-q times.tsv' 'nosuch.tsv' '.'; do
 	# shellcheck disable=SC2086
 	run chart $args
@@ -128,11 +128,11 @@ is 'nowhere to write: status 3' "$status" 3
 # A disk that fills up half-way, as its writer sees it.
 mkdir full half && printf '#!/bin/sh\nhead -c 100 "$@"\nexit 1\n' >full/cat && chmod +x full/cat && echo before >half/x.svg
 (PATH=$tmp/full:$PATH && exec chart -o half/x.svg times.tsv) 2>err.txt
-is 'half written: status 3, and what was there is there' "$? $(cat half/*)" '3 before'
+is 'a disk that fills up: status 3, and the old file stays' "$? $(cat half/*)" '3 before'
 
 # shellcheck disable=SC2016  # for gnuplot and the shell to leave alone
 tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #' "$header" \
 	'`touch_pwned` real '"'"';system("touch_pwned")# 1 s 2 s 1 0' 'END_OF_DATA real @m@`touch_pwned` 2 s 2 s 1 0' >evil.tsv
 ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
-ok 'and run nothing' [ ! -e pwned -a ! -e touch_pwned ]
+ok 'quotes and backquotes in the data run no command' [ ! -e pwned -a ! -e touch_pwned ]
 finish

@@ -50,9 +50,9 @@ agrees() {
 nc4=$ncarg/cdf/nc4uvt.nc
 run nc2vtk -l "$nc4"
 is '-l exits 0' "$status:$err" 0:
-is 'and lists variables of groups, with axes and units' "$(printf '%s\n' "$out" | sed -n 5p)" \
+is '-l lists variables of groups, with axes and units' "$(printf '%s\n' "$out" | sed -n 5p)" \
 	'/grp1/U	x=lon:128	y=lat:64	z=-lev:14	t=time:1	[m/s]	Zonal Wind'
-for name in T U V; do ok "nc4uvt.nc: $name is what ncdump reads" agrees "$nc4" $name lon lat lev; done
+for name in T U V; do ok "nc4uvt.nc: $name has the values that ncdump reads" agrees "$nc4" $name lon lat lev; done
 # ncdump has no data of one group alone: its /grp1/U comes after the root's
 ok 'nc4uvt.nc: a variable of a group' sh -c "nc2vtk '$nc4' grp1/U >b.vtk && nc2vtk '$nc4' U >a.vtk && cmp a.vtk b.vtk"
 nc2vtk "$nc4" 'speed=hypot(U,/grp1/V)' >speed.vtk
@@ -61,11 +61,11 @@ want "$nc4" V >v
 paste u v | awk '{ print $1 == "_" || $2 == "_" ? "_" : sprintf("%.12g", sqrt($1 ^ 2 + $2 ^ 2)) }' >w
 values speed.vtk >g
 ok 'nc4uvt.nc: speed=hypot(U,V)' same w g 2e-7
-is 'the title has names and units as they are' "$(sed -n 2p speed.vtk)" \
+is 'the title has the names and units of the file' "$(sed -n 2p speed.vtk)" \
 	'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [Month]'
 is 'the scalar has the name' "$(grep -a '^SCALARS' speed.vtk)" 'SCALARS speed float 1'
 coordinates Z speed.vtk >g
-is 'pressure is negated, and so points up' "$(sed -n '1p;$p' g | tr -d ' \n')" '-1000-10'
+is 'pressure is negated, so that the axis points up' "$(sed -n '1p;$p' g | tr -d ' \n')" '-1000-10'
 
 echam=$ncarg/nug/rectilinear_grid_3D.nc
 for name in t rhumidity; do ok "rectilinear_grid_3D.nc: $name" agrees "$echam" $name lon lat lev 192 96 17 y; done
@@ -75,25 +75,25 @@ ok 'latitudes that decrease are turned round' sort -gc g
 levitus=$ferret/levitus_climatology.cdf
 ok 'levitus_climatology.cdf: depths, which are turned round' \
 	agrees "$levitus" TEMP XAXLEVITR YAXLEVITR ZAXLEVITR 360 180 20 z
-is 'of which 44 % is missing' "$(awk '/nan/ { n++ } END { print int(100 * n / NR) }' g)" 44
+is 'levitus_climatology.cdf: 44 % of the values are missing' "$(awk '/nan/ { n++ } END { print int(100 * n / NR) }' g)" 44
 coordinates X a.vtk >g
 is 'longitudes go on beyond 360' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' 20.5 379.5 '
 coordinates Z a.vtk >g
 is 'the surface is on top' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' -5000 0 '
 
 atlas=$ferret/ocean_atlas_subset.nc
-ok 'ocean_atlas_subset.nc: 12 months' nc2vtk -t all -o 'm%02d.vtk' "$atlas" TEMP
-is 'are as many files' "$(echo m*)" "$(echo $(seq -f 'm%02g.vtk' 0 11))"
+ok 'ocean_atlas_subset.nc: -t all writes all months' nc2vtk -t all -o 'm%02d.vtk' "$atlas" TEMP
+is 'ocean_atlas_subset.nc: 12 months make 12 files' "$(echo m*)" "$(echo $(seq -f 'm%02g.vtk' 0 11))"
 cells=$((180 * 90 * 19))
 want "$atlas" TEMP >all
 for month in 0 7 11; do
 	tail -n +$((month * cells + 1)) all | head -n $cells >w
 	values "$(printf 'm%02d.vtk' $month)" >g
-	ok "month $month is what ncdump reads" same w g $single 180 90 19 z
+	ok "month $month has the values that ncdump reads" same w g $single 180 90 19 z
 done
-ok 'and the same by -t' sh -c "nc2vtk -t 7 '$atlas' TEMP | cmp - m07.vtk"
-ok 'the first is the default' sh -c "nc2vtk '$atlas' TEMP | cmp - m00.vtk"
-like 'the title tells the time' "$(sed -n 2p m07.vtk)" '; t TIME [0-9.]+ \[hour since 0000-01-01 00:00:00\]$'
+ok '-t 7 writes the same as -t all for month 7' sh -c "nc2vtk -t 7 '$atlas' TEMP | cmp - m07.vtk"
+ok 'the default is the first time' sh -c "nc2vtk '$atlas' TEMP | cmp - m00.vtk"
+like 'the title has the time' "$(sed -n 2p m07.vtk)" '; t TIME [0-9.]+ \[hour since 0000-01-01 00:00:00\]$'
 
 for file in "$nc4 U 128 -180 180" "$echam t 192 -180 180" "$levitus TEMP 360 20.5 380.5" "$atlas TEMP 180 20.5 380.5"; do
 	# shellcheck disable=SC2086  # a word each
@@ -101,8 +101,8 @@ for file in "$nc4 U 128 -180 180" "$echam t 192 -180 180" "$levitus TEMP 360 20.
 	nc2vtk "$1" "$2" >open.vtk
 	nc2vtk -c "$1" "$2" >closed.vtk
 	ok "-c: the globe of $(basename "$1") is closed" closed open.vtk closed.vtk "$3"
-	is 'at the place where it began' "$(coordinates X closed.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" " $4 $5 "
-	is 'and the rest of the file is the same' "$(coordinates Y closed.vtk | cksum)$(sed -n '2p' closed.vtk)" \
+	is '-c: the last longitude is the first one, 360 degrees on' "$(coordinates X closed.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" " $4 $5 "
+	is '-c: the rest of the file is the same' "$(coordinates Y closed.vtk | cksum)$(sed -n '2p' closed.vtk)" \
 		"$(coordinates Y open.vtk | cksum)$(sed -n '2p' open.vtk)"
 done
 nc2vtk -c -t all -o 'c%d.vtk' "$atlas" TEMP
@@ -127,7 +127,7 @@ is 'unsigned bytes' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
 make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x); d:missing_value = 1e10f;" \
 	"$nodes f = 1, _, 3, NaN, 5, 6, 7, 8; i = 1, 2, _, 4, 5, 6, 7, 8; d = 1, 1e10, 3, 4, 5, 6, 7, 8;"
 is "NetCDF's own fill value, and NaN" "$(got fill.nc f)" '1 nan 3 nan 5 6 7 8'
-is 'that of integers' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
+is 'the fill value of integers' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
 is 'a missing value of another type' "$(got fill.nc d)" '1 nan 3 4 5 6 7 8'
 make_nc rounded "$cube" "$axes float f(z, y, x); f:missing_value = -999.9;" "$nodes f = 1, -999.9, 3, 4, 5, 6, 7, 8;"
 is 'a missing value that is more precise than the values' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
@@ -140,16 +140,16 @@ is 'dimensions in any order' "$(got -t 1 order.nc s)" \
 	"$(for lev in 1 0; do for lat in 2 1 0; do for lon in 0 1 2 3; do echo $((12 * lon + 6 * lev + 3 + lat)); done; done; done | paste -sd' ')"
 make_nc plain 'time = 2; a = 3; b = 2; c = 2;' 'float a(a); float b(b); float c(c); float s(time, a, b, c);' \
 	"a = 1, 2, 4; b = 1, 2; c = 5, 4; s = $(seq -s, 0 23);"
-is 'axes that say nothing, by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'
-is 'and their names' "$(sed -n 2p a.vtk)" 's []; x c []; y b []; z a []'
+is 'axes without attributes are told apart by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'
+is 'axes without attributes keep their names' "$(sed -n 2p a.vtk)" 's []; x c []; y b []; z a []'
 ok 'the classic formats and NetCDF-4' sh -c 'for kind in 1 2 4 5; do ncgen -k $kind -o k.nc packed.cdl && nc2vtk k.nc s | cmp - "$1" || exit; done' - \
 	"$(nc2vtk packed.nc s >p.vtk; echo p.vtk)"
 make_nc ensemble "$cube member = 1; run = 1; t = 2;" \
 	"$axes double t(t); t:axis = \"T\"; int member(member); float s(t, member, z, run, y, x); float u(t, z, y, x);" \
 	"$nodes t = 0, 1; member = 7; s = $(seq -s, 16); u = $(seq -s, 16);"
 is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11 12 13 14 15 16'
-is 'the axes are the same without them' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
-like 'nor are they listed' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
+is 'axes are the same without dimensions of one element' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
+like '-l does not list dimensions of one element' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
 # A name is the last that decides, but height is not what is left over.
 for name in timestep time_step xtime date level_type ensemble; do
 	make_nc named "$name = 2; lat = 2; lon = 2;" "float $name($name); float lat(lat); float lon(lon); float s($name, lat, lon);" \
@@ -160,10 +160,10 @@ done
 make_nc named 'bottom_top = 2; timestep = 2; lon = 2; lat = 2;' 'float bottom_top(bottom_top); float timestep(timestep);
 	float lon(lon); float lat(lat); float s(bottom_top, timestep, lon, lat);' \
 	"bottom_top = 1, 2; timestep = 0, 1; lon = 1, 2; lat = 1, 2; s = $(seq -s, 16);"
-is 'axes by their names, where nothing else says what they are' "$(got -t 1 named.nc s)" '5 7 6 8 13 15 14 16'
+is 'axes without other marks are told apart by their names' "$(got -t 1 named.nc s)" '5 7 6 8 13 15 14 16'
 make_nc named 'y = 2; step = 2; x = 2;' 'float y(y); float step(step); step:standard_name = "altitude"; float x(x); float s(y, step, x);' \
 	'y = 1, 2; step = 1, 2; x = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;'
-is 'and a standard name before those' "$(got named.nc s)" '1 2 5 6 3 4 7 8'
+is 'a standard name decides before the names of axes' "$(got named.nc s)" '1 2 5 6 3 4 7 8'
 cat >inner.cdl <<'END'
 netcdf inner {
 dimensions: x = 2; y = 2; z = 2;
@@ -174,7 +174,7 @@ group: a { group: b { variables: float s(z, y, x); data: s = 1, 2, 3, 4, 5, 6, 7
 END
 ncgen -k nc4 -o inner.nc inner.cdl
 is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 4 5 6 7 8'
-like 'and listed' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
+like '-l lists coordinates of the groups around' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
 
 # longitudes NAME LON ...: NAME.nc, whose values count up
 longitudes() {
@@ -193,9 +193,9 @@ is '-c: longitudes that descend' "$(got -c westwards.nc s):$(on_line coordinates
 longitudes stretched 0 100 180 270
 is '-c: steps that differ' "$(got -c stretched.nc s >/dev/null; on_line coordinates X a.vtk)" '0 100 180 270 360'
 longitudes rounded 0 51.43 102.86 154.29 205.71 257.14 308.57
-is '-c: rounded ones' "$(got -c rounded.nc s >/dev/null; on_line coordinates X a.vtk | cut -d' ' -f 8)" 360
+is '-c: rounded longitudes' "$(got -c rounded.nc s >/dev/null; on_line coordinates X a.vtk | cut -d' ' -f 8)" 360
 longitudes whole 0 90 180 270 360
-ok '-c: what is closed already stays as it is' sh -c 'nc2vtk -c whole.nc s >a.vtk; nc2vtk whole.nc s | cmp - a.vtk'
+ok '-c: a closed grid stays as it is' sh -c 'nc2vtk -c whole.nc s >a.vtk; nc2vtk whole.nc s | cmp - a.vtk'
 
 # ---- refused, and why ------------------------------------------------------------------------------------------
 data='s = 1, 2, 3, 4, 5, 6, 7, 8;' scalar='float s(z, y, x);'
@@ -229,7 +229,7 @@ refused other.nc 'a=hypot(s,u)' 'the two have different axes'
 refused other.nc nothing 'nothing: no such variable, expected one that -l lists'
 refused "$ncarg/nug/tos_ocean_bipolar_grid.nc" tos 'a curvilinear grid'
 run nc2vtk other.nc 's=hypot(s,u'
-is 'what is no request is refused, and how one is made is said' "$status:$err" \
+is 'a bad request is refused, and the message has the form of a good one' "$status:$err" \
 	'2:nc2vtk: s=hypot(s,u: expected a variable, or NAME=hypot(U,V)'
 refused missing.nc s 'No such file'
 head -c 1000 "$nc4" >torn.nc
@@ -256,6 +256,6 @@ nc2vtk -o p.vtk packed.nc s
 nc2vtk packed.nc s >q.vtk
 ok '-o writes the same' cmp p.vtk q.vtk
 nc2vtk -o p.vtk huge.nc s 2>err
-ok 'a failure leaves what was there' cmp p.vtk q.vtk
-is 'and nothing beside it' "$(echo p.vtk*)" p.vtk
+ok 'a failure leaves the old file' cmp p.vtk q.vtk
+is 'a failure leaves no new file' "$(echo p.vtk*)" p.vtk
 finish

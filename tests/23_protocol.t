@@ -13,7 +13,7 @@ tsv 'e real m 1 s 1 s 1 0' 'e real m 1 s 2 s 2 0' 'e real m 1 s 3 s 3 0' 'e real
 run tsvstat five.tsv
 # t of .975 and 4 degrees of freedom is 2.77645
 is 'a mean and its interval, by hand' "$(echo "$out" | sed -n 2p)" "e${tab}real${tab}m${tab}1${tab}5${tab}0${tab}3${tab}2.5${tab}1.03675684${tab}4.96324316"
-like 'one sample tells nothing of its mean' "$out" "m${tab}2${tab}1${tab}0${tab}8${tab}0${tab}-inf${tab}inf"
+like 'one sample gives no interval' "$out" "m${tab}2${tab}1${tab}0${tab}8${tab}0${tab}-inf${tab}inf"
 like 'a setting is one point at any x' "$out" "m@a${tab}1.5${tab}2${tab}0${tab}8"
 { cat five.tsv; tsv 'e real m 1 s 99 s 6 0' | sed 1d; } >six.tsv
 like 'an outlier counts' "$(tsvstat six.tsv)" "m${tab}1${tab}6${tab}0${tab}19"
@@ -31,7 +31,7 @@ verdict() { tsvstat -c .999 -t "$@" pairs.tsv | awk -F '\t' -v s="$?" 'NR > 1 { 
 is 'less, by pairs' "$(verdict less a b)" holds
 is 'less, by the pairs that there are' "$(verdict less a f)$(verdict more f a)" holdsholds
 is 'and not more' "$(verdict more a b)" fails
-is 'what is not certain is open' "$(verdict less a d)" open
+is 'an interval across 0 is open' "$(verdict less a d)" open
 is 'the same within a margin' "$(verdict same:.01 a c)" holds
 is 'not the same within a smaller one' "$(verdict same:.001 a b)" fails
 is 'steadier' "$(verdict steadier a d)$(verdict steadier d a)$(verdict steadier a a)" holdsfailsopen
@@ -55,7 +55,7 @@ refused 2 '8 fields' 'e real m 1 s 1 s 1'
 run sh -c 'echo nonsense | tsvstat'
 like 'refused: no names of columns' "$status $err" '^2 tsvstat: standard input:1: column 1 is "nonsense", expected'
 run tsvstat -t less a nobody pairs.tsv
-like 'nothing to compare' "$status $err" '^1 .*expected experiments with both methods'
+like 'refused: no x with both methods' "$status $err" '^1 .*expected experiments with both methods'
 { cat five.tsv; sed -n 2p five.tsv; } >twice.tsv
 run tsvstat twice.tsv
 like 'refused: the same sample twice' "$status $err" '^2 tsvstat: twice.tsv:10: the same .* as in line 2, expected each once'
@@ -76,8 +76,8 @@ done
 
 # ---- stopped, and going on: the same costs, one run without a stop and one that is killed at any moment ------------
 ok 'an experiment' protocol -n 2 -o whole.tsv faults
-is 'nothing is left beside a whole table' "$(echo whole.tsv*)" 'whole.tsv'
-is 'all rows' "$(grep -vc '^#' whole.tsv)" 21
+is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
+is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 21
 TMPDIR=$tmp protocol -n 2 -o a.tsv faults 2>/dev/null &
 run=$!
 until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done
@@ -88,8 +88,8 @@ sed '/^experiment/q' a.tsv >b.tsv
 mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
 if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
 	printf 'balls	simulated	to' >>a.tsv
-	ok 'the same command goes on, behind half a row' protocol -n 2 -o a.tsv faults
-	ok 'and one without a stop, by the same costs' protocol -n 2 -o b.tsv faults
+	ok 'the same command resumes after half a row' protocol -n 2 -o a.tsv faults
+	ok 'an uninterrupted run with the same costs writes the same table' protocol -n 2 -o b.tsv faults
 	ok 'gives the same' cmp a.tsv b.tsv
 fi
 run protocol -n 2 -o whole.tsv faults
@@ -117,17 +117,17 @@ mkfifo held
 flock whole.tsv cat held &
 until ! flock -n whole.tsv true; do sleep .02; done
 run protocol -n 2 -o whole.tsv faults
-like 'one run at a time' "$status $err" '^2 protocol: .*whole.tsv: another run writes it'
+like 'a second run on the same table is refused' "$status $err" '^2 protocol: .*whole.tsv: another run writes it'
 : >held
 wait
 mkdir -p "in stalled/bin" "in stalled/share/stormring" && cp "$root"/bin/* "in stalled/bin" &&
 	cp -r "$root/tests/experiments" "in stalled/share/stormring" # what is installed has no tests beside it
 run "in stalled/bin/protocol" -n 1 power
-like 'real hosts want a clone' "$status $err" '^3 protocol: power: is for a clone of the source'
+like 'an experiment on test hosts needs a clone' "$status $err" '^3 protocol: power: is for a clone of the source'
 run protocol -n 1 -o real.tsv complexity
-like 'real ones say what else the machine did' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
+like 'a real experiment notes the other load of the machine' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
 run protocol -n 1 -o real.tsv complexity
-is 'and are whole then' "$status$out$err" 0
+is 'a real experiment is complete after one run' "$status$out$err" 0
 
 # ---- verdicts: tables made so that a claim holds, fails, or is open ------------------------------------------------
 # made GDC INTERLEAVED: faults with these speed-ups after two are deleted
@@ -141,18 +141,18 @@ made() {
 }
 made 9 0 >good.tsv
 run protocol -v faults good.tsv
-is 'verdicts: a line each' "$status $(echo "$out" | wc -l)" "0 $(protocol -v faults whole.tsv | wc -l)"
-is 'found' "$(echo "$out" | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" '2 2 0 found -'
+is 'verdicts: one line per claim' "$status $(echo "$out" | wc -l)" "0 $(protocol -v faults whole.tsv | wc -l)"
+is 'the verdict is "found" if all cells hold' "$(echo "$out" | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" '2 2 0 found -'
 made 0 0 >bad.tsv
-is 'found in part' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 1 found in part'
+is 'the verdict is "found in part" if some cells hold' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 1 found in part'
 made 9 5 >bad.tsv
-is 'not found' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
+is 'the verdict is "not found" if the contrary holds' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
 # Every experiment's claims, of tables of its plan in which nothing is known: seven fields a line, and no word that is none.
 grep -v '	gdc' good.tsv >bad.tsv
-is 'not decided, where there is nothing to decide by' \
+is 'the verdict is "not decided" without samples' \
 	"$(protocol -v faults bad.tsv 2>said | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" \
 	'0 0 0 not decided the table has no samples of it'
-like 'a statistic says of which rows it is' "$(protocol -v faults good.tsv)" '	where x == 2: gdc same:0 each one; gdc-published same:0 each one	'
+like 'a statistic names its rows' "$(protocol -v faults good.tsv)" '	where x == 2: gdc same:0 each one; gdc-published same:0 each one	'
 for e in $(protocol -l | cut -f 1); do
 	if ! protocol -p -n 4 "$e" >plan 2>said; then
 		skip "the claims of $e" "$(head -n 1 said)"
@@ -166,7 +166,7 @@ for e in $(protocol -l | cut -f 1); do
 	is "the claims of $e" "$(wc -l <verdicts | awk '{ print ($1 > 1) }')$(cat odd said)" 1
 	head -n 3 made.tsv >one.tsv
 	run protocol -v "$e" one.tsv
-	is 'and of a table that has only begun' "$status" 0
+	is 'a table that has only begun has verdicts' "$status" 0
 done
 # What is as exact as a point of POV-Ray: the cheapest of it is compared, and where nothing is, that is no success.
 # traced TIME ERROR: a table in which POV-Ray takes 1 s to an error of .02
@@ -184,9 +184,9 @@ cheapest() { # the verdicts: less, and less than half
 	traced "$1" "$2" >traced.tsv
 	protocol -v tracing traced.tsv | awk -F '\t' 'NR == 2 || NR == 3 { printf "%d %d %d %s%s", $3, $4, $5, $6, NR == 2 ? ", " : "" }'
 }
-is 'less than half' "$(cheapest .4 .02)" '1 1 0 found, 1 1 0 found'
-is 'more than half' "$(cheapest .6 .01)" '1 1 0 found, 1 0 1 not found'
-is 'not as exact' "$(cheapest .4 .0203)" '1 0 1 not found, 1 0 1 not found'
+is 'a rival at less than half of the time: both claims hold' "$(cheapest .4 .02)" '1 1 0 found, 1 1 0 found'
+is 'a rival at more than half of the time: the second claim fails' "$(cheapest .6 .01)" '1 1 0 found, 1 0 1 not found'
+is 'no rival is as exact: both claims fail' "$(cheapest .4 .0203)" '1 0 1 not found, 1 0 1 not found'
 # What is simulated under the name of a method is what its balancer runs: the same policy, of the same tasks.
 sed -n '/^simulated() {/,/^}/p' "$root/tests/experiments/words.sh" >simulated
 mkdir stand-in
@@ -205,7 +205,7 @@ chmod +x stand-in/deal
 ln stand-in/deal stand-in/fan
 ln stand-in/deal stand-in/ringctl
 for m in interleaved masterslave ds adaptive hybrid gdc gdc-published; do
-	is "$m is simulated as it is run" "$(
+	is "$m: simulation and balancer run the same policy on the same tasks" "$(
 		quietly() { shift 3 && echo "$* $(cksum)"; }
 		# shellcheck source=/dev/null
 		. ./simulated
@@ -239,27 +239,27 @@ sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
 setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' env MARK=$mark "$root/bin/protocol" -n 1 -o c.tsv slaves 2>/dev/null &
 run=$!
 computing() { [ -n "$(program sh 'sh -c while kill -0')" ]; }
-ok 'a sample beside others that compute' await 60 computing
+ok 'a sample runs beside processes that compute' await 60 computing
 kill -INT -$run
-ok 'Ctrl-C ends them and it' await 10 none_alive
+ok 'Ctrl-C ends the sample and these processes' await 10 none_alive
 run sh -c 'echo | protocol -v faults'
-is 'refused: what is no table' "$status $err" '2 protocol: standard input: expected a table of protocol faults'
+is 'refused: input that is not a table' "$status $err" '2 protocol: standard input: expected a table of protocol faults'
 run protocol -v faults nosuch.tsv
-is 'refused: what is not there' "$status $err" '2 protocol: nosuch.tsv: cannot be read, expected a table of protocol faults'
+is 'refused: a file that does not exist' "$status $err" '2 protocol: nosuch.tsv: cannot be read, expected a table of protocol faults'
 run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 
 # ---- the page that make report makes, of one experiment ------------------------------------------------------------
 EXPERIMENTS='faults' run "$root/tests/report" "$tmp/page"
-like 'a report' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
-is 'has the chart, the verdicts, and the pictures of both views' \
+like 'report writes its page' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
+is 'the page has the chart, the verdicts, and the pictures of both views' \
 	"$(grep -c '<svg\|<b>The paper reports\|<table class="verdicts"\|alt="".*base64,i.*<figcaption>gears, ' page/index.html)" 5
 # Until where methods hold: a and c are beside each other, as b meets a stress of each; z meets another one.
 sed -n '/^held() {/,/^}/p' "$root/tests/report" >held.sh
 held() { printf "not claimed: how long $1 holds when $2${tab}mean${tab}3${tab}2${tab}1${tab}$3${tab}${4--}\\n"; }
 { held a 'X fall' 'holds until X = 4' && held b 'X fall' 'does not hold' && held b 'X rise' 'holds until X = 1e9' 'no more was tried'
 	held c 'X rise' 'holds until X = 16' && held z 'it is X' 'holds until X = 2' && printf "other${tab}t${tab}1${tab}1${tab}0${tab}found${tab}-\\n"; } >lasting
-is 'the tables of until where methods hold' "$(sh -c '. ./held.sh; held <lasting' | tr '\t\n' ',;')" \
+is 'the page has tables of the last stress at which methods hold' "$(sh -c '. ./held.sh; held <lasting' | tr '\t\n' ',;')" \
 	'method,X fall,X rise;a,4,-;b,no,≥ 1e9;c,-,16;;method,it is X;z,2;;'
-is 'and is all in one file' "$(grep -Eo '(src|href)="[^"]{0,5}' page/index.html | grep -v '="data:\|="#' | head -n 3)" ''
+is 'the page refers to no other file' "$(grep -Eo '(src|href)="[^"]{0,5}' page/index.html | grep -v '="data:\|="#' | head -n 3)" ''
 finish

@@ -18,14 +18,14 @@ pixel 000 377 000 000 >clear.pam
 blend -o both.pfm red.pam blue.pam
 is 'half of red over blue, in linear light' "$(samples both.pfm)" '0.5020 0.0000 0.4980'
 blend -o three.pfm clear.pam red.pam blue.pam
-ok 'what is clear changes nothing' imgcmp three.pfm both.pfm
+ok 'a transparent picture changes nothing' imgcmp three.pfm both.pfm
 blend -o under.pfm blue.pam red.pam
-is 'what is opaque hides what is under it' "$(samples under.pfm)" '0.0000 0.0000 1.0000'
+is 'an opaque picture hides the one under it' "$(samples under.pfm)" '0.0000 0.0000 1.0000'
 blend -k 16 red.pam clear.pam >still.png
 ok 'alpha is kept' imgcmp -t 1e-4 still.png red.pam
 blend - blue.pam <red.pam >piped.png
 blend -o file.png red.pam blue.pam
-ok 'by a pipe, to standard output' cmp piped.png file.png
+ok 'blend reads - and writes standard output' cmp piped.png file.png
 printf 'P6 2 1 255\n123456' >wide.ppm
 run blend red.pam wide.ppm
 is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected 1x1 as red.pam'
@@ -71,7 +71,7 @@ backdrop -t "it's x" -z -hPa wall.vtk wall.spec line >wall.gp
 block() { awk -v name="\$$1" '$1 == "EOD" { on = 0 } on && NF; $1 == name { on = 1 }' "$2"; }
 is 'the line is on the map, where the grid is' "$(block lines wall.gp | wc -l)" 3
 # Where the camera sees the line, by NFF's rules: 100 pixels are half the frame's height.
-is 'its points are where the camera sees them' "$(block lines wall.gp | tr '\n' ' ')" "$(awk 'BEGIN {
+is 'the points of the line are where the camera sees them' "$(block lines wall.gp | tr '\n' ' ')" "$(awk 'BEGIN {
 	pi = atan2(0, -1)
 	fx = 3; fy = 25; fz = -30; f = sqrt(fx * fx + fy * fy + fz * fz); fx /= f; fy /= f; fz /= f
 	r = sqrt(fx * fx + fy * fy); rx = fy / r; ry = -fx / r
@@ -93,7 +93,7 @@ backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/blac
 	s/^plot .*/plot $plane with filledcurves closed fc rgb "red"/' | gnuplot >plane.png
 ok 'gnuplot fills the pixels that vcworker does, but for some of the edge' imgcmp -t .75 -f .002 seen.png plane.png
 run imgcmp -t .75 -f .1 seen.png black.ppm
-is 'and those are many' "$status" 1
+is 'gnuplot fills many pixels' "$status" 1
 
 # ---- areas: filled where vcworker sees a grid that has their extent -------------------------------------------
 # filled NAME X Y SPEC [PART]: what lines.txt has, against a flat grid between these longitudes and latitudes; so great
@@ -106,7 +106,7 @@ filled() {
 		s/^plot .*/plot $area0 with filledcurves closed fc rgb "red"/' | gnuplot >area.png
 	ok "$1" imgcmp -t .75 -f "${5-.002}" seen.png area.png
 	run imgcmp -t .75 -f .01 seen.png black.ppm
-	is 'of which there is much' "$status" 1
+	is "$1: many pixels are filled" "$status" 1
 }
 printf '> land\n365 42\n-348 42\n12 48\n5 48\n' >lines.txt
 filled 'an area, which is where the grid is' '5 12' '42 48' wall.spec
@@ -130,7 +130,7 @@ backdrop wall.vtk wall.spec lines.txt >areas.gp
 is 'lakes are on land, islands on lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fc rgb .#......' | sed 's/ .*#/ /' |
 	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
 	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
-is 'what is too small to be seen is left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
+is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
 
 # ---- what is written ------------------------------------------------------------------------------------------
 like 'a title is text' "$(cat wall.gp)" "^set label 'it''s x' at"
@@ -145,13 +145,13 @@ titled() {
 }
 like "units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
 	'^0°,2°E,.*,42°N,.*,990 hPa,.*,speed, m/s,$'
-like 'and of a grid on a plane' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
+like 'the labels of a grid on a plane' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
 	'^0 m,2 m,.*,42 m,.*,-1000 m,.*,T, K,$'
 like 'options are stronger' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
 like 'a title may be anything' "$(titled 'x [; z [[]; x [')" '^0°,2°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
-is 'on a plane nothing comes round the globe' "$(block lines titled.gp | wc -l)" 2
+is 'on a plane lines do not go round the globe' "$(block lines titled.gp | wc -l)" 2
 # The eye is above, and beyond the low end of y: one edge is between these two sides.
 is 'the edge in front is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
 # C has no degree sign.
@@ -159,11 +159,11 @@ for locale in C C.UTF-8; do
 	ok "gnuplot draws it, and says nothing: locale $locale" \
 		sh -c 'LC_ALL=$0 gnuplot wall.gp >$0.png 2>said && [ ! -s said ]' "$locale"
 done
-ok 'the same picture' cmp C.png C.UTF-8.png
+ok 'the map is the same in every locale' cmp C.png C.UTF-8.png
 mv C.png wall.png
-like 'in its size' "$(imgcmp wall.png wall.png)" 'size	300x200'
+like 'the map has the size of the specification' "$(imgcmp wall.png wall.png)" 'size	300x200'
 backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
-like 'or another' "$(imgcmp small.png small.png)" 'size	90x60'
+like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x60'
 
 printf '1 2\n\n3\n' >bad.line
 run backdrop wall.vtk wall.spec bad.line
@@ -208,11 +208,11 @@ BEGIN { rad = atan2(0, -1) / 180 }
 n++ { step($1, $2); next }
 { x0 = x = $1; y0 = y = $2 }
 END { ring(); printf "%d open, %d round the globe, steps of %.0f degrees, %.2f of the sphere\n", open, round, sqrt(far), all / 720 / rad }' coasts >land
-is 'each comes back to where it began, none leaps, land is what land is' "$(cat land)" \
+is 'coastlines: all are closed, none jumps, and the area of land is right' "$(cat land)" \
 	'0 open, 1 round the globe, steps of 2 degrees, 0.29 of the sphere'
 run coastlines wall.vtk
-is 'what is no file of coasts is refused' "$status:$out" 2:
-like 'and said' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'
+is 'coastlines: refuses a file without coasts' "$status:$out" 2:
+like 'coastlines: the message names the missing variable' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'
 for bad in none.nc '-x' 'a b'; do
 	# shellcheck disable=SC2086
 	run coastlines $bad

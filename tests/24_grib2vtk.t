@@ -11,8 +11,8 @@ grb=/usr/share/ncarg/data/grb samples=/usr/share/eccodes/samples
 file=$grb/fh.0012_tl.press_gr.awp211.grb2
 run grib2vtk -l "$file"
 is '-l exits 0' "$status:$err" 0:
-like 'and lists levels, grid and unit' "$out" '^u	isobaricInhPa:19	lambert:93x65	t:1	\[m s\*\*-1\]	U component of wind$'
-like 'and what is refused' "$out" '^# prmsl	meanSea	1 level, expected 2 at least$'
+like '-l lists levels, grid and unit' "$out" '^u	isobaricInhPa:19	lambert:93x65	t:1	\[m s\*\*-1\]	U component of wind$'
+like '-l lists refused variables with the reason' "$out" '^# prmsl	meanSea	1 level, expected 2 at least$'
 
 grib2vtk "$file" 'speed=hypot(u,v)' >speed.vtk
 levels=$(grib_get -w shortName=u,typeOfLevel=isobaricInhPa -p level "$file" | sort -rn)
@@ -28,7 +28,7 @@ ok 'speed=hypot(u,v) is what grib_get_data reads' awk '
 	{ d = $1 - w[FNR - 1]; if (d * d > (3e-7 * w[FNR - 1]) ^ 2) { print FNR ": " $1 ", expected " w[FNR - 1]; exit bad = 1 } seen++ }
 	END { exit bad || n != 93 * 65 * 19 || seen != n }' w g
 is 'x is metres on the plane of projection' "$(on_line coordinates X speed.vtk | cut -d' ' -f1,2,93)" '0 81271 7476932'
-is 'as y is' "$(on_line coordinates Y speed.vtk | cut -d' ' -f1,2,65)" '0 81271 5201344'
+is 'y is metres on the plane of projection' "$(on_line coordinates Y speed.vtk | cut -d' ' -f1,2,65)" '0 81271 5201344'
 # shellcheck disable=SC2086  # a word each
 is 'pressure is negated, and so points up' "$(on_line coordinates Z speed.vtk)" "$(printf -- '-%s ' $levels | sed 's/ $//')"
 is 'the title' "$(sed -n 2p speed.vtk)" \
@@ -50,7 +50,7 @@ END
 }
 one='set level=500; set values={1,2,3,4,5,6}; write;' two='set level=850; set values={11,12,13,14,15,16}; write;'
 make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPresent=1; set values={21,9999,23,24,25,26}; write;"
-is 'from the bottom up and from the south, and a bit map' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+is 'values go up from the bottom and from the south; a bit map marks missing ones' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
 is 'longitudes go on beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'
 is 'latitudes' "$(on_line coordinates Y a.vtk)" '58 60'
 like 'their names' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
@@ -73,9 +73,9 @@ like 'Gaussian latitudes' "$(on_line coordinates Y a.vtk)" '^-87\.86379[0-9]* -8
 make_grib times "set dataDate=20260102; set dataTime=600; $one $two set dataDate=20260101; set dataTime=1800; $one
 	set level=850; set values={31,32,33,34,35,36}; write;"
 is 'times are sorted' "$(got -t 0 times.grib2 t)" '34 35 36 31 32 33 4 5 6 1 2 3'
-is 'and counted' "$(got -t 1 times.grib2 t)" '14 15 16 11 12 13 4 5 6 1 2 3'
-like 'and in the title' "$(sed -n 2p a.vtk)" '; t validity 202601020600 \[YYYYMMDDhhmm\]$'
-ok 'each time a file' sh -c 'grib2vtk -t all -o t%d.vtk times.grib2 t && cmp t1.vtk a.vtk && [ "$(echo t?.vtk)" = "t0.vtk t1.vtk" ]'
+is '-t counts from 0' "$(got -t 1 times.grib2 t)" '14 15 16 11 12 13 4 5 6 1 2 3'
+like 'the title has the time' "$(sed -n 2p a.vtk)" '; t validity 202601020600 \[YYYYMMDDhhmm\]$'
+ok '-t all writes one file per time' sh -c 'grib2vtk -t all -o t%d.vtk times.grib2 t && cmp t1.vtk a.vtk && [ "$(echo t?.vtk)" = "t0.vtk t1.vtk" ]'
 
 make_grib round "set Ni=4; set longitudeOfFirstGridPointInDegrees=90; set longitudeOfLastGridPointInDegrees=0;
 set iDirectionIncrementInDegrees=90; set level=500; set values={1,2,3,4,5,6,7,8}; write; set level=850; write;"
@@ -83,8 +83,8 @@ is '-c: the first column again' "$(got -c round.grib2 t)" '5 6 7 8 5 1 2 3 4 1 5
 is '-c: 360 degrees further east' "$(on_line coordinates X a.vtk)" '90 180 270 360 450'
 grib2vtk gauss.grib2 t >open.vtk
 grib2vtk -c gauss.grib2 t >a.vtk
-ok '-c: a Gaussian grid' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"
-is 'is closed' "$(coordinates X a.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" ' 0 360 '
+ok '-c: a Gaussian grid is closed' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"
+is '-c: the longitudes go from 0 to 360' "$(coordinates X a.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" ' 0 360 '
 
 # ---- refused, and why --------------------------------------------------------------------------------------------
 refused "$file" prmsl 'prmsl: 1 level, expected 2 at least'

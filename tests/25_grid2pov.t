@@ -52,14 +52,14 @@ for bad in '-n 0 even.vtk smooth.spec s.df3' '-n 9999 even.vtk smooth.spec s.df3
 	# shellcheck disable=SC2086  # a word each
 	run grid2pov $bad
 	is "refused: grid2pov $bad" "$status:$out" 2:
-	ok 'and nothing is written' [ ! -e s.df3 ]
+	ok "refused: grid2pov $bad: it writes no file" [ ! -e s.df3 ]
 done
 run grid2pov even.vtk smooth.spec none/s.df3
 is 'a file that cannot be written exits 3' "$status:$out" 3:
 run grid2pov even.vtk lit.spec s.df3
 is 'light and surfaces exit 1' "$status" 1
-like 'and it says so' "$err" '^grid2pov: lit.spec: light and iso-surfaces are left out'
-like 'and the scene is written all the same' "$out" '^box '
+like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light and iso-surfaces are left out'
+like 'light and surfaces: the scene is still written' "$out" '^box '
 is 'the field: three sizes, and 4 bytes a node' "$(wc -c <s.df3)" $((6 + 4 * 12 * 9 * 6))
 { cat smooth.spec; i=52; while [ $i -le 300 ]; do echo "map $i 1 1 1 1"; i=$((i + 1)); done; } >many.spec
 run grid2pov even.vtk many.spec s.df3
@@ -83,7 +83,7 @@ if command -v povray >/dev/null; then
 			ok "$grid planes, smooth, $method: within 2e-5" same $grid smooth 0.00002 $method
 		done
 		sed 's/^map 45 .9 .8/map 45 .9 .8001/' smooth.spec >other.spec
-		ok "and a colour that is off by 1e-4 is not" differs $grid other 0.00002 gauss:5
+		ok "$grid planes: a colour that is off by 1e-4 is not within 2e-5" differs $grid other 0.00002 gauss:5
 		sed 's/ .3$/ .3001/' smooth.spec >other.spec
 		ok "nor an extinction" differs $grid other 0.00002 gauss:5
 		sharp=sharp # on the uneven one before white, so that its alpha is seen
@@ -92,7 +92,7 @@ if command -v povray >/dev/null; then
 		for method in adaptive:1e-6 gauss:5; do
 			ok "$grid planes, sharp, $method: within 1e-4" same $grid $sharp 0.0001 $method
 		done
-		ok "and trapezoid:16 is not" differs $grid $sharp 0.0001 trapezoid:16
+		ok "$grid planes, sharp, trapezoid:16: not within 1e-4" differs $grid $sharp 0.0001 trapezoid:16
 	done
 	for case in 'uneven white' 'uneven far' 'uneven inside' 'uneven mirrored' 'hole smooth' 'hole white'; do
 		# shellcheck disable=SC2086  # a word each

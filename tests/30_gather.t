@@ -48,7 +48,7 @@ gather <whole >a.png
 ok 'PNG on standard output' imgcmp a.png want.pam
 ok 'PNG holds the job' grep -aq 'tEXtJob.cafe' a.png
 gather -o b.png <whole
-ok 'the same bytes every time' cmp a.png b.png
+ok 'the PNG has the same bytes every time' cmp a.png b.png
 gather -k 16 -o c.png whole
 gather -o c.pfm whole
 ok '-k 16: linear light to 1/65535' imgcmp -t 0.000008 c.png c.pfm
@@ -70,7 +70,7 @@ ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e
 { cat whole other; } >twice
 run gather -o t.pam twice
 is 'differing duplicates: status 1' "$status" 1
-is 'differing duplicates: whose, where, how much' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, most at 0,1, by 0.5: one of the two is wrong; those of the first were kept'
+is 'differing duplicates: the message has the slots, the place and the difference' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, most at 0,1, by 0.5: one of the two is wrong; those of the first were kept'
 ok 'the first stands' cmp t.pam want.pam
 cat whole whole >same
 run gather -o t.pam same
@@ -91,7 +91,7 @@ ok 'the first stands, whatever comes before the frame is whole' cmp t.pam u.pam
 	cat whole
 } | seal >foreign
 run gather -o f.pam foreign
-is 'another job: status 0 once the rest is there' "$status" 0
+is 'another job: status 0 when the rest has come' "$status" 0
 like 'another job: named' "$err" 'frame 0: slot 1 \(foreign\) has job beef of 4x3, expected cafe of 4x3'
 like 'another job: counted' "$err" '1 fragment ignored: of another job'
 ok 'another job: not in the picture' cmp f.pam want.pam
@@ -114,18 +114,18 @@ ok 'garbage: not in the picture' cmp f.pam want.pam
 	cat whole
 } | seal >odd
 run gather -o f.pam odd
-is 'a frame that nobody declared: status 1, and the picture' "$status$(cmp f.pam want.pam)" 1
+is 'an undeclared frame: status 1, and the picture' "$status$(cmp f.pam want.pam)" 1
 nan='\000\000\300\177\000\000\000\000\000\000\200\076\000\000\200\077'
 { cat whole; frag 0 9 '0 1 4 1 1 1' "$nan" 4 | seal; } >odd
 run gather -o f.pam odd
-is 'pixels that are no light: not in the picture' "$status$(cmp f.pam want.pam)" 0
-is 'pixels that are no light: said' "$err" \
+is 'bad pixels: not in the picture' "$status$(cmp f.pam want.pam)" 0
+is 'bad pixels: a message says so' "$err" \
 	"gather: 1 damaged record ($(($(wc -c <odd) - $(wc -c <whole))) bytes) skipped; the last: bad pixels, expected finite numbers >= 0, and alpha of at most 1"
 for change in 's/ 0 1 0 1 4 / 0 1 0 2 4 /' 's/^(frag 0 2 .*)cafe/$1cafd/' 's/^frame 0/frame 1/'; do
 	perl -pe "$change" whole >odd
 	run gather -o f.pam odd
 	is "$change: status 1" "$status" 1
-	like "$change: said" "$err" 'damaged record.*: sum differs, expected the line that was sent'
+	like "$change: a message says so" "$err" 'damaged record.*: sum differs, expected the line that was sent'
 done
 
 # ---- a log of another format
@@ -160,7 +160,7 @@ like 'bytes between records: counted' "$err" 'damaged record.*\(38 bytes\) skipp
 head -c 320 whole >torn
 run gather -o n.png torn
 is 'incomplete: status 1' "$status" 1
-like 'incomplete: what is missing' "$err" '^gather: frame 0: 8 of 12 pixels missing: rows 1-2$'
+like 'incomplete: a message lists the missing pixels' "$err" '^gather: frame 0: 8 of 12 pixels missing: rows 1-2$'
 like 'incomplete: the command' "$err" \
 	'^gather: to finish: gather -m torn \| rtworker SCENE >> torn; gather -o n.png torn$'
 is 'incomplete: no file' "$(find . -name 'n.png*')" ''
@@ -170,8 +170,8 @@ like 'the command, from a log with an odd name' "$err" \
 run sh -c 'gather -o n.png <torn'
 like 'without a log' "$err" 'no log was kept'
 run gather -o n.png /dev/null
-is 'nothing at all: status 1' "$status" 1
-like 'nothing at all: said' "$err" 'no frame was declared'
+is 'empty input: status 1' "$status" 1
+like 'empty input: a message says so' "$err" 'no frame was declared'
 
 # ---- what is missing, as tasks
 run gather -m whole
@@ -238,7 +238,7 @@ torn at $at: got $got, expected $want"
 	done
 	[ "$kind" = frag ] && missing=${missing#* }
 done <offsets.txt
-is "cut at each of $checked bytes: exactly what was lost" "$bad" ''
+is "cut at each of $checked bytes: exactly the lost pixels are listed" "$bad" ''
 bad=''
 at=0
 while [ $at -lt "$checked" ]; do
@@ -260,14 +260,14 @@ is 'the log as input: status 2' "$status" 2
 rm -f l.pam
 run gather -r /dev/full -o l.pam whole
 is 'log on a full disk: status 3' "$status" 3
-like 'log on a full disk: said' "$err" '/dev/full: No space left'
+like 'log on a full disk: a message says so' "$err" '/dev/full: No space left'
 ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
 
 # ---- too large
 for size in '65535 65535' '16385 16384'; do
 	run sh -c "echo 'frame 0 $size job=cafe' | seal | gather -o l.pam"
 	is "frame 0 $size: status 2" "$status" 2
-	like "frame 0 $size: said" "$err" "frame 0: ${size% *}x${size#* } pixels, expected at most 268435456 in a picture"
+	like "frame 0 $size: a message says so" "$err" "frame 0: ${size% *}x${size#* } pixels, expected at most 268435456 in a picture"
 done
 { echo 'frame 0 4 3 job=cafe w=0'; echo 'frame 0 65535 65535 job=cafe w=1'; cat whole; } | seal >foreign
 run gather -o f.pam foreign
@@ -282,12 +282,12 @@ for o in '-o x.png' ''; do
 	# shellcheck disable=SC2086
 	run gather $o film
 	is "two frames, one name ($o): status 2" "$status" 2
-	like "two frames, one name ($o): said" "$err" 'a second picture for .*, expected -o with %d'
+	like "two frames, one name ($o): a message says so" "$err" 'a second picture for .*, expected -o with %d'
 done
 { picture 0; picture 7 | head -c 100; } >film
 run gather -o 'g%d.pam' film
-is 'one of two: status 1, and what is missing' "$status $(echo g*.pam)" '1 g0.pam'
-like 'one of two: said' "$err" 'frame 7: 12 of 12 pixels missing: rows 0-2'
+is 'one of two frames: status 1, and the missing pixels' "$status $(echo g*.pam)" '1 g0.pam'
+like 'one of two frames: a message says so' "$err" 'frame 7: 12 of 12 pixels missing: rows 0-2'
 mkfifo slow
 gather -o 'p%d.pam' <slow &
 pid=$!
@@ -296,7 +296,7 @@ echo 'frame 7 4 3 job=cafe' | seal >&3
 picture 0 >&3
 i=0
 while [ ! -e p0.pam ] && [ $i -lt 1000 ]; do sleep 0.1; i=$((i + 1)); done
-ok 'a frame is written while the stream goes on' cmp p0.pam want.pam
+ok 'a frame is written before the stream ends' cmp p0.pam want.pam
 picture 7 >&3
 exec 3>&-
 ok 'end of a stalled stream' wait $pid
@@ -317,7 +317,7 @@ is 'no such directory: status 3 at once' "$status" 3
 status=0
 gather whole >/dev/full 2>err.txt || status=$?
 is 'full disk: status 3' "$status" 3
-like 'full disk: said' "$(cat err.txt)" '^gather: standard output: No space left'
+like 'full disk: a message says so' "$(cat err.txt)" '^gather: standard output: No space left'
 status=0
 gather -m torn >/dev/full 2>err.txt || status=$?
 is '-m on a full disk: status 3' "$status" 3
@@ -336,5 +336,5 @@ is 'reader gone while waiting for input: quiet, status 3' "$(cat status err.txt)
 run gather -P -o a.pam whole
 like '-P: percent and ETA' "$err" 'gather: 100.0 %, ETA 0:00'
 run gather -o a.pam whole
-is 'no progress where stderr is a file' "$err" ''
+is 'no progress is shown if stderr is a file' "$err" ''
 finish

@@ -27,7 +27,7 @@ is 'waiting' "$(column 6 hand.frags)" '0.020000 0.020000 0.000000 '
 is 'tail' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
 is 'wasted' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
 is 'duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
-is 'the five make up all of it' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
+is 'busy, start-up, waiting, tail and wasted time add up to the makespan' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
 sed 's/w=1/& from=0/' hand.frags | "$root/tests/seal" >stolen.frags
 is 'steals' "$(column 12 stolen.frags)" '0 2 0 '
 gives steals 2 stolen.frags
@@ -51,14 +51,14 @@ gives runs 2 again.frags
 gives makespan_s 0.402000 again.frags
 gives tasks 4 again.frags
 gives duplicates 2 again.frags
-is 'one file, or two, are the same runs' "$(tail -n 3 again.frags >second.frags; fragstat hand.frags second.frags)" "$(fragstat again.frags)"
+is 'two runs in one file or in two files give the same table' "$(tail -n 3 again.frags >second.frags; fragstat hand.frags second.frags)" "$(fragstat again.frags)"
 is 'the five make up all of two runs' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
 
 # A lone worker has CPU time in which it read and wrote: it was not faster than that.
 printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' | "$root/tests/seal" >lone.frags
 gives makespan_s 0.005000 lone.frags
 gives efficiency 0.8000 lone.frags
-is 'its slot has no name' "$(column 1 lone.frags)" '- '
+is 'a log of one worker: its slot has no name' "$(column 1 lone.frags)" '- '
 
 printf ': slots=2 power=1\n' >two
 
@@ -94,21 +94,21 @@ deal -q 2 fan -j 2 sh -c 'mkdir first 2>/dev/null || exec replay -x "$1" one.fra
 	replay -x "$1" one.frags | dd bs=1 count=4000' sh "$scale" <job.task >lost.frags 2>/dev/null
 gives tasks 64 lost.frags
 like 'retries of lost.frags' "$(key=retries; value lost.frags)" '^[1-9]'
-ok 'with a slot lost they do as well' adds_up lost.frags
+ok 'with a lost slot the times add up as well' adds_up lost.frags
 cat one.frags one.frags >twice.frags
 gives duplicates 64 twice.frags
 gives runs 2 twice.frags
 { head -c 8500 one.frags; cat one.frags; } >torn.frags # within the pixels of a row
 run fragstat -s torn.frags
-like 'damage is told' "$status $err" '^0 fragstat: torn.frags: 1 damaged place skipped'
-like 'and counted' "$out" '^lost_records	1$'
+like 'a damaged log: a message says so' "$status $err" '^0 fragstat: torn.frags: 1 damaged place skipped'
+like 'a damaged log: -s counts the lost records' "$out" '^lost_records	1$'
 
 # ---- as intervals --------------------------------------------------------------------------------------------
 fragstat -g again.frags >gantt.tsv
-is 'a line for each done' "$(grep -vc '^#' gantt.tsv)" 7
-is 'where it began and ended' "$(awk -F '\t' '/^again/ { print $3, $4, $6, $10; exit }' gantt.tsv)" 'task 0.020000 0 0.120000'
-is 'runs follow each other' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000
-is 'what it was' "$(awk -F '\t' '/^again/ { print $3 }' gantt.tsv | sort | uniq -c | tr -s ' \n' ' ')" ' 4 task 2 wasted '
+is '-g: one line per done record' "$(grep -vc '^#' gantt.tsv)" 7
+is '-g: the line has begin and end of the task' "$(awk -F '\t' '/^again/ { print $3, $4, $6, $10; exit }' gantt.tsv)" 'task 0.020000 0 0.120000'
+is '-g: a second run follows the first' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000
+is '-g: the line says whether the task was wasted' "$(awk -F '\t' '/^again/ { print $3 }' gantt.tsv | sort | uniq -c | tr -s ' \n' ' ')" ' 4 task 2 wasted '
 sed 's/done 0 1 /done 0 1 try=3 /' hand.frags | "$root/tests/seal" | fragstat -g >tries.tsv
 like 'a task that was given again' "$(cut -f 3 tries.tsv)" '^task given again$'
 like 'kind: real' "$(cut -f 2 gantt.tsv)" '^real$'

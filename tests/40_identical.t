@@ -66,7 +66,7 @@ four() {
 	fragstat tried.frags | awk 'NR > 1 && $2 > 0 { n++ } END { exit n != 4 }'
 }
 tree() { state | deal fan -t 300 -j 2 deal fan -t 300 -j 2 ./together; }
-ok "all four workers of a tree are given work" four tree
+ok "all four workers of a tree get tasks" four tree
 same "deal fan -j 2 deal fan -j 2" gears.pfm
 state | deal -q 3 fan -j 2 deal -q 2 fan -j 2 deal fan -j 2 rtworker - | gather -o out.pfm
 same "three levels, deeper queues" gears.pfm
@@ -77,7 +77,7 @@ ring ringctl fan -j 3 ringctl -n deal fan -j 2 rtworker -
 same "a ring of nodes of two slots" gears.pfm
 rm ring.frags
 rings() { { pack scene gears.nff; partition -n 3 "$size"; } | deal -q 2 fan -t 300 -j 2 ringctl -k one fan -t 300 -j 2 ringctl -n ./together; }
-ok "all four nodes of rings that are dealt to are given work" four rings
+ok "all four nodes of two rings under one deal get tasks" four rings
 same "rings dealt to" gears.pfm
 ring ringctl fan -j 2 ringctl -n ringctl -p fan -j 2 ringctl -n rtworker -
 same "rings in a ring" gears.pfm
@@ -105,7 +105,7 @@ partition $size | rtworker -a 4:.05 -d 3 gears.nff | gather -o fine.pfm
 balance masterslave -j 3 -s $size -W '-a 4:.05 -d 3' -o out.pfm gears.nff
 same "refined samples: the same" fine.pfm
 run cmp -s fine.pfm gears.pfm
-is "and not the picture of one sample" "$status" 1
+is "refined samples: not the picture of one sample" "$status" 1
 
 # A second frame in the same stream.
 { pack scene gears.nff; partition -F 0 $size; partition -F 1 $size; } | deal fan -j 2 rtworker - | gather -o f%d.pfm

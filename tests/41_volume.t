@@ -36,7 +36,7 @@ same() { ok "$1" cmp out.pam "$2"; rm -f out.pam; }
 picture a1.pam a.vtk one.spec
 like "alpha is kept" "$(head -n 7 a1.pam | tr '\n' ' ')" 'DEPTH 4 .*RGB_ALPHA'
 picture a1.png a.vtk one.spec
-is "also in a PNG" "$(dd if=a1.png bs=1 skip=25 count=1 2>/dev/null | od -An -tu1 | tr -d ' ')" 6
+is "alpha is kept in a PNG" "$(dd if=a1.png bs=1 skip=25 count=1 2>/dev/null | od -An -tu1 | tr -d ' ')" 6
 
 # ---- the same bytes ------------------------------------------------------------------------------------------
 for m in adaptive interleaved masterslave hybrid gdc gdc-published ss sc ds dc; do
@@ -48,7 +48,7 @@ balance ds -S hosts -o out.pam a.vtk one.spec
 same "ds on two hosts" a1.pam
 balance masterslave -j 2 -s 30x20 -o out.pam a.vtk one.spec
 size=30x20 && picture s.pam a.vtk one.spec && size=48x40
-same "of another size" s.pam
+same "balance masterslave with another size" s.pam
 state() { pack grid a.vtk; pack spec one.spec; partition "$@" $size; }
 state -u tile:7x5 | deal fan -j 2 deal fan -j 2 vcworker | gather -o out.pam
 same "deal fan -j 2 deal fan -j 2" a1.pam
@@ -107,7 +107,7 @@ job() { vcworker -i "$@" | sed -n 's/^job=//p'; }
 is 'the job is of grid, specification and method' \
 	"$({ job a.vtk one.spec; job b.vtk one.spec; job a.vtk two.spec; job -m gauss:9 a.vtk one.spec
 		job -m adaptive:.1 a.vtk one.spec; } | sort -u | wc -l)" 5
-is 'and of no more' "$(job -m adaptive -x sse2 -f 9 a.vtk one.spec)" "$(job a.vtk one.spec)"
+is 'the job does not depend on vectors and fragments' "$(job -m adaptive -x sse2 -f 9 a.vtk one.spec)" "$(job a.vtk one.spec)"
 run vcworker -n a.vtk one.spec
 is '-n: all rays' "$(printf '%s\n' "$out" | awk '$1 == "rays" { print $2 + $3 }')" 1920
 is '-n: its table' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" \
@@ -118,8 +118,8 @@ ok '-n: in order' awk '{ v[$1] = $2 } END { exit !(v["min_s"] <= v["median_s"] &
 if there nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc; then
 	ok 'the wind of nc4uvt.nc' sh -c 'nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc "speed=hypot(U,V)" >wind.vtk'
 	run vcworker -n wind.vtk "$root/scenes/stormview.spec"
-	is 'its 54549 rays hit the grid, and none misses' "$(printf '%s\n' "$out" | grep rays)" "rays	54549	0"
-	ok 'and none passes more than 18 cells' awk '$1 == "most_cells" { n = $2 } END { exit !(n >= 13 && n <= 18) }' "$tmp/.out"
+	is "StormView's input: all 54549 rays hit the grid" "$(printf '%s\n' "$out" | grep rays)" "rays	54549	0"
+	ok "StormView's input: no ray passes more than 18 cells" awk '$1 == "most_cells" { n = $2 } END { exit !(n >= 13 && n <= 18) }' "$tmp/.out"
 else
 	skip "StormView's own input" "$missing is not there"
 fi

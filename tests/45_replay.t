@@ -35,7 +35,7 @@ ok 'a replay can be replayed' sh -c 'replay tiles.frags <rows.task | gather -o a
 like 'job and program are those of the log' "$(grep -a '^frame' tiles.frags)" "$(grep -a '^frame' one.frags | sed 's/ sum=.*//') kind=replayed sum="
 cat one.frags tiles.frags >both.frags
 run gather -P -o out.pfm both.frags
-like 'what it returns is what was rendered' "$status $err" '^0 .*3072 pixels came twice$'
+like 'replay returns the rendered pixels' "$status $err" '^0 .*3072 pixels came twice$'
 
 # ---- times: what the log says, by power and scale ------------------------------------------------------------
 # Every task 10 ms: long against what a loaded machine adds.
@@ -48,22 +48,22 @@ timed
 is 'cpu_us is the log'"'"'s' "$(sum timed.frags cpu_us)" 80000
 wall_1=$(sum timed.frags wall_us)
 timed -p .5
-is 'at half the power twice that' "$(sum timed.frags cpu_us)" 160000
+is 'half the power doubles the time' "$(sum timed.frags cpu_us)" 160000
 wall_2=$(sum timed.frags wall_us)
 timed -x 3
-is 'at three times the scale three times' "$(sum timed.frags cpu_us)" 240000
+is 'three times the scale makes three times the time' "$(sum timed.frags cpu_us)" 240000
 wall_3=$(sum timed.frags wall_us)
 echo "$wall_1 $wall_2 $wall_3" | awk '{ exit !($1 > 75000 && $2 > 150000 && $3 > 225000) }'
-is 'and it took that time' $? 0
+is 'the elapsed time is that time' $? 0
 diag "8 tasks of 10 ms took $wall_1 us, at half the power $wall_2, at scale 3 $wall_3"
 REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
 is 'the environment tells the power' "$(sum timed.frags cpu_us)" 20000
 like 'hello tells it as well' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
 timed -l 2
 loaded=$(sum timed.frags wall_us)
-is 'load is no CPU time' "$(sum timed.frags cpu_us)" 80000
+is 'load does not count as CPU time' "$(sum timed.frags cpu_us)" 80000
 echo "$loaded" | awk '{ exit !($1 > 85000) }'
-is 'but takes time' $? 0
+is 'load makes tasks take longer' $? 0
 { head -n 1 rows.task; echo 'task 0 0 0 0 32 1 1 1'; echo 'task 0 1 0 3 64 3 1 1'; } | replay -p 100 slow.frags >parts.frags
 is 'other cuts cost their share' "$(grep -a -o 'done.*cpu_us=[0-9]*' parts.frags | tr '\n' ' ')" \
 	'done 0 0 cpu_us=50 done 0 1 cpu_us=300 '
@@ -79,19 +79,19 @@ exec 8>down 9<up
 head -n 2 rows.task >&8
 head -n 2 <&9 >/dev/null
 kill -0 $pid
-is 'it waits' $? 0
+is 'replay waits for the time of its task' $? 0
 exec 9<&-
 i=0
 while kill -0 $pid 2>/dev/null && [ $i -lt 3000 ]; do sleep .02; i=$((i + 1)); done
 wait $pid
-is 'its reader gone, it ends in mid-task' "$?" 3
+is 'replay ends within a task when its reader is gone' "$?" 3
 diag "after about $((i * 20)) ms"
 exec 8>&-
 rtworker -d 4 balls.nff <rows.task >other.frags
 printf '%s\n' 'a power=1 via="sh -c %c"' 'b power=1 via="env LOG=other sh -c %c"' >hosts
 # Without a policy: each has tasks of its own, so that both are waited for.
 run sh -c 'fan -S hosts sh -c "exec replay \${LOG:-one}.frags" <rows.task >mixed.frags'
-like 'slots that replay other jobs are told apart' "$err" 'arithmetic'
+like 'slots that replay different jobs are noticed' "$err" 'arithmetic'
 
 # ---- what it refuses -----------------------------------------------------------------------------------------
 # refuses NAME WHY ARGUMENT ...
@@ -111,7 +111,7 @@ refuses 'a log of half the picture' 'half.frags: frame 0: pixel 0,[0-9]* is miss
 sed 's/^frame 0 64 48/frame 0 64 47/' one.frags | "$root/tests/seal" >size.frags
 refuses 'a log of another size' 'size.frags: no frame 0 of 64x48' size.frags
 LC_ALL=C sed 's/job=[0-9a-f]*/job=nonsense/' one.frags | "$root/tests/seal" >job.frags
-refuses 'a job that is none' 'job.frags: frame 0: job=nonsense' job.frags
+refuses 'a job of the wrong form' 'job.frags: frame 0: job=nonsense' job.frags
 LC_ALL=C sed 's/done 0 5 /dine 0 5 /' one.frags >undone.frags
 refuses 'pixels of unknown cost' 'undone.frags: frame 0: pixel 0,5 has no CPU time' undone.frags
 refuses 'power 0' '-p 0' -p 0 one.frags

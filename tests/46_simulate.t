@@ -24,7 +24,7 @@ is '... of which it is on tasks' "$(of busy_s)" 3.000000
 is '... and waits until its first one, both together' "$(of startup_s)" 0.400000
 is '... between two tasks' "$(of waiting_s)" 0.400000
 is '... and after its last one' "$(of tail_s)" 1.200000
-is 'no schedule is faster than the sum of costs by that of powers' "$(of bound_s)" 1.333333
+is 'no schedule is faster than sum of costs / sum of powers' "$(of bound_s)" 1.333333
 is '... and in a simulation than that and three messages' "$(of least_s)" 1.633333
 is 'efficiency is the bound by the makespan' "$(of efficiency)" 0.5333
 takes 'deal -q 1: two tasks each, at once' 2.300000 deal -q 1
@@ -63,8 +63,8 @@ run simulate -m 1e6 -w 1,4 -l 100 -f lose=1 ring -p <eight.task
 is '... and without an answer another one is dead' "$(of uncommitted) $(of steals) $(of lost | awk '{ print ($1 > 4) }')" '0 0 1'
 
 two -v -f crash@.5s:1 deal
-like 'what happens, in words: a task arrives' "$out" '^# 200000 1 from hub: task 1$'
-like '... and meets nobody, as that slot is no more' "$out" '^# 700000 1: computed \(lost\)$'
+like '-v: a task arrives' "$out" '^# 200000 1 from hub: task 1$'
+like '-v: an event of a lost slot is marked as lost' "$out" '^# 700000 1: computed \(lost\)$'
 like '... the hub hears of that' "$out" '^# 600000 1 to hub: gone$'
 
 # ---- a ring, by hand -------------------------------------------------------------------------------------------
@@ -115,16 +115,16 @@ partition 24x16 >rows.task
 rtworker tetra.nff <rows.task | LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=1\20000 wall_us=1/' | "$root/tests/seal" >log
 sum=$(seq 0 15 | awk '{ s += 1 $1 "0000" } END { printf "%.6f", s / 1e6 }')
 run simulate -t log fan <rows.task
-is 'what the log says: all rows on one slot' "$(of makespan_s)" "$sum"
+is '-t: all rows on one slot take the sum of the costs in the log' "$(of makespan_s)" "$sum"
 partition -u tile:5x3 24x16 >tiles.task
 run simulate -t log fan <tiles.task
-is '... however they are cut, but for what is rounded' "$(of makespan_s | awk -v sum="$sum" '{ d = $1 - sum; print d * d < 1e-8 }')" 1
+is '-t: another cut takes the same time, except for rounding' "$(of makespan_s | awk -v sum="$sum" '{ d = $1 - sum; print d * d < 1e-8 }')" 1
 # Rows of 3, 3, 2, 2 and 2 s on two hosts: the longest first would take 7 s.
 partition 24x5 >five.task
 rtworker tetra.nff <five.task | LC_ALL=C sed 's/^\(.*\)done 0 \([01]\) .*$/\1done 0 \2 cpu_us=3000000 wall_us=1/
 	s/^\(.*\)done 0 \([234]\) .*$/\1done 0 \2 cpu_us=2000000 wall_us=1/' | "$root/tests/seal" >five.log
 run simulate -t five.log -j 2 best <five.task
-is 'best: swaps what is better swapped' "$(of makespan_s)" 6.000000
+is 'best: it swaps tasks if that is better' "$(of makespan_s)" 6.000000
 cat >hosts <<'END'
 a slots=2 power=1
 b power=.5
@@ -178,5 +178,5 @@ bad 'a task beyond its frame' 'frame 0 4 4' 'task 0 0 0 0 17 1 1 1'
 bad 'two frames' 'frame 0 4 4' 'frame 1 4 4'
 bad 'no record' nonsense
 run simulate -n 1 fan
-is 'seeds of a method that loses what is lost' "$status" 2
+is 'refused: seeds of fan, which loses tasks' "$status" 2
 finish

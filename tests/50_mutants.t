@@ -33,12 +33,12 @@ family() {
 	ok "mutants/$1 is a list of mutants" listed "$mutants/$1"
 	ok "the seeds of test_$1 compile" compile "$root/tests/unit/test_$1.c"
 	cc -o shipped "unit-test_$1.o" $(objects none) -lcmocka -lm
-	ok "what is shipped passes those of test_$1" ./shipped
+	ok "the shipped policies pass the seeds of test_$1" ./shipped
 	for name in $(names "$mutants/$1"); do ok "test_$1 finds: $name" found "$1" "$mutants/$1" "$name"; done
 }
 
 ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
-is 'each mutant has a name of its own' "$(names "$mutants"/sim "$mutants"/ring "$mutants"/gdc | sort | uniq -d)" ''
+is 'each mutant has its own name' "$(names "$mutants"/sim "$mutants"/ring "$mutants"/gdc | sort | uniq -d)" ''
 family sim
 family ring
 family gdc
@@ -83,5 +83,5 @@ refused name-twice '^1 name-twice: this name is in wrong 2 times, expected once'
 refused no-bug '^1 no-bug: survives: test_gdc exits with 0, and no seed fails'
 printf '%s\n' '@name lib/sched/gdc_master.c' '- text' '+' '@ other  lib/sched/gdc_master.c' '- text' '+' >wrong
 run listed wrong
-is 'a line that is none of a row is found' "$status $out" '1 1:@name lib/sched/gdc_master.c'
+is 'a line that is not part of a row is found' "$status $out" '1 1:@name lib/sched/gdc_master.c'
 finish

@@ -28,11 +28,11 @@ late() { # DEAL-OPTIONS
 	env MARK=$mark timeout 30 deal $1 fan -t 300 -j 3 sh late <late.task | tee log | gather -o out.pfm
 }
 for options in -e '-e -q 4' '-e -q auto'; do
-	ok "deal $options: does not wait for who is late" late "$options"
+	ok "deal $options: it does not wait for late slots" late "$options"
 	ok "deal $options: the same picture" same out.pfm
-	ok "deal $options: leaves nobody behind after 2 s" await 2 none_alive
+	ok "deal $options: no process remains after 2 s" await 2 none_alive
 	ok "deal $options: the last record is bye" sh -c 'tail -n 1 log | grep -aq "bye$"'
-	ok "deal $options: a task was given again, or a piece of it" sh -c 'grep -aq "done .* try=[23]" log'
+	ok "deal $options: a task, or a piece of a task, was given again" sh -c 'grep -aq "done .* try=[23]" log'
 done
 # How long a round trip takes decides what is worth cutting, and load makes trips long: a few runs are looked at.
 divided() {

@@ -42,7 +42,7 @@ mkdir dead 2>/dev/null || exec rtworker -a 9 -
 rtworker -a 9 - | dd bs=1 count=3000 2>/dev/null
 END
 film -n 3 | deal fan -j 3 sh mortal 2>said | tee log | gather -o f%d.pfm 2>>said
-like 'a slot dies: it is said' "$(cat said)" 'lost \(exit-0\)'
+like 'a slot dies: a message says so' "$(cat said)" 'lost \(exit-0\)'
 ok 'a slot dies: its tasks are given again' grep -aq 'done 0 .* try=2' log
 : >said
 both 'a slot dies'
@@ -64,7 +64,7 @@ mkdir seen
 } 2>/dev/null | deal sh -c 'fan -S hosts rtworker -a 9 - | tee seen/frags' 2>said | gather -o f%d.pfm 2>>said
 count() { grep -ao "$1" seen/frags | wc -l; }
 ok 'a slot comes late: it does its part of the second frame' [ "$(count 'done 1 [0-9]* cpu_us=[0-9]* wall_us=[0-9]* w=1 ')" -gt 0 ]
-is 'a slot comes late: it is told of both' "$(count 'frame [01] [0-9 ]*job=[^ ]* with=[^ ]* w=1')" 2
+is 'a slot comes late: it gets both frames' "$(count 'frame [01] [0-9 ]*job=[^ ]* with=[^ ]* w=1')" 2
 both 'a slot comes late'
 printf '#!/bin/sh\nsleep 1; exec sh -c "$1"\n' >slow
 chmod +x slow
@@ -89,5 +89,5 @@ run sh -c '{ pack scene gears.nff; partition 16x12; pack scene tetra.nff; echo n
 is 'nonsense behind state that waits: exit 2' "$status" 2
 printf 'gone via="exit 9; %%c"\n' >none
 run sh -c 'timeout 20 deal fan -S none rtworker - <film.task | gather -o f%d.pfm'
-is 'state that waits, and nobody is left: exit 3' "$status" 3
+is 'state that waits while no slot is left: exit 3' "$status" 3
 finish

@@ -96,7 +96,7 @@ for command in 'deal fan -t 60 -j 2' 'deal -e fan -t 60 -j 3' 'ringctl fan -t 60
 	# Where others take a late task over, the run may be done before the slot dies.
 	case $command in
 	ringctl* | *' -e '*) ;;
-	*) like "$command, a slot dies: it is said" "$err" 'lost \(exit-.\) with [1-9][0-9]* tasks' ;;
+	*) like "$command, a slot dies: a message says so" "$err" 'lost \(exit-.\) with [1-9][0-9]* tasks' ;;
 	esac
 	is "$command, a slot dies: complete" "$status" 0
 	right "$command, a slot dies" 3
@@ -121,7 +121,7 @@ late() {
 	run timeout 60 sh -c '"$@" <three | gather -o f%d.pfm' sh "$@"
 	is "$name: complete" "$status" 0
 	right "$name" 3
-	like "$name: who came at the beginning has both, in their order" \
+	like "$name: slots up from the start get both frames in order" \
 		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=0(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '0 1 '
 	like "$name: it is sent first a later state, then the one that it needs, and the later ones again" \
 		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '[12] 0 1 '

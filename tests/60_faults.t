@@ -83,7 +83,7 @@ for m in masterslave hybrid ds dc; do
 	wait "$pid"
 	is "$m, a worker killed: exit 0" $? 0
 	ok "$m, a worker killed: the same picture" cmp out.pfm good.pfm
-	like "$m, a worker killed: it is said" "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+	like "$m, a worker killed: a message says so" "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
 done
 for m in interleaved ss sc; do
 	rm -f out.pfm job.log
@@ -93,7 +93,7 @@ for m in interleaved ss sc; do
 	kill -9 "$(program rtworker | head -1)"
 	wait "$pid"
 	is "$m, a worker killed: exit 1" $? 1
-	like "$m: what is missing is listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
+	like "$m: the missing pixels are listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
 	is "$m: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 	remedy=$(sed -n 's/^gather: to finish: //p' said | sed 's/SCENE/gears.nff/')
 	like "$m: the command that finishes it is printed" "$remedy" 'gather -m job\.log \| rtworker .*>> *job\.log'
@@ -103,7 +103,7 @@ for m in interleaved ss sc; do
 	rm -f out.pfm
 	long $m -r cut.log
 	wait "$pid"
-	ok "$m: and so does the same command again" cmp out.pfm good.pfm
+	ok "$m: the same command again gives the same picture" cmp out.pfm good.pfm
 done
 mv cut.log job.log
 
@@ -115,7 +115,7 @@ kill -STOP "$(program rtworker | head -1)"
 wait "$pid"
 is "masterslave, a worker stopped: exit 0" $? 0
 ok "masterslave, a worker stopped: the same picture" cmp out.pfm good.pfm
-like "masterslave, a worker stopped: it is said" "$(cat said)" 'lost \(silent\)'
+like "masterslave, a worker stopped: a message says so" "$(cat said)" 'lost \(silent\)'
 ok "masterslave, a worker stopped: no process remains" await 2 none_alive
 long interleaved
 await 5 working 3
@@ -139,7 +139,7 @@ sleep .5
 kill -CONT "$worker"
 wait "$pid"
 is "masterslave, fan stopped as well: exit 0" $? 0
-is "masterslave, fan stopped as well: nobody is lost" "$(cat said)" ''
+is "masterslave, fan stopped as well: no slot is lost" "$(cat said)" ''
 ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
 
 # A tree with another scene speaks for all of its workers, and counts as one.
@@ -148,7 +148,7 @@ printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtw
 chmod +x old
 { partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
 is "a tree with another scene: exit 3" $? 3
-like "a tree with another scene: it is said" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
+like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
 # A worker that gets a moment now and then, on one long task.
 { pack scene gears.nff; partition -u tile:256x256 256x256; } | env MARK=$mark fan -j 1 rtworker -a 25 - 2>said >frags &
@@ -174,7 +174,7 @@ await 5 working 3
 kill -9 $(program rtworker)
 wait "$pid"
 is "all workers killed: exit 3" $? 3
-like "all workers killed: it is said" "$(cat said)" 'no slot left'
+like "all workers killed: a message says so" "$(cat said)" 'no slot left'
 ok "all workers killed: no process remains" await 2 none_alive
 
 # ---- workers that cannot be trusted ---------------------------------------------------------------------
@@ -217,7 +217,7 @@ ok "garbage after a while: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/frag 0 (\d+) 0 (\d+)/q(frag 0 ).\$1.q( 0 ).((\$2+1)%64)/e"; exit' \
 	2 'lost .(wrong-pixels|garbage)' late
 ok "pixels of another row: the same picture" cmp out.pfm small.pfm
-like "pixels of another row: it is said" "$(cat said)" 'lost \((wrong-pixels|garbage)\)'
+like "pixels of another row: a message says so" "$(cat said)" 'lost \((wrong-pixels|garbage)\)'
 liar 'sleep 7200; exit'
 is "never a word: exit 0" "$status" 0
 ok "never a word: the same picture" cmp out.pfm small.pfm
@@ -228,14 +228,14 @@ ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference: the liar's comes second.
 liar "$second; "'echo "hello $(rtworker --version) format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
-like "other arithmetic: it is said" "$(cat said)" 'lost \(other-arithmetic\)'
+like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
-like "a line that a stamp makes too long: it is said" "$(cat said)" 'lost \(long-line\)'
+like "a line that a stamp makes too long: a message says so" "$(cat said)" 'lost \(long-line\)'
 liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
 ok "another job: the same picture" cmp out.pfm small.pfm
-like "another job: it is said" "$(cat said)" 'lost \(other-job\)'
-like "another job: who says what" "$(cat said)" \
+like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
+like "another job: the message names the slots" "$(cat said)" \
 	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
 # The liar is the first: before it is believed for long, the others have contradicted.
 for slots in 2 3; do
@@ -243,22 +243,22 @@ for slots in 2 3; do
 	rm -rf first out.pfm
 	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
-	like "the first of $slots slots has another job: it is said" "$(cat said)" "frame 0: 1 with job 0, $((slots - 1)) with another: the run ends"
+	like "the first of $slots slots has another job: a message says so" "$(cat said)" "frame 0: 1 with job 0, $((slots - 1)) with another: the run ends"
 	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
 done
 liar 'rtworker - | perl -e "read STDIN, \$x, 2000; print \$x; read STDIN, \$y, 2e6; print \$y; print qq(done 0 7 x=1\n) while 1" | $SEAL; exit'
 ok "answers to no question: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/frame 0 64 64/frame 0 64 65/"; exit' 2 'lost .wrong-frame' late
 ok "a frame of another size: the same picture" cmp out.pfm small.pfm
-like "a frame of another size: it is said" "$(cat said)" 'lost \(wrong-frame\)'
+like "a frame of another size: a message says so" "$(cat said)" 'lost \(wrong-frame\)'
 liar 'rtworker - | { head -c 3000; i=1; while echo "frame $i 1 1 job=0"; do i=$((i + 1)); done; } | $SEAL; exit'
-ok "frames that nobody asked for: the same picture" cmp out.pfm small.pfm
+ok "frames without a request: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | { head -c 3000; echo "scene bytes=2147483647"; cat /dev/zero; }; exit'
 ok "two gigabytes of state from a worker: the same picture" cmp out.pfm small.pfm
 ok "liars leave no process" await 2 none_alive
 run sh -c 'partition 8x8 | fan -j 2 no-such-program'
 is "a worker that does not exist: exit 3" "$status" 3
-like "a worker that does not exist: it is said" "$err" 'no-such-program: No such file'
+like "a worker that does not exist: a message says so" "$err" 'no-such-program: No such file'
 
 # ---- readers -------------------------------------------------------------------------------------------
 run sh -c "partition 64x64 | env MARK=$mark deal fan -j 2 rtworker gears.nff | head -c 1000 >/dev/null"
@@ -274,7 +274,7 @@ for p in 'partition 8x8' 'spdgen tetra' 'pack scene gears.nff' 'rtworker -i gear
 	[ "$p" = 'gather -m job.log' ] && head -c 100000 job.log >torn && p='gather -m torn'
 	run sh -c "$p >/dev/full"
 	is "$p >/dev/full: exit 3" "$status" 3
-	like "$p >/dev/full: it is said" "$err" 'No space left'
+	like "$p >/dev/full: a message says so" "$err" 'No space left'
 done
 for p in 'rtworker gears.nff' 'deal fan -j 2 rtworker gears.nff' 'fan -j 2 rtworker gears.nff'; do
 	run sh -c "partition 64x64 | env MARK=$mark $p >/dev/full"
@@ -319,7 +319,7 @@ refused() {
 }
 for p in 'fan -j 2' 'deal fan -j 2'; do
 	refused 'nonsense' 'nonsense\n' "$p"
-	refused 'what workers say' 'beat\n' "$p"
+	refused 'records of workers' 'beat\n' "$p"
 	refused 'a task without a frame' 'task 0 0 0 0 1 1 1 1\n' "$p"
 	refused 'pixels outside of the frame' 'frame 0 8 8\ntask 0 0 8 0 1 1 1 1\n' "$p"
 done
@@ -344,7 +344,7 @@ is "gather -r LOG >&-: exit 3, and no picture in the log" "$status$(head -c 5 cl
 rm -f out.pfm # of the tests before
 { pack scene gears.nff; partition 64x64; sleep 4; } | fan -t 2 -j 2 rtworker -c - 2>said | gather -o out.pfm
 ok "-c, and an input that pauses: the same picture" cmp out.pfm small.pfm
-is "-c, and an input that pauses: nobody is lost" "$(cat said)" ""
+is "-c, and an input that pauses: no slot is lost" "$(cat said)" ""
 rm -f out.pfm
 for p in 'deal rtworker' 'deal deal fan -j 2 rtworker' 'deal -q 2 deal deal fan -j 2 fan -j 2 rtworker'; do
 	{ pack scene gears.nff; partition 64x64; } | timeout 300 $p - 2>said | gather -o out.pfm
@@ -357,7 +357,7 @@ ok "more slots than descriptors: the same picture" cmp out.pfm small.pfm
 rm -f out.pfm
 printf '#!/bin/sh\nmkdir stays 2>/dev/null && exec rtworker -\nexec >&-\nexec sleep 7200\n' >mute && chmod +x mute
 { pack scene gears.nff; partition 64x64; } | env MARK=$mark timeout 300 deal fan -j 20 ./mute 2>said | gather -o out.pfm
-ok "19 of 20 close their output and stay: the same picture, and nobody waits for them" cmp out.pfm small.pfm
+ok "19 of 20 workers close their output and stay: the same picture, without waiting for them" cmp out.pfm small.pfm
 { pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 rtworker - | gather -o out.pfm &
 ok "no process remains" await 4 none_alive
 finish

@@ -75,10 +75,10 @@ is 'fan -l -S FILE' "$(fan -l -S hosts | tr '\t\n' ' ;')" '0 : -;1 two 2.5;2 two
 is 'fan -l -S LIST' "$(fan -l -S :,2/a,me@b | tr '\t\n' ' ;')" '0 : -;1 a -;2 a -;3 me@b -;'
 is 'fan -l -S FILE WORKER: powers are measured' "$(fan -l -S hosts rtworker - | sed 's/[0-9.]*$/P/' | tr '\t\n' ' ;')" \
 	'0 : P;1 two P;2 two P;3 one P;'
-is 'and those that are stated are kept' "$(fan -l -S hosts rtworker - | cut -f 3 | sed -n 2,3p | tr '\n' ' ')" '2.5 2.5 '
+is 'fan -l -S FILE WORKER: power= is kept' "$(fan -l -S hosts rtworker - | cut -f 3 | sed -n 2,3p | tr '\n' ' ')" '2.5 2.5 '
 script asked 'echo asked >>asked.said; exec sh -c "$1"'
 printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
-is 'nor asked for' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
+is 'fan -l: no worker is started on a host with power=' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
 script far '{ cat; sleep .1; } | sh -c "$1"'
 printf ': slots=1\nfar power=3 via="./far %%c"\nnone via="false %%c"\n' >far.hosts
 is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -S far.hosts rtworker - 2>said |
@@ -86,7 +86,7 @@ is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -S f
 bad() { # NAME HOSTS ERE
 	run fan -S "$2" rtworker - </dev/null
 	is "$1: exit 2" "$status" 2
-	like "$1: it is said" "$err" "^fan: $3"
+	like "$1: a message says so" "$err" "^fan: $3"
 }
 printf ': slots=1\na cores=2\n' >bad-key
 bad 'an unknown key' bad-key "bad-key:2: 'cores': unknown, expected slots="
@@ -103,7 +103,7 @@ is '-S and -j: exit 2' "$status" 2
 # Hosts before a bad line are not reached either, and a name is no shell's words.
 printf 'first via="echo >reached; : %%c"\na$(touch${IFS}reached) via="sh -c '"'echo %%h'"' %%c"\n' >evil
 bad 'a name of other bytes' evil "evil:2: 'a\\$\\(touch\\$\\{IFS\\}reached\\)': no host name, expected"
-is 'nothing of that file is run' "$(ls reached 2>/dev/null)" ''
+is 'a bad hosts file: none of its commands runs' "$(ls reached 2>/dev/null)" ''
 bad 'a file of something else' /etc/passwd "/etc/passwd:1: '[^ ]*': no host name, expected"
 bad 'a device without end' /dev/zero '/dev/zero: no regular file, expected one'
 bad 'a directory' "$tmp" "$tmp: no regular file, expected one"
@@ -127,13 +127,13 @@ echo 'one via="sh -c %c"' >one
 fan -S one ./odd 'a b' "it's" '$HOME `x` "\' '' '*' '-x' '#' '
 ' <job.task | gather -o out.pfm
 same 'a command of odd words'
-is 'and each word is what it was' "$(cat odd.said)" "a b|it's|\$HOME \`x\` \"\\||*|-x|#|
+is 'a command of odd words: each word arrives unchanged' "$(cat odd.said)" "a b|it's|\$HOME \`x\` \"\\||*|-x|#|
 |"
 mkdir there && cp "$(command -v rtworker)" there/only-there
 echo "there via=\"sh -c %c\" bin=\"$tmp/there\"" >bin
 run sh -c 'fan -S bin only-there - <job.task | gather -o out.pfm'
 same 'bin='
-like 'a worker that is not here: it is said' "$err" 'only-there sends no hello here: the hello of the first slot sets the arithmetic'
+like 'a worker that is not here: a message says so' "$err" 'only-there sends no hello here: the hello of the first slot sets the arithmetic'
 
 # ---- what hosts say besides ---------------------------------------------------------------------------------------
 cat >talker <<'END'
@@ -153,12 +153,12 @@ is 'standard error comes by lines, with the host, made harmless' "$err" 'talker:
 talker: \xffsecond'
 echo 'mute via="echo Go away; echo now; exit 0; : %c"' >mute
 run sh -c 'fan -S mute rtworker - <job.task'
-is 'no hello at all: exit 3' "$status" 3
-like 'no hello at all: what it said is shown' "$err" '^fan: mute: cannot be used \(exit-0\), it says: Go away$'
+is 'no hello from any host: exit 3' "$status" 3
+like 'no hello from any host: its output is shown' "$err" '^fan: mute: cannot be used \(exit-0\), it says: Go away$'
 echo 'mad via="yes %h; : %c"' >mad
 run sh -c 'fan -S mad rtworker - <job.task'
 is 'talk without end: exit 3' "$status" 3
-like 'talk without end: it is said' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
+like 'talk without end: a message says so' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
 
 # ---- who is refused -----------------------------------------------------------------------------------------------
 # spoken: the host was tried, and that was said
@@ -170,7 +170,7 @@ refused() {
 	printf 'liar slots=2 via="./liar %%c"\n: slots=1\n' >liars
 	run eval '{ cat job.task; spoken; } | deal fan -S liars rtworker - | gather -o out.pfm'
 	same "$1"
-	like "$1: it is said" "$err" "$3"
+	like "$1: a message says so" "$err" "$3"
 	is "$1: once" "$(printf '%s\n' "$err" | grep -c '^fan: liar:')" 1
 }
 hello=$(rtworker gears.nff </dev/null | head -1 | cut -d ' ' -f 1-4)
@@ -181,14 +181,14 @@ refused 'another version' 'echo hello rtworker 0.0 format=2 selftest=77; exec ca
 refused 'another format' "echo ${hello% *} selftest=77; exec cat >/dev/null" \
 	'^fan: liar: refused: its stream is of format 1, expected 2$'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'
-is 'and is not started again, nor for another slot' "$(wc -l <liar.started)" 1
+is 'a worker that ends is not started again, nor for another slot' "$(wc -l <liar.started)" 1
 refused 'a worker that is not there' 'exec no-such-worker' \
 	'^fan: liar: no rtworker on its PATH; install it there, or say bin=DIRECTORY in a hosts file$'
 refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: rtworker cannot be run there; install one for that machine$'
 script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
 run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
 same 'garbage'
-like 'garbage: it is told to end before it is killed' "$(cat termed)" told
+like 'garbage: the worker gets SIGTERM before SIGKILL' "$(cat termed)" told
 ok 'garbage: no process remains' await 2 none_alive
 
 # ---- connections that fail ------------------------------------------------------------------------------------------
@@ -201,7 +201,7 @@ fan -S flaky.hosts rtworker - <job.task >out.frags 2>said
 is 'a host that comes late: exit 0' $? 0
 gather -o out.pfm out.frags
 same 'a host that comes late'
-is 'it is gone, then up, with the same number' "$(events out.frags | grep w=1 | sed 's/power.*//; s/ sum=.*//' | tr '\n' ';')" \
+is 'a host that comes late is gone, then up, with the same number' "$(events out.frags | grep w=1 | sed 's/power.*//; s/ sum=.*//' | tr '\n' ';')" \
 	'gone w=1 why=exit-255 lost=0;up w=1 host=flaky ;'
 is 'the reason is shown once' "$(sed 's, for up to 30 s$,,' said)" 'flaky: cannot reach flaky
 fan: flaky: cannot be reached (exit-255); trying again
@@ -212,8 +212,8 @@ echo 'crowd slots=8 via="./crowd %c"' >crowd.hosts
 { cat job.task; await 60 eval '[ "$(events crowd.frags | grep -c ^up)" -eq 8 ]'; } | fan -S crowd.hosts rtworker - >crowd.frags 2>said
 gather -o out.pfm crowd.frags
 same 'seven connections that fail at once'
-is 'all come up' "$(events crowd.frags | grep -c ^up)" 8
-is 'and it is said once' "$(grep -c 'trying again' said)" 1
+is 'seven connections that fail at once: all slots come up' "$(events crowd.frags | grep -c ^up)" 8
+is 'seven connections that fail at once: one message' "$(grep -c 'trying again' said)" 1
 
 # long [OPTION ...]: some seconds of work on slots elsewhere, one dealt
 pack scene gears.nff >long.task
@@ -232,14 +232,14 @@ kill -9 $(program rtworker | head -2)
 wait $pid
 is 'two connections killed: exit 0' $? 0
 same 'two connections killed' long.pfm
-is 'they are connected again' "$(events out.frags | grep -c '^up ')" 5
-like 'and it is said' "$(cat said)" '^fan: slot [0-2] on [ab]: lost \(signal-9\) with [0-9]+ tasks, connecting again'
+is 'two connections killed: both are made again' "$(events out.frags | grep -c '^up ')" 5
+like 'two connections killed: messages say so' "$(cat said)" '^fan: slot [0-2] on [ab]: lost \(signal-9\) with [0-9]+ tasks, connecting again'
 long
 kill -STOP "$(program rtworker | head -1)"
 wait $pid
 is 'a silent one: exit 0' $? 0
 same 'a silent one' long.pfm
-like 'a silent one: it is said' "$(cat said)" '\(silent\) with [0-9]+ tasks, connecting again'
+like 'a silent connection: a message says so' "$(cat said)" '\(silent\) with [0-9]+ tasks, connecting again'
 ok 'a silent one: no process remains' await 2 none_alive
 long
 kill -9 "$(program fan)"
@@ -255,7 +255,7 @@ script last 'trap "echo the last words >&2; exit 1" TERM; exec 3<&0; sh -c "$1" 
 echo 'last via="./last %c"' >last.hosts
 { cat job.task; await 10 eval '[ "$(events last.frags | grep -c ^up)" = 1 ]'; echo nonsense; } | fan -S last.hosts rtworker - >last.frags 2>said
 is 'refused input: exit 2' $? 2
-like 'what a host says at the very end is shown' "$(cat said)" '^last: the last words$'
+like 'the last words of a host are shown' "$(cat said)" '^last: the last words$'
 
 # ---- hosts that never answer ---------------------------------------------------------------------------------------
 printf ': slots=1\nsleepy slots=20 via="sleep 47; : %%c"\n' >sleepy
@@ -263,7 +263,7 @@ start_ms=$(($(date +%s%N) / 1000000))
 MARK=$mark deal fan -S sleepy rtworker - <job.task 2>said | gather -o out.pfm
 took_ms=$(($(date +%s%N) / 1000000 - start_ms))
 same 'hosts that never answer'
-ok "and nobody waits for them ($took_ms ms)" test $took_ms -lt 25000 # of the 30 s that fan goes on trying
+ok "hosts that never answer: the run does not wait for them ($took_ms ms)" test $took_ms -lt 25000 # of the 30 s that fan goes on trying
 ok 'hosts that never answer: no process remains' await 2 none_alive
 printf ': slots=1\nlost slots=20 via="./none %%c"\n' >lost
 { pack scene gears.nff; partition -w "1$(printf ',1%.0s' $(seq 20))" 64x64; } >shares.task
@@ -271,20 +271,20 @@ start_ms=$(($(date +%s%N) / 1000000))
 timeout 20 deal fan -S lost rtworker - <shares.task 2>said | gather -o out.pfm
 took_ms=$(($(date +%s%N) / 1000000 - start_ms))
 same 'shares of slots that cannot be reached'
-ok "are given to others at once ($took_ms ms)" test $took_ms -lt 25000 # of the 30 s that fan goes on trying
+ok "shares of slots that cannot be reached: other slots get them at once ($took_ms ms)" test $took_ms -lt 25000 # of the 30 s that fan goes on trying
 script late 'until [ -e released ]; do sleep .1; done; exit 1'
 printf ': slots=1\nlate via="./late %%c"\n' >late.hosts
 partition -u run:1 400x250 >many.task
 fan -S late.hosts rtworker gears.nff <many.task >many.frags 2>said &
 pid=$!
-ok 'more tasks than fit into its queue: the other one has done all of its own' \
+ok 'more tasks than fit into the queue of a late slot: the other slot has done its own' \
 	await 30 eval '[ "$(grep -ao recv_us= many.frags | wc -l)" -eq 50000 ]'
 touch released
 wait $pid
-is 'and is not enough: exit 1' $? 1
+is 'more tasks than fit into the queue of a late slot, which never comes up: exit 1' $? 1
 run fan -l -S late.hosts rtworker -
 is 'fan -l with a dead host: exit 1' "$status" 1
-is 'and a line a slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '\t\n' ' ;')" '0 : P;1 late -;'
+is 'fan -l with a dead host: one line per slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '\t\n' ' ;')" '0 : P;1 late -;'
 
 # ---- many ----------------------------------------------------------------------------------------------------------
 mkdir now
@@ -294,16 +294,16 @@ echo 'many slots=100 via="./slow %c"' >many
 is '100 slots: all are up' "$(events many.frags | grep -c '^up')" 100
 gather -o out.pfm many.frags
 same '100 slots'
-ok "at most 8 are being opened at a time ($(sort -n most | tail -1))" [ "$(sort -n most | tail -1)" -le 8 ]
+ok "at most 8 connections are opened at a time ($(sort -n most | tail -1))" [ "$(sort -n most | tail -1)" -le 8 ]
 
 # ---- what began first ------------------------------------------------------------------------------------------------
 wait $half_pid
 is 'one of two hosts is dead, interleaved: exit 1' "$(cat half.status)" 1
 took_s=$(($(cat half.end) - start))
-ok "after 30 s ($took_s)" [ $took_s -ge 29 ]
+ok "one of two hosts is dead, interleaved: it ends after 30 s ($took_s)" [ $took_s -ge 29 ]
 gather -m half.frags | rtworker gears.nff >>half.frags 2>/dev/null
 gather -o out.pfm half.frags 2>/dev/null
-same 'and it can be finished'
+same 'one of two hosts is dead, interleaved: gather -m and a worker finish it'
 wait $drip_pid
 is 'a scene that is on its way for 17 s: exit 0' "$(cat drip.status) $(unexpected drip.said)" '0 '
 is 'a scene that is on its way to a tree for 17 s: not a word' "$(unexpected tree.said)" ''
@@ -314,9 +314,9 @@ for frags in drip tree; do
 done
 wait $none_pid
 is 'no host can be reached: exit 3' "$(cat none.status)" 3
-like 'no host can be reached: it is said' "$(cat none.said)" 'no slot left: none could be reached for 30 s'
-is 'and in the stream' "$(events none.frags | tail -1 | sed 's/ sum=.*//')" 'bye why=no-slot-left'
-is 'no host can be reached: that is said once' "$(grep -c 'dead: cannot be reached' none.said)" 1
+like 'no host can be reached: a message says so' "$(cat none.said)" 'no slot left: none could be reached for 30 s'
+is 'no host can be reached: the stream ends with why=no-slot-left' "$(events none.frags | tail -1 | sed 's/ sum=.*//')" 'bye why=no-slot-left'
+is 'no host can be reached: one message' "$(grep -c 'dead: cannot be reached' none.said)" 1
 wait $behind_pid
 is 'a host behind many silent ones: exit 0' "$(cat behind.status)" 0
 gather -o out.pfm behind.frags

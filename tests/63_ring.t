@@ -64,22 +64,22 @@ for give in half one; do
 	rm -f up.*
 	{ pack scene gears.nff; partition -n 1 256x256; } |
 		ringctl -k $give fan -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
-	is "all begins at one node, -k $give: not a word" "$(cat said)" ''
-	is "what the others did, it gave to them, -k $give" "$(fragstat first.frags |
+	is "all tasks start at one node, -k $give: no message" "$(cat said)" ''
+	is "all tasks start at one node, -k $give: the others did only stolen tasks" "$(fragstat first.frags |
 		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print (at > 0), did - had }')" '1 0'
 	rm first.frags
 done
-ok 'all begins at one node: the same picture' cmp first.pfm good.pfm
+ok 'all tasks start at one node: the same picture' cmp first.pfm good.pfm
 
 # ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
 begin
 kill -9 "$(program rtworker | head -n 1)"
 whole 'a worker killed'
-like 'a worker killed: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(exit-3\)'
+like 'a worker killed: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(exit-3\)'
 begin
 kill -9 "$(nodes | head -n 1)"
 whole 'a node killed'
-like 'a node killed: it is said' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+like 'a node killed: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
 begin
 kill -9 $(nodes | head -n 2)
 whole 'two of three nodes killed'
@@ -104,14 +104,14 @@ endless
 kill -9 $(nodes)
 wait "$pid"
 is 'all nodes killed: exit 3' $? 3
-like 'all nodes killed: it is said' "$(cat said)" 'no slot left'
+like 'all nodes killed: a message says so' "$(cat said)" 'no slot left'
 ok 'all nodes killed: no process remains' await 2 none_alive
 begin -r job.log
 kill -9 "$(hub)"
 wait "$pid" 2>/dev/null
 ok 'the hub killed, with a log: no process remains' await 2 none_alive
 long -r job.log
-whole 'and the same command again'
+whole 'the hub killed, with a log: the same command finishes the picture'
 
 # ---- nodes that cannot be trusted ------------------------------------------------------------------------------------
 partition 128x128 | rtworker -a 16 gears.nff | gather -o small.pfm
@@ -144,7 +144,7 @@ while (defined(my $line = <STDIN>)) {
 	print $say if $line =~ /^done/;
 }
 END
-said() { like "$1: it is said" "$(cat said)" "lost \\(($2)\\)"; }
+said() { like "$1: a message says so" "$(cat said)" "lost \\(($2)\\)"; }
 liar 'a worker that babbles after a while' worker "rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
 said 'a worker that babbles after a while' 'exit-3'
 liar 'a node that babbles after a while' node "ringctl -n rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
@@ -152,7 +152,7 @@ said 'a node that babbles after a while' garbage
 liar 'a node that ends early' node "ringctl -n rtworker -a 16 - | $(first 5000); exit"
 liar 'a node that ends at once' node 'exit 0'
 liar 'a node that never says a word' node 'sleep 7200; exit'
-is 'a node that never says a word: nobody waits until it is lost' "$(grep lost said)" ''
+is 'a node that never sends a record: the run does not wait until it is lost' "$(grep lost said)" ''
 liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000); exit"
 # sealed RECORDS: with their sums
 sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
@@ -203,11 +203,11 @@ refused() { # NAME RECORDS COMMAND ...
 	is "$name: exit 2" "$status" 2
 	ok "$name: no process remains" await 2 none_alive
 }
-refused 'fan, a question to nobody' 'ask peer=0\n' fan -j 2 rtworker -
+refused 'fan, an ask without a slot' 'ask peer=0\n' fan -j 2 rtworker -
 refused 'fan, a question to a slot that is not there' 'ask peer=0 to=2\n' fan -j 2 rtworker -
 refused 'fan, what a node says' 'give 0 0 peer=0 to=1\n' fan -j 2 rtworker -
 refused 'a hub that hears another' 'ring me=0 n=1 rules=default give=half\n' ringctl fan -j 2 ringctl -n rtworker -
-refused 'deal, what is said in a ring' 'ask\n' deal fan -j 2 rtworker -
+refused 'deal, a record of the ring' 'ask\n' deal fan -j 2 rtworker -
 refused 'a node, what another node says' 'crashed peer=0\n' ringctl -n rtworker -
 for bad in '' '-n' '-k two fan' '-x' '-n -p rtworker' '-n -k one rtworker'; do
 	# shellcheck disable=SC2086
@@ -215,7 +215,7 @@ for bad in '' '-n' '-k two fan' '-x' '-n -p rtworker' '-n -k one rtworker'; do
 	is "ringctl $bad: exit 2" "$status" 2
 done
 run sh -c "timeout 300 env MARK=$mark ringctl fan -j 2 rtworker - <job.task >/dev/null"
-like 'a ring of workers that are no nodes: it is said' "$err" 'rtworker: .*record .ring.'
+like 'a ring of workers that are no nodes: a message says so' "$err" 'rtworker: .*record .ring.'
 ok 'a ring of workers that are no nodes: no process remains' await 2 none_alive
 
 # ---- what fan does with what nodes say -------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ printf '#!/bin/sh\necho hello x 1 format=2 selftest=0; sleep .2; echo ask; cat >
 said 'fan: who was told no place' 'wrong-record'
 printf '#!/bin/sh\nexit 0\n' >ends && chmod +x ends
 { pack scene gears.nff; sleep .5; } | fan -j 1 ./ends >out 2>/dev/null
-like 'fan: who ends at once, and is fed, is gone as well' "$(grep -a '^gone' out)" 'w=0 why=exit-0'
+like 'fan: a worker that ends at once is gone, even while it is fed' "$(grep -a '^gone' out)" 'w=0 why=exit-0'
 
 # ---- the paper's Table 3: 3 hosts of power .77, 2 of 1, 4 of 1.96, of which two are removed after 300 of 512 rows -----
 # In 4 s in the place of its 14; who is removed cannot be reached any more.

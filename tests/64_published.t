@@ -27,7 +27,7 @@ heard() {
 says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) .*' "$@" | sed 's/ sum=.*//'; }
 { pack scene gears.nff; partition -n 3 192x192; } >turn.task
 heard turn turn.task -a 64 -c
-is 'a node is told its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
+is 'a node gets its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
 { pack scene gears.nff; partition -n 1 192x192; } >first.task
 # first_word KIND NODE: the first such record of that node
 first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.$k | grep -E -m 1 "$1"; done; }
@@ -40,7 +40,7 @@ for try in 1 2 3; do
 	diag "try $try: node 2 did not answer"
 done
 is 'without a row of its own it asks the next one first' "$(first_word ask 1)" 'ask peer=2'
-like 'that one answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
+like 'the next node answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
 
 # ---- a node dies ----------------------------------------------------------------------------------------------------
 # These rules have hazards, some of which a busy machine brings about: it is to come through once in three times.
@@ -56,7 +56,7 @@ for try in 1 2 3; do
 	diag "try $try: exit $status, $(cat said)"
 done
 is 'a node killed in the first phase: exit 0' $status 0
-like 'it is said' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
-ok 'the same picture' cmp out.pfm good.pfm
-ok 'no process remains' await 2 none_alive
+like 'a node killed in the first phase: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(signal-9\)'
+ok 'a node killed in the first phase: the same picture' cmp out.pfm good.pfm
+ok 'a node killed in the first phase: no process remains' await 2 none_alive
 finish

@@ -28,11 +28,11 @@ is 'partition -r of a whole log: the frame alone' "$(partition -r whole $size)" 
 is 'partition -r: another frame is not there' "$(partition -F 7 -r whole $size | wc -l)" 81
 run partition -r whole 64x64
 is 'partition -r of another size: exit 2' "$status" 2
-like 'partition -r of another size: said' "$err" 'whole: has another size: frame 0 of 96x80 pixels, expected 64x64'
+like 'partition -r of another size: a message says so' "$err" 'whole: has another size: frame 0 of 96x80 pixels, expected 64x64'
 { head -n 31 all; tail -n 31 all; } | rtworker gears.nff >part
 is 'partition -r: the rows that are missing' "$(partition -r part $size | cut -d ' ' -f 3 | tr '\n' ' ')" \
 	"96 $(seq -s ' ' 30 48) "
-is 'partition -r -n: shares of what is left' \
+is 'partition -r -n: shares of the missing rows' \
 	"$(partition -r part -n 2 $size | head -n 4 | cut -d ' ' -f 3,10 | tr '\n' ' ')" '96 30 to=0 31 to=1 32 to=0 '
 is 'partition -r: a tile begins at the first row that lacks something' \
 	"$(partition -r part -u tile:90x40 $size | sed -n 2p)" 'task 0 0 0 30 90 10 1 1'
@@ -65,7 +65,7 @@ refused() {
 	shift 2
 	run balance masterslave -j 2 -r log -o out.pfm "$@"
 	is "another $name: exit 2" "$status" 2
-	like "another $name: said" "$err" "log: $said"
+	like "another $name: a message says so" "$err" "log: $said"
 	ok "another $name: the log as it was" cmp log before
 	is "another $name: no picture" "$(ls out.pfm* 2>/dev/null)" ''
 }
@@ -90,13 +90,13 @@ ok 'another kind of file, by hand: as it was' cmp log before
 cp whole log && cp log before
 refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff
 run gather -r log -o out.pfm tetra.nff
-is 'no worker announced anything: exit 1' "$status$(ls out.pfm* 2>/dev/null)" 1
-like 'no worker announced anything: said' "$err" 'log: no worker announced a frame, expected a frame of this log'
-ok 'no worker announced anything: the log as it was' cmp log before
+is 'no worker announced a frame: exit 1' "$status$(ls out.pfm* 2>/dev/null)" 1
+like 'no worker announced a frame: a message says so' "$err" 'log: no worker announced a frame, expected a frame of this log'
+ok 'no worker announced a frame: the log is unchanged' cmp log before
 ln -s log log.pfm
 run gather -r log -o log.pfm whole
 is 'the log by another name as the picture: exit 2' "$status" 2
-like 'the log by another name as the picture: said' "$err" 'log.pfm: is also the log'
+like 'the log by another name as the picture: a message says so' "$err" 'log.pfm: is also the log'
 run balance masterslave -r log -o log -s $size gears.nff
 is 'balance -r log -o log: exit 2' "$status" 2
 run balance masterslave -r gears.nff -o out.pfm gears.nff
@@ -123,7 +123,7 @@ balance ds -j 3 -r log -o out.pfm -s $size gears.nff 2>said
 ok 'garbage at the end of the log: the picture' cmp out.pfm good.pfm
 head -c 60000 whole | perl -pe 's/^(hello rtworker) \S+/$1 0.0/' | "$root/tests/seal" >log
 balance masterslave -j 2 -r log -o out.pfm -s $size gears.nff 2>said
-ok 'an older version whose pictures are the same: gone on with' cmp out.pfm good.pfm
+ok 'a log of an older version with the same pictures is resumed' cmp out.pfm good.pfm
 head -c 60000 whole >log
 cp log before
 { tail -c 10000 whole; cat whole; } | gather -r log -o out.pfm 2>said
@@ -141,8 +141,8 @@ is 'three frames of another size: no picture' "$(ls g[0-9].pfm 2>/dev/null)" ''
 cp film before
 for f in 0 1; do partition -F $f -r film $size; done | rtworker gears.nff | gather -r film -o 'g%d.pfm' 2>said
 is 'the second frame of another scene: exit 2' $? 2
-like 'the second frame of another scene: said' "$(cat said)" 'film: is of another scene: frame 1 has job'
-ok 'the second frame of another scene: nothing of it in the log' [ "$(gather -m film | grep -c '^task 1')" = "$(gather -m before | grep -c '^task 1')" ]
+like 'the second frame of another scene: a message says so' "$(cat said)" 'film: is of another scene: frame 1 has job'
+ok 'the second frame of another scene: none of its records is in the log' [ "$(gather -m film | grep -c '^task 1')" = "$(gather -m before | grep -c '^task 1')" ]
 
 # ---- in use -----------------------------------------------------------------------------------------------------
 head -c 60000 whole >log
@@ -156,24 +156,24 @@ tries=0
 until [ "$(wc -c <log)" -gt 60000 ] || [ $((tries += 1)) -gt 4000 ]; do sleep .05; done
 run balance masterslave -j 2 -r log -o out2.pfm -s $size gears.nff
 is 'a log that is in use: exit 2' "$status" 2
-like 'a log that is in use: said' "$err" 'log: is in use by another run'
+like 'a log that is in use: a message says so' "$err" 'log: is in use by another run'
 is 'a log that is in use: no picture' "$(ls out2.pfm* 2>/dev/null)" ''
 exec 3>&-
 wait "$pid"
-is 'and the run that had it says what is missing' $? 1
+is 'a log that is in use: the first run reports missing pixels' $? 1
 
 # ---- full disk --------------------------------------------------------------------------------------------------
 if [ "$(id -u)" -eq 0 ]; then
 	mkdir disk && mount -t tmpfs -o size=64k tmpfs disk && mounted=$tmp/disk
 	run balance masterslave -j 2 -r disk/log -o disk/out.pfm -s $size gears.nff
 	is 'a full disk: exit 3' "$status" 3
-	like 'a full disk: said, of the log' "$err" 'disk/log: No space left'
-	like 'a full disk: said, of the picture' "$err" 'disk/out.pfm: No space left'
+	like 'a full disk: a message names the log' "$err" 'disk/log: No space left'
+	like 'a full disk: a message names the picture' "$err" 'disk/out.pfm: No space left'
 	is 'a full disk: no picture, and no part of one' "$(ls disk)" log
 	mount -o remount,size=16m disk
 	run balance masterslave -j 2 -r disk/log -o disk/out.pfm -s $size gears.nff
-	is 'and when there is room, the same command: exit 0' "$status" 0
-	ok 'the same picture' cmp disk/out.pfm good.pfm
+	is 'a full disk with room again: the same command exits 0' "$status" 0
+	ok 'a full disk with room again: the same picture' cmp disk/out.pfm good.pfm
 else
 	run balance masterslave -j 2 -r /dev/full -o out3.pfm -s $size gears.nff
 	is 'a full disk: exit 3' "$status" 3

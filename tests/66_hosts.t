@@ -58,9 +58,9 @@ cp before log4
 rm -f out.pfm
 run balance masterslave -S none -s $size -r log4 -o out.pfm gears.nff
 is 'no host is left: exit 3' "$status" 3
-ok 'no host is left: the log as it was' cmp log4 before
+ok 'no host is left: the log is unchanged' cmp log4 before
 balance masterslave -S hosts -s $size -r log4 -o out.pfm gears.nff 2>said
-ok 'and with other hosts the same command finishes it' cmp out.pfm good.pfm
+ok 'with other hosts the same command finishes the picture' cmp out.pfm good.pfm
 
 # ---- calibrate ------------------------------------------------------------------------------------------------
 run balance calibrate -n 3 -s 64x48 -S hosts -o measured gears.nff
@@ -83,7 +83,7 @@ printf '#!/bin/sh\nprintf "%%s\\n" "$1" >odd.said; exec sh -c "$2"\n' >said
 chmod +x said
 run balance calibrate -n 1 -s 32x32 -S -odd -o -measured -- "$odd"
 is 'calibrate: odd names, and backslashes in a via: exit 0' "$status$err" 0
-is 'and they stay what they are' "$(cat odd.said; grep -v '^#' ./-measured | sed 's/ power=[0-9.]*//')" "a\\cb
+is 'calibrate: odd names and backslashes are kept' "$(cat odd.said; grep -v '^#' ./-measured | sed 's/ power=[0-9.]*//')" "a\\cb
 $(cat ./-odd)"
 # A host whose rtworker takes 256 samples for one has about a 256th of the power; less than half of it on any machine.
 mkdir slow
@@ -91,7 +91,7 @@ printf '#!/bin/sh\nexec "%s/rtworker" -a 256 "$@"\n' "$BIN" >slow/rtworker
 chmod +x slow/rtworker
 printf ':\nslow bin="%s/slow" via="sh -c %%c"\n' "$tmp" >unequal
 run balance calibrate -n 3 -s 64x48 -S unequal gears.nff
-is 'calibrate: a slow host is told from a fast one' "$(printf '%s\n' "$out" | awk 'NR == 3 { print $5 < .5 }')" 1
+is 'calibrate: a slow host has less power than a fast one' "$(printf '%s\n' "$out" | awk 'NR == 3 { print $5 < .5 }')" 1
 run balance calibrate -n 1 -s 64x48 -S 2/:,: -o measured gears.nff
 is 'calibrate -S LIST: its hosts file' "$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/' | tr '\n' ';')" ': power= slots=2;: power=;'
 run balance calibrate -n 2 -s 32x32 gears.nff

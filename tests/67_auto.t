@@ -34,11 +34,11 @@ same 'balance auto'
 balance auto -S unequal -s $size -r log -o out.pfm gears.nff 2>said
 same 'balance auto -S -r'
 run balance auto -S unequal -s $size -r log -o out.pfm gears.nff
-is 'with nothing left: no choice' "$err" ''
-same 'with nothing left'
+is 'a complete log: no method is chosen' "$err" ''
+same 'a complete log'
 head -c 60000 log >part
 run balance auto -j 2 -s $size -r part -o out.pfm gears.nff
-same 'with some left'
+same 'an incomplete log'
 balance auto -j 2 -s $size -o out.pfm - <gears.nff 2>said
 same 'the scene from a pipe'
 for size in 1x1 3x200 200x2; do
@@ -79,5 +79,5 @@ for m in auto masterslave; do
 done
 ok 'two views: the first' cmp auto-0.pfm masterslave-0.pfm
 ok 'two views: the second' cmp auto-1.pfm masterslave-1.pfm
-is 'nothing is left in TMPDIR' "$(mkdir t && TMPDIR=$PWD/t balance auto -j 2 -s 8x8 -o x.png gears.nff 2>said; ls t)" ''
+is 'no file remains in TMPDIR' "$(mkdir t && TMPDIR=$PWD/t balance auto -j 2 -s 8x8 -o x.png gears.nff 2>said; ls t)" ''
 finish

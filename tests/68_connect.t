@@ -94,7 +94,7 @@ printf 'far slots=2\nalso slots=2\n' >two
 echo 'ssh: Could not resolve hostname also: Name or service not known' | says also 255
 run balance calibrate -n 2 -s 16x16 -S two gears.nff
 is 'calibrate: exit 3' "$status" 3
-is 'calibrate: one line a host, and what became of it' "$(printf '%s\n' "$err" | sort)" 'balance calibrate: also: not measured
+is 'calibrate: one line per host, with the result' "$(printf '%s\n' "$err" | sort)" 'balance calibrate: also: not measured
 balance calibrate: far: not measured
 fan: also: unknown host name; check the hosts file, or -S
 fan: far: host key unknown; accept it once with: ssh far true'
@@ -103,7 +103,7 @@ is 'calibrate: one try each' "$(sort tries | tr '\n' ' ')" 'also far '
 # A lone name may have been meant for a file.
 cp says/also says/nosuch; cp status/also status/nosuch
 run sh -c 'fan -S nosuch rtworker - <job.task >frags'
-is 'a lone name that is none: exit 3, and said' "$status:$err" '3:fan: -S nosuch: no such file, and no host of that name
+is 'a single name that is neither file nor host: exit 3, and a message' "$status:$err" '3:fan: -S nosuch: no such file, and no host of that name
 fan: no slot left'
 
 # ---- another try ------------------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ again() {
 	cat >says/later
 	rm -f tries
 	run sh -c 'fan -S later.hosts rtworker - <job.task | gather -o out.pfm'
-	is "$1: it is said that it is tried again, and that it is up" "$err" "fan: later: $2
+	is "$1: messages say that fan tries again, and that the host is up" "$err" "fan: later: $2
 fan: slot 0 on later: is up"
 	ok "$1: the same picture" cmp out.pfm good.pfm
 }
@@ -182,9 +182,9 @@ chmod +x flood
 echo 'flood via="./flood %c"' >flood.hosts
 run sh -c 'fan -S flood.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a flood of messages: the same picture' cmp out.pfm good.pfm
-is 'each is shown, or counted' "$(printf '%s\n' "$err" | awk '/^flood: / { n++ }
+is 'a flood of messages: each is shown or counted' "$(printf '%s\n' "$err" | awk '/^flood: / { n++ }
 	/^fan: flood: [0-9]+ more lines of messages dropped$/ { n += $3 } END { print n }')" 20000
-ok 'and most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
+ok 'a flood of messages: most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
 
 # ---- nobody to do it --------------------------------------------------------------------------------------------
 for input in /dev/null job.task; do

@@ -23,7 +23,7 @@ for method in interleaved masterslave adaptive hybrid gdc ss sc ds dc; do
 	is "$method: honest hosts pass" "$status:$(counts | cut -d ' ' -f 2-):$(cmp out.png true.png && echo same)" '0:0 0:same'
 done
 run balance masterslave -v 1 -j 2 -s 32x32 -o out.png balls.nff
-like 'of one host the other slot computes it again, and that is said' "$status $(echo "$err" | tail -n 1)" \
+like 'one host: another slot computes the pieces again, and a message says so' "$status $(echo "$err" | tail -n 1)" \
 	'^0 verify: 32 of 32 pieces were computed again on another slot of the only host: 0 differ'
 run balance masterslave -v 1 -j 1 -s 32x32 -o out.png balls.nff
 is 'one slot is refused' "$status:$err" '2:balance: -v: one slot, expected two at least, and two hosts to check hosts'
@@ -54,13 +54,13 @@ for method in interleaved masterslave adaptive gdc ss dc; do
 		;;
 	esac
 	like "$method: the liar is named" "$err" '^verify: frame 0 at [0-9]+,[0-9]+: slot 1 \(host b\) computed other pixels than two other hosts'
-	like "$method: and nobody else" "$(echo "$err" | grep -c 'slot [02]')" '^0$'
+	like "$method: no other slot is named" "$(echo "$err" | grep -c 'slot [02]')" '^0$'
 done
 three 'sh -c %c | ./liar .5'
 rm -f lies
 run balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff
-is 'of two hosts: status 1' "$status" 1
-like 'both are named' "$err" '^verify: frame 0 at 0,[0-9]+: slot [01] \(host [ab]\) and slot [01] \(host [ab]\) computed different pixels'
+is 'two hosts: status 1' "$status" 1
+like 'two hosts: both are named' "$err" '^verify: frame 0 at 0,[0-9]+: slot [01] \(host [ab]\) and slot [01] \(host [ab]\) computed different pixels'
 
 # What a share of .2 finds: of n lies one at least with 1 - .8^n.
 three 'sh -c %c | ./liar .3 7'
@@ -156,14 +156,14 @@ printf '%s\n' 'a via="./later good 3 6 %c"' 'b via="./later beats 3 6 %c"' 'c vi
 rm -f starts lies
 run env MARK="$mark" timeout 300 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 is 'beats, and a liar: status, and pieces that could not be checked' "$status:$(counts | cut -d ' ' -f 3)" 1:0
-like '... the liar is named' "$err" ': slot 2 \(host c\) computed other pixels than two other hosts$'
-like '... and nobody else' "$(echo "$err" | grep -c 'slot [013]')" '^0$'
+like 'beats, and a liar: the liar is named' "$err" ': slot 2 \(host c\) computed other pixels than two other hosts$'
+like 'beats, and a liar: no other slot is named' "$(echo "$err" | grep -c 'slot [013]')" '^0$'
 ok '... no process remains' await 10 none_alive
 
 # verify -t passes on what comes, and does not wait for ever for more.
 balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
 run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
-is 'verify -t: beats are no fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
+is 'verify -t: beats do not count as fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
 grep -av '^beat$' "$tmp/.out" | cmp -s - long.log
 is 'verify -t: all has come through' $? 0
 run verify -t 1000 long.log <long.log
@@ -183,9 +183,9 @@ chmod +x part
 printf '%s\n' 'a via="./part %c"' 'b via="./part %c"' >parts
 run env TMPDIR="$tmp/temporary" balance interleaved -v 1 -S parts -s 32x32 -o out.png balls.nff
 log=$(ls temporary/*/log)
-like 'a picture that is not whole: the log stays, and that is said' "$status:$err" "^balance: .*/$log is kept: .* -r .*/$log "
+like 'an incomplete picture: the log stays, and a message says so' "$status:$err" "^balance: .*/$log is kept: .* -r .*/$log "
 run balance interleaved -v 1 -j 2 -r "$log" -s 32x32 -o out.png balls.nff
-is '... with it the run goes on' "$status:$(counts | cut -d ' ' -f 2-):$(cmp out.png true.png && echo same)" '0:0 0:same'
+is 'an incomplete picture: a run resumes from the log' "$status:$(counts | cut -d ' ' -f 2-):$(cmp out.png true.png && echo same)" '0:0 0:same'
 rm -r temporary/*
 printf '%s\n' 'a via="sh -c %c"' 'b via="sh -c %c"' >two
 for refused in '-k 9' '-r balls.nff'; do
@@ -202,7 +202,7 @@ signalled() {
 	MARK="$mark" TMPDIR="$tmp/temporary" perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
 		balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff 2>said &
 	of=$!
-	ok "$2 in the $1 pass: it is there" await 10 "$1_pass"
+	ok "$2 in the $1 pass: the pass has begun" await 10 "$1_pass"
 	kill -"$2" $of
 	wait $of
 	is "$2 in the $1 pass: status, messages and files" "$?:$(grep -v '^fan: ' said):$(ls temporary)" 130::

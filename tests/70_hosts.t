@@ -20,8 +20,8 @@ is 'a host has neither the clone nor the scene' "$(within 'ls "$2/bin/fan" "$3/s
 	for h in host1 host2; do ssh $h "ls -d $2/* $3" 2>/dev/null || echo none; done')" 'here
 none
 none'
-is 'nor a program on its PATH' "$(within 'ssh host1 command -v fan rtworker || echo none')" none
-is 'no way leads out' "$(within 'ip route | grep -v ^198.18.0 && echo out
+is 'a host has none of the programs on its PATH' "$(within 'ssh host1 command -v fan rtworker || echo none')" none
+is 'a host has no route out' "$(within 'ip route | grep -v ^198.18.0 && echo out
 	ssh host1 ip route | grep -v ^198.18.0 || echo none')" none
 is 'the status is the command'\''s' "$(within 'exit 7' >said; echo $?)" 7
 
@@ -45,7 +45,7 @@ is 'a slow link is slow, both ways' "$(within '"$1" link host1 4mbit
 slow
 200000
 slow'
-is 'at an address nobody answers' "$(within 'ssh -oConnectTimeout=1 nowhere true 2>&1 | tr -d "\r"')" \
+is 'no host answers at the address of nowhere' "$(within 'ssh -oConnectTimeout=1 nowhere true 2>&1 | tr -d "\r"')" \
 	'ssh: connect to host 198.18.0.253 port 22: Connection timed out'
 is 'sshd can be killed, and started again' "$(within 'kill -9 $("$1" pids host1 sshd)
 	ssh host1 true 2>/dev/null || echo dead
@@ -69,7 +69,7 @@ for signal in EXIT INT TERM HUP KILL; do
 	run_of=$(cat ready)
 	[ $signal = EXIT ] || kill "-$signal" "-$(ps -o pgid= -p "${run_of##*.}" | tr -d ' ')"
 	wait "$pid" 2>/dev/null
-	ok "nothing is left after $signal" await 3 none_left "$run_of"
+	ok "no process and no file remains after $signal" await 3 none_left "$run_of"
 done
 rm -f ready
 "$hosts" with 2 sh -c 'echo $TEST_HOSTS >ready; exec sleep 7200' &
@@ -80,7 +80,7 @@ kill -9 $(pgrep -f -- "-janitor ${run_of##*.} ") "${run_of##*.}"
 wait "$!" 2>/dev/null
 ok 'when even the janitor is killed, something is' [ -d "$run_of" ]
 "$hosts" with 1 true
-ok 'and the next run removes it' await 3 none_left "$run_of"
+ok 'the next run removes the rest' await 3 none_left "$run_of"
 
 "$hosts" with 3 sh -c 'ssh host3 "sleep 1; hostname"' >one &
 "$hosts" with 2 sh -c 'ssh host2 "sleep 1; hostname"; ssh host3 true || echo no' >two 2>&1

@@ -40,7 +40,7 @@ done
 run fan -l -S "$file" rtworker -
 is 'fan -l names the hosts in the order of the file' "$(echo "$out" | cut -f 1,2 | tr '\t\n' '  ')" \
 	'0 host1 1 host2 2 host3 '
-is 'and measures their power' "$(echo "$out" | awk '$3 > 0' | wc -l)" 3
+is 'fan -l measures the power of the hosts' "$(echo "$out" | awk '$3 > 0' | wc -l)" 3
 methods=$(balance -h | sed -n 's/^methods: *//p')
 for method in $methods; do
 	render "$method on three hosts" "$method" "$file"
@@ -57,7 +57,7 @@ somebody slots=2 via="ssh -T host1 %c # %h" bin=$bin   # a comment
 198.18.0.2 via="ssh -l root -o HostKeyAlias=host2 -i $TEST_HOSTS/user %h %c" bin=$bin power=.3
 END
 render 'a hosts file with via' interleaved via.hosts
-is 'every slot of it did its part' "$(slots_in job.log)" '0 1 2 '
+is 'a hosts file with via: every slot did tasks' "$(slots_in job.log)" '0 1 2 '
 
 # ---- a tree: one connection and one scene a host -------------------------------------------------------------------
 accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
@@ -65,16 +65,16 @@ before=$(accepted)
 { pack scene gears.nff; partition 96x96; } >job.task
 deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 64 - <job.task 2>said | gather -o tree.pfm -r tree.log
 ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good64.pfm
-is 'not a word' "$(unexpected said)" ''
-is 'one connection a host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
-like 'with two leaves each' "$(slots_in tree.log)" '([01]\.[01] ){3}'
+is 'a tree: no message' "$(unexpected said)" ''
+is 'a tree: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
+like 'a tree: two leaves per host' "$(slots_in tree.log)" '([01]\.[01] ){3}'
 
 partition -n 2 96x96 | { pack scene gears.nff; cat; } |
 	ringctl fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - 2>said | gather -o ring.pfm -r ring.log
 ok 'ringctl fan -S host1,host2 ringctl -n deal fan -j 2: the same picture' cmp ring.pfm good64.pfm
-is 'not a word' "$(unexpected said)" ''
-is 'one connection a host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 2 }')"
-like 'with two leaves each' "$(slots_in ring.log)" '([01]\.[01] ){3}'
+is 'a ring: no message' "$(unexpected said)" ''
+is 'a ring: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 2 }')"
+like 'a ring: two leaves per host' "$(slots_in ring.log)" '([01]\.[01] ){3}'
 
 # ---- what start-up files say, and what workers say on their standard error -----------------------------------------
 hosts run host2 sh -c 'cat >/root/.bashrc' <<'END'
@@ -83,10 +83,10 @@ echo "task 0 0 0 0 1 1 1 1"; head -c 20000 /dev/zero | tr '\0' '#'
 echo "the disk is nearly full" >&2
 END
 render 'a host that talks first' interleaved "$file"
-is 'what it says on standard error has its name' "$(grep -v 'never connected$' said)" 'host2: the disk is nearly full'
+is "lines of a host's standard error begin with its name" "$(grep -v 'never connected$' said)" 'host2: the disk is nearly full'
 echo 'while echo more; do :; done' | hosts run host2 sh -c 'cat >>/root/.bashrc'
 render 'a host that talks for ever' masterslave "$file" 64
-like 'it is named, and what it says is shown' "$(cat said)" \
+like 'a host that talks for ever: it is named, and its output is shown' "$(cat said)" \
 	'^fan: host2: cannot be used \(no-hello\), it says: Welcome to host2\.'
 hosts run host2 rm /root/.bashrc
 put host3 $bin/loud <<'END'
@@ -97,9 +97,9 @@ END
 # On hosts that lack it, and here, it cannot be run: that is said as well.
 deal fan -S "$file" loud -a 9 - <job.task 2>said | gather -o loud.pfm
 ok 'a worker that is only on one host: the same picture' cmp loud.pfm good9.pfm
-like 'what it says has its host before each line' "$(cat said)" '^host3: one line,$'
-like 'and cannot steer the terminal' "$(cat said)" '^host3: \\x1b]0;title\\x07 no new line$'
-like 'where it is not, it is said' "$(cat said)" '^fan: host1: no loud in /home/render/bin, nor on its PATH; install it there$'
+like "each line of a worker's messages begins with its host" "$(cat said)" '^host3: one line,$'
+like "a worker's messages cannot control the terminal" "$(cat said)" '^host3: \\x1b]0;title\\x07 no new line$'
+like 'a worker that is only on one host: a message names the other hosts' "$(cat said)" '^fan: host1: no loud in /home/render/bin, nor on its PATH; install it there$'
 
 # ---- who is refused, or not reached --------------------------------------------------------------------------------
 # other HOST SCRIPT: rtworker there is filtered by sed
@@ -110,12 +110,12 @@ other() {
 as_before() { hosts run "$1" mv $bin/rtworker.good $bin/rtworker; }
 other host2 '1s/selftest=./selftest=x/'
 heard 'a host of other arithmetic' "$file" 'host2: refused'
-like 'it is refused by name and reason' "$(cat said)" '^fan: host2: refused: its arithmetic differs'
-ok 'and nothing is from it' [ "$(slots_in job.log | grep -c 1)" = 0 ]
+like 'a host of other arithmetic: refused by name and reason' "$(cat said)" '^fan: host2: refused: its arithmetic differs'
+ok 'a host of other arithmetic: it did no task' [ "$(slots_in job.log | grep -c 1)" = 0 ]
 as_before host2
 other host2 '1s/rtworker [^ ]*/rtworker 99/'
 heard 'a host of another version' "$file" 'host2: refused'
-like 'it is refused by name and reason as well' "$(cat said)" \
+like 'a host of another version: refused by name and reason' "$(cat said)" \
 	'^fan: host2: refused: it runs rtworker 99, expected rtworker '
 as_before host2
 cat "$file" - >more.hosts <<END
@@ -124,15 +124,15 @@ nobody.invalid bin=$bin
 host3 bin=/home/nothing
 END
 heard 'nobody answers, a name that is none, and no programs' more.hosts 'host3: no rtworker'
-like 'who did not answer is counted' "$(cat said)" '^fan: [3-5] of 6 slots never connected$'
+like 'slots that did not answer are counted' "$(cat said)" '^fan: [3-5] of 6 slots never connected$'
 like 'a name, and no resolver' "$(cat said)" '^fan: nobody\.invalid: its name cannot be resolved now; trying again'
 like 'the programs are missed' "$(cat said)" '^fan: host3: no rtworker in /home/nothing, nor on its PATH; install it there$'
 cp "$TEST_HOSTS/known_hosts" known
 sed "s,^host2 .*,$(sed -n 's/^host1 /host2 /p' known)," known >"$TEST_HOSTS/known_hosts"
 render 'a host that shows another key' masterslave "$file" 64
-is 'is not trusted' "$(grep host2 said)" \
+is 'a host that shows another key is not trusted' "$(grep host2 said)" \
 	'fan: host2: host key has changed; if that is expected, remove the old key with: ssh-keygen -R host2'
-ok 'and gets nothing' [ "$(slots_in job.log | grep -c 1)" = 0 ]
+ok 'a host that shows another key gets no task' [ "$(slots_in job.log | grep -c 1)" = 0 ]
 cp known "$TEST_HOSTS/known_hosts"
 
 # ---- what no second try can mend: one line and one try, and with no other host the run ends ------------------------

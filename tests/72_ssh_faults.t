@@ -168,7 +168,7 @@ for method in masterslave gdc; do
 	if [ $method = gdc ]; then
 		ok "$name: its node has killed it" await 2 none_there
 	else
-		is "$name: it is still there, as nobody can reach it" "$(there)" rtworker
+		is "$name: it is still there, because no signal can reach it" "$(there)" rtworker
 		kill -CONT "$stopped"
 		ok "$name: it ends as soon as it runs again" await 2 none_there
 	fi
@@ -188,7 +188,7 @@ for method in masterslave gdc; do
 	begin $method
 	end
 	same_picture "$name"
-	is "$name: when all is done, nobody waits until ssh gives up" "$(grep 'timed out' said)" '' # after 10 s
+	is "$name: when all is done, the run does not wait until ssh gives up" "$(grep 'timed out' said)" '' # after 10 s
 	since=$begun
 	report "$name" .25
 	kill -CONT "$(listener)"
@@ -224,14 +224,14 @@ name='masterslave, garbage'
 begin masterslave
 end
 same_picture "$name"
-like "$name: it is said" "$(cat said)" 'fan: slot 1 on host2: lost \(garbage\)'
+like "$name: a message says so" "$(cat said)" 'fan: slot 1 on host2: lost \(garbage\)'
 
 # ---- static methods: what is missing, and how to get it --------------------------------------------------------------
 # incomplete NAME: and the command that is printed finishes it
 incomplete() {
 	is "$1: exit 1" "$status" 1
 	is "$1: no picture" "$(ls out.pfm* 2>/dev/null)" ''
-	like "$1: what is missing is listed" "$(cat said)" 'gather: .*[0-9]+ of 36864 pixels missing: rows? [0-9]'
+	like "$1: the missing pixels are listed" "$(cat said)" 'gather: .*[0-9]+ of 36864 pixels missing: rows? [0-9]'
 	sed -n 's/.* gather: to finish: //p' said | sed 's/SCENE/gears.nff/' >finish
 	ok "$1: the printed command works" sh -e finish
 	ok "$1: it finishes the picture" cmp out.pfm good64.pfm
@@ -265,7 +265,7 @@ inflict ssh
 end
 is "$name: exit 1" "$status" 1
 run balance interleaved -S "$file" -s 192x192 -W '-a 64' -r job.log -o out.pfm gears.nff
-is "$name: the same command again: exit 0" "$status" 0
+is "$name: the same command exits 0" "$status" 0
 ok "$name: it finishes the picture" cmp out.pfm good64.pfm
 
 # ---- no orphans: whoever is killed -----------------------------------------------------------------------------------
@@ -299,15 +299,15 @@ wait $job
 is "$name: exit 0" $? 0
 ok "$name: the same picture" cmp out.pfm good64.pfm
 # a worker may have been between two tasks
-is "$name: said there, and shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with [01] tasks' said)" 1
+is "$name: a message of the remote fan is shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with [01] tasks' said)" 1
 ok "$name: no more than that" [ "$(grep -vc '^host2: ' said)" = 0 ]
 
 # ---- and the hosts that were left alone ------------------------------------------------------------------------------
 wait $nobody
 for name in lost never; do
 	is "no host left, $name: exit 3" "$(cat $name/status)" 3
-	like "no host left, $name: it is said" "$(cat $name/said)" '^fan: no slot left'
-	like "no host left, $name: and what is missing" "$(cat $name/said)" \
+	like "no host left, $name: a message says so" "$(cat $name/said)" '^fan: no slot left'
+	like "no host left, $name: the missing pixels are listed" "$(cat $name/said)" \
 		'[0-9]+ of 36864 pixels missing|nothing was rendered'
 	diag "no host left, $name: after $((($(cat $name/until) - $(cat $name/since)) / 1000000)) ms"
 done

@@ -43,7 +43,7 @@ const char *intake_refused_text(
             "ignored",
             r->task.frame, source, job, r->frame_w, r->frame_h, f->job, f->have.w, f->have.h);
     else
-        snprintf(out, LOG_DISPUTE_TEXT, "frame %" PRIu32 ": too many, expected at most %d",
+        snprintf(out, LOG_DISPUTE_TEXT, "frame %" PRIu32 ": too many frames, expected at most %d",
             r->task.frame, ASSEMBLY_FRAMES_MAX);
     return out;
 }
@@ -79,7 +79,7 @@ void intake_report_remedy(
     bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, options, &remedy);
     if (log) warn("to resume from %s, rerun the command, or finish as follows", log);
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else warn("no log was kept (-r LOG), so only a new run can render them");
+    else if (!log) warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
 }
 
