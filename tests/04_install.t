@@ -52,7 +52,7 @@ is 'uninstall leaves nothing in the staging directory' "$(tree)" "$before"
 # ---- where nothing was installed ----------------------------------------------------------------------------
 run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
 is 'make uninstall: without a manifest it fails' "$status" 2
-like 'make uninstall: a message says that the manifest is missing' "$err" 'home/prefix/share/stormring/manifest: is not there, expected'
+like 'make uninstall: a message says that the manifest is missing' "$err" 'home/prefix/share/stormring/manifest: not found, expected'
 printf 'bin/fan\n../my/thesis\n' >home/prefix/share/stormring/manifest
 run make -s -C "$root" uninstall PREFIX="$tmp/home/prefix"
 like 'make uninstall: a manifest that names a file elsewhere is refused' "$status $err" '^2 .*manifest:2: is "../my/thesis", expected'

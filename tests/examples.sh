@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC2154
 
 # examples FILE: in literal displays of EXAMPLES (in README: in code blocks), the lines that begin with "$ ", with the
-# here-documents and continuation lines that belong to them: a script. Its comments tell what else the page has: "#step TITLE"
+# here-documents and continuation lines that belong to them: a script. Its comments mark the other parts of the page: "#step TITLE"
 # for a subsection, "#run" before a command, "#shows LINE" for another line of a display, "#file NAME" for a .Pa, "#end" for
 # the end of a display.
 examples() {
@@ -25,7 +25,7 @@ examples() {
 	{ print "#shows " $0 }' "$1"
 }
 
-# lacking FILE: the commands in it need something that is not there, $missing
+# lacking FILE: its commands need $missing, which is not there
 lacking() {
 	grep -v '^#' "$1" >"$tmp/.named"
 	while read -r lacking_command lacking_need; do

@@ -1,5 +1,5 @@
-# TAP for shell tests. Begin with `. "$(dirname "$0")/lib.sh"`, end with `finish`; the test runs in a
-# temporary directory $tmp, removed on every exit; $root is the clone, whose programs come first on PATH.
+# TAP for shell tests. A test begins with `. "$(dirname "$0")/lib.sh"` and ends with `finish`. It runs in a temporary
+# directory $tmp, which every exit removes. $root is the clone, whose programs come first on PATH.
 # shellcheck shell=sh disable=SC2034
 set -u
 root=$(cd "$(dirname "$0")" && pwd) && root=${root%/tests*} tmp=$(mktemp -d) || exit 3
@@ -9,14 +9,14 @@ PATH=${BIN:=$root/bin}:$PATH
 cd "$tmp" || exit 3
 tap_n=0 tap_failed=0
 
-# The clone's programs are tested, never copies installed elsewhere. Two need a library that may be missing.
+# Tests run the programs of the clone, never installed copies. Two programs need a library that may be missing.
 for tap_source in "$root"/bin/*.c; do
 	tap_program=$(basename "$tap_source" .c)
 	case $tap_program in nc2vtk | grib2vtk) continue ;; esac
 	[ -x "$BIN/$tap_program" ] || { echo "Bail out! $tap_program is not built, expected \`make\` first"; exit 3; }
 done
 
-# The programs get the caller's locale; numbers of the tests themselves have a point.
+# Programs get the locale of the caller; the tools of the tests print numbers with a point.
 awk() { LC_ALL=C command awk "$@"; }
 od() { LC_ALL=C command od "$@"; }
 seq() { LC_ALL=C command seq "$@"; }
@@ -26,7 +26,7 @@ diag() { printf '%s\n' "$*" | sed 's/^/# /'; }
 pass() { tap_n=$((tap_n + 1)); echo "ok $tap_n - $1"; }
 # fail NAME WHY
 fail() { tap_n=$((tap_n + 1)) tap_failed=1; echo "not ok $tap_n - $1"; diag "$2"; }
-# ok NAME COMMAND ...: it exits 0
+# ok NAME COMMAND ...: the command exits with 0
 ok() {
 	tap_name=$1; shift
 	if "$@" >"$tmp/.said" 2>&1; then pass "$tap_name"
@@ -35,18 +35,18 @@ ok() {
 }
 # is NAME GOT EXPECTED
 is() { if [ "$2" = "$3" ]; then pass "$1"; else fail "$1" "got: $2, expected: $3"; fi; }
-# like NAME TEXT ERE: some line of the text matches
+# like NAME TEXT ERE: a line of the text matches
 like() { if printf '%s\n' "$2" | grep -Eq -e "$3"; then pass "$1"; else fail "$1" "no match of $3 in: $2"; fi; }
-# run COMMAND ...: exit status in $status, output in $out and $err
+# run COMMAND ...: leaves the exit status in $status and the output in $out and $err
 run() { status=0; "$@" >"$tmp/.out" 2>"$tmp/.err" || status=$?; out=$(cat "$tmp/.out") err=$(cat "$tmp/.err"); }
-# there NAME ...: programs, and files by their paths; of the first that is missing the name is in $missing
+# there NAME ...: these programs, or files if the name is a path, exist; $missing is the first that does not
 there() {
 	for missing; do
 		case $missing in */*) [ -e "$missing" ] ;; *) command -v "$missing" >/dev/null ;; esac || return
 	done
 }
-# needs NAME ...: without them the whole file of tests is skipped
+# needs NAME ...: skips the whole file of tests if one of them is missing
 needs() { there "$@" || { echo "1..0 # SKIP $missing is not there"; exit 0; }; }
-# skip NAME WHY
+# skip NAME WHY: reports a skipped assertion
 skip() { tap_n=$((tap_n + 1)); echo "ok $tap_n # SKIP $1: $2"; }
 finish() { echo "1..$tap_n"; exit $tap_failed; }

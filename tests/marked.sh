@@ -2,8 +2,9 @@
 # and so do their children. No shell of the test itself has the mark. At the end the processes that remain are killed.
 # shellcheck shell=sh disable=SC2154
 mark=stormring-test-$$
+# alive: prints the pids of processes with the mark
 alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
-# program NAME [WORDS]: the pids of that name among them, of which the command line begins with these words
+# program NAME [WORDS]: prints those with this name whose command line begins with WORDS
 program() {
 	for p in $(alive); do
 		[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] || continue
@@ -11,9 +12,9 @@ program() {
 	done
 }
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
-# Load decides how long anything takes, so a test never fails because of seconds: the limit is what an idle machine needs,
-# and a loaded one gets forty times as long. What must not end by itself meanwhile has work for hours.
-await() { # SECONDS COMMAND ...: until it succeeds
+# Load decides all times, so no test fails because of seconds. SECONDS is the limit on an idle machine; a loaded one gets
+# forty times as long. Processes that must not end by themselves meanwhile have work for hours.
+await() { # SECONDS COMMAND ...: waits until the command succeeds
 	await_end=$(($(now_ms) + $1 * 40000))
 	shift
 	until "$@"; do
@@ -21,8 +22,8 @@ await() { # SECONDS COMMAND ...: until it succeeds
 		sleep .05
 	done
 }
-# unexpected FILE: what a run said, without the lines that load alone can cause: a slot that gets no processor for seconds
-# is lost and connected again, or never connected before the others have done the work
+# unexpected FILE: prints the messages of a run without those that load alone can cause: a slot that gets no processor for
+# seconds is lost and connected again, or never connects before the others have done the work
 unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, connecting again$|: is up$|never connected$' "$1"; }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }

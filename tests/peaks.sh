@@ -1,6 +1,6 @@
-# What the processes of a run use at most, looked at some times a second. After lib.sh:
-#	measured LINE		runs a line of shell; its status is in $status
-#	most PROGRAM kib|open	the most memory one process of that name has used, in KiB, or descriptors it had open
+# Peaks of the memory and descriptors of the processes of a run, sampled some times a second. Read it after lib.sh:
+#	measured LINE		runs a line of shell; leaves its status in $status
+#	most PROGRAM kib|open	prints the peak memory of one process of that name, in KiB, or of its open descriptors
 # shellcheck shell=sh disable=SC2034,SC2154
 peaks_mark=stormring-peaks-$$
 peaks_look() {

@@ -8,8 +8,8 @@ rounds=5 size=512
 
 ours="partition ${size}x$size | rtworker SCENE.nff"
 pov="povray -V +WT1 +ISCENE.pov +Opov.ppm +W$size +H$size +FP16 File_Gamma=1 -A -D"
-# Where it is installed, another tracer that reads NFF. Its pictures are not the same (light, materials, for gears nearly
-# all), so that it is no contest: how far they are off stands beside its time.
+# Another tracer that reads NFF, if it is installed. Its pictures differ (light, materials, for gears nearly all), so the
+# times cannot be compared directly; the difference is beside the time.
 peer="tachyon SCENE.nff -res $size $size -numthreads 1 -raydepth 5 -shade_phong -o peer.ppm -format PPM48"
 command -v tachyon >/dev/null || peer=''
 

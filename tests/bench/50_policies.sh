@@ -38,7 +38,7 @@ cat >methods <<'END'
 |-e -q auto
 END
 
-# setting NAME POWERS "GEARS_S BALLS_S TETRA_S" [OPTIONS]: a table. The seconds are what a picture costs at power 1.
+# setting NAME POWERS "GEARS_S BALLS_S TETRA_S" [OPTIONS]: prints a table. The seconds are the cost of a picture at power 1.
 setting() {
 	printf '%s\n  %-24s %-12s   gears  balls  tetra\n' "$1" partition deal
 	powers=$2 costs=$3

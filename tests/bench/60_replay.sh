@@ -19,7 +19,7 @@ for scene in balls gears tetra; do
 	case $scene in balls) paper_s=97.86 ;; gears) paper_s=1091.14 ;; tetra) paper_s=44.53 ;; esac
 	fragstat -s $scene.frags | awk -v s="$paper_s" -v n="$shrink" '$1 == "cpu_s" { print s / n / $2 }' >$scene.scale
 done
-once() { # SCENE METHOD: a line of SCENE.METHOD: efficiency, and but for start-up
+once() { # SCENE METHOD: adds a line to SCENE.METHOD: efficiency, and efficiency without start-up
 	rm -f "$1.$2.frags" run.pfm
 	more=''
 	[ "${2%+}" = "$2" ] || more='-q auto -e'

@@ -6,7 +6,7 @@
 # names each tool that is not installed.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-# Whatever a killed run has left is found by the mark in its environment.
+# The mark in the environment finds the processes that a killed run leaves.
 # shellcheck source=../marked.sh
 . "$root/tests/marked.sh"
 rounds=3
@@ -16,7 +16,7 @@ unset MARK
 mpi=$(ls /usr/lib/*/libtachyon-openmpi.so.0 2>/dev/null) && mkdir mpi && ln -s "$mpi" mpi/libtachyon.so.0
 mpi() { [ -e mpi/libtachyon.so.0 ] && command -v tachyon && command -v mpirun; }
 
-# peer NAME WORKER PICTURE TEST: its script follows on standard input. TEST fails where the peer is missing.
+# peer NAME WORKER PICTURE TEST: standard input is its script. TEST fails if the peer is missing.
 peers=''
 peer() {
 	cat >"$1.sh"
@@ -57,19 +57,19 @@ tachyon gears.nff -res $S $S -numthreads $W -raydepth 5 -shade_phong -format PPM
 END
 
 with() { echo "S=$side W=$1 OMPI_MCA_rmaps_base_oversubscribe=1 PARALLEL=--will-cite sh $2.sh >said 2>&1"; }
-same() { # PICTURE NAME: as the first of that peer, pixel by pixel
+same() { # PICTURE NAME: the picture is the first one of that peer, pixel by pixel
 	[ -e "$1" ] || { echo none; return; }
 	if imgcmp -q "$1" "$2.first" 2>/dev/null; then echo same; else echo WRONG; fi
 }
-# strike PID WORKER: kills one WORKER of the run that PID has started, as soon as there is one
+# strike PID WORKER: kills one WORKER of the run that PID has started, as soon as one runs
 strike() {
 	while kill -0 "$1" 2>/dev/null; do
 		for p in $(program "$2"); do kill -9 "$p" 2>/dev/null && return; done
 	done
 	return 1
 }
-# killed NAME WORKER PICTURE SECONDS: " STATUS | PICTURE | SECONDS |" of a run that loses a worker after so long, or
-# sooner where that was too late
+# killed NAME WORKER PICTURE SECONDS: " STATUS | PICTURE | SECONDS |" of a run that loses a worker after SECONDS,
+# or sooner if that was too late
 killed() {
 	later=$4
 	for _ in 1 2 3 4 5; do
@@ -112,7 +112,7 @@ timed() {
 	echo "$1 $(wc -l <"$1.sh") $(median 1 <"$1.$side.1") $two" |
 		awk '{ printf "| %s | %d | %.2f | %.2f |", $1, $2, $3, $4 }'
 }
-table() { # the last one with what a kill costs: there the runs are long enough to be hit half way
+table() { # the last side has the columns of the kill: its runs are long enough to be killed half way
 	echo
 	echo "gears, ${side}x$side, medians of $rounds runs on $(nproc) cores:"
 	echo

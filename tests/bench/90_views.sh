@@ -8,7 +8,7 @@
 runs=${RUNS:-9} factor=2 most=40
 
 partition 512x512 >rows.task || stop 'partition failed'
-# variation SCENE: of its rows
+# variation SCENE: prints the variation of the costs of its rows
 variation() {
 	i=0
 	while [ $((i += 1)) -le "$runs" ]; do
@@ -18,7 +18,7 @@ variation() {
 			for (row in least) squares += (least[row] - sum / n) ^ 2
 			printf "%.3f\n", sqrt(squares / n) / (sum / n) }'
 }
-# turned DEGREES <SCENE: up, by so many
+# turned DEGREES <SCENE: prints the scene with the camera turned up by DEGREES
 turned() {
 	awk -v degrees="$1" '
 	$1 == "from" { for (i = 1; i <= 3; i++) from[i] = $(i + 1) }

@@ -49,7 +49,7 @@ done >>turn.task
 echo ': slots=2' >here
 echo "apart slots=2 via=\"$tmp/delay 10 sh -c %c\"" >apart
 
-# run WHO STREAM WHERE: its wall time
+# run PROGRAMS STREAM WHERE: prints the wall time
 run() {
 	q=0
 	[ "$3" = here ] || q=128

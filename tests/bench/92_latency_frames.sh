@@ -11,12 +11,12 @@ built delay
 spdgen -s 1 balls >balls.nff
 for n in $(seq 0 99); do sed "s/^from .*/from 2.$n 1.3 1.7/" balls.nff >"$n.nff"; done
 printf 'a via="%s/delay %s sh -c %%c"\nb via="%s/delay %s sh -c %%c"\n' "$tmp" "$ms" "$tmp" "$ms" >hosts
-# stream [OPTIONS]: all frames, each with a scene of its own
+# stream [OPTIONS]: prints all frames, each with its own scene
 stream() { for n in $(seq 0 99); do pack scene "$n.nff" && partition -F "$n" "$@" $size; done; }
 stream >demand.task
 stream -n 2 >turn.task
 stream -u coarse:250 -n 2 -c 0 >runs.task
-# until_last COMMAND: seconds until the last picture that it writes is there
+# until_last COMMAND: prints the seconds until its last picture is written
 until_last() {
 	rm -f x*.pfm
 	begin=$(date +%s.%N)

@@ -7,9 +7,9 @@
 rounds=${ROUNDS:-5} sizes=${SIZES:-'63 125 250 500 1000 2000 4000 8000 16000'} slots=$(nproc)
 data=/usr/share/ncarg/data/cdf/nc4uvt.nc
 nc2vtk -c -o wind.vtk $data 'speed=hypot(U,V)' || stop 'no grid'
-# frame SPEC: its WxH
+# frame SPEC: prints its WxH
 frame() { vcworker -i wind.vtk "$1" | awk '$1 == "frame" { print $2 "x" $3 }'; }
-# once SPEC PIXELS DEPTH: slots, tasks, s on tasks, waiting, tail, s from first to last task
+# once SPEC PIXELS DEPTH: prints slots, tasks, s on tasks, waiting, tail, s from first to last task
 once() {
 	rm -f log
 	{ pack grid wind.vtk; pack spec "$1"; partition -u "run:$2" "$(frame "$1")"; } |

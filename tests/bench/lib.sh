@@ -9,13 +9,13 @@ trap 'rm -rf "$tmp"' EXIT
 trap 'exit 130' HUP INT TERM
 PATH=$root/bin:$PATH
 cd "$tmp" || exit 3
-# Alone on the last core, where taskset is there and may.
+# Pins to the last core, if taskset exists and is allowed.
 core=$(($(nproc) - 1))
 pin="taskset -c $core"
 $pin true 2>/dev/null || pin=''
 
 stop() { echo "${0##*/}: $*" >&2; exit 3; }
-# built NAME [-lLIBRARY ...]: makes tests/bench/NAME.c a program, here
+# built NAME [-lLIBRARY ...]: compiles tests/bench/NAME.c to a program in this directory
 built() {
 	[ ! -x "$1" ] || return 0
 	name=$1
@@ -23,7 +23,7 @@ built() {
 	cc -std=c11 -D_GNU_SOURCE -O2 -ffp-contract=off -I"$root/lib" -o "$name" "$root/tests/bench/$name.c" \
 		"$root/build/libstormring.a" "$@" -lpng -lz -lm || stop "$name does not compile"
 }
-# cpu_s TIMES COMMAND: CPU seconds of one COMMAND, a line of shell, with all the processes that it waits for
+# cpu_s TIMES COMMAND: prints the CPU seconds of one COMMAND, a line of shell, with all processes that it waits for
 cpu_s() {
 	built cpu
 	# shellcheck disable=SC2016  # the inner shell counts
@@ -31,16 +31,16 @@ cpu_s() {
 		return
 	awk -v n="$1" '{ printf "%.6f\n", $1 / n }' .cpu
 }
-# wall_s COMMAND: its elapsed seconds
+# wall_s COMMAND: prints its elapsed seconds
 wall_s() {
 	begin=$(date +%s.%N)
 	sh -c "$1" >/dev/null || return
 	end=$(date +%s.%N)
 	echo "$begin $end" | awk '{ printf "%.6f\n", $2 - $1 }'
 }
-# times_for SECONDS COMMAND: how often COMMAND must run to fill so many CPU seconds
+# times_for SECONDS COMMAND: prints the number of runs of COMMAND that take SECONDS of CPU time
 times_for() { cpu_s 1 "$2" | awk -v t="$1" '{ print int(t / $1) + 1 }'; }
-# median COLUMN <LINES
+# median COLUMN <LINES: prints the median of a column
 median() { awk -v c="$1" '{ print $c }' | sort -g | awk '{ v[NR] = $1 } END { printf "%.6g\n", (v[int((NR + 1) / 2)] + v[int(NR / 2) + 1]) / 2 }'; }
-# report WHAT GOT UNIT TARGET: at most the target?
+# report WHAT GOT UNIT TARGET: prints a line with the verdict: GOT is at most TARGET, or not
 report() { awk -v w="$1" -v g="$2" -v u="$3" -v t="$4" 'BEGIN { printf "%s: %.3g%s, target at most %g%s: %s\n", w, g, u, t, u, g <= t ? "met" : "MISSED" }'; }

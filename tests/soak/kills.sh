@@ -43,7 +43,7 @@ while [ $((run += 1)) -le "$runs" ]; do
 	pick 6
 	[ "$picked" = 0 ] && for p in $(alive); do [ "$(name "$p")" = rtworker ] && kill -STOP "$p" && break; done
 	kill -9 "$victim" 2>/dev/null || { wait "$pid"; continue; }
-	# A stopped worker is found after 3 s; who kills the last stage waits for nobody.
+	# A stopped worker is noticed after 3 s; if the last stage is killed, no process waits for it.
 	limit=20
 	[ "$what" = gather ] && limit=2
 	ok "run $run: $what of: $chain: no process remains" await $limit none_alive

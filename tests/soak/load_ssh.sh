@@ -28,7 +28,7 @@ spdgen -s 2 tetra >tetra.nff
 sed 's/slots=[0-9]*/slots=8/' "$TEST_HOSTS/hosts" >many.hosts
 is '64 slots' "$(fan -l -S many.hosts | wc -l)" 64
 for h in 1 2 3 4 5 6 7 8; do hosts run host$h sh -c 'ln -s /home/render/bin/* /usr/local/bin'; done
-# Dealt in advance, it is complete only when every slot has done its part.
+# With shares in advance the picture is complete only if every slot has done its share.
 load '64 slots, dealt in advance' '-n 64 512x512' true 'fan -S many.hosts rtworker -'
 load '64 slots' 2048x2048 true 'deal fan -S many.hosts rtworker -'
 load '64 slots, a reader that pauses for 5 s' 1024x1024 'sleep 5' 'deal fan -S many.hosts rtworker -'

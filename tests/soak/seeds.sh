@@ -9,7 +9,7 @@ for method in deal ring; do
 	is "$method: $seeds seeds from $first on" "$status $err" '0 '
 	diag "$out"
 done
-# As published it is to keep its rules, and to lose nothing without faults.
+# The published ring must keep its rules, and lose no task without faults.
 ok 'the seeds of the published ring compile' make -s -C "$root" build/unit/test_gdc
 run env SEEDS="$seeds" "$root/build/unit/test_gdc"
 is "ring -p: $seeds seeds" "$status" 0
