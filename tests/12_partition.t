@@ -19,7 +19,7 @@ is 'guided:N: chunks of whole runs, and the rest as the last one' \
 
 is 'fine: 150 tasks per slot, or rows' \
 	"$(for slots in 1 2; do partition -u fine -n $slots 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '8to=0 5to=0'
-is 'coarse: 150 tasks a slot, or what was asked for, and with -c 0 nobody'\''s' \
+is 'coarse: 150 tasks per slot, or N; with -c 0 no task has a slot' \
 	"$(for slots in 1 2; do partition -u coarse:9 -n $slots -c 0 8x200 | awk '/^task/ { print $6 $10; exit }'; done | paste -s -d ' ')" '10 9'
 is 'each of several pictures is cut by its own size' \
 	"$(printf 'frame 0 8 8\nframe 1 8 400\n' | partition -u coarse:2 -n 1 -c 0 8x8@- | awk '/^task/ && !n[$2]++ { printf "%s ", $6 }')" '2 21 '

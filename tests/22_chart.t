@@ -79,14 +79,14 @@ like 'refused: a level that is not a number' "$status $err" '^2 tsvstat: bad.tsv
 bars=$(printf '%s until' "$header")
 tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \
 	'log real task 1.5 s 0 1 2 0 2' 'log real wasted 0.1 s 1 1 3 0 2' 'log real task_again 0 s 1 1 4 0 .1' >bars.tsv
-ok 'it draws it draws a Gantt chart' chart -o bars.svg bars.tsv
+ok 'it draws a Gantt chart' chart -o bars.svg bars.tsv
 texts bars.svg >said
 is 'Gantt chart: all lanes have names, also those without bars' "$(grep -cx '0\|1\.0\|1\.1' said)" 3
 like 'Gantt chart: the axes have names and units' "$(tr '\n' ' ' <said)" 'slot .*time \(s\).*log \(real\)'
 is 'Gantt chart: the legend has only the kinds of bars that occur' "$(grep -c 'task given again' said)$(grep -cx 'task\|wasted\|task_again' said)" 03
 like 'Gantt chart: the note is below the chart' "$(cat said)" '^efficiency \.9$'
 is 'Gantt chart: wasted tasks are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
-ok 'it writes it draws a Gantt chart it writes a Gantt chart as PNG' chart -o bars.png bars.tsv
+ok 'it writes a Gantt chart as PNG' chart -o bars.png bars.tsv
 
 # refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
 refused() {

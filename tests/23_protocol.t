@@ -54,7 +54,7 @@ refused 2 'sample is "-1"' 'e real m 1 s 1 s -1 0'
 refused 2 '8 fields' 'e real m 1 s 1 s 1'
 run sh -c 'echo nonsense | tsvstat'
 like 'refused: no names of columns' "$status $err" '^2 tsvstat: standard input:1: column 1 is "nonsense", expected'
-run tsvstat -t less a nobody pairs.tsv
+run tsvstat -t less a nosuch pairs.tsv
 like 'refused: no x with both methods' "$status $err" '^1 .*expected experiments with both methods'
 { cat five.tsv; sed -n 2p five.tsv; } >twice.tsv
 run tsvstat twice.tsv
@@ -112,7 +112,7 @@ run protocol -n 2 -o notes faults
 is 'another file is refused, and left as it was' "$status$(cmp notes kept 2>&1)" 2
 mkdir mine.tsv.d
 run protocol -n 2 -o mine.tsv faults
-is 'and so is a directory that is somebody else'"'"'s' "$status $(ls -d mine.tsv*)" '2 mine.tsv.d'
+is 'a directory of another run beside no table is refused' "$status $(ls -d mine.tsv*)" '2 mine.tsv.d'
 mkfifo held
 flock whole.tsv cat held &
 until ! flock -n whole.tsv true; do sleep .02; done

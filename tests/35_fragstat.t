@@ -37,7 +37,7 @@ gives slots 3 hand.frags
 gives makespan_s 0.300000 hand.frags
 gives bound_s 0.200000 hand.frags # the dearest task on one slot
 gives efficiency 0.6667 hand.frags
-# With powers: costs grow with the power of who did them, and the fastest may do the dearest.
+# With powers: costs are multiplied by the power of their slot, and the fastest slot may do the longest task.
 gives bound_s 0.200000 -w 1,2,1.5 hand.frags # 400 ms of work at power 2
 gives bound_s 0.116000 -w 1,.5,1 hand.frags  # (90 + 100 + 100) / 2.5
 printf '%s\n' ': slots=2 power=1' 'far power=.5' >hosts

@@ -11,7 +11,7 @@ partition 48x64 | rtworker -a 9 tetra.nff | gather -o good1.pfm
 # film [PARTITION-OPTION ...]
 film() { pack scene gears.nff; partition -F 0 "$@" 64x48; pack scene tetra.nff; partition -F 1 "$@" 48x64; }
 film >film.task
-# both NAME [COMMAND ...]: the two pictures are right, and nobody has said a word
+# both NAME [COMMAND ...]: the two pictures are right, and no program prints a message
 both() {
 	ok "$1: the first picture" cmp f0.pfm good0.pfm
 	ok "$1: the second picture" cmp f1.pfm good1.pfm

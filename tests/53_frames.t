@@ -103,7 +103,7 @@ for command in 'deal fan -t 60 -j 2' 'deal -e fan -t 60 -j 3' 'ringctl fan -t 60
 	ok "$command, a slot dies: what it had is given again" grep -aq 'done 0 [0-9]* [a-z_=0-9 .]*try=[2-9]' log
 done
 
-# ---- so it does, and who gets its task came when that state was not the latest any more ----------------------------
+# ---- it is killed, and its task goes to a slot that came up after the next state ----------------------------
 # Slot 0 holds a task of frame 0; slot 1 does the rest of both and is gone; slot 2 comes, and then slot 0 dies.
 cat >plan <<'END'
 #!/bin/sh

@@ -63,7 +63,7 @@ for k in beats deaf trickle stopped slow; do
 done
 hung 'a ring, all but one of five beat' beats '1 2 3 4' 5 'ringctl fan -t 300 -j' 'ringctl -n'
 
-# Many frames, whose states nobody but the good ones reads: they are not kept for the one that does not, nor waited for.
+# Many frames, whose states only the good workers read: deal neither keeps the states for the bad one nor waits for it.
 { cat 1.nff; yes '# so that the pipe is full soon' | head -n 300; } >long.nff
 pack scene long.nff >long
 partition 8x4 >frame

@@ -127,7 +127,7 @@ wait "$pid"
 is "interleaved, a worker stopped for 1 s: exit 0" $? 0
 ok "interleaved, a worker stopped for 1 s: the same picture" cmp out.pfm good.pfm
 
-# ---- this machine has no time for anybody: fan is kept from running, and a worker for longer ---------------
+# ---- a loaded machine: fan is kept from running, and a worker for longer ---------------
 long masterslave
 await 5 working 3
 sleep .3
@@ -282,7 +282,7 @@ for p in 'rtworker gears.nff' 'deal fan -j 2 rtworker gears.nff' 'fan -j 2 rtwor
 	ok "$p >/dev/full: no process remains" await 2 none_alive
 done
 
-# ---- whoever is deaf or stopped ends with what started it ------------------------------------------------
+# ---- deaf or stopped processes end with the process that started them ------------------------------------------------
 deaf='trap "" TERM INT HUP; sleep 7200 & sleep 7200'
 # deafly SIGNAL PROGRAM COMMAND ...: one that ignores signals is at work below PROGRAM, which gets the signal
 deafly() {

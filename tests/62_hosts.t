@@ -20,7 +20,7 @@ same() {
 }
 script() { printf '#!/bin/sh\n%s\n' "$2" >"$1" && chmod +x "$1"; } # NAME TEXT
 
-# ---- nobody can be reached, and one of two cannot: that takes its 30 seconds, beside the rest -------------------
+# ---- no host, and one of two hosts, cannot be reached: that takes 30 seconds, beside the rest -------------------
 script none 'exit 255'
 dead='dead slots=2 via="./none %c"'
 echo "$dead" >dead
@@ -34,12 +34,12 @@ start=$(date +%s)
 (fan -S half rtworker - <job.task >half.frags 2>half.said; echo $? >half.status; date +%s >half.end) &
 half_pid=$!
 
-# Behind so many hosts that are silent, each for 15 s and 8 at a time, that the last has its first try after 30 s.
+# The silent hosts before it take 15 s each, 8 at a time, so that the last one has its first try after 30 s.
 { seq -f 'silent%g via="sleep 100; : %%c"' 17; echo 'last via="sh -c %c"'; } >behind
 (deal fan -S behind rtworker - <job.task >behind.frags 2>behind.said; echo $? >behind.status) &
 behind_pid=$!
 
-# A link that takes its time, with all of the scene between here and there: nobody hears anything for long but beats.
+# A slow link, which holds the whole scene: for long only beats arrive.
 cat >drip <<'END'
 #!/bin/sh
 mkfifo drip.$$
@@ -108,7 +108,7 @@ bad 'a file of something else' /etc/passwd "/etc/passwd:1: '[^ ]*': no host name
 bad 'a device without end' /dev/zero '/dev/zero: no regular file, expected one'
 bad 'a directory' "$tmp" "$tmp: no regular file, expected one"
 mkfifo pipe
-bad 'a pipe that nobody writes' "$tmp/pipe" "$tmp/pipe: no regular file, expected one"
+bad 'a pipe without a writer' "$tmp/pipe" "$tmp/pipe: no regular file, expected one"
 
 # ---- the same picture -------------------------------------------------------------------------------------------
 deal fan -S hosts rtworker - <job.task | gather -o out.pfm
@@ -160,7 +160,7 @@ run sh -c 'fan -S mad rtworker - <job.task'
 is 'talk without end: exit 3' "$status" 3
 like 'talk without end: a message says so' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
 
-# ---- who is refused -----------------------------------------------------------------------------------------------
+# ---- hosts that are refused -----------------------------------------------------------------------------------------------
 # spoken: the host was tried, and that was said
 spoken() { await 30 test -s liar.started && await 30 grep -q '^fan: liar:' .err && sleep .2; }
 # refused NAME SCRIPT ERE: a host that runs SCRIPT beside a good one

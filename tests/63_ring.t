@@ -133,7 +133,7 @@ liar() {
 	is "$1: exit 0" $? 0
 	ok "$1: the same picture" cmp out.pfm small.pfm
 }
-first() { echo "dd bs=1 count=$1 2>/dev/null"; } # a filter: so many bytes, as they come
+first() { echo "dd bs=1 count=$1 2>/dev/null"; } # a filter: the first COUNT bytes, as they come
 # A filter: the stream as it is, and after each done these records.
 cat >also <<'END'
 $| = 1;
@@ -164,11 +164,11 @@ forger() {
 }
 forger 'tasks given away that are its own, and done all the same' 'give 0 120 peer=0;give 0 121 peer=1;give 0 60 peer=1;give 0 61 peer=0;'
 forger 'tasks given away that there are not' 'give 0 128 peer=0;give 7 1 peer=1;'
-forger 'tasks given to nobody' 'give 0 1 peer=2;'
-said 'tasks given to nobody' 'wrong-peer'
-forger 'nothing to give, to nobody' 'none peer=0 next=4096;'
-said 'nothing to give, to nobody' 'wrong-peer'
-forger 'answers that nobody asked for, and deaths of the living' 'none peer=0 idle=1;none peer=1;crashed peer=0;crashed peer=1;ask peer=0;ask peer=1;'
+forger 'tasks given to a node that does not exist' 'give 0 1 peer=2;'
+said 'tasks given to a node that does not exist' 'wrong-peer'
+forger 'none for a node that does not exist' 'none peer=0 next=4096;'
+said 'none for a node that does not exist' 'wrong-peer'
+forger 'answers without a request, and crash reports on living nodes' 'none peer=0 idle=1;none peer=1;crashed peer=0;crashed peer=1;ask peer=0;ask peer=1;'
 forger 'what only the hub says' 'heir peer=0;'
 said 'what only the hub says' 'wrong-record'
 forger 'asks without end' "$(printf 'ask;%.0s' $(seq 3000))"
@@ -229,13 +229,13 @@ is 'fan: each to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr 
 	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
 printf '#!/bin/sh\necho hello x 1 format=2 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out
-said 'fan: who was told no place' 'wrong-record'
+said 'fan: a node without a place' 'wrong-record'
 printf '#!/bin/sh\nexit 0\n' >ends && chmod +x ends
 { pack scene gears.nff; sleep .5; } | fan -j 1 ./ends >out 2>/dev/null
 like 'fan: a worker that ends at once is gone, even while it is fed' "$(grep -a '^gone' out)" 'w=0 why=exit-0'
 
 # ---- the paper's Table 3: 3 hosts of power .77, 2 of 1, 4 of 1.96, of which two are removed after 300 of 512 rows -----
-# In 4 s in the place of its 14; who is removed cannot be reached any more.
+# In 4 s instead of 14; a removed host cannot be reached any more.
 partition 32x512 | rtworker gears.nff | gather -r one.frags -o table.pfm
 scale=$(fragstat -s one.frags | awk '$1 == "cpu_s" { print 12.15 * 4 / $2 }')
 cat >via <<'END'
@@ -277,7 +277,7 @@ published() {
 }
 remove=none
 published
-finished 'nobody removed'
+finished 'no host removed'
 remove=two
 published
 finished 'as published'

@@ -28,7 +28,7 @@ rm -f out.pfm
 ok '-S, a whole log, a host that is slow to come: exit 0' balance masterslave -S far -s $size -r list -o out.pfm gears.nff
 ok '-S, a whole log, a host that is slow to come: the same picture' cmp out.pfm good.pfm
 
-# The hybrid's first 62 of 80 rows go where the powers that are stated say, whoever is faster.
+# hybrid gives the first 62 of 80 rows by the powers of the file, even if another host is faster.
 printf ': power=1\n: power=1\n: power=7\n' >three
 balance hybrid -S three -s $size -r log3 -o out.pfm gears.nff
 ok 'hybrid, powers stated: the same picture' cmp out.pfm good.pfm
@@ -107,7 +107,7 @@ is 'calibrate: a host that renders nothing: its line stays, the others have powe
 head -n 1 bad >none-left
 run balance calibrate -n 1 -s 32x32 -S none-left -o unwritten gears.nff
 is 'calibrate: no host is measured: exit 3' "$status$out" 3
-# What a via says is nobody's key, nor is a comment.
+# The words of via= and of comments are not keys.
 printf '#!/bin/sh\necho "$power $slots" >tricky.said; exec sh -c "$1"\n' >tricky
 chmod +x tricky
 printf '  tricky  "slots=2" via="env power=7 slots=9 ./tricky %%c" po"wer"=5\t# a "power=6 slots=1\n' >tricky.hosts

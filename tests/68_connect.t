@@ -123,7 +123,7 @@ again() {
 fan: slot 0 on later: is up"
 	ok "$1: the same picture" cmp out.pfm good.pfm
 }
-again 'nobody listens' 'connection refused; trying again for up to 30 s' <<'END'
+again 'no sshd listens' 'connection refused; trying again for up to 30 s' <<'END'
 ssh: connect to host later port 22: Connection refused
 END
 again 'a host that is down' 'no route to it; trying again for up to 30 s' <<'END'
@@ -186,7 +186,7 @@ is 'a flood of messages: each is shown or counted' "$(printf '%s\n' "$err" | awk
 	/^fan: flood: [0-9]+ more lines of messages dropped$/ { n += $3 } END { print n }')" 20000
 ok 'a flood of messages: most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
 
-# ---- nobody to do it --------------------------------------------------------------------------------------------
+# ---- no host left --------------------------------------------------------------------------------------------
 for input in /dev/null job.task; do
 	run sh -c "fan -j 3 nosuchprogram <$input"
 	is "a worker that is not here, input $input: exit 3, and one line" "$status:$err" \

@@ -101,7 +101,7 @@ like "each line of a worker's messages begins with its host" "$(cat said)" '^hos
 like "a worker's messages cannot control the terminal" "$(cat said)" '^host3: \\x1b]0;title\\x07 no new line$'
 like 'a worker that is only on one host: a message names the other hosts' "$(cat said)" '^fan: host1: no loud in /home/render/bin, nor on its PATH; install it there$'
 
-# ---- who is refused, or not reached --------------------------------------------------------------------------------
+# ---- hosts that are refused, or not reached --------------------------------------------------------------------------------
 # other HOST SCRIPT: rtworker there is filtered by sed
 other() {
 	hosts run "$1" mv $bin/rtworker $bin/rtworker.good
@@ -123,7 +123,7 @@ nowhere bin=$bin
 nobody.invalid bin=$bin
 host3 bin=/home/nothing
 END
-heard 'nobody answers, a name that is none, and no programs' more.hosts 'host3: no rtworker'
+heard 'an address without answer, an unknown name, and no programs' more.hosts 'host3: no rtworker'
 like 'slots that did not answer are counted' "$(cat said)" '^fan: [3-5] of 6 slots never connected$'
 like 'a name, and no resolver' "$(cat said)" '^fan: nobody\.invalid: its name cannot be resolved now; trying again'
 like 'the programs are missed' "$(cat said)" '^fan: host3: no rtworker in /home/nothing, nor on its PATH; install it there$'

@@ -268,7 +268,7 @@ run balance interleaved -S "$file" -s 192x192 -W '-a 64' -r job.log -o out.pfm g
 is "$name: the same command exits 0" "$status" 0
 ok "$name: it finishes the picture" cmp out.pfm good64.pfm
 
-# ---- no orphans: whoever is killed -----------------------------------------------------------------------------------
+# ---- no orphans, whichever process is killed -----------------------------------------------------------------------------------
 for method in masterslave interleaved; do
 	for victim in gather fan; do # gather is what balance has become
 		name="$method, kill -9 of $victim"

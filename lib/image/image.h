@@ -4,7 +4,7 @@
  *
  * Pixels are linear light, premultiplied RGBA, float32, row 0 on top. In files, 8 bits hold sRGB
  * and 16 bits linear light (PNG marks it with gAMA 1). Alpha is written only if some pixel is not
- * opaque, and not premultiplied. PAM holds the same samples it writes a Gantt chart as PNG, uncompressed. PFM is float RGB,
+ * opaque, and not premultiplied. PAM holds the same samples as PNG, uncompressed. PFM is float RGB,
  * bottom row first, without alpha.
  *
  * Files are untrusted: sizes are checked before memory is allocated, and all faults are returned as

@@ -1,6 +1,6 @@
 /*
  * The ring as it was published, for spin: the master (lib/sched/gdc_master.c), the nodes (gdc_node.c) and the links
- * between them. What is a function in C has its name. tests/55_models.t runs it.
+ * between them. Functions of C have their names here. tests/55_models.t runs it.
  *
  *     spin -a published.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && ./pan -a
  *

@@ -1,6 +1,6 @@
 /*
  * The ring by default, for spin: the hub (lib/sched/hub.c, hub_match.c), the nodes (node.c) and the links
- * between them. What is a function in C has its name. tests/55_models.t runs it.
+ * between them. Functions of C have their names here. tests/55_models.t runs it.
  *
  *     spin -a ring.pml && cc -O1 -DNOREDUCE -DNOFAIR -o pan pan.c && CRASHES=2 ./pan -a
  *

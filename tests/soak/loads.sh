@@ -47,7 +47,7 @@ ok 'a hundred thousand frames: within 30 s' [ $(($(date +%s) - start)) -le 30 ]
 partition 64x64 | rtworker big.nff | gather -o big.pfm
 measured '{ pack scene big.nff; partition 64x64; } | deal fan -t .6 -j 6 rtworker - 2>said | gather -o out.pfm'
 ok '40 MB of scene, silence of 0.6 s allowed: the same picture' cmp out.pfm big.pfm
-is '40 MB of scene: nobody is lost' "$(cat said)" ''
+is '40 MB of scene: no slot is lost' "$(cat said)" ''
 for p in deal fan; do bounded '40 MB of scene, three times' $p kib 131072; done
 env MARK="$mark" sh -c '{ pack scene big.nff; partition 64x64; } | deal fan -j 4 rtworker - 2>said | gather -o out.pfm' &
 sleep 1.5
@@ -58,10 +58,10 @@ ok 'gather killed while scenes are loaded: no process after 1 s' await 1 none_al
 partition 512x512 | rtworker tetra.nff | gather -o good.pfm
 { pack scene tetra.nff; partition 512x512; } | deal fan -j 200 rtworker - 2>said | gather -o out.pfm
 ok '200 slots: the same picture' cmp out.pfm good.pfm
-is '200 slots: nobody is lost' "$(cat said)" ''
+is '200 slots: no slot is lost' "$(cat said)" ''
 spdgen -s 2 gears >gears.nff
 { pack scene gears.nff; partition 256x256; } | deal fan -j 50 rtworker -a 64 - 2>said | gather -o out.pfm
-is '50 slots at work: nobody is lost' "$?$(cat said)" 0
+is '50 slots at work: no slot is lost' "$?$(cat said)" 0
 { pack scene tetra.nff; partition 1024x1024; } | deal fan -j 2 rtworker - 2>said | { sleep 10; gather -o out.pfm; }
-is 'a reader that sleeps for 10 s: nobody is lost' "$?$(cat said)" 0
+is 'a reader that sleeps for 10 s: no slot is lost' "$?$(cat said)" 0
 finish
