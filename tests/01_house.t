@@ -187,7 +187,7 @@ lib=$(ls lib/*/*.[ch])
 }
 clean 'messages go through base'
 for c in bin/*.c; do grep -q 'close_stdout()' "$c" || grep -q 'worker_run\|drive_\|fan_run' "$c" || echo "$c:1: stdout is not checked at the end"; done >"$found"
-clean 'every program checks its output at the end'
+clean 'every program checks that its output was written'
 
 # ---- options: getopt, usage and man page say the same --------------------------------------------------------
 letters() { grep -o . | grep '[A-Za-z0-9]' | sort -u | tr -d '\n'; }
@@ -240,12 +240,12 @@ for program in $all; do
 		grep -q "^[a-z0-9-]*: standard output: " "$tmp/stderr" || echo "$program: $option to a full disk says $(cat "$tmp/stderr")"
 	done
 done >"$found"
-clean 'an answer that cannot be written is no success, and one line says so'
+clean '-h to a full disk exits 3, and one line says so'
 for command in 'fan -j 1' deal ringctl 'ringctl -n'; do
 	[ "$(PATH=$tmp:$PATH; printf '#!/bin/sh\necho said "$@"\n' >"$tmp/other"; chmod +x "$tmp/other"
 		$command other --help </dev/null 2>&1 | grep -c usage)" = 0 ] || echo "$command: takes --help from its command"
 done >"$found"
-clean 'an option of the command that a program runs is left to it'
+clean 'options of a command belong to the command'
 # Each option that takes an argument finds the next option in its place: that is what is wrong, and one line says so.
 for program in $all; do
 	case $program in balance*) method=masterslave ;; *) method='' ;; esac
@@ -276,7 +276,7 @@ for method in bin/balance-*; do
 	case $("$method" -h) in "usage: $(echo "$method" | sed 's/-calibrate/ calibrate/') [-h"*) ;; *) echo "$method: -h prints no usage" ;; esac
 	[ "$("$method" 2>/dev/null; echo $?)" = 2 ] || echo "$method: without arguments it does not exit 2"
 done >"$found"
-clean 'methods have a usage as well'
+clean 'methods print their usage'
 
 # ---- man pages -----------------------------------------------------------------------------------------------
 for program in $programs; do [ -e "man/$program.1" ] || echo "man/$program.1: is missing"; done >"$found"
@@ -287,14 +287,14 @@ for method in bin/balance-*; do
 done >"$found"
 clean 'every method has a man page'
 for page in stormring.7 stormring-task.5 stormring-frag.5 stormring-hosts.5 stormring-nff.5 stormring-spec.5; do [ -e "man/$page" ] || echo "man/$page: is missing"; done >"$found"
-clean 'the front door and the formats have man pages'
+clean 'stormring(7) and the formats have man pages'
 
 if there mandoc groff; then
 	for page in man/*.[1-9]; do mandoc -T lint -W warning "$page"; done >"$found"
-	clean 'mandoc finds nothing to warn of'
+	clean 'mandoc warns of nothing'
 	# It warns where a list's cell is wider than its column, and comes out one word below the other.
 	for page in man/*.[1-9]; do groff -z -Tascii -mdoc -rLL=80n "$page" 2>&1; done >"$found"
-	clean 'groff has nothing to warn of at 80 columns'
+	clean 'groff warns of nothing at 80 columns'
 else
 	skip 'the form of pages' "$missing is not there"
 fi
@@ -316,7 +316,7 @@ for page in man/*.[1-9]; do
 	name=$(basename "$page")
 	[ "$name" = stormring.7 ] || grep -qF "Xr ${name%.*} ${name##*.}" man/stormring.7 || echo "man/stormring.7:1: does not name $name"
 done >"$found"
-clean 'the front door names every page'
+clean 'stormring(7) names every page'
 
 # ---- examples: a page's run in one directory, in order, up to the first that fails -------------------------------
 # shellcheck source=examples.sh
@@ -406,5 +406,5 @@ clean 'prose does without words that need a second reading'
 git ls-files 2>/dev/null | grep -E '\.(o|d|a|png|frags)$' | grep -vE '^(README|man|tests)' >"$found"
 clean 'no built file is committed'
 printf '%s\n' * | grep -vxE 'Makefile|bin|lib|man|scenes|tests|README\.md|CHANGELOG\.md|LICENSE|build|report|(gears|wind-.*)\.(png|frags)|stormring-.*\.tar\.gz' >"$found"
-clean 'the top level is as fixed'
+clean 'the top level has only the fixed names'
 finish

@@ -13,21 +13,21 @@ pixels() {
 
 # ---- partition ---------------------------------------------------------------------------------------
 is "the frame comes first" "$(partition 7x3 | head -1)" "frame 0 7 3"
-is "rows" "$(tasks 7x3 | tr '\n' ';')" "0 0 0 0 7 1 1 1;0 1 0 1 7 1 1 1;0 2 0 2 7 1 1 1;"
-is "tiles, cut at the edges" "$(tasks -u tile:4x2 7x3 | tr '\n' ';')" \
+is "-u row: one task per row" "$(tasks 7x3 | tr '\n' ';')" "0 0 0 0 7 1 1 1;0 1 0 1 7 1 1 1;0 2 0 2 7 1 1 1;"
+is "-u tile: tiles are cut at the edges" "$(tasks -u tile:4x2 7x3 | tr '\n' ';')" \
 	"0 0 0 0 4 2 1 1;0 1 4 0 3 2 1 1;0 2 0 2 4 1 1 1;0 3 4 2 3 1 1 1;"
-is "runs wrap at the row's end" "$(tasks -u run:10 7x3 | tr '\n' ';')" \
+is "-u run: runs wrap at the end of the row" "$(tasks -u run:10 7x3 | tr '\n' ';')" \
 	"0 0 0 0 10 1 1 1;0 1 3 1 10 1 1 1;0 2 6 2 1 1 1 1;"
-is "scatter" "$(tasks -u scatter -n 2 3x3 | tr '\n' ';')" "0 0 0 0 5 1 2 1 to=0;0 1 1 0 4 1 2 1 to=1;"
-is "round robin" "$(slots -n 3 1x7)" "0 1 2 0 1 2 0 "
-is "weighted interleave, the paper's w1 w2 w3 w2" "$(slots -w 1,2,1 1x8)" "0 1 2 1 0 1 2 1 "
-is "weights below 1 wait for their turn" "$(slots -w 1,.5 1x6)" "0 0 1 0 0 1 "
-is "only the first tasks are assigned" "$(slots -n 2 -c 3 1x6)" "0 1 0 "
+is "-u scatter: set I has each pixel whose number modulo N is I" "$(tasks -u scatter -n 2 3x3 | tr '\n' ';')" "0 0 0 0 5 1 2 1 to=0;0 1 1 0 4 1 2 1 to=1;"
+is "-n: slots take turns" "$(slots -n 3 1x7)" "0 1 2 0 1 2 0 "
+is "-w: weighted interleave, the paper's w1 w2 w3 w2" "$(slots -w 1,2,1 1x8)" "0 1 2 1 0 1 2 1 "
+is "-w: a weight below 1 skips turns" "$(slots -w 1,.5 1x6)" "0 0 1 0 0 1 "
+is "-c: only the first tasks are assigned" "$(slots -n 2 -c 3 1x6)" "0 1 0 "
 for cut in row tile:3x2 tile:100x1 run:1 run:5 run:1000 'scatter -n 4' 'scatter -n 500'; do
 	# shellcheck disable=SC2086
 	is "-u $cut names each pixel once" "$(partition -u $cut 11x7 | pixels 11)" "$(seq 0 76)"
 done
-is "another frame" "$(partition -F 5 2x1 | tr '\n' ';')" "frame 5 2 1;task 5 0 0 0 2 1 1 1;"
+is "-F sets the number of the frame" "$(partition -F 5 2x1 | tr '\n' ';')" "frame 5 2 1;task 5 0 0 0 2 1 1 1;"
 for bad in '' 0x5 5 5x 70000x1 '-u row' '-u scatter 4x4' '-u tile:0x1 4x4' '-u run:0 4x4' '-u column 4x4' \
 	'-n 0 4x4' '-w 1,x 4x4' '-w 0 4x4' '-n 2 -w 1 4x4' '-c 3 4x4' '4x4 4x4' '-z 4x4'; do
 	# shellcheck disable=SC2086
@@ -37,9 +37,9 @@ done
 
 # ---- pack --------------------------------------------------------------------------------------------
 printf 'abc' >three
-is "pack" "$(pack scene three)" "scene crc=891568578 bytes=3
+is "pack writes size and crc before the file" "$(pack scene three)" "scene crc=891568578 bytes=3
 abc"
-is "pack of two" "$(pack spec three three | grep -c bytes=3)" 2
+is "pack of two files writes two records" "$(pack spec three three | grep -c bytes=3)" 2
 for bad in '' scene 'picture three' 'scene no-such-file'; do
 	# shellcheck disable=SC2086
 	run pack $bad
@@ -52,12 +52,12 @@ spdgen -s 1 tetra >tetra.nff
 lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$@"; }
 records() { lines - | sed 's/ crc=.*//; s/ sum=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=[^ ]*//'; }
 partition -u run:6 4x3 | rtworker tetra.nff >frags
-is "hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
+is "the worker sends hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
 is "the frame with its job comes next" "$(lines frags | sed -n 2p | sed 's/job=[0-9a-f]*/job=/; s/ sum=.*//')" \
 	"frame 0 4 3 job= with=rtworker"
 is "the job is the one that -i prints" "$(partition 512x512 | rtworker tetra.nff | head -2 | lines - | grep -o 'job=[^ ]*')" \
 	"$(rtworker -i tetra.nff | grep -o 'job=.*')"
-is "done, then pixels, then bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
+is "then come done, the pixels, and bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
 	"done 0 0 cpu wall;frag 0 0 0 0 6 1 1 1 ch=4;done 0 1 cpu wall;frag 0 1 2 1 6 1 1 1 ch=4;bye;"
 is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | records | grep -c '^frag')" 4
 is "-c keeps fragments to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
@@ -101,7 +101,7 @@ is "fan -l" "$(fan -l -j 2 | tr '\t\n' ' ;')" "0 : -;1 : -;"
 state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
-is "fan: hello, with its slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ sum=.*//')" \
+is "fan: its hello has the number of slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ sum=.*//')" \
 	"hello fan 0.2 format=2 S P slots=3"
 is "fan: it sends up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
@@ -113,7 +113,7 @@ run sh -c 'printf "frame 0 4 4\ntask 0 0 0 0 4 1 1 1\ntask 0 0 0 1 4 1 1 1\n" | 
 is "fan: one number for two tasks: exit 2" "$status" 2
 state | deal fan -j 2 fan -j 2 rtworker - >frags
 is "nested fans: stamps are paths" "$(lines frags | grep '^frag' | grep -o ' w=[0-9.]*' | grep -vc ' w=[01]\.[01]$')" 0
-is "deal shows one worker" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"
+is "deal sends hello as one worker, without up and gone" "$(lines frags | grep '^hello\|^up\|^gone' | cut -d ' ' -f 1-2)" "hello deal"
 is "fan passes unknown keys on" \
 	"$(state | sed 's/^task.*/& tag=7/' | fan -j 1 sh -c 'tee seen | rtworker -' >/dev/null; grep -c tag=7 seen)" 8
 is "deal passes unknown keys on" "$(state | sed 's/^task.*/& tag=7 more=8/' |
@@ -149,7 +149,7 @@ like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected o
 run timeout 5 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
-like "a bad scene from a pipe has a name" "$status $err" '^2 rtworker: scene:2: '
+like "balance: the message on a bad scene from a pipe names the record" "$status $err" '^2 rtworker: scene:2: '
 mkdir unbuilt
 cp "$root"/bin/balance* "$root/bin/stormring.sh" unbuilt
 for c in 'masterslave -o x.png' calibrate; do

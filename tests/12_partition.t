@@ -49,7 +49,7 @@ ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1
 } | "$root/tests/seal" >two.frags
 is 'cost: the longest tasks first, equal ones in their order' \
 	"$(partition -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 }')" '2 3 0 1 '
-is 'cost: slots take turns in the order written' \
+is 'cost: slots take turns in the new order' \
 	"$(partition -n 2 -o cost:two.frags 3x4 | awk '$1 == "task" { printf "%s ", $3 $10 }')" '2to=0 3to=1 0to=0 1to=1 '
 
 refused() { run partition "$@"; [ "$status" = 2 ] && [ -z "$out" ]; }

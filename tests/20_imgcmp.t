@@ -32,22 +32,22 @@ is 'a pixel differs: status 1' "$status" 1
 is 'worst_at is the position of the worst pixel' "$(figure worst_at) $(figure worst)" '2,0 1'
 is 'rmse of one white pixel in 200' "$(figure rmse)" 0.0707106781
 is 'psnr of one white pixel in 200' "$(figure psnr_db)" 23.0103
-is 'pixels over tolerance' "$(figure over) $(figure over_percent) $(figure differing)" '1 0.500000 1'
-is 'eleven lines of name TAB value' "$(printf '%s\n' "$out" | grep -c '^[a-z_]*	[^	]*$')" 11
+is 'over counts the pixels over the tolerance' "$(figure over) $(figure over_percent) $(figure differing)" '1 0.500000 1'
+is 'the output is eleven lines of name TAB value' "$(printf '%s\n' "$out" | grep -c '^[a-z_]*	[^	]*$')" 11
 
 run imgcmp -d 0.005 black.pgm dot.pgm
 is '-d leaves the worst pixels out' "$(figure rmse_kept) $(figure dropped)" '0 1'
 is '-d sets no limit' "$status" 1
 
-ok '-f: few enough pixels over tolerance' imgcmp -f 0.005 black.pgm dot.pgm
+ok '-f: status 0 if few enough pixels are over the tolerance' imgcmp -f 0.005 black.pgm dot.pgm
 run imgcmp -f 0.0049 black.pgm dot.pgm
-is '-f: too many' "$status" 1
+is '-f: status 1 if too many are' "$status" 1
 run imgcmp -t 0.5 black.pgm dot.pgm
 is '-t alone allows no pixel over the tolerance' "$status" 1
 ok '-t 1 allows everything' imgcmp -t 1 black.pgm dot.pgm
-ok '-r: rmse without the worst' imgcmp -d 0.005 -r 0 black.pgm dot.pgm
+ok '-r: the limit is for rmse without the worst pixels' imgcmp -d 0.005 -r 0 black.pgm dot.pgm
 run imgcmp -d 0 -r 0.07 black.pgm dot.pgm
-is '-r: over the limit' "$status" 1
+is '-r: status 1 over the limit' "$status" 1
 run imgcmp -d 0.005 -r 0 -f 0 black.pgm dot.pgm
 is '-f and -r: both limits must hold' "$status" 1
 
@@ -59,8 +59,8 @@ is '-q: silent' "$status$out$err" 1
 run imgcmp -q black.pgm dot.pgm
 is '-q: silent on differences' "$status$out$err" 1
 
-ok 'A from standard input' sh -c 'imgcmp - black.pgm <black.pgm'
-ok 'B from standard input' sh -c 'imgcmp black.pgm - <black.pgm'
+ok '- as A is standard input' sh -c 'imgcmp - black.pgm <black.pgm'
+ok '- as B is standard input' sh -c 'imgcmp black.pgm - <black.pgm'
 run imgcmp - -
 is 'both from standard input: status 2' "$status" 2
 run imgcmp black.pgm nosuch.png

@@ -77,7 +77,7 @@ ok 'levitus_climatology.cdf: depths, which are turned round' \
 	agrees "$levitus" TEMP XAXLEVITR YAXLEVITR ZAXLEVITR 360 180 20 z
 is 'levitus_climatology.cdf: 44 % of the values are missing' "$(awk '/nan/ { n++ } END { print int(100 * n / NR) }' g)" 44
 coordinates X a.vtk >g
-is 'longitudes go on beyond 360' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' 20.5 379.5 '
+is 'longitudes continue beyond 360' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' 20.5 379.5 '
 coordinates Z a.vtk >g
 is 'the surface is on top' "$(sed -n '1p;$p' g | tr -s ' \n' ' ')" ' -5000 0 '
 
@@ -123,26 +123,26 @@ make_nc valid "$cube" "$axes short s(z, y, x); s:scale_factor = 0.5; s:add_offse
 	"$nodes s = 1, 2, 3, 7, 8, 9, 10, 11;"
 is 'packed: a range of values, by its type' "$(got valid.nc s)" '100.5 101 101.5 103.5 104 nan nan nan'
 make_nc bytes "$cube" "$axes byte s(z, y, x); s:_Unsigned = \"true\"; s:_FillValue = -1b; s:valid_max = -2b;" "$nodes s = 0, 1, 127, -128, -2, -3, _, 5;"
-is 'unsigned bytes' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
+is '_Unsigned bytes are read as unsigned' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
 make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x); d:missing_value = 1e10f;" \
 	"$nodes f = 1, _, 3, NaN, 5, 6, 7, 8; i = 1, 2, _, 4, 5, 6, 7, 8; d = 1, 1e10, 3, 4, 5, 6, 7, 8;"
-is "NetCDF's own fill value, and NaN" "$(got fill.nc f)" '1 nan 3 nan 5 6 7 8'
-is 'the fill value of integers' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
-is 'a missing value of another type' "$(got fill.nc d)" '1 nan 3 4 5 6 7 8'
+is "NetCDF's default fill value and NaN are missing" "$(got fill.nc f)" '1 nan 3 nan 5 6 7 8'
+is 'the default fill value of integers is missing' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
+is 'a missing value of another type is recognised' "$(got fill.nc d)" '1 nan 3 4 5 6 7 8'
 make_nc rounded "$cube" "$axes float f(z, y, x); f:missing_value = -999.9;" "$nodes f = 1, -999.9, 3, 4, 5, 6, 7, 8;"
-is 'a missing value that is more precise than the values' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
+is 'a missing value that is more precise than the values is recognised' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
 
 make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "degrees_east"; float lat(lat); lat:units = "degrees_north";
 	float lev(lev); lev:positive = "up"; double t(t); t:units = "days since 2000-1-1"; float s(lon, lev, t, lat);' \
 	"lon = 1, 2, 3, 4; lat = 9, 8, 7; lev = 20, 10; t = 0, 1; s = $(seq -s, 0 47);"
 # s = 12 lon + 6 lev + 3 t + lat, latitudes and levels turned round
-is 'dimensions in any order' "$(got -t 1 order.nc s)" \
+is 'dimensions may come in any order' "$(got -t 1 order.nc s)" \
 	"$(for lev in 1 0; do for lat in 2 1 0; do for lon in 0 1 2 3; do echo $((12 * lon + 6 * lev + 3 + lat)); done; done; done | paste -sd' ')"
 make_nc plain 'time = 2; a = 3; b = 2; c = 2;' 'float a(a); float b(b); float c(c); float s(time, a, b, c);' \
 	"a = 1, 2, 4; b = 1, 2; c = 5, 4; s = $(seq -s, 0 23);"
 is 'axes without attributes are told apart by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'
 is 'axes without attributes keep their names' "$(sed -n 2p a.vtk)" 's []; x c []; y b []; z a []'
-ok 'the classic formats and NetCDF-4' sh -c 'for kind in 1 2 4 5; do ncgen -k $kind -o k.nc packed.cdl && nc2vtk k.nc s | cmp - "$1" || exit; done' - \
+ok 'the classic formats and NetCDF-4 give the same grid' sh -c 'for kind in 1 2 4 5; do ncgen -k $kind -o k.nc packed.cdl && nc2vtk k.nc s | cmp - "$1" || exit; done' - \
 	"$(nc2vtk packed.nc s >p.vtk; echo p.vtk)"
 make_nc ensemble "$cube member = 1; run = 1; t = 2;" \
 	"$axes double t(t); t:axis = \"T\"; int member(member); float s(t, member, z, run, y, x); float u(t, z, y, x);" \
@@ -185,15 +185,15 @@ longitudes() {
 		"lon = $(echo "$@" | sed 's/ /, /g'); lat = 1, 2; z = 1, 2; s = $(seq -s, $((4 * $#)));"
 }
 longitudes round -180 -90 0 90
-is '-c: the first column again' "$(got -c round.nc s)" '1 2 3 4 1 5 6 7 8 5 9 10 11 12 9 13 14 15 16 13'
-is '-c: 360 degrees further east' "$(on_line coordinates X a.vtk)" '-180 -90 0 90 180'
+is '-c: the first column comes again at the end' "$(got -c round.nc s)" '1 2 3 4 1 5 6 7 8 5 9 10 11 12 9 13 14 15 16 13'
+is '-c: the new column is 360 degrees further east' "$(on_line coordinates X a.vtk)" '-180 -90 0 90 180'
 longitudes westwards 270 180 90 0
-is '-c: longitudes that descend' "$(got -c westwards.nc s):$(on_line coordinates X a.vtk)" \
+is '-c: longitudes may descend' "$(got -c westwards.nc s):$(on_line coordinates X a.vtk)" \
 	'4 3 2 1 4 8 7 6 5 8 12 11 10 9 12 16 15 14 13 16:0 90 180 270 360'
 longitudes stretched 0 100 180 270
-is '-c: steps that differ' "$(got -c stretched.nc s >/dev/null; on_line coordinates X a.vtk)" '0 100 180 270 360'
+is '-c: steps may differ' "$(got -c stretched.nc s >/dev/null; on_line coordinates X a.vtk)" '0 100 180 270 360'
 longitudes rounded 0 51.43 102.86 154.29 205.71 257.14 308.57
-is '-c: rounded longitudes' "$(got -c rounded.nc s >/dev/null; on_line coordinates X a.vtk | cut -d' ' -f 8)" 360
+is '-c: longitudes may be rounded' "$(got -c rounded.nc s >/dev/null; on_line coordinates X a.vtk | cut -d' ' -f 8)" 360
 longitudes whole 0 90 180 270 360
 ok '-c: a closed grid stays as it is' sh -c 'nc2vtk -c whole.nc s >a.vtk; nc2vtk whole.nc s | cmp - a.vtk'
 

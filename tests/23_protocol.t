@@ -28,16 +28,16 @@ for i in 1 2 3 4 5 6; do
 done >lines
 xargs -d '\n' sh -c 'printf "%s\n" "$@"' x <lines | { tsv; tr ' ' "$tab"; } | sed '/^$/d' >pairs.tsv
 verdict() { tsvstat -c .999 -t "$@" pairs.tsv | awk -F '\t' -v s="$?" 'NR > 1 { print $NF }'; }
-is 'less, by pairs' "$(verdict less a b)" holds
-is 'less, by the pairs that there are' "$(verdict less a f)$(verdict more f a)" holdsholds
-is 'and not more' "$(verdict more a b)" fails
+is 'less holds, by pairs' "$(verdict less a b)" holds
+is 'less holds by the pairs that exist' "$(verdict less a f)$(verdict more f a)" holdsholds
+is 'more fails where less holds' "$(verdict more a b)" fails
 is 'an interval across 0 is open' "$(verdict less a d)" open
-is 'the same within a margin' "$(verdict same:.01 a c)" holds
-is 'not the same within a smaller one' "$(verdict same:.001 a b)" fails
-is 'steadier' "$(verdict steadier a d)$(verdict steadier d a)$(verdict steadier a a)" holdsfailsopen
+is 'same holds within a margin' "$(verdict same:.01 a c)" holds
+is 'same fails within a smaller margin' "$(verdict same:.001 a b)" fails
+is 'steadier holds, fails, and is open' "$(verdict steadier a d)$(verdict steadier d a)$(verdict steadier a a)" holdsfailsopen
 tsv 'e real z 1 s 0 s 1 0' 'e real z 1 s 0 s 2 0' 'e real w 1 s .001 s 1 0' 'e real w 1 s .001 s 2 0' 'e real v 1 s 0 s 1 0' \
 	'e real v 1 s 0 s 2 0' >zero.tsv
-is 'of 0, only 0 is the same' "$(tsvstat -t same:.1 v z zero.tsv | cut -f 10)$(tsvstat -t same:.1 w z zero.tsv | cut -f 10)" "$(
+is 'same with a mean of 0 holds for 0 only' "$(tsvstat -t same:.1 v z zero.tsv | cut -f 10)$(tsvstat -t same:.1 w z zero.tsv | cut -f 10)" "$(
 	printf 'verdict\nholdsverdict\nfails')"
 run tsvstat -t less a b pairs.tsv
 is 'exit 0 when it holds' "$status" 0
@@ -63,11 +63,11 @@ like 'refused: the same sample twice' "$status $err" '^2 tsvstat: twice.tsv:10: 
 # ---- protocol: what there is ---------------------------------------------------------------------------------------
 run protocol -l
 is 'the list names every experiment' "$(echo "$out" | cut -f 1)" "$(cd "$root/tests/experiments" && find . -type f ! -name '*.sh' | sed 's,.*/,,' | LC_ALL=C sort)"
-is 'with six columns' "$(echo "$out" | awk -F '\t' 'NF != 6 || /\t\t|\t$/')" ''
+is 'the list has six columns' "$(echo "$out" | awk -F '\t' 'NF != 6 || /\t\t|\t$/')" ''
 for e in $(echo "$out" | cut -f 1); do
 	grep -q "^\.It Cm $e\$" "$root/man/protocol.1" || echo "$e"
 done >missing
-is 'and the page has all of them' "$(cat missing)" ''
+is 'protocol(1) has all experiments' "$(cat missing)" ''
 for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-s 010 faults' '-o' 'nosuch' '../protocol' 'faults faults'; do
 	# shellcheck disable=SC2086
 	run protocol $args
@@ -90,10 +90,10 @@ if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
 	printf 'balls	simulated	to' >>a.tsv
 	ok 'the same command resumes after half a row' protocol -n 2 -o a.tsv faults
 	ok 'an uninterrupted run with the same costs writes the same table' protocol -n 2 -o b.tsv faults
-	ok 'gives the same' cmp a.tsv b.tsv
+	ok 'the interrupted and the uninterrupted run give the same table' cmp a.tsv b.tsv
 fi
 run protocol -n 2 -o whole.tsv faults
-is 'a whole table is left alone' "$status$out" 0
+is 'a complete table is left unchanged' "$status$out" 0
 run protocol -n 2 -s 1 -o whole.tsv faults
 like 'refused: another seed' "$status $err" '^2 protocol: .*whole.tsv:1: is "# command: protocol -n 2 -s 0 faults", expected'
 sed 's/^# commit: .*/# commit: other/' whole.tsv >other.tsv

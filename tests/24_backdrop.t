@@ -91,7 +91,7 @@ head -c 180000 /dev/zero >>black.ppm
 blend -o seen.png flat.png black.ppm
 backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/
 	s/^plot .*/plot $plane with filledcurves closed fc rgb "red"/' | gnuplot >plane.png
-ok 'gnuplot fills the pixels that vcworker does, but for some of the edge' imgcmp -t .75 -f .002 seen.png plane.png
+ok 'gnuplot and vcworker fill the same pixels, except at the edge' imgcmp -t .75 -f .002 seen.png plane.png
 run imgcmp -t .75 -f .1 seen.png black.ppm
 is 'gnuplot fills many pixels' "$status" 1
 
@@ -127,33 +127,33 @@ filled 'what is behind the eye is cut off' '3 17' '41 49' within.spec .01
 	printf '> land\n1 41.5\n1.01 41.5\n1.01 41.51\n'
 } >lines.txt
 backdrop wall.vtk wall.spec lines.txt >areas.gp
-is 'lakes are on land, islands on lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fc rgb .#......' | sed 's/ .*#/ /' |
+is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fc rgb .#......' | sed 's/ .*#/ /' |
 	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
 	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
 is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
 
 # ---- what is written ------------------------------------------------------------------------------------------
-like 'a title is text' "$(cat wall.gp)" "^set label 'it''s x' at"
-like 'heights that were negated' "$(cat wall.gp)" "^set label '998 hPa' at"
-like 'longitudes' "$(cat wall.gp)" "^set label '10°E' at"
-like 'latitudes' "$(cat wall.gp)" "^set label '42°N' at"
+like 'quotes in a title are text' "$(cat wall.gp)" "^set label 'it''s x' at"
+like 'negated heights are labelled with their own sign' "$(cat wall.gp)" "^set label '998 hPa' at"
+like 'longitudes are labelled' "$(cat wall.gp)" "^set label '10°E' at"
+like 'latitudes are labelled' "$(cat wall.gp)" "^set label '42°N' at"
 # titled TITLE [OPTION ...]: the labels of a grid of that title, between commas
 titled() {
 	sed "2s,.*,$1," wall.vtk >titled.vtk
 	shift
 	backdrop "$@" titled.vtk wall.spec line | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,
 }
-like "units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
+like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
 	'^0°,2°E,.*,42°N,.*,990 hPa,.*,speed, m/s,$'
-like 'the labels of a grid on a plane' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
+like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
 	'^0 m,2 m,.*,42 m,.*,-1000 m,.*,T, K,$'
-like 'options are stronger' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
-like 'a title may be anything' "$(titled 'x [; z [[]; x [')" '^0°,2°E,.*,-1000 ,.*,x,$'
+like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
+like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,2°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
 is 'on a plane lines do not go round the globe' "$(block lines titled.gp | wc -l)" 2
 # The eye is above, and beyond the low end of y: one edge is between these two sides.
-is 'the edge in front is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
+is 'the front edge is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
 # C has no degree sign.
 for locale in C C.UTF-8; do
 	ok "gnuplot draws it, and says nothing: locale $locale" \
@@ -180,7 +180,7 @@ is 'a full disk is exit 3, too' "$?" 3
 
 # ---- coastlines --------------------------------------------------------------------------------------------
 coastlines >coasts
-is 'coasts are all over the globe' "$(awk '!/^>/ {
+is 'there are coasts all over the globe' "$(awk '!/^>/ {
 	if ($1 < 0 || $1 > 360 || $2 < -90 || $2 > 90) bad++
 	s[int($1 / 90.001)]
 } END { print length(s) + bad }' coasts)" 4

@@ -23,15 +23,15 @@ for name in u v; do
 done
 paste u v | awk '{ printf "%.12g\n", sqrt($1 ^ 2 + $2 ^ 2) }' >w
 values speed.vtk >g
-ok 'speed=hypot(u,v) is what grib_get_data reads' awk '
+ok 'speed=hypot(u,v) has the values that grib_get_data reads' awk '
 	NR == FNR { w[n++] = $1; next }
 	{ d = $1 - w[FNR - 1]; if (d * d > (3e-7 * w[FNR - 1]) ^ 2) { print FNR ": " $1 ", expected " w[FNR - 1]; exit bad = 1 } seen++ }
 	END { exit bad || n != 93 * 65 * 19 || seen != n }' w g
 is 'x is metres on the plane of projection' "$(on_line coordinates X speed.vtk | cut -d' ' -f1,2,93)" '0 81271 7476932'
 is 'y is metres on the plane of projection' "$(on_line coordinates Y speed.vtk | cut -d' ' -f1,2,65)" '0 81271 5201344'
 # shellcheck disable=SC2086  # a word each
-is 'pressure is negated, and so points up' "$(on_line coordinates Z speed.vtk)" "$(printf -- '-%s ' $levels | sed 's/ $//')"
-is 'the title' "$(sed -n 2p speed.vtk)" \
+is 'pressure is negated, so that the axis points up' "$(on_line coordinates Z speed.vtk)" "$(printf -- '-%s ' $levels | sed 's/ $//')"
+is 'the title has names, units and time' "$(sed -n 2p speed.vtk)" \
 	'speed [m s**-1]; x lambert_x [m]; y lambert_y [m]; z -isobaricInhPa [hPa]; t validity 200701241200 [YYYYMMDDhhmm]'
 grib2vtk -L pressureFromGroundLayer "$file" t >layer.vtk
 is '-L: layers are at their middle, in Pa from the ground' "$(on_line coordinates Z layer.vtk)" '1500 4500 7500 10500 13500'
@@ -51,25 +51,25 @@ END
 one='set level=500; set values={1,2,3,4,5,6}; write;' two='set level=850; set values={11,12,13,14,15,16}; write;'
 make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPresent=1; set values={21,9999,23,24,25,26}; write;"
 is 'values go up from the bottom and from the south; a bit map marks missing ones' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
-is 'longitudes go on beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'
-is 'latitudes' "$(on_line coordinates Y a.vtk)" '58 60'
-like 'their names' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
+is 'longitudes continue beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'
+is 'latitudes ascend' "$(on_line coordinates Y a.vtk)" '58 60'
+like 'the title has the names of the axes' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
 grib_set -s edition=1,packingType=grid_simple plain.grib2 plain.grib1
-is 'GRIB 1' "$(got plain.grib1 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+is 'GRIB 1 gives the same values' "$(got plain.grib1 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
 make_grib north "set jScansPositively=1; set latitudeOfFirstGridPointInDegrees=58; set latitudeOfLastGridPointInDegrees=60; $one $two"
-is 'rows from the south' "$(got north.grib2 t)" '11 12 13 14 15 16 1 2 3 4 5 6'
+is 'rows may start in the south' "$(got north.grib2 t)" '11 12 13 14 15 16 1 2 3 4 5 6'
 make_grib west "set iScansNegatively=1; set longitudeOfFirstGridPointInDegrees=10; set longitudeOfLastGridPointInDegrees=350; $one $two"
-is 'rows from the east' "$(got west.grib2 t):$(on_line coordinates X a.vtk)" '16 15 14 13 12 11 6 5 4 3 2 1:350 360 370'
+is 'rows may start in the east' "$(got west.grib2 t):$(on_line coordinates X a.vtk)" '16 15 14 13 12 11 6 5 4 3 2 1:350 360 370'
 make_grib columns "set jPointsAreConsecutive=1; $one $two"
-is 'columns' "$(got columns.grib2 t)" '12 14 16 11 13 15 2 4 6 1 3 5'
+is 'columns may come instead of rows' "$(got columns.grib2 t)" '12 14 16 11 13 15 2 4 6 1 3 5'
 make_grib turns "set alternativeRowScanning=1; $one $two"
-is 'rows there and back' "$(got turns.grib2 t)" '16 15 14 11 12 13 6 5 4 1 2 3'
+is 'rows may alternate in direction' "$(got turns.grib2 t)" '16 15 14 11 12 13 6 5 4 1 2 3'
 make_grib gauss "$one $two"
 grib_filter -o gauss.grib2 - "$samples/regular_gg_pl_grib2.tmpl" <<'END'
 set shortName="t"; set typeOfLevel="isobaricInhPa"; set level=500; write; set level=850; write;
 END
 grib2vtk gauss.grib2 t >a.vtk
-like 'Gaussian latitudes' "$(on_line coordinates Y a.vtk)" '^-87\.86379[0-9]* -85\.09652[0-9]* .* 87\.86379[0-9]*$'
+like 'a Gaussian grid has its latitudes' "$(on_line coordinates Y a.vtk)" '^-87\.86379[0-9]* -85\.09652[0-9]* .* 87\.86379[0-9]*$'
 make_grib times "set dataDate=20260102; set dataTime=600; $one $two set dataDate=20260101; set dataTime=1800; $one
 	set level=850; set values={31,32,33,34,35,36}; write;"
 is 'times are sorted' "$(got -t 0 times.grib2 t)" '34 35 36 31 32 33 4 5 6 1 2 3'
@@ -79,8 +79,8 @@ ok '-t all writes one file per time' sh -c 'grib2vtk -t all -o t%d.vtk times.gri
 
 make_grib round "set Ni=4; set longitudeOfFirstGridPointInDegrees=90; set longitudeOfLastGridPointInDegrees=0;
 set iDirectionIncrementInDegrees=90; set level=500; set values={1,2,3,4,5,6,7,8}; write; set level=850; write;"
-is '-c: the first column again' "$(got -c round.grib2 t)" '5 6 7 8 5 1 2 3 4 1 5 6 7 8 5 1 2 3 4 1'
-is '-c: 360 degrees further east' "$(on_line coordinates X a.vtk)" '90 180 270 360 450'
+is '-c: the first column comes again at the end' "$(got -c round.grib2 t)" '5 6 7 8 5 1 2 3 4 1 5 6 7 8 5 1 2 3 4 1'
+is '-c: the new column is 360 degrees further east' "$(on_line coordinates X a.vtk)" '90 180 270 360 450'
 grib2vtk gauss.grib2 t >open.vtk
 grib2vtk -c gauss.grib2 t >a.vtk
 ok '-c: a Gaussian grid is closed' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"

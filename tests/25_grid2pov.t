@@ -60,7 +60,7 @@ run grid2pov even.vtk lit.spec s.df3
 is 'light and surfaces exit 1' "$status" 1
 like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light and iso-surfaces are left out'
 like 'light and surfaces: the scene is still written' "$out" '^box '
-is 'the field: three sizes, and 4 bytes a node' "$(wc -c <s.df3)" $((6 + 4 * 12 * 9 * 6))
+is 'the field has three sizes and 4 bytes per node' "$(wc -c <s.df3)" $((6 + 4 * 12 * 9 * 6))
 { cat smooth.spec; i=52; while [ $i -le 300 ]; do echo "map $i 1 1 1 1"; i=$((i + 1)); done; } >many.spec
 run grid2pov even.vtk many.spec s.df3
 like 'more knots than a colour map has room for' "$status:$err" '^2:grid2pov: many.spec: 253 map lines, expected 2 to 250'
@@ -85,7 +85,7 @@ if command -v povray >/dev/null; then
 		sed 's/^map 45 .9 .8/map 45 .9 .8001/' smooth.spec >other.spec
 		ok "$grid planes: a colour that is off by 1e-4 is not within 2e-5" differs $grid other 0.00002 gauss:5
 		sed 's/ .3$/ .3001/' smooth.spec >other.spec
-		ok "nor an extinction" differs $grid other 0.00002 gauss:5
+		ok "$grid planes: an extinction that is off by 1e-4 is not within 2e-5" differs $grid other 0.00002 gauss:5
 		sharp=sharp # on the uneven one before white, so that its alpha is seen
 		[ $grid = even ] || sharp='sharp-white'
 		ok "POV-Ray renders $grid planes, sharp" pov $grid $sharp 760

@@ -17,14 +17,14 @@ word() { awk -v w="$1" '$1 == w { for (i = 2; i <= NF; i++) printf "%.3f ", $i +
 
 run views -n 5 -o v%d.spec a.spec b.spec c.spec
 is 'five views of three keys' "$status$out$err" 0
-for pair in 0:a 2:b 4:c; do ok "view ${pair%:*} is a key's" cmp "v${pair%:*}.spec" "${pair#*:}.spec"; done
+for pair in 0:a 2:b 4:c; do ok "view ${pair%:*} is a key" cmp "v${pair%:*}.spec" "${pair#*:}.spec"; done
 is 'there are no other views' "$(echo v*.spec)" 'v0.spec v1.spec v2.spec v3.spec v4.spec'
-is 'half way round, at the same height' "$(word from v1.spec)" '7.071 7.071 5.000 '
+is 'a view half way round is at the same height' "$(word from v1.spec)" '7.071 7.071 5.000 '
 is 'all lines except from are the same' "$(grep -v '^from' v3.spec)" "$(grep -v '^from' a.spec)"
 rm -f v?.spec
 run views -c -n 8 -o v%02d.spec a.spec b.spec c.spec d.spec
 is '-c comes back to the first key' "$status $(echo v*.spec | wc -w) $(word from v07.spec)" '0 8 7.071 -7.071 5.000 '
-ok 'closed: the last key' cmp v06.spec d.spec
+ok '-c: the last but one view is the last key' cmp v06.spec d.spec
 rm -f v*.spec
 run views -n 1 -o v%d.spec b.spec c.spec
 ok 'a single view is the first key' cmp v0.spec b.spec
@@ -32,10 +32,10 @@ ok 'a single view is the first key' cmp v0.spec b.spec
 key near.spec '1 0 0' '0 0 0' '0 0 1' 20
 key far.spec '104 0 0' '4 0 0' '0 1 0' 60
 views -n 3 -o v%d.spec near.spec far.spec
-is 'distance by even factors from what it looks at, that one straight' \
+is 'the distance changes by even factors, the point looked at evenly' \
 	"$(word from v1.spec)$(word at v1.spec)" '12.000 0.000 0.000 2.000 0.000 0.000 '
-is 'up by even angles' "$(word up v1.spec)" '0.000 0.707 0.707 '
-is 'the tangent of half the angle by even factors' "$(word angle v1.spec)" '35.392 '
+is 'the direction up turns by even angles' "$(word up v1.spec)" '0.000 0.707 0.707 '
+is 'the tangent of half the angle changes by even factors' "$(word angle v1.spec)" '35.392 '
 key top.spec '0 0 20' '0 0 0' '0 1 0' 30
 views -n 3 -o v%d.spec b.spec top.spec
 is 'from the side to above, the camera does not go round' "$(word from v1.spec | cut -d ' ' -f 1)" 0.000

@@ -43,22 +43,22 @@ picture 0 >whole
 # ---- whole pictures
 run gather -o a.pam whole
 is 'a whole picture: status 0, silent' "$status$out$err" 0
-ok 'the pixels that were sent' cmp a.pam want.pam
+ok 'the picture has the pixels that were sent' cmp a.pam want.pam
 gather <whole >a.png
-ok 'PNG on standard output' imgcmp a.png want.pam
-ok 'PNG holds the job' grep -aq 'tEXtJob.cafe' a.png
+ok 'the default is a PNG on standard output' imgcmp a.png want.pam
+ok 'the PNG holds the job' grep -aq 'tEXtJob.cafe' a.png
 gather -o b.png <whole
 ok 'the PNG has the same bytes every time' cmp a.png b.png
 gather -k 16 -o c.png whole
 gather -o c.pfm whole
-ok '-k 16: linear light to 1/65535' imgcmp -t 0.000008 c.png c.pfm
+ok '-k 16: the PNG has linear light to 1/65535' imgcmp -t 0.000008 c.png c.pfm
 {
 	echo 'frame 0 4 3 job=cafe w=0'
 	frag 0 7 '1 0 6 1 2 1' "$half" 6 ' w=0'
 	frag 0 8 '0 0 6 1 2 1' "$half" 6 ' w=1.2'
 } | seal >scattered
 gather -o e.png scattered
-ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e.png
+ok 'scattered fragments made by hand: the picture'"'"'s declaration: the same picture' cmp a.png e.png
 
 # ---- twice, and differently
 {
@@ -71,17 +71,17 @@ ok 'scattered, without a worker'"'"'s declaration: the same picture' cmp a.png e
 run gather -o t.pam twice
 is 'differing duplicates: status 1' "$status" 1
 is 'differing duplicates: the message has the slots, the place and the difference' "$err" 'gather: frame 0: 4 pixels of a worker (twice) and of slot 2.1 on render1 (twice) differ, most at 0,1, by 0.5: one of the two is wrong; those of the first were kept'
-ok 'the first stands' cmp t.pam want.pam
+ok 'differing duplicates: the first stands' cmp t.pam want.pam
 cat whole whole >same
 run gather -o t.pam same
 is 'equal duplicates: silent' "$status$err" 0
 gather <same >s.png
 ok 'a whole picture is written once' cmp a.png s.png
 { echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; cat whole; } | seal | gather -o t.pam 2>err.txt
-like 'the overlap alone is counted' "$(cat err.txt)" '^gather: frame 0: 8 pixels of a worker \(standard input\) and'
+like 'overlapping fragments: only the overlap is counted' "$(cat err.txt)" '^gather: frame 0: 8 pixels of a worker \(standard input\) and'
 { echo 'frame 0 4 3 job=cafe'; frag 0 9 '0 0 4 2 1 1' "$full" 8; frag 0 2 '0 2 4 1 1 1' "$half" 4; } | seal |
 	gather -o u.pam
-ok 'the first stands, whatever comes before the frame is whole' cmp t.pam u.pam
+ok 'duplicates in an incomplete frame: the first stands' cmp t.pam u.pam
 
 # ---- refused
 {
@@ -186,9 +186,9 @@ head -c 1700 good.frags >job.frags
 run gather -o tetra.png job.frags
 is 'a torn log of rtworker: status 1' "$status" 1
 remedy=$(printf '%s\n' "$err" | sed -n 's/^gather: to finish: //p' | sed 's/SCENE/tetra.nff/')
-ok 'the command that was printed' sh -c "$remedy"
+ok 'the printed command works' sh -c "$remedy"
 gather -o all.png good.frags
-ok 'gives the same bytes' cmp tetra.png all.png
+ok 'the printed command gives the same bytes' cmp tetra.png all.png
 
 # Every byte: the stream may end there; or that record alone may be torn there, and others follow.
 # offsets: "kind row from to" of each record of `whole`
@@ -208,7 +208,7 @@ bye - 4
 LIST
 }
 offsets >offsets.txt
-is 'the offsets end where the stream does' "$(tail -n 1 offsets.txt | cut -d ' ' -f 4)" "$(wc -c <whole | tr -d ' ')"
+is 'the offsets of the records end at the end of the stream' "$(tail -n 1 offsets.txt | cut -d ' ' -f 4)" "$(wc -c <whole | tr -d ' ')"
 # rows: the rows of the tasks that gather -m lists
 rows() { awk '$1 == "task" { if ($4 != 0 || $6 != 4 || $7 != 1) print "odd"; print $5 }' listed | tr '\n' ' '; }
 bad='' checked=0 missing='0 1 2 '

@@ -20,16 +20,16 @@ done 0 1 cpu_us=200000 wall_us=200000 w=1 sent_us=0 recv_us=230000
 done 0 2 cpu_us=100000 wall_us=100000 w=0 sent_us=0 recv_us=240000
 done 0 2 cpu_us=50000 wall_us=50000 w=1 sent_us=0 recv_us=300000 try=2
 END
-is 'tasks' "$(column 2 hand.frags)" '2 2 0 '
-is 'busy' "$(column 4 hand.frags)" '0.200000 0.200000 0.000000 '
-is 'start-up' "$(column 5 hand.frags)" '0.020000 0.030000 0.300000 '
-is 'waiting' "$(column 6 hand.frags)" '0.020000 0.020000 0.000000 '
-is 'tail' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
-is 'wasted' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
-is 'duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
+is 'the column tasks' "$(column 2 hand.frags)" '2 2 0 '
+is 'the column busy_s' "$(column 4 hand.frags)" '0.200000 0.200000 0.000000 '
+is 'the column startup_s' "$(column 5 hand.frags)" '0.020000 0.030000 0.300000 '
+is 'the column waiting_s' "$(column 6 hand.frags)" '0.020000 0.020000 0.000000 '
+is 'the column tail_s' "$(column 7 hand.frags)" '0.060000 0.000000 0.000000 '
+is 'the column wasted_s' "$(column 8 hand.frags)" '0.000000 0.050000 0.000000 '
+is 'the columns duplicates and retries' "$(column 9 hand.frags)$(column 10 hand.frags)" '0 1 0 0 1 0 '
 is 'busy, start-up, waiting, tail and wasted time add up to the makespan' "$(fragstat hand.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.300000 0.300000 0.300000 '
 sed 's/w=1/& from=0/' hand.frags | "$root/tests/seal" >stolen.frags
-is 'steals' "$(column 12 stolen.frags)" '0 2 0 '
+is 'the column steals' "$(column 12 stolen.frags)" '0 2 0 '
 gives steals 2 stolen.frags
 gives steals 0 hand.frags
 gives tasks 3 hand.frags
@@ -42,7 +42,7 @@ gives bound_s 0.200000 -w 1,2,1.5 hand.frags # 400 ms of work at power 2
 gives bound_s 0.116000 -w 1,.5,1 hand.frags  # (90 + 100 + 100) / 2.5
 printf '%s\n' ': slots=2 power=1' 'far power=.5' >hosts
 gives bound_s 0.200000 -S hosts hand.frags # (90 + 200 + 100) / 2.5 is less than 200 / 1
-is 'the table says the powers' "$(fragstat -S hosts hand.frags | cut -f 11 | tr '\n' ' ')" 'power 1 1 0.5 '
+is 'the table has the powers' "$(fragstat -S hosts hand.frags | cut -f 11 | tr '\n' ' ')" 'power 1 1 0.5 '
 
 # A second run goes on after the first, and what it does again is wasted.
 { cat hand.frags; echo 'hello fan 0.1 selftest=0 slots=3'; echo 'done 0 0 cpu_us=1000 wall_us=1000 w=2 recv_us=100000'
@@ -52,7 +52,7 @@ gives makespan_s 0.402000 again.frags
 gives tasks 4 again.frags
 gives duplicates 2 again.frags
 is 'two runs in one file or in two files give the same table' "$(tail -n 3 again.frags >second.frags; fragstat hand.frags second.frags)" "$(fragstat again.frags)"
-is 'the five make up all of two runs' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
+is 'the times of two runs add up to the sum of the makespans' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
 
 # A lone worker has CPU time in which it read and wrote: it was not faster than that.
 printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' | "$root/tests/seal" >lone.frags
@@ -70,8 +70,8 @@ deal fan -j 3 rtworker - <job.task >three.frags
 partition -n 2 -u scatter 64x64 | fan -j 2 rtworker gears.nff >scatter.frags
 within() { echo "$1" | awk -v lo="$2" -v hi="$3" '{ exit !($1 > lo && $1 <= hi) }'; }
 key=efficiency
-ok 'a lone worker is no better than perfect' within "$(value one.frags)" 0 1
-ok 'three are not either' within "$(value three.frags)" 0 1
+ok 'the efficiency of one worker is at most 1' within "$(value one.frags)" 0 1
+ok 'the efficiency of three workers is at most 1' within "$(value three.frags)" 0 1
 gives tasks 64 three.frags
 gives duplicates 0 three.frags
 # adds_up LOG: of each slot, the five times are all of the makespan
@@ -79,14 +79,14 @@ adds_up() {
 	fragstat "$1" | awk -v all="$(key=makespan_s; value "$1")" 'NR > 1 { d = $4 + $5 + $6 + $7 + $8 - all; if (d > 1e-5 || d < -1e-5) bad = 1 }
 		END { exit bad || NR < 2 }'
 }
-ok 'the times of slots make up the makespan' adds_up three.frags
+ok 'the times of each slot add up to the makespan' adds_up three.frags
 key=bound_s
 sum=$(key=cpu_s; value one.frags)
 share() { within "$1" "$(echo "$sum $2" | awk '{ printf "%.7f", $1 / $2 - 2e-6 }')" "$(echo "$sum $2" | awk '{ printf "%.7f", $1 / $2 + 2e-6 }')"; }
-ok 'costs of another run: rows' share "$(value -c one.frags three.frags)" 3
-ok 'costs of another run: pixels' share "$(value -c one.frags scatter.frags)" 2
+ok '-c: the bound by costs of another run, for rows' share "$(value -c one.frags three.frags)" 3
+ok '-c: the bound by costs of another run, for scattered pixels' share "$(value -c one.frags scatter.frags)" 2
 partition -u tile:64x32 64x64 | fan -j 2 rtworker gears.nff >halves.frags
-ok 'a coarse cut does not excuse itself' share "$(value -c one.frags halves.frags)" 2
+ok '-c: a coarse cut does not raise the bound' share "$(value -c one.frags halves.frags)" 2
 # A slot that ends while it holds three tasks: these are given again, and all adds up.
 scale=$(echo "$sum" | awk '{ print 1500 / $1 / 1000 }') # a run of 1.5 s CPU
 # shellcheck disable=SC2016
@@ -110,11 +110,11 @@ is '-g: the line has begin and end of the task' "$(awk -F '\t' '/^again/ { print
 is '-g: a second run follows the first' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000
 is '-g: the line says whether the task was wasted' "$(awk -F '\t' '/^again/ { print $3 }' gantt.tsv | sort | uniq -c | tr -s ' \n' ' ')" ' 4 task 2 wasted '
 sed 's/done 0 1 /done 0 1 try=3 /' hand.frags | "$root/tests/seal" | fragstat -g >tries.tsv
-like 'a task that was given again' "$(cut -f 3 tries.tsv)" '^task given again$'
-like 'kind: real' "$(cut -f 2 gantt.tsv)" '^real$'
+like '-g: a task that was given again has its own kind' "$(cut -f 3 tries.tsv)" '^task given again$'
+like '-g: the kind is real' "$(cut -f 2 gantt.tsv)" '^real$'
 partition 64x64 | replay one.frags | fragstat -g >replayed.tsv
-like 'kind: replayed' "$(cut -f 2 replayed.tsv)" '^replayed$'
-like 'lanes have the names of slots' "$(cat gantt.tsv)" '^# lanes: 0 1 2$'
+like '-g: the kind is replayed' "$(cut -f 2 replayed.tsv)" '^replayed$'
+like '-g: lanes have the names of slots' "$(cat gantt.tsv)" '^# lanes: 0 1 2$'
 
 # ---- what it refuses -----------------------------------------------------------------------------------------
 : >empty.frags

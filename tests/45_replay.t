@@ -28,11 +28,11 @@ same 'through deal and fan' '' deal fan -j 3 replay -p 2 one.frags
 same 'two levels deep' '' deal -q 2 fan -j 2 deal fan -j 2 replay one.frags
 mkfifo pipe
 (sleep .1; cat one.frags) >pipe &
-same 'a log through a pipe' '' replay pipe
+same 'the log may come through a pipe' '' replay pipe
 partition -u tile:16x16 64x48 | replay -x .5 one.frags >tiles.frags
 gather -o out.pfm tiles.frags
 ok 'a replay can be replayed' sh -c 'replay tiles.frags <rows.task | gather -o again.pfm && cmp again.pfm one.pfm'
-like 'job and program are those of the log' "$(grep -a '^frame' tiles.frags)" "$(grep -a '^frame' one.frags | sed 's/ sum=.*//') kind=replayed sum="
+like 'job and program of the hello are those of the log' "$(grep -a '^frame' tiles.frags)" "$(grep -a '^frame' one.frags | sed 's/ sum=.*//') kind=replayed sum="
 cat one.frags tiles.frags >both.frags
 run gather -P -o out.pfm both.frags
 like 'replay returns the rendered pixels' "$status $err" '^0 .*3072 pixels came twice$'
@@ -41,7 +41,7 @@ like 'replay returns the rendered pixels' "$status $err" '^0 .*3072 pixels came 
 # Every task 10 ms: long against what a loaded machine adds.
 LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=10000 wall_us=10000/' one.frags | "$root/tests/seal" >slow.frags
 sum() { grep -a -o 'done .*' "$1" | sed "s/.* $2=\([0-9]*\).*/\1/" | awk '{ s += $1 } END { print s }'; }
-is 'the log for the times is whole' "$(gather -m slow.frags | wc -l) $(sum slow.frags cpu_us)" '0 480000'
+is 'the log with the times is complete' "$(gather -m slow.frags | wc -l) $(sum slow.frags cpu_us)" '0 480000'
 head -n 9 rows.task >eight.task
 timed() { replay "$@" slow.frags <eight.task >timed.frags; }
 timed
@@ -57,21 +57,21 @@ echo "$wall_1 $wall_2 $wall_3" | awk '{ exit !($1 > 75000 && $2 > 150000 && $3 >
 is 'the elapsed time is that time' $? 0
 diag "8 tasks of 10 ms took $wall_1 us, at half the power $wall_2, at scale 3 $wall_3"
 REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
-is 'the environment tells the power' "$(sum timed.frags cpu_us)" 20000
-like 'hello tells it as well' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
+is 'REPLAY_POWER sets the power' "$(sum timed.frags cpu_us)" 20000
+like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
 timed -l 2
 loaded=$(sum timed.frags wall_us)
 is 'load does not count as CPU time' "$(sum timed.frags cpu_us)" 80000
 echo "$loaded" | awk '{ exit !($1 > 85000) }'
 is 'load makes tasks take longer' $? 0
 { head -n 1 rows.task; echo 'task 0 0 0 0 32 1 1 1'; echo 'task 0 1 0 3 64 3 1 1'; } | replay -p 100 slow.frags >parts.frags
-is 'other cuts cost their share' "$(grep -a -o 'done.*cpu_us=[0-9]*' parts.frags | tr '\n' ' ')" \
+is 'other cuts take their share of the time' "$(grep -a -o 'done.*cpu_us=[0-9]*' parts.frags | tr '\n' ' ')" \
 	'done 0 0 cpu_us=50 done 0 1 cpu_us=300 '
 
 # ---- a worker like any other ---------------------------------------------------------------------------------
 head -n 2 rows.task | replay -x 140 slow.frags >long.frags
-like 'beats while it waits' "$(grep -a -c '^beat' long.frags)" '^[1-9][0-9]*$'
-is 'the end of input ends it' "$(tail -c 4 long.frags)" bye
+like 'replay sends beats while it waits' "$(grep -a -c '^beat' long.frags)" '^[1-9][0-9]*$'
+is 'replay ends at the end of its input' "$(tail -c 4 long.frags)" bye
 mkfifo down up
 replay -x 1000 slow.frags <down >up &
 pid=$!

@@ -20,13 +20,13 @@ takes() {
 	is "$name" "$status $(of makespan_s)" "0 $s"
 }
 takes 'deal: by hand' 2.500000 deal
-is '... of which it is on tasks' "$(of busy_s)" 3.000000
-is '... and waits until its first one, both together' "$(of startup_s)" 0.400000
-is '... between two tasks' "$(of waiting_s)" 0.400000
-is '... and after its last one' "$(of tail_s)" 1.200000
+is 'deal: the time in tasks' "$(of busy_s)" 3.000000
+is 'deal: the time until the first task, of both slots' "$(of startup_s)" 0.400000
+is 'deal: the time between tasks' "$(of waiting_s)" 0.400000
+is 'deal: the time after the last task' "$(of tail_s)" 1.200000
 is 'no schedule is faster than sum of costs / sum of powers' "$(of bound_s)" 1.333333
-is '... and in a simulation than that and three messages' "$(of least_s)" 1.633333
-is 'efficiency is the bound by the makespan' "$(of efficiency)" 0.5333
+is 'no simulated run is faster than that and three messages' "$(of least_s)" 1.633333
+is 'efficiency is bound / makespan' "$(of efficiency)" 0.5333
 takes 'deal -q 1: two tasks each, at once' 2.300000 deal -q 1
 takes 'adaptive: two tasks each, at once, and a copy of the second one of the first' 2.000000 adaptive
 takes 'adaptive: the first becomes a thousand times slower, the other one does all' 2.700000 -f slow@.1s:0:.001 adaptive
@@ -34,53 +34,53 @@ takes 'fan: the same' 2.300000 fan
 takes 'best: one task to the first, three to the second' 1.800000 best
 partition -n 1 1x4 >first.task
 run simulate -m 1e6 -w 1,2 -l 100 fan <first.task
-is 'fan: all tasks preassigned to one' "$(of makespan_s)" 4.300000
+is 'fan: all tasks preassigned to one slot' "$(of makespan_s)" 4.300000
 takes 'costs twice as high' 4.500000 -x 2 deal
 takes 'no latency' 2.000000 -l 0 deal
 takes 'a crash, which the first hears of; and does all' 4.900000 -f crash@.5s:1 deal
-is '... one' "$(of crashes) $(of uncommitted)" '1 0'
+is 'one crash, and all tasks are committed' "$(of crashes) $(of uncommitted)" '1 0'
 takes 'a crash when two tasks are there' 3.700000 -f crash@2:1 deal
 takes 'silence: what it had is given to the first 3 s later' 5.800000 -f silence@.5s:1 deal -q 1
 takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
-like '... and says how to repeat it' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
+like 'a static method: the message has the command to repeat the run' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
 # Each task is 16 bytes: 2 s on the way, and the next ones wait for the link, or for the hub.
 takes 'the link of each' 5.300000 -b 8 fan
 takes 'all through the hub' 8.800000 -b 0,8 fan
-is '... is the bound, too' "$(of bound_s)" 8.000000
+is 'the bound counts the link of the hub' "$(of bound_s)" 8.000000
 two -f kill@2 deal
-is 'the hub is killed: another one does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
+is 'the hub is killed: the next run does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
 
 # Eight tasks in turn, powers 1 and 4, as published: the second has done its four at 1.2 and asks; that comes at 1.4, when
 # the first one is on its second until 2.2; it begins its third and gives its last, which comes at 2.4 and takes .25 s.
 partition -n 2 1x8 >eight.task
 run simulate -m 1e6 -w 1,4 -l 100 ring -p <eight.task
-is 'ring -p: by hand' "$status $(of makespan_s) $(of steals) $(of passed)" '0 3.300000 1 1'
+is 'ring -p: makespan and steals are those computed by hand' "$status $(of makespan_s) $(of steals) $(of passed)" '0 3.300000 1 1'
 run simulate -m 1e6 -w 1,4 -l 100 -f crash@2.5s:1 ring -p <eight.task
-is '... and the row is lost where it dies' "$status $(of uncommitted) $(of reports)" '1 1 1'
+is 'ring -p: a row is lost with the thief that dies' "$status $(of uncommitted) $(of reports)" '1 1 1'
 run simulate -m 1e6 -w 1,4 -l 100 -f lose=1 ring -p <eight.task
-is '... and without an answer another one is dead' "$(of uncommitted) $(of steals) $(of lost | awk '{ print ($1 > 4) }')" '0 0 1'
+is 'ring -p: a node without answers takes the other one for dead' "$(of uncommitted) $(of steals) $(of lost | awk '{ print ($1 > 4) }')" '0 0 1'
 
 two -v -f crash@.5s:1 deal
 like '-v: a task arrives' "$out" '^# 200000 1 from hub: task 1$'
 like '-v: an event of a lost slot is marked as lost' "$out" '^# 700000 1: computed \(lost\)$'
-like '... the hub hears of that' "$out" '^# 600000 1 to hub: gone$'
+like '-v: the hub learns of the lost slot' "$out" '^# 600000 1 to hub: gone$'
 
 # ---- a ring, by hand -------------------------------------------------------------------------------------------
 # All four are the first one's. The second hears at .2 that it is a node, and asks; the hub hears of it at .3, the first
 # node at .4; what that gives passes the hub at .5, and is there at .6. From node to node in one hop: in half of that.
 stolen() { run simulate -v -m 1e6 -w 1,1 -l 100 "$@" <first.task; }
 stolen ring -k one
-like 'a ring: what it takes from node to node, through the hub' "$out" '^# 600000 1 from hub: task 1 from=0$'
-is '... all is done, by both' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
-is '... one task at a time' "$(of steals)" "$(of passed)"
+like 'the ring: a steal takes two hops, through the hub' "$out" '^# 600000 1 from hub: task 1 from=0$'
+is 'the ring: all tasks are done, by both nodes' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
+is 'the ring -k one: one task per steal' "$(of steals)" "$(of passed)"
 stolen -H 1 ring -k one
-like '... or in one hop' "$out" '^# 400000 1 from hub: task 1 from=0$'
+like 'the ring -H 1: a steal takes one hop' "$out" '^# 400000 1 from hub: task 1 from=0$'
 stolen ring -p
-is 'the published ring: all is done' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
+is 'the published ring: all tasks are done' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
 stolen -f crash@1:0 ring
-is 'the ring: a node that had all is lost, and the other one does it' "$status $(of uncommitted) $(of crashes)" '0 0 1'
+is 'the ring: a node that had all tasks is lost, and the other one does them' "$status $(of uncommitted) $(of crashes)" '0 0 1'
 
 # ---- one seed, one run -------------------------------------------------------------------------------------
 partition -n 9 64x200 >many.task
@@ -92,14 +92,14 @@ for method in deal 'deal -e -q auto' ring; do
 	}
 	again 1 one && again 1 two && again 2 three
 	ok "$method: the same seed gives the same bytes" cmp one two
-	ok "$method: another one another run" sh -c '! cmp -s one three'
+	ok "$method: another seed gives another run" sh -c '! cmp -s one three'
 done
 for method in deal ring; do
 	run simulate -n 50 -s 100 $method
 	is "$method: every seed holds" "$status $(of seeds)" '0 50'
 	first=$(of trace)
 	run simulate -n 50 -s 100 $method
-	is '... the same again' "$(of trace)" "$first"
+	is "$method: the same seeds give the same trace" "$(of trace)" "$first"
 done
 
 # More slots than the checks of deal can hold; of pieces, too, each is committed once.
@@ -130,7 +130,7 @@ a slots=2 power=1
 b power=.5
 END
 run simulate -S hosts deal <rows.task
-is 'a file of hosts' "$(of slots) $status" '3 0'
+is '-S reads a hosts file' "$(of slots) $status" '3 0'
 
 # ---- what it refuses -----------------------------------------------------------------------------------------
 # refuses NAME PATTERN COMMAND ...: with four.task

@@ -85,7 +85,7 @@ mkdir places
 export kind=beats bad=1
 run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm ]; do sleep .05; done; } |
 	env MARK="$2" deal -q auto -e fan -t 300 -j 3 ./worker | gather -o f%d.pfm' sh "$size" "$mark"
-is 'live input: the picture comes before its end' "$status $err" '0 '
+is 'live input: the picture comes before the input ends' "$status $err" '0 '
 ok 'live input: the same picture' cmp f1.pfm good1.pfm
 ok 'live input: no process remains' await 10 none_alive
 

@@ -20,8 +20,8 @@ for method in masterslave adaptive gdc; do
 	run timeout 300 balance $method -S hosts -s 24x16 -o out.pfm a.nff
 	is "$method, the first of seven slots is on another job: the same picture" "$status$(cmp out.pfm true.pfm)" 0
 	[ "$status" = 0 ] || diag "$err"
-	is "$method: it is named" "$(echo "$err" | grep -c 'slot 0 on liar: frame 0 has job [0-9a-f]* there, expected')" 1
-	is "$method: and no other" "$(echo "$err" | grep -c 'slot [1-6]')" 0
+	is "$method: the slot is named" "$(echo "$err" | grep -c 'slot 0 on liar: frame 0 has job [0-9a-f]* there, expected')" 1
+	is "$method: no other slot is named" "$(echo "$err" | grep -c 'slot [1-6]')" 0
 done
 
 # ---- what was to come ----------------------------------------------------------------------------------------------

@@ -98,8 +98,8 @@ for m in interleaved ss sc; do
 	remedy=$(sed -n 's/^gather: to finish: //p' said | sed 's/SCENE/gears.nff/')
 	like "$m: the command that finishes it is printed" "$remedy" 'gather -m job\.log \| rtworker .*>> *job\.log'
 	cp job.log cut.log
-	ok "$m: and that command runs" sh -c "$remedy"
-	ok "$m: and finishes it" cmp out.pfm good.pfm
+	ok "$m: the printed command runs" sh -c "$remedy"
+	ok "$m: the printed command finishes the picture" cmp out.pfm good.pfm
 	rm -f out.pfm
 	long $m -r cut.log
 	wait "$pid"

@@ -27,12 +27,12 @@ idle() {
 	exec 8>in 9<out
 	await 5 some_alive "$want"
 	await 5 costs_nothing
-	ok "$*: waiting costs nothing ($used ticks a second)" test $used -le 3
+	ok "$*: waiting takes no CPU time ($used ticks a second)" test $used -le 3
 	exec 9<&-
 	ok "$*: ends when its reader has gone" await 2 none_alive
 	end_all
 	wait
-	is "$*: not a word" "$(cat said)" ""
+	is "$*: no message" "$(cat said)" ""
 	exec 8>&-
 }
 idle 1 rtworker tetra.nff

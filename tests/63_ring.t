@@ -99,7 +99,7 @@ kill -STOP "$p"
 sleep 1
 kill -CONT "$p"
 whole 'a node stopped for 1 s'
-is 'a node stopped for 1 s: not a word' "$(unexpected said)" ''
+is 'a node stopped for 1 s: no message' "$(unexpected said)" ''
 endless
 kill -9 $(nodes)
 wait "$pid"
@@ -157,7 +157,7 @@ liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000)
 # sealed RECORDS: with their sums
 sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
 liar 'a worker that speaks to the hub' worker "rtworker -a 16 - | perl also '$(sealed 'ask;give 0 7 peer=1;')'; exit"
-is 'a worker that speaks to the hub: not a word' "$(unexpected said)" ''
+is 'a worker that sends records to the hub: no message' "$(unexpected said)" ''
 # forger NAME RECORDS: a node that also says these, with ; for newlines
 forger() {
 	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit"
@@ -225,7 +225,7 @@ cat >said.$(date +%N)
 END
 printf '%s\n' 'ring me=0 n=2 rules=default give=one to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
 { sleep .5; cat few; } | fan -j 2 sh mute >out
-is 'fan: each to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr '\n' ';')" \
+is 'fan: each record goes to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr '\n' ';')" \
 	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
 printf '#!/bin/sh\necho hello x 1 format=2 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out

@@ -24,7 +24,7 @@ for log in /dev/null missing empty; do
 done
 run partition -r . $size
 is 'partition -r of a directory: exit 2' "$status" 2
-is 'partition -r of a whole log: the frame alone' "$(partition -r whole $size)" "frame 0 96 80"
+is 'partition -r of a complete log: only the frame' "$(partition -r whole $size)" "frame 0 96 80"
 is 'partition -r: another frame is not there' "$(partition -F 7 -r whole $size | wc -l)" 81
 run partition -r whole 64x64
 is 'partition -r of another size: exit 2' "$status" 2

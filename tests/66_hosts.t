@@ -12,7 +12,7 @@ for m in adaptive interleaved masterslave hybrid ss sc ds dc; do
 	rm -f log out.pfm
 	balance $m -S hosts -s $size -r log -o out.pfm gears.nff
 	ok "$m -S FILE: the same picture" cmp out.pfm good.pfm
-	is "$m -S FILE: all of its slots are there" "$(grep -a -o 'up w=[0-9]* host=[a-z:]*' log | sort -u | wc -l)" \
+	is "$m -S FILE: all slots of the file did tasks" "$(grep -a -o 'up w=[0-9]* host=[a-z:]*' log | sort -u | wc -l)" \
 		"$(case $m in interleaved | ss | sc) echo 4 ;; *) echo 0 ;; esac)"
 done
 balance masterslave -S 2/:,: -s $size -r list -o out.pfm gears.nff
@@ -68,11 +68,11 @@ is 'calibrate: exit 0' "$status" 0
 tab=$(printf '\t')
 is 'calibrate: a line of names, and a line a host' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" 'host : other '
 is 'calibrate: the first has power 1' "$(printf '%s\n' "$out" | sed -n '2s/.*\t//p')" 1
-is 'calibrate: max, min, mean and power are what they are called' "$(printf '%s\n' "$out" | awk -F "$tab" '
+is 'calibrate: max, min, mean and power are computed right' "$(printf '%s\n' "$out" | awk -F "$tab" '
 	NR == 1 { next }
 	NR == 2 { first = $4 }
 	{ r = first / $4 / $5; print ($2 >= $4 && $4 >= $3 && $3 > 0 && r > .7 && r < 1.4) }' | tr '\n' ' ')" '1 1 '
-is 'calibrate -o: the hosts as they were, with the powers measured' \
+is 'calibrate -o: the hosts are unchanged, with the measured powers' \
 	"$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/')" "$(printf ': power=\tslots=2\t# here\nother power=  slots=2 via="sh -c %%c" bin="%s"' "$BIN")"
 is 'calibrate -o: the powers of the table' "$(fan -l -S measured | cut -f 3 | uniq | tr '\n' ' ')" \
 	"$(printf '%s\n' "$out" | tail -n 2 | awk -F "$tab" '{ printf "%g ", $5 }')"
@@ -113,10 +113,10 @@ chmod +x tricky
 printf '  tricky  "slots=2" via="env power=7 slots=9 ./tricky %%c" po"wer"=5\t# a "power=6 slots=1\n' >tricky.hosts
 run balance calibrate -n 1 -s 32x32 -S tricky.hosts -o tricky.measured gears.nff
 is 'calibrate: quotes and comments: exit 0' "$status$err" 0
-is 'calibrate: quotes and comments stay what they are' "$(cat tricky.said; grep -v '^# measured' tricky.measured)" \
+is 'calibrate: quotes and comments are kept' "$(cat tricky.said; grep -v '^# measured' tricky.measured)" \
 	"$(printf '7 9\ntricky power=1  "slots=2" via="env power=7 slots=9 ./tricky %%c"\t# a "power=6 slots=1\n')"
 run balance calibrate -n 9999 -s 32x32 -o nosuch/hosts gears.nff
-is 'calibrate -o in no directory: known before anything is measured' "$status $err" '3 balance calibrate: nosuch/hosts: cannot be written'
+is 'calibrate -o in no directory: it fails before it measures' "$status $err" '3 balance calibrate: nosuch/hosts: cannot be written'
 is 'calibrate: no host is measured: no hosts file' "$(ls unwritten* 2>/dev/null)" ''
 for bad in '' '-n 0 gears.nff' '-n x gears.nff' '-S nosuch:file/x gears.nff' '-s 0x0 gears.nff' 'nosuch.nff' '-W -d0 gears.nff' -; do
 	# shellcheck disable=SC2086

@@ -154,7 +154,7 @@ END
 chmod +x warned
 echo 'warned via="./warned %c"' >warned.hosts
 run sh -c 'fan -S warned.hosts rtworker - <job.task | gather -o out.pfm'
-is 'a warning, and no failure: it is shown' "$err" 'warned: @@@@@@@@@@@@ WARNING
+is 'a warning without a failure is shown' "$err" 'warned: @@@@@@@@@@@@ WARNING
 warned: more of it'
 ok 'a warning, and no failure: the same picture' cmp out.pfm good.pfm
 

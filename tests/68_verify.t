@@ -88,7 +88,7 @@ sed 's/1 2 1 2 1 2 1 2/2 1 1 2 2 2 1 1/' g.vtk >h.vtk
 printf '%s\n' 'from 3 2 4' 'at .5 .5 .5' 'up 0 0 1' 'angle 30' 'resolution 16 12' 'map 1 1 0 0 1' 'map 2 0 0 1 1' >a.spec
 sed 's/^from.*/from -3 2 4/' a.spec >b.spec
 run balance ds -v 1 -S hosts -o p%d.png g.vtk h.vtk a.spec b.spec
-is 'four pictures of two grids' "$status:$(counts | cut -d ' ' -f 2-):$(echo p?.png)" '0:0 0:p0.png p1.png p2.png p3.png'
+is 'four pictures of two grids are verified' "$status:$(counts | cut -d ' ' -f 2-):$(echo p?.png)" '0:0 0:p0.png p1.png p2.png p3.png'
 balance interleaved -S hosts -s 32x32 -r there.log -o out.png balls.nff
 run balance interleaved -v 1 -S hosts -s 32x32 -r there.log -o out.png balls.nff
 is 'a log of an earlier run' "$status:$(counts)" '0:32 0 0'
@@ -165,10 +165,10 @@ balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
 run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
 is 'verify -t: beats do not count as fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
 grep -av '^beat$' "$tmp/.out" | cmp -s - long.log
-is 'verify -t: all has come through' $? 0
+is 'verify -t: all records are passed on' $? 0
 run verify -t 1000 long.log <long.log
 cmp -s "$tmp/.out" long.log
-is 'verify -t: the end is waited for' "$?:$status:$err" 0:0:
+is 'verify -t: it waits for the end of the input' "$?:$status:$err" 0:0:
 
 # ---- what stays behind -----------------------------------------------------------------------------------------------
 mkdir temporary

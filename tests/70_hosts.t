@@ -33,7 +33,7 @@ if within '"$1" power host1 .5' >said; then
 else
 	skip 'a host of power .2 gets no more' "$(cat said)"
 fi
-is 'a link that is down, and up again' "$(within '"$1" link host1 down
+is 'a link can be down, and up again' "$(within '"$1" link host1 down
 	ssh -oConnectTimeout=1 host1 true 2>/dev/null || echo down
 	ssh host2 true && echo other; "$1" link host1 up; ssh host1 true && echo up')" 'down
 other
@@ -78,14 +78,14 @@ run_of=$(cat ready)
 # shellcheck disable=SC2046
 kill -9 $(pgrep -f -- "-janitor ${run_of##*.} ") "${run_of##*.}"
 wait "$!" 2>/dev/null
-ok 'when even the janitor is killed, something is' [ -d "$run_of" ]
+ok 'a killed janitor leaves files' [ -d "$run_of" ]
 "$hosts" with 1 true
 ok 'the next run removes the rest' await 3 none_left "$run_of"
 
 "$hosts" with 3 sh -c 'ssh host3 "sleep 1; hostname"' >one &
 "$hosts" with 2 sh -c 'ssh host2 "sleep 1; hostname"; ssh host3 true || echo no' >two 2>&1
 wait
-is 'two runs at once are apart' "$(cat one two | grep -v '^ssh:' | tr '\n' ' ')" 'host3 host2 no '
+is 'two runs at once are separate' "$(cat one two | grep -v '^ssh:' | tr '\n' ' ')" 'host3 host2 no '
 system >after
-ok 'this system is as it was' cmp before after
+ok 'this system is unchanged' cmp before after
 finish

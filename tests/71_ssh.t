@@ -32,7 +32,7 @@ slots_in() { fragstat "$1" | awk 'NR > 1 && $2 > 0 { printf "%s ", $1 }'; } # th
 
 # ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
 for h in host1 host2 host3; do
-	is "$h is another one" "$(ssh $h 'hostname; echo $SSH_CONNECTION' | tr '\n' ' ' | cut -d ' ' -f 1,2)" "$h 198.18.0.254"
+	is "$h is another host" "$(ssh $h 'hostname; echo $SSH_CONNECTION' | tr '\n' ' ' | cut -d ' ' -f 1,2)" "$h 198.18.0.254"
 	is "$h has neither the clone nor the scene" "$(ls -d "$root/bin/fan" "$tmp/gears.nff" | wc -l
 		ssh $h ls -d "$root/*" "$tmp" 2>/dev/null | wc -l)" "2
 0"
@@ -44,7 +44,7 @@ is 'fan -l measures the power of the hosts' "$(echo "$out" | awk '$3 > 0' | wc -
 methods=$(balance -h | sed -n 's/^methods: *//p')
 for method in $methods; do
 	render "$method on three hosts" "$method" "$file"
-	is "$method: not a word" "$(unexpected said | grep -v '^balance auto: ')" ''
+	is "$method: no message" "$(unexpected said | grep -v '^balance auto: ')" ''
 done
 
 # ---- how hosts are named and reached -------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ END
 heard 'an address without answer, an unknown name, and no programs' more.hosts 'host3: no rtworker'
 like 'slots that did not answer are counted' "$(cat said)" '^fan: [3-5] of 6 slots never connected$'
 like 'a name, and no resolver' "$(cat said)" '^fan: nobody\.invalid: its name cannot be resolved now; trying again'
-like 'the programs are missed' "$(cat said)" '^fan: host3: no rtworker in /home/nothing, nor on its PATH; install it there$'
+like 'the message says that the programs are missing' "$(cat said)" '^fan: host3: no rtworker in /home/nothing, nor on its PATH; install it there$'
 cp "$TEST_HOSTS/known_hosts" known
 sed "s,^host2 .*,$(sed -n 's/^host1 /host2 /p' known)," known >"$TEST_HOSTS/known_hosts"
 render 'a host that shows another key' masterslave "$file" 64
@@ -181,7 +181,7 @@ for method in masterslave interleaved; do
 	run balance $method -S "$file" -s 64x64 -o out.pfm -r job.log large.nff
 	is "$method, one link slow: exit 0" "$status" 0
 	ok "$method, one link slow: the same picture" cmp out.pfm large.pfm
-	is "$method, one link slow: not a word" "$(printf '%s\n' "$err" | sed '/^$/d' | unexpected -)" ''
+	is "$method, one link slow: no message" "$(printf '%s\n' "$err" | sed '/^$/d' | unexpected -)" ''
 	diag "$method: $(fragstat job.log | awk '$1 == 2 { print $2 }') of 64 rows by the host behind it"
 done
 hosts link host3 up

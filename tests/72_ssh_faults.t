@@ -211,7 +211,7 @@ await 20 grep -aq 'done 0 .* w=0' job.log
 kill -CONT "$(listener)"
 end
 same_picture "$name"
-ok "$name: it does its part" at_work
+ok "$name: the host does tasks again" at_work
 
 # A worker that tells nonsense after a while.
 bin=/home/render/bin
@@ -275,7 +275,7 @@ for method in masterslave interleaved; do
 		begin $method
 		reach_work
 		kill -9 $(here $victim)
-		ok "$name: nothing is left here or there at the end" await 2 none_left
+		ok "$name: no process remains on any host" await 2 none_left
 		end
 	done
 done
@@ -290,7 +290,7 @@ tree() {
 name='a tree, kill -9 of gather'
 tree
 kill -9 $(here gather)
-ok "$name: nothing is left here or there at the end" await 2 none_left
+ok "$name: no process remains on any host" await 2 none_left
 wait $job
 name='a tree, kill -9 of a worker'
 tree

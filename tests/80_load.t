@@ -11,7 +11,7 @@ bounded() { ok "$1: $2 has at most $4 $3 ($(most "$2" "$3"))" [ "$(most "$2" "$3
 spdgen -s 2 tetra >tetra.nff
 # shellcheck disable=SC2154  # peaks.sh sets it
 good() { partition "$1" | rtworker tetra.nff | gather -o good.pfm; }
-same() { is "$1: exit 0, and not a word" "$status$(cat said)" 0 && ok "$1: the same picture" cmp out.pfm good.pfm; }
+same() { is "$1: exit 0, and no message" "$status$(cat said)" 0 && ok "$1: the same picture" cmp out.pfm good.pfm; }
 
 good 400x500
 measured "{ pack scene tetra.nff; partition -u run:1 400x500; } |
