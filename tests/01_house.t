@@ -396,9 +396,14 @@ awk 'FNR == NR { there[$1] = 1; next }
 }' "$tmp/there" "$tmp/prose" | grep -v '[.][ch]:[0-9]*: [a-z_]*[.][ch]: ' >"$found"
 clean 'pages and comments name files that exist'
 words='\b[Ww]ho(ever|m)?\b|\b[Ll]est\b|\bso many\b|\bof it[.;]|\b([Nn]o|[Aa]ny|[Ss]ome)body\b|comes? of (it|that)\b|\bin store\b|^[^ ]* What is\b|[.] What is\b'
-# People are "who"; the rest are words that a reader has to read twice. Messages are prose as well.
+# The first words are for people only; the others need a second reading. Messages, comments of scripts, names of assertions
+# and claims of experiments are prose as well.
 # shellcheck disable=SC2086
-grep -noE '"[^"]*"' lib/*/*.[ch] bin/*.c >>"$tmp/prose"
+{
+	grep -noE '"[^"]*"' lib/*/*.[ch] bin/*.c
+	grep -nE '^[[:space:]]*#|[[:space:]]# ' $scripts tests/soak/* tests/mutants/* tests/models/*
+	grep -noE "(^|[[:space:]])(ok|is|like|skip|claim|put|summary=|paper=|stop|fail[ 0-9]*) ?('[^']*'|\"[^\"]*\")" $scripts tests/soak/*
+} >>"$tmp/prose"
 grep -E "$words" "$tmp/prose" | grep -vE '(people|users?|reader|somebody) who|^man/stormring-hosts' >"$found"
 clean 'prose does without words that need a second reading'
 

@@ -168,7 +168,7 @@ for e in $(protocol -l | cut -f 1); do
 	run protocol -v "$e" one.tsv
 	is 'a table that has only begun has verdicts' "$status" 0
 done
-# What is as exact as a point of POV-Ray: the cheapest of it is compared, and where nothing is, that is no success.
+# The cheapest rival that is as exact as a point of POV-Ray is compared. Without such a rival the claim fails.
 # traced TIME ERROR: a table in which POV-Ray takes 1 s to an error of .02
 traced() {
 	echo '# command: protocol -n 3 -s 0 tracing'
@@ -187,7 +187,7 @@ cheapest() { # the verdicts: less, and less than half
 is 'a rival at less than half of the time: both claims hold' "$(cheapest .4 .02)" '1 1 0 found, 1 1 0 found'
 is 'a rival at more than half of the time: the second claim fails' "$(cheapest .6 .01)" '1 1 0 found, 1 0 1 not found'
 is 'no rival is as exact: both claims fail' "$(cheapest .4 .0203)" '1 0 1 not found, 1 0 1 not found'
-# What is simulated under the name of a method is what its balancer runs: the same policy, of the same tasks.
+# The simulation of a method must run the policy and the tasks of its balancer.
 sed -n '/^simulated() {/,/^}/p' "$root/tests/experiments/words.sh" >simulated
 mkdir stand-in
 cat >stand-in/deal <<'END'

@@ -50,7 +50,7 @@ held_by() {
 	is "$name: complete" "$status $err" '0 '
 	right "$name" 3
 }
-# What is true only if the others go on with the second frame while there is a task of the first.
+# Conditions that are true only if the others render the second frame while a task of the first is open.
 whole='test -e f1.pfm' begun='grep -aq done.1 log'
 
 held_by 'deal' "$whole" deal fan -t 60 -j 2

@@ -35,7 +35,7 @@ is 'gather -e: the picture' "$status$err$(cmp f0.pfm true.pfm)" 0
 run gather -e two -o f%d.pfm first.frags
 like 'gather -e: nothing of the second has come' "$status $err" '^1 gather: frame 1: 384 of 384 pixels missing'
 run gather -e other -o f%d.pfm first.frags
-like 'gather -e: another job' "$status $err" '^2 gather: other: .frame 0 24 16 job=.*, expected .frame F W H job=HASH., as was'
+like 'gather -e: another job' "$status $err" '^2 gather: other: .frame 0 24 16 job=.*, expected .frame F W H job=HASH. as it was rendered'
 run gather -e first.frags -o f%d.pfm first.frags
 like 'gather -e: of another kind' "$status $err" '^2 gather: first.frags: .*expected'
 run gather -e none -o f%d.pfm first.frags

@@ -286,14 +286,14 @@ done
 deaf='trap "" TERM INT HUP; sleep 7200 & sleep 7200'
 # deafly SIGNAL PROGRAM COMMAND ...: one that ignores signals is at work below PROGRAM, which gets the signal
 deafly() {
-	signal=$1 whom=$2
+	signal=$1 target=$2
 	shift 2
 	# Under nohup(1) a program ignores SIGHUP, and rightly.
 	env --default-signal=HUP MARK=$mark "$@" sh -c "$deaf" <&8 >/dev/null 2>&1 8>&- &
 	await 2 eval '[ "$(program sleep | wc -l)" -ge 4 ]'
 	# shellcheck disable=SC2046
-	kill "-$signal" $(program "$whom")
-	ok "kill -$signal $whom over deaf workers: no process remains" await 2 none_alive
+	kill "-$signal" $(program "$target")
+	ok "kill -$signal $target over deaf workers: no process remains" await 2 none_alive
 }
 mkfifo idle
 exec 8<>idle # an input that stays open and says nothing

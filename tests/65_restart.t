@@ -80,7 +80,7 @@ refused version 'was rendered by another version: 0.0, expected' -s $size gears.
 head -c 60000 whole | perl -pe 's/( selftest=)..../${1}0000/' | "$root/tests/seal" >log
 cp log before
 refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
-# What is no log is not made one.
+# A file that is not a log does not become one.
 cp gears.nff log && cp log before
 refused 'kind of file' 'is not a log, expected fragments, or a new file' -s $size gears.nff
 run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"

@@ -53,7 +53,7 @@ render 'a comma list with slots, a user and this machine' interleaved 2/host1,ro
 is 'every slot did its part' "$(slots_in job.log)" '0 1 2 3 '
 cat >via.hosts <<END
 # by a name that only we know, and by hand
-somebody slots=2 via="ssh -T host1 %c # %h" bin=$bin   # a comment
+other-user slots=2 via="ssh -T host1 %c # %h" bin=$bin   # a comment
 198.18.0.2 via="ssh -l root -o HostKeyAlias=host2 -i $TEST_HOSTS/user %h %c" bin=$bin power=.3
 END
 render 'a hosts file with via' interleaved via.hosts

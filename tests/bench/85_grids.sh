@@ -56,7 +56,7 @@ for path in sys.argv[1:]:
 END
 /usr/bin/python3 compare.py nc4uvt.vtk echam.vtk levitus.vtk atlas.vtk awp211.vtk || stop 'VTK reads other numbers'
 
-# Files of VTK's writer: our reader gives the same picture from the grid of nc2vtk and from VTK's copy of it.
+# Files of VTK's writer: our reader gives the same picture from a grid of nc2vtk and from VTK's copy.
 cat >wind.spec <<'END'
 from 190 -200 900
 at 190 0 -100

@@ -33,7 +33,7 @@ while [ $((run += 1)) -le "$runs" ]; do
 	pid=$!
 	pick 400
 	sleep "$(printf '.%03d' $((picked + 5)))"
-	# The shell that started the pipeline is no part of it.
+	# The shell that started the pipeline does not belong to it, so it is not killed.
 	# shellcheck disable=SC2046  # a pid each
 	set -- $(alive | grep -vx "$pid")
 	[ $# -gt 0 ] || { wait "$pid"; continue; }
