@@ -54,8 +54,8 @@ static struct gb_stack find_stack(
         die(ST_USAGE, "%s: no %.*s%s%s, expected one that -l lists", o->common.file, n, name,
             o->levels ? " at levels of type " : "", o->levels ? o->levels : "");
     if (tie)
-        die(ST_USAGE, "%s: %.*s has levels of several types, such as %s, expected -L", o->common.file, n, name,
-            best.at->levels);
+        die(ST_USAGE, "%s: %.*s has levels of several types, such as %s, expected -L",
+            o->common.file, n, name, best.at->levels);
     if (!gb_stack_check(&best, err)) die(ST_USAGE, "%s: %.*s: %s", o->common.file, n, name, err);
     return best;
 }

@@ -180,9 +180,7 @@ static void load_log(struct replay *r)
     struct history *l = &r->log;
     history_over(l, r->bytes, r->n_bytes);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
-    if (l->bad)
-        warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad,
-            l->why);
+    if (l->bad) warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad, l->why);
     if (!l->n_frags || !l->n_dones)
         die(ST_USAGE, "%s: no task with pixels, expected the log of a run", path);
     for (size_t i = 0; i < l->n_frames; i++) {

@@ -22,6 +22,7 @@ enum isa opt_isa(int opt, const char *s)
     enum isa isa = ISA_AVX512;
     while (isa != ISA_AUTO && strcmp(s, names[isa]) != 0) isa--;
     if (isa == ISA_AUTO) die(ST_USAGE, "-%c %s: expected sse2, avx2 or avx512", opt, s);
-    if (!isa_available(isa)) die(ST_USAGE, "-%c %s: this processor does not have it, expected another", opt, s);
+    if (!isa_available(isa))
+        die(ST_USAGE, "-%c %s: this processor does not have it, expected another", opt, s);
     return isa;
 }

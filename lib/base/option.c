@@ -20,7 +20,7 @@ const char *opt_text(int opt, const char *s)
     if (!*s) die(ST_USAGE, "-%c: is empty, expected a value", opt);
     bool option = s[0] == '-' && isalpha((unsigned char)s[1]) && !s[2];
     if (option || strcmp(s, "--help") == 0 || strcmp(s, "--version") == 0)
-        die(ST_USAGE, "-%c %s: expected a value, not an option; for a file of that name write ./%s", opt,
-            s, s);
+        die(ST_USAGE, "-%c %s: expected a value, not an option; for a file of that name write ./%s",
+            opt, s, s);
     return s;
 }

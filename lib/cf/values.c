@@ -87,6 +87,6 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct 
     free(slab);
     if (!cf_look(c, err)) return false;
     if (worst <= GRID_MAX) return true;
-    return err_set(err, "a value is as large as %g, expected at most %g, or missing_value",
-        worst, GRID_MAX);
+    return err_set(
+        err, "a value is as large as %g, expected at most %g, or missing_value", worst, GRID_MAX);
 }

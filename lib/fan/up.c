@@ -67,7 +67,8 @@ static const char *dispute(
     int to_come = may_announce(f, known);
     if (known->differ > known->agree || (known->differ == known->agree && to_come <= 0)) {
         f->disputed = true;
-        warn("frame %" PRIu32 ": %" PRId32 " with job %s, %" PRId32 " with another: the run ends, expected "
+        warn("frame %" PRIu32 ": %" PRId32 " with job %s, %" PRId32
+             " with another: the run ends, expected "
              "one scene, with the same options, on all",
             frame->frame, known->agree, known->hash, known->differ);
     }

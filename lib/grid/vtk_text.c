@@ -133,8 +133,8 @@ bool vtk_begin_numbers(struct vtk_reader *r, const char *what, struct vtk_type t
         room = ((uint64_t)(r->end - r->at) + 1) / 2; /* one digit and one blank */
     }
     if (count <= room) return true;
-    return vtk_fail(r, "%s: %llu announced, but the file has bytes for %llu, expected all",
-        what, (unsigned long long)count, (unsigned long long)room);
+    return vtk_fail(r, "%s: %llu announced, but the file has bytes for %llu, expected all", what,
+        (unsigned long long)count, (unsigned long long)room);
 }
 
 /* The range of a type, also in words if range is not NULL. */

@@ -69,8 +69,8 @@ const char *log_dispute_text(
     log_source_text(s, d->first, first);
     log_source_text(s, d->second, second);
     snprintf(out, LOG_DISPUTE_TEXT,
-        "frame %" PRIu32 ": %" PRIu64 " pixels of %s and of %s differ, most at %" PRIu32
-        ",%" PRIu32 ", by %.3g: one of the two is wrong; those of the first were kept",
+        "frame %" PRIu32 ": %" PRIu64 " pixels of %s and of %s differ, most at %" PRIu32 ",%" PRIu32
+        ", by %.3g: one of the two is wrong; those of the first were kept",
         d->frame, d->pixels, first, second, d->x, d->y, d->worst);
     return out;
 }

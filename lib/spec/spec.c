@@ -251,8 +251,7 @@ static int by_value(const void *a, const void *b)
 static bool check_field(struct reader *r)
 {
     struct spec *s = r->s;
-    if (!s->n_knots && !s->n_isos)
-        return fail(r, "nothing is visible, expected map or iso lines");
+    if (!s->n_knots && !s->n_isos) return fail(r, "nothing is visible, expected map or iso lines");
     if (s->n_knots == 1) return fail(r, "one map line, expected two or more");
     if (s->n_isos) qsort(s->iso, s->n_isos, sizeof *s->iso, by_value);
     for (size_t i = 1; i < s->n_isos; i++)
