@@ -123,7 +123,7 @@ wait
 mkdir -p "in stalled/bin" "in stalled/share/stormring" && cp "$root"/bin/* "in stalled/bin" &&
 	cp -r "$root/tests/experiments" "in stalled/share/stormring" # what is installed has no tests beside it
 run "in stalled/bin/protocol" -n 1 power
-like 'an experiment on test hosts needs a clone' "$status $err" '^3 protocol: power: is for a clone of the source'
+like 'an experiment on test hosts needs a clone' "$status $err" '^3 protocol: power: needs a clone of the source'
 run protocol -n 1 -o real.tsv complexity
 like 'a real experiment notes the other load of the machine' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
 run protocol -n 1 -o real.tsv complexity

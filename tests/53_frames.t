@@ -1,7 +1,7 @@
 #!/bin/sh
 # Frames of a stream, each with its own scene. Idle slots start the next frame; no slot waits at the end of a frame for
-# the slowest one. The workers here hold their first task of frame 0 until something is true that needs the other
-# workers to render frame 1.
+# the slowest one. The first worker here holds its first task of frame 0 until a condition is true that needs the
+# others to render frame 1.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 trap 'touch "$tmp/over"; rm -rf "$tmp"' EXIT
@@ -17,8 +17,8 @@ cat >tell <<'END'
 until "$@"; do [ -e "$0" ] && [ ! -e over ] || exit 1; sleep .02; done
 END
 mv tell until
-# held UNTIL AFTER: a worker; the first of them gets no task of frame 0 before the command UNTIL is true, and does AFTER
-# then; the others get none at all before that one has come so far
+# held UNTIL AFTER: a worker. The first one that starts gets no task of frame 0 before the command UNTIL succeeds, and then
+# runs AFTER. The others get no task before the first one holds.
 cat >held <<'END'
 #!/bin/sh
 mkdir first 2>/dev/null && place=first || place=other
@@ -40,7 +40,7 @@ right() {
 		f=$((f + 1))
 	done
 }
-# held_by NAME UNTIL COMMAND ...: a film of three through it
+# held_by NAME UNTIL COMMAND ...: renders three frames with these workers
 held_by() {
 	name=$1 until=$2
 	shift 2

@@ -90,7 +90,7 @@ winded() {
 # can_build NAME: checks that tests/bench/NAME.c can be built, for a plan whose samples need it
 can_build() {
 	[ -r "$here/../tests/bench/$1.c" ] && [ -r "$here/../build/libstormring.a" ] ||
-		fail 3 "$experiment: is for a clone of the source that is built, expected tests/bench/$1.c and build/libstormring.a there"
+		fail 3 "$experiment: needs a built clone of the source, expected tests/bench/$1.c and build/libstormring.a"
 }
 # built NAME: builds that program in this directory
 built() {
@@ -135,7 +135,7 @@ quietly() {
 processor() { taskset -cp $$ | sed 's/.*[-, ]//'; }
 # hosts ARGUMENT ...: makes test hosts on this machine; needs root and a clone of the source
 hosts() {
-	[ -x "$here/../tests/hosts" ] || fail 3 "$experiment: is for a clone of the source, expected tests/hosts there"
+	[ -x "$here/../tests/hosts" ] || fail 3 "$experiment: needs a clone of the source, expected tests/hosts"
 	"$here/../tests/hosts" "$@"
 }
 # among SECONDS N PROGRAM ARGUMENT ...: runs a shell program among N test hosts, for at most SECONDS. It ends with this
