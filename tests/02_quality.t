@@ -16,8 +16,8 @@ ok 'clang warns of nothing' build clang clang '-O2 -Werror' all unit
 ok 'it builds with sanitizers' build sanitized gcc "$sanitize -Werror" all unit
 
 # hardened BUILD: each program is position independent, relocations are read-only and bound at the start, and there are
-# calls to check the stack and the sizes of buffers; each object is marked for CET where all are meant to be. (Programs
-# are not: Debian's own start-up files are not marked.)
+# calls to check the stack and the sizes of buffers; each object is marked for CET on x86-64. (Programs are not,
+# because Debian's start-up files are not marked.)
 hardened() {
 	make -n -B BUILD="build/$1" CC="$1" CFLAGS='-O2 -Werror' "build/$1/base/clock.o" | grep -e -fstack-clash-protection || return
 	[ "$($1 -dumpmachine)" != x86_64-linux-gnu ] ||
@@ -36,13 +36,13 @@ is 'CFLAGS and LDFLAGS come last, so they win' "$(make -n -B BUILD=build/plain C
 	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |
 	grep -Ec 'stack-protector-strong .*-fno-stack-protector .*-pie .*-no-pie ')" 1
 
-# Out of memory is one of the things that test_base tries.
+# test_base tries to run out of memory.
 for unit in tests/unit/test_*.c; do
 	name=$(basename "$unit" .c)
 	ok "$name is clean under ASan and UBSan" env ASAN_OPTIONS=allocator_may_return_null=1 "build/sanitized/unit/$name"
 done
 
-# picture BUILD: a small one through every stage
+# picture BUILD: renders a small picture through every stage
 picture() {
 	PATH=$root/build/$1/bin:$PATH
 	{ pack scene "$tmp/gears.nff" && partition -u tile:16x8 40x32; } |

@@ -27,7 +27,7 @@ chmod +x user/id
 run env PATH="$tmp/user:$PATH" make -s -C "$root" fresh
 like 'make fresh: an ordinary user reads that only root can try it' "$status $err" '^2 fresh: SKIP: only root'
 
-# ---- make, with a compiler that finds all headers but one, and whose programs are those of the clone -----------------
+# ---- make, with a compiler that finds all headers except one and installs the programs of the clone -----------------
 # make takes no CC or BUILD with blanks in its name, and the temporary directory may have some.
 plain=$(mktemp -d /tmp/commands.XXXXXX) && other=$plain/other || exit 3
 trap 'rm -rf "$tmp" "$plain"' EXIT

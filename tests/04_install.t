@@ -13,7 +13,7 @@ for file in home/my/thesis home/prefix/share/stormring/wind.nc "home/my prefix/b
 done
 before=$(tree)
 
-# ---- an ordinary user's ------------------------------------------------------------------------------------
+# ---- into an ordinary user's home ------------------------------------------------------------------------------------
 prefix="$tmp/home/my prefix"
 ok 'make install' make -s -C "$root" install PREFIX="$prefix"
 is 'every program and script is installed' "$(ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
@@ -41,7 +41,7 @@ ok 'make install over an earlier version' make -s -C "$root" install PREFIX="$pr
 ok 'make uninstall, without a compiler' make -s -C "$root" uninstall PREFIX="$prefix" CC=false
 is 'all installed files are gone, also of the earlier version, and all other files are unchanged' "$(tree)" "$before"
 
-# ---- a package's: DESTDIR and PREFIX are made, and go again ----------------------------------------------------
+# ---- for a package: DESTDIR and PREFIX are made and removed ----------------------------------------------------
 stage="$tmp/stage/it's \\ a \"new\" *"
 ok 'make install into a directory with quotes in its name' make -s -C "$root" install DESTDIR="$stage" PREFIX=/usr
 is 'every program and script is in the staging directory' "$(ls "$stage/usr/bin")" "$programs"

@@ -7,7 +7,7 @@
 . "$root/tests/examples.sh"
 # shellcheck disable=SC2154  # lib.sh and examples.sh set them
 
-# steps/S.title and steps/S.files of step S; of its command K S/K.run, and S/K.shows where something is printed
+# Writes steps/S.title and steps/S.files for step S; for its command K S/K.run, and S/K.shows if the page shows output
 mkdir steps work
 examples "$root/man/stormring-tutorial.7" >script
 awk '
@@ -30,9 +30,9 @@ for step in steps/*/; do
 done >all
 (cd work && steps=$tmp/steps timeout 500 sh "$tmp/all") >said 2>&1
 
-# plain FILE: blanks of any number are one, as tables have tabs
+# plain FILE: prints it with single blanks, because tables have tabs
 plain() { sed 's/[[:blank:]][[:blank:]]*/ /g; s/ $//' "$1" 2>/dev/null; }
-# as_shown COMMAND: it printed what the page shows, or says that on standard error; nothing shown is nothing printed
+# as_shown COMMAND: its output, or its standard error, is what the page shows; without shown output it printed nothing
 as_shown() {
 	[ -e "$1.shows" ] || { [ ! -s "$1.out" ]; return; }
 	shown=$(plain "$1.shows" | sed 's/[][*?\\]/\\&/g; s/[.][.][.]/*/g')

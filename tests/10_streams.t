@@ -5,7 +5,7 @@
 # shellcheck disable=SC2154  # lib.sh sets out, err, status
 tasks() { partition "$@" | sed -n 's/^task //p'; }
 slots() { partition "$@" | sed -n 's/.*to=//p' | tr '\n' ' '; }
-# pixels WIDTH: each pixel that the tasks on stdin name, by the formula of stormring-task(5)
+# pixels WIDTH: prints each pixel of the tasks on standard input, by the formula of stormring-task(5)
 pixels() {
 	awk -v fw="$1" '$1 == "task" { for (j = 0; j < $7; j++) for (i = 0; i < $6; i++)
 		print $5 * fw + $4 + i * $8 + j * $9 * fw }' | sort -n
@@ -48,7 +48,7 @@ done
 
 # ---- rtworker ----------------------------------------------------------------------------------------
 spdgen -s 1 tetra >tetra.nff
-# lines FILE: the records of a stream without their bodies; records: the same in short
+# lines FILE: prints the records of a stream without their bodies; records: the same, shortened
 lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$@"; }
 records() { lines - | sed 's/ crc=.*//; s/ sum=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=[^ ]*//'; }
 partition -u run:6 4x3 | rtworker tetra.nff >frags

@@ -21,7 +21,7 @@ spdgen tetra >default
 spdgen -s 6 tetra >named
 ok 'the default size is the listed one' cmp default named
 
-# turn SCENE: how many degrees the camera of the imbalanced view is turned, to the nearest whole one
+# turn SCENE: prints the turn of the camera in the imbalanced view, in whole degrees
 turn() {
 	for view in balanced imbalanced; do spdgen -p 17 -s 1 -V $view "$1"; done | awk '
 		$1 == "from" || $1 == "at" { for (i = 2; i <= 4; i++) seen[++n] = $i }

@@ -38,7 +38,7 @@ for order in shuffle shuffle:7 cost:coarse.frags; do
 done
 
 ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1 8x50 | cksum)" != "$(partition -o shuffle:2 8x50 | cksum)" ]'
-# A log by hand: row 1 of 2 is dear. Of 4 rows the lower two come first.
+# A log made by hand: row 1 of 2 costs more. Of 4 rows the lower two come first.
 {
 	echo 'frame 0 1 2 job=1'
 	for y in 0 1; do

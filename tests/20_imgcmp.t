@@ -15,7 +15,7 @@ grey() {
 		i=$((i + 1))
 	done
 }
-# figure NAME: its value in what imgcmp said last
+# figure NAME: prints its value in the last output of imgcmp
 figure() { printf '%s\n' "$out" | awk -F '\t' -v k="$1" '$1 == k { print $2 }'; }
 
 grey 20 10 000 >black.pgm

@@ -27,7 +27,7 @@ is 'a hither that hides a primitive exits 1' "$status" 1
 like 'a message names the hidden primitive' "$err" '^nff2pov: near.nff: hither 3 may hide part of primitive 1,'
 like 'a hither that hides a primitive: the scene is still written' "$out" '^sphere '
 
-# same NAME FACTOR WxH FILE: within the bounds that can be reached
+# same NAME FACTOR WxH FILE: the pictures are the same within tolerances
 same() {
 	nff2pov -x "$2" "$4" >s.pov || return
 	povray +Is.pov +Os.ppm "+W${3%x*}" "+H${3#*x}" File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 ||

@@ -5,9 +5,9 @@
 needs gnuplot tsvstat
 
 header='experiment kind method x x_unit y y_unit sample seed'
-# tsv LINE ...: with blanks for tabs, but for comment lines
+# tsv LINE ...: prints lines, with tabs for blanks except in comments
 tsv() { printf '%s\n' "$@" | awk '!/^#/ { gsub(/ /, "\t") } { print }'; }
-# texts FILE.svg: what a reader reads
+# texts FILE.svg: prints the texts of the chart
 texts() { sed -n 's/.*<text>\(.*\)<\/text>.*/\1/p' "$1" | sed 's/<[^>]*>//g'; }
 
 tsv '# title: Time by slots' '# x: slots' '# y: elapsed time' '# commit: abc1234' '# machine: this' '# seed: 0' \
@@ -45,7 +45,7 @@ chart -o both.svg both.tsv && texts both.svg >said
 like 'two kinds: both in the title' "$(cat said)" '^a \(real and simulated\)$'
 like 'two kinds: the legend names the kind of each line' "$(cat said)" '^m \(simulated\)$'
 
-# A median, not a mean: where three samples are, the line runs through the middle one.
+# The line runs through the median of three samples, not through their mean.
 points() { tr -d '\n' <"$1" | grep -oE "<path stroke='rgb\( +0, 114, 178\)'  d='M[0-9.]+,[0-9.]+ L[0-9.]+,[0-9.]+ " | head -n 1; }
 tsv "$header" 'a real m 2 1 2 s 1 0' 'b real n 1 1 9 s 1 0' 'a real m 1 1 4.1 s 1 0' >one.tsv
 { cat one.tsv; tsv 'a real m 1 1 9 s 2 0' 'a real m 1 1 4 s 3 0'; } >three.tsv
@@ -54,7 +54,7 @@ chart -o three.svg three.tsv
 is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 
 
-# Where a table names a level, the means and their intervals: 4, 4 and 10 are not 4, and 1000 is no outlier of four.
+# A table with a level gets means and intervals: of 4, 4, 10 and 4 the mean is not 4.
 leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \
 	'a real m 1 1 4 s 4 0' 'a real m 2 1 6 s 1 0'; }
 { leveled kept; echo '# others: took .50 of 2 processors'; } >level.tsv && chart -o level.svg level.tsv && texts level.svg >said
@@ -63,7 +63,7 @@ like 'the footer has the other load of the machine' "$(cat said)" '^others took 
 leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
 like 'the chart says that outliers are left out' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
 is 'without outliers the chart differs' "$(cmp -s level.svg drop.svg; echo $?)" 1
-# gnuplot is not left with what lies beyond an axis: 1 and 9 say little of their mean.
+# chart itself clips bands at the axis: the interval of 1 and 9 reaches far beyond it.
 tsv '# level: .99' "$header" 'a real m 1 1 4 s 1 0' 'a real m 2 1 1 s 1 0' 'a real m 2 1 9 s 2 0' >wide.tsv
 # shellcheck disable=SC2016
 mkdir seen && printf '#!/bin/sh\ncp "$3" script\n' >seen/gnuplot && chmod +x seen/gnuplot
@@ -75,7 +75,7 @@ tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
 run chart bad.tsv
 like 'refused: a level that is not a number' "$status $err" '^2 tsvstat: bad.tsv:1: level is "much", expected a number'
 
-# Intervals: a lane for each slot, a look for each thing done, and none of the points' options.
+# Intervals: a lane for each slot, a look for each kind of bar, and no options of points.
 bars=$(printf '%s until' "$header")
 tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \
 	'log real task 1.5 s 0 1 2 0 2' 'log real wasted 0.1 s 1 1 3 0 2' 'log real task_again 0 s 1 1 4 0 .1' >bars.tsv
@@ -88,7 +88,7 @@ like 'Gantt chart: the note is below the chart' "$(cat said)" '^efficiency \.9$'
 is 'Gantt chart: wasted tasks are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
 ok 'it writes a Gantt chart as PNG' chart -o bars.png bars.tsv
 
-# refused LINE WHY ROW ...: exit 2, the line, the reason, and no picture
+# refused LINE WHY ROW ...: chart exits 2, prints line and reason, and writes no picture
 refused() {
 	line=$1 why=$2
 	shift 2
@@ -125,7 +125,7 @@ done
 status=0
 chart times.tsv >/dev/full 2>err.txt || status=$?
 is 'nowhere to write: status 3' "$status" 3
-# A disk that fills up half-way, as its writer sees it.
+# A disk that fills up half way, simulated by a cat that fails.
 mkdir full half && printf '#!/bin/sh\nhead -c 100 "$@"\nexit 1\n' >full/cat && chmod +x full/cat && echo before >half/x.svg
 (PATH=$tmp/full:$PATH && exec chart -o half/x.svg times.tsv) 2>err.txt
 is 'a disk that fills up: status 3, and the old file stays' "$? $(cat half/*)" '3 before'

@@ -7,14 +7,14 @@ converter=nc2vtk
 . "$root/tests/grids.sh"
 ncarg=/usr/share/ncarg/data ferret=/usr/share/ferret-vis/data
 
-# ---- readers: of NetCDF, ncdump; of what is written, grids.sh --------------------------------------------------
-# want FILE VARIABLE: its numbers, a line each, _ where missing; of a group, by its whole name
+# ---- readers: ncdump for NetCDF, grids.sh for the output --------------------------------------------------
+# want FILE VARIABLE: prints its numbers, one per line, _ if missing; a variable of a group by its full name
 want() {
 	ncdump -p 9,17 -v "$2" "$1" | sed -n "/^ *data:/,\$p" | awk -v name="${2##*/}" '
 		$1 == name && $2 == "=" && !done { on = 1; sub(/^[^=]*=/, "") }
 		on { end = /;/; gsub(/[,;]/, " "); for (i = 1; i <= NF; i++) print $i; if (end) { on = 0; done = 1 } }'
 }
-# same WANT GOT TOLERANCE [NX NY NZ TURNED]: numbers one by one, relative; the axes named in TURNED, of y and z, turned
+# same WANT GOT TOLERANCE [NX NY NZ TURNED]: compares numbers, by relative tolerance; reverses the axes in TURNED (y, z)
 same() {
 	awk -v tolerance="$3" -v nx="${4:-1}" -v ny="${5:-1}" -v nz="${6:-1}" -v turned="${7-}" '
 		NR == FNR { want[n++] = $1; next }
@@ -33,7 +33,7 @@ same() {
 		END { if (!bad && (seen != n || !n)) { print seen " values, expected " n; bad = 1 } exit bad }' "$1" "$2"
 }
 single=1.2e-7 # what a float may lose as a decimal
-# agrees FILE VARIABLE X Y Z [NX NY NZ TURNED]: the grid of a variable against ncdump; Z is negated
+# agrees FILE VARIABLE X Y Z [NX NY NZ TURNED]: compares the grid of a variable with ncdump; Z is negated
 agrees() {
 	nc2vtk "$1" "$2" >a.vtk || return
 	for name in "X $3" "Y $4" "Z $5"; do
@@ -46,7 +46,7 @@ agrees() {
 	same w g $single "${6-}" "${7-}" "${8-}" "${9-}"
 }
 
-# ---- the files that Debian has ---------------------------------------------------------------------------------
+# ---- files of Debian packages ---------------------------------------------------------------------------------
 nc4=$ncarg/cdf/nc4uvt.nc
 run nc2vtk -l "$nc4"
 is '-l exits 0' "$status:$err" 0:
@@ -110,8 +110,8 @@ for month in 0 1 11; do
 	ok "-c, of month $month" closed "$(printf 'm%02d.vtk' $month)" c$month.vtk 180
 done
 
-# ---- files made for it -----------------------------------------------------------------------------------------
-# make NAME DIMENSIONS VARIABLES DATA: NAME.nc
+# ---- files made here -----------------------------------------------------------------------------------------
+# make_nc NAME DIMENSIONS VARIABLES DATA: writes NAME.nc
 make_nc() { printf 'netcdf a {\ndimensions: %s\nvariables: %s\ndata: %s\n}\n' "$2" "$3" "$4" >"$1.cdl" && ncgen -o "$1.nc" "$1.cdl"; }
 axes='double x(x); x:axis = "X"; double y(y); y:axis = "Y"; double z(z); z:axis = "Z";'
 cube='x = 2; y = 2; z = 2;' nodes='x = 1, 2; y = 3, 4; z = 5, 6;'
@@ -150,7 +150,7 @@ make_nc ensemble "$cube member = 1; run = 1; t = 2;" \
 is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11 12 13 14 15 16'
 is 'axes are the same without dimensions of one element' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
 like '-l does not list dimensions of one element' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
-# A name is the last that decides, but height is not what is left over.
+# The name of an axis decides last; an axis with an unknown name does not count as height.
 for name in timestep time_step xtime date level_type ensemble; do
 	make_nc named "$name = 2; lat = 2; lon = 2;" "float $name($name); float lat(lat); float lon(lon); float s($name, lat, lon);" \
 		"$name = 0, 1; lat = 1, 2; lon = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;"
@@ -176,7 +176,7 @@ ncgen -k nc4 -o inner.nc inner.cdl
 is 'coordinates are found in the groups around' "$(got inner.nc /a/b/s)" '1 2 3 4 5 6 7 8'
 like '-l lists coordinates of the groups around' "$(nc2vtk -l inner.nc)" '^/a/b/s	x=x:2	y=y:2	z=z:2	-'
 
-# longitudes NAME LON ...: NAME.nc, whose values count up
+# longitudes NAME LON ...: writes NAME.nc, with values that count up
 longitudes() {
 	name=$1
 	shift

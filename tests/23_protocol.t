@@ -19,7 +19,7 @@ like 'a setting is one point at any x' "$out" "m@a${tab}1.5${tab}2${tab}0${tab}8
 like 'an outlier counts' "$(tsvstat six.tsv)" "m${tab}1${tab}6${tab}0${tab}19"
 like '-r removes it' "$(tsvstat -r six.tsv)" "m${tab}1${tab}5${tab}1${tab}3${tab}2.5"
 
-# ---- and comparisons: of b, a is 1 less in each pair, c is as far apart in all, d is a with more noise ----------------
+# ---- comparisons: a is 1 less than b in each pair, c differs from a by little, d is a with more noise ----------------
 for i in 1 2 3 4 5 6; do
 	echo "$i" | awk '{ i = $1
 		print "e real a 1 s", 10 * i, "s", i, 0; print "e real b 1 s", 10 * i + 1 + i / 100, "s", i, 0
@@ -43,7 +43,7 @@ run tsvstat -t less a b pairs.tsv
 is 'exit 0 when it holds' "$status" 0
 run tsvstat -t more a b pairs.tsv
 is 'exit 1 when it does not' "$status" 1
-# refused LINE WHY ROW: exit 2, the line, the reason
+# refused LINE WHY ROW: tsvstat exits 2, and prints line and reason
 refused() {
 	tsv "$3" >bad.tsv
 	run tsvstat bad.tsv
@@ -60,7 +60,7 @@ like 'refused: no x with both methods' "$status $err" '^1 .*expected experiments
 run tsvstat twice.tsv
 like 'refused: the same sample twice' "$status $err" '^2 tsvstat: twice.tsv:10: the same .* as in line 2, expected each once'
 
-# ---- protocol: what there is ---------------------------------------------------------------------------------------
+# ---- protocol: the list of experiments ---------------------------------------------------------------------------------------
 run protocol -l
 is 'the list names every experiment' "$(echo "$out" | cut -f 1)" "$(cd "$root/tests/experiments" && find . -type f ! -name '*.sh' | sed 's,.*/,,' | LC_ALL=C sort)"
 is 'the list has six columns' "$(echo "$out" | awk -F '\t' 'NF != 6 || /\t\t|\t$/')" ''
@@ -74,7 +74,7 @@ for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-s 010 faults' '-o' '
 	is "usage: protocol $args" "$status" 2
 done
 
-# ---- stopped, and going on: the same costs, one run without a stop and one that is killed at any moment ------------
+# ---- resuming: with the same costs, one run without a stop, and one killed at a random moment ------------
 ok 'an experiment' protocol -n 2 -o whole.tsv faults
 is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
 is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 21
@@ -83,7 +83,7 @@ run=$!
 until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done
 kill -9 $run 2>/dev/null
 wait $run
-# It may have been quick enough, and what it left is then whole.
+# If the run was quick enough, its table is complete.
 sed '/^experiment/q' a.tsv >b.tsv
 mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
 if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
@@ -130,7 +130,7 @@ run protocol -n 1 -o real.tsv complexity
 is 'a real experiment is complete after one run' "$status$out$err" 0
 
 # ---- verdicts: tables made so that a claim holds, fails, or is open ------------------------------------------------
-# made GDC INTERLEAVED: faults with these speed-ups after two are deleted
+# made GDC INTERLEAVED: prints a table of faults with these speed-ups after two hosts are deleted
 made() {
 	sed '/^#/!d' whole.tsv
 	for i in 1 2 3 4 5; do echo "$i"; done | awk -v gdc="$1" -v fan="$2" 'BEGIN { OFS = "\t"
@@ -147,7 +147,7 @@ made 0 0 >bad.tsv
 is 'the verdict is "found in part" if some cells hold' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6 }')" '2 1 1 found in part'
 made 9 5 >bad.tsv
 is 'the verdict is "not found" if the contrary holds' "$(protocol -v faults bad.tsv | awk -F '\t' 'NR == 4 { print $3, $4, $5, $6 }')" '1 0 1 not found'
-# Every experiment's claims, of tables of its plan in which nothing is known: seven fields a line, and no word that is none.
+# The claims of each experiment, on a table of its plan with arbitrary numbers: seven fields per line, and only known verdicts.
 grep -v '	gdc' good.tsv >bad.tsv
 is 'the verdict is "not decided" without samples' \
 	"$(protocol -v faults bad.tsv 2>said | awk -F '\t' 'NR == 2 { print $3, $4, $5, $6, $7 }')" \
@@ -169,7 +169,7 @@ for e in $(protocol -l | cut -f 1); do
 	is 'a table that has only begun has verdicts' "$status" 0
 done
 # The cheapest rival that is as exact as a point of POV-Ray is compared. Without such a rival the claim fails.
-# traced TIME ERROR: a table in which POV-Ray takes 1 s to an error of .02
+# traced TIME ERROR: prints a table in which POV-Ray takes 1 s for an error of .02
 traced() {
 	echo '# command: protocol -n 3 -s 0 tracing'
 	tsv
@@ -213,9 +213,9 @@ for m in interleaved masterslave ds adaptive hybrid gdc gdc-published; do
 		frame=512x100 unit='' && simulated $m 1,.442,2
 	)" "$(PATH=$PWD/stand-in:$PATH "balance-$m" 512x100 3 /dev/null fan -j 3 rtworker </dev/null)"
 done
-# A sample is taken: the last of the plan, behind others that are made up. kill leaves the table's head.
+# Takes one sample, the last of the plan, after made-up ones. kill leaves the head of the table.
 sampled() {
-	# What it has started may write beside its table for a while.
+	# Its children may write beside the table for a while.
 	protocol -n 1 -o "head.$1.tsv" "$1" 2>said &
 	run=$!
 	until grep -q ^experiment "head.$1.tsv" 2>/dev/null || ! kill -0 $run 2>/dev/null; do sleep .02; done
@@ -234,7 +234,7 @@ sampled steals '^0 [.0-9]+$'
 sampled stability '^0 [.0-9]+$'
 sampled variance '^0 [.0-9]+$'
 sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
-# Ctrl-C while others compute beside a sample; an interactive shell gives it a group of its own.
+# Ctrl-C while processes compute beside a sample; an interactive shell gives it a group of its own.
 # shellcheck disable=SC2016  # of perl
 setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' env MARK=$mark "$root/bin/protocol" -n 1 -o c.tsv slaves 2>/dev/null &
 run=$!
@@ -254,7 +254,7 @@ EXPERIMENTS='faults' run "$root/tests/report" "$tmp/page"
 like 'report writes its page' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
 is 'the page has the chart, the verdicts, and the pictures of both views' \
 	"$(grep -c '<svg\|<b>The paper reports\|<table class="verdicts"\|alt="".*base64,i.*<figcaption>gears, ' page/index.html)" 5
-# Until where methods hold: a and c are beside each other, as b meets a stress of each; z meets another one.
+# Last stresses: a and c are in one table, because b meets the stresses of both; z meets another one.
 sed -n '/^held() {/,/^}/p' "$root/tests/report" >held.sh
 held() { printf "not claimed: how long $1 holds when $2${tab}mean${tab}3${tab}2${tab}1${tab}$3${tab}${4--}\\n"; }
 { held a 'X fall' 'holds until X = 4' && held b 'X fall' 'does not hold' && held b 'X rise' 'holds until X = 1e9' 'no more was tried'

@@ -37,7 +37,7 @@ done
 blend red.pam blue.pam >/dev/full 2>err
 is 'a full disk is exit 3' "$?" 3
 
-# ---- backdrop: what is at a place of the lowest plane is at its place there ----------------------------------
+# ---- backdrop: places of the lowest plane ----------------------------------
 cat >wall.vtk <<'END'
 # vtk DataFile Version 3.0
 x
@@ -67,10 +67,10 @@ map 30 1 0 0 1e6
 END
 printf '# a meridian, around the globe\n372 41\n-348 45\n12 49\n> far away\n100 45\n' >line
 backdrop -t "it's x" -z -hPa wall.vtk wall.spec line >wall.gp
-# block NAME FILE: the points of a data block
+# block NAME FILE: prints the points of a data block
 block() { awk -v name="\$$1" '$1 == "EOD" { on = 0 } on && NF; $1 == name { on = 1 }' "$2"; }
 is 'the line is on the map, where the grid is' "$(block lines wall.gp | wc -l)" 3
-# Where the camera sees the line, by NFF's rules: 100 pixels are half the frame's height.
+# The camera's view of the line by the rules of NFF: 100 pixels are half the height of the frame.
 is 'the points of the line are where the camera sees them' "$(block lines wall.gp | tr '\n' ' ')" "$(awk 'BEGIN {
 	pi = atan2(0, -1)
 	fx = 3; fy = 25; fz = -30; f = sqrt(fx * fx + fy * fy + fz * fz); fx /= f; fy /= f; fz /= f
@@ -83,7 +83,7 @@ is 'the points of the line are where the camera sees them' "$(block lines wall.g
 		printf "%.2f %.2f ", 150 + 100 * (dx * rx + dy * ry) / d, 100 + 100 * (dx * ux + dy * uy + dz * uz) / d
 	}
 }')"
-# A grid so flat that it is its lowest plane, opaque, by vcworker; and that plane in the same red, by gnuplot.
+# vcworker renders a flat, opaque grid; gnuplot draws its lowest plane in the same red.
 sed 's/^-1000 -990$/-1000 -999.99/' wall.vtk >flat.vtk
 partition 300x200 | vcworker flat.vtk wall.spec | gather -k 16 -o flat.png
 printf 'P6 300 200 255\n' >black.ppm
@@ -95,7 +95,7 @@ ok 'gnuplot and vcworker fill the same pixels, except at the edge' imgcmp -t .75
 run imgcmp -t .75 -f .1 seen.png black.ppm
 is 'gnuplot fills many pixels' "$status" 1
 
-# ---- areas: filled where vcworker sees a grid that has their extent -------------------------------------------
+# ---- areas: they fill the pixels in which vcworker sees a grid of the same extent -------------------------------------------
 # filled NAME X Y SPEC [PART]: what lines.txt has, against a flat grid between these longitudes and latitudes; so great
 # a part of the pixels may differ, those at its edge
 filled() {
@@ -132,12 +132,12 @@ is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep 
 	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
 is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
 
-# ---- what is written ------------------------------------------------------------------------------------------
+# ---- labels ------------------------------------------------------------------------------------------
 like 'quotes in a title are text' "$(cat wall.gp)" "^set label 'it''s x' at"
 like 'negated heights are labelled with their own sign' "$(cat wall.gp)" "^set label '998 hPa' at"
 like 'longitudes are labelled' "$(cat wall.gp)" "^set label '10°E' at"
 like 'latitudes are labelled' "$(cat wall.gp)" "^set label '42°N' at"
-# titled TITLE [OPTION ...]: the labels of a grid of that title, between commas
+# titled TITLE [OPTION ...]: prints the labels of a grid with that title, with commas between
 titled() {
 	sed "2s,.*,$1," wall.vtk >titled.vtk
 	shift
@@ -189,7 +189,7 @@ for place in '20.00 -34.83' '350.50 38.78' '7.05 57.98'; do
 	ok "a coast is at $place" awk -v at="$place" 'BEGIN { split(at, p, " ") }
 		!/^>/ && ($1 - p[1]) ^ 2 + ($2 - p[2]) ^ 2 < 1 / 36 { found = 1; exit } END { exit !found }' coasts
 done
-# By Green's theorem on the sphere; the one that goes round it is the Antarctic's, and ends at the pole.
+# Areas by Green's theorem on the sphere. The coast of Antarctica goes round the globe and ends at the pole.
 awk 'function step(x2, y2,    d) {
 	d = x2 - x; d -= 360 * int(d / 360 + (d < 0 ? -.5 : .5))
 	if ((y2 - y) ^ 2 > far) far = (y2 - y) ^ 2

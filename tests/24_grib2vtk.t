@@ -7,7 +7,7 @@ converter=grib2vtk
 . "$root/tests/grids.sh"
 grb=/usr/share/ncarg/data/grb samples=/usr/share/eccodes/samples
 
-# ---- the file that Debian has: a Lambert grid, 19 pressure levels ------------------------------------------------
+# ---- a file of a Debian package: a Lambert grid, 19 pressure levels ------------------------------------------------
 file=$grb/fh.0012_tl.press_gr.awp211.grb2
 run grib2vtk -l "$file"
 is '-l exits 0' "$status:$err" 0:
@@ -36,8 +36,8 @@ is 'the title has names, units and time' "$(sed -n 2p speed.vtk)" \
 grib2vtk -L pressureFromGroundLayer "$file" t >layer.vtk
 is '-L: layers are at their middle, in Pa from the ground' "$(on_line coordinates Z layer.vtk)" '1500 4500 7500 10500 13500'
 
-# ---- files made for it -------------------------------------------------------------------------------------------
-# make_grib NAME RULES: NAME.grib2, of 3x2 nodes around Greenwich, by rules of grib_filter
+# ---- files made here -------------------------------------------------------------------------------------------
+# make_grib NAME RULES: writes NAME.grib2, 3x2 nodes around Greenwich, by rules of grib_filter
 make_grib() {
 	cat >rules - <<END
 set shortName="t"; set typeOfLevel="isobaricInhPa";

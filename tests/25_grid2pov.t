@@ -65,12 +65,12 @@ is 'the field has three sizes and 4 bytes per node' "$(wc -c <s.df3)" $((6 + 4 *
 run grid2pov even.vtk many.spec s.df3
 like 'more knots than a colour map has room for' "$status:$err" '^2:grid2pov: many.spec: 253 map lines, expected 2 to 250'
 
-# pov GRID SPEC SAMPLES: POV-Ray's picture in s.ppm
+# pov GRID SPEC SAMPLES: writes POV-Ray's picture to s.ppm
 pov() {
 	grid2pov -n "$3" "$1.vtk" "$2.spec" s.df3 >s.pov || return
 	povray +Is.pov +Os.ppm +W32 +H24 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
 }
-# same GRID SPEC TOLERANCE METHOD: ours is that
+# same GRID SPEC TOLERANCE METHOD: vcworker's picture is the same
 same() {
 	partition 32x24 | vcworker -m "$4" "$1.vtk" "$2.spec" | gather -o s.pfm || return
 	imgcmp -t "$3" s.pfm s.ppm

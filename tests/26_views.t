@@ -12,7 +12,7 @@ key a.spec '10 0 5' '0 0 0' '0 0 1' 30
 key b.spec '0 10 5' '0 0 0' '0 0 1' 30
 key c.spec '-10 0 5' '0 0 0' '0 0 1' 30
 key d.spec '0 -10 5' '0 0 0' '0 0 1' 30
-# word WORD FILE: its numbers, rounded
+# word WORD FILE: prints its numbers, rounded
 word() { awk -v w="$1" '$1 == w { for (i = 2; i <= NF; i++) printf "%.3f ", $i + 1e-9 }' "$2"; }
 
 run views -n 5 -o v%d.spec a.spec b.spec c.spec

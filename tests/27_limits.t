@@ -34,7 +34,7 @@ like 'views: exit 3, and why' "$status:$err" '^3:.*File too large'
 run sh -c 'ulimit -f 1; balance interleaved -j 1 -o big.png - <gears.nff'
 like 'balance, a scene from a pipe: exit 3, and why' "$status:$err" '^3:.*File too large'
 
-# few N PROGRAM: runs it with a limit of N open files. It inherits none but the standard three.
+# few N PROGRAM: runs it with a limit of N open files. It inherits only the standard three.
 few() { run perl -MPOSIX -e 'POSIX::close($_) for 3 .. 1023; exec @ARGV' sh -c "ulimit -n $1; exec $2"; }
 for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol -l' 'chart gears.tsv' coastlines; do
 	for n in 12 20; do

@@ -8,7 +8,7 @@ half='\000\000\000\077\000\000\000\000\000\000\200\076\000\000\200\077'
 full='\000\000\200\077\000\000\000\000\000\000\200\076\000\000\200\077'
 
 PATH=$PATH:$root/tests
-# frag FRAME ID "X Y W H SX SY" PIXEL COUNT [KEYS [JOB]]: one record, not sealed
+# frag FRAME ID "X Y W H SX SY" PIXEL COUNT [KEYS [JOB]]: prints one record without its sum
 frag() {
 	rm -f body
 	i=0
@@ -21,7 +21,7 @@ frag() {
 	printf 'frag %s %s %s job=%s ch=4 crc=%s bytes=%d%s\n' "$1" "$2" "$3" "${7-cafe}" "$crc" $((16 * $5)) "${6-}"
 	cat body
 }
-# picture FRAME [JOB]: a whole stream of 3 rows of 4 pixels
+# picture FRAME [JOB]: prints a complete stream of 3 rows of 4 pixels
 picture() {
 	{
 		echo 'hello rtworker 0.1 selftest=0'
@@ -173,7 +173,7 @@ run gather -o n.png /dev/null
 is 'empty input: status 1' "$status" 1
 like 'empty input: a message says so' "$err" 'no frame was declared'
 
-# ---- what is missing, as tasks
+# ---- missing pixels as tasks
 run gather -m whole
 is '-m: nothing is missing' "$status$out$err" 0
 run gather -m torn
@@ -190,7 +190,7 @@ ok 'the printed command works' sh -c "$remedy"
 gather -o all.png good.frags
 ok 'the printed command gives the same bytes' cmp tetra.png all.png
 
-# Every byte: the stream may end there; or that record alone may be torn there, and others follow.
+# At every byte the stream may end, or one record may be torn and others follow.
 # offsets: "kind row from to" of each record of `whole`
 offsets() {
 	at=0

@@ -9,10 +9,10 @@ gives() {
 	shift 2
 	is "$key of $*" "$(value "$@")" "$want"
 }
-# column NUMBER LOG: of the table, without its name
+# column NUMBER LOG: prints a column of the table without its name
 column() { fragstat "$2" | tail -n +2 | cut -f "$1" | tr '\n' ' '; }
 
-# ---- a log by hand: times in ms; slot 2 is never given anything, task 2 is done twice ---------------------------
+# ---- a log made by hand: times in ms; slot 2 never gets a task, task 2 is done twice ---------------------------
 "$root/tests/seal" >hand.frags <<'END'
 hello deal 0.1 selftest=0 slots=3
 done 0 0 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=120000
@@ -44,7 +44,7 @@ printf '%s\n' ': slots=2 power=1' 'far power=.5' >hosts
 gives bound_s 0.200000 -S hosts hand.frags # (90 + 200 + 100) / 2.5 is less than 200 / 1
 is 'the table has the powers' "$(fragstat -S hosts hand.frags | cut -f 11 | tr '\n' ' ')" 'power 1 1 0.5 '
 
-# A second run goes on after the first, and what it does again is wasted.
+# A second run resumes the first; its repeated tasks are wasted.
 { cat hand.frags; echo 'hello fan 0.1 selftest=0 slots=3'; echo 'done 0 0 cpu_us=1000 wall_us=1000 w=2 recv_us=100000'
 	echo 'done 0 3 cpu_us=1000 wall_us=1000 w=2 recv_us=102000'; } | "$root/tests/seal" >again.frags
 gives runs 2 again.frags
@@ -54,7 +54,7 @@ gives duplicates 2 again.frags
 is 'two runs in one file or in two files give the same table' "$(tail -n 3 again.frags >second.frags; fragstat hand.frags second.frags)" "$(fragstat again.frags)"
 is 'the times of two runs add up to the sum of the makespans' "$(fragstat again.frags | awk 'NR > 1 { printf "%.6f ", $4 + $5 + $6 + $7 + $8 }')" '0.402000 0.402000 0.402000 '
 
-# A lone worker has CPU time in which it read and wrote: it was not faster than that.
+# The CPU time of a single worker includes reading and writing, so its makespan is at least that.
 printf '%s\n' 'hello rtworker 0.1 selftest=0 slots=1' 'done 0 0 cpu_us=3000 wall_us=1000' 'done 0 1 cpu_us=1000 wall_us=2000' | "$root/tests/seal" >lone.frags
 gives makespan_s 0.005000 lone.frags
 gives efficiency 0.8000 lone.frags
@@ -74,7 +74,7 @@ ok 'the efficiency of one worker is at most 1' within "$(value one.frags)" 0 1
 ok 'the efficiency of three workers is at most 1' within "$(value three.frags)" 0 1
 gives tasks 64 three.frags
 gives duplicates 0 three.frags
-# adds_up LOG: of each slot, the five times are all of the makespan
+# adds_up LOG: the five times of each slot add up to the makespan
 adds_up() {
 	fragstat "$1" | awk -v all="$(key=makespan_s; value "$1")" 'NR > 1 { d = $4 + $5 + $6 + $7 + $8 - all; if (d > 1e-5 || d < -1e-5) bad = 1 }
 		END { exit bad || NR < 2 }'
@@ -87,7 +87,7 @@ ok '-c: the bound by costs of another run, for rows' share "$(value -c one.frags
 ok '-c: the bound by costs of another run, for scattered pixels' share "$(value -c one.frags scatter.frags)" 2
 partition -u tile:64x32 64x64 | fan -j 2 rtworker gears.nff >halves.frags
 ok '-c: a coarse cut does not raise the bound' share "$(value -c one.frags halves.frags)" 2
-# A slot that ends while it holds three tasks: these are given again, and all adds up.
+# A slot ends while it holds three tasks: these are given again, and the times add up.
 scale=$(echo "$sum" | awk '{ print 1500 / $1 / 1000 }') # a run of 1.5 s CPU
 # shellcheck disable=SC2016
 deal -q 2 fan -j 2 sh -c 'mkdir first 2>/dev/null || exec replay -x "$1" one.frags

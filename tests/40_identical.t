@@ -7,7 +7,7 @@ spdgen -s 1 gears >gears.nff
 spdgen -s 2 balls >balls.nff
 size=96x80
 
-# same NAME PICTURE: so is out.pfm, which is removed, so that nothing else is taken for it
+# same NAME PICTURE: out.pfm is the same; removes it, so that no later assertion reads it
 same() { ok "$1" cmp out.pfm "$2"; rm -f out.pfm; }
 one() { partition $size | rtworker "$1.nff" | gather -o "$1.pfm"; }
 for s in gears balls; do
@@ -39,7 +39,7 @@ for slots in 1 3 7; do
 	same "scattered over $slots" gears.pfm
 done
 
-# isa ISA: what this machine cannot run cannot be compared
+# isa ISA: skipped if this machine does not have it
 for isa in sse2 avx2 avx512; do
 	if rtworker -x $isa -i gears.nff >/dev/null 2>&1; then
 		partition $size | rtworker -x $isa gears.nff | gather -o out.pfm
@@ -50,7 +50,7 @@ for isa in sse2 avx2 avx512; do
 done
 
 state() { pack scene gears.nff; partition $size; }
-# However busy this machine is, no worker goes on with its first task before all four have one.
+# On a loaded machine too, no worker starts its first task before all four have one.
 cat >together <<'END'
 #!/bin/sh
 while IFS= read -r line; do
@@ -59,7 +59,7 @@ while IFS= read -r line; do
 done | rtworker -
 END
 chmod +x together
-# four COMMAND: four slots have had work
+# four COMMAND: four slots have done tasks
 four() {
 	rm -f tried.frags has.*
 	"$@" | gather -r tried.frags -o out.pfm

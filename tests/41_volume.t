@@ -72,7 +72,7 @@ picture a2.pam a.vtk two.spec
 picture b1.pam b.vtk one.spec
 picture b2.pam b.vtk two.spec
 size=30x20 && picture a3.pam a.vtk small.spec && size=48x40
-# pictures NAME: they are f0.pam and so on
+# pictures NAME: f0.pam and the next ones are the expected pictures
 pictures() {
 	name=$1
 	shift
@@ -100,7 +100,7 @@ at=0 && pictures 'nothing left to do' a1 a2
 run balance ds -j 2 -r torn -o f%d.pam a.vtk two.spec one.spec
 like 'a log of other pictures is refused' "$status $err" '^2 .*other|another'
 
-# ---- what it says of itself ----------------------------------------------------------------------------------
+# ---- vcworker -i and -n ----------------------------------------------------------------------------------
 run vcworker -i a.vtk one.spec small.spec
 is '-i: sizes' "$(printf '%s\n' "$out" | grep frame | tr '\n' ' ')" 'frame 48 40 frame 30 20 '
 job() { vcworker -i "$@" | sed -n 's/^job=//p'; }
@@ -114,7 +114,7 @@ is '-n: its table' "$(printf '%s\n' "$out" | cut -f 1 | tr '\n' ' ')" \
 	'quantity rays min_s max_s median_s mean_s sd_s cells samples most_cells '
 ok '-n: in order' awk '{ v[$1] = $2 } END { exit !(v["min_s"] <= v["median_s"] && v["median_s"] <= v["max_s"]) }' "$tmp/.out"
 
-# ---- StormView's own input: as its paper says, and as the file does --------------------------------------------
+# ---- StormView's own input, by its paper and by the file --------------------------------------------
 if there nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc; then
 	ok 'the wind of nc4uvt.nc' sh -c 'nc2vtk /usr/share/ncarg/data/cdf/nc4uvt.nc "speed=hypot(U,V)" >wind.vtk'
 	run vcworker -n wind.vtk "$root/scenes/stormview.spec"
@@ -147,13 +147,13 @@ for stage in gather balance pack partition; do
 	is "kill -9 of $stage: no picture" "$(ls f*.pam* 2>/dev/null)" ''
 done
 
-# ---- a series that is killed, and gone on with ------------------------------------------------------------------
-# killed NAME WHOM FILE ...: kill -9 once the second picture is there, of the last stage or of the whole group
+# ---- a series that is killed and resumed ------------------------------------------------------------------
+# killed NAME PREFIX FILE ...: kill -9 of the last stage, or of the whole group if PREFIX is -, after the second picture
 killed() {
 	name=$1 whom=$2
 	shift 2
 	rm -f log f*.pam
-	# The pictures of one run, to compare with; each costs enough to be killed over.
+	# The pictures of one run, to compare with; each takes long enough for a kill.
 	balance ds -j 2 -W '-m trapezoid:300' -o whole%d.pam "$@"
 	setsid balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
 	pid=$!
@@ -200,13 +200,13 @@ like 'a task before its specification' "$({ pack grid a.vtk; partition 2x2; } | 
 like 'a scene' "$(said pack scene one.spec)" 'record .scene., expected .grid. or .spec.'
 like 'a bad record' "$({ pack grid a.vtk; pack spec bad.spec; } | said cat)" 'vcworker: spec:11: line: first word'
 
-# ---- memory: a grid once as float, and 10 % ------------------------------------------------------------------
+# ---- memory: one copy of the grid as float, and 10 % ------------------------------------------------------------------
 perl -e 'binmode STDOUT; my @n = (256, 256, 200);
 	print "# vtk DataFile Version 3.0\nbig\nBINARY\nDATASET RECTILINEAR_GRID\nDIMENSIONS @n\n";
 	for my $a (0 .. 2) { print qw(X Y Z)[$a], "_COORDINATES $n[$a] float\n", pack("f>*", 0 .. $n[$a] - 1), "\n" }
 	print "POINT_DATA 13107200\nSCALARS s float 1\nLOOKUP_TABLE default\n";
 	print pack("f>*", map { 40 + $_ % 7 } 0 .. 65535) for 1 .. 200' >big.vtk
-# peak NAME TASK KIB VCWORKER-OPERANDS: of what comes on descriptor 8, until that task is done
+# peak NAME TASK KIB VCWORKER-OPERANDS: asserts the peak memory until TASK of the input on descriptor 8 is done
 peak() {
 	name=$1 last=$2 most=$3
 	shift 3

@@ -37,8 +37,8 @@ cat one.frags tiles.frags >both.frags
 run gather -P -o out.pfm both.frags
 like 'replay returns the rendered pixels' "$status $err" '^0 .*3072 pixels came twice$'
 
-# ---- times: what the log says, by power and scale ------------------------------------------------------------
-# Every task 10 ms: long against what a loaded machine adds.
+# ---- times: those of the log, by power and scale ------------------------------------------------------------
+# Each task takes 10 ms, long against the delays of a loaded machine.
 LC_ALL=C sed 's/^\(.*\)done 0 \([0-9]*\) .*$/\1done 0 \2 cpu_us=10000 wall_us=10000/' one.frags | "$root/tests/seal" >slow.frags
 sum() { grep -a -o 'done .*' "$1" | sed "s/.* $2=\([0-9]*\).*/\1/" | awk '{ s += $1 } END { print s }'; }
 is 'the log with the times is complete' "$(gather -m slow.frags | wc -l) $(sum slow.frags cpu_us)" '0 480000'
@@ -89,7 +89,7 @@ diag "after about $((i * 20)) ms"
 exec 8>&-
 rtworker -d 4 balls.nff <rows.task >other.frags
 printf '%s\n' 'a power=1 via="sh -c %c"' 'b power=1 via="env LOG=other sh -c %c"' >hosts
-# Without a policy: each has tasks of its own, so that both are waited for.
+# Without a policy each slot has its own tasks, so the run waits for both.
 run sh -c 'fan -S hosts sh -c "exec replay \${LOG:-one}.frags" <rows.task >mixed.frags'
 like 'slots that replay different jobs are noticed' "$err" 'arithmetic'
 

@@ -7,9 +7,9 @@
 of() { printf '%s\n' "$out" | awk -F '\t' -v key="$1" '$1 == key { print $2 }'; }
 
 # ---- by hand -----------------------------------------------------------------------------------------------
-# Four tasks of 1 s on hosts of power 1 and 2; a message takes .1 s. Both are known to be up at .1, and have work at .2.
-# On demand: the first is on task 0 until 1.2, the second on task 1 until .7 and, after a round trip, on task 2 from .9 to
-# 1.4; the first hears of task 3 at 1.4 and is done at 2.4, which is known at 2.5.
+# Four tasks of 1 s on hosts of power 1 and 2; a message takes .1 s. deal knows at .1 that both are up; they get tasks at .2.
+# On demand: the first does task 0 until 1.2, the second task 1 until .7 and, after a round trip, task 2 from .9 to 1.4; the
+# first gets task 3 at 1.4 and is done at 2.4, which deal knows at 2.5.
 partition 1x4 >four.task
 two() { run simulate -m 1e6 -w 1,2 -l 100 "$@" <four.task; }
 # takes NAME SECONDS OPTIONS ...
@@ -45,15 +45,15 @@ takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
 like 'a static method: the message has the command to repeat the run' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
-# Each task is 16 bytes: 2 s on the way, and the next ones wait for the link, or for the hub.
+# Each task has 16 bytes, which take 2 s; the next ones wait for the link, or for the hub.
 takes 'the link of each' 5.300000 -b 8 fan
 takes 'all through the hub' 8.800000 -b 0,8 fan
 is 'the bound counts the link of the hub' "$(of bound_s)" 8.000000
 two -f kill@2 deal
 is 'the hub is killed: the next run does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
 
-# Eight tasks in turn, powers 1 and 4, as published: the second has done its four at 1.2 and asks; that comes at 1.4, when
-# the first one is on its second until 2.2; it begins its third and gives its last, which comes at 2.4 and takes .25 s.
+# Eight tasks in turn, powers 1 and 4, published rules: the second has done its four at 1.2 and asks. The ask arrives at 1.4,
+# while the first does its second until 2.2; then it starts its third and gives its last, which arrives at 2.4 and takes .25 s.
 partition -n 2 1x8 >eight.task
 run simulate -m 1e6 -w 1,4 -l 100 ring -p <eight.task
 is 'ring -p: makespan and steals are those computed by hand' "$status $(of makespan_s) $(of steals) $(of passed)" '0 3.300000 1 1'
@@ -68,8 +68,8 @@ like '-v: an event of a lost slot is marked as lost' "$out" '^# 700000 1: comput
 like '-v: the hub learns of the lost slot' "$out" '^# 600000 1 to hub: gone$'
 
 # ---- a ring, by hand -------------------------------------------------------------------------------------------
-# All four are the first one's. The second hears at .2 that it is a node, and asks; the hub hears of it at .3, the first
-# node at .4; what that gives passes the hub at .5, and is there at .6. From node to node in one hop: in half of that.
+# The first node has all four. The second gets its place at .2, and asks; the ask is at the hub at .3 and at the first node
+# at .4; the gift is at the hub at .5 and at the second node at .6. In one hop from node to node each way takes half of that.
 stolen() { run simulate -v -m 1e6 -w 1,1 -l 100 "$@" <first.task; }
 stolen ring -k one
 like 'the ring: a steal takes two hops, through the hub' "$out" '^# 600000 1 from hub: task 1 from=0$'
@@ -102,7 +102,7 @@ for method in deal ring; do
 	is "$method: the same seeds give the same trace" "$(of trace)" "$first"
 done
 
-# More slots than the checks of deal can hold; of pieces, too, each is committed once.
+# More slots than the checks of deal can hold; pieces are committed once as well.
 partition 10x80 >eighty.task
 run simulate -j 70,3 -l 1 -m 1000,2 deal <eighty.task
 whole_s=$(of makespan_s)

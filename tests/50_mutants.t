@@ -9,7 +9,7 @@ flags="-std=c11 -D_GNU_SOURCE -O1"
 object() { echo "$(basename "$(dirname "$1")")-$(basename "$1" .c).o"; }
 # shellcheck disable=SC2086
 compile() { for c in "$@"; do cc $flags "-I$root/lib" -c -o "$(object "$c")" "$c" || return; done; }
-# objects EXCEPT: all that a test is linked with, except this one
+# objects EXCEPT: prints the objects that a test is linked with, except this one
 objects() { for o in base-*.o task-*.o stats-*.o sim-*.o sched-*.o; do [ "$o" = "$1" ] || echo "$o"; done; }
 # found TEST LIST NAME: row NAME of LIST makes a mutant, and a seed of test_TEST fails with it
 # shellcheck disable=SC2046,SC2086
@@ -24,7 +24,7 @@ found() {
 	{ [ "$status" -ne 0 ] && grep -q 'to repeat:' said; } ||
 		{ echo "$3: survives: test_$1 exits with $status, and no seed fails"; return 1; }
 }
-# listed LIST: it has rows, and nothing else
+# listed LIST: it has rows, and no other lines
 listed() { grep -q '^@' "$1" && ! grep -nvE '^(#.*|@ [a-z0-9-]+  lib/[a-z0-9_/]+[.]c|[-+]( .*)?|)$' "$1"; }
 names() { awk '$1 == "@" { print $2 }' "$@"; }
 # family TEST: the mutants of its list
@@ -43,7 +43,7 @@ family sim
 family ring
 family gdc
 
-# A wrong row fails, and the reason is said.
+# A wrong row fails with the reason.
 cat >wrong <<'END'
 @ text-missing  lib/sched/gdc_master.c
 - no such text

@@ -12,10 +12,10 @@ spdgen -s 2 gears >gears.nff
 fan -j 2 rtworker -a 64 - <job.task | gather -o good.pfm
 same() { imgcmp good.pfm "$1"; }
 
-# One slot says hello and two rows, then nothing for minutes; its fan would wait for it. All have four rows of their own,
-# so that it has two that others have to do.
+# One slot sends hello and two rows, then nothing for minutes; its fan would wait for it. Each slot has four rows in advance,
+# so other slots must do two of its rows.
 { pack scene gears.nff; partition -n 3 -c 12 64x64; } >late.task
-# Rows are short; these 16 tasks are long enough to be cut, however busy this machine is.
+# Rows are short; these 16 tasks are long enough to be cut, also on a loaded machine.
 { pack scene gears.nff; partition -u tile:64x32 64x512; } >long.task
 fan -j 2 rtworker -a 64 - <long.task | gather -o long.pfm
 cat >late <<'END'
@@ -34,7 +34,7 @@ for options in -e '-e -q 4' '-e -q auto'; do
 	ok "deal $options: the last record is bye" sh -c 'tail -n 1 log | grep -aq "bye$"'
 	ok "deal $options: a task, or a piece of a task, was given again" sh -c 'grep -aq "done .* try=[23]" log'
 done
-# How long a round trip takes decides what is worth cutting, and load makes trips long: a few runs are looked at.
+# deal cuts tasks that are long against round trips, and load makes round trips long, so there are several runs.
 divided() {
 	for try in 1 2 3 4 5; do
 		deal -e fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm && imgcmp long.pfm out.pfm || return 1
@@ -45,7 +45,7 @@ divided() {
 }
 ok "long tasks are cut: the same picture, pieces have numbers above those that came" divided
 
-# Without -e the late one is waited for, until it is known to be lost.
+# Without -e the run waits for the late slot until it is lost.
 env MARK=$mark timeout 2 deal fan -t 300 -j 3 sh late <late.task >log
 is "without -e nothing is given twice" "$(grep -a 'done .* try=' log | wc -l)" 0
 
@@ -76,7 +76,7 @@ ok "-e with tiles, and fragments in parts" sh -c '
 	{ pack scene gears.nff; partition -u tile:32x16 64x64; } | deal -e fan -j 3 rtworker -f 100 -a 64 - | gather -o other.pfm &&
 	imgcmp good.pfm other.pfm'
 
-# A worker that dies: its tasks are given for the second time, whatever the options.
+# A worker dies: its tasks are given for the second time, with all options.
 cat >mortal <<'END'
 mkdir dead 2>/dev/null || exec rtworker -a 64 -
 rtworker -a 64 - | dd bs=1 count=3000 2>/dev/null

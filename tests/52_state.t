@@ -36,7 +36,7 @@ both 'deal, preassigned'
 ok 'a third state, said twice: its picture' cmp f2.pfm good0.pfm
 both 'a third state, said twice'
 
-# ---- a slot dies over the first frame, while the second scene has been read ------------------------------------
+# ---- a slot dies on the first frame, when the second scene has been read ------------------------------------
 cat >mortal <<'END'
 mkdir dead 2>/dev/null || exec rtworker -a 9 -
 rtworker -a 9 - | dd bs=1 count=3000 2>/dev/null
@@ -51,7 +51,7 @@ both 'a slot dies'
 printf '#!/bin/sh\nuntil [ -e "$1" ]; do sleep .05; [ -e hosts ] || exit; done; exec sh -c "$2"\n' >late
 chmod +x late
 printf ': slots=1\nlate via="./late f0.pfm %%c"\n' >hosts
-# once the first picture is there, and no task of the second before the slot is up
+# after the first picture, and before any task of the second: the slot comes up
 up() { timeout 20 sh -c 'until grep -aq "up w=1 " "$1"; do sleep .05; done' up "$1"; }
 mkdir seen
 : >seen/frags
@@ -72,7 +72,7 @@ printf ': slots=1\nlate via="./slow %%c"\n' >hosts
 film | fan -S hosts rtworker -a 9 - 2>said | gather -o f%d.pfm 2>>said
 both 'a slot comes late, and has tasks of both'
 
-# ---- gone on with, by slots that come when all has been said of the first frame ------------------------------------
+# ---- resumed by slots that come up after all tasks of the first frame ------------------------------------
 film | fan -j 2 rtworker -a 9 - | gather -r whole -o f%d.pfm
 rm -f f?.pfm
 printf 'late slots=2 via="./slow %%c"\n' >hosts
@@ -84,7 +84,7 @@ for percent in 10 60 90; do
 	both "a log cut at $percent %, gone on with by slots that come late"
 done
 
-# ---- what cannot be ----------------------------------------------------------------------------------------------
+# ---- impossible runs ----------------------------------------------------------------------------------------------
 run sh -c '{ pack scene gears.nff; partition 16x12; pack scene tetra.nff; echo nonsense; } | deal fan -j 2 rtworker - >/dev/null'
 is 'nonsense behind state that waits: exit 2' "$status" 2
 printf 'gone via="exit 9; %%c"\n' >none

@@ -74,7 +74,7 @@ mv three short
 	for n in $(seq 10 135); do pack scene 1.nff && partition -F "$n" 8x1; done
 	for f in 1 2; do pack scene $f.nff && partition -F $f 40x32; done
 } >three
-# order: of what goes down: frame 1 is of state 128, whose tasks come before the next state
+# order: on the way down, the tasks of frame 1, of state 128, come before the next state
 order() { grep -a '^scene \|^task 1 ' down | awk '$1 == "scene" { n++ } $1 == "task" && n > 128 { exit 1 }'; }
 for policy in deal 'ringctl -k half'; do
 	node=''
@@ -93,7 +93,7 @@ for command in 'deal fan -t 60 -j 2' 'deal -e fan -t 60 -j 3' 'ringctl fan -t 60
 	rm -rf first holds log f?.pfm
 	# shellcheck disable=SC2086
 	run timeout 60 sh -c 'until=$1; shift; "$@" sh ./held "$until" "exit 9" <three | tee log | gather -o f%d.pfm' sh "$whole" $command
-	# Where others take a late task over, the run may be done before the slot dies.
+	# If others take a late task over, the run may be done before the slot dies.
 	case $command in
 	ringctl* | *' -e '*) ;;
 	*) like "$command, a slot dies: a message says so" "$err" 'lost \(exit-.\) with [1-9][0-9]* tasks' ;;
@@ -127,11 +127,11 @@ late() {
 		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '[12] 0 1 '
 }
 name='a late slot' && late deal sh -c 'fan -t 60 -S hosts rtworker | tee log'
-# The same, where each slot is a policy around others.
+# The same, if each slot is a policy around other slots.
 sed -i 's,exec ./held,exec deal sh ./held,; s,; rtworker,; deal rtworker,; s,exec rtworker,exec deal fan -j 2 rtworker,' plan
 name='a late slot that is a tree' && late deal sh -c 'fan -t 60 -S hosts deal rtworker | tee log'
 
-# ---- what is held back is handed over with the first task of other state: the input goes on until it has come --------
+# ---- held pixels are sent at the first task of another state: the input stays open until they have come --------
 rm -f f?.pfm
 run timeout 60 sh -c '{ cat three; ./until test -e f0.pfm; } | fan -j 2 rtworker -c -a 4 - | gather -o f%d.pfm'
 is 'concentrated: the first picture does not wait for the end' "$status $err" '0 '

@@ -10,8 +10,8 @@ size=48x32
 for n in 1 2 3; do spdgen -s $n balls >$n.nff; done
 for n in 1 2 3; do partition $size | rtworker -a 4 $n.nff | gather -o good$n.pfm; done
 
-# A worker that takes one of the places to be bad, as long as there are some, and else a good one. A bad one says hello as
-# a good one does, and then it is as $kind says. The good ones wait for all places to be taken.
+# A worker that takes a free place and is bad, or, without a free place, is good. A bad one sends its hello as a good one
+# does, and then behaves by $kind. The good ones wait until all places are taken.
 cat >worker <<'END'
 #!/bin/sh
 for place in $bad; do
@@ -79,7 +79,7 @@ is '... all are the same picture' "$(cat many*.pfm | cksum)" "$(for n in $(seq 2
 ok '... no process remains' await 10 none_alive
 rm -f many*.pfm
 
-# Nor is the input's end waited for, where it stays open until the picture is there.
+# deal does not wait for the end of the input either: here it stays open until the picture is written.
 rm -rf places f?.pfm
 mkdir places
 export kind=beats bad=1
@@ -89,7 +89,7 @@ is 'live input: the picture comes before the input ends' "$status $err" '0 '
 ok 'live input: the same picture' cmp f1.pfm good1.pfm
 ok 'live input: no process remains' await 10 none_alive
 
-# Nor is a slot waited for that has nothing to do, and beats when its input has ended.
+# deal does not wait for an idle slot that beats after the end of its input.
 printf '#!/bin/sh\nrtworker -a 4 - </dev/null | head -n 1\n: >up\nwhile echo beat; do sleep .5; done\n' >beating && chmod +x beating
 printf '%s\n' 'a via="sh -c %c"' 'b via="./beating %c"' >idle
 rm -f f?.pfm

@@ -5,7 +5,7 @@
 spdgen -s 1 tetra >a.nff
 spdgen -s 1 balls >b.nff
 balance interleaved -j 2 -s 24x16 -o true.pfm a.nff
-# sed writes to the file first: what fan reads may be the end of the liar.
+# sed writes to the file first, because fan may end the liar as soon as it reads the line.
 cat >liar <<'END'
 sed -u 's/^\(frame [0-9 ]*\) job=.*/\1/' | sh -c "$(echo "$1" | sed 's/rtworker/& -d 4/')" | LC_ALL=C sed -u 'w said'
 END
@@ -24,7 +24,7 @@ for method in masterslave adaptive gdc; do
 	is "$method: no other slot is named" "$(echo "$err" | grep -c 'slot [1-6]')" 0
 done
 
-# ---- what was to come ----------------------------------------------------------------------------------------------
+# ---- gather -e ----------------------------------------------------------------------------------------------
 job() { rtworker -i -s 24x16 "$1" | grep job=; }
 { pack scene a.nff; partition 24x16; } | rtworker - >first.frags
 echo "frame 0 24 16 $(job a.nff)" >one

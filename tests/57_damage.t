@@ -5,7 +5,7 @@
 cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o damage "$root/tests/damage.c" "$root/build/libstormring.a" -lpng -lz -lm ||
 	{ echo 'Bail out! tests/damage.c does not compile'; exit 3; }
 PATH=$tmp:$PATH
-# Two frames each of a scene and of a grid, in directories of their workers' names.
+# Two frames of a scene and two of a grid, in directories named like their workers.
 mkdir rtworker vcworker
 for frame in 0 1; do
 	spdgen -s 1 tetra | sed "s/^angle .*/angle 4$frame/" >scene$frame

@@ -9,7 +9,7 @@ needs ps
 spdgen -s 2 gears >gears.nff
 
 partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
-# long METHOD [OPTIONS]: some seconds of work on 3 slots, in the background; endless: hours, for what is to be killed
+# long METHOD [OPTIONS]: starts a run of some seconds on 3 slots, in the background; endless: a run of hours, to be killed
 long() {
 	method=$1
 	shift
@@ -19,7 +19,7 @@ long() {
 }
 endless() { work='-s 1024x1024 -W -a1024' long "$@"; }
 
-# ---- kill -9 of each stage: nothing remains, no half picture ----------------------------------------
+# ---- kill -9 of each stage: no process and no half picture remains ----------------------------------------
 for stage in gather deal fan partition; do
 	rm -f out.pfm
 	endless masterslave -r stage.log
@@ -37,7 +37,7 @@ for stage in gather deal fan partition; do
 	is "kill -9 of $stage: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 	rm -f stage.log
 done
-# A worker that looks at neither its input nor its reader: its parent's death has to take it.
+# A worker that reads neither its input nor notices its reader: it must end with its parent.
 env MARK=$mark sh -c 'partition 8x8 | fan -j 2 sleep 7200 | cat' 2>said &
 pid=$!
 deaf() { [ "$(program sleep | wc -l)" -eq 2 ]; }
@@ -142,7 +142,7 @@ is "masterslave, fan stopped as well: exit 0" $? 0
 is "masterslave, fan stopped as well: no slot is lost" "$(cat said)" ''
 ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
 
-# A tree with another scene speaks for all of its workers, and counts as one.
+# A tree with another scene counts as one slot, whatever the number of its workers.
 spdgen -s 2 tetra >tetra.nff
 printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtworker gears.nff; }\nexec deal fan -j 3 rtworker tetra.nff\n' >old
 chmod +x old
@@ -150,7 +150,7 @@ chmod +x old
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
-# A worker that gets a moment now and then, on one long task.
+# A worker that rarely gets the processor, with one long task.
 { pack scene gears.nff; partition -u tile:256x256 256x256; } | env MARK=$mark fan -j 1 rtworker -a 25 - 2>said >frags &
 pid=$!
 await 5 working 1
@@ -193,7 +193,7 @@ liar() {
 		env MARK=$mark deal sh -c 'fan -j "$1" ./liar | tee up' fan "${2:-2}" 2>>said | gather -o out.pfm 2>>said
 	status=$?
 }
-# For a liar that comes second: another slot is up.
+# For a liar that comes second: waits until another slot is up.
 second='until grep -aq "up w=" up; do sleep .02; done'
 # through SCRIPT: passes on what a worker writes, line by line, each with what perl makes of it, and with the right sums
 cat >through <<'END'
@@ -225,7 +225,7 @@ liar 'rtworker - | ./through "s/(done 0 .*\n)/\$1\$1/"; exit'
 ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
-# The first hello is the reference: the liar's comes second.
+# The first hello is the reference, so the liar sends the second one.
 liar "$second; "'echo "hello $(rtworker --version) format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmetic\)'
@@ -237,7 +237,7 @@ ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
 like "another job: the message names the slots" "$(cat said)" \
 	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
-# The liar is the first: before it is believed for long, the others have contradicted.
+# The liar is the first slot; the others soon contradict it.
 for slots in 2 3; do
 	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL\n' >liar
 	rm -rf first out.pfm
@@ -325,7 +325,7 @@ for p in 'fan -j 2' 'deal fan -j 2'; do
 done
 refused 'one number for two tasks' 'frame 0 8 8\ntask 0 0 0 0 1 1 1 1\ntask 0 0 0 1 1 1 1 1\n' 'fan -j 2'
 
-# ---- standard streams that are not there ----------------------------------------------------------------
+# ---- closed standard streams ----------------------------------------------------------------
 for p in 'fan -j 2' 'deal fan -j 2'; do
 	run sh -c "timeout 300 $p rtworker gears.nff <."
 	is "$p: standard input is a directory: exit 3" "$status" 3
@@ -340,7 +340,7 @@ done
 run sh -c 'partition 8x8 | rtworker gears.nff | gather -r closed.log >&-'
 is "gather -r LOG >&-: exit 3, and no picture in the log" "$status$(head -c 5 closed.log)" 3hello
 
-# ---- silence that is no fault, and commands that are no fan ------------------------------------------------
+# ---- silence without a fault, and commands other than fan ------------------------------------------------
 rm -f out.pfm # of the tests before
 { pack scene gears.nff; partition 64x64; sleep 4; } | fan -t 2 -j 2 rtworker -c - 2>said | gather -o out.pfm
 ok "-c, and an input that pauses: the same picture" cmp out.pfm small.pfm

@@ -7,7 +7,7 @@
 
 spdgen -s 1 tetra >tetra.nff
 some_alive() { [ "$(alive | wc -l)" -ge "$1" ]; }
-# ticks: clock ticks of CPU time used by all of them
+# ticks: prints the clock ticks of CPU time of all processes with the mark
 ticks() { for p in $(alive); do cut -d ' ' -f 14,15 "/proc/$p/stat"; done 2>/dev/null | awk '{ n += $1 + $2 } END { print n }'; }
 
 # In some second, as it takes a loaded machine a while to start them all.
