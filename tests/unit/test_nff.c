@@ -179,7 +179,7 @@ static void test_refused(void **state)
         {VIEW "p 99999999999999999999", 8, "expected an integer"},
         {VIEW "p 1000001\n0 0 0", 8, "expected an integer from 3 to 1000000"},
         {VIEW "p 1000000\n0 0 0 1 0 0 0 1 0", 9, "the file ends before polygon's vertex"},
-        {VIEW "pp 3\n0 0 0 0 0 1\n0 0 0 0 0 1\n0 0 0 0 0", 11, "the file ends before patch's normal"},
+        {VIEW "pp 3\n0 0 0 0 0 1\n0 0 0 0 0 1\n0 0 0 0 0", 11, "before patch's normal"},
         {VIEW "f 1 1 1 1 0 0 0", 8, "index of refraction"},
         {VIEW "f -1 1 1 1 0 0 0 0", 8, "colour is '-1'"},
         {VIEW "f 1 1 1 1 0 0 1.5 1", 8, "transmittance"},
