@@ -10,10 +10,10 @@ spdgen -s 2 gears >gears.nff
 partition 64x64 | rtworker gears.nff | gather -o good.pfm
 job() { pack scene gears.nff; partition 64x64; }
 job >job.task
-# lines FILE: the records of a stream without their bodies; events: those of slots
+# lines FILE: prints the records of a stream without their bodies; events: those on slots
 lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$1"; }
 events() { lines "$1" | grep -E '^(hello|up|gone|bye)( |$)'; }
-# same NAME [PICTURE]: out.pfm is the picture; there is none for the next test
+# same NAME [PICTURE]: out.pfm is the picture; removes it for the next assertion
 same() {
 	ok "$1: the same picture" cmp out.pfm "${2:-good.pfm}"
 	rm -f out.pfm
@@ -100,7 +100,7 @@ is 'a host with the name of a file' "$(fan -l -S 1/my.txt | cut -f 2)" my.txt
 bad 'a file that is not there' no/hosts '-S: no/hosts: no such file.*expected'
 run fan -S hosts -j 2 rtworker -
 is '-S and -j: exit 2' "$status" 2
-# Hosts before a bad line are not reached either, and a name is no shell's words.
+# No host is reached if a later line is bad, and no shell reads a name.
 printf 'first via="echo >reached; : %%c"\na$(touch${IFS}reached) via="sh -c '"'echo %%h'"' %%c"\n' >evil
 bad 'a name of other bytes' evil "evil:2: 'a\\$\\(touch\\$\\{IFS\\}reached\\)': no host name, expected"
 is 'a bad hosts file: none of its commands runs' "$(ls reached 2>/dev/null)" ''
@@ -135,7 +135,7 @@ run sh -c 'fan -S bin only-there - <job.task | gather -o out.pfm'
 same 'bin='
 like 'a worker that is not here: a message says so' "$err" 'only-there sends no hello here: the hello of the first slot sets the arithmetic'
 
-# ---- what hosts say besides ---------------------------------------------------------------------------------------
+# ---- other output of hosts ---------------------------------------------------------------------------------------
 cat >talker <<'END'
 #!/bin/sh
 echo 'Welcome to talker, beat your own drum'
@@ -161,7 +161,7 @@ is 'talk without end: exit 3' "$status" 3
 like 'talk without end: a message says so' "$err" '^fan: mad: cannot be used \(no-hello\), it says: mad$'
 
 # ---- hosts that are refused -----------------------------------------------------------------------------------------------
-# spoken: the host was tried, and that was said
+# spoken: the host was tried, and a message says so
 spoken() { await 30 test -s liar.started && await 30 grep -q '^fan: liar:' .err && sleep .2; }
 # refused NAME SCRIPT ERE: a host that runs SCRIPT beside a good one
 refused() {
@@ -215,7 +215,7 @@ same 'seven connections that fail at once'
 is 'seven connections that fail at once: all slots come up' "$(events crowd.frags | grep -c ^up)" 8
 is 'seven connections that fail at once: one message' "$(grep -c 'trying again' said)" 1
 
-# long [OPTION ...]: some seconds of work on slots elsewhere, one dealt
+# long [OPTION ...]: a run of some seconds on slots of other hosts, dealt one by one
 pack scene gears.nff >long.task
 partition 256x256 >>long.task
 rtworker -a 64 - <long.task | gather -o long.pfm
@@ -286,7 +286,7 @@ run fan -l -S late.hosts rtworker -
 is 'fan -l with a dead host: exit 1' "$status" 1
 is 'fan -l with a dead host: one line per slot' "$(printf '%s\n' "$out" | sed 's/:.*[0-9.]*$/: P/' | tr '\t\n' ' ;')" '0 : P;1 late -;'
 
-# ---- many ----------------------------------------------------------------------------------------------------------
+# ---- many slots ----------------------------------------------------------------------------------------------------------
 mkdir now
 script slow 'mkdir now/$$; ls now | wc -l >>most; sleep .05; rmdir now/$$; exec sh -c "$1"'
 echo 'many slots=100 via="./slow %c"' >many
@@ -296,7 +296,7 @@ gather -o out.pfm many.frags
 same '100 slots'
 ok "at most 8 connections are opened at a time ($(sort -n most | tail -1))" [ "$(sort -n most | tail -1)" -le 8 ]
 
-# ---- what began first ------------------------------------------------------------------------------------------------
+# ---- the runs that began first ------------------------------------------------------------------------------------------------
 wait $half_pid
 is 'one of two hosts is dead, interleaved: exit 1' "$(cat half.status)" 1
 took_s=$(($(cat half.end) - start))

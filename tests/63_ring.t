@@ -8,7 +8,7 @@ needs ps
 . "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
 partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
-# long [OPTIONS]: some seconds of work on 3 slots, in the background; endless: hours, for what is to be killed
+# long [OPTIONS]: starts a run of some seconds on 3 slots, in the background; endless: a run of hours, to be killed
 long() {
 	rm -f out.pfm
 	# shellcheck disable=SC2086  # several words
@@ -56,8 +56,8 @@ ok 'Ctrl-C: no process remains' await 2 none_alive
 wait "$pid" 2>/dev/null
 is 'Ctrl-C: no picture' "$(ls out.pfm* 2>/dev/null)" ''
 
-# ---- all begins at one node ------------------------------------------------------------------------------------------
-# However busy this machine is, none begins before the others are there.
+# ---- all tasks start at one node ------------------------------------------------------------------------------------------
+# On a loaded machine too, no node begins before the others are up.
 printf '#!/bin/sh\n: >up.$$; until [ "$(ls up.* | wc -l)" -ge 3 ]; do sleep .01; done; exec rtworker -a 64 -\n' >together
 chmod +x together
 for give in half one; do
@@ -116,8 +116,8 @@ whole 'the hub killed, with a log: the same command finishes the picture'
 # ---- nodes that cannot be trusted ------------------------------------------------------------------------------------
 partition 128x128 | rtworker -a 16 gears.nff | gather -o small.pfm
 { pack scene gears.nff; partition -n 2 128x128; } >job.task
-# liar NAME node|worker SCRIPT: one of two nodes, or its worker, is SCRIPT; the other one comes when that is up, or has
-# been at it for a while
+# liar NAME node|worker SCRIPT: SCRIPT is one of two nodes, or its worker; the other node comes when it is up, or after a
+# while
 liar() {
 	rm -rf taken out.pfm
 	: >up
@@ -134,7 +134,7 @@ liar() {
 	ok "$1: the same picture" cmp out.pfm small.pfm
 }
 first() { echo "dd bs=1 count=$1 2>/dev/null"; } # a filter: the first COUNT bytes, as they come
-# A filter: the stream as it is, and after each done these records.
+# A filter: passes the stream on, and adds these records after each done.
 cat >also <<'END'
 $| = 1;
 (my $say = shift) =~ s/;/\n/g;
@@ -154,11 +154,11 @@ liar 'a node that ends at once' node 'exit 0'
 liar 'a node that never says a word' node 'sleep 7200; exit'
 is 'a node that never sends a record: the run does not wait until it is lost' "$(grep lost said)" ''
 liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000); exit"
-# sealed RECORDS: with their sums
+# sealed RECORDS: prints them with their sums
 sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
 liar 'a worker that speaks to the hub' worker "rtworker -a 16 - | perl also '$(sealed 'ask;give 0 7 peer=1;')'; exit"
 is 'a worker that sends records to the hub: no message' "$(unexpected said)" ''
-# forger NAME RECORDS: a node that also says these, with ; for newlines
+# forger NAME RECORDS: a node that also sends these records, with ; for newlines
 forger() {
 	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit"
 }
@@ -193,7 +193,7 @@ done
 partition 512x512 | rtworker gears.nff | gather -o big.pfm
 ok 'a reader that stops for 4 s: the whole picture' cmp out.pfm big.pfm
 
-# ---- what is refused -------------------------------------------------------------------------------------------------
+# ---- refusals -------------------------------------------------------------------------------------------------
 refused() { # NAME RECORDS COMMAND ...
 	name=$1
 	# shellcheck disable=SC2059  # records, with \n
@@ -218,7 +218,7 @@ run sh -c "timeout 300 env MARK=$mark ringctl fan -j 2 rtworker - <job.task >/de
 like 'a ring of workers that are no nodes: a message says so' "$err" 'rtworker: .*record .ring.'
 ok 'a ring of workers that are no nodes: no process remains' await 2 none_alive
 
-# ---- what fan does with what nodes say -------------------------------------------------------------------------------
+# ---- how fan handles records of nodes -------------------------------------------------------------------------------
 cat >mute <<'END'
 echo hello x 1 format=2 selftest=0
 cat >said.$(date +%N)
@@ -267,7 +267,7 @@ finished() {
 	ok "Table 3, $1: the same picture" cmp out.pfm table.pfm
 	diag "Table 3, $1: $(fragstat -s -S table.hosts table.frags | grep -E 'makespan|bound|steals' | tr '\n\t' '; ')"
 }
-# As published it has hazards, some of which a busy machine brings about: it is to come through once in three times.
+# The published rules have hazards, and load causes some of them: one of three runs must be complete.
 published() {
 	for try in 1 2 3; do
 		table -p

@@ -7,8 +7,8 @@
 spdgen -s 2 gears >gears.nff
 partition 192x192 | rtworker -a 64 gears.nff | gather -o good.pfm
 
-# ---- what nodes say -------------------------------------------------------------------------------------------------
-# Node k and its hub are heard by what is written to down.k and up.k.
+# ---- records of nodes -------------------------------------------------------------------------------------------------
+# down.k and up.k have the records to and from node k.
 cat >node <<'END'
 #!/bin/sh
 for k in 0 1 2; do mkdir "$k" 2>/dev/null && break; done
@@ -23,16 +23,16 @@ heard() {
 	ok "$picture: it ends well" timeout 300 sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
 	ok "$picture: the picture" cmp "$picture.pfm" good.pfm
 }
-# says FILE ...: the records of the ring, without their sums
+# says FILE ...: prints the records of the ring, without their sums
 says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) .*' "$@" | sed 's/ sum=.*//'; }
 { pack scene gears.nff; partition -n 3 192x192; } >turn.task
 heard turn turn.task -a 64 -c
 is 'a node gets its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
 { pack scene gears.nff; partition -n 1 192x192; } >first.task
-# first_word KIND NODE: the first such record of that node
+# first_word KIND NODE: prints the first record of this kind from that node
 first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.$k | grep -E -m 1 "$1"; done; }
-# Node 2 has none either, if it has not been given some meanwhile. It does not answer when the run is over before it reads
-# the question, as on a busy machine: then the run is repeated.
+# Node 2 has no rows either, unless it has got some meanwhile. If the run is over before it reads the question, as on a loaded
+# machine, it does not answer, and the run is repeated.
 for try in 1 2 3; do
 	heard first first.task -a 64
 	answer=$(first_word '^(none|give).* peer=1' 2)
@@ -43,7 +43,7 @@ is 'without a row of its own it asks the next one first' "$(first_word ask 1)" '
 like 'the next node answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( |$)'
 
 # ---- a node dies ----------------------------------------------------------------------------------------------------
-# These rules have hazards, some of which a busy machine brings about: it is to come through once in three times.
+# These rules have hazards, and load causes some of them: one of three runs must be complete.
 for try in 1 2 3; do
 	rm -f job.frags
 	env MARK=$mark timeout 300 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &

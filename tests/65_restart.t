@@ -49,14 +49,14 @@ while [ "$at" -le "$end" ]; do
 	head -c "$at" small >"cut"
 	partition -r cut 16x4 | rtworker tetra.nff | gather -r cut -o out.pfm 2>said
 	[ $? -eq 0 ] && cmp -s out.pfm small.pfm || bad="$bad $at"
-	# What went on is a good log in its turn, and has each pixel once.
+	# The resumed log is a good log as well, and has each pixel once.
 	gather -P -o again.pfm cut 2>&1 | grep -q 'came twice' && bad="$bad $at:twice"
 	cmp -s again.pfm small.pfm || bad="$bad $at:log"
 	at=$((at + 3))
 done
 is "cut at each third of $end bytes: the same picture, no pixel twice" "$bad" ''
 
-# ---- refused, by name, and the log as it was --------------------------------------------------------------------
+# ---- refused by name; the log is unchanged --------------------------------------------------------------------
 head -c 60000 whole >log
 cp log before
 # refused NAME ERE [OPTIONS] SCENE
@@ -86,7 +86,7 @@ refused 'kind of file' 'is not a log, expected fragments, or a new file' -s $siz
 run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"
 is 'another kind of file, by hand: exit 2' "$status" 2
 ok 'another kind of file, by hand: as it was' cmp log before
-# A whole log of another scene is refused as well, though nothing is left to be rendered.
+# A complete log of another scene is refused as well, although there is nothing to render.
 cp whole log && cp log before
 refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff
 run gather -r log -o out.pfm tetra.nff
@@ -113,7 +113,7 @@ run sh -c "cd dashed && balance masterslave -s 16x16 -r -d.frags -o -d.pfm -- -d
 is 'balance: files whose names begin with a dash' "$status$err$(ls dashed | tr '\n' ' ')" '0-d.frags -d.nff -d.pfm '
 ok 'the log as it was' cmp log before
 
-# ---- what is allowed --------------------------------------------------------------------------------------------
+# ---- accepted logs --------------------------------------------------------------------------------------------
 balance interleaved -j 3 -r log -o out.pfm -s $size gears.nff
 ok 'a whole log: the picture is written' cmp out.pfm good.pfm
 is 'a whole log: nothing was rendered' "$(tail -c +$(($(wc -c <before) + 1)) log | grep -ac 'done 0 [0-9]* cpu_us=')" 0

@@ -20,7 +20,7 @@ ok '-S LIST: the same picture' cmp out.pfm good.pfm
 is '-S LIST: three slots' "$(grep -a -o 'hello deal .*slots=[0-9]*' list | grep -o 'slots=.*')" slots=3
 
 is 'fan -l WORKER: one power for the slots of a host' "$(fan -l -j 6 rtworker | cut -f 3 | sort -u | wc -l)" 1
-# All is in the log, and the host takes longer to reach than the run.
+# The log is complete, and connecting to the host takes longer than the run.
 printf '#!/bin/sh\nsleep 1; exec sh -c "$1"\n' >slowly
 chmod +x slowly
 printf 'far via="./slowly %%c"\n' >far
@@ -51,7 +51,7 @@ run balance masterslave -j 1 -s $size -r -log -o -out.pfm -- -scene.nff
 is 'names that begin with a minus: exit 0' "$status$err" 0
 ok 'names that begin with a minus: the same picture' cmp ./-out.pfm good.pfm
 
-# ---- no host at all, and a log that stays as it is ---------------------------------------------------------------
+# ---- no host, and an unchanged log ---------------------------------------------------------------
 printf 'gone via="exit 9; %%c"\n' >none
 head -c 50000 log3 >before
 cp before log4

@@ -6,7 +6,7 @@
 spdgen -s 2 gears >gears.nff
 size=96x80
 partition $size | rtworker gears.nff | gather -o good.pfm
-# chosen NAME ERE HOSTS [SIZE]: by that line on standard error
+# chosen NAME ERE HOSTS [SIZE]: balance auto chooses NAME, with this line on standard error
 chosen() {
 	run sh -c 'pack scene gears.nff | balance-auto "$2" "$(fan -l -S "$1" | wc -l)" /dev/null fan -S "$1" rtworker -a 16' - "$3" "${4:-256x256}"
 	is "$1: exit 0" "$status" 0
@@ -17,11 +17,11 @@ printf ': slots=4 power=3\n' >equal
 chosen 'four equal slots' 'interleaved|masterslave|ds|adaptive|hybrid|gdc' equal
 printf ': slots=2 power=3\n: power=.4\n: power=.2\n' >unequal
 chosen 'unequal ones' 'masterslave|adaptive|hybrid|ds|gdc' unequal
-# Its answers come late, so that nothing is to wait for them.
+# Its answers come late, so the method must not wait for them.
 printf '#!/bin/sh\n{ cat; sleep .2; } | sh -c "$1"\n' >far && chmod +x far
 printf 'far slots=3 power=3 via="./far %%c"\nfar2 power=2 via="./far %%c"\n' >away
 chosen 'far away' 'interleaved|adaptive|hybrid|gdc' away
-# So far away that all would be given in advance, if they were all there.
+# The hosts are so far away that all tasks would be given in advance, if all were up.
 printf 'far slots=3 power=3 via="./far %%c"\nnone via="false %%c"\n' >none
 chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|adaptive|gdc' none
 like '... and it is named' "$err" 'no answer: none$'

@@ -11,7 +11,7 @@ size=32x24
 partition $size | rtworker gears.nff | gather -o good.pfm
 { pack scene gears.nff; partition $size; } >job.task
 
-# An ssh whose failures are files: says/NAME has the words, status/NAME its status; each try is a line in tries.
+# A script in the place of ssh: says/NAME has its messages, status/NAME its status; each try adds a line to tries.
 cat >ssh <<'END'
 #!/bin/sh
 for name; do [ ! -e "says/$name" ] || break; done
@@ -22,10 +22,10 @@ END
 chmod +x ssh
 mkdir says status
 PATH=$tmp:$PATH
-# says NAME STATUS: the words are on standard input
+# says NAME STATUS: standard input has the messages
 says() { cat >"says/$1"; echo "$2" >"status/$1"; }
 
-# ---- no second try ----------------------------------------------------------------------------------------------
+# ---- failures without a second try ----------------------------------------------------------------------------------------------
 # ends NAME STATUS LINE: beside this machine's slot, a host of three slots ends with one line
 ends() {
 	says far "$2"
@@ -100,13 +100,13 @@ fan: also: unknown host name; check the hosts file, or -S
 fan: far: host key unknown; accept it once with: ssh far true'
 is 'calibrate: one try each' "$(sort tries | tr '\n' ' ')" 'also far '
 
-# A lone name may have been meant for a file.
+# A single name may be meant as a file.
 cp says/also says/nosuch; cp status/also status/nosuch
 run sh -c 'fan -S nosuch rtworker - <job.task >frags'
 is 'a single name that is neither file nor host: exit 3, and a message' "$status:$err" '3:fan: -S nosuch: no such file, and no host of that name
 fan: no slot left'
 
-# ---- another try ------------------------------------------------------------------------------------------------
+# ---- failures with another try ------------------------------------------------------------------------------------------------
 cat >later <<'END'
 #!/bin/sh
 [ -s tries ] || { echo later >>tries; cat says/later >&2; exit 255; }
@@ -114,7 +114,7 @@ exec sh -c "$1"
 END
 chmod +x later
 echo 'later via="./later %c"' >later.hosts
-# again NAME LINE: a host that fails so once, and then does its part
+# again NAME LINE: a host that fails once with LINE, and then does tasks
 again() {
 	cat >says/later
 	rm -f tries
@@ -145,7 +145,7 @@ run fan -l -S 5/down rtworker
 is 'fan -l: exit 1, and one line' "$status:$err" '1:fan: down: connection refused; trying again'
 is 'fan -l: two tries' "$(tr '\n' ' ' <tries)" 'down down '
 
-# What looks like the beginning of a failure is shown where there is none.
+# Lines that look like a failure are shown if there is none.
 cat >warned <<'END'
 #!/bin/sh
 printf '@@@@@@@@@@@@ WARNING\nmore of it\n' >&2
@@ -158,7 +158,7 @@ is 'a warning without a failure is shown' "$err" 'warned: @@@@@@@@@@@@ WARNING
 warned: more of it'
 ok 'a warning, and no failure: the same picture' cmp out.pfm good.pfm
 
-# A host that was up is tried again, whatever it says.
+# A host that was up is tried again after any message.
 cat >once <<'END'
 #!/bin/sh
 echo try >>tries
@@ -176,7 +176,7 @@ ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
 	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 30 s$'
 
-# ---- what hosts say ---------------------------------------------------------------------------------------------
+# ---- output of hosts ---------------------------------------------------------------------------------------------
 printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood
 chmod +x flood
 echo 'flood via="./flood %c"' >flood.hosts

@@ -10,9 +10,9 @@ spdgen -s 1 balls >balls.nff
 sed 's/^from .*/from 2 3 1/' balls.nff >other.nff
 balance interleaved -j 2 -s 32x32 -o true.png balls.nff
 
-# three B: hosts a, b and c of a slot, where b's command is B
+# three B: writes hosts a, b and c with one slot each; the command of b is B
 three() { printf '%s\n' 'a via="sh -c %c"' "b via=\"$1\"" 'c via="sh -c %c"' >hosts; head -n 2 hosts >two; }
-# counts: "N pieces, D differ, U unchecked" of the last line that verify said
+# counts: prints the numbers of pieces, of different ones, and of unchecked ones in the message of verify
 counts() { printf '%s\n' "$err" | sed -nE 's/^verify: ([0-9]+) of [0-9]+ pieces were .*: ([0-9]+) differ, ([0-9]+) could not be computed$/\1 \2 \3/p'; }
 
 # ---- honest ------------------------------------------------------------------------------------------------------
@@ -62,7 +62,7 @@ run balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff
 is 'two hosts: status 1' "$status" 1
 like 'two hosts: both are named' "$err" '^verify: frame 0 at 0,[0-9]+: slot [01] \(host [ab]\) and slot [01] \(host [ab]\) computed different pixels'
 
-# What a share of .2 finds: of n lies one at least with 1 - .8^n.
+# A share of .2 finds at least one of n lies with probability 1 - .8^n.
 three 'sh -c %c | ./liar .3 7'
 rm -f lies
 balance interleaved -S hosts -s 32x64 -r few.log -o out.png balls.nff
@@ -77,7 +77,7 @@ expected=$(awk -v n="$lied" 'BEGIN { print 100 * (1 - .8 ^ n) }')
 ok "-v .2: of 100 draws $found find one of $lied lies, expected some $expected" \
 	awk -v found=$found -v e="$expected" 'BEGIN { exit !((found - e) ^ 2 <= 16 * e * (1 - e / 100) + 1) }'
 
-# ---- many pictures, a log that is there ------------------------------------------------------------------------------
+# ---- many pictures, an existing log ------------------------------------------------------------------------------
 three 'sh -c %c'
 {
 	printf '%s\n' '# vtk DataFile Version 3.0' t ASCII 'DATASET RECTILINEAR_GRID' 'DIMENSIONS 2 2 2'
@@ -116,8 +116,8 @@ run balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 is 'a slow host' "$status:$(counts)" '0:32 0 0'
 
 # ---- a host that hangs while it verifies -----------------------------------------------------------------------------
-# FIRST starts of all hosts are good. A later one says hello when COUNT have started; then it hangs, as KIND says, or it
-# is good.
+# The first FIRST starts of all hosts are good. A later one sends its hello when COUNT have started; then it hangs, by KIND,
+# or it is good.
 cat >later <<'END'
 #!/bin/sh
 # later KIND FIRST COUNT COMMAND
@@ -150,7 +150,7 @@ for kind in beats deaf trickle; do
 	is "$kind: the two others check all" "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
 	ok "$kind: no process remains" await 10 none_alive
 done
-# Its share is found to be wrong as well: what b computed in the picture, and what it was to check.
+# The pixels of b are wrong both in the picture and in its checks.
 printf '%s\n' 'a via="./later good 3 6 %c"' 'b via="./later beats 3 6 %c"' 'c via="./later good 3 6 %c | ./liar 1"' \
 	'd via="sh -c %c"' >hosts
 rm -f starts lies
@@ -160,7 +160,7 @@ like 'beats, and a liar: the liar is named' "$err" ': slot 2 \(host c\) computed
 like 'beats, and a liar: no other slot is named' "$(echo "$err" | grep -c 'slot [013]')" '^0$'
 ok '... no process remains' await 10 none_alive
 
-# verify -t passes on what comes, and does not wait for ever for more.
+# verify -t passes its input on, and does not wait for ever for more.
 balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
 run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
 is 'verify -t: beats do not count as fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
@@ -170,9 +170,9 @@ run verify -t 1000 long.log <long.log
 cmp -s "$tmp/.out" long.log
 is 'verify -t: it waits for the end of the input' "$?:$status:$err" 0:0:
 
-# ---- what stays behind -----------------------------------------------------------------------------------------------
+# ---- files and processes that remain -----------------------------------------------------------------------------------------------
 mkdir temporary
-# Two starts are cut off, later ones say nothing.
+# The output of two starts is cut off; later ones send nothing.
 cat >part <<'END'
 #!/bin/sh
 echo >>parted
@@ -193,7 +193,7 @@ for refused in '-k 9' '-r balls.nff'; do
 	run env TMPDIR="$tmp/temporary" balance interleaved -v 1 -S two -s 32x32 $refused -o out.png balls.nff
 	is "$refused: status, and nothing stays" "$status:$(ls temporary)" 2:
 done
-# signalled PASS SIGNAL: nothing stays in either pass
+# signalled PASS SIGNAL: no file and no process remains after a signal in this pass
 first_pass() { [ -s "$(echo temporary/*/log)" ]; }
 second_pass() { [ -e "$(echo temporary/*/1)" ] && [ "$(wc -l <starts)" -eq 4 ]; }
 signalled() {

@@ -6,12 +6,12 @@ want_hosts=0
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 hosts=$root/tests/hosts
 
-# Before and after a run, and beside it, this system is the same, but for what other tests do in their directories.
+# This system is the same before, during and after a run, except for the directories of other tests.
 system() { ip -o link | sed 's/ state .*//'; ip route; grep -v ' /tmp/' /proc/mounts; }
 system >before
 echo scene >scene.nff
 
-# within SCRIPT: what it says among two hosts; each line is one answer
+# within SCRIPT: prints its output among two hosts; each line is one answer
 within() { "$hosts" with 2 sh -c "$1" hosts "$hosts" "$root" "$tmp" 2>&1; }
 is 'ssh reaches every host' "$(within 'ssh host1 hostname; ssh host2 hostname; ssh host1 true </dev/null')" 'host1
 host2'
@@ -25,7 +25,7 @@ is 'a host has no route out' "$(within 'ip route | grep -v ^198.18.0 && echo out
 	ssh host1 ip route | grep -v ^198.18.0 || echo none')" none
 is 'the status is the command'\''s' "$(within 'exit 7' >said; echo $?)" 7
 
-# Upper bounds of what a limited host can do: load on this system does not disturb them.
+# Upper bounds for a limited host, which load on this system cannot break.
 if within '"$1" power host1 .5' >said; then
 	is 'a host of power .2 gets no more' "$(within '"$1" power host1 .2
 		"$1" run host1 bash -c "TIMEFORMAT=%U; time timeout 1 sh -c \"while :; do :; done\""' |
@@ -52,7 +52,7 @@ is 'sshd can be killed, and started again' "$(within 'kill -9 $("$1" pids host1 
 	"$1" sshd host1; ssh host1 echo back')" 'dead
 back'
 
-# ---- nothing is left, whatever ends it -----------------------------------------------------------------------------
+# ---- nothing remains, however a run ends -----------------------------------------------------------------------------
 left() { # RUN: what still tells of it
 	grep -lz "^TEST_HOSTS=$1\$" /proc/[0-9]*/environ
 	ls -d "$1" /sys/fs/cgroup/*/"${1##*/}"

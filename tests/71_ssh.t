@@ -10,8 +10,8 @@ for samples in 9 64; do partition 96x96 | rtworker -a $samples gears.nff | gathe
 file=$TEST_HOSTS/hosts bin=/home/render/bin
 unequal
 
-# render NAME METHOD HOSTS [SAMPLES]: exit 0 and the same picture; what was said is in said. 64 samples are enough work
-# for every host to be heard before it is done.
+# render NAME METHOD HOSTS [SAMPLES]: exit 0 and the same picture; `said` has the messages. With 64 samples every host
+# connects before the run ends.
 render() {
 	rm -f out.pfm job.log
 	run balance "$2" -S "$3" -s 96x96 -W "-a ${4:-9}" -o out.pfm -r job.log gears.nff
@@ -19,7 +19,7 @@ render() {
 	is "$1: exit 0" "$status" 0
 	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
 }
-# heard NAME HOSTS ERE: the same by deal, whose input stays open until fan has said so
+# heard NAME HOSTS ERE: the same with deal, whose input stays open until fan has printed this message
 heard() {
 	rm -f out.pfm job.log
 	: >said
@@ -30,7 +30,7 @@ heard() {
 }
 slots_in() { fragstat "$1" | awk 'NR > 1 && $2 > 0 { printf "%s ", $1 }'; } # that have done something
 
-# ---- every method, on hosts that have nothing but the programs -----------------------------------------------------
+# ---- every method, on hosts that have only the programs -----------------------------------------------------
 for h in host1 host2 host3; do
 	is "$h is another host" "$(ssh $h 'hostname; echo $SSH_CONNECTION' | tr '\n' ' ' | cut -d ' ' -f 1,2)" "$h 198.18.0.254"
 	is "$h has neither the clone nor the scene" "$(ls -d "$root/bin/fan" "$tmp/gears.nff" | wc -l
@@ -59,7 +59,7 @@ END
 render 'a hosts file with via' interleaved via.hosts
 is 'a hosts file with via: every slot did tasks' "$(slots_in job.log)" '0 1 2 '
 
-# ---- a tree: one connection and one scene a host -------------------------------------------------------------------
+# ---- a tree: one connection and one scene per host -------------------------------------------------------------------
 accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
 before=$(accepted)
 { pack scene gears.nff; partition 96x96; } >job.task
@@ -76,7 +76,7 @@ is 'a ring: no message' "$(unexpected said)" ''
 is 'a ring: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 2 }')"
 like 'a ring: two leaves per host' "$(slots_in ring.log)" '([01]\.[01] ){3}'
 
-# ---- what start-up files say, and what workers say on their standard error -----------------------------------------
+# ---- output of start-up files, and workers' standard error -----------------------------------------
 hosts run host2 sh -c 'cat >/root/.bashrc' <<'END'
 echo "Welcome to host2.  Today: hello, frames and tasks"
 echo "task 0 0 0 0 1 1 1 1"; head -c 20000 /dev/zero | tr '\0' '#'
@@ -94,7 +94,7 @@ put host3 $bin/loud <<'END'
 printf 'one line,\r\n\033]0;title\007 no new line' >&2
 exec rtworker "$@"
 END
-# On hosts that lack it, and here, it cannot be run: that is said as well.
+# It cannot run here and on hosts that lack it; messages say so.
 deal fan -S "$file" loud -a 9 - <job.task 2>said | gather -o loud.pfm
 ok 'a worker that is only on one host: the same picture' cmp loud.pfm good9.pfm
 like "each line of a worker's messages begins with its host" "$(cat said)" '^host3: one line,$'
@@ -135,7 +135,7 @@ is 'a host that shows another key is not trusted' "$(grep host2 said)" \
 ok 'a host that shows another key gets no task' [ "$(slots_in job.log | grep -c 1)" = 0 ]
 cp known "$TEST_HOSTS/known_hosts"
 
-# ---- what no second try can mend: one line and one try, and with no other host the run ends ------------------------
+# ---- failures that no second try can mend: one line and one try; without another host the run ends ------------------------
 cat >ssh <<END
 #!/bin/sh
 echo try >>$tmp/tries
@@ -172,7 +172,7 @@ printf 'Host *\n Nosuch yes\n' >bad_config
 echo "host1 slots=4 via=\"$tmp/ssh -F bad_config %h %c\"" >bad
 final 'a bad configuration' bad 'host1: ssh does not start: bad_config: line 2: Bad configuration option: nosuch'
 
-# ---- a slow link, and a scene that takes its time on it ------------------------------------------------------------
+# ---- a slow link, and a scene that takes long on it ------------------------------------------------------------
 spdgen -s 3 gears >large.nff # 600 kB: more than a second at this rate
 partition 64x64 | rtworker large.nff | gather -o large.pfm
 hosts link host3 4mbit

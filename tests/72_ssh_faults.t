@@ -10,7 +10,7 @@ for samples in 64 144; do partition 192x192 | rtworker -a $samples gears.nff | g
 file=$TEST_HOSTS/hosts
 unequal
 
-# ---- no host left, which takes its time: beside the rest, on hosts of its own ----------------------------------------
+# ---- no host left: this takes long, so it runs beside the rest, on its own hosts ----------------------------------------
 cat >nobody <<'END'
 hosts=$1 name=$2 list=$3 && mkdir "$name" && cd "$name" || exit
 { balance masterslave -S "$list" -s 192x192 -W '-a 144' -r log -o out.pfm ../gears.nff 2>said; echo $? >status; } &
@@ -26,7 +26,7 @@ END
 	sh nobody "$1" lost "$TEST_HOSTS/hosts" & sh nobody "$1" never host2,nowhere & wait' nobody "$tests/hosts" &
 nobody=$!
 
-# ---- what runs, here and there ---------------------------------------------------------------------------------------
+# ---- processes here and on hosts ---------------------------------------------------------------------------------------
 here() { # NAME [ERE]: processes of this test, by name and command line
 	for p in $(program "$1"); do tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"; done
 }
@@ -37,7 +37,7 @@ none_there() { [ -z "$(there)" ]; }
 none_left() { none_alive && none_there; }
 stamp() { perl -MTime::HiRes=time -ne 'BEGIN { $| = 1 } printf "%d %s", 1000 * time, $_'; }
 
-# begin METHOD [SAMPLES]: in the background; each line of what it says goes to said, behind the time
+# begin METHOD [SAMPLES]: starts a run in the background; `said` gets its messages, each after the time
 begin() {
 	samples=${2:-64}
 	rm -f out.pfm job.log said
@@ -52,7 +52,7 @@ begin() {
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
 at_work() { grep -aqE '(done|frag) 0 [0-9]+ .* w=1' job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
-# noticed NAME ERE: such a line was said after the fault
+# noticed NAME ERE: a message after the fault matches
 noticed() {
 	noticed_ms=$(awk -v since="$since" -v what="$2" '$1 >= since && $0 ~ what { print $1 - since; exit }' said)
 	if [ -n "$noticed_ms" ]; then pass "$1: noticed"
@@ -64,8 +64,8 @@ same_picture() { # NAME
 	ok "$1: the same picture" cmp out.pfm "good$samples.pfm"
 	ok "$1: no worker is left" await 2 none_there
 }
-# report NAME POWER: how long it took, beside the least that the hosts would have needed of which so much power was
-# lost at the fault. It is not judged: start-up is in it, and whatever else this machine does.
+# report NAME POWER: prints the time of the run, and the least time of these hosts if they lose POWER at the fault. The time
+# is not judged, because it includes start-up and other load of this machine.
 report() {
 	diag "$(awk -v name="$1" -v cpu="$cpu_ms" -v before="$((since - begun))" -v took="$((ended - begun))" -v lost="$2" \
 		-v after="${noticed_ms:--}" 'BEGIN { all = .75; rest = cpu - before * all
@@ -213,7 +213,7 @@ end
 same_picture "$name"
 ok "$name: the host does tasks again" at_work
 
-# A worker that tells nonsense after a while.
+# A worker that sends nonsense after a while.
 bin=/home/render/bin
 hosts run host2 mv $bin/rtworker $bin/rtworker.good
 put host2 $bin/rtworker <<END
@@ -226,8 +226,8 @@ end
 same_picture "$name"
 like "$name: a message says so" "$(cat said)" 'fan: slot 1 on host2: lost \(garbage\)'
 
-# ---- static methods: what is missing, and how to get it --------------------------------------------------------------
-# incomplete NAME: and the command that is printed finishes it
+# ---- static methods: the missing pixels, and the command that renders them --------------------------------------------------------------
+# incomplete NAME: the picture is incomplete, and the printed command finishes it
 incomplete() {
 	is "$1: exit 1" "$status" 1
 	is "$1: no picture" "$(ls out.pfm* 2>/dev/null)" ''
@@ -236,7 +236,7 @@ incomplete() {
 	ok "$1: the printed command works" sh -e finish
 	ok "$1: it finishes the picture" cmp out.pfm good64.pfm
 }
-# host2 takes its time, the others do not wait for it when it is lost.
+# host2 is slow; the others do not wait for it when it is lost.
 for p in 'host1 .4' 'host2 .1' 'host3 .4'; do hosts power ${p% *} ${p#* } 2>/dev/null; done
 begin interleaved
 end
@@ -279,7 +279,7 @@ for method in masterslave interleaved; do
 		end
 	done
 done
-# tree: two workers on each host, with a deal there; its pid is that of the shell which waits for it
+# tree: two workers on each host, under a deal there; the pid is that of the shell that waits for it
 tree() {
 	rm -f out.pfm job.log
 	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; } |
@@ -302,7 +302,7 @@ ok "$name: the same picture" cmp out.pfm good64.pfm
 is "$name: a message of the remote fan is shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with [01] tasks' said)" 1
 ok "$name: no more than that" [ "$(grep -vc '^host2: ' said)" = 0 ]
 
-# ---- and the hosts that were left alone ------------------------------------------------------------------------------
+# ---- the runs on their own hosts ------------------------------------------------------------------------------
 wait $nobody
 for name in lost never; do
 	is "no host left, $name: exit 3" "$(cat $name/status)" 3
