@@ -138,14 +138,14 @@ refuses() {
 	name=$1 pattern=$2
 	shift 2
 	run "$@" <four.task
-	is "$name" "$status" 2
-	like '... and says so' "$err" "$pattern"
+	is "refused: $name" "$status" 2
+	like "refused: $name: a message says so" "$err" "$pattern"
 }
 refuses 'no method' usage simulate
 refuses 'another method' 'none: expected fan, best, adaptive, deal or ring' simulate none
 refuses 'an option of another method' usage simulate fan -q 1
-refuses 'seeds and a latency' 'made up' simulate -n 1 -l 5 deal
-refuses 'seeds and an option of the method' 'made up' simulate -n 1 deal -e
+refuses 'seeds and a latency' 'the seed sets the rest' simulate -n 1 -l 5 deal
+refuses 'seeds and an option of the method' 'the seed sets the rest' simulate -n 1 deal -e
 refuses 'hosts twice' 'expected one of' simulate -j 2 -w 1,2 deal
 refuses 'costs twice' 'expected one of' simulate -m 1 -t log deal
 refuses 'a log of nothing' 'expected the log of a picture' simulate -t /dev/null deal
@@ -156,17 +156,17 @@ refuses 'hosts without power' 'expected power=P' simulate -S one,two deal
 for fault in crash crash= crash=2 crash@ crash@5 crash@0:1 crash@5:1:2 kill@5:1 return@5:1 slow@5:1:2 slow@s:1 =1 '' x=1; do
 	refuses "-f '$fault'" "expected ${fault:+KIND=CHANCE}" simulate -f "$fault" deal
 done
-refuses 'a fault of a slot that is none' 'slot 2 of 2' simulate -j 2 -f crash@1:2 deal
+refuses 'a fault of a slot that does not exist' 'slot 2 of 2' simulate -j 2 -f crash@1:2 deal
 refuses '-j with half a slot' 'expected SLOTS' simulate -j 1.5 deal
-refuses 'datagrams for others' 'expected ring -p' simulate -f lose=.1 deal
-refuses '-c with the fan' 'expected deal or ring' simulate -c fan
+refuses 'lost messages without ring -p' 'expected ring -p' simulate -f lose=.1 deal
+refuses '-c with fan' 'expected deal or ring' simulate -c fan
 bad() { # NAME INPUT-LINE ...
 	name=$1
 	shift
 	[ $# = 0 ] || printf '%s\n' "$@" >bad.task
 	run simulate deal <bad.task
-	is "$name" "$status" 2
-	like '... and says so' "$err" 'standard input: .*expected'
+	is "refused: $name" "$status" 2
+	like "refused: $name: a message says so" "$err" 'standard input: .*expected'
 }
 : >bad.task
 bad 'no input'
