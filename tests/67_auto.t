@@ -24,7 +24,7 @@ chosen 'far away' 'interleaved|adaptive|hybrid|gdc' away
 # The hosts are so far away that all tasks would be given in advance, if all were up.
 printf 'far slots=3 power=3 via="./far %%c"\nnone via="false %%c"\n' >none
 chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|adaptive|gdc' none
-like '... and it is named' "$err" 'no answer: none$'
+like 'balance auto: the host without answer is named' "$err" 'no answer: none$'
 
 same() { ok "$1: the same picture" cmp out.pfm good.pfm; rm -f out.pfm; }
 run balance auto -j 3 -s $size -o out.pfm gears.nff
