@@ -15,6 +15,18 @@ struct options {
     bool list;
 };
 
+/* -h: the usage and the scenes. */
+static _Noreturn void help(void)
+{
+    struct buf text = {0};
+    buf_printf(&text, "%s\n\nNAME, its size by default:", usage_text);
+    for (size_t i = 0; i < spd_n_scenes; i++)
+        buf_printf(
+            &text, "\n  %-8s %2d  %s", spd_scenes[i].name, spd_scenes[i].size, spd_scenes[i].what);
+    buf_append(&text, "", 1);
+    usage(ST_OK, (const char *)buf_data(&text));
+}
+
 static bool is_imbalanced(const char *name)
 {
     if (strcmp(name, "balanced") == 0) return false;
@@ -45,10 +57,10 @@ int main(int argc, char **argv)
     struct options opt = {.digits = NFF_DIGITS_SPD};
     prog_init(argv[0]);
     for (int c; (c = prog_getopt(argc, argv, "hlp:s:V:")) != -1;) switch (c) {
-        case 'h': usage(ST_OK, usage_text);
+        case 'h': help();
         case 'l': opt.list = true; break;
         case 'p': opt.digits = (int)opt_int(c, optarg, NFF_DIGITS_SPD, NFF_DIGITS_MAX); break;
-        case 's': opt.size = (int)opt_int(c, optarg, 1, 1000000); break;
+        case 's': opt.size = (int)opt_int(c, optarg, 1, SPD_SIZE_MAX); break;
         case 'V': opt.imbalanced = is_imbalanced(optarg); break;
         default: usage(ST_USAGE, usage_text);
         }
@@ -58,6 +70,8 @@ int main(int argc, char **argv)
         const struct spd_scene *scene = spd_find(argv[optind]);
         if (!scene)
             die(ST_USAGE, "%s: no such scene, expected one that spdgen -l lists", argv[optind]);
+        if (opt.imbalanced && scene->imbalanced_deg == 0)
+            die(ST_USAGE, "-V imbalanced: %s has no such view, expected balanced", scene->name);
         struct nff_out out = {stdout, opt.digits};
         spd_write(scene, &out, checked_size(scene, opt.size), opt.imbalanced);
     }

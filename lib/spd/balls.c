@@ -24,17 +24,6 @@ uint64_t spd_balls_count(int size)
     return spheres + 1;
 }
 
-/* Rotation about a unit axis. */
-static struct mat3 rotate_about(struct vec3 a, double angle)
-{
-    double c = cos(angle), s = sin(angle), d = 1.0 - c;
-    return (struct mat3){{
-        v3(a.x * a.x + (1.0 - a.x * a.x) * c, a.x * a.y * d + a.z * s, a.x * a.z * d - a.y * s),
-        v3(a.x * a.y * d - a.z * s, a.y * a.y + (1.0 - a.y * a.y) * c, a.y * a.z * d + a.x * s),
-        v3(a.x * a.z * d + a.y * s, a.y * a.z * d - a.x * s, a.z * a.z + (1.0 - a.z * a.z) * c),
-    }};
-}
-
 /*
  * The nine child directions of a sphere whose own direction is +z: three sets of three, 120 degrees
  * apart.
@@ -43,7 +32,7 @@ static void make_directions(struct vec3 out[9])
 {
     double d = 1.0 / sqrt(2.0);
     struct vec3 axis = v3(1, -1, 0), trio[3] = {{d, d, 0}, {d, 0, -d}, {0, d, -d}};
-    struct mat3 tilt = rotate_about(spd_divide(axis, v3_len(axis)), asin(2.0 / sqrt(6.0)));
+    struct mat3 tilt = spd_rotate_about(spd_unit(axis), asin(2.0 / sqrt(6.0)));
     for (int i = 0; i < 3; i++) trio[i] = spd_transform(trio[i], &tilt);
     for (int set = 0; set < 3; set++) {
         struct mat3 turn = spd_rotate_z(set * 2.0 * SPD_PI / 3.0);
@@ -56,12 +45,9 @@ static struct mat3 rotate_from_z(struct vec3 to)
 {
     struct vec3 z = v3(0, 0, 1), axis = v3_cross(z, to);
     /* Nearly along z the axis is undefined. */
-    if (to.z >= 0.9999) return (struct mat3){{v3(1, 0, 0), v3(0, 1, 0), v3(0, 0, 1)}};
-    if (to.z <= -0.9999) {
-        double c = cos(SPD_PI), s = sin(SPD_PI);
-        return (struct mat3){{v3(c, 0, -s), v3(0, 1, 0), v3(s, 0, c)}};
-    }
-    return rotate_about(spd_divide(axis, v3_len(axis)), acos(v3_dot(z, to)));
+    if (to.z >= 0.9999) return spd_scale(1);
+    if (to.z <= -0.9999) return spd_rotate_y(SPD_PI);
+    return spd_rotate_about(spd_unit(axis), acos(v3_dot(z, to)));
 }
 
 static void put_flake(struct nff_out *o, const struct vec3 directions[9], int depth,
@@ -81,7 +67,7 @@ static void put_flake(struct nff_out *o, const struct vec3 directions[9], int de
 void spd_balls(struct nff_out *o, int size, double turn_deg)
 {
     struct vec3 directions[9];
-    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, SPD_SKY, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &floor_stuff);
     nff_put_polygon(o, 4, floor_corners, NULL);
     nff_put_material(o, &(struct material){1, 0.9, 0.7, 0.5, 0.5, spd_shine(37), 0, 1});

@@ -88,7 +88,7 @@ static void put_gear(
 
 void spd_gears(struct nff_out *o, int size, double turn_deg)
 {
-    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, SPD_SKY, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &(struct material){1, 0.85, 0.7, 0.3, 0.6, spd_shine(37), 0, 0});
     nff_put_polygon(o, 4, ground, NULL);
 

@@ -12,11 +12,11 @@ static struct view turned(struct view v, double up_angle)
     return v;
 }
 
-void spd_put_setting(
-    struct nff_out *o, const struct view *v, double turn_deg, const struct vec3 *lights, size_t n)
+void spd_put_setting(struct nff_out *o, struct vec3 background, const struct view *v,
+    double turn_deg, const struct vec3 *lights, size_t n)
 {
     struct view seen = turn_deg != 0 ? turned(*v, SPD_PI * turn_deg / 180.0) : *v;
-    nff_put_background(o, 0.078, 0.361, 0.753); /* the sky over Chapel Hill */
+    nff_put_background(o, background.x, background.y, background.z);
     nff_put_view(o, &seen);
     for (size_t i = 0; i < n; i++) nff_put_light(o, &(struct light){.pos = lights[i]});
 }
@@ -27,10 +27,4 @@ double spd_shine(double half_angle_deg)
     if (angle <= 0) return 100000;
     if (angle >= SPD_PI / 2) return 1;
     return log(0.5) / log(cos(angle));
-}
-
-struct mat3 spd_rotate_z(double angle)
-{
-    double c = cos(angle), s = sin(angle);
-    return (struct mat3){{v3(c, s, 0), v3(-s, c, 0), v3(0, 0, 1)}};
 }

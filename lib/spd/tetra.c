@@ -33,7 +33,7 @@ static void put_tetra(struct nff_out *o, int depth, struct vec3 center, double h
 
 void spd_tetra(struct nff_out *o, int size, double turn_deg)
 {
-    spd_put_setting(o, &view, turn_deg, lights, sizeof lights / sizeof *lights);
+    spd_put_setting(o, SPD_SKY, &view, turn_deg, lights, sizeof lights / sizeof *lights);
     nff_put_material(o, &(struct material){1, 0.2, 0.2, 1, 0, spd_shine(0), 0, 0});
     put_tetra(o, size, v3(0, 0, 0), 1);
 }
