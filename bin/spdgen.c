@@ -46,7 +46,8 @@ static void list_scenes(int size)
     printf("# name size primitives formula\n");
     for (size_t i = 0; i < spd_n_scenes; i++) {
         const struct spd_scene *scene = &spd_scenes[i];
-        int s = checked_size(scene, size);
+        int s = size ? size : scene->size;
+        if (s > spd_size_max(scene)) continue;
         printf(
             "%s %d %llu %s\n", scene->name, s, (unsigned long long)scene->count(s), scene->formula);
     }

@@ -59,6 +59,10 @@ if command -v povray >/dev/null; then
 	ok 'POV-Ray agrees on gears' same gears 100 128x128 gears.nff
 	spdgen -s 3 tetra >tetra.nff
 	ok 'POV-Ray agrees on tetra' same tetra 1 128x128 tetra.nff
+	for scene in jacks:2 lattice:2 mount:3 nurbtst:1 rings:2 sample:1 shells:1 sombrero:1 teapot:3 tree:4; do
+		spdgen -s "${scene#*:}" "${scene%:*}" >small.nff
+		ok "POV-Ray agrees on ${scene%:*}" same "${scene%:*}" 100 128x128 small.nff
+	done
 	for scene in balls gears tetra; do
 		spdgen -s 2 -V imbalanced $scene >low.nff
 		ok "POV-Ray agrees on $scene in its imbalanced view" same $scene 100 128x128 low.nff
