@@ -26,10 +26,6 @@ static const struct vec3 lights[] = {{0, 50, -10}};
 static const double heights[ROWS][COLUMNS] = {
     {0, 3, -3, 3, 0}, {0}, {0, 0, 5, 0, 0}, {0, 0, 5, 0, 0}, {0}, {0, -3, 3, -3, 0}};
 
-struct point {
-    struct vec3 at, normal;
-};
-
 /* Basis functions and their derivatives at one parameter. */
 struct basis {
     float value[KNOTS_MAX], slope[KNOTS_MAX];
@@ -64,7 +60,7 @@ static struct basis basis_at(float t, int points)
     return b;
 }
 
-static struct point point_at(float u, float v)
+static struct patch_corner point_at(float u, float v)
 {
     struct basis a = basis_at(u, ROWS), b = basis_at(v, COLUMNS);
     struct vec3 at = {0}, along_u = {0}, along_v = {0};
@@ -75,22 +71,25 @@ static struct point point_at(float u, float v)
             along_u = v3_mad(along_u, control, (double)(a.slope[i] * b.value[j]));
             along_v = v3_mad(along_v, control, (double)(a.value[i] * b.slope[j]));
         }
-    return (struct point){at, spd_unit(v3_cross(along_v, along_u))};
+    return (struct patch_corner){at, spd_unit(v3_cross(along_v, along_u))};
 }
 
-static void put_triangle(struct nff_out *o, struct point a, struct point b, struct point c)
+/* Parameters over all knots, one by one from 0. */
+static void make_steps(float out[], int points)
 {
-    nff_put_polygon(
-        o, 3, (struct vec3[]){a.at, b.at, c.at}, (struct vec3[]){a.normal, b.normal, c.normal});
+    int steps = points * STEPS;
+    out[0] = 0;
+    for (int i = 0; i < steps; i++)
+        out[i + 1] = out[i] + (float)(points - ORDER + 1) / (float)steps;
 }
 
 /* The points of one u, moved to their places. */
-static void make_row(struct point row[COLUMNS * STEPS + 1], float u, const struct affine *place)
+static void make_row(struct patch_corner row[COLUMNS * STEPS + 1], float u,
+    const float v[COLUMNS * STEPS + 1], const struct affine *place)
 {
-    float v = 0, step = (float)(COLUMNS - ORDER + 1) / (float)(COLUMNS * STEPS);
-    for (int j = 0; j <= COLUMNS * STEPS; j++, v += step) {
-        struct point p = point_at(u, v);
-        row[j] = (struct point){spd_move(p.at, place), spd_transform(p.normal, &place->m)};
+    for (int j = 0; j <= COLUMNS * STEPS; j++) {
+        struct patch_corner p = point_at(u, v[j]);
+        row[j] = (struct patch_corner){spd_move(p.at, place), spd_transform(p.normal, &place->m)};
     }
 }
 
@@ -106,14 +105,17 @@ void spd_nurbtst(struct nff_out *o, int size, double turn_deg)
     struct affine center = {.m = spd_scale(1), .shift = v3(-2, -2.5, 0)};
     struct affine place = spd_compose(&center, &turn);
 
-    struct point row[2][COLUMNS * STEPS + 1];
-    float u = 0, step = (float)(ROWS - ORDER + 1) / (float)(ROWS * STEPS);
-    for (int i = 0; i <= ROWS * STEPS; i++, u += step) {
-        const struct point *p = row[(i + 1) % 2], *q = row[i % 2];
-        make_row(row[i % 2], u, &place);
-        for (int j = 0; i > 0 && j < COLUMNS * STEPS; j++) {
-            put_triangle(o, p[j], q[j], q[j + 1]);
-            put_triangle(o, p[j], q[j + 1], p[j + 1]);
+    struct patch_corner row[2][COLUMNS * STEPS + 1];
+    float u[ROWS * STEPS + 1], v[COLUMNS * STEPS + 1];
+    make_steps(u, ROWS);
+    make_steps(v, COLUMNS);
+    make_row(row[0], u[0], v, &place);
+    for (int i = 1; i <= ROWS * STEPS; i++) {
+        const struct patch_corner *p = row[(i + 1) % 2], *q = row[i % 2];
+        make_row(row[i % 2], u[i], v, &place);
+        for (int j = 0; j < COLUMNS * STEPS; j++) {
+            spd_put_patch(o, p[j], q[j], q[j + 1]);
+            spd_put_patch(o, p[j], q[j + 1], p[j + 1]);
         }
     }
 }

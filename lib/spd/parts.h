@@ -26,6 +26,11 @@ struct affine {
     struct vec3 shift;
 };
 
+/* A corner of a patch, with the unit normal there. */
+struct patch_corner {
+    struct vec3 at, normal;
+};
+
 static inline struct vec3 spd_transform(struct vec3 v, const struct mat3 *m)
 {
     const struct vec3 *r = m->row;
@@ -65,6 +70,10 @@ void spd_put_setting(struct nff_out *o, struct vec3 background, const struct vie
 /* Phong exponent of a highlight that falls to one half at this angle. At 0 it is 1e5, which means
  * no highlight. */
 double spd_shine(double half_angle_deg);
+
+/* Writes a triangle with normals. */
+void spd_put_patch(
+    struct nff_out *o, struct patch_corner a, struct patch_corner b, struct patch_corner c);
 
 /* A scene's number of primitives at a size, and the scene; see struct spd_scene. */
 uint64_t spd_balls_count(int size);

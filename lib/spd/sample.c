@@ -22,10 +22,6 @@ static const struct torus {
     {{1, 0, 1}, {1, 0, 0}, {-1, 1, -0.5}}};
 static const struct vec3 red = {1, 0, 0};
 
-struct point {
-    struct vec3 at, normal;
-};
-
 /* The scene does not scale. */
 uint64_t spd_sample_count(int size)
 {
@@ -46,44 +42,46 @@ static struct affine raised(struct vec3 center, struct vec3 axis)
 }
 
 /* u goes around the ring's section, v along the ring. */
-static struct point torus_at(double u, double v, const struct affine *place)
+static struct patch_corner torus_at(double u, double v, const struct affine *place)
 {
     const double r0 = 2.0, r1 = 0.5; /* of the ring, of its section */
     struct vec3 at = v3((r0 + r1 * sin(u)) * cos(v), (r0 + r1 * sin(u)) * sin(v), r1 * cos(u));
     struct vec3 along_u = v3(r1 * cos(u) * cos(v), r1 * cos(u) * sin(v), -r1 * sin(u));
     struct vec3 along_v = v3(-(r0 + r1 * sin(u)) * sin(v), (r0 + r1 * sin(u)) * cos(v), 0.0);
     struct vec3 normal = spd_unit(v3_cross(along_u, along_v));
-    return (struct point){spd_move(at, place), spd_transform(normal, &place->m)};
+    return (struct patch_corner){spd_move(at, place), spd_transform(normal, &place->m)};
 }
 
-static void put_triangle(struct nff_out *o, struct point a, struct point b, struct point c)
+/* Parameters around a circle, one by one from 0. */
+static void make_steps(double out[], int n)
 {
-    nff_put_polygon(
-        o, 3, (struct vec3[]){a.at, b.at, c.at}, (struct vec3[]){a.normal, b.normal, c.normal});
+    out[0] = 0;
+    for (int i = 0; i < n; i++) out[i + 1] = out[i] + 2.0 * SPD_PI / n;
 }
 
 static void put_torus(struct nff_out *o, const struct torus *t)
 {
     struct affine place = raised(t->center, spd_unit(t->axis));
-    double step = 2.0 * SPD_PI / TORUS_STEPS, u = 0, v;
+    double at[TORUS_STEPS + 1];
+    make_steps(at, TORUS_STEPS);
     put_colour(o, t->colour);
-    for (int i = 0; i < TORUS_STEPS; i++, u += step) {
-        v = 0;
-        for (int j = 0; j < TORUS_STEPS; j++, v += step) {
-            struct point here = torus_at(u, v, &place), far = torus_at(u + step, v + step, &place);
-            put_triangle(o, far, torus_at(u, v + step, &place), here);
-            put_triangle(o, torus_at(u + step, v, &place), far, here);
+    for (int i = 0; i < TORUS_STEPS; i++)
+        for (int j = 0; j < TORUS_STEPS; j++) {
+            struct patch_corner here = torus_at(at[i], at[j], &place),
+                                far = torus_at(at[i + 1], at[j + 1], &place);
+            spd_put_patch(o, far, torus_at(at[i], at[j + 1], &place), here);
+            spd_put_patch(o, torus_at(at[i + 1], at[j], &place), far, here);
         }
-    }
 }
 
 static void put_disc(struct nff_out *o, struct vec3 center, struct vec3 axis, double radius)
 {
     struct affine place = raised(center, axis);
-    double step = 2.0 * SPD_PI / DISC_STEPS, u = 0;
-    for (int i = 0; i < DISC_STEPS; i++, u += step) {
-        struct vec3 a = v3(radius * cos(u), radius * sin(u), 0);
-        struct vec3 b = v3(radius * cos(u + step), radius * sin(u + step), 0);
+    double at[DISC_STEPS + 1];
+    make_steps(at, DISC_STEPS);
+    for (int i = 0; i < DISC_STEPS; i++) {
+        struct vec3 a = v3(radius * cos(at[i]), radius * sin(at[i]), 0);
+        struct vec3 b = v3(radius * cos(at[i + 1]), radius * sin(at[i + 1]), 0);
         struct vec3 corners[3] = {spd_move(a, &place), spd_move(b, &place), center};
         nff_put_polygon(o, 3, corners, NULL);
     }

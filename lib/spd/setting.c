@@ -28,3 +28,10 @@ double spd_shine(double half_angle_deg)
     if (angle >= SPD_PI / 2) return 1;
     return log(0.5) / log(cos(angle));
 }
+
+void spd_put_patch(
+    struct nff_out *o, struct patch_corner a, struct patch_corner b, struct patch_corner c)
+{
+    struct vec3 at[3] = {a.at, b.at, c.at}, normals[3] = {a.normal, b.normal, c.normal};
+    nff_put_polygon(o, 3, at, normals);
+}

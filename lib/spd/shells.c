@@ -5,8 +5,8 @@
 #include "spd/parts.h"
 
 #define TURNS 9.0
-#define GROWTH 0.15  /* logarithm of the radius, per radian */
-#define STEEPNESS -2 /* height over radius */
+#define GROWTH 0.15      /* logarithm of the radius, per radian */
+#define STEEPNESS (-2.0) /* height over radius */
 
 static const struct view view = {.from = {-6, -60, 35},
     .at = {0, 8, -15},

@@ -20,19 +20,19 @@ static const struct view view = {.from = {4.86, 7.2, 5.4},
 static const struct vec3 lights[] = {{-3.1, 9.8, 12.1}, {11.3, 5.1, 8.8}};
 
 /*
- * A quarter of a ring: its control points are (radius, 0), (radius, -bulge), (bulge, -radius) and
- * (0, -radius) at this height. Four rings are a quarter of a turned surface.
+* A quarter of a circle: its control points are (radius, 0), (radius, -bulge), (bulge, -radius) and
+ * (0, -radius) at this height. Four circles are a quarter of a turned surface.
  */
-struct ring {
+struct circle {
     double radius, bulge, z;
 };
-static const struct ring rim[4] = {
+static const struct circle rim[4] = {
     {1.4, 0.784, 2.4}, {1.3375, 0.749, 2.53125}, {1.4375, 0.805, 2.53125}, {1.5, 0.84, 2.4}};
-static const struct ring body[7] = {{1.5, 0.84, 2.4}, {1.75, 0.98, 1.875}, {2, 1.12, 1.35},
+static const struct circle body[7] = {{1.5, 0.84, 2.4}, {1.75, 0.98, 1.875}, {2, 1.12, 1.35},
     {2, 1.12, 0.9}, {2, 1.12, 0.45}, {1.5, 0.84, 0.225}, {1.5, 0.84, 0.15}};
-static const struct ring lid[7] = {{0, 0, 3.15}, {0.8, 0.45, 3.15}, {0, 0, 2.85}, {0.2, 0.112, 2.7},
-    {0.4, 0.224, 2.55}, {1.3, 0.728, 2.55}, {1.3, 0.728, 2.4}};
-static const struct ring bottom[4] = {
+static const struct circle lid[7] = {{0, 0, 3.15}, {0.8, 0.45, 3.15}, {0, 0, 2.85},
+    {0.2, 0.112, 2.7}, {0.4, 0.224, 2.55}, {1.3, 0.728, 2.55}, {1.3, 0.728, 2.4}};
+static const struct circle bottom[4] = {
     {0, 0, 0}, {1.425, 0.798, 0}, {1.5, 0.84, 0.075}, {1.5, 0.84, 0.15}};
 
 /* A section through a tube: two points in the plane y = 0, and the tube's half width there. */
@@ -56,10 +56,6 @@ struct polynomial {
     double c[4][4];
 };
 
-struct corner {
-    struct vec3 at, normal;
-};
-
 uint64_t spd_teapot_count(int size)
 {
     uint64_t n = (uint64_t)size;
@@ -67,7 +63,7 @@ uint64_t spd_teapot_count(int size)
 }
 
 /* Quarter 0 to 3 of the turned rings, clockwise seen from above if sense is -1, else sense is 1. */
-static struct patch turned(const struct ring r[4], int quarter, int sense)
+static struct patch turned(const struct circle r[4], int quarter, int sense)
 {
     struct patch out;
     for (int i = 0; i < 4; i++) {
@@ -148,11 +144,11 @@ static struct vec3 values(const struct polynomial p[3], const double s[4], const
     return v3(value(&p[0], s, t), value(&p[1], s, t), value(&p[2], s, t));
 }
 
-static struct corner corner_at(const struct polynomial p[3], double s, double t)
+static struct patch_corner corner_at(const struct polynomial p[3], double s, double t)
 {
     double ps[4] = {s * s * s, s * s, s, 1}, pt[4] = {t * t * t, t * t, t, 1};
     double ds[4] = {s * s * 3, s * 2, 1, 0}, dt[4] = {t * t * 3, t * 2, 1, 0};
-    return (struct corner){
+    return (struct patch_corner){
         values(p, ps, pt), spd_unit(v3_cross(values(p, ps, dt), values(p, ds, pt)))};
 }
 
@@ -160,17 +156,15 @@ static bool on_axis(struct vec3 v) { return fabs(v.x) <= CUSP && fabs(v.y) <= CU
 
 /* At the tips of lid and bottom a triangle has two corners in one place, or one without a normal:
  * the first is left out, the second gets the axis for its normal. */
-static void put_triangle(struct nff_out *o, struct corner c[3])
+static void put_triangle(struct nff_out *o, struct patch_corner c[3])
 {
-    struct vec3 at[3], normal[3];
     int cusps = 0;
     for (int i = 0; i < 3; i++) {
-        at[i] = c[i].at, normal[i] = c[i].normal;
-        if (!on_axis(at[i])) continue;
+        if (!on_axis(c[i].at)) continue;
         cusps++;
-        normal[i] = v3(0, 0, at[i].z > 1.5 ? 1 : -1);
+        c[i].normal = v3(0, 0, c[i].at.z > 1.5 ? 1 : -1);
     }
-    if (cusps < 2) nff_put_polygon(o, 3, at, normal);
+    if (cusps < 2) spd_put_patch(o, c[0], c[1], c[2]);
 }
 
 static void put_patch(struct nff_out *o, const struct patch *patch, int size)
@@ -181,10 +175,10 @@ static void put_patch(struct nff_out *o, const struct patch *patch, int size)
         for (int j = 0; j < size; j++) {
             double s0 = (double)i / size, s1 = (double)(i + 1) / size;
             double t0 = (double)j / size, t1 = (double)(j + 1) / size;
-            struct corner a = corner_at(p, s0, t0), b = corner_at(p, s0, t1),
-                          c = corner_at(p, s1, t1), d = corner_at(p, s1, t0);
-            put_triangle(o, (struct corner[]){a, b, c});
-            put_triangle(o, (struct corner[]){c, d, a});
+            struct patch_corner a = corner_at(p, s0, t0), b = corner_at(p, s0, t1),
+                                c = corner_at(p, s1, t1), d = corner_at(p, s1, t0);
+            put_triangle(o, (struct patch_corner[]){a, b, c});
+            put_triangle(o, (struct patch_corner[]){c, d, a});
         }
 }
 
