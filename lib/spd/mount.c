@@ -12,6 +12,7 @@
 #define SEED 21       /* another one makes another mountain */
 #define CORNER (-1.0) /* lower left corner, in x and in y */
 #define WIDTH 2.0
+#define MODULUS 134456 /* of the random numbers */
 
 static const struct view view = {.from = {-1.6, 1.6, 1.7},
     .up = {0, 0, 1},
@@ -38,16 +39,22 @@ uint64_t spd_mount_count(int size) { return 4 + (UINT64_C(2) << 2 * size); }
 /* Up to size 7 shifts are as in SPD; from size 8 on SPD shifts by less than 0, which yields 0. */
 static uint64_t shifted(int value, int shift) { return shift < 0 ? 0 : (uint64_t)value << shift; }
 
-/* Normally distributed: Box and Muller's polar method over a linear congruential generator, both
- * as in W. H. Press et al., "Numerical Recipes" (1986). */
+static long next_random(long n) { return (28411 + n * 8121) % MODULUS; }
+/* -1 to 1 */
+static double centred(long n) { return (double)n * 2.0 / MODULUS - 1.0; }
+
+/*
+ * Normally distributed: G. Marsaglia's polar method over a linear congruential generator, both as in
+ * W. H. Press et al., "Numerical Recipes" (1986).
+ */
 static double random_at(int x, int y, int size)
 {
     uint64_t hash = shifted(x, 23 - size) + shifted(y, 15 - size) + shifted(x, 7 - size);
-    long n = SEED + (long)(hash & 0xffff);
+    long first, second = SEED + (long)(hash & 0xffff);
     double u, v, r;
     do {
-        u = (double)(n = (28411 + n * 8121) % 134456) * 2.0 / 134456 - 1.0;
-        v = (double)(n = (28411 + n * 8121) % 134456) * 2.0 / 134456 - 1.0;
+        first = next_random(second), second = next_random(first);
+        u = centred(first), v = centred(second);
         r = u * u + v * v;
     } while (r >= 1.0);
     return u * sqrt(-2.0 * log(r) / r);
