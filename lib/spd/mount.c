@@ -44,8 +44,8 @@ static long next_random(long n) { return (28411 + n * 8121) % MODULUS; }
 static double centred(long n) { return (double)n * 2.0 / MODULUS - 1.0; }
 
 /*
- * Normally distributed: G. Marsaglia's polar method over a linear congruential generator, both as in
- * W. H. Press et al., "Numerical Recipes" (1986).
+ * Normally distributed: G. Marsaglia's polar method over a linear congruential generator, both as
+ * in W. H. Press et al., "Numerical Recipes" (1986).
  */
 static double random_at(int x, int y, int size)
 {
