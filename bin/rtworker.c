@@ -14,93 +14,33 @@
 struct options {
     struct trace_options trace;
     struct worker_options worker;
-    bool inspect;     /* -i: print the frame and the job, render nothing */
-    int w, h;         /* -s: size of that frame; 0: the scene's */
-    const char *path; /* scene file; "-": the scene comes as a record */
-    char with[80];    /* the program and its pixel-changing options, for `with=` */
+    struct worker_words words; /* the options, for job hashes and `with=` */
+    bool inspect;              /* -i: print the frame and the job, render nothing */
+    int w, h;                  /* -s: size of that frame; 0: the scene's */
+    const char *path;          /* scene file; "-": the scene comes as a record */
 };
 
-/* The scene of the pictures of one generation. */
-struct subject {
-    struct scene scene;
-    struct tracer *tracer;
-    uint64_t hash;
-    bool loaded;
-};
+/* ---- the ray tracer ------------------------------------------------------------------------- */
 
-struct renderer {
-    const struct options *o;
-    const char *name;
-    struct subject subjects[GENERATIONS]; /* by generation, modulo GENERATIONS */
-    struct subject *at;                   /* subject of the current frame */
-    uint32_t w, h;
-};
-
-static void unload(struct subject *s)
+static int scene_of(const char *name, unsigned char *text, size_t n, void *scene, char *err)
 {
-    tracer_free(s->tracer);
-    if (s->loaded) scene_free(&s->scene);
-    *s = (struct subject){0};
+    return nff_read(name, (const char *)text, n, scene, err);
 }
 
-static int load(struct renderer *r, struct subject *s, const char *text, size_t n, char *err)
+static void free_scene(void *scene) { scene_free(scene); }
+
+static void *build(const void *options, void *const value[])
 {
-    unload(s);
-    s->loaded = nff_read(r->name, text, n, &s->scene, err) == 0;
-    s->hash = hash64(HASH64_INIT, text, n);
-    return s->loaded ? 0 : -1;
+    return tracer_new(value[0], options);
 }
 
-static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,
-    size_t n, char err[WORKER_ERR])
-{
-    struct renderer *r = ctx;
-    bool streamed = strcmp(r->o->path, "-") == 0;
-    if (kind == REC_SCENE && streamed)
-        return load(r, &r->subjects[generation % GENERATIONS], (const char *)body, n, err);
-    snprintf(err, WORKER_ERR, "record `%s`, expected %s", rec_name(kind),
-        streamed ? "`scene`" : "no state records, because the scene is a file");
-    return -1;
-}
+static void free_tracer(void *t) { tracer_free(t); }
 
-static void drop(void *ctx, uint32_t generation)
-{
-    unload(&((struct renderer *)ctx)->subjects[generation % GENERATIONS]);
-}
+static void frame(void *t, uint32_t w, uint32_t h) { tracer_frame(t, w, h); }
 
-static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
+static void render(void *t, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
-    struct renderer *r = ctx;
-    struct subject *s = r->at = &r->subjects[f->generation % GENERATIONS];
-    if (!s->loaded) {
-        snprintf(err, WORKER_ERR, "no scene, expected a `scene` record before the first task");
-        return -1;
-    }
-    if (!s->tracer) s->tracer = tracer_new(&s->scene, &r->o->trace);
-    tracer_frame(s->tracer, f->w, f->h);
-    r->w = f->w;
-    r->h = f->h;
-    return 0;
-}
-
-static uint64_t job(void *ctx)
-{
-    struct renderer *r = ctx;
-    const struct trace_options *t = &r->o->trace;
-    char text[160];
-    int n = snprintf(text, sizeof text,
-        "rt %d depth=%d samples=%d threshold=%.17g budget=%.17g scene=%016" PRIx64, FORMAT_VERSION,
-        t->depth, t->samples, t->threshold, t->budget, r->at->hash);
-    const uint32_t size[2] = {r->w, r->h};
-    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
-}
-
-static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
-
-static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
-{
-    struct renderer *r = ctx;
-    tracer_pixels(r->at->tracer, at, n0, n, rgba);
+    tracer_pixels(t, at, n0, n, rgba);
 }
 
 /* Every primitive, a mirror, glass and a shadow, small enough to render in one or two
@@ -112,10 +52,9 @@ static const char selftest_nff[] =
     "f .2 .9 .3 .2 .1 10 .7 1.3\ns 1.2 1 .6 .6\nf .3 .4 1 .9 .1 5 0 0\n"
     "c -1.4 .8 0 .5 -1.4 .8 1.2 .2\npp 3 1 -1 0 0 0 1 2 -1.5 .3 .3 0 1 1.4 -.3 1.1 0 .4 1\n";
 
-static void selftest(void *ctx, float *rgba, uint32_t *n)
+static void selftest(float *rgba, uint32_t *n)
 {
     struct scene s;
-    (void)ctx;
     char err[SCENE_ERR];
     if (nff_read("selftest", selftest_nff, sizeof selftest_nff - 1, &s, err) != 0)
         die(ST_SYSTEM, "%s", err);
@@ -129,16 +68,18 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
     scene_free(&s);
 }
 
-static const struct worker_ops ops = {
+static const struct worker_renderer renderer = {
     .program = "rtworker",
-    .state = take_state,
-    .drop = drop,
-    .ready = ready,
-    .job = job,
-    .with = with,
+    .part = {{REC_SCENE, sizeof(struct scene), false, scene_of, free_scene}},
+    .n_parts = 1,
+    .build = build,
+    .free = free_tracer,
+    .frame = frame,
     .render = render,
     .selftest = selftest,
 };
+
+/* ---- options -------------------------------------------------------------------------------- */
 
 static void parse_sampling(const char *s, struct trace_options *t)
 {
@@ -163,20 +104,23 @@ static void parse_sampling(const char *s, struct trace_options *t)
 static void describe(struct options *o)
 {
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT, *t = &o->trace;
-    size_t n = (size_t)snprintf(o->with, sizeof o->with, "rtworker");
+    struct worker_words *s = &o->words;
+    snprintf(s->job, sizeof s->job, "rt %d depth=%d samples=%d threshold=%.17g budget=%.17g",
+        FORMAT_VERSION, t->depth, t->samples, t->threshold, t->budget);
+    size_t n = (size_t)snprintf(s->with, sizeof s->with, "rtworker");
     if (t->samples != usual.samples || t->threshold >= 0)
-        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-a%d", t->samples);
+        n += (size_t)snprintf(s->with + n, sizeof s->with - n, ",-a%d", t->samples);
     if (t->threshold >= 0) {
         char text[32];
         print_real(text, t->threshold);
-        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ":%s", text);
+        n += (size_t)snprintf(s->with + n, sizeof s->with - n, ":%s", text);
     }
     if (t->depth != usual.depth)
-        n += (size_t)snprintf(o->with + n, sizeof o->with - n, ",-d%d", t->depth);
+        n += (size_t)snprintf(s->with + n, sizeof s->with - n, ",-d%d", t->depth);
     if (t->budget != usual.budget) {
         char text[32];
         print_real(text, t->budget);
-        snprintf(o->with + n, sizeof o->with - n, ",-w%s", text);
+        snprintf(s->with + n, sizeof s->with - n, ",-w%s", text);
     }
 }
 
@@ -212,23 +156,12 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* Reads the scene named on the command line. */
-static void open_scene(struct renderer *r)
+static void inspect(const struct worker_states *s, const struct options *o)
 {
-    struct buf text = {0};
-    char err[WORKER_ERR];
-    if (read_file(r->o->path, &text) != 0) die(ST_USAGE, "%s:", r->o->path);
-    r->at = r->subjects;
-    if (load(r, r->at, (const char *)buf_data(&text), buf_size(&text), err) != 0)
-        die(ST_USAGE, "%s", err);
-    buf_free(&text);
-}
-
-static void inspect(struct renderer *r)
-{
-    r->w = r->o->w ? (uint32_t)r->o->w : r->at->scene.view.res_x;
-    r->h = r->o->w ? (uint32_t)r->o->h : r->at->scene.view.res_y;
-    printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
+    const struct scene *scene = worker_states_value(s, 0);
+    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
+    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
+    printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
     close_stdout();
 }
 
@@ -236,12 +169,11 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
-    bool streamed = strcmp(o.path, "-") == 0 && !o.inspect;
-    struct renderer r = {.o = &o, .name = streamed || !strcmp(o.path, "-") ? "scene" : o.path};
-    if (!streamed) open_scene(&r);
+    struct worker_states *s = worker_states_new(&renderer, &o.trace, &o.words);
+    if (o.inspect || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
     int status = ST_OK;
-    if (o.inspect) inspect(&r);
-    else status = worker_run(&ops, &o.worker, &r);
-    for (uint32_t i = 0; i < 2; i++) drop(&r, i);
+    if (o.inspect) inspect(s, &o);
+    else status = worker_render(s, &o.worker);
+    worker_states_free(s);
     return status;
 }

@@ -4,12 +4,9 @@
 #include "volume/volume.h"
 #include "worker/worker.h"
 
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,142 +15,42 @@
 struct options {
     struct volume_options volume;
     struct worker_options worker;
+    struct worker_words words;         /* the options, for job hashes and `with=` */
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
     const char *grid, *const *specs;   /* files; "-": it comes as a record */
     int n_specs;                       /* 1; with -i any number */
     int w, h;                          /* -s: size for -i; 0: the specification's */
-    char with[80];                     /* the program and its pixel-changing options, for `with=` */
 };
 
-/* A grid or a specification, shared by the generations that use it. */
-struct shared {
-    struct grid grid;
-    struct spec spec;
-    uint64_t hash;
-    int users;
-};
+/* ---- the ray caster ------------------------------------------------------------------------- */
 
-/* The data of the pictures of one generation. */
-struct subject {
-    struct shared *grid, *spec; /* NULL: not received yet */
-    struct volume *volume;      /* built from both when first needed */
-};
+enum { GRID, SPEC }; /* the parts of the state */
 
-struct renderer {
-    const struct options *o;
-    struct subject subjects[GENERATIONS]; /* by generation, modulo GENERATIONS */
-    uint32_t latest;                      /* latest generation */
-    struct subject *at;                   /* subject of the current frame */
-    uint32_t w, h;
-};
-
-/* ---- state ---------------------------------------------------------------------------------- */
-
-static void drop_part(struct subject *s, struct shared **part)
+static int grid_of(const char *name, unsigned char *bytes, size_t n, void *grid, char *err)
 {
-    volume_free(s->volume);
-    s->volume = NULL;
-    if (*part && --(*part)->users == 0) {
-        grid_free(&(*part)->grid);
-        spec_free(&(*part)->spec);
-        free(*part);
-    }
-    *part = NULL;
+    return grid_consume(name, bytes, n, grid, err);
 }
 
-static void drop(void *ctx, uint32_t generation)
+static int spec_of(const char *name, unsigned char *text, size_t n, void *spec, char *err)
 {
-    struct subject *s = &((struct renderer *)ctx)->subjects[generation % GENERATIONS];
-    drop_part(s, &s->grid);
-    drop_part(s, &s->spec);
+    return spec_read(name, (const char *)text, n, spec, err);
 }
 
-/* Frees the replaced grid first, because grids are large. */
-static int load_grid(struct subject *s, const char *name, unsigned char *bytes, size_t n, char *err)
+static void free_grid(void *grid) { grid_free(grid); }
+static void free_spec(void *spec) { spec_free(spec); }
+
+static void *build(const void *options, void *const value[])
 {
-    drop_part(s, &s->grid);
-    struct shared *g = xcalloc(1, sizeof *g);
-    *g = (struct shared){.hash = hash64(HASH64_INIT, bytes, n), .users = 1};
-    if (grid_consume(name, bytes, n, &g->grid, err) == 0) s->grid = g;
-    else free(g);
-    return s->grid ? 0 : -1;
+    return volume_new(value[GRID], value[SPEC], options);
 }
 
-static int load_spec(
-    struct subject *s, const char *name, const unsigned char *text, size_t n, char *err)
-{
-    drop_part(s, &s->spec);
-    struct shared *p = xcalloc(1, sizeof *p);
-    *p = (struct shared){.hash = hash64(HASH64_INIT, text, n), .users = 1};
-    if (spec_read(name, (const char *)text, n, &p->spec, err) == 0) s->spec = p;
-    else free(p);
-    return s->spec ? 0 : -1;
-}
+static void free_volume(void *v) { volume_free(v); }
 
-/* A new generation starts with the state of the previous one. */
-static struct subject *subject_of(struct renderer *r, uint32_t generation)
-{
-    struct subject *s = &r->subjects[generation % GENERATIONS],
-                   *before = &r->subjects[(generation - 1) % GENERATIONS];
-    if (generation == r->latest) return s;
-    r->latest = generation;
-    drop(r, generation);
-    *s = (struct subject){before->grid, before->spec, NULL};
-    if (s->grid) s->grid->users++;
-    if (s->spec) s->spec->users++;
-    return s;
-}
+static void frame(void *v, uint32_t w, uint32_t h) { volume_frame(v, w, h); }
 
-static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,
-    size_t n, char err[WORKER_ERR])
+static void render(void *v, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
-    struct renderer *r = ctx;
-    const char *file = kind == REC_GRID ? r->o->grid : kind == REC_SPEC ? *r->o->specs : "";
-    if (strcmp(file, "-") != 0) {
-        snprintf(err, WORKER_ERR, "record `%s`, expected `grid` or `spec` for an operand -",
-            rec_name(kind));
-        return -1;
-    }
-    struct subject *s = subject_of(r, generation);
-    return kind == REC_GRID ? load_grid(s, "grid", body, n, err)
-                            : load_spec(s, "spec", body, n, err);
-}
-
-static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
-{
-    struct renderer *r = ctx;
-    struct subject *s = r->at = &r->subjects[f->generation % GENERATIONS];
-    if (!s->grid || !s->spec) {
-        const char *missing = s->grid ? "spec" : "grid";
-        snprintf(err, WORKER_ERR, "no %s, expected a `%s` record before the first task", missing,
-            missing);
-        return -1;
-    }
-    if (!s->volume) s->volume = volume_new(&s->grid->grid, &s->spec->spec, &r->o->volume);
-    volume_frame(s->volume, f->w, f->h);
-    r->w = f->w;
-    r->h = f->h;
-    return 0;
-}
-
-static uint64_t job(void *ctx)
-{
-    struct renderer *r = ctx;
-    const struct volume_options *v = &r->o->volume;
-    char text[160];
-    int n = snprintf(text, sizeof text,
-        "vc %d method=%d tolerance=%.17g n=%d grid=%016" PRIx64 " spec=%016" PRIx64, FORMAT_VERSION,
-        (int)v->method, v->tolerance, v->n, r->at->grid->hash, r->at->spec->hash);
-    const uint32_t size[2] = {r->w, r->h};
-    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
-}
-
-static const char *with(void *ctx) { return ((struct renderer *)ctx)->o->with; }
-
-static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
-{
-    struct renderer *r = ctx;
-    volume_pixels(r->at->volume, at, n0, n, rgba);
+    volume_pixels(v, at, n0, n, rgba);
 }
 
 /* ---- the self-test -------------------------------------------------------------------------- */
@@ -185,9 +82,8 @@ static void selftest_look(const struct grid *g, const char *text, float *rgba, u
     spec_free(&s);
 }
 
-static void selftest(void *ctx, float *rgba, uint32_t *n)
+static void selftest(float *rgba, uint32_t *n)
 {
-    (void)ctx;
     struct grid g;
     char err[ERR_BYTES];
     if (grid_read("selftest", selftest_vtk, sizeof selftest_vtk - 1, &g, err) != 0)
@@ -197,13 +93,14 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
     grid_free(&g);
 }
 
-static const struct worker_ops ops = {
+static const struct worker_renderer renderer = {
     .program = "vcworker",
-    .state = take_state,
-    .drop = drop,
-    .ready = ready,
-    .job = job,
-    .with = with,
+    .part = {[GRID] = {REC_GRID, sizeof(struct grid), true, grid_of, free_grid},
+        [SPEC] = {REC_SPEC, sizeof(struct spec), false, spec_of, free_spec}},
+    .n_parts = 2,
+    .build = build,
+    .free = free_volume,
+    .frame = frame,
     .render = render,
     .selftest = selftest,
 };
@@ -212,9 +109,13 @@ static const struct worker_ops ops = {
 
 static void describe(struct options *o)
 {
+    const struct volume_options *v = &o->volume;
+    struct worker_words *w = &o->words;
     char method[VOLUME_METHOD];
-    bool usual = volume_method_print(&o->volume, method);
-    snprintf(o->with, sizeof o->with, usual ? "vcworker" : "vcworker,-m%s", method);
+    bool usual = volume_method_print(v, method);
+    snprintf(w->with, sizeof w->with, usual ? "vcworker" : "vcworker,-m%s", method);
+    snprintf(w->job, sizeof w->job, "vc %d method=%d tolerance=%.17g n=%d", FORMAT_VERSION,
+        (int)v->method, v->tolerance, v->n);
 }
 
 static struct options parse(int argc, char **argv)
@@ -258,57 +159,17 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- files ---------------------------------------------------------------------------------- */
-
-/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped. */
-static unsigned char *map_file(const char *path, size_t *n)
-{
-    struct stat st;
-    void *p = MAP_FAILED;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) return NULL;
-    if (fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0) {
-        *n = (size_t)st.st_size;
-        p = mmap(NULL, *n, PROT_READ, MAP_PRIVATE, fd, 0);
-    }
-    close(fd);
-    return p == MAP_FAILED ? NULL : p;
-}
-
-static void open_grid(struct renderer *r)
-{
-    char err[WORKER_ERR];
-    size_t n = 0;
-    struct buf bytes = {0};
-    unsigned char *map = map_file(r->o->grid, &n);
-    if (!map) {
-        if (read_file(r->o->grid, &bytes) != 0) die(ST_USAGE, "%s:", r->o->grid);
-        n = buf_size(&bytes);
-    }
-    if (load_grid(r->at, r->o->grid, map ? map : bytes.data, n, err) != 0) die(ST_USAGE, "%s", err);
-    if (map) munmap(map, n);
-    buf_free(&bytes);
-}
-
-static void open_spec(struct renderer *r, const char *path)
-{
-    char err[WORKER_ERR];
-    struct buf b = {0};
-    if (read_file(path, &b) != 0) die(ST_USAGE, "%s:", path);
-    if (load_spec(r->at, path, buf_data(&b), buf_size(&b), err) != 0) die(ST_USAGE, "%s", err);
-    buf_free(&b);
-}
-
 /* ---- -i and -n ------------------------------------------------------------------------------ */
 
-static void inspect(struct renderer *r)
+static void inspect(struct worker_states *s, const struct options *o)
 {
-    for (int i = 0; i < r->o->n_specs; i++) {
-        if (i) open_spec(r, r->o->specs[i]);
-        r->w = r->o->w ? (uint32_t)r->o->w : r->at->spec->spec.w;
-        r->h = r->o->w ? (uint32_t)r->o->h : r->at->spec->spec.h;
-        printf("frame %u %u\njob=%016" PRIx64 "\n", r->w, r->h, job(r));
+    for (int i = 0; i < o->n_specs; i++) {
+        if (i) worker_states_load(s, SPEC, o->specs[i]);
+        const struct spec *spec = worker_states_value(s, SPEC);
+        uint32_t w = o->w ? (uint32_t)o->w : spec->w, h = o->w ? (uint32_t)o->h : spec->h;
+        printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
     }
+    close_stdout();
 }
 
 static double now_s(void)
@@ -350,24 +211,23 @@ static void print_times(const struct sample of[2])
 }
 
 /* Prints Table 1 of the StormView paper for the specification's frame, ray by ray. */
-static void count(struct renderer *r)
+static void count(struct worker_states *s)
 {
-    char err[WORKER_ERR];
     float rgba[4];
-    const struct frame_size f = {.w = r->at->spec->spec.w, .h = r->at->spec->spec.h};
-    const struct lattice all = {0, 0, f.w, f.h, 1, 1};
+    const struct spec *spec = worker_states_value(s, SPEC);
+    const struct lattice all = {0, 0, spec->w, spec->h, 1, 1};
     uint64_t rays = lattice_count(&all);
     struct sample of[2] = {{xmalloc(rays, sizeof(double)), 0}, {xmalloc(rays, sizeof(double)), 0}};
     struct volume_counts c = {0};
-    if (ready(r, &f, err) != 0) die(ST_USAGE, "%s", err);
+    struct volume *v = worker_states_built(s, spec->w, spec->h);
     for (uint64_t p = 0; p < rays; p++) {
         uint64_t hits = c.hits;
         double start = now_s();
-        volume_pixels(r->at->volume, &all, p, 1, rgba);
+        volume_pixels(v, &all, p, 1, rgba);
         double took = now_s() - start;
-        volume_counts(r->at->volume, &c);
-        struct sample *s = &of[c.hits == hits];
-        s->s[s->n++] = took;
+        volume_counts(v, &c);
+        struct sample *t = &of[c.hits == hits];
+        t->s[t->n++] = took;
     }
     printf("quantity\thit\tmiss\nrays\t%zu\t%zu\n", of[0].n, of[1].n);
     print_times(of);
@@ -375,26 +235,31 @@ static void count(struct renderer *r)
         c.samples, c.most_cells);
     free(of[0].s);
     free(of[1].s);
+    close_stdout();
+}
+
+/* One of the files of -i and -n may be standard input: the grid or the first specification. */
+static void check_files(const struct options *o)
+{
+    bool used = strcmp(o->grid, "-") == 0;
+    for (int i = 0; i < o->n_specs; i++)
+        if (strcmp(o->specs[i], "-") == 0 && (used || i))
+            die(ST_USAGE, "-%c: expected GRID.vtk SPEC, one of them at most -",
+                o->what == COUNT ? 'n' : 'i');
 }
 
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
-    struct renderer r = {.o = &o};
-    r.at = r.subjects;
-    bool streamed = o.what == RUN, named = strcmp(o.grid, "-") != 0;
-    for (int i = 0; i < o.n_specs; i++)
-        if (strcmp(o.specs[i], "-") == 0 && !streamed && (!named || i))
-            die(ST_USAGE, "-%c: expected GRID.vtk SPEC, one of them at most -",
-                o.what == COUNT ? 'n' : 'i');
-    if (!streamed || named) open_grid(&r);
-    if (!streamed || strcmp(*o.specs, "-") != 0) open_spec(&r, *o.specs);
+    if (o.what != RUN) check_files(&o);
+    struct worker_states *s = worker_states_new(&renderer, &o.volume, &o.words);
+    if (o.what != RUN || strcmp(o.grid, "-") != 0) worker_states_load(s, GRID, o.grid);
+    if (o.what != RUN || strcmp(*o.specs, "-") != 0) worker_states_load(s, SPEC, *o.specs);
     int status = ST_OK;
-    if (streamed) status = worker_run(&ops, &o.worker, &r);
-    else if (o.what == COUNT) count(&r);
-    else inspect(&r);
-    if (!streamed) close_stdout();
-    for (uint32_t i = 0; i < 2; i++) drop(&r, i);
+    if (o.what == RUN) status = worker_render(s, &o.worker);
+    else if (o.what == COUNT) count(s);
+    else inspect(s, &o);
+    worker_states_free(s);
     return status;
 }

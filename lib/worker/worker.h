@@ -8,6 +8,10 @@
  * while a long record arrives, a timer (SIGALRM) sends a beat every 500 ms. It also checks stdout
  * every 100 ms: if the reader is gone the process ends at once. At the end of input the loop
  * finishes its tasks and says bye. It blocks only in poll, read and write.
+ *
+ * A renderer calls worker_states_new, worker_states_load for each part of its state that is a file,
+ * worker_render, and worker_states_free. A stand-in for a renderer has no state: it fills a struct
+ * worker_ops and calls worker_run.
  */
 #ifndef STORMRING_WORKER_H
 #define STORMRING_WORKER_H
@@ -69,5 +73,72 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
 
 /* A machine of power 1 takes this time for the self-test, in microseconds. */
 #define WORKER_SELFTEST_REFERENCE_US 2000.0
+
+/* ---- renderers (states.c) ------------------------------------------------------------------- */
+
+/*
+ * A part of a renderer's state: a scene, a grid or a specification, from a record or a file. A
+ * generation (wire.h) begins with the parts of the previous one and shares each until a record
+ * replaces it. So a task that was lost can be rendered again after later state has come.
+ */
+struct worker_part {
+    enum rec_kind kind; /* REC_SCENE, REC_GRID or REC_SPEC */
+    size_t size;        /* bytes of the value that `read` fills */
+    bool large;         /* a file is mapped, so that `read` can return its pages to the system */
+    /*
+     * Fills the value, which is all zero. `bytes` are private memory of this process; their
+     * contents are undefined afterwards. Returns 0, or -1 with text in err: then nothing is to be
+     * freed. `name` is for messages.
+     */
+    int (*read)(
+        const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR]);
+    /* Frees what `read` allocated, not the value itself. */
+    void (*free)(void *value);
+};
+
+#define WORKER_PARTS 2 /* most parts of a renderer */
+struct worker_renderer {
+    const char *program; /* as hello states it */
+    struct worker_part part[WORKER_PARTS];
+    int n_parts;
+    /* Builds what rendering needs from the values of all parts, which outlive it. Called when the
+     * first task of a generation comes. Never NULL. */
+    void *(*build)(const void *options, void *const value[]);
+    void (*free)(void *built);
+    /* Sets the size of the frame for the following calls. Cheap: called before every task. */
+    void (*frame)(void *built, uint32_t w, uint32_t h);
+    /* As the functions of the same names in struct worker_ops. */
+    void (*render)(void *built, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
+    void (*selftest)(float *rgba, uint32_t *n);
+};
+
+/* The options that change pixels, in words. */
+struct worker_words {
+    char job[128]; /* format and options: "rt 4 depth=3 ...", for job hashes */
+    char with[80]; /* as struct worker_ops has it */
+};
+
+struct worker_states;
+/* Keeps all three pointers; `options` are for build. Never NULL. The caller frees it with
+ * worker_states_free. */
+struct worker_states *worker_states_new(
+    const struct worker_renderer *r, const void *options, const struct worker_words *words);
+void worker_states_free(struct worker_states *s);
+/*
+ * Reads part k from a file; "-": standard input. It replaces the part that was read before. Records
+ * of its kind are then refused. A file that cannot be read ends the program with status 2. Not
+ * after worker_render.
+ */
+void worker_states_load(struct worker_states *s, int k, const char *path);
+/* The value of part k that was loaded. */
+const void *worker_states_value(const struct worker_states *s, int k);
+/* What build made of the loaded parts, with the frame set to this size. */
+void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h);
+/* The job of a frame of this size of the loaded parts. */
+uint64_t worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h);
+/* Renders the tasks of standard input, to its end. Returns the exit status. */
+int worker_render(struct worker_states *s, const struct worker_options *o);
+/* The operations of that loop. Their ctx is s. */
+struct worker_ops worker_states_ops(const struct worker_states *s);
 
 #endif

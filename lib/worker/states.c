@@ -1,0 +1,258 @@
+/*
+ * states: the state of a renderer by generation. The loop (worker.c) counts generations and says
+ * when one can be dropped. A part is freed when the last generation that shares it is dropped.
+ */
+#include "worker/worker.h"
+
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* The value of a part, shared by the generations that use it. */
+struct shared {
+    void *value;
+    uint64_t hash; /* of the record or file */
+    int users;
+};
+
+/* The state of one generation. */
+struct subject {
+    struct shared *part[WORKER_PARTS]; /* NULL: not received yet */
+    void *built;                       /* from all parts; NULL: not needed yet */
+};
+
+struct worker_states {
+    const struct worker_renderer *r;
+    const void *options;
+    const struct worker_words *words;
+    bool filed[WORKER_PARTS];             /* the part is a file */
+    struct subject subjects[GENERATIONS]; /* by generation, modulo GENERATIONS */
+    uint32_t latest;                      /* latest generation */
+    struct subject *at;                   /* subject of the current frame */
+    uint32_t w, h;                        /* of the current frame */
+};
+
+/* ---- generations ---------------------------------------------------------------------------- */
+
+static void drop_part(const struct worker_states *s, struct subject *of, int k)
+{
+    struct shared *p = of->part[k];
+    if (of->built) s->r->free(of->built);
+    of->built = NULL;
+    if (p && --p->users == 0) {
+        s->r->part[k].free(p->value);
+        free(p->value);
+        free(p);
+    }
+    of->part[k] = NULL;
+}
+
+static void drop(void *ctx, uint32_t generation)
+{
+    struct worker_states *s = ctx;
+    for (int k = 0; k < s->r->n_parts; k++) drop_part(s, &s->subjects[generation % GENERATIONS], k);
+}
+
+/* Frees the replaced part first, because grids are large. */
+static int take_part(struct worker_states *s, struct subject *of, int k, const char *name,
+    unsigned char *bytes, size_t n, char err[WORKER_ERR])
+{
+    const struct worker_part *part = &s->r->part[k];
+    drop_part(s, of, k);
+    struct shared *p = xmalloc(1, sizeof *p);
+    *p = (struct shared){xcalloc(1, part->size), hash64(HASH64_INIT, bytes, n), 1};
+    if (part->read(name, bytes, n, p->value, err) == 0) {
+        of->part[k] = p;
+        return 0;
+    }
+    free(p->value);
+    free(p);
+    return -1;
+}
+
+/* A new generation starts with the parts of the previous one. */
+static struct subject *subject_of(struct worker_states *s, uint32_t generation)
+{
+    struct subject *of = &s->subjects[generation % GENERATIONS],
+                   *before = &s->subjects[(generation - 1) % GENERATIONS];
+    if (generation == s->latest) return of;
+    s->latest = generation;
+    drop(s, generation);
+    for (int k = 0; k < s->r->n_parts; k++)
+        if ((of->part[k] = before->part[k]) != NULL) of->part[k]->users++;
+    return of;
+}
+
+/* ---- the operations of the loop ------------------------------------------------------------- */
+
+/* The kinds of records that are taken: "`grid` or `spec`". */
+static void print_taken(const struct worker_states *s, char text[WORKER_ERR])
+{
+    size_t n = 0;
+    *text = '\0';
+    for (int k = 0; k < s->r->n_parts; k++)
+        if (!s->filed[k])
+            n += (size_t)snprintf(
+                text + n, WORKER_ERR - n, "%s`%s`", n ? " or " : "", rec_name(s->r->part[k].kind));
+    if (!n) snprintf(text, WORKER_ERR, "no state records, because all state is in files");
+}
+
+static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,
+    size_t n, char err[WORKER_ERR])
+{
+    struct worker_states *s = ctx;
+    for (int k = 0; k < s->r->n_parts; k++)
+        if (s->r->part[k].kind == kind && !s->filed[k])
+            return take_part(s, subject_of(s, generation), k, rec_name(kind), body, n, err);
+    char taken[WORKER_ERR];
+    print_taken(s, taken);
+    err_set(err, "record `%s`, expected %s", rec_name(kind), taken);
+    return -1;
+}
+
+static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
+{
+    struct worker_states *s = ctx;
+    struct subject *at = s->at = &s->subjects[f->generation % GENERATIONS];
+    void *value[WORKER_PARTS] = {0};
+    for (int k = 0; k < s->r->n_parts; k++) {
+        const char *kind = rec_name(s->r->part[k].kind);
+        if (!at->part[k]) {
+            err_set(err, "no %s, expected a `%s` record before the first task", kind, kind);
+            return -1;
+        }
+        value[k] = at->part[k]->value;
+    }
+    if (!at->built) at->built = s->r->build(s->options, value);
+    s->r->frame(at->built, f->w, f->h);
+    s->w = f->w;
+    s->h = f->h;
+    return 0;
+}
+
+static uint64_t job_of(
+    const struct worker_states *s, const struct subject *of, uint32_t w, uint32_t h)
+{
+    uint64_t hash = hash64(HASH64_INIT, s->words->job, strlen(s->words->job));
+    for (int k = 0; k < s->r->n_parts; k++) {
+        char text[40];
+        int n = snprintf(
+            text, sizeof text, " %s=%016" PRIx64, rec_name(s->r->part[k].kind), of->part[k]->hash);
+        hash = hash64(hash, text, (size_t)n);
+    }
+    const uint32_t size[2] = {w, h};
+    return hash64_u32(hash, size, 2);
+}
+
+static uint64_t job(void *ctx)
+{
+    const struct worker_states *s = ctx;
+    return job_of(s, s->at, s->w, s->h);
+}
+
+static const char *with(void *ctx) { return ((struct worker_states *)ctx)->words->with; }
+
+static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    const struct worker_states *s = ctx;
+    s->r->render(s->at->built, at, n0, n, rgba);
+}
+
+static void selftest(void *ctx, float *rgba, uint32_t *n)
+{
+    ((struct worker_states *)ctx)->r->selftest(rgba, n);
+}
+
+struct worker_ops worker_states_ops(const struct worker_states *s)
+{
+    return (struct worker_ops){
+        .program = s->r->program,
+        .state = take_state,
+        .drop = drop,
+        .ready = ready,
+        .job = job,
+        .with = with,
+        .render = render,
+        .selftest = selftest,
+    };
+}
+
+int worker_render(struct worker_states *s, const struct worker_options *o)
+{
+    struct worker_ops ops = worker_states_ops(s);
+    return worker_run(&ops, o, s);
+}
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped. */
+static unsigned char *map_file(const char *path, size_t *n)
+{
+    struct stat st;
+    void *p = MAP_FAILED;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return NULL;
+    if (fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0) {
+        *n = (size_t)st.st_size;
+        p = mmap(NULL, *n, PROT_READ, MAP_PRIVATE, fd, 0);
+    }
+    close(fd);
+    return p == MAP_FAILED ? NULL : p;
+}
+
+void worker_states_load(struct worker_states *s, int k, const char *path)
+{
+    char err[WORKER_ERR];
+    size_t n = 0;
+    struct buf bytes = {0};
+    const char *name = strcmp(path, "-") == 0 ? rec_name(s->r->part[k].kind) : path;
+    unsigned char *map = s->r->part[k].large ? map_file(path, &n) : NULL;
+    if (!map) {
+        if (read_file(path, &bytes) != 0) die(ST_USAGE, "%s:", path);
+        n = buf_size(&bytes);
+    }
+    if (take_part(s, s->subjects, k, name, map ? map : bytes.data, n, err) != 0)
+        die(ST_USAGE, "%s", err);
+    s->filed[k] = true;
+    if (map) munmap(map, n);
+    buf_free(&bytes);
+}
+
+const void *worker_states_value(const struct worker_states *s, int k)
+{
+    return s->subjects[0].part[k]->value;
+}
+
+void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h)
+{
+    char err[WORKER_ERR];
+    if (ready(s, &(struct frame_size){.w = w, .h = h}, err) != 0) die(ST_USAGE, "%s", err);
+    return s->at->built;
+}
+
+uint64_t worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h)
+{
+    return job_of(s, s->subjects, w, h);
+}
+
+/* ---- life ----------------------------------------------------------------------------------- */
+
+struct worker_states *worker_states_new(
+    const struct worker_renderer *r, const void *options, const struct worker_words *words)
+{
+    struct worker_states *s = xcalloc(1, sizeof *s);
+    s->r = r;
+    s->options = options;
+    s->words = words;
+    return s;
+}
+
+void worker_states_free(struct worker_states *s)
+{
+    for (uint32_t i = 0; i < GENERATIONS; i++) drop(s, i);
+    free(s);
+}

@@ -1,0 +1,350 @@
+/*
+ * worker_states: the state of a renderer by generation, without a stream. The parts are texts: a
+ * value counts how often it was read and freed, and so does what is built of them. So a value that
+ * is freed twice, too early or never is seen.
+ */
+#include "worker/worker.h"
+
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#define W 4
+#define H 3
+
+struct text {
+    char s[16];
+};
+struct built {
+    char s[2 * sizeof(struct text)];
+    uint32_t w, h;
+};
+
+static int parts, builts, reads, builds; /* parts and builts: alive */
+
+static int text_of(
+    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+{
+    struct text *t = value;
+    assert_int_equal(t->s[0], 0);
+    reads++;
+    if (!n || bytes[0] == '?') {
+        err_set(err, "%s: is wrong", name);
+        return -1;
+    }
+    memcpy(t->s, bytes, n);
+    parts++;
+    return 0;
+}
+
+static void free_text(void *value)
+{
+    assert_string_not_equal(((struct text *)value)->s, "freed");
+    memcpy(((struct text *)value)->s, "freed", 6);
+    parts--;
+}
+
+static void *build(const void *options, void *const value[])
+{
+    struct built *b = xcalloc(1, sizeof *b);
+    const struct text *grid = value[0], *spec = value[1];
+    assert_ptr_equal(options, &builds);
+    snprintf(b->s, sizeof b->s, "%s+%s", grid->s, spec->s);
+    builds++;
+    builts++;
+    return b;
+}
+
+static void free_built(void *built)
+{
+    free(built);
+    builts--;
+}
+
+static void frame(void *built, uint32_t w, uint32_t h)
+{
+    struct built *b = built;
+    b->w = w;
+    b->h = h;
+}
+
+/* The first letter of the grid and of the specification, and the size. */
+static void render(void *built, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    const struct built *b = built;
+    assert_true(at->x == 0 && n0 == 0 && n == 1);
+    rgba[0] = (float)b->s[0];
+    rgba[1] = (float)strchr(b->s, '+')[1];
+    rgba[2] = (float)b->w;
+    rgba[3] = (float)b->h;
+}
+
+static void selftest(float *rgba, uint32_t *n)
+{
+    assert_true(*n > 1);
+    *n = 1;
+    rgba[0] = 7;
+}
+
+static const struct worker_renderer renderer = {
+    .program = "texts",
+    .part = {{REC_GRID, sizeof(struct text), true, text_of, free_text},
+        {REC_SPEC, sizeof(struct text), false, text_of, free_text}},
+    .n_parts = 2,
+    .build = build,
+    .free = free_built,
+    .frame = frame,
+    .render = render,
+    .selftest = selftest,
+};
+static const struct worker_words words = {"texts 1", "texts,-x"};
+
+static struct worker_states *begin(void)
+{
+    parts = builts = reads = builds = 0;
+    return worker_states_new(&renderer, &builds, &words);
+}
+
+static void end(struct worker_states *s)
+{
+    worker_states_free(s);
+    assert_int_equal(parts, 0);
+    assert_int_equal(builts, 0);
+}
+
+static int take(struct worker_states *s, uint32_t generation, enum rec_kind kind, const char *text,
+    char err[WORKER_ERR])
+{
+    struct buf b = {0};
+    buf_append(&b, text, strlen(text));
+    int failed = worker_states_ops(s).state(s, generation, kind, b.data, buf_size(&b), err);
+    buf_free(&b); /* nothing points there */
+    return failed;
+}
+
+static void give(struct worker_states *s, uint32_t generation, enum rec_kind kind, const char *text)
+{
+    char err[WORKER_ERR] = "";
+    if (take(s, generation, kind, text, err) != 0) fail_msg("%s", err);
+}
+
+static void refuses(struct worker_states *s, uint32_t generation, enum rec_kind kind,
+    const char *text, const char *why)
+{
+    char err[WORKER_ERR] = "";
+    assert_int_equal(take(s, generation, kind, text, err), -1);
+    assert_string_equal(err, why);
+}
+
+static void drop(struct worker_states *s, uint32_t generation)
+{
+    worker_states_ops(s).drop(s, generation);
+}
+
+/* A task of this generation is rendered from these two. Returns its job. */
+static uint64_t renders(struct worker_states *s, uint32_t generation, const char *letters)
+{
+    char err[WORKER_ERR] = "";
+    float rgba[4];
+    struct worker_ops ops = worker_states_ops(s);
+    const struct frame_size f = {.generation = generation, .w = W, .h = H};
+    if (ops.ready(s, &f, err) != 0) fail_msg("%s", err);
+    ops.render(s, &(struct lattice){0, 0, 1, 1, 1, 1}, 0, 1, rgba);
+    assert_true(rgba[0] == (float)letters[0] && rgba[1] == (float)letters[1]);
+    assert_true(rgba[2] == W && rgba[3] == H);
+    return ops.job(s);
+}
+
+static void lacks(struct worker_states *s, uint32_t generation, const char *why)
+{
+    char err[WORKER_ERR] = "";
+    const struct frame_size f = {.generation = generation, .w = W, .h = H};
+    assert_int_equal(worker_states_ops(s).ready(s, &f, err), -1);
+    assert_string_equal(err, why);
+}
+
+/* A lost task is rendered again after later state has come. Generations share what was not
+ * replaced, and it is freed with the last of them. */
+static void test_generations(void **state)
+{
+    (void)state;
+    struct worker_states *s = begin();
+    give(s, 0, REC_GRID, "a");
+    give(s, 0, REC_SPEC, "x");
+    uint64_t first = renders(s, 0, "ax");
+    give(s, 1, REC_SPEC, "y");
+    uint64_t second = renders(s, 1, "ay");
+    assert_true(first != second);
+    assert_true(renders(s, 0, "ax") == first);
+    assert_int_equal(builds, 2);
+    assert_int_equal(parts, 3);
+    give(s, 2, REC_GRID, "b");
+    renders(s, 2, "by");
+    assert_true(renders(s, 1, "ay") == second);
+    drop(s, 0);
+    assert_int_equal(parts, 3); /* a is shared by 1 */
+    assert_int_equal(builts, 2);
+    assert_true(renders(s, 1, "ay") == second);
+    drop(s, 1);
+    assert_int_equal(parts, 2);
+    renders(s, 2, "by");
+    lacks(s, 1, "no grid, expected a `grid` record before the first task");
+    drop(s, 1);
+    assert_int_equal(builds, 3);
+    end(s);
+}
+
+/* Within a generation a record replaces the one of its kind, which is freed before the new one is
+ * read; what was built from it goes too. */
+static int at_most;
+static int read_alone(
+    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+{
+    assert_true(parts <= at_most && builts == 0);
+    return text_of(name, bytes, n, value, err);
+}
+
+static void test_replaced(void **state)
+{
+    (void)state;
+    struct worker_renderer alone = renderer;
+    alone.part[0].read = read_alone;
+    parts = builts = reads = builds = 0;
+    struct worker_states *s = worker_states_new(&alone, &builds, &words);
+    at_most = 0;
+    give(s, 0, REC_GRID, "a");
+    give(s, 0, REC_GRID, "b");
+    give(s, 0, REC_SPEC, "x");
+    renders(s, 0, "bx");
+    renders(s, 0, "bx");
+    assert_int_equal(builds, 1);
+    at_most = 1;
+    give(s, 0, REC_GRID, "c");
+    renders(s, 0, "cx");
+    assert_int_equal(builds, 2);
+    assert_int_equal(parts, 2);
+    end(s);
+}
+
+/* After GENERATIONS the places are used again, even if no drop came. */
+static void test_many(void **state)
+{
+    (void)state;
+    struct worker_states *s = begin();
+    char text[2] = "a";
+    give(s, 0, REC_SPEC, "x");
+    for (uint32_t i = 0; i < 3 * GENERATIONS; i++) {
+        text[0] = (char)('a' + i % 26);
+        give(s, i, REC_GRID, text);
+        renders(s, i, (char[]){text[0], 'x', 0});
+        assert_int_equal(parts, 1 + (i < GENERATIONS ? i + 1 : GENERATIONS));
+    }
+    text[0] = (char)('a' + (2 * GENERATIONS) % 26);
+    renders(s, 2 * GENERATIONS, (char[]){text[0], 'x', 0});
+    end(s);
+}
+
+static void test_refused(void **state)
+{
+    (void)state;
+    struct worker_states *s = begin();
+    lacks(s, 0, "no grid, expected a `grid` record before the first task");
+    give(s, 0, REC_GRID, "a");
+    lacks(s, 0, "no spec, expected a `spec` record before the first task");
+    refuses(s, 0, REC_SCENE, "a", "record `scene`, expected `grid` or `spec`");
+    refuses(s, 0, REC_SPEC, "?", "spec: is wrong");
+    refuses(s, 0, REC_GRID, "?", "grid: is wrong");
+    assert_int_equal(parts, 0); /* the wrong one replaced the good one */
+    assert_int_equal(reads, 3);
+    end(s);
+}
+
+static void with_file(const char *text, struct worker_states *s, int k)
+{
+    char path[] = "/tmp/test_worker.XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0 && write_full(fd, text, strlen(text)) == 0);
+    close(fd);
+    worker_states_load(s, k, path);
+    unlink(path);
+}
+
+/* A file, mapped or read, is the same state as a record, and has the same job. */
+static void test_files(void **state)
+{
+    (void)state;
+    struct worker_states *records = begin();
+    give(records, 0, REC_GRID, "a");
+    give(records, 0, REC_SPEC, "x");
+    uint64_t job = renders(records, 0, "ax");
+    end(records);
+    struct worker_states *s = begin();
+    with_file("a", s, 0);
+    refuses(s, 0, REC_GRID, "b", "record `grid`, expected `spec`");
+    give(s, 0, REC_SPEC, "x");
+    assert_true(renders(s, 0, "ax") == job);
+    give(s, 1, REC_SPEC, "y");
+    renders(s, 1, "ay");
+    drop(s, 0);
+    assert_int_equal(parts, 2);
+    end(s);
+    s = begin();
+    with_file("a", s, 0);
+    with_file("y", s, 1);
+    with_file("x", s, 1);
+    refuses(s, 0, REC_SPEC, "y",
+        "record `spec`, expected none of state, because all of it is in files");
+    assert_string_equal(((const struct text *)worker_states_value(s, 0))->s, "a");
+    assert_string_equal(((const struct text *)worker_states_value(s, 1))->s, "x");
+    assert_true(worker_states_job(s, W, H) == job);
+    assert_int_equal(builds, 0);
+    assert_string_equal(((struct built *)worker_states_built(s, W, H))->s, "a+x");
+    end(s);
+}
+
+/* The job is a hash of the options' words, of all parts and of the size; in this form, or logs of
+ * earlier runs could not be resumed. */
+static void test_job(void **state)
+{
+    (void)state;
+    char text[80];
+    struct worker_states *s = begin();
+    with_file("a", s, 0);
+    with_file("x", s, 1);
+    int n = snprintf(text, sizeof text, "texts 1 grid=%016llx spec=%016llx",
+        (unsigned long long)hash64(HASH64_INIT, "a", 1),
+        (unsigned long long)hash64(HASH64_INIT, "x", 1));
+    const uint32_t size[2] = {W, H};
+    uint64_t job = worker_states_job(s, W, H);
+    assert_true(job == hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2));
+    assert_true(job != worker_states_job(s, H, W));
+    worker_states_built(s, W, H);
+    assert_true(worker_states_ops(s).job(s) == job);
+    assert_string_equal(worker_states_ops(s).with(s), "texts,-x");
+    assert_string_equal(worker_states_ops(s).program, "texts");
+    end(s);
+    s = begin();
+    with_file("x", s, 0);
+    with_file("a", s, 1);
+    assert_true(worker_states_job(s, W, H) != job);
+    float rgba[8];
+    uint32_t room = 2;
+    worker_states_ops(s).selftest(s, rgba, &room);
+    assert_true(room == 1 && rgba[0] == 7);
+    end(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_generations),
+        cmocka_unit_test(test_replaced),
+        cmocka_unit_test(test_many),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_job),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
