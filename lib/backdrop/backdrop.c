@@ -21,8 +21,8 @@ static void plane(const struct drawing *s)
 {
     struct outline o = {.flat = s->b->flat};
     for (int i = 0; i <= 4; i++)
-        outline_append(
-            &o, (struct point){(i + 1) & 2 ? s->hi[0] : s->lo[0], i & 2 ? s->hi[1] : s->lo[1]});
+        outline_append(&o,
+            (struct outline_point){(i + 1) & 2 ? s->hi[0] : s->lo[0], i & 2 ? s->hi[1] : s->lo[1]});
     buf_printf(s->out, "$plane << EOD\n");
     if (!outline_fill(s, &o, s->out)) buf_printf(s->out, "0 0\n");
     buf_printf(s->out, "EOD\n");

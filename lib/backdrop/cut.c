@@ -4,11 +4,14 @@
  */
 #include "backdrop/outline.h"
 
-static double side(const struct half *h, struct point p) { return h->a * p.x + h->b * p.y + h->c; }
-
-struct point outline_between(struct point p, struct point q, double f)
+static double side(const struct half *h, struct outline_point p)
 {
-    return (struct point){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
+    return h->a * p.x + h->b * p.y + h->c;
+}
+
+struct outline_point outline_between(struct outline_point p, struct outline_point q, double f)
+{
+    return (struct outline_point){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
 }
 
 void outline_halves(const struct drawing *s, struct half h[HALVES])
@@ -25,7 +28,8 @@ void outline_halves(const struct drawing *s, struct half h[HALVES])
         f.z * corner.z - v3_dot(f, e) - 1e-3 * v3_len(v3_sub(corner, e))};
 }
 
-bool backdrop_cut_line(const struct half h[HALVES], struct point p, struct point q, double part[2])
+bool backdrop_cut_line(
+    const struct half h[HALVES], struct outline_point p, struct outline_point q, double part[2])
 {
     part[0] = 0;
     part[1] = 1;
@@ -44,7 +48,7 @@ static void cut_by(const struct half *h, const struct outline *o, struct outline
 {
     kept->n = 0;
     for (size_t i = 0; i < o->n; i++) {
-        struct point p = o->at[i ? i - 1 : o->n - 1], q = o->at[i];
+        struct outline_point p = o->at[i ? i - 1 : o->n - 1], q = o->at[i];
         double a = side(h, p), b = side(h, q);
         if ((a < 0) != (b < 0)) outline_append(kept, outline_between(p, q, a / (a - b)));
         if (b >= 0) outline_append(kept, q);

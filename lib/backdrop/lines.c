@@ -80,7 +80,7 @@ static bool read_line(struct reader *r, char *line)
         return true;
     }
     if (!numbers(line, v)) return false;
-    outline_add(&r->now, (struct point){v[0], v[1]});
+    outline_add(&r->now, (struct outline_point){v[0], v[1]});
     return true;
 }
 

@@ -22,9 +22,9 @@ static void find_turns(const struct drawing *s, const struct outline *o, int tur
     turn[1] = (int)floor((s->hi[0] - lo) / 360);
 }
 
-static struct point turned(struct point p, int turn)
+static struct outline_point turned(struct outline_point p, int turn)
 {
-    return (struct point){p.x + 360 * turn, p.y};
+    return (struct outline_point){p.x + 360 * turn, p.y};
 }
 
 /* ---- lines ---------------------------------------------------------------------------------- */
@@ -37,7 +37,7 @@ struct piece {
     bool open;
 };
 
-static void put_point(struct piece *p, struct point at, bool always)
+static void put_point(struct piece *p, struct outline_point at, bool always)
 {
     double xy[2];
     if (!backdrop_project(p->s, at.x, at.y, p->s->lo[2], xy)) return;
@@ -63,7 +63,7 @@ void outline_stroke(const struct drawing *s, const struct outline *o, struct buf
     find_turns(s, o, turn);
     for (int k = turn[0]; k <= turn[1]; k++, put_end(&piece))
         for (size_t i = 0; i + 1 < o->n; i++) {
-            struct point p = turned(o->at[i], k), q = turned(o->at[i + 1], k);
+            struct outline_point p = turned(o->at[i], k), q = turned(o->at[i + 1], k);
             double part[2];
             bool seen = backdrop_cut_line(h, p, q, part);
             if (!seen || part[0] > 0) put_end(&piece);
@@ -111,8 +111,8 @@ static bool fill_to_pole(
     for (size_t i = 0; i < o->n; i++) sum += o->at[i].y;
     if (!all.n) return false;
     double pole = sum < 0 ? -90 : 90;
-    outline_append(&all, (struct point){all.at[all.n - 1].x, pole});
-    outline_append(&all, (struct point){all.at[0].x, pole});
+    outline_append(&all, (struct outline_point){all.at[all.n - 1].x, pole});
+    outline_append(&all, (struct outline_point){all.at[0].x, pole});
     bool seen = fill_polygon(s, &all, out);
     outline_free(&all);
     return seen;

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-void outline_append(struct outline *o, struct point p)
+void outline_append(struct outline *o, struct outline_point p)
 {
     if (o->n == o->room) {
         o->room = o->room ? 2 * o->room : 256;
@@ -12,7 +12,7 @@ void outline_append(struct outline *o, struct point p)
     o->at[o->n++] = p;
 }
 
-void outline_add(struct outline *o, struct point p)
+void outline_add(struct outline *o, struct outline_point p)
 {
     double before = o->n ? o->at[o->n - 1].x : 0;
     if (!o->flat) p.x += 360 * round((before - p.x) / 360);

@@ -183,7 +183,7 @@ static void gather_blunt(struct corners *g)
         x0 = fmin(x0, c->x), x1 = fmax(x1, c->x);
         y0 = fmin(y0, c->y), y1 = fmax(y1, c->y);
         c->blunt = corners_turn(g, i) <= 0;
-        if (c->blunt) g->blunt.at[g->blunt.n++] = (struct point){c->x, c->y, i};
+        if (c->blunt) g->blunt.at[g->blunt.n++] = (struct plane_point){c->x, c->y, i};
     }
     g->width = x1 - x0;
     g->height = y1 - y0;

@@ -29,7 +29,7 @@ struct corners {
     uint32_t queue_at, queue_n;
     uint64_t patience; /* remaining tests of corners that coincide with a corner of the ear */
     struct corner stack_c[CORNERS_STACK];
-    struct point stack_p[CORNERS_STACK];
+    struct plane_point stack_p[CORNERS_STACK];
     struct points_node stack_n[2 * CORNERS_STACK / POINTS_LEAF];
     uint32_t stack_u[2 * CORNERS_STACK];
 };

@@ -23,10 +23,10 @@ static uint32_t leaf_of(const struct points *p, uint32_t place)
     return (uint32_t)((((uint64_t)place + 1) * p->leaves - 1) / p->n);
 }
 
-static double along(const struct point *p, bool y) { return y ? p->y : p->x; }
+static double along(const struct plane_point *p, bool y) { return y ? p->y : p->x; }
 
 /* Moves the k lowest of n to the front (C. A. R. Hoare, "Algorithm 65: FIND", CACM 4(7), 1961). */
-static void part(struct point *a, uint32_t n, uint32_t k, bool y)
+static void part(struct plane_point *a, uint32_t n, uint32_t k, bool y)
 {
     int64_t low = 0, high = (int64_t)n - 1;
     for (uint64_t round = 0; low < high; round++) {
@@ -37,7 +37,7 @@ static void part(struct point *a, uint32_t n, uint32_t k, bool y)
             while (along(&a[i], y) < pivot) i++;
             while (pivot < along(&a[j], y)) j--;
             if (i > j) break;
-            struct point swap = a[i];
+            struct plane_point swap = a[i];
             a[i++] = a[j];
             a[j--] = swap;
         }
@@ -52,7 +52,7 @@ static void build(struct points *p, uint32_t node, uint32_t leaf, uint32_t leaf_
     uint32_t first = leaf_start(p, leaf), end = leaf_start(p, leaf_end);
     struct points_node b = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, end - first};
     for (uint32_t i = first; i < end; i++) {
-        const struct point *q = &p->at[i];
+        const struct plane_point *q = &p->at[i];
         b.x0 = fmin(b.x0, q->x), b.x1 = fmax(b.x1, q->x);
         b.y0 = fmin(b.y0, q->y), b.y1 = fmax(b.y1, q->y);
         p->place[q->id] = i;
@@ -106,8 +106,8 @@ bool points_any(const struct points *p, const struct points_triangle *t,
             stack[n++] = 2 * k + 1;
             continue;
         }
-        const struct point *q = &p->at[leaf_start(p, k - p->leaves)];
-        for (const struct point *end = q + b->left; q < end; q++)
+        const struct plane_point *q = &p->at[leaf_start(p, k - p->leaves)];
+        for (const struct plane_point *end = q + b->left; q < end; q++)
             if (q->x >= x0 && q->x <= x1 && q->y >= y0 && q->y <= y1 && is(ctx, q->id)) return true;
     }
     return false;

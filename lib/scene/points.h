@@ -12,7 +12,7 @@
 
 #define POINTS_LEAF 8 /* maximum number of points per leaf */
 
-struct point {
+struct plane_point {
     double x, y;
     uint32_t id;
 };
@@ -23,7 +23,7 @@ struct points_node {
 };
 
 struct points {
-    struct point *at;         /* in tree order; the remaining points of each leaf come first */
+    struct plane_point *at;   /* in tree order; the remaining points of each leaf come first */
     uint32_t n, leaves;       /* number of points at the start; leaves, a power of two */
     uint32_t *place;          /* by id: index into `at` */
     struct points_node *node; /* 1: root; children of k: 2 k, 2 k + 1; from `leaves` on: leaves */

@@ -16,12 +16,13 @@
 /* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
 
-struct walk {
+/* A ray, prepared for tests of boxes. */
+struct box_ray {
     float near[3], far[3], inv[3];        /* origins for the near and far planes; 1/d */
     uint32_t near_plane[3], far_plane[3]; /* offsets of these planes in a node, in floats */
 };
 
-static inline void walk_axis(struct walk *w, int axis, float o, float pad, float inv)
+static inline void box_ray_axis(struct box_ray *w, int axis, float o, float pad, float inv)
 {
     uint32_t lo = (uint32_t)axis * WIDTH, hi = lo + 3 * WIDTH;
     bool down = inv < 0;
@@ -39,12 +40,12 @@ static inline float slope(double d)
 }
 static inline float pad_of(float o, float slack) { return fabsf(o) * 0x1p-22f + slack; }
 
-static inline void walk_init(struct walk *w, const struct bvh *b, const struct ray *r)
+static inline void box_ray_init(struct box_ray *w, const struct bvh *b, const struct ray *r)
 {
     float x = (float)r->o.x, y = (float)r->o.y, z = (float)r->o.z;
-    walk_axis(w, 0, x, pad_of(x, b->slack), slope(r->d.x));
-    walk_axis(w, 1, y, pad_of(y, b->slack), slope(r->d.y));
-    walk_axis(w, 2, z, pad_of(z, b->slack), slope(r->d.z));
+    box_ray_axis(w, 0, x, pad_of(x, b->slack), slope(r->d.x));
+    box_ray_axis(w, 1, y, pad_of(y, b->slack), slope(r->d.y));
+    box_ray_axis(w, 2, z, pad_of(z, b->slack), slope(r->d.z));
 }
 
 /* Rounds up: t and all smaller doubles are below the result. */
@@ -52,7 +53,7 @@ static inline float t_above(double t) { return t < 1e37 ? (float)t * T_ROUNDING 
 
 /* The children that the ray enters before t_max, and the entry distances. */
 static ALWAYS_INLINE unsigned hit_boxes(
-    const struct node8 *n, const struct walk *w, float t_max, float t_near[WIDTH])
+    const struct node8 *n, const struct box_ray *w, float t_max, float t_near[WIDTH])
 {
     const float *planes = (const float *)n; /* lo and hi are the node's first members */
     const float *x0 = planes + w->near_plane[0], *x1 = planes + w->far_plane[0];
@@ -293,7 +294,7 @@ static inline uint32_t push_children(const struct node8 *n, unsigned mask,
 
 /* Traverses child cur. *h is the nearest hit so far. */
 static void closest_below(
-    const struct bvh *b, uint32_t cur, const struct walk *w, const struct ray *r, struct hit *h)
+    const struct bvh *b, uint32_t cur, const struct box_ray *w, const struct ray *r, struct hit *h)
 {
     struct todo stack[STACK_MAX];
     uint32_t top = 0;
@@ -317,10 +318,10 @@ static void closest_below(
 
 static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
 {
-    struct walk w;
+    struct box_ray w;
     *h = (struct hit){r->t_max, NO_ITEM};
     if (!b->nodes) return;
-    walk_init(&w, b, r);
+    box_ray_init(&w, b, r);
     closest_below(b, 0, &w, r, h);
 }
 
@@ -345,7 +346,7 @@ static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, co
     return false;
 }
 
-static bool blocked_below(const struct bvh *b, uint32_t cur, const struct walk *w,
+static bool blocked_below(const struct bvh *b, uint32_t cur, const struct box_ray *w,
     const struct ray *r, const uint8_t *transmits, struct crossings *c)
 {
     uint32_t stack[STACK_MAX], top = 0;
@@ -369,8 +370,8 @@ static bool blocked_below(const struct bvh *b, uint32_t cur, const struct walk *
 static bool blocked(
     const struct bvh *b, const struct ray *r, const uint8_t *transmits, struct crossings *c)
 {
-    struct walk w;
+    struct box_ray w;
     if (!b->nodes) return false;
-    walk_init(&w, b, r);
+    box_ray_init(&w, b, r);
     return blocked_below(b, 0, &w, r, transmits, c);
 }

@@ -5,7 +5,7 @@
 #include "trace/trace_int.h"
 
 void trace_hit_point(
-    const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at)
+    const struct tracer *t, const struct ray *r, const struct hit *h, struct hit_point *at)
 {
     at->item = &t->items[h->item];
     at->surface = &t->surfaces[at->item->material];
@@ -17,7 +17,7 @@ void trace_hit_point(
     at->err = ERR_UNIT * (fabs(at->p.x) + fabs(at->p.y) + fabs(at->p.z) + h->t);
 }
 
-bool light_from(const struct tracer *t, const struct point *at, uint32_t i, struct vec3 *light,
+bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, struct vec3 *light,
     struct ray *shadow)
 {
     const struct light *l = &t->scene->lights[i];

@@ -55,7 +55,7 @@ static enum passage refract(struct vec3 *d, struct vec3 n, double ratio)
     return BENT;
 }
 
-void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct point *at,
+void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct hit_point *at,
     int level, const struct media *outside, struct media *inside, struct onward *o)
 {
     const struct surface *f = at->surface;

@@ -63,9 +63,9 @@ static void packet_init(
 }
 
 /* Extracts ray i for traversal alone. */
-static inline void packet_walk(const struct packet *p, int i, struct walk *w)
+static inline void packet_box_ray(const struct packet *p, int i, struct box_ray *w)
 {
-    for (int a = 0; a < 3; a++) walk_axis(w, a, p->o[a][i], p->pad[a], p->inv[a][i]);
+    for (int a = 0; a < 3; a++) box_ray_axis(w, a, p->o[a][i], p->pad[a], p->inv[a][i]);
 }
 
 /* The children that a ray of the packet may enter, and lower bounds on the entry distances. */
@@ -142,8 +142,8 @@ static inline void update_limit(struct packet *p)
 static void closest_alone(
     const struct bvh *b, uint32_t child, const struct packet *p, int i, struct hit *h)
 {
-    struct walk w;
-    packet_walk(p, i, &w);
+    struct box_ray w;
+    packet_box_ray(p, i, &w);
     closest_below(b, child, &w, p->ray[i], h);
 }
 
@@ -186,8 +186,8 @@ static void closest_packet(
 static bool blocked_alone(const struct bvh *b, uint32_t child, const struct packet *p, int i,
     const uint8_t *transmits, struct crossings *c)
 {
-    struct walk w;
-    packet_walk(p, i, &w);
+    struct box_ray w;
+    packet_box_ray(p, i, &w);
     return blocked_below(b, child, &w, p->ray[i], transmits, c);
 }
 

@@ -206,7 +206,7 @@ struct tracer {
 };
 
 /* The point where a ray hit an item. */
-struct point {
+struct hit_point {
     struct vec3 p, n; /* n faces the ray */
     struct vec3 mirrored;
     double err;
@@ -216,10 +216,10 @@ struct point {
 
 /* light.c. Computes the point where r hit h. */
 void trace_hit_point(
-    const struct tracer *t, const struct ray *r, const struct hit *h, struct point *at);
+    const struct tracer *t, const struct ray *r, const struct hit *h, struct hit_point *at);
 /* Computes the contribution of light i at that point if unshadowed, and the shadow ray to test.
  * False: no contribution, no ray. */
-bool light_from(const struct tracer *t, const struct point *at, uint32_t i, struct vec3 *light,
+bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, struct vec3 *light,
     struct ray *shadow);
 /* Product of the transmissions of the crossed surfaces. Sorts c. */
 double light_through(const struct tracer *t, struct crossings *c);
@@ -233,7 +233,7 @@ struct onward {
 };
 /* Computes the mirrored and the transmitted ray. The mirrored ray stays in *outside. If a ray is
  * transmitted, *inside becomes its media. */
-void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct point *at,
+void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct hit_point *at,
     int level, const struct media *outside, struct media *inside, struct onward *o);
 void media_copy(struct media *to, const struct media *from);
 /* around.c: the media that contain a ray starting at p. Needs t->surfaces. */

@@ -23,7 +23,7 @@ struct sample {
     double shadow_budget; /* what is left of it */
     uint32_t now;         /* index of the ray */
     struct hit h;
-    struct point at;
+    struct hit_point at;
     struct vec3 light; /* direct light only */
 };
 

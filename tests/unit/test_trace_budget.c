@@ -14,7 +14,7 @@ static struct vec3 depth_first(
     struct tracer *t, const struct ray *r, int level, const struct media *outside, uint64_t *rays)
 {
     struct hit h;
-    struct point at;
+    struct hit_point at;
     struct onward o;
     struct media inside;
     struct vec3 sum = v3(0, 0, 0), light;

@@ -85,7 +85,7 @@ static void seen_from(const struct tracer *t, struct vec3 p, enum answer want, c
     const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
     struct vec3 light, n = v3_unit(v3_sub(t->scene->lights[0].pos, p));
     double err = ERR_UNIT * (fabs(p.x) + fabs(p.y) + fabs(p.z));
-    struct point at = {p, n, n, err, &t->items[0], &t->surfaces[0]};
+    struct hit_point at = {p, n, n, err, &t->items[0], &t->surfaces[0]};
     struct ray r;
     const struct ray *one = &r;
     assert_true(light_from(t, &at, 0, &light, &r));
