@@ -70,7 +70,7 @@ scene corners nff points pov reader token tokens
 sched deal gdc hub node pace policy set
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh cone_shape crossings light media pending sah sphere_shape tracer triangle_shape wave
-volume batch cell cubic lit map path skip_init walk
+volume cell cubic lit map path skip_init walk
 wire generation rec
 END
 objects=${BUILD:-build}

@@ -18,12 +18,16 @@ void cubic_part(const double p[4], double a, double b, double q[4])
     q[3] = h * h * h * p[3];
 }
 
+/* fmin and fmax are calls of the C library, because they take NaN. */
+static inline double least(double a, double b) { return a < b ? a : b; }
+static inline double most(double a, double b) { return a > b ? a : b; }
+
 void cubic_bounds(const double p[4], double *lo, double *hi)
 {
     double b1 = p[0] + p[1] / 3, b2 = p[0] + (2 * p[1] + p[2]) / 3;
     double b3 = p[0] + p[1] + p[2] + p[3];
-    *lo = fmin(fmin(p[0], b1), fmin(b2, b3));
-    *hi = fmax(fmax(p[0], b1), fmax(b2, b3));
+    *lo = least(least(p[0], b1), least(b2, b3));
+    *hi = most(most(p[0], b1), most(b2, b3));
 }
 
 int cubic_monotone(const double p[4], double w[4])

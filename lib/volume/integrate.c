@@ -183,16 +183,7 @@ static void piece_adaptive(struct path *p, const struct piece *s)
     else by_bounds(p, s, 0);
 }
 
-void volume_integrate_cut(struct path *p, const struct span *s)
-{
-    if (!s) {
-        volume_pieces_cut(p, 0, 1, piece_adaptive);
-        return;
-    }
-    const double *q = p->cell->p;
-    struct piece whole = {s, {q[0] - (s->lo - p->cell->base), q[1], q[2], q[3]}, 0, 1};
-    piece_adaptive(p, &whole);
-}
+void volume_integrate_cut(struct path *p) { volume_pieces_cut(p, 0, 1, piece_adaptive); }
 
 void volume_integrate(struct path *p, double a, double b)
 {

@@ -40,12 +40,6 @@ SIMD_INLINE vd vd_load(const double *p)
     memcpy(&a, p, sizeof a);
     return a;
 }
-SIMD_INLINE vd vd_widen(const float *p)
-{
-    vh a;
-    memcpy(&a, p, sizeof a);
-    return __builtin_convertvector(a, vd);
-}
 SIMD_INLINE void vd_store(double *p, vd a) { memcpy(p, &a, sizeof a); }
 SIMD_INLINE vl vl_load(const int64_t *p)
 {
@@ -154,23 +148,6 @@ SIMD_INLINE vl vl_bits(const uint8_t *p, const int64_t *byte, vl at)
     for (int i = 0; i < VD; i++) word[i] = p[byte[i]];
 #endif
     return word << (63 - (at & 7));
-}
-
-/* exp(x) for x <= 0, the same as volume_exp. */
-SIMD_INLINE vd vd_exp(vd x)
-{
-    const vd log2_e = vd_set(1.4426950408889634074);
-    const vd ln2_high = vd_set(0.693147180369123816490),
-             ln2_low = vd_set(1.90821492927058770002e-10);
-    const vd round = vd_set(0x1.8p52); /* adding this puts n into the last bits */
-    vd sum = x * log2_e + round, n = sum - round;
-    vd f = (x - n * ln2_high) - n * ln2_low, f2 = f * f, f4 = f2 * f2;
-    vd q = (1.0 / 2 + 1.0 / 6 * f) + (1.0 / 24 + 1.0 / 120 * f) * f2 +
-           ((1.0 / 720 + 1.0 / 5040 * f) + (1.0 / 40320 + 1.0 / 362880 * f) * f2) * f4 +
-           ((1.0 / 3628800 + 1.0 / 39916800 * f) + (1.0 / 479001600 + 1.0 / 6227020800 * f) * f2) *
-               (f4 * f4);
-    vd scale = (vd)(((vl)sum + 1023) << 52);
-    return vd_choose((vl)(x > vd_set(-700)), (1 + (f + f2 * q)) * scale, vd_set(0));
 }
 
 /* ---- floats --------------------------------------------------------------------------------- */

@@ -17,6 +17,8 @@
 bool volume_stream_fits(const struct volume *v)
 {
     double width = HUGE_VAL;
+    if (v->o.method != VOLUME_ADAPTIVE || v->map.n == 0 || v->spec->n_isos > 0 || is_lit(v))
+        return false;
     for (uint32_t i = 0; i < v->map.n; i++)
         if (!v->map.span[i].transparent) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
     return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
@@ -60,12 +62,21 @@ static void map_tables(struct stream_map *t, const struct map *m)
     split(m->span[m->n - 1].hi, &t->edge_high[m->n], &t->edge_low[m->n]);
 }
 
+/* The widest that the options allow and the machine has. */
+static stream_kernel *widest(enum isa isa)
+{
+    stream_kernel *k = isa == ISA_AUTO || isa == ISA_AVX512 ? volume_kernel_avx512() : NULL;
+    if (!k && isa != ISA_SSE2) k = volume_kernel_avx2();
+    return k ? k : volume_kernel_sse2();
+}
+
 struct stream *volume_stream_new(struct volume *v)
 {
     unsigned char *room = xcalloc(1, sizeof(struct stream) + STREAM_LINE);
     struct stream *s = (void *)(room + STREAM_LINE - (uintptr_t)room % STREAM_LINE);
     s->room = room;
     s->v = v;
+    s->kernel = widest(v->o.isa);
     s->tolerance = (float)v->o.tolerance;
     map_tables(&s->map, &v->map);
     for (unsigned mask = 0; mask < 256; mask++) {
@@ -95,7 +106,7 @@ void volume_stream_pixels(
 {
     for (uint32_t at = 0, some; at < n; at += some) {
         some = n - at < STREAM_RAYS ? n - at : STREAM_RAYS;
-        s->v->kernel->rays(s, l, n0 + at, some);
+        s->kernel(s, l, n0 + at, some);
         for (uint32_t i = 0; i < some; i++) {
             const double *sum = s->sum[i];
             volume_put(s->v, sum, 1 - sum[3], rgba + 4 * (size_t)(at + i));

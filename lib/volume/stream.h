@@ -90,8 +90,17 @@ struct stream_starts {
     double base[3][STREAM_STARTS], sign[3][STREAM_STARTS];
 };
 
+/* Adds up the cells of the rays of pixels n0 .. n0+n of the lattice, n <= STREAM_RAYS, in s->sum.
+ * (stream_ray.h, at each vector width) */
+typedef void stream_kernel(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n);
+stream_kernel *volume_kernel_sse2(void);
+/* NULL if this build or this machine lacks the instructions. */
+stream_kernel *volume_kernel_avx2(void);
+stream_kernel *volume_kernel_avx512(void);
+
 struct stream {
     void *room; /* the allocation; the struct starts at a cache line in it */
+    stream_kernel *kernel;
     struct volume *v;
     struct stream_map map;
     float tolerance;

@@ -13,7 +13,7 @@ static void alone(struct stream *s, uint32_t j, double sum[4])
     struct path p = {.v = s->v, .transmittance = 1 - sum[3], .cell = &cell};
     for (int i = 0; i < 4; i++) cell.p[i] = (double)s->p[i][j];
     for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
-    volume_integrate_cut(&p, NULL);
+    volume_integrate_cut(&p);
     for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
     sum[3] = 1 - p.transmittance;
 }
@@ -41,6 +41,7 @@ static void add(struct stream *s)
     v->counts.samples += samples;
 }
 
+/* See stream_kernel. */
 static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n)
 {
     s->pixels = l;

@@ -58,12 +58,7 @@ struct volume *volume_new(
     volume_gauss_rule(
         &v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
     if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
-    v->kernel = o->isa == ISA_AUTO || o->isa == ISA_AVX512 ? volume_kernel_avx512() : NULL;
-    if (!v->kernel && o->isa != ISA_SSE2) v->kernel = volume_kernel_avx2();
-    if (!v->kernel) v->kernel = volume_kernel_sse2();
-    v->batched = o->method == VOLUME_ADAPTIVE && v->map.n > 0 && s->n_isos == 0 && !s->lit &&
-                 !(s->attenuation > 0);
-    if (v->batched && volume_stream_fits(v)) v->stream = volume_stream_new(v);
+    if (volume_stream_fits(v)) v->stream = volume_stream_new(v);
     v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
     return v;
@@ -92,13 +87,13 @@ void volume_frame(struct volume *v, uint32_t w, uint32_t h)
 
 static void ray(struct path *p, struct walk *w)
 {
-    struct segment s[1];
+    struct segment s;
     double last = -1;
-    while (!path_done(p) && walk_cells(w, s, 1)) {
-        cell_init(p->cell, w->v, w->o, w->d, s);
+    while (!path_done(p) && walk_cell(w, &s)) {
+        cell_init(p->cell, w->v, w->o, w->d, &s);
         p->cell->t += w->before;
-        volume_surfaces(p, s->t0 != last);
-        last = s->t1;
+        volume_surfaces(p, s.t0 != last);
+        last = s.t1;
         p->v->counts.cells++;
     }
 }
@@ -119,8 +114,7 @@ static void pixel(struct volume *v, uint64_t at, float *rgba)
     v->counts.rays++;
     if (walk_begin(&w, v, v->camera.eye, p.dir)) {
         v->counts.hits++;
-        if (v->batched) batch_ray(&p, &w);
-        else ray(&p, &w);
+        ray(&p, &w);
         if (w.front.passed > v->counts.most_cells) v->counts.most_cells = w.front.passed;
     }
     volume_put(v, p.rgb, p.transmittance, rgba);

@@ -1,11 +1,11 @@
 /* The kernel with 256-bit vectors. On x86-64 the Makefile compiles this file with
  * -mavx2. */
 #ifdef __AVX2__
-#include "volume/kernel.h"
+#include "volume/stream_ray.h"
 
-const struct kernel *volume_kernel_avx2(void) { return isa_available(ISA_AVX2) ? &table : NULL; }
+stream_kernel *volume_kernel_avx2(void) { return isa_available(ISA_AVX2) ? rays : NULL; }
 #else
-#include "volume/batch.h"
+#include "volume/stream.h"
 
-const struct kernel *volume_kernel_avx2(void) { return 0; }
+stream_kernel *volume_kernel_avx2(void) { return NULL; }
 #endif

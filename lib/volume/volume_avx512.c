@@ -1,14 +1,11 @@
 /* The kernel with 512-bit vectors. On x86-64 the Makefile compiles this file with
  * -mavx512f and related flags. */
 #ifdef __AVX512F__
-#include "volume/kernel.h"
+#include "volume/stream_ray.h"
 
-const struct kernel *volume_kernel_avx512(void)
-{
-    return isa_available(ISA_AVX512) ? &table : NULL;
-}
+stream_kernel *volume_kernel_avx512(void) { return isa_available(ISA_AVX512) ? rays : NULL; }
 #else
-#include "volume/batch.h"
+#include "volume/stream.h"
 
-const struct kernel *volume_kernel_avx512(void) { return 0; }
+stream_kernel *volume_kernel_avx512(void) { return NULL; }
 #endif

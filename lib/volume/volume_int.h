@@ -2,13 +2,11 @@
  * volume_int: declarations that the renderer's files share. A ray traverses the grid (walk.c). The
  * field along it in one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c). The
  * cubic is cut at sheets and at knots of the map (piece.c) and integrated (integrate.c, lit.c).
- * Without sheets and light, the default method integrates several cells at once (batch.h,
- * kernel.h).
+ * Without sheets and light, the default method renders many rays at once in float (stream.h).
  */
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
 
-#include "volume/batch.h"
 #include "volume/volume.h"
 
 #include <string.h>
@@ -116,10 +114,7 @@ struct volume {
     double bright;             /* the largest colour component of the map */
     struct crossing *crossing; /* crossings of one cell */
     bool *above;               /* per surface: the ray is at or above its value */
-    const struct kernel *kernel;
-    bool batched;          /* several cells are integrated at once */
-    struct stream *stream; /* several rays are integrated at once; else NULL */
-    struct batch batch;
+    struct stream *stream;     /* renders many rays at once; else NULL */
     struct volume_counts counts;
 };
 
@@ -176,8 +171,8 @@ struct segment {
     double t0, t1;
     int32_t i[3];
 };
-/* Finds the next live cells, at most `most`. Returns their number; 0 at the end of the grid. */
-uint32_t walk_cells(struct walk *w, struct segment *out, uint32_t most);
+/* Finds the next live cell. False at the end of the grid. */
+bool walk_cell(struct walk *w, struct segment *s);
 
 /* ---- one cell (cell.c) ---------------------------------------------------------------------- */
 
@@ -195,7 +190,7 @@ void cell_init(struct cell *c, const struct volume *v, const double o[3], const 
 /* The gradient at w, in scaled space. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
-/* ---- integration (integrate.c, surface.c, batch.c) ------------------------------------------ */
+/* ---- integration (integrate.c, surface.c) --------------------------------------------------- */
 
 /* The colour that a ray has accumulated. */
 struct path {
@@ -220,6 +215,19 @@ struct piece {
  */
 #define DEPTH_MAX 1.0
 #define BEND_MAX 0.5
+/*
+ * Error bound for a piece of optical depth D whose colour c, of range R, is replaced by its
+ * k-weighted mean: at most alpha R D / 8, for every c. In u = tau, 0 .. D, the error is D |cov(c,
+ * g)| with g = exp(-u), so at most D R E(g - Eg)+ (as in G. Gruess, Math. Zeitschrift 39, 1935, but
+ * for a known g). With a = D / 2, E(g - Eg)+ is alpha times
+ *
+ *     (a coth a - 1 + ln(sinh a / a)) / (4 a^2) <= (a^2 / 3 + a^2 / 6) / (4 a^2) = 1/8
+ *
+ * since a coth a is 1 plus the sum, and sinh a / a the product, over n = 1, 2, ... of 2 a^2 / (a^2
+ * + n^2 pi^2) and 1 + a^2 / (n^2 pi^2).
+ */
+#define COVARIANCE (1.0 / 8)
+
 void volume_gauss_rule(struct rule *r, int m);
 /* The optical depth of a piece from its start to x. */
 double volume_depth_to(const struct path *p, const struct piece *s, double x);
@@ -247,9 +255,8 @@ static inline bool path_done(const struct path *p)
 void path_add(struct path *p, double dtau, const double rgb[3]);
 /* Factor of a colour at w of the cell: exp(-a t), times the shading if the specification is lit. */
 double path_light(const struct path *p, double w);
-/* Integrates the whole cell by the adaptive method. If s is NULL, the cell is cut at knots of the
- * map; otherwise the cell lies in span s. */
-void volume_integrate_cut(struct path *p, const struct span *s);
+/* Integrates the whole cell by the adaptive method, cut at knots of the map. */
+void volume_integrate_cut(struct path *p);
 /* Calls each for the pieces between a and b, front to back. */
 void volume_pieces(
     struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
@@ -261,14 +268,12 @@ void volume_pieces_cut(
 void volume_surfaces(struct path *p, bool fresh);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
-/* True if float is precise enough for the adaptive method. */
+/* True if the stream can render v: by the adaptive method, without surfaces, light and attenuation,
+ * where float is precise enough. */
 bool volume_stream_fits(const struct volume *v);
 struct stream *volume_stream_new(struct volume *v);
 void volume_stream_free(struct stream *s);
 void volume_stream_pixels(
     struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
-/* Integrates the whole ray by the adaptive method. Requires: no light, no attenuation, no
- * surface. */
-void batch_ray(struct path *p, struct walk *w);
 
 #endif

@@ -1,4 +1,4 @@
 /* The kernel with 128-bit vectors, or the compiler's replacement for them. */
-#include "volume/kernel.h"
+#include "volume/stream_ray.h"
 
-const struct kernel *volume_kernel_sse2(void) { return &table; }
+stream_kernel *volume_kernel_sse2(void) { return rays; }

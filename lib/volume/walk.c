@@ -145,16 +145,15 @@ ALWAYS_INLINE void leap(const struct walk *w, struct front *f, const int32_t i[3
     f->t = end;
 }
 
-uint32_t walk_cells(struct walk *w, struct segment *out, uint32_t most)
+bool walk_cell(struct walk *w, struct segment *s)
 {
     const struct volume *v = w->v;
     struct front f = w->front; /* a copy, so that the compiler keeps it in registers */
-    uint32_t n = 0;
-    while (n < most && f.t < w->exit) {
+    bool found = false;
+    while (!found && f.t < w->exit) {
         double end = least(least(f.next[0], f.next[1]), f.next[2]);
         bool real = end > f.t; /* otherwise the ray only touches the cell */
         bool live = v->live[f.cell >> 3] >> (f.cell & 7) & 1;
-        struct segment *s = &out[n];
         s->t0 = f.t;
         s->t1 = end;
         s->i[0] = (int32_t)(f.plane[0] - w->zero[0]);
@@ -164,10 +163,10 @@ uint32_t walk_cells(struct walk *w, struct segment *out, uint32_t most)
             leap(w, &f, s->i);
             continue;
         }
-        n += real && live;
+        found = real && live;
         f.passed += real;
         pass(w, &f, end);
     }
     w->front = f;
-    return n;
+    return found;
 }

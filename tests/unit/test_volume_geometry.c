@@ -38,15 +38,15 @@ static uint32_t walked(
     const struct volume *v, struct vec3 o, struct vec3 d, double *length, double *gap)
 {
     struct walk w;
-    struct segment s[1];
+    struct segment s;
     double last = 0;
     uint32_t n = 0;
     *length = *gap = 0;
     if (!walk_begin(&w, v, o, d)) return 0;
-    for (; walk_cells(&w, s, 1); n++) {
-        *gap += fabs(s->t0 - last);
-        last = s->t1;
-        *length += s->t1 - s->t0;
+    for (; walk_cell(&w, &s); n++) {
+        *gap += fabs(s.t0 - last);
+        last = s.t1;
+        *length += s.t1 - s.t0;
     }
     return n;
 }
