@@ -41,7 +41,7 @@ static double sample(struct path *p, double w, double rgb[3])
     p->v->counts.samples++;
     rgb[0] = rgb[1] = rgb[2] = 0;
     if (i < 0 || m->span[i].transparent) return 0;
-    const struct span *a = &m->span[i];
+    const struct map_span *a = &m->span[i];
     double x = s - a->lo, light = path_light(p, w);
     for (int c = 0; c < 3; c++) rgb[c] = (a->rgb0[c] + a->rgb1[c] * x) * light;
     return a->k0 + a->k1 * x;
@@ -90,7 +90,7 @@ double volume_depth_to(const struct path *p, const struct piece *s, double x)
 
 void volume_gauss(struct path *p, const struct piece *s, double depth, const struct rule *r)
 {
-    const struct span *f = s->span;
+    const struct map_span *f = s->span;
     bool lit = is_lit(p->v);
     double sum = 0, rgb[3] = {0, 0, 0};
     for (int i = 0; i < r->m; i++) {
@@ -143,7 +143,7 @@ static void piece_gauss(struct path *p, const struct piece *s) { by_depth(p, s, 
 static void moments(struct path *p, const struct piece *s, double depth)
 {
     const double *q = s->q;
-    const struct span *f = s->span;
+    const struct map_span *f = s->span;
     double one = q[0] + q[1] / 2 + q[2] / 3 + q[3] / 4;
     double two = q[0] * (q[0] + q[1]) + (q[1] * q[1] + 2 * q[0] * q[2]) / 3 +
                  (q[0] * q[3] + q[1] * q[2]) / 2 + (q[2] * q[2] + 2 * q[1] * q[3]) / 5 +

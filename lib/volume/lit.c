@@ -47,7 +47,7 @@ static int nodes_for(double tolerance, const double *error, int n)
 void lit_rules(struct volume *v)
 {
     for (uint32_t i = 0; i < v->map.n; i++) {
-        const struct span *s = &v->map.span[i];
+        const struct map_span *s = &v->map.span[i];
         double width = s->hi - s->lo;
         for (int c = 0; c < 3 && !s->transparent; c++)
             v->bright = fmax(v->bright, fmax(s->rgb0[c], s->rgb0[c] + s->rgb1[c] * width));

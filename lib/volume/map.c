@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-static void span_init(struct span *p, const struct spec_knot *a, const struct spec_knot *b)
+static void span_init(struct map_span *p, const struct spec_knot *a, const struct spec_knot *b)
 {
     double width = b->s - a->s;
     p->lo = a->s;
@@ -47,7 +47,7 @@ int map_find(const struct map *m, double s)
 bool map_absorbs(const struct map *m, double lo, double hi)
 {
     for (uint32_t i = 0; i < m->n; i++) {
-        const struct span *p = &m->span[i];
+        const struct map_span *p = &m->span[i];
         if (!p->transparent && p->lo <= hi && p->hi >= lo) return true;
     }
     return false;

@@ -10,7 +10,7 @@ typedef void piece_fn(struct path *, const struct piece *);
 static void piece(struct path *p, double a, double b, int span, piece_fn *each)
 {
     const struct cell *c = p->cell;
-    const struct span *s = span < 0 ? NULL : &p->v->map.span[span];
+    const struct map_span *s = span < 0 ? NULL : &p->v->map.span[span];
     if (!s || s->transparent || !(a < b)) return;
     struct piece out = {.span = s, .a = a, .b = b};
     cubic_part(c->p, a, b, out.q);

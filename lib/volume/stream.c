@@ -47,7 +47,7 @@ static void map_tables(struct stream_map *t, const struct map *m)
     t->transparent = xcalloc(t->entries, sizeof *t->transparent);
     t->transparent[0] = t->transparent[m->n + 1] = true;
     for (uint32_t i = 0; i < m->n; i++) {
-        const struct span *p = &m->span[i];
+        const struct map_span *p = &m->span[i];
         t->transparent[i + 1] = p->transparent;
         split(p->lo, &t->edge_high[i], &t->edge_low[i]);
         split(p->lo, &t->from_high[i + 1], &t->from_low[i + 1]);

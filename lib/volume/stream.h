@@ -32,7 +32,7 @@
 /* The map, with a transparent entry below and one above. `first` counts entries from 0. */
 struct stream_map {
     float *edge_high, *edge_low; /* knot i is their sum: the lower end of entry i + 1 */
-    float *k0, *k1, *rgb0[3], *rgb1[3], *slope; /* as in struct span */
+    float *k0, *k1, *rgb0[3], *rgb1[3], *slope; /* as in struct map_span */
     float *from_high, *from_low;                /* lo of the entry */
     bool *transparent;
     uint32_t edges, entries;

@@ -18,13 +18,13 @@
 /* ---- the map (map.c) ------------------------------------------------------------------------ */
 
 /* A linear part between two knots: k = k0 + k1 (s - lo), rgb likewise. */
-struct span {
+struct map_span {
     double lo, hi, k0, k1, rgb0[3], rgb1[3];
     double slope;     /* the largest |rgb1| */
     bool transparent; /* k = 0 throughout */
 };
 struct map {
-    struct span *span; /* ascending, contiguous, none of width 0 */
+    struct map_span *span; /* ascending, contiguous, none of width 0 */
     uint32_t n;
     bool closed; /* the last span includes its upper end */
 };
@@ -202,7 +202,7 @@ struct path {
 /* The part of a cell's segment within one span. q is the cubic minus the span's lo, with w 0 .. 1
  * in the piece. */
 struct piece {
-    const struct span *span;
+    const struct map_span *span;
     double q[4], a, b; /* a, b: the piece's ends in the cell's w */
 };
 
