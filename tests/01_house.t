@@ -20,10 +20,11 @@ table stats base
 inference table stats base
 scene base
 spd scene base
-trace scene image task base
+simd base
+trace simd scene image task base
 grid base
 spec grid base
-volume grid spec task base
+volume simd grid spec task base
 cf grid base
 grib grid base
 convert grid image base

@@ -3,9 +3,13 @@
  * (trace_sse2.c, trace_avx2.c). Box tests use float and are conservative: they may report a box
  * that the ray misses. Hits are decided in double, by the same operations per lane at every width.
  */
+/* A node has eight children, a block four lanes. */
+#ifndef SIMD_MOST
+#define SIMD_MOST 32
+#endif
+#include "simd/simd.h"
 #include "trace/ends.h"
 #include "trace/trace_int.h"
-#include "trace/simd.h"
 
 #include <float.h>
 
@@ -62,16 +66,16 @@ static ALWAYS_INLINE unsigned hit_boxes(
     vf ix = vf_set(w->inv[0]), iy = vf_set(w->inv[1]), iz = vf_set(w->inv[2]);
     unsigned mask = 0;
     for (int i = 0; i < WIDTH; i += VF) {
-        vf ax = (vf_load(x0 + i) - vf_set(w->near[0])) * ix;
-        vf ay = (vf_load(y0 + i) - vf_set(w->near[1])) * iy;
-        vf az = (vf_load(z0 + i) - vf_set(w->near[2])) * iz;
-        vf bx = (vf_load(x1 + i) - vf_set(w->far[0])) * ix;
-        vf by = (vf_load(y1 + i) - vf_set(w->far[1])) * iy;
-        vf bz = (vf_load(z1 + i) - vf_set(w->far[2])) * iz;
+        vf ax = (vf_aligned(x0 + i) - vf_set(w->near[0])) * ix;
+        vf ay = (vf_aligned(y0 + i) - vf_set(w->near[1])) * iy;
+        vf az = (vf_aligned(z0 + i) - vf_set(w->near[2])) * iz;
+        vf bx = (vf_aligned(x1 + i) - vf_set(w->far[0])) * ix;
+        vf by = (vf_aligned(y1 + i) - vf_set(w->far[1])) * iy;
+        vf bz = (vf_aligned(z1 + i) - vf_set(w->far[2])) * iz;
         vf a = vf_max(vf_max(ax, ay), vf_max(az, vf_set(0)));
         vf b = vf_min(vf_min(bx, by), vf_min(bz, vf_set(t_max)));
-        vf_store(t_near + i, a);
-        mask |= vf_le(a, b * vf_set(T_ROUNDING)) << i;
+        vf_store_aligned(t_near + i, a);
+        mask |= vi_signs(a <= b * vf_set(T_ROUNDING)) << i;
     }
     return mask;
 }
@@ -88,19 +92,19 @@ static ALWAYS_INLINE unsigned hit_tri4(
     vd ox = vd_set(r->o.x), oy = vd_set(r->o.y), oz = vd_set(r->o.z);
     vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     for (int i = 0; i < LANES; i += VD) {
-        vd nx = vd_load(b->n[0] + i), ny = vd_load(b->n[1] + i), nz = vd_load(b->n[2] + i);
-        vd num = vd_load(b->d + i) - (nx * ox + ny * oy + nz * oz);
+        vd nx = vd_aligned(b->n[0] + i), ny = vd_aligned(b->n[1] + i), nz = vd_aligned(b->n[2] + i);
+        vd num = vd_aligned(b->d + i) - (nx * ox + ny * oy + nz * oz);
         vd t = num / (nx * dx + ny * dy + nz * dz);
         vd px = ox + t * dx, py = oy + t * dy, pz = oz + t * dz;
-        vd u = vd_load(b->u[0] + i) * px + vd_load(b->u[1] + i) * py + vd_load(b->u[2] + i) * pz +
-               vd_load(b->du + i);
-        vd v = vd_load(b->v[0] + i) * px + vd_load(b->v[1] + i) * py + vd_load(b->v[2] + i) * pz +
-               vd_load(b->dv + i);
-        vd in = vd_and(vd_and(vd_le(vd_set(0), u), vd_le(vd_set(0), v)), vd_le(u + v, vd_set(1)));
-        vd far = vd_lt(vd_load(b->err + i) + vd_set(r->err), vd_abs(num));
-        vd when = vd_and(vd_lt(vd_set(r->t_min), t), vd_le(t, vd_set(t_max)));
-        vd_store(t_out + i, t);
-        mask |= vd_bits(vd_and(vd_and(in, far), when)) << i;
+        vd u = vd_aligned(b->u[0] + i) * px + vd_aligned(b->u[1] + i) * py +
+               vd_aligned(b->u[2] + i) * pz + vd_aligned(b->du + i);
+        vd v = vd_aligned(b->v[0] + i) * px + vd_aligned(b->v[1] + i) * py +
+               vd_aligned(b->v[2] + i) * pz + vd_aligned(b->dv + i);
+        vl in = vd_le(vd_set(0), u) & vd_le(vd_set(0), v) & vd_le(u + v, vd_set(1));
+        vl far = vd_lt(vd_aligned(b->err + i) + vd_set(r->err), vd_abs(num));
+        vl when = vd_lt(vd_set(r->t_min), t) & vd_le(t, vd_set(t_max));
+        vd_store_aligned(t_out + i, t);
+        mask |= vl_signs(in & far & when) << i;
     }
     return mask;
 }
@@ -119,29 +123,30 @@ static ALWAYS_INLINE unsigned hit_sphere4(const struct sphere4 *s, const struct 
     vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
-        vd radius = vd_load(s->r + i), zero = vd_set(0);
-        vd fx = vd_load(s->c[0] + i) - ox, fy = vd_load(s->c[1] + i) - oy;
-        vd fz = vd_load(s->c[2] + i) - oz;
+        vd radius = vd_aligned(s->r + i), zero = vd_set(0);
+        vd fx = vd_aligned(s->c[0] + i) - ox, fy = vd_aligned(s->c[1] + i) - oy;
+        vd fz = vd_aligned(s->c[2] + i) - oz;
         vd b = fx * dx + fy * dy + fz * dz;
         vd gx = fx - b * dx, gy = fy - b * dy, gz = fz - b * dz;
         vd r2 = radius * radius, disc = r2 - (gx * gx + gy * gy + gz * gz);
-        vd hit = vd_le(zero, disc);
-        if (!vd_bits(hit)) continue;
+        vl hit = vd_le(zero, disc);
+        if (!vl_signs(hit)) continue;
         vd c = fx * fx + fy * fy + fz * fz - r2;
-        vd root = vd_sqrt(disc), positive = vd_lt(zero, b);
+        vd root = vd_sqrt(disc);
+        vl positive = vd_lt(zero, b);
         vd q = b + vd_choose(positive, root, zero - root);
-        vd on = vd_le(vd_abs(c), (radius + radius) * (vd_load(s->err + i) + vd_set(r->err)));
+        vl on = vd_le(vd_abs(c), (radius + radius) * (vd_aligned(s->err + i) + vd_set(r->err)));
         vd p = c / q;
         vd near = vd_choose(positive, p, q), far = vd_choose(positive, q, p);
         /* On the surface p is the root near 0, so only the other root q counts. */
         near = vd_choose(on, zero, near);
         far = vd_choose(on, q, far);
-        vd enters = vd_lt(vd_set(r->t_min), near), t = vd_choose(enters, near, far),
-           limit = vd_set(t_max);
-        vd_store(t_out + i, t);
-        hit = vd_and(hit, vd_and(vd_lt(vd_set(r->t_min), t), vd_le(t, limit)));
-        mask |= vd_bits(hit) << i;
-        if (twice) *twice |= vd_bits(vd_and(hit, vd_and(enters, vd_le(far, limit)))) << i;
+        vl enters = vd_lt(vd_set(r->t_min), near);
+        vd t = vd_choose(enters, near, far), limit = vd_set(t_max);
+        vd_store_aligned(t_out + i, t);
+        hit &= vd_lt(vd_set(r->t_min), t) & vd_le(t, limit);
+        mask |= vl_signs(hit) << i;
+        if (twice) *twice |= vl_signs(hit & enters & vd_le(far, limit)) << i;
     }
     return mask;
 }
@@ -158,13 +163,14 @@ static ALWAYS_INLINE unsigned hit_cone4(
     vd dx = vd_set(r->d.x), dy = vd_set(r->d.y), dz = vd_set(r->d.z);
     if (twice) *twice = 0;
     for (int i = 0; i < LANES; i += VD) {
-        vd ax = vd_load(s->a[0] + i), ay = vd_load(s->a[1] + i), az = vd_load(s->a[2] + i);
-        vd h = vd_load(s->h + i), k = vd_load(s->k + i), half = vd_set(0.5) * h, zero = vd_set(0);
+        vd ax = vd_aligned(s->a[0] + i), ay = vd_aligned(s->a[1] + i), az = vd_aligned(s->a[2] + i);
+        vd h = vd_aligned(s->h + i), k = vd_aligned(s->k + i), half = vd_set(0.5) * h,
+           zero = vd_set(0);
         /* q is relative to the middle of the axis; m is the radius there. */
-        vd m = vd_load(s->r + i) + k * half;
-        vd qx = ox - (vd_load(s->b[0] + i) + half * ax);
-        vd qy = oy - (vd_load(s->b[1] + i) + half * ay);
-        vd qz = oz - (vd_load(s->b[2] + i) + half * az);
+        vd m = vd_aligned(s->r + i) + k * half;
+        vd qx = ox - (vd_aligned(s->b[0] + i) + half * ax);
+        vd qy = oy - (vd_aligned(s->b[1] + i) + half * ay);
+        vd qz = oz - (vd_aligned(s->b[2] + i) + half * az);
         vd z0 = qx * ax + qy * ay + qz * az;   /* height of the origin */
         vd rise = dx * ax + dy * ay + dz * az; /* height per unit of t */
         vd ex = dx - rise * ax, ey = dy - rise * ay, ez = dz - rise * az;
@@ -177,30 +183,27 @@ static ALWAYS_INLINE unsigned hit_cone4(
         vd b = sx * ex + sy * ey + sz * ez - w * slope;
         vd c = sx * sx + sy * sy + sz * sz - w * w;
         vd disc = b * b - a * c;
-        vd hit = vd_le(zero, disc);
-        if (!vd_bits(hit)) continue;
+        vl hit = vd_le(zero, disc);
+        if (!vl_signs(hit)) continue;
         vd root = vd_sqrt(disc);
         vd q = zero - (b + vd_choose(vd_lt(b, zero), zero - root, root));
         vd t1 = q / a + shift, t2 = c / q + shift; /* infinite if there is only one root */
         /* If the ray starts on the surface, only its other root counts. */
         vd rx = qx - z0 * ax, ry = qy - z0 * ay, rz = qz - z0 * az, w0 = m + k * z0;
-        vd err = vd_load(s->err + i) + vd_set(r->err), width = vd_abs(w0);
+        vd err = vd_aligned(s->err + i) + vd_set(r->err), width = vd_abs(w0);
         vd c0 = rx * rx + ry * ry + rz * rz - w0 * w0;
-        vd on = vd_le(vd_abs(c0), err * (width + width + err) * (vd_set(1) + vd_abs(k)));
+        vl on = vd_le(vd_abs(c0), err * (width + width + err) * (vd_set(1) + vd_abs(k)));
         vd other = vd_set(-2) * (rx * ex + ry * ey + rz * ez - w0 * slope) / a;
         t1 = vd_choose(on, other, t1);
         t2 = vd_choose(on, vd_set(-1), t2);
         vd h1 = z0 + t1 * rise, h2 = z0 + t2 * rise, limit = vd_set(t_max);
-        vd ok1 =
-            vd_and(vd_and(vd_lt(vd_set(r->t_min), t1), vd_le(t1, limit)), vd_le(vd_abs(h1), half));
-        vd ok2 =
-            vd_and(vd_and(vd_lt(vd_set(r->t_min), t2), vd_le(t2, limit)), vd_le(vd_abs(h2), half));
-        vd t =
-            vd_choose(vd_and(ok1, ok2), vd_choose(vd_lt(t1, t2), t1, t2), vd_choose(ok1, t1, t2));
-        vd_store(t_out + i, t);
-        unsigned ok = vd_bits(ok1) | vd_bits(ok2);
-        mask |= (vd_bits(hit) & ok) << i;
-        if (twice) *twice |= (vd_bits(hit) & vd_bits(ok1) & vd_bits(ok2)) << i;
+        vl ok1 = vd_lt(vd_set(r->t_min), t1) & vd_le(t1, limit) & vd_le(vd_abs(h1), half);
+        vl ok2 = vd_lt(vd_set(r->t_min), t2) & vd_le(t2, limit) & vd_le(vd_abs(h2), half);
+        vd t = vd_choose(ok1 & ok2, vd_choose(vd_lt(t1, t2), t1, t2), vd_choose(ok1, t1, t2));
+        vd_store_aligned(t_out + i, t);
+        unsigned ok = vl_signs(ok1) | vl_signs(ok2);
+        mask |= (vl_signs(hit) & ok) << i;
+        if (twice) *twice |= (vl_signs(hit) & vl_signs(ok1) & vl_signs(ok2)) << i;
     }
     return mask;
 }

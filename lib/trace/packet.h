@@ -12,6 +12,21 @@
 
 #include "trace/kernel.h"
 
+/* Magnitude of a, sign of b. */
+static inline vf vf_copysign(vf a, vf b) { return (vf)(((vi)a & INT32_MAX) | ((vi)b & INT32_MIN)); }
+
+/* The least lane. */
+static inline float vf_least(vf a)
+{
+#if VF == 8
+    a = vf_min(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
+    a = vf_min(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
+#elif VF == 4
+    a = vf_min(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
+#endif
+    return a[0] < a[1] ? a[0] : a[1];
+}
+
 struct packet {
     _Alignas(32) float o[3][PACKET];
     _Alignas(32) float inv[3][PACKET];
@@ -29,11 +44,11 @@ static ALWAYS_INLINE void packet_axis(struct packet *p, int axis, const float *d
 {
     vf o_lo = vf_set(FLT_MAX), o_hi = vf_set(FLT_MAX), lo = vf_set(FLT_MAX), hi = vf_set(FLT_MAX);
     for (int i = 0; i < PACKET; i += VF) { /* upper bounds are kept as negated lower bounds */
-        vf o = vf_load(p->o[axis] + i), dir = vf_load(d + i);
+        vf o = vf_aligned(p->o[axis] + i), dir = vf_aligned(d + i);
         vf inv = vf_set(1) / vf_copysign(vf_max(vf_abs(dir), vf_set(TINY)), dir);
-        vf_store(p->inv[axis] + i, inv);
-        o_lo = vf_min(o_lo, o), o_hi = vf_min(o_hi, vf_neg(o));
-        lo = vf_min(lo, inv), hi = vf_min(hi, vf_neg(inv));
+        vf_store_aligned(p->inv[axis] + i, inv);
+        o_lo = vf_min(o_lo, o), o_hi = vf_min(o_hi, -o);
+        lo = vf_min(lo, inv), hi = vf_min(hi, -inv);
     }
     float first = vf_least(o_lo), last = -vf_least(o_hi);
     p->pad[axis] = pad_of(fabsf(first) > fabsf(last) ? first : last, slack);
@@ -77,16 +92,16 @@ static ALWAYS_INLINE unsigned bound_boxes(
         vf near = vf_set(0), far = vf_set(p->limit_max);
         for (int a = 0; a < 3; a++) {
             if (p->mixed[a]) continue;
-            vf lo = vf_load(n->lo[a] + i) - vf_set(p->o_hi[a]);
-            vf hi = vf_load(n->hi[a] + i) - vf_set(p->o_lo[a]);
+            vf lo = vf_aligned(n->lo[a] + i) - vf_set(p->o_hi[a]);
+            vf hi = vf_aligned(n->hi[a] + i) - vf_set(p->o_lo[a]);
             vf small = vf_set(p->inv_lo[a]), large = vf_set(p->inv_hi[a]);
             bool down = p->inv_hi[a] < 0;
             vf in = down ? hi : lo, out = down ? lo : hi;
             near = vf_max(near, vf_min(in * small, in * large));
             far = vf_min(far, vf_max(out * small, out * large));
         }
-        vf_store(t_near + i, near);
-        mask |= vf_le(near, far * vf_set(T_ROUNDING)) << i;
+        vf_store_aligned(t_near + i, near);
+        mask |= vi_signs(near <= far * vf_set(T_ROUNDING)) << i;
     }
     return mask & n->used; /* if all axes are mixed, no test rejects the unused children */
 }
@@ -101,14 +116,14 @@ static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, int k, const st
         hi[a] = vf_set(n->hi[a][k] + p->pad[a]);
     }
     for (int i = 0; i < PACKET; i += VF) {
-        vf near = vf_set(0), far = vf_load(p->limit + i);
+        vf near = vf_set(0), far = vf_aligned(p->limit + i);
         for (int a = 0; a < 3; a++) {
-            vf o = vf_load(p->o[a] + i), inv = vf_load(p->inv[a] + i);
+            vf o = vf_aligned(p->o[a] + i), inv = vf_aligned(p->inv[a] + i);
             vf t0 = (lo[a] - o) * inv, t1 = (hi[a] - o) * inv;
             near = vf_max(near, vf_min(t0, t1));
             far = vf_min(far, vf_max(t0, t1));
         }
-        mask |= vf_le(near, far * vf_set(T_ROUNDING)) << i;
+        mask |= vi_signs(near <= far * vf_set(T_ROUNDING)) << i;
     }
     return mask;
 }

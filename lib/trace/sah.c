@@ -5,9 +5,9 @@
  * three axes. The tree is the same on every host: comparisons and plain float arithmetic, and no
  * order that depends on addresses.
  */
-#define SIMD_NARROW
+#define SIMD_MOST 16 /* a reference has four floats for each bound */
+#include "simd/simd.h"
 #include "trace/trace_int.h"
-#include "trace/simd.h"
 
 #include <float.h>
 
@@ -49,8 +49,8 @@ static struct box box_empty(void)
 static inline void box_grow(struct box *b, const float *lo, const float *hi)
 {
     for (int i = 0; i < 3; i += VF) {
-        vf_store(b->lo + i, vf_min(vf_load(lo + i), vf_load(b->lo + i)));
-        vf_store(b->hi + i, vf_max(vf_load(hi + i), vf_load(b->hi + i)));
+        vf_store_aligned(b->lo + i, vf_min(vf_aligned(lo + i), vf_aligned(b->lo + i)));
+        vf_store_aligned(b->hi + i, vf_max(vf_aligned(hi + i), vf_aligned(b->hi + i)));
     }
 }
 
@@ -64,7 +64,8 @@ static float box_area(const struct box *b)
 /* Twice the centre. */
 static inline void centre(const struct ref *r, float c[4])
 {
-    for (int i = 0; i < 3; i += VF) vf_store(c + i, vf_load(r->lo + i) + vf_load(r->hi + i));
+    for (int i = 0; i < 3; i += VF)
+        vf_store_aligned(c + i, vf_aligned(r->lo + i) + vf_aligned(r->hi + i));
 }
 
 /* Assigns a centre to a bin along each axis. Counting and partitioning use the same function. */
@@ -76,9 +77,10 @@ struct binning {
 static inline void bins_of(const struct binning *g, const struct ref *r, int32_t bin[4])
 {
     for (int i = 0; i < 3; i += VF) {
-        vf c =
-            (vf_load(r->lo + i) + vf_load(r->hi + i) - vf_load(g->lo + i)) * vf_load(g->scale + i);
-        vf_trunc(bin + i, vf_min(c, vf_set((float)(g->bins - 1))));
+        vf c = vf_aligned(r->lo + i) + vf_aligned(r->hi + i) - vf_aligned(g->lo + i);
+        c = vf_min(c * vf_aligned(g->scale + i), vf_set((float)(g->bins - 1)));
+        vi whole = __builtin_convertvector(c, vi);
+        memcpy(bin + i, &whole, sizeof whole);
     }
 }
 

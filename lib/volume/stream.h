@@ -1,9 +1,9 @@
 /*
  * stream: the adaptive method on many rays at once, in float.
  *
- * STREAM_WALKERS rays traverse the grid side by side, LANES at a time. A lane whose ray ends takes
+ * STREAM_WALKERS rays traverse the grid side by side, VF at a time. A lane whose ray ends takes
  * the next pixel. The live cells of all rays go into one list, each ray's cells front to back. The
- * list is integrated LANES cells at a time, regardless of their rays, so no lane is idle where rays
+ * list is integrated VF cells at a time, regardless of their rays, so no lane is idle where rays
  * diverge or where few cells are visible. A cell's contribution depends on the cells in front only
  * through the factor T, so the list is summed in order. (T. Aila and S. Laine, "Understanding the
  * efficiency of ray traversal on GPUs", HPG 2009, keep lanes busy in the same way. Separate lists
@@ -20,7 +20,7 @@
 
 #include "volume/volume_int.h"
 
-#define STREAM_LANES 16   /* the largest LANES of all kernels */
+#define STREAM_LANES 16   /* the largest VF of all kernels */
 #define STREAM_WALKERS 16 /* active rays; interleaving several steps hides latency */
 #define STREAM_RAYS 256   /* rays per call */
 #define STREAM_CELLS 256  /* list length that triggers integration */

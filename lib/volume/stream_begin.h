@@ -5,7 +5,7 @@
 #ifndef STORMRING_VOLUME_STREAM_BEGIN_H
 #define STORMRING_VOLUME_STREAM_BEGIN_H
 
-#include "volume/simd.h"
+#include "volume/stream_simd.h"
 #include "volume/stream.h"
 
 struct aim {

@@ -1,13 +1,13 @@
-/* stream_cell: the contributions of the cells of the list, LANES at a time. */
+/* stream_cell: the contributions of the cells of the list, VF at a time. */
 #ifndef STORMRING_VOLUME_STREAM_CELL_H
 #define STORMRING_VOLUME_STREAM_CELL_H
 
-#include "volume/simd.h"
+#include "volume/stream_simd.h"
 #include "volume/stream.h"
 
 /* ---- corners -------------------------------------------------------------------------------- */
 
-#ifdef __AVX2__
+#if SIMD_BYTES >= 32
 SIMD_INLINE __m128 two_pairs(const float *p, const float *q)
 {
     double a, b; /* two floats each */
@@ -28,18 +28,18 @@ SIMD_INLINE void eight_pairs(const float *value, const int64_t *node, __m256 *lo
 /* The values at the nodes and at their neighbours along x. */
 SIMD_INLINE void pairs(const float *value, const int64_t *node, vf *low, vf *high)
 {
-#ifdef __AVX512F__
+#if SIMD_BYTES == 64
     __m256 a, b, c, d;
     eight_pairs(value, node, &a, &b);
     eight_pairs(value, node + 8, &c, &d);
     *low = _mm512_insertf32x8(_mm512_castps256_ps512(a), c, 1);
     *high = _mm512_insertf32x8(_mm512_castps256_ps512(b), d, 1);
-#elif defined __AVX2__
+#elif SIMD_BYTES == 32
     __m256 a, b;
     eight_pairs(value, node, &a, &b);
     *low = a, *high = b;
 #else
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < VF; i++) {
         (*low)[i] = value[node[i]];
         (*high)[i] = value[node[i] + 1];
     }
@@ -174,7 +174,7 @@ SIMD_INLINE struct added integrate_segment(
     return r;
 }
 
-#ifdef __AVX2__
+#if SIMD_BYTES >= 32
 SIMD_INLINE void put_eight(float (*to)[4], __m256 r, __m256 g, __m256 b, __m256 a)
 {
     __m256 rg_low = _mm256_unpacklo_ps(r, g), rg_high = _mm256_unpackhi_ps(r, g);
@@ -191,15 +191,15 @@ SIMD_INLINE void put_eight(float (*to)[4], __m256 r, __m256 g, __m256 b, __m256 
 /* Writes one row per lane. */
 SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 {
-#ifdef __AVX512F__
+#if SIMD_BYTES == 64
     put_eight(to, _mm512_castps512_ps256(r->rgb[0]), _mm512_castps512_ps256(r->rgb[1]),
         _mm512_castps512_ps256(r->rgb[2]), _mm512_castps512_ps256(r->alpha));
     put_eight(to + 8, _mm512_extractf32x8_ps(r->rgb[0], 1), _mm512_extractf32x8_ps(r->rgb[1], 1),
         _mm512_extractf32x8_ps(r->rgb[2], 1), _mm512_extractf32x8_ps(r->alpha, 1));
-#elif defined __AVX2__
+#elif SIMD_BYTES == 32
     put_eight(to, r->rgb[0], r->rgb[1], r->rgb[2], r->alpha);
 #else
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < VF; i++) {
         to[i][0] = r->rgb[0][i], to[i][1] = r->rgb[1][i], to[i][2] = r->rgb[2][i];
         to[i][3] = r->alpha[i];
     }
@@ -210,8 +210,8 @@ SIMD_INLINE void put_added(float (*to)[4], const struct added *r)
 static void fields(struct stream *s)
 {
     /* Pads the list with copies of its first cell. */
-    for (uint32_t j = s->cells; j % LANES; j++) s->node[j] = s->node[0];
-    for (uint32_t j = 0; j < s->cells; j += LANES) {
+    for (uint32_t j = s->cells; j % VF; j++) s->node[j] = s->node[0];
+    for (uint32_t j = 0; j < s->cells; j += VF) {
         struct cubics c = cubics(s, j);
         vf lo, hi;
         vi first, last;
@@ -229,7 +229,7 @@ static void fields(struct stream *s)
  * overlap in the processor.) */
 SIMD_INLINE void integrate_simple(struct stream *s, bool few)
 {
-    for (uint32_t j = 0; j < s->cells; j += LANES) {
+    for (uint32_t j = 0; j < s->cells; j += VF) {
         const vf p[4] = {
             vf_load(s->p[0] + j), vf_load(s->p[1] + j), vf_load(s->p[2] + j), vf_load(s->p[3] + j)};
         vi first = vi_load(s->first + j), last = vi_load(s->last + j);
@@ -237,7 +237,7 @@ SIMD_INLINE void integrate_simple(struct stream *s, bool few)
             integrate_segment(&s->map, few, first, vf_load(s->base + j), p, vf_load(s->len + j));
         unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
         put_added(s->add + j, &r);
-        s->simple[j / LANES] = (uint16_t)simple;
+        s->simple[j / VF] = (uint16_t)simple;
     }
 }
 

@@ -77,7 +77,7 @@ static uint32_t ask_roots(struct stream *s, uint32_t j)
 /* Newton steps within a bracket; bisects if a step leaves it. */
 static void find_roots(struct stream_roots *r)
 {
-    for (uint32_t j = 0; j < r->n; j += LANES) {
+    for (uint32_t j = 0; j < r->n; j += VF) {
         const vf p[4] = {
             vf_load(r->p[0] + j), vf_load(r->p[1] + j), vf_load(r->p[2] + j), vf_load(r->p[3] + j)};
         vf a = vf_load(r->a + j), b = vf_load(r->b + j), y = vf_load(r->y + j);
@@ -142,8 +142,8 @@ SIMD_INLINE struct added part(
 SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
 {
     struct stream_pieces *q = &s->pieces;
-    for (uint32_t j = q->n; j % LANES; j++) q->entry[j] = 0;
-    for (uint32_t j = 0; j < q->n; j += LANES) {
+    for (uint32_t j = q->n; j % VF; j++) q->entry[j] = 0;
+    for (uint32_t j = 0; j < q->n; j += VF) {
         const vf p[4] = {
             vf_load(q->p[0] + j), vf_load(q->p[1] + j), vf_load(q->p[2] + j), vf_load(q->p[3] + j)};
         struct added r = part(&s->map, few, vi_load(q->entry + j), vf_load(q->base + j), p,
@@ -156,7 +156,7 @@ SIMD_INLINE void integrate_pieces(struct stream *s, bool few)
 /* Adds the contribution of a segment to a ray's rgb and alpha. */
 SIMD_INLINE void add_to(double sum[4], const float add[4])
 {
-#ifdef __AVX2__
+#if SIMD_BYTES >= 32
     __m256d seen = (1 - sum[3]) * _mm256_cvtps_pd(_mm_loadu_ps(add));
     _mm256_storeu_pd(sum, _mm256_loadu_pd(sum) + seen);
 #else
@@ -183,8 +183,8 @@ static void cut(struct stream *s)
 {
     uint32_t root[STREAM_ROOM], todo[STREAM_ROOM], n = 0;
     s->roots.n = s->pieces.n = 0;
-    for (uint32_t g = 0; g < s->cells; g += LANES)
-        for (unsigned m = ~s->simple[g / LANES] & ALL_LANES; m; m &= m - 1) {
+    for (uint32_t g = 0; g < s->cells; g += VF)
+        for (unsigned m = ~s->simple[g / VF] & ALL_LANES; m; m &= m - 1) {
             uint32_t j = g + (uint32_t)__builtin_ctz(m);
             if (j >= s->cells) break;
             root[n] = s->roots.n;
@@ -219,14 +219,14 @@ static bool add_parts(struct stream *s, uint32_t j, int n, double sum[4])
     const float a = q->a[j], step = (q->b[j] - a) / (float)n;
     const double limit = s->v->spec->opacity_limit;
     vf count;
-    for (int i = 0; i < LANES; i++) count[i] = (float)i;
-    for (int i = 0; i < n; i += LANES, count += LANES) {
-        float add[LANES][4];
+    for (int i = 0; i < VF; i++) count[i] = (float)i;
+    for (int i = 0; i < n; i += VF, count += VF) {
+        float add[VF][4];
         struct added x = part(&s->map, s->map.entries <= 8, vi_set(q->entry[j]), vf_set(q->base[j]),
             p, a + count * step, a + (count + 1) * step, vf_set(q->len[j]));
         unsigned good = vi_signs(x.error <= vf_set(s->tolerance));
         put_added(add, &x);
-        for (int k = 0; k < LANES && i + k < n && sum[3] < limit; k++) {
+        for (int k = 0; k < VF && i + k < n && sum[3] < limit; k++) {
             if (!(good >> k & 1) && n < PARTS_MAX) return false;
             add_to(sum, add[k]);
             s->v->counts.samples++;

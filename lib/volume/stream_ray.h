@@ -52,7 +52,7 @@ static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_
     for (int lane = 0; lane < STREAM_WALKERS; lane++) put_ray(s, lane);
     do {
         s->cells = 0;
-        for (int h = 0; h < STREAM_WALKERS; h += LANES) refill(s, h);
+        for (int h = 0; h < STREAM_WALKERS; h += VF) refill(s, h);
         walk(s);
         cells(s);
         cut(s);

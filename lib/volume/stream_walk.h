@@ -1,10 +1,10 @@
-/* stream_walk: moves LANES rays from cell to cell. */
+/* stream_walk: moves VF rays from cell to cell. */
 #ifndef STORMRING_VOLUME_STREAM_WALK_H
 #define STORMRING_VOLUME_STREAM_WALK_H
 
 #include "volume/stream_begin.h"
 
-#define HALVES (LANES / VD)
+#define HALVES (VF / VD)
 
 /* ---- a lane's ray --------------------------------------------------------------------------- */
 
@@ -130,7 +130,7 @@ SIMD_INLINE void pass(struct stream *s, int h)
 /* ---- the list ------------------------------------------------------------------------------- */
 
 /* Compaction: the lanes of the mask become adjacent. */
-#ifdef __AVX512F__
+#if SIMD_BYTES == 64
 struct order {
     __mmask16 of;
 };
@@ -151,7 +151,7 @@ SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES],
     to += __builtin_popcount(mask & 255);
     vl_store(to, (vl)_mm512_maskz_compress_epi64((__mmask8)(mask >> 8), (__m512i)a[1]));
 }
-#elif defined __AVX2__
+#elif SIMD_BYTES == 32
 struct order {
     __m256i of;
 };
@@ -186,13 +186,13 @@ SIMD_INLINE struct order order_of(const struct stream *s, unsigned mask)
 SIMD_INLINE void pack_f(struct order order, void *to, vf a)
 {
     float *next = to;
-    for (int i = 0; i < LANES; i++)
+    for (int i = 0; i < VF; i++)
         if (order.mask >> i & 1) memcpy(next++, (const float *)&a + i, sizeof *next);
 }
 SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES], unsigned mask)
 {
     (void)s;
-    for (int i = 0; i < LANES; i++)
+    for (int i = 0; i < VF; i++)
         if (mask >> i & 1) *to++ = a[i / VD][i % VD];
 }
 #endif
@@ -230,7 +230,7 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
 
 /* ---- the walk ------------------------------------------------------------------------------- */
 
-/* LANES rays from lane h0: adds their live cells to the list and steps to the next cells. */
+/* VF rays from lane h0: adds their live cells to the list and steps to the next cells. */
 SIMD_INLINE void step(struct stream *s, int h0)
 {
     struct stream_lanes *l = &s->lanes;
@@ -256,7 +256,7 @@ SIMD_INLINE void refill(struct stream *s, int h0)
     struct stream_lanes *l = &s->lanes;
     unsigned ended = 0;
     UNROLLED
-    for (int h = 0; h < LANES; h += VD)
+    for (int h = 0; h < VF; h += VD)
         ended |= vl_signs(~(vl)(vd_load(l->t + h0 + h) < vd_load(l->exit + h0 + h))) << h;
     for (unsigned m = ended & ~(s->parked >> h0); m; m &= m - 1) {
         int lane = h0 + __builtin_ctz(m);
@@ -273,7 +273,7 @@ SIMD_INLINE void refill(struct stream *s, int h0)
 static void walk(struct stream *s)
 {
     while (s->cells <= STREAM_CELLS && s->parked != (1u << STREAM_WALKERS) - 1)
-        for (int h = 0; h < STREAM_WALKERS; h += LANES) {
+        for (int h = 0; h < STREAM_WALKERS; h += VF) {
             step(s, h);
             refill(s, h);
         }

@@ -2,7 +2,7 @@
  * What a ray hits: the hierarchy, at every vector width, alone and in packets, against a loop over
  * all blocks with one-lane arithmetic, bit by bit.
  */
-#define SIMD_SCALAR
+#define SIMD_MOST 8
 #include "trace/packet.h"
 
 #include <stdarg.h>

@@ -3,7 +3,7 @@
  * against a reference in long double that takes the lamp to be on the surface and leaves out that
  * root.
  */
-#define SIMD_SCALAR
+#define SIMD_MOST 8
 #include "trace/packet.h"
 
 #include <stdarg.h>

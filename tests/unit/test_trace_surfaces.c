@@ -2,7 +2,7 @@
  * Surfaces: meshes without cracks, whatever the scale and the distance from the origin; no surface
  * that its own rays hit.
  */
-#define SIMD_SCALAR
+#define SIMD_MOST 8
 #include "trace/packet.h"
 
 #include <stdarg.h>
