@@ -9,23 +9,22 @@
 #include <string.h>
 #include <unistd.h>
 
-#define READ_BYTES 65536
+#define WRITE_BYTES 65536 /* at once */
 
 struct options {
     struct cut cut; /* -u */
     int slots;      /* -n: preassign round robin; 0: no */
     double *powers; /* -w: preassign by weighted interleave */
     int n_powers;
-    int64_t assigned; /* -c: number of tasks to preassign; -1: all */
-    int64_t of;       /* -c: out of this number of tasks; 0: of all */
-    uint32_t frame;   /* -F: number of the frame */
-    const char *log;  /* -r: leave out pixels that it has */
+    bool shares; /* -c: preassign only this share */
+    struct cut_share share;
+    uint32_t frame;                                       /* -F: number of the frame */
+    const char *log;                                      /* -r: leave out pixels that it has */
     enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST } order; /* -o */
     int64_t seed;                                         /* -o shuffle: */
     const char *cost_log;                                 /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
-    char job[80];         /* "job=HASH", if a frame from there has one */
 };
 
 static void parse_powers(struct options *o, const char *list)
@@ -56,42 +55,15 @@ static void parse_order(struct options *o, const char *order)
     o->order = ORDER_SHUFFLE;
 }
 
-static void parse_assigned(struct options *o, const char *s)
-{
-    char count[24];
-    const char *slash = strchr(s, '/');
-    size_t n = slash ? (size_t)(slash - s) : strlen(s);
-    bool good = n < sizeof count;
-    if (good) {
-        memcpy(count, s, n);
-        count[n] = '\0';
-        good = parse_int(count, 0, UINT32_MAX, &o->assigned);
-    }
-    if (slash) good = good && parse_int(slash + 1, 1, UINT32_MAX, &o->of) && o->assigned <= o->of;
-    if (!good)
-        die(ST_USAGE, "-c %s: expected an integer from 0 to %u, or N/M, N of each M", s,
-            UINT32_MAX);
-}
-
-static bool in_runs(const struct options *o)
-{
-    return o->cut.unit == CUT_FINE || o->cut.unit == CUT_COARSE;
-}
-
-static bool in_chunks(const struct options *o)
-{
-    return o->cut.unit == CUT_GUIDED || o->cut.unit == CUT_FACTORING;
-}
-
 /* Chunks are given in order, on demand. They, and runs, depend on the number of slots. */
 static void check_slots(const struct options *o)
 {
-    if (in_runs(o) && !o->slots && !o->powers)
+    if (cut_in_runs(&o->cut) && !o->slots && !o->powers)
         die(ST_USAGE, "-u fine or coarse: expected -n SLOTS or -w POWER,...");
-    if (!in_chunks(o)) return;
+    if (!cut_in_chunks(&o->cut)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
     if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
-    if (o->assigned >= 0) die(ST_USAGE, "-c: expected another -u than guided and factoring");
+    if (o->shares) die(ST_USAGE, "-c: expected another -u than guided and factoring");
     if (o->order) die(ST_USAGE, "-o: expected another -u than guided and factoring");
 }
 
@@ -116,11 +88,16 @@ static struct options parse(int argc, char **argv)
         "           [-o shuffle[:SEED]|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
         "UNIT: row, tile:WxH, run:N, scatter, fine, coarse:N, guided[:N], factoring[:N]";
     bool numbered = false;
-    struct options o = {.cut = {.unit = CUT_ROW}, .assigned = -1};
+    struct options o = {.cut = {.unit = CUT_ROW}};
     int opt;
     while ((opt = prog_getopt(argc, argv, "+c:F:hn:o:r:u:w:")) != -1) {
         switch (opt) {
-        case 'c': parse_assigned(&o, optarg); break;
+        case 'c':
+            o.shares = cut_share_parse(optarg, &o.share);
+            if (!o.shares)
+                die(ST_USAGE, "-c %s: expected an integer from 0 to %u, or N/M, N of each M",
+                    optarg, UINT32_MAX);
+            break;
         case 'F':
             o.frame = (uint32_t)opt_int(opt, optarg, 0, UINT32_MAX);
             numbered = true;
@@ -143,7 +120,7 @@ static struct options parse(int argc, char **argv)
     if (argc - optind != 1) usage(ST_USAGE, text);
     parse_operand(&o, argv[optind], numbered);
     if (o.slots && o.powers) die(ST_USAGE, "-n and -w: expected one of them");
-    if (o.assigned >= 0 && !o.slots && !o.powers) die(ST_USAGE, "-c: expected -n or -w with it");
+    if (o.shares && !o.slots && !o.powers) die(ST_USAGE, "-c: expected -n or -w with it");
     if (o.cut.unit == CUT_SCATTER) {
         if (!o.slots) die(ST_USAGE, "-u scatter: expected -n SLOTS, the number of sets");
         o.cut.w = (uint32_t)o.slots;
@@ -152,35 +129,7 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/*
- * Weighted interleave (the hybrid's first phase): slots with credit >= 1 get a task each, in order,
- * and pay 1. When no slot has that, every credit grows by its slot's relative power. 1,2,1 gives 0
- * 1 2 1.
- */
-struct interleave {
-    const double *power;
-    double *credit;
-    int n, at; /* at: the next slot of this round */
-};
-
-static int interleave_next(struct interleave *v)
-{
-    for (;;) {
-        for (; v->at < v->n; v->at++) {
-            /* Slightly less than 1 is enough: powers such as .1 are not exact, and ten of them
-             * should be 1. */
-            if (v->credit[v->at] < 1 - 1e-9) continue;
-            v->credit[v->at] -= 1;
-            return v->at++;
-        }
-        v->at = 0;
-        /* The number of rounds until a slot has enough credit; small powers need many. */
-        double rounds = HUGE_VAL;
-        for (int k = 0; k < v->n; k++)
-            rounds = fmin(rounds, ceil((1 - 1e-9 - v->credit[k]) / v->power[k]));
-        for (int k = 0; rounds > 0 && k < v->n; k++) v->credit[k] += rounds * v->power[k];
-    }
-}
+/* ---- a picture ------------------------------------------------------------------------------- */
 
 /* -r: pixels that need no task; none if the log has none of this frame. */
 static struct coverage read_log(const struct options *o)
@@ -197,114 +146,59 @@ static struct coverage read_log(const struct options *o)
     return have;
 }
 
-/* ---- the order ------------------------------------------------------------------------------- */
-
-struct place {
-    double cost;
-    uint32_t id;
-};
-
-static int dearest_first(const void *a, const void *b)
-{
-    const struct place *p = a, *q = b;
-    if (p->cost != q->cost) return p->cost > q->cost ? -1 : 1;
-    return p->id < q->id ? -1 : 1;
-}
-
-/* Longest processing time first (R. L. Graham, "Bounds on multiprocessing timing anomalies", SIAM
- * J. Appl. Math. 17, 1969). */
-static void order_by_cost(const struct options *o, struct place *at, uint32_t n)
+/* -o cost: the log may be of a picture of another size. */
+static void order_by_cost(const struct options *o, struct cut_tasks *tasks)
 {
     struct log_costs costs;
-    uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
+    uint32_t w = tasks->frame_w, h = tasks->frame_h;
     char why[LOG_WHY];
     if (log_costs_read(o->cost_log, &costs, why) != 0) die(ST_USAGE, "%s: %s", o->cost_log, why);
     if (!costs.us)
         die(ST_USAGE, "%s: has no costs, expected a log of a picture of the same scene",
             o->cost_log);
-    for (uint32_t i = 0; i < n; i++) {
-        struct task t = cut_task(&o->cut, w, h, i);
-        for (uint64_t k = 0, pixels = lattice_count(&t.at); k < pixels; k++)
-            at[i].cost += log_cost_at(&costs, lattice_pixel(&t.at, w, k), w, h);
+    double *cost = xmalloc((size_t)tasks->n + 1, sizeof *cost);
+    for (uint32_t id = 0; id < tasks->n; id++) {
+        struct task t = cut_task(&tasks->cut, w, h, id);
+        cost[id] = log_cost_of(&costs, &t.at, w, h);
     }
-    qsort(at, n, sizeof *at, dearest_first);
+    cut_tasks_sort(tasks, cost);
+    free(cost);
     log_costs_free(&costs);
 }
 
-/* R. Durstenfeld, "Algorithm 235: random permutation", Comm. ACM 7(7), 1964. */
-static void shuffle(const struct options *o, struct place *at, uint32_t n)
+/* Slots get their shares of the work to be done: with a log, of the rest. job: of the frame, or
+ * empty. */
+static void write_tasks(const struct options *o, const char *job)
 {
-    for (uint32_t i = n; i > 1; i--) {
-        uint32_t k = (uint32_t)(rng_unit((uint64_t)o->seed, i) * i);
-        struct place kept = at[i - 1];
-        at[i - 1] = at[k];
-        at[k] = kept;
-    }
-}
-
-/* The ids in the order of writing; NULL if that is ascending. */
-static struct place *order_of(const struct options *o, uint32_t n)
-{
-    if (!o->order) return NULL;
-    struct place *at = xmalloc(n, sizeof *at);
-    for (uint32_t i = 0; i < n; i++) at[i] = (struct place){0, i};
-    if (o->order == ORDER_COST) order_by_cost(o, at, n);
-    else shuffle(o, at, n);
-    return at;
-}
-
-/* ---- the tasks ------------------------------------------------------------------------------- */
-
-/* The slot of the n-th task to be done, or -1. The task is number `place` of those written. */
-static int32_t slot_for(const struct options *o, struct interleave *v, uint32_t place, uint32_t n)
-{
-    if (in_chunks(o)) return o->powers && place < (uint32_t)o->n_powers ? (int32_t)place : -1;
-    if (o->powers) return interleave_next(v);
-    return o->slots ? (int32_t)(n % (uint32_t)o->slots) : -1;
-}
-
-/* Slots get their shares of the work to be done: with a log, of the rest. Uses up o->cut. */
-static void write_tasks(struct options *o)
-{
-    uint32_t w = (uint32_t)o->w, h = (uint32_t)o->h;
-    int slots = o->powers ? o->n_powers : o->slots;
-    if (in_runs(o)) cut_runs(&o->cut, w, h, slots);
-    if (in_chunks(o)) cut_chunks(&o->cut, w, h, o->powers, slots);
     struct buf out = {0};
+    struct cut_tasks tasks;
+    struct task t;
     struct coverage have = read_log(o);
-    struct interleave v = {
-        o->powers, xcalloc((size_t)o->n_powers + 1, sizeof(double)), o->n_powers, 0};
-    uint32_t count = cut_count(&o->cut, w, h);
-    uint32_t left = 0; /* tasks so far, except those left out */
-    int64_t assigned = o->assigned;
-    if (o->of) assigned = (int64_t)((uint64_t)count * (uint64_t)assigned / (uint64_t)o->of);
-    wire_frame(&out, o->frame, w, h, o->job);
-    struct place *order = order_of(o, count);
-    for (uint32_t i = 0; i < count; i++) {
-        struct task t = cut_task(&o->cut, w, h, order ? order[i].id : i);
+    cut_tasks_begin(&tasks, &o->cut, (uint32_t)o->w, (uint32_t)o->h,
+        o->powers ? o->n_powers : o->slots, o->powers);
+    if (o->shares) tasks.assigned = cut_share_of(&o->share, tasks.n);
+    tasks.have = have.bits ? &have : NULL;
+    if (o->order == ORDER_COST) order_by_cost(o, &tasks);
+    if (o->order == ORDER_SHUFFLE) cut_tasks_shuffle(&tasks, (uint64_t)o->seed);
+    wire_frame(&out, o->frame, (uint32_t)o->w, (uint32_t)o->h, job);
+    while (cut_tasks_next(&tasks, &t)) {
         t.frame = o->frame;
-        if (have.bits && !coverage_trim(&have, &t.at)) continue;
-        bool anybodys = assigned >= 0 && i >= assigned;
-        t.to = anybodys ? -1 : slot_for(o, &v, i, left++);
         wire_task(&out, &t);
-        if (buf_size(&out) < 1 << 16) continue;
-        put_stdout(buf_data(&out), buf_size(&out));
-        buf_consume(&out, buf_size(&out));
+        if (buf_size(&out) >= WRITE_BYTES) put_stdout_buf(&out);
     }
-    put_stdout(buf_data(&out), buf_size(&out));
-    free(v.credit);
-    free(order);
+    put_stdout_buf(&out);
+    cut_tasks_end(&tasks);
     coverage_free(&have);
     buf_free(&out);
-    cut_free(&o->cut);
 }
 
 /* ---- many pictures --------------------------------------------------------------------------- */
 
-static void take(const struct options *o, const struct record *r)
+/* State is passed on unchanged; each frame is cut. */
+static void take(void *ctx, const struct record *r)
 {
-    struct options one = *o;
-    char job[64];
+    struct options one = *(const struct options *)ctx;
+    char job[64], key[80] = "";
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
@@ -317,33 +211,25 @@ static void take(const struct options *o, const struct record *r)
         one.frame = r->task.frame;
         one.w = (int)r->frame_w;
         one.h = (int)r->frame_h;
-        if (rec_str(r, "job", job, sizeof job)) snprintf(one.job, sizeof one.job, "job=%s", job);
-        write_tasks(&one);
+        if (rec_str(r, "job", job, sizeof job)) snprintf(key, sizeof key, "job=%s", job);
+        write_tasks(&one, key);
         break;
     default:
-        die(ST_USAGE, "%s: record `%s`, expected state and frames", o->pictures, rec_name(r->kind));
+        die(ST_USAGE, "%s: record `%s`, expected state and frames", one.pictures,
+            rec_name(r->kind));
     }
 }
 
-/* State is passed on unchanged; each frame is cut. */
-static void write_pictures(const struct options *o)
+static void write_pictures(struct options *o)
 {
-    struct decoder in = {0};
-    struct record r;
-    enum wire_result result;
-    ptrdiff_t n = 1;
+    char why[WIRE_WHY];
     bool piped = strcmp(o->pictures, "-") == 0;
     int fd = piped ? STDIN_FILENO : open(o->pictures, O_RDONLY | O_CLOEXEC);
     if (fd < 0) die(ST_USAGE, "%s:", o->pictures);
-    while (n > 0) {
-        n = read_some(fd, &in.in, READ_BYTES);
-        if (n < 0) die(ST_SYSTEM, "%s:", o->pictures);
-        if (!n) wire_end(&in);
-        while ((result = wire_next(&in, &r)) == WIRE_RECORD) take(o, &r);
-        if (result == WIRE_BAD) die(ST_USAGE, "%s: %s", o->pictures, in.why);
-    }
+    int bad = wire_read(fd, take, o, why);
+    if (bad < 0) die(ST_SYSTEM, "%s:", o->pictures);
+    if (bad) die(ST_USAGE, "%s: %s", o->pictures, why);
     if (!piped) close(fd);
-    wire_free(&in);
 }
 
 int main(int argc, char **argv)
@@ -351,7 +237,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     if (o.pictures) write_pictures(&o);
-    else write_tasks(&o);
+    else write_tasks(&o, "");
     free(o.powers);
     close_stdout();
     return ST_OK;

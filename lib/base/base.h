@@ -151,6 +151,8 @@ int read_file(const char *path, struct buf *b);
 bool load_file(const char *path, struct buf *b, char err[ERR_BYTES]);
 /* Writes all n bytes to stdout. Dies with status 3 on failure. */
 void put_stdout(const void *p, size_t n);
+/* The same for all unread bytes of b, which are then consumed. */
+void put_stdout_buf(struct buf *b);
 /* Flushes and closes stdout. Dies with status 3 if any output was lost. */
 void close_stdout(void);
 

@@ -69,6 +69,12 @@ void put_stdout(const void *p, size_t n)
     if (fwrite(p, 1, n, stdout) != n) die(ST_SYSTEM, "standard output:");
 }
 
+void put_stdout_buf(struct buf *b)
+{
+    put_stdout(buf_data(b), buf_size(b));
+    buf_consume(b, buf_size(b));
+}
+
 int outfile_open(struct outfile *o, const char *path)
 {
     struct stat st;

@@ -119,3 +119,12 @@ double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint
     uint64_t x = p % frame_w * c->w / frame_w, y = p / frame_w * c->h / frame_h;
     return c->us[y * c->w + x];
 }
+
+double log_cost_of(
+    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h)
+{
+    double us = 0;
+    for (uint64_t k = 0, n = lattice_count(at); k < n; k++)
+        us += log_cost_at(c, lattice_pixel(at, frame_w, k), frame_w, frame_h);
+    return us;
+}

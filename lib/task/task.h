@@ -121,6 +121,57 @@ void coverage_copy(struct coverage *to, const struct coverage *from);
  */
 bool coverage_trim(const struct coverage *c, struct lattice *at);
 
+/* ---- the tasks of a frame ------------------------------------------------------------ */
+
+/*
+ * The tasks of a frame, one after the other, each with its slot. Call cut_tasks_begin; set fields
+ * and call the functions that are needed; cut_tasks_next until it returns false; cut_tasks_end.
+ *
+ * Chunks with powers go to their slots: the first one to slot 0, and so on. Other tasks with powers
+ * are assigned by weighted interleave: a slot with a credit of at least 1 gets a task and pays 1, in
+ * the order of slots; when no slot has that, each credit grows by the slot's power. Without powers
+ * slots take turns. Tasks that are left out get no turn.
+ */
+struct cut_tasks {
+    struct cut cut; /* of this frame; owned */
+    uint32_t frame_w, frame_h;
+    uint32_t n;                  /* tasks, with those that `have` leaves out */
+    const struct coverage *have; /* pixels that need no task; NULL: none. The caller's */
+    uint32_t assigned;           /* the first tasks in the order, which get a slot; at first all */
+
+    /* private */
+    int slots;
+    const double *power; /* the caller's */
+    double *credit;      /* by slot */
+    int turn;            /* the slot to look at next */
+    uint32_t *order;     /* ids; NULL: ascending */
+    uint32_t at, given;  /* tasks looked at; tasks that took a turn */
+};
+/* True for units whose tasks depend on the number of slots: runs of a suitable length; chunks. */
+bool cut_in_runs(const struct cut *cut);
+bool cut_in_chunks(const struct cut *cut);
+/*
+ * Cuts the frame. power: of the slots, in (0, 1e6], or NULL; it must stay valid. slots 0: no task
+ * gets a slot; in_runs and in_chunks need slots.
+ */
+void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_w, uint32_t frame_h,
+    int slots, const double *power);
+/* The first tasks of a frame: `count` of them, or `count` of every `of`. */
+struct cut_share {
+    int64_t count, of; /* 0 .. UINT32_MAX; of 0: count is a number of tasks */
+};
+/* Parses "COUNT" or "COUNT/OF" with COUNT <= OF. False if s is neither. */
+bool cut_share_parse(const char *s, struct cut_share *share);
+/* The number of tasks out of n; more than n if count is. */
+uint32_t cut_share_of(const struct cut_share *share, uint32_t n);
+/* Puts the tasks in a random order, by the seed. */
+void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed);
+/* Puts the tasks with the highest cost first; equals stay in the order of ids. cost: by id. */
+void cut_tasks_sort(struct cut_tasks *c, const double *cost);
+/* The next task, of frame 0. False: there are no more. */
+bool cut_tasks_next(struct cut_tasks *c, struct task *t);
+void cut_tasks_end(struct cut_tasks *c);
+
 /* ---- tables ------------------------------------------------------------------------- */
 
 /*

@@ -1,6 +1,6 @@
 /*
- * wire: the records between programs, encoded and decoded in memory, without I/O. stormring-task(5)
- * and stormring-frag(5) have the grammar; the labels below are theirs.
+ * wire: the records between programs, encoded and decoded in memory. stormring-task(5) and
+ * stormring-frag(5) have the grammar; the labels below are theirs. Only wire_read does I/O.
  *
  * A record is one line of text and, if the line says bytes=N, N raw bytes. The decoder is fed bytes
  * as they come; "need more" is a normal answer. After a bad record it looks for the next good one
@@ -18,6 +18,7 @@
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
+#define WIRE_WHY 160                       /* bytes of a message for people */
 #define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
 
 enum rec_kind {
@@ -67,10 +68,10 @@ struct decoder {
     bool lost;        /* looking for the next good record */
     uint64_t bad;     /* records lost so far; adjacent losses count as one */
     uint64_t skipped; /* bytes lost so far; records and these are all bytes fed */
-    char why[160];    /* the error in the last bad record, and what was expected */
-    size_t consumed;  /* bytes of the last record, dropped at the next call */
-    uint64_t checked; /* bytes whose crc did not match */
-    size_t extent;    /* length of a bad record, if it is certain */
+    char why[WIRE_WHY]; /* the error in the last bad record, and what was expected */
+    size_t consumed;    /* bytes of the last record, dropped at the next call */
+    uint64_t checked;   /* bytes whose crc did not match */
+    size_t extent;      /* length of a bad record, if it is certain */
 };
 
 enum wire_result {
@@ -88,6 +89,13 @@ struct decoder wire_over(unsigned char *p, size_t n);
 void wire_end(struct decoder *d);
 enum wire_result wire_next(struct decoder *d, struct record *r);
 void wire_free(struct decoder *d);
+/*
+ * Reads fd, a stream that goes down and must have no bad record, to its end; `take` gets each
+ * record. Blocks as fd does. Returns 0; 1 at the first bad record, with the error in why; or -1
+ * with errno.
+ */
+typedef void wire_taker(void *ctx, const struct record *r);
+int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
 /* After WIRE_MORE: kind and length of the record whose body is arriving; REC_KINDS: none. */
 enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
 
@@ -148,7 +156,7 @@ bool rec_is(const struct record *r, const char *key, const char *value);
 /* True if the line ends in its sum. A decoder has checked that sum. */
 bool rec_sealed(const struct record *r);
 /* True unless r is the hello of a stream of another format; then why names the format. */
-bool rec_ours(const struct record *r, char why[160]);
+bool rec_ours(const struct record *r, char why[WIRE_WHY]);
 /* The pixels of a frag, host byte order, 4 floats each, lattice order. */
 void rec_pixels(const struct record *r, float *rgba);
 /* n pixels of a frag's body. */

@@ -5,10 +5,12 @@
  */
 #include "wire/wire.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <cmocka.h>
 
 /* ---- helpers ---------------------------------------------------------------------------- */
@@ -842,6 +844,47 @@ static void test_awaited(void **state)
     wire_free(&d);
 }
 
+static void count_record(void *ctx, const struct record *r)
+{
+    int *n = ctx;
+    assert_true(r->kind < REC_KINDS);
+    ++*n;
+}
+
+/* Reads this text through a pipe; *n: records that came. */
+static int read_piped(const char *text, int *n, char why[WIRE_WHY])
+{
+    int p[2];
+    *n = 0;
+    assert_int_equal(pipe(p), 0);
+    assert_int_equal(write_full(p[1], text, strlen(text)), 0);
+    close(p[1]);
+    int result = wire_read(p[0], count_record, n, why);
+    close(p[0]);
+    return result;
+}
+
+static void test_read(void **state)
+{
+    (void)state;
+    char why[WIRE_WHY] = "";
+    int n;
+    assert_int_equal(read_piped("", &n, why), 0);
+    assert_int_equal(n, 0);
+    assert_int_equal(
+        read_piped("frame 0 2 1\ntask 0 0 0 0 2 1 1 1\nspec bytes=3\nabc", &n, why), 0);
+    assert_int_equal(n, 3);
+    assert_string_equal(why, "");
+    assert_int_equal(read_piped("frame 0 2 1\nnonsense\nframe 1 2 1\n", &n, why), 1);
+    assert_int_equal(n, 1);
+    assert_non_null(strstr(why, "expected"));
+    assert_int_equal(read_piped("frame 0 2 1\nframe 1 2", &n, why), 1); /* cut off */
+    assert_int_equal(n, 1);
+    errno = 0;
+    assert_int_equal(wire_read(-1, count_record, &n, why), -1);
+    assert_int_equal(errno, EBADF);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -869,6 +912,7 @@ int main(void)
         cmocka_unit_test(test_garbage_between),
         cmocka_unit_test(test_told_once),
         cmocka_unit_test(test_enemies),
+        cmocka_unit_test(test_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

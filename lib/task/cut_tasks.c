@@ -1,0 +1,135 @@
+/* The tasks of a frame in an order, and the slots they are assigned to. */
+#include "task/task.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool cut_in_runs(const struct cut *cut) { return cut->unit == CUT_FINE || cut->unit == CUT_COARSE; }
+
+bool cut_in_chunks(const struct cut *cut)
+{
+    return cut->unit == CUT_GUIDED || cut->unit == CUT_FACTORING;
+}
+
+void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_w, uint32_t frame_h,
+    int slots, const double *power)
+{
+    *c = (struct cut_tasks){.cut = *cut,
+        .frame_w = frame_w,
+        .frame_h = frame_h,
+        .assigned = UINT32_MAX,
+        .slots = slots,
+        .power = power};
+    if (cut_in_runs(cut)) cut_runs(&c->cut, frame_w, frame_h, slots);
+    if (cut_in_chunks(cut)) cut_chunks(&c->cut, frame_w, frame_h, power, slots);
+    if (power) c->credit = xcalloc((size_t)slots, sizeof *c->credit);
+    c->n = cut_count(&c->cut, frame_w, frame_h);
+}
+
+void cut_tasks_end(struct cut_tasks *c)
+{
+    cut_free(&c->cut);
+    free(c->credit);
+    free(c->order);
+    *c = (struct cut_tasks){0};
+}
+
+/* ---- the order ------------------------------------------------------------------------------- */
+
+static void ascending(struct cut_tasks *c)
+{
+    free(c->order);
+    c->order = xmalloc((size_t)c->n + 1, sizeof *c->order);
+    for (uint32_t i = 0; i < c->n; i++) c->order[i] = i;
+}
+
+/* R. Durstenfeld, "Algorithm 235: random permutation", Comm. ACM 7(7), 1964. */
+void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed)
+{
+    ascending(c);
+    for (uint32_t i = c->n; i > 1; i--) {
+        uint32_t k = (uint32_t)(rng_unit(seed, i) * i), kept = c->order[i - 1];
+        c->order[i - 1] = c->order[k];
+        c->order[k] = kept;
+    }
+}
+
+static int dearest_first(const void *a, const void *b, void *by_id)
+{
+    const double *cost = *(const double **)by_id;
+    uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
+    if (cost[i] != cost[j]) return cost[i] > cost[j] ? -1 : 1;
+    return i < j ? -1 : 1;
+}
+
+/* Longest processing time first (R. L. Graham, "Bounds on multiprocessing timing anomalies", SIAM
+ * J. Appl. Math. 17, 1969). */
+void cut_tasks_sort(struct cut_tasks *c, const double *cost)
+{
+    ascending(c);
+    qsort_r(c->order, c->n, sizeof *c->order, dearest_first, &cost);
+}
+
+/* ---- the slots ------------------------------------------------------------------------------- */
+
+/* Slightly less than 1 is enough: powers such as .1 are not exact, and ten of them should be 1. */
+#define PRICE (1 - 1e-9)
+
+/* Powers 1, 2, 1 give 0 1 2 1. */
+static int interleave(struct cut_tasks *c)
+{
+    for (;;) {
+        for (; c->turn < c->slots; c->turn++) {
+            if (c->credit[c->turn] < PRICE) continue;
+            c->credit[c->turn] -= 1;
+            return c->turn++;
+        }
+        c->turn = 0;
+        /* The number of rounds until a slot has enough credit; small powers need many. */
+        double rounds = HUGE_VAL;
+        for (int k = 0; k < c->slots; k++)
+            rounds = fmin(rounds, ceil((PRICE - c->credit[k]) / c->power[k]));
+        for (int k = 0; rounds > 0 && k < c->slots; k++) c->credit[k] += rounds * c->power[k];
+    }
+}
+
+/* The slot of the task at this place of the order. */
+static int32_t slot_of(struct cut_tasks *c, uint32_t place)
+{
+    uint32_t given = c->given++;
+    if (cut_in_chunks(&c->cut)) return c->power && place < (uint32_t)c->slots ? (int32_t)place : -1;
+    if (c->power) return interleave(c);
+    return c->slots ? (int32_t)(given % (uint32_t)c->slots) : -1;
+}
+
+bool cut_share_parse(const char *s, struct cut_share *share)
+{
+    char count[24];
+    struct cut_share v = {0};
+    size_t n = strcspn(s, "/");
+    if (n >= sizeof count) return false;
+    memcpy(count, s, n);
+    count[n] = '\0';
+    if (!parse_int(count, 0, UINT32_MAX, &v.count)) return false;
+    if (s[n] && (!parse_int(s + n + 1, 1, UINT32_MAX, &v.of) || v.count > v.of)) return false;
+    *share = v;
+    return true;
+}
+
+uint32_t cut_share_of(const struct cut_share *share, uint32_t n)
+{
+    if (!share->of) return (uint32_t)share->count;
+    return (uint32_t)((uint64_t)n * (uint64_t)share->count / (uint64_t)share->of);
+}
+
+bool cut_tasks_next(struct cut_tasks *c, struct task *t)
+{
+    while (c->at < c->n) {
+        uint32_t place = c->at++;
+        *t = cut_task(&c->cut, c->frame_w, c->frame_h, c->order ? c->order[place] : place);
+        if (c->have && !coverage_trim(c->have, &t->at)) continue;
+        if (place < c->assigned) t->to = slot_of(c, place);
+        return true;
+    }
+    return false;
+}
