@@ -319,3 +319,23 @@ void hosts_free(struct hosts *h)
     free(h->at);
     *h = (struct hosts){0};
 }
+
+size_t hosts_of_slot(const struct hosts *h, int slot)
+{
+    size_t i = 0;
+    for (; slot >= h->at[i].slots; i++) slot -= h->at[i].slots;
+    return i;
+}
+
+double *hosts_powers(const struct hosts *h, const char **without)
+{
+    double *power = xmalloc((size_t)h->slots, sizeof *power), *at = power;
+    for (size_t i = 0; i < h->n; i++) {
+        for (int k = 0; k < h->at[i].slots; k++) *at++ = h->at[i].power;
+        if (h->at[i].power > 0) continue;
+        *without = h->at[i].name;
+        free(power);
+        return NULL;
+    }
+    return power;
+}

@@ -31,6 +31,10 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
 /* This machine only, with `slots` slots. */
 void hosts_here(struct hosts *h, int slots);
 void hosts_free(struct hosts *h);
+/* The host of this slot, which is from 0 to h->slots - 1: an index of h->at. */
+size_t hosts_of_slot(const struct hosts *h, int slot);
+/* The power of each slot, which the caller frees. NULL if a host states none: *without names it. */
+double *hosts_powers(const struct hosts *h, const char **without);
 /* True for this machine: commands are run as they are. */
 bool host_is_here(const struct host *h);
 /*

@@ -120,6 +120,15 @@ double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint
     return c->us[y * c->w + x];
 }
 
+void log_costs_put(const struct log_costs *c, const struct lattice *at, uint32_t frame_w,
+    uint32_t frame_h, double *us)
+{
+    for (uint64_t k = 0, n = lattice_count(at); k < n; k++) {
+        uint64_t p = lattice_pixel(at, frame_w, k);
+        us[p] = log_cost_at(c, p, frame_w, frame_h);
+    }
+}
+
 double log_cost_of(
     const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h)
 {

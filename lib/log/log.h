@@ -125,6 +125,9 @@ int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY]);
 void log_costs_free(struct log_costs *c);
 /* The cost of pixel p of a picture of any size of the same scene. */
 double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint32_t frame_h);
+/* The cost of each pixel of a task, put at its place in us, which has frame_w x frame_h pixels. */
+void log_costs_put(const struct log_costs *c, const struct lattice *at, uint32_t frame_w,
+    uint32_t frame_h, double *us);
 /* The sum over the pixels of a task. */
 double log_cost_of(
     const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h);

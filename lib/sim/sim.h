@@ -186,4 +186,64 @@ void sim_best(const struct sim_work *work, int32_t tasks, int32_t slots, int32_t
  */
 extern const struct policy sim_fan;
 
+/* ---- experiments ----------------------------------------------------------------------------- */
+
+/* A method by its name in simulate(1). */
+struct sim_method {
+    const char *name;
+    const struct policy *policy, *node; /* node: of each slot; NULL: none */
+    struct sched_params params;         /* defaults */
+    const char *options;                /* letters of the options that it takes */
+    bool best;                          /* each task goes where sim_best puts it */
+    bool tuned;                         /* its params are part of it: no seed changes them */
+};
+/* NULL if there is no such method. */
+const struct sim_method *sim_method_named(const char *name);
+
+/*
+ * Runs the method, which must recover lost tasks, by the plans of `seeds` seeds from `first` on, and
+ * ends at one that fails. Adds all runs to *sum; its `failure` is that of the failing run. Returns
+ * the number of seeds that hold. trace: as in the plan.
+ */
+int64_t sim_run_seeds(const struct sim_method *m, uint64_t first, int64_t seeds,
+    void (*trace)(const char *line), struct sim_result *sum);
+
+/*
+ * Work that is put together: sim_workload_frame; sim_workload_task for each task; sim_workload_end,
+ * which checks their numbers and makes pixel_us, all 0; then the costs and the powers; then
+ * sim_workload_scale and sim_workload_plan. False with text in err: the input is refused.
+ */
+struct sim_workload {
+    uint32_t frame_w, frame_h;
+    struct task *tasks; /* owned, as all pointers here; ids in any order, frame 0 */
+    int32_t n;
+    double *pixel_us; /* row by row; cost at power 1, 0 for pixels without a task */
+    double *power;    /* of the slots; allocated by the caller */
+    int32_t slots;
+    struct sim_work work; /* the same, for the plan */
+};
+bool sim_workload_frame(
+    struct sim_workload *l, uint32_t frame_w, uint32_t frame_h, char err[ERR_BYTES]);
+bool sim_workload_task(struct sim_workload *l, const struct task *t, char err[ERR_BYTES]);
+bool sim_workload_end(struct sim_workload *l, char err[ERR_BYTES]);
+/* The pixels of a task cost the same: us times spread to a power in [-1, 1), drawn by the id. */
+void sim_draw_costs(struct sim_workload *l, uint64_t seed, double us, double spread);
+/* Powers from 1 / spread to spread, drawn evenly by their logarithm. The caller frees them. */
+double *sim_draw_powers(uint64_t seed, int32_t slots, double spread);
+/* Multiplies all costs. Refuses work that could take too long for the clock. */
+bool sim_workload_scale(struct sim_workload *l, double factor, char err[ERR_BYTES]);
+/*
+ * Completes the plan of a run: all but seed, faults, links, params and trace, which are the
+ * caller's. The workload must stay valid. Its tasks get slots if the method is `best`. Refuses a
+ * fault of a slot that is not there.
+ */
+bool sim_workload_plan(
+    struct sim_workload *l, const struct sim_method *m, struct sim_plan *p, char err[ERR_BYTES]);
+void sim_workload_free(struct sim_workload *l);
+
+/* Appends the figures of a run of a workload, lines "KEY<tab>VALUE" (simulate(1)). */
+void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf *out);
+/* The last lines of these: the faults that happened, and the trace's hash. */
+void sim_report_faults(const struct sim_result *r, struct buf *out);
+
 #endif

@@ -223,6 +223,27 @@ static void here_nothing_is_between(void **state)
     hosts_free(&hosts);
 }
 
+static void slots_are_numbered_through_the_hosts(void **state)
+{
+    (void)state;
+    static const size_t host_of[] = {0, 0, 1, 2, 2, 2};
+    static const double powers[] = {.5, .5, 2, 1, 1, 1};
+    const char *without = NULL;
+    assert_true(read_text("a slots=2 power=.5\nb power=2\nc slots=3 power=1\n"));
+    double *power = hosts_powers(&hosts, &without);
+    assert_non_null(power);
+    for (int k = 0; k < 6; k++) {
+        assert_int_equal(hosts_of_slot(&hosts, k), host_of[k]);
+        assert_true(power[k] == powers[k]);
+    }
+    free(power);
+    hosts_free(&hosts);
+    assert_true(read_text("a slots=2 power=.5\nb\nc\n"));
+    assert_null(hosts_powers(&hosts, &without));
+    assert_string_equal(without, "b");
+    hosts_free(&hosts);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +256,7 @@ int main(void)
         cmocka_unit_test(what_is_no_hosts_file_is_refused),
         cmocka_unit_test(commands_are_quoted_for_both_shells),
         cmocka_unit_test(here_nothing_is_between),
+        cmocka_unit_test(slots_are_numbered_through_the_hosts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

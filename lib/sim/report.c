@@ -1,0 +1,52 @@
+/* The figures of a run as a table. */
+#include "sim/sim.h"
+
+#include <inttypes.h>
+
+static void real(struct buf *out, const char *key, double v)
+{
+    buf_printf(out, "%s\t%.6f\n", key, v);
+}
+
+static void count(struct buf *out, const char *key, int64_t n)
+{
+    buf_printf(out, "%s\t%" PRId64 "\n", key, n);
+}
+
+void sim_report_faults(const struct sim_result *r, struct buf *out)
+{
+    const struct {
+        const char *key;
+        int64_t n;
+    } table[] = {{"crashes", r->crashes}, {"silences", r->silences}, {"pauses", r->pauses},
+        {"slows", r->slows}, {"hangs", r->hangs}, {"kills", r->kills}, {"returns", r->returns},
+        {"twice", r->twice}, {"garbage", r->garbage}, {"lost", r->lost}, {"doubled", r->doubled},
+        {"late", r->late}, {"events", r->events}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) count(out, table[i].key, table[i].n);
+    buf_printf(out, "trace\t%016" PRIx64 "\n", r->trace_hash);
+}
+
+void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf *out)
+{
+    double bound = sim_bound_s(p, r), makespan = (double)r->end_us * 1e-6;
+    bool whole = !r->uncommitted;
+    count(out, "slots", p->slots);
+    count(out, "tasks", p->tasks);
+    count(out, "uncommitted", r->uncommitted);
+    count(out, "computed", r->computed);
+    real(out, "makespan_s", makespan);
+    real(out, "busy_s", r->busy_us * 1e-6);
+    real(out, "startup_s", r->startup_us * 1e-6);
+    real(out, "waiting_s", r->waiting_us * 1e-6);
+    real(out, "tail_s", r->tail_us * 1e-6);
+    real(out, "bound_s", bound);
+    real(out, "least_s", bound + 3e-6 * (double)p->latency_us);
+    buf_printf(out, "efficiency\t%.4f\n", whole && makespan > 0 ? bound / makespan : 0);
+    count(out, "messages", r->messages);
+    count(out, "steals", r->steals);
+    count(out, "passed", r->passed);
+    count(out, "reports", r->reports);
+    buf_printf(
+        out, "messages_per_steal\t%.3f\n", r->steals ? (double)r->messages / (double)r->steals : 0);
+    sim_report_faults(r, out);
+}
