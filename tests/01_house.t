@@ -38,7 +38,7 @@ fan pipe hosts proc wire task base
 worker wire image task base
 history wire task base
 account history wire task stats base
-verify task base
+verify log wire task base
 drive sched pipe proc wire task base
 END
 

@@ -2,10 +2,8 @@
 #include "log/log.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* What is known of a task. */
 struct cost {
@@ -93,14 +91,11 @@ static void spread(struct survey *s)
 int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY])
 {
     struct survey s = {.costs = c};
-    struct intake unused = {0};
     const struct log_reader reader = {.record = take, .ctx = &s};
     *c = (struct log_costs){0};
     tasks_init(&s.tasks, sizeof(struct cost_ref));
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    int failed = fd < 0 ? -1 : log_read(&unused, fd, path, &reader);
-    if (failed) snprintf(why, LOG_WHY, "%s", failed > 0 ? unused.why : strerror(errno));
-    if (fd >= 0) close(fd);
+    int failed = log_read_path(path, &reader, why);
+    if (failed < 0) snprintf(why, LOG_WHY, "%s", strerror(errno));
     if (!failed && s.of) spread(&s);
     tasks_free(&s.tasks);
     free(s.cost);

@@ -2,8 +2,10 @@
 #include "log/log.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define OPEN_BYTES_MAX                                                                             \
     (UINT64_C(5) << 30) /* pixels and bitmaps of the frames that are open at once */
@@ -166,4 +168,18 @@ int log_read(struct intake *in, int fd, const char *name, const struct log_reade
     wire_free(&d);
     errno = err;
     return !ours ? 1 : n < 0 ? -1 : 0;
+}
+
+int log_read_path(const char *path, const struct log_reader *reader, char why[LOG_WHY])
+{
+    struct intake in = {0};
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return -1;
+    int result = log_read(&in, fd, path, reader);
+    int err = errno;
+    if (result > 0) snprintf(why, LOG_WHY, "%s", in.why);
+    intake_free(&in);
+    close(fd);
+    errno = err;
+    return result < 0 ? -2 : result;
 }

@@ -108,6 +108,22 @@ struct log_reader {
  * hello of another format, with text in in->why; or -1 with errno. */
 int log_read(struct intake *in, int fd, const char *name, const struct log_reader *reader);
 
+/* The same for the file at `path`, which counts no losses; 1: the text is in why. -1 with errno: it
+ * cannot be opened; -2 with errno: it cannot be read. */
+int log_read_path(const char *path, const struct log_reader *reader, char why[LOG_WHY]);
+
+/*
+ * The longest time in *us that a run of the log at `path` took, to its first task or for a task
+ * after that; 0: it has none. Times above most_us are not believed. Returns as log_read_path does.
+ */
+int log_longest_us(const char *path, int64_t most_us, int64_t *us, char why[LOG_WHY]);
+/*
+ * Passes the good records of the stream at fd on to `put`, until its end or until no fragment has
+ * come for patience_us: a sender that hangs may still send beats, or a byte now and then. Returns 1
+ * at the end; 0 if it stalled; or -1 with errno.
+ */
+int log_pass(int fd, int64_t patience_us, void (*put)(const void *p, size_t n));
+
 /*
  * The pixels of frame number `frame` in the log at `path`, in *have, which the caller frees with
  * coverage_free. Its size is 0x0 if the log has none of them, is empty, missing, a device or a

@@ -1,6 +1,7 @@
 /* The verdict on a part from its opinions, and the slot to ask next. */
 #include "verify/verify.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 static int32_t place_of(const struct verify *v, const struct verify_opinion *o)
@@ -81,6 +82,27 @@ struct verify_count verify_counted(const struct verify *v)
     return count;
 }
 
+static void name_slot(const struct verify_opinion *o, const char *const *host_of, struct buf *out)
+{
+    if (o->slot < 0) buf_printf(out, "a slot of an earlier run");
+    else buf_printf(out, "slot %d (host %s)", o->slot, host_of[o->slot]);
+}
+
+void verify_describe(const struct verify *v, const struct verify_part *p,
+    const char *const *host_of, struct buf *out)
+{
+    bool known = false, first = true;
+    buf_printf(out, "frame %" PRIu32 " at %" PRIu32 ",%" PRIu32 ": ", p->frame, p->at.x, p->at.y);
+    for (uint32_t i = 0; i < p->n; i++) {
+        if (!verify_named(v, p, i, &known)) continue;
+        if (!first) buf_printf(out, known ? ", " : " and ");
+        name_slot(verify_opinion(p, i), host_of, out);
+        first = false;
+    }
+    buf_printf(
+        out, known ? " computed other pixels than two other hosts" : " computed different pixels");
+}
+
 /* ---- the next round -------------------------------------------------------------------------- */
 
 /* Two equal results settle a part: they confirm the first opinion, or show which one is wrong. */
@@ -121,6 +143,18 @@ int32_t verify_next(const struct verify *v, const struct verify_part *p)
         least = against;
     }
     return best;
+}
+
+bool verify_request(const struct verify *v, uint32_t frame, uint32_t *from, struct task *t)
+{
+    uint32_t i, end = verify_of_frame(v, frame, &i);
+    for (i = *from > i ? *from : i; i < end; i++) {
+        const struct verify_part *p = &v->part[i];
+        *t = (struct task){.frame = p->frame, .id = i, .at = p->at, .to = verify_next(v, p)};
+        *from = i + 1;
+        if (t->to >= 0) return true;
+    }
+    return false;
 }
 
 void verify_begin(struct verify *v)

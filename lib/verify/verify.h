@@ -11,7 +11,8 @@
  * The sums are linear in the bits, under two secret keys (J. L. Carter, M. N. Wegman, "Universal
  * classes of hash functions", JCSS 18, 1979). A slot that sends the same part again adds nothing.
  *
- * Call order. All files are read twice, first for the places of their fragments, then for pixels:
+ * Call order; verify_read has the part from verify_frame to verify_end. All files are read twice,
+ * first for the places of their fragments, then for pixels:
  *
  *     verify_init
  *     verify_frame, verify_choose    the log, in order
@@ -19,13 +20,14 @@
  *     verify_split                   once
  *     verify_first                   the log again, in the same order
  *     for each check: verify_begin, verify_again for its fragments, verify_end
- *     verify_next for each part: the tasks of the next round; or verify_judge: the report
+ *     verify_request for each frame: the tasks of the next round; or verify_judge: the report
  *
  * The requests of earlier rounds are not stored: they follow from the seed and the checks.
  */
 #ifndef STORMRING_VERIFY_H
 #define STORMRING_VERIFY_H
 
+#include "log/log.h"
 #include "task/task.h"
 
 /* The result of one slot for a part. */
@@ -111,6 +113,13 @@ void verify_again(struct verify *v, const struct task *t, int32_t slot, const fl
 /* Ends the check: notes requests that were not delivered. */
 void verify_end(struct verify *v);
 
+/*
+ * All of that from files: files[0] is the log, the others are the checks; NULL ends them. *name is
+ * the file that was read last, for a message. Returns as log_read_path does; v is of use only
+ * after 0.
+ */
+int verify_read(struct verify *v, char *const *files, const char **name, char why[LOG_WHY]);
+
 static inline const struct verify_opinion *verify_opinion(const struct verify_part *p, uint32_t i)
 {
     return i < VERIFY_INLINE ? &p->by[i] : &p->more[i - VERIFY_INLINE];
@@ -138,10 +147,22 @@ bool verify_named(const struct verify *v, const struct verify_part *p, uint32_t 
  * such slot, or each has failed twice.
  */
 int32_t verify_next(const struct verify *v, const struct verify_part *p);
+/*
+ * The next request for a frame: a part that is to be computed, with its number as id, and the slot
+ * that verify_next names. Looks at parts from number *from on, which is 0 at first, and sets it
+ * behind that part. False: there is no other.
+ */
+bool verify_request(const struct verify *v, uint32_t frame, uint32_t *from, struct task *t);
 /* Pieces with a part of different results; pieces without one but with an unchecked part. */
 struct verify_count {
     uint32_t different, unchecked;
 };
 struct verify_count verify_counted(const struct verify *v);
+/*
+ * Appends a line on a part with different results: its place, the slots to be named, and whether
+ * they are wrong or one of them is. host_of: the name of each slot's host.
+ */
+void verify_describe(const struct verify *v, const struct verify_part *p,
+    const char *const *host_of, struct buf *out);
 
 #endif

@@ -1,14 +1,18 @@
 /*
  * verify: runs in memory. A host computes a pixel of a number that its kind decides; checks are
- * cut, copied and repeated as deal -e does it, and more often. What comes out is known by hand.
+ * cut, copied and repeated as deal -e does it, and more often. What comes out is known by hand. Some
+ * runs are in files.
  */
 #include "verify/verify.h"
 
+#include <errno.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <cmocka.h>
 
+#define JOB "0123456789abcdef"
 #define W 12
 #define H 8
 #define FRAMES 2
@@ -53,7 +57,7 @@ static void put(struct file *f, const struct task *t, struct lattice at, int32_t
 
 static void frames(struct verify *v)
 {
-    for (uint32_t i = 0; i < FRAMES; i++) verify_frame(v, i, W, H, "0123456789abcdef");
+    for (uint32_t i = 0; i < FRAMES; i++) verify_frame(v, i, W, H, JOB);
 }
 
 /* Reads all as verify.h says it. */
@@ -116,13 +120,16 @@ static void deliver(struct file *to, const struct task *t, int32_t k, uint64_t *
 static void make_check(
     struct file *to, const struct verify *v, const struct crew *c, bool stolen, uint64_t *seed)
 {
+    uint32_t frame = 0, from = 0;
+    struct task t;
     to->n = 0;
-    for (uint32_t i = 0; i < v->n; i++) {
-        const struct verify_part *p = &v->part[i];
-        struct task t = {.frame = p->frame, .id = i, .at = p->at, .to = verify_next(v, p)};
-        if (t.to < 0) continue;
+    while (frame < FRAMES) {
+        if (!verify_request(v, frame, &from, &t)) {
+            frame++;
+            continue;
+        }
         int32_t thief = (int32_t)(rng_u64(9, (*seed)++) % (uint64_t)c->slots);
-        uint64_t way = stolen ? rng_u64(9, (*seed)++) % 4 : 3, count = lattice_count(&p->at);
+        uint64_t way = stolen ? rng_u64(9, (*seed)++) % 4 : 3, count = lattice_count(&t.at);
         uint64_t half = 1 + rng_u64(9, (*seed)++) % count;
         if (c->kind[t.to] != HUNG && way) put(to, &t, lattice_cut(&t.at, W, 0, half), t.to);
         if (c->kind[t.to] != HUNG && way > 1) deliver(to, &t, t.to, seed);
@@ -555,6 +562,145 @@ static void test_foreign(void **state)
     verify_free(&v);
 }
 
+/* ---- requests, words, files ------------------------------------------------------------------- */
+
+/* Each part that is to be computed is requested once, of the slot that is next. */
+static void test_requests(void **state)
+{
+    (void)state;
+    struct verify v;
+    make_log(&the_log, &three, 0);
+    read_all(&v, &three, .4, 7, &the_log, NULL, 0);
+    uint32_t requests = 0, expected = 0;
+    for (uint32_t i = 0; i < v.n; i++) expected += verify_next(&v, &v.part[i]) >= 0;
+    for (uint32_t frame = 0; frame < FRAMES; frame++) {
+        struct task t;
+        for (uint32_t from = 0; verify_request(&v, frame, &from, &t); requests++) {
+            assert_int_equal(t.frame, frame);
+            assert_int_equal(from, t.id + 1);
+            assert_int_equal(v.part[t.id].frame, frame);
+            assert_memory_equal(&t.at, &v.part[t.id].at, sizeof t.at);
+            assert_int_equal(t.to, verify_next(&v, &v.part[t.id]));
+        }
+    }
+    assert_true(requests && requests == expected);
+    verify_free(&v);
+}
+
+static void described(const struct verify *v, const char *expected)
+{
+    static const char *const host_of[] = {"a", "b", "c"};
+    struct buf b = {0};
+    verify_describe(v, &v->part[0], host_of, &b);
+    buf_append(&b, "", 1);
+    assert_string_equal((const char *)buf_data(&b), expected);
+    buf_free(&b);
+}
+
+static void test_describe(void **state)
+{
+    (void)state;
+    struct verify v;
+    start(&v, three.place_of, 3, 3);
+    say(&v, 0, 0);
+    say(&v, 1, 5);
+    described(&v, "frame 0 at 0,0: slot 0 (host a) and slot 1 (host b) computed different pixels");
+    say(&v, 2, 0);
+    described(&v, "frame 0 at 0,0: slot 1 (host b) computed other pixels than two other hosts");
+    verify_free(&v);
+    start(&v, three.place_of, 3, 3);
+    say(&v, 3, 5);
+    say(&v, 0, 6);
+    say(&v, 1, 0);
+    say(&v, 2, 0);
+    described(&v, "frame 0 at 0,0: a slot of an earlier run, slot 0 (host a) computed other pixels "
+                  "than two other hosts");
+    verify_free(&v);
+}
+
+/* A file of rows from .. to - 1 of frame 0; row y by slot (y + turn) mod 3; row `lie` is wrong. */
+static char *write_rows(uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
+{
+    static float pixels[4 * W];
+    const struct frame_size size = {.w = W, .h = H};
+    struct buf b = {0};
+    struct record r;
+    char *path = xstrdup("/tmp/stormring-verify-XXXXXX"), stamp[16];
+    wire_hello(&b, "fan", "00ff", 1, 3);
+    wire_job(&b, &size, JOB, "w=0");
+    for (uint32_t y = from; y < to; y++) {
+        struct task t = {.id = y, .at = {0, y, W, 1, 1, 1}, .to = -1};
+        struct buf single = {0};
+        for (size_t i = 0; i < 4 * W; i++) pixels[i] = i % 4 == 3 ? 1 : (float)(y == lie);
+        wire_frag(&single, &t, &t.at, JOB, pixels);
+        struct decoder d = wire_over(single.data, single.len);
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        snprintf(stamp, sizeof stamp, "w=%u", (y + turn) % 3);
+        wire_forward(&b, &r, NULL, stamp);
+        buf_free(&single);
+    }
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write_full(fd, buf_data(&b), buf_size(&b)), 0);
+    close(fd);
+    buf_free(&b);
+    return path;
+}
+
+/* The log and two rounds of checks: row 2 of the log is a lie. */
+static void test_files(void **state)
+{
+    (void)state;
+    struct verify v;
+    char why[LOG_WHY];
+    const char *name;
+    char *files[] = {write_rows(0, H, 0, 2), write_rows(0, H, 1, H), write_rows(2, 3, 2, H), NULL};
+    verify_init(&v, 7, 1, three.place_of, 3, 3);
+    assert_int_equal(verify_read(&v, files, &name, why), 0);
+    assert_int_equal(v.pieces, H);
+    assert_int_equal(verify_counted(&v).different, 1);
+    assert_int_equal(verify_counted(&v).unchecked, 0);
+    assert_int_equal(v.part[2].n, 3);
+    assert_int_equal(v.part[2].by[0].slot, 2);
+    assert_int_equal(v.rounds, 2);
+    assert_string_equal(v.frames.at[0].job, JOB);
+    verify_free(&v);
+    unlink(files[2]);
+    verify_init(&v, 7, 1, three.place_of, 3, 3);
+    assert_int_equal(verify_read(&v, files, &name, why), -1); /* cannot be opened */
+    assert_int_equal(errno, ENOENT);
+    assert_ptr_equal(name, files[2]);
+    verify_free(&v);
+    for (int i = 0; i < 3; i++) {
+        unlink(files[i]);
+        free(files[i]);
+    }
+}
+
+/* In a log of two runs the slots of the first one may have been on other hosts. */
+static void test_earlier_runs(void **state)
+{
+    (void)state;
+    struct verify v;
+    char why[LOG_WHY];
+    const char *name;
+    char *files[] = {write_rows(0, 3, 0, H), NULL}, *second = write_rows(3, H, 0, H);
+    struct buf b = {0};
+    assert_int_equal(read_file(files[0], &b), 0);
+    assert_int_equal(read_file(second, &b), 0);
+    assert_int_equal(outfile_put(files[0], buf_data(&b), buf_size(&b)), 0);
+    verify_init(&v, 7, 1, three.place_of, 3, 3);
+    assert_int_equal(verify_read(&v, files, &name, why), 0);
+    for (uint32_t y = 0; y < H; y++)
+        assert_int_equal(v.part[y].by[0].slot, y < 3 ? -1 : (int32_t)(y % 3));
+    verify_free(&v);
+    buf_free(&b);
+    unlink(files[0]);
+    unlink(second);
+    free(files[0]);
+    free(second);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_honest), cmocka_unit_test(test_liar),
@@ -565,6 +711,8 @@ int main(void)
         cmocka_unit_test(test_no_witness), cmocka_unit_test(test_one_host),
         cmocka_unit_test(test_both_ways), cmocka_unit_test(test_next),
         cmocka_unit_test(test_earlier), cmocka_unit_test(test_seeds),
-        cmocka_unit_test(test_foreign)};
+        cmocka_unit_test(test_foreign), cmocka_unit_test(test_requests),
+        cmocka_unit_test(test_describe), cmocka_unit_test(test_files),
+        cmocka_unit_test(test_earlier_runs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -139,6 +139,8 @@ static void work_beyond_the_clock_is_refused(void **state)
     assert_true(l.pixel_us[0] == 1e12 && l.pixel_us[39] == 1e12);
     assert_false(sim_workload_scale(&l, 2, err));
     refused("tasks of 1.6e+08 s");
+    l.power[0] = l.power[1] = 9; /* more power allows no more work */
+    assert_false(sim_workload_scale(&l, 1.5, err));
     sim_workload_free(&l);
 }
 
