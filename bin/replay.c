@@ -5,13 +5,9 @@
 #include "worker/worker.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -32,18 +28,16 @@ struct options {
 
 struct replay {
     const struct options *o;
-    unsigned char *bytes; /* of the log */
-    size_t n_bytes;
+    struct history_file file;
     bool loaded;        /* the log was read */
     uint64_t first_job; /* hash of the first job */
     struct history log;
     const struct history_frame *frame;
-    const struct history_frag
-        *whole;      /* the frag with exactly the requested pixels; NULL: they are spread */
-    uint64_t pieces; /* done so far: counter of the random load */
-    double used_us;  /* CPU time that the original worker would have used so far */
-    double owed_us;  /* waiting time still owed; < 0: the system woke this process late */
-    int64_t own_us;  /* CPU time of this process already counted as part of the wait */
+    struct history_found found; /* the pixels of the task */
+    uint64_t pieces;            /* done so far: counter of the random load */
+    double used_us;             /* CPU time that the original worker would have used so far */
+    double owed_us; /* waiting time still owed; < 0: the system woke this process late */
+    int64_t own_us; /* CPU time of this process already counted as part of the wait */
 };
 
 static void sleep_us(double us)
@@ -79,116 +73,37 @@ static void last(struct replay *r, double us)
     r->own_us = own;
 }
 
-static _Noreturn void refuse(const struct replay *r, uint64_t p, const char *why)
-{
-    const struct history_frame *f = r->frame;
-    die(ST_USAGE,
-        "%s: frame %u: pixel %" PRIu64 ",%" PRIu64 " %s, expected a log that has every "
-        "pixel of the tasks",
-        r->o->path, f->number, p % f->w, p / f->w, why);
-}
-
-/* The cost of pixel p of this frag: its share of its task's time. */
-static double pixel_us(const struct replay *r, struct history_frag *frag, uint64_t p)
-{
-    if (frag->done < 0) refuse(r, p, "has no CPU time");
-    if (!history_sound(frag)) refuse(r, p, "is damaged");
-    const struct history_done *d = &r->log.dones[frag->done];
-    return (double)d->cpu_us / (double)d->sent;
-}
-
-/* The cost of these pixels: that of the task if the log has them as one frag, else the sum of
- * their shares. */
-static double cost_us(struct replay *r, const struct lattice *at)
-{
-    const struct history_frame *f = r->frame;
-    uint64_t n = lattice_count(at);
-    double us = 0;
-    struct history_frag *whole = history_frag_at(&r->log, f, at);
-    r->whole = whole;
-    if (whole) us = pixel_us(r, whole, lattice_pixel(at, f->w, 0)) * (double)n;
-    for (uint64_t i = 0; !whole && i < n; i++) {
-        uint64_t p = lattice_pixel(at, f->w, i);
-        struct history_place place = history_place_of(&r->log, f, p);
-        if (place.frag < 0) refuse(r, p, "is missing");
-        us += pixel_us(r, &r->log.frags[place.frag], p);
-    }
-    return us * r->o->scale / r->o->power;
-}
-
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
     struct replay *r = ctx;
-    if (n0 == 0) last(r, cost_us(r, at));
-    if (r->whole) {
-        wire_pixels(r->whole->body + n0 * WIRE_PIXEL_BYTES, n, rgba);
-        return;
+    char err[HISTORY_ERR];
+    if (n0 == 0) {
+        if (!history_find(&r->log, r->frame, at, &r->found, err))
+            die(ST_USAGE, "%s: %s", r->o->path, err);
+        last(r, r->found.cpu_us * r->o->scale / r->o->power);
     }
-    for (uint32_t i = 0; i < n; i++) {
-        uint64_t p = lattice_pixel(at, r->frame->w, n0 + i);
-        struct history_place place = history_place_of(&r->log, r->frame, p);
-        const unsigned char *body = r->log.frags[place.frag].body;
-        wire_pixels(body + (size_t)place.n * WIRE_PIXEL_BYTES, 1, rgba + 4 * (size_t)i);
-    }
+    history_pixels(&r->log, r->frame, &r->found, n0, n, rgba);
 }
 
-/* The log is in memory shared by all its replays; if it is no regular file, in this process's
- * own. */
-static void map_log(struct replay *r)
-{
-    struct stat st;
-    struct buf b = {0};
-    ptrdiff_t n;
-    int fd = open(r->o->path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || fstat(fd, &st) != 0) die(ST_USAGE, "%s:", r->o->path);
-    r->n_bytes = (size_t)st.st_size;
-    r->bytes = S_ISREG(st.st_mode) && st.st_size
-                   ? mmap(NULL, r->n_bytes, PROT_READ, MAP_SHARED, fd, 0)
-                   : MAP_FAILED;
-    if (r->bytes == MAP_FAILED) {
-        while ((n = read_some(fd, &b, 1 << 16)) > 0)
-            ;
-        if (n < 0) die(errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", r->o->path);
-        r->bytes = b.data;
-        r->n_bytes = b.len;
-    }
-    close(fd);
-}
-
-/* Maps the log, and reads only enough of it to see that it is one. */
+/* Reads only enough of the log to see that it is one. */
 static void open_log(struct replay *r)
 {
-    map_log(r);
-    struct decoder d = wire_over(r->bytes, r->n_bytes);
-    struct record rec;
-    const char *job = NULL;
-    size_t n = 0;
-    enum wire_result got;
-    d.upward = d.unsummed = true;
-    while (!job && (got = wire_next(&d, &rec)) != WIRE_MORE) {
-        if (got != WIRE_RECORD) continue;
-        if (!rec_ours(&rec, d.why)) die(ST_USAGE, "%s: %s", r->o->path, d.why);
-        if (rec.kind == REC_FRAME) job = rec_key(&rec, "job", &n);
-    }
-    if (!job) die(ST_USAGE, "%s: no task with pixels, expected the log of a run", r->o->path);
-    r->first_job = hash64(HASH64_INIT, job, n);
+    const char *path = r->o->path;
+    char err[HISTORY_ERR];
+    int failed = history_open(&r->file, path);
+    if (failed) die(failed == -1 || errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
+    if (!history_first_job(&r->file, &r->first_job, err)) die(ST_USAGE, "%s: %s", path, err);
 }
 
 static void load_log(struct replay *r)
 {
     const char *path = r->o->path;
     struct history *l = &r->log;
-    history_over(l, r->bytes, r->n_bytes);
+    char err[HISTORY_ERR];
+    history_over(l, r->file.bytes, r->file.n);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad) warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad, l->why);
-    if (!l->n_frags || !l->n_dones)
-        die(ST_USAGE, "%s: no task with pixels, expected the log of a run", path);
-    for (size_t i = 0; i < l->n_frames; i++) {
-        const struct history_frame *f = &l->frames[i];
-        if (strlen(f->job) != 16 || f->job[strspn(f->job, "0123456789abcdef")])
-            die(ST_USAGE, "%s: frame %u: job=%s, expected 16 hexadecimal digits", path, f->number,
-                f->job);
-    }
+    if (!history_replayable(l, err)) die(ST_USAGE, "%s: %s", path, err);
 }
 
 /* Scenes and other state are for renderers: ignored. */
@@ -222,10 +137,8 @@ static int ready(void *ctx, const struct frame_size *wanted, char err[WORKER_ERR
 
 static uint64_t job(void *ctx)
 {
-    const struct history_frame *f = ((struct replay *)ctx)->frame;
     uint64_t v = 0;
-    for (const char *c = f->job; *c; c++)
-        v = v << 4 | (uint64_t)(*c <= '9' ? *c - '0' : *c - 'a' + 10);
+    history_job(((struct replay *)ctx)->frame, &v); /* load_log has checked it */
     return v;
 }
 
@@ -298,5 +211,6 @@ int main(int argc, char **argv)
     open_log(&r);
     int status = worker_run(&ops, &o.worker, &r);
     history_free(&r.log);
+    history_close(&r.file);
     return status;
 }

@@ -125,4 +125,39 @@ bool history_same(const struct history *l, const struct history *other, char err
 const struct history_frame *history_frame_of(const struct history *l, uint32_t number);
 void history_free(struct history *l);
 
+/* ---- replaying ------------------------------------------------------------------------------- */
+
+/* A log in memory. A regular file is mapped, so that all its readers share it. */
+struct history_file {
+    unsigned char *bytes;
+    size_t n;
+    bool mapped;
+};
+/* Returns 0; or with errno -1: it cannot be opened, -2: it cannot be read. history_close frees it,
+ * after history_free. */
+int history_open(struct history_file *file, const char *path);
+void history_close(struct history_file *file);
+/*
+ * Reads only up to the first frame with a job, and makes a hash of that job. False with text in
+ * err: there is none, or the log is of another format.
+ */
+bool history_first_job(const struct history_file *file, uint64_t *hash, char err[HISTORY_ERR]);
+/* The frame's job as a number. False if it is not 16 hexadecimal digits. */
+bool history_job(const struct history_frame *f, uint64_t *job);
+/* True if the log has tasks with pixels and every job is a number; else text in err. */
+bool history_replayable(const struct history *l, char err[HISTORY_ERR]);
+
+/* The pixels of a task, in a log read by history_over. */
+struct history_found {
+    struct lattice at;
+    const struct history_frag *whole; /* has exactly these pixels; NULL: they are spread */
+    double cpu_us; /* each pixel costs its share of the task that it came with */
+};
+/* False with text in err: a pixel is missing, damaged, or of unknown cost. */
+bool history_find(struct history *l, const struct history_frame *f, const struct lattice *at,
+    struct history_found *found, char err[HISTORY_ERR]);
+/* Pixels n0 .. n0 + n of these, four floats each. */
+void history_pixels(struct history *l, const struct history_frame *f,
+    const struct history_found *found, uint64_t n0, uint32_t n, float *rgba);
+
 #endif

@@ -1,6 +1,7 @@
 /* Finding pixels in a log that lies in memory: see history.h. */
 #include "history/history.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,4 +77,58 @@ struct history_place history_place_of(struct history *l, const struct history_fr
     struct history_frame *own = &l->frames[f - l->frames];
     if (!own->places) find_places(l, own);
     return own->places[p];
+}
+
+/* ---- the pixels of a task -------------------------------------------------------------------- */
+
+static bool refuse(
+    const struct history_frame *f, uint64_t p, const char *why, char err[HISTORY_ERR])
+{
+    snprintf(err, HISTORY_ERR,
+        "frame %" PRIu32 ": pixel %" PRIu64 ",%" PRIu64
+        " %s, expected a log of all that is asked for",
+        f->number, p % f->w, p / f->w, why);
+    return false;
+}
+
+/* Adds the cost of n pixels of this frag, of which p is one. */
+static bool add_cost(const struct history *l, const struct history_frame *f,
+    struct history_frag *frag, uint64_t p, uint64_t n, double *us, char err[HISTORY_ERR])
+{
+    if (frag->done < 0) return refuse(f, p, "is there without what it cost", err);
+    if (!history_sound(frag)) return refuse(f, p, "is damaged", err);
+    const struct history_done *d = &l->dones[frag->done];
+    *us += (double)d->cpu_us / (double)d->sent * (double)n;
+    return true;
+}
+
+bool history_find(struct history *l, const struct history_frame *f, const struct lattice *at,
+    struct history_found *found, char err[HISTORY_ERR])
+{
+    uint64_t n = lattice_count(at);
+    struct history_frag *whole = history_frag_at(l, f, at);
+    *found = (struct history_found){.at = *at, .whole = whole};
+    if (whole) return add_cost(l, f, whole, lattice_pixel(at, f->w, 0), n, &found->cpu_us, err);
+    for (uint64_t i = 0; i < n; i++) {
+        uint64_t p = lattice_pixel(at, f->w, i);
+        struct history_place place = history_place_of(l, f, p);
+        if (place.frag < 0) return refuse(f, p, "is not there", err);
+        if (!add_cost(l, f, &l->frags[place.frag], p, 1, &found->cpu_us, err)) return false;
+    }
+    return true;
+}
+
+void history_pixels(struct history *l, const struct history_frame *f,
+    const struct history_found *found, uint64_t n0, uint32_t n, float *rgba)
+{
+    if (found->whole) {
+        wire_pixels(found->whole->body + n0 * WIRE_PIXEL_BYTES, n, rgba);
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        struct history_place place =
+            history_place_of(l, f, lattice_pixel(&found->at, f->w, n0 + i));
+        const unsigned char *body = l->frags[place.frag].body;
+        wire_pixels(body + (size_t)place.n * WIRE_PIXEL_BYTES, 1, rgba + 4 * (size_t)i);
+    }
 }

@@ -1,8 +1,10 @@
 /* What a log tells: runs, slots, whose pixels counted; and pixels found again. */
+#include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include <cmocka.h>
@@ -245,6 +247,157 @@ static void many_slots_keep_their_names(void **state)
     buf_free(&b);
 }
 
+/* ---- replaying ------------------------------------------------------------------------------- */
+
+/* Row y of an 8 x 4 frame, by task y of 80 (y + 1) us; row 3 without its cost. */
+static void put_costs(struct buf *b)
+{
+    line(b, "frame 0 8 4 job=" JOB " w=0");
+    for (uint32_t y = 0; y < 4; y++) {
+        char text[80];
+        snprintf(text, sizeof text, "done 0 %u cpu_us=%u w=0", y, 80 * (y + 1));
+        if (y < 3) line(b, text);
+        frag(b, y, row(y), 0, (float)(100 * y));
+    }
+}
+
+static void a_task_costs_what_its_pixels_cost(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct history l = {0};
+    struct history_found found;
+    char err[HISTORY_ERR];
+    float rgba[4 * 8];
+    put_costs(&b);
+    history_over(&l, b.data, b.len);
+    const struct history_frame *f = history_frame_of(&l, 0);
+    struct lattice whole = row(1), spread = {6, 0, 4, 1, 1, 1}, column = {3, 0, 1, 3, 1, 1};
+    assert_true(history_find(&l, f, &whole, &found, err));
+    assert_non_null(found.whole);
+    assert_true(found.cpu_us == 160);
+    history_pixels(&l, f, &found, 5, 3, rgba);
+    for (int i = 0; i < 3; i++) assert_true(rgba[4 * i] == (float)(100 + 4 * (5 + i)));
+    assert_true(history_find(&l, f, &spread, &found, err)); /* two of row 0, two of row 1 */
+    assert_null(found.whole);
+    assert_true(found.cpu_us == 10 + 10 + 20 + 20);
+    history_pixels(&l, f, &found, 1, 2, rgba);
+    assert_true(rgba[0] == 4 * 7 && rgba[4] == 100);
+    assert_true(history_find(&l, f, &column, &found, err));
+    assert_true(found.cpu_us == 10 + 20 + 30);
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void not_found(struct history *l, struct lattice at, const char *words)
+{
+    struct history_found found;
+    char err[HISTORY_ERR];
+    assert_false(history_find(l, history_frame_of(l, 0), &at, &found, err));
+    assert_non_null(strstr(err, words));
+    assert_non_null(strstr(err, "expected"));
+}
+
+static void pixels_that_cannot_be_used_are_named(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct history l = {0};
+    put_costs(&b);
+    history_over(&l, b.data, b.len);
+    not_found(&l, row(3), "frame 0: pixel 0,3 is there without what it cost");
+    not_found(&l, (struct lattice){2, 2, 1, 2, 1, 1}, "pixel 2,3 is there without");
+    b.data[l.frags[1].body - b.data] ^= 1;
+    history_over(&l, b.data, b.len);
+    not_found(&l, row(1), "pixel 0,1 is damaged");
+    not_found(&l, (struct lattice){5, 0, 1, 2, 1, 1}, "pixel 5,1 is damaged");
+    history_free(&l);
+    buf_consume(&b, buf_size(&b));
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    done(&b, 0, 0, 0);
+    frag(&b, 0, row(0), 0, 1);
+    history_over(&l, b.data, b.len);
+    not_found(&l, (struct lattice){7, 0, 2, 1, 1, 1}, "pixel 0,1 is not there");
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void only_some_logs_can_be_replayed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *job, *refused;
+    } jobs[] = {{JOB, NULL}, {"fedcba9876543210", NULL}, {"0123456789abcde", "job=0123456789abcde"},
+        {"0123456789abcdeg", "16 hexadecimal"}, {"0123456789ABCDEF", "16 hexadecimal"}};
+    char err[HISTORY_ERR], text[80];
+    struct buf b = {0};
+    struct history l = {0};
+    uint64_t job;
+    assert_false(history_replayable(&l, err));
+    assert_non_null(strstr(err, "no task"));
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
+        snprintf(text, sizeof text, "frame 7 8 4 job=%s w=0", jobs[i].job);
+        line(&b, "frame 0 8 4 job=" JOB " w=0");
+        line(&b, text);
+        done(&b, 0, 0, 0);
+        frag(&b, 0, row(0), 0, 1);
+        history_over(&l, b.data, b.len);
+        assert_int_equal(history_replayable(&l, err), !jobs[i].refused);
+        assert_int_equal(history_job(&l.frames[1], &job), !jobs[i].refused);
+        if (jobs[i].refused) assert_non_null(strstr(err, jobs[i].refused));
+        if (jobs[i].refused) assert_non_null(strstr(err, "frame 7: "));
+        if (i == 1) assert_true(job == UINT64_C(0xfedcba9876543210));
+        history_free(&l);
+        buf_consume(&b, buf_size(&b));
+    }
+    line(&b, "frame 0 8 4 job=" JOB " w=0");
+    done(&b, 0, 0, 0);
+    history_over(&l, b.data, b.len); /* no pixels */
+    assert_false(history_replayable(&l, err));
+    history_free(&l);
+    buf_free(&b);
+}
+
+static void a_log_in_memory(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/stormring-history-XXXXXX", err[HISTORY_ERR];
+    struct buf b = {0};
+    struct history_file file;
+    uint64_t hash = 0;
+    int fd = mkstemp(path), p[2];
+    assert_true(fd >= 0);
+    assert_int_equal(history_open(&file, path), 0); /* empty */
+    assert_false(history_first_job(&file, &hash, err));
+    assert_non_null(strstr(err, "no task"));
+    history_close(&file);
+    put_costs(&b);
+    assert_int_equal(write_full(fd, b.data, b.len), 0);
+    assert_int_equal(history_open(&file, path), 0);
+    assert_true(file.mapped && file.n == b.len);
+    assert_memory_equal(file.bytes, b.data, b.len);
+    assert_true(history_first_job(&file, &hash, err));
+    assert_true(hash == hash64(HASH64_INIT, JOB, strlen(JOB)));
+    history_close(&file);
+    unlink(path);
+    assert_int_equal(history_open(&file, path), -1);
+    assert_int_equal(errno, ENOENT);
+    assert_int_equal(history_open(&file, "/tmp"), -2);
+    assert_int_equal(errno, EISDIR);
+    assert_int_equal(pipe(p), 0);
+    assert_int_equal(write_full(p[1], "hello x 1 format=9\n", 19), 0);
+    close(p[1]);
+    snprintf(path, sizeof path, "/dev/fd/%d", p[0]);
+    assert_int_equal(history_open(&file, path), 0);
+    assert_true(!file.mapped && file.n == 19);
+    assert_false(history_first_job(&file, &hash, err));
+    assert_non_null(strstr(err, "format 9"));
+    history_close(&file);
+    close(p[0]);
+    close(fd);
+    buf_free(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -255,6 +408,10 @@ int main(void)
         cmocka_unit_test(pixels_are_found_again),
         cmocka_unit_test(damage_costs_itself),
         cmocka_unit_test(many_slots_keep_their_names),
+        cmocka_unit_test(a_task_costs_what_its_pixels_cost),
+        cmocka_unit_test(pixels_that_cannot_be_used_are_named),
+        cmocka_unit_test(only_some_logs_can_be_replayed),
+        cmocka_unit_test(a_log_in_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
