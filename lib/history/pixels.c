@@ -95,7 +95,7 @@ static bool refuse(
 static bool add_cost(const struct history *l, const struct history_frame *f,
     struct history_frag *frag, uint64_t p, uint64_t n, double *us, char err[HISTORY_ERR])
 {
-    if (frag->done < 0) return refuse(f, p, "is there without what it cost", err);
+    if (frag->done < 0) return refuse(f, p, "has no CPU time", err);
     if (!history_sound(frag)) return refuse(f, p, "is damaged", err);
     const struct history_done *d = &l->dones[frag->done];
     *us += (double)d->cpu_us / (double)d->sent * (double)n;
@@ -112,7 +112,7 @@ bool history_find(struct history *l, const struct history_frame *f, const struct
     for (uint64_t i = 0; i < n; i++) {
         uint64_t p = lattice_pixel(at, f->w, i);
         struct history_place place = history_place_of(l, f, p);
-        if (place.frag < 0) return refuse(f, p, "is not there", err);
+        if (place.frag < 0) return refuse(f, p, "is missing", err);
         if (!add_cost(l, f, &l->frags[place.frag], p, 1, &found->cpu_us, err)) return false;
     }
     return true;

@@ -113,9 +113,9 @@ int log_read(struct intake *in, int fd, const char *name, const struct log_reade
 int log_read_path(const char *path, const struct log_reader *reader, char why[LOG_WHY]);
 
 /*
- * Sets *us to the longest time in the log at `path`: from the begin of a run to the end of its first
- * task, or of a later task; 0: it has none. Ignores times above most_us. Returns as log_read_path
- * does.
+ * Sets *us to the longest time in the log at `path`: from the begin of a run to the end of its
+ * first task, or of a later task; 0: it has none. Ignores times above most_us. Returns as
+ * log_read_path does.
  */
 int log_longest_us(const char *path, int64_t most_us, int64_t *us, char why[LOG_WHY]);
 /*

@@ -201,9 +201,9 @@ struct sim_method {
 const struct sim_method *sim_method_named(const char *name);
 
 /*
- * Runs the method, which must recover lost tasks, by the plans of `seeds` seeds from `first` on, and
- * ends at one that fails. Adds all runs to *sum; its `failure` is that of the failing run. Returns
- * the number of seeds that hold. trace: as in the plan.
+ * Runs the method, which must recover lost tasks, by the plans of `seeds` seeds from `first` on.
+ * Stops at the first run that fails. *sum adds up the runs, and has the failure of that one.
+ * Returns the number of seeds that hold. trace: as in the plan.
  */
 int64_t sim_run_seeds(const struct sim_method *m, uint64_t first, int64_t seeds,
     void (*trace)(const char *line), struct sim_result *sum);

@@ -127,10 +127,10 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
  * The tasks of a frame, one after the other, each with its slot. Call cut_tasks_begin; set fields
  * and call the functions that are needed; cut_tasks_next until it returns false; cut_tasks_end.
  *
- * Chunks with powers go to their slots: the first one to slot 0, and so on. Other tasks with powers
- * are assigned by weighted interleave: a slot with a credit of at least 1 gets a task and pays 1, in
- * the order of slots; when no slot has that, each credit grows by the slot's power. Without powers
- * slots take turns. Tasks that are left out get no turn.
+ * Without powers slots take turns. With powers tasks are assigned by weighted interleave: in the
+ * order of slots, each slot with a credit of at least 1 gets a task and pays 1; when no slot has
+ * that, each credit grows by the slot's power. Of chunks only the first ones get slots, one each in
+ * order, and only with powers. A task that is left out takes no turn.
  */
 struct cut_tasks {
     struct cut cut; /* of this frame; owned */
@@ -147,12 +147,12 @@ struct cut_tasks {
     uint32_t *order;     /* ids; NULL: ascending */
     uint32_t at, given;  /* tasks looked at; tasks that took a turn */
 };
-/* True for units whose tasks depend on the number of slots: runs of a suitable length; chunks. */
+/* The units whose tasks depend on the number of slots: fine and coarse; guided and factoring. */
 bool cut_in_runs(const struct cut *cut);
 bool cut_in_chunks(const struct cut *cut);
 /*
- * Cuts the frame. power: of the slots, in (0, 1e6], or NULL; it must stay valid. slots 0: no task
- * gets a slot; in_runs and in_chunks need slots.
+ * Cuts the frame. power: of the slots, above 0, or NULL; it must stay valid. slots 0, not with
+ * these four units: no task gets a slot.
  */
 void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_w, uint32_t frame_h,
     int slots, const double *power);

@@ -13,7 +13,6 @@ struct reading {
     uint32_t runs, run; /* of the log: all; begun in phase FIRST */
     float *pixels;
     const char **name; /* of the current file, for the caller */
-    char *why;
 };
 
 static void take_frag(struct reading *p, const struct record *r)
@@ -44,31 +43,31 @@ static void take(void *ctx, const struct record *r)
     if (r->kind == REC_FRAG) take_frag(p, r);
 }
 
-static int read_one(struct reading *p, enum phase phase, const char *name)
+static int read_one(struct reading *p, enum phase phase, const char *name, char why[LOG_WHY])
 {
     const struct log_reader reader = {.record = take, .ctx = p};
     p->phase = phase;
     *p->name = name;
-    return log_read_path(name, &reader, p->why);
+    return log_read_path(name, &reader, why);
 }
 
-static int read_again(struct reading *p, const char *name)
+static int read_again(struct reading *p, const char *name, char why[LOG_WHY])
 {
     verify_begin(p->v);
-    int failed = read_one(p, AGAIN, name);
+    int failed = read_one(p, AGAIN, name, why);
     verify_end(p->v);
     return failed;
 }
 
 int verify_read(struct verify *v, char *const *files, const char **name, char why[LOG_WHY])
 {
-    struct reading p = {.v = v, .name = name, .why = why};
+    struct reading p = {.v = v, .name = name};
     p.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *p.pixels);
-    int failed = read_one(&p, CHOOSE, files[0]);
-    for (int i = 1; files[i] && !failed; i++) failed = read_one(&p, CUT, files[i]);
+    int failed = read_one(&p, CHOOSE, files[0], why);
+    for (int i = 1; files[i] && !failed; i++) failed = read_one(&p, CUT, files[i], why);
     if (!failed) verify_split(v);
-    if (!failed) failed = read_one(&p, FIRST, files[0]);
-    for (int i = 1; files[i] && !failed; i++) failed = read_again(&p, files[i]);
+    if (!failed) failed = read_one(&p, FIRST, files[0], why);
+    for (int i = 1; files[i] && !failed; i++) failed = read_again(&p, files[i], why);
     free(p.pixels);
     return failed;
 }

@@ -1,6 +1,6 @@
 /*
- * task: the tasks of a frame in an order, with their slots. Every unit in every order has each pixel
- * once, on frames of random sizes; slots get the shares that are stated.
+ * task: the tasks of a frame in an order, with their slots. On frames of random sizes every unit in
+ * every order has each pixel once, and slots get the shares that are stated.
  */
 #include "task/task.h"
 

@@ -1,7 +1,7 @@
 /*
  * verify: runs in memory. A host computes a pixel of a number that its kind decides; checks are
- * cut, copied and repeated as deal -e does it, and more often. What comes out is known by hand. Some
- * runs are in files.
+ * cut, copied and repeated as deal -e does it, and more often. The results are known by hand.
+ * Some runs are in files.
  */
 #include "verify/verify.h"
 
@@ -562,7 +562,7 @@ static void test_foreign(void **state)
     verify_free(&v);
 }
 
-/* ---- requests, words, files ------------------------------------------------------------------- */
+/* ---- requests, words, files ------------------------------------------------------------------ */
 
 /* Each part that is to be computed is requested once, of the slot that is next. */
 static uint32_t requests(const struct verify *v)
