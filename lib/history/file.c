@@ -53,7 +53,7 @@ void history_close(struct history_file *file)
 
 static bool no_run(char err[HISTORY_ERR])
 {
-    snprintf(err, HISTORY_ERR, "no task with its pixels, expected the log of a run");
+    snprintf(err, HISTORY_ERR, "no task with pixels, expected the log of a run");
     return false;
 }
 

@@ -86,7 +86,7 @@ static bool refuse(
 {
     snprintf(err, HISTORY_ERR,
         "frame %" PRIu32 ": pixel %" PRIu64 ",%" PRIu64
-        " %s, expected a log of all that is asked for",
+        " %s, expected a log that has every pixel of the tasks",
         f->number, p % f->w, p / f->w, why);
     return false;
 }

@@ -685,7 +685,8 @@ static void test_files(void **state)
     }
     for (int k = 0; k < 3; k++) assert_true(v.place[k].asked_px);
     assert_int_equal(v.rounds, 2);
-    assert_string_equal(v.frames.at[0].job, JOB);
+    const struct verify_frame *frame = frames_extra(&v.frames, &v.frames.at[0]);
+    assert_string_equal(frame->job, JOB);
     verify_free(&v);
     unlink(files[2]);
     verify_init(&v, 7, 1, three.place_of, 3, 3);
