@@ -176,7 +176,7 @@ killed 'a specification for each picture' - a.vtk one.spec two.spec small.spec o
 
 # ---- bad input -----------------------------------------------------------------------------------------------
 # refused NAME ERE COMMAND ...
-refused() { name=$1 ere=$2; shift 2; run timeout 20 "$@" </dev/null; like "$name" "$status $(printf '%s' "$err" | tr '\n' ' ')" "^2 $ere"; }
+refused() { name=$1 ere=$2; shift 2; run timeout 800 "$@" </dev/null; like "$name" "$status $(printf '%s' "$err" | tr '\n' ' ')" "^2 $ere"; }
 sed 's/^iso/fog/' one.spec >bad.spec
 sed 's/^DIMENSIONS.*/DIMENSIONS 24 18 8/' a.vtk >bad.vtk
 refused 'a bad specification' 'vcworker: bad.spec:11: line: first word is .fog., expected' vcworker a.vtk bad.spec
@@ -194,7 +194,7 @@ refused 'balance: no grid' 'vcworker: one.spec:1: no VTK' balance ds -o x.png on
 refused 'balance: one name for two' 'balance: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
 refused 'balance: the picture over a specification' 'balance: -o two.spec: is' balance ds -o two.spec a.vtk one.spec two.spec
 refused 'balance -W -n' 'vcworker: -[in]: expected one of' balance ds -W -n -o x.png a.vtk one.spec
-said() { { "$@" | timeout 20 vcworker >/dev/null; } 2>&1; }
+said() { { "$@" | timeout 800 vcworker >/dev/null; } 2>&1; }
 like 'a task before any grid' "$(said partition 2x2)" 'no grid, expected a .grid. record before the first task'
 like 'a task before its specification' "$({ pack grid a.vtk; partition 2x2; } | said cat)" 'no spec, expected'
 like 'a scene' "$(said pack scene one.spec)" 'record .scene., expected .grid. or .spec.'

@@ -25,7 +25,7 @@ END
 late() { # DEAL-OPTIONS
 	rm -rf slow out.pfm log
 	# shellcheck disable=SC2086
-	env MARK=$mark timeout 30 deal $1 fan -t 300 -j 3 sh late <late.task | tee log | gather -o out.pfm
+	env MARK=$mark timeout 1200 deal $1 fan -t 300 -j 3 sh late <late.task | tee log | gather -o out.pfm
 }
 for options in -e '-e -q 4' '-e -q auto'; do
 	ok "deal $options: it does not wait for late slots" late "$options"

@@ -25,7 +25,7 @@ for command in 'rtworker -a 9 -' 'fan -j 3 rtworker -a 9 -' 'fan -j 3 rtworker -
 	'ringctl -p fan -j 3 ringctl -n rtworker -a 9 -' \
 	'ringctl fan -j 2 ringctl -n deal fan -j 2 rtworker -a 9 -'; do
 	# shellcheck disable=SC2086
-	timeout 60 $command <film.task 2>said | gather -o f%d.pfm 2>>said
+	timeout 1200 $command <film.task 2>said | gather -o f%d.pfm 2>>said
 	both "$command"
 done
 film -n 3 | deal fan -j 3 rtworker -a 9 - 2>said | gather -o f%d.pfm 2>>said
@@ -52,7 +52,7 @@ printf '#!/bin/sh\nuntil [ -e "$1" ]; do sleep .05; [ -e hosts ] || exit; done; 
 chmod +x late
 printf ': slots=1\nlate via="./late f0.pfm %%c"\n' >hosts
 # after the first picture, and before any task of the second: the slot comes up
-up() { timeout 20 sh -c 'until grep -aq "up w=1 " "$1"; do sleep .05; done' up "$1"; }
+up() { timeout 800 sh -c 'until grep -aq "up w=1 " "$1"; do sleep .05; done' up "$1"; }
 mkdir seen
 : >seen/frags
 {
@@ -88,6 +88,6 @@ done
 run sh -c '{ pack scene gears.nff; partition 16x12; pack scene tetra.nff; echo nonsense; } | deal fan -j 2 rtworker - >/dev/null'
 is 'nonsense behind state that waits: exit 2' "$status" 2
 printf 'gone via="exit 9; %%c"\n' >none
-run sh -c 'timeout 20 deal fan -S none rtworker - <film.task | gather -o f%d.pfm'
+run sh -c 'timeout 800 deal fan -S none rtworker - <film.task | gather -o f%d.pfm'
 is 'state that waits while no slot is left: exit 3' "$status" 3
 finish

@@ -46,7 +46,7 @@ held_by() {
 	shift 2
 	rm -rf first holds f?.pfm
 	: >log # commands that look into it may be there before tee is
-	run timeout 60 sh -c 'until=$1; shift; "$@" sh ./held "$until" : <three | tee log | gather -o f%d.pfm' sh "$until" "$@"
+	run timeout 1200 sh -c 'until=$1; shift; "$@" sh ./held "$until" : <three | tee log | gather -o f%d.pfm' sh "$until" "$@"
 	is "$name: complete" "$status $err" '0 '
 	right "$name" 3
 }
@@ -92,7 +92,7 @@ for command in 'deal fan -t 60 -j 2' 'deal -e fan -t 60 -j 3' 'ringctl fan -t 60
 	'deal fan -t 60 -j 2 deal fan -t 60 -j 2'; do
 	rm -rf first holds log f?.pfm
 	# shellcheck disable=SC2086
-	run timeout 60 sh -c 'until=$1; shift; "$@" sh ./held "$until" "exit 9" <three | tee log | gather -o f%d.pfm' sh "$whole" $command
+	run timeout 1200 sh -c 'until=$1; shift; "$@" sh ./held "$until" "exit 9" <three | tee log | gather -o f%d.pfm' sh "$whole" $command
 	# If others take a late task over, the run may be done before the slot dies.
 	case $command in
 	ringctl* | *' -e '*) ;;
@@ -118,7 +118,7 @@ for slot in 0 1 2; do echo "host$slot via=\"./plan $slot; : %c\""; done >hosts
 late() {
 	rm -rf first holds f?.pfm
 	: >log
-	run timeout 60 sh -c '"$@" <three | gather -o f%d.pfm' sh "$@"
+	run timeout 1200 sh -c '"$@" <three | gather -o f%d.pfm' sh "$@"
 	is "$name: complete" "$status" 0
 	right "$name" 3
 	like "$name: slots up from the start get both frames in order" \
@@ -133,7 +133,7 @@ name='a late slot that is a tree' && late deal sh -c 'fan -t 60 -S hosts deal rt
 
 # ---- held pixels are sent at the first task of another state: the input stays open until they have come --------
 rm -f f?.pfm
-run timeout 60 sh -c '{ cat three; ./until test -e f0.pfm; } | fan -j 2 rtworker -c -a 4 - | gather -o f%d.pfm'
+run timeout 1200 sh -c '{ cat three; ./until test -e f0.pfm; } | fan -j 2 rtworker -c -a 4 - | gather -o f%d.pfm'
 is 'concentrated: the first picture does not wait for the end' "$status $err" '0 '
 right 'concentrated' 3
 
@@ -144,15 +144,15 @@ cat tasks >>mixed
 for command in 'rtworker -a 4 -' 'rtworker -c -a 4 -' 'fan -j 2 rtworker -a 4 -' 'deal fan -j 2 rtworker -a 4 -' \
 	'ringctl fan -j 2 ringctl -n rtworker -a 4 -'; do
 	rm -f f?.pfm
-	run timeout 60 sh -c "$command <mixed | gather -o f%d.pfm"
+	run timeout 1200 sh -c "$command <mixed | gather -o f%d.pfm"
 	is "$command, mixed: complete" "$status $err" '0 '
 	right "$command, mixed" 2
 done
 { cat mixed; for n in $(seq 2 129); do pack scene 2.nff; echo "frame $n 40 32"; done; head -n 1 tasks; } >often
 for command in 'rtworker -' 'fan -j 1 rtworker -' 'deal fan -j 1 rtworker -'; do
-	run timeout 20 sh -c "$command <often >/dev/null"
+	run timeout 800 sh -c "$command <often >/dev/null"
 	like "$command: a task of the state before those" "$status $err" '^2 .*task 0 0: its state was replaced too often'
 done
-run timeout 20 sh -c 'rtworker 0.nff <mixed >/dev/null'
+run timeout 800 sh -c 'rtworker 0.nff <mixed >/dev/null'
 like 'a scene where it is a file already' "$status $err" '^2 rtworker: record .scene., expected no state records'
 finish

@@ -45,7 +45,7 @@ hung() {
 	rm -rf places f?.pfm
 	mkdir places
 	export kind="$2" bad="$3"
-	run timeout 60 sh -c '{ for n in 1 2 3; do pack scene $n.nff; partition -F $n "$1"; done; } |
+	run timeout 1200 sh -c '{ for n in 1 2 3; do pack scene $n.nff; partition -F $n "$1"; done; } |
 		env MARK="$2" $3 ./worker | gather -o f%d.pfm' sh "$size" "$mark" "${5:-$adaptive} $4 ${6-}"
 	is "$1: complete" "$status $err" '0 '
 	is "$1: the expected number of workers was bad" "$(find places -mindepth 1 | wc -l)" "$(echo "$3" | wc -w)"
@@ -73,7 +73,7 @@ perl -e 'local $/; open S, "long"; open F, "frame"; ($s, $f) = (<S>, <F>);
 rm -rf places f?.pfm
 mkdir places
 export kind=deaf bad=1
-run timeout 100 sh -c 'env MARK="$2" $1 3 ./worker <many | gather -o many%d.pfm' sh "$adaptive" "$mark"
+run timeout 1200 sh -c 'env MARK="$2" $1 3 ./worker <many | gather -o many%d.pfm' sh "$adaptive" "$mark"
 is '200 frames, one of three does not read: complete' "$status $err" '0 '
 is '... all are the same picture' "$(cat many*.pfm | cksum)" "$(for n in $(seq 200); do cat good.pfm; done | cksum)"
 ok '... no process remains' await 10 none_alive
@@ -83,7 +83,7 @@ rm -f many*.pfm
 rm -rf places f?.pfm
 mkdir places
 export kind=beats bad=1
-run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm ]; do sleep .05; done; } |
+run timeout 1200 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm ]; do sleep .05; done; } |
 	env MARK="$2" deal -q auto -e fan -t 300 -j 3 ./worker | gather -o f%d.pfm' sh "$size" "$mark"
 is 'live input: the picture comes before the input ends' "$status $err" '0 '
 ok 'live input: the same picture' cmp f1.pfm good1.pfm
@@ -93,7 +93,7 @@ ok 'live input: no process remains' await 10 none_alive
 printf '#!/bin/sh\nrtworker -a 4 - </dev/null | head -n 1\n: >up\nwhile echo beat; do sleep .5; done\n' >beating && chmod +x beating
 printf '%s\n' 'a via="sh -c %c"' 'b via="./beating %c"' >idle
 rm -f f?.pfm
-run timeout 60 sh -c '{ pack scene 1.nff; partition -F 1 "$1" | sed "s/ sum=.*//; /^task/s/\$/ to=0/"; until [ -e up ]; do sleep .05; done; sleep .5; } |
+run timeout 1200 sh -c '{ pack scene 1.nff; partition -F 1 "$1" | sed "s/ sum=.*//; /^task/s/\$/ to=0/"; until [ -e up ]; do sleep .05; done; sleep .5; } |
 	env MARK="$2" deal fan -S idle rtworker -a 4 - | gather -o f%d.pfm' sh "$size" "$mark"
 is 'an idle slot that beats: complete' "$status" 0
 ok 'an idle slot that beats: the same picture' cmp f1.pfm good1.pfm

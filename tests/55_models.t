@@ -9,7 +9,7 @@ needs spin
 verifier() {
 	spin -a "$root/tests/models/$1.pml" && cc -O1 -w -DNOREDUCE -DNOFAIR -DMEMLIM=1000 -o "$1" pan.c
 }
-# search MODEL VARIABLE=VALUE ... -OPTION ...: tries all states, in at most 1 GB; `said` has the result
+# search MODEL VARIABLE=VALUE ... -OPTION ...: tries all states, in at most 1 GB and 300 s of CPU time; `said` has the result
 search() {
 	model=$1 given=
 	shift
@@ -18,7 +18,7 @@ search() {
 		shift
 	done
 	# shellcheck disable=SC2086
-	env $given timeout 300 "./$model" -m100000 "$@" >said 2>&1
+	(ulimit -t 300 && exec env $given "./$model" -m100000 "$@") >said 2>&1
 }
 # holds MODEL ...: the search is complete; no state is wrong, and none comes twice
 holds() {

@@ -17,7 +17,7 @@ echo 'liar via="sh ./liar %c"' >hosts
 for host in a b c d e f; do echo "$host via=\"sh ./honest %c\""; done >>hosts
 for method in masterslave adaptive gdc; do
 	rm -f out.pfm said && : >said
-	run timeout 300 balance $method -S hosts -s 24x16 -o out.pfm a.nff
+	run timeout 1200 balance $method -S hosts -s 24x16 -o out.pfm a.nff
 	is "$method, the first of seven slots is on another job: the same picture" "$status$(cmp out.pfm true.pfm)" 0
 	[ "$status" = 0 ] || diag "$err"
 	is "$method: the slot is named" "$(echo "$err" | grep -c 'slot 0 on liar: frame 0 has job [0-9a-f]* there, expected')" 1

@@ -67,7 +67,7 @@ while [ "$seed" -lt "$end" ]; do
 	worker=rtworker
 	[ $((seed / n_places % 2)) -eq 0 ] || worker=vcworker
 	rm -rf once damaged f?.pfm said
-	timeout 60 sh -c "{ $place; } 2>said | gather -e $worker/frames -o f%d.pfm 2>>said"
+	timeout 1200 sh -c "{ $place; } 2>said | gather -e $worker/frames -o f%d.pfm 2>>said"
 	status=$?
 	why=''
 	case $status in

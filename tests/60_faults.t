@@ -146,7 +146,7 @@ ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
 spdgen -s 2 tetra >tetra.nff
 printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtworker gears.nff; }\nexec deal fan -j 3 rtworker tetra.nff\n' >old
 chmod +x old
-{ partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
+{ partition 64x64; sleep 2; } 2>/dev/null | timeout 800 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
@@ -241,7 +241,7 @@ like "another job: the message names the slots" "$(cat said)" \
 for slots in 2 3; do
 	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL\n' >liar
 	rm -rf first out.pfm
-	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 20 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
+	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 800 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
 	like "the first of $slots slots has another job: a message says so" "$(cat said)" "frame 0: 1 with job 0, $((slots - 1)) with another: the run ends"
 	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
@@ -327,14 +327,14 @@ refused 'one number for two tasks' 'frame 0 8 8\ntask 0 0 0 0 1 1 1 1\ntask 0 0 
 
 # ---- closed standard streams ----------------------------------------------------------------
 for p in 'fan -j 2' 'deal fan -j 2'; do
-	run sh -c "timeout 300 $p rtworker gears.nff <."
+	run sh -c "timeout 1200 $p rtworker gears.nff <."
 	is "$p: standard input is a directory: exit 3" "$status" 3
-	run sh -c "timeout 300 $p rtworker gears.nff <&-"
+	run sh -c "timeout 1200 $p rtworker gears.nff <&-"
 	is "$p <&-: exit 3" "$status" 3
-	run sh -c "partition 8x8 | timeout 300 $p rtworker gears.nff >&-"
+	run sh -c "partition 8x8 | timeout 1200 $p rtworker gears.nff >&-"
 	is "$p >&-: exit 3" "$status" 3
 	rm -f out.pfm
-	run sh -c "{ pack scene gears.nff; partition 64x64; } | timeout 300 $p rtworker - 2>&- | gather -o out.pfm"
+	run sh -c "{ pack scene gears.nff; partition 64x64; } | timeout 1200 $p rtworker - 2>&- | gather -o out.pfm"
 	ok "$p 2>&-: the same picture" cmp out.pfm small.pfm
 done
 run sh -c 'partition 8x8 | rtworker gears.nff | gather -r closed.log >&-'
@@ -347,7 +347,7 @@ ok "-c, and an input that pauses: the same picture" cmp out.pfm small.pfm
 is "-c, and an input that pauses: no slot is lost" "$(cat said)" ""
 rm -f out.pfm
 for p in 'deal rtworker' 'deal deal fan -j 2 rtworker' 'deal -q 2 deal deal fan -j 2 fan -j 2 rtworker'; do
-	{ pack scene gears.nff; partition 64x64; } | timeout 300 $p - 2>said | gather -o out.pfm
+	{ pack scene gears.nff; partition 64x64; } | timeout 1200 $p - 2>said | gather -o out.pfm
 	ok "$p: the same picture" cmp out.pfm small.pfm
 	rm -f out.pfm
 done
@@ -356,7 +356,7 @@ done
 ok "more slots than descriptors: the same picture" cmp out.pfm small.pfm
 rm -f out.pfm
 printf '#!/bin/sh\nmkdir stays 2>/dev/null && exec rtworker -\nexec >&-\nexec sleep 7200\n' >mute && chmod +x mute
-{ pack scene gears.nff; partition 64x64; } | env MARK=$mark timeout 300 deal fan -j 20 ./mute 2>said | gather -o out.pfm
+{ pack scene gears.nff; partition 64x64; } | env MARK=$mark timeout 1200 deal fan -j 20 ./mute 2>said | gather -o out.pfm
 ok "19 of 20 workers close their output and stay: the same picture, without waiting for them" cmp out.pfm small.pfm
 { pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 rtworker - | gather -o out.pfm &
 ok "no process remains" await 4 none_alive

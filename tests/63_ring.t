@@ -129,7 +129,7 @@ liar() {
 		"$3" 'for i in 1 2 3 4 5 6 7 8 9 10; do ! grep -aq "^up " up || break; sleep .1; done' "$good" >liar
 	chmod +x liar
 	# shellcheck disable=SC2086  # words
-	timeout 300 env MARK=$mark ringctl sh -c 'fan -j 2 "$@" | tee up' fan $command <job.task 2>said | gather -o out.pfm 2>>said
+	timeout 1200 env MARK=$mark ringctl sh -c 'fan -j 2 "$@" | tee up' fan $command <job.task 2>said | gather -o out.pfm 2>>said
 	is "$1: exit 0" $? 0
 	ok "$1: the same picture" cmp out.pfm small.pfm
 }
@@ -183,9 +183,9 @@ for p in 'ringctl fan -j 2 ringctl -n rtworker -' 'ringctl -n rtworker -'; do
 	run sh -c "env MARK=$mark $p <job.task >/dev/full"
 	is "$p >/dev/full: exit 3" "$status" 3
 	ok "$p >/dev/full: no process remains" await 2 none_alive
-	run sh -c "timeout 300 $p <&-"
+	run sh -c "timeout 1200 $p <&-"
 	is "$p <&-: exit 3" "$status" 3
-	run sh -c "timeout 300 $p <job.task >&-"
+	run sh -c "timeout 1200 $p <job.task >&-"
 	is "$p >&-: exit 3" "$status" 3
 done
 { pack scene gears.nff; partition -n 2 512x512; } | env MARK=$mark ringctl fan -j 2 ringctl -n rtworker - |
@@ -199,7 +199,7 @@ refused() { # NAME RECORDS COMMAND ...
 	# shellcheck disable=SC2059  # records, with \n
 	printf "$2" >bad.task
 	shift 2
-	run env MARK=$mark timeout 300 "$@" <bad.task
+	run env MARK=$mark timeout 1200 "$@" <bad.task
 	is "$name: exit 2" "$status" 2
 	ok "$name: no process remains" await 2 none_alive
 }
@@ -214,7 +214,7 @@ for bad in '' '-n' '-k two fan' '-x' '-n -p rtworker' '-n -k one rtworker'; do
 	run ringctl $bad </dev/null
 	is "ringctl $bad: exit 2" "$status" 2
 done
-run sh -c "timeout 300 env MARK=$mark ringctl fan -j 2 rtworker - <job.task >/dev/null"
+run sh -c "timeout 1200 env MARK=$mark ringctl fan -j 2 rtworker - <job.task >/dev/null"
 like 'a ring of workers that are no nodes: a message says so' "$err" 'rtworker: .*record .ring.'
 ok 'a ring of workers that are no nodes: no process remains' await 2 none_alive
 
@@ -253,7 +253,7 @@ after() { [ "$(rows)" -ge 300 ] || ! kill -0 $! 2>/dev/null; }
 # table [OPTIONS]
 table() {
 	rm -f removed table.frags out.pfm pid.*
-	partition -n 9 32x512 | env MARK=$mark timeout 300 ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
+	partition -n 9 32x512 | env MARK=$mark timeout 1200 ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
 		gather -r table.frags -o out.pfm &
 	await 20 after
 	: >removed

@@ -20,7 +20,7 @@ heard() {
 	picture=$1 tasks=$2
 	shift 2
 	rm -rf 0 1 2 down.* up.*
-	ok "$picture: it ends well" timeout 300 sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
+	ok "$picture: it ends well" timeout 1200 sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
 	ok "$picture: the picture" cmp "$picture.pfm" good.pfm
 }
 # says FILE ...: prints the records of the ring, without their sums
@@ -46,7 +46,7 @@ like 'the next node answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( 
 # These rules have hazards, and load causes some of them: one of three runs must be complete.
 for try in 1 2 3; do
 	rm -f job.frags
-	env MARK=$mark timeout 300 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
+	env MARK=$mark timeout 1200 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
 	pid=$!
 	await 5 working 3
 	kill -9 "$(program ringctl 'ringctl -n ' | tail -n 1)"

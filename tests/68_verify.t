@@ -146,7 +146,7 @@ chmod +x later
 for kind in beats deaf trickle; do
 	printf '%s\n' 'a via="./later good 3 6 %c"' "b via=\"./later $kind 3 6 %c\"" 'c via="./later good 3 6 %c"' >hosts
 	rm -f starts out.png
-	run env MARK="$mark" timeout 300 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+	run env MARK="$mark" timeout 1200 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 	is "$kind: the two others check all" "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
 	ok "$kind: no process remains" await 10 none_alive
 done
@@ -154,7 +154,7 @@ done
 printf '%s\n' 'a via="./later good 3 6 %c"' 'b via="./later beats 3 6 %c"' 'c via="./later good 3 6 %c | ./liar 1"' \
 	'd via="sh -c %c"' >hosts
 rm -f starts lies
-run env MARK="$mark" timeout 300 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
+run env MARK="$mark" timeout 1200 balance interleaved -v 1 -S hosts -s 32x32 -o out.png balls.nff
 is 'beats, and a liar: status, and pieces that could not be checked' "$status:$(counts | cut -d ' ' -f 3)" 1:0
 like 'beats, and a liar: the liar is named' "$err" ': slot 2 \(host c\) computed other pixels than two other hosts$'
 like 'beats, and a liar: no other slot is named' "$(echo "$err" | grep -c 'slot [013]')" '^0$'
@@ -163,7 +163,8 @@ ok '... no process remains' await 10 none_alive
 # verify -t passes its input on, and does not wait for ever for more.
 balance interleaved -j 2 -s 32x32 -r long.log -o out.png balls.nff
 run sh -c '{ cat long.log; until [ -e over ]; do echo beat; sleep .1; done; } | { verify -t 1 long.log; s=$?; echo >over; exit $s; }'
-is 'verify -t: beats do not count as fragments' "$status:$err" '1:verify: no fragment came for 1 s: the missing ones are not waited for'
+like 'verify -t: beats do not count as fragments' "$status:$err" \
+	'^1:verify: no fragment came for [0-9]+ s: the missing ones are not waited for$' # 1 s, and some of its longest task
 grep -av '^beat$' "$tmp/.out" | cmp -s - long.log
 is 'verify -t: all records are passed on' $? 0
 run verify -t 1000 long.log <long.log

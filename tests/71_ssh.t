@@ -61,15 +61,17 @@ is 'a hosts file with via: every slot did tasks' "$(slots_in job.log)" '0 1 2 '
 
 # ---- a tree: one connection and one scene per host -------------------------------------------------------------------
 accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
+# both_up LOG: waits until both hosts are up, so that neither can do all tasks before the other has come
+both_up() { await 60 sh -c 'n=$(grep -ac "^up w=[01] " "$1" 2>&1); [ "$n" -ge 2 ]' up "$1" 2>/dev/null; }
 before=$(accepted)
-{ pack scene gears.nff; partition 96x96; } >job.task
-deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 64 - <job.task 2>said | gather -o tree.pfm -r tree.log
+{ pack scene gears.nff; both_up tree.log; partition 96x96; } |
+	deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 64 - 2>said | gather -o tree.pfm -r tree.log
 ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good64.pfm
 is 'a tree: no message' "$(unexpected said)" ''
 is 'a tree: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
 like 'a tree: two leaves per host' "$(slots_in tree.log)" '([01]\.[01] ){3}'
 
-partition -n 2 96x96 | { pack scene gears.nff; cat; } |
+{ pack scene gears.nff; both_up ring.log; partition -n 2 96x96; } |
 	ringctl fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - 2>said | gather -o ring.pfm -r ring.log
 ok 'ringctl fan -S host1,host2 ringctl -n deal fan -j 2: the same picture' cmp ring.pfm good64.pfm
 is 'a ring: no message' "$(unexpected said)" ''
@@ -95,7 +97,8 @@ printf 'one line,\r\n\033]0;title\007 no new line' >&2
 exec rtworker "$@"
 END
 # It cannot run here and on hosts that lack it; messages say so.
-deal fan -S "$file" loud -a 9 - <job.task 2>said | gather -o loud.pfm
+{ pack scene gears.nff; partition 96x96; } |
+	deal fan -S "$file" loud -a 9 - 2>said | gather -o loud.pfm
 ok 'a worker that is only on one host: the same picture' cmp loud.pfm good9.pfm
 like "each line of a worker's messages begins with its host" "$(cat said)" '^host3: one line,$'
 like "a worker's messages cannot control the terminal" "$(cat said)" '^host3: \\x1b]0;title\\x07 no new line$'

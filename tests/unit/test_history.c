@@ -305,8 +305,8 @@ static void pixels_that_cannot_be_used_are_named(void **state)
     struct history l = {0};
     put_costs(&b);
     history_over(&l, b.data, b.len);
-    not_found(&l, row(3), "frame 0: pixel 0,3 is there without what it cost");
-    not_found(&l, (struct lattice){2, 2, 1, 2, 1, 1}, "pixel 2,3 is there without");
+    not_found(&l, row(3), "frame 0: pixel 0,3 has no CPU time");
+    not_found(&l, (struct lattice){2, 2, 1, 2, 1, 1}, "pixel 2,3 has no CPU");
     b.data[l.frags[1].body - b.data] ^= 1;
     history_over(&l, b.data, b.len);
     not_found(&l, row(1), "pixel 0,1 is damaged");
@@ -317,7 +317,7 @@ static void pixels_that_cannot_be_used_are_named(void **state)
     done(&b, 0, 0, 0);
     frag(&b, 0, row(0), 0, 1);
     history_over(&l, b.data, b.len);
-    not_found(&l, (struct lattice){7, 0, 2, 1, 1, 1}, "pixel 0,1 is not there");
+    not_found(&l, (struct lattice){7, 0, 2, 1, 1, 1}, "pixel 0,1 is missing");
     history_free(&l);
     buf_free(&b);
 }

@@ -295,7 +295,7 @@ static void test_files(void **state)
     with_file("y", s, 1);
     with_file("x", s, 1);
     refuses(s, 0, REC_SPEC, "y",
-        "record `spec`, expected none of state, because all of it is in files");
+        "record `spec`, expected no state records, because all state is in files");
     assert_string_equal(((const struct text *)worker_states_value(s, 0))->s, "a");
     assert_string_equal(((const struct text *)worker_states_value(s, 1))->s, "x");
     assert_true(worker_states_job(s, W, H) == job);
