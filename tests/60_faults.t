@@ -195,6 +195,8 @@ liar() {
 }
 # For a liar that comes second: waits until another slot is up.
 second='until grep -aq "up w=" up; do sleep .02; done'
+# For a liar about its job: waits until another slot has announced its own.
+announced='until grep -aq "^frame 0 " up; do sleep .02; done'
 # through SCRIPT: passes on what a worker writes, line by line, each with what perl makes of it, and with the right sums
 cat >through <<'END'
 #!/usr/bin/perl
@@ -232,7 +234,7 @@ like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmeti
 liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: a message says so" "$(cat said)" 'lost \(long-line\)'
-liar "$second; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
+liar "$announced; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
 like "another job: the message names the slots" "$(cat said)" \
