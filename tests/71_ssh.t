@@ -61,18 +61,20 @@ is 'a hosts file with via: every slot did tasks' "$(slots_in job.log)" '0 1 2 '
 
 # ---- a tree: one connection and one scene per host -------------------------------------------------------------------
 accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.log; done; }
-# both_up LOG: waits until both hosts are up, so that neither can do all tasks before the other has come
-both_up() { await 60 sh -c 'n=$(grep -ac "^up w=[01] " "$1" 2>&1); [ "$n" -ge 2 ]' up "$1" 2>/dev/null; }
+# both_up: waits until both hosts are up, so that neither can do all tasks before the other has come
+both_up() { await 60 sh -c '[ "$(grep -ac "^up w=[01] " up)" -ge 2 ]'; }
 before=$(accepted)
-{ pack scene gears.nff; both_up tree.log; partition 96x96; } |
-	deal -q 4 fan -S host1,host2 deal fan -j 2 rtworker -a 64 - 2>said | gather -o tree.pfm -r tree.log
+: >up
+{ pack scene gears.nff; both_up; partition 96x96; } |
+	deal -q 4 sh -c 'fan -S host1,host2 deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o tree.pfm -r tree.log
 ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good64.pfm
 is 'a tree: no message' "$(unexpected said)" ''
 is 'a tree: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 1 }')"
 like 'a tree: two leaves per host' "$(slots_in tree.log)" '([01]\.[01] ){3}'
 
-{ pack scene gears.nff; both_up ring.log; partition -n 2 96x96; } |
-	ringctl fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - 2>said | gather -o ring.pfm -r ring.log
+: >up
+{ pack scene gears.nff; both_up; partition -n 2 96x96; } |
+	ringctl sh -c 'fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o ring.pfm -r ring.log
 ok 'ringctl fan -S host1,host2 ringctl -n deal fan -j 2: the same picture' cmp ring.pfm good64.pfm
 is 'a ring: no message' "$(unexpected said)" ''
 is 'a ring: one connection per host' "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk '{ printf "%d ", $1 + 2 }')"
