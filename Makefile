@@ -56,14 +56,16 @@ FUZZ_SECONDS = 600
 FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
-# Three programs need a library each: where it is missing, the others are built, and make says so.
+# Four programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf
 LIBS_grib2vtk = -leccodes
 LIBS_tsvstat  = -lgsl -lgslcblas
+LIBS_mesh2nff = -lassimp
 # PROGRAM:PACKAGE:MODULE of each that is left out. No "#" here: whether it needs a backslash depends on make's version.
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
-           $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference)
+           $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
+           $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
@@ -77,6 +79,7 @@ LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%),$(wildca
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
+LIBS_test_mesh = $(LIBS_mesh2nff)
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"

@@ -1,0 +1,124 @@
+/* file: opens a file through libassimp, and finds all that the scene needs before any is written. */
+#include "mesh/mesh_int.h"
+
+#include <assimp/cimport.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define BYTES_MAX UINT32_MAX /* of a file; libassimp's lengths have 32 bits */
+#define EXTENT_MIN 1e-12     /* NFF's view needs some */
+#define CORNERS_IN_ALL 0x7fffffffU
+
+static bool too_large(char err[ERR_BYTES])
+{
+    return err_set(err, "larger than %u bytes, expected at most as many", (unsigned)BYTES_MAX);
+}
+
+/* The first line of libassimp's reason. */
+static bool refused(char err[ERR_BYTES])
+{
+    const char *why = aiGetErrorString();
+    int n = (int)strcspn(why, "\n");
+    if (n && why[n - 1] == '.') n--;
+    return err_set(err, "libassimp: %.*s, expected a mesh in one of its formats", n < 150 ? n : 150,
+        n ? why : "no reason is given");
+}
+
+/* Whole: of a pipe the format can only be told by its content, and neighbours are not found. */
+static bool import_stream(const char *path, struct mesh *m, char err[ERR_BYTES])
+{
+    struct buf b = {0};
+    if (read_file(path, &b) != 0) {
+        err_set(err, "%s", strerror(errno));
+        buf_free(&b);
+        return false;
+    }
+    size_t n = buf_size(&b);
+    bool ok = n <= BYTES_MAX;
+    if (n && ok) m->scene = aiImportFileFromMemory((const char *)buf_data(&b), (unsigned)n, 0, "");
+    buf_free(&b);
+    if (!ok) return too_large(err);
+    if (!n) return err_set(err, "is empty, expected a mesh");
+    return m->scene || refused(err);
+}
+
+static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
+{
+    struct stat st;
+    bool is_stdin = strcmp(path, "-") == 0;
+    if (!is_stdin && stat(path, &st) != 0) return err_set(err, "%s", strerror(errno));
+    if (is_stdin || !(S_ISREG(st.st_mode) || S_ISDIR(st.st_mode)))
+        return import_stream(path, m, err);
+    if (S_ISDIR(st.st_mode)) return err_set(err, "%s", strerror(EISDIR));
+    if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
+    FILE *f = fopen(path, "rb");
+    if (!f) return err_set(err, "%s", strerror(errno));
+    fclose(f);
+    m->scene = aiImportFile(path, 0);
+    return m->scene || refused(err);
+}
+
+/* ---- the first pass over the faces ----------------------------------------------------------- */
+
+struct extent {
+    struct vec3 lo, hi;
+    uint64_t faces, corners;
+};
+
+static void include(void *ctx, const struct mesh_face *face)
+{
+    struct extent *e = ctx;
+    e->faces++;
+    e->corners += face->n;
+    for (uint32_t i = 0; i < face->n; i++) {
+        struct vec3 v = face->v[i];
+        e->lo = v3(fmin(e->lo.x, v.x), fmin(e->lo.y, v.y), fmin(e->lo.z, v.z));
+        e->hi = v3(fmax(e->hi.x, v.x), fmax(e->hi.y, v.y), fmax(e->hi.z, v.z));
+    }
+}
+
+static bool measure(struct mesh *m, char err[ERR_BYTES])
+{
+    struct extent e = {v3(HUGE_VAL, HUGE_VAL, HUGE_VAL), v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), 0, 0};
+    mesh_faces_each(m, m->loss, include, &e);
+    m->lo = e.lo, m->hi = e.hi;
+    if (!e.faces) return err_set(err, "has no usable face with an area, expected one at least");
+    if (e.corners > CORNERS_IN_ALL)
+        return err_set(err, "%llu corners of faces, expected at most %u",
+            (unsigned long long)e.corners, CORNERS_IN_ALL);
+    double extent = v3_len(v3_sub(e.hi, e.lo));
+    return extent >= EXTENT_MIN ||
+           err_set(err, "extends over %g, expected at least %g", extent, EXTENT_MIN);
+}
+
+struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[ERR_BYTES])
+{
+    struct mesh *m = xcalloc(1, sizeof *m);
+    m->o = *o;
+    bool ok = import(path, m, err);
+    if (ok) mesh_losses_find(m);
+    ok = ok && mesh_parts_find(m, err) && measure(m, err);
+    if (ok) {
+        mesh_materials_find(m);
+        mesh_view_find(m);
+        mesh_lights_find(m);
+        return m;
+    }
+    mesh_close(m);
+    return NULL;
+}
+
+void mesh_close(struct mesh *m)
+{
+    if (m->scene) aiReleaseImport(m->scene);
+    free(m->parts);
+    free(m->light_frames);
+    free(m->camera_frames);
+    free(m->materials);
+    free(m->lights);
+    free(m);
+}
+
+const struct mesh_loss *mesh_losses(const struct mesh *m) { return m->loss; }

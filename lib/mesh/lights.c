@@ -1,0 +1,95 @@
+/* lights: the file's lights as point lights that do not fade, or two lights beside the eye. */
+#include "mesh/mesh_int.h"
+
+#define FAR 1e4       /* distance of directional lights, in diagonals of the bounds */
+#define FAR_OF_TWO 10 /* of the two lights of a scene without any */
+#define INTENSITY_MAX 1e6
+
+static struct vec3 centre(const struct mesh *m) { return v3_scale(v3_add(m->lo, m->hi), .5); }
+static double diagonal(const struct mesh *m) { return v3_len(v3_sub(m->hi, m->lo)); }
+static double largest(const struct light *l) { return fmax(l->r, fmax(l->g, l->b)); }
+
+/*
+ * The factor of the light at this distance. A light of which the file says nothing has libassimp's
+ * default, 1/distance, which is not meant.
+ */
+static double fading(const struct aiLight *l, double distance)
+{
+    double c = (double)l->mAttenuationConstant, k = (double)l->mAttenuationLinear;
+    double q = (double)l->mAttenuationQuadratic;
+    if (c == 0 && k == 1 && q == 0) return 1;
+    double by = c + k * distance + q * distance * distance;
+    return mesh_is_length(by) ? 1 / by : 1;
+}
+
+/* Adds a light, if it shines. False if its numbers are unusable. */
+static bool add(struct mesh *m, const struct aiLight *l, const struct mesh_frame *f, double *sum)
+{
+    struct light out = {.own_colour = true};
+    double fade = 1;
+    if (l->mType == aiLightSource_DIRECTIONAL) {
+        struct vec3 d = mesh_frame_vector(f, mesh_vec(l->mDirection));
+        double length = v3_len(d);
+        if (!mesh_is_length(length)) return false;
+        out.pos = v3_mad(centre(m), d, -FAR * diagonal(m) / length);
+    } else {
+        out.pos = mesh_frame_point(f, mesh_vec(l->mPosition));
+        if (!mesh_is_place(out.pos)) return false;
+        fade = fading(l, v3_len(v3_sub(out.pos, centre(m))));
+    }
+    const struct aiColor3D *c = &l->mColorDiffuse;
+    out.r = fmax(0, fade * (double)c->r);
+    out.g = fmax(0, fade * (double)c->g);
+    out.b = fmax(0, fade * (double)c->b);
+    if (!isfinite(out.r) || !isfinite(out.g) || !isfinite(out.b)) return false;
+    *sum += largest(&out);
+    if (largest(&out) > 0) m->lights[m->n_lights++] = out;
+    return true;
+}
+
+/* Candela and lux become shares of the light at the centre. */
+static void scale(struct mesh *m, double factor)
+{
+    for (uint32_t i = 0; i < m->n_lights; i++) {
+        struct light *l = &m->lights[i];
+        l->r = fmin(l->r * factor, INTENSITY_MAX);
+        l->g = fmin(l->g * factor, INTENSITY_MAX);
+        l->b = fmin(l->b * factor, INTENSITY_MAX);
+    }
+}
+
+/* A bright light over the viewer's left shoulder, and a weak one at the right. */
+static void add_two(struct mesh *m)
+{
+    const struct view *v = &m->view;
+    struct vec3 back = v3_unit(v3_sub(v->from, v->at));
+    struct vec3 right = v3_unit(v3_cross(v->up, back)), up = v3_cross(back, right);
+    const double place[2][3] = {{-.6, .8, 1}, {.9, .2, .6}}, intensity[2] = {.8, .4};
+    for (int i = 0; i < 2; i++) {
+        struct vec3 d = v3_mad(v3_scale(back, place[i][2]), right, place[i][0]);
+        d = v3_unit(v3_mad(d, up, place[i][1]));
+        struct vec3 at = v3_mad(centre(m), d, FAR_OF_TWO * diagonal(m));
+        m->lights[m->n_lights++] =
+            (struct light){at, intensity[i], intensity[i], intensity[i], true};
+    }
+}
+
+void mesh_lights_find(struct mesh *m)
+{
+    const struct aiScene *s = m->scene;
+    double sum = 0;
+    m->lights = xcalloc(s->mNumLights + 2, sizeof *m->lights);
+    for (unsigned i = 0; i < s->mNumLights; i++) {
+        const struct aiLight *l = s->mLights[i];
+        switch (l->mType) {
+        case aiLightSource_SPOT: m->loss[LOSS_SPOTS].n++; break;
+        case aiLightSource_AREA: m->loss[LOSS_AREAS].n++; break;
+        case aiLightSource_POINT:
+        case aiLightSource_DIRECTIONAL: break;
+        default: m->loss[LOSS_AMBIENTS].n++; continue;
+        }
+        if (!add(m, l, &m->light_frames[i], &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
+    }
+    if (!m->n_lights) add_two(m);
+    else scale(m, mesh_is_gltf(m) && mesh_is_length(sum) ? 1 / sum : 1);
+}

@@ -1,0 +1,51 @@
+/* losses: what a file has and NFF cannot hold. */
+#include "mesh/mesh_int.h"
+
+#include <string.h>
+
+static const struct mesh_loss names[LOSSES + 1] = {
+    [LOSS_TEXTURES] = {"materials with textures", "written without them", 0},
+    [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
+    [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
+    [LOSS_COLOURS] = {"meshes with colours at their vertices", "written without them", 0},
+    [LOSS_BONES] = {"meshes with bones", "written as they rest", 0},
+    [LOSS_MORPHS] = {"meshes with morph targets", "written as they rest", 0},
+    [LOSS_ANIMATIONS] = {"animations", "left out", 0},
+    [LOSS_POINTS] = {"points", "left out", 0},
+    [LOSS_LINES] = {"lines", "left out", 0},
+    [LOSS_CAMERAS] = {"cameras beyond the first", "left out", 0},
+    [LOSS_BAD_CAMERAS] = {"cameras that are orthographic or define no view", "left out", 0},
+    [LOSS_SPOTS] = {"spot lights", "written as point lights", 0},
+    [LOSS_AREAS] = {"area lights", "written as point lights", 0},
+    [LOSS_AMBIENTS] = {"lights without a place and direction", "left out", 0},
+    [LOSS_BAD_LIGHTS] = {"lights with numbers that are not finite or too large", "left out", 0},
+    [LOSS_BAD_FACES] = {"faces with coordinates that are not finite or beyond 1e12, or with over "
+                        "1000000 corners",
+        "left out", 0},
+    [LOSS_FLAT_FACES] = {"faces without area", "left out", 0},
+    [LOSS_BAD_NORMALS] = {"faces with normals that are no direction", "written without them", 0},
+};
+
+bool mesh_is_gltf(const struct mesh *m)
+{
+    const struct aiMetadata *data = m->scene->mMetaData;
+    for (unsigned i = 0; data && i < data->mNumProperties; i++) {
+        if (strcmp(data->mKeys[i].data, "SourceAsset_Format") != 0) continue;
+        const struct aiMetadataEntry *e = &data->mValues[i];
+        return e->mType == AI_AISTRING &&
+               strncmp(((const struct aiString *)e->mData)->data, "glTF2", 5) == 0;
+    }
+    return false;
+}
+
+void mesh_losses_find(struct mesh *m)
+{
+    memcpy(m->loss, names, sizeof names);
+    m->loss[LOSS_ANIMATIONS].n = m->scene->mNumAnimations;
+    for (unsigned i = 0; i < m->scene->mNumMeshes; i++) {
+        const struct aiMesh *mesh = m->scene->mMeshes[i];
+        m->loss[LOSS_COLOURS].n += mesh->mColors[0] != NULL;
+        m->loss[LOSS_BONES].n += mesh->mNumBones > 0;
+        m->loss[LOSS_MORPHS].n += mesh->mNumAnimMeshes > 0;
+    }
+}

@@ -1,0 +1,90 @@
+/* materials: what NFF can say of a material: colour, Kd, Ks, shine, T and index of refraction. */
+#include "mesh/mesh_int.h"
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/material.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COLOUR_MAX 1e6
+#define SHINE_MAX 1e9
+#define IOR_MIN 1e-3
+#define IOR_MAX 1e3
+
+/* v within the bounds; `low` if it is no number. */
+static double within(double v, double low, double high) { return fmin(fmax(v, low), high); }
+
+static double real(const struct aiMaterial *m, const char *key, double fallback)
+{
+    ai_real v;
+    unsigned n = 1;
+    bool is = aiGetMaterialFloatArray(m, key, 0, 0, &v, &n) == aiReturn_SUCCESS && n == 1;
+    return is && isfinite(v) ? (double)v : fallback;
+}
+
+/* False, and white, if the material has none. */
+static bool colour(const struct aiMaterial *m, const char *key, struct vec3 *out)
+{
+    struct aiColor4D c;
+    bool is = aiGetMaterialColor(m, key, 0, 0, &c) == aiReturn_SUCCESS;
+    *out = v3(1, 1, 1);
+    if (is)
+        *out = v3(within((double)c.r, 0, COLOUR_MAX), within((double)c.g, 0, COLOUR_MAX),
+            within((double)c.b, 0, COLOUR_MAX));
+    return is;
+}
+
+/* glTF's alpha counts only where its mode says so. */
+static bool alpha_counts(const struct aiMaterial *m)
+{
+    struct aiString mode;
+    return aiGetMaterialString(m, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS ||
+           strcmp(mode.data, "BLEND") == 0;
+}
+
+static struct material translate(const struct aiMaterial *m)
+{
+    struct material out;
+    struct vec3 c;
+    colour(m, "$clr.diffuse", &c);
+    out.r = c.x, out.g = c.y, out.b = c.z;
+    double opacity = alpha_counts(m) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
+    double through = within(real(m, "$mat.transmission.factor", 0), 0, 1);
+    out.kd = opacity * (1 - through);
+    out.t = 1 - out.kd;
+    out.shine = within(real(m, "$mat.shininess", 0), 0, SHINE_MAX);
+    /* With shine 0 the highlight would be everywhere. */
+    out.ks = 0;
+    if (colour(m, "$clr.specular", &c) && out.shine > 0)
+        out.ks = within((c.x + c.y + c.z) / 3 * real(m, "$mat.shinpercent", 1), 0, COLOUR_MAX);
+    out.ior = within(real(m, "$mat.refracti", 1), IOR_MIN, IOR_MAX);
+    return out;
+}
+
+static bool has_texture(const struct aiMaterial *m)
+{
+    for (unsigned i = 0; i < m->mNumProperties; i++)
+        if (strcmp(m->mProperties[i]->mKey.data, "$tex.file") == 0) return true;
+    return false;
+}
+
+void mesh_materials_find(struct mesh *m)
+{
+    const struct aiScene *s = m->scene;
+    bool *used = xcalloc(s->mNumMaterials + 1, sizeof *used);
+    for (size_t i = 0; i < m->n_parts; i++)
+        if (m->parts[i].mesh->mMaterialIndex < s->mNumMaterials)
+            used[m->parts[i].mesh->mMaterialIndex] = true;
+    m->materials = xcalloc(s->mNumMaterials + 1, sizeof *m->materials);
+    for (unsigned i = 0; i < s->mNumMaterials; i++) {
+        const struct aiMaterial *from = s->mMaterials[i];
+        struct vec3 glow;
+        m->materials[i] = translate(from);
+        if (!used[i]) continue;
+        m->loss[LOSS_TEXTURES].n += has_texture(from);
+        m->loss[LOSS_EMISSION].n +=
+            colour(from, "$clr.emissive", &glow) && glow.x + glow.y + glow.z > 0;
+        m->loss[LOSS_METAL].n += real(from, "$mat.metallicFactor", 0) > 0;
+    }
+    free(used);
+}

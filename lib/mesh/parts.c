@@ -1,0 +1,110 @@
+/* parts: walks the tree of nodes, and multiplies their transforms. */
+#include "mesh/mesh_int.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Nodes that are not visited yet. The tree may be as deep as the file is long: no recursion. */
+struct stack {
+    struct entry {
+        const struct aiNode *node;
+        struct mesh_frame parent;
+    } * at;
+    size_t n, room;
+};
+
+static void push(struct stack *s, const struct aiNode *node, const struct mesh_frame *parent)
+{
+    if (!node) return;
+    if (s->n == s->room) {
+        s->room = s->room ? 2 * s->room : 64;
+        s->at = xrealloc(s->at, s->room, sizeof *s->at);
+    }
+    s->at[s->n++] = (struct entry){node, *parent};
+}
+
+static struct mesh_frame product(const struct mesh_frame *a, const struct aiMatrix4x4 *b)
+{
+    const double right[3][4] = {{(double)b->a1, (double)b->a2, (double)b->a3, (double)b->a4},
+        {(double)b->b1, (double)b->b2, (double)b->b3, (double)b->b4},
+        {(double)b->c1, (double)b->c2, (double)b->c3, (double)b->c4}};
+    struct mesh_frame out;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 4; k++)
+            out.m[i][k] = a->m[i][0] * right[0][k] + a->m[i][1] * right[1][k] +
+                          a->m[i][2] * right[2][k] + (k == 3 ? a->m[i][3] : 0);
+    return out;
+}
+
+static bool same_name(const struct aiString *a, const struct aiString *b)
+{
+    return a->length == b->length && memcmp(a->data, b->data, a->length) == 0;
+}
+
+/* Gives lights and cameras with the node's name its frame. */
+static void place(struct mesh *m, const struct aiNode *node, const struct mesh_frame *f)
+{
+    const struct aiScene *s = m->scene;
+    for (unsigned i = 0; i < s->mNumLights; i++)
+        if (same_name(&s->mLights[i]->mName, &node->mName)) m->light_frames[i] = *f;
+    for (unsigned i = 0; i < s->mNumCameras; i++)
+        if (same_name(&s->mCameras[i]->mName, &node->mName)) m->camera_frames[i] = *f;
+}
+
+static struct vec3 row(const struct mesh_frame *f, int i)
+{
+    return v3(f->m[i][0], f->m[i][1], f->m[i][2]);
+}
+
+static void add_part(struct mesh *m, size_t *room, const struct aiMesh *mesh, struct mesh_frame f)
+{
+    if (m->n_parts == *room) {
+        *room = *room ? 2 * *room : 16;
+        m->parts = xrealloc(m->parts, *room, sizeof *m->parts);
+    }
+    struct vec3 x = row(&f, 0), y = row(&f, 1), z = row(&f, 2);
+    m->parts[m->n_parts++] =
+        (struct mesh_part){mesh, f, {v3_cross(y, z), v3_cross(z, x), v3_cross(x, y)}};
+}
+
+static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct entry *e)
+{
+    const struct aiScene *s = m->scene;
+    struct mesh_frame f = product(&e->parent, &e->node->mTransformation);
+    place(m, e->node, &f);
+    for (unsigned i = 0; i < e->node->mNumMeshes; i++) {
+        unsigned at = e->node->mMeshes[i];
+        if (at >= s->mNumMeshes) continue;
+        *faces += s->mMeshes[at]->mNumFaces;
+        if (*faces > MESH_FACES_MAX) return false;
+        add_part(m, room, s->mMeshes[at], f);
+    }
+    return true;
+}
+
+bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
+{
+    static const struct mesh_frame identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const struct aiScene *s = m->scene;
+    struct stack stack = {.n = 0};
+    size_t room = 0;
+    uint64_t faces = 0;
+    bool ok = true;
+    if (s->mNumLights > MESH_LIGHTS_MAX || s->mNumCameras > MESH_LIGHTS_MAX)
+        return err_set(err, "%u lights and %u cameras, expected at most %u of each", s->mNumLights,
+            s->mNumCameras, MESH_LIGHTS_MAX);
+    m->light_frames = xcalloc(s->mNumLights + 1, sizeof *m->light_frames);
+    m->camera_frames = xcalloc(s->mNumCameras + 1, sizeof *m->camera_frames);
+    for (unsigned i = 0; i < s->mNumLights; i++) m->light_frames[i] = identity;
+    for (unsigned i = 0; i < s->mNumCameras; i++) m->camera_frames[i] = identity;
+    push(&stack, s->mRootNode, &identity);
+    while (ok && stack.n) {
+        struct entry e = stack.at[--stack.n];
+        struct mesh_frame f = product(&e.parent, &e.node->mTransformation);
+        ok = visit(m, &room, &faces, &e);
+        for (unsigned i = e.node->mNumChildren; ok && i-- > 0;)
+            push(&stack, e.node->mChildren[i], &f);
+    }
+    free(stack.at);
+    return ok || err_set(err, "more than %u faces, expected at most as many", MESH_FACES_MAX);
+}
