@@ -41,7 +41,7 @@ static void complain(int signal)
 /* While the file is read, such a fault is a file that is refused. */
 static void guard(const char *name, bool on)
 {
-    struct sigaction act = {.sa_flags = SA_ONSTACK | SA_RESETHAND};
+    struct sigaction act = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND)};
     act.sa_handler = on ? complain : SIG_DFL;
     snprintf(complaint, sizeof complaint,
         "%s: %.300s: libassimp failed, expected a file without damage\n", prog_name(), name);

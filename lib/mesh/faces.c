@@ -58,6 +58,7 @@ static enum normals normals(
         struct vec3 n = mesh_vec(p->mesh->mNormals[f->mIndices[i]]);
         n = v3(v3_dot(c[0], n), v3_dot(c[1], n), v3_dot(c[2], n));
         double length = v3_len(n);
+        if (length == 0) return NORMALS_FLAT; /* libassimp fills in what a face lacks */
         if (!mesh_is_length(length)) return NORMALS_BAD;
         s->normal[i] = v3_scale(n, 1 / length);
         if (fabs(v3_dot(s->normal[i], own)) < FLAT_COSINE) kind = NORMALS_BENT;

@@ -1,8 +1,10 @@
 /* lights: the file's lights as point lights that do not fade, or two lights beside the eye. */
 #include "mesh/mesh_int.h"
 
-#define FAR 1e4       /* distance of directional lights, in diagonals of the bounds */
-#define FAR_OF_TWO 10 /* of the two lights of a scene without any */
+#define FAR 1e4    /* distance of directional lights, in diagonals of the bounds */
+#define KEY_FAR 10 /* of the bright light in a scene without lights */
+#define KEY_RIGHT (-.6)
+#define KEY_ABOVE .8
 #define INTENSITY_MAX 1e6
 
 static struct vec3 centre(const struct mesh *m) { return v3_scale(v3_add(m->lo, m->hi), .5); }
@@ -58,20 +60,19 @@ static void scale(struct mesh *m, double factor)
     }
 }
 
-/* A bright light over the viewer's left shoulder, and a weak one at the right. */
+/*
+ * A bright light over the viewer's left shoulder, and a weak one at the eye: NFF has no ambient
+ * light, and this one lights all that is seen.
+ */
 static void add_two(struct mesh *m)
 {
     const struct view *v = &m->view;
     struct vec3 back = v3_unit(v3_sub(v->from, v->at));
     struct vec3 right = v3_unit(v3_cross(v->up, back)), up = v3_cross(back, right);
-    const double place[2][3] = {{-.6, .8, 1}, {.9, .2, .6}}, intensity[2] = {.8, .4};
-    for (int i = 0; i < 2; i++) {
-        struct vec3 d = v3_mad(v3_scale(back, place[i][2]), right, place[i][0]);
-        d = v3_unit(v3_mad(d, up, place[i][1]));
-        struct vec3 at = v3_mad(centre(m), d, FAR_OF_TWO * diagonal(m));
-        m->lights[m->n_lights++] =
-            (struct light){at, intensity[i], intensity[i], intensity[i], true};
-    }
+    struct vec3 d = v3_unit(v3_mad(v3_mad(back, right, KEY_RIGHT), up, KEY_ABOVE));
+    struct vec3 at = v3_mad(centre(m), d, KEY_FAR * diagonal(m));
+    m->lights[m->n_lights++] = (struct light){at, .8, .8, .8, true};
+    m->lights[m->n_lights++] = (struct light){v->from, .3, .3, .3, true};
 }
 
 void mesh_lights_find(struct mesh *m)
