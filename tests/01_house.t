@@ -21,6 +21,7 @@ inference table stats base
 scene base
 spd scene base
 simd base
+mesh scene base
 trace simd scene image task base
 grid base
 spec grid base

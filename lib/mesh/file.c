@@ -37,7 +37,10 @@ static bool import_stream(const char *path, struct mesh *m, char err[ERR_BYTES])
     }
     size_t n = buf_size(&b);
     bool ok = n <= BYTES_MAX;
-    if (n && ok) m->scene = aiImportFileFromMemory((const char *)buf_data(&b), (unsigned)n, 0, "");
+    /* Binary glTF is the one that libassimp does not tell by its content. */
+    const char *data = (const char *)buf_data(&b);
+    const char *hint = n >= 4 && memcmp(data, "glTF", 4) == 0 ? "glb" : "";
+    if (n && ok) m->scene = aiImportFileFromMemory(data, (unsigned)n, 0, hint);
     buf_free(&b);
     if (!ok) return too_large(err);
     if (!n) return err_set(err, "is empty, expected a mesh");

@@ -1,0 +1,348 @@
+#!/bin/sh
+# mesh2nff: the NFF lines of small files of each kind, and transforms, cameras, lights, losses and refusals; and that
+# rtworker's and POV-Ray's pictures of real meshes are the same.
+. "$(dirname "$0")/lib.sh"
+needs mesh2nff perl
+
+# faces: the lines of materials and faces that the last run wrote
+faces() { printf '%s\n' "$out" | grep -E '^(f|p|pp) '; }
+# after WORD: what stands behind the first such word of a line
+after() { printf '%s\n' "$out" | sed -n "s/^$1 //p" | head -n 1; }
+# packed TEMPLATE NUMBER ...: their bytes
+packed() { perl -e 'print pack shift, @ARGV' "$@"; }
+
+run mesh2nff -h
+is '-h exits 0' "$status" 0
+for bad in '' '-s 0x1 a.obj' '-s 70000x1 a.obj' '-y a.obj' 'a.obj b.obj'; do
+	# shellcheck disable=SC2086  # a word each
+	run mesh2nff $bad
+	is "refused: mesh2nff $bad" "$status:$out" 2:
+done
+
+# ---- OBJ: normals, polygons, materials -----------------------------------------------------------------------
+cat >a.mtl <<'END'
+newmtl paint
+Kd 0.8 0.1 0.25
+Ks 0.2 0.3 0.4
+Ns 20
+newmtl glass
+Kd 1 1 1
+d 0.25
+Ni 1.5
+newmtl matt
+Kd 0.3 0.3 0.3
+Ks 0.5 0.5 0.5
+END
+cat >a.obj <<'END'
+mtllib a.mtl
+v 0 0 0
+v 2 0 0
+v 2 2 0
+v 1 0.5 0
+v 0 2 0
+v 0.1 0.333333343 -1.5e-7
+vn 0 0 1
+vn 0 3 4
+usemtl paint
+f 1//1 2//1 3//2
+f 1//1 2//1 3//1
+usemtl glass
+f 1 2 3 4 5
+usemtl matt
+f 1//1 2//1 3//1 5//2
+f 1//1 2//1 3//1 4//1 5//2
+f -6//2 2//1 6//1
+END
+run mesh2nff a.obj
+is 'OBJ: exit 0 in silence' "$status:$err" 0:
+is 'OBJ: patches, polygons and materials' "$(faces)" "$(cat <<'END'
+f 0.8 0.1 0.25 1 0.3 20 0 1
+pp 3 0 0 0 0 0 1 2 0 0 0 0 1 2 2 0 0 0.6 0.8
+p 3 0 0 0 2 0 0 2 2 0
+f 1 1 1 0.25 0 0 0.75 1.5
+p 5 0 0 0 2 0 0 2 2 0 1 0.5 0 0 2 0
+f 0.3 0.3 0.3 1 0 0 0 1
+pp 4 0 0 0 0 0 1 2 0 0 0 0 1 2 2 0 0 0 1 0 2 0 0 0.6 0.8
+pp 3 2 0 0 0 0 1 2 2 0 0 0 1 1 0.5 0 0 0 1
+pp 3 1 0.5 0 0 0 1 0 2 0 0 0.6 0.8 0 0 0 0 0 1
+pp 3 0 0 0 0 0 1 2 0 0 0 0 1 1 0.5 0 0 0 1
+pp 3 0 0 0 0 0.6 0.8 2 0 0 0 0 1 0.1 0.33333334 -1.5e-7 0 0 1
+END
+)"
+printf '%s\n' "$out" >a.nff
+ok 'rtworker reads it' rtworker -i a.nff
+ok 'nff2pov reads it' nff2pov a.nff
+ok 'standard input, with the material library of this directory' sh -c 'cat a.obj | mesh2nff - >b && cmp a.nff b'
+mkfifo pipe
+cat a.obj >pipe &
+ok 'a named pipe' sh -c 'mesh2nff pipe >b && cmp a.nff b'
+wait
+mkdir other
+cp a.obj other
+is 'without the library: the default material of libassimp' "$(mesh2nff other/a.obj | grep '^f' | sort -u)" 'f 0.6 0.6 0.6 1 0 0 0 1'
+
+# ---- PLY and STL, as text and as bytes -----------------------------------------------------------------------
+header() {
+	printf '%s\n' ply "format $1 1.0" 'element vertex 4' 'property float x' 'property float y' 'property float z' \
+		'property float nx' 'property float ny' 'property float nz' 'element face 2' \
+		'property list uchar int vertex_indices' end_header
+}
+corners='0 0 0 0 0 1  1 0 0 0 0.6 0.8  1 1 0 0 0 1  0 1 0.1 0 0 1'
+expected='f 1 1 1 1 0 0 0 1
+pp 4 0 0 0 0 0 1 1 0 0 0 0.6 0.8 1 1 0 0 0 1 0 1 0.1 0 0 1
+pp 3 0 0 0 0 0 1 1 0 0 0 0.6 0.8 1 1 0 0 0 1'
+# shellcheck disable=SC2086  # a number each
+{
+	{ header ascii; printf '%s %s %s %s %s %s\n' $corners; echo '4 0 1 2 3'; echo '3 0 1 2'; } >text.ply
+	{ header binary_little_endian; packed 'f<*' $corners; packed 'Cl<*' 4 0 1 2 3; packed 'Cl<*' 3 0 1 2; } >bytes.ply
+}
+for file in text.ply bytes.ply; do
+	run mesh2nff $file
+	is "$file" "$status:$err:$(faces)" "0::$expected"
+done
+cat >text.stl <<'END'
+solid two
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1.5 0
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 0 -1e-3
+endloop
+endfacet
+endsolid two
+END
+{ packed 'A80 L<' bytes 2; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1.5 0 0; packed 'f<12 S<' 0 0 0 0 0 0 1 0 0 0 0 -1e-3 0; } >bytes.stl
+for file in text.stl bytes.stl; do
+	run mesh2nff $file
+	is "$file: facets are flat" "$status:$err:$(faces | grep '^p')" '0::p 3 0 0 0 1 0 0 0 1.5 0
+p 3 0 0 0 1 0 0 0 0 -0.001'
+done
+
+# ---- glTF ----------------------------------------------------------------------------------------------------
+# triangle: its positions, its normals, and three indices
+triangle() { packed 'f<18 S<3 x2' 0 0 0  1 0 0  0 1 0  0.6 0.8 0  0 0 1  0 0 1  0 1 2; }
+# gltf NODES MORE [BUFFER]: a scene of four nodes at most, all children of the first
+gltf() {
+	cat <<-END
+		{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [$1],
+		"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0}]}],
+		"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0,0,0], "max": [1,1,0]},
+			{"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},
+			{"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+		"bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 36},
+			{"buffer": 0, "byteOffset": 36, "byteLength": 36}, {"buffer": 0, "byteOffset": 72, "byteLength": 6}],
+		$2,
+		"buffers": [{"byteLength": 80 ${3-, \"uri\": \"data:application/octet-stream;base64,$(triangle | base64 -w 0)\"}}]}
+	END
+}
+paint='"materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 0.5], "metallicFactor": 0}}]'
+gltf '{"mesh": 0}' "$paint" >a.gltf
+run mesh2nff a.gltf
+plain='pp 3 0 0 0 0.6 0.8 0 1 0 0 0 0 1 0 1 0 0 0 1'
+is 'glTF: alpha counts only where its mode says so' "$status:$err:$(faces)" "0::f 0.5 0.25 0.125 1 0 0 0 1
+$plain"
+gltf '{"mesh": 0}' "$(echo "$paint" | sed 's/}}/}, "alphaMode": "BLEND"}/')" >blend.gltf
+run mesh2nff blend.gltf
+is 'glTF: here it does' "$(faces | head -n 1)" 'f 0.5 0.25 0.125 0.5 0 0 0.5 1'
+gltf '{"mesh": 0}' "\"extensionsUsed\": [\"KHR_materials_ior\", \"KHR_materials_transmission\"], $(echo "$paint" | sed 's/}}/}, "extensions": {"KHR_materials_ior": {"ior": 1.25}, "KHR_materials_transmission": {"transmissionFactor": 0.75}}}/')" >glass.gltf
+run mesh2nff glass.gltf
+is 'glTF: transmission, and index of refraction' "$(faces | head -n 1)" 'f 0.5 0.25 0.125 0.25 0 0 0.75 1.25'
+gltf '{"mesh": 0}' "$paint" '' >json
+while [ $(($(wc -c <json) % 4)) -ne 0 ]; do printf ' ' >>json; done
+size=$(wc -c <json)
+{ packed 'A4 L<2' glTF 2 $((size + 108)); packed 'L< A4' "$size" JSON; cat json; packed 'L< a4' 80 BIN; triangle; } >a.glb
+run mesh2nff a.glb
+is 'GLB' "$status:$err:$(faces | tail -n 1)" "0::$plain"
+ok 'through a pipe' sh -c 'mesh2nff a.glb >a && cat a.glb | mesh2nff - >b && cmp a b'
+
+# A matrix that turns by a quarter and doubles x, in a node that moves: normals are turned by the inverse transpose.
+gltf '{"translation": [10, 20, 30], "children": [1, 2]}, {"mesh": 0, "matrix": [0,2,0,0, -1,0,0,0, 0,0,1,0, 1,2,3,1]}, {"mesh": 0}' \
+	"$paint" >nodes.gltf
+run mesh2nff nodes.gltf
+is 'transforms of nodes, and two instances' "$(faces | grep '^pp')" \
+	'pp 3 11 22 33 -0.9363292 0.35112345 0 11 24 33 0 0 1 10 22 33 0 0 1
+pp 3 10 20 30 0.6 0.8 0 11 20 30 0 0 1 10 21 30 0 0 1'
+
+# ---- cameras and lights --------------------------------------------------------------------------------------
+lens='"cameras": [{"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]'
+gltf '{"mesh": 0, "children": [1, 2]}, {"camera": 0, "matrix": [0,0,-1,0, 0,1,0,0, 1,0,0,0, 5,0.5,0,1]}, {"camera": 1}' "$paint, $lens" >camera.gltf
+run mesh2nff camera.gltf
+is 'a camera is where its node is' "$(after from)" '5 0.5 0'
+is 'and looks where its node turns it' "$(after at):$(after up)" '0.5 0.5 0:0 1 0'
+is 'with its angle and aspect' "$(after angle):$(after resolution):$(after hither)" '28.64789:768 512:0'
+like 'another camera is named' "$err" '^mesh2nff: camera.gltf: cameras beyond the first: 1, left out$'
+run mesh2nff -s 30x20 camera.gltf
+is '-s: another size, the same angle' "$(after angle):$(after resolution)" '28.64789:30 20'
+sed 's/"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5,/"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9,/' \
+	camera.gltf >both.gltf
+run mesh2nff both.gltf
+like 'an orthographic camera is named' "$err" 'cameras that are orthographic or define no view: 1, left out'
+is 'and the next one is taken' "$(after from):$(after angle)" '0 0 0:57.29578'
+
+lamps='"extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
+	{"type": "point", "intensity": 50, "color": [1, 0.5, 0.25]}, {"type": "directional", "intensity": 1.5},
+	{"type": "spot", "intensity": 25, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2}}]}}'
+lamp() { printf '"extensions": {"KHR_lights_punctual": {"light": %d}}' "$1"; }
+gltf "{\"mesh\": 0, \"children\": [1, 2, 3]}, {$(lamp 0), \"translation\": [0.5, 0.5, 10]},
+	{$(lamp 1), \"matrix\": [1,0,0,0, 0,0,-1,0, 0,1,0,0, 0,0,0,1]}, {$(lamp 2), \"translation\": [0.5, 0.5, -5]}" "$paint, $lamps" >lamps.gltf
+run mesh2nff lamps.gltf
+# At the centre they are 50/100, 1.5 and 25/25; their sum becomes 1.
+is 'lights: a point, a far one in the direction that a directional one comes from, and a spot' \
+	"$(printf '%s\n' "$out" | grep '^l')" 'l 0.5 0.5 10 0.16666667 0.083333336 0.041666668
+l 0.5 14142.636 0 0.5 0.5 0.5
+l 0.5 0.5 -5 0.33333334 0.33333334 0.33333334'
+like 'and the spot is named' "$err" '^mesh2nff: lamps.gltf: spot lights: 1, written as point lights$'
+run mesh2nff a.gltf
+is 'without lights: a bright one, and one at the eye' "$(printf '%s\n' "$out" | sed -n 's/^l //p' | sed -n '1s/.* 0.8 0.8 0.8$/bright/p;2p')" \
+	"bright
+$(after from) 0.3 0.3 0.3"
+
+# ---- the view that fits --------------------------------------------------------------------------------------
+# extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge
+extent() {
+	awk '
+	function dot(a, b) { return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] }
+	function cross(a, b, c) { c[1] = a[2] * b[3] - a[3] * b[2]; c[2] = a[3] * b[1] - a[1] * b[3]; c[3] = a[1] * b[2] - a[2] * b[1] }
+	function unit(a, i, l) { l = sqrt(dot(a, a)); for (i = 1; i <= 3; i++) a[i] /= l }
+	$1 == "from" { for (i = 1; i <= 3; i++) from[i] = $(i + 1) }
+	$1 == "at" { for (i = 1; i <= 3; i++) f[i] = $(i + 1) - from[i]; unit(f) }
+	$1 == "up" { for (i = 1; i <= 3; i++) u[i] = $(i + 1); cross(f, u, r); unit(r); cross(r, f, u) }
+	$1 == "angle" { t = $2 * atan2(0, -1) / 360; t = sin(t) / cos(t) }
+	$1 == "resolution" { aspect = $2 / $3 }
+	/^pp? / {
+		width = $1 == "p" ? 3 : 6
+		for (k = 3; k < NF; k += width) {
+			for (i = 1; i <= 3; i++) q[i] = $(k + i - 1) - from[i]
+			z = dot(q, f); x = dot(q, r) / z / t / aspect; y = dot(q, u) / z / t
+			if (z <= 0) behind++
+			if (x * x > X * X) X = x
+			if (y * y > Y * Y) Y = y
+		}
+	}
+	END { printf "%.2f %.2f%s\n", X < 0 ? -X : X, Y < 0 ? -Y : Y, behind ? " behind" : "" }' "$1"
+}
+awk 'BEGIN { for (i = 0; i < 60; i++) print "v", 100 + sin(i), 3 * cos(2.3 * i) - 50, 0.2 * sin(1.7 * i)
+	for (i = 1; i < 59; i++) print "f", i, i + 1, i + 2 }' >ribbon.obj
+for options in '' -z '-s 300x100' '-z -s 100x300'; do
+	# shellcheck disable=SC2086  # a word each
+	mesh2nff $options ribbon.obj >ribbon.nff
+	like "all is seen, and fills the picture: mesh2nff $options" "$(extent ribbon.nff)" '^0.95 0.[0-9]*$|^0.[0-9]* 0.95$'
+done
+run mesh2nff -z text.stl
+is '-z: z is up' "$(after up)" '0 0 1'
+run mesh2nff text.stl
+is 'by default y is' "$(after up)" '0 1 0'
+
+# ---- what NFF cannot hold, and what is unusable --------------------------------------------------------------
+cat >losses.obj <<'END'
+mtllib losses.mtl
+v nan 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+v 1e13 0 0
+v inf 0 0
+usemtl lamp
+f 1 2 3
+f 2 3 4
+f 2 2 3
+f 5 2 3
+f 6 2 3
+p 2 3
+l 2 3
+END
+printf '%s\n' 'newmtl lamp' 'Kd 1 1 1' 'Ke 1 0 0' 'map_Kd wood.png' >losses.mtl
+run mesh2nff losses.obj
+is 'losses: exit 0, and one line each with a count' "$status:$(printf '%s\n' "$err" | sort)" \
+	"0:mesh2nff: losses.obj: faces with coordinates that are not finite or beyond 1e12, or with over 1000000 corners: 3, left out
+mesh2nff: losses.obj: faces without area: 1, left out
+mesh2nff: losses.obj: lines: 1, left out
+mesh2nff: losses.obj: materials that emit light: 1, written without it
+mesh2nff: losses.obj: materials with textures: 1, written without them
+mesh2nff: losses.obj: points: 2, left out"
+is 'and the rest is written' "$(faces)" 'f 1 1 1 1 0 0 0 1
+p 3 1 0 0 0 1 0 0 0 1'
+sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
+like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
+sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
+	text.ply >colours.ply
+like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, written without them$'
+sed 's/ 0 0.6 0.8$/ 0 nan 0.8/' text.ply >normals.ply
+run mesh2nff normals.ply
+like 'normals that are no numbers are named' "$err" 'faces with normals that are no direction: 2, written without them$'
+is 'and the faces are polygons' "$(faces | cut -d' ' -f1 | tr '\n' ' ')" 'f p p '
+
+# ---- refused -------------------------------------------------------------------------------------------------
+# refused FILE WHY: exit 2 with one line, nothing on standard output
+refused() {
+	run mesh2nff "$1"
+	like "refused: $1" "$status:$out:$err" "^2::mesh2nff: $2"
+}
+refused missing.obj 'missing.obj: No such file or directory$'
+refused . '[.]: Is a directory$'
+echo words >words.txt
+refused words.txt 'words.txt: libassimp: .*, expected a mesh in one of its formats$'
+head -c 300 a.glb >torn.glb
+refused torn.glb 'torn.glb: libassimp: .*, expected a mesh in one of its formats$'
+: >empty
+refused empty 'empty: .*, expected a mesh'
+run mesh2nff - <empty
+is 'refused: an empty standard input' "$status:$out:$err" '2::mesh2nff: stdin: is empty, expected a mesh'
+printf 'v %s\n' '0 0 0' '1 1 1' '2 2 2' >line.obj
+echo 'f 1 2 3' >>line.obj
+refused line.obj 'line.obj: has no usable face with an area, expected one at least$'
+printf 'v %s\n' '0 0 0' '1e-13 0 0' '0 1e-13 0' >tiny.obj
+echo 'f 1 2 3' >>tiny.obj
+refused tiny.obj 'tiny.obj: extends over 1.41421e-13, expected at least 1e-12$'
+# libassimp descends into nodes by recursion, and has no limit.
+awk 'BEGIN { for (i = 0; i < 200000; i++) printf "{\"children\": [%d]}, ", i + 1; print "{\"mesh\": 0}" }' >chain
+gltf "$(cat chain)" "$paint" >deep.gltf
+refused deep.gltf 'deep.gltf: libassimp failed, expected a file without damage$'
+run sh -c 'mesh2nff a.obj >/dev/full'
+like 'a full disk exits 3' "$status $err" '^3 mesh2nff: standard output: '
+
+# ---- real meshes ---------------------------------------------------------------------------------------------
+# same FILE: rtworker's picture is POV-Ray's
+same() {
+	mesh2nff "$1" >s.nff && nff2pov -x 100 s.nff >s.pov || return
+	povray +Is.pov +Os.ppm +W100 +H100 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
+	partition 100x100 | rtworker s.nff | gather -o s.pfm || return
+	imgcmp -d 0.001 -r 0.00001 s.pfm s.ppm && imgcmp -q -t 0.003922 -f 0.0005 s.pfm s.ppm
+}
+models=/usr/share/glmark2/models
+if there povray $models/bunny.obj $models/horse.3ds; then
+	for model in bunny.obj horse.3ds; do
+		ok "POV-Ray agrees on $model" same $models/$model
+		like "and all of $model is seen" "$(extent s.nff)" '^0.95 0.[0-9]*$|^0.[0-9]* 0.95$'
+	done
+	is 'all triangles of bunny.obj' "$(mesh2nff $models/bunny.obj | grep -c '^p 3')" "$(grep -c '^f' $models/bunny.obj)"
+else
+	skip 'agreement with POV-Ray on real meshes' "$missing is not there"
+fi
+# A pane before a bent sheet.
+cat >pane.obj <<'END'
+mtllib a.mtl
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0.2
+v -0.5 -0.5 1
+v 0.7 -0.5 1
+v 0.7 0.5 1
+v -0.5 0.5 1
+vn 0.3 0 1
+vn -0.3 0.1 1
+usemtl paint
+f 1//1 2//2 3//2 4//1
+usemtl glass
+f 5 6 7 8
+END
+if there povray; then ok 'POV-Ray agrees on patches, glass and paint' same pane.obj; else skip 'patches and glass' 'povray is not there'; fi
+finish
