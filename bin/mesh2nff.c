@@ -5,6 +5,8 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 static const char usage_text[] = "[-hz] [-s WxH] FILE|-";
@@ -24,28 +26,46 @@ static struct mesh_options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- faults of libassimp, which aborts on some damaged files ---------------------------------- */
+/* ---- faults of libassimp ---------------------------------------------------------------------- */
 
-static const int fatal[] = {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV};
-#define FATALS (sizeof fatal / sizeof *fatal)
-#define STACK_BYTES 65536
-static char complaint[512];
+/*
+ * On damaged files libassimp may abort, use up the stack, or run forever. While it reads, any of
+ * these means that the file is refused.
+ */
+static const int fatal[] = {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPROF, SIGSEGV};
+#define STACK_BYTES 65536 /* of the handler's own stack */
+#define SECONDS 5         /* of CPU time for any file, many times what the slowest format needs, */
+#define SECONDS_PER_MB 2  /* and for its size */
+#define SECONDS_OF_PIPE 600
+static char complaint[2][512]; /* of failing, of not ending */
 
 static void complain(int signal)
 {
-    (void)signal;
-    (void)!write(STDERR_FILENO, complaint, strlen(complaint));
+    const char *text = complaint[signal == SIGPROF];
+    (void)!write(STDERR_FILENO, text, strlen(text));
     _exit(ST_USAGE);
 }
 
-/* While the file is read, such a fault is a file that is refused. */
-static void guard(const char *name, bool on)
+static int seconds_for(const char *path)
+{
+    struct stat st;
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return SECONDS_OF_PIPE;
+    return SECONDS + (int)fmin((double)st.st_size / 1e6 * SECONDS_PER_MB, 1e6);
+}
+
+static void guard(const char *path, const char *name, bool on)
 {
     struct sigaction act = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND)};
+    struct itimerval limit = {.it_value.tv_sec = on ? seconds_for(path) : 0};
     act.sa_handler = on ? complain : SIG_DFL;
-    snprintf(complaint, sizeof complaint,
+    snprintf(complaint[0], sizeof complaint[0],
         "%s: %.300s: libassimp failed, expected a file without damage\n", prog_name(), name);
-    for (size_t i = 0; i < FATALS; i++) sigaction(fatal[i], &act, NULL);
+    snprintf(complaint[1], sizeof complaint[1],
+        "%s: %.300s: libassimp did not end within %ld s, expected a file without damage\n",
+        prog_name(), name, (long)limit.it_value.tv_sec);
+    if (!on) setitimer(ITIMER_PROF, &limit, NULL);
+    for (size_t i = 0; i < sizeof fatal / sizeof *fatal; i++) sigaction(fatal[i], &act, NULL);
+    if (on) setitimer(ITIMER_PROF, &limit, NULL);
 }
 
 int main(int argc, char **argv)
@@ -57,9 +77,9 @@ int main(int argc, char **argv)
     /* A stack of its own, because a deep tree may use up the other. */
     stack_t stack = {.ss_sp = xmalloc(1, STACK_BYTES), .ss_size = STACK_BYTES};
     sigaltstack(&stack, NULL);
-    guard(name, true);
+    guard(path, name, true);
     struct mesh *m = mesh_open(path, &o, err);
-    guard(name, false);
+    guard(path, name, false);
     if (!m) die(ST_USAGE, "%s: %s", name, err);
     for (const struct mesh_loss *l = mesh_losses(m); l->what; l++)
         if (l->n) warn("%s: %s: %llu, %s", name, l->what, (unsigned long long)l->n, l->outcome);

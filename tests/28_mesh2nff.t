@@ -79,7 +79,7 @@ ok 'a named pipe' sh -c 'mesh2nff pipe >b && cmp a.nff b'
 wait
 mkdir other
 cp a.obj other
-is 'without the library: the default material of libassimp' "$(mesh2nff other/a.obj | grep '^f' | sort -u)" 'f 0.6 0.6 0.6 1 0 0 0 1'
+is 'without the library: the default material of libassimp' "$(mesh2nff other/a.obj | grep '^f ' | sort -u)" 'f 0.6 0.6 0.6 1 0 0 0 1'
 
 # ---- PLY and STL, as text and as bytes -----------------------------------------------------------------------
 header() {
@@ -271,6 +271,9 @@ is 'and the rest is written' "$(faces)" 'f 1 1 1 1 0 0 0 1
 p 3 1 0 0 0 1 0 0 0 1'
 sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
 like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
+gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+	"samplers": [{"input": 3, "output": 0}]}]' | sed 's/"type": "SCALAR"}/&, {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}/' >moves.gltf
+like 'animations are named' "$(mesh2nff moves.gltf 2>&1 >a)" '^mesh2nff: moves.gltf: animations: 1, left out$'
 sed 's/^property float nx/property uchar red/; s/^property float ny/property uchar green/; s/^property float nz/property uchar blue/' \
 	text.ply >colours.ply
 like 'colours of vertices are named' "$(mesh2nff colours.ply 2>&1 >a)" 'meshes with colours at their vertices: 1, written without them$'
@@ -305,6 +308,10 @@ refused tiny.obj 'tiny.obj: extends over 1.41421e-13, expected at least 1e-12$'
 awk 'BEGIN { for (i = 0; i < 200000; i++) printf "{\"children\": [%d]}, ", i + 1; print "{\"mesh\": 0}" }' >chain
 gltf "$(cat chain)" "$paint" >deep.gltf
 refused deep.gltf 'deep.gltf: libassimp failed, expected a file without damage$'
+# libassimp 5.2 looks for the end of this header forever; a later one may refuse it.
+sed 's/^end_header/end_headr/' text.ply >endless.ply
+run mesh2nff endless.ply
+like 'refused: a file that libassimp does not end with' "$status:$out:$err" '^2::mesh2nff: endless.ply: libassimp.*, expected'
 run sh -c 'mesh2nff a.obj >/dev/full'
 like 'a full disk exits 3' "$status $err" '^3 mesh2nff: standard output: '
 
