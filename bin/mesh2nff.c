@@ -26,7 +26,7 @@ static struct mesh_options parse(int argc, char **argv)
     return o;
 }
 
-/* ---- faults of libassimp ---------------------------------------------------------------------- */
+/* ---- faults of libassimp -------------------------------------------------------------------- */
 
 /*
  * On damaged files libassimp may abort, use up the stack, or run forever. While it reads, any of

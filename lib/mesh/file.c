@@ -1,4 +1,6 @@
-/* file: opens a file through libassimp, and finds all that the scene needs before any is written. */
+/*
+ * file: opens a file through libassimp, and finds all that the scene needs, before any is written.
+ */
 #include "mesh/mesh_int.h"
 
 #include <assimp/cimport.h>
