@@ -51,6 +51,7 @@ f 1 2 3 4 5
 usemtl matt
 f 1//1 2//1 3//1 5//2
 f 1//1 2//1 3//1 4//1 5//2
+f 1//1 2//1 4//1 5//2
 f -6//2 2//1 6//1
 END
 run mesh2nff a.obj
@@ -66,6 +67,8 @@ pp 4 0 0 0 0 0 1 2 0 0 0 0 1 2 2 0 0 0 1 0 2 0 0 0.6 0.8
 pp 3 2 0 0 0 0 1 2 2 0 0 0 1 1 0.5 0 0 0 1
 pp 3 1 0.5 0 0 0 1 0 2 0 0 0.6 0.8 0 0 0 0 0 1
 pp 3 0 0 0 0 0 1 2 0 0 0 0 1 1 0.5 0 0 0 1
+pp 3 0 0 0 0 0 1 2 0 0 0 0 1 1 0.5 0 0 0 1
+pp 3 1 0.5 0 0 0 1 0 2 0 0 0.6 0.8 0 0 0 0 0 1
 pp 3 0 0 0 0 0.6 0.8 2 0 0 0 0 1 0.1 0.33333334 -1.5e-7 0 0 1
 END
 )"
@@ -172,7 +175,7 @@ pp 3 10 20 30 0.6 0.8 0 11 20 30 0 0 1 10 21 30 0 0 1'
 
 # ---- cameras and lights --------------------------------------------------------------------------------------
 lens='"cameras": [{"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]'
-gltf '{"mesh": 0, "children": [1, 2]}, {"camera": 0, "matrix": [0,0,-1,0, 0,1,0,0, 1,0,0,0, 5,0.5,0,1]}, {"camera": 1}' "$paint, $lens" >camera.gltf
+gltf '{"mesh": 0, "children": [1, 2]}, {"camera": 0, "matrix": [0,0,-1,0, 0,1,0,0, 1,0,0,0, 5,0.5,0,1]}, {"camera": 1, "translation": [0, 0, 4]}' "$paint, $lens" >camera.gltf
 run mesh2nff camera.gltf
 is 'a camera is where its node is' "$(after from)" '5 0.5 0'
 is 'and looks where its node turns it' "$(after at):$(after up)" '0.5 0.5 0:0 1 0'
@@ -184,7 +187,7 @@ sed 's/"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5,/"
 	camera.gltf >both.gltf
 run mesh2nff both.gltf
 like 'an orthographic camera is named' "$err" 'cameras that are orthographic or define no view: 1, left out'
-is 'and the next one is taken' "$(after from):$(after angle)" '0 0 0:57.29578'
+is 'and the next one is taken' "$(after from):$(after angle)" '0 0 4:57.29578'
 
 lamps='"extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
 	{"type": "point", "intensity": 50, "color": [1, 0.5, 0.25]}, {"type": "directional", "intensity": 1.5},
