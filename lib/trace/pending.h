@@ -1,10 +1,10 @@
 /*
- * pending: the rays of one sample that are still to be traced, the one of largest weight first. When
- * those that remain can change the sample by no more than the error budget together, the sample is
- * finished and they are dropped. So the sum of all that is dropped is bounded, unlike in R. Hall, D.
- * Greenberg, "A testbed for realistic image synthesis", IEEE CG&A 3(8), 1983, where each ray ends
- * below a fixed weight. The order depends on nothing but the sample's own rays. By largest bound
- * first, nested glass took up to a third more rays.
+ * pending: the rays of one sample that are still to be traced, the one of largest weight first.
+ * When those that remain can change the sample by no more than the error budget together, the
+ * sample is finished and they are dropped. So the sum of all that is dropped is bounded, unlike in
+ * R. Hall, D. Greenberg, "A testbed for realistic image synthesis", IEEE CG&A 3(8), 1983, where
+ * each ray ends below a fixed weight. The order depends on nothing but the sample's own rays. By
+ * largest bound first, nested glass took up to a third more rays.
  *
  * The rays of all samples of a wave share one pool.
  */
@@ -27,7 +27,7 @@ struct pending {
 
 /* Beyond PENDING_MOST rays of a sample, those that follow are traced depth first, so memory stays
  * bounded: a ray leaves two behind, of which the mirrored one has another level. Only a sample that
- * is traced alone may have so many. */
+ * is traced alone may have more. */
 #define PENDING_MOST 65536
 struct pending_pool {
     struct pending *at;
@@ -54,8 +54,8 @@ void pending_release(struct pending_pool *pool, uint32_t i);
 void pending_push(struct pending_rays *p, struct pending_pool *pool, uint32_t i);
 /* The ray to be traced next. There must be one. */
 uint32_t pending_pop(struct pending_rays *p, struct pending_pool *pool);
-/* True if no ray is left, or those that are left bring at most `budget` together: they are released.
- * A budget of 0 drops no ray. */
+/* True if no ray is left, or those that are left bring at most `budget` together: they are
+ * released. A budget of 0 drops no ray. */
 bool pending_end(struct pending_rays *p, struct pending_pool *pool, double budget);
 
 #endif

@@ -199,8 +199,8 @@ static void trace_round(
     }
 }
 
-/* Traces rays of the listed samples until each is finished or, if there is another, has so many
- * pending rays that it is to be finished alone. Returns the number of these; they come first. */
+/* Traces rays of the listed samples until each is finished or, if there is another, has more than
+ * ALONE pending rays. Returns the number of these; they come first. */
 static uint32_t trace_samples(struct tracer *t, struct wave *w, struct sample **list, uint32_t n)
 {
     uint32_t large = 0, most = n > 1 ? ALONE : UINT32_MAX;

@@ -1,5 +1,5 @@
 /*
- * The error budget: a depth-first tracer that drops nothing says what a sample is. With a budget of 0
+ * The error budget: a depth-first tracer that drops nothing computes samples. With a budget of 0
  * wave_colours computes the same; with another no channel is off by more than the budget.
  */
 #include "trace/pending.h"
@@ -54,8 +54,8 @@ static uint64_t rays_of(const struct tracer *t)
     return c.eye + c.reflected + c.refracted;
 }
 
-/* Traces a side x side picture of the scene with budgets from 0 to 1. b is freed. Returns the number
- * of rays with the last budget as a part of all rays. */
+/* Traces a side x side picture of the scene with budgets from 0 to 1. b is freed. Returns the
+ * number of rays with the last budget as a part of all rays. */
 static double holds(struct buf *b, int depth, uint32_t side)
 {
     static const double budgets[] = {0, 0x1p-17, 1e-3, 0.03, 1};

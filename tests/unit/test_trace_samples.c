@@ -4,8 +4,8 @@
 #include <stdarg.h>
 #include "trace_scenes.h"
 
-/* A white half-plane whose edge crosses the row (or the column) of 1-pixel pictures at `part` of the
- * pixel. Returns how far the pixel is from that part. */
+/* A white half-plane covers `part` of one pixel, with an upright or a level edge. Returns how far
+ * the pixel is from that part. */
 static double off_by(double part, bool upright, int samples, uint64_t seed)
 {
     struct buf b = {0};
