@@ -18,7 +18,7 @@ search() {
 		shift
 	done
 	# shellcheck disable=SC2086
-	(ulimit -t 300 && exec env $given "./$model" -m100000 "$@") >said 2>&1
+	env $given prlimit --cpu=300 "./$model" -m100000 "$@" >said 2>&1
 }
 # holds MODEL ...: the search is complete; no state is wrong, and none comes twice
 holds() {

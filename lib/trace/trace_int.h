@@ -195,10 +195,10 @@ struct tracer {
     struct item *items;
     uint32_t n_items;
     struct surface *surfaces;
-    uint8_t *transmits;     /* per item: its material's t > 0 */
-    bool *light_in_surface; /* per light */
+    uint8_t *transmits;                   /* per item: its material's t > 0 */
+    bool *light_in_surface;               /* per light */
     double radiance[TRACE_DEPTH_MAX + 1]; /* by level: the most light a ray can bring */
-    struct media around;    /* the media that contain the start of eye rays */
+    struct media around;                  /* the media that contain the start of eye rays */
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
