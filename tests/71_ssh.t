@@ -17,6 +17,7 @@ render() {
 	run balance "$2" -S "$3" -s 96x96 -W "-a ${4:-9}" -o out.pfm -r job.log gears.nff
 	printf '%s\n' "$err" >said
 	is "$1: exit 0" "$status" 0
+	[ "$status" = 0 ] || diag "$err"
 	ok "$1: the same picture" cmp out.pfm "good${4:-9}.pfm"
 }
 # heard NAME HOSTS ERE: the same with deal, whose input stays open until fan has printed this message
