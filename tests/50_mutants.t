@@ -20,7 +20,7 @@ found() {
 	cc -o mutant mutant.o "unit-test_$1.o" $(objects "$(object "$file")") -lcmocka -lm ||
 		{ echo "$3: does not link"; return 1; }
 	status=0
-	timeout 1200 ./mutant >said 2>&1 || status=$?
+	prlimit --cpu=60 ./mutant >said 2>&1 || status=$?
 	{ [ "$status" -ne 0 ] && grep -q 'to repeat:' said; } ||
 		{ echo "$3: survives: test_$1 exits with $status, and no seed fails"; return 1; }
 }
