@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is known of a task. */
+/* The size and the time of a task. */
 struct cost {
     double us; /* its time; -1: not known */
     uint32_t pixels;

@@ -1,6 +1,6 @@
 /*
  * bound: the most light that a ray can bring, from the scene's materials and lights alone. A ray
- * whose share of its sample cannot exceed what is left of the error budget need not be traced.
+ * need not be traced if the light that it can bring fits into the rest of the error budget.
  *
  * All numbers are the largest of the three colours. E is the light that a point sends back by
  * itself: per light I, at most I (C kd + ks), because N.L and (R.L)^shine are at most 1. B is the

@@ -13,14 +13,14 @@
 #include <stdlib.h>
 
 #define ALONE 256 /* pending rays of a sample that is finished alone, so that memory is bounded */
-/* A shadow ray is dropped if it can bring at most this part of what is left of the budget. */
+/* A shadow ray is dropped if it can bring at most this part of the remaining shadow budget. */
 #define SHADOW_PART 0.0625
 
 /* A sample, and the ray that it traces in this round. */
 struct sample {
     struct pending_rays rays;
     struct vec3 *colour;
-    double shadow_budget; /* what is left of it */
+    double shadow_budget; /* not spent yet */
     uint32_t now;         /* index of the ray */
     struct hit h;
     struct hit_point at;
