@@ -47,12 +47,9 @@ static void powers_of_hosts(struct account *a, const char *arg)
     struct hosts h;
     char err[HOSTS_ERR];
     if (!hosts_read(&h, arg, err)) die(ST_USAGE, "%s", err);
-    double *power = xmalloc((size_t)h.slots, sizeof *power), *at = power;
-    for (size_t i = 0; i < h.n; i++) {
-        if (h.at[i].power <= 0)
-            die(ST_USAGE, "-S %s: host %s has no power, expected power=P", arg, h.at[i].name);
-        for (int k = 0; k < h.at[i].slots; k++) *at++ = h.at[i].power;
-    }
+    const char *without;
+    double *power = hosts_powers(&h, &without);
+    if (!power) die(ST_USAGE, "-S %s: host %s has no power, expected power=P", arg, without);
     for (size_t i = 0; i < a->n_slots; i++) {
         int64_t k = account_outermost(a->slots[i].name);
         if (k >= h.slots)
