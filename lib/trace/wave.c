@@ -21,7 +21,8 @@ struct sample {
     struct pending_rays rays;
     struct vec3 *colour;
     double shadow_budget; /* not spent yet */
-    uint32_t now;         /* index of the ray */
+    const struct ray *eye;
+    uint32_t now; /* index of the ray in the pool */
     struct hit h;
     struct hit_point at;
     struct vec3 light; /* direct light only */
@@ -40,12 +41,15 @@ struct wave {
     struct pending_pool pool;
     struct shadow_query query[PACKET];
     uint32_t n_queries;
+    uint32_t eye; /* the entry of the pool that all eye rays share, except for the ray itself */
 };
 
 struct wave *wave_new(const struct tracer *t)
 {
     struct wave *w = xcalloc(1, sizeof *w);
     pending_pool_init(&w->pool, t->transmits != NULL);
+    w->eye = pending_new(&w->pool);
+    w->pool.at[w->eye] = (struct pending){.weight = 1, .level = 1, .from = NO_PRIM};
     return w;
 }
 
@@ -54,6 +58,17 @@ void wave_free(struct wave *w)
     for (int i = 0; w && i < WAVE_RAYS; i++) free(w->sample[i].rays.heap);
     if (w) pending_pool_free(&w->pool);
     free(w);
+}
+
+static inline const struct ray *ray_now(const struct wave *w, const struct sample *s)
+{
+    return s->now == w->eye ? s->eye : &w->pool.at[s->now].ray;
+}
+
+/* Adds the light that the ray of this round brings. */
+static inline void bring(struct wave *w, struct sample *s, struct vec3 light)
+{
+    *s->colour = v3_mad(*s->colour, light, w->pool.at[s->now].weight);
 }
 
 /* ---- lights ------------------------------------------------------------------------------ */
@@ -88,7 +103,8 @@ static void trace_shadows(struct tracer *t, struct wave *w)
 /* True if the sample's budget covers the loss of this light. */
 static bool dropped(struct sample *s, struct vec3 light, double weight)
 {
-    double loss = weight * fmax(light.x, fmax(light.y, light.z));
+    double most = light.y > light.z ? light.y : light.z;
+    double loss = weight * (light.x > most ? light.x : most);
     if (loss > s->shadow_budget * SHADOW_PART) return false;
     s->shadow_budget -= loss;
     return true;
@@ -101,7 +117,7 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
             struct sample *s = list[i];
             const struct pending *k = &w->pool.at[s->now];
             struct shadow_query *a = &w->query[w->n_queries];
-            if (s->h.item == NO_ITEM || !light_from(t, &s->at, l, &a->light, &a->ray)) continue;
+            if (!light_from(t, &s->at, l, &a->light, &a->ray)) continue;
             if (dropped(s, a->light, k->weight)) continue;
             a->sum = &s->light;
             a->prim = k->level > 1 ? s->at.item->prim : NO_PRIM;
@@ -113,15 +129,19 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
 
 /* ---- rounds ------------------------------------------------------------------------------- */
 
-static void find_hits(
-    struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n, bool eye)
+/* Finds what the rays of the listed samples hit. Rays that hit nothing bring the background; the
+ * other samples are left in the list. Returns their number. */
+static uint32_t find_hits(
+    struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
 {
+    const double *b = t->scene->background;
+    uint32_t hits = 0;
     for (uint32_t i = 0; i < n; i += PACKET) {
         const struct ray *ray[PACKET];
         struct hit *h[PACKET];
         uint32_t end = n - i < PACKET ? n - i : PACKET;
         for (uint32_t k = 0; k < end; k++) {
-            ray[k] = &w->pool.at[list[i + k]->now].ray;
+            ray[k] = ray_now(w, list[i + k]);
             h[k] = &list[i + k]->h;
         }
         uint32_t from = w->pool.at[list[i]->now].from;
@@ -129,9 +149,17 @@ static void find_hits(
             (!eye && from == NO_PRIM))
             for (uint32_t k = 0; k < end; k++) t->k->closest(&t->bvh, ray[k], h[k]);
         else t->k->closest_packet(&t->bvh, ray, end, h);
-        for (uint32_t k = 0; k < end; k++)
-            if (h[k]->item != NO_ITEM) trace_hit_point(t, ray[k], h[k], &list[i + k]->at);
+        for (uint32_t k = 0; k < end; k++) {
+            struct sample *s = list[i + k];
+            if (h[k]->item == NO_ITEM) {
+                bring(w, s, v3(b[0], b[1], b[2]));
+                continue;
+            }
+            trace_hit_point(t, ray[k], h[k], &s->at);
+            list[hits++] = s;
+        }
     }
+    return hits;
 }
 
 /* Adds a ray to the sample's pending ones. */
@@ -157,13 +185,13 @@ static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
 {
     const struct pending *k = &w->pool.at[s->now];
     const struct surface *f = s->at.surface;
-    if (s->h.item == NO_ITEM || k->level >= t->options.depth || !(f->ks > 0 || f->t > 0)) return;
+    if (!(f->ks > 0 || f->t > 0) || k->level >= t->options.depth) return;
     /* A straight ray crosses a surface at most twice. The bound guarantees that a tree ends. */
     if (k->hops > ((uint64_t)2 * t->n_items + 1) * TRACE_DEPTH_MAX) return;
     struct onward o;
     struct media outside, inside;
     if (w->pool.media) media_copy(&outside, &w->pool.media[s->now]);
-    trace_spawn_secondary(t, &k->ray, &s->at, k->level, &outside, &inside, &o);
+    trace_spawn_secondary(t, ray_now(w, s), &s->at, k->level, &outside, &inside, &o);
     uint32_t from = s->at.item->kind == ITEM_TRIANGLE ? s->at.item->prim : NO_PRIM;
     uint64_t hops = k->hops + 1;
     double weight = k->weight; /* adding rays may move k */
@@ -175,48 +203,60 @@ static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
             from);
 }
 
-/* Traces a ray of each sample of the list. */
-static void trace_round(
-    struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n, bool eye)
+/* Traces the rays `now` of the listed samples, and leaves the samples whose rays hit something in
+ * the list. Returns their number. */
+static uint32_t trace_round(
+    struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
 {
-    const double *b = t->scene->background;
-    for (uint32_t i = 0; i < n; i++) {
-        list[i]->now = pending_pop(&list[i]->rays, &w->pool);
-        list[i]->light = v3(0, 0, 0);
-        const struct pending *k = &w->pool.at[list[i]->now];
-        (*(k->hops == 0   ? &t->counts.eye
-            : k->mirrored ? &t->counts.reflected
-                          : &t->counts.refracted))++;
+    uint32_t hits = find_hits(t, w, list, n, eye);
+    for (uint32_t i = 0; i < hits; i++) list[i]->light = v3(0, 0, 0);
+    shade_direct(t, w, list, hits);
+    for (uint32_t i = 0; i < hits; i++) {
+        bring(w, list[i], list[i]->light);
+        send_on(t, w, list[i]);
     }
-    find_hits(t, w, list, n, eye);
-    shade_direct(t, w, list, n);
-    for (uint32_t i = 0; i < n; i++) {
-        struct sample *s = list[i];
-        struct vec3 light = s->h.item == NO_ITEM ? v3(b[0], b[1], b[2]) : s->light;
-        *s->colour = v3_mad(*s->colour, light, w->pool.at[s->now].weight);
-        send_on(t, w, s);
-        pending_release(&w->pool, s->now);
-    }
+    return hits;
 }
 
-/* Traces rays of the listed samples until each is finished or, if there is another, has more than
- * ALONE pending rays. Returns the number of these; they come first. */
-static uint32_t trace_samples(struct tracer *t, struct wave *w, struct sample **list, uint32_t n)
+/* The same for the pending rays of largest weight. */
+static void trace_pending(struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n)
 {
-    uint32_t large = 0, most = n > 1 ? ALONE : UINT32_MAX;
-    for (bool eye = n > 1; large < n; eye = false) {
-        trace_round(t, w, list + large, n - large, eye);
-        uint32_t end = large;
-        for (uint32_t i = large; i < n; i++) {
-            struct sample *s = list[i];
-            if (pending_end(&s->rays, &w->pool, t->options.budget / 2)) continue;
-            list[end++] = s;
-            if (s->rays.n <= most) continue;
-            list[end - 1] = list[large];
-            list[large++] = s;
-        }
-        n = end;
+    struct sample *round[WAVE_RAYS];
+    for (uint32_t i = 0; i < n; i++) {
+        struct sample *s = round[i] = list[i];
+        s->now = pending_pop(&s->rays, &w->pool);
+        (*(w->pool.at[s->now].mirrored ? &t->counts.reflected : &t->counts.refracted))++;
     }
+    trace_round(t, w, round, n, false);
+    for (uint32_t i = 0; i < n; i++) pending_release(&w->pool, list[i]->now);
+}
+
+/* Removes the finished samples from list[first .. n). Samples with more than `most` pending rays
+ * come first then, and *first counts them. Returns the number of samples. */
+static uint32_t unfinished(const struct tracer *t, struct wave *w, struct sample **list, uint32_t n,
+    uint32_t *first, uint32_t most)
+{
+    uint32_t end = *first;
+    for (uint32_t i = *first; i < n; i++) {
+        struct sample *s = list[i];
+        if (pending_end(&s->rays, &w->pool, t->options.budget / 2)) continue;
+        list[end++] = s;
+        if (s->rays.n <= most) continue;
+        list[end - 1] = list[*first];
+        list[(*first)++] = s;
+    }
+    return end;
+}
+
+/* Traces pending rays of the listed samples until each is finished or has more than `most` pending
+ * rays. Returns the number of these; they come first. */
+static uint32_t trace_samples(
+    struct tracer *t, struct wave *w, struct sample **list, uint32_t n, uint32_t most)
+{
+    uint32_t large = 0;
+    for (n = unfinished(t, w, list, n, &large, most); large < n;
+         n = unfinished(t, w, list, n, &large, most))
+        trace_pending(t, w, list + large, n - large);
     return large;
 }
 
@@ -224,14 +264,18 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
 {
     struct wave *w = t->wave;
     struct sample *list[WAVE_RAYS];
+    if (w->pool.media) media_copy(&w->pool.media[w->eye], &t->around);
     for (uint32_t i = 0; i < n; i++) {
         struct sample *s = list[i] = &w->sample[i];
         colour[i] = v3(0, 0, 0);
         s->colour = &colour[i];
         s->rays.over = 0;
         s->shadow_budget = t->options.budget / 2;
-        add_ray(t, w, s, &eye[i], 1, 1, &t->around, 0, false, NO_PRIM);
+        s->eye = &eye[i];
+        s->now = w->eye;
     }
-    uint32_t large = trace_samples(t, w, list, n);
-    for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1);
+    t->counts.eye += n;
+    uint32_t hits = trace_round(t, w, list, n, true);
+    uint32_t large = trace_samples(t, w, list, hits, n > 1 ? ALONE : UINT32_MAX);
+    for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1, UINT32_MAX);
 }
