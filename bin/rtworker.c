@@ -17,6 +17,7 @@ struct options {
     struct worker_words words; /* the options, for job hashes and `with=` */
     bool inspect;              /* -i: print the frame and the job, render nothing */
     int w, h;                  /* -s: size of that frame; 0: the scene's */
+    bool count;                /* -R: count the rays, render nothing */
     const char *path;          /* scene file; "-": the scene comes as a record */
 };
 
@@ -130,10 +131,11 @@ static struct options parse(int argc, char **argv)
         "[-ch] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS]\n"
         "           [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
         "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
-        "                [SCENE.nff|-]";
+        "                [SCENE.nff|-]\n"
+        "       rtworker -R [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:d:his:w:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:d:hiRs:w:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
@@ -142,6 +144,7 @@ static struct options parse(int argc, char **argv)
             if (o.inspect) die(ST_USAGE, "-i: twice, expected it once");
             o.inspect = true;
             break;
+        case 'R': o.count = true; break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
         case 'w': o.trace.budget = opt_real(opt, optarg, 0, 1); break;
         case 'x': o.trace.isa = opt_isa(opt, optarg); break;
@@ -150,7 +153,11 @@ static struct options parse(int argc, char **argv)
         }
     }
     if (argc - optind > 1) usage(ST_USAGE, text);
-    if (o.w && !o.inspect) die(ST_USAGE, "-s: expected -i with it");
+    if (o.w && !o.inspect && !o.count) die(ST_USAGE, "-s: expected -i or -R with it");
+    const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
+    if (o.count &&
+        (o.inspect || o.trace.samples != usual.samples || o.trace.budget != usual.budget))
+        die(ST_USAGE, "-R: expected no -a, -i or -w with it");
     if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
@@ -165,14 +172,35 @@ static void inspect(const struct worker_states *s, const struct options *o)
     close_stdout();
 }
 
+/* By SPD's procedure: a ray through each corner of the pixels, and no ray is left out. */
+static void count_rays(const struct worker_states *s, const struct options *o)
+{
+    static const char *const name[RAY_KINDS] = {"eye", "reflected", "refracted", "shadow"};
+    struct trace_options all = o->trace;
+    all.budget = 0;
+    all.by_spd = true;
+    struct tracer *t = tracer_new(worker_states_value(s, 0), &all);
+    if (o->w) tracer_frame(t, (uint32_t)o->w, (uint32_t)o->h);
+    tracer_corners(t);
+    struct trace_counts c;
+    tracer_counts(t, &c);
+    tracer_free(t);
+    puts("#kind\trays\thits");
+    for (int k = 0; k < RAY_KINDS; k++)
+        printf("%s\t%" PRIu64 "\t%" PRIu64 "\n", name[k], c.of[k].rays, c.of[k].hits);
+    printf("turned-back\t%" PRIu64 "\t-\n", c.turned_back);
+    close_stdout();
+}
+
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct worker_states *s = worker_states_new(&renderer, &o.trace, &o.words);
-    if (o.inspect || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
+    if (o.inspect || o.count || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
     int status = ST_OK;
     if (o.inspect) inspect(s, &o);
+    else if (o.count) count_rays(s, &o);
     else status = worker_render(s, &o.worker);
     worker_states_free(s);
     return status;

@@ -31,7 +31,7 @@ bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, 
     struct vec3 d = v3_scale(to, 1 / distance);
     double n_l = v3_dot(at->n, d), r_l = f->ks > 0 ? v3_dot(at->mirrored, d) : 0;
     double highlight = r_l > 0 ? f->ks * trace_pow(r_l < 1 ? r_l : 1, f->shine) : 0;
-    if (!f->diffuse && !(highlight > 0)) return false;
+    if (!f->diffuse && !(highlight > 0) && !t->options.by_spd) return false;
     light->x = l->r * (f->colour_kd.x * n_l + highlight);
     light->y = l->g * (f->colour_kd.y * n_l + highlight);
     light->z = l->b * (f->colour_kd.z * n_l + highlight);

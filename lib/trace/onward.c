@@ -59,7 +59,7 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
     int level, const struct media *outside, struct media *inside, struct onward *o)
 {
     const struct surface *f = at->surface;
-    o->reflected = f->ks > 0;
+    o->reflected = f->ks > 0 || (f->t > 0 && t->options.by_spd);
     o->mirror_weight = f->ks;
     o->passed = f->t > 0;
     if (o->passed) {
@@ -69,7 +69,7 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
         enum passage how = refract(&d, at->n, ior_in(t, outside) / ior_in(t, inside));
         o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err, false};
         o->through_weight = f->t;
-        o->through_level = level + (how == BENT);
+        o->through_level = level + (how == BENT || t->options.by_spd);
         if (how == TURNED_BACK) {
             o->passed = false;
             o->reflected = true;

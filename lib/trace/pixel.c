@@ -190,6 +190,20 @@ static void colours(struct group *g, uint32_t n)
         g->sum[k] = v3_scale(g->sum[k], 1.0 / (more[k] ? s->n * s->n : s->n_first));
 }
 
+void tracer_corners(struct tracer *t)
+{
+    struct ray ray[WAVE_RAYS];
+    struct vec3 colour[WAVE_RAYS];
+    uint32_t w = t->camera.w, h = t->camera.h, n = 0;
+    for (uint32_t y = 0; y <= h; y++)
+        for (uint32_t x = 0; x <= w; x++) {
+            eye_ray(t, x, y, &ray[n++]);
+            if (n < WAVE_RAYS && (x < w || y < h)) continue;
+            wave_colours(t, ray, n, colour);
+            n = 0;
+        }
+}
+
 /* Finds the coordinates of lattice pixels first .. first + n. Divides once per row, not per
  * pixel. */
 static void locate(struct group *g, const struct lattice *l, uint64_t first, uint32_t n)

@@ -23,9 +23,13 @@ struct trace_options {
      * it by no more than this in all. 0: every ray is traced. */
     double budget;
     enum isa isa;
+    /* The rules of the Standard Procedural Databases (SPD, version 3.14, E. Haines): each light
+     * that a surface faces gets a shadow ray, each transmitting surface reflects, and a refracted
+     * ray uses up a level even if it is not bent. With budget 0 no ray is left out. */
+    bool by_spd;
 };
 /* clang-format off */
-#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO}
+#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO, false}
 /* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024
@@ -43,9 +47,19 @@ void tracer_frame(struct tracer *t, uint32_t w, uint32_t h);
  * Fastest for runs of at least 64 neighbours. */
 void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba);
 
-/* Rays traced since tracer_new. */
+/* Traces a ray through each corner of the frame's pixels, (w + 1) * (h + 1) rays, as SPD does. It
+ * makes no picture: the rays are counted. */
+void tracer_corners(struct tracer *t);
+
+enum ray_kind { RAY_EYE, RAY_REFLECTED, RAY_REFRACTED, RAY_SHADOW, RAY_KINDS };
+
+/* Since tracer_new. What else is counted of each kind becomes a member of ray_counts. */
 struct trace_counts {
-    uint64_t eye, reflected, refracted, shadow;
+    struct ray_counts {
+        uint64_t rays;
+        uint64_t hits; /* rays that met a surface; shadow rays that an opaque surface blocked */
+    } of[RAY_KINDS];
+    uint64_t turned_back; /* reflected rays in place of refracted ones: total internal reflection */
 };
 void tracer_counts(const struct tracer *t, struct trace_counts *c);
 

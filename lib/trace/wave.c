@@ -96,7 +96,8 @@ static void trace_shadows(struct tracer *t, struct wave *w)
         double part = t->crossings[i].n ? light_through(t, &t->crossings[i]) : 1;
         *a->sum = v3_mad(*a->sum, a->light, part);
     }
-    t->counts.shadow += n;
+    t->counts.of[RAY_SHADOW].rays += n;
+    t->counts.of[RAY_SHADOW].hits += (uint64_t)__builtin_popcount(blocked);
     w->n_queries = 0;
 }
 
@@ -118,7 +119,7 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
             const struct pending *k = &w->pool.at[s->now];
             struct shadow_query *a = &w->query[w->n_queries];
             if (!light_from(t, &s->at, l, &a->light, &a->ray)) continue;
-            if (dropped(s, a->light, k->weight)) continue;
+            if (!t->options.by_spd && dropped(s, a->light, k->weight)) continue;
             a->sum = &s->light;
             a->prim = k->level > 1 ? s->at.item->prim : NO_PRIM;
             if (++w->n_queries == PACKET) trace_shadows(t, w);
@@ -181,7 +182,7 @@ static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, co
 }
 
 /* Adds the secondary rays of the ray that the sample has traced. */
-static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
+static void send_on(struct tracer *t, struct wave *w, struct sample *s)
 {
     const struct pending *k = &w->pool.at[s->now];
     const struct surface *f = s->at.surface;
@@ -195,6 +196,7 @@ static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
     uint32_t from = s->at.item->kind == ITEM_TRIANGLE ? s->at.item->prim : NO_PRIM;
     uint64_t hops = k->hops + 1;
     double weight = k->weight; /* adding rays may move k */
+    t->counts.turned_back += f->t > 0 && !o.passed;
     if (o.passed)
         add_ray(t, w, s, &o.through, weight * o.through_weight, o.through_level, &inside, hops,
             false, from);
@@ -203,12 +205,21 @@ static void send_on(const struct tracer *t, struct wave *w, struct sample *s)
             from);
 }
 
+static inline enum ray_kind kind_now(const struct wave *w, const struct sample *s)
+{
+    if (s->now == w->eye) return RAY_EYE;
+    return w->pool.at[s->now].mirrored ? RAY_REFLECTED : RAY_REFRACTED;
+}
+
 /* Traces the rays `now` of the listed samples, and leaves the samples whose rays hit something in
  * the list. Returns their number. */
 static uint32_t trace_round(
     struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
 {
+    struct ray_counts *of = t->counts.of;
+    for (uint32_t i = 0; i < n; i++) of[kind_now(w, list[i])].rays++;
     uint32_t hits = find_hits(t, w, list, n, eye);
+    for (uint32_t i = 0; i < hits; i++) of[kind_now(w, list[i])].hits++;
     for (uint32_t i = 0; i < hits; i++) list[i]->light = v3(0, 0, 0);
     shade_direct(t, w, list, hits);
     for (uint32_t i = 0; i < hits; i++) {
@@ -225,7 +236,6 @@ static void trace_pending(struct tracer *t, struct wave *w, struct sample *const
     for (uint32_t i = 0; i < n; i++) {
         struct sample *s = round[i] = list[i];
         s->now = pending_pop(&s->rays, &w->pool);
-        (*(w->pool.at[s->now].mirrored ? &t->counts.reflected : &t->counts.refracted))++;
     }
     trace_round(t, w, round, n, false);
     for (uint32_t i = 0; i < n; i++) pending_release(&w->pool, list[i]->now);
@@ -274,7 +284,6 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
         s->eye = &eye[i];
         s->now = w->eye;
     }
-    t->counts.eye += n;
     uint32_t hits = trace_round(t, w, list, n, true);
     uint32_t large = trace_samples(t, w, list, hits, n > 1 ? ALONE : UINT32_MAX);
     for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1, UINT32_MAX);

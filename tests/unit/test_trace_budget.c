@@ -51,7 +51,7 @@ static uint64_t rays_of(const struct tracer *t)
 {
     struct trace_counts c;
     tracer_counts(t, &c);
-    return c.eye + c.reflected + c.refracted;
+    return c.of[RAY_EYE].rays + c.of[RAY_REFLECTED].rays + c.of[RAY_REFRACTED].rays;
 }
 
 /* Traces a side x side picture of the scene with budgets from 0 to 1. b is freed. Returns the

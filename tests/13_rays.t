@@ -1,0 +1,76 @@
+#!/bin/sh
+# rtworker -R: it counts rays by SPD's procedure, as Eric Haines published for SPD's scenes, and as one counts by hand.
+. "$(dirname "$0")/lib.sh"
+
+# count KIND COLUMN: a number of the table in $out
+count() { echo "$out" | awk -F '\t' -v kind="$1" -v at="$2" '$1 == kind { print $at }'; }
+# near NAME COUNTED PUBLISHED: within 1 %
+near() { ok "$1: $2 is within 1 % of $3" awk -v a="$2" -v b="$3" 'BEGIN { exit !(a >= .99 * b && a <= 1.01 * b) }'; }
+
+# Published in SPD's README, version 3.14, for 512x512 and depth 5: eye rays that hit, reflected, refracted and shadow rays.
+# Those refracted of gears include total internal reflections.
+while read -r scene size hit reflected refracted shadow; do
+	spdgen -s "$size" "$scene" >scene.nff
+	run rtworker -R scene.nff
+	is "$scene: exit 0, and a ray for each corner" "$status:$(count eye 2)" 0:263169
+	near "$scene, eye rays that hit" "$(count eye 3)" "$hit"
+	near "$scene, reflected" "$(count reflected 2)" "$reflected"
+	near "$scene, refracted or turned back" "$(($(count refracted 2) + $(count turned-back 2)))" "$refracted"
+	near "$scene, shadow rays" "$(count shadow 2)" "$shadow"
+done <<'END'
+balls 4 263169 175095 0 954368
+gears 4 245086 304643 207564 2246955
+mount 6 173125 354769 354769 412922
+rings 7 263169 315236 0 1085002
+teapot 12 161120 225248 0 407656
+tetra 6 49788 0 0 46112
+tree 11 169836 0 0 1097419
+END
+
+# by_hand NAME DEPTH WANT: counts the rays of the scene on standard input in a frame of 4x2, which has 15 corners. WANT: rays/hits
+# of each kind, and those turned back. The eye looks from the origin along y. All surfaces fill the view.
+by_hand() {
+	{ echo 'v from 0 0 0 at 0 1 0 up 0 0 1 angle 40 hither 0 resolution 64 64' && cat; } >hand.nff
+	run rtworker -R -d "$2" -s 4x2 hand.nff
+	is "$1" "$status:$(echo "$out" | awk -F '\t' '!/^#/ { printf "%s%s/%s", sep, $2, $3; sep = " " }')" "0:$3"
+}
+by_hand 'nothing' 5 '15/0 0/0 0/0 0/0 0/-' </dev/null
+by_hand 'black and dull: a shadow ray to each light in front, one of which is blocked' 5 '15/15 0/0 0/0 30/15 0/-' <<'END'
+l 9 0 0
+l -9 0 0
+l 0 9 0
+f 0 0 0 0 0 0 0 0
+p 4 -9 5 -9 9 5 -9 9 5 9 -9 5 9
+p 4 -8 4 -9 -8 4 9 -8 -1 9 -8 -1 -9
+END
+by_hand 'two mirrors: a ray for each level' 4 '15/15 45/45 0/0 0/0 0/-' <<'END'
+f 1 1 1 0 .5 9 0 0
+p 4 -99 5 -99 99 5 -99 99 5 99 -99 5 99
+p 4 -99 -5 -99 99 -5 -99 99 -5 99 -99 -5 99
+END
+by_hand 'panes of clear glass: each reflects, though Ks is 0, and each uses up a level' 3 '15/15 30/15 30/30 0/0 0/-' <<'END'
+f 1 1 1 0 0 9 .5 1
+p 4 -99 5 -99 99 5 -99 99 5 99 -99 5 99
+p 4 -99 6 -99 99 6 -99 99 6 99 -99 6 99
+p 4 -99 7 -99 99 7 -99 99 7 99 -99 7 99
+p 4 -99 8 -99 99 8 -99 99 8 99 -99 8 99
+END
+# Through a pane into glass of index 2, and there onto a wall at 45 degrees.
+by_hand 'total internal reflection: reflected once, and not refracted' 3 '15/15 30/0 15/15 0/0 15/-' <<'END'
+f 1 1 1 0 0 9 .5 2
+p 4 -9 5 -9 9 5 -9 9 5 9 -9 5 9
+p 4 -99 -79 99 99 -79 99 99 119 -99 -99 119 -99
+END
+spdgen -s 2 gears >gears.nff
+rtworker -R -x sse2 gears.nff >narrow
+rtworker -R -x avx2 - <gears.nff >wide
+ok 'the same counts by all vector instructions, and from standard input' cmp narrow wide
+
+for bad in '-R -a 4' '-R -w 0.1' '-R -i' '-R -s 0x4' '-R missing.nff'; do
+	# shellcheck disable=SC2086  # a word each
+	run rtworker $bad gears.nff
+	is "refused: rtworker $bad" "$status:$out" 2:
+done
+run sh -c 'rtworker -R gears.nff >/dev/full'
+is 'a full disk exits 3' "$status" 3
+finish
