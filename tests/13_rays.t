@@ -61,6 +61,24 @@ f 1 1 1 0 0 9 .5 2
 p 4 -9 5 -9 9 5 -9 9 5 9 -9 5 9
 p 4 -99 -79 99 99 -79 99 99 119 -99 -99 119 -99
 END
+# stormring-nff(5), "Surfaces in one place": a ray meets the first of them, and a shadow ray all.
+pane='p 4 -9 5 -9 9 5 -9 9 5 9 -9 5 9'
+printf '%s\n' 'f 1 0 0 1 0 9 0 0' "$pane" 'f 1 1 1 0 0 9 .5 1' "$pane" >panes
+by_hand 'an opaque pane before one of glass in one place' 5 '15/15 0/0 0/0 0/0 0/-' <panes
+printf '%s\n' 'f 1 1 1 0 0 9 .5 1' "$pane" 'f 1 0 0 1 0 9 0 0' "$pane" >panes
+by_hand 'one of glass before an opaque one' 5 '15/15 15/0 15/0 0/0 0/-' <panes
+# floor T PANES OUT: a picture of the light that comes to a floor through panes
+floor() {
+	printf '%s\n' 'v from 0 0 0 at 0 1 0 up 0 0 1 angle 40 hither 0 resolution 8 8' 'l 0 -9 0' 'f 1 1 1 1 0 9 0 0' \
+		"$pane" "f 1 1 1 0 0 9 $1 1" >floor.nff
+	for at in $2; do echo "p 4 -99 $at -99 99 $at -99 99 $at 99 -99 $at 99"; done >>floor.nff
+	partition 8x8 | rtworker floor.nff | gather -o "$3"
+}
+floor .25 '-5' one.pfm
+floor .5 '-5 -5' two.pfm
+floor .5 '-5 -5.5' apart.pfm
+ok 'a shadow ray through two panes in one place: both count' cmp one.pfm two.pfm
+ok 'as two panes apart' cmp apart.pfm two.pfm
 spdgen -s 2 gears >gears.nff
 rtworker -R -x sse2 gears.nff >narrow
 rtworker -R -x avx2 - <gears.nff >wide
