@@ -24,7 +24,6 @@ int main(int argc, char **argv)
     const char *name = path[0] == '-' && !path[1] ? "stdin" : path;
     if (nff_read(name, (const char *)buf_data(&text), buf_size(&text), &scene, err) != 0)
         die(ST_USAGE, "%s", err);
-    buf_free(&text);
 
     pov_write(stdout, &scene, scale);
     close_stdout();
@@ -35,6 +34,12 @@ int main(int argc, char **argv)
              "expected "
              "a smaller hither",
             name, scene.view.hither, which + 1);
+    uint32_t refused = pov_refused(&scene, scale, &which);
+    if (refused)
+        warn("%s:%u: POV-Ray refuses a cone that is less than %g high, as %s: expected a larger -x",
+            name, nff_line((const char *)buf_data(&text), buf_size(&text), which), POV_CONE_MIN,
+            refused > 1 ? "this one and others are" : "this one is");
+    buf_free(&text);
     scene_free(&scene);
-    return clips ? ST_PARTIAL : ST_OK;
+    return clips || refused ? ST_PARTIAL : ST_OK;
 }

@@ -27,6 +27,21 @@ is 'a hither that hides a primitive exits 1' "$status" 1
 like 'a message names the hidden primitive' "$err" '^nff2pov: near.nff: hither 3 may hide part of primitive 1,'
 like 'a hither that hides a primitive: the scene is still written' "$out" '^sphere '
 
+# POV-Ray refuses short cones. The line is that of the word, after comments and entities over several lines.
+printf '%s\n' 'v from 0 -5 0 at 0 0 0 up 0 0 1 angle 40 hither 0 resolution 8 8 # s c p' 's 0 0' '0 1 p 3 0 0 0 1 0 0' \
+	'0 1 0 pp 3 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1' 'c 0 0 0 1 0 0 1.001e-10 .5' '# c' >tall.nff
+{ cat tall.nff; printf '%s\n' 's 0 0 0 1 c' '0 0 0 1 0 0 1e-13 .5' 'c 2 0 0 1 2 5e-11 5e-11 1'; } >short.nff
+run nff2pov tall.nff
+is 'a cone over 1e-10 high' "$status:$err" 0:
+run nff2pov short.nff
+is 'shorter cones: status 1, and the first one is named' "$status:$err" \
+	'1:nff2pov: short.nff:7: POV-Ray refuses a cone that is less than 1e-10 high, as this one and others are: expected a larger -x'
+like 'shorter cones: the scene is still written' "$out" '^cone '
+run nff2pov -x 100 short.nff
+like 'at 100 times the size only the first is too short' "$status:$err" '^1:nff2pov: short.nff:7: .*, as this one is: '
+run nff2pov -x 10000 - <short.nff
+is 'at 10000 times the size none is' "$status:$err" 0:
+
 # same NAME FACTOR WxH FILE: the pictures are the same within tolerances
 same() {
 	nff2pov -x "$2" "$4" >s.pov || return
@@ -43,6 +58,15 @@ if command -v povray >/dev/null; then
 	{ echo 'f 1 1 1 0 0 1 .9 1.2' && echo 's 2.5 -5 4 3' && echo 'f 1 1 1 0 0 1 .8 1.6' && echo 'c 3 -6 3 1  3 -6 5 .5'
 		sed 's/^hither .*/hither 0/' "$root/scenes/glass.nff"; } >within.nff
 	ok 'POV-Ray agrees from inside a cone of glass in a ball of glass' same within 100 128x128 within.nff
+	pov_reads() { nff2pov -x "$1" "$2" >s.pov; povray +Is.pov -F +W8 +H8 -GA >/dev/null 2>&1; }
+	ok 'POV-Ray reads a cone over 1e-10 high' pov_reads 1 tall.nff
+	ok 'POV-Ray refuses shorter ones' sh -c 'nff2pov short.nff >s.pov; ! povray +Is.pov -F +W8 +H8 -GA >/dev/null 2>&1'
+	ok 'POV-Ray reads them at 10000 times the size' pov_reads 10000 short.nff
+	# Every other kind of primitive at the least size and without area: POV-Ray takes it.
+	printf '%s\n' 'v from 0 -5 0 at 0 0 0 up 0 0 1 angle 40 hither 0 resolution 8 8' 's 0 0 0 1e-18' 'c 0 0 0 1e-18 0 0 1 0' \
+		'c 0 0 0 1e18 0 0 1 0' 'p 3 0 0 0 1e-18 0 0 0 1e-18 0' 'p 3 0 0 0 1 0 0 2 0 0' 'p 3 0 0 0 0 0 0 0 0 0' \
+		'pp 3 0 0 0 0 0 1 1e-18 0 0 0 0 -1 0 1e-18 0 0 1 0' 'pp 3 -1 0 0 1 0 0 1 0 0 -1 0 0 0 0 1 0 0 0' 's 1e18 0 0 1e18' >odd.nff
+	ok 'POV-Ray takes every other primitive' pov_reads 1 odd.nff
 	ok 'POV-Ray agrees on balls' same balls 100 128x128 balls.nff
 	# A lamp in each kind of surface. These let light through: POV-Ray tries the surface that shaded last by itself, and
 	# then counts a lamp in it as shaded. At 100 times the size its single precision moves polygons away from lamps.

@@ -200,3 +200,15 @@ int nff_read(const char *name, const char *text, size_t n, struct scene *s, char
     if (!ok) scene_free(s);
     return ok ? 0 : -1;
 }
+
+uint32_t nff_line(const char *text, size_t n, uint32_t i)
+{
+    static const char *const word[] = {"s", "c", "p", "pp"};
+    struct tokens t;
+    tokens_init(&t, text, n);
+    for (size_t len; (len = token_peek(&t)) > 0; token_take(&t, len))
+        for (size_t k = 0; k < sizeof word / sizeof *word; k++)
+            if (len == strlen(word[k]) && memcmp(t.at, word[k], len) == 0 && i-- == 0)
+                return t.line;
+    return t.line;
+}

@@ -188,3 +188,15 @@ void pov_write(FILE *f, const struct scene *s, double scale)
     put_meshes(&o, polygons, n, most);
     free(polygons);
 }
+
+uint32_t pov_refused(const struct scene *s, double scale, uint32_t *which)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *p = &s->prims[i];
+        if (p->kind != PRIM_CONE) continue;
+        struct vec3 base = v3_scale(p->cone.base, scale), apex = v3_scale(p->cone.apex, scale);
+        if (v3_len(v3_sub(apex, base)) < POV_CONE_MIN && n++ == 0) *which = i;
+    }
+    return n;
+}

@@ -65,6 +65,8 @@ struct scene {
  * exits and does no I/O.
  */
 int nff_read(const char *name, const char *text, size_t n, struct scene *s, char err[SCENE_ERR]);
+/* The line of primitive i of a text that nff_read has accepted. */
+uint32_t nff_line(const char *text, size_t n, uint32_t i);
 void scene_free(struct scene *s);
 /* Axis-aligned bounds of one primitive. */
 void scene_prim_bounds(
@@ -120,5 +122,12 @@ void nff_put_polygon(
  * camera lacks). Multiplies every length by scale > 0. f's error flag reports lost output.
  */
 void pov_write(FILE *f, const struct scene *s, double scale);
+/*
+ * Number of primitives for which POV-Ray 3.7 refuses the scene so written: cones and cylinders
+ * shorter than POV_CONE_MIN. *which is the first one. POV-Ray takes every other primitive that
+ * nff_read accepts.
+ */
+uint32_t pov_refused(const struct scene *s, double scale, uint32_t *which);
+#define POV_CONE_MIN 1e-10
 
 #endif
