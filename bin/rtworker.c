@@ -15,10 +15,9 @@ struct options {
     struct trace_options trace;
     struct worker_options worker;
     struct worker_words words; /* the options, for job hashes and `with=` */
-    bool inspect;              /* -i: print the frame and the job, render nothing */
-    int w, h;                  /* -s: size of that frame; 0: the scene's */
-    bool count;                /* -R: count the rays, render nothing */
-    const char *path;          /* scene file; "-": the scene comes as a record */
+    enum { RUN, INSPECT, RAYS, TESTS } what; /* -i, -R, -n */
+    int w, h;                          /* -s: size of the frame of -i or -n; 0: the scene's */
+    const char *path;                  /* scene file; "-": the scene comes as a record */
 };
 
 /* ---- the ray tracer ------------------------------------------------------------------------- */
@@ -102,6 +101,17 @@ static void parse_sampling(const char *s, struct trace_options *t)
         die(ST_USAGE, "-a %s: expected N:THRESHOLD, a number >= 0", s);
 }
 
+static void parse_hierarchy(const char *s, struct trace_options *t)
+{
+    static const char *const name[] = {"bvh", "slabs", "none"};
+    for (int i = 0; i < 3; i++)
+        if (strcmp(s, name[i]) == 0) {
+            t->hierarchy = (enum trace_hierarchy)i;
+            return;
+        }
+    die(ST_USAGE, "-b %s: expected bvh, slabs or none", s);
+}
+
 static void describe(struct options *o)
 {
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT, *t = &o->trace;
@@ -128,23 +138,27 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-ch] [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-f PIXELS]\n"
+        "[-ch] [-a SAMPLES[:THRESHOLD]] [-b bvh|slabs|none] [-d DEPTH] [-f PIXELS]\n"
         "           [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
         "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
         "                [SCENE.nff|-]\n"
-        "       rtworker -R [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]";
+        "       rtworker -R [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
+        "       rtworker -n [-a SAMPLES[:THRESHOLD]] [-b bvh|slabs|none] [-d DEPTH]\n"
+        "                [-s WxH] [-w BOUND] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:d:hiRs:w:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:b:d:hinRs:w:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
+        case 'b': parse_hierarchy(optarg, &o.trace); break;
         case 'd': o.trace.depth = (int)opt_int(opt, optarg, 1, TRACE_DEPTH_MAX); break;
         case 'h': usage(ST_OK, text);
         case 'i':
-            if (o.inspect) die(ST_USAGE, "-i: twice, expected it once");
-            o.inspect = true;
+        case 'n':
+        case 'R':
+            if (o.what != RUN) die(ST_USAGE, "-%c: expected one of -i, -n and -R, once", opt);
+            o.what = opt == 'i' ? INSPECT : opt == 'R' ? RAYS : TESTS;
             break;
-        case 'R': o.count = true; break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
         case 'w': o.trace.budget = opt_real(opt, optarg, 0, 1); break;
         case 'x': o.trace.isa = opt_isa(opt, optarg); break;
@@ -153,11 +167,11 @@ static struct options parse(int argc, char **argv)
         }
     }
     if (argc - optind > 1) usage(ST_USAGE, text);
-    if (o.w && !o.inspect && !o.count) die(ST_USAGE, "-s: expected -i or -R with it");
+    if (o.w && o.what == RUN) die(ST_USAGE, "-s: expected -i, -n or -R with it");
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
-    if (o.count &&
-        (o.inspect || o.trace.samples != usual.samples || o.trace.budget != usual.budget))
+    if (o.what == RAYS && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
         die(ST_USAGE, "-R: expected no -a, -i or -w with it");
+    o.trace.count_tests = o.what == TESTS;
     if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
@@ -192,15 +206,36 @@ static void count_rays(const struct worker_states *s, const struct options *o)
     close_stdout();
 }
 
+/* Renders the picture to nowhere, and prints what finding its hits took. */
+static void count_tests(struct worker_states *s, const struct options *o)
+{
+    const struct scene *scene = worker_states_value(s, 0);
+    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
+    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
+    struct tracer *t = worker_states_built(s, w, h);
+    float *rgba = xmalloc(w, 4 * sizeof *rgba);
+    for (uint32_t y = 0; y < h; y++) {
+        const struct lattice row = {0, y, w, 1, 1, 1};
+        tracer_pixels(t, &row, 0, w, rgba);
+    }
+    free(rgba);
+    struct trace_tests c;
+    tracer_tests(t, &c);
+    printf("quantity\tvalue\nrays\t%" PRIu64 "\nvolume_tests\t%" PRIu64 "\n", c.rays, c.boxes);
+    printf("primitive_tests\t%" PRIu64 "\nhierarchy_bytes\t%" PRIu64 "\n", c.items, c.bytes);
+    close_stdout();
+}
+
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct worker_states *s = worker_states_new(&renderer, &o.trace, &o.words);
-    if (o.inspect || o.count || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
+    if (o.what != RUN || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
     int status = ST_OK;
-    if (o.inspect) inspect(s, &o);
-    else if (o.count) count_rays(s, &o);
+    if (o.what == INSPECT) inspect(s, &o);
+    else if (o.what == RAYS) count_rays(s, &o);
+    else if (o.what == TESTS) count_tests(s, &o);
     else status = worker_render(s, &o.worker);
     worker_states_free(s);
     return status;

@@ -71,7 +71,7 @@ proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
 sched deal gdc hub node pace policy set
 task chunk_at coverage cut frames lattice list tasks
-trace bound bvh cone_shape crossings light media pending sah sphere_shape tracer triangle_shape wave
+trace bound bvh cone_shape crossings light media pending sah slabs sphere_shape tracer triangle_shape wave
 volume cell cubic lit map path skip_init walk
 wire generation rec
 END

@@ -67,14 +67,25 @@ is "-c keeps fragments until a flush" "$(records <held | cut -c 1-4 | tr '\n' ' 
 is "the frame record has the worker's options" \
 	"$(partition 1x1 | rtworker -d 3 -a 16:.1 -w .5 -x sse2 tetra.nff | lines - | grep -o 'with=[^ ]*')" \
 	"with=rtworker,-a16:0.1,-d3,-w0.5"
+sed 's/^l /# /' tetra.nff >top.nff
+away() { sed 's/^at .*/at 99 99 99/; s/^resolution .*/resolution 10 10/'; }
+away <tetra.nff >away.nff
+spdgen -s 2 tetra | away >away2.nff
 a=$(rtworker -i tetra.nff) b=$(rtworker -i -d 4 tetra.nff) c=$(rtworker -i -x sse2 tetra.nff)
 is "the job does not depend on the vector width" "$c" "$a"
+is "the job does not depend on the hierarchy" "$(rtworker -i -b slabs tetra.nff)" "$a"
 run test "$a" = "$b"
 is "the job depends on the depth" "$status" 1
 run test "$a" = "$(rtworker -i -w 0 tetra.nff)"
 is "the job knows the error budget" "$status" 1
 is "the default budget is 2^-17" "$(rtworker -i -w 0.00000762939453125 tetra.nff)" "$a"
-for bad in '-i -i tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-w -1 tetra.nff' '-w 2 tetra.nff' \
+# counted OPTION ...: the numbers of -n in one line
+counted() { rtworker -n "$@" | sed 1d | cut -f 2 | tr '\n' ' '; }
+is "-n counts without a hierarchy: each ray of a pixel is tested with 4 triangles" "$(counted -b none -s 4x3 -d 1 top.nff)" '12 0 48 0 '
+is "-n counts slabs: each ray is tested with one volume that bounds all, and misses it" "$(counted -b slabs -s 4x3 away.nff | cut -d ' ' -f 1-3)" '12 12 0'
+is "-n counts the BVH: each ray is tested with the four children of its root" "$(counted -s 4x3 away2.nff | cut -d ' ' -f 1-3)" '12 48 0'
+is "-n takes the scene's size" "$(rtworker -n away.nff | sed -n 2p)" "rays	100"
+for bad in '-i -i tetra.nff' '-i -n tetra.nff' '-b tree tetra.nff' '-s 4x3 tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-w -1 tetra.nff' '-w 2 tetra.nff' \
 	'-x mmx tetra.nff' no-such-file 'a b'; do
 	# shellcheck disable=SC2086
 	run rtworker $bad
@@ -147,7 +158,7 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 done
 like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
-like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: twice'
+like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i and -n, once'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
 like "balance: the message on a bad scene from a pipe names the record" "$status $err" '^2 rtworker: scene:2: '
 mkdir unbuilt

@@ -49,6 +49,16 @@ for isa in sse2 avx2 avx512; do
 	fi
 done
 
+# Hierarchies: every scene of SPD, and those written by hand.
+for s in $(spdgen -l -s 1 | awk '!/^#/ { print $1 }') "$root"/scenes/*.nff; do
+	case $s in */*) cp "$s" scene.nff ;; *) spdgen -s 1 "$s" >scene.nff ;; esac
+	partition 32x24 | rtworker scene.nff | gather -o bvh.pfm
+	for b in slabs none; do
+		partition 32x24 | rtworker -b $b scene.nff | gather -o out.pfm
+		same "$(basename "$s" .nff): -b $b" bvh.pfm
+	done
+done
+
 state() { pack scene gears.nff; partition $size; }
 # On a loaded machine too, no worker starts its first task before all four have one.
 cat >together <<'END'

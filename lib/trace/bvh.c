@@ -28,13 +28,6 @@ static float area(const struct bnode *n)
 
 static bool is_leaf(const struct bnode *n) { return n->right == NO_CHILD; }
 
-static uint32_t *lane_items(uint32_t kind, void *block)
-{
-    if (kind == ITEM_TRIANGLE) return ((struct tri4 *)block)->item;
-    if (kind == ITEM_SPHERE) return ((struct sphere4 *)block)->item;
-    return ((struct cone4 *)block)->item;
-}
-
 static void fill_block(
     struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
 {
@@ -43,7 +36,7 @@ static void fill_block(
         shape->clear(block, (int)lane);
         if (lane >= n) continue;
         shape->fill(c->scene, &c->items[r[lane].item], c->reach, block, (int)lane);
-        lane_items(kind, block)[lane] = r[lane].item;
+        block_items(kind, block)[lane] = r[lane].item;
     }
 }
 
@@ -59,7 +52,7 @@ static uint32_t make_leaf(struct collapse *c, const struct bnode *leaf)
             left < LANES ? left : LANES);
     }
     c->b->n_blocks[kind] += n;
-    return LEAF | kind << 29 | (n - 1) << 27 | first;
+    return leaf_of(kind, n, first);
 }
 
 /* Finds up to eight descendants of bin[root]: opens the node with the largest surface until there
@@ -127,44 +120,70 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     b->slack = (float)(reach * 0x1p-22);
 }
 
-static bool leaf_holds(const struct bvh *b, uint32_t leaf, struct vec3 p, double err)
+struct point {
+    const struct scene *scene;
+    const struct item *items;
+    struct vec3 p;
+    double err;
+};
+
+/* The slack covers the rounding of lo and hi to float. */
+static bool within(struct vec3 p, struct vec3 lo, struct vec3 hi, float slack)
 {
-    enum item_kind kind = leaf_kind(leaf);
-    for (uint32_t i = 0; i < leaf_count(leaf); i++) {
-        uint32_t at = leaf_first(leaf) + i;
-        const uint32_t *item =
-            lane_items(kind, (char *)b->blocks[kind] + at * trace_shapes[kind]->block_size);
+    double s = (double)slack;
+    return lo.x - s <= p.x && p.x <= hi.x + s && lo.y - s <= p.y && p.y <= hi.y + s &&
+           lo.z - s <= p.z && p.z <= hi.z + s;
+}
+
+/* Tests the item's own bounds, so that the answer does not depend on the hierarchy. */
+static bool lane_holds(
+    const struct bvh *b, enum item_kind kind, uint32_t at, int k, const struct point *a)
+{
+    const struct shape *shape = trace_shapes[kind];
+    uint32_t item = block_items(kind, (char *)b->blocks[kind] + at * shape->block_size)[k];
+    struct vec3 lo, hi;
+    if (item == NO_ITEM || !on_surface(b, kind, at, k, a->p, a->err)) return false;
+    shape->bounds(a->scene, &a->items[item], &lo, &hi);
+    return within(a->p, lo, hi, b->slack);
+}
+
+static bool blocks_hold(
+    const struct bvh *b, enum item_kind kind, uint32_t first, uint32_t n, const struct point *a)
+{
+    for (uint32_t i = first; i < first + n; i++)
         for (int k = 0; k < LANES; k++)
-            if (item[k] != NO_ITEM && on_surface(b, kind, at, k, p, err)) return true;
-    }
+            if (lane_holds(b, kind, i, k, a)) return true;
     return false;
 }
 
-static bool below_holds(const struct bvh *b, uint32_t child, struct vec3 p, double err)
+static bool below_holds(const struct bvh *b, uint32_t child, const struct point *a)
 {
-    if (child & LEAF) return leaf_holds(b, child, p, err);
+    if (child & LEAF)
+        return blocks_hold(b, leaf_kind(child), leaf_first(child), leaf_count(child), a);
     const struct node8 *n = &b->nodes[child];
-    const double at[3] = {p.x, p.y, p.z};
     for (int i = 0; i < WIDTH; i++) {
-        bool in = n->used >> i & 1;
-        for (int a = 0; a < 3; a++) {
-            double lo = (double)n->lo[a][i] - (double)b->slack;
-            double hi = (double)n->hi[a][i] + (double)b->slack;
-            in = in && lo <= at[a] && at[a] <= hi;
-        }
-        if (in && below_holds(b, n->child[i], p, err)) return true;
+        struct vec3 lo = v3((double)n->lo[0][i], (double)n->lo[1][i], (double)n->lo[2][i]);
+        struct vec3 hi = v3((double)n->hi[0][i], (double)n->hi[1][i], (double)n->hi[2][i]);
+        bool in = (n->used >> i & 1) && within(a->p, lo, hi, 2 * b->slack);
+        if (in && below_holds(b, n->child[i], a)) return true;
     }
     return false;
 }
 
-bool bvh_holds(const struct bvh *b, struct vec3 p, double err)
+bool bvh_holds(
+    const struct bvh *b, const struct scene *s, const struct item *items, struct vec3 p, double err)
 {
-    return b->nodes && below_holds(b, 0, p, err);
+    const struct point a = {s, items, p, err};
+    if (b->nodes) return below_holds(b, 0, &a);
+    for (int kind = 0; kind < ITEM_KINDS; kind++)
+        if (blocks_hold(b, (enum item_kind)kind, 0, b->n_blocks[kind], &a)) return true;
+    return false;
 }
 
 void bvh_free(struct bvh *b)
 {
     free(b->nodes);
+    slabs_free(b->slabs);
     for (int k = 0; k < ITEM_KINDS; k++) free(b->blocks[k]);
     memset(b, 0, sizeof *b);
 }

@@ -76,6 +76,17 @@ static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo
         fmax(b.z + r0 * sz, e.z + r1 * sz));
 }
 
+static void extent(
+    const struct scene *s, const struct item *it, struct vec3 n, double *lo, double *hi)
+{
+    const struct prim *p = &s->prims[it->prim];
+    struct vec3 b = p->cone.base, e = p->cone.apex, along = v3_sub(e, b);
+    double across = v3_len(v3_cross(n, along)) / v3_len(along); /* of a circle of radius 1 */
+    double r0 = fabs(p->cone.base_radius) * across, r1 = fabs(p->cone.apex_radius) * across;
+    *lo = fmin(v3_dot(n, b) - r0, v3_dot(n, e) - r1);
+    *hi = fmax(v3_dot(n, b) + r0, v3_dot(n, e) + r1);
+}
+
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
     struct frame f;
@@ -90,4 +101,4 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return v3_unit(v3_mad(radial, f.axis, -f.k));
 }
 
-const struct shape cone_shape = {sizeof(struct cone4), init, fill, clear, bounds, normal};
+const struct shape cone_shape = {sizeof(struct cone4), init, fill, clear, bounds, extent, normal};

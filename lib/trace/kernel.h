@@ -20,6 +20,12 @@
 /* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
 
+/* slabs.c defines these before it includes this file. */
+#ifndef COUNT_BOXES
+#define COUNT_BOXES(b, node) ((void)0)
+#define COUNT_ITEMS(b, items) ((void)0)
+#endif
+
 /* A ray, prepared for tests of boxes. */
 struct box_ray {
     float near[3], far[3], inv[3];        /* origins for the near and far planes; 1/d */
@@ -260,6 +266,7 @@ static ALWAYS_INLINE void closest_in_leaf(
         _Alignas(32) double t[LANES];
         const uint32_t *items;
         unsigned mask = hit_block(b, leaf_kind(leaf), first + i, r, h->t, t, &items, NULL);
+        COUNT_ITEMS(b, items);
         while (mask) {
             int k = take_bit(&mask);
             if (t[k] < h->t || (t[k] == h->t && items[k] < h->item))
@@ -306,6 +313,7 @@ static void closest_below(
         while (!(cur & LEAF)) {
             _Alignas(32) float t_near[WIDTH];
             unsigned mask = hit_boxes(&b->nodes[cur], w, limit, t_near);
+            COUNT_BOXES(b, &b->nodes[cur]);
             if (!mask) goto pop;
             cur = push_children(&b->nodes[cur], mask, t_near, stack, &top);
         }
@@ -338,6 +346,7 @@ static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, co
         const uint32_t *items;
         unsigned twice,
             mask = hit_block(b, leaf_kind(leaf), first + i, r, r->t_max, t, &items, &twice);
+        COUNT_ITEMS(b, items);
         while (mask) {
             int k = take_bit(&mask);
             unsigned times = 1 + (twice >> k & 1);
@@ -359,6 +368,7 @@ static bool blocked_below(const struct bvh *b, uint32_t cur, const struct box_ra
             _Alignas(32) float t_near[WIDTH];
             const struct node8 *n = &b->nodes[cur];
             unsigned mask = hit_boxes(n, w, limit, t_near);
+            COUNT_BOXES(b, n);
             if (!mask) goto pop;
             cur = n->child[take_bit(&mask)];
             while (mask) stack[top++] = n->child[take_bit(&mask)];

@@ -37,6 +37,15 @@ static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo
     *hi = v3(c.x + r, c.y + r, c.z + r);
 }
 
+static void extent(
+    const struct scene *s, const struct item *it, struct vec3 n, double *lo, double *hi)
+{
+    const struct prim *p = &s->prims[it->prim];
+    double c = v3_dot(n, p->sphere.center), r = fabs(p->sphere.radius) * v3_len(n);
+    *lo = c - r;
+    *hi = c + r;
+}
+
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
     const struct prim *q = &s->prims[it->prim];
@@ -45,4 +54,5 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return n;
 }
 
-const struct shape sphere_shape = {sizeof(struct sphere4), init, fill, clear, bounds, normal};
+const struct shape sphere_shape = {
+    sizeof(struct sphere4), init, fill, clear, bounds, extent, normal};

@@ -27,9 +27,11 @@ struct trace_options {
      * that a surface faces gets a shadow ray, each transmitting surface reflects, and a refracted
      * ray uses up a level even if it is not bent. With budget 0 no ray is left out. */
     bool by_spd;
+    enum trace_hierarchy { HIERARCHY_BVH, HIERARCHY_SLABS, HIERARCHY_NONE } hierarchy;
+    bool count_tests; /* for tracer_tests; takes longer */
 };
 /* clang-format off */
-#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO, false}
+#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO, false, HIERARCHY_BVH, false}
 /* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024
@@ -62,5 +64,12 @@ struct trace_counts {
     uint64_t turned_back; /* reflected rays in place of refracted ones: total internal reflection */
 };
 void tracer_counts(const struct tracer *t, struct trace_counts *c);
+
+/* Tests since tracer_new, if options.count_tests, and the size of the hierarchy. */
+struct trace_tests {
+    uint64_t rays, boxes, items; /* boxes: bounding volumes; items: triangles, spheres, cones */
+    uint64_t bytes;              /* of the hierarchy, without the items */
+};
+void tracer_tests(const struct tracer *t, struct trace_tests *c);
 
 #endif

@@ -72,12 +72,23 @@ struct shape {
     /* Makes a lane that no ray hits. */
     void (*clear)(void *block, int lane);
     void (*bounds)(const struct scene *s, const struct item *it, struct vec3 *lo, struct vec3 *hi);
+    /* The bounds of n.p over the points p of the item. n need not have length 1. */
+    void (*extent)(
+        const struct scene *s, const struct item *it, struct vec3 n, double *lo, double *hi);
     /* The unit normal at p, on either side. Moves p onto the surface if that is more accurate than
      * o + t d. */
     struct vec3 (*normal)(const struct scene *s, const struct item *it, struct vec3 *p);
 };
 extern const struct shape triangle_shape, sphere_shape, cone_shape;
 extern const struct shape *const trace_shapes[ITEM_KINDS];
+
+/* The items of a block. */
+static inline uint32_t *block_items(uint32_t kind, void *block)
+{
+    if (kind == ITEM_TRIANGLE) return ((struct tri4 *)block)->item;
+    if (kind == ITEM_SPHERE) return ((struct sphere4 *)block)->item;
+    return ((struct cone4 *)block)->item;
+}
 
 /* ---- the hierarchy ---------------------------------------------------------------------- */
 
@@ -90,6 +101,10 @@ extern const struct shape *const trace_shapes[ITEM_KINDS];
 #define LEAF_BLOCKS_MAX 4
 #define LEAF_FIRST_MASK UINT32_C(0x07ffffff)
 #define NO_CHILD UINT32_MAX
+static inline uint32_t leaf_of(uint32_t kind, uint32_t n, uint32_t first)
+{
+    return LEAF | kind << 29 | (n - 1) << 27 | first;
+}
 static inline enum item_kind leaf_kind(uint32_t c) { return (enum item_kind)(c >> 29 & 3); }
 static inline uint32_t leaf_count(uint32_t c) { return (c >> 27 & 3) + 1; }
 static inline uint32_t leaf_first(uint32_t c) { return c & LEAF_FIRST_MASK; }
@@ -105,6 +120,8 @@ struct node8 {
 
 struct bvh {
     struct node8 *nodes; /* nodes[0] is the root; NULL if no item has a surface */
+    struct slabs *slabs; /* in place of nodes (slabs.h); otherwise NULL */
+    struct trace_tests *tests;
     uint32_t n_nodes;
     void *blocks[ITEM_KINDS];
     uint32_t n_blocks[ITEM_KINDS];
@@ -123,8 +140,15 @@ struct ref {
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
     const struct item *items, double reach);
 void bvh_free(struct bvh *b);
-/* True if p, known up to err, lies on a surface. */
-bool bvh_holds(const struct bvh *b, struct vec3 p, double err);
+/* True if p, known up to err, lies on the surface of an item, and within its bounds. */
+bool bvh_holds(const struct bvh *b, const struct scene *s, const struct item *items, struct vec3 p,
+    double err);
+
+/* Builds the blocks, and slabs as their hierarchy or none. refs: in the order of items. */
+void slabs_build(struct bvh *b, const struct ref *refs, uint32_t n, const struct scene *s,
+    const struct item *items, double reach, bool hierarchy);
+uint64_t slabs_bytes(const struct slabs *s);
+void slabs_free(struct slabs *s);
 
 struct bnode {
     float lo[3], hi[3];
@@ -169,6 +193,8 @@ struct kernels {
 /* NULL if this build or this machine lacks the instruction set. */
 const struct kernels *trace_kernels_sse2(void);
 const struct kernels *trace_kernels_avx2(void);
+/* For all hierarchies, without packets; these count the tests. */
+const struct kernels *slabs_kernels(void);
 
 #define MEDIA_MAX TRACE_DEPTH_MAX
 
@@ -202,6 +228,7 @@ struct tracer {
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
+    struct trace_tests tests;
     struct camera camera;
 };
 

@@ -103,9 +103,10 @@ static void make_transmits(struct tracer *t)
         t->transmits[i] = t->scene->materials[t->items[i].material].t > 0;
 }
 
-static const struct kernels *choose_kernels(enum isa isa)
+static const struct kernels *choose_kernels(const struct trace_options *o)
 {
-    const struct kernels *wide = isa == ISA_SSE2 ? NULL : trace_kernels_avx2();
+    if (o->hierarchy != HIERARCHY_BVH || o->count_tests) return slabs_kernels();
+    const struct kernels *wide = o->isa == ISA_SSE2 ? NULL : trace_kernels_avx2();
     return wide ? wide : trace_kernels_sse2();
 }
 
@@ -116,7 +117,8 @@ static void mark_lights(struct tracer *t, double reach)
     const struct scene *s = t->scene;
     t->light_in_surface = xcalloc(s->n_lights, sizeof *t->light_in_surface);
     for (uint32_t i = 0; i < s->n_lights; i++)
-        t->light_in_surface[i] = bvh_holds(&t->bvh, s->lights[i].pos, ERR_UNIT * 8 * reach);
+        t->light_in_surface[i] =
+            bvh_holds(&t->bvh, s, t->items, s->lights[i].pos, ERR_UNIT * 8 * reach);
 }
 
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
@@ -125,7 +127,7 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     uint32_t n, largest;
     t->scene = s;
     t->options = *o;
-    t->k = choose_kernels(o->isa);
+    t->k = choose_kernels(o);
     count_items(s, &n, &largest);
     t->items = xmalloc(n, sizeof *t->items);
     struct ref *refs = xaligned(n, sizeof *refs);
@@ -134,7 +136,9 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     make_surfaces(t);
     make_transmits(t);
     bound_radiance(t);
-    bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
+    if (o->hierarchy == HIERARCHY_BVH) bvh_build(&t->bvh, refs, n_refs, s, t->items, reach);
+    else slabs_build(&t->bvh, refs, n_refs, s, t->items, reach, o->hierarchy == HIERARCHY_SLABS);
+    t->bvh.tests = &t->tests;
     free(refs);
     mark_lights(t, reach);
     t->wave = wave_new(t);
@@ -165,3 +169,10 @@ void tracer_frame(struct tracer *t, uint32_t w, uint32_t h)
 }
 
 void tracer_counts(const struct tracer *t, struct trace_counts *c) { *c = t->counts; }
+
+void tracer_tests(const struct tracer *t, struct trace_tests *c)
+{
+    *c = t->tests;
+    c->bytes =
+        t->bvh.slabs ? slabs_bytes(t->bvh.slabs) : (uint64_t)t->bvh.n_nodes * sizeof *t->bvh.nodes;
+}

@@ -84,6 +84,15 @@ static void bounds(const struct scene *s, const struct item *it, struct vec3 *lo
         larger(a.z, larger(b.z, c.z)));
 }
 
+static void extent(
+    const struct scene *s, const struct item *it, struct vec3 n, double *lo, double *hi)
+{
+    double a = v3_dot(n, corner(s, it, 0)), b = v3_dot(n, corner(s, it, 1));
+    double c = v3_dot(n, corner(s, it, 2));
+    *lo = smaller(a, smaller(b, c));
+    *hi = larger(a, larger(b, c));
+}
+
 /* Barycentric mean of the corners' normals. */
 static struct vec3 smooth_normal(
     const struct scene *s, const struct item *it, struct vec3 p, struct vec3 flat)
@@ -104,4 +113,5 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return it->smooth ? smooth_normal(s, it, *p, it->n) : it->n;
 }
 
-const struct shape triangle_shape = {sizeof(struct tri4), init, fill, clear, bounds, normal};
+const struct shape triangle_shape = {
+    sizeof(struct tri4), init, fill, clear, bounds, extent, normal};
