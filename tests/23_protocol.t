@@ -227,6 +227,7 @@ sampled() {
 	run protocol -n 1 -o "$1.tsv" "$1"
 	like "a sample of $1" "$status $(grep -v '^#' "$1.tsv" | tail -n 1 | cut -f 6)" "$2"
 }
+sampled hierarchy '^0 [.0-9]+$'
 sampled latency '^0 [.0-9]+$'
 sampled regret '^0 [.0-9]+$'
 sampled agreement '^0 [.0-9]+$'

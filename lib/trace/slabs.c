@@ -61,8 +61,8 @@ static inline bool enters(
 /* ---- the heap: the nearest node first ------------------------------------------------------ */
 
 struct walk {
-    const struct bvh *b;
     struct slabs_ray ray;
+    const struct bvh *b;
     uint32_t n; /* entries on the heap */
 };
 

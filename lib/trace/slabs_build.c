@@ -58,10 +58,11 @@ static void select_front(struct ref *r, uint32_t n, uint32_t k, int axis)
 
 static void bound_leaf(const struct build *b, uint32_t first, struct slabs_node *node)
 {
+    uint32_t end = end_of(b, first);
     for (int i = 0; i < SLABS; i++) {
         const double *n = slabs_normal[i];
         double lo = HUGE_VAL, hi = -HUGE_VAL;
-        for (uint32_t k = first; k < end_of(b, first); k++) {
+        for (uint32_t k = first; k < end; k++) {
             const struct ref *r = &b->refs[k];
             double l, h;
             trace_shapes[r->kind]->extent(
@@ -97,11 +98,12 @@ static void build(const struct build *b, uint32_t node, uint32_t first, uint32_t
 static uint32_t join_refs(const struct build *b, uint32_t n_refs)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < n_refs; i = end_of(b, i)) {
+    for (uint32_t i = 0, end; i < n_refs; i = end) {
         struct ref *leaf = &b->leaves[n++];
+        end = end_of(b, i);
         *leaf = b->refs[i];
         leaf->item = i;
-        for (uint32_t k = i; k < end_of(b, i); k++)
+        for (uint32_t k = i; k < end; k++)
             for (int a = 0; a < 3; a++) {
                 const struct ref *r = &b->refs[k];
                 leaf->lo[a] = r->lo[a] < leaf->lo[a] ? r->lo[a] : leaf->lo[a];
@@ -138,23 +140,23 @@ static void fill_blocks(const struct build *b, struct bvh *to)
     }
 }
 
-void slabs_build(struct bvh *to, const struct ref *refs, uint32_t n, const struct scene *s,
+void slabs_build(struct bvh *b, const struct ref *refs, uint32_t n, const struct scene *s,
     const struct item *items, double reach, bool hierarchy)
 {
     struct slabs *slabs = xcalloc(1, sizeof *slabs);
-    struct build b = {slabs, refs, n, xaligned(n, sizeof *refs), s, items, reach};
-    memset(to, 0, sizeof *to);
-    to->slabs = slabs;
-    to->slack = (float)(reach * 0x1p-22);
-    slabs->n = join_refs(&b, n);
+    struct build with = {slabs, refs, n, xaligned(n, sizeof *refs), s, items, reach};
+    memset(b, 0, sizeof *b);
+    b->slabs = slabs;
+    b->slack = (float)(reach * 0x1p-22);
+    slabs->n = join_refs(&with, n);
     slabs->leaves = xmalloc(slabs->n, sizeof *slabs->leaves);
     if (hierarchy && n) {
         slabs->nodes = xaligned((size_t)2 * slabs->n - 1, sizeof *slabs->nodes);
         slabs->heap = xmalloc(slabs->n, sizeof *slabs->heap);
-        build(&b, 0, 0, slabs->n, 0);
+        build(&with, 0, 0, slabs->n, 0);
     }
-    fill_blocks(&b, to);
-    free(b.leaves);
+    fill_blocks(&with, b);
+    free(with.leaves);
 }
 
 uint64_t slabs_bytes(const struct slabs *s)
