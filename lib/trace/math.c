@@ -3,12 +3,10 @@
  * the last bit between hosts, because the library picks FMA variants at run time. These are plain
  * sums and products of doubles.
  */
+#include "trace/math.h"
 #include "trace/trace_int.h"
 
 #include <string.h>
-
-#define LOG2_E 1.4426950408889634074
-#define LN_2 0.69314718055994530942
 
 /* log2 of a normal x > 0: x = m 2^e with m in [sqrt(1/2), sqrt 2), log m = 2 atanh((m-1)/(m+1)). */
 static double log2_of(double x)
@@ -19,13 +17,12 @@ static double log2_of(double x)
     bits = (bits & UINT64_C(0x000fffffffffffff)) | UINT64_C(0x3fe0000000000000);
     double m;
     memcpy(&m, &bits, sizeof m);
-    if (m < 0.70710678118654752) {
+    if (m < LOG2_LOW) {
         m *= 2;
         e--;
     }
     double s = (m - 1) / (m + 1), z = s * s; /* z < .0295: the first omitted term is below 1e-17 */
-    static const double c[] = {1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15,
-        1.0 / 17, 1.0 / 19, 1.0 / 21};
+    const double *c = trace_log2_terms;
     /* Estrin's scheme (pairs, then pairs of pairs): shorter dependency chains than Horner's. */
     double z2 = z * z, z4 = z2 * z2;
     double p = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2 +
@@ -36,12 +33,10 @@ static double log2_of(double x)
 /* 2^y for y <= 0. Returns 0 if the result would not be a normal number. */
 static double exp2_of(double y)
 {
-    if (!(y > -1021)) return 0;
+    if (!(y > EXP2_LEAST)) return 0;
     int n = (int)(y - 0.5);
     double f = (y - n) * LN_2; /* |f| <= ln 2 / 2 */
-    static const double c[] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040,
-        1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600,
-        1.0 / 6227020800};
+    const double *c = trace_exp2_terms;
     double f2 = f * f, f4 = f2 * f2;
     double q = (c[0] + c[1] * f) + (c[2] + c[3] * f) * f2 +
                ((c[4] + c[5] * f) + (c[6] + c[7] * f) * f2) * f4 +
@@ -55,7 +50,7 @@ static double exp2_of(double y)
 
 double trace_pow(double x, double y)
 {
-    if (x < 1e-300) return 0;
+    if (x < POW_LEAST) return 0;
     if (x >= 1) return 1;
     return exp2_of(y * log2_of(x));
 }

@@ -3,6 +3,7 @@
  * number in the frame and on its own samples. So a pixel is the same in every worker and in every
  * group of pixels.
  */
+#include "trace/shade.h"
 #include "trace/trace_int.h"
 
 /*
@@ -71,7 +72,7 @@ struct group {
     struct vec3 sum[GROUP];                   /* sum of the samples so far */
     struct vec3 lo[GROUP], hi[GROUP]; /* bounds of the samples; unused with one sample per pixel */
     /* Samples that wait for the next wave, and the pixels they belong to. */
-    struct ray ray[WAVE_RAYS];
+    double at_x[WAVE_RAYS], at_y[WAVE_RAYS]; /* in pixels */
     uint32_t owner[WAVE_RAYS], waiting;
 };
 
@@ -87,9 +88,12 @@ static struct vec3 higher(struct vec3 a, struct vec3 b)
 
 static void flush(struct group *g)
 {
+    struct ray ray[WAVE_RAYS];
     struct vec3 colour[WAVE_RAYS];
+    const struct tracer *t = g->t;
     if (g->waiting == 0) return;
-    wave_colours(g->t, g->ray, g->waiting, colour);
+    t->shaders->eye_rays(&t->camera, t->scene->view.hither, g->at_x, g->at_y, g->waiting, ray);
+    wave_colours(g->t, ray, g->waiting, colour);
     for (uint32_t i = 0; i < g->waiting; i++) {
         uint32_t k = g->owner[i];
         g->sum[k] = v3_add(g->sum[k], colour[i]);
@@ -98,19 +102,6 @@ static void flush(struct group *g)
         g->hi[k] = higher(g->hi[k], colour[i]);
     }
     g->waiting = 0;
-}
-
-/* The eye ray through point (x, y) of the frame, in pixels. */
-static void eye_ray(const struct tracer *t, double x, double y, struct ray *r)
-{
-    struct vec3 d = camera_direction(&t->camera, x, y);
-    double len = v3_len(d);
-    r->o = t->camera.eye;
-    r->d = v3_scale(d, 1 / len);
-    r->t_min = t->scene->view.hither * len; /* hither is a depth along forward */
-    r->t_max = HUGE_VAL;
-    r->err = 0;
-    r->to_surface = false;
 }
 
 static uint64_t pixel_number(const struct group *g, uint32_t k)
@@ -148,7 +139,8 @@ static void sample(struct group *g, uint32_t k, int stratum)
         fx = (i + (g->column[j] + rng_unit(pixel, 2 * seed)) / n) / n;
         fy = (j + (g->row[i] + rng_unit(pixel, 2 * seed + 1)) / n) / n;
     }
-    eye_ray(g->t, x + fx, y + fy, &g->ray[g->waiting]);
+    g->at_x[g->waiting] = x + fx;
+    g->at_y[g->waiting] = y + fy;
     g->owner[g->waiting] = k;
     if (++g->waiting == WAVE_RAYS) flush(g);
 }
@@ -192,13 +184,15 @@ static void colours(struct group *g, uint32_t n)
 
 void tracer_corners(struct tracer *t)
 {
+    double at_x[WAVE_RAYS], at_y[WAVE_RAYS];
     struct ray ray[WAVE_RAYS];
     struct vec3 colour[WAVE_RAYS];
     uint32_t w = t->camera.w, h = t->camera.h, n = 0;
     for (uint32_t y = 0; y <= h; y++)
         for (uint32_t x = 0; x <= w; x++) {
-            eye_ray(t, x, y, &ray[n++]);
+            at_x[n] = x, at_y[n++] = y;
             if (n < WAVE_RAYS && (x < w || y < h)) continue;
+            t->shaders->eye_rays(&t->camera, t->scene->view.hither, at_x, at_y, n, ray);
             wave_colours(t, ray, n, colour);
             n = 0;
         }

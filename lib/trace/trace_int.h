@@ -213,10 +213,13 @@ struct surface {
     bool diffuse; /* colour_kd is not zero */
 };
 
+struct shaders;
+
 struct tracer {
     const struct scene *scene;
     struct trace_options options;
     const struct kernels *k;
+    const struct shaders *shaders; /* shade.h */
     struct bvh bvh;
     struct item *items;
     uint32_t n_items;

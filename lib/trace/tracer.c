@@ -1,4 +1,5 @@
 /* tracer: the items and hierarchy of a scene, and the functions of trace.h. */
+#include "trace/shade.h"
 #include "trace/trace_int.h"
 
 #include <stdlib.h>
@@ -110,6 +111,12 @@ static const struct kernels *choose_kernels(const struct trace_options *o)
     return wide ? wide : trace_kernels_sse2();
 }
 
+static const struct shaders *choose_shaders(enum isa isa)
+{
+    const struct shaders *wide = isa == ISA_SSE2 ? NULL : trace_shaders_avx2();
+    return wide ? wide : trace_shaders_sse2();
+}
+
 /* Both ends of a shadow ray are within reach of 0 along each axis. So 8 * reach exceeds the bound
  * on the light's error (ends.h). */
 static void mark_lights(struct tracer *t, double reach)
@@ -128,6 +135,7 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     t->scene = s;
     t->options = *o;
     t->k = choose_kernels(o);
+    t->shaders = choose_shaders(o->isa);
     count_items(s, &n, &largest);
     t->items = xmalloc(n, sizeof *t->items);
     struct ref *refs = xaligned(n, sizeof *refs);

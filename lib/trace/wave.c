@@ -8,6 +8,7 @@
  * pixels of the wave.
  */
 #include "trace/pending.h"
+#include "trace/shade.h"
 #include "trace/trace_int.h"
 
 #include <stdlib.h>
@@ -41,6 +42,8 @@ struct wave {
     struct pending_pool pool;
     struct shadow_query query[PACKET];
     uint32_t n_queries;
+    struct shade_points at; /* of the samples that are shaded */
+    struct shade_light lit;
     uint32_t eye; /* the entry of the pool that all eye rays share, except for the ray itself */
 };
 
@@ -111,15 +114,38 @@ static bool dropped(struct sample *s, struct vec3 light, double weight)
     return true;
 }
 
+/* Copies the points of the listed samples to lanes. */
+static void gather_points(struct wave *w, struct sample *const *list, uint32_t n)
+{
+    struct shade_points *to = &w->at;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct hit_point *at = &list[i]->at;
+        const struct surface *f = at->surface;
+        to->p[0][i] = at->p.x, to->p[1][i] = at->p.y, to->p[2][i] = at->p.z;
+        to->n[0][i] = at->n.x, to->n[1][i] = at->n.y, to->n[2][i] = at->n.z;
+        to->mirrored[0][i] = at->mirrored.x, to->mirrored[1][i] = at->mirrored.y;
+        to->mirrored[2][i] = at->mirrored.z, to->err[i] = at->err;
+        to->colour_kd[0][i] = f->colour_kd.x, to->colour_kd[1][i] = f->colour_kd.y;
+        to->colour_kd[2][i] = f->colour_kd.z, to->ks[i] = f->ks, to->shine[i] = f->shine;
+    }
+}
+
 static void shade_direct(struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n)
 {
+    const struct shade_light *lit = &w->lit;
+    w->at.all = t->options.by_spd;
+    gather_points(w, list, n);
     for (uint32_t l = 0; l < t->scene->n_lights; l++) {
-        for (uint32_t i = 0; i < n; i++) {
+        uint64_t bits = t->shaders->light(&w->at, n, &t->scene->lights[l], &w->lit);
+        for (; bits; bits &= bits - 1) {
+            int i = __builtin_ctzll(bits);
             struct sample *s = list[i];
             const struct pending *k = &w->pool.at[s->now];
             struct shadow_query *a = &w->query[w->n_queries];
-            if (!light_from(t, &s->at, l, &a->light, &a->ray)) continue;
+            a->light = v3(lit->light[0][i], lit->light[1][i], lit->light[2][i]);
             if (!t->options.by_spd && dropped(s, a->light, k->weight)) continue;
+            a->ray = (struct ray){s->at.p, v3(lit->d[0][i], lit->d[1][i], lit->d[2][i]), 0,
+                lit->distance[i], s->at.err, t->light_in_surface[l]};
             a->sum = &s->light;
             a->prim = k->level > 1 ? s->at.item->prim : NO_PRIM;
             if (++w->n_queries == PACKET) trace_shadows(t, w);

@@ -88,16 +88,22 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
     put_lattice(b, "frag", t, at);
     /* The body comes first, because the line needs its crc. */
     size_t bytes = n * 4;
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    const float *body = rgba;
+#else
     unsigned char *body = xmalloc(bytes, 1);
     for (size_t i = 0; i < n; i++) {
         uint32_t bits;
         memcpy(&bits, rgba + i, 4);
         for (int k = 0; k < 4; k++) body[4 * i + (size_t)k] = (unsigned char)(bits >> (8 * k));
     }
+#endif
     buf_printf(b, " job=%s ch=4 crc=%" PRIu32 " bytes=%zu", job, wire_crc(body, bytes), bytes);
     wire_seal(b, line);
     buf_append(b, body, bytes);
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
     free(body);
+#endif
 }
 
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t wall_us)

@@ -176,11 +176,13 @@ static void emit_frag(
 /* Absurd but valid scenes, such as mirrors of Ks 1e6, exceed the range of float. Values beyond
  * it become its limit, and NaN becomes 0: the same on all machines, and valid light for all
  * readers. */
+static inline float limited(float a, float most) { return a >= 0 ? a < most ? a : most : 0; }
+
 static void limit(float *rgba, uint64_t n)
 {
-    for (uint64_t i = 0; i < 4 * n; i++) {
-        float most = i % 4 == 3 ? 1 : FLT_MAX;
-        rgba[i] = rgba[i] >= 0 ? fminf(rgba[i], most) : 0;
+    for (float *end = rgba + 4 * n; rgba < end; rgba += 4) {
+        for (int c = 0; c < 3; c++) rgba[c] = limited(rgba[c], FLT_MAX);
+        rgba[3] = limited(rgba[3], 1);
     }
 }
 
