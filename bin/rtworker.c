@@ -139,7 +139,7 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-a SAMPLES[:THRESHOLD]] [-b bvh|slabs|none] [-d DEPTH] [-f PIXELS]\n"
-        "           [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
+        "           [-j SLOTS] [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
         "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
         "                [SCENE.nff|-]\n"
         "       rtworker -R [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
@@ -147,7 +147,7 @@ static struct options parse(int argc, char **argv)
         "                [-s WxH] [-w BOUND] [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:b:d:hinRs:w:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:b:d:hij:nRs:w:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'b': parse_hierarchy(optarg, &o.trace); break;

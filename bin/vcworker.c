@@ -121,7 +121,8 @@ static void describe(struct options *o)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-ch] [-f PIXELS] [-m METHOD] [-x sse2|avx2|avx512] [GRID.vtk|- SPEC|-]\n"
+        "[-ch] [-f PIXELS] [-j SLOTS] [-m METHOD] [-x sse2|avx2|avx512]\n"
+        "                [GRID.vtk|- SPEC|-]\n"
         "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
         "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
         "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
@@ -129,7 +130,7 @@ static struct options parse(int argc, char **argv)
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};
     char err[ERR_BYTES];
-    for (int opt; (opt = prog_getopt(argc, argv, "+him:ns:x:" WORKER_OPTIONS)) != -1;) {
+    for (int opt; (opt = prog_getopt(argc, argv, "+hij:m:ns:x:" WORKER_OPTIONS)) != -1;) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
         case 'i':

@@ -36,7 +36,7 @@ proc base
 hosts base
 pipe proc wire task base
 fan pipe hosts proc wire task base
-worker wire image task base
+worker pipe proc wire image task base
 history wire task base
 account history wire task stats base
 verify log wire task base

@@ -27,7 +27,14 @@ void child_close(int *fd)
     *fd = -1;
 }
 
-static _Noreturn void run_child(pid_t parent, int p[PIPES][2], char *const argv[])
+/* What a child runs. */
+struct to_run {
+    int (*function)(void *ctx);
+    void *ctx;
+    bool forks; /* the result is the exit status; else, a return is a failure with errno */
+};
+
+static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_run *run)
 {
     setpgid(0, 0);
     signals_restore();
@@ -35,9 +42,12 @@ static _Noreturn void run_child(pid_t parent, int p[PIPES][2], char *const argv[
      * ignores signals. */
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
+    /* Without exec, the child would keep the pipes of others open, which would never end. */
     if (dup2(p[TO][0], STDIN_FILENO) >= 0 && dup2(p[FROM][1], STDOUT_FILENO) >= 0 &&
-        (p[ERR][1] < 0 || dup2(p[ERR][1], STDERR_FILENO) >= 0))
-        execvp(argv[0], argv);
+        (p[ERR][1] < 0 || dup2(p[ERR][1], STDERR_FILENO) >= 0)) {
+        if (!run->forks) run->function(run->ctx);
+        else if (close_range(STDERR_FILENO + 1, ~0U, 0) == 0) _exit(run->function(run->ctx));
+    }
     int err = errno;
     (void)!write(p[REPORT][1], &err, sizeof err);
     _exit(127);
@@ -68,14 +78,14 @@ static int read_report(int fd)
 
 static int set_nonblocking(int fd) { return fd < 0 ? 0 : fcntl(fd, F_SETFL, O_NONBLOCK); }
 
-static int start(struct child *c, char *const argv[], int n_pipes)
+static int start(struct child *c, const struct to_run *run, int n_pipes)
 {
     int p[PIPES][2], err = 0;
     *c = CHILD_NONE;
     if (open_pipes(p, n_pipes) != 0) return -1;
     pid_t parent = getpid();
     c->pid = fork();
-    if (c->pid == 0) run_child(parent, p, argv);
+    if (c->pid == 0) run_child(parent, p, run);
     if (c->pid < 0) err = errno;
     close(p[TO][0]), close(p[FROM][1]), close(p[REPORT][1]), child_close(&p[ERR][1]);
     c->to = p[TO][1];
@@ -90,9 +100,26 @@ static int start(struct child *c, char *const argv[], int n_pipes)
     return -1;
 }
 
-int child_start(struct child *c, char *const argv[]) { return start(c, argv, ERR); }
+static int exec(void *argv)
+{
+    char *const *words = *(char *const **)argv;
+    return execvp(words[0], words);
+}
 
-int child_start_apart(struct child *c, char *const argv[]) { return start(c, argv, PIPES); }
+int child_start(struct child *c, char *const argv[])
+{
+    return start(c, &(struct to_run){exec, &argv, false}, ERR);
+}
+
+int child_start_apart(struct child *c, char *const argv[])
+{
+    return start(c, &(struct to_run){exec, &argv, false}, PIPES);
+}
+
+int child_fork(struct child *c, int (*function)(void *ctx), void *ctx)
+{
+    return start(c, &(struct to_run){function, ctx, true}, ERR);
+}
 
 static int kill_group(struct child *c)
 {

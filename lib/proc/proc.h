@@ -28,6 +28,11 @@ struct child {
 int child_start(struct child *c, char *const argv[]);
 /* The same, with standard error through a pipe of its own. */
 int child_start_apart(struct child *c, char *const argv[]);
+/*
+ * The same, but the child is a fork of this process that runs the function, whose result is its
+ * exit status. It has no other descriptors than 0, 1 and 2. This process must have one thread only.
+ */
+int child_fork(struct child *c, int (*function)(void *ctx), void *ctx);
 void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
 /*
  * Has the child ended? If so, kills the rest of its group, reaps it, and sets *status to its wait
@@ -62,7 +67,7 @@ int signals_poll(struct pollfd *p, size_t n, int timeout_ms);
 /* In the place of signals_catch: one of the signals above prints `text`, which must stay, on stderr
  * before it ends this process. */
 void signals_say(const char *text);
-/* Undoes signals_catch in a child, before exec. */
+/* Undoes signals_catch in a child. */
 void signals_restore(void);
 /* True if one of the signals has come. */
 bool signals_came(void);

@@ -59,11 +59,22 @@ void signals_say(const char *text)
         if (signal(ending[i], say) == SIG_IGN) signal(ending[i], SIG_IGN);
 }
 
-/* Caught signals are reset by exec; the mask, and SIGPIPE, are not. */
+static void reset(int sig)
+{
+    struct sigaction act;
+    if (sigaction(sig, NULL, &act) == 0 && act.sa_handler == note) signal(sig, SIG_DFL);
+}
+
+/* exec would reset caught signals, but not the mask and SIGPIPE. */
 void signals_restore(void)
 {
     signal(SIGPIPE, SIG_DFL);
-    if (catching) sigprocmask(SIG_SETMASK, &before, NULL);
+    if (!catching) return;
+    reset(SIGCHLD);
+    for (size_t i = 0; i < N_ENDING; i++) reset(ending[i]);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    catching = false;
+    came = 0;
 }
 
 int signals_poll(struct pollfd *p, size_t n, int timeout_ms)

@@ -1,5 +1,5 @@
-/* The worker's loop: see worker.h. */
-#include "worker/worker.h"
+/* The worker's loop: see worker.h. One machine with fork_slot.c and forks.c. */
+#include "worker/worker_int.h"
 
 #include <errno.h>
 #include <float.h>
@@ -18,32 +18,13 @@
 #define READ_BYTES 65536
 #define WITH_MAX 160
 
-/* Payload of a frame: its job. */
-struct worker_job {
-    char hash[24];  /* as the input states it, then as announced; "": neither */
-    bool announced; /* the worker has said it */
-};
-
-struct worker {
-    const struct worker_ops *ops;
-    const struct worker_options *options;
-    void *ctx;
-    struct decoder in;
-    struct buf out, held; /* held: the frags that -c holds */
-    uint32_t held_of;     /* the generation of `held` */
-    uint32_t dropped;     /* first generation that is not dropped */
-    struct frames frames;
-    struct generations generations;
-    float *pixels;
-    int64_t cpu_us; /* used at the latest done or other record */
-};
-
 /*
  * The pulse. A callback may load a scene for minutes, or take as long for one pixel. Meanwhile a
  * timer checks that the reader is still there, and sends beats. It writes only while `busy`, when
  * no record is half written. It stops itself when the worker is idle.
  */
 static volatile sig_atomic_t busy, ticking;
+static bool pulsing;    /* pulse_open was called */
 static int64_t beat_us; /* time of the latest; a slow process misses checks */
 
 static void set_timer(suseconds_t us)
@@ -76,11 +57,13 @@ static void pulse_open(void)
     sigaddset(&own, SIGALRM);
     sigaction(SIGALRM, &act, NULL);
     sigprocmask(SIG_UNBLOCK, &own, NULL);
+    pulsing = true;
 }
 
 /* begin and end enclose each callback. */
 static void begin(void)
 {
+    if (!pulsing) return;
     busy = 1;
     if (ticking) return;
     beat_us = now_us();
@@ -104,7 +87,7 @@ static void push(struct worker *w)
     buf_consume(&w->out, buf_size(&w->out));
 }
 
-static void hello(struct worker *w)
+void worker_hello(struct worker *w, int slots)
 {
     static float rgba[4 * SELFTEST_PIXELS];
     uint32_t n = SELFTEST_PIXELS;
@@ -115,12 +98,22 @@ static void hello(struct worker *w)
     char selftest[24];
     snprintf(selftest, sizeof selftest, "%016" PRIx64, hash);
     wire_hello(&w->out, w->ops->program, selftest,
-        WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1), 1);
+        slots * WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1), slots);
     push(w);
 }
 
-/* Announces the job of the frame's pixels, once all state is loaded. */
-static bool announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
+/* It is announced all the same, so that the reader can say which slot has another job. */
+static _Noreturn void other_job(struct worker *w, const struct frame_size *f, const char *job)
+{
+    const struct worker_job *known = frames_extra(&w->frames, f);
+    push(w);
+    die(ST_USAGE,
+        "frame %u: has job %s here, expected %s: the same scene or grid and specification, with "
+        "the same options",
+        f->frame, job, known->hash);
+}
+
+bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct worker_job *known = frames_extra(&w->frames, f);
     if (known->announced) return true;
@@ -133,31 +126,33 @@ static bool announce(struct worker *w, const struct frame_size *f, char err[WORK
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
         w->ops->cpu_us ? " kind=replayed" : "");
     wire_job(&w->out, f, job, extra);
-    push(w);
-    if (*known->hash && strcmp(known->hash, job) != 0)
-        die(ST_USAGE,
-            "frame %u: has job %s here, expected %s: the same scene or grid and specification, "
-            "with the same options",
-            f->frame, job, known->hash);
+    if (*known->hash && strcmp(known->hash, job) != 0) other_job(w, f, job);
     memcpy(known->hash, job, sizeof job);
     known->announced = true;
     return true;
 }
 
-static void take_frame(struct worker *w, const struct record *r)
+struct frame_size *worker_frame(struct worker *w, const struct record *r)
 {
     struct frame_size *f = frames_find(&w->frames, r->task.frame);
     struct worker_job *known = f ? frames_extra(&w->frames, f) : NULL;
     char job[sizeof known->hash] = "";
     bool same = f && f->w == r->frame_w && f->h == r->frame_h && known->announced;
     if (rec_str(r, "job", job, sizeof job)) same = same && strcmp(job, known->hash) == 0;
-    if (same && f->generation == w->generations.now) return;
+    if (same && f->generation == w->generations.now) return NULL;
     f = frames_set(&w->frames, r->task.frame, r->frame_w, r->frame_h);
     generation_frame(&w->generations, f);
     known = frames_extra(&w->frames, f);
     memcpy(known->hash, job, sizeof job);
+    return f;
+}
+
+static void take_frame(struct worker *w, const struct record *r)
+{
     char err[WORKER_ERR];
-    announce(w, f, err); /* state may be missing: then the first task tries again */
+    const struct frame_size *f = worker_frame(w, r);
+    if (f) worker_announce(w, f, err); /* state may be missing: then the first task tries again */
+    push(w);
 }
 
 static void release_held(struct worker *w)
@@ -199,9 +194,8 @@ static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
     w->cpu_us = cpu;
 }
 
-static void take_task(struct worker *w, const struct task *t)
+const struct frame_size *worker_frame_of(const struct worker *w, const struct task *t)
 {
-    char err[WORKER_ERR];
     const struct frame_size *f = frames_find(&w->frames, t->frame);
     if (!f)
         die(ST_USAGE, "task %u %u: no such frame, expected `frame` before its tasks", t->frame,
@@ -211,7 +205,15 @@ static void take_task(struct worker *w, const struct task *t)
     if (!generation_lives(&w->generations, f))
         die(ST_USAGE, "task %u %u: its state was replaced too often, expected it earlier", t->frame,
             t->id);
-    if (!announce(w, f, err)) die(ST_USAGE, "%s", err);
+    return f;
+}
+
+static void take_task(struct worker *w, const struct task *t)
+{
+    char err[WORKER_ERR];
+    const struct frame_size *f = worker_frame_of(w, t);
+    if (!worker_announce(w, f, err)) die(ST_USAGE, "%s", err);
+    push(w);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
     const struct worker_job *known = frames_extra(&w->frames, f);
     if (w->held_of != f->generation) release_held(w);
@@ -234,8 +236,7 @@ static void take_task(struct worker *w, const struct task *t)
     }
 }
 
-/* A record of this kind is here or on its way: drops state that is too old then. */
-static void drop_older(struct worker *w, enum rec_kind kind, size_t bytes)
+void worker_drop_older(struct worker *w, enum rec_kind kind, size_t bytes)
 {
     uint32_t oldest = generation_oldest(&w->generations, kind, bytes);
     for (; w->dropped != oldest; w->dropped++)
@@ -246,12 +247,18 @@ static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
     unsigned char *body = w->in.in.data + (r->body - w->in.in.data);
-    drop_older(w, r->kind, r->body_len);
+    worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
     begin();
     if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
         die(ST_USAGE, "%s", err);
     end();
+}
+
+_Noreturn void worker_refuse(const struct record *r)
+{
+    die(ST_USAGE, "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
+        rec_name(r->kind));
 }
 
 static void take_record(struct worker *w, const struct record *r)
@@ -270,10 +277,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC: take_state(w, r); break;
-    default:
-        die(ST_USAGE,
-            "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
-            rec_name(r->kind));
+    default: worker_refuse(r);
     }
     w->cpu_us = used_us(w);
 }
@@ -294,39 +298,52 @@ bool worker_option(struct worker_options *o, int opt, const char *arg)
 {
     if (opt == 'c') o->concentrate = true;
     else if (opt == 'f') o->frag_pixels = (uint32_t)opt_int(opt, arg, 1, WIRE_FRAG_PIXELS_MAX);
+    else if (opt == 'j') o->jobs = (int)opt_int(opt, arg, 1, WORKER_JOBS_MOST);
     else return false;
     return true;
 }
 
-int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
+void worker_loop(struct worker *w)
 {
-    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .generations.keeps = true};
-    frames_init(&w.frames, sizeof(struct worker_job));
-    w.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w.pixels);
-    hello(&w);
+    w->pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *w->pixels);
     pulse_open();
     for (bool more = true; more;) {
         /* While a long state record arrives, beats go on: a program that waits for this worker
          * may not see the record arrive. */
         size_t bytes;
-        enum rec_kind kind = wire_awaited(&w.in, &bytes);
-        if (kind != REC_KINDS) drop_older(&w, kind, bytes);
-        if (buf_size(&w.in.in) > WIRE_LINE_MAX) begin();
-        more = fill(&w);
+        enum rec_kind kind = wire_awaited(&w->in, &bytes);
+        if (kind != REC_KINDS) worker_drop_older(w, kind, bytes);
+        if (buf_size(&w->in.in) > WIRE_LINE_MAX) begin();
+        more = fill(w);
         end();
-        if (!more) wire_end(&w.in);
+        if (!more) wire_end(&w->in);
         struct record r;
         enum wire_result result;
-        while ((result = wire_next(&w.in, &r)) == WIRE_RECORD) take_record(&w, &r);
-        if (result == WIRE_BAD) die(ST_USAGE, "standard input: %s", w.in.why);
+        while ((result = wire_next(&w->in, &r)) == WIRE_RECORD) take_record(w, &r);
+        if (result == WIRE_BAD) die(ST_USAGE, "standard input: %s", w->in.why);
     }
-    release_held(&w);
-    wire_plain(&w.out, REC_BYE, NULL);
-    push(&w);
-    wire_free(&w.in);
-    buf_free(&w.out);
-    buf_free(&w.held);
-    frames_free(&w.frames);
-    free(w.pixels);
-    return ST_OK;
+    release_held(w);
+    wire_plain(&w->out, REC_BYE, NULL);
+    push(w);
+}
+
+void worker_free(struct worker *w)
+{
+    wire_free(&w->in);
+    buf_free(&w->out);
+    buf_free(&w->held);
+    frames_free(&w->frames);
+    free(w->pixels);
+}
+
+int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
+{
+    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .generations.keeps = true};
+    int status = ST_OK;
+    frames_init(&w.frames, sizeof(struct worker_job));
+    worker_hello(&w, o->jobs > 1 ? o->jobs : 1);
+    if (o->jobs > 1) status = worker_forks(&w);
+    else worker_loop(&w);
+    worker_free(&w);
+    return status;
 }

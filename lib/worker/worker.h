@@ -7,7 +7,8 @@
  * latest one, the one before, or an earlier one that is still alive (wire.h). During a callback, or
  * while a long record arrives, a timer (SIGALRM) sends a beat every 500 ms. It also checks stdout
  * every 100 ms: if the reader is gone the process ends at once. At the end of input the loop
- * finishes its tasks and says bye. It blocks only in poll, read and write.
+ * finishes its tasks and says bye. It blocks only in poll, read and write. With `jobs` above 1, the
+ * process forks that number of children after it has built, and they render; see forks.c.
  *
  * A renderer calls worker_states_new, worker_states_load for each part of its state that is a file,
  * worker_render, and worker_states_free. A stand-in for a renderer has no state: it fills a struct
@@ -62,10 +63,13 @@ struct worker_options {
     uint32_t frag_pixels; /* most pixels in a frag; 0: whole tasks */
     /* hold fragments until a flush, a task of other state, or the end of input */
     bool concentrate;
+    int jobs; /* slots: processes that render; 0 and 1: this one only */
 };
 
-/* Options of all workers: -c and -f PIXELS. Handles opt, or returns false if it is another one. */
+/* Options of all workers: -c and -f PIXELS; of renderers also -j SLOTS. Handles opt, or returns
+ * false if it is another one. */
 #define WORKER_OPTIONS "cf:"
+#define WORKER_JOBS_MOST 4096
 bool worker_option(struct worker_options *o, int opt, const char *arg);
 
 /* Runs to the end of input. Returns the exit status. */

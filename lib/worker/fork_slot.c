@@ -1,0 +1,241 @@
+/*
+ * forks: the life of a child. It is a fork of the parent, made when a task needs it, and runs
+ * worker_loop with the state that the parent had then. It gets frames, tasks and flushes only.
+ * For tasks of later state it is replaced: its input ends, it finishes what it has, and the parent
+ * forks another. If it dies, or is silent, the parent forks another one for its tasks.
+ * One machine with forks.c and worker.c.
+ */
+#include "worker/worker_int.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#define SILENT_US 3000000 /* most silence of a child that computes */
+#define LATE_US 200000    /* most silence that counts in one round: the parent may be late */
+#define DEATHS_MOST 5     /* in a row, without a completed task: it is no accident */
+
+static struct fork_task *extra(const struct fork_slot *s, int32_t i)
+{
+    return tasks_extra(&s->tasks, i);
+}
+
+void worker_fork_open(struct fork_slot *s, int number)
+{
+    *s = (struct fork_slot){
+        .number = number, .child = CHILD_NONE, .waiting = TASK_LIST_EMPTY, .sent = TASK_LIST_EMPTY};
+    tasks_init(&s->tasks, sizeof(struct fork_task));
+}
+
+/* The child has ended. */
+static void settle(struct fork_slot *s)
+{
+    child_end(&s->child, 0);
+    wire_free(&s->from);
+    down_free(&s->to);
+    s->ends = false;
+    s->undone = 0;
+    s->silent_us = 0;
+}
+
+void worker_fork_free(struct fork_slot *s)
+{
+    settle(s);
+    tasks_free(&s->tasks);
+}
+
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w)
+{
+    if (tasks_find(&s->tasks, t->frame, t->id) >= 0) return false;
+    list_push_back(&s->tasks, &s->waiting, tasks_add(&s->tasks, t, frame_w));
+    return true;
+}
+
+/* ---- down ----------------------------------------------------------------------------------- */
+
+static int render(void *ctx)
+{
+    struct worker *w = ctx;
+    w->in = (struct decoder){0};
+    w->out = w->held = (struct buf){0};
+    w->cpu_us = w->ops->cpu_us ? w->ops->cpu_us(w->ctx) : cpu_us();
+    worker_loop(w);
+    return ST_OK;
+}
+
+static bool start(struct forks *p, struct fork_slot *s)
+{
+    static bool said;
+    uint32_t now = p->w->generations.now;
+    if (child_fork(&s->child, render, p->w) != 0) {
+        int err = errno, others = 0;
+        for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
+        errno = err;
+        if (!others) die(ST_SYSTEM, "fork:");
+        if (!said) warn("slot %d: %s; trying again", s->number, strerror(err));
+        said = true;
+        return false;
+    }
+    s->from = (struct decoder){.upward = true, .unsummed = true};
+    s->generation = worker_forks_built(p, now) ? now : now - 1;
+    return true;
+}
+
+static bool fits(const struct fork_slot *s, uint32_t generation)
+{
+    return s->child.pid && !s->ends && (int32_t)(s->generation - generation) >= 0;
+}
+
+bool worker_fork_wants(
+    const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation)
+{
+    bool replaced = s->child.pid && !fits(s, generation);
+    if (!s->child.pid && p->builder.busy) return false;
+    return s->undone + s->waiting.count <= (replaced ? 0 : ahead);
+}
+
+/* True if the child can take tasks of the generation. */
+static bool prepare(struct forks *p, struct fork_slot *s, uint32_t generation)
+{
+    if (!s->child.pid) return !p->builder.busy && start(p, s);
+    s->ends |= !fits(s, generation);
+    return !s->ends;
+}
+
+static void send(struct fork_slot *s, int32_t i)
+{
+    struct task t = s->tasks.at[i].task;
+    list_remove(&s->tasks, &s->waiting, i);
+    list_push_back(&s->tasks, &s->sent, i);
+    extra(s, i)->again = false;
+    s->undone++;
+    t.to = -1;
+    wire_task(&s->to.bytes, &t);
+}
+
+/* Ends the child if it is idle and no task can come for it: later state is built, or the input
+ * has ended. */
+static void end_idle(const struct forks *p, struct fork_slot *s)
+{
+    uint32_t now = p->w->generations.now;
+    bool over = !p->in_open && !p->holds && !p->any.count;
+    bool old = s->generation != now && worker_forks_built(p, now);
+    if (s->child.pid && !s->undone && !s->waiting.count) s->ends |= over || old;
+}
+
+void worker_fork_feed(struct forks *p, struct fork_slot *s)
+{
+    for (int32_t i; (i = s->waiting.head) >= 0; send(s, i)) {
+        uint32_t generation = s->tasks.at[i].task.generation;
+        if (!worker_forks_built(p, generation) || !prepare(p, s, generation)) break;
+    }
+    if (s->flush && !s->waiting.count && !p->any.count) {
+        if (s->child.pid && !s->ends) wire_plain(&s->to.bytes, REC_FLUSH, NULL);
+        s->flush = false;
+    }
+    end_idle(p, s);
+    if (s->child.to < 0) return;
+    /* If it reads no more, the end of its output will explain why. */
+    if (down_write(&s->to, s->child.to) != 0) down_free(&s->to);
+    if (s->ends && !down_size(&s->to)) child_close(&s->child.to);
+}
+
+/* ---- up ------------------------------------------------------------------------------------- */
+
+static void complete(struct fork_slot *s, int32_t i)
+{
+    if (!extra(s, i)->again || !tasks_whole(&s->tasks, i)) return;
+    list_remove(&s->tasks, &s->sent, i);
+    tasks_remove(&s->tasks, i);
+    s->deaths = 0;
+}
+
+/* A task that is computed again says `done` once only. */
+static void take_done(struct forks *p, struct fork_slot *s, const struct record *r, const char *w)
+{
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0 || extra(s, i)->again) return;
+    extra(s, i)->again = true;
+    s->undone--;
+    if (!extra(s, i)->computed) wire_forward(&p->out.queue.control, r, NULL, w);
+    extra(s, i)->computed = true;
+    complete(s, i);
+}
+
+/* Pixels that a child before had sent are dropped. */
+static const char *take_frag(
+    struct forks *p, struct fork_slot *s, const struct record *r, const char *w)
+{
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0) return NULL;
+    uint64_t before = s->tasks.at[i].delivered;
+    if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
+    if (s->tasks.at[i].delivered > before) up_forward(&p->out.queue, r, NULL, w);
+    complete(s, i);
+    return NULL;
+}
+
+static const char *take(struct forks *p, struct fork_slot *s, const struct record *r)
+{
+    char w[24];
+    snprintf(w, sizeof w, "w=%d", s->number);
+    switch (r->kind) {
+    case REC_FRAME: /* the parent has said it */
+    case REC_BYE: return NULL;
+    case REC_BEAT: wire_forward(&p->out.queue.control, r, NULL, w); return NULL;
+    case REC_DONE: take_done(p, s, r, w); return NULL;
+    case REC_FRAG: return take_frag(p, s, r, w);
+    default: return "wrong-record";
+    }
+}
+
+void worker_fork_listen(struct forks *p, struct fork_slot *s)
+{
+    int more = stream_read(&s->from, s->child.from);
+    struct record r;
+    enum wire_result result;
+    const char *why = NULL;
+    s->silent_us = 0;
+    while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
+        if (result == WIRE_RECORD) why = take(p, s, &r);
+        else if (!s->from.ended) why = "garbage";
+    }
+    if (why) worker_fork_lose(p, s, why);
+    else if (more <= 0) child_close(&s->child.from);
+}
+
+/* ---- the end -------------------------------------------------------------------------------- */
+
+void worker_fork_lose(struct forks *p, struct fork_slot *s, const char *why)
+{
+    int lost = s->sent.count;
+    (void)p;
+    if (lost) {
+        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
+        if (++s->deaths == DEATHS_MOST)
+            die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
+    }
+    settle(s);
+    for (int32_t i; (i = s->sent.tail) >= 0;) {
+        list_remove(&s->tasks, &s->sent, i);
+        list_push_front(&s->tasks, &s->waiting, i);
+    }
+}
+
+void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us)
+{
+    char why[24];
+    int status;
+    if (!s->child.pid) return;
+    if (s->undone || s->child.from < 0) s->silent_us += elapsed_us < LATE_US ? elapsed_us : LATE_US;
+    if (s->silent_us > SILENT_US) {
+        worker_fork_lose(p, s, "silent");
+        return;
+    }
+    if (s->child.from >= 0) return;
+    bool told = s->ends && s->child.to < 0;
+    if (!child_ended(&s->child, &status)) return;
+    if (told && !s->sent.count && WIFEXITED(status) && WEXITSTATUS(status) == 0) settle(s);
+    else worker_fork_lose(p, s, status_text(status, why));
+}

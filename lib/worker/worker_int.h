@@ -1,0 +1,146 @@
+/*
+ * worker, shared by its files: worker.c (the loop of one process), forks.c (the loop of a parent
+ * whose children render), fork_slot.c (such a child), builder.c (the thread that loads and builds),
+ * states.c (the state of a renderer).
+ */
+#ifndef STORMRING_WORKER_INT_H
+#define STORMRING_WORKER_INT_H
+
+#include "pipe/pipe.h"
+#include "worker/worker.h"
+
+#include <pthread.h>
+
+/* Payload of a frame: its job. */
+struct worker_job {
+    char hash[24];  /* as the input states it, then as announced; "": neither */
+    bool announced; /* the worker has said it */
+};
+
+struct worker {
+    const struct worker_ops *ops;
+    const struct worker_options *options;
+    void *ctx;
+    struct decoder in;
+    struct buf out, held; /* held: the frags that -c holds */
+    uint32_t held_of;     /* the generation of `held` */
+    uint32_t dropped;     /* first generation that is not dropped */
+    struct frames frames;
+    struct generations generations;
+    float *pixels;
+    int64_t cpu_us; /* used at the latest done or other record */
+};
+
+/* ---- worker.c ---- */
+
+/* Says hello for this number of slots. */
+void worker_hello(struct worker *w, int slots);
+/* Reads standard input to its end, renders, and says bye. */
+void worker_loop(struct worker *w);
+/* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is
+ * missing, with text in err. Another job than the input stated ends the program. */
+bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR]);
+/* Takes a frame record. NULL: it repeats what is known and announced. */
+struct frame_size *worker_frame(struct worker *w, const struct record *r);
+/* The frame of a task; a task without one, or whose state was dropped, ends the program. */
+const struct frame_size *worker_frame_of(const struct worker *w, const struct task *t);
+/* A record of this kind is here or on its way: drops state that is too old then. */
+void worker_drop_older(struct worker *w, enum rec_kind kind, size_t bytes);
+/* Refuses a record that does not belong to the input. */
+_Noreturn void worker_refuse(const struct record *r);
+void worker_free(struct worker *w);
+
+/* ---- builder.c ---- */
+
+struct worker_builder {
+    const struct worker *w;
+    pthread_t thread;
+    int done[2]; /* a pipe: readable when the thread is about to end */
+    bool busy;   /* from the start of the thread to worker_builder_join */
+    /* its work */
+    uint32_t generation;
+    enum rec_kind kind;
+    unsigned char *body; /* of a state record; NULL: build for `frame` */
+    size_t n;
+    struct frame_size frame;
+    /* its result */
+    bool failed;
+    char err[WORKER_ERR];
+};
+void worker_builder_open(struct worker_builder *b, const struct worker *w);
+void worker_builder_close(struct worker_builder *b);
+/* Loads the record, which is counted as the latest state. The body must stay until the join. */
+void worker_builder_load(struct worker_builder *b, const struct record *r, unsigned char *body);
+/* Builds for the frame. */
+void worker_builder_build(struct worker_builder *b, const struct frame_size *f);
+/* Waits for the thread to end. */
+void worker_builder_join(struct worker_builder *b);
+
+/* ---- forks.c ---- */
+
+/* A slot: a child that renders, and the tasks for it. */
+struct fork_slot {
+    int number;
+    struct child child;
+    size_t poll; /* index of child.to in the last poll; .from follows; 0: none */
+    struct decoder from;
+    struct down_queue to;
+    uint32_t generation;      /* the latest one when the child was forked */
+    bool ends;                /* its input is to be closed, once all of it is written */
+    bool flush;               /* it is to flush after its waiting tasks */
+    struct task_table tasks;  /* all that follow; the payload is a struct fork_task */
+    struct task_list waiting; /* tasks not sent to the child */
+    struct task_list sent;    /* tasks not both computed and delivered */
+    int undone;               /* sent tasks that are not computed */
+    int64_t silent_us;        /* its silence, as far as this process read it meanwhile */
+    int deaths;               /* children in a row that lost tasks and completed none */
+};
+struct fork_task {
+    bool computed; /* its `done` has come, from this child or one before */
+    bool again;    /* it has come from this child */
+};
+
+struct forks {
+    struct worker *w;
+    struct fork_slot *slots;
+    int n_slots;
+    struct task_table tasks; /* tasks for any slot, all of them on the list */
+    struct task_list any;
+    struct worker_builder builder;
+    bool built[GENERATIONS]; /* by generation, modulo GENERATIONS */
+    bool wants;              /* the builder is to build for this frame: */
+    struct frame_size wanted;
+    bool holds;         /* this record waits for the builder, or for tasks: */
+    struct record held; /* in the decoder's buffer */
+    bool flushed;       /* children were asked to flush for it */
+    bool in_open;
+    int refused; /* status to end with at once */
+    struct outlet out;
+    int64_t beat_us;
+    int64_t looked_us; /* time of the last round */
+};
+
+/* As worker_run after the hello, with options->jobs children that share this process's state. */
+int worker_forks(struct worker *w);
+/* True if tasks of the generation can be rendered. */
+bool worker_forks_built(const struct forks *p, uint32_t generation);
+
+/* ---- fork_slot.c ---- */
+
+void worker_fork_open(struct fork_slot *s, int number);
+void worker_fork_free(struct fork_slot *s);
+/* Adds a task of a frame of this width. False: the slot has it already. */
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w);
+/* Sends the child what it can take; forks it if it is needed. */
+void worker_fork_feed(struct forks *p, struct fork_slot *s);
+/* Handles all that the child has sent. */
+void worker_fork_listen(struct forks *p, struct fork_slot *s);
+/* The child is lost, for this reason: its tasks wait again. */
+void worker_fork_lose(struct forks *p, struct fork_slot *s, const char *why);
+/* Ends the slot's child if its stream has ended or it was silent for too long. */
+void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us);
+/* True if a task would be computed at once, or after at most `ahead` others. */
+bool worker_fork_wants(
+    const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation);
+
+#endif
