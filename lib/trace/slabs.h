@@ -29,7 +29,8 @@ struct slabs_entry {
     uint32_t first, count; /* the node's leaves */
 };
 
-/* The items of a primitive: lanes first .. first + n of the blocks of their kind, counted through. */
+/* The items of a primitive: n lanes of the blocks of their kind, from lane `first` on, counted
+ * through all blocks. */
 struct slabs_leaf {
     uint32_t kind, first, n;
 };
