@@ -292,13 +292,10 @@ static void test_sampling(void **state)
     static const char nff[] =
         "b 0 0 0 v from 0 0 10 at 0 0 0 up 0 1 0 angle 30 hither 0 resolution 16 16 "
         "l 0 0 1e6 1 1 1 f 1 1 1 1 0 1 0 0 p 4 -9 -9 0 0.17 -9 0 0.17 9 0 -9 9 0 ";
-    const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
-    struct trace_options one = usual, four, many, adaptive;
-    one.budget = 0;
-    four = many = one;
+    struct trace_options one = {.depth = 5, .samples = 1, .threshold = -1}, four = one;
+    struct trace_options many = one, adaptive = one;
     four.samples = 4;
-    many.samples = 256;
-    adaptive = many;
+    many.samples = adaptive.samples = 256;
     adaptive.threshold = 0.05;
     float *a = picture(nff, &one, 16, 16), *b = picture(nff, &four, 16, 16);
     float *c = picture(nff, &many, 16, 16), *d = picture(nff, &adaptive, 16, 16);
