@@ -17,6 +17,7 @@
 #: Measurements (tests/bench/RESULTS.md)
 #:   make bench             every benchmark
 #:   make chart             draws speed against accuracy of both workers
+#:   make sheet             draws the scenes of spdgen: man/pictures/spd.png
 #:   make report            repeats the papers' experiments: report/index.html; FULL=1 takes their numbers of samples
 #:
 #: Releases
@@ -142,6 +143,12 @@ chart:
 		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table && \
 		bin/chart -l -o man/pictures/$${e#*:}-accuracy.svg $$table || exit; done
 
+# The scenes of SPD in one picture, for the manual.
+sheet:
+	@tests/need build chart
+	@$(PARALLEL) -s all
+	$(RUN) tests/sheet
+
 # What the papers measured, within 20 minutes; FULL=1 takes their numbers of samples. Goes on where it was stopped.
 report:
 	@tests/need check bench
@@ -207,4 +214,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all help dist need demo demo-volume test check fresh bench soak chart report fuzz unit fuzzers install uninstall clean
+.PHONY: all help dist need demo demo-volume test check fresh bench soak chart sheet report fuzz unit fuzzers install uninstall clean
