@@ -87,7 +87,7 @@ static int crossings(const struct scene *s, const struct prim *p, struct v o, st
 static uint32_t closest(const struct world *w, struct v o, struct v d, real *at)
 {
     uint32_t best = NONE;
-    *at = INFINITY;
+    *at = HUGE_VALL;
     for (uint32_t i = 0; i < w->s->n_prims; i++) {
         real t[2];
         int n = crossings(w->s, &w->s->prims[i], o, d, t);
