@@ -156,6 +156,14 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
 
 /* ---- rounds ------------------------------------------------------------------------------- */
 
+static inline void count_ray(struct tracer *t, const struct wave *w, const struct sample *s)
+{
+    bool mirrored = w->pool.at[s->now].mirrored;
+    enum ray_kind kind = s->now == w->eye ? RAY_EYE : mirrored ? RAY_REFLECTED : RAY_REFRACTED;
+    t->counts.of[kind].rays++;
+    t->counts.of[kind].hits += s->h.item != NO_ITEM;
+}
+
 /* Finds what the rays of the listed samples hit. Rays that hit nothing bring the background; the
  * other samples are left in the list. Returns their number. */
 static uint32_t find_hits(
@@ -178,6 +186,7 @@ static uint32_t find_hits(
         else t->k->closest_packet(&t->bvh, ray, end, h);
         for (uint32_t k = 0; k < end; k++) {
             struct sample *s = list[i + k];
+            count_ray(t, w, s);
             if (h[k]->item == NO_ITEM) {
                 bring(w, s, v3(b[0], b[1], b[2]));
                 continue;
@@ -231,21 +240,12 @@ static void send_on(struct tracer *t, struct wave *w, struct sample *s)
             from);
 }
 
-static inline enum ray_kind kind_now(const struct wave *w, const struct sample *s)
-{
-    if (s->now == w->eye) return RAY_EYE;
-    return w->pool.at[s->now].mirrored ? RAY_REFLECTED : RAY_REFRACTED;
-}
-
 /* Traces the rays `now` of the listed samples, and leaves the samples whose rays hit something in
  * the list. Returns their number. */
 static uint32_t trace_round(
     struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
 {
-    struct ray_counts *of = t->counts.of;
-    for (uint32_t i = 0; i < n; i++) of[kind_now(w, list[i])].rays++;
     uint32_t hits = find_hits(t, w, list, n, eye);
-    for (uint32_t i = 0; i < hits; i++) of[kind_now(w, list[i])].hits++;
     for (uint32_t i = 0; i < hits; i++) list[i]->light = v3(0, 0, 0);
     shade_direct(t, w, list, hits);
     for (uint32_t i = 0; i < hits; i++) {
