@@ -5,8 +5,8 @@
 
 #include <unistd.h>
 
-static const char text[] = "[-h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
-                           "       fan -l [-l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
+static const char text[] = "[-1h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
+                           "       fan -l [-1l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
 /* At most one of the two may be given. */
 static void find_hosts(struct hosts *h, const char *list, int slots)
@@ -26,8 +26,9 @@ int main(int argc, char **argv)
     int listing = 0;
     prog_init(argv[0]);
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+hj:lS:t:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+1hj:lS:t:")) != -1) {
         switch (opt) {
+        case '1': o.one_each = true; break;
         case 'h': usage(ST_OK, text);
         case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
         case 'l': listing++; break;

@@ -56,18 +56,24 @@ int64_t fan_retry_wait_us(int failures)
 
 const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME])
 {
-    if (s->host->here) snprintf(text, SLOT_NAME, "slot %d", s->number);
-    else snprintf(text, SLOT_NAME, "slot %d on %s", s->number, s->host->host->name);
+    char numbers[32];
+    if (s->width == 1) snprintf(numbers, sizeof numbers, "slot %d", s->number);
+    else snprintf(numbers, sizeof numbers, "slots %d to %d", s->number, s->number + s->width - 1);
+    if (s->host->here) snprintf(text, SLOT_NAME, "%s", numbers);
+    else snprintf(text, SLOT_NAME, "%s on %s", numbers, s->host->host->name);
     return text;
 }
 
-void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost)
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
 {
     char extra[96];
-    if (s->told_gone && !lost) return;
-    snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32, s->number, why, lost);
-    wire_plain(&f->out.queue.bulk, REC_GONE, extra);
-    up_end_record(&f->out.queue);
+    if (s->told_gone && !(lost && s->n_tasks)) return;
+    for (int i = 0; i < s->width; i++) {
+        snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32, s->number + i, why,
+            lost ? s->tasks[i].count : 0);
+        wire_plain(&f->out.queue.bulk, REC_GONE, extra);
+        up_end_record(&f->out.queue);
+    }
     s->told_gone = true;
 }
 
@@ -117,7 +123,7 @@ void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool ag
         struct fan_slot *other = &f->slots[k];
         if (other->host != h || other->state != FAN_WAITING) continue;
         other->measured |= s->measured;
-        if (again) fan_say_gone(f, other, why, 0);
+        if (again) fan_say_gone(f, other, why, false);
         else if (ends) fan_slot_give_up(f, other, why);
     }
 }

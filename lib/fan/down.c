@@ -132,24 +132,25 @@ static void route_state(struct fan *f, const struct record *r)
     *kept = b;
 }
 
-void fan_pass_down(struct buf *to, const struct record *r)
+void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot *s, int k)
 {
     static const char *const drop[] = {"to", NULL};
-    wire_forward(to, r, drop, NULL);
+    char text[24];
+    snprintf(text, sizeof text, "to=%d", k - s->number);
+    wire_forward(to, r, drop, k >= 0 && s->width > 1 ? text : NULL);
 }
 
 /* Routes a frame or a flush. */
 static void route_small(struct fan *f, const struct record *r)
 {
-    buf_consume(&f->line, buf_size(&f->line));
-    fan_pass_down(&f->line, r);
     struct buf *lines = &f->states[f->input.generations.now % GENERATIONS].frame_lines;
-    if (r->kind == REC_FRAME) buf_append(lines, buf_data(&f->line), buf_size(&f->line));
+    if (r->kind == REC_FRAME) fan_pass_down(lines, r, f->slots, -1);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        if (!fan_takes(s) || (r->task.to >= 0 && r->task.to != k)) continue;
+        int32_t to = r->task.to - s->number;
+        if (!fan_takes(s) || (r->task.to >= 0 && (to < 0 || to >= s->width))) continue;
         if (r->kind == REC_FRAME && s->feed.behind) continue;
-        down_append(&s->feed.queue, buf_data(&f->line), buf_size(&f->line));
+        fan_pass_down(&s->feed.queue.bytes, r, s, r->task.to);
         if (r->kind == REC_FLUSH) s->feed.flushed = true;
     }
 }
@@ -159,13 +160,14 @@ static int route_task(struct fan *f, const struct record *r)
     const struct task *t = &r->task;
     const struct frame_size *frame = stream_frame_of(&f->input, r);
     if (!frame) return ST_USAGE;
-    if (t->to >= f->n_slots) {
-        warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, f->n_slots);
+    int n = f->n_numbers;
+    if (t->to >= n) {
+        warn("task %u %u: to=%d, expected a slot below %d", t->frame, t->id, t->to, n);
         return ST_USAGE;
     }
     f->asked = true;
     f->begun |= frame->generation == f->input.generations.now;
-    return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)f->n_slots), r, frame);
+    return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)n), r, frame);
 }
 
 /* The input states the frame's job, or leaves it to the first slot. */
@@ -182,15 +184,19 @@ static void route_frame(struct fan *f, const struct record *r)
 static int route_ring(struct fan *f, const struct record *r)
 {
     int k = r->task.to;
-    if (k < 0 || k >= f->n_slots) {
-        warn("record `%s`: expected to=K, a slot below %d", rec_name(r->kind), f->n_slots);
+    if (k < 0 || k >= f->n_numbers) {
+        warn("record `%s`: expected to=K, a slot below %d", rec_name(r->kind), f->n_numbers);
         return ST_USAGE;
     }
-    struct fan_slot *s = &f->slots[k];
+    struct fan_slot *s = fan_slot_of(f, k);
+    if (s->width > 1) {
+        warn("record `%s`: expected a worker for each slot, without -1", rec_name(r->kind));
+        return ST_USAGE;
+    }
     if (s->state != FAN_UP || !fan_takes(s)) return 0;
     s->conn.placed |= r->kind == REC_RING;
     s->conn.ahead--;
-    fan_pass_down(&s->feed.queue.bytes, r);
+    fan_pass_down(&s->feed.queue.bytes, r, s, k);
     return 0;
 }
 

@@ -11,7 +11,8 @@ struct fan_options {
     const struct hosts *hosts;
     char *const *command; /* NULL-ended: the worker, one for each slot */
     bool trips;           /* fan -l: round trips as well */
-    double silence_s;     /* a slot that has work is lost after this silence */
+    bool one_each;    /* one worker for each host, with -j SLOTS, instead of one for each slot */
+    double silence_s; /* a slot that has work is lost after this silence */
 };
 
 /* Runs until the input has ended and every slot is done. Returns the exit status. Blocks. */

@@ -108,14 +108,17 @@ struct feed {
     uint32_t sent[3]; /* number of the latest record of each kind of state; 0: none */
 };
 
+/* A slot; or, with fan -1, all slots of a host that have one worker. */
 struct fan_slot {
-    int number;
+    int number; /* of the first one */
+    int width;  /* number of slots */
     struct fan_host *host;
     enum fan_slot_state state; /* only slot.c changes it */
     struct connection conn;
     struct feed feed;
-    struct task_table tasks; /* sent, and not yet both computed and delivered */
-    int32_t undone;          /* tasks not computed */
+    struct task_table *tasks; /* of each slot: sent, and not yet both computed and delivered */
+    int32_t n_tasks;          /* in all of them */
+    int32_t undone;           /* tasks not computed */
 
     /* Over all connections: */
     bool was_up;
@@ -126,8 +129,8 @@ struct fan_slot {
     int deaths;         /* likewise, if tasks were lost */
     int64_t retry_us;   /* waiting: not before this time */
     int64_t missing_us; /* not up since this time */
-    double power;       /* 0: not known */
-    int inner;          /* number of slots that it stands for */
+    double power;       /* of each slot; 0: not known */
+    int inner;          /* number of slots that each stands for */
 };
 
 /* Every hello must agree with this. */
@@ -145,9 +148,10 @@ struct fan_state_of {
 
 struct fan {
     const struct fan_options *o;
-    int n_slots, n_hosts;
+    int n_slots, n_hosts; /* entries of these: */
     struct fan_slot *slots;
     struct fan_host *hosts;
+    int n_numbers;          /* slots are numbered 0 .. n_numbers - 1 */
     int n[FAN_SLOT_STATES]; /* slots in each state */
     int connecting;         /* slots that are opening on other machines */
     int well;               /* slots that ended with success */
@@ -158,7 +162,6 @@ struct fan {
     uint32_t n_states;                       /* records of state so far */
     bool begun;                              /* a task of the latest generation has come */
     struct outlet out;
-    struct buf line;     /* record being built for the workers */
     int64_t start_us;    /* zero of sent_us and recv_us */
     int64_t awake_us;    /* when the next round was due to begin */
     int64_t lost, stale; /* tasks lost with their slots; answers to no question */
@@ -170,9 +173,9 @@ struct fan {
     int refused;  /* status to end with at once: the input is bad or unreadable */
 };
 
-static inline struct fan_task *fan_task(const struct fan_slot *s, int32_t i)
+static inline struct fan_task *fan_task(const struct task_table *tasks, int32_t i)
 {
-    return tasks_extra(&s->tasks, i);
+    return tasks_extra(tasks, i);
 }
 static inline struct fan_job *fan_job(const struct fan *f, const struct frame_size *frame)
 {
@@ -200,8 +203,9 @@ void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation);
 void fan_prime_early(struct fan *f, struct fan_slot *s);
 /* Frees the state kept for a generation. */
 void fan_forget(struct fan_state_of *state);
-/* Appends a record of the input without the key that only this process needs, `to`. */
-void fan_pass_down(struct buf *to, const struct record *r);
+/* Appends a record of the input for slot k of s, or all (-1), without the key that only this
+ * process needs, `to`. A worker with several slots gets its own number of slot k. */
+void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot *s, int k);
 /* True if records for the slot are queued: it is fed, or tasks wait for it. */
 bool fan_takes(const struct fan_slot *s);
 /* True if no slot's queue is too long. */
@@ -211,6 +215,10 @@ bool fan_room_down(const struct fan *f);
 
 /* The state after the event; FAN_NEVER: it cannot happen in this state. */
 enum fan_slot_state fan_slot_next(enum fan_slot_state state, enum fan_slot_event event);
+/* Sets up entry `at` of f->slots: slots from `number` on, on host h. */
+void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host *h);
+/* The entry of f->slots that has slot k, from 0 to n_numbers - 1. */
+struct fan_slot *fan_slot_of(const struct fan *f, int k);
 /* Starts the process of a waiting slot. */
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
@@ -242,6 +250,8 @@ bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
 bool fan_slot_comes(const struct fan_slot *s);
 /* Drops its tasks and all records for it. */
 void fan_slot_forget(struct fan_slot *s);
+/* The same at the end of the run. */
+void fan_slot_free(struct fan_slot *s);
 /* Ends its process, shows the rest of its messages, and resets the connection. */
 void fan_slot_disconnect(const struct fan *f, struct fan_slot *s);
 
@@ -259,8 +269,8 @@ int64_t fan_retry_wait_us(int failures);
  * of the host are reported as gone; without a retry (`again`) they are given up.
  */
 void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
-/* Reports `gone` for slot s, unless that was reported. */
-void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, int32_t lost);
+/* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
 
 /* ---- hello.c ---- */
 

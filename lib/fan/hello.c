@@ -97,9 +97,9 @@ static void say_hello(struct fan *f, double power)
     double sum = 0;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        sum += s->power > 0 ? s->power : power;
+        sum += s->width * (s->power > 0 ? s->power : power);
     }
-    wire_hello(&f->out.queue.control, "fan", f->reference.selftest, sum, f->n_slots);
+    wire_hello(&f->out.queue.control, "fan", f->reference.selftest, sum, f->n_numbers);
     f->out.greeted = true;
 }
 
@@ -123,9 +123,14 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
     if (strcmp(selftest, ref->selftest) != 0)
         return refuse(s, "other-arithmetic", "its arithmetic differs (selftest=%s, %s %s)",
             selftest, ref->of, ref->selftest);
-    if (!(s->power > 0) && !rec_real(r, "power", POWER_LEAST, POWER_MOST, &s->power)) s->power = 1;
     if (!rec_int(r, "slots", 1, HOSTS_SLOTS_MAX, &inner)) inner = 1;
-    s->inner = (int)inner;
+    if (s->width > 1 && inner != s->width)
+        return refuse(s, "other-slots", "it has %d slots, expected %d, by its option -j",
+            (int)inner, s->width);
+    s->inner = s->width > 1 ? 1 : (int)inner;
+    double power;
+    if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &power)) power = s->width;
+    if (!(s->power > 0)) s->power = power / s->width;
     if (!f->out.greeted) say_hello(f, s->power);
     fan_slot_up(f, s);
     s->measured = true;

@@ -44,8 +44,8 @@ static void print_trip(const struct fan_slot *s)
 static int print(const struct fan *f)
 {
     int unknown = 0;
-    for (int k = 0; k < f->n_slots; k++) {
-        const struct fan_slot *s = &f->slots[k];
+    for (int k = 0; k < f->n_numbers; k++) {
+        const struct fan_slot *s = fan_slot_of(f, k);
         const char *host = s->host->host->name;
         if (s->power > 0) printf("%d\t%s\t%.6g", k, host, s->power);
         else printf("%d\t%s\t-", k, host);

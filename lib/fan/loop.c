@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -23,11 +24,11 @@
 /* The silence allowed to slot s, in seconds; 0: no limit. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
-    if (!f->in_open && !s->tasks.count && s->host->here) return CLOSING_S;
+    if (!f->in_open && !s->n_tasks && s->host->here) return CLOSING_S;
     if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
-    if (!f->in_open && !s->tasks.count) return f->o->silence_s;
+    if (!f->in_open && !s->n_tasks) return f->o->silence_s;
     /* Pixels of computed tasks may be held back until a flush. */
-    bool asked = s->undone || (s->tasks.count && (s->feed.flushed || !f->in_open));
+    bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
     if (!asked) return 0;
     return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
@@ -159,9 +160,28 @@ bool fan_working(const struct fan *f)
     return false;
 }
 
+/* The command line of a worker with this number of slots. */
+static char **command_line(const struct host *h, char *const *command, int width)
+{
+    char number[16], option[] = "-j";
+    size_t n = 0;
+    if (width == 1 || !*command) return host_argv(h, command);
+    while (command[n]) n++;
+    char **words = xcalloc(n + 3, sizeof *words);
+    snprintf(number, sizeof number, "%d", width);
+    words[0] = command[0];
+    words[1] = option;
+    words[2] = number;
+    memcpy(words + 3, command + 1, (n - 1) * sizeof *words);
+    char **argv = host_argv(h, words);
+    free(words);
+    return argv;
+}
+
 void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 {
-    *f = (struct fan){.o = o, .n_slots = o->hosts->slots, .start_us = now_us()};
+    *f = (struct fan){.o = o, .n_numbers = o->hosts->slots, .start_us = now_us()};
+    f->n_slots = o->one_each ? (int)o->hosts->n : o->hosts->slots;
     f->listing = listing;
     f->in_open = !listing;
     f->input.generations.keeps = true;
@@ -169,21 +189,13 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     f->n_hosts = (int)o->hosts->n;
     f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
     f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
-    int k = 0;
-    for (int i = 0; i < f->n_hosts; i++) {
+    for (int i = 0, k = 0, at = 0; i < f->n_hosts; i++) {
         const struct host *h = &o->hosts->at[i];
-        f->hosts[i] =
-            (struct fan_host){.host = h, .argv = host_argv(h, o->command), .here = host_is_here(h)};
-        for (int end = k + h->slots; k < end; k++) {
-            f->slots[k] = (struct fan_slot){.number = k,
-                .host = &f->hosts[i],
-                .state = FAN_WAITING,
-                .conn = CONNECTION_NONE,
-                .power = h->power,
-                .measured = h->power > 0 && !o->trips,
-                .missing_us = f->start_us};
-            tasks_init(&f->slots[k].tasks, sizeof(struct fan_task));
-        }
+        int width = o->one_each ? h->slots : 1;
+        f->hosts[i] = (struct fan_host){
+            .host = h, .argv = command_line(h, o->command, width), .here = host_is_here(h)};
+        for (int end = k + h->slots; k < end; k += width)
+            fan_slot_init(f, at++, k, width, &f->hosts[i]);
     }
     f->n[FAN_WAITING] = f->n_slots;
     want_descriptors(3 * f->n_slots + 16);
@@ -207,8 +219,8 @@ static void stop(struct fan *f)
     for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].conn.child);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        f->lost += s->tasks.count;
-        f->unreached |= s->tasks.count > 0;
+        f->lost += s->n_tasks;
+        f->unreached |= s->n_tasks > 0;
         await_exit(f, s, end_us);
         fan_slot_disconnect(f, s);
         fan_slot_forget(s);
@@ -221,12 +233,12 @@ void fan_close(struct fan *f)
     stop(f);
     for (int i = 0; i < f->n_hosts; i++) host_argv_free(f->hosts[i].argv);
     for (int i = 0; i < GENERATIONS; i++) fan_forget(&f->states[i]);
+    for (int k = 0; k < f->n_slots; k++) fan_slot_free(&f->slots[k]);
     free(f->hosts);
     free(f->slots);
     wire_free(&f->in);
     frames_free(&f->input.frames);
     up_free(&f->out.queue);
-    buf_free(&f->line);
 }
 
 /* All slots have been given up. */
@@ -237,13 +249,13 @@ static bool all_gone(const struct fan *f)
     return true;
 }
 
-/* Slots that never were up. A slot on this machine that did not fail does not count. */
+/* The number of slots that never were up. A slot on this machine that did not fail does not count. */
 static int never_up(const struct fan *f)
 {
     int n = 0;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        n += !s->was_up && (!s->host->here || s->failures);
+        if (!s->was_up && (!s->host->here || s->failures)) n += s->width;
     }
     return n;
 }
@@ -251,7 +263,7 @@ static int never_up(const struct fan *f)
 /* True if work remains, or would have remained, without a slot to do it. */
 static bool deserted(const struct fan *f)
 {
-    bool lost = f->lost || never_up(f) == f->n_slots;
+    bool lost = f->lost || never_up(f) == f->n_numbers;
     bool nobody = !f->well && (f->unreached || (lost && all_gone(f)));
     return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
@@ -266,7 +278,7 @@ static void say_bye(struct fan *f)
     if (none && all_gone(f)) warn("no slot left");
     else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
     int missing = never_up(f);
-    if (!none && f->asked && missing) warn("%d of %d slots never connected", missing, f->n_slots);
+    if (!none && f->asked && missing) warn("%d of %d slots never connected", missing, f->n_numbers);
 }
 
 static int status_of(const struct fan *f)

@@ -23,6 +23,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
@@ -88,7 +89,7 @@ bool fan_slot_leaves(const struct fan_slot *s) { return leaves(s->state); }
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 {
     if (f->listing) return !s->measured;
-    return f->in_open || s->tasks.count || s->host->here;
+    return f->in_open || s->n_tasks || (s->host->here && !s->was_up);
 }
 
 bool fan_slot_comes(const struct fan_slot *s)
@@ -100,8 +101,37 @@ void fan_slot_forget(struct fan_slot *s)
 {
     down_free(&s->feed.queue);
     s->feed = (struct feed){0};
-    tasks_free(&s->tasks);
-    s->undone = 0;
+    for (int i = 0; i < s->width; i++) tasks_free(&s->tasks[i]);
+    s->n_tasks = s->undone = 0;
+}
+
+void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host *h)
+{
+    struct fan_slot *s = &f->slots[at];
+    *s = (struct fan_slot){.number = number,
+        .width = width,
+        .host = h,
+        .state = FAN_WAITING,
+        .conn = CONNECTION_NONE,
+        .power = h->host->power,
+        .measured = h->host->power > 0 && !f->o->trips,
+        .missing_us = f->start_us};
+    s->tasks = xcalloc((size_t)width, sizeof *s->tasks);
+    for (int i = 0; i < width; i++) tasks_init(&s->tasks[i], sizeof(struct fan_task));
+}
+
+void fan_slot_free(struct fan_slot *s) { free(s->tasks); }
+
+struct fan_slot *fan_slot_of(const struct fan *f, int k)
+{
+    int low = 0, high = f->n_slots; /* it is one of low .. high - 1 */
+    if (f->n_numbers == f->n_slots) return &f->slots[k];
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (f->slots[middle].number <= k) low = middle;
+        else high = middle;
+    }
+    return &f->slots[low];
 }
 
 void fan_slot_disconnect(const struct fan *f, struct fan_slot *s)
@@ -141,7 +171,7 @@ void fan_slot_open(struct fan *f, struct fan_slot *s)
 void fan_slot_up(struct fan *f, struct fan_slot *s)
 {
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
-    if (s->told_gone) warn("%s: is up", fan_slot_name(s, name));
+    if (s->told_gone) warn("%s: %s up", fan_slot_name(s, name), s->width > 1 ? "are" : "is");
     fan_slot_show_held(s);
     change(f, s, ON_HELLO);
     s->conn.connected = s->was_up = s->host->reached = true;
@@ -152,36 +182,40 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     s->conn.heard_us = now_us();
     if (s->conn.closed_us) s->conn.closed_us = s->conn.heard_us;
     if (!s->feed.primed && fan_slot_wanted(f, s)) fan_prime_early(f, s);
-    snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number, s->host->host->name,
-        s->power, s->inner);
-    wire_plain(&f->out.queue.bulk, REC_UP, text);
-    up_end_record(&f->out.queue);
+    for (int i = 0; i < s->width; i++) {
+        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number + i,
+            s->host->host->name, s->power, s->inner);
+        wire_plain(&f->out.queue.bulk, REC_UP, text);
+        up_end_record(&f->out.queue);
+    }
 }
 
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
-    struct fan_slot *s = &f->slots[k];
+    struct fan_slot *s = fan_slot_of(f, k);
+    struct task_table *tasks = &s->tasks[k - s->number];
     int64_t from;
     if (!fan_slot_comes(s) || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
     }
-    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    int32_t i = tasks_find(tasks, r->task.frame, r->task.id);
     if (i >= 0) { /* the same task is under way */
-        if (memcmp(&s->tasks.at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
+        if (memcmp(&tasks->at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
         warn("task %u %u: number used twice, expected another for other pixels", r->task.frame,
             r->task.id);
         return ST_USAGE;
     }
     if (!s->feed.primed || s->feed.behind || (int32_t)(frame->generation - s->feed.since) < 0)
         fan_prime(f, s, frame->generation);
-    i = tasks_add(&s->tasks, &r->task, frame->w);
+    i = tasks_add(tasks, &r->task, frame->w);
     bool stolen = rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from);
-    *fan_task(s, i) =
+    *fan_task(tasks, i) =
         (struct fan_task){.sent_us = now_us() - f->start_us, .from = stolen ? (int32_t)from : -1};
+    s->n_tasks++;
     s->undone++;
     if (fan_slot_has_stream(s)) s->conn.ahead--;
-    if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r);
+    if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r, s, k);
     return 0;
 }
 
@@ -214,17 +248,19 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     char name[SLOT_NAME];
     s->failures = s->conn.completed_task ? 1 : s->failures + 1;
     if (s->conn.completed_task) s->deaths = 0;
-    else if (s->conn.connected && s->tasks.count) s->deaths++;
-    again &= !s->host->here && s->deaths < DEATHS_MOST;
+    else if (s->conn.connected && s->n_tasks) s->deaths++;
+    again &= (!s->host->here || s->width > 1) && s->deaths < DEATHS_MOST;
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && s->failures <= 1 && !s->host->failures;
     s->measured |= !more || now_us() - s->conn.opened_us > ASK_AGAIN_US;
-    int32_t lost = s->conn.connected || !again ? s->tasks.count : 0;
+    int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
     if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
-            again ? ", connecting again" : "");
+            again && s->host->here ? ", starting again"
+            : again                ? ", connecting again"
+                                   : "");
     f->lost += lost;
     if (s->conn.connected) s->missing_us = now_us();
     if (s->conn.connected || !again) fan_slot_forget(s);
@@ -233,8 +269,8 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
 {
     change(f, s, ON_GIVE_UP);
-    fan_say_gone(f, s, why, s->tasks.count);
-    f->lost += s->tasks.count;
+    fan_say_gone(f, s, why, true);
+    f->lost += s->n_tasks;
     s->measured = true;
     fan_slot_forget(s);
 }
@@ -259,8 +295,8 @@ void fan_slot_leave(struct fan *f, struct fan_slot *s)
 static void judge(struct fan *f, struct fan_slot *s, int status)
 {
     char why[24];
-    bool well = s->conn.input_closed_first && !s->tasks.count && WIFEXITED(status) &&
-                WEXITSTATUS(status) == 0;
+    bool well =
+        s->conn.input_closed_first && !s->n_tasks && WIFEXITED(status) && WEXITSTATUS(status) == 0;
     bool connection = WIFSIGNALED(status) ||
                       (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->conn.connected && WEXITSTATUS(status) == ST_SYSTEM);

@@ -15,13 +15,35 @@
 
 static const char *const stamped[] = {"w", "host", "from", "sent_us", "recv_us", NULL};
 
+/* The number of the slot that sent r: the entry's first one, or with fan -1 that of w=I. -1: it has
+ * no such slot. */
+static int number_of(const struct fan_slot *s, const struct record *r)
+{
+    int32_t i = s->width > 1 ? rec_slot(r) : 0;
+    return i >= 0 && i < s->width ? s->number + i : -1;
+}
+
+/* The tasks of that slot, or NULL. */
+static struct task_table *tasks_of(const struct fan_slot *s, const struct record *r)
+{
+    int k = number_of(s, r);
+    return k < 0 ? NULL : &s->tasks[k - s->number];
+}
+
 /* " w=K", or "w=K.I" if an inner fan had stamped w=I. */
 static void stamp(const struct fan_slot *s, const struct record *r, char *text, size_t size)
 {
     size_t n = 0;
+    int k = number_of(s, r);
     const char *inner = rec_key(r, "w", &n);
-    if (inner) snprintf(text, size, "w=%d.%.*s", s->number, (int)n, inner);
-    else snprintf(text, size, "w=%d", s->number);
+    if (s->width > 1 && inner) { /* the first number is in K */
+        const char *dot = memchr(inner, '.', n);
+        n -= dot ? (size_t)(dot + 1 - inner) : 0;
+        inner = dot ? dot + 1 : NULL;
+    }
+    if (k < 0) k = s->number;
+    if (inner) snprintf(text, size, "w=%d.%.*s", k, (int)n, inner);
+    else snprintf(text, size, "w=%d", k);
 }
 
 /* More beats carry no more information: a slot that sends many does not fill a log. */
@@ -63,7 +85,7 @@ static const char *dispute(
     }
     known->differ++;
     warn("%s: frame %" PRIu32 " has job %s there, expected %s as on %s, which sent it first", name,
-        frame->frame, job, known->hash, fan_slot_name(&f->slots[known->by], first));
+        frame->frame, job, known->hash, fan_slot_name(fan_slot_of(f, known->by), first));
     int to_come = may_announce(f, known);
     if (known->differ > known->agree || (known->differ == known->agree && to_come <= 0)) {
         f->disputed = true;
@@ -97,7 +119,8 @@ static const char *take_job(
 
 /*
  * A requested frame is announced: the slot has loaded the state. The record keeps its place among
- * the pixels, because those before it may belong to another job.
+ * the pixels, because those before it may belong to another job. A worker with several slots has
+ * announced it for all of them.
  */
 static const char *take_frame(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -108,24 +131,27 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     if (why) return why;
     s->conn.announced_frame = true;
     s->feed.loading = false;
-    stamp(s, r, text, sizeof text);
-    size_t n = strlen(text);
-    snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
-    up_forward(&f->out.queue, r, stamped, text);
+    for (int i = 0; i < s->width; i++) {
+        if (s->width == 1) stamp(s, r, text, sizeof text);
+        else snprintf(text, sizeof text, "w=%d", s->number + i);
+        size_t n = strlen(text);
+        snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
+        up_forward(&f->out.queue, r, stamped, text);
+    }
     return NULL;
 }
 
-static void remove_task(struct fan_slot *s, int32_t i)
+static void remove_task(struct fan_slot *s, struct task_table *tasks, int32_t i)
 {
-    tasks_remove(&s->tasks, i);
-    if (!s->tasks.count) s->feed.flushed = false;
+    tasks_remove(tasks, i);
+    if (!--s->n_tasks) s->feed.flushed = false;
 }
 
 /* Removes the task if it is both computed and delivered. */
-static void complete_task(struct fan_slot *s, int32_t i)
+static void complete_task(struct fan_slot *s, struct task_table *tasks, int32_t i)
 {
-    if (!fan_task(s, i)->computed || !tasks_whole(&s->tasks, i)) return;
-    remove_task(s, i);
+    if (!fan_task(tasks, i)->computed || !tasks_whole(tasks, i)) return;
+    remove_task(s, tasks, i);
     s->conn.completed_task = true;
 }
 
@@ -139,9 +165,10 @@ static const char *take_stale(struct fan *f, struct fan_slot *s)
 
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-    if (i < 0 || fan_task(s, i)->computed) return take_stale(f, s);
-    struct fan_task *task = fan_task(s, i);
+    struct task_table *tasks = tasks_of(s, r);
+    int32_t i = tasks ? tasks_find(tasks, r->task.frame, r->task.id) : -1;
+    if (i < 0 || fan_task(tasks, i)->computed) return take_stale(f, s);
+    struct fan_task *task = fan_task(tasks, i);
     char w[96], from[24] = "", text[184];
     stamp(s, r, w, sizeof w);
     if (task->from >= 0) snprintf(from, sizeof from, " from=%" PRId32, task->from);
@@ -150,22 +177,23 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     wire_forward(&f->out.queue.control, r, stamped, text);
     task->computed = true;
     s->undone--;
-    complete_task(s, i);
+    complete_task(s, tasks, i);
     return NULL;
 }
 
 static const char *take_frag(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    struct task_table *tasks = tasks_of(s, r);
+    int32_t i = tasks ? tasks_find(tasks, r->task.frame, r->task.id) : -1;
     if (i < 0) return take_stale(f, s);
     const struct fan_job *known = fan_job(f, frames_find(&f->input.frames, r->task.frame));
     if (!s->conn.announced_frame || !known->stated) return "frag-before-frame";
     if (!rec_is(r, "job", known->hash)) return "other-job";
-    if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
+    if (!tasks_deliver(tasks, i, &r->task.at)) return "wrong-pixels";
     char text[96];
     stamp(s, r, text, sizeof text);
     up_forward(&f->out.queue, r, stamped, text);
-    complete_task(s, i);
+    complete_task(s, tasks, i);
     return NULL;
 }
 
@@ -179,11 +207,11 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
     struct rec_ring m;
     char text[96];
     if (!s->conn.placed) return "wrong-record";
-    if (!rec_ring(r, &m) || m.peer >= f->n_slots || m.next >= f->n_slots) return "wrong-peer";
+    if (!rec_ring(r, &m) || m.peer >= f->n_numbers || m.next >= f->n_numbers) return "wrong-peer";
     if (r->kind == REC_GIVE) {
-        int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
-        if (i < 0 || fan_task(s, i)->computed) return take_stale(f, s);
-        remove_task(s, i);
+        int32_t i = tasks_find(s->tasks, r->task.frame, r->task.id);
+        if (i < 0 || fan_task(s->tasks, i)->computed) return take_stale(f, s);
+        remove_task(s, s->tasks, i);
         s->undone--;
     }
     if (r->kind != REC_GIVE && ++s->conn.ahead > STALE_MOST) return "unasked";
@@ -205,7 +233,7 @@ static bool too_long(const struct record *r)
 /* An inner fan without a policy has lost a slot: tasks sent to that slot will not come back. */
 static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s)
 {
-    return f->in_open || s->tasks.count ? "inner-gone" : NULL;
+    return f->in_open || s->n_tasks ? "inner-gone" : NULL;
 }
 
 /* Returns NULL, or the reason why the slot cannot be trusted any more. */
@@ -262,7 +290,7 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
 {
     size_t before = buf_size(&s->conn.from.in), n;
     /* It was told to end and owes nothing: its beats are no reason to wait. */
-    bool over = !f->in_open && !s->tasks.count && s->conn.child.to < 0;
+    bool over = !f->in_open && !s->n_tasks && s->conn.child.to < 0;
     int more = stream_read(&s->conn.from, s->conn.child.from);
     n = buf_size(&s->conn.from.in) - before;
     if (s->state != FAN_UP) note_chatter(s, buf_data(&s->conn.from.in) + before, n);

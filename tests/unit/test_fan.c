@@ -85,15 +85,19 @@ static int messages = -1; /* standard error, while it is not shown */
 
 static void make_slot(struct fan_slot *s, int number)
 {
-    *s = (struct fan_slot){
-        .number = number, .host = &host, .state = FAN_WAITING, .conn = CONNECTION_NONE};
-    tasks_init(&s->tasks, sizeof(struct fan_task));
+    fan_slot_init(&f, number, number, 1, &host);
+    assert_ptr_equal(s, fan_slot_of(&f, number));
 }
 
 static int begin(void **state)
 {
     (void)state;
-    f = (struct fan){.o = &options, .n_slots = SLOTS, .n_hosts = 1, .slots = slots, .hosts = &host};
+    f = (struct fan){.o = &options,
+        .n_slots = SLOTS,
+        .n_hosts = 1,
+        .slots = slots,
+        .hosts = &host,
+        .n_numbers = SLOTS};
     f.in_open = f.out.greeted = true;
     f.n[FAN_WAITING] = SLOTS;
     host = (struct fan_host){.host = &of_file, .argv = worker};
@@ -115,6 +119,7 @@ static int end(void **state)
     for (int k = 0; k < SLOTS; k++) {
         fan_slot_disconnect(&f, &slots[k]);
         fan_slot_forget(&slots[k]);
+        fan_slot_free(&slots[k]);
     }
     frames_free(&f.input.frames);
     up_free(&f.out.queue);
@@ -320,13 +325,13 @@ static void tasks_wait_for_a_slot_that_was_never_up(void **state)
     let_end(s);
     assert_int_equal(s->state, FAN_WAITING);
     assert_true(s->feed.primed);
-    assert_int_equal(s->tasks.count, 3);
+    assert_int_equal(s->n_tasks, 3);
     assert_int_equal(f.lost, 0);
     fan_slot_open(&f, s);
     assert_int_equal(s->conn.ahead, 0);
     fan_slot_lose(&f, s, "garbage", false);
     assert_int_equal(f.lost, 3);
-    assert_int_equal(s->tasks.count, 0);
+    assert_int_equal(s->n_tasks, 0);
     assert_false(s->feed.primed);
     assert_int_equal(s->state, FAN_ENDING);
     give_task(0, 4); /* was under way when the slot was lost */

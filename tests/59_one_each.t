@@ -1,0 +1,131 @@
+#!/bin/sh
+# fan -1: one worker for each host, with all of its slots; and balance adaptive, which runs it. Slots have the same numbers,
+# and the picture the same bits, as with a worker for each slot. Hosts are commands on this machine.
+# shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
+. "$(dirname "$0")/lib.sh"
+# shellcheck source=marked.sh
+. "$root/tests/marked.sh"
+
+spdgen -s 2 balls >0.nff
+spdgen -s 2 tetra >1.nff
+cp "$root/scenes/boat.nff" 2.nff
+for f in 0 1 2; do
+	partition 60x44 | rtworker $f.nff | gather -o good$f.pfm
+	pack scene $f.nff && partition -F $f 60x44
+done >film
+printf '%s\n' '#!/bin/sh' 'echo "$1" >>started; exec sh -c "$2"' >via && chmod +x via
+cat >hosts <<'END'
+: slots=2
+far slots=3 via="./via %h %c"
+near via="./via %h %c"
+END
+
+# ---- the picture -----------------------------------------------------------------------------------------------
+# renders NAME PARTITION COMMAND ...
+renders() {
+	name=$1 cut=$2
+	shift 2
+	# shellcheck disable=SC2086
+	{ pack scene 0.nff; partition $cut 60x44; } >tasks
+	run timeout 300 "$@" - <tasks
+	cp .out frags
+	is "$name" "$status $(unexpected .err) $(gather -o a.pfm frags 2>&1) $(cmp a.pfm good0.pfm 2>&1)" '0   '
+}
+renders 'slots of this machine' '' fan -1 -j 3 rtworker
+renders 'one slot' '' fan -1 -j 1 rtworker
+renders 'hosts' '' fan -1 -S hosts rtworker
+is 'hosts: one connection for each' "$(tr '\n' ' ' <started)" 'far near '
+slots_of() { grep -aoE "$1 .*" frags | sed -nE 's/.* w=([0-9.]+) .*/\1/p' | sort | uniq -c | awk '{ printf "%s:%s ", $2, $1 }'; }
+is 'hosts: each slot has its tasks' "$(slots_of 'done [0-9]+ [0-9]+')" '0:8 1:8 2:7 3:7 4:7 5:7 '
+is 'hosts: each slot announces the frame' "$(slots_of 'frame 0 60 44')" '0:1 1:1 2:1 3:1 4:1 5:1 '
+is 'hosts: each slot is up' "$(grep -aoE 'up w=.*' frags | awk '{ print $2, $3, $5 }' | sort | tr '\n' ',')" \
+	'w=0 host=: slots=1,w=1 host=: slots=1,w=2 host=far slots=1,w=3 host=far slots=1,w=4 host=far slots=1,w=5 host=near slots=1,'
+like 'hosts: hello' "$(grep -ao '^hello .*' frags)" '^hello fan .* slots=6 '
+renders 'hosts, preassigned tasks' '-u scatter -n 6' fan -1 -S hosts rtworker
+is 'preassigned tasks go to their slots' "$(slots_of 'done [0-9]+ [0-9]+')" '0:1 1:1 2:1 3:1 4:1 5:1 '
+renders 'hosts, pixels at the end' '' fan -1 -S hosts rtworker -c -f 11
+renders 'hosts, a policy' '' deal fan -1 -S hosts rtworker
+renders 'hosts, pixels at a flush' '' deal -q auto -e fan -1 -S hosts rtworker -c
+renders 'a tree' '' fan -j 2 fan -1 -j 2 rtworker
+is 'a tree: the slots have two numbers' "$(slots_of 'frame 0 60 44')" '0.0:1 0.1:1 1.0:1 1.1:1 '
+for options in '' -c; do
+	rm -f f?.pfm
+	# shellcheck disable=SC2086
+	run sh -c 'deal fan -1 -S hosts rtworker "$@" - <film | gather -o f%d.pfm' sh $options
+	is "three scenes $options" "$status $err" '0 '
+	for f in 0 1 2; do ok "three scenes $options: picture $f" cmp f$f.pfm good$f.pfm; done
+done
+is 'fan -l -1: a line for each slot' "$(fan -l -1 -S hosts rtworker | cut -f 1,2 | tr '\t\n' ': ')" '0:: 1:: 2:far 3:far 4:far 5:near '
+
+# ---- what is refused -------------------------------------------------------------------------------------------
+printf '%s\n' '#!/bin/sh' 'shift 2; exec rtworker "$@"' >plain && chmod +x plain
+run fan -1 -j 2 ./plain - <tasks
+like 'a worker with another number of slots is refused' "$status $err" '^3 fan: slots 0 to 1: refused: it has 1 slots, expected 2, by its option -j$'
+echo 'ring me=0 n=2 rules=default give=half to=0' >ring
+run fan -1 -j 2 rtworker - <ring
+is 'a ring is refused' "$status $err" '2 fan: record `ring`: expected a worker for each slot, without -1'
+
+# ---- losses ----------------------------------------------------------------------------------------------------
+# A worker with several slots is the parent of those that render.
+parents() { for p in $(program rtworker); do case $(program rtworker | grep -cx "$(ps -o ppid= -p "$p" | tr -d ' ')") in 0) echo "$p" ;; esac; done; }
+renderers() { parents >parents; program rtworker | grep -vxf parents; }
+rendering() { [ "$(renderers | wc -l)" -ge "$1" ] || ! kill -0 "$pid"; }
+partition 128x128 | rtworker -a 400 2.nff | gather -o good.pfm
+# begun COMMAND ...: starts a run in the background
+begun() {
+	rm -f out.pfm log
+	env MARK=$mark balance adaptive "$@" -s 128x128 -W '-a 400' -r log -o out.pfm 2.nff 2>said &
+	pid=$!
+}
+# ended NAME: the run ends well
+ended() {
+	status=0
+	wait "$pid" || status=$?
+	is "$1: exit 0" "$status" 0
+	ok "$1: the picture" cmp out.pfm good.pfm
+	ok "$1: no process remains" await 10 none_alive
+}
+begun -j 3
+await 20 rendering 3
+# shellcheck disable=SC2046
+kill -KILL $(renderers | head -n 1)
+ended 'a killed process of a slot'
+is 'a killed process of a slot: only its tasks were lost' "$(grep -c 'lost' said) $(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [0-9]+ tasks, forked again$' said) $(grep -ac '^gone' log)" '1 1 0'
+begun -j 3
+await 20 rendering 3
+# shellcheck disable=SC2046
+kill -KILL $(parents)
+ended 'a killed worker of this machine'
+like 'a killed worker of this machine is started again' "$(cat said)" '^fan: slots 0 to 2: lost \(signal-9\) with [0-9]+ tasks, starting again$'
+cat >two <<'END'
+: slots=2
+far slots=2 via="sh -c %c"
+END
+begun -S two
+await 20 rendering 4
+# shellcheck disable=SC2046
+kill -KILL $(parents | head -n 1)
+ended 'a killed worker of a host'
+like 'the other host takes over' "$(cat said)" '^fan: slots (0 to 1|2 to 3 on far): lost \((signal-9|exit-137)\) with [0-9]+ tasks'
+{ pack scene 2.nff; partition 128x128; } >tasks
+mkfifo in
+env MARK=$mark fan -1 -j 3 rtworker -a 400 - <in >frags 2>said &
+pid=$!
+exec 9>in
+cat tasks >&9
+await 20 rendering 3
+# shellcheck disable=SC2046
+kill -KILL $(parents)
+reports() { grep -aoE '(up|gone) w=[0-2] ' frags | sort | uniq -c | awk '{ printf "%s%s%s ", $1, $2, $3 }'; }
+again='1gonew=0 1gonew=1 1gonew=2 2upw=0 2upw=1 2upw=2 '
+up_again() { [ "$(reports)" = "$again" ]; }
+await 20 up_again
+exec 9>&-
+status=0
+wait "$pid" || status=$?
+is 'its slots are gone once, and up again; without a policy its tasks are lost' "$status $(reports)" "1 $again"
+printf '%s\n' '#!/bin/sh' 'rtworker "$@" </dev/null | head -n 1; sed /^task/q >&2; kill -KILL $$' >dies && chmod +x dies
+{ pack scene 0.nff; partition 60x44; } >tasks
+run sh -c 'deal fan -1 -j 2 ./dies - <tasks 2>said >log'
+is 'a worker that always dies is given up' "$status $(grep -ac 'starting again$' said) $(grep -a 'no slot left' said)" '3 4 fan: no slot left'
+finish
