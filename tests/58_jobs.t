@@ -72,6 +72,9 @@ changes 'three scenes, a tree' deal fan -j 2 rtworker -c -j 2
 run sh -c 'rtworker -j 2 - <same >same.frags'
 is 'one number for frames of other sizes and scenes' "$status $err" '0 '
 is 'each is announced' "$(lines same.frags | grep -c '^frame 0 60 44 ')" 3
+is 'each task is done' "$(lines same.frags | grep -c '^done')" $((3 * 44 + 10))
+run sh -c 'rtworker -c -j 2 - <same >same.frags'
+is 'the same, pixels at the end' "$status $err $(lines same.frags | grep -c '^done')" "0  $((3 * 44 + 10))"
 cat >hill.vtk <<'END'
 # vtk DataFile Version 3.0
 hill

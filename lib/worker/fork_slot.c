@@ -68,6 +68,8 @@ static bool start(struct forks *p, struct fork_slot *s)
 {
     static bool said;
     uint32_t now = p->w->generations.now;
+    if (p->forked == FORKS_MOST) return false;
+    p->forked++;
     if (child_fork(&s->child, render, p->w) != 0) {
         int err = errno, others = 0;
         for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
@@ -141,6 +143,25 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
     if (s->ends && !down_size(&s->to)) child_close(&s->child.to);
 }
 
+/* ---- the loss of a child -------------------------------------------------------------------- */
+
+/* Its tasks wait again, for another child. */
+static void lose(struct fork_slot *s, const char *why)
+{
+    int lost = s->sent.count;
+    if (lost) {
+        s->flush = true; /* it may have been asked before it was lost */
+        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
+        if (++s->deaths == DEATHS_MOST)
+            die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
+    }
+    settle(s);
+    for (int32_t i; (i = s->sent.tail) >= 0;) {
+        list_remove(&s->tasks, &s->sent, i);
+        list_push_front(&s->tasks, &s->waiting, i);
+    }
+}
+
 /* ---- up ------------------------------------------------------------------------------------- */
 
 static void complete(struct fork_slot *s, int32_t i)
@@ -201,41 +222,23 @@ void worker_fork_listen(struct forks *p, struct fork_slot *s)
         if (result == WIRE_RECORD) why = take(p, s, &r);
         else if (!s->from.ended) why = "garbage";
     }
-    if (why) worker_fork_lose(p, s, why);
+    if (why) lose(s, why);
     else if (more <= 0) child_close(&s->child.from);
 }
 
-/* ---- the end -------------------------------------------------------------------------------- */
-
-void worker_fork_lose(struct forks *p, struct fork_slot *s, const char *why)
-{
-    int lost = s->sent.count;
-    (void)p;
-    if (lost) {
-        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
-        if (++s->deaths == DEATHS_MOST)
-            die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
-    }
-    settle(s);
-    for (int32_t i; (i = s->sent.tail) >= 0;) {
-        list_remove(&s->tasks, &s->sent, i);
-        list_push_front(&s->tasks, &s->waiting, i);
-    }
-}
-
-void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us)
+void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
 {
     char why[24];
     int status;
     if (!s->child.pid) return;
     if (s->undone || s->child.from < 0) s->silent_us += elapsed_us < LATE_US ? elapsed_us : LATE_US;
     if (s->silent_us > SILENT_US) {
-        worker_fork_lose(p, s, "silent");
+        lose(s, "silent");
         return;
     }
     if (s->child.from >= 0) return;
     bool told = s->ends && s->child.to < 0;
     if (!child_ended(&s->child, &status)) return;
     if (told && !s->sent.count && WIFEXITED(status) && WEXITSTATUS(status) == 0) settle(s);
-    else worker_fork_lose(p, s, status_text(status, why));
+    else lose(s, status_text(status, why));
 }

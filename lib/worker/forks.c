@@ -71,7 +71,8 @@ static void want(struct forks *p, const struct frame_size *f)
     p->wants = true;
 }
 
-/* Frames of a known number and another size or state: tasks with the old one come first. */
+/* A frame of a known number and another size or state. Tasks of the old one have the same keys, so
+ * they come first. */
 static bool changes(const struct forks *p, const struct record *r)
 {
     const struct frame_size *f = frames_find(&p->w->frames, r->task.frame);
@@ -93,18 +94,24 @@ static void take_frame(struct forks *p, const struct record *r)
     else want(p, f);
 }
 
-/* Starts to load the held record, unless tasks need the state that it replaces. Children that
- * hold back pixels of such tasks are to flush. */
+/* True if no task needs what the held record replaces. Children that hold back pixels are to
+ * flush. */
+static bool is_free(struct forks *p)
+{
+    const struct record *r = &p->held;
+    bool frame = r->kind == REC_FRAME;
+    uint32_t oldest = frame ? 0 : generation_oldest(&p->w->generations, r->kind, r->body_len);
+    if (!tasks_before(p, frame ? NULL : &oldest)) return true;
+    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= !p->flushed;
+    p->flushed = true;
+    return false;
+}
+
+/* Starts to load the held record. */
 static void load(struct forks *p)
 {
     struct worker *w = p->w;
     const struct record *r = &p->held;
-    uint32_t oldest = generation_oldest(&w->generations, r->kind, r->body_len);
-    if (tasks_before(p, &oldest)) {
-        for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= !p->flushed;
-        p->flushed = true;
-        return;
-    }
     worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
     p->built[w->generations.now % GENERATIONS] = false;
@@ -145,13 +152,14 @@ static void proceed(struct forks *p)
         if (p->wants) {
             p->wants = false;
             worker_builder_build(&p->builder, &p->wanted);
-        } else if (p->held.kind != REC_FRAME) {
-            load(p);
-            return;
-        } else {
-            if (tasks_waiting(p)) return;
+            continue;
+        }
+        if (!is_free(p)) return;
+        if (p->held.kind == REC_FRAME) {
             take_frame(p, &p->held);
             resume(p);
+        } else {
+            load(p);
         }
     }
 }
@@ -259,10 +267,12 @@ static void beat(struct forks *p, int64_t now)
 
 static void go_round(struct forks *p, struct pollfd *at)
 {
+    p->forked = 0;
     assign(p);
     for (int k = 0; k < p->n_slots; k++) worker_fork_feed(p, &p->slots[k]);
     size_t n = fill_poll(p, at);
-    if (signals_poll(at, n, has_work(p) || (!p->in_open && has_child(p)) ? ROUND_MS : -1) < 0) {
+    int wait_ms = has_work(p) || (!p->in_open && has_child(p)) ? ROUND_MS : -1;
+    if (signals_poll(at, n, p->forked == FORKS_MOST ? 0 : wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) at[i].revents = 0;
     }
@@ -275,7 +285,7 @@ static void go_round(struct forks *p, struct pollfd *at)
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *s = &p->slots[k];
         if (s->poll && at[s->poll + 1].revents) worker_fork_listen(p, s);
-        worker_fork_check(p, s, elapsed_us);
+        worker_fork_check(s, elapsed_us);
     }
     proceed(p);
     beat(p, now);

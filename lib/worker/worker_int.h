@@ -78,6 +78,10 @@ void worker_builder_join(struct worker_builder *b);
 
 /* ---- forks.c ---- */
 
+/* Children forked in a round of the loop: a fork copies page tables, a millisecond for each
+ * 0.5 GB, and others wait meanwhile. */
+#define FORKS_MOST 2
+
 /* A slot: a child that renders, and the tasks for it. */
 struct fork_slot {
     int number;
@@ -114,6 +118,7 @@ struct forks {
     struct record held; /* in the decoder's buffer */
     bool flushed;       /* children were asked to flush for it */
     bool in_open;
+    int forked;  /* children forked in this round */
     int refused; /* status to end with at once */
     struct outlet out;
     int64_t beat_us;
@@ -135,10 +140,8 @@ bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w
 void worker_fork_feed(struct forks *p, struct fork_slot *s);
 /* Handles all that the child has sent. */
 void worker_fork_listen(struct forks *p, struct fork_slot *s);
-/* The child is lost, for this reason: its tasks wait again. */
-void worker_fork_lose(struct forks *p, struct fork_slot *s, const char *why);
 /* Ends the slot's child if its stream has ended or it was silent for too long. */
-void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us);
+void worker_fork_check(struct fork_slot *s, int64_t elapsed_us);
 /* True if a task would be computed at once, or after at most `ahead` others. */
 bool worker_fork_wants(
     const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation);
