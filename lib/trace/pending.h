@@ -21,9 +21,8 @@ struct pending {
     uint64_t hops; /* rays before it in its tree: guarantees that a tree ends */
     int level;
     bool mirrored; /* reflected, not transmitted */
-    uint32_t from; /* primitive that it starts from; NO_PRIM: the eye or a curved primitive */
+    bool curved;   /* starts from a curved surface, from which neighbouring rays diverge */
 };
-#define NO_PRIM UINT32_MAX
 
 /* Beyond PENDING_MOST rays of a sample, those that follow are traced depth first, so memory stays
  * bounded: a ray leaves two behind, of which the mirrored one has another level. Only a sample that

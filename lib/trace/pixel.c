@@ -62,7 +62,7 @@ static bool is_first(const struct strata *s, int k)
 
 #define SIDE_MAX 32 /* SIDE_MAX^2 is TRACE_SAMPLES_MAX */
 _Static_assert(SIDE_MAX *SIDE_MAX == TRACE_SAMPLES_MAX, "sides of pixels");
-#define GROUP WAVE_RAYS /* pixels sampled together */
+#define GROUP WAVE_RAYS /* pixels sampled together: no more than the samples of a wave */
 
 struct group {
     struct tracer *t;
@@ -74,6 +74,7 @@ struct group {
     /* Samples that wait for the next wave, and the pixels they belong to. */
     double at_x[WAVE_RAYS], at_y[WAVE_RAYS]; /* in pixels */
     uint32_t owner[WAVE_RAYS], waiting;
+    struct ray ray[WAVE_RAYS];
 };
 
 static struct vec3 lower(struct vec3 a, struct vec3 b)
@@ -86,18 +87,22 @@ static struct vec3 higher(struct vec3 a, struct vec3 b)
     return v3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
 }
 
+/* The colours of the waiting samples. */
+static void trace_waiting(struct group *g, struct vec3 *colour)
+{
+    const struct tracer *t = g->t;
+    t->shaders->eye_rays(&t->camera, t->scene->view.hither, g->at_x, g->at_y, g->waiting, g->ray);
+    wave_colours(g->t, g->ray, g->waiting, colour);
+}
+
 static void flush(struct group *g)
 {
-    struct ray ray[WAVE_RAYS];
     struct vec3 colour[WAVE_RAYS];
-    const struct tracer *t = g->t;
     if (g->waiting == 0) return;
-    t->shaders->eye_rays(&t->camera, t->scene->view.hither, g->at_x, g->at_y, g->waiting, ray);
-    wave_colours(g->t, ray, g->waiting, colour);
+    trace_waiting(g, colour);
     for (uint32_t i = 0; i < g->waiting; i++) {
         uint32_t k = g->owner[i];
         g->sum[k] = v3_add(g->sum[k], colour[i]);
-        if (g->strata.n == 1) continue;
         g->lo[k] = lower(g->lo[k], colour[i]);
         g->hi[k] = higher(g->hi[k], colour[i]);
     }
@@ -132,15 +137,10 @@ static void begin_pixel(struct group *g, uint32_t k)
 static void sample(struct group *g, uint32_t k, int stratum)
 {
     int n = g->strata.n;
-    double x = g->x[k], y = g->y[k], fx = 0.5, fy = 0.5;
-    if (n > 1) {
-        uint64_t pixel = pixel_number(g, k), seed = (uint64_t)stratum;
-        uint32_t i = (uint32_t)(stratum % n), j = (uint32_t)(stratum / n);
-        fx = (i + (g->column[j] + rng_unit(pixel, 2 * seed)) / n) / n;
-        fy = (j + (g->row[i] + rng_unit(pixel, 2 * seed + 1)) / n) / n;
-    }
-    g->at_x[g->waiting] = x + fx;
-    g->at_y[g->waiting] = y + fy;
+    uint64_t pixel = pixel_number(g, k), seed = (uint64_t)stratum;
+    uint32_t i = (uint32_t)(stratum % n), j = (uint32_t)(stratum / n);
+    g->at_x[g->waiting] = g->x[k] + (i + (g->column[j] + rng_unit(pixel, 2 * seed)) / n) / n;
+    g->at_y[g->waiting] = g->y[k] + (j + (g->row[i] + rng_unit(pixel, 2 * seed + 1)) / n) / n;
     g->owner[g->waiting] = k;
     if (++g->waiting == WAVE_RAYS) flush(g);
 }
@@ -152,23 +152,27 @@ static bool disagree(const struct group *g, uint32_t k)
     return limit < 0 || spread.x > limit || spread.y > limit || spread.z > limit;
 }
 
-/* Computes the first n pixels of the group into sum. */
+/* Computes the first n pixels of the group into sum, with a sample in the centre of each. */
+static void centre_colours(struct group *g, uint32_t n)
+{
+    for (uint32_t k = 0; k < n; k++) g->at_x[k] = g->x[k] + 0.5, g->at_y[k] = g->y[k] + 0.5;
+    g->waiting = n;
+    trace_waiting(g, g->sum);
+    g->waiting = 0;
+}
+
+/* The same with more than one sample in each. */
 static void colours(struct group *g, uint32_t n)
 {
     const struct strata *s = &g->strata;
     for (uint32_t k = 0; k < n; k++) {
         g->sum[k] = v3(0, 0, 0);
-        if (s->n == 1) {
-            sample(g, k, 0);
-            continue;
-        }
         g->lo[k] = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
         g->hi[k] = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
         begin_pixel(g, k);
         for (int i = 0; i < s->n_first; i++) sample(g, k, s->first[i]);
     }
     flush(g);
-    if (s->n == 1) return;
     bool more[GROUP];
     for (uint32_t k = 0; k < n; k++) more[k] = s->n > 2 && disagree(g, k);
     for (uint32_t k = 0; k < n; k++) {
@@ -225,7 +229,8 @@ void tracer_pixels(struct tracer *t, const struct lattice *l, uint64_t n0, uint3
     for (uint32_t done = 0; done < n;) {
         uint32_t count = n - done < GROUP ? n - done : GROUP;
         locate(&g, l, n0 + done, count);
-        colours(&g, count);
+        if (g.strata.n == 1) centre_colours(&g, count);
+        else colours(&g, count);
         for (uint32_t k = 0; k < count; k++) {
             float *c = rgba + (size_t)4 * (done + k);
             c[0] = (float)g.sum[k].x;

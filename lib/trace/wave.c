@@ -34,8 +34,9 @@ struct shadow_query {
     struct ray ray;
     struct vec3 light; /* contribution if the ray is not blocked */
     struct vec3 *sum;
-    uint32_t prim;
+    uint32_t curved; /* the curved primitive that a secondary ray hit there, or FLAT */
 };
+#define FLAT UINT32_MAX
 
 struct wave {
     struct sample sample[WAVE_RAYS];
@@ -52,7 +53,7 @@ struct wave *wave_new(const struct tracer *t)
     struct wave *w = xcalloc(1, sizeof *w);
     pending_pool_init(&w->pool, t->transmits != NULL);
     w->eye = pending_new(&w->pool);
-    w->pool.at[w->eye] = (struct pending){.weight = 1, .level = 1, .from = NO_PRIM};
+    w->pool.at[w->eye] = (struct pending){.weight = 1, .level = 1};
     return w;
 }
 
@@ -74,6 +75,8 @@ static inline void bring(struct wave *w, struct sample *s, struct vec3 light)
     *s->colour = v3_mad(*s->colour, light, w->pool.at[s->now].weight);
 }
 
+static inline bool is_curved(const struct hit_point *at) { return at->item->kind != ITEM_TRIANGLE; }
+
 /* ---- lights ------------------------------------------------------------------------------ */
 
 /* Traces the waiting shadow rays and adds their light. A packet holds each sum at most once: lights
@@ -88,7 +91,7 @@ static void trace_shadows(struct tracer *t, struct wave *w)
     }
     unsigned blocked = 0;
     if (n == 0) return;
-    if (n == 1 || w->query[0].prim != w->query[n - 1].prim)
+    if (n == 1 || w->query[0].curved != w->query[n - 1].curved)
         for (uint32_t i = 0; i < n; i++)
             blocked |= (unsigned)t->k->blocked(&t->bvh, ray[i], t->transmits, &t->crossings[i])
                        << i;
@@ -147,7 +150,7 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
             a->ray = (struct ray){s->at.p, v3(lit->d[0][i], lit->d[1][i], lit->d[2][i]), 0,
                 lit->distance[i], s->at.err, t->light_in_surface[l]};
             a->sum = &s->light;
-            a->prim = k->level > 1 ? s->at.item->prim : NO_PRIM;
+            a->curved = k->level > 1 && is_curved(&s->at) ? s->at.item->prim : FLAT;
             if (++w->n_queries == PACKET) trace_shadows(t, w);
         }
         trace_shadows(t, w);
@@ -166,8 +169,7 @@ static inline void count_ray(struct tracer *t, const struct wave *w, const struc
 
 /* Finds what the rays of the listed samples hit. Rays that hit nothing bring the background; the
  * other samples are left in the list. Returns their number. */
-static uint32_t find_hits(
-    struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
+static uint32_t find_hits(struct tracer *t, struct wave *w, struct sample **list, uint32_t n)
 {
     const double *b = t->scene->background;
     uint32_t hits = 0;
@@ -179,9 +181,8 @@ static uint32_t find_hits(
             ray[k] = ray_now(w, list[i + k]);
             h[k] = &list[i + k]->h;
         }
-        uint32_t from = w->pool.at[list[i]->now].from;
-        if (end == 1 || from != w->pool.at[list[i + end - 1]->now].from ||
-            (!eye && from == NO_PRIM))
+        if (end == 1 || w->pool.at[list[i]->now].curved ||
+            w->pool.at[list[i + end - 1]->now].curved)
             for (uint32_t k = 0; k < end; k++) t->k->closest(&t->bvh, ray[k], h[k]);
         else t->k->closest_packet(&t->bvh, ray, end, h);
         for (uint32_t k = 0; k < end; k++) {
@@ -200,8 +201,7 @@ static uint32_t find_hits(
 
 /* Adds a ray to the sample's pending ones. */
 static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, const struct ray *r,
-    double weight, int level, const struct media *media, uint64_t hops, bool mirrored,
-    uint32_t from)
+    double weight, int level, const struct media *media, uint64_t hops, bool mirrored)
 {
     uint32_t i = pending_new(&w->pool);
     struct pending *k = &w->pool.at[i];
@@ -211,7 +211,7 @@ static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, co
     k->hops = hops;
     k->level = level;
     k->mirrored = mirrored;
-    k->from = from;
+    k->curved = is_curved(&s->at);
     if (w->pool.media) media_copy(&w->pool.media[i], media);
     pending_push(&s->rays, &w->pool, i);
 }
@@ -228,24 +228,21 @@ static void send_on(struct tracer *t, struct wave *w, struct sample *s)
     struct media outside, inside;
     if (w->pool.media) media_copy(&outside, &w->pool.media[s->now]);
     trace_spawn_secondary(t, ray_now(w, s), &s->at, k->level, &outside, &inside, &o);
-    uint32_t from = s->at.item->kind == ITEM_TRIANGLE ? s->at.item->prim : NO_PRIM;
     uint64_t hops = k->hops + 1;
     double weight = k->weight; /* adding rays may move k */
     t->counts.turned_back += f->t > 0 && !o.passed;
     if (o.passed)
-        add_ray(t, w, s, &o.through, weight * o.through_weight, o.through_level, &inside, hops,
-            false, from);
+        add_ray(
+            t, w, s, &o.through, weight * o.through_weight, o.through_level, &inside, hops, false);
     if (o.reflected)
-        add_ray(t, w, s, &o.mirror, weight * o.mirror_weight, o.mirror_level, &outside, hops, true,
-            from);
+        add_ray(t, w, s, &o.mirror, weight * o.mirror_weight, o.mirror_level, &outside, hops, true);
 }
 
 /* Traces the rays `now` of the listed samples, and leaves the samples whose rays hit something in
  * the list. Returns their number. */
-static uint32_t trace_round(
-    struct tracer *t, struct wave *w, struct sample **list, uint32_t n, bool eye)
+static uint32_t trace_round(struct tracer *t, struct wave *w, struct sample **list, uint32_t n)
 {
-    uint32_t hits = find_hits(t, w, list, n, eye);
+    uint32_t hits = find_hits(t, w, list, n);
     for (uint32_t i = 0; i < hits; i++) list[i]->light = v3(0, 0, 0);
     shade_direct(t, w, list, hits);
     for (uint32_t i = 0; i < hits; i++) {
@@ -263,7 +260,7 @@ static void trace_pending(struct tracer *t, struct wave *w, struct sample *const
         struct sample *s = round[i] = list[i];
         s->now = pending_pop(&s->rays, &w->pool);
     }
-    trace_round(t, w, round, n, false);
+    trace_round(t, w, round, n);
     for (uint32_t i = 0; i < n; i++) pending_release(&w->pool, list[i]->now);
 }
 
@@ -310,7 +307,7 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
         s->eye = &eye[i];
         s->now = w->eye;
     }
-    uint32_t hits = trace_round(t, w, list, n, true);
+    uint32_t hits = trace_round(t, w, list, n);
     uint32_t large = trace_samples(t, w, list, hits, n > 1 ? ALONE : UINT32_MAX);
     for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1, UINT32_MAX);
 }
