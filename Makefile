@@ -47,6 +47,7 @@ HARDENED = $(eval HARDENED := $(probed))$(HARDENED)
 X86      = $(findstring x86_64,$(shell $(CC) -dumpmachine))
 FLAGS_trace/trace_avx2    = $(if $(X86),-mavx2 -mno-fma)
 FLAGS_trace/shade_avx2    = $(FLAGS_trace/trace_avx2)
+FLAGS_trace/trace_avx512  = $(FLAGS_volume/volume_avx512)
 FLAGS_volume/volume_avx2  = $(FLAGS_trace/trace_avx2)
 FLAGS_volume/volume_avx512 = $(if $(X86),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
 LIBS     = -Wl,--as-needed -lpng -lz -lm

@@ -205,4 +205,77 @@ SIMD_INLINE unsigned vi_signs(vi m)
 #endif
 }
 
+/* ---- wide floats: 16 with AVX-512, whatever SIMD_MOST; otherwise as many as in a vf ------------ */
+
+#if defined __AVX512F__ && SIMD_BYTES >= 32
+#define VW 16
+#else
+#define VW VF
+#endif
+typedef float vw __attribute__((vector_size(4 * VW)));
+typedef int32_t vwi __attribute__((vector_size(4 * VW)));
+typedef float vw_memory __attribute__((vector_size(4 * VW), may_alias));
+typedef int32_t vwi_memory __attribute__((vector_size(4 * VW), may_alias));
+
+SIMD_INLINE vw vw_aligned(const float *p) { return *(const vw_memory *)p; }
+SIMD_INLINE void vw_store_aligned(float *p, vw a) { *(vw_memory *)p = a; }
+SIMD_INLINE vw vw_set(float a) { return a - (vw){0}; }
+SIMD_INLINE vw vw_abs(vw a) { return (vw)((vwi)a & INT32_MAX); }
+/* a if b >= 0, -a otherwise: by the sign bits. */
+SIMD_INLINE vw vw_flip(vw a, vw b) { return (vw)((vwi)a ^ ((vwi)b & INT32_MIN)); }
+/* a < b ? a : b, and a > b ? a : b. */
+SIMD_INLINE vw vw_min(vw a, vw b)
+{
+#if VW > VF
+    return _mm512_min_ps(a, b);
+#else
+    return vf_min(a, b);
+#endif
+}
+SIMD_INLINE vw vw_max(vw a, vw b)
+{
+#if VW > VF
+    return _mm512_max_ps(a, b);
+#else
+    return vf_max(a, b);
+#endif
+}
+/* a * b - c, with or without rounding of the product: for bounds only. */
+SIMD_INLINE vw vw_mul_sub(vw a, vw b, vw c)
+{
+#if VW > VF
+    return _mm512_fmsub_ps(a, b, c);
+#else
+    return a * b - c;
+#endif
+}
+/* One bit per lane, lane 0 lowest: a <= b. */
+SIMD_INLINE unsigned vw_le_bits(vw a, vw b)
+{
+#if VW > VF
+    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+#else
+    return vi_signs((vi)(a <= b));
+#endif
+}
+/* One bit per lane: a < 0. */
+SIMD_INLINE unsigned vw_negative_bits(vw a)
+{
+#if VW > VF
+    return _mm512_cmp_ps_mask(a, _mm512_setzero_ps(), _CMP_LT_OQ);
+#else
+    return vi_signs((vi)(a < vw_set(0)));
+#endif
+}
+/* One bit per lane: p[lane] == a, for p aligned to the vector. */
+SIMD_INLINE unsigned vw_equal_bits(const uint32_t *p, uint32_t a)
+{
+    vwi b = *(const vwi_memory *)p;
+#if VW > VF
+    return _mm512_cmpeq_epi32_mask((__m512i)b, _mm512_set1_epi32((int32_t)a));
+#else
+    return vi_signs((vi)(b == (int32_t)a - (vwi){0}));
+#endif
+}
+
 #endif

@@ -61,29 +61,37 @@ static inline void box_ray_init(struct box_ray *w, const struct bvh *b, const st
 /* Rounds up: t and all smaller doubles are below the result. */
 static inline float t_above(double t) { return t < 1e37 ? (float)t * T_ROUNDING : INFINITY; }
 
-/* The children that the ray enters before t_max, and the entry distances. */
-static ALWAYS_INLINE unsigned hit_boxes(
-    const struct node8 *n, const struct box_ray *w, float t_max, float t_near[WIDTH])
+/* The children that the ray enters before t_max, and the entry distances. far_inv: w->inv, or other
+ * slopes for the far planes. */
+static ALWAYS_INLINE unsigned meet_boxes(const struct node8 *n, const struct box_ray *w,
+    const float far_inv[3], float t_max, float t_near[WIDTH])
 {
     const float *planes = (const float *)n; /* lo and hi are the node's first members */
     const float *x0 = planes + w->near_plane[0], *x1 = planes + w->far_plane[0];
     const float *y0 = planes + w->near_plane[1], *y1 = planes + w->far_plane[1];
     const float *z0 = planes + w->near_plane[2], *z1 = planes + w->far_plane[2];
     vf ix = vf_set(w->inv[0]), iy = vf_set(w->inv[1]), iz = vf_set(w->inv[2]);
+    vf jx = vf_set(far_inv[0]), jy = vf_set(far_inv[1]), jz = vf_set(far_inv[2]);
     unsigned mask = 0;
     for (int i = 0; i < WIDTH; i += VF) {
         vf ax = (vf_aligned(x0 + i) - vf_set(w->near[0])) * ix;
         vf ay = (vf_aligned(y0 + i) - vf_set(w->near[1])) * iy;
         vf az = (vf_aligned(z0 + i) - vf_set(w->near[2])) * iz;
-        vf bx = (vf_aligned(x1 + i) - vf_set(w->far[0])) * ix;
-        vf by = (vf_aligned(y1 + i) - vf_set(w->far[1])) * iy;
-        vf bz = (vf_aligned(z1 + i) - vf_set(w->far[2])) * iz;
+        vf bx = (vf_aligned(x1 + i) - vf_set(w->far[0])) * jx;
+        vf by = (vf_aligned(y1 + i) - vf_set(w->far[1])) * jy;
+        vf bz = (vf_aligned(z1 + i) - vf_set(w->far[2])) * jz;
         vf a = vf_max(vf_max(ax, ay), vf_max(az, vf_set(0)));
         vf b = vf_min(vf_min(bx, by), vf_min(bz, vf_set(t_max)));
         vf_store_aligned(t_near + i, a);
         mask |= vi_signs(a <= b * vf_set(T_ROUNDING)) << i;
     }
     return mask;
+}
+
+static ALWAYS_INLINE unsigned hit_boxes(
+    const struct node8 *n, const struct box_ray *w, float t_max, float t_near[WIDTH])
+{
+    return meet_boxes(n, w, w->inv, t_max, t_near);
 }
 
 /*
@@ -245,7 +253,7 @@ static inline unsigned crossed(const struct bvh *b, enum item_kind kind, uint32_
     double far = fabs(r->o.x) + fabs(r->o.y) + fabs(r->o.z) + r->t_max;
     const uint32_t *items;
     struct ray back = {
-        v3_mad(r->o, r->d, r->t_max), v3_scale(r->d, -1), 0, r->t_max, ERR_UNIT * far, false};
+        v3_mad(r->o, r->d, r->t_max), v3_scale(r->d, -1), 0, r->t_max, ERR_UNIT * far, false, 0};
     if (!on_surface(b, kind, i, k, back.o, back.err)) return times;
     if (on_surface(b, kind, i, k, r->o, r->err)) return 0;
     return hit_block(b, kind, i, &back, r->t_max, t, &items, NULL) >> k & 1;
@@ -258,21 +266,24 @@ static inline int take_bit(unsigned *mask)
     return i;
 }
 
+static ALWAYS_INLINE void closest_in_block(
+    const struct bvh *b, enum item_kind kind, uint32_t i, const struct ray *r, struct hit *h)
+{
+    _Alignas(32) double t[LANES];
+    const uint32_t *items;
+    unsigned mask = hit_block(b, kind, i, r, h->t, t, &items, NULL);
+    COUNT_ITEMS(b, items);
+    while (mask) {
+        int k = take_bit(&mask);
+        if (t[k] < h->t || (t[k] == h->t && items[k] < h->item)) *h = (struct hit){t[k], items[k]};
+    }
+}
+
 static ALWAYS_INLINE void closest_in_leaf(
     const struct bvh *b, uint32_t leaf, const struct ray *r, struct hit *h)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
-    for (uint32_t i = 0; i < n; i++) {
-        _Alignas(32) double t[LANES];
-        const uint32_t *items;
-        unsigned mask = hit_block(b, leaf_kind(leaf), first + i, r, h->t, t, &items, NULL);
-        COUNT_ITEMS(b, items);
-        while (mask) {
-            int k = take_bit(&mask);
-            if (t[k] < h->t || (t[k] == h->t && items[k] < h->item))
-                *h = (struct hit){t[k], items[k]};
-        }
-    }
+    for (uint32_t i = 0; i < n; i++) closest_in_block(b, leaf_kind(leaf), first + i, r, h);
 }
 
 struct todo {
@@ -336,25 +347,31 @@ static void closest(const struct bvh *b, const struct ray *r, struct hit *h)
     closest_below(b, 0, &w, r, h);
 }
 
+/* True if the ray hits an opaque item of block i. */
+static ALWAYS_INLINE bool blocked_in_block(const struct bvh *b, enum item_kind kind, uint32_t i,
+    const struct ray *r, const uint8_t *transmits, struct crossings *c)
+{
+    _Alignas(32) double t[LANES];
+    const uint32_t *items;
+    unsigned twice, mask = hit_block(b, kind, i, r, r->t_max, t, &items, &twice);
+    COUNT_ITEMS(b, items);
+    while (mask) {
+        int k = take_bit(&mask);
+        unsigned times = 1 + (twice >> k & 1);
+        if (r->to_surface) times = crossed(b, kind, i, k, r, times);
+        if (times && (!transmits || !transmits[items[k]])) return true;
+        for (; times; times--) crossings_add(c, items[k]);
+    }
+    return false;
+}
+
 /* True if the ray hits an opaque item of the leaf. */
 static ALWAYS_INLINE bool blocked_in_leaf(const struct bvh *b, uint32_t leaf, const struct ray *r,
     const uint8_t *transmits, struct crossings *c)
 {
     uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
-    for (uint32_t i = 0; i < n; i++) {
-        _Alignas(32) double t[LANES];
-        const uint32_t *items;
-        unsigned twice,
-            mask = hit_block(b, leaf_kind(leaf), first + i, r, r->t_max, t, &items, &twice);
-        COUNT_ITEMS(b, items);
-        while (mask) {
-            int k = take_bit(&mask);
-            unsigned times = 1 + (twice >> k & 1);
-            if (r->to_surface) times = crossed(b, leaf_kind(leaf), first + i, k, r, times);
-            if (times && (!transmits || !transmits[items[k]])) return true;
-            for (; times; times--) crossings_add(c, items[k]);
-        }
-    }
+    for (uint32_t i = 0; i < n; i++)
+        if (blocked_in_block(b, leaf_kind(leaf), first + i, r, transmits, c)) return true;
     return false;
 }
 

@@ -8,6 +8,7 @@ void trace_hit_point(
     const struct tracer *t, const struct ray *r, const struct hit *h, struct hit_point *at)
 {
     at->item = &t->items[h->item];
+    at->start = h->item + 1;
     at->surface = &t->surfaces[at->item->material];
     at->p = v3_mad(r->o, r->d, h->t);
     at->n = trace_shapes[at->item->kind]->normal(t->scene, at->item, &at->p);
@@ -35,7 +36,7 @@ bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, 
     light->x = l->r * (f->colour_kd.x * n_l + highlight);
     light->y = l->g * (f->colour_kd.y * n_l + highlight);
     light->z = l->b * (f->colour_kd.z * n_l + highlight);
-    *shadow = (struct ray){at->p, d, 0, distance, at->err, t->light_in_surface[i]};
+    *shadow = (struct ray){at->p, d, 0, distance, at->err, t->light_in_surface[i], at->start};
     return true;
 }
 

@@ -67,7 +67,7 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
         media_copy(inside, outside);
         media_cross(inside, medium_of(t, at->item));
         enum passage how = refract(&d, at->n, ior_in(t, outside) / ior_in(t, inside));
-        o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err, false};
+        o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err, false, at->start};
         o->through_weight = f->t;
         o->through_level = level + (how == BENT || t->options.by_spd);
         if (how == TURNED_BACK) {
@@ -77,6 +77,7 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
         }
     }
     if (o->reflected)
-        o->mirror = (struct ray){at->p, v3_unit(at->mirrored), 0, HUGE_VAL, at->err, false};
+        o->mirror =
+            (struct ray){at->p, v3_unit(at->mirrored), 0, HUGE_VAL, at->err, false, at->start};
     o->mirror_level = level + 1;
 }

@@ -2,7 +2,7 @@
  * packet: up to PACKET rays traverse the hierarchy together. Each node is first tested against the
  * bounds of all rays (interval arithmetic, as in S. Boulos, I. Wald, P. Shirley, "Geometric and
  * arithmetic culling methods for entire ray packets", 2006). Each child is tested against every ray
- * when it leaves the stack. If only one ray remains, it continues alone (C. Benthin, I. Wald, S.
+ * when it leaves the stack. If few rays remain, each continues alone (C. Benthin, I. Wald, S.
  * Woop, M. Ernst, W. Mark, "Combining single and packet-ray tracing for arbitrary ray distributions
  * on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Box tests are conservative and blocks are
  * tested ray by ray, so the hits equal those of single rays.
@@ -10,7 +10,7 @@
 #ifndef STORMRING_TRACE_PACKET_H
 #define STORMRING_TRACE_PACKET_H
 
-#include "trace/kernel.h"
+#include "trace/filter.h"
 
 /* Magnitude of a, sign of b. */
 static inline vf vf_copysign(vf a, vf b) { return (vf)(((vi)a & INT32_MAX) | ((vi)b & INT32_MIN)); }
@@ -27,53 +27,68 @@ static inline float vf_least(vf a)
     return a[0] < a[1] ? a[0] : a[1];
 }
 
-struct packet {
-    _Alignas(32) float o[3][PACKET];
-    _Alignas(32) float inv[3][PACKET];
-    _Alignas(32) float limit[PACKET]; /* no hit beyond this t matters; -1: the ray is finished */
-    float pad[3];
-    /* Bounds over all rays: padded origins, and reciprocal slopes. */
-    float o_lo[3], o_hi[3], inv_lo[3], inv_hi[3];
-    bool mixed[3]; /* slopes of both signs: this axis does not cull */
-    float limit_max;
-    const struct ray *const *ray;
-};
-
-/* d: the directions along axis, PACKET of them. p->o is already set. */
-static ALWAYS_INLINE void packet_axis(struct packet *p, int axis, const float *d, float slack)
+/*
+ * Sets what follows from p->o and p->d. A box between planes lo and hi is entered and left at
+ * (lo - (o + pad)) inv and (hi - (o - pad)) inv, or the reverse if inv < 0. Both are computed as
+ * plane * inv - o * inv: this shifts the planes by rounding errors of o and of the plane, which the
+ * pad covers.
+ */
+static ALWAYS_INLINE void packet_axis(struct packet *p, int axis, float slack)
 {
     vf o_lo = vf_set(FLT_MAX), o_hi = vf_set(FLT_MAX), lo = vf_set(FLT_MAX), hi = vf_set(FLT_MAX);
     for (int i = 0; i < PACKET; i += VF) { /* upper bounds are kept as negated lower bounds */
-        vf o = vf_aligned(p->o[axis] + i), dir = vf_aligned(d + i);
+        vf o = vf_aligned(p->o[axis] + i), dir = vf_aligned(p->d[axis] + i);
         vf inv = vf_set(1) / vf_copysign(vf_max(vf_abs(dir), vf_set(TINY)), dir);
         vf_store_aligned(p->inv[axis] + i, inv);
         o_lo = vf_min(o_lo, o), o_hi = vf_min(o_hi, -o);
         lo = vf_min(lo, inv), hi = vf_min(hi, -inv);
     }
-    float first = vf_least(o_lo), last = -vf_least(o_hi);
-    p->pad[axis] = pad_of(fabsf(first) > fabsf(last) ? first : last, slack);
-    p->o_lo[axis] = first - p->pad[axis];
-    p->o_hi[axis] = last + p->pad[axis];
-    p->inv_lo[axis] = vf_least(lo);
-    p->inv_hi[axis] = -vf_least(hi);
-    p->mixed[axis] = p->inv_lo[axis] < 0 && p->inv_hi[axis] > 0;
+    float first = vf_least(o_lo), last = -vf_least(o_hi), least = vf_least(lo),
+          most = -vf_least(hi);
+    float pad = pad_of(fabsf(first) > fabsf(last) ? first : last, slack);
+    for (int i = 0; i < PACKET; i += VF) {
+        vf o = vf_aligned(p->o[axis] + i), inv = vf_aligned(p->inv[axis] + i);
+        vf_store_aligned(p->from_lo[axis] + i, (o + vf_set(pad)) * inv);
+        vf_store_aligned(p->from_hi[axis] + i, (o - vf_set(pad)) * inv);
+    }
+    p->pad[axis] = pad;
+    box_ray_axis(&p->all, axis, 0, 0, most < 0 ? -1 : 1);
+    if (least < 0 && most > 0) { /* slopes of both signs: this axis does not cull */
+        p->mixed++;
+        p->all.near[axis] = 1e30f, p->all.far[axis] = -1e30f;
+        p->all.inv[axis] = p->far_inv[axis] = 1;
+    } else if (most < 0) {
+        p->all.near[axis] = first - pad, p->all.far[axis] = last + pad;
+        p->all.inv[axis] = most, p->far_inv[axis] = least;
+    } else {
+        p->all.near[axis] = last + pad, p->all.far[axis] = first - pad;
+        p->all.inv[axis] = least, p->far_inv[axis] = most;
+    }
+}
+
+static inline void update_limit(struct packet *p)
+{
+    vf least = -vf_aligned(p->limit);
+    for (int i = VF; i < PACKET; i += VF) least = vf_min(least, -vf_aligned(p->limit + i));
+    p->limit_max = -vf_least(least);
 }
 
 static void packet_init(
     struct packet *p, const struct bvh *b, const struct ray *const *r, unsigned n)
 {
-    _Alignas(32) float d[3][PACKET];
-    p->limit_max = -1;
     for (unsigned i = 0; i < PACKET; i++) {
         const struct ray *a =
             r[i < n ? i : 0]; /* unused places repeat the first ray, with limit -1 */
         p->limit[i] = i < n ? t_above(a->t_max) : -1;
-        p->limit_max = p->limit[i] > p->limit_max ? p->limit[i] : p->limit_max;
-        p->o[0][i] = (float)a->o.x, d[0][i] = (float)a->d.x;
-        p->o[1][i] = (float)a->o.y, d[1][i] = (float)a->d.y;
-        p->o[2][i] = (float)a->o.z, d[2][i] = (float)a->d.z;
+        p->start[i] = a->start - 1;
+        p->o[0][i] = (float)a->o.x, p->d[0][i] = (float)a->d.x;
+        p->o[1][i] = (float)a->o.y, p->d[1][i] = (float)a->d.y;
+        p->o[2][i] = (float)a->o.z, p->d[2][i] = (float)a->d.z;
     }
-    for (int axis = 0; axis < 3; axis++) packet_axis(p, axis, d[axis], b->slack);
+    p->mixed = 0;
+    for (int axis = 0; axis < 3; axis++) packet_axis(p, axis, b->slack);
+    p->pads = p->pad[0] + p->pad[1] + p->pad[2];
+    update_limit(p);
     p->ray = r;
 }
 
@@ -83,50 +98,61 @@ static inline void packet_box_ray(const struct packet *p, int i, struct box_ray 
     for (int a = 0; a < 3; a++) box_ray_axis(w, a, p->o[a][i], p->pad[a], p->inv[a][i]);
 }
 
-/* The children that a ray of the packet may enter, and lower bounds on the entry distances. */
+/* The children that a ray of the packet may enter, and lower bounds on the entry distances. A
+ * distance is bounded by the nearest origin and, if it is positive, by the least slope. If it is
+ * negative, so is the bound. */
 static ALWAYS_INLINE unsigned bound_boxes(
     const struct node8 *n, const struct packet *p, float t_near[WIDTH])
 {
-    unsigned mask = 0;
-    for (int i = 0; i < WIDTH; i += VF) {
-        vf near = vf_set(0), far = vf_set(p->limit_max);
-        for (int a = 0; a < 3; a++) {
-            if (p->mixed[a]) continue;
-            vf lo = vf_aligned(n->lo[a] + i) - vf_set(p->o_hi[a]);
-            vf hi = vf_aligned(n->hi[a] + i) - vf_set(p->o_lo[a]);
-            vf small = vf_set(p->inv_lo[a]), large = vf_set(p->inv_hi[a]);
-            bool down = p->inv_hi[a] < 0;
-            vf in = down ? hi : lo, out = down ? lo : hi;
-            near = vf_max(near, vf_min(in * small, in * large));
-            far = vf_min(far, vf_max(out * small, out * large));
-        }
-        vf_store_aligned(t_near + i, near);
-        mask |= vi_signs(near <= far * vf_set(T_ROUNDING)) << i;
-    }
-    return mask & n->used; /* if all axes are mixed, no test rejects the unused children */
+    return meet_boxes(n, &p->all, p->far_inv, p->limit_max, t_near);
+}
+
+/* The distances at which VW rays from i on pass a plane. */
+static ALWAYS_INLINE vw pass_plane(float plane, const float *from, const float *inv)
+{
+    return vw_mul_sub(vw_set(plane), vw_aligned(inv), vw_aligned(from));
 }
 
 /* The rays that enter child k of n before their limit. */
-static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, int k, const struct packet *p)
+static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, uint32_t k, const struct packet *p)
 {
-    vf lo[3], hi[3];
+    const float *planes = (const float *)n + k, *inv = p->inv[0];
     unsigned mask = 0;
-    for (int a = 0; a < 3; a++) {
-        lo[a] = vf_set(n->lo[a][k] - p->pad[a]);
-        hi[a] = vf_set(n->hi[a][k] + p->pad[a]);
-    }
-    for (int i = 0; i < PACKET; i += VF) {
-        vf near = vf_set(0), far = vf_aligned(p->limit + i);
-        for (int a = 0; a < 3; a++) {
-            vf o = vf_aligned(p->o[a] + i), inv = vf_aligned(p->inv[a] + i);
-            vf t0 = (lo[a] - o) * inv, t1 = (hi[a] - o) * inv;
-            near = vf_max(near, vf_min(t0, t1));
-            far = vf_min(far, vf_max(t0, t1));
+    for (int i = 0; i < PACKET; i += VW) {
+        vw near, far, limit = vw_aligned(p->limit + i);
+        if (!p->mixed) {
+            const uint32_t *in = p->all.near_plane, *out = p->all.far_plane;
+            const float *from = p->from_lo[0] + i;
+            /* from_lo and from_hi are one array: [plane / WIDTH] is the row of a plane */
+            vw x0 = pass_plane(planes[in[0]], from + in[0] / WIDTH * PACKET, inv + i);
+            vw y0 = pass_plane(planes[in[1]], from + in[1] / WIDTH * PACKET, inv + PACKET + i);
+            vw z0 = pass_plane(planes[in[2]], from + in[2] / WIDTH * PACKET, inv + 2 * PACKET + i);
+            vw x1 = pass_plane(planes[out[0]], from + out[0] / WIDTH * PACKET, inv + i);
+            vw y1 = pass_plane(planes[out[1]], from + out[1] / WIDTH * PACKET, inv + PACKET + i);
+            vw z1 =
+                pass_plane(planes[out[2]], from + out[2] / WIDTH * PACKET, inv + 2 * PACKET + i);
+            near = vw_max(vw_max(x0, y0), vw_max(z0, vw_set(0)));
+            far = vw_min(vw_min(x1, y1), vw_min(z1, limit));
+        } else {
+            vw x0 = pass_plane(n->lo[0][k], p->from_lo[0] + i, p->inv[0] + i);
+            vw y0 = pass_plane(n->lo[1][k], p->from_lo[1] + i, p->inv[1] + i);
+            vw z0 = pass_plane(n->lo[2][k], p->from_lo[2] + i, p->inv[2] + i);
+            vw x1 = pass_plane(n->hi[0][k], p->from_hi[0] + i, p->inv[0] + i);
+            vw y1 = pass_plane(n->hi[1][k], p->from_hi[1] + i, p->inv[1] + i);
+            vw z1 = pass_plane(n->hi[2][k], p->from_hi[2] + i, p->inv[2] + i);
+            near =
+                vw_max(vw_max(vw_min(x0, x1), vw_min(y0, y1)), vw_max(vw_min(z0, z1), vw_set(0)));
+            far = vw_min(vw_min(vw_max(x0, x1), vw_max(y0, y1)), vw_min(vw_max(z0, z1), limit));
         }
-        mask |= vi_signs(near <= far * vf_set(T_ROUNDING)) << i;
+        mask |= vw_le_bits(near, far * vw_set(T_ROUNDING)) << i;
     }
     return mask;
 }
+
+/* So few rays continue alone; measured. */
+#define ALONE_MAX 5
+/* Rays with slopes of both signs along this many axes are traced alone. */
+#define MIXED_MAX 3
 
 /* A child that waits on the stack: number k of a node. */
 struct turn {
@@ -147,19 +173,29 @@ static inline void push_turns(
     }
 }
 
-static inline void update_limit(struct packet *p)
-{
-    float max = -1;
-    for (int i = 0; i < PACKET; i++) max = p->limit[i] > max ? p->limit[i] : max;
-    p->limit_max = max;
-}
-
 static void closest_alone(
     const struct bvh *b, uint32_t child, const struct packet *p, int i, struct hit *h)
 {
     struct box_ray w;
     packet_box_ray(p, i, &w);
     closest_below(b, child, &w, p->ray[i], h);
+}
+
+#define FILTER_MIN 3 /* fewer rays are not filtered */
+
+static ALWAYS_INLINE void closest_in_leaf_packet(
+    const struct bvh *b, uint32_t leaf, struct packet *p, unsigned rays, struct hit *const *h)
+{
+    uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
+    bool filter = __builtin_popcount(rays) >= FILTER_MIN;
+    for (uint32_t i = 0; i < n; i++) {
+        unsigned hits = filter ? rays & may_hit_block(b, leaf_kind(leaf), first + i, p) : rays;
+        while (hits) {
+            int k = take_bit(&hits);
+            closest_in_block(b, leaf_kind(leaf), first + i, p->ray[k], h[k]);
+            p->limit[k] = t_above(h[k]->t);
+        }
+    }
 }
 
 static void closest_packet(
@@ -171,26 +207,33 @@ static void closest_packet(
     for (unsigned i = 0; i < n; i++) *h[i] = (struct hit){r[i]->t_max, NO_ITEM};
     if (!b->nodes) return;
     packet_init(&p, b, r, n);
+    if (p.mixed >= MIXED_MAX) {
+        for (unsigned i = 0; i < n; i++) closest_alone(b, 0, &p, (int)i, h[i]);
+        return;
+    }
     for (;;) {
         _Alignas(32) float t_near[WIDTH];
         unsigned mask = bound_boxes(&b->nodes[node], &p, t_near);
         push_turns(node, mask, t_near, stack, &top);
-        for (;;) { /* until an inner node that at least two rays enter */
+        for (;;) { /* until an inner node that more than ALONE_MAX rays enter */
             if (top == 0) return;
             struct turn t = stack[--top];
             if (t.t > p.limit_max * T_ROUNDING) continue;
-            unsigned rays = rays_in_box(&b->nodes[t.node], (int)t.k, &p);
+            unsigned rays = rays_in_box(&b->nodes[t.node], t.k, &p);
             uint32_t child = b->nodes[t.node].child[t.k];
             if (!rays) continue;
-            bool alone = !(rays & (rays - 1));
+            bool alone = __builtin_popcount(rays) <= ALONE_MAX;
             if (!(child & LEAF) && !alone) {
                 node = child;
                 break;
             }
+            if (child & LEAF) {
+                closest_in_leaf_packet(b, child, &p, rays, h);
+                rays = 0;
+            }
             while (rays) {
                 int i = take_bit(&rays);
-                if (child & LEAF) closest_in_leaf(b, child, r[i], h[i]);
-                else closest_alone(b, child, &p, i, h[i]);
+                closest_alone(b, child, &p, i, h[i]);
                 p.limit[i] = t_above(h[i]->t);
             }
             update_limit(&p);
@@ -204,6 +247,26 @@ static bool blocked_alone(const struct bvh *b, uint32_t child, const struct pack
     struct box_ray w;
     packet_box_ray(p, i, &w);
     return blocked_below(b, child, &w, p->ray[i], transmits, c);
+}
+
+static ALWAYS_INLINE unsigned blocked_in_leaf_packet(const struct bvh *b, uint32_t leaf,
+    struct packet *p, unsigned rays, const uint8_t *transmits, struct crossings *c)
+{
+    uint32_t first = leaf_first(leaf), n = leaf_count(leaf);
+    unsigned done = 0;
+    bool filter = __builtin_popcount(rays) >= FILTER_MIN;
+    for (uint32_t i = 0; i < n && rays; i++) {
+        unsigned hits = filter ? rays & may_hit_block(b, leaf_kind(leaf), first + i, p) : rays;
+        while (hits) {
+            int k = take_bit(&hits);
+            if (!blocked_in_block(b, leaf_kind(leaf), first + i, p->ray[k], transmits, &c[k]))
+                continue;
+            done |= 1u << k;
+            rays &= ~(1u << k);
+            p->limit[k] = -1;
+        }
+    }
+    return done;
 }
 
 /* Bit i: ray i is blocked. Otherwise c[i] holds its crossings. */
@@ -226,19 +289,21 @@ static unsigned blocked_packet(const struct bvh *b, const struct ray *const *r, 
         for (;;) {
             if (top == 0) return done;
             struct turn t = stack[--top];
-            unsigned rays = rays_in_box(&b->nodes[t.node], (int)t.k, &p);
+            unsigned rays = rays_in_box(&b->nodes[t.node], t.k, &p);
             uint32_t child = b->nodes[t.node].child[t.k];
             if (!rays) continue;
-            bool alone = !(rays & (rays - 1));
+            bool alone = __builtin_popcount(rays) <= ALONE_MAX;
             if (!(child & LEAF) && !alone) {
                 node = child;
                 break;
             }
+            if (child & LEAF) {
+                done |= blocked_in_leaf_packet(b, child, &p, rays, transmits, c);
+                rays = 0;
+            }
             while (rays) {
                 int i = take_bit(&rays);
-                bool stop = child & LEAF ? blocked_in_leaf(b, child, r[i], transmits, &c[i])
-                                         : blocked_alone(b, child, &p, i, transmits, &c[i]);
-                if (!stop) continue;
+                if (!blocked_alone(b, child, &p, i, transmits, &c[i])) continue;
                 done |= 1u << i;
                 p.limit[i] = -1;
             }

@@ -21,7 +21,6 @@ struct pending {
     uint64_t hops; /* rays before it in its tree: guarantees that a tree ends */
     int level;
     bool mirrored; /* reflected, not transmitted */
-    bool curved;   /* starts from a curved surface, from which neighbouring rays diverge */
 };
 
 /* Beyond PENDING_MOST rays of a sample, those that follow are traced depth first, so memory stays

@@ -119,7 +119,7 @@ static void shade_eye_rays(const struct camera *c, double hither, const double *
         vd_store_aligned(d[3], vd_set(hither) * len); /* hither is a depth along forward */
         for (unsigned k = 0; k < VD && i + k < n; k++)
             r[i + k] =
-                (struct ray){c->eye, v3(d[0][k], d[1][k], d[2][k]), d[3][k], HUGE_VAL, 0, false};
+                (struct ray){c->eye, v3(d[0][k], d[1][k], d[2][k]), d[3][k], HUGE_VAL, 0, false, 0};
     }
 }
 

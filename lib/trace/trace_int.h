@@ -23,6 +23,7 @@ struct ray {
     double t_min, t_max; /* a hit counts if t_min < t < t_max, or t == t_max with a lower item */
     double err;          /* bound on the distance of o from the surface it was computed on */
     bool to_surface;     /* a shadow ray whose light lies on a surface */
+    uint32_t start;      /* 1 + the item that it starts on; 0: none */
 };
 
 struct hit {
@@ -193,6 +194,7 @@ struct kernels {
 /* NULL if this build or this machine lacks the instruction set. */
 const struct kernels *trace_kernels_sse2(void);
 const struct kernels *trace_kernels_avx2(void);
+const struct kernels *trace_kernels_avx512(void);
 /* For all hierarchies, without packets; these count the tests. */
 const struct kernels *slabs_kernels(void);
 
@@ -242,6 +244,7 @@ struct hit_point {
     double err;
     const struct item *item;
     const struct surface *surface;
+    uint32_t start; /* of rays from here */
 };
 
 /* light.c. Computes the point where r hit h. */

@@ -107,8 +107,10 @@ static void make_transmits(struct tracer *t)
 static const struct kernels *choose_kernels(const struct trace_options *o)
 {
     if (o->hierarchy != HIERARCHY_BVH || o->count_tests) return slabs_kernels();
-    const struct kernels *wide = o->isa == ISA_SSE2 ? NULL : trace_kernels_avx2();
-    return wide ? wide : trace_kernels_sse2();
+    const struct kernels *k = NULL;
+    if (o->isa == ISA_AUTO || o->isa == ISA_AVX512) k = trace_kernels_avx512();
+    if (!k && o->isa != ISA_SSE2) k = trace_kernels_avx2();
+    return k ? k : trace_kernels_sse2();
 }
 
 static const struct shaders *choose_shaders(enum isa isa)

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 
 #define ALONE 256 /* pending rays of a sample that is finished alone, so that memory is bounded */
+#define PACKET_MIN 3 /* fewer rays are traced one by one */
 /* A shadow ray is dropped if it can bring at most this part of the remaining shadow budget. */
 #define SHADOW_PART 0.0625
 
@@ -34,9 +35,7 @@ struct shadow_query {
     struct ray ray;
     struct vec3 light; /* contribution if the ray is not blocked */
     struct vec3 *sum;
-    uint32_t curved; /* the curved primitive that a secondary ray hit there, or FLAT */
 };
-#define FLAT UINT32_MAX
 
 struct wave {
     struct sample sample[WAVE_RAYS];
@@ -75,8 +74,6 @@ static inline void bring(struct wave *w, struct sample *s, struct vec3 light)
     *s->colour = v3_mad(*s->colour, light, w->pool.at[s->now].weight);
 }
 
-static inline bool is_curved(const struct hit_point *at) { return at->item->kind != ITEM_TRIANGLE; }
-
 /* ---- lights ------------------------------------------------------------------------------ */
 
 /* Traces the waiting shadow rays and adds their light. A packet holds each sum at most once: lights
@@ -91,7 +88,7 @@ static void trace_shadows(struct tracer *t, struct wave *w)
     }
     unsigned blocked = 0;
     if (n == 0) return;
-    if (n == 1 || w->query[0].curved != w->query[n - 1].curved)
+    if (n < PACKET_MIN)
         for (uint32_t i = 0; i < n; i++)
             blocked |= (unsigned)t->k->blocked(&t->bvh, ray[i], t->transmits, &t->crossings[i])
                        << i;
@@ -148,9 +145,8 @@ static void shade_direct(struct tracer *t, struct wave *w, struct sample *const 
             a->light = v3(lit->light[0][i], lit->light[1][i], lit->light[2][i]);
             if (!t->options.by_spd && dropped(s, a->light, k->weight)) continue;
             a->ray = (struct ray){s->at.p, v3(lit->d[0][i], lit->d[1][i], lit->d[2][i]), 0,
-                lit->distance[i], s->at.err, t->light_in_surface[l]};
+                lit->distance[i], s->at.err, t->light_in_surface[l], s->at.start};
             a->sum = &s->light;
-            a->curved = k->level > 1 && is_curved(&s->at) ? s->at.item->prim : FLAT;
             if (++w->n_queries == PACKET) trace_shadows(t, w);
         }
         trace_shadows(t, w);
@@ -181,8 +177,7 @@ static uint32_t find_hits(struct tracer *t, struct wave *w, struct sample **list
             ray[k] = ray_now(w, list[i + k]);
             h[k] = &list[i + k]->h;
         }
-        if (end == 1 || w->pool.at[list[i]->now].curved ||
-            w->pool.at[list[i + end - 1]->now].curved)
+        if (end < PACKET_MIN)
             for (uint32_t k = 0; k < end; k++) t->k->closest(&t->bvh, ray[k], h[k]);
         else t->k->closest_packet(&t->bvh, ray, end, h);
         for (uint32_t k = 0; k < end; k++) {
@@ -211,7 +206,6 @@ static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, co
     k->hops = hops;
     k->level = level;
     k->mirrored = mirrored;
-    k->curved = is_curved(&s->at);
     if (w->pool.media) media_copy(&w->pool.media[i], media);
     pending_push(&s->rays, &w->pool, i);
 }

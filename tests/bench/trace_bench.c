@@ -77,7 +77,7 @@ static void write_pfm(const char *path, const struct options *o, const float *rg
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-a SAMPLES] [-d DEPTH] [-n RUNS] [-o OUT.pfm] [-s WxH] [-u PIXELS] [-x sse2|avx2] SCENE";
+        "[-a SAMPLES] [-d DEPTH] [-n RUNS] [-o OUT.pfm] [-s WxH] [-u PIXELS] [-x sse2|avx2|avx512] SCENE";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .runs = 5};
     int opt, w, h;
     while ((opt = getopt(argc, argv, "a:d:hn:o:s:u:x:")) != -1) {

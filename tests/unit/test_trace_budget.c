@@ -74,7 +74,7 @@ static double holds(struct buf *b, int depth, uint32_t side)
             struct vec3 colour[WAVE_RAYS];
             for (uint32_t x = 0; x < side; x++) {
                 struct vec3 d = camera_direction(&t->camera, x + .5, y + .5);
-                ray[x] = (struct ray){t->camera.eye, v3_unit(d), 0, HUGE_VAL, 0, false};
+                ray[x] = (struct ray){t->camera.eye, v3_unit(d), 0, HUGE_VAL, 0, false, 0};
             }
             wave_colours(t, ray, side, colour);
             for (uint32_t x = 0; x < side; x++) {
@@ -151,7 +151,7 @@ static void test_many_pending(void **state)
     struct tracer *t = tracer_new(&s, &o);
     tracer_frame(t, 1, 1);
     struct vec3 d = v3_unit(camera_direction(&t->camera, .61, .57)), got;
-    struct ray ray = {t->camera.eye, d, 0, HUGE_VAL, 0, false};
+    struct ray ray = {t->camera.eye, d, 0, HUGE_VAL, 0, false, 0};
     uint64_t all = 0;
     wave_colours(t, &ray, 1, &got);
     struct vec3 want = depth_first(t, &ray, 1, &t->around, &all);

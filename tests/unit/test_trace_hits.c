@@ -60,8 +60,8 @@ static void same_hits(const struct kernels *k, const struct tracer *t, const str
 static void same_packets(
     const struct kernels *k, const struct tracer *t, const struct ray *r, unsigned n)
 {
-    const struct ray *ray[PACKET];
-    struct hit want[PACKET], got[PACKET], *h[PACKET];
+    const struct ray *ray[PACKET] = {0};
+    struct hit want[PACKET], got[PACKET], *h[PACKET] = {0};
     struct crossings c[PACKET] = {{0}}, d = {0};
     for (unsigned i = 0; i < n; i++) {
         ray[i] = &r[i];
@@ -83,7 +83,8 @@ static void same_packets(
 static void test_random_rays(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
     for (uint64_t seed = 1; seed <= 4; seed++) {
         struct buf text = {0};
         struct scene s;
@@ -94,8 +95,8 @@ static void test_random_rays(void **state)
         for (int i = 0; i < 3000; i++) {
             struct vec3 o = random_point(seed, &n, 4), to = random_point(seed, &n, 2);
             if (i % 4 == 0) to = v3(o.x, o.y, o.z - 1); /* along an axis: slopes of 0 */
-            struct ray r = {o, v3_unit(v3_sub(to, o)), 0, i % 3 ? HUGE_VAL : 2, 0, false};
-            for (int k = 0; k < 3; k++)
+            struct ray r = {o, v3_unit(v3_sub(to, o)), 0, i % 3 ? HUGE_VAL : 2, 0, false, 0};
+            for (int k = 0; k < 4; k++)
                 if (all[k]) same_hits(all[k], t, &r);
         }
         tracer_free(t);
@@ -106,7 +107,8 @@ static void test_random_rays(void **state)
 static void test_random_packets(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
     struct buf text = {0};
     struct scene s;
     put_random_scene(&text, in_place, 5, 300);
@@ -121,21 +123,65 @@ static void test_random_packets(void **state)
         for (unsigned k = 0; k < count; k++) {
             struct vec3 from = v3_add(o, random_point(5, &n, i % 3 ? 0 : apart));
             struct vec3 d = v3_sub(v3_add(to, random_point(5, &n, apart)), from);
-            r[k] = (struct ray){from, v3_unit(d), 0, i % 2 ? v3_len(d) : HUGE_VAL, 0, false};
+            r[k] = (struct ray){from, v3_unit(d), 0, i % 2 ? v3_len(d) : HUGE_VAL, 0, false, 0};
         }
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 4; k++)
             if (all[k]) same_packets(all[k], t, r, count);
     }
     tracer_free(t);
     scene_free(&s);
 }
 
+/* Packets that start on surfaces, mirrored and toward a point, far from 0 and in small scenes too:
+ * the filter of leaves rejects no hit, and no ray hits the item that it starts on. */
+static void test_packets_from_surfaces(void **state)
+{
+    (void)state;
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
+    static const struct placing places[] = {{1, 0}, {1, 0x1p12}, {0x1p-30, 0}, {0x1p20, 0}};
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        struct placing at = places[seed];
+        struct buf text = {0};
+        struct scene s;
+        put_random_scene(&text, at, seed + 30, 300);
+        read_scene(&text, &s);
+        struct tracer *t = tracer_with(&s, &brute);
+        uint64_t n = 0;
+        for (unsigned i = 0; i < 600; i++) {
+            struct ray r[PACKET];
+            unsigned count = 0;
+            struct vec3 o = random_point(seed, &n, 4), to = random_point(seed, &n, 2);
+            for (unsigned k = 0; k < PACKET; k++) {
+                struct vec3 d = v3_sub(v3_add(to, random_point(seed, &n, 0.1)), o);
+                struct vec3 from = v3(o.x * at.scale + at.shift, o.y * at.scale + at.shift,
+                    o.z * at.scale + at.shift);
+                struct ray first = {from, v3_unit(d), 0, HUGE_VAL, 0, false, 0};
+                struct hit h;
+                struct hit_point p;
+                brute_closest(&t->bvh, &first, &h);
+                if (h.item == NO_ITEM) continue;
+                trace_hit_point(t, &first, &h, &p);
+                struct vec3 l = v3_sub(t->scene->lights[0].pos, p.p);
+                struct vec3 on = i % 3 == 0 ? v3_unit(l) : i % 3 == 1 ? p.mirrored : first.d;
+                r[count++] = (struct ray){
+                    p.p, v3_unit(on), 0, i % 3 == 0 ? v3_len(l) : HUGE_VAL, p.err, false, p.start};
+            }
+            for (int k = 0; count && k < 4; k++)
+                if (all[k]) same_packets(all[k], t, r, count);
+        }
+        tracer_free(t);
+        scene_free(&s);
+    }
+}
+
 static void same_pictures(const struct scene *s)
 {
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
     struct tracer *t = tracer_with(s, &brute);
     float *want = render(t, 48, 32, 48, false);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         if (!all[k]) continue;
         t->k = all[k];
         float *got = render(t, 48, 32, 48, false);
@@ -191,7 +237,8 @@ static void test_factors_in_order(void **state)
 static void test_ties(void **state)
 {
     (void)state;
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
     struct buf text = {0};
     struct scene s;
     put_view(&text, in_place, 5, 0, 1, 0);
@@ -204,8 +251,8 @@ static void test_ties(void **state)
     uint64_t n = 0;
     for (int i = 0; i < 3000; i++) {
         struct vec3 o = random_point(9, &n, 4), to = random_point(9, &n, 2);
-        struct ray r = {o, v3_unit(v3_sub(to, o)), 0, HUGE_VAL, 0, false};
-        for (int k = 0; k < 3; k++) {
+        struct ray r = {o, v3_unit(v3_sub(to, o)), 0, HUGE_VAL, 0, false, 0};
+        for (int k = 0; k < 4; k++) {
             struct hit h;
             if (!all[k]) continue;
             all[k]->closest(&t->bvh, &r, &h);
@@ -221,6 +268,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_rays),
         cmocka_unit_test(test_random_packets),
+        cmocka_unit_test(test_packets_from_surfaces),
         cmocka_unit_test(test_pictures_without_hierarchy),
         cmocka_unit_test(test_factors_in_order),
         cmocka_unit_test(test_ties),

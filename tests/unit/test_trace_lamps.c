@@ -82,14 +82,15 @@ static struct vec3 lamp_on(const struct scene *s, uint64_t seed, uint64_t *n, st
 
 static void seen_from(const struct tracer *t, struct vec3 p, enum answer want, const char *what)
 {
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
     struct vec3 light, n = v3_unit(v3_sub(t->scene->lights[0].pos, p));
     double err = ERR_UNIT * (fabs(p.x) + fabs(p.y) + fabs(p.z));
-    struct hit_point at = {p, n, n, err, &t->items[0], &t->surfaces[0]};
+    struct hit_point at = {p, n, n, err, &t->items[0], &t->surfaces[0], 0};
     struct ray r;
     const struct ray *one = &r;
     assert_true(light_from(t, &at, 0, &light, &r));
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         struct crossings c = {NULL, 0, 0};
         if (!all[k] || want == TOO_NEAR) continue;
         bool alone = all[k]->blocked(&t->bvh, &r, NULL, &c);

@@ -41,7 +41,7 @@ static void shoot_at_seams(const struct scene *s, struct vec3 centre, const stru
         for (int step = 0; step < 8; step++) {
             struct vec3 a = s->vertices[i], b = s->vertices[next];
             struct vec3 to = v3_sub(v3_mad(a, v3_sub(b, a), step / 8.0), centre);
-            struct ray r = {centre, v3_unit(to), 0, HUGE_VAL, 0, false};
+            struct ray r = {centre, v3_unit(to), 0, HUGE_VAL, 0, false, 0};
             struct hit h;
             k->closest(&t->bvh, &r, &h);
             assert_int_not_equal(h.item, NO_ITEM);
@@ -80,8 +80,9 @@ static void test_axis_parallel(void **state)
             x + 0.1, y, x + 0.1, y + 0.1, x, y + 0.1);
     }
     read_scene(&text, &s);
-    const struct kernels *all[] = {&scalar, trace_kernels_sse2(), trace_kernels_avx2()};
-    for (int k = 0; k < 3; k++) {
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
+    for (int k = 0; k < 4; k++) {
         if (!all[k]) continue;
         struct tracer *t = tracer_with(&s, all[k]);
         for (uint32_t i = 0; i < s.n_vertices; i++)
@@ -89,7 +90,7 @@ static void test_axis_parallel(void **state)
                 struct vec3 a = s.vertices[i], b = s.vertices[i % 4 == 3 ? i - 3 : i + 1];
                 struct vec3 p = v3_mad(a, v3_sub(b, a), step / 4.0);
                 struct ray r = {v3(p.x, p.y, step & 1 ? 7 : -7),
-                    v3(0, step & 2 ? -0.0 : 0, step & 1 ? -1 : 1), 0, HUGE_VAL, 0, false};
+                    v3(0, step & 2 ? -0.0 : 0, step & 1 ? -1 : 1), 0, HUGE_VAL, 0, false, 0};
                 struct hit h;
                 t->k->closest(&t->bvh, &r, &h);
                 assert_int_not_equal(h.item, NO_ITEM);
@@ -112,7 +113,7 @@ static void leave_surface(const struct tracer *t, uint64_t seed, struct placing 
     for (int i = 0; i < 2000; i++) {
         struct vec3 from = v3_mad(centre, random_point(seed, &n, 3), at.scale);
         struct vec3 to = v3_mad(centre, random_point(seed, &n, 0.8), at.scale);
-        struct ray r = {from, v3_unit(v3_sub(to, from)), 0, HUGE_VAL, 0, false};
+        struct ray r = {from, v3_unit(v3_sub(to, from)), 0, HUGE_VAL, 0, false, 0};
         struct hit h;
         t->k->closest(&t->bvh, &r, &h);
         if (h.item == NO_ITEM) continue;
@@ -125,7 +126,7 @@ static void leave_surface(const struct tracer *t, uint64_t seed, struct placing 
         double err = ERR_UNIT * (fabs(p.x) + fabs(p.y) + fabs(p.z) + h.t);
         /* The normal itself is only as good as p: below that, "away" means nothing. */
         for (double slope = 1; slope > 4 * err / at.scale; slope /= 10) {
-            struct ray away = {p, v3_unit(v3_mad(side, normal, slope)), 0, HUGE_VAL, err, false};
+            struct ray away = {p, v3_unit(v3_mad(side, normal, slope)), 0, HUGE_VAL, err, false, 0};
             t->k->closest(&t->bvh, &away, &h);
             if (h.item != NO_ITEM) fail_msg("slope %g: hit itself at %g", slope, h.t);
         }
@@ -181,7 +182,7 @@ static void test_sphere_from_inside(void **state)
         struct vec3 c = v3(3, -2, 1), a = v3_unit(random_point(3, &n, 1)),
                     b = v3_unit(random_point(3, &n, 1));
         struct vec3 p = v3_mad(c, a, 0.5), q = v3_mad(c, b, 0.5);
-        struct ray r = {p, v3_unit(v3_sub(q, p)), 0, HUGE_VAL, 8 * ERR_UNIT, false};
+        struct ray r = {p, v3_unit(v3_sub(q, p)), 0, HUGE_VAL, 8 * ERR_UNIT, false, 0};
         struct hit h;
         t->k->closest(&t->bvh, &r, &h);
         assert_int_equal(h.item, 0);

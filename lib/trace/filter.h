@@ -1,0 +1,121 @@
+/*
+ * filter: which rays of a packet may hit an item of a block. All rays are tested against one item
+ * at a time, in float. The tests are conservative: they accept each ray that the tests in double
+ * accept (kernel.h), which then decide.
+ *
+ * Let e = 2^-24, the float rounding. P is the sum of the packet's pads: at least 4e (|o| + 3 reach),
+ * |.| the sum of absolute coordinates. So P bounds twice the error of a float point of a ray's or an
+ * item's. Each margin below exceeds the sum of the errors of its line's operands and operations.
+ */
+#ifndef STORMRING_TRACE_FILTER_H
+#define STORMRING_TRACE_FILTER_H
+
+#include "trace/kernel.h"
+
+struct packet {
+    _Alignas(64) float o[3][PACKET];
+    _Alignas(64) float d[3][PACKET];
+    _Alignas(64) float inv[3][PACKET];     /* 1 / d */
+    _Alignas(64) float from_lo[3][PACKET]; /* (o + pad) / d */
+    float from_hi[3][PACKET];              /* (o - pad) / d */
+    _Alignas(64) float limit[PACKET];    /* no hit beyond this t matters; -1: the ray is finished */
+    _Alignas(64) uint32_t start[PACKET]; /* the item that the ray starts on, or NO_ITEM */
+    float pad[3], pads;                  /* pads: their sum */
+    struct box_ray all; /* bounds over all rays: padded origins, least and greatest slopes */
+    float far_inv[3];
+    int mixed; /* axes with slopes of both signs: they do not cull */
+    float limit_max;
+    const struct ray *const *ray;
+};
+
+/* The nearest floats of `rows` rows of lanes. */
+static ALWAYS_INLINE void narrow(const double (*from)[LANES], float (*to)[LANES], int rows)
+{
+    for (int i = 0; i < rows; i++)
+        for (int k = 0; k < LANES; k++) to[i][k] = (float)from[i][k];
+}
+
+static ALWAYS_INLINE vw dot3(float (*a)[LANES], int k, vw x, vw y, vw z)
+{
+    return vw_set(a[0][k]) * x + vw_set(a[1][k]) * y + vw_set(a[2][k]) * z;
+}
+
+static ALWAYS_INLINE float size_of(float (*a)[LANES], int k)
+{
+    return fabsf(a[0][k]) + fabsf(a[1][k]) + fabsf(a[2][k]);
+}
+
+/*
+ * The test of hit_tri4, multiplied by |n.d| so that nothing is divided: a grazing ray, whose t is
+ * uncertain, has small values and so is accepted. A ray that starts on the triangle does not hit it:
+ * its origin is off the plane by less than both error bounds.
+ */
+static ALWAYS_INLINE unsigned may_hit_tri4(const struct tri4 *t, const struct packet *p)
+{
+    _Alignas(32) float q[12][LANES];
+    float(*n)[LANES] = q, (*u)[LANES] = q + 4, (*v)[LANES] = q + 8;
+    const float *nd = q[3], *ud = q[7], *vd0 = q[11];
+    unsigned rays = 0;
+    narrow(t->n, q, 12); /* n, d, u, du, v, dv */
+    vw margin_n = vw_set(5 * p->pads);
+    for (int k = 0; k < LANES && t->item[k] != NO_ITEM; k++) {
+        vw mu = vw_set(16 * p->pads * size_of(u, k) + 0x1p-22f);
+        vw mv = vw_set(16 * p->pads * size_of(v, k) + 0x1p-22f);
+        for (int i = 0; i < PACKET; i += VW) {
+            vw ox = vw_aligned(p->o[0] + i), oy = vw_aligned(p->o[1] + i);
+            vw oz = vw_aligned(p->o[2] + i);
+            vw dx = vw_aligned(p->d[0] + i), dy = vw_aligned(p->d[1] + i);
+            vw dz = vw_aligned(p->d[2] + i);
+            vw den = dot3(n, k, dx, dy, dz), w = vw_abs(den);
+            vw num = vw_flip(vw_set(nd[k]) - dot3(n, k, ox, oy, oz), den);
+            vw uu = (dot3(u, k, ox, oy, oz) + vw_set(ud[k])) * w + dot3(u, k, dx, dy, dz) * num;
+            vw vv = (dot3(v, k, ox, oy, oz) + vw_set(vd0[k])) * w + dot3(v, k, dx, dy, dz) * num;
+            vw wide = w + vw_set(0x1p-20f);
+            vw least = vw_min(vw_min(uu + mu, vv + mv), wide - uu - vv + mu + mv);
+            vw when = vw_min(num, vw_aligned(p->limit + i) * wide - num) + margin_n;
+            rays |= (~(vw_negative_bits(vw_min(least, when)) |
+                         vw_equal_bits(p->start + i, t->item[k])) &
+                        ((1u << VW) - 1))
+                    << i;
+        }
+    }
+    return rays;
+}
+
+/* A ray that starts on the sphere hits it only if it goes inward: b > 0. */
+static ALWAYS_INLINE unsigned may_hit_sphere4(const struct sphere4 *s, const struct packet *p)
+{
+    _Alignas(32) float q[4][LANES];
+    unsigned rays = 0;
+    narrow(s->c, q, 4); /* c, r */
+    vw margin = vw_set(2 * p->pads);
+    for (int k = 0; k < LANES && s->item[k] != NO_ITEM; k++) {
+        float r = (q[3][k] + 4 * p->pads) * (1 + 0x1p-20f);
+        for (int i = 0; i < PACKET; i += VW) {
+            vw dx = vw_aligned(p->d[0] + i), dy = vw_aligned(p->d[1] + i);
+            vw dz = vw_aligned(p->d[2] + i);
+            vw fx = vw_set(q[0][k]) - vw_aligned(p->o[0] + i);
+            vw fy = vw_set(q[1][k]) - vw_aligned(p->o[1] + i);
+            vw fz = vw_set(q[2][k]) - vw_aligned(p->o[2] + i);
+            vw b = fx * dx + fy * dy + fz * dz;
+            vw gx = fx - b * dx, gy = fy - b * dy, gz = fz - b * dz;
+            vw g = vw_set(r * r) - (gx * gx + gy * gy + gz * gz);
+            vw when = vw_min(b, vw_aligned(p->limit + i) - b) + vw_set(r) + margin;
+            unsigned miss = vw_negative_bits(vw_min(g, when));
+            unsigned out = vw_equal_bits(p->start + i, s->item[k]) & vw_negative_bits(b + margin);
+            rays |= (~(miss | out) & ((1u << VW) - 1)) << i;
+        }
+    }
+    return rays;
+}
+
+/* The rays of the packet that may hit block i. */
+static ALWAYS_INLINE unsigned may_hit_block(
+    const struct bvh *b, enum item_kind kind, uint32_t i, const struct packet *p)
+{
+    if (kind == ITEM_TRIANGLE) return may_hit_tri4((const struct tri4 *)b->blocks[kind] + i, p);
+    if (kind == ITEM_SPHERE) return may_hit_sphere4((const struct sphere4 *)b->blocks[kind] + i, p);
+    return UINT32_MAX;
+}
+
+#endif
