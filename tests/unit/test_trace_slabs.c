@@ -222,7 +222,7 @@ static void test_counts(void **state)
         struct tracer *t = tracer_by(&s, every[i], true);
         struct trace_counts rays;
         struct hit h;
-        const struct ray up = {v3(0, 0, 9), v3(0, 0, 1), 0, HUGE_VAL, 0, false};
+        const struct ray up = {v3(0, 0, 9), v3(0, 0, 1), 0, HUGE_VAL, 0, false, 0};
         t->k->closest(&t->bvh, &up, &h);
         tracer_tests(t, &c[i]);
         assert_int_equal(c[i].rays, 1);
