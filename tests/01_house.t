@@ -59,7 +59,7 @@ clean 'modules include only what the table allows'
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
 base buf camera close_stdout cpu_us die err hash64 isa load_file now_us opt outfile parse portable_tan print_real prog progress
-base put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
+base parallel put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 grib gb
 grid vtk
@@ -71,7 +71,7 @@ proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
 sched deal gdc hub node pace policy set
 task chunk_at coverage cut frames lattice list tasks
-trace bound bvh cone_shape crossings light media pending sah slabs sphere_shape tracer triangle_shape wave
+trace bound bvh cone_shape crossings items light media pending sah slabs sphere_shape tracer triangle_shape wave
 volume cell cubic lit map path skip_init walk
 wire generation rec
 END

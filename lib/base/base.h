@@ -102,6 +102,19 @@ bool isa_available(enum isa isa);
  * machine lacks it. */
 enum isa opt_isa(int opt, const char *s);
 
+/* ---- threads -------------------------------------------------------------------------- */
+
+/* The caller's thread and `threads` - 1 more, or fewer if the system refuses them. Those block all
+ * signals. */
+struct parallel;
+struct parallel *parallel_new(int threads);
+/* Calls job(ctx, i) for each i < n, in any order and at the same time. Returns when all calls have
+ * returned. A job must not call it again. */
+typedef void (*parallel_job)(void *ctx, uint32_t i);
+void parallel_run(struct parallel *p, uint32_t n, parallel_job job, void *ctx);
+/* Ends the threads. */
+void parallel_free(struct parallel *p);
+
 /* ---- memory --------------------------------------------------------------------------- */
 
 /* Never NULL: they die with status 3. n * size is checked for overflow. */

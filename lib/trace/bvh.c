@@ -1,122 +1,280 @@
 /*
- * bvh: the binary hierarchy collapsed to eight children per node (H. Dammertz, J. Hanika, A.
- * Keller, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays", EGSR
- * 2008; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets", RT 2008). Leaves are cut into
- * blocks of items.
+ * bvh: the hierarchy of eight children per node (H. Dammertz, J. Hanika, A. Keller, "Shallow
+ * bounding volume hierarchies for fast SIMD ray tracing of incoherent rays", EGSR 2008; I. Wald, C.
+ * Benthin, S. Boulos, "Getting rid of packets", RT 2008). Leaves are cut into blocks of items.
+ *
+ * Nodes are made from the root down, without a binary hierarchy in memory: a node opens the child
+ * of largest surface until it has eight. Below the top, each subtree of at most a 64th of the
+ * references is a task, and threads take tasks. The nodes of a task follow one another, as do its
+ * blocks, in the order of tasks. So the hierarchy does not depend on the number of threads.
  */
 #include "trace/ends.h"
+#include "trace/sah.h"
 #include "trace/trace_int.h"
 
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
-struct collapse {
+#define TASKS 64        /* about that many */
+#define TASK_LEAST 1024 /* refs */
+#define LEAF_REFS_MAX (LANES * LEAF_BLOCKS_MAX)
+/* Of a ref that begins a leaf: the number of refs is above its kind. */
+#define KIND_BITS 8
+#define KIND_MASK ((1U << KIND_BITS) - 1)
+
+/*
+ * A subtree, or the top of the tree. Until all tasks are done, a child in its nodes is a node of
+ * the same task, or LEAF | the leaf's first ref.
+ */
+struct subtree {
+    struct span span;
+    uint32_t parent, lane;       /* where the top refers to it */
+    struct node8 *nodes;         /* the first is its root */
+    uint32_t n_nodes, room;      /* room: of the top, which grows */
+    uint32_t first_node;         /* in the finished hierarchy */
+    uint32_t blocks[ITEM_KINDS]; /* their number, and then the first one */
+};
+
+struct making {
     struct bvh *b;
-    const struct bnode *bin;
-    const struct ref *refs;
+    struct ref *refs;
     const struct scene *scene;
     const struct item *items;
     double reach;
+    struct parallel *parallel;
+    uint32_t most;       /* refs of a task */
+    struct node8 *nodes; /* room for the nodes of all tasks, most of it never touched */
+    struct subtree top, *tasks;
+    uint32_t n_tasks, room_tasks;
 };
 
-static float area(const struct bnode *n)
+/* ---- nodes ---------------------------------------------------------------------------------- */
+
+static uint32_t mark_leaf(struct making *m, const struct span *s)
 {
-    float x = n->hi[0] - n->lo[0], y = n->hi[1] - n->lo[1], z = n->hi[2] - n->lo[2];
-    return x * y + y * z + z * x;
+    m->refs[s->first].kind |= s->n << KIND_BITS;
+    return LEAF | s->first;
 }
 
-static bool is_leaf(const struct bnode *n) { return n->right == NO_CHILD; }
+static uint32_t add_task(struct making *m, const struct span *s, uint32_t parent, uint32_t lane)
+{
+    if (m->n_tasks == m->room_tasks) {
+        m->room_tasks = m->room_tasks ? 2 * m->room_tasks : 2 * TASKS;
+        m->tasks = xrealloc(m->tasks, m->room_tasks, sizeof *m->tasks);
+    }
+    m->tasks[m->n_tasks++] = (struct subtree){.span = *s, .parent = parent, .lane = lane};
+    return NO_CHILD;
+}
+
+static uint32_t add_node(struct making *m, struct subtree *t)
+{
+    if (t == &m->top && t->n_nodes == t->room) {
+        struct node8 *old = t->nodes;
+        t->room = t->room ? 2 * t->room : TASKS;
+        t->nodes = xaligned(t->room, sizeof *t->nodes);
+        if (old) memcpy(t->nodes, old, t->n_nodes * sizeof *old);
+        free(old);
+    }
+    return t->n_nodes++;
+}
+
+/* Opens the child of largest surface until there are WIDTH. Returns the number of children. */
+static int open_children(
+    struct making *m, struct parallel *p, struct span child[WIDTH], bool leaf[WIDTH], int n)
+{
+    while (n < WIDTH) {
+        int best = -1;
+        float largest = -1;
+        for (int i = 0; i < n; i++)
+            if (!leaf[i] && sah_area(&child[i].box) > largest) {
+                largest = sah_area(&child[i].box);
+                best = i;
+            }
+        if (best < 0) break;
+        struct span half[2];
+        if (!sah_split(m->refs, &child[best], half, p)) {
+            leaf[best] = true;
+            continue;
+        }
+        child[best] = half[0];
+        child[n++] = half[1];
+    }
+    return n;
+}
+
+/* A task splits at least once: it has a root. */
+static bool is_task(const struct making *m, const struct span *s)
+{
+    return s->n <= m->most && s->n > LEAF_REFS_MAX;
+}
+
+/* Makes the node above the first n children, which may be leaves. */
+static uint32_t make_node(struct making *m, struct subtree *t, struct span child[WIDTH], int n)
+{
+    bool leaf[WIDTH] = {false};
+    struct parallel *p = t == &m->top ? m->parallel : NULL;
+    uint32_t k = add_node(m, t);
+    n = open_children(m, p, child, leaf, n);
+    struct node8 *node = &t->nodes[k];
+    memset(node, 0, sizeof *node);
+    node->used = (1u << n) - 1;
+    for (int i = 0; i < WIDTH; i++) {
+        for (int a = 0; a < 3; a++) {
+            node->lo[a][i] = i < n ? child[i].box.lo[a] : INFINITY;
+            node->hi[a][i] = i < n ? child[i].box.hi[a] : -INFINITY;
+        }
+        node->child[i] = NO_CHILD;
+    }
+    for (int i = 0; i < n; i++) {
+        struct span half[WIDTH];
+        bool task = t == &m->top && is_task(m, &child[i]);
+        if (!leaf[i] && !task) leaf[i] = !sah_split(m->refs, &child[i], half, p);
+        t->nodes[k].child[i] = leaf[i] ? mark_leaf(m, &child[i])
+                               : task  ? add_task(m, &child[i], k, (uint32_t)i)
+                                       : make_node(m, t, half, 2);
+    }
+    return k;
+}
+
+/* Counts the blocks of each kind that the leaves of a task need. */
+static void count_blocks(const struct making *m, struct subtree *t)
+{
+    for (uint32_t k = 0; k < t->n_nodes; k++)
+        for (int i = 0; i < WIDTH; i++) {
+            uint32_t c = t->nodes[k].child[i];
+            if (!(t->nodes[k].used >> i & 1) || !(c & LEAF) || c == NO_CHILD) continue;
+            uint32_t kind = m->refs[c & ~LEAF].kind;
+            t->blocks[kind & KIND_MASK] += ((kind >> KIND_BITS) + LANES - 1) / LANES;
+        }
+}
+
+static void run_task(void *ctx, uint32_t i)
+{
+    struct making *m = ctx;
+    struct subtree *t = &m->tasks[i];
+    struct span child[WIDTH] = {t->span};
+    t->nodes = m->nodes + t->span.first; /* n refs have at most n nodes */
+    make_node(m, t, child, 1);
+    count_blocks(m, t);
+}
+
+/* ---- leaves --------------------------------------------------------------------------------- */
 
 static void fill_block(
-    struct collapse *c, uint32_t kind, void *block, const struct ref *r, uint32_t n)
+    const struct making *m, uint32_t kind, void *block, const struct ref *r, uint32_t n)
 {
     const struct shape *shape = trace_shapes[kind];
     for (uint32_t lane = 0; lane < LANES; lane++) {
         shape->clear(block, (int)lane);
         if (lane >= n) continue;
-        shape->fill(c->scene, &c->items[r[lane].item], c->reach, block, (int)lane);
+        shape->fill(m->scene, &m->items[r[lane].item], m->reach, block, (int)lane);
         block_items(kind, block)[lane] = r[lane].item;
     }
 }
 
-static uint32_t make_leaf(struct collapse *c, const struct bnode *leaf)
+/* Fills the blocks of a leaf. Returns the child that refers to them. */
+static uint32_t make_leaf(const struct making *m, struct subtree *t, const struct ref *r)
 {
-    const struct ref *r = c->refs + leaf->left;
-    uint32_t kind = r->kind, first = c->b->n_blocks[kind], n = (leaf->count + LANES - 1) / LANES;
+    uint32_t kind = r->kind & KIND_MASK, n = r->kind >> KIND_BITS;
+    uint32_t first = t->blocks[kind], n_blocks = (n + LANES - 1) / LANES;
     size_t size = trace_shapes[kind]->block_size;
-    if (first + n > LEAF_FIRST_MASK) die(ST_SYSTEM, "too many primitives");
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t left = leaf->count - i * LANES;
-        fill_block(c, kind, (char *)c->b->blocks[kind] + (first + i) * size, r + i * LANES,
+    for (uint32_t i = 0; i < n_blocks; i++) {
+        uint32_t left = n - i * LANES;
+        fill_block(m, kind, (char *)m->b->blocks[kind] + (first + i) * size, r + i * LANES,
             left < LANES ? left : LANES);
     }
-    c->b->n_blocks[kind] += n;
-    return leaf_of(kind, n, first);
+    t->blocks[kind] += n_blocks;
+    return leaf_of(kind, n_blocks, first);
 }
 
-/* Finds up to eight descendants of bin[root]: opens the node with the largest surface until there
- * are eight. Returns their number. */
-static int gather(const struct bnode *bin, uint32_t root, uint32_t out[WIDTH])
+static void make_leaves(const struct making *m, struct subtree *t)
 {
-    int n = 1;
-    out[0] = root;
-    while (n < WIDTH) {
-        int best = -1;
-        float largest = -1;
-        for (int i = 0; i < n; i++)
-            if (!is_leaf(&bin[out[i]]) && area(&bin[out[i]]) > largest) {
-                largest = area(&bin[out[i]]);
-                best = i;
-            }
-        if (best < 0) break;
-        uint32_t open = out[best];
-        out[best] = bin[open].left;
-        out[n++] = bin[open].right;
+    for (uint32_t k = 0; k < t->n_nodes; k++) {
+        struct node8 *node = &m->b->nodes[t->first_node + k];
+        for (int i = 0; i < WIDTH; i++)
+            if (node->used >> i & 1 && node->child[i] & LEAF)
+                node->child[i] = make_leaf(m, t, &m->refs[node->child[i] & ~LEAF]);
     }
-    return n;
 }
 
-static uint32_t make_node(struct collapse *c, uint32_t root)
+/* Returns whole pages of refs to the system: blocks are filled in their place. */
+static void release_refs(struct ref *r, uint32_t n)
 {
-    uint32_t child[WIDTH], k = c->b->n_nodes++;
-    int n = gather(c->bin, root, child);
-    c->b->nodes[k].used = (1u << n) - 1;
-    for (int i = 0; i < WIDTH; i++) {
-        struct node8 *node = &c->b->nodes[k];
-        for (int a = 0; a < 3; a++) {
-            node->lo[a][i] = i < n ? c->bin[child[i]].lo[a] : INFINITY;
-            node->hi[a][i] = i < n ? c->bin[child[i]].hi[a] : -INFINITY;
+    uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+    uintptr_t from = ((uintptr_t)r + page - 1) & ~(page - 1), to = (uintptr_t)(r + n) & ~(page - 1);
+    if (from < to) madvise((char *)r + (from - (uintptr_t)r), to - from, MADV_DONTNEED);
+}
+
+static void fill_task(void *ctx, uint32_t i)
+{
+    struct making *m = ctx;
+    make_leaves(m, &m->tasks[i]);
+    release_refs(m->refs + m->tasks[i].span.first, m->tasks[i].span.n);
+}
+
+/* ---- the hierarchy -------------------------------------------------------------------------- */
+
+/* Copies the nodes of a task to where they stay. */
+static void move_task(void *ctx, uint32_t i)
+{
+    struct making *m = ctx;
+    struct subtree *t = &m->tasks[i];
+    struct node8 *to = m->b->nodes + t->first_node;
+    memcpy(to, t->nodes, t->n_nodes * sizeof *to);
+    for (uint32_t k = 0; k < t->n_nodes; k++)
+        for (int c = 0; c < WIDTH; c++)
+            if (!(to[k].child[c] & LEAF)) to[k].child[c] += t->first_node;
+}
+
+/* Numbers the nodes and blocks of the tasks, and allocates them. */
+static void number(struct making *m)
+{
+    struct bvh *b = m->b;
+    b->n_nodes = m->top.n_nodes;
+    count_blocks(m, &m->top);
+    memcpy(b->n_blocks, m->top.blocks, sizeof b->n_blocks);
+    memset(m->top.blocks, 0, sizeof m->top.blocks);
+    for (uint32_t i = 0; i < m->n_tasks; i++) {
+        struct subtree *t = &m->tasks[i];
+        t->first_node = b->n_nodes;
+        b->n_nodes += t->n_nodes;
+        if (m->top.n_nodes) m->top.nodes[t->parent].child[t->lane] = t->first_node;
+        for (int k = 0; k < ITEM_KINDS; k++) {
+            uint32_t n = t->blocks[k];
+            t->blocks[k] = b->n_blocks[k];
+            b->n_blocks[k] += n;
         }
-        if (i >= n) node->child[i] = NO_CHILD;
-        else if (is_leaf(&c->bin[child[i]])) node->child[i] = make_leaf(c, &c->bin[child[i]]);
-        else node->child[i] = make_node(c, child[i]);
     }
-    return k;
-}
-
-/* Counts the blocks of each kind that the leaves need. */
-static void count_blocks(
-    const struct bnode *bin, uint32_t n, const struct ref *refs, uint32_t count[])
-{
-    for (uint32_t i = 0; i < n; i++)
-        if (is_leaf(&bin[i])) count[refs[bin[i].left].kind] += (bin[i].count + LANES - 1) / LANES;
+    b->nodes = xaligned(b->n_nodes, sizeof *b->nodes);
+    if (m->top.n_nodes) memcpy(b->nodes, m->top.nodes, m->top.n_nodes * sizeof *b->nodes);
+    for (int k = 0; k < ITEM_KINDS; k++)
+        if (b->n_blocks[k] > LEAF_FIRST_MASK) die(ST_SYSTEM, "too many primitives");
 }
 
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
-    const struct item *items, double reach)
+    const struct item *items, double reach, struct parallel *p)
 {
     memset(b, 0, sizeof *b);
     if (n == 0) return;
-    struct bnode *bin = xmalloc((size_t)2 * n, sizeof *bin);
-    uint32_t n_bin = sah_build(bin, refs, n), count[ITEM_KINDS] = {0};
-    count_blocks(bin, n_bin, refs, count);
+    struct making m = {b, refs, s, items, reach, p, .most = n / TASKS};
+    if (m.most < TASK_LEAST) m.most = TASK_LEAST;
+    struct span child[WIDTH] = {sah_all(refs, n, p)};
+    if (is_task(&m, child)) add_task(&m, child, 0, 0);
+    else make_node(&m, &m.top, child, 1);
+    m.nodes = xaligned(n, sizeof *m.nodes);
+    parallel_run(p, m.n_tasks, run_task, &m);
+    number(&m);
+    parallel_run(p, m.n_tasks, move_task, &m);
+    free(m.nodes);
     for (int k = 0; k < ITEM_KINDS; k++)
-        if (count[k]) b->blocks[k] = xaligned(count[k], trace_shapes[k]->block_size);
-    b->nodes = xaligned(n_bin / 2 + 1, sizeof *b->nodes);
-    struct collapse c = {b, bin, refs, s, items, reach};
-    make_node(&c, 0);
-    free(bin);
+        if (b->n_blocks[k]) b->blocks[k] = xaligned(b->n_blocks[k], trace_shapes[k]->block_size);
+    make_leaves(&m, &m.top);
+    parallel_run(p, m.n_tasks, fill_task, &m);
+    free(m.top.nodes);
+    free(m.tasks);
     b->slack = (float)(reach * 0x1p-22);
 }
 

@@ -23,7 +23,7 @@ static bool frame_of(const struct scene *s, const struct item *it, struct frame 
     return isfinite(f->k) && isfinite(1 / f->h);
 }
 
-static bool init(const struct scene *s, struct item *it)
+static bool has_surface(const struct scene *s, const struct item *it)
 {
     struct frame f;
     return frame_of(s, it, &f);
@@ -101,4 +101,4 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return v3_unit(v3_mad(radial, f.axis, -f.k));
 }
 
-const struct shape cone_shape = {sizeof(struct cone4), init, fill, clear, bounds, extent, normal};
+const struct shape cone_shape = {sizeof(struct cone4), has_surface, fill, clear, bounds, extent, normal};

@@ -1,149 +1,28 @@
 /*
- * sah: a binary hierarchy by the surface area heuristic (J. Goldsmith, J. Salmon, "Automatic
- * creation of object hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald, "On
- * fast construction of SAH-based bounding volume hierarchies", RT 2007). One pass bins along all
- * three axes. The tree is the same on every host: comparisons and plain float arithmetic, and no
- * order that depends on addresses.
+ * sah: splits by the surface area heuristic (J. Goldsmith, J. Salmon, "Automatic creation of object
+ * hierarchies for ray tracing", IEEE CG&A 7(5), 1987; binned as in I. Wald, "On fast construction
+ * of SAH-based bounding volume hierarchies", RT 2007). One pass bins along all three axes. For up
+ * to FEW references all splits are compared.
+ *
+ * Chunks of a large span are binned and partitioned on several threads. The span alone decides
+ * where they begin. Boxes and counts join exactly, in any order.
  */
-#define SIMD_MOST 16 /* a reference has four floats for each bound */
-#include "simd/simd.h"
-#include "trace/trace_int.h"
+#include "trace/bins.h"
 
-#include <float.h>
+#include <stdlib.h>
 
-#define BINS 16
-/* For at most FEW refs: clearing and sweeping the bins takes most of the time there. */
-#define BINS_FEW 8
-#define FEW 64
+#define FEW 4
 #define SAH_DEPTH 64   /* deeper nodes are halved: the depth is at most SAH_DEPTH + log2 n */
 #define COST_NODE 0.4f /* of one binary step, relative to a block of four items; measured */
+#define CHUNK 4096     /* refs */
 
-struct box {
-    _Alignas(16) float lo[4];
-    float hi[4]; /* the fourth lane is unused */
-};
-
-struct bin {
-    struct box box;
-    uint32_t count;
-};
-
-struct split {
-    float cost;
-    int axis; /* -1: no split found */
-    int bin;  /* the last bin of the left side */
-};
-
-struct builder {
-    struct bnode *nodes;
-    struct ref *refs;
-    uint32_t n_nodes;
-};
-
-static struct box box_empty(void)
-{
-    return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX, 0}, {-FLT_MAX, -FLT_MAX, -FLT_MAX, 0}};
-}
-
-/* lo and hi: three floats, 16-byte aligned, followed by at least one more readable float. */
-static inline void box_grow(struct box *b, const float *lo, const float *hi)
-{
-    for (int i = 0; i < 3; i += VF) {
-        vf_store_aligned(b->lo + i, vf_min(vf_aligned(lo + i), vf_aligned(b->lo + i)));
-        vf_store_aligned(b->hi + i, vf_max(vf_aligned(hi + i), vf_aligned(b->hi + i)));
-    }
-}
-
-/* Half the surface area. */
-static float box_area(const struct box *b)
-{
-    float x = b->hi[0] - b->lo[0], y = b->hi[1] - b->lo[1], z = b->hi[2] - b->lo[2];
-    return x < 0 ? 0 : x * y + y * z + z * x;
-}
-
-/* Twice the centre. */
-static inline void centre(const struct ref *r, float c[4])
-{
-    for (int i = 0; i < 3; i += VF)
-        vf_store_aligned(c + i, vf_aligned(r->lo + i) + vf_aligned(r->hi + i));
-}
-
-/* Assigns a centre to a bin along each axis. Counting and partitioning use the same function. */
-struct binning {
-    _Alignas(16) float lo[4];
-    float scale[4];
-    int bins;
-};
-static inline void bins_of(const struct binning *g, const struct ref *r, int32_t bin[4])
-{
-    for (int i = 0; i < 3; i += VF) {
-        vf c = vf_aligned(r->lo + i) + vf_aligned(r->hi + i) - vf_aligned(g->lo + i);
-        c = vf_min(c * vf_aligned(g->scale + i), vf_set((float)(g->bins - 1)));
-        vi whole = __builtin_convertvector(c, vi);
-        memcpy(bin + i, &whole, sizeof whole);
-    }
-}
-
-static float blocks(uint32_t n) { return (float)((n + LANES - 1) / LANES); }
-
-static void sweep(const struct bin bins[BINS], int n_bins, int axis, struct split *best)
-{
-    float right[BINS];
-    struct box b = box_empty();
-    uint32_t n = 0;
-    for (int i = n_bins - 1; i > 0; i--) {
-        box_grow(&b, bins[i].box.lo, bins[i].box.hi);
-        n += bins[i].count;
-        right[i] = n ? box_area(&b) * blocks(n) : FLT_MAX;
-    }
-    b = box_empty();
-    n = 0;
-    for (int i = 0; i < n_bins - 1; i++) {
-        box_grow(&b, bins[i].box.lo, bins[i].box.hi);
-        n += bins[i].count;
-        if (!n || right[i + 1] == FLT_MAX) continue;
-        float cost = box_area(&b) * blocks(n) + right[i + 1];
-        if (cost < best->cost) *best = (struct split){cost, axis, i};
-    }
-}
-
-static struct split find_split(const struct ref *r, uint32_t n, const struct binning *g)
-{
-    struct bin bins[3][BINS];
-    struct split best = {FLT_MAX, -1, 0};
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < g->bins; i++) bins[a][i] = (struct bin){box_empty(), 0};
-    for (uint32_t i = 0; i < n; i++) {
-        int32_t k[4];
-        bins_of(g, &r[i], k);
-        for (int a = 0; a < 3; a++) {
-            box_grow(&bins[a][k[a]].box, r[i].lo, r[i].hi);
-            bins[a][k[a]].count++;
-        }
-    }
-    for (int a = 0; a < 3; a++)
-        if (g->scale[a] > 0) sweep(bins[a], g->bins, a, &best);
-    return best;
-}
+float sah_area(const struct box *b) { return area(loaded(b)); }
 
 static void swap_refs(struct ref *a, struct ref *b)
 {
     struct ref t = *a;
     *a = *b;
     *b = t;
-}
-
-static uint32_t part_by_bin(
-    struct ref *r, uint32_t n, const struct binning *g, const struct split *s)
-{
-    uint32_t i = 0, j = n;
-    while (i < j) {
-        int32_t k[4];
-        bins_of(g, &r[i], k);
-        if (k[s->axis] <= s->bin) i++;
-        else swap_refs(&r[i], &r[--j]);
-    }
-    return i;
 }
 
 /* Moves refs of the first ref's kind to the front. Returns their number. */
@@ -157,66 +36,211 @@ static uint32_t part_by_kind(struct ref *r, uint32_t n)
     return i;
 }
 
-static uint32_t make_node(struct builder *b, const struct box *box, uint32_t first, uint32_t n)
+/* ---- chunks --------------------------------------------------------------------------------- */
+
+static uint32_t chunks(uint32_t n) { return (n + CHUNK - 1) / CHUNK; }
+
+struct chunked {
+    struct ref *refs;
+    uint32_t n;
+    struct binning binning;
+    struct choice choice;
+    struct bins *bins;     /* of each chunk */
+    struct parted *parted; /* of each chunk */
+    struct vbox (*boxes)[2];
+};
+
+static struct ref *chunk(const struct chunked *c, uint32_t i, uint32_t *n)
 {
-    uint32_t k = b->n_nodes++;
-    struct bnode *node = &b->nodes[k];
-    for (int i = 0; i < 3; i++) {
-        node->lo[i] = box->lo[i];
-        node->hi[i] = box->hi[i];
-    }
-    node->left = first;
-    node->right = NO_CHILD;
-    node->count = n;
-    return k;
+    uint32_t first = i * CHUNK, left = c->n - first;
+    *n = left < CHUNK ? left : CHUNK;
+    return c->refs + first;
 }
 
-/* Returns the number of refs that go left; 0: the refs stay together as a leaf. */
-static uint32_t divide(
-    struct ref *r, uint32_t n, const struct box *box, const struct box *centres, int depth)
+static void measure_chunk(void *ctx, uint32_t i)
 {
-    if (n == 1) return 0;
-    struct binning g = {{0}, {0}, n > FEW ? BINS : BINS_FEW};
-    for (int i = 0; i < 3; i++) {
-        float extent = centres->hi[i] - centres->lo[i];
-        g.lo[i] = centres->lo[i];
-        g.scale[i] = extent > 0 ? (float)g.bins * (1 - 0x1p-20f) / extent : 0;
-        if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: do not split along this axis */
+    struct chunked *c = ctx;
+    uint32_t n;
+    const struct ref *r = chunk(c, i, &n);
+    struct vbox box = empty(), centres = empty();
+    for (uint32_t k = 0; k < n; k++) {
+        struct vbox b = of_ref(&r[k]);
+        box = join(box, b);
+        centres = join(centres, of_point(centre(b)));
     }
-    struct split s = {FLT_MAX, -1, 0};
-    if (depth < SAH_DEPTH) s = find_split(r, n, &g);
-    float area = box_area(box);
-    if (n <= LANES * LEAF_BLOCKS_MAX) {
+    c->boxes[i][0] = box;
+    c->boxes[i][1] = centres;
+}
+
+static void bin_chunk(void *ctx, uint32_t i)
+{
+    struct chunked *c = ctx;
+    uint32_t n;
+    const struct ref *r = chunk(c, i, &n);
+    bins_all(&c->bins[i], &c->binning, r, n);
+}
+
+static void part_chunk(void *ctx, uint32_t i)
+{
+    struct chunked *c = ctx;
+    uint32_t n;
+    struct ref *r = chunk(c, i, &n);
+    c->parted[i] = part(r, n, &c->binning, &c->choice);
+}
+
+static void run(struct parallel *p, uint32_t n, parallel_job job, void *ctx)
+{
+    if (p) parallel_run(p, n, job, ctx);
+    else
+        for (uint32_t i = 0; i < n; i++) job(ctx, i);
+}
+
+/* Swaps right refs of the first chunks with left refs of the last ones. */
+static void join_chunks(const struct chunked *c, struct parted *all)
+{
+    uint32_t n_chunks = chunks(c->n), n;
+    *all = (struct parted){0, {empty(), empty()}};
+    for (uint32_t i = 0; i < n_chunks; i++) {
+        all->left += c->parted[i].left;
+        for (int k = 0; k < 2; k++)
+            all->centres[k] = join(all->centres[k], c->parted[i].centres[k]);
+    }
+    uint32_t from = n_chunks; /* its left refs below `last` move */
+    struct ref *last = NULL, *stop = NULL;
+    for (uint32_t i = 0; i * CHUNK < all->left; i++) {
+        struct ref *r = chunk(c, i, &n);
+        for (uint32_t k = c->parted[i].left; k < n && r + k < c->refs + all->left; k++) {
+            while (last == stop) {
+                uint32_t n_from;
+                stop = chunk(c, --from, &n_from);
+                last = stop + c->parted[from].left;
+            }
+            swap_refs(r + k, --last);
+        }
+    }
+}
+
+/* ---- splits --------------------------------------------------------------------------------- */
+
+struct span sah_all(struct ref *refs, uint32_t n, struct parallel *p)
+{
+    uint32_t n_chunks = chunks(n);
+    struct chunked c = {.refs = refs, .n = n};
+    struct vbox box = empty(), centres = empty();
+    c.boxes = xaligned(n_chunks, sizeof *c.boxes);
+    run(p, n_chunks, measure_chunk, &c);
+    for (uint32_t i = 0; i < n_chunks; i++) {
+        box = join(box, c.boxes[i][0]);
+        centres = join(centres, c.boxes[i][1]);
+    }
+    free(c.boxes);
+    return (struct span){stored(box), stored(centres), 0, n, 0};
+}
+
+static bool measured(struct ref *refs, const struct span *s, uint32_t left, struct span half[2])
+{
+    half[0] = sah_all(refs + s->first, left, NULL);
+    half[1] = sah_all(refs + s->first + left, s->n - left, NULL);
+    half[0].first = s->first;
+    half[1].first = s->first + left;
+    half[0].depth = half[1].depth = s->depth + 1;
+    return true;
+}
+
+/* The halves of a span that was parted between bins. */
+static void halves(const struct span *s, const struct bins *bins, const struct binning *g,
+    const struct choice *c, const struct parted *p, struct span half[2])
+{
+    struct vbox box[2] = {empty(), empty()};
+    for (int i = 0; i < g->bins; i++)
+        box[i > c->bin] = join(box[i > c->bin], bins->box[c->axis][i]);
+    uint32_t n[2] = {p->left, s->n - p->left};
+    for (int k = 0; k < 2; k++)
+        half[k] = (struct span){stored(box[k]), stored(p->centres[k]), s->first + (k ? p->left : 0),
+            n[k], s->depth + 1};
+}
+
+static bool split_large(
+    struct ref *refs, const struct span *s, struct span half[2], struct parallel *p)
+{
+    uint32_t n_chunks = chunks(s->n);
+    struct chunked c = {.refs = refs + s->first, .n = s->n, .binning = binning_of(s)};
+    c.bins = xaligned(n_chunks, sizeof *c.bins);
+    run(p, n_chunks, bin_chunk, &c);
+    for (uint32_t i = 1; i < n_chunks; i++) bins_join(&c.bins[0], &c.bins[i], BINS);
+    c.choice = choose(&c.bins[0], &c.binning);
+    if (c.choice.axis >= 0) {
+        struct parted all;
+        c.parted = xaligned(n_chunks, sizeof *c.parted);
+        run(p, n_chunks, part_chunk, &c);
+        join_chunks(&c, &all);
+        halves(s, &c.bins[0], &c.binning, &c.choice, &all, half);
+        free(c.parted);
+    }
+    free(c.bins);
+    return c.choice.axis >= 0 || measured(refs, s, s->n / 2, half);
+}
+
+/* Compares all ways to split up to FEW refs: each fills a block. Bit i of a set stands for r[i]. */
+static bool split_few(struct ref *refs, const struct span *s, struct span half[2])
+{
+    struct ref *r = refs + s->first, old[FEW];
+    struct vbox box[1 << FEW];
+    float areas[1 << FEW], least = FLT_MAX;
+    unsigned all = (1u << s->n) - 1, best = 0;
+    for (unsigned i = 0; i < s->n; i++) box[1u << i] = of_ref(&r[i]);
+    for (unsigned m = 1; m <= all; m++) {
+        if (m & (m - 1)) box[m] = join(box[m & (m - 1)], box[m & -m]);
+        areas[m] = area(box[m]);
+    }
+    for (unsigned m = 1; m < all; m += 2)
+        if (areas[m] + areas[all ^ m] < least) {
+            least = areas[m] + areas[all ^ m];
+            best = m;
+        }
+    if (areas[all] <= areas[all] * COST_NODE + least) {
+        uint32_t same = part_by_kind(r, s->n);
+        return same < s->n && measured(refs, s, same, half);
+    }
+    uint32_t n[2] = {0, 0}, left = (uint32_t)__builtin_popcount(best);
+    memcpy(old, r, s->n * sizeof *r);
+    struct vbox centres[2] = {empty(), empty()};
+    for (uint32_t i = 0; i < s->n; i++) {
+        unsigned side = !(best >> i & 1);
+        r[side * left + n[side]++] = old[i];
+        centres[side] = join(centres[side], of_point(centre(box[1u << i])));
+    }
+    half[0] = (struct span){stored(box[best]), stored(centres[0]), s->first, left, s->depth + 1};
+    half[1] = (struct span){
+        stored(box[all ^ best]), stored(centres[1]), s->first + left, s->n - left, s->depth + 1};
+    return true;
+}
+
+bool sah_split(struct ref *refs, const struct span *s, struct span half[2], struct parallel *p)
+{
+    struct ref *r = refs + s->first;
+    uint32_t n = s->n;
+    if (n == 1) return false;
+    if (s->depth >= SAH_DEPTH) {
+        if (n > LANES * LEAF_BLOCKS_MAX) return measured(refs, s, n / 2, half);
         uint32_t same = part_by_kind(r, n);
-        if (s.axis < 0 || area * blocks(n) <= area * COST_NODE + s.cost) return same < n ? same : 0;
+        return same < n && measured(refs, s, same, half);
     }
-    return s.axis >= 0 ? part_by_bin(r, n, &g, &s) : n / 2;
-}
-
-static uint32_t build(struct builder *b, uint32_t first, uint32_t n, int depth)
-{
-    struct ref *r = b->refs + first;
-    struct box box = box_empty(), centres = box_empty();
-    for (uint32_t i = 0; i < n; i++) {
-        _Alignas(16) float c[4];
-        centre(&r[i], c);
-        box_grow(&box, r[i].lo, r[i].hi);
-        box_grow(&centres, c, c);
+    if (n <= FEW) return split_few(refs, s, half);
+    if (n > CHUNK) return split_large(refs, s, half, p);
+    struct binning g = binning_of(s);
+    struct bins bins;
+    bins_all(&bins, &g, r, n);
+    struct choice c = choose(&bins, &g);
+    if (n <= LANES * LEAF_BLOCKS_MAX) {
+        float whole = sah_area(&s->box);
+        if (c.axis < 0 || whole * blocks(n) <= whole * COST_NODE + c.cost) {
+            uint32_t same = part_by_kind(r, n);
+            return same < n && measured(refs, s, same, half);
+        }
     }
-    uint32_t k = make_node(b, &box, first, n);
-    uint32_t left = divide(r, n, &box, &centres, depth);
-    if (left) {
-        uint32_t l = build(b, first, left, depth + 1);
-        uint32_t right = build(b, first + left, n - left, depth + 1);
-        b->nodes[k].left = l;
-        b->nodes[k].right = right;
-    }
-    return k;
-}
-
-uint32_t sah_build(struct bnode *nodes, struct ref *refs, uint32_t n)
-{
-    struct builder b = {nodes, refs, 0};
-    build(&b, 0, n, 0);
-    return b.n_nodes;
+    if (c.axis < 0) return measured(refs, s, n / 2, half);
+    struct parted all = part(r, n, &g, &c);
+    halves(s, &bins, &g, &c, &all, half);
+    return true;
 }

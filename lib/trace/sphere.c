@@ -1,7 +1,7 @@
 /* sphere: two-sided. The sign of the radius is ignored. The intersection is in kernel.h. */
 #include "trace/trace_int.h"
 
-static bool init(const struct scene *s, struct item *it)
+static bool has_surface(const struct scene *s, const struct item *it)
 {
     return fabs(s->prims[it->prim].sphere.radius) > 0;
 }
@@ -55,4 +55,4 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
 }
 
 const struct shape sphere_shape = {
-    sizeof(struct sphere4), init, fill, clear, bounds, extent, normal};
+    sizeof(struct sphere4), has_surface, fill, clear, bounds, extent, normal};

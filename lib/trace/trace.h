@@ -29,16 +29,18 @@ struct trace_options {
     bool by_spd;
     enum trace_hierarchy { HIERARCHY_BVH, HIERARCHY_SLABS, HIERARCHY_NONE } hierarchy;
     bool count_tests; /* for tracer_tests; takes longer */
+    int threads; /* that tracer_new works with; the tracer is the same with any number */
 };
 /* clang-format off */
-#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO, false, HIERARCHY_BVH, false}
+#define TRACE_OPTIONS_DEFAULT {5, 1, -1.0, 0x1p-17, ISA_AUTO, false, HIERARCHY_BVH, false, 1}
 /* clang-format on */
 #define TRACE_DEPTH_MAX 64
 #define TRACE_SAMPLES_MAX 1024
 
 struct tracer;
 
-/* Builds the hierarchy. Keeps a pointer to s, which must outlive the tracer. Never NULL. The caller
+/* Builds the hierarchy, with o->threads threads: the caller's and others, which end before the
+ * function returns. Keeps a pointer to s, which must outlive the tracer. Never NULL. The caller
  * frees it with tracer_free. */
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o);
 void tracer_free(struct tracer *t);

@@ -39,7 +39,6 @@ struct item {
     uint32_t prim;
     uint32_t material;
     uint32_t vertex[3]; /* triangle: indices into the scene's vertices */
-    struct vec3 n;      /* triangle: the plane's unit normal */
     uint8_t kind;
     bool smooth; /* triangle of a patch: normals are interpolated */
 };
@@ -65,8 +64,8 @@ struct cone4 {
 /* One row per kind (shapes.c). */
 struct shape {
     size_t block_size;
-    /* Sets the item's derived fields. False: degenerate, the item has no surface. */
-    bool (*init)(const struct scene *s, struct item *it);
+    /* False: degenerate. */
+    bool (*has_surface)(const struct scene *s, const struct item *it);
     /* Fills a lane of a block. No coordinate of the scene, eye and lights included, exceeds
      * reach. */
     void (*fill)(const struct scene *s, const struct item *it, double reach, void *block, int lane);
@@ -139,7 +138,7 @@ struct ref {
 
 /* Permutes refs. s and items are needed to fill the blocks. */
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
-    const struct item *items, double reach);
+    const struct item *items, double reach, struct parallel *p);
 void bvh_free(struct bvh *b);
 /* True if p, known up to err, lies on the surface of an item, and within its bounds. */
 bool bvh_holds(const struct bvh *b, const struct scene *s, const struct item *items, struct vec3 p,
@@ -150,15 +149,6 @@ void slabs_build(struct bvh *b, const struct ref *refs, uint32_t n, const struct
     const struct item *items, double reach, bool hierarchy);
 uint64_t slabs_bytes(const struct slabs *s);
 void slabs_free(struct slabs *s);
-
-struct bnode {
-    float lo[3], hi[3];
-    uint32_t left, right; /* leaf: left is the first ref, right NO_CHILD */
-    uint32_t count;       /* refs below this node; used for leaves only */
-};
-/* Builds the binary tree over refs[0..n) into nodes[2n-1] and returns the number of nodes. The root
- * is node 0. Each leaf holds one kind and at most LEAF_BLOCKS_MAX blocks. */
-uint32_t sah_build(struct bnode *nodes, struct ref *refs, uint32_t n);
 
 /* ---- tracing ------------------------------------------------------------------------------ */
 
@@ -271,6 +261,10 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
 void media_copy(struct media *to, const struct media *from);
 /* around.c: the media that contain a ray starting at p. Needs t->surfaces. */
 void media_around(const struct tracer *t, struct vec3 p, struct media *in);
+
+/* items.c: sets items, n_items and transmits. Returns references to the items that have a surface,
+ * which the caller frees. *reach: the largest absolute coordinate of a ray's origin or hit. */
+struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct parallel *p);
 
 /* bound.c: sets t->radiance. Needs t->surfaces. */
 void bound_radiance(struct tracer *t);

@@ -29,22 +29,28 @@ static void put(double to[3][LANES], int lane, struct vec3 v)
     to[2][lane] = v.z;
 }
 
-static bool init(const struct scene *s, struct item *it)
+/* The plane's unit normal. Twice the triangle's area is *area2. */
+static struct vec3 plane_normal(const struct scene *s, const struct item *it, double *area2)
 {
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
     struct vec3 cross = v3_cross(e1, v3_sub(corner(s, it, 2), a));
-    double area2 = v3_len(cross);
-    if (!(area2 > DBL_MIN) || !isfinite(area2)) return false;
-    it->n = v3_scale(cross, 1 / area2);
-    return true;
+    *area2 = v3_len(cross);
+    return v3_scale(cross, 1 / *area2);
+}
+
+static bool has_surface(const struct scene *s, const struct item *it)
+{
+    double area2;
+    plane_normal(s, it, &area2);
+    return area2 > DBL_MIN && isfinite(area2);
 }
 
 static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
 {
     struct tri4 *b = block;
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
-    struct vec3 e2 = v3_sub(corner(s, it, 2), a), n = it->n;
-    double area2 = v3_len(v3_cross(e1, e2));
+    double area2;
+    struct vec3 e2 = v3_sub(corner(s, it, 2), a), n = plane_normal(s, it, &area2);
     struct vec3 u = v3_scale(v3_cross(e2, n), 1 / area2), v = v3_scale(v3_cross(n, e1), 1 / area2);
     double d = v3_dot(n, a), off = 0, far = largest(a);
     for (int i = 1; i < 3; i++) {
@@ -110,8 +116,10 @@ static struct vec3 smooth_normal(
 
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
-    return it->smooth ? smooth_normal(s, it, *p, it->n) : it->n;
+    double area2;
+    struct vec3 n = plane_normal(s, it, &area2);
+    return it->smooth ? smooth_normal(s, it, *p, n) : n;
 }
 
 const struct shape triangle_shape = {
-    sizeof(struct tri4), init, fill, clear, bounds, extent, normal};
+    sizeof(struct tri4), has_surface, fill, clear, bounds, extent, normal};

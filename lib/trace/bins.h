@@ -1,0 +1,220 @@
+/*
+ * bins: references in bins along three axes, the best plane between two bins, and the partition by
+ * that plane. Private to sah.c.
+ */
+#ifndef STORMRING_BINS_H
+#define STORMRING_BINS_H
+
+#define SIMD_MOST 16 /* a vector is a bound of a box */
+#include "simd/simd.h"
+#include "trace/sah.h"
+
+#include <float.h>
+
+#define BINS 16
+/* For at most SOME refs: clearing and sweeping the bins takes most of the time there. */
+#define BINS_SOME 8
+#define SOME 64
+#define TWICE 256 /* refs that are worth two sets of bins */
+
+struct vbox {
+    vf lo, hi;
+};
+
+struct bins {
+    struct vbox box[3][BINS];
+    uint32_t count[3][BINS];
+};
+
+struct choice {
+    float cost;
+    int axis; /* -1: no split found */
+    int bin;  /* the last bin of the left side */
+};
+
+/* Assigns a centre to a bin along each axis. Counting and partitioning use the same function. */
+struct binning {
+    vf lo, scale;
+    int bins;
+};
+
+/* ---- boxes ---------------------------------------------------------------------------------- */
+
+SIMD_INLINE struct vbox empty(void) { return (struct vbox){vf_set(FLT_MAX), vf_set(-FLT_MAX)}; }
+SIMD_INLINE struct vbox join(struct vbox a, struct vbox b)
+{
+    return (struct vbox){vf_min(a.lo, b.lo), vf_max(a.hi, b.hi)};
+}
+SIMD_INLINE struct vbox of_ref(const struct ref *r)
+{
+    return (struct vbox){vf_aligned(r->lo), vf_aligned(r->hi)};
+}
+/* Twice the centre. The fourth lane is 0: integers taken for floats are slow. */
+SIMD_INLINE vf centre(struct vbox b)
+{
+    const vi three = {-1, -1, -1, 0};
+    return (vf)((vi)b.lo & three) + (vf)((vi)b.hi & three);
+}
+SIMD_INLINE struct vbox of_point(vf p) { return (struct vbox){p, p}; }
+SIMD_INLINE struct box stored(struct vbox b)
+{
+    struct box s;
+    vf_store_aligned(s.lo, b.lo);
+    vf_store_aligned(s.hi, b.hi);
+    return s;
+}
+SIMD_INLINE struct vbox loaded(const struct box *b)
+{
+    return (struct vbox){vf_aligned(b->lo), vf_aligned(b->hi)};
+}
+SIMD_INLINE float area(struct vbox b)
+{
+    vf d = b.hi - b.lo;
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+}
+
+static inline float blocks(uint32_t n) { return (float)((n + LANES - 1) / LANES); }
+
+/* ---- the best plane between bins ------------------------------------------------------------ */
+
+SIMD_INLINE vi bins_of(const struct binning *g, vf c)
+{
+    return __builtin_convertvector(
+        vf_min((c - g->lo) * g->scale, vf_set((float)(g->bins - 1))), vi);
+}
+
+static inline void bins_clear(struct bins *b, int n)
+{
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < n; i++) {
+            b->box[a][i] = empty();
+            b->count[a][i] = 0;
+        }
+}
+
+SIMD_INLINE void bin_ref(struct bins *b, int axis, int k, struct vbox box)
+{
+    struct vbox *to = &b->box[axis][k];
+    *to = join(*to, box);
+    b->count[axis][k]++;
+}
+
+SIMD_INLINE void bins_ref(struct bins *b, const struct binning *g, const struct ref *r)
+{
+    struct vbox box = of_ref(r);
+    vi k = bins_of(g, centre(box));
+    bin_ref(b, 0, k[0], box);
+    bin_ref(b, 1, k[1], box);
+    bin_ref(b, 2, k[2], box);
+}
+
+/* Refs take turns between b and c, which may be the same. Neighbours are often in one bin: with
+ * two, a bin need not wait for the store before. */
+static inline void bins_add(
+    struct bins *b, struct bins *c, const struct binning *g, const struct ref *r, uint32_t n)
+{
+    uint32_t i = 0;
+    for (; i + 1 < n; i += 2) {
+        bins_ref(b, g, &r[i]);
+        bins_ref(c, g, &r[i + 1]);
+    }
+    if (i < n) bins_ref(b, g, &r[i]);
+}
+
+static inline void bins_join(struct bins *b, const struct bins *c, int n)
+{
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 3; a++) {
+            b->box[a][i] = join(b->box[a][i], c->box[a][i]);
+            b->count[a][i] += c->count[a][i];
+        }
+}
+
+static inline void bins_all(
+    struct bins *b, const struct binning *g, const struct ref *r, uint32_t n)
+{
+    bins_clear(b, g->bins);
+    if (n < TWICE) {
+        bins_add(b, b, g, r, n);
+        return;
+    }
+    struct bins other;
+    bins_clear(&other, g->bins);
+    bins_add(b, &other, g, r, n);
+    bins_join(b, &other, g->bins);
+}
+
+static inline void sweep(const struct bins *bins, int n_bins, int axis, struct choice *best)
+{
+    float right[BINS];
+    struct vbox b = empty();
+    uint32_t n = 0;
+    for (int i = n_bins - 1; i > 0; i--) {
+        b = join(b, bins->box[axis][i]);
+        n += bins->count[axis][i];
+        right[i] = n ? area(b) * blocks(n) : FLT_MAX;
+    }
+    b = empty();
+    n = 0;
+    for (int i = 0; i < n_bins - 1; i++) {
+        b = join(b, bins->box[axis][i]);
+        n += bins->count[axis][i];
+        if (!n || right[i + 1] == FLT_MAX) continue;
+        float cost = area(b) * blocks(n) + right[i + 1];
+        if (cost < best->cost) *best = (struct choice){cost, axis, i};
+    }
+}
+
+static inline struct binning binning_of(const struct span *s)
+{
+    struct binning g = {vf_aligned(s->centres.lo), {0}, s->n > SOME ? BINS : BINS_SOME};
+    for (int i = 0; i < 3; i++) {
+        float extent = s->centres.hi[i] - s->centres.lo[i];
+        g.scale[i] = extent > 0 ? (float)g.bins * (1 - 0x1p-20f) / extent : 0;
+        if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: do not split along this axis */
+    }
+    return g;
+}
+
+static inline struct choice choose(const struct bins *bins, const struct binning *g)
+{
+    struct choice best = {FLT_MAX, -1, 0};
+    for (int a = 0; a < 3; a++)
+        if (g->scale[a] > 0) sweep(bins, g->bins, a, &best);
+    return best;
+}
+
+/* ---- partitioning --------------------------------------------------------------------------- */
+
+struct parted {
+    uint32_t left;
+    struct vbox centres[2];
+};
+
+/* Without a branch that depends on the references: every one changes places with the first of the
+ * right side, and the left side grows by 0 or 1 (N. Lomuto's scheme). */
+static inline struct parted part(
+    struct ref *r, uint32_t n, const struct binning *g, const struct choice *s)
+{
+    struct vbox left = empty(), right = empty();
+    uint32_t k = 0;
+    int axis = s->axis;
+    for (uint32_t i = 0; i < n; i++) {
+        struct vbox box = of_ref(&r[i]), other = of_ref(&r[k]);
+        vf c = centre(box);
+        bool is_left = bins_of(g, c)[axis] <= s->bin;
+        vi side = (vi){0} - (int)is_left;
+        left.lo = vf_min(left.lo, vf_choose(side, c, left.lo));
+        left.hi = vf_max(left.hi, vf_choose(side, c, left.hi));
+        right.lo = vf_min(right.lo, vf_choose(side, right.lo, c));
+        right.hi = vf_max(right.hi, vf_choose(side, right.hi, c));
+        vf_store_aligned(r[i].lo, other.lo);
+        vf_store_aligned(r[i].hi, other.hi);
+        vf_store_aligned(r[k].lo, box.lo);
+        vf_store_aligned(r[k].hi, box.hi);
+        k += is_left;
+    }
+    return (struct parted){k, {left, right}};
+}
+
+#endif
