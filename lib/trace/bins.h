@@ -191,30 +191,37 @@ struct parted {
     struct vbox centres[2];
 };
 
+/* The bounds of the centres of n refs. */
+static inline struct vbox centres_of(const struct ref *r, uint32_t n)
+{
+    struct vbox a = empty(), b = empty(); /* two, so that neither waits for the other */
+    for (uint32_t i = 0; i + 1 < n; i += 2) {
+        a = join(a, of_point(centre(of_ref(&r[i]))));
+        b = join(b, of_point(centre(of_ref(&r[i + 1]))));
+    }
+    if (n % 2) a = join(a, of_point(centre(of_ref(&r[n - 1]))));
+    return join(a, b);
+}
+
 /* Without a branch that depends on the references: every one changes places with the first of the
  * right side, and the left side grows by 0 or 1 (N. Lomuto's scheme). */
 static inline struct parted part(
     struct ref *r, uint32_t n, const struct binning *g, const struct choice *s)
 {
-    struct vbox left = empty(), right = empty();
     uint32_t k = 0;
     int axis = s->axis;
+    float lo = g->lo[axis], scale = g->scale[axis], last = (float)(g->bins - 1);
     for (uint32_t i = 0; i < n; i++) {
         struct vbox box = of_ref(&r[i]), other = of_ref(&r[k]);
-        vf c = centre(box);
-        bool is_left = bins_of(g, c)[axis] <= s->bin;
-        vi side = (vi){0} - (int)is_left;
-        left.lo = vf_min(left.lo, vf_choose(side, c, left.lo));
-        left.hi = vf_max(left.hi, vf_choose(side, c, left.hi));
-        right.lo = vf_min(right.lo, vf_choose(side, right.lo, c));
-        right.hi = vf_max(right.hi, vf_choose(side, right.hi, c));
+        float at = (r[i].lo[axis] + r[i].hi[axis] - lo) * scale; /* as bins_of computes it */
+        int bin = (int)(at < last ? at : last);
         vf_store_aligned(r[i].lo, other.lo);
         vf_store_aligned(r[i].hi, other.hi);
         vf_store_aligned(r[k].lo, box.lo);
         vf_store_aligned(r[k].hi, box.hi);
-        k += is_left;
+        k += bin <= s->bin;
     }
-    return (struct parted){k, {left, right}};
+    return (struct parted){k, {centres_of(r, k), centres_of(r + k, n - k)}};
 }
 
 #endif

@@ -29,19 +29,16 @@ static void put(double to[3][LANES], int lane, struct vec3 v)
     to[2][lane] = v.z;
 }
 
-/* The plane's unit normal. Twice the triangle's area is *area2. */
-static struct vec3 plane_normal(const struct scene *s, const struct item *it, double *area2)
+/* Normal to the plane, as long as twice the triangle's area. */
+static inline struct vec3 area_normal(const struct scene *s, const struct item *it)
 {
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
-    struct vec3 cross = v3_cross(e1, v3_sub(corner(s, it, 2), a));
-    *area2 = v3_len(cross);
-    return v3_scale(cross, 1 / *area2);
+    return v3_cross(e1, v3_sub(corner(s, it, 2), a));
 }
 
 static bool has_surface(const struct scene *s, const struct item *it)
 {
-    double area2;
-    plane_normal(s, it, &area2);
+    double area2 = v3_len(area_normal(s, it));
     return area2 > DBL_MIN && isfinite(area2);
 }
 
@@ -49,8 +46,9 @@ static void fill(const struct scene *s, const struct item *it, double reach, voi
 {
     struct tri4 *b = block;
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
-    double area2;
-    struct vec3 e2 = v3_sub(corner(s, it, 2), a), n = plane_normal(s, it, &area2);
+    struct vec3 e2 = v3_sub(corner(s, it, 2), a), cross = v3_cross(e1, e2);
+    double area2 = v3_len(cross);
+    struct vec3 n = v3_scale(cross, 1 / area2);
     struct vec3 u = v3_scale(v3_cross(e2, n), 1 / area2), v = v3_scale(v3_cross(n, e1), 1 / area2);
     double d = v3_dot(n, a), off = 0, far = largest(a);
     for (int i = 1; i < 3; i++) {
@@ -116,8 +114,7 @@ static struct vec3 smooth_normal(
 
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
-    double area2;
-    struct vec3 n = plane_normal(s, it, &area2);
+    struct vec3 cross = area_normal(s, it), n = v3_scale(cross, 1 / v3_len(cross));
     return it->smooth ? smooth_normal(s, it, *p, n) : n;
 }
 
