@@ -12,7 +12,11 @@
 #include <string.h>
 
 #define NUMBER_LEN_MAX 511 /* characters; %f of the largest double has 317 */
+#define PLAIN_DIGITS 15    /* an integer of that many is exact in a double */
 #define EXPONENT_MAX 99999 /* beyond this the value is 0 or infinite for any digits */
+
+static const double power_of_ten[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11,
+    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 static inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 static inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -29,10 +33,11 @@ void tokens_init(struct tokens *t, const char *text, size_t n)
 }
 
 /* Advances to the next byte that is neither blank nor comment. */
-static void skip_blanks(struct tokens *t)
+static inline void skip_blanks(struct tokens *t)
 {
     const char *p = t->at, *end = t->end;
-    for (; p < end; p++) {
+    for (; p < end && *p <= '#'; p++) { /* most bytes are above # and all blanks */
+        if (*p == ' ') continue;
         if (*p == '#')
             while (p < end && *p != '\n' && *p != '\r') p++;
         if (p == end || !is_blank(*p)) break;
@@ -94,14 +99,42 @@ static const char *scan_decimal(const char *p, const char *end, struct decimal *
     return ends_token(p, end) ? p : NULL;
 }
 
+/*
+ * Returns the end of a number of at most PLAIN_DIGITS digits, with or without sign and point, and
+ * its value; NULL if the token is anything else, or is near the end of the text.
+ */
+static inline const char *plain_number(const char *p, const char *end, double *out)
+{
+    uint64_t digits = 0, digit;
+    if (end - p < PLAIN_DIGITS + 4) return NULL;
+    bool negative = *p == '-';
+    p += negative;
+    const char *first = p, *last = p + PLAIN_DIGITS;
+    for (; p < last && (digit = (uint64_t)(*p - '0')) < 10; p++) digits = digits * 10 + digit;
+    long whole = p - first, fraction = 0;
+    if (*p == '.') {
+        const char *point = ++p;
+        for (last++; p < last && (digit = (uint64_t)(*p - '0')) < 10; p++)
+            digits = digits * 10 + digit;
+        fraction = p - point;
+    }
+    if (!(whole + fraction) || !(is_blank(*p) || *p == '#')) return NULL;
+    double v = (double)digits / power_of_ten[fraction];
+    *out = negative ? -v : v;
+    return p;
+}
+
 enum token_number token_real(struct tokens *t, double *out)
 {
-    static const double power_of_ten[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10,
-        1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     struct decimal d;
     skip_blanks(t);
     if (t->at == t->end) return TOKEN_END;
-    const char *p = scan_decimal(t->at, t->end, &d);
+    const char *p = plain_number(t->at, t->end, out);
+    if (p) {
+        t->at = p;
+        return TOKEN_OK;
+    }
+    p = scan_decimal(t->at, t->end, &d);
     if (!p || p - t->at > NUMBER_LEN_MAX) return TOKEN_BAD;
     if (d.n_digits <= 15 && d.power >= -22 && d.power <= 22) {
         double v = (double)d.digits;
