@@ -11,6 +11,7 @@
 
 #include <float.h>
 
+#define BLOCK_BITS 2 /* LANES is 4 */
 #define BINS 16
 /* For at most SOME refs: clearing and sweeping the bins takes most of the time there. */
 #define BINS_SOME 8
@@ -23,7 +24,7 @@ struct vbox {
 
 struct bins {
     struct vbox box[3][BINS];
-    uint32_t count[3][BINS];
+    _Alignas(16) int32_t count[BINS][4]; /* by axis; the fourth is unused */
 };
 
 struct choice {
@@ -73,6 +74,20 @@ SIMD_INLINE float area(struct vbox b)
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
+/* The areas of four boxes, in lanes. */
+SIMD_INLINE vf areas(struct vbox a, struct vbox b, struct vbox c, struct vbox d)
+{
+    a.hi -= a.lo, b.hi -= b.lo, c.hi -= c.lo, d.hi -= d.lo;
+    vf ab = __builtin_shufflevector(a.hi, b.hi, 0, 4, 1, 5);
+    vf cd = __builtin_shufflevector(c.hi, d.hi, 0, 4, 1, 5);
+    vf x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    vf y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    ab = __builtin_shufflevector(a.hi, b.hi, 2, 6, 2, 6);
+    cd = __builtin_shufflevector(c.hi, d.hi, 2, 6, 2, 6);
+    vf z = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    return x * y + y * z + z * x;
+}
+
 static inline float blocks(uint32_t n) { return (float)((n + LANES - 1) / LANES); }
 
 /* ---- the best plane between bins ------------------------------------------------------------ */
@@ -85,18 +100,16 @@ SIMD_INLINE vi bins_of(const struct binning *g, vf c)
 
 static inline void bins_clear(struct bins *b, int n)
 {
+    memset(b->count, 0, (size_t)n * sizeof *b->count);
     for (int a = 0; a < 3; a++)
-        for (int i = 0; i < n; i++) {
-            b->box[a][i] = empty();
-            b->count[a][i] = 0;
-        }
+        for (int i = 0; i < n; i++) b->box[a][i] = empty();
 }
 
 SIMD_INLINE void bin_ref(struct bins *b, int axis, int k, struct vbox box)
 {
     struct vbox *to = &b->box[axis][k];
     *to = join(*to, box);
-    b->count[axis][k]++;
+    b->count[k][axis]++;
 }
 
 SIMD_INLINE void bins_ref(struct bins *b, const struct binning *g, const struct ref *r)
@@ -126,7 +139,7 @@ static inline void bins_join(struct bins *b, const struct bins *c, int n)
     for (int i = 0; i < n; i++)
         for (int a = 0; a < 3; a++) {
             b->box[a][i] = join(b->box[a][i], c->box[a][i]);
-            b->count[a][i] += c->count[a][i];
+            b->count[i][a] += c->count[i][a];
         }
 }
 
@@ -144,25 +157,50 @@ static inline void bins_all(
     bins_join(b, &other, g->bins);
 }
 
-static inline void sweep(const struct bins *bins, int n_bins, int axis, struct choice *best)
+/* Boxes and counts from one end of the bins on, of all axes: of one in each lane. */
+struct swept {
+    struct vbox x, y, z;
+    vi n;
+};
+
+SIMD_INLINE struct swept swept_none(void) { return (struct swept){empty(), empty(), empty(), {0}}; }
+
+SIMD_INLINE void sweep(struct swept *s, const struct bins *bins, int i)
 {
-    float right[BINS];
-    struct vbox b = empty();
-    uint32_t n = 0;
-    for (int i = n_bins - 1; i > 0; i--) {
-        b = join(b, bins->box[axis][i]);
-        n += bins->count[axis][i];
-        right[i] = n ? area(b) * blocks(n) : FLT_MAX;
+    s->x = join(s->x, bins->box[0][i]);
+    s->y = join(s->y, bins->box[1][i]);
+    s->z = join(s->z, bins->box[2][i]);
+    s->n += *(const vi *)bins->count[i];
+}
+
+/* Area times blocks. */
+SIMD_INLINE vf swept_cost(const struct swept *s)
+{
+    return areas(s->x, s->y, s->z, s->z) *
+           __builtin_convertvector((s->n + (LANES - 1)) >> BLOCK_BITS, vf);
+}
+
+static inline struct choice choose(const struct bins *bins, const struct binning *g)
+{
+    vf right[BINS], least = vf_set(FLT_MAX);
+    vi at = {0};
+    struct swept s = swept_none();
+    for (int i = g->bins - 1; i > 0; i--) {
+        sweep(&s, bins, i);
+        right[i] = vf_choose(s.n > 0, swept_cost(&s), vf_set(FLT_MAX));
     }
-    b = empty();
-    n = 0;
-    for (int i = 0; i < n_bins - 1; i++) {
-        b = join(b, bins->box[axis][i]);
-        n += bins->count[axis][i];
-        if (!n || right[i + 1] == FLT_MAX) continue;
-        float cost = area(b) * blocks(n) + right[i + 1];
-        if (cost < best->cost) *best = (struct choice){cost, axis, i};
+    s = swept_none();
+    for (int i = 0; i < g->bins - 1; i++) {
+        sweep(&s, bins, i);
+        vf cost = swept_cost(&s) + right[i + 1];
+        vi better = (s.n > 0) & (cost < least);
+        least = vf_choose(better, cost, least);
+        at = (better & i) | (~better & at);
     }
+    struct choice best = {FLT_MAX, -1, 0};
+    for (int a = 0; a < 3; a++)
+        if (g->scale[a] > 0 && least[a] < best.cost) best = (struct choice){least[a], a, at[a]};
+    return best;
 }
 
 static inline struct binning binning_of(const struct span *s)
@@ -174,14 +212,6 @@ static inline struct binning binning_of(const struct span *s)
         if (!(g.scale[i] < FLT_MAX)) g.scale[i] = 0; /* nearly flat: do not split along this axis */
     }
     return g;
-}
-
-static inline struct choice choose(const struct bins *bins, const struct binning *g)
-{
-    struct choice best = {FLT_MAX, -1, 0};
-    for (int a = 0; a < 3; a++)
-        if (g->scale[a] > 0) sweep(bins, g->bins, a, &best);
-    return best;
 }
 
 /* ---- partitioning --------------------------------------------------------------------------- */

@@ -181,38 +181,47 @@ static bool split_large(
     return c.choice.axis >= 0 || measured(refs, s, s->n / 2, half);
 }
 
-/* Compares all ways to split up to FEW refs: each fills a block. Bit i of a set stands for r[i]. */
+/* Finds the best of all ways to split up to FEW refs: each fills a block. Bit i of *set stands for
+ * ref i. */
+static float best_set(const struct ref *r, uint32_t n, unsigned *set)
+{
+    struct vbox a = of_ref(&r[0]), b = of_ref(&r[1]);
+    struct vbox c = n > 2 ? of_ref(&r[2]) : empty(), d = n > 3 ? of_ref(&r[3]) : empty();
+    struct vbox ab = join(a, b), ac = join(a, c), ad = join(a, d);
+    struct vbox bc = join(b, c), bd = join(b, d), cd = join(c, d);
+    /* Without a ref a box is infinitely large. */
+    vf one = areas(a, b, c, d) + areas(join(b, cd), join(a, cd), join(ab, d), join(ab, c));
+    vf two = areas(ab, ac, ad, a) + areas(cd, bd, bc, a);
+    float least = FLT_MAX;
+    *set = 1;
+    for (unsigned i = 0; i < FEW; i++)
+        if (one[i] < least) least = one[i], *set = 1u << i;
+    for (unsigned i = 0; i < 3; i++)
+        if (two[i] < least) least = two[i], *set = 1u | 2u << i;
+    return least;
+}
+
 static bool split_few(struct ref *refs, const struct span *s, struct span half[2])
 {
     struct ref *r = refs + s->first, old[FEW];
-    struct vbox box[1 << FEW];
-    float areas[1 << FEW], least = FLT_MAX;
-    unsigned all = (1u << s->n) - 1, best = 0;
-    for (unsigned i = 0; i < s->n; i++) box[1u << i] = of_ref(&r[i]);
-    for (unsigned m = 1; m <= all; m++) {
-        if (m & (m - 1)) box[m] = join(box[m & (m - 1)], box[m & -m]);
-        areas[m] = area(box[m]);
-    }
-    for (unsigned m = 1; m < all; m += 2)
-        if (areas[m] + areas[all ^ m] < least) {
-            least = areas[m] + areas[all ^ m];
-            best = m;
-        }
-    if (areas[all] <= areas[all] * COST_NODE + least) {
+    unsigned set;
+    float least = best_set(r, s->n, &set), whole = sah_area(&s->box);
+    if (whole <= whole * COST_NODE + least) {
         uint32_t same = part_by_kind(r, s->n);
         return same < s->n && measured(refs, s, same, half);
     }
-    uint32_t n[2] = {0, 0}, left = (uint32_t)__builtin_popcount(best);
+    uint32_t n[2] = {0, 0}, left = (uint32_t)__builtin_popcount(set);
     memcpy(old, r, s->n * sizeof *r);
-    struct vbox centres[2] = {empty(), empty()};
+    struct vbox box[2] = {empty(), empty()}, centres[2] = {empty(), empty()};
     for (uint32_t i = 0; i < s->n; i++) {
-        unsigned side = !(best >> i & 1);
+        unsigned side = !(set >> i & 1);
         r[side * left + n[side]++] = old[i];
-        centres[side] = join(centres[side], of_point(centre(box[1u << i])));
+        box[side] = join(box[side], of_ref(&old[i]));
+        centres[side] = join(centres[side], of_point(centre(of_ref(&old[i]))));
     }
-    half[0] = (struct span){stored(box[best]), stored(centres[0]), s->first, left, s->depth + 1};
-    half[1] = (struct span){
-        stored(box[all ^ best]), stored(centres[1]), s->first + left, s->n - left, s->depth + 1};
+    for (uint32_t k = 0; k < 2; k++)
+        half[k] = (struct span){
+            stored(box[k]), stored(centres[k]), s->first + k * left, n[k], s->depth + 1};
     return true;
 }
 
