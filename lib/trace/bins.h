@@ -16,10 +16,16 @@
 /* For at most SOME refs: clearing and sweeping the bins takes most of the time there. */
 #define BINS_SOME 8
 #define SOME 64
+#define SAMPLE 2048 /* refs are enough to choose a plane */
+#define STEP_MOST 15
 #define TWICE 256 /* refs that are worth two sets of bins */
 
 struct vbox {
     vf lo, hi;
+};
+
+struct bounds {
+    struct vbox box, centres;
 };
 
 struct bins {
@@ -37,6 +43,7 @@ struct choice {
 struct binning {
     vf lo, scale;
     int bins;
+    uint32_t step; /* every step-th ref is counted */
 };
 
 /* ---- boxes ---------------------------------------------------------------------------------- */
@@ -121,15 +128,15 @@ SIMD_INLINE void bins_ref(struct bins *b, const struct binning *g, const struct 
     bin_ref(b, 2, k[2], box);
 }
 
-/* Refs take turns between b and c, which may be the same. Neighbours are often in one bin: with
- * two, a bin need not wait for the store before. */
-static inline void bins_add(
-    struct bins *b, struct bins *c, const struct binning *g, const struct ref *r, uint32_t n)
+/* Adds every step-th ref. They take turns between b and c, which may be the same. Neighbours are
+ * often in one bin: with two, a bin need not wait for the store before. */
+static inline void bins_add(struct bins *b, struct bins *c, const struct binning *g,
+    const struct ref *r, uint32_t n, uint32_t step)
 {
     uint32_t i = 0;
-    for (; i + 1 < n; i += 2) {
+    for (; i + step < n; i += 2 * step) {
         bins_ref(b, g, &r[i]);
-        bins_ref(c, g, &r[i + 1]);
+        bins_ref(c, g, &r[i + step]);
     }
     if (i < n) bins_ref(b, g, &r[i]);
 }
@@ -148,12 +155,12 @@ static inline void bins_all(
 {
     bins_clear(b, g->bins);
     if (n < TWICE) {
-        bins_add(b, b, g, r, n);
+        bins_add(b, b, g, r, n, g->step);
         return;
     }
     struct bins other;
     bins_clear(&other, g->bins);
-    bins_add(b, &other, g, r, n);
+    bins_add(b, &other, g, r, n, g->step);
     bins_join(b, &other, g->bins);
 }
 
@@ -205,7 +212,10 @@ static inline struct choice choose(const struct bins *bins, const struct binning
 
 static inline struct binning binning_of(const struct span *s)
 {
-    struct binning g = {vf_aligned(s->centres.lo), {0}, s->n > SOME ? BINS : BINS_SOME};
+    struct binning g = {vf_aligned(s->centres.lo), {0}, s->n > SOME ? BINS : BINS_SOME, 1};
+    /* Odd, because scenes repeat in powers of two. */
+    uint32_t step = s->n / SAMPLE;
+    g.step = (step < STEP_MOST ? step : STEP_MOST) | 1;
     for (int i = 0; i < 3; i++) {
         float extent = s->centres.hi[i] - s->centres.lo[i];
         g.scale[i] = extent > 0 ? (float)g.bins * (1 - 0x1p-20f) / extent : 0;
@@ -218,19 +228,33 @@ static inline struct binning binning_of(const struct span *s)
 
 struct parted {
     uint32_t left;
-    struct vbox centres[2];
+    struct bounds side[2];
 };
 
-/* The bounds of the centres of n refs. */
-static inline struct vbox centres_of(const struct ref *r, uint32_t n)
+static inline void bounds_add(struct bounds *b, const struct ref *r)
 {
-    struct vbox a = empty(), b = empty(); /* two, so that neither waits for the other */
+    struct vbox box = of_ref(r);
+    b->box = join(b->box, box);
+    b->centres = join(b->centres, of_point(centre(box)));
+}
+
+SIMD_INLINE struct bounds bounds_join(struct bounds a, struct bounds b)
+{
+    return (struct bounds){join(a.box, b.box), join(a.centres, b.centres)};
+}
+
+static inline struct bounds bounds_none(void) { return (struct bounds){empty(), empty()}; }
+
+/* The bounds of n refs. */
+static inline struct bounds bounds_of(const struct ref *r, uint32_t n)
+{
+    struct bounds a = bounds_none(), b = a; /* two, so that neither waits for the other */
     for (uint32_t i = 0; i + 1 < n; i += 2) {
-        a = join(a, of_point(centre(of_ref(&r[i]))));
-        b = join(b, of_point(centre(of_ref(&r[i + 1]))));
+        bounds_add(&a, &r[i]);
+        bounds_add(&b, &r[i + 1]);
     }
-    if (n % 2) a = join(a, of_point(centre(of_ref(&r[n - 1]))));
-    return join(a, b);
+    if (n % 2) bounds_add(&a, &r[n - 1]);
+    return bounds_join(a, b);
 }
 
 /* Without a branch that depends on the references: every one changes places with the first of the
@@ -251,7 +275,7 @@ static inline struct parted part(
         vf_store_aligned(r[k].hi, box.hi);
         k += bin <= s->bin;
     }
-    return (struct parted){k, {centres_of(r, k), centres_of(r + k, n - k)}};
+    return (struct parted){k, {bounds_of(r, k), bounds_of(r + k, n - k)}};
 }
 
 #endif

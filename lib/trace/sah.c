@@ -47,7 +47,7 @@ struct chunked {
     struct choice choice;
     struct bins *bins;     /* of each chunk */
     struct parted *parted; /* of each chunk */
-    struct vbox (*boxes)[2];
+    struct bounds *bounds; /* of each chunk */
 };
 
 static struct ref *chunk(const struct chunked *c, uint32_t i, uint32_t *n)
@@ -62,14 +62,7 @@ static void measure_chunk(void *ctx, uint32_t i)
     struct chunked *c = ctx;
     uint32_t n;
     const struct ref *r = chunk(c, i, &n);
-    struct vbox box = empty(), centres = empty();
-    for (uint32_t k = 0; k < n; k++) {
-        struct vbox b = of_ref(&r[k]);
-        box = join(box, b);
-        centres = join(centres, of_point(centre(b)));
-    }
-    c->boxes[i][0] = box;
-    c->boxes[i][1] = centres;
+    c->bounds[i] = bounds_of(r, n);
 }
 
 static void bin_chunk(void *ctx, uint32_t i)
@@ -99,11 +92,10 @@ static void run(struct parallel *p, uint32_t n, parallel_job job, void *ctx)
 static void join_chunks(const struct chunked *c, struct parted *all)
 {
     uint32_t n_chunks = chunks(c->n), n;
-    *all = (struct parted){0, {empty(), empty()}};
+    *all = (struct parted){0, {bounds_none(), bounds_none()}};
     for (uint32_t i = 0; i < n_chunks; i++) {
         all->left += c->parted[i].left;
-        for (int k = 0; k < 2; k++)
-            all->centres[k] = join(all->centres[k], c->parted[i].centres[k]);
+        for (int k = 0; k < 2; k++) all->side[k] = bounds_join(all->side[k], c->parted[i].side[k]);
     }
     uint32_t from = n_chunks; /* its left refs below `last` move */
     struct ref *last = NULL, *stop = NULL;
@@ -122,42 +114,37 @@ static void join_chunks(const struct chunked *c, struct parted *all)
 
 /* ---- splits --------------------------------------------------------------------------------- */
 
+static struct span span_of(struct bounds b, uint32_t first, uint32_t n, int depth)
+{
+    return (struct span){stored(b.box), stored(b.centres), first, n, depth};
+}
+
 struct span sah_all(struct ref *refs, uint32_t n, struct parallel *p)
 {
     uint32_t n_chunks = chunks(n);
     struct chunked c = {.refs = refs, .n = n};
-    struct vbox box = empty(), centres = empty();
-    c.boxes = xaligned(n_chunks, sizeof *c.boxes);
+    struct bounds all = bounds_none();
+    c.bounds = xaligned(n_chunks, sizeof *c.bounds);
     run(p, n_chunks, measure_chunk, &c);
-    for (uint32_t i = 0; i < n_chunks; i++) {
-        box = join(box, c.boxes[i][0]);
-        centres = join(centres, c.boxes[i][1]);
-    }
-    free(c.boxes);
-    return (struct span){stored(box), stored(centres), 0, n, 0};
+    for (uint32_t i = 0; i < n_chunks; i++) all = bounds_join(all, c.bounds[i]);
+    free(c.bounds);
+    return span_of(all, 0, n, 0);
+}
+
+/* The halves of a span of which `left` refs go left. */
+static bool halves(
+    const struct span *s, uint32_t left, const struct bounds side[2], struct span half[2])
+{
+    half[0] = span_of(side[0], s->first, left, s->depth + 1);
+    half[1] = span_of(side[1], s->first + left, s->n - left, s->depth + 1);
+    return true;
 }
 
 static bool measured(struct ref *refs, const struct span *s, uint32_t left, struct span half[2])
 {
-    half[0] = sah_all(refs + s->first, left, NULL);
-    half[1] = sah_all(refs + s->first + left, s->n - left, NULL);
-    half[0].first = s->first;
-    half[1].first = s->first + left;
-    half[0].depth = half[1].depth = s->depth + 1;
-    return true;
-}
-
-/* The halves of a span that was parted between bins. */
-static void halves(const struct span *s, const struct bins *bins, const struct binning *g,
-    const struct choice *c, const struct parted *p, struct span half[2])
-{
-    struct vbox box[2] = {empty(), empty()};
-    for (int i = 0; i < g->bins; i++)
-        box[i > c->bin] = join(box[i > c->bin], bins->box[c->axis][i]);
-    uint32_t n[2] = {p->left, s->n - p->left};
-    for (int k = 0; k < 2; k++)
-        half[k] = (struct span){stored(box[k]), stored(p->centres[k]), s->first + (k ? p->left : 0),
-            n[k], s->depth + 1};
+    const struct ref *r = refs + s->first;
+    const struct bounds side[2] = {bounds_of(r, left), bounds_of(r + left, s->n - left)};
+    return halves(s, left, side, half);
 }
 
 static bool split_large(
@@ -174,7 +161,7 @@ static bool split_large(
         c.parted = xaligned(n_chunks, sizeof *c.parted);
         run(p, n_chunks, part_chunk, &c);
         join_chunks(&c, &all);
-        halves(s, &c.bins[0], &c.binning, &c.choice, &all, half);
+        halves(s, all.left, all.side, half);
         free(c.parted);
     }
     free(c.bins);
@@ -212,17 +199,13 @@ static bool split_few(struct ref *refs, const struct span *s, struct span half[2
     }
     uint32_t n[2] = {0, 0}, left = (uint32_t)__builtin_popcount(set);
     memcpy(old, r, s->n * sizeof *r);
-    struct vbox box[2] = {empty(), empty()}, centres[2] = {empty(), empty()};
+    struct bounds side[2] = {bounds_none(), bounds_none()};
     for (uint32_t i = 0; i < s->n; i++) {
-        unsigned side = !(set >> i & 1);
-        r[side * left + n[side]++] = old[i];
-        box[side] = join(box[side], of_ref(&old[i]));
-        centres[side] = join(centres[side], of_point(centre(of_ref(&old[i]))));
+        unsigned right = !(set >> i & 1);
+        r[right * left + n[right]++] = old[i];
+        bounds_add(&side[right], &old[i]);
     }
-    for (uint32_t k = 0; k < 2; k++)
-        half[k] = (struct span){
-            stored(box[k]), stored(centres[k]), s->first + k * left, n[k], s->depth + 1};
-    return true;
+    return halves(s, left, side, half);
 }
 
 bool sah_split(struct ref *refs, const struct span *s, struct span half[2], struct parallel *p)
@@ -250,6 +233,5 @@ bool sah_split(struct ref *refs, const struct span *s, struct span half[2], stru
     }
     if (c.axis < 0) return measured(refs, s, n / 2, half);
     struct parted all = part(r, n, &g, &c);
-    halves(s, &bins, &g, &c, &all, half);
-    return true;
+    return halves(s, all.left, all.side, half);
 }
