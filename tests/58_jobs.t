@@ -120,6 +120,7 @@ refused 'a bad scene' '^rtworker: scene:1'
 { pack scene 0.nff; echo 'frame 0 60 44 job=0123456789abcdef'; } >bad
 run rtworker -j 2 - <bad
 refused 'another job' 'expected 0123456789abcdef'
+is 'another job is announced before' "$(lines .out | grep -c '^frame 0 60 44 job=')" 1
 run rtworker -j 2 - <three
 refused 'records of a worker' 'record `hello`'
 
@@ -154,12 +155,15 @@ kill -KILL $(children | head -n 1)
 ended
 is 'a killed child: the picture' "$(same)" '0  '
 is 'a killed child: no other task was lost' "$(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [1-4] tasks, forked again$' said) $(wc -l <said)" '1 1'
-is 'a killed child: each done once' "$(grep -aoE 'done 0 [0-9]+ ' out | sort | uniq -c | awk '{ n[$1]++ } END { for (i in n) print i, n[i] }')" '1 80'
+# done_by_number: the number of tasks that are done once, twice, ...
+done_by_number() { grep -aoE 'done 0 [0-9]+ ' out | sort | uniq -c | awk '{ n[$1]++ } END { for (i in n) print i, n[i] }'; }
+is 'a killed child: each done once' "$(done_by_number)" '1 80'
 begun 3 -a 1024 -c
 # shellcheck disable=SC2046
 kill -KILL $(children | tail -n 1)
 ended
 is 'a killed child that held pixels back' "$(same)" '0  '
+is 'a killed child that held pixels back: each done once' "$(done_by_number)" '1 80'
 begun 2 -a 1024
 # shellcheck disable=SC2046
 kill -STOP $(children | head -n 1)

@@ -34,7 +34,7 @@ renders() {
 renders 'slots of this machine' '' fan -1 -j 3 rtworker
 renders 'one slot' '' fan -1 -j 1 rtworker
 renders 'hosts' '' fan -1 -S hosts rtworker
-is 'hosts: one connection for each' "$(tr '\n' ' ' <started)" 'far near '
+is 'hosts: one connection for each' "$(sort started | tr '\n' ' ')" 'far near '
 slots_of() { grep -aoE "$1 .*" frags | sed -nE 's/.* w=([0-9.]+) .*/\1/p' | sort | uniq -c | awk '{ printf "%s:%s ", $2, $1 }'; }
 is 'hosts: each slot has its tasks' "$(slots_of 'done [0-9]+ [0-9]+')" '0:8 1:8 2:7 3:7 4:7 5:7 '
 is 'hosts: each slot announces the frame' "$(slots_of 'frame 0 60 44')" '0:1 1:1 2:1 3:1 4:1 5:1 '
@@ -56,6 +56,15 @@ for options in '' -c; do
 	for f in 0 1 2; do ok "three scenes $options: picture $f" cmp f$f.pfm good$f.pfm; done
 done
 is 'fan -l -1: a line for each slot' "$(fan -l -1 -S hosts rtworker | cut -f 1,2 | tr '\t\n' ': ')" '0:: 1:: 2:far 3:far 4:far 5:near '
+
+for method in adaptive auto dc ds hybrid interleaved masterslave sc ss; do
+	rm -f started a.pfm
+	run balance $method -1 -S hosts -s 60x44 -o a.pfm 0.nff
+	is "balance $method -1" "$status $(unexpected .err | grep -v '^balance auto: ') $(cmp a.pfm good0.pfm 2>&1)" '0  '
+	[ $method = hybrid ] || [ $method = auto ] || is "balance $method -1: one connection for each host" "$(sort started | tr '\n' ' ')" 'far near '
+done
+run balance gdc -1 -j 2 -s 60x44 -o a.pfm 0.nff
+is 'balance gdc -1 is refused' "$status $err" '2 balance: -1: a ring has a node on each slot, expected another method'
 
 # ---- what is refused -------------------------------------------------------------------------------------------
 printf '%s\n' '#!/bin/sh' 'shift 2; exec rtworker "$@"' >plain && chmod +x plain

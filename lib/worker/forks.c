@@ -61,6 +61,9 @@ static void announce(struct forks *p, uint32_t generation)
         buf_consume(&w->out, buf_size(&w->out));
         up_end_record(&p->out.queue);
     }
+    if (!*w->other_job) return;
+    outlet_drain(&p->out);
+    die(ST_USAGE, "%s", w->other_job);
 }
 
 /* Builds for the frame as soon as the builder is idle. */
@@ -90,7 +93,7 @@ static void take_frame(struct forks *p, const struct record *r)
         if (s->child.pid && !s->ends && s->generation == now)
             wire_forward(&s->to.bytes, r, NULL, NULL);
     }
-    if (worker_forks_built(p, now)) announce(p, now);
+    if (worker_forks_built(p, now) && !p->builder.busy) announce(p, now);
     else want(p, f);
 }
 

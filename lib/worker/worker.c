@@ -102,17 +102,6 @@ void worker_hello(struct worker *w, int slots)
     push(w);
 }
 
-/* It is announced all the same, so that the reader can say which slot has another job. */
-static _Noreturn void other_job(struct worker *w, const struct frame_size *f, const char *job)
-{
-    const struct worker_job *known = frames_extra(&w->frames, f);
-    push(w);
-    die(ST_USAGE,
-        "frame %u: has job %s here, expected %s: the same scene or grid and specification, with "
-        "the same options",
-        f->frame, job, known->hash);
-}
-
 bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct worker_job *known = frames_extra(&w->frames, f);
@@ -126,7 +115,11 @@ bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORK
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
         w->ops->cpu_us ? " kind=replayed" : "");
     wire_job(&w->out, f, job, extra);
-    if (*known->hash && strcmp(known->hash, job) != 0) other_job(w, f, job);
+    if (*known->hash && strcmp(known->hash, job) != 0)
+        snprintf(w->other_job, sizeof w->other_job,
+            "frame %u: has job %s here, expected %s: the same scene or grid and specification, "
+            "with the same options",
+            f->frame, job, known->hash);
     memcpy(known->hash, job, sizeof job);
     known->announced = true;
     return true;
@@ -147,12 +140,19 @@ struct frame_size *worker_frame(struct worker *w, const struct record *r)
     return f;
 }
 
+/* Another job is announced all the same, so that the reader can say which slot has it. */
+static void announce(struct worker *w)
+{
+    push(w);
+    if (*w->other_job) die(ST_USAGE, "%s", w->other_job);
+}
+
 static void take_frame(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
     const struct frame_size *f = worker_frame(w, r);
     if (f) worker_announce(w, f, err); /* state may be missing: then the first task tries again */
-    push(w);
+    announce(w);
 }
 
 static void release_held(struct worker *w)
@@ -213,7 +213,7 @@ static void take_task(struct worker *w, const struct task *t)
     char err[WORKER_ERR];
     const struct frame_size *f = worker_frame_of(w, t);
     if (!worker_announce(w, f, err)) die(ST_USAGE, "%s", err);
-    push(w);
+    announce(w);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
     const struct worker_job *known = frames_extra(&w->frames, f);
     if (w->held_of != f->generation) release_held(w);

@@ -28,7 +28,8 @@ struct worker {
     struct frames frames;
     struct generations generations;
     float *pixels;
-    int64_t cpu_us; /* used at the latest done or other record */
+    int64_t cpu_us;             /* used at the latest done or other record */
+    char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
 /* ---- worker.c ---- */
@@ -38,7 +39,8 @@ void worker_hello(struct worker *w, int slots);
 /* Reads standard input to its end, renders, and says bye. */
 void worker_loop(struct worker *w);
 /* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is
- * missing, with text in err. Another job than the input stated ends the program. */
+ * missing, with text in err. Another job than the input stated sets w->other_job; the caller sends
+ * w->out and ends the program. */
 bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR]);
 /* Takes a frame record. NULL: it repeats what is known and announced. */
 struct frame_size *worker_frame(struct worker *w, const struct record *r);
