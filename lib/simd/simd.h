@@ -205,7 +205,7 @@ SIMD_INLINE unsigned vi_signs(vi m)
 #endif
 }
 
-/* ---- wide floats: 16 with AVX-512, whatever SIMD_MOST; otherwise as many as in a vf ------------ */
+/* ---- wide floats: 16 with AVX-512, whatever SIMD_MOST; otherwise as many as in a vf --------- */
 
 #if defined __AVX512F__ && SIMD_BYTES >= 32
 #define VW 16

@@ -3,9 +3,10 @@
  * at a time, in float. The tests are conservative: they accept each ray that the tests in double
  * accept (kernel.h), which then decide.
  *
- * Let e = 2^-24, the float rounding. P is the sum of the packet's pads: at least 4e (|o| + 3 reach),
- * |.| the sum of absolute coordinates. So P bounds twice the error of a float point of a ray's or an
- * item's. Each margin below exceeds the sum of the errors of its line's operands and operations.
+ * Let e = 2^-24, the rounding of a float. P is the sum of the packet's pads: at least
+ * 4e (|o| + 3 reach), |.| the sum of absolute coordinates. So P is more than twice the error of a
+ * float point of a ray or an item. Each margin below exceeds the sum of the errors of its operands
+ * and operations. A NaN rejects nothing.
  */
 #ifndef STORMRING_TRACE_FILTER_H
 #define STORMRING_TRACE_FILTER_H
@@ -109,13 +110,58 @@ static ALWAYS_INLINE unsigned may_hit_sphere4(const struct sphere4 *s, const str
     return rays;
 }
 
+/*
+ * A ray that hits the cone passes its axis within the greatest radius, and the middle of the axis
+ * within the cone's extent. A ray that starts on the cone and leaves it does not hit it again if
+ * both roots of the quadratic have one sign (a > 0 and b > 0 in hit_cone4).
+ */
+static ALWAYS_INLINE unsigned may_hit_cone4(const struct cone4 *s, const struct packet *p)
+{
+    _Alignas(32) float q[9][LANES];
+    unsigned rays = 0;
+    narrow(s->b, q, 9); /* b, a, h, r, k */
+    for (int k = 0; k < LANES && s->item[k] != NO_ITEM; k++) {
+        float half = 0.5f * q[6][k], r0 = q[7][k], slope = q[8][k], r1 = r0 + slope * q[6][k];
+        float r = ((r0 > r1 ? r0 : r1) + 4 * p->pads) * (1 + 0x1p-20f);
+        float steep = 1 + fabsf(slope), extent = half + r;
+        vw ax = vw_set(q[3][k]), ay = vw_set(q[4][k]), az = vw_set(q[5][k]), m = vw_set(slope);
+        for (int i = 0; i < PACKET; i += VW) {
+            vw dx = vw_aligned(p->d[0] + i), dy = vw_aligned(p->d[1] + i);
+            vw dz = vw_aligned(p->d[2] + i);
+            /* q: from the middle of the axis; w: across the ray and the axis */
+            vw qx = vw_aligned(p->o[0] + i) - vw_set(q[0][k] + half * q[3][k]);
+            vw qy = vw_aligned(p->o[1] + i) - vw_set(q[1][k] + half * q[4][k]);
+            vw qz = vw_aligned(p->o[2] + i) - vw_set(q[2][k] + half * q[5][k]);
+            vw wx = dy * az - dz * ay, wy = dz * ax - dx * az, wz = dx * ay - dy * ax;
+            vw along = qx * dx + qy * dy + qz * dz, ww = wx * wx + wy * wy + wz * wz;
+            vw gap = vw_abs(qx * wx + qy * wy + qz * wz) - vw_set(8 * p->pads);
+            gap = vw_max(gap, vw_set(0));
+            vw g = vw_set(r * r) * (ww * vw_set(1 + 0x1p-9f) + vw_set(0x1p-32f)) - gap * gap;
+            vw when = vw_min(vw_aligned(p->limit + i) + along, vw_set(0) - along);
+            unsigned miss = vw_negative_bits(vw_min(g, when + vw_set(extent + 4 * p->pads)));
+            unsigned start = vw_equal_bits(p->start + i, s->item[k]);
+            if (start & ~miss) {
+                vw z = qx * ax + qy * ay + qz * az, rise = dx * ax + dy * ay + dz * az;
+                vw b = along - z * rise - (vw_set(r0 + slope * half) + m * z) * m * rise;
+                vw most = m * (vw_abs(rise) + vw_set(0x1p-21f));
+                vw a = ww * vw_set(1 - 0x1p-9f) - vw_set(0x1p-32f) -
+                       most * most * vw_set(1 + 0x1p-20f);
+                vw least = vw_min(a, b - vw_set(16 * p->pads * steep * steep));
+                miss |= start & vw_negative_bits(vw_set(0) - least);
+            }
+            rays |= (~miss & ((1u << VW) - 1)) << i;
+        }
+    }
+    return rays;
+}
+
 /* The rays of the packet that may hit block i. */
 static ALWAYS_INLINE unsigned may_hit_block(
     const struct bvh *b, enum item_kind kind, uint32_t i, const struct packet *p)
 {
     if (kind == ITEM_TRIANGLE) return may_hit_tri4((const struct tri4 *)b->blocks[kind] + i, p);
     if (kind == ITEM_SPHERE) return may_hit_sphere4((const struct sphere4 *)b->blocks[kind] + i, p);
-    return UINT32_MAX;
+    return may_hit_cone4((const struct cone4 *)b->blocks[kind] + i, p);
 }
 
 #endif
