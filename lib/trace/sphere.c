@@ -24,7 +24,8 @@ static void clear(void *block, int lane)
 {
     struct sphere4 *b = block;
     b->c[0][lane] = b->c[1][lane] = b->c[2][lane] = 0;
-    b->r[lane] = b->err[lane] = 0;
+    b->r[lane] = (double)NAN; /* never hit: no comparison with it holds; a radius of 0 can be hit */
+    b->err[lane] = 0;
     b->item[lane] = NO_ITEM;
 }
 

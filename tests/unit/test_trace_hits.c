@@ -263,6 +263,29 @@ static void test_ties(void **state)
     scene_free(&s);
 }
 
+/* Lanes without an item: no ray hits them, not even one through 0 or with its end there. */
+static void test_empty_lanes(void **state)
+{
+    (void)state;
+    uint64_t n = 0;
+    for (int kind = 0; kind < ITEM_KINDS; kind++) {
+        struct bvh b = {0};
+        b.blocks[kind] = xaligned(1, trace_shapes[kind]->block_size);
+        for (int k = 0; k < LANES; k++) trace_shapes[kind]->clear(b.blocks[kind], k);
+        for (int i = 0; i < 2000; i++) {
+            struct vec3 o = random_point(4, &n, 3);
+            if (i % 2) o = v3(i % 3 ? 4 : 0, i % 5 ? -3 : 0, i % 7 ? 2 : 1);
+            double far = i % 4 < 2 ? v3_len(o) : HUGE_VAL;
+            const struct ray r = {o, v3_scale(o, -1 / v3_len(o)), 0, far, 0, false};
+            _Alignas(32) double t[LANES];
+            const uint32_t *items;
+            unsigned twice;
+            assert_int_equal(hit_block(&b, (enum item_kind)kind, 0, &r, far, t, &items, &twice), 0);
+        }
+        free(b.blocks[kind]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -272,6 +295,7 @@ int main(void)
         cmocka_unit_test(test_pictures_without_hierarchy),
         cmocka_unit_test(test_factors_in_order),
         cmocka_unit_test(test_ties),
+        cmocka_unit_test(test_empty_lanes),
     };
     return cmocka_run_group_tests_name("trace: hits", tests, NULL, NULL);
 }
