@@ -115,14 +115,16 @@ int main(int argc, char **argv)
         struct phases t = run(&o, &text, &rgba, &c);
         phase[0][i] = t.parse_ms, phase[1][i] = t.build_ms, phase[2][i] = t.trace_ms;
     }
-    uint64_t rays = c.eye + c.reflected + c.refracted + c.shadow;
+    uint64_t rays = 0;
+    for (int k = 0; k < RAY_KINDS; k++) rays += c.of[k].rays;
     size_t runs = (size_t)o.runs;
     double trace_ms = stats_median(phase[2], runs);
     printf("parse_ms\t%.2f\nbuild_ms\t%.2f\ntrace_ms\t%.2f\n", stats_median(phase[0], runs),
         stats_median(phase[1], runs), trace_ms);
     printf("eye\t%" PRIu64 "\nreflected\t%" PRIu64 "\nrefracted\t%" PRIu64 "\nshadow\t%" PRIu64
            "\n",
-        c.eye, c.reflected, c.refracted, c.shadow);
+        c.of[RAY_EYE].rays, c.of[RAY_REFLECTED].rays, c.of[RAY_REFRACTED].rays,
+        c.of[RAY_SHADOW].rays);
     printf("ns_per_ray\t%.1f\n", trace_ms * 1e6 / (double)rays);
     printf("hash\t%016" PRIx64 "\n", hash64(HASH64_INIT, rgba, (size_t)16 * o.w * o.h));
     if (o.out) write_pfm(o.out, &o, rgba);
