@@ -1,8 +1,9 @@
 /*
  * wave: the samples of neighbouring pixels are traced together. In each round every unfinished
  * sample traces one ray: first the eye ray, then the pending ray of largest weight. The rays
- * of a round are traced in packets, then their shadow rays, one light after another. Rays that can
- * bring too little are dropped (pending.h), and so are shadow rays.
+ * of a round are traced in packets, unless they start from curved surfaces, and shaded in vectors
+ * (shade.h). Then their shadow rays are traced, one light after another. Rays that can bring too
+ * little are dropped (pending.h), and so are shadow rays.
  *
  * The order of a sample's rays depends only on that sample, so a pixel does not depend on the other
  * pixels of the wave.
@@ -130,25 +131,40 @@ static void gather_points(struct wave *w, struct sample *const *list, uint32_t n
     }
 }
 
-static void shade_direct(struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n)
+/* The next query holds a shadow ray of s and its light: keeps it, unless it can bring too little. */
+static inline void keep_query(struct tracer *t, struct wave *w, struct sample *s)
+{
+    const struct pending *k = &w->pool.at[s->now];
+    struct shadow_query *a = &w->query[w->n_queries];
+    if (!t->options.by_spd && dropped(s, a->light, k->weight)) return;
+    a->sum = &s->light;
+    if (++w->n_queries == PACKET) trace_shadows(t, w);
+}
+
+static void query_all(
+    struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n, uint32_t l)
 {
     const struct shade_light *lit = &w->lit;
+    uint64_t bits = t->shaders->light(&w->at, n, &t->scene->lights[l], &w->lit);
+    for (; bits; bits &= bits - 1) {
+        int i = __builtin_ctzll(bits);
+        struct sample *s = list[i];
+        struct shadow_query *a = &w->query[w->n_queries];
+        a->light = v3(lit->light[0][i], lit->light[1][i], lit->light[2][i]);
+        a->ray = (struct ray){s->at.p, v3(lit->d[0][i], lit->d[1][i], lit->d[2][i]), 0,
+            lit->distance[i], s->at.err, t->light_in_surface[l], s->at.start};
+        keep_query(t, w, s);
+    }
+}
+
+static void shade_direct(struct tracer *t, struct wave *w, struct sample *const *list, uint32_t n)
+{
     w->at.all = t->options.by_spd;
-    gather_points(w, list, n);
+    if (n > 1) gather_points(w, list, n);
     for (uint32_t l = 0; l < t->scene->n_lights; l++) {
-        uint64_t bits = t->shaders->light(&w->at, n, &t->scene->lights[l], &w->lit);
-        for (; bits; bits &= bits - 1) {
-            int i = __builtin_ctzll(bits);
-            struct sample *s = list[i];
-            const struct pending *k = &w->pool.at[s->now];
-            struct shadow_query *a = &w->query[w->n_queries];
-            a->light = v3(lit->light[0][i], lit->light[1][i], lit->light[2][i]);
-            if (!t->options.by_spd && dropped(s, a->light, k->weight)) continue;
-            a->ray = (struct ray){s->at.p, v3(lit->d[0][i], lit->d[1][i], lit->d[2][i]), 0,
-                lit->distance[i], s->at.err, t->light_in_surface[l], s->at.start};
-            a->sum = &s->light;
-            if (++w->n_queries == PACKET) trace_shadows(t, w);
-        }
+        struct shadow_query *a = &w->query[0];
+        if (n > 1) query_all(t, w, list, n, l);
+        else if (light_from(t, &list[0]->at, l, &a->light, &a->ray)) keep_query(t, w, list[0]);
         trace_shadows(t, w);
     }
 }
@@ -238,7 +254,7 @@ static uint32_t trace_round(struct tracer *t, struct wave *w, struct sample **li
 {
     uint32_t hits = find_hits(t, w, list, n);
     for (uint32_t i = 0; i < hits; i++) list[i]->light = v3(0, 0, 0);
-    shade_direct(t, w, list, hits);
+    if (hits) shade_direct(t, w, list, hits);
     for (uint32_t i = 0; i < hits; i++) {
         bring(w, list[i], list[i]->light);
         send_on(t, w, list[i]);
