@@ -1,5 +1,6 @@
 /* rtworker: ray-traces the tasks it reads. */
 #include "base/base.h"
+#include "proc/proc.h"
 #include "scene/scene.h"
 #include "trace/trace.h"
 #include "worker/worker.h"
@@ -172,6 +173,8 @@ static struct options parse(int argc, char **argv)
     if (o.what == RAYS && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
         die(ST_USAGE, "-R: expected no -a, -i or -w with it");
     o.trace.count_tests = o.what == TESTS;
+    int cores = cores_available();
+    if (o.worker.jobs > 1) o.trace.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
     if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
