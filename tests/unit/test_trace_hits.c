@@ -276,7 +276,7 @@ static void test_empty_lanes(void **state)
             struct vec3 o = random_point(4, &n, 3);
             if (i % 2) o = v3(i % 3 ? 4 : 0, i % 5 ? -3 : 0, i % 7 ? 2 : 1);
             double far = i % 4 < 2 ? v3_len(o) : HUGE_VAL;
-            const struct ray r = {o, v3_scale(o, -1 / v3_len(o)), 0, far, 0, false};
+            const struct ray r = {.o = o, .d = v3_scale(o, -1 / v3_len(o)), .t_max = far};
             _Alignas(32) double t[LANES];
             const uint32_t *items;
             unsigned twice;

@@ -101,7 +101,8 @@ static void test_rays(void **state)
             struct vec3 o = random_point(seed, &n, 4), to = random_point(seed, &n, 2);
             if (k % 5 == 0) to = v3(o.x, o.y - 1, o.z);
             if (k % 5 == 1) to = v3(o.x - 1, o.y + 1, o.z); /* in the planes of two normals */
-            const struct ray r = {o, v3_unit(v3_sub(to, o)), 0, k % 3 ? HUGE_VAL : 2, 0, false};
+            const struct ray r = {
+                .o = o, .d = v3_unit(v3_sub(to, o)), .t_max = k % 3 ? HUGE_VAL : 2};
             struct hit h[3];
             bool blocked[3];
             for (int i = 0; i < 3; i++) {
@@ -222,7 +223,7 @@ static void test_counts(void **state)
         struct tracer *t = tracer_by(&s, every[i], true);
         struct trace_counts rays;
         struct hit h;
-        const struct ray up = {v3(0, 0, 9), v3(0, 0, 1), 0, HUGE_VAL, 0, false, 0};
+        const struct ray up = {.o = v3(0, 0, 9), .d = v3(0, 0, 1), .t_max = HUGE_VAL};
         t->k->closest(&t->bvh, &up, &h);
         tracer_tests(t, &c[i]);
         assert_int_equal(c[i].rays, 1);
