@@ -77,6 +77,9 @@ floor() {
 floor .25 '-5' one.pfm
 floor .5 '-5 -5' two.pfm
 floor .5 '-5 -5.5' apart.pfm
+floor .5 '-5' single.pfm
+nok() { ok "$1" sh -c '! "$@"' - "$2" "$3" "$4"; }
+nok 'a second pane in the same place makes the shadow darker' cmp -s single.pfm two.pfm
 ok 'a shadow ray through two panes in one place: both count' cmp one.pfm two.pfm
 ok 'as two panes apart' cmp apart.pfm two.pfm
 spdgen -s 2 gears >gears.nff
