@@ -84,7 +84,7 @@ ok 'a shadow ray through two panes in one place: both count' cmp one.pfm two.pfm
 ok 'as two panes apart' cmp apart.pfm two.pfm
 spdgen -s 2 gears >gears.nff
 rtworker -R -x sse2 gears.nff >narrow
-rtworker -R -x avx2 - <gears.nff >wide
+rtworker -R - <gears.nff >wide
 ok 'the same counts by all vector instructions, and from standard input' cmp narrow wide
 
 for bad in '-R -a 4' '-R -w 0.1' '-R -i' '-R -s 0x4' '-R missing.nff'; do
