@@ -124,6 +124,11 @@ void *xrealloc(void *p, size_t n, size_t size);
 char *xstrdup(const char *s);
 /* The same, aligned to 64 bytes, not cleared. Release with free(). */
 void *xaligned(size_t n, size_t size);
+/* Asks the system for all pages of these bytes at once, which costs less than a fault for each. For
+ * memory that will be written soon. If the system cannot, the faults come. */
+void base_populate(void *p, size_t bytes);
+/* Returns the whole pages within these bytes to the system. Their contents are lost. */
+void base_discard(void *p, size_t bytes);
 
 /* Bytes [off, len) of data are unread. Append at the end, consume at the front. */
 struct buf {

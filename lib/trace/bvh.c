@@ -15,8 +15,6 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #define TASKS 64        /* about that many */
 #define TASK_LEAST 1024 /* refs */
@@ -31,11 +29,11 @@
  */
 struct subtree {
     struct span span;
-    uint32_t parent, lane;       /* where the top refers to it */
-    struct node8 *nodes;         /* the first is its root */
-    uint32_t n_nodes, room;      /* room: of the top, which grows */
-    uint32_t first_node;         /* in the finished hierarchy */
-    uint32_t blocks[ITEM_KINDS]; /* their number, and then the first one */
+    uint32_t parent, lane;  /* where the top refers to it */
+    struct node8 *nodes;    /* the first is its root */
+    uint32_t n_nodes, room; /* room: of the top, which grows */
+    uint32_t first_node;    /* in the finished hierarchy */
+    uint32_t n_blocks[ITEM_KINDS], first_block[ITEM_KINDS];
 };
 
 struct making {
@@ -147,7 +145,7 @@ static void count_blocks(const struct making *m, struct subtree *t)
             uint32_t c = t->nodes[k].child[i];
             if (!(t->nodes[k].used >> i & 1) || !(c & LEAF) || c == NO_CHILD) continue;
             uint32_t kind = m->refs[c & ~LEAF].kind;
-            t->blocks[kind & KIND_MASK] += ((kind >> KIND_BITS) + LANES - 1) / LANES;
+            t->n_blocks[kind & KIND_MASK] += ((kind >> KIND_BITS) + LANES - 1) / LANES;
         }
 }
 
@@ -175,61 +173,44 @@ static void fill_block(
     }
 }
 
-/* Fills the blocks of a leaf. Returns the child that refers to them. */
-static uint32_t make_leaf(const struct making *m, struct subtree *t, const struct ref *r)
+/* Fills the blocks of a leaf, the next of their kind. Returns the child that refers to them. */
+static uint32_t make_leaf(const struct making *m, uint32_t next[ITEM_KINDS], const struct ref *r)
 {
     uint32_t kind = r->kind & KIND_MASK, n = r->kind >> KIND_BITS;
-    uint32_t first = t->blocks[kind], n_blocks = (n + LANES - 1) / LANES;
+    uint32_t first = next[kind], n_blocks = (n + LANES - 1) / LANES;
     size_t size = trace_shapes[kind]->block_size;
     for (uint32_t i = 0; i < n_blocks; i++) {
         uint32_t left = n - i * LANES;
         fill_block(m, kind, (char *)m->b->blocks[kind] + (first + i) * size, r + i * LANES,
             left < LANES ? left : LANES);
     }
-    t->blocks[kind] += n_blocks;
+    next[kind] += n_blocks;
     return leaf_of(kind, n_blocks, first);
 }
 
-static void make_leaves(const struct making *m, struct subtree *t)
+static void make_leaves(const struct making *m, const struct subtree *t)
 {
+    uint32_t next[ITEM_KINDS];
+    memcpy(next, t->first_block, sizeof next);
     for (uint32_t k = 0; k < t->n_nodes; k++) {
         struct node8 *node = &m->b->nodes[t->first_node + k];
         for (int i = 0; i < WIDTH; i++)
             if (node->used >> i & 1 && node->child[i] & LEAF)
-                node->child[i] = make_leaf(m, t, &m->refs[node->child[i] & ~LEAF]);
+                node->child[i] = make_leaf(m, next, &m->refs[node->child[i] & ~LEAF]);
     }
-}
-
-/* Returns whole pages of refs to the system: blocks are filled in their place. */
-static void release_refs(struct ref *r, uint32_t n)
-{
-    uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
-    uintptr_t from = ((uintptr_t)r + page - 1) & ~(page - 1), to = (uintptr_t)(r + n) & ~(page - 1);
-    if (from < to) madvise((char *)r + (from - (uintptr_t)r), to - from, MADV_DONTNEED);
-}
-
-/* Asks for all pages of blocks [first, end) at once: that costs less than a fault for each. If the
- * system cannot, the faults come. */
-static void want_blocks(const struct bvh *b, int kind, uint32_t first, uint32_t end)
-{
-#ifdef MADV_POPULATE_WRITE
-    size_t size = trace_shapes[kind]->block_size;
-    char *at = (char *)b->blocks[kind] + first * size;
-    size_t before = (uintptr_t)at % (uintptr_t)sysconf(_SC_PAGESIZE);
-    if (first < end) madvise(at - before, before + (end - first) * size, MADV_POPULATE_WRITE);
-#else
-    (void)b, (void)kind, (void)first, (void)end;
-#endif
 }
 
 static void fill_task(void *ctx, uint32_t i)
 {
     struct making *m = ctx;
-    for (int k = 0; k < ITEM_KINDS; k++)
-        want_blocks(m->b, k, m->tasks[i].blocks[k],
-            i + 1 < m->n_tasks ? m->tasks[i + 1].blocks[k] : m->b->n_blocks[k]);
-    make_leaves(m, &m->tasks[i]);
-    release_refs(m->refs + m->tasks[i].span.first, m->tasks[i].span.n);
+    struct subtree *t = &m->tasks[i];
+    for (int k = 0; k < ITEM_KINDS; k++) {
+        uint32_t end = i + 1 < m->n_tasks ? t[1].first_block[k] : m->b->n_blocks[k];
+        size_t size = trace_shapes[k]->block_size, at = t->first_block[k] * size;
+        base_populate((char *)m->b->blocks[k] + at, end * size - at);
+    }
+    make_leaves(m, t);
+    base_discard(m->refs + t->span.first, t->span.n * sizeof *m->refs);
 }
 
 /* ---- the hierarchy -------------------------------------------------------------------------- */
@@ -252,17 +233,15 @@ static void number(struct making *m)
     struct bvh *b = m->b;
     b->n_nodes = m->top.n_nodes;
     count_blocks(m, &m->top);
-    memcpy(b->n_blocks, m->top.blocks, sizeof b->n_blocks);
-    memset(m->top.blocks, 0, sizeof m->top.blocks);
+    memcpy(b->n_blocks, m->top.n_blocks, sizeof b->n_blocks);
     for (uint32_t i = 0; i < m->n_tasks; i++) {
         struct subtree *t = &m->tasks[i];
         t->first_node = b->n_nodes;
         b->n_nodes += t->n_nodes;
         if (m->top.n_nodes) m->top.nodes[t->parent].child[t->lane] = t->first_node;
         for (int k = 0; k < ITEM_KINDS; k++) {
-            uint32_t n = t->blocks[k];
-            t->blocks[k] = b->n_blocks[k];
-            b->n_blocks[k] += n;
+            t->first_block[k] = b->n_blocks[k];
+            b->n_blocks[k] += t->n_blocks[k];
         }
     }
     b->nodes = xaligned(b->n_nodes, sizeof *b->nodes);

@@ -85,9 +85,11 @@ static void make_part(void *ctx, uint32_t i)
     const struct scene *s = m->t->scene;
     struct part *part = &m->parts[i];
     struct triangle *tri = xmalloc(part->largest - 2, sizeof *tri);
+    base_populate(m->t->items + part->first, part->most * sizeof *m->t->items);
+    base_populate(m->refs + part->first, part->most * sizeof *m->refs);
     for (uint32_t k = i * CHUNK, end = end_of(s, i); k < end; k++) {
         const struct prim *p = &s->prims[k];
-        struct item it = {.prim = k, .material = p->material};
+        struct item it = {.prim = k, .material = p->material & MATERIAL_MASK};
         if (!is_poly(p)) {
             it.kind = p->kind == PRIM_SPHERE ? ITEM_SPHERE : ITEM_CONE;
             add_item(m, part, it);
@@ -139,6 +141,7 @@ struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct
     uint32_t n_parts = (s->n_prims + CHUNK - 1) / CHUNK;
     uint64_t n = 0;
     struct making m = {t, NULL, xmalloc(n_parts, sizeof *m.parts)};
+    if (s->n_materials > MATERIAL_MASK) die(ST_SYSTEM, "too many materials");
     parallel_run(p, n_parts, count_part, &m);
     *reach = farther(0, s->view.from);
     for (uint32_t i = 0; i < s->n_lights; i++) *reach = farther(*reach, s->lights[i].pos);

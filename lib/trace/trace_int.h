@@ -37,11 +37,12 @@ enum item_kind { ITEM_TRIANGLE, ITEM_SPHERE, ITEM_CONE, ITEM_KINDS };
 
 struct item {
     uint32_t prim;
-    uint32_t material;
     uint32_t vertex[3]; /* triangle: indices into the scene's vertices */
-    uint8_t kind;
-    bool smooth; /* triangle of a patch: normals are interpolated */
+    uint32_t material : 29;
+    uint32_t kind : 2;
+    uint32_t smooth : 1; /* triangle of a patch: normals are interpolated */
 };
+#define MATERIAL_MASK ((UINT32_C(1) << 29) - 1)
 
 /* Lane i of a block holds item[i]. Lanes with NO_ITEM hold numbers that no ray can hit. */
 struct tri4 {

@@ -9,8 +9,6 @@
  */
 #include "trace/trace_int.h"
 
-#include <float.h>
-
 static struct vec3 corner(const struct scene *s, const struct item *it, int i)
 {
     return s->vertices[it->vertex[i]];
@@ -38,8 +36,9 @@ static inline struct vec3 area_normal(const struct scene *s, const struct item *
 
 static bool has_surface(const struct scene *s, const struct item *it)
 {
-    double area2 = v3_len(area_normal(s, it));
-    return area2 > DBL_MIN && isfinite(area2);
+    struct vec3 n = area_normal(s, it);
+    double squared = v3_dot(n, n);
+    return squared > 0 && isfinite(squared);
 }
 
 static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
