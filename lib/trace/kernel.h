@@ -20,12 +20,6 @@
 /* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
 
-/* slabs.c defines these before it includes this file. */
-#ifndef COUNT_BOXES
-#define COUNT_BOXES(b, node) ((void)0)
-#define COUNT_ITEMS(b, items) ((void)0)
-#endif
-
 /* A ray, prepared for tests of boxes. */
 struct box_ray {
     float near[3], far[3], inv[3];        /* origins for the near and far planes; 1/d */

@@ -3,6 +3,8 @@
  * counts the tests of bounding volumes and of items, which it can do for all hierarchies. Traces
  * rays one by one, with the vectors that every machine has.
  */
+#define COUNT_BOXES(b, node) ((b)->tests->boxes += (unsigned)__builtin_popcount((node)->used))
+#define COUNT_ITEMS(b, items) ((b)->tests->items += lanes_used(items))
 #include "trace/trace_int.h"
 
 static inline unsigned lanes_used(const uint32_t item[LANES])
@@ -13,8 +15,6 @@ static inline unsigned lanes_used(const uint32_t item[LANES])
 }
 
 #define SIMD_MOST 16
-#define COUNT_BOXES(b, node) ((b)->tests->boxes += (unsigned)__builtin_popcount((node)->used))
-#define COUNT_ITEMS(b, items) ((b)->tests->items += lanes_used(items))
 #include "trace/kernel.h"
 #include "trace/slabs.h"
 
