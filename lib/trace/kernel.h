@@ -15,8 +15,7 @@
 
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 
-/* Smaller slopes are replaced by this one. slack / TINY is then longer than any ray. */
-#define TINY 1e-18f
+#define TINY 1e-18f /* replaces smaller slopes: slack / TINY is longer than any ray */
 /* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
 
