@@ -249,7 +249,7 @@ static bool all_gone(const struct fan *f)
     return true;
 }
 
-/* The number of slots that never were up. A slot on this machine that did not fail does not count. */
+/* The number of slots that never were up, without those on this machine that did not fail. */
 static int never_up(const struct fan *f)
 {
     int n = 0;

@@ -314,8 +314,9 @@ int worker_forks(struct worker *w)
     p.out.greeted = true;
     while (goes_on(&p)) go_round(&p, at);
     if (signals_came()) signals_die();
-    if (p.refused || p.out.gone) exit(p.refused ? p.refused : ST_SYSTEM); /* the thread may run */
-    wire_plain(&p.out.queue.bulk, REC_BYE, NULL);
+    if (p.out.gone) exit(ST_SYSTEM); /* the builder may be at work */
+    if (p.builder.busy) worker_builder_join(&p.builder);
+    if (!p.refused) wire_plain(&p.out.queue.bulk, REC_BYE, NULL);
     up_end_record(&p.out.queue);
     outlet_drain(&p.out);
     for (int k = 0; k < p.n_slots; k++) worker_fork_free(&p.slots[k]);
@@ -324,5 +325,5 @@ int worker_forks(struct worker *w)
     up_free(&p.out.queue);
     free(p.slots);
     free(at);
-    return p.out.gone ? ST_SYSTEM : ST_OK;
+    return p.out.gone ? ST_SYSTEM : p.refused;
 }
