@@ -131,7 +131,7 @@ static void gather_points(struct wave *w, struct sample *const *list, uint32_t n
     }
 }
 
-/* The next query holds a shadow ray of s and its light: keeps it, unless it can bring too little. */
+/* The next query has a shadow ray of s and its light: keeps it, unless it brings too little. */
 static inline void keep_query(struct tracer *t, struct wave *w, struct sample *s)
 {
     const struct pending *k = &w->pool.at[s->now];
