@@ -189,13 +189,15 @@ int worker_render(struct worker_states *s, const struct worker_options *o)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped. */
+/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped: then it was
+ * not opened, because a FIFO can be opened only once. */
 static unsigned char *map_file(const char *path, size_t *n)
 {
     struct stat st;
-    void *p = MAP_FAILED;
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return NULL;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) return NULL;
+    void *p = MAP_FAILED;
     if (fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0) {
         *n = (size_t)st.st_size;
         p = mmap(NULL, *n, PROT_READ, MAP_PRIVATE, fd, 0);
