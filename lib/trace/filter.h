@@ -16,9 +16,8 @@
 struct packet {
     _Alignas(64) float o[3][PACKET];
     _Alignas(64) float d[3][PACKET];
-    _Alignas(64) float inv[3][PACKET];     /* 1 / d */
-    _Alignas(64) float from_lo[3][PACKET]; /* (o + pad) / d */
-    float from_hi[3][PACKET];              /* (o - pad) / d */
+    _Alignas(64) float inv[3][PACKET];   /* 1 / d */
+    _Alignas(64) float from[6][PACKET];  /* by axis: (o + pad) / d, then (o - pad) / d */
     _Alignas(64) float limit[PACKET];    /* no hit beyond this t matters; -1: the ray is finished */
     _Alignas(64) uint32_t start[PACKET]; /* the item that the ray starts on, or NO_ITEM */
     float pad[3], pads;                  /* pads: their sum */
@@ -48,7 +47,7 @@ static ALWAYS_INLINE float size_of(float (*a)[LANES], int k)
 
 /*
  * The test of hit_tri4, multiplied by |n.d| so that nothing is divided: a grazing ray, whose t is
- * uncertain, has small values and so is accepted. A ray that starts on the triangle does not hit it:
+ * uncertain, has small values and so is accepted. A ray that starts on the triangle misses it:
  * its origin is off the plane by less than both error bounds.
  */
 static ALWAYS_INLINE unsigned may_hit_tri4(const struct tri4 *t, const struct packet *p)

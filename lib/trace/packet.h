@@ -4,8 +4,9 @@
  * arithmetic culling methods for entire ray packets", 2006). Each child is tested against every ray
  * when it leaves the stack. If few rays remain, each continues alone (C. Benthin, I. Wald, S.
  * Woop, M. Ernst, W. Mark, "Combining single and packet-ray tracing for arbitrary ray distributions
- * on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Box tests are conservative and blocks are
- * tested ray by ray, so the hits equal those of single rays.
+ * on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Box tests are conservative, and so is
+ * the filter of leaves (filter.h); what remains is tested ray by ray. So the hits equal those of
+ * single rays.
  */
 #ifndef STORMRING_TRACE_PACKET_H
 #define STORMRING_TRACE_PACKET_H
@@ -48,8 +49,8 @@ static ALWAYS_INLINE void packet_axis(struct packet *p, int axis, float slack)
     float pad = pad_of(fabsf(first) > fabsf(last) ? first : last, slack);
     for (int i = 0; i < PACKET; i += VF) {
         vf o = vf_aligned(p->o[axis] + i), inv = vf_aligned(p->inv[axis] + i);
-        vf_store_aligned(p->from_lo[axis] + i, (o + vf_set(pad)) * inv);
-        vf_store_aligned(p->from_hi[axis] + i, (o - vf_set(pad)) * inv);
+        vf_store_aligned(p->from[axis] + i, (o + vf_set(pad)) * inv);
+        vf_store_aligned(p->from[axis + 3] + i, (o - vf_set(pad)) * inv);
     }
     p->pad[axis] = pad;
     box_ray_axis(&p->all, axis, 0, 0, most < 0 ? -1 : 1);
@@ -107,39 +108,35 @@ static ALWAYS_INLINE unsigned bound_boxes(
     return meet_boxes(n, &p->all, p->far_inv, p->limit_max, t_near);
 }
 
-/* The distances at which VW rays from i on pass a plane. */
-static ALWAYS_INLINE vw pass_plane(float plane, const float *from, const float *inv)
+/* The distances at which VW rays from i on pass a plane: `plane` is its offset in the node. */
+static ALWAYS_INLINE vw pass_plane(
+    const struct packet *p, const float *planes, int axis, uint32_t plane, int i)
 {
-    return vw_mul_sub(vw_set(plane), vw_aligned(inv), vw_aligned(from));
+    const float *from = p->from[plane / WIDTH] + i, *inv = p->inv[axis] + i;
+    return vw_mul_sub(vw_set(planes[plane]), vw_aligned(inv), vw_aligned(from));
 }
 
 /* The rays that enter child k of n before their limit. */
 static ALWAYS_INLINE unsigned rays_in_box(const struct node8 *n, uint32_t k, const struct packet *p)
 {
-    const float *planes = (const float *)n + k, *inv = p->inv[0];
+    const float *planes = (const float *)n + k; /* lo and hi are its first members */
     unsigned mask = 0;
     for (int i = 0; i < PACKET; i += VW) {
         vw near, far, limit = vw_aligned(p->limit + i);
         if (!p->mixed) {
             const uint32_t *in = p->all.near_plane, *out = p->all.far_plane;
-            const float *from = p->from_lo[0] + i;
-            /* from_lo and from_hi are one array: [plane / WIDTH] is the row of a plane */
-            vw x0 = pass_plane(planes[in[0]], from + in[0] / WIDTH * PACKET, inv + i);
-            vw y0 = pass_plane(planes[in[1]], from + in[1] / WIDTH * PACKET, inv + PACKET + i);
-            vw z0 = pass_plane(planes[in[2]], from + in[2] / WIDTH * PACKET, inv + 2 * PACKET + i);
-            vw x1 = pass_plane(planes[out[0]], from + out[0] / WIDTH * PACKET, inv + i);
-            vw y1 = pass_plane(planes[out[1]], from + out[1] / WIDTH * PACKET, inv + PACKET + i);
-            vw z1 =
-                pass_plane(planes[out[2]], from + out[2] / WIDTH * PACKET, inv + 2 * PACKET + i);
+            vw x0 = pass_plane(p, planes, 0, in[0], i), x1 = pass_plane(p, planes, 0, out[0], i);
+            vw y0 = pass_plane(p, planes, 1, in[1], i), y1 = pass_plane(p, planes, 1, out[1], i);
+            vw z0 = pass_plane(p, planes, 2, in[2], i), z1 = pass_plane(p, planes, 2, out[2], i);
             near = vw_max(vw_max(x0, y0), vw_max(z0, vw_set(0)));
             far = vw_min(vw_min(x1, y1), vw_min(z1, limit));
         } else {
-            vw x0 = pass_plane(n->lo[0][k], p->from_lo[0] + i, p->inv[0] + i);
-            vw y0 = pass_plane(n->lo[1][k], p->from_lo[1] + i, p->inv[1] + i);
-            vw z0 = pass_plane(n->lo[2][k], p->from_lo[2] + i, p->inv[2] + i);
-            vw x1 = pass_plane(n->hi[0][k], p->from_hi[0] + i, p->inv[0] + i);
-            vw y1 = pass_plane(n->hi[1][k], p->from_hi[1] + i, p->inv[1] + i);
-            vw z1 = pass_plane(n->hi[2][k], p->from_hi[2] + i, p->inv[2] + i);
+            enum { LO, HI = 3 * WIDTH };
+            vw x0 = pass_plane(p, planes, 0, LO, i), x1 = pass_plane(p, planes, 0, HI, i);
+            vw y0 = pass_plane(p, planes, 1, LO + WIDTH, i);
+            vw y1 = pass_plane(p, planes, 1, HI + WIDTH, i);
+            vw z0 = pass_plane(p, planes, 2, LO + 2 * WIDTH, i);
+            vw z1 = pass_plane(p, planes, 2, HI + 2 * WIDTH, i);
             near =
                 vw_max(vw_max(vw_min(x0, x1), vw_min(y0, y1)), vw_max(vw_min(z0, z1), vw_set(0)));
             far = vw_min(vw_min(vw_max(x0, x1), vw_max(y0, y1)), vw_min(vw_max(z0, z1), limit));
