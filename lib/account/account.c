@@ -55,7 +55,7 @@ static void make_slots(struct account *a)
     const struct history *l = a->log;
     for (size_t i = 0; i < l->n_slots; i++) add_slot(a, l->slots[i].name);
     add_idle(a);
-    qsort(a->slots, a->n_slots, sizeof *a->slots, by_name);
+    if (a->n_slots) qsort(a->slots, a->n_slots, sizeof *a->slots, by_name);
     a->slot_of = xcalloc(l->n_slots, sizeof *a->slot_of);
     for (size_t i = 0; i < l->n_slots; i++) {
         struct account_slot key = {0};

@@ -113,16 +113,16 @@ static void costs_follow_seed_and_id(void **state)
 static void powers_are_drawn_by_their_logarithm(void **state)
 {
     (void)state;
-    enum { N = 2000 };
-    double *p = sim_draw_powers(1, N, 9), sum = 0;
+    const int32_t n = 2000;
+    double *p = sim_draw_powers(1, n, 9), sum = 0;
     int32_t above = 0;
-    for (int32_t k = 0; k < N; k++) {
+    for (int32_t k = 0; k < n; k++) {
         assert_true(p[k] >= 1. / 9 && p[k] <= 9);
         sum += log(p[k]) / log(9);
         above += p[k] > 3;
     }
-    assert_true(fabs(sum / N) < .05);                   /* 0, standard deviation .013 */
-    assert_in_range(above, N * 21 / 100, N * 29 / 100); /* a quarter */
+    assert_true(fabs(sum / n) < .05);                   /* 0, standard deviation .013 */
+    assert_in_range(above, n * 21 / 100, n * 29 / 100); /* a quarter */
     free(p);
     p = sim_draw_powers(1, 3, 1);
     assert_true(p[0] == 1 && p[2] == 1);
