@@ -1,9 +1,9 @@
 /*
  * wave: the samples of neighbouring pixels are traced together. In each round every unfinished
  * sample traces one ray: first the eye ray, then the pending ray of largest weight. The rays
- * of a round are traced in packets, unless they start from curved surfaces, and shaded in vectors
- * (shade.h). Then their shadow rays are traced, one light after another. Rays that can bring too
- * little are dropped (pending.h), and so are shadow rays.
+ * of a round are traced in packets, and shaded in vectors (shade.h). Then their shadow rays are
+ * traced, one light after another. Rays that can bring too little are dropped (pending.h), and so
+ * are shadow rays.
  *
  * The order of a sample's rays depends only on that sample, so a pixel does not depend on the other
  * pixels of the wave.
