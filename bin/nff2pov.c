@@ -31,14 +31,13 @@ int main(int argc, char **argv)
     bool clips = scene_hither_clips(&scene, &which);
     if (clips)
         warn("%s: hither %g may hide part of primitive %u, and POV-Ray's camera hides nothing: "
-             "expected "
-             "a smaller hither",
+             "expected a smaller hither",
             name, scene.view.hither, which + 1);
     uint32_t refused = pov_refused(&scene, scale, &which);
     if (refused)
-        warn("%s:%u: POV-Ray refuses a cone that is less than %g high, as %s: expected a larger -x",
-            name, nff_line((const char *)buf_data(&text), buf_size(&text), which), POV_CONE_MIN,
-            refused > 1 ? "this one and others are" : "this one is");
+        warn("%s:%u: POV-Ray refuses this cone%s, less than %g high: expected a larger -x", name,
+            nff_line((const char *)buf_data(&text), buf_size(&text), which),
+            refused > 1 ? " and others" : "", POV_CONE_MIN);
     buf_free(&text);
     scene_free(&scene);
     return clips || refused ? ST_PARTIAL : ST_OK;

@@ -17,7 +17,7 @@ struct options {
     struct worker_options worker;
     struct worker_words words; /* the options, for job hashes and `with=` */
     enum { RUN, INSPECT, RAYS, TESTS } what; /* -i, -R, -n */
-    int w, h;                          /* -s: size of the frame of -i or -n; 0: the scene's */
+    int w, h;                          /* -s: size of the frame of -i, -n or -R; 0: the scene's */
     const char *path;                  /* scene file; "-": the scene comes as a record */
 };
 

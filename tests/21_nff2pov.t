@@ -35,10 +35,10 @@ run nff2pov tall.nff
 is 'a cone over 1e-10 high' "$status:$err" 0:
 run nff2pov short.nff
 is 'shorter cones: status 1, and the first one is named' "$status:$err" \
-	'1:nff2pov: short.nff:7: POV-Ray refuses a cone that is less than 1e-10 high, as this one and others are: expected a larger -x'
+	'1:nff2pov: short.nff:7: POV-Ray refuses this cone and others, less than 1e-10 high: expected a larger -x'
 like 'shorter cones: the scene is still written' "$out" '^cone '
 run nff2pov -x 100 short.nff
-like 'at 100 times the size only the first is too short' "$status:$err" '^1:nff2pov: short.nff:7: .*, as this one is: '
+like 'at 100 times the size only the first is too short' "$status:$err" '^1:nff2pov: short.nff:7: .* this cone, less '
 run nff2pov -x 10000 - <short.nff
 is 'at 10000 times the size none is' "$status:$err" 0:
 

@@ -1,7 +1,7 @@
 /*
  * build_bench KIND SCENE: reads a scene and builds a hierarchy over it: `ours`, or Embree's at
  * `medium` or `high` quality. Prints tab-separated: CPU ms to read, CPU ms to build, the peak of the
- * resident set in MB, items, and how many bytes of the peak there are to an item.
+ * resident set in MB, items, and the bytes of the peak for each item.
  *
  * Embree gets float copies of the same scene: triangles by our triangulation, which its time
  * includes as ours does, spheres, and cones as linear curves with cone segments.

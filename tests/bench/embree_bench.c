@@ -14,8 +14,7 @@
  *
  * Embree computes in float. So its rays begin a little off the surface (OFF of the scene's reach),
  * and its pictures differ where rays graze. NFF's cones are open, and so are Embree's cones between
- * two neighbours. Streams have at most 16 rays, because wave.c asks for that many at once. Packets
- * where wave.c asks for single rays changed Embree's times by less than 3 %.
+ * two neighbours. Streams have at most 16 rays, because wave.c asks for that many at once.
  *
  * Prints the time to read the scene, then a line for each way: kernels, build quality, pictures
  * traced, ms to build, ms to trace (median), our median / this median, the picture's RMSE against
@@ -48,8 +47,8 @@ static bool coherent;
 
 /* ---- Embree as kernels ----------------------------------------------------------------------- */
 
-/* Embree's geometry 0 has the triangles, 1 the spheres, 2 the cones; which item is the n-th of
- * each. */
+/* Embree's geometry 0 has the triangles, 1 the spheres, 2 the cones. The index of the item that is
+ * the n-th of its geometry: */
 static uint32_t *item_of[ITEM_KINDS];
 
 static void fill(struct RTCRay *to, const struct ray *r)
