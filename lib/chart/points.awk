@@ -102,7 +102,11 @@ function ticks(a,    k, text, decades, step) {
 	}
 	return "set " a "tics (" text ")"
 }
-function tick(digit, k) { return sprintf("\047%g\047 %de%d", (digit "e" k) + 0, digit, k) }
+function tick(digit, k,    name) { # 1e8, not 1e+08
+	name = sprintf("%g", (digit "e" k) + 0)
+	sub(/e[+]0*/, "e", name); sub(/e-0*/, "e-", name)
+	return sprintf("\047%s\047 %de%d", name, digit, k)
+}
 function place(a, v, pixels) { # how far v is along the axis, in pixels
 	if (logarithmic[a]) return (log(v) - log(from[a])) / (log(to[a]) - log(from[a])) * pixels
 	return (v - from[a]) / (to[a] - from[a]) * pixels
