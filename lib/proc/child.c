@@ -86,7 +86,7 @@ static int start(struct child *c, const struct to_run *run, int n_pipes)
     pid_t parent = getpid();
     c->pid = fork();
     if (c->pid == 0) run_child(parent, p, run);
-    if (c->pid < 0) err = errno;
+    if (c->pid < 0) err = errno, c->pid = 0;
     close(p[TO][0]), close(p[FROM][1]), close(p[REPORT][1]), child_close(&p[ERR][1]);
     c->to = p[TO][1];
     c->from = p[FROM][0];

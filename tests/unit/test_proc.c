@@ -20,6 +20,15 @@
 
 static int ends[2];
 
+/* Replaces libc's, so that it can fail. */
+static bool fork_fails;
+pid_t fork(void)
+{
+    if (!fork_fails) return _Fork();
+    errno = EAGAIN;
+    return -1;
+}
+
 static int open_pipe(void **state)
 {
     (void)state;
@@ -217,6 +226,26 @@ static void a_child_that_stays_is_killed_with_its_group(void **state)
     if (f) fclose(f);
 }
 
+static int zero(void *ctx)
+{
+    (void)ctx;
+    return 0;
+}
+
+static void a_fork_that_fails_leaves_no_child(void **state)
+{
+    (void)state;
+    struct child c;
+    fork_fails = true;
+    int result = child_fork(&c, zero, NULL), err = errno;
+    fork_fails = false;
+    assert_int_equal(result, -1);
+    assert_int_equal(err, EAGAIN);
+    assert_int_equal(c.pid, 0);
+    assert_int_equal(c.to, -1);
+    assert_int_equal(c.from, -1);
+}
+
 /* The last words come first, then the end by the signal; an ignored signal stays so. */
 static void last_words_are_said(void **state)
 {
@@ -256,6 +285,7 @@ int main(void)
         cmocka_unit_test(a_child_talks_and_ends),
         cmocka_unit_test(what_exec_says_comes_back),
         cmocka_unit_test(a_child_that_stays_is_killed_with_its_group),
+        cmocka_unit_test(a_fork_that_fails_leaves_no_child),
         cmocka_unit_test(last_words_are_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
