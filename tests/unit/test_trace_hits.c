@@ -286,6 +286,43 @@ static void test_empty_lanes(void **state)
     }
 }
 
+/* On cones of tiny height the rounding of a height moves hits far outward. */
+static void test_flat_cones(void **state)
+{
+    (void)state;
+    const struct kernels *all[] = {
+        &scalar, trace_kernels_sse2(), trace_kernels_avx2(), trace_kernels_avx512()};
+    static const double heights[] = {1e-7, 1e-9, 1e-11, 1e-14, 1e-17};
+    for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
+        struct buf text = {0};
+        struct scene s;
+        uint64_t n = 0;
+        put_view(&text, in_place, 5, 0, 1, 0);
+        buf_printf(&text, "c 1 0 0 .5 1 0 %g 0\nc 3 0 0 .2 3 0 %g .5\n", heights[i], heights[i]);
+        read_scene(&text, &s);
+        struct tracer *t = tracer_with(&s, &brute);
+        for (int k = 0; k < 400; k++) {
+            struct ray r[PACKET];
+            double x = k % 2 ? 1 : 3, z = between(i, &n, -3, -0.3);
+            for (int m = 0; m < PACKET; m++) {
+                struct vec3 o = v3(x, -0.6, z), to = random_point(i, &n, 0.5);
+                struct hit h;
+                to.x += x, to.z = 0;
+                r[m] = (struct ray){o, v3_unit(v3_sub(to, o)), 0, HUGE_VAL, 0, false, 0};
+                brute_closest(&t->bvh, &r[m], &h);
+                struct vec3 p = v3_mad(o, r[m].d, h.item == NO_ITEM ? 0 : h.t);
+                if (h.item != NO_ITEM) assert_true(hypot(p.x - (h.item ? 3 : 1), p.y) < 0.5 + 1e-9);
+                for (int a = 0; a < 4; a++)
+                    if (all[a]) same_hits(all[a], t, &r[m]);
+            }
+            for (int a = 0; a < 4; a++)
+                if (all[a]) same_packets(all[a], t, r, PACKET);
+        }
+        tracer_free(t);
+        scene_free(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -296,6 +333,7 @@ int main(void)
         cmocka_unit_test(test_factors_in_order),
         cmocka_unit_test(test_ties),
         cmocka_unit_test(test_empty_lanes),
+        cmocka_unit_test(test_flat_cones),
     };
     return cmocka_run_group_tests_name("trace: hits", tests, NULL, NULL);
 }
