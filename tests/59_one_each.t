@@ -95,34 +95,37 @@ ended() {
 	ok "$1: no process remains" await 10 none_alive
 }
 begun -j 3
-await 20 rendering 3
+await 120 rendering 3
 # shellcheck disable=SC2046
 kill -KILL $(renderers | head -n 1)
 ended 'a killed process of a slot'
 is 'a killed process of a slot: only its tasks were lost' "$(grep -c 'lost' said) $(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [0-9]+ tasks, forked again$' said) $(grep -ac '^gone' log)" '1 1 0'
 begun -j 3
-await 20 rendering 3
+await 120 rendering 3
 # shellcheck disable=SC2046
 kill -KILL $(parents)
 ended 'a killed worker of this machine'
 like 'a killed worker of this machine is started again' "$(cat said)" '^fan: slots 0 to 2: lost \(signal-9\) with [0-9]+ tasks, starting again$'
+# Near begins when far is lost, so that far cannot be idle at that time.
+printf '%s\n' '#!/bin/sh' 'until [ -e go ]; do sleep .05; done' 'exec sh -c "$1"' >after && chmod +x after
 cat >two <<'END'
-: slots=2
+near slots=2 via="./after %c"
 far slots=2 via="sh -c %c"
 END
 begun -S two
-await 20 rendering 4
+await 120 rendering 2
 # shellcheck disable=SC2046
-kill -KILL $(parents | head -n 1)
+kill -KILL $(parents)
+: >go
 ended 'a killed worker of a host'
-like 'the other host takes over' "$(cat said)" '^fan: slots (0 to 1|2 to 3 on far): lost \((signal-9|exit-137)\) with [0-9]+ tasks'
+like 'the other host takes over' "$(cat said)" '^fan: slots 2 to 3 on far: lost \((signal-9|exit-137)\) with [0-9]+ tasks'
 { pack scene 2.nff; partition 128x128; } >tasks
 mkfifo in
 env MARK=$mark fan -1 -j 3 rtworker -a 400 - <in >frags 2>said &
 pid=$!
 exec 9>in
 cat tasks >&9
-await 20 rendering 3
+await 120 rendering 3
 # shellcheck disable=SC2046
 kill -KILL $(parents)
 reports() { grep -aoE '(up|gone) w=[0-2] ' frags | sort | uniq -c | awk '{ printf "%s%s%s ", $1, $2, $3 }'; }
