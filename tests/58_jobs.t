@@ -149,6 +149,7 @@ ended() {
 partition 100x80 | rtworker -a 1024 2.nff | gather -o good.pfm
 # same: the picture of the last run, and its exit status
 same() { echo "$status $(gather -o a.pfm out 2>&1) $(cmp a.pfm good.pfm 2>&1)"; }
+over() { ! kill -0 "$worker" 2>&7; }
 begun 3 -a 1024
 # shellcheck disable=SC2046
 kill -KILL $(children | head -n 1)
@@ -170,6 +171,22 @@ kill -STOP $(children | head -n 1)
 ended
 is 'a stopped child: the picture' "$(same)" '0  '
 like 'a stopped child: a message names it' "$(cat said)" '^rtworker: slot [01]: lost \(silent\) with [1-4] tasks, forked again$'
+# An idle child is asked to end; one that holds pixels back must send them.
+partition 100x80 | rtworker 2.nff | gather -o plain.pfm
+computed() { [ "$(done_by_number)" = '1 80' ]; }
+for options in '' -c; do
+	# shellcheck disable=SC2086
+	begun 2 $options
+	await 60 computed
+	# shellcheck disable=SC2046
+	kill -STOP $(children | head -n 1)
+	exec 9>&-
+	await 2 over
+	kill -0 "$worker" 2>&7 && kill -KILL "$worker"
+	ended
+	is "a stopped child without work $options: the picture" "$status $(gather -o a.pfm out 2>&1) $(cmp a.pfm plain.pfm 2>&1)" '0  '
+done 7>/dev/null
+is 'a stopped child that held pixels back: a message names it' "$(grep -cE '^rtworker: slot [01]: lost \(silent\) with [0-9]+ tasks, forked again$' said)" 1
 begun 2 -a 1024 -d 20
 while kill -0 "$worker" 2>&7; do
 	for child in $(children); do kill -KILL "$child" 2>&7; done

@@ -34,7 +34,7 @@ static void settle(struct fork_slot *s)
     child_end(&s->child, 0);
     wire_free(&s->from);
     down_free(&s->to);
-    s->ends = false;
+    s->ends = s->flushed = false;
     s->undone = 0;
     s->silent_us = 0;
 }
@@ -68,10 +68,11 @@ static bool start(struct forks *p, struct fork_slot *s)
 {
     static bool said;
     uint32_t now = p->w->generations.now;
-    if (p->forked == FORKS_MOST) return false;
+    if (p->forked >= FORKS_MOST) return false;
     p->forked++;
     if (child_fork(&s->child, render, p->w) != 0) {
         int err = errno, others = 0;
+        p->forked = FORKS_MOST + 1; /* the next round tries again, after a pause */
         for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
         errno = err;
         if (!others) die(ST_SYSTEM, "fork:");
@@ -112,6 +113,7 @@ static void send(struct fork_slot *s, int32_t i)
     list_push_back(&s->tasks, &s->sent, i);
     extra(s, i)->again = false;
     s->undone++;
+    s->flushed = false;
     t.to = -1;
     wire_task(&s->to.bytes, &t);
 }
@@ -133,7 +135,10 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
         if (!worker_forks_built(p, generation) || !prepare(p, s, generation)) break;
     }
     if (s->flush && !s->waiting.count && !p->any.count) {
-        if (s->child.pid && !s->ends) wire_plain(&s->to.bytes, REC_FLUSH, NULL);
+        if (s->child.pid && !s->ends) {
+            wire_plain(&s->to.bytes, REC_FLUSH, NULL);
+            s->flushed = true;
+        }
         s->flush = false;
     }
     end_idle(p, s);
@@ -226,12 +231,18 @@ void worker_fork_listen(struct forks *p, struct fork_slot *s)
     else if (more <= 0) child_close(&s->child.from);
 }
 
+/* True if the child is to say something, or to end. */
+static bool owes(const struct fork_slot *s)
+{
+    return s->undone || (s->flushed && s->sent.count) || s->ends || s->child.from < 0;
+}
+
 void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
 {
     char why[24];
     int status;
     if (!s->child.pid) return;
-    if (s->undone || s->child.from < 0) s->silent_us += elapsed_us < LATE_US ? elapsed_us : LATE_US;
+    if (owes(s)) s->silent_us += elapsed_us < LATE_US ? elapsed_us : LATE_US;
     if (s->silent_us > SILENT_US) {
         lose(s, "silent");
         return;

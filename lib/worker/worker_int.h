@@ -94,6 +94,7 @@ struct fork_slot {
     uint32_t generation;      /* the latest one when the child was forked */
     bool ends;                /* its input is to be closed, once all of it is written */
     bool flush;               /* it is to flush after its waiting tasks */
+    bool flushed;             /* it was asked to, and got no task since */
     struct task_table tasks;  /* all that follow; the payload is a struct fork_task */
     struct task_list waiting; /* tasks not sent to the child */
     struct task_list sent;    /* tasks not both computed and delivered */
@@ -120,7 +121,7 @@ struct forks {
     struct record held; /* in the decoder's buffer */
     bool flushed;       /* children were asked to flush for it */
     bool in_open;
-    int forked;  /* children forked in this round */
+    int forked;  /* children forked in this round; above FORKS_MOST: one could not be */
     int refused; /* status to end with at once */
     struct outlet out;
     int64_t beat_us;
