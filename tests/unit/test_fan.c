@@ -425,6 +425,7 @@ static void no_worker_breaks_the_table(void **state)
             fan_slot_open(&f, s);
         } else if (s->state == FAN_GONE) {
             f.n[FAN_GONE]--, f.n[FAN_WAITING]++;
+            fan_slot_free(s);
             make_slot(s, s->number);
         } else if (fan_slot_leaves(s) && dice / 8 % 2) {
             let_end(s);
