@@ -173,18 +173,28 @@ static struct options parse(int argc, char **argv)
     if (o.what == RAYS && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
         die(ST_USAGE, "-R: expected no -a, -i or -w with it");
     o.trace.count_tests = o.what == TESTS;
-    int cores = cores_available();
-    if (o.worker.jobs > 1) o.trace.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
+    if (o.worker.jobs > 1) {
+        int cores = cores_available();
+        o.trace.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
+    }
     if (optind < argc) o.path = argv[optind];
     describe(&o);
     return o;
 }
 
-static void inspect(const struct worker_states *s, const struct options *o)
+/* The frame of -s, or the scene's. */
+static void frame_of(
+    const struct worker_states *s, const struct options *o, uint32_t *w, uint32_t *h)
 {
     const struct scene *scene = worker_states_value(s, 0);
-    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
-    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
+    *w = o->w ? (uint32_t)o->w : scene->view.res_x;
+    *h = o->w ? (uint32_t)o->h : scene->view.res_y;
+}
+
+static void inspect(const struct worker_states *s, const struct options *o)
+{
+    uint32_t w, h;
+    frame_of(s, o, &w, &h);
     printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
     close_stdout();
 }
@@ -212,9 +222,8 @@ static void count_rays(const struct worker_states *s, const struct options *o)
 /* Renders the picture to nowhere, and prints what finding its hits took. */
 static void count_tests(struct worker_states *s, const struct options *o)
 {
-    const struct scene *scene = worker_states_value(s, 0);
-    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
-    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
+    uint32_t w, h;
+    frame_of(s, o, &w, &h);
     struct tracer *t = worker_states_built(s, w, h);
     float *rgba = xmalloc(w, 4 * sizeof *rgba);
     for (uint32_t y = 0; y < h; y++) {
