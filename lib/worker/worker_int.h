@@ -42,7 +42,8 @@ void worker_loop(struct worker *w);
  * missing, with text in err. Another job than the input stated sets w->other_job; the caller sends
  * w->out and ends the program. */
 bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR]);
-/* Takes a frame record. NULL: it repeats what is known and announced. */
+/* Takes a frame record. Returns the frame if its job is to be announced, or NULL if the record
+ * repeats a frame that was announced. */
 struct frame_size *worker_frame(struct worker *w, const struct record *r);
 /* The frame of a task; a task without one, or whose state was dropped, ends the program. */
 const struct frame_size *worker_frame_of(const struct worker *w, const struct task *t);

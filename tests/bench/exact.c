@@ -1,9 +1,9 @@
 /*
  * exact: the picture of SCENE, W by H pixels, as stormring-nff(5) defines it: traced in long double
  * by code that shares none with lib/trace, as a PFM on standard output. Where surfaces coincide, a
- * ray meets the one that comes first in the file, or with -l the last, and passes the others. A
- * shadow ray crosses all, or with -o one. Spheres and flat convex polygons only; depth 5; the eye
- * outside of all glass. No ray is left out.
+ * ray meets one of them: the first in the file, or the last with -l. It ignores the others. A
+ * shadow ray crosses all of them, or one with -o. Spheres and flat convex polygons only; depth 5;
+ * the eye outside of all glass. No ray is left out.
  */
 #include "image/image.h"
 #include "scene/scene.h"
