@@ -1,6 +1,6 @@
 /*
  * cone: the open mantle of a cone or cylinder, two-sided. The signs of the radii are ignored. The
- * intersection is in kernel.h. A cone whose ends coincide has no mantle.
+ * intersection is in hit.h. A cone whose ends coincide has no mantle.
  */
 #include "trace/trace_int.h"
 

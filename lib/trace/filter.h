@@ -1,7 +1,7 @@
 /*
  * filter: which rays of a packet may hit an item of a block. All rays are tested against one item
  * at a time, in float. The tests are conservative: they accept each ray that the tests in double
- * accept (kernel.h), which then decide.
+ * accept (hit.h), which then decide.
  *
  * Let e = 2^-24, the rounding of a float. P is the sum of the packet's pads: at least
  * 4e (|o| + 3 reach), |.| the sum of absolute coordinates. So P is more than twice the error of a

@@ -1,7 +1,7 @@
 /*
- * kernel: traverses the hierarchy and intersects blocks, at the vector width of the including file
- * (trace_sse2.c, trace_avx2.c). Box tests use float and are conservative: they may report a box
- * that the ray misses. Hits are decided in double, by the same operations per lane at every width.
+ * kernel: traverses the hierarchy, at the vector width of the including file (trace_sse2.c,
+ * trace_avx2.c, trace_avx512.c). Box tests use float and are conservative: they may report a box
+ * that the ray misses. Hits are decided in double (hit.h).
  */
 #include "trace/ends.h"
 #include "trace/hit.h"

@@ -1,4 +1,4 @@
-/* sphere: two-sided. The sign of the radius is ignored. The intersection is in kernel.h. */
+/* sphere: two-sided. The sign of the radius is ignored. The intersection is in hit.h. */
 #include "trace/trace_int.h"
 
 static bool has_surface(const struct scene *s, const struct item *it)
