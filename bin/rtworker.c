@@ -15,9 +15,9 @@
 struct options {
     struct trace_options trace;
     struct worker_options worker;
-    struct worker_words words; /* the options, for job hashes and `with=` */
-    enum { RUN, INSPECT, RAYS, TESTS } what; /* -i, -R, -n */
-    int w, h;                          /* -s: size of the frame of -i, -n or -R; 0: the scene's */
+    struct worker_words words;         /* the options, for job hashes and `with=` */
+    enum { RUN, INSPECT, COUNT } what; /* -i, -n */
+    int w, h;                          /* -s: size of the frame of -i or -n; 0: the scene's */
     const char *path;                  /* scene file; "-": the scene comes as a record */
 };
 
@@ -143,12 +143,11 @@ static struct options parse(int argc, char **argv)
         "           [-j SLOTS] [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
         "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
         "                [SCENE.nff|-]\n"
-        "       rtworker -R [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
-        "       rtworker -n [-a SAMPLES[:THRESHOLD]] [-b bvh|slabs|none] [-d DEPTH]\n"
-        "                [-s WxH] [-w BOUND] [SCENE.nff|-]";
+        "       rtworker -n [-b bvh|slabs|none] [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512]\n"
+        "                [SCENE.nff|-]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+a:b:d:hij:nRs:w:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+a:b:d:hij:ns:w:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'a': parse_sampling(optarg, &o.trace); break;
         case 'b': parse_hierarchy(optarg, &o.trace); break;
@@ -156,9 +155,8 @@ static struct options parse(int argc, char **argv)
         case 'h': usage(ST_OK, text);
         case 'i':
         case 'n':
-        case 'R':
-            if (o.what != RUN) die(ST_USAGE, "-%c: expected one of -i, -n and -R, once", opt);
-            o.what = opt == 'i' ? INSPECT : opt == 'R' ? RAYS : TESTS;
+            if (o.what != RUN) die(ST_USAGE, "-%c: expected one of -i and -n, once", opt);
+            o.what = opt == 'i' ? INSPECT : COUNT;
             break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
         case 'w': o.trace.budget = opt_real(opt, optarg, 0, 1); break;
@@ -168,11 +166,10 @@ static struct options parse(int argc, char **argv)
         }
     }
     if (argc - optind > 1) usage(ST_USAGE, text);
-    if (o.w && o.what == RUN) die(ST_USAGE, "-s: expected -i, -n or -R with it");
+    if (o.w && o.what == RUN) die(ST_USAGE, "-s: expected -i or -n with it");
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
-    if (o.what == RAYS && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
-        die(ST_USAGE, "-R: expected no -a, -i or -w with it");
-    o.trace.count_tests = o.what == TESTS;
+    if (o.what == COUNT && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
+        die(ST_USAGE, "-n: expected no -a or -w with it");
     if (o.worker.jobs > 1) {
         int cores = cores_available();
         o.trace.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
@@ -182,59 +179,38 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* The frame of -s, or the scene's. */
-static void frame_of(
-    const struct worker_states *s, const struct options *o, uint32_t *w, uint32_t *h)
-{
-    const struct scene *scene = worker_states_value(s, 0);
-    *w = o->w ? (uint32_t)o->w : scene->view.res_x;
-    *h = o->w ? (uint32_t)o->h : scene->view.res_y;
-}
-
 static void inspect(const struct worker_states *s, const struct options *o)
 {
-    uint32_t w, h;
-    frame_of(s, o, &w, &h);
+    const struct scene *scene = worker_states_value(s, 0);
+    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
+    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
     printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
     close_stdout();
 }
 
-/* By SPD's procedure: a ray through each corner of the pixels, and no ray is left out. */
-static void count_rays(const struct worker_states *s, const struct options *o)
+/* Rays by SPD's procedure, through each corner of the pixels, without leaving out any; and the
+ * tests of these rays. */
+static void count(const struct worker_states *s, const struct options *o)
 {
     static const char *const name[RAY_KINDS] = {"eye", "reflected", "refracted", "shadow"};
     struct trace_options all = o->trace;
     all.budget = 0;
-    all.by_spd = true;
+    all.by_spd = all.count_tests = true;
     struct tracer *t = tracer_new(worker_states_value(s, 0), &all);
     if (o->w) tracer_frame(t, (uint32_t)o->w, (uint32_t)o->h);
     tracer_corners(t);
-    struct trace_counts c;
-    tracer_counts(t, &c);
+    struct trace_counts rays;
+    struct trace_tests tests;
+    tracer_counts(t, &rays);
+    tracer_tests(t, &tests);
     tracer_free(t);
-    puts("#kind\trays\thits");
+    printf("quantity\tvalue\nrays\t%" PRIu64 "\n", tests.rays);
     for (int k = 0; k < RAY_KINDS; k++)
-        printf("%s\t%" PRIu64 "\t%" PRIu64 "\n", name[k], c.of[k].rays, c.of[k].hits);
-    printf("turned-back\t%" PRIu64 "\t-\n", c.turned_back);
-    close_stdout();
-}
-
-/* Renders the picture to nowhere, and prints what finding its hits took. */
-static void count_tests(struct worker_states *s, const struct options *o)
-{
-    uint32_t w, h;
-    frame_of(s, o, &w, &h);
-    struct tracer *t = worker_states_built(s, w, h);
-    float *rgba = xmalloc(w, 4 * sizeof *rgba);
-    for (uint32_t y = 0; y < h; y++) {
-        const struct lattice row = {0, y, w, 1, 1, 1};
-        tracer_pixels(t, &row, 0, w, rgba);
-    }
-    free(rgba);
-    struct trace_tests c;
-    tracer_tests(t, &c);
-    printf("quantity\tvalue\nrays\t%" PRIu64 "\nvolume_tests\t%" PRIu64 "\n", c.rays, c.boxes);
-    printf("primitive_tests\t%" PRIu64 "\nhierarchy_bytes\t%" PRIu64 "\n", c.items, c.bytes);
+        printf("%s_rays\t%" PRIu64 "\n%s_hits\t%" PRIu64 "\n", name[k], rays.of[k].rays, name[k],
+            rays.of[k].hits);
+    printf("turned_back\t%" PRIu64 "\nvolume_tests\t%" PRIu64 "\n", rays.turned_back, tests.boxes);
+    printf(
+        "primitive_tests\t%" PRIu64 "\nhierarchy_bytes\t%" PRIu64 "\n", tests.items, tests.bytes);
     close_stdout();
 }
 
@@ -246,8 +222,7 @@ int main(int argc, char **argv)
     if (o.what != RUN || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
     int status = ST_OK;
     if (o.what == INSPECT) inspect(s, &o);
-    else if (o.what == RAYS) count_rays(s, &o);
-    else if (o.what == TESTS) count_tests(s, &o);
+    else if (o.what == COUNT) count(s, &o);
     else status = worker_render(s, &o.worker);
     worker_states_free(s);
     return status;

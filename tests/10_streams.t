@@ -158,7 +158,7 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 done
 like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
-like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i, -n and -R, once'
+like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i and -n, once'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
 like "balance: the message on a bad scene from a pipe names the record" "$status $err" '^2 rtworker: scene:2: '
 mkdir unbuilt

@@ -45,7 +45,7 @@ like 'gather -e: no such file' "$status $err" '^2 gather: none: No such file'
 run rtworker -i -s 24x16 a.nff
 is 'rtworker -i -s: the job of that size' "$(echo "$out" | tail -n 1)" "$(grep -aom 1 'job=[0-9a-f]*' first.frags)"
 run rtworker -s 24x16 a.nff
-is '-s alone' "$status $err" '2 rtworker: -s: expected -i, -n or -R with it'
+is '-s alone' "$status $err" '2 rtworker: -s: expected -i or -n with it'
 run balance masterslave -W '-s 8x8' a.nff
 is 'balance -W -s' "$status $err" '2 balance: -W -s 8x8: expected the size with -s before -W'
 finish
