@@ -79,12 +79,12 @@ is "the job depends on the depth" "$status" 1
 run test "$a" = "$(rtworker -i -w 0 tetra.nff)"
 is "the job knows the error budget" "$status" 1
 is "the default budget is 2^-17" "$(rtworker -i -w 0.00000762939453125 tetra.nff)" "$a"
-# counted OPTION ...: the numbers of -n in one line
-counted() { rtworker -n "$@" | sed 1d | cut -f 2 | tr '\n' ' '; }
-is "-n counts without a hierarchy: each ray of a pixel is tested with 4 triangles" "$(counted -b none -s 4x3 -d 1 top.nff)" '12 0 48 0 '
-is "-n counts slabs: each ray is tested with one volume that bounds all, and misses it" "$(counted -b slabs -s 4x3 away.nff | cut -d ' ' -f 1-3)" '12 12 0'
-is "-n counts the BVH: each ray is tested with the four children of its root" "$(counted -s 4x3 away2.nff | cut -d ' ' -f 1-3)" '12 48 0'
-is "-n takes the scene's size" "$(rtworker -n away.nff | sed -n 2p)" "rays	100"
+# counted OPTION ...: rays, tests of volumes and of primitives, and bytes by -n, in one line
+counted() { rtworker -n "$@" | awk '$1 ~ /^(rays|.*_tests|.*_bytes)$/ { printf "%s ", $2 }'; }
+is "-n counts without a hierarchy: each ray of a corner is tested with 4 triangles" "$(counted -b none -s 4x3 -d 1 top.nff)" '20 0 80 0 '
+is "-n counts slabs: each ray is tested with one volume that bounds all, and misses it" "$(counted -b slabs -s 4x3 away.nff | cut -d ' ' -f 1-3)" '20 20 0'
+is "-n counts the BVH: each ray is tested with the four children of its root" "$(counted -s 4x3 away2.nff | cut -d ' ' -f 1-3)" '20 80 0'
+is "-n takes the scene's size" "$(rtworker -n away.nff | sed -n 2p)" "rays	121"
 for bad in '-i -i tetra.nff' '-i -n tetra.nff' '-b tree tetra.nff' '-s 4x3 tetra.nff' '-d 0 tetra.nff' '-a 3 tetra.nff' '-a 4:-1 tetra.nff' '-w -1 tetra.nff' '-w 2 tetra.nff' \
 	'-x mmx tetra.nff' no-such-file 'a b'; do
 	# shellcheck disable=SC2086
