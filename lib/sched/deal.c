@@ -8,14 +8,16 @@
  *   promised  slot's promised list  its slot comes up: -> out; is gone, or does not exist: -> pool
  *   out       out list; copies in   DONE from a slot that has a copy: -> computed; the last such
  *             `has` of some slots   slot gone, and no piece left: -> pool (front)
- *   computed  slot's computed list  slot gone: -> out if another has a copy, else pool (front);
+ *   computed  slot's computed list  slot gone: -> out if another has a copy, else the list of
+ *                                   another slot that owes its pixels, else pool (front);
  *                                   given once more (deal_end.c, rule 4): -> out
  *   (any)     -                     the last PIXELS, its own or those of its pieces: committed
  *
  * A task with to=K goes to slot K at once, whatever the depth (the hybrid's first phase). PIXELS
  * count from any slot: a slot that was given up may still deliver first. DONE counts only from a
  * slot that has a copy. Anything else is late or wrong, and is ignored. A copy occupies its slot,
- * needed or not, until the slot reports DONE or is gone.
+ * needed or not, until the slot reports DONE or is gone. From then on the slot owes its pixels, and
+ * is not given the task again: a slot that buffers its pixels would compute it without end.
  *
  * A task has more than one copy only at the end or if it is late, and pieces only at the end:
  * deal_end.c.
@@ -58,7 +60,8 @@ static struct slot *slot_at(struct deal *d, int32_t k)
         *s = (struct slot){.promised = TASK_LIST_EMPTY,
             .computed = TASK_LIST_EMPTY,
             .held = TASK_LIST_EMPTY,
-            .shared = TASK_LIST_EMPTY};
+            .shared = TASK_LIST_EMPTY,
+            .owed = TASK_LIST_EMPTY};
         tasks_init(&s->has, sizeof(struct copy));
     }
     return &d->slots[k];
@@ -110,6 +113,7 @@ static void take_gone(struct deal *d, int32_t k)
     struct slot *s = slot_at(d, k);
     deal_lose(d, k, &s->shared);
     deal_lose(d, k, &s->held);
+    deal_lose(d, k, &s->owed);
     deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;
@@ -158,16 +162,16 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
     struct slot *s = &d->slots[e->slot];
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
-    if (c >= 0) {
-        note_pace(s, c, e->wall_us, now);
-        deal_drop_copy(d, e->slot, c);
-        if (i >= 0) deal_account(d, i)->copies--;
-    } else {
+    if (c < 0 || deal_copy(s, c)->list == OWED) {
         /* Was DONE repeated? The slot may not have had these pixels when it was asked to flush. */
-        if (i >= 0 && deal_account(d, i)->owner == e->slot) s->asked = false;
+        if (c >= 0) s->asked = false;
         deal_mark(d, e->slot);
         return;
     }
+    note_pace(s, c, e->wall_us, now);
+    if (i >= 0) deal_account(d, i)->copies--;
+    if (i >= 0 && !tasks_whole(&s->has, c)) deal_owe(d, e->slot, c, i);
+    else deal_drop_copy(d, e->slot, c);
     if (i < 0 || deal_account(d, i)->place != OUT) return; /* another slot finished first */
     deal_forget_pieces(d, i);
     deal_take(d, i);
@@ -175,8 +179,18 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
     deal_put(d, i, COMPUTED, e->slot);
 }
 
+/* Slot k has sent pixels: it may owe fewer. */
+static void note_pixels(struct deal *d, int32_t k, const struct task *t)
+{
+    struct slot *s = k >= 0 && k < d->n_slots ? &d->slots[k] : NULL;
+    int32_t c = s ? tasks_find(&s->has, t->frame, t->id) : -1;
+    if (c < 0 || !tasks_deliver(&s->has, c, &t->at)) return;
+    if (tasks_whole(&s->has, c) && deal_copy(s, c)->list == OWED) deal_drop_copy(d, k, c);
+}
+
 static void take_pixels(struct deal *d, const struct sched_event *e, struct sched_actions *out)
 {
+    note_pixels(d, e->slot, &e->task);
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     if (i < 0 || !tasks_deliver(&d->ledger, i, &e->task.at)) return;
     if (tasks_whole(&d->ledger, i)) deal_commit(d, i, out);

@@ -17,6 +17,7 @@
  * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
  *    cannot be asked: it may be dead. A slot that owes pixels itself does not get such a task.
+ *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it
  *    LATE_TIMES over since it was last given. So neither one hanging slot nor COPIES_MOST of them
@@ -35,32 +36,39 @@
 #define LATE_US 200000 /* added for a busy machine */
 #define LATE_MOST_US 86400e6
 
-/* Is entry i being computed by fewer than COPIES_MOST slots, counting copies of the tasks that
- * it is a piece of? */
-static bool may_copy(const struct deal *d, int32_t i)
+/* Is entry i a task or piece that slot k may be given a copy of? */
+static bool may_have(const struct deal *d, int32_t k, int32_t i)
 {
-    if (deal_account(d, i)->place != OUT || deal_account(d, i)->pieces) return false;
+    const struct account *a = deal_account(d, i);
+    return a->place == OUT && !a->pieces && !deal_owes(d, k, i);
+}
+
+/* The same, and is it being computed by fewer than COPIES_MOST slots, counting copies of the tasks
+ * that it is a piece of? */
+static bool may_copy(const struct deal *d, int32_t k, int32_t i)
+{
+    if (!may_have(d, k, i)) return false;
     int32_t copies = 0;
     for (; i >= 0; i = deal_account(d, i)->parent) copies += deal_account(d, i)->copies;
     return copies < COPIES_MOST;
 }
 
-/* Rule 2: the last queued task of the slot with the longest queue. */
-static int32_t in_store(const struct deal *d)
+/* Rule 2, for slot k: the last queued task of the slot with the longest queue. */
+static int32_t in_store(const struct deal *d, int32_t k)
 {
-    int32_t k = deal_pick_store(d);
-    if (k < 0) return -1;
-    const struct task_table *has = &d->slots[k].has;
-    const struct task *t = &has->at[d->slots[k].held.tail].task;
+    int32_t from = deal_pick_store(d);
+    if (from < 0) return -1;
+    const struct task_table *has = &d->slots[from].has;
+    const struct task *t = &has->at[d->slots[from].held.tail].task;
     int32_t i = tasks_find(&d->ledger, t->frame, t->id);
-    return i >= 0 && may_copy(d, i) ? i : -1;
+    return i >= 0 && may_copy(d, k, i) ? i : -1;
 }
 
-/* Rule 3: the task given longest ago. */
-static int32_t oldest(const struct deal *d)
+/* Rule 3, for slot k: the task given longest ago. */
+static int32_t oldest(const struct deal *d, int32_t k)
 {
     int32_t i = d->out.head;
-    while (i >= 0 && !may_copy(d, i)) i = d->ledger.at[i].next;
+    while (i >= 0 && !may_copy(d, k, i)) i = d->ledger.at[i].next;
     return i;
 }
 
@@ -98,25 +106,32 @@ static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
     return false;
 }
 
-/* The uncut task or piece that was given longest ago, if it is late. */
+/* Rule 5, for slot k: the uncut task or piece that was given longest ago, if it is late. */
 static int32_t late(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->out.head;
-    while (i >= 0 && deal_account(d, i)->pieces) i = d->ledger.at[i].next;
+    while (i >= 0 && !may_have(d, k, i)) i = d->ledger.at[i].next;
     return i >= 0 && is_late(d, i, k, now) ? i : -1;
+}
+
+/* Rules 2, 3 and 5 for slot k: an entry, or -1. */
+static int32_t other_for(struct deal *d, int32_t k, int64_t now)
+{
+    int32_t i = d->ended ? in_store(d, k) : -1;
+    if (i < 0 && d->ended && d->p.endgame) i = oldest(d, k);
+    if (i < 0 && d->p.endgame) i = late(d, k, now);
+    return i;
 }
 
 int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
 {
     bool revoke = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    int32_t i = -1;
     if (!revoke || (*k = lowest(&d->idle)) < 0) return -1;
-    if (d->ended) i = in_store(d);
-    if (i < 0 && d->ended && d->p.endgame) i = oldest(d);
-    if (i < 0 && d->p.endgame) i = late(d, *k, now);
+    int32_t i = other_for(d, *k, now), free = lowest(&d->free);
+    if (i >= 0 || free < 0) return i;
+    if (free != *k) i = other_for(d, *k = free, now);
     if (i >= 0 || !d->p.endgame || !(d->ended || d->flush)) return i;
-    *k = lowest(&d->free);
-    i = *k >= 0 ? withheld(d) : -1;
+    i = withheld(d);
     return i >= 0 && (d->ended || is_late(d, i, *k, now)) ? i : -1;
 }
 

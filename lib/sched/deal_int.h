@@ -16,15 +16,18 @@ struct slot {
     struct pace pace;                    /* beside `state`: piece_px reads both of all slots */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
-    struct task_table has;               /* copies given to it and not done, on these lists: */
-    struct task_list held;               /* those that no other slot has */
-    struct task_list shared;             /* those that others have too, or that were cut */
+    struct task_table has;               /* copies given to it, on these lists: */
+    struct task_list held;               /* to compute; no other slot has them */
+    struct task_list shared;             /* to compute; others have them too, or they were cut */
+    struct task_list owed;               /* computed and not committed; some pixels are missing */
 };
 /* Payload of an entry of `has`. */
+enum copy_list { HELD, SHARED, OWED };
 struct copy {
-    int64_t given_us; /* when the slot was given it */
-    int32_t tries;    /* attempt number, from 1 */
-    bool shared;      /* it is on the list `shared` */
+    int64_t given_us;    /* when the slot was given it */
+    int32_t tries;       /* attempt number, from 1 */
+    enum copy_list list; /* the one that it is on */
+    int32_t next;        /* OWED: the next slot that owes the same task, -1: none */
 };
 static inline struct copy *deal_copy(const struct slot *s, int32_t c)
 {
@@ -39,6 +42,7 @@ struct account {
     int32_t tries;       /* attempts so far */
     int32_t copies;      /* slots that have a copy and have not done it */
     int32_t latest;      /* the slot it was last given to */
+    int32_t owing;       /* the first slot that owes its pixels (copy.next: others), -1: none */
     int32_t parent;      /* the entry of which it is a piece, -1: none */
     int32_t pieces;      /* its uncommitted pieces; together they cover its missing pixels */
     int64_t progress_us; /* when it was last given, or computed after that */
@@ -109,8 +113,12 @@ void deal_share(struct deal *d, int32_t i);
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out);
 /* Removes copy c of slot k. */
 void deal_drop_copy(struct deal *d, int32_t k, int32_t c);
-/* Slot k is gone: tasks of its list l stay with other slots that have a copy, or go back to the
- * front of the pool. */
+/* Slot k has computed copy c of entry i, and owes its pixels from now on. */
+void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i);
+/* Does slot k owe pixels of entry i? */
+bool deal_owes(const struct deal *d, int32_t k, int32_t i);
+/* Slot k is gone: tasks of its list l stay with other slots that have a copy or have computed one,
+ * or go back to the front of the pool. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
 /* The same for ledger entries on list l: tasks that the slot had computed or was promised. */
 void deal_reclaim(struct deal *d, struct task_list *l);

@@ -7,7 +7,8 @@
 int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent)
 {
     int32_t i = tasks_add(&d->ledger, t, frame_w);
-    *deal_account(d, i) = (struct account){.owner = -1, .latest = -1, .parent = parent};
+    *deal_account(d, i) =
+        (struct account){.owner = -1, .latest = -1, .owing = -1, .parent = parent};
     if (!frames_find(&d->frames, t->frame)) frames_set(&d->frames, t->frame, 0, 0);
     struct frame_ids *ids = deal_ids(d, t->frame);
     if (t->id > ids->top) ids->top = t->id;
@@ -52,12 +53,23 @@ void deal_put_first(struct deal *d, int32_t i)
 }
 
 /* The owner of entry i, which is on no list, is gone. The entry is the next to be given, unless
- * other slots have a copy or a piece. */
+ * other slots have a copy or a piece, or have computed it. */
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);
     if (a->copies || a->pieces) deal_put(d, i, OUT, -1);
+    else if (a->owing >= 0) deal_put(d, i, COMPUTED, a->owing);
     else deal_put_first(d, i);
+}
+
+/* Entry i, on no list, leaves the ledger: no slot owes its pixels any more. */
+static void leave(struct deal *d, int32_t i)
+{
+    const struct task *t = &d->ledger.at[i].task;
+    int32_t k;
+    while ((k = deal_account(d, i)->owing) >= 0)
+        deal_drop_copy(d, k, tasks_find(&d->slots[k].has, t->frame, t->id));
+    tasks_remove(&d->ledger, i);
 }
 
 void deal_forget_pieces(struct deal *d, int32_t i)
@@ -66,7 +78,7 @@ void deal_forget_pieces(struct deal *d, int32_t i)
         if (!d->ledger.at[j].live || deal_account(d, j)->parent != i) continue;
         deal_forget_pieces(d, j);
         deal_take(d, j);
-        tasks_remove(&d->ledger, j);
+        leave(d, j);
         deal_account(d, i)->pieces--;
     }
 }
@@ -80,7 +92,7 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
         if (parent < 0) d->left_px -= (double)lattice_count(&t->at);
         deal_forget_pieces(d, i);
         deal_take(d, i);
-        tasks_remove(&d->ledger, i);
+        leave(d, i);
         i = parent;
         if (i >= 0 && --deal_account(d, i)->pieces) return;
     }
@@ -88,24 +100,66 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 
 /* ---- copies ---------------------------------------------------------------------------------- */
 
+static struct task_list *copies_on(struct slot *s, enum copy_list list)
+{
+    return list == HELD ? &s->held : list == SHARED ? &s->shared : &s->owed;
+}
+
+static void move_copy(struct slot *s, int32_t c, enum copy_list to)
+{
+    list_remove(&s->has, copies_on(s, deal_copy(s, c)->list), c);
+    list_push_back(&s->has, copies_on(s, to), c);
+    deal_copy(s, c)->list = to;
+}
+
 void deal_share(struct deal *d, int32_t i)
 {
     const struct task *t = &d->ledger.at[i].task;
     struct slot *s = &d->slots[deal_account(d, i)->latest];
     int32_t c = tasks_find(&s->has, t->frame, t->id);
-    if (c < 0 || deal_copy(s, c)->shared) return;
-    list_remove(&s->has, &s->held, c);
-    list_push_back(&s->has, &s->shared, c);
-    deal_copy(s, c)->shared = true;
+    if (c < 0 || deal_copy(s, c)->list != HELD) return;
+    move_copy(s, c, SHARED);
     deal_mark(d, deal_account(d, i)->latest);
+}
+
+/* Slot k, which owes the pixels of its copy c, owes them no more. */
+static void forgive(struct deal *d, int32_t k, int32_t c)
+{
+    const struct slot *s = &d->slots[k];
+    const struct task *t = &s->has.at[c].task;
+    int32_t i = tasks_find(&d->ledger, t->frame, t->id);
+    int32_t *at = &deal_account(d, i)->owing;
+    while (*at != k) {
+        const struct slot *other = &d->slots[*at];
+        at = &deal_copy(other, tasks_find(&other->has, t->frame, t->id))->next;
+    }
+    *at = deal_copy(s, c)->next;
 }
 
 void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
 {
     struct slot *s = &d->slots[k];
-    list_remove(&s->has, deal_copy(s, c)->shared ? &s->shared : &s->held, c);
+    enum copy_list list = deal_copy(s, c)->list;
+    if (list == OWED) forgive(d, k, c);
+    list_remove(&s->has, copies_on(s, list), c);
     tasks_remove(&s->has, c);
     deal_mark(d, k);
+}
+
+void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i)
+{
+    struct slot *s = &d->slots[k];
+    move_copy(s, c, OWED);
+    deal_copy(s, c)->next = deal_account(d, i)->owing;
+    deal_account(d, i)->owing = k;
+    deal_mark(d, k);
+}
+
+bool deal_owes(const struct deal *d, int32_t k, int32_t i)
+{
+    const struct task *t = &d->ledger.at[i].task;
+    int32_t c = deal_account(d, i)->owing < 0 ? -1 : tasks_find(&d->slots[k].has, t->frame, t->id);
+    return c >= 0 && deal_copy(&d->slots[k], c)->list == OWED;
 }
 
 /* The id of the input task that entry i is, or is a piece of. */
@@ -124,8 +178,11 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     if (c >= 0) deal_drop_copy(d, k, c); /* an earlier task with the same key */
     if (a->copies) deal_share(d, i);
     c = tasks_add(&s->has, &e->task, e->frame_w);
-    *deal_copy(s, c) = (struct copy){.given_us = now, .tries = ++a->tries, .shared = a->copies > 0};
-    list_push_back(&s->has, a->copies ? &s->shared : &s->held, c);
+    *deal_copy(s, c) = (struct copy){.given_us = now,
+        .tries = ++a->tries,
+        .list = a->copies ? SHARED : HELD,
+        .next = -1};
+    list_push_back(&s->has, copies_on(s, deal_copy(s, c)->list), c);
     s->asked = false;
     a->copies++;
     a->latest = k;
@@ -143,8 +200,9 @@ void deal_lose(struct deal *d, int32_t k, struct task_list *l)
     while (l->count) {
         const struct task *t = &s->has.at[l->tail].task;
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
+        bool owed = l == &s->owed;
         deal_drop_copy(d, k, l->tail);
-        if (i < 0) continue; /* committed already */
+        if (i < 0 || owed) continue; /* committed already, or its entry is on another list */
         deal_account(d, i)->copies--;
         if (deal_account(d, i)->place != OUT) continue;
         deal_take(d, i);

@@ -114,10 +114,10 @@ int32_t deal_pick_store(const struct deal *d)
 void deal_mark(struct deal *d, int32_t k)
 {
     const struct slot *s = &d->slots[k];
-    bool up = s->state == SLOT_UP, idle = up && !slot_load(s), owes = s->computed.count;
+    bool up = s->state == SLOT_UP, idle = up && !slot_load(s), owes = s->owed.count;
     set_put(&d->idle, k, idle);
     set_put(&d->free, k, idle && !owes);
-    set_put(&d->withheld, k, up && owes && (s->asked || !idle));
+    set_put(&d->withheld, k, up && s->computed.count && (s->asked || !idle));
     set_put(&d->unflushed, k, idle && owes && !s->asked);
     rate(d, k, rating_of(d, s));
 }

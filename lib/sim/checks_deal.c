@@ -5,6 +5,8 @@
 
 struct note {
     uint64_t owners; /* slots that were given it and have not answered: bit K */
+    uint64_t owing;  /* slots that have computed it, are not lost, and owe pixels: bit K */
+    uint64_t got[SIM_SLOTS_MOST]; /* pixels that the slot has sent under its number */
     int32_t gives;
     int64_t order;               /* of the latest give, among all gives */
     uint8_t nth[SIM_SLOTS_MOST]; /* attempt number of the slot's copy */
@@ -20,6 +22,7 @@ static struct note *of(const struct vtask *t) { return t->note; }
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
 static bool is_up(const struct world *w, int32_t k) { return w->slots[k].up; }
 static bool has(const struct vtask *t, int32_t k) { return of(t)->owners >> k & 1; }
+static bool owes_it(const struct vtask *t, int32_t k) { return of(t)->owing >> k & 1; }
 static int32_t count_owners(const struct vtask *t) { return __builtin_popcountll(of(t)->owners); }
 static bool is_piece(const struct world *w, const struct vtask *t)
 {
@@ -97,6 +100,7 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
         sim_fail(w, "the policy numbers an attempt wrongly", nth, of(t)->nth[k]);
     of(t)->owners &= ~(UINT64_C(1) << k);
     w->slots[k].has--;
+    if (of(t)->got[k] < lattice_count(&t->task.at)) of(t)->owing |= UINT64_C(1) << k;
     if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
     of(t)->computed_by = k;
     of(t)->since_us = w->now_us;
@@ -108,9 +112,25 @@ static void note_gone(struct world *w, int32_t k)
     w->slots[k].has = 0;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct note *t = of(&w->tasks[i]);
-        t->owners &= ~(UINT64_C(1) << k);
-        if (t->computed_by == k) t->computed_by = -1;
+        uint64_t bit = UINT64_C(1) << k;
+        bool alone = t->owners == bit && t->computed_by < 0 && !in_pieces(w, &w->tasks[i], false);
+        t->owners &= ~bit;
+        t->owing &= ~bit;
+        if (t->computed_by != k && !alone) continue;
+        t->computed_by = t->owing && !t->owners ? __builtin_ctzll(t->owing) : -1;
     }
+}
+
+/* Pixels of t came from slot k: those that continue or repeat the earlier ones count. */
+static void note_pixels(struct world *w, struct vtask *t, const struct sched_event *e)
+{
+    if (e->slot < 0 || e->slot >= w->plan->slots || (!has(t, e->slot) && !owes_it(t, e->slot)))
+        return;
+    uint64_t *got = &of(t)->got[e->slot], n = lattice_count(&e->task.at);
+    int64_t at = lattice_offset(&t->task.at, w->frame_w, &e->task.at);
+    if (at < 0 || (uint64_t)at > *got) return;
+    if ((uint64_t)at + n > *got) *got = (uint64_t)at + n;
+    if (*got == lattice_count(&t->task.at)) of(t)->owing &= ~(UINT64_C(1) << e->slot);
 }
 
 static void deal_task(struct vtask *t)
@@ -122,6 +142,7 @@ static void deal_task(struct vtask *t)
 static void deal_event(struct world *w, const struct sched_event *e)
 {
     bool named = e->task.frame == 0 && e->task.id < (uint32_t)w->n_tasks;
+    if (e->kind == SCHED_PIXELS && named) note_pixels(w, &w->tasks[e->task.id], e);
     if (e->kind == SCHED_DONE && named) note_done(w, &w->tasks[e->task.id], e->slot);
     if (e->kind == SCHED_GONE) note_gone(w, e->slot);
 }
@@ -133,7 +154,7 @@ static bool owes(const struct world *w, int32_t k)
 {
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
-        if (t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by == k) return true;
+        if (t->known && !t->committed && !of(t)->overtaken && owes_it(t, k)) return true;
     }
     return false;
 }
@@ -143,13 +164,14 @@ static bool is_late(const struct world *w, const struct vtask *t)
     return w->plan->params.endgame && w->now_us - of(t)->since_us >= LATE_US;
 }
 
-/* Slot k is given a computed task: only in the endgame, or late, if the slot that computed it is
- * busy or was asked to flush. */
+/* Slot k is given a computed task: only in the endgame, or late, if a slot that computed it is busy
+ * or was asked to flush. */
 static void check_withheld(struct world *w, struct vtask *t, int32_t k)
 {
-    const struct vslot *s = &w->slots[of(t)->computed_by];
-    bool late =
-        w->plan->params.endgame && (w->input_ended || is_late(w, t)) && (s->asked || s->has);
+    bool late = false;
+    for (int32_t i = 0; i < w->plan->slots; i++)
+        late = late || (owes_it(t, i) && (w->slots[i].asked || w->slots[i].has));
+    late = late && w->plan->params.endgame && (w->input_ended || is_late(w, t));
     if (!late || owes(w, k)) sim_fail(w, "a computed task was given again", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
@@ -270,6 +292,8 @@ static void check_give(struct world *w, const struct sched_action *a)
     if (!s->up) sim_fail(w, "a slot that is not up was given a task", a->slot, a->task.id);
     if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
         sim_fail(w, "a task was given that is done or unknown", a->slot, a->task.id);
+    if (owes_it(t, a->slot))
+        sim_fail(w, "a slot was given a task whose pixels it owes", a->slot, a->task.id);
     bool withheld = of(t)->computed_by >= 0;
     if (withheld) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot, withheld);
@@ -279,6 +303,7 @@ static void check_give(struct world *w, const struct sched_action *a)
         sim_fail(w, "a task of one slot was given to another", t->to, a->slot);
     of(t)->owners |= UINT64_C(1) << a->slot;
     of(t)->nth[a->slot] = (uint8_t)++of(t)->gives;
+    of(t)->got[a->slot] = 0;
     of(t)->order = w->result->gives;
     of(t)->since_us = w->now_us;
     s->has++;
@@ -308,10 +333,10 @@ static void deal_action(struct world *w, const struct sched_action *a)
 static void check_owners(struct world *w)
 {
     bool endgame = w->plan->params.endgame && w->input_ended;
-    int32_t idle = -1, free = -1; /* free: it owes no pixels either */
+    int32_t idle = -1, free = -1; /* the first idle slot; one that owes no pixels either */
     for (int32_t k = 0; endgame && k < w->plan->slots; k++) {
         if (!is_up(w, k) || w->slots[k].has) continue;
-        idle = k;
+        if (idle < 0) idle = k;
         if (!owes(w, k)) free = k;
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
@@ -324,7 +349,7 @@ static void check_owners(struct world *w)
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
         if (free >= 0 && computed) sim_fail(w, "a slot is free while pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
-        if (copies_of(w, t) < SIM_COPIES_MOST)
+        if (copies_of(w, t) < SIM_COPIES_MOST && (free >= 0 || !owes_it(t, idle)))
             sim_fail(w, "a slot is idle in the endgame", idle, i);
     }
 }
