@@ -133,14 +133,13 @@ void account_free(struct account *a)
 
 /* ---- the bound ------------------------------------------------------------------------------- */
 
-/* The pieces of one done, at power 1. `power` is that of the slot that did it. */
-static struct pieces pieces_of(
-    const struct history *l, const struct history_done *d, bool split, double power)
+/* The pixels of one done, at power 1. `power` is that of the slot that did it. */
+static struct pieces pieces_of(const struct history *l, const struct history_done *d, double power)
 {
     struct pieces p = {0};
     if (history_wasted(l, d)) return p;
     double used = l->n_frags ? (double)d->pixels / (double)d->sent : 1;
-    p.n = !l->n_frags ? 1 : split ? d->pixels : d->rows;
+    p.n = l->n_frags ? d->pixels : 1;
     p.c = p.n ? (double)d->cpu_us * 1e-6 * power * used / (double)p.n : 0;
     return p;
 }
@@ -148,11 +147,10 @@ static struct pieces pieces_of(
 double account_bound(const struct account *a, const struct history *one)
 {
     const struct history *l = one ? one : a->log;
-    bool split = history_split(a->log) || history_split(l);
     struct pieces *p = xcalloc(l->n_dones, sizeof *p);
     for (size_t i = 0; i < l->n_dones; i++) {
         const struct history_done *d = &l->dones[i];
-        p[i] = pieces_of(l, d, split, one ? 1 : a->slots[a->slot_of[d->slot]].power);
+        p[i] = pieces_of(l, d, one ? 1 : a->slots[a->slot_of[d->slot]].power);
     }
     double *v = xcalloc(a->n_slots, sizeof *v);
     for (size_t k = 0; k < a->n_slots; k++) v[k] = a->slots[k].power;

@@ -38,8 +38,8 @@ int64_t account_outermost(const char *name);
 /*
  * The lower bound of stats.h for these slots. The costs of tasks come from `one`, the log of a run
  * of the same pictures by one worker of power 1 (history_same); NULL: from this log. A piece is a
- * row if no row was split in either log, else a pixel. So the bound is the same for all methods
- * that never split a row.
+ * pixel, with an equal share of the cost of its task, so that one bound serves all methods. In a
+ * log without pixels a piece is a task.
  */
 double account_bound(const struct account *a, const struct history *one);
 /* The sum over all slots; its name is empty and its power 0. */

@@ -9,13 +9,6 @@ bool history_wasted(const struct history *l, const struct history_done *d)
     return l->n_frags ? !d->pixels : d->before >= 0;
 }
 
-bool history_split(const struct history *l)
-{
-    for (size_t i = 0; i < l->n_frames; i++)
-        if (l->frames[i].split) return true;
-    return false;
-}
-
 bool history_same(const struct history *l, const struct history *other, char err[HISTORY_ERR])
 {
     if (!other->n_frags || !l->n_frags) {

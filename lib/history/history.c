@@ -120,8 +120,6 @@ static struct history_frame *add_frame(struct history *l, const struct record *r
     const char *kind = rec_key(r, "kind", &n);
     f->replayed = kind && n == 8 && memcmp(kind, "replayed", n) == 0;
     coverage_init(&f->have, f->w, f->h);
-    f->row_of = xmalloc(f->h, sizeof *f->row_of);
-    for (uint32_t y = 0; y < f->h; y++) f->row_of[y] = HISTORY_NONE;
     return f;
 }
 
@@ -145,31 +143,15 @@ static int32_t done_of(const struct history *l, const struct task *t, int32_t sl
     return HISTORY_UNKNOWN;
 }
 
-/* Counts a new pixel of row y. */
-static void take_pixel(struct history *l, struct history_frame *f, uint32_t y, int32_t di)
-{
-    struct history_done *d = di >= 0 ? &l->dones[di] : NULL;
-    if (d) d->pixels++;
-    if (f->row_of[y] == HISTORY_NONE) {
-        f->row_of[y] = di;
-        if (d) d->rows++;
-    } else if (f->row_of[y] != di) {
-        f->split = true;
-    }
-}
-
 static void take_pixels(
     struct history *l, struct history_frame *f, const struct lattice *at, int32_t di)
 {
+    uint64_t before = f->have.done;
     for (uint32_t j = 0; j < at->h; j++) {
         uint64_t p = lattice_pixel(at, f->w, (uint64_t)j * at->w);
-        uint32_t y = (uint32_t)(p / f->w);
-        uint64_t next = (uint64_t)(y + 1) * f->w; /* the first pixel of the row below */
-        for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
-            for (; p >= next; next += f->w) y++;
-            if (coverage_set(&f->have, p)) take_pixel(l, f, y, di);
-        }
+        for (uint32_t i = 0; i < at->w; i++, p += at->sx) coverage_set(&f->have, p);
     }
+    if (di >= 0) l->dones[di].pixels += f->have.done - before;
 }
 
 static void keep_frag(struct history *l, const struct record *r, int32_t di)
@@ -264,7 +246,6 @@ void history_free(struct history *l)
 {
     for (size_t i = 0; i < l->n_frames; i++) {
         coverage_free(&l->frames[i].have);
-        free(l->frames[i].row_of);
         free(l->frames[i].places);
     }
     free(l->dones);

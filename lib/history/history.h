@@ -31,7 +31,6 @@ struct history_done {
     bool stolen;             /* given by another node of a ring */
     uint64_t sent;           /* pixels that it brought */
     uint64_t pixels;         /* of them, those that came first */
-    uint32_t rows;           /* rows of which it brought the first pixel */
     int32_t before;          /* previous done of this key, -1: none */
 };
 
@@ -39,10 +38,7 @@ struct history_frame {
     uint32_t number, w, h;
     char job[HISTORY_JOB], with[HISTORY_WITH]; /* as first announced */
     bool replayed;                             /* its times are those of another run */
-    bool split;                                /* a row came from several tasks */
     struct coverage have;
-    int32_t
-        *row_of; /* by row: the done that brought its first pixel, HISTORY_NONE, HISTORY_UNKNOWN */
     struct history_place *places; /* private: by pixel; built when first needed */
 };
 #define HISTORY_NONE (-1)    /* not present */
@@ -117,8 +113,6 @@ struct history_place history_place_of(struct history *l, const struct history_fr
  * pixels the first done of each key counts as useful.
  */
 bool history_wasted(const struct history *l, const struct history_done *d);
-/* True if a row has pixels of several tasks. */
-bool history_split(const struct history *l);
 /* True if l has the jobs of `other`, with the same number of pixels; else text in err. */
 bool history_same(const struct history *l, const struct history *other, char err[HISTORY_ERR]);
 /* NULL if no slot announced it. */

@@ -7,23 +7,13 @@
 
 /* ---- the bound ------------------------------------------------------------------------------- */
 
-static bool in_rows(const struct sim_plan *p, const struct sim_result *r)
+double sim_bound_s(const struct sim_plan *p)
 {
-    for (int32_t i = 0; i < p->tasks; i++) {
-        const struct lattice *at = &p->work->tasks[i].at;
-        if (at->w != p->work->frame_w || at->sx != 1) return false;
-    }
-    return !r->pieces;
-}
-
-double sim_bound_s(const struct sim_plan *p, const struct sim_result *r)
-{
-    size_t w = p->work->frame_w, n = w * p->work->frame_h, m = (size_t)p->slots;
-    size_t piece = in_rows(p, r) ? w : 1;
-    double *c = xcalloc(n / piece, sizeof *c), *v = xmalloc(m, sizeof *v);
-    for (size_t i = 0; i < n; i++) c[i / piece] += p->work->pixel_us[i];
+    size_t n = (size_t)p->work->frame_w * p->work->frame_h, m = (size_t)p->slots;
+    double *c = xmalloc(n, sizeof *c), *v = xmalloc(m, sizeof *v);
+    memcpy(c, p->work->pixel_us, n * sizeof *c);
     memcpy(v, p->work->power, m * sizeof *v);
-    double s = stats_lower_bound(c, n / piece, v, m) * 1e-6;
+    double s = stats_lower_bound(c, n, v, m) * 1e-6;
     if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * (double)n / p->hub_bytes_per_s);
     free(c);
     free(v);

@@ -28,7 +28,7 @@ void sim_report_faults(const struct sim_result *r, struct buf *out)
 
 void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf *out)
 {
-    double bound = sim_bound_s(p, r), makespan = (double)r->end_us * 1e-6;
+    double bound = sim_bound_s(p), makespan = (double)r->end_us * 1e-6;
     bool whole = !r->uncommitted;
     count(out, "slots", p->slots);
     count(out, "tasks", p->tasks);

@@ -166,10 +166,10 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
 void sim_add(struct sim_result *sum, const struct sim_result *r);
 
 /*
- * The least time that a measured run could have taken with any schedule (stats.h). Pieces are rows
- * if r split none, else pixels. The bound is at least the time of all pixels through the hub.
+ * The least time of any schedule of this work (stats.h). Pieces are pixels, whatever the tasks, so
+ * that one bound serves all methods. It is at least the time of all pixels through the hub.
  */
-double sim_bound_s(const struct sim_plan *plan, const struct sim_result *r);
+double sim_bound_s(const struct sim_plan *plan);
 
 /*
  * The best schedule found with all costs known: longest processing time first, each task to the

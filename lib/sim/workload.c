@@ -129,6 +129,6 @@ bool sim_workload_plan(
     p->checks = checks_of(m->policy, p);
     p->silence_us = SILENCE_US;
     p->detect_us = m->policy == &policy_published ? DETECT_US : 0;
-    p->faults_us = (int64_t)(1e6 * sim_bound_s(p, &(struct sim_result){0}));
+    p->faults_us = (int64_t)(1e6 * sim_bound_s(p));
     return true;
 }

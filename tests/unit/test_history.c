@@ -142,7 +142,7 @@ static void another_job_is_nobodys(void **state)
     buf_free(&b);
 }
 
-static void rows_know_whether_they_were_split(void **state)
+static void logs_of_other_pixels_are_not_the_same(void **state)
 {
     (void)state;
     struct buf b = {0};
@@ -150,14 +150,13 @@ static void rows_know_whether_they_were_split(void **state)
     line(&b, "done 0 0 cpu_us=1 w=0");
     frag(&b, 0, (struct lattice){0, 0, 8, 2, 1, 1}, 0, 1); /* two rows of one task */
     struct history whole = read_log(&b);
-    assert_false(history_split(&whole));
-    assert_int_equal(whole.dones[0].rows, 2);
+    assert_int_equal(whole.dones[0].pixels, 16);
     line(&b, "done 0 1 cpu_us=1 w=0");
     line(&b, "done 0 2 cpu_us=1 w=0");
     frag(&b, 1, (struct lattice){0, 2, 4, 1, 2, 1}, 0, 1);
     frag(&b, 2, (struct lattice){1, 2, 4, 1, 2, 1}, 0, 1);
     struct history split = read_log(&b);
-    assert_true(history_split(&split));
+    assert_int_equal(split.dones[2].pixels, 4);
     char err[HISTORY_ERR];
     assert_false(history_same(&whole, &split, err));
     assert_non_null(strstr(err, "16 pixels, expected 24"));
@@ -404,7 +403,7 @@ int main(void)
         cmocka_unit_test(the_first_pixels_count),
         cmocka_unit_test(a_hello_begins_a_run),
         cmocka_unit_test(another_job_is_nobodys),
-        cmocka_unit_test(rows_know_whether_they_were_split),
+        cmocka_unit_test(logs_of_other_pixels_are_not_the_same),
         cmocka_unit_test(pixels_are_found_again),
         cmocka_unit_test(damage_costs_itself),
         cmocka_unit_test(many_slots_keep_their_names),
