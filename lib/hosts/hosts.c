@@ -5,95 +5,14 @@
  * ;login: 36(1), 2011), without commands in it. Differs in that a host without a number offers one
  * slot, not one per core.
  */
-#include "hosts/hosts.h"
+#include "hosts/hosts_int.h"
 
-#include <arpa/inet.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#define FILE_MOST (1 << 20) /* bytes */
 #define LINE_MOST 4096
-
-/* Position in the text, and the place for errors. */
-struct reader {
-    const char *name; /* of the file */
-    int line;
-    const char *at, *end;
-    char *err;
-};
-
-bool host_is_here(const struct host *h) { return strcmp(h->name, ":") == 0; }
-
-static bool PRINTF_LIKE(2, 3) refuse(const struct reader *r, const char *fmt, ...)
-{
-    int n = r->line ? snprintf(r->err, HOSTS_ERR, "%s:%d: ", r->name, r->line)
-                    : snprintf(r->err, HOSTS_ERR, "%s: ", r->name);
-    va_list ap;
-    va_start(ap, fmt);
-    if (n >= 0 && n < HOSTS_ERR) vsnprintf(r->err + n, HOSTS_ERR - (size_t)n, fmt, ap);
-    va_end(ap);
-    return false;
-}
-
-/* ---- the table ---- */
-
-static struct host *add(struct hosts *h)
-{
-    h->at = xrealloc(h->at, h->n + 1, sizeof *h->at);
-    h->at[h->n] = (struct host){.slots = 1};
-    return &h->at[h->n++];
-}
-
-#define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._:@%+-"
-
-/* The only names with a colon are IPv6 addresses, with or without %ZONE. */
-static bool is_ipv6(const char *s)
-{
-    char address[INET6_ADDRSTRLEN];
-    struct in6_addr bytes;
-    size_t n = strcspn(s, "%");
-    if (n >= sizeof address) return false;
-    memcpy(address, s, n);
-    address[n] = '\0';
-    return inet_pton(AF_INET6, address, &bytes) == 1;
-}
-
-/* A valid name is one word for every shell and in every record, and no program takes it for an
- * option. */
-static bool name_valid(const char *s)
-{
-    size_t n = strlen(s);
-    if (strcmp(s, ":") == 0) return true;
-    if (n > HOST_NAME_MOST || *s == '-' || *s == '@' || s[strspn(s, NAME_BYTES)]) return false;
-    const char *at = strchr(s, '@'), *host = at ? at + 1 : s;
-    if (!*host || *host == '-' || strchr(host, '@')) return false;
-    return !strchr(s, ':') || is_ipv6(host);
-}
-
-static bool set_name(const struct reader *r, struct host *host, const char *name)
-{
-    char shown[ERR_WORD];
-    host->name = xstrdup(name);
-    if (name_valid(name)) return true;
-    return refuse(r,
-        "%s: no host name, expected `:`, HOST or USER@HOST first, of letters, digits and ._:@%%+-",
-        err_word(shown, name, strlen(name)));
-}
-
-/* Call when the host is complete: checks it, and counts its slots. */
-static bool count(const struct reader *r, struct hosts *h, const struct host *host)
-{
-    if (host_is_here(host) && (host->via || host->bin))
-        return refuse(r, "`:` is this machine, expected no via= and no bin=");
-    h->slots += host->slots;
-    if (h->slots <= HOSTS_SLOTS_MAX) return true;
-    return refuse(r, "%d slots, expected at most %d in all", h->slots, HOSTS_SLOTS_MAX);
-}
 
 /* ---- a file ---- */
 
@@ -140,19 +59,19 @@ static const struct key {
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 
-static bool set_key(const struct reader *r, struct host *host, char *word, unsigned *seen)
+static bool set_key(const struct hosts_reader *r, struct host *host, char *word, unsigned *seen)
 {
     char shown[ERR_WORD], *value = strchr(word, '=');
     if (value) *value++ = '\0';
     for (unsigned i = 0; i < N_KEYS && value; i++) {
         if (strcmp(word, keys[i].name) != 0) continue;
-        if (*seen & 1U << i) return refuse(r, "%s comes twice, expected it once", word);
+        if (*seen & 1U << i) return hosts_refuse(r, "%s comes twice, expected it once", word);
         *seen |= 1U << i;
         if (keys[i].set(host, value)) return true;
-        return refuse(
+        return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
     }
-    return refuse(r,
+    return hosts_refuse(r,
         "%s: unknown, expected slots=, power=, via= or bin=", err_word(shown, word, strlen(word)));
 }
 
@@ -160,7 +79,7 @@ static bool set_key(const struct reader *r, struct host *host, char *word, unsig
  * Reads the next word of the line into `word`. Within double quotes blanks and # are letters, and a
  * backslash quotes the next byte. Returns 1; 0 at the end of the line; -1 if a quote is open.
  */
-static int next_word(struct reader *r, struct buf *word)
+static int next_word(struct hosts_reader *r, struct buf *word)
 {
     bool quoted = false;
     buf_consume(word, buf_size(word));
@@ -179,24 +98,25 @@ static int next_word(struct reader *r, struct buf *word)
     return quoted ? -1 : 1;
 }
 
-static bool read_line(struct reader *r, struct hosts *h, struct buf *word)
+static bool read_line(struct hosts_reader *r, struct hosts *h, struct buf *word)
 {
     unsigned seen = 0;
     if (r->end - r->at > LINE_MOST)
-        return refuse(r, "a line of more than %d bytes, expected one host a line", LINE_MOST);
+        return hosts_refuse(r, "a line of more than %d bytes, expected one host a line", LINE_MOST);
     if (memchr(r->at, '\0', (size_t)(r->end - r->at)))
-        return refuse(r, "a NUL byte, expected text");
+        return hosts_refuse(r, "a NUL byte, expected text");
     int more = next_word(r, word);
     if (!more) return true;
-    struct host *host = add(h);
-    if (more > 0 && !set_name(r, host, (char *)word->data)) return false;
+    struct host *host = hosts_add(h);
+    if (more > 0 && !hosts_set_name(r, host, (char *)word->data)) return false;
     while (more > 0 && (more = next_word(r, word)) > 0)
         if (!set_key(r, host, (char *)word->data, &seen)) return false;
-    if (more < 0) return refuse(r, "a quote is not closed, expected \" before the end of the line");
-    return count(r, h, host);
+    if (more < 0)
+        return hosts_refuse(r, "a quote is not closed, expected \" before the end of the line");
+    return hosts_count(r, h, host);
 }
 
-static bool read_lines(struct reader *r, struct hosts *h, const struct buf *text)
+static bool read_lines(struct hosts_reader *r, struct hosts *h, const struct buf *text)
 {
     const char *at = (const char *)buf_data(text), *end = at + buf_size(text);
     struct buf word = {0};
@@ -211,21 +131,22 @@ static bool read_lines(struct reader *r, struct hosts *h, const struct buf *text
     }
     buf_free(&word);
     r->line = 0;
-    return good && (h->n || refuse(r, "no host, expected a line `NAME slots=N ...` for each"));
+    return good &&
+           (h->n || hosts_refuse(r, "no host, expected a line `NAME slots=N ...` for each"));
 }
 
 /* ---- a comma list ---- */
 
-static bool read_entry(struct reader *r, struct hosts *h, char *entry)
+static bool read_entry(struct hosts_reader *r, struct hosts *h, char *entry)
 {
-    struct host *host = add(h);
+    struct host *host = hosts_add(h);
     char *slash = strchr(entry, '/');
     if (slash) *slash = '\0';
     if (slash && !set_slots(host, entry))
-        return refuse(r,
+        return hosts_refuse(r,
             "%s/%s: no such file, expected one, or a host's number of slots before `/`, 1 to 4096",
             entry, slash + 1);
-    return set_name(r, host, slash ? slash + 1 : entry) && count(r, h, host);
+    return hosts_set_name(r, host, slash ? slash + 1 : entry) && hosts_count(r, h, host);
 }
 
 /* Suffixes of file names that are no top-level domains. */
@@ -239,14 +160,14 @@ static bool named_as_file(const char *name)
 }
 
 /* A single name: of a host, or of a missing file? */
-static bool doubt(const struct reader *r, struct hosts *h, const char *name)
+static bool doubt(const struct hosts_reader *r, struct hosts *h, const char *name)
 {
     h->no_file = strcmp(name, ":") != 0 && !strchr(name, '@');
     if (!named_as_file(name)) return true;
-    return refuse(r, "%s: no such file, expected one, or 1/%s for a host", name, name);
+    return hosts_refuse(r, "%s: no such file, expected one, or 1/%s for a host", name, name);
 }
 
-static bool read_list(struct reader *r, struct hosts *h, const char *list)
+static bool read_list(struct hosts_reader *r, struct hosts *h, const char *list)
 {
     char *copy = xstrdup(list);
     bool good = true;
@@ -260,82 +181,26 @@ static bool read_list(struct reader *r, struct hosts *h, const char *list)
     return good && (strpbrk(list, ",/") || doubt(r, h, list));
 }
 
-/*
- * A hosts file is read more than once in a run, and anything but a regular file may have no end.
- * The size is limited because any file may be named by mistake.
- */
-static bool read_hosts_file(const struct reader *r, struct buf *text)
-{
-    struct stat st;
-    ptrdiff_t n = 0;
-    int fd = open(r->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (fd < 0) return refuse(r, "%s, expected a file that can be read", strerror(errno));
-    bool regular = fstat(fd, &st) == 0 && S_ISREG(st.st_mode);
-    while (regular && buf_size(text) <= FILE_MOST && (n = read_some(fd, text, 1 << 16)) > 0)
-        ;
-    int err = errno;
-    close(fd);
-    if (!regular) return refuse(r, "no regular file, expected one with a line for each host");
-    if (n < 0) return refuse(r, "%s, expected a file that can be read", strerror(err));
-    if (buf_size(text) <= FILE_MOST) return true;
-    return refuse(r, "larger than %d bytes, expected a line for each host", FILE_MOST);
-}
-
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
 {
     struct stat st;
     struct buf text = {0};
-    struct reader r = {.name = arg, .err = err};
+    struct hosts_reader r = {.name = arg, .err = err};
     bool good;
     *h = (struct hosts){0};
     *err = '\0';
+    if (hosts_of_job(&r, h, arg, &good)) {
+        if (!good) hosts_free(h);
+        return good;
+    }
     /* A directory with results of a host may have its name. */
     if (stat(arg, &st) != 0 || (S_ISDIR(st.st_mode) && !strchr(arg, '/'))) {
         r.name = "-S";
         good = read_list(&r, h, arg);
     } else {
-        good = read_hosts_file(&r, &text) && read_lines(&r, h, &text);
+        good = hosts_read_file(&r, &text) && read_lines(&r, h, &text);
     }
     buf_free(&text);
     if (!good) hosts_free(h);
     return good;
-}
-
-void hosts_here(struct hosts *h, int slots)
-{
-    *h = (struct hosts){.slots = slots};
-    struct host *host = add(h);
-    host->name = xstrdup(":");
-    host->slots = slots;
-}
-
-void hosts_free(struct hosts *h)
-{
-    for (size_t i = 0; i < h->n; i++) {
-        free(h->at[i].name);
-        free(h->at[i].via);
-        free(h->at[i].bin);
-    }
-    free(h->at);
-    *h = (struct hosts){0};
-}
-
-size_t hosts_of_slot(const struct hosts *h, int slot)
-{
-    size_t i = 0;
-    for (; slot >= h->at[i].slots; i++) slot -= h->at[i].slots;
-    return i;
-}
-
-double *hosts_powers(const struct hosts *h, const char **without)
-{
-    double *power = xmalloc((size_t)h->slots, sizeof *power), *at = power;
-    for (size_t i = 0; i < h->n; i++) {
-        for (int k = 0; k < h->at[i].slots; k++) *at++ = h->at[i].power;
-        if (h->at[i].power > 0) continue;
-        *without = h->at[i].name;
-        free(power);
-        return NULL;
-    }
-    return power;
 }

@@ -1,0 +1,247 @@
+/*
+ * Hosts of a job. Slurm describes the job's nodes in two variables of the environment, PBS in a
+ * file that a variable names; stormring-engines(7) has their forms. Any other text is refused.
+ */
+#include "hosts/hosts_int.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define NODE_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
+#define NODES_VARIABLE "SLURM_JOB_NODELIST"
+#define CPUS_VARIABLE "SLURM_JOB_CPUS_PER_NODE"
+#define FILE_VARIABLE "PBS_NODEFILE"
+#define DIGITS_MOST 18 /* of a number in a node's name */
+#define WORD_MOST 64   /* bytes of a range or a count, more than any that is valid */
+
+/*
+ * One step of the job for each connection. -u: records are forwarded when they come, not when a
+ * line is full. --overlap: the job's script and other steps may use the same processors.
+ */
+#define STEP_VIA "srun -u -N 1 -n 1 -c %d --overlap --cpu-bind=none -w %%h sh -c %%c"
+
+/* Sets r to the variable's text. */
+static bool find_variable(struct hosts_reader *r, const char *variable)
+{
+    const char *text = getenv(variable);
+    r->name = variable;
+    if (!text) return hosts_refuse(r, "not set, expected a job around this command");
+    if (!*text) return hosts_refuse(r, "empty, expected the text that the job was given");
+    r->at = text;
+    r->end = text + strlen(text);
+    return true;
+}
+
+/* Refuses the n bytes at `word`. */
+static bool wrong(const struct hosts_reader *r, const char *word, size_t n, const char *expected)
+{
+    char shown[ERR_WORD];
+    return hosts_refuse(r, "%s: expected %s", err_word(shown, word, n), expected);
+}
+
+static const char *first_of(const char *at, const char *end, char byte)
+{
+    const char *found = memchr(at, byte, (size_t)(end - at));
+    return found ? found : end;
+}
+
+static bool node_valid(const char *name, size_t n)
+{
+    if (!n || n > HOST_NAME_MOST || *name == '-') return false;
+    for (size_t i = 0; i < n; i++)
+        if (!name[i] || !strchr(NODE_BYTES, name[i])) return false;
+    return true;
+}
+
+/* The host of this name, or a new one without slots; NULL if the name is refused. */
+static struct host *node_of(
+    const struct hosts_reader *r, struct hosts *h, const char *name, size_t n)
+{
+    for (size_t i = h->n; i-- > 0;)
+        if (strlen(h->at[i].name) == n && memcmp(h->at[i].name, name, n) == 0) return &h->at[i];
+    if (!node_valid(name, n)) {
+        wrong(r, name, n, "a node's name, of at most 255 letters, digits and ._-");
+        return NULL;
+    }
+    struct host *host = hosts_add(h);
+    host->name = xcalloc(n + 1, 1);
+    memcpy(host->name, name, n);
+    host->slots = 0;
+    return host;
+}
+
+/* ---- Slurm ---- */
+
+/* A name, as far as it is expanded. */
+struct name {
+    char text[HOST_NAME_MOST + 1];
+    size_t n;
+};
+
+static bool expand(const struct hosts_reader *r, struct hosts *h, const struct name *before,
+    const char *at, const char *end);
+
+/* Appends a number of at least this many digits to the name, and expands the rest. */
+static bool expand_number(const struct hosts_reader *r, struct hosts *h, const struct name *before,
+    int64_t number, int digits, const char *rest, const char *end)
+{
+    struct name name = *before;
+    size_t room = sizeof name.text - name.n;
+    int n = snprintf(name.text + name.n, room, "%0*lld", digits, (long long)number);
+    if (n < 0 || (size_t)n >= room)
+        return wrong(r, name.text, sizeof name.text - 1, "a name of at most 255 bytes");
+    name.n += (size_t)n;
+    return expand(r, h, &name, rest, end);
+}
+
+/* Expands `3`, `8-11` or `08-11`, and the rest of the name after the bracket. */
+static bool expand_range(const struct hosts_reader *r, struct hosts *h, const struct name *before,
+    const char *at, const char *stop, const char *rest, const char *end)
+{
+    static const char expected[] = "a number or LOW-HIGH between [ and ]";
+    char text[WORD_MOST];
+    int64_t low, high;
+    size_t n = (size_t)(stop - at);
+    if (n >= sizeof text) return wrong(r, at, n, expected);
+    memcpy(text, at, n);
+    text[n] = '\0';
+    char *dash = strchr(text, '-'), *last = dash ? dash + 1 : text;
+    if (dash) *dash = '\0';
+    size_t low_n = strlen(text), high_n = strlen(last);
+    /* Zeros in front make all numbers as long as the first one. */
+    bool longer = high_n > low_n && *last != '0' && (*text != '0' || low_n == 1);
+    if (low_n > DIGITS_MOST || high_n > DIGITS_MOST || (high_n != low_n && !longer) ||
+        !parse_int(text, 0, INT64_MAX, &low) || !parse_int(last, low, INT64_MAX, &high))
+        return wrong(r, at, n, expected);
+    for (int64_t v = low; v <= high; v++)
+        if (!expand_number(r, h, before, v, (int)low_n, rest, end)) return false;
+    return true;
+}
+
+/* Adds the nodes of one name with brackets, such as `rack[1-2]n[01-12]`. */
+static bool expand(const struct hosts_reader *r, struct hosts *h, const struct name *before,
+    const char *at, const char *end)
+{
+    const char *open = first_of(at, end, '['), *close = first_of(open, end, ']');
+    struct name name = *before;
+    size_t n = (size_t)(open - at);
+    if (n >= sizeof name.text - name.n) return wrong(r, at, n, "a name of at most 255 bytes");
+    memcpy(name.text + name.n, at, n);
+    name.n += n;
+    if (open == end) {
+        size_t known = h->n;
+        if (known == HOSTS_SLOTS_MAX)
+            return hosts_refuse(r, "more nodes, expected at most %d", HOSTS_SLOTS_MAX);
+        if (!node_of(r, h, name.text, name.n)) return false;
+        return h->n > known || wrong(r, name.text, name.n, "each node once");
+    }
+    if (close == end) return wrong(r, open, (size_t)(end - open), "] after [");
+    for (const char *word = open + 1, *stop; word <= close; word = stop + 1) {
+        stop = first_of(word, close, ',');
+        if (!expand_range(r, h, &name, word, stop, close + 1, end)) return false;
+    }
+    return true;
+}
+
+/* The comma after the name at `at`, or the end: commas within brackets belong to the name. */
+static const char *name_end(const char *at, const char *end)
+{
+    for (bool within = false; at < end && (within || *at != ','); at++)
+        if (*at == '[' || *at == ']') within = *at == '[';
+    return at;
+}
+
+static bool read_nodes(struct hosts_reader *r, struct hosts *h)
+{
+    const struct name none = {0};
+    if (!find_variable(r, NODES_VARIABLE)) return false;
+    for (const char *at = r->at, *stop; at <= r->end; at = stop + 1) {
+        stop = name_end(at, r->end);
+        if (!expand(r, h, &none, at, stop)) return false;
+    }
+    return true;
+}
+
+/* Reads `8` or `8(x3)`: 8 processors on each of 3 nodes. */
+static bool read_count(
+    const struct hosts_reader *r, const char *at, size_t n, int64_t *cpus, int64_t *nodes)
+{
+    char text[WORD_MOST], *times;
+    *nodes = 1;
+    if (n < sizeof text) {
+        memcpy(text, at, n);
+        text[n] = '\0';
+        times = strstr(text, "(x");
+        bool closed = times && text[n - 1] == ')';
+        if (closed) text[n - 1] = *times = '\0';
+        if (parse_int(text, 1, HOSTS_SLOTS_MAX, cpus) &&
+            (!closed || parse_int(times + 2, 1, HOSTS_SLOTS_MAX, nodes)))
+            return true;
+    }
+    return wrong(r, at, n, "processors of a node, as 8, or 8(x3) for three nodes, 1 to 4096");
+}
+
+static bool read_cpus(struct hosts_reader *r, struct hosts *h)
+{
+    size_t known = 0;
+    int64_t cpus, nodes;
+    if (!find_variable(r, CPUS_VARIABLE)) return false;
+    for (const char *at = r->at, *stop; at <= r->end; at = stop + 1) {
+        stop = first_of(at, r->end, ',');
+        if (!read_count(r, at, (size_t)(stop - at), &cpus, &nodes)) return false;
+        for (; nodes > 0 && known < h->n; nodes--, known++) h->at[known].slots = (int)cpus;
+        if (nodes) break;
+        if (stop == r->end && known == h->n) return true;
+    }
+    return hosts_refuse(r, "%s nodes, expected %zu, as in %s", known < h->n ? "fewer" : "more",
+        h->n, NODES_VARIABLE);
+}
+
+static bool read_slurm(struct hosts_reader *r, struct hosts *h)
+{
+    if (!read_nodes(r, h) || !read_cpus(r, h)) return false;
+    for (size_t i = 0; i < h->n; i++) {
+        struct buf via = {0};
+        buf_printf(&via, STEP_VIA, h->at[i].slots);
+        buf_append(&via, "", 1);
+        h->at[i].via = (char *)via.data;
+        if (!hosts_count(r, h, &h->at[i])) return false;
+    }
+    return true;
+}
+
+/* ---- PBS ---- */
+
+/* A name for each slot, one a line. */
+static bool read_names(struct hosts_reader *r, struct hosts *h, const struct buf *text)
+{
+    const char *at = (const char *)buf_data(text), *end = at + buf_size(text), *stop;
+    for (; at < end; at = stop + 1) {
+        r->line++;
+        stop = first_of(at, end, '\n');
+        struct host *host = node_of(r, h, at, (size_t)(stop - at));
+        if (!host) return false;
+        host->slots++;
+        if (h->slots++ == HOSTS_SLOTS_MAX)
+            return hosts_refuse(r, "one slot more, expected at most %d", HOSTS_SLOTS_MAX);
+    }
+    return h->n || hosts_refuse(r, "empty, expected the name of a node in each line");
+}
+
+static bool read_pbs(struct hosts_reader *r, struct hosts *h)
+{
+    struct buf text = {0};
+    if (!find_variable(r, FILE_VARIABLE)) return false;
+    r->name = r->at;
+    bool good = hosts_read_file(r, &text) && read_names(r, h, &text);
+    buf_free(&text);
+    return good;
+}
+
+bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good)
+{
+    bool slurm = strcmp(arg, "slurm:") == 0;
+    if (!slurm && strcmp(arg, "pbs:") != 0) return false;
+    *good = slurm ? read_slurm(r, h) : read_pbs(r, h);
+    return true;
+}

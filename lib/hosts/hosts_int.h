@@ -1,0 +1,34 @@
+/* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs). */
+#ifndef STORMRING_HOSTS_INT_H
+#define STORMRING_HOSTS_INT_H
+
+#include "hosts/hosts.h"
+
+/* Position in the text, and the place for errors. */
+struct hosts_reader {
+    const char *name; /* of the file */
+    int line;         /* 0: no line */
+    const char *at, *end;
+    char *err; /* HOSTS_ERR bytes */
+};
+
+/* Writes "NAME:LINE: text" to r->err, and returns false. */
+bool hosts_refuse(const struct hosts_reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
+/* A new row with one slot. It is valid until the next call. */
+struct host *hosts_add(struct hosts *h);
+/* Copies a name that is one word for every shell, or refuses it. */
+bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char *name);
+/* Call when the host is complete: checks it, and counts its slots. */
+bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host);
+/*
+ * Appends the file r->name. It must be a regular file, because it is read more than once in a run
+ * and others may have no end. Its size is limited because any file may be named by mistake.
+ */
+bool hosts_read_file(const struct hosts_reader *r, struct buf *text);
+/*
+ * If `arg` is `slurm:` or `pbs:`, adds the hosts of the job in which this process runs, and returns
+ * true: *good is false if the job's variables or its file are refused.
+ */
+bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good);
+
+#endif

@@ -1,0 +1,135 @@
+/*
+ * The table of hosts: rows, the names that are accepted, and reading the text of a file.
+ */
+#include "hosts/hosts_int.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FILE_MOST (1 << 20) /* bytes */
+
+bool host_is_here(const struct host *h) { return strcmp(h->name, ":") == 0; }
+
+bool hosts_refuse(const struct hosts_reader *r, const char *fmt, ...)
+{
+    int n = r->line ? snprintf(r->err, HOSTS_ERR, "%s:%d: ", r->name, r->line)
+                    : snprintf(r->err, HOSTS_ERR, "%s: ", r->name);
+    va_list ap;
+    va_start(ap, fmt);
+    if (n >= 0 && n < HOSTS_ERR) vsnprintf(r->err + n, HOSTS_ERR - (size_t)n, fmt, ap);
+    va_end(ap);
+    return false;
+}
+
+struct host *hosts_add(struct hosts *h)
+{
+    h->at = xrealloc(h->at, h->n + 1, sizeof *h->at);
+    h->at[h->n] = (struct host){.slots = 1};
+    return &h->at[h->n++];
+}
+
+#define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._:@%+-"
+
+/* The only names with a colon are IPv6 addresses, with or without %ZONE. */
+static bool is_ipv6(const char *s)
+{
+    char address[INET6_ADDRSTRLEN];
+    struct in6_addr bytes;
+    size_t n = strcspn(s, "%");
+    if (n >= sizeof address) return false;
+    memcpy(address, s, n);
+    address[n] = '\0';
+    return inet_pton(AF_INET6, address, &bytes) == 1;
+}
+
+/* A valid name is one word for every shell and in every record, and no program takes it for an
+ * option. */
+static bool name_valid(const char *s)
+{
+    size_t n = strlen(s);
+    if (strcmp(s, ":") == 0) return true;
+    if (n > HOST_NAME_MOST || *s == '-' || *s == '@' || s[strspn(s, NAME_BYTES)]) return false;
+    const char *at = strchr(s, '@'), *host = at ? at + 1 : s;
+    if (!*host || *host == '-' || strchr(host, '@')) return false;
+    return !strchr(s, ':') || is_ipv6(host);
+}
+
+bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char *name)
+{
+    char shown[ERR_WORD];
+    host->name = xstrdup(name);
+    if (name_valid(name)) return true;
+    return hosts_refuse(r,
+        "%s: no host name, expected `:`, HOST or USER@HOST first, of letters, digits and ._:@%%+-",
+        err_word(shown, name, strlen(name)));
+}
+
+bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host)
+{
+    if (host_is_here(host) && (host->via || host->bin))
+        return hosts_refuse(r, "`:` is this machine, expected no via= and no bin=");
+    h->slots += host->slots;
+    if (h->slots <= HOSTS_SLOTS_MAX) return true;
+    return hosts_refuse(r, "%d slots, expected at most %d in all", h->slots, HOSTS_SLOTS_MAX);
+}
+
+bool hosts_read_file(const struct hosts_reader *r, struct buf *text)
+{
+    struct stat st;
+    ptrdiff_t n = 0;
+    int fd = open(r->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0) return hosts_refuse(r, "%s, expected a file that can be read", strerror(errno));
+    bool regular = fstat(fd, &st) == 0 && S_ISREG(st.st_mode);
+    while (regular && buf_size(text) <= FILE_MOST && (n = read_some(fd, text, 1 << 16)) > 0)
+        ;
+    int err = errno;
+    close(fd);
+    if (!regular) return hosts_refuse(r, "no regular file, expected one with a line for each host");
+    if (n < 0) return hosts_refuse(r, "%s, expected a file that can be read", strerror(err));
+    if (buf_size(text) <= FILE_MOST) return true;
+    return hosts_refuse(r, "larger than %d bytes, expected a line for each host", FILE_MOST);
+}
+
+void hosts_here(struct hosts *h, int slots)
+{
+    *h = (struct hosts){.slots = slots};
+    struct host *host = hosts_add(h);
+    host->name = xstrdup(":");
+    host->slots = slots;
+}
+
+void hosts_free(struct hosts *h)
+{
+    for (size_t i = 0; i < h->n; i++) {
+        free(h->at[i].name);
+        free(h->at[i].via);
+        free(h->at[i].bin);
+    }
+    free(h->at);
+    *h = (struct hosts){0};
+}
+
+size_t hosts_of_slot(const struct hosts *h, int slot)
+{
+    size_t i = 0;
+    for (; slot >= h->at[i].slots; i++) slot -= h->at[i].slots;
+    return i;
+}
+
+double *hosts_powers(const struct hosts *h, const char **without)
+{
+    double *power = xmalloc((size_t)h->slots, sizeof *power), *at = power;
+    for (size_t i = 0; i < h->n; i++) {
+        for (int k = 0; k < h->at[i].slots; k++) *at++ = h->at[i].power;
+        if (h->at[i].power > 0) continue;
+        *without = h->at[i].name;
+        free(power);
+        return NULL;
+    }
+    return power;
+}
