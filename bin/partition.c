@@ -198,14 +198,15 @@ static void write_tasks(const struct options *o, const char *job)
 static void take(void *ctx, const struct record *r)
 {
     struct options one = *(const struct options *)ctx;
+    struct buf state = {0};
     char job[64], key[80] = "";
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
-        put_stdout(r->line, r->line_len);
-        put_stdout("\n", 1);
-        put_stdout(r->body, r->body_len);
+        wire_copy(&state, r);
+        put_stdout(buf_data(&state), buf_size(&state));
+        buf_free(&state);
         break;
     case REC_FRAME:
         one.frame = r->task.frame;

@@ -39,6 +39,7 @@ done
 printf 'abc' >three
 is "pack writes size and crc before the file" "$(pack scene three)" "scene crc=891568578 bytes=3
 abc"
+is "pack ends the body with a newline that bytes= does not count" "$(pack scene three | tail -n 1 | od -An -c | tr -d ' ')" 'abc\n'
 is "pack of two files writes two records" "$(pack spec three three | grep -c bytes=3)" 2
 for bad in '' scene 'picture three' 'scene no-such-file'; do
 	# shellcheck disable=SC2086
@@ -49,7 +50,7 @@ done
 # ---- rtworker ----------------------------------------------------------------------------------------
 spdgen -s 1 tetra >tetra.nff
 # lines FILE: prints the records of a stream without their bodies; records: the same, shortened
-lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$@"; }
+lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1 + 1) if / bytes=(\d+)/ }' "$@"; }
 records() { lines - | sed 's/ crc=.*//; s/ sum=.*//; s/_us=[0-9]*//g; s/selftest=.*//; s/ job=[^ ]*//'; }
 partition -u run:6 4x3 | rtworker tetra.nff >frags
 is "the worker sends hello first" "$(lines frags | head -1 | cut -d ' ' -f 1-2)" "hello rtworker"
@@ -113,7 +114,7 @@ state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
 is "fan: its hello has the number of slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ sum=.*//')" \
-	"hello fan 0.2 format=2 S P slots=3"
+	"hello fan 0.2 format=3 S P slots=3"
 is "fan: it sends up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
 is "fan: it adds slot and times to done" "$(lines frags | grep '^done 0 4 ' | sed 's/ sum=.*//; s/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="

@@ -44,6 +44,7 @@ ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1
 	for y in 0 1; do
 		printf 'frag 0 %d 0 %d 1 1 1 1 job=1 ch=4 crc=%s bytes=16\n' $y $y 3971697493
 		head -c 16 /dev/zero
+		echo
 		echo "done 0 $y cpu_us=$((10 + 90 * y)) wall_us=1"
 	done
 } | "$root/tests/seal" >two.frags

@@ -20,6 +20,7 @@ frag() {
 		awk '{ printf "%.0f", $1 + 256 * ($2 + 256 * ($3 + 256 * $4)) }')
 	printf 'frag %s %s %s job=%s ch=4 crc=%s bytes=%d%s\n' "$1" "$2" "$3" "${7-cafe}" "$crc" $((16 * $5)) "${6-}"
 	cat body
+	echo
 }
 # picture FRAME [JOB]: prints a complete stream of 3 rows of 4 pixels
 picture() {
@@ -129,27 +130,32 @@ for change in 's/ 0 1 0 1 4 / 0 1 0 2 4 /' 's/^(frag 0 2 .*)cafe/$1cafd/' 's/^fr
 done
 
 # ---- a log of another format
-sed -e 's/ sum=........$//; s/ format=2//' -e 's/ job=cafe ch/ ch/' whole >old
-sed 's/ format=2/ format=3/' whole | seal >new
+sed -e 's/ sum=........$//; s/ format=3//' -e 's/ job=cafe ch/ ch/' whole >format1
+perl -e 'while (<>) { s/ format=3/ format=2/; print; next unless / bytes=(\d+)/; read ARGV, $_, $1 + 1; chop; print }' whole | seal >format2
+sed 's/ format=3/ format=4/' whole | seal >format4
 for args in 'gather -o f.pam' 'gather -m' 'gather -o f.pam whole' fragstat 'replay -x 0' 'partition -o cost:'; do
-	for log in old new; do
+	for log in format1 format2 format4; do
 		case $args in *:) set -- "$args$log" 4x3 ;; *) set -- "$args" "$log" ;; esac
 		# shellcheck disable=SC2086
 		run $1 $2 <whole
-		is "$args of another format ($log): status 2" "$status" 2
-		like "$args of another format ($log): by name" "$err" ": $log: is of format $([ $log = old ] && echo 1 || echo 3), expected 2\$"
+		is "$args $log: status 2" "$status" 2
+		like "$args $log: by name" "$err" ": $log: is of format ${log#format}, expected 3\$"
 	done
 done
-for log in old new; do
+for log in format1 format2 format4; do
 	cp $log before
 	run gather -r $log -o f.pam whole
 	is "gather -r $log: status 2, and nothing is appended" "$status$(cmp $log before)" 2
-	like "gather -r $log: by name" "$err" "$log: is of format [13], expected 2\$"
+	like "gather -r $log: by name" "$err" "$log: is of format ${log#format}, expected 3\$"
 	run partition -r $log 4x3
-	like "partition -r $log: by name" "$status$err" "^2.*$log: is of format [13], expected 2\$"
+	like "partition -r $log: by name" "$status$err" "^2.*$log: is of format ${log#format}, expected 3\$"
 	run gather -o f.pam <$log
-	like "gather <$log: by name" "$status$err" '^2.*standard input: is of format [13], expected 2$'
+	like "gather <$log: by name" "$status$err" "^2.*standard input: is of format ${log#format}, expected 3\$"
 done
+{ cat whole; frag 0 1 '0 1 4 1 1 1' "$full" 4 | seal | head -c -1; echo bye; } >joined
+run gather -o f.pam joined
+is 'no newline after a body: the record is lost, and no other' "$status$(cmp f.pam want.pam)" 0
+like 'no newline after a body: a message says so' "$err" 'damaged record.*: no newline after the body, expected'
 
 printf 'Linux render1 6.1.0\nLast login: today\n' | cat - whole >chatty
 run gather -o f.pam chatty

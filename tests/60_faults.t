@@ -228,7 +228,7 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference, so the liar sends the second one.
-liar "$second; "'echo "hello $(rtworker --version) format=2 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
+liar "$second; "'echo "hello $(rtworker --version) format=3 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
@@ -239,9 +239,9 @@ ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
 like "another job: the message names the slots" "$(cat said)" \
 	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
-# The liar is the first slot; the others soon contradict it.
+# The liar is the first slot; the others contradict it. It sends no pixels, so that the picture cannot be whole before.
 for slots in 2 3; do
-	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL\n' >liar
+	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL | { head -n 2; while echo beat; do sleep .2; done; }\n' >liar
 	rm -rf first out.pfm
 	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 800 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3

@@ -11,7 +11,7 @@ partition 64x64 | rtworker gears.nff | gather -o good.pfm
 job() { pack scene gears.nff; partition 64x64; }
 job >job.task
 # lines FILE: prints the records of a stream without their bodies; events: those on slots
-lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1) if / bytes=(\d+)/ }' "$1"; }
+lines() { perl -e 'while (<>) { print; read(ARGV, $_, $1 + 1) if / bytes=(\d+)/ }' "$1"; }
 events() { lines "$1" | grep -E '^(hello|up|gone|bye)( |$)'; }
 # same NAME [PICTURE]: out.pfm is the picture; removes it for the next assertion
 same() {
@@ -176,10 +176,10 @@ refused() {
 hello=$(rtworker gears.nff </dev/null | head -1 | cut -d ' ' -f 1-4)
 refused 'other arithmetic' "echo $hello selftest=77 power=99; exec cat >/dev/null" \
 	'^fan: liar: refused: its arithmetic differs \(selftest=77, here [0-9a-f]{16}\)'
-refused 'another version' 'echo hello rtworker 0.0 format=2 selftest=77; exec cat >/dev/null' \
+refused 'another version' 'echo hello rtworker 0.0 format=3 selftest=77; exec cat >/dev/null' \
 	'^fan: liar: refused: it runs rtworker 0\.0, expected rtworker [0-9.]+ as here$'
 refused 'another format' "echo ${hello% *} selftest=77; exec cat >/dev/null" \
-	'^fan: liar: refused: its stream is of format 1, expected 2$'
+	'^fan: liar: refused: its stream is of format 1, expected 3$'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'
 is 'a worker that ends is not started again, nor for another slot' "$(wc -l <liar.started)" 1
 refused 'a worker that is not there' 'exec no-such-worker' \

@@ -21,7 +21,7 @@ static size_t record(void)
     if (!end) return 0;
     size_t n = (size_t)(end - line) + 1;
     const char *bytes = memmem(line, n, key, strlen(key));
-    if (bytes) n += strtoul(bytes + strlen(key), NULL, 10);
+    if (bytes) n += strtoul(bytes + strlen(key), NULL, 10) + 1;
     return n <= buf_size(&in) ? n : 0;
 }
 

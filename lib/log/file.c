@@ -35,9 +35,7 @@ int log_open(struct log_file *l, const char *path)
 void log_append(struct log_file *l, const struct record *r)
 {
     if (l->fd < 0) return;
-    buf_append(&l->pending, r->line, r->line_len);
-    buf_append(&l->pending, "\n", 1);
-    buf_append(&l->pending, r->body, r->body_len);
+    wire_copy(&l->pending, r);
 }
 
 int log_flush(struct log_file *l)

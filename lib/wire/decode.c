@@ -44,6 +44,11 @@ static const struct grammar {
 
 const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
 
+size_t rec_size(const struct record *r)
+{
+    return r->line_len + 1 + (grammar[r->kind].body ? r->body_len + 1 : 0);
+}
+
 /* The kind whose name is the first word of at[0..n), or REC_KINDS. */
 static enum rec_kind kind_of(const char *at, size_t n)
 {
@@ -190,7 +195,7 @@ static bool check_seal(const struct record *r, bool upward, char why[160])
 {
     if (!rec_sealed(r)) {
         if (!upward || r->kind == REC_HELLO || !memchr(r->line, ' ', r->line_len)) return true;
-        return fail(why, "no sum", "sum=HHHHHHHH at the end of the line (format 2)");
+        return fail(why, "no sum", "sum=HHHHHHHH at the end of the line (stormring-frag(5))");
     }
     size_t n = r->line_len - WIRE_SEAL_BYTES;
     uint32_t sum = 0;
@@ -244,7 +249,7 @@ static bool check_body(struct decoder *d, const struct record *r, char why[160])
     if (wire_crc(r->body, r->body_len) != crc)
         return fail(why, "crc differs", "the bytes that were sent");
     if (r->kind != REC_FRAG || wire_light(r->body, r->body_len)) return true;
-    d->extent = r->line_len + 1 + r->body_len;
+    d->extent = rec_size(r);
     return fail(why, "bad pixels", "finite numbers >= 0, and alpha of at most 1");
 }
 
@@ -300,7 +305,7 @@ static void lose(struct decoder *d, const struct record *r)
     d->extent = 0;
     if (r->body && step == 1) {
         d->checked += r->body_len;
-        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = r->line_len + 1 + r->body_len;
+        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = rec_size(r);
     }
     if (!d->lost) d->bad++;
     d->lost = true;
@@ -321,11 +326,15 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
         fail(why, "no end of line", d->ended ? "a whole record" : "lines of at most 1024 bytes");
         return WIRE_BAD;
     }
-    size_t len = (size_t)(nl - line), left = n - len - 1;
+    size_t len = (size_t)(nl - line);
     if (!parse_line(line, len, d->upward, r, why)) return WIRE_BAD;
-    if (left < r->body_len) {
+    if (n < rec_size(r)) {
         if (!d->ended) return WIRE_MORE;
-        fail(why, "cut off", "bytes=N bytes");
+        fail(why, "cut off", "bytes=N bytes and a newline");
+        return WIRE_BAD;
+    }
+    if (line[rec_size(r) - 1] != '\n') {
+        fail(why, "no newline after the body", "bytes=N bytes and a newline (format 3)");
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;
@@ -353,7 +362,7 @@ enum wire_result wire_next(struct decoder *d, struct record *r)
         bool known = d->lost; /* this loss was reported */
         if (result == WIRE_RECORD) {
             d->lost = false;
-            d->consumed = r->line_len + 1 + r->body_len;
+            d->consumed = rec_size(r);
             return result;
         }
         lose(d, r);

@@ -12,6 +12,19 @@ static void put_extra(struct buf *b, const char *extra)
     buf_append(b, extra, strlen(extra));
 }
 
+/* The newline lets whole records through a launcher that forwards whole lines. */
+static void put_body(struct buf *b, const void *body, size_t n)
+{
+    buf_append(b, body, n);
+    buf_append(b, "\n", 1);
+}
+
+/* All that follows the line of r. */
+static void put_rest(struct buf *b, const struct record *r)
+{
+    if (rec_size(r) > r->line_len + 1) put_body(b, r->body, r->body_len);
+}
+
 void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
 {
     buf_printf(b, "frame %" PRIu32 " %" PRIu32 " %" PRIu32, frame, w, h);
@@ -38,7 +51,7 @@ void wire_hello(struct buf *b, const char *program, const char *selftest, double
 void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
 {
     buf_printf(b, "%s crc=%" PRIu32 " bytes=%zu\n", rec_name(kind), wire_crc(body, n), n);
-    buf_append(b, body, n);
+    put_body(b, body, n);
 }
 
 /* Hot for small tasks: printf would cost more than the rest of the record. */
@@ -100,7 +113,7 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
 #endif
     buf_printf(b, " job=%s ch=4 crc=%" PRIu32 " bytes=%zu", job, wire_crc(body, bytes), bytes);
     wire_seal(b, line);
-    buf_append(b, body, bytes);
+    put_body(b, body, bytes);
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
     free(body);
 #endif
@@ -154,7 +167,14 @@ void wire_forward(struct buf *b, const struct record *r, const char *const *drop
     }
     put_extra(b, extra);
     wire_seal(b, begin);
-    buf_append(b, r->body, r->body_len);
+    put_rest(b, r);
+}
+
+void wire_copy(struct buf *b, const struct record *r)
+{
+    buf_append(b, r->line, r->line_len);
+    buf_append(b, "\n", 1);
+    put_rest(b, r);
 }
 
 void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m)

@@ -2,9 +2,9 @@
  * wire: the records between programs, encoded and decoded in memory. stormring-task(5) and
  * stormring-frag(5) have the grammar; the labels below are theirs. Only wire_read does I/O.
  *
- * A record is one line of text and, if the line says bytes=N, N raw bytes. The decoder is fed bytes
- * as they come; "need more" is a normal answer. After a bad record it looks for the next good one
- * from each following byte on, so a torn record costs only itself.
+ * A record is one line of text and, if the line says bytes=N, N raw bytes and a newline. The
+ * decoder is fed bytes as they come; "need more" is a normal answer. After a bad record it looks
+ * for the next good one from each following byte on, so a torn record costs only itself.
  */
 #ifndef STORMRING_WIRE_H
 #define STORMRING_WIRE_H
@@ -12,7 +12,7 @@
 #include "base/base.h"
 #include "task/task.h"
 
-#define WIRE_FORMAT 2                      /* of fragment streams, as in hello */
+#define WIRE_FORMAT 3                      /* of fragment streams, as in hello */
 #define WIRE_LINE_MAX 1024                 /* bytes, newline included */
 #define WIRE_SEAL_BYTES 13                 /* " sum=89abcdef", the last word of a sealed line */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
@@ -52,7 +52,7 @@ struct record {
     enum rec_kind kind;
     const char *line; /* not terminated, without its newline */
     size_t line_len;
-    const unsigned char *body; /* bytes=N of them */
+    const unsigned char *body; /* bytes=N of them, without the newline after them */
     size_t body_len;
     struct task task; /* task, frag: all; done, give: the key; frame: .frame; to=K, else -1 */
     uint32_t frame_w, frame_h; /* frame */
@@ -151,6 +151,8 @@ struct rec_ring {
 /* False if r is no ring record, or lacks a key, or has one out of range. A decoder returns no
  * such record. */
 bool rec_ring(const struct record *r, struct rec_ring *m);
+/* Bytes of the whole record in a stream, with all its newlines. */
+size_t rec_size(const struct record *r);
 /* True if r has KEY=VALUE. */
 bool rec_is(const struct record *r, const char *key, const char *value);
 /* True if the line ends in its sum. A decoder has checked that sum. */
@@ -189,6 +191,8 @@ void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
 void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const struct rec_ring *m);
 /* why: "", or the reason for an early end of the stream; */
 void wire_bye(struct buf *b, const char *why);
+/* r as it came. */
+void wire_copy(struct buf *b, const struct record *r);
 /*
  * r itself, with `extra` appended and without the keys in `drop` (NULL-ended, or NULL). All other
  * keys, known or not, are kept.

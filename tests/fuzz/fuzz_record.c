@@ -21,7 +21,7 @@ static void check_frag(const struct record *r)
     rec_pixels(r, rgba);
     struct buf b = {0};
     wire_frag(&b, &r->task, at, "0", rgba);
-    MUST(memcmp(buf_data(&b) + buf_size(&b) - r->body_len, r->body, r->body_len) == 0);
+    MUST(memcmp(buf_data(&b) + buf_size(&b) - 1 - r->body_len, r->body, r->body_len + 1) == 0);
     buf_free(&b);
     free(rgba);
 }
@@ -98,7 +98,7 @@ static void drain(struct decoder *d, struct tally *t, bool check)
         }
         if (check) check_record(&r, d->upward);
         t->records++;
-        t->bytes += r.line_len + 1 + r.body_len;
+        t->bytes += rec_size(&r);
         t->hash = hash64(hash64(t->hash, r.line, r.line_len), r.body, r.body_len);
     }
 }

@@ -29,14 +29,6 @@ static uint8_t *mend_sum(uint8_t *at, uint8_t *end)
     char text[24];
     if (!sum || end - sum < 14) return NULL;
     while (begin > at && begin[-1] != '\n') begin--;
-    /* A body need not end in a newline: the line may begin at any record's name. */
-    for (uint8_t *name = begin; name < sum; name++)
-        for (int kind = 0; kind < REC_KINDS; kind++) {
-            size_t n = strlen(rec_name((enum rec_kind)kind));
-            if (n < (size_t)(sum - name) && !memcmp(name, rec_name((enum rec_kind)kind), n) &&
-                name[n] == ' ')
-                begin = name;
-        }
     snprintf(text, sizeof text, "%08lx", crc32(0, begin, (uInt)(sum - begin)));
     memcpy(sum + 5, text, 8);
     return sum + 13;

@@ -365,9 +365,9 @@ static void a_worker_that_ends_as_told_ends_well(void **state)
 
 /* ---- anything that a worker may send ---- */
 
-static const char *const bits[] = {"hello cat 1 format=2 selftest=0123 power=1\n", "bye\n",
+static const char *const bits[] = {"hello cat 1 format=3 selftest=0123 power=1\n", "bye\n",
     "beat\n", "frame 0 4 4 job=1\n", "done 0 1 cpu_us=1 wall_us=1\n", "gone w=0\n", "up w=0\n",
-    "ask to=1\n", "task 0 1 0 0 4 1 1 1\n", "scene bytes=3\nabc", "flush\n", "none\n", "\n",
+    "ask to=1\n", "task 0 1 0 0 4 1 1 1\n", "scene bytes=3\nabc\n", "flush\n", "none\n", "\n",
     "\377\0", "frag 0 1"};
 
 /* The counts of states and of connections agree with the slots. */

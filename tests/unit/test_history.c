@@ -71,7 +71,7 @@ static void the_first_pixels_count(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 format=2 selftest=1 slots=3");
+    line(&b, "hello deal 0.1 format=3 selftest=1 slots=3");
     line(&b, "frame 0 8 4 job=" JOB " with=rtworker w=0");
     line(&b, "frame 0 8 4 job=" JOB " w=1");
     line(&b, "done 0 0 cpu_us=10 wall_us=11 w=0 recv_us=100");
@@ -102,13 +102,13 @@ static void a_hello_begins_a_run(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 format=2 selftest=1 slots=2"); /* nothing came of this one */
-    line(&b, "hello deal 0.1 format=2 selftest=1 slots=2");
+    line(&b, "hello deal 0.1 format=3 selftest=1 slots=2"); /* nothing came of this one */
+    line(&b, "hello deal 0.1 format=3 selftest=1 slots=2");
     line(&b, "done 0 0 cpu_us=1 w=0");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 format=2 selftest=1 slots=5");
+    line(&b, "hello fan 0.1 format=3 selftest=1 slots=5");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 format=2 selftest=1 slots=9");
+    line(&b, "hello fan 0.1 format=3 selftest=1 slots=9");
     struct history l = read_log(&b);
     assert_int_equal(l.n_runs, 2);
     assert_int_equal(l.runs[0].slots, 2);
@@ -215,7 +215,7 @@ static void damage_costs_itself(void **state)
     assert_int_equal(l.n_frags, 7);
     assert_int_equal(history_frame_of(&l, 0)->have.done, 32);
     for (size_t i = 0; i < l.n_frags; i++) assert_true(history_sound(&l.frags[i]));
-    b.data[b.len - 1] ^= 1; /* a bit in a body: the framing holds, the sum does not */
+    b.data[b.len - 2] ^= 1; /* a bit in a body: the framing holds, the sum does not */
     history_over(&l, b.data, b.len);
     assert_int_equal(l.n_frags, 4);
     assert_true(history_sound(&l.frags[2]));

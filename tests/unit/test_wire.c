@@ -354,7 +354,7 @@ static void test_forward(void **state)
     check_forward("done 0 1 colour=red w=9 cpu_us=4 ww=1 x=w=2\n", drop, "w=3.9",
         "done 0 1 colour=red cpu_us=4 ww=1 x=w=2 w=3.9\n");
     check_forward("task 0 1 0 0 1 1 1 1 to=4\n", drop, NULL, "task 0 1 0 0 1 1 1 1\n");
-    check_forward("scene new=1 bytes=3\nabc", drop, "w=1", "scene new=1 bytes=3 w=1\nabc");
+    check_forward("scene new=1 bytes=3\nabc\n", drop, "w=1", "scene new=1 bytes=3 w=1\nabc\n");
     check_forward("beat w=1 w=2\n", drop, NULL, "beat\n");
     check_forward("beat empty=\n", drop, NULL, "beat empty=\n");
     check_forward("beat w=3 sum=c52c795e\n", drop, NULL, "beat\n");
@@ -377,10 +377,11 @@ static void test_refused(void **state)
         "task 0 0 0 0 1 1 1 1\r\n", "task\t0 0 0 0 1 1 1 1\n",
         "task 00000000000000000000 0 0 0 1 1 1 1\n", "frame 0 0 1\n", "frame 0 1 65536\n",
         "frame 0 1\n", "scene\n", "scene bytes=\n", "scene bytes=-1\n", "scene bytes=2147483648\n",
-        "scene bytes=1 crc=x\nA", "scene bytes=1 crc=4294967296\nA", "scene bytes=1 crc=5\nA",
-        "scene bytes=3\nab", "frag 0 0 0 0 1 1 1 1 ch=4 bytes=16\n0123456789abcdef",
-        "frag 0 0 0 0 1 1 1 1 ch=3 crc=0 bytes=16\n0123456789abcdef",
-        "frag 0 0 0 0 1 1 1 1 ch=4 crc=0 bytes=15\n0123456789abcde",
+        "scene bytes=1 crc=x\nA\n", "scene bytes=1 crc=4294967296\nA\n", "scene bytes=1 crc=5\nA\n",
+        "scene bytes=3\nab", "scene bytes=3\nabc", "scene bytes=3\nabcbeat\n", "scene bytes=0\n",
+        "frag 0 0 0 0 1 1 1 1 ch=4 bytes=16\n0123456789abcdef\n",
+        "frag 0 0 0 0 1 1 1 1 ch=3 crc=0 bytes=16\n0123456789abcdef\n",
+        "frag 0 0 0 0 1 1 1 1 ch=4 crc=0 bytes=15\n0123456789abcde\n",
         "frag 0 0 0 0 65537 1 1 1 ch=4 crc=0 bytes=1048592\n",
         "frag 0 0 0 0 4294967295 65535 1 1 ch=4\n", "beat w=3 sum=c52c795f\n",
         "beat w=3 sum=C52C795E\n", "beat w=3 sum=zzzzzzzz\n", "hello\n", "hello rtworker\n",
@@ -468,7 +469,7 @@ static struct seen records_of(const struct buf *log, size_t from, size_t to)
     size_t at = 0;
     wire_feed(&d, buf_data(log), buf_size(log));
     while (wire_next(&d, &r) == WIRE_RECORD) {
-        size_t end = at + r.line_len + 1 + r.body_len;
+        size_t end = at + rec_size(&r);
         if (at >= from && end <= to) {
             buf_printf(&s.bytes, "[%zu+%zu]", r.line_len, r.body_len);
             buf_append(&s.bytes, r.line, r.line_len);
@@ -602,7 +603,7 @@ static void test_sealed_lines(void **state)
 static void test_seal_is_asked_for(void **state)
 {
     (void)state;
-    static const char text[] = "done 0 1 cpu_us=1 wall_us=1\nhello x 1 format=3 selftest=0\nbeat\n";
+    static const char text[] = "done 0 1 cpu_us=1 wall_us=1\nhello x 1 format=4 selftest=0\nbeat\n";
     for (int upward = 0; upward <= 1; upward++) {
         struct decoder d = {.upward = upward};
         struct record r;
@@ -612,7 +613,7 @@ static void test_seal_is_asked_for(void **state)
         if (upward) assert_non_null(strstr(d.why, "no sum, expected sum="));
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         assert_false(rec_ours(&r, why));
-        assert_string_equal(why, "is of format 3, expected 2");
+        assert_string_equal(why, "is of format 4, expected 3");
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         assert_true(rec_ours(&r, why));
         wire_free(&d);
@@ -623,7 +624,7 @@ static void test_seal_is_asked_for(void **state)
     feed_text(&d, "hello rtworker 0.1 selftest=00ff\n");
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
     assert_false(rec_ours(&r, why));
-    assert_string_equal(why, "is of format 1, expected 2");
+    assert_string_equal(why, "is of format 1, expected 3");
     wire_free(&d);
 }
 
@@ -681,9 +682,7 @@ static void test_garbage_between(void **state)
         }
         buf_append(&dirty, "\n", 1);
         garbage++;
-        buf_append(&dirty, r.line, r.line_len);
-        buf_append(&dirty, "\n", 1);
-        buf_append(&dirty, r.body, r.body_len);
+        wire_copy(&dirty, &r);
     }
     wire_free(&d);
     for (size_t step = 0; step < 3; step++) {
@@ -705,8 +704,8 @@ static void test_told_once(void **state)
     (void)state;
     struct decoder d = {0};
     struct record r;
-    feed_text(&d, "nonsense\nfrag 0 0 0 0 1 1 1 1 ch=4 crc=1 bytes=16\n0123456789abcdefbeat\nmore "
-                  "nonsense\nbye\n");
+    feed_text(&d, "nonsense\nfrag 0 0 0 0 1 1 1 1 ch=4 crc=1 bytes=16\n0123456789abcdef\nbeat\n"
+                  "more nonsense\nbye\n");
     assert_int_equal(wire_next(&d, &r), WIRE_BAD);
     assert_non_null(strstr(d.why, "unknown record"));
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
@@ -828,10 +827,10 @@ static void test_awaited(void **state)
     size_t bytes;
     struct decoder d = {0};
     struct record r;
-    static const char stream[] = "frame 0 1 1\ngrid bytes=3\nabcspec bytes=0\n";
+    static const char stream[] = "frame 0 1 1\ngrid bytes=3\nabc\nspec bytes=0\n\n";
     size_t body = strlen("frame 0 1 1\ngrid bytes=3\n");
     for (size_t i = 0; i < sizeof stream - 1; i++) {
-        bool within = i >= body && i < body + 3;
+        bool within = i >= body && i < body + 4;
         assert_int_equal(wire_awaited(&d, &bytes), within ? REC_GRID : REC_KINDS);
         wire_feed(&d, stream + i, 1);
         while (wire_next(&d, &r) == WIRE_RECORD) continue;
@@ -872,7 +871,7 @@ static void test_read(void **state)
     assert_int_equal(read_piped("", &n, why), 0);
     assert_int_equal(n, 0);
     assert_int_equal(
-        read_piped("frame 0 2 1\ntask 0 0 0 0 2 1 1 1\nspec bytes=3\nabc", &n, why), 0);
+        read_piped("frame 0 2 1\ntask 0 0 0 0 2 1 1 1\nspec bytes=3\nabc\n", &n, why), 0);
     assert_int_equal(n, 3);
     assert_string_equal(why, "");
     assert_int_equal(read_piped("frame 0 2 1\nnonsense\nframe 1 2 1\n", &n, why), 1);
