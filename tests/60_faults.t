@@ -73,13 +73,23 @@ ok "Ctrl-C: no process remains" await 2 none_alive
 wait "$pid" 2>/dev/null
 is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
+# strike: kills one of the three workers while it renders. The others are stopped meanwhile, so the run cannot end before.
+strike() {
+	await 5 working 3
+	# shellcheck disable=SC2046  # a word each
+	set -- $(program rtworker)
+	kill -STOP "$2" "$3"
+	await 5 rendering "$1"
+	kill -9 "$1"
+	kill -CONT "$2" "$3"
+}
+rendering() { [ "$(awk '{ print $14 + $15 }' "/proc/$1/stat")" -ge 5 ]; } # ticks of CPU time
+
 # ---- a worker dies -----------------------------------------------------------------------------------
 for m in masterslave hybrid ds dc; do
 	rm -f out.pfm
 	long $m
-	await 5 working 3
-	sleep .3
-	kill -9 "$(program rtworker | head -1)"
+	strike
 	wait "$pid"
 	is "$m, a worker killed: exit 0" $? 0
 	ok "$m, a worker killed: the same picture" cmp out.pfm good.pfm
@@ -88,9 +98,7 @@ done
 for m in interleaved ss sc; do
 	rm -f out.pfm job.log
 	long $m -r job.log
-	await 5 working 3
-	sleep .3
-	kill -9 "$(program rtworker | head -1)"
+	strike
 	wait "$pid"
 	is "$m, a worker killed: exit 1" $? 1
 	like "$m: the missing pixels are listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
@@ -110,7 +118,6 @@ mv cut.log job.log
 # ---- a worker stops, and one stops for a while ----------------------------------------------------------
 long masterslave
 await 5 working 3
-sleep .3
 kill -STOP "$(program rtworker | head -1)"
 wait "$pid"
 is "masterslave, a worker stopped: exit 0" $? 0
