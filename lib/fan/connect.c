@@ -22,7 +22,15 @@ static bool may_open(const struct fan *f, const struct fan_slot *s, int64_t now)
     const struct fan_host *h = s->host;
     if (h->here) return true;
     bool alone = !h->reached || h->failures;
-    return f->connecting < OPENING_MOST && !(alone && h->opening) && h->retry_us <= now;
+    bool room = f->connecting < OPENING_MOST || !fan_host_limited(h);
+    return room && !(alone && h->opening) && h->retry_us <= now;
+}
+
+bool fan_host_limited(const struct fan_host *h) { return !h->here && h->host->wait_s <= 0; }
+
+bool fan_slot_in_queue(const struct fan_slot *s)
+{
+    return s->state == FAN_QUEUED || (s->state == FAN_OPENING && s->host->host->wait_s > 0);
 }
 
 int fan_connect(struct fan *f)
@@ -90,6 +98,22 @@ static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *las
     return wanted;
 }
 
+/* tries= allows no other connection. */
+static bool exhausted(const struct fan_host *h)
+{
+    return h->host->tries && h->failures >= h->host->tries;
+}
+
+bool fan_host_retries(struct fan_slot *s)
+{
+    struct fan_host *h = s->host;
+    if (s->conn.opened_us >= h->failed_us) { /* slots opened at one time fail as one */
+        h->failed_us = now_us();
+        h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
+    }
+    return !exhausted(h);
+}
+
 /* Prints the failure. `why` is the reason if neither ssh nor the remote shell gave a better one. */
 static void complain(const struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
@@ -101,8 +125,10 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
             s->conn.chatter);
     if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
-        if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
+        if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
+        else if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
     }
+    if (exhausted(s->host)) buf_printf(&text, "; no try is left (tries=%d)", s->host->failures);
     buf_append(&text, "", 1);
     warn("%s", (const char *)buf_data(&text));
     buf_free(&text);
@@ -111,14 +137,10 @@ static void complain(const struct fan *f, struct fan_slot *s, const char *why, b
 void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct fan_host *h = s->host;
-    bool ends = !again && !h->reached;
+    bool ends = !again && (!h->reached || exhausted(h));
     if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) complain(f, s, why, again);
     else fan_refusal_forget(s);
     h->said = again ? FAN_RETRIED : FAN_ENDED;
-    if (again && s->conn.opened_us >= h->failed_us) { /* slots opened at one time fail as one */
-        h->failed_us = now_us();
-        h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
-    }
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *other = &f->slots[k];
         if (other->host != h || other->state != FAN_WAITING) continue;

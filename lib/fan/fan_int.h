@@ -18,6 +18,7 @@ enum fan_slot_state {
     FAN_NEVER,   /* of no slot: the event cannot happen in the state */
     FAN_WAITING, /* no process; the slot waits for its turn */
     FAN_OPENING, /* a process whose hello has not come */
+    FAN_QUEUED,  /* likewise; its launcher may queue it, and others do not wait for it */
     FAN_UP,      /* a worker */
     FAN_CLOSED,  /* its stream has ended; the exit status of its process will tell why */
     FAN_LOST,    /* lost; it will be connected again when its process has ended */
@@ -27,6 +28,7 @@ enum fan_slot_state {
 };
 enum fan_slot_event {
     ON_START,   /* its turn: a process is started */
+    ON_QUEUE,   /* its launcher seems to have queued it */
     ON_HELLO,   /* its hello is accepted */
     ON_EOF,     /* its stream ends */
     ON_RETRY,   /* it is lost, and may be connected again */
@@ -45,6 +47,8 @@ struct fan_host {
     int64_t retry_us;  /* not before this time */
     int64_t failed_us; /* when `failures` was last counted */
     bool reached;      /* a slot of it was up */
+    bool given;        /* and was sent tasks */
+    bool told_queued;  /* a message said that it is queued, and no slot of it was up since */
     enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
     uint64_t told;                                   /* hash of the last line of standard error */
     int64_t window_us;                               /* start of the count of lines shown */
@@ -153,7 +157,7 @@ struct fan {
     struct fan_host *hosts;
     int n_numbers;          /* slots are numbered 0 .. n_numbers - 1 */
     int n[FAN_SLOT_STATES]; /* slots in each state */
-    int connecting;         /* slots that are opening on other machines */
+    int connecting;         /* slots that are opening on hosts that are limited */
     int well;               /* slots that ended with success */
     struct fan_reference reference;
     struct decoder in;
@@ -238,6 +242,8 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* The stream of slot s has ended: gives the process a moment to exit. */
 void fan_slot_leave(struct fan *f, struct fan_slot *s);
+/* The slot has not said hello for as long as a connection takes: its launcher has queued it. */
+void fan_slot_queue(struct fan *f, struct fan_slot *s);
 /* True if the stream of the slot has ended, and its process perhaps not. */
 bool fan_slot_leaves(const struct fan_slot *s);
 /* For such a slot: checks its exit status, if it has exited; kills it after its deadline. */
@@ -264,6 +270,13 @@ int fan_connect(struct fan *f);
 const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
 /* The wait before the next try after this number of failures in a row. */
 int64_t fan_retry_wait_us(int failures);
+/* True if few of its connections are opened at a time. Launchers with a queue limit themselves. */
+bool fan_host_limited(const struct fan_host *h);
+/* The slot's process is being connected by a launcher that may queue it. */
+bool fan_slot_in_queue(const struct fan_slot *s);
+/* Counts the failed connection of slot s, which sets the time of the next one. False if tries=
+ * allows no other. */
+bool fan_host_retries(struct fan_slot *s);
 /*
  * Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
  * of the host are reported as gone; without a retry (`again`) they are given up.

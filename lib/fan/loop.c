@@ -17,6 +17,7 @@
 #define STOP_MS 200    /* for workers to end when the run is given up */
 #define HELLO_S 10.0   /* silence allowed before hello */
 #define REACH_S 15.0   /* likewise if ssh has 10 s to connect */
+#define QUEUED_S 5.0   /* likewise if the launcher may queue it; then it has wait= */
 #define LOADING_S 15.0 /* while state is under way: a slow link takes long */
 #define CLOSING_S 1.0  /* when nothing is left to send */
 #define LATE_US 100000 /* a round may begin this much late */
@@ -25,12 +26,19 @@
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
     if (!f->in_open && !s->n_tasks && s->host->here) return CLOSING_S;
+    if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
     if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
     if (!f->in_open && !s->n_tasks) return f->o->silence_s;
     /* Pixels of computed tasks may be held back until a flush. */
     bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
     if (!asked) return 0;
     return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
+}
+
+static void went_silent(struct fan *f, struct fan_slot *s)
+{
+    if (s->state == FAN_OPENING && fan_slot_in_queue(s)) fan_slot_queue(f, s);
+    else fan_slot_lose(f, s, s->state == FAN_UP ? "silent" : "no-hello", true);
 }
 
 /*
@@ -45,8 +53,7 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         if (!fan_slot_has_stream(s)) continue;
         double allowed_s = silence_allowed_s(f, s);
         if (!reading || allowed_s <= 0) s->conn.heard_us = now_us();
-        else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6)
-            fan_slot_lose(f, s, s->state == FAN_UP ? "silent" : "no-hello", true);
+        else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6) went_silent(f, s);
     }
 }
 
@@ -155,7 +162,8 @@ bool fan_working(const struct fan *f)
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
         bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
-        if (fan_slot_comes(s) && fan_slot_wanted(f, s) && (early || untried(s))) return true;
+        bool hope = early || untried(s) || fan_slot_in_queue(s) || s->host->host->tries;
+        if (fan_slot_comes(s) && fan_slot_wanted(f, s) && hope) return true;
     }
     return false;
 }
@@ -277,8 +285,12 @@ static void say_bye(struct fan *f)
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
     else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
-    int missing = never_up(f);
-    if (!none && f->asked && missing) warn("%d of %d slots never connected", missing, f->n_numbers);
+    int missing = never_up(f), queued = 0;
+    for (int k = 0; k < f->n_slots; k++)
+        if (f->slots[k].state == FAN_QUEUED && !f->slots[k].was_up) queued += f->slots[k].width;
+    if (none || !f->asked || !missing) return;
+    if (queued) warn("%d of %d slots never connected; %d queued", missing, f->n_numbers, queued);
+    else warn("%d of %d slots never connected", missing, f->n_numbers);
 }
 
 static int status_of(const struct fan *f)

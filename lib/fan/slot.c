@@ -4,6 +4,7 @@
  *
  *   event       happens when                                      then
  *   ON_START    it is the slot's turn                             a process is started
+ *   ON_QUEUE    it has been silent, and its host has wait=        `gone` is reported
  *   ON_HELLO    its hello agrees with the first                   `up` is reported; it gets records
  *   ON_EOF      its stream ends                                   its process has GRACE_US to exit
  *   ON_RETRY    its connection has failed                         `gone` is reported; its process
@@ -14,6 +15,8 @@
  *
  * A connection has failed if ssh exits with 255 or is killed, or if a slot on another machine is
  * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
+ * Once a slot of the host was sent tasks, and while more may come, any status but 126 and 127
+ * means that: a launcher whose job was ended chooses its own.
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.
@@ -30,13 +33,20 @@
 #define GRACE_US 500000      /* for a worker to exit once its stream has ended */
 #define STOP_US 200000       /* for a slot that was given up and told to end */
 #define VIA_FAILED 255       /* ssh's status for its own failures */
+#define NOT_RUN 126          /* a shell's status for a command that it cannot run */
+#define NOT_FOUND 127        /* and for one that it does not find */
 #define ASK_AGAIN_US 5000000 /* fan -l: a slot that failed within this time is asked once more */
-#define DEATHS_MOST 5 /* connections in a row that lost tasks and did none: it is no accident */
+#define DEATHS_MOST 5        /* connections in a row that lost tasks and did none: no accident */
 
 /* An event that a row does not name cannot happen in that state: FAN_NEVER. */
 static const enum fan_slot_state transitions[FAN_SLOT_STATES][FAN_SLOT_EVENTS] = {
     [FAN_WAITING] = {[ON_START] = FAN_OPENING, [ON_GIVE_UP] = FAN_GONE},
-    [FAN_OPENING] =
+    [FAN_OPENING] = {[ON_QUEUE] = FAN_QUEUED,
+        [ON_HELLO] = FAN_UP,
+        [ON_EOF] = FAN_CLOSED,
+        [ON_RETRY] = FAN_LOST,
+        [ON_LOSS] = FAN_ENDING},
+    [FAN_QUEUED] =
         {[ON_HELLO] = FAN_UP, [ON_EOF] = FAN_CLOSED, [ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING},
     [FAN_UP] = {[ON_EOF] = FAN_CLOSED, [ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING},
     [FAN_CLOSED] = {[ON_RETRY] = FAN_LOST, [ON_LOSS] = FAN_ENDING, [ON_EXIT] = FAN_GONE},
@@ -45,9 +55,9 @@ static const enum fan_slot_state transitions[FAN_SLOT_STATES][FAN_SLOT_EVENTS] =
 };
 
 static const char *const state_names[FAN_SLOT_STATES] = {
-    "never", "waiting", "opening", "up", "closed", "lost", "ending", "gone"};
+    "never", "waiting", "opening", "queued", "up", "closed", "lost", "ending", "gone"};
 static const char *const event_names[FAN_SLOT_EVENTS] = {
-    "start", "hello", "end of stream", "retry", "loss", "exit", "giving up"};
+    "start", "queue", "hello", "end of stream", "retry", "loss", "exit", "giving up"};
 
 enum fan_slot_state fan_slot_next(enum fan_slot_state state, enum fan_slot_event event)
 {
@@ -74,14 +84,14 @@ static void change(struct fan *f, struct fan_slot *s, enum fan_slot_event event)
     int opening = connects(s, state) - connects(s, s->state);
     f->n[s->state]--;
     f->n[state]++;
-    if (!s->host->here) f->connecting += opening;
+    if (fan_host_limited(s->host)) f->connecting += opening;
     s->host->opening += opening;
     s->state = state;
 }
 
 bool fan_slot_has_stream(const struct fan_slot *s)
 {
-    return s->state == FAN_OPENING || s->state == FAN_UP;
+    return s->state == FAN_OPENING || s->state == FAN_QUEUED || s->state == FAN_UP;
 }
 
 bool fan_slot_leaves(const struct fan_slot *s) { return leaves(s->state); }
@@ -168,6 +178,20 @@ void fan_slot_open(struct fan *f, struct fan_slot *s)
     fan_slot_lose(f, s, "not-started", true);
 }
 
+void fan_slot_queue(struct fan *f, struct fan_slot *s)
+{
+    struct fan_host *h = s->host;
+    change(f, s, ON_QUEUE);
+    if (!h->told_queued)
+        warn("%s: queued by its launcher; waiting for up to %g s", h->host->name, h->host->wait_s);
+    h->told_queued = true;
+    for (int k = 0; k < f->n_slots; k++) {
+        struct fan_slot *other = &f->slots[k];
+        if (other == s || (other->host == h && other->state == FAN_WAITING))
+            fan_say_gone(f, other, "queued", false);
+    }
+}
+
 void fan_slot_up(struct fan *f, struct fan_slot *s)
 {
     char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
@@ -175,7 +199,8 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     fan_slot_show_held(s);
     change(f, s, ON_HELLO);
     s->conn.connected = s->was_up = s->host->reached = true;
-    s->told_gone = false;
+    s->told_gone = s->host->told_queued = false;
+    s->host->given |= s->n_tasks > 0;
     if (!s->host->here) s->host->said = FAN_QUIET;
     s->host->failures = 0;
     s->host->retry_us = 0;
@@ -215,6 +240,7 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     s->n_tasks++;
     s->undone++;
     if (fan_slot_has_stream(s)) s->conn.ahead--;
+    s->host->given |= s->state == FAN_UP;
     if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r, s, k);
     return 0;
 }
@@ -249,9 +275,12 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     s->failures = s->conn.completed_task ? 1 : s->failures + 1;
     if (s->conn.completed_task) s->deaths = 0;
     else if (s->conn.connected && s->n_tasks) s->deaths++;
-    again &= (!s->host->here || s->width > 1) && s->deaths < DEATHS_MOST;
+    int most = s->host->host->tries ? s->host->host->tries : DEATHS_MOST;
+    bool first = s->failures <= 1 && !s->host->failures;
+    again &= (!s->host->here || s->width > 1) && s->deaths < most;
+    if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
-    bool more = again && s->failures <= 1 && !s->host->failures;
+    bool more = again && first;
     s->measured |= !more || now_us() - s->conn.opened_us > ASK_AGAIN_US;
     int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
@@ -295,11 +324,13 @@ void fan_slot_leave(struct fan *f, struct fan_slot *s)
 static void judge(struct fan *f, struct fan_slot *s, int status)
 {
     char why[24];
-    bool well =
-        s->conn.input_closed_first && !s->n_tasks && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    bool connection = WIFSIGNALED(status) ||
-                      (WEXITSTATUS(status) == VIA_FAILED && !fan_refusal_is_final(s)) ||
-                      (s->conn.connected && WEXITSTATUS(status) == ST_SYSTEM);
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    bool well = s->conn.input_closed_first && !s->n_tasks && code == 0;
+    bool worked =
+        f->in_open && s->host->given && !s->host->here && code != NOT_RUN && code != NOT_FOUND;
+    bool connection = WIFSIGNALED(status) || worked ||
+                      (code == VIA_FAILED && !fan_refusal_is_final(s)) ||
+                      (s->conn.connected && code == ST_SYSTEM);
     if (well) f->well++;
     else lose(f, s, status_text(status, why), connection);
 }

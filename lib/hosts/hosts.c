@@ -47,6 +47,19 @@ static bool set_bin(struct host *host, const char *value)
     return true;
 }
 
+static bool set_wait(struct host *host, const char *value)
+{
+    return parse_real(value, 1, 1e6, &host->wait_s);
+}
+
+static bool set_tries(struct host *host, const char *value)
+{
+    int64_t n;
+    if (!parse_int(value, 1, 1000, &n)) return false;
+    host->tries = (int)n;
+    return true;
+}
+
 static const struct key {
     const char *name;
     bool (*set)(struct host *host, const char *value);
@@ -56,6 +69,8 @@ static const struct key {
     {"power", set_power, "a number from 1e-6 to 1e6"},
     {"via", set_via, "a command in quotes with %c, and %h for the host, %% for a percent sign"},
     {"bin", set_bin, "a directory from / or ~/, without a colon"},
+    {"wait", set_wait, "seconds from 1 to 1e6"},
+    {"tries", set_tries, "an integer from 1 to 1000"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 
@@ -71,8 +86,8 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
     }
-    return hosts_refuse(r,
-        "%s: unknown, expected slots=, power=, via= or bin=", err_word(shown, word, strlen(word)));
+    return hosts_refuse(r, "%s: unknown, expected slots=, power=, via=, bin=, wait= or tries=",
+        err_word(shown, word, strlen(word)));
 }
 
 /*

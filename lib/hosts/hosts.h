@@ -14,7 +14,9 @@
 struct host {
     char *name, *via, *bin; /* via, bin: NULL if not stated */
     int slots;
-    double power; /* of a slot; 0: not stated */
+    double power;  /* of a slot; 0: not stated */
+    double wait_s; /* how long its launcher may queue a connection; 0: it has no queue */
+    int tries;     /* connections in a row that may fail; 0: not stated */
 };
 struct hosts {
     struct host *at;

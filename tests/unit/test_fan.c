@@ -22,17 +22,18 @@
 /* ---- the table ---- */
 
 /* One letter for each state, in the order of the enum; a dot: the event cannot happen. */
-#define LETTERS ".WOUCLEG"
+#define LETTERS ".WOQUCLEG"
 static const char *const expected[FAN_SLOT_STATES] = {
-    /* start, hello, end of stream, retry, loss, exit, giving up */
-    [FAN_NEVER] = ".......",
-    [FAN_WAITING] = "O.....G",
-    [FAN_OPENING] = ".UCLE..",
-    [FAN_UP] = "..CLE..",
-    [FAN_CLOSED] = "...LEG.",
-    [FAN_LOST] = ".....W.",
-    [FAN_ENDING] = ".....G.",
-    [FAN_GONE] = ".......",
+    /* start, queue, hello, end of stream, retry, loss, exit, giving up */
+    [FAN_NEVER] = "........",
+    [FAN_WAITING] = "O......G",
+    [FAN_OPENING] = ".QUCLE..",
+    [FAN_QUEUED] = "..UCLE..",
+    [FAN_UP] = "...CLE..",
+    [FAN_CLOSED] = "....LEG.",
+    [FAN_LOST] = "......W.",
+    [FAN_ENDING] = "......G.",
+    [FAN_GONE] = "........",
 };
 
 static void each_state_and_event_leads_where_it_should(void **state)
@@ -193,6 +194,7 @@ static void happen(struct fan_slot *s, enum fan_slot_event event)
 {
     switch (event) {
     case ON_START: fan_slot_open(&f, s); return;
+    case ON_QUEUE: fan_slot_queue(&f, s); return;
     case ON_HELLO: fan_slot_up(&f, s); return;
     case ON_EOF: fan_slot_leave(&f, s); return;
     case ON_RETRY: fan_slot_lose(&f, s, "silent", true); return;
@@ -363,6 +365,91 @@ static void a_worker_that_ends_as_told_ends_well(void **state)
     }
 }
 
+static void assert_no_connection_waits(const enum fan_slot_state states[SLOTS])
+{
+    fan_connect(&f);
+    for (int k = 0; k < SLOTS; k++) assert_int_equal(slots[k].state, states[k]);
+}
+
+/* Its other slots have their turn; they were reported, so that no policy waits for them. */
+static void a_queued_slot_delays_no_other(void **state)
+{
+    (void)state;
+    of_file.wait_s = 3600;
+    f.connecting = 100; /* on hosts without wait= */
+    assert_no_connection_waits((enum fan_slot_state[SLOTS]){FAN_OPENING, FAN_WAITING, FAN_WAITING});
+    fan_slot_queue(&f, &slots[0]);
+    const char *said = reported();
+    for (int k = 0; k < SLOTS; k++) {
+        char gone[40];
+        snprintf(gone, sizeof gone, "gone w=%d why=queued lost=0", k);
+        assert_non_null(strstr(said, gone));
+    }
+    assert_no_connection_waits((enum fan_slot_state[SLOTS]){FAN_QUEUED, FAN_OPENING, FAN_WAITING});
+    say_hello(&slots[0]);
+    assert_non_null(strstr(reported(), "up w=0"));
+    assert_no_connection_waits((enum fan_slot_state[SLOTS]){FAN_UP, FAN_OPENING, FAN_OPENING});
+    fan_slot_queue(&f, &slots[1]);
+    assert_string_equal(reported(), ""); /* it was reported before */
+    assert_int_equal(f.connecting, 100);
+    of_file.wait_s = 0;
+}
+
+/* One connection of slot 0: it is sent a task or not, and its process ends with this status. */
+static enum fan_slot_state state_after(int tasks, const char *command)
+{
+    struct fan_slot *s = &slots[0];
+    char *argv[] = {(char[]){"sh"}, (char[]){"-c"}, NULL, NULL};
+    argv[2] = xstrdup(command);
+    host.argv = argv;
+    fan_slot_open(&f, s);
+    say_hello(s);
+    assert_int_equal(s->state, FAN_UP);
+    for (int i = 0; i < tasks; i++) give_task(0, (uint32_t)i);
+    hang_up(s);
+    s->conn.leave_us = INT64_MAX;
+    let_end(s);
+    free(argv[2]);
+    host.argv = worker;
+    return s->state;
+}
+
+/* `cat` echoes the hello; at the end of its input the shell exits. */
+static void a_status_tells_whether_another_try_may_help(void **state)
+{
+    (void)state;
+    assert_int_equal(state_after(0, "cat; exit 255"), FAN_WAITING);
+    assert_int_equal(state_after(1, "cat; exit 1"), FAN_WAITING);
+    assert_int_equal(f.lost, 1);
+    assert_int_equal(state_after(0, "cat; exit 9"), FAN_WAITING); /* its host was sent tasks */
+    assert_int_equal(state_after(0, "cat"), FAN_WAITING);
+    assert_int_equal(state_after(1, "cat; kill -9 $$"), FAN_WAITING);
+    assert_int_equal(state_after(1, "cat; exit 127"), FAN_GONE);
+}
+
+static void before_it_has_tasks_most_statuses_are_final(void **state)
+{
+    (void)state;
+    assert_int_equal(state_after(0, "cat; exit 1"), FAN_GONE);
+}
+
+static void the_last_try_is_the_last(void **state)
+{
+    (void)state;
+    of_file.tries = 3;
+    for (int i = 1; i < 3; i++) assert_int_equal(state_after(1, "cat; exit 1"), FAN_WAITING);
+    assert_int_equal(state_after(1, "cat; exit 1"), FAN_GONE);
+    for (int i = 1; i <= 3; i++) {
+        assert_int_equal(slots[1].state, FAN_WAITING);
+        fan_slot_open(&f, &slots[1]);
+        fan_slot_lose(&f, &slots[1], "no-hello", true);
+        let_end(&slots[1]);
+    }
+    assert_int_equal(slots[1].state, FAN_GONE);
+    assert_int_equal(slots[2].state, FAN_GONE); /* with its host */
+    of_file.tries = 0;
+}
+
 /* ---- anything that a worker may send ---- */
 
 static const char *const bits[] = {"hello cat 1 format=3 selftest=0123 power=1\n", "bye\n",
@@ -399,10 +486,12 @@ static void one_step(struct fan_slot *s, uint64_t dice)
         if (fan_slot_has_stream(s)) fan_slot_lose(&f, s, "silent", true);
         break;
     case 3:
+        if (s->state == FAN_OPENING) fan_slot_queue(&f, s);
+        break;
     case 4:
     case 5:
     case 6:
-        if (s->state == FAN_OPENING) say_hello(s);
+        if (s->state == FAN_OPENING || s->state == FAN_QUEUED) say_hello(s);
         break;
     default:
         buf_append(&b, text, strlen(text));
@@ -448,6 +537,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_connection_leaves_nothing_to_the_next, begin, end),
         cmocka_unit_test_setup_teardown(tasks_wait_for_a_slot_that_was_never_up, begin, end),
         cmocka_unit_test_setup_teardown(a_worker_that_ends_as_told_ends_well, begin, end),
+        cmocka_unit_test_setup_teardown(a_queued_slot_delays_no_other, begin, end),
+        cmocka_unit_test_setup_teardown(a_status_tells_whether_another_try_may_help, begin, end),
+        cmocka_unit_test_setup_teardown(before_it_has_tasks_most_statuses_are_final, begin, end),
+        cmocka_unit_test_setup_teardown(the_last_try_is_the_last, begin, end),
         cmocka_unit_test_setup_teardown(no_worker_breaks_the_table, begin, end),
     };
     signals_catch();

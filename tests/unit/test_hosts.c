@@ -59,6 +59,20 @@ static void a_file_has_a_host_a_line(void **state)
     hosts_free(&hosts);
 }
 
+static void a_host_may_have_a_queue_and_a_limit(void **state)
+{
+    (void)state;
+    assert_true(read_text("a wait=3600 tries=20\nb wait=.5e1\n: tries=1\n"));
+    assert_true(hosts.at[0].wait_s == 3600 && hosts.at[1].wait_s == 5);
+    assert_true(hosts.at[0].tries == 20 && hosts.at[1].tries == 0 && hosts.at[2].tries == 1);
+    hosts_free(&hosts);
+    refused("a wait=0", 1, "wait='0': expected seconds from 1 to 1e6");
+    refused("a wait=1h", 1, "wait='1h'");
+    refused("a\na tries=0", 2, "tries='0': expected an integer from 1 to 1000");
+    refused("a tries=1001", 1, "tries='1001'");
+    refused(": wait=9", 1, "expected no via=, bin= or wait=");
+}
+
 static void a_lone_name_may_be_meant_for_a_file(void **state)
 {
     (void)state;
@@ -182,7 +196,10 @@ static void check_command(const char *name, const char *via, const char *bin, co
     char word[] = "rtworker", quoted[] = "it's a \"$word\" \\ `x` \n*", empty[] = "",
          option[] = "-d3";
     char *worker[] = {word, quoted, empty, option, NULL};
-    struct host h = {xstrdup(name), via ? xstrdup(via) : NULL, bin ? xstrdup(bin) : NULL, 1, 0};
+    struct host h = {.name = xstrdup(name),
+        .via = via ? xstrdup(via) : NULL,
+        .bin = bin ? xstrdup(bin) : NULL,
+        .slots = 1};
     char **argv = host_argv(&h, worker);
     assert_string_equal(argv[0], "sh");
     assert_string_equal(argv[1], "-c");
@@ -248,6 +265,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_has_a_host_a_line),
+        cmocka_unit_test(a_host_may_have_a_queue_and_a_limit),
         cmocka_unit_test(a_lone_name_may_be_meant_for_a_file),
         cmocka_unit_test(a_list_is_taken_as_parallel_takes_it),
         cmocka_unit_test(a_bad_list_is_refused),
