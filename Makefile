@@ -50,7 +50,7 @@ FLAGS_trace/shade_avx2    = $(FLAGS_trace/trace_avx2)
 FLAGS_trace/trace_avx512  = $(FLAGS_volume/volume_avx512)
 FLAGS_volume/volume_avx2  = $(FLAGS_trace/trace_avx2)
 FLAGS_volume/volume_avx512 = $(if $(X86),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
-LIBS     = -Wl,--as-needed -lpng -lz -lm
+LIBS     = -Wl,--as-needed -lpng -lz $(if $(ZSTD),-lzstd) -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build
 $(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a directory, without blanks in its name))
@@ -69,6 +69,8 @@ lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
+# Without this one, records are not packed on slow links.
+ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
@@ -78,7 +80,8 @@ SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
-LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%),$(wildcard lib/*/*.c)))
+LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
+           lib/coder/$(if $(ZSTD),none,zstd).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
@@ -91,6 +94,7 @@ PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
 all: $(PROGRAMS) $(COPIES)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
+	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 
 help:
 	@sed -n 's/^#: \{0,1\}//p' Makefile

@@ -1,11 +1,14 @@
 /* fan: runs a worker on every slot, routes tasks to them, and merges their records. */
 #include "base/base.h"
+#include "coder/coder.h"
 #include "fan/fan.h"
 #include "proc/proc.h"
 
+#include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-1h] [-S HOSTS | -j SLOTS] [-t SECONDS] WORKER [ARGUMENT ...]\n"
+static const char text[] = "[-1h] [-S HOSTS | -j SLOTS] [-t SECONDS] [-z on|off|auto] WORKER\n"
+                           "           [ARGUMENT ...]\n"
                            "       fan -l [-1l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
 
 /* At most one of the two may be given. */
@@ -17,6 +20,20 @@ static void find_hosts(struct hosts *h, const char *list, int slots)
     else if (!hosts_read(h, list, err)) die(ST_USAGE, "%s", err);
 }
 
+/* The argument of -z. */
+static int packing(const char *word)
+{
+    static const char *const words[] = {
+        [FAN_PACK_AUTO] = "auto", [FAN_PACK_ON] = "on", [FAN_PACK_OFF] = "off"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(word, words[i]) != 0) continue;
+        if (i == FAN_PACK_ON && !coder_there())
+            die(ST_USAGE, "-z on: built without libzstd, expected off or auto");
+        return i;
+    }
+    die(ST_USAGE, "-z %s: expected on, off or auto", word);
+}
+
 int main(int argc, char **argv)
 {
     struct hosts hosts;
@@ -26,7 +43,7 @@ int main(int argc, char **argv)
     int listing = 0;
     prog_init(argv[0]);
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+1hj:lS:t:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+1hj:lS:t:z:")) != -1) {
         switch (opt) {
         case '1': o.one_each = true; break;
         case 'h': usage(ST_OK, text);
@@ -34,6 +51,7 @@ int main(int argc, char **argv)
         case 'l': listing++; break;
         case 'S': list = opt_text(opt, optarg); break;
         case 't': o.silence_s = opt_real(opt, optarg, .6, 1e6); break;
+        case 'z': o.pack = packing(opt_text(opt, optarg)); break;
         default: usage(ST_USAGE, text);
         }
     }

@@ -12,7 +12,8 @@ clean() { if [ -s "$found" ]; then fail "$1" "$(cat "$found")"; else pass "$1"; 
 cat >"$tmp/arrows" <<'END'
 base
 task base
-wire task base
+coder base
+wire coder task base
 image task base
 log wire image task base
 stats base
@@ -35,7 +36,7 @@ sim sched stats task base
 proc base
 hosts base
 pipe proc wire task base
-fan pipe hosts proc wire task base
+fan pipe hosts proc wire coder task base
 worker pipe proc wire image task base
 history wire task base
 account history wire task stats base

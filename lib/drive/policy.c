@@ -146,6 +146,7 @@ static int take_down(void *ctx, const struct record *r)
         tell(d, (struct sched_event){.kind = SCHED_FLUSH});
         outlet_answer(&d->out);
         return 0;
+    case REC_CODE: outlet_code(&d->out, r); return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:
@@ -353,8 +354,11 @@ static int finish(struct driver *d, char *const *command)
 int drive_policy(
     const struct policy *policy, const struct sched_params *params, char *const *command)
 {
-    struct driver d = {
-        .policy = policy, .node = policy == &policy_node, .in_open = true, .from.upward = true};
+    struct driver d = {.policy = policy,
+        .node = policy == &policy_node,
+        .in_open = true,
+        .in.coded = true,
+        .from.upward = true};
     signals_catch();
     outlet_open(&d.out);
     tags_init(&d.tags);

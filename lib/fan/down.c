@@ -213,6 +213,7 @@ static int route(void *ctx, const struct record *r)
         if (r->task.to < 0) outlet_answer(&f->out);
         return 0;
     case REC_TASK: return route_task(f, r);
+    case REC_CODE: outlet_code(&f->out, r); return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:

@@ -1,7 +1,8 @@
 /*
  * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
  * (which slots are connected next, and what is reported about hosts); refusal.c (why a connection
- * failed); hello.c (which workers are let in); up.c (what workers send); err.c (their standard
+ * failed); hello.c (which workers are let in); code.c (links
+ * on which records are packed); up.c (what workers send); err.c (their standard
  * error); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
@@ -50,8 +51,9 @@ struct fan_host {
     bool given;        /* and was sent tasks */
     bool told_queued;  /* a message said that it is queued, and no slot of it was up since */
     enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
-    uint64_t told;                                   /* hash of the last line of standard error */
-    int64_t window_us;                               /* start of the count of lines shown */
+    bool told_plain;   /* it was reported that its worker cannot pack */
+    uint64_t told;     /* hash of the last line of standard error */
+    int64_t window_us; /* start of the count of lines shown */
     int shown;
     int64_t dropped; /* lines not shown, and not yet reported */
 };
@@ -88,9 +90,11 @@ struct connection {
     int64_t leave_us;              /* deadline for its exit, once it leaves */
     int64_t beat_us;               /* its last beat that was passed on */
     int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
-    int64_t agreed; /* the last frame for which its job agreed with the first slot's, -1 */
-    int64_t ahead;  /* messages of a node, less those sent to it */
-    int stale;      /* answers to no question */
+    int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
+    int64_t ahead;      /* messages of a node, less those sent to it */
+    int stale;          /* answers to no question */
+    int64_t probe_us;   /* when a probe was sent that is not answered; 0: none */
+    size_t probe_bytes; /* the length of its answer */
 
     bool connected;          /* it said hello and was accepted */
     bool announced_frame;    /* it has announced a frame */
@@ -172,6 +176,7 @@ struct fan {
     bool disputed;       /* slots disagree on a job, and no majority decides */
     bool unreached;      /* tasks waited to the end for slots that never were up */
     bool asked;          /* a task has come */
+    double coder_speed;  /* bytes that are packed in a microsecond; 0: not measured */
     bool in_open;
     bool listing; /* fan -l: only asks slots for their hello */
     int refused;  /* status to end with at once: the input is bad or unreadable */
@@ -291,6 +296,13 @@ void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
 void fan_ask_reference(struct fan *f);
 /* Returns NULL if the slot is accepted (it is up then), or the reason of refusal. */
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
+
+/* ---- code.c ---- */
+
+/* Slot s was accepted, and sent this hello: it is up at once, or once its link is measured. */
+void fan_code_begin(struct fan *f, struct fan_slot *s, const struct record *hello);
+/* Takes the answer to a probe. Returns NULL, or why the slot cannot be trusted. */
+const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record *r);
 
 /* ---- refusal.c ---- */
 

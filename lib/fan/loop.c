@@ -192,7 +192,7 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     f->n_slots = o->one_each ? (int)o->hosts->n : o->hosts->slots;
     f->listing = listing;
     f->in_open = !listing;
-    f->input.generations.keeps = true;
+    f->in.coded = f->input.generations.keeps = true;
     frames_init(&f->input.frames, sizeof(struct fan_job));
     f->n_hosts = (int)o->hosts->n;
     f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);

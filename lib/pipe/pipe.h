@@ -19,17 +19,21 @@
 
 struct blob {
     struct buf bytes;
-    int users; /* queues that still need it, and its maker until blob_drop */
+    struct buf packed; /* the same record, packed when a queue first wants it so */
+    bool tried;        /* to pack it; it may not be worth it */
+    int users;         /* queues that still need it, and its maker until blob_drop */
 };
-/* Takes over the bytes and leaves an empty buffer. The maker is the first user. */
+/* Takes over the bytes, one record, and leaves an empty buffer. The maker is the first user. */
 struct blob *blob_new(struct buf *bytes);
 void blob_drop(struct blob *b); /* removes a user; the last one frees it */
 
 struct down_queue {
     struct buf bytes; /* between blobs; append to it */
+    bool packs;       /* its reader takes packed blobs */
     uint64_t written; /* bytes written, without blobs */
     struct down_blob {
         struct blob *blob;
+        bool packed; /* its packed form is being written */
         uint64_t at; /* is written when `written` reaches this */
         size_t sent;
     } * blobs;
@@ -37,6 +41,8 @@ struct down_queue {
     size_t blob_bytes; /* bytes of blobs not yet written */
 };
 void down_append(struct down_queue *q, const void *p, size_t n);
+/* The same at the head of a queue of which nothing was written. */
+void down_begin(struct down_queue *q, const void *p, size_t n);
 void down_share(struct down_queue *q, struct blob *b); /* adds a user */
 static inline size_t down_size(const struct down_queue *q)
 {
@@ -55,8 +61,9 @@ struct up_queue {
     struct buf sizes; /* size_t each: lengths of the records in `bulk` */
     size_t left;      /* unwritten bytes of the bulk record under way */
     size_t marked;    /* bytes of ended records in `bulk` */
+    bool packs;       /* the reader takes packed frags */
 };
-/* Ends a record: call it after appending one to q->bulk. */
+/* Ends a record: call it after appending one to q->bulk. Packs it if the reader takes that. */
 void up_end_record(struct up_queue *q);
 static inline size_t up_size(const struct up_queue *q)
 {
@@ -109,6 +116,8 @@ void outlet_beat(struct outlet *o, const struct decoder *input);
 /* Answers a flush with a `beat`, so that the sender gets an answer even if nothing was held
  * back. */
 void outlet_answer(struct outlet *o);
+/* Obeys a code record of the input: answers a probe, or packs the pixels from now on. */
+void outlet_code(struct outlet *o, const struct record *r);
 /* Writes the rest, waiting for the reader; a signal ends it. */
 void outlet_drain(struct outlet *o);
 

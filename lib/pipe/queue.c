@@ -15,7 +15,7 @@
 struct blob *blob_new(struct buf *bytes)
 {
     struct blob *b = xmalloc(1, sizeof *b);
-    *b = (struct blob){*bytes, 1};
+    *b = (struct blob){.bytes = *bytes, .users = 1};
     *bytes = (struct buf){0};
     return b;
 }
@@ -24,16 +24,27 @@ void blob_drop(struct blob *b)
 {
     if (--b->users > 0) return;
     buf_free(&b->bytes);
+    buf_free(&b->packed);
     free(b);
 }
 
 void down_append(struct down_queue *q, const void *p, size_t n) { buf_append(&q->bytes, p, n); }
 
+void down_begin(struct down_queue *q, const void *p, size_t n)
+{
+    struct buf bytes = {0};
+    buf_append(&bytes, p, n);
+    buf_append(&bytes, buf_data(&q->bytes), buf_size(&q->bytes));
+    buf_free(&q->bytes);
+    q->bytes = bytes;
+    for (size_t i = q->first_blob; i < q->n_blobs; i++) q->blobs[i].at += n;
+}
+
 void down_share(struct down_queue *q, struct blob *b)
 {
     if (q->first_blob == q->n_blobs) q->first_blob = q->n_blobs = 0;
     q->blobs = xrealloc(q->blobs, q->n_blobs + 1, sizeof *q->blobs);
-    q->blobs[q->n_blobs++] = (struct down_blob){b, q->written + buf_size(&q->bytes), 0};
+    q->blobs[q->n_blobs++] = (struct down_blob){.blob = b, .at = q->written + buf_size(&q->bytes)};
     q->blob_bytes += buf_size(&b->bytes);
     b->users++;
 }
@@ -47,9 +58,24 @@ static ptrdiff_t write_now(int fd, const void *p, size_t n)
     return k < 0 && (errno == EAGAIN || errno == EWOULDBLOCK) ? 0 : k;
 }
 
+/* True if the blob has a packed form; makes it. */
+static bool is_packed(struct blob *b)
+{
+    struct decoder d = wire_over(b->bytes.data + b->bytes.off, buf_size(&b->bytes));
+    struct record r;
+    d.unsummed = true;
+    if (!b->tried && wire_next(&d, &r) == WIRE_RECORD) wire_pack(&b->packed, &r);
+    b->tried = true;
+    return buf_size(&b->packed) > 0;
+}
+
 static ptrdiff_t write_blob(struct down_queue *q, struct down_blob *b, int fd)
 {
-    const struct buf *bytes = &b->blob->bytes;
+    if (q->packs && !b->sent && !b->packed && is_packed(b->blob)) {
+        b->packed = true;
+        q->blob_bytes -= buf_size(&b->blob->bytes) - buf_size(&b->blob->packed);
+    }
+    const struct buf *bytes = b->packed ? &b->blob->packed : &b->blob->bytes;
     ptrdiff_t k = write_now(fd, buf_data(bytes) + b->sent, buf_size(bytes) - b->sent);
     if (k < 0) return k;
     b->sent += (size_t)k;
@@ -91,6 +117,7 @@ void down_free(struct down_queue *q)
 
 void up_end_record(struct up_queue *q)
 {
+    if (q->packs && buf_size(&q->bulk) > q->marked) wire_pack_last(&q->bulk, q->marked);
     size_t n = buf_size(&q->bulk) - q->marked;
     if (!n) return;
     buf_append(&q->sizes, &n, sizeof n);

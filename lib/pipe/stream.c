@@ -110,6 +110,13 @@ void outlet_answer(struct outlet *o)
     if (o->greeted) wire_plain(&o->queue.control, REC_BEAT, NULL);
 }
 
+void outlet_code(struct outlet *o, const struct record *r)
+{
+    int64_t n;
+    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(&o->queue.control, (size_t)n);
+    o->queue.packs |= rec_int(r, "zstd", 1, 1, &n);
+}
+
 void outlet_drain(struct outlet *o)
 {
     while (up_size(&o->queue) && !o->gone && !signals_came()) {

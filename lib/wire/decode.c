@@ -12,7 +12,8 @@
 #define CRC_FACTOR 64
 #define CRC_FREE (64 * (uint64_t)WIRE_FRAG_PIXELS_MAX * WIRE_PIXEL_BYTES)
 
-#define KIND_MAX 7 /* letters in the name of a record */
+#define PLAIN_KEPT (2 << 20) /* bytes of memory kept for the next packed record */
+#define KIND_MAX 7           /* letters in the name of a record */
 
 enum args { ARGS_NONE, ARGS_KEY, ARGS_FRAME, ARGS_TASK, ARGS_HELLO };
 
@@ -34,6 +35,7 @@ static const struct grammar {
     [REC_BYE] = {"bye", ARGS_NONE, false},
     [REC_UP] = {"up", ARGS_NONE, false},
     [REC_GONE] = {"gone", ARGS_NONE, false},
+    [REC_CODE] = {"code", ARGS_NONE, false},
     [REC_RING] = {"ring", ARGS_NONE, false},
     [REC_HEIR] = {"heir", ARGS_NONE, false},
     [REC_ASK] = {"ask", ARGS_NONE, false},
@@ -46,7 +48,7 @@ const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
 
 size_t rec_size(const struct record *r)
 {
-    return r->line_len + 1 + (grammar[r->kind].body ? r->body_len + 1 : 0);
+    return r->line_len + 1 + (r->has_body ? r->body_len + 1 : 0);
 }
 
 /* The kind whose name is the first word of at[0..n), or REC_KINDS. */
@@ -161,19 +163,20 @@ static bool has_key(const struct record *r, const char *key)
     return rec_key(r, key, &len) != NULL;
 }
 
-static bool parse_body(struct record *r, char why[160])
+static bool parse_body(struct record *r, const struct decoder *d, char why[160])
 {
     int64_t n = 0, crc;
-    if (!grammar[r->kind].body)
-        return has_key(r, "bytes") ? fail(why, "a body", "none here") : true;
-    if (!rec_int(r, "bytes", 0, WIRE_STATE_MAX, &n))
-        return fail(why, "no body", "bytes=N in range");
-    r->body_len = (size_t)n;
+    /* The answer to a probe has a body, the probe has none. */
+    r->has_body = grammar[r->kind].body || (r->kind == REC_CODE && d->upward);
+    if (!r->has_body) return has_key(r, "bytes") ? fail(why, "a body", "none here") : true;
+    if (!wire_lengths(r, d->coded, why)) return false;
+    if (r->kind == REC_CODE && r->body_len > WIRE_PROBE_MAX)
+        return fail(why, "code of another size", "at most 1048576 bytes");
     if (has_key(r, "crc") && !rec_int(r, "crc", 0, UINT32_MAX, &crc))
         return fail(why, "crc out of range", "crc=C in 32 bits");
     if (r->kind != REC_FRAG) return true;
     uint64_t pixels = lattice_count(&r->task.at);
-    if (pixels > WIRE_FRAG_PIXELS_MAX || (uint64_t)n != pixels * WIRE_PIXEL_BYTES)
+    if (pixels > WIRE_FRAG_PIXELS_MAX || r->body_len != pixels * WIRE_PIXEL_BYTES)
         return fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
     if (!rec_int(r, "ch", 4, 4, &n)) return fail(why, "frag without ch=4", "RGBA float32");
     if (!has_key(r, "crc")) return fail(why, "frag without crc", "crc=C");
@@ -207,13 +210,14 @@ static bool check_seal(const struct record *r, bool upward, char why[160])
     return sum == wire_crc(r->line, n) ? true : fail(why, "sum differs", "the line that was sent");
 }
 
-static bool parse_line(const char *line, size_t len, bool upward, struct record *r, char why[160])
+static bool parse_line(
+    const struct decoder *d, const char *line, size_t len, struct record *r, char why[160])
 {
     *r = (struct record){.line = line, .line_len = len, .task.to = -1};
     r->kind = kind_of(line, len + 1);
     if (r->kind == REC_KINDS) return fail(why, "unknown record", "task, frame, frag, ...");
-    if (upward && grammar[r->kind].body && r->kind != REC_FRAG)
-        return fail(why, grammar[r->kind].name, "a record that workers send");
+    bool refused = grammar[r->kind].body ? r->kind != REC_FRAG : r->kind == REC_CODE && !d->coded;
+    if (d->upward && refused) return fail(why, grammar[r->kind].name, "a record that workers send");
     if (!printable(line, len)) return fail(why, "unprintable byte", "a line of ASCII text");
     size_t skip = strlen(grammar[r->kind].name);
     struct words w = {line + (len > skip ? skip + 1 : skip), line + len};
@@ -239,7 +243,7 @@ static bool parse_line(const char *line, size_t len, bool upward, struct record 
         return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
     if ((r->kind == REC_UP || r->kind == REC_GONE) && !has_key(r, "w"))
         return fail(why, grammar[r->kind].name, "w=K");
-    return parse_body(r, why) && check_seal(r, upward, why);
+    return parse_body(r, d, why) && check_seal(r, d->upward, why);
 }
 
 static bool check_body(struct decoder *d, const struct record *r, char why[160])
@@ -249,7 +253,7 @@ static bool check_body(struct decoder *d, const struct record *r, char why[160])
     if (wire_crc(r->body, r->body_len) != crc)
         return fail(why, "crc differs", "the bytes that were sent");
     if (r->kind != REC_FRAG || wire_light(r->body, r->body_len)) return true;
-    d->extent = rec_size(r);
+    d->extent = d->span;
     return fail(why, "bad pixels", "finite numbers >= 0, and alpha of at most 1");
 }
 
@@ -265,6 +269,7 @@ void wire_end(struct decoder *d) { d->ended = true; }
 void wire_free(struct decoder *d)
 {
     buf_free(&d->in);
+    buf_free(&d->plain);
     *d = (struct decoder){0};
 }
 
@@ -284,7 +289,7 @@ static bool seek_record(struct decoder *d)
         size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;
         const char *nl = memchr(data + o, '\n', span);
         if (!nl && left < WIRE_LINE_MAX && !d->ended) break; /* it may be cut off here */
-        if (named && nl && parse_line(data + o, (size_t)(nl - data) - o, d->upward, &r, why)) {
+        if (named && nl && parse_line(d, data + o, (size_t)(nl - data) - o, &r, why)) {
             found = true;
             break;
         }
@@ -305,7 +310,7 @@ static void lose(struct decoder *d, const struct record *r)
     d->extent = 0;
     if (r->body && step == 1) {
         d->checked += r->body_len;
-        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = rec_size(r);
+        if (d->checked > CRC_FREE + CRC_FACTOR * d->skipped) step = d->span;
     }
     if (!d->lost) d->bad++;
     d->lost = true;
@@ -327,17 +332,22 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
         return WIRE_BAD;
     }
     size_t len = (size_t)(nl - line);
-    if (!parse_line(line, len, d->upward, r, why)) return WIRE_BAD;
-    if (n < rec_size(r)) {
+    if (!parse_line(d, line, len, r, why)) return WIRE_BAD;
+    d->span = len + 1 + (r->has_body ? r->wire_len + 1 : 0);
+    if (n < d->span) {
         if (!d->ended) return WIRE_MORE;
         fail(why, "cut off", "bytes=N bytes and a newline");
         return WIRE_BAD;
     }
-    if (line[rec_size(r) - 1] != '\n') {
+    if (line[d->span - 1] != '\n') {
         fail(why, "no newline after the body", "bytes=N bytes and a newline (format 3)");
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;
+    if (r->wire_len != r->body_len && !wire_unpack(&d->plain, r)) {
+        fail(why, "packed body differs", "the bytes that were sent");
+        return WIRE_BAD;
+    }
     return check_body(d, r, why) ? WIRE_RECORD : WIRE_BAD;
 }
 
@@ -355,6 +365,7 @@ enum wire_result wire_next(struct decoder *d, struct record *r)
     char why[sizeof d->why];
     buf_consume(&d->in, d->consumed);
     d->consumed = 0;
+    if (d->plain.cap > PLAIN_KEPT) buf_free(&d->plain);
     for (;;) {
         if (d->lost && !seek_record(d)) return WIRE_MORE;
         enum wire_result result = look(d, r, why);
@@ -362,7 +373,7 @@ enum wire_result wire_next(struct decoder *d, struct record *r)
         bool known = d->lost; /* this loss was reported */
         if (result == WIRE_RECORD) {
             d->lost = false;
-            d->consumed = rec_size(r);
+            d->consumed = d->span;
             return result;
         }
         lose(d, r);

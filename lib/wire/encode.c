@@ -1,4 +1,5 @@
 /* Encoding of records: each function appends one to a buffer. */
+#include "coder/coder.h"
 #include "wire/wire.h"
 
 #include <inttypes.h>
@@ -22,7 +23,7 @@ static void put_body(struct buf *b, const void *body, size_t n)
 /* All that follows the line of r. */
 static void put_rest(struct buf *b, const struct record *r)
 {
-    if (rec_size(r) > r->line_len + 1) put_body(b, r->body, r->body_len);
+    if (r->has_body) put_body(b, r->body, r->body_len);
 }
 
 void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
@@ -43,8 +44,8 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots)
 {
     size_t at = buf_size(b);
-    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d", program,
-        STORMRING_VERSION, WIRE_FORMAT, selftest, power, slots);
+    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d%s", program,
+        STORMRING_VERSION, WIRE_FORMAT, selftest, power, slots, coder_there() ? " zstd=1" : "");
     wire_seal(b, at);
 }
 

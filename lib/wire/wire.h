@@ -35,6 +35,7 @@ enum rec_kind {
     REC_BYE,
     REC_UP,
     REC_GONE, /* up (and frame) */
+    REC_CODE, /* either way, between a fan and a worker on another machine */
     REC_RING,
     REC_HEIR, /* down, to a node of a ring */
     REC_ASK,
@@ -54,6 +55,8 @@ struct record {
     size_t line_len;
     const unsigned char *body; /* bytes=N of them, without the newline after them */
     size_t body_len;
+    bool has_body;
+    size_t wire_len;  /* bytes that the body had on the wire: fewer if it was packed */
     struct task task; /* task, frag: all; done, give: the key; frame: .frame; to=K, else -1 */
     uint32_t frame_w, frame_h; /* frame */
 };
@@ -63,6 +66,7 @@ struct decoder {
     struct buf in;
     bool upward;      /* reads from workers, which are not trusted: state records are bad there, */
                       /* so the decoder never waits for more than a frag */
+    bool coded;       /* the sender may pack bodies: records come out as they were before */
     bool unsummed;    /* does not check bodies: call wire_crc and wire_light */
     bool ended;       /* no more bytes will be fed */
     bool lost;        /* looking for the next good record */
@@ -71,7 +75,9 @@ struct decoder {
     char why[WIRE_WHY]; /* the error in the last bad record, and what was expected */
     size_t consumed;    /* bytes of the last record, dropped at the next call */
     uint64_t checked;   /* bytes whose crc did not match */
+    size_t span;        /* bytes of a whole record */
     size_t extent;      /* length of a bad record, if it is certain */
+    struct buf plain;   /* a packed record, unpacked */
 };
 
 enum wire_result {
@@ -96,6 +102,8 @@ void wire_free(struct decoder *d);
  */
 typedef void wire_taker(void *ctx, const struct record *r);
 int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
+/* The body of r, which d has returned last, for modification. */
+unsigned char *wire_body(struct decoder *d, const struct record *r);
 /* After WIRE_MORE: kind and length of the record whose body is arriving; REC_KINDS: none. */
 enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
 
@@ -168,6 +176,28 @@ void wire_pixels(const unsigned char *body, size_t n, float *rgba);
 uint32_t wire_crc(const void *p, size_t n);
 /* True if all values of a frag's body are finite and >= 0, and alpha is at most 1. */
 bool wire_light(const unsigned char *body, size_t n);
+
+/*
+ * Packed records (pack.c): only a decoder with `coded` takes them. wire_pack appends the packed
+ * form of r; false, and nothing is appended, if it would not be shorter. wire_pack_last does that
+ * in place to the record that begins at unread byte `at` of b and ends it, if that is a frag.
+ */
+bool wire_pack(struct buf *to, const struct record *r);
+void wire_pack_last(struct buf *b, size_t at);
+/* Appends r's line with this text in the place of bytes=N and of the keys of packed records. */
+void wire_put_line(struct buf *b, const struct record *r, const char *text);
+/*
+ * For decoders: the lengths of r's body, on the wire and unpacked. A packed one is shorter, but not
+ * by more than a coder may gain: this bounds the memory that a small record takes. False: they are
+ * bad, with the error in why.
+ */
+bool wire_lengths(struct record *r, bool coded, char why[WIRE_WHY]);
+/* Replaces a packed record, whose body is whole, by the plain one, in `to`. False: it is damaged.
+ */
+bool wire_unpack(struct buf *to, struct record *r);
+/* Appends a code record with n bytes that cannot be packed: the answer to a probe. */
+#define WIRE_PROBE_MAX (1 << 20)
+void wire_probe(struct buf *b, size_t n);
 
 /*
  * Encoders append one record to b. `extra` is NULL or "key=value ...". Records that go up, or from

@@ -118,7 +118,7 @@ static void load(struct forks *p)
     worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
     p->built[w->generations.now % GENERATIONS] = false;
-    worker_builder_load(&p->builder, r, w->in.in.data + (r->body - w->in.in.data));
+    worker_builder_load(&p->builder, r, wire_body(&w->in, r));
 }
 
 static int take(void *ctx, const struct record *r);
@@ -208,6 +208,7 @@ static int take(void *ctx, const struct record *r)
     switch (r->kind) {
     case REC_TASK: take_task(p, r); return 0;
     case REC_FLUSH: take_flush(p, r); return 0;
+    case REC_CODE: outlet_code(&p->out, r); return 0;
     case REC_FRAME:
         if (!changes(p, r)) {
             take_frame(p, r);

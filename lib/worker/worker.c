@@ -165,7 +165,10 @@ static void release_held(struct worker *w)
 static void emit_frag(
     struct worker *w, const struct task *t, const struct lattice *at, const char *job)
 {
-    wire_frag(w->options->concentrate ? &w->held : &w->out, t, at, job, w->pixels);
+    struct buf *to = w->options->concentrate ? &w->held : &w->out;
+    size_t begin = buf_size(to);
+    wire_frag(to, t, at, job, w->pixels);
+    if (w->packs) wire_pack_last(to, begin);
 }
 
 /* Absurd but valid scenes, such as mirrors of Ks 1e6, exceed the range of float. Values beyond
@@ -246,7 +249,7 @@ void worker_drop_older(struct worker *w, enum rec_kind kind, size_t bytes)
 static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
-    unsigned char *body = w->in.in.data + (r->body - w->in.in.data);
+    unsigned char *body = wire_body(&w->in, r);
     worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
     begin();
@@ -261,6 +264,15 @@ _Noreturn void worker_refuse(const struct record *r)
         rec_name(r->kind));
 }
 
+/* The reader asks how fast the link is, or wants packed pixels from now on. */
+static void take_code(struct worker *w, const struct record *r)
+{
+    int64_t n;
+    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(&w->out, (size_t)n);
+    w->packs |= rec_int(r, "zstd", 1, 1, &n);
+    push(w);
+}
+
 static void take_record(struct worker *w, const struct record *r)
 {
     if (r->kind == REC_TASK) {
@@ -269,6 +281,7 @@ static void take_record(struct worker *w, const struct record *r)
     }
     switch (r->kind) {
     case REC_FRAME: take_frame(w, r); break;
+    case REC_CODE: take_code(w, r); break;
     case REC_FLUSH:
         release_held(w);
         wire_plain(&w->out, REC_BEAT, NULL); /* an answer even if nothing was held */
@@ -338,7 +351,8 @@ void worker_free(struct worker *w)
 
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
-    struct worker w = {.ops = ops, .options = o, .ctx = ctx, .generations.keeps = true};
+    struct worker w = {
+        .ops = ops, .options = o, .ctx = ctx, .in.coded = true, .generations.keeps = true};
     int status = ST_OK;
     frames_init(&w.frames, sizeof(struct worker_job));
     worker_hello(&w, o->jobs > 1 ? o->jobs : 1);

@@ -23,6 +23,7 @@ struct worker {
     void *ctx;
     struct decoder in;
     struct buf out, held; /* held: the frags that -c holds */
+    bool packs;           /* the reader takes packed frags */
     uint32_t held_of;     /* the generation of `held` */
     uint32_t dropped;     /* first generation that is not dropped */
     struct frames frames;

@@ -81,7 +81,8 @@ static struct fan_slot slots[SLOTS];
 static struct host of_file = {.name = (char[]){"far"}, .slots = SLOTS};
 static const struct hosts hosts = {.at = &of_file, .n = 1, .slots = SLOTS};
 static char *worker[] = {(char[]){"cat"}, NULL};
-static const struct fan_options options = {.hosts = &hosts, .command = worker, .silence_s = 1};
+static struct fan_options options = {
+    .hosts = &hosts, .command = worker, .pack = FAN_PACK_OFF, .silence_s = 1};
 static int messages = -1; /* standard error, while it is not shown */
 
 static void make_slot(struct fan_slot *s, int number)

@@ -1,0 +1,53 @@
+/* Packing of records. */
+#include "coder/coder.h"
+#include "wire/wire.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define KEYS_MAX 48 /* bytes that a packed record's line may have more than a plain one's */
+
+bool wire_pack(struct buf *to, const struct record *r)
+{
+    struct buf body = {0};
+    char text[64];
+    if (!r->body_len || r->line_len + KEYS_MAX > WIRE_LINE_MAX) return false;
+    enum coder_form form = r->kind == REC_FRAG ? CODER_PIXELS : coder_form_of(r->body, r->body_len);
+    bool packed = coder_pack(&body, form, r->body, r->body_len);
+    if (packed) {
+        snprintf(text, sizeof text, "bytes=%zu plain=%zu%s", buf_size(&body), r->body_len,
+            form == CODER_WORDS ? " words=4" : "");
+        wire_put_line(to, r, text);
+        buf_append(to, buf_data(&body), buf_size(&body));
+        buf_append(to, "\n", 1);
+    }
+    buf_free(&body);
+    return packed;
+}
+
+void wire_pack_last(struct buf *b, size_t at)
+{
+    struct decoder d = {.in = *b, .unsummed = true, .ended = true};
+    struct record r;
+    struct buf packed = {0};
+    if (memcmp(buf_data(b) + at, "frag ", 5) != 0) return;
+    d.in.off += at;
+    if (wire_next(&d, &r) == WIRE_RECORD && wire_pack(&packed, &r)) {
+        b->len = b->off + at;
+        buf_append(b, buf_data(&packed), buf_size(&packed));
+    }
+    buf_free(&packed);
+}
+
+void wire_probe(struct buf *b, size_t n)
+{
+    unsigned char *body = xmalloc(n ? n : 1, 1);
+    for (size_t i = 0; i < n; i++) body[i] = (unsigned char)rng_u64(n, i);
+    const size_t at = buf_size(b);
+    buf_printf(b, "code crc=%" PRIu32 " bytes=%zu", wire_crc(body, n), n);
+    wire_seal(b, at);
+    buf_append(b, body, n);
+    buf_append(b, "\n", 1);
+    free(body);
+}
