@@ -2,12 +2,10 @@
  * The live driver of a policy: turns records into events, and actions into records, around one
  * command. It takes no scheduling decision. Records about the command's slots (hello, up, gone) end
  * here; outwards the driver is one worker. A node of a ring reads its hub's messages from standard
- * input; the hub reads its nodes' messages from the command.
+ * input; the hub reads its nodes' messages from the command. One machine with up.c.
  */
-#include "drive/drive.h"
+#include "drive/driver.h"
 #include "drive/ring_record.h"
-#include "drive/tags.h"
-#include "pipe/pipe.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -15,37 +13,22 @@
 #include <string.h>
 #include <unistd.h>
 
-#define POWER_LEAST 1e-6
-#define POWER_MOST 1e9
 #define GRACE_MS 1000             /* for the command to exit once its stream has ended */
 #define QUIET_US INT64_C(3000000) /* silence allowed to a command that owes tasks */
-
-struct driver {
-    const struct policy *policy;
-    void *state;
-    struct sched_actions acts;
-    struct child child;
-    struct down_queue down;
-    struct outlet out;
-    struct decoder in, from;
-    struct stream_state input;
-    struct tags tags;
-    struct buf held;  /* state that is not admitted yet; the input waits behind it */
-    uint32_t oldest;  /* the oldest live generation before `held` */
-    int64_t heard_us; /* when the command last sent something or was asked to */
-    bool in_open, closing;
-    bool stopping; /* nothing that the command still does is needed */
-    bool node;     /* of a ring */
-    bool lone;     /* the command is one slot, not a fan */
-    int refused;   /* status to end with at once */
-    char why[24];  /* reason in the command's bye: it ended early */
-};
 
 static void flush(struct driver *d, int32_t to)
 {
     char text[24] = "";
     if (to >= 0) snprintf(text, sizeof text, "to=%" PRId32, to);
     wire_plain(&d->down.bytes, REC_FLUSH, text);
+}
+
+/* Slot k of the fan may leave. */
+static void dismiss(struct driver *d, int32_t k)
+{
+    char text[24];
+    snprintf(text, sizeof text, "to=%" PRId32, k);
+    wire_plain(&d->down.bytes, REC_LEAVE, text);
 }
 
 /* Sends the task of an action, with the unknown keys of the input task. */
@@ -74,6 +57,7 @@ static void perform(struct driver *d)
             if (d->node) drive_ring_say(&d->out.queue.control, a, -1);
             else drive_ring_say(&d->down.bytes, a, to);
             break;
+        case SCHED_LEAVE: dismiss(d, to); break;
         case SCHED_END: d->closing = true; break;
         case SCHED_STOP: d->stopping = true; break;
         }
@@ -81,7 +65,7 @@ static void perform(struct driver *d)
     d->acts.n = 0;
 }
 
-static void tell(struct driver *d, struct sched_event e)
+void drive_tell(struct driver *d, struct sched_event e)
 {
     d->policy->step(d->state, &e, now_us(), &d->acts);
     perform(d);
@@ -97,7 +81,7 @@ static int take_task(struct driver *d, const struct record *r)
     e.task.generation = f->generation;
     if (d->node && rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from)) e.from = (int32_t)from;
     tags_keep(&d->tags, r);
-    tell(d, e);
+    drive_tell(d, e);
     return 0;
 }
 
@@ -105,7 +89,7 @@ static int take_task(struct driver *d, const struct record *r)
 static int take_ring(struct driver *d, const struct record *r)
 {
     struct sched_event e = {.kind = SCHED_RING, .from = -1};
-    if (drive_ring_of(r, &e.ring)) tell(d, e);
+    if (drive_ring_of(r, &e.ring)) drive_tell(d, e);
     return 0;
 }
 
@@ -126,7 +110,7 @@ static int take_state(struct driver *d, const struct record *r)
     bool waits = !admitted(d);
     wire_forward(waits ? &d->held : &d->down.bytes, r, NULL, NULL);
     if (!waits) return 0;
-    tell(d, (struct sched_event){.kind = SCHED_FLUSH});
+    drive_tell(d, (struct sched_event){.kind = SCHED_FLUSH});
     return STREAM_HOLD;
 }
 
@@ -143,7 +127,7 @@ static int take_down(void *ctx, const struct record *r)
         return 0;
     case REC_TASK: return take_task(d, r);
     case REC_FLUSH:
-        tell(d, (struct sched_event){.kind = SCHED_FLUSH});
+        drive_tell(d, (struct sched_event){.kind = SCHED_FLUSH});
         outlet_answer(&d->out);
         return 0;
     case REC_CODE: outlet_code(&d->out, r); return 0;
@@ -163,7 +147,7 @@ static void take_input(struct driver *d)
 {
     d->refused = stream_input(&d->in, &d->in_open, take_down, d);
     outlet_beat(&d->out, &d->in);
-    if (!d->in_open && !d->refused) tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
+    if (!d->in_open && !d->refused) drive_tell(d, (struct sched_event){.kind = SCHED_INPUT_END});
 }
 
 /* Continues the input behind state once the state is admitted. */
@@ -174,98 +158,6 @@ static void release(struct driver *d)
         buf_free(&d->held);
         d->refused = stream_take(&d->in, take_down, d);
     }
-}
-
-/*
- * A fan reports its slots one by one. Any other command, a policy or a lone worker, is one slot
- * that computes as many tasks at once as its hello states, and handles the loss of its own slots
- * itself. A node is around one worker, whatever that is.
- */
-static void take_hello(struct driver *d, const struct record *r)
-{
-    static const char fan[] = "hello fan ";
-    char selftest[24] = "", why[160];
-    double power = 1;
-    int64_t n = 1;
-    if (!rec_ours(r, why)) die(ST_SYSTEM, "the stream of the command %s", why);
-    rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n);
-    rec_real(r, "power", POWER_LEAST, POWER_MOST, &power);
-    rec_str(r, "selftest", selftest, sizeof selftest);
-    wire_hello(&d->out.queue.control, d->policy->name, selftest, power, (int)n);
-    d->out.greeted = true;
-    d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
-    tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = d->lone ? 1 : (int32_t)n});
-    if (d->lone) tell(d, (struct sched_event){.kind = SCHED_UP, .n = (int32_t)n, .power = power});
-}
-
-/* A task given before, to this or another slot: its `done` gets the attempt number. */
-static void forward_done(struct driver *d, const struct record *r, const struct sched_event *e)
-{
-    static const char *const drop[] = {"try", NULL};
-    char text[24];
-    int32_t n = d->policy->tries(d->state, e->slot, e->task.frame, e->task.id);
-    snprintf(text, sizeof text, "try=%" PRId32, n);
-    if (n > 1) wire_forward(&d->out.queue.control, r, drop, text);
-    else wire_forward(&d->out.queue.control, r, NULL, NULL);
-}
-
-/*
- * A slot came up or was lost. A node passes on the reports of a bare fan within it: the node would
- * not give the fan's tasks to another slot.
- */
-static bool take_slot(struct driver *d, const struct record *r, struct sched_event *e)
-{
-    int64_t n;
-    if (d->node) {
-        up_forward(&d->out.queue, r, NULL, NULL);
-        return false;
-    }
-    e->kind = r->kind == REC_UP ? SCHED_UP : SCHED_GONE;
-    if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
-    if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
-    return true;
-}
-
-static void take_up(struct driver *d, const struct record *r)
-{
-    struct sched_event e = {.slot = d->lone ? 0 : rec_slot(r), .task = r->task, .from = -1};
-    switch (r->kind) {
-    case REC_HELLO: take_hello(d, r); return;
-    case REC_BEAT: wire_forward(&d->out.queue.control, r, NULL, NULL); return;
-    case REC_FRAME: up_forward(&d->out.queue, r, NULL, NULL); return;
-    case REC_DONE:
-        forward_done(d, r, &e);
-        e.kind = SCHED_DONE;
-        if (!rec_int(r, "wall_us", 0, INT64_MAX, &e.wall_us)) e.wall_us = -1;
-        break;
-    case REC_FRAG:
-        up_forward(&d->out.queue, r, NULL, NULL);
-        e.kind = SCHED_PIXELS;
-        break;
-    case REC_BYE: rec_str(r, "why", d->why, sizeof d->why); return;
-    case REC_UP:
-    case REC_GONE:
-        if (!take_slot(d, r, &e)) return;
-        break;
-    default:
-        e.kind = SCHED_RING;
-        if (d->node || !drive_ring_of(r, &e.ring)) return;
-    }
-    if (e.slot >= 0) tell(d, e);
-}
-
-/* Handles records from the command. False at the end of its stream. */
-static bool listen_up(struct driver *d)
-{
-    struct record r;
-    enum wire_result result;
-    bool more = stream_read(&d->from, d->child.from) > 0;
-    d->heard_us = now_us();
-    while ((result = wire_next(&d->from, &r)) != WIRE_MORE) {
-        if (result == WIRE_RECORD) take_up(d, &r);
-        else if (!d->from.ended) die(ST_SYSTEM, "from the command: %s", d->from.why);
-    }
-    return more;
 }
 
 /* Writes new records at once, unless the pipe was found full. */
@@ -325,8 +217,8 @@ static bool poll_round(struct driver *d)
     outlet_polled(&d->out, &p[1]);
     if (d->out.gone) return true;
     if (p[0].revents) take_input(d);
-    bool more = p[3].revents ? listen_up(d) : true;
-    if (now_us() >= wake_us(d)) tell(d, (struct sched_event){.kind = SCHED_WAKE});
+    bool more = p[3].revents ? drive_listen(d) : true;
+    if (now_us() >= wake_us(d)) drive_tell(d, (struct sched_event){.kind = SCHED_WAKE});
     release(d);
     ask_quiet(d);
     if (d->child.to >= 0) feed(d, &p[2]);

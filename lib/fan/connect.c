@@ -3,7 +3,7 @@
  * authenticated yet (sshd's MaxStartups), so only a few are opened at a time. First tries go before
  * retries. A host that was not up yet, or whose last connection failed, is tried by one slot at a
  * time: it refuses only once, and dead hosts do not delay live ones.
- * One machine with down.c, err.c, hello.c, refusal.c, slot.c and up.c.
+ * One machine with down.c, err.c, hello.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

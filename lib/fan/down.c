@@ -1,10 +1,11 @@
 /*
  * fan: records from the input. State goes to all slots, a task to one; a bad input ends the run.
  * The live states and their frames are kept for slots that come later.
- * One machine with connect.c, err.c, hello.c, refusal.c, slot.c and up.c.
+ * One machine with connect.c, err.c, hello.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 
+#include <inttypes.h>
 #include <unistd.h>
 
 /* Limits on the queue of one slot; beyond them the input waits. State is kept once for all
@@ -200,6 +201,16 @@ static int route_ring(struct fan *f, const struct record *r)
     return 0;
 }
 
+static int route_leave(struct fan *f, const struct record *r)
+{
+    if (r->task.to < f->n_numbers) {
+        fan_dismiss(f, r->task.to);
+        return 0;
+    }
+    warn("leave: to=%" PRId32 ", expected a slot below %d", r->task.to, f->n_numbers);
+    return ST_USAGE;
+}
+
 static int route(void *ctx, const struct record *r)
 {
     struct fan *f = ctx;
@@ -218,6 +229,8 @@ static int route(void *ctx, const struct record *r)
     case REC_HEIR:
     case REC_ASK:
     case REC_NONE: return route_ring(f, r);
+    case REC_JOINS: f->joins = true; return 0;
+    case REC_LEAVE: return route_leave(f, r);
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));

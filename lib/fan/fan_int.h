@@ -1,9 +1,9 @@
 /*
  * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
- * (which slots are connected next, and what is reported about hosts); refusal.c (why a connection
- * failed); hello.c (which workers are let in); code.c (links
- * on which records are packed); up.c (what workers send); err.c (their standard
- * error); list.c (fan -l).
+ * (which slots are connected next, and what is reported about hosts); join.c (a hosts file that
+ * changes: slots that join the run and leave it); refusal.c (why a connection failed); hello.c
+ * (which workers are let in); code.c (links on which records are packed); up.c (what workers send);
+ * err.c (their standard error); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -43,6 +43,8 @@ struct fan_host {
     const struct host *host;
     char **argv;       /* command line of each of its slots */
     bool here;         /* this machine: no connection can fail */
+    bool kept;         /* join.c: the new version of the file has it */
+    bool removed;      /* it is no longer in the file: all of its slots drain */
     int opening;       /* slots being connected */
     int failures;      /* failed connections in a row: one slot at a time retries */
     int64_t retry_us;  /* not before this time */
@@ -137,6 +139,8 @@ struct fan_slot {
     int deaths;         /* likewise, if tasks were lost */
     int64_t retry_us;   /* waiting: not before this time */
     int64_t missing_us; /* not up since this time */
+    bool drains;        /* it is to leave the run */
+    int dismissed;      /* its slots that the policy has dismissed; all: its input ends */
     double power;       /* of each slot; 0: not known */
     int inner;          /* number of slots that each stands for */
 };
@@ -179,6 +183,11 @@ struct fan {
     double coder_speed;  /* bytes that are packed in a microsecond; 0: not measured */
     bool in_open;
     bool listing; /* fan -l: only asks slots for their hello */
+    bool joins;   /* the input is from a policy whose slots may join and leave */
+    struct hosts_watch watch;
+    struct hosts *versions; /* of the hosts file, after the first one */
+    int n_versions;
+    struct pollfd *poll; /* entries of a round, room for all slots */
     int refused;  /* status to end with at once: the input is bad or unreadable */
 };
 
@@ -194,9 +203,8 @@ static inline struct fan_job *fan_job(const struct fan *f, const struct frame_si
 /* ---- loop.c ---- */
 
 void fan_open(struct fan *f, const struct fan_options *o, bool listing);
-/* One round of the loop; p has room for FAN_POLL(f) entries. */
-void fan_round(struct fan *f, struct pollfd *p);
-#define FAN_POLL(f) ((size_t)(f)->n_slots * 3 + 2)
+/* One round of the loop. */
+void fan_round(struct fan *f);
 /* True while a slot works or may still come up. */
 bool fan_working(const struct fan *f);
 /* Ends all processes, and frees everything. */
@@ -257,6 +265,8 @@ void fan_slot_left(struct fan *f, struct fan_slot *s);
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
 /* True if there is, or may be, work for a slot that is not up. */
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
+/* True if the slot gets no more records than those that are queued for it. */
+bool fan_slot_over(const struct fan *f, const struct fan_slot *s);
 /* True if the slot is up or may come up. */
 bool fan_slot_comes(const struct fan_slot *s);
 /* Drops its tasks and all records for it. */
@@ -289,6 +299,19 @@ bool fan_host_retries(struct fan_slot *s);
 void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
+
+/* ---- join.c ---- */
+
+/* Adds a host of this line, without slots. Pointers to hosts change. */
+void fan_add_host(struct fan *f, const struct host *line);
+/* Adds n slots of host h of f->hosts, with the next numbers. Pointers to slots change. */
+void fan_add_slots(struct fan *f, int h, int n);
+/* Takes a new version of the hosts file, if there is one. */
+void fan_join(struct fan *f);
+/* The policy dismisses slot k. */
+void fan_dismiss(struct fan *f, int k);
+/* The number of slots that are not to leave. */
+int fan_staff(const struct fan *f);
 
 /* ---- hello.c ---- */
 

@@ -1,17 +1,13 @@
 /* fan -l: one line per slot. Hosts are known; their speed may have to be measured. */
 #include "fan/fan_int.h"
 
-#include <stdlib.h>
-
 /* Starts a worker on every slot without a stated power, and reads its hello. */
 static void measure(struct fan *f)
 {
-    struct pollfd *p = xcalloc(FAN_POLL(f), sizeof *p);
     while (fan_working(f)) {
-        fan_round(f, p);
+        fan_round(f);
         up_free(&f->out.queue); /* no reader for records here */
     }
-    free(p);
 }
 
 /* The slots of a host are on one machine. The best of their self-tests, and the shortest of

@@ -25,10 +25,10 @@
 /* The silence allowed to slot s, in seconds; 0: no limit. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
-    if (!f->in_open && !s->n_tasks && s->host->here) return CLOSING_S;
+    if (fan_slot_over(f, s) && !s->n_tasks && s->host->here) return CLOSING_S;
     if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
     if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
-    if (!f->in_open && !s->n_tasks) return f->o->silence_s;
+    if (fan_slot_over(f, s) && !s->n_tasks) return f->o->silence_s;
     /* Pixels of computed tasks may be held back until a flush. */
     bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
     if (!asked) return 0;
@@ -114,8 +114,9 @@ static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     if (fan_slot_leaves(s)) fan_slot_left(f, s);
 }
 
-void fan_round(struct fan *f, struct pollfd *p)
+void fan_round(struct fan *f)
 {
+    struct pollfd *p = f->poll;
     int wait_ms = fan_connect(f);
     bool reading = up_size(&f->out.queue) < UP_QUEUE_MOST;
     int64_t looked_us = now_us();
@@ -168,45 +169,16 @@ bool fan_working(const struct fan *f)
     return false;
 }
 
-/* The command line of a worker with this number of slots. */
-static char **command_line(const struct host *h, char *const *command, int width)
-{
-    char number[16], option[] = "-j";
-    size_t n = 0;
-    if (width == 1 || !*command) return host_argv(h, command);
-    while (command[n]) n++;
-    char **words = xcalloc(n + 3, sizeof *words);
-    snprintf(number, sizeof number, "%d", width);
-    words[0] = command[0];
-    words[1] = option;
-    words[2] = number;
-    memcpy(words + 3, command + 1, (n - 1) * sizeof *words);
-    char **argv = host_argv(h, words);
-    free(words);
-    return argv;
-}
-
 void fan_open(struct fan *f, const struct fan_options *o, bool listing)
 {
-    *f = (struct fan){.o = o, .n_numbers = o->hosts->slots, .start_us = now_us()};
-    f->n_slots = o->one_each ? (int)o->hosts->n : o->hosts->slots;
+    *f = (struct fan){.o = o, .start_us = now_us()};
     f->listing = listing;
     f->in_open = !listing;
     f->in.coded = f->input.generations.keeps = true;
     frames_init(&f->input.frames, sizeof(struct fan_job));
-    f->n_hosts = (int)o->hosts->n;
-    f->hosts = xcalloc(o->hosts->n, sizeof *f->hosts);
-    f->slots = xcalloc((size_t)f->n_slots, sizeof *f->slots);
-    for (int i = 0, k = 0, at = 0; i < f->n_hosts; i++) {
-        const struct host *h = &o->hosts->at[i];
-        int width = o->one_each ? h->slots : 1;
-        f->hosts[i] = (struct fan_host){
-            .host = h, .argv = command_line(h, o->command, width), .here = host_is_here(h)};
-        for (int end = k + h->slots; k < end; k += width)
-            fan_slot_init(f, at++, k, width, &f->hosts[i]);
-    }
-    f->n[FAN_WAITING] = f->n_slots;
-    want_descriptors(3 * f->n_slots + 16);
+    for (size_t i = 0; i < o->hosts->n; i++) fan_add_host(f, &o->hosts->at[i]);
+    for (int i = 0; i < f->n_hosts; i++) fan_add_slots(f, i, o->hosts->at[i].slots);
+    hosts_watch_open(&f->watch, o->hosts);
     if (*o->command) fan_ask_reference(f);
 }
 
@@ -242,8 +214,11 @@ void fan_close(struct fan *f)
     for (int i = 0; i < f->n_hosts; i++) host_argv_free(f->hosts[i].argv);
     for (int i = 0; i < GENERATIONS; i++) fan_forget(&f->states[i]);
     for (int k = 0; k < f->n_slots; k++) fan_slot_free(&f->slots[k]);
+    for (int i = 0; i < f->n_versions; i++) hosts_free(&f->versions[i]);
+    free(f->versions);
     free(f->hosts);
     free(f->slots);
+    free(f->poll);
     wire_free(&f->in);
     frames_free(&f->input.frames);
     up_free(&f->out.queue);
@@ -257,13 +232,14 @@ static bool all_gone(const struct fan *f)
     return true;
 }
 
-/* The number of slots that never were up, without those on this machine that did not fail. */
+/* The number of slots that never were up, without those that leave, and those on this machine that
+ * did not fail. */
 static int never_up(const struct fan *f)
 {
     int n = 0;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
-        if (!s->was_up && (!s->host->here || s->failures)) n += s->width;
+        if (!s->was_up && !s->drains && (!s->host->here || s->failures)) n += s->width;
     }
     return n;
 }
@@ -271,7 +247,7 @@ static int never_up(const struct fan *f)
 /* True if work remains, or would have remained, without a slot to do it. */
 static bool deserted(const struct fan *f)
 {
-    bool lost = f->lost || never_up(f) == f->n_numbers;
+    bool lost = f->lost || never_up(f) == fan_staff(f);
     bool nobody = !f->well && (f->unreached || (lost && all_gone(f)));
     return !f->refused && !f->out.gone && !signals_came() && (f->in_open || nobody);
 }
@@ -289,8 +265,8 @@ static void say_bye(struct fan *f)
     for (int k = 0; k < f->n_slots; k++)
         if (f->slots[k].state == FAN_QUEUED && !f->slots[k].was_up) queued += f->slots[k].width;
     if (none || !f->asked || !missing) return;
-    if (queued) warn("%d of %d slots never connected; %d queued", missing, f->n_numbers, queued);
-    else warn("%d of %d slots never connected", missing, f->n_numbers);
+    if (queued) warn("%d of %d slots never connected; %d queued", missing, fan_staff(f), queued);
+    else warn("%d of %d slots never connected", missing, fan_staff(f));
 }
 
 static int status_of(const struct fan *f)
@@ -306,13 +282,14 @@ int fan_run(const struct fan_options *o)
     signals_catch();
     fan_open(&f, o, false);
     outlet_open(&f.out);
-    struct pollfd *p = xcalloc(FAN_POLL(&f), sizeof *p);
-    while (fan_working(&f)) fan_round(&f, p);
+    while (fan_working(&f)) {
+        fan_round(&f);
+        fan_join(&f);
+    }
     stop(&f);
     if (!f.refused) say_bye(&f);
     int status = status_of(&f);
     if (f.stale) warn("%" PRId64 " answers were dropped, because no node had asked", f.stale);
-    free(p);
     fan_close(&f);
     if (signals_came()) signals_die();
     return status;

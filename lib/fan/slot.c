@@ -20,7 +20,7 @@
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.
- * One machine with connect.c, down.c, err.c, hello.c, refusal.c and up.c.
+ * One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c and up.c.
  */
 #include "fan/fan_int.h"
 
@@ -98,8 +98,14 @@ bool fan_slot_leaves(const struct fan_slot *s) { return leaves(s->state); }
 
 bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
 {
+    if (s->drains) return false;
     if (f->listing) return !s->measured;
     return f->in_open || s->n_tasks || (s->host->here && !s->was_up);
+}
+
+bool fan_slot_over(const struct fan *f, const struct fan_slot *s)
+{
+    return !f->in_open || s->dismissed == s->width;
 }
 
 bool fan_slot_comes(const struct fan_slot *s)
@@ -125,7 +131,7 @@ void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host
         .conn = CONNECTION_NONE,
         .power = h->host->power,
         .measured = h->host->power > 0 && !f->o->trips,
-        .missing_us = f->start_us};
+        .missing_us = now_us()};
     s->tasks = xcalloc((size_t)width, sizeof *s->tasks);
     for (int i = 0; i < width; i++) tasks_init(&s->tasks[i], sizeof(struct fan_task));
 }
@@ -159,7 +165,8 @@ static void settle(struct fan *f, struct fan_slot *s)
 {
     change(f, s, ON_EXIT);
     fan_slot_disconnect(f, s);
-    if (s->state == FAN_GONE) fan_slot_forget(s);
+    if (s->state == FAN_WAITING && s->drains) fan_slot_give_up(f, s, "left");
+    else if (s->state == FAN_GONE) fan_slot_forget(s);
     else s->retry_us = now_us() + fan_retry_wait_us(s->failures);
 }
 
@@ -220,7 +227,7 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     struct fan_slot *s = fan_slot_of(f, k);
     struct task_table *tasks = &s->tasks[k - s->number];
     int64_t from;
-    if (!fan_slot_comes(s) || (s->was_up && s->state != FAN_UP)) {
+    if (!fan_slot_comes(s) || s->drains || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
     }
@@ -262,7 +269,7 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     }
     /* A pipe that was empty takes a little even if its reader does not read. */
     if (p->events & POLLOUT && down_size(&s->feed.queue) != before) s->conn.heard_us = now_us();
-    if (!f->in_open && !down_size(&s->feed.queue)) {
+    if (fan_slot_over(f, s) && !down_size(&s->feed.queue)) {
         if (s->conn.child.to >= 0) s->conn.closed_us = now_us();
         child_close(&s->conn.child.to);
     }
@@ -277,14 +284,15 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     else if (s->conn.connected && s->n_tasks) s->deaths++;
     int most = s->host->host->tries ? s->host->host->tries : DEATHS_MOST;
     bool first = s->failures <= 1 && !s->host->failures;
-    again &= (!s->host->here || s->width > 1) && s->deaths < most;
+    again &= (!s->host->here || s->width > 1) && s->deaths < most && !s->drains;
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;
     s->measured |= !more || now_us() - s->conn.opened_us > ASK_AGAIN_US;
     int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
-    if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
+    if (s->drains && !s->conn.connected) fan_refusal_forget(s);
+    else if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
             again && s->host->here ? ", starting again"
@@ -315,7 +323,7 @@ void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool agai
 void fan_slot_leave(struct fan *f, struct fan_slot *s)
 {
     change(f, s, ON_EOF);
-    s->conn.input_closed_first = s->conn.child.to < 0 && !f->in_open; /* then it was to end */
+    s->conn.input_closed_first = s->conn.child.to < 0 && fan_slot_over(f, s); /* it was to end */
     s->conn.leave_us = now_us() + GRACE_US;
 }
 
@@ -331,7 +339,8 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
     bool connection = WIFSIGNALED(status) || worked ||
                       (code == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->conn.connected && code == ST_SYSTEM);
-    if (well) f->well++;
+    if (well && s->drains) fan_say_gone(f, s, "left", false);
+    else if (well) f->well++;
     else lose(f, s, status_text(status, why), connection);
 }
 

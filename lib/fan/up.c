@@ -1,6 +1,6 @@
 /*
  * fan: records from workers. They are checked against what the workers were sent, stamped, and
- * passed on. One machine with connect.c, down.c, err.c, hello.c, refusal.c and slot.c.
+ * passed on. One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c and slot.c.
  */
 #include "fan/fan_int.h"
 
@@ -291,7 +291,7 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
 {
     size_t before = buf_size(&s->conn.from.in), n;
     /* It was told to end and owes nothing: its beats are no reason to wait. */
-    bool over = !f->in_open && !s->n_tasks && s->conn.child.to < 0;
+    bool over = fan_slot_over(f, s) && !s->n_tasks && s->conn.child.to < 0;
     int more = stream_read(&s->conn.from, s->conn.child.from);
     n = buf_size(&s->conn.from.in) - before;
     if (s->state != FAN_UP) note_chatter(s, buf_data(&s->conn.from.in) + before, n);

@@ -196,10 +196,21 @@ static bool read_list(struct hosts_reader *r, struct hosts *h, const char *list)
     return good && (strpbrk(list, ",/") || doubt(r, h, list));
 }
 
+bool hosts_of_file(struct hosts *h, const char *name, char err[HOSTS_ERR])
+{
+    struct buf text = {0};
+    struct hosts_reader r = {.name = name, .err = err};
+    *err = '\0';
+    *h = (struct hosts){.file = xstrdup(name), .version = hosts_version(name)};
+    bool good = hosts_read_file(&r, &text) && read_lines(&r, h, &text);
+    buf_free(&text);
+    if (!good) hosts_free(h);
+    return good;
+}
+
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
 {
     struct stat st;
-    struct buf text = {0};
     struct hosts_reader r = {.name = arg, .err = err};
     bool good;
     *h = (struct hosts){0};
@@ -209,13 +220,10 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
         return good;
     }
     /* A directory with results of a host may have its name. */
-    if (stat(arg, &st) != 0 || (S_ISDIR(st.st_mode) && !strchr(arg, '/'))) {
-        r.name = "-S";
-        good = read_list(&r, h, arg);
-    } else {
-        good = hosts_read_file(&r, &text) && read_lines(&r, h, &text);
-    }
-    buf_free(&text);
+    if (stat(arg, &st) == 0 && (!S_ISDIR(st.st_mode) || strchr(arg, '/')))
+        return hosts_of_file(h, arg, err);
+    r.name = "-S";
+    good = read_list(&r, h, arg);
     if (!good) hosts_free(h);
     return good;
 }

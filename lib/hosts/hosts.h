@@ -18,7 +18,13 @@ struct host {
     double wait_s; /* how long its launcher may queue a connection; 0: it has no queue */
     int tries;     /* connections in a row that may fail; 0: not stated */
 };
+/* A version of a file; all 0: there is no file. */
+struct hosts_version {
+    int64_t device, number, bytes, written_ns, changed_ns;
+};
 struct hosts {
+    char *file; /* the name of the file; NULL: a list */
+    struct hosts_version version;
     struct host *at;
     size_t n;
     int slots;    /* over all hosts */
@@ -31,6 +37,8 @@ struct hosts {
  * the place. hosts_free frees *h after success.
  */
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
+/* The same from a file only, whether it exists or not. */
+bool hosts_of_file(struct hosts *h, const char *name, char err[HOSTS_ERR]);
 /* This machine only, with `slots` slots. */
 void hosts_here(struct hosts *h, int slots);
 void hosts_free(struct hosts *h);
@@ -47,5 +55,27 @@ bool host_is_here(const struct host *h);
  */
 char **host_argv(const struct host *h, char *const worker[]);
 void host_argv_free(char **argv);
+
+/* ---- watch.c: a file that may change ---- */
+
+struct hosts_watch {
+    const char *file;           /* NULL: nothing to watch */
+    struct hosts_version known; /* in use, or found bad */
+    struct hosts_version last;  /* at the last look */
+    int64_t look_us;            /* the next look is not before this time */
+};
+enum hosts_news { HOSTS_SAME, HOSTS_NEW, HOSTS_BAD };
+
+/* Watches the file of h, which must stay. */
+void hosts_watch_open(struct hosts_watch *w, const struct hosts *h);
+/*
+ * Looks at the file once a second. A new version counts when it did not change between two looks,
+ * because it may be half written. HOSTS_NEW: it is in *h, which the caller frees; HOSTS_BAD: err
+ * says what is wrong. Each version is returned once.
+ */
+enum hosts_news hosts_watch(
+    struct hosts_watch *w, int64_t now_us, struct hosts *h, char err[HOSTS_ERR]);
+/* True if both lines reach the same host in the same way, whatever their slots and power. */
+bool host_same(const struct host *a, const struct host *b);
 
 #endif

@@ -1,4 +1,5 @@
-/* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs). */
+/* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs),
+ * watch.c (files that change). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -25,6 +26,8 @@ bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct hos
  * and others may have no end. Its size is limited because any file may be named by mistake.
  */
 bool hosts_read_file(const struct hosts_reader *r, struct buf *text);
+/* The version of the file now. */
+struct hosts_version hosts_version(const char *file);
 /*
  * If `arg` is `slurm:` or `pbs:`, adds the hosts of the job in which this process runs, and returns
  * true: *good is false if the job's variables or its file are refused.

@@ -103,6 +103,19 @@ void hosts_here(struct hosts *h, int slots)
     host->slots = slots;
 }
 
+static int64_t ns(struct timespec t) { return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec; }
+
+struct hosts_version hosts_version(const char *file)
+{
+    struct stat st;
+    if (stat(file, &st) != 0) return (struct hosts_version){0};
+    return (struct hosts_version){.device = (int64_t)st.st_dev,
+        .number = (int64_t)st.st_ino,
+        .bytes = (int64_t)st.st_size,
+        .written_ns = ns(st.st_mtim),
+        .changed_ns = ns(st.st_ctim)};
+}
+
 void hosts_free(struct hosts *h)
 {
     for (size_t i = 0; i < h->n; i++) {
@@ -111,6 +124,7 @@ void hosts_free(struct hosts *h)
         free(h->at[i].bin);
     }
     free(h->at);
+    free(h->file);
     *h = (struct hosts){0};
 }
 

@@ -117,6 +117,7 @@ static void take_gone(struct deal *d, int32_t k)
     deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;
+    d->drains -= s->state == SLOT_DRAINS;
     s->state = SLOT_GONE;
     deal_mark(d, k);
 }
@@ -126,7 +127,7 @@ static void take_up(
 {
     int32_t k = e->slot;
     struct slot *s = slot_at(d, k);
-    if (s->state == SLOT_UP) return;
+    if (s->state == SLOT_UP || s->state == SLOT_DRAINS) return;
     s->state = SLOT_UP;
     s->width = e->n > 1 ? e->n : 1;
     d->up++;
@@ -158,8 +159,8 @@ static void note_pace(struct slot *s, int32_t c, int64_t wall_us, int64_t now)
 
 static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
 {
-    if (e->slot >= d->n_slots || d->slots[e->slot].state != SLOT_UP) return;
-    struct slot *s = &d->slots[e->slot];
+    struct slot *s = e->slot < d->n_slots ? &d->slots[e->slot] : NULL;
+    if (!s || (s->state != SLOT_UP && s->state != SLOT_DRAINS)) return;
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
     if (c < 0 || deal_copy(s, c)->list == OWED) {
@@ -218,6 +219,10 @@ static void deal_step(
     case SCHED_SLOTS: take_slots(d, e->n); break;
     case SCHED_UP: take_up(d, e, now, out); break;
     case SCHED_GONE: take_gone(d, e->slot); break;
+    case SCHED_DRAIN:
+        slot_at(d, e->slot);
+        deal_drain(d, e->slot);
+        break;
     case SCHED_DONE: take_done(d, e, now); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
@@ -230,6 +235,7 @@ static void deal_step(
         ask_flush(d, out);
         hand_copies(d, now, out); /* also of tasks that slots were asked to flush */
     }
+    deal_let_go(d, out);
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !d->ledger.count && !d->closed) {
         d->closed = true;
@@ -264,4 +270,4 @@ static int64_t deal_wake_us(const void *state)
 }
 
 const struct policy policy_deal = {"deal", deal_create, deal_step, deal_uncommitted, deal_waiting,
-    deal_tries, deal_wake_us, deal_destroy};
+    deal_tries, deal_wake_us, deal_destroy, true};

@@ -211,5 +211,5 @@ int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
 bool deal_end_busy(const struct deal *d)
 {
     bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    return copied && d->up > d->idle.count;
+    return copied && d->up + d->drains > d->idle.count;
 }

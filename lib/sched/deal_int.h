@@ -1,6 +1,7 @@
 /*
  * deal, shared by its files: deal.c (events, and which tasks a slot gets), deal_ledger.c (tasks and
- * the slots that hold them), deal_pick.c (choice of the next slot), deal_end.c (the last tasks).
+ * the slots that hold them), deal_pick.c (choice of the next slot), deal_leave.c (slots that leave
+ * the run), deal_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
@@ -8,7 +9,7 @@
 #include "sched/pace.h"
 #include "sched/slot_set.h"
 
-enum slot_state { SLOT_NEW, SLOT_UP, SLOT_GONE };
+enum slot_state { SLOT_NEW, SLOT_UP, SLOT_DRAINS, SLOT_GONE };
 
 struct slot {
     enum slot_state state;
@@ -68,7 +69,8 @@ struct deal {
     double left_px; /* pixels of uncommitted input tasks */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
-    int32_t up;         /* slots that are up */
+    int32_t up;         /* slots that are up, */
+    int32_t drains;     /* and those that will leave */
     int32_t known;      /* number of slots, from SCHED_SLOTS; 0 before */
     int32_t n_promised; /* promised tasks */
     /* deal_pick.c; only slots that are up: */
@@ -78,6 +80,7 @@ struct deal {
     struct slot_set free;      /* idle slots that owe no pixels of computed tasks */
     struct slot_set withheld;  /* slots that owe pixels, and were asked to flush or are busy */
     struct slot_set unflushed; /* idle slots that owe pixels and were not asked to flush */
+    struct slot_set leaving;   /* slots that drain, idle, and were not asked for pixels they owe */
     int64_t late_us;           /* when a dispatched task will be late; INT64_MAX: none */
     bool ended, flush, closed;
 };
@@ -134,6 +137,13 @@ void deal_close_room(struct deal *d);
 int32_t deal_pick_hungriest(const struct deal *d);
 /* The slot with the longest queued work, the lowest of equals; -1 if none. */
 int32_t deal_pick_store(const struct deal *d);
+
+/* ---- deal_leave.c ---------------------------------------------------------------------------- */
+
+/* Slot k is to leave the run. */
+void deal_drain(struct deal *d, int32_t k);
+/* Slots that drain and owe nothing leave; those that owe only pixels are asked to flush. */
+void deal_let_go(struct deal *d, struct sched_actions *out);
 
 /* ---- deal_end.c ------------------------------------------------------------------------------ */
 

@@ -114,30 +114,35 @@ int32_t deal_pick_store(const struct deal *d)
 void deal_mark(struct deal *d, int32_t k)
 {
     const struct slot *s = &d->slots[k];
-    bool up = s->state == SLOT_UP, idle = up && !slot_load(s), owes = s->owed.count;
+    bool up = s->state == SLOT_UP, drains = s->state == SLOT_DRAINS;
+    bool idle = up && !slot_load(s), owes = s->owed.count;
     set_put(&d->idle, k, idle);
     set_put(&d->free, k, idle && !owes);
-    set_put(&d->withheld, k, up && s->computed.count && (s->asked || !idle));
+    bool late = s->computed.count && (s->asked || !idle);
+    set_put(&d->withheld, k, (up || drains) && late);
     set_put(&d->unflushed, k, idle && owes && !s->asked);
+    set_put(&d->leaving, k, drains && !slot_load(s) && !(owes && s->asked));
     rate(d, k, rating_of(d, s));
 }
 
 void deal_close_room(struct deal *d)
 {
-    struct slot_set *sets[] = {&d->idle, &d->free, &d->withheld, &d->unflushed};
-    for (int i = 0; d->n_places && i < 4; i++) set_free(sets[i]);
+    struct slot_set *sets[] = {
+        &d->idle, &d->free, &d->withheld, &d->unflushed, &d->leaving};
+    for (int i = 0; d->n_places && i < 5; i++) set_free(sets[i]);
     free(d->best);
 }
 
 void deal_make_room(struct deal *d, int32_t n)
 {
     if (n <= d->n_places) return;
-    struct slot_set *sets[] = {&d->idle, &d->free, &d->withheld, &d->unflushed};
+    struct slot_set *sets[] = {
+        &d->idle, &d->free, &d->withheld, &d->unflushed, &d->leaving};
     int32_t places = d->n_places ? d->n_places : 1;
     deal_close_room(d);
     while (places < n) places *= 2;
     d->n_places = places;
-    for (int i = 0; i < 4; i++) set_init(sets[i], places);
+    for (int i = 0; i < 5; i++) set_init(sets[i], places);
     d->slots = xrealloc(d->slots, (size_t)places, sizeof *d->slots);
     d->best = xmalloc(2 * (size_t)places, sizeof *d->best);
     for (int32_t i = 0; i < 2 * places; i++) d->best[i] = nothing;

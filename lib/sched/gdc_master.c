@@ -244,6 +244,7 @@ static void master_step(
     case SCHED_RING:
         if (is_node(m, e->slot)) take_ring(m, e->slot, e, out);
         break;
+    case SCHED_DRAIN:
     case SCHED_WAKE: break;
     }
     if (m->ended || m->flush) ask_flush(m, out);
@@ -274,4 +275,4 @@ static int32_t master_tries(const void *state, int32_t slot, uint32_t frame, uin
 }
 
 const struct policy policy_published = {"ringctl", master_create, master_step, master_uncommitted,
-    master_waiting, master_tries, NULL, master_destroy};
+    master_waiting, master_tries, NULL, master_destroy, false};

@@ -354,6 +354,7 @@ static void ring_step(
     case SCHED_DONE: take_done(h, e, out); break;
     case SCHED_PIXELS: take_pixels(h, e, out); break;
     case SCHED_RING: take_ring(h, e, out); break;
+    case SCHED_DRAIN:
     case SCHED_WAKE: break;
     }
     hub_match(h, out);
@@ -391,4 +392,4 @@ static int64_t ring_wake_us(const void *state)
 }
 
 const struct policy policy_ring = {"ringctl", ring_create, ring_step, ring_uncommitted,
-    ring_waiting, ring_tries, ring_wake_us, ring_destroy};
+    ring_waiting, ring_tries, ring_wake_us, ring_destroy, false};

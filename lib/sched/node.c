@@ -205,6 +205,7 @@ static void take(
         n->placed = true;
         break;
     case SCHED_SLOTS:
+    case SCHED_DRAIN:
     case SCHED_WAKE: break;
     }
 }
@@ -317,4 +318,4 @@ static int64_t node_wake_us(const void *state)
 }
 
 const struct policy policy_node = {"ringctl", node_create, node_step, node_uncommitted,
-    node_waiting, node_tries, node_wake_us, node_destroy};
+    node_waiting, node_tries, node_wake_us, node_destroy, false};

@@ -8,6 +8,10 @@
  * which is the node's slot 0. Hub and nodes exchange ring messages. Work reaches a node as
  * SCHED_TASK; SCHED_END to a node's fan closes the node's input.
  *
+ * If `joins` is true, slots may come with numbers above those of SCHED_SLOTS, and a slot may be
+ * told to leave: SCHED_DRAIN. The policy gives that slot nothing more, and says SCHED_LEAVE once,
+ * when the slot owes no task. The slot is SCHED_GONE then, or earlier if it is lost.
+ *
  * Every policy around a fan guarantees three things to its driver. (1) Each task whose pixels were
  * delivered is committed exactly once. (2) An uncommitted task is in the pool, or its owner is up,
  * or (1) to (3) hold for its pieces. (3) SCHED_END or SCHED_STOP comes exactly once: as soon as the
@@ -51,6 +55,7 @@ enum sched_event_kind {
     SCHED_SLOTS,     /* n: slots are numbered 0 .. n-1 */
     SCHED_UP,        /* slot: it can be given work; n: tasks it computes at once, 1 if 0 */
     SCHED_GONE,      /* slot: its connection is lost, with all that the slot held */
+    SCHED_DRAIN,     /* slot: it is to leave the run; SCHED_LEAVE is the answer */
     SCHED_DONE,      /* slot, task key: computed; the slot may still hold back pixels */
     SCHED_PIXELS,    /* slot, task key, at: these pixels have arrived and were passed on */
     SCHED_RING, /* ring, task key for a GIVE; slot: the sending node; to a node: from the hub */
@@ -72,6 +77,7 @@ enum sched_action_kind {
     SCHED_ASK_FLUSH, /* slot: send the pixels that are held back */
     SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once */
     SCHED_SAY, /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
+    SCHED_LEAVE, /* slot, after SCHED_DRAIN: it holds nothing more, and gets nothing more */
     SCHED_END, /* close the input of all slots */
     SCHED_STOP /* the same, and stop the slots: their current tasks are not needed */
 };
@@ -114,6 +120,7 @@ struct policy {
     /* Time at which the policy wants SCHED_WAKE; INT64_MAX: none. A NULL pointer: never. */
     int64_t (*wake_us)(const void *state);
     void (*destroy)(void *state);
+    bool joins; /* slots may join the run and leave it */
 };
 
 static inline int64_t sched_uncommitted(const struct policy *p, const void *state)

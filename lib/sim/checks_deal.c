@@ -20,7 +20,10 @@ static struct note *of(const struct vtask *t) { return t->note; }
 #define AUTO_MOST 2501 /* most tasks at a slot if the depth follows the link */
 
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
-static bool is_up(const struct world *w, int32_t k) { return w->slots[k].up; }
+static bool is_up(const struct world *w, int32_t k)
+{
+    return w->slots[k].up && !w->slots[k].drains;
+}
 static bool has(const struct vtask *t, int32_t k) { return of(t)->owners >> k & 1; }
 static bool owes_it(const struct vtask *t, int32_t k) { return of(t)->owing >> k & 1; }
 static int32_t count_owners(const struct vtask *t) { return __builtin_popcountll(of(t)->owners); }
@@ -60,7 +63,7 @@ static bool in_pieces(const struct world *w, const struct vtask *t, bool committ
 static bool is_promised(const struct world *w, const struct vtask *t)
 {
     if (t->to < 0 || of(t)->gives) return false;
-    if (t->to >= w->plan->slots) return !w->slots_known;
+    if (t->to >= w->plan->slots - w->plan->joins) return !w->slots_known;
     return !w->slots[t->to].up && !w->slots[t->to].lost;
 }
 
@@ -289,7 +292,8 @@ static void check_give(struct world *w, const struct sched_action *a)
     if (!t->known && is_piece(w, t)) check_piece(w, t, a);
     if (memcmp(&t->task.at, &a->task.at, sizeof a->task.at) != 0)
         sim_fail(w, "two tasks with the same number have different pixels", a->slot, a->task.id);
-    if (!s->up) sim_fail(w, "a slot that is not up was given a task", a->slot, a->task.id);
+    if (!is_up(w, a->slot))
+        sim_fail(w, "a slot that is not up, or drains, was given a task", a->slot, a->task.id);
     if (!t->known || is_committed(w, t) || t->sent == lattice_count(&t->task.at))
         sim_fail(w, "a task was given that is done or unknown", a->slot, a->task.id);
     if (owes_it(t, a->slot))
@@ -298,7 +302,8 @@ static void check_give(struct world *w, const struct sched_action *a)
     if (withheld) check_withheld(w, t, a->slot);
     if (of(t)->owners) check_copy(w, t, a->slot, withheld);
     else if (t->to < 0 && !of(t)->gives) check_turn(w, t);
-    bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots && !w->slots[t->to].lost;
+    bool chosen = !of(t)->gives && t->to >= 0 && t->to < w->plan->slots - w->plan->joins &&
+                  !w->slots[t->to].lost && !w->slots[t->to].drains;
     if (chosen && t->to != a->slot)
         sim_fail(w, "a task of one slot was given to another", t->to, a->slot);
     of(t)->owners |= UINT64_C(1) << a->slot;
@@ -316,18 +321,38 @@ static void check_give(struct world *w, const struct sched_action *a)
 static void check_stop(struct world *w, bool stop)
 {
     bool busy = false, may = w->plan->params.endgame || adapts(w);
-    for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (is_up(w, k) && w->slots[k].has);
+    for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (w->slots[k].up && w->slots[k].has);
     if (stop && !may) sim_fail(w, "slots were stopped by a policy that must not stop them", 0, 0);
     if (may && stop != busy)
         sim_fail(w, "slots were stopped while idle, or left busy at the end", busy, stop);
 }
 
+/* Slot k may leave if it drains, and owes nothing. */
+static void check_leave(struct world *w, int32_t k)
+{
+    struct vslot *s = &w->slots[k];
+    if (!s->drains || s->left) sim_fail(w, "a slot was let go that does not drain", k, s->left);
+    if (s->has || owes(w, k)) sim_fail(w, "a slot was let go that has tasks", k, s->has);
+    s->left = true;
+}
+
 static void deal_action(struct world *w, const struct sched_action *a)
 {
+    if (a->kind == SCHED_LEAVE) check_leave(w, a->slot);
     if (a->kind == SCHED_GIVE) check_give(w, a);
     if (a->kind == SCHED_ASK_FLUSH) w->slots[a->slot].asked = true;
     if (a->kind == SCHED_COMMIT) overtake(w, sim_vtask_at(w, a->task.id));
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_stop(w, a->kind == SCHED_STOP);
+}
+
+/* A slot that drains is let go at once when it owes nothing, and is asked for what it owes. */
+static void check_drains(struct world *w)
+{
+    for (int32_t k = 0; k < w->plan->slots && !w->ended; k++) {
+        const struct vslot *s = &w->slots[k];
+        if (!s->drains || s->left || s->has || (s->asked && owes(w, k))) continue;
+        sim_fail(w, "a slot that drains has nothing to do and is not let go", k, s->asked);
+    }
 }
 
 static void check_owners(struct world *w)
@@ -340,6 +365,7 @@ static void check_owners(struct world *w)
         if (!owes(w, k)) free = k;
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
+    check_drains(w);
     if (!endgame && waiting > count_waiting(w, false))
         sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);
     if (!endgame || idle < 0 || w->ended) return;

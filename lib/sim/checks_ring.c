@@ -175,6 +175,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
         break;
     case SCHED_RING: note_ring(w, m, e); break;
     case SCHED_PIXELS:
+    case SCHED_DRAIN:
     case SCHED_WAKE: break;
     }
 }
@@ -308,6 +309,7 @@ static void ring_action(struct world *w, const struct sched_action *a)
         m->open--;
         sim_ring_enter(w, m, t, RING_ABSENT, -1);
         break;
+    case SCHED_LEAVE: sim_fail(w, "a node is told to leave", a->slot, 0); break;
     case SCHED_END:
     case SCHED_STOP:
         if ((a->kind == SCHED_STOP) != m->taken_over)

@@ -117,4 +117,4 @@ static int32_t fan_tries(const void *state, int32_t slot, uint32_t frame, uint32
 }
 
 const struct policy sim_fan = {
-    "fan", fan_create, fan_step, fan_uncommitted, fan_waiting, fan_tries, NULL, fan_destroy};
+    "fan", fan_create, fan_step, fan_uncommitted, fan_waiting, fan_tries, NULL, fan_destroy, false};

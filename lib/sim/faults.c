@@ -1,5 +1,5 @@
 /*
- * Faults: crash, silence, pause, slow-down, hang, and a killed hub. At most one random fault
+ * Faults: crash, silence, pause, slow-down, hang, drain, and a killed hub. At most one random fault
  * befalls a slot; slot 0 is never lost.
  */
 #include "sim/world.h"
@@ -28,6 +28,8 @@ void sim_draw_fault(struct world *w, int32_t k)
         plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * sim_draw(w));
     else if (p->p_hang > 0 && sim_draw(w) < p->p_hang && mortal)
         plan_fault(w, at, k, SIM_HANG, sim_draw(w) < .5);
+    else if (p->p_drain > 0 && sim_draw(w) < p->p_drain && mortal)
+        plan_fault(w, at, k, SIM_DRAIN, 0);
 }
 
 void sim_plan_faults(struct world *w)
@@ -94,6 +96,10 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
         s->hung = true;
         s->stalled = e->sched.power > 0; /* it does not read its input either */
         break;
+    case SIM_DRAIN:
+        w->result->drains++;
+        sim_say(w, k, (struct sched_event){.kind = SCHED_DRAIN});
+        break;
     case SIM_KILL: break;
     }
 }
@@ -138,7 +144,7 @@ void sim_restart_hub(struct world *w)
     w->n_tasks = w->plan->tasks;
     for (int32_t k = 0; k < w->plan->slots; k++) {
         struct vslot *s = &w->slots[k];
-        s->up = s->lost = s->asked = false;
+        s->up = s->lost = s->asked = s->drains = s->left = false;
         s->has = 0;
     }
     if (w->checks && w->checks->restart) w->checks->restart(w);

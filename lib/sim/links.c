@@ -31,7 +31,8 @@ static int64_t pixels_arrive(struct world *w, struct vslot *s, const struct task
 /* Messages that keep their order with pixels. */
 static bool is_bulk(const struct sched_event *e)
 {
-    return e->kind == SCHED_PIXELS || e->kind == SCHED_GONE || e->kind == SCHED_UP;
+    return e->kind == SCHED_PIXELS || e->kind == SCHED_GONE || e->kind == SCHED_UP ||
+           e->kind == SCHED_DRAIN;
 }
 
 /*

@@ -29,7 +29,8 @@ static void calm(struct sim_plan *p, bool tiny)
     p->assigned = 0;
     p->rows = p->frames = 1;
     p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_hang = p->p_kill = 0;
-    p->p_return = p->p_twice = p->p_garbage = 0;
+    p->p_return = p->p_twice = p->p_garbage = p->p_drain = 0;
+    p->joins = 0;
 }
 
 struct sim_plan sim_plan_of(uint64_t seed)
@@ -60,6 +61,8 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.p_hang = p.params.endgame ? chance(seed, 25, .5) : 0;
     p.frames = unit(seed, 23) < .6 ? 1 : pick(seed, 24, 2, 20);
     p.window = pick(seed, 26, 2, 16);
+    if (unit(seed, 40) < .25) p.p_drain = unit(seed, 41) < .5 ? .4 : .9;
+    if (unit(seed, 42) < .25) p.joins = pick(seed, 43, 1, p.slots) - 1;
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;
@@ -71,6 +74,8 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     p.node = &policy_node;
     p.checks = &sim_checks_ring;
     p.calm = false;
+    p.p_drain = 0;
+    p.joins = 0;
     p.p_hang = chance(seed, 25, .3);
     if (p.p_hang > 0) p.detect_us = 5000000;
     p.params = (struct sched_params){.one = unit(seed, 30) < .3};

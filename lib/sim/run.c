@@ -320,6 +320,8 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->pauses += r->pauses;
     sum->slows += r->slows;
     sum->hangs += r->hangs;
+    sum->drains += r->drains;
+    sum->leaves += r->leaves;
     sum->kills += r->kills;
     sum->twice += r->twice;
     sum->garbage += r->garbage;

@@ -72,6 +72,7 @@ enum sim_fault_kind {
     SIM_PAUSE,   /* it is silent for less than that, and continues */
     SIM_SLOW,    /* tasks that it begins from now on take longer */
     SIM_HANG,    /* it never finishes its task, but sends beats: no fan gives it up */
+    SIM_DRAIN,   /* it is told to leave the run */
     SIM_KILL     /* the hub is killed, and restarted later */
 };
 /* A fault that is not random. */
@@ -100,7 +101,8 @@ struct sim_plan {
     int32_t assigned; /* number of tasks with to=K */
     bool concentrate; /* slots send pixels only on a flush */
     double cost_us;   /* the least cost of a row at power 1; the most is exp(4) times that */
-    double p_crash, p_silence, p_pause, p_slow, p_hang; /* at most one per slot */
+    double p_crash, p_silence, p_pause, p_slow, p_hang, p_drain; /* at most one per slot */
+    int32_t joins; /* the last slots come later, and are not counted at first */
     double p_kill;                                      /* of the hub */
     double p_return;                                    /* a lost slot comes back */
     double p_twice;                                     /* an answer is sent twice */
@@ -139,7 +141,8 @@ struct sim_result {
     int64_t end_us;
     uint64_t trace_hash;
     int64_t events, gives, commits, flushes;
-    int64_t crashes, silences, pauses, slows, hangs, kills, twice, garbage, returns;
+    int64_t crashes, silences, pauses, slows, hangs, drains, kills, twice, garbage, returns;
+    int64_t leaves; /* slots that left as they were told to */
     int64_t uncommitted; /* tasks, if the run did not end */
     /* gives of tasks that others have; pieces given; ends that stop slots */
     int64_t copies, pieces, stops;

@@ -136,10 +136,19 @@ static void keep(struct inbox *in, const struct sim_event *e)
     in->at[in->n++] = *e;
 }
 
+/* The policy has let the slot go: it ends, and is not started again. */
+static void leave(struct world *w, int32_t k)
+{
+    w->result->leaves++;
+    sim_end_slot(w, k);
+    sim_say(w, k, (struct sched_event){.kind = SCHED_GONE});
+}
+
 /* Records that the worker reads itself, if there is no node. */
 static void read_down(struct world *w, int32_t k, const struct sched_event *e)
 {
     if (e->kind == SCHED_FLUSH) sim_hand_over(w, k);
+    if (e->kind == SCHED_INPUT_END) leave(w, k);
     if (e->kind != SCHED_TASK) return;
     sim_append_task(&w->slots[k].queue, &e->task);
     sim_start_next(w, k);

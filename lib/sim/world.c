@@ -53,9 +53,11 @@ void sim_start_slots(struct world *w, int64_t known_us)
 {
     const struct sim_plan *p = w->plan;
     sim_schedule(w, known_us, 0,
-        (struct sim_event){.kind = SIM_SCHED, .sched = {.kind = SCHED_SLOTS, .n = p->slots}});
+        (struct sim_event){
+            .kind = SIM_SCHED, .sched = {.kind = SCHED_SLOTS, .n = p->slots - p->joins}});
     for (int32_t k = 0; k < p->slots; k++) {
-        int64_t up_us = p->work ? 0 : (int64_t)(sim_draw(w) * 1e5);
+        double latest_us = k < p->slots - p->joins ? 1e5 : (double)p->faults_us;
+        int64_t up_us = p->work ? 0 : (int64_t)(sim_draw(w) * latest_us);
         sim_schedule(w, known_us + up_us, k, (struct sim_event){.kind = SIM_RETURN});
     }
 }

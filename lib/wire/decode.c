@@ -42,6 +42,9 @@ static const struct grammar {
     [REC_NONE] = {"none", ARGS_NONE, false},
     [REC_GIVE] = {"give", ARGS_KEY, false},
     [REC_CRASHED] = {"crashed", ARGS_NONE, false},
+    [REC_JOINS] = {"joins", ARGS_NONE, false},
+    [REC_LEAVE] = {"leave", ARGS_NONE, false},
+    [REC_DRAIN] = {"drain", ARGS_NONE, false},
 };
 
 const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
@@ -239,10 +242,11 @@ static bool parse_line(
     if (r->kind == REC_TASK && has_key(r, "peer") &&
         !rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &peer))
         return fail(why, "no such node", "peer=J in range");
-    if (r->kind >= REC_RING && !rec_ring(r, &ring))
+    if (r->kind >= REC_RING && r->kind <= REC_CRASHED && !rec_ring(r, &ring))
         return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
-    if ((r->kind == REC_UP || r->kind == REC_GONE) && !has_key(r, "w"))
-        return fail(why, grammar[r->kind].name, "w=K");
+    bool of_slot = r->kind == REC_UP || r->kind == REC_GONE || r->kind == REC_DRAIN;
+    if (of_slot && !has_key(r, "w")) return fail(why, grammar[r->kind].name, "w=K");
+    if (r->kind == REC_LEAVE && r->task.to < 0) return fail(why, grammar[r->kind].name, "to=K");
     return parse_body(r, d, why) && check_seal(r, d->upward, why);
 }
 
@@ -283,7 +287,7 @@ static bool seek_record(struct decoder *d)
     bool found = false;
     for (; o < n; o++) {
         size_t left = n - o;
-        if (!strchr("abcdfghnrstu", data[o]) || !data[o]) continue;
+        if (!strchr("abcdfghjlnrstu", data[o]) || !data[o]) continue;
         bool named = kind_of(data + o, left) != REC_KINDS;
         if (!named && left > KIND_MAX) continue;
         size_t span = left < WIRE_LINE_MAX ? left : WIRE_LINE_MAX;

@@ -42,6 +42,9 @@ enum rec_kind {
     REC_NONE, /* either way, between a node and the hub */
     REC_GIVE,
     REC_CRASHED, /* up, from a node */
+    REC_JOINS,
+    REC_LEAVE, /* down, from a policy to its fan */
+    REC_DRAIN, /* up, from a fan to its policy */
     REC_KINDS
 };
 

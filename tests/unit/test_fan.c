@@ -451,12 +451,85 @@ static void the_last_try_is_the_last(void **state)
     of_file.tries = 0;
 }
 
+/* ---- a hosts file that changes ---- */
+
+/* Makes this text the new version of the hosts file, and lets the fan look twice. */
+static void change_file(const char *text)
+{
+    char path[] = "/tmp/hosts.XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write_full(fd, text, strlen(text)), 0);
+    close(fd);
+    f.watch.file = path;
+    for (int look = 0; look < 2; look++) {
+        f.watch.look_us = 0;
+        fan_join(&f);
+    }
+    unlink(path);
+}
+
+static void slots_without_a_line_drain(void **state)
+{
+    (void)state;
+    fan_slot_open(&f, &slots[0]);
+    say_hello(&slots[0]);
+    fan_slot_open(&f, &slots[1]);
+    say_hello(&slots[1]);
+    give_task(1, 7);
+    fan_slot_open(&f, &slots[2]);
+    reported();
+    change_file("far slots=1\n");
+    assert_string_equal(reported(), ""); /* no policy has said that slots may leave */
+    f.joins = true;
+    change_file("far slots=0\n");
+    assert_string_equal(reported(), "");
+    change_file("far slots=1 power=3\n");
+    const char *said = reported();
+    assert_non_null(strstr(said, "drain w=1 "));
+    assert_non_null(strstr(said, "gone w=2 why=left lost=0"));
+    assert_null(strstr(said, "w=0"));
+    assert_int_equal(slots[2].state, FAN_ENDING);
+    assert_int_equal(fan_staff(&f), 1);
+    assert_true(slots[0].power == 3);
+    let_end(&slots[2]);
+    fan_dismiss(&f, 0); /* it does not drain */
+    assert_false(fan_slot_over(&f, &slots[0]));
+    assert_false(fan_slot_over(&f, &slots[1]));
+    fan_dismiss(&f, 1);
+    assert_true(fan_slot_over(&f, &slots[1]));
+    give_task(1, 8); /* too late */
+    assert_int_equal(f.lost, 1);
+    fan_slot_lose(&f, &slots[1], "silent", true); /* it is not connected again */
+    assert_int_equal(slots[1].state, FAN_ENDING);
+    assert_int_equal(f.lost, 2);
+    let_end(&slots[1]);
+    for (int i = 0; i < f.n_versions; i++) hosts_free(&f.versions[i]);
+    free(f.versions);
+}
+
+static void a_slot_that_was_lost_and_drains_is_given_up(void **state)
+{
+    (void)state;
+    f.joins = true;
+    fan_slot_open(&f, &slots[2]);
+    say_hello(&slots[2]);
+    fan_slot_lose(&f, &slots[2], "silent", true);
+    change_file("far slots=1\n");
+    assert_int_equal(slots[1].state, FAN_GONE);
+    assert_int_equal(slots[2].state, FAN_LOST);
+    let_end(&slots[2]);
+    assert_int_equal(slots[2].state, FAN_GONE);
+    for (int i = 0; i < f.n_versions; i++) hosts_free(&f.versions[i]);
+    free(f.versions);
+}
+
 /* ---- anything that a worker may send ---- */
 
 static const char *const bits[] = {"hello cat 1 format=3 selftest=0123 power=1\n", "bye\n",
     "beat\n", "frame 0 4 4 job=1\n", "done 0 1 cpu_us=1 wall_us=1\n", "gone w=0\n", "up w=0\n",
     "ask to=1\n", "task 0 1 0 0 4 1 1 1\n", "scene bytes=3\nabc\n", "flush\n", "none\n", "\n",
-    "\377\0", "frag 0 1"};
+    "drain w=0\n", "joins\n", "leave to=0\n", "\377\0", "frag 0 1"};
 
 /* The counts of states and of connections agree with the slots. */
 static void assert_counted(void)
@@ -542,6 +615,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_status_tells_whether_another_try_may_help, begin, end),
         cmocka_unit_test_setup_teardown(before_it_has_tasks_most_statuses_are_final, begin, end),
         cmocka_unit_test_setup_teardown(the_last_try_is_the_last, begin, end),
+        cmocka_unit_test_setup_teardown(slots_without_a_line_drain, begin, end),
+        cmocka_unit_test_setup_teardown(a_slot_that_was_lost_and_drains_is_given_up, begin, end),
         cmocka_unit_test_setup_teardown(no_worker_breaks_the_table, begin, end),
     };
     signals_catch();

@@ -261,6 +261,75 @@ static void slots_are_numbered_through_the_hosts(void **state)
     hosts_free(&hosts);
 }
 
+static void write_version(const char *text)
+{
+    char other[sizeof path + 4];
+    snprintf(other, sizeof other, "%s.new", path);
+    FILE *to = fopen(other, "we");
+    assert_non_null(to);
+    assert_true(fputs(text, to) >= 0);
+    assert_int_equal(fclose(to), 0);
+    assert_int_equal(rename(other, path), 0);
+}
+
+/* What a look finds at this second. */
+static enum hosts_news look(struct hosts_watch *w, int second, struct hosts *new)
+{
+    return hosts_watch(w, second * INT64_C(1000000), new, err);
+}
+
+static void a_version_that_stays_is_new_once(void **state)
+{
+    (void)state;
+    struct hosts new;
+    struct hosts_watch w;
+    memcpy(path, "/tmp/hosts.XXXXXX", 18);
+    close(mkstemp(path));
+    write_version("a\n");
+    assert_true(hosts_read(&hosts, path, err));
+    hosts_watch_open(&w, &hosts);
+    for (int i = 0; i < 3; i++) assert_int_equal(look(&w, i, &new), HOSTS_SAME);
+    write_version("a\nb\n");
+    assert_int_equal(look(&w, 3, &new), HOSTS_SAME); /* it may be half written */
+    write_version("a\nb\nc\n");
+    assert_int_equal(look(&w, 4, &new), HOSTS_SAME);
+    assert_int_equal(look(&w, 4, &new), HOSTS_SAME); /* too early */
+    assert_int_equal(look(&w, 5, &new), HOSTS_NEW);
+    assert_int_equal(new.n, 3);
+    hosts_free(&new);
+    assert_int_equal(look(&w, 6, &new), HOSTS_SAME);
+    write_version("a\n-b\n");
+    assert_int_equal(look(&w, 7, &new), HOSTS_SAME);
+    assert_int_equal(look(&w, 8, &new), HOSTS_BAD);
+    assert_non_null(strstr(err, ":2: "));
+    assert_non_null(strstr(err, "no host name"));
+    assert_int_equal(look(&w, 9, &new), HOSTS_SAME);
+    unlink(path);
+    assert_int_equal(look(&w, 10, &new), HOSTS_SAME);
+    assert_int_equal(look(&w, 11, &new), HOSTS_BAD);
+    assert_non_null(strstr(err, "expected a file"));
+    write_version("a\n");
+    assert_int_equal(look(&w, 12, &new), HOSTS_SAME);
+    assert_int_equal(look(&w, 13, &new), HOSTS_NEW);
+    unlink(path);
+    hosts_free(&new);
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "a,b", err));
+    hosts_watch_open(&w, &hosts);
+    assert_int_equal(look(&w, 14, &new), HOSTS_SAME); /* a list does not change */
+    hosts_free(&hosts);
+}
+
+static void lines_are_the_same_if_they_reach_the_same_host(void **state)
+{
+    (void)state;
+    assert_true(read_text("a\na slots=3 power=2\nb\na bin=/x\na bin=/y\na via=\"x %c\"\n"));
+    for (size_t i = 0; i < hosts.n; i++)
+        for (size_t j = 0; j < hosts.n; j++)
+            assert_int_equal(host_same(&hosts.at[i], &hosts.at[j]), i == j || i + j == 1);
+    hosts_free(&hosts);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +344,8 @@ int main(void)
         cmocka_unit_test(commands_are_quoted_for_both_shells),
         cmocka_unit_test(here_nothing_is_between),
         cmocka_unit_test(slots_are_numbered_through_the_hosts),
+        cmocka_unit_test(a_version_that_stays_is_new_once),
+        cmocka_unit_test(lines_are_the_same_if_they_reach_the_same_host),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,6 +69,7 @@ static void some_log(struct buf *b)
     wire_plain(b, REC_BEAT, "w=3");
     wire_plain(b, REC_UP, "w=4 host=: power=1");
     wire_plain(b, REC_GONE, "w=4 why=exit-3");
+    wire_plain(b, REC_DRAIN, "w=4");
     wire_plain(b, REC_NONE, "peer=4 idle=1 next=0");
     t.id = 2;
     wire_frag(b, &t, &t.at, JOB, rgba);
@@ -394,7 +395,8 @@ static void test_refused(void **state)
         "ring me=0 rules=default give=half\n", "ring me=0 n=0 rules=default give=half\n",
         "ring me=1 n=1 rules=default give=half\n", "ring me=0 n=1048577 rules=default give=half\n",
         "ring me=0 n=1 rules=old give=half\n", "ring me=0 n=1 rules=default give=two\n",
-        "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n"};
+        "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n", "drain\n", "drain to=1\n",
+        "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct decoder d = {0};
         struct record r;
@@ -445,7 +447,7 @@ static void test_any_feeding(void **state)
     some_log(&log);
     struct decoder d = {0};
     struct seen whole = decode(&d, buf_data(&log), buf_size(&log), buf_size(&log));
-    assert_int_equal(whole.records, 11);
+    assert_int_equal(whole.records, 12);
     assert_int_equal(d.skipped, 0);
     wire_free(&d);
     for (size_t step = 0; step < 70; step++) {

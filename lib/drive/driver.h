@@ -1,0 +1,36 @@
+/* The live driver, shared by its files: policy.c (the loop, and its input) and up.c (what the
+ * command sends). */
+#ifndef STORMRING_DRIVER_H
+#define STORMRING_DRIVER_H
+
+#include "drive/drive.h"
+#include "drive/tags.h"
+#include "pipe/pipe.h"
+
+struct driver {
+    const struct policy *policy;
+    void *state;
+    struct sched_actions acts;
+    struct child child;
+    struct down_queue down;
+    struct outlet out;
+    struct decoder in, from;
+    struct stream_state input;
+    struct tags tags;
+    struct buf held;  /* state that is not admitted yet; the input waits behind it */
+    uint32_t oldest;  /* the oldest live generation before `held` */
+    int64_t heard_us; /* when the command last sent something or was asked to */
+    bool in_open, closing;
+    bool stopping; /* nothing that the command still does is needed */
+    bool node;     /* of a ring */
+    bool lone;     /* the command is one slot, not a fan */
+    int refused;   /* status to end with at once */
+    char why[24];  /* reason in the command's bye: it ended early */
+};
+
+/* An event for the policy; carries out its actions. */
+void drive_tell(struct driver *d, struct sched_event e);
+/* Handles records from the command. False at the end of its stream. */
+bool drive_listen(struct driver *d);
+
+#endif

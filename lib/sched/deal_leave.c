@@ -1,0 +1,40 @@
+/*
+ * deal: slots that leave the run. A slot that drains gets nothing more. Tasks that were promised to
+ * it go back to the pool. It leaves when no task of its own is left: it has computed what it holds,
+ * and all pixels that it owed have been passed on, by itself or by others.
+ */
+#include "sched/deal_int.h"
+
+void deal_drain(struct deal *d, int32_t k)
+{
+    struct slot *s = &d->slots[k];
+    if (s->state == SLOT_NEW) deal_reclaim(d, &s->promised);
+    if (s->state != SLOT_UP) return;
+    s->state = SLOT_DRAINS;
+    d->up--;
+    d->drains++;
+    deal_mark(d, k);
+}
+
+static void leave(struct deal *d, int32_t k, struct sched_actions *out)
+{
+    d->slots[k].state = SLOT_GONE;
+    d->drains--;
+    deal_mark(d, k);
+    sched_act(out, SCHED_LEAVE, k, NULL);
+}
+
+void deal_let_go(struct deal *d, struct sched_actions *out)
+{
+    int32_t k;
+    while ((k = set_after(&d->leaving, -1)) >= 0) {
+        struct slot *s = &d->slots[k];
+        if (!s->owed.count) {
+            leave(d, k, out);
+            continue;
+        }
+        s->asked = true;
+        deal_mark(d, k);
+        sched_act(out, SCHED_ASK_FLUSH, k, NULL);
+    }
+}
