@@ -58,9 +58,9 @@ if command -v povray >/dev/null; then
 	{ echo 'f 1 1 1 0 0 1 .9 1.2' && echo 's 2.5 -5 4 3' && echo 'f 1 1 1 0 0 1 .8 1.6' && echo 'c 3 -6 3 1  3 -6 5 .5'
 		sed 's/^hither .*/hither 0/' "$root/scenes/glass.nff"; } >within.nff
 	ok 'POV-Ray agrees from inside a cone of glass in a ball of glass' same within 100 128x128 within.nff
-	pov_reads() { nff2pov -x "$1" "$2" >s.pov; povray +Is.pov -F +W8 +H8 -GA >/dev/null 2>&1; }
+	pov_reads() { nff2pov -x "$1" "$2" >s.pov; povray +Is.pov -F -D +W8 +H8 -GA >/dev/null 2>&1; }
 	ok 'POV-Ray reads a cone over 1e-10 high' pov_reads 1 tall.nff
-	ok 'POV-Ray refuses shorter ones' sh -c 'nff2pov short.nff >s.pov; ! povray +Is.pov -F +W8 +H8 -GA >/dev/null 2>&1'
+	ok 'POV-Ray refuses shorter ones' sh -c 'nff2pov short.nff >s.pov; ! povray +Is.pov -F -D +W8 +H8 -GA >/dev/null 2>&1'
 	ok 'POV-Ray reads them at 10000 times the size' pov_reads 10000 short.nff
 	# Every other kind of primitive at the least size and without area: POV-Ray takes it.
 	printf '%s\n' 'v from 0 -5 0 at 0 0 0 up 0 0 1 angle 40 hither 0 resolution 8 8' 's 0 0 0 1e-18' 'c 0 0 0 1e-18 0 0 1 0' \

@@ -58,7 +58,7 @@ static void make_log(void)
     wire_feed(&d, buf_data(&good), buf_size(&good));
     while (wire_next(&d, &r) == WIRE_RECORD && n_records < RECORDS_MOST) {
         at[n_records++] = end;
-        end += r.line_len + 1 + r.body_len;
+        end += rec_size(&r);
     }
     at[n_records] = end;
     wire_free(&d);
