@@ -13,9 +13,9 @@
 #define SLOTS_MOST 100000
 
 static const char text[] =
-    "[-chv] [-b LINK[,HUB]] [-f FAULT,...] [-H HOPS] [-j SLOTS[,SPREAD] | -S HOSTS | -w "
-    "POWER,...]\n"
-    "           [-l MS] [-m US[,SPREAD] | -t LOG] [-s SEED] [-x SCALE] METHOD\n"
+    "[-chv] [-b LINK[,HUB]] [-f FAULT,...] [-g HUBS,...] [-H HOPS]\n"
+    "           [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...] [-l MS] [-m US[,SPREAD] | -t LOG]\n"
+    "           [-s SEED] [-u US] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
     "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto], ring [-p] [-k half|one]";
 
@@ -27,6 +27,8 @@ struct options {
     const char *log;   /* -t */
     double us, spread; /* -m: cost of a pixel, drawn per task from us / spread up */
     double scale;      /* -x */
+    int32_t *groups;   /* -g */
+    bool tree;         /* -g or -u */
 };
 
 /* ---- the command line ------------------------------------------------------------------------ */
@@ -52,6 +54,22 @@ static void draw_powers(struct options *o, const char *arg)
     free(v);
 }
 
+/* The links of hosts whose lines state them; the others have those of -l and -b. */
+static void take_links(struct options *o, const struct hosts *h)
+{
+    struct sim_workload *l = &o->load;
+    l->links = xcalloc(h->n, sizeof *l->links);
+    l->link_of = xcalloc((size_t)h->slots, sizeof *l->link_of);
+    l->n_links = (int32_t)h->n;
+    for (int32_t i = 0, k = 0; i < l->n_links; i++) {
+        const struct host *host = &h->at[i];
+        l->links[i] = (struct sim_link){o->plan.latency_us, o->plan.link_bytes_per_s};
+        if (host->latency_ms >= 0) l->links[i].latency_us = llround(host->latency_ms * 1e3);
+        if (host->bytes_per_s > 0) l->links[i].bytes_per_s = host->bytes_per_s;
+        for (int slot = 0; slot < host->slots; slot++) l->link_of[k++] = i;
+    }
+}
+
 static void read_hosts(struct options *o, const char *arg)
 {
     struct hosts h;
@@ -62,6 +80,7 @@ static void read_hosts(struct options *o, const char *arg)
     o->load.power = hosts_powers(&h, &without);
     if (!o->load.power)
         die(ST_USAGE, "-S %s: host %s has no power, expected power=P", arg, without);
+    take_links(o, &h);
     hosts_free(&h);
 }
 
@@ -89,6 +108,22 @@ static void parse_method(struct options *o, int argc, char **argv)
     if (optind != argc) usage(ST_USAGE, text);
 }
 
+/* -g */
+static void parse_groups(struct options *o, const char *arg)
+{
+    size_t n;
+    double *v = opt_reals('g', arg, 1, SLOTS_MOST, &n);
+    o->groups = xcalloc(n, sizeof *o->groups);
+    for (size_t i = 0; i < n; i++) {
+        if (v[i] != floor(v[i])) die(ST_USAGE, "-g %s: expected whole numbers", arg);
+        o->groups[i] = (int32_t)v[i];
+    }
+    free(v);
+    o->plan.groups = o->groups;
+    o->plan.levels = n;
+    o->tree = true;
+}
+
 static bool crawls(double bytes_per_s) { return bytes_per_s > 0 && bytes_per_s < 1; }
 
 static void print_event(const char *line) { printf("# %s\n", line); }
@@ -101,7 +136,7 @@ static void parse(struct options *o, int argc, char **argv)
     bool made = false, more = false;
     size_t n;
     int opt, ways = 0;
-    while ((opt = prog_getopt(argc, argv, "+b:cf:hH:j:l:m:n:s:S:t:vw:x:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+b:cf:g:hH:j:l:m:n:s:S:t:u:vw:x:")) != -1) {
         more = more || !strchr("nsv", opt);
         switch (opt) {
         case 'b':
@@ -111,6 +146,7 @@ static void parse(struct options *o, int argc, char **argv)
             break;
         case 'c': p->concentrate = true; break;
         case 'f': faults = opt_text(opt, optarg); break;
+        case 'g': parse_groups(o, optarg); break;
         case 'h': usage(ST_OK, text);
         case 'H': p->hops = opt_real(opt, optarg, 0, 100); break;
         case 'j': slots = opt_text(opt, optarg), ways++; break;
@@ -123,6 +159,10 @@ static void parse(struct options *o, int argc, char **argv)
         case 's': seed = opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': hosts = opt_text(opt, optarg), ways++; break;
         case 't': o->log = opt_text(opt, optarg); break;
+        case 'u':
+            p->message_us = opt_real(opt, optarg, 0, 1e6);
+            o->tree = true;
+            break;
         case 'v': p->trace = print_event; break;
         case 'w':
             o->load.power = opt_reals(opt, optarg, 1e-3, 1e3, &n);
@@ -143,6 +183,8 @@ static void parse(struct options *o, int argc, char **argv)
         die(ST_USAGE, "expected one of -j, -S and -w, and one of -m and -t");
     if (p->concentrate && o->method.policy == &sim_fan)
         die(ST_USAGE, "-c: expected deal or ring, which ask for pixels held back");
+    if (o->tree && (o->method.policy != &policy_deal || faults || p->concentrate || p->trace))
+        die(ST_USAGE, "-g and -u: expected deal or adaptive, without -c, -f and -v");
     if (hosts) read_hosts(o, hosts);
     else if (!o->load.power) draw_powers(o, slots ? slots : "1");
     if (faults && !sim_parse_faults(p, faults))
@@ -218,7 +260,8 @@ static int run_tasks(struct options *o, int argc, char **argv)
     else sim_draw_costs(l, o->plan.seed, o->us, o->spread);
     if (!sim_workload_scale(l, o->scale, err)) die(ST_USAGE, "%s", err);
     if (!sim_workload_plan(l, &o->method, &o->plan, err)) die(ST_USAGE, "-f: %s", err);
-    sim_run(o->method.policy, &o->plan, &r);
+    if (o->tree) sim_tree_run(o->method.policy, &o->plan, &r);
+    else sim_run(o->method.policy, &o->plan, &r);
     sim_report(&o->plan, &r, &out);
     print_out(&out);
     if (*r.failure) say_again(argc, argv, r.failure);
@@ -253,6 +296,7 @@ int main(int argc, char **argv)
     int status = o.seeds ? run_seeds(&o) : run_tasks(&o, argc, argv);
     sim_workload_free(&o.load);
     free(o.plan.faults);
+    free(o.groups);
     close_stdout();
     return status;
 }

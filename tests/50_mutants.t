@@ -38,10 +38,11 @@ family() {
 }
 
 ok "the simulation compiles" compile "$root"/lib/sim/*.c "$root"/lib/sched/*.c "$root"/lib/task/*.c "$root"/lib/stats/*.c "$root"/lib/base/*.c
-is 'each mutant has its own name' "$(names "$mutants"/sim "$mutants"/ring "$mutants"/gdc | sort | uniq -d)" ''
+is 'each mutant has its own name' "$(names "$mutants"/sim "$mutants"/ring "$mutants"/gdc "$mutants"/tree | sort | uniq -d)" ''
 family sim
 family ring
 family gdc
+family tree
 
 # A wrong row fails with the reason.
 cat >wrong <<'END'

@@ -29,6 +29,16 @@ static bool set_power(struct host *host, const char *value)
     return parse_real(value, 1e-6, 1e6, &host->power);
 }
 
+static bool set_latency(struct host *host, const char *value)
+{
+    return parse_real(value, 0, 1e7, &host->latency_ms);
+}
+
+static bool set_bytes(struct host *host, const char *value)
+{
+    return parse_real(value, 1, 1e15, &host->bytes_per_s);
+}
+
 static bool set_via(struct host *host, const char *value)
 {
     bool command = false;
@@ -71,12 +81,27 @@ static const struct key {
     {"bin", set_bin, "a directory from / or ~/, without a colon"},
     {"wait", set_wait, "seconds from 1 to 1e6"},
     {"tries", set_tries, "an integer from 1 to 1000"},
+    {"latency_ms", set_latency, "a number from 0 to 1e7"},
+    {"bytes_per_s", set_bytes, "a number from 1 to 1e15"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 
+/* "slots=, power= or bin=": all keys. */
+static const char *key_names(char *to, size_t room)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < N_KEYS && n < room; i++)
+        n += (size_t)snprintf(to + n, room - n, "%s%s=",
+            !i               ? ""
+            : i + 1 < N_KEYS ? ", "
+                             : " or ",
+            keys[i].name);
+    return to;
+}
+
 static bool set_key(const struct hosts_reader *r, struct host *host, char *word, unsigned *seen)
 {
-    char shown[ERR_WORD], *value = strchr(word, '=');
+    char shown[ERR_WORD], names[200], *value = strchr(word, '=');
     if (value) *value++ = '\0';
     for (unsigned i = 0; i < N_KEYS && value; i++) {
         if (strcmp(word, keys[i].name) != 0) continue;
@@ -86,8 +111,8 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
     }
-    return hosts_refuse(r, "%s: unknown, expected slots=, power=, via=, bin=, wait= or tries=",
-        err_word(shown, word, strlen(word)));
+    return hosts_refuse(r, "%s: unknown, expected %s", err_word(shown, word, strlen(word)),
+        key_names(names, sizeof names));
 }
 
 /*

@@ -17,6 +17,8 @@ struct host {
     double power;  /* of a slot; 0: not stated */
     double wait_s; /* how long its launcher may queue a connection; 0: it has no queue */
     int tries;     /* connections in a row that may fail; 0: not stated */
+    /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
+    double latency_ms, bytes_per_s;
 };
 /* A version of a file; all 0: there is no file. */
 struct hosts_version {

@@ -3,10 +3,11 @@
 
 #define LATE_US 1e6 /* at most, for a datagram that others overtake */
 
-/* Arrival over a link that keeps order, for a message sent at from_us; trips: latencies. */
-static int64_t arrival(struct world *w, int64_t from_us, double trips, int64_t *latest)
+/* Arrival from or at slot k over a link that keeps order, for a message sent at from_us; trips:
+ * latencies. */
+static int64_t arrival(struct world *w, int32_t k, int64_t from_us, double trips, int64_t *latest)
 {
-    double us = (double)w->plan->latency_us * trips;
+    double us = (double)net_link_of(w->plan, k).latency_us * trips;
     if (w->plan->jitter > 0) us *= 1 + w->plan->jitter * (2 * sim_draw(w) - 1);
     int64_t at = from_us + (int64_t)us;
     if (at < *latest) at = *latest;
@@ -19,13 +20,10 @@ static double trips_of(const struct world *w, bool between_nodes)
     return between_nodes ? w->plan->hops / 2 : 1;
 }
 
-static int64_t pixels_arrive(struct world *w, struct vslot *s, const struct task *t)
+static int64_t leaves(struct world *w, int32_t k, const struct sched_event *e, bool bulk)
 {
-    double bytes = SIM_PIXEL_BYTES * (double)lattice_count(&t->at);
-    if (s->left_us < w->now_us) s->left_us = w->now_us;
-    if (w->plan->link_bytes_per_s > 0)
-        s->left_us += (int64_t)(1e6 * bytes / w->plan->link_bytes_per_s);
-    return arrival(w, s->left_us, 1, &s->pixels_us);
+    struct net_queue *q = &w->up[net_number_of(w->plan, k)];
+    return net_send(q, net_bytes(e), net_link_of(w->plan, k).bytes_per_s, w->now_us, bulk);
 }
 
 /* Messages that keep their order with pixels. */
@@ -62,10 +60,11 @@ void sim_say(struct world *w, int32_t k, struct sched_event e)
     int64_t at;
     e.slot = k;
     e.frame_w = w->frame_w;
-    if (e.kind == SCHED_PIXELS) at = pixels_arrive(w, s, &e.task);
+    int64_t left_us = leaves(w, k, &e, e.kind == SCHED_PIXELS);
+    if (e.kind == SCHED_PIXELS) at = arrival(w, k, left_us, 1, &s->pixels_us);
     else {
         if (is_bulk(&e) && s->up_us < s->pixels_us) s->up_us = s->pixels_us;
-        at = arrival(w, w->now_us, trips_of(w, e.kind == SCHED_RING), &s->up_us);
+        at = arrival(w, k, left_us, trips_of(w, e.kind == SCHED_RING), &s->up_us);
         if (is_bulk(&e)) s->pixels_us = at;
     }
     bool waits = w->plan->hub_bytes_per_s > 0 && is_bulk(&e);
@@ -77,10 +76,9 @@ void sim_say(struct world *w, int32_t k, struct sched_event e)
 void sim_pass_hub(struct world *w, const struct sim_event *e)
 {
     struct sim_event passed = *e;
-    double bytes = SIM_PIXEL_BYTES * (double)lattice_count(&e->sched.task.at);
     if (w->hub_us < w->now_us) w->hub_us = w->now_us;
     if (e->sched.kind == SCHED_PIXELS)
-        w->hub_us += (int64_t)(1e6 * bytes / w->plan->hub_bytes_per_s);
+        w->hub_us += net_us(net_bytes(&e->sched), w->plan->hub_bytes_per_s);
     passed.kind = SIM_SCHED;
     sim_schedule(w, w->hub_us, e->slot, passed);
 }
@@ -100,7 +98,9 @@ void sim_send_down(struct world *w, int32_t k, const struct sched_action *a)
     case SCHED_ASK_FLUSH: e.kind = SCHED_FLUSH; break;
     default: e.kind = SCHED_INPUT_END; break;
     }
-    int64_t at = arrival(w, w->now_us, trips_of(w, between_nodes), &w->slots[k].down_us);
+    struct net_queue *q = &w->down_to[net_number_of(w->plan, k)];
+    int64_t at = net_send(q, net_bytes(&e), net_link_of(w->plan, k).bytes_per_s, w->now_us, true);
+    at = arrival(w, k, at, trips_of(w, between_nodes), &w->slots[k].down_us);
     w->result->messages += between_nodes;
     struct sim_event down = {.kind = SIM_TO_SLOT, .sched = e};
     if (between_nodes) send_datagram(w, at, k, down);

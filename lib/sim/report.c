@@ -1,5 +1,5 @@
 /* The figures of a run as a table. */
-#include "sim/sim.h"
+#include "sim/net.h"
 
 #include <inttypes.h>
 
@@ -26,6 +26,18 @@ void sim_report_faults(const struct sim_result *r, struct buf *out)
     buf_printf(out, "trace\t%016" PRIx64 "\n", r->trace_hash);
 }
 
+/* Of a tree. */
+static void report_hubs(const struct sim_result *r, struct buf *out)
+{
+    double s = (double)r->end_us * 1e-6;
+    count(out, "hubs", r->hubs);
+    count(out, "hub_slots", r->hub_slots);
+    count(out, "hub_records", r->hub_records);
+    real(out, "hub_records_per_s", s > 0 ? (double)r->hub_records / s : 0);
+    real(out, "hub_bytes_per_s", s > 0 ? r->hub_bytes / s : 0);
+    count(out, "hub_tasks", r->hub_tasks);
+}
+
 void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf *out)
 {
     double bound = sim_bound_s(p), makespan = (double)r->end_us * 1e-6;
@@ -40,7 +52,7 @@ void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf
     real(out, "waiting_s", r->waiting_us * 1e-6);
     real(out, "tail_s", r->tail_us * 1e-6);
     real(out, "bound_s", bound);
-    real(out, "least_s", bound + 3e-6 * (double)p->latency_us);
+    real(out, "least_s", bound + 3e-6 * (double)net_least_us(p));
     buf_printf(out, "efficiency\t%.4f\n", whole && makespan > 0 ? bound / makespan : 0);
     count(out, "messages", r->messages);
     count(out, "steals", r->steals);
@@ -48,5 +60,6 @@ void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf
     count(out, "reports", r->reports);
     buf_printf(
         out, "messages_per_steal\t%.3f\n", r->steals ? (double)r->messages / (double)r->steals : 0);
+    if (r->hubs) report_hubs(r, out);
     sim_report_faults(r, out);
 }

@@ -184,7 +184,7 @@ static double alone_us(const struct world *w)
 static int64_t time_allowed_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
-    double trips_us = 4.0 * (double)p->latency_us * (w->n_tasks + 2);
+    double trips_us = 4 * w->latency_us * (w->n_tasks + 2) + w->bytes_us;
     double faults_us = (double)(p->faults_us + p->silence_us) + 2e6;
     faults_us += (double)p->detect_us * p->slots;
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
@@ -241,6 +241,8 @@ static void open_world(struct world *w)
         w->slots[k].wake_us = INT64_MAX;
     }
     w->wake_us = INT64_MAX;
+    w->up = xcalloc(2 * (size_t)net_links(p), sizeof *w->up);
+    w->down_to = w->up + net_links(p);
     w->order = xcalloc((size_t)p->tasks + 1, sizeof *w->order);
     coverage_init(&w->sent, w->frame_w, w->frame_h);
     for (int32_t i = 0; i < p->tasks; i++) {
@@ -268,6 +270,7 @@ static void close_world(struct world *w)
     for (int32_t i = 0; i < w->n_tasks; i++) free(w->tasks[i].note);
     coverage_free(&w->sent);
     free(w->note);
+    free(w->up);
     free(w->slots);
     free(w->order);
     free(w->tasks);
@@ -285,6 +288,8 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     w.state = policy->create(&plan->params);
     begin(&w);
     w.alone_us = alone_us(&w);
+    w.latency_us = (double)net_most_us(plan);
+    w.bytes_us = (double)net_us(net_all_bytes(plan), net_least_rate(plan));
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
     most += PX_AT_ONCE * (int64_t)w.frame_w * w.frame_h;
     if (plan->detect_us) most += AT_ONCE * n * n; /* each node asks each other */

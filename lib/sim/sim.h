@@ -87,6 +87,12 @@ struct sim_fault {
 struct sim_checks; /* private */
 extern const struct sim_checks sim_checks_deal, sim_checks_ring, sim_checks_gdc;
 
+/* The link of a host, which its slots share: latency one way, and bytes per second each way. */
+struct sim_link {
+    int64_t latency_us;
+    double bytes_per_s; /* 0: no limit */
+};
+
 /* Chances are per slot, or per answer. Times are microseconds of virtual time. */
 struct sim_plan {
     uint64_t seed;
@@ -121,8 +127,15 @@ struct sim_plan {
     int64_t latency_us; /* of a link, one way */
     double jitter;      /* latency varies up to this part, both ways */
     double hops;        /* latencies of a ring message between nodes; 2: through the hub */
-    double link_bytes_per_s, hub_bytes_per_s; /* for pixels: per link; of the hub; 0: no limit */
-    const struct sim_work *work;              /* NULL: rows of random cost */
+    double link_bytes_per_s, hub_bytes_per_s; /* of each link; of a hub, upwards; 0: no limit */
+    /* Links of hosts, instead of latency_us and link_bytes_per_s; NULL: none. The caller's. */
+    const struct sim_link *links;
+    const int32_t *link_of; /* of each slot: an index of links */
+    int32_t n_links;
+    const int32_t *groups; /* of a tree, sim_tree_run; the caller's */
+    size_t levels;         /* entries of groups */
+    double message_us;     /* likewise: the time that a hub takes for a record */
+    const struct sim_work *work;     /* NULL: rows of random cost */
     void (*trace)(const char *line);          /* each event in words; NULL: no trace */
 };
 /* Makes up a plan from the seed: from small to large, with few or many faults. Slot 0 is never
@@ -155,6 +168,10 @@ struct sim_result {
     int64_t passed;              /* tasks that a node gave to another one */
     int64_t reports;             /* reports of nodes that do not answer */
     int64_t lost, doubled, late; /* ring messages, if they are datagrams */
+    /* Of the first hub of a tree: records and bytes that it passed; most tasks it had at once. */
+    int64_t hub_records, hub_tasks;
+    double hub_bytes;
+    int64_t hubs, hub_slots; /* number of hubs; most slots of a hub */
     /* sums over all slots: together slots x end_us */
     double busy_us, startup_us, waiting_us, tail_us;
 };
@@ -164,6 +181,17 @@ struct sim_result {
  * does not recover lost tasks it is a result, and `uncommitted` has their number.
  */
 void sim_run(const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);
+
+/*
+ * The same for a tree: deals within deals. A hub has groups[0] hubs below it, each of these has
+ * groups[1], and so on for `levels`; the slots are below the last ones, as evenly as possible. With
+ * levels 0 there is one hub. Each hub runs the policy, as deal does around a fan of deals: it
+ * passes down the tasks that it gives, and passes up all records of its slots. Every record takes
+ * message_us of the hub that passes it, one after the other, and pixels take its bandwidth. Links
+ * between hubs have latency_us. plan->work must be set; there are no nodes and no faults.
+ */
+void sim_tree_run(
+    const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);
 
 /* Adds the counts of a run to those of others. The hash becomes a hash of all. */
 void sim_add(struct sim_result *sum, const struct sim_result *r);
@@ -223,6 +251,9 @@ struct sim_workload {
     double *pixel_us; /* row by row; cost at power 1, 0 for pixels without a task */
     double *power;    /* of the slots; allocated by the caller */
     int32_t slots;
+    struct sim_link *links; /* of hosts; NULL: all are alike; both allocated by the caller */
+    int32_t *link_of;       /* of the slots */
+    int32_t n_links;
     struct sim_work work; /* the same, for the plan */
 };
 bool sim_workload_frame(

@@ -54,6 +54,8 @@ void sim_workload_free(struct sim_workload *l)
     free(l->tasks);
     free(l->pixel_us);
     free(l->power);
+    free(l->links);
+    free(l->link_of);
     *l = (struct sim_workload){0};
 }
 
@@ -122,6 +124,9 @@ bool sim_workload_plan(
         .power = l->power};
     if (m->best) preassign_best(l);
     p->slots = l->slots;
+    p->links = l->links;
+    p->link_of = l->link_of;
+    p->n_links = l->n_links;
     p->tasks = l->n;
     p->width = 1;
     p->work = &l->work;

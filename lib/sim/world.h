@@ -7,7 +7,7 @@
 #define STORMRING_SIM_WORLD_H
 
 #include "sim/heap.h"
-#include "sim/sim.h"
+#include "sim/net.h"
 
 #define FRAME_W 64  /* pixels; of frames that the plan makes up */
 #define SLOWEST .05 /* share of its power left to a slot slowed down by chance */
@@ -38,8 +38,8 @@ struct vslot {
     struct tasks queue; /* to compute, in order */
     struct tasks held;  /* computed, pixels not sent */
     bool busy, hung;    /* hung: busy for ever */
-    /* Its links: latest arrivals, which keep order, and when the last pixels have left. */
-    int64_t down_us, up_us, pixels_us, left_us;
+    /* Its link: latest arrivals, which keep order. */
+    int64_t down_us, up_us, pixels_us;
     /* Its time: */
     /* begin of its first and of its current task; end of its last */
     int64_t first_us, began_us, last_us;
@@ -85,8 +85,11 @@ struct world {
     uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
     int64_t hub_us;  /* pixels pass the hub until then */
+    struct net_queue *up, *down_to; /* of links, by their numbers */
     double cost_us;  /* sum of costs drawn, at power 1 */
     double alone_us; /* time of all tasks on the slowest slot */
+    double latency_us; /* the most of a link */
+    double bytes_us; /* time of all their records on the slowest link */
     uint64_t draws;
     bool slots_known, input_ended, ended;
     void *note;     /* data of the plan's checks */

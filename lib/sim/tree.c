@@ -1,0 +1,180 @@
+/*
+ * A run of a tree in virtual time: its workers, its input, its loop. The policies are those that
+ * deal runs; see sim_tree_run in sim.h.
+ * One machine with tree_hub.c.
+ */
+#include "sim/tree.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define AT_ONCE                                                                                    \
+    100 /* limit of events at one time per node, task and pixel, against endless loops */
+
+/* ---- workers --------------------------------------------------------------------------------- */
+
+static void append(struct tree_worker *w, const struct task *task)
+{
+    if (w->first > w->n / 2) { /* reuses the room of computed tasks */
+        w->n -= w->first;
+        memmove(w->queue, w->queue + w->first, (size_t)w->n * sizeof *w->queue);
+        w->first = 0;
+    }
+    if (w->n == w->cap) {
+        w->cap = w->cap ? 2 * w->cap : 4;
+        w->queue = xrealloc(w->queue, (size_t)w->cap, sizeof *w->queue);
+    }
+    w->queue[w->n++] = *task;
+}
+
+static double cost_us(const struct tree *t, const struct task *task)
+{
+    const struct sim_work *work = t->plan->work;
+    double us = work->task_us;
+    for (uint64_t i = 0, n = lattice_count(&task->at); i < n; i++)
+        us += work->pixel_us[lattice_pixel(&task->at, work->frame_w, i)];
+    return us;
+}
+
+static void start_next(struct tree *t, int32_t i)
+{
+    int32_t k = i - t->n_hubs;
+    struct tree_worker *w = &t->workers[k];
+    if (w->busy || w->first == w->n) return;
+    double us = cost_us(t, &w->queue[w->first]) / t->plan->work->power[k];
+    struct sim_event e = {.kind = SIM_COMPUTED, .slot = i, .sched.wall_us = llround(us)};
+    e.at_us = t->now_us + e.sched.wall_us;
+    w->busy = true;
+    w->began_us = t->now_us;
+    if (w->first_us < 0) w->first_us = t->now_us;
+    sim_heap_push(&t->heap, &e);
+}
+
+static void computed(struct tree *t, int32_t i, int64_t wall_us)
+{
+    struct tree_worker *w = &t->workers[i - t->n_hubs];
+    struct sched_event e = {
+        .kind = SCHED_DONE, .task = w->queue[w->first++], .wall_us = wall_us, .from = -1};
+    w->busy = false;
+    w->busy_us += (double)(t->now_us - w->began_us);
+    w->last_us = t->now_us;
+    t->result->computed++;
+    tree_say(t, i, e);
+    e.kind = SCHED_PIXELS;
+    tree_say(t, i, e);
+    start_next(t, i);
+}
+
+/* What its parent sent arrives at node i. A worker holds back no pixels to flush. */
+static void arrives(struct tree *t, int32_t i, const struct sched_event *e)
+{
+    if (!tree_is_worker(t, i)) tree_step(t, i, e);
+    else if (e->kind == SCHED_TASK) {
+        append(&t->workers[i - t->n_hubs], &e->task);
+        start_next(t, i);
+    }
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+/* The root reads tasks while few wait, as the live driver does. */
+static void read_input(struct tree *t)
+{
+    const struct sim_plan *p = t->plan;
+    while (t->n_read < p->tasks && t->policy->waiting(t->hubs[0].state) < SCHED_WAITING_MOST) {
+        struct sched_event e = {.kind = SCHED_TASK,
+            .task = p->work->tasks[t->n_read++],
+            .frame_w = p->work->frame_w,
+            .from = -1};
+        if (++t->held > t->result->hub_tasks) t->result->hub_tasks = t->held;
+        tree_step(t, 0, &e);
+    }
+    if (t->n_read < p->tasks || t->input_ended) return;
+    t->input_ended = true;
+    tree_step(t, 0, &(struct sched_event){.kind = SCHED_INPUT_END});
+}
+
+/* All hubs and workers start at once; each tells its parent, with its number of slots. */
+static void begin(struct tree *t)
+{
+    struct sim_result *r = t->result;
+    int32_t n = t->n_hubs + t->plan->slots;
+    r->hubs = t->n_hubs;
+    for (int32_t i = 0; i < t->n_hubs; i++) {
+        struct sched_event slots = {.kind = SCHED_SLOTS, .n = t->nodes[i].n};
+        if (slots.n > r->hub_slots) r->hub_slots = slots.n;
+        tree_step(t, i, &slots);
+    }
+    for (int32_t i = 1; i < n; i++) {
+        const struct tree_node *at = &t->nodes[i];
+        if (t->nodes[at->parent].first + at->number != i) tree_fail(t, "a node has no hub", i, n);
+        tree_say(t, i, (struct sched_event){.kind = SCHED_UP, .n = at->n});
+    }
+    read_input(t);
+}
+
+static void wake(struct tree *t, int32_t hub)
+{
+    t->hubs[hub].wake_us = INT64_MAX;
+    if (t->policy->wake_us(t->hubs[hub].state) > t->now_us) tree_sleep(t, hub);
+    else tree_step(t, hub, &(struct sched_event){.kind = SCHED_WAKE});
+}
+
+static void handle(struct tree *t, const struct sim_event *e)
+{
+    switch (e->kind) {
+    case SIM_SCHED: tree_take(t, e); break;
+    case SIM_AT_HUB: tree_pass(t, e); break;
+    case SIM_TO_SLOT: arrives(t, e->slot, &e->sched); break;
+    case SIM_COMPUTED: computed(t, e->slot, e->sched.wall_us); break;
+    case SIM_WAKE: wake(t, e->slot); break;
+    default: break;
+    }
+}
+
+/* Splits the time of all workers, as run.c does. */
+static void account(struct tree *t)
+{
+    struct sim_result *r = t->result;
+    double end = (double)(r->end_us = t->now_us);
+    for (int32_t k = 0; k < t->plan->slots; k++) {
+        const struct tree_worker *w = &t->workers[k];
+        double busy = w->busy_us + (w->busy ? end - (double)w->began_us : 0);
+        double last = w->busy ? end : (double)w->last_us;
+        double first = w->first_us < 0 ? end : (double)w->first_us;
+        r->busy_us += busy;
+        r->startup_us += first;
+        r->tail_us += w->first_us < 0 ? 0 : end - last;
+        r->waiting_us += w->first_us < 0 ? 0 : last - first - busy;
+    }
+}
+
+static void trace_event(struct tree *t, const struct sim_event *e)
+{
+    const int64_t v[5] = {e->at_us, e->kind, e->slot, e->sched.kind, e->sched.task.id};
+    t->result->trace_hash = hash64(t->result->trace_hash, v, sizeof v);
+}
+
+void sim_tree_run(
+    const struct policy *policy, const struct sim_plan *plan, struct sim_result *result)
+{
+    struct tree t = {.policy = policy, .plan = plan, .result = result};
+    struct sim_event e;
+    *result = (struct sim_result){.trace_hash = HASH64_INIT};
+    tree_build(&t);
+    int64_t at_once = 0, most = AT_ONCE * ((int64_t)t.n_hubs + plan->slots + plan->tasks);
+    begin(&t);
+    while (!*result->failure && !t.ended && sim_heap_pop(&t.heap, &e)) {
+        at_once = e.at_us > t.now_us ? 0 : at_once + 1;
+        if (at_once > most) tree_fail(&t, "time stands still", at_once, most);
+        t.now_us = e.at_us;
+        result->events++;
+        trace_event(&t, &e);
+        handle(&t, &e);
+        if (!t.ended) read_input(&t);
+    }
+    account(&t);
+    result->uncommitted = plan->tasks - result->commits;
+    if (!t.ended) tree_fail(&t, "the run did not end", result->commits, plan->tasks);
+    tree_close(&t);
+}
