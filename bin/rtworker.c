@@ -71,7 +71,7 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "rtworker",
-    .part = {{REC_SCENE, sizeof(struct scene), true, scene_of, free_scene}},
+    .part = {{REC_SCENE, sizeof(struct scene), scene_of, free_scene}},
     .n_parts = 1,
     .build = build,
     .free = free_tracer,

@@ -95,8 +95,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "vcworker",
-    .part = {[GRID] = {REC_GRID, sizeof(struct grid), true, grid_of, free_grid},
-        [SPEC] = {REC_SPEC, sizeof(struct spec), false, spec_of, free_spec}},
+    .part = {[GRID] = {REC_GRID, sizeof(struct grid), grid_of, free_grid},
+        [SPEC] = {REC_SPEC, sizeof(struct spec), spec_of, free_spec}},
     .n_parts = 2,
     .build = build,
     .free = free_volume,
@@ -120,12 +120,11 @@ static void describe(struct options *o)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] =
-        "[-ch] [-f PIXELS] [-j SLOTS] [-m METHOD] [-x sse2|avx2|avx512]\n"
-        "                [GRID.vtk|- SPEC|-]\n"
-        "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
-        "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
-        "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
+    static const char text[] = "[-ch] [-f PIXELS] [-j SLOTS] [-m METHOD] [-x sse2|avx2|avx512]\n"
+                               "                [GRID.vtk|- SPEC|-]\n"
+                               "       vcworker -i [-m METHOD] [-s WxH] GRID.vtk|- SPEC|- ...\n"
+                               "       vcworker -n [-m METHOD] GRID.vtk|- SPEC|-\n"
+                               "METHOD: adaptive[:E], doubling[:E], trapezoid:N, gauss:M";
     static const char *const record[] = {"-"};
     struct options o = {
         .volume = VOLUME_OPTIONS_DEFAULT, .grid = "-", .specs = record, .n_specs = 1};

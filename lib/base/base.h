@@ -229,11 +229,12 @@ static inline double rng_unit(uint64_t seed, uint64_t counter)
     return (double)(rng_u64(seed, counter) >> 11) * 0x1p-53;
 }
 
-#define HASH64_INIT UINT64_C(0xcbf29ce484222325)
-/* 64-bit FNV-1a (Fowler, Noll, Vo), continued from h. Not safe against adversaries. */
-uint64_t hash64(uint64_t h, const void *p, size_t n);
+#define HASH64_INIT 0
+/* XXH64 of n bytes, with a seed: HASH64_INIT, or the hash of what came before. Not safe against
+ * adversaries. */
+uint64_t hash64(uint64_t seed, const void *p, size_t n);
 /* The same for n 32-bit numbers, least significant byte first: the same hash on all machines. */
-uint64_t hash64_u32(uint64_t h, const void *p, size_t n);
+uint64_t hash64_u32(uint64_t seed, const void *p, size_t n);
 
 /* ---- vectors -------------------------------------------------------------------------- */
 

@@ -42,12 +42,23 @@ int read_open(const char **name)
     return fd;
 }
 
+/* Room for the whole of a regular file, and a byte in which the end is found. */
+static void reserve_file(int fd, struct buf *b)
+{
+    struct stat st;
+    if (b->data || fstat(fd, &st) != 0 || !S_ISREG(st.st_mode) || st.st_size <= 0) return;
+    b->cap = (size_t)st.st_size + 1;
+    b->data = xmalloc(b->cap, 1);
+    base_populate(b->data, b->cap);
+}
+
 int read_file(const char *path, struct buf *b)
 {
     int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) return -1;
+    reserve_file(fd, b);
     ptrdiff_t k;
-    while ((k = read_some(fd, b, 1 << 16)) > 0)
+    while ((k = read_some(fd, b, b->cap > b->len ? b->cap - b->len : 1 << 16)) > 0)
         ;
     int err = errno;
     if (fd != STDIN_FILENO) close(fd);

@@ -39,9 +39,9 @@ int grid_read(
 /* Reads a file; "-": standard input. */
 int grid_load(const char *path, struct grid *g, char err[ERR_BYTES]);
 /*
- * As grid_read, but destroys `bytes`. They must be private memory of this process: a buffer, or a
- * file mapped private. Pages are returned to the system during reading, so the values of a BINARY
- * float grid are in memory only once. The contents of `bytes` are undefined afterwards.
+ * As grid_read, but destroys `bytes`. They must be private memory of this process. Pages are
+ * returned to the system during reading, so the values of a BINARY float grid are in memory only
+ * once. The contents of `bytes` are undefined afterwards.
  */
 int grid_consume(
     const char *name, unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES]);

@@ -4,13 +4,9 @@
  */
 #include "worker/worker.h"
 
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* The value of a part, shared by the generations that use it. */
 struct shared {
@@ -137,15 +133,13 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
 static uint64_t job_of(
     const struct worker_states *s, const struct subject *of, uint32_t w, uint32_t h)
 {
-    uint64_t hash = hash64(HASH64_INIT, s->words->job, strlen(s->words->job));
-    for (int k = 0; k < s->r->n_parts; k++) {
-        char text[40];
-        int n = snprintf(
-            text, sizeof text, " %s=%016" PRIx64, rec_name(s->r->part[k].kind), of->part[k]->hash);
-        hash = hash64(hash, text, (size_t)n);
-    }
+    char text[sizeof s->words->job + 40 * WORKER_PARTS];
+    int n = snprintf(text, sizeof text, "%s", s->words->job);
+    for (int k = 0; k < s->r->n_parts; k++)
+        n += snprintf(text + n, sizeof text - (size_t)n, " %s=%016" PRIx64,
+            rec_name(s->r->part[k].kind), of->part[k]->hash);
     const uint32_t size[2] = {w, h};
-    return hash64_u32(hash, size, 2);
+    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
 }
 
 static uint64_t job(void *ctx)
@@ -189,38 +183,15 @@ int worker_render(struct worker_states *s, const struct worker_options *o)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* Maps the file's bytes, private and freed page by page. NULL if it cannot be mapped: then it was
- * not opened, because a FIFO can be opened only once. */
-static unsigned char *map_file(const char *path, size_t *n)
-{
-    struct stat st;
-    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return NULL;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) return NULL;
-    void *p = MAP_FAILED;
-    if (fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0) {
-        *n = (size_t)st.st_size;
-        p = mmap(NULL, *n, PROT_READ, MAP_PRIVATE, fd, 0);
-    }
-    close(fd);
-    return p == MAP_FAILED ? NULL : p;
-}
-
 void worker_states_load(struct worker_states *s, int k, const char *path)
 {
     char err[WORKER_ERR];
-    size_t n = 0;
     struct buf bytes = {0};
     const char *name = strcmp(path, "-") == 0 ? rec_name(s->r->part[k].kind) : path;
-    unsigned char *map = s->r->part[k].large ? map_file(path, &n) : NULL;
-    if (!map) {
-        if (read_file(path, &bytes) != 0) die(ST_USAGE, "%s:", path);
-        n = buf_size(&bytes);
-    }
-    if (take_part(s, s->subjects, k, name, map ? map : bytes.data, n, err) != 0)
+    if (read_file(path, &bytes) != 0) die(ST_USAGE, "%s:", path);
+    if (take_part(s, s->subjects, k, name, bytes.data, buf_size(&bytes), err) != 0)
         die(ST_USAGE, "%s", err);
     s->filed[k] = true;
-    if (map) munmap(map, n);
     buf_free(&bytes);
 }
 

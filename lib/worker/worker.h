@@ -88,11 +88,10 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
 struct worker_part {
     enum rec_kind kind; /* REC_SCENE, REC_GRID or REC_SPEC */
     size_t size;        /* bytes of the value that `read` fills */
-    bool large;         /* a file is mapped, not copied; `read` can give its pages back */
     /*
-     * Fills the value, which is all zero. `bytes` are private memory of this process; their
-     * contents are undefined afterwards. Returns 0, or -1 with text in err: then nothing is to be
-     * freed. `name` is for messages.
+     * Fills the value, which is all zero. `bytes` are memory of this process, which no other one
+     * can change; their contents are undefined afterwards. Returns 0, or -1 with text in err: then
+     * nothing is to be freed. `name` is for messages.
      */
     int (*read)(
         const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR]);

@@ -450,16 +450,41 @@ static void test_chance(void **state)
     assert_true(rng_u64(1, 2) != rng_u64(2, 1));
 }
 
-/* Landon Curt Noll's published vectors. */
+/* By libxxhash 0.8.1 (Y. Collet). The bytes end in each way: in steps of 32, 8, 4 and 1. */
 static void test_hash(void **state)
 {
     (void)state;
-    assert_true(hash64(HASH64_INIT, "", 0) == UINT64_C(0xcbf29ce484222325));
-    assert_true(hash64(HASH64_INIT, "a", 1) == UINT64_C(0xaf63dc4c8601ec8c));
-    assert_true(hash64(HASH64_INIT, "foobar", 6) == UINT64_C(0x85944171f73967e8));
-    assert_true(hash64(hash64(HASH64_INIT, "foo", 3), "bar", 3) == UINT64_C(0x85944171f73967e8));
-    const uint32_t foob = 0x626f6f66; /* from its least significant byte */
-    assert_true(hash64(hash64_u32(HASH64_INIT, &foob, 1), "ar", 2) == UINT64_C(0x85944171f73967e8));
+    static const struct {
+        size_t n;
+        uint64_t seed, hash;
+    } want[] = {
+        {0, UINT64_C(0x0), UINT64_C(0xef46db3751d8e999)},
+        {1, UINT64_C(0x0), UINT64_C(0x50ff15a81340970f)},
+        {3, UINT64_C(0x1), UINT64_C(0xb76454898bdf031a)},
+        {4, UINT64_C(0x0), UINT64_C(0x44660f2f3ceb9ea7)},
+        {7, UINT64_C(0x0), UINT64_C(0xdecb0785a46e4099)},
+        {8, UINT64_C(0x9), UINT64_C(0xc7c3e072feb83bee)},
+        {13, UINT64_C(0x0), UINT64_C(0xc0c201103541d088)},
+        {31, UINT64_C(0x0), UINT64_C(0x40ac04d6fbe5056b)},
+        {32, UINT64_C(0x0), UINT64_C(0xd52b1688ab9bc2b5)},
+        {33, UINT64_C(0x5), UINT64_C(0x0d9429f991ca92e4)},
+        {63, UINT64_C(0x0), UINT64_C(0x088b4640a04ae0aa)},
+        {64, UINT64_C(0x8000000000000000), UINT64_C(0x48ae8f8e38df8fbd)},
+        {100, UINT64_C(0x0), UINT64_C(0x5f8e0f12ded2abd5)},
+        {200, UINT64_C(0xffffffffffffffff), UINT64_C(0x1b21cca7cb9127ee)},
+    };
+    unsigned char bytes[200];
+    for (int i = 0; i < 200; i++) bytes[i] = (unsigned char)(i * 73 + 5);
+    for (size_t i = 0; i < sizeof want / sizeof want[0]; i++)
+        assert_true(hash64(want[i].seed, bytes, want[i].n) == want[i].hash);
+    for (uint32_t n = 0; n <= 50; n++) { /* as bytes, from the least significant one of each */
+        uint32_t words[50];
+        for (uint32_t i = 0; i < n; i++)
+            words[i] = bytes[4 * i] | (uint32_t)bytes[4 * i + 1] << 8 |
+                       (uint32_t)bytes[4 * i + 2] << 16 | (uint32_t)bytes[4 * i + 3] << 24;
+        assert_true(hash64_u32(n, words, n) == hash64(n, bytes, 4 * (size_t)n));
+    }
+    assert_true(HASH64_INIT == 0); /* logs hold hashes */
 }
 
 static void test_vectors(void **state)

@@ -5,6 +5,7 @@
  */
 #include "worker/worker.h"
 
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,8 +91,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "texts",
-    .part = {{REC_GRID, sizeof(struct text), true, text_of, free_text},
-        {REC_SPEC, sizeof(struct text), false, text_of, free_text}},
+    .part = {{REC_GRID, sizeof(struct text), text_of, free_text},
+        {REC_SPEC, sizeof(struct text), text_of, free_text}},
     .n_parts = 2,
     .build = build,
     .free = free_built,
@@ -271,7 +272,7 @@ static void with_file(const char *text, struct worker_states *s, int k)
     unlink(path);
 }
 
-/* A file, mapped or read, is the same state as a record, and has the same job. */
+/* A file is the same state as a record, and has the same job. */
 static void test_files(void **state)
 {
     (void)state;
@@ -306,19 +307,24 @@ static void test_files(void **state)
 
 /* The job is a hash of the options' words, of all parts and of the size; in this form, or logs of
  * earlier runs could not be resumed. */
+static uint64_t job_of(const void *grid, size_t n, const char *spec)
+{
+    char text[80];
+    int len = snprintf(text, sizeof text, "texts 1 grid=%016llx spec=%016llx",
+        (unsigned long long)hash64(HASH64_INIT, grid, n),
+        (unsigned long long)hash64(HASH64_INIT, spec, strlen(spec)));
+    const uint32_t size[2] = {W, H};
+    return hash64_u32(hash64(HASH64_INIT, text, (size_t)len), size, 2);
+}
+
 static void test_job(void **state)
 {
     (void)state;
-    char text[80];
     struct worker_states *s = begin();
     with_file("a", s, 0);
     with_file("x", s, 1);
-    int n = snprintf(text, sizeof text, "texts 1 grid=%016llx spec=%016llx",
-        (unsigned long long)hash64(HASH64_INIT, "a", 1),
-        (unsigned long long)hash64(HASH64_INIT, "x", 1));
-    const uint32_t size[2] = {W, H};
     uint64_t job = worker_states_job(s, W, H);
-    assert_true(job == hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2));
+    assert_true(job == job_of("a", 1, "x"));
     assert_true(job != worker_states_job(s, H, W));
     worker_states_built(s, W, H);
     assert_true(worker_states_ops(s).job(s) == job);
@@ -336,6 +342,46 @@ static void test_job(void **state)
     end(s);
 }
 
+/* A file that changes after it was read: its job and its value are those of the old bytes. */
+static char changed[] = "/tmp/test_worker.XXXXXX";
+static bool truncated;
+static int read_changed(
+    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+{
+    int fd = open(changed, O_WRONLY | (truncated ? O_TRUNC : 0));
+    assert_true(fd >= 0);
+    for (size_t i = 0; i < n && !truncated; i += 8) assert_int_equal(write(fd, "new new ", 8), 8);
+    close(fd);
+    for (size_t i = 0; i < n; i++) assert_int_equal(bytes[i], "old "[i % 4]);
+    return text_of(name, bytes, 4, value, err);
+}
+
+static void test_changed_file(void **state)
+{
+    (void)state;
+    struct worker_renderer changes = renderer;
+    changes.part[0].read = read_changed;
+    struct buf old = {0};
+    for (int i = 0; i < 1 << 16; i++) buf_append(&old, "old ", 4);
+    parts = builts = reads = builds = 0;
+    close(mkstemp(changed));
+    for (int i = 0; i < 2; i++) {
+        truncated = i;
+        assert_int_equal(outfile_put(changed, old.data, old.len), 0);
+        struct worker_states *s = worker_states_new(&changes, &builds, &words);
+        worker_states_load(s, 0, changed);
+        with_file("x", s, 1);
+        assert_true(worker_states_job(s, W, H) == job_of(old.data, old.len, "x"));
+        struct buf new = {0};
+        assert_int_equal(read_file(changed, &new), 0);
+        assert_true(truncated ? !new.len : new.len == old.len &&new.data[0] == 'n');
+        buf_free(&new);
+        end(s);
+    }
+    unlink(changed);
+    buf_free(&old);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -345,6 +391,7 @@ int main(void)
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_job),
+        cmocka_unit_test(test_changed_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
