@@ -23,9 +23,11 @@ struct options {
 
 /* ---- the ray tracer ------------------------------------------------------------------------- */
 
-static int scene_of(const char *name, unsigned char *text, size_t n, void *scene, char *err)
+static int scene_of(
+    const void *options, const char *name, unsigned char *text, size_t n, void *scene, char *err)
 {
-    return nff_read(name, (const char *)text, n, scene, err);
+    const struct trace_options *o = options;
+    return nff_read_parallel(name, (const char *)text, n, o->threads, scene, err);
 }
 
 static void free_scene(void *scene) { scene_free(scene); }
@@ -170,9 +172,11 @@ static struct options parse(int argc, char **argv)
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
     if (o.what == COUNT && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
         die(ST_USAGE, "-n: expected no -a or -w with it");
-    if (o.worker.jobs > 1) {
+    /* -i checks a scene before a run that will use all processors. */
+    int jobs = o.what == INSPECT ? WORKER_JOBS_MOST : o.worker.jobs;
+    if (jobs > 1) {
         int cores = cores_available();
-        o.trace.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
+        o.trace.threads = jobs < cores ? jobs : cores;
     }
     if (optind < argc) o.path = argv[optind];
     describe(&o);

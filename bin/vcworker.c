@@ -26,13 +26,17 @@ struct options {
 
 enum { GRID, SPEC }; /* the parts of the state */
 
-static int grid_of(const char *name, unsigned char *bytes, size_t n, void *grid, char *err)
+static int grid_of(
+    const void *options, const char *name, unsigned char *bytes, size_t n, void *grid, char *err)
 {
+    (void)options;
     return grid_consume(name, bytes, n, grid, err);
 }
 
-static int spec_of(const char *name, unsigned char *text, size_t n, void *spec, char *err)
+static int spec_of(
+    const void *options, const char *name, unsigned char *text, size_t n, void *spec, char *err)
 {
+    (void)options;
     return spec_read(name, (const char *)text, n, spec, err);
 }
 

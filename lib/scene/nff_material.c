@@ -31,14 +31,14 @@ static void grow_slots(struct reader *r)
     for (uint32_t i = 0; i < r->s->n_materials; i++) *slot_of(r, &r->s->materials[i]) = i + 1;
 }
 
-static void set_material(struct reader *r, const struct material *m)
+void reader_add_material(struct reader *r, const struct material *m)
 {
     struct scene *s = r->s;
     grow_slots(r);
     uint32_t *slot = slot_of(r, m);
     if (!*slot) {
         if (s->n_materials == r->room_materials) {
-            r->room_materials = 2 * r->room_materials;
+            r->room_materials = r->room_materials ? 2 * r->room_materials : 4;
             s->materials = xrealloc(s->materials, r->room_materials, sizeof *s->materials);
         }
         s->materials[s->n_materials] = *m;
@@ -62,6 +62,6 @@ bool reader_material(struct reader *r)
     /* x + 0 turns -0 into 0, so that equal materials have equal bytes. */
     m.r = rgb[0] + 0, m.g = rgb[1] + 0, m.b = rgb[2] + 0;
     m.kd += 0, m.ks += 0, m.shine += 0, m.t += 0, m.ior += 0;
-    set_material(r, &m);
+    reader_add_material(r, &m);
     return true;
 }

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define POLYGON_MAX 1000000U  /* vertices per polygon; 10 s to triangulate, in most cases */
-#define COUNT_MAX 0x7fffffffU /* entities or vertices in total: indices fit in 31 bits */
+#define POLYGON_MAX 1000000U /* vertices per polygon; 10 s to triangulate, in most cases */
 #define NORMAL_MAX 1e18
 
 /* Ensures room for one more element of `size` bytes in p, which holds n. Doubles the room. */
@@ -139,7 +138,8 @@ static bool read_polygon(struct reader *r, bool patch)
     uint32_t count, first = s->n_vertices;
     if (!reader_int(r, patch ? "patch's count" : "polygon's count", 3, POLYGON_MAX, &count))
         return false;
-    if (count > COUNT_MAX - first) return reader_fail(r, "more vertices than %u in all", COUNT_MAX);
+    if (count > NFF_COUNT_MAX - first)
+        return reader_fail(r, "more vertices than %u in all", NFF_COUNT_MAX);
     for (uint32_t i = 0; i < count; i++) {
         struct vec3 v, n;
         if (!coordinates(r, patch ? "patch's vertex" : "polygon's vertex", &v)) return false;
@@ -166,26 +166,35 @@ static bool read_entity(struct reader *r, size_t n)
         {"f", reader_material}, {"l", read_light}, {"v", reader_view}, {"b", read_background}};
     for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
         if (strlen(entities[i].letters) == n && memcmp(entities[i].letters, r->t.at, n) == 0) {
-            if (r->s->n_prims >= COUNT_MAX || r->s->n_lights >= COUNT_MAX)
-                return reader_fail(r, "more entities than %u", COUNT_MAX);
+            if (r->s->n_prims >= NFF_COUNT_MAX || r->s->n_lights >= NFF_COUNT_MAX)
+                return reader_fail(r, "more entities than %u", NFF_COUNT_MAX);
             token_take(&r->t, n);
             return entities[i].read(r);
         }
     return reader_fail_token(r, "entity", "one of v b l f s c p pp");
 }
 
-static bool read_all(struct reader *r)
+bool reader_entities(struct reader *r)
 {
-    struct scene *s = r->s;
-    s->materials = xmalloc(r->room_materials = 4, sizeof *s->materials);
-    s->materials[s->n_materials++] = (struct material){.r = 1, .g = 1, .b = 1, .kd = 1};
     for (size_t n; (n = token_peek(&r->t)) != 0;)
         if (!read_entity(r, n)) return false;
-    if (!r->view_line) return reader_fail(r, "the file ends without a view, expected a 'v'");
+    return true;
+}
+
+void nff_share_light(struct scene *s)
+{
     for (uint32_t i = 0; i < s->n_lights; i++) {
         struct light *l = &s->lights[i];
         if (!l->own_colour) l->r = l->g = l->b = 1 / sqrt(s->n_lights);
     }
+}
+
+static bool read_all(struct reader *r)
+{
+    reader_add_material(r, &NFF_MATERIAL_DEFAULT);
+    if (!reader_entities(r)) return false;
+    if (!r->view_line) return reader_fail(r, "the file ends without a view, expected a 'v'");
+    nff_share_light(r->s);
     return true;
 }
 

@@ -1,4 +1,4 @@
-/* reader: the state of one nff_read call. Private to lib/scene. */
+/* reader: the state of one reading of NFF text. Private to lib/scene. */
 #ifndef STORMRING_SCENE_READER_H
 #define STORMRING_SCENE_READER_H
 
@@ -29,8 +29,19 @@ bool reader_vec(struct reader *r, const char *what, double min, double max, stru
 bool reader_rgb(struct reader *r, const char *what, double rgb[3]);
 /* Reads the words of a view after its `v`. */
 bool reader_view(struct reader *r);
-/* Reads the numbers after `f` and sets r->material. Equal materials share one index. */
+/* Reads the numbers after `f` and sets r->material. */
 bool reader_material(struct reader *r);
+/* Sets r->material to the index of a material. Equal materials share one. The first one of a scene
+ * is added before anything is read. */
+void reader_add_material(struct reader *r, const struct material *m);
+/* Reads all entities. */
+bool reader_entities(struct reader *r);
+
+/* Gives lights without a colour their intensity. */
+void nff_share_light(struct scene *s);
+/* As nff_read, with a thread for each of n_parts parts of the text. */
+int nff_read_parts(const char *name, const char *text, size_t n, uint32_t n_parts, struct scene *s,
+    char err[SCENE_ERR]);
 
 /* Newell's normal of a polygon, of unit length; +z if it is zero. */
 struct vec3 scene_newell_unit(const struct vec3 *v, uint32_t n);
@@ -42,5 +53,10 @@ struct vec3 scene_newell_unit(const struct vec3 *v, uint32_t n);
 #define COORDINATE_MAX 1e18
 #define LENGTH_MIN 1e-18
 #define COLOUR_MAX 1e6
+#define NFF_COUNT_MAX 0x7fffffffU /* entities or vertices in total: indices fit in 31 bits */
+
+/* clang-format off */
+#define NFF_MATERIAL_DEFAULT (struct material){.r = 1, .g = 1, .b = 1, .kd = 1}
+/* clang-format on */
 
 #endif

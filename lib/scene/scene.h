@@ -65,6 +65,10 @@ struct scene {
  * exits and does no I/O.
  */
 int nff_read(const char *name, const char *text, size_t n, struct scene *s, char err[SCENE_ERR]);
+/* The same scene or message, by up to `threads` threads: the caller's and others, which end before
+ * the function returns. */
+int nff_read_parallel(const char *name, const char *text, size_t n, int threads, struct scene *s,
+    char err[SCENE_ERR]);
 /* The line of primitive i of a text that nff_read has accepted. */
 uint32_t nff_line(const char *text, size_t n, uint32_t i);
 void scene_free(struct scene *s);

@@ -61,7 +61,7 @@ static int take_part(struct worker_states *s, struct subject *of, int k, const c
     drop_part(s, of, k);
     struct shared *p = xmalloc(1, sizeof *p);
     *p = (struct shared){xcalloc(1, part->size), hash64(HASH64_INIT, bytes, n), 1};
-    if (part->read(name, bytes, n, p->value, err) == 0) {
+    if (part->read(s->options, name, bytes, n, p->value, err) == 0) {
         of->part[k] = p;
         return 0;
     }

@@ -93,8 +93,8 @@ struct worker_part {
      * can change; their contents are undefined afterwards. Returns 0, or -1 with text in err: then
      * nothing is to be freed. `name` is for messages.
      */
-    int (*read)(
-        const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR]);
+    int (*read)(const void *options, const char *name, unsigned char *bytes, size_t n, void *value,
+        char err[WORKER_ERR]);
     /* Frees what `read` allocated, not the value itself. */
     void (*free)(void *value);
 };
@@ -122,7 +122,7 @@ struct worker_words {
 };
 
 struct worker_states;
-/* Keeps all three pointers; `options` are for build. Never NULL. The caller frees it with
+/* Keeps all three pointers; `options` are for read and build. Never NULL. The caller frees it with
  * worker_states_free. */
 struct worker_states *worker_states_new(
     const struct worker_renderer *r, const void *options, const struct worker_words *words);

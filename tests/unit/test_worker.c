@@ -25,10 +25,11 @@ struct built {
 
 static int parts, builts, reads, builds; /* parts and builts: alive */
 
-static int text_of(
-    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+static int text_of(const void *options, const char *name, unsigned char *bytes, size_t n,
+    void *value, char err[WORKER_ERR])
 {
     struct text *t = value;
+    assert_ptr_equal(options, &builds);
     assert_int_equal(t->s[0], 0);
     reads++;
     if (!n || bytes[0] == '?') {
@@ -200,11 +201,11 @@ static void test_generations(void **state)
 /* Within a generation a record replaces the one of its kind, which is freed before the new one is
  * read; what was built from it goes too. */
 static int at_most;
-static int read_alone(
-    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+static int read_alone(const void *options, const char *name, unsigned char *bytes, size_t n,
+    void *value, char err[WORKER_ERR])
 {
     assert_true(parts <= at_most && builts == 0);
-    return text_of(name, bytes, n, value, err);
+    return text_of(options, name, bytes, n, value, err);
 }
 
 static void test_replaced(void **state)
@@ -345,15 +346,15 @@ static void test_job(void **state)
 /* A file that changes after it was read: its job and its value are those of the old bytes. */
 static char changed[] = "/tmp/test_worker.XXXXXX";
 static bool truncated;
-static int read_changed(
-    const char *name, unsigned char *bytes, size_t n, void *value, char err[WORKER_ERR])
+static int read_changed(const void *options, const char *name, unsigned char *bytes, size_t n,
+    void *value, char err[WORKER_ERR])
 {
     int fd = open(changed, O_WRONLY | (truncated ? O_TRUNC : 0));
     assert_true(fd >= 0);
     for (size_t i = 0; i < n && !truncated; i += 8) assert_int_equal(write(fd, "new new ", 8), 8);
     close(fd);
     for (size_t i = 0; i < n; i++) assert_int_equal(bytes[i], "old "[i % 4]);
-    return text_of(name, bytes, 4, value, err);
+    return text_of(options, name, bytes, 4, value, err);
 }
 
 static void test_changed_file(void **state)
