@@ -45,11 +45,22 @@ void worker_fork_free(struct fork_slot *s)
     tasks_free(&s->tasks);
 }
 
-bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w)
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of)
 {
     if (tasks_find(&s->tasks, t->frame, t->id) >= 0) return false;
-    list_push_back(&s->tasks, &s->waiting, tasks_add(&s->tasks, t, frame_w));
+    int32_t i = tasks_add(&s->tasks, t, frame_w);
+    extra(s, i)->of = of;
+    list_push_back(&s->tasks, &s->waiting, i);
     return true;
+}
+
+void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w)
+{
+    struct fork_slot *s = &p->slots[t->to];
+    if (worker_fork_add(s, t, frame_w, s->number)) return;
+    /* It may have this task on behalf of another slot, which has no child and waits with this. */
+    int of = extra(s, tasks_find(&s->tasks, t->frame, t->id))->of;
+    if (of != s->number) worker_fork_add(&p->slots[of], t, frame_w, s->number);
 }
 
 /* ---- down ----------------------------------------------------------------------------------- */
@@ -76,10 +87,11 @@ static bool start(struct forks *p, struct fork_slot *s)
         for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
         errno = err;
         if (!others) die(ST_SYSTEM, "fork:");
-        if (!said) warn("slot %d: %s; trying again", s->number, strerror(err));
-        said = true;
+        if (!said) warn("slot %d: %s; other slots take its tasks", s->number, strerror(err));
+        said = s->refused = true;
         return false;
     }
+    s->refused = false;
     s->from = (struct decoder){.upward = true, .unsummed = true};
     s->generation = worker_forks_built(p, now) ? now : now - 1;
     return true;
@@ -96,6 +108,32 @@ bool worker_fork_wants(
     bool replaced = s->child.pid && !fits(s, generation);
     if (!s->child.pid && p->builder.busy) return false;
     return s->undone + s->waiting.count <= (replaced ? 0 : ahead);
+}
+
+/* Gives task i of slot s to the slot with the fewest that can take it. */
+static bool lend(struct forks *p, struct fork_slot *s, int32_t i)
+{
+    const struct task_entry e = s->tasks.at[i];
+    struct fork_slot *to = NULL;
+    for (int k = 0; k < p->n_slots; k++) {
+        struct fork_slot *o = &p->slots[k];
+        if (!fits(o, e.task.generation) || tasks_find(&o->tasks, e.task.frame, e.task.id) >= 0)
+            continue;
+        if (!to || o->undone + o->waiting.count < to->undone + to->waiting.count) to = o;
+    }
+    return to && worker_fork_add(to, &e.task, e.frame_w, extra(s, i)->of);
+}
+
+void worker_fork_lend(struct forks *p, struct fork_slot *s)
+{
+    if (!s->refused || s->child.pid) return;
+    for (int32_t i = s->waiting.head, next; i >= 0; i = next) {
+        next = s->tasks.at[i].next;
+        if (!lend(p, s, i)) continue;
+        p->slots[extra(s, i)->of].lent = true;
+        list_remove(&s->tasks, &s->waiting, i);
+        tasks_remove(&s->tasks, i);
+    }
 }
 
 /* True if the child can take tasks of the generation. */
@@ -177,27 +215,36 @@ static void complete(struct fork_slot *s, int32_t i)
     s->deaths = 0;
 }
 
-/* A task that is computed again says `done` once only. */
-static void take_done(struct forks *p, struct fork_slot *s, const struct record *r, const char *w)
+static const char *stamp(char w[24], int slot)
 {
+    snprintf(w, 24, "w=%d", slot);
+    return w;
+}
+
+/* A task that is computed again says `done` once only. */
+static void take_done(struct forks *p, struct fork_slot *s, const struct record *r)
+{
+    char w[24];
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0 || extra(s, i)->again) return;
     extra(s, i)->again = true;
     s->undone--;
-    if (!extra(s, i)->computed) wire_forward(&p->out.queue.control, r, NULL, w);
+    if (!extra(s, i)->computed)
+        wire_forward(&p->out.queue.control, r, NULL, stamp(w, extra(s, i)->of));
     extra(s, i)->computed = true;
     complete(s, i);
 }
 
 /* Pixels that a child before had sent are dropped. */
-static const char *take_frag(
-    struct forks *p, struct fork_slot *s, const struct record *r, const char *w)
+static const char *take_frag(struct forks *p, struct fork_slot *s, const struct record *r)
 {
+    char w[24];
     int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
     if (i < 0) return NULL;
     uint64_t before = s->tasks.at[i].delivered;
     if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
-    if (s->tasks.at[i].delivered > before) up_forward(&p->out.queue, r, NULL, w);
+    if (s->tasks.at[i].delivered > before)
+        up_forward(&p->out.queue, r, NULL, stamp(w, extra(s, i)->of));
     complete(s, i);
     return NULL;
 }
@@ -205,13 +252,12 @@ static const char *take_frag(
 static const char *take(struct forks *p, struct fork_slot *s, const struct record *r)
 {
     char w[24];
-    snprintf(w, sizeof w, "w=%d", s->number);
     switch (r->kind) {
     case REC_FRAME: /* the parent has said it */
     case REC_BYE: return NULL;
-    case REC_BEAT: wire_forward(&p->out.queue.control, r, NULL, w); return NULL;
-    case REC_DONE: take_done(p, s, r, w); return NULL;
-    case REC_FRAG: return take_frag(p, s, r, w);
+    case REC_BEAT: wire_forward(&p->out.queue.control, r, NULL, stamp(w, s->number)); return NULL;
+    case REC_DONE: take_done(p, s, r); return NULL;
+    case REC_FRAG: return take_frag(p, s, r);
     default: return "wrong-record";
     }
 }

@@ -4,8 +4,10 @@
  * children render (fork_slot.c). A thread loads and builds (builder.c), so that meanwhile children
  * get tasks of earlier state and beats go on; but no child is forked meanwhile.
  *
- * A task with to=K is for slot K; any other one for the slot that is idle first. A state record
- * holds the input until it is loaded. It waits until no task needs the state that it replaces.
+ * A task with to=K is for slot K; any other one for the slot that is idle first. If the system
+ * refuses to fork a slot's child, other slots have its tasks, and the records still name it. A
+ * state record holds the input until it is loaded. It waits until no task needs the state that it
+ * replaces.
  * One machine with fork_slot.c and worker.c.
  */
 #include "worker/worker_int.h"
@@ -175,7 +177,7 @@ static void take_task(struct forks *p, const struct record *r)
     const struct frame_size *f = worker_frame_of(p->w, &t);
     t.generation = f->generation;
     if (!worker_forks_built(p, t.generation)) want(p, f);
-    if (t.to >= 0 && t.to < p->n_slots) worker_fork_add(&p->slots[t.to], &t, f->w);
+    if (t.to >= 0 && t.to < p->n_slots) worker_fork_give(p, &t, f->w);
     else if (tasks_find(&p->tasks, t.frame, t.id) < 0)
         list_push_back(&p->tasks, &p->any, tasks_add(&p->tasks, &t, f->w));
 }
@@ -192,13 +194,15 @@ static void assign(struct forks *p)
             if (!worker_fork_wants(p, s, ahead, e.task.generation)) continue;
             list_remove(&p->tasks, &p->any, i);
             tasks_remove(&p->tasks, i);
-            worker_fork_add(s, &e.task, e.frame_w);
+            worker_fork_add(s, &e.task, e.frame_w, s->number);
         }
 }
 
 static void take_flush(struct forks *p, const struct record *r)
 {
-    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= r->task.to < 0 || r->task.to == k;
+    const int32_t to = r->task.to;
+    bool all = to < 0 || (to < p->n_slots && p->slots[to].lent);
+    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= all || to == k;
     if (r->task.to < 0) outlet_answer(&p->out);
 }
 
@@ -274,6 +278,7 @@ static void go_round(struct forks *p, struct pollfd *at)
     p->forked = 0;
     assign(p);
     for (int k = 0; k < p->n_slots; k++) worker_fork_feed(p, &p->slots[k]);
+    for (int k = 0; k < p->n_slots; k++) worker_fork_lend(p, &p->slots[k]);
     size_t n = fill_poll(p, at);
     int wait_ms = has_work(p) || (!p->in_open && has_child(p)) ? ROUND_MS : -1;
     if (signals_poll(at, n, p->forked == FORKS_MOST ? 0 : wait_ms) < 0) {

@@ -103,8 +103,11 @@ struct fork_slot {
     int undone;               /* sent tasks that are not computed */
     int64_t silent_us;        /* its silence, as far as this process read it meanwhile */
     int deaths;               /* children in a row that lost tasks and completed none */
+    bool refused;             /* the system has refused to fork a child for the waiting tasks */
+    bool lent;                /* other slots have had tasks of this one */
 };
 struct fork_task {
+    int of;        /* the slot that it is for; this one, unless it is lent */
     bool computed; /* its `done` has come, from this child or one before */
     bool again;    /* it has come from this child */
 };
@@ -139,8 +142,13 @@ bool worker_forks_built(const struct forks *p, uint32_t generation);
 
 void worker_fork_open(struct fork_slot *s, int number);
 void worker_fork_free(struct fork_slot *s);
-/* Adds a task of a frame of this width. False: the slot has it already. */
-bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w);
+/* Adds a task of a frame of this width, which is for slot `of`. False: the slot has it already. */
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of);
+/* Adds a task to slot t->to, unless that has it already. */
+void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w);
+/* Lends the waiting tasks of a slot that was refused a child to slots that have one. A task waits
+ * on if no slot can take it now. */
+void worker_fork_lend(struct forks *p, struct fork_slot *s);
 /* Sends the child what it can take; forks it if it is needed. */
 void worker_fork_feed(struct forks *p, struct fork_slot *s);
 /* Handles all that the child has sent. */
