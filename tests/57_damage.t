@@ -2,8 +2,7 @@
 # One seeded fault in one stream of a run, in either direction: the picture is the same, or the status is not 0 and a
 # message gives the reason. FAULTS=5000 FIRST=SEED tests/57_damage.t is a campaign; a failure is printed as a command.
 . "$(dirname "$0")/lib.sh"
-cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o damage "$root/tests/damage.c" "$root/build/libstormring.a" -lpng -lz -lm ||
-	{ echo 'Bail out! tests/damage.c does not compile'; exit 3; }
+compile damage
 PATH=$tmp:$PATH
 # Two frames of a scene and two of a grid, in directories named like their workers.
 mkdir rtworker vcworker

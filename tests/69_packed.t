@@ -7,7 +7,7 @@ spdgen -s 2 gears >gears.nff
 partition 192x192 | rtworker gears.nff | gather -o good.pfm
 
 # link NAME COMMAND: runs COMMAND, and keeps what passes
-cat >link <<'END'
+cat >./link <<'END'
 #!/bin/sh
 tee -a "$1.down" | sh -c "$2" | tee -a "$1.up"
 END

@@ -31,7 +31,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     double share = argc > 1 ? opt_real('p', argv[1], 0, 1) : 1;
     uint64_t seed = argc > 2 ? (uint64_t)opt_int('s', argv[2], 0, INT64_MAX) : 0, n = 0;
-    struct decoder in = {.upward = true};
+    struct decoder in = {.upward = true, .coded = true};
     struct record r;
     struct buf b = {0};
     FILE *lies = fopen("lies", "ae");

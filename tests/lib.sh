@@ -45,6 +45,15 @@ there() {
 		case $missing in */*) [ -e "$missing" ] ;; *) command -v "$missing" >/dev/null ;; esac || return
 	done
 }
+# compile NAME: tests/NAME.c, linked with the library of the clone, becomes a program in this directory
+compile() {
+	set -- "$1" "$root/build/libstormring.a" -lpng -lz -lm
+	[ ! -e "$root/build/coder/zstd.o" ] || set -- "$@" -lzstd
+	tap_source=$1
+	shift
+	cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o "$tap_source" "$root/tests/$tap_source.c" "$@" ||
+		{ echo "Bail out! tests/$tap_source.c does not compile"; exit 3; }
+}
 # needs NAME ...: skips the whole file of tests if one of them is missing
 needs() { there "$@" || { echo "1..0 # SKIP $missing is not there"; exit 0; }; }
 # skip NAME WHY: reports a skipped assertion

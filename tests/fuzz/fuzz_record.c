@@ -26,10 +26,10 @@ static void check_frag(const struct record *r)
     free(rgba);
 }
 
-static void check_forward(const struct record *r)
+static void check_forward(const struct record *r, bool upward)
 {
     struct buf b = {0};
-    struct decoder d = {0};
+    struct decoder d = {.upward = upward, .coded = r->kind == REC_CODE};
     struct record again;
     static const char *const drop[] = {"w", NULL};
     wire_forward(&b, r, drop, "w=12.3");
@@ -45,6 +45,26 @@ static void check_forward(const struct record *r)
         MUST(memcmp(&again.task, &r->task, sizeof r->task) == 0);
         MUST(again.frame_w == r->frame_w && again.frame_h == r->frame_h);
         MUST(rec_str(&again, "w", w, sizeof w) && strcmp(w, "12.3") == 0);
+        MUST(wire_next(&d, &again) == WIRE_MORE && d.bad == 0);
+    }
+    buf_free(&b);
+    wire_free(&d);
+}
+
+/* Whatever can be packed comes out as it was, with its line. */
+static void check_packed(const struct record *r, bool upward)
+{
+    struct buf b = {0};
+    struct decoder d = {.upward = upward, .coded = true};
+    struct record again;
+    size_t n;
+    if (rec_key(r, "crc", &n) && wire_pack(&b, r)) {
+        MUST(buf_size(&b) < rec_size(r) + sizeof " plain=2147483647 words=4");
+        wire_feed(&d, buf_data(&b), buf_size(&b));
+        wire_end(&d);
+        MUST(wire_next(&d, &again) == WIRE_RECORD);
+        MUST(again.line_len == r->line_len && !memcmp(again.line, r->line, r->line_len));
+        MUST(again.body_len == r->body_len && !memcmp(again.body, r->body, r->body_len));
         MUST(wire_next(&d, &again) == WIRE_MORE && d.bad == 0);
     }
     buf_free(&b);
@@ -80,7 +100,8 @@ static void check_record(const struct record *r, bool upward)
         MUST(r->frame_w - 1 < FRAME_SIDE_MAX && r->frame_h - 1 < FRAME_SIDE_MAX);
     if (r->kind == REC_FRAG) check_frag(r);
     if (r->kind >= REC_RING) check_ring(r);
-    check_forward(r);
+    check_packed(r, upward);
+    check_forward(r, upward);
 }
 
 struct tally {
@@ -98,15 +119,16 @@ static void drain(struct decoder *d, struct tally *t, bool check)
         }
         if (check) check_record(&r, d->upward);
         t->records++;
-        t->bytes += rec_size(&r);
+        t->bytes += d->span;
+        MUST(d->span == rec_size(&r) || d->coded);
         t->hash = hash64(hash64(t->hash, r.line, r.line_len), r.body, r.body_len);
     }
 }
 
 /* Pieces of at most `most` bytes, 0: all at once. */
-static struct tally decode(const uint8_t *data, size_t size, size_t most, bool upward, bool check)
+static struct tally decode(const uint8_t *data, size_t size, size_t most, uint8_t how, bool check)
 {
-    struct decoder d = {.upward = upward};
+    struct decoder d = {.upward = how & 1, .coded = how & 2};
     struct tally t = {.hash = HASH64_INIT};
     for (size_t at = 0, k = 0; at < size; k++) {
         size_t some = most ? 1 + rng_u64(most, k) % most : size;
@@ -126,10 +148,9 @@ static struct tally decode(const uint8_t *data, size_t size, size_t most, bool u
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size < 2) return 0;
-    bool upward = data[0] & 1;
     size_t most = (size_t)1 + data[1];
-    struct tally whole = decode(data + 2, size - 2, 0, upward, true);
-    struct tally pieces = decode(data + 2, size - 2, most, upward, false);
+    struct tally whole = decode(data + 2, size - 2, 0, data[0], true);
+    struct tally pieces = decode(data + 2, size - 2, most, data[0], false);
     MUST(whole.records == pieces.records && whole.hash == pieces.hash && whole.bad == pieces.bad);
     return 0;
 }
