@@ -61,6 +61,11 @@ rm -f out.pfm
 run sh -c 'deal -q 4 fan -S relays deal fan -j 2 rtworker - <job.task | gather -o out.pfm'
 ok 'whole lines, a tree: the same picture' cmp out.pfm good.pfm
 
+# The last pixels of a slot wait for no later record.
+rm -f out.pfm
+ok 'whole lines: the picture is there before the input ends' eval '{ cat job.task; await 20 test -s out.pfm; echo $? >before; } |
+	fan -S relays rtworker - | gather -o out.pfm && cmp out.pfm good.pfm && [ "$(cat before)" = 0 ]'
+
 # ---- a launcher that ends ----------------------------------------------------------------------------------------------------
 # ends STATUS: after the first `done` its connection ends with this status; the next one ends at once, then it works
 script ends <<'END'
