@@ -92,7 +92,11 @@ RUN      = @BIN="$$(cd $(BIN) && pwd)"
 # Two commands must do: they use all cores without being told.
 PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
-all: $(PROGRAMS) $(COPIES)
+# What hosts with send=auto get: programs that need no library there. Left out without static libraries, and by sanitizers.
+STATIC   = $(if $(findstring -fsanitize,$(CFLAGS)),,$(if $(findstring /,$(shell $(CC) -print-file-name=libc.a)),\
+           $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker)))
+
+all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 
@@ -187,6 +191,10 @@ $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
+$(STATIC): $(BUILD)/static/%: bin/%.c $(BUILD)/libstormring.a
+	@mkdir -p $(@D)
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(LDFLAGS) -static -s -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+
 $(COPIES): $(BUILD)/%: %
 	@mkdir -p $(@D)
 	cp $< $@
@@ -199,7 +207,7 @@ $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
 install: all
-	@tests/install $(TO) $(PROGRAMS) $(SCRIPTS)
+	@tests/install $(TO) $(PROGRAMS) $(SCRIPTS) $(STATIC)
 
 uninstall:
 	@tests/install -u $(TO)
@@ -211,7 +219,7 @@ dist:
 # Another BUILD may be a directory with more in it than what was built.
 EVERY_O  = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
 OF_BUILD = $(BUILD)/.need $(BUILD)/libstormring.a $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
-           $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES)
+           $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(STATIC)
 clean:
 	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)
 	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)

@@ -37,6 +37,8 @@ static int packing(const char *word)
 int main(int argc, char **argv)
 {
     struct hosts hosts;
+    struct hosts_sent sent = {0};
+    char err[HOSTS_ERR];
     struct fan_options o = {.hosts = &hosts, .silence_s = 3};
     const char *list = NULL;
     int slots = 0;
@@ -59,7 +61,10 @@ int main(int argc, char **argv)
     find_hosts(&hosts, list, slots);
     o.command = argv + optind;
     o.trips = listing > 1;
+    o.sent = &sent;
+    if (!hosts_send(&hosts, &sent, o.command, err)) die(ST_USAGE, "%s", err);
     int status = listing ? fan_list(&o) : fan_run(&o);
     hosts_free(&hosts);
+    hosts_sent_free(&sent);
     return status;
 }

@@ -19,6 +19,7 @@ ok 'make install' make -s -C "$root" install PREFIX="$prefix"
 is 'every program and script is installed' "$(ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
 is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
 is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; printf 'chart\nexperiments\nmanifest\n'; } | sort)"
+is 'every static program is installed' "$(ls "$prefix/lib/stormring")" "$(ls "$root/build/static")"
 is 'nothing is written outside the prefix' "$(tree | grep -v "home/my prefix")" "$(echo "$before" | grep -v "home/my prefix")"
 cat >installed <<END
 PATH='$prefix/bin:/usr/bin:/bin'

@@ -3,7 +3,7 @@
  * (which slots are connected next, and what is reported about hosts); join.c (a hosts file that
  * changes: slots that join the run and leave it); refusal.c (why a connection failed); hello.c
  * (which workers are let in); code.c (links on which records are packed); up.c (what workers send);
- * err.c (their standard error); list.c (fan -l).
+ * err.c (their standard error); send.c (programs for hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -75,6 +75,15 @@ struct fan_job {
     int32_t agree, differ; /* slots that stated this job; another one */
 };
 
+/* Programs under way to the host, before its hello. */
+struct sending {
+    struct down_queue queue;
+    size_t bytes;   /* all that it asked for */
+    unsigned asked; /* bit I: program I was asked for */
+    char line[256]; /* the line that the host prints now, as far as it was read: */
+    size_t length;
+};
+
 /* One process of a slot, and the facts learned from it. A slot without a process has
  * CONNECTION_NONE. */
 struct connection {
@@ -84,7 +93,8 @@ struct connection {
     struct buf err;                /* an incomplete line of its standard error */
     struct buf held;               /* lines of its standard error that may explain a failure */
     const struct refusal *refusal; /* the row of refusal.c that explains it; NULL: none */
-    char detail[200];              /* the line that matched this row */
+    char detail[200];              /* the line that matched this row; or why nothing can be sent */
+    struct sending sending;        /* to a host that has no programs */
     char chatter[160];             /* its first output, if that was no hello */
     size_t before_hello;           /* bytes before hello */
     int64_t opened_us;             /* start of the process */
@@ -188,7 +198,7 @@ struct fan {
     struct hosts *versions; /* of the hosts file, after the first one */
     int n_versions;
     struct pollfd *poll; /* entries of a round, room for all slots */
-    int refused;  /* status to end with at once: the input is bad or unreadable */
+    int refused;         /* status to end with at once: the input is bad or unreadable */
 };
 
 static inline struct fan_task *fan_task(const struct task_table *tasks, int32_t i)
@@ -338,6 +348,20 @@ bool fan_refusal_is_final(const struct fan_slot *s);
 /* Appends the reason and advice, and drops the held lines; or returns false. */
 bool fan_refusal_explain(
     const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
+
+/* ---- send.c ---- */
+
+/* Takes what the slot's host has printed before hello: requests for programs. Returns NULL, or why
+ * the host cannot be used. */
+const char *fan_take_requests(struct fan_slot *s, const unsigned char *said, size_t n);
+/* True if programs wait to be written to the slot. */
+bool fan_slot_is_sent(const struct fan_slot *s);
+/* Writes as much of them as its pipe takes. */
+void fan_slot_send_more(struct fan_slot *s, const struct pollfd *p);
+/* True if it has asked for programs and has not said hello. */
+bool fan_slot_has_asked(const struct fan_slot *s);
+/* The time that a slow link takes for them, in seconds. */
+double fan_send_time_s(const struct fan_slot *s);
 
 /* ---- up.c, err.c ---- */
 

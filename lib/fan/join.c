@@ -180,6 +180,11 @@ void fan_join(struct fan *f)
     enum hosts_news news = hosts_watch(&f->watch, now_us(), &new, err);
     if (news == HOSTS_BAD) warn("%s; the hosts stay as they were", err);
     if (news != HOSTS_NEW) return;
+    if (!hosts_send(&new, f->o->sent, f->o->command, err)) {
+        warn("%s: %s; the hosts stay as they were", f->watch.file, err);
+        hosts_free(&new);
+        return;
+    }
     bool room = f->n_numbers <= WIRE_SLOTS_MAX - new.slots;
     if (f->joins && room) {
         f->versions = xrealloc(f->versions, (size_t)f->n_versions + 1, sizeof *f->versions);

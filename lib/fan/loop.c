@@ -26,6 +26,7 @@
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
     if (fan_slot_over(f, s) && !s->n_tasks && s->host->here) return CLOSING_S;
+    if (fan_slot_has_asked(s)) return REACH_S + fan_send_time_s(s);
     if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
     if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
     if (fan_slot_over(f, s) && !s->n_tasks) return f->o->silence_s;
@@ -99,7 +100,9 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
         s->conn.poll = 0;
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->conn.poll = n;
-        p[n++] = pipe_poll_entry(c->to, fan_slot_fed(s), down_size(&s->feed.queue) ? POLLOUT : 0);
+        bool sent = fan_slot_is_sent(s);
+        p[n++] = pipe_poll_entry(
+            c->to, fan_slot_fed(s) || sent, sent || down_size(&s->feed.queue) ? POLLOUT : 0);
         p[n++] = pipe_poll_entry(c->from, reading, POLLIN);
         if (c->err >= 0) p[n++] = pipe_poll_entry(c->err, true, POLLIN);
     }
@@ -110,6 +113,7 @@ static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     if (s->conn.child.err >= 0 && p[s->conn.poll + 2].revents) fan_slot_show_err(f, s);
     if (fan_slot_fed(s) && s->conn.child.to >= 0) fan_slot_feed(f, s, &p[s->conn.poll]);
+    else if (fan_slot_is_sent(s)) fan_slot_send_more(s, &p[s->conn.poll]);
     if (s->conn.child.from >= 0 && p[s->conn.poll + 1].revents) fan_slot_listen(f, s);
     if (fan_slot_leaves(s)) fan_slot_left(f, s);
 }

@@ -128,9 +128,12 @@ static void explain_connection(const struct fan *f, const struct fan_slot *s, st
 bool fan_refusal_explain(const struct fan *f, struct fan_slot *s, const char *why, struct buf *text)
 {
     bool failed = strcmp(why, "exit-255") == 0 && s->conn.refusal && s->conn.refusal->said;
+    bool unsent = strcmp(why, "not-sent") == 0;
     bool missing = strcmp(why, "exit-127") == 0, barred = strcmp(why, "exit-126") == 0;
-    if (!failed && !missing && !barred) return false;
-    if (failed) explain_connection(f, s, text);
+    if (!failed && !missing && !barred && !unsent) return false;
+    if (unsent)
+        buf_printf(text, "%s: no program can be sent: %s", s->host->host->name, s->conn.detail);
+    else if (failed) explain_connection(f, s, text);
     else explain_command(f, s->host->host, barred, text);
     fan_refusal_forget(s);
     return true;

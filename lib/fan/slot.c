@@ -157,6 +157,7 @@ void fan_slot_disconnect(const struct fan *f, struct fan_slot *s)
     child_end(&s->conn.child, 0);
     wire_free(&s->conn.from);
     buf_free(&s->conn.held);
+    down_free(&s->conn.sending.queue);
     s->conn = CONNECTION_NONE;
 }
 

@@ -297,7 +297,7 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
     if (s->state != FAN_UP) note_chatter(s, buf_data(&s->conn.from.in) + before, n);
     struct record r;
     enum wire_result result;
-    const char *why = NULL;
+    const char *why = fan_take_requests(s, buf_data(&s->conn.from.in) + before, n);
     bool at_work = false; /* a node that answers others may have an idle worker */
     while (!why && (result = wire_next(&s->conn.from, &r)) != WIRE_MORE) {
         if (is_chatter(s, result, &r)) continue;

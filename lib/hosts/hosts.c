@@ -70,6 +70,12 @@ static bool set_tries(struct host *host, const char *value)
     return true;
 }
 
+static bool set_send(struct host *host, const char *value)
+{
+    host->send = true;
+    return strcmp(value, "auto") == 0;
+}
+
 static const struct key {
     const char *name;
     bool (*set)(struct host *host, const char *value);
@@ -83,6 +89,7 @@ static const struct key {
     {"tries", set_tries, "an integer from 1 to 1000"},
     {"latency_ms", set_latency, "a number from 0 to 1e7"},
     {"bytes_per_s", set_bytes, "a number from 1 to 1e15"},
+    {"send", set_send, "auto"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 

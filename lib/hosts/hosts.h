@@ -10,6 +10,17 @@
 #define HOSTS_SLOTS_MAX 4096 /* of all hosts together */
 #define HOST_NAME_MOST 255   /* bytes of a host's name */
 #define HOSTS_ERR 512
+#define HOSTS_SHA256 65 /* bytes of a hash in hexadecimal, with NUL */
+
+/* A static program, and those that hosts with send=auto get. */
+struct hosts_program {
+    char *name, sha256[HOSTS_SHA256];
+    struct buf bytes;
+};
+struct hosts_sent {
+    struct hosts_program *at;
+    size_t n;
+};
 
 struct host {
     char *name, *via, *bin; /* via, bin: NULL if not stated */
@@ -17,6 +28,8 @@ struct host {
     double power;  /* of a slot; 0: not stated */
     double wait_s; /* how long its launcher may queue a connection; 0: it has no queue */
     int tries;     /* connections in a row that may fail; 0: not stated */
+    bool send;     /* it has no programs of its own */
+    const struct hosts_sent *sent; /* these are sent instead; NULL: not known yet */
     /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
     double latency_ms, bytes_per_s;
 };
@@ -48,6 +61,16 @@ void hosts_free(struct hosts *h);
 size_t hosts_of_slot(const struct hosts *h, int slot);
 /* The power of each slot, which the caller frees. NULL if a host states none: *without names it. */
 double *hosts_powers(const struct hosts *h, const char **without);
+/*
+ * Call before host_argv if hosts have send=auto: these will get the static programs that the words
+ * of `worker` name. They are read into *sent, unless it has some already, and live as long as the
+ * hosts. False with text in err if there are none. hosts_sent_free frees them.
+ */
+bool hosts_send(
+    struct hosts *h, struct hosts_sent *sent, char *const worker[], char err[HOSTS_ERR]);
+/* The program with this hash, or NULL. */
+const struct hosts_program *hosts_program(const struct hosts_sent *sent, const char *sha256);
+void hosts_sent_free(struct hosts_sent *sent);
 /* True for this machine: commands are run as they are. */
 bool host_is_here(const struct host *h);
 /*

@@ -3,7 +3,7 @@
  * The words of the command are quoted once for the remote shell. The whole command is quoted again,
  * as one word of the template, for the local shell.
  */
-#include "hosts/hosts.h"
+#include "hosts/hosts_int.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +29,11 @@ static void add_path(struct buf *b, const char *bin)
 /* Text for the remote shell, which is replaced by the worker. */
 static void add_remote(struct buf *b, const struct host *h, char *const worker[])
 {
+    if (h->sent) {
+        hosts_add_bootstrap(b, h->sent, worker);
+        buf_append(b, "", 1);
+        return;
+    }
     buf_printf(b, "exec ");
     if (h->bin) add_path(b, h->bin);
     for (size_t i = 0; worker[i]; i++) {

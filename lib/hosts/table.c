@@ -71,8 +71,10 @@ bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char 
 
 bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host)
 {
-    if (host_is_here(host) && (host->via || host->bin || host->wait_s > 0))
-        return hosts_refuse(r, "`:` is this machine, expected no via=, bin= or wait=");
+    if (host_is_here(host) && (host->via || host->bin || host->send || host->wait_s > 0))
+        return hosts_refuse(r, "`:` is this machine, expected no via=, bin=, send= or wait=");
+    if (host->bin && host->send)
+        return hosts_refuse(r, "bin= and send= together, expected one of them");
     h->slots += host->slots;
     if (h->slots <= HOSTS_SLOTS_MAX) return true;
     return hosts_refuse(r, "%d slots, expected at most %d in all", h->slots, HOSTS_SLOTS_MAX);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "hosts/hosts.h"
+#include "hosts/hosts_int.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -70,7 +70,7 @@ static void a_host_may_have_a_queue_and_a_limit(void **state)
     refused("a wait=1h", 1, "wait='1h'");
     refused("a\na tries=0", 2, "tries='0': expected an integer from 1 to 1000");
     refused("a tries=1001", 1, "tries='1001'");
-    refused(": wait=9", 1, "expected no via=, bin= or wait=");
+    refused(": wait=9", 1, "expected no via=, bin=, send= or wait=");
 }
 
 static void a_lone_name_may_be_meant_for_a_file(void **state)
@@ -133,6 +133,9 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("a slots=1 slots=1", 1, "slots comes twice");
     refused("a slots=4000\n\nb slots=97", 3, "4097 slots");
     refused("a power=0", 1, "power='0'");
+    refused("a send=yes", 1, "send='yes': expected auto");
+    refused(": send=auto", 1, "expected no via=, bin=, send=");
+    refused("a send=auto bin=/opt", 1, "bin= and send= together");
     refused("a power=nan", 1, "power='nan'");
     refused("a power=", 1, "power=''");
     refused("a via=\"ssh %h\"", 1, "%c");
@@ -240,6 +243,44 @@ static void here_nothing_is_between(void **state)
     hosts_free(&hosts);
 }
 
+/* FIPS 180-4 has no examples; these are those of NIST, and lengths around a block's end. */
+static void sha256_is_that_of_the_standard(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *hash;
+    } known[] = {
+        {"", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"},
+        {"abc", "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"},
+        {"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq",
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1"},
+    };
+    static const struct {
+        size_t length;
+        const char *hash;
+    } of_a[] = {
+        {55, "9f4390f8d30c2dd92ec9f095b65e2b9ae9b0a925a5258e241c9f1e910f734318"},
+        {56, "b35439a4ac6f0948b6d6f9e3c6af0f5f590ce20f1bde7090ef7970686ec6738a"},
+        {63, "7d3e74a05d7db15bce4ad9ec0658ea98e3f06eeecf16b4c6fff2da457ddc2f34"},
+        {64, "ffe054fe7ae0cb6dc65c3af9b61d5209f439851db43d0ba5997337df154668eb"},
+        {65, "635361c48bb9eab14198e76ea8ab7f1a41685d6ad62aa9146d301d4f17eb0ae0"},
+        {119, "31eba51c313a5c08226adf18d4a359cfdfd8d2e816b13f4af952f7ea6584dcfb"},
+        {120, "2f3d335432c70b580af0e8e1b3674a7c020d683aa5f73aaaedfdc55af904c21c"},
+        {128, "6836cf13bac400e9105071cd6af47084dfacad4e5e302c94bfed24e013afb73e"},
+    };
+    char text[HOSTS_SHA256];
+    unsigned char a[130];
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        hosts_sha256((const unsigned char *)known[i].text, strlen(known[i].text), text);
+        assert_string_equal(text, known[i].hash);
+    }
+    memset(a, 'a', sizeof a);
+    for (size_t i = 0; i < sizeof of_a / sizeof *of_a; i++) {
+        hosts_sha256(a, of_a[i].length, text);
+        assert_string_equal(text, of_a[i].hash);
+    }
+}
+
 static void slots_are_numbered_through_the_hosts(void **state)
 {
     (void)state;
@@ -343,6 +384,7 @@ int main(void)
         cmocka_unit_test(what_is_no_hosts_file_is_refused),
         cmocka_unit_test(commands_are_quoted_for_both_shells),
         cmocka_unit_test(here_nothing_is_between),
+        cmocka_unit_test(sha256_is_that_of_the_standard),
         cmocka_unit_test(slots_are_numbered_through_the_hosts),
         cmocka_unit_test(a_version_that_stays_is_new_once),
         cmocka_unit_test(lines_are_the_same_if_they_reach_the_same_host),
