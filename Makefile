@@ -92,9 +92,11 @@ RUN      = @BIN="$$(cd $(BIN) && pwd)"
 # Two commands must do: they use all cores without being told.
 PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
-# What hosts with send=auto get: programs that need no library there. Left out without static libraries, and by sanitizers.
-STATIC   = $(if $(findstring -fsanitize,$(CFLAGS)),,$(if $(findstring /,$(shell $(CC) -print-file-name=libc.a)),\
-           $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker)))
+# What hosts with send=auto get: programs that need no library there. Left out where a static library is missing, and by
+# sanitizers.
+archives = $(patsubst -l%,lib%.a,$(filter -l%,$(LIBS))) libc.a
+STATIC   = $(if $(findstring -fsanitize,$(CFLAGS))$(filter $(archives),$(foreach a,$(archives),$(shell $(CC) -print-file-name=$a))),,\
+           $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker))
 
 all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
