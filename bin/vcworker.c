@@ -1,5 +1,6 @@
 /* vcworker: ray-casts the tasks it reads. */
 #include "base/base.h"
+#include "proc/proc.h"
 #include "stats/stats.h"
 #include "volume/volume.h"
 #include "worker/worker.h"
@@ -158,6 +159,10 @@ static struct options parse(int argc, char **argv)
         o.grid = argv[optind];
         o.specs = (const char *const *)argv + optind + 1;
         o.n_specs = argc - optind - 1;
+    }
+    if (o.worker.jobs > 1) {
+        int cores = cores_available();
+        o.volume.threads = o.worker.jobs < cores ? o.worker.jobs : cores;
     }
     describe(&o);
     return o;

@@ -48,9 +48,10 @@ struct volume_options {
     double tolerance; /* error of a colour or alpha, 0 .. 1 */
     int n;
     enum isa isa;
+    int threads; /* that volume_new works with; the volume is the same with any number */
 };
 /* clang-format off */
-#define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, ISA_AUTO}
+#define VOLUME_OPTIONS_DEFAULT {VOLUME_ADAPTIVE, 1.0 / 1024, 0, ISA_AUTO, 1}
 /* clang-format on */
 
 /*

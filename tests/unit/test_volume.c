@@ -9,10 +9,10 @@
 
 #include <string.h>
 
-static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, ISA_AUTO};
-static const struct volume_options doubling = {VOLUME_DOUBLING, 1e-7, 0, ISA_AUTO};
-static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, ISA_AUTO};
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO};
+static const struct volume_options trapezoid16 = {VOLUME_TRAPEZOID, 0, 16, ISA_AUTO, 1};
+static const struct volume_options doubling = {VOLUME_DOUBLING, 1e-7, 0, ISA_AUTO, 1};
+static const struct volume_options gauss5 = {VOLUME_GAUSS, 0, 5, ISA_AUTO, 1};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO, 1};
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
 /* ---- closed forms --------------------------------------------------------------------------- */
@@ -159,7 +159,7 @@ static void adaptive_keeps_its_tolerance(void **state)
         for (int k = 0; k < SIDE * SIDE; k++) seen += (double)r[4 * k + 3] / (SIDE * SIDE);
         assert_true(seen > 0.1);
         for (int k = 0; k < 4; k++) {
-            struct volume_options o = {VOLUME_ADAPTIVE, tolerance[k], 0, ISA_AUTO};
+            struct volume_options o = {VOLUME_ADAPTIVE, tolerance[k], 0, ISA_AUTO, 1};
             render(&g, &c.s, &o, p, NULL);
             rms(p, r, &most);
             if (most > tolerance[k])
@@ -189,8 +189,8 @@ static void adaptive_keeps_its_bound(void **state)
         c.s.w = c.s.h = WIDTH;
         knot(&c, 0, falls, !falls, 0.5, r[17] < 0.5 ? 0 : thick * r[18]);
         knot(&c, 1, !falls, falls, 0.5, r[17] > 0.8 ? 0 : thick);
-        const struct volume_options o = {VOLUME_ADAPTIVE, tolerance, 0, ISA_AUTO};
-        const struct volume_options exact = {VOLUME_GAUSS, 0, 12, ISA_AUTO};
+        const struct volume_options o = {VOLUME_ADAPTIVE, tolerance, 0, ISA_AUTO, 1};
+        const struct volume_options exact = {VOLUME_GAUSS, 0, 12, ISA_AUTO, 1};
         render(&g, &c.s, &o, p, NULL);
         render(&g, &c.s, &exact, q, NULL);
         for (int k = 0; k < VALUES; k++) {
@@ -219,8 +219,8 @@ static void errors_are_those_expected(void **state)
         set_map(&c, i);
         reference(&g, &c.s, r);
         for (int k = 0; k < 5; k++) {
-            struct volume_options o = {VOLUME_TRAPEZOID, 0, 1 << (2 * k), ISA_AUTO};
-            if (k == 4) o = (struct volume_options){VOLUME_GAUSS, 0, 3, ISA_AUTO};
+            struct volume_options o = {VOLUME_TRAPEZOID, 0, 1 << (2 * k), ISA_AUTO, 1};
+            if (k == 4) o = (struct volume_options){VOLUME_GAUSS, 0, 3, ISA_AUTO, 1};
             render(&g, &c.s, &o, p, NULL);
             double e = rms(p, r, &most);
             print_message(
@@ -311,7 +311,7 @@ static void orders_of_convergence(void **state)
     ref_pixel(&g, &c.s, 0, 0, 400, r);
     double last = 0;
     for (int n = 4; n <= 64; n *= 2) {
-        struct volume_options o = {VOLUME_TRAPEZOID, 0, n, ISA_AUTO};
+        struct volume_options o = {VOLUME_TRAPEZOID, 0, n, ISA_AUTO, 1};
         float p[4];
         render(&g, &c.s, &o, p, NULL);
         double e = fabs((double)((real)p[0] - r[0]));
@@ -319,7 +319,7 @@ static void orders_of_convergence(void **state)
         last = e;
     }
     for (int m = 1; m <= 4; m++) {
-        struct volume_options o = {VOLUME_GAUSS, 0, m, ISA_AUTO};
+        struct volume_options o = {VOLUME_GAUSS, 0, m, ISA_AUTO, 1};
         float p[4];
         render(&g, &c.s, &o, p, NULL);
         double e = fabs((double)((real)p[0] - r[0]));

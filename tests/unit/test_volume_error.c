@@ -78,10 +78,10 @@ static double difference(
 }
 
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-5, 0, ISA_AUTO};
-static const struct volume_options converged = {VOLUME_ADAPTIVE, 1e-9, 0, ISA_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-5, 0, ISA_AUTO, 1};
+static const struct volume_options converged = {VOLUME_ADAPTIVE, 1e-9, 0, ISA_AUTO, 1};
 /* Whose own error is that of fronts and jumps, which a sub-step goes over. */
-static const struct volume_options many = {VOLUME_TRAPEZOID, 0, 20000, ISA_AUTO};
+static const struct volume_options many = {VOLUME_TRAPEZOID, 0, 20000, ISA_AUTO, 1};
 
 /* The worst of these seeds has an error of 5e-4, of 70000 others 6.3e-4. */
 static void keeps_the_tolerance(void **state)

@@ -9,7 +9,7 @@
 #include "volume/volume_int.h"
 #include "volume_cases.h"
 
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO, 1};
 
 static void rays_in_faces_and_edges(void **state)
 {

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "volume/volume_int.h"
 #include "volume_cases.h"
 
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
@@ -33,8 +34,8 @@ static void sheets_lie_one_behind_the_other(void **state)
     /* A fog of k = .2 and its own colour before, between and behind; all of it far away. */
     knot(&c, 0, 0, 0, 1, 0.2), knot(&c, 9, 0, 0, 1, 0.2);
     c.s.attenuation = 0.03;
-    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, ISA_AUTO};
-    const struct volume_options doubling = {VOLUME_DOUBLING, 1e-6, 0, ISA_AUTO};
+    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, ISA_AUTO, 1};
+    const struct volume_options doubling = {VOLUME_DOUBLING, 1e-6, 0, ISA_AUTO, 1};
     const struct volume_options *all[] = {&usual, &gauss, &doubling};
     for (int i = 0; i < 3; i++) {
         render(&g, &c.s, all[i], p, NULL);
@@ -108,8 +109,8 @@ static void light_keeps_the_tolerance(void **state)
         c.s.w = c.s.h = 24, c.s.angle = 40, c.s.attenuation = 0.1;
         knot(&c, 4, 1, 0.1, 0, 0), knot(&c, 6, 0.2, 1, 0.4, 2), knot(&c, 7.5, 0.1, 0.3, 1, 0.5);
         if (lit) light_at(&c, 30, -20, 25);
-        const struct volume_options exact = {VOLUME_TRAPEZOID, 0, 1000, ISA_AUTO};
-        const struct volume_options gauss = {VOLUME_GAUSS, 0, 12, ISA_AUTO};
+        const struct volume_options exact = {VOLUME_TRAPEZOID, 0, 1000, ISA_AUTO, 1};
+        const struct volume_options gauss = {VOLUME_GAUSS, 0, 12, ISA_AUTO, 1};
         render(&g, &c.s, &exact, p[0], NULL);
         render(&g, &c.s, &gauss, p[1], NULL);
         render(&g, &c.s, &usual, p[2], NULL);
@@ -173,6 +174,34 @@ static void skipping_changes_nothing(void **state)
     free_grid(&g);
 }
 
+/* Threads write bits of the same bytes where their layers meet. */
+static void threads_mark_the_same_cells(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 24; i++) {
+        struct grid g = make_grid(2 + i % 7, 3 + i % 5, 2 + 3 * i);
+        const size_t nodes = grid_node(&g, 0, 0, g.n[2]);
+        for (size_t k = 0; k < nodes; k++) g.value[k] = (float)(8 * rng_unit(i, k));
+        struct scene c = make_scene(above, below);
+        knot(&c, 5, 0.5, 0.5, 0.5, 0), knot(&c, 6, 0.9, 0.2, 0.1, 1);
+        iso(&c, 0.25, 0, 1, 0, 0.5);
+        for (int a = 0; a < 3; a++) c.s.scale[a] = i >> a & 1 ? -1 : 1;
+        struct volume *v[5];
+        for (int threads = 1; threads <= 5; threads++) {
+            struct volume_options o = usual;
+            o.threads = threads;
+            struct volume *one = v[0], *got = v[threads - 1] = volume_new(&g, &c.s, &o);
+            if (threads == 1) continue;
+            size_t blocks = (size_t)got->blocks[0] * got->blocks[1] * got->blocks[2];
+            assert_memory_equal(one->live, got->live, nodes / 8 + 8);
+            assert_memory_equal(one->block, got->block, blocks);
+            assert_true(one->range == got->range && one->range > 0);
+        }
+        for (int k = 0; k < 5; k++) volume_free(v[k]);
+        free_grid(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +210,7 @@ int main(void)
         cmocka_unit_test(light_keeps_the_tolerance),
         cmocka_unit_test(negative_scales_mirror),
         cmocka_unit_test(skipping_changes_nothing),
+        cmocka_unit_test(threads_mark_the_same_cells),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

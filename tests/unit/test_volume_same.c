@@ -21,10 +21,10 @@ static const struct {
     double most; /* difference: of rounding, or of another choice within the tolerance */
 } methods[] = {
     {"adaptive", VOLUME_OPTIONS_DEFAULT, 2.0 / 1024},
-    {"adaptive:1e-6", {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO}, 5e-6},
-    {"gauss:5", {VOLUME_GAUSS, 0, 5, ISA_AUTO}, 2e-6},
-    {"trapezoid:3", {VOLUME_TRAPEZOID, 0, 3, ISA_AUTO}, 2e-6},
-    {"doubling:1e-4", {VOLUME_DOUBLING, 1e-4, 0, ISA_AUTO}, 2e-4},
+    {"adaptive:1e-6", {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO, 1}, 5e-6},
+    {"gauss:5", {VOLUME_GAUSS, 0, 5, ISA_AUTO, 1}, 2e-6},
+    {"trapezoid:3", {VOLUME_TRAPEZOID, 0, 3, ISA_AUTO, 1}, 2e-6},
+    {"doubling:1e-4", {VOLUME_DOUBLING, 1e-4, 0, ISA_AUTO, 1}, 2e-4},
 };
 #define METHODS (sizeof methods / sizeof *methods)
 

@@ -9,7 +9,7 @@
 #include "volume/volume_int.h"
 #include "volume_cases.h"
 
-static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
+static const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO, 1};
 static const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
 
 static void leading_coefficients_near_zero(void **state)
@@ -133,7 +133,7 @@ static void deep_cells_are_opaque(void **state)
 {
     (void)state;
     static const struct volume_options methods[] = {VOLUME_OPTIONS_DEFAULT,
-        {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO}, {VOLUME_GAUSS, 0, 9, ISA_AUTO}};
+        {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO, 1}, {VOLUME_GAUSS, 0, 9, ISA_AUTO, 1}};
     struct grid g = make_grid(4, 4, 4);
     fill(&g, of_z);
     for (int i = 0; i < 30; i++) {

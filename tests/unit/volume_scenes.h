@@ -115,7 +115,7 @@ static inline double alpha_of(const struct grid *g, const struct scene *like, do
 {
     struct scene c = *like;
     const double o[3] = {ox, oy, oz}, e[3] = {ex, ey, ez};
-    const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO};
+    const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-6, 0, ISA_AUTO, 1};
     float p[4];
     c.s.knot = c.knot, c.s.iso = c.iso;
     for (int a = 0; a < 3; a++) c.s.from[a] = o[a], c.s.at[a] = e[a];
