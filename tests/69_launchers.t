@@ -125,6 +125,12 @@ is 'a queued host with a share: a message names it, and one counts its slots' "$
 fan: 2 of 3 slots never connected; N queued'
 is 'a queued host with a share: its slots are gone, for policies' "$(events far.frags | grep 'w=[01]' | sed 's/ sum=.*//' | sort | tr '\n' ';')" \
 	'gone w=0 why=queued lost=0;gone w=1 why=queued lost=0;'
+run fan -l -S far.hosts rtworker -
+is 'fan -l does not wait for a queue' "$status $(printf '%s\n' "$out" | cut -f 1-2 | tr '\t\n' ' ;')$err" \
+	'1 0 far;1 far;2 :;fan: far: cannot be used (queued)'
+rm -f out.pfm
+ok 'hybrid with a queued host: exit 0' balance hybrid -S far.hosts -s $size -o out.pfm gears.nff
+ok 'hybrid with a queued host: the same picture' cmp out.pfm good.pfm
 echo 'brief wait=6 tries=1 via="./queue %h %c"' >brief.hosts
 run sh -c 'fan -S brief.hosts rtworker - <job.task >brief.frags'
 is 'wait= is over: a failed connection' "$status$(wc -l <brief.tries)$err" '31fan: brief: queued by its launcher; waiting for up to 6 s

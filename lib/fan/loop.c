@@ -36,9 +36,12 @@ static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
     return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
 
+/* A list of powers does not wait for a queue. */
 static void went_silent(struct fan *f, struct fan_slot *s)
 {
-    if (s->state == FAN_OPENING && fan_slot_in_queue(s)) fan_slot_queue(f, s);
+    bool queued = s->state == FAN_OPENING && fan_slot_in_queue(s);
+    if (queued && f->listing) fan_slot_lose(f, s, "queued", false);
+    else if (queued) fan_slot_queue(f, s);
     else fan_slot_lose(f, s, s->state == FAN_UP ? "silent" : "no-hello", true);
 }
 
