@@ -44,7 +44,8 @@ double net_bytes(const struct sched_event *e)
     case SCHED_INPUT_END:
     case SCHED_SLOTS:
     case SCHED_GONE:
-    case SCHED_WAKE: break;
+    case SCHED_WAKE:
+    case SCHED_DRAIN: break;
     }
     return 0;
 }

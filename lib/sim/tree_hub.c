@@ -108,7 +108,8 @@ static void act(struct tree *t, int32_t hub, const struct sched_action *a)
     case SCHED_COMMIT:
         if (hub == 0) commit(t, &a->task);
         return;
-    case SCHED_SAY: return;
+    case SCHED_SAY:
+    case SCHED_LEAVE: return;
     case SCHED_END:
     case SCHED_STOP: t->ended = t->ended || hub == 0; return;
     }
