@@ -7,7 +7,7 @@
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 static=${BIN%/bin}/static
 [ "$BIN" != "$root/bin" ] || static=$root/build/static
-needs "$static/rtworker"
+needs "$static/rtworker" busybox
 
 spdgen -s 2 gears >gears.nff
 size=48x40
@@ -90,8 +90,8 @@ is 'vcworker is sent' "$err" "fan: far: vcworker is sent, $(wc -c <"$static/vcwo
 
 # ---- shells, start-up files, odd paths ------------------------------------------------------------------------------
 # Each of them has an empty cache, and a PATH that is of no use.
-for shell in dash bash 'busybox sh' 'zsh -f' tcsh; do
-	there "${shell%% *}" || { [ "${shell%% *}" != dash ] && [ "${shell%% *}" != bash ] && continue; }
+for shell in dash bash 'busybox sh' 'zsh -f' tcsh fish mksh; do
+	there "${shell%% *}" || continue
 	name=by-${shell%% *}
 	host "$name" "echo 'Welcome!'; printf 'no new line'
 		exec env -i PATH=/nothing HOME='$tmp/home $name' $(command -v ${shell%% *})${shell#"${shell%% *}"} -c \"\$1\""
@@ -101,6 +101,34 @@ for shell in dash bash 'busybox sh' 'zsh -f' tcsh; do
 	is "$shell: it is in the home directory" "$(find "home $name" -type f | sed 's,[^/]*/rtworker,HASH/rtworker,')" \
 		"home $name/.cache/stormring/HASH/rtworker"
 done
+
+# ---- hosts that are queued, hosts that join -------------------------------------------------------------------------
+host late 'sleep 6; exec ./by-dash "$1"'
+sed 's/slots=2/wait=1000/' late.hosts >queue.hosts
+rm -r 'home by-dash/.cache' out.pfm
+fan -S queue.hosts rtworker - <job.task 2>said | gather -o out.pfm
+ok 'a host that is queued: the same picture' cmp out.pfm good.pfm
+is 'a host that is queued: the worker is sent after that' "$(grep -o '^fan: late: [a-z]* is sent' said)" 'fan: late: rtworker is sent'
+# joins COMMAND ...: a host with send=auto joins while the run waits for this message
+joins() {
+	message=$1
+	shift
+	echo : >now.hosts
+	cat now.hosts by-bash.hosts >later.hosts
+	rm -rf 'home by-bash/.cache' out.pfm
+	: >said
+	{
+		cat job.task
+		mv later.hosts now.hosts
+		await 60 grep -q "$message" said
+	} | deal -q 1 fan -S now.hosts "$@" 2>said | gather -o out.pfm
+}
+joins 'by-bash: rtworker is sent' rtworker -
+ok 'a host that joins: the worker is sent, the same picture' cmp out.pfm good.pfm
+joins 'hosts stay as they were' sh -c 'exec rtworker -'
+ok 'a host that joins, without a static program for it: the same picture' cmp out.pfm good.pfm
+like 'a host that joins, without a static program for it: one line' "$(cat said)" \
+	'^fan: now.hosts: send=auto: no word of .*; the hosts stay as they were$'
 
 # ---- hosts that cannot take it ----------------------------------------------------------------------------------------
 # ends NAME HOST REASON: a host that is refused with one line, without a second try, while this machine goes on; without

@@ -48,6 +48,20 @@ for method in $methods; do
 	is "$method: no message" "$(unexpected said | grep -v '^balance auto: ')" ''
 done
 
+# ---- nothing is installed on the hosts --------------------------------------------------------------------------------
+if there "$root/build/static/rtworker"; then
+	sed 's/ bin=.*/ send=auto/' "$file" >send.hosts
+	is 'no host has a worker on its PATH' "$(for h in host1 host2 host3; do ssh $h command -v rtworker; done)" ''
+	render 'programs are sent' masterslave send.hosts 64
+	is 'programs are sent: each host gets the worker once' "$(grep 'is sent' said | sed 's/ is sent.*//' | sort)" 'fan: host1: rtworker
+fan: host2: rtworker
+fan: host3: rtworker'
+	render 'programs were sent before' gdc send.hosts 64
+	is 'programs were sent before: the worker is not sent again' "$(grep -c 'rtworker is sent' said)" 0
+else
+	skip 'programs are sent' "$missing is not there"
+fi
+
 # ---- how hosts are named and reached -------------------------------------------------------------------------------
 for h in host1 host2; do hosts run $h sh -c "ln -s $bin/* /usr/local/bin"; done
 render 'a comma list with slots, a user and this machine' interleaved 2/host1,root@host2,:
