@@ -108,7 +108,9 @@ sed 's/slots=2/wait=1000/' late.hosts >queue.hosts
 rm -r 'home by-dash/.cache' out.pfm
 fan -S queue.hosts rtworker - <job.task 2>said | gather -o out.pfm
 ok 'a host that is queued: the same picture' cmp out.pfm good.pfm
-is 'a host that is queued: the worker is sent after that' "$(grep -o '^fan: late: [a-z]* is sent' said)" 'fan: late: rtworker is sent'
+is 'a host that is queued: the worker is sent after that' "$(grep -o '^fan: late: .*queued\|^fan: late: .* is sent' said)" \
+	'fan: late: queued
+fan: late: rtworker is sent'
 # joins COMMAND ...: a host with send=auto joins while the run waits for this message
 joins() {
 	message=$1
@@ -162,15 +164,18 @@ host lossy 'perl -e '"'"'while (sysread STDIN, $b, 65536) { $b =~ tr/a/b/; syswr
 ends 'a worker that arrives damaged' lossy "$tmp/cache.lossy/stormring: rtworker is damaged on arrival, or the disk is full"
 is 'a worker that arrives damaged: it is not left there' "$(find cache.lossy ! -type d)" ''
 
-# Hosts that lie: a request for a program that there is not, another word, and the same request twice
-hash=$(sha256sum <"$static/rtworker") hash=${hash%% *}
-for line in 'need 0' nonsense "need $hash"; do
-	host liar "while echo 'stormring-send $line'; do sleep .1; done"
+# lies NAME LINE: a host that says this, again and again, is refused
+lies() {
+	host liar "while echo 'stormring-send $2'; do sleep .1; done"
 	run fan -S liar.hosts rtworker - <job.task
-	is "a host that says $line: it is refused" "$status:$(printf '%s\n' "$err" | grep -v ' is sent, ')" \
-		"3:fan: liar: cannot be used (wrong-request), it says: stormring-send $line
+	is "$1: it is refused" "$status:$(printf '%s\n' "$err" | grep -v ' is sent, ')" \
+		"3:fan: liar: cannot be used (wrong-request), it says: stormring-send $2
 fan: no slot left"
-done
+}
+hash=$(sha256sum <"$static/rtworker")
+lies 'a host that asks for what there is not' 'need 0'
+lies 'a host that asks with other words' nonsense
+lies 'a host that asks twice' "need ${hash%% *}"
 
 # ---- what is refused before a host is asked -----------------------------------------------------------------------------
 run fan -S one.hosts sh -c 'exec rtworker -'
@@ -207,6 +212,14 @@ if $apart mount -t tmpfs none "$tmp/other" 2>/dev/null; then
 	mv "room/tmp/stormring-$(id -u)" room/tmp/mine
 	ln -s mine "room/tmp/stormring-$(id -u)"
 	ends 'a link in /tmp' busy "/tmp/stormring-$(id -u): is a link"
+	if [ "$(id -u)" = 0 ]; then
+		rm room/tmp/stormring-0
+		mv room/tmp/mine room/tmp/stormring-0
+		chown 1 room/tmp/stormring-0
+		ends 'a directory of another user in /tmp' busy '/tmp/stormring-0: belongs to another user'
+	else
+		skip 'a directory of another user in /tmp' 'it needs root'
+	fi
 else
 	skip 'file systems of their own' 'mount namespaces are impossible'
 fi
