@@ -37,6 +37,8 @@ cat >up <<'END'
 mkdir once 2>/dev/null || exec "$@"
 "$@" | damage "$seed"
 END
+# Slots of other machines, played by shells, with packed records.
+for way in down up; do printf '%s\n' "a via=\"sh ./$way sh -c %c\"" "b via=\"sh ./$way sh -c %c\"" >$way.hosts; done
 cat >places <<'END'
 damage "$seed" <$worker/tasks | $worker
 damage "$seed" <$worker/tasks | fan -t 2 -j 2 $worker
@@ -58,6 +60,16 @@ deal sh -c 'fan -t 2 -j 1 $worker | damage "$seed"' <$worker/tasks
 deal sh -c 'damage "$seed" | $worker' <$worker/tasks
 deal sh -c '$worker | damage "$seed"' <$worker/tasks
 END
+cat >packed <<'END'
+deal fan -z on -t 2 -S down.hosts $worker <$worker/tasks
+ringctl fan -z on -t 2 -S down.hosts ringctl -n $worker <$worker/tasks
+fan -z on -t 2 -S up.hosts $worker <$worker/tasks
+deal fan -z on -t 2 -S up.hosts $worker <$worker/tasks
+deal fan -1 -z on -t 2 -S up.hosts $worker <$worker/tasks
+ringctl fan -z on -t 2 -S up.hosts ringctl -n $worker <$worker/tasks
+deal fan -z auto -t 2 -S up.hosts $worker <$worker/tasks
+END
+! fan -l -z on >said 2>&1 || cat packed >>places
 n_places=$(wc -l <places)
 seed=${FIRST:-1} end=$((${FIRST:-1} + ${FAULTS:-120})) good=0 refused=0 bad=''
 export seed worker

@@ -171,7 +171,7 @@ END
 chmod +x once
 echo 'once via="./once %c"' >once.hosts
 rm -f tries
-run sh -c 'deal fan -S once.hosts rtworker - <job.task | gather -o out.pfm'
+run sh -c 'deal fan -z off -S once.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
 	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 30 s$'

@@ -12,7 +12,8 @@
 #define PROBE_FIRST (16 << 10)
 #define PROBE_GROWS 8 /* times */
 #define PROBE_LAST (PROBE_FIRST * PROBE_GROWS * PROBE_GROWS)
-#define FAST 16 /* bytes per microsecond, 128 Mbit/s: then a longer answer says more */
+#define LATE_US 3000000 /* after this time without an answer the link is slow */
+#define FAST 16         /* bytes per microsecond, 128 Mbit/s: then a longer answer says more */
 
 _Static_assert(PROBE_LAST <= WIRE_PROBE_MAX, "the answer to a probe is one record");
 
@@ -56,16 +57,29 @@ void fan_code_begin(struct fan *f, struct fan_slot *s, const struct record *hell
     fan_slot_up(f, s);
 }
 
+bool fan_code_waits(const struct fan_slot *s)
+{
+    return s->state == FAN_OPENING && s->conn.probe_us;
+}
+
+void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us)
+{
+    if (!fan_code_waits(s) || looked_us - s->conn.probe_us < LATE_US) return;
+    pack(s);
+    fan_slot_up(f, s);
+}
+
 const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    if (!s->conn.probe_us || r->body_len != s->conn.probe_bytes) return "wrong-record";
+    if (!s->conn.probe_bytes || r->body_len != s->conn.probe_bytes) return "wrong-record";
+    s->conn.probe_bytes = 0;
+    if (!fan_code_waits(s)) return NULL; /* late */
     int64_t us = now_us() - s->conn.probe_us;
     double link = (double)r->body_len / (double)(us > 0 ? us : 1);
     if (link > FAST && r->body_len < PROBE_LAST) {
         ask(s, r->body_len * PROBE_GROWS);
         return NULL;
     }
-    s->conn.probe_us = 0;
     if (f->coder_speed <= 0) f->coder_speed = coder_speed();
     if (coder_pays(link, f->coder_speed)) pack(s);
     fan_slot_up(f, s);

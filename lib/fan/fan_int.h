@@ -105,8 +105,8 @@ struct connection {
     int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
     int64_t ahead;      /* messages of a node, less those sent to it */
     int stale;          /* answers to no question */
-    int64_t probe_us;   /* when a probe was sent that is not answered; 0: none */
-    size_t probe_bytes; /* the length of its answer */
+    int64_t probe_us;   /* when the latest probe was sent; 0: none was */
+    size_t probe_bytes; /* the length of the answer that is to come; 0: none is */
 
     bool connected;          /* it said hello and was accepted */
     bool announced_frame;    /* it has announced a frame */
@@ -334,6 +334,10 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
 
 /* Slot s was accepted, and sent this hello: it is up at once, or once its link is measured. */
 void fan_code_begin(struct fan *f, struct fan_slot *s, const struct record *hello);
+/* True if the slot waits for the answer to a probe. */
+bool fan_code_waits(const struct fan_slot *s);
+/* The slot is up if it has waited for too long, and its link is slow. */
+void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us);
 /* Takes the answer to a probe. Returns NULL, or why the slot cannot be trusted. */
 const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record *r);
 

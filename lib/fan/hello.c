@@ -109,7 +109,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
     char selftest[24], program[64], format[160];
     int64_t inner;
     if (!rec_ours(r, format)) return refuse(s, "other-version", "its stream %s", format);
-    if (fan_slot_next(s->state, ON_HELLO) == FAN_NEVER || s->conn.probe_us) return "second-hello";
+    if (fan_slot_next(s->state, ON_HELLO) == FAN_NEVER || fan_code_waits(s)) return "second-hello";
     if (!rec_str(r, "selftest", selftest, sizeof selftest)) return "no-selftest";
     program_of(r, program);
     if (!*ref->of) {

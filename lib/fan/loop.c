@@ -55,6 +55,7 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
+        fan_code_late(f, s, looked_us);
         double allowed_s = silence_allowed_s(f, s);
         if (!reading || allowed_s <= 0) s->conn.heard_us = now_us();
         else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6) went_silent(f, s);

@@ -240,7 +240,7 @@ static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s
 static const char *take_record(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     if (too_long(r)) return "long-line";
-    if (s->state != FAN_UP && !s->conn.probe_us && r->kind != REC_HELLO) return "no-hello";
+    if (s->state != FAN_UP && !fan_code_waits(s) && r->kind != REC_HELLO) return "no-hello";
     switch (r->kind) {
     case REC_HELLO: return fan_take_hello(f, s, r);
     case REC_FRAME: return take_frame(f, s, r);
@@ -283,7 +283,7 @@ static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n
 static bool is_chatter(const struct fan_slot *s, enum wire_result result, const struct record *r)
 {
     size_t n;
-    if (s->state == FAN_UP || s->conn.probe_us || s->host->here) return false;
+    if (s->state == FAN_UP || fan_code_waits(s) || s->host->here) return false;
     return result == WIRE_BAD || r->kind != REC_HELLO || !rec_key(r, "selftest", &n);
 }
 
@@ -310,7 +310,7 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
     }
     if (s->state == FAN_UP && !over && (at_work || buf_size(&s->conn.from.in)))
         s->conn.heard_us = now_us();
-    bool waits = s->state != FAN_UP && !s->conn.probe_us;
+    bool waits = s->state != FAN_UP && !fan_code_waits(s);
     if (waits && !why && (s->conn.before_hello += n) > CHATTER_MOST) why = "no-hello";
     if (why) fan_slot_lose(f, s, why, false);
     else if (more <= 0) fan_slot_leave(f, s);

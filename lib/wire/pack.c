@@ -12,7 +12,9 @@ bool wire_pack(struct buf *to, const struct record *r)
 {
     struct buf body = {0};
     char text[64];
+    size_t n;
     if (!r->body_len || r->line_len + KEYS_MAX > WIRE_LINE_MAX) return false;
+    if (rec_key(r, "plain", &n) || rec_key(r, "words", &n)) return false; /* of another meaning */
     enum coder_form form = r->kind == REC_FRAG ? CODER_PIXELS : coder_form_of(r->body, r->body_len);
     bool packed = coder_pack(&body, form, r->body, r->body_len);
     if (packed) {

@@ -26,9 +26,8 @@ void wire_put_line(struct buf *b, const struct record *r, const char *text)
         len = (size_t)((space ? space : end) - at);
         if (begins(at, len, "plain=") || begins(at, len, "words=")) continue;
         const bool bytes = begins(at, len, "bytes=");
-        if (bytes && put) continue;
         if (at != r->line) buf_append(b, " ", 1);
-        buf_append(b, bytes ? text : at, bytes ? strlen(text) : len);
+        buf_append(b, bytes && !put ? text : at, bytes && !put ? strlen(text) : len);
         put |= bytes;
     }
     if (sealed) wire_seal(b, begin);
@@ -75,9 +74,10 @@ bool wire_unpack(struct buf *to, struct record *r)
     buf_consume(to, buf_size(to));
     wire_put_line(to, r, text);
     const size_t line = buf_size(to);
-    unsigned char *body = buf_reserve(to, r->body_len);
+    unsigned char *body = buf_reserve(to, r->body_len + 1);
     if (!coder_unpack(body, r->body_len, form, r->body, r->wire_len)) return false;
-    to->len += r->body_len;
+    body[r->body_len] = '\n';
+    to->len += r->body_len + 1;
     r->line = (const char *)buf_data(to);
     r->line_len = line - 1;
     r->body = buf_data(to) + line;

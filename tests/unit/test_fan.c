@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
+#include "coder/coder.h"
 #include "fan/fan_int.h"
 
 #include <fcntl.h>
@@ -257,6 +258,136 @@ static void a_second_hello_is_refused(void **state)
     assert_non_null(strstr(reported(), "gone w=0 why=second-hello lost=0"));
     let_end(s);
     assert_int_equal(s->state, FAN_GONE);
+}
+
+/* ---- slow links ---- */
+
+/* What fan sent comes back, because the worker is cat(1); here it is lost. */
+static void drop_echo(struct fan_slot *s)
+{
+    char text[128];
+    struct pollfd ready = {.fd = s->conn.child.from, .events = POLLIN};
+    assert_int_equal(poll(&ready, 1, -1), 1);
+    assert_true(read(s->conn.child.from, text, sizeof text) > 0);
+}
+
+/* The worker answers with this number of bytes, after this time on the clock of fan. */
+static void answer(struct fan_slot *s, size_t bytes, int64_t us)
+{
+    struct buf b = {0};
+    wire_probe(&b, bytes);
+    const unsigned char *at = buf_data(&b);
+    size_t left = buf_size(&b), before = s->conn.probe_bytes;
+    while (left) {
+        size_t some = left < 4096 ? left : 4096;
+        s->conn.probe_us = now_us() - us;
+        say(s, at, some);
+        at += some;
+        left -= some;
+    }
+    struct pollfd ready = {.fd = s->conn.child.from, .events = POLLIN};
+    while (before == bytes && s->conn.probe_bytes == before) {
+        assert_int_equal(poll(&ready, 1, -1), 1);
+        fan_slot_listen(&f, s);
+    }
+    buf_free(&b);
+}
+
+static bool packs(const struct fan_slot *s)
+{
+    static const char line[] = "code zstd=1 ";
+    bool told = buf_size(&s->feed.queue.bytes) > sizeof line &&
+                memcmp(buf_data(&s->feed.queue.bytes), line, sizeof line - 1) == 0;
+    assert_int_equal(told, s->feed.queue.packs);
+    return told;
+}
+
+static struct fan_slot *connected(int pack)
+{
+    struct fan_slot *s = &slots[0];
+    options.pack = pack;
+    fan_slot_open(&f, s);
+    say_hello(s);
+    options.pack = FAN_PACK_OFF;
+    return s;
+}
+
+#define HOUR_US INT64_C(3600000000)
+
+static void a_slow_link_is_packed(void **state)
+{
+    (void)state;
+    if (!coder_there()) skip();
+    struct fan_slot *s = connected(FAN_PACK_AUTO);
+    assert_int_equal(s->state, FAN_OPENING);
+    assert_int_equal(s->conn.probe_bytes, 16384);
+    drop_echo(s);
+    answer(s, 16384, HOUR_US);
+    assert_int_equal(s->state, FAN_UP);
+    assert_true(packs(s));
+}
+
+static void a_fast_link_is_probed_further_and_stays_plain(void **state)
+{
+    (void)state;
+    if (!coder_there()) skip();
+    struct fan_slot *s = connected(FAN_PACK_AUTO);
+    for (size_t bytes = 16384; bytes <= 1 << 20; bytes *= 8) {
+        assert_int_equal(s->state, FAN_OPENING);
+        assert_int_equal(s->conn.probe_bytes, bytes);
+        drop_echo(s);
+        answer(s, bytes, -HOUR_US); /* it takes no time at all */
+    }
+    assert_int_equal(s->state, FAN_UP);
+    assert_false(packs(s));
+}
+
+static void a_link_without_an_answer_is_slow(void **state)
+{
+    (void)state;
+    if (!coder_there()) skip();
+    struct fan_slot *s = connected(FAN_PACK_AUTO);
+    drop_echo(s);
+    fan_code_late(&f, s, s->conn.probe_us + 1000000);
+    assert_int_equal(s->state, FAN_OPENING);
+    fan_code_late(&f, s, s->conn.probe_us + 3000000);
+    assert_int_equal(s->state, FAN_UP);
+    assert_true(packs(s));
+    answer(s, 16384, 0);
+    assert_int_equal(s->state, FAN_UP);
+    answer(s, 16384, 0); /* a second one */
+    assert_non_null(strstr(reported(), "gone w=0 why=wrong-record lost=0"));
+}
+
+static void an_answer_of_another_length_is_refused(void **state)
+{
+    (void)state;
+    if (!coder_there()) skip();
+    struct fan_slot *s = connected(FAN_PACK_AUTO);
+    drop_echo(s);
+    answer(s, 1024, 0);
+    assert_int_equal(s->state, FAN_ENDING);
+    assert_non_null(strstr(reported(), "gone w=0 why=wrong-record lost=0"));
+}
+
+static void records_are_packed_on_demand_without_a_probe(void **state)
+{
+    (void)state;
+    if (!coder_there()) skip();
+    struct fan_slot *s = connected(FAN_PACK_ON);
+    assert_int_equal(s->state, FAN_UP);
+    assert_int_equal(s->conn.probe_bytes, 0);
+    assert_true(packs(s));
+}
+
+static void nothing_is_packed_without_leave(void **state)
+{
+    (void)state;
+    struct fan_slot *s = connected(FAN_PACK_OFF);
+    assert_int_equal(s->state, FAN_UP);
+    assert_false(packs(s));
+    answer(s, 8, 0);
+    assert_non_null(strstr(reported(), "gone w=0 why=garbage lost=0"));
 }
 
 static void assert_no_connection(const struct connection *c)
@@ -608,6 +739,12 @@ int main(void)
         cmocka_unit_test(every_state_is_reached_and_can_end),
         cmocka_unit_test_setup_teardown(what_cannot_happen_is_an_internal_error, begin, end),
         cmocka_unit_test_setup_teardown(a_second_hello_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(a_slow_link_is_packed, begin, end),
+        cmocka_unit_test_setup_teardown(a_fast_link_is_probed_further_and_stays_plain, begin, end),
+        cmocka_unit_test_setup_teardown(a_link_without_an_answer_is_slow, begin, end),
+        cmocka_unit_test_setup_teardown(an_answer_of_another_length_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(records_are_packed_on_demand_without_a_probe, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_is_packed_without_leave, begin, end),
         cmocka_unit_test_setup_teardown(a_connection_leaves_nothing_to_the_next, begin, end),
         cmocka_unit_test_setup_teardown(tasks_wait_for_a_slot_that_was_never_up, begin, end),
         cmocka_unit_test_setup_teardown(a_worker_that_ends_as_told_ends_well, begin, end),
