@@ -67,7 +67,7 @@ grid vtk
 hosts host
 image assembly pam pfm png pnm quantizer sampler srgb
 log intake
-pipe blob down outlet stdout_private stream up
+pipe blob down outlet silence stdout_private stream up
 proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
 sched deal gdc hub node pace policy set

@@ -113,7 +113,7 @@ is "fan -l" "$(fan -l -j 2 | tr '\t\n' ' ;')" "0 : -;1 : -;"
 state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
-is "fan: its hello has the number of slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ zstd=1//; s/ sum=.*//')" \
+is "fan: its hello has the number of slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ alive=1//; s/ zstd=1//; s/ sum=.*//')" \
 	"hello fan 0.2 format=3 S P slots=3"
 is "fan: it sends up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"

@@ -57,8 +57,8 @@ echo 'drip via="./drip %c"' >drips
 spdgen -s 3 gears >large.nff
 { pack scene large.nff; partition 16x16; } >large.task
 (
-	fan -S drips deal fan -j 1 rtworker - <large.task >tree.frags 2>tree.said &
-	fan -S drips rtworker - <large.task >drip.frags 2>drip.said
+	fan -z off -S drips deal fan -j 1 rtworker - <large.task >tree.frags 2>tree.said &
+	fan -z off -S drips rtworker - <large.task >drip.frags 2>drip.said
 	echo $? >drip.status
 	wait
 ) &

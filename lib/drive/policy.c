@@ -131,6 +131,8 @@ static int take_down(void *ctx, const struct record *r)
         outlet_answer(&d->out);
         return 0;
     case REC_CODE: outlet_code(&d->out, r); return 0;
+    case REC_ALIVE: silence_count(r); return 0;
+    case REC_BEAT: return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:

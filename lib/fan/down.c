@@ -225,6 +225,8 @@ static int route(void *ctx, const struct record *r)
         return 0;
     case REC_TASK: return route_task(f, r);
     case REC_CODE: outlet_code(&f->out, r); return 0;
+    case REC_ALIVE: silence_count(r); return 0;
+    case REC_BEAT: return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:

@@ -2,8 +2,9 @@
  * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
  * (which slots are connected next, and what is reported about hosts); join.c (a hosts file that
  * changes: slots that join the run and leave it); refusal.c (why a connection failed); hello.c
- * (which workers are let in); code.c (links on which records are packed); up.c (what workers send);
- * err.c (their standard error); send.c (programs for hosts that have none); list.c (fan -l).
+ * (which workers are let in); alive.c (silence of this end); code.c (links on which records are
+ * packed); up.c (what workers send); err.c (their standard error); send.c (programs for hosts that
+ * have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -102,6 +103,7 @@ struct connection {
     int64_t leave_us;              /* deadline for its exit, once it leaves */
     int64_t beat_us;               /* its last beat that was passed on */
     int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
+    int64_t told_us;   /* when it was last told that this end lives; 0: it need not know */
     int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
     int64_t ahead;      /* messages of a node, less those sent to it */
     int stale;          /* answers to no question */
@@ -329,6 +331,14 @@ int fan_staff(const struct fan *f);
 void fan_ask_reference(struct fan *f);
 /* Returns NULL if the slot is accepted (it is up then), or the reason of refusal. */
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
+
+/* ---- alive.c ---- */
+
+/* Slot s was accepted, and sent this hello: on another machine, it is to end when this end is
+ * silent. */
+void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *hello);
+/* Writes a beat to the slot, if it is time, and nothing else is on its way. */
+void fan_alive_beat(struct fan *f, struct fan_slot *s);
 
 /* ---- code.c ---- */
 

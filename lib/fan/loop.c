@@ -116,6 +116,7 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
 static void tend_slot(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     if (s->conn.child.err >= 0 && p[s->conn.poll + 2].revents) fan_slot_show_err(f, s);
+    fan_alive_beat(f, s);
     if (fan_slot_fed(s) && s->conn.child.to >= 0) fan_slot_feed(f, s, &p[s->conn.poll]);
     else if (fan_slot_is_sent(s)) fan_slot_send_more(s, &p[s->conn.poll]);
     if (s->conn.child.from >= 0 && p[s->conn.poll + 1].revents) fan_slot_listen(f, s);

@@ -79,6 +79,19 @@ void up_free(struct up_queue *q);
  */
 size_t stdout_private(void);
 
+/* ---- silence.c: the program at the other end of standard input may be cut off ---- */
+
+/*
+ * From this `alive` record on, the process ends with ST_SYSTEM, at once and whatever it does, if
+ * nothing has come on standard input for the time that the record states. The sender writes beats
+ * more often than that. Children that proc started end with the process.
+ */
+void silence_count(const struct record *r);
+/* Something was read from standard input. */
+void silence_heard(void);
+/* Standard input has ended, or this is another process: its silence means nothing. */
+void silence_forget(void);
+
 /* ---- loops ---- */
 
 #define UP_QUEUE_MOST (4 << 20)   /* bytes for the reader; then workers wait */

@@ -16,6 +16,8 @@ struct pollfd pipe_poll_entry(int fd, bool wanted, short events)
 int stream_read(struct decoder *d, int fd)
 {
     ptrdiff_t n = read_some(fd, &d->in, READ_BYTES);
+    if (fd == STDIN_FILENO && n > 0) silence_heard();
+    if (fd == STDIN_FILENO && n <= 0) silence_forget();
     if (n > 0) return 1;
     wire_end(d);
     return (int)n;

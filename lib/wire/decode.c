@@ -45,6 +45,7 @@ static const struct grammar {
     [REC_JOINS] = {"joins", ARGS_NONE, false},
     [REC_LEAVE] = {"leave", ARGS_NONE, false},
     [REC_DRAIN] = {"drain", ARGS_NONE, false},
+    [REC_ALIVE] = {"alive", ARGS_NONE, false},
 };
 
 const char *rec_name(enum rec_kind kind) { return grammar[kind].name; }
@@ -246,6 +247,10 @@ static bool parse_line(
         return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
     bool of_slot = r->kind == REC_UP || r->kind == REC_GONE || r->kind == REC_DRAIN;
     if (of_slot && !has_key(r, "w")) return fail(why, grammar[r->kind].name, "w=K");
+    double within_s;
+    if (r->kind == REC_ALIVE &&
+        !rec_real(r, "within", WIRE_WITHIN_LEAST, WIRE_WITHIN_MOST, &within_s))
+        return fail(why, "no such time", "within=S in range");
     if (r->kind == REC_LEAVE && r->task.to < 0) return fail(why, grammar[r->kind].name, "to=K");
     return parse_body(r, d, why) && check_seal(r, d->upward, why);
 }

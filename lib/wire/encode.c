@@ -44,7 +44,7 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots)
 {
     size_t at = buf_size(b);
-    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d%s", program,
+    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d alive=1%s", program,
         STORMRING_VERSION, WIRE_FORMAT, selftest, power, slots, coder_there() ? " zstd=1" : "");
     wire_seal(b, at);
 }

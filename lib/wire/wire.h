@@ -18,6 +18,8 @@
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
+#define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
+#define WIRE_WITHIN_MOST 1e8               /* to this */
 #define WIRE_WHY 160                       /* bytes of a message for people */
 #define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
 
@@ -45,6 +47,7 @@ enum rec_kind {
     REC_JOINS,
     REC_LEAVE, /* down, from a policy to its fan */
     REC_DRAIN, /* up, from a fan to its policy */
+    REC_ALIVE, /* down, from a fan to a worker on another machine */
     REC_KINDS
 };
 

@@ -282,6 +282,8 @@ static void take_record(struct worker *w, const struct record *r)
     switch (r->kind) {
     case REC_FRAME: take_frame(w, r); break;
     case REC_CODE: take_code(w, r); break;
+    case REC_ALIVE: silence_count(r); break;
+    case REC_BEAT: break;
     case REC_FLUSH:
         release_held(w);
         wire_plain(&w->out, REC_BEAT, NULL); /* an answer even if nothing was held */
@@ -304,6 +306,8 @@ static bool fill(struct worker *w)
     if (p[1].revents & GONE) reader_gone(0);
     ptrdiff_t n = read_some(STDIN_FILENO, &w->in.in, READ_BYTES);
     if (n < 0) die(ST_SYSTEM, "standard input:");
+    if (n > 0) silence_heard();
+    else silence_forget();
     return n > 0;
 }
 

@@ -1,0 +1,35 @@
+/*
+ * fan: the silence of this end. A worker on a host that was cut off, or under a stopped sshd, sees
+ * no end of its input. It is told for how long this end may be silent, and gets beats more often.
+ */
+#include "fan/fan_int.h"
+
+#define SILENCES 10 /* of -t: by then this end has given the slot up for long */
+#define BEATS 4     /* in this time */
+
+static double within_s(const struct fan *f) { return SILENCES * f->o->silence_s; }
+
+/* Nothing is queued for the slot, so this is written whole, or the pipe is full and it need not. */
+static void tell(struct fan_slot *s, enum rec_kind kind, const char *extra)
+{
+    struct down_queue q = {0};
+    wire_plain(&q.bytes, kind, extra);
+    down_write(&q, s->conn.child.to);
+    down_free(&q);
+    s->conn.told_us = now_us();
+}
+
+void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *hello)
+{
+    char text[40];
+    if (s->host->here || s->conn.child.to < 0 || !rec_is(hello, "alive", "1")) return;
+    snprintf(text, sizeof text, "within=%g", within_s(f));
+    tell(s, REC_ALIVE, text);
+}
+
+void fan_alive_beat(struct fan *f, struct fan_slot *s)
+{
+    if (!s->conn.told_us || s->conn.child.to < 0) return;
+    if (fan_slot_fed(s) && down_size(&s->feed.queue)) return; /* that tells it as well */
+    if ((double)(now_us() - s->conn.told_us) >= within_s(f) / BEATS * 1e6) tell(s, REC_BEAT, NULL);
+}
