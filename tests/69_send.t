@@ -52,6 +52,16 @@ is 'two slots: nothing is sent' "$(cat messages)" ''
 works 'one worker for two slots' far -1
 is 'one worker for two slots: nothing is sent' "$(cat messages)" ''
 
+# The way to the directory is exchanged once the script has looked at it: the directory is used that was looked at.
+mkdir mine theirs swap
+ln -s mine way
+printf '#!/bin/sh\nln -sfn theirs "%s/way"\nexec /bin/chmod "$@"\n' "$tmp" >swap/chmod
+chmod +x swap/chmod
+host swapped "env -i PATH='$tmp/swap:$PATH' XDG_CACHE_HOME='$tmp/way' /bin/sh -c \"\$1\""
+sed -i 's/slots=2/slots=1/' swapped.hosts
+works 'a link that is exchanged on the way' swapped
+is 'a link that is exchanged on the way: the worker is where it led at first' "$(find mine theirs -name rtworker | cut -d / -f 1)" mine
+
 echo x | dd of="$(cached far rtworker)" bs=1 seek=70000 conv=notrunc 2>/dev/null
 works 'a damaged worker there' far
 is 'a damaged worker there is replaced' "$(cat messages)" "$(printf "$sent" far)"

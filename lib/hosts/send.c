@@ -34,7 +34,8 @@ static const char script[] =
     "w=$(LC_ALL=C mkdir -p \"$d\" 2>&1) || no \"$w\"; "
     /* In /tmp another user may have been faster. */
     "if [ -h \"$d\" -a -z \"$c\" ]; then no \"$d: is a link\"; fi; "
-    "[ -O \"$d\" ] || no \"$d: belongs to another user\"; "
+    /* From here on the directory has the name that no link leads to: it may be exchanged. */
+    "w=$(cd -P \"$d\" && [ -O . ] && pwd -P) || no \"$d: belongs to another user\"; d=$w; "
     "w=$(LC_ALL=C chmod 700 \"$d\" 2>&1) || no \"$w\"; "
     "good() { case $({ sha256sum <\"$2\"; } 2>/dev/null) in \"$1 \"*) ;; *) false;; esac; }; "
     "until [ \"$1\" = -- ]; do f=$d/$1/$3; "
