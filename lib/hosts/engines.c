@@ -18,7 +18,7 @@
  * One step of the job for each connection. -u: records are forwarded when they come, not when a
  * line is full. --overlap: the job's script and other steps may use the same processors.
  */
-#define STEP_VIA "srun -u -N 1 -n 1 -c %d --overlap --cpu-bind=none -w %%h sh -c %%c"
+#define STEP_VIA "srun -Qu -N 1 -n 1 -c %d --overlap -w %%h sh -c %%c"
 
 /* Sets r to the variable's text. */
 static bool find_variable(struct hosts_reader *r, const char *variable)

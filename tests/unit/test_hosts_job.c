@@ -202,7 +202,7 @@ static void a_node_is_reached_by_a_step_of_its_own(void **state)
     assert_true(slurm("n[1-2]", "4,16"));
     char **argv = host_argv(&hosts.at[1], worker);
     assert_string_equal(argv[2],
-        "exec srun -u -N 1 -n 1 -c 16 --overlap --cpu-bind=none -w n2 sh -c"
+        "exec srun -Qu -N 1 -n 1 -c 16 --overlap -w n2 sh -c"
         " 'exec rtworker '\\''it'\\''\\'\\'''\\''s'\\'''");
     host_argv_free(argv);
     hosts_free(&hosts);
