@@ -183,6 +183,7 @@ $(BUILD)/.need:
 $(BUILD)/libstormring.a: $(LIBOBJ)
 	@rm -f $@
 	$(AR) rcs $@ $(LIBOBJ)
+	@echo '$(LIBS)' >$(BUILD)/libs # for programs that are compiled elsewhere
 
 $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)

@@ -21,11 +21,11 @@ static void find_hosts(struct hosts *h, const char *list, int slots)
 }
 
 /* The argument of -z. */
-static int packing(const char *word)
+static enum fan_pack packing(const char *word)
 {
     static const char *const words[] = {
         [FAN_PACK_AUTO] = "auto", [FAN_PACK_ON] = "on", [FAN_PACK_OFF] = "off"};
-    for (int i = 0; i < 3; i++) {
+    for (enum fan_pack i = FAN_PACK_AUTO; i <= FAN_PACK_OFF; i++) {
         if (strcmp(word, words[i]) != 0) continue;
         if (i == FAN_PACK_ON && !coder_there())
             die(ST_USAGE, "-z on: built without libzstd, expected off or auto");

@@ -47,12 +47,9 @@ there() {
 }
 # compile NAME: tests/NAME.c, linked with the library of the clone, becomes a program in this directory
 compile() {
-	set -- "$1" "$root/build/libstormring.a" -lpng -lz -lm
-	[ ! -e "$root/build/coder/zstd.o" ] || set -- "$@" -lzstd
-	tap_source=$1
-	shift
-	cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o "$tap_source" "$root/tests/$tap_source.c" "$@" ||
-		{ echo "Bail out! tests/$tap_source.c does not compile"; exit 3; }
+	# shellcheck disable=SC2046  # a word each
+	cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o "$1" "$root/tests/$1.c" "$root/build/libstormring.a" $(cat "$root/build/libs") ||
+		{ echo "Bail out! tests/$1.c does not compile"; exit 3; }
 }
 # needs NAME ...: skips the whole file of tests if one of them is missing
 needs() { there "$@" || { echo "1..0 # SKIP $missing is not there"; exit 0; }; }

@@ -7,13 +7,15 @@
 
 #include "hosts/hosts.h"
 
+enum fan_pack { FAN_PACK_AUTO, FAN_PACK_ON, FAN_PACK_OFF };
+
 struct fan_options {
     const struct hosts *hosts;
     char *const *command;    /* NULL-ended: the worker, one for each slot */
     struct hosts_sent *sent; /* programs for hosts without any, by hosts_send */
     bool trips;              /* fan -l: round trips as well */
     bool one_each; /* one worker for each host, with -j SLOTS, instead of one for each slot */
-    enum { FAN_PACK_AUTO, FAN_PACK_ON, FAN_PACK_OFF } pack; /* records of other machines */
+    enum fan_pack pack;   /* records of other machines */
     double silence_s; /* a slot that has work is lost after this silence */
 };
 

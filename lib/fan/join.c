@@ -59,7 +59,7 @@ void fan_add_host(struct fan *f, const struct host *line)
 void fan_add_slots(struct fan *f, int h, int n)
 {
     int width = f->o->one_each ? n : 1, more = n / width;
-    f->slots = xrealloc(f->slots, (size_t)(f->n_slots + more), sizeof *f->slots);
+    f->slots = xrealloc(f->slots, (size_t)f->n_slots + (size_t)more, sizeof *f->slots);
     f->poll = xrealloc(f->poll, FAN_POLL(f->n_slots + more), sizeof *f->poll);
     f->n[FAN_WAITING] += more;
     for (; more; more--, f->n_numbers += width)

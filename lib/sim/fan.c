@@ -90,12 +90,17 @@ static void fan_step(
     void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     struct fan *f = state;
+    bool known = e->slot < f->n_slots; /* slots that join later get nothing */
     (void)now;
     switch (e->kind) {
     case SCHED_TASK: take_task(f, e, out); break;
     case SCHED_SLOTS: take_slots(f, e->n, out); break;
-    case SCHED_UP: take_up(f, e->slot, out); break;
-    case SCHED_GONE: f->up[e->slot] = false; break;
+    case SCHED_UP:
+        if (known) take_up(f, e->slot, out);
+        break;
+    case SCHED_GONE:
+        if (known) f->up[e->slot] = false;
+        break;
     case SCHED_PIXELS: take_pixels(f, e, out); break;
     case SCHED_INPUT_END: f->ended = true; break;
     default: break;

@@ -20,10 +20,9 @@ built() {
 	[ ! -x "$1" ] || return 0
 	name=$1
 	shift
-	set -- "$@" -lpng -lz -lm
-	[ ! -e "$root/build/coder/zstd.o" ] || set -- "$@" -lzstd
+	# shellcheck disable=SC2046  # a word each
 	cc -std=c11 -D_GNU_SOURCE -O2 -ffp-contract=off -I"$root/lib" -o "$name" "$root/tests/bench/$name.c" \
-		"$root/build/libstormring.a" "$@" || stop "$name does not compile"
+		"$root/build/libstormring.a" "$@" $(cat "$root/build/libs") || stop "$name does not compile"
 }
 # cpu_s TIMES COMMAND: prints the CPU seconds of one COMMAND, a line of shell, with all processes that it waits for
 cpu_s() {

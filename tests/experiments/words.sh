@@ -94,11 +94,9 @@ can_build() {
 }
 # built NAME: builds that program in this directory
 built() {
-	zstd=''
-	[ ! -e "$here/../build/coder/zstd.o" ] || zstd=-lzstd
-	# shellcheck disable=SC2086  # one word, or none
+	# shellcheck disable=SC2046  # a word each
 	[ -x "$1" ] || { cc -std=c11 -D_GNU_SOURCE -O2 -I"$here/../lib" -o "$1.new" "$here/../tests/bench/$1.c" "$here/../build/libstormring.a" \
-		-lpng -lz $zstd -lm && mv "$1.new" "$1"; } >&2 || fail 3 'failed: cc'
+		$(cat "$here/../build/libs") && mv "$1.new" "$1"; } >&2 || fail 3 'failed: cc'
 }
 # delayed MS: prints the words that put a command behind a link of MS milliseconds, one way, over real pipes
 delayed() { built delay && echo "$PWD/delay $1"; }
