@@ -1,6 +1,6 @@
 #!/bin/sh
-# The seeds of `make check` find every mutant of a policy, and two unit tests those of records and of slots (mutants/).
-# The shipped code passes them.
+# The seeds of `make check` find every mutant of a policy, and unit tests those of records, slots, workers and scenes
+# (mutants/). The shipped code passes them.
 . "$(dirname "$0")/lib.sh"
 needs /usr/include/cmocka.h
 mutants=$root/tests/mutants
@@ -94,4 +94,11 @@ modules='base task coder wire pipe proc hosts fan' sign='[[]  FAILED  []]'
 ok 'the modules of fan compile' compile "$root"/lib/coder/arrange.c "$root"/lib/coder/none.c "$root"/lib/wire/*.c "$root"/lib/pipe/*.c "$root"/lib/proc/*.c "$root"/lib/hosts/*.c "$root"/lib/fan/*.c
 family wire
 family fan
+modules='base task coder wire pipe proc worker'
+ok 'the modules of worker compile' compile "$root"/lib/worker/*.c
+family worker
+family forks
+modules='base scene'
+ok 'the modules of scene compile' compile "$root"/lib/scene/*.c
+family nff_parts
 finish

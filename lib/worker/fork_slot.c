@@ -117,8 +117,12 @@ static bool lend(struct forks *p, struct fork_slot *s, int32_t i)
     struct fork_slot *to = NULL;
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *o = &p->slots[k];
-        if (!fits(o, e.task.generation) || tasks_find(&o->tasks, e.task.frame, e.task.id) >= 0)
+        if (!fits(o, e.task.generation)) continue;
+        int32_t same = tasks_find(&o->tasks, e.task.frame, e.task.id);
+        if (same >= 0) { /* it can take the task when the pixels of its own copy are here */
+            o->flush |= extra(o, same)->again && !o->flushed;
             continue;
+        }
         if (!to || o->undone + o->waiting.count < to->undone + to->waiting.count) to = o;
     }
     return to && worker_fork_add(to, &e.task, e.frame_w, extra(s, i)->of);
