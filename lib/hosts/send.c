@@ -106,7 +106,7 @@ static void add(struct hosts_sent *sent, const char *directory, const char *name
     bool found = false;
     /* A name with a slash is that of a file on the host. */
     if (!*name || strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_-") != strlen(name)) return;
-    if (known(sent, name)) return;
+    if (known(sent, name) || sent->n == HOSTS_SENT_MOST) return;
     for (size_t i = 0; i < sizeof places / sizeof *places && !found; i++) {
         struct buf path = {0};
         buf_printf(&path, "%s%s/%s", directory, places[i], name);

@@ -731,6 +731,52 @@ static void no_worker_breaks_the_table(void **state)
     for (int s = FAN_WAITING; s < FAN_SLOT_STATES; s++) assert_true(seen[s]);
 }
 
+/* ---- programs for a host that has none ---- */
+
+static const char *request(struct fan_slot *s, const char *text)
+{
+    return fan_take_requests(s, (const unsigned char *)text, strlen(text));
+}
+
+static void a_host_gets_each_program_once(void **state)
+{
+    (void)state;
+    struct hosts_program programs[] = {
+        {.name = (char[]){"one"}, .sha256 = "aa"}, {.name = (char[]){"two"}, .sha256 = "bb"}};
+    const struct hosts_sent sent = {programs, 2};
+    struct fan_slot *s = &slots[0];
+    buf_append(&programs[0].bytes, "11111", 5);
+    buf_append(&programs[1].bytes, "22", 2);
+    fan_slot_open(&f, s);
+    assert_null(request(s, "stormring-send need aa\n"));
+    assert_false(fan_slot_has_asked(s)); /* it has programs of its own */
+    of_file.sent = &sent;
+    assert_null(request(s, "Welcome\nno stormring-send need aa\nstormring-se"));
+    assert_false(fan_slot_has_asked(s));
+    assert_null(request(s, "nd need bb\nand more\n"));
+    assert_true(fan_slot_is_sent(s));
+    assert_int_equal(down_size(&s->conn.sending.queue), 2);
+    assert_null(request(s, "stormring-send need aa\n"));
+    assert_int_equal(down_size(&s->conn.sending.queue), 7);
+    assert_string_equal(request(s, "stormring-send need bb\n"), "wrong-request");
+    assert_string_equal(request(s, "stormring-send need b\n"), "wrong-request");
+    assert_string_equal(request(s, "stormring-send give aa\n"), "wrong-request");
+    assert_string_equal(request(s, "stormring-send no \033disk\nstormring-send no\n"), "not-sent");
+    assert_string_equal(s->conn.detail, "?disk");
+    fan_slot_lose(&f, s, "not-sent", true);
+    let_end(s);
+    assert_false(fan_slot_has_asked(s));
+    assert_int_equal(down_size(&s->conn.sending.queue), 0);
+    fan_slot_open(&f, s);
+    assert_null(request(s, "stormring-send need bb\n")); /* for each connection */
+    fan_slot_up(&f, s);
+    assert_null(request(s, "stormring-send need aa\n")); /* these are records now */
+    assert_false(fan_slot_is_sent(s));
+    of_file.sent = NULL;
+    buf_free(&programs[0].bytes);
+    buf_free(&programs[1].bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -753,6 +799,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_last_try_is_the_last, begin, end),
         cmocka_unit_test_setup_teardown(slots_without_a_line_drain, begin, end),
         cmocka_unit_test_setup_teardown(a_slot_that_was_lost_and_drains_is_given_up, begin, end),
+        cmocka_unit_test_setup_teardown(a_host_gets_each_program_once, begin, end),
         cmocka_unit_test_setup_teardown(no_worker_breaks_the_table, begin, end),
     };
     signals_catch();
