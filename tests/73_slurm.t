@@ -31,6 +31,10 @@ is 'salloc: one step for each node' "$(steps "$(last_job)")" '1 1 1 1 '
 run salloc -Q -N 2 --exclusive balance gdc -S slurm: -s 96x96 -o ring.pfm gears.nff
 ok 'salloc, a ring: the same picture' cmp ring.pfm good.pfm
 
+for n in n1 n2; do echo "$n slots=2 via=\"srun -Q -N 1 -n 1 -c 2 --overlap -w %h sh -c %c\""; done >lines
+run salloc -Q -N 2 -w n1,n2 --exclusive balance interleaved -1 -S lines -s 96x96 -o lines.pfm gears.nff
+ok 'srun without -u: the same picture' cmp lines.pfm good.pfm
+
 examples "$root/man/stormring-engines.7" | sed -n 's/^#shows sbatch/sbatch/p' >script
 is 'the page has one command of sbatch' "$(wc -l <script)" 1
 ok 'sbatch, the command of the page: exit 0' sh script
@@ -106,7 +110,9 @@ set_node n4 resume
 cat >half <<'END'
 { pack scene gears.nff; partition 96x96 | head -n 50; sleep infinity; } | deal fan -1 -S slurm: rtworker - | gather -r batch.log -o batch.pfm
 END
-for n in n2 n3 n4; do echo "$n slots=2 wait=7200 via=\"srun -Qu -N 1 -n 1 -c 2 -w %h sh -c %c\""; done >hosts
+via=$(sed -n 's/^[.]Dl \(via="srun .*\)/\1/p' "$root/man/stormring-engines.7")
+is 'the page has one line for hosts files' "$(printf '%s\n' "$via" | grep -c ' -c 8 ')" 1
+for n in n2 n3 n4; do echo "$n slots=2 $via" | sed 's/ -c 8 / -c 2 /'; done >hosts
 some() { [ -e batch.log ] && [ "$(grep -ac "^frag " batch.log)" -ge 49 ]; }
 over() { [ "$(squeue -h -t all -j "$limited" -o %T)" = TIMEOUT ]; }
 limited=$(sbatch --parsable -N 1 -w n1 --exclusive --wrap 'sh half')
