@@ -36,7 +36,7 @@ run_with() {
 		await 60 gone_well
 		await 60 seen up 5
 		sed -n '34,$p' job.task
-	} | MARK=$mark deal $deal sh -c "fan $* | tee events" 2>said | gather -o out.pfm 2>>said
+	} | MARK=$mark sh -c "deal $deal sh -c 'fan $* | tee events'" 2>said | gather -o out.pfm 2>>said
 }
 for deal in '-q 0' '-q 1' '-q auto -e'; do
 	# shellcheck disable=SC2086

@@ -14,17 +14,19 @@ rm -rf "$1" && mkdir "$1" && mkfifo "$1/down" "$1/up" || exit 255
 setsid sh -c '
 	one=$0/pids
 	sh -c "echo \$\$ >>$one; exec cat" <"$0/down" | sh -c "$1" 2>"$0/said" | sh -c "echo \$\$ >>$one; exec cat" >"$0/up"
-' "$1" "$2" &
+' "$1" "$2" >/dev/null &
 cat <"$1/up" &
 exec cat >"$1/down"
 END
 chmod +x relay
 partition 64x64 >job.task
 rtworker tetra.nff <job.task | gather -o good.pfm
-# stop DIR: stops both cat of the relay
-stop() { for p in $(cat "$1/pids"); do kill -STOP "$p"; done; }
-continue_all() { for d in relay?*; do [ ! -e "$d/pids" ] || for p in $(cat "$d/pids"); do kill -CONT "$p"; done; done 2>/dev/null; }
-stopped() { for p in $(cat "$1/pids"); do grep -q '^State:.T' "/proc/$p/status" || return; done; }
+# pids DIR: those of both cat of the relay
+pids() { cat "$1/pids"; }
+# stop DIR: stops them
+stop() { for p in $(pids "$1"); do kill -STOP "$p"; done; }
+continue_all() { for d in relay?*; do [ ! -e "$d/pids" ] || for p in $(pids "$d"); do kill -CONT "$p"; done; done 2>/dev/null; }
+stopped() { for p in $(pids "$1"); do grep -q '^State:.T' "/proc/$p/status" || return; done; }
 up() { [ "$(grep -a -c '^up ' events)" -ge "$1" ]; }
 # ended PID ...: no such process runs; a dead one may wait to be reaped
 ended() { for p; do [ -z "$(tr -d "\0" <"/proc/$p/cmdline")" ] || return; done 2>/dev/null; }

@@ -1,6 +1,7 @@
 /*
  * fan: the silence of this end. A worker on a host that was cut off, or under a stopped sshd, sees
  * no end of its input. It is told for how long this end may be silent, and gets beats more often.
+ * One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 
@@ -19,10 +20,11 @@ static void tell(struct fan_slot *s, enum rec_kind kind, const char *extra)
     s->conn.told_us = now_us();
 }
 
-void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *hello)
+void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[40];
-    if (s->host->here || s->conn.child.to < 0 || !rec_is(hello, "alive", "1")) return;
+    int64_t reads;
+    if (s->host->here || s->conn.child.to < 0 || !rec_int(r, "alive", 1, 1, &reads)) return;
     snprintf(text, sizeof text, "within=%g", within_s(f));
     tell(s, REC_ALIVE, text);
 }

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #define TICKS 8     /* in the time allowed */
-#define UNREAD 1024 /* bytes; if so many wait here, the pipe may be full, and nothing can come */
+#define UNREAD 1024 /* bytes; if these wait here, the pipe may be full, and nothing can come */
 
 static volatile sig_atomic_t heard; /* something was read since the last tick */
 static int silent;                  /* ticks without that */

@@ -396,8 +396,8 @@ static void test_refused(void **state)
         "ring me=1 n=1 rules=default give=half\n", "ring me=0 n=1048577 rules=default give=half\n",
         "ring me=0 n=1 rules=old give=half\n", "ring me=0 n=1 rules=default give=two\n",
         "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n", "drain\n", "drain to=1\n",
-        "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n", "alive\n", "alive within=.4\n", "alive within=1e9\n",
-        "alive within=x\n"};
+        "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n",
+        "alive\n", "alive within=.4\n", "alive within=1e9\n", "alive within=x\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct decoder d = {0};
         struct record r;
