@@ -66,7 +66,7 @@ static void read_part(void *ctx, uint32_t i)
 {
     struct part *a = &((struct parts *)ctx)->at[i];
     struct material first = NFF_MATERIAL_DEFAULT;
-    if (i) first.r = NAN;
+    if (i) first.r = (double)NAN;
     reader_add_material(&a->r, &first);
     a->ok = reader_entities(&a->r);
 }
