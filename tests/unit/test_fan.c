@@ -301,7 +301,7 @@ static bool packs(const struct fan_slot *s)
     return told;
 }
 
-static struct fan_slot *connected(int pack)
+static struct fan_slot *connected(enum fan_pack pack)
 {
     struct fan_slot *s = &slots[0];
     options.pack = pack;
