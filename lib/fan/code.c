@@ -59,7 +59,7 @@ void fan_code_begin(struct fan *f, struct fan_slot *s, const struct record *hell
 
 bool fan_code_waits(const struct fan_slot *s)
 {
-    return s->state == FAN_OPENING && s->conn.probe_us;
+    return fan_slot_has_stream(s) && s->state != FAN_UP && s->conn.probe_us;
 }
 
 void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us)
