@@ -72,7 +72,7 @@ static const struct worker_ops ops = {
 struct run {
     struct worker_options options;
     int files;  /* limit of open files; 0: as it is */
-    int copies; /* each task goes to so many slots, the next ones from its number on */
+    int copies; /* a task goes to this number of slots, from its own number on */
     bool any;   /* tasks are for any slot */
     /* its outcome */
     int status;
