@@ -131,10 +131,12 @@ static void join_room(struct parts *p)
     first->vertices = first->normals = NULL;
 }
 
-static void copy_vectors(struct vec3 *to, const struct vec3 *from, uint32_t n)
+/* Copies n vectors, or zeros, to to[first]. */
+static void copy_vectors(struct vec3 *to, uint32_t first, const struct vec3 *from, uint32_t n)
 {
-    if (n && from) memcpy(to, from, n * sizeof *to);
-    else if (n) memset(to, 0, n * sizeof *to);
+    if (!n || !to) return;
+    if (from) memcpy(to + first, from, n * sizeof *to);
+    else memset(to + first, 0, n * sizeof *to);
 }
 
 static void join_part(void *ctx, uint32_t i)
@@ -148,9 +150,8 @@ static void join_part(void *ctx, uint32_t i)
         to->material = a->material[to->material];
         if (to->kind >= PRIM_POLYGON) to->poly.first += a->vertices;
     }
-    copy_vectors(p->whole.vertices + a->vertices, a->s.vertices, a->s.n_vertices);
-    if (p->whole.normals)
-        copy_vectors(p->whole.normals + a->vertices, a->s.normals, a->s.n_vertices);
+    copy_vectors(p->whole.vertices, a->vertices, a->s.vertices, a->s.n_vertices);
+    copy_vectors(p->whole.normals, a->vertices, a->s.normals, a->s.n_vertices);
     scene_free(&a->s);
 }
 

@@ -1,6 +1,7 @@
 /*
  * Whatever the bytes: nff_read returns a scene or a message. What it accepts is in range,
- * triangulates within its bounds, and survives being written and read again.
+ * triangulates within its bounds, and survives being written and read again. Text in two parts gives
+ * the same.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -ffp-contract=off -Ilib \
  *         -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
@@ -8,7 +9,7 @@
  *     mkdir -p build/corpus
  *     build/fuzz_nff -max_total_time=600 build/corpus tests/fuzz/corpus/nff
  */
-#include "scene/scene.h"
+#include "scene/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -91,6 +92,27 @@ static void check_round_trip(const struct scene *s)
     free(text);
 }
 
+static void check_parts(const char *text, size_t n, int rc, const char *err, const struct scene *s)
+{
+    struct scene p;
+    char err_p[SCENE_ERR];
+    MUST(nff_read_parts("fuzz", text, n, 2, &p, err_p) == rc && strcmp(err_p, err) == 0);
+    MUST(p.n_lights == s->n_lights && p.n_materials == s->n_materials);
+    MUST(p.n_prims == s->n_prims && p.n_vertices == s->n_vertices);
+    MUST(!p.n_materials ||
+         memcmp(p.materials, s->materials, p.n_materials * sizeof *p.materials) == 0);
+    MUST(!p.n_vertices || memcmp(p.vertices, s->vertices, p.n_vertices * sizeof *p.vertices) == 0);
+    MUST(!p.normals == !s->normals);
+    MUST(!p.normals || memcmp(p.normals, s->normals, p.n_vertices * sizeof *p.normals) == 0);
+    for (uint32_t i = 0; i < p.n_prims; i++) {
+        const struct prim *a = &p.prims[i], *b = &s->prims[i];
+        MUST(a->kind == b->kind && a->material == b->material);
+        if (a->kind >= PRIM_POLYGON)
+            MUST(a->poly.first == b->poly.first && a->poly.count == b->poly.count);
+    }
+    scene_free(&p);
+}
+
 static void check_pov(const struct scene *s)
 {
     char *text;
@@ -111,6 +133,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *text = xmalloc(size, 1);
     if (size) memcpy(text, data, size);
     int rc = nff_read("fuzz", text, size, &s, err);
+    check_parts(text, size, rc, err, &s);
     free(text);
     if (rc != 0) {
         MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);
