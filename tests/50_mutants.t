@@ -10,6 +10,7 @@ flags="-std=c11 -D_GNU_SOURCE -O1"
 object() { echo "$(basename "$(dirname "$1")")-$(basename "$1" .c).o"; }
 # shellcheck disable=SC2086
 compile() { for c in "$@"; do cc $flags "-I$root/lib" -c -o "$(object "$c")" "$c" || return; done; }
+unset CMOCKA_MESSAGE_OUTPUT # tests say in words which one failed
 modules='base task stats sim sched'
 # objects EXCEPT: prints the objects of these modules, with which a test is linked, except this one
 # shellcheck disable=SC2046

@@ -215,20 +215,23 @@ same 'seven connections that fail at once'
 is 'seven connections that fail at once: all slots come up' "$(events crowd.frags | grep -c ^up)" 8
 is 'seven connections that fail at once: one message' "$(grep -c 'trying again' said)" 1
 
-# long [OPTION ...]: a run of some seconds on slots of other hosts, dealt one by one
+# long: a run of some seconds on slots of other hosts, dealt one by one; it ends when `proceed` is there. All slots are up.
 pack scene gears.nff >long.task
 partition 256x256 >>long.task
 rtworker -a 64 - <long.task | gather -o long.pfm
 printf 'a slots=2 via="sh -c %%c"\nb via="sh -c %%c"\n' >three
 long() {
-	env MARK=$mark sh -c 'tee /dev/null <long.task | deal sh -c "fan -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
+	: >out.frags
+	env MARK=$mark sh -c '{ cat long.task; until [ -e proceed ]; do sleep .05; done; } | deal sh -c "fan -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
 	pid=$!
-	await 5 eval '[ "$(program rtworker | wc -l)" -ge 3 ]'
-	sleep .3
+	await 5 ups 3
 }
+ups() { [ "$(events out.frags | grep -c '^up ')" -ge "$1" ]; }
 long
 # shellcheck disable=SC2046
 kill -9 $(program rtworker | head -2)
+await 20 ups 5
+: >proceed
 wait $pid
 is 'two connections killed: exit 0' $? 0
 same 'two connections killed' long.pfm
