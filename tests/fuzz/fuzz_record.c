@@ -21,7 +21,8 @@ static void check_frag(const struct record *r)
     rec_pixels(r, rgba);
     struct buf b = {0};
     wire_frag(&b, &r->task, at, "0", rgba);
-    MUST(memcmp(buf_data(&b) + buf_size(&b) - 1 - r->body_len, r->body, r->body_len + 1) == 0);
+    const unsigned char *end = buf_data(&b) + buf_size(&b);
+    MUST(memcmp(end - 1 - r->body_len, r->body, r->body_len) == 0 && end[-1] == '\n');
     buf_free(&b);
     free(rgba);
 }
