@@ -1,7 +1,7 @@
 /*
  * Whatever the bytes: nff_read returns a scene or a message. What it accepts is in range,
- * triangulates within its bounds, and survives being written and read again. Text in two parts gives
- * the same.
+ * triangulates within its bounds, and survives being written and read again. Text that is read in
+ * two parts gives the same.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -ffp-contract=off -Ilib \
  *         -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
