@@ -171,6 +171,7 @@ static void other_counts_of_processors_are_refused(void **state)
         {"4097(x4)", "processors"},
         {"2(x4097)", "processors"},
         {"2(x4", "processors"},
+        {"2(x44", "processors"},
         {"2x4", "processors"},
         {"2(4)", "processors"},
         {"(x4)", "processors"},
@@ -201,9 +202,8 @@ static void a_node_is_reached_by_a_step_of_its_own(void **state)
     char *worker[] = {word, option, NULL};
     assert_true(slurm("n[1-2]", "4,16"));
     char **argv = host_argv(&hosts.at[1], worker);
-    assert_string_equal(argv[2],
-        "exec srun -Qu -N 1 -n 1 -c 16 --overlap -w n2 sh -c"
-        " 'exec rtworker '\\''it'\\''\\'\\'''\\''s'\\'''");
+    assert_string_equal(argv[2], "exec srun -Qu -N 1 -n 1 -c 16 --overlap -w n2 sh -c"
+                                 " 'exec rtworker '\\''it'\\''\\'\\'''\\''s'\\'''");
     host_argv_free(argv);
     hosts_free(&hosts);
 }
