@@ -1,7 +1,7 @@
 #: Stormring's Makefile. A target installs the Debian packages that it misses (as root), or names them.
 #:
 #: For users
-#:   make                   builds the programs, in bin/
+#:   make                   builds the programs, in bin/, and static ones for hosts that have none, in build/static/
 #:   make demo              renders gears.png on all cores, measures the balance, compares with POV-Ray
 #:   make demo-volume       renders the wind of a NetCDF file over a map: wind-smooth.png, wind-surfaces.png
 #:   make install           PREFIX=/usr/local DESTDIR=; make uninstall removes what was installed
@@ -95,11 +95,13 @@ PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 # What hosts with send=auto get: programs that need no library there. Left out where a static library is missing, and by
 # sanitizers.
 archives = $(patsubst -l%,lib%.a,$(filter -l%,$(LIBS))) libc.a
-STATIC   = $(if $(findstring -fsanitize,$(CFLAGS))$(filter $(archives),$(foreach a,$(archives),$(shell $(CC) -print-file-name=$a))),,\
-           $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker))
+NO_STATIC := $(filter $(archives),$(foreach a,$(archives),$(shell $(CC) -print-file-name=$a)))
+EVERY_STATIC = $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker)
+STATIC   = $(if $(findstring -fsanitize,$(CFLAGS))$(NO_STATIC),,$(EVERY_STATIC))
 
 all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
+	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
 
 help:
@@ -221,8 +223,8 @@ dist:
 
 # Another BUILD may be a directory with more in it than what was built.
 EVERY_O  = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
-OF_BUILD = $(BUILD)/.need $(BUILD)/libstormring.a $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
-           $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(STATIC)
+OF_BUILD = $(BUILD)/.need $(BUILD)/libstormring.a $(BUILD)/libs $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
+           $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(EVERY_STATIC)
 clean:
 	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)
 	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)

@@ -30,12 +30,12 @@ static const char script[] =
     "case $XDG_CACHE_HOME in /*) c=$XDG_CACHE_HOME;; "
     "*) case $HOME in /?*) if [ -d \"$HOME\" ]; then c=$HOME/.cache; fi;; esac;; esac; "
     "d=${c:+$c/stormring}; d=${d:-/tmp/stormring-$(id -u)}; "
-    "case $d in *:*) no \"$d: expected a directory without a colon\";; esac; "
     "w=$(LC_ALL=C mkdir -p \"$d\" 2>&1) || no \"$w\"; "
     /* In /tmp another user may have been faster. */
     "if [ -h \"$d\" -a -z \"$c\" ]; then no \"$d: is a link\"; fi; "
     /* From here on the directory has the name that no link leads to: it may be exchanged. */
     "w=$(cd -P \"$d\" && [ -O . ] && pwd -P) || no \"$d: belongs to another user\"; d=$w; "
+    "case $d in *:*) no \"$d: expected a directory without a colon\";; esac; "
     "w=$(LC_ALL=C chmod 700 \"$d\" 2>&1) || no \"$w\"; "
     "good() { case $({ sha256sum <\"$2\"; } 2>/dev/null) in \"$1 \"*) ;; *) false;; esac; }; "
     "until [ \"$1\" = -- ]; do f=$d/$1/$3; "
