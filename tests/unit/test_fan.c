@@ -153,7 +153,7 @@ static void say(struct fan_slot *s, const void *p, size_t n)
 /* Without alive=1: cat would send back what it is told. */
 static void say_hello(struct fan_slot *s)
 {
-    static const char hello[] = "hello cat 1 format=3 selftest=0123 power=1 slots=1\n";
+    static const char hello[] = "hello cat 1 format=3 selftest=0123 power=1 slots=1 zstd=1\n";
     say(s, hello, sizeof hello - 1);
 }
 
@@ -266,6 +266,7 @@ static void drop_echo(struct fan_slot *s)
 {
     char text[128];
     struct pollfd ready = {.fd = s->conn.child.from, .events = POLLIN};
+    assert_true(s->conn.probe_bytes > 0);
     assert_int_equal(poll(&ready, 1, -1), 1);
     assert_true(read(s->conn.child.from, text, sizeof text) > 0);
 }
