@@ -4,7 +4,8 @@
  *
  *   the slot is   then
  *   up            `drain` goes to the policy, which gives it nothing more; once the policy sends
- *                 `leave`, its input ends, and so does its worker; `gone why=left` is reported
+ *                 `leave`, its input ends, and so does its worker, which is stopped if it has
+ *                 tasks that the policy gave to others; `gone why=left` is reported
  *   not up        it is given up at once, with `gone why=left`
  *
  * Only a policy that hands out tasks on demand can do this; it sends `joins` before its first task.
@@ -91,7 +92,10 @@ static void drain(struct fan *f, struct fan_slot *s)
 void fan_dismiss(struct fan *f, int k)
 {
     struct fan_slot *s = fan_slot_of(f, k);
-    if (s->drains && s->state == FAN_UP && s->dismissed < s->width) s->dismissed++;
+    if (!s->drains || s->state != FAN_UP || s->dismissed == s->width) return;
+    if (++s->dismissed < s->width || !s->n_tasks) return;
+    fan_slot_forget(s); /* others have these tasks */
+    fan_slot_lose(f, s, "left", false);
 }
 
 /* The last n slots of host h that do not drain yet. */

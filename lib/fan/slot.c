@@ -295,7 +295,7 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     fan_say_gone(f, s, why, lost);
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);
     else if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
-    else if (strcmp(why, "not-started") != 0 && (lost || f->in_open))
+    else if (strcmp(why, "not-started") != 0 && (lost || (f->in_open && !s->drains)))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
             again && s->host->here ? ", starting again"
             : again                ? ", connecting again"

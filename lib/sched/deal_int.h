@@ -123,6 +123,8 @@ bool deal_owes(const struct deal *d, int32_t k, int32_t i);
 /* Slot k is gone: tasks of its list l stay with other slots that have a copy or have computed one,
  * or go back to the front of the pool. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
+/* The same for all but the first `keep` tasks of the list. */
+void deal_lose_after(struct deal *d, int32_t k, struct task_list *l, int32_t keep);
 /* The same for ledger entries on list l: tasks that the slot had computed or was promised. */
 void deal_reclaim(struct deal *d, struct task_list *l);
 

@@ -1,7 +1,9 @@
 /*
- * deal: slots that leave the run. A slot that drains gets nothing more. Tasks that were promised to
- * it go back to the pool. It leaves when no task of its own is left: it has computed what it holds,
- * and all pixels that it owed have been passed on, by itself or by others.
+ * deal: slots that leave the run. A slot that drains gets nothing more. It finishes what it
+ * computes, and hands over the rest: tasks that are queued at it, or were promised to it, go back
+ * to the pool, and those that other slots have too are left to them. What it sends of them all the
+ * same counts if it comes first. It leaves when it has computed what it kept, and all pixels that
+ * it owed have been passed on, by itself or by others.
  */
 #include "sched/deal_int.h"
 
@@ -13,6 +15,8 @@ void deal_drain(struct deal *d, int32_t k)
     s->state = SLOT_DRAINS;
     d->up--;
     d->drains++;
+    deal_lose(d, k, &s->shared);
+    deal_lose_after(d, k, &s->held, s->width);
     deal_mark(d, k);
 }
 

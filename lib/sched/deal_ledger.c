@@ -194,10 +194,10 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
 }
 
 /* Tasks go back to the front of the pool in their order, unless other slots have them. */
-void deal_lose(struct deal *d, int32_t k, struct task_list *l)
+void deal_lose_after(struct deal *d, int32_t k, struct task_list *l, int32_t keep)
 {
     struct slot *s = &d->slots[k];
-    while (l->count) {
+    while (l->count > keep) {
         const struct task *t = &s->has.at[l->tail].task;
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
         bool owed = l == &s->owed;
@@ -209,6 +209,8 @@ void deal_lose(struct deal *d, int32_t k, struct task_list *l)
         put_back(d, i);
     }
 }
+
+void deal_lose(struct deal *d, int32_t k, struct task_list *l) { deal_lose_after(d, k, l, 0); }
 
 void deal_reclaim(struct deal *d, struct task_list *l)
 {

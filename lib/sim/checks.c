@@ -29,7 +29,8 @@ void sim_note_event(struct world *w, const struct sched_event *e)
     if (e->kind == SCHED_INPUT_END) w->input_ended = true;
     if (e->kind == SCHED_SLOTS) w->slots_known = true;
     if (e->kind == SCHED_UP) w->slots[e->slot].up = true;
-    if (e->kind == SCHED_DRAIN) w->slots[e->slot].drains = w->slots[e->slot].up;
+    if (e->kind == SCHED_DRAIN && w->slots[e->slot].up && !w->slots[e->slot].drains)
+        w->slots[e->slot].drains = w->slots[e->slot].hands_over = true;
     if (e->kind == SCHED_GONE) {
         w->slots[e->slot].up = w->slots[e->slot].drains = w->slots[e->slot].left = false;
         w->slots[e->slot].lost = true;

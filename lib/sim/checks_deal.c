@@ -336,8 +336,25 @@ static void check_leave(struct world *w, int32_t k)
     s->left = true;
 }
 
+/* What a slot that drains has handed over is not its own any more: it keeps no more tasks than it
+ * computes at once. */
+static void hand_over(struct world *w, int32_t k)
+{
+    struct vslot *s = &w->slots[k];
+    for (int32_t i = 0; s->hands_over && i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        if (!has(t, k) || w->policy->tries(w->state, k, 0, t->task.id)) continue;
+        of(t)->owners &= ~(UINT64_C(1) << k);
+        s->has--;
+    }
+    if (s->hands_over && s->has > w->plan->width)
+        sim_fail(w, "a slot that drains keeps tasks that it has not begun", k, s->has);
+    s->hands_over = false;
+}
+
 static void deal_action(struct world *w, const struct sched_action *a)
 {
+    for (int32_t k = 0; k < w->plan->slots; k++) hand_over(w, k);
     if (a->kind == SCHED_LEAVE) check_leave(w, a->slot);
     if (a->kind == SCHED_GIVE) check_give(w, a);
     if (a->kind == SCHED_ASK_FLUSH) w->slots[a->slot].asked = true;
@@ -365,6 +382,7 @@ static void check_owners(struct world *w)
         if (!owes(w, k)) free = k;
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
+    for (int32_t k = 0; k < w->plan->slots; k++) hand_over(w, k);
     check_drains(w);
     if (!endgame && waiting > count_waiting(w, false))
         sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);

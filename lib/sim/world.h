@@ -25,6 +25,7 @@ struct tasks {
 struct vslot {
     bool up, lost;     /* the hub's policy was told that it is up; that it was lost, ever */
     bool drains, left; /* it was told that it drains; and has let it go */
+    bool hands_over;   /* it was told so in this step */
     /* The process: */
     bool alive, stalled;
     uint32_t epoch;
