@@ -339,7 +339,7 @@ refused() {
 }
 for p in 'fan -j 2' 'deal fan -j 2'; do
 	refused 'nonsense' 'nonsense\n' "$p"
-	refused 'records of workers' 'beat\n' "$p"
+	refused 'records of workers' 'done 0 0 cpu_us=1 wall_us=1\n' "$p"
 	refused 'a task without a frame' 'task 0 0 0 0 1 1 1 1\n' "$p"
 	refused 'pixels outside of the frame' 'frame 0 8 8\ntask 0 0 8 0 1 1 1 1\n' "$p"
 done

@@ -15,13 +15,40 @@ long() {
 	env MARK=$mark balance gdc -j 3 ${work:--s 256x256 -W -a64} -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
+# begin [OPTIONS]: the same, but the workers hold back what they have to say after 2000 bytes, until whole. So whatever the
+# load, all nodes have tasks when a test goes on, and the run is not over.
+mkdir bin
+cp "$root"/bin/balance* "$root/bin/stormring.sh" bin
+for program in "$root"/bin/*; do [ -e "bin/${program##*/}" ] || ln -s "$program" bin; done
+rm bin/rtworker bin/fan
+printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >bin/fan
+cat >bin/rtworker <<END
+#!/bin/sh
+case " \${listing-} \$* " in
+*' -i '* | *' -l'*) exec '$root/bin/rtworker' "\$@" ;;
+esac
+'$root/bin/rtworker' "\$@" | {
+	dd bs=1 count=2000 2>'$tmp/dd.said'
+	: >"$tmp/held.\$\$"
+	until [ -e '$tmp/go' ]; do sleep .05; done
+	cat
+}
+END
+chmod +x bin/rtworker bin/fan
+held() { [ "$(find . -name 'held.*' | wc -l)" -ge 3 ]; }
 begin() {
-	long "$@"
+	rm -f go held.*
+	PATH=$tmp/bin:$PATH long "$@"
+	await 5 held
+}
+endless() {
+	work='-s 1024x1024 -W -a1024' long
 	await 5 working 3
 }
-endless() { work='-s 1024x1024 -W -a1024' begin; }
+workers() { program rtworker "$root/bin/rtworker"; } # not the scripts around them
 # whole NAME: the run has ended well
 whole() {
+	: >go
 	wait "$pid"
 	is "$1: exit 0" $? 0
 	ok "$1: the same picture" cmp out.pfm good.pfm
@@ -73,7 +100,7 @@ ok 'all tasks start at one node: the same picture' cmp first.pfm good.pfm
 
 # ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
 begin
-kill -9 "$(program rtworker | head -n 1)"
+kill -9 "$(workers | head -n 1)"
 whole 'a worker killed'
 like 'a worker killed: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(exit-3\)'
 begin
@@ -91,11 +118,12 @@ kill -STOP "$(nodes | tail -n 1)"
 # The others take its last task over, whether or not its silence is noticed before.
 whole 'a node stopped'
 begin
-kill -STOP "$(program rtworker | tail -n 1)"
+kill -STOP "$(workers | tail -n 1)"
 whole 'a worker stopped'
 begin
 p=$(nodes | head -n 1)
 kill -STOP "$p"
+: >go
 sleep 1
 kill -CONT "$p"
 whole 'a node stopped for 1 s'
@@ -108,6 +136,7 @@ like 'all nodes killed: a message says so' "$(cat said)" 'no slot left'
 ok 'all nodes killed: no process remains' await 2 none_alive
 begin -r job.log
 kill -9 "$(hub)"
+: >go
 wait "$pid" 2>/dev/null
 ok 'the hub killed, with a log: no process remains' await 2 none_alive
 long -r job.log
