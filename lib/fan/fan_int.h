@@ -336,7 +336,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
 
 /* Slot s was accepted, and sent this hello: on another machine, it is to end when this end is
  * silent. */
-void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *hello);
+void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *r);
 /* Writes a beat to the slot, if it is time, and nothing else is on its way. */
 void fan_alive_beat(struct fan *f, struct fan_slot *s);
 
