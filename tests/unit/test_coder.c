@@ -120,7 +120,7 @@ static void numbers_are_packed_as_words(void **state)
     const size_t n = 300000;
     unsigned char *p = xmalloc(n + 8, 1);
     for (size_t i = 0; i < n / 4; i++) float_to(p + 3 + 4 * i, 280 + (float)rng_unit(8, i));
-    memcpy(p, "DIM", 3);
+    for (size_t i = 0; i < 3; i++) p[i] = 'D';
     assert_int_equal(coder_form_of(p, n), CODER_WORDS);
     for (size_t i = 0; i < n; i++) p[i] = (unsigned char)"s 1 0.5 22 7 .3\n"[rng_u64(9, i) % 16];
     assert_int_equal(coder_form_of(p, n), CODER_BYTES);
