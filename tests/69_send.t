@@ -129,11 +129,13 @@ joins() {
 	cat now.hosts by-bash.hosts >later.hosts
 	rm -rf 'home by-bash/.cache' out.pfm
 	: >said
+	: >came
 	{
 		cat job.task
+		await 60 test -s came # fan has read the file
 		mv later.hosts now.hosts
 		await 60 grep -q "$message" said
-	} | deal -q 1 fan -S now.hosts "$@" 2>said | gather -o out.pfm
+	} | deal -q 1 fan -S now.hosts "$@" 2>said | tee came | gather -o out.pfm
 }
 joins 'by-bash: rtworker is sent' rtworker -
 ok 'a host that joins: the worker is sent, the same picture' cmp out.pfm good.pfm
@@ -207,7 +209,7 @@ if $apart mount -t tmpfs none "$tmp/other" 2>/dev/null; then
 	within full size=600k
 	ends 'a full disk' full "$tmp/home/.cache/stormring: head: error writing 'standard output': No space left on device"
 
-	# Nothing but busybox, and no home directory. The namespace has a /tmp of its own, which stays between connections.
+	# Nothing but busybox, and no home directory; the user is root there.
 	mkdir -p room/bin room/dev room/tmp
 	touch room/dev/null
 	for tool in $(busybox --list); do ln -s busybox "room/bin/$tool"; done
@@ -216,12 +218,12 @@ if $apart mount -t tmpfs none "$tmp/other" 2>/dev/null; then
 	works 'a host with nothing but busybox' busy
 	is 'a host with nothing but busybox: the worker is sent' "$(cat messages)" "$(printf "$sent" busy)"
 	is 'a host with nothing but busybox: it is in /tmp' "$(echo room/tmp/stormring-*/*/*)" \
-		"room/tmp/stormring-$(id -u)/$(basename "$(dirname "$(cached far rtworker)")")/rtworker"
+		"room/tmp/stormring-0/$(basename "$(dirname "$(cached far rtworker)")")/rtworker"
 	works 'a host with nothing but busybox, again' busy -1
 	is 'a host with nothing but busybox, again: nothing is sent' "$(cat messages)" ''
-	mv "room/tmp/stormring-$(id -u)" room/tmp/mine
-	ln -s mine "room/tmp/stormring-$(id -u)"
-	ends 'a link in /tmp' busy "/tmp/stormring-$(id -u): is a link"
+	mv "room/tmp/stormring-0" room/tmp/mine
+	ln -s mine "room/tmp/stormring-0"
+	ends 'a link in /tmp' busy "/tmp/stormring-0: is a link"
 	if [ "$(id -u)" = 0 ]; then
 		rm room/tmp/stormring-0
 		mv room/tmp/mine room/tmp/stormring-0
