@@ -1,0 +1,86 @@
+#!/bin/sh
+# 82_balance: how close to the lower bound are deal -q auto -e, on rows, and gdc, on fine cuts? In virtual time: gears
+# at the GDC paper's 1091 s, and other scenes, on hosts of unequal power, with long links, faults and a row that has
+# 30 % of the work. Medians over SEEDS draws of powers and faults, of makespan and of efficiency (lower bound /
+# makespan). With OLD=PROGRAM, another simulate, both columns and the ratio of the makespans. CASES=ERE picks cases.
+# shellcheck source=lib.sh
+. "$(dirname "$0")/lib.sh"
+seeds=${SEEDS:-5}
+
+# costs SCENE: SCENE.frags, the cost of each row on one worker
+costs() {
+	[ -s "$1.frags" ] && return
+	spdgen -s 2 "$1" >"$1.nff" || stop "spdgen $1 failed"
+	# shellcheck disable=SC2154  # lib.sh sets pin
+	partition 512x512 | $pin rtworker "$1.nff" >"$1.frags" || stop "rendering $1 failed"
+}
+# one_row: hot.frags, gears with 30 % of its cost in row 256
+one_row() {
+	perl -e 'use strict; binmode STDIN; binmode STDOUT; my (@all, $sum);
+		while (my $line = <STDIN>) { my $body = "";
+			read STDIN, $body, $1 + 1 if $line =~ / bytes=(\d+)/;
+			$sum += $1 if $line =~ /^done 0 (?!256 ).*cpu_us=(\d+)/;
+			push @all, $line, $body }
+		for (@all) { s/cpu_us=\d+/"cpu_us=" . int($sum * 3 \/ 7)/e if /^done 0 256 /; print }' <gears.frags |
+		"$root/tests/seal" >hot.frags
+}
+for scene in gears balls rings; do costs $scene; done
+one_row
+partition 512x512 >rows.task
+partition -u run:2 512x512 >pairs.task
+for slots in 14 37 100; do partition -u fine -n $slots 512x512 >"fine$slots.task"; done
+
+# value SIMULATE KEY ...: prints makespan and efficiency of a run of METHOD on TASKS, 0 if it fails
+value() {
+	# shellcheck disable=SC2086  # options
+	if ! "$1" -t "$costs.frags" -x "$scale" -s "$seed" $hosts $options $method <"$tasks.task" >figures; then
+		echo '0 0'
+		return
+	fi
+	awk -F '\t' '$1 == "makespan_s" { m = $2 } $1 == "efficiency" { e = $2 } END { print m, e }' figures
+}
+# The ninth host is the fastest.
+known=1,1,1,2,2,2,3,3,4,1,1,1,2,2,2,3,3,1,1,1,2,2,1,1,1,1,2,2,1,1,1,1,1,1,1,1,1
+silent=silence@8s:3,silence@8s:9,silence@8s:17,silence@8s:25,silence@8s:30
+printf '%-44s %-4s %s\n' case method 'makespan_s efficiency'"${OLD:+ old_makespan_s old_efficiency ratio}"
+# A case: name | costs | seconds at power 1 | hosts | options of simulate
+while IFS='|' read -r name costs seconds hosts options; do
+	echo "$name" | grep -Eq -- "${CASES:-.}" || continue
+	scale=$(fragstat -s "$costs.frags" | awk -v s="$seconds" '$1 == "cpu_s" { print s / $2 }')
+	for way in deal gdc; do
+		case $way in deal) method='deal -q auto -e' tasks=rows ;; gdc) method=ring tasks=fine37 ;; esac
+		case $way$hosts in
+		gdc*.442*) tasks=fine14 ;;
+		gdc*' 100,'*) tasks=fine100 ;;
+		*5000*) tasks=pairs ;;
+		esac
+		: >new && : >old
+		for seed in $(seq 0 $((seeds - 1))); do
+			value simulate >>new
+			[ -z "${OLD-}" ] || value "$OLD" >>old
+		done
+		printf '%-44s %-4s %s' "$name" $way "$(median 1 <new) $(median 2 <new)"
+		[ -z "${OLD-}" ] ||
+			echo "$(median 1 <old) $(median 2 <old) $(median 1 <new)" | awk '{ printf " %s %s %.3f", $1, $2, $3 / $1 }'
+		echo
+	done
+done <<-END
+	gears, 37 hosts, 5 ms|gears|1091.14|-j 37,3.1623|-l 5
+	gears, 37 hosts, 50 ms|gears|1091.14|-j 37,3.1623|-l 50
+	gears, 37 hosts, 150 ms|gears|1091.14|-j 37,3.1623|-l 150
+	the fastest falls to 1/20, 5 ms|gears|1091.14|-w $known|-l 5 -f slow@8s:8:.05
+	five hosts fall silent, 5 ms|gears|1091.14|-j 37,3.1623|-l 5 -f $silent
+	five hosts fall silent, 50 ms|gears|1091.14|-j 37,3.1623|-l 50 -f $silent
+	a row with 30 % of the work, 5 ms|hot|1091.14|-j 37,3.1623|-l 5
+	a row with 30 % of the work, 50 ms|hot|1091.14|-j 37,3.1623|-l 50
+	5000 hosts, pairs of pixels, .5 ms|gears|1091.14|-j 5000,3|-l .5
+	unseen: balls, 37 hosts, 20 ms|balls|97.86|-j 37,3.1623|-l 20
+	unseen: rings, 37 hosts, 100 ms|rings|400|-j 37,3.1623|-l 100
+	unseen: gears, 14 hosts, 20 ms|gears|1091.14|-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347|-l 20
+	unseen: balls, 14 hosts, .5 ms|balls|97.86|-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347|-l .5
+	unseen: gears, 100 hosts, 20 ms|gears|1091.14|-j 100,3|-l 20
+	unseen: gears, 37 hosts of powers 1 to 100|gears|1091.14|-j 37,10|-l 20
+	unseen: crashes and pauses, 0 ms|gears|1091.14|-j 37,3.1623|-l 0 -f crash=.3,pause=.5
+	unseen: crashes and pauses, 50 ms|gears|1091.14|-j 37,3.1623|-l 50 -f crash=.3,pause=.5
+	unseen: every fault, 5 ms|gears|1091.14|-j 37,3.1623|-l 5 -f crash=.2,silence=.2,pause=.3,slow=.3,return=.5,jitter=.5
+END
