@@ -229,13 +229,13 @@ static void deal_step(
     case SCHED_WAKE: break; /* deal's slots are no nodes; a task may be late */
     }
     hand_out(d, now, out);
+    deal_let_go(d, out); /* before copies are given of what it asks for */
     d->late_us = INT64_MAX;
     hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {
         ask_flush(d, out);
         hand_copies(d, now, out); /* also of tasks that slots were asked to flush */
     }
-    deal_let_go(d, out);
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !d->ledger.count && !d->closed) {
         d->closed = true;

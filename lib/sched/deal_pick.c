@@ -118,7 +118,7 @@ void deal_mark(struct deal *d, int32_t k)
     bool idle = up && !slot_load(s), owes = s->owed.count;
     set_put(&d->idle, k, idle);
     set_put(&d->free, k, idle && !owes);
-    bool late = s->computed.count && (s->asked || !idle);
+    bool late = s->computed.count && (s->asked || slot_load(s));
     set_put(&d->withheld, k, (up || drains) && late);
     set_put(&d->unflushed, k, idle && owes && !s->asked);
     set_put(&d->leaving, k, drains && !slot_load(s) && !(owes && s->asked));
