@@ -336,8 +336,7 @@ static void check_leave(struct world *w, int32_t k)
     s->left = true;
 }
 
-/* What a slot that drains has handed over is not its own any more: it keeps no more tasks than it
- * computes at once. */
+/* A slot that drains has handed over all tasks but those that it computes at once. */
 static void hand_over(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
