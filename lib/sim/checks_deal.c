@@ -119,16 +119,15 @@ static void note_gone(struct world *w, int32_t k)
         bool alone = t->owners == bit && t->computed_by < 0 && !in_pieces(w, &w->tasks[i], false);
         t->owners &= ~bit;
         t->owing &= ~bit;
-        if (t->computed_by != k && !alone) continue;
-        t->computed_by = t->owing && !t->owners ? __builtin_ctzll(t->owing) : -1;
+        if (t->computed_by == k || alone)
+            t->computed_by = t->owing && !t->owners ? __builtin_ctzll(t->owing) : -1;
     }
 }
 
 /* Pixels of t came from slot k: those that continue or repeat the earlier ones count. */
 static void note_pixels(struct world *w, struct vtask *t, const struct sched_event *e)
 {
-    if (e->slot < 0 || e->slot >= w->plan->slots || (!has(t, e->slot) && !owes_it(t, e->slot)))
-        return;
+    if (!has(t, e->slot) && !owes_it(t, e->slot)) return;
     uint64_t *got = &of(t)->got[e->slot], n = lattice_count(&e->task.at);
     int64_t at = lattice_offset(&t->task.at, w->frame_w, &e->task.at);
     if (at < 0 || (uint64_t)at > *got) return;
