@@ -108,12 +108,13 @@ done
 cat >plan <<'END'
 #!/bin/sh
 case $1 in
-0) exec ./held 'grep -aq up.w=2 log' 'exit 9' ;;
+0) exec ./held ./seen 'exit 9' ;;
 1) exec 3<&0; ./until test -e holds; rtworker -a 4 - <&3 & ./until test -e f1.pfm; kill $!; exit 9 ;;
 2) ./until grep -aq 'gone w=1 ' log; exec rtworker -a 4 - ;;
 esac
 END
-chmod +x plan
+printf '#!/bin/sh\ngrep -aq "^up w=2 " log && grep -aqE "^frame 1 .* w=0([.]0)? " log\n' >seen
+chmod +x plan seen
 for slot in 0 1 2; do echo "host$slot via=\"./plan $slot; : %c\""; done >hosts
 late() {
 	rm -rf first holds f?.pfm
