@@ -127,10 +127,10 @@ late() {
 	like "$name: it is sent first a later state, then the one that it needs, and the later ones again" \
 		"$(grep -aoE 'frame [0-9] 40 32 job=[^ ]* with=[^ ]* w=2(\.0)? ' log | cut -d ' ' -f 2 | tr '\n' ' ')" '[12] 0 1 '
 }
-name='a late slot' && late deal sh -c 'fan -t 60 -S hosts rtworker | tee log'
+name='a late slot' && late deal sh -c 'fan -z off -t 60 -S hosts rtworker | tee log'
 # The same, if each slot is a policy around other slots.
 sed -i 's,exec ./held,exec deal sh ./held,; s,; rtworker,; deal rtworker,; s,exec rtworker,exec deal fan -j 2 rtworker,' plan
-name='a late slot that is a tree' && late deal sh -c 'fan -t 60 -S hosts deal rtworker | tee log'
+name='a late slot that is a tree' && late deal sh -c 'fan -z off -t 60 -S hosts deal rtworker | tee log'
 
 # ---- held pixels are sent at the first task of another state: the input stays open until they have come --------
 rm -f f?.pfm
