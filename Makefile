@@ -64,6 +64,9 @@ LIBS_nc2vtk   = -lnetcdf
 LIBS_grib2vtk = -leccodes
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
+LIBS_pack     = $(if $(ARCHIVE),-larchive)
+LIBS_cropworker = $(LIBS_pack)
+LIBS_fuzz_files = $(LIBS_pack)
 # PROGRAM:PACKAGE:MODULE of each that is left out. No "#" here: whether it needs a backslash depends on make's version.
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
@@ -71,6 +74,8 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
+# Without this one, `pack files` and cropworker take no files along.
+ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
 
 EVERY    = $(wildcard bin/*.c)
@@ -81,12 +86,13 @@ COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
-           lib/coder/$(if $(ZSTD),none,zstd).c,$(wildcard lib/*/*.c)))
+           lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
-           $(filter-out $(NO:%=tests/unit/test_%.c),$(wildcard tests/unit/test_*.c))))
+           $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
-FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+LIBS_test_files = $(LIBS_pack)
+FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"
 # Two commands must do: they use all cores without being told.
@@ -103,6 +109,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
+	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:
 	@sed -n 's/^#: \{0,1\}//p' Makefile
@@ -209,7 +216,7 @@ $(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS) $(LIBS_$(@F))
 
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
-	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS) $(LIBS_$(@F))
 
 install: all
 	@tests/install $(TO) $(PROGRAMS) $(SCRIPTS) $(STATIC)

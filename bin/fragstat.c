@@ -1,21 +1,28 @@
-/* fragstat: the work of each slot over time, and the balance of the work, from a log of
- * fragments. */
+/* fragstat: the work of each slot over time, and the balance of the work, from a log of fragments;
+ * and views of a run that goes on. */
 #include "account/account.h"
 #include "base/base.h"
 #include "history/history.h"
 #include "hosts/hosts.h"
+#include "view/view.h"
 
 #include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 struct options {
-    enum what { SLOTS, SUMMARY, GANTT } what; /* -s, -g */
-    const char *costs;                        /* -c: the log of a run by one worker */
-    const char *hosts;                        /* -S */
-    double *powers;                           /* -w */
+    enum what { SLOTS, SUMMARY, GANTT, TRACE, PAGE } what; /* -s, -g, -t, -H */
+    bool follow;                                           /* -f */
+    double every_s;                                        /* -i */
+    const char *page;                                      /* -o; NULL: standard output */
+    const char *costs;                                     /* -c: the log of a run by one worker */
+    const char *hosts;                                     /* -S */
+    double *powers;                                        /* -w */
     size_t n_powers;
     char **inputs; /* NULL-ended; none: standard input */
 };
@@ -138,6 +145,14 @@ static void print_gantt(const struct report *r, const char *name)
     free(zero_s);
 }
 
+static void print_trace(const struct account *a)
+{
+    struct buf out = {0};
+    view_trace(a, &out);
+    put_stdout_buf(&out);
+    buf_free(&out);
+}
+
 /* The file name for the chart's title, without bytes that would end a field. */
 static char *title_of(const struct options *o)
 {
@@ -154,6 +169,8 @@ static void print_report(const struct report *r, const struct options *o)
     switch (o->what) {
     case SLOTS: print_slots(&r->of); break;
     case SUMMARY: print_summary(r); break;
+    case TRACE: print_trace(&r->of); break;
+    case PAGE: break; /* see follow */
     case GANTT:
         title = title_of(o);
         print_gantt(r, title);
@@ -164,36 +181,117 @@ static void print_report(const struct report *r, const struct options *o)
 
 static void choose(struct options *o, enum what what)
 {
-    if (o->what && o->what != what) die(ST_USAGE, "-g and -s: expected one of them");
+    if (o->what && o->what != what) die(ST_USAGE, "-g, -H, -s and -t: expected one of them");
     o->what = what;
+}
+
+/* Views are of one file. Powers and costs are for the figures only. */
+static void check_view(const struct options *o)
+{
+    if (o->follow && o->what && o->what != PAGE) die(ST_USAGE, "-f: expected only -H with it");
+    if (o->page && o->what != PAGE) die(ST_USAGE, "-o: expected -H with it");
+    if (o->follow && o->what == PAGE && !o->page) die(ST_USAGE, "-f and -H: expected -o PAGE.html");
+    if (!o->follow && o->what != PAGE) return;
+    if (o->costs || o->hosts || o->powers) die(ST_USAGE, "-f and -H: expected none of -c, -S, -w");
+    if (!*o->inputs || o->inputs[1] || strcmp(*o->inputs, "-") == 0)
+        die(ST_USAGE, "-f and -H: expected one log, which is a file");
 }
 
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-h] [-g | -s] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]";
-    struct options o = {0};
+        "[-h] [-g | -s | -t] [-c ONE.frags] [-S HOSTS | -w POWER,...] [FRAGS ...]\n"
+        "       fragstat -f [-i SECONDS] LOG\n"
+        "       fragstat -H [-f] [-i SECONDS] [-o PAGE.html] LOG";
+    struct options o = {.every_s = 1};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+c:ghsS:w:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+c:fghHi:o:sS:tw:")) != -1) {
         switch (opt) {
         case 'c': o.costs = opt_text(opt, optarg); break;
+        case 'f': o.follow = true; break;
         case 'g': choose(&o, GANTT); break;
         case 'h': usage(ST_OK, text);
+        case 'H': choose(&o, PAGE); break;
+        case 'i': o.every_s = opt_real(opt, optarg, 0.1, 3600); break;
+        case 'o': o.page = opt_text(opt, optarg); break;
         case 's': choose(&o, SUMMARY); break;
         case 'S': o.hosts = opt_text(opt, optarg); break;
+        case 't': choose(&o, TRACE); break;
         case 'w': o.powers = opt_reals(opt, optarg, 1e-3, 1e3, &o.n_powers); break;
         default: usage(ST_USAGE, text);
         }
     }
     if (o.hosts && o.powers) die(ST_USAGE, "-S and -w: expected one of them");
     o.inputs = argv + optind;
+    check_view(&o);
     return o;
+}
+
+/* ---- a run in view ----------------------------------------------------------------------- */
+
+static void put_page(const struct view_log *v, const struct options *o)
+{
+    struct buf page = {0}, png = {0};
+    struct account a;
+    account_make(&a, &v->log);
+    view_picture(v->path, &png);
+    view_page(v, &a, &png, view_ended(v) ? 0 : o->every_s, &page);
+    if (!o->page) put_stdout_buf(&page);
+    else if (outfile_put(o->page, buf_data(&page), buf_size(&page)) != 0)
+        die(ST_SYSTEM, "%s:", o->page);
+    account_free(&a);
+    buf_free(&png);
+    buf_free(&page);
+}
+
+/* On a terminal the table replaces the one before; elsewhere a blank line follows each. */
+static void put_table(const struct view_log *v, bool found)
+{
+    static const char home[] = "\033[H", line[] = "\033[K\n", rest[] = "\033[J";
+    struct winsize size = {0};
+    struct buf out = {0};
+    bool screen = isatty(STDOUT_FILENO);
+    if (screen && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) size = (struct winsize){0};
+    if (screen) buf_printf(&out, "%s", home);
+    if (found)
+        view_table(
+            v, size.ws_col, size.ws_row > 1 ? size.ws_row - 1 : 0, screen ? line : "\n", &out);
+    else buf_printf(&out, "waiting for %s%s", v->path, screen ? line : "\n");
+    buf_printf(&out, "%s", screen ? rest : "\n");
+    put_stdout_buf(&out);
+    if (fflush(stdout) != 0) die(ST_SYSTEM, "standard output:");
+    buf_free(&out);
+}
+
+/* A signal, such as that of a resized terminal, ends the wait as well. */
+static void nothing(int sig) { (void)sig; }
+
+static int follow(const struct options *o)
+{
+    struct view_log v;
+    bool found, over;
+    if (o->follow && o->what != PAGE) signal(SIGWINCH, nothing);
+    if (o->follow && isatty(STDOUT_FILENO)) printf("\033[2J");
+    view_open(&v, *o->inputs);
+    do {
+        found = view_read(&v);
+        if (!found && !o->follow) die(ST_USAGE, "%s: no such file", v.path);
+        if (o->what != PAGE) put_table(&v, found);
+        else if (found) put_page(&v, o);
+        over = !o->follow || view_ended(&v);
+        if (!over) poll(NULL, 0, (int)(o->every_s * 1000));
+    } while (!over);
+    bool whole = view_whole(&v);
+    view_close(&v);
+    close_stdout();
+    return whole || !o->follow ? ST_OK : ST_PARTIAL;
 }
 
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
+    if (o.follow || o.what == PAGE) return follow(&o);
     struct report r = {0};
     if (!*o.inputs) read_log(&r.log, "-");
     for (char **name = o.inputs; *name; name++) read_log(&r.log, *name);

@@ -26,6 +26,7 @@ struct options {
     const char *expected; /* -e: a file of the expected frames, or NULL */
     bool missing;         /* -m: print tasks instead of pictures */
     bool progress;        /* -P, or stderr is a terminal */
+    double preview_s;     /* -w: seconds between previews; 0: none */
     char **inputs;        /* NULL-ended; none: standard input */
 };
 
@@ -35,18 +36,21 @@ struct gather {
     struct log_keep log;
     struct log_reader reader;
     struct progress progress;
+    struct eta eta;
+    struct image_preview preview;
     int warnings;
     char why[24]; /* of the stream's bye: it ended early */
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG] [FRAGS ...]\n"
+static const char usage_text[] = "[-hP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG] [-w SECONDS]\n"
+                                 "              [FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.out.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = prog_getopt(argc, argv, "e:hk:mo:Pr:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "e:hk:mo:Pr:w:")) != -1;) switch (c) {
         case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
@@ -54,10 +58,12 @@ static struct options parse(int argc, char **argv)
         case 'o': o.out.pattern = opt_text(c, optarg); break;
         case 'P': o.progress = true; break;
         case 'r': o.log = opt_text(c, optarg); break;
+        case 'w': o.preview_s = opt_real(c, optarg, 0.1, 86400); break;
         default: usage(ST_USAGE, usage_text);
         }
     if (o.missing && (o.out.pattern || o.log))
         die(ST_USAGE, "-m: expected neither -o nor -r with it");
+    if (o.preview_s > 0 && !o.out.pattern) die(ST_USAGE, "-w: expected -o OUT with it");
     o.inputs = argv + optind;
     image_out_check(&o.out);
     return o;
@@ -82,8 +88,7 @@ static void flush_log(struct gather *g)
 /* Reading a file that is being appended to would never end. A picture would replace its own log. */
 static void check_not_log(const struct gather *g, const struct stat *st, const char *name)
 {
-    if (log_keep_is(&g->log, st))
-        die(ST_USAGE, "%s: is also the log, expected another file", name);
+    if (log_keep_is(&g->log, st)) die(ST_USAGE, "%s: is also the log, expected another file", name);
 }
 
 static void open_log(struct gather *g)
@@ -98,6 +103,9 @@ static void open_log(struct gather *g)
     }
     if (!o->log) return;
     if (out && stat(out, &st) == 0) check_not_log(g, &st, out);
+    char *partial = o->preview_s > 0 ? image_preview_name(&o->out, 0) : NULL;
+    if (partial && stat(partial, &st) == 0) check_not_log(g, &st, partial);
+    free(partial);
     /* Only records since the last read are missing from the log, as after kill -9. */
     snprintf(last_words, sizeof last_words,
         "%sgather: interrupted; %s has the pixels so far: rerun the command to resume\n",
@@ -117,11 +125,19 @@ static void write_picture(struct gather *g, const struct assembly_frame *f)
 {
     const struct image_out *out = &g->o->out;
     char *name = image_out_name(out, f->number);
-    if (image_out_put(out, name, &f->picture, f->job) != 0) {
+    const struct image_rows rows = assembly_rows(f);
+    if (image_out_put(out, name, &rows, f->job) != 0) {
         if (!out->pattern && errno == EPIPE) reader_gone(g);
         complain(g, name);
-    }
+    } else if (g->o->preview_s > 0) image_preview_remove(&g->preview, f->number);
     free(name);
+}
+
+static void write_previews(struct gather *g)
+{
+    char *failed = image_preview_put(&g->preview, &g->in.parts);
+    if (failed) complain(g, failed);
+    free(failed);
 }
 
 static void warn_refused(struct gather *g, const struct record *r)
@@ -136,24 +152,32 @@ static void warn_refused(struct gather *g, const struct record *r)
 static void confirm(struct gather *g, const struct record *r)
 {
     char why[LOG_WHY];
-    bool trusted = g->log.trusted;
     int refused = log_keep_confirm(&g->log, &g->in, r, &g->reader, why);
     if (refused < 0) die(ST_SYSTEM, "%s:", g->o->log);
     if (refused) flush_log(g);
     if (refused) die(ST_USAGE, "%s: %s", g->o->log, why);
-    if (!trusted && g->log.trusted) progress_resume(&g->progress, g->in.parts.done_px);
 }
 
-/* A frame that no picture can be made of ends the run. */
-static void check_frame(struct gather *g, const struct record *r)
+/* Pixels of a large frame that cannot be kept end the run; the log has them. */
+static void check_kept(struct gather *g, const struct record *r)
 {
-    uint32_t number = r->task.frame;
-    if ((uint64_t)r->frame_w * r->frame_h <= IMAGE_PIXELS_MAX ||
-        assembly_find(&g->in.parts, number))
-        return;
+    const struct assembly *parts = &g->in.parts;
+    if (!parts->error) return;
+    const struct assembly_frame *f = assembly_find(parts, r->task.frame);
     flush_log(g);
-    die(ST_USAGE, "frame %u: %ux%u pixels, expected at most %" PRIu64 " in a picture", number,
-        r->frame_w, r->frame_h, IMAGE_PIXELS_MAX);
+    progress_clear(&g->progress);
+    errno = parts->error;
+    die(ST_SYSTEM,
+        "%s: cannot keep the pixels of frame %u, expected TMPDIR to name a directory with %.1f GB:",
+        parts->spill.dir, r->task.frame, (double)assembly_disk(f->have.w, f->have.h) / 1e9);
+}
+
+/* Where the pixels of large frames go. The caller frees it. */
+static char *spill_dir(const struct image_out *out)
+{
+    const char *chosen = getenv("TMPDIR");
+    if (chosen && *chosen) return xstrdup(chosen);
+    return out->pattern ? image_out_dir(out) : xstrdup("/var/tmp");
 }
 
 static void take_frame(struct gather *g, const struct record *r)
@@ -162,7 +186,6 @@ static void take_frame(struct gather *g, const struct record *r)
     char job[ASSEMBLY_NAME];
     bool announced = rec_str(r, "job", job, sizeof job);
     if (announced) confirm(g, r);
-    if (announced && !g->o->missing) check_frame(g, r);
     enum assembly_verdict verdict = intake_frame(&g->in, r);
     if (g->in.parts.n_frames > 1 && !g->o->missing && out->naming != IMAGE_NAME_NUMBERED) {
         flush_log(g);
@@ -170,6 +193,16 @@ static void take_frame(struct gather *g, const struct record *r)
             r->task.frame, out->pattern ? out->pattern : "standard output");
     }
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
+}
+
+static double clock_s(void) { return (double)now_us() * 1e-6; }
+
+/* For the estimate of the time left. */
+static void note_cost(struct gather *g, const struct record *r)
+{
+    const struct assembly_frame *f = NULL;
+    if (r->kind == REC_FRAG) f = assembly_find(&g->in.parts, r->task.frame);
+    wire_eta(&g->eta, r, f ? f->have.h : 0, g->log.rereading ? -1 : clock_s());
 }
 
 static void take_record(void *ctx, const struct record *r)
@@ -180,22 +213,37 @@ static void take_record(void *ctx, const struct record *r)
     if (r->kind == REC_BYE && !g->log.rereading && !rec_str(r, "why", g->why, sizeof g->why))
         *g->why = '\0';
     log_keep_record(&g->log, r);
+    if (g->o->progress) note_cost(g, r);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
+    check_kept(g, r);
     if (!whole) return;
     if (!g->o->missing) write_picture(g, whole);
     assembly_release(&g->in.parts, whole);
 }
 
-/* Before a read that may block: keeps the records read so far, and checks the reader of stdout. */
+static void show_progress(struct gather *g)
+{
+    const struct assembly *a = &g->in.parts;
+    if (!progress_due(&g->progress)) return;
+    double left_s = eta_left_s(&g->eta, (double)a->done_px, (double)a->declared_px, clock_s());
+    progress_show(&g->progress, a->done_px, a->declared_px, left_s);
+}
+
+/* Before a read that may block: keeps the records read so far, writes previews that are due, and
+ * checks the reader of stdout. */
 static void before_read(void *ctx, int fd)
 {
     struct gather *g = ctx;
     bool to_stdout = !g->o->out.pattern && !g->o->missing;
     struct pollfd p[2] = {{fd, POLLIN, 0}, {to_stdout ? STDOUT_FILENO : -1, 0, 0}};
     flush_log(g);
-    progress_show(&g->progress, g->in.parts.done_px, g->in.parts.declared_px);
-    while (poll(p, 2, -1) < 0)
-        if (errno != EINTR) die(ST_SYSTEM, "poll:");
+    show_progress(g);
+    for (int n = 0; n <= 0;) {
+        int wait_ms = image_preview_wait_ms(&g->preview, &g->in.parts);
+        if (wait_ms == 0) write_previews(g), wait_ms = -1;
+        n = poll(p, 2, wait_ms);
+        if (n < 0 && errno != EINTR) die(ST_SYSTEM, "poll:");
+    }
     if (p[1].revents & POLLERR) reader_gone(g);
 }
 
@@ -251,6 +299,7 @@ static int finish(struct gather *g)
         warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put_stdout);
+    if (g->preview.every_us) write_previews(g);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) {
         intake_report_missing(&g->in);
         report_remedy(g);
@@ -269,11 +318,15 @@ int main(int argc, char **argv)
     g.reader = (struct log_reader){take_record, before_read, &g};
     open_log(&g);
     intake_init(&g.in, !o.missing);
+    char *dir = spill_dir(&o.out);
+    g.in.parts.spill.dir = dir;
     progress_start(&g.progress, o.progress);
+    if (o.preview_s > 0) image_preview_start(&g.preview, &o.out, o.preview_s);
     if (!*o.inputs) read_stream(&g, "-");
     for (char **name = o.inputs; *name; name++) read_stream(&g, *name);
     int status = finish(&g);
     intake_free(&g.in);
+    free(dir);
     log_keep_close(&g.log);
     if (status != ST_SYSTEM) close_stdout(); /* else the error was reported */
     return status;

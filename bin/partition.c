@@ -18,11 +18,11 @@ struct options {
     int n_powers;
     bool shares; /* -c: preassign only this share */
     struct cut_share share;
-    uint32_t frame;                                       /* -F: number of the frame */
-    const char *log;                                      /* -r: leave out pixels that it has */
-    enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST } order; /* -o */
-    int64_t seed;                                         /* -o shuffle: */
-    const char *cost_log;                                 /* -o cost: */
+    uint32_t frame;  /* -F: number of the frame */
+    const char *log; /* -r: leave out pixels that it has */
+    enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
+    int64_t seed;                                                       /* -o shuffle: */
+    const char *cost_log;                                               /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };
@@ -48,10 +48,14 @@ static void parse_order(struct options *o, const char *order)
         o->cost_log = order + sizeof cost - 1;
         return;
     }
+    if (strcmp(order, "sample") == 0) {
+        o->order = ORDER_SAMPLE;
+        return;
+    }
     const char *seed = order + sizeof shuffle - 1;
     if (strncmp(order, shuffle, sizeof shuffle - 1) != 0 ||
         (*seed && (*seed != ':' || !parse_int(seed + 1, 0, INT64_MAX, &o->seed))))
-        die(ST_USAGE, "-o %s: expected shuffle, shuffle:SEED or cost:LOG", order);
+        die(ST_USAGE, "-o %s: expected sample, shuffle, shuffle:SEED or cost:LOG", order);
     o->order = ORDER_SHUFFLE;
 }
 
@@ -85,7 +89,7 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...]\n"
-        "           [-o shuffle[:SEED]|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
+        "           [-o sample|shuffle[:SEED]|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
         "UNIT: row, tile:WxH, run:N, scatter, fine, coarse:N, guided[:N], factoring[:N]";
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}};
@@ -179,6 +183,7 @@ static void write_tasks(const struct options *o, const char *job)
     if (o->shares) tasks.assigned = cut_share_of(&o->share, tasks.n);
     tasks.have = have.bits ? &have : NULL;
     if (o->order == ORDER_COST) order_by_cost(o, &tasks);
+    if (o->order == ORDER_SAMPLE) cut_tasks_sample(&tasks);
     if (o->order == ORDER_SHUFFLE) cut_tasks_shuffle(&tasks, (uint64_t)o->seed);
     wire_frame(&out, o->frame, (uint32_t)o->w, (uint32_t)o->h, job);
     while (cut_tasks_next(&tasks, &t)) {
@@ -204,6 +209,7 @@ static void take(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_FILES:
         wire_copy(&state, r);
         put_stdout(buf_data(&state), buf_size(&state));
         buf_free(&state);

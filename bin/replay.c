@@ -167,6 +167,7 @@ static const struct worker_ops ops = {
     .render = render,
     .selftest = selftest,
     .cpu_us = used_us,
+    .replayed = true,
 };
 
 /* If all hosts run the same command, the environment of a host can state its speed. */

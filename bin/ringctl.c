@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-hp] [-k half|one] COMMAND [ARGUMENT ...]\n"
+static const char text[] = "[-ehp] [-k half|one] COMMAND [ARGUMENT ...]\n"
                            "       ringctl -n WORKER [ARGUMENT ...]";
 
 struct options {
@@ -18,8 +18,9 @@ struct options {
 static void parse(struct options *o, int argc, char **argv)
 {
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+hk:np")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehk:np")) != -1) {
         switch (opt) {
+        case 'e': o->params.endgame = o->rules = true; break;
         case 'h': usage(ST_OK, text);
         case 'k':
             o->params.one = strcmp(optarg, "one") == 0;
@@ -35,6 +36,7 @@ static void parse(struct options *o, int argc, char **argv)
     if (optind == argc) usage(ST_USAGE, text);
     if (o->node && o->rules)
         die(ST_USAGE, "-n: expected no other option, because the hub sets them");
+    if (o->published && o->params.endgame) die(ST_USAGE, "-p: expected no -e with it");
 }
 
 int main(int argc, char **argv)

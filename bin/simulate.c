@@ -17,7 +17,7 @@ static const char text[] =
     "           [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...] [-l MS] [-m US[,SPREAD] | -t LOG]\n"
     "           [-s SEED] [-u US] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
-    "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto], ring [-p] [-k half|one]";
+    "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto], ring [-e|-p] [-k half|one]";
 
 struct options {
     struct sim_plan plan;
@@ -63,7 +63,7 @@ static void take_links(struct options *o, const struct hosts *h)
     l->n_links = (int32_t)h->n;
     for (int32_t i = 0, k = 0; i < l->n_links; i++) {
         const struct host *host = &h->at[i];
-        l->links[i] = (struct sim_link){o->plan.latency_us, o->plan.link_bytes_per_s};
+        l->links[i] = o->plan.link;
         if (host->latency_ms >= 0) l->links[i].latency_us = llround(host->latency_ms * 1e3);
         if (host->bytes_per_s > 0) l->links[i].bytes_per_s = host->bytes_per_s;
         for (int slot = 0; slot < host->slots; slot++) l->link_of[k++] = i;
@@ -140,8 +140,8 @@ static void parse(struct options *o, int argc, char **argv)
         more = more || !strchr("nsv", opt);
         switch (opt) {
         case 'b':
-            parse_pair(opt, optarg, 0, 1e15, &p->link_bytes_per_s, &p->hub_bytes_per_s);
-            if (crawls(p->link_bytes_per_s) || crawls(p->hub_bytes_per_s))
+            parse_pair(opt, optarg, 0, 1e15, &p->link.bytes_per_s, &p->hub_bytes_per_s);
+            if (crawls(p->link.bytes_per_s) || crawls(p->hub_bytes_per_s))
                 die(ST_USAGE, "-b %s: expected 0, or a byte per second and more", optarg);
             break;
         case 'c': p->concentrate = true; break;
@@ -150,7 +150,7 @@ static void parse(struct options *o, int argc, char **argv)
         case 'h': usage(ST_OK, text);
         case 'H': p->hops = opt_real(opt, optarg, 0, 100); break;
         case 'j': slots = opt_text(opt, optarg), ways++; break;
-        case 'l': p->latency_us = llround(opt_real(opt, optarg, 0, 1e7) * 1e3); break;
+        case 'l': p->link.latency_us = llround(opt_real(opt, optarg, 0, 1e7) * 1e3); break;
         case 'm':
             made = true;
             parse_pair(opt, optarg, 1e-3, 1e9, &o->us, &o->spread);

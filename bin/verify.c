@@ -31,8 +31,7 @@ struct options {
 struct program {
     struct verify v;
     struct hosts hosts;
-    int32_t *place_of;    /* by slot */
-    const char **host_of; /* by slot: the name of its host */
+    struct verify_hosts places;
 };
 
 /* After reading a log: result, why and errno as log_read_path leaves them. */
@@ -94,7 +93,7 @@ static void pass_state(struct verify *v)
 static void report_part(const struct program *p, const struct verify_part *part)
 {
     struct buf b = {0};
-    verify_describe(&p->v, part, p->host_of, &b);
+    verify_describe(part, &p->places, &b);
     warn("%.*s", (int)buf_size(&b), (const char *)buf_data(&b));
     buf_free(&b);
 }
@@ -105,13 +104,13 @@ static int report(const struct program *p)
     const struct verify_count count = verify_counted(v);
     int lines = 0;
     for (uint32_t i = 0; i < v->n && lines < LINES_MOST; i++) {
-        if (verify_judge(v, &v->part[i]) != VERIFY_DIFFERENT) continue;
+        if (verify_judge(&v->part[i]) != VERIFY_DIFFERENT) continue;
         report_part(p, &v->part[i]);
         lines++;
     }
     warn("%" PRIu32 " of %" PRIu32 " pieces were computed again on another %s: %" PRIu32
          " differ, %" PRIu32 " could not be computed",
-        v->pieces, v->seen, p->hosts.n > 1 ? "host" : "slot of the only host", count.different,
+        v->pieces, v->seen, p->places.several ? "host" : "slot of the only host", count.different,
         count.unchecked);
     return count.different || count.unchecked ? ST_PARTIAL : ST_OK;
 }
@@ -166,22 +165,16 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
-/* A place is a host; if there is only one host, a slot. Returns their number. */
-static int32_t find_places(struct program *p, const struct options *o)
+/* The name of each slot's host; the caller frees the array only. */
+static const char **find_hosts(struct hosts *hosts, const struct options *o)
 {
     char err[HOSTS_ERR];
-    if (!o->hosts) hosts_here(&p->hosts, o->slots);
-    else if (!hosts_read(&p->hosts, o->hosts, err)) die(ST_USAGE, "%s", err);
-    const int32_t n = p->hosts.slots;
-    const bool several = p->hosts.n > 1;
-    p->place_of = xmalloc((size_t)n, sizeof *p->place_of);
-    p->host_of = xmalloc((size_t)n, sizeof *p->host_of);
-    for (int32_t slot = 0; slot < n; slot++) {
-        size_t h = hosts_of_slot(&p->hosts, slot);
-        p->place_of[slot] = several ? (int32_t)h : slot;
-        p->host_of[slot] = p->hosts.at[h].name;
-    }
-    return several ? (int32_t)p->hosts.n : n;
+    if (!o->hosts) hosts_here(hosts, o->slots);
+    else if (!hosts_read(hosts, o->hosts, err)) die(ST_USAGE, "%s", err);
+    const char **name = xmalloc((size_t)hosts->slots, sizeof *name);
+    for (int slot = 0; slot < hosts->slots; slot++)
+        name[slot] = hosts->at[hosts_of_slot(hosts, slot)].name;
+    return name;
 }
 
 static int check_pieces(const struct options *o)
@@ -190,15 +183,16 @@ static int check_pieces(const struct options *o)
     char why[LOG_WHY];
     const char *name;
     int status = ST_OK;
-    int32_t places = find_places(&p, o);
-    verify_init(&p.v, o->seed, o->fraction, p.place_of, p.hosts.slots, places);
-    int failed = verify_read(&p.v, o->files, &name, why);
+    const char **names = find_hosts(&p.hosts, o);
+    verify_hosts_init(&p.places, names, p.hosts.slots);
+    verify_init(&p.v, o->seed, o->fraction, p.places.place_of, p.hosts.slots, p.places.places);
+    int failed = verify_read(&p.v, &p.places, o->files, &name, why);
     check_read(failed, name, why);
     if (o->reports) status = report(&p);
     else pass_state(&p.v);
     verify_free(&p.v);
-    free(p.place_of);
-    free(p.host_of);
+    verify_hosts_free(&p.places);
+    free(names);
     hosts_free(&p.hosts);
     return status;
 }

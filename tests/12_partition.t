@@ -32,11 +32,14 @@ for cut in 'fine -n 3' 'coarse:7 -w 1,2' 'guided -n 3' 'guided:7 -n 3' 'factorin
 	# shellcheck disable=SC2086
 	ok "-u $cut: every pixel once" same -u $cut
 done
-for order in shuffle shuffle:7 cost:coarse.frags; do
+for order in sample shuffle shuffle:7 cost:coarse.frags; do
 	ok "-o $order: every pixel once" same -o $order
 	ok "-o $order: the same numbers for the same pixels" sh -c "partition -o $order 40x32 | sort >a; partition 40x32 | sort | cmp - a"
 done
 
+is 'sample: one task of eight first, evenly spread' "$(partition -o sample 4x40 | awk '/^task/ { printf "%s ", $3 }' | cut -c 1-34)" '4 12 20 28 36 0 1 2 3 5 6 7 8 9 10'
+is 'sample: at most 32 tasks' "$(partition -o sample 4x10000 | awk '/^task/ && $3 < last { exit } /^task/ { last = $3; n++ } END { print n, last }')" '32 9843'
+is 'sample: a frame of few tasks' "$(partition -o sample 4x7 | awk '/^task/ { printf "%s ", $3 }')" '0 1 2 3 4 5 6 '
 ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1 8x50 | cksum)" != "$(partition -o shuffle:2 8x50 | cksum)" ]'
 # A log made by hand: row 1 of 2 costs more. Of 4 rows the lower two come first.
 {

@@ -269,15 +269,43 @@ is 'log on a full disk: status 3' "$status" 3
 like 'log on a full disk: a message says so' "$err" '/dev/full: No space left'
 ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
 
-# ---- too large
-for size in '65535 65535' '16385 16384'; do
-	run sh -c "echo 'frame 0 $size job=cafe' | seal | gather -o l.pam"
-	is "frame 0 $size: status 2" "$status" 2
-	like "frame 0 $size: a message says so" "$err" "frame 0: ${size% *}x${size#* } pixels, expected at most 268435456 in a picture"
+# ---- large: a frame of more than 2^24 pixels is kept in a file without a name
+run sh -c "echo 'frame 0 65535 65535 job=cafe' | seal | gather -o big.pam"
+is '65535x65535, declared: status 1' "$status" 1
+like '65535x65535, declared: what is missing' "$err" '4294836225 of 4294836225 pixels missing: rows 0-65534'
+{
+	echo 'hello rtworker 0.1 selftest=0'
+	echo 'frame 0 8192 8192 job=cafe'
+	frag 0 0 '8190 8191 2 1 1 1' "$half" 2 ' w=0'
+	frag 0 1 '8190 8191 2 1 1 1' "$full" 2 ' w=1'
+} | seal >large
+mkdir here
+TMPDIR=here run gather -o big.pam large
+is 'large: status 1' "$status" 1
+like 'large: differing duplicates are found' "$err" 'frame 0: 2 pixels of slot 0 [(]large[)] and of slot 1 [(]large[)] differ, most at 8190,8191, by 0.5'
+like 'large: what is missing' "$err" '67108862 of 67108864 pixels missing: rows 0-8191'
+is 'large: no file is left' "$(ls here)$(ls big.pam 2>&-)" ''
+for dir in here none; do
+	for o in '-o big.pam' ''; do
+		rm -f log
+		[ $dir = none ] && why='No such file or directory' || why='File too large'
+		TMPDIR=$dir run sh -c "ulimit -f 100; gather $o -r log <large"
+		is "large, no room in $dir ($o): status 3, and a line" "$status:$err" \
+			"3:gather: $dir: cannot keep the pixels of frame 0, expected TMPDIR to name a directory with 1.2 GB: $why"
+		is "large, no room in $dir ($o): the log has the pixels" "$(head -c "$(wc -c <log)" large | cmp - log && grep -ac '^frag 0 0 ' log)" 1
+		is "large, no room in $dir ($o): nothing is left" "$(ls here)$(ls big.pam 2>&-)" ''
+	done
 done
+unset TMPDIR
+run sh -c 'ulimit -f 100; gather -o here/big.pam large'
+like 'large, without TMPDIR: beside the picture' "$err" '^gather: here: cannot keep the pixels'
+run sh -c 'cd here; ulimit -f 100; gather -o big.pam ../large'
+like 'large, without TMPDIR: in the current directory' "$err" '^gather: [.]: cannot keep the pixels'
+run sh -c 'ulimit -f 100; gather large'
+like 'large, without TMPDIR, to standard output: in /var/tmp' "$err" '^gather: /var/tmp: cannot keep the pixels'
 { echo 'frame 0 4 3 job=cafe w=0'; echo 'frame 0 65535 65535 job=cafe w=1'; cat whole; } | seal >foreign
 run gather -o f.pam foreign
-is 'another size, too large: one worker'"'"'s mistake' "$status" 0
+is 'another size, large: one worker'"'"'s mistake' "$status" 0
 
 # ---- several frames
 { picture 0; picture 7; } >film

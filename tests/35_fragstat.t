@@ -125,7 +125,7 @@ like 'no file: exit 2' "$status $err" '^2 fragstat: nosuch.frags: No such file'
 run fragstat .
 like 'a directory: exit 2' "$status $err" '^2 fragstat: \.: Is a directory'
 run fragstat -g -s empty.frags
-like '-g with -s: exit 2' "$status $err" '^2 fragstat: -g and -s: expected one of them'
+like '-g with -s: exit 2' "$status $err" '^2 fragstat: -g, -H, -s and -t: expected one of them'
 # refuses WHY ARGUMENT ...
 refuses() {
 	why=$1

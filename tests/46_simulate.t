@@ -45,9 +45,9 @@ takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
 like 'a static method: the message has the command to repeat the run' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
-# At 1000 bytes a second a hello takes .089 s, a task .034, done .053, and a pixel with its record .101 s. So the hub knows at
-# .189 that the first is up; task 0 runs from .323 to 1.323, task 2 to 2.323; its pixel is at the hub at 2.577.
-takes 'a link takes the bytes of records and pixels' 2.577000 -b 1000 fan
+# At 1000 bytes a second a hello takes .104 s, a task .034, done .053, and a pixel with its record .101 s. So the hub knows at
+# .204 that the first is up; task 0 runs from .338 to 1.338, task 2 to 2.338; its pixel is at the hub at 2.592.
+takes 'a link takes the bytes of records and pixels' 2.592000 -b 1000 fan
 # Of 101 bytes a second, each pixel takes 1 s of the hub: from .8 on the first, then the next ones.
 takes 'the pixels of all pass the hub one after the other' 4.800000 -b 0,101 fan
 two -b 0,8 fan
@@ -55,14 +55,14 @@ is 'the bound counts pixels without their records in the link of the hub' "$(of 
 # hosts of other links: the second is .3 s away, at 1000 bytes a second
 printf 'a power=1\nb power=2 latency_ms=300 bytes_per_s=1000\n' >links
 run simulate -v -m 1e6 -S links -l 100 fan <four.task
-like 'a host with its own latency and bandwidth' "$out" '^# 723000 1 from hub: task 1$'
+like 'a host with its own latency and bandwidth' "$out" '^# 738000 1 from hub: task 1$'
 like 'a host with those of -l' "$out" '^# 200000 0 from hub: task 0$'
 is 'no run is faster than the bound and three of the least latencies' "$(of least_s)" 1.633333
 # Its two slots share a link: the hello of the second waits for that of the first. fan gives a slot its tasks when it is up.
 printf 'a slots=2 power=1 bytes_per_s=1000\n' >links
 run simulate -v -m 1e6 -S links fan <four.task
-like 'slots of one host share its link: up' "$out" '^# 178000 1 to hub: up$'
-like 'slots of one host share its link: a task that need not wait' "$out" '^# 212000 1 from hub: task 1$'
+like 'slots of one host share its link: up' "$out" '^# 208000 1 to hub: up$'
+like 'slots of one host share its link: a task that need not wait' "$out" '^# 242000 1 from hub: task 1$'
 
 # ---- trees, by hand --------------------------------------------------------------------------------------------
 # test_tree.c has the times. Three records for each task, up, and a flush.

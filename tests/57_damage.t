@@ -1,6 +1,7 @@
 #!/bin/sh
 # One seeded fault in one stream of a run, in either direction: the picture is the same, or the status is not 0 and a
 # message gives the reason. FAULTS=5000 FIRST=SEED tests/57_damage.t is a campaign; a failure is printed as a command.
+# PACKED=1: only in streams with packed records.
 . "$(dirname "$0")/lib.sh"
 compile damage
 PATH=$tmp:$PATH
@@ -69,7 +70,13 @@ deal fan -1 -z on -t 2 -S up.hosts $worker <$worker/tasks
 ringctl fan -z on -t 2 -S up.hosts ringctl -n $worker <$worker/tasks
 deal fan -z auto -t 2 -S up.hosts $worker <$worker/tasks
 END
-! fan -l -z on >said 2>&1 || cat packed >>places
+if fan -l -z on >said 2>&1; then
+	[ -z "${PACKED-}" ] || : >places
+	cat packed >>places
+elif [ -n "${PACKED-}" ]; then
+	echo "1..0 # SKIP $(cat said)"
+	exit 0
+fi
 n_places=$(wc -l <places)
 seed=${FIRST:-1} end=$((${FIRST:-1} + ${FAULTS:-120})) good=0 refused=0 bad=''
 export seed worker
@@ -92,7 +99,7 @@ while [ "$seed" -lt "$end" ]; do
 	if [ $status -eq 0 ]; then good=$((good + 1)); else refused=$((refused + 1)); fi
 	if [ -n "$why" ]; then
 		bad="$bad $seed"
-		diag "$why: FAULTS=1 FIRST=$seed tests/57_damage.t: $place"
+		diag "$why: ${PACKED:+PACKED=1 }FAULTS=1 FIRST=$seed tests/57_damage.t: $place"
 		diag "$(cat damaged 2>/dev/null; head -c 600 said)"
 	fi
 	seed=$((seed + 1))

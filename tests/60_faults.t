@@ -75,24 +75,13 @@ is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
 # mortal METHOD [OPTIONS]: long, but one of the three workers is killed by SIGKILL when it has sent 9000 bytes. The others
 # begin after that, so whatever the load, the run is not over before.
-mkdir bin
-cp "$root"/bin/balance* "$root/bin/stormring.sh" bin
-for program in "$root"/bin/*; do [ -e "bin/${program##*/}" ] || ln -s "$program" bin; done
-rm bin/rtworker bin/fan
-cat >bin/rtworker <<END
-#!/bin/sh
-case " \${listing-} \$* " in
-*' -i '* | *' -l'*) ;;
-*)
-	if mkdir '$tmp/first' 2>/dev/null; then
-		'$root/bin/rtworker' "\$@" | { dd bs=1 count=9000 2>dd.said; : >'$tmp/dead'; kill -9 \$\$; }
-	fi
-	until [ -e '$tmp/dead' ]; do sleep .05; done ;;
-esac
+wrap_rtworker <<END
+if mkdir '$tmp/first' 2>/dev/null; then
+	'$root/bin/rtworker' "\$@" | { dd bs=1 count=9000 2>dd.said; : >'$tmp/dead'; kill -9 \$\$; }
+fi
+until [ -e '$tmp/dead' ]; do sleep .05; done
 exec '$root/bin/rtworker' "\$@"
 END
-printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >bin/fan
-chmod +x bin/rtworker bin/fan
 mortal() {
 	rm -rf first dead
 	PATH=$tmp/bin:$PATH long "$@"

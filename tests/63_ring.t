@@ -17,16 +17,7 @@ long() {
 }
 # begin [OPTIONS]: the same, but the workers hold back what they have to say after 2000 bytes, until whole. So whatever the
 # load, all nodes have tasks when a test goes on, and the run is not over.
-mkdir bin
-cp "$root"/bin/balance* "$root/bin/stormring.sh" bin
-for program in "$root"/bin/*; do [ -e "bin/${program##*/}" ] || ln -s "$program" bin; done
-rm bin/rtworker bin/fan
-printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >bin/fan
-cat >bin/rtworker <<END
-#!/bin/sh
-case " \${listing-} \$* " in
-*' -i '* | *' -l'*) exec '$root/bin/rtworker' "\$@" ;;
-esac
+wrap_rtworker <<END
 '$root/bin/rtworker' "\$@" | {
 	dd bs=1 count=2000 2>'$tmp/dd.said'
 	: >"$tmp/held.\$\$"
@@ -34,7 +25,6 @@ esac
 	cat
 }
 END
-chmod +x bin/rtworker bin/fan
 held() { [ "$(find . -name 'held.*' | wc -l)" -ge 3 ]; }
 begin() {
 	rm -f go held.*
@@ -55,7 +45,7 @@ whole() {
 	ok "$1: no process remains" await 2 none_alive
 }
 nodes() { program ringctl 'ringctl -n '; }
-hub() { program ringctl 'ringctl fan '; }
+hub() { program ringctl 'ringctl -e fan '; }
 
 # ---- kill -9 of each stage -------------------------------------------------------------------------------------------
 for stage in gather hub fan; do

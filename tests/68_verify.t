@@ -92,6 +92,46 @@ balance interleaved -S hosts -s 32x32 -r there.log -o out.png balls.nff
 run balance interleaved -v 1 -S hosts -s 32x32 -r there.log -o out.png balls.nff
 is 'a log of an earlier run' "$status:$(counts)" '0:32 0 0'
 
+# ---- hosts that join and leave -------------------------------------------------------------------------------------
+# Of each slot of a, four rows come before b has begun. Then the hosts file is replaced by `file`.
+cat >first4 <<'END'
+#!/bin/sh
+exec perl -e '$| = 1; while (<STDIN>) {
+	if (/^task/ && ++$n == 5 && !-e "replaced") { system "touch replaced; mv file hosts" }
+	if ($n >= 5) { for (1 .. 600) { last if -s $ENV{UNTIL}; select undef, undef, undef, .1 } }
+	print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b }
+}' | sh -c "$1"
+END
+chmod +x first4
+printf '#!/bin/sh\necho >>begun\nexec sh -c "$1"\n' >begins
+# joining B ...: a run that begins on two slots of a; then `file` has lines of this script
+joining() {
+	rm -f replaced begun lies joins.log out.png
+	echo 'a slots=2 via="./first4 %c"' >hosts
+	printf '%s\n' "$@" >file
+	run balance masterslave -v 1 -S hosts -s 32x32 -r joins.log -o out.png balls.nff
+}
+export UNTIL=begun
+joining 'b via="sh ./begins %c"' 'c via="sh ./begins %c"'
+is 'a host leaves, two join: all pieces are checked' "$status:$(counts):$(cmp out.png true.png && echo same)" '0:32 0 0:same'
+like 'a host leaves, two join: hosts check each other' "$(echo "$err" | tail -n 1)" 'computed again on another host:'
+verify -S hosts 1 joins.log </dev/null >joins.task
+is 'a host that has joined does not check itself' "$(awk '
+	FNR == NR { if ($1 == "frag") { w = $0; sub(/.* w=/, "", w); slot[$5] = w + 0 } next }
+	/^task/ { to = $0; sub(/.*to=/, "", to); if (slot[$5] < 2) old++; else if (slot[$5] == to + 2) self++; else other++ }
+	END { print (old >= 8 ? "old" : ""), self + 0, (other ? "other" : "") }' joins.log joins.task)" 'old 0 other'
+export UNTIL=lies
+joining 'a slots=2 via="./first4 %c"' 'b via="sh -c %c | ./liar 1"' 'c via="sh ./after %c"'
+is 'a host that joins and lies: status 1' "$status" 1
+like 'a host that joins and lies is named' "$err" '^verify: .*: slot 2 \(host b\) computed other pixels than two other hosts$'
+is 'a host that joins and lies: no other is named' "$(echo "$err" | grep '^verify: frame' | grep -vc ': slot 2 (host b) computed other')" 0
+echo >ready
+export UNTIL=ready
+joining 'b via="sh ./begins %c"' 'c via="sh ./begins %c"' 'd slots=none'
+is 'a hosts file that becomes wrong: the first one counts' "$status:$(echo "$err" | grep '^balance')" \
+	'0:balance: -v: hosts has become unusable: the hosts of the beginning verify'
+unset UNTIL
+
 # ---- faults while it verifies ----------------------------------------------------------------------------------------
 # Its second start is cut off in the middle.
 cat >torn <<'END'

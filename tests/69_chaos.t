@@ -14,18 +14,11 @@ rtworker tetra.nff <job.task >true.frags
 gather -o good.pfm true.frags
 scale=$(grep -a '^done' true.frags | sed 's/.*wall_us=\([0-9]*\).*/\1/' | awk '{ s += $1 } END { printf "%.0f", 150e3 * NR / (s + 1) }')
 
-# relay HOST COMMAND: the command between two cat, in a session of its own as on another machine; links/ has their pids
-cat >relay <<'END'
+# relay HOST COMMAND: links/ has the relays to all hosts
+cat >relay <<END
 #!/bin/sh
-[ ! -e "cut.$1" ] || exit 255
-d=links/$1.$$
-mkdir "$d" && mkfifo "$d/down" "$d/up" || exit 255
-setsid sh -c '
-	pids=$0/pids
-	sh -c "echo \$\$ >>$pids; exec cat" <"$0/down" | sh -c "$1" 2>"$0/said" | sh -c "echo \$\$ >>$pids; exec cat" >"$0/up"
-' "$d" "$2" >/dev/null &
-cat <"$d/up" &
-exec cat >"$d/down"
+[ ! -e "cut.\$1" ] || exit 255
+exec '$root/tests/relay' "links/\$1.\$\$" "\$2"
 END
 chmod +x relay
 # pick N: a number below N, the next of the seed's
@@ -91,6 +84,7 @@ run_seed() {
 	: >status
 	{
 		sed -n 1p ../job.task
+		await 30 test -s events # fan has read the first hosts file
 		at=2
 		while [ $at -le 65 ]; do
 			sed -n "$at,$((at + 7))p" ../job.task

@@ -75,6 +75,8 @@ for one in '' -1; do
 	ok "slots= changes, fan $one: the same picture" cmp out.pfm good.pfm
 	is "slots= changes, fan $one: the slots that leave" "$(grep -a '^gone' events | cut -d ' ' -f 2 | sort | tr '\n' ' ')" \
 		"$(if [ "$one" ]; then echo 'w=0 w=1 w=2 w=3 '; else echo 'w=3 '; fi)"
+	is "power= changes, fan $one: it is reported for slots that come up later" "$(grep -a '^up w=[0-9]* host=b ' events | grep -a -c ' power=7 ')" \
+		"$(if [ "$one" ]; then echo 1; else echo 0; fi)"
 	is "slots= changes, fan $one: all leave in good order" "$(grep -a '^gone' events | grep -v 'why=left lost=0')" ''
 done
 
@@ -109,5 +111,27 @@ file first second
 } | fan -S hosts rtworker - 2>said | tee events | gather -o out.pfm
 ok 'tasks that were distributed in advance: the same picture' cmp out.pfm good.pfm
 like 'tasks that were distributed in advance: a message says that the hosts stay' "$(cat said)" \
-	'^fan: hosts has changed: the hosts stay as they were, because the tasks were distributed in advance'
+	'^fan: hosts has changed: the hosts stay as they were, because the tasks or nodes were set in advance'
+
+# The methods that cannot: all tasks have come when the first host has its first one.
+cat >slow <<'END'
+#!/bin/sh
+exec perl -e '$| = 1; while (<STDIN>) {
+	if (/^task/ && !$n++) {
+		rename "later", "now"; # one of the two slots is the first
+		for (1 .. 600) { last if !system "grep -q stay said"; select undef, undef, undef, .1 }
+	}
+	print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b }
+}' | sh -c "$1"
+END
+chmod +x slow
+for method in interleaved ss sc gdc; do
+	rm -f out.pfm
+	echo 'a slots=2 via="./slow %c"' >now
+	echo 'b via="sh -c %c"' >later
+	balance $method -S now -s $size -o out.pfm tetra.nff 2>said
+	ok "$method: the same picture" cmp out.pfm good.pfm
+	is "$method: one message, and no other host" "$(sed 's/, because.*such as/ .../' said)" \
+		'fan: now has changed: the hosts stay as they were ... adaptive'
+done
 finish

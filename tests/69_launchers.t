@@ -123,7 +123,7 @@ ok 'a queued host with a share: others do that share' cmp out.pfm good.pfm
 is 'a queued host with a share: a message names it, and one counts its slots' "$(printf '%s\n' "$err" | sed 's/; [12] queued/; N queued/')" \
 	'fan: far: queued by its launcher; waiting for up to 3600 s
 fan: 2 of 3 slots never connected; N queued'
-is 'a queued host with a share: its slots are gone, for policies' "$(events far.frags | grep 'w=[01]' | sed 's/ sum=.*//' | sort | tr '\n' ';')" \
+is 'a queued host with a share: its slots are gone, for policies' "$(events far.frags | grep 'w=[01]' | sed 's/ recv_us=.*//' | sort | tr '\n' ';')" \
 	'gone w=0 why=queued lost=0;gone w=1 why=queued lost=0;'
 run fan -l -S far.hosts rtworker -
 is 'fan -l does not wait for a queue' "$status $(printf '%s\n' "$out" | cut -f 1-2 | tr '\t\n' ' ;')$err" \
@@ -143,7 +143,7 @@ is 'a host that was queued for long: exit 0' "$(cat long.status)" 0
 gather -o out.pfm long.frags
 ok 'a host that was queued for long: the same picture' cmp out.pfm good.pfm
 is 'a host that was queued for long: one try for each slot' "$(wc -l <long.tries)" 2
-is 'a host that was queued for long: gone, then up' "$(events long.frags | grep w=1 | sed 's/ power.*//; s/ sum=.*//' | tr '\n' ';')" \
+is 'a host that was queued for long: gone, then up' "$(events long.frags | grep w=1 | sed 's/ power.*//; s/ recv_us=.*//; s/ sum=.*//' | tr '\n' ';')" \
 	'gone w=1 why=queued lost=0;up w=1 host=long;'
 like 'a host that was queued for long: a message says that it is up' "$(cat long.said)" '^fan: slot 1 on long: is up$'
 wait $none_pid

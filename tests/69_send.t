@@ -72,6 +72,27 @@ works 'after that' far
 is 'after that nothing is sent' "$(cat messages)" ''
 is 'and nothing else is left there' "$(find cache.far ! -type d)" "$(cached far rtworker)"
 
+# Programs of earlier versions: the time of a file is that of its last use.
+mkdir cache.far/stormring/old cache.far/stormring/young
+for place in old young; do cp "$static/deal" "cache.far/stormring/$place/deal"; done
+touch -d '40 days ago' cache.far/stormring/old/deal "$(cached far rtworker)"
+touch -d '20 days ago' cache.far/stormring/young/deal
+works 'a worker that was not used for 40 days' far
+is 'a worker that was not used for 40 days: it is used, and nothing is removed' "$(cat messages)$(cd cache.far/stormring && ls -d old/* young/*)" \
+	'old/deal
+young/deal'
+is '... and it counts as used now' "$(find cache.far -name rtworker -mtime -1 | wc -l)" 1
+truncate -s 70000 "$(cached far rtworker)"
+works 'another worker is sent' far
+is 'another worker is sent: programs that were not used for 30 days are removed' "$(cd cache.far/stormring && ls -d old* young/*)" \
+	'old
+young/deal'
+touch -d '40 days ago' cache.far/stormring/old
+truncate -s 70000 "$(cached far rtworker)"
+works 'another worker is sent later' far
+is 'another worker is sent later: an empty directory is removed as well' "$(cd cache.far/stormring && ls -d old* young/* 2>/dev/null)" young/deal
+rm -r cache.far/stormring/young
+
 # ---- every method, both workers, trees ---------------------------------------------------------------------------------
 bare near
 cat far.hosts near.hosts >both.hosts

@@ -1,24 +1,13 @@
 #!/bin/sh
 # A worker whose sshd is stopped, or whose host is cut off, sees no end of its input and no error of its output. It ends by
-# itself after the silence that fan states. The sshd of this test is a pair of cat, in a session of its own; it is stopped.
+# itself after the silence that fan states. The sshd of this test is tests/relay, which is stopped.
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=tests/marked.sh
 . "$root/tests/marked.sh"
 
 # shellcheck disable=SC2154  # lib.sh sets them
 spdgen -s 2 tetra >tetra.nff
-# relay DIR COMMAND: runs the command between two cat of another session, whose pids are in DIR/pids
-cat >relay <<'END'
-#!/bin/sh
-rm -rf "$1" && mkdir "$1" && mkfifo "$1/down" "$1/up" || exit 255
-setsid sh -c '
-	one=$0/pids
-	sh -c "echo \$\$ >>$one; exec cat" <"$0/down" | sh -c "$1" 2>"$0/said" | sh -c "echo \$\$ >>$one; exec cat" >"$0/up"
-' "$1" "$2" >/dev/null &
-cat <"$1/up" &
-exec cat >"$1/down"
-END
-chmod +x relay
+ln -s "$root/tests/relay" relay
 partition 64x64 >job.task
 rtworker tetra.nff <job.task | gather -o good.pfm
 # pids DIR: those of both cat of the relay

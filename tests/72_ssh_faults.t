@@ -37,14 +37,15 @@ none_there() { [ -z "$(there)" ]; }
 none_left() { none_alive && none_there; }
 stamp() { perl -MTime::HiRes=time -ne 'BEGIN { $| = 1 } printf "%d %s", 1000 * time, $_'; }
 
-# begin METHOD [SAMPLES]: starts a run in the background; `said` gets its messages, each after the time
+# begin METHOD [SAMPLES [OPTION ...]]: starts a run in the background; `said` gets its messages, each after the time
 begin() {
-	samples=${2:-64}
+	method_now=$1 samples=${2:-64}
+	shift $(($# < 2 ? $# : 2))
 	rm -f out.pfm job.log said
 	begun=$(now_ms)
 	{
 		env MARK="$mark" sh -c 'echo $$ >pid; exec "$@"' run \
-			balance "$1" -S "$file" -s 192x192 -W "-a $samples" -r job.log -o out.pfm gears.nff
+			balance "$method_now" "$@" -S "$file" -s 192x192 -W "-a $samples" -r job.log -o out.pfm gears.nff
 		echo $? >status
 	} 2>&1 | stamp >said &
 	job=$!
@@ -61,6 +62,7 @@ noticed() {
 }
 same_picture() { # NAME
 	is "$1: exit 0" "$status" 0
+	[ "$status" -eq 0 ] || diag "it said: $(tr -cd '\n -~' <said)"
 	ok "$1: the same picture" cmp out.pfm "good$samples.pfm"
 	ok "$1: no worker is left" await 2 none_there
 }
@@ -214,18 +216,23 @@ end
 same_picture "$name"
 ok "$name: the host does tasks again" at_work
 
-# A worker that sends nonsense after a while.
+# A worker that sends nonsense: in its answer to the first probe of the link, and after some tasks.
 bin=/home/render/bin
 hosts run host2 mv $bin/rtworker $bin/rtworker.good
-put host2 $bin/rtworker <<END
+while read -r bytes pack where; do
+	put host2 $bin/rtworker <<END
 #!/bin/sh
-$bin/rtworker.good "\$@" | { dd bs=1 count=4000; cat /dev/urandom; } 2>/dev/null
+$bin/rtworker.good "\$@" | { dd bs=1 count=$bytes; cat /dev/urandom; } 2>/dev/null
 END
-name='masterslave, garbage'
-begin masterslave
-end
-same_picture "$name"
-like "$name: a message says so" "$(cat said)" 'fan: (slot 1 on host2: lost|host2: cannot be used) \(garbage\)'
+	name="masterslave, garbage $where"
+	begin masterslave 64 -z "$pack"
+	end
+	same_picture "$name"
+	like "$name: a message says so" "$(cat said)" 'fan: (slot 1 on host2: lost|host2: cannot be used) \(garbage\)'
+done <<'END'
+4000 auto in an answer
+40000 off between pixels
+END
 
 # ---- static methods: the missing pixels, and the command that renders them --------------------------------------------------------------
 # incomplete NAME: the picture is incomplete, and the printed command finishes it

@@ -43,6 +43,7 @@ lacking() {
 		mesh2nff mesh2nff
 		glmark2 /usr/share/glmark2/models
 		ncdump ncdump
+		jq jq
 	END
 	return 1
 }

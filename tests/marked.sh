@@ -27,5 +27,20 @@ await() { # SECONDS COMMAND ...: waits until the command succeeds
 unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, connecting again$|: is up$|never connected$' "$1"; }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
+# wrap_rtworker: makes ./bin, which has all programs. Where its rtworker is to render, and not to print a job or to be listed
+# by fan, it runs the script on standard input.
+wrap_rtworker() {
+	mkdir bin
+	cp "$root"/bin/balance* "$root/bin/stormring.sh" bin
+	for program in "$root"/bin/*; do [ -e "bin/${program##*/}" ] || ln -s "$program" bin; done
+	rm bin/rtworker bin/fan
+	# shellcheck disable=SC2016  # for the scripts
+	{
+		printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >bin/fan
+		printf '#!/bin/sh\ncase " ${listing-} $* " in *" -i "* | *" -l"*) exec %s "$@" ;; esac\n' "'$root/bin/rtworker'"
+		cat
+	} >bin/rtworker
+	chmod +x bin/rtworker bin/fan
+}
 end_all() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; }
 trap 'end_all; rm -rf "$tmp"' EXIT

@@ -195,20 +195,57 @@ int outfile_check(const char *path);
 int64_t now_us(void); /* monotonic */
 int64_t cpu_us(void); /* this process */
 
+/* ---- time left ------------------------------------------------------------------------ */
+
+/*
+ * Predicts the end of a run from the cost of the pixels that have come, by their place, and from
+ * the work that is done in a second. Fixed in size; all zero at first. Times are in seconds from
+ * any zero.
+ */
+#define ETA_BANDS 64   /* of rows */
+#define ETA_TASKS 1024 /* whose pixels or cost have come, and not both */
+#define ETA_MARKS 128
+struct eta {
+    double cost_us[ETA_BANDS], px[ETA_BANDS];
+    struct eta_task {
+        bool used, done;
+        uint32_t frame, id;
+        uint32_t first, last; /* bands */
+        double cost_us, px;   /* not yet in the bands */
+    } tasks[ETA_TASKS];
+    struct {
+        double t_s, work_us;
+    } marks[ETA_MARKS]; /* points of the recent run */
+    int n_marks;
+    uint64_t n_done;
+    double step_s, last_s, work_us;
+};
+/* The cost of a task came at time t_s; negative: in an earlier run. */
+void eta_done(struct eta *e, uint32_t frame, uint32_t id, double cost_us, double t_s);
+/* Some of its pixels came: px of them, in rows from y0 to y1, as parts of the height. */
+void eta_pixels(struct eta *e, uint32_t frame, uint32_t id, double y0, double y1, double px);
+/* Another run begins: the speed is not known any more, the costs are. */
+void eta_begin(struct eta *e);
+/* Seconds from t_s to the end, if done of total pixels have come; -1: not known yet. */
+double eta_left_s(const struct eta *e, double done, double total, double t_s);
+/* Writes "1:05", "1:02:30"; "?" if left_s is negative. */
+#define ETA_TEXT 32
+const char *eta_text(double left_s, char out[ETA_TEXT]);
+
 /* ---- progress ------------------------------------------------------------------------- */
 
 /* One line on stderr, updated at most five times a second: percent and estimated time left. */
 struct progress {
     bool on;
     int width; /* columns now on the screen */
-    int64_t start_us, next_us;
-    uint64_t before; /* units done before the start */
+    int64_t next_us;
 };
 
 void progress_start(struct progress *p, bool on);
-/* Sets the units done by an earlier run. The estimate begins here. */
-void progress_resume(struct progress *p, uint64_t done);
-void progress_show(struct progress *p, uint64_t done, uint64_t total);
+/* True if the line is to be updated now. */
+bool progress_due(const struct progress *p);
+/* Shows done of total units and the time left; negative: not known. */
+void progress_show(struct progress *p, uint64_t done, uint64_t total, double left_s);
 /* Erases the line. Call before any other message, and at the end. */
 void progress_clear(struct progress *p);
 

@@ -66,28 +66,25 @@ static void restore_words(unsigned char *out, const unsigned char *p, size_t wor
         for (size_t i = 0; i < words; i++) out[i * WORD + k] = p[k * words + i];
 }
 
+/* One direction, of n words or pixels. */
+typedef void mover(unsigned char *out, const unsigned char *p, size_t n);
+
+/* Moves whole words or pixels; the bytes after them stay as they are. */
+static void move(unsigned char *out, enum coder_form form, const unsigned char *p, size_t n,
+    mover *pixels, mover *words)
+{
+    size_t unit = form == CODER_PIXELS ? CODER_PIXEL_BYTES : WORD;
+    size_t whole = form == CODER_BYTES ? 0 : n - n % unit;
+    if (whole) (form == CODER_PIXELS ? pixels : words)(out, p, whole / unit);
+    if (whole < n) memcpy(out + whole, p + whole, n - whole);
+}
+
 void coder_arrange(unsigned char *out, enum coder_form form, const unsigned char *p, size_t n)
 {
-    size_t done = 0; /* bytes in whole words or pixels */
-    if (form == CODER_PIXELS) {
-        arrange_pixels(out, p, n / CODER_PIXEL_BYTES);
-        done = n - n % CODER_PIXEL_BYTES;
-    } else if (form == CODER_WORDS) {
-        arrange_words(out, p, n / WORD);
-        done = n - n % WORD;
-    }
-    if (done < n) memcpy(out + done, p + done, n - done);
+    move(out, form, p, n, arrange_pixels, arrange_words);
 }
 
 void coder_restore(unsigned char *out, enum coder_form form, const unsigned char *p, size_t n)
 {
-    size_t done = 0; /* bytes in whole words or pixels */
-    if (form == CODER_PIXELS) {
-        restore_pixels(out, p, n / CODER_PIXEL_BYTES);
-        done = n - n % CODER_PIXEL_BYTES;
-    } else if (form == CODER_WORDS) {
-        restore_words(out, p, n / WORD);
-        done = n - n % WORD;
-    }
-    if (done < n) memcpy(out + done, p + done, n - done);
+    move(out, form, p, n, restore_pixels, restore_words);
 }

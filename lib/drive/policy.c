@@ -120,7 +120,8 @@ static int take_down(void *ctx, const struct record *r)
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: return take_state(d, r);
+    case REC_SPEC:
+    case REC_FILES: return take_state(d, r);
     case REC_FRAME:
         stream_frame(&d->input, r);
         wire_forward(&d->down.bytes, r, NULL, NULL);
@@ -131,8 +132,6 @@ static int take_down(void *ctx, const struct record *r)
         outlet_answer(&d->out);
         return 0;
     case REC_CODE: outlet_code(&d->out, r); return 0;
-    case REC_ALIVE: silence_count(r); return 0;
-    case REC_BEAT: return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:

@@ -46,6 +46,14 @@ static void forward_done(struct driver *d, const struct record *r, const struct 
     else wire_forward(&d->out.queue.control, r, NULL, NULL);
 }
 
+/* Passes a loss on, for the log. False if another policy has kept the slot's tasks. */
+static bool forward_gone(struct driver *d, const struct record *r)
+{
+    bool kept = rec_is(r, "kept", "1");
+    up_forward(&d->out.queue, r, NULL, kept ? NULL : "kept=1");
+    return !kept;
+}
+
 /*
  * A slot came up or was lost. A node passes on the reports of a bare fan within it: the node would
  * not give the fan's tasks to another slot.
@@ -58,6 +66,7 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
         return false;
     }
     e->kind = r->kind == REC_UP ? SCHED_UP : SCHED_GONE;
+    if (r->kind == REC_GONE && !forward_gone(d, r)) return false;
     if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
     if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
     return true;

@@ -10,13 +10,10 @@
 
 static double within_s(const struct fan *f) { return SILENCES * f->o->silence_s; }
 
-/* Nothing is queued for the slot, so this is written whole, or the pipe is full and it need not. */
+/* It is written whole, or the pipe is full, and then it need not be. */
 static void tell(struct fan_slot *s, enum rec_kind kind, const char *extra)
 {
-    struct down_queue q = {0};
-    wire_plain(&q.bytes, kind, extra);
-    down_write(&q, s->conn.child.to);
-    down_free(&q);
+    fan_slot_tell(s, kind, extra);
     s->conn.told_us = now_us();
 }
 

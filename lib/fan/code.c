@@ -17,16 +17,13 @@
 
 _Static_assert(PROBE_LAST <= WIRE_PROBE_MAX, "the answer to a probe is one record");
 
-/* Nothing is queued for the slot, and its pipe is empty, so this is written whole; or the slot is
- * gone, which the end of its stream will tell. */
+/* The pipe of the slot is empty, so this is written whole; or the slot is gone, which the end of
+ * its stream will tell. */
 static void ask(struct fan_slot *s, size_t bytes)
 {
     char text[32];
-    struct down_queue q = {0};
     snprintf(text, sizeof text, "probe=%zu", bytes);
-    wire_plain(&q.bytes, REC_CODE, text);
-    down_write(&q, s->conn.child.to);
-    down_free(&q);
+    fan_slot_tell(s, REC_CODE, text);
     s->conn.probe_bytes = bytes;
     s->conn.probe_us = s->conn.heard_us = now_us();
 }

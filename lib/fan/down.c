@@ -40,11 +40,9 @@ bool fan_takes(const struct fan_slot *s)
     return s->feed.primed && (!fan_slot_fed(s) || s->conn.child.to >= 0);
 }
 
-#define KINDS 3 /* kinds of state */
-
 void fan_forget(struct fan_state_of *state)
 {
-    for (int i = 0; i < KINDS; i++)
+    for (int i = 0; i < WIRE_STATE_KINDS; i++)
         if (state->kind[i]) blob_drop(state->kind[i]);
     buf_free(&state->frame_lines);
     *state = (struct fan_state_of){0};
@@ -53,7 +51,7 @@ void fan_forget(struct fan_state_of *state)
 /* Sends slot s the parts of this state that it lacks. */
 static void send_state(struct fan_slot *s, const struct fan_state_of *state)
 {
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < WIRE_STATE_KINDS; i++) {
         if (!state->kind[i] || s->feed.sent[i] == state->number[i]) continue;
         down_share(&s->feed.queue, state->kind[i]);
         s->feed.sent[i] = state->number[i];
@@ -90,7 +88,7 @@ static void begin_generation(struct fan *f)
     const struct fan_state_of *before = &f->states[(now - 1) % GENERATIONS];
     f->begun = false;
     fan_forget(latest);
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < WIRE_STATE_KINDS; i++) {
         latest->kind[i] = before->kind[i];
         latest->number[i] = before->number[i];
         if (latest->kind[i]) latest->kind[i]->users++;
@@ -217,7 +215,8 @@ static int route(void *ctx, const struct record *r)
     switch (r->kind) {
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: route_state(f, r); return 0;
+    case REC_SPEC:
+    case REC_FILES: route_state(f, r); return 0;
     case REC_FRAME: route_frame(f, r); return 0;
     case REC_FLUSH:
         route_small(f, r);
@@ -225,8 +224,6 @@ static int route(void *ctx, const struct record *r)
         return 0;
     case REC_TASK: return route_task(f, r);
     case REC_CODE: outlet_code(&f->out, r); return 0;
-    case REC_ALIVE: silence_count(r); return 0;
-    case REC_BEAT: return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:

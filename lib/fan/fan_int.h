@@ -103,7 +103,7 @@ struct connection {
     int64_t leave_us;              /* deadline for its exit, once it leaves */
     int64_t beat_us;               /* its last beat that was passed on */
     int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
-    int64_t told_us;   /* when it was last told that this end lives; 0: it need not know */
+    int64_t told_us;    /* when it was last told that this end lives; 0: it need not know */
     int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
     int64_t ahead;      /* messages of a node, less those sent to it */
     int stale;          /* answers to no question */
@@ -122,12 +122,13 @@ struct connection {
 /* Records for a slot. Those of a slot that was not up yet outlive a connection that fails. */
 struct feed {
     struct down_queue queue;
-    bool primed;      /* the queue begins with the state; later records are added */
-    bool behind;      /* the slot lags: the latest state was not added */
-    bool loading;     /* it was sent state and has announced no frame since */
-    bool flushed;     /* it was asked to flush */
-    uint32_t since;   /* the first generation sent to it */
-    uint32_t sent[3]; /* number of the latest record of each kind of state; 0: none */
+    bool primed;    /* the queue begins with the state; later records are added */
+    bool behind;    /* the slot lags: the latest state was not added */
+    bool loading;   /* it was sent state and has announced no frame since */
+    bool flushed;   /* it was asked to flush */
+    uint32_t since; /* the first generation sent to it */
+    uint32_t
+        sent[WIRE_STATE_KINDS]; /* number of the latest record of each kind of state; 0: none */
 };
 
 /* A slot; or, with fan -1, all slots of a host that have one worker. */
@@ -165,8 +166,8 @@ struct fan_reference {
 
 /* State of one generation, and its frames. */
 struct fan_state_of {
-    struct blob *kind[3]; /* scene, grid, spec; NULL: none */
-    uint32_t number[3];   /* number of each record of state, counted from 1 */
+    struct blob *kind[WIRE_STATE_KINDS]; /* NULL: none */
+    uint32_t number[WIRE_STATE_KINDS];   /* number of each record of state, counted from 1 */
     struct buf frame_lines;
 };
 
@@ -252,6 +253,8 @@ struct fan_slot *fan_slot_of(const struct fan *f, int k);
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
 void fan_slot_up(struct fan *f, struct fan_slot *s);
+/* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
+void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
 /* Sends a task record to slot k, and records it. Returns 0, or the status to end with. */
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
 /* True if the slot is sent what is queued for it. */

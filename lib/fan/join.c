@@ -145,9 +145,12 @@ static void keep(struct fan *f, int i, const struct host *line, struct changes *
     for (int k = 0; line->power > 0 && k < f->n_slots; k++)
         if (f->slots[k].host == h) f->slots[k].power = line->power;
     int more = line->slots - slots_of(f, h);
-    if (more > 0) fan_add_slots(f, i, more);
-    if (more > 0) c->joined += more;
-    else c->drained += drain_some(f, h, -more);
+    if (more > 0) {
+        fan_add_slots(f, i, more);
+        c->joined += more;
+    } else {
+        c->drained += drain_some(f, h, -more);
+    }
 }
 
 static void take_version(struct fan *f, const struct hosts *new)
@@ -180,7 +183,7 @@ void fan_join(struct fan *f)
 {
     struct hosts new;
     char err[HOSTS_ERR];
-    if (!f->in_open || (!f->joins && !f->asked)) return;
+    if (f->joins ? !f->in_open : !f->asked) return;
     enum hosts_news news = hosts_watch(&f->watch, now_us(), &new, err);
     if (news == HOSTS_BAD) warn("%s; the hosts stay as they were", err);
     if (news != HOSTS_NEW) return;
@@ -197,8 +200,8 @@ void fan_join(struct fan *f)
         return;
     }
     if (!f->joins)
-        warn("%s has changed: the hosts stay as they were, because the tasks were distributed in "
-             "advance; expected a method that hands them out on demand",
+        warn("%s has changed: the hosts stay as they were, because the tasks or nodes were set in "
+             "advance; expected a method that hands out tasks on demand, such as adaptive",
             f->watch.file);
     else
         warn("%s has changed too often: the hosts stay as they were, expected at most %d slots "

@@ -224,6 +224,14 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     }
 }
 
+void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra)
+{
+    struct down_queue q = {0};
+    wire_plain(&q.bytes, kind, extra);
+    down_write(&q, s->conn.child.to);
+    down_free(&q);
+}
+
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
     struct fan_slot *s = fan_slot_of(f, k);

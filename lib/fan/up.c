@@ -135,7 +135,8 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
         if (s->width == 1) stamp(s, r, text, sizeof text);
         else snprintf(text, sizeof text, "w=%d", s->number + i);
         size_t n = strlen(text);
-        snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
+        snprintf(text + n, sizeof text - n, " host=%s recv_us=%" PRId64, s->host->host->name,
+            now_us() - f->start_us);
         up_forward(&f->out.queue, r, stamped, text);
     }
     return NULL;
@@ -230,9 +231,20 @@ static bool too_long(const struct record *r)
     return said > SAID_MAX;
 }
 
-/* An inner fan without a policy has lost a slot: tasks sent to that slot will not come back. */
-static const char *take_inner_gone(const struct fan *f, const struct fan_slot *s)
+/*
+ * An inner fan has lost a slot. If there is a policy between, it has kept the slot's tasks, and the
+ * report is for the log. Without one, tasks sent to that slot will not come back.
+ */
+static const char *take_inner_gone(struct fan *f, const struct fan_slot *s, const struct record *r)
 {
+    char text[144];
+    if (rec_is(r, "kept", "1")) {
+        stamp(s, r, text, sizeof text);
+        size_t n = strlen(text);
+        snprintf(text + n, sizeof text - n, " recv_us=%" PRId64, now_us() - f->start_us);
+        up_forward(&f->out.queue, r, stamped, text);
+        return NULL;
+    }
     return f->in_open || s->n_tasks ? "inner-gone" : NULL;
 }
 
@@ -247,7 +259,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
     case REC_BEAT: pass_beat(f, s, r); return NULL;
-    case REC_GONE: return take_inner_gone(f, s);
+    case REC_GONE: return take_inner_gone(f, s, r);
     case REC_CODE: return fan_take_code(f, s, r);
     case REC_ASK:
     case REC_GIVE:

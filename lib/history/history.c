@@ -47,6 +47,7 @@ static int32_t slot_of(struct history *l, const struct record *r)
     int32_t *place = slot_place(l, name);
     if (*place >= 0) return *place;
     *place = (int32_t)l->n_slots;
+    l->slots[l->n_slots] = (struct history_slot){0};
     memcpy(l->slots[l->n_slots].name, name, strlen(name) + 1);
     return (int32_t)l->n_slots++;
 }
@@ -55,6 +56,14 @@ static int32_t slot_of(struct history *l, const struct record *r)
 static bool run_idle(const struct history *l)
 {
     return l->n_runs && (!l->n_dones || l->dones[l->n_dones - 1].run + 1 < (int32_t)l->n_runs);
+}
+
+/* Forgets the events of the last run, in which nothing was done. */
+static void drop_events(struct history *l)
+{
+    while (l->n_events && l->events[l->n_events - 1].run + 1 == (int32_t)l->n_runs) l->n_events--;
+    for (size_t i = 0; i < l->n_slots; i++)
+        if (l->slots[i].ready == l->n_runs) l->slots[i].ready = 0;
 }
 
 /* A hello begins a run, and so does any record before the first hello. A run without a task is
@@ -66,6 +75,8 @@ static void begin_run(struct history *l)
     if (!l->runs || !run_idle(l)) {
         l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
         l->n_runs++;
+    } else {
+        drop_events(l);
     }
     l->runs[l->n_runs - 1].slots = 1;
 }
@@ -74,6 +85,9 @@ static void take_hello(struct history *l, const struct record *r)
 {
     int64_t n;
     begin_run(l);
+    l->lone_us = 0;
+    l->ended = false;
+    *l->bye = '\0';
     if (rec_int(r, "slots", 1, HISTORY_SLOTS_MAX, &n)) l->runs[l->n_runs - 1].slots = (int32_t)n;
 }
 
@@ -123,12 +137,38 @@ static struct history_frame *add_frame(struct history *l, const struct record *r
     return f;
 }
 
+static void add_event(struct history *l, const struct record *r, const char *why)
+{
+    if (!l->running) begin_run(l);
+    if ((l->n_events & (l->n_events - 1)) == 0) /* full: a power of two */
+        l->events = xrealloc(l->events, l->n_events ? 2 * l->n_events : 1, sizeof *l->events);
+    struct history_event *e = &l->events[l->n_events++];
+    *e =
+        (struct history_event){.run = (int32_t)l->n_runs - 1, .slot = slot_of(l, r), .recv_us = -1};
+    rec_int(r, "recv_us", 0, INT64_MAX, &e->recv_us);
+    rec_int(r, "lost", 0, INT64_MAX, &e->tasks);
+    snprintf(e->why, sizeof e->why, "%s", why);
+    e->lost = *why && (e->tasks > 0 || strcmp(why, "left") != 0);
+}
+
+static void take_gone(struct history *l, const struct record *r)
+{
+    char why[HISTORY_WORD];
+    if (!rec_str(r, "why", why, sizeof why)) snprintf(why, sizeof why, "lost");
+    add_event(l, r, why);
+    l->slots[l->events[l->n_events - 1].slot].ready = 0;
+}
+
 /* The first announcement sets a frame's job. Pixels of another job belong to no frame. */
 static void take_frame(struct history *l, const struct record *r)
 {
     char job[HISTORY_JOB];
     if (!rec_str(r, "job", job, sizeof job)) return;
-    slot_of(l, r);
+    int32_t slot = slot_of(l, r);
+    if (!rec_str(r, "host", l->slots[slot].host, HISTORY_HOST)) *l->slots[slot].host = '\0';
+    if (!l->running) begin_run(l);
+    if (l->slots[slot].ready != l->n_runs) add_event(l, r, ""); /* not for a second frame */
+    l->slots[slot].ready = l->n_runs;
     if (!find_frame(l, r->task.frame)) memcpy(add_frame(l, r)->job, job, sizeof job);
 }
 
@@ -182,6 +222,22 @@ static void take_frag(struct history *l, const struct record *r)
     take_pixels(l, f, at, di);
 }
 
+static void take_bye(struct history *l, const struct record *r)
+{
+    l->ended = true;
+    if (!rec_str(r, "why", l->bye, sizeof l->bye)) *l->bye = '\0';
+}
+
+/* An earlier run of this log is the past of the last one. */
+static void note_cost(struct history *l, const struct record *r)
+{
+    const struct history_frame *f = r->kind == REC_FRAG ? find_frame(l, r->task.frame) : NULL;
+    int64_t us = 0;
+    if (r->kind == REC_DONE && !rec_int(r, "recv_us", 0, INT64_MAX, &us))
+        us = l->lone_us += l->dones[l->n_dones - 1].wall_us;
+    wire_eta(l->eta, r, f ? f->h : 0, (double)us * 1e-6);
+}
+
 static void take_record(struct history *l, const struct record *r)
 {
     switch (r->kind) {
@@ -189,11 +245,14 @@ static void take_record(struct history *l, const struct record *r)
     case REC_FRAME: take_frame(l, r); break;
     case REC_DONE: take_done(l, r); break;
     case REC_FRAG: take_frag(l, r); break;
+    case REC_GONE: take_gone(l, r); break;
+    case REC_BYE: take_bye(l, r); break;
     default: break;
     }
+    if (l->eta) note_cost(l, r);
 }
 
-static void take_records(struct history *l, struct decoder *d)
+void history_take(struct history *l, struct decoder *d)
 {
     struct record r;
     for (enum wire_result got; !l->refused && (got = wire_next(d, &r)) != WIRE_MORE;) {
@@ -203,10 +262,13 @@ static void take_records(struct history *l, struct decoder *d)
     }
 }
 
-static void end_file(struct history *l, const struct decoder *d)
+void history_end(struct history *l, const struct decoder *d)
 {
     l->running = false;
-    if (run_idle(l)) l->n_runs--;
+    if (run_idle(l)) {
+        drop_events(l);
+        l->n_runs--;
+    }
     l->bad += d->bad;
     l->skipped += d->skipped;
     if (d->bad && !l->refused) memcpy(l->why, d->why, sizeof l->why);
@@ -219,10 +281,10 @@ int history_read(struct history *l, int fd)
     do {
         n = read_some(fd, &d.in, READ_BYTES);
         if (n <= 0) wire_end(&d);
-        take_records(l, &d);
+        history_take(l, &d);
     } while (n > 0 && !l->refused);
     int err = errno;
-    end_file(l, &d);
+    history_end(l, &d);
     wire_free(&d);
     errno = err;
     return n < 0 ? -1 : 0;
@@ -236,8 +298,8 @@ void history_over(struct history *l, unsigned char *p, size_t n)
         d.unsummed = !summed;
         history_free(l);
         l->keep = true;
-        take_records(l, &d);
-        end_file(l, &d);
+        history_take(l, &d);
+        history_end(l, &d);
         if (summed || l->refused || !d.bad) return;
     }
 }
@@ -253,6 +315,7 @@ void history_free(struct history *l)
     free(l->slots);
     free(l->slot_at);
     free(l->runs);
+    free(l->events);
     free(l->frags);
     free(l->sorted);
     tasks_free(&l->tasks);

@@ -19,6 +19,8 @@
 #define HISTORY_JOB 24
 #define HISTORY_ERR 256
 #define HISTORY_WITH 160
+#define HISTORY_HOST 64
+#define HISTORY_WORD 32
 #define HISTORY_SLOTS_MAX (1 << 20) /* limit of slots in a hello */
 
 /* A task that a slot did, in the order of the log. */
@@ -63,10 +65,21 @@ struct history_place {
 
 struct history_slot {
     char name[HISTORY_NAME]; /* as stamped by fan: "0", "1.0"; "-" without a fan */
+    char host[HISTORY_HOST]; /* the latest; empty if not stated */
+    size_t ready;            /* 1 + the run in which it is ready; 0: it is not */
 };
 
 struct history_run {
     int32_t slots; /* from its hello; 1 without one */
+};
+
+/* A slot was ready for the first task, or was lost. */
+struct history_event {
+    int32_t run, slot;
+    int64_t recv_us;        /* time in the run; -1: not stated */
+    bool lost;              /* or it left the run in good order */
+    int64_t tasks;          /* lost with it */
+    char why[HISTORY_WORD]; /* fan(1) lists the words; empty: it was ready */
 };
 
 struct history {
@@ -78,6 +91,11 @@ struct history {
     size_t n_slots;
     struct history_run *runs; /* runs in which a task was done */
     size_t n_runs;
+    struct history_event *events; /* in the order of the log */
+    size_t n_events;
+    struct eta *eta;        /* the caller's: gets costs and pixels; or NULL */
+    bool ended;             /* the last run has said bye */
+    char bye[HISTORY_WORD]; /* why it ended early, or empty */
     struct history_frag *frags;
     size_t n_frags;        /* of these jobs; 0: no pixels, perhaps filtered as text */
     uint64_t bad, skipped; /* records and bytes lost to damage */
@@ -85,14 +103,21 @@ struct history {
     bool refused;          /* a hello of another format, see why: the rest is not read */
 
     /* private */
-    bool keep;                       /* fills frags */
-    int32_t *slot_at;                /* slots by hash of the name; -1: none */
-    size_t slots_room;               /* size of slot_at, twice that of `slots` */
-    size_t *sorted;                  /* indices of frags by place; built when first needed */
-    struct task_table tasks;         /* those done, with history.c's payload */
-    bool running;                    /* the last run goes on */
+    bool keep;               /* fills frags */
+    int32_t *slot_at;        /* slots by hash of the name; -1: none */
+    size_t slots_room;       /* size of slot_at, twice that of `slots` */
+    size_t *sorted;          /* indices of frags by place; built when first needed */
+    struct task_table tasks; /* those done, with history.c's payload */
+    bool running;            /* the last run goes on */
+    int64_t lone_us;         /* wall time of the last run, without a fan */
 };
 
+/*
+ * Reads a log that grows: handles the complete records in d, whose `upward` is true and which was
+ * fed by the caller. Call history_end when there will be no more.
+ */
+void history_take(struct history *l, struct decoder *d);
+void history_end(struct history *l, const struct decoder *d);
 /* Reads fd to its end; the caller closes it. 0, or -1 with errno. */
 int history_read(struct history *l, int fd);
 /*
@@ -145,7 +170,7 @@ bool history_replayable(const struct history *l, char err[HISTORY_ERR]);
 struct history_found {
     struct lattice at;
     const struct history_frag *whole; /* has exactly these pixels; NULL: they are spread */
-    double cpu_us; /* each pixel costs its share of the task that it came with */
+    double cpu_us;                    /* each pixel costs its share of the task that it came with */
 };
 /* False with text in err: a pixel is missing, damaged, or of unknown cost. */
 bool history_find(struct history *l, const struct history_frame *f, const struct lattice *at,

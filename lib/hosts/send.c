@@ -39,7 +39,8 @@ static const char script[] =
     "w=$(LC_ALL=C chmod 700 \"$d\" 2>&1) || no \"$w\"; "
     "good() { case $({ sha256sum <\"$2\"; } 2>/dev/null) in \"$1 \"*) ;; *) false;; esac; }; "
     "until [ \"$1\" = -- ]; do f=$d/$1/$3; "
-    "if good \"$1\" \"$f\"; then :; else "
+    /* The time of the file is that of its last use. */
+    "if good \"$1\" \"$f\"; then touch \"$f\" 2>/dev/null; else "
     "w=$(LC_ALL=C mkdir -p \"$d/$1\" 2>&1) || no \"$w\"; "
     "w=$(LC_ALL=C mktemp \"$d/$1/new.XXXXXX\" 2>&1) || no \"$w\"; "
     "t=$w; trap clean EXIT; trap \"exit 1\" HUP INT TERM PIPE; "
@@ -50,8 +51,11 @@ static const char script[] =
     "good \"$1\" \"$t\" || no \"$d: $3 is damaged on arrival, or the disk is full\"; "
     "w=$(LC_ALL=C chmod 700 \"$t\" 2>&1 && LC_ALL=C mv -f \"$t\" \"$f\" 2>&1) || no \"$w\"; "
     "trap - EXIT HUP INT TERM PIPE; "
-    /* What connections left there that were cut off, a day ago or more. */
-    "find \"$d/$1\" -name \"new.*\" -mtime +0 -exec rm -f {} + 2>/dev/null; fi; "
+    /* Parts from connections that were cut off a day ago or more, and programs not used for
+     * a month. Running programs do not need their files. An empty directory goes a month later. */
+    "find \"$d/$1\" -name \"new.*\" -mtime +0 -exec rm -f {} + 2>/dev/null; "
+    "find \"$d\"/*/* -prune -type f -mtime +30 -exec rm -f {} + 2>/dev/null; "
+    "find \"$d\"/* -prune -type d -mtime +30 -exec rmdir {} + 2>/dev/null; fi; "
     "w=$(\"$f\" --version 2>&1 </dev/null) || case $? in "
     "126) no \"$d: programs cannot be run there, as in a file system that is mounted noexec\";; "
     "*) no \"$f cannot be run: $w\";; esac; "

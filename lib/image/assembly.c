@@ -6,21 +6,30 @@
  * complete frame are kept until the next frame is complete, so that late copies (from an endgame)
  * are still compared.
  */
-#include "image/image.h"
+#include "image/store.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 void assembly_init(struct assembly *a, bool keep_pixels, uint64_t most_bytes)
 {
-    *a = (struct assembly){.keep_pixels = keep_pixels, .room_bytes = most_bytes};
+    *a = (struct assembly){.keep_pixels = keep_pixels,
+        .room_bytes = most_bytes,
+        .spill = {.above_px = ASSEMBLY_MEMORY_PX, .pages = ASSEMBLY_PAGES}};
+}
+
+static bool in_file(const struct assembly *a, const struct assembly_frame *f)
+{
+    return a->spill.dir && (uint64_t)f->have.w * f->have.h > a->spill.above_px;
 }
 
 static uint64_t frame_bytes(const struct assembly *a, const struct assembly_frame *f)
 {
-    uint64_t pixels = (uint64_t)f->have.w * f->have.h;
-    return (a->keep_pixels ? pixels * (4 * sizeof(float) + 2) : 0) + pixels / 8 + 8;
+    uint64_t bitmap = (uint64_t)f->have.w * f->have.h / 8 + 8;
+    if (!a->keep_pixels) return bitmap;
+    return bitmap + store_memory(f->have.w, f->have.h, in_file(a, f), a->spill.pages);
 }
 
 /* Frees the pixels and the bitmap; the counts stay. */
@@ -28,9 +37,8 @@ static void close_frame(struct assembly *a, struct assembly_frame *f)
 {
     if (!f->have.bits) return;
     a->room_bytes += frame_bytes(a, f);
-    image_free(&f->picture);
-    free(f->source);
-    f->source = NULL;
+    store_free(f->pixels);
+    f->pixels = NULL;
     free(f->have.bits);
     f->have.bits = NULL;
 }
@@ -95,22 +103,29 @@ enum assembly_verdict assembly_declare(
     return f->have.w == w && f->have.h == h && same_job(f, job) ? ASSEMBLY_TAKEN : ASSEMBLY_FOREIGN;
 }
 
-/* Allocates f at its first fragment. False if no memory is left. */
-static bool open_frame(struct assembly *a, struct assembly_frame *f)
+static enum assembly_verdict failed(struct assembly *a)
 {
-    if (f->have.bits) return true;
+    a->error = errno;
+    return ASSEMBLY_FAILED;
+}
+
+/* Allocates f at its first fragment. */
+static enum assembly_verdict open_frame(struct assembly *a, struct assembly_frame *f)
+{
+    if (f->have.bits) return ASSEMBLY_TAKEN;
     uint64_t bytes = frame_bytes(a, f);
     if (bytes > a->room_bytes && a->recent) {
         close_frame(a, a->recent);
         a->recent = NULL;
     }
-    if (bytes > a->room_bytes) return false;
+    if (bytes > a->room_bytes) return ASSEMBLY_NO_ROOM;
+    if (a->keep_pixels)
+        f->pixels =
+            store_new(f->have.w, f->have.h, in_file(a, f) ? a->spill.dir : NULL, a->spill.pages);
+    if (a->keep_pixels && !f->pixels) return failed(a);
     a->room_bytes -= bytes;
     coverage_init(&f->have, f->have.w, f->have.h);
-    if (!a->keep_pixels) return true;
-    image_init(&f->picture, f->have.w, f->have.h);
-    f->source = xmalloc((size_t)f->have.w * f->have.h, sizeof *f->source);
-    return true;
+    return ASSEMBLY_TAKEN;
 }
 
 /* NULL if the list is full. */
@@ -128,15 +143,13 @@ static struct assembly_dispute *dispute_of(
 }
 
 /* Compares a repeated pixel p of f with the first copy. */
-static void meet_again(
-    struct assembly *a, struct assembly_frame *f, uint64_t p, uint16_t source, const float *rgba)
+static void meet_again(struct assembly *a, const struct assembly_frame *f, uint64_t p,
+    const struct store_span *kept, uint16_t source, const float *rgba)
 {
-    f->again++;
-    if (!f->source || !rgba) return;
-    const float *first = f->picture.rgba + 4 * p;
+    const float *first = kept->rgba + 4 * (p - kept->first);
     if (memcmp(first, rgba, 4 * sizeof *rgba) == 0) return;
     a->differing++;
-    struct assembly_dispute *d = dispute_of(a, f->number, f->source[p], source);
+    struct assembly_dispute *d = dispute_of(a, f->number, kept->source[p - kept->first], source);
     if (!d) return;
     double most = 0;
     for (int c = 0; c < 4; c++) most = fmax(most, fabs((double)first[c] - (double)rgba[c]));
@@ -146,23 +159,49 @@ static void meet_again(
     d->y = (uint32_t)(p / f->have.w);
 }
 
-static void commit_pixels(struct assembly *a, struct assembly_frame *f, uint16_t source,
-    const struct lattice *at, const float *rgba)
+/* Commits pixels of which only the presence is kept. */
+static void commit_presence(struct assembly_frame *f, const struct lattice *at)
 {
-    uint64_t before = f->have.done;
     for (uint64_t j = 0; j < at->h; j++) {
         uint64_t p = lattice_pixel(at, f->have.w, j * at->w);
-        for (uint32_t i = 0; i < at->w; i++, p += at->sx) {
-            if (!coverage_set(&f->have, p)) {
-                meet_again(a, f, p, source, rgba);
-            } else if (f->source && rgba) {
-                memcpy(f->picture.rgba + 4 * p, rgba, 4 * sizeof *rgba);
-                f->source[p] = source;
-            }
-            if (rgba) rgba += 4;
+        for (uint32_t i = 0; i < at->w; i++, p += at->sx) f->again += !coverage_set(&f->have, p);
+    }
+}
+
+/* Keeps n pixels from p on, which are new. */
+static void keep(struct assembly_frame *f, uint64_t p, uint64_t n, const struct store_span *kept,
+    uint16_t source, const float *rgba)
+{
+    memcpy(kept->rgba + 4 * (p - kept->first), rgba, n * 4 * sizeof *rgba);
+    uint16_t *sources = kept->source + (p - kept->first);
+    bool clear = false;
+    for (uint64_t i = 0; i < n; i++) {
+        sources[i] = source;
+        clear |= !(rgba[4 * i + 3] >= 1);
+    }
+    f->clear |= clear;
+}
+
+/* False with errno if pixels cannot be kept. */
+static bool commit_pixels(struct assembly *a, struct assembly_frame *f, uint16_t source,
+    const struct lattice *at, const float *rgba)
+{
+    struct store_span kept = {0};
+    for (uint64_t j = 0; j < at->h; j++) {
+        uint64_t p = lattice_pixel(at, f->have.w, j * at->w), n;
+        for (uint64_t left = at->w; left; left -= n, p += n * at->sx, rgba += 4 * n) {
+            if ((p < kept.first || p >= kept.end) && store_at(f->pixels, p, true, &kept) != 0)
+                return false;
+            uint64_t most = at->sx > 1 ? 1 : left < kept.end - p ? left : kept.end - p;
+            for (n = 0; n < most && coverage_set(&f->have, p + n);) n++;
+            if (n) keep(f, p, n, &kept, source, rgba);
+            if (n) continue;
+            f->again++;
+            meet_again(a, f, p, &kept, source, rgba);
+            n = 1;
         }
     }
-    a->done_px += f->have.done - before;
+    return true;
 }
 
 static enum assembly_verdict commit(struct assembly *a, uint32_t number, const char *job,
@@ -176,9 +215,14 @@ static enum assembly_verdict commit(struct assembly *a, uint32_t number, const c
         f->again += lattice_count(at);
         return ASSEMBLY_TAKEN;
     }
-    if (!open_frame(a, f)) return ASSEMBLY_NO_ROOM;
-    commit_pixels(a, f, source, at, rgba);
-    return ASSEMBLY_TAKEN;
+    enum assembly_verdict opened = open_frame(a, f);
+    if (opened != ASSEMBLY_TAKEN) return opened;
+    uint64_t before = f->have.done;
+    bool kept = true;
+    if (f->pixels) kept = commit_pixels(a, f, source, at, rgba);
+    else commit_presence(f, at);
+    a->done_px += f->have.done - before;
+    return kept ? ASSEMBLY_TAKEN : failed(a);
 }
 
 enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *job,
@@ -188,6 +232,19 @@ enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const
     if (verdict != ASSEMBLY_TAKEN) a->refused[verdict]++;
     return verdict;
 }
+
+static const float *row_of(const struct image_rows *rows, uint32_t y)
+{
+    return store_row(rows->ctx, y);
+}
+
+struct image_rows assembly_rows(const struct assembly_frame *f)
+{
+    bool opaque = coverage_full(&f->have) && !f->clear;
+    return (struct image_rows){f->have.w, f->have.h, opaque, row_of, f->pixels};
+}
+
+uint64_t assembly_disk(uint32_t w, uint32_t h) { return store_disk(w, h); }
 
 void assembly_release(struct assembly *a, struct assembly_frame *f)
 {

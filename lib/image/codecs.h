@@ -15,12 +15,14 @@ int image_fail(char err[IMAGE_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
 bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR]);
 
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
-int png_encode(FILE *f, const struct image *im, int bits, const char *job);
+int png_encode(FILE *f, const struct image_rows *rows, int bits, const char *job);
 /* PAM, PPM, PGM. */
 int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
-int pam_encode(FILE *f, const struct image *im, int bits);
+int pam_encode(FILE *f, const struct image_rows *rows, int bits);
 int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
-int pfm_encode(FILE *f, const struct image *im);
+int pfm_encode(FILE *f, const struct image_rows *rows);
+
+struct image_rows image_rows_of(const struct image *im); /* valid as long as im */
 
 double srgb_to_linear(double v);
 double srgb_from_linear(double v);
@@ -51,7 +53,7 @@ struct quantizer {
     uint8_t below[SRGB_OCTAVES * SRGB_STEPS + 1]; /* code of the smallest float of each step */
 };
 
-void quantizer_init(struct quantizer *q, const struct image *im, int bits);
+void quantizer_init(struct quantizer *q, bool opaque, int bits);
 static inline size_t quantizer_row_bytes(const struct quantizer *q, uint32_t w)
 {
     return (size_t)w * (size_t)(q->channels * (q->bits / 8));

@@ -59,24 +59,38 @@ int image_read(const char *path, struct image *im, char err[IMAGE_ERR])
     return failed;
 }
 
-int image_write(
-    FILE *f, const struct image *im, enum image_format format, int bits, const char *job)
+int image_write_rows(
+    FILE *f, const struct image_rows *rows, enum image_format format, int bits, const char *job)
 {
     switch (format) {
-    case IMAGE_PNG: return png_encode(f, im, bits, job);
-    case IMAGE_PAM: return pam_encode(f, im, bits);
-    case IMAGE_PFM: return pfm_encode(f, im);
+    case IMAGE_PNG: return png_encode(f, rows, bits, job);
+    case IMAGE_PAM: return pam_encode(f, rows, bits);
+    case IMAGE_PFM: return pfm_encode(f, rows);
     }
     errno = EINVAL;
     return -1;
 }
 
+int image_write(
+    FILE *f, const struct image *im, enum image_format format, int bits, const char *job)
+{
+    const struct image_rows rows = image_rows_of(im);
+    return image_write_rows(f, &rows, format, bits, job);
+}
+
 int image_save(
     const char *path, const struct image *im, enum image_format format, int bits, const char *job)
 {
+    const struct image_rows rows = image_rows_of(im);
+    return image_save_rows(path, &rows, format, bits, job);
+}
+
+int image_save_rows(const char *path, const struct image_rows *rows, enum image_format format,
+    int bits, const char *job)
+{
     struct outfile out;
     if (outfile_open(&out, path) != 0) return -1;
-    if (image_write(out.f, im, format, bits, job) == 0) return outfile_commit(&out);
+    if (image_write_rows(out.f, rows, format, bits, job) == 0) return outfile_commit(&out);
     int why = errno;
     outfile_discard(&out);
     errno = why;

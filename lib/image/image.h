@@ -40,15 +40,29 @@ bool image_format_of(const char *path, enum image_format *format);
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
 /* Reads n bytes in memory. */
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+/* A picture that is read row by row, for pictures larger than memory. */
+struct image_rows {
+    uint32_t w, h;
+    bool opaque; /* every alpha is at least 1 */
+    /* Row y, in any order, 4 floats for each pixel; valid until the next call. NULL with errno: it
+     * cannot be read. */
+    const float *(*row)(const struct image_rows *rows, uint32_t y);
+    void *ctx; /* for row */
+};
+
 /* bits: 8 or 16 (PFM ignores it). job: NULL, or the hash for PNG's text chunk "Job". Returns 0, or
  * -1 with errno. */
 int image_write(
     FILE *f, const struct image *im, enum image_format format, int bits, const char *job);
+int image_write_rows(
+    FILE *f, const struct image_rows *rows, enum image_format format, int bits, const char *job);
 
 /* Writes a file that appears under its name only when complete. Returns 0, or -1 with errno and no
  * file left. */
 int image_save(
     const char *path, const struct image *im, enum image_format format, int bits, const char *job);
+int image_save_rows(const char *path, const struct image_rows *rows, enum image_format format,
+    int bits, const char *job);
 
 /* The sRGB transfer functions (IEC 61966-2-1). encode clamps to [0,1] (NaN: 0) and rounds to
  * nearest. */
@@ -91,10 +105,12 @@ struct image_out {
 void image_out_check(struct image_out *o);
 /* The name of picture number `frame`, or "standard output"; the caller frees. */
 char *image_out_name(const struct image_out *o, uint32_t frame);
+/* The directory of the pictures, or NULL for standard output; the caller frees. */
+char *image_out_dir(const struct image_out *o);
 /* Writes a picture under that name, with its job, if that is not NULL. Returns 0, or -1 with errno.
  */
 int image_out_put(
-    const struct image_out *o, const char *name, const struct image *im, const char *job);
+    const struct image_out *o, const char *name, const struct image_rows *rows, const char *job);
 /* Parses 8 or 16, the argument of option `-opt`; dies with status 2 on other text. */
 int image_opt_bits(int opt, const char *s);
 
@@ -105,11 +121,13 @@ int image_opt_bits(int opt, const char *s);
  * writes each complete frame and then calls assembly_release; assembly_free. Pixels are committed
  * one by one. The first one is kept. A later one is counted, compared bit by bit and dropped. If
  * the two differ, a dispute records both sources. A frame's memory is allocated at its first
- * fragment.
+ * fragment. The pixels of a large frame are kept in a file, if the caller sets spill.dir.
  */
 #define ASSEMBLY_NAME 64 /* bytes of a job's name, including the terminator */
 #define ASSEMBLY_FRAMES_MAX (1 << 20)
 #define ASSEMBLY_DISPUTES_MAX 64
+#define ASSEMBLY_MEMORY_PX (1 << 24) /* pixels of the largest frame that is kept in memory */
+#define ASSEMBLY_PAGES 3640          /* 128 MiB: the part of a larger frame that is in memory */
 
 enum assembly_verdict {
     ASSEMBLY_TAKEN,      /* valid; its new pixels are stored */
@@ -117,19 +135,21 @@ enum assembly_verdict {
     ASSEMBLY_OUTSIDE,    /* the lattice is not inside the frame */
     ASSEMBLY_FOREIGN,    /* job or size differs from the frame's first declaration */
     ASSEMBLY_NO_ROOM,    /* a limit above, or the memory for open frames, is exhausted */
+    ASSEMBLY_FAILED,     /* the file of the pixels cannot be made, read or written */
     ASSEMBLY_VERDICTS
 };
 
 struct assembly_frame {
     uint32_t number;
     char job[ASSEMBLY_NAME]; /* from the first declaration, which stands */
-    struct image picture;    /* rgba NULL: no fragment yet, released, or pixels not kept */
-    uint16_t *source;        /* source of each pixel, if pixels are kept */
+    struct store *pixels;    /* NULL: no fragment yet, released, or pixels not kept */
     struct coverage
-        have; /* bits NULL: no fragment yet, or released; w, h and done are always valid */
+        have;   /* bits NULL: no fragment yet, or released; w, h and done are always valid */
+    bool clear; /* some alpha is below 1 */
     bool released;
-    uint64_t again;   /* pixels that came more than once */
-    uint32_t next_id; /* for the caller: above every task id seen */
+    uint64_t again;    /* pixels that came more than once */
+    uint64_t shown_px; /* pixels in its last preview */
+    uint32_t next_id;  /* for the caller: above every task id seen */
 };
 
 /* Two sources that sent different pixels. One of them is wrong. */
@@ -141,11 +161,20 @@ struct assembly_dispute {
     uint32_t x, y;
 };
 
+/* Where the pixels of large frames are kept. */
+struct assembly_spill {
+    const char *dir;   /* the caller's; NULL: all frames are kept in memory */
+    uint64_t above_px; /* frames of more pixels are large */
+    uint32_t pages;    /* in memory, of each large frame */
+};
+
 struct assembly {
     struct assembly_frame **frames; /* sorted by number */
     uint32_t n_frames;
     bool keep_pixels;
-    uint64_t room_bytes; /* memory left for open frames */
+    uint64_t room_bytes;         /* memory left for open frames */
+    struct assembly_spill spill; /* may be set after assembly_init */
+    int error;                   /* errno of the last ASSEMBLY_FAILED */
     struct assembly_frame
         *recent; /* the last released frame, kept so that late pixels are still compared */
     uint64_t declared_px, done_px;
@@ -156,7 +185,8 @@ struct assembly {
 };
 
 /* keep_pixels false: records only which pixels arrived. The open frames and the last complete one
- * together hold at most most_bytes: 18 1/8 bytes per pixel, or 1/8 without pixels. */
+ * together hold at most most_bytes of memory: 18 1/8 bytes per pixel, or 1/8 without pixels. A
+ * large frame with a file takes 1/8 byte per pixel and 128 MiB. */
 void assembly_init(struct assembly *a, bool keep_pixels, uint64_t most_bytes);
 void assembly_free(struct assembly *a);
 /* NULL if the frame was not declared. */
@@ -169,6 +199,10 @@ enum assembly_verdict assembly_declare(
  * lattice order; NULL if pixels are not kept. */
 enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const char *job,
     uint16_t source, const struct lattice *at, const float *rgba);
+/* The picture of a frame with pixels: missing ones are transparent. Valid until f changes. */
+struct image_rows assembly_rows(const struct assembly_frame *f);
+/* Bytes on disk for the pixels of a frame of this size that is kept in a file. */
+uint64_t assembly_disk(uint32_t w, uint32_t h);
 /* Call after the frame was written. Its memory is freed when the next frame is released. */
 void assembly_release(struct assembly *a, struct assembly_frame *f);
 /* True if every pixel of every frame is there, and there is at least one frame. */
@@ -180,5 +214,31 @@ uint64_t assembly_again(const struct assembly *a);
 /* "3072 of 262144 pixels missing: rows 5, 13, 20-31, ..." */
 #define ASSEMBLY_TEXT 256
 void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT]);
+
+/*
+ * ---- previews: files of pictures that are not complete ----
+ *
+ * The preview of OUT.png is OUT.partial.png, so OUT.png is complete whenever it exists. Missing
+ * pixels are transparent, in PFM black. Call image_preview_put when image_preview_wait_ms is 0.
+ */
+struct image_preview {
+    const struct image_out *out; /* with a pattern */
+    int64_t every_us;            /* 0: none are written */
+    int64_t due_us;              /* when the next one is */
+    uint64_t shown_px;           /* pixels of all frames at the last one */
+};
+void image_preview_start(struct image_preview *p, const struct image_out *out, double every_s);
+/* The caller frees it. */
+char *image_preview_name(const struct image_out *out, uint32_t frame);
+/* Time until the next preview; -1: no pixel has come since the last one. */
+int image_preview_wait_ms(const struct image_preview *p, const struct assembly *a);
+/*
+ * Writes each incomplete frame with new pixels, as image_save does. The next preview is due
+ * every_us later, or when previews have taken a tenth of the time. Returns NULL; or with errno the
+ * name of a file that could not be written, which the caller frees. No preview is due after that.
+ */
+char *image_preview_put(struct image_preview *p, const struct assembly *a);
+/* Removes the preview of a frame, also that of an earlier run. */
+void image_preview_remove(const struct image_preview *p, uint32_t frame);
 
 #endif

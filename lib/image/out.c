@@ -31,9 +31,22 @@ char *image_out_name(const struct image_out *o, uint32_t frame)
     return o->pattern ? image_name(o->pattern, frame) : xstrdup("standard output");
 }
 
-int image_out_put(
-    const struct image_out *o, const char *name, const struct image *im, const char *job)
+char *image_out_dir(const struct image_out *o)
 {
-    if (o->pattern) return image_save(name, im, o->format, o->bits, job);
-    return image_write(stdout, im, o->format, o->bits, job) != 0 || fflush(stdout) ? -1 : 0;
+    if (!o->pattern) return NULL;
+    char *name = image_out_name(o, 0), *slash = strrchr(name, '/');
+    if (slash) {
+        slash[slash == name] = '\0';
+        return name;
+    }
+    free(name);
+    return xstrdup(".");
+}
+
+int image_out_put(
+    const struct image_out *o, const char *name, const struct image_rows *rows, const char *job)
+{
+    if (o->pattern) return image_save_rows(name, rows, o->format, o->bits, job);
+    int failed = image_write_rows(stdout, rows, o->format, o->bits, job);
+    return failed || fflush(stdout) ? -1 : 0;
 }

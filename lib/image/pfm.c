@@ -63,17 +63,17 @@ int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAG
     return 0;
 }
 
-int pfm_encode(FILE *f, const struct image *im)
+int pfm_encode(FILE *f, const struct image_rows *rows)
 {
-    size_t row = (size_t)im->w * 12;
+    size_t row = (size_t)rows->w * 12;
     unsigned char *out = xmalloc(row, 1);
-    fprintf(f, "PF\n%u %u\n-1.0\n", im->w, im->h);
+    fprintf(f, "PF\n%u %u\n-1.0\n", rows->w, rows->h);
     bool ok = true;
-    for (uint32_t y = im->h; y-- > 0 && ok;) {
-        const float *from = im->rgba + (size_t)4 * im->w * y;
-        for (size_t x = 0; x < im->w; x++)
+    for (uint32_t y = rows->h; y-- > 0 && ok;) {
+        const float *from = rows->row(rows, y);
+        for (size_t x = 0; from && x < rows->w; x++)
             for (size_t c = 0; c < 3; c++) float_put(out + 12 * x + 4 * c, from[4 * x + c]);
-        ok = fwrite(out, 1, row, f) == row;
+        ok = from && fwrite(out, 1, row, f) == row;
     }
     int why = errno;
     free(out);

@@ -18,6 +18,23 @@ void image_free(struct image *im)
     *im = (struct image){0};
 }
 
+static bool opaque(const struct image *im)
+{
+    for (size_t i = 0, n = (size_t)im->w * im->h; i < n; i++)
+        if (!(im->rgba[4 * i + 3] >= 1)) return false;
+    return true;
+}
+
+static const float *row_of(const struct image_rows *rows, uint32_t y)
+{
+    return (const float *)rows->ctx + (size_t)4 * rows->w * y;
+}
+
+struct image_rows image_rows_of(const struct image *im)
+{
+    return (struct image_rows){im->w, im->h, opaque(im), row_of, im->rgba};
+}
+
 int image_fail(char err[IMAGE_ERR], const char *fmt, ...)
 {
     va_list ap;

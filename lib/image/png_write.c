@@ -28,7 +28,7 @@ struct writer {
     png_structp png;
     png_infop info;
     FILE *f;
-    const struct image *im;
+    const struct image_rows *rows;
     const char *job;
     struct quantizer quantizer;
     unsigned char *row;
@@ -63,7 +63,7 @@ static void flush(png_structp png) { (void)png; }
 static void write_header(struct writer *w)
 {
     const struct quantizer *q = &w->quantizer;
-    png_set_IHDR(w->png, w->info, w->im->w, w->im->h, q->bits,
+    png_set_IHDR(w->png, w->info, w->rows->w, w->rows->h, q->bits,
         q->channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
         PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (q->bits == 8) png_set_sRGB(w->png, w->info, PNG_sRGB_INTENT_RELATIVE);
@@ -77,6 +77,17 @@ static void write_header(struct writer *w)
     png_write_info(w->png, w->info);
 }
 
+static void put_row(struct writer *w, uint32_t y)
+{
+    const float *rgba = w->rows->row(w->rows, y);
+    if (!rgba) {
+        w->err = errno;
+        png_error(w->png, "read");
+    }
+    quantizer_row(&w->quantizer, rgba, w->rows->w, w->row);
+    png_write_row(w->png, w->row);
+}
+
 static int guarded(struct writer *w)
 {
     if (setjmp(png_jmpbuf(w->png))) return -1;
@@ -85,19 +96,16 @@ static int guarded(struct writer *w)
     png_set_filter(w->png, PNG_FILTER_TYPE_BASE, w->quantizer.bits == 8 ? FILTER_8 : FILTER_16);
     png_set_compression_level(w->png, LEVEL);
     write_header(w);
-    for (uint32_t y = 0; y < w->im->h; y++) {
-        quantizer_row(&w->quantizer, w->im->rgba + (size_t)4 * w->im->w * y, w->im->w, w->row);
-        png_write_row(w->png, w->row);
-    }
+    for (uint32_t y = 0; y < w->rows->h; y++) put_row(w, y);
     png_write_end(w->png, NULL);
     return 0;
 }
 
-int png_encode(FILE *f, const struct image *im, int bits, const char *job)
+int png_encode(FILE *f, const struct image_rows *rows, int bits, const char *job)
 {
-    struct writer w = {.f = f, .im = im, .job = job};
-    quantizer_init(&w.quantizer, im, bits);
-    w.row = xmalloc(quantizer_row_bytes(&w.quantizer, im->w), 1);
+    struct writer w = {.f = f, .rows = rows, .job = job};
+    quantizer_init(&w.quantizer, rows->opaque, bits);
+    w.row = xmalloc(quantizer_row_bytes(&w.quantizer, rows->w), 1);
     w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w, on_error, on_warning);
     if (w.png) w.info = png_create_info_struct(w.png);
     if (!w.info) w.err = ENOMEM;

@@ -105,18 +105,19 @@ int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAG
     return image_fail(err, "a sample above the maximum, expected at most %lld", (long long)h.max);
 }
 
-int pam_encode(FILE *f, const struct image *im, int bits)
+int pam_encode(FILE *f, const struct image_rows *rows, int bits)
 {
     struct quantizer q;
-    quantizer_init(&q, im, bits);
-    size_t row = quantizer_row_bytes(&q, im->w);
-    fprintf(f, "P7\nWIDTH %u\nHEIGHT %u\nDEPTH %d\nMAXVAL %d\nTUPLTYPE %s\nENDHDR\n", im->w, im->h,
-        q.channels, bits == 8 ? 255 : 65535, q.channels == 4 ? "RGB_ALPHA" : "RGB");
+    quantizer_init(&q, rows->opaque, bits);
+    size_t row = quantizer_row_bytes(&q, rows->w);
+    fprintf(f, "P7\nWIDTH %u\nHEIGHT %u\nDEPTH %d\nMAXVAL %d\nTUPLTYPE %s\nENDHDR\n", rows->w,
+        rows->h, q.channels, bits == 8 ? 255 : 65535, q.channels == 4 ? "RGB_ALPHA" : "RGB");
     unsigned char *out = xmalloc(row, 1);
     bool ok = true;
-    for (uint32_t y = 0; y < im->h && ok; y++) {
-        quantizer_row(&q, im->rgba + (size_t)4 * im->w * y, im->w, out);
-        ok = fwrite(out, 1, row, f) == row;
+    for (uint32_t y = 0; y < rows->h && ok; y++) {
+        const float *rgba = rows->row(rows, y);
+        if (rgba) quantizer_row(&q, rgba, rows->w, out);
+        ok = rgba && fwrite(out, 1, row, f) == row;
     }
     int why = errno;
     free(out);

@@ -99,17 +99,10 @@ static void srgb_steps_init(struct quantizer *q)
     }
 }
 
-static bool opaque(const struct image *im)
-{
-    for (size_t i = 0, n = (size_t)im->w * im->h; i < n; i++)
-        if (!(im->rgba[4 * i + 3] >= 1)) return false;
-    return true;
-}
-
-void quantizer_init(struct quantizer *q, const struct image *im, int bits)
+void quantizer_init(struct quantizer *q, bool opaque, int bits)
 {
     q->bits = bits;
-    q->channels = opaque(im) ? 3 : 4;
+    q->channels = opaque ? 3 : 4;
     if (bits == 8) srgb_steps_init(q);
 }
 

@@ -70,7 +70,9 @@ bool log_remedy(
         const char *all = (const char *)buf_data(&names);
         const char *with = *origin->with ? origin->with : "rtworker";
         bool volume = strncmp(with, "vcworker", strlen("vcworker")) == 0;
-        buf_printf(out, "gather -m%s | %s %s >> ", all, with, volume ? "GRID SPEC" : "SCENE");
+        bool crop = strncmp(with, "cropworker", strlen("cropworker")) == 0;
+        buf_printf(out, "gather -m%s | %s %s >> ", all, with,
+            volume ? "GRID SPEC" : crop ? "COMMAND" : "SCENE");
         buf_quote(out, last);
         buf_printf(out, "; gather%s%s", options, all);
     }

@@ -82,11 +82,12 @@ size_t stdout_private(void);
 /* ---- silence.c: the program at the other end of standard input may be cut off ---- */
 
 /*
- * From this `alive` record on, the process ends with ST_SYSTEM, at once and whatever it does, if
- * nothing has come on standard input for the time that the record states. The sender writes beats
- * more often than that. Children that proc started end with the process.
+ * Takes a record of standard input if it is an `alive` or a `beat`; else returns false. From an
+ * `alive` on, the process ends with ST_SYSTEM, at once and whatever it does, if nothing has come on
+ * standard input for the time that the record states. The sender writes beats more often than that.
+ * Children that proc started end with the process.
  */
-void silence_count(const struct record *r);
+bool silence_take(const struct record *r);
 /* Something was read from standard input. */
 void silence_heard(void);
 /* Standard input has ended, or this is another process: its silence means nothing. */
@@ -129,16 +130,18 @@ void outlet_beat(struct outlet *o, const struct decoder *input);
 /* Answers a flush with a `beat`, so that the sender gets an answer even if nothing was held
  * back. */
 void outlet_answer(struct outlet *o);
-/* Obeys a code record of the input: answers a probe, or packs the pixels from now on. */
+/* Obeys a code record of the input: appends the answer to a probe to `to`, or sets *packs, because
+ * the reader wants packed pixels from now on. */
+void stream_code(const struct record *r, struct buf *to, bool *packs);
 void outlet_code(struct outlet *o, const struct record *r);
 /* Writes the rest, waiting for the reader; a signal ends it. */
 void outlet_drain(struct outlet *o);
 
 /*
- * One read(2) of standard input. Calls `take` for each record until it returns non-zero: the status
- * to end with at once, or STREAM_HOLD. After STREAM_HOLD do not read before stream_take has handled
- * the buffered rest. Returns 0, or the status to end with after printing the reason. *open: more
- * may come.
+ * One read(2) of standard input. Calls `take` for each record that silence_take does not take,
+ * until it returns non-zero: the status to end with at once, or STREAM_HOLD. After STREAM_HOLD do
+ * not read before stream_take has handled the buffered rest. Returns 0, or the status to end with
+ * after printing the reason. *open: more may come.
  */
 #define STREAM_HOLD (-1)
 typedef int stream_taker(void *ctx, const struct record *r);

@@ -49,7 +49,7 @@ static void tick(int sig)
 
 void silence_heard(void) { heard = 1; }
 
-void silence_count(const struct record *r)
+static void count(const struct record *r)
 {
     struct sigaction act = {.sa_handler = tick, .sa_flags = SA_RESTART};
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
@@ -65,6 +65,12 @@ void silence_count(const struct record *r)
     int64_t ns = (int64_t)(within_s / TICKS * 1e9);
     struct timespec t = {.tv_sec = (time_t)(ns / 1000000000), .tv_nsec = (long)(ns % 1000000000)};
     timer_settime(timer, 0, &(struct itimerspec){t, t}, NULL);
+}
+
+bool silence_take(const struct record *r)
+{
+    if (r->kind == REC_ALIVE) count(r);
+    return r->kind == REC_ALIVE || r->kind == REC_BEAT;
 }
 
 void silence_forget(void)

@@ -29,7 +29,8 @@ int stream_take(struct decoder *d, stream_taker *take, void *ctx)
     enum wire_result result;
     int status;
     while ((result = wire_next(d, &r)) == WIRE_RECORD)
-        if ((status = take(ctx, &r)) != 0) return status == STREAM_HOLD ? 0 : status;
+        if (!silence_take(&r) && (status = take(ctx, &r)) != 0)
+            return status == STREAM_HOLD ? 0 : status;
     if (result != WIRE_BAD) return 0;
     warn("standard input: %s", d->why);
     return ST_USAGE;
@@ -112,11 +113,16 @@ void outlet_answer(struct outlet *o)
     if (o->greeted) wire_plain(&o->queue.control, REC_BEAT, NULL);
 }
 
-void outlet_code(struct outlet *o, const struct record *r)
+void stream_code(const struct record *r, struct buf *to, bool *packs)
 {
     int64_t n;
-    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(&o->queue.control, (size_t)n);
-    o->queue.packs |= rec_int(r, "zstd", 1, 1, &n);
+    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(to, (size_t)n);
+    *packs |= rec_int(r, "zstd", 1, 1, &n);
+}
+
+void outlet_code(struct outlet *o, const struct record *r)
+{
+    stream_code(r, &o->queue.control, &o->queue.packs);
 }
 
 void outlet_drain(struct outlet *o)

@@ -113,7 +113,7 @@ static void take_gone(struct deal *d, int32_t k)
     struct slot *s = slot_at(d, k);
     deal_lose(d, k, &s->shared);
     deal_lose(d, k, &s->held);
-    deal_lose(d, k, &s->owed);
+    while (s->owed.count) deal_drop_copy(d, k, s->owed.tail);
     deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;

@@ -200,9 +200,8 @@ void deal_lose_after(struct deal *d, int32_t k, struct task_list *l, int32_t kee
     while (l->count > keep) {
         const struct task *t = &s->has.at[l->tail].task;
         int32_t i = tasks_find(&d->ledger, t->frame, t->id);
-        bool owed = l == &s->owed;
         deal_drop_copy(d, k, l->tail);
-        if (i < 0 || owed) continue; /* committed already, or its entry is on another list */
+        if (i < 0) continue; /* committed already */
         deal_account(d, i)->copies--;
         if (deal_account(d, i)->place != OUT) continue;
         deal_take(d, i);

@@ -125,24 +125,28 @@ void deal_mark(struct deal *d, int32_t k)
     rate(d, k, rating_of(d, s));
 }
 
+#define SETS 5
+static struct slot_set *nth_set(struct deal *d, int i)
+{
+    struct slot_set *const sets[SETS] = {
+        &d->idle, &d->free, &d->withheld, &d->unflushed, &d->leaving};
+    return sets[i];
+}
+
 void deal_close_room(struct deal *d)
 {
-    struct slot_set *sets[] = {
-        &d->idle, &d->free, &d->withheld, &d->unflushed, &d->leaving};
-    for (int i = 0; d->n_places && i < 5; i++) set_free(sets[i]);
+    for (int i = 0; d->n_places && i < SETS; i++) set_free(nth_set(d, i));
     free(d->best);
 }
 
 void deal_make_room(struct deal *d, int32_t n)
 {
     if (n <= d->n_places) return;
-    struct slot_set *sets[] = {
-        &d->idle, &d->free, &d->withheld, &d->unflushed, &d->leaving};
     int32_t places = d->n_places ? d->n_places : 1;
     deal_close_room(d);
     while (places < n) places *= 2;
     d->n_places = places;
-    for (int i = 0; i < 5; i++) set_init(sets[i], places);
+    for (int i = 0; i < SETS; i++) set_init(nth_set(d, i), places);
     d->slots = xrealloc(d->slots, (size_t)places, sizeof *d->slots);
     d->best = xmalloc(2 * (size_t)places, sizeof *d->best);
     for (int32_t i = 0; i < 2 * places; i++) d->best[i] = nothing;

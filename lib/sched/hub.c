@@ -28,9 +28,10 @@ static void *ring_create(const struct sched_params *p)
     struct hub *h = xcalloc(1, sizeof *h);
     h->p = *p;
     tasks_init(&h->ledger, sizeof(struct hub_task));
-    h->pool = TASK_LIST_EMPTY;
+    h->pool = h->rest = h->cut = TASK_LIST_EMPTY;
+    frames_init(&h->frames, sizeof(uint32_t));
     h->oldest = h->newest = h->stalest = h->freshest = -1;
-    h->hung_us = INT64_MAX;
+    h->hung_us = h->end_us = INT64_MAX;
     return h;
 }
 
@@ -39,47 +40,14 @@ static void ring_destroy(void *state)
     struct hub *h = state;
     if (!h) return;
     tasks_free(&h->ledger);
-    set_free(&h->up);
-    set_free(&h->hungry);
-    set_free(&h->idle);
-    for (int c = 0; c < LOADS; c++) set_free(&h->rich[c]);
-    set_free(&h->late);
-    set_free(&h->delayed);
+    frames_free(&h->frames);
+    hub_sets_free(h);
     free(h->early);
     free(h->nodes);
     free(h);
 }
 
-/* ---- the ledger ------------------------------------------------------------------------------ */
-
-static struct task_list *list_of(struct hub *h, int32_t i)
-{
-    const struct hub_task *t = hub_task(h, i);
-    if (t->owner < 0) return &h->pool;
-    return t->computed ? &h->nodes[t->owner].computed : &h->nodes[t->owner].held;
-}
-
-static double px_of(const struct hub *h, int32_t i)
-{
-    return (double)lattice_count(&h->ledger.at[i].task.at);
-}
-
-static void unlist(struct hub *h, int32_t i)
-{
-    const struct hub_task *t = hub_task(h, i);
-    list_remove(&h->ledger, list_of(h, i), i);
-    h->n_computed -= t->computed;
-    if (t->owner >= 0 && !t->computed) h->nodes[t->owner].held_px -= px_of(h, i);
-}
-
-static void enlist(struct hub *h, int32_t i, int32_t k, bool computed)
-{
-    hub_task(h, i)->owner = k;
-    hub_task(h, i)->computed = computed;
-    h->n_computed += computed;
-    list_push_back(&h->ledger, list_of(h, i), i);
-    if (k >= 0 && !computed) h->nodes[k].held_px += px_of(h, i);
-}
+/* ---- owners ---------------------------------------------------------------------------------- */
 
 /* Sends entry i to its owner, node k, which is up. */
 static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
@@ -91,16 +59,18 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     t->sent_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = t->from;
+    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
+    out->at[out->n - 1].origin_id = h->ledger.at[i].task.id;
     hub_served(h, k);
     if (s->held.count == 1) hub_progress(h, k);
 }
 
 /* Entry i, on no list, goes to node k or, if that is gone, to the nearest node before it that is
  * up. */
-static void assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
+void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
     if (h->nodes[k].state == NODE_GONE) k = set_before(&h->up, k);
-    enlist(h, i, k, false);
+    hub_enlist(h, i, k, false);
     if (hub_is_up(h, k)) send(h, k, i, out);
     else if (k >= 0) hub_mark(h, k);
 }
@@ -109,9 +79,9 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
 {
     while (n-- > 0) {
         int32_t i = h->nodes[k].held.head;
-        unlist(h, i);
+        hub_unlist(h, i);
         hub_task(h, i)->from = k;
-        assign(h, i, peer, out);
+        hub_assign(h, i, peer, out);
     }
     hub_mark(h, k);
 }
@@ -120,7 +90,7 @@ static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {
     const struct task *t = &h->ledger.at[i].task;
     bool chosen = t->to >= 0 && t->to < h->n_nodes;
-    assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
+    hub_assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
 /* The pool goes to node k, the only one that is up (k >= 0); or each task to its first node,
@@ -129,8 +99,8 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
 {
     for (int32_t left = h->pool.count; left > 0; left--) {
         int32_t i = h->pool.head;
-        unlist(h, i);
-        if (k >= 0) assign(h, i, k, out);
+        hub_unlist(h, i);
+        if (k >= 0) hub_assign(h, i, k, out);
         else start(h, i, out);
     }
 }
@@ -151,11 +121,11 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
 {
     struct hub_task *t = hub_task(h, i);
     int32_t k = t->owner;
-    unlist(h, i);
+    hub_unlist(h, i);
     t->from = k;
     t->tries++;
     h->taken_over = true;
-    assign(h, i, thief, out);
+    hub_assign(h, i, thief, out);
     hub_mark(h, k);
     ask_flush(h, k, out);
 }
@@ -166,9 +136,11 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
 {
     if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
     int32_t i = tasks_add(&h->ledger, &e->task, e->frame_w);
-    hub_task(h, i)->owner = hub_task(h, i)->from = -1;
+    struct hub_task *t = hub_task(h, i);
+    t->owner = t->from = t->parent = t->piece = t->before = t->after = -1;
+    if (h->p.endgame) hub_note_id(h, &e->task);
     if (h->n_nodes) start(h, i, out);
-    else enlist(h, i, -1, false);
+    else hub_enlist(h, i, -1, false);
 }
 
 /* A node may be lost before the number of nodes is known. */
@@ -188,14 +160,10 @@ static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
         h->nodes[k] = (struct hub_node){.held = TASK_LIST_EMPTY,
             .computed = TASK_LIST_EMPTY,
             .load = -1,
+            .worth = -1,
             .thief = -1,
             .victim = -1};
-    set_init(&h->up, n);
-    set_init(&h->hungry, n);
-    set_init(&h->idle, n);
-    for (int c = 0; c < LOADS; c++) set_init(&h->rich[c], n);
-    set_init(&h->late, n);
-    set_init(&h->delayed, n);
+    hub_sets_init(h);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
     take_pool(h, -1, out);
@@ -229,10 +197,11 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     for (int l = 0; l < 2; l++) {
         while (lists[l]->count) {
             int32_t i = lists[l]->head;
-            unlist(h, i);
+            hub_unlist(h, i);
             hub_task(h, i)->from = -1;
             hub_task(h, i)->tries += had;
-            assign(h, i, k, out);
+            if (hub_task(h, i)->piece < 0) hub_assign(h, i, k, out);
+            else hub_enlist(h, i, -1, false);
         }
     }
 }
@@ -245,6 +214,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
         .sent_us = t->sent_us,
         .done_us = h->now_us,
         .wall_us = wall_us};
+    hub_end_note(h, i, &done);
     pace_note(pace, &done);
     pace_mix(&h->pace.us_per_px, pace->us_per_px);
 }
@@ -259,12 +229,48 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
         note_pace(h, i, e->wall_us);
         hub_progress(h, k);
     }
-    unlist(h, i);
-    enlist(h, i, k, true);
+    hub_unlist(h, i);
+    hub_enlist(h, i, k, true);
     /* If it has more, it may be slower than it thought, and can give some. */
     h->nodes[k].dry = false;
     hub_mark(h, k);
     ask_flush(h, k, out);
+}
+
+/* Entry i, without pieces, leaves the ledger. */
+static void leave(struct hub *h, int32_t i)
+{
+    int32_t k = hub_task(h, i)->owner;
+    hub_remove(h, i);
+    if (k < 0) return;
+    hub_mark(h, k);
+    set_put(&h->freed, k, true);
+}
+
+static void forget_pieces(struct hub *h, int32_t i)
+{
+    int32_t j;
+    while ((j = hub_task(h, i)->piece) >= 0) {
+        forget_pieces(h, j);
+        leave(h, j);
+    }
+}
+
+/* The last pixels of entry i have come, which may be the last piece of another one. */
+static void commit(struct hub *h, int32_t i, struct sched_actions *out)
+{
+    do {
+        int32_t parent = hub_task(h, i)->parent;
+        sched_act(out, SCHED_COMMIT, hub_task(h, i)->owner, &h->ledger.at[i].task);
+        forget_pieces(h, i);
+        leave(h, i);
+        i = parent;
+    } while (i >= 0 && hub_task(h, i)->piece < 0);
+    while (h->freed.count) {
+        int32_t k = set_after(&h->freed, -1);
+        set_put(&h->freed, k, false);
+        ask_flush(h, k, out);
+    }
 }
 
 static void take_pixels(struct hub *h, const struct sched_event *e, struct sched_actions *out)
@@ -275,27 +281,24 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
     if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) hub_progress(h, e->slot);
     if (!tasks_whole(&h->ledger, i)) return;
-    int32_t k = hub_task(h, i)->owner;
-    sched_act(out, SCHED_COMMIT, k, &h->ledger.at[i].task);
-    unlist(h, i);
-    tasks_remove(&h->ledger, i);
-    if (k < 0) return;
-    hub_mark(h, k);
-    ask_flush(h, k, out);
+    commit(h, i, out);
 }
 
 /* A GIVE to a node that does not exist leaves the task with its owner. A GIVE of a task that the
- * node does not own gives nothing, but answers the ask: the asking node stops waiting for it. */
+ * node does not own gives nothing, but answers the ask: the asking node stops waiting for it. The
+ * same holds for a task that has pieces: these are enough. */
 static void take_give(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, peer = e->ring.peer;
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
+    bool owns = i >= 0 && hub_task(h, i)->owner == k, cut = owns && hub_task(h, i)->piece >= 0;
     if (peer < 0 || peer >= h->n_nodes) peer = k;
-    if (i >= 0 && hub_task(h, i)->owner == k) {
+    if (owns) hub_unlist(h, i);
+    if (cut) hub_enlist(h, i, -1, false);
+    if (owns && !cut) {
         hub_answers(h, k, peer);
-        unlist(h, i);
         hub_task(h, i)->from = k;
-        assign(h, i, peer, out);
+        hub_assign(h, i, peer, out);
     } else hub_has_none(h, k, peer);
     hub_mark(h, k);
     ask_flush(h, k, out);
@@ -388,6 +391,7 @@ static int64_t ring_wake_us(const void *state)
     const struct hub *h = state;
     int64_t late_us = hub_late_us(h);
     if (h->closed) return INT64_MAX;
+    if (h->end_us < late_us) late_us = h->end_us;
     return late_us < h->hung_us ? late_us : h->hung_us;
 }
 

@@ -39,7 +39,8 @@ static void enlist(struct hub *h, int32_t k)
 void hub_busy(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
-    bool busy = s->state == NODE_UP && (s->held.count || (s->computed.count && s->flushed));
+    bool owes = s->held.count > s->cut || (s->computed.count && s->flushed);
+    bool busy = s->state == NODE_UP && owes;
     if (busy && !s->busy) enlist(h, k);
     if (!busy) unlist(h, k);
     set_put(&h->idle, k, s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count);
@@ -74,7 +75,9 @@ void hub_hung(struct hub *h, struct sched_actions *out)
                     .fresher; /* the idle node owes pixels itself, and no other node is idle */
         if (k < 0) return;
         const struct hub_node *s = &h->nodes[k];
-        int32_t i = s->held.count ? s->held.head : s->computed.head;
+        int32_t i = s->held.head;
+        while (i >= 0 && hub_task(h, i)->piece >= 0) i = h->ledger.at[i].next;
+        if (i < 0) i = s->computed.head;
         h->hung_us = late_us(h, i, k, thief);
         if (h->now_us < h->hung_us) return;
         h->hung_us = INT64_MAX;

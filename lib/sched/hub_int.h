@@ -22,7 +22,11 @@ struct hub_node {
     struct task_list held;     /* its tasks: entries of the ledger */
     struct task_list computed; /* likewise; computed, but pixels are missing */
     double held_px;            /* pixels of `held` */
+    int32_t cut;               /* entries of `held` that have pieces, */
+    double cut_px;             /* and their pixels */
     struct pace pace;          /* of its worker, from its DONE messages */
+    double all_us, all_px;     /* computing time and pixels of all its tasks so far */
+    int32_t worth;             /* class of its work that has no pieces; -1: none */
     int32_t load;              /* class of its work if it may be asked for some; else -1 */
     bool flushed;              /* asked to flush `computed` since it was last given a task */
     bool asking;               /* wants work, and was given none since it asked */
@@ -43,31 +47,44 @@ struct hub_node {
 
 /* Payload of an entry of the ledger. */
 struct hub_task {
-    int32_t owner;   /* the node whose task it is; -1: in the pool */
-    int32_t from;    /* its previous owner, if it was stolen; else -1 */
-    int32_t tries;   /* attempts so far; 0: no node was sent it */
-    bool computed;   /* its owner has computed it; pixels are missing */
-    int64_t sent_us; /* when its owner was sent it */
+    int32_t owner;         /* the node whose task it is; -1: in the pool */
+    int32_t from;          /* its previous owner, if it was stolen; else -1 */
+    int32_t tries;         /* attempts so far; 0: no node was sent it */
+    bool computed;         /* its owner has computed it; pixels are missing */
+    int64_t sent_us;       /* when its owner was sent it */
+    int32_t parent;        /* the entry that it is a piece of; -1: none */
+    int32_t piece;         /* the first of its own pieces; -1: none */
+    double cost;           /* with pieces: time of its pixels, as a multiple of a node's mean */
+    int32_t before, after; /* its neighbours among the pieces of its parent */
 };
 
 struct hub {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool;    /* no known node could own them */
+    struct task_list rest;    /* pieces that no node has: hub_end.c */
+    struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
+    struct frames frames;     /* with an endgame: the highest id of each frame */
     struct hub_node *nodes;
     int32_t n_nodes; /* 0: not known yet */
     int32_t *early;  /* nodes lost before n_nodes was known */
     size_t n_early;
     int64_t n_computed;                    /* entries of the ledger */
+    double left_px;                        /* pixels that nodes have to compute */
     struct slot_set up;                    /* nodes that are up */
     struct slot_set hungry, late, delayed; /* hub_match.c */
     struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
-    struct pace pace;                      /* the mean of all nodes */
-    int32_t oldest, newest;                /* the ends of the list of outstanding asks */
-    int64_t answer_us;                     /* the longest recent time to an answer; 0: none yet */
-    int64_t now_us;                        /* the time of this step */
-    struct slot_set idle;                  /* nodes that want work and have none, with no victim */
+    struct slot_set worth[LOADS];          /* nodes whose tasks can be cut, by class of work */
+    uint64_t worths;
+    int32_t turn;              /* the node that was looked at last in the endgame */
+    int64_t end_us;            /* when a task will be late; INT64_MAX: none */
+    struct pace pace;          /* the mean of all nodes */
+    int32_t oldest, newest;    /* the ends of the list of outstanding asks */
+    int64_t answer_us;         /* the longest recent time to an answer; 0: none yet */
+    int64_t now_us;            /* the time of this step */
+    struct slot_set idle;      /* nodes that want work and have none, with no victim */
+    struct slot_set freed;     /* nodes of which a task has left the ledger in this step */
     int32_t stalest, freshest; /* the ends of the list of busy nodes, by latest progress */
     int64_t hung_us;           /* when a task will be late; INT64_MAX: none */
     bool taken_over;           /* a node may still compute a task that was taken from it */
@@ -86,11 +103,29 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
+/* Entry i, on no list, goes to node k, or to the nearest node before it that is up. */
+void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
 
+/* ---- hub_ledger.c --------------------------------------------------------------------------- */
+
+/* Takes entry i off its list. */
+void hub_unlist(struct hub *h, int32_t i);
+/* Puts entry i, on no list, on a list of node k; or on one of those of no node (-1). */
+void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed);
+/* With an endgame: notes the id of a task of the input. */
+void hub_note_id(struct hub *h, const struct task *t);
+/* Enters a piece of entry `parent` with these pixels, which no node has yet. */
+int32_t hub_enter(struct hub *h, int32_t parent, const struct lattice *at);
+/* Removes entry i, which has no pieces. */
+void hub_remove(struct hub *h, int32_t i);
+
 /* ---- hub_match.c ----------------------------------------------------------------------------- */
 
+/* The sets of slots of the hub, once the number of nodes is known. */
+void hub_sets_init(struct hub *h);
+void hub_sets_free(struct hub *h);
 /* Pairs each node that wants work with a victim while victims remain. */
 void hub_match(struct hub *h, struct sched_actions *out);
 /* Node k was given a task: this ends its ask. */
@@ -115,5 +150,13 @@ void hub_busy(struct hub *h, int32_t k);
 void hub_progress(struct hub *h, int32_t k);
 /* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
 void hub_hung(struct hub *h, struct sched_actions *out);
+
+/* ---- hub_end.c ------------------------------------------------------------------------------ */
+
+/* Entry i is done by its owner, whose pace does not have it yet. */
+void hub_end_note(struct hub *h, int32_t i, const struct pace_task *done);
+
+/* Gives node k, which wants work, a part of a task of another node; false: there is none. */
+bool hub_end(struct hub *h, int32_t k, struct sched_actions *out);
 
 #endif

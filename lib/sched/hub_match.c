@@ -29,31 +29,62 @@
 #define FIRST_US 3000000   /* while no answer has come yet */
 #define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
 
-/* The class of node k's work. A node without measurements counts as the mean of the others. */
-static int32_t load_of(const struct hub *h, const struct hub_node *s)
+static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
+{
+    struct slot_set *sets[] = {&h->up, &h->hungry, &h->idle, &h->freed, &h->late, &h->delayed};
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) act(sets[i], h->n_nodes);
+    for (int c = 0; c < LOADS; c++) act(&h->rich[c], h->n_nodes);
+    for (int c = 0; c < LOADS; c++) act(&h->worth[c], h->n_nodes);
+}
+
+static void empty(struct slot_set *s, int32_t n)
+{
+    (void)n;
+    set_free(s);
+}
+
+void hub_sets_init(struct hub *h) { for_sets(h, set_init); }
+void hub_sets_free(struct hub *h) { for_sets(h, empty); }
+
+/* The class of work of px pixels for node s. A node without measurements counts as the mean of the
+ * others. */
+static int32_t class_of(const struct hub *h, const struct hub_node *s, double px)
 {
     double us_per_px = s->pace.us_per_px > 0 ? s->pace.us_per_px : h->pace.us_per_px;
     if (us_per_px <= 0) us_per_px = 1;
-    double us = s->held_px * us_per_px / s->width / (1 + s->thieves);
+    double us = px * us_per_px / s->width;
     if (us < 1) return 0;
     int32_t load = ilogb(us);
     return load < LOADS ? load : LOADS - 1;
 }
 
+/* Node k moves from class *from of these sets to class `to`; -1: none. */
+static void move(struct slot_set *sets, uint64_t *used, int32_t k, int32_t *from, int32_t to)
+{
+    if (to == *from) return;
+    if (*from >= 0) {
+        set_put(&sets[*from], k, false);
+        if (!sets[*from].count) *used &= ~(UINT64_C(1) << *from);
+    }
+    if (to >= 0) {
+        set_put(&sets[to], k, true);
+        *used |= UINT64_C(1) << to;
+    }
+    *from = to;
+}
+
 static void mark_rich(struct hub *h, int32_t k, bool rich)
 {
     struct hub_node *s = &h->nodes[k];
-    int32_t load = rich ? load_of(h, s) : -1;
-    if (load == s->load) return;
-    if (s->load >= 0) {
-        set_put(&h->rich[s->load], k, false);
-        if (!h->rich[s->load].count) h->loads &= ~(UINT64_C(1) << s->load);
-    }
-    if (load >= 0) {
-        set_put(&h->rich[load], k, true);
-        h->loads |= UINT64_C(1) << load;
-    }
-    s->load = load;
+    int32_t load = rich ? class_of(h, s, s->held_px / (1 + s->thieves)) : -1;
+    move(h->rich, &h->loads, k, &s->load, load);
+}
+
+static void mark_worth(struct hub *h, int32_t k, bool has)
+{
+    struct hub_node *s = &h->nodes[k];
+    int32_t worth = has ? class_of(h, s, s->held_px - s->cut_px) : -1;
+    move(h->worth, &h->worths, k, &s->worth, worth);
 }
 
 /* A node is not a victim if there is an outstanding ask for each task that it has not begun. */
@@ -64,6 +95,7 @@ void hub_mark(struct hub *h, int32_t k)
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
+    if (h->p.endgame) mark_worth(h, k, up && s->held.count > s->cut);
     mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);
     hub_busy(h, k);
 }
@@ -119,15 +151,32 @@ static void tell(int32_t k, enum ring_kind kind, int32_t peer, struct sched_acti
     out->at[out->n - 1].ring = (struct ring){.kind = kind, .peer = peer, .next = -1};
 }
 
+/* Asks a node with work left on behalf of the nearest hungry node before it. */
+static void ask(struct hub *h, struct sched_actions *out)
+{
+    const struct slot_set *rich = &h->rich[63 - __builtin_clzll(h->loads)];
+    int32_t victim = set_after(rich, set_after(&h->hungry, -1));
+    int32_t thief = set_before(&h->hungry, victim);
+    pair(h, victim, thief);
+    tell(victim, RING_ASK, thief, out);
+}
+
+/* In the endgame a hungry node gets a part of another node's task. They take turns, because the
+ * part may pay for one and not for another. */
+static bool end(struct hub *h, struct sched_actions *out)
+{
+    if (!h->p.endgame || !h->ended) return false;
+    h->turn = set_after(&h->hungry, h->turn);
+    return hub_end(h, h->turn, out);
+}
+
 void hub_match(struct hub *h, struct sched_actions *out)
 {
+    h->end_us = INT64_MAX;
     give_late(h, out);
-    while (h->hungry.count && h->loads) {
-        const struct slot_set *rich = &h->rich[63 - __builtin_clzll(h->loads)];
-        int32_t victim = set_after(rich, set_after(&h->hungry, -1));
-        int32_t thief = set_before(&h->hungry, victim);
-        pair(h, victim, thief);
-        tell(victim, RING_ASK, thief, out);
+    while (h->hungry.count) {
+        if (h->loads) ask(h, out);
+        else if (!end(h, out)) break;
     }
     while (h->delayed.count) {
         int32_t k = set_after(&h->delayed, -1);

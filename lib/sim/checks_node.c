@@ -58,7 +58,8 @@ static void node_takes_ring(struct world *w, struct rslot *s, int32_t k, const s
     s->answers = 0;
     s->given_px = 0;
     s->had_px = s->has_px;
-    s->in_time = is_steady(w) && v->busy && (double)(w->now_us - v->began_us) < shortest_us;
+    s->in_time =
+        is_steady(w) && v->clock.busy && (double)(w->now_us - v->clock.began_us) < shortest_us;
 }
 
 /* It was computed, or given away, or all of its pixels have come. */

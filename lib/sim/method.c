@@ -14,7 +14,7 @@ const struct sim_method *sim_method_named(const char *name)
             .options = "",
             .tuned = true},
         {.name = "deal", .policy = &policy_deal, .options = "eq"},
-        {.name = "ring", .policy = &policy_ring, .node = &policy_node, .options = "kp"},
+        {.name = "ring", .policy = &policy_ring, .node = &policy_node, .options = "ekp"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(name, table[i].name) == 0) return &table[i];

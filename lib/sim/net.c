@@ -38,8 +38,8 @@ double net_bytes(const struct sched_event *e)
         return records * line + bytes;
     }
     case SCHED_UP:
-        return LENGTH(
-            "hello rtworker 0.2 format=2 selftest=0123456789abcdef power=1.23456 slots=1" SUM);
+        return LENGTH("hello rtworker " STORMRING_VERSION " format=3 selftest=0123456789abcdef"
+                      " power=1.23456 slots=1 alive=1 zstd=1" SUM);
     case SCHED_RING: return LENGTH("none peer=1234 next=1234" SUM);
     case SCHED_INPUT_END:
     case SCHED_SLOTS:

@@ -8,11 +8,10 @@
 
 #include "sim/sim.h"
 
-/* The link of slot k: its host's, or that of all slots. */
+/* The link of slot k: its host's, or that of the plan. */
 static inline struct sim_link net_link_of(const struct sim_plan *p, int32_t k)
 {
-    if (p->links) return p->links[p->link_of[k]];
-    return (struct sim_link){.latency_us = p->latency_us, .bytes_per_s = p->link_bytes_per_s};
+    return p->links ? p->links[p->link_of[k]] : p->link;
 }
 /* Slots of one host share its link: its number, below net_links(). */
 static inline int32_t net_number_of(const struct sim_plan *p, int32_t k)

@@ -24,7 +24,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
     p->tasks = tiny ? 6000 : 300 * p->slots;
     p->cost_us = tiny ? 5 : 1000;
-    p->latency_us = tiny ? 200000 : 50000;
+    p->link.latency_us = tiny ? 200000 : 50000;
     p->concentrate = false;
     p->assigned = 0;
     p->rows = p->frames = 1;
@@ -52,7 +52,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.p_twice = chance(seed, 13, .1);
     p.p_garbage = chance(seed, 14, .1);
     p.silence_us = 3000000;
-    p.latency_us = latencies_us[pick(seed, 15, 0, 3)];
+    p.link.latency_us = latencies_us[pick(seed, 15, 0, 3)];
     p.params.endgame = unit(seed, 16) < .4;
     p.width = p.params.depth >= 0 && unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
@@ -78,7 +78,7 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     p.joins = 0;
     p.p_hang = chance(seed, 25, .3);
     if (p.p_hang > 0) p.detect_us = 5000000;
-    p.params = (struct sched_params){.one = unit(seed, 30) < .3};
+    p.params = (struct sched_params){.one = unit(seed, 30) < .3, .endgame = unit(seed, 32) < .5};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
     if (p.assigned > p.tasks) p.assigned = p.tasks;

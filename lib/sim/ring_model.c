@@ -20,7 +20,7 @@ struct rtask *sim_ring_task(struct world *w, const struct task *t)
     if (!v) return NULL;
     if (!v->note) {
         struct rtask *r = xcalloc(1, sizeof *r);
-        r->base = r->from = -1;
+        r->base = r->from = r->parent = -1;
         v->note = r;
     }
     return v->note;

@@ -7,10 +7,13 @@
 
 #include "sim/world.h"
 
-/* The state of a task; bits are slots. */
-enum rplace { RING_ABSENT, RING_ORPHAN, RING_HELD, RING_COMPUTED };
+/* The state of a task; bits are slots. CUT: no node has it, but its pieces are missing. REST: no
+ * node has this piece. */
+enum rplace { RING_ABSENT, RING_ORPHAN, RING_HELD, RING_COMPUTED, RING_CUT, RING_REST };
 struct rtask {
     enum rplace place;
+    int32_t parent; /* the task that it is a piece of; -1: none */
+    bool cut;       /* it has pieces */
     int32_t base;   /* its owner; ORPHAN: its future owner, or that one's heir; -1: not known */
     int32_t from;   /* previous owner, if it was given away; else -1 */
     int32_t passes; /* times it was given away since a lost connection had it */
@@ -44,6 +47,7 @@ struct rslot {
 
 struct ring_model {
     int32_t orphans, promised, up, hungry, rich, open, computed;
+    int32_t cuts; /* tasks that have pieces */
     bool known, input_ended, flush;
     bool taken_over;         /* a task of a late node was taken over */
     bool paced;              /* the hub knows the speed of a node */
@@ -68,6 +72,13 @@ int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int
 void sim_ring_enter(
     struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
+
+/* ---- checks_end.c ---------------------------------------------------------------------------- */
+
+/* A task with a new id, or a piece without a node, is given. False: that breaks a rule. */
+bool sim_ring_piece(struct world *w, struct ring_model *m, const struct sched_action *a);
+/* Task t leaves the ledger, with its pieces. */
+void sim_ring_forget(struct world *w, struct ring_model *m, struct rtask *t);
 
 /* ---- checks_node.c --------------------------------------------------------------------------- */
 

@@ -13,18 +13,9 @@
 /* Splits the time of all slots. */
 static void account(struct world *w)
 {
-    struct sim_result *r = w->result;
-    double end = (double)(r->end_us = w->now_us);
-    for (int32_t k = 0; k < w->plan->slots; k++) {
-        const struct vslot *s = &w->slots[k];
-        double busy = s->busy_us + (s->busy ? end - (double)s->began_us : 0);
-        double last = s->busy ? end : (double)s->last_us;
-        double first = s->first_us < 0 ? end : (double)s->first_us;
-        r->busy_us += busy;
-        r->startup_us += first;
-        r->tail_us += s->first_us < 0 ? 0 : end - last;
-        r->waiting_us += s->first_us < 0 ? 0 : last - first - busy;
-    }
+    w->result->end_us = w->now_us;
+    for (int32_t k = 0; k < w->plan->slots; k++)
+        sim_clock_split(&w->slots[k].clock, w->now_us, w->result);
 }
 
 /* Measuring ends here; nodes end with their input. */
@@ -199,7 +190,7 @@ static int64_t calm_us(const struct world *w)
         least = fmin(least, w->slots[k].power);
     }
     double last_us = w->plan->cost_us * exp(4) / least;
-    return (int64_t)(1.25 * w->cost_us / power + last_us + 10 * (double)w->plan->latency_us);
+    return (int64_t)(1.25 * w->cost_us / power + last_us + 10 * (double)w->plan->link.latency_us);
 }
 
 static void trace_event(struct world *w, const struct sim_event *e)
@@ -237,7 +228,7 @@ static void open_world(struct world *w)
     w->frame_h = p->work ? p->work->frame_h : (uint32_t)(p->rows * p->tasks + 1);
     w->slots = xcalloc((size_t)p->slots, sizeof *w->slots);
     for (int32_t k = 0; k < p->slots; k++) {
-        w->slots[k].first_us = -1;
+        w->slots[k].clock = SIM_CLOCK_INIT;
         w->slots[k].wake_us = INT64_MAX;
     }
     w->wake_us = INT64_MAX;

@@ -87,10 +87,10 @@ struct sim_fault {
 struct sim_checks; /* private */
 extern const struct sim_checks sim_checks_deal, sim_checks_ring, sim_checks_gdc;
 
-/* The link of a host, which its slots share: latency one way, and bytes per second each way. */
+/* A link: of one slot, or of a host, whose slots share it. */
 struct sim_link {
-    int64_t latency_us;
-    double bytes_per_s; /* 0: no limit */
+    int64_t latency_us; /* one way */
+    double bytes_per_s; /* each way; 0: no limit */
 };
 
 /* Chances are per slot, or per answer. Times are microseconds of virtual time. */
@@ -124,11 +124,11 @@ struct sim_plan {
     /* no faults and enough work: the run must take little longer than the bound */
     bool calm;
     int64_t silence_us;
-    int64_t latency_us; /* of a link, one way */
-    double jitter;      /* latency varies up to this part, both ways */
-    double hops;        /* latencies of a ring message between nodes; 2: through the hub */
-    double link_bytes_per_s, hub_bytes_per_s; /* of each link; of a hub, upwards; 0: no limit */
-    /* Links of hosts, instead of latency_us and link_bytes_per_s; NULL: none. The caller's. */
+    struct sim_link link;   /* of each slot, and between the hubs of a tree */
+    double jitter;          /* latency varies up to this part, both ways */
+    double hops;            /* latencies of a ring message between nodes; 2: through the hub */
+    double hub_bytes_per_s; /* of a hub, upwards; 0: no limit */
+    /* Links of hosts, for their slots instead of `link`; NULL: none. The caller's. */
     const struct sim_link *links;
     const int32_t *link_of; /* of each slot: an index of links */
     int32_t n_links;
@@ -188,7 +188,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
  * levels 0 there is one hub. Each hub runs the policy, as deal does around a fan of deals: it
  * passes down the tasks that it gives, and passes up all records of its slots. Every record takes
  * message_us of the hub that passes it, one after the other, and pixels take its bandwidth. Links
- * between hubs have latency_us. plan->work must be set; there are no nodes and no faults.
+ * between hubs are `link`. plan->work must be set; there are no nodes and no faults.
  */
 void sim_tree_run(
     const struct policy *policy, const struct sim_plan *plan, struct sim_result *result);

@@ -6,21 +6,6 @@
 #include "sim/world.h"
 
 #include <stdlib.h>
-#include <string.h>
-
-void sim_append_task(struct tasks *l, const struct task *t)
-{
-    if (l->first > l->n / 2) { /* reuses the room of taken entries */
-        l->n -= l->first;
-        memmove(l->at, l->at + l->first, l->n * sizeof *l->at);
-        l->first = 0;
-    }
-    if (l->n == l->cap) {
-        l->cap = l->cap ? 2 * l->cap : 8;
-        l->at = xrealloc(l->at, l->cap, sizeof *l->at);
-    }
-    l->at[l->n++] = *t;
-}
 
 /* ---- the worker ------------------------------------------------------------------------------ */
 
@@ -72,49 +57,35 @@ static void send_pixels(struct world *w, int32_t k, const struct task *t)
 /* At power 1. */
 static double cost_us(struct world *w, const struct task *t)
 {
-    const struct sim_work *work = w->plan->work;
+    if (w->plan->work) return sim_work_us(w->plan->work, t);
     uint64_t n = lattice_count(&t->at);
-    if (!work) return w->plan->cost_us * exp(4 * sim_draw(w)) * (double)n / FRAME_W;
-    double us = work->task_us;
-    for (uint64_t i = 0; i < n; i++) us += work->pixel_us[lattice_pixel(&t->at, w->frame_w, i)];
-    return us;
+    return w->plan->cost_us * exp(4 * sim_draw(w)) * (double)n / FRAME_W;
 }
 
 void sim_start_next(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    if (s->busy || s->stalled || !s->alive || s->queue.first == s->queue.n) return;
+    if (s->clock.busy || s->stalled || !s->alive || s->queue.first == s->queue.n) return;
     double us = cost_us(w, &s->queue.at[s->queue.first]);
     w->cost_us += us;
     us /= s->power;
-    s->busy = true;
-    s->began_us = w->now_us;
-    if (s->first_us < 0) s->first_us = w->now_us;
+    sim_clock_begin(&s->clock, w->now_us);
     struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = llround(us)};
     if (!s->hung) sim_schedule(w, w->now_us + e.sched.wall_us, k, e);
 }
 
 void sim_hand_over(struct world *w, int32_t k)
 {
-    struct tasks *held = &w->slots[k].held;
+    struct sim_tasks *held = &w->slots[k].held;
     for (size_t i = held->first; i < held->n; i++) send_pixels(w, k, &held->at[i]);
     held->first = held->n = 0;
-}
-
-/* Adds the time of its current task, which has ended in one way or another. */
-static void count_time(struct world *w, struct vslot *s)
-{
-    if (!s->busy) return;
-    s->busy = false;
-    s->busy_us += (double)(w->now_us - s->began_us);
-    s->last_us = w->now_us;
 }
 
 static void computed(struct world *w, int32_t k, int64_t wall_us)
 {
     struct vslot *s = &w->slots[k];
     if (s->hung) return;
-    count_time(w, s);
+    sim_clock_end(&s->clock, w->now_us);
     if (s->stalled) return; /* it begins again when it resumes */
     struct task t = s->queue.at[s->queue.first++];
     struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
@@ -189,7 +160,7 @@ void sim_resume(struct world *w, int32_t k)
 void sim_end_slot(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    count_time(w, s);
+    sim_clock_end(&s->clock, w->now_us);
     if (s->node) w->plan->node->destroy(s->node);
     s->node = NULL;
     s->alive = s->stalled = s->hung = false;

@@ -5,59 +5,30 @@
  */
 #include "sim/tree.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #define AT_ONCE                                                                                    \
     100 /* limit of events at one time per node, task and pixel, against endless loops */
 
 /* ---- workers --------------------------------------------------------------------------------- */
 
-static void append(struct tree_worker *w, const struct task *task)
-{
-    if (w->first > w->n / 2) { /* reuses the room of computed tasks */
-        w->n -= w->first;
-        memmove(w->queue, w->queue + w->first, (size_t)w->n * sizeof *w->queue);
-        w->first = 0;
-    }
-    if (w->n == w->cap) {
-        w->cap = w->cap ? 2 * w->cap : 4;
-        w->queue = xrealloc(w->queue, (size_t)w->cap, sizeof *w->queue);
-    }
-    w->queue[w->n++] = *task;
-}
-
-static double cost_us(const struct tree *t, const struct task *task)
-{
-    const struct sim_work *work = t->plan->work;
-    double us = work->task_us;
-    for (uint64_t i = 0, n = lattice_count(&task->at); i < n; i++)
-        us += work->pixel_us[lattice_pixel(&task->at, work->frame_w, i)];
-    return us;
-}
-
 static void start_next(struct tree *t, int32_t i)
 {
     int32_t k = i - t->n_hubs;
     struct tree_worker *w = &t->workers[k];
-    if (w->busy || w->first == w->n) return;
-    double us = cost_us(t, &w->queue[w->first]) / t->plan->work->power[k];
+    if (w->clock.busy || w->queue.first == w->queue.n) return;
+    const struct sim_work *work = t->plan->work;
+    double us = sim_work_us(work, &w->queue.at[w->queue.first]) / work->power[k];
     struct sim_event e = {.kind = SIM_COMPUTED, .slot = i, .sched.wall_us = llround(us)};
     e.at_us = t->now_us + e.sched.wall_us;
-    w->busy = true;
-    w->began_us = t->now_us;
-    if (w->first_us < 0) w->first_us = t->now_us;
+    sim_clock_begin(&w->clock, t->now_us);
     sim_heap_push(&t->heap, &e);
 }
 
 static void computed(struct tree *t, int32_t i, int64_t wall_us)
 {
     struct tree_worker *w = &t->workers[i - t->n_hubs];
-    struct sched_event e = {
-        .kind = SCHED_DONE, .task = w->queue[w->first++], .wall_us = wall_us, .from = -1};
-    w->busy = false;
-    w->busy_us += (double)(t->now_us - w->began_us);
-    w->last_us = t->now_us;
+    struct task task = w->queue.at[w->queue.first++];
+    struct sched_event e = {.kind = SCHED_DONE, .task = task, .wall_us = wall_us, .from = -1};
+    sim_clock_end(&w->clock, t->now_us);
     t->result->computed++;
     tree_say(t, i, e);
     e.kind = SCHED_PIXELS;
@@ -70,7 +41,7 @@ static void arrives(struct tree *t, int32_t i, const struct sched_event *e)
 {
     if (!tree_is_worker(t, i)) tree_step(t, i, e);
     else if (e->kind == SCHED_TASK) {
-        append(&t->workers[i - t->n_hubs], &e->task);
+        sim_append_task(&t->workers[i - t->n_hubs].queue, &e->task);
         start_next(t, i);
     }
 }
@@ -132,21 +103,11 @@ static void handle(struct tree *t, const struct sim_event *e)
     }
 }
 
-/* Splits the time of all workers, as run.c does. */
 static void account(struct tree *t)
 {
-    struct sim_result *r = t->result;
-    double end = (double)(r->end_us = t->now_us);
-    for (int32_t k = 0; k < t->plan->slots; k++) {
-        const struct tree_worker *w = &t->workers[k];
-        double busy = w->busy_us + (w->busy ? end - (double)w->began_us : 0);
-        double last = w->busy ? end : (double)w->last_us;
-        double first = w->first_us < 0 ? end : (double)w->first_us;
-        r->busy_us += busy;
-        r->startup_us += first;
-        r->tail_us += w->first_us < 0 ? 0 : end - last;
-        r->waiting_us += w->first_us < 0 ? 0 : last - first - busy;
-    }
+    t->result->end_us = t->now_us;
+    for (int32_t k = 0; k < t->plan->slots; k++)
+        sim_clock_split(&t->workers[k].clock, t->now_us, t->result);
 }
 
 static void trace_event(struct tree *t, const struct sim_event *e)

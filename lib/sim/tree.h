@@ -7,6 +7,7 @@
 
 #include "sim/heap.h"
 #include "sim/net.h"
+#include "sim/worker.h"
 
 /* A hub, or a worker. Hub 0 is the root; the workers follow all hubs. */
 struct tree_node {
@@ -24,11 +25,8 @@ struct tree_hub {
 };
 
 struct tree_worker {
-    struct task *queue; /* entries first .. n-1 wait or are computed */
-    int32_t first, n, cap;
-    bool busy;
-    int64_t first_us, began_us, last_us; /* as those of struct vslot */
-    double busy_us;
+    struct sim_tasks queue; /* to compute, in order */
+    struct sim_clock clock;
 };
 
 struct tree {

@@ -55,7 +55,7 @@ void tree_build(struct tree *t)
         t->hubs[i].wake_us = INT64_MAX;
     }
     t->workers = xcalloc((size_t)p->slots, sizeof *t->workers);
-    for (int32_t k = 0; k < p->slots; k++) t->workers[k].first_us = -1;
+    for (int32_t k = 0; k < p->slots; k++) t->workers[k].clock = SIM_CLOCK_INIT;
     t->up = xcalloc(2 * (size_t)net_links(p), sizeof *t->up);
     t->down = t->up + net_links(p);
     t->committed = xcalloc((size_t)p->tasks, sizeof *t->committed);
@@ -65,7 +65,7 @@ void tree_build(struct tree *t)
 void tree_close(struct tree *t)
 {
     for (int32_t i = 0; i < t->n_hubs; i++) t->policy->destroy(t->hubs[i].state);
-    for (int32_t k = 0; k < t->plan->slots; k++) free(t->workers[k].queue);
+    for (int32_t k = 0; k < t->plan->slots; k++) free(t->workers[k].queue.at);
     coverage_free(&t->sent);
     free(t->committed);
     free(t->up);

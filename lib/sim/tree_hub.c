@@ -5,14 +5,9 @@
  */
 #include "sim/tree.h"
 
-#include <stdio.h>
-
 void tree_fail(struct tree *t, const char *what, int64_t a, int64_t b)
 {
-    char *failure = t->result->failure;
-    if (*failure) return;
-    snprintf(failure, sizeof t->result->failure, "%s (%lld, %lld) at %lld us", what, (long long)a,
-        (long long)b, (long long)t->now_us);
+    sim_note_failure(t->result, t->now_us, what, a, b);
 }
 
 static void schedule(struct tree *t, int64_t at_us, int32_t i, struct sim_event e)
@@ -26,9 +21,8 @@ static void schedule(struct tree *t, int64_t at_us, int32_t i, struct sim_event 
 
 static struct sim_link link_of(const struct tree *t, int32_t i)
 {
-    const struct sim_plan *p = t->plan;
-    if (tree_is_worker(t, i)) return net_link_of(p, i - t->n_hubs);
-    return (struct sim_link){.latency_us = p->latency_us, .bytes_per_s = p->link_bytes_per_s};
+    if (tree_is_worker(t, i)) return net_link_of(t->plan, i - t->n_hubs);
+    return t->plan->link;
 }
 
 /* One direction of the link of node i. */

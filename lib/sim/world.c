@@ -1,7 +1,6 @@
 /* The world of a run: its random numbers, its queue of events, its tasks. */
 #include "sim/world.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 #define PIECES_MOST (1 << 20) /* limit of new ids above those of the plan */
@@ -10,9 +9,7 @@ double sim_draw(struct world *w) { return rng_unit(w->plan->seed, w->draws++ << 
 
 void sim_fail(struct world *w, const char *what, int64_t a, int64_t b)
 {
-    if (*w->result->failure) return;
-    snprintf(w->result->failure, sizeof w->result->failure, "%s (%lld, %lld) at %lld us", what,
-        (long long)a, (long long)b, (long long)w->now_us);
+    sim_note_failure(w->result, w->now_us, what, a, b);
 }
 
 void sim_schedule(struct world *w, int64_t at_us, int32_t k, struct sim_event e)

@@ -8,6 +8,7 @@
 
 #include "sim/heap.h"
 #include "sim/net.h"
+#include "sim/worker.h"
 
 #define FRAME_W 64  /* pixels; of frames that the plan makes up */
 #define SLOWEST .05 /* share of its power left to a slot slowed down by chance */
@@ -16,10 +17,6 @@
 struct inbox {
     struct sim_event *at;
     size_t n, cap;
-};
-struct tasks {
-    struct task *at;
-    size_t first, n, cap; /* tasks first .. n-1 */
 };
 
 struct vslot {
@@ -36,15 +33,12 @@ struct vslot {
     int64_t wake_us;    /* next wake-up, INT64_MAX: none */
     /* Its worker: */
     double power;
-    struct tasks queue; /* to compute, in order */
-    struct tasks held;  /* computed, pixels not sent */
-    bool busy, hung;    /* hung: busy for ever */
+    struct sim_tasks queue; /* to compute, in order */
+    struct sim_tasks held;  /* computed, pixels not sent */
+    struct sim_clock clock;
+    bool hung; /* busy for ever */
     /* Its link: latest arrivals, which keep order. */
     int64_t down_us, up_us, pixels_us;
-    /* Its time: */
-    /* begin of its first and of its current task; end of its last */
-    int64_t first_us, began_us, last_us;
-    double busy_us;
     /* For the checks of deal: */
     void *note;  /* data of the plan's checks; NULL at first, freed with the slot */
     int32_t has; /* tasks given and not answered */
@@ -139,7 +133,6 @@ void sim_send_down(struct world *w, int32_t k, const struct sched_action *a);
 
 /* An event arrives at slot k, which is alive. */
 void sim_deliver(struct world *w, const struct sim_event *e);
-void sim_append_task(struct tasks *list, const struct task *t);
 void sim_start_next(struct world *w, int32_t k);
 void sim_hand_over(struct world *w, int32_t k);
 void sim_slot_comes_up(struct world *w, int32_t k);

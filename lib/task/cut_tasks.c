@@ -1,6 +1,9 @@
 /* The tasks of a frame in an order, and the slots they are assigned to. */
 #include "task/task.h"
 
+#define SAMPLES_MOST 32 /* tasks of a sample: enough for an estimate of the time left, and few */
+#define SAMPLE_STEP_LEAST 8
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,6 +54,19 @@ void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed)
         uint32_t k = (uint32_t)(rng_unit(seed, i) * i), kept = c->order[i - 1];
         c->order[i - 1] = c->order[k];
         c->order[k] = kept;
+    }
+}
+
+void cut_tasks_sample(struct cut_tasks *c)
+{
+    uint32_t n = c->n / SAMPLE_STEP_LEAST < SAMPLES_MOST ? c->n / SAMPLE_STEP_LEAST : SAMPLES_MOST;
+    uint32_t at = n, k = 0;
+    ascending(c);
+    for (uint32_t i = 0; i < c->n; i++) {
+        /* the middle of the k-th of n equal parts */
+        bool chosen = k < n && i == (uint32_t)(((uint64_t)2 * k + 1) * c->n / ((uint64_t)2 * n));
+        if (chosen) c->order[k++] = i;
+        else c->order[at++] = i;
     }
 }
 

@@ -10,7 +10,6 @@ void verify_init(struct verify *v, uint64_t seed, double fraction, const int32_t
     *v = (struct verify){.seed = seed,
         .fraction = fraction,
         .slots = slots,
-        .places = places,
         .place_of = place_of,
         .place = xcalloc((size_t)places, sizeof *v->place)};
     frames_init(&v->frames, sizeof(struct verify_frame));
@@ -194,10 +193,9 @@ void verify_split(struct verify *v)
 /* ---- opinions -------------------------------------------------------------------------------- */
 
 /* Adds an opinion of a part: pixels n0 and following of the given ones. */
-static struct verify_opinion summed(const struct verify *v, const struct verify_part *p,
-    int32_t slot, uint32_t frame_w, const float *pixels, uint64_t n0)
+static void sum_up(const struct verify *v, const struct verify_part *p, struct verify_opinion *o,
+    uint32_t frame_w, const float *pixels, uint64_t n0)
 {
-    struct verify_opinion o = {.slot = slot};
     const uint64_t count = lattice_count(&p->at);
     for (uint64_t k = 0; k < count; k++) {
         uint32_t word[4];
@@ -205,16 +203,15 @@ static struct verify_opinion summed(const struct verify *v, const struct verify_
         memcpy(word, pixels + 4 * (n0 + k), sizeof word);
         for (uint64_t c = 0; c < 4; c++)
             for (uint64_t key = 0; key < 2; key++)
-                o.sum[key] += rng_u64(v->seed + VERIFY_SEED_KEYS + key, 4 * px + c) * word[c];
+                o->sum[key] += rng_u64(v->seed + VERIFY_SEED_KEYS + key, 4 * px + c) * word[c];
     }
-    return o;
 }
 
 static void add_opinion(struct verify_part *p, const struct verify_opinion *o)
 {
     for (uint32_t i = 0; i < p->n; i++) {
         const struct verify_opinion *have = verify_opinion(p, i);
-        if (have->slot == o->slot && verify_same(have, o)) return;
+        if (have->slot == o->slot && have->place == o->place && verify_same(have, o)) return;
     }
     if (p->n >= VERIFY_INLINE) {
         p->more = xrealloc(p->more, p->n + 1 - VERIFY_INLINE, sizeof *p->more);
@@ -224,8 +221,8 @@ static void add_opinion(struct verify_part *p, const struct verify_opinion *o)
 }
 
 /* Adds opinions to all parts in t; for the log, to the parts of the piece that t is. */
-static void add_opinions(
-    struct verify *v, const struct task *t, int32_t slot, const float *pixels, bool log)
+static void add_opinions(struct verify *v, const struct task *t, int32_t slot, int32_t place,
+    const float *pixels, bool log)
 {
     uint32_t frame_w = width_of(v, t), piece = v->again - 1;
     if (!frame_w) return;
@@ -236,18 +233,20 @@ static void add_opinions(
         if (log && (p->piece != piece || p->n)) continue;
         int64_t n0 = lattice_offset(&t->at, frame_w, &p->at);
         if (n0 < 0) continue;
-        struct verify_opinion o = summed(v, p, slot, frame_w, pixels, (uint64_t)n0);
+        struct verify_opinion o = {.slot = slot, .place = place};
+        sum_up(v, p, &o, frame_w, pixels, (uint64_t)n0);
         add_opinion(p, &o);
     }
 }
 
-void verify_first(struct verify *v, const struct task *t, int32_t slot, const float *pixels)
+void verify_first(
+    struct verify *v, const struct task *t, int32_t slot, int32_t place, const float *pixels)
 {
-    bool known = slot >= 0 && slot < v->slots;
-    if (chosen(v, v->again++)) add_opinions(v, t, known ? slot : -1, pixels, true);
+    if (chosen(v, v->again++)) add_opinions(v, t, slot, place, pixels, true);
 }
 
-void verify_again(struct verify *v, const struct task *t, int32_t slot, const float *pixels)
+void verify_again(
+    struct verify *v, const struct task *t, int32_t slot, int32_t place, const float *pixels)
 {
-    if (slot >= 0 && slot < v->slots) add_opinions(v, t, slot, pixels, false);
+    if (place >= 0) add_opinions(v, t, slot, place, pixels, false);
 }

@@ -14,7 +14,7 @@
  * Call order; verify_read has the part from verify_frame to verify_end. All files are read twice,
  * first for the places of their fragments, then for pixels:
  *
- *     verify_init
+ *     verify_hosts_init, verify_init
  *     verify_frame, verify_choose    the log, in order
  *     verify_cut                     all checks
  *     verify_split                   once
@@ -32,7 +32,7 @@
 
 /* The result of one slot for a part. */
 struct verify_opinion {
-    int32_t slot; /* -1: not known, as of an earlier run in the same log */
+    int32_t slot, place; /* -1: not known, as of an earlier run in the same log */
     uint64_t sum[2];
 };
 static inline bool verify_same(const struct verify_opinion *a, const struct verify_opinion *b)
@@ -57,11 +57,32 @@ struct verify_part {
 
 /*
  * A place checks another place: a host or, if all slots are on one host, a slot. Places are
- * numbered from 0.
+ * numbered from 0. Those of hosts that have left the run come last; they are not asked.
  */
 struct verify_place {
     uint64_t asked_px, made_px; /* pixels asked for and delivered, in all rounds so far */
 };
+/*
+ * Names of places. Hosts joined and left, so in each file a slot may be on another host than now:
+ * the frame records of fan say on which. Lines of a hosts file with one name are one host.
+ */
+struct verify_hosts {
+    int32_t slots;
+    int32_t *place_of;       /* by slot, as the hosts are now */
+    const char *const *name; /* by slot, the same; the caller's, must stay valid */
+    bool several;            /* a place is a host; otherwise a slot of the only host */
+    char **host;             /* by place */
+    int32_t places, cap;
+};
+void verify_hosts_init(struct verify_hosts *h, const char *const *name, int32_t slots);
+void verify_hosts_free(struct verify_hosts *h);
+/* The place of a host. A new name gets the next place. */
+int32_t verify_hosts_place(struct verify_hosts *h, const char *name);
+/* From now on places are hosts: another host than the only one had a part in the run. */
+void verify_hosts_several(struct verify_hosts *h);
+/* The host's name, for messages. */
+const char *verify_hosts_name(const struct verify_hosts *h, int32_t place);
+
 /* Payload of a frame. */
 struct verify_frame {
     char job[24];       /* "": not known */
@@ -74,7 +95,7 @@ struct verify_cut {
 struct verify {
     uint64_t seed;
     double fraction;
-    int32_t slots, places;
+    int32_t slots;
     const int32_t *place_of; /* by slot; the caller's, must stay valid */
     struct verify_place *place;
     struct frames frames; /* of the log */
@@ -104,12 +125,14 @@ void verify_choose(struct verify *v, const struct task *t);
 void verify_cut(struct verify *v, const struct task *t);
 /* Makes the parts, in the order of frames and of first pixels. */
 void verify_split(struct verify *v);
-/* Handles the next fragment of the log with its pixels, four floats each. slot -1: not known. */
-void verify_first(struct verify *v, const struct task *t, int32_t slot, const float *pixels);
+/* Handles the next fragment of the log with its pixels, four floats each. -1: not known. */
+void verify_first(
+    struct verify *v, const struct task *t, int32_t slot, int32_t place, const float *pixels);
 /* Begins the next check: recomputes its requests. */
 void verify_begin(struct verify *v);
-/* Handles a fragment of the check, from this slot. Ignored if there is no such slot. */
-void verify_again(struct verify *v, const struct task *t, int32_t slot, const float *pixels);
+/* Handles a fragment of the check. Ignored if its place is not known. */
+void verify_again(
+    struct verify *v, const struct task *t, int32_t slot, int32_t place, const float *pixels);
 /* Ends the check: notes requests that were not delivered. */
 void verify_end(struct verify *v);
 
@@ -118,7 +141,8 @@ void verify_end(struct verify *v);
  * the file that was read last, for a message. Returns as log_read_path does; v is of use only
  * after 0.
  */
-int verify_read(struct verify *v, char *const *files, const char **name, char why[LOG_WHY]);
+int verify_read(struct verify *v, struct verify_hosts *h, char *const *files, const char **name,
+    char why[LOG_WHY]);
 
 static inline const struct verify_opinion *verify_opinion(const struct verify_part *p, uint32_t i)
 {
@@ -131,15 +155,15 @@ uint32_t verify_of_frame(const struct verify *v, uint32_t frame, uint32_t *first
 
 enum verify_verdict { VERIFY_AGREED, VERIFY_UNCHECKED, VERIFY_DIFFERENT };
 /* Agreed: at least two places computed it, all with the same result. */
-enum verify_verdict verify_judge(const struct verify *v, const struct verify_part *p);
+enum verify_verdict verify_judge(const struct verify_part *p);
 /* The number of places with the same result as opinion i. An unknown slot is no place. */
-uint32_t verify_votes(const struct verify *v, const struct verify_part *p, uint32_t i);
+uint32_t verify_votes(const struct verify_part *p, uint32_t i);
 /*
  * True if opinion i of a part with different results is to be named. *known: it is wrong, because
  * two places contradict it and fewer agree with it. If not known, any of the named ones may be
  * wrong.
  */
-bool verify_named(const struct verify *v, const struct verify_part *p, uint32_t i, bool *known);
+bool verify_named(const struct verify_part *p, uint32_t i, bool *known);
 /*
  * The slot that should compute the part next, of a place that has not computed it. Places come last
  * if they delivered nothing of their requests in all rounds; before these if they delivered less
@@ -160,9 +184,8 @@ struct verify_count {
 struct verify_count verify_counted(const struct verify *v);
 /*
  * Appends a line on a part with different results: its place, the slots to be named, and whether
- * they are wrong or one of them is. host_of: the name of each slot's host.
+ * they are wrong or one of them is.
  */
-void verify_describe(const struct verify *v, const struct verify_part *p,
-    const char *const *host_of, struct buf *out);
+void verify_describe(const struct verify_part *p, const struct verify_hosts *h, struct buf *out);
 
 #endif

@@ -3,7 +3,7 @@
  * breaks the grammar, or if its sum or crc is wrong. The search for the next good record then
  * starts at the byte after its first.
  */
-#include "wire/wire.h"
+#include "wire/wire_int.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +26,7 @@ static const struct grammar {
     [REC_SCENE] = {"scene", ARGS_NONE, true},
     [REC_GRID] = {"grid", ARGS_NONE, true},
     [REC_SPEC] = {"spec", ARGS_NONE, true},
+    [REC_FILES] = {"files", ARGS_NONE, true},
     [REC_TASK] = {"task", ARGS_TASK, false},
     [REC_FLUSH] = {"flush", ARGS_NONE, false},
     [REC_HELLO] = {"hello", ARGS_HELLO, false},
@@ -155,12 +156,6 @@ static bool printable(const char *s, size_t n)
     return true;
 }
 
-static bool fail(char why[160], const char *what, const char *expected)
-{
-    snprintf(why, 160, "%s, expected %s", what, expected);
-    return false;
-}
-
 static bool has_key(const struct record *r, const char *key)
 {
     size_t len;
@@ -172,19 +167,19 @@ static bool parse_body(struct record *r, const struct decoder *d, char why[160])
     int64_t n = 0, crc;
     /* The answer to a probe has a body, the probe has none. */
     r->has_body = grammar[r->kind].body || (r->kind == REC_CODE && d->upward);
-    if (!r->has_body) return has_key(r, "bytes") ? fail(why, "a body", "none here") : true;
+    if (!r->has_body) return has_key(r, "bytes") ? wire_fail(why, "a body", "none here") : true;
     if (!wire_lengths(r, d->coded, why)) return false;
     if (r->kind == REC_CODE && r->body_len > WIRE_PROBE_MAX)
-        return fail(why, "code of another size", "at most 1048576 bytes");
+        return wire_fail(why, "code of another size", "at most 1048576 bytes");
     if (has_key(r, "crc") && !rec_int(r, "crc", 0, UINT32_MAX, &crc))
-        return fail(why, "crc out of range", "crc=C in 32 bits");
+        return wire_fail(why, "crc out of range", "crc=C in 32 bits");
     if (r->kind != REC_FRAG) return true;
     uint64_t pixels = lattice_count(&r->task.at);
     if (pixels > WIRE_FRAG_PIXELS_MAX || r->body_len != pixels * WIRE_PIXEL_BYTES)
-        return fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
-    if (!rec_int(r, "ch", 4, 4, &n)) return fail(why, "frag without ch=4", "RGBA float32");
-    if (!has_key(r, "crc")) return fail(why, "frag without crc", "crc=C");
-    if (!has_key(r, "job")) return fail(why, "frag without job", "job=HASH");
+        return wire_fail(why, "frag of another size", "bytes=16*W*H, at most 65536 pixels");
+    if (!rec_int(r, "ch", 4, 4, &n)) return wire_fail(why, "frag without ch=4", "RGBA float32");
+    if (!has_key(r, "crc")) return wire_fail(why, "frag without crc", "crc=C");
+    if (!has_key(r, "job")) return wire_fail(why, "frag without job", "job=HASH");
     return true;
 }
 
@@ -202,16 +197,17 @@ static bool check_seal(const struct record *r, bool upward, char why[160])
 {
     if (!rec_sealed(r)) {
         if (!upward || r->kind == REC_HELLO || !memchr(r->line, ' ', r->line_len)) return true;
-        return fail(why, "no sum", "sum=HHHHHHHH at the end of the line (stormring-frag(5))");
+        return wire_fail(why, "no sum", "sum=HHHHHHHH at the end of the line (stormring-frag(5))");
     }
     size_t n = r->line_len - WIRE_SEAL_BYTES;
     uint32_t sum = 0;
     for (size_t i = r->line_len - 8; i < r->line_len; i++) {
         int v = hex(r->line[i]);
-        if (v < 0) return fail(why, "sum out of range", "8 hexadecimal digits");
+        if (v < 0) return wire_fail(why, "sum out of range", "8 hexadecimal digits");
         sum = sum << 4 | (uint32_t)v;
     }
-    return sum == wire_crc(r->line, n) ? true : fail(why, "sum differs", "the line that was sent");
+    return sum == wire_crc(r->line, n) ? true
+                                       : wire_fail(why, "sum differs", "the line that was sent");
 }
 
 static bool parse_line(
@@ -219,10 +215,11 @@ static bool parse_line(
 {
     *r = (struct record){.line = line, .line_len = len, .task.to = -1};
     r->kind = kind_of(line, len + 1);
-    if (r->kind == REC_KINDS) return fail(why, "unknown record", "task, frame, frag, ...");
+    if (r->kind == REC_KINDS) return wire_fail(why, "unknown record", "task, frame, frag, ...");
     bool refused = grammar[r->kind].body ? r->kind != REC_FRAG : r->kind == REC_CODE && !d->coded;
-    if (d->upward && refused) return fail(why, grammar[r->kind].name, "a record that workers send");
-    if (!printable(line, len)) return fail(why, "unprintable byte", "a line of ASCII text");
+    if (d->upward && refused)
+        return wire_fail(why, grammar[r->kind].name, "a record that workers send");
+    if (!printable(line, len)) return wire_fail(why, "unprintable byte", "a line of ASCII text");
     size_t skip = strlen(grammar[r->kind].name);
     struct words w = {line + (len > skip ? skip + 1 : skip), line + len};
     bool ok = true;
@@ -233,25 +230,27 @@ static bool parse_line(
     case ARGS_HELLO: ok = parse_hello(&w); break;
     case ARGS_NONE: break;
     }
-    if (!ok) return fail(why, grammar[r->kind].name, "its numbers in range (stormring-task(5))");
-    if (!keys_valid(w)) return fail(why, grammar[r->kind].name, "key=value after its numbers");
+    if (!ok)
+        return wire_fail(why, grammar[r->kind].name, "its numbers in range (stormring-task(5))");
+    if (!keys_valid(w)) return wire_fail(why, grammar[r->kind].name, "key=value after its numbers");
     int64_t to = -1, peer;
     struct rec_ring ring;
     if (has_key(r, "to") && !rec_int(r, "to", 0, INT32_MAX, &to))
-        return fail(why, "no such slot", "to=K in range");
+        return wire_fail(why, "no such slot", "to=K in range");
     r->task.to = (int32_t)to;
     if (r->kind == REC_TASK && has_key(r, "peer") &&
         !rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &peer))
-        return fail(why, "no such node", "peer=J in range");
+        return wire_fail(why, "no such node", "peer=J in range");
     if (r->kind >= REC_RING && r->kind <= REC_CRASHED && !rec_ring(r, &ring))
-        return fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
+        return wire_fail(why, grammar[r->kind].name, "its keys in range (stormring-task(5))");
     bool of_slot = r->kind == REC_UP || r->kind == REC_GONE || r->kind == REC_DRAIN;
-    if (of_slot && !has_key(r, "w")) return fail(why, grammar[r->kind].name, "w=K");
+    if (of_slot && !has_key(r, "w")) return wire_fail(why, grammar[r->kind].name, "w=K");
     double within_s;
     if (r->kind == REC_ALIVE &&
         !rec_real(r, "within", WIRE_WITHIN_LEAST, WIRE_WITHIN_MOST, &within_s))
-        return fail(why, "no such time", "within=S in range");
-    if (r->kind == REC_LEAVE && r->task.to < 0) return fail(why, grammar[r->kind].name, "to=K");
+        return wire_fail(why, "no such time", "within=S in range");
+    if (r->kind == REC_LEAVE && r->task.to < 0)
+        return wire_fail(why, grammar[r->kind].name, "to=K");
     return parse_body(r, d, why) && check_seal(r, d->upward, why);
 }
 
@@ -260,10 +259,10 @@ static bool check_body(struct decoder *d, const struct record *r, char why[160])
     int64_t crc;
     if (d->unsummed || !rec_int(r, "crc", 0, UINT32_MAX, &crc)) return true;
     if (wire_crc(r->body, r->body_len) != crc)
-        return fail(why, "crc differs", "the bytes that were sent");
+        return wire_fail(why, "crc differs", "the bytes that were sent");
     if (r->kind != REC_FRAG || wire_light(r->body, r->body_len)) return true;
     d->extent = d->span;
-    return fail(why, "bad pixels", "finite numbers >= 0, and alpha of at most 1");
+    return wire_fail(why, "bad pixels", "finite numbers >= 0, and alpha of at most 1");
 }
 
 void wire_feed(struct decoder *d, const void *p, size_t n) { buf_append(&d->in, p, n); }
@@ -337,7 +336,8 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
     const char *nl = memchr(line, '\n', n < WIRE_LINE_MAX ? n : WIRE_LINE_MAX);
     if (!nl) {
         if (n < WIRE_LINE_MAX && !d->ended) return WIRE_MORE;
-        fail(why, "no end of line", d->ended ? "a whole record" : "lines of at most 1024 bytes");
+        wire_fail(
+            why, "no end of line", d->ended ? "a whole record" : "lines of at most 1024 bytes");
         return WIRE_BAD;
     }
     size_t len = (size_t)(nl - line);
@@ -345,16 +345,16 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
     d->span = len + 1 + (r->has_body ? r->wire_len + 1 : 0);
     if (n < d->span) {
         if (!d->ended) return WIRE_MORE;
-        fail(why, "cut off", "bytes=N bytes and a newline");
+        wire_fail(why, "cut off", "bytes=N bytes and a newline");
         return WIRE_BAD;
     }
     if (line[d->span - 1] != '\n') {
-        fail(why, "no newline after the body", "bytes=N bytes and a newline (format 3)");
+        wire_fail(why, "no newline after the body", "bytes=N bytes and a newline (format 3)");
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;
     if (r->wire_len != r->body_len && !wire_unpack(&d->plain, r)) {
-        fail(why, "packed body differs", "the bytes that were sent");
+        wire_fail(why, "packed body differs", "the bytes that were sent");
         return WIRE_BAD;
     }
     return check_body(d, r, why) ? WIRE_RECORD : WIRE_BAD;

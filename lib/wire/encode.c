@@ -1,6 +1,6 @@
 /* Encoding of records: each function appends one to a buffer. */
 #include "coder/coder.h"
-#include "wire/wire.h"
+#include "wire/wire_int.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -13,8 +13,7 @@ static void put_extra(struct buf *b, const char *extra)
     buf_append(b, extra, strlen(extra));
 }
 
-/* The newline lets whole records through a launcher that forwards whole lines. */
-static void put_body(struct buf *b, const void *body, size_t n)
+void wire_put_body(struct buf *b, const void *body, size_t n)
 {
     buf_append(b, body, n);
     buf_append(b, "\n", 1);
@@ -23,7 +22,7 @@ static void put_body(struct buf *b, const void *body, size_t n)
 /* All that follows the line of r. */
 static void put_rest(struct buf *b, const struct record *r)
 {
-    if (r->has_body) put_body(b, r->body, r->body_len);
+    if (r->has_body) wire_put_body(b, r->body, r->body_len);
 }
 
 void wire_frame(struct buf *b, uint32_t frame, uint32_t w, uint32_t h, const char *extra)
@@ -52,7 +51,7 @@ void wire_hello(struct buf *b, const char *program, const char *selftest, double
 void wire_state(struct buf *b, enum rec_kind kind, const void *body, size_t n)
 {
     buf_printf(b, "%s crc=%" PRIu32 " bytes=%zu\n", rec_name(kind), wire_crc(body, n), n);
-    put_body(b, body, n);
+    wire_put_body(b, body, n);
 }
 
 /* Hot for small tasks: printf would cost more than the rest of the record. */
@@ -114,7 +113,7 @@ void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, co
 #endif
     buf_printf(b, " job=%s ch=4 crc=%" PRIu32 " bytes=%zu", job, wire_crc(body, bytes), bytes);
     wire_seal(b, line);
-    put_body(b, body, bytes);
+    wire_put_body(b, body, bytes);
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
     free(body);
 #endif

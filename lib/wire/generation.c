@@ -11,7 +11,7 @@ static size_t bytes_from(const struct generations *g, uint32_t first)
 {
     size_t sum = 0;
     for (uint32_t i = first; i != g->now + 1; i++)
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < WIRE_STATE_KINDS; k++)
             if (i == first || g->at[i % GENERATIONS].since[k] == i)
                 sum += g->at[i % GENERATIONS].bytes[k];
     return sum;

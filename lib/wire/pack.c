@@ -1,6 +1,6 @@
 /* Packing of records. */
 #include "coder/coder.h"
-#include "wire/wire.h"
+#include "wire/wire_int.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -21,8 +21,7 @@ bool wire_pack(struct buf *to, const struct record *r)
         snprintf(text, sizeof text, "bytes=%zu plain=%zu%s", buf_size(&body), r->body_len,
             form == CODER_WORDS ? " words=4" : "");
         wire_put_line(to, r, text);
-        buf_append(to, buf_data(&body), buf_size(&body));
-        buf_append(to, "\n", 1);
+        wire_put_body(to, buf_data(&body), buf_size(&body));
     }
     buf_free(&body);
     return packed;
@@ -49,7 +48,6 @@ void wire_probe(struct buf *b, size_t n)
     const size_t at = buf_size(b);
     buf_printf(b, "code crc=%" PRIu32 " bytes=%zu", wire_crc(body, n), n);
     wire_seal(b, at);
-    buf_append(b, body, n);
-    buf_append(b, "\n", 1);
+    wire_put_body(b, body, n);
     free(body);
 }

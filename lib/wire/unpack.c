@@ -4,7 +4,7 @@
  * The crc stays that of the plain body, so damage is found, even if it can be unpacked.
  */
 #include "coder/coder.h"
-#include "wire/wire.h"
+#include "wire/wire_int.h"
 
 #include <string.h>
 
@@ -34,7 +34,7 @@ void wire_put_line(struct buf *b, const struct record *r, const char *text)
     else buf_append(b, "\n", 1);
 }
 
-static bool fail(char why[WIRE_WHY], const char *what, const char *expected)
+bool wire_fail(char why[WIRE_WHY], const char *what, const char *expected)
 {
     snprintf(why, WIRE_WHY, "%s, expected %s", what, expected);
     return false;
@@ -45,16 +45,16 @@ bool wire_lengths(struct record *r, bool coded, char why[WIRE_WHY])
     int64_t n, plain, words;
     size_t len;
     if (!rec_int(r, "bytes", 0, WIRE_STATE_MAX, &n))
-        return fail(why, "no body", "bytes=N in range");
+        return wire_fail(why, "no body", "bytes=N in range");
     r->body_len = r->wire_len = (size_t)n;
     if (!rec_key(r, "plain", &len)) return true;
-    if (!coded) return fail(why, "packed body", "plain ones here");
+    if (!coded) return wire_fail(why, "packed body", "plain ones here");
     if (!rec_int(r, "plain", n + 1, n * CODER_RATIO_MAX, &plain) || plain > WIRE_STATE_MAX)
-        return fail(why, "packed body of another size", "plain=N, above bytes=N, in range");
+        return wire_fail(why, "packed body of another size", "plain=N, above bytes=N, in range");
     if (rec_key(r, "words", &len) && (r->kind == REC_FRAG || !rec_int(r, "words", 4, 4, &words)))
-        return fail(why, "words out of range", "words=4, in state");
+        return wire_fail(why, "words out of range", "words=4, in state");
     r->body_len = (size_t)plain;
-    return rec_key(r, "crc", &len) ? true : fail(why, "packed body without crc", "crc=C");
+    return rec_key(r, "crc", &len) ? true : wire_fail(why, "packed body without crc", "crc=C");
 }
 
 unsigned char *wire_body(struct decoder *d, const struct record *r)

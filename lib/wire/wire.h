@@ -16,7 +16,8 @@
 #define WIRE_LINE_MAX 1024                 /* bytes, newline included */
 #define WIRE_SEAL_BYTES 13                 /* " sum=89abcdef", the last word of a sealed line */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
-#define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a scene, grid or spec */
+#define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a record of state */
+#define WIRE_STATE_KINDS 4                 /* scene, grid, spec, files */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
 #define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
 #define WIRE_WITHIN_MOST 1e8               /* to this */
@@ -28,6 +29,7 @@ enum rec_kind {
     REC_SCENE,
     REC_GRID,
     REC_SPEC,
+    REC_FILES,
     REC_TASK,
     REC_FLUSH, /* down */
     REC_HELLO,
@@ -108,6 +110,9 @@ void wire_free(struct decoder *d);
  */
 typedef void wire_taker(void *ctx, const struct record *r);
 int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
+/* Tells e what r says of costs and pixels; t_s as in eta_done, frame_h is the height of a frag's
+ * frame. */
+void wire_eta(struct eta *e, const struct record *r, uint32_t frame_h, double t_s);
 /* The body of r, which d has returned last, for modification. */
 unsigned char *wire_body(struct decoder *d, const struct record *r);
 /* After WIRE_MORE: kind and length of the record whose body is arriving; REC_KINDS: none. */
@@ -130,10 +135,10 @@ struct generations {
     uint32_t now, oldest; /* the latest; the first that may have tasks */
     bool keeps;           /* this program only keeps state, and keeps twice as much */
     bool framed;          /* a frame came */
-    bool has[3];          /* a scene, a grid, a spec */
+    bool has[WIRE_STATE_KINDS];
     struct {
-        uint32_t since[3]; /* the generation that the record came in */
-        size_t bytes[3];
+        uint32_t since[WIRE_STATE_KINDS]; /* the generation that the record came in */
+        size_t bytes[WIRE_STATE_KINDS];
     } at[GENERATIONS]; /* by generation, modulo GENERATIONS */
 };
 /* True if a state record of this kind would begin a new generation. */
@@ -190,17 +195,6 @@ bool wire_light(const unsigned char *body, size_t n);
  */
 bool wire_pack(struct buf *to, const struct record *r);
 void wire_pack_last(struct buf *b, size_t at);
-/* Appends r's line with this text in the place of bytes=N and of the keys of packed records. */
-void wire_put_line(struct buf *b, const struct record *r, const char *text);
-/*
- * For decoders: the lengths of r's body, on the wire and unpacked. A packed one is shorter, but not
- * by more than a coder may gain: this bounds the memory that a small record takes. False: they are
- * bad, with the error in why.
- */
-bool wire_lengths(struct record *r, bool coded, char why[WIRE_WHY]);
-/* Replaces a packed record, whose body is whole, by the plain one, in `to`. False: it is damaged.
- */
-bool wire_unpack(struct buf *to, struct record *r);
 /* Appends a code record with n bytes that cannot be packed: the answer to a probe. */
 #define WIRE_PROBE_MAX (1 << 20)
 void wire_probe(struct buf *b, size_t n);

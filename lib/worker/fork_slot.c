@@ -15,6 +15,7 @@
 #define SILENT_US 3000000 /* most silence of a child that computes */
 #define LATE_US 200000    /* most silence that counts in one round: the parent may be late */
 #define DEATHS_MOST 5     /* in a row, without a completed task: it is no accident */
+#define FAILURES_MOST 2   /* the same, of children that said themselves why */
 
 static struct fork_task *extra(const struct fork_slot *s, int32_t i)
 {
@@ -193,13 +194,13 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
 /* ---- the loss of a child -------------------------------------------------------------------- */
 
 /* Its tasks wait again, for another child. */
-static void lose(struct fork_slot *s, const char *why)
+static void lose(struct fork_slot *s, const char *why, int most)
 {
     int lost = s->sent.count;
     if (lost) {
         s->flush = true; /* it may have been asked before it was lost */
         warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
-        if (++s->deaths == DEATHS_MOST)
+        if (++s->deaths >= most)
             die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
     }
     settle(s);
@@ -277,7 +278,7 @@ void worker_fork_listen(struct forks *p, struct fork_slot *s)
         if (result == WIRE_RECORD) why = take(p, s, &r);
         else if (!s->from.ended) why = "garbage";
     }
-    if (why) lose(s, why);
+    if (why) lose(s, why, DEATHS_MOST);
     else if (more <= 0) child_close(&s->child.from);
 }
 
@@ -294,12 +295,13 @@ void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
     if (!s->child.pid) return;
     if (owes(s)) s->silent_us += elapsed_us < LATE_US ? elapsed_us : LATE_US;
     if (s->silent_us > SILENT_US) {
-        lose(s, "silent");
+        lose(s, "silent", DEATHS_MOST);
         return;
     }
     if (s->child.from >= 0) return;
     bool told = s->ends && s->child.to < 0;
     if (!child_ended(&s->child, &status)) return;
-    if (told && !s->sent.count && WIFEXITED(status) && WEXITSTATUS(status) == 0) settle(s);
-    else lose(s, status_text(status, why));
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (told && !s->sent.count && code == 0) settle(s);
+    else lose(s, status_text(status, why), code == ST_SYSTEM ? FAILURES_MOST : DEATHS_MOST);
 }

@@ -213,8 +213,6 @@ static int take(void *ctx, const struct record *r)
     case REC_TASK: take_task(p, r); return 0;
     case REC_FLUSH: take_flush(p, r); return 0;
     case REC_CODE: outlet_code(&p->out, r); return 0;
-    case REC_ALIVE: silence_count(r); return 0;
-    case REC_BEAT: return 0;
     case REC_FRAME:
         if (!changes(p, r)) {
             take_frame(p, r);
@@ -223,7 +221,8 @@ static int take(void *ctx, const struct record *r)
         break;
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: break;
+    case REC_SPEC:
+    case REC_FILES: break;
     default: worker_refuse(r);
     }
     p->held = *r;

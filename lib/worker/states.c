@@ -124,7 +124,7 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
         value[k] = at->part[k]->value;
     }
     if (!at->built) at->built = s->r->build(s->options, value);
-    s->r->frame(at->built, f->w, f->h);
+    if (s->r->frame) s->r->frame(at->built, f->w, f->h);
     s->w = f->w;
     s->h = f->h;
     return 0;
@@ -150,6 +150,12 @@ static uint64_t job(void *ctx)
 
 static const char *with(void *ctx) { return ((struct worker_states *)ctx)->words->with; }
 
+static void task(void *ctx, const struct frame_size *f, const struct lattice *whole)
+{
+    const struct worker_states *s = ctx;
+    if (s->r->task) s->r->task(s->at->built, f, whole);
+}
+
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
 {
     const struct worker_states *s = ctx;
@@ -170,8 +176,10 @@ struct worker_ops worker_states_ops(const struct worker_states *s)
         .ready = ready,
         .job = job,
         .with = with,
+        .task = task,
         .render = render,
         .selftest = selftest,
+        .cpu_us = s->r->cpu_us,
     };
 }
 

@@ -113,7 +113,7 @@ bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORK
     char extra[WITH_MAX + 32], job[sizeof known->hash];
     snprintf(job, sizeof job, "%016" PRIx64, w->ops->job(w->ctx));
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
-        w->ops->cpu_us ? " kind=replayed" : "");
+        w->ops->replayed ? " kind=replayed" : "");
     wire_job(&w->out, f, job, extra);
     if (*known->hash && strcmp(known->hash, job) != 0)
         snprintf(w->other_job, sizeof w->other_job,
@@ -222,6 +222,9 @@ static void take_task(struct worker *w, const struct task *t)
     if (w->held_of != f->generation) release_held(w);
     w->held_of = f->generation;
     int64_t wall = now_us();
+    begin();
+    if (w->ops->task) w->ops->task(w->ctx, f, &t->at);
+    end();
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
     for (uint64_t n0 = 0; n0 < total;) {
@@ -260,17 +263,10 @@ static void take_state(struct worker *w, const struct record *r)
 
 _Noreturn void worker_refuse(const struct record *r)
 {
-    die(ST_USAGE, "standard input: record `%s`, expected scene, grid, spec, frame, task or flush",
+    die(ST_USAGE,
+        "standard input: record `%s`, expected scene, grid, spec, files, frame, task or "
+        "flush",
         rec_name(r->kind));
-}
-
-/* The reader asks how fast the link is, or wants packed pixels from now on. */
-static void take_code(struct worker *w, const struct record *r)
-{
-    int64_t n;
-    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(&w->out, (size_t)n);
-    w->packs |= rec_int(r, "zstd", 1, 1, &n);
-    push(w);
 }
 
 static void take_record(struct worker *w, const struct record *r)
@@ -281,9 +277,10 @@ static void take_record(struct worker *w, const struct record *r)
     }
     switch (r->kind) {
     case REC_FRAME: take_frame(w, r); break;
-    case REC_CODE: take_code(w, r); break;
-    case REC_ALIVE: silence_count(r); break;
-    case REC_BEAT: break;
+    case REC_CODE:
+        stream_code(r, &w->out, &w->packs);
+        push(w);
+        break;
     case REC_FLUSH:
         release_held(w);
         wire_plain(&w->out, REC_BEAT, NULL); /* an answer even if nothing was held */
@@ -291,8 +288,10 @@ static void take_record(struct worker *w, const struct record *r)
         break;
     case REC_SCENE:
     case REC_GRID:
-    case REC_SPEC: take_state(w, r); break;
-    default: worker_refuse(r);
+    case REC_SPEC:
+    case REC_FILES: take_state(w, r); break;
+    default:
+        if (!silence_take(r)) worker_refuse(r);
     }
     w->cpu_us = used_us(w);
 }

@@ -48,15 +48,18 @@ struct worker_ops {
      * ("rtworker,-d3"). The command that finishes the picture later needs them.
      */
     const char *(*with)(void *ctx);
+    /* Called before each task, whose lattice this is; render then gets it in one or more pieces.
+     * NULL: no matter. */
+    void (*task)(void *ctx, const struct frame_size *f, const struct lattice *whole);
     /* Renders pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     /* Renders a fixed built-in picture. Its bytes are hashed; its time gives the power. */
     void (*selftest)(void *ctx, float *rgba, uint32_t *n); /* n: room for 4*n floats, then pixels */
-    /*
-     * For a stand-in for another worker, else NULL: the CPU time, in microseconds, that the other
-     * worker would have used so far. Frames are then announced as `replayed`.
-     */
+    /* The CPU time used so far, in microseconds. NULL: that of this process. */
     int64_t (*cpu_us)(void *ctx);
+    /* This is a stand-in for another worker, whose CPU time cpu_us returns. Frames are announced as
+     * `replayed`. */
+    bool replayed;
 };
 
 struct worker_options {
@@ -81,12 +84,12 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
 /* ---- renderers (states.c) ------------------------------------------------------------------- */
 
 /*
- * A part of a renderer's state: a scene, a grid or a specification, from a record or a file. A
+ * A part of a renderer's state, such as a scene or a grid, from a record or a file. A
  * generation (wire.h) begins with the parts of the previous one and shares each until a record
  * replaces it. So a task that was lost can be rendered again after later state has come.
  */
 struct worker_part {
-    enum rec_kind kind; /* REC_SCENE, REC_GRID or REC_SPEC */
+    enum rec_kind kind; /* REC_SCENE, REC_GRID, REC_SPEC or REC_FILES */
     size_t size;        /* bytes of the value that `read` fills */
     /*
      * Fills the value, which is all zero. `bytes` are memory of this process, which no other one
@@ -108,11 +111,14 @@ struct worker_renderer {
      * first task of a generation comes. Never NULL. */
     void *(*build)(const void *options, void *const value[]);
     void (*free)(void *built);
-    /* Sets the size of the frame for the following calls. Cheap: called before every task. */
+    /* Sets the size of the frame for the following calls. Cheap: called before every task. NULL if
+     * `task` does that. */
     void (*frame)(void *built, uint32_t w, uint32_t h);
     /* As the functions of the same names in struct worker_ops. */
+    void (*task)(void *built, const struct frame_size *f, const struct lattice *whole);
     void (*render)(void *built, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     void (*selftest)(float *rgba, uint32_t *n);
+    int64_t (*cpu_us)(void *states);
 };
 
 /* The options that change pixels, in words. */

@@ -27,13 +27,16 @@ one_row() {
 for scene in gears balls rings; do costs $scene; done
 one_row
 partition 512x512 >rows.task
+partition 1x1 >one.task
 partition -u run:2 512x512 >pairs.task
 for slots in 14 37 100; do partition -u fine -n $slots 512x512 >"fine$slots.task"; done
 
 # value SIMULATE KEY ...: prints makespan and efficiency of a run of METHOD on TASKS, 0 if it fails
 value() {
+	method_of=$method
+	[ "$1" = simulate ] || [ "$method" != 'ring -e' ] || "$1" -m 1 ring -e <one.task >/dev/null 2>&1 || method_of=ring
 	# shellcheck disable=SC2086  # options
-	if ! "$1" -t "$costs.frags" -x "$scale" -s "$seed" $hosts $options $method <"$tasks.task" >figures; then
+	if ! "$1" -t "$costs.frags" -x "$scale" -s "$seed" $hosts $options $method_of <"$tasks.task" >figures; then
 		echo '0 0'
 		return
 	fi
@@ -48,7 +51,7 @@ while IFS='|' read -r name costs seconds hosts options; do
 	echo "$name" | grep -Eq -- "${CASES:-.}" || continue
 	scale=$(fragstat -s "$costs.frags" | awk -v s="$seconds" '$1 == "cpu_s" { print s / $2 }')
 	for way in deal gdc; do
-		case $way in deal) method='deal -q auto -e' tasks=rows ;; gdc) method=ring tasks=fine37 ;; esac
+		case $way in deal) method='deal -q auto -e' tasks=rows ;; gdc) method='ring -e' tasks=fine37 ;; esac
 		case $way$hosts in
 		gdc*.442*) tasks=fine14 ;;
 		gdc*' 100,'*) tasks=fine100 ;;

@@ -51,7 +51,7 @@ static void parse(struct bench *b, int argc, char **argv)
         switch (opt) {
         case 'e': b->plan.params.endgame = true; break;
         case 'c': b->work.task_us = opt_real(opt, optarg, 0, 1e9); break;
-        case 'l': b->plan.latency_us = opt_int(opt, optarg, 0, 1000000000); break;
+        case 'l': b->plan.link.latency_us = opt_int(opt, optarg, 0, 1000000000); break;
         case 'q':
             if (strcmp(optarg, "auto") == 0) b->plan.params.depth = SCHED_DEPTH_AUTO;
             else b->plan.params.depth = (int32_t)opt_int(opt, optarg, 0, 1000000);

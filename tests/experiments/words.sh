@@ -111,11 +111,11 @@ simulated() {
 	case $method in
 	interleaved) cut="-n $slots -u ${unit:-row}" run=fan ;;
 	masterslave) cut="-u ${unit:-row}" run=deal ;;
-	adaptive) cut="-u ${unit:-row}" run='deal -q auto -e' ;;
+	adaptive) cut="-o sample -u ${unit:-row}" run='deal -q auto -e' ;;
 	ds) cut="-n $slots -c 0 -u ${unit:-coarse:250}" run=deal ;;
 	hybrid) cut="-w $powers -c 400/512 -u ${unit:-row}" run='deal -q 1' ;;
-	gdc) cut="-n $slots -u ${unit:-fine}" run=ring ;;
-	gdc-rows) cut="-n $slots -u ${unit:-row}" run=ring ;;
+	gdc) cut="-n $slots -u ${unit:-fine}" run='ring -e' ;;
+	gdc-rows) cut="-n $slots -u ${unit:-row}" run='ring -e' ;;
 	gdc-published) cut="-n $slots -u ${unit:-row}" run='ring -p' ;;
 	best) cut="-u ${unit:-row}" run=best ;;
 	esac

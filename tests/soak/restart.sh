@@ -52,7 +52,8 @@ while [ $((point += 1)) -le "$points" ]; do
 	done
 	is "$name then the same command: exit 0" "$status" 0
 	ok "$name the same picture" cmp out.pfm good.pfm
-	is "$name no pixel came twice" "$(gather -P -o twice.pfm log 2>&1 | grep -o '[0-9]* pixels came twice.*')" ''
+	# At the end the ring gives a task to more than one node.
+	[ "$method" = gdc ] || is "$name no pixel came twice" "$(gather -P -o twice.pfm log 2>&1 | grep -o '[0-9]* pixels came twice.*')" ''
 	grep -a -o 'done 0 [0-9]* cpu_us' log >computed
 	tasks=$((tasks + $(sort -u computed | wc -l))) again=$((again + $(sort computed | uniq -d | wc -l)))
 done

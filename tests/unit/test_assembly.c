@@ -33,9 +33,12 @@ static enum assembly_verdict put(
 
 static void check_picture(const struct assembly_frame *f)
 {
-    for (uint64_t p = 0; p < (uint64_t)f->picture.w * f->picture.h; p++)
-        for (int c = 0; c < 4; c++)
-            assert_true(f->picture.rgba[4 * p + (uint64_t)c] == shade(p, c));
+    const struct image_rows rows = assembly_rows(f);
+    for (uint32_t y = 0; y < rows.h; y++) {
+        const float *row = rows.row(&rows, y);
+        for (uint32_t i = 0; i < 4 * rows.w; i++)
+            assert_true(row[i] == shade((uint64_t)y * rows.w + i / 4, (int)(i % 4)));
+    }
 }
 
 /* Rows, tiles, runs that wrap and scattered sets, in shuffled order, each twice: one picture. */
@@ -94,8 +97,10 @@ static void test_first_stands(void **state)
         assert_true(d->pixels == want[i].pixels && d->worst == want[i].worst);
         assert_true(d->x == want[i].x && d->y == want[i].y);
     }
+    const struct image_rows rows = assembly_rows(f);
     for (uint64_t p = 0; p < 64; p++)
-        assert_true(f->picture.rgba[4 * p] == shade(p, 0) + (p < 32 ? 0 : 0.5f));
+        assert_true(
+            rows.row(&rows, (uint32_t)p / 8)[p % 8 * 4] == shade(p, 0) + (p < 32 ? 0 : 0.5f));
     assembly_free(&a);
 }
 
@@ -161,7 +166,7 @@ static void test_memory_is_bounded(void **state)
         assembly_release(&a, frame);
         put(&a, f, 16, row, 1); /* late: kept until the next is released */
         assert_int_equal(a.differing, 16 * f);
-        if (f > 1) assert_null(assembly_find(&a, f - 1)->picture.rgba);
+        if (f > 1) assert_null(assembly_find(&a, f - 1)->pixels);
     }
     put(&a, 5, 16, row, 1); /* too late: counted only */
     assert_int_equal(assembly_find(&a, 5)->again, 32);
@@ -199,7 +204,7 @@ static void test_without_pixels(void **state)
     assert_int_equal(assembly_commit(&a, 0, "j", 1, &row, NULL), ASSEMBLY_TAKEN);
     assert_int_equal(assembly_commit(&a, 0, "j", 1, &row, NULL), ASSEMBLY_TAKEN);
     assert_int_equal(assembly_find(&a, 0)->have.done, 65535);
-    assert_null(assembly_find(&a, 0)->picture.rgba);
+    assert_null(assembly_find(&a, 0)->pixels);
     assembly_free(&a);
 }
 

@@ -156,8 +156,10 @@ static void judge(const struct intake *in, uint64_t seed, const char *what)
         if (!coverage_full(&f->have)) continue; /* likewise */
         bool same = f->number < FRAMES && f->have.w == W && f->have.h == H;
         same = same && f->job[15] == (char)('0' + f->number);
+        const struct image_rows rows = assembly_rows(f);
         for (uint64_t i = 0; same && i < (uint64_t)4 * W * H; i++)
-            same = f->picture.rgba[i] == shade(f->number, i / 4, (int)(i % 4));
+            same = rows.row(&rows, (uint32_t)(i / 4 / W))[i % (4 * W)] ==
+                   shade(f->number, i / 4, (int)(i % 4));
         if (!same)
             fail_msg("another picture after %s: FAULTS=1 FIRST=%" PRIu64 " build/unit/test_faults",
                 what, seed);

@@ -64,7 +64,14 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
 }
 
 static const struct worker_ops ops = {
-    "test", state, NULL, ready, job, with, render, selftest, NULL};
+    .program = "test",
+    .state = state,
+    .ready = ready,
+    .job = job,
+    .with = with,
+    .render = render,
+    .selftest = selftest,
+};
 
 /* ---- a run -------------------------------------------------------------------------------------
  */

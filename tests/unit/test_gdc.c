@@ -142,7 +142,7 @@ static void two_of_nine_hosts_are_removed_after_300_rows(void **state)
                 .slots = HOSTS,
                 .tasks = ROWS,
                 .width = 1,
-                .latency_us = 500,
+                .link.latency_us = 500,
                 .hops = 2,
                 .silence_us = 3000000,
                 .faults = faults,

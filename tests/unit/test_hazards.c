@@ -119,7 +119,7 @@ static void run(struct hazard *h, bool published, struct seen *s)
     p.slots = h->nodes;
     p.tasks = h->rows;
     p.width = 1;
-    p.latency_us = 10 * MS;
+    p.link.latency_us = 10 * MS;
     p.hops = 2;
     if (!p.silence_us) p.silence_us = 10000 * MS;
     p.faults = h->fault;
@@ -323,7 +323,7 @@ static double messages_a_steal(const struct policy *policy, int32_t nodes)
         .rows = 1,
         .width = 1,
         .cost_us = 10 * MS,
-        .latency_us = 500,
+        .link.latency_us = 500,
         .jitter = .5,
         .hops = 2,
         .silence_us = 10000 * MS};

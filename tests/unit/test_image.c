@@ -50,12 +50,8 @@ static void image_of(struct image *im, const float *rgba, uint32_t w, uint32_t h
 static void test_rows_encode_the_same(void **state)
 {
     (void)state;
-    static const float opaque[4] = {0, 0, 0, 1};
-    struct image im;
-    image_of(&im, opaque, 1, 1);
     struct quantizer q;
-    quantizer_init(&q, &im, 8);
-    image_free(&im);
+    quantizer_init(&q, true, 8);
     unsigned char out[3];
     for (uint32_t bits = 0; bits <= 0x3f800000; bits += 977) {
         float x[4] = {0, 0, 0, 1};
@@ -273,6 +269,31 @@ static void test_write_errors_are_reported(void **state)
     image_free(&im);
 }
 
+static const float *torn(const struct image_rows *rows, uint32_t y)
+{
+    if (y != 2) return rows->ctx;
+    errno = EIO;
+    return NULL;
+}
+
+/* A row that cannot be read: no format is written, and no file is left. */
+static void test_rows_that_cannot_be_read(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a.png", "a.pam", "a.pfm"};
+    char dir[] = "/tmp/stormring-torn-XXXXXX", path[64];
+    float row[4 * 8] = {0};
+    const struct image_rows rows = {8, 4, false, torn, row};
+    assert_non_null(mkdtemp(dir));
+    for (int format = IMAGE_PNG; format <= IMAGE_PFM; format++) {
+        snprintf(path, sizeof path, "%s/%s", dir, names[format]);
+        errno = 0;
+        assert_int_equal(image_save_rows(path, &rows, (enum image_format)format, 8, NULL), -1);
+        assert_int_equal(errno, EIO);
+    }
+    assert_int_equal(rmdir(dir), 0); /* empty */
+}
+
 /* ---- names ------------------------------------------------------------------------------- */
 
 static void check_name(const char *pattern, uint32_t frame, const char *want)
@@ -319,10 +340,11 @@ static void test_out(void **state)
     assert_string_equal(none, "standard output");
     image_init(&im, 3, 2);
     for (int i = 0; i < 24; i++) im.rgba[i] = 1;
-    assert_int_equal(image_out_put(&o, name, &im, NULL), 0);
+    const struct image_rows rows = image_rows_of(&im);
+    assert_int_equal(image_out_put(&o, name, &rows, NULL), 0);
     assert_int_equal(image_read(name, &back, err), 0);
     assert_true(back.w == 3 && back.h == 2 && back.rgba[23] == 1);
-    assert_int_equal(image_out_put(&o, "/nonexistent/x.pam", &im, NULL), -1);
+    assert_int_equal(image_out_put(&o, "/nonexistent/x.pam", &rows, NULL), -1);
     unlink(name);
     image_free(&im);
     image_free(&back);
@@ -343,6 +365,7 @@ int main(void)
         cmocka_unit_test(test_float_maps),
         cmocka_unit_test(test_chunks_that_do_not_fit),
         cmocka_unit_test(test_write_errors_are_reported),
+        cmocka_unit_test(test_rows_that_cannot_be_read),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_out),
     };

@@ -133,7 +133,8 @@ static void test_whole_once(void **state)
         else f = intake_record(&in, &r);
         if (!f) continue;
         told++;
-        assert_true(f->picture.rgba[4 * (W * H - 1)] == H - 1);
+        const struct image_rows rows = assembly_rows(f);
+        assert_true(rows.row(&rows, H - 1)[4 * (W - 1)] == H - 1);
         assembly_release(&in.parts, f);
     }
     assert_int_equal(told, 1);

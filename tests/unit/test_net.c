@@ -46,7 +46,8 @@ static void records_have_the_lengths_of_the_wire(void **state)
     }
     struct sched_event hello = {.kind = SCHED_UP}, flush = {.kind = SCHED_FLUSH};
     wire_hello(&b, "rtworker", "0123456789abcdef", 1.23456, 1);
-    assert_true(fabs(net_bytes(&hello) - taken(&b)) < 40); /* it comes once */
+    bool packs = memmem(buf_data(&b), buf_size(&b), " zstd=1", 7) != NULL;
+    assert_true(net_bytes(&hello) == taken(&b) + (packs ? 0 : 7)); /* built without libzstd */
     wire_plain(&b, REC_FLUSH, NULL);
     assert_true(net_bytes(&flush) == taken(&b));
     free(pixels);
@@ -80,7 +81,7 @@ static void a_plan_has_one_link_or_those_of_its_hosts(void **state)
     (void)state;
     const struct sim_link links[] = {{5, 100}, {2000, 0}, {70, 30}};
     const int32_t of[] = {0, 0, 1, 2};
-    struct sim_plan p = {.slots = 4, .latency_us = 9, .link_bytes_per_s = 50};
+    struct sim_plan p = {.slots = 4, .link = {9, 50}};
     assert_int_equal(net_link_of(&p, 3).latency_us, 9);
     assert_int_equal(net_number_of(&p, 3), 3);
     assert_int_equal(net_links(&p), 4);

@@ -42,13 +42,13 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
     print_message("# %lld seeds: %lld events, %lld tasks given, %lld commits, %lld crashes, "
                   "%lld silences, %lld pauses, %lld slow-downs, %lld hubs killed, "
                   "%lld comings up, %lld answers twice, %lld of garbage, %lld ring messages, "
-                  "%lld steals, %lld tasks stolen; %lld hang, %lld tasks taken over\n",
+                  "%lld steals, %lld tasks stolen; %lld hang, %lld tasks taken over, %lld pieces\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
         (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
         (long long)total.slows, (long long)total.kills, (long long)total.returns,
         (long long)total.twice, (long long)total.garbage, (long long)total.messages,
         (long long)total.steals, (long long)total.passed, (long long)total.hangs,
-        (long long)total.taken_over);
+        (long long)total.taken_over, (long long)total.pieces);
     assert_true(seeds_hold);
 }
 
@@ -62,6 +62,7 @@ static void faults_of_every_kind_happened(void **state)
     assert_true(total.hangs > 100 && total.taken_over > 1000 && total.stops > 100);
     assert_true(total.twice > 1000 && total.garbage > 1000);
     assert_true(total.steals > 1000 && total.passed > 1000 && total.flushes > 100);
+    assert_true(total.pieces > 1000);
     assert_true(all_but_one > 10);
 }
 
@@ -94,7 +95,7 @@ static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
         .slots = HOSTS,
         .tasks = ROWS,
         .width = 1,
-        .latency_us = latency_us,
+        .link.latency_us = latency_us,
         .hops = 2,
         .work = &work};
     struct sim_result r;
@@ -211,7 +212,7 @@ static void who_asks_a_node_that_hangs_asks_another_one(void **state)
         .slots = 3,
         .tasks = 71,
         .width = 1,
-        .latency_us = 10000,
+        .link.latency_us = 10000,
         .hops = 2,
         .silence_us = 10000000,
         .faults = &hangs,

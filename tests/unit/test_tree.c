@@ -55,8 +55,8 @@ static void make_slots(struct made *m, uint64_t seed, int32_t n)
     static const int64_t latencies_us[] = {0, 300, 20000};
     static const double rates[] = {0, 1e4, 1e6};
     m->plan.slots = n;
-    m->plan.latency_us = latencies_us[pick(seed, 3, 0, 2)];
-    m->plan.link_bytes_per_s = rates[pick(seed, 4, 0, 2)];
+    m->plan.link.latency_us = latencies_us[pick(seed, 3, 0, 2)];
+    m->plan.link.bytes_per_s = rates[pick(seed, 4, 0, 2)];
     m->plan.hub_bytes_per_s = rates[pick(seed, 5, 0, 2)];
     for (int32_t k = 0; k < n; k++) {
         uint64_t i = 100 + 4 * (uint64_t)k;
@@ -160,7 +160,7 @@ static struct made two_hosts(void)
     static struct made m;
     memset(&m, 0, sizeof m);
     m.plan.params.depth = 0;
-    m.plan.latency_us = 100000;
+    m.plan.link.latency_us = 100000;
     m.plan.slots = 2;
     m.power[0] = 1;
     m.power[1] = 2;
@@ -215,7 +215,7 @@ static void a_slow_hub_by_hand(void **state)
 {
     (void)state;
     struct made m = two_hosts();
-    m.plan.latency_us = 0;
+    m.plan.link.latency_us = 0;
     m.plan.message_us = 100000;
     m.plan.tasks = 2;
     /* Up of both: .1, .2; tasks: the first is given at .1 and leaves at .3, the second at .2 and
@@ -228,7 +228,7 @@ static void slots_share_the_link_of_their_host(void **state)
 {
     (void)state;
     struct made m = two_hosts();
-    m.plan.latency_us = 0;
+    m.plan.link.latency_us = 0;
     m.plan.tasks = 2;
     m.power[0] = 2;
     m.plan.links = m.links;

@@ -38,6 +38,11 @@ struct crew {
 
 static const struct crew three = {3, 3, {0, 1, 2}, {0, 0, 0}};
 
+static int32_t place(const struct crew *c, int32_t slot)
+{
+    return slot >= 0 && slot < c->slots ? c->place_of[slot] : -1;
+}
+
 static void pixels_of(const struct crew *c, const struct frag *f, float *out)
 {
     int kind = f->slot < 0 ? 0 : c->kind[f->slot];
@@ -73,13 +78,14 @@ static void read_all(struct verify *v, const struct crew *c, double fraction, ui
     verify_split(v);
     for (size_t i = 0; i < log->n; i++) {
         pixels_of(c, &log->at[i], pixels);
-        verify_first(v, &log->at[i].t, log->at[i].slot, pixels);
+        verify_first(v, &log->at[i].t, log->at[i].slot, place(c, log->at[i].slot), pixels);
     }
     for (int k = 0; k < checks; k++) {
         verify_begin(v);
         for (size_t i = 0; i < check[k].n; i++) {
             pixels_of(c, &check[k].at[i], pixels);
-            verify_again(v, &check[k].at[i].t, check[k].at[i].slot, pixels);
+            const struct frag *g = &check[k].at[i];
+            verify_again(v, &g->t, g->slot, place(c, g->slot), pixels);
         }
         verify_end(v);
     }
@@ -163,9 +169,9 @@ static struct outcome verify(
     o.pieces = v.pieces;
     o.seen = v.seen;
     for (uint32_t i = 0; i < v.n; i++) {
-        if (verify_judge(&v, &v.part[i]) != VERIFY_DIFFERENT) continue;
+        if (verify_judge(&v.part[i]) != VERIFY_DIFFERENT) continue;
         for (uint32_t k = 0; k < v.part[i].n; k++) {
-            bool known, named = verify_named(&v, &v.part[i], k, &known);
+            bool known, named = verify_named(&v.part[i], k, &known);
             int32_t slot = verify_opinion(&v.part[i], k)->slot;
             if (named && slot >= 0) (known ? o.named : o.unsure)[slot]++;
         }
@@ -317,7 +323,7 @@ static void test_parent_and_piece(void **state)
     read_all(&v, &c, 1, 0, &log, &check, 1);
     assert_int_equal(v.n, 4); /* 0-3 4-5 6-7 8-11 */
     for (uint32_t i = 0; i < v.n; i++) {
-        assert_int_equal(verify_judge(&v, &v.part[i]), VERIFY_AGREED);
+        assert_int_equal(verify_judge(&v.part[i]), VERIFY_AGREED);
         assert_int_equal(v.part[i].n, i < 2 ? 3 : 2);
     }
     verify_free(&v);
@@ -326,7 +332,7 @@ static void test_parent_and_piece(void **state)
     static const uint32_t opinions[] = {3, 4, 3, 2};
     for (uint32_t i = 0; i < v.n; i++) {
         assert_int_equal(v.part[i].n, opinions[i]);
-        assert_int_equal(verify_judge(&v, &v.part[i]), i < 3 ? VERIFY_DIFFERENT : VERIFY_AGREED);
+        assert_int_equal(verify_judge(&v.part[i]), i < 3 ? VERIFY_DIFFERENT : VERIFY_AGREED);
     }
     assert_int_equal(verify_counted(&v).different, 1);
     verify_free(&v);
@@ -383,8 +389,9 @@ static void say(struct verify *v, int32_t slot, int lie)
     static float pixels[4 * W];
     for (size_t i = 0; i < 4 * W; i++) pixels[i] = (float)i;
     pixels[7] += (float)lie;
-    if (!v->again) verify_first(v, &one, slot, pixels);
-    else verify_again(v, &one, slot, pixels);
+    int32_t at = slot < v->slots ? v->place_of[slot] : -1;
+    if (!v->again) verify_first(v, &one, at < 0 ? -1 : slot, at, pixels);
+    else verify_again(v, &one, slot, at, pixels);
 }
 
 static void start(struct verify *v, const int32_t *place_of, int32_t slots, int32_t places)
@@ -400,8 +407,7 @@ static int named(const struct verify *v)
 {
     int mask = 0;
     bool known = false;
-    for (uint32_t i = 0; i < v->part[0].n; i++)
-        mask |= verify_named(v, &v->part[0], i, &known) << i;
+    for (uint32_t i = 0; i < v->part[0].n; i++) mask |= verify_named(&v->part[0], i, &known) << i;
     return known ? mask : -mask;
 }
 
@@ -414,7 +420,7 @@ static void test_no_witness(void **state)
     say(&v, 3, 5); /* not known either */
     say(&v, 1, 5);
     assert_int_equal(v.part[0].by[0].slot, -1);
-    assert_int_equal(verify_judge(&v, &v.part[0]), VERIFY_AGREED);
+    assert_int_equal(verify_judge(&v.part[0]), VERIFY_AGREED);
     say(&v, 0, 0);
     assert_int_equal(named(&v), -7);
     assert_int_equal(verify_next(&v, &v.part[0]), 2);
@@ -433,7 +439,7 @@ static void test_one_host(void **state)
     start(&v, place_of, 4, 3);
     say(&v, 0, 5);
     say(&v, 1, 5);
-    assert_int_equal(verify_judge(&v, &v.part[0]), VERIFY_UNCHECKED);
+    assert_int_equal(verify_judge(&v.part[0]), VERIFY_UNCHECKED);
     say(&v, 2, 0);
     assert_int_equal(named(&v), -7);
     assert_int_equal(verify_next(&v, &v.part[0]), 3);
@@ -452,7 +458,7 @@ static void test_both_ways(void **state)
     say(&v, 0, 0);
     say(&v, 1, 0);
     say(&v, 1, 5);
-    assert_int_equal(verify_judge(&v, &v.part[0]), VERIFY_DIFFERENT);
+    assert_int_equal(verify_judge(&v.part[0]), VERIFY_DIFFERENT);
     assert_int_equal(named(&v), 4);
     say(&v, 2, 5);
     assert_int_equal(named(&v), -15);
@@ -551,11 +557,11 @@ static void test_foreign(void **state)
     for (size_t i = 0; i < log.n; i++) verify_choose(&v, &log.at[i].t);
     for (size_t i = 0; i < check.n; i++) verify_cut(&v, &check.at[i].t);
     verify_split(&v);
-    for (size_t i = 0; i < log.n; i++) verify_first(&v, &log.at[i].t, 0, pixels);
+    for (size_t i = 0; i < log.n; i++) verify_first(&v, &log.at[i].t, 0, 0, pixels);
     verify_begin(&v);
-    for (size_t i = 0; i < check.n; i++) verify_again(&v, &check.at[i].t, 1, pixels);
-    verify_again(&v, &row, 3, pixels);
-    verify_again(&v, &row, -1, pixels);
+    for (size_t i = 0; i < check.n; i++) verify_again(&v, &check.at[i].t, 1, 1, pixels);
+    verify_again(&v, &row, 3, -1, pixels);
+    verify_again(&v, &row, -1, -1, pixels);
     verify_end(&v);
     assert_int_equal(v.n, 1);
     assert_int_equal(v.part[0].n, 1);
@@ -601,11 +607,15 @@ static void test_requests(void **state)
     verify_free(&v);
 }
 
+static const char *const abc[] = {"a", "b", "c"};
+
 static void described(const struct verify *v, const char *expected)
 {
-    static const char *const host_of[] = {"a", "b", "c"};
+    struct verify_hosts h;
     struct buf b = {0};
-    verify_describe(v, &v->part[0], host_of, &b);
+    verify_hosts_init(&h, abc, 3);
+    verify_describe(&v->part[0], &h, &b);
+    verify_hosts_free(&h);
     buf_append(&b, "", 1);
     assert_string_equal((const char *)buf_data(&b), expected);
     buf_free(&b);
@@ -633,8 +643,9 @@ static void test_describe(void **state)
 }
 
 /* A file of rows from .. to - 1 of frame 0; row y by slot (y + turn) mod 3; row `lie` is wrong. A
- * row alone comes in two halves. */
-static char *write_rows(uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
+ * row alone comes in two halves. `host_of`: the host of each slot, or NULL. */
+static char *write_rows_of(
+    const char *const *host_of, uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
 {
     static float pixels[4 * W];
     const struct frame_size size = {.w = W, .h = H};
@@ -642,7 +653,11 @@ static char *write_rows(uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
     struct record r;
     char *path = xstrdup("/tmp/stormring-verify-XXXXXX"), stamp[16];
     wire_hello(&b, "fan", "00ff", 1, 3);
-    wire_job(&b, &size, JOB, "w=0");
+    for (int k = 0; k < 3; k++) {
+        snprintf(
+            stamp, sizeof stamp, host_of ? "w=%d host=%s" : "w=%d", k, host_of ? host_of[k] : "");
+        wire_job(&b, &size, JOB, stamp);
+    }
     for (uint32_t y = from; y < to; y++) {
         struct task t = {.id = y, .at = {0, y, W, 1, 1, 1}, .to = -1};
         struct buf sent = {0};
@@ -664,16 +679,23 @@ static char *write_rows(uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
     return path;
 }
 
+static char *write_rows(uint32_t from, uint32_t to, uint32_t turn, uint32_t lie)
+{
+    return write_rows_of(NULL, from, to, turn, lie);
+}
+
 /* The log and two rounds of checks: row 2 of the log is a lie. */
 static void test_files(void **state)
 {
     (void)state;
     struct verify v;
+    struct verify_hosts h;
     char why[LOG_WHY];
     const char *name;
     char *files[] = {write_rows(0, H, 0, 2), write_rows(0, H, 1, H), write_rows(2, 3, 2, H), NULL};
-    verify_init(&v, 7, 1, three.place_of, 3, 3);
-    assert_int_equal(verify_read(&v, files, &name, why), 0);
+    verify_hosts_init(&h, abc, 3);
+    verify_init(&v, 7, 1, h.place_of, 3, h.places);
+    assert_int_equal(verify_read(&v, &h, files, &name, why), 0);
     assert_int_equal(v.pieces, H);
     assert_int_equal(verify_counted(&v).different, 1);
     assert_int_equal(verify_counted(&v).unchecked, 0);
@@ -688,12 +710,15 @@ static void test_files(void **state)
     const struct verify_frame *frame = frames_extra(&v.frames, &v.frames.at[0]);
     assert_string_equal(frame->job, JOB);
     verify_free(&v);
+    verify_hosts_free(&h);
     unlink(files[2]);
-    verify_init(&v, 7, 1, three.place_of, 3, 3);
-    assert_int_equal(verify_read(&v, files, &name, why), -1); /* cannot be opened */
+    verify_hosts_init(&h, abc, 3);
+    verify_init(&v, 7, 1, h.place_of, 3, h.places);
+    assert_int_equal(verify_read(&v, &h, files, &name, why), -1); /* cannot be opened */
     assert_int_equal(errno, ENOENT);
     assert_ptr_equal(name, files[2]);
     verify_free(&v);
+    verify_hosts_free(&h);
     for (int i = 0; i < 3; i++) {
         unlink(files[i]);
         free(files[i]);
@@ -705,6 +730,7 @@ static void test_earlier_runs(void **state)
 {
     (void)state;
     struct verify v;
+    struct verify_hosts h;
     char why[LOG_WHY];
     const char *name;
     char *files[] = {write_rows(0, 3, 0, H), NULL}, *second = write_rows(3, H, 0, H);
@@ -712,16 +738,83 @@ static void test_earlier_runs(void **state)
     assert_int_equal(read_file(files[0], &b), 0);
     assert_int_equal(read_file(second, &b), 0);
     assert_int_equal(outfile_put(files[0], buf_data(&b), buf_size(&b)), 0);
-    verify_init(&v, 7, 1, three.place_of, 3, 3);
-    assert_int_equal(verify_read(&v, files, &name, why), 0);
+    verify_hosts_init(&h, abc, 3);
+    verify_init(&v, 7, 1, h.place_of, 3, h.places);
+    assert_int_equal(verify_read(&v, &h, files, &name, why), 0);
     for (uint32_t y = 0; y < H; y++)
         assert_int_equal(v.part[y].by[0].slot, y < 3 ? -1 : (int32_t)(y % 3));
     verify_free(&v);
+    verify_hosts_free(&h);
     buf_free(&b);
     unlink(files[0]);
     unlink(second);
     free(files[0]);
     free(second);
+}
+
+/* Reads files[0] as the log and files[1], if there is one, as a check. */
+static void read_two(struct verify *v, struct verify_hosts *h, const char *const *now,
+    int32_t slots, char *const *files)
+{
+    char why[LOG_WHY];
+    const char *name;
+    verify_hosts_init(h, now, slots);
+    verify_init(v, 7, 1, h->place_of, slots, h->places);
+    assert_int_equal(verify_read(v, h, files, &name, why), 0);
+}
+
+/* Slots of the log were on hosts a, b and c; now slot 0 is on c and slot 1 on d. */
+static void test_joined(void **state)
+{
+    (void)state;
+    static const char *const now[] = {"c", "d", "d"};
+    struct verify v;
+    struct verify_hosts h;
+    char *files[] = {write_rows_of(abc, 0, H, 0, 2), NULL, NULL};
+    read_two(&v, &h, now, 3, files);
+    for (uint32_t y = 0; y < H; y++) {
+        assert_string_equal(verify_hosts_name(&h, v.part[y].by[0].place), abc[y % 3]);
+        int32_t slot = verify_next(&v, &v.part[y]);
+        assert_true(y % 3 == 2 ? slot > 0 : slot >= 0); /* c does not check itself */
+    }
+    verify_free(&v);
+    verify_hosts_free(&h);
+    files[1] = write_rows_of(now, 0, H, 2, H); /* row y by slot (y + 2) mod 3 */
+    read_two(&v, &h, now, 3, files);
+    assert_int_equal(verify_counted(&v).unchecked, 0); /* d d c d d c d d */
+    assert_int_equal(verify_counted(&v).different, 1);
+    struct buf b = {0};
+    verify_describe(&v.part[2], &h, &b);
+    buf_append(&b, "", 1);
+    assert_string_equal((const char *)buf_data(&b),
+        "frame 0 at 0,2: slot 2 (host c) and slot 1 (host d) computed different pixels");
+    buf_free(&b);
+    verify_free(&v);
+    verify_hosts_free(&h);
+    for (int i = 0; i < 2; i++) {
+        unlink(files[i]);
+        free(files[i]);
+    }
+}
+
+/* Slots check each other if the run and the checks had one host, not if a second one has left. */
+static void test_only_host(void **state)
+{
+    (void)state;
+    static const char *const only[] = {"a", "a", "a"}, *const two[] = {"a", "a", "b"};
+    struct verify v;
+    struct verify_hosts h;
+    for (int left = 0; left < 2; left++) {
+        char *files[] = {write_rows_of(left ? two : only, 0, H, 0, H), NULL, NULL};
+        read_two(&v, &h, only, 3, files);
+        assert_int_equal(h.several, left);
+        for (uint32_t y = 0; y < H; y++)
+            assert_int_equal(verify_next(&v, &v.part[y]) >= 0, !left || y % 3 == 2);
+        verify_free(&v);
+        verify_hosts_free(&h);
+        unlink(files[0]);
+        free(files[0]);
+    }
 }
 
 int main(void)
@@ -736,6 +829,7 @@ int main(void)
         cmocka_unit_test(test_earlier), cmocka_unit_test(test_seeds),
         cmocka_unit_test(test_foreign), cmocka_unit_test(test_requests),
         cmocka_unit_test(test_describe), cmocka_unit_test(test_files),
-        cmocka_unit_test(test_earlier_runs)};
+        cmocka_unit_test(test_earlier_runs), cmocka_unit_test(test_joined),
+        cmocka_unit_test(test_only_host)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -274,7 +274,7 @@ static void figures_are_lines(void **state)
     sim_draw_costs(&l, 0, 1000, 1);
     powers(&l, (double[]){1, 3}, 2);
     struct sim_plan p = plan_of(&l, "deal");
-    p.latency_us = 500;
+    p.link.latency_us = 500;
     const struct sim_result r = {.end_us = 16000,
         .computed = 9,
         .messages = 7,

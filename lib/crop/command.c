@@ -1,0 +1,138 @@
+/*
+ * command: runs one command and reads what it writes. A keeper stands between: it leads the process
+ * group, reads the command's standard error, and ends the group, itself included, when the pipe
+ * from this process ends.
+ */
+#include "crop/crop.h"
+#include "proc/proc.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define TAIL_BYTES 4096 /* kept of standard error */
+#define TAIL_LINES 8    /* shown */
+#define LINE_BYTES 300  /* of each */
+
+struct keeper {
+    char *const *words;
+    const char *directory;
+    bool piped; /* standard output is the picture */
+};
+
+static _Noreturn void run_command(const struct keeper *k, int err)
+{
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0 &&
+        (k->piped || dup2(null, STDOUT_FILENO) >= 0)) {
+        if (k->directory && chdir(k->directory) != 0) {
+            dprintf(STDERR_FILENO, "%s: %s\n", k->directory, strerror(errno));
+            _exit(127);
+        }
+        execvp(k->words[0], k->words);
+        dprintf(STDERR_FILENO, "%s: %s\n", k->words[0], strerror(errno));
+    }
+    _exit(127);
+}
+
+/* Reads standard error, and keeps the last bytes. */
+static bool read_tail(int fd, struct buf *tail)
+{
+    ptrdiff_t n = read_some(fd, tail, TAIL_BYTES);
+    if (buf_size(tail) > 2 * TAIL_BYTES) buf_consume(tail, buf_size(tail) - TAIL_BYTES);
+    return n > 0;
+}
+
+/* Prints the last lines that are not empty. */
+static void show_tail(const char *name, const struct buf *tail)
+{
+    const char *end = (const char *)buf_data(tail) + buf_size(tail), *p = end;
+    int lines = 0;
+    while (p > (const char *)buf_data(tail)) {
+        if (p[-1] == '\n' && p < end && *p != '\n' && ++lines == TAIL_LINES) break;
+        p--;
+    }
+    while (p < end) {
+        const char *line = p, *nl = memchr(p, '\n', (size_t)(end - p));
+        size_t n = (size_t)((nl ? nl : end) - line);
+        p = nl ? nl + 1 : end;
+        while (n && (line[n - 1] == '\r' || line[n - 1] == ' ')) n--;
+        if (n) relay(name, line, n < LINE_BYTES ? n : LINE_BYTES);
+    }
+}
+
+/* Waits for the command. The end of standard input ends all. */
+static int watch(pid_t pid, int pidfd, int err, const char *name)
+{
+    struct buf tail = {0};
+    struct pollfd p[3] = {{STDIN_FILENO, 0, 0}, {pidfd, POLLIN, 0}, {err, POLLIN, 0}};
+    int status = 0;
+    while (!p[1].revents) {
+        if (poll(p, 3, -1) < 0 && errno != EINTR) return 1;
+        if (p[0].revents) kill(0, SIGKILL);
+        if (p[2].revents && !read_tail(err, &tail)) p[2].fd = -1;
+    }
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+    if (status == 0) return 0;
+    fcntl(err, F_SETFL, O_NONBLOCK); /* another process of the group may hold it open */
+    while (read_tail(err, &tail)) continue;
+    show_tail(name, &tail);
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+static int keep(void *ctx)
+{
+    const struct keeper *k = ctx;
+    const char *slash = strrchr(k->words[0], '/');
+    int err[2];
+    prctl(PR_SET_PDEATHSIG, 0);
+    signal(SIGALRM, SIG_DFL);
+    signal(SIGPIPE, SIG_DFL);
+    if (pipe2(err, O_CLOEXEC) != 0) return 126;
+    pid_t pid = fork();
+    if (pid < 0) return 126;
+    if (pid == 0) run_command(k, err[1]);
+    close(STDOUT_FILENO);
+    close(err[1]);
+    int pidfd = pidfd_open(pid, 0);
+    return pidfd < 0 ? 126 : watch(pid, pidfd, err[0], slash ? slash + 1 : k->words[0]);
+}
+
+/* Waits for the keeper without closing its pipe. */
+static int wait_for(struct child *c)
+{
+    siginfo_t info;
+    while (waitid(P_PID, (id_t)c->pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) continue;
+    return child_end(c, 0);
+}
+
+int crop_run(
+    char *const words[], const char *directory, struct buf *out, size_t most, char err[CROP_ERR])
+{
+    struct keeper k = {words, directory, out != NULL};
+    struct child c;
+    struct buf none = {0}, *to = out ? out : &none;
+    if (child_fork(&c, keep, &k) != 0) return err_set(err, "fork: %s", strerror(errno)) - 1;
+    ptrdiff_t n;
+    while ((n = read_some(c.from, to, 1 << 18)) > 0 && buf_size(to) <= most) continue;
+    buf_free(&none);
+    if (n > 0) {
+        child_end(&c, 0);
+        err_set(err, "more than %zu bytes of output, expected a picture", most);
+        return -1;
+    }
+    int status = wait_for(&c);
+    if (status == 0) return 0;
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (code > 128) err_set(err, "%s: ended by signal %d", words[0], code - 128);
+    else err_set(err, "%s: exit status %d, expected 0", words[0], code);
+    return code == 127 ? CROP_NOT_FOUND : -1;
+}

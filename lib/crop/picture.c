@@ -1,0 +1,72 @@
+/* picture: the pixels of a task from the picture that a command has drawn. */
+#include "crop/crop.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* No picture of this size has more bytes: float RGB or incompressible 16-bit RGBA, and headers. */
+static size_t bytes_most(uint32_t w, uint32_t h) { return (size_t)w * h * 16 + (1 << 20); }
+
+/* Reads the file or the bytes, and checks the size. */
+static int picture_of(const struct crop_rect *at, const char *path, const struct buf *bytes,
+    struct image *picture, char err[CROP_ERR])
+{
+    char why[IMAGE_ERR];
+    int failed = path ? image_read(path, picture, why)
+                      : image_decode(buf_data(bytes), buf_size(bytes), picture, why);
+    if (failed) {
+        err_set(err, "%s: %s", path ? "the file {o}" : "the command's standard output", why);
+        return -1;
+    }
+    uint32_t w = picture->w, h = picture->h;
+    if ((w == at->w && h == at->h) || (w == at->frame_w && h == at->frame_h)) return 0;
+    image_free(picture);
+    err_set(err, "a picture of %ux%u, expected %ux%u or the whole frame, %ux%u", w, h, at->w, at->h,
+        at->frame_w, at->frame_h);
+    return -1;
+}
+
+int crop_draw(const struct crop_command *c, const struct crop_rect *at, struct image *picture,
+    char err[CROP_ERR])
+{
+    char path[4096];
+    struct buf bytes = {0};
+    bool file = crop_uses(c->words, "o");
+    /* The suffix makes no difference here; some programs take it for the format. */
+    snprintf(path, sizeof path, "%s/%ld.png", c->scratch, (long)getpid());
+    char **words = crop_words(c->words, at, c->first, path);
+    int failed =
+        crop_run(words, c->files, file ? NULL : &bytes, bytes_most(at->frame_w, at->frame_h), err);
+    if (!failed) failed = picture_of(at, file ? path : NULL, &bytes, picture, err);
+    if (file) unlink(path);
+    crop_words_free(words);
+    buf_free(&bytes);
+    return failed;
+}
+
+struct crop_rect crop_around(const struct lattice *at, uint32_t frame_w, uint32_t frame_h)
+{
+    uint32_t left = frame_w, top = frame_h, right = 0, bottom = 0;
+    for (uint64_t n = 0, count = lattice_count(at); n < count; n++) {
+        uint64_t p = lattice_pixel(at, frame_w, n);
+        uint32_t x = (uint32_t)(p % frame_w), y = (uint32_t)(p / frame_w);
+        if (x < left) left = x;
+        if (x > right) right = x;
+        if (y < top) top = y;
+        if (y > bottom) bottom = y;
+    }
+    return (struct crop_rect){0, frame_w, frame_h, left, top, right - left + 1, bottom - top + 1};
+}
+
+void crop_pixels(const struct image *picture, const struct crop_rect *rect,
+    const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    bool whole = picture->w == rect->frame_w && picture->h == rect->frame_h;
+    uint32_t left = whole ? 0 : rect->x, top = whole ? 0 : rect->y;
+    for (uint64_t i = n0; i < n0 + n; i++, rgba += 4) {
+        uint64_t p = lattice_pixel(at, rect->frame_w, i);
+        uint64_t x = p % rect->frame_w - left, y = p / rect->frame_w - top;
+        memcpy(rgba, picture->rgba + 4 * (y * picture->w + x), 4 * sizeof *rgba);
+    }
+}

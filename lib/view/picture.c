@@ -1,0 +1,72 @@
+/* A small PNG of a log's first picture, as far as it has come: see view.h. */
+#include "image/image.h"
+#include "log/log.h"
+#include "view/view.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define SIDE_MOST 1024
+
+struct reading {
+    struct intake in;
+};
+
+static void take(void *ctx, const struct record *r)
+{
+    struct reading *of = ctx;
+    if (r->kind == REC_FRAME) intake_frame(&of->in, r);
+    else if (!of->in.parts.n_frames || r->task.frame == of->in.parts.frames[0]->number)
+        intake_record(&of->in, r);
+}
+
+/* Each pixel of the result is the mean of k x k pixels; missing ones are transparent. */
+static void shrink(const struct image_rows *from, uint32_t k, struct image *to)
+{
+    image_init(to, (from->w + k - 1) / k, (from->h + k - 1) / k);
+    for (uint32_t y = 0; y < from->h; y++) {
+        const float *row = from->row(from, y);
+        uint32_t h = from->h - y / k * k < k ? from->h - y / k * k : k;
+        if (!row) die(ST_SYSTEM, "the pixels of the picture:");
+        for (uint32_t x = 0; x < from->w; x++) {
+            uint32_t w = from->w - x / k * k < k ? from->w - x / k * k : k;
+            float *mean = to->rgba + 4 * ((size_t)(y / k) * to->w + x / k);
+            for (int c = 0; c < 4; c++)
+                mean[c] += row[4 * (size_t)x + (size_t)c] / ((float)w * (float)h);
+        }
+    }
+}
+
+static void encode(const struct image *im, const char *job, struct buf *png)
+{
+    char *bytes = NULL;
+    size_t n = 0;
+    FILE *f = open_memstream(&bytes, &n);
+    if (!f) die(ST_SYSTEM, "a buffer for the picture:");
+    if (image_write(f, im, IMAGE_PNG, 8, job) != 0 || fclose(f) != 0)
+        die(ST_SYSTEM, "a buffer for the picture:");
+    buf_append(png, bytes, n);
+    free(bytes);
+}
+
+void view_picture(const char *path, struct buf *png)
+{
+    struct reading of = {0};
+    const struct log_reader reader = {.record = take, .ctx = &of};
+    intake_init(&of.in, true);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || log_read(&of.in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
+    close(fd);
+    const struct assembly_frame *f = of.in.parts.n_frames ? of.in.parts.frames[0] : NULL;
+    if (f && f->pixels) {
+        const struct image_rows rows = assembly_rows(f);
+        uint32_t side = rows.w > rows.h ? rows.w : rows.h;
+        struct image small;
+        shrink(&rows, (side + SIDE_MOST - 1) / SIDE_MOST, &small);
+        encode(&small, f->job, png);
+        image_free(&small);
+    }
+    intake_free(&of.in);
+}

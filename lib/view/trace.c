@@ -1,0 +1,150 @@
+/*
+ * A log as a trace: JSON of the Trace Event Format (Google, "Trace Event Format", 2016), which
+ * Perfetto and chrome://tracing show. Times are in microseconds; runs follow each other.
+ */
+#include "view/view.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNTS_MOST 1000 /* points of the curve of pixels */
+
+struct trace {
+    const struct account *a;
+    struct buf *out;
+    double *zero_s; /* start of each run */
+    size_t *pid;    /* of each slot of the log */
+    bool more;
+};
+
+static void put_string(struct buf *out, const char *s)
+{
+    buf_append(out, "\"", 1);
+    for (; *s; s++) {
+        if ((unsigned char)*s < ' ' || (unsigned char)*s > '~') buf_append(out, "?", 1);
+        else buf_printf(out, *s == '"' || *s == '\\' ? "\\%c" : "%c", *s);
+    }
+    buf_append(out, "\"", 1);
+}
+
+static void begin(struct trace *t)
+{
+    buf_printf(t->out, "%s{", t->more ? ",\n" : "");
+    t->more = true;
+}
+
+/* {"name":"process_name","ph":"M","pid":1,"args":{"name":"render1"}} */
+static void put_name(struct trace *t, const char *what, size_t pid, size_t tid, const char *name)
+{
+    begin(t);
+    buf_printf(t->out,
+        "\"name\":\"%s\",\"ph\":\"M\",\"pid\":%zu,\"tid\":%zu,\"args\":{\"name\":", what, pid, tid);
+    put_string(t->out, name);
+    buf_printf(t->out, "}}");
+}
+
+static const char *host_of(const struct history *l, size_t i)
+{
+    const char *host = l->slots[i].host;
+    return strcmp(host, ":") == 0 ? "localhost" : *host ? host : "unknown host";
+}
+
+static int by_host(const void *a, const void *b, void *log)
+{
+    const struct history *l = log;
+    size_t i = *(const size_t *)a, j = *(const size_t *)b;
+    int order = strcmp(host_of(l, i), host_of(l, j));
+    return order ? order : (i > j) - (i < j);
+}
+
+/* A process for each host, from 1 on; a thread for each slot, by its line in the table. */
+static void put_names(struct trace *t)
+{
+    const struct history *l = t->a->log;
+    size_t *order = xmalloc(l->n_slots + 1, sizeof *order), pid = 0;
+    struct history *sorted = xmalloc(1, sizeof *sorted);
+    *sorted = *l;
+    for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
+    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, sorted);
+    for (size_t i = 0; i < l->n_slots; i++) {
+        size_t k = order[i];
+        char name[HISTORY_NAME + 8];
+        if (!i || strcmp(host_of(l, k), host_of(l, order[i - 1])) != 0)
+            put_name(t, "process_name", ++pid, 0, host_of(l, k));
+        t->pid[k] = pid;
+        snprintf(name, sizeof name, "slot %s", l->slots[k].name);
+        put_name(t, "thread_name", pid, t->a->slot_of[k] + 1, name);
+    }
+    free(sorted);
+    free(order);
+}
+
+static void put_task(struct trace *t, size_t i)
+{
+    const struct history_done *d = &t->a->log->dones[i];
+    const struct span *s = &t->a->spans[i];
+    const char *kind = s->wasted ? "wasted" : d->try > 1 ? "given again" : "task";
+    begin(t);
+    buf_printf(t->out,
+        "\"name\":\"task %" PRIu32 " %" PRIu32 "\",\"cat\":\"%s\",\"ph\":\"X\",\"ts\":%.0f,"
+        "\"dur\":%.0f,\"pid\":%zu,\"tid\":%" PRIu32 ",\"args\":{\"pixels\":%" PRIu64
+        ",\"cpu_us\":%" PRId64 ",\"try\":%" PRId64 ",\"kind\":\"%s\"}}",
+        d->frame, d->id, kind, (t->zero_s[s->run] + s->begin_s) * 1e6,
+        (s->end_s - s->begin_s) * 1e6, t->pid[d->slot], s->slot + 1, d->pixels, d->cpu_us, d->try,
+        kind);
+}
+
+static void put_event(struct trace *t, const struct history_event *e)
+{
+    double at_us = t->zero_s[e->run] * 1e6 + (double)(e->recv_us < 0 ? 0 : e->recv_us);
+    begin(t);
+    buf_printf(t->out, "\"name\":");
+    if (*e->why) {
+        char name[HISTORY_WORD + 8];
+        snprintf(name, sizeof name, "%s: %s", e->lost ? "lost" : "gone", e->why);
+        put_string(t->out, name);
+    } else {
+        put_string(t->out, "ready");
+    }
+    buf_printf(t->out,
+        ",\"cat\":\"slot\",\"ph\":\"i\",\"s\":\"t\",\"ts\":%.0f,\"pid\":%zu,\"tid\":%" PRIu32
+        ",\"args\":{\"tasks_lost\":%" PRId64 "}}",
+        at_us, t->pid[e->slot], t->a->slot_of[e->slot] + 1, e->tasks);
+}
+
+/* The pixels so far, in at most COUNTS_MOST points. */
+static void put_counts(struct trace *t)
+{
+    const struct history *l = t->a->log;
+    size_t step = l->n_dones / COUNTS_MOST + 1;
+    uint64_t px = 0;
+    for (size_t i = 0; i < l->n_dones; i++) {
+        const struct span *s = &t->a->spans[i];
+        px += l->dones[i].pixels;
+        if (i % step && i + 1 < l->n_dones) continue;
+        begin(t);
+        buf_printf(t->out,
+            "\"name\":\"pixels\",\"ph\":\"C\",\"ts\":%.0f,\"pid\":0,\"args\":{\"done\":%" PRIu64
+            "}}",
+            (t->zero_s[s->run] + s->end_s) * 1e6, px);
+    }
+}
+
+void view_trace(const struct account *a, struct buf *out)
+{
+    const struct history *l = a->log;
+    struct trace t = {.a = a, .out = out};
+    t.zero_s = xcalloc(l->n_runs + 1, sizeof *t.zero_s);
+    t.pid = xcalloc(l->n_slots + 1, sizeof *t.pid);
+    for (size_t i = 0; i < l->n_runs; i++) t.zero_s[i + 1] = t.zero_s[i] + a->run_s[i];
+    buf_printf(out, "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n");
+    put_name(&t, "process_name", 0, 0, "the run");
+    put_names(&t);
+    for (size_t i = 0; i < l->n_dones; i++) put_task(&t, i);
+    for (size_t i = 0; i < l->n_events; i++) put_event(&t, &l->events[i]);
+    put_counts(&t);
+    buf_printf(out, "\n]}\n");
+    free(t.zero_s);
+    free(t.pid);
+}

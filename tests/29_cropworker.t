@@ -1,0 +1,211 @@
+#!/bin/sh
+# cropworker: words, pictures and values that come out, the tasks of any cut, failures, and that no process and no file
+# remains, however it ends.
+# shellcheck disable=SC2016  # the commands expand those themselves
+. "$(dirname "$0")/lib.sh"
+. "$root/tests/marked.sh"
+needs perl
+TMPDIR=$tmp/scratch && export TMPDIR && mkdir scratch || exit 3
+
+# left: prints the directories that were not removed
+left() { ls scratch; }
+none_left() { [ -z "$(left)" ]; }
+
+# ---- options -------------------------------------------------------------------------------------------------
+run cropworker </dev/null
+is 'without a command: refused' "$status:$out" 2:
+run cropworker -i true
+is '-i without -s: refused' "$status:$out" 2:
+run cropworker -i -s 0x5 true
+is 'a size of 0: refused' "$status:$out" 2:
+run cropworker -F 3 true
+is '-F without -i: refused' "$status:$out" 2:
+printf 'P5 1 1 255\n\100' >one.pgm
+echo 'cat "$(dirname "$0")/one.pgm"; echo "$*" >>"$0.said"' >draw
+# job WxH WORD ...
+job() { size=$1; shift; cropworker -i -s "$size" sh "$tmp/draw" "$@" | tail -n 1; }
+run cropworker -F 3 -i -s 40x30 sh "$tmp/draw" '{x},{y} {w}x{h} {F}'
+like '-i: the frame' "$out" '^frame 40 30$'
+like '-i: the job' "$out" '^job=[0-9a-f]{16}$'
+is '-i: the pixel in the middle was drawn' "$(cat draw.said)" '20,15 1x1 3'
+is 'the job depends on the words' "$({ job 40x30 '{x}' && job 40x30 '{y}' && job 40x30 '{x}{x}' && job 40x30 '{x}' '{x}'; } | sort -u | wc -l)" 4
+is 'and on the size' "$({ job 40x30 '{x}' && job 30x40 '{x}'; } | sort -u | wc -l)" 2
+run cropworker -i -s 40x30 sh -c 'echo broken >&2; exit 1'
+is '-i: a command that fails: status 2, and its words' "$status:$out:$(printf '%s' "$err" | grep -c '^sh: broken$')" 2::1
+run cropworker -i -s 40x30 ./no-such
+is '-i: a command that is not here may be on the hosts' "$status:$(printf '%s' "$err" | grep -c 'it was not tried here')" 0:1
+
+# ---- words ---------------------------------------------------------------------------------------------------
+# grey W H: a picture of one colour
+grey() { printf 'P5 %d %d 255\n' "$1" "$2"; head -c $(($1 * $2)) /dev/zero; }
+cat >say <<'END'
+echo "$*" >>"$SAID"
+printf 'P5 %d %d 255\n' "$1" "$2"
+head -c $(($1 * $2)) /dev/zero
+END
+SAID=$tmp/said && export SAID
+printf 'frame 7 40 30\ntask 7 0 8 4 5 6 1 1\n' >tile.task
+run cropworker sh say '{w}' '{h}' '{x},{y}' '{x1},{y1}-{x2},{y2}' '{W}x{H}' 'f{F}.' '{z} {x }{' "a b'\$" <tile.task
+is 'words: numbers replaced, the rest left' "$status:$(cat said)" "0:5 6 8,4 9,5-13,10 40x30 f7. {z} {x }{ a b'\$"
+cp .out seven.frags
+run gather -o f.png seven.frags
+like 'the pixels of the task, and no others' "$err" '1170 of 1200 pixels missing'
+
+# ---- pictures --------------------------------------------------------------------------------------------------
+# A ramp with all values of a byte, and another with all of 16 bits; drawn by any rectangle, as PGM or PPM.
+cat >draw.pl <<'END'
+my ($max, $frame_w, $x, $y, $w, $h) = @ARGV;
+binmode STDOUT;
+print "P6 $w $h $max\n";
+for my $j ($y .. $y + $h - 1) {
+	for my $i ($x .. $x + $w - 1) {
+		my $p = ($j * $frame_w + $i) % ($max + 1);
+		print pack $max > 255 ? "n3" : "C3", $p, $p * 7 % ($max + 1), $max - $p;
+	}
+}
+END
+perl draw.pl 255 32 0 0 32 24 >whole8.ppm
+perl draw.pl 65535 256 0 0 256 256 >whole16.ppm
+# png: the PPM at standard input as a PNG
+cat >png.pl <<'END'
+use Compress::Zlib;
+binmode $_ for *STDIN, *STDOUT;
+my (undef, $w, $h, $max) = split ' ', <>;
+local $/;
+my $rest = <>;
+my $row = length($rest) / $h;
+sub chunk { my $body = join '', @_; pack('N', length($body) - 4) . $body . pack 'N', crc32($body) }
+print "\211PNG\r\n\032\n", chunk('IHDR', pack 'NNC5', $w, $h, $max > 255 ? 16 : 8, 2, 0, 0, 0),
+	chunk('IDAT', compress(join '', map { "\0" . substr $rest, $_ * $row, $row } 0 .. $h - 1)), chunk('IEND');
+END
+perl png.pl <whole8.ppm >whole8.png
+same() { imgcmp "$1" "$2" 2>&1 | grep differing; }
+for cut in row tile:16x7 run:50 scatter guided; do
+	partition -u "$cut" -n 3 32x24 | fan -j 3 cropworker perl draw.pl 255 32 '{x}' '{y}' '{w}' '{h}' | gather -o got.png
+	is "8 bits, $cut: all 256 values come out as they went in" "$(same got.png whole8.png)" 'differing	0'
+done
+partition -u tile:256x64 256x256 | fan -j 2 cropworker perl draw.pl 65535 256 '{x}' '{y}' '{w}' '{h}' | gather -k 16 -o got.pam
+{ printf 'P7\nWIDTH 256\nHEIGHT 256\nDEPTH 3\nMAXVAL 65535\nTUPLTYPE RGB\nENDHDR\n'; tail -c $((256 * 256 * 6)) whole16.ppm; } >whole16.pam
+ok '16 bits: all 65536 values come out as they went in' cmp got.pam whole16.pam
+for picture in whole8.png whole8.ppm; do
+	partition -u tile:9x9 32x24 | fan -j 2 cropworker cat "$tmp/$picture" | gather -o got.png
+	is "$picture: a picture of the whole frame" "$(same got.png whole8.png)" 'differing	0'
+done
+perl png.pl <whole16.ppm >sixteen.png
+partition -u tile:100x100 256x256 | fan -j 2 cropworker cp "$tmp/sixteen.png" '{o}' | gather -k 16 -o got.png
+is '{o}: a PNG of 16 bits' "$(same got.png whole16.ppm)" 'differing	0'
+is '{o}: standard output is dropped' "$(partition 32x24 | cropworker sh -c 'echo noise; cp "$0" "$1"' "$tmp/whole8.png" '{o}' |
+	gather -o got.png && same got.png whole8.png)" 'differing	0'
+printf 'frame 0 512 300\ntask 0 0 0 0 512 300 1 1\n' >one.task
+cat >count.pl <<'END'
+open my $f, '>>', 'counted'; print $f "x\n"; close $f;
+exec 'perl', 'draw.pl', @ARGV;
+END
+cropworker -f 1000 perl count.pl 255 512 '{x}' '{y}' '{w}' '{h}' <one.task | gather -o got.png
+perl draw.pl 255 512 0 0 512 300 >whole.ppm
+is 'a task of several fragments is drawn once' "$(wc -l <counted | tr -d ' '):$(imgcmp got.png whole.ppm | grep differing)" \
+	'1:differing	0'
+
+# ---- files -----------------------------------------------------------------------------------------------------
+run cropworker true <<END
+files bytes=0
+
+END
+is 'files without {i}: refused' "$status:$(printf '%s' "$err" | grep -c 'no state records')" 2:1
+run cropworker true '{i}' <one.task
+is '{i} without files: refused' "$status:$(printf '%s' "$err" | grep -c 'expected a .files. record')" 2:1
+if cropworker -i -s 4x4 true '{i}' </dev/null 2>&1 | grep -q 'without libarchive' || pack files draw.pl 2>&1 | grep -aq 'without libarchive'; then
+	skip 'packed files' 'built without libarchive'
+else
+	mkdir packed packed/sub
+	cp draw.pl packed/main.pl
+	cp whole8.png packed/sub/whole.png
+	pack files packed/main.pl packed/sub/whole.png >packed.task
+	{ cat packed.task; partition -u tile:16x16 32x24; } >files.task
+	deal fan -1 -j 2 cropworker perl '{i}' 255 32 '{x}' '{y}' '{w}' '{h}' <files.task | gather -o got.png
+	is '{i}: the first file' "$(same got.png whole8.png)" 'differing	0'
+	deal fan -j 2 cropworker sh -c 'cp sub/whole.png "$0" && cat "$1" >/dev/null' '{o}' '{i}' <files.task | gather -o got.png
+	is 'the command runs among the files' "$(same got.png whole8.png)" 'differing	0'
+	is 'the job depends on the files' "$({
+		cropworker -i -s 9x9 perl '{i}' 255 9 '{x}' '{y}' '{w}' '{h}' <packed.task
+		echo '#' >>packed/main.pl
+		pack files packed/main.pl packed/sub/whole.png | cropworker -i -s 9x9 perl '{i}' 255 9 '{x}' '{y}' '{w}' '{h}'
+	} | grep job= | sort -u | wc -l)" 2
+	# Two states, and tasks of both, again in the end: each with its own files.
+	{ cat packed.task; printf 'frame 0 8 8\ntask 0 0 0 0 8 8 1 1\n'; pack files packed/sub/whole.png one.pgm 2>/dev/null || pack files one.pgm
+		printf 'frame 1 1 1\ntask 1 0 0 0 1 1 1 1\ntask 0 1 0 0 8 8 1 1\n'; } >two.task
+	run cropworker sh -c 'case $1 in *.pl) shift; perl main.pl "$@" ;; *) cat "$1" ;; esac' sh '{i}' 255 8 '{x}' '{y}' '{w}' '{h}' <two.task
+	is 'two states: each task has the files of its own' "$status:$(grep -ac '^frag' .out)" 0:3
+	{ printf 'files bytes=1024\n'; head -c 1024 /dev/zero; echo; cat one.task; } >hostile.task
+	run cropworker true '{i}' <hostile.task
+	like 'an archive without files is refused' "$status $err" '^2 .*has no file'
+fi
+
+# ---- failures --------------------------------------------------------------------------------------------------
+printf 'frame 0 8 8\ntask 0 0 2 1 4 3 1 1\n' >small.task
+# fails NAME ERE COMMAND ...: the task fails with this message
+fails() {
+	name=$1 why=$2
+	shift 2
+	run cropworker "$@" <small.task
+	like "$name: status 3, and the reason" "$status $(printf '%s' "$err" | tr '\n' '|')" "^3 .*cropworker: frame 0, rectangle 2,1 4x3: .*$why"
+	is "$name: no pixels" "$(grep -c '^frag' "$tmp/.out")" 0
+}
+fails 'a command that is not there' 'no-such: exit status 127' ./no-such
+fails 'a command that fails' 'sh: exit status 5, expected 0' sh -c 'echo last words >&2; exit 5'
+like 'the last words of its standard error' "$err" '^sh: last words$'
+fails 'a command that is killed' 'sh: ended by signal 9' sh -c 'kill -9 $$'
+fails 'no picture' 'the command.s standard output: empty, expected' true
+fails 'no picture in {o}' 'the file .o.: No such file' true '{o}'
+fails 'no picture but text' '.*unknown picture format' echo hello
+fails 'a picture that is cut off' '.*standard output' sh -c 'head -c 900 "$0"' "$tmp/whole8.ppm"
+fails 'a picture of another size' 'a picture of 32x24, expected 4x3 or the whole frame, 8x8' cat "$tmp/whole8.png"
+fails 'output without end' 'more than [0-9]* bytes' yes
+run cropworker sh -c 'i=0; while [ $((i += 1)) -le 2000 ]; do printf "line %d of text\033[2J\r\n" $i; done >&2; exit 1' <small.task
+is 'of much standard error: the last lines, without control characters' "$(printf '%s\n' "$err" | sed -n '1p;8p')" \
+	"$(printf 'sh: line 1993 of text\\x1b[2J\nsh: line 2000 of text\\x1b[2J')"
+is 'and no others' "$(printf '%s\n' "$err" | wc -l | tr -d ' ')" 9
+cat >once <<'END'
+mkdir "$SAID.$3" 2>/dev/null && { echo not yet >&2; exit 1; }
+printf 'P6 %d %d 255\n' "$1" "$2"
+head -c $(($1 * $2 * 3)) /dev/zero
+END
+partition -u tile:16x16 32x24 >tiles.task
+deal -q 0 fan -1 -j 2 cropworker sh once '{w}' '{h}' '{x},{y}' <tiles.task 2>said | gather -o got.png
+is 'commands that fail once: tried again' "$(grep -c 'not yet' said):$(imgcmp got.png got.png | grep size)" '4:size	32x24'
+run deal -e fan -1 -j 2 cropworker sh -c 'echo no >&2; exit 1' <tiles.task
+is 'commands that always fail: the run ends with status 3' "$status:$(printf '%s\n' "$err" | grep -c 'no slot left')" 3:1
+like 'and with the reason' "$err" 'rectangle 0,0 16x16: sh: exit status 1'
+
+# ---- ends ------------------------------------------------------------------------------------------------------
+ok 'all directories are removed' await 5 none_left
+cat >sleeper <<'END'
+sleep 10000 &
+echo >>"$SAID"
+sleep 10001
+END
+sleeping() { [ "$(program sleep | wc -l)" -ge "$1" ] && [ -n "$(left)" ]; }
+# ends NAME SIGNAL COMMAND ...: the command has workers with two sleeping commands; the signal ends all processes
+ends() {
+	name=$1 signal=$2
+	shift 2
+	MARK=$mark "$@" <tiles.task >/dev/null 2>&1 &
+	ok "$name: at work" await 10 sleeping 4
+	kill -"$signal" $!
+	wait $! 2>/dev/null
+	ok "$name: no process remains" await 10 none_alive
+	ok "$name: no file remains" await 10 none_left
+}
+for signal in TERM KILL; do
+	ends "SIG$signal to a worker of two slots" "$signal" cropworker -j 2 sh sleeper
+	ends "SIG$signal to fan" "$signal" fan -j 2 cropworker sh sleeper
+done
+MARK=$mark cropworker -j 2 sh sleeper <tiles.task | until [ -e leave ]; do sleep .05; done &
+ok 'a reader that leaves: at work' await 10 sleeping 4
+touch leave
+ok 'a reader that leaves: no process remains' await 10 none_alive
+ok 'a reader that leaves: no file remains' await 10 none_left
+run env TMPDIR="$tmp/nowhere" cropworker true <small.task
+like 'a TMPDIR that is not there' "$status $err" '^3 cropworker: .*/nowhere: cannot make a directory'
+
+finish

@@ -1,0 +1,40 @@
+#!/bin/sh
+# 30000x30000 pixels with gather below 1 GB: rows in order without a log; tiles in random order with one, cut and resumed.
+# Needs 50 GB of disk space in TMPDIR, and 10 minutes of an idle machine.
+. "$(dirname "$0")/../lib.sh"
+free=$(df -Pk . | awk 'END { print int($4 / 1e6) }')
+[ "$free" -ge 50 ] || { echo "1..0 # SKIP $free GB are free in $tmp, expected 50"; exit 0; }
+export TMPDIR="$tmp"
+cat >ball.nff <<'END'
+b 0.078 0.361 0.753
+v
+from 0 0 10
+at 0 0 0
+up 0 1 0
+angle 40
+hither 0.1
+resolution 512 512
+l 4 3 20
+f 1 0.75 0.33 0.8 0.2 10 0 1
+s 0 0 0 0.5
+END
+# shellcheck source=../peaks.sh
+. "$root/tests/peaks.sh"
+size=30000x30000
+# made NAME LINE: the line of shell, whose gather has 1 GB of address space, succeeds
+made() {
+	measured "$2"
+	# shellcheck disable=SC2154  # peaks.sh sets it
+	is "$1: exit 0; gather needs $(most gather kib) KiB" "$status" 0
+}
+made "$size, rows" "partition $size | rtworker -a 1 ball.nff | prlimit --as=1000000000 gather -o rows.png"
+partition -o shuffle -u tile:512x512 $size >tiles.task
+head -n 1500 tiles.task | rtworker -a 1 ball.nff | prlimit --as=1000000000 gather -o tiles.png -r log 2>said
+ok "$size, tiles: a run that ends early has no picture" test ! -e tiles.png
+like "$size, tiles: it says what is missing" "$(cat said)" 'frame 0: [0-9]+ of 900000000 pixels missing'
+made "$size, tiles, a log continued" "partition -o shuffle -u tile:512x512 -r log $size | rtworker -a 1 ball.nff |
+	prlimit --as=1000000000 gather -r log -o tiles.png"
+ok "$size, tiles: the same bytes" cmp rows.png tiles.png
+made "$size, from the log, as PFM" 'prlimit --as=1000000000 gather -o all.pfm log'
+is "$size: the PFM has all pixels" "$(wc -c <all.pfm)" $((30000 * 30000 * 12 + 20))
+finish

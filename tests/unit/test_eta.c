@@ -1,0 +1,194 @@
+/* The estimate of the time left: runs in virtual time, with the row costs of real pictures. */
+#include "base/base.h"
+#include "task/task.h"
+#include "wire/wire.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "eta_costs.h"
+
+#define ROWS 512
+#define W 512
+#define SLOTS_MOST 32
+
+struct run {
+    const int *cost_us;
+    int slots;
+    double slowest; /* the speed of the last slot; that of the first is 1 */
+    bool sample;    /* the order of partition -o sample */
+};
+
+/* At each share of the time of a run: the error of the estimate, in parts of the time left. */
+struct errors {
+    double at[3];
+};
+static const double shares[3] = {.1, .25, .5};
+
+static double speed(const struct run *r, int k)
+{
+    return r->slots == 1 ? 1 : 1 - (1 - r->slowest) * k / (r->slots - 1);
+}
+
+struct done {
+    uint32_t row;
+    double end_s, cost_us;
+};
+
+static int by_end(const void *a, const void *b)
+{
+    const struct done *x = a, *y = b;
+    return (x->end_s > y->end_s) - (x->end_s < y->end_s);
+}
+
+/* Each idle slot gets the next row. Returns the time of the run. */
+static double schedule(const struct run *r, struct done d[ROWS])
+{
+    double free_s[SLOTS_MOST] = {0};
+    struct cut cut = {.unit = CUT_ROW};
+    struct cut_tasks tasks;
+    struct task t;
+    cut_tasks_begin(&tasks, &cut, W, ROWS, 0, NULL);
+    if (r->sample) cut_tasks_sample(&tasks);
+    for (int i = 0; cut_tasks_next(&tasks, &t); i++) {
+        int k = 0;
+        for (int j = 1; j < r->slots; j++)
+            if (free_s[j] < free_s[k]) k = j;
+        d[i].row = t.at.y;
+        d[i].cost_us = r->cost_us[t.at.y] / speed(r, k);
+        d[i].end_s = free_s[k] += d[i].cost_us * 1e-6;
+    }
+    cut_tasks_end(&tasks);
+    qsort(d, ROWS, sizeof *d, by_end);
+    return d[ROWS - 1].end_s;
+}
+
+static struct errors errors_of(const struct run *r)
+{
+    static struct done d[ROWS];
+    static struct eta e;
+    struct errors of = {{0}};
+    int n = 0;
+    double end_s = schedule(r, d);
+    e = (struct eta){0};
+    for (int i = 0; i < ROWS; i++) {
+        for (; n < 3 && d[i].end_s > shares[n] * end_s; n++) {
+            double t_s = shares[n] * end_s, left_s = end_s - t_s;
+            of.at[n] = fabs(eta_left_s(&e, (double)i * W, (double)ROWS * W, t_s) / left_s - 1);
+        }
+        double y = (d[i].row + .5) / ROWS;
+        eta_done(&e, 0, d[i].row, d[i].cost_us, d[i].end_s);
+        eta_pixels(&e, 0, d[i].row, y, y, W);
+    }
+    assert_true(eta_left_s(&e, ROWS * W, ROWS * W, end_s) == 0);
+    return of;
+}
+
+static const struct {
+    const char *name;
+    const int *cost_us;
+} scenes[] = {
+    {"gears", eta_gears}, {"balls", eta_balls}, {"tetra", eta_tetra}, {"mount", eta_mount}};
+#define SCENES (sizeof scenes / sizeof *scenes)
+
+static void at_most(const struct run *r, const char *scene, double most)
+{
+    struct errors of = errors_of(r);
+    for (int k = 0; k < 3; k++)
+        if (!(of.at[k] <= most))
+            fail_msg("%s, %d slots, the slowest %g: off by %.3f at %g of the run, expected %g",
+                scene, r->slots, r->slowest, of.at[k], shares[k], most);
+}
+
+static void a_sample_predicts_the_run(void **state)
+{
+    (void)state;
+    for (size_t s = 0; s < SCENES; s++)
+        for (int slots = 1; slots <= 8; slots *= 2) {
+            at_most(&(struct run){scenes[s].cost_us, slots, 1, true}, scenes[s].name, .25);
+            at_most(&(struct run){scenes[s].cost_us, slots, .5, true}, scenes[s].name, .25);
+            at_most(&(struct run){scenes[s].cost_us, slots, .25, true}, scenes[s].name, .3);
+        }
+}
+
+/* Without a sample the cost of the rest is unknown: the test above proves something. */
+static void rows_in_order_do_not(void **state)
+{
+    (void)state;
+    double worst = 0;
+    for (size_t s = 0; s < SCENES; s++) {
+        struct errors of = errors_of(&(struct run){scenes[s].cost_us, 2, 1, false});
+        worst = fmax(worst, of.at[0]);
+    }
+    assert_true(worst > .3);
+}
+
+static void unknown_at_first(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    assert_true(eta_left_s(&e, 0, 100, 0) < 0);
+    for (uint32_t i = 0; i < 3; i++) eta_done(&e, 0, i, 1e6, i), eta_pixels(&e, 0, i, 0, 0, 1);
+    assert_true(eta_left_s(&e, 3, 100, 3) < 0);
+    eta_done(&e, 0, 3, 1e6, 3), eta_pixels(&e, 0, 3, 0, 0, 1);
+    assert_true(eta_left_s(&e, 4, 100, 3) == 96);
+    assert_true(eta_left_s(&e, 4, 100, 5) == 94); /* time passes */
+    assert_true(eta_left_s(&e, 100, 100, 5) == 0);
+}
+
+/* The rows that an earlier run left out cost what that run says, at the speed of this one. */
+static void a_resumed_run(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    for (uint32_t i = 0; i < 32; i++) {
+        double y = (2 * i + .5) / ETA_BANDS;
+        eta_done(&e, 0, i, 1e6 * (i + 1), -1);
+        eta_pixels(&e, 0, i, y, y, 1);
+    }
+    eta_begin(&e);
+    for (uint32_t i = 0; i < 4; i++) {
+        double y = (2 * i + 1.5) / ETA_BANDS;
+        eta_done(&e, 0, 100 + i, 1e6 * (i + 1.5), i);
+        eta_pixels(&e, 0, 100 + i, y, y, 1);
+    }
+    /* rows 9, 11, ... 63 cost 5.5 s to 32 s; in the 3 seconds since the first task 10.5 s of work
+     * were done */
+    double work_s = 0;
+    for (int i = 4; i < 31; i++) work_s += i + 1.5;
+    double left_s = eta_left_s(&e, 36, 64, 3), speed = (2.5 + 3.5 + 4.5) / 3;
+    assert_true(fabs(left_s - (work_s + 32) / speed) < 1e-9);
+}
+
+/* A stream of records that nothing holds to the truth. */
+static void nonsense(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    for (uint32_t i = 0; i < 100000; i++) {
+        uint64_t x = rng_u64(1, i);
+        double y0 = (double)(x >> 40) / 1e3 - 4, y1 = (double)(x >> 20 & 0xffff) / 1e3 - 4;
+        if (x & 1) eta_done(&e, (uint32_t)x, (uint32_t)(x >> 3 & 0xffff), (double)x, (double)i - 9);
+        else eta_pixels(&e, (uint32_t)x, (uint32_t)(x >> 3 & 0xffff), y0, y1, (double)x);
+        double left_s = eta_left_s(&e, (double)i, 1e9, (double)(x & 0xfffff));
+        assert_true(left_s == -1 || left_s >= 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sample_predicts_the_run),
+        cmocka_unit_test(rows_in_order_do_not),
+        cmocka_unit_test(unknown_at_first),
+        cmocka_unit_test(a_resumed_run),
+        cmocka_unit_test(nonsense),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
