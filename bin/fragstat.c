@@ -126,11 +126,9 @@ static void print_summary(const struct report *r)
 /* The intervals of stormring-tsv(5): a bar per `done`. */
 static void print_gantt(const struct report *r, const char *name)
 {
+    static const char *const word[ACCOUNT_KINDS] = {"task", "task given again", "wasted"};
     const struct history *l = &r->log;
     const char *kind = l->n_frames && l->frames[0].replayed ? "replayed" : "real";
-    /* start of each run: they follow each other */
-    double *zero_s = xcalloc(l->n_runs + 1, sizeof *zero_s);
-    for (size_t i = 0; i < l->n_runs; i++) zero_s[i + 1] = zero_s[i] + r->of.run_s[i];
     printf("# x: time\n# y: slot\n# note: efficiency %.3f: at least %.3g s, and it took %.3g s%s\n",
         efficiency(r), r->bound_s, r->of.makespan_s, l->n_runs > 1 ? ", all runs together" : "");
     printf("# lanes:");
@@ -138,11 +136,10 @@ static void print_gantt(const struct report *r, const char *name)
     printf("\nexperiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\tuntil\n");
     for (size_t i = 0; i < l->n_dones; i++) {
         const struct span *s = &r->of.spans[i];
-        const char *what = s->wasted ? "wasted" : l->dones[i].try > 1 ? "task given again" : "task";
-        printf("%s\t%s\t%s\t%.6f\ts\t%" PRIu32 "\t1\t%zu\t0\t%.6f\n", name, kind, what,
-            zero_s[s->run] + s->begin_s, s->slot, i + 1, zero_s[s->run] + s->end_s);
+        double zero_s = r->of.zero_s[s->run];
+        printf("%s\t%s\t%s\t%.6f\ts\t%" PRIu32 "\t1\t%zu\t0\t%.6f\n", name, kind,
+            word[account_kind(&r->of, i)], zero_s + s->begin_s, s->slot, i + 1, zero_s + s->end_s);
     }
-    free(zero_s);
 }
 
 static void print_trace(const struct account *a)
@@ -253,10 +250,15 @@ static void put_table(const struct view_log *v, bool found)
     bool screen = isatty(STDOUT_FILENO);
     if (screen && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) size = (struct winsize){0};
     if (screen) buf_printf(&out, "%s", home);
-    if (found)
-        view_table(
-            v, size.ws_col, size.ws_row > 1 ? size.ws_row - 1 : 0, screen ? line : "\n", &out);
-    else buf_printf(&out, "waiting for %s%s", v->path, screen ? line : "\n");
+    if (found) {
+        int lines = size.ws_row > 1 ? size.ws_row - 1 : 0;
+        struct view_state s;
+        view_state(v, &s);
+        view_table(v, &s, size.ws_col, lines, screen ? line : "\n", &out);
+        free(s.slots);
+    } else {
+        buf_printf(&out, "waiting for %s%s", v->path, screen ? line : "\n");
+    }
     buf_printf(&out, "%s", screen ? rest : "\n");
     put_stdout_buf(&out);
     if (fflush(stdout) != 0) die(ST_SYSTEM, "standard output:");

@@ -4,19 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"
-cat >ball.nff <<'END'
-b 0.078 0.361 0.753
-v
-from 0 0 10
-at 0 0 0
-up 0 1 0
-angle 40
-hither 0.1
-resolution 512 512
-l 4 3 20
-f 1 0.75 0.33 0.8 0.2 10 0 1
-s 0 0 0 0.5
-END
+cp "$root/tests/ball.nff" .
 TMPDIR=$tmp/pixels && mkdir pixels && export TMPDIR
 worker='rtworker -a 1 ball.nff'
 

@@ -99,8 +99,18 @@ void account_make(struct account *a, const struct history *log)
     struct times *of = xcalloc(a->n_slots, sizeof *of);
     stats_timeline(a->spans, log->n_dones, of, a->n_slots, a->run_s, log->n_runs);
     for (size_t k = 0; k < a->n_slots; k++) a->slots[k].times = of[k];
-    for (size_t i = 0; i < log->n_runs; i++) a->makespan_s += a->run_s[i];
+    a->zero_s = xcalloc(log->n_runs, sizeof *a->zero_s);
+    for (size_t i = 0; i < log->n_runs; i++) {
+        a->zero_s[i] = a->makespan_s;
+        a->makespan_s += a->run_s[i];
+    }
     free(of);
+}
+
+enum account_kind account_kind(const struct account *a, size_t i)
+{
+    if (a->spans[i].wasted) return ACCOUNT_WASTED;
+    return a->log->dones[i].try > 1 ? ACCOUNT_AGAIN : ACCOUNT_TASK;
 }
 
 struct account_slot account_total(const struct account *a)
@@ -128,6 +138,7 @@ void account_free(struct account *a)
     free(a->slot_of);
     free(a->spans);
     free(a->run_s);
+    free(a->zero_s);
     *a = (struct account){0};
 }
 

@@ -27,11 +27,20 @@ struct account {
     uint32_t *slot_of;  /* index in slots of each slot of the log */
     struct span *spans; /* of each done of the log; slots and runs are indices */
     double *run_s;      /* makespan of each run */
+    double *zero_s;     /* start of each run: runs follow each other */
     double makespan_s;  /* of all runs, one after the other */
     int64_t tasks;      /* different ones */
 };
 
 void account_make(struct account *a, const struct history *log);
+/* What became of the task of span i. */
+enum account_kind {
+    ACCOUNT_TASK,   /* done at the first attempt */
+    ACCOUNT_AGAIN,  /* done at a later attempt */
+    ACCOUNT_WASTED, /* its pixels were not used */
+    ACCOUNT_KINDS
+};
+enum account_kind account_kind(const struct account *a, size_t i);
 /* The slot of the outermost fan that a slot belongs to: the number before the first point of its
  * name; -1 if it has none. */
 int64_t account_outermost(const char *name);

@@ -46,6 +46,13 @@ static void stamp(const struct fan_slot *s, const struct record *r, char *text, 
     else snprintf(text, size, "w=%d", k);
 }
 
+/* Appends " recv_us=T": now, in the time of the run. */
+static void stamp_time(const struct fan *f, char *text, size_t size)
+{
+    size_t n = strlen(text);
+    snprintf(text + n, size - n, " recv_us=%" PRId64, now_us() - f->start_us);
+}
+
 /* More beats carry no more information: a slot that sends many does not fill a log. */
 static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -135,8 +142,8 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
         if (s->width == 1) stamp(s, r, text, sizeof text);
         else snprintf(text, sizeof text, "w=%d", s->number + i);
         size_t n = strlen(text);
-        snprintf(text + n, sizeof text - n, " host=%s recv_us=%" PRId64, s->host->host->name,
-            now_us() - f->start_us);
+        snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
+        stamp_time(f, text, sizeof text);
         up_forward(&f->out.queue, r, stamped, text);
     }
     return NULL;
@@ -173,8 +180,8 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     char w[96], from[24] = "", text[184];
     stamp(s, r, w, sizeof w);
     if (task->from >= 0) snprintf(from, sizeof from, " from=%" PRId32, task->from);
-    snprintf(text, sizeof text, "%s%s sent_us=%" PRId64 " recv_us=%" PRId64, w, from, task->sent_us,
-        now_us() - f->start_us);
+    snprintf(text, sizeof text, "%s%s sent_us=%" PRId64, w, from, task->sent_us);
+    stamp_time(f, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
     task->computed = true;
     s->undone--;
@@ -240,8 +247,7 @@ static const char *take_inner_gone(struct fan *f, const struct fan_slot *s, cons
     char text[144];
     if (rec_is(r, "kept", "1")) {
         stamp(s, r, text, sizeof text);
-        size_t n = strlen(text);
-        snprintf(text + n, sizeof text - n, " recv_us=%" PRId64, now_us() - f->start_us);
+        stamp_time(f, text, sizeof text);
         up_forward(&f->out.queue, r, stamped, text);
         return NULL;
     }

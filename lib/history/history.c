@@ -262,7 +262,8 @@ void history_take(struct history *l, struct decoder *d)
     }
 }
 
-void history_end(struct history *l, const struct decoder *d)
+/* What is left to do when a file has ended. */
+static void end_file(struct history *l, const struct decoder *d)
 {
     l->running = false;
     if (run_idle(l)) {
@@ -284,7 +285,7 @@ int history_read(struct history *l, int fd)
         history_take(l, &d);
     } while (n > 0 && !l->refused);
     int err = errno;
-    history_end(l, &d);
+    end_file(l, &d);
     wire_free(&d);
     errno = err;
     return n < 0 ? -1 : 0;
@@ -299,7 +300,7 @@ void history_over(struct history *l, unsigned char *p, size_t n)
         history_free(l);
         l->keep = true;
         history_take(l, &d);
-        history_end(l, &d);
+        end_file(l, &d);
         if (summed || l->refused || !d.bad) return;
     }
 }

@@ -114,10 +114,9 @@ struct history {
 
 /*
  * Reads a log that grows: handles the complete records in d, whose `upward` is true and which was
- * fed by the caller. Call history_end when there will be no more.
+ * fed by the caller.
  */
 void history_take(struct history *l, struct decoder *d);
-void history_end(struct history *l, const struct decoder *d);
 /* Reads fd to its end; the caller closes it. 0, or -1 with errno. */
 int history_read(struct history *l, int fd);
 /*

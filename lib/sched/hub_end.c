@@ -27,11 +27,6 @@
 
 /* ---- times ----------------------------------------------------------------------------------- */
 
-static double px_of(const struct hub *h, int32_t i)
-{
-    return (double)lattice_count(&h->ledger.at[i].task.at);
-}
-
 static double us_per_px(const struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
@@ -61,8 +56,8 @@ static double left_us(const struct hub *h, int32_t k, bool *late)
     int32_t first = s->held.head;
     *late = false;
     if (first < 0) return 0;
-    double us = px_of(h, first) * cost_us(h, k, first);
-    double rest_us = (s->held_px - px_of(h, first)) * us_per_px(h, k);
+    double us = tasks_px(&h->ledger, first) * cost_us(h, k, first);
+    double rest_us = (s->held_px - tasks_px(&h->ledger, first)) * us_per_px(h, k);
     double since_us = (double)(h->now_us - s->progress_us);
     *late = since_us > us;
     return rest_us + fabs(us - since_us);
@@ -73,7 +68,7 @@ static double cost_of(const struct hub *h, int32_t k, int32_t i)
 {
     double us = cost_us(h, k, i), mean = mean_us(h, k);
     double since_us = (double)(h->now_us - h->nodes[k].progress_us);
-    if (i == h->nodes[k].held.head) us = fmax(us, since_us / px_of(h, i));
+    if (i == h->nodes[k].held.head) us = fmax(us, since_us / tasks_px(&h->ledger, i));
     return mean > 0 ? us / mean : 1;
 }
 
@@ -169,7 +164,7 @@ static uint64_t part_px(const struct hub *h, int32_t k, double px, double us)
 static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     const struct lattice *at = &h->ledger.at[i].task.at;
-    double px = px_of(h, i);
+    double px = tasks_px(&h->ledger, i);
     uint64_t n = part_px(h, k, px, cost_us(h, k, i));
     if (at->h > 1) n = n < at->w ? at->w : n - n % at->w;
     if ((double)n < .75 * px && !h->ledger.at[i].delivered) i = cut_off(h, i, n);
@@ -190,7 +185,8 @@ bool hub_end(struct hub *h, int32_t k, struct sched_actions *out)
     if (from < 0) return false;
     i = last_of(h, from, k);
     double us = cost_of(h, from, i) * mean_us(h, k), theirs_us = left_us(h, from, &late);
-    double need_us = fmax(trip_us, mine_us) + us * (double)part_px(h, k, px_of(h, i), us);
+    double need_us =
+        fmax(trip_us, mine_us) + us * (double)part_px(h, k, tasks_px(&h->ledger, i), us);
     if (need_us >= theirs_us) {
         double wait_us = late ? need_us - theirs_us : need_us + theirs_us;
         int64_t then_us = h->now_us + 1 + (int64_t)fmin(wait_us, 1e12);

@@ -11,24 +11,19 @@ static struct task_list *list_of(struct hub *h, int32_t i)
     return t->computed ? &h->nodes[t->owner].computed : &h->nodes[t->owner].held;
 }
 
-static double px_of(const struct hub *h, int32_t i)
-{
-    return (double)lattice_count(&h->ledger.at[i].task.at);
-}
-
 /* Entry i enters the list `held` of its owner, or leaves it. */
 static void count(struct hub *h, int32_t i, int32_t more)
 {
     const struct hub_task *t = hub_task(h, i);
     if (t->owner < 0 || t->computed) return;
     struct hub_node *s = &h->nodes[t->owner];
-    s->held_px += more * px_of(h, i);
+    s->held_px += more * tasks_px(&h->ledger, i);
     if (t->piece < 0) {
-        h->left_px += more * px_of(h, i);
+        h->left_px += more * tasks_px(&h->ledger, i);
         return;
     }
     s->cut += more;
-    s->cut_px += more * px_of(h, i);
+    s->cut_px += more * tasks_px(&h->ledger, i);
 }
 
 void hub_unlist(struct hub *h, int32_t i)

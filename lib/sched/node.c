@@ -46,23 +46,18 @@ static void node_destroy(void *state)
     free(n);
 }
 
-static double px_of(const struct node *n, int32_t i)
-{
-    return (double)lattice_count(&n->has.at[i].task.at);
-}
-
 /* ---- what it has ----------------------------------------------------------------------------- */
 
 static void queue_push(struct node *n, int32_t i)
 {
     list_push_back(&n->has, &n->queue, i);
-    n->queue_px += px_of(n, i);
+    n->queue_px += tasks_px(&n->has, i);
 }
 
 static void queue_take(struct node *n, int32_t i)
 {
     list_remove(&n->has, &n->queue, i);
-    n->queue_px -= px_of(n, i);
+    n->queue_px -= tasks_px(&n->has, i);
 }
 
 static void unlist(struct node *n, int32_t i)
@@ -71,7 +66,7 @@ static void unlist(struct node *n, int32_t i)
     case QUEUED: queue_take(n, i); break;
     case FED:
         list_remove(&n->has, &n->fed, i);
-        n->fed_px -= px_of(n, i);
+        n->fed_px -= tasks_px(&n->has, i);
         break;
     case COMPUTED: list_remove(&n->has, &n->computed, i); break;
     }
@@ -120,7 +115,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
         int32_t i = n->queue.head;
         queue_take(n, i);
         list_push_back(&n->has, &n->fed, i);
-        n->fed_px += px_of(n, i);
+        n->fed_px += tasks_px(&n->has, i);
         *node_task(n, i) = (struct node_task){.place = FED, .fed_us = now};
         sched_act(out, SCHED_GIVE, 0, &n->has.at[i].task);
     }
@@ -254,7 +249,7 @@ static int32_t spare(const struct node *n, int64_t now)
     int32_t given = 0, most = n->place.one ? 1 : n->queue.count;
     if (n->asked_us >= 0) return 0;
     for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
-        double us = px_of(n, i) * us_per_px;
+        double us = tasks_px(&n->has, i) * us_per_px;
         if (there_us + us + LEAST_US > here_us) break;
         there_us += us;
         here_us -= us;

@@ -1,11 +1,11 @@
 /* The tasks of a frame in an order, and the slots they are assigned to. */
 #include "task/task.h"
 
-#define SAMPLES_MOST 32 /* tasks of a sample: enough for an estimate of the time left, and few */
-#define SAMPLE_STEP_LEAST 8
-
 #include <stdlib.h>
 #include <string.h>
+
+#define SAMPLES_MOST 32 /* tasks of a sample: enough for an estimate of the time left, and few */
+#define SAMPLE_STEP_LEAST 8
 
 bool cut_in_runs(const struct cut *cut) { return cut->unit == CUT_FINE || cut->unit == CUT_COARSE; }
 

@@ -263,6 +263,11 @@ static inline bool tasks_whole(const struct task_table *t, int32_t i)
 {
     return t->at[i].delivered == lattice_count(&t->at[i].task.at);
 }
+/* The number of pixels of entry i. */
+static inline double tasks_px(const struct task_table *t, int32_t i)
+{
+    return (double)lattice_count(&t->at[i].task.at);
+}
 void list_push_back(struct task_table *t, struct task_list *l, int32_t i);
 void list_push_front(struct task_table *t, struct task_list *l, int32_t i);
 void list_remove(struct task_table *t, struct task_list *l, int32_t i);

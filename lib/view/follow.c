@@ -19,10 +19,8 @@ void view_open(struct view_log *v, const char *path)
 static void forget(struct view_log *v)
 {
     const char *path = v->path;
-    int times = v->times;
     view_close(v);
     view_open(v, path);
-    v->times = times + 1;
 }
 
 void view_close(struct view_log *v)

@@ -9,8 +9,7 @@
 #define GAP_LEAST 0.5 /* units: bars that are nearer are drawn as one */
 #define LANES_MOST 512
 
-enum kind { TASK, AGAIN, WASTED, KINDS };
-static const char *const class_of[KINDS] = {"t", "a", "w"};
+static const char *const class_of[ACCOUNT_KINDS] = {"t", "a", "w"};
 
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -67,18 +66,17 @@ static void put_base64(struct buf *out, const unsigned char *p, size_t n)
 /* ---- the timeline ---------------------------------------------------------------------------- */
 
 struct lane {
-    double from[KINDS], to[KINDS]; /* the open bar of each kind, in units; to 0: none */
-    struct buf path[KINDS];
+    double from[ACCOUNT_KINDS], to[ACCOUNT_KINDS]; /* the open bars, in units; to 0: none */
+    struct buf path[ACCOUNT_KINDS];
     struct buf marks;
 };
 
 struct timeline {
     const struct account *a;
-    double *zero_s, all_s;
     struct lane *lanes; /* by line of the account */
 };
 
-static void close_bar(struct lane *lane, int k)
+static void close_bar(struct lane *lane, size_t k)
 {
     if (lane->to[k] <= 0) return;
     double w = fmax(lane->to[k] - lane->from[k], GAP_LEAST);
@@ -88,7 +86,8 @@ static void close_bar(struct lane *lane, int k)
 
 static double unit_of(const struct timeline *t, size_t run, double s)
 {
-    return t->all_s > 0 ? fmin((t->zero_s[run] + s) / t->all_s, 1) * WIDTH : 0;
+    double all_s = t->a->makespan_s;
+    return all_s > 0 ? fmin((t->a->zero_s[run] + s) / all_s, 1) * WIDTH : 0;
 }
 
 /* The spans of a slot come in order of time. */
@@ -97,7 +96,7 @@ static void add_bar(struct timeline *t, size_t i)
     const struct span *s = &t->a->spans[i];
     if (s->slot >= LANES_MOST) return;
     struct lane *lane = &t->lanes[s->slot];
-    int k = s->wasted ? WASTED : t->a->log->dones[i].try > 1 ? AGAIN : TASK;
+    size_t k = account_kind(t->a, i);
     double from = unit_of(t, s->run, s->begin_s), to = unit_of(t, s->run, s->end_s);
     if (lane->to[k] > 0 && from - lane->to[k] > GAP_LEAST) close_bar(lane, k);
     if (lane->to[k] <= 0) lane->from[k] = from;
@@ -121,9 +120,9 @@ static void put_lane(const struct timeline *t, size_t line, const char *host, st
     buf_printf(out, "<div class=\"lane\"><span>");
     put_word(out, t->a->slots[line].name);
     buf_printf(out, " ");
-    put_word(out, strcmp(host, ":") == 0 ? "localhost" : host);
+    put_word(out, host);
     buf_printf(out, "</span><svg viewBox=\"0 0 %d 18\" preserveAspectRatio=\"none\">", WIDTH);
-    for (int k = 0; k < KINDS; k++) {
+    for (size_t k = 0; k < ACCOUNT_KINDS; k++) {
         close_bar(lane, k);
         if (buf_size(&lane->path[k])) {
             buf_printf(out, "<path class=\"%s\" d=\"", class_of[k]);
@@ -140,15 +139,13 @@ static void put_lane(const struct timeline *t, size_t line, const char *host, st
 static void put_timeline(const struct account *a, struct buf *out)
 {
     const struct history *l = a->log;
-    struct timeline t = {.a = a, .all_s = a->makespan_s};
+    struct timeline t = {.a = a};
     size_t n = a->n_slots < LANES_MOST ? a->n_slots : LANES_MOST;
     const char **host = xcalloc(a->n_slots + 1, sizeof *host);
     t.lanes = xcalloc(n + 1, sizeof *t.lanes);
-    t.zero_s = xcalloc(l->n_runs + 1, sizeof *t.zero_s);
-    for (size_t i = 0; i < l->n_runs; i++) t.zero_s[i + 1] = t.zero_s[i] + a->run_s[i];
     for (size_t i = 0; i < l->n_dones; i++) add_bar(&t, i);
     for (size_t i = 0; i < l->n_events; i++) add_mark(&t, &l->events[i]);
-    for (size_t i = 0; i < l->n_slots; i++) host[a->slot_of[i]] = l->slots[i].host;
+    for (size_t i = 0; i < l->n_slots; i++) host[a->slot_of[i]] = view_host(&l->slots[i], "");
     buf_printf(out,
         "<h2>Timeline</h2>\n<p class=\"key\">%.3g s%s: <span><i "
         "style=\"background:#3a7ca5\"></i>task"
@@ -158,7 +155,6 @@ static void put_timeline(const struct account *a, struct buf *out)
         a->makespan_s, l->n_runs > 1 ? ", all runs together" : "");
     for (size_t i = 0; i < n; i++) put_lane(&t, i, host[i] ? host[i] : "", out);
     if (n < a->n_slots) buf_printf(out, "<p>... and %zu more slots</p>\n", a->n_slots - n);
-    free(t.zero_s);
     free(t.lanes);
     free(host);
 }
@@ -171,7 +167,7 @@ void view_page(const struct view_log *v, const struct account *a, const struct b
     struct view_state s;
     struct buf table = {0};
     view_state(v, &s);
-    view_table(v, 0, 0, "\n", &table);
+    view_table(v, &s, 0, 0, "\n", &table);
     const char *text = (const char *)buf_data(&table);
     size_t n = buf_size(&table), first = (size_t)((const char *)memchr(text, '\n', n) - text);
     buf_append(out, head, sizeof head - 1);

@@ -10,16 +10,12 @@
 
 #define SIDE_MOST 1024
 
-struct reading {
-    struct intake in;
-};
-
 static void take(void *ctx, const struct record *r)
 {
-    struct reading *of = ctx;
-    if (r->kind == REC_FRAME) intake_frame(&of->in, r);
-    else if (!of->in.parts.n_frames || r->task.frame == of->in.parts.frames[0]->number)
-        intake_record(&of->in, r);
+    struct intake *in = ctx;
+    if (r->kind == REC_FRAME) intake_frame(in, r);
+    else if (!in->parts.n_frames || r->task.frame == in->parts.frames[0]->number)
+        intake_record(in, r);
 }
 
 /* Each pixel of the result is the mean of k x k pixels; missing ones are transparent. */
@@ -53,13 +49,13 @@ static void encode(const struct image *im, const char *job, struct buf *png)
 
 void view_picture(const char *path, struct buf *png)
 {
-    struct reading of = {0};
-    const struct log_reader reader = {.record = take, .ctx = &of};
-    intake_init(&of.in, true);
+    struct intake in = {0};
+    const struct log_reader reader = {.record = take, .ctx = &in};
+    intake_init(&in, true);
     int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || log_read(&of.in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
+    if (fd < 0 || log_read(&in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
     close(fd);
-    const struct assembly_frame *f = of.in.parts.n_frames ? of.in.parts.frames[0] : NULL;
+    const struct assembly_frame *f = in.parts.n_frames ? in.parts.frames[0] : NULL;
     if (f && f->pixels) {
         const struct image_rows rows = assembly_rows(f);
         uint32_t side = rows.w > rows.h ? rows.w : rows.h;
@@ -68,5 +64,5 @@ void view_picture(const char *path, struct buf *png)
         encode(&small, f->job, png);
         image_free(&small);
     }
-    intake_free(&of.in);
+    intake_free(&in);
 }

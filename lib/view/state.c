@@ -32,7 +32,6 @@ static void add_done(const struct history *l, const struct history_done *d, stru
     slot->busy_s += (double)(d->wall_us > d->cpu_us ? d->wall_us : d->cpu_us) * 1e-6;
     if (d->recv_us < 0) slot->last_s = slot->busy_s;
     slot->tasks++;
-    slot->px += d->pixels;
     slot->done = d;
     double over_s = fmin(VIEW_RATE_S, s->now_s);
     if (slot->last_s >= s->now_s - over_s && over_s > 0)
@@ -61,6 +60,11 @@ void view_state(const struct view_log *v, struct view_state *s)
     for (size_t i = 0; i < l->n_slots; i++) s->n_up += run && l->slots[i].ready == run;
     if (!l->ended)
         s->left_s = eta_left_s(&v->eta, (double)s->done_px, (double)s->total_px, s->now_s);
+}
+
+const char *view_host(const struct history_slot *slot, const char *unknown)
+{
+    return strcmp(slot->host, ":") == 0 ? "localhost" : *slot->host ? slot->host : unknown;
 }
 
 /* ---- the table ------------------------------------------------------------------------------- */
@@ -108,11 +112,6 @@ static void put_head(struct page *p, const struct view_log *v, const struct view
     if (v->log.bad) put(p, "%" PRIu64 " damaged places: %s", v->log.bad, v->d.why);
 }
 
-static const char *host_name(const char *host)
-{
-    return strcmp(host, ":") == 0 ? "localhost" : *host ? host : "-";
-}
-
 static void put_slot(struct page *p, const struct view_log *v, const struct view_state *s, size_t i)
 {
     const struct history_slot *slot = &v->log.slots[i];
@@ -126,7 +125,7 @@ static void put_slot(struct page *p, const struct view_log *v, const struct view
         snprintf(idle, sizeof idle, "%.1f %%", 100 * fmax(0, 1 - own->busy_s / own->last_s));
     if (own->event && *own->event->why) state = own->event->why;
     else if (!own->done) state = "no task yet";
-    put(p, "%-6s %-16.16s %9zu %12s %8s %8s  %s", slot->name, host_name(slot->host), own->tasks,
+    put(p, "%-6s %-16.16s %9zu %12s %8s %8s  %s", slot->name, view_host(slot, "-"), own->tasks,
         task, rate, idle, state);
 }
 
@@ -141,7 +140,7 @@ static void put_losses(struct page *p, const struct view_log *v, size_t n)
         if (!e->lost) continue;
         if (e->recv_us >= 0) eta_text((double)e->recv_us * 1e-6, at);
         put(p, "lost at %s: slot %s on %s (%s) with %" PRId64 " task%s", at, l->slots[e->slot].name,
-            host_name(l->slots[e->slot].host), e->why, e->tasks, e->tasks == 1 ? "" : "s");
+            view_host(&l->slots[e->slot], "-"), e->why, e->tasks, e->tasks == 1 ? "" : "s");
     }
 }
 
@@ -151,25 +150,23 @@ static int by_name(const void *a, const void *b, void *slots)
     return strverscmp(all[*(const size_t *)a].name, all[*(const size_t *)b].name);
 }
 
-void view_table(const struct view_log *v, int columns, int lines, const char *eol, struct buf *out)
+void view_table(const struct view_log *v, const struct view_state *s, int columns, int lines,
+    const char *eol, struct buf *out)
 {
     const struct history *l = &v->log;
     struct page p = {out, eol, columns, lines ? lines : -1};
-    struct view_state s;
     size_t losses = 0;
-    view_state(v, &s);
     for (size_t i = 0; i < l->n_events; i++) losses += l->events[i].lost;
     size_t told = losses < LOSSES_MOST ? losses : LOSSES_MOST,
            *order = xmalloc(l->n_slots + 1, sizeof *order);
-    put_head(&p, v, &s);
+    put_head(&p, v, s);
     put(&p, "%-6s %-16s %9s %12s %8s %8s", "slot", "host", "tasks", "last task", "px/s", "idle");
     size_t room = p.left < 0 ? l->n_slots : p.left > (int)told + 1 ? (size_t)p.left - told - 1 : 0;
     for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
     if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_name, l->slots);
-    for (size_t i = 0; i < l->n_slots && i < room; i++) put_slot(&p, v, &s, order[i]);
+    for (size_t i = 0; i < l->n_slots && i < room; i++) put_slot(&p, v, s, order[i]);
     if (room < l->n_slots) put(&p, "... and %zu more slots", l->n_slots - room);
     put_losses(&p, v, told);
     if (losses > told) put(&p, "%zu losses in all", losses);
     free(order);
-    free(s.slots);
 }

@@ -13,8 +13,7 @@
 struct trace {
     const struct account *a;
     struct buf *out;
-    double *zero_s; /* start of each run */
-    size_t *pid;    /* of each slot of the log */
+    size_t *pid; /* of each slot of the log */
     bool more;
 };
 
@@ -44,17 +43,16 @@ static void put_name(struct trace *t, const char *what, size_t pid, size_t tid, 
     buf_printf(t->out, "}}");
 }
 
-static const char *host_of(const struct history *l, size_t i)
+static const char *host_of(const struct history_slot *slot)
 {
-    const char *host = l->slots[i].host;
-    return strcmp(host, ":") == 0 ? "localhost" : *host ? host : "unknown host";
+    return view_host(slot, "unknown host");
 }
 
-static int by_host(const void *a, const void *b, void *log)
+static int by_host(const void *a, const void *b, void *slots)
 {
-    const struct history *l = log;
+    const struct history_slot *all = slots;
     size_t i = *(const size_t *)a, j = *(const size_t *)b;
-    int order = strcmp(host_of(l, i), host_of(l, j));
+    int order = strcmp(host_of(&all[i]), host_of(&all[j]));
     return order ? order : (i > j) - (i < j);
 }
 
@@ -63,41 +61,40 @@ static void put_names(struct trace *t)
 {
     const struct history *l = t->a->log;
     size_t *order = xmalloc(l->n_slots + 1, sizeof *order), pid = 0;
-    struct history *sorted = xmalloc(1, sizeof *sorted);
-    *sorted = *l;
     for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
-    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, sorted);
+    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, l->slots);
     for (size_t i = 0; i < l->n_slots; i++) {
         size_t k = order[i];
         char name[HISTORY_NAME + 8];
-        if (!i || strcmp(host_of(l, k), host_of(l, order[i - 1])) != 0)
-            put_name(t, "process_name", ++pid, 0, host_of(l, k));
+        const char *host = host_of(&l->slots[k]);
+        if (!i || strcmp(host, host_of(&l->slots[order[i - 1]])) != 0)
+            put_name(t, "process_name", ++pid, 0, host);
         t->pid[k] = pid;
         snprintf(name, sizeof name, "slot %s", l->slots[k].name);
         put_name(t, "thread_name", pid, t->a->slot_of[k] + 1, name);
     }
-    free(sorted);
     free(order);
 }
 
 static void put_task(struct trace *t, size_t i)
 {
+    static const char *const word[ACCOUNT_KINDS] = {"task", "given again", "wasted"};
     const struct history_done *d = &t->a->log->dones[i];
     const struct span *s = &t->a->spans[i];
-    const char *kind = s->wasted ? "wasted" : d->try > 1 ? "given again" : "task";
+    const char *kind = word[account_kind(t->a, i)];
+    double zero_s = t->a->zero_s[s->run];
     begin(t);
     buf_printf(t->out,
         "\"name\":\"task %" PRIu32 " %" PRIu32 "\",\"cat\":\"%s\",\"ph\":\"X\",\"ts\":%.0f,"
         "\"dur\":%.0f,\"pid\":%zu,\"tid\":%" PRIu32 ",\"args\":{\"pixels\":%" PRIu64
         ",\"cpu_us\":%" PRId64 ",\"try\":%" PRId64 ",\"kind\":\"%s\"}}",
-        d->frame, d->id, kind, (t->zero_s[s->run] + s->begin_s) * 1e6,
-        (s->end_s - s->begin_s) * 1e6, t->pid[d->slot], s->slot + 1, d->pixels, d->cpu_us, d->try,
-        kind);
+        d->frame, d->id, kind, (zero_s + s->begin_s) * 1e6, (s->end_s - s->begin_s) * 1e6,
+        t->pid[d->slot], s->slot + 1, d->pixels, d->cpu_us, d->try, kind);
 }
 
 static void put_event(struct trace *t, const struct history_event *e)
 {
-    double at_us = t->zero_s[e->run] * 1e6 + (double)(e->recv_us < 0 ? 0 : e->recv_us);
+    double at_us = t->a->zero_s[e->run] * 1e6 + (double)(e->recv_us < 0 ? 0 : e->recv_us);
     begin(t);
     buf_printf(t->out, "\"name\":");
     if (*e->why) {
@@ -127,7 +124,7 @@ static void put_counts(struct trace *t)
         buf_printf(t->out,
             "\"name\":\"pixels\",\"ph\":\"C\",\"ts\":%.0f,\"pid\":0,\"args\":{\"done\":%" PRIu64
             "}}",
-            (t->zero_s[s->run] + s->end_s) * 1e6, px);
+            (t->a->zero_s[s->run] + s->end_s) * 1e6, px);
     }
 }
 
@@ -135,9 +132,7 @@ void view_trace(const struct account *a, struct buf *out)
 {
     const struct history *l = a->log;
     struct trace t = {.a = a, .out = out};
-    t.zero_s = xcalloc(l->n_runs + 1, sizeof *t.zero_s);
     t.pid = xcalloc(l->n_slots + 1, sizeof *t.pid);
-    for (size_t i = 0; i < l->n_runs; i++) t.zero_s[i + 1] = t.zero_s[i] + a->run_s[i];
     buf_printf(out, "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n");
     put_name(&t, "process_name", 0, 0, "the run");
     put_names(&t);
@@ -145,6 +140,5 @@ void view_trace(const struct account *a, struct buf *out)
     for (size_t i = 0; i < l->n_events; i++) put_event(&t, &l->events[i]);
     put_counts(&t);
     buf_printf(out, "\n]}\n");
-    free(t.zero_s);
     free(t.pid);
 }

@@ -21,7 +21,6 @@ struct view_log {
     struct history log;
     struct eta eta;
     int64_t heard_us; /* now_us when the file last grew */
-    int times;        /* it was truncated or replaced */
 };
 void view_open(struct view_log *v, const char *path);
 /*
@@ -41,8 +40,7 @@ bool view_whole(const struct view_log *v);
 struct view_slot {
     double busy_s;                     /* in the last run */
     double last_s;                     /* end of its last task there; < 0: none */
-    uint64_t px;                       /* that it brought in the last run, */
-    double px_per_s;                   /* and in the last VIEW_RATE_S */
+    double px_per_s;                   /* in the last VIEW_RATE_S */
     size_t tasks, losses;              /* of the last run */
     const struct history_done *done;   /* its last task, or NULL */
     const struct history_event *event; /* its last one, or NULL: it was ready, or is lost */
@@ -58,12 +56,15 @@ struct view_state {
 };
 /* The caller frees s->slots. */
 void view_state(const struct view_log *v, struct view_state *s);
+/* The name of the slot's host, as people know it; `unknown` if the log does not state it. */
+const char *view_host(const struct history_slot *slot, const char *unknown);
 
 /*
- * Appends the table of the run: a line for each slot, and the latest losses. columns, lines: size
- * of the terminal, to which all is cut; 0: no limit. Lines end in `eol`.
+ * Appends the table of the run in state s: a line for each slot, and the latest losses. columns,
+ * lines: size of the terminal, to which all is cut; 0: no limit. Lines end in `eol`.
  */
-void view_table(const struct view_log *v, int columns, int lines, const char *eol, struct buf *out);
+void view_table(const struct view_log *v, const struct view_state *s, int columns, int lines,
+    const char *eol, struct buf *out);
 
 /* ---- a trace, and a page --------------------------------------------------------------------- */
 

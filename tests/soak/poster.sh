@@ -5,19 +5,7 @@
 free=$(df -Pk . | awk 'END { print int($4 / 1e6) }')
 [ "$free" -ge 50 ] || { echo "1..0 # SKIP $free GB are free in $tmp, expected 50"; exit 0; }
 export TMPDIR="$tmp"
-cat >ball.nff <<'END'
-b 0.078 0.361 0.753
-v
-from 0 0 10
-at 0 0 0
-up 0 1 0
-angle 40
-hither 0.1
-resolution 512 512
-l 4 3 20
-f 1 0.75 0.33 0.8 0.2 10 0 1
-s 0 0 0 0.5
-END
+cp "$root/tests/ball.nff" .
 # shellcheck source=../peaks.sh
 . "$root/tests/peaks.sh"
 size=30000x30000

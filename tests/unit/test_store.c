@@ -1,4 +1,7 @@
-/* Frames in files: the pixels of any order, with few pages in memory; full disks; what is left. */
+/*
+ * Frames that keep their pixels in a file. The pixels come back whole in whatever order they came,
+ * also when few pages fit into memory; a full disk is reported; no file is left behind.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
