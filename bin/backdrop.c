@@ -37,20 +37,20 @@ static struct options parse(int argc, char **argv)
 
 /* Names from the grid's title, unless options give them. */
 struct names {
-    struct backdrop_named scalar, x, z;
+    struct grid_named scalar, x, z;
     char title[2 * GRID_NAME + 2];
 };
 
 static void set_names(
     struct names *n, const struct options *o, const struct grid *g, struct backdrop *b)
 {
-    bool known = backdrop_title(g->title, 0, &n->scalar) && n->scalar.unit[0];
+    bool known = grid_title(g->title, 0, &n->scalar) && n->scalar.unit[0];
     if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
     b->title = o->title ? o->title : known ? n->title : g->name;
-    if (backdrop_title(g->title, 'x', &n->x) && n->x.unit[0] &&
+    if (grid_title(g->title, 'x', &n->x) && n->x.unit[0] &&
         strncasecmp(n->x.unit, "degree", 6) != 0)
         b->flat = n->x.unit;
-    known = backdrop_title(g->title, 'z', &n->z);
+    known = grid_title(g->title, 'z', &n->z);
     b->down = o->unit ? o->unit[0] == '-' : known && n->z.down;
     b->unit = o->unit ? o->unit + b->down : known ? n->z.unit : "";
 }

@@ -73,18 +73,61 @@ static struct source find(const struct gb_index *x, const struct options *o)
     return s;
 }
 
-static void list(const struct gb_index *x)
+/* ---- listing -------------------------------------------------------------------------------- */
+
+/* Finds the range of all values. */
+static bool find_range(
+    const char *file, const struct gb_stack *s, struct convert_range *range, char err[ERR_BYTES])
 {
-    char err[ERR_BYTES];
+    struct grid g;
+    if (!gb_stack_check(s, err) || !gb_axes(file, s, &g, err)) return false;
+    bool good = true;
+    for (size_t time = 0; good && time < s->n_times; time++) {
+        good = gb_values(file, s, time, &g, false, err);
+        if (good) convert_range_add(range, &g);
+    }
+    grid_free(&g);
+    return good;
+}
+
+/* Writes YYYY-MM-DD hh:mm. */
+static void put_time(char text[32], int64_t when)
+{
+    snprintf(text, 32, "%04d-%02d-%02d %02d:%02d", (int)(when / 100000000 % 10000),
+        (int)(when / 1000000 % 100), (int)(when / 10000 % 100), (int)(when / 100 % 100),
+        (int)(when % 100));
+}
+
+static void list_one(const char *file, const struct gb_stack *s, struct convert_table *table)
+{
+    const struct gb_entry *e = s->at;
+    struct convert_range range = {.any = false};
+    char err[ERR_BYTES], name[CONVERT_TEXT], shape[CONVERT_TEXT], values[CONVERT_TEXT];
+    char times[CONVERT_TEXT], first[32], last[32];
+    snprintf(name, sizeof name, "%s\t%s", e->name, e->levels);
+    if (!find_range(file, s, &range, err)) {
+        convert_table_refused(table, name, err);
+        return;
+    }
+    snprintf(shape, sizeof shape, "%lldx%lldx%zu %s %s", (long long)e->nx, (long long)e->ny,
+        s->n_levels, e->kind, e->levels);
+    put_time(first, e->when);
+    put_time(last, s->at[s->n - 1].when);
+    snprintf(
+        times, sizeof times, s->n_times > 1 ? "%zu: %s to %s" : "%zu: %s", s->n_times, first, last);
+    convert_table_row(table, (const char *const[]){e->name, shape, e->units,
+                                 convert_range_text(&range, values), times, e->long_name});
+}
+
+static void list(const char *file, const struct gb_index *x)
+{
+    struct convert_table table = {.width = {0}};
     for (size_t i = 0; i < x->n;) {
         struct gb_stack s = gb_stack_at(x, i);
-        const struct gb_entry *e = s.at;
         i += s.n;
-        if (!gb_stack_check(&s, err)) printf("# %s\t%s\t%s\n", e->name, e->levels, err);
-        else
-            printf("%s\t%s:%zu\t%s:%lldx%lld\tt:%zu\t[%s]\t%s\n", e->name, e->levels, s.n_levels,
-                e->kind, (long long)e->nx, (long long)e->ny, s.n_times, e->units, e->long_name);
+        list_one(file, &s, &table);
     }
+    convert_table_print(&table);
 }
 
 /* ---- converting ----------------------------------------------------------------------------- */
@@ -141,7 +184,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     if (!gb_index_read(o.common.file, &x, err)) die(ST_USAGE, "%s: %s", o.common.file, err);
-    if (o.common.list) list(&x);
+    if (o.common.list) list(o.common.file, &x);
     else convert_stack(&x, &o);
     gb_index_free(&x);
     close_stdout();

@@ -6,7 +6,12 @@
 #include <unistd.h>
 
 static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE\n"
-                                 "       nc2vtk -l FILE.nc";
+                                 "       nc2vtk -i|-l FILE.nc";
+
+struct options {
+    struct convert_options common;
+    bool info; /* -i: list with ranges */
+};
 
 /* The variables of a request: one, or two of a derived one. */
 struct source {
@@ -16,12 +21,13 @@ struct source {
     struct cf_field part[2];
 };
 
-static struct convert_options parse(int argc, char **argv)
+static struct options parse(int argc, char **argv)
 {
-    struct convert_options o = {0};
-    for (int c; (c = prog_getopt(argc, argv, "chlo:t:")) != -1;)
-        convert_option(&o, c, optarg, usage_text);
-    convert_operands(&o, argc - optind, argv + optind, usage_text);
+    struct options o = {.info = false};
+    for (int c; (c = prog_getopt(argc, argv, "chilo:t:")) != -1;)
+        if (c == 'i') o.info = o.common.list = true;
+        else convert_option(&o.common, c, optarg, usage_text);
+    convert_operands(&o.common, argc - optind, argv + optind, usage_text);
     return o;
 }
 
@@ -63,10 +69,53 @@ static void list_one(struct cf_file *c, int group, int id, const char *path, voi
     cf_field_free(&f);
 }
 
-static void list(struct cf_file *c, const struct convert_options *o)
+/* Finds the range of all values. */
+static bool find_range(
+    struct cf_file *c, const struct cf_field *f, struct convert_range *range, char err[ERR_BYTES])
+{
+    const struct cf_axis *t = cf_axis_of(f, CF_T);
+    struct grid g;
+    if (!cf_axes(f, &g, err)) return false;
+    bool good = true;
+    for (size_t time = 0; good && time < (t ? t->n : 1); time++) {
+        good = cf_values(c, f, time, &g, false, err);
+        if (good) convert_range_add(range, &g);
+    }
+    grid_free(&g);
+    return good;
+}
+
+static void info_one(struct cf_file *c, int group, int id, const char *path, void *arg)
+{
+    struct convert_table *table = arg;
+    struct cf_field f;
+    struct convert_range range = {.any = false};
+    char err[ERR_BYTES], values[CONVERT_TEXT], shape[CONVERT_TEXT], times[CONVERT_TEXT] = "1";
+    if (!cf_field_read(c, group, id, &f, err) || !find_range(c, &f, &range, err))
+        convert_table_refused(table, path, err);
+    else {
+        const struct cf_axis *t = cf_axis_of(&f, CF_T);
+        snprintf(shape, sizeof shape, "%zux%zux%zu", cf_axis_of(&f, CF_X)->n,
+            cf_axis_of(&f, CF_Y)->n, cf_axis_of(&f, CF_Z)->n);
+        if (t && t->at && t->n > 1)
+            snprintf(times, sizeof times, "%zu: %.9g to %.9g %s", t->n, t->at[0], t->at[t->n - 1],
+                t->units);
+        else if (t && t->at && t->n)
+            snprintf(times, sizeof times, "1: %.9g %s", t->at[0], t->units);
+        else if (t) snprintf(times, sizeof times, "%zu", t->n);
+        convert_table_row(table, (const char *const[]){path + 1, shape, f.units,
+                                     convert_range_text(&range, values), times, f.long_name});
+    }
+    cf_field_free(&f);
+}
+
+static void list(struct cf_file *c, const struct options *o)
 {
     char err[ERR_BYTES];
-    if (!cf_each(c, list_one, NULL, err)) die(ST_USAGE, "%s: %s", o->file, err);
+    struct convert_table table = {.width = {0}};
+    if (!cf_each(c, o->info ? info_one : list_one, &table, err))
+        die(ST_USAGE, "%s: %s", o->common.file, err);
+    convert_table_print(&table);
 }
 
 /* ---- converting ------------------------------------------------------------------------------ */
@@ -123,10 +172,10 @@ int main(int argc, char **argv)
     char err[ERR_BYTES];
     struct cf_file c;
     prog_init(argv[0]);
-    struct convert_options o = parse(argc, argv);
-    if (!cf_open(o.file, &c, err)) die(ST_USAGE, "%s: %s", o.file, err);
-    if (o.list) list(&c, &o);
-    else convert_field(&c, &o);
+    struct options o = parse(argc, argv);
+    if (!cf_open(o.common.file, &c, err)) die(ST_USAGE, "%s: %s", o.common.file, err);
+    if (o.common.list) list(&c, &o);
+    else convert_field(&c, &o.common);
     cf_close(&c);
     close_stdout();
     return ST_OK;

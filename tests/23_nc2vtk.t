@@ -52,6 +52,11 @@ run nc2vtk -l "$nc4"
 is '-l exits 0' "$status:$err" 0:
 is '-l lists variables of groups, with axes and units' "$(printf '%s\n' "$out" | sed -n 5p)" \
 	'/grp1/U	x=lon:128	y=lat:64	z=-lev:14	t=time:1	[m/s]	Zonal Wind'
+run nc2vtk -i "$nc4"
+is '-i exits 0' "$status:$err" 0:
+like '-i prints a table' "$(printf '%s\n' "$out" | head -n 1)" '^name    shape      units  range +times +description$'
+like '-i: a row has name, shape, unit, range, times and description' "$out" \
+	'^grp1/U  128x64x14  m/s    -23.3702 to 81.639   1: 0 Month  Zonal Wind$'
 for name in T U V; do ok "nc4uvt.nc: $name has the values that ncdump reads" agrees "$nc4" $name lon lat lev; done
 # ncdump has no data of one group alone: its /grp1/U comes after the root's
 ok 'nc4uvt.nc: a variable of a group' sh -c "nc2vtk '$nc4' grp1/U >b.vtk && nc2vtk '$nc4' U >a.vtk && cmp a.vtk b.vtk"
@@ -249,6 +254,7 @@ make_nc metres "$cube" "$axes x:units = \"km\"; $scalar" "$nodes $data"
 run nc2vtk -c metres.nc s
 is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is not a longitude in degrees'
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
+like '-i: so are they in the table' "$(nc2vtk -i curved.nc)" '^# /s	a curvilinear grid'
 
 # ---- usage, and a full disk ----------------------------------------------------------------------------------
 at_the_end packed.nc s

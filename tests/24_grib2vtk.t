@@ -11,7 +11,11 @@ grb=/usr/share/ncarg/data/grb samples=/usr/share/eccodes/samples
 file=$grb/fh.0012_tl.press_gr.awp211.grb2
 run grib2vtk -l "$file"
 is '-l exits 0' "$status:$err" 0:
-like '-l lists levels, grid and unit' "$out" '^u	isobaricInhPa:19	lambert:93x65	t:1	\[m s\*\*-1\]	U component of wind$'
+like '-l prints a table of names, shapes, units, ranges and times' "$out" \
+	'^u +93x65x19 lambert isobaricInhPa +m s\*\*-1 +-30.2222 to 100.591 +1: 2007-01-24 12:00 +U component of wind$'
+is '-l aligns the columns' "$(printf '%s\n' "$out" | awk '
+	NR == 1 { at = index($0, "units") }
+	!/^#/ && substr($0, at - 1, 2) !~ /^ [^ ]/')" ''
 like '-l lists refused variables with the reason' "$out" '^# prmsl	meanSea	1 level, expected 2 at least$'
 
 grib2vtk "$file" 'speed=hypot(u,v)' >speed.vtk

@@ -23,14 +23,6 @@ struct backdrop {
     const char *lines;      /* NULL, or text in the format of backdrop(1) */
 };
 
-/* Name and unit of a scalar or an axis from a grid's title; see stormring-grid(5). */
-struct backdrop_named {
-    char name[GRID_NAME], unit[GRID_NAME];
-    bool down; /* the axis is negated */
-};
-/* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False if the title does not mention it. */
-bool backdrop_title(const char *title, char axis, struct backdrop_named *n);
-
 /* Appends a script that writes a PNG of w x h to standard output. Returns 0, or -1 with a message
  * in err if the lines are invalid. */
 int backdrop_write(const struct backdrop *b, struct buf *out, char err[BACKDROP_ERR]);

@@ -3,8 +3,8 @@
  * time.
  *
  * Call order: convert_option for each letter from getopt; convert_operands after the last. Then
- * list, if o->list; otherwise convert_request_parse and convert. On failure all functions except
- * convert_request_parse end the program with a message.
+ * list, if o->list, with convert_table_*; otherwise convert_request_parse and convert. On failure
+ * all functions except convert_request_parse end the program with a message.
  */
 #ifndef STORMRING_CONVERT_H
 #define STORMRING_CONVERT_H
@@ -14,10 +14,10 @@
 
 struct convert_options {
     const char *out; /* -o: a file; %d stands for the time's index; NULL: standard output */
-    bool round; /* -c: repeat the first column at the end, if longitudes go all the way round */
-    bool list;       /* -l */
-    bool every;      /* -t all */
-    size_t time;     /* -t INDEX */
+    bool round;  /* -c: repeat the first column at the end, if longitudes go all the way round */
+    bool list;   /* -l */
+    bool every;  /* -t all */
+    size_t time; /* -t INDEX */
     const char *file, *what;
 };
 
@@ -30,7 +30,7 @@ void convert_operands(struct convert_options *o, int n, char **operand, const ch
 /* A request: "U", or "speed=hypot(U,V)". */
 struct convert_request {
     char name[GRID_NAME]; /* name of the scalar: "U", without the part before a slash; "speed" */
-    const char *part[2]; /* points into the text */
+    const char *part[2];  /* points into the text */
     int length[2], n;
 };
 /* Blanks are ignored. False if the text is neither form. */
@@ -39,7 +39,7 @@ bool convert_request_parse(const char *text, struct convert_request *r);
 /* The source of grids. */
 struct converter {
     const char *what, *name; /* what: for messages; name: of the scalar */
-    bool degrees; /* x is longitude in degrees */
+    bool degrees;            /* x is longitude in degrees */
     size_t times;
     void *ctx; /* passed to the functions */
     /* Makes the grid's axes and room for values. */
@@ -51,5 +51,31 @@ struct converter {
 };
 /* Writes the grids of the requested times to their files. */
 void convert(const struct convert_options *o, const struct converter *c);
+
+/* ---- the contents of a file ----------------------------------------------------------------- */
+
+enum { CONVERT_NAME, CONVERT_SHAPE, CONVERT_UNITS, CONVERT_RANGE, CONVERT_TIMES, CONVERT_ABOUT };
+#define CONVERT_COLUMNS 6
+#define CONVERT_TEXT 256 /* bytes of a cell */
+
+/* All zero at first. */
+struct convert_table {
+    struct buf cells, refused;
+    size_t width[CONVERT_COLUMNS];
+};
+/* Adds a row; NULL and "" become "-". */
+void convert_table_row(struct convert_table *t, const char *const cell[CONVERT_COLUMNS]);
+/* Adds a line below the table. */
+void convert_table_refused(struct convert_table *t, const char *name, const char *why);
+/* Prints the table, with aligned columns, and frees it. */
+void convert_table_print(struct convert_table *t);
+
+/* The least and the greatest value; all zero at first. */
+struct convert_range {
+    double lo, hi;
+    bool any; /* a value is there */
+};
+void convert_range_add(struct convert_range *r, const struct grid *g);
+const char *convert_range_text(const struct convert_range *r, char text[CONVERT_TEXT]);
 
 #endif

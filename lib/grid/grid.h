@@ -65,4 +65,12 @@ void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
  */
 double grid_at(const struct grid *g, const double p[3]);
 
+/* Name and unit of a scalar or an axis from a grid's title; see stormring-grid(5). */
+struct grid_named {
+    char name[GRID_NAME], unit[GRID_NAME];
+    bool down; /* the axis is negated */
+};
+/* axis: 'x', 'y', 'z' or 't', or 0 for the scalar. False if the title does not mention it. */
+bool grid_title(const char *title, char axis, struct grid_named *n);
+
 #endif

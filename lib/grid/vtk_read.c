@@ -135,6 +135,8 @@ static bool read_scalar_head(
         return vtk_name(r, field) && vtk_count(r, "number of arrays", 1, 1, &n) &&
                vtk_name(r, g->name) && vtk_count(r, "number of components", 1, 1, &n) &&
                vtk_count(r, "number of tuples", nodes, nodes, &n) && vtk_type(r, t);
+    if (vtk_next_is(r, "VECTORS"))
+        return vtk_fail(r, "VECTORS, expected SCALARS, such as one component or the length");
     if (!vtk_take(r, "SCALARS")) return vtk_fail_word(r, "first word of the point data", "SCALARS");
     if (!vtk_name(r, g->name) || !vtk_type(r, t)) return false;
     if (!vtk_next_is(r, "LOOKUP_TABLE") && !vtk_count(r, "number of components", 1, 1, &n))

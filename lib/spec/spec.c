@@ -12,7 +12,6 @@
 
 #define NUMBERS_MAX 5
 #define NUMBER_LEN_MAX 63 /* characters */
-#define RESOLUTION_MAX 65535
 #define COLOUR_MAX 1e6
 #define LIMIT_MIN 1e-3
 #define LENGTH_MIN 1e-18 /* its square is a normal number */
@@ -33,6 +32,7 @@ enum word {
     SCALE,
     LIMIT,
     BACKGROUND,
+    PALETTE,
     MAP,
     ISO
 };
@@ -56,16 +56,26 @@ static const struct {
     [AT] = {"at", {COORDINATES}, false},
     [UP] = {"up", {COORDINATES}, false},
     [ANGLE] = {"angle", {{"degrees", ANGLE_MIN, 180 - ANGLE_MIN}}, false},
-    [RESOLUTION] = {"resolution", {{"width", 1, RESOLUTION_MAX}, {"height", 1, RESOLUTION_MAX}},
-        false},
+    [RESOLUTION] = {"resolution",
+        {{"width", 1, SPEC_RESOLUTION_MAX}, {"height", 1, SPEC_RESOLUTION_MAX}}, false},
     [LIGHT] = {"light", {COORDINATES}, false},
     [ATTENUATION] = {"attenuation", {{"a", 0, GRID_MAX}}, false},
     [SCALE] = {"scale", {COORDINATE("x"), COORDINATE("y"), COORDINATE("z")}, false},
     [LIMIT] = {"limit", {{"opacity", LIMIT_MIN, 1}}, false},
     [BACKGROUND] = {"background", {COLOUR}, false},
+    [PALETTE] = {"palette", {{NULL, 0, 0}}, false},
     [MAP] = {"map", {COORDINATE("value"), COLOUR, {"extinction", 0, GRID_MAX}}, true},
     [ISO] = {"iso", {COORDINATE("value"), COLOUR, {"opacity", 0, 1}}, true},
 };
+/* Lines whose colour is a place in the palette. */
+#define PLACE                                                                                      \
+    {                                                                                              \
+        "place", 0, 1                                                                              \
+    }
+static const struct range map_by_place[] = {
+    COORDINATE("value"), PLACE, {"extinction", 0, GRID_MAX}, {NULL, 0, 0}};
+static const struct range iso_by_place[] = {
+    COORDINATE("value"), PLACE, {"opacity", 0, 1}, {NULL, 0, 0}};
 #define WORDS (sizeof words / sizeof *words)
 #define NEEDED (1U << FROM | 1U << AT | 1U << UP | 1U << ANGLE | 1U << RESOLUTION)
 
@@ -77,6 +87,8 @@ struct reader {
     unsigned seen;        /* one bit per word */
     struct spec *s;
     size_t room_knots, room_isos;
+    double palette[SPEC_PALETTE_POINTS][3]; /* if seen */
+    double place;                           /* of the last knot; negative: it has its own colour */
 };
 
 static bool fail(struct reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
@@ -127,21 +139,44 @@ static bool read_number(struct reader *r, const char *word, const struct range *
 
 static void copy(double to[3], const double from[3]) { memcpy(to, from, 3 * sizeof *to); }
 
-static bool add_knot(struct reader *r, const double v[5])
+static void push_knot(struct reader *r, double value, const double rgb[3], double k)
 {
     struct spec *s = r->s;
+    if (s->n_knots == r->room_knots) {
+        r->room_knots = s->n_knots ? 2 * s->n_knots : 16;
+        s->knot = xrealloc(s->knot, r->room_knots, sizeof *s->knot);
+    }
+    s->knot[s->n_knots] = (struct spec_knot){.s = value, .k = k};
+    copy(s->knot[s->n_knots++].rgb, rgb);
+}
+
+/* Adds a knot for each colour of the palette between the last knot and one of this value, place and
+ * extinction, because linear light from one end to the other has other colours. */
+static void push_palette(struct reader *r, double value, double place, double k)
+{
+    const struct spec_knot a = r->s->knot[r->s->n_knots - 1];
+    const double steps = SPEC_PALETTE_POINTS - 1, way = place - r->place;
+    for (int i = 1; i < SPEC_PALETTE_POINTS - 1; i++) {
+        int colour = way > 0 ? i : SPEC_PALETTE_POINTS - 1 - i;
+        double f = (colour / steps - r->place) / way; /* way 0: no number, or infinite */
+        double s = a.s + (value - a.s) * f;
+        if (f > 0 && f < 1 && s > r->s->knot[r->s->n_knots - 1].s && s < value)
+            push_knot(r, s, r->palette[colour], a.k + (k - a.k) * f);
+    }
+}
+
+/* place: in the palette; negative: v has the colour. */
+static bool add_knot(struct reader *r, const double v[5], double place)
+{
+    const struct spec *s = r->s;
     size_t n = s->n_knots;
     if (n && v[0] < s->knot[n - 1].s)
         return fail(r, "map: %g after %g, expected values that ascend", v[0], s->knot[n - 1].s);
     if (n > 1 && v[0] <= s->knot[n - 2].s)
         return fail(r, "map: %g for the third time, expected a value twice at most", v[0]);
-    if (n == r->room_knots) {
-        r->room_knots = n ? 2 * n : 16;
-        s->knot = xrealloc(s->knot, r->room_knots, sizeof *s->knot);
-    }
-    s->knot[n] = (struct spec_knot){.s = v[0], .k = v[4]};
-    copy(s->knot[n].rgb, v + 1);
-    s->n_knots++;
+    if (n && place >= 0 && r->place >= 0) push_palette(r, v[0], place, v[4]);
+    push_knot(r, v[0], v + 1, v[4]);
+    r->place = place;
     return true;
 }
 
@@ -176,7 +211,7 @@ static bool take_resolution(struct reader *r, const double v[2])
     return true;
 }
 
-static bool take_line(struct reader *r, enum word word, const double *v)
+static bool take_line(struct reader *r, enum word word, const double *v, double place)
 {
     struct spec *s = r->s;
     switch (word) {
@@ -196,7 +231,8 @@ static bool take_line(struct reader *r, enum word word, const double *v)
         s->backed = true;
         copy(s->background, v);
         break;
-    case MAP: return add_knot(r, v);
+    case PALETTE: break; /* read_palette */
+    case MAP: return add_knot(r, v, place);
     case ISO: return add_iso(r, v);
     }
     return true;
@@ -204,26 +240,60 @@ static bool take_line(struct reader *r, enum word word, const double *v)
 
 /* ---- lines --------------------------------------------------------------------------------- */
 
+static size_t count_words(struct reader *r)
+{
+    const char *begin = r->at;
+    size_t count = 0;
+    for (size_t n; (n = peek(r)) > 0; r->at += n) count++;
+    r->at = begin;
+    return count;
+}
+
+static bool read_palette(struct reader *r)
+{
+    size_t n = peek(r);
+    if (!spec_palette(r->at, n, r->palette)) return fail_word(r, "palette", "name", SPEC_PALETTES);
+    r->at += n;
+    return true;
+}
+
+/* Reads the numbers of a word and takes them. Three of map and iso are a value, a place in the
+ * palette, and extinction or opacity. */
+static bool read_numbers(struct reader *r, enum word w)
+{
+    double v[NUMBERS_MAX] = {0}, place = -1;
+    const char *name = words[w].name;
+    const struct range *range = words[w].number;
+    bool placed = (w == MAP || w == ISO) && count_words(r) == 3;
+    if (placed && !(r->seen >> PALETTE & 1))
+        return fail(
+            r, "%s: 3 numbers and no palette, expected a palette line above, or 5 numbers", name);
+    if (placed) range = w == MAP ? map_by_place : iso_by_place;
+    for (int i = 0; i < NUMBERS_MAX && range[i].what; i++)
+        if (!read_number(r, name, &range[i], &v[i])) return false;
+    if (placed) {
+        v[4] = v[2];
+        place = v[1];
+        spec_palette_at((const double(*)[3])r->palette, place, v + 1);
+    }
+    return take_line(r, w, v, place);
+}
+
 static bool read_line(struct reader *r)
 {
-    double v[NUMBERS_MAX] = {0};
     size_t n = peek(r), w = 0;
     if (!n) return true;
     while (w < WORDS && (strlen(words[w].name) != n || memcmp(words[w].name, r->at, n) != 0)) w++;
     if (w == WORDS)
         return fail_word(r, "line", "first word",
-            "from, at, up, angle, resolution, light, attenuation, scale, limit, background, map "
-            "or iso");
+            "from, at, up, angle, resolution, light, attenuation, scale, limit, background, "
+            "palette, map or iso");
     const char *name = words[w].name;
     if (r->seen >> w & 1 && !words[w].many) return fail(r, "%s: twice, expected it once", name);
     r->seen |= 1U << w;
     r->at += n;
     if (w == LIGHT && peek(r) == 3 && memcmp(r->at, "off", 3) == 0) r->at += 3;
-    else {
-        for (int i = 0; i < NUMBERS_MAX && words[w].number[i].what; i++)
-            if (!read_number(r, name, &words[w].number[i], &v[i])) return false;
-        if (!take_line(r, (enum word)w, v)) return false;
-    }
+    else if (w == PALETTE ? !read_palette(r) : !read_numbers(r, (enum word)w)) return false;
     return !peek(r) || fail_word(r, name, "next word", "the line's end");
 }
 

@@ -14,6 +14,7 @@ struct spec_knot {
 struct spec_iso {
     double s, rgb[3], opacity; /* opacity 0 .. 1 of the sheet, independent of the viewing angle */
 };
+#define SPEC_RESOLUTION_MAX 65535
 #define SPEC_LIMIT .9999 /* default opacity limit */
 struct spec {
     double from[3], at[3], up[3], angle; /* camera as in NFF, in scaled space; angle in degrees */
@@ -30,6 +31,26 @@ struct spec {
     struct spec_iso *iso; /* ascending by s, each s once */
     size_t n_isos;
 };
+/*
+ * Palettes: colours at equal steps of a place from 0 to 1, linear red, green and blue, with linear
+ * light between them. stormring-spec(5) lists them with their authors.
+ */
+#define SPEC_PALETTE_POINTS 17
+#define SPEC_PALETTES "batlow, grey, magma, vik or viridis" /* for messages */
+/* The palette with this name of n characters. False if there is none. */
+bool spec_palette(const char *name, size_t n, double rgb[SPEC_PALETTE_POINTS][3]);
+/* The colour at a place in [0, 1]. */
+void spec_palette_at(const double rgb[SPEC_PALETTE_POINTS][3], double place, double out[3]);
+
+/*
+ * Appends a specification for a first picture of a grid: a view of w x h pixels that fits, a scale
+ * that makes a thin grid thick, and a map with a band for each tenth of the values, with colours of
+ * the palette. Comments state units, quantiles and the vertical exaggeration. Returns false with a
+ * message in err if all values are missing. If all are equal, the map has one band around them.
+ */
+bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_t h,
+    struct buf *out, char err[ERR_BYTES]);
+
 /* Parses n bytes of text. Returns 0, or -1 with the message in err; `name` is for messages. The
  * caller frees *s with spec_free. */
 int spec_read(const char *name, const char *text, size_t n, struct spec *s, char err[ERR_BYTES]);

@@ -208,7 +208,7 @@ static void test_refused(void **state)
         {CUBE "CELL_DATA 1\nSCALARS s float\n",
             "t:10: word after the coordinates is 'CELL_DATA'"},
         {CUBE "POINT_DATA 1\n", "t:10: number of point data is '1', expected 8"},
-        {CUBE "POINT_DATA 8\nVECTORS v float\n", "first word of the point data is 'VECTORS'"},
+        {CUBE "POINT_DATA 8\nVECTORS v float\n", "VECTORS, expected SCALARS"},
         {CUBE "POINT_DATA 8\nSCALARS v float 3\n", "number of components is '3'"},
         {CUBE "POINT_DATA 8\nSCALARS v float\n1 2 3 4 5 6 7 8",
             "t:12: next part is '2', expected LOOKUP_TABLE"},

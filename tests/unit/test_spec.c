@@ -64,6 +64,84 @@ static void test_words(void **state)
     spec_free(&s);
 }
 
+/* Places in a palette: the colours of its source at the ends, and those between two places. */
+static void test_palettes(void **state)
+{
+    (void)state;
+    double rgb[SPEC_PALETTE_POINTS][3], out[3];
+    assert_true(spec_palette("viridis", 7, rgb));
+    assert_false(spec_palette("viridi", 6, rgb) || spec_palette("", 0, rgb));
+    /* 0xfd, 0xe7, 0x25 of sRGB in linear light */
+    assert_true(fabs(rgb[16][0] - .982251) < 1e-6 && fabs(rgb[16][1] - .799103) < 1e-6);
+    assert_true(fabs(rgb[16][2] - .018500) < 1e-6);
+    spec_palette_at((const double(*)[3])rgb, 1, out);
+    assert_memory_equal(out, rgb[16], sizeof out);
+    spec_palette_at((const double(*)[3])rgb, 1 / 32., out);
+    assert_true(fabs(out[1] - (rgb[0][1] + rgb[1][1]) / 2) < 1e-15);
+
+    struct spec s = parse("palette viridis\n" VIEW "iso 7 1 .5\nmap 0 1 1\nmap 16 0 3\n"
+                          "map 16 .1 .2 .3 4\nmap 20 .5 0\nmap 30 .5 0\nmap 40 .55 0");
+    assert_memory_equal(s.iso[0].rgb, rgb[16], sizeof out);
+    assert_true(s.iso[0].opacity == .5);
+    assert_true(s.n_knots == 21);
+    for (int i = 0; i <= 16; i++) {
+        assert_memory_equal(s.knot[i].rgb, rgb[16 - i], sizeof out);
+        assert_true(s.knot[i].s == i && fabs(s.knot[i].k - (1 + i / 8.)) < 1e-15);
+    }
+    assert_true(s.knot[17].s == 16 && s.knot[17].k == 4 && s.knot[18].s == 20);
+    assert_memory_equal(s.knot[18].rgb, rgb[8], sizeof out);
+    assert_true(s.knot[19].s == 30 && s.knot[20].s == 40);
+    spec_free(&s);
+    /* Between neighbouring numbers there is no room for other knots. */
+    s = parse("palette grey\n" VIEW "map 1 0 1\nmap 1.0000000000000002 1 1");
+    assert_true(s.n_knots == 2);
+    spec_free(&s);
+}
+
+/* The starter of a field from 0 to 26 in a box of 1 x 1 x 10. */
+static void test_starter(void **state)
+{
+    (void)state;
+    float value[27];
+    double at[3][3] = {{0, .5, 1}, {0, .5, 1}, {0, 1, .001}};
+    struct grid g = {.n = {3, 3, 3}, .at = {at[0], at[1], at[2]}, .value = value, .name = "s"};
+    struct buf b = {0};
+    struct spec s;
+    char err[ERR_BYTES];
+    at[2][1] = .0005;
+    for (int i = 0; i < 27; i++) value[i] = (float)i;
+    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
+    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
+    assert_true(s.w == 300 && s.h == 200 && s.scale[0] == 1 && s.scale[2] == 250);
+    assert_true(s.knot[0].s == 0 && s.knot[s.n_knots - 1].s == 26);
+    for (size_t i = 1; i < s.n_knots; i++) assert_true(s.knot[i].k >= s.knot[i - 1].k);
+    spec_free(&s);
+    buf_free(&b);
+
+    for (int i = 0; i < 27; i++) value[i] = i < 20 ? -1 : (float)i; /* the ground is transparent */
+    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
+    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
+    assert_true(s.knot[0].s == -1 && s.knot[0].k == 0 && s.knot[1].k > 0);
+    assert_true(s.knot[1].s == 20 && s.knot[s.n_knots - 1].s == 26);
+    spec_free(&s);
+    buf_free(&b);
+
+    for (int i = 0; i < 27; i++) value[i] = 5; /* all the same */
+    assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
+    assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
+    assert_true(s.n_knots == 2 && s.knot[0].s < 5 && s.knot[1].s > 5 && s.knot[0].k > 0);
+    spec_free(&s);
+    buf_free(&b);
+
+    for (int i = 0; i < 27; i++) value[i] = i == 13 ? (float)NAN : 1;
+    assert_false(spec_starter(&g, "magma", 300, 200, &b, err));
+    assert_string_equal(err, "each cell has a missing corner, expected one that has none");
+    for (int i = 0; i < 27; i++) value[i] = (float)NAN;
+    assert_false(spec_starter(&g, "magma", 300, 200, &b, err));
+    assert_string_equal(err, "all values are missing, expected some that are not");
+    buf_free(&b);
+}
+
 static void test_many(void **state)
 {
     (void)state;
@@ -89,9 +167,10 @@ static void test_refused(void **state)
         {"from 0 0 0\nat 0 0 1\nup 0 1 0\nangle 9\n",
             "t:4: no 'resolution', expected from, at, up, angle and resolution"},
         {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
-                       "light, attenuation, scale, limit, background, map or iso"},
+                       "light, attenuation, scale, limit, background, palette, map or iso"},
         {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
-                          "resolution, light, attenuation, scale, limit, background, map or iso"},
+                          "resolution, light, attenuation, scale, limit, background, palette, "
+                          "map or iso"},
         {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
         {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
         {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
@@ -123,6 +202,12 @@ static void test_refused(void **state)
             "t:5: up is zero, expected a direction"},
         {"from 0 0 0\nat 0 0 1\nup 0 0 -2\nangle 9\nresolution 1 1",
             "t:5: up is along the viewing direction, expected another"},
+        {VIEW "palette jet", "t:6: palette: name is 'jet', expected " SPEC_PALETTES},
+        {VIEW "palette grey\npalette grey", "t:7: palette: twice, expected it once"},
+        {VIEW "map 1 .5 2",
+            "t:6: map: 3 numbers and no palette, expected a palette line above, or 5 numbers"},
+        {VIEW "palette vik\nmap 1 1.5 2",
+            "t:7: map: place is '1.5', expected a number from 0 to 1"},
         {"angle \x01\x80", "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 180"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -155,6 +240,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_words),
+        cmocka_unit_test(test_palettes),
+        cmocka_unit_test(test_starter),
         cmocka_unit_test(test_many),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_truncated),

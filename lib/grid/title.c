@@ -1,11 +1,11 @@
 /* title: parses "U [m/s]; x lon [degrees_east]; ...; z -lev [hPa]", where any part may be
  * missing. */
-#include "backdrop/backdrop.h"
+#include "grid/grid.h"
 
 #include <string.h>
 
 /* Parses "NAME [UNIT]". */
-static bool take(const char *at, const char *end, struct backdrop_named *n)
+static bool take(const char *at, const char *end, struct grid_named *n)
 {
     const char *open = end;
     if (at == end || end[-1] != ']') return false;
@@ -16,12 +16,12 @@ static bool take(const char *at, const char *end, struct backdrop_named *n)
     return true;
 }
 
-bool backdrop_title(const char *title, char axis, struct backdrop_named *n)
+bool grid_title(const char *title, char axis, struct grid_named *n)
 {
     for (const char *next, *at = title; at; at = next ? next + 2 : NULL) {
         next = strstr(at, "; ");
         const char *end = next ? next : at + strlen(at);
-        *n = (struct backdrop_named){.down = false};
+        *n = (struct grid_named){.down = false};
         if (axis && (at == title || *at != axis || at[1] != ' ')) continue;
         if (axis) at += 2;
         n->down = axis == 'z' && *at == '-';

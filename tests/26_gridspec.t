@@ -1,0 +1,107 @@
+#!/bin/sh
+# gridspec: its specification shows the whole grid, states what it does, and keeps odd grids visible; balance with a grid
+# alone; refusals.
+# shellcheck disable=SC2154  # lib.sh sets them
+. "$(dirname "$0")/lib.sh"
+
+# grid NAME X Y Z AWK [TITLE]: 9 x 9 x 9 nodes from 0 to X, Y and Z; AWK sets s at i, j, k
+grid() {
+	awk -v lengths="$2 $3 $4" -v title="${6:-none}" '
+	BEGIN {
+		n = 9
+		split(lengths, l, " ")
+		printf "# vtk DataFile Version 3.0\n%s\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS %d %d %d\n", title, n, n, n
+		for (a = 1; a <= 3; a++) {
+			printf "%s_COORDINATES %d double\n", substr("XYZ", a, 1), n
+			for (i = 0; i < n; i++) printf "%.17g ", l[a] * i / (n - 1)
+			print ""
+		}
+		printf "POINT_DATA %d\nSCALARS s float\nLOOKUP_TABLE default\n", n * n * n
+		for (k = 0; k < n; k++) for (j = 0; j < n; j++) for (i = 0; i < n; i++) { '"$5"'; print s }
+	}' >"$1.vtk"
+}
+# painted FILE.pam W H: prints the left, right, top and bottom edge of the pixels that are not as the first, in percent
+painted() {
+	depth=$(sed -n 's/^DEPTH //p;/^ENDHDR/q' "$1") || return
+	tail -c $((depth * $2 * $3)) "$1" | od -An -v -tu1 -w"$depth" |
+		awk -v w="$2" -v h="$3" '
+		NR == 1 { ground = $0 }
+		$0 != ground { x = (NR - 1) % w; y = int((NR - 1) / w); if (!n++ || x < l) l = x; if (x > r) r = x; if (n == 1) t = y; b = y }
+		END { if (n) printf "%d %d %d %d\n", 100 * l / w, 100 * r / w, 100 * t / h, 100 * b / h; else print "nothing" }'
+}
+# fits NAME: the picture of NAME.vtk fills the frame in one direction, and leaves an edge free
+fits() {
+	gridspec -s 90x60 "$1.vtk" >"$1.spec" && partition 90x60 | vcworker "$1.vtk" "$1.spec" | gather -o "$1.pam" || return
+	painted "$1.pam" 90 60 | awk '{ print } NF == 4 && $1 >= 2 && $2 <= 97 && $3 >= 2 && $4 <= 97 && ($2 - $1 > 75 || $4 - $3 > 75) { ok = 1 } END { exit !ok }'
+}
+grid plain 1 1 1 's = i + j + k'
+grid thin 7e6 5e6 16000 's = i * j + k * k' 's [K]; x x [m]; y y [m]; z z [m]'
+grid globe 360 180 1000 's = i + j' 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]'
+grid tall 1 1 1e4 's = k + i'
+grid strip 1000 1 30 's = k + i'
+grid huge 1 1 1 's = exp(log(10) * (2 * i * (k + 1) / 4 - 20))'
+grid outlier 1 1 1 's = i == 4 && j == 4 && k == 4 ? 1e9 : i + k'
+grid flat 1 1 1 's = 5'
+grid zero 1 1 1 's = 0'
+grid half 1 1 1 's = i < 4 ? "nan" : k'
+grid negative 1 1 1 's = -i - j * k'
+for name in plain thin globe tall strip huge outlier flat zero negative; do ok "the picture of $name fits" fits $name; done
+fits half >half.at
+is 'a grid with missing values is visible' "$(grep -c nothing half.at)" 0
+
+is 'z keeps its proportion if it can' "$(grep -E '^(scale|# vert)' plain.spec | tr '\n' ';')" '# vertical exaggeration: 1;scale 1 1 1;'
+is 'a thin grid becomes a quarter as high as wide' "$(grep -E '^(scale|# vert)' thin.spec | tr '\n' ';')" \
+	'# vertical exaggeration: 109;scale 1 1 109.375;'
+is 'pressures beside degrees: it says how many hPa' "$(grep -E '^(scale|# as)' globe.spec | tr '\n' ';')" \
+	'# as high as 1 degrees_east is wide: 11.1 hPa;scale 1 1 0.09;'
+is 'names, units and ranges are stated' "$(sed -n '1p;4p' globe.spec)" '# speed: 0 to 16 m/s at 9 x 9 x 9 nodes
+# z: 0 to -1000 hPa, negated in the grid'
+like 'missing values are counted' "$(cat half.spec)" '^# s: 0 to 8 .*, 44.4 % missing$'
+
+# 729 values from 0 to 728: each tenth has 73 of them.
+grid ramp 1 1 1 's = i + 9 * (j + 9 * k)'
+gridspec ramp.vtk >ramp.spec
+is 'knots are at the quantiles' "$(awk '$1 == "map" { printf "%s ", $2 }' ramp.spec)" \
+	'0 72 72 145 145 218 218 291 291 364 364 436 436 509 509 582 582 655 655 706 706 728 '
+is 'extinction ascends with the value' "$(awk '$1 == "map" { if ($4 < k) bad = NR; k = $4 } END { print bad + 0 }' ramp.spec)" 0
+grid rain 1 1 1 's = i > 5 && j > 5 ? i * j - 30 + k : 0'
+gridspec rain.vtk >rain.spec
+is 'the value of most nodes is transparent' "$(awk '$1 == "map" { print $2, $4; exit }' rain.spec)" '0 0'
+is 'quantiles are those of the others' "$(awk '$1 == "map" { n++ } END { print (n > 10) }' rain.spec)" 1
+gridspec -p batlow - <ramp.vtk | diff ramp.spec - >batlow.diff
+is '-p names the palette, and standard input is a grid' "$(grep '^[<>]' batlow.diff | tr '\n' ' ')" '< palette viridis > palette batlow '
+is 'the least values come first' "$(gridspec negative.vtk | awk '$1 == "map" { print $2; exit }')" -72
+
+# ---- balance -----------------------------------------------------------------------------------------------------
+run balance adaptive -j 2 -s 90x60 -o first.pam plain.vtk
+is 'balance: a grid alone is enough' "$status$err" 0
+ok 'balance: the specification is that of gridspec' cmp first.pam plain.pam
+run balance masterslave -j 2 -s 90x60 -r plain.frags -o again.pam plain.vtk
+run balance adaptive -j 1 -s 90x60 -r plain.frags -o again.pam plain.vtk
+is 'balance: -r resumes such a picture' "$status $(cmp again.pam plain.pam && echo same)" '0 same'
+run balance auto -j 2 -s 90x60 -o auto.pam plain.vtk
+is 'balance auto: a grid alone is enough' "$status $(cmp auto.pam plain.pam && echo same)" '0 same'
+
+# ---- refusals ----------------------------------------------------------------------------------------------------
+refused() { name=$1 ere=$2; shift 2; run "$@"; like "$name" "$status $err" "^2 $ere"; }
+grid gone 1 1 1 's = "nan"'
+refused 'nothing there' 'gridspec: gone.vtk: all values are missing, expected' gridspec gone.vtk
+refused 'balance: nothing there' 'gridspec: gone.vtk: all values are missing, expected' balance adaptive -o no.png gone.vtk
+is 'balance: no picture is left' "$(ls no.png 2>/dev/null)" ''
+grid lone 1 1 1 's = i == 4 && j == 4 ? 1 : "nan"'
+refused 'no cell' 'gridspec: lone.vtk: each cell has a missing corner, expected' gridspec lone.vtk
+grid sheet 1e17 1e17 1 's = i'
+refused 'lengths that no scale brings together' 'gridspec: sheet.vtk: an axis is 1e9 times' gridspec sheet.vtk
+sed 's/^SCALARS.*/VECTORS wind float/' plain.vtk >vectors.vtk
+refused 'vectors' 'gridspec: vectors.vtk:[0-9]*: VECTORS, expected SCALARS, such as' gridspec vectors.vtk
+sed 's/^DIMENSIONS.*/DIMENSIONS 9 9 1/' plain.vtk >layer.vtk
+refused 'one layer' "gridspec: layer.vtk:5: nodes along z is '1', expected an integer from 2" gridspec layer.vtk
+refused 'another palette' 'gridspec: -p jet: expected batlow, ' gridspec -p jet plain.vtk
+refused 'a bad size' 'gridspec: -s 9: expected' gridspec -s 9 plain.vtk
+refused 'two grids' 'usage: gridspec' gridspec plain.vtk thin.vtk
+gridspec plain.vtk >/dev/full 2>err
+is 'a full disk: exit 3' "$?" 3
+printf '# vtk DataFile Version 3.0\na\rfrom 1 2 3 [m]; x lon [\001]\n' >evil.vtk
+sed 1,2d plain.vtk >>evil.vtk
+ok 'a title stays within comments' sh -c 'gridspec evil.vtk >evil.spec && vcworker -i evil.vtk evil.spec'
+finish
