@@ -67,7 +67,7 @@ if there tmux; then
 	shown() { screen capture-pane -p; }
 	shows() { shown | grep -qE -e "$1"; }
 	cp begun.log live.log
-	screen -f /dev/null new-session -d -x 100 -y 20 "PATH=$PATH fragstat -f -i .2 live.log; echo status \$?; cat"
+	screen -f /dev/null new-session -d -x 100 -y 20 "PATH='$PATH' fragstat -f -i .2 live.log; echo status \$?; cat"
 	ok 'a terminal: the table' await 1 shows '^1 .*silent$'
 	ok 'a terminal: the time goes on' await 2 shows ' pixels, 0:0[3-9]'
 	is 'a terminal: the table is replaced' "$(shown | grep -c '^slot ')" 1
@@ -79,7 +79,7 @@ if there tmux; then
 	screen send-keys C-c
 	ok 'Ctrl-C ends it' await 1 sh -c "! pgrep -f 'fragstat -f -i .2 live.log' -P \$(TMUX= tmux -S '$tmp/socket' display-message -p '#{pane_pid}')"
 	screen kill-server 2>/dev/null
-	screen -f /dev/null new-session -d -x 100 -y 20 "PATH=$PATH fragstat -f -i .2 live.log; echo status \$?; cat"
+	screen -f /dev/null new-session -d -x 100 -y 20 "PATH='$PATH' fragstat -f -i .2 live.log; echo status \$?; cat"
 	await 1 shows '^slot '
 	echo bye >>live.log
 	ok 'a run that ends' await 1 shows '^status 1$'
