@@ -16,6 +16,7 @@
 #:
 #: Measurements (tests/bench/RESULTS.md)
 #:   make bench             every benchmark
+#:   make bench-volume      vcworker beside VTK, and with light, attenuation and surfaces
 #:   make chart             draws speed against accuracy of both workers
 #:   make sheet             draws the scenes of spdgen: man/pictures/spd.png
 #:   make report            repeats the papers' experiments: report/index.html; FULL=1 takes their numbers of samples
@@ -145,6 +146,11 @@ bench:
 	@$(PARALLEL) -s all
 	@for test in tests/bench/[0-9]*.sh; do echo "== $$test"; $$test || exit; done
 
+bench-volume:
+	@tests/need bench
+	@$(PARALLEL) -s all
+	@tests/bench/87_volumes.sh
+
 # The first two commands of a new user, on a machine that has nothing yet.
 fresh:
 	@FULL=$(FULL) tests/fresh
@@ -239,4 +245,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all help dist need demo demo-volume test check fresh bench soak chart sheet report fuzz unit fuzzers install uninstall clean
+.PHONY: all help dist need demo demo-volume test check fresh bench bench-volume soak chart sheet report fuzz unit fuzzers install uninstall clean

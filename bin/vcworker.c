@@ -68,7 +68,7 @@ static const unsigned char selftest_vtk[] =
     "1 3 7 2 4 9 6 1 2 5 3 8\n7 2 .5 6 9 4.5 8 3 1 6 2 7\n3 8 1 5 2 7 4 9 6 1 5 nan\n";
 #define SELFTEST_VIEW "from 3 -6 4\nat 0 0 0\nup 0 0 1\nangle 36\nresolution 32 32\n"
 #define SELFTEST_MAP "map 1 .1 .2 .9 0\nmap 4 .3 .9 .2 .4\nmap 4 .9 .8 .1 1.5\nmap 9 .9 .1 .1 .2\n"
-/* Lit pictures are integrated cell by cell, others in streams of rays. */
+/* Without and with light, attenuation and a surface. */
 static const char *const selftest_specs[] = {SELFTEST_VIEW SELFTEST_MAP,
     SELFTEST_VIEW SELFTEST_MAP "light 2 -5 9\nattenuation .01\niso 6 .8 .8 1 .5\n"};
 

@@ -9,6 +9,39 @@
 /* Bound on float rounding errors, relative to the range of a cell's values. */
 #define ROUNDING 0x1p-20
 #define TOLERANCE_MIN 0x1p-15
+/* With a light: of 1 / edges, and their inverse. */
+#define EDGE_MAX 1e15
+
+/* Rules for lit pieces; what their errors are: see stream_lit.h. */
+static const struct lit_rule {
+    int nodes;
+    float straight, near[2], any[2];
+} piece_rules[] = {
+    {3, 1.2e-2F, {1.1e-2F, .15F}, {8e-2F, .35F}},
+    {4, 1.8e-3F, {1.4e-3F, 1.5e-2F}, {1e-2F, 3.7e-2F}},
+    {5, 2.4e-4F, {1.9e-4F, 2.1e-3F}, {1.6e-3F, 7.3e-3F}},
+    {6, 3.5e-5F, {3.6e-5F, 2.1e-4F}, {2.2e-4F, 8e-4F}},
+    {7, 1.1e-5F, {6e-6F, 3e-5F}, {4.1e-5F, 1.1e-4F}},
+};
+
+/* The cheapest that does for straight pieces; NULL if there is none. */
+static const struct lit_rule *rule_for(const struct volume *v)
+{
+    for (size_t i = 0; i < sizeof piece_rules / sizeof *piece_rules; i++) {
+        const struct lit_rule *r = &piece_rules[i];
+        if (v->bright * fmax((double)r->straight, (double)r->near[0]) <= v->o.tolerance) return r;
+    }
+    return NULL;
+}
+
+/* True if 1 / edge is a float whose square is none of the extremes. */
+static bool edges_fit(const struct volume *v)
+{
+    for (int a = 0; a < 3; a++)
+        for (uint32_t i = 0; i < v->cells[a]; i++)
+            if (!(v->inv_edge[a][i] > 1 / EDGE_MAX && v->inv_edge[a][i] < EDGE_MAX)) return false;
+    return true;
+}
 
 /*
  * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
@@ -17,10 +50,10 @@
 bool volume_stream_fits(const struct volume *v)
 {
     double width = HUGE_VAL;
-    if (v->o.method != VOLUME_ADAPTIVE || v->map.n == 0 || v->spec->n_isos > 0 || is_lit(v))
-        return false;
+    if (v->o.method != VOLUME_ADAPTIVE || (is_lit(v) && !rule_for(v))) return false;
     for (uint32_t i = 0; i < v->map.n; i++)
         if (!v->map.span[i].transparent) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
+    if (v->spec->lit && !edges_fit(v)) return false;
     return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
 }
 
@@ -59,7 +92,34 @@ static void map_tables(struct stream_map *t, const struct map *m)
             t->rgb1[c][i + 1] = (float)p->rgb1[c];
         }
     }
-    split(m->span[m->n - 1].hi, &t->edge_high[m->n], &t->edge_low[m->n]);
+    if (m->n > 0) split(m->span[m->n - 1].hi, &t->edge_high[m->n], &t->edge_low[m->n]);
+    else t->edge_high[0] = HUGE_VALF;
+}
+
+/* What light, attenuation and surfaces need. */
+static void widen(struct stream *s)
+{
+    const struct spec *spec = s->v->spec;
+    s->shines = is_lit(s->v) && s->v->map.n > 0;
+    s->wide = is_lit(s->v) || spec->n_isos > 0;
+    s->value_high = xcalloc(spec->n_isos + 1, sizeof *s->value_high);
+    s->value_low = xcalloc(spec->n_isos + 1, sizeof *s->value_low);
+    s->above = xcalloc(spec->n_isos + 1, STREAM_RAYS * sizeof *s->above);
+    for (size_t i = 0; i < spec->n_isos; i++)
+        split(spec->iso[i].s, &s->value_high[i], &s->value_low[i]);
+    if (!is_lit(s->v)) return;
+    const struct lit_rule *r = rule_for(s->v);
+    struct rule nodes;
+    volume_gauss_rule(&nodes, r->nodes);
+    s->nodes = r->nodes;
+    for (int i = 0; i < r->nodes; i++) {
+        s->at[i] = (float)nodes.node[i];
+        s->weight[i] = (float)nodes.weight[i];
+    }
+    s->bright = (float)s->v->bright;
+    s->straight = r->straight;
+    memcpy(s->near, r->near, sizeof s->near);
+    memcpy(s->any, r->any, sizeof s->any);
 }
 
 /* The widest that the options allow and the machine has. */
@@ -79,6 +139,7 @@ struct stream *volume_stream_new(struct volume *v)
     s->kernel = widest(v->o.isa);
     s->tolerance = (float)v->o.tolerance;
     map_tables(&s->map, &v->map);
+    widen(s);
     for (unsigned mask = 0; mask < 256; mask++) {
         int n = 0;
         for (unsigned i = 0; i < 8; i++)
@@ -98,6 +159,9 @@ void volume_stream_free(struct stream *s)
         t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     free(t->transparent);
+    free(s->value_high);
+    free(s->value_low);
+    free(s->above);
     free(s->room);
 }
 

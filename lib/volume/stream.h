@@ -13,7 +13,8 @@
  * Every lane computes the same as it would alone: no bit depends on the width or on the other
  * lanes. Times are double. Values within one cell are float: positions from entry to exit are 0 ..
  * 1; the field and the knots are relative to the cell's corner. stream_fits tells whether that is
- * precise enough.
+ * precise enough. Cells that may meet a surface, and a few others, are done alone: by the code of
+ * volume.c, in double.
  */
 #ifndef STORMRING_VOLUME_STREAM_H
 #define STORMRING_VOLUME_STREAM_H
@@ -28,6 +29,8 @@
 #define STREAM_PIECES 8 /* maximum pieces of one cell; cells with more are left to piece.c */
 #define STREAM_LINE 64  /* bytes per cache line; no vector straddles two lines */
 #define STREAM_ALONE UINT32_MAX
+#define SURFACE_MARGIN 0x1p-18F /* of the range of a cell's values; see ROUNDING */
+#define STREAM_NODES 7          /* of the Gauss rule for lit pieces, at most */
 
 /* The map, with a transparent entry below and one above. `first` counts entries from 0. */
 struct stream_map {
@@ -55,7 +58,24 @@ struct stream_lanes {
     float base[3][STREAM_WALKERS],
         sign[3][STREAM_WALKERS]; /* local = base + sign (t - prev) rate */
     int32_t ray[STREAM_WALKERS];
+    /* With s->wide: see struct stream_ray. */
+    double before[STREAM_WALKERS], still[3][STREAM_WALKERS];
+    double light[3][STREAM_WALKERS], dir[3][STREAM_WALKERS];
 };
+
+/* What s->wide keeps of a ray. `light` and `dir` are in the order of memory: mirrored with axes. */
+struct stream_ray {
+    double o[3], d[3], before; /* as in struct walk */
+    double light[3], dir[3];   /* from o to the light; d */
+    double still[3];           /* 1 / edge of the cell on axes without movement; else 0 */
+    double last;               /* end of the last cell with a surface; -1: none */
+};
+
+/*
+ * The light in a cell, as polynomials of w, 0 .. 1 from entry to exit: g.l, |g|^2 and |l|^2, with g
+ * along the gradient and l to the light, both scaled to at most about 1. slope: |dg/dw|^2 at 0.
+ */
+enum { LIGHT_FACING = 0, LIGHT_GRADIENT = 4, LIGHT_WAY = 9, LIGHT_SLOPE = 12, LIGHT_VALUES };
 
 /* Roots: cubic p equals y between a and b. From the root on, map entry `entry` holds. */
 #define STREAM_ROOTS (STREAM_ROOM * (STREAM_PIECES - 1))
@@ -73,7 +93,7 @@ struct stream_pieces {
     _Alignas(STREAM_LINE) float p[4][STREAM_PARTS], base[STREAM_PARTS], len[STREAM_PARTS];
     float a[STREAM_PARTS], b[STREAM_PARTS], add[STREAM_PARTS][4];
     float error[STREAM_PARTS];
-    int32_t entry[STREAM_PARTS];
+    int32_t entry[STREAM_PARTS], cell[STREAM_PARTS];
 };
 
 /* Rays at their first cells. */
@@ -87,7 +107,7 @@ struct stream_starts {
     int64_t plane[3][STREAM_STARTS], step[3][STREAM_STARTS];
     int64_t node[STREAM_STARTS], to_node[3][STREAM_STARTS];
     int64_t guess[3][STREAM_LANES]; /* cell indices of the previous rays */
-    double base[3][STREAM_STARTS], sign[3][STREAM_STARTS];
+    double base[3][STREAM_STARTS], sign[3][STREAM_STARTS], still[3][STREAM_STARTS];
 };
 
 /* Adds up the cells of the rays of pixels n0 .. n0+n of the lattice, n <= STREAM_RAYS, in s->sum.
@@ -104,8 +124,16 @@ struct stream {
     struct volume *v;
     struct stream_map map;
     float tolerance;
-    uint64_t half_pack[16]; /* for doubles: indices of their halves */
-    uint64_t pack[256];     /* by mask: the indices of its lanes, one byte each */
+    bool wide;   /* the list has all that light, attenuation and surfaces need */
+    bool shines; /* there is a light or an attenuation */
+    /* Gauss rule of lit pieces, and its errors: see stream_lit.h. */
+    int nodes;
+    float at[STREAM_NODES], weight[STREAM_NODES];
+    float bright, straight, near[2], any[2];
+    float *value_high, *value_low; /* the values of surfaces are their sums */
+    bool *above;                   /* per ray and surface: see surface.c */
+    uint64_t half_pack[16];        /* for doubles: indices of their halves */
+    uint64_t pack[256];            /* by mask: the indices of its lanes, one byte each */
 
     /* The rays of this call. */
     const struct lattice *pixels;
@@ -114,6 +142,7 @@ struct stream {
     _Alignas(STREAM_LINE) double sum[STREAM_RAYS][4]; /* accumulated rgb and alpha */
     struct stream_starts starts;
     struct stream_lanes lanes;
+    struct stream_ray ray[STREAM_RAYS];
     uint32_t parked; /* one bit per lane */
 
     /* The list of cells: entry, and change until exit, in local coordinates; length. */
@@ -121,6 +150,13 @@ struct stream {
     _Alignas(STREAM_LINE) float from[3][STREAM_ROOM], delta[3][STREAM_ROOM], len[STREAM_ROOM];
     int64_t node[STREAM_ROOM]; /* the cell's first node in memory */
     int32_t of[STREAM_ROOM];
+    /* With `wide`: the ends of the cell, from o, as the bits of doubles; the distance from the eye;
+     * 1 / edges; the way to the light. */
+    int64_t begin[STREAM_ROOM], end[STREAM_ROOM];
+    _Alignas(STREAM_LINE) float eye[STREAM_ROOM], edge[3][STREAM_ROOM], way[3][STREAM_ROOM];
+    float light[LIGHT_VALUES][STREAM_ROOM];
+    float turn[STREAM_ROOM];       /* of the cell / the greatest of a piece; infinity: alone */
+    uint16_t surface[STREAM_ROOM]; /* one bit per lane: the cell may meet a surface */
     /* The field along the ray minus `base`; the map entries at the bounds of the field. */
     float p[4][STREAM_ROOM], base[STREAM_ROOM];
     int32_t first[STREAM_ROOM], last[STREAM_ROOM];

@@ -133,7 +133,24 @@ SIMD_INLINE vl start_axis(
     vl_store(s->plane[a] + i, ahead + offset);
     vl_store(s->step[a] + i, step);
     vl_store(s->to_node[a] + i, step * stride);
+    vd_store(s->still[a] + i, vd_choose(moves, zero, vd_gather(v->inv_edge[a], cell)));
     return cell * stride;
+}
+
+/* What s->wide needs of the ray of starts i + k, which is `lane` k of the aim. */
+static void keep_ray(struct stream *s, uint32_t i, uint32_t k, const struct aim *m)
+{
+    struct stream_ray *r = &s->ray[s->starts.ray + i + k];
+    r->before = m->near[k];
+    r->last = -1;
+    for (int a = 0; a < 3; a++) {
+        double mirror = s->v->stride[a] < 0 ? -1 : 1;
+        r->o[a] = m->at[a][k];
+        r->d[a] = m->d[a][k];
+        r->light[a] = (s->v->spec->light[a] - r->o[a]) * mirror;
+        r->dir[a] = r->d[a] * mirror;
+        r->still[a] = s->starts.still[a][i + k];
+    }
 }
 
 /* Sets up the rays of the next pixels. `hit` marks those that hit the grid. */
@@ -161,6 +178,7 @@ static void begin(struct stream *s)
         UNROLLED
         for (int a = 0; a < 3; a++) node += start_axis(t, i, &m, v, a);
         vl_store(t->node + i, node);
+        for (uint32_t k = 0; s->wide && k < VD && i + k < n; k++) keep_ray(s, i, k, &m);
     }
     if (n < 64) t->hit &= ((uint64_t)1 << n) - 1;
     s->taken += n;

@@ -6,6 +6,27 @@
 #include "volume/stream_cut.h"
 #include "volume/stream_walk.h"
 
+/* Renders one cell, with its surfaces, as volume.c does. */
+static void alone_wide(struct stream *s, uint32_t j, double sum[4])
+{
+    struct volume *v = s->v;
+    struct stream_ray *r = &s->ray[s->of[j]];
+    struct cell cell;
+    struct segment in;
+    struct path p = {.v = v, .transmittance = 1 - sum[3], .cell = &cell, .dir = v3_of(r->d)};
+    memcpy(&in.t0, &s->begin[j], sizeof in.t0);
+    memcpy(&in.t1, &s->end[j], sizeof in.t1);
+    cell_of_index(v, s->node[j], in.i);
+    cell_init(&cell, v, r->o, r->d, &in);
+    cell.t += r->before;
+    for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
+    v->above = s->above + (size_t)s->of[j] * v->spec->n_isos;
+    volume_surfaces(&p, in.t0 != r->last);
+    r->last = in.t1;
+    for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
+    sum[3] = 1 - p.transmittance;
+}
+
 /* Integrates one cell without vectors. */
 static void alone(struct stream *s, uint32_t j, double sum[4])
 {
@@ -31,7 +52,8 @@ static void add(struct stream *s)
             samples += s->whole[j] - 1u;
             add_to(sum, s->add[j]);
         } else if (s->piece[j] == STREAM_ALONE) {
-            alone(s, j, sum);
+            if (s->wide) alone_wide(s, j, sum);
+            else alone(s, j, sum);
         } else {
             for (uint32_t i = s->piece[j]; i < s->piece_end[j] && sum[3] < limit; i++)
                 add_piece(s, i, sum);
@@ -53,7 +75,8 @@ static void rays(struct stream *s, const struct lattice *l, uint64_t n0, uint32_
     do {
         s->cells = 0;
         for (int h = 0; h < STREAM_WALKERS; h += VF) refill(s, h);
-        walk(s);
+        if (s->wide) walk(s, true);
+        else walk(s, false);
         cells(s);
         cut(s);
         add(s);

@@ -88,6 +88,19 @@ SIMD_INLINE vf vf_narrow(vd a, vd b)
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #endif
 }
+SIMD_INLINE vf vf_sqrt(vf a)
+{
+#if SIMD_BYTES == 64
+    return _mm512_sqrt_ps(a);
+#elif SIMD_BYTES == 32
+    return _mm256_sqrt_ps(a);
+#elif defined SIMD_SSE2
+    return _mm_sqrt_ps(a);
+#else
+    for (int i = 0; i < VF; i++) a[i] = sqrtf(a[i]);
+    return a;
+#endif
+}
 /* p[at]. few: the table has at most 8 entries and room for 16. */
 SIMD_INLINE vf vf_lookup(const float *p, bool few, vi at)
 {

@@ -40,6 +40,16 @@ static void put_axis(struct stream_lanes *l, int lane, const struct stream_start
     l->sign[a][lane] = (float)t->sign[a][i];
 }
 
+static void put_wide(struct stream_lanes *l, int lane, const struct stream_ray *r)
+{
+    l->before[lane] = r->before;
+    for (int a = 0; a < 3; a++) {
+        l->still[a][lane] = r->still[a];
+        l->light[a][lane] = r->light[a];
+        l->dir[a][lane] = r->dir[a];
+    }
+}
+
 /* Gives the lane the next pixel whose ray hits the grid, or parks it. */
 static void put_ray(struct stream *s, int lane)
 {
@@ -64,6 +74,7 @@ static void put_ray(struct stream *s, int lane)
     l->end[lane] = t->next[a][i];
     l->beyond[lane] = t->plane[a][i] + t->step[a][i];
     l->byte[lane] = t->node[i] >> 3;
+    if (s->wide) put_wide(l, lane, &s->ray[l->ray[lane]]);
 }
 
 static void take_ray(struct stream *s, int lane)
@@ -196,6 +207,38 @@ SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES],
         if (mask >> i & 1) *to++ = a[i / VD][i % VD];
 }
 #endif
+
+/* What light, attenuation and surfaces need. */
+SIMD_INLINE void put_cells_wide(struct stream *s, int h0, const vd end[HALVES], unsigned mask)
+{
+    const struct stream_lanes *l = &s->lanes;
+    const struct order order = order_of(s, mask);
+    const uint32_t n = s->cells;
+    vd t[HALVES], x[HALVES], y[HALVES];
+    vl times[2][HALVES];
+    UNROLLED
+    for (int h = 0; h < HALVES; h++) {
+        t[h] = vd_load(l->t + h0 + h * VD);
+        x[h] = vd_load(l->before + h0 + h * VD) + t[h];
+        times[0][h] = (vl)t[h], times[1][h] = (vl)end[h];
+    }
+    pack_f(order, s->eye + n, vf_narrow(x[0], x[1]));
+    pack_l(s, s->begin + n, times[0], mask);
+    pack_l(s, s->end + n, times[1], mask);
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        UNROLLED
+        for (int h = 0; h < HALVES; h++) {
+            const int i = h0 + h * VD;
+            x[h] = vd_load(l->light[a] + i) - vd_load(l->dir[a] + i) * t[h];
+            y[h] =
+                vd_load(l->rate[a] + i) * vd_abs(vd_load(l->inv[a] + i)) + vd_load(l->still[a] + i);
+        }
+        pack_f(order, s->way[a] + n, vf_narrow(x[0], x[1]));
+        pack_f(order, s->edge[a] + n, vf_narrow(y[0], y[1]));
+    }
+}
+
 SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsigned mask)
 {
     const struct stream_lanes *l = &s->lanes;
@@ -231,7 +274,7 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
 /* ---- the walk ------------------------------------------------------------------------------- */
 
 /* VF rays from lane h0: adds their live cells to the list and steps to the next cells. */
-SIMD_INLINE void step(struct stream *s, int h0)
+SIMD_INLINE void step(struct stream *s, int h0, bool wide)
 {
     struct stream_lanes *l = &s->lanes;
     vd end[HALVES];
@@ -245,6 +288,7 @@ SIMD_INLINE void step(struct stream *s, int h0)
         vl_store(l->passed + h, vl_load(l->passed + h) - real);
         mask |= vl_signs(real & vl_bits(s->v->live, l->byte + h, vl_load(l->node + h))) << i * VD;
     }
+    if (mask && wide) put_cells_wide(s, h0, end, mask);
     if (mask) put_cells(s, h0, end, mask);
     UNROLLED
     for (int i = 0; i < HALVES; i++) pass(s, h0 + i * VD);
@@ -270,11 +314,11 @@ SIMD_INLINE void refill(struct stream *s, int h0)
  * it is loaded as vectors only after the steps of the other lanes, because an immediate load would
  * stall.
  */
-static void walk(struct stream *s)
+SIMD_INLINE void walk(struct stream *s, bool wide)
 {
     while (s->cells <= STREAM_CELLS && s->parked != (1u << STREAM_WALKERS) - 1)
         for (int h = 0; h < STREAM_WALKERS; h += VF) {
-            step(s, h);
+            step(s, h, wide);
             refill(s, h);
         }
 }

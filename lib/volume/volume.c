@@ -59,7 +59,7 @@ struct volume *volume_new(
         &v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
     if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
     if (volume_stream_fits(v)) v->stream = volume_stream_new(v);
-    v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
+    v->side = v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
     return v;
 }
@@ -73,7 +73,7 @@ void volume_free(struct volume *v)
     free(v->map.span);
     free(v->live);
     free(v->block);
-    free(v->above);
+    free(v->side);
     free(v->crossing);
     free(v);
 }

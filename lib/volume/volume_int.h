@@ -2,7 +2,7 @@
  * volume_int: declarations that the renderer's files share. A ray traverses the grid (walk.c). The
  * field along it in one cell is a cubic of w, 0 .. 1 from entry to exit (cell.c, cubic.c). The
  * cubic is cut at sheets and at knots of the map (piece.c) and integrated (integrate.c, lit.c).
- * Without sheets and light, the default method renders many rays at once in float (stream.h).
+ * The default method renders many rays at once in float (stream.h).
  */
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
@@ -114,6 +114,7 @@ struct volume {
     double bright;             /* the largest colour component of the map */
     struct crossing *crossing; /* crossings of one cell */
     bool *above;               /* per surface: the ray is at or above its value */
+    bool *side;                /* the room of `above` for one ray at a time */
     struct stream *stream;     /* renders many rays at once; else NULL */
     struct volume_counts counts;
 };
@@ -268,8 +269,7 @@ void volume_pieces_cut(
 void volume_surfaces(struct path *p, bool fresh);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
-/* True if the stream can render v: by the adaptive method, without surfaces, light and attenuation,
- * where float is precise enough. */
+/* True if the stream can render v: by the adaptive method, where float is precise enough. */
 bool volume_stream_fits(const struct volume *v);
 struct stream *volume_stream_new(struct volume *v);
 void volume_stream_free(struct stream *s);

@@ -268,10 +268,12 @@ static void bits_are_the_same(void **state)
 {
     (void)state;
     struct grid g = wind_grid();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 6; i++) {
         static float narrow[4 * SIDE * SIDE], wide[4 * SIDE * SIDE], parts[4 * SIDE * SIDE];
         struct scene c = wind_scene(SIDE);
-        set_map(&c, i);
+        set_map(&c, i % 4);
+        if (i >= 4) c.s.lit = true, c.s.light[2] = 90, c.s.attenuation = .01;
+        if (i >= 4) iso(&c, 20, 1, 1, 1, .5), iso(&c, 40, 0, 1, 1, .7);
         c.s.opacity_limit = 0.9;
         struct volume_options o = VOLUME_OPTIONS_DEFAULT;
         o.isa = ISA_SSE2;

@@ -174,6 +174,25 @@ static inline real ref_along(
         u[a] = (o[a] + t * d[a] - g->at[a][i[a]]) / ((real)g->at[a][i[a] + 1] - g->at[a][i[a]]);
     return ref_field(g, i, u);
 }
+/* The factor of the colour at t: the gradient by differences across the cell. */
+static inline real ref_light(const struct grid *g, const struct spec *m, const uint32_t i[3],
+    const real o[3], const real d[3], real t)
+{
+    real u[3], gg = 0, ll = 0, gl = 0;
+    if (!m->lit) return 1;
+    for (int a = 0; a < 3; a++)
+        u[a] = (o[a] + t * d[a] - g->at[a][i[a]]) / ((real)g->at[a][i[a] + 1] - g->at[a][i[a]]);
+    for (int a = 0; a < 3; a++) {
+        real lo[3] = {u[0], u[1], u[2]}, hi[3] = {u[0], u[1], u[2]};
+        lo[a] = 0, hi[a] = 1;
+        real slope = (ref_field(g, i, hi) - ref_field(g, i, lo)) /
+                     ((real)g->at[a][i[a] + 1] - g->at[a][i[a]]);
+        real l = m->light[a] - (o[a] + t * d[a]);
+        gg += slope * slope, ll += l * l, gl += slope * l;
+    }
+    if (!(gg * ll > 0)) return 1;
+    return VOLUME_AMBIENT + (1 - VOLUME_AMBIENT) * fabsl(gl) / sqrtl(gg * ll);
+}
 /* Adds the stretch t0 .. t1 between two cuts, in parts of small optical depth: tau by Simpson's
  * rule, colour at the middles. */
 static inline void ref_stretch(const struct grid *g, const struct spec *m, const uint32_t i[3],
@@ -188,7 +207,8 @@ static inline void ref_stretch(const struct grid *g, const struct spec *m, const
         real km = ref_map(m, ref_along(g, i, o, d, t), rgb);
         real k1 = ref_map(m, ref_along(g, i, o, d, end), unused);
         real dtau = h * (k0 + 4 * km + k1) / 6, seen = expl(-*tau) * -expm1l(-dtau);
-        for (int c = 0; c < 3; c++) out[c] += seen * rgb[c] * expl(-(real)m->attenuation * t);
+        seen *= expl(-(real)m->attenuation * t) * ref_light(g, m, i, o, d, t);
+        for (int c = 0; c < 3; c++) out[c] += seen * rgb[c];
         *tau += dtau;
         k0 = k1;
     }

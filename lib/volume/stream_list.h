@@ -1,0 +1,67 @@
+/* stream_list: integrates the cells of the list; marks those that are done with that. */
+#ifndef STORMRING_VOLUME_STREAM_LIST_H
+#define STORMRING_VOLUME_STREAM_LIST_H
+
+#include "volume/stream_lit.h"
+
+/* May surfaces be within lo .. hi? By a margin that rounding does not exceed. */
+SIMD_INLINE unsigned meets_surface(const struct stream *s, const struct cubics *c, vf lo, vf hi)
+{
+    vf margin = c->range * SURFACE_MARGIN;
+    vi meets = {0};
+    for (size_t i = 0; i < s->v->spec->n_isos; i++) {
+        vf y = (s->value_high[i] - c->base) + s->value_low[i];
+        meets |= (y >= lo - margin) & (y <= hi + margin);
+    }
+    return vi_signs(meets);
+}
+
+/* Computes the field in the cells of the list. */
+SIMD_INLINE void fields(struct stream *s, bool wide)
+{
+    /* Pads the list with copies of its first cell. */
+    for (uint32_t j = s->cells; j % VF; j++) s->node[j] = s->node[0];
+    for (uint32_t j = 0; j < s->cells; j += VF) {
+        struct cubics c = cubics(s, j);
+        vf lo, hi;
+        vi first, last;
+        bounds(c.p, &lo, &hi);
+        entries(&s->map, c.base, lo, hi, &first, &last);
+        UNROLLED
+        for (int i = 0; i < 4; i++) vf_store(s->p[i] + j, c.p[i]);
+        vf_store(s->base + j, c.base);
+        vi_store(s->first + j, first);
+        vi_store(s->last + j, last);
+        if (!wide) continue;
+        s->surface[j / VF] = (uint16_t)meets_surface(s, &c, lo, hi);
+        if (s->shines && s->v->spec->lit) put_light(s, j, &c);
+    }
+}
+
+/* Integrates all cells; marks those that are simple. (A separate loop, because short iterations
+ * overlap in the processor.) */
+SIMD_INLINE void integrate_simple(struct stream *s, bool few)
+{
+    for (uint32_t j = 0; j < s->cells; j += VF) {
+        const vf p[4] = {
+            vf_load(s->p[0] + j), vf_load(s->p[1] + j), vf_load(s->p[2] + j), vf_load(s->p[3] + j)};
+        vi first = vi_load(s->first + j), last = vi_load(s->last + j);
+        struct added r =
+            integrate_segment(&s->map, few, first, vf_load(s->base + j), p, vf_load(s->len + j));
+        unsigned simple = vi_signs((first == last) & (r.error <= vf_set(s->tolerance)));
+        put_added(s->add + j, &r);
+        s->simple[j / VF] = (uint16_t)simple;
+    }
+}
+
+static void cells(struct stream *s)
+{
+    if (s->wide) fields(s, true);
+    else fields(s, false);
+    if (s->shines) integrate_lit_cells(s);
+    else if (s->map.entries <= 8) integrate_simple(s, true);
+    else integrate_simple(s, false);
+    for (uint32_t j = 0; s->wide && j < s->cells; j += VF) s->simple[j / VF] &= ~s->surface[j / VF];
+}
+
+#endif
