@@ -61,7 +61,7 @@ is 'a full disk: status 3' "$status" 3
 
 # ---- on a terminal -----------------------------------------------------------------------------------------------
 if there tmux; then
-	screen() { TMUX='' tmux -S "$tmp/socket" "$@"; }
+	screen() { TMUX='' SHELL=/bin/sh tmux -S "$tmp/socket" "$@"; }
 	end_screen() { screen kill-server 2>/dev/null; end_all; rm -rf "$tmp"; }
 	trap end_screen EXIT
 	shown() { screen capture-pane -p; }

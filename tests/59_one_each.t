@@ -57,9 +57,13 @@ for options in '' -c; do
 done
 is 'fan -l -1: a line for each slot' "$(fan -l -1 -S hosts rtworker | cut -f 1,2 | tr '\t\n' ': ')" '0:: 1:: 2:far 3:far 4:far 5:near '
 
+# No task is done before both hosts have come.
+printf '%s\n' '#!/bin/sh' 'echo "$1" >>started' \
+	'until [ "$(sort -u started | wc -l)" = 2 ]; do sleep .05; done' 'exec sh -c "$2"' >both && chmod +x both
+sed -n 's,/via,/both,p' hosts >both.hosts
 for method in adaptive auto dc ds hybrid interleaved masterslave sc ss; do
 	rm -f started a.pfm
-	run balance $method -1 -S hosts -s 60x44 -o a.pfm 0.nff
+	run balance $method -1 -S both.hosts -s 60x44 -o a.pfm 0.nff
 	is "balance $method -1" "$status $(unexpected .err | grep -v '^balance auto: ') $(cmp a.pfm good0.pfm 2>&1)" '0  '
 	[ $method = hybrid ] || [ $method = auto ] || is "balance $method -1: one connection for each host" "$(sort started | tr '\n' ' ')" 'far near '
 done
