@@ -24,6 +24,8 @@ spd scene base
 simd base
 mesh scene base
 trace simd scene image task base
+html base
+album html image task base
 grid base
 spec grid base
 volume simd grid spec task base
@@ -42,7 +44,7 @@ fan pipe hosts proc wire coder task base
 worker pipe proc wire image task base
 history wire task base
 account history wire task stats base
-view account history log wire image task stats base
+view html account history log wire image task stats base
 verify log wire task base
 drive sched pipe proc wire task base
 END

@@ -44,6 +44,7 @@ lacking() {
 		glmark2 /usr/share/glmark2/models
 		ncdump ncdump
 		jq jq
+		ffmpeg ffmpeg
 	END
 	return 1
 }

@@ -15,6 +15,9 @@ int image_fail(char err[IMAGE_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
 bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR]);
 
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+/* Checks all but the pixels, and finds the size of the picture and of the file. */
+int png_inspect(
+    const unsigned char *p, size_t *n, uint32_t *w, uint32_t *h, char err[IMAGE_ERR]);
 int png_encode(FILE *f, const struct image_rows *rows, int bits, const char *job);
 /* PAM, PPM, PGM. */
 int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);

@@ -34,18 +34,18 @@ int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IM
     return image_fail(err, "unknown picture format, expected PNG, PAM, PPM, PGM or PFM");
 }
 
-/* Reads the whole file, up to the maximum length of a picture. */
-static int slurp(const char *path, struct buf *b, char err[IMAGE_ERR])
+/* Reads the whole file, if it has at most `most` bytes. */
+static int slurp(const char *path, size_t most, struct buf *b, char err[IMAGE_ERR])
 {
     int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) return image_fail(err, "%s, expected a picture", strerror(errno));
     ptrdiff_t k;
     while ((k = read_some(fd, b, 1 << 18)) > 0)
-        if (buf_size(b) > FILE_BYTES_MAX) break;
+        if (buf_size(b) > most) break;
     int why = errno;
     if (fd != STDIN_FILENO) close(fd);
     if (k < 0) return image_fail(err, "%s, expected a picture", strerror(why));
-    if (k > 0) return image_fail(err, "more than %zu bytes, expected a picture", FILE_BYTES_MAX);
+    if (k > 0) return image_fail(err, "more than %zu bytes, expected a picture", most);
     return 0;
 }
 
@@ -53,9 +53,21 @@ int image_read(const char *path, struct image *im, char err[IMAGE_ERR])
 {
     struct buf b = {0};
     *im = (struct image){0};
-    int failed = slurp(path, &b, err);
+    int failed = slurp(path, FILE_BYTES_MAX, &b, err);
     if (!failed) failed = image_decode(buf_data(&b), buf_size(&b), im, err);
     buf_free(&b);
+    return failed;
+}
+
+int image_load_png(const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h,
+    char err[IMAGE_ERR])
+{
+    *b = (struct buf){0};
+    int failed = slurp(path, most, b, err);
+    size_t n = buf_size(b);
+    if (!failed) failed = png_inspect(buf_data(b), &n, w, h, err);
+    if (failed) buf_free(b);
+    else b->len = b->off + n;
     return failed;
 }
 

@@ -40,6 +40,13 @@ bool image_format_of(const char *path, enum image_format *format);
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
 /* Reads n bytes in memory. */
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+/*
+ * Reads a PNG of at most `most` bytes, up to its end, into *b, without decoding its pixels. Checks
+ * the header, and that all chunks are whole and their sums are right. Returns 0, or -1 as
+ * image_read.
+ */
+int image_load_png(const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h,
+    char err[IMAGE_ERR]);
 /* A picture that is read row by row, for pictures larger than memory. */
 struct image_rows {
     uint32_t w, h;

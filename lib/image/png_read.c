@@ -10,12 +10,15 @@
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 /* Memory limit for any one chunk in libpng, besides the pixels. */
 #define CHUNK_BYTES_MAX (1 << 22)
 #define CHUNKS_MAX 1000
 /* Deflate's maximum compression ratio. */
 #define DEFLATE_RATIO_MAX 1032
+/* Bytes before the chunks; bytes around the data of each: length, type, checksum. */
+enum { SIGNATURE = 8, AROUND = 12 };
 
 struct reader {
     png_structp png;
@@ -101,44 +104,90 @@ static void read_pixels(struct reader *r)
     png_read_end(r->png, NULL);
 }
 
-/* Checks that all chunks are complete, because libpng allocates a chunk's declared length before
- * reading it, regardless of its limits. */
-static bool chunks_whole(const unsigned char *p, size_t n)
+/* Where the last chunk ends, if all chunks are complete; otherwise 0. It is checked because libpng
+ * allocates a chunk's declared length before reading it, regardless of its limits. */
+static size_t chunks_end(const unsigned char *p, size_t n)
 {
-    enum { SIGNATURE = 8, AROUND = 12 }; /* bytes around the data: length, type, checksum */
     size_t at = SIGNATURE;
     while (n >= AROUND && at <= n - AROUND) {
         uint32_t data = png_get_uint_32(p + at);
-        if (data > n - AROUND - at) return false;
-        if (memcmp(p + at + 4, "IEND", 4) == 0) return true;
+        if (data > n - AROUND - at) return 0;
         at += AROUND + data;
+        if (memcmp(p + at - data - AROUND + 4, "IEND", 4) == 0) return at;
     }
-    return false;
+    return 0;
+}
+
+/* The chunks are complete. */
+static bool sums_right(const unsigned char *p, size_t end)
+{
+    for (size_t at = SIGNATURE, data; at < end; at += AROUND + data) {
+        data = png_get_uint_32(p + at);
+        uLong sum = crc32_z(0, p + at + 4, 4 + data);
+        if (sum != png_get_uint_32(p + at + 8 + data)) return false;
+    }
+    return true;
+}
+
+static void set_limits(struct reader *r)
+{
+    png_set_read_fn(r->png, r, take);
+    png_set_user_limits(r->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
+    png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
+    png_set_chunk_cache_max(r->png, CHUNKS_MAX);
 }
 
 static int guarded(struct reader *r)
 {
     if (setjmp(png_jmpbuf(r->png))) return -1;
-    png_set_read_fn(r->png, r, take);
-    png_set_user_limits(r->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
-    png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
-    png_set_chunk_cache_max(r->png, CHUNKS_MAX);
+    set_limits(r);
     read_header(r);
     read_pixels(r);
     return 0;
 }
 
+static int guarded_header(struct reader *r)
+{
+    if (setjmp(png_jmpbuf(r->png))) return -1;
+    set_limits(r);
+    png_read_info(r->png, r->info);
+    return 0;
+}
+
+static bool reader_init(struct reader *r)
+{
+    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
+    if (r->png) r->info = png_create_info_struct(r->png);
+    return r->info || image_fail(r->err, "out of memory in libpng") == 0;
+}
+
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
 {
-    if (!chunks_whole(p, n))
+    if (!chunks_end(p, n))
         return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
     struct reader r = {.p = p, .n = n, .im = im, .err = err};
-    r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning);
-    if (r.png) r.info = png_create_info_struct(r.png);
-    int failed = r.info ? guarded(&r) : image_fail(err, "out of memory in libpng");
+    int failed = reader_init(&r) ? guarded(&r) : -1;
     png_destroy_read_struct(&r.png, &r.info, NULL);
     sampler_free(&r.sampler);
     free(r.rows);
     if (failed) image_free(im);
+    return failed;
+}
+
+int png_inspect(const unsigned char *p, size_t *n, uint32_t *w, uint32_t *h, char err[IMAGE_ERR])
+{
+    if (*n < SIGNATURE || png_sig_cmp(p, 0, SIGNATURE) != 0)
+        return image_fail(err, "not a PNG, expected one");
+    size_t end = chunks_end(p, *n);
+    if (!end) return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
+    if (!sums_right(p, end))
+        return image_fail(err, "damaged PNG: the sum of a chunk is wrong, expected a whole one");
+    struct reader r = {.p = p, .n = *n = end, .err = err};
+    int failed = reader_init(&r) ? guarded_header(&r) : -1;
+    if (!failed) {
+        *w = png_get_image_width(r.png, r.info);
+        *h = png_get_image_height(r.png, r.info);
+    }
+    png_destroy_read_struct(&r.png, &r.info, NULL);
     return failed;
 }

@@ -1,6 +1,8 @@
 /* A page of HTML that shows a run: see view.h. */
 #include "view/view.h"
 
+#include "html/html.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,37 +33,6 @@ static const char style[] =
     ".key span{white-space:nowrap}\n"
     ".scroll{overflow-x:auto}\npre{font-size:.85rem;margin:0}\n"
     "@media(max-width:40rem){.lane{grid-template-columns:5rem 1fr}}\n</style>\n";
-
-static void put_text(struct buf *out, const char *s, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        switch (s[i]) {
-        case '<': buf_printf(out, "&lt;"); break;
-        case '>': buf_printf(out, "&gt;"); break;
-        case '&': buf_printf(out, "&amp;"); break;
-        case '"': buf_printf(out, "&quot;"); break;
-        case '\'': buf_printf(out, "&#39;"); break;
-        default:
-            if ((unsigned char)s[i] < ' ' && s[i] != '\n') buf_append(out, "?", 1);
-            else buf_append(out, s + i, 1);
-        }
-    }
-}
-
-static void put_word(struct buf *out, const char *s) { put_text(out, s, strlen(s)); }
-
-static void put_base64(struct buf *out, const unsigned char *p, size_t n)
-{
-    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < n; i += 3) {
-        uint32_t v = (uint32_t)p[i] << 16;
-        if (i + 1 < n) v |= (uint32_t)p[i + 1] << 8;
-        if (i + 2 < n) v |= p[i + 2];
-        char four[4] = {digit[v >> 18], digit[v >> 12 & 63], i + 1 < n ? digit[v >> 6 & 63] : '=',
-            i + 2 < n ? digit[v & 63] : '='};
-        buf_append(out, four, 4);
-    }
-}
 
 /* ---- the timeline ---------------------------------------------------------------------------- */
 
@@ -110,7 +81,7 @@ static void add_mark(struct timeline *t, const struct history_event *e)
     double at = unit_of(t, (size_t)e->run, e->recv_us < 0 ? 0 : (double)e->recv_us * 1e-6);
     struct buf *b = &t->lanes[line].marks;
     buf_printf(b, "<rect class=\"l\" x=\"%.1f\" width=\"3\" height=\"18\"><title>lost: ", at);
-    put_word(b, e->why);
+    html_word(b, e->why);
     buf_printf(b, ", %" PRId64 " tasks</title></rect>", e->tasks);
 }
 
@@ -118,9 +89,9 @@ static void put_lane(const struct timeline *t, size_t line, const char *host, st
 {
     struct lane *lane = &t->lanes[line];
     buf_printf(out, "<div class=\"lane\"><span>");
-    put_word(out, t->a->slots[line].name);
+    html_word(out, t->a->slots[line].name);
     buf_printf(out, " ");
-    put_word(out, host);
+    html_word(out, host);
     buf_printf(out, "</span><svg viewBox=\"0 0 %d 18\" preserveAspectRatio=\"none\">", WIDTH);
     for (size_t k = 0; k < ACCOUNT_KINDS; k++) {
         close_bar(lane, k);
@@ -174,23 +145,23 @@ void view_page(const struct view_log *v, const struct account *a, const struct b
     if (reload_s > 0)
         buf_printf(out, "<meta http-equiv=\"refresh\" content=\"%.0f\">\n", ceil(reload_s));
     buf_printf(out, "<title>");
-    put_word(out, v->path);
+    html_word(out, v->path);
     buf_printf(out, "</title>\n");
     buf_append(out, style, sizeof style - 1);
     buf_printf(out, "</head><body>\n<h1>");
-    put_word(out, v->path);
+    html_word(out, v->path);
     buf_printf(out, "</h1>\n<p>");
-    put_text(out, text, first);
+    html_text(out, text, first);
     buf_printf(out, "</p>\n<progress max=\"%" PRIu64 "\" value=\"%" PRIu64 "\"></progress>\n",
         s.total_px ? s.total_px : 1, s.done_px);
     if (buf_size(png)) {
         buf_printf(out, "<p><img alt=\"The picture so far\" src=\"data:image/png;base64,");
-        put_base64(out, buf_data(png), buf_size(png));
+        html_base64(out, buf_data(png), buf_size(png));
         buf_printf(out, "\"></p>\n");
     }
     put_timeline(a, out);
     buf_printf(out, "<h2>Slots</h2>\n<div class=\"scroll\"><pre>");
-    put_text(out, text + first + 1, n - first - 1);
+    html_text(out, text + first + 1, n - first - 1);
     buf_printf(out, "</pre></div>\n</body></html>\n");
     buf_free(&table);
     free(s.slots);

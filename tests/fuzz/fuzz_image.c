@@ -1,8 +1,9 @@
 /*
  * Whatever the bytes: image_decode returns a picture or a message. A picture's size is within the
- * limits, and small ones are written in every format and read again.
+ * limits, and small ones are written in every format and read again. png_inspect finds the size
+ * that image_decode finds.
  */
-#include "image/image.h"
+#include "image/codecs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -31,10 +32,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct image im;
     char err[IMAGE_ERR] = "";
+    size_t n = size;
+    uint32_t w = 0, h = 0;
+    bool whole = png_inspect(data, &n, &w, &h, err) == 0;
+    MUST(whole ? w >= 1 && h >= 1 && n <= size : strstr(err, ", expected") != NULL);
     if (image_decode(data, size, &im, err) != 0) {
         MUST(!im.rgba && strstr(err, ", expected"));
         return 0;
     }
+    MUST(!whole || (im.w == w && im.h == h));
     MUST(im.w >= 1 && im.h >= 1 && (uint64_t)im.w * im.h <= IMAGE_PIXELS_MAX);
     if ((uint64_t)im.w * im.h <= 4096) {
         check_again(&im, IMAGE_PNG, 8);
