@@ -106,6 +106,7 @@ fi
 modules='base task coder wire pipe proc hosts fan'
 ok 'the modules of fan compile' compile "$root"/lib/coder/none.c "$root"/lib/pipe/*.c "$root"/lib/proc/*.c "$root"/lib/hosts/*.c "$root"/lib/fan/*.c
 family wire
+family eta
 family fan
 modules='base task coder wire pipe proc worker'
 ok 'the modules of worker compile' compile "$root"/lib/worker/*.c
@@ -114,6 +115,12 @@ family forks
 modules='base task image'
 ok 'the pixels of frames compile' compile "$root/lib/image/assembly.c" "$root/lib/image/store.c"
 family store
+modules='base task proc image crop' libs="-lpng $libs"
+ok 'the modules of pictures compile' compile "$root"/lib/image/*.c "$root"/lib/crop/*.c
+family crop
+modules='base task coder wire stats image log history account view'
+ok 'the modules of views compile' compile "$root"/lib/log/*.c "$root"/lib/history/*.c "$root"/lib/account/*.c "$root"/lib/view/*.c
+family view
 modules='base scene'
 ok 'the modules of scene compile' compile "$root"/lib/scene/*.c
 family nff_parts

@@ -109,7 +109,8 @@ static void put_head(struct page *p, const struct view_log *v, const struct view
     else
         put(p, "%.1f %% of %" PRIu64 " pixels, %s, ETA %s, %zu slots up", percent, s->total_px,
             eta_text(s->now_s, past), eta_text(s->left_s, eta), s->n_up);
-    if (v->log.bad) put(p, "%" PRIu64 " damaged places: %s", v->log.bad, v->d.why);
+    if (v->d.bad)
+        put(p, "%" PRIu64 " damaged place%s: %s", v->d.bad, v->d.bad == 1 ? "" : "s", v->d.why);
 }
 
 static void put_slot(struct page *p, const struct view_log *v, const struct view_state *s, size_t i)

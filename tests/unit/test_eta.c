@@ -138,6 +138,126 @@ static void unknown_at_first(void **state)
     assert_true(eta_left_s(&e, 4, 100, 3) == 96);
     assert_true(eta_left_s(&e, 4, 100, 5) == 94); /* time passes */
     assert_true(eta_left_s(&e, 100, 100, 5) == 0);
+    assert_true(eta_left_s(&e, 4, 100, 1000) == 0);
+}
+
+static double sum(const double of[ETA_BANDS])
+{
+    double all = 0;
+    for (int b = 0; b < ETA_BANDS; b++) all += of[b];
+    return all;
+}
+
+static bool near(double x, double y) { return fabs(x - y) < 1e-9 * fmax(1, fabs(y)); }
+
+static double row(double y) { return (y + .5) / ETA_BANDS; }
+
+/* Costs and pixels count when both have come, once, in equal parts for the bands of a task. */
+static void costs_belong_to_bands(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    eta_pixels(&e, 0, 7, row(2), row(3), 6);
+    eta_pixels(&e, 0, 7, row(4), row(5), 6);
+    assert_true(sum(e.px) == 0);
+    eta_done(&e, 0, 7, 12, 0);
+    for (int b = 0; b < ETA_BANDS; b++) {
+        assert_true(near(e.px[b], b >= 2 && b <= 5 ? 3 : 0));
+        assert_true(near(e.cost_us[b], b >= 2 && b <= 5 ? 3 : 0));
+    }
+    eta_pixels(&e, 0, 7, row(7), row(7), 2);
+    assert_true(near(e.px[7], 2) && near(sum(e.cost_us), 12));
+    eta_done(&e, 0, 8, 5, 0);
+    assert_true(near(sum(e.px), 14) && near(sum(e.cost_us), 12));
+    e = (struct eta){0};
+    eta_done(&e, 0, 0, 64, 0);
+    eta_pixels(&e, 0, 0, -1, 2, 64);
+    for (int b = 0; b < ETA_BANDS; b++) assert_true(near(e.px[b], 1) && near(e.cost_us[b], 1));
+}
+
+/* Tasks that share a place of the table. */
+static void tasks_do_not_mix(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    eta_done(&e, 0, 9, 1, 0);
+    eta_pixels(&e, ETA_TASKS, 9, 0, 0, 1);
+    eta_done(&e, 0, 5, 1, 0);
+    eta_pixels(&e, 0, 5 + ETA_TASKS, 0, 0, 1);
+    assert_true(sum(e.px) == 0 && sum(e.cost_us) == 0);
+}
+
+static void rows_above_cost_what_those_below_do(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    for (uint32_t i = 0; i < 4; i++)
+        eta_done(&e, 0, i, 1e6, i), eta_pixels(&e, 0, i, row(32), row(32), 1);
+    assert_true(near(eta_left_s(&e, 4, ETA_BANDS, 3), 60));
+}
+
+/* The slots become half as fast after a third of the time; most marks are dropped on the way. */
+static void the_speed_is_that_of_late(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    for (uint32_t i = 0; i < 2000; i++) {
+        eta_done(&e, 0, i, 1e6, i < 1000 ? i : 2 * (double)i - 1000);
+        eta_pixels(&e, 0, i, row(i % ETA_BANDS), row(i % ETA_BANDS), 1);
+    }
+    assert_true(near(eta_left_s(&e, 2000, 4000, 2998), 4000));
+    eta_begin(&e); /* another run, which is ten times as fast */
+    assert_true(e.step_s == 0);
+    for (uint32_t i = 0; i < 3; i++) eta_done(&e, 0, 3000 + i, 1e6, i / 10.);
+    assert_true(eta_left_s(&e, 2000, 4000, 1) < 0);
+    eta_done(&e, 0, 3003, 1e6, .3);
+    assert_true(near(eta_left_s(&e, 2000, 4000, .3), 200));
+    e = (struct eta){0};
+    eta_done(&e, 0, 0, 1e6, -1); /* of an earlier run */
+    assert_true(e.work_us == 0 && e.n_done == 0);
+}
+
+/* The records in b, of a frame of 64 rows or of an unknown one. */
+static void take(struct eta *e, struct buf *b, uint32_t frame_h)
+{
+    struct decoder d = wire_over(b->data, b->len);
+    struct record r;
+    int n = 0;
+    for (; wire_next(&d, &r) == WIRE_RECORD; n++) wire_eta(e, &r, frame_h, 1);
+    assert_true(n > 0);
+    buf_free(b);
+}
+
+static void what_records_tell(void **state)
+{
+    (void)state;
+    static struct eta e;
+    static const float rgba[4 * 12];
+    struct buf b = {0};
+    struct task t = {.frame = 2, .id = 3, .at = {0, 8, 4, 3, 1, 16}, .to = -1};
+    e = (struct eta){0};
+    wire_done(&b, &t, 330, 900);
+    wire_frag(&b, &t, &t.at, "0123456789abcdef", rgba);
+    take(&e, &b, 64);
+    for (int k = 0; k < ETA_BANDS; k++) { /* rows 8, 24 and 40 */
+        assert_true(near(e.cost_us[k], k >= 8 && k <= 40 ? 10 : 0));
+        assert_true(near(e.px[k], k >= 8 && k <= 40 ? 12. / 33 : 0));
+    }
+    wire_done(&b, &(struct task){.frame = 2, .id = 4, .at = t.at, .to = -1}, 0, 5);
+    take(&e, &b, 64);
+    assert_true(e.work_us == 335);
+    wire_hello(&b, "fan", "0", 0, 1);
+    take(&e, &b, 64);
+    assert_true(e.work_us == 0 && near(sum(e.cost_us), 330));
+    e = (struct eta){0};
+    wire_done(&b, &t, 330, 900);
+    wire_frag(&b, &t, &t.at, "0123456789abcdef", rgba);
+    take(&e, &b, 0);
+    assert_true(sum(e.px) == 0);
 }
 
 /* The rows that an earlier run left out cost what that run says, at the speed of this one. */
@@ -188,6 +308,11 @@ int main(void)
         cmocka_unit_test(rows_in_order_do_not),
         cmocka_unit_test(unknown_at_first),
         cmocka_unit_test(a_resumed_run),
+        cmocka_unit_test(costs_belong_to_bands),
+        cmocka_unit_test(tasks_do_not_mix),
+        cmocka_unit_test(rows_above_cost_what_those_below_do),
+        cmocka_unit_test(the_speed_is_that_of_late),
+        cmocka_unit_test(what_records_tell),
         cmocka_unit_test(nonsense),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

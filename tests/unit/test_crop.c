@@ -1,0 +1,376 @@
+/* The words, pictures and pixels of commands that draw rectangles, and what remains of them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crop/crop.h"
+
+#define PATIENCE_S 30   /* the limit of a test that hangs */
+#define LONG "sleep 90" /* what a failing test may leave behind ends by itself */
+
+/* A list of words, as main has them: not const. It is valid until the next call. */
+static char **words_of(const char *const words[])
+{
+    static char *list[16];
+    int n = 0;
+    do memcpy(&list[n], &words[n], sizeof *list);
+    while (words[n++]);
+    return list;
+}
+#define WORDS(...) words_of((const char *const[]){__VA_ARGS__, NULL})
+
+static char dir[] = "/tmp/stormring-crop-XXXXXX";
+
+/* ---- words ----------------------------------------------------------------------------------- */
+
+static const struct crop_rect rect = {
+    .frame = 7, .frame_w = 40, .frame_h = 30, .x = 4, .y = 5, .w = 6, .h = 2};
+
+static void numbers_replace_words(void **state)
+{
+    (void)state;
+    char **words = WORDS("{x},{y} {w}x{h}", "{x1},{y1}-{x2},{y2}", "{W}x{H}.{F}", "{{x}} {z} {x ",
+        "{i}", "<{o}>", "");
+    static const char *const expected[] = {
+        "4,5 6x2", "5,6-10,7", "40x30.7", "{4} {z} {x ", "{i}", "<out.png>", ""};
+    char **made = crop_words(words, &rect, NULL, "out.png");
+    for (int i = 0; i < 7; i++) assert_string_equal(made[i], expected[i]);
+    assert_null(made[7]);
+    crop_words_free(made);
+    made = crop_words(words, &rect, "main.pov", NULL);
+    assert_string_equal(made[4], "main.pov");
+    assert_string_equal(made[5], "<{o}>");
+    crop_words_free(made);
+}
+
+static void words_that_are_used(void **state)
+{
+    (void)state;
+    char **words = WORDS("draw", "{x1} {o", "{w}{i}");
+    assert_true(crop_uses(words, "i"));
+    assert_true(crop_uses(words, "x1"));
+    assert_false(crop_uses(words, "x"));
+    assert_false(crop_uses(words, "o"));
+}
+
+static void a_hash_of_words(void **state)
+{
+    (void)state;
+    uint64_t ab = crop_words_hash(WORDS("a", "b"));
+    assert_int_not_equal(ab, crop_words_hash(WORDS("ab")));
+    assert_int_not_equal(ab, crop_words_hash(WORDS("b", "a")));
+    assert_int_not_equal(ab, crop_words_hash(WORDS("b")));
+}
+
+/* ---- pixels ---------------------------------------------------------------------------------- */
+
+/* A picture whose pixels have the numbers that those of the rectangle have in the frame. */
+static struct image numbered(const struct crop_rect *at, bool whole)
+{
+    struct image im;
+    uint32_t x0 = whole ? 0 : at->x, y0 = whole ? 0 : at->y;
+    image_init(&im, whole ? at->frame_w : at->w, whole ? at->frame_h : at->h);
+    for (uint32_t y = 0; y < im.h; y++)
+        for (uint32_t x = 0; x < im.w; x++)
+            im.rgba[4 * ((size_t)y * im.w + x)] = (float)((y + y0) * at->frame_w + x + x0);
+    return im;
+}
+
+/* Rectangles, rows, runs that wrap, and sets of scattered pixels. */
+static void a_rectangle_has_all_pixels(void **state)
+{
+    (void)state;
+    enum { W = 40, H = 30 };
+    static const struct lattice tasks[] = {{4, 5, 6, 2, 1, 1}, {0, 3, W, 2, 1, 1},
+        {30, 2, 50, 1, 1, 1}, {0, 0, W, H, 1, 1}, {3, 1, 9, 7, 4, 3}, {39, 29, 1, 1, 1, 1},
+        {12, 0, 1, H, 1, 1}, {35, 4, 3, 3, 4, 2}};
+    for (size_t k = 0; k < sizeof tasks / sizeof *tasks; k++) {
+        const struct lattice *t = &tasks[k];
+        struct crop_rect at = crop_around(t, W, H);
+        uint32_t left = W, top = H, right = 0, bottom = 0;
+        assert_true(lattice_valid(t, W, H));
+        for (uint64_t n = 0; n < lattice_count(t); n++) {
+            uint32_t x = (uint32_t)(lattice_pixel(t, W, n) % W);
+            uint32_t y = (uint32_t)(lattice_pixel(t, W, n) / W);
+            left = x < left ? x : left, right = x > right ? x : right;
+            top = y < top ? y : top, bottom = y > bottom ? y : bottom;
+        }
+        assert_true(at.frame_w == W && at.frame_h == H && at.frame == 0);
+        assert_true(at.x == left && at.y == top);
+        assert_true(at.x + at.w == right + 1 && at.y + at.h == bottom + 1);
+        for (int whole = 0; whole < 2; whole++) {
+            struct image im = numbered(&at, whole);
+            uint64_t count = lattice_count(t), first = count / 3;
+            float *rgba = xcalloc(count, 4 * sizeof *rgba);
+            crop_pixels(&im, &at, t, 0, (uint32_t)first, rgba);
+            crop_pixels(&im, &at, t, first, (uint32_t)(count - first), rgba + 4 * first);
+            for (uint64_t n = 0; n < count; n++)
+                assert_true(rgba[4 * n] == (float)lattice_pixel(t, W, n));
+            free(rgba);
+            image_free(&im);
+        }
+    }
+}
+
+/* ---- commands -------------------------------------------------------------------------------- */
+
+static char said[4096]; /* what a command wrote on standard error */
+
+/* Runs a line of shell, with its words after it, and keeps what it says. */
+static int shell(const char *line, struct buf *out, size_t most, char err[CROP_ERR])
+{
+    char name[] = "/tmp/stormring-crop-said-XXXXXX";
+    char **words = WORDS("sh", "-c", line);
+    int file = mkstemp(name), kept = dup(STDERR_FILENO);
+    assert_true(file >= 0 && kept >= 0 && dup2(file, STDERR_FILENO) >= 0);
+    *err = '\0';
+    int result = crop_run(words, dir, out, most, err);
+    assert_true(dup2(kept, STDERR_FILENO) >= 0);
+    ssize_t n = pread(file, said, sizeof said - 1, 0);
+    said[n > 0 ? n : 0] = '\0';
+    close(kept), close(file), unlink(name);
+    return result;
+}
+
+static void output_is_kept_or_dropped(void **state)
+{
+    (void)state;
+    char err[CROP_ERR];
+    struct buf out = {0};
+    assert_int_equal(shell("pwd; cat", &out, 1000, err), 0); /* standard input is empty */
+    assert_int_equal(buf_size(&out), strlen(dir) + 1);
+    assert_memory_equal(buf_data(&out), dir, strlen(dir));
+    buf_free(&out);
+    assert_int_equal(crop_run(WORDS("pwd"), "/", &out, 1000, err), 0);
+    assert_int_equal(buf_size(&out), 2);
+    buf_free(&out);
+    assert_int_equal(shell("head -c 3000 /dev/zero", NULL, 1000, err), 0);
+    assert_int_equal(shell("head -c 1001 /dev/zero; " LONG, &out, 1000, err), -1);
+    assert_non_null(strstr(err, "more than 1000 bytes"));
+    buf_free(&out);
+}
+
+static void failures_have_a_reason(void **state)
+{
+    (void)state;
+    char err[CROP_ERR];
+    assert_int_equal(shell("exit 3", NULL, 9, err), -1);
+    assert_string_equal(err, "sh: exit status 3, expected 0");
+    assert_int_equal(shell("kill -9 $$", NULL, 9, err), -1);
+    assert_string_equal(err, "sh: ended by signal 9");
+    char **none = WORDS("./no-such-command");
+    assert_int_equal(crop_run(none, dir, NULL, 9, err), CROP_NOT_FOUND);
+    assert_int_equal(shell("echo fine >&2", NULL, 9, err), 0);
+    assert_string_equal(said, "");
+    assert_int_equal(
+        shell("seq 2000 | sed 's/.*/&\\r\\n/' >&2; " LONG " >/dev/null & exit 1", NULL, 9, err),
+        -1);
+    assert_string_equal(said, "sh: 1993\nsh: 1994\nsh: 1995\nsh: 1996\nsh: 1997\nsh: 1998\n"
+                              "sh: 1999\nsh: 2000\n");
+}
+
+/* True if the other end of the pipe is closed before PATIENCE_S, after one byte. */
+static bool closes(int fd)
+{
+    struct pollfd p = {fd, POLLIN, 0};
+    char c;
+    ssize_t n;
+    do
+        if (poll(&p, 1, PATIENCE_S * 1000) <= 0) return false;
+    while ((n = read(fd, &c, 1)) > 0);
+    return n == 0;
+}
+
+/* A process that a command has left behind ends with it; and with this process all that runs. */
+static void nothing_remains(void **state)
+{
+    (void)state;
+    char err[CROP_ERR], c;
+    assert_int_equal(mkfifo("fifo", 0600), 0);
+    int fd = open("fifo", O_RDONLY | O_NONBLOCK);
+    assert_int_equal(shell("exec 9>fifo; printf x >&9; " LONG " 2>&9 &", NULL, 9, err), 0);
+    assert_true(closes(fd));
+    close(fd);
+
+    fd = open("fifo", O_RDONLY | O_NONBLOCK);
+    int held = open("fifo", O_WRONLY | O_CLOEXEC); /* so that the read below waits */
+    pid_t pid = fork();
+    if (pid == 0) {
+        char **words = WORDS("sh", "-c", "exec 9>fifo; " LONG " & printf x >&9; " LONG);
+        crop_run(words, dir, NULL, 9, err);
+        _exit(0);
+    }
+    struct pollfd p = {fd, POLLIN, 0};
+    assert_int_equal(poll(&p, 1, PATIENCE_S * 1000), 1);
+    assert_int_equal(read(fd, &c, 1), 1);
+    close(held);
+    kill(pid, SIGKILL);
+    waitpid(pid, NULL, 0);
+    assert_true(closes(fd));
+    close(fd);
+    unlink("fifo");
+}
+
+/* ---- pictures -------------------------------------------------------------------------------- */
+
+static int draw(const char *line, const struct crop_rect *at, char err[CROP_ERR])
+{
+    char **words = WORDS("sh", "-c", line);
+    const struct crop_command c = {.words = words, .scratch = dir, .files = dir};
+    struct image im;
+    *err = '\0';
+    int result = crop_draw(&c, at, &im, err);
+    if (result == 0) image_free(&im);
+    return result;
+}
+
+#define PGM(w, h) "printf 'P5 " #w " " #h " 255\\n'; head -c $((" #w " * " #h ")) /dev/zero"
+
+static void pictures_have_the_right_size(void **state)
+{
+    (void)state;
+    char err[CROP_ERR];
+    assert_int_equal(draw(PGM(6, 2), &rect, err), 0);
+    assert_int_equal(draw(PGM(40, 30), &rect, err), 0);
+    assert_int_equal(draw(PGM(6, 30), &rect, err), -1);
+    assert_string_equal(err, "a picture of 6x30, expected 6x2 or the whole frame, 40x30");
+    assert_int_equal(draw(PGM(40, 2), &rect, err), -1);
+    assert_int_equal(draw(PGM(2, 6), &rect, err), -1);
+    assert_int_equal(draw("echo hello", &rect, err), -1);
+    assert_non_null(strstr(err, "the command's standard output: "));
+    /* 12 bytes a pixel */
+    const struct crop_rect large = {.frame_w = 600, .frame_h = 600, .w = 600, .h = 600};
+    assert_int_equal(
+        draw("printf 'PF\\n600 600\\n-1.0\\n'; head -c 4320000 /dev/zero", &large, err), 0);
+}
+
+/* Its file is removed, also if the command fails. */
+static void a_picture_in_a_file(void **state)
+{
+    (void)state;
+    char err[CROP_ERR];
+    assert_int_equal(draw("{ " PGM(6, 2) "; } >{o}; echo noise", &rect, err), 0);
+    assert_int_equal(draw("echo no picture >{o}", &rect, err), -1);
+    assert_non_null(strstr(err, "the file {o}: "));
+    assert_int_equal(draw("{ " PGM(6, 2) "; } >{o}; exit 1", &rect, err), -1);
+    assert_int_equal(chdir("/"), 0);
+    assert_int_equal(rmdir(dir), 0); /* it is empty */
+    assert_int_equal(mkdir(dir, 0700), 0);
+    assert_int_equal(chdir(dir), 0);
+}
+
+/* ---- directories ----------------------------------------------------------------------------- */
+
+static void links_are_not_followed(void **state)
+{
+    (void)state;
+    struct stat st;
+    assert_int_equal(mkdir("out", 0700), 0);
+    assert_int_equal(mkdir("out/kept", 0700), 0);
+    assert_int_equal(chmod("out", 0500), 0);
+    assert_int_equal(mkdir("in", 0700), 0);
+    assert_int_equal(mkdir("in/sub", 0500), 0);
+    assert_int_equal(symlink("../out", "in/link"), 0);
+    assert_int_equal(symlink("in/sub", "in/loop"), 0);
+    assert_int_equal(crop_remove("in"), 0);
+    assert_int_equal(lstat("in", &st), -1);
+    assert_int_equal(lstat("out", &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0500);
+    assert_int_equal(chmod("out", 0700), 0);
+    assert_int_equal(rmdir("out/kept"), 0);
+    assert_int_equal(rmdir("out"), 0);
+    errno = 0;
+    assert_int_equal(crop_remove("in"), -1);
+    assert_int_equal(errno, ENOENT);
+}
+
+/* A process that has made a directory is killed with its whole group: the directory goes too. */
+static void a_directory_ends_with_its_process(void **state)
+{
+    (void)state;
+    static const char *const places[] = {dir, "relative"};
+    for (int k = 0; k < 2; k++) {
+        int p[2];
+        char name[4096];
+        assert_int_equal(pipe(p), 0);
+        pid_t pid = fork();
+        if (pid == 0) {
+            setpgid(0, 0);
+            setenv("TMPDIR", places[k], 1);
+            const char *made = crop_directory();
+            char sub[5000];
+            snprintf(sub, sizeof sub, "%s/sub", made);
+            mkdir(sub, 0500);
+            (void)!write(p[1], made, strlen(made));
+            pause();
+            _exit(0);
+        }
+        close(p[1]);
+        ssize_t n = read(p[0], name, sizeof name - 1);
+        assert_true(n > 0);
+        name[n] = '\0';
+        assert_memory_equal(name, k ? "/tmp/stormring-" : dir, k ? 15 : strlen(dir));
+        assert_int_equal(access(name, F_OK), 0);
+        assert_int_equal(kill(-pid, SIGKILL), 0);
+        assert_int_equal(waitpid(pid, NULL, 0), pid);
+        for (int i = 0; i < PATIENCE_S * 100 && access(name, F_OK) == 0; i++) usleep(10000);
+        assert_int_equal(access(name, F_OK), -1);
+        close(p[0]);
+    }
+}
+
+static void too_long(int sig)
+{
+    (void)sig;
+    fail_msg("the test has not ended after %d s", PATIENCE_S);
+}
+
+static int limited(void **state)
+{
+    (void)state;
+    signal(SIGALRM, too_long);
+    alarm(PATIENCE_S);
+    return 0;
+}
+
+static int make_dir(void **state)
+{
+    (void)state;
+    return !mkdtemp(dir) || chdir(dir) != 0;
+}
+
+static int remove_dir(void **state)
+{
+    (void)state;
+    return crop_remove(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_replace_words),
+        cmocka_unit_test(words_that_are_used),
+        cmocka_unit_test(a_hash_of_words),
+        cmocka_unit_test(a_rectangle_has_all_pixels),
+        cmocka_unit_test_setup(output_is_kept_or_dropped, limited),
+        cmocka_unit_test_setup(failures_have_a_reason, limited),
+        cmocka_unit_test_setup(nothing_remains, limited),
+        cmocka_unit_test_setup(pictures_have_the_right_size, limited),
+        cmocka_unit_test_setup(a_picture_in_a_file, limited),
+        cmocka_unit_test(links_are_not_followed),
+        cmocka_unit_test_setup(a_directory_ends_with_its_process, limited),
+    };
+    return cmocka_run_group_tests(tests, make_dir, remove_dir);
+}
