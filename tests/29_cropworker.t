@@ -106,6 +106,29 @@ perl draw.pl 255 512 0 0 512 300 >whole.ppm
 is 'a task of several fragments is drawn once' "$(wc -l <counted | tr -d ' '):$(imgcmp got.png whole.ppm | grep differing)" \
 	'1:differing	0'
 
+# ---- Ghostscript: text, a curve, a line of one pixel, an image, drawn by any rectangle ---------------------------
+cat >page.ps <<'END'
+%!PS
+/Times-Roman findfont 20 scalefont setfont
+.2 .4 .8 setrgbcolor 10 10 moveto (Stormring) show
+0 .6 .3 setrgbcolor 15.1 50.3 moveto 95 30.1 75.4 70.2 5.2 72.7 curveto fill
+0 0 0 setrgbcolor 0 setlinewidth 0 0 moveto 100 75 lineto stroke
+gsave 60.3 5.2 translate 33 21 scale 8 4 8 [8 0 0 4 0 0] {<00ff40c0107fe02000ff40c0107fe020>} image grestore
+showpage
+END
+cat >page <<'END'
+exec gs -q -sDEVICE=ppmraw -r144 "-g$3x$4" -o - -c "<</PageOffset [$1 neg 2 div $5 $2 sub $4 sub 2 div]>> setpagedevice" -f page.ps
+END
+if there gs; then
+	sh page 0 0 200 150 150 >whole.ppm
+	ok 'Ghostscript: the page is not empty' test "$(tail -c 90000 whole.ppm | od -An -v -tx1 -w3 | sort -u | wc -l)" -gt 8
+	for cut in row tile:67x59 scatter; do
+		partition -u $cut -n 3 200x150 | deal fan -j 2 cropworker sh page '{x}' '{y}' '{w}' '{h}' '{H}' | gather -o got.png
+		is "Ghostscript, $cut: the same pixels" "$(same got.png whole.ppm)" 'differing	0'
+	done
+else skip 'Ghostscript' 'gs is not there'
+fi
+
 # ---- files -----------------------------------------------------------------------------------------------------
 run cropworker true <<END
 files bytes=0

@@ -37,6 +37,7 @@ lacking() {
 		tsvstat tsvstat
 		gnuplot gnuplot
 		povray povray
+		gs gs
 		coastlines /usr/share/gmt-gshhg
 		nc2vtk nc2vtk
 		grib2vtk grib2vtk
