@@ -61,8 +61,10 @@ FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
 # Four programs need a library each: where it is missing, the others are built, and make says so.
-LIBS_nc2vtk   = -lnetcdf
-LIBS_grib2vtk = -leccodes
+LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
+LIBS_grib2vtk = -leccodes $(LIBS_units)
+LIBS_units    = $(if $(UDUNITS),-ludunits2)
+LIBS_test_heights = $(LIBS_units)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
@@ -75,6 +77,8 @@ LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
+# Without this one, nc2vtk and grib2vtk convert no units.
+UDUNITS := $(if $(call lacks,udunits2.h,-),,udunits)
 # Without this one, `pack files` and cropworker take no files along.
 ARCHIVE := $(if $(call lacks,archive.h,-),,archive)
 part     = $(foreach l,$(LACKING),$(word $(1),$(subst :, ,$(l))))
@@ -87,7 +91,7 @@ COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
 LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
-           lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c,$(wildcard lib/*/*.c)))
+           lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
@@ -110,6 +114,7 @@ all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
 	$(if $(NO_STATIC),@echo "make: no static programs for hosts with send=auto: $(NO_STATIC) is missing" >&2)
 	$(if $(ZSTD),,@echo "make: fan -z packs nothing: libzstd-dev is missing" >&2)
+	$(if $(UDUNITS),,@echo "make: nc2vtk and grib2vtk convert no units and heights: libudunits2-dev is missing" >&2)
 	$(if $(ARCHIVE),,@echo "make: pack takes no files for cropworker: libarchive-dev is missing" >&2)
 
 help:

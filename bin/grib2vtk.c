@@ -6,8 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-ch] [-L LEVELS] [-o FILE] [-t INDEX|all] FILE.grb VARIABLE\n"
-                                 "       grib2vtk -l FILE.grb";
+static const char usage_text[] =
+    "[-chz] [-L LEVELS] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.grb VARIABLE\n"
+    "       grib2vtk -l FILE.grb";
 
 struct options {
     struct convert_options common;
@@ -19,12 +20,13 @@ struct source {
     const struct convert_options *o;
     struct convert_request request;
     struct gb_stack part[2];
+    struct gb_heights heights; /* with -z */
 };
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.levels = NULL};
-    for (int c; (c = prog_getopt(argc, argv, "chL:lo:t:")) != -1;)
+    for (int c; (c = prog_getopt(argc, argv, "chL:lo:t:u:z")) != -1;)
         if (c == 'L') o.levels = opt_text(c, optarg);
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
@@ -149,18 +151,38 @@ static void values(void *ctx, size_t time, struct grid *g)
             die(ST_USAGE, "%s: %s: %s", s->o->file, s->o->what, err);
 }
 
-static void describe(const void *ctx, size_t time, struct buf *title)
+static void heights(void *ctx, size_t time, struct grid *g)
+{
+    struct source *s = ctx;
+    char err[ERR_BYTES];
+    if (!gb_heights_values(s->o->file, &s->part[0], &s->heights, time, g, err))
+        die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->o->what, err);
+    if (s->heights.kind == GB_HEIGHTS_HYBRID) convert_pressures(g);
+}
+
+static enum convert_levels levels_of(const struct gb_index *x, struct source *s)
+{
+    const char *levels = s->part[0].at->levels;
+    if (!s->o->heights) return CONVERT_LEVELS_OTHER;
+    gb_heights_find(x, &s->part[0], &s->heights);
+    if (s->heights.kind != GB_HEIGHTS_NONE) return CONVERT_LEVELS_FIELD;
+    if (strncmp(levels, "isobaric", 8) == 0) return CONVERT_LEVELS_PRESSURE;
+    return convert_levels_of(gb_measure_of(levels)->units);
+}
+
+static void describe(const void *ctx, size_t time, const char *z, struct buf *title)
 {
     const struct source *s = ctx;
     const struct gb_entry *e = s->part[0].at + time * s->part[0].n_levels;
     const struct gb_measure *m = gb_measure_of(e->levels);
-    buf_printf(title, "%s [%s]; ", s->request.name, e->units);
+    buf_printf(title, "; ");
     if (gb_is_projected(e->kind)) buf_printf(title, "x %s_x [m]; y %s_y [m]; ", e->kind, e->kind);
     else if (strcmp(e->kind, "rotated_ll") == 0)
         buf_printf(title, "x grid_longitude [degrees]; y grid_latitude [degrees]; ");
     else buf_printf(title, "x longitude [degrees_east]; y latitude [degrees_north]; ");
-    buf_printf(title, "z %s%s [%s]; t validity %012lld [YYYYMMDDhhmm]", m->down ? "-" : "",
-        e->levels, m->units, (long long)e->when);
+    if (z) buf_printf(title, "z %s", z);
+    else buf_printf(title, "z %s%s [%s]", m->down ? "-" : "", e->levels, m->units);
+    buf_printf(title, "; t validity %012lld [YYYYMMDDhhmm]", (long long)e->when);
 }
 
 static void convert_stack(const struct gb_index *x, const struct options *o)
@@ -168,11 +190,15 @@ static void convert_stack(const struct gb_index *x, const struct options *o)
     struct source s = find(x, o);
     struct converter from = {.what = o->common.what,
         .name = s.request.name,
+        .unit = s.part[0].at->units,
+        .levels = levels_of(x, &s),
+        .levels_unit = gb_measure_of(s.part[0].at->levels)->units,
         .degrees = !gb_is_projected(s.part[0].at->kind),
         .times = s.part[0].n_times,
         .ctx = &s,
         .axes = axes,
         .values = values,
+        .heights = heights,
         .describe = describe};
     convert(&o->common, &from);
 }

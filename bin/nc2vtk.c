@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-static const char usage_text[] = "[-ch] [-o FILE] [-t INDEX|all] FILE.nc VARIABLE\n"
+static const char usage_text[] = "[-chz] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE\n"
                                  "       nc2vtk -i|-l FILE.nc";
 
 struct options {
@@ -19,12 +19,13 @@ struct source {
     const struct convert_options *o;
     struct convert_request request;
     struct cf_field part[2];
+    struct cf_heights heights; /* with -z */
 };
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.info = false};
-    for (int c; (c = prog_getopt(argc, argv, "chilo:t:")) != -1;)
+    for (int c; (c = prog_getopt(argc, argv, "chilo:t:u:z")) != -1;)
         if (c == 'i') o.info = o.common.list = true;
         else convert_option(&o.common, c, optarg, usage_text);
     convert_operands(&o.common, argc - optind, argv + optind, usage_text);
@@ -137,16 +138,36 @@ static void values(void *ctx, size_t time, struct grid *g)
             die(ST_USAGE, "%s: %s: %s", s->o->file, s->part[i].name, err);
 }
 
-static void describe(const void *ctx, size_t time, struct buf *title)
+static void heights(void *ctx, size_t time, struct grid *g)
+{
+    struct source *s = ctx;
+    char err[ERR_BYTES];
+    if (!cf_heights_values(s->c, &s->part[0], &s->heights, time, g, err))
+        die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->request.name, err);
+    if (s->heights.kind == CF_HEIGHTS_HYBRID) convert_pressures(g);
+}
+
+static enum convert_levels levels_of(struct source *s)
+{
+    const struct cf_axis *z = cf_axis_of(&s->part[0], CF_Z);
+    char err[ERR_BYTES];
+    if (!s->o->heights) return CONVERT_LEVELS_OTHER;
+    if (!cf_heights_find(s->c, &s->part[0], &s->heights, err))
+        die(ST_USAGE, "%s: %s: -z: %s", s->o->file, s->request.name, err);
+    if (s->heights.kind != CF_HEIGHTS_NONE) return CONVERT_LEVELS_FIELD;
+    return z->pressure ? CONVERT_LEVELS_PRESSURE : convert_levels_of(z->units);
+}
+
+static void describe(const void *ctx, size_t time, const char *z, struct buf *title)
 {
     const struct source *s = ctx;
     const struct cf_field *f = &s->part[0];
-    buf_printf(title, "%s [%s]", s->request.name, f->units);
-    for (int k = CF_X; k <= CF_Z; k++) {
+    for (int k = CF_X; k <= (z ? CF_Y : CF_Z); k++) {
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
         buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, a -> name, a -> units);
     }
+    if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);
     if (t && t->at) buf_printf(title, "; t %s %.9g [%s]", t->name, t->at[time], t->units);
 }
@@ -157,14 +178,19 @@ static void convert_field(struct cf_file *c, const struct convert_options *o)
     const struct cf_axis *t = cf_axis_of(&s.part[0], CF_T);
     struct converter from = {.what = s.request.name,
         .name = s.request.name,
+        .unit = s.part[0].units,
+        .levels = levels_of(&s),
+        .levels_unit = cf_axis_of(&s.part[0], CF_Z)->units,
         .degrees = cf_axis_is_longitude(cf_axis_of(&s.part[0], CF_X)),
         .times = t ? t->n : 1,
         .ctx = &s,
         .axes = axes,
         .values = values,
+        .heights = heights,
         .describe = describe};
     convert(o, &from);
     for (int i = 0; i < s.request.n; i++) cf_field_free(&s.part[i]);
+    cf_heights_free(&s.heights);
 }
 
 int main(int argc, char **argv)

@@ -31,7 +31,8 @@ spec grid base
 volume simd grid spec task base
 cf grid base
 grib grid base
-convert grid image base
+units base
+convert units grid image base
 backdrop grid spec image base
 sched task base
 sim sched stats task base

@@ -202,6 +202,44 @@ is '-c: longitudes may be rounded' "$(got -c rounded.nc s >/dev/null; on_line co
 longitudes whole 0 90 180 270 360
 ok '-c: a closed grid stays as it is' sh -c 'nc2vtk -c whole.nc s >a.vtk; nc2vtk whole.nc s | cmp - a.vtk'
 
+# ---- units and heights -----------------------------------------------------------------------------------------
+if there /usr/include/udunits2.h; then
+	make_nc warm "$cube" "$axes z:units = \"hPa\"; float s(z, y, x); s:units = \"K\";" \
+		'x = 1, 2; y = 3, 4; z = 1000, 500; s = 273.15, 274.15, 275.15, 276.15, 263.15, 264.15, 265.15, 266.15;'
+	is '-u: values are converted' "$(nc2vtk -u degC warm.nc s >a.vtk; values a.vtk | awk '{ printf "%.3f ", $1 + 1e-4 }')" \
+		'0.000 1.000 2.000 3.000 -10.000 -9.000 -8.000 -7.000 '
+	like '-u: the title has the unit' "$(sed -n 2p a.vtk)" '^s \[degC\]; '
+	run nc2vtk -u m warm.nc s
+	is '-u: another quantity is refused' "$status:$out:$err" "2::nc2vtk: warm.nc: s: 'K' does not convert to 'm'"
+	nc2vtk -z warm.nc s >a.vtk
+	is '-z: pressures become heights of the standard atmosphere' "$(coordinates Z a.vtk | awk '{ printf "%.1f ", $1 }')" '110.9 5574.4 '
+	like '-z: the title says so' "$(sed -n 2p a.vtk)" '; z height \[m\]$'
+	# The geopotential of the lower level is 0 at three nodes, and half a layer higher at one.
+	make_nc geo "$cube" "$axes z:units = \"hPa\"; float s(z, y, x); float gp(z, y, x); gp:standard_name = \"geopotential\"; gp:units = \"m2 s-2\";" \
+		"x = 1, 2; y = 3, 4; z = 1000, 500; s = 1, 2, 3, 4, 11, 12, 13, 14; gp = 0, 0, 0, 9806.65, 19613.3, 19613.3, 39226.6, 49033.25;"
+	is '-z: columns are moved to common heights' "$(got -z geo.nc s):$(coordinates Z a.vtk | awk '{ printf "%.2f ", $1 }')" '1 2 3 4 11 12 8 6.5:0.00 2000.00 '
+	# a * p0 + b * ps: 1013.25 and 226.3206 hPa at x 1, and half of the surface pressure at x 2
+	hybrid='float z(z); z:axis = "Z"; z:positive = "down"; z:formula_terms = "a: ca b: cb p0: P0 ps: PS"; double ca(z), cb(z), P0;
+		P0:units = "hPa"; float PS(x, y); PS:units = "hPa"; float x(x); float y(y); float s(z, y, x);'
+	make_nc hybrid "$cube" "$hybrid" "z = 2, 1; x = 1, 2; y = 4, 3; ca = 0, .2263206; cb = 1, 0; P0 = 1000;
+		PS = 1013.25, 1013.25, 506.625, 1013.25; s = 1, 2, 3, 4, 11, 12, 13, 14;"
+	is '-z: hybrid levels, with the surface pressure; the ground has no value' "$(got -z hybrid.nc s)" '3 4 1 nan 13 14 11 12'
+	is '-z: their planes' "$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '0 11000 '
+	refused_z() { run nc2vtk -z "$1" s; like "refused: -z of $1" "$status:$out:$err" "^2::nc2vtk: $1: s: -z: $2"; }
+	ncdump hybrid.nc | sed 's/float PS(/float Q(/; s/PS:units/Q:units/; s/^ PS =/ Q =/' | ncgen -o noground.nc -
+	refused_z noground.nc 'the levels need the surface pressure PS, which is not there'
+	ncdump hybrid.nc | sed 's/"a: ca /"a: cc /' | ncgen -o noterm.nc -
+	refused_z noterm.nc 'the levels name cc, which is not there'
+	ncdump hybrid.nc | sed 's/PS(x, y)/PS(x, x)/' | ncgen -o square.nc -
+	refused_z square.nc 'the surface pressure has x twice'
+	make_nc theta "$cube" "$axes z:units = \"K\"; float s(z, y, x);" "$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
+	refused_z theta.nc 'no heights, expected pressures'
+	nc2vtk -z $ncarg/cdf/vinth2p.nc T >a.vtk
+	is '-z: a climate model with hybrid levels' "$(coordinates Z a.vtk | awk 'NR == 1 || NR == 18 { printf "%.0f ", $1 }')" '55 36049 '
+else
+	skip 'units and heights' 'udunits2 is not there'
+fi
+
 # ---- refused, and why ------------------------------------------------------------------------------------------
 data='s = 1, 2, 3, 4, 5, 6, 7, 8;' scalar='float s(z, y, x);'
 make_nc twice "$cube" "$axes $scalar" "x = 1, 1; y = 3, 4; z = 5, 6; $data"

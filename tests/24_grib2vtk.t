@@ -90,11 +90,45 @@ grib2vtk -c gauss.grib2 t >a.vtk
 ok '-c: a Gaussian grid is closed' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"
 is '-c: the longitudes go from 0 to 360' "$(coordinates X a.vtk | sed -n '1p;$p' | tr -s ' \n' ' ')" ' 0 360 '
 
+# ---- units and heights -----------------------------------------------------------------------------------------
+if there /usr/include/udunits2.h; then
+	is '-u: values are converted' "$(got -u degC plain.grib2 t | cut -d' ' -f1-3)" '-249.15 -248.15 -247.15'
+	grib2vtk -z plain.grib2 t >a.vtk
+	is '-z: pressures become heights of the standard atmosphere' \
+		"$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '111 1457 5574 '
+	grib2vtk -z -L isobaricInhPa "$file" gh >a.vtk
+	is '-z: the geopotential height of the file' "$(coordinates Z a.vtk | awk 'NR == 1 || NR == 19 { printf "%.0f ", $1 }')" '115 16051 '
+	layer() { values a.vtk | awk -v k="$1" -v n=$((93 * 65)) '!/nan/ && int((NR - 1) / n) == k { printf "%.0f\n", $1 }' | sort -un | tr '\n' ' '; }
+	is '-z: at a plane, it is the height of the plane' "$(layer 9)" "$(coordinates Z a.vtk | awk 'NR == 10 { printf "%.0f ", $1 }')"
+	make_grib geo "$one $two set shortName=\"gh\"; set level=500; set values={5000,5000,5000,5000,5000,5000}; write;
+		set level=850; set values={1000,1000,1000,1000,1000,3000}; write;"
+	is '-z: columns are moved' "$(got -z geo.grib2 t | cut -d' ' -f1-6):$(on_line coordinates Z a.vtk)" '14 15 nan 11 12 13:1000 5000'
+	# Half levels at 0, 200 hPa and the surface: the levels are at 100 and 606.6 hPa; at one node, at 100 and 300.7 hPa.
+	make_grib hybrid 'set typeOfLevel="hybrid"; set PVPresent=1; set pv={0.0, 20000.0, 0.0, 0.0, 0.0, 1.0}; set level=1; set values={1,2,3,4,5,6}; write;
+		set level=2; set values={11,12,13,14,15,16}; write; set shortName="lnsp"; set typeOfLevel="hybrid"; set level=1;
+		set values={11.526088,11.526088,11.526088,11.526088,11.526088,10.6}; write;'
+	is '-z: hybrid levels, with pv and the surface pressure' \
+		"$(got -z hybrid.grib2 t | cut -d' ' -f1-6):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" \
+		'14 15 nan 11 12 13:4123 16180 '
+	make_grib bald 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; write;
+		set shortName="sp"; set typeOfLevel="surface"; set values={100000,100000,100000,100000,100000,100000}; write;'
+	run grib2vtk -z bald.grib2 t
+	like 'refused: -z of hybrid levels without pv' "$status:$out:$err" '^2::grib2vtk: bald.grib2: t: -z: the levels have no coefficients'
+	make_grib theta "set typeOfLevel=\"theta\"; $one $two"
+	run grib2vtk -z theta.grib2 t
+	like 'refused: -z of other levels' "$status:$out:$err" '^2::grib2vtk: theta.grib2: t: -z: no heights, expected pressures'
+else
+	skip 'units and heights' 'udunits2 is not there'
+fi
+
 # ---- refused, and why --------------------------------------------------------------------------------------------
 refused "$file" prmsl 'prmsl: 1 level, expected 2 at least'
 refused "$file" nothing 'no nothing, expected one that -l lists'
 refused "$file" 'a=hypot(u,absv)' 'the two have different axes'
-refused "$grb/wafsgfs_L_t06z_intdsk60.grib2" gh "a grid of type 'reduced_ll', expected a rectilinear one"
+refused "$grb/wafsgfs_L_t06z_intdsk60.grib2" gh "a grid of type 'reduced_ll', expected a rectilinear one, as cdo remapnn,r360x180 IN OUT writes"
+like 'refused: a reduced Gaussian grid, with advice' "$(grib2vtk -l $samples/reduced_gg_pl_grib2.tmpl)" \
+	"^# .*'reduced_gg', expected a rectilinear one, as cdo setgridtype,regular IN OUT writes"
+like 'refused: spherical harmonics, with advice' "$(grib2vtk -l $samples/sh_pl_grib2.tmpl)" "'sh', expected a rectilinear one, as cdo sp2gpl IN OUT"
 cat plain.grib2 plain.grib2 >twice.grib2
 refused twice.grib2 t 'several fields at level 500 of one time'
 make_grib uneven "set dataDate=20260101; $one $two set dataDate=20260102; $one"

@@ -99,8 +99,11 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_is_numeric(&p)) return true; /* labels, not numbers */
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
+    a->in = in;
+    a->id = id;
+    a->pressure = is_pressure(a->units);
     a->kind = kind_of(c, in, id, a);
-    a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && is_pressure(a->units));
+    a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && a->pressure);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);

@@ -32,6 +32,8 @@ struct cf_axis {
     size_t n;
     double *at; /* as in the file; NULL if there is no coordinate variable */
     char name[CF_TEXT], units[CF_TEXT];
+    bool pressure; /* its units are those of pressure */
+    int in, id;    /* group and variable of the coordinates, if `at` */
 };
 
 /* Conversion of stored numbers to values. */
@@ -83,5 +85,31 @@ bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES]);
  */
 bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct grid *g,
     bool combine, char err[ERR_BYTES]);
+
+/* ---- heights -------------------------------------------------------------------------------- */
+
+#define CF_TERMS 3
+/* The variables from which the height of each node of a field comes. */
+struct cf_heights {
+    enum { CF_HEIGHTS_NONE, CF_HEIGHTS_GEOPOTENTIAL, CF_HEIGHTS_HYBRID } kind;
+    struct cf_field geopotential;
+    double metres; /* of a unit of the geopotential */
+    double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa */
+    int surface;   /* variable of the surface pressure, in the group of the levels */
+    int group;
+    double surface_pa; /* a unit of it in Pa */
+};
+/*
+ * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure
+ * and the coefficients of its hybrid or sigma levels. False with a message in err if the levels
+ * name variables that cannot be used. Call cf_heights_free in any case.
+ */
+bool cf_heights_find(
+    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES]);
+void cf_heights_free(struct cf_heights *h);
+/* Reads, at one time, metres (CF_HEIGHTS_GEOPOTENTIAL) or pressures in Pa (CF_HEIGHTS_HYBRID) into
+ * a grid with the axes of the field. */
+bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
+    size_t time, struct grid *g, char err[ERR_BYTES]);
 
 #endif

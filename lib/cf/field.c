@@ -43,8 +43,9 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES
         const struct cf_axis *a = &f->axis[i];
         if (a->at || a->kind == CF_T || a->n == 1) continue;
         return err_set(err,
-            "%s: there are no coordinates along %.60s, expected them along each axis",
-            is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name);
+            "%s: there are no coordinates along %.60s, expected them along each axis%s",
+            is_curvilinear(c, f) ? "a curvilinear grid" : "no rectilinear grid", a->name,
+            is_curvilinear(c, f) ? ", as cdo remapbil,r360x180 IN OUT writes" : "");
     }
     if (!cf_tell_axes_apart(f, err)) return false;
     for (int i = 0; i < f->n_axes; i++)

@@ -1,6 +1,7 @@
 /* convert: writes the grids to files. */
 #include "convert/convert.h"
 #include "image/image.h"
+#include "units/units.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -54,35 +55,106 @@ static void close_round(struct grid *g)
     }
 }
 
+/* ---- units and heights ---------------------------------------------------------------------- */
+
+/* The state of a conversion. */
+struct run {
+    const struct convert_options *o;
+    const struct converter *c;
+    struct grid g, height; /* height: for CONVERT_LEVELS_FIELD */
+    struct units_linear unit;
+    bool closing, placed; /* placed: z has the heights of the first time */
+};
+
+static struct units_linear conversion(const struct run *r, const char *from, const char *to)
+{
+    struct units_linear l = {1, 0};
+    char err[ERR_BYTES];
+    if (!units_linear(from, to, &l, err)) die(ST_USAGE, "%s: %s: %s", r->o->file, r->c->what, err);
+    return l;
+}
+
+static void convert_values(struct run *r)
+{
+    const size_t n = grid_node(&r->g, 0, 0, r->g.n[2]);
+    if (!r->o->unit) return;
+    for (size_t i = 0; i < n; i++) {
+        double v = (double)r->g.value[i] * r->unit.factor + r->unit.offset;
+        if (fabs(v) > GRID_MAX)
+            die(ST_USAGE, "%s: %s: a value is %g %s, expected %g at most", r->o->file, r->c->what,
+                v, r->o->unit, GRID_MAX);
+        r->g.value[i] = (float)v;
+    }
+}
+
+/* Makes heights of z where all columns have the same. */
+static void convert_axis(struct run *r)
+{
+    const struct converter *c = r->c;
+    bool pressure = c->levels == CONVERT_LEVELS_PRESSURE;
+    if (!r->o->heights || c->levels == CONVERT_LEVELS_FIELD) return;
+    if (c->levels == CONVERT_LEVELS_OTHER)
+        die(ST_USAGE,
+            "%s: %s: -z: no heights, expected pressures, hybrid levels with a surface pressure, or "
+            "a geopotential on the same levels",
+            r->o->file, c->what);
+    struct units_linear l = conversion(r, c->levels_unit, pressure ? "Pa" : "m");
+    for (uint32_t k = 0; k < r->g.n[2]; k++) {
+        double *z = &r->g.at[2][k], v = (pressure ? -*z : *z) * l.factor + l.offset;
+        if (pressure && !(v > 0))
+            die(ST_USAGE, "%s: %s: -z: a level has the pressure %g, expected more than 0",
+                r->o->file, c->what, -*z);
+        *z = pressure ? convert_standard_height(v) : v;
+    }
+}
+
+/* Moves the values to common heights, those of the first time that is converted. */
+static void convert_columns(struct run *r, size_t time)
+{
+    char err[ERR_BYTES];
+    if (!r->o->heights || r->c->levels != CONVERT_LEVELS_FIELD) return;
+    r->c->heights(r->c->ctx, time, &r->height);
+    if (!r->placed && !convert_planes(&r->height, r->g.at[2], err))
+        die(ST_USAGE, "%s: %s: -z: %s", r->o->file, r->c->what, err);
+    r->placed = true;
+    convert_to_planes(&r->g, &r->height, r->g.at[2]);
+}
+
 /* ---- output ---------------------------------------------------------------------------------- */
 
-static void convert_time(const struct convert_options *o, const struct converter *c, size_t time,
-    bool closing, struct grid *g)
+static void convert_time(struct run *r, size_t time)
 {
+    const struct converter *c = r->c;
     struct buf title = {0}, b = {0};
-    c->values(c->ctx, time, g);
-    if (closing) close_round(g);
-    c->describe(c->ctx, time, &title);
+    c->values(c->ctx, time, &r->g);
+    convert_columns(r, time);
+    convert_values(r);
+    if (r->closing) close_round(&r->g);
+    buf_printf(&title, "%s [%s]", c->name, r->o->unit ? r->o->unit : c->unit);
+    c->describe(c->ctx, time, r->o->heights ? "height [m]" : NULL, &title);
     buf_append(&title, "", 1);
-    grid_write(g, (const char *)buf_data(&title), &b);
-    put(o, time, &b);
-    if (closing) g->n[0]--;
+    grid_write(&r->g, (const char *)buf_data(&title), &b);
+    put(r->o, time, &b);
+    if (r->closing) r->g.n[0]--;
     buf_free(&title);
     buf_free(&b);
 }
 
 void convert(const struct convert_options *o, const struct converter *c)
 {
-    struct grid g;
+    struct run r = {.o = o, .c = c};
     size_t end = o->every ? c->times : o->time + 1;
     if (end > c->times || !c->times)
         die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, c->what, o->time,
             c->times);
-    c->axes(c->ctx, &g);
-    snprintf(g.name, sizeof g.name, "%s", c->name);
-    bool closing = o->round && wants_closing(o, c, &g);
-    if (closing) make_room(&g);
-    for (size_t time = o->every ? 0 : o->time; time < end; time++)
-        convert_time(o, c, time, closing, &g);
-    grid_free(&g);
+    if (o->unit) r.unit = conversion(&r, c->unit, o->unit);
+    c->axes(c->ctx, &r.g);
+    snprintf(r.g.name, sizeof r.g.name, "%s", c->name);
+    convert_axis(&r);
+    if (o->heights && c->levels == CONVERT_LEVELS_FIELD) c->axes(c->ctx, &r.height);
+    r.closing = o->round && wants_closing(o, c, &r.g);
+    if (r.closing) make_room(&r.g);
+    for (size_t time = o->every ? 0 : o->time; time < end; time++) convert_time(&r, time);
+    grid_free(&r.g);
+    grid_free(&r.height);
 }

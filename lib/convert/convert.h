@@ -4,7 +4,8 @@
  *
  * Call order: convert_option for each letter from getopt; convert_operands after the last. Then
  * list, if o->list, with convert_table_*; otherwise convert_request_parse and convert. On failure
- * all functions except convert_request_parse end the program with a message.
+ * all functions except convert_request_parse end the program with a message. A caller must link
+ * libudunits2 if it is there.
  */
 #ifndef STORMRING_CONVERT_H
 #define STORMRING_CONVERT_H
@@ -14,14 +15,16 @@
 
 struct convert_options {
     const char *out; /* -o: a file; %d stands for the time's index; NULL: standard output */
-    bool round;  /* -c: repeat the first column at the end, if longitudes go all the way round */
-    bool list;   /* -l */
-    bool every;  /* -t all */
-    size_t time; /* -t INDEX */
+    bool round;   /* -c: repeat the first column at the end, if longitudes go all the way round */
+    bool list;    /* -l */
+    bool heights; /* -z: z becomes metres */
+    const char *unit; /* -u: of the values; NULL: as in the file */
+    bool every;       /* -t all */
+    size_t time;      /* -t INDEX */
     const char *file, *what;
 };
 
-/* Handles -c, -h, -l, -o and -t; any other letter prints the usage and exits. */
+/* Handles -c, -h, -l, -o, -t, -u and -z; any other letter prints the usage and exits. */
 void convert_option(
     struct convert_options *o, int letter, const char *argument, const char *usage_text);
 /* Takes the file and, without -l, the request. Checks that the options go together. */
@@ -36,9 +39,19 @@ struct convert_request {
 /* Blanks are ignored. False if the text is neither form. */
 bool convert_request_parse(const char *text, struct convert_request *r);
 
+/* What -z makes heights of. */
+enum convert_levels {
+    CONVERT_LEVELS_OTHER,
+    CONVERT_LEVELS_PRESSURE, /* z is negated pressure */
+    CONVERT_LEVELS_HEIGHT,   /* z is a length already */
+    CONVERT_LEVELS_FIELD     /* the file has the height of each node */
+};
 /* The source of grids. */
 struct converter {
     const char *what, *name; /* what: for messages; name: of the scalar */
+    const char *unit;        /* of the scalar */
+    enum convert_levels levels;
+    const char *levels_unit; /* of z */
     bool degrees;            /* x is longitude in degrees */
     size_t times;
     void *ctx; /* passed to the functions */
@@ -46,11 +59,32 @@ struct converter {
     void (*axes)(void *ctx, struct grid *g);
     /* Reads the values of one time. */
     void (*values)(void *ctx, size_t time, struct grid *g);
-    /* Writes names and units of the grid's axes; see stormring-grid(5). */
-    void (*describe)(const void *ctx, size_t time, struct buf *title);
+    /* For CONVERT_LEVELS_FIELD: reads the heights of the nodes at one time, in metres. */
+    void (*heights)(void *ctx, size_t time, struct grid *g);
+    /* Writes "; " and names and units of the grid's axes, see stormring-grid(5); z: instead of z's,
+     * unless NULL. */
+    void (*describe)(const void *ctx, size_t time, const char *z, struct buf *title);
 };
 /* Writes the grids of the requested times to their files. */
 void convert(const struct convert_options *o, const struct converter *c);
+
+/* ---- heights -------------------------------------------------------------------------------- */
+
+/* Geopotential height in metres of a pressure above 0, in the U.S. Standard Atmosphere of 1976. */
+double convert_standard_height(double pressure_pa);
+/* Makes such heights of pressures in Pa; NaN of those that are not above 0. */
+void convert_pressures(struct grid *g);
+/* Levels with this unit that are no pressures: heights, if it is a length. */
+enum convert_levels convert_levels_of(const char *unit);
+/* Writes a height for each level: the lower quartile of its nodes, so that most columns reach from
+ * the lowest to the highest. False with a message in err if they do not ascend. */
+bool convert_planes(const struct grid *height, double *plane, char err[ERR_BYTES]);
+/*
+ * Moves the values of each column from the heights of its nodes to the heights plane[0 .. nz-1], by
+ * linear interpolation. NaN where the plane is more than half a layer outside the column's nodes,
+ * as in the ground. The grids have the same nodes. Sets values only.
+ */
+void convert_to_planes(struct grid *g, const struct grid *height, const double *plane);
 
 /* ---- the contents of a file ----------------------------------------------------------------- */
 

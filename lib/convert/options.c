@@ -16,6 +16,8 @@ void convert_option(
         o->every = strcmp(argument, "all") == 0;
         if (!o->every) o->time = (size_t)opt_int(letter, argument, 0, UINT32_MAX);
         break;
+    case 'u': o->unit = opt_text(letter, argument); break;
+    case 'z': o->heights = true; break;
     default: usage(ST_USAGE, usage_text);
     }
 }

@@ -63,4 +63,21 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
 bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct grid *g,
     bool combine, char err[ERR_BYTES]);
 
+/* ---- heights -------------------------------------------------------------------------------- */
+
+/* The fields from which the height of each node of a stack comes. */
+struct gb_heights {
+    enum { GB_HEIGHTS_NONE, GB_HEIGHTS_GEOPOTENTIAL, GB_HEIGHTS_HYBRID } kind;
+    struct gb_stack field; /* the geopotential, or the surface pressure */
+    double metres;         /* of a unit of the geopotential */
+    bool logarithm;        /* of the surface pressure */
+};
+/* Looks for a geopotential (height) on the same levels, or, for hybrid levels, for the surface
+ * pressure. */
+void gb_heights_find(const struct gb_index *x, const struct gb_stack *s, struct gb_heights *h);
+/* Reads, at one time, metres (GB_HEIGHTS_GEOPOTENTIAL) or pressures in Pa (GB_HEIGHTS_HYBRID) into
+ * a grid with the axes of the stack. */
+bool gb_heights_values(const char *path, const struct gb_stack *s, const struct gb_heights *h,
+    size_t time, struct grid *g, char err[ERR_BYTES]);
+
 #endif

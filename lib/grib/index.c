@@ -150,11 +150,20 @@ static bool is_rectilinear(const char *kind)
     return false;
 }
 
+/* The operator of Climate Data Operators that makes a rectilinear grid. */
+static const char *advice(const char *kind)
+{
+    if (strncmp(kind, "reduced_gg", 10) == 0) return "setgridtype,regular";
+    return strcmp(kind, "sh") == 0 ? "sp2gpl" : "remapnn,r360x180";
+}
+
 bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES])
 {
     const struct gb_entry *a = s->at;
     if (!is_rectilinear(a->kind))
-        return err_set(err, "a grid of type '%s', expected a rectilinear one", a->kind);
+        return err_set(err,
+            "a grid of type '%s', expected a rectilinear one, as cdo %s IN OUT writes", a->kind,
+            advice(a->kind));
     if (a->nx < 2 || a->nx > INT32_MAX || a->ny < 2 || a->ny > INT32_MAX)
         return err_set(err, "%lldx%lld nodes, expected 2 at least on each axis", (long long)a->nx,
             (long long)a->ny);

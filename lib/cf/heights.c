@@ -1,0 +1,246 @@
+/*
+ * heights: the variables from which the height of each node comes. CF conventions 1.10, appendix D
+ * "Parametric Vertical Coordinates", and the attributes A_var, B_var, P0_var and PS_var of older
+ * files of the Community Climate Model.
+ */
+#include "cf/cf_int.h"
+
+#include <netcdf.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define GRAVITY 9.80665 /* m/s2 */
+#define P0 1e5          /* Pa, of files whose P0 is a name without a variable */
+
+/* ---- geopotential --------------------------------------------------------------------------- */
+
+/* Metres in a unit of the variable, if it is a geopotential or its height; otherwise 0. */
+static double metres_of(struct cf_file *c, int group, int id, const char *name)
+{
+    static const char *const names[] = {"gh", "hgt", "z3", "zg", "height"};
+    char standard[CF_TEXT], units[CF_TEXT], about[CF_TEXT];
+    cf_text(c, group, id, "standard_name", standard);
+    cf_text(c, group, id, "long_name", about);
+    cf_text(c, group, id, "units", units);
+    bool is = strcmp(standard, "geopotential_height") == 0 ||
+              strcmp(standard, "geopotential") == 0 || strcasestr(about, "geopotential");
+    for (size_t i = 0; !is && i < sizeof names / sizeof *names; i++)
+        is = strcasecmp(name, names[i]) == 0;
+    if (!is) return 0;
+    if (strncmp(units, "m2", 2) == 0 || strncmp(units, "m**2", 4) == 0 ||
+        strncmp(units, "m^2", 3) == 0)
+        return 1 / GRAVITY;
+    bool metre = strcmp(units, "m") == 0 || strcmp(units, "gpm") == 0 ||
+                 strncasecmp(units, "meter", 5) == 0 || strncasecmp(units, "metre", 5) == 0;
+    return metre ? 1 : 0;
+}
+
+static bool find_geopotential(struct cf_file *c, const struct cf_field *f, struct cf_heights *h)
+{
+    int n = 0;
+    char name[NC_MAX_NAME + 1] = "", err[ERR_BYTES];
+    cf_did(c, nc_inq_nvars(f->group, &n));
+    for (int id = 0; id < n; id++) {
+        cf_did(c, nc_inq_varname(f->group, id, name));
+        h->metres = metres_of(c, f->group, id, name);
+        if (h->metres == 0) continue;
+        if (cf_field_read(c, f->group, id, &h->geopotential, err) &&
+            cf_same_axes(f, &h->geopotential))
+            return true;
+        cf_field_free(&h->geopotential);
+    }
+    return false;
+}
+
+/* ---- hybrid levels --------------------------------------------------------------------------- */
+
+/* Finds the variable of a term, such as "ps" in "a: hyam b: hybm p0: P0 ps: PS". */
+static bool term(const char *terms, const char *what, char name[CF_TEXT])
+{
+    size_t n = strlen(what);
+    for (const char *at = terms; (at = strstr(at, what)) != NULL; at += n) {
+        if ((at != terms && at[-1] != ' ') || at[n] != ':') continue;
+        at += n + 1;
+        while (*at == ' ') at++;
+        snprintf(name, CF_TEXT, "%.*s", (int)strcspn(at, " "), at);
+        return true;
+    }
+    name[0] = '\0';
+    return false;
+}
+
+struct names {
+    char a[CF_TEXT], ap[CF_TEXT], b[CF_TEXT], p0[CF_TEXT], ps[CF_TEXT], ptop[CF_TEXT];
+};
+
+/* False if the levels are neither hybrid nor sigma levels. */
+static bool find_names(struct cf_file *c, const struct cf_axis *z, struct names *n)
+{
+    char terms[CF_TEXT];
+    memset(n, 0, sizeof *n);
+    cf_text(c, z->in, z->id, "formula_terms", terms);
+    term(terms, "a", n->a), term(terms, "ap", n->ap), term(terms, "p0", n->p0);
+    term(terms, "ps", n->ps), term(terms, "ptop", n->ptop);
+    if (!term(terms, "b", n->b)) term(terms, "sigma", n->b);
+    if (terms[0]) return n->b[0] && n->ps[0];
+    cf_text(c, z->in, z->id, "A_var", n->a);
+    cf_text(c, z->in, z->id, "B_var", n->b);
+    cf_text(c, z->in, z->id, "P0_var", n->p0);
+    cf_text(c, z->in, z->id, "PS_var", n->ps);
+    return n->a[0] && n->b[0] && n->ps[0];
+}
+
+/* Pascals in a unit of a variable. */
+static double pascals(struct cf_file *c, int group, int id)
+{
+    char units[CF_TEXT];
+    cf_text(c, group, id, "units", units);
+    bool hecto = strcmp(units, "hPa") == 0 || strcmp(units, "mb") == 0 ||
+                 strcmp(units, "mbar") == 0 || strncmp(units, "millibar", 8) == 0;
+    return hecto ? 100 : 1;
+}
+
+/* Reads n numbers of a variable. */
+static bool numbers(
+    struct cf_file *c, int group, const char *name, size_t n, double *out, char err[ERR_BYTES])
+{
+    int id, dims, dim[NC_MAX_VAR_DIMS];
+    size_t length = 1;
+    if (nc_inq_varid(group, name, &id) != NC_NOERR)
+        return err_set(err, "the levels name %.60s, which is not there", name);
+    cf_did(c, nc_inq_var(group, id, NULL, NULL, &dims, dim, NULL));
+    if (!c->status && dims > 1)
+        return err_set(err, "%.60s has %d dimensions, expected 1", name, dims);
+    if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], &length));
+    if (!c->status && length != n)
+        return err_set(err, "%.60s has %zu numbers, expected %zu", name, length, n);
+    if (!c->status) cf_did(c, nc_get_var_double(group, id, out));
+    return cf_look(c, err);
+}
+
+/* Brings coefficients to a[k] + b[k] * surface pressure. */
+static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const struct names *n,
+    struct cf_heights *h, char err[ERR_BYTES])
+{
+    double p0 = P0, ptop = 0;
+    int id;
+    if (n->p0[0] && nc_inq_varid(z->in, n->p0, &id) == NC_NOERR) {
+        if (!numbers(c, z->in, n->p0, 1, &p0, err)) return false;
+        p0 *= pascals(c, z->in, id);
+    }
+    if (n->ptop[0]) {
+        if (!numbers(c, z->in, n->ptop, 1, &ptop, err)) return false;
+        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR) ptop *= pascals(c, z->in, id);
+    }
+    h->a = xcalloc(z->n, sizeof *h->a);
+    h->b = xcalloc(z->n, sizeof *h->b);
+    const char *a = n->ap[0] ? n->ap : n->a;
+    if (a[0] && !numbers(c, z->in, a, z->n, h->a, err)) return false;
+    if (!numbers(c, z->in, n->b, z->n, h->b, err)) return false;
+    if (n->ap[0] && nc_inq_varid(z->in, n->ap, &id) == NC_NOERR) p0 = pascals(c, z->in, id);
+    for (size_t k = 0; k < z->n; k++) {
+        h->a[k] = h->a[k] * p0 + ptop * (1 - h->b[k]);
+        if (!isfinite(h->a[k]) || !isfinite(h->b[k]))
+            return err_set(err, "a coefficient of the levels is no number, expected numbers");
+    }
+    return true;
+}
+
+bool cf_heights_find(
+    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
+{
+    const struct cf_axis *z = cf_axis_of(f, CF_Z);
+    struct names n;
+    *h = (struct cf_heights){.kind = CF_HEIGHTS_NONE};
+    if (find_geopotential(c, f, h)) {
+        h->kind = CF_HEIGHTS_GEOPOTENTIAL;
+        return true;
+    }
+    if (!z->at || !find_names(c, z, &n)) return cf_look(c, err);
+    if (nc_inq_varid(f->group, n.ps, &h->surface) != NC_NOERR)
+        return err_set(err, "the levels need the surface pressure %.60s, which is not there", n.ps);
+    h->kind = CF_HEIGHTS_HYBRID;
+    h->group = f->group;
+    h->surface_pa = pascals(c, f->group, h->surface);
+    return find_coefficients(c, z, &n, h, err);
+}
+
+void cf_heights_free(struct cf_heights *h)
+{
+    cf_field_free(&h->geopotential);
+    free(h->a);
+    free(h->b);
+}
+
+/* ---- values ---------------------------------------------------------------------------------- */
+
+/* Reads the surface pressure in Pa at one time, as a layer of g. Its dimensions are those of the
+ * field, without z. */
+static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
+    size_t time, const struct grid *g, double *layer, char err[ERR_BYTES])
+{
+    int dims = 0, dim[NC_MAX_VAR_DIMS];
+    char name[NC_MAX_NAME + 1];
+    size_t start[CF_AXES_MAX] = {0}, count[CF_AXES_MAX], of[CF_AXES_MAX] = {0};
+    unsigned seen = 0;
+    cf_did(c, nc_inq_var(h->group, h->surface, NULL, NULL, &dims, dim, NULL));
+    if (dims > CF_AXES_MAX) dims = 0;
+    for (int i = 0; i < dims; i++) {
+        const struct cf_axis *a = NULL;
+        cf_did(c, nc_inq_dim(h->group, dim[i], name, &count[i]));
+        for (int k = 0; k < f->n_axes; k++)
+            if (strncmp(f->axis[k].name, name, CF_TEXT - 1) == 0) a = &f->axis[k];
+        if (count[i] == 1 && !(a && a->kind <= CF_Y)) continue;
+        if (!a || a->n != count[i] || a->kind == CF_Z || a->kind == CF_NONE)
+            return err_set(err,
+                "the surface pressure has the dimension %.60s, expected x, y and "
+                "time of the field",
+                name);
+        if (a->kind == CF_T) start[i] = time, count[i] = 1;
+        else of[i] = a->kind == CF_X ? 1 : g->n[0];
+        if (seen >> a->kind & 1) return err_set(err, "the surface pressure has %.60s twice", name);
+        seen |= 1U << a->kind;
+    }
+    if (!(seen >> CF_X & 1 && seen >> CF_Y & 1))
+        return err_set(err, "the surface pressure lacks x or y, expected both");
+    size_t n = (size_t)g->n[0] * g->n[1], at[CF_AXES_MAX] = {0};
+    double *values = xcalloc(n, sizeof *values);
+    struct cf_packing p;
+    cf_packing(c, h->group, h->surface, &p);
+    cf_did(c, nc_get_vara_double(h->group, h->surface, start, count, values));
+    for (size_t m = 0; m < n; m++) {
+        size_t to = 0;
+        for (int i = 0; i < dims; i++) {
+            if (!of[i]) continue;
+            const struct cf_axis *a = cf_axis_of(f, of[i] == 1 ? CF_X : CF_Y);
+            to += of[i] * (a->at[1] < a->at[0] ? a->n - 1 - at[i] : at[i]);
+        }
+        layer[to] = cf_unpack(&p, values[m]) * h->surface_pa;
+        for (int i = dims - 1; i >= 0 && ++at[i] == count[i]; i--) at[i] = 0;
+    }
+    free(values);
+    return cf_look(c, err);
+}
+
+bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
+    size_t time, struct grid *g, char err[ERR_BYTES])
+{
+    const size_t layer = (size_t)g->n[0] * g->n[1];
+    if (h->kind == CF_HEIGHTS_GEOPOTENTIAL) {
+        if (!cf_values(c, &h->geopotential, time, g, false, err)) return false;
+        for (size_t i = 0; i < layer * g->n[2]; i++)
+            g->value[i] = (float)((double)g->value[i] * h->metres);
+        return true;
+    }
+    double *ps = xcalloc(layer, sizeof *ps);
+    bool good = surface(c, f, h, time, g, ps, err);
+    const struct cf_axis *z = cf_axis_of(f, CF_Z);
+    bool turned = (z->at[1] < z->at[0]) != z->down;
+    for (size_t k = 0; good && k < z->n; k++) {
+        float *to = g->value + layer * (turned ? z->n - 1 - k : k);
+        for (size_t i = 0; i < layer; i++) to[i] = (float)(h->a[k] + h->b[k] * ps[i]);
+    }
+    free(ps);
+    return good;
+}

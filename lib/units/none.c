@@ -1,0 +1,11 @@
+/* none: takes the place of udunits where libudunits2 is missing. */
+#include "units/units.h"
+
+#include <string.h>
+
+bool units_linear(const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES])
+{
+    *l = (struct units_linear){1, 0};
+    return strcmp(from, to) == 0 ||
+           err_set(err, "built without libudunits2-dev, expected '%.60s' to be '%.60s'", from, to);
+}

@@ -1,0 +1,47 @@
+/* udunits: units through libudunits2 (UCAR/Unidata). */
+#include "units/units.h"
+
+#include <string.h>
+#include <udunits2.h>
+
+/* The library reads "mb" as millibarn, and does not know the others. */
+static const char *spelling(const char *unit)
+{
+    static const char *const others[][2] = {
+        {"mb", "millibar"}, {"gpm", "m"}, {"DEG C", "degC"}, {"C", "degC"}, {"METERS", "m"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(unit, others[i][0]) == 0) return others[i][1];
+    return unit;
+}
+
+static bool find(
+    ut_system *all, const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES])
+{
+    ut_unit *a = ut_parse(all, spelling(from), UT_UTF8), *b = ut_parse(all, spelling(to), UT_UTF8);
+    cv_converter *c = a && b && ut_are_convertible(a, b) ? ut_get_converter(a, b) : NULL;
+    bool good = c != NULL;
+    if (!a || !b) err_set(err, "'%.60s' is unknown, expected a unit of udunits2", a ? to : from);
+    else if (!c) err_set(err, "'%.60s' does not convert to '%.60s'", from, to);
+    else {
+        double zero = cv_convert_double(c, 0), one = cv_convert_double(c, 1);
+        *l = (struct units_linear){one - zero, zero};
+        double want = 3 * one - 2 * zero;
+        good = fabs(cv_convert_double(c, 3) - want) <= 1e-9 * (fabs(want) + fabs(zero));
+        if (!good) err_set(err, "'%.60s' to '%.60s' is not linear", from, to);
+    }
+    if (c) cv_free(c);
+    ut_free(a);
+    ut_free(b);
+    return good;
+}
+
+bool units_linear(const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES])
+{
+    ut_set_error_message_handler(ut_ignore);
+    ut_system *all = ut_read_xml(NULL);
+    if (!all)
+        return err_set(err, "the units of udunits2 cannot be read, expected libudunits2-data");
+    bool good = find(all, from, to, l, err);
+    ut_free_system(all);
+    return good;
+}
