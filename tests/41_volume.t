@@ -43,6 +43,10 @@ for m in adaptive interleaved masterslave hybrid gdc gdc-published ss sc ds dc; 
 	balance $m -j 3 -o out.pam a.vtk one.spec
 	same "$m" a1.pam
 done
+balance adaptive -j 2 -s 150x40 -r log -o out.pam a.vtk one.spec
+is "adaptive: tiles" "$(grep -ac '^done ' log)" 9
+size=150x40 && picture wide.pam a.vtk one.spec && size=48x40
+same "adaptive: tiles, and rows" wide.pam
 printf '%s\n' ': slots=2' 'other via="sh -c %c"' >hosts
 balance ds -S hosts -o out.pam a.vtk one.spec
 same "ds on two hosts" a1.pam

@@ -43,12 +43,3 @@ int map_find(const struct map *m, double s)
     }
     return (int)lo;
 }
-
-bool map_absorbs(const struct map *m, double lo, double hi)
-{
-    for (uint32_t i = 0; i < m->n; i++) {
-        const struct map_span *p = &m->span[i];
-        if (!p->transparent && p->lo <= hi && p->hi >= lo) return true;
-    }
-    return false;
-}

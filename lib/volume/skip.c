@@ -4,67 +4,119 @@
  * within the range of its corners, so skipped cells are exactly transparent. Threads take layers of
  * blocks.
  */
+#define SIMD_MOST 16 /* bytes: a vector is no wider than a block */
+#include "simd/simd.h"
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
 
-/* The range of the values at column i of 4 rows; NaN if a value is missing. */
-static void columns(
-    const float *at, ptrdiff_t row, ptrdiff_t layer, uint32_t n, float *lo, float *hi)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        float a = at[i], b = at[i + row], c = at[i + layer], d = at[i + row + layer];
-        float low = a < b ? a : b, high = a > b ? a : b;
-        low = c < low ? c : low, high = c > high ? c : high;
-        low = d < low ? d : low, high = d > high ? d : high;
-        float missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0 or NaN */
-        lo[i] = low + missing;
-        hi[i] = high + missing;
-    }
-}
-
-static bool seen(const struct volume *v, double lo, double hi)
-{
-    for (size_t i = 0; i < v->spec->n_isos; i++) {
-        double s = v->spec->iso[i].s;
-        if (lo <= s && s <= hi) return true;
-    }
-    return map_absorbs(&v->map, lo, hi);
-}
+/* Values that are seen, as floats: a cell is visible if it has one of from .. to. */
+struct seen {
+    float from, to;
+};
 
 struct skip {
     struct volume *v;
+    struct seen *seen;
+    uint32_t n_seen;
     double *range; /* of each layer of blocks: the greatest range of a visible cell */
 };
 
+/* The least float that is not below x, and the greatest that is not above. */
+static float float_above(double x)
+{
+    float f = (float)x;
+    return (double)f < x ? nextafterf(f, HUGE_VALF) : f;
+}
+static float float_below(double x) { return -float_above(-x); }
+
+static void find_seen(struct skip *s)
+{
+    const struct map *m = &s->v->map;
+    const struct spec *spec = s->v->spec;
+    s->seen = xcalloc(m->n + spec->n_isos + 1, sizeof *s->seen);
+    for (uint32_t i = 0; i < m->n; i++) {
+        const struct map_span *p = &m->span[i];
+        if (p->transparent) continue;
+        if (i > 0 && !p[-1].transparent) s->seen[s->n_seen - 1].to = float_below(p->hi);
+        else s->seen[s->n_seen++] = (struct seen){float_above(p->lo), float_below(p->hi)};
+    }
+    for (size_t i = 0; i < spec->n_isos; i++)
+        s->seen[s->n_seen++] =
+            (struct seen){float_above(spec->iso[i].s), float_below(spec->iso[i].s)};
+}
+
+/* The ranges of the values at VF columns of 4 rows; NaN if a value is missing. */
+SIMD_INLINE void column(vf a, vf b, vf c, vf d, vf *lo, vf *hi)
+{
+    vf missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0 or NaN */
+    *lo = vf_min(vf_min(a, b), vf_min(c, d)) + missing;
+    *hi = vf_max(vf_max(a, b), vf_max(c, d)) + missing;
+}
+static void columns(
+    const float *at, ptrdiff_t row, ptrdiff_t layer, uint32_t n, float *lo, float *hi)
+{
+    const float *p[4] = {at, at + row, at + layer, at + row + layer};
+    vf low, high;
+    uint32_t i = 0;
+    for (; i + VF <= n; i += VF) {
+        column(vf_load(p[0] + i), vf_load(p[1] + i), vf_load(p[2] + i), vf_load(p[3] + i), &low,
+            &high);
+        vf_store(lo + i, low);
+        vf_store(hi + i, high);
+    }
+    for (; i < n; i++) { /* not beyond the grid */
+        column(vf_set(p[0][i]), vf_set(p[1][i]), vf_set(p[2][i]), vf_set(p[3][i]), &low, &high);
+        lo[i] = low[0];
+        hi[i] = high[0];
+    }
+}
+
 /* Some layers of cells, which one thread marks. */
 struct layers {
+    const struct skip *skip;
     struct volume *v;
     size_t first, last; /* bytes of v->live that other threads may write too */
-    double range;
+    vf range;
 };
 
-static void set_live(const struct layers *l, size_t at)
+static void set_live(const struct layers *l, size_t byte, unsigned bits)
 {
-    uint8_t *byte = &l->v->live[at >> 3], bit = (uint8_t)(1u << (at & 7));
-    if (at >> 3 > l->first && at >> 3 < l->last) *byte |= bit;
-    else __atomic_fetch_or(byte, bit, __ATOMIC_RELAXED);
+    if (byte > l->first && byte < l->last) l->v->live[byte] |= (uint8_t)bits;
+    else if (bits) __atomic_fetch_or(&l->v->live[byte], (uint8_t)bits, __ATOMIC_RELAXED);
+}
+
+/* Marks those of `mask` of the cells `at`, at + 1, ... in memory. i: the first of them. */
+static void set_cells(struct layers *l, size_t at, int32_t x, const int32_t i[3], unsigned mask)
+{
+    struct volume *v = l->v;
+    const int step = v->stride[0] < 0 ? -1 : 1;
+    const int32_t ends[2] = {__builtin_ctz(mask), 31 - __builtin_clz(mask)};
+    for (unsigned bits = mask << (at & 7), byte = 0; bits >> 8 * byte; byte++)
+        set_live(l, (at >> 3) + byte, bits >> 8 * byte & 255);
+    for (int k = 0; k < 2; k++) /* VF <= BLOCK: they are in one block or two */
+        v->block[block_index(v, (const int32_t[3]){i[0] + step * (x + ends[k]), i[1], i[2]})] = 1;
 }
 
 /* Marks a row of cells between n columns, starting with cell `at`. */
 static void mark(struct layers *l, ptrdiff_t at, const float *lo, const float *hi, uint32_t n)
 {
-    struct volume *v = l->v;
+    _Static_assert(VF <= BLOCK, "see set_cells");
     int32_t i[3];
-    cell_of_index(v, at, i);
-    for (uint32_t x = 1; x < n; x++, at++, i[0] += v->stride[0] < 0 ? -1 : 1) {
-        if (!(hi[x - 1] + hi[x] < HUGE_VALF)) continue;
-        double low = (double)(lo[x - 1] < lo[x] ? lo[x - 1] : lo[x]);
-        double high = (double)(hi[x - 1] > hi[x] ? hi[x - 1] : hi[x]);
-        if (!seen(v, low, high)) continue;
-        l->range = fmax(l->range, high - low);
-        set_live(l, (size_t)at);
-        v->block[block_index(v, i)] = 1;
+    cell_of_index(l->v, at, i);
+    for (uint32_t x = 0; x + 1 < n; x += VF) {
+        vf high = vf_max(vf_load(hi + x), vf_load(hi + x + 1));
+        vf low = vf_min(vf_load(lo + x), vf_load(lo + x + 1));
+        vi whole = vf_load(hi + x) + vf_load(hi + x + 1) < vf_set(HUGE_VALF), visible = {0};
+        for (uint32_t k = 0; k < l->skip->n_seen; k++)
+            visible |=
+                (high >= vf_set(l->skip->seen[k].from)) & (low <= vf_set(l->skip->seen[k].to));
+        visible &= whole;
+        unsigned mask = vi_signs(visible);
+        if (n - 1 - x < VF) mask &= (1u << (n - 1 - x)) - 1;
+        if (!mask) continue;
+        l->range = vf_max(l->range, vf_choose(visible, high - low, vf_set(0)));
+        set_cells(l, (size_t)at + x, (int32_t)x, i, mask);
     }
 }
 
@@ -80,9 +132,11 @@ static void mark_layer(void *ctx, uint32_t k)
         end = cells - z;
         z = begin;
     }
-    struct layers l = {
-        .v = v, .first = (size_t)(z * v->layer) >> 3, .last = (size_t)(end * v->layer - 1) >> 3};
-    float *lo = xmalloc(n, sizeof *lo), *hi = xmalloc(n, sizeof *hi);
+    struct layers l = {.skip = s,
+        .v = v,
+        .first = (size_t)(z * v->layer) >> 3,
+        .last = (size_t)(end * v->layer - 1) >> 3};
+    float *lo = xcalloc(n + VF, sizeof *lo), *hi = xcalloc(n + VF, sizeof *hi);
     for (; z < end; z++)
         for (ptrdiff_t y = 0; y < (ptrdiff_t)v->cells[1]; y++) {
             const ptrdiff_t first = z * v->layer + y * v->row;
@@ -91,7 +145,7 @@ static void mark_layer(void *ctx, uint32_t k)
         }
     free(lo);
     free(hi);
-    s->range[k] = l.range;
+    for (int i = 0; i < VF; i++) s->range[k] = fmax(s->range[k], (double)l.range[i]);
 }
 
 void skip_init(struct volume *v)
@@ -104,10 +158,12 @@ void skip_init(struct volume *v)
     }
     v->live = xcalloc(n_nodes / 8 + 8, 1);
     v->block = xcalloc(n_blocks, 1);
-    struct skip s = {v, xcalloc(v->blocks[2], sizeof *s.range)};
+    struct skip s = {.v = v, .range = xcalloc(v->blocks[2], sizeof *s.range)};
+    find_seen(&s);
     struct parallel *p = parallel_new(v->o.threads);
     parallel_run(p, v->blocks[2], mark_layer, &s);
     parallel_free(p);
     for (uint32_t k = 0; k < v->blocks[2]; k++) v->range = fmax(v->range, s.range[k]);
     free(s.range);
+    free(s.seen);
 }

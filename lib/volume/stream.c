@@ -9,6 +9,7 @@
 /* Bound on float rounding errors, relative to the range of a cell's values. */
 #define ROUNDING 0x1p-20
 #define TOLERANCE_MIN 0x1p-15
+#define TILE 16 /* pixels; squares of it are STREAM_RAYS */
 /* With a light: of 1 / edges, and their inverse. */
 #define EDGE_MAX 1e15
 
@@ -165,15 +166,39 @@ void volume_stream_free(struct stream *s)
     free(s->room);
 }
 
+/* Renders n pixels of the lattice into rows of w, of which they may have several. */
+static void put_pixels(
+    struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, uint32_t w, float *rgba)
+{
+    s->kernel(s, l, n0, n);
+    for (uint32_t i = 0; i < n; i++) {
+        const double *sum = s->sum[i];
+        size_t at = i < l->w ? i : (size_t)(i / l->w) * w + i % l->w;
+        volume_put(s->v, sum, 1 - sum[3], rgba + 4 * at);
+    }
+}
+
+/* Whole rows go in tiles: the rays of a tile share cells, so that fewer come from memory. */
+static void put_tiles(struct stream *s, const struct lattice *l, float *rgba)
+{
+    const uint32_t high = l->h < TILE ? l->h : TILE, wide = STREAM_RAYS / high;
+    for (uint32_t y = 0; y < l->h; y += high)
+        for (uint32_t x = 0; x < l->w; x += wide) {
+            const struct lattice tile = {l->x + x * l->sx, l->y + y * l->sy,
+                l->w - x < wide ? l->w - x : wide, l->h - y < high ? l->h - y : high, l->sx, l->sy};
+            put_pixels(s, &tile, 0, tile.w * tile.h, l->w, rgba + 4 * ((size_t)y * l->w + x));
+        }
+}
+
 void volume_stream_pixels(
     struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)
 {
+    if (n0 == 0 && n == lattice_count(l) && l->h > 1) {
+        put_tiles(s, l, rgba);
+        return;
+    }
     for (uint32_t at = 0, some; at < n; at += some) {
         some = n - at < STREAM_RAYS ? n - at : STREAM_RAYS;
-        s->kernel(s, l, n0 + at, some);
-        for (uint32_t i = 0; i < some; i++) {
-            const double *sum = s->sum[i];
-            volume_put(s->v, sum, 1 - sum[3], rgba + 4 * (size_t)(at + i));
-        }
+        put_pixels(s, l, n0 + at, some, l->w, rgba + 4 * (size_t)at);
     }
 }

@@ -32,8 +32,6 @@ struct map {
 void map_init(struct map *m, const struct spec *s);
 /* Index of the span that contains s; -1 outside the map. */
 int map_find(const struct map *m, double s);
-/* True if the map absorbs anywhere in [lo, hi]. */
-bool map_absorbs(const struct map *m, double lo, double hi);
 
 /* ---- exp ------------------------------------------------------------------------------------- */
 
