@@ -141,6 +141,7 @@ struct stream *volume_stream_new(struct volume *v)
     s->tolerance = (float)v->o.tolerance;
     map_tables(&s->map, &v->map);
     widen(s);
+    volume_leap_init(s);
     for (unsigned mask = 0; mask < 256; mask++) {
         int n = 0;
         for (unsigned i = 0; i < 8; i++)
@@ -163,6 +164,7 @@ void volume_stream_free(struct stream *s)
     free(s->value_high);
     free(s->value_low);
     free(s->above);
+    volume_leap_free(s);
     free(s->room);
 }
 

@@ -45,7 +45,8 @@ struct stream_map {
 /* State of the rays; see struct walk. */
 struct stream_lanes {
     _Alignas(STREAM_LINE) double t[STREAM_WALKERS]; /* parked: exit < t */
-    double exit[STREAM_WALKERS];
+    /* The end of live regions, or -1 if the ray has ended; the end of the grid. */
+    double exit[STREAM_WALKERS], stop[STREAM_WALKERS];
     double next[3][STREAM_WALKERS], prev[3][STREAM_WALKERS], rate[3][STREAM_WALKERS];
     double start[3][STREAM_WALKERS], inv[3][STREAM_WALKERS];
     /* plane: of `next`, as an index into plane[0]. */
@@ -62,6 +63,16 @@ struct stream_lanes {
     double before[STREAM_WALKERS], still[3][STREAM_WALKERS];
     double light[3][STREAM_WALKERS], dir[3][STREAM_WALKERS];
 };
+
+/* Sets the end of the lane's cell, and what goes with it. */
+static inline void stream_lane_end(struct stream_lanes *l, int lane)
+{
+    int a = l->next[0][lane] <= l->next[1][lane] ? 0 : 1;
+    if (!(l->next[a][lane] <= l->next[2][lane])) a = 2;
+    l->end[lane] = l->next[a][lane];
+    l->beyond[lane] = l->plane[a][lane] + l->step[a][lane];
+    l->byte[lane] = l->node[lane] >> 3;
+}
 
 /* What s->wide keeps of a ray. `light` and `dir` are in the order of memory: mirrored with axes. */
 struct stream_ray {
@@ -132,8 +143,13 @@ struct stream {
     float bright, straight, near[2], any[2];
     float *value_high, *value_low; /* the values of surfaces are their sums */
     bool *above;                   /* per ray and surface: see surface.c */
-    uint64_t half_pack[16];        /* for doubles: indices of their halves */
-    uint64_t pack[256];            /* by mask: the indices of its lanes, one byte each */
+    /* Leaps over empty regions (leap.c): one byte per region; some cell of it is live. */
+    bool leaps;
+    uint8_t *region;
+    double *region_plane[3];
+    int64_t regions[3];
+    uint64_t half_pack[16]; /* for doubles: indices of their halves */
+    uint64_t pack[256];     /* by mask: the indices of its lanes, one byte each */
 
     /* The rays of this call. */
     const struct lattice *pixels;
@@ -170,5 +186,12 @@ struct stream {
     struct stream_roots roots;
     struct stream_pieces pieces;
 };
+
+/* Finds the regions with live cells. (leap.c) */
+void volume_leap_init(struct stream *s);
+void volume_leap_free(struct stream *s);
+/* Brings the ray of a lane to the next live region from where it is, and sets `exit` to where live
+ * regions end. False if there are none until the end of the grid. */
+bool volume_leap(struct stream *s, int lane);
 
 #endif

@@ -50,31 +50,25 @@ static void put_wide(struct stream_lanes *l, int lane, const struct stream_ray *
     }
 }
 
-/* Gives the lane the next pixel whose ray hits the grid, or parks it. */
-static void put_ray(struct stream *s, int lane)
+/* Gives the lane the next pixel whose ray hits the grid. False if there is none. */
+static bool put_start(struct stream *s, int lane)
 {
     struct stream_lanes *l = &s->lanes;
     struct stream_starts *t = &s->starts;
     while (!t->hit && s->taken < s->n) begin(s);
-    if (!t->hit) {
-        park(s, lane);
-        return;
-    }
+    if (!t->hit) return false;
     int i = __builtin_ctzll(t->hit);
     t->hit &= t->hit - 1;
     l->t[lane] = 0;
-    l->exit[lane] = t->exit[i];
+    l->exit[lane] = l->stop[lane] = t->exit[i];
     l->node[lane] = t->node[i];
     l->passed[lane] = 0;
     l->ray[lane] = (int32_t)t->ray + i;
     UNROLLED
     for (int a = 0; a < 3; a++) put_axis(l, lane, t, i, a);
-    int a = t->next[0][i] <= t->next[1][i] ? 0 : 1;
-    if (!(t->next[a][i] <= t->next[2][i])) a = 2;
-    l->end[lane] = t->next[a][i];
-    l->beyond[lane] = t->plane[a][i] + t->step[a][i];
-    l->byte[lane] = t->node[i] >> 3;
+    stream_lane_end(l, lane);
     if (s->wide) put_wide(l, lane, &s->ray[l->ray[lane]]);
+    return true;
 }
 
 static void take_ray(struct stream *s, int lane)
@@ -82,6 +76,16 @@ static void take_ray(struct stream *s, int lane)
     struct volume_counts *c = &s->v->counts;
     uint32_t passed = (uint32_t)s->lanes.passed[lane];
     if (passed > c->most_cells) c->most_cells = passed;
+}
+
+/* Gives the lane the next ray that meets a live region, or parks it. */
+static void put_ray(struct stream *s, int lane)
+{
+    while (put_start(s, lane)) {
+        if (!s->leaps || volume_leap(s, lane)) return;
+        take_ray(s, lane);
+    }
+    park(s, lane);
 }
 
 /* ---- a step --------------------------------------------------------------------------------- */
@@ -294,7 +298,7 @@ SIMD_INLINE void step(struct stream *s, int h0, bool wide)
     for (int i = 0; i < HALVES; i++) pass(s, h0 + i * VD);
 }
 
-/* Lanes whose rays have ended take the next rays. */
+/* Lanes whose rays have ended take the next rays, unless these leap to another live region. */
 SIMD_INLINE void refill(struct stream *s, int h0)
 {
     struct stream_lanes *l = &s->lanes;
@@ -304,6 +308,7 @@ SIMD_INLINE void refill(struct stream *s, int h0)
         ended |= vl_signs(~(vl)(vd_load(l->t + h0 + h) < vd_load(l->exit + h0 + h))) << h;
     for (unsigned m = ended & ~(s->parked >> h0); m; m &= m - 1) {
         int lane = h0 + __builtin_ctz(m);
+        if (s->leaps && l->exit[lane] >= 0 && volume_leap(s, lane)) continue;
         take_ray(s, lane);
         put_ray(s, lane);
     }
