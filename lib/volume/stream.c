@@ -44,18 +44,32 @@ static bool edges_fit(const struct volume *v)
     return true;
 }
 
-/*
- * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
- * that divided by the span's width; alpha's error is smaller.
- */
 bool volume_stream_fits(const struct volume *v)
 {
-    double width = HUGE_VAL;
     if (v->o.method != VOLUME_ADAPTIVE || (is_lit(v) && !rule_for(v))) return false;
-    for (uint32_t i = 0; i < v->map.n; i++)
-        if (!v->map.span[i].transparent) width = fmin(width, v->map.span[i].hi - v->map.span[i].lo);
     if (v->spec->lit && !edges_fit(v)) return false;
-    return v->o.tolerance >= TOLERANCE_MIN && ROUNDING * v->range <= v->o.tolerance * width;
+    return v->o.tolerance >= TOLERANCE_MIN;
+}
+
+/*
+ * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
+ * that divided by the span's width; alpha's error is smaller. So this is the greatest range.
+ */
+static float room_in(const struct volume *v, const struct map_span *p)
+{
+    return p->transparent ? HUGE_VALF : (float)(v->o.tolerance * (p->hi - p->lo) / ROUNDING);
+}
+
+static void find_room(struct stream *s)
+{
+    const struct volume *v = s->v;
+    float *room = s->map.room;
+    s->least_room = room[0] = room[v->map.n + 1] = HUGE_VALF;
+    for (uint32_t i = 0; i < v->map.n; i++) {
+        room[i + 1] = room_in(v, &v->map.span[i]);
+        if (room[i + 1] < s->least_room) s->least_room = room[i + 1];
+    }
+    s->narrow = v->range > (double)s->least_room;
 }
 
 static float *table(const struct stream_map *m)
@@ -76,7 +90,8 @@ static void map_tables(struct stream_map *t, const struct map *m)
     t->entries = m->n + 2;
     t->closed = m->closed;
     float **const all[] = {&t->edge_high, &t->edge_low, &t->k0, &t->k1, &t->rgb0[0], &t->rgb0[1],
-        &t->rgb0[2], &t->rgb1[0], &t->rgb1[1], &t->rgb1[2], &t->slope, &t->from_high, &t->from_low};
+        &t->rgb0[2], &t->rgb1[0], &t->rgb1[1], &t->rgb1[2], &t->slope, &t->from_high, &t->from_low,
+        &t->room};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) *all[i] = table(t);
     t->transparent = xcalloc(t->entries, sizeof *t->transparent);
     t->transparent[0] = t->transparent[m->n + 1] = true;
@@ -102,7 +117,8 @@ static void widen(struct stream *s)
 {
     const struct spec *spec = s->v->spec;
     s->shines = is_lit(s->v) && s->v->map.n > 0;
-    s->wide = is_lit(s->v) || spec->n_isos > 0;
+    find_room(s);
+    s->wide = s->narrow || is_lit(s->v) || spec->n_isos > 0;
     s->value_high = xcalloc(spec->n_isos + 1, sizeof *s->value_high);
     s->value_low = xcalloc(spec->n_isos + 1, sizeof *s->value_low);
     s->above = xcalloc(spec->n_isos + 1, STREAM_RAYS * sizeof *s->above);
@@ -158,7 +174,8 @@ void volume_stream_free(struct stream *s)
     if (!s) return;
     struct stream_map *t = &s->map;
     float *const all[] = {t->edge_high, t->edge_low, t->k0, t->k1, t->rgb0[0], t->rgb0[1],
-        t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low};
+        t->rgb0[2], t->rgb1[0], t->rgb1[1], t->rgb1[2], t->slope, t->from_high, t->from_low,
+        t->room};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     free(t->transparent);
     free(s->value_high);

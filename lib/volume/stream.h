@@ -12,9 +12,8 @@
  *
  * Every lane computes the same as it would alone: no bit depends on the width or on the other
  * lanes. Times are double. Values within one cell are float: positions from entry to exit are 0 ..
- * 1; the field and the knots are relative to the cell's corner. stream_fits tells whether that is
- * precise enough. Cells that may meet a surface, and a few others, are done alone: by the code of
- * volume.c, in double.
+ * 1; the field and the knots are relative to the cell's corner. Cells for which that is not precise
+ * enough, and those that may meet a surface, are done alone: by the code of volume.c, in double.
  */
 #ifndef STORMRING_VOLUME_STREAM_H
 #define STORMRING_VOLUME_STREAM_H
@@ -37,6 +36,7 @@ struct stream_map {
     float *edge_high, *edge_low; /* knot i is their sum: the lower end of entry i + 1 */
     float *k0, *k1, *rgb0[3], *rgb1[3], *slope; /* as in struct map_span */
     float *from_high, *from_low;                /* lo of the entry */
+    float *room; /* the greatest range of a cell for which float is precise enough */
     bool *transparent;
     uint32_t edges, entries;
     bool closed;
@@ -135,7 +135,9 @@ struct stream {
     struct volume *v;
     struct stream_map map;
     float tolerance;
-    bool wide;   /* the list has all that light, attenuation and surfaces need */
+    bool wide;   /* the list has all that light, attenuation, surfaces and narrow spans need */
+    bool narrow; /* some cells have a range for which float is not precise enough */
+    float least_room;
     bool shines; /* there is a light or an attenuation */
     /* Gauss rule of lit pieces, and its errors: see stream_lit.h. */
     int nodes;
@@ -171,8 +173,8 @@ struct stream {
     int64_t begin[STREAM_ROOM], end[STREAM_ROOM];
     _Alignas(STREAM_LINE) float eye[STREAM_ROOM], edge[3][STREAM_ROOM], way[3][STREAM_ROOM];
     float light[LIGHT_VALUES][STREAM_ROOM];
-    float turn[STREAM_ROOM];       /* of the cell / the greatest of a piece; infinity: alone */
-    uint16_t surface[STREAM_ROOM]; /* one bit per lane: the cell may meet a surface */
+    float turn[STREAM_ROOM];    /* of the cell / the greatest of a piece; infinity: alone */
+    uint16_t hard[STREAM_ROOM]; /* one bit per lane: surely alone, as it may meet a surface */
     /* The field along the ray minus `base`; the map entries at the bounds of the field. */
     float p[4][STREAM_ROOM], base[STREAM_ROOM];
     int32_t first[STREAM_ROOM], last[STREAM_ROOM];

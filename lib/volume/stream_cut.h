@@ -253,7 +253,7 @@ static void put_whole(struct stream *s, uint32_t j)
 /* True if cell j is certainly left to surface.c or lit.c. */
 static bool is_alone(const struct stream *s, uint32_t j)
 {
-    if (s->wide && s->surface[j / VF] >> j % VF & 1) return true;
+    if (s->wide && s->hard[j / VF] >> j % VF & 1) return true;
     return s->shines && s->turn[j] > 2 * STREAM_PIECES;
 }
 

@@ -16,6 +16,13 @@ SIMD_INLINE unsigned meets_surface(const struct stream *s, const struct cubics *
     return vi_signs(meets);
 }
 
+/* Is the range of the cell's values too great for the precision of float in its entries? */
+SIMD_INLINE unsigned is_coarse(const struct stream *s, const struct cubics *c, vi first, vi last)
+{
+    vf room = vf_lookup(s->map.room, s->map.entries <= 8, first);
+    return vi_signs(c->range > vf_choose(first == last, room, vf_set(s->least_room)));
+}
+
 /* Computes the field in the cells of the list. */
 SIMD_INLINE void fields(struct stream *s, bool wide)
 {
@@ -26,14 +33,21 @@ SIMD_INLINE void fields(struct stream *s, bool wide)
         vf lo, hi;
         vi first, last;
         bounds(c.p, &lo, &hi);
-        entries(&s->map, c.base, lo, hi, &first, &last);
+        if (wide && s->narrow) {
+            entries(&s->map, c.base, lo - c.range * SURFACE_MARGIN, hi + c.range * SURFACE_MARGIN,
+                &first, &last);
+        } else {
+            entries(&s->map, c.base, lo, hi, &first, &last);
+        }
         UNROLLED
         for (int i = 0; i < 4; i++) vf_store(s->p[i] + j, c.p[i]);
         vf_store(s->base + j, c.base);
         vi_store(s->first + j, first);
         vi_store(s->last + j, last);
         if (!wide) continue;
-        s->surface[j / VF] = (uint16_t)meets_surface(s, &c, lo, hi);
+        unsigned hard = meets_surface(s, &c, lo, hi);
+        if (s->narrow) hard |= is_coarse(s, &c, first, last);
+        s->hard[j / VF] = (uint16_t)hard;
         if (s->shines && s->v->spec->lit) put_light(s, j, &c);
     }
 }
@@ -61,7 +75,7 @@ static void cells(struct stream *s)
     if (s->shines) integrate_lit_cells(s);
     else if (s->map.entries <= 8) integrate_simple(s, true);
     else integrate_simple(s, false);
-    for (uint32_t j = 0; s->wide && j < s->cells; j += VF) s->simple[j / VF] &= ~s->surface[j / VF];
+    for (uint32_t j = 0; s->wide && j < s->cells; j += VF) s->simple[j / VF] &= ~s->hard[j / VF];
 }
 
 #endif

@@ -267,7 +267,7 @@ void volume_pieces_cut(
 void volume_surfaces(struct path *p, bool fresh);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
-/* True if the stream can render v: by the adaptive method, where float is precise enough. */
+/* True if the stream can render v: by the adaptive method, to a tolerance that float allows. */
 bool volume_stream_fits(const struct volume *v);
 struct stream *volume_stream_new(struct volume *v);
 void volume_stream_free(struct stream *s);
