@@ -5,6 +5,7 @@
  * digital images", SIGGRAPH 1984).
  */
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -14,17 +15,28 @@
 struct options {
     const char *out; /* -o; NULL: PNG on standard output */
     enum image_format format;
-    int bits;    /* -k */
-    char **path; /* topmost first */
+    int bits;       /* -k */
+    double *ground; /* -b: linear red, green and blue behind all pictures; NULL: none */
+    char **path;    /* topmost first */
     int n;
 };
 
-static const char usage_text[] = "[-h] [-k 8|16] [-o OUT.png|.pam|.pfm] PICTURE ... BACKDROP";
+static const char usage_text[] =
+    "[-h] [-b R,G,B] [-k 8|16] [-o OUT.png|.pam|.pfm] PICTURE ... [BACKDROP]";
+
+static double *take_ground(const char *s)
+{
+    size_t n;
+    double *ground = opt_reals('b', s, 0, 1e6, &n);
+    if (n != 3) die(ST_USAGE, "-b %s: expected red, green and blue, such as 0,0,.2", s);
+    return ground;
+}
 
 static struct options parse(int argc, char **argv)
 {
     struct options o = {.bits = 8, .format = IMAGE_PNG};
-    for (int c; (c = prog_getopt(argc, argv, "hk:o:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "b:hk:o:")) != -1;) switch (c) {
+        case 'b': o.ground = take_ground(optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.bits = image_opt_bits(c, optarg); break;
         case 'o': o.out = opt_text(c, optarg); break;
@@ -32,7 +44,7 @@ static struct options parse(int argc, char **argv)
         }
     o.path = argv + optind;
     o.n = argc - optind;
-    if (o.n < 2) usage(ST_USAGE, usage_text);
+    if (o.n < 1) usage(ST_USAGE, usage_text);
     if (o.out && !image_format_of(o.out, &o.format))
         die(ST_USAGE, "-o %s: expected a name that ends in .png, .pam or .pfm", o.out);
     int piped = 0;
@@ -53,6 +65,15 @@ static void put_under(struct image *a, const struct image *b)
     for (size_t p = 0; p < (size_t)a->w * a->h; p++) {
         float *top = a->rgba + 4 * p, clear = 1 - top[3];
         for (int c = 0; c < 4; c++) top[c] += clear * b->rgba[4 * p + (size_t)c];
+    }
+}
+
+static void put_ground(struct image *a, const double rgb[3])
+{
+    for (size_t p = 0; p < (size_t)a->w * a->h; p++) {
+        float *top = a->rgba + 4 * p;
+        for (int c = 0; c < 3; c++) top[c] += (1 - top[3]) * (float)rgb[c];
+        top[3] = 1;
     }
 }
 
@@ -78,6 +99,8 @@ int main(int argc, char **argv)
         put_under(&all, &next);
         image_free(&next);
     }
+    if (o.ground) put_ground(&all, o.ground);
+    free(o.ground);
     write_picture(&o, &all);
     image_free(&all);
     close_stdout();

@@ -259,10 +259,10 @@ clean 'options of a command belong to the command'
 # Each option that takes an argument finds the next option in its place: that is what is wrong, and one line says so.
 for program in $all; do
 	case $program in balance*) method=masterslave ;; *) method='' ;; esac
-	case $program in balance-calibrate | balance) ;; balance-*) continue ;; esac
+	case $program in balance-calibrate | balance-bricks | balance) ;; balance-*) continue ;; esac
 	source=bin/$program.c
 	[ -e "$source" ] || source=bin/$program
-	[ "$program" != balance-calibrate ] || method=''
+	case $program in balance-calibrate | balance-bricks) method='' ;; esac
 	for option in $(by_argument "$source"); do
 		case $program,$option in balance*,W | simulate,[kq]) continue ;; esac # of a worker, of a method
 		# shellcheck disable=SC2086  # none, or a word
@@ -283,7 +283,7 @@ clean 'an unknown option is refused'
 
 for method in bin/balance-*; do
 	method=$(basename "$method")
-	case $("$method" -h) in "usage: $(echo "$method" | sed 's/-calibrate/ calibrate/') [-h"*) ;; *) echo "$method: -h prints no usage" ;; esac
+	case $("$method" -h) in "usage: $(echo "$method" | sed -E 's/-(bricks|calibrate)/ \1/') [-h"*) ;; *) echo "$method: -h prints no usage" ;; esac
 	[ "$("$method" 2>/dev/null; echo $?)" = 2 ] || echo "$method: without arguments it does not exit 2"
 done >"$found"
 clean 'methods print their usage'

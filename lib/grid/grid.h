@@ -1,6 +1,7 @@
 /*
- * grid: a scalar field on a rectilinear grid, read from and written to VTK legacy files. Only
- * grid_load does I/O. stormring-grid(5) is the manual of the format.
+ * grid: a scalar field on a rectilinear grid, read from and written to VTK legacy files; bricks of
+ * grids larger than memory. Only grid_load and grid_file do I/O. stormring-grid(5) is the manual of
+ * the format.
  */
 #ifndef STORMRING_GRID_H
 #define STORMRING_GRID_H
@@ -10,6 +11,16 @@
 #define GRID_NAME 64   /* bytes of the scalar's name */
 #define GRID_TITLE 256 /* bytes; the limit of VTK's reader */
 
+/*
+ * A brick is a grid that was cut from a larger one. It renders its own cells, those between two
+ * planes on each axis. The others are a layer of overlap: copies of the neighbours' cells.
+ */
+struct grid_brick {
+    bool is;            /* the rest counts only if it is one */
+    double whole[3][2]; /* the larger grid's least and greatest coordinate on each axis */
+    uint32_t own[3][2]; /* the first and the last plane of its own cells */
+};
+
 /* A scalar field on axis-aligned planes. Coordinates are in the file's units. */
 struct grid {
     uint32_t n[3]; /* nodes along x, y, z; at least 2 each */
@@ -17,6 +28,7 @@ struct grid {
     float *value;  /* n[0]*n[1]*n[2], x fastest; NaN: missing */
     char name[GRID_NAME];   /* name of the scalar */
     char title[GRID_TITLE]; /* second line of the file; holds the units */
+    struct grid_brick brick;
 };
 /* Index of node i, j, k. */
 static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
@@ -50,6 +62,9 @@ int grid_consume(
  * the file's second line, cut at GRID_TITLE. Reading the file gives the same grid bit by bit.
  */
 void grid_write(const struct grid *g, const char *title, struct buf *b);
+/* Its two parts: everything before the values; n values. A line end follows the last value. */
+void grid_write_head(const struct grid *g, const char *title, struct buf *b);
+void grid_write_values(const float *value, size_t n, struct buf *b);
 void grid_free(struct grid *g);
 /*
  * Checks that coordinates ascend or descend in steps of at least GRID_STEP_MIN. Returns the index
@@ -64,6 +79,26 @@ void grid_axis_why(const double *at, uint32_t fault, char why[GRID_FAULT]);
  * NaN outside the grid, and if a corner of the cell is missing.
  */
 double grid_at(const struct grid *g, const double p[3]);
+
+/*
+ * A grid file that is larger than memory (cut.c): the file is mapped, and its pages are returned as
+ * they are read. It must not shrink meanwhile. "-" is standard input, which must be a file.
+ * grid_file_open returns NULL with the message in err, and dies with status 2 if there is no such
+ * file. grid_file_grid has no values. err stays in use until grid_file_cut has another one.
+ */
+struct grid_file;
+struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES]);
+const struct grid *grid_file_grid(const struct grid_file *f);
+void grid_file_close(struct grid_file *f);
+#define GRID_BRICKS_MAX 256 /* all are open at the same time */
+/*
+ * Cuts the grid into parts[0] x parts[1] x parts[2] bricks, at most one for each cell and
+ * GRID_BRICKS_MAX, and writes them to the files path[], x fastest. Rows are copied one by one. All
+ * files appear at the end, if all could be written. Call it once. Returns ST_OK, or an exit status
+ * with the message in err.
+ */
+int grid_file_cut(
+    struct grid_file *f, const uint32_t parts[3], char *const *path, char err[ERR_BYTES]);
 
 /* Name and unit of a scalar or an axis from a grid's title; see stormring-grid(5). */
 struct grid_named {

@@ -50,8 +50,8 @@ static bool read_head(struct vtk_reader *r, struct grid *g)
     return vtk_expect(r, "third part", "DATASET") && vtk_expect(r, "dataset", "RECTILINEAR_GRID");
 }
 
-/* Skips FIELD arrays that belong to the whole file, such as its time. */
-static bool skip_field(struct vtk_reader *r)
+/* Skips FIELD arrays that belong to the whole file, such as its time, except those of a brick. */
+static bool read_field(struct vtk_reader *r)
 {
     char name[GRID_NAME];
     struct vtk_type t = vtk_types[0];
@@ -64,7 +64,9 @@ static bool skip_field(struct vtk_reader *r)
             !vtk_count(r, "number of tuples", 0, UINT32_MAX, &tuples) || !vtk_type(r, &t) ||
             !vtk_begin_numbers(r, "numbers of a field", t, components * tuples))
             return false;
-        for (uint64_t i = 0; i < components * tuples; i++)
+        bool good = true, taken = vtk_brick_array(r, name, t, components * tuples, &good);
+        if (!good) return false;
+        for (uint64_t i = 0; !taken && i < components * tuples; i++)
             if (r->binary) r->at += t.size;
             else if (!vtk_text(r, "number of a field", t, &v)) return false;
         vtk_skip_metadata(r);
@@ -108,7 +110,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
 {
     static const char *const what[] = {"nodes along x", "nodes along y", "nodes along z"};
     uint64_t n = 2;
-    if (vtk_take(r, "FIELD") && !skip_field(r)) return false;
+    if (vtk_take(r, "FIELD") && !read_field(r)) return false;
     if (!vtk_expect(r, "next part", "DIMENSIONS")) return false;
     *nodes = 1;
     for (int a = 0; a < 3; a++) {
@@ -122,7 +124,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     }
     for (int a = 0; a < 3; a++)
         if (!read_axis(r, a, g)) return false;
-    return true;
+    return vtk_brick(r, g);
 }
 
 /* Reads the header of the one scalar: SCALARS, or a FIELD of one array. */
@@ -156,39 +158,53 @@ static void give_back(struct vtk_reader *r)
     (void)madvise(from, (size_t)(to - from), MADV_DONTNEED); /* failure only costs memory */
 }
 
+bool vtk_row(struct vtk_reader *r, struct vtk_type t, uint32_t n, bool down, float *row)
+{
+    double v = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (!vtk_number(r, "values", t, &v)) return false;
+        row[down ? n - 1 - i : i] = (float)v;
+    }
+    if (r->kept) give_back(r);
+    return true;
+}
+
 /* Reads the values in file order and stores them with every axis ascending. */
 static bool read_values(struct vtk_reader *r, struct vtk_type t, struct grid *g)
 {
     const uint32_t *n = g->n;
     const bool *down = r->down;
-    double v = 0;
     for (uint32_t k = 0; k < n[2]; k++)
         for (uint32_t j = 0; j < n[1]; j++) {
             float *row =
                 g->value + grid_node(g, 0, down[1] ? n[1] - 1 - j : j, down[2] ? n[2] - 1 - k : k);
-            for (uint32_t i = 0; i < n[0]; i++) {
-                if (!vtk_number(r, "values", t, &v)) return false;
-                row[down[0] ? n[0] - 1 - i : i] = (float)v;
-            }
-            if (r->kept) give_back(r);
+            if (!vtk_row(r, t, n[0], down[0], row)) return false;
         }
     return true;
 }
 
-static bool read_grid(struct vtk_reader *r, struct grid *g)
+bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t)
 {
     uint64_t nodes = 0, n = 0;
-    struct vtk_type t = vtk_types[0];
-    if (!read_head(r, g) || !read_geometry(r, g, &nodes)) return false;
-    if (!vtk_expect(r, "word after the coordinates", "POINT_DATA") ||
-        !vtk_count(r, "number of point data", nodes, nodes, &n) ||
-        !read_scalar_head(r, nodes, g, &t) || !vtk_begin_numbers(r, "values", t, nodes))
-        return false;
-    g->value = xmalloc(nodes, sizeof *g->value);
-    if (!read_values(r, t, g)) return false;
+    return read_head(r, g) && read_geometry(r, g, &nodes) &&
+           vtk_expect(r, "word after the coordinates", "POINT_DATA") &&
+           vtk_count(r, "number of point data", nodes, nodes, &n) &&
+           read_scalar_head(r, nodes, g, t) && vtk_begin_numbers(r, "values", *t, nodes);
+}
+
+bool vtk_tail(struct vtk_reader *r)
+{
     vtk_skip_metadata(r);
     return !vtk_peek(r) ||
            vtk_fail_word(r, "word after the values", "one scalar and the file's end");
+}
+
+static bool read_grid(struct vtk_reader *r, struct grid *g)
+{
+    struct vtk_type t = vtk_types[0];
+    if (!vtk_head(r, g, &t)) return false;
+    g->value = xmalloc(grid_node(g, 0, 0, g->n[2]), sizeof *g->value);
+    return read_values(r, t, g) && vtk_tail(r);
 }
 
 static int read_from(struct vtk_reader r, struct grid *g, char err[ERR_BYTES])

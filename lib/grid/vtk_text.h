@@ -16,7 +16,24 @@ struct vtk_reader {
     bool down[3];        /* this axis descends in the file */
     unsigned char *kept; /* pages before this were returned; NULL: none were, and none may be */
     size_t line;         /* line number of `kept`, from 0 */
+    bool has[2];         /* the file has this array of a brick (vtk_brick.c) */
+    double bounds[2][6]; /* its numbers: x from and to, y, z */
 };
+
+extern const char *const vtk_brick_names[2];
+/* Reads the array of a brick with that name and so many numbers. Returns false for any other name,
+ * without reading; *good is false if there is a message in r->err. */
+bool vtk_brick_array(
+    struct vtk_reader *r, const char *name, struct vtk_type t, uint64_t count, bool *good);
+/* Sets g->brick from these arrays, if the file has them. The axes are known and ascend. */
+bool vtk_brick(struct vtk_reader *r, struct grid *g);
+/* Reads everything before the values, and their type. (vtk_read.c) */
+bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t);
+/* Reads n values, a row of the file, as they come or from the last to the first. Returns pages that
+ * were read, if there are any to return. */
+bool vtk_row(struct vtk_reader *r, struct vtk_type t, uint32_t n, bool down, float *row);
+/* Reads what may follow the values: nothing. */
+bool vtk_tail(struct vtk_reader *r);
 
 /* Number of line ends in p .. end. */
 size_t vtk_lines(const unsigned char *p, const unsigned char *end);

@@ -1,8 +1,8 @@
 /*
  * skip: marks the visible cells. A cell is visible if no corner is missing and, between its lowest
  * and highest corner, the map absorbs or an iso-surface has its value. A trilinear field stays
- * within the range of its corners, so skipped cells are exactly transparent. Threads take layers of
- * blocks.
+ * within the range of its corners, so skipped cells are exactly transparent. The overlap of a brick
+ * is visible only if there are surfaces. Threads take layers of blocks.
  */
 #define SIMD_MOST 16 /* bytes: a vector is no wider than a block */
 #include "simd/simd.h"
@@ -98,13 +98,27 @@ static void set_cells(struct layers *l, size_t at, int32_t x, const int32_t i[3]
         v->block[block_index(v, (const int32_t[3]){i[0] + step * (x + ends[k]), i[1], i[2]})] = 1;
 }
 
+/* Narrows a row of cells to those that may be visible: all if there are surfaces, or else those of
+ * the brick itself. False if none are. i: the first of them; x, n: columns. */
+static bool owned(const struct volume *v, const int32_t i[3], uint32_t *x, uint32_t *n)
+{
+    if (!v->brick || v->spec->n_isos) return true;
+    const bool turned = v->stride[0] < 0;
+    const uint32_t *own = v->own[0];
+    *x = turned ? v->cells[0] - own[1] : own[0];
+    *n = 1 + (turned ? v->cells[0] - own[0] : own[1]);
+    return volume_owns(v, (const int32_t[3]){(int32_t)own[0], i[1], i[2]});
+}
+
 /* Marks a row of cells between n columns, starting with cell `at`. */
 static void mark(struct layers *l, ptrdiff_t at, const float *lo, const float *hi, uint32_t n)
 {
     _Static_assert(VF <= BLOCK, "see set_cells");
     int32_t i[3];
     cell_of_index(l->v, at, i);
-    for (uint32_t x = 0; x + 1 < n; x += VF) {
+    uint32_t x = 0;
+    if (!owned(l->v, i, &x, &n)) return;
+    for (; x + 1 < n; x += VF) {
         vf high = vf_max(vf_load(hi + x), vf_load(hi + x + 1));
         vf low = vf_min(vf_load(lo + x), vf_load(lo + x + 1));
         vi whole = vf_load(hi + x) + vf_load(hi + x + 1) < vf_set(HUGE_VALF), visible = {0};

@@ -112,8 +112,8 @@ struct stream_pieces {
 struct stream_starts {
     uint64_t hit; /* one bit per ray that hits the grid and has not started */
     uint32_t ray; /* the first ray of this group */
-    _Alignas(STREAM_LINE) double exit[STREAM_STARTS], next[3][STREAM_STARTS],
-        prev[3][STREAM_STARTS];
+    _Alignas(STREAM_LINE) double enter[STREAM_STARTS], exit[STREAM_STARTS];
+    double next[3][STREAM_STARTS], prev[3][STREAM_STARTS];
     double rate[3][STREAM_STARTS], start[3][STREAM_STARTS], inv[3][STREAM_STARTS];
     int64_t plane[3][STREAM_STARTS], step[3][STREAM_STARTS];
     int64_t node[STREAM_STARTS], to_node[3][STREAM_STARTS];

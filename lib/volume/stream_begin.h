@@ -13,6 +13,7 @@ struct aim {
     vl up[3], down[3];
     vd in[3], out[3]; /* planes of entry and exit */
     vd near, at[3], exit;
+    vd enter; /* t of the entry into a brick; else 0 */
     vl hit;
 };
 
@@ -38,7 +39,23 @@ SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
     }
 }
 
-/* Clips the rays to the grid. */
+/* As enter_brick of walk.c. */
+SIMD_INLINE void enter_aim(struct aim *m, const struct volume *v)
+{
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        vd in = (vd_choose(m->down[a], high, low) - m->at[a]) * m->inv[a];
+        vd out = (vd_choose(m->down[a], low, high) - m->at[a]) * m->inv[a];
+        vl moves = m->up[a] | m->down[a];
+        m->enter = vd_choose(moves & (vl)(in > m->enter), in, m->enter);
+        m->exit = vd_choose(moves & (vl)(out < m->exit), out, m->exit);
+        m->hit &= moves | ((vl)(low <= m->at[a]) & (vl)(high >= m->at[a]));
+    }
+    m->hit &= (vl)(m->enter < m->exit);
+}
+
+/* Clips the rays to the whole grid, then to the brick. */
 SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
 {
     const double eye[3] = {v->camera.eye.x, v->camera.eye.y, v->camera.eye.z};
@@ -47,7 +64,7 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
     m->hit = ~(vl){0};
     UNROLLED
     for (int a = 0; a < 3; a++) {
-        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        vd low = vd_set(v->whole[a][0]), high = vd_set(v->whole[a][1]);
         m->in[a] = vd_choose(m->down[a], high, low);
         m->out[a] = vd_choose(m->down[a], low, high);
         vl moves = m->up[a] | m->down[a];
@@ -61,7 +78,7 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
     m->exit = vd_set(HUGE_VAL);
     UNROLLED
     for (int a = 0; a < 3; a++) {
-        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        vd low = vd_set(v->whole[a][0]), high = vd_set(v->whole[a][1]);
         vd at = eye[a] + m->near * m->d[a], near = (m->in[a] - eye[a]) * m->inv[a];
         vl entry = (vl)(m->near > vd_set(0)) & (vl)(m->near == near);
         at = vd_choose(entry, m->in[a], at);
@@ -69,16 +86,20 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
         vd exit = vd_choose(m->up[a] | m->down[a], (m->out[a] - at) * m->inv[a], vd_set(HUGE_VAL));
         m->exit = vd_min(m->exit, exit);
     }
+    m->enter = vd_set(0);
+    if (v->brick) enter_aim(m, v);
 }
 
 /* Starts at the cells of the previous rays; the new cells are mostly these or neighbours. */
 #define TRIES 3
 
-/* True if the ray is already past cell i. */
+/* True if the ray is already past cell i at its entry. */
 SIMD_INLINE vl is_left(const struct aim *m, const double *plane, int a, vl i)
 {
-    vd p = vd_gather(plane + 1, i);
-    return (vl)(p < m->at[a]) | (~m->down[a] & (vl)(p == m->at[a]));
+    vd p = vd_gather(plane + 1, i), met = (p - m->at[a]) * m->inv[a];
+    vl still = ~(m->up[a] | m->down[a]);
+    return (m->up[a] & (vl)(met <= m->enter)) | (m->down[a] & (vl)(met > m->enter)) |
+           (still & (vl)(p <= m->at[a]));
 }
 
 /* The same as first_cell of walk.c. */
@@ -173,6 +194,7 @@ static void begin(struct stream *s)
         aim_at(&m, &v->camera, x, y);
         clip_aim(&m, v);
         t->hit |= (uint64_t)vl_signs(m.hit) << i;
+        vd_store(t->enter + i, m.enter);
         vd_store(t->exit + i, m.exit);
         vl node = (vl){0} + (int64_t)v->origin;
         UNROLLED

@@ -6,8 +6,8 @@
 #include "volume/stream_cut.h"
 #include "volume/stream_walk.h"
 
-/* Renders one cell, with its surfaces, as volume.c does. */
-static void alone_wide(struct stream *s, uint32_t j, double sum[4])
+/* Renders one cell, with its surfaces, as volume.c does. own: see volume_surfaces. */
+static void alone_wide(struct stream *s, uint32_t j, bool own, double sum[4])
 {
     struct volume *v = s->v;
     struct stream_ray *r = &s->ray[s->of[j]];
@@ -21,7 +21,7 @@ static void alone_wide(struct stream *s, uint32_t j, double sum[4])
     cell.t += r->before;
     for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
     v->above = s->above + (size_t)s->of[j] * v->spec->n_isos;
-    volume_surfaces(&p, in.t0 != r->last);
+    volume_surfaces(&p, in.t0 != r->last, own);
     r->last = in.t1;
     for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
     sum[3] = 1 - p.transmittance;
@@ -39,6 +39,15 @@ static void alone(struct stream *s, uint32_t j, double sum[4])
     sum[3] = 1 - p.transmittance;
 }
 
+/* False for cells of a brick's overlap. */
+static bool owns(const struct stream *s, uint32_t j)
+{
+    int32_t i[3];
+    if (!s->v->brick) return true;
+    cell_of_index(s->v, s->node[j], i);
+    return volume_owns(s->v, i);
+}
+
 static void add(struct stream *s)
 {
     struct volume *v = s->v;
@@ -47,12 +56,16 @@ static void add(struct stream *s)
     for (uint32_t j = 0; j < s->cells; j++) {
         double *sum = s->sum[s->of[j]];
         if (sum[3] >= limit) continue;
+        if (!owns(s, j)) {
+            if (!s->whole[j] && s->piece[j] == STREAM_ALONE) alone_wide(s, j, false, sum);
+            continue;
+        }
         cells++;
         if (s->whole[j]) {
             samples += s->whole[j] - 1u;
             add_to(sum, s->add[j]);
         } else if (s->piece[j] == STREAM_ALONE) {
-            if (s->wide) alone_wide(s, j, sum);
+            if (s->wide) alone_wide(s, j, true, sum);
             else alone(s, j, sum);
         } else {
             for (uint32_t i = s->piece[j]; i < s->piece_end[j] && sum[3] < limit; i++)

@@ -59,7 +59,7 @@ static bool put_start(struct stream *s, int lane)
     if (!t->hit) return false;
     int i = __builtin_ctzll(t->hit);
     t->hit &= t->hit - 1;
-    l->t[lane] = 0;
+    l->t[lane] = t->enter[i];
     l->exit[lane] = l->stop[lane] = t->exit[i];
     l->node[lane] = t->node[i];
     l->passed[lane] = 0;

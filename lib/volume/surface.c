@@ -37,10 +37,11 @@ static uint32_t find(const struct path *p, bool fresh)
     return n;
 }
 
-void volume_surfaces(struct path *p, bool fresh)
+void volume_surfaces(struct path *p, bool fresh, bool own)
 {
     double from = 0;
     uint32_t n = p->v->spec->n_isos ? find(p, fresh) : 0;
+    if (!own) return;
     for (uint32_t i = 0; i < n; i++) {
         const struct crossing *x = &p->v->crossing[i];
         if (x->w > from) volume_integrate(p, from, x->w);

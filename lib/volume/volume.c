@@ -44,6 +44,22 @@ static void set_planes(struct volume *v, const struct grid *g, const double scal
     }
 }
 
+/* Own cells and bounds, in scaled order. */
+static void set_brick(struct volume *v, const struct grid *g, const double scale[3])
+{
+    v->brick = g->brick.is;
+    for (int a = 0; a < 3; a++)
+        for (int end = 0; end < 2; end++) {
+            int of = scale[a] < 0 ? !end : end;
+            uint32_t plane = g->brick.own[a][of];
+            v->own[a][end] = !v->brick   ? end * v->cells[a]
+                             : of == end ? plane
+                                         : v->cells[a] - plane;
+            v->whole[a][end] =
+                v->brick ? g->brick.whole[a][of] * scale[a] : v->plane[a][v->own[a][end]];
+        }
+}
+
 struct volume *volume_new(
     const struct grid *g, const struct spec *s, const struct volume_options *o)
 {
@@ -51,6 +67,7 @@ struct volume *volume_new(
     v->spec = s;
     v->o = *o;
     set_planes(v, g, s->scale);
+    set_brick(v, g, s->scale);
     map_init(&v->map, s);
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
@@ -92,15 +109,16 @@ static void ray(struct path *p, struct walk *w)
     while (!path_done(p) && walk_cell(w, &s)) {
         cell_init(p->cell, w->v, w->o, w->d, &s);
         p->cell->t += w->before;
-        volume_surfaces(p, s.t0 != last);
+        bool own = volume_owns(w->v, s.i);
+        volume_surfaces(p, s.t0 != last, own);
         last = s.t1;
-        p->v->counts.cells++;
+        p->v->counts.cells += own;
     }
 }
 
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba)
 {
-    bool backed = v->spec->backed;
+    bool backed = v->spec->backed && !v->brick;
     for (int c = 0; c < 3; c++)
         rgba[c] = (float)(rgb[c] + (backed ? transmittance * v->spec->background[c] : 0));
     rgba[3] = backed ? 1 : (float)(1 - transmittance);

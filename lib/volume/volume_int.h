@@ -96,6 +96,9 @@ struct volume {
     double *plane[3];     /* scaled coordinates, ascending; BLOCK infinite entries on either side */
     double *inv_edge[3];  /* 1 / edge length of the cell above each plane except the last */
     uint32_t cells[3];    /* planes minus one */
+    bool brick;           /* part of a larger grid; otherwise all cells are its own */
+    double whole[3][2];   /* scaled bounds of the larger grid */
+    uint32_t own[3][2];   /* its own cells: from, to; others are the layer of overlap */
     ptrdiff_t stride[3];  /* from a node to the next, in values; negative if the scale is */
     const float *first;   /* node at the lowest corner */
     const float *value;   /* first node in memory */
@@ -127,6 +130,14 @@ static inline void cell_of_index(const struct volume *v, int64_t at, int32_t i[3
     const ptrdiff_t part[3] = {at % v->row, at % v->layer / v->row, at / v->layer};
     for (int a = 0; a < 3; a++)
         i[a] = (int32_t)(v->stride[a] < 0 ? (ptrdiff_t)v->cells[a] - 1 - part[a] : part[a]);
+}
+/* False for cells of the overlap. */
+static inline bool volume_owns(const struct volume *v, const int32_t i[3])
+{
+    bool own = true;
+    for (int a = 0; a < 3; a++)
+        own &= (uint32_t)i[a] >= v->own[a][0] && (uint32_t)i[a] < v->own[a][1];
+    return own;
 }
 static inline size_t block_index(const struct volume *v, const int32_t i[3])
 {
@@ -263,8 +274,8 @@ void volume_pieces(
 void volume_pieces_cut(
     struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
 /* Integrates the cell and adds its iso-surfaces in depth order. fresh: the field on the ray just
- * before this cell was unknown. */
-void volume_surfaces(struct path *p, bool fresh);
+ * before this cell was unknown. own: false if only the ray's side of each surface counts. */
+void volume_surfaces(struct path *p, bool fresh, bool own);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
 /* True if the stream can render v: by the adaptive method, to a tolerance that float allows. */

@@ -3,14 +3,15 @@
  * coordinate each time, not by adding steps (as J. Amanatides and A. Woo, "A fast voxel traversal
  * algorithm for ray tracing", Eurographics 1987, may on even grids). So it is the same number for
  * the cells on both sides, and errors do not add up. The origin is moved to the ray's entry into
- * the grid, so a distant eye costs no digits inside.
+ * the grid, so a distant eye costs no digits inside. The walk through a brick has the same origin as
+ * that through the whole grid, so it has the same numbers.
  */
 #include "volume/volume_int.h"
 
-/* t at plane i of an axis. */
-static double met(const struct walk *w, int a, int32_t i)
+/* t at a plane of an axis. */
+static double met(const struct walk *w, int a, double plane)
 {
-    return (w->v->plane[a][i] - w->o[a]) * w->inv[a];
+    return (plane - w->o[a]) * w->inv[a];
 }
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
@@ -21,15 +22,18 @@ ALWAYS_INLINE double ahead(const struct walk *w, const struct front *f, int a, p
     return (f->plane[a][n * w->step[a]] - w->start[a]) * w->inv[a];
 }
 
-/* The first cell along an axis that the ray has not left at its origin. A ray within a plane
- * belongs to the upper cell. */
-static int32_t first_cell(const struct walk *w, int a)
+/* The first cell along an axis that the ray has not left at t. A ray within a plane belongs to the
+ * upper cell. */
+static int32_t first_cell(const struct walk *w, int a, double t)
 {
     int32_t lo = 0, hi = (int32_t)w->v->cells[a] - 1; /* invariant: the answer is in lo .. hi */
     const double *plane = w->v->plane[a];
     while (lo < hi) {
         int32_t mid = (lo + hi) / 2;
-        bool above = w->step[a] < 0 ? plane[mid + 1] < w->o[a] : plane[mid + 1] <= w->o[a];
+        double upper = plane[mid + 1];
+        bool above = w->step[a] < 0   ? met(w, a, upper) > t
+                     : w->step[a] > 0 ? met(w, a, upper) <= t
+                                      : upper <= w->o[a];
         if (above) lo = mid + 1;
         else hi = mid;
     }
@@ -41,14 +45,13 @@ static bool clip(struct walk *w, double *in)
 {
     double near = 0, far = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
-        int32_t last = (int32_t)w->v->cells[a];
-        const double *plane = w->v->plane[a];
+        const double *end = w->v->whole[a];
         if (w->step[a] == 0) {
-            if (!(w->o[a] >= plane[0] && w->o[a] <= plane[last])) return false;
+            if (!(w->o[a] >= end[0] && w->o[a] <= end[1])) return false;
             continue;
         }
-        near = fmax(near, met(w, a, w->step[a] > 0 ? 0 : last));
-        far = fmin(far, met(w, a, w->step[a] > 0 ? last : 0));
+        near = fmax(near, met(w, a, end[w->step[a] < 0]));
+        far = fmin(far, met(w, a, end[w->step[a] > 0]));
     }
     *in = near;
     return near < far;
@@ -58,7 +61,7 @@ static bool clip(struct walk *w, double *in)
 static void begin_axis(struct walk *w, int a)
 {
     const struct volume *v = w->v;
-    size_t i = (size_t)first_cell(w, a), exit = w->step[a] > 0 ? v->cells[a] : 0;
+    size_t i = (size_t)first_cell(w, a, w->front.t), exit = w->step[a] > 0 ? v->cells[a] : 0;
     w->front.cell += i * (size_t)v->stride[a];
     w->to_cell[a] = w->step[a] * v->stride[a];
     w->zero[a] = v->plane[a] + (w->step[a] > 0);
@@ -88,6 +91,18 @@ ALWAYS_INLINE void pass(const struct walk *w, struct front *f, double t)
 
 ALWAYS_INLINE double least(double a, double b) { return a < b ? a : b; }
 
+/* Moves the ray from its entry into the whole grid to that into the brick. False if it misses. */
+static bool enter_brick(struct walk *w)
+{
+    for (int a = 0; a < 3; a++) {
+        const double *plane = w->v->plane[a], last = plane[w->v->cells[a]];
+        if (w->step[a] == 0 && !(w->o[a] >= plane[0] && w->o[a] <= last)) return false;
+        if (w->step[a] != 0)
+            w->front.t = fmax(w->front.t, met(w, a, w->step[a] > 0 ? plane[0] : last));
+    }
+    return true;
+}
+
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir)
 {
     const double o[3] = {eye.x, eye.y, eye.z}, d[3] = {dir.x, dir.y, dir.z};
@@ -101,20 +116,19 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
     if (!clip(w, &w->before)) return false;
     double at[3];
     for (int a = 0; a < 3; a++) {
-        const double *plane = v->plane[a];
-        double low = plane[0], high = plane[v->cells[a]];
+        double low = v->whole[a][0], high = v->whole[a][1], entry = v->whole[a][w->step[a] < 0];
         at[a] = o[a] + w->before * w->d[a];
         /* The plane of entry, exactly. The clamp keeps rounding from moving the ray out of the
          * grid. */
-        if (w->before > 0 && w->before == met(w, a, w->step[a] > 0 ? 0 : (int32_t)v->cells[a]))
-            at[a] = w->step[a] > 0 ? low : high;
+        if (w->before > 0 && w->before == met(w, a, entry)) at[a] = entry;
         at[a] = at[a] < low ? low : at[a] > high ? high : at[a];
     }
     for (int a = 0; a < 3; a++) w->o[a] = at[a];
+    if (v->brick && !enter_brick(w)) return false;
     w->exit = HUGE_VAL;
     w->front.cell = (size_t)v->origin;
     for (int a = 0; a < 3; a++) begin_axis(w, a);
-    return true;
+    return w->front.t < w->exit;
 }
 
 /* t at which the ray leaves the block along an axis. */

@@ -25,6 +25,8 @@ static void check_grid(const struct grid *g, size_t size)
     }
     for (size_t i = 0; i < n; i++)
         MUST(isnan(g->value[i]) || fabsf(g->value[i]) <= (float)GRID_MAX);
+    for (int a = 0; g->brick.is && a < 3; a++)
+        MUST(g->brick.own[a][0] < g->brick.own[a][1] && g->brick.own[a][1] < g->n[a]);
     MUST(memchr(g->name, '\0', GRID_NAME));
     const double first[] = {g->at[0][0], g->at[1][0], g->at[2][0]};
     const double v = grid_at(g, first);
