@@ -52,11 +52,11 @@ static void set_brick(struct volume *v, const struct grid *g, const double scale
         for (int end = 0; end < 2; end++) {
             int of = scale[a] < 0 ? !end : end;
             uint32_t plane = g->brick.own[a][of];
-            v->own[a][end] = !v->brick   ? end * v->cells[a]
-                             : of == end ? plane
-                                         : v->cells[a] - plane;
+            if (!v->brick) plane = end ? v->cells[a] : 0;
+            else if (of != end) plane = v->cells[a] - plane;
+            v->own[a][end] = plane;
             v->whole[a][end] =
-                v->brick ? g->brick.whole[a][of] * scale[a] : v->plane[a][v->own[a][end]];
+                v->brick ? g->brick.whole[a][of] * scale[a] : v->plane[a][plane];
         }
 }
 

@@ -68,7 +68,7 @@ static void test_refused(void **state)
         {HEAD "FIELD FieldData 2\n" WHOLE "brick_own 6 1 float\n2 nan 10 12 -1 0\n" REST,
             "do not fit x"},
         {HEAD "FIELD FieldData 2\n" WHOLE "brick_own 6 1 float\n2 4 10 x -1 0\n" REST,
-            "t:10: brick_own is 'x', expected"},
+            "t:9: brick_own is 'x', expected"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct grid g;
