@@ -2,7 +2,7 @@
  * gridcut: cuts a grid into bricks for hosts with less memory; prints bricks in their order of
  * sight.
  *
- * The bricks of a grid form a lattice. A ray that leaves the eye moves away from it along each axis.
+ * The bricks of a grid form a lattice. A ray that leaves the eye moves away from it on each axis.
  * So of two bricks on one ray, the nearer one is nowhere farther: the order by the distances from
  * the eye along x, then y, then z is an order of sight.
  */

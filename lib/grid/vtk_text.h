@@ -21,8 +21,8 @@ struct vtk_reader {
 };
 
 extern const char *const vtk_brick_names[2];
-/* Reads the array of a brick with that name and so many numbers. Returns false for any other name,
- * without reading; *good is false if there is a message in r->err. */
+/* Reads `count` numbers as the array of a brick with that name. Returns false for any other name,
+ * without reading. *good is false if there is a message in r->err. */
 bool vtk_brick_array(
     struct vtk_reader *r, const char *name, struct vtk_type t, uint64_t count, bool *good);
 /* Sets g->brick from these arrays, if the file has them. The axes are known and ascend. */

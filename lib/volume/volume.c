@@ -55,8 +55,7 @@ static void set_brick(struct volume *v, const struct grid *g, const double scale
             if (!v->brick) plane = end ? v->cells[a] : 0;
             else if (of != end) plane = v->cells[a] - plane;
             v->own[a][end] = plane;
-            v->whole[a][end] =
-                v->brick ? g->brick.whole[a][of] * scale[a] : v->plane[a][plane];
+            v->whole[a][end] = v->brick ? g->brick.whole[a][of] * scale[a] : v->plane[a][plane];
         }
 }
 

@@ -1,4 +1,4 @@
-/* Bricks: the arrays that make a grid one, written and read again; what is refused; parts of a cut. */
+/* Bricks: the arrays that make a grid one, written and read again; refusals; parts of a cut. */
 #include "grid/grid.h"
 
 #include <setjmp.h>
