@@ -39,11 +39,11 @@ static void alone(struct stream *s, uint32_t j, double sum[4])
     sum[3] = 1 - p.transmittance;
 }
 
-/* False for cells of a brick's overlap. */
+/* False for cells of a brick's overlap. Without surfaces they are not in the list. */
 static bool owns(const struct stream *s, uint32_t j)
 {
     int32_t i[3];
-    if (!s->v->brick) return true;
+    if (!s->v->brick || !s->v->spec->n_isos) return true;
     cell_of_index(s->v, s->node[j], i);
     return volume_owns(s->v, i);
 }

@@ -3,8 +3,8 @@
  * coordinate each time, not by adding steps (as J. Amanatides and A. Woo, "A fast voxel traversal
  * algorithm for ray tracing", Eurographics 1987, may on even grids). So it is the same number for
  * the cells on both sides, and errors do not add up. The origin is moved to the ray's entry into
- * the grid, so a distant eye costs no digits inside. The walk through a brick has the origin of that
- * through the whole grid, so it has the same numbers.
+ * the grid, so a distant eye costs no digits inside. The walk through a brick has the origin of
+ * that through the whole grid, so it has the same numbers.
  */
 #include "volume/volume_int.h"
 
