@@ -26,10 +26,12 @@ ok 'alpha is kept' imgcmp -t 1e-4 still.png red.pam
 blend - blue.pam <red.pam >piped.png
 blend -o file.png red.pam blue.pam
 ok 'blend reads - and writes standard output' cmp piped.png file.png
+blend -b 0,0,1 -o ground.pfm red.pam
+is '-b: half of red over blue' "$(samples ground.pfm)" '0.5020 0.0000 0.4980'
 printf 'P6 2 1 255\n123456' >wide.ppm
 run blend red.pam wide.ppm
 is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected 1x1 as red.pam'
-for bad in '' red.pam '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
+for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
 	# shellcheck disable=SC2086
 	run blend $bad
 	is "refused: blend $bad" "$status:$out" 2:
