@@ -118,8 +118,8 @@ family store
 modules='base task proc image crop' libs="-lpng $libs"
 ok 'the modules of pictures compile' compile "$root"/lib/image/*.c "$root"/lib/crop/*.c
 family crop
-modules='base task coder wire stats image log history account view'
-ok 'the modules of views compile' compile "$root"/lib/log/*.c "$root"/lib/history/*.c "$root"/lib/account/*.c "$root"/lib/view/*.c
+modules='base task coder wire stats image log history account html view'
+ok 'the modules of views compile' compile "$root"/lib/log/*.c "$root"/lib/history/*.c "$root"/lib/account/*.c "$root"/lib/html/*.c "$root"/lib/view/*.c
 family view
 modules='base scene'
 ok 'the modules of scene compile' compile "$root"/lib/scene/*.c

@@ -140,9 +140,10 @@ static void count_rest(struct stream *s, int lane, const struct leap *p)
 
 bool volume_leap(struct stream *s, int lane)
 {
-    struct leap p = leap_begin(s, lane);
     double t = s->lanes.t[lane];
-    bool in = t < p.stop;
+    if (!(t < s->lanes.stop[lane])) return false; /* it is past the last plane */
+    struct leap p = leap_begin(s, lane);
+    bool in = true;
     while (in && !(*p.region && region_end(&p) > t)) in = leap_on(&p, &t);
     if (!in) {
         if (t > s->lanes.t[lane]) count_rest(s, lane, &p);

@@ -190,10 +190,14 @@ static void put_pixels(
     struct stream *s, const struct lattice *l, uint64_t n0, uint32_t n, uint32_t w, float *rgba)
 {
     s->kernel(s, l, n0, n);
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0, x = 0; i < n; i++) {
         const double *sum = s->sum[i];
-        size_t at = i < l->w ? i : (size_t)(i / l->w) * w + i % l->w;
-        volume_put(s->v, sum, 1 - sum[3], rgba + 4 * at);
+        volume_put(s->v, sum, 1 - sum[3], rgba);
+        rgba += 4;
+        if (++x == l->w) {
+            x = 0;
+            rgba += 4 * (size_t)(w - l->w);
+        }
     }
 }
 
