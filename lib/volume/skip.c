@@ -49,7 +49,7 @@ static void find_seen(struct skip *s)
 /* The ranges of the values at VF columns of 4 rows; NaN if a value is missing. */
 SIMD_INLINE void column(vf a, vf b, vf c, vf d, vf *lo, vf *hi)
 {
-    vf missing = (a - a) + (b - b) + (c - c) + (d - d); /* 0 or NaN */
+    vf missing = a * 0 + b * 0 + c * 0 + d * 0; /* 0 or NaN */
     *lo = vf_min(vf_min(a, b), vf_min(c, d)) + missing;
     *hi = vf_max(vf_max(a, b), vf_max(c, d)) + missing;
 }

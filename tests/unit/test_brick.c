@@ -84,7 +84,7 @@ static void test_cut(void **state)
 {
     (void)state;
     static const uint32_t parts[3] = {3, 1, 2};
-    char err[ERR_BYTES], names[6][16], *path[6];
+    char err[ERR_BYTES], names[6][24], *path[6];
     struct grid g;
     unsigned seen[3][1][2] = {{{0}}};
     char room[] = "/tmp/test_brick.XXXXXX";
