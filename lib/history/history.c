@@ -262,7 +262,7 @@ void history_take(struct history *l, struct decoder *d)
     }
 }
 
-/* What is left to do when a file has ended. */
+/* Drops a run without records, and adds the file's damage to the history's. */
 static void end_file(struct history *l, const struct decoder *d)
 {
     l->running = false;

@@ -16,6 +16,7 @@
  * (volume_scenes.h) shares no code with what is measured.
  */
 #include "../unit/volume_scenes.h"
+#include "put_scene.h"
 
 #include <string.h>
 
@@ -177,18 +178,6 @@ static void put_casts(struct look *l, const char *path, char *const *word, int n
 
 /* ---- for others ------------------------------------------------------------------------------ */
 
-static void put_scene(const struct spec *s)
-{
-    const double *const triple[] = {s->from, s->at, s->up};
-    for (int i = 0; i < 3; i++)
-        printf("%.17g %.17g %.17g\n", triple[i][0], triple[i][1], triple[i][2]);
-    printf("%.17g %d\n", s->angle, SIDE);
-    for (size_t i = 0; i < s->n_knots; i++) {
-        const struct spec_knot *k = &s->knot[i];
-        printf("%.17g %.17g %.17g %.17g %.17g\n", k->s, k->rgb[0], k->rgb[1], k->rgb[2], k->k);
-    }
-}
-
 static void put_field(const char *path)
 {
     struct grid g = even_grid();
@@ -208,7 +197,7 @@ int main(int argc, char **argv)
     else if (strcmp(what, "cast") == 0 && argc > 4) put_casts(&l, argv[3], argv + 4, argc - 4);
     else if (strcmp(what, "compare") == 0 && argc > 3) put_casts(NULL, argv[2], argv + 3, argc - 3);
     else if (strcmp(what, "field") == 0 && argc == 3) put_field(argv[2]);
-    else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(&l.c.s);
+    else if (strcmp(what, "scene") == 0 && argc == 3) put_scene(SIDE, &l.c.s);
     else
         usage(ST_USAGE, "reference MAP FILE | cast MAP FILE METHOD ... | "
                         "compare FILE PICTURE ... | field FILE | scene MAP");

@@ -10,6 +10,7 @@
  * and any of +light, +fog and +iso, which stands for two surfaces.
  */
 #include "../unit/volume_scenes.h"
+#include "put_scene.h"
 
 #include <string.h>
 
@@ -111,18 +112,6 @@ static void put_cast(const struct grid *g, const struct spec *s, const char *met
     printf("%.5g\n", (double)best / 1e3);
 }
 
-static void put_scene(const struct spec *s)
-{
-    const double *const triple[] = {s->from, s->at, s->up};
-    for (int i = 0; i < 3; i++)
-        printf("%.17g %.17g %.17g\n", triple[i][0], triple[i][1], triple[i][2]);
-    printf("%.17g %d\n", s->angle, SIDE);
-    for (size_t i = 0; i < s->n_knots; i++) {
-        const struct spec_knot *k = &s->knot[i];
-        printf("%.17g %.17g %.17g %.17g %.17g\n", k->s, k->rgb[0], k->rgb[1], k->rgb[2], k->k);
-    }
-}
-
 static void put_field(const struct grid *g, const char *path)
 {
     size_t n = (size_t)g->n[0] * g->n[1] * g->n[2];
@@ -144,7 +133,7 @@ int main(int argc, char **argv)
     if (*what != 'f') look_at(&c, &g, argv[3]);
     c.s.knot = c.knot, c.s.iso = c.iso;
     if (cast) put_cast(&g, &c.s, argv[4]);
-    else if (*what == 's') put_scene(&c.s);
+    else if (*what == 's') put_scene(SIDE, &c.s);
     else put_field(&g, argv[3]);
     free_grid(&g);
     close_stdout();

@@ -76,11 +76,21 @@ static void draw(const struct grid *g, const struct scene *c, float *p)
     }
 }
 
+/* The picture is as near to the converged one as the tolerance says. */
+static void meets_the_tolerance(const struct grid *g, const struct scene *c, uint64_t seed)
+{
+    static float p[VALUES], q[VALUES];
+    draw(g, c, p);
+    render(g, &c->s, &converged, q, NULL);
+    for (int i = 0; i < VALUES; i++)
+        if (!(fabs((double)p[i] - (double)q[i]) <= usual.tolerance))
+            fail_msg("seed %d, %d: %g, expected %g", (int)seed, i, (double)p[i], (double)q[i]);
+}
+
 static void keeps_the_tolerance(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 200; seed++) {
-        static float p[VALUES], q[VALUES];
         uint64_t n = 0;
         struct grid g = random_grid(seed, &n, 8, true);
         struct scene c = random_scene(seed, &n);
@@ -90,11 +100,7 @@ static void keeps_the_tolerance(void **state)
             c.s.from[a] *= -1, c.s.at[a] *= -1, c.s.light[a] *= -1;
         }
         c.s.knot = c.knot, c.s.iso = c.iso;
-        draw(&g, &c, p);
-        render(&g, &c.s, &converged, q, NULL);
-        for (int i = 0; i < VALUES; i++)
-            if (!(fabs((double)p[i] - (double)q[i]) <= usual.tolerance))
-                fail_msg("seed %d, %d: %g, expected %g", (int)seed, i, (double)p[i], (double)q[i]);
+        meets_the_tolerance(&g, &c, seed);
         free_grid(&g);
     }
 }
@@ -104,17 +110,12 @@ static void one_cell(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 400; seed++) {
-        static float p[VALUES], q[VALUES];
         uint64_t n = 0;
         struct grid g = random_grid(seed, &n, 1, false);
         struct scene c = random_scene(seed, &n);
         for (int a = 0; a < 3; a++) c.s.from[a] = 2 - .4 * c.s.from[a], c.s.at[a] = .5;
         c.s.knot = c.knot;
-        draw(&g, &c, p);
-        render(&g, &c.s, &converged, q, NULL);
-        for (int i = 0; i < VALUES; i++)
-            if (!(fabs((double)p[i] - (double)q[i]) <= usual.tolerance))
-                fail_msg("seed %d, %d: %g, expected %g", (int)seed, i, (double)p[i], (double)q[i]);
+        meets_the_tolerance(&g, &c, seed);
         free_grid(&g);
     }
 }
