@@ -95,11 +95,25 @@ static double place(const struct pov *p, int a, double i)
     double x = i > low ? at[low] + (i - low) * (at[low + 1] - at[low]) : at[low];
     return x * p->s->scale[a] * p->unit;
 }
+/* An end of what is seen along an axis: of the grid, or of the clip box if that is nearer. */
+static double end_of(const struct pov *p, int a, bool far)
+{
+    const double *at = p->g->at[a], *clip = p->s->clip[a];
+    double x = far ? at[p->g->n[a] - 1] : at[0];
+    if (p->s->clipped) x = far ? fmin(x, clip[1]) : fmax(x, clip[0]);
+    return x * p->s->scale[a] * p->unit;
+}
 static struct vec3 corner(const struct pov *p, bool far)
 {
-    uint32_t i[3];
-    for (int a = 0; a < 3; a++) i[a] = far ? p->g->n[a] - 1 : 0;
-    return v3(place(p, 0, i[0]), place(p, 1, i[1]), place(p, 2, i[2]));
+    return v3(end_of(p, 0, far), end_of(p, 1, far), end_of(p, 2, far));
+}
+static bool is_empty(const struct pov *p)
+{
+    for (int a = 0; a < 3; a++)
+        if (p->s->clipped && !(fmax(p->s->clip[a][0], p->g->at[a][0]) <
+                                 fmin(p->s->clip[a][1], p->g->at[a][p->g->n[a] - 1])))
+            return true;
+    return false;
 }
 
 static void put_head(const struct pov *p)
@@ -283,10 +297,10 @@ int main(int argc, char **argv)
     put_field(&p);
     put_map(&p, "Extinction", false);
     put_map(&p, "Colour", true);
-    put_box(&p);
+    if (!is_empty(&p)) put_box(&p);
     close_stdout();
-    bool whole = !s.lit && s.n_isos == 0;
-    if (!whole) warn("%s: light and iso-surfaces are left out", o.spec);
+    bool whole = !s.lit && s.n_isos == 0 && s.n_slices == 0;
+    if (!whole) warn("%s: light, iso-surfaces and slices are left out", o.spec);
     grid_free(&g);
     spec_free(&s);
     return whole ? ST_OK : ST_PARTIAL;

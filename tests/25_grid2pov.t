@@ -41,6 +41,7 @@ spec '0 0 0' 'from 5 4 2' 'at 9 2 3' "$smooth" >inside.spec
 spec '0 0 0' 'from 4 -12 -9' 'at 6 -4 -1' 'scale 1 -1 -.5' "$smooth" >mirrored.spec
 spec '0 0 0' "$outside" "$sharp" >sharp.spec
 spec '1 1 1' "$outside" "$sharp" >sharp-white.spec
+spec '1 1 1' "$outside" "$smooth" 'clip 1.3 -1 .4 9.75 6.6 4' >clipped.spec
 spec '0 0 0' "$outside" "$smooth" 'light 1 2 3' 'iso 30 1 1 1 1' >lit.spec
 spec '0 0 0' "$outside" 'iso 30 1 1 1 1' >iso.spec
 
@@ -58,7 +59,7 @@ run grid2pov even.vtk smooth.spec none/s.df3
 is 'a file that cannot be written exits 3' "$status:$out" 3:
 run grid2pov even.vtk lit.spec s.df3
 is 'light and surfaces exit 1' "$status" 1
-like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light and iso-surfaces are left out'
+like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light, iso-surfaces and slices are left out'
 like 'light and surfaces: the scene is still written' "$out" '^box '
 is 'the field has three sizes and 4 bytes per node' "$(wc -c <s.df3)" $((6 + 4 * 12 * 9 * 6))
 { cat smooth.spec; i=52; while [ $i -le 300 ]; do echo "map $i 1 1 1 1"; i=$((i + 1)); done; } >many.spec
@@ -94,7 +95,7 @@ if command -v povray >/dev/null; then
 		done
 		ok "$grid planes, sharp, trapezoid:16: not within 1e-4" differs $grid $sharp 0.0001 trapezoid:16
 	done
-	for case in 'uneven white' 'uneven far' 'uneven inside' 'uneven mirrored' 'hole smooth' 'hole white'; do
+	for case in 'uneven white' 'uneven far' 'uneven inside' 'uneven mirrored' 'uneven clipped' 'hole smooth' 'hole white'; do
 		# shellcheck disable=SC2086  # a word each
 		ok "POV-Ray renders $case" pov $case 64
 		# shellcheck disable=SC2086

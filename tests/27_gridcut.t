@@ -50,7 +50,9 @@ spec '12 -30 25' '14 10 3' >map.spec
 spec '12 -30 25' '14 10 3' 'iso 45 1 1 1 .5' 'iso 20 1 0 0 .4' >iso.spec
 spec '40 30 9' '14 10 3' "$light" >lit.spec
 spec '-14.2 12.1 4.3' '-3 3 2' 'iso 45 1 1 1 .5' "$light" 'scale -1 1 1.5' >inside.spec
-for parts in 1,1,1 3,1,1 1,1,6 2,3,2 23,1,1; do for of in map iso lit inside; do equal "$of" wave.vtk $of.spec $parts; done; done
+spec '40 30 9' '14 10 3' 'clip 2.5 1.1 .4 20.5 15 6.2' 'slice x 10 .6' 'slice y 8.5 .6' 'slice z 1.05 .6' \
+	'iso 45 1 1 1 .5' "$light" >boxed.spec
+for parts in 1,1,1 3,1,1 1,1,6 2,3,2 23,1,1; do for of in map iso lit inside boxed; do equal "$of" wave.vtk $of.spec $parts; done; done
 for of in iso inside; do equal "$of by the exact method" wave.vtk $of.spec 2,3,2 -m gauss:5; done
 
 # A surface in each cut: the value of a layer of nodes. Rays pass upwards and downwards.
@@ -60,6 +62,8 @@ for z in -9 25; do
 	equal "surfaces in the cuts, from z = $z" layers.vtk through.spec 1,1,8
 	equal "surfaces in the cuts, from z = $z, by the exact method" layers.vtk through.spec 1,1,8 -m gauss:3
 done
+spec '3.1 2.2 25' '4 4 6' 'slice z 4.4 .5' 'slice z 2.2 .5' 'slice y 3 .5' >slices.spec
+equal 'slices in the cuts' layers.vtk slices.spec 1,8,8
 # A column of rays runs within cuts, and the middle one along edges of bricks.
 spec '4 -20 6' '4 4 6' 'iso 40 1 1 1 .5' >within.spec
 equal 'rays in the cuts' layers.vtk within.spec 2,1,8

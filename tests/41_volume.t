@@ -23,11 +23,14 @@ spec() {
 	printf '%s\n' "from $1" 'at 14 10 3' 'up 0 0 1' 'angle 40' "resolution $2" 'light 9 -9 30' \
 		'map 25 .2 .2 1 0' 'map 32 1 .5 0 .3' 'map 32 0 1 0 0' 'map 60 0 1 1 .2' 'iso 45 1 1 1 .5'
 }
+# Slices, one of them at a plane of the grid, in a box that ends within cells
+boxed() { spec '30 -20 22' '48 40'; printf '%s\n' 'clip 2.2 1 .3 27.5 19 8.1' 'slice z 2.2 .7' 'slice x 13 .5' 'slice y 7.7 1'; }
 grid 0 >a.vtk
 grid 1 >b.vtk
 spec '12 -30 25' '48 40' >one.spec
 spec '44 -20 9' '48 40' >two.spec
 spec '12 -30 25' '30 20' >small.spec
+boxed >boxed.spec
 size=48x40
 
 # picture OUT GRID SPEC [OPTIONS]: one worker, no balancer
@@ -60,10 +63,18 @@ same "deal fan -j 2 deal fan -j 2" a1.pam
 same "the grid a file, the specification a record" a1.pam
 state -n 3 | ringctl fan -j 3 ringctl -n vcworker | gather -o out.pam
 same "a ring" a1.pam
+picture boxed.pam a.vtk boxed.spec
+balance gdc -j 3 -o out.pam a.vtk boxed.spec
+same "gdc, a box and slices" boxed.pam
+{ partition -u run:37 $size; } | vcworker -f 5 a.vtk boxed.spec | gather -o out.pam
+same "runs, a box and slices" boxed.pam
+is 'a box hides a part' "$(cmp -s boxed.pam a1.pam && echo same)" ''
 for isa in sse2 avx2 avx512; do
 	if vcworker -x $isa -i a.vtk one.spec >/dev/null 2>&1; then
 		picture out.pam a.vtk one.spec -x $isa
 		same "vectors of $isa" a1.pam
+		picture out.pam a.vtk boxed.spec -x $isa
+		same "vectors of $isa, a box and slices" boxed.pam
 	else skip "vectors of $isa" "this processor has none"
 	fi
 done

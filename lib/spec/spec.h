@@ -14,6 +14,11 @@ struct spec_knot {
 struct spec_iso {
     double s, rgb[3], opacity; /* opacity 0 .. 1 of the sheet, independent of the viewing angle */
 };
+struct spec_slice {
+    int axis;       /* 0 .. 2: the plane is across x, y or z */
+    double at;      /* in the grid's coordinates */
+    double opacity; /* 0 .. 1 */
+};
 #define SPEC_RESOLUTION_MAX 65535
 #define SPEC_LIMIT .9999 /* default opacity limit */
 struct spec {
@@ -30,6 +35,10 @@ struct spec {
     size_t n_knots;
     struct spec_iso *iso; /* ascending by s, each s once */
     size_t n_isos;
+    struct spec_slice *slice; /* ascending by axis and place, each once; only with a map */
+    size_t n_slices;
+    bool clipped;
+    double clip[3][2]; /* only this part is seen: from < to, in the grid's coordinates */
 };
 /*
  * Palettes: colours at equal steps of a place from 0 to 1, linear red, green and blue, with linear

@@ -16,11 +16,16 @@ void path_add(struct path *p, double dtau, const double rgb[3])
     p->transmittance *= through;
 }
 
+double path_fade(const struct path *p, double w)
+{
+    const double a = p->v->spec->attenuation;
+    return a > 0 ? volume_exp(-a * (p->cell->t + w * p->cell->len)) : 1;
+}
+
 double path_light(const struct path *p, double w)
 {
     const struct spec *s = p->v->spec;
-    double light = 1;
-    if (s->attenuation > 0) light = volume_exp(-s->attenuation * (p->cell->t + w * p->cell->len));
+    double light = path_fade(p, w);
     if (!s->lit) return light;
     struct vec3 g = cell_gradient(p->cell, w);
     struct vec3 at = v3_mad(p->v->camera.eye, p->dir, p->cell->t + w * p->cell->len);

@@ -1,8 +1,9 @@
 /*
- * skip: marks the visible cells. A cell is visible if no corner is missing and, between its lowest
- * and highest corner, the map absorbs or an iso-surface has its value. A trilinear field stays
- * within the range of its corners, so skipped cells are exactly transparent. The overlap of a brick
- * is visible only if there are surfaces. Threads take layers of blocks.
+ * skip: marks the visible cells. A cell is visible if no corner is missing and the map absorbs
+ * between its lowest and highest corner, or an iso-surface has its value there, or it touches a
+ * slice. A trilinear field stays within the range of its corners, so skipped cells are exactly
+ * transparent. The overlap of a brick is visible only if there are sheets. Threads take layers of
+ * blocks.
  */
 #define SIMD_MOST 16 /* bytes: a vector is no wider than a block */
 #include "simd/simd.h"
@@ -98,16 +99,28 @@ static void set_cells(struct layers *l, size_t at, int32_t x, const int32_t i[3]
         v->block[block_index(v, (const int32_t[3]){i[0] + step * (x + ends[k]), i[1], i[2]})] = 1;
 }
 
-/* Narrows a row of cells to those that may be visible: all if there are surfaces, or else those of
+/* Narrows a row of cells to those that may be visible: all if there are sheets, or else those of
  * the brick itself. False if none are. i: the first of them; x, n: columns. */
 static bool owned(const struct volume *v, const int32_t i[3], uint32_t *x, uint32_t *n)
 {
-    if (!v->brick || v->spec->n_isos) return true;
+    if (!v->brick || volume_has_sheets(v)) return true;
     const bool turned = v->stride[0] < 0;
     const uint32_t *own = v->own[0];
     *x = turned ? v->cells[0] - own[1] : own[0];
     *n = 1 + (turned ? v->cells[0] - own[0] : own[1]);
     return volume_owns(v, (const int32_t[3]){(int32_t)own[0], i[1], i[2]});
+}
+
+/* Which of the cells x, x + 1, ... of a row touch a slice? i: the first cell of the row. */
+static unsigned sliced(const struct volume *v, const int32_t i[3], uint32_t x, uint32_t n)
+{
+    unsigned mask = 0;
+    for (uint32_t k = 0; k < VF && x + k + 1 < n; k++) {
+        const int32_t step = (int32_t)(x + k);
+        const int32_t of[3] = {v->stride[0] < 0 ? i[0] - step : i[0] + step, i[1], i[2]};
+        mask |= (unsigned)volume_is_sliced(v, of) << k;
+    }
+    return mask;
 }
 
 /* Marks a row of cells between n columns, starting with cell `at`. */
@@ -127,6 +140,7 @@ static void mark(struct layers *l, ptrdiff_t at, const float *lo, const float *h
                 (high >= vf_set(l->skip->seen[k].from)) & (low <= vf_set(l->skip->seen[k].to));
         visible &= whole;
         unsigned mask = vi_signs(visible);
+        if (l->v->n_slices) mask |= vi_signs(whole) & sliced(l->v, i, x, n);
         if (n - 1 - x < VF) mask &= (1u << (n - 1 - x)) - 1;
         if (!mask) continue;
         l->range = vf_max(l->range, vf_choose(visible, high - low, vf_set(0)));

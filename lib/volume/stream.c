@@ -118,7 +118,7 @@ static void widen(struct stream *s)
     const struct spec *spec = s->v->spec;
     s->shines = is_lit(s->v) && s->v->map.n > 0;
     find_room(s);
-    s->wide = s->narrow || is_lit(s->v) || spec->n_isos > 0;
+    s->wide = s->narrow || is_lit(s->v) || volume_has_sheets(s->v) || spec->clipped;
     s->value_high = xcalloc(spec->n_isos + 1, sizeof *s->value_high);
     s->value_low = xcalloc(spec->n_isos + 1, sizeof *s->value_low);
     s->above = xcalloc(spec->n_isos + 1, STREAM_RAYS * sizeof *s->above);

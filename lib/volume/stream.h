@@ -135,7 +135,7 @@ struct stream {
     struct volume *v;
     struct stream_map map;
     float tolerance;
-    bool wide;   /* the list has all that light, attenuation, surfaces and narrow spans need */
+    bool wide;   /* the list has all that light, sheets, a clip box and narrow spans need */
     bool narrow; /* some cells have a range for which float is not precise enough */
     float least_room;
     bool shines; /* there is a light or an attenuation */

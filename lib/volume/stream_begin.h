@@ -13,7 +13,7 @@ struct aim {
     vl up[3], down[3];
     vd in[3], out[3]; /* planes of entry and exit */
     vd near, at[3], exit;
-    vd enter; /* t of the entry into a brick; else 0 */
+    vd enter; /* t of the entry into a brick or a clip box; else 0 */
     vl hit;
 };
 
@@ -39,12 +39,12 @@ SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
     }
 }
 
-/* As enter_brick of walk.c. */
-SIMD_INLINE void enter_aim(struct aim *m, const struct volume *v)
+/* As narrow of walk.c. */
+SIMD_INLINE void narrow_aim(struct aim *m, const struct volume *v)
 {
     UNROLLED
     for (int a = 0; a < 3; a++) {
-        vd low = vd_set(v->plane[a][0]), high = vd_set(v->plane[a][v->cells[a]]);
+        vd low = vd_set(v->inside[a][0]), high = vd_set(v->inside[a][1]);
         vd in = (vd_choose(m->down[a], high, low) - m->at[a]) * m->inv[a];
         vd out = (vd_choose(m->down[a], low, high) - m->at[a]) * m->inv[a];
         vl moves = m->up[a] | m->down[a];
@@ -55,7 +55,7 @@ SIMD_INLINE void enter_aim(struct aim *m, const struct volume *v)
     m->hit &= (vl)(m->enter < m->exit);
 }
 
-/* Clips the rays to the whole grid, then to the brick. */
+/* Clips the rays to the whole grid, then to where they are seen. */
 SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
 {
     const double eye[3] = {v->camera.eye.x, v->camera.eye.y, v->camera.eye.z};
@@ -87,7 +87,7 @@ SIMD_INLINE void clip_aim(struct aim *m, const struct volume *v)
         m->exit = vd_min(m->exit, exit);
     }
     m->enter = vd_set(0);
-    if (v->brick) enter_aim(m, v);
+    if (v->narrowed) narrow_aim(m, v);
 }
 
 /* Starts at the cells of the previous rays; the new cells are mostly these or neighbours. */

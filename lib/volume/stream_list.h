@@ -23,6 +23,18 @@ SIMD_INLINE unsigned is_coarse(const struct stream *s, const struct cubics *c, v
     return vi_signs(c->range > vf_choose(first == last, room, vf_set(s->least_room)));
 }
 
+/* Which of the cells from j on touch a slice? */
+static unsigned meets_slice(const struct stream *s, uint32_t j)
+{
+    unsigned meets = 0;
+    for (uint32_t k = 0; k < VF; k++) {
+        int32_t i[3];
+        cell_of_index(s->v, s->node[j + k], i);
+        meets |= (unsigned)volume_is_sliced(s->v, i) << k;
+    }
+    return meets;
+}
+
 /* Computes the field in the cells of the list. */
 SIMD_INLINE void fields(struct stream *s, bool wide)
 {
@@ -47,6 +59,7 @@ SIMD_INLINE void fields(struct stream *s, bool wide)
         if (!wide) continue;
         unsigned hard = meets_surface(s, &c, lo, hi);
         if (s->narrow) hard |= is_coarse(s, &c, first, last);
+        if (s->v->n_slices) hard |= meets_slice(s, j);
         s->hard[j / VF] = (uint16_t)hard;
         if (s->shines && s->v->spec->lit) put_light(s, j, &c);
     }

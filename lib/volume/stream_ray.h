@@ -21,7 +21,7 @@ static void alone_wide(struct stream *s, uint32_t j, bool own, double sum[4])
     cell.t += r->before;
     for (int c = 0; c < 3; c++) p.rgb[c] = sum[c];
     v->above = s->above + (size_t)s->of[j] * v->spec->n_isos;
-    volume_surfaces(&p, in.t0 != r->last, own);
+    volume_surfaces(&p, &in, r->o, r->d, in.t0 != r->last, own);
     r->last = in.t1;
     for (int c = 0; c < 3; c++) sum[c] = p.rgb[c];
     sum[3] = 1 - p.transmittance;
@@ -39,11 +39,11 @@ static void alone(struct stream *s, uint32_t j, double sum[4])
     sum[3] = 1 - p.transmittance;
 }
 
-/* False for cells of a brick's overlap. Without surfaces they are not in the list. */
+/* False for cells of a brick's overlap. Without surfaces and slices they are not in the list. */
 static bool owns(const struct stream *s, uint32_t j)
 {
     int32_t i[3];
-    if (!s->v->brick || !s->v->spec->n_isos) return true;
+    if (!s->v->brick || !volume_has_sheets(s->v)) return true;
     cell_of_index(s->v, s->node[j], i);
     return volume_owns(s->v, i);
 }

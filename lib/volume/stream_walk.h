@@ -287,6 +287,7 @@ SIMD_INLINE void step(struct stream *s, int h0, bool wide)
     for (int i = 0; i < HALVES; i++) {
         const int h = h0 + i * VD;
         end[i] = vd_load(l->end + h);
+        if (wide) end[i] = vd_min(end[i], vd_load(l->stop + h)); /* a clip box ends within a cell */
         vd t = vd_load(l->t + h);
         vl real = (vl)(end[i] > t) & (vl)(t < vd_load(l->exit + h));
         vl_store(l->passed + h, vl_load(l->passed + h) - real);

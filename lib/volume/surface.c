@@ -1,15 +1,16 @@
 /*
- * surface: iso-surfaces as roots. From cell to cell a ray carries its side of each value: below, or
- * at or above. It crosses the surface where the side changes. So a root on a face shared by two
- * cells counts once, even if their cubics differ there by rounding.
+ * surface: sheets in a cell, front to back. Iso-surfaces are roots. From cell to cell a ray carries
+ * its side of each value: below, or at or above. It crosses the surface where the side changes. So
+ * a root on a face shared by two cells counts once, even if their cubics differ there by rounding.
+ * One machine with slice.c.
  */
 #include "volume/volume_int.h"
 
-static uint32_t insert(struct crossing *list, uint32_t n, double w, const struct spec_iso *iso)
+uint32_t crossing_insert(struct crossing *list, uint32_t n, struct crossing x)
 {
     uint32_t i = n;
-    for (; i > 0 && list[i - 1].w > w; i--) list[i] = list[i - 1];
-    list[i] = (struct crossing){w, iso};
+    for (; i > 0 && list[i - 1].w > x.w; i--) list[i] = list[i - 1];
+    list[i] = x;
     return n + 1;
 }
 
@@ -29,7 +30,8 @@ static uint32_t find(const struct path *p, bool fresh)
             double a = turn[k - 1], b = turn[k];
             bool was = cubic_at(q, a) >= y, is = cubic_at(q, b) >= y;
             if (is == above) continue;
-            n = insert(v->crossing, n, was == is ? a : cubic_root(q, a, b, y), iso);
+            n = crossing_insert(v->crossing, n,
+                (struct crossing){was == is ? a : cubic_root(q, a, b, y), iso, iso->opacity});
             above = is;
         }
         v->above[i] = above;
@@ -37,18 +39,33 @@ static uint32_t find(const struct path *p, bool fresh)
     return n;
 }
 
-void volume_surfaces(struct path *p, bool fresh, bool own)
+/* Adds a sheet that covers this part of what is behind. */
+static void add_sheet(struct path *p, const struct crossing *x)
+{
+    double rgb[3], light = 1;
+    if (!x->iso) {
+        if (!slice_colour(p, x->w, rgb)) return;
+    } else {
+        light = path_light(p, x->w);
+        memcpy(rgb, x->iso->rgb, sizeof rgb);
+    }
+    double seen = p->transmittance * x->opacity;
+    for (int c = 0; c < 3; c++) p->rgb[c] += seen * light * rgb[c];
+    p->transmittance *= 1 - x->opacity;
+}
+
+void volume_surfaces(struct path *p, const struct segment *s, const double o[3], const double d[3],
+    bool fresh, bool own)
 {
     double from = 0;
     uint32_t n = p->v->spec->n_isos ? find(p, fresh) : 0;
     if (!own) return;
+    n = slice_crossings(p->v, s, o, d, fresh, n);
     for (uint32_t i = 0; i < n; i++) {
         const struct crossing *x = &p->v->crossing[i];
         if (x->w > from) volume_integrate(p, from, x->w);
         from = x->w;
-        double light = path_light(p, x->w), seen = p->transmittance * x->iso->opacity;
-        for (int c = 0; c < 3; c++) p->rgb[c] += seen * light * x->iso->rgb[c];
-        p->transmittance *= 1 - x->iso->opacity;
+        add_sheet(p, x);
     }
     if (from < 1) volume_integrate(p, from, 1);
 }

@@ -59,6 +59,20 @@ static void set_brick(struct volume *v, const struct grid *g, const double scale
         }
 }
 
+/* Where rays are seen: in the clip box, and in the planes of a brick. */
+static void set_inside(struct volume *v, const struct spec *s)
+{
+    v->narrowed = v->brick || s->clipped;
+    for (int a = 0; a < 3; a++) {
+        double *in = v->inside[a];
+        const bool turned = s->scale[a] < 0;
+        in[0] = v->plane[a][0], in[1] = v->plane[a][v->cells[a]];
+        if (!s->clipped) continue;
+        in[0] = fmax(in[0], s->clip[a][turned] * s->scale[a]);
+        in[1] = fmin(in[1], s->clip[a][!turned] * s->scale[a]);
+    }
+}
+
 struct volume *volume_new(
     const struct grid *g, const struct spec *s, const struct volume_options *o)
 {
@@ -67,6 +81,8 @@ struct volume *volume_new(
     v->o = *o;
     set_planes(v, g, s->scale);
     set_brick(v, g, s->scale);
+    set_inside(v, s);
+    slice_init(v);
     map_init(&v->map, s);
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
@@ -76,7 +92,7 @@ struct volume *volume_new(
     if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
     if (volume_stream_fits(v)) v->stream = volume_stream_new(v);
     v->side = v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
-    v->crossing = xcalloc(3 * s->n_isos + 1, sizeof *v->crossing);
+    v->crossing = xcalloc(3 * s->n_isos + s->n_slices + 1, sizeof *v->crossing);
     return v;
 }
 
@@ -89,6 +105,7 @@ void volume_free(struct volume *v)
     free(v->map.span);
     free(v->live);
     free(v->block);
+    slice_free(v);
     free(v->side);
     free(v->crossing);
     free(v);
@@ -109,7 +126,7 @@ static void ray(struct path *p, struct walk *w)
         cell_init(p->cell, w->v, w->o, w->d, &s);
         p->cell->t += w->before;
         bool own = volume_owns(w->v, s.i);
-        volume_surfaces(p, s.t0 != last, own);
+        volume_surfaces(p, &s, w->o, w->d, s.t0 != last, own);
         last = s.t1;
         p->v->counts.cells += own;
     }

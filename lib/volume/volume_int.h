@@ -78,10 +78,17 @@ double cubic_root(const double p[4], double a, double b, double y);
 
 /* ---- the grid, prepared (skip.c, volume.c) -------------------------------------------------- */
 
-/* A ray crosses an iso-surface at w of a cell. */
+/* A ray crosses an iso-surface or a slice at w of a cell. */
 struct crossing {
     double w;
-    const struct spec_iso *iso;
+    const struct spec_iso *iso; /* NULL: a slice of this opacity */
+    double opacity;
+};
+
+/* A slice in scaled space. */
+struct slice {
+    int axis;
+    double at, opacity;
 };
 
 /* Gauss-Legendre nodes and weights for 0 .. 1. */
@@ -93,12 +100,17 @@ struct rule {
 struct volume {
     const struct spec *spec;
     struct volume_options o;
-    double *plane[3];     /* scaled coordinates, ascending; BLOCK infinite entries on either side */
-    double *inv_edge[3];  /* 1 / edge length of the cell above each plane except the last */
-    uint32_t cells[3];    /* planes minus one */
-    bool brick;           /* part of a larger grid; otherwise all cells are its own */
-    double whole[3][2];   /* scaled bounds of the larger grid */
-    uint32_t own[3][2];   /* its own cells: from, to; others are the layer of overlap */
+    double *plane[3];    /* scaled coordinates, ascending; BLOCK infinite entries on either side */
+    double *inv_edge[3]; /* 1 / edge length of the cell above each plane except the last */
+    uint32_t cells[3];   /* planes minus one */
+    bool brick;          /* part of a larger grid; otherwise all cells are its own */
+    double whole[3][2];  /* scaled bounds of the larger grid */
+    uint32_t own[3][2];  /* its own cells: from, to; others are the layer of overlap */
+    bool narrowed;       /* rays are seen only between these bounds, of a brick or a clip box */
+    double inside[3][2];
+    struct slice *slice; /* those of the specification, in its order */
+    size_t n_slices;
+    bool *sliced[3];      /* per layer of cells: it touches a slice across this axis */
     ptrdiff_t stride[3];  /* from a node to the next, in values; negative if the scale is */
     const float *first;   /* node at the lowest corner */
     const float *value;   /* first node in memory */
@@ -138,6 +150,16 @@ static inline bool volume_owns(const struct volume *v, const int32_t i[3])
     for (int a = 0; a < 3; a++)
         own &= (uint32_t)i[a] >= v->own[a][0] && (uint32_t)i[a] < v->own[a][1];
     return own;
+}
+/* True if the cell touches a slice. */
+static inline bool volume_is_sliced(const struct volume *v, const int32_t i[3])
+{
+    return v->sliced[0][i[0]] || v->sliced[1][i[1]] || v->sliced[2][i[2]];
+}
+/* True if rays meet surfaces or slices: then each needs the layer before a brick's own cells. */
+static inline bool volume_has_sheets(const struct volume *v)
+{
+    return v->spec->n_isos + v->n_slices > 0;
 }
 static inline size_t block_index(const struct volume *v, const int32_t i[3])
 {
@@ -263,6 +285,8 @@ static inline bool path_done(const struct path *p)
 }
 /* Adds a segment of optical depth dtau whose k-weighted mean colour is rgb. */
 void path_add(struct path *p, double dtau, const double rgb[3]);
+/* exp(-a t) at w of the cell. */
+double path_fade(const struct path *p, double w);
 /* Factor of a colour at w of the cell: exp(-a t), times the shading if the specification is lit. */
 double path_light(const struct path *p, double w);
 /* Integrates the whole cell by the adaptive method, cut at knots of the map. */
@@ -273,9 +297,22 @@ void volume_pieces(
 /* The same, for a cell that is known not to lie in one span. */
 void volume_pieces_cut(
     struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
-/* Integrates the cell and adds its iso-surfaces in depth order. fresh: the field on the ray just
- * before this cell was unknown. own: false if only the ray's side of each surface counts. */
-void volume_surfaces(struct path *p, bool fresh, bool own);
+/* Integrates the cell and adds its iso-surfaces and slices in depth order. s, o, d: the segment and
+ * its ray. fresh: the field on the ray just before this cell was unknown. own: false if only the
+ * ray's side of each surface counts. */
+void volume_surfaces(struct path *p, const struct segment *s, const double o[3], const double d[3],
+    bool fresh, bool own);
+/* Inserts x, by its w. Returns n + 1. */
+uint32_t crossing_insert(struct crossing *list, uint32_t n, struct crossing x);
+/* Slices (slice.c): prepares those of v->spec. */
+void slice_init(struct volume *v);
+void slice_free(struct volume *v);
+/* Adds the crossings of a segment with slices to the n of v->crossing. Returns their number. A
+ * crossing at the segment's begin is that of the segment before, unless this one is fresh. */
+uint32_t slice_crossings(const struct volume *v, const struct segment *s, const double o[3],
+    const double d[3], bool fresh, uint32_t n);
+/* The colour of a slice at w of the cell. False where the map has none. */
+bool slice_colour(const struct path *p, double w, double rgb[3]);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
 /* True if the stream can render v: by the adaptive method, to a tolerance that float allows. */

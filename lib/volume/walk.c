@@ -91,16 +91,17 @@ ALWAYS_INLINE void pass(const struct walk *w, struct front *f, double t)
 
 ALWAYS_INLINE double least(double a, double b) { return a < b ? a : b; }
 
-/* Moves the ray from its entry into the whole grid to that into the brick. False if it misses. */
-static bool enter_brick(struct walk *w)
+/* Narrows the ray to the bounds between which it is seen. False if it misses them. */
+static bool narrow(struct walk *w)
 {
     for (int a = 0; a < 3; a++) {
-        const double *plane = w->v->plane[a], last = plane[w->v->cells[a]];
-        if (w->step[a] == 0 && !(w->o[a] >= plane[0] && w->o[a] <= last)) return false;
-        if (w->step[a] != 0)
-            w->front.t = fmax(w->front.t, met(w, a, w->step[a] > 0 ? plane[0] : last));
+        const double *in = w->v->inside[a];
+        if (w->step[a] == 0 && !(w->o[a] >= in[0] && w->o[a] <= in[1])) return false;
+        if (w->step[a] == 0) continue;
+        w->front.t = fmax(w->front.t, met(w, a, in[w->step[a] < 0]));
+        w->exit = fmin(w->exit, met(w, a, in[w->step[a] > 0]));
     }
-    return true;
+    return w->front.t < w->exit;
 }
 
 bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct vec3 dir)
@@ -124,8 +125,8 @@ bool walk_begin(struct walk *w, const struct volume *v, struct vec3 eye, struct 
         at[a] = at[a] < low ? low : at[a] > high ? high : at[a];
     }
     for (int a = 0; a < 3; a++) w->o[a] = at[a];
-    if (v->brick && !enter_brick(w)) return false;
     w->exit = HUGE_VAL;
+    if (v->narrowed && !narrow(w)) return false;
     w->front.cell = (size_t)v->origin;
     for (int a = 0; a < 3; a++) begin_axis(w, a);
     return w->front.t < w->exit;
@@ -165,7 +166,7 @@ bool walk_cell(struct walk *w, struct segment *s)
     struct front f = w->front; /* a copy, so that the compiler keeps it in registers */
     bool found = false;
     while (!found && f.t < w->exit) {
-        double end = least(least(f.next[0], f.next[1]), f.next[2]);
+        double end = least(least(least(f.next[0], f.next[1]), f.next[2]), w->exit);
         bool real = end > f.t; /* otherwise the ray only touches the cell */
         bool live = v->live[f.cell >> 3] >> (f.cell & 7) & 1;
         s->t0 = f.t;

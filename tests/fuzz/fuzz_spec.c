@@ -35,6 +35,14 @@ static void check_spec(const struct spec *s)
         MUST(fabs(s->iso[i].s) <= GRID_MAX && s->iso[i].opacity >= 0 && s->iso[i].opacity <= 1);
         MUST(!i || s->iso[i].s > s->iso[i - 1].s);
     }
+    MUST(s->n_slices == 0 || s->n_knots > 0);
+    for (size_t i = 0; i < s->n_slices; i++) {
+        const struct spec_slice *p = &s->slice[i];
+        MUST(p->axis >= 0 && p->axis < 3 && fabs(p->at) <= GRID_MAX);
+        MUST(p->opacity >= 0 && p->opacity <= 1);
+        MUST(!i || p->axis > p[-1].axis || (p->axis == p[-1].axis && p->at > p[-1].at));
+    }
+    for (int a = 0; s->clipped && a < 3; a++) MUST(s->clip[a][0] < s->clip[a][1]);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -48,7 +56,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     free(text);
     if (rc != 0) {
         MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);
-        MUST(!s.knot && !s.iso);
+        MUST(!s.knot && !s.iso && !s.slice);
         return 0;
     }
     check_spec(&s);

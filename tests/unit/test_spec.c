@@ -59,7 +59,14 @@ static void test_words(void **state)
     assert_true(s.n_isos == 2 && s.iso[0].s == -2 && s.iso[1].s == 7 && s.iso[1].opacity == .8);
     assert_true(s.n_knots == 3 && s.knot[0].s == 3 && s.knot[1].s == 3 && s.knot[1].rgb[0] == 1);
     spec_free(&s);
+    s = parse(VIEW MAP "slice z 5 .5\nslice x 7 1\nslice z -5 0\nclip -1 0 .5 1 2 3");
+    assert_true(s.n_slices == 3 && s.slice[0].axis == 0 && s.slice[0].at == 7);
+    assert_true(s.slice[1].axis == 2 && s.slice[1].at == -5 && s.slice[2].opacity == .5);
+    assert_true(s.clipped && s.clip[0][0] == -1 && s.clip[0][1] == 1 && s.clip[2][1] == 3);
+    spec_free(&s);
+    assert_null(s.slice);
     s = parse(VIEW MAP "light off");
+    assert_false(s.clipped);
     assert_false(s.lit);
     spec_free(&s);
 }
@@ -167,10 +174,11 @@ static void test_refused(void **state)
         {"from 0 0 0\nat 0 0 1\nup 0 1 0\nangle 9\n",
             "t:4: no 'resolution', expected from, at, up, angle and resolution"},
         {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
-                       "light, attenuation, scale, limit, background, palette, map or iso"},
+                       "light, attenuation, scale, limit, background, palette, clip, map, iso or "
+                       "slice"},
         {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
                           "resolution, light, attenuation, scale, limit, background, palette, "
-                          "map or iso"},
+                          "clip, map, iso or slice"},
         {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
         {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
         {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
@@ -192,6 +200,19 @@ static void test_refused(void **state)
         {VIEW "iso 1 0 0 0 1\niso 2 0 0 0 1\niso 1 0 0 0 1",
             "t:8: iso: 1 twice, expected a value once"},
         {VIEW "scale 1 0 1", "t:6: scale: y is 0, expected 1e-09 to 1e+09, or the same below 0"},
+        {VIEW MAP "clip 0 0 0 1 1", "t:8: clip: no z1, expected a number from -1e+18 to 1e+18"},
+        {VIEW MAP "clip 0 0 0 1 -1 1", "t:8: clip: y from 0 to -1, expected numbers that ascend"},
+        {VIEW MAP "clip 0 0 0 1 1 1\nclip 0 0 0 2 2 2", "t:9: clip: twice, expected it once"},
+        {VIEW MAP "slice", "t:8: slice: no axis, expected x, y or z"},
+        {VIEW MAP "slice xy 1 1", "t:8: slice: axis is 'xy', expected x, y or z"},
+        {VIEW MAP "slice w 1 1", "t:8: slice: axis is 'w', expected x, y or z"},
+        {VIEW MAP "slice x 1", "t:8: slice: no opacity, expected a number from 0 to 1"},
+        {VIEW MAP "slice x 1 2", "t:8: slice: opacity is '2', expected a number from 0 to 1"},
+        {VIEW MAP "slice x 1 1\nslice y 1 1\nslice x 1 0",
+            "t:10: slice: x 1 twice, expected a place once"},
+        {VIEW "iso 1 0 0 0 1\nslice x 1 1",
+            "t:7: slice: no map, expected map lines, which colour it"},
+        {VIEW "slice x 1 1", "t:6: nothing is visible, expected map or iso lines"},
         {VIEW "limit 0", "t:6: limit: opacity is '0', expected a number from 0.001 to 1"},
         {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 180"},
         {"resolution 0 1", "t:1: resolution: width is '0', expected a number from 1 to 65535"},

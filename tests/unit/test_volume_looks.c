@@ -54,6 +54,69 @@ static void sheets_lie_one_behind_the_other(void **state)
     free_grid(&g);
 }
 
+/* A fog of k = .2, a ramp of red from 0 to 1 at z = 0 .. 10, and planes across z: what is seen from
+ * above is a sum of known parts. */
+static void slices_are_opaque_as_said(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 11);
+    fill(&g, of_z);
+    struct scene c = make_scene(above, below);
+    struct spec_slice slice[] = {{2, 2.5, .5}, {2, 6, .25}, {0, 2.2999, 1}};
+    knot(&c, 0, 0, 1, 0, .2), knot(&c, 10, 1, 1, 0, .2);
+    c.s.slice = slice, c.s.n_slices = 2, c.s.attenuation = .03;
+    c.s.lit = true, c.s.light[0] = 1e9; /* at right angles to the gradient: fog has .3 of it */
+    const struct volume_options gauss = {VOLUME_GAUSS, 0, 6, ISA_AUTO, 1};
+    const struct volume_options *all[] = {&usual, &gauss};
+    for (int i = 0; i < 2; i++) {
+        const double e = i ? 1e-6 : 1.0 / 1024, a = .23;
+        float p[4];
+        render(&g, &c.s, all[i], p, NULL);
+        /* The fog is .2 / .23 times what exp(-.23 t) loses, from z = 10 to 6, to 2.5, to 0. */
+        const double at6 = exp(-a * 4), at2 = exp(-a * 7.5), at0 = exp(-a * 10);
+        double fog = 1 - at6 + .75 * (at6 - at2 + .5 * (at2 - at0)), far = exp(-.03 * 10);
+        double green = .3 * .2 / a * fog + .25 * at6 + .75 * .5 * at2;
+        near((double)p[1], far * green, e);
+        near((double)p[3], 1 - .75 * .5 * exp(-2), 1e-5);
+    }
+    /* Across x, just behind the ray's start: it hides all, with the colour of this place. */
+    const double from[3] = {2.2, 1.6, 7.5}, to[3] = {3.2, 1.6, 7.5};
+    struct scene d = make_scene(from, to);
+    float p[4];
+    knot(&d, 0, 0, 1, 0, 0), knot(&d, 10, 1, 1, 0, 0);
+    d.s.slice = slice + 2, d.s.n_slices = 1;
+    render(&g, &d.s, &usual, p, NULL);
+    near((double)p[0], .75, 1e-6), near((double)p[1], 1, 0), near((double)p[3], 1, 0);
+    free_grid(&g);
+}
+
+/* Only the part of the fog within the box absorbs; a surface outside of it is not there. */
+static void a_box_cuts_rays(void **state)
+{
+    (void)state;
+    struct grid g = make_grid(5, 4, 11);
+    fill(&g, of_z);
+    for (int turned = 0; turned < 2; turned++) {
+        struct scene c = make_scene(above, below);
+        knot(&c, 0, 1, 1, 1, .2), knot(&c, 10, 1, 1, 1, .2);
+        iso(&c, 2, 1, 0, 0, 1), iso(&c, 9.5, 1, 0, 0, 1);
+        static const double box[3][2] = {{2, 2.5}, {-1, 9}, {2.25, 7.75}};
+        c.s.clipped = true;
+        memcpy(c.s.clip, box, sizeof box);
+        if (turned) c.s.scale[0] = -1, c.s.from[0] = c.s.at[0] = -2.3;
+        float p[4];
+        render(&g, &c.s, &usual, p, NULL);
+        near((double)p[3], absorbed(.2 * 5.5), 1e-6), near((double)p[1], absorbed(.2 * 5.5), 1e-6);
+        c.s.clip[0][1] = 2.1; /* beside the ray */
+        render(&g, &c.s, &usual, p, NULL);
+        assert_true(p[3] == 0);
+        c.s.clip[0][0] = -8, c.s.clip[0][1] = -7; /* beside the grid */
+        render(&g, &c.s, &usual, p, NULL);
+        assert_true(p[3] == 0);
+    }
+    free_grid(&g);
+}
+
 /* Ambient .3, and .7 of the cosine, on both sides alike. */
 static void light_follows_the_gradient(void **state)
 {
@@ -206,6 +269,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sheets_lie_one_behind_the_other),
+        cmocka_unit_test(slices_are_opaque_as_said),
+        cmocka_unit_test(a_box_cuts_rays),
         cmocka_unit_test(light_follows_the_gradient),
         cmocka_unit_test(light_keeps_the_tolerance),
         cmocka_unit_test(negative_scales_mirror),

@@ -1,0 +1,122 @@
+/*
+ * field: the lines of a specification that say what is seen of the field.
+ * One machine with spec.c.
+ */
+#include "spec/spec_int.h"
+
+#include <stdlib.h>
+
+static void push_knot(struct spec_reader *r, double value, const double rgb[3], double k)
+{
+    struct spec *s = r->s;
+    if (s->n_knots == r->room_knots) {
+        r->room_knots = s->n_knots ? 2 * s->n_knots : 16;
+        s->knot = xrealloc(s->knot, r->room_knots, sizeof *s->knot);
+    }
+    s->knot[s->n_knots] = (struct spec_knot){.s = value, .k = k};
+    spec_copy(s->knot[s->n_knots++].rgb, rgb);
+}
+
+/* Adds a knot for each colour of the palette between the last knot and one of this value, place and
+ * extinction, because linear light from one end to the other has other colours. */
+static void push_palette(struct spec_reader *r, double value, double place, double k)
+{
+    const struct spec_knot a = r->s->knot[r->s->n_knots - 1];
+    const double steps = SPEC_PALETTE_POINTS - 1, way = place - r->place;
+    for (int i = 1; i < SPEC_PALETTE_POINTS - 1; i++) {
+        int colour = way > 0 ? i : SPEC_PALETTE_POINTS - 1 - i;
+        double f = (colour / steps - r->place) / way; /* way 0: no number, or infinite */
+        double s = a.s + (value - a.s) * f;
+        if (f > 0 && f < 1 && s > r->s->knot[r->s->n_knots - 1].s && s < value)
+            push_knot(r, s, r->palette[colour], a.k + (k - a.k) * f);
+    }
+}
+
+bool spec_add_knot(struct spec_reader *r, const double v[5], double place)
+{
+    const struct spec *s = r->s;
+    size_t n = s->n_knots;
+    if (n && v[0] < s->knot[n - 1].s)
+        return spec_fail(
+            r, "map: %g after %g, expected values that ascend", v[0], s->knot[n - 1].s);
+    if (n > 1 && v[0] <= s->knot[n - 2].s)
+        return spec_fail(r, "map: %g for the third time, expected a value twice at most", v[0]);
+    if (n && place >= 0 && r->place >= 0) push_palette(r, v[0], place, v[4]);
+    push_knot(r, v[0], v + 1, v[4]);
+    r->place = place;
+    return true;
+}
+
+bool spec_add_iso(struct spec_reader *r, const double v[5])
+{
+    struct spec *s = r->s;
+    if (s->n_isos == r->room_isos) {
+        r->room_isos = s->n_isos ? 2 * s->n_isos : 16;
+        s->iso = xrealloc(s->iso, r->room_isos, sizeof *s->iso);
+    }
+    s->iso[s->n_isos] = (struct spec_iso){.s = v[0], .opacity = v[4]};
+    spec_copy(s->iso[s->n_isos++].rgb, v + 1);
+    return true;
+}
+
+bool spec_add_slice(struct spec_reader *r, int axis, const double v[2])
+{
+    struct spec *s = r->s;
+    if (s->n_slices == r->room_slices) {
+        r->room_slices = s->n_slices ? 2 * s->n_slices : 16;
+        s->slice = xrealloc(s->slice, r->room_slices, sizeof *s->slice);
+    }
+    s->slice[s->n_slices++] = (struct spec_slice){axis, v[0], v[1]};
+    return true;
+}
+
+bool spec_take_clip(struct spec_reader *r, const double v[6])
+{
+    for (int a = 0; a < 3; a++) {
+        if (!(v[a] < v[a + 3]))
+            return spec_fail(r, "clip: %c from %g to %g, expected numbers that ascend", "xyz"[a],
+                v[a], v[a + 3]);
+        r->s->clip[a][0] = v[a];
+        r->s->clip[a][1] = v[a + 3];
+    }
+    return r->s->clipped = true;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = ((const struct spec_iso *)a)->s, y = ((const struct spec_iso *)b)->s;
+    return (x > y) - (x < y);
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const struct spec_slice *x = a, *y = b;
+    if (x->axis != y->axis) return x->axis - y->axis;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+static bool check_slices(struct spec_reader *r)
+{
+    struct spec *s = r->s;
+    if (!s->n_slices) return true;
+    if (!s->n_knots) return spec_fail(r, "slice: no map, expected map lines, which colour it");
+    qsort(s->slice, s->n_slices, sizeof *s->slice, by_place);
+    for (size_t i = 1; i < s->n_slices; i++)
+        if (by_place(&s->slice[i], &s->slice[i - 1]) == 0)
+            return spec_fail(r, "slice: %c %g twice, expected a place once",
+                "xyz"[s->slice[i].axis], s -> slice[i].at);
+    return true;
+}
+
+bool spec_check_field(struct spec_reader *r)
+{
+    struct spec *s = r->s;
+    if (!s->n_knots && !s->n_isos)
+        return spec_fail(r, "nothing is visible, expected map or iso lines");
+    if (s->n_knots == 1) return spec_fail(r, "one map line, expected two or more");
+    if (s->n_isos) qsort(s->iso, s->n_isos, sizeof *s->iso, by_value);
+    for (size_t i = 1; i < s->n_isos; i++)
+        if (s->iso[i].s <= s->iso[i - 1].s)
+            return spec_fail(r, "iso: %g twice, expected a value once", s->iso[i].s);
+    return check_slices(r);
+}
