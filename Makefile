@@ -58,7 +58,7 @@ $(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a dire
 BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
 FUZZ_SECONDS = 600
 FUZZ_SEED    = 0
-FUZZ_FLAGS   = -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
+FUZZ_FLAGS   = -O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 
 # Four programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)

@@ -10,7 +10,7 @@ build() {
 	shift 3
 	make -s -j2 BUILD="build/$name" CC="$cc" CFLAGS="$flags" "${@:-all}"
 }
-sanitize='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all'
+sanitize='-O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all'
 ok 'gcc warns of nothing' build gcc gcc '-O2 -Werror' all unit
 ok 'clang warns of nothing' build clang clang '-O2 -Werror' all unit
 ok 'it builds with sanitizers' build sanitized gcc "$sanitize -Werror" all unit

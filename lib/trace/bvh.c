@@ -207,7 +207,7 @@ static void fill_task(void *ctx, uint32_t i)
     for (int k = 0; k < ITEM_KINDS; k++) {
         uint32_t end = i + 1 < m->n_tasks ? t[1].first_block[k] : m->b->n_blocks[k];
         size_t size = trace_shapes[k]->block_size, at = t->first_block[k] * size;
-        base_populate((char *)m->b->blocks[k] + at, end * size - at);
+        if (end * size > at) base_populate((char *)m->b->blocks[k] + at, end * size - at);
     }
     make_leaves(m, t);
     base_discard(m->refs + t->span.first, t->span.n * sizeof *m->refs);
