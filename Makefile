@@ -63,8 +63,10 @@ FUZZ_FLAGS   = -O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize
 # Four programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
+LIBS_backdrop = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_test_heights = $(LIBS_units)
+LIBS_test_backdrop = $(LIBS_units)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
 LIBS_pack     = $(if $(ARCHIVE),-larchive)

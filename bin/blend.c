@@ -59,15 +59,6 @@ static void open_picture(const char *path, struct image *im)
     if (image_read(path, im, err) != 0) die(ST_USAGE, "%s: %s", path, err);
 }
 
-/* Composites a over b, into a. */
-static void put_under(struct image *a, const struct image *b)
-{
-    for (size_t p = 0; p < (size_t)a->w * a->h; p++) {
-        float *top = a->rgba + 4 * p, clear = 1 - top[3];
-        for (int c = 0; c < 4; c++) top[c] += clear * b->rgba[4 * p + (size_t)c];
-    }
-}
-
 static void put_ground(struct image *a, const double rgb[3])
 {
     for (size_t p = 0; p < (size_t)a->w * a->h; p++) {
@@ -88,17 +79,17 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
-    struct image all, next;
-    open_picture(o.path[0], &all);
-    for (int i = 1; i < o.n; i++) {
-        open_picture(o.path[i], &next);
-        if (next.w != all.w || next.h != all.h)
-            die(ST_USAGE,
-                "%s has %" PRIu32 "x%" PRIu32 " pixels, expected %" PRIu32 "x%" PRIu32 " as %s",
-                o.path[i], next.w, next.h, all.w, all.h, o.path[0]);
-        put_under(&all, &next);
-        image_free(&next);
-    }
+    struct image over, all;
+    struct image_backs backs = {.n = 0};
+    open_picture(o.path[0], &over);
+    for (int i = 1; i < o.n; i++) image_backs_add(&backs, o.path[i], false);
+    const struct image_rows one = image_rows_of(&over);
+    const struct image_rows rows = image_backs_under(&backs, 0, &one);
+    image_init(&all, rows.w, rows.h);
+    for (uint32_t y = 0; y < all.h; y++)
+        memcpy(all.rgba + 4 * (size_t)all.w * y, rows.row(&rows, y), 4 * sizeof(float) * all.w);
+    image_backs_free(&backs);
+    image_free(&over);
     if (o.ground) put_ground(&all, o.ground);
     free(o.ground);
     write_picture(&o, &all);

@@ -43,14 +43,24 @@ struct gather {
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG] [-w SECONDS]\n"
-                                 "              [FRAGS ...]\n"
+static const char usage_text[] = "[-hP] [-b BACK] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG]\n"
+                                 "              [-w SECONDS] "
+                                 "[FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
 
-static struct options parse(int argc, char **argv)
+static void add_back(struct image_backs *backs, const char *name)
 {
-    struct options o = {.out.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = prog_getopt(argc, argv, "e:hk:mo:Pr:w:")) != -1;) switch (c) {
+    enum image_naming naming = image_name_check(name);
+    if (naming == IMAGE_NAME_BAD)
+        die(ST_USAGE, "-b %s: bad pattern, expected one %%d or %%03d at most", name);
+    image_backs_add(backs, name, strchr(name, '%') != NULL);
+}
+
+static struct options parse(int argc, char **argv, struct image_backs *backs)
+{
+    struct options o = {.out.backs = backs, .out.bits = 8, .progress = isatty(STDERR_FILENO)};
+    for (int c; (c = prog_getopt(argc, argv, "b:e:hk:mo:Pr:w:")) != -1;) switch (c) {
+        case 'b': add_back(backs, opt_text(c, optarg)); break;
         case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
@@ -63,6 +73,7 @@ static struct options parse(int argc, char **argv)
         }
     if (o.missing && (o.out.pattern || o.log))
         die(ST_USAGE, "-m: expected neither -o nor -r with it");
+    if (o.missing && backs->n) die(ST_USAGE, "-m: expected no -b with it");
     if (o.preview_s > 0 && !o.out.pattern) die(ST_USAGE, "-w: expected -o OUT with it");
     o.inputs = argv + optind;
     image_out_check(&o.out);
@@ -126,7 +137,8 @@ static void write_picture(struct gather *g, const struct assembly_frame *f)
     const struct image_out *out = &g->o->out;
     char *name = image_out_name(out, f->number);
     const struct image_rows rows = assembly_rows(f);
-    if (image_out_put(out, name, &rows, f->job) != 0) {
+    if (out->backs->n) flush_log(g); /* a bad backdrop ends the program */
+    if (image_out_put(out, f->number, name, &rows, f->job) != 0) {
         if (!out->pattern && errno == EPIPE) reader_gone(g);
         complain(g, name);
     } else if (g->o->preview_s > 0) image_preview_remove(&g->preview, f->number);
@@ -312,7 +324,8 @@ static int finish(struct gather *g)
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
-    struct options o = parse(argc, argv);
+    struct image_backs backs = {.n = 0};
+    struct options o = parse(argc, argv, &backs);
     signal(SIGPIPE, SIG_IGN);
     struct gather g = {.o = &o};
     g.reader = (struct log_reader){take_record, before_read, &g};
@@ -328,6 +341,7 @@ int main(int argc, char **argv)
     intake_free(&g.in);
     free(dir);
     log_keep_close(&g.log);
+    image_backs_free(&backs);
     if (status != ST_SYSTEM) close_stdout(); /* else the error was reported */
     return status;
 }

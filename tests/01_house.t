@@ -33,7 +33,7 @@ cf grid base
 grib grid base
 units base
 convert units grid image base
-backdrop grid spec image base
+backdrop units grid spec image base
 sched task base
 sim sched stats task base
 proc base

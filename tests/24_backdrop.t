@@ -30,7 +30,7 @@ blend -b 0,0,1 -o ground.pfm red.pam
 is '-b: half of red over blue' "$(samples ground.pfm)" '0.5020 0.0000 0.4980'
 printf 'P6 2 1 255\n123456' >wide.ppm
 run blend red.pam wide.ppm
-is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected 1x1 as red.pam'
+is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture over it'
 for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
 	# shellcheck disable=SC2086
 	run blend $bad
@@ -91,7 +91,7 @@ partition 300x200 | vcworker flat.vtk wall.spec | gather -k 16 -o flat.png
 printf 'P6 300 200 255\n' >black.ppm
 head -c 180000 /dev/zero >>black.ppm
 blend -o seen.png flat.png black.ppm
-backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/
+backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [0:200]/
 	s/^plot .*/plot $plane with filledcurves closed fc rgb "red"/' | gnuplot >plane.png
 ok 'gnuplot and vcworker fill the same pixels, except at the edge' imgcmp -t .75 -f .002 seen.png plane.png
 run imgcmp -t .75 -f .1 seen.png black.ppm
@@ -104,7 +104,7 @@ filled() {
 	sed "s/^0 20\$/$2/; s/^40 50\$/$3/; s/^-1000 -990\$/-1000 -999.99/; s/^0 20 0.*/10 10 10 10 10 10 10 10/" wall.vtk >part.vtk
 	partition 300x200 | vcworker part.vtk "$4" | gather -k 16 -o part.png
 	blend -o seen.png part.png black.ppm
-	backdrop flat.vtk "$4" lines.txt | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/
+	backdrop flat.vtk "$4" lines.txt | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [0:200]/
 		s/^plot .*/plot $area0 with filledcurves closed fc rgb "red"/' | gnuplot >area.png
 	ok "$1" imgcmp -t .75 -f "${5-.002}" seen.png area.png
 	run imgcmp -t .75 -f .01 seen.png black.ppm
@@ -136,9 +136,9 @@ is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(
 
 # ---- labels ------------------------------------------------------------------------------------------
 like 'quotes in a title are text' "$(cat wall.gp)" "^set label 'it''s x' at"
-like 'negated heights are labelled with their own sign' "$(cat wall.gp)" "^set label '998 hPa' at"
-like 'longitudes are labelled' "$(cat wall.gp)" "^set label '10°E' at"
-like 'latitudes are labelled' "$(cat wall.gp)" "^set label '42°N' at"
+like 'negated heights are labelled with their own sign' "$(grep '^set label' wall.gp)" "^set label '1000 hPa' at"
+like 'longitudes are labelled' "$(grep '^set label' wall.gp)" "^set label '12°E' at"
+like 'latitudes are labelled' "$(grep '^set label' wall.gp)" "^set label '42°N' at"
 # titled TITLE [OPTION ...]: prints the labels of a grid with that title, with commas between
 titled() {
 	sed "2s,.*,$1," wall.vtk >titled.vtk
@@ -146,11 +146,11 @@ titled() {
 	backdrop "$@" titled.vtk wall.spec line | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,
 }
 like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
-	'^0°,2°E,.*,42°N,.*,990 hPa,.*,speed, m/s,$'
+	'^0°,4°E,.*,42°N,.*,1000 hPa,.*,time 0 d,speed, m/s,$'
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
-	'^0 m,2 m,.*,42 m,.*,-1000 m,.*,T, K,$'
+	'^0 m,4 m,.*,42 m,.*,-1000 m,.*,T, K,$'
 like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
-like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,2°E,.*,-1000 ,.*,x,$'
+like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,4°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
 is 'on a plane lines do not go round the globe' "$(block lines titled.gp | wc -l)" 2
@@ -163,9 +163,9 @@ for locale in C C.UTF-8; do
 done
 ok 'the map is the same in every locale' cmp C.png C.UTF-8.png
 mv C.png wall.png
-like 'the map has the size of the specification' "$(imgcmp wall.png wall.png)" 'size	300x200'
+like 'the map has the size of the specification, and a strip below' "$(imgcmp wall.png wall.png)" 'size	300x229'
 backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
-like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x60'
+like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x89'
 
 printf '1 2\n\n3\n' >bad.line
 run backdrop wall.vtk wall.spec bad.line
@@ -179,6 +179,89 @@ for bad in '' wall.vtk '-s 0x3 wall.vtk wall.spec' 'wall.spec wall.vtk' 'none.vt
 done
 backdrop wall.vtk wall.spec >/dev/full 2>err
 is 'a full disk is exit 3, too' "$?" 3
+
+# ---- many maps: backdrop -o --------------------------------------------------------------------------------
+like 'levels without a unit have their name' "$(titled 'T [K]; x lon [degrees_east]; y lat [degrees_north]; z -sigma [1]')" ',sigma 1000,'
+for time in 'time 36.5 [hours since 2026-11-22 00:00:00]=2026-11-23 12:30 UTC' 'validity 202611231200 [YYYYMMDDhhmm]=2026-11-23 12:00 UTC' \
+	'time 2 [months since 2026-01-01]=time 2 months since 2026-01-01'; do
+	like "the time ${time%%=*}" "$(titled "T [K]; x lon []; y lat []; z lev [m]; t ${time%%=*}")" ",${time#*=},T, K,\$"
+done
+for hour in 0 1 2; do sed "2s/.*/T [K]; z -p [hPa]; t time $hour [hours since 2026-11-23]/" wall.vtk >hour$hour.vtk; done
+sed 's/^from.*/from 12 22 -70/' wall.spec >other.spec
+ok 'backdrop -o: maps of three grids and two specifications' backdrop -o m%d.png -c c%d.png -m line hour?.vtk wall.spec other.spec
+is 'grids with the same axes have the same map, each specification another one' \
+	"$(for i in 1 2 3 4 5; do cmp -s m0.png m$i.png; printf '%s ' $?; done)" '1 0 1 0 1 '
+is 'each time has its caption' "$(for i in 1 2 3 4 5; do cmp -s c0.png c$i.png; printf '%s ' $?; done)" '0 1 1 1 1 '
+backdrop -o whole%d.png -m line hour?.vtk wall.spec
+like 'a caption is low' "$(imgcmp c0.png c0.png)" 'size	300x11'
+# The terminal is there, but it cannot draw.
+mkdir broken none
+printf '#!/bin/sh\necho >&2; echo "     ^" >&2; echo "line 7: no such terminal" >&2; exit 1\n' >broken/gnuplot
+printf '#!/bin/sh\nhead -c 99 "$2"\n' >none/gnuplot
+chmod +x broken/gnuplot none/gnuplot
+run env PATH="$tmp/broken:$PATH" backdrop -o no%d.png hour?.vtk wall.spec
+is 'gnuplot fails: one line says why' "$status:$(printf '%s\n' "$err" | grep -v '^gnuplot:\|^sh:')" '3:backdrop: gnuplot failed: line 7: no such terminal'
+run env PATH="$tmp/none:$PATH" backdrop -o no%d.png hour?.vtk wall.spec
+is 'gnuplot draws nothing' "$status:$err" '3:backdrop: gnuplot failed: picture 1 of 3: not a PNG, expected one'
+mkdir path
+for program in sh env grep sed; do ln -s "$(command -v $program)" path/$program; done
+run env PATH="$BIN:$tmp/path" backdrop -o no%d.png hour?.vtk wall.spec
+like 'gnuplot is missing' "$status:$err" '^3:backdrop: gnuplot is not there, expected .*gnuplot-nox$|backdrop: gnuplot is not there, expected .*gnuplot-nox$'
+is 'no picture is left' "$(ls no?.png 2>/dev/null)" ''
+for bad in '-o m.png hour0.vtk hour1.vtk wall.spec' '-o m%d.pam hour0.vtk wall.spec' '-o m%d.png hour0.vtk' '-c c.png hour0.vtk wall.spec' \
+	'-o m.png -m none hour0.vtk wall.spec'; do
+	# shellcheck disable=SC2086
+	run backdrop $bad
+	is "refused: backdrop $bad" "$status:$out" 2:
+done
+
+# ---- gather -b ---------------------------------------------------------------------------------------------
+partition 300x200 | vcworker hour0.vtk wall.spec >hour0.frags
+gather -k 16 -o hour0.png hour0.frags
+for format in png pam pfm; do
+	gather -k 16 -o alone.$format hour0.frags
+	gather -k 16 -b c%d.png -b m0.png -o over.$format hour0.frags
+	blend -k 16 -o blend.$format hour0.png c0.png m0.png
+	ok "gather -b writes what blend writes: $format" imgcmp -t 3e-5 over.$format blend.$format
+done
+blend -k 16 -o whole.png hour0.png whole0.png
+ok 'without -c the map has the caption' imgcmp -t 3e-5 over.png whole.png
+like 'the strip is below the picture' "$(imgcmp over.png over.png)" 'size	300x229'
+head -c 100000 hour0.frags >part.frags
+run gather -w 1 -b c%d.png -b m%d.png -o part.png part.frags
+is 'a preview is over its backdrop too' "$status $(imgcmp part.partial.png part.partial.png | grep size)" '1 size	300x229'
+run gather -b small.png -o no.png hour0.frags
+is 'another width is refused' "$status:$err" '2:gather: small.png has 90x89 pixels, expected a width of 300, as the picture over it'
+run gather -b gone%d.png -o no.png hour0.frags
+like 'a missing backdrop is refused' "$status:$err" '^2:gather: gone0.png: No such file'
+run gather -b m%x.png -o no.png hour0.frags
+is 'a bad pattern is refused' "$status:$out" 2:
+is 'no picture is written without its backdrop' "$(ls no.png 2>/dev/null)" ''
+
+# ---- balance -m ---------------------------------------------------------------------------------------------
+mkdir own
+export TMPDIR="$tmp/own"
+ok 'balance -m' balance adaptive -j 2 -m line -k 16 -o b%d.png hour?.vtk wall.spec other.spec
+ok 'balance -m writes what gather -b writes' imgcmp -t 3e-5 b0.png over.png
+is 'each time is another picture' "$(cmp -s b0.png b2.png; echo $?)" 1
+ok 'balance -m none: has no lines' balance interleaved -j 2 -m none: -r b.frags -o bare.png hour0.vtk wall.spec
+balance adaptive -j 2 -m line -k 16 -r b.frags -v 1 -o again.png hour0.vtk wall.spec 2>err
+ok 'the log of a picture without lines is enough for one with lines' imgcmp -t 3e-5 again.png over.png
+ok 'balance -m: a grid alone' balance adaptive -j 2 -s 120x80 -w 9 -m coasts: -o starter.png hour0.vtk
+like 'the picture is transparent then, and over a map' "$(imgcmp starter.png starter.png)" 'size	120x'
+await_empty() { n=0; while [ -n "$(ls -A own)" ] && [ $((n += 1)) -lt 200 ]; do sleep .05; done; ls -A own; }
+is 'balance -m leaves no file behind' "$(await_empty)" ''
+run env PATH="$tmp/broken:$PATH" balance adaptive -j 2 -m line -r no.frags -o no%d.png hour?.vtk wall.spec
+like 'balance -m: gnuplot fails' "$status:$err" 'backdrop: gnuplot failed: line 7: no such terminal$'
+is 'balance -m: status 3, and no picture' "$status:$(ls no?.png no.frags 2>/dev/null)" 3:
+echo 'background 0 0 0' | cat wall.spec - >dark.spec
+for bad in '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
+	# shellcheck disable=SC2086
+	run balance adaptive -o no.png $bad
+	is "refused: balance $bad" "$status:$out$(ls no.png 2>/dev/null)" 2:
+done
+is 'nothing is left then' "$(await_empty)" ''
+unset TMPDIR
 
 # ---- coastlines --------------------------------------------------------------------------------------------
 coastlines >coasts
@@ -227,7 +310,7 @@ is 'demo-volume: exit 0' "$status:$err" 0:
 is 'demo-volume: fits on one screen of 24 lines and 120 columns' \
 	"$(printf '%s\n' "$out" | awk 'NR > 24 || length > 120')" ''
 for look in smooth surfaces; do
-	like "demo-volume: $look" "$(imgcmp "$root/wind-$look.png" "$root/wind-$look.png")" 'size	1200x800'
+	like "demo-volume: $look" "$(imgcmp "$root/wind-$look.png" "$root/wind-$look.png")" 'size	1200x879'
 done
 run imgcmp -t .1 -f .01 "$root/wind-smooth.png" "$root/wind-surfaces.png"
 is 'demo-volume: two looks' "$status" 1

@@ -36,6 +36,10 @@ lacking() {
 		protocol tsvstat
 		tsvstat tsvstat
 		gnuplot gnuplot
+		none: gnuplot
+		coasts: gnuplot
+		coasts: /usr/share/gmt-gshhg
+		backdrop gnuplot
 		povray povray
 		gs gs
 		coastlines /usr/share/gmt-gshhg

@@ -5,15 +5,15 @@
  * pngcairo accepts UTF-8 directly. `set encoding` would make gnuplot warn in a locale without a
  * degree sign, such as C.
  */
-static void head(const struct drawing *s)
+static void head(const struct drawing *s, double lo, double hi)
 {
     buf_printf(s->out,
-        "set terminal pngcairo size %g,%g fontscale %.3f background rgb '" PAPER "'\n"
+        "reset\nset terminal pngcairo size %g,%g fontscale %.3f background rgb '" PAPER "'\n"
         "unset border\nunset tics\nunset key\n"
         "set lmargin at screen 0\nset rmargin at screen 1\n"
         "set bmargin at screen 0\nset tmargin at screen 1\n"
-        "set xrange [0:%g]\nset yrange [0:%g]\n",
-        s->w, s->h, fmax(.4, s->h / 720), s->w, s->h);
+        "set xrange [0:%g]\nset yrange [%g:%g]\n",
+        s->w, hi - lo, s->em / BACKDROP_FONT, s->w, lo, hi);
 }
 
 /* The part of the grid's lowest plane that is in front of the eye. */
@@ -29,16 +29,38 @@ static void plane(const struct drawing *s)
     outline_free(&o);
 }
 
-int backdrop_write(const struct backdrop *b, struct buf *out, char err[BACKDROP_ERR])
+uint32_t backdrop_strip(const struct backdrop *b)
+{
+    struct drawing s;
+    drawing_init(&s, b, NULL);
+    return (uint32_t)s.strip;
+}
+
+void backdrop_write_caption(const struct backdrop *b, struct buf *out)
+{
+    struct labels labels = {.series = 0};
+    struct drawing s;
+    drawing_init(&s, b, out);
+    s.labels = &labels;
+    head(&s, -s.strip, ceil(BACKDROP_LINE * s.em) - s.strip);
+    backdrop_caption(&s);
+    buf_printf(out, "plot NaN\n");
+    buf_free(&labels.boxes);
+}
+
+int backdrop_write(const struct backdrop *b, bool caption, struct buf *out, char err[BACKDROP_ERR])
 {
     struct drawing drawing, *s = &drawing;
     struct lines lines = {.n_areas = 0};
+    struct labels labels = {.series = 0};
     drawing_init(s, b, out);
+    s->labels = &labels;
     bool good = !b->lines || lines_read(s, &lines, err);
     if (good) {
-        head(s);
+        head(s, -s->strip, s->h);
         backdrop_labels(s);
         backdrop_legend(s);
+        if (caption) backdrop_caption(s);
         plane(s);
         buf_append(out, buf_data(&lines.areas), buf_size(&lines.areas));
         buf_printf(out, "$graticule << EOD\n");
@@ -56,6 +78,7 @@ int backdrop_write(const struct backdrop *b, struct buf *out, char err[BACKDROP_
             buf_printf(out, ", $lines with lines lw %.2g lc rgb '" COAST "'", COAST_WIDTH);
         buf_printf(out, ", $edges with lines lc rgb '" FRAME "'\n");
     }
+    buf_free(&labels.boxes);
     lines_free(&lines);
     return good ? 0 : -1;
 }

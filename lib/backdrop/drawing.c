@@ -1,10 +1,17 @@
 /* drawing: projection to pixels; labels; ticks. */
 #include "backdrop/drawing.h"
 
+#include <string.h>
+
+#define SCALE_LEAST .4 /* of the font, in small pictures */
+
 void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
 {
     const struct spec *spec = b->spec;
     *s = (struct drawing){.b = b, .out = out, .w = b->w, .h = b->h};
+    s->em = BACKDROP_FONT * fmax(SCALE_LEAST, fmin(s->h / 720, s->w / 1080));
+    int rows = spec->n_knots && spec->n_isos ? 2 : 1;
+    s->strip = ceil((BACKDROP_MARGIN + rows * BACKDROP_ROW + 1 + BACKDROP_LINE) * s->em);
     s->camera = camera_new(v3_of(spec->from), v3_of(spec->at), v3_of(spec->up), spec->angle);
     for (int a = 0; a < 3; a++) {
         bool turned = a == 2 && spec->scale[a] < 0;
@@ -45,11 +52,66 @@ static void quoted(const struct drawing *s, const char *text)
     buf_append(s->out, "'", 1);
 }
 
-void backdrop_label(const struct drawing *s, const char *text, const double xy[2], const char *how)
+/* By the widths of DejaVu Sans, which is wide. */
+double backdrop_text_width(const struct drawing *s, const char *text)
 {
+    double em = 0;
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+        if ((*c & 0xc0) == 0x80) continue; /* not the first byte of a character */
+        em += *c >= 0xe3 || strchr("MWmw%@", *c)       ? 1
+              : strchr(" .,:;|!\\'()[]{}ijlftI/-", *c) ? .4
+              : *c >= 'A' && *c <= 'Z'                 ? .77
+                                                       : .64;
+    }
+    return em * s->em;
+}
+
+static enum label check(const struct drawing *s, const struct label_box *box)
+{
+    bool in_strip = box->y0 + box->y1 < 0;
+    if (box->x0 < 0 || box->x1 > s->w || box->y0 < (in_strip ? -s->strip : 0) ||
+        box->y1 > (in_strip ? 0 : s->h))
+        return LABEL_LEFT_OUT;
+    const struct label_box *other = (const void *)buf_data(&s->labels->boxes);
+    for (size_t i = 0; i < buf_size(&s->labels->boxes) / sizeof *other; i++)
+        if (box->x0 < other[i].x1 && other[i].x0 < box->x1 && box->y0 < other[i].y1 &&
+            other[i].y0 < box->y1)
+            return i < s->labels->series ? LABEL_LEFT_OUT : LABEL_TOO_CLOSE;
+    return LABEL_PLACED;
+}
+
+enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align)
+{
+    double wide = backdrop_text_width(s, text), x0 = xy[0] - wide * (align + 1) / 2;
+    double half = BACKDROP_TEXT_HIGH * s->em / 2;
+    struct label_box box = {x0, x0 + wide, xy[1] - half, xy[1] + half};
+    enum label result = check(s, &box);
+    if (result != LABEL_PLACED) return result;
+    buf_append(&s->labels->boxes, &box, sizeof box);
     buf_printf(s->out, "set label ");
     quoted(s, text);
-    buf_printf(s->out, " at %.2f,%.2f %s front noenhanced\n", xy[0], xy[1], how);
+    buf_printf(s->out, " at %.2f,%.2f %s front noenhanced\n", xy[0], xy[1],
+        align < 0   ? "left"
+        : align > 0 ? "right"
+                    : "center");
+    return LABEL_PLACED;
+}
+
+void backdrop_label_ticks(
+    const struct drawing *s, const struct ticks *t, label_tick *label, const void *ctx)
+{
+    static const int strides[] = {1, 2, 5, 10, 20, 50, 0};
+    struct buf *boxes = &s->labels->boxes;
+    size_t before = boxes->len, text = s->out->len;
+    s->labels->series = before / sizeof(struct label_box);
+    for (const int *stride = strides; *stride; stride++) {
+        bool close = false;
+        for (int i = t->first; i <= t->last && !close; i++)
+            close = i % *stride == 0 && label(s, ctx, i * t->step) == LABEL_TOO_CLOSE;
+        if (!close) return;
+        boxes->len = before; /* undo */
+        s->out->len = text;
+    }
 }
 
 struct ticks backdrop_ticks(double lo, double hi, double step)

@@ -13,11 +13,19 @@
 #define GRATICULE "#c3ccd3"
 #define FRAME "#8a949b"
 
+/* The labels so far. */
+struct labels {
+    struct buf boxes; /* a struct label_box for each */
+    size_t series;    /* the first one of the ticks that are being labelled */
+};
 struct drawing {
     const struct backdrop *b;
     struct buf *out;
     struct camera camera;
-    double w, h;         /* pixels */
+    double w, h;  /* pixels of the picture */
+    double em;    /* pixels: the size of the font */
+    double strip; /* pixels: the height of the strip below the picture, where y < 0 */
+    struct labels *labels;
     double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 
@@ -29,7 +37,26 @@ void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out);
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2]);
 /* Writes a point of a line in a data block. Breaks the line if the point is invisible. */
 void backdrop_point(const struct drawing *s, double x, double y, double z);
-void backdrop_label(const struct drawing *s, const char *text, const double xy[2], const char *how);
+/*
+ * Places a label with its left end (-1), its middle (0) or its right end (1) at xy. It is left out
+ * if it would cover another label, or is not inside the picture, or the strip: that of xy.
+ */
+enum label { LABEL_PLACED, LABEL_LEFT_OUT, LABEL_TOO_CLOSE };
+enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align);
+/* Calls label(ctx, i * step) for each tick: for every second one, fifth one and so on if otherwise
+ * they would cover each other, LABEL_TOO_CLOSE. */
+struct ticks;
+typedef enum label label_tick(const struct drawing *s, const void *ctx, double v);
+void backdrop_label_ticks(
+    const struct drawing *s, const struct ticks *t, label_tick *label, const void *ctx);
+/* About the width of a text, in pixels; rather too much. */
+double backdrop_text_width(const struct drawing *s, const char *text);
+#define BACKDROP_FONT 16.0     /* pixels of an em at gnuplot's fontscale 1: 12 points */
+#define BACKDROP_MARGIN .5     /* em: beside the caption, above the bar */
+#define BACKDROP_TEXT_HIGH 1.2 /* em: the height of a line */
+struct label_box {
+    double x0, x1, y0, y1;
+};
 
 /* The ticks in a range: i * step for first <= i <= last. None if rounding would merge them. */
 struct ticks {
@@ -46,5 +73,8 @@ void backdrop_graticule(const struct drawing *s);
 void backdrop_edges(const struct drawing *s);
 void backdrop_labels(const struct drawing *s);
 void backdrop_legend(const struct drawing *s);
+void backdrop_caption(const struct drawing *s);
+#define BACKDROP_LINE 1.6 /* em: the height of the caption */
+#define BACKDROP_ROW 1.3  /* em: the height of the numbers above and below the bar, of 1 em */
 
 #endif

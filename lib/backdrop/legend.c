@@ -1,6 +1,8 @@
-/* legend: a colour bar with values. */
+/* legend: the strip below the picture: a colour bar with values; title and time. */
 #include "backdrop/drawing.h"
 #include "image/image.h"
+
+#include <string.h>
 
 #define SPAN_PIECES 48 /* pieces of one colour per span */
 
@@ -39,36 +41,83 @@ static void bar_spans(const struct bar *b, const struct drawing *s)
             double x0 = bar_x(b, p->s + (q->s - p->s) * j / SPAN_PIECES);
             double x1 = bar_x(b, p->s + (q->s - p->s) * (j + 1) / SPAN_PIECES);
             double alpha = 1 - exp(-thick * (p->k + f * (q->k - p->k)));
-            patch(s, x0, fmax(x1, x0 + .3) + .7, b->y, b->y + b->h, rgb, alpha);
+            patch(s, x0, fmin(fmax(x1, x0 + .3) + .7, b->x + b->w), b->y, b->y + b->h, rgb, alpha);
         }
     }
 }
 
-/* The background of the bar and its labels, because the map may extend below them. */
-static void bar_plate(const struct bar *b, const struct drawing *s)
-{
-    static const double page[3] = {PAGE, PAGE, PAGE};
-    double above = s->b->spec->n_knots && s->b->spec->n_isos ? 2.6 : 1.6;
-    patch(s, b->x - b->h, b->x + b->w + b->h, b->y - 3 * b->h, b->y + above * b->h, page, 1);
-}
-
+/* Above the bar if it has values below. Labels that would cover others are left out. */
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
-    double y = b->y + (s->b->spec->n_knots ? 1.7 : -.8) * b->h; /* the map has labels below */
+    double y = s->b->spec->n_knots ? b->y + b->h + BACKDROP_ROW / 2 * s->em
+                                   : b->y - BACKDROP_ROW / 2 * s->em;
     for (size_t i = 0; i < s->b->spec->n_isos; i++) {
         const struct spec_iso *iso = s->b->spec->iso + i;
         double x = bar_x(b, iso->s), at[2] = {x, y};
         patch(s, x - .012 * b->w, x + .012 * b->w, b->y, b->y + b->h, iso->rgb, iso->opacity);
         snprintf(text, sizeof text, "%.6g", iso->s);
-        backdrop_label(s, text, at, "center");
+        backdrop_label(s, text, at, 0);
     }
+}
+
+/* As many values as have room, but 8 at most. */
+static void bar_values(const struct bar *b, const struct drawing *s)
+{
+    char text[64];
+    struct ticks t = {0, 0, -1};
+    for (int n = 8; n > 0; n--) {
+        double widest = 0, step = backdrop_step(b->hi - b->lo, n);
+        t = backdrop_ticks(b->lo, b->hi, step);
+        for (int i = t.first; i <= t.last; i++) {
+            snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
+            widest = fmax(widest, backdrop_text_width(s, text));
+        }
+        if (widest + .5 * s->em < b->w * step / (b->hi - b->lo)) break;
+    }
+    for (int i = t.first; i <= t.last; i++) {
+        snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
+        double at[2] = {bar_x(b, i * t.step), b->y - BACKDROP_ROW / 2 * s->em};
+        backdrop_label(s, text, at, 0);
+    }
+}
+
+/* Copies the characters of text that fit into a width, the last one as dots if some do not. */
+static void shorten(const struct drawing *s, const char *text, double width, char *out, size_t n)
+{
+    static const char dots[] = "\xe2\x80\xa6";
+    size_t length = strlen(text);
+    if (length > n - sizeof dots) length = n - sizeof dots;
+    snprintf(out, n, "%.*s", (int)length, text);
+    while (length && (text[length] || backdrop_text_width(s, out) > width)) {
+        do length--;
+        while (length && (text[length] & 0xc0) == 0x80);
+        snprintf(out, n, "%.*s%s", (int)length, text, dots);
+        if (backdrop_text_width(s, out) <= width) break;
+    }
+    if (!length) *out = '\0';
+}
+
+/* The time at the right; the title in the middle, or at the left if it is long. */
+void backdrop_caption(const struct drawing *s)
+{
+    char text[256];
+    double y = (BACKDROP_LINE / 2) * s->em - s->strip, margin = BACKDROP_MARGIN * s->em;
+    double right = s->w - margin;
+    if (*s->b->time && backdrop_label(s, s->b->time, (double[2]){right, y}, 1) == LABEL_PLACED)
+        right -= backdrop_text_width(s, s->b->time) + 2 * margin;
+    shorten(s, s->b->title, right - margin, text, sizeof text);
+    double half = backdrop_text_width(s, text) / 2;
+    bool centred = s->w / 2 + half <= right && s->w / 2 - half >= margin;
+    if (*text) backdrop_label(s, text, (double[2]){centred ? s->w / 2 : margin, y}, centred - 1);
 }
 
 void backdrop_legend(const struct drawing *s)
 {
+    static const double page[3] = {PAGE, PAGE, PAGE};
     const struct spec *p = s->b->spec;
-    struct bar b = {.3 * s->w, .09 * s->h, .4 * s->w, .022 * s->h, HUGE_VAL, -HUGE_VAL};
+    struct bar b = {.2 * s->w, (BACKDROP_LINE + BACKDROP_ROW) * s->em - s->strip, .6 * s->w, s->em,
+        HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < p->n_knots; i++)
         b.lo = fmin(b.lo, p->knot[i].s), b.hi = fmax(b.hi, p->knot[i].s);
     for (size_t i = 0; i < p->n_isos; i++)
@@ -76,17 +125,11 @@ void backdrop_legend(const struct drawing *s)
     double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
     b.lo -= pad;
     b.hi += pad;
-    bar_plate(&b, s);
+    patch(s, 0, s->w, -s->strip, 0, page, 1); /* over lines that leave the picture */
     bar_spans(&b, s);
     bar_isos(&b, s);
     buf_printf(s->out,
         "set object rect from %.2f,%.2f to %.2f,%.2f front fs empty border rgb '" FRAME "'\n", b.x,
         b.y, b.x + b.w, b.y + b.h);
-    struct ticks t = backdrop_ticks(b.lo, b.hi, backdrop_step(b.hi - b.lo, 8));
-    char text[64];
-    for (int i = t.first; p->n_knots && i <= t.last; i++) {
-        snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
-        backdrop_label(s, text, (double[2]){bar_x(&b, i * t.step), b.y - .8 * b.h}, "center");
-    }
-    backdrop_label(s, s->b->title, (double[2]){.5 * s->w, b.y - 2.1 * b.h}, "center");
+    if (p->n_knots) bar_values(&b, s);
 }

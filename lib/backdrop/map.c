@@ -113,58 +113,53 @@ void backdrop_edges(const struct drawing *s)
 
 /* ---- labels ---------------------------------------------------------------------------------- */
 
+/* Where labels are: beside an edge of the map, or the edge of the heights. */
+struct beside {
+    double corner[2]; /* of the heights */
+    double y, pad;    /* longitudes: the edge, and how far away from it */
+    double step;
+};
+
 /* Places a label beside an edge of the map. The text extends away from the edge. */
-static void label_beside(const struct drawing *s, const char *text, const double at[2], double pad)
+static enum label label_longitude(const struct drawing *s, const void *ctx, double v)
 {
+    const struct beside *b = ctx;
     double edge[2], xy[2];
-    if (!backdrop_project(s, at[0], at[1], s->lo[2], edge)) return;
-    if (!backdrop_project(s, at[0], at[1] + pad, s->lo[2], xy)) return;
-    double slant = (xy[0] - edge[0]) / hypot(xy[0] - edge[0], xy[1] - edge[1]);
-    backdrop_label(s, text, xy, slant > .4 ? "left" : slant < -.4 ? "right" : "center");
-}
-
-/* Below the map as seen from the eye, except at the corner of the heights. */
-static void label_longitudes(const struct drawing *s, const double corner[2], double pad)
-{
-    double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
-    bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
-    double y = low ? s->lo[1] : s->hi[1];
-    struct ticks t = graticule_of(s, 0);
     char text[128];
-    for (int i = t.first; i <= t.last; i++) {
-        double at[2] = {i * t.step, y};
-        if (y == corner[1] && fabs(at[0] - corner[0]) < .3 * t.step) continue;
-        place_text(s, text, sizeof text, 0, at[0]);
-        label_beside(s, text, at, low ? -pad : pad);
-    }
+    if (b->y == b->corner[1] && fabs(v - b->corner[0]) < .3 * b->step) return LABEL_LEFT_OUT;
+    if (!backdrop_project(s, v, b->y, s->lo[2], edge)) return LABEL_LEFT_OUT;
+    if (!backdrop_project(s, v, b->y + b->pad, s->lo[2], xy)) return LABEL_LEFT_OUT;
+    double slant = (xy[0] - edge[0]) / hypot(xy[0] - edge[0], xy[1] - edge[1]);
+    place_text(s, text, sizeof text, 0, v);
+    return backdrop_label(s, text, xy, slant > .4 ? -1 : slant < -.4 ? 1 : 0);
 }
 
-static void label_latitudes(const struct drawing *s, double pad)
+static enum label label_latitude(const struct drawing *s, const void *ctx, double v)
 {
-    struct ticks t = graticule_of(s, 1);
+    const struct beside *b = ctx;
     double xy[2], other[2];
     char text[128];
-    for (int i = t.first; i <= t.last; i++) {
-        place_text(s, text, sizeof text, 1, i * t.step);
-        bool a = backdrop_project(s, s->lo[0] - pad / 2, i * t.step, s->lo[2], xy);
-        bool b = backdrop_project(s, s->hi[0] + pad / 2, i * t.step, s->lo[2], other);
-        if (!a || !b) continue;
-        bool left = in_front(s, 0, 0) || in_front(s, 0, 1) ? in_front(s, 0, 0) : xy[0] < other[0];
-        bool first = xy[0] < other[0] ? left : !left;
-        backdrop_label(s, text, left ? xy : other, first ? "right" : "left");
-    }
+    place_text(s, text, sizeof text, 1, v);
+    if (!backdrop_project(s, s->lo[0] - b->pad / 2, v, s->lo[2], xy) ||
+        !backdrop_project(s, s->hi[0] + b->pad / 2, v, s->lo[2], other))
+        return LABEL_LEFT_OUT;
+    bool left = in_front(s, 0, 0) || in_front(s, 0, 1) ? in_front(s, 0, 0) : xy[0] < other[0];
+    bool first = xy[0] < other[0] ? left : !left;
+    return backdrop_label(s, text, left ? xy : other, first ? 1 : -1);
 }
 
-static void label_heights(const struct drawing *s, const double corner[2])
+static enum label label_height(const struct drawing *s, const void *ctx, double z)
 {
-    struct ticks t = heights_of(s);
-    double xy[2];
+    const struct beside *b = ctx;
+    double xy[2], v = (s->b->down ? -z : z) + 0.0;
     char text[128];
-    for (int i = t.first; i <= t.last; i++) {
-        snprintf(text, sizeof text, "%.6g %s", (s->b->down ? -i : i) * t.step + 0.0, s->b->unit);
-        if (backdrop_project(s, corner[0], corner[1], i * t.step, xy))
-            backdrop_label(s, text, xy, "left offset 0.7,0");
-    }
+    if (s->b->levels) snprintf(text, sizeof text, "%.40s %.6g", s->b->levels, v);
+    else snprintf(text, sizeof text, "%.6g %s", v, s->b->unit);
+    if (!backdrop_project(s, b->corner[0], b->corner[1], z, xy)) return LABEL_LEFT_OUT;
+    /* at the edge of the picture, closer to the edge of the grid, or over it */
+    double wide = backdrop_text_width(s, text) + 1;
+    xy[0] = fmax(xy[0] - s->em, fmin(xy[0] + s->em / 2, s->w - wide));
+    return backdrop_label(s, text, xy, -1);
 }
 
 /* Finds the corner that is furthest to the right. */
@@ -182,11 +177,17 @@ static void find_corner(const struct drawing *s, double corner[2])
     }
 }
 
+/* Longitudes are below the map as seen from the eye, except at the corner of the heights. */
 void backdrop_labels(const struct drawing *s)
 {
-    double pad = .025 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]), corner[2];
-    find_corner(s, corner);
-    label_longitudes(s, corner, pad);
-    label_latitudes(s, pad);
-    label_heights(s, corner);
+    const double pad = .025 * fmax(s->hi[0] - s->lo[0], s->hi[1] - s->lo[1]);
+    double middle = (s->lo[1] + s->hi[1]) / 2 * s->b->spec->scale[1];
+    bool low = (s->b->spec->from[1] < middle) == (s->b->spec->scale[1] > 0);
+    struct ticks x = graticule_of(s, 0), y = graticule_of(s, 1), z = heights_of(s);
+    struct beside b = {.y = low ? s->lo[1] : s->hi[1], .pad = low ? -pad : pad, .step = x.step};
+    find_corner(s, b.corner);
+    backdrop_label_ticks(s, &x, label_longitude, &b);
+    b.pad = pad;
+    backdrop_label_ticks(s, &y, label_latitude, &b);
+    backdrop_label_ticks(s, &z, label_height, &b);
 }

@@ -15,9 +15,6 @@ int image_fail(char err[IMAGE_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
 bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR]);
 
 int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
-/* Checks all but the pixels, and finds the size of the picture and of the file. */
-int png_inspect(
-    const unsigned char *p, size_t *n, uint32_t *w, uint32_t *h, char err[IMAGE_ERR]);
 int png_encode(FILE *f, const struct image_rows *rows, int bits, const char *job);
 /* PAM, PPM, PGM. */
 int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
@@ -25,7 +22,6 @@ int pam_encode(FILE *f, const struct image_rows *rows, int bits);
 int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
 int pfm_encode(FILE *f, const struct image_rows *rows);
 
-struct image_rows image_rows_of(const struct image *im); /* valid as long as im */
 
 double srgb_to_linear(double v);
 double srgb_from_linear(double v);

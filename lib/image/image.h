@@ -45,8 +45,10 @@ int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IM
  * the header, and that all chunks are whole and their sums are right. Returns 0, or -1 as
  * image_read.
  */
-int image_load_png(const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h,
-    char err[IMAGE_ERR]);
+int image_load_png(
+    const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h, char err[IMAGE_ERR]);
+/* The same for the PNG at the begin of *n bytes in memory; sets *n to its bytes. */
+int png_inspect(const unsigned char *p, size_t *n, uint32_t *w, uint32_t *h, char err[IMAGE_ERR]);
 /* A picture that is read row by row, for pictures larger than memory. */
 struct image_rows {
     uint32_t w, h;
@@ -56,6 +58,28 @@ struct image_rows {
     const float *(*row)(const struct image_rows *rows, uint32_t y);
     void *ctx; /* for row */
 };
+
+struct image_rows image_rows_of(const struct image *im); /* valid as long as im */
+
+/*
+ * Backdrops: pictures under a picture, topmost first, composited row by row in linear light. All
+ * have the width of the picture. The picture is at the top of the highest of them, and lower ones
+ * are at its bottom. All zero at first.
+ */
+struct image_backs {
+    struct image_back *back;
+    int n;
+    struct image_rows over; /* the picture */
+    float *line;
+};
+/* Adds the lowest one so far: a file, "-" for standard input, or, if numbered, a pattern for
+ * image_name. Dies with status 2 if the file cannot be read. The name must stay. */
+void image_backs_add(struct image_backs *b, const char *name, bool numbered);
+void image_backs_free(struct image_backs *b);
+/* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
+ * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
+struct image_rows image_backs_under(
+    struct image_backs *b, uint32_t frame, const struct image_rows *over);
 
 /* bits: 8 or 16 (PFM ignores it). job: NULL, or the hash for PNG's text chunk "Job". Returns 0, or
  * -1 with errno. */
@@ -101,8 +125,9 @@ char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
 
 /* Where a program puts its pictures. */
 struct image_out {
-    const char *pattern; /* of their names; NULL: standard output */
-    int bits;            /* per sample of a PNG or PAM: 8 or 16 */
+    const char *pattern;       /* of their names; NULL: standard output */
+    int bits;                  /* per sample of a PNG or PAM: 8 or 16 */
+    struct image_backs *backs; /* under each picture; NULL: none */
     /* set by image_out_check */
     enum image_format format;
     enum image_naming naming;
@@ -114,10 +139,10 @@ void image_out_check(struct image_out *o);
 char *image_out_name(const struct image_out *o, uint32_t frame);
 /* The directory of the pictures, or NULL for standard output; the caller frees. */
 char *image_out_dir(const struct image_out *o);
-/* Writes a picture under that name, with its job, if that is not NULL. Returns 0, or -1 with errno.
- */
-int image_out_put(
-    const struct image_out *o, const char *name, const struct image_rows *rows, const char *job);
+/* Writes picture number `frame` over its backdrops under that name, with its job, if that is not
+ * NULL. Returns 0, or -1 with errno. */
+int image_out_put(const struct image_out *o, uint32_t frame, const char *name,
+    const struct image_rows *rows, const char *job);
 /* Parses 8 or 16, the argument of option `-opt`; dies with status 2 on other text. */
 int image_opt_bits(int opt, const char *s);
 

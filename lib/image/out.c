@@ -43,10 +43,11 @@ char *image_out_dir(const struct image_out *o)
     return xstrdup(".");
 }
 
-int image_out_put(
-    const struct image_out *o, const char *name, const struct image_rows *rows, const char *job)
+int image_out_put(const struct image_out *o, uint32_t frame, const char *name,
+    const struct image_rows *rows, const char *job)
 {
-    if (o->pattern) return image_save_rows(name, rows, o->format, o->bits, job);
-    int failed = image_write_rows(stdout, rows, o->format, o->bits, job);
+    const struct image_rows all = image_backs_under(o->backs, frame, rows);
+    if (o->pattern) return image_save_rows(name, &all, o->format, o->bits, job);
+    int failed = image_write_rows(stdout, &all, o->format, o->bits, job);
     return failed || fflush(stdout) ? -1 : 0;
 }

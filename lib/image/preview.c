@@ -42,7 +42,7 @@ static int save(const struct image_preview *p, const struct assembly_frame *f, c
     sigaddset(&ending, SIGHUP);
     sigprocmask(SIG_BLOCK, &ending, &before);
     const struct image_rows rows = assembly_rows(f);
-    int failed = image_save_rows(name, &rows, p->out->format, p->out->bits, f->job);
+    int failed = image_out_put(p->out, f->number, name, &rows, f->job);
     sigprocmask(SIG_SETMASK, &before, NULL);
     return failed;
 }

@@ -1,6 +1,9 @@
-/* Outlines that break a map: without points, with one, beyond the globe. */
+/* Outlines that break a map: without points, with one, beyond the globe. Labels of many maps: none
+ * covers another, nor leaves its part of the picture. Times. */
 #include "backdrop/backdrop.h"
+#include "units/units.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,12 +26,13 @@ static void load(struct grid *g, struct spec *s)
 /* The script for these lines ends with its plot, and tells of coasts where there is one. */
 static void draws(const struct grid *g, const struct spec *s, const char *lines, bool coast)
 {
-    struct backdrop b = {.grid = g, .spec = s, .w = 40, .h = 40, .title = "x", .unit = "m"};
+    struct backdrop b = {
+        .grid = g, .spec = s, .w = 40, .h = 40, .title = "x", .unit = "m", .time = ""};
     struct buf out = {0};
     char err[BACKDROP_ERR];
     b.lines_name = "lines";
     b.lines = lines;
-    if (backdrop_write(&b, &out, err) != 0) fail_msg("%s", err);
+    if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
     buf_append(&out, "", 1);
     const char *text = (const char *)buf_data(&out);
     assert_non_null(strstr(text, "$edges with lines"));
@@ -52,8 +56,135 @@ static void test_outlines(void **state)
     spec_free(&s);
 }
 
+/* ---- labels ---------------------------------------------------------------------------------- */
+
+static double between(uint64_t *seed, double lo, double hi)
+{
+    return lo + (hi - lo) * rng_unit(1, (*seed)++);
+}
+
+static void put_view(uint64_t *seed, struct buf *b)
+{
+    const double far = between(seed, 1, 60), w = between(seed, 100, 4000);
+    buf_printf(b, "from %g %g %g\nat %g %g %g\nup 0 .1 1\nangle %g\nresolution %d %d\n",
+        between(seed, -far, 20 + far), between(seed, 40 - far, 50 + far),
+        between(seed, -far / 4, far), between(seed, 0, 20), between(seed, 40, 50),
+        between(seed, 0, 3), between(seed, 1, 150), (int)w, (int)between(seed, 80, w));
+}
+
+static void put_colours(uint64_t *seed, struct buf *b)
+{
+    const double size = pow(10, between(seed, -9, 9));
+    int knots = (int)between(seed, 0, 12), isos = (int)between(seed, knots < 2, 40);
+    double at = between(seed, -size, size);
+    for (int i = 0; i < knots && knots > 1; i++, at += between(seed, 0, size / knots))
+        buf_printf(b, "map %.9g 1 0 0 %g\n", at, between(seed, 0, 9));
+    for (int i = 0; i < isos; i++, at += between(seed, size / 1e4, size / isos))
+        buf_printf(b, "iso %.9g 0 1 0 .5\n", at);
+}
+
+struct label {
+    double x0, x1, y0, y1;
+};
+
+/* A text's rectangle by the widths of most characters of DejaVu Sans, and the height of a digit. */
+static bool read_label(const char *line, double em, struct label *l)
+{
+    const char *text = line + strlen("set label '"), *at = strstr(line, "' at ");
+    char *end;
+    if (strncmp(line, "set label '", strlen("set label '")) != 0 || !at) return false;
+    double wide = 0, x = strtod(at + 5, &end), y = strtod(end + 1, &end);
+    for (const char *c = text; c < at; c++)
+        wide += (*c & 0xc0) == 0x80 ? 0 : strchr(" .:-", *c) ? .32 : .55;
+    wide *= em;
+    x -= strncmp(end, " left", 5) == 0 ? 0 : strncmp(end, " right", 6) == 0 ? wide : wide / 2;
+    *l = (struct label){x, x + wide, y - em / 2, y + em / 2};
+    return true;
+}
+
+static void check_labels(const char *script, const struct backdrop *b, const char *spec)
+{
+    struct label l[512];
+    size_t n = 0, in_strip = 0;
+    double strip = backdrop_strip(b), em = 16 * fmax(.4, fmin(b->h / 720.0, b->w / 1080.0));
+    char plate[96];
+    snprintf(plate, sizeof plate, "rect from 0.00,-%.2f to %.2f,0.00 ", strip, (double)b->w);
+    if (!strstr(script, plate)) fail_msg("no plate %s:\n%s", plate, spec);
+    for (const char *p = script; p && n < 512; p = strchr(p, '\n'), p = p ? p + 1 : p) {
+        if (!read_label(p, em, &l[n])) continue;
+        const struct label *k = &l[n++];
+        bool below = k->y1 <= 0;
+        in_strip += below;
+        if (k->x0 < 0 || k->x1 > b->w || k->y0 < (below ? -strip : 0) || k->y1 > (below ? 0 : b->h))
+            fail_msg("outside: %.60s:\n%s", p, spec);
+        for (size_t i = 0; i + 1 < n; i++)
+            if (l[i].x0 < k->x1 && k->x0 < l[i].x1 && l[i].y0 < k->y1 && k->y0 < l[i].y1)
+                fail_msg("covers another one: %.60s:\n%s", p, spec);
+    }
+    if (in_strip < 2 && b->w > 150) fail_msg("%zu labels in the legend:\n%s", in_strip, spec);
+}
+
+static void test_labels(void **state)
+{
+    (void)state;
+    struct grid g;
+    struct spec s;
+    char err[ERR_BYTES];
+    load(&g, &s);
+    spec_free(&s);
+    for (uint64_t seed = 1, round = 0; round < 400; round++) {
+        struct buf text = {0}, out = {0};
+        put_view(&seed, &text);
+        put_colours(&seed, &text);
+        buf_printf(&text, "scale 1 1 %g\n", between(&seed, .01, 9));
+        if (spec_read("spec", (const char *)buf_data(&text), buf_size(&text), &s, err) != 0)
+            fail_msg("%s", err);
+        buf_append(&text, "", 1);
+        struct backdrop b = {&g, &s, s.w, s.h, "wind speed, m/s", NULL, "hPa", NULL, false,
+            "2026-11-23 12:00 UTC", NULL, NULL};
+        if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
+        buf_append(&out, "", 1);
+        check_labels((const char *)buf_data(&out), &b, (const char *)buf_data(&text));
+        buf_free(&out);
+        buf_free(&text);
+        spec_free(&s);
+    }
+    grid_free(&g);
+}
+
+static void is_time(const char *title, const char *expected)
+{
+    char text[BACKDROP_TIME];
+    backdrop_time(title, text);
+    assert_string_equal(text, expected);
+}
+
+static void test_times(void **state)
+{
+    (void)state;
+    is_time("T [K]; x lon [degrees_east]", "");
+    is_time("T [K]; t time 0.5 [d]", "time 0.5 d");
+    is_time("T [K]; t validity 202611231200 [YYYYMMDDhhmm]", "2026-11-23 12:00 UTC");
+    is_time("T [K]; t validity 2026 [YYYYMMDDhhmm]", "validity 2026 YYYYMMDDhhmm");
+    is_time("T [K]; t time 3 [months since 2000-01-01]", "time 3 months since 2000-01-01");
+    is_time("T [K]; t time 3 [years since 2000-01-01]", "time 3 years since 2000-01-01");
+    is_time("T [K]; t time x [days since 2000-01-01]", "time x days since 2000-01-01");
+    is_time("T [K]; t time 1e17 [days since 2000-01-01]", "time 1e17 days since 2000-01-01");
+    char err[ERR_BYTES];
+    struct units_linear l;
+    if (!units_linear("h", "s", &l, err)) return; /* built without udunits */
+    is_time("T [K]; t time 20780.5 [days since 1970-01-01 00:00:00]", "2026-11-23 12:00 UTC");
+    is_time("T [K]; t time 90 [minutes since 2000-2-28 23:00]", "2000-02-29 00:30 UTC");
+    is_time("T [K]; t time 739000 [days since 1-1-1]", "2024-04-23 00:00 UTC");
+    is_time("T [K]; t time 0 [days since 1582-10-15]", "1582-10-15 00:00 UTC");
+    is_time("T [K]; t time -1 [days since 1582-10-15]", "1582-10-04 00:00 UTC");
+    is_time("T [K]; t time 366 [hour since 0000-01-01]", "0001-01-16 06:00 UTC");
+    is_time("T [K]; t time 0 [days since 1999-03-01 00:00 +01:00]", "1999-02-28 23:00 UTC");
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_outlines)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_outlines),
+        cmocka_unit_test(test_labels), cmocka_unit_test(test_times)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -341,10 +341,10 @@ static void test_out(void **state)
     image_init(&im, 3, 2);
     for (int i = 0; i < 24; i++) im.rgba[i] = 1;
     const struct image_rows rows = image_rows_of(&im);
-    assert_int_equal(image_out_put(&o, name, &rows, NULL), 0);
+    assert_int_equal(image_out_put(&o, 0, name, &rows, NULL), 0);
     assert_int_equal(image_read(name, &back, err), 0);
     assert_true(back.w == 3 && back.h == 2 && back.rgba[23] == 1);
-    assert_int_equal(image_out_put(&o, "/nonexistent/x.pam", &rows, NULL), -1);
+    assert_int_equal(image_out_put(&o, 0, "/nonexistent/x.pam", &rows, NULL), -1);
     unlink(name);
     image_free(&im);
     image_free(&back);

@@ -1,0 +1,109 @@
+/* backs: pictures that are put under a picture while that is written; see image.h. */
+#include "image/codecs.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct image_back {
+    const char *name; /* or a pattern */
+    bool numbered;
+    struct buf bytes; /* of the file, if numbered: the next one is often equal */
+    struct image im;
+    bool opaque;
+};
+
+static bool is_opaque(const struct image *im)
+{
+    for (size_t p = 0, n = (size_t)im->w * im->h; p < n; p++)
+        if (im->rgba[4 * p + 3] < 1) return false;
+    return true;
+}
+
+void image_backs_add(struct image_backs *b, const char *name, bool numbered)
+{
+    char err[IMAGE_ERR];
+    b->back = xrealloc(b->back, (size_t)b->n + 1, sizeof *b->back);
+    struct image_back *k = &b->back[b->n++];
+    *k = (struct image_back){.name = name, .numbered = numbered};
+    if (numbered) return;
+    if (image_read(name, &k->im, err) != 0) die(ST_USAGE, "%s: %s", name, err);
+    k->opaque = is_opaque(&k->im);
+}
+
+void image_backs_free(struct image_backs *b)
+{
+    for (int i = 0; i < b->n; i++) {
+        image_free(&b->back[i].im);
+        buf_free(&b->back[i].bytes);
+    }
+    free(b->back);
+    free(b->line);
+    *b = (struct image_backs){.n = 0};
+}
+
+/* Reads the file for this picture, unless it has the bytes of the one before. */
+static void load(struct image_back *k, uint32_t frame)
+{
+    char *name = image_name(k->name, frame), err[ERR_BYTES], why[IMAGE_ERR];
+    struct buf bytes = {0};
+    if (!load_file(name, &bytes, err)) die(ST_USAGE, "%s", err);
+    bool same = buf_size(&bytes) == buf_size(&k->bytes) &&
+                memcmp(buf_data(&bytes), buf_data(&k->bytes), buf_size(&bytes)) == 0;
+    if (!same || !k->im.rgba) {
+        image_free(&k->im);
+        if (image_decode(buf_data(&bytes), buf_size(&bytes), &k->im, why) != 0)
+            die(ST_USAGE, "%s: %s", name, why);
+        k->opaque = is_opaque(&k->im);
+    }
+    buf_free(&k->bytes);
+    k->bytes = bytes;
+    free(name);
+}
+
+static void put_under(float *top, const float *back, uint32_t n)
+{
+    for (; n > 0; n--, top += 4, back += 4) {
+        float clear = 1 - top[3];
+        if (clear <= 0) continue;
+        for (int c = 0; c < 4; c++) top[c] += clear * back[c];
+    }
+}
+
+static const float *row(const struct image_rows *rows, uint32_t y)
+{
+    struct image_backs *b = rows->ctx;
+    const float *over = y < b->over.h ? b->over.row(&b->over, y) : NULL;
+    if (!over && y < b->over.h) return NULL;
+    if (over) memcpy(b->line, over, (size_t)rows->w * 4 * sizeof *over);
+    else memset(b->line, 0, (size_t)rows->w * 4 * sizeof *b->line);
+    for (int i = 0; i < b->n; i++) {
+        const struct image *im = &b->back[i].im;
+        const uint32_t top = rows->h - im->h;
+        if (y < top) continue;
+        put_under(b->line, im->rgba + (size_t)(y - top) * im->w * 4, rows->w);
+    }
+    return b->line;
+}
+
+struct image_rows image_backs_under(
+    struct image_backs *b, uint32_t frame, const struct image_rows *over)
+{
+    struct image_rows all = {.w = over->w, .h = over->h, .row = row, .ctx = b};
+    if (!b || !b->n) return *over;
+    for (int i = 0; i < b->n; i++) {
+        struct image_back *k = &b->back[i];
+        if (k->numbered) load(k, frame);
+        if (k->im.w != over->w)
+            die(ST_USAGE,
+                "%s has %" PRIu32 "x%" PRIu32 " pixels, expected a width of %" PRIu32
+                ", as the picture over it",
+                k->name, k->im.w, k->im.h, over->w);
+        if (k->im.h > all.h) all.h = k->im.h;
+    }
+    all.opaque = over->opaque && over->h == all.h;
+    for (int i = 0; i < b->n; i++) all.opaque |= b->back[i].opaque && b->back[i].im.h == all.h;
+    b->over = *over;
+    b->line = xrealloc(b->line, (size_t)over->w * 4, sizeof *b->line);
+    return all;
+}
