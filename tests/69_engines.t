@@ -17,7 +17,8 @@ render() {
 	ok "$1: the same picture" cmp out.pfm good.pfm
 }
 
-# Each notes the host, and runs the command as the real one does: ssh gives its words to a shell, the others do not.
+# Each notes the host, and runs the command as the real one does: ssh gives its words to a shell, the others do not. sshd
+# sets SHELL, and without it GNU parallel's part there fails now and then.
 mkdir stand-in
 cat >stand-in/ssh <<'END'
 #!/bin/sh
@@ -31,7 +32,7 @@ done
 echo "$1" >>reached
 shift
 [ "$1" != -- ] || shift
-exec sh -c "$*"
+exec env SHELL=/bin/sh sh -c "$*"
 END
 cat >stand-in/kubectl <<'END'
 #!/bin/sh
