@@ -299,8 +299,9 @@ int main(int argc, char **argv)
     put_map(&p, "Colour", true);
     if (!is_empty(&p)) put_box(&p);
     close_stdout();
-    bool whole = !s.lit && s.n_isos == 0 && s.n_slices == 0;
-    if (!whole) warn("%s: light, iso-surfaces and slices are left out", o.spec);
+    bool whole = !s.lit && !s.n_isos && !s.n_slices && !s.n_colours && !s.n_grounds;
+    if (!whole)
+        warn("%s: light, iso-surfaces, slices, ground and a second field are left out", o.spec);
     grid_free(&g);
     spec_free(&s);
     return whole ? ST_OK : ST_PARTIAL;

@@ -44,6 +44,11 @@ static int spec_of(
 static void free_grid(void *grid) { grid_free(grid); }
 static void free_spec(void *spec) { spec_free(spec); }
 
+static bool check(void *const value[], char err[WORKER_ERR])
+{
+    return volume_check(value[GRID], value[SPEC], err);
+}
+
 static void *build(const void *options, void *const value[])
 {
     return volume_new(value[GRID], value[SPEC], options);
@@ -103,6 +108,7 @@ static const struct worker_renderer renderer = {
     .part = {[GRID] = {REC_GRID, sizeof(struct grid), grid_of, free_grid},
         [SPEC] = {REC_SPEC, sizeof(struct spec), spec_of, free_spec}},
     .n_parts = 2,
+    .check = check,
     .build = build,
     .free = free_volume,
     .frame = frame,
@@ -172,9 +178,12 @@ static struct options parse(int argc, char **argv)
 
 static void inspect(struct worker_states *s, const struct options *o)
 {
+    char err[ERR_BYTES];
     for (int i = 0; i < o->n_specs; i++) {
         if (i) worker_states_load(s, SPEC, o->specs[i]);
         const struct spec *spec = worker_states_value(s, SPEC);
+        if (!volume_check(worker_states_value(s, GRID), spec, err))
+            die(ST_USAGE, "%s: %s", o->specs[i], err);
         uint32_t w = o->w ? (uint32_t)o->w : spec->w, h = o->w ? (uint32_t)o->h : spec->h;
         printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
     }

@@ -80,7 +80,7 @@ sched deal gdc hub node pace policy set
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh cone_shape crossings items light media pending sah slabs sphere_shape tracer triangle_shape wave
-volume cell crossing cubic lit map path skip_init slice walk
+volume cell crossing cubic ground lit map path skip_init slice walk
 wire generation rec
 END
 objects=${BUILD:-build}

@@ -255,7 +255,7 @@ refused curved.nc s 'a curvilinear grid: there are no coordinates along y'
 make_nc bare "$cube" "$scalar" "$data"
 refused bare.nc s 'no rectilinear grid: there are no coordinates along z'
 make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"
-refused flat.nc s 'no z among its 2 dimensions'
+is 'a field of x and y has one level' "$(nc2vtk flat.nc s | grep -a '^DIMENSIONS')" 'DIMENSIONS 2 2 1'
 make_nc double "$cube" 'float x(x); x:axis = "X"; float y(y); y:axis = "X"; float z(z); float s(z, y, x);' "$nodes $data"
 refused double.nc s 'y and x both are x'
 make_nc five "$cube a = 2; b = 1; t = 1;" "$axes double t(t); t:axis = \"T\"; int a(a); float s(t, a, b, z, y, x);" \

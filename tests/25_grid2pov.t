@@ -59,7 +59,7 @@ run grid2pov even.vtk smooth.spec none/s.df3
 is 'a file that cannot be written exits 3' "$status:$out" 3:
 run grid2pov even.vtk lit.spec s.df3
 is 'light and surfaces exit 1' "$status" 1
-like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light, iso-surfaces and slices are left out'
+like 'light and surfaces: a message says that they are left out' "$err" '^grid2pov: lit.spec: light, iso-surfaces, slices, ground and a second field are left out'
 like 'light and surfaces: the scene is still written' "$out" '^box '
 is 'the field has three sizes and 4 bytes per node' "$(wc -c <s.df3)" $((6 + 4 * 12 * 9 * 6))
 { cat smooth.spec; i=52; while [ $i -le 300 ]; do echo "map $i 1 1 1 1"; i=$((i + 1)); done; } >many.spec

@@ -64,6 +64,30 @@ same "the grid a file, the specification a record" a1.pam
 state -n 3 | ringctl fan -j 3 ringctl -n vcworker | gather -o out.pam
 same "a ring" a1.pam
 picture boxed.pam a.vtk boxed.spec
+# A second field and a ground in the same file
+{
+	printf '%s\n' '# vtk DataFile Version 3.0' hills ASCII 'DATASET RECTILINEAR_GRID' 'DIMENSIONS 9 8 1'
+	echo 'X_COORDINATES 9 float'; seq 0 4 32
+	echo 'Y_COORDINATES 8 float'; seq 0 3 21
+	printf '%s\n' 'Z_COORDINATES 1 float' 0 'POINT_DATA 72' 'SCALARS h float' 'LOOKUP_TABLE default'
+	awk 'BEGIN { for (i = 0; i < 72; i++) print 1.5 + 1.5 * sin(i) }'
+} >hills.vtk
+cat a.vtk b.vtk hills.vtk >all.vtk
+{ cat boxed.spec; printf '%s\n' 'ground 0 .1 .3 .1' 'ground 3 .8 .8 .7' 'attenuation .01'; } >ground.spec
+{ cat ground.spec; printf '%s\n' 'colour 20 0 0 1' 'colour 40 1 0 0'; } >second.spec
+for look in ground second; do
+	picture $look.pam all.vtk $look.spec
+	balance adaptive -j 2 -z off -o out.pam all.vtk $look.spec
+	same "adaptive, $look" $look.pam
+	{ partition -u run:37 $size; } | vcworker -f 5 all.vtk $look.spec | gather -o out.pam
+	same "runs, $look" $look.pam
+done
+is 'the second field is seen' "$(cmp -s ground.pam second.pam && echo same)" ''
+run balance adaptive -j 1 -o out.pam a.vtk ground.spec
+like 'a ground that is not there' "$status $err" '^2 vcworker: ground.spec: ground lines and a grid without ground, expected'
+{ pack grid a.vtk; pack spec second.spec; partition 8x8; } >unfit
+run vcworker - - <unfit
+like 'nor a second field' "$status $err" '^2 vcworker: colour lines and a grid of one field, expected'
 balance gdc -j 3 -o out.pam a.vtk boxed.spec
 same "gdc, a box and slices" boxed.pam
 { partition -u run:37 $size; } | vcworker -f 5 a.vtk boxed.spec | gather -o out.pam
@@ -75,6 +99,8 @@ for isa in sse2 avx2 avx512; do
 		same "vectors of $isa" a1.pam
 		picture out.pam a.vtk boxed.spec -x $isa
 		same "vectors of $isa, a box and slices" boxed.pam
+		picture out.pam all.vtk ground.spec -x $isa
+		same "vectors of $isa, a ground" ground.pam
 	else skip "vectors of $isa" "this processor has none"
 	fi
 done

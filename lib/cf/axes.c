@@ -110,6 +110,16 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     return true;
 }
 
+/* The level of a field of x and y. NULL if there is no room for it. */
+static const struct cf_axis *make_level(struct cf_field *f)
+{
+    if (f->n_axes == CF_AXES_MAX) return NULL;
+    struct cf_axis *a = &f->axis[f->n_axes++];
+    *a = (struct cf_axis){.kind = CF_Z, .n = 1, .name = "surface", .made = true};
+    a->at = xcalloc(1, sizeof *a->at);
+    return a;
+}
+
 bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
 {
     const struct cf_axis *of[CF_NONE] = {NULL};
@@ -143,6 +153,8 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
         of[next] = a;
         a->kind = (enum cf_kind)next;
     }
+    if (of[CF_X] && of[CF_Y] && !of[CF_Z] && !(of[CF_T] && of[CF_T]->n > 1))
+        of[CF_Z] = make_level(f);
     for (int k = CF_X; k <= CF_Z; k++)
         if (!of[k])
             return err_set(

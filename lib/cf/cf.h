@@ -33,6 +33,7 @@ struct cf_axis {
     double *at; /* as in the file; NULL if there is no coordinate variable */
     char name[CF_TEXT], units[CF_TEXT];
     bool pressure; /* its units are those of pressure */
+    bool made;     /* not in the file: the one level of a field of x and y */
     int in, id;    /* group and variable of the coordinates, if `at` */
 };
 
@@ -58,7 +59,8 @@ void cf_close(struct cf_file *c);
 
 /*
  * Reads variable `id` of a group. False if it is not a field on a rectilinear grid, with x, y, z
- * and optionally time. Call cf_field_free in either case.
+ * and optionally time, or with x and y alone: then z has one level. Call cf_field_free in either
+ * case.
  */
 bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[ERR_BYTES]);
 /* The same for the variable with this name of n characters: "U", "group/U" or "/group/U". */

@@ -23,7 +23,7 @@ static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 
 static bool check_axis(const struct cf_axis *a, char err[ERR_BYTES])
 {
-    if (a->kind == CF_T || a->kind == CF_NONE) return true;
+    if (a->kind == CF_T || a->kind == CF_NONE || a->made) return true;
     if (a->n < 2) return err_set(err, "%.60s has %zu node, expected 2 at least", a->name, a->n);
     uint32_t at = grid_axis_fault(a->at, (uint32_t)a->n);
     if (!at) return true;

@@ -153,6 +153,7 @@ bool cf_heights_find(
     const struct cf_axis *z = cf_axis_of(f, CF_Z);
     struct names n;
     *h = (struct cf_heights){.kind = CF_HEIGHTS_NONE};
+    if (z->made) return true;
     if (find_geopotential(c, f, h)) {
         h->kind = CF_HEIGHTS_GEOPOTENTIAL;
         return true;

@@ -6,7 +6,10 @@
 
 /* z is negated if it increases downwards, so that it points up. Other axes are not negated. */
 static double sign_of(const struct cf_axis *a) { return a->kind == CF_Z && a->down ? -1 : 1; }
-static bool is_turned(const struct cf_axis *a) { return (a->at[1] < a->at[0]) != (sign_of(a) < 0); }
+static bool is_turned(const struct cf_axis *a)
+{
+    return !a->made && (a->at[1] < a->at[0]) != (sign_of(a) < 0);
+}
 
 bool cf_axes(const struct cf_field *f, struct grid *g, char err[ERR_BYTES])
 {

@@ -7,6 +7,9 @@ void grid_free(struct grid *g)
 {
     for (int a = 0; a < 3; a++) free(g->at[a]);
     free(g->value);
+    free(g->second);
+    if (g->ground) grid_free(g->ground);
+    free(g->ground);
     *g = (struct grid){0};
 }
 

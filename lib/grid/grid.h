@@ -29,6 +29,9 @@ struct grid {
     char name[GRID_NAME];   /* name of the scalar */
     char title[GRID_TITLE]; /* second line of the file; holds the units */
     struct grid_brick brick;
+    /* Further grids of the file; NULL: none. Not written again. */
+    float *second;       /* values of another field at the same nodes; NaN: both are missing */
+    struct grid *ground; /* one level, whose values are heights: n[2] and at[2] do not count */
 };
 /* Index of node i, j, k. */
 static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
@@ -43,8 +46,9 @@ static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uin
 #define GRID_STEP_MIN 1e-18
 /*
  * Reads VTK legacy RECTILINEAR_GRID, ASCII or BINARY: one scalar of point data, of float, double or
- * integers. Returns 0, or -1 with the message in err; `name` is for messages. The caller frees the
- * grid, which keeps no pointer into `bytes`.
+ * integers. Another file may follow in the same bytes: a second field, or a ground; or both.
+ * Returns 0, or -1 with the message in err; `name` is for messages. The caller frees the grid,
+ * which keeps no pointer into `bytes`.
  */
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES]);

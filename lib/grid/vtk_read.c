@@ -90,13 +90,13 @@ static bool read_axis(struct vtk_reader *r, int axis, struct grid *g)
         if (isnan(at[i]))
             return vtk_fail(r, "%s: number %u is nan, expected a number", keyword, i + 1);
     }
-    uint32_t fault = grid_axis_fault(at, (uint32_t)n);
+    uint32_t fault = n > 1 ? grid_axis_fault(at, (uint32_t)n) : 0;
     if (fault) {
         char why[GRID_FAULT];
         grid_axis_why(at, fault, why);
         return vtk_fail(r, "%s: number %u is %s", keyword, fault + 1, why);
     }
-    r->down[axis] = at[1] < at[0];
+    r->down[axis] = n > 1 && at[1] < at[0];
     for (uint32_t i = 0, j = (uint32_t)n - 1; r->down[axis] && i < j; i++, j--) {
         double swap = at[i];
         at[i] = at[j];
@@ -114,7 +114,7 @@ static bool read_geometry(struct vtk_reader *r, struct grid *g, uint64_t *nodes)
     if (!vtk_expect(r, "next part", "DIMENSIONS")) return false;
     *nodes = 1;
     for (int a = 0; a < 3; a++) {
-        if (!vtk_count(r, what[a], 2, INT32_MAX, &n)) return false;
+        if (!vtk_count(r, what[a], a == 2 && r->further ? 1 : 2, INT32_MAX, &n)) return false;
         g->n[a] = (uint32_t)n;
         /* At least one byte per node, so that nothing overflows later. */
         if (*nodes > (uint64_t)(r->end - r->bytes) / n)
@@ -199,12 +199,62 @@ bool vtk_tail(struct vtk_reader *r)
            vtk_fail_word(r, "word after the values", "one scalar and the file's end");
 }
 
-static bool read_grid(struct vtk_reader *r, struct grid *g)
+static bool read_one(struct vtk_reader *r, struct grid *g)
 {
     struct vtk_type t = vtk_types[0];
     if (!vtk_head(r, g, &t)) return false;
     g->value = xmalloc(grid_node(g, 0, 0, g->n[2]), sizeof *g->value);
-    return read_values(r, t, g) && vtk_tail(r);
+    if (!read_values(r, t, g)) return false;
+    vtk_skip_metadata(r);
+    return true;
+}
+
+static bool same_axes(const struct grid *g, const struct grid *h)
+{
+    for (int a = 0; a < 3; a++) {
+        if (g->n[a] != h->n[a]) return false;
+        for (uint32_t i = 0; i < g->n[a]; i++)
+            if (g->at[a][i] != h->at[a][i]) return false;
+    }
+    return true;
+}
+
+/* Makes h the ground or the second field of g. */
+static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
+{
+    if (g->brick.is || h->brick.is)
+        return vtk_fail(r, "a brick and another grid, expected one of them");
+    if (h->n[2] == 1) {
+        if (g->ground) return vtk_fail(r, "a second grid of one level, expected one at most");
+        g->ground = xmalloc(1, sizeof *g->ground);
+        *g->ground = *h;
+        *h = (struct grid){0};
+        return true;
+    }
+    if (g->second) return vtk_fail(r, "a third grid of several levels, expected two at most");
+    if (!same_axes(g, h))
+        return vtk_fail(r, "a second grid with other coordinates, expected those of the first, or "
+                           "one level: a ground");
+    const size_t nodes = grid_node(g, 0, 0, g->n[2]);
+    for (size_t i = 0; i < nodes; i++)
+        if (isnan(h->value[i])) g->value[i] = NAN;
+        else if (isnan(g->value[i])) h->value[i] = NAN;
+    g->second = h->value;
+    h->value = NULL;
+    return true;
+}
+
+static bool read_grid(struct vtk_reader *r, struct grid *g)
+{
+    bool good = read_one(r, g);
+    while (good && vtk_next_is(r, "#")) {
+        struct grid h = {0};
+        r->further = true;
+        r->has[0] = r->has[1] = false;
+        good = read_one(r, &h) && take_further(r, g, &h);
+        grid_free(&h);
+    }
+    return good && vtk_tail(r);
 }
 
 static int read_from(struct vtk_reader r, struct grid *g, char err[ERR_BYTES])

@@ -16,6 +16,7 @@ struct vtk_reader {
     bool down[3];        /* this axis descends in the file */
     unsigned char *kept; /* pages before this were returned; NULL: none were, and none may be */
     size_t line;         /* line number of `kept`, from 0 */
+    bool further;        /* this is not the first grid of the file */
     bool has[2];         /* the file has this array of a brick (vtk_brick.c) */
     double bounds[2][6]; /* its numbers: x from and to, y, z */
 };

@@ -6,44 +6,46 @@
 
 #include <stdlib.h>
 
-static void push_knot(struct spec_reader *r, double value, const double rgb[3], double k)
+static void push_knot(struct spec_list *l, double value, const double rgb[3], double k)
 {
-    struct spec *s = r->s;
-    if (s->n_knots == r->room_knots) {
-        r->room_knots = s->n_knots ? 2 * s->n_knots : 16;
-        s->knot = xrealloc(s->knot, r->room_knots, sizeof *s->knot);
+    if (l->n == l->room) {
+        l->room = l->n ? 2 * l->n : 16;
+        l->knot = xrealloc(l->knot, l->room, sizeof *l->knot);
     }
-    s->knot[s->n_knots] = (struct spec_knot){.s = value, .k = k};
-    spec_copy(s->knot[s->n_knots++].rgb, rgb);
+    l->knot[l->n] = (struct spec_knot){.s = value, .k = k};
+    spec_copy(l->knot[l->n++].rgb, rgb);
 }
 
 /* Adds a knot for each colour of the palette between the last knot and one of this value, place and
  * extinction, because linear light from one end to the other has other colours. */
-static void push_palette(struct spec_reader *r, double value, double place, double k)
+static void push_palette(
+    const struct spec_reader *r, struct spec_list *l, double value, double place, double k)
 {
-    const struct spec_knot a = r->s->knot[r->s->n_knots - 1];
-    const double steps = SPEC_PALETTE_POINTS - 1, way = place - r->place;
+    const struct spec_knot a = l->knot[l->n - 1];
+    const double steps = SPEC_PALETTE_POINTS - 1, way = place - l->place;
     for (int i = 1; i < SPEC_PALETTE_POINTS - 1; i++) {
         int colour = way > 0 ? i : SPEC_PALETTE_POINTS - 1 - i;
-        double f = (colour / steps - r->place) / way; /* way 0: no number, or infinite */
+        double f = (colour / steps - l->place) / way; /* way 0: no number, or infinite */
         double s = a.s + (value - a.s) * f;
-        if (f > 0 && f < 1 && s > r->s->knot[r->s->n_knots - 1].s && s < value)
-            push_knot(r, s, r->palette[colour], a.k + (k - a.k) * f);
+        if (f > 0 && f < 1 && s > l->knot[l->n - 1].s && s < value)
+            push_knot(l, s, r->palette[colour], a.k + (k - a.k) * f);
     }
 }
 
-bool spec_add_knot(struct spec_reader *r, const double v[5], double place)
+bool spec_add_knot(struct spec_reader *r, int list, const double v[5], double place)
 {
-    const struct spec *s = r->s;
-    size_t n = s->n_knots;
-    if (n && v[0] < s->knot[n - 1].s)
+    static const char *const words[] = {"map", "colour", "ground"};
+    struct spec_list *l = &r->list[list];
+    const size_t n = l->n;
+    if (n && v[0] < l->knot[n - 1].s)
         return spec_fail(
-            r, "map: %g after %g, expected values that ascend", v[0], s->knot[n - 1].s);
-    if (n > 1 && v[0] <= s->knot[n - 2].s)
-        return spec_fail(r, "map: %g for the third time, expected a value twice at most", v[0]);
-    if (n && place >= 0 && r->place >= 0) push_palette(r, v[0], place, v[4]);
-    push_knot(r, v[0], v + 1, v[4]);
-    r->place = place;
+            r, "%s: %g after %g, expected values that ascend", words[list], v[0], l->knot[n - 1].s);
+    if (n > 1 && v[0] <= l->knot[n - 2].s)
+        return spec_fail(
+            r, "%s: %g for the third time, expected a value twice at most", words[list], v[0]);
+    if (n && place >= 0 && l->place >= 0) push_palette(r, l, v[0], place, v[4]);
+    push_knot(l, v[0], v + 1, v[4]);
+    l->place = place;
     return true;
 }
 
@@ -82,6 +84,17 @@ bool spec_take_clip(struct spec_reader *r, const double v[6])
     return r->s->clipped = true;
 }
 
+static void take_lists(struct spec_reader *r)
+{
+    struct spec *s = r->s;
+    struct spec_knot **const knot[] = {&s->knot, &s->colour, &s->ground};
+    size_t *const n[] = {&s->n_knots, &s->n_colours, &s->n_grounds};
+    for (int i = 0; i < SPEC_LISTS; i++) {
+        *knot[i] = r->list[i].knot;
+        *n[i] = r->list[i].n;
+    }
+}
+
 static int by_value(const void *a, const void *b)
 {
     double x = ((const struct spec_iso *)a)->s, y = ((const struct spec_iso *)b)->s;
@@ -111,8 +124,11 @@ static bool check_slices(struct spec_reader *r)
 bool spec_check_field(struct spec_reader *r)
 {
     struct spec *s = r->s;
-    if (!s->n_knots && !s->n_isos)
-        return spec_fail(r, "nothing is visible, expected map or iso lines");
+    take_lists(r);
+    if (!s->n_knots && !s->n_isos && !s->n_grounds)
+        return spec_fail(r, "nothing is visible, expected map, iso or ground lines");
+    if (!s->n_knots && s->n_colours)
+        return spec_fail(r, "colour: no map, expected map lines, whose extinction it colours");
     if (s->n_knots == 1) return spec_fail(r, "one map line, expected two or more");
     if (s->n_isos) qsort(s->iso, s->n_isos, sizeof *s->iso, by_value);
     for (size_t i = 1; i < s->n_isos; i++)

@@ -36,7 +36,9 @@ enum word {
     CLIP,
     MAP,
     ISO,
-    SLICE
+    SLICE,
+    TINT,
+    GROUND
 };
 struct range {
     const char *what;
@@ -73,6 +75,8 @@ static const struct {
     [MAP] = {"map", {COORDINATE("value"), COLOUR, {"extinction", 0, GRID_MAX}}, true},
     [ISO] = {"iso", {COORDINATE("value"), COLOUR, {"opacity", 0, 1}}, true},
     [SLICE] = {"slice", {COORDINATE("place"), {"opacity", 0, 1}}, true}, /* after its axis */
+    [TINT] = {"colour", {COORDINATE("value"), COLOUR}, true},
+    [GROUND] = {"ground", {COORDINATE("height"), COLOUR}, true},
 };
 /* Lines whose colour is a place in the palette. */
 #define PLACE                                                                                      \
@@ -81,6 +85,8 @@ static const struct {
     }
 static const struct range map_by_place[] = {
     COORDINATE("value"), PLACE, {"extinction", 0, GRID_MAX}, {NULL, 0, 0}};
+static const struct range tint_by_place[] = {COORDINATE("value"), PLACE, {NULL, 0, 0}};
+static const struct range ground_by_place[] = {COORDINATE("height"), PLACE, {NULL, 0, 0}};
 static const struct range iso_by_place[] = {
     COORDINATE("value"), PLACE, {"opacity", 0, 1}, {NULL, 0, 0}};
 #define WORDS (sizeof words / sizeof *words)
@@ -174,9 +180,11 @@ static bool take_line(struct spec_reader *r, enum word word, const double *v, do
         break;
     case PALETTE: break; /* read_palette */
     case CLIP: return spec_take_clip(r, v);
-    case MAP: return spec_add_knot(r, v, place);
+    case MAP: return spec_add_knot(r, SPEC_MAP, v, place);
     case ISO: return spec_add_iso(r, v);
     case SLICE: return spec_add_slice(r, (int)place, v);
+    case TINT: return spec_add_knot(r, SPEC_COLOURS, v, place);
+    case GROUND: return spec_add_knot(r, SPEC_GROUND, v, place);
     }
     return true;
 }
@@ -208,19 +216,33 @@ static bool read_axis(struct spec_reader *r, double *axis)
     return true;
 }
 
-/* Reads the numbers of a word and takes them. Three of map and iso are a value, a place in the
- * palette, and extinction or opacity. */
+/* The numbers of a line whose colour is a place in the palette: one number of colour, not three.
+ * NULL if this line is none. */
+static const struct range *range_by_place(struct spec_reader *r, enum word w)
+{
+    const size_t n = count_words(r);
+    switch (w) {
+    case MAP: return n == 3 ? map_by_place : NULL;
+    case ISO: return n == 3 ? iso_by_place : NULL;
+    case TINT: return n == 2 ? tint_by_place : NULL;
+    case GROUND: return n == 2 ? ground_by_place : NULL;
+    default: return NULL;
+    }
+}
+
+/* Reads the numbers of a word and takes them. */
 static bool read_numbers(struct spec_reader *r, enum word w)
 {
     double v[NUMBERS_MAX] = {0}, place = -1;
     const char *name = words[w].name;
     if (w == SLICE && !read_axis(r, &place)) return false;
-    const struct range *range = words[w].number;
-    bool placed = (w == MAP || w == ISO) && count_words(r) == 3;
-    if (placed && !(r->seen >> PALETTE & 1))
-        return spec_fail(
-            r, "%s: 3 numbers and no palette, expected a palette line above, or 5 numbers", name);
-    if (placed) range = w == MAP ? map_by_place : iso_by_place;
+    const struct range *placed = range_by_place(r, w), *range = placed ? placed : words[w].number;
+    if (placed && !(r->seen >> PALETTE & 1)) {
+        const int n = w == MAP || w == ISO ? 3 : 2;
+        return spec_fail(r,
+            "%s: %d numbers and no palette, expected a palette line above, or %d numbers", name, n,
+            n + 2);
+    }
     for (int i = 0; i < NUMBERS_MAX && range[i].what; i++)
         if (!read_number(r, name, &range[i], &v[i])) return false;
     if (placed) {
@@ -239,7 +261,7 @@ static bool read_line(struct spec_reader *r)
     if (w == WORDS)
         return fail_word(r, "line", "first word",
             "from, at, up, angle, resolution, light, attenuation, scale, limit, background, "
-            "palette, clip, map, iso or slice");
+            "palette, clip, map, iso, slice, colour or ground");
     const char *name = words[w].name;
     if (r->seen >> w & 1 && !words[w].many)
         return spec_fail(r, "%s: twice, expected it once", name);
@@ -287,6 +309,8 @@ int spec_read(const char *name, const char *text, size_t n, struct spec *s, char
     *s = (struct spec){.scale = {1, 1, 1}, .opacity_limit = SPEC_LIMIT};
     err[0] = '\0';
     if (read_lines(&r, text, text + n)) return 0;
+    for (int i = 0; i < SPEC_LISTS; i++) free(r.list[i].knot);
+    s->knot = s->colour = s->ground = NULL;
     spec_free(s);
     return -1;
 }
@@ -296,6 +320,8 @@ void spec_free(struct spec *s)
     free(s->knot);
     free(s->iso);
     free(s->slice);
+    free(s->colour);
+    free(s->ground);
     *s = (struct spec){0};
 }
 

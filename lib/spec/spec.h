@@ -37,6 +37,10 @@ struct spec {
     size_t n_isos;
     struct spec_slice *slice; /* ascending by axis and place, each once; only with a map */
     size_t n_slices;
+    struct spec_knot *colour; /* of the second field, which gives all colours; k = 0 */
+    size_t n_colours;
+    struct spec_knot *ground; /* by the height of the ground; none: it is not seen; k = 0 */
+    size_t n_grounds;
     bool clipped;
     double clip[3][2]; /* only this part is seen: from < to, in the grid's coordinates */
 };

@@ -6,6 +6,14 @@
 
 #include <string.h>
 
+/* Knots of the map, of the colours of the second field, of the ground. */
+enum { SPEC_MAP, SPEC_COLOURS, SPEC_GROUND, SPEC_LISTS };
+struct spec_list {
+    struct spec_knot *knot;
+    size_t n, room;
+    double place; /* in the palette, of the last knot; negative: it has its own colour */
+};
+
 struct spec_reader {
     const char *at, *end; /* the unread part of the line */
     const char *name;     /* for messages */
@@ -13,9 +21,9 @@ struct spec_reader {
     size_t line;          /* from 1 */
     unsigned seen;        /* one bit per word */
     struct spec *s;
-    size_t room_knots, room_isos, room_slices;
+    struct spec_list list[SPEC_LISTS];
+    size_t room_isos, room_slices;
     double palette[SPEC_PALETTE_POINTS][3]; /* if seen */
-    double place;                           /* of the last knot; negative: it has its own colour */
 };
 
 bool spec_fail(struct spec_reader *r, const char *fmt, ...) PRINTF_LIKE(2, 3);
@@ -26,12 +34,13 @@ static inline void spec_copy(double to[3], const double from[3])
 
 /* ---- what is seen of the field (field.c) ---------------------------------------------------- */
 
-/* place: in the palette; negative: v has the colour. */
-bool spec_add_knot(struct spec_reader *r, const double v[5], double place);
+/* v: value, colour, extinction. place: in the palette; negative: v has the colour. */
+bool spec_add_knot(struct spec_reader *r, int list, const double v[5], double place);
 bool spec_add_iso(struct spec_reader *r, const double v[5]);
 bool spec_add_slice(struct spec_reader *r, int axis, const double v[2]);
 bool spec_take_clip(struct spec_reader *r, const double v[6]);
-/* What these lines must be together. Sorts surfaces and slices. */
+/* What these lines must be together. Moves lists to the specification; sorts surfaces and
+ * slices. */
 bool spec_check_field(struct spec_reader *r);
 
 #endif

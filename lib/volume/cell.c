@@ -5,10 +5,11 @@
  */
 #include "volume/volume_int.h"
 
-static void corners(struct cell *c, const struct volume *v, const int32_t i[3])
+/* first: the value at the lowest corner of the grid. */
+static void corners(struct cell *c, const float *first, const struct volume *v, const int32_t i[3])
 {
     const ptrdiff_t x = v->stride[0], y = v->stride[1], z = v->stride[2];
-    const float *s = v->first + i[0] * x + i[1] * y + i[2] * z;
+    const float *s = first + i[0] * x + i[1] * y + i[2] * z;
     double o = (double)s[0];
     double fx = (double)s[x] - o, fy = (double)s[y] - o, fz = (double)s[z] - o;
     double xy = (double)s[x + y] - o, xz = (double)s[x + z] - o, yz = (double)s[y + z] - o;
@@ -21,11 +22,24 @@ static void corners(struct cell *c, const struct volume *v, const int32_t i[3])
     c->f[6] = xyz - xy - xz - yz + fx + fy + fz;
 }
 
+/* The field along the ray, of the corners. */
+static void along(struct cell *c)
+{
+    const double *f = c->f, x = c->from[0], y = c->from[1], z = c->from[2];
+    const double dx = c->delta[0], dy = c->delta[1], dz = c->delta[2];
+    double xy = f[3] + f[6] * z, xz = f[4] + f[6] * y, yz = f[5] + f[6] * x;
+    c->p[0] = f[0] * x + y * (f[1] + f[3] * x) + z * (f[2] + f[4] * x + y * yz);
+    c->p[1] = dx * (f[0] + f[3] * y + z * xz) + dy * (f[1] + f[3] * x + z * yz) +
+              dz * (f[2] + f[4] * x + y * yz);
+    c->p[2] = dx * dy * xy + dx * dz * xz + dy * dz * yz;
+    c->p[3] = dx * dy * dz * f[6];
+}
+
 void cell_init(struct cell *c, const struct volume *v, const double o[3], const double d[3],
     const struct segment *s)
 {
     const double t0 = s->t0, t1 = s->t1;
-    corners(c, v, s->i);
+    corners(c, v->first, v, s->i);
     for (int a = 0; a < 3; a++) {
         const double *plane = v->plane[a] + s->i[a];
         double h = c->edge[a] = plane[1] - plane[0];
@@ -38,14 +52,14 @@ void cell_init(struct cell *c, const struct volume *v, const double o[3], const 
     }
     c->t = t0;
     c->len = t1 - t0;
-    const double *f = c->f, x = c->from[0], y = c->from[1], z = c->from[2];
-    const double dx = c->delta[0], dy = c->delta[1], dz = c->delta[2];
-    double xy = f[3] + f[6] * z, xz = f[4] + f[6] * y, yz = f[5] + f[6] * x;
-    c->p[0] = f[0] * x + y * (f[1] + f[3] * x) + z * (f[2] + f[4] * x + y * yz);
-    c->p[1] = dx * (f[0] + f[3] * y + z * xz) + dy * (f[1] + f[3] * x + z * yz) +
-              dz * (f[2] + f[4] * x + y * yz);
-    c->p[2] = dx * dy * xy + dx * dz * xz + dy * dz * yz;
-    c->p[3] = dx * dy * dz * f[6];
+    along(c);
+}
+
+void cell_second(struct cell *c, const struct cell *of, const struct volume *v, const int32_t i[3])
+{
+    *c = *of;
+    corners(c, v->second, v, i);
+    along(c);
 }
 
 struct vec3 cell_gradient(const struct cell *c, double w)

@@ -35,6 +35,16 @@ double path_light(const struct path *p, double w)
     return light * (VOLUME_AMBIENT + (1 - VOLUME_AMBIENT) * fabs(v3_dot(g, l)) / sqrt(gg));
 }
 
+bool volume_colour(const struct path *p, double w, double rgb[3])
+{
+    const struct map *m = p->second ? &p->v->tint : &p->v->map;
+    const struct cell *c = p->second ? p->second : p->cell;
+    double s = c->base + cubic_at(c->p, w);
+    int i = map_find(m, s);
+    if (i >= 0) map_colour(&m->span[i], s, rgb);
+    return i >= 0;
+}
+
 /* ---- trapezoid: as published ---------------------------------------------------------------- */
 
 /* Extinction, and the colour including light and attenuation, at w of the cell. */
@@ -47,9 +57,10 @@ static double sample(struct path *p, double w, double rgb[3])
     rgb[0] = rgb[1] = rgb[2] = 0;
     if (i < 0 || m->span[i].transparent) return 0;
     const struct map_span *a = &m->span[i];
-    double x = s - a->lo, light = path_light(p, w);
-    for (int c = 0; c < 3; c++) rgb[c] = (a->rgb0[c] + a->rgb1[c] * x) * light;
-    return a->k0 + a->k1 * x;
+    double light = path_light(p, w);
+    volume_colour(p, w, rgb);
+    for (int c = 0; c < 3; c++) rgb[c] *= light;
+    return a->k0 + a->k1 * (s - a->lo);
 }
 
 static void trapezoid(struct path *p, double a, double b, int n)
@@ -93,22 +104,32 @@ double volume_depth_to(const struct path *p, const struct piece *s, double x)
     return x * (s->span->k0 + s->span->k1 * mean) * (s->b - s->a) * p->cell->len;
 }
 
+/* The colour at x of the piece, where the field is q above the span's lo. */
+static inline void colour_at(const struct piece *s, double x, double q, double rgb[3])
+{
+    const struct map_span *f = s->tint ? s->tint : s->span;
+    if (s->tint) q = cubic_at(s->of_tint, x);
+    for (int c = 0; c < 3; c++) rgb[c] = f->rgb0[c] + f->rgb1[c] * q;
+}
+
 void volume_gauss(struct path *p, const struct piece *s, double depth, const struct rule *r)
 {
     const struct map_span *f = s->span;
     bool lit = is_lit(p->v);
-    double sum = 0, rgb[3] = {0, 0, 0};
+    double sum = 0, rgb[3] = {0, 0, 0}, colour[3];
     for (int i = 0; i < r->m; i++) {
         double x = cubic_at(s->q, r->node[i]), k = f->k0 + f->k1 * x;
         double weight = r->weight[i] * k * volume_exp(-volume_depth_to(p, s, r->node[i]));
         double light = lit ? path_light(p, s->a + (s->b - s->a) * r->node[i]) : 1;
         sum += weight;
-        for (int c = 0; c < 3; c++) rgb[c] += weight * light * (f->rgb0[c] + f->rgb1[c] * x);
+        colour_at(s, r->node[i], x, colour);
+        for (int c = 0; c < 3; c++) rgb[c] += weight * light * colour[c];
     }
     p->v->counts.samples += (uint64_t)r->m;
     if (!(sum > 0)) { /* all weights underflow: only the start of the piece is visible */
         double light = lit ? path_light(p, s->a) : 1;
-        for (int c = 0; c < 3; c++) rgb[c] = light * (f->rgb0[c] + f->rgb1[c] * s->q[0]);
+        colour_at(s, 0, s->q[0], colour);
+        for (int c = 0; c < 3; c++) rgb[c] = light * colour[c];
         sum = 1;
     }
     for (int c = 0; c < 3; c++) rgb[c] /= sum;
@@ -122,6 +143,9 @@ void volume_halve(const struct piece *s, struct piece half[2])
     half[0].b = half[1].a = middle;
     cubic_part(s->q, 0, 0.5, half[0].q);
     cubic_part(s->q, 0.5, 1, half[1].q);
+    if (!s->tint) return;
+    cubic_part(s->of_tint, 0, 0.5, half[0].of_tint);
+    cubic_part(s->of_tint, 0.5, 1, half[1].of_tint);
 }
 
 static void by_depth(struct path *p, const struct piece *s, int halvings)
@@ -184,7 +208,7 @@ static void by_bounds(struct path *p, const struct piece *s, int halvings)
 
 static void piece_adaptive(struct path *p, const struct piece *s)
 {
-    if (is_lit(p->v)) lit_piece(p, s);
+    if (is_lit(p->v) || s->tint) lit_piece(p, s);
     else by_bounds(p, s, 0);
 }
 

@@ -23,6 +23,11 @@
  * Pieces that exp(-a t) makes fainter than the tolerance are not halved. After HALVINGS_MAX a piece
  * is integrated as it is: it has 1e-12 of the cell's length and is next to a point where the field
  * has no gradient.
+ *
+ * The colours of a second field are a cubic of their own, so that extinction and colour are of
+ * degree 6 together, whatever the field. A rule of 16 nodes is exact to degree 31. That leaves 16
+ * for exp(-tau), of a depth of at most 1, and 9 for the light: 2e-5 of the colour is left out, and
+ * with 32 nodes 1e-11.
  * One machine with integrate.c.
  */
 #include "volume/volume_int.h"
@@ -30,6 +35,7 @@
 #define TURN_MAX 0.5
 #define HALVINGS_MAX 40
 #define NODES_LEAST 3
+#define MIXED_COARSE 1e-4 /* tolerance from which 16 nodes do */
 
 /* Error bounds of the rules of 3, 4, ... nodes. */
 static const double straight[] = {1.8e-2, 2.5e-3, 3.7e-4, 5.2e-5, 7.5e-6, 1.2e-6, 1.7e-7, 2.6e-8,
@@ -46,12 +52,14 @@ static int nodes_for(double tolerance, const double *error, int n)
 
 void lit_rules(struct volume *v)
 {
-    for (uint32_t i = 0; i < v->map.n; i++) {
-        const struct map_span *s = &v->map.span[i];
+    const struct map *m = v->second ? &v->tint : &v->map;
+    for (uint32_t i = 0; i < m->n; i++) {
+        const struct map_span *s = &m->span[i];
         double width = s->hi - s->lo;
         for (int c = 0; c < 3 && !s->transparent; c++)
             v->bright = fmax(v->bright, fmax(s->rgb0[c], s->rgb0[c] + s->rgb1[c] * width));
     }
+    volume_gauss_rule(&v->mixed, v->o.tolerance >= MIXED_COARSE ? 16 : 32);
     double tolerance = v->o.tolerance / v->bright; /* infinite if the map is black */
     volume_gauss_rule(&v->rule, nodes_for(tolerance, straight, sizeof straight / sizeof *straight));
     volume_gauss_rule(&v->bent, nodes_for(tolerance, bent, sizeof bent / sizeof *bent));
@@ -87,7 +95,8 @@ static void by_turn(struct path *p, const struct piece *s, int halvings)
     bool even = depth <= DEPTH_MAX && turn_of(p, s) <= TURN_MAX;
     if (faint || even || halvings == HALVINGS_MAX) {
         cubic_bounds(s->q, &lo, &hi);
-        volume_gauss(p, s, depth, volume_is_straight(s, lo, hi) ? &p->v->rule : &p->v->bent);
+        const struct rule *r = volume_is_straight(s, lo, hi) ? &p->v->rule : &p->v->bent;
+        volume_gauss(p, s, depth, s->tint ? &p->v->mixed : r);
         return;
     }
     struct piece half[2];
@@ -102,6 +111,8 @@ static void part(struct path *p, const struct piece *s, double x, double y)
         .a = s->a + (s->b - s->a) * x,
         .b = y < 1 ? s->a + (s->b - s->a) * y : s->b};
     cubic_part(s->q, x, y, out.q);
+    out.tint = s->tint;
+    if (s->tint) cubic_part(s->of_tint, x, y, out.of_tint);
     if (out.a < out.b) by_turn(p, &out, 0);
 }
 

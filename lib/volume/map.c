@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#define BEYOND 1e30 /* no value is as large */
+
 static void span_init(struct map_span *p, const struct spec_knot *a, const struct spec_knot *b)
 {
     double width = b->s - a->s;
@@ -19,15 +21,38 @@ static void span_init(struct map_span *p, const struct spec_knot *a, const struc
     p->transparent = a->k == 0 && b->k == 0;
 }
 
-void map_init(struct map *m, const struct spec *s)
+static void add_span(struct map *m, const struct spec_knot *a, const struct spec_knot *b)
 {
-    m->span = xmalloc(s->n_knots + 1, sizeof *m->span);
+    m->closed = b->s > a->s;
+    if (m->closed) span_init(&m->span[m->n++], a, b);
+}
+
+void map_init(struct map *m, const struct spec_knot *knot, size_t n)
+{
+    m->span = xmalloc(n + 1, sizeof *m->span);
     m->n = 0;
     m->closed = false;
-    for (size_t i = 1; i < s->n_knots; i++) {
-        m->closed = s->knot[i].s > s->knot[i - 1].s;
-        if (m->closed) span_init(&m->span[m->n++], &s->knot[i - 1], &s->knot[i]);
-    }
+    for (size_t i = 1; i < n; i++) add_span(m, &knot[i - 1], &knot[i]);
+}
+
+void map_init_colours(struct map *m, const struct spec_knot *knot, size_t n)
+{
+    m->span = xmalloc(n + 2, sizeof *m->span);
+    m->n = 0;
+    m->closed = false;
+    if (!n) return;
+    struct spec_knot below = knot[0], above = knot[n - 1];
+    below.s = -BEYOND;
+    above.s = BEYOND;
+    add_span(m, &below, &knot[0]);
+    for (size_t i = 1; i < n; i++) add_span(m, &knot[i - 1], &knot[i]);
+    add_span(m, &knot[n - 1], &above);
+    for (uint32_t i = 0; i < m->n; i++) m->span[i].transparent = false;
+}
+
+void map_colour(const struct map_span *p, double s, double rgb[3])
+{
+    for (int c = 0; c < 3; c++) rgb[c] = p->rgb0[c] + p->rgb1[c] * (s - p->lo);
 }
 
 int map_find(const struct map *m, double s)

@@ -51,11 +51,9 @@ uint32_t slice_crossings(const struct volume *v, const struct segment *s, const 
 
 bool slice_colour(const struct path *p, double w, double rgb[3])
 {
-    const struct map *m = &p->v->map;
-    double s = p->cell->base + cubic_at(p->cell->p, w), fade = path_fade(p, w);
-    int i = map_find(m, s);
-    if (i < 0) return false;
-    for (int c = 0; c < 3; c++)
-        rgb[c] = (m->span[i].rgb0[c] + m->span[i].rgb1[c] * (s - m->span[i].lo)) * fade;
+    const double fade = path_fade(p, w);
+    if (map_find(&p->v->map, p->cell->base + cubic_at(p->cell->p, w)) < 0) return false;
+    volume_colour(p, w, rgb);
+    for (int c = 0; c < 3; c++) rgb[c] *= fade;
     return true;
 }

@@ -46,7 +46,7 @@ static bool edges_fit(const struct volume *v)
 
 bool volume_stream_fits(const struct volume *v)
 {
-    if (v->o.method != VOLUME_ADAPTIVE || (is_lit(v) && !rule_for(v))) return false;
+    if (v->o.method != VOLUME_ADAPTIVE || v->second || (is_lit(v) && !rule_for(v))) return false;
     if (v->spec->lit && !edges_fit(v)) return false;
     return v->o.tolerance >= TOLERANCE_MIN;
 }
@@ -118,10 +118,11 @@ static void widen(struct stream *s)
     const struct spec *spec = s->v->spec;
     s->shines = is_lit(s->v) && s->v->map.n > 0;
     find_room(s);
-    s->wide = s->narrow || is_lit(s->v) || volume_has_sheets(s->v) || spec->clipped;
+    s->wide = s->narrow || is_lit(s->v) || volume_has_sheets(s->v) || spec->clipped || s->v->ground;
     s->value_high = xcalloc(spec->n_isos + 1, sizeof *s->value_high);
     s->value_low = xcalloc(spec->n_isos + 1, sizeof *s->value_low);
     s->above = xcalloc(spec->n_isos + 1, STREAM_RAYS * sizeof *s->above);
+    if (s->v->ground) s->ground = xcalloc(STREAM_RAYS, sizeof *s->ground);
     for (size_t i = 0; i < spec->n_isos; i++)
         split(spec->iso[i].s, &s->value_high[i], &s->value_low[i]);
     if (!is_lit(s->v)) return;
@@ -181,6 +182,7 @@ void volume_stream_free(struct stream *s)
     free(s->value_high);
     free(s->value_low);
     free(s->above);
+    free(s->ground);
     volume_leap_free(s);
     free(s->room);
 }
@@ -192,7 +194,9 @@ static void put_pixels(
     s->kernel(s, l, n0, n);
     for (uint32_t i = 0, x = 0; i < n; i++) {
         const double *sum = s->sum[i];
-        volume_put(s->v, sum, 1 - sum[3], rgba);
+        if (s->ground && s->ground[i].is)
+            volume_put_ground(s->v, &s->ground[i], sum, 1 - sum[3], rgba);
+        else volume_put(s->v, sum, 1 - sum[3], rgba);
         rgba += 4;
         if (++x == l->w) {
             x = 0;

@@ -145,6 +145,7 @@ struct stream {
     float bright, straight, near[2], any[2];
     float *value_high, *value_low; /* the values of surfaces are their sums */
     bool *above;                   /* per ray and surface: see surface.c */
+    struct meeting *ground;        /* per ray; NULL: there is no ground */
     /* Leaps over empty regions (leap.c): one byte per region; some cell of it is live. */
     bool leaps;
     uint8_t *region;

@@ -174,6 +174,18 @@ static void keep_ray(struct stream *s, uint32_t i, uint32_t k, const struct aim 
     }
 }
 
+/* Ends rays at the ground: n of them from start i on. */
+static void meet_ground(struct stream *s, uint32_t i, uint32_t n, struct aim *m)
+{
+    for (uint32_t k = 0; k < VD && k < n; k++) {
+        const struct vec3 d = v3(m->d[0][k], m->d[1][k], m->d[2][k]);
+        struct meeting *g = &s->ground[s->starts.ray + i + k];
+        *g = ground_meet(s->v->ground, s->v->spec, d);
+        if (g->is && g->t - m->near[k] < m->exit[k]) m->exit[k] = g->t - m->near[k];
+    }
+    m->hit &= (vl)(m->enter < m->exit);
+}
+
 /* Sets up the rays of the next pixels. `hit` marks those that hit the grid. */
 static void begin(struct stream *s)
 {
@@ -193,6 +205,7 @@ static void begin(struct stream *s)
         }
         aim_at(&m, &v->camera, x, y);
         clip_aim(&m, v);
+        if (s->ground) meet_ground(s, i, n - i, &m);
         t->hit |= (uint64_t)vl_signs(m.hit) << i;
         vd_store(t->enter + i, m.enter);
         vd_store(t->exit + i, m.exit);

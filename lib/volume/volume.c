@@ -73,6 +73,16 @@ static void set_inside(struct volume *v, const struct spec *s)
     }
 }
 
+bool volume_check(const struct grid *g, const struct spec *s, char err[ERR_BYTES])
+{
+    if (s->n_colours && !g->second)
+        return err_set(err, "colour lines and a grid of one field, expected a second field in it");
+    if (s->n_grounds && !g->ground)
+        return err_set(
+            err, "ground lines and a grid without ground, expected one of one level in it");
+    return true;
+}
+
 struct volume *volume_new(
     const struct grid *g, const struct spec *s, const struct volume_options *o)
 {
@@ -83,13 +93,16 @@ struct volume *volume_new(
     set_brick(v, g, s->scale);
     set_inside(v, s);
     slice_init(v);
-    map_init(&v->map, s);
+    map_init(&v->map, s->knot, s->n_knots);
+    map_init_colours(&v->tint, s->colour, s->n_colours);
+    if (s->n_colours) v->second = g->second + (v->first - v->value);
+    if (s->n_grounds) v->ground = ground_new(g->ground, s);
     skip_init(v);
     v->camera = camera_new(v3_of(s->from), v3_of(s->at), v3_of(s->up), s->angle);
     volume_frame(v, s->w, s->h);
     volume_gauss_rule(
         &v->rule, o->method == VOLUME_GAUSS ? o->n : nodes_for(o->tolerance, &v->map));
-    if (o->method == VOLUME_ADAPTIVE && is_lit(v)) lit_rules(v);
+    if (o->method == VOLUME_ADAPTIVE && (is_lit(v) || v->second)) lit_rules(v);
     if (volume_stream_fits(v)) v->stream = volume_stream_new(v);
     v->side = v->above = xcalloc(s->n_isos + 1, sizeof *v->above);
     v->crossing = xcalloc(3 * s->n_isos + s->n_slices + 1, sizeof *v->crossing);
@@ -103,9 +116,11 @@ void volume_free(struct volume *v)
     for (int a = 0; a < 3; a++) free(v->inv_edge[a]);
     volume_stream_free(v->stream);
     free(v->map.span);
+    free(v->tint.span);
     free(v->live);
     free(v->block);
     slice_free(v);
+    ground_free(v->ground);
     free(v->side);
     free(v->crossing);
     free(v);
@@ -125,6 +140,7 @@ static void ray(struct path *p, struct walk *w)
     while (!path_done(p) && walk_cell(w, &s)) {
         cell_init(p->cell, w->v, w->o, w->d, &s);
         p->cell->t += w->before;
+        if (w->v->second) cell_second(p->second, p->cell, w->v, s.i);
         bool own = volume_owns(w->v, s.i);
         volume_surfaces(p, &s, w->o, w->d, s.t0 != last, own);
         last = s.t1;
@@ -140,18 +156,35 @@ void volume_put(const struct volume *v, const double rgb[3], double transmittanc
     rgba[3] = backed ? 1 : (float)(1 - transmittance);
 }
 
+void volume_put_ground(const struct volume *v, const struct meeting *m, const double rgb[3],
+    double transmittance, float *rgba)
+{
+    double sum[3];
+    for (int c = 0; c < 3; c++) sum[c] = rgb[c] + transmittance * m->rgb[c];
+    volume_put(v, sum, 0, rgba);
+}
+
 static void pixel(struct volume *v, uint64_t at, float *rgba)
 {
-    struct cell cell;
+    struct cell cell, second;
     struct path p = {.v = v, .transmittance = 1, .cell = &cell, .dir = volume_direction(v, at)};
+    if (v->second) p.second = &second;
     struct walk w;
+    struct meeting m = {.is = false};
+    if (v->ground) m = ground_meet(v->ground, v->spec, p.dir);
     v->counts.rays++;
-    if (walk_begin(&w, v, v->camera.eye, p.dir)) {
+    bool hits = walk_begin(&w, v, v->camera.eye, p.dir);
+    if (hits && m.is) {
+        w.exit = fmin(w.exit, m.t - w.before);
+        hits = w.front.t < w.exit;
+    }
+    if (hits) {
         v->counts.hits++;
         ray(&p, &w);
         if (w.front.passed > v->counts.most_cells) v->counts.most_cells = w.front.passed;
     }
-    volume_put(v, p.rgb, p.transmittance, rgba);
+    if (m.is) volume_put_ground(v, &m, p.rgb, p.transmittance, rgba);
+    else volume_put(v, p.rgb, p.transmittance, rgba);
 }
 
 void volume_pixels(struct volume *v, const struct lattice *l, uint64_t n0, uint32_t n, float *rgba)

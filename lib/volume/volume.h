@@ -23,6 +23,10 @@
  * n is the unit gradient of s in scaled space, l the direction to the light (Lambert's law, the
  * same on both sides). If s has no gradient, the factor is 1.
  *
+ * If the specification has colours of a second field, c is a function of that field instead of s. A
+ * slice is a plane in the colours of the map. The ground is an opaque surface that ends rays.
+ * Light does not change slices. A clip box hides everything outside.
+ *
  * The pixels depend only on grid, specification, options and the frame's size. The SIMD width, and
  * the order and grouping of pixels do not change a bit.
  */
@@ -65,8 +69,11 @@ bool volume_method_parse(const char *s, struct volume_options *o, char err[ERR_B
 bool volume_method_print(const struct volume_options *o, char text[VOLUME_METHOD]);
 
 struct volume;
-/* Keeps pointers to g and s, which must outlive the volume. Never NULL. The caller frees it with
- * volume_free. */
+/* False with a message in err if the grid lacks what the specification names: a second field, a
+ * ground. */
+bool volume_check(const struct grid *g, const struct spec *s, char err[ERR_BYTES]);
+/* For a grid and a specification that pass volume_check. Keeps pointers to g and s, which must
+ * outlive the volume. Never NULL. The caller frees it with volume_free. */
 struct volume *volume_new(
     const struct grid *g, const struct spec *s, const struct volume_options *o);
 void volume_free(struct volume *v);

@@ -29,7 +29,11 @@ struct map {
     bool closed; /* the last span includes its upper end */
 };
 
-void map_init(struct map *m, const struct spec *s);
+void map_init(struct map *m, const struct spec_knot *knot, size_t n);
+/* The same for colours alone: those of the ends hold beyond them too. Without knots it is empty. */
+void map_init_colours(struct map *m, const struct spec_knot *knot, size_t n);
+/* The colour of a value in this span. */
+void map_colour(const struct map_span *p, double s, double rgb[3]);
 /* Index of the span that contains s; -1 outside the map. */
 int map_find(const struct map *m, double s);
 
@@ -76,6 +80,19 @@ int cubic_monotone(const double p[4], double w[4]);
 /* The root of p(w) = y in a .. b. p must be monotone there and y between its end values. */
 double cubic_root(const double p[4], double a, double b, double y);
 
+/* ---- the ground (ground.c) ------------------------------------------------------------------ */
+
+struct ground;
+/* Where a ray meets the ground: distance from the eye; colour, with light and attenuation. */
+struct meeting {
+    bool is;
+    double t, rgb[3];
+};
+/* Keeps pointers to `of`, the ground of a grid. Never NULL. */
+struct ground *ground_new(const struct grid *of, const struct spec *s);
+void ground_free(struct ground *g);
+struct meeting ground_meet(const struct ground *g, const struct spec *s, struct vec3 dir);
+
 /* ---- the grid, prepared (skip.c, volume.c) -------------------------------------------------- */
 
 /* A ray crosses an iso-surface or a slice at w of a cell. */
@@ -114,16 +131,19 @@ struct volume {
     ptrdiff_t stride[3];  /* from a node to the next, in values; negative if the scale is */
     const float *first;   /* node at the lowest corner */
     const float *value;   /* first node in memory */
+    const float *second;  /* `first` of the field whose colours are seen; NULL: colours are s's */
     ptrdiff_t row, layer; /* distance in nodes */
     ptrdiff_t origin;     /* index of the cell at the lowest corner: its first node in memory */
     uint8_t *live;        /* one bit per cell, by its first node in memory: the cell is visible */
     uint8_t *block;       /* one byte per block: some cell of it is live */
     uint32_t blocks[3];
-    double range; /* largest range of values within a live cell */
-    struct map map;
+    double range;          /* largest range of values within a live cell */
+    struct ground *ground; /* NULL: none is seen */
+    struct map map, tint;  /* tint: colours of the second field */
     struct camera camera;
     struct rule rule;          /* of the method; with a light: for straight pieces */
     struct rule bent;          /* with a light: for other pieces */
+    struct rule mixed;         /* with a second field: for all pieces */
     double bright;             /* the largest colour component of the map */
     struct crossing *crossing; /* crossings of one cell */
     bool *above;               /* per surface: the ray is at or above its value */
@@ -219,6 +239,8 @@ struct cell {
 /* Sets c->t relative to o. The caller adds the distance from the eye to o. */
 void cell_init(struct cell *c, const struct volume *v, const double o[3], const double d[3],
     const struct segment *s);
+/* The second field in the same cell, i, along the same segment. */
+void cell_second(struct cell *c, const struct cell *of, const struct volume *v, const int32_t i[3]);
 /* The gradient at w, in scaled space. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
@@ -230,13 +252,17 @@ struct path {
     double rgb[3], transmittance; /* exp(-tau) so far */
     struct cell *cell;
     struct vec3 dir;
+    struct cell *second; /* NULL: there is no second field */
 };
 /* The part of a cell's segment within one span. q is the cubic minus the span's lo, with w 0 .. 1
  * in the piece. */
 struct piece {
     const struct map_span *span;
-    double q[4], a, b; /* a, b: the piece's ends in the cell's w */
+    double q[4], a, b;           /* a, b: the piece's ends in the cell's w */
+    const struct map_span *tint; /* the same of the second field; NULL: colours are of `span` */
+    double of_tint[4];
 };
+typedef void piece_fn(struct path *, const struct piece *);
 
 /*
  * The adaptive method uses Gauss rules on pieces of at most this optical depth and this bend. The
@@ -291,12 +317,13 @@ double path_fade(const struct path *p, double w);
 double path_light(const struct path *p, double w);
 /* Integrates the whole cell by the adaptive method, cut at knots of the map. */
 void volume_integrate_cut(struct path *p);
-/* Calls each for the pieces between a and b, front to back. */
-void volume_pieces(
-    struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
+/* Calls each for the pieces between a and b, front to back. With a second field they are cut by it
+ * too. */
+void volume_pieces(struct path *p, double a, double b, piece_fn *each);
 /* The same, for a cell that is known not to lie in one span. */
-void volume_pieces_cut(
-    struct path *p, double a, double b, void (*each)(struct path *, const struct piece *));
+void volume_pieces_cut(struct path *p, double a, double b, piece_fn *each);
+/* The colour at w of the cell: of the map, or of the second field. False outside of the map. */
+bool volume_colour(const struct path *p, double w, double rgb[3]);
 /* Integrates the cell and adds its iso-surfaces and slices in depth order. s, o, d: the segment and
  * its ray. fresh: the field on the ray just before this cell was unknown. own: false if only the
  * ray's side of each surface counts. */
@@ -315,6 +342,9 @@ uint32_t slice_crossings(const struct volume *v, const struct segment *s, const 
 bool slice_colour(const struct path *p, double w, double rgb[3]);
 /* Writes the pixel of a path. */
 void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba);
+/* The same, before the ground. */
+void volume_put_ground(const struct volume *v, const struct meeting *m, const double rgb[3],
+    double transmittance, float *rgba);
 /* True if the stream can render v: by the adaptive method, to a tolerance that float allows. */
 bool volume_stream_fits(const struct volume *v);
 struct stream *volume_stream_new(struct volume *v);

@@ -123,6 +123,7 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
         }
         value[k] = at->part[k]->value;
     }
+    if (!at->built && s->r->check && !s->r->check(value, err)) return -1;
     if (!at->built) at->built = s->r->build(s->options, value);
     if (s->r->frame) s->r->frame(at->built, f->w, f->h);
     s->w = f->w;

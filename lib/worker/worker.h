@@ -107,6 +107,9 @@ struct worker_renderer {
     const char *program; /* as hello states it */
     struct worker_part part[WORKER_PARTS];
     int n_parts;
+    /* Says in err what does not go together in the values of all parts, and returns false. NULL:
+     * all do. */
+    bool (*check)(void *const value[], char err[WORKER_ERR]);
     /* Builds what rendering needs from the values of all parts, which outlive it. Called when the
      * first task of a generation comes. Never NULL. */
     void *(*build)(const void *options, void *const value[]);

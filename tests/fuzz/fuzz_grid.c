@@ -27,6 +27,13 @@ static void check_grid(const struct grid *g, size_t size)
         MUST(isnan(g->value[i]) || fabsf(g->value[i]) <= (float)GRID_MAX);
     for (int a = 0; g->brick.is && a < 3; a++)
         MUST(g->brick.own[a][0] < g->brick.own[a][1] && g->brick.own[a][1] < g->n[a]);
+    for (size_t i = 0; g->second && i < n; i++) {
+        MUST(isnan(g->second[i]) == isnan(g->value[i]));
+        MUST(isnan(g->second[i]) || fabsf(g->second[i]) <= (float)GRID_MAX);
+    }
+    MUST(!g->ground || (g->ground->n[2] == 1 && g->ground->n[0] >= 2 && g->ground->n[1] >= 2));
+    for (int a = 0; g->ground && a < 2; a++)
+        MUST(grid_axis_fault(g->ground->at[a], g->ground->n[a]) == 0);
     MUST(memchr(g->name, '\0', GRID_NAME));
     const double first[] = {g->at[0][0], g->at[1][0], g->at[2][0]};
     const double v = grid_at(g, first);
@@ -59,7 +66,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     free(bytes);
     if (rc != 0) {
         MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);
-        MUST(!g.value && !g.at[0] && !g.at[1] && !g.at[2]);
+        MUST(!g.value && !g.second && !g.ground && !g.at[0] && !g.at[1] && !g.at[2]);
         return 0;
     }
     check_grid(&g, size);

@@ -16,6 +16,16 @@ static void check_colour(const double rgb[3])
     for (int i = 0; i < 3; i++) MUST(rgb[i] >= 0 && rgb[i] <= 1e6);
 }
 
+static void check_colours(const struct spec_knot *k, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        check_colour(k[i].rgb);
+        MUST(fabs(k[i].s) <= GRID_MAX && k[i].k == 0);
+        MUST(!i || k[i].s >= k[i - 1].s);
+        MUST(i < 2 || k[i].s > k[i - 2].s);
+    }
+}
+
 static void check_spec(const struct spec *s)
 {
     MUST(s->w >= 1 && s->w <= 65535 && s->h >= 1 && s->h <= 65535);
@@ -23,7 +33,10 @@ static void check_spec(const struct spec *s)
     MUST(s->opacity_limit > 0 && s->opacity_limit <= 1 && s->attenuation >= 0);
     for (int a = 0; a < 3; a++) MUST(isfinite(s->scale[a]) && fabs(s->scale[a]) > 0);
     check_colour(s->background);
-    MUST(s->n_knots != 1 && s->n_knots + s->n_isos > 0);
+    MUST(s->n_knots != 1 && s->n_knots + s->n_isos + s->n_grounds > 0);
+    MUST(!s->n_colours || s->n_knots);
+    check_colours(s->colour, s->n_colours);
+    check_colours(s->ground, s->n_grounds);
     for (size_t i = 0; i < s->n_knots; i++) {
         check_colour(s->knot[i].rgb);
         MUST(fabs(s->knot[i].s) <= GRID_MAX && s->knot[i].k >= 0 && s->knot[i].k <= GRID_MAX);
@@ -56,7 +69,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     free(text);
     if (rc != 0) {
         MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);
-        MUST(!s.knot && !s.iso && !s.slice);
+        MUST(!s.knot && !s.iso && !s.slice && !s.colour && !s.ground);
         return 0;
     }
     check_spec(&s);

@@ -205,8 +205,7 @@ static void test_refused(void **state)
         {HEAD "DIMENSIONS 2 2 2\nX_COORDINATES 3 float\n0 1 2\n",
             "t:6: number of coordinates is '3', expected 2"},
         {HEAD "DIMENSIONS 2 2 2\nX_COORDINATES 2 bit\n0 1\n", "t:6: type of numbers is 'bit'"},
-        {CUBE "CELL_DATA 1\nSCALARS s float\n",
-            "t:10: word after the coordinates is 'CELL_DATA'"},
+        {CUBE "CELL_DATA 1\nSCALARS s float\n", "t:10: word after the coordinates is 'CELL_DATA'"},
         {CUBE "POINT_DATA 1\n", "t:10: number of point data is '1', expected 8"},
         {CUBE "POINT_DATA 8\nVECTORS v float\n", "VECTORS, expected SCALARS"},
         {CUBE "POINT_DATA 8\nSCALARS v float 3\n", "number of components is '3'"},
@@ -246,6 +245,49 @@ static void test_refused(void **state)
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_refused(bad[i].text, bad[i].message);
+}
+
+#define FIRST HEAD AXES SCALARS VALUES
+#define GROUND                                                                                     \
+    HEAD "DIMENSIONS 3 2 1\nX_COORDINATES 3 int\n9 5 0\nY_COORDINATES 2 float\n1 2\n"              \
+         "Z_COORDINATES 1 float\n7\nPOINT_DATA 6\nSCALARS h short\nLOOKUP_TABLE d\n3 2 1 6 5 4\n"
+#define SECOND HEAD AXES SCALARS "12 11 nan 9 8 7 6 5 4 3 2 1\n"
+
+/* A second field and a ground, in either order, may follow. */
+static void test_further(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {FIRST SECOND GROUND, FIRST "\n" GROUND SECOND};
+    for (int i = 0; i < 2; i++) {
+        struct grid g = parse(texts[i]);
+        assert_true(g.second && g.ground && g.ground->n[0] == 3 && g.ground->n[2] == 1);
+        assert_true(g.ground->at[0][0] == 0 && g.ground->value[0] == 1 && g.ground->value[5] == 6);
+        for (size_t k = 0; k < 12; k++) {
+            assert_true(k == 2 ? isnan(g.value[k]) : g.value[k] == (float)(k + 1));
+            assert_true(k == 2 ? isnan(g.second[k]) : g.second[k] == (float)(12 - k));
+        }
+        grid_free(&g);
+    }
+    static const char *const bad[][2] = {
+        {GROUND, "t:5: nodes along z is '1', expected"},
+        {FIRST GROUND GROUND, "a second grid of one level, expected one at most"},
+        {FIRST SECOND SECOND, "a third grid of several levels, expected two at most"},
+        {FIRST HEAD "DIMENSIONS 2 2 2\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 2 float\n10 12\n"
+                    "Z_COORDINATES 2 double\n-1 0\nPOINT_DATA 8\nSCALARS wind float 1\n"
+                    "LOOKUP_TABLE default\n1 2 3 4 5 6 7 8\n",
+            "a second grid with other coordinates, expected those of the first, or one level"},
+        {FIRST HEAD "FIELD FieldData 2\nbrick_whole 6 1 int\n0 1 10 12 -1 4\n"
+                    "brick_own 6 1 int\n0 1 10 12 -1 4\n" AXES SCALARS VALUES,
+            "a brick and another grid, expected one of them"},
+        {FIRST "# vtk\n", "t:16: no VTK legacy file"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct grid g;
+        char err[ERR_BYTES];
+        assert_int_equal(read_bytes(bad[i][0], strlen(bad[i][0]), &g, err), -1);
+        if (!strstr(err, bad[i][1])) fail_msg("%zu: %s, expected %s", i, err, bad[i][1]);
+        assert_true(!g.value && !g.second && !g.ground);
+    }
 }
 
 static void test_truncated(void **state)
@@ -396,6 +438,7 @@ int main(void)
         cmocka_unit_test(test_descending),
         cmocka_unit_test(test_binary),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_further),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_values),

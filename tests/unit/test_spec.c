@@ -65,6 +65,11 @@ static void test_words(void **state)
     assert_true(s.clipped && s.clip[0][0] == -1 && s.clip[0][1] == 1 && s.clip[2][1] == 3);
     spec_free(&s);
     assert_null(s.slice);
+    s = parse(VIEW "palette grey\nground -5 0\nground 0 .5\nground 9 1 1 0\n" MAP "colour 7 1 1 0");
+    assert_true(s.n_grounds == 10 && s.ground[9].s == 9 && s.ground[9].rgb[2] == 0);
+    assert_true(s.n_colours == 1 && s.colour[0].s == 7 && s.n_knots == 2);
+    spec_free(&s);
+    assert_true(!s.ground && !s.colour);
     s = parse(VIEW MAP "light off");
     assert_false(s.clipped);
     assert_false(s.lit);
@@ -174,11 +179,11 @@ static void test_refused(void **state)
         {"from 0 0 0\nat 0 0 1\nup 0 1 0\nangle 9\n",
             "t:4: no 'resolution', expected from, at, up, angle and resolution"},
         {VIEW "fog 1", "t:6: line: first word is 'fog', expected from, at, up, angle, resolution, "
-                       "light, attenuation, scale, limit, background, palette, clip, map, iso or "
-                       "slice"},
+                       "light, attenuation, scale, limit, background, palette, clip, map, iso, "
+                       "slice, colour or ground"},
         {VIEW "hither 0", "t:6: line: first word is 'hither', expected from, at, up, angle, "
                           "resolution, light, attenuation, scale, limit, background, palette, "
-                          "clip, map, iso or slice"},
+                          "clip, map, iso, slice, colour or ground"},
         {VIEW "at 0 0 0", "t:6: at: twice, expected it once"},
         {VIEW "light off\nlight 1 1 1", "t:7: light: twice, expected it once"},
         {VIEW "light on", "t:6: light: x is 'on', expected a number from -1e+18 to 1e+18"},
@@ -195,7 +200,7 @@ static void test_refused(void **state)
         {VIEW MAP "map 2 0 0 0 0\nmap 2 0 0 0 0",
             "t:9: map: 2 for the third time, expected a value twice at most"},
         {VIEW "map 1 0 0 0 0", "t:6: one map line, expected two or more"},
-        {VIEW, "t:5: nothing is visible, expected map or iso lines"},
+        {VIEW, "t:5: nothing is visible, expected map, iso or ground lines"},
         {VIEW "iso 1 0 0 0 2", "t:6: iso: opacity is '2', expected a number from 0 to 1"},
         {VIEW "iso 1 0 0 0 1\niso 2 0 0 0 1\niso 1 0 0 0 1",
             "t:8: iso: 1 twice, expected a value once"},
@@ -212,7 +217,18 @@ static void test_refused(void **state)
             "t:10: slice: x 1 twice, expected a place once"},
         {VIEW "iso 1 0 0 0 1\nslice x 1 1",
             "t:7: slice: no map, expected map lines, which colour it"},
-        {VIEW "slice x 1 1", "t:6: nothing is visible, expected map or iso lines"},
+        {VIEW "slice x 1 1", "t:6: nothing is visible, expected map, iso or ground lines"},
+        {VIEW MAP "colour 1 2", "t:8: colour: 2 numbers and no palette, expected a palette line "
+                                "above, or 4 numbers"},
+        {VIEW MAP "colour 1 0 0 0\ncolour 0 0 0 0",
+            "t:9: colour: 0 after 1, expected values that ascend"},
+        {VIEW MAP "colour 1 0 0", "t:8: colour: no blue, expected a number from 0 to 1e+06"},
+        {VIEW "iso 1 0 0 0 1\ncolour 1 0 0 0",
+            "t:7: colour: no map, expected map lines, whose extinction it colours"},
+        {VIEW "palette vik\nground 1 0 0 0 1",
+            "t:7: ground: next word is '1', expected the line's end"},
+        {VIEW "palette vik\nground 1 2",
+            "t:7: ground: place is '2', expected a number from 0 to 1"},
         {VIEW "limit 0", "t:6: limit: opacity is '0', expected a number from 0.001 to 1"},
         {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 180"},
         {"resolution 0 1", "t:1: resolution: width is '0', expected a number from 1 to 65535"},

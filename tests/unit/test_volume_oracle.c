@@ -1,7 +1,8 @@
 /*
  * The promise of the adaptive method against volume_oracle.h: 200 random grids, of uneven axes,
  * with missing values, mirrored and stretched, with maps that jump, surfaces, lights, attenuation,
- * clip boxes and slices; from outside, from inside, and along the axes.
+ * clip boxes, slices, colours by a second field, and a ground; from outside, from inside, and along
+ * the axes.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,6 +28,7 @@ struct look {
     struct grid g;
     struct scene c;
     struct spec_slice slice[4];
+    struct spec_knot colour[6], ground[3];
 };
 
 static void draw_grid(struct draw *d, struct grid *g)
@@ -121,6 +123,45 @@ static void draw_view(struct draw *d, struct look *l)
     s->angle = between(d, 10, 50);
 }
 
+/* A second field, which has the holes of the first, and its colours, some of which jump. */
+static void draw_second(struct draw *d, struct look *l)
+{
+    struct spec *s = &l->c.s;
+    const size_t nodes = grid_node(&l->g, 0, 0, l->g.n[2]);
+    l->g.second = xmalloc(nodes, sizeof *l->g.second);
+    for (size_t i = 0; i < nodes; i++)
+        l->g.second[i] = isnan(l->g.value[i]) ? NAN : (float)between(d, -5, 5);
+    s->colour = l->colour;
+    s->n_colours = 1 + (size_t)between(d, 0, 6);
+    double at = between(d, -6, 2);
+    for (size_t i = 0; i < s->n_colours; i++) {
+        l->colour[i] = (struct spec_knot){at, {odds(d, .5), between(d, 0, 1), between(d, 0, 1)}, 0};
+        if (!odds(d, .2) || i % 2 == 0) at += odds(d, .3) ? between(d, .01, .1) : between(d, .5, 4);
+    }
+}
+
+/* A ground within the grid or beyond it, on other nodes, with holes. */
+static void draw_ground(struct draw *d, struct look *l)
+{
+    struct spec *s = &l->c.s;
+    struct grid *g = l->g.ground = xmalloc(1, sizeof *g);
+    const double *z = l->g.at[2], high = z[l->g.n[2] - 1] - z[0], holes = odds(d, .3) ? .1 : 0;
+    *g = make_grid(2 + (uint32_t)between(d, 0, 7), 2 + (uint32_t)between(d, 0, 7), 1);
+    for (int a = 0; a < 2; a++) {
+        const double from = l->g.at[a][0], to = l->g.at[a][l->g.n[a] - 1];
+        const double wide = (to - from) * between(d, .6, 1.5);
+        for (uint32_t i = 0; i < g->n[a]; i++)
+            g->at[a][i] = from + wide * (i + between(d, -.3, .3)) / (g->n[a] - 1);
+    }
+    for (uint32_t i = 0; i < g->n[0] * g->n[1]; i++)
+        g->value[i] = odds(d, holes) ? NAN : (float)(z[0] + high * between(d, -.2, .8));
+    s->ground = l->ground;
+    s->n_grounds = 1 + (size_t)between(d, 0, 3);
+    double at = z[0];
+    for (size_t i = 0; i < s->n_grounds; i++, at += high * between(d, .2, .5))
+        l->ground[i] = (struct spec_knot){at, {odds(d, .5), between(d, 0, 1), between(d, 0, 1)}, 0};
+}
+
 static void draw_look(struct draw *d, struct look *l)
 {
     const double zero[3] = {0, 0, 0};
@@ -137,6 +178,8 @@ static void draw_look(struct draw *d, struct look *l)
     if (odds(d, .3)) s->attenuation = pow(10, between(d, -3, 0));
     if (odds(d, .5)) draw_clip(d, l);
     if (odds(d, .6)) draw_slices(d, l);
+    if (odds(d, .4)) draw_second(d, l);
+    if (odds(d, .4)) draw_ground(d, l);
     s->knot = l->c.knot, s->iso = l->c.iso, s->slice = l->slice;
 }
 
@@ -162,7 +205,7 @@ static int compare(uint64_t seed, const struct volume_options *o)
                     (double)p[4 * i + (uint32_t)c], (double)q[c]);
         }
     }
-    free_grid(&l.g);
+    grid_free(&l.g);
     return left_out;
 }
 

@@ -30,7 +30,7 @@ struct oracle {
     bool grazes; /* rounding decides what the ray meets: the answer is worth nothing */
     /* the cell */
     uint32_t i[3];
-    oracle_real t0, len, p[4], facing[4];
+    oracle_real t0, len, p[4], second[4], facing[4];
 };
 
 /* Plane i of axis a in scaled space, ascending; the value at a node by these indices. */
@@ -39,15 +39,17 @@ static inline oracle_real oracle_plane(const struct oracle *r, int a, uint32_t i
     const double scale = r->s->scale[a];
     return r->g->at[a][scale < 0 ? r->g->n[a] - 1 - i : i] * scale;
 }
-static inline oracle_real oracle_node(const struct oracle *r, const uint32_t i[3])
+static inline oracle_real oracle_node(
+    const struct oracle *r, const float *value, const uint32_t i[3])
 {
     uint32_t at[3];
     for (int a = 0; a < 3; a++) at[a] = r->s->scale[a] < 0 ? r->g->n[a] - 1 - i[a] : i[a];
-    return r->g->value[grid_node(r->g, at[0], at[1], at[2])];
+    return value[grid_node(r->g, at[0], at[1], at[2])];
 }
 
 /* The field and its gradient in the ray's cell, at distance t from the eye. */
-static inline oracle_real oracle_field(const struct oracle *r, oracle_real t, oracle_real grad[3])
+static inline oracle_real oracle_field(
+    const struct oracle *r, const float *value, oracle_real t, oracle_real grad[3])
 {
     oracle_real u[3], h[3], s = 0;
     for (int a = 0; a < 3; a++) {
@@ -58,7 +60,7 @@ static inline oracle_real oracle_field(const struct oracle *r, oracle_real t, or
     }
     for (uint32_t c = 0; c < 8; c++) {
         const uint32_t at[3] = {r->i[0] + (c & 1), r->i[1] + (c >> 1 & 1), r->i[2] + (c >> 2)};
-        oracle_real v = oracle_node(r, at), w[3];
+        oracle_real v = oracle_node(r, value, at), w[3];
         for (uint32_t a = 0; a < 3; a++) w[a] = c >> a & 1 ? u[a] : 1 - u[a];
         s += v * w[0] * w[1] * w[2];
         for (uint32_t a = 0; a < 3 && grad; a++)
@@ -82,7 +84,7 @@ static inline oracle_real oracle_light(const struct oracle *r, oracle_real t)
 {
     oracle_real g[3], l[3], fade = oracle_fade(r, t);
     if (!r->s->lit) return fade;
-    oracle_field(r, t, g);
+    oracle_field(r, r->g->value, t, g);
     oracle_to_light(r, t, l);
     oracle_real size = oracle_dot(g, g) * oracle_dot(l, l);
     if (!(size > 0)) return fade;
@@ -101,6 +103,19 @@ static inline void oracle_colour(const struct spec_knot *k, oracle_real v, oracl
 {
     oracle_real x = (v - k[0].s) / ((oracle_real)k[1].s - k[0].s);
     for (int c = 0; c < 3; c++) rgb[c] = k[0].rgb[c] + (k[1].rgb[c] - (oracle_real)k[0].rgb[c]) * x;
+}
+
+/* The colour of a value in a list of knots, whose ends hold beyond them too. */
+static inline void oracle_list(
+    const struct spec_knot *k, size_t n, oracle_real v, oracle_real rgb[3])
+{
+    size_t j = 0;
+    while (j < n && k[j].s <= v) j++;
+    if (j > 0 && j < n) {
+        oracle_colour(&k[j - 1], v, rgb);
+        return;
+    }
+    for (int c = 0; c < 3; c++) rgb[c] = k[j == 0 ? 0 : n - 1].rgb[c];
 }
 
 /* ---- cubics --------------------------------------------------------------------------------- */
@@ -210,7 +225,8 @@ static inline void oracle_gauss(const struct oracle *r, const struct spec_knot *
         oracle_real seen = (k[0].k + (k[1].k - (oracle_real)k[0].k) * x) * r->len * (b - a) / 2;
         seen *= weight[j] * expl(-(r->tau + oracle_depth(r, k, w) - from)) *
                 oracle_light(r, r->t0 + w * r->len);
-        oracle_colour(k, v, rgb);
+        if (!r->s->n_colours) oracle_colour(k, v, rgb);
+        else oracle_list(r->s->colour, r->s->n_colours, oracle_at(r->second, w), rgb);
         for (int c = 0; c < 3; c++) out[c] += seen * rgb[c];
     }
 }
@@ -263,7 +279,7 @@ static inline bool oracle_cell(struct oracle *r, oracle_real t)
     }
     for (uint32_t c = 0; c < 8; c++) {
         const uint32_t at[3] = {r->i[0] + (c & 1), r->i[1] + (c >> 1 & 1), r->i[2] + (c >> 2)};
-        if (isnan(oracle_node(r, at))) return false;
+        if (isnan(oracle_node(r, r->g->value, at))) return false;
     }
     return true;
 }
@@ -274,12 +290,18 @@ static inline void oracle_slices(struct oracle *r, oracle_real t)
         const struct spec_slice *s = &r->s->slice[i];
         const oracle_real at = s->at * r->s->scale[s->axis];
         if (r->d[s->axis] == 0 || (at - r->o[s->axis]) / r->d[s->axis] != t) continue;
-        oracle_real v = oracle_field(r, t, NULL), rgb[3];
+        oracle_real v = oracle_field(r, r->g->value, t, NULL), rgb[3];
         const struct spec_knot *k = oracle_knots(r->s, v);
         for (size_t j = 0; j < r->s->n_knots; j++)
             if (fabsl(v - r->s->knot[j].s) < ORACLE_NEAR * (fabsl(v) + 1)) r->grazes = true;
         if (!k) continue;
         oracle_colour(k, v, rgb);
+        if (r->s->n_colours) {
+            v = oracle_field(r, r->g->second, t, NULL);
+            for (size_t j = 0; j < r->s->n_colours; j++)
+                if (fabsl(v - r->s->colour[j].s) < ORACLE_NEAR * (fabsl(v) + 1)) r->grazes = true;
+            oracle_list(r->s->colour, r->s->n_colours, v, rgb);
+        }
         oracle_sheet(r, rgb, oracle_fade(r, t), s->opacity);
     }
 }
@@ -288,18 +310,22 @@ static inline void oracle_slices(struct oracle *r, oracle_real t)
 static inline void oracle_stretch(struct oracle *r, oracle_real t0, oracle_real t1)
 {
     struct oracle_cut cut[ORACLE_CUTS];
-    oracle_real v[4], h[4], g[3], l[3], from = 0;
+    oracle_real v[4], second[4] = {0}, h[4], g[3], l[3], from = 0;
     int n = 0;
     r->t0 = t0, r->len = t1 - t0;
     for (int k = 0; k < 4; k++) {
-        v[k] = oracle_field(r, t0 + r->len * k / 3, g);
+        v[k] = oracle_field(r, r->g->value, t0 + r->len * k / 3, g);
+        if (r->s->n_colours) second[k] = oracle_field(r, r->g->second, t0 + r->len * k / 3, NULL);
         oracle_to_light(r, t0 + r->len * k / 3, l);
         h[k] = oracle_dot(g, l);
     }
     oracle_through(v, r->p);
     oracle_through(h, r->facing);
+    oracle_through(second, r->second);
     for (size_t i = 0; i < r->s->n_knots; i++)
         n = oracle_meet(r, r->p, r->s->knot[i].s, -1, cut, n);
+    for (size_t i = 0; i < r->s->n_colours; i++)
+        n = oracle_meet(r, r->second, r->s->colour[i].s, -1, cut, n);
     for (size_t i = 0; i < r->s->n_isos; i++)
         n = oracle_meet(r, r->p, r->s->iso[i].s, (int)i, cut, n);
     if (r->s->lit) n = oracle_meet(r, r->facing, 0, -1, cut, n);
@@ -315,6 +341,83 @@ static inline void oracle_stretch(struct oracle *r, oracle_real t0, oracle_real 
         oracle_sheet(r, rgb, oracle_light(r, t0 + from * r->len), iso->opacity);
     }
     oracle_piece(r, from, 1);
+}
+
+/* ---- the ground ----------------------------------------------------------------------------- */
+
+static inline oracle_real oracle_edge(const struct oracle *r, int a, uint32_t i)
+{
+    return r->s->ground ? r->g->ground->at[a][i] * r->s->scale[a] : 0;
+}
+/* The ray's height above the ground of cell i, by a formula of its own; *z: that of the ground. */
+static inline oracle_real oracle_over(
+    const struct oracle *r, const uint32_t i[2], oracle_real t, oracle_real *z, oracle_real n[3])
+{
+    const struct grid *g = r->g->ground;
+    oracle_real u[2], h[2], c[4];
+    for (int a = 0; a < 2; a++) {
+        h[a] = oracle_edge(r, a, i[a] + 1) - oracle_edge(r, a, i[a]);
+        u[a] = (r->o[a] + t * r->d[a] - oracle_edge(r, a, i[a])) / h[a];
+    }
+    for (uint32_t k = 0; k < 4; k++)
+        c[k] = (oracle_real)g->value[(i[1] + (k >> 1)) * g->n[0] + i[0] + (k & 1)];
+    *z = (1 - u[1]) * ((1 - u[0]) * c[0] + u[0] * c[1]) + u[1] * ((1 - u[0]) * c[2] + u[0] * c[3]);
+    const oracle_real scale = r->s->scale[2];
+    n[0] = -scale * ((1 - u[1]) * (c[1] - c[0]) + u[1] * (c[3] - c[2])) / h[0];
+    n[1] = -scale * ((1 - u[0]) * (c[2] - c[0]) + u[0] * (c[3] - c[1])) / h[1];
+    n[2] = 1;
+    return r->o[2] + t * r->d[2] - *z * scale;
+}
+static inline bool oracle_clip(const struct oracle *r, oracle_real t)
+{
+    for (int a = 0; a < 3 && r->s->clipped; a++) {
+        const oracle_real x = r->o[a] + t * r->d[a], one = r->s->clip[a][0] * r->s->scale[a];
+        const oracle_real two = r->s->clip[a][1] * r->s->scale[a];
+        if (!(x >= fminl(one, two) && x <= fmaxl(one, two))) return false;
+        if (fminl(fabsl(x - one), fabsl(x - two)) < ORACLE_NEAR * (1 + fabsl(x))) return false;
+    }
+    return true;
+}
+/* Where the ray meets the ground first; infinity: nowhere. */
+static inline oracle_real oracle_ground(struct oracle *r, oracle_real rgb[3])
+{
+    const struct grid *g = r->g->ground;
+    oracle_real first = HUGE_VALL, z, n[3], l[3];
+    for (uint32_t j = 0; j + 1 < g->n[1]; j++)
+        for (uint32_t i = 0; i + 1 < g->n[0]; i++) {
+            const uint32_t at[2] = {i, j};
+            oracle_real near = 0, far = HUGE_VALL, v[4];
+            for (int a = 0; a < 2; a++) {
+                oracle_real one = oracle_edge(r, a, at[a]), two = oracle_edge(r, a, at[a] + 1);
+                oracle_real in = (one - r->o[a]) / r->d[a], out = (two - r->o[a]) / r->d[a];
+                bool within = r->o[a] >= fminl(one, two) && r->o[a] < fmaxl(one, two);
+                if (r->d[a] == 0) far = within ? far : -1;
+                else near = fmaxl(near, fminl(in, out)), far = fminl(far, fmaxl(in, out));
+            }
+            if (far > 1e4L) far = 1e4L; /* a ray straight up or down */
+            if (!(near < far)) continue;
+            for (int k = 0; k < 4; k++)
+                v[k] = oracle_over(r, at, near + (far - near) * k / 3, &z, n);
+            if (isnan(v[0])) continue;
+            oracle_real p[4];
+            struct oracle_cut cut[ORACLE_CUTS];
+            oracle_through(v, p);
+            int cuts = oracle_meet(r, p, 0, -1, cut, 0);
+            for (int k = 0; k < cuts; k++) {
+                oracle_real t = near + (far - near) * cut[k].w;
+                if (!(t < first) || !oracle_clip(r, t)) continue;
+                first = t;
+                oracle_over(r, at, t, &z, n);
+                oracle_to_light(r, t, l);
+                oracle_real light = oracle_fade(r, t);
+                if (r->s->lit)
+                    light *= 0.3L + 0.7L * fabsl(oracle_dot(n, l)) /
+                                        sqrtl(oracle_dot(n, n) * oracle_dot(l, l));
+                oracle_list(r->s->ground, r->s->n_grounds, z, rgb);
+                for (int c = 0; c < 3; c++) rgb[c] *= light;
+            }
+        }
+    return first;
 }
 
 static inline void oracle_ray(struct oracle *r)
@@ -334,10 +437,12 @@ static inline void oracle_ray(struct oracle *r)
             if (r->s->slice[i].axis == a)
                 t[n++] = ((oracle_real)(r->s->slice[i].at * scale) - r->o[a]) / r->d[a];
     }
+    oracle_real ground[3], end = r->s->n_grounds ? oracle_ground(r, ground) : HUGE_VALL;
+    if (end < HUGE_VALL) t[n++] = end;
     qsort(t, n, sizeof *t, oracle_by_value);
     r->known = false;
     /* A slice is seen if the cell before it or that behind it is. */
-    for (size_t j = 0; j + 1 < n; j++) {
+    for (size_t j = 0; j + 1 < n && t[j] < end; j++) {
         if (t[j] < 0 || t[j] == t[j + 1]) continue;
         bool before = r->known, in = oracle_cell(r, (t[j] + t[j + 1]) / 2);
         if (!in) {
@@ -348,6 +453,7 @@ static inline void oracle_ray(struct oracle *r)
         oracle_stretch(r, t[j], t[j + 1]);
         oracle_slices(r, t[j + 1]);
     }
+    if (end < HUGE_VALL) oracle_sheet(r, ground, 1, 1);
     free(t);
 }
 
