@@ -106,7 +106,7 @@ static uint32_t largest_polygon(const struct scene *s)
 {
     uint32_t most = 0;
     for (uint32_t i = 0; i < s->n_prims; i++)
-        if (s->prims[i].kind >= PRIM_POLYGON && s->prims[i].poly.count > most)
+        if (prim_is_poly(&s->prims[i]) && s->prims[i].poly.count > most)
             most = s->prims[i].poly.count;
     return most;
 }
@@ -123,7 +123,8 @@ bool scene_hither_clips(const struct scene *s, uint32_t *which)
         switch (p->kind) {
         case PRIM_SPHERE: reaches = sphere_reaches(&y, p->sphere.center, p->sphere.radius); break;
         case PRIM_CONE: reaches = cone_reaches(&y, p); break;
-        default: reaches = polygon_reaches(&y, s, p, room);
+        case PRIM_POLYGON:
+        case PRIM_PATCH: reaches = polygon_reaches(&y, s, p, room); break;
         }
         *which = i;
     }

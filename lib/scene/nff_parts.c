@@ -2,8 +2,8 @@
  * nff_parts: reads NFF with several threads. The text is cut into parts where a line begins with an
  * entity. Each part is read as a scene of its own, and the parts are joined in their order.
  *
- * A cut may fall between two entities only. A line that begins with an entity's letter and a blank
- * does not continue an entity: the words of a view are longer, and all else are numbers. In text
+ * A cut may fall between two entities only. A line that begins with an entity's word and a blank
+ * does not continue an entity: the words of a view are others, and all else are numbers. In text
  * that is wrong it may, and then the part before it ends too early and is refused. If a part is
  * refused, or parts contradict each other, one thread reads all of the text again. So messages and
  * their lines are always those of nff_read.
@@ -31,11 +31,13 @@ struct parts {
     struct scene whole;
 };
 
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
 static bool begins_entity(const char *p, const char *end)
 {
-    if (end - p < 3 || !strchr("pscflvb", *p) || !*p) return false;
-    p += p[0] == 'p' && p[1] == 'p' ? 2 : 1;
-    return *p == ' ' || *p == '\t' || *p == '\n' || *p == '\r';
+    size_t n = 0;
+    while (p + n < end && n < NFF_WORD_MAX && !is_blank(p[n])) n++;
+    return p + n < end && is_blank(p[n]) && nff_is_entity(p, n);
 }
 
 /* The first place after p at which the text can be cut; or its end. */
@@ -148,7 +150,7 @@ static void join_part(void *ctx, uint32_t i)
         struct prim *to = &p->whole.prims[a->prims + k];
         *to = a->s.prims[k];
         to->material = a->material[to->material];
-        if (to->kind >= PRIM_POLYGON) to->poly.first += a->vertices;
+        if (prim_is_poly(to)) to->poly.first += a->vertices;
     }
     copy_vectors(p->whole.vertices, a->vertices, a->s.vertices, a->s.n_vertices);
     copy_vectors(p->whole.normals, a->vertices, a->s.normals, a->s.n_vertices);

@@ -157,21 +157,32 @@ static bool read_polygon(struct reader *r, bool patch)
 static bool read_p(struct reader *r) { return read_polygon(r, false); }
 static bool read_pp(struct reader *r) { return read_polygon(r, true); }
 
+static const struct entity {
+    char word[NFF_WORD_MAX + 1];
+    bool prim;
+    bool (*read)(struct reader *);
+} entities[] = {{"p", true, read_p}, {"s", true, read_sphere}, {"c", true, read_cone},
+    {"pp", true, read_pp}, {"f", false, reader_material}, {"l", false, read_light},
+    {"v", false, reader_view}, {"b", false, read_background}};
+
+static const struct entity *find_entity(const char *word, size_t n)
+{
+    for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
+        if (strlen(entities[i].word) == n && memcmp(entities[i].word, word, n) == 0)
+            return &entities[i];
+    return NULL;
+}
+
+bool nff_is_entity(const char *word, size_t n) { return find_entity(word, n) != NULL; }
+
 static bool read_entity(struct reader *r, size_t n)
 {
-    static const struct {
-        const char *letters;
-        bool (*read)(struct reader *);
-    } entities[] = {{"p", read_p}, {"s", read_sphere}, {"c", read_cone}, {"pp", read_pp},
-        {"f", reader_material}, {"l", read_light}, {"v", reader_view}, {"b", read_background}};
-    for (size_t i = 0; i < sizeof entities / sizeof *entities; i++)
-        if (strlen(entities[i].letters) == n && memcmp(entities[i].letters, r->t.at, n) == 0) {
-            if (r->s->n_prims >= NFF_COUNT_MAX || r->s->n_lights >= NFF_COUNT_MAX)
-                return reader_fail(r, "more entities than %u", NFF_COUNT_MAX);
-            token_take(&r->t, n);
-            return entities[i].read(r);
-        }
-    return reader_fail_token(r, "entity", "one of v b l f s c p pp");
+    const struct entity *e = find_entity(r->t.at, n);
+    if (!e) return reader_fail_token(r, "entity", "one of v b l f s c p pp");
+    if (r->s->n_prims >= NFF_COUNT_MAX || r->s->n_lights >= NFF_COUNT_MAX)
+        return reader_fail(r, "more entities than %u", NFF_COUNT_MAX);
+    token_take(&r->t, n);
+    return e->read(r);
 }
 
 bool reader_entities(struct reader *r)
@@ -212,12 +223,11 @@ int nff_read(const char *name, const char *text, size_t n, struct scene *s, char
 
 uint32_t nff_line(const char *text, size_t n, uint32_t i)
 {
-    static const char *const word[] = {"s", "c", "p", "pp"};
     struct tokens t;
     tokens_init(&t, text, n);
-    for (size_t len; (len = token_peek(&t)) > 0; token_take(&t, len))
-        for (size_t k = 0; k < sizeof word / sizeof *word; k++)
-            if (len == strlen(word[k]) && memcmp(t.at, word[k], len) == 0 && i-- == 0)
-                return t.line;
+    for (size_t len; (len = token_peek(&t)) > 0; token_take(&t, len)) {
+        const struct entity *e = find_entity(t.at, len);
+        if (e && e->prim && i-- == 0) return t.line;
+    }
     return t.line;
 }

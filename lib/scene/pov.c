@@ -179,7 +179,8 @@ void pov_write(FILE *f, const struct scene *s, double scale)
         switch (p->kind) {
         case PRIM_SPHERE: put_sphere(&o, p); break;
         case PRIM_CONE: put_cone(&o, p); break;
-        default:
+        case PRIM_POLYGON:
+        case PRIM_PATCH:
             if (p->poly.count > most) most = p->poly.count;
             polygons[n++] = (struct listed){p->material, i};
         }

@@ -34,6 +34,9 @@ bool reader_material(struct reader *r);
 /* Sets r->material to the index of a material. Equal materials share one. The first one of a scene
  * is added before anything is read. */
 void reader_add_material(struct reader *r, const struct material *m);
+/* True if an entity begins with this word of n bytes. */
+bool nff_is_entity(const char *word, size_t n);
+#define NFF_WORD_MAX 2
 /* Reads all entities. */
 bool reader_entities(struct reader *r);
 

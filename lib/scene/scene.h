@@ -48,6 +48,11 @@ struct prim {
     };
 };
 
+static inline bool prim_is_poly(const struct prim *p)
+{
+    return p->kind == PRIM_POLYGON || p->kind == PRIM_PATCH;
+}
+
 struct scene {
     struct view view;
     double background[3];

@@ -8,19 +8,28 @@
 
 #include <string.h>
 
-/* Size of the primitive if it contains p, otherwise 0. */
-static double size_around(const struct prim *q, struct vec3 p)
+static double size_around_cone(const struct prim *q, struct vec3 p)
 {
-    if (q->kind == PRIM_SPHERE) {
-        double r = fabs(q->sphere.radius);
-        return v3_len(v3_sub(p, q->sphere.center)) < r ? r : 0;
-    }
-    if (q->kind != PRIM_CONE) return 0;
     struct vec3 axis = v3_sub(q->cone.apex, q->cone.base), up = v3_sub(p, q->cone.base);
     double r0 = fabs(q->cone.base_radius), r1 = fabs(q->cone.apex_radius);
     double z = v3_dot(up, axis) / v3_dot(axis, axis); /* 0 at the base, 1 at the apex */
     bool in = z > 0 && z < 1 && v3_len(v3_mad(up, axis, -z)) < r0 + (r1 - r0) * z;
     return in ? fmax(r0, r1) : 0;
+}
+
+/* Size of the primitive if it contains p, otherwise 0. */
+static double size_around(const struct prim *q, struct vec3 p)
+{
+    double r;
+    switch (q->kind) {
+    case PRIM_SPHERE:
+        r = fabs(q->sphere.radius);
+        return v3_len(v3_sub(p, q->sphere.center)) < r ? r : 0;
+    case PRIM_CONE: return size_around_cone(q, p);
+    case PRIM_POLYGON:
+    case PRIM_PATCH: break;
+    }
+    return 0;
 }
 
 void media_around(const struct tracer *t, struct vec3 p, struct media *in)

@@ -101,5 +101,5 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return v3_unit(v3_mad(radial, f.axis, -f.k));
 }
 
-const struct shape cone_shape = {
-    sizeof(struct cone4), has_surface, fill, clear, bounds, extent, normal};
+const struct shape cone_shape = {sizeof(struct cone4), offsetof(struct cone4, item), has_surface,
+    fill, clear, bounds, extent, normal};

@@ -50,9 +50,11 @@ static inline bool on_cone(const struct cone4 *s, int i, struct vec3 p, double p
 static inline bool on_surface(
     const struct bvh *b, enum item_kind kind, uint32_t i, int k, struct vec3 p, double err)
 {
-    if (kind == ITEM_TRIANGLE) return on_tri((const struct tri4 *)b->blocks[kind] + i, k, p, err);
-    if (kind == ITEM_SPHERE)
-        return on_sphere((const struct sphere4 *)b->blocks[kind] + i, k, p, err);
+    switch (kind) {
+    case ITEM_TRIANGLE: return on_tri((const struct tri4 *)b->blocks[kind] + i, k, p, err);
+    case ITEM_SPHERE: return on_sphere((const struct sphere4 *)b->blocks[kind] + i, k, p, err);
+    case ITEM_CONE: break;
+    }
     return on_cone((const struct cone4 *)b->blocks[kind] + i, k, p, err);
 }
 

@@ -158,8 +158,11 @@ static ALWAYS_INLINE unsigned may_hit_cone4(const struct cone4 *s, const struct 
 static ALWAYS_INLINE unsigned may_hit_block(
     const struct bvh *b, enum item_kind kind, uint32_t i, const struct packet *p)
 {
-    if (kind == ITEM_TRIANGLE) return may_hit_tri4((const struct tri4 *)b->blocks[kind] + i, p);
-    if (kind == ITEM_SPHERE) return may_hit_sphere4((const struct sphere4 *)b->blocks[kind] + i, p);
+    switch (kind) {
+    case ITEM_TRIANGLE: return may_hit_tri4((const struct tri4 *)b->blocks[kind] + i, p);
+    case ITEM_SPHERE: return may_hit_sphere4((const struct sphere4 *)b->blocks[kind] + i, p);
+    case ITEM_CONE: break;
+    }
     return may_hit_cone4((const struct cone4 *)b->blocks[kind] + i, p);
 }
 

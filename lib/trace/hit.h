@@ -162,16 +162,19 @@ static ALWAYS_INLINE unsigned hit_cone4(
 static ALWAYS_INLINE unsigned hit_block(const struct bvh *b, enum item_kind kind, uint32_t i,
     const struct ray *r, double t_max, double t[LANES], const uint32_t **items, unsigned *twice)
 {
-    if (kind == ITEM_TRIANGLE) {
+    switch (kind) {
+    case ITEM_TRIANGLE: {
         const struct tri4 *p = (const struct tri4 *)b->blocks[ITEM_TRIANGLE] + i;
         *items = p->item;
         if (twice) *twice = 0;
         return hit_tri4(p, r, t_max, t);
     }
-    if (kind == ITEM_SPHERE) {
+    case ITEM_SPHERE: {
         const struct sphere4 *p = (const struct sphere4 *)b->blocks[ITEM_SPHERE] + i;
         *items = p->item;
         return hit_sphere4(p, r, t_max, t, twice);
+    }
+    case ITEM_CONE: break;
     }
     const struct cone4 *p = (const struct cone4 *)b->blocks[ITEM_CONE] + i;
     *items = p->item;

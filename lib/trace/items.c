@@ -23,9 +23,15 @@ struct making {
     struct part *parts;
 };
 
-static bool is_poly(const struct prim *p)
+static enum item_kind kind_of(const struct prim *p)
 {
-    return p->kind == PRIM_POLYGON || p->kind == PRIM_PATCH;
+    switch (p->kind) {
+    case PRIM_SPHERE: return ITEM_SPHERE;
+    case PRIM_CONE: return ITEM_CONE;
+    case PRIM_POLYGON:
+    case PRIM_PATCH: break;
+    }
+    return ITEM_TRIANGLE;
 }
 
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -48,7 +54,7 @@ static void count_part(void *ctx, uint32_t i)
     struct part part = {.largest = 3};
     for (uint32_t k = i * CHUNK, end = end_of(s, i); k < end; k++) {
         const struct prim *p = &s->prims[k];
-        if (is_poly(p)) {
+        if (prim_is_poly(p)) {
             part.most += p->poly.count - 2;
             if (p->poly.count > part.largest) part.largest = p->poly.count;
             for (uint32_t v = 0; v < p->poly.count; v++)
@@ -90,12 +96,11 @@ static void make_part(void *ctx, uint32_t i)
     for (uint32_t k = i * CHUNK, end = end_of(s, i); k < end; k++) {
         const struct prim *p = &s->prims[k];
         struct item it = {.prim = k, .material = p->material & MATERIAL_MASK};
-        if (!is_poly(p)) {
-            it.kind = p->kind == PRIM_SPHERE ? ITEM_SPHERE : ITEM_CONE;
+        it.kind = kind_of(p);
+        if (it.kind != ITEM_TRIANGLE) {
             add_item(m, part, it);
             continue;
         }
-        it.kind = ITEM_TRIANGLE;
         it.smooth = p->kind == PRIM_PATCH;
         uint32_t n = scene_triangulate(s, p, tri);
         for (uint32_t j = 0; j < n; j++) {

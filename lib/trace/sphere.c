@@ -55,5 +55,5 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return n;
 }
 
-const struct shape sphere_shape = {
-    sizeof(struct sphere4), has_surface, fill, clear, bounds, extent, normal};
+const struct shape sphere_shape = {sizeof(struct sphere4), offsetof(struct sphere4, item),
+    has_surface, fill, clear, bounds, extent, normal};

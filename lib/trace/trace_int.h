@@ -33,7 +33,10 @@ struct hit {
 
 /* ---- items and blocks ------------------------------------------------------------------ */
 
-enum item_kind { ITEM_TRIANGLE, ITEM_SPHERE, ITEM_CONE, ITEM_KINDS };
+/* ITEM_KINDS is no enumerator, so that -Wswitch names each switch without a case for a kind. */
+enum item_kind { ITEM_TRIANGLE, ITEM_SPHERE, ITEM_CONE };
+enum { ITEM_KINDS = ITEM_CONE + 1 };
+_Static_assert(ITEM_KINDS <= 4, "items and leaves have two bits for the kind");
 
 struct item {
     uint32_t prim;
@@ -64,7 +67,7 @@ struct cone4 {
 
 /* One row per kind (shapes.c). */
 struct shape {
-    size_t block_size;
+    size_t block_size, items_at; /* items_at: offset of the array item in a block */
     /* False: degenerate. */
     bool (*has_surface)(const struct scene *s, const struct item *it);
     /* Fills a lane of a block. No coordinate of the scene, eye and lights included, exceeds
@@ -81,14 +84,12 @@ struct shape {
     struct vec3 (*normal)(const struct scene *s, const struct item *it, struct vec3 *p);
 };
 extern const struct shape triangle_shape, sphere_shape, cone_shape;
-extern const struct shape *const trace_shapes[ITEM_KINDS];
+extern const struct shape *const trace_shapes[];
 
 /* The items of a block. */
 static inline uint32_t *block_items(uint32_t kind, void *block)
 {
-    if (kind == ITEM_TRIANGLE) return ((struct tri4 *)block)->item;
-    if (kind == ITEM_SPHERE) return ((struct sphere4 *)block)->item;
-    return ((struct cone4 *)block)->item;
+    return (uint32_t *)(void *)((char *)block + trace_shapes[kind]->items_at);
 }
 
 /* ---- the hierarchy ---------------------------------------------------------------------- */

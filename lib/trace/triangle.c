@@ -117,5 +117,5 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return it->smooth ? smooth_normal(s, it, *p, n) : n;
 }
 
-const struct shape triangle_shape = {
-    sizeof(struct tri4), has_surface, fill, clear, bounds, extent, normal};
+const struct shape triangle_shape = {sizeof(struct tri4), offsetof(struct tri4, item), has_surface,
+    fill, clear, bounds, extent, normal};

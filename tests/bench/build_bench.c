@@ -27,7 +27,7 @@ static struct counts count(const struct scene *s)
         if (p->kind == PRIM_SPHERE) n.spheres++;
         else if (p->kind == PRIM_CONE) n.cones++;
         else n.triangles += p->poly.count - 2;
-        if (p->kind >= PRIM_POLYGON && p->poly.count > n.largest) n.largest = p->poly.count;
+        if (prim_is_poly(p) && p->poly.count > n.largest) n.largest = p->poly.count;
     }
     return n;
 }
@@ -54,7 +54,7 @@ static void add_triangles(RTCDevice d, RTCScene to, const struct scene *s, const
     struct triangle *some = xmalloc(n->largest - 2, sizeof *some);
     size_t k = 0;
     for (uint32_t i = 0; i < s->n_prims; i++) {
-        if (s->prims[i].kind < PRIM_POLYGON) continue;
+        if (!prim_is_poly(&s->prims[i])) continue;
         uint32_t found = scene_triangulate(s, &s->prims[i], some);
         memcpy(corner + 3 * k, some, found * sizeof *some);
         k += found;

@@ -61,7 +61,8 @@ static void put_prim(struct nff_out *o, const struct scene *s, const struct prim
     case PRIM_CONE:
         nff_put_cone(o, p->cone.base, p->cone.base_radius, p->cone.apex, p->cone.apex_radius);
         break;
-    default:
+    case PRIM_POLYGON:
+    case PRIM_PATCH:
         nff_put_polygon(o, p->poly.count, s->vertices + p->poly.first,
             p->kind == PRIM_PATCH ? s->normals + p->poly.first : NULL);
     }
@@ -107,7 +108,7 @@ static void check_parts(const char *text, size_t n, int rc, const char *err, con
     for (uint32_t i = 0; i < p.n_prims; i++) {
         const struct prim *a = &p.prims[i], *b = &s->prims[i];
         MUST(a->kind == b->kind && a->material == b->material);
-        if (a->kind >= PRIM_POLYGON)
+        if (prim_is_poly(a))
             MUST(a->poly.first == b->poly.first && a->poly.count == b->poly.count);
     }
     scene_free(&p);

@@ -22,7 +22,8 @@ static void same_prim(const struct prim *a, const struct prim *b)
     switch (a->kind) {
     case PRIM_SPHERE: same_bytes(&a->sphere, &b->sphere, sizeof a->sphere); break;
     case PRIM_CONE: same_bytes(&a->cone, &b->cone, sizeof a->cone); break;
-    default: same_bytes(&a->poly, &b->poly, sizeof a->poly);
+    case PRIM_POLYGON:
+    case PRIM_PATCH: same_bytes(&a->poly, &b->poly, sizeof a->poly); break;
     }
 }
 

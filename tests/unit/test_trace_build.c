@@ -83,24 +83,17 @@ static void same_items(const struct tracer *a, const struct tracer *b)
     }
 }
 
-/* The bytes of a block without the padding at its end. */
-static size_t block_bytes(int kind)
-{
-    if (kind == ITEM_TRIANGLE) return offsetof(struct tri4, item) + LANES * sizeof(uint32_t);
-    if (kind == ITEM_SPHERE) return offsetof(struct sphere4, item) + LANES * sizeof(uint32_t);
-    return offsetof(struct cone4, item) + LANES * sizeof(uint32_t);
-}
-
 static void same_hierarchy(const struct bvh *a, const struct bvh *b)
 {
     assert_int_equal(a->n_nodes, b->n_nodes);
     if (a->n_nodes) assert_memory_equal(a->nodes, b->nodes, a->n_nodes * sizeof *a->nodes);
     for (int k = 0; k < ITEM_KINDS; k++) {
         size_t size = trace_shapes[k]->block_size;
+        size_t n = trace_shapes[k]->items_at + LANES * sizeof(uint32_t); /* no padding */
         assert_int_equal(a->n_blocks[k], b->n_blocks[k]);
         for (uint32_t i = 0; i < a->n_blocks[k]; i++)
             assert_memory_equal((const char *)a->blocks[k] + i * size,
-                (const char *)b->blocks[k] + i * size, block_bytes(k));
+                (const char *)b->blocks[k] + i * size, n);
     }
 }
 
@@ -134,9 +127,7 @@ struct seen {
 
 static const uint32_t *items_of(const struct bvh *b, enum item_kind kind, uint32_t i)
 {
-    if (kind == ITEM_TRIANGLE) return ((const struct tri4 *)b->blocks[kind] + i)->item;
-    if (kind == ITEM_SPHERE) return ((const struct sphere4 *)b->blocks[kind] + i)->item;
-    return ((const struct cone4 *)b->blocks[kind] + i)->item;
+    return block_items(kind, (char *)b->blocks[kind] + i * trace_shapes[kind]->block_size);
 }
 
 static void see_leaf(struct seen *seen, uint32_t leaf, const float lo[3], const float hi[3])
