@@ -48,6 +48,9 @@ lacking() {
 		mesh2nff mesh2nff
 		glmark2 /usr/share/glmark2/models
 		ncdump ncdump
+		coastlines ncdump
+		ncarg /usr/share/ncarg/data
+		ferret-vis /usr/share/ferret-vis/data
 		jq jq
 		ffmpeg ffmpeg
 	END
