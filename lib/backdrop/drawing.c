@@ -68,7 +68,7 @@ double backdrop_text_width(const struct drawing *s, const char *text)
 
 static enum label check(const struct drawing *s, const struct label_box *box)
 {
-    bool in_strip = box->y0 + box->y1 < 0;
+    const bool in_strip = s->labels->in_strip;
     if (box->x0 < 0 || box->x1 > s->w || box->y0 < (in_strip ? -s->strip : 0) ||
         box->y1 > (in_strip ? 0 : s->h))
         return LABEL_LEFT_OUT;

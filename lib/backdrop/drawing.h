@@ -17,6 +17,7 @@
 struct labels {
     struct buf boxes; /* a struct label_box for each */
     size_t series;    /* the first one of the ticks that are being labelled */
+    bool in_strip;    /* now they are labels of the strip, otherwise of the picture */
 };
 struct drawing {
     const struct backdrop *b;
@@ -39,7 +40,7 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
 void backdrop_point(const struct drawing *s, double x, double y, double z);
 /*
  * Places a label with its left end (-1), its middle (0) or its right end (1) at xy. It is left out
- * if it would cover another label, or is not inside the picture, or the strip: that of xy.
+ * if it would cover another label, or is not inside the picture, or the strip.
  */
 enum label { LABEL_PLACED, LABEL_LEFT_OUT, LABEL_TOO_CLOSE };
 enum label backdrop_label(const struct drawing *s, const char *text, const double xy[2], int align);

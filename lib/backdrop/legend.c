@@ -104,6 +104,7 @@ void backdrop_caption(const struct drawing *s)
     char text[256];
     double y = (BACKDROP_LINE / 2) * s->em - s->strip, margin = BACKDROP_MARGIN * s->em;
     double right = s->w - margin;
+    s->labels->in_strip = true;
     if (*s->b->time && backdrop_label(s, s->b->time, (double[2]){right, y}, 1) == LABEL_PLACED)
         right -= backdrop_text_width(s, s->b->time) + 2 * margin;
     shorten(s, s->b->title, right - margin, text, sizeof text);
@@ -125,6 +126,7 @@ void backdrop_legend(const struct drawing *s)
     double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
     b.lo -= pad;
     b.hi += pad;
+    s->labels->in_strip = true;
     patch(s, 0, s->w, -s->strip, 0, page, 1); /* over lines that leave the picture */
     bar_spans(&b, s);
     bar_isos(&b, s);

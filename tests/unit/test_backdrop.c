@@ -109,11 +109,12 @@ static void check_labels(const char *script, const struct backdrop *b, const cha
     double strip = backdrop_strip(b), em = 16 * fmax(.4, fmin(b->h / 720.0, b->w / 1080.0));
     char plate[96];
     snprintf(plate, sizeof plate, "rect from 0.00,-%.2f to %.2f,0.00 ", strip, (double)b->w);
-    if (!strstr(script, plate)) fail_msg("no plate %s:\n%s", plate, spec);
+    const char *legend = strstr(script, plate); /* later labels are those of the strip */
+    if (!legend) fail_msg("no plate %s:\n%s", plate, spec);
     for (const char *p = script; p && n < 512; p = strchr(p, '\n'), p = p ? p + 1 : p) {
         if (!read_label(p, em, &l[n])) continue;
         const struct label *k = &l[n++];
-        bool below = k->y1 <= 0;
+        bool below = p > legend;
         in_strip += below;
         if (k->x0 < 0 || k->x1 > b->w || k->y0 < (below ? -strip : 0) || k->y1 > (below ? 0 : b->h))
             fail_msg("outside: %.60s:\n%s", p, spec);
