@@ -13,6 +13,12 @@
 #define REGION (1 << REGION_SHIFT)
 #define EMPTY_LEAST 3 /* leaps pay if one region of this many is empty */
 
+/* Where plane i is, as the lanes measure it. */
+static double place(const struct stream *s, int a, int64_t i)
+{
+    return s->even ? (double)i : s->v->plane[a][i];
+}
+
 void volume_leap_init(struct stream *s)
 {
     const struct volume *v = s->v;
@@ -22,8 +28,8 @@ void volume_leap_init(struct stream *s)
         s->regions[a] = ((v->cells[a] - 1) >> REGION_SHIFT) + 1;
         s->region_plane[a] = xcalloc((size_t)s->regions[a] + 1, sizeof(double));
         for (uint32_t i = 0; i < s->regions[a]; i++)
-            s->region_plane[a][i] = v->plane[a][i << REGION_SHIFT];
-        s->region_plane[a][s->regions[a]] = v->plane[a][v->cells[a]];
+            s->region_plane[a][i] = place(s, a, i << REGION_SHIFT);
+        s->region_plane[a][s->regions[a]] = place(s, a, v->cells[a]);
         n *= s->regions[a];
     }
     s->region = xcalloc((size_t)n, 1);
@@ -58,6 +64,7 @@ static inline double met(const struct leap *p, int a, double plane)
 /* The index of the lane's next plane. */
 static int64_t plane_of(const struct stream *s, int a, int lane)
 {
+    if (s->even) return (int64_t)s->lanes.number[a][lane];
     return s->lanes.plane[a][lane] - (s->v->plane[a] - s->v->plane[0]);
 }
 
@@ -108,18 +115,20 @@ static void leap_to(struct stream *s, int lane, const struct leap *p, double t)
 {
     struct stream_lanes *l = &s->lanes;
     for (int a = 0; a < 3; a++) {
-        const double *plane = s->v->plane[a];
         const int64_t step = p->step[a], from = plane_of(s, a, lane), cells = s->v->cells[a];
         if (step == 0) continue;
         /* From the first plane in the region on. */
         int64_t region = p->plane[a] - s->region_plane[a] - (step > 0);
         int64_t begin = (region + (step < 0)) << REGION_SHIFT;
         int64_t i = (begin < cells ? begin : cells) + step;
-        while (met(p, a, plane[i]) <= t) i += step;
-        l->next[a][lane] = met(p, a, plane[i]);
-        l->prev[a][lane] = met(p, a, plane[i - step]);
-        l->rate[a][lane] = 1 / (l->next[a][lane] - l->prev[a][lane]);
+        while (met(p, a, place(s, a, i)) <= t) i += step;
+        l->next[a][lane] = met(p, a, place(s, a, i));
+        if (!s->even) {
+            l->prev[a][lane] = met(p, a, place(s, a, i - step));
+            l->rate[a][lane] = 1 / (l->next[a][lane] - l->prev[a][lane]);
+        }
         l->plane[a][lane] += i - from;
+        l->number[a][lane] = (double)i;
         l->node[lane] += (i - from) * step * l->to_node[a][lane];
         l->passed[lane] += (i - from) * step;
     }

@@ -139,6 +139,7 @@ static void mark(struct layers *l, ptrdiff_t at, const float *lo, const float *h
             visible |=
                 (high >= vf_set(l->skip->seen[k].from)) & (low <= vf_set(l->skip->seen[k].to));
         visible &= whole;
+        for (uint32_t k = n - 1 - x; k < VF; k++) visible[k] = 0; /* beyond the row */
         unsigned mask = vi_signs(visible);
         if (l->v->n_slices) mask |= vi_signs(whole) & sliced(l->v, i, x, n);
         if (n - 1 - x < VF) mask &= (1u << (n - 1 - x)) - 1;

@@ -12,6 +12,8 @@
 #define TILE 16 /* pixels; squares of it are STREAM_RAYS */
 /* With a light: of 1 / edges, and their inverse. */
 #define EDGE_MAX 1e15
+/* Greatest distance of a plane from where even ones are, in cells: no error that float shows. */
+#define EVEN 0x1p-28
 
 /* Rules for lit pieces; what their errors are: see stream_lit.h. */
 static const struct lit_rule {
@@ -148,6 +150,32 @@ static stream_kernel *widest(enum isa isa)
     return k ? k : volume_kernel_sse2();
 }
 
+/* True if each plane is where even distances would have it, but for rounding. A slice needs the
+ * times of the planes themselves. */
+static bool is_even(const struct volume *v)
+{
+    if (v->n_slices > 0) return false;
+    for (int a = 0; a < 3; a++) {
+        const double *plane = v->plane[a], edge = (plane[v->cells[a]] - plane[0]) / v->cells[a];
+        for (uint32_t i = 1; i < v->cells[a]; i++)
+            if (!(fabs(plane[i] - (plane[0] + i * edge)) <= EVEN * edge)) return false;
+    }
+    return true;
+}
+
+/* True if the walk may be in float: its errors take a quarter of what float may be wrong by. */
+static bool is_fast(const struct stream *s)
+{
+    const struct volume *v = s->v;
+    double nodes = 1, most = 0;
+    for (int a = 0; a < 3; a++) {
+        nodes *= v->cells[a] + 1.0;
+        most = fmax(most, v->cells[a]);
+    }
+    return s->even && !s->wide && !s->leaps && !v->narrowed && nodes < INT32_MAX && edges_fit(v) &&
+           4 * v->range * most * STREAM_FAST_ERROR <= (double)s->least_room * ROUNDING;
+}
+
 struct stream *volume_stream_new(struct volume *v)
 {
     unsigned char *room = xcalloc(1, sizeof(struct stream) + STREAM_LINE);
@@ -156,9 +184,12 @@ struct stream *volume_stream_new(struct volume *v)
     s->v = v;
     s->kernel = widest(v->o.isa);
     s->tolerance = (float)v->o.tolerance;
+    s->even = is_even(v);
     map_tables(&s->map, &v->map);
     widen(s);
     volume_leap_init(s);
+    s->fast = is_fast(s);
+    s->walkers = s->fast ? STREAM_WALKERS : STREAM_LANES;
     for (unsigned mask = 0; mask < 256; mask++) {
         int n = 0;
         for (unsigned i = 0; i < 8; i++)

@@ -1,10 +1,10 @@
 /*
  * stream: the adaptive method on many rays at once, in float.
  *
- * STREAM_WALKERS rays traverse the grid side by side, VF at a time. A lane whose ray ends takes
- * the next pixel. The live cells of all rays go into one list, each ray's cells front to back. The
- * list is integrated VF cells at a time, regardless of their rays, so no lane is idle where rays
- * diverge or where few cells are visible. A cell's contribution depends on the cells in front only
+ * Up to STREAM_WALKERS rays traverse the grid side by side, VF at a time. A lane that ends its ray
+ * takes the next pixel. The live cells of all rays go into one list, each ray's cells front to
+ * back. The list is integrated VF cells at a time, whatever their rays, so no lane is idle where
+ * rays diverge or where few cells are visible. A cell's contribution depends on those in front only
  * through the factor T, so the list is summed in order. (T. Aila and S. Laine, "Understanding the
  * efficiency of ray traversal on GPUs", HPG 2009, keep lanes busy in the same way. Separate lists
  * and traversal are from S. Laine, T. Karras and T. Aila, "Megakernels considered harmful", HPG
@@ -21,15 +21,16 @@
 #include "volume/volume_int.h"
 
 #define STREAM_LANES 16   /* the largest VF of all kernels */
-#define STREAM_WALKERS 16 /* active rays; interleaving several steps hides latency */
+#define STREAM_WALKERS 32 /* maximum active rays; interleaving several steps hides latency */
 #define STREAM_RAYS 256   /* rays per call */
 #define STREAM_CELLS 256  /* list length that triggers integration */
 #define STREAM_ROOM (STREAM_CELLS + 2 * STREAM_WALKERS)
 #define STREAM_PIECES 8 /* maximum pieces of one cell; cells with more are left to piece.c */
 #define STREAM_LINE 64  /* bytes per cache line; no vector straddles two lines */
 #define STREAM_ALONE UINT32_MAX
-#define SURFACE_MARGIN 0x1p-18F /* of the range of a cell's values; see ROUNDING */
-#define STREAM_NODES 7          /* of the Gauss rule for lit pieces, at most */
+#define SURFACE_MARGIN 0x1p-18F          /* of the range of a cell's values; see ROUNDING */
+#define STREAM_FAST_ERROR (18 * 0x1p-24) /* see stream_fast.h */
+#define STREAM_NODES 7                   /* of the Gauss rule for lit pieces, at most */
 
 /* The map, with a transparent entry below and one above. `first` counts entries from 0. */
 struct stream_map {
@@ -49,8 +50,9 @@ struct stream_lanes {
     double exit[STREAM_WALKERS], stop[STREAM_WALKERS];
     double next[3][STREAM_WALKERS], prev[3][STREAM_WALKERS], rate[3][STREAM_WALKERS];
     double start[3][STREAM_WALKERS], inv[3][STREAM_WALKERS];
-    /* plane: of `next`, as an index into plane[0]. */
+    /* plane: of `next`, as an index into plane[0]; with s->even: its number on the axis. */
     int64_t plane[3][STREAM_WALKERS], step[3][STREAM_WALKERS];
+    double number[3][STREAM_WALKERS], way[3][STREAM_WALKERS]; /* with s->even: plane and step */
     int64_t node[STREAM_WALKERS], to_node[3][STREAM_WALKERS];
     int64_t passed[STREAM_WALKERS];
     /* End of the cell; the plane that follows on that axis; the byte of `live`. */
@@ -64,6 +66,19 @@ struct stream_lanes {
     double light[3][STREAM_WALKERS], dir[3][STREAM_WALKERS];
 };
 
+/*
+ * The rays with s->fast, in float. On an axis, plane number n is at time (n - start) * inv, and the
+ * local coordinate at time t is base - (next - t) * rate.
+ */
+struct stream_fast {
+    _Alignas(STREAM_LINE) float t[STREAM_WALKERS], exit[STREAM_WALKERS], end[STREAM_WALKERS];
+    float next[3][STREAM_WALKERS], number[3][STREAM_WALKERS], way[3][STREAM_WALKERS];
+    float start[3][STREAM_WALKERS], inv[3][STREAM_WALKERS];
+    float base[3][STREAM_WALKERS], rate[3][STREAM_WALKERS];
+    int32_t node[STREAM_WALKERS], byte[STREAM_WALKERS], to_node[3][STREAM_WALKERS];
+    int32_t passed[STREAM_WALKERS];
+};
+
 /* Sets the end of the lane's cell, and what goes with it. */
 static inline void stream_lane_end(struct stream_lanes *l, int lane)
 {
@@ -72,6 +87,12 @@ static inline void stream_lane_end(struct stream_lanes *l, int lane)
     l->end[lane] = l->next[a][lane];
     l->beyond[lane] = l->plane[a][lane] + l->step[a][lane];
     l->byte[lane] = l->node[lane] >> 3;
+}
+
+static inline void stream_fast_end(struct stream_fast *q, int lane)
+{
+    q->end[lane] = fminf(q->next[0][lane], fminf(q->next[1][lane], q->next[2][lane]));
+    q->byte[lane] = q->node[lane] >> 3;
 }
 
 /* What s->wide keeps of a ray. `light` and `dir` are in the order of memory: mirrored with axes. */
@@ -135,6 +156,9 @@ struct stream {
     struct volume *v;
     struct stream_map map;
     float tolerance;
+    bool even;   /* planes are at equal distances on each axis: see stream_walk.h */
+    bool fast;   /* and the walk may be in float: see stream_fast.h */
+    int walkers; /* active rays: a multiple of STREAM_LANES, up to STREAM_WALKERS */
     bool wide;   /* the list has all that light, sheets, a clip box and narrow spans need */
     bool narrow; /* some cells have a range for which float is not precise enough */
     float least_room;
@@ -161,6 +185,7 @@ struct stream {
     _Alignas(STREAM_LINE) double sum[STREAM_RAYS][4]; /* accumulated rgb and alpha */
     struct stream_starts starts;
     struct stream_lanes lanes;
+    struct stream_fast quick;
     struct stream_ray ray[STREAM_RAYS];
     uint32_t parked; /* one bit per lane */
 
@@ -183,6 +208,7 @@ struct stream {
     _Alignas(STREAM_LINE) float add[STREAM_ROOM][4];
     uint16_t simple[STREAM_ROOM]; /* one bit per lane */
     uint8_t whole[STREAM_ROOM];   /* `add` is complete: 1 + number of samples; 0: not complete */
+    bool parts[STREAM_ROOM];      /* by vectors: some cell is not whole */
     /* For other cells: the entry at the start; the range of pieces. */
     int32_t entry[STREAM_ROOM];
     uint32_t piece[STREAM_ROOM], piece_end[STREAM_ROOM];

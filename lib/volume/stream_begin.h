@@ -17,6 +17,10 @@ struct aim {
     vl hit;
 };
 
+/* On an even grid: times that never are. */
+#define FAR 1e300
+#define FAST_FAR 1e30
+
 /* Directions through the middles of pixels. */
 SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
 {
@@ -129,33 +133,101 @@ SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int
     return lo;
 }
 
-/* Writes the starts from index i on. Returns the cell's offset on this axis. */
-SIMD_INLINE vl start_axis(
-    struct stream_starts *s, uint32_t i, const struct aim *m, const struct volume *v, int a)
+/* The same on an even grid, for a ray that begins at plane `at`. By rounding it may be a neighbour,
+ * in which the ray has no length that matters. */
+SIMD_INLINE vl even_cell(const struct aim *m, const struct volume *v, int a, vd at)
+{
+    const vl last = (vl){0} + (int64_t)(v->cells[a] - 1);
+    vl cell = __builtin_convertvector(at, vl);
+    cell += m->down[a] & (vl)(at <= __builtin_convertvector(cell, vd));
+    cell = vl_choose(cell > last, last, cell);
+    return vl_choose(cell < 0, (vl){0}, cell);
+}
+
+/* A ray on an axis. still, per_edge: the place in the cell and 1 / its edge if it does not move. */
+struct start {
+    vl cell, step, plane; /* plane: the first that it meets */
+    vd start, inv, next, prev, rate, still, per_edge;
+};
+
+static struct start start_uneven(
+    struct stream_starts *s, const struct aim *m, const struct volume *v, int a)
 {
     const double *plane = v->plane[a];
-    const int64_t offset = plane - v->plane[0], stride = v->stride[a];
-    vl cell = find_cell(m, v, a, s->guess[a]), moves = m->up[a] | m->down[a];
-    vl step = m->down[a] - m->up[a], ahead = cell - m->up[a];
-    vd start = vd_choose(moves, m->at[a], vd_set(-HUGE_VAL));
-    vd inv = vd_choose(moves, m->inv[a], vd_set(1));
-    vd next = (vd_gather(plane, ahead) - start) * inv;
-    vd prev = (vd_gather(plane, ahead - step) - start) * inv;
-    vd still = (m->at[a] - vd_gather(plane, cell)) * vd_gather(v->inv_edge[a], cell);
-    vl turned = (vl){0} - (stride < 0), rises = m->up[a] ^ turned;
-    vd base = vd_choose(turned, 1 - still, still), zero = vd_set(0), one = vd_set(1);
-    vd_store(s->start[a] + i, start);
-    vd_store(s->inv[a] + i, inv);
-    vd_store(s->next[a] + i, next);
-    vd_store(s->prev[a] + i, vd_choose(moves, prev, zero));
-    vd_store(s->rate[a] + i, vd_choose(moves, 1 / (next - prev), zero));
+    const vl cell = find_cell(m, v, a, s->guess[a]), moves = m->up[a] | m->down[a];
+    struct start r = {.cell = cell, .step = m->down[a] - m->up[a], .plane = cell - m->up[a]};
+    r.start = vd_choose(moves, m->at[a], vd_set(-HUGE_VAL));
+    r.inv = vd_choose(moves, m->inv[a], vd_set(1));
+    r.next = (vd_gather(plane, r.plane) - r.start) * r.inv;
+    r.prev = (vd_gather(plane, r.plane - r.step) - r.start) * r.inv;
+    r.rate = 1 / (r.next - r.prev);
+    r.per_edge = vd_gather(v->inv_edge[a], cell);
+    r.still = (m->at[a] - vd_gather(plane, cell)) * r.per_edge;
+    r.plane += plane - v->plane[0];
+    return r;
+}
+
+/* With s->fast, slower rays do not move on an axis: in cells on their way through the grid. */
+#define SLOW 0x1p-24
+static void stop_slow(struct aim *m, const struct volume *v, int a, double edge)
+{
+    double square = 0;
+    for (int b = 0; b < 3; b++) {
+        double side = v->plane[b][v->cells[b]] - v->plane[b][0];
+        square += side * side;
+    }
+    vl moves = (vl)(vd_abs(m->d[a]) * sqrt(square) > vd_set(SLOW * edge));
+    m->up[a] &= moves, m->down[a] &= moves;
+}
+
+/* The time at plane n. */
+SIMD_INLINE vd met_at(vd n, vd start, vd inv, bool fast)
+{
+    return fast ? vd_rounded(vd_rounded(n - start) * inv) : (n - start) * inv;
+}
+
+/* On an even grid, planes are where their numbers are. Ends the ray where it meets the last one. */
+SIMD_INLINE struct start start_even(
+    struct stream_starts *s, struct aim *m, const struct volume *v, int a, bool fast)
+{
+    const double *plane = v->plane[a], edge = (plane[v->cells[a]] - plane[0]) / v->cells[a];
+    const vd at = (m->at[a] - plane[0]) / edge, zero = vd_set(0);
+    if (fast) stop_slow(m, v, a, edge);
+    const vl moves = m->up[a] | m->down[a];
+    const vl cell = v->narrowed ? find_cell(m, v, a, s->guess[a]) : even_cell(m, v, a, at);
+    struct start r = {.cell = cell, .step = m->down[a] - m->up[a], .plane = cell - m->up[a]};
+    r.start = vd_choose(moves, at, vd_set(fast ? -FAST_FAR : -FAR));
+    r.inv = vd_choose(moves, m->inv[a] * edge, vd_set(1));
+    if (fast) r.start = vd_rounded(r.start), r.inv = vd_rounded(r.inv);
+    r.next = met_at(__builtin_convertvector(r.plane, vd), r.start, r.inv, fast);
+    r.prev = zero;
+    r.rate = vd_abs(m->d[a]) / edge;
+    r.per_edge = vd_set(v->inv_edge[a][0]);
+    r.still = at - __builtin_convertvector(cell, vd);
+    vd last = vd_choose(m->up[a], vd_set(v->cells[a]), zero);
+    m->exit = vd_min(m->exit, met_at(last, r.start, r.inv, fast));
+    return r;
+}
+
+/* Writes the starts from index i on. Returns the cell's offset on this axis. */
+SIMD_INLINE vl put_start_axis(struct stream_starts *s, uint32_t i, const struct aim *m,
+    const struct start *r, int a, int64_t stride)
+{
+    const vl turned = (vl){0} - (stride < 0), rises = m->up[a] ^ turned;
+    const vl moves = m->up[a] | m->down[a];
+    const vd base = vd_choose(turned, 1 - r->still, r->still), zero = vd_set(0), one = vd_set(1);
+    vd_store(s->start[a] + i, r->start);
+    vd_store(s->inv[a] + i, r->inv);
+    vd_store(s->next[a] + i, r->next);
+    vd_store(s->prev[a] + i, vd_choose(moves, r->prev, zero));
+    vd_store(s->rate[a] + i, vd_choose(moves, r->rate, zero));
     vd_store(s->base[a] + i, vd_choose(moves, vd_choose(rises, zero, one), base));
     vd_store(s->sign[a] + i, vd_choose(moves, vd_choose(rises, one, -one), zero));
-    vl_store(s->plane[a] + i, ahead + offset);
-    vl_store(s->step[a] + i, step);
-    vl_store(s->to_node[a] + i, step * stride);
-    vd_store(s->still[a] + i, vd_choose(moves, zero, vd_gather(v->inv_edge[a], cell)));
-    return cell * stride;
+    vl_store(s->plane[a] + i, r->plane);
+    vl_store(s->step[a] + i, r->step);
+    vl_store(s->to_node[a] + i, r->step * stride);
+    vd_store(s->still[a] + i, vd_choose(moves, zero, r->per_edge));
+    return r->cell * stride;
 }
 
 /* What s->wide needs of the ray of starts i + k, which is `lane` k of the aim. */
@@ -208,10 +280,15 @@ static void begin(struct stream *s)
         if (s->ground) meet_ground(s, i, n - i, &m);
         t->hit |= (uint64_t)vl_signs(m.hit) << i;
         vd_store(t->enter + i, m.enter);
-        vd_store(t->exit + i, m.exit);
         vl node = (vl){0} + (int64_t)v->origin;
         UNROLLED
-        for (int a = 0; a < 3; a++) node += start_axis(t, i, &m, v, a);
+        for (int a = 0; a < 3; a++) {
+            struct start r = s->fast   ? start_even(t, &m, v, a, true)
+                             : s->even ? start_even(t, &m, v, a, false)
+                                       : start_uneven(t, &m, v, a);
+            node += put_start_axis(t, i, &m, &r, a, v->stride[a]);
+        }
+        vd_store(t->exit + i, m.exit);
         vl_store(t->node + i, node);
         for (uint32_t k = 0; s->wide && k < VD && i + k < n; k++) keep_ray(s, i, k, &m);
     }

@@ -23,25 +23,23 @@ struct added {
     vf error; /* bound on the colour's error, per alpha */
 };
 
-/* The factor of the linear part's rise. through: exp(-depth). */
-SIMD_INLINE vf lag(vf depth, vf through, vf alpha)
+/* k times the range of r. start: k at the start. */
+SIMD_INLINE vf rest_range(const vf q[4], vf k, vf k1, vf start, vf rise)
 {
-    vf square = depth * depth;
-    vf few = depth * ((square * (1.0f / 720) - 1.0f / 12) - square * square * (1.0f / 30240));
-    vi deep = depth >= vf_set(1);
-    if (!vi_signs(deep)) return few;
-    return vf_choose(deep, 1 / depth - through / alpha - 0.5f, few);
-}
-
-/* The range of r. k0: k at the start; slope: rise of q per unit of k. */
-SIMD_INLINE vf rest_range(const vf q[4], vf k0, vf k1, vf slope)
-{
-    vf bend = slope * k1, zero = vf_set(0);
-    vf r1 = q[1] - slope * k0, r2 = q[2] - bend * q[1] * 0.5f;
-    vf r3 = q[3] - bend * q[2] * (1.0f / 3);
+    vf bend = rise * k1, zero = vf_set(0);
+    vf r1 = k * q[1] - rise * start, r2 = k * q[2] - bend * q[1] * 0.5f;
+    vf r3 = k * q[3] - bend * q[2] * (1.0f / 3);
     vf b1 = r1 * 0.25f, b2 = r1 * 0.5f + r2 * (1.0f / 6);
     vf b3 = r1 * 0.75f + r2 * 0.5f + r3 * 0.25f;
     return vf_max(vf_max(b1, b2), vf_max(b3, zero)) - vf_min(vf_min(b1, b2), vf_min(b3, zero));
+}
+
+/* (1 - exp(-d)) / d for d in 0 .. 1, to within 2^-23: polynomial through the Chebyshev nodes. */
+SIMD_INLINE vf thin_share(vf d)
+{
+    vf d2 = d * d;
+    return (0.9999999329f - d * 0.4999951599f) + d2 * (0.1666096712f - d * 0.04141876303f) +
+           d2 * d2 * (0.007837363802f - d * 0.0009125453917f);
 }
 
 /* Integrates segments of length len in the map's entries e, where the field is base + p. few: see
@@ -59,17 +57,26 @@ SIMD_INLINE struct added integrate_segment(
     vf slant = q[1] + q[2] + q[3] * 0.9f, bend = q[2] + q[3] * 1.5f;
     vf variance =
         slant * slant * (1.0f / 12) + bend * bend * (1.0f / 180) + q[3] * q[3] * (1.0f / 2800);
-    vf k = k0 + k1 * one, depth = k * len, rise = q[1] + q[2] + q[3];
-    vi seen = depth > vf_set(0);
-    vf by_k = 1 / vf_choose(seen, k, vf_set(1)), through = vf_exp(-depth);
-    vf range = rest_range(q, k0 + k1 * q[0], k1, rise * by_k);
-    r.alpha = vf_choose(seen, 1 - through, vf_set(0));
-    r.error = vf_lookup(m->slope, few, e) * range * depth * (float)COVARIANCE;
-    vf mean = one + k1 * variance * by_k + rise * lag(depth, through, 1 - through);
-    mean = vf_choose(seen, mean, vf_set(0));
+    vf k = k0 + k1 * one, depth = k * len, rise = q[1] + q[2] + q[3], square = depth * depth;
+    vi seen = depth > vf_set(0), thick = depth >= vf_set(1);
+    vf slope = vf_lookup(m->slope, few, e) * (float)COVARIANCE;
+    vf error = slope * len * rest_range(q, k, k1, k0 + k1 * q[0], rise);
+    vf per_k = vf_choose(seen, len * thin_share(depth), vf_set(0)), alpha = k * per_k;
+    vf lag = depth * ((square * (1.0f / 720) - 1.0f / 12) - square * square * (1.0f / 30240));
+    if (vi_signs(thick)) {
+        vf by_k = 1 / k, through = vf_exp(-depth), thick_alpha = 1 - through;
+        vf range = rest_range(q, vf_set(1), k1, k0 + k1 * q[0], rise * by_k);
+        alpha = vf_choose(thick, thick_alpha, alpha);
+        per_k = vf_choose(thick, thick_alpha * by_k, per_k);
+        lag = vf_choose(thick, 1 / depth - through / thick_alpha - 0.5f, lag);
+        error = vf_choose(thick, slope * range * depth, error);
+    }
+    vf moment = alpha * (one + rise * lag) + k1 * variance * per_k;
+    r.alpha = alpha;
+    r.error = error;
     UNROLLED
     for (int c = 0; c < 3; c++)
-        r.rgb[c] = r.alpha * (vf_lookup(m->rgb0[c], few, e) + vf_lookup(m->rgb1[c], few, e) * mean);
+        r.rgb[c] = vf_lookup(m->rgb0[c], few, e) * alpha + vf_lookup(m->rgb1[c], few, e) * moment;
     return r;
 }
 

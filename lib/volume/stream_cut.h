@@ -281,9 +281,11 @@ static void cut(struct stream *s)
     if (s->map.entries <= 8) integrate_pieces(s, true);
     else integrate_pieces(s, false);
     memset(s->whole, 1 + (int)samples_of(s), s->cells);
+    memset(s->parts, 0, s->cells / VF + 1);
     for (uint32_t i = 0; i < n; i++) {
         s->whole[todo[i]] = 0;
         if (s->piece[todo[i]] != STREAM_ALONE) put_whole(s, todo[i]);
+        if (!s->whole[todo[i]]) s->parts[todo[i] / VF] = true;
     }
 }
 

@@ -10,6 +10,7 @@
 #define ALL_LANES ((1u << VF) - 1)
 typedef float vh __attribute__((vector_size(4 * VD))); /* half as many floats as a vf */
 
+#define UNROLLED_ALL _Pragma("GCC unroll 16")
 #define UNROLLED _Pragma("GCC unroll 4") /* keeps arrays of vectors in registers */
 
 /* ---- doubles -------------------------------------------------------------------------------- */
@@ -76,6 +77,27 @@ SIMD_INLINE vi vi_load(const int32_t *p)
 }
 SIMD_INLINE void vi_store(int32_t *p, vi a) { memcpy(p, &a, sizeof a); }
 SIMD_INLINE vi vi_set(int32_t a) { return a - (vi){0}; }
+/* a as floats. */
+SIMD_INLINE vd vd_rounded(vd a)
+{
+    return __builtin_convertvector(__builtin_convertvector(a, vh), vd);
+}
+/* The sign of lane i is bit at[i] & 7 of p[byte[i]]. Reads 4 bytes from p + byte[i] on. */
+SIMD_INLINE vi vi_bits(const uint8_t *p, const int32_t *byte, vi at)
+{
+    int32_t b[VF];
+    UNROLLED_ALL
+    for (int i = 0; i < VF; i++) memcpy(b + i, p + byte[i], sizeof *b);
+#if SIMD_BYTES == 64
+    vi word = (vi)_mm512_set_epi32(b[15], b[14], b[13], b[12], b[11], b[10], b[9], b[8], b[7], b[6],
+        b[5], b[4], b[3], b[2], b[1], b[0]);
+#elif SIMD_BYTES == 32
+    vi word = (vi)_mm256_set_epi32(b[7], b[6], b[5], b[4], b[3], b[2], b[1], b[0]);
+#else
+    vi word = vi_load(b);
+#endif
+    return word << (31 - (at & 7));
+}
 /* Joins two halves. */
 SIMD_INLINE vf vf_narrow(vd a, vd b)
 {

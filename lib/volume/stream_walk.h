@@ -2,91 +2,9 @@
 #ifndef STORMRING_VOLUME_STREAM_WALK_H
 #define STORMRING_VOLUME_STREAM_WALK_H
 
-#include "volume/stream_begin.h"
+#include "volume/stream_lane.h"
 
 #define HALVES (VF / VD)
-
-/* ---- a lane's ray --------------------------------------------------------------------------- */
-
-static void park(struct stream *s, int lane)
-{
-    struct stream_lanes *l = &s->lanes;
-    l->t[lane] = 0;
-    l->exit[lane] = -1;
-    l->node[lane] = 0;
-    for (int a = 0; a < 3; a++) {
-        l->next[a][lane] = HUGE_VAL;
-        l->prev[a][lane] = l->rate[a][lane] = 0;
-        l->start[a][lane] = -HUGE_VAL;
-        l->inv[a][lane] = 1;
-        l->plane[a][lane] = l->step[a][lane] = l->to_node[a][lane] = 0;
-    }
-    l->byte[lane] = l->beyond[lane] = 0;
-    l->end[lane] = 0;
-    s->parked |= 1u << lane;
-}
-
-static void put_axis(struct stream_lanes *l, int lane, const struct stream_starts *t, int i, int a)
-{
-    l->next[a][lane] = t->next[a][i];
-    l->prev[a][lane] = t->prev[a][i];
-    l->rate[a][lane] = t->rate[a][i];
-    l->start[a][lane] = t->start[a][i];
-    l->inv[a][lane] = t->inv[a][i];
-    l->plane[a][lane] = t->plane[a][i];
-    l->step[a][lane] = t->step[a][i];
-    l->to_node[a][lane] = t->to_node[a][i];
-    l->base[a][lane] = (float)t->base[a][i];
-    l->sign[a][lane] = (float)t->sign[a][i];
-}
-
-static void put_wide(struct stream_lanes *l, int lane, const struct stream_ray *r)
-{
-    l->before[lane] = r->before;
-    for (int a = 0; a < 3; a++) {
-        l->still[a][lane] = r->still[a];
-        l->light[a][lane] = r->light[a];
-        l->dir[a][lane] = r->dir[a];
-    }
-}
-
-/* Gives the lane the next pixel whose ray hits the grid. False if there is none. */
-static bool put_start(struct stream *s, int lane)
-{
-    struct stream_lanes *l = &s->lanes;
-    struct stream_starts *t = &s->starts;
-    while (!t->hit && s->taken < s->n) begin(s);
-    if (!t->hit) return false;
-    int i = __builtin_ctzll(t->hit);
-    t->hit &= t->hit - 1;
-    l->t[lane] = t->enter[i];
-    l->exit[lane] = l->stop[lane] = t->exit[i];
-    l->node[lane] = t->node[i];
-    l->passed[lane] = 0;
-    l->ray[lane] = (int32_t)t->ray + i;
-    UNROLLED
-    for (int a = 0; a < 3; a++) put_axis(l, lane, t, i, a);
-    stream_lane_end(l, lane);
-    if (s->wide) put_wide(l, lane, &s->ray[l->ray[lane]]);
-    return true;
-}
-
-static void take_ray(struct stream *s, int lane)
-{
-    struct volume_counts *c = &s->v->counts;
-    uint32_t passed = (uint32_t)s->lanes.passed[lane];
-    if (passed > c->most_cells) c->most_cells = passed;
-}
-
-/* Gives the lane the next ray that meets a live region, or parks it. */
-static void put_ray(struct stream *s, int lane)
-{
-    while (put_start(s, lane)) {
-        if (!s->leaps || volume_leap(s, lane)) return;
-        take_ray(s, lane);
-    }
-    park(s, lane);
-}
 
 /* ---- a step --------------------------------------------------------------------------------- */
 
@@ -142,6 +60,29 @@ SIMD_INLINE void pass(struct stream *s, int h)
     vd_store(l->end + h, of_axis(then, next[0], next[1], next[2]));
 }
 
+/* The same on an even grid. `number` counts planes: its time is a product, and `rate` is the same
+ * in all cells. */
+SIMD_INLINE void pass_even(struct stream *s, int h)
+{
+    struct stream_lanes *l = &s->lanes;
+    vd next[3] = {vd_load(l->next[0] + h), vd_load(l->next[1] + h), vd_load(l->next[2] + h)};
+    const struct which m = which_ends(next[0], next[1], next[2]);
+    const vl mine[3] = {m.x, ~m.x & m.y, ~m.x & ~m.y};
+    vl node = vl_load(l->node + h);
+    UNROLLED
+    for (int a = 0; a < 3; a++) {
+        vd number = vd_load(l->number[a] + h) + (vd)(mine[a] & (vl)vd_load(l->way[a] + h));
+        next[a] = (number - vd_load(l->start[a] + h)) * vd_load(l->inv[a] + h);
+        vd_store(l->number[a] + h, number);
+        vd_store(l->next[a] + h, next[a]);
+        node += mine[a] & vl_load(l->to_node[a] + h);
+    }
+    vl_store(l->node + h, node);
+    vl_store(l->byte + h, node >> 3);
+    vd_store(l->t + h, vd_load(l->end + h));
+    vd_store(l->end + h, vd_min(next[0], vd_min(next[1], next[2])));
+}
+
 /* ---- the list ------------------------------------------------------------------------------- */
 
 /* Compaction: the lanes of the mask become adjacent. */
@@ -166,6 +107,12 @@ SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES],
     to += __builtin_popcount(mask & 255);
     vl_store(to, (vl)_mm512_maskz_compress_epi64((__mmask8)(mask >> 8), (__m512i)a[1]));
 }
+SIMD_INLINE void pack_n(struct order order, int64_t *to, vi a)
+{
+    __m512i packed = _mm512_maskz_compress_epi32(order.of, (__m512i)a);
+    vl_store(to, (vl)_mm512_cvtepi32_epi64(_mm512_castsi512_si256(packed)));
+    vl_store(to + VD, (vl)_mm512_cvtepi32_epi64(_mm512_extracti32x8_epi32(packed, 1)));
+}
 #elif SIMD_BYTES == 32
 struct order {
     __m256i of;
@@ -189,6 +136,12 @@ SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES],
     pack_half(s, to, a[0], mask & 15);
     pack_half(s, to + __builtin_popcount(mask & 15), a[1], mask >> 4);
 }
+SIMD_INLINE void pack_n(struct order order, int64_t *to, vi a)
+{
+    __m256i packed = _mm256_permutevar8x32_epi32((__m256i)a, order.of);
+    vl_store(to, (vl)_mm256_cvtepi32_epi64(_mm256_castsi256_si128(packed)));
+    vl_store(to + VD, (vl)_mm256_cvtepi32_epi64(_mm256_extracti128_si256(packed, 1)));
+}
 #else
 struct order {
     unsigned mask;
@@ -210,10 +163,16 @@ SIMD_INLINE void pack_l(const struct stream *s, int64_t *to, const vl a[HALVES],
     for (int i = 0; i < VF; i++)
         if (mask >> i & 1) *to++ = a[i / VD][i % VD];
 }
+SIMD_INLINE void pack_n(struct order order, int64_t *to, vi a)
+{
+    for (int i = 0; i < VF; i++)
+        if (order.mask >> i & 1) *to++ = a[i];
+}
 #endif
 
 /* What light, attenuation and surfaces need. */
-SIMD_INLINE void put_cells_wide(struct stream *s, int h0, const vd end[HALVES], unsigned mask)
+SIMD_INLINE void put_cells_wide(
+    struct stream *s, int h0, const vd end[HALVES], unsigned mask, bool even)
 {
     const struct stream_lanes *l = &s->lanes;
     const struct order order = order_of(s, mask);
@@ -235,15 +194,16 @@ SIMD_INLINE void put_cells_wide(struct stream *s, int h0, const vd end[HALVES], 
         for (int h = 0; h < HALVES; h++) {
             const int i = h0 + h * VD;
             x[h] = vd_load(l->light[a] + i) - vd_load(l->dir[a] + i) * t[h];
-            y[h] =
-                vd_load(l->rate[a] + i) * vd_abs(vd_load(l->inv[a] + i)) + vd_load(l->still[a] + i);
+            y[h] = even ? vd_set(s->v->inv_edge[a][0])
+                        : vd_load(l->rate[a] + i) * vd_abs(vd_load(l->inv[a] + i)) +
+                              vd_load(l->still[a] + i);
         }
         pack_f(order, s->way[a] + n, vf_narrow(x[0], x[1]));
         pack_f(order, s->edge[a] + n, vf_narrow(y[0], y[1]));
     }
 }
 
-SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsigned mask)
+SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsigned mask, bool even)
 {
     const struct stream_lanes *l = &s->lanes;
     const struct order order = order_of(s, mask);
@@ -260,7 +220,8 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
         UNROLLED
         for (int h = 0; h < HALVES; h++) {
             vd rate = vd_load(l->rate[a] + h0 + h * VD);
-            u[h] = (t[h] - vd_load(l->prev[a] + h0 + h * VD)) * rate;
+            u[h] = even ? 1 - (vd_load(l->next[a] + h0 + h * VD) - t[h]) * rate
+                        : (t[h] - vd_load(l->prev[a] + h0 + h * VD)) * rate;
             delta[h] = length[h] * rate;
         }
         vf base = vf_load(l->base[a] + h0), sign = vf_load(l->sign[a] + h0);
@@ -278,7 +239,7 @@ SIMD_INLINE void put_cells(struct stream *s, int h0, const vd end[HALVES], unsig
 /* ---- the walk ------------------------------------------------------------------------------- */
 
 /* VF rays from lane h0: adds their live cells to the list and steps to the next cells. */
-SIMD_INLINE void step(struct stream *s, int h0, bool wide)
+SIMD_INLINE void step(struct stream *s, int h0, bool wide, bool even)
 {
     struct stream_lanes *l = &s->lanes;
     vd end[HALVES];
@@ -293,40 +254,13 @@ SIMD_INLINE void step(struct stream *s, int h0, bool wide)
         vl_store(l->passed + h, vl_load(l->passed + h) - real);
         mask |= vl_signs(real & vl_bits(s->v->live, l->byte + h, vl_load(l->node + h))) << i * VD;
     }
-    if (mask && wide) put_cells_wide(s, h0, end, mask);
-    if (mask) put_cells(s, h0, end, mask);
+    if (mask && wide) put_cells_wide(s, h0, end, mask, even);
+    if (mask) put_cells(s, h0, end, mask, even);
     UNROLLED
-    for (int i = 0; i < HALVES; i++) pass(s, h0 + i * VD);
-}
-
-/* Lanes whose rays have ended take the next rays, unless these leap to another live region. */
-SIMD_INLINE void refill(struct stream *s, int h0)
-{
-    struct stream_lanes *l = &s->lanes;
-    unsigned ended = 0;
-    UNROLLED
-    for (int h = 0; h < VF; h += VD)
-        ended |= vl_signs(~(vl)(vd_load(l->t + h0 + h) < vd_load(l->exit + h0 + h))) << h;
-    for (unsigned m = ended & ~(s->parked >> h0); m; m &= m - 1) {
-        int lane = h0 + __builtin_ctz(m);
-        if (s->leaps && l->exit[lane] >= 0 && volume_leap(s, lane)) continue;
-        take_ray(s, lane);
-        put_ray(s, lane);
+    for (int i = 0; i < HALVES; i++) {
+        if (even) pass_even(s, h0 + i * VD);
+        else pass(s, h0 + i * VD);
     }
-}
-
-/*
- * Fills the list. Stops early only if no ray is left. A new ray's lane is written by scalar stores;
- * it is loaded as vectors only after the steps of the other lanes, because an immediate load would
- * stall.
- */
-SIMD_INLINE void walk(struct stream *s, bool wide)
-{
-    while (s->cells <= STREAM_CELLS && s->parked != (1u << STREAM_WALKERS) - 1)
-        for (int h = 0; h < STREAM_WALKERS; h += VF) {
-            step(s, h, wide);
-            refill(s, h);
-        }
 }
 
 #endif
