@@ -143,6 +143,11 @@ make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "
 # s = 12 lon + 6 lev + 3 t + lat, latitudes and levels turned round
 is 'dimensions may come in any order' "$(got -t 1 order.nc s)" \
 	"$(for lev in 1 0; do for lat in 2 1 0; do for lon in 0 1 2 3; do echo $((12 * lon + 6 * lev + 3 + lat)); done; done; done | paste -sd' ')"
+for calendar in noleap standard; do
+	sed "s/t:units = \"days since 2000-1-1\";/& t:calendar = \"$calendar\";/" order.cdl | ncgen -o calendar.nc && got -t 1 calendar.nc s >/dev/null
+	sed -n 's/.*; t //p' a.vtk
+done >calendars
+is 'a calendar that is not the usual one is named with the time' "$(paste -sd: calendars)" 't 1 [days since 2000-1-1 (noleap)]:t 1 [days since 2000-1-1]'
 make_nc plain 'time = 2; a = 3; b = 2; c = 2;' 'float a(a); float b(b); float c(c); float s(time, a, b, c);' \
 	"a = 1, 2, 4; b = 1, 2; c = 5, 4; s = $(seq -s, 0 23);"
 is 'axes without attributes are told apart by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'

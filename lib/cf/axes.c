@@ -83,6 +83,17 @@ static bool find_coordinates(int group, int dim, const char *name, int *in, int 
     }
 }
 
+/* A date of another calendar must not be taken for one of the usual calendar. */
+static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
+{
+    static const char *const usual[] = {"standard", "gregorian", "proleptic_gregorian", NULL};
+    char calendar[CF_TEXT] = "";
+    if (a->kind == CF_T) cf_text(c, in, id, "calendar", calendar);
+    size_t n = strlen(a->units);
+    if (calendar[0] && !one_of(calendar, usual))
+        snprintf(a->units + n, CF_TEXT - n, " (%s)", calendar);
+}
+
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
     char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
@@ -103,6 +114,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     a->id = id;
     a->pressure = is_pressure(a->units);
     a->kind = kind_of(c, in, id, a);
+    name_calendar(c, in, id, a);
     a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && a->pressure);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
