@@ -92,6 +92,7 @@ static void draw_clip(struct draw *d, struct look *l)
         s->clip[a][1] = odds(d, .3) ? high : low + (high - low) * between(d, .7, 1.1);
         if (odds(d, .2)) s->clip[a][0] = l->g.at[a][l->g.n[a] / 2 - 1];
         if (odds(d, .2)) s->clip[a][1] = l->g.at[a][l->g.n[a] / 2];
+        if (!(s->clip[a][0] < s->clip[a][1])) s->clip[a][0] = low;
     }
 }
 
