@@ -45,7 +45,7 @@ if command -v nm >/dev/null; then
 	is 'no program opens a socket' "$(calls socket socketpair connect bind listen accept accept4 getaddrinfo)" ''
 	is 'no program starts a shell by a function of the C library' "$(calls system popen wordexp)" ''
 	is 'only programs that start others can start one' "$(calls execvp execv execve execl execlp posix_spawn posix_spawnp |
-		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'cropworker deal fan replay ringctl rtworker vcworker '
+		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'backdrop cropworker deal fan replay ringctl rtworker vcworker '
 else
 	skip 'what programs call' 'nm is not there'
 fi
@@ -85,4 +85,20 @@ like 'a grid that states more nodes than memory has is refused' "$status $err" '
 sed 's/^resolution .*/resolution 999999999 999999999/' tetra.nff >vast.nff
 run prlimit --as=1000000000 rtworker -i vast.nff
 like 'a picture that no memory has is refused' "$status $err" '^2 rtworker: vast.nff:.*expected'
+
+printf '%s\n' '# vtk DataFile Version 3.0' TITLE ASCII 'DATASET RECTILINEAR_GRID' 'DIMENSIONS 2 2 2' 'X_COORDINATES 2 float' '0 1' \
+	'Y_COORDINATES 2 float' '0 1' 'Z_COORDINATES 2 float' '0 1' 'POINT_DATA 8' 'SCALARS s float' 'LOOKUP_TABLE default' '1 2 1 2 1 2 1 2' >grid
+# drawn TITLE: a map of a grid with this title is drawn, and its command has not run
+drawn() {
+	title=$1 awk 'NR == 2 { $0 = ENVIRON["title"] } { print }' grid >titled.vtk
+	rm -f map.png && backdrop -o map.png titled.vtk a.spec && [ -s map.png ] && [ ! -e ran ]
+}
+# shellcheck disable=SC2016  # commands that must not run
+titles() {
+	drawn "s'; system(\"touch ran\"); '" && drawn 's`touch ran`' && drawn "s\\'; system('touch ran') #" &&
+		drawn "s [m'; system \"touch ran\" #]; x a ['\`touch ran\`]; y b [m]; z c [%'; !touch ran]; t time 0 [d'\`touch ran\`]"
+}
+if command -v gnuplot >/dev/null; then ok "a grid's title is no command of gnuplot" titles
+else skip "a grid's title is no command of gnuplot" 'gnuplot is not there'
+fi
 finish
