@@ -91,12 +91,12 @@ printf '%s\n' '# vtk DataFile Version 3.0' TITLE ASCII 'DATASET RECTILINEAR_GRID
 # drawn TITLE: a map of a grid with this title is drawn, and its command has not run
 drawn() {
 	title=$1 awk 'NR == 2 { $0 = ENVIRON["title"] } { print }' grid >titled.vtk
-	rm -f map.png && backdrop -o map.png titled.vtk a.spec && [ -s map.png ] && [ ! -e ran ]
+	rm -f map.png && backdrop -s 900x300 -o map.png titled.vtk a.spec && [ -s map.png ] && [ ! -e ran ]
 }
 # shellcheck disable=SC2016  # commands that must not run
 titles() {
-	drawn "s'; system(\"touch ran\"); '" && drawn 's`touch ran`' && drawn "s\\'; system('touch ran') #" &&
-		drawn "s [m'; system \"touch ran\" #]; x a ['\`touch ran\`]; y b [m]; z c [%'; !touch ran]; t time 0 [d'\`touch ran\`]"
+	drawn "s'.system('touch ran').' [m]" && drawn 's`touch ran` [m]' && drawn "s\\'.system('touch ran').' [m]" &&
+		drawn "s [m'.system('touch ran').']; x a ['\`touch ran\`]; y b [m]; z c [%'.system('touch ran').']; t time 0 [d'\`touch ran\`]"
 }
 if command -v gnuplot >/dev/null; then ok "a grid's title is no command of gnuplot" titles
 else skip "a grid's title is no command of gnuplot" 'gnuplot is not there'
