@@ -135,7 +135,7 @@ returns 'a drained node that resumes' n3
 returns 'a node that was down and resumes' n4
 ends 'the login node with faults'
 ok 'a time limit: the job ends' await 30 over
-like 'a time limit: the log says how to go on' "$(cat "slurm-$limited.out")" 'batch.log has the pixels so far'
+like 'a time limit: the log says how to go on' "$(cat "slurm-$limited.out")" 'batch.log has the pixels so far|to resume from batch.log, rerun'
 ok 'a time limit: the next job exits with 0' sbatch -W -Q -N 2 --exclusive --wrap \
 	'balance adaptive -S slurm: -s 96x96 -r batch.log -o batch.pfm gears.nff'
 ok 'a time limit: the same picture' cmp batch.pfm good.pfm

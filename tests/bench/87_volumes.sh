@@ -17,9 +17,9 @@ beside() {
 }
 # peer FIELD SIZE LOOK DISTANCE TARGET: the time as a part of VTK's, whose samples are DISTANCE apart
 peer() {
-	size=$(./volume_bench field "$1:$2" field) && ./volume_bench scene "$1:$2" "$3" >scene || stop "no field $1:$2"
+	nodes=$(./volume_bench field "$1:$2" field) && ./volume_bench scene "$1:$2" "$3" >scene || stop "no field $1:$2"
 	for _ in $(seq "$rounds"); do
-		other=$($pin $vtk "$root/tests/bench/volume_vtk.py" field "$size" scene picture "$4") || stop 'VTK failed'
+		other=$($pin $vtk "$root/tests/bench/volume_vtk.py" field "$nodes" scene picture "$4") || stop 'VTK failed'
 		echo "$(cast "$1:$2" "$3") ${other#* }"
 	done >"$tmp/times"
 	ratio "$1:$2, $3 / VTK" "$5"

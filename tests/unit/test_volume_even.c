@@ -9,7 +9,8 @@
 #include <cmocka.h>
 #include "volume_scenes.h"
 
-enum { SIDE = 24, VALUES = 4 * SIDE * SIDE };
+#define SIDE 24
+#define VALUES (4 * SIDE * SIDE)
 
 static double between(uint64_t seed, uint64_t *n, double lo, double hi)
 {
