@@ -91,9 +91,9 @@ partition 300x200 | vcworker flat.vtk wall.spec | gather -k 16 -o flat.png
 printf 'P6 300 200 255\n' >black.ppm
 head -c 180000 /dev/zero >>black.ppm
 blend -o seen.png flat.png black.ppm
-backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [0:200]/
-	s/^plot .*/plot $plane with filledcurves closed fc rgb "red"/' | gnuplot >plane.png
-ok 'gnuplot and vcworker fill the same pixels, except at the edge' imgcmp -t .75 -f .002 seen.png plane.png
+backdrop flat.vtk wall.spec | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [.5:199.495]/
+	s/^plot .*/plot $plane with filledcurves closed fs solid noborder fc rgb "red"/' | gnuplot >plane.png
+ok 'gnuplot and vcworker fill the same pixels, except at the edge' imgcmp -t .75 -f .0005 seen.png plane.png
 run imgcmp -t .75 -f .1 seen.png black.ppm
 is 'gnuplot fills many pixels' "$status" 1
 
@@ -104,9 +104,9 @@ filled() {
 	sed "s/^0 20\$/$2/; s/^40 50\$/$3/; s/^-1000 -990\$/-1000 -999.99/; s/^0 20 0.*/10 10 10 10 10 10 10 10/" wall.vtk >part.vtk
 	partition 300x200 | vcworker part.vtk "$4" | gather -k 16 -o part.png
 	blend -o seen.png part.png black.ppm
-	backdrop flat.vtk "$4" lines.txt | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [0:200]/
-		s/^plot .*/plot $area0 with filledcurves closed fc rgb "red"/' | gnuplot >area.png
-	ok "$1" imgcmp -t .75 -f "${5-.002}" seen.png area.png
+	backdrop flat.vtk "$4" lines.txt | sed '/^set label/d; /^set object/d; s/#f6f6f6/black/; s/size 300,[0-9]*/size 300,200/; s/^set yrange.*/set yrange [.5:199.495]/
+		s/^plot .*/plot $area0 with filledcurves closed fs solid noborder fc rgb "red"/' | gnuplot >area.png
+	ok "$1" imgcmp -t .75 -f "${5-.0005}" seen.png area.png
 	run imgcmp -t .75 -f .01 seen.png black.ppm
 	is "$1: many pixels are filled" "$status" 1
 }
@@ -129,7 +129,7 @@ filled 'what is behind the eye is cut off' '3 17' '41 49' within.spec .01
 	printf '> land\n1 41.5\n1.01 41.5\n1.01 41.51\n'
 } >lines.txt
 backdrop wall.vtk wall.spec lines.txt >areas.gp
-is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fc rgb .#......' | sed 's/ .*#/ /' |
+is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fs solid noborder fc rgb .#......' | sed 's/ .*#/ /' |
 	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
 	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
 is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15

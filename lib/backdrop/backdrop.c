@@ -1,7 +1,12 @@
 /* backdrop: the script as a whole. */
 #include "backdrop/lines.h"
 
+#define UNIT .005 /* pngcairo places things at 200 units a pixel */
+#define FILL "filledcurves closed fs solid noborder fc rgb '"
+
 /*
+ * gnuplot's graph extends from the centre of the first pixel to one unit before the centre of the
+ * last one.
  * pngcairo accepts UTF-8 directly. `set encoding` would make gnuplot warn in a locale without a
  * degree sign, such as C.
  */
@@ -12,8 +17,8 @@ static void head(const struct drawing *s, double lo, double hi)
         "unset border\nunset tics\nunset key\n"
         "set lmargin at screen 0\nset rmargin at screen 1\n"
         "set bmargin at screen 0\nset tmargin at screen 1\n"
-        "set xrange [0:%g]\nset yrange [%g:%g]\n",
-        s->w, hi - lo, s->em / BACKDROP_FONT, s->w, lo, hi);
+        "set xrange [.5:%.3f]\nset yrange [%.3f:%.3f]\n",
+        s->w, hi - lo, s->em / BACKDROP_FONT, s->w - .5 - UNIT, lo + .5, hi - .5 - UNIT);
 }
 
 /* The part of the grid's lowest plane that is in front of the eye. */
@@ -69,10 +74,9 @@ int backdrop_write(const struct backdrop *b, bool caption, struct buf *out, char
         buf_append(out, buf_data(&lines.strokes), buf_size(&lines.strokes));
         buf_printf(out, "EOD\n$edges << EOD\n");
         backdrop_edges(s);
-        buf_printf(out, "EOD\nplot $plane with filledcurves closed fc rgb '" SEA "'");
+        buf_printf(out, "EOD\nplot $plane with " FILL SEA "'");
         for (int i = 0; i < lines.n_areas; i++)
-            buf_printf(out, ", $area%d with filledcurves closed fc rgb '%s'", i,
-                lines.is_water[i] ? SEA : LAND);
+            buf_printf(out, ", $area%d with " FILL "%s'", i, lines.is_water[i] ? SEA : LAND);
         buf_printf(out, ", $graticule with lines lc rgb '" GRATICULE "'");
         if (buf_size(&lines.strokes))
             buf_printf(out, ", $lines with lines lw %.2g lc rgb '" COAST "'", COAST_WIDTH);
