@@ -1,19 +1,11 @@
 #!/bin/sh
-# The compilers and sanitizers find nothing, and every build renders the same picture.
+# The compilers warn of nothing, the programs are hardened, and every build renders the same picture.
 . "$(dirname "$0")/lib.sh"
 needs gcc clang valgrind /usr/include/cmocka.h
-cd "$root" || exit 3
+. "$root/tests/builds.sh"
 
-# build NAME CC CFLAGS [TARGET ...]: into build/NAME, apart from the programs that other tests run
-build() {
-	name=$1 cc=$2 flags=$3
-	shift 3
-	make -s -j2 BUILD="build/$name" CC="$cc" CFLAGS="$flags" "${@:-all}"
-}
-sanitize='-O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all'
 ok 'gcc warns of nothing' build gcc gcc '-O2 -Werror' all unit
 ok 'clang warns of nothing' build clang clang '-O2 -Werror' all unit
-ok 'it builds with sanitizers' build sanitized gcc "$sanitize -Werror" all unit
 
 # hardened BUILD: each program is position independent, relocations are read-only and bound at the start, and there are
 # calls to check the stack and the sizes of buffers; each object is marked for CET on x86-64. (Programs are not,
@@ -36,23 +28,7 @@ is 'CFLAGS and LDFLAGS come last, so they win' "$(make -n -B BUILD=build/plain C
 	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |
 	grep -Ec 'stack-protector-strong .*-fno-stack-protector .*-pie .*-no-pie ')" 1
 
-# test_base tries to run out of memory.
-for unit in tests/unit/test_*.c; do
-	name=$(basename "$unit" .c)
-	ok "$name is clean under ASan and UBSan" env ASAN_OPTIONS=allocator_may_return_null=1 "build/sanitized/unit/$name"
-done
-
-# picture BUILD: renders a small picture through every stage
-picture() {
-	PATH=$root/build/$1/bin:$PATH
-	{ pack scene "$tmp/gears.nff" && partition -u tile:16x8 40x32; } |
-		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/$1.pfm" -r "$tmp/$1.frags" &&
-		imgcmp "$tmp/$1.pfm" "$tmp/reference.pfm" && fragstat "$tmp/$1.frags" &&
-		gather -m "$tmp/$1.frags" && nff2pov "$tmp/gears.nff" >"$tmp/$1.pov"
-}
-spdgen -s 2 gears >"$tmp/gears.nff"
-partition 40x32 | rtworker "$tmp/gears.nff" | gather -o "$tmp/reference.pfm"
-for name in gcc clang sanitized; do ok "the pipeline built as $name renders the same bits" picture "$name"; done
+for name in gcc clang; do ok "the pipeline built by $name renders the same bits" same "$name"; done
 
 memcheck='valgrind -q --error-exitcode=9 --leak-check=full --trace-children=no'
 # shellcheck disable=SC2086

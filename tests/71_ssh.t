@@ -79,17 +79,11 @@ accepted() { for h in host1 host2; do hosts run $h grep -c Accepted /run/sshd.lo
 # both_up: waits until both hosts are up, so that neither can do all tasks before the other has come
 both_up() { await 60 sh -c '[ "$(grep -ac "^up w=[01] " up)" -ge 2 ]'; }
 before=$(accepted)
-# connected NAME N: since then each host was connected to N times, and once more for each time that it was silent for long
-connected() {
-	cat said >>all_said
-	is "$1" "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk -v n="$2" '
-		/: host[12]: lost .*, connecting again$/ { sub(":", "", $2); again[$2]++ }
-		!/:/ { was["host" ++hosts] = $1 }
-		END { for (i = 1; i <= hosts; i++) printf "%d ", was["host" i] + n + again["host" i] }' - all_said)"
-}
+# connected NAME N: since then each host was connected to N times. No host is lost because load makes it silent for long.
+connected() { is "$1" "$(accepted | tr '\n' ' ')" "$(echo "$before" | awk -v n="$2" '{ printf "%d ", $1 + n }')"; }
 : >up
 { pack scene gears.nff; both_up; partition 96x96; } |
-	deal -q 4 sh -c 'fan -S host1,host2 deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o tree.pfm -r tree.log
+	deal -q 4 sh -c 'fan -t 1e5 -S host1,host2 deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o tree.pfm -r tree.log
 ok 'deal fan -S host1,host2 deal fan -j 2: the same picture' cmp tree.pfm good64.pfm
 is 'a tree: no message' "$(unexpected said)" ''
 connected 'a tree: one connection per host' 1
@@ -97,7 +91,7 @@ like 'a tree: two leaves per host' "$(slots_in tree.log)" '([01]\.[01] ){3}'
 
 : >up
 { pack scene gears.nff; both_up; partition -n 2 96x96; } |
-	ringctl sh -c 'fan -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o ring.pfm -r ring.log
+	ringctl sh -c 'fan -t 1e5 -S host1,host2 ringctl -n deal fan -j 2 rtworker -a 64 - | tee up' 2>said | gather -o ring.pfm -r ring.log
 ok 'ringctl fan -S host1,host2 ringctl -n deal fan -j 2: the same picture' cmp ring.pfm good64.pfm
 is 'a ring: no message' "$(unexpected said)" ''
 connected 'a ring: one connection per host' 2
