@@ -154,14 +154,26 @@ light_source { <3, 5, -5> rgb 1 }
 #while (i < 3) sphere { <i - 1, 0, 0>, .4 pigment { rgb <i / 2, 1, .5> } finish { phong i } } #declare i = i + 1; #end
 END
 whole slow slow.pov +W48 +H36
-MARK=$mark balance adaptive -j 3 -s 48x36 -o killed.png slow.pov 2>killed.said &
+# Renderers of rectangles wait for the file go, so that some are there to be killed.
+mkdir held
+cat >held/povray <<END
+#!/bin/sh
+case " \$*" in *' +SC'*) until [ -e '$tmp/go' ]; do sleep .05; done ;; esac
+exec $(command -v povray) "\$@"
+END
+chmod +x held/povray
+povworker -p slow.pov >slow.files
+{ cat slow.files; partition 48x36; } |
+	PATH=$tmp/held:$PATH MARK=$mark deal -q auto -e fan -1 -j 3 povworker - 2>killed.said | gather -o killed.png &
 rendering() { [ "$(program povray | wc -l)" -ge 2 ]; }
 await 20 rendering
-for p in $(program povray); do kill -9 "$p" && break; done
+kill -9 "$(program povray | head -n 1)"
 await 20 rendering
-for p in $(program cropworker); do kill -9 "$p" && break; done
+kill -9 "$(program cropworker | head -n 1)"
+: >go
 wait $!
 is 'a renderer and a worker are killed: the same picture' "$?:$(same killed.png slow.png)" '0:differing	0'
+is 'both losses are reported' "$(grep -c signal killed.said)" 2
 ok 'no process remains' await 10 none_alive
 ok 'no file remains after all' await 10 none_left
 

@@ -287,10 +287,11 @@ for method in masterslave interleaved; do
 		end
 	done
 done
-# tree: two workers on each host, under a deal there; the pid is that of the shell that waits for it
+# tree: two workers on each host, under a deal there; the pid is that of the shell that waits for it. The input stays open
+# until the file killed is there, so that the run lasts until then.
 tree() {
-	rm -f out.pfm job.log
-	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; } |
+	rm -f out.pfm job.log killed
+	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; until [ -e killed ]; do sleep .1; done; } |
 		deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 64 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
 	job=$!
 	reach_work
@@ -299,15 +300,19 @@ name='a tree, kill -9 of gather'
 tree
 kill -9 $(here gather)
 ok "$name: no process remains on any host" await 2 none_left
+: >killed
 wait $job
 name='a tree, kill -9 of a worker'
 tree
 kill -9 "$(hosts pids host2 rtworker | head -n 1)"
+remote='^host2: fan: slot [01]: lost (signal-9) with [01] tasks'
+await 20 grep -q "$remote" said
+: >killed
 wait $job
 is "$name: exit 0" $? 0
 ok "$name: the same picture" cmp out.pfm good64.pfm
 # a worker may have been between two tasks
-is "$name: a message of the remote fan is shown here" "$(grep -c '^host2: fan: slot [01]: lost (signal-9) with [01] tasks' said)" 1
+is "$name: a message of the remote fan is shown here" "$(grep -c "$remote" said)" 1
 ok "$name: no more than that" [ "$(grep -vc '^host2: ' said)" = 0 ]
 
 # ---- the runs on their own hosts ------------------------------------------------------------------------------

@@ -10,11 +10,14 @@ build() {
 
 spdgen -s 2 gears >"$tmp/gears.nff"
 partition 40x32 | rtworker "$tmp/gears.nff" | gather -o "$tmp/reference.pfm"
-# same BUILD: a small picture goes through every stage, and has the same bits
+# programs BUILD: where the programs of this build are
+programs() { if [ "$1" = build ]; then echo bin; else echo "$1/bin"; fi; }
+# same BIN: a small picture goes through every stage, and has the same bits
 same() {
-	PATH=$root/build/$1/bin:$PATH
+	rm -f "$tmp"/same.*
+	PATH=$root/$1:$PATH
 	{ pack scene "$tmp/gears.nff" && partition -u tile:16x8 40x32; } |
-		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/$1.pfm" -r "$tmp/$1.frags" &&
-		imgcmp "$tmp/$1.pfm" "$tmp/reference.pfm" && fragstat "$tmp/$1.frags" &&
-		gather -m "$tmp/$1.frags" && nff2pov "$tmp/gears.nff" >"$tmp/$1.pov"
+		deal -q 1 fan -j 2 rtworker - | gather -o "$tmp/same.pfm" -r "$tmp/same.frags" &&
+		imgcmp "$tmp/same.pfm" "$tmp/reference.pfm" && fragstat "$tmp/same.frags" &&
+		gather -m "$tmp/same.frags" && nff2pov "$tmp/gears.nff" >"$tmp/same.pov"
 }

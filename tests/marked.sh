@@ -3,22 +3,34 @@
 # shellcheck shell=sh disable=SC2154
 mark=stormring-test-$$
 # alive: prints the pids of processes with the mark
-alive() { grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null | sed 's,/proc/\(.*\)/environ,\1,'; }
+alive() {
+	for p in $(grep -lz "^MARK=$mark\$" /proc/[0-9]*/environ 2>/dev/null); do
+		p=${p#/proc/}
+		echo "${p%/environ}"
+	done
+}
 # program NAME [WORDS]: prints those with this name whose command line begins with WORDS
 program() {
 	for p in $(alive); do
-		[ "$(cat "/proc/$p/comm" 2>/dev/null)" = "$1" ] || continue
-		case $(tr '\0' ' ' <"/proc/$p/cmdline") in "${2-}"*) echo "$p" ;; esac
+		comm=''
+		{ read -r comm <"/proc/$p/comm"; } 2>/dev/null
+		[ "$comm" = "$1" ] || continue
+		[ -z "${2-}" ] || case $(tr '\0' ' ' <"/proc/$p/cmdline") in "$2"*) ;; *) continue ;; esac
+		echo "$p"
 	done
 }
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
 # Load decides all times, so no test fails because of seconds. SECONDS is the limit on an idle machine; a loaded one gets
 # forty times as long. Processes that must not end by themselves meanwhile have work for hours.
-await() { # SECONDS COMMAND ...: waits until the command succeeds
-	await_end=$(($(now_ms) + $1 * 40000))
+await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that waits in vain fails
+	await_left=$(($1 * 800))
 	shift
 	until "$@"; do
-		[ "$(now_ms)" -lt $await_end ] || return 1
+		if [ $((await_left -= 1)) -lt 0 ]; then
+			tap_failed=1
+			diag "waited in vain: $*" >&2
+			return 1
+		fi
 		sleep .05
 	done
 }
