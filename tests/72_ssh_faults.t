@@ -299,8 +299,8 @@ tree() {
 name='a tree, kill -9 of gather'
 tree
 kill -9 $(here gather)
-ok "$name: no process remains on any host" await 2 none_left
 : >killed
+ok "$name: no process remains on any host" await 2 none_left
 wait $job
 name='a tree, kill -9 of a worker'
 tree

@@ -1,6 +1,6 @@
 # For tests that watch processes. Read it after lib.sh. Processes started with MARK=$mark in their environment keep it,
 # and so do their children. No shell of the test itself has the mark. At the end the processes that remain are killed.
-# shellcheck shell=sh disable=SC2154
+# shellcheck shell=sh disable=SC2034,SC2154
 mark=stormring-test-$$
 # alive: prints the pids of processes with the mark
 alive() {
