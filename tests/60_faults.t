@@ -73,11 +73,16 @@ ok "Ctrl-C: no process remains" await 2 none_alive
 wait "$pid" 2>/dev/null
 is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
-# mortal METHOD [OPTIONS]: long, but one of the three workers is killed by SIGKILL when it has sent 9000 bytes. The others
-# begin after that, so whatever the load, the run is not over before.
+# mortal METHOD [OPTIONS]: long, but one of the three workers is killed by SIGKILL when it has done three tasks, or sent 9000
+# bytes of a longer one. The others begin after that, so whatever the load, the run is not over before.
 wrap_rtworker <<END
 if mkdir '$tmp/first' 2>/dev/null; then
-	'$root/bin/rtworker' "\$@" | { dd bs=1 count=9000 2>dd.said; : >'$tmp/dead'; kill -9 \$\$; }
+	'$root/bin/rtworker' "\$@" | {
+		perl -e '\$| = 1; while (sysread STDIN, \$b, 4096) {
+			print \$b; \$sent += length \$b; \$n += () = \$b =~ /^done /mg; last if \$n > 2 || \$sent > 9000 }'
+		: >'$tmp/dead'
+		kill -9 \$\$
+	}
 fi
 until [ -e '$tmp/dead' ]; do sleep .05; done
 exec '$root/bin/rtworker' "\$@"
