@@ -65,8 +65,9 @@ render 'pbs, a ring' gdc pbs:
 sed -n 's/^[.]Dl \(via=.*\)/\1/p' "$root/man/stormring-engines.7" >lines
 is 'the page has six lines' "$(cut -d ' ' -f 1 lines | tr '\n' ' ')" \
 	'via="srun via="ssh via="kubectl via="podman via="mpirun via="parallel '
+# On a loaded machine GNU parallel takes more than the 15 seconds that fan gives a host by default.
 for program in ssh kubectl podman parallel; do
-	sed -n "s/^via=\"$program /box slots=8 &/p" lines >hosts
+	sed -n "s/^via=\"$program /box slots=8 wait=800 &/p" lines >hosts
 	render "$program" interleaved hosts -1
 	is "$program: every slot" "$(hosts_in job.log)" 'box box box box box box box box '
 	is "$program: one connection, by the host's name" "$(sed 's,^8/,,' reached | sort -u)" box
