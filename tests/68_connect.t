@@ -187,12 +187,13 @@ is 'a flood of messages: each is shown or counted' "$(printf '%s\n' "$err" | awk
 ok 'a flood of messages: most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
 
 # ---- no host left --------------------------------------------------------------------------------------------
-for input in /dev/null job.task; do
-	run sh -c "fan -j 3 nosuchprogram <$input"
-	is "a worker that is not here, input $input: exit 3, and one line" "$status:$err" \
+for input in /dev/null job.task; do for chain in fan 'fan -1' 'deal fan' 'deal fan -1' 'ringctl fan'; do
+	run sh -c "$chain -j 3 nosuchprogram <$input"
+	is "$chain, a worker that is not here, input $input: exit 3, and why" \
+		"$status:$(printf '%s\n' "$err" | grep -v '^[dr][a-z]*: fan ended with [0-9]* tasks unfinished')" \
 		'3:fan: nosuchprogram: No such file or directory
 fan: no slot left'
-done
+done; done
 # shellcheck disable=SC3045  # dash and bash both know -n
 run sh -c '(ulimit -n 40; exec deal fan -j 30 rtworker -) <job.task | gather -o out.pfm'
 is 'more slots than files may be open: why, and how many' "$(printf '%s\n' "$err" | sed 's/[0-9]* of/N of/')" \
