@@ -57,12 +57,13 @@ static const char *worker_of(const struct fan *f)
 /* A shell says that there is no such worker, or here no such launcher. */
 static bool names_worker(const struct fan *f, const struct fan_slot *s, const char *line, size_t n)
 {
+    static const char *const says[] = {"not found", "No such file or directory", "annot execute",
+        "Permission denied", "Exec format error", NULL};
     char launcher[HOST_LAUNCHER_MOST];
-    bool missing = !host_launcher(s->host->host, launcher);
-    return has(line, n, missing ? launcher : worker_of(f)) &&
-           (has(line, n, "not found") || has(line, n, "No such file or directory") ||
-               has(line, n, "annot execute") || has(line, n, "Permission denied") ||
-               has(line, n, "Exec format error"));
+    int i = 0;
+    while (says[i] && !has(line, n, says[i])) i++;
+    if (!says[i]) return false;
+    return has(line, n, host_launcher(s->host->host, launcher) ? worker_of(f) : launcher);
 }
 
 void fan_refusal_forget(struct fan_slot *s)
