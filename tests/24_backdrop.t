@@ -298,6 +298,8 @@ is 'coastlines: all are closed, none jumps, and the area of land is right' "$(ca
 run coastlines wall.vtk
 is 'coastlines: refuses a file without coasts' "$status:$out" 2:
 like 'coastlines: the message names the missing variable' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'
+run sh -c 'coastlines >/dev/full'
+is 'coastlines: a full disk: exit 3, and a line' "$status:$err" '3:coastlines: standard output: cannot be written'
 for bad in none.nc '-x' 'a b'; do
 	# shellcheck disable=SC2086
 	run coastlines $bad

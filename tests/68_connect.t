@@ -89,6 +89,21 @@ echo 'Host key verification failed.' | says far 255
 echo 'far via="ssh -p 2222 %h %c"' >by-via
 run sh -c 'fan -S by-via rtworker - <job.task >frags'
 like 'via=, and an unknown key' "$err" '^fan: far: host key unknown; connect to it once by hand, as its via= does$'
+# A launcher that this machine lacks.
+mkdir few
+for program in sh env rtworker fan; do ln -s "$(command -v $program)" few; done
+echo 'far via="nosuchlauncher -N 1 %h %c"' >launched
+echo 'far via="./nosuchlauncher %h %c"' >local
+while IFS='|' read -r hosts line; do
+	run env PATH="$tmp/few" fan -S "$hosts" rtworker - <job.task
+	is "-S $hosts, no such launcher here: exit 3, and one line" "$status:$err" "3:fan: far: no $line
+fan: no slot left"
+done <<'END'
+1/far|ssh on this machine; install it here, or state another way with via= in a hosts file
+launched|nosuchlauncher on this machine; install it here, or change via= in a hosts file
+local|./nosuchlauncher on this machine; install it here, or change via= in a hosts file
+END
+
 rm tries
 printf 'far slots=2\nalso slots=2\n' >two
 echo 'ssh: Could not resolve hostname also: Name or service not known' | says also 255
@@ -187,12 +202,13 @@ is 'a flood of messages: each is shown or counted' "$(printf '%s\n' "$err" | awk
 ok 'a flood of messages: most are not shown' [ "$(printf '%s\n' "$err" | wc -l)" -lt 5000 ]
 
 # ---- no host left --------------------------------------------------------------------------------------------
-for input in /dev/null job.task; do
-	run sh -c "fan -j 3 nosuchprogram <$input"
-	is "a worker that is not here, input $input: exit 3, and one line" "$status:$err" \
+for input in /dev/null job.task; do for chain in fan 'fan -1' 'deal fan' 'deal fan -1' 'ringctl fan'; do
+	run sh -c "$chain -j 3 nosuchprogram <$input"
+	is "$chain, a worker that is not here, input $input: exit 3, and why" \
+		"$status:$(printf '%s\n' "$err" | grep -v '^[dr][a-z]*: fan ended with [0-9]* tasks unfinished')" \
 		'3:fan: nosuchprogram: No such file or directory
 fan: no slot left'
-done
+done; done
 # shellcheck disable=SC3045  # dash and bash both know -n
 run sh -c '(ulimit -n 40; exec deal fan -j 30 rtworker -) <job.task | gather -o out.pfm'
 is 'more slots than files may be open: why, and how many' "$(printf '%s\n' "$err" | sed 's/[0-9]* of/N of/')" \

@@ -232,6 +232,7 @@ static int finish(struct driver *d, char *const *command)
     if (d->refused) return d->refused;
     int64_t left = sched_uncommitted(d->policy, d->state);
     bool unfinished = left || d->in_open;
+    bool nobody = !d->out.greeted && strcmp(d->why, "no-slot-left") == 0; /* it said why */
     if (!d->out.gone) {
         wire_bye(&d->out.queue.bulk, d->why);
         up_end_record(&d->out.queue);
@@ -241,7 +242,7 @@ static int finish(struct driver *d, char *const *command)
         else if (unfinished && !signals_came())
             warn("%s ended before the end of its input", command[0]);
     }
-    return d->out.gone || unfinished ? ST_SYSTEM : ST_OK;
+    return d->out.gone || unfinished || nobody ? ST_SYSTEM : ST_OK;
 }
 
 int drive_policy(

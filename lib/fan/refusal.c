@@ -54,12 +54,16 @@ static const char *worker_of(const struct fan *f)
     return slash ? slash + 1 : f->o->command[0];
 }
 
-static bool names_worker(const struct fan *f, const char *line, size_t n)
+/* A shell says that there is no such worker, or here no such launcher. */
+static bool names_worker(const struct fan *f, const struct fan_slot *s, const char *line, size_t n)
 {
-    return has(line, n, worker_of(f)) &&
-           (has(line, n, "not found") || has(line, n, "No such file or directory") ||
-               has(line, n, "annot execute") || has(line, n, "Permission denied") ||
-               has(line, n, "Exec format error"));
+    static const char *const says[] = {"not found", "No such file or directory", "annot execute",
+        "Permission denied", "Exec format error", NULL};
+    char launcher[HOST_LAUNCHER_MOST];
+    int i = 0;
+    while (says[i] && !has(line, n, says[i])) i++;
+    if (!says[i]) return false;
+    return has(line, n, host_launcher(s->host->host, launcher) ? worker_of(f) : launcher);
 }
 
 void fan_refusal_forget(struct fan_slot *s)
@@ -76,7 +80,7 @@ bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line
     if (r < (s->conn.refusal ? s->conn.refusal : end)) {
         s->conn.refusal = r;
         fan_printable(s->conn.detail, sizeof s->conn.detail, line, n);
-    } else if (!buf_size(&s->conn.held) && !names_worker(f, line, n)) {
+    } else if (!buf_size(&s->conn.held) && !names_worker(f, s, line, n)) {
         return false;
     }
     if (buf_size(&s->conn.held) + n > HELD_MOST) return false;
@@ -90,12 +94,17 @@ bool fan_refusal_is_final(const struct fan_slot *s)
     return !s->host->reached && s->conn.refusal && s->conn.refusal->final;
 }
 
-/* Explains the exit status of ssh or of the remote shell. */
+/* Explains the exit status of the shell here, or of the remote one. */
 static void explain_command(const struct fan *f, const struct host *h, bool found, struct buf *text)
 {
     const char *worker = worker_of(f);
+    char launcher[HOST_LAUNCHER_MOST];
     buf_printf(text, "%s: ", h->name);
-    if (found) buf_printf(text, "%s cannot be run there; install one for that machine", worker);
+    if (!host_launcher(h, launcher))
+        buf_printf(text, "no %s on this machine; install it here, or %s via= in a hosts file",
+            launcher, h->via ? "change" : "state another way with");
+    else if (found)
+        buf_printf(text, "%s cannot be run there; install one for that machine", worker);
     else if (h->bin)
         buf_printf(text, "no %s in %s, nor on its PATH; install it there", worker, h->bin);
     else

@@ -184,7 +184,7 @@ void fan_slot_open(struct fan *f, struct fan_slot *s)
     if (s->host->said == FAN_QUIET)
         warn("%s: %s%s", argv[0], strerror(errno), s->host->here ? "" : "; trying again");
     s->host->said = FAN_RETRIED;
-    fan_slot_lose(f, s, "not-started", true);
+    fan_slot_lose(f, s, "not-started", !s->host->here || s->host->reached);
 }
 
 void fan_slot_queue(struct fan *f, struct fan_slot *s)

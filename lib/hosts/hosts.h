@@ -82,6 +82,13 @@ bool host_is_here(const struct host *h);
 char **host_argv(const struct host *h, char *const worker[]);
 void host_argv_free(char **argv);
 
+#define HOST_LAUNCHER_MOST 64
+/*
+ * The first word of the command that reaches the host, such as "ssh", in `word`. False if this
+ * machine has no such program, as far as this word alone tells.
+ */
+bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST]);
+
 /* ---- watch.c: a file that may change ---- */
 
 struct hosts_watch {

@@ -7,6 +7,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /*
  * No terminal, X11, agent, escape character or prompt. A host that does not answer is given up
@@ -83,4 +84,24 @@ void host_argv_free(char **argv)
 {
     for (size_t i = 0; argv && argv[i]; i++) free(argv[i]);
     free(argv);
+}
+
+static bool is_program(const char *dir, size_t n, const char *word)
+{
+    char path[4096];
+    int len = snprintf(path, sizeof path, "%.*s%s%s", (int)n, dir, n ? "/" : "", word);
+    return len < 0 || (size_t)len >= sizeof path || access(path, X_OK) == 0;
+}
+
+bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST])
+{
+    const char *via = h->via ? h->via : default_via, *dir = getenv("PATH");
+    size_t n = strspn(via, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-");
+    bool plain = n && n < HOST_LAUNCHER_MOST && strchr(" \t", via[n]) && via[n];
+    snprintf(word, HOST_LAUNCHER_MOST, "%.*s", plain ? (int)n : 0, via);
+    if (!plain || !dir) return true; /* a shell may know what it is */
+    if (strchr(word, '/')) return is_program("", 0, word);
+    for (size_t k; k = strcspn(dir, ":"), !is_program(dir, k, word); dir += k + 1)
+        if (!dir[k]) return false;
+    return true;
 }
