@@ -181,7 +181,7 @@ static int timeless(const char *title)
     return (int)(t ? (size_t)(t - title) : strlen(title));
 }
 
-/* The maps of these grids are equal, but for the time. */
+/* The maps of these grids are equal except for the time. */
 static bool alike(const struct grid *a, const struct grid *b)
 {
     int n = timeless(a->title);

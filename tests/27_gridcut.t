@@ -35,7 +35,7 @@ composed() {
 	# shellcheck disable=SC2046  # a word each
 	blend -k 16 -o composed.pam $(gridcut -s $of part-*.vtk | sed 's/vtk$/pam/')
 }
-# equal NAME GRID SPEC PARTS [OPTIONS]: both are equal within 1 - limit; a pixel may not have another surface
+# equal NAME GRID SPEC PARTS [OPTIONS]: both are equal within 1 - limit; no pixel may have another surface
 equal() {
 	name=$1
 	shift

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Limits of the system, one clear line each: a file that may not grow (SIGXFSZ), few open files, no directory for
+# Limits of the system, one clear line each: a file that must not grow (SIGXFSZ), few open files, no directory for
 # temporary files; and an option in the place of an argument.
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154,SC3045  # lib.sh sets them; dash and bash both know ulimit -n
@@ -43,7 +43,7 @@ for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate 
 			'^3:[a-z]+(-calibrate)?: expected a limit of 30 open files or more \(ulimit -n\)$'
 	done
 done
-# Six slots and files for two or three children: the others' tasks are done all the same, and under their slots' numbers. The
+# Six slots and files for two or three children: the tasks of the others are done too, under their slots' numbers. The
 # input stays open until all tasks are done, so waiting for its end would take forever.
 cat >poor <<'END'
 #!/bin/sh

@@ -267,7 +267,7 @@ rm -f l.pam
 run gather -r /dev/full -o l.pam whole
 is 'log on a full disk: status 3' "$status" 3
 like 'log on a full disk: a message says so' "$err" '/dev/full: No space left'
-ok 'log on a full disk: the picture all the same' cmp l.pam want.pam
+ok 'log on a full disk: the same picture' cmp l.pam want.pam
 
 # ---- large: a frame of more than 2^24 pixels is kept in a file without a name
 run sh -c "echo 'frame 0 65535 65535 job=cafe' | seal | gather -o big.pam"

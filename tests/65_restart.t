@@ -127,7 +127,7 @@ ok 'a log of an older version with the same pictures is resumed' cmp out.pfm goo
 head -c 60000 whole >log
 cp log before
 { tail -c 10000 whole; cat whole; } | gather -r log -o out.pfm 2>said
-ok 'fragments before the first frame: the picture all the same' cmp out.pfm good.pfm
+ok 'fragments before the first frame: the same picture' cmp out.pfm good.pfm
 count() { grep -a -o 'frag 0 [0-9]* 0 [0-9]* 96 1 1 1 job=' "$1" | wc -l; }
 is 'fragments before the first frame: not in the log' "$(count log)" $(($(count before) + 80))
 for f in 0 1 2; do partition -F $f $size; done | rtworker gears.nff | head -c 200000 >film

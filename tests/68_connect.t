@@ -79,7 +79,7 @@ bash: line 1: /usr/local/bin/rtworker: cannot execute binary file: Exec format e
 END
 ends 'a worker that ends' 3 'cannot be used (exit-3)' </dev/null
 
-# In a hosts file: where the programs are, and another way, for which advice about ssh may not hold.
+# In a hosts file: where the programs are, and another way, for which advice about ssh would be wrong.
 says far 127 </dev/null
 echo 'far bin=/opt/bin' >binned
 run sh -c 'fan -S binned rtworker - <job.task >frags'

@@ -30,7 +30,7 @@ nobody=$!
 here() { # NAME [ERE]: processes of this test, by name and command line
 	for p in $(program "$1"); do tr '\0' ' ' <"/proc/$p/cmdline" | grep -Eq -e "${2-.}" && echo "$p"; done
 }
-there() { # but for what makes a host
+there() { # except the processes that make a host
 	ps -o comm= -p "$(for h in host1 host2 host3; do hosts pids $h; done | paste -sd ,)" | grep -vxE 'hosts|sleep|sshd(-session|-auth)?'
 }
 none_there() { [ -z "$(there)" ]; }

@@ -1,5 +1,6 @@
-/* liar SHARE [SEED] <FRAGMENTS: passes on what a worker says, but for a share of its fragments, in whose first pixel one
- * bit of red is another. The crc is good. Where each of these begins goes to ./lies. */
+/* liar SHARE [SEED] <FRAGMENTS: passes on what a worker says, but changes a bit of red in the first
+ * pixel of this share of its fragments, with a good crc. Writes where each of these begins to
+ * ./lies. */
 #include "base/base.h"
 #include "wire/wire.h"
 

@@ -69,7 +69,7 @@ static void make_slots(struct account *a)
 
 /*
  * The time of a slot on a task is the worker's wall time, but at least the CPU time since the
- * previous task. The latter includes reading and writing, which the wall time does not.
+ * previous task. CPU time includes reading and writing, which the wall time does not.
  */
 static void make_span(struct account *a, size_t i)
 {

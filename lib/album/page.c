@@ -131,8 +131,8 @@ static const char script[] =
     "document.querySelector('fieldset').disabled = false;\n"
     "update();\n";
 
-/* What a picture shows, in words: its view and its time as far as there are several, or else its
- * file. */
+/* What a picture shows, in words: its view and its time if there are several of them, or else
+ * its file. */
 static void put_alt(const struct album *a, const struct album_picture *p, struct buf *out)
 {
     if (a->n_views > 1 || (a->n_times > 1 && p->view[0])) {

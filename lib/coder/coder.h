@@ -27,9 +27,8 @@ enum coder_form {
 };
 #define CODER_BLOCK (1 << 20)
 #define CODER_PIXEL_BYTES 16
-#define CODER_RATIO_MAX 1024 /* no byte is unpacked to more than this number of bytes */
-
-#define CODER_SHARE .4
+#define CODER_RATIO_MAX 1024 /* a packed byte stands for at most this number of bytes */
+#define CODER_SHARE .4       /* of the bytes of pixels that remain, as coder_pays expects */
 
 /* True if this program was built with libzstd. */
 bool coder_there(void);
@@ -47,8 +46,8 @@ enum coder_form coder_form_of(const unsigned char *p, size_t n);
 /* Measures how many bytes of pixels this machine packs in a microsecond; takes some ms. */
 double coder_speed(void);
 /*
- * True if packing saves time on a link of this many bytes per microsecond: what it saves there is
- * more than what the coder takes. CODER_SHARE is what pixels shrink to.
+ * True if packing saves time on a link of this number of bytes per microsecond: the bytes that it
+ * saves take the link longer than all bytes take the coder.
  */
 static inline bool coder_pays(double link, double coder)
 {

@@ -81,7 +81,7 @@ struct sending {
     struct down_queue queue;
     size_t bytes;   /* all that it asked for */
     unsigned asked; /* bit I: program I was asked for */
-    char line[256]; /* the line that the host prints now, as far as it was read: */
+    char line[256]; /* what was read of the line that the host prints now: */
     size_t length;
 };
 

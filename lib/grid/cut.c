@@ -39,7 +39,7 @@ struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES])
     f->map = MAP_FAILED;
     err[0] = '\0';
     if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode))
-        err_set(err, "%s: is no file, expected one: a grid larger than memory is not kept", path);
+        err_set(err, "%s: is a pipe or a device, expected a file", path);
     else if (st.st_size == 0) err_set(err, "%s: is empty, expected a grid", path);
     else {
         f->bytes = (size_t)st.st_size;

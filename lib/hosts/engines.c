@@ -72,7 +72,7 @@ static struct host *node_of(
 
 /* ---- Slurm ---- */
 
-/* A name, as far as it is expanded. */
+/* A name while it is expanded. */
 struct name {
     char text[HOST_NAME_MOST + 1];
     size_t n;

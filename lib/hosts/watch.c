@@ -1,5 +1,5 @@
-/* A hosts file that may change while it is in use. Its status is looked at on a timer, because
- * notifications do not come from files of other machines. */
+/* A hosts file that may change while it is in use. Its status is read on a timer, because the
+ * kernel does not report changes that another machine makes to a shared file. */
 #include "hosts/hosts_int.h"
 
 #include <string.h>

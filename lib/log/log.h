@@ -185,7 +185,7 @@ struct log_past {
 /*
  * Checks that the stream of origin `now`, which announces r (a frame record with a job), may be
  * appended. A frame that the log does not know may be appended. A frame once confirmed is not
- * checked again. Make the first call before anything is appended. Returns 0; 1 if the stream may
+ * checked again. Make the first call before anything is appended. Returns 0; 1 if the stream must
  * not be appended, and why names the difference: size, options, arithmetic, version or scene, or
  * that the file is no log; or -1 with errno.
  */

@@ -47,7 +47,7 @@ static struct vec3 area(const struct vec3 *v, uint32_t n)
 
 enum normals { NORMALS_FLAT, NORMALS_BENT, NORMALS_BAD };
 
-/* Turns the corners' normals by the inverse transpose, but for a factor: the cofactors. */
+/* Turns the corners' normals by the inverse transpose times a factor: the cofactors. */
 static enum normals normals(
     const struct mesh_part *p, const struct aiFace *f, struct vec3 own, struct scratch *s)
 {

@@ -20,7 +20,7 @@
 struct blob {
     struct buf bytes;
     struct buf packed; /* the same record, packed when a queue first wants it so */
-    bool tried;        /* to pack it; it may not be worth it */
+    bool tried;        /* to pack it; that may gain nothing */
     int users;         /* queues that still need it, and its maker until blob_drop */
 };
 /* Takes over the bytes, one record, and leaves an empty buffer. The maker is the first user. */

@@ -2,11 +2,11 @@
  * nff_parts: reads NFF with several threads. The text is cut into parts where a line begins with an
  * entity. Each part is read as a scene of its own, and the parts are joined in their order.
  *
- * A cut may fall between two entities only. A line that begins with an entity's word and a blank
- * does not continue an entity: the words of a view are others, and all else are numbers. In text
- * that is wrong it may, and then the part before it ends too early and is refused. If a part is
- * refused, or parts contradict each other, one thread reads all of the text again. So messages and
- * their lines are always those of nff_read.
+ * A cut must be between two entities. A line that begins with an entity's word and a blank begins
+ * an entity, because entities consist of numbers and, in a view, of other words. In bad text such
+ * a line may be within an entity; then the part before the cut ends too early and is refused. If a
+ * part is refused, or parts contradict each other, one thread reads all of the text again. So
+ * messages and their lines are always those of nff_read.
  */
 #include "scene/reader.h"
 

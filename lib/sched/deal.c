@@ -164,7 +164,7 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
     if (c < 0 || deal_copy(s, c)->list == OWED) {
-        /* Was DONE repeated? The slot may not have had these pixels when it was asked to flush. */
+        /* If DONE was repeated, perhaps the slot had no such pixels when it was asked to flush. */
         if (c >= 0) s->asked = false;
         deal_mark(d, e->slot);
         return;

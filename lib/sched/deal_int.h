@@ -56,7 +56,7 @@ struct frame_ids {
 
 /* Rates a slot; a node of the tournament holds the best of each field below it. */
 struct rating {
-    int32_t load;    /* tasks held, fewest first; INT32_MAX: it may not get more */
+    int32_t load;    /* tasks held, fewest first; INT32_MAX: it must not get more */
     int32_t excess;  /* load less the width and the round-trip allowance; likewise */
     double store_us; /* time of its queued work, longest first; 0: none queued */
 };

@@ -1,9 +1,9 @@
 /*
  * deal: slots that leave the run. A slot that drains gets nothing more. It finishes what it
  * computes, and hands over the rest: tasks that are queued at it, or were promised to it, go back
- * to the pool, and those that other slots have too are left to them. What it sends of them all the
- * same counts if it comes first. It leaves when it has computed what it kept, and all pixels that
- * it owed have been passed on, by itself or by others.
+ * to the pool, and other slots that have copies keep them. If it sends pixels of such a task first,
+ * they count. It leaves when it has computed the tasks that it kept, and all pixels that it owed
+ * have been passed on, by itself or by others.
  */
 #include "sched/deal_int.h"
 

@@ -11,7 +11,7 @@
  *   ended      it is idle, and next is    answers none   -                 computing   -
  *              itself
  *
- * A row of the master's first phase begins the ring anew: next is P(i+1) again. The paper leaves
+ * A row of the master's first phase begins the ring again: next is P(i+1) again. The paper leaves
  * some points open. They are decided as follows:
  *
  * - A node repeats a request that was not answered within TIMEOUT_ROWS times the longest row that
@@ -19,7 +19,7 @@
  *   further timeout is reported to the master, until an answer comes.
  * - Requests have no numbers. Each is answered, repeated ones too, and any answer of the node asked
  *   counts as the answer to the latest request.
- * - A node that gets no row of phase 1 within TIMEOUT_LEAST_US asks all the same.
+ * - A node that gets no row of phase 1 within TIMEOUT_LEAST_US asks too.
  * - Messages are read between rows: when a row is done and the next one begins.
  * - Visited are the nodes between P(i) and P(next), going up. So a hint that leads back, or to P(i)
  *   itself, is not followed.

@@ -223,7 +223,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
     if (i < 0 || !hub_is_up(h, k) || hub_task(h, i)->owner != k) return;
-    /* Was DONE repeated? The node may not have had these pixels when it was asked to flush. */
+    /* If DONE was repeated, perhaps the node had no such pixels when it was asked to flush. */
     if (hub_task(h, i)->computed) h->nodes[k].flushed = false;
     else {
         note_pace(h, i, e->wall_us);

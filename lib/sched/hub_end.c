@@ -3,8 +3,8 @@
  * and no node can be asked for some, the node gets a part of a task that another node has.
  *
  * 1. The hub takes the node that will need longest for its tasks: one of those with most work left,
- *    by powers of two, or the one whose latest progress is oldest. A task that takes longer than
- *    its pixels did before counts as late by that time again.
+ *    by powers of two, or the one whose latest progress is oldest. A task that is late, by the mean
+ *    time of its pixels, is expected to take as long again as it is late.
  * 2. The last task of that node is cut, if the idle node's piece would come back before it. Its
  *    pieces cover all pixels that are missing. The first one goes to the idle node, and the rest
  *    waits for the next nodes that want work.

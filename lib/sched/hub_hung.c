@@ -1,9 +1,9 @@
 /*
- * The hub: nodes that make no progress. A worker's current task cannot be asked for, and a node may
- * not answer at all although beats tell its fan that it is alive. So if a node is idle and no node
- * can be asked for work, the hub looks at the node that has made no progress for longest. If that
- * node's task is late, the idle node becomes its owner. A task is late if the idle node could have
- * done it LATE_TIMES over since. If the first node finishes it first after all, its pixels count.
+ * The hub: nodes that make no progress. No node can be asked for its worker's current task, and a
+ * node may never answer although beats tell its fan that it is alive. So if a node is idle and no
+ * node can be asked for work, the hub looks at the node that has made no progress for longest. If
+ * that node's task is late, the idle node becomes its owner. A task is late if the idle node could
+ * have done it LATE_TIMES since. If the first node finishes it first, its pixels count.
  *
  * Progress is a task done, new pixels, or a first task after none. Nodes that have tasks, or were
  * asked for pixels that have not arrived, are in a list in the order of their latest progress.

@@ -14,10 +14,10 @@
  *   asks     is remembered (hungry) until the node is given a task, from whichever node
  *   asked    answers with tasks, or with NONE: then it is dry until it is given a task, or has done
  *            one, and the ask is remembered again; it is not dry if it was given a task while the
- *            ask was under way, because it may not have seen that task when it answered
+ *            ask was under way, because perhaps it answered before it saw that task
  *
- * The loss of an unreachable node is known only after seconds. A node that asked does not wait that
- * long, but for a multiple of the longest recent answer. Then its ask is remembered again, and the
+ * The loss of an unreachable node is known only after seconds. A node that asked waits only
+ * for a multiple of the longest recent answer. Then its ask is remembered again, and the
  * victim is silent: it is not asked until it sends something. Its answer may still come: its GIVE
  * counts, whatever the asking node waits for by then.
  * One machine with hub.c and hub_hung.c.

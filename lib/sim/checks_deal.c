@@ -59,7 +59,7 @@ static bool in_pieces(const struct world *w, const struct vtask *t, bool committ
     return false;
 }
 
-/* True if t waits for a slot that has not come up yet, or may not exist. */
+/* True if t waits for a slot that has not come up yet, or does not exist. */
 static bool is_promised(const struct world *w, const struct vtask *t)
 {
     if (t->to < 0 || of(t)->gives) return false;

@@ -238,7 +238,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
     }
     int32_t k = is_late(w, m, t, a->slot) ? a->slot : sim_ring_receiver(w, m, t->base);
     if (a->slot != k) sim_fail(w, "a task is given to a node that does not own it", a->slot, k);
-    if (a->from != t->from) sim_fail(w, "a task names the wrong former owner", a->from, t->from);
+    if (a->from != t->from) sim_fail(w, "a task names the wrong earlier owner", a->from, t->from);
     if (s->state != RING_UP) return;
     if (!s->held) s->moved_us = w->now_us;
     s->given++;

@@ -5,7 +5,7 @@
  */
 #include "sim/world.h"
 
-/* A false message: GIVE of a task that it may not have, NONE or ASK, to a random node. */
+/* A false message: GIVE of a task that it perhaps does not have, NONE or ASK, to a random node. */
 static void say_false(struct world *w, int32_t k)
 {
     static const enum ring_kind kinds[] = {RING_GIVE, RING_GIVE, RING_NONE, RING_ASK, RING_HEIR};

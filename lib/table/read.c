@@ -28,7 +28,7 @@ static bool bad(struct reader *r, const char *fmt, ...)
     return false;
 }
 
-/* Interns a name. Linear search suffices for a few dozen names. */
+/* Interns a name. Linear search is fast enough for a few dozen names. */
 static const char *name_of(struct table *t, const char *s)
 {
     for (size_t i = t->n_names; i-- > 0;)

@@ -1,6 +1,7 @@
 /*
  * hit: which lanes of a block a ray hits, and where. In double, by the same operations per lane at
- * every width. Each hit lies in the box of its item but for rounding, as boxes and filters expect.
+ * every width. Each hit lies in the box of its item except for rounding, as boxes and filters
+ * expect.
  */
 #ifndef STORMRING_TRACE_HIT_H
 #define STORMRING_TRACE_HIT_H

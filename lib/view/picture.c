@@ -1,4 +1,4 @@
-/* A small PNG of a log's first picture, as far as it has come: see view.h. */
+/* A small PNG of the first picture of a log, which may be incomplete: see view.h. */
 #include "image/image.h"
 #include "log/log.h"
 #include "view/view.h"

@@ -25,7 +25,7 @@ struct view_log {
 void view_open(struct view_log *v, const char *path);
 /*
  * Reads what the log has got since the last call. If the file was truncated or replaced, begins
- * anew. False if it does not exist. Dies with status 3 if it cannot be read, with 2 if it is a
+ * again. False if it does not exist. Dies with status 3 if it cannot be read, with 2 if it is a
  * directory, or of another format.
  */
 bool view_read(struct view_log *v);
@@ -73,8 +73,8 @@ void view_table(const struct view_log *v, const struct view_state *s, int column
 void view_trace(const struct account *a, struct buf *out);
 
 /*
- * Appends a page of HTML that needs no other file: the picture as far as it is in `png`, which may
- * be empty, the timeline, and the table. reload_s: the page reloads itself after this; 0: never.
+ * Appends a page of HTML that needs no other file: the picture in `png`, which may be incomplete or
+ * empty, the timeline, and the table. reload_s: the page reloads itself after this; 0: never.
  */
 void view_page(const struct view_log *v, const struct account *a, const struct buf *png,
     double reload_s, struct buf *out);

@@ -188,7 +188,7 @@ bool volume_is_straight(const struct piece *s, double lo, double hi)
     return fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
 }
 
-/* Uses exact moments or Gauss nodes if their error bound suffices. Otherwise splits the piece. */
+/* Uses exact moments or Gauss nodes if their error bound is small enough, or else splits it. */
 static void by_bounds(struct path *p, const struct piece *s, int halvings)
 {
     double depth = volume_depth_to(p, s, 1), lo, hi;

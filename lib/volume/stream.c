@@ -1,6 +1,6 @@
 /*
- * stream: the map in the kernels' layout; the test whether float suffices; pixels. One machine
- * with volume.c.
+ * stream: the map in the kernels' layout; the test whether float is exact enough; pixels. One
+ * machine with volume.c.
  */
 #include "volume/stream.h"
 
@@ -150,7 +150,7 @@ static stream_kernel *widest(enum isa isa)
     return k ? k : volume_kernel_sse2();
 }
 
-/* True if each plane is where even distances would have it, but for rounding. A slice needs the
+/* True if each plane is where even distances would have it, except for rounding. A slice needs the
  * times of the planes themselves. */
 static bool is_even(const struct volume *v)
 {

@@ -276,8 +276,8 @@ typedef void piece_fn(struct path *, const struct piece *);
 /*
  * Error bound for a piece of optical depth D whose colour c, of range R, is replaced by its
  * k-weighted mean: at most alpha R D / 8, for every c. In u = tau, 0 .. D, the error is D |cov(c,
- * g)| with g = exp(-u), so at most D R E(g - Eg)+ (as in G. Gruess, Math. Zeitschrift 39, 1935, but
- * for a known g). With a = D / 2, E(g - Eg)+ is alpha times
+ * g)| with g = exp(-u), so at most D R E(g - Eg)+ (as in G. Gruess, Math. Zeitschrift 39, 1935;
+ * here g is known). With a = D / 2, E(g - Eg)+ is alpha times
  *
  *     (a coth a - 1 + ln(sinh a / a)) / (4 a^2) <= (a^2 / 3 + a^2 / 6) / (4 a^2) = 1/8
  *

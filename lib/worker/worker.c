@@ -140,7 +140,7 @@ struct frame_size *worker_frame(struct worker *w, const struct record *r)
     return f;
 }
 
-/* Another job is announced all the same, so that the reader can say which slot has it. */
+/* Another job is announced too, so that the reader can say which slot has it. */
 static void announce(struct worker *w)
 {
     push(w);
@@ -325,7 +325,7 @@ void worker_loop(struct worker *w)
     pulse_open();
     for (bool more = true; more;) {
         /* While a long state record arrives, beats go on: a program that waits for this worker
-         * may not see the record arrive. */
+         * does not see how much of the record has arrived. */
         size_t bytes;
         enum rec_kind kind = wire_awaited(&w->in, &bytes);
         if (kind != REC_KINDS) worker_drop_older(w, kind, bytes);

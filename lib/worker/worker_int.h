@@ -101,7 +101,7 @@ struct fork_slot {
     struct task_list waiting; /* tasks not sent to the child */
     struct task_list sent;    /* tasks not both computed and delivered */
     int undone;               /* sent tasks that are not computed */
-    int64_t silent_us;        /* its silence, as far as this process read it meanwhile */
+    int64_t silent_us;        /* its silence while this process was reading */
     int deaths;               /* children in a row that lost tasks and completed none */
     bool refused;             /* the system has refused to fork a child for the waiting tasks */
     bool lent;                /* other slots have had tasks of this one */

@@ -178,7 +178,7 @@ static void test_memory_is_bounded(void **state)
     assembly_free(&a);
 }
 
-/* However much room there is: what was written is given back, but for the last. */
+/* However much room there is: what was written is given back, except for the last. */
 static void test_released_is_given_back(void **state)
 {
     (void)state;

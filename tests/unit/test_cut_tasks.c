@@ -222,7 +222,7 @@ static void powers_weigh_the_interleave(void **state)
     const double power[] = {.3, 1.7, 2.5, .5};
     by_power(power, 4, 5000, text);
     for (size_t n = 5; n <= 5000;
-         n++) { /* each slot has its share at each time, but for three tasks */
+         n++) { /* each slot has its share at each time, within three tasks */
         size_t of[4] = {0};
         for (size_t i = 0; i < n; i++) of[text[i] - '0']++;
         for (int k = 0; k < 4; k++)

@@ -276,7 +276,7 @@ static void a_node_declared_dead_returns(void **state)
     by_default_it_ends(&h, false); /* what it is on may be taken over, when that is late */
 }
 
-/* Node 1 dies and comes up anew before it is missed. It answers, so its rows are not asked for. */
+/* Node 1 dies and comes up again before it is missed. It answers, so its rows are not asked for. */
 static void a_node_that_returns_before_it_is_missed_hides_its_loss(void **state)
 {
     struct hazard h = {.nodes = 2, .more = {.seed = 1, .p_return = 1}};

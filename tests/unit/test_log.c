@@ -1,6 +1,6 @@
 /*
- * log: what an intake makes of records, what a file may be gone on with, and what it says of those
- * that it may not. Reading a log cut at every byte is in tests/30_gather.t and 65_restart.t.
+ * log: what an intake makes of records, which runs a file can be continued by, and what it says of
+ * others. Reading a log cut at every byte is in tests/30_gather.t and 65_restart.t.
  */
 #include "log/log.h"
 

@@ -138,7 +138,7 @@ static void test_starter(void **state)
     spec_free(&s);
     buf_free(&b);
 
-    for (int i = 0; i < 27; i++) value[i] = 5; /* all the same */
+    for (int i = 0; i < 27; i++) value[i] = 5; /* all equal */
     assert_true(spec_starter(&g, "magma", 300, 200, &b, err));
     assert_int_equal(spec_read("t", (const char *)buf_data(&b), buf_size(&b), &s, err), 0);
     assert_true(s.n_knots == 2 && s.knot[0].s < 5 && s.knot[1].s > 5 && s.knot[0].k > 0);

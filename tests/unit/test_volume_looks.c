@@ -158,7 +158,7 @@ static double largest(const float *a, const float *b, size_t n)
     return most;
 }
 
-/* Light and attenuation vary along a ray as no polynomial does: the tolerance is kept all the same,
+/* Light and attenuation vary along a ray as no polynomial does: the tolerance is kept nevertheless,
  * and all methods converge to one picture. */
 static void light_keeps_the_tolerance(void **state)
 {

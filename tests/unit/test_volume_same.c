@@ -14,7 +14,7 @@
 
 enum { SIDE = 24, VALUES = 4 * SIDE * SIDE };
 
-/* Each takes the same cells by the same operations, whatever is done here, but for refinement. */
+/* Each takes the same cells by the same operations, except for refinement. */
 static const struct {
     const char *name;
     struct volume_options o;
@@ -171,7 +171,7 @@ static struct grid refined_grid(const struct grid *g)
     return m;
 }
 
-/* The field is the same, so that the picture is, as far as a method converges. */
+/* The field is the same, and so is the picture, up to the error of the method. */
 static void refined(void **state)
 {
     (void)state;

@@ -259,7 +259,7 @@ static inline void ref_ray(const struct grid *g, const struct spec *m, const rea
     out[3] = -expm1l(-tau);
     free(cut);
 }
-/* Of pixel x, y: the view worked out anew. */
+/* Of pixel x, y: the view computed again. */
 static inline void ref_pixel(
     const struct grid *g, const struct spec *m, uint32_t x, uint32_t y, int steps, real out[4])
 {
