@@ -5,6 +5,7 @@
 #include "worker/worker.h"
 
 #include <inttypes.h>
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -190,6 +191,8 @@ static void inspect(struct worker_states *s, const struct options *o)
 int main(int argc, char **argv)
 {
     prog_init(argv[0]);
+    /* The memory of a picture is new each time: then rows that are not decoded cost nothing. */
+    mallopt(M_MMAP_THRESHOLD, 1 << 18);
     struct options o = parse(argc, argv);
     /* A command without {i} has no state. */
     renderer.n_parts = crop_uses(o.command, "i") ? 1 : 0;

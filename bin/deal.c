@@ -6,14 +6,15 @@
 #include <unistd.h>
 
 #define DEPTH_MOST 1000000
+#define LEAST_MOST_S 86400
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-eh] [-q DEPTH|auto] COMMAND [ARGUMENT ...]";
+    static const char text[] = "[-eh] [-q DEPTH|auto] [-t SECONDS] COMMAND [ARGUMENT ...]";
     struct sched_params p = {0};
     prog_init(argv[0]);
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+ehq:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehq:t:")) != -1) {
         switch (opt) {
         case 'e': p.endgame = true; break;
         case 'h': usage(ST_OK, text);
@@ -21,6 +22,7 @@ int main(int argc, char **argv)
             if (strcmp(optarg, "auto") == 0) p.depth = SCHED_DEPTH_AUTO;
             else p.depth = (int32_t)opt_int(opt, optarg, 0, DEPTH_MOST);
             break;
+        case 't': p.least_us = 1e6 * opt_real(opt, optarg, 0, LEAST_MOST_S); break;
         default: usage(ST_USAGE, text);
         }
     }

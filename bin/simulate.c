@@ -17,7 +17,8 @@ static const char text[] =
     "           [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...] [-l MS] [-m US[,SPREAD] | -t LOG]\n"
     "           [-s SEED] [-u US] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
-    "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto], ring [-e|-p] [-k half|one]";
+    "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto] [-t SECONDS],\n"
+    "        ring [-e|-p] [-k half|one]";
 
 struct options {
     struct sim_plan plan;
@@ -94,12 +95,13 @@ static void parse_method(struct options *o, int argc, char **argv)
     *p = m->params;
     int opt;
     optind = 0; /* restart getopt */
-    while ((opt = prog_getopt(argc, argv, "+ehk:pq:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehk:pq:t:")) != -1) {
         if (opt == 'h') usage(ST_OK, text);
         if (!strchr(m->options, opt)) usage(ST_USAGE, text);
         if (opt == 'e') p->endgame = true;
         else if (opt == 'q' && strcmp(optarg, "auto") == 0) p->depth = SCHED_DEPTH_AUTO;
         else if (opt == 'q') p->depth = (int32_t)opt_int(opt, optarg, 0, 1000000);
+        else if (opt == 't') p->least_us = 1e6 * opt_real(opt, optarg, 0, 86400);
         else if (opt == 'p') o->method.policy = &policy_published;
         else if (strcmp(optarg, "one") == 0) p->one = true;
         else if (strcmp(optarg, "half") == 0) p->one = false;

@@ -41,68 +41,113 @@ is 'a file that is not there' "$status:$out" 2:
 run povworker -p my/scene.pov "$root/tests/lib.sh"
 like 'a file outside of the scene'"'"'s directory' "$status $err" '^2 .*expected a file below my/'
 
+# POV-Ray sleeps at its start and its end, so what does not depend on each other runs at the same time.
+# later NAME COMMAND ...: runs it in the background; result NAME: leaves its $status, $out and $err
+later() {
+	later=$1
+	shift
+	{
+		"$@" >"$later.out" 2>"$later.err"
+		echo $? >"$later.status"
+	} &
+}
+result() { status=$(cat "$1.status") out=$(cat "$1.out") err=$(cat "$1.err"); }
 # whole NAME SCENE WORD ...: POV-Ray alone, in NAME.png
 whole() {
 	name=$1 file=$2
 	shift 2
-	(cd "$(dirname "$file")" && povray "+I$(basename "$file")" -A +FN "$@" -D +WT2 "+O$tmp/$name.png") >"$name.said" 2>&1 ||
+	(cd "$(dirname "$file")" && povray "+I$(basename "$file")" -A +FN -D +WT2 "$@" "+O$tmp/$name.png") >"$name.said" 2>&1 ||
 		diag "$(tail -n 3 "$name.said")"
 }
-whole alone my/scene.pov +W48 +H36
-run balance adaptive -j 2 -s 48x36 -r my.log -o got.png my/scene.pov
-is 'balance: exit 0 in silence' "$status:$out$err" 0:
-is 'balance: the same picture as of POV-Ray alone' "$(same got.png alone.png)" 'differing	0'
-run balance masterslave -1 -j 4 -s 48x9 -o rows.png my/scene.pov
-whole alone9 my/scene.pov +W48 +H9
-is 'balance masterslave: rows' "$status:$(same rows.png alone9.png)" '0:differing	0'
-ok 'no file remains' await 5 none_left
-is 'the job depends on all files' "$({
-	povworker -i -s 48x36 my/scene.pov
-	echo '// another' >>my/inc/b.inc
-	povworker -i -s 48x36 my/scene.pov
-	povworker -i -s 48x36 +A0.3 +AM2 my/scene.pov
-} | grep job= | sort -u | wc -l | tr -d ' ')" 3
-run balance adaptive -j 2 -s 48x36 -r my.log -o again.png my/scene.pov
-like 'a log of other files is refused' "$status $err" '^[23] .*(job|state|scene)'
-
-# ---- resume ----------------------------------------------------------------------------------------------------
-sed -i '$d' my/inc/b.inc
-head -c $(($(wc -c <my.log) / 2)) my.log >part.log
-run balance adaptive -j 2 -s 48x36 -r part.log -o resumed.png my/scene.pov
-is 'a torn log: resumed' "$status:$(same resumed.png alone.png)" '0:differing	0'
-run balance adaptive -j 2 -s 48x36 -r part.log -o resumed.png my/scene.pov
-is 'a complete log: nothing is rendered' "$status:$(same resumed.png alone.png)" '0:differing	0'
-
-# ---- scenes of POV-Ray's own examples, cut into tiles ----------------------------------------------------------
-bits=''
-# tiles NAME WORD ...: a picture of NAME.files in tiles by several processes
+# tiles NAME SCENE WORD ...: four tiles by several processes, in NAME.tiles.png
+size=48x36 tile=27x19 bits=''
 tiles() {
-	name=$1
-	shift
-	{ cat "$name.files"; partition -u tile:23x17 48x36; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
+	name=$1 file=$2
+	shift 2
+	{ povworker -p "$file"; partition -u tile:$tile $size; } | deal -q 1 fan -1 -j 4 povworker "$@" - |
 		gather $bits -o "$name.tiles.png"
 }
-for scene in advanced/teapot/teapot incdemo/woods/wood_7 advanced/sombrero; do
-	name=$(basename $scene)
-	[ -e $examples/$scene.pov ] || { skip "$scene" "povray-examples is not there"; continue; }
-	whole "$name" $examples/$scene.pov +W48 +H36
-	povworker -p $examples/$scene.pov >"$name.files"
-	tiles "$name"
-	is "$scene: tiles make the same picture" "$(same "$name.tiles.png" "$name.png")" 'differing	0'
-done
+# pair NAME SCENE WORD ...: both, in the background
+pair() {
+	whole "$@" "+W${size%x*}" "+H${size#*x}" &
+	tiles "$@" &
+}
+equal() { is "$1: tiles make the same picture" "$(same "$2.tiles.png" "$2.png")" 'differing	0'; }
+depends() { is "$1 depends on the cut, as the manual says" "$(same "$2.tiles.png" "$2.png" | grep -c '	0$')" 0; }
 
-# ---- settings: those of which the manual says that the picture does not depend on the cut ----------------------
-povworker -p my/scene.pov >settings.files
-bits='-k 16'
-whole settings my/scene.pov +W48 +H36 +FN16 File_Gamma=1
-tiles settings +FN16 File_Gamma=1
-is '+FN16 File_Gamma=1: tiles make the same picture of 16 bits' "$(same settings.tiles.png settings.png)" 'differing	0'
-bits=''
-for words in '+A0.05 +AM2' '+A0.05 +AM2 Jitter=off' '+Q5' 'Declare=light=0.5'; do
-	# shellcheck disable=SC2086  # a word each
-	{ whole settings my/scene.pov +W48 +H36 $words; tiles settings $words; }
-	is "$words: tiles make the same picture" "$(same settings.tiles.png settings.png)" 'differing	0'
+cp -r my other
+echo '// another' >>other/inc/b.inc
+whole alone my/scene.pov +W48 +H36 &
+whole alone9 my/scene.pov +W48 +H9 &
+later got balance adaptive -j 2 -s 48x36 -r my.log -o got.png my/scene.pov
+later rows balance masterslave -1 -j 4 -s 48x9 -o rows.png my/scene.pov
+later job1 povworker -i -s 48x36 my/scene.pov
+later job2 povworker -i -s 48x36 other/scene.pov
+later job3 povworker -i -s 48x36 +A0.3 +AM2 other/scene.pov
+wait
+result got
+is 'balance: exit 0 in silence' "$status:$out$err" 0:
+is 'balance: the same picture as of POV-Ray alone' "$(same got.png alone.png)" 'differing	0'
+result rows
+is 'balance masterslave: rows' "$status:$(same rows.png alone9.png)" '0:differing	0'
+ok 'no file remains' await 5 none_left
+is 'the job depends on all files' "$(cat job[123].out | grep job= | sort -u | wc -l | tr -d ' ')" 3
+
+# ---- resumes, animations, scenes that POV-Ray refuses ---------------------------------------------------------
+head -c $(($(wc -c <my.log) / 2)) my.log >part.log
+cp my.log whole.log
+echo 'sphere { 0, ' >bad.pov
+later again balance adaptive -j 2 -s 48x36 -r my.log -o again.png other/scene.pov
+later resumed balance adaptive -j 2 -s 48x36 -r part.log -o resumed.png my/scene.pov
+later complete balance adaptive -j 2 -s 48x36 -r whole.log -o complete.png my/scene.pov
+later film balance adaptive -j 2 -s 32x24 -W '+KFI3 +KFF5' -o film%02d.png my/scene.pov
+later one balance adaptive -j 2 -s 32x24 -W '+KFF5' -o one.png my/scene.pov
+later bad balance adaptive -j 2 -s 32x24 -o bad.png bad.pov
+for frame in 3 4 5; do whole frame$frame- my/scene.pov +W32 +H24 +KFI3 +KFF5 +SF$frame +EF$frame & done
+wait
+result again
+like 'a log of other files is refused' "$status $err" '^[23] .*(job|state|scene)'
+result resumed
+is 'a torn log: resumed' "$status:$(same resumed.png alone.png)" '0:differing	0'
+result complete
+is 'a complete log: nothing is rendered' "$status:$(same complete.png alone.png)" '0:differing	0'
+result film
+is 'an animation: a picture for each frame, with POV-Ray'"'"'s numbers' "$status:$(echo film*.png)" \
+	'0:film03.png film04.png film05.png'
+for frame in 3 4 5; do
+	is "frame $frame: that of POV-Ray alone" "$(same film0$frame.png frame$frame-*.png)" 'differing	0'
 done
+is 'the frames differ' "$(same film03.png film05.png | grep -c '	0$')" 0
+result one
+like 'an animation with one name is refused' "$status $err" '^2 .*5 pictures, expected -o with %d'
+result bad
+like 'a scene that POV-Ray refuses: status 2 before the run' "$status $err" '^2 .*'
+like 'and its reason' "$err" 'Parse Error'
+ok 'and no picture' [ ! -e bad.png ]
+run povworker -i +KFI5 +KFF3 my/scene.pov
+is 'frames that end before they begin' "$status:$out" 2:
+run povworker -i +KFFx my/scene.pov
+is 'a frame that is no number' "$status:$out" 2:
+
+# ---- scenes of POV-Ray's own examples, and settings: those of which the manual says that the cut does not matter --------
+scenes='advanced/teapot/teapot incdemo/woods/wood_7 advanced/sombrero'
+settings='+A0.05_+AM2 +A0.05_+AM2_Jitter=off +Q5 Declare=light=0.5'
+for scene in $scenes; do
+	[ ! -e $examples/$scene.pov ] || pair "$(basename $scene)" $examples/$scene.pov
+done
+n=0
+for words in $settings; do
+	# shellcheck disable=SC2046  # a word each
+	pair settings$((n += 1)) my/scene.pov $(echo "$words" | tr _ ' ')
+done
+wait
+for scene in $scenes; do
+	if [ -e $examples/$scene.pov ]; then equal "$scene" "$(basename $scene)"
+	else skip "$scene" "povray-examples is not there"
+	fi
+done
+n=0
+for words in $settings; do equal "$(echo "$words" | tr _ ' ')" settings$((n += 1)); done
 cat >my/light.pov <<'END'
 #version 3.7;
 global_settings { assumed_gamma 1 #if (what = 1) photons { count 2000 } #end }
@@ -112,39 +157,33 @@ light_source { <3, 5, -5> rgb 1 #if (what = 3) area_light x, y, 3, 3 #end }
 sphere { 0, 1 pigment { rgbt 1 } interior { ior 1.5 } photons { target refraction on } }
 plane { y, -1 pigment { checker rgb 1 rgb <.2, .3, .4> } }
 END
-povworker -p my/light.pov >settings.files
-for what in '1 photons' '2 focal blur' '3 an area light'; do
-	whole settings my/light.pov +W48 +H36 "Declare=what=${what%% *}"
-	tiles settings "Declare=what=${what%% *}"
-	is "${what#* }: tiles make the same picture" "$(same settings.tiles.png settings.png)" 'differing	0'
-done
-povworker -p my/scene.pov >settings.files
-whole settings my/scene.pov +W48 +H36 +A0.05 +AM1
-tiles settings +A0.05 +AM1
-is '+AM1 depends on the cut, as the manual says' "$(same settings.tiles.png settings.png | grep -c '	0$')" 0
-
-# ---- animations ------------------------------------------------------------------------------------------------
-run balance adaptive -j 2 -s 32x24 -W '+KFI3 +KFF5' -o film%02d.png my/scene.pov
-is 'an animation: a picture for each frame, with POV-Ray'"'"'s numbers' "$status:$(echo film*)" '0:film03.png film04.png film05.png'
-for frame in 03 04 05; do
-	whole frame my/scene.pov +W32 +H24 +KFI3 +KFF5 +SF${frame#0} +EF${frame#0}
-	is "frame $frame: that of POV-Ray alone" "$(same film$frame.png frame*.png)" 'differing	0'
-	rm -f frame*.png
-done
-is 'the frames differ' "$(same film03.png film05.png | grep -c '	0$')" 0
-run balance adaptive -j 2 -s 32x24 -W '+KFF5' -o film.png my/scene.pov
-like 'an animation with one name is refused' "$status $err" '^2 .*5 pictures, expected -o with %d'
-run povworker -i +KFI5 +KFF3 my/scene.pov
-is 'frames that end before they begin' "$status:$out" 2:
-run povworker -i +KFFx my/scene.pov
-is 'a frame that is no number' "$status:$out" 2:
+# A sheet above the floor that the camera does not see; its height falls from .0016 to .0002 down the picture.
+cat >my/near.pov <<'END'
+#version 3.7;
+global_settings { assumed_gamma 1 }
+camera { orthographic location 10 * y look_at 0 sky z up y * .75 right x }
+light_source { 1000 * y rgb 1 }
+plane { y, 0 pigment { rgb 1 } }
+plane { <0, 1, -.002>, .0009 pigment { rgb 1 } no_image }
+END
+for what in 1 2 3; do pair light$what my/light.pov Declare=what=$what; done
+bits='-k 16'
+pair bits my/scene.pov +FN16 File_Gamma=1
+bits=''
+pair am1 my/scene.pov +A0.05 +AM1
+pair near my/near.pov +WT1
+size=48x64 tile=48x32
+pair bands my/scene.pov +A0.05 +AM1
+wait
+equal photons light1
+equal 'focal blur' light2
+equal 'an area light' light3
+is '+FN16 File_Gamma=1: tiles make the same picture of 16 bits' "$(same bits.tiles.png bits.png)" 'differing	0'
+depends +AM1 am1
+is '+AM1: bands of 32 rows make the same picture' "$(same bands.tiles.png bands.png)" 'differing	0'
+depends 'the shadow of a surface nearer than 0.001' near
 
 # ---- faults ----------------------------------------------------------------------------------------------------
-echo 'sphere { 0, ' >bad.pov
-run balance adaptive -j 2 -s 32x24 -o bad.png bad.pov
-like 'a scene that POV-Ray refuses: status 2 before the run' "$status $err" '^2 .*'
-like 'and its reason' "$err" 'Parse Error'
-ok 'and no picture' [ ! -e bad.png ]
 cat >slow.pov <<'END'
 #version 3.7;
 global_settings { assumed_gamma 1 }
@@ -154,6 +193,13 @@ light_source { <3, 5, -5> rgb 1 }
 #while (i < 3) sphere { <i - 1, 0, 0>, .4 pigment { rgb <i / 2, 1, .5> } finish { phong i } } #declare i = i + 1; #end
 END
 whole slow slow.pov +W48 +H36
+# A picture of the frame that POV-Ray writes for its first row is black below.
+mkdir first
+printf '#!/bin/sh\n%s "$@" | tee %s/first.png\n' "$(command -v povray)" "$tmp" >first/povray
+chmod +x first/povray
+{ povworker -p slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker - >first.frags
+{ printf 'P5 48 36 255\n'; head -c 1728 /dev/zero; } >black.pgm
+is 'the first row is drawn, and no other' "$(same first.png black.pgm)" 'differing	0'
 # Renderers of rectangles wait for the file go, so that some are there to be killed.
 mkdir held
 cat >held/povray <<END
@@ -163,7 +209,7 @@ exec $(command -v povray) "\$@"
 END
 chmod +x held/povray
 povworker -p slow.pov >slow.files
-{ cat slow.files; partition 48x36; } |
+{ cat slow.files; partition -u tile:48x6 48x36; } |
 	PATH=$tmp/held:$PATH MARK=$mark deal -q auto -e fan -1 -j 3 povworker - 2>killed.said | gather -o killed.png &
 rendering() { [ "$(program povray | wc -l)" -ge 2 ]; }
 await 20 rendering

@@ -44,6 +44,11 @@ divided() {
 	return 1
 }
 ok "long tasks are cut: the same picture, pieces have numbers above those that came" divided
+whole() {
+	deal -e -t 86400 fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm && imgcmp long.pfm out.pfm || return 1
+	[ "$(grep -ao 'done 0 [0-9]* ' log | sort -u | wc -l)" -eq 16 ] && ! grep -aq 'done .* try=' log
+}
+ok "-t: no task is cut or given twice that a slot does in less" whole
 
 # Without -e the run waits for the late slot until it is lost.
 env MARK=$mark timeout 2 deal fan -t 300 -j 3 sh late <late.task >log
@@ -86,8 +91,9 @@ ok "a slot is lost: its tasks are done, and say try=2" sh -c '
 	deal fan -j 2 sh mortal <mortal.task | tee log | gather -o other.pfm && imgcmp good.pfm other.pfm &&
 	grep -a "done 0 .* try=2" log'
 
-for depth in aut auto1 -1 1000001; do
-	run deal -q "$depth" true
-	is "refused: -q $depth" "$status" 2
+for option in '-q aut' '-q auto1' '-q -1' '-q 1000001' '-t -1' '-t 86401' '-t x'; do
+	# shellcheck disable=SC2086  # two words
+	run deal $option true
+	is "refused: $option" "$status" 2
 done
 finish

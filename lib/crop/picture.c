@@ -12,9 +12,10 @@ static size_t bytes_most(uint32_t w, uint32_t h) { return (size_t)w * h * 16 + (
 static int picture_of(const struct crop_rect *at, const char *path, const struct buf *bytes,
     struct image *picture, char err[CROP_ERR])
 {
+    const struct image_part part = {at->frame_w, at->frame_h, at->y, at->y + at->h};
     char why[IMAGE_ERR];
     int failed = path ? image_read(path, picture, why)
-                      : image_decode(buf_data(bytes), buf_size(bytes), picture, why);
+                      : image_decode_part(buf_data(bytes), buf_size(bytes), &part, picture, why);
     if (failed) {
         err_set(err, "%s: %s", path ? "the file {o}" : "the command's standard output", why);
         return -1;

@@ -14,12 +14,21 @@ int image_fail(char err[IMAGE_ERR], const char *fmt, ...) PRINTF_LIKE(2, 3);
 /* True if a picture of this size is allowed; otherwise the message is in err. */
 bool image_size_ok(uint64_t w, uint64_t h, char err[IMAGE_ERR]);
 
-int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+/* True if row y of the picture is to be decoded. */
+static inline bool image_wants(const struct image_part *part, const struct image *im, uint32_t y)
+{
+    return im->w != part->w || im->h != part->h || (y >= part->first && y < part->end);
+}
+
+int png_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR]);
 int png_encode(FILE *f, const struct image_rows *rows, int bits, const char *job);
 /* PAM, PPM, PGM. */
-int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR]);
 int pam_encode(FILE *f, const struct image_rows *rows, int bits);
-int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+int pfm_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR]);
 int pfm_encode(FILE *f, const struct image_rows *rows);
 
 

@@ -26,11 +26,20 @@ bool image_format_of(const char *path, enum image_format *format)
 
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
 {
+    const struct image_part all = {0};
+    return image_decode_part(p, n, &all, im, err);
+}
+
+int image_decode_part(const unsigned char *p, size_t n, const struct image_part *part,
+    struct image *im, char err[IMAGE_ERR])
+{
     *im = (struct image){0};
     if (n == 0) return image_fail(err, "empty, expected a PNG, PAM, PPM, PGM or PFM picture");
-    if (n >= 4 && memcmp(p, "\211PNG", 4) == 0) return png_decode(p, n, im, err);
-    if (n >= 2 && p[0] == 'P' && strchr("567", p[1]) && p[1]) return pnm_decode(p, n, im, err);
-    if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f')) return pfm_decode(p, n, im, err);
+    if (n >= 4 && memcmp(p, "\211PNG", 4) == 0) return png_decode(p, n, part, im, err);
+    if (n >= 2 && p[0] == 'P' && strchr("567", p[1]) && p[1])
+        return pnm_decode(p, n, part, im, err);
+    if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f'))
+        return pfm_decode(p, n, part, im, err);
     return image_fail(err, "unknown picture format, expected PNG, PAM, PPM, PGM or PFM");
 }
 

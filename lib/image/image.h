@@ -40,6 +40,13 @@ bool image_format_of(const char *path, enum image_format *format);
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
 /* Reads n bytes in memory. */
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
+/* The same, but of a picture of size w x h only rows `first` to `end` - 1: the others stay
+ * transparent black, and their memory is not touched. */
+struct image_part {
+    uint32_t w, h, first, end;
+};
+int image_decode_part(const unsigned char *p, size_t n, const struct image_part *part,
+    struct image *im, char err[IMAGE_ERR]);
 /*
  * Reads a PNG of at most `most` bytes, up to its end, into *b, without decoding its pixels. Checks
  * the header, and that all chunks are whole and their sums are right. Returns 0, or -1 as

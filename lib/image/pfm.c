@@ -35,7 +35,8 @@ static bool word(const unsigned char *p, size_t n, size_t *at, char *out, size_t
     return k > 0 && *at < n && strchr(" \t\r\n", p[(*at)++]);
 }
 
-int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+int pfm_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR])
 {
     char w[24], h[24], scale[64];
     int64_t width, height;
@@ -55,6 +56,7 @@ int pfm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAG
     image_init(im, (uint32_t)width, (uint32_t)height);
     for (size_t i = 0; i < pixels; i++) {
         size_t y = (size_t)height - 1 - i / (size_t)width, x = i % (size_t)width;
+        if (!image_wants(part, im, (uint32_t)y)) continue;
         float *to = im->rgba + 4 * (y * (size_t)width + x);
         for (size_t c = 0; c < 3; c++)
             to[c] = float_of(p + at + 4 * (i * floats + (floats == 3 ? c : 0)), order < 0);

@@ -27,6 +27,7 @@ struct reader {
     size_t n;
     unsigned char *rows; /* one row, or all rows if interlaced */
     struct sampler sampler;
+    const struct image_part *part;
     struct image *im;
     char *err;
 };
@@ -98,7 +99,7 @@ static void read_pixels(struct reader *r)
         for (uint32_t y = 0; y < h; y++) {
             unsigned char *at = r->rows + y * stride;
             png_read_row(r->png, at, NULL);
-            if (pass == passes - 1)
+            if (pass == passes - 1 && image_wants(r->part, r->im, y))
                 sampler_row(&r->sampler, at, channels, w, r->im->rgba + (size_t)4 * w * y);
         }
     png_read_end(r->png, NULL);
@@ -161,11 +162,12 @@ static bool reader_init(struct reader *r)
     return r->info || image_fail(r->err, "out of memory in libpng") == 0;
 }
 
-int png_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+int png_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR])
 {
     if (!chunks_end(p, n))
         return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
-    struct reader r = {.p = p, .n = n, .im = im, .err = err};
+    struct reader r = {.p = p, .n = n, .part = part, .im = im, .err = err};
     int failed = reader_init(&r) ? guarded(&r) : -1;
     png_destroy_read_struct(&r.png, &r.info, NULL);
     sampler_free(&r.sampler);

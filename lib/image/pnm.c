@@ -80,7 +80,8 @@ static bool read_header(const unsigned char *p, size_t n, struct header *h)
     return true;
 }
 
-int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR])
+int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
+    char err[IMAGE_ERR])
 {
     struct header h;
     if (!read_header(p, n, &h))
@@ -97,8 +98,8 @@ int pnm_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAG
     image_init(im, width, height);
     bool ok = true;
     for (uint32_t y = 0; y < height && ok; y++)
-        ok = sampler_row(
-            &s, p + h.size + row * y, (int)h.channels, width, im->rgba + (size_t)4 * width * y);
+        ok = !image_wants(part, im, y) || sampler_row(&s, p + h.size + row * y, (int)h.channels,
+                                              width, im->rgba + (size_t)4 * width * y);
     sampler_free(&s);
     if (ok) return 0;
     image_free(im);

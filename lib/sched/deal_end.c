@@ -13,7 +13,8 @@
  * 3. With an endgame, if no slot has queued tasks, the idle slot gets the task that was given
  *    longest ago, cut by rule 1 if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading
  *    cycles for information: using replication to schedule bag-of-tasks applications on
- *    computational grids", Euro-Par 2003; there tasks are not divided).
+ *    computational grids", Euro-Par 2003; there tasks are not divided). With a least time, the task
+ *    must have been out for that time and the time that the idle slot would need.
  * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
  *    cannot be asked: it may be dead. A slot that owes pixels itself does not get such a task.
@@ -30,7 +31,7 @@
 
 #define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
 #define PIECE_LEAST 16  /* pixels */
-#define PIECE_US 1000.0 /* a piece keeps its slot busy for at least this time, plus */
+#define PIECE_US 1000.0 /* a piece keeps its slot busy for at least this time, or -t, plus */
 #define PIECE_TRIPS 2.0 /* this number of round trips: smaller ones cost more than they save */
 #define LATE_TIMES 4
 #define LATE_US 200000 /* added for a busy machine */
@@ -64,14 +65,6 @@ static int32_t in_store(const struct deal *d, int32_t k)
     return i >= 0 && may_copy(d, k, i) ? i : -1;
 }
 
-/* Rule 3, for slot k: the task given longest ago. */
-static int32_t oldest(const struct deal *d, int32_t k)
-{
-    int32_t i = d->out.head;
-    while (i >= 0 && !may_copy(d, k, i)) i = d->ledger.at[i].next;
-    return i;
-}
-
 /* The lowest member. */
 static int32_t lowest(const struct slot_set *s) { return set_after(s, -1); }
 
@@ -94,16 +87,32 @@ static double us_per_px_of(const struct deal *d, int32_t k)
     return known > 0 ? sum / known : 0;
 }
 
-/* Rule 5: is entry i late, for slot k? If not, notes when it will be. */
-static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
+/* Has entry i been out for the least time, `more_us`, and the time that slot k would need, `times`
+ * over? If not, notes when it will have been. */
+static bool is_out_for(
+    struct deal *d, int32_t i, int32_t k, double times, double more_us, int64_t now)
 {
     const struct task_entry *e = &d->ledger.at[i];
     double us = (double)lattice_count(&e->task.at) * us_per_px_of(d, k);
-    us = LATE_US + LATE_TIMES * (us + d->slots[k].pace.round_trip_us);
-    int64_t late_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, LATE_MOST_US);
-    if (now >= late_us) return true;
-    if (late_us < d->late_us) d->late_us = late_us;
+    us = d->p.least_us + more_us + times * (us + d->slots[k].pace.round_trip_us);
+    int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, LATE_MOST_US);
+    if (now >= out_us) return true;
+    if (out_us < d->late_us) d->late_us = out_us;
     return false;
+}
+
+/* Rule 5: is entry i late, for slot k? */
+static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
+{
+    return is_out_for(d, i, k, LATE_TIMES, LATE_US, now);
+}
+
+/* Rule 3, for slot k: the task given longest ago. */
+static int32_t oldest(struct deal *d, int32_t k, int64_t now)
+{
+    int32_t i = d->out.head;
+    while (i >= 0 && !may_copy(d, k, i)) i = d->ledger.at[i].next;
+    return i < 0 || d->p.least_us <= 0 || is_out_for(d, i, k, 1, 0, now) ? i : -1;
 }
 
 /* Rule 5, for slot k: the uncut task or piece that was given longest ago, if it is late. */
@@ -118,7 +127,7 @@ static int32_t late(struct deal *d, int32_t k, int64_t now)
 static int32_t other_for(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->ended ? in_store(d, k) : -1;
-    if (i < 0 && d->ended && d->p.endgame) i = oldest(d, k);
+    if (i < 0 && d->ended && d->p.endgame) i = oldest(d, k, now);
     if (i < 0 && d->p.endgame) i = late(d, k, now);
     return i;
 }
@@ -149,7 +158,7 @@ static uint64_t piece_px(const struct deal *d, const struct slot *s)
     if (known <= 0) return UINT32_MAX;
     double rate = pace_rate(&s->pace) > 0 ? pace_rate(&s->pace) : sum / known;
     double share = d->left_px / 2 * rate / (sum * up / known);
-    double least = rate * (PIECE_US + PIECE_TRIPS * s->pace.round_trip_us);
+    double least = rate * (fmax(PIECE_US, d->p.least_us) + PIECE_TRIPS * s->pace.round_trip_us);
     return (uint64_t)fmin(fmax(fmax(share, least), PIECE_LEAST), UINT32_MAX);
 }
 

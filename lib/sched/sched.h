@@ -100,9 +100,10 @@ void sched_act(
 #define SCHED_WAITING_MOST 65536 /* undispatched tasks: the driver pauses its input */
 #define SCHED_DEPTH_AUTO (-1)
 struct sched_params {
-    int32_t depth; /* -q: tasks a slot may hold beyond those it computes, or SCHED_DEPTH_AUTO */
-    bool endgame;  /* -e: cut the last tasks smaller and give them to more than one slot */
-    bool one;      /* ring -k one: nodes give one task at a time */
+    int32_t depth;   /* -q: tasks a slot may hold beyond those it computes, or SCHED_DEPTH_AUTO */
+    bool endgame;    /* -e: cut the last tasks smaller and give them to more than one slot */
+    double least_us; /* -t: least time of a piece, and of a task out before it is copied; 0: none */
+    bool one;        /* ring -k one: nodes give one task at a time */
 };
 
 struct policy {

@@ -15,10 +15,8 @@ struct note {
     int64_t since_us;            /* time it was last given or computed */
 };
 static struct note *of(const struct vtask *t) { return t->note; }
-
 #define LATE_US 200000 /* a task given or computed since then is not late */
 #define AUTO_MOST 2501 /* most tasks at a slot if the depth follows the link */
-
 static bool adapts(const struct world *w) { return w->plan->params.depth == SCHED_DEPTH_AUTO; }
 static bool is_up(const struct world *w, int32_t k)
 {
@@ -240,7 +238,8 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
     if (count_waiting(w, false))
         sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
     if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
-    if (!w->plan->params.endgame && !in_store(w, t))
+    bool early = (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us && !withheld;
+    if ((!w->plan->params.endgame || early) && !in_store(w, t))
         sim_fail(w, "a copy of a task that a slot has begun was given", k, t->task.id);
     if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
         sim_fail(w, "a task has too many copies", k, t->task.id);
@@ -374,9 +373,9 @@ static void check_owners(struct world *w)
 {
     bool endgame = w->plan->params.endgame && w->input_ended;
     int32_t idle = -1, free = -1; /* the first idle slot; one that owes no pixels either */
-    for (int32_t k = 0; endgame && k < w->plan->slots; k++) {
+    for (int32_t k = w->plan->slots - 1; endgame && k >= 0; k--) {
         if (!is_up(w, k) || w->slots[k].has) continue;
-        if (idle < 0) idle = k;
+        idle = k;
         if (!owes(w, k)) free = k;
     }
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
@@ -391,6 +390,7 @@ static void check_owners(struct world *w)
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
         if (free >= 0 && computed) sim_fail(w, "a slot is free while pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
+        if (w->plan->params.least_us > 0) continue; /* it may be early */
         if (copies_of(w, t) < SIM_COPIES_MOST && (free >= 0 || !owes_it(t, idle)))
             sim_fail(w, "a slot is idle in the endgame", idle, i);
     }

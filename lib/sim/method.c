@@ -13,7 +13,7 @@ const struct sim_method *sim_method_named(const char *name)
             .params = {.depth = SCHED_DEPTH_AUTO, .endgame = true},
             .options = "",
             .tuned = true},
-        {.name = "deal", .policy = &policy_deal, .options = "eq"},
+        {.name = "deal", .policy = &policy_deal, .options = "eqt"},
         {.name = "ring", .policy = &policy_ring, .node = &policy_node, .options = "ekp"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)

@@ -58,6 +58,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.rows = unit(seed, 17) < .7 ? 1 : pick(seed, 18, 2, 5);
     p.p_slow = chance(seed, 21, .3);
     p.p_kill = chance(seed, 22, .3);
+    if (p.params.endgame && unit(seed, 44) < .3) p.params.least_us = 20000;
     p.p_hang = p.params.endgame ? chance(seed, 25, .5) : 0;
     p.frames = unit(seed, 23) < .6 ? 1 : pick(seed, 24, 2, 20);
     p.window = pick(seed, 26, 2, 16);

@@ -264,6 +264,22 @@ static void pictures_have_the_right_size(void **state)
 }
 
 /* Its file is removed, also if the command fails. */
+/* Of a picture of the frame, all pixels of the rectangle are there. */
+static void a_rectangle_of_the_frame(void **state)
+{
+    (void)state;
+    char err[CROP_ERR];
+    const char *line = "printf 'P5 40 30 255\\n'; head -c 1200 /dev/zero | tr '\\0' d";
+    char **words = WORDS("sh", "-c", line);
+    const struct crop_command c = {.words = words, .scratch = dir, .files = dir};
+    struct image im;
+    assert_int_equal(crop_draw(&c, &rect, &im, err), 0);
+    for (uint32_t y = rect.y; y < rect.y + rect.h; y++)
+        for (uint32_t x = rect.x; x < rect.x + rect.w; x++)
+            assert_true(im.rgba[4 * (y * 40 + x)] == srgb_decode8('d'));
+    image_free(&im);
+}
+
 static void a_picture_in_a_file(void **state)
 {
     (void)state;
@@ -375,6 +391,7 @@ int main(void)
         cmocka_unit_test_setup(failures_have_a_reason, limited),
         cmocka_unit_test_setup(nothing_remains, limited),
         cmocka_unit_test_setup(pictures_have_the_right_size, limited),
+        cmocka_unit_test_setup(a_rectangle_of_the_frame, limited),
         cmocka_unit_test_setup(a_picture_in_a_file, limited),
         cmocka_unit_test(links_are_not_followed),
         cmocka_unit_test_setup(a_directory_ends_with_its_process, limited),

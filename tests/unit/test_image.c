@@ -138,6 +138,30 @@ static void test_round_trips(void **state)
 }
 
 /* Half transparent: the file has the colour itself, the picture again the premultiplied one. */
+/* Of a picture of the size of the frame only rows are decoded; of another one, all. */
+static void test_parts(void **state)
+{
+    (void)state;
+    const struct image_part part = {5, 6, 2, 4}, other = {6, 5, 2, 4};
+    for (int format = 0; format < 3; format++) {
+        struct image im, all, some;
+        char err[IMAGE_ERR];
+        fill(&im, 5, 6, 8, false);
+        struct bytes b = encoded(&im, (enum image_format)format, 8, NULL);
+        const unsigned char *p = (const unsigned char *)b.p;
+        assert_int_equal(image_decode_part(p, b.n, &other, &all, err), 0);
+        assert_int_equal(image_decode_part(p, b.n, &part, &some, err), 0);
+        assert_true(some.w == 5 && some.h == 6);
+        assert_memory_equal(all.rgba, im.rgba, sizeof(float) * 4 * 5 * 6);
+        for (int i = 0; i < 4 * 5 * 6; i++)
+            assert_true(some.rgba[i] == (i / 20 == 2 || i / 20 == 3 ? im.rgba[i] : 0));
+        image_free(&im);
+        image_free(&all);
+        image_free(&some);
+        free(b.p);
+    }
+}
+
 static void test_alpha_is_not_premultiplied_in_files(void **state)
 {
     (void)state;
@@ -360,6 +384,7 @@ int main(void)
         cmocka_unit_test(test_encode8_is_nearest),
         cmocka_unit_test(test_rows_encode_the_same),
         cmocka_unit_test(test_round_trips),
+        cmocka_unit_test(test_parts),
         cmocka_unit_test(test_alpha_is_not_premultiplied_in_files),
         cmocka_unit_test(test_netpbm),
         cmocka_unit_test(test_float_maps),
