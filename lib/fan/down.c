@@ -193,6 +193,7 @@ static int route_ring(struct fan *f, const struct record *r)
         return ST_USAGE;
     }
     if (s->state != FAN_UP || !fan_takes(s)) return 0;
+    f->ring = true;
     s->conn.placed |= r->kind == REC_RING;
     s->conn.ahead--;
     fan_pass_down(&s->feed.queue.bytes, r, s, k);

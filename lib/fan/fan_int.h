@@ -197,6 +197,7 @@ struct fan {
     bool in_open;
     bool listing; /* fan -l: only asks slots for their hello */
     bool joins;   /* the input is from a policy whose slots may join and leave */
+    bool ring;    /* it is from the hub of a ring */
     struct hosts_watch watch;
     struct hosts *versions; /* of the hosts file, after the first one */
     int n_versions;
@@ -253,6 +254,8 @@ struct fan_slot *fan_slot_of(const struct fan *f, int k);
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
 void fan_slot_up(struct fan *f, struct fan_slot *s);
+/* Its power has changed: this is reported if it is up and does not drain. */
+void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power);
 /* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
 void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
 /* Sends a task record to slot k, and records it. Returns 0, or the status to end with. */
@@ -304,8 +307,7 @@ int64_t fan_retry_wait_us(int failures);
 bool fan_host_limited(const struct fan_host *h);
 /* The slot's process is being connected by a launcher that may queue it. */
 bool fan_slot_in_queue(const struct fan_slot *s);
-/* Counts the failed connection of slot s, which sets the time of the next one. False if tries=
- * allows no other. */
+/* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
 bool fan_host_retries(struct fan_slot *s);
 /*
  * Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
@@ -337,8 +339,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
 
 /* ---- alive.c ---- */
 
-/* Slot s was accepted, and sent this hello: on another machine, it is to end when this end is
- * silent. */
+/* Slot s was accepted, and sent this hello: elsewhere, it is to end when this end is silent. */
 void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *r);
 /* Writes a beat to the slot, if it is time, and nothing else is on its way. */
 void fan_alive_beat(struct fan *f, struct fan_slot *s);

@@ -8,7 +8,8 @@
  *                 tasks that the policy gave to others; `gone why=left` is reported
  *   not up        it is given up at once, with `gone why=left`
  *
- * Only a policy that hands out tasks on demand can do this; it sends `joins` before its first task.
+ * Another power= of a line is told to the policy by another `up`. Only a policy can do all this; it
+ * sends `joins` before its first task.
  * One machine with connect.c, down.c, err.c, hello.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
@@ -142,8 +143,6 @@ static void keep(struct fan *f, int i, const struct host *line, struct changes *
     struct fan_host *h = &f->hosts[i];
     h->kept = true;
     h->host = line;
-    for (int k = 0; line->power > 0 && k < f->n_slots; k++)
-        if (f->slots[k].host == h) f->slots[k].power = line->power;
     int more = line->slots - slots_of(f, h);
     if (more > 0) {
         fan_add_slots(f, i, more);
@@ -151,6 +150,8 @@ static void keep(struct fan *f, int i, const struct host *line, struct changes *
     } else {
         c->drained += drain_some(f, h, -more);
     }
+    for (int k = 0; line->power > 0 && k < f->n_slots; k++)
+        if (f->slots[k].host == h) fan_slot_set_power(f, &f->slots[k], line->power);
 }
 
 static void take_version(struct fan *f, const struct hosts *new)
@@ -200,9 +201,11 @@ void fan_join(struct fan *f)
         return;
     }
     if (!f->joins)
-        warn("%s has changed: the hosts stay as they were, because the tasks or nodes were set in "
-             "advance; expected a method that hands out tasks on demand, such as adaptive",
-            f->watch.file);
+        warn("%s has changed: the hosts stay as they were, because %s; expected a method whose "
+             "slots may join and leave, such as adaptive",
+            f->watch.file,
+            f->ring ? "the published ring has a fixed number of nodes"
+                    : "each task has its slot in advance");
     else
         warn("%s has changed too often: the hosts stay as they were, expected at most %d slots "
              "over the run",

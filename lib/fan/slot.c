@@ -201,9 +201,27 @@ void fan_slot_queue(struct fan *f, struct fan_slot *s)
     }
 }
 
+static void say_up(struct fan *f, const struct fan_slot *s)
+{
+    char text[HOST_NAME_MOST + 64];
+    for (int i = 0; i < s->width; i++) {
+        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number + i,
+            s->host->host->name, s->power, s->inner);
+        wire_plain(&f->out.queue.bulk, REC_UP, text);
+        up_end_record(&f->out.queue);
+    }
+}
+
+void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power)
+{
+    if (!(power < s->power) && !(power > s->power)) return;
+    s->power = power;
+    if (s->state == FAN_UP && !s->drains) say_up(f, s);
+}
+
 void fan_slot_up(struct fan *f, struct fan_slot *s)
 {
-    char text[HOST_NAME_MOST + 64], name[SLOT_NAME];
+    char name[SLOT_NAME];
     if (s->told_gone) warn("%s: %s up", fan_slot_name(s, name), s->width > 1 ? "are" : "is");
     fan_slot_show_held(s);
     change(f, s, ON_HELLO);
@@ -216,12 +234,7 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     s->conn.heard_us = now_us();
     if (s->conn.closed_us) s->conn.closed_us = s->conn.heard_us;
     if (!s->feed.primed && fan_slot_wanted(f, s)) fan_prime_early(f, s);
-    for (int i = 0; i < s->width; i++) {
-        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number + i,
-            s->host->host->name, s->power, s->inner);
-        wire_plain(&f->out.queue.bulk, REC_UP, text);
-        up_end_record(&f->out.queue);
-    }
+    say_up(f, s);
 }
 
 void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra)
@@ -237,7 +250,8 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     struct fan_slot *s = fan_slot_of(f, k);
     struct task_table *tasks = &s->tasks[k - s->number];
     int64_t from;
-    if (!fan_slot_comes(s) || s->drains || (s->was_up && s->state != FAN_UP)) {
+    bool left = s->drains && (s->state != FAN_UP || fan_slot_over(f, s));
+    if (!fan_slot_comes(s) || left || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
     }

@@ -127,11 +127,15 @@ static void take_up(
 {
     int32_t k = e->slot;
     struct slot *s = slot_at(d, k);
-    if (s->state == SLOT_UP || s->state == SLOT_DRAINS) return;
+    if (s->state == SLOT_UP || s->state == SLOT_DRAINS) {
+        pace_power(&s->pace, e->power);
+        deal_mark(d, k);
+        return;
+    }
     s->state = SLOT_UP;
     s->width = e->n > 1 ? e->n : 1;
     d->up++;
-    s->pace = (struct pace){0};
+    s->pace = (struct pace){.power = e->power};
     deal_mark(d, k);
     while (s->promised.count) {
         int32_t i = s->promised.head;

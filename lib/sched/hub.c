@@ -15,13 +15,11 @@
  * is computed once too often.
  *
  * The ledger alone ends the run.
- * One machine with hub_hung.c and hub_match.c.
+ * One machine with hub_hung.c, hub_join.c and hub_match.c.
  */
 #include "sched/hub_int.h"
 
 #include <stdlib.h>
-
-#define SLOTS_MAX (1 << 20)
 
 static void *ring_create(const struct sched_params *p)
 {
@@ -65,11 +63,12 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     if (s->held.count == 1) hub_progress(h, k);
 }
 
-/* Entry i, on no list, goes to node k or, if that is gone, to the nearest node before it that is
- * up. */
+/* Entry i, on no list, goes to node k or, if that is gone or drains, to the nearest node before it
+ * that is up. */
 void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
-    if (h->nodes[k].state == NODE_GONE) k = set_before(&h->up, k);
+    enum node_state state = h->nodes[k].state;
+    if (state == NODE_GONE || state == NODE_DRAINS) k = set_before(&h->up, k);
     hub_enlist(h, i, k, false);
     if (hub_is_up(h, k)) send(h, k, i, out);
     else if (k >= 0) hub_mark(h, k);
@@ -84,6 +83,14 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
         hub_assign(h, i, peer, out);
     }
     hub_mark(h, k);
+}
+
+void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
+{
+    hub_unlist(h, i);
+    hub_task(h, i)->from = -1;
+    if (hub_task(h, i)->piece < 0) hub_assign(h, i, k, out);
+    else hub_enlist(h, i, -1, false);
 }
 
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
@@ -106,10 +113,10 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
 }
 
 /* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
-static void ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
+void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
-    bool wanted = (h->ended || h->flush) && s->state == NODE_UP;
+    bool wanted = s->state == NODE_DRAINS || ((h->ended || h->flush) && s->state == NODE_UP);
     if (!wanted || s->flushed || s->held.count || !s->computed.count) return;
     s->flushed = true;
     hub_mark(h, k);
@@ -127,7 +134,7 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
     h->taken_over = true;
     hub_assign(h, i, thief, out);
     hub_mark(h, k);
-    ask_flush(h, k, out);
+    hub_ask_flush(h, k, out);
 }
 
 /* ---- events ---------------------------------------------------------------------------------- */
@@ -143,30 +150,9 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
     else hub_enlist(h, i, -1, false);
 }
 
-/* A node may be lost before the number of nodes is known. */
-static void note_gone(struct hub *h, int32_t k)
-{
-    if (h->n_nodes || k < 0) return;
-    h->early = xrealloc(h->early, h->n_early + 1, sizeof *h->early);
-    h->early[h->n_early++] = k;
-}
-
 static void take_slots(struct hub *h, int32_t n, struct sched_actions *out)
 {
-    if (h->n_nodes || n < 1 || n > SLOTS_MAX) return;
-    h->n_nodes = n;
-    h->nodes = xcalloc((size_t)n, sizeof *h->nodes);
-    for (int32_t k = 0; k < n; k++)
-        h->nodes[k] = (struct hub_node){.held = TASK_LIST_EMPTY,
-            .computed = TASK_LIST_EMPTY,
-            .load = -1,
-            .worth = -1,
-            .thief = -1,
-            .victim = -1};
-    hub_sets_init(h);
-    for (size_t i = 0; i < h->n_early; i++)
-        if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
-    take_pool(h, -1, out);
+    if (hub_set_nodes(h, n)) take_pool(h, -1, out);
 }
 
 /* Tasks come before PLACE, so that the node does not ask for tasks that are under way. */
@@ -174,7 +160,11 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
 {
     int32_t k = e->slot;
     struct hub_node *s = &h->nodes[k];
-    if (s->state == NODE_UP) return;
+    s->all_us *= pace_power(&s->pace, e->power);
+    if (hub_works(h, k)) {
+        hub_mark(h, k);
+        return;
+    }
     s->state = NODE_UP;
     s->width = e->n > 1 ? e->n : 1;
     set_put(&h->up, k, true);
@@ -190,20 +180,15 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
     struct task_list *lists[] = {&s->computed, &s->held};
-    bool had = s->state == NODE_UP;
+    bool had = hub_works(h, k);
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
     hub_lost(h, k);
-    for (int l = 0; l < 2; l++) {
+    for (int l = 0; l < 2; l++)
         while (lists[l]->count) {
-            int32_t i = lists[l]->head;
-            hub_unlist(h, i);
-            hub_task(h, i)->from = -1;
-            hub_task(h, i)->tries += had;
-            if (hub_task(h, i)->piece < 0) hub_assign(h, i, k, out);
-            else hub_enlist(h, i, -1, false);
+            hub_task(h, lists[l]->head)->tries += had;
+            hub_hand_on(h, lists[l]->head, k, out);
         }
-    }
 }
 
 static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
@@ -222,7 +207,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
 static void take_done(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t k = e->slot, i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    if (i < 0 || !hub_is_up(h, k) || hub_task(h, i)->owner != k) return;
+    if (i < 0 || !hub_works(h, k) || hub_task(h, i)->owner != k) return;
     /* If DONE was repeated, perhaps the node had no such pixels when it was asked to flush. */
     if (hub_task(h, i)->computed) h->nodes[k].flushed = false;
     else {
@@ -234,7 +219,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     /* If it has more, it may be slower than it thought, and can give some. */
     h->nodes[k].dry = false;
     hub_mark(h, k);
-    ask_flush(h, k, out);
+    hub_ask_flush(h, k, out);
 }
 
 /* Entry i, without pieces, leaves the ledger. */
@@ -269,7 +254,7 @@ static void commit(struct hub *h, int32_t i, struct sched_actions *out)
     while (h->freed.count) {
         int32_t k = set_after(&h->freed, -1);
         set_put(&h->freed, k, false);
-        ask_flush(h, k, out);
+        hub_ask_flush(h, k, out);
     }
 }
 
@@ -279,7 +264,7 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     if (i < 0) return;
     uint64_t before = h->ledger.at[i].delivered;
     if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
-    if (h->ledger.at[i].delivered > before && hub_is_up(h, e->slot)) hub_progress(h, e->slot);
+    if (h->ledger.at[i].delivered > before && hub_works(h, e->slot)) hub_progress(h, e->slot);
     if (!tasks_whole(&h->ledger, i)) return;
     commit(h, i, out);
 }
@@ -301,12 +286,12 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
         hub_assign(h, i, peer, out);
     } else hub_has_none(h, k, peer);
     hub_mark(h, k);
-    ask_flush(h, k, out);
+    hub_ask_flush(h, k, out);
 }
 
 static void take_ring(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
-    if (!hub_is_up(h, e->slot)) return;
+    if (!hub_works(h, e->slot)) return;
     switch (e->ring.kind) {
     case RING_ASK: hub_asks(h, e->slot); break;
     case RING_GIVE: take_give(h, e, out); break;
@@ -318,14 +303,14 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 /* Only these count: pixels may be older. */
 static void note_life(struct hub *h, const struct sched_event *e)
 {
-    if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_is_up(h, e->slot)) return;
+    if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_works(h, e->slot)) return;
     h->nodes[e->slot].silent = false;
     hub_mark(h, e->slot);
 }
 
 static void flush_all(struct hub *h, struct sched_actions *out)
 {
-    for (int32_t k = 0; k < h->n_nodes; k++) ask_flush(h, k, out);
+    for (int32_t k = 0; k < h->n_nodes; k++) hub_ask_flush(h, k, out);
 }
 
 static void ring_step(
@@ -348,20 +333,23 @@ static void ring_step(
         break;
     case SCHED_SLOTS: take_slots(h, e->n, out); break;
     case SCHED_UP:
-        if (known) take_up(h, e, out);
+        if (hub_join(h, e->slot)) take_up(h, e, out);
         break;
     case SCHED_GONE:
         if (known) take_gone(h, e->slot, out);
-        else note_gone(h, e->slot);
+        else hub_note_early(h, e->slot);
         break;
     case SCHED_DONE: take_done(h, e, out); break;
     case SCHED_PIXELS: take_pixels(h, e, out); break;
     case SCHED_RING: take_ring(h, e, out); break;
     case SCHED_DRAIN:
+        if (known) hub_drain(h, e->slot, out);
+        break;
     case SCHED_WAKE: break;
     }
     hub_match(h, out);
     hub_hung(h, out);
+    hub_let_go(h, out);
     if (!h->ledger.count) h->flush = false;
     if (!h->ended || h->ledger.count || h->closed) return;
     h->closed = true;
@@ -396,4 +384,4 @@ static int64_t ring_wake_us(const void *state)
 }
 
 const struct policy policy_ring = {"ringctl", ring_create, ring_step, ring_uncommitted,
-    ring_waiting, ring_tries, ring_wake_us, ring_destroy, false};
+    ring_waiting, ring_tries, ring_wake_us, ring_destroy, true};

@@ -40,7 +40,7 @@ void hub_busy(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
     bool owes = s->held.count > s->cut || (s->computed.count && s->flushed);
-    bool busy = s->state == NODE_UP && owes;
+    bool busy = hub_works(h, k) && owes;
     if (busy && !s->busy) enlist(h, k);
     if (!busy) unlist(h, k);
     set_put(&h->idle, k, s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count);

@@ -1,6 +1,7 @@
 /*
- * The hub of the ring, shared by its files: hub.c (events, the ledger), hub_match.c (pairs nodes
- * that want work with nodes that have some), hub_hung.c (nodes that make no progress).
+ * The hub of the ring, shared by its files: hub.c (events), hub_ledger.c (tasks), hub_match.c
+ * (pairs nodes that want work with nodes that have some), hub_hung.c (nodes that make no progress),
+ * hub_join.c (nodes that join and leave), hub_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_HUB_INT_H
 #define STORMRING_SCHED_HUB_INT_H
@@ -13,7 +14,7 @@
 /* Classes of work: class c lasts at least 2^c microseconds, and less than twice that. */
 #define LOADS 48
 
-enum node_state { NODE_NEW, NODE_UP, NODE_GONE };
+enum node_state { NODE_NEW, NODE_UP, NODE_DRAINS, NODE_GONE };
 
 /* The hub's record of the node on a slot. */
 struct hub_node {
@@ -66,12 +67,14 @@ struct hub {
     struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
     struct frames frames;     /* with an endgame: the highest id of each frame */
     struct hub_node *nodes;
-    int32_t n_nodes; /* 0: not known yet */
+    int32_t n_nodes;  /* 0: not known yet */
+    int32_t n_places; /* nodes that the sets have room for */
     int32_t *early;  /* nodes lost before n_nodes was known */
     size_t n_early;
     int64_t n_computed;                    /* entries of the ledger */
     double left_px;                        /* pixels that nodes have to compute */
     struct slot_set up;                    /* nodes that are up */
+    struct slot_set leaving;               /* nodes that drain, and owe nothing */
     struct slot_set hungry, late, delayed; /* hub_match.c */
     struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
@@ -99,14 +102,36 @@ static inline bool hub_is_up(const struct hub *h, int32_t k)
 {
     return k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_UP;
 }
+/* It is up, or it drains: what it says of its tasks counts. */
+static inline bool hub_works(const struct hub *h, int32_t k)
+{
+    return hub_is_up(h, k) || (k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_DRAINS);
+}
 /* Moves the next n tasks of node k to node peer, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
 /* Entry i, on no list, goes to node k, or to the nearest node before it that is up. */
 void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
+/* Entry i, of node k, which is gone or drains, goes to another node as a task of nobody. */
+void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
+/* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
+void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
 /* Node k has changed: notes whether it wants work, and whether it has some. */
 void hub_mark(struct hub *h, int32_t k);
+
+/* ---- hub_join.c ----------------------------------------------------------------------------- */
+
+/* Node k is lost; the number of nodes may not be known yet. */
+void hub_note_early(struct hub *h, int32_t k);
+/* There are n nodes at first. False: that was known. */
+bool hub_set_nodes(struct hub *h, int32_t n);
+/* Node k, which comes up, is in the table then. False: it cannot be. */
+bool hub_join(struct hub *h, int32_t k);
+/* Node k is to leave the ring: it keeps what it computes. */
+void hub_drain(struct hub *h, int32_t k, struct sched_actions *out);
+/* Nodes that drain and owe nothing leave. */
+void hub_let_go(struct hub *h, struct sched_actions *out);
 
 /* ---- hub_ledger.c --------------------------------------------------------------------------- */
 

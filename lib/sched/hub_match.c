@@ -31,10 +31,11 @@
 
 static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
 {
-    struct slot_set *sets[] = {&h->up, &h->hungry, &h->idle, &h->freed, &h->late, &h->delayed};
-    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) act(sets[i], h->n_nodes);
-    for (int c = 0; c < LOADS; c++) act(&h->rich[c], h->n_nodes);
-    for (int c = 0; c < LOADS; c++) act(&h->worth[c], h->n_nodes);
+    struct slot_set *sets[] = {
+        &h->up, &h->hungry, &h->idle, &h->freed, &h->late, &h->delayed, &h->leaving};
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) act(sets[i], h->n_places);
+    for (int c = 0; c < LOADS; c++) act(&h->rich[c], h->n_places);
+    for (int c = 0; c < LOADS; c++) act(&h->worth[c], h->n_places);
 }
 
 static void empty(struct slot_set *s, int32_t n)
@@ -91,11 +92,13 @@ static void mark_worth(struct hub *h, int32_t k, bool has)
 void hub_mark(struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
-    bool up = s->state == NODE_UP, more = s->held.count > s->width + s->thieves;
+    bool up = s->state == NODE_UP, drains = s->state == NODE_DRAINS;
+    bool more = s->held.count > s->width + s->thieves;
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
-    if (h->p.endgame) mark_worth(h, k, up && s->held.count > s->cut);
+    if (h->p.endgame) mark_worth(h, k, (up || drains) && s->held.count > s->cut);
+    set_put(&h->leaving, k, drains && !s->held.count && !s->computed.count);
     mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);
     hub_busy(h, k);
 }

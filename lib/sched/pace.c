@@ -23,6 +23,15 @@
 
 void pace_mix(double *mean, double x) { *mean += *mean > 0 ? WEIGHT * (x - *mean) : x; }
 
+double pace_power(struct pace *p, double power)
+{
+    double ratio = p->power > 0 && power > 0 ? p->power / power : 1;
+    if (power > 0) p->power = power;
+    p->us_per_px *= ratio;
+    p->task_us *= ratio;
+    return ratio;
+}
+
 void pace_note(struct pace *p, const struct pace_task *t)
 {
     int64_t before = p->done_us > t->sent_us ? p->done_us : t->sent_us;

@@ -12,6 +12,7 @@ struct pace {             /* 0: not known yet */
     double task_us;       /* computing time of a task; recent mean */
     double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
     int64_t done_us;      /* arrival of the latest `done` */
+    double power;         /* as its host states it: only changes of it count */
 };
 
 /* Pixels per microsecond; 0: not known. */
@@ -21,6 +22,9 @@ static inline double pace_rate(const struct pace *p)
 }
 /* Updates a recent mean with sample x; a mean of 0 takes x as it is. */
 void pace_mix(double *mean, double x);
+/* The worker's host states this power; 0: none. If it stated another one before, the measured times
+ * change by the ratio, until they are measured again. Returns the ratio; 1: nothing has changed. */
+double pace_power(struct pace *p, double power);
 /* A task that the worker has done. */
 struct pace_task {
     uint64_t px;              /* its pixels */

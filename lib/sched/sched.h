@@ -53,7 +53,8 @@ enum sched_event_kind {
     SCHED_INPUT_END, /* no more tasks will arrive */
     SCHED_FLUSH,     /* the reader wants the pixels that are held back */
     SCHED_SLOTS,     /* n: slots are numbered 0 .. n-1 */
-    SCHED_UP,        /* slot: it can be given work; n: tasks it computes at once, 1 if 0 */
+    SCHED_UP,        /* slot: it can be given work; n: tasks it computes at once, 1 if 0; again,
+                      * if it is up: its power has changed */
     SCHED_GONE,      /* slot: its connection is lost, with all that the slot held */
     SCHED_DRAIN,     /* slot: it is to leave the run; SCHED_LEAVE is the answer */
     SCHED_DONE,      /* slot, task key: computed; the slot may still hold back pixels */

@@ -83,5 +83,6 @@ void sim_note_action(struct world *w, const struct sched_action *a)
     if (a->kind == SCHED_COMMIT) check_commit(w, a);
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w);
     if (w->checks && w->checks->action) w->checks->action(w, a);
+    if (a->kind == SCHED_LEAVE) w->slots[a->slot].left = true;
     if (piece) note_piece(w, a);
 }

@@ -328,10 +328,9 @@ static void check_stop(struct world *w, bool stop)
 /* Slot k may leave if it drains, and owes nothing. */
 static void check_leave(struct world *w, int32_t k)
 {
-    struct vslot *s = &w->slots[k];
+    const struct vslot *s = &w->slots[k];
     if (!s->drains || s->left) sim_fail(w, "a slot was let go that does not drain", k, s->left);
     if (s->has || owes(w, k)) sim_fail(w, "a slot was let go that has tasks", k, s->has);
-    s->left = true;
 }
 
 /* A slot that drains has handed over all tasks but those that it computes at once. */

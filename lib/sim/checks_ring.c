@@ -17,9 +17,9 @@
 
 /* ---- the ledger ------------------------------------------------------------------------------ */
 
-static int32_t home_of(const struct world *w, const struct task *t)
+static int32_t home_of(const struct ring_model *m, const struct task *t)
 {
-    const int32_t n = w->plan->slots;
+    const int32_t n = m->n;
     return t->to >= 0 && t->to < n ? t->to : (int32_t)(t->id % (uint32_t)n);
 }
 
@@ -30,22 +30,28 @@ static void note_task(struct world *w, struct ring_model *m, const struct task *
     m->open++;
     m->most_px = fmax(m->most_px, px_of(task));
     t->from = -1;
-    sim_ring_enter(w, m, t, RING_ORPHAN, m->known ? home_of(w, task) : -1);
+    sim_ring_enter(w, m, t, RING_ORPHAN, m->n ? home_of(m, task) : -1);
 }
 
-static void note_slots(struct world *w, struct ring_model *m)
+/* Slots beyond these may join later. */
+static void note_slots(struct world *w, struct ring_model *m, int32_t n)
 {
-    m->known = true;
+    m->n = n;
+    for (int32_t k = n; k < w->plan->slots; k++) m->slots[k].state = RING_GONE;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (t && t->place == RING_ORPHAN)
-            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(w, &w->tasks[i].task));
+            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(m, &w->tasks[i].task));
     }
 }
+
+static bool works(const struct rslot *s) { return s->state == RING_UP || s->state == RING_DRAINS; }
 
 static void note_up(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
+    if (works(s)) return; /* it has another power */
+    if (k >= m->n) m->n = k + 1;
     m->promised -= s->promised;
     m->up += s->state != RING_UP;
     s->promised = 0;
@@ -75,32 +81,37 @@ static void pass_on(struct world *w, struct ring_model *m, int32_t k)
     }
 }
 
-static void note_gone(struct world *w, struct ring_model *m, int32_t k)
+static void retire(struct world *w, struct ring_model *m, int32_t k, enum rstate state)
 {
     struct rslot *s = &m->slots[k];
     m->promised -= s->promised;
     m->up -= s->state == RING_UP;
     s->promised = 0;
-    s->state = RING_GONE;
+    s->state = state;
     part(w, m, k);
     pass_on(w, m, k);
     s->asking = s->told = s->passed = s->dry = s->silent = false;
+    sim_ring_mark(w, m, k);
+}
+
+static void note_gone(struct world *w, struct ring_model *m, int32_t k)
+{
+    retire(w, m, k, RING_GONE);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
-        if (!t || t->base != k || t->place == RING_ABSENT) continue;
-        if (t->place != RING_ORPHAN) t->passes = 0;
-        t->from = -1;
-        bool waits = t->parent >= 0 && !m->up;
-        enum rplace to = t->cut ? RING_CUT : waits ? RING_REST : RING_ORPHAN;
-        sim_ring_enter(w, m, t, to, to == RING_ORPHAN ? k : -1);
+        if (t && t->base == k && t->place != RING_ABSENT) sim_ring_hand_on(w, m, t, k);
     }
-    sim_ring_mark(w, m, k);
+}
+
+static void note_drain(struct world *w, struct ring_model *m, int32_t k)
+{
+    if (m->slots[k].state == RING_UP) retire(w, m, k, RING_DRAINS);
 }
 
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     struct rslot *s = &m->slots[k];
-    if (t->base != k || s->state != RING_UP || t->place == RING_ABSENT) return;
+    if (t->base != k || !works(s) || t->place == RING_ABSENT) return;
     s->dry = false;
     m->paced = true;
     sim_ring_mark(w, m, k);
@@ -115,14 +126,14 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     struct rslot *s = &m->slots[e->slot];
     struct rtask *t = e->ring.kind == RING_GIVE ? sim_ring_task(w, &e->task) : NULL;
     int32_t peer = e->ring.peer;
-    if (s->state != RING_UP) return;
+    if (!works(s)) return;
     if (e->ring.kind == RING_ASK) {
         s->asking = true;
         sim_ring_mark(w, m, e->slot);
         return;
     }
     if (e->ring.kind != RING_GIVE && e->ring.kind != RING_NONE) return;
-    bool exists = peer >= 0 && peer < w->plan->slots;
+    bool exists = peer >= 0 && peer < m->n;
     bool given = t && t->base == e->slot && (t->place == RING_HELD || t->place == RING_COMPUTED);
     if (given && t->cut) {
         sim_ring_enter(w, m, t, RING_CUT, -1);
@@ -173,15 +184,15 @@ static void ring_event(struct world *w, const struct sched_event *e)
     case SCHED_TASK: note_task(w, m, &e->task); break;
     case SCHED_INPUT_END: m->input_ended = true; break;
     case SCHED_FLUSH: m->flush = true; break;
-    case SCHED_SLOTS: note_slots(w, m); break;
+    case SCHED_SLOTS: note_slots(w, m, e->n); break;
     case SCHED_UP: note_up(w, m, e->slot); break;
     case SCHED_GONE: note_gone(w, m, e->slot); break;
     case SCHED_DONE:
         if ((t = sim_ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
         break;
     case SCHED_RING: note_ring(w, m, e); break;
+    case SCHED_DRAIN: note_drain(w, m, e->slot); break;
     case SCHED_PIXELS:
-    case SCHED_DRAIN:
     case SCHED_WAKE: break;
     }
 }
@@ -291,21 +302,32 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
         s->told = true;
     } else if (r->kind != RING_PLACE)
         sim_fail(w, "the hub sends a message that it must not send", a->slot, r->kind);
-    else if (s->placed || r->me != a->slot || r->n != w->plan->slots || r->published)
+    else if (s->placed || r->me != a->slot || r->n != m->n || r->published)
         sim_fail(w, "a node is told the wrong place", a->slot, r->me);
     if (r->kind == RING_PLACE) s->placed = true;
 }
 
 static bool owes_flush(const struct ring_model *m, const struct rslot *s)
 {
-    bool wanted = (m->input_ended || m->flush) && s->state == RING_UP;
+    bool up = s->state == RING_UP, drains = s->state == RING_DRAINS;
+    bool wanted = drains || ((m->input_ended || m->flush) && up);
     return wanted && !s->flushed && !s->held && s->computed;
+}
+
+/* Slot k may leave if it drains, and owes nothing. */
+static void check_leave(struct world *w, struct ring_model *m, int32_t k)
+{
+    struct rslot *s = &m->slots[k];
+    if (s->state != RING_DRAINS || s->held || s->computed)
+        sim_fail(w, "a node is let go that has tasks, or does not drain", k, s->held);
+    s->state = RING_GONE;
 }
 
 static void ring_action(struct world *w, const struct sched_action *a)
 {
     struct ring_model *m = sim_ring_model(w);
     struct rtask *t;
+    if (m->touched >= 0) sim_ring_hand_over(w, m, m->touched);
     switch (a->kind) {
     case SCHED_GIVE: check_given(w, m, a); break;
     case SCHED_SAY: check_said(w, m, a); break;
@@ -319,7 +341,7 @@ static void ring_action(struct world *w, const struct sched_action *a)
         if ((t = sim_ring_task(w, &a->task)) == NULL) break;
         sim_ring_forget(w, m, t);
         break;
-    case SCHED_LEAVE: sim_fail(w, "a node is told to leave", a->slot, 0); break;
+    case SCHED_LEAVE: check_leave(w, m, a->slot); break;
     case SCHED_END:
     case SCHED_STOP:
         if ((a->kind == SCHED_STOP) != m->taken_over)
@@ -332,7 +354,8 @@ static void ring_after(struct world *w)
 {
     struct ring_model *m = sim_ring_model(w);
     int32_t k = m->touched;
-    if (m->known && m->up && m->orphans > m->promised)
+    if (k >= 0) sim_ring_hand_over(w, m, k);
+    if (m->n && m->up && m->orphans > m->promised)
         sim_fail(w, "a task has no owner", m->orphans, m->promised);
     if (m->hungry && m->rich)
         sim_fail(w, "a node wants work while another has tasks to give", m->hungry, m->rich);
@@ -344,6 +367,9 @@ static void ring_after(struct world *w)
         sim_fail(w, "a node was not told its place", k, 0);
     if (k >= 0 && owes_flush(m, &m->slots[k]))
         sim_fail(w, "a node was not asked to flush its pixels", k, 0);
+    for (int32_t i = 0; i < w->plan->slots && !w->ended; i++)
+        if (m->slots[i].state == RING_DRAINS && !m->slots[i].held && !m->slots[i].computed)
+            sim_fail(w, "a node that drains owes nothing and is not let go", i, 0);
     int64_t open = sched_uncommitted(w->policy, w->state);
     int64_t waiting = w->policy->waiting(w->state), least = m->open - m->computed;
     if (open < m->open || (open > m->open && !m->cuts)) /* pieces without a node are open, too */

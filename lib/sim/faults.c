@@ -1,6 +1,6 @@
 /*
  * Faults: crash, silence, pause, slow-down, hang, drain, and a killed hub. At most one random fault
- * befalls a slot; slot 0 is never lost.
+ * befalls a slot, and one more if it drains; slot 0 is never lost.
  */
 #include "sim/world.h"
 
@@ -16,6 +16,16 @@ static void plan_fault(
     sim_schedule(w, at_us, k, e);
 }
 
+/* A slot that drains may be lost or hang. */
+static void draw_drain(struct world *w, int32_t k, int64_t at)
+{
+    static const enum sim_fault_kind kinds[] = {SIM_CRASH, SIM_SILENCE, SIM_PAUSE, SIM_HANG};
+    plan_fault(w, at, k, SIM_DRAIN, 0);
+    enum sim_fault_kind kind = kinds[(int)(sim_draw(w) * (w->plan->p_hang > 0 ? 4 : 3))];
+    at += (int64_t)(1e6 * pow(sim_draw(w), 6)); /* mostly before it has left */
+    if (sim_draw(w) < .4) plan_fault(w, at, k, kind, sim_draw(w) < .5);
+}
+
 void sim_draw_fault(struct world *w, int32_t k)
 {
     const struct sim_plan *p = w->plan;
@@ -28,8 +38,7 @@ void sim_draw_fault(struct world *w, int32_t k)
         plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * sim_draw(w));
     else if (p->p_hang > 0 && sim_draw(w) < p->p_hang && mortal)
         plan_fault(w, at, k, SIM_HANG, sim_draw(w) < .5);
-    else if (p->p_drain > 0 && sim_draw(w) < p->p_drain && mortal)
-        plan_fault(w, at, k, SIM_DRAIN, 0);
+    else if (p->p_drain > 0 && sim_draw(w) < p->p_drain && mortal) draw_drain(w, k, at);
 }
 
 void sim_plan_faults(struct world *w)
@@ -90,6 +99,7 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
     case SIM_SLOW:
         w->result->slows++;
         s->power *= e->sched.power;
+        if (w->plan->tells_power) sim_say_up(w, k);
         break;
     case SIM_HANG:
         w->result->hangs++;

@@ -64,6 +64,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.window = pick(seed, 26, 2, 16);
     if (unit(seed, 40) < .25) p.p_drain = unit(seed, 41) < .5 ? .4 : .9;
     if (unit(seed, 42) < .25) p.joins = pick(seed, 43, 1, p.slots) - 1;
+    p.tells_power = unit(seed, 44) < .5;
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;
@@ -75,14 +76,13 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     p.node = &policy_node;
     p.checks = &sim_checks_ring;
     p.calm = false;
-    p.p_drain = 0;
-    p.joins = 0;
     p.p_hang = chance(seed, 25, .3);
     if (p.p_hang > 0) p.detect_us = 5000000;
     p.params = (struct sched_params){.one = unit(seed, 30) < .3, .endgame = unit(seed, 32) < .5};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
     if (p.assigned > p.tasks) p.assigned = p.tasks;
+    p.joins = unit(seed, 42) < .25 ? pick(seed, 43, 1, p.slots) - 1 : 0;
     p.width = unit(seed, 19) < .2 ? pick(seed, 20, 2, 4) : 1;
     p.p_false = fmin(p.p_garbage, .1);       /* each can cause the next: more would never end */
     if (unit(seed, 31) < .03) p.p_crash = 1; /* of all slots but one */

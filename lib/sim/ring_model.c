@@ -80,3 +80,30 @@ void sim_ring_enter(
     if (before >= 0) sim_ring_mark(w, m, before);
     if (k >= 0) sim_ring_mark(w, m, k);
 }
+
+void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+{
+    if (t->place != RING_ORPHAN) t->passes = 0;
+    t->from = -1;
+    bool waits = t->parent >= 0 && !m->up;
+    enum rplace to = t->cut ? RING_CUT : waits ? RING_REST : RING_ORPHAN;
+    sim_ring_enter(w, m, t, to, to == RING_ORPHAN ? k : -1);
+}
+
+void sim_ring_hand_over(struct world *w, struct ring_model *m, int32_t k)
+{
+    if (!w->slots[k].hands_over) return;
+    w->slots[k].hands_over = false;
+    bool given = false;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct rtask *t = w->tasks[i].note;
+        bool kept = w->policy->tries(w->state, k, 0, (uint32_t)i);
+        if (!t || t->base != k || t->place != RING_HELD || kept) continue;
+        sim_ring_hand_on(w, m, t, k);
+        given = true;
+    }
+    if (m->slots[k].held > w->plan->width)
+        sim_fail(w, "a node that drains keeps tasks that it has not begun", k, m->slots[k].held);
+    if (given && m->slots[k].held < w->plan->width)
+        sim_fail(w, "a node that drains hands over what it computes", k, m->slots[k].held);
+}

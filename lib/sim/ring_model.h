@@ -21,7 +21,7 @@ struct rtask {
     int64_t came[SIM_SLOTS_MOST]; /* order of arrival there, among all queued tasks */
 };
 
-enum rstate { RING_NEW, RING_UP, RING_GONE };
+enum rstate { RING_NEW, RING_UP, RING_DRAINS, RING_GONE };
 struct rslot {
     enum rstate state;
     /* The hub's view: */
@@ -46,9 +46,10 @@ struct rslot {
 };
 
 struct ring_model {
+    int32_t n; /* nodes so far; 0: not known */
     int32_t orphans, promised, up, hungry, rich, open, computed;
     int32_t cuts; /* tasks that have pieces */
-    bool known, input_ended, flush;
+    bool input_ended, flush;
     bool taken_over;         /* a task of a late node was taken over */
     bool paced;              /* the hub knows the speed of a node */
     int64_t came;            /* tasks queued so far */
@@ -71,6 +72,11 @@ int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int
 /* Moves task t to place p, with base k. */
 void sim_ring_enter(
     struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
+/* Task t of slot k is not its own any more. */
+void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k);
+/* If slot k drains since this step: the policy has handed over all of its tasks but those that it
+ * computes at once. */
+void sim_ring_hand_over(struct world *w, struct ring_model *m, int32_t k);
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
 
 /* ---- checks_end.c ---------------------------------------------------------------------------- */

@@ -108,6 +108,7 @@ struct sim_plan {
     bool concentrate; /* slots send pixels only on a flush */
     double cost_us;   /* the least cost of a row at power 1; the most is exp(4) times that */
     double p_crash, p_silence, p_pause, p_slow, p_hang, p_drain; /* at most one per slot */
+    bool tells_power; /* the policy is told the power of a slot that becomes slow */
     int32_t joins; /* the last slots come later, and are not counted at first */
     double p_kill;                                      /* of the hub */
     double p_return;                                    /* a lost slot comes back */

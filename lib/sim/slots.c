@@ -115,7 +115,7 @@ static void leave(struct world *w, int32_t k)
     sim_say(w, k, (struct sched_event){.kind = SCHED_GONE});
 }
 
-/* Records that the worker reads itself, if there is no node. */
+/* Records that the worker reads itself, if there is no node. A node that was let go is stopped. */
 static void read_down(struct world *w, int32_t k, const struct sched_event *e)
 {
     if (e->kind == SCHED_FLUSH) sim_hand_over(w, k);
@@ -131,8 +131,15 @@ void sim_deliver(struct world *w, const struct sim_event *e)
     if (e->kind == SIM_COMPUTED) computed(w, e->slot, e->sched.wall_us);
     else if (s->stalled) keep(&s->inbox, e);
     else if (e->kind == SIM_WAKE) sim_node_wake(w, e->slot);
-    else if (w->plan->node) sim_node_step(w, e->slot, e->sched);
+    else if (w->plan->node && !(e->sched.kind == SCHED_INPUT_END && s->left))
+        sim_node_step(w, e->slot, e->sched);
     else read_down(w, e->slot, &e->sched);
+}
+
+void sim_say_up(struct world *w, int32_t k)
+{
+    struct sched_event e = {.kind = SCHED_UP, .n = w->plan->width, .power = w->slots[k].power};
+    sim_say(w, k, e);
 }
 
 void sim_slot_comes_up(struct world *w, int32_t k)
@@ -141,7 +148,7 @@ void sim_slot_comes_up(struct world *w, int32_t k)
     s->alive = true;
     w->result->returns++;
     if (w->plan->node) sim_node_begin(w, k);
-    sim_say(w, k, (struct sched_event){.kind = SCHED_UP, .n = w->plan->width});
+    sim_say_up(w, k);
 }
 
 void sim_resume(struct world *w, int32_t k)

@@ -136,6 +136,8 @@ void sim_deliver(struct world *w, const struct sim_event *e);
 void sim_start_next(struct world *w, int32_t k);
 void sim_hand_over(struct world *w, int32_t k);
 void sim_slot_comes_up(struct world *w, int32_t k);
+/* The fan says that slot k is up, with its power. */
+void sim_say_up(struct world *w, int32_t k);
 void sim_resume(struct world *w, int32_t k);
 /* Ends the process with all that it has. */
 void sim_end_slot(struct world *w, int32_t k);

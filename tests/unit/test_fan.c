@@ -380,6 +380,28 @@ static void records_are_packed_on_demand_without_a_probe(void **state)
     assert_true(packs(s));
 }
 
+static void nothing_is_packed_for_a_worker_that_cannot(void **state)
+{
+    static const char hello[] = "hello cat 1 format=3 selftest=0123 power=1 slots=1\n";
+    (void)state;
+    struct fan_slot *s = &slots[0];
+    options.pack = FAN_PACK_ON;
+    fan_slot_open(&f, s);
+    say(s, hello, sizeof hello - 1);
+    options.pack = FAN_PACK_OFF;
+    assert_int_equal(s->state, FAN_UP);
+    assert_false(packs(s));
+}
+
+static void nothing_is_packed_on_this_machine(void **state)
+{
+    (void)state;
+    host.here = true;
+    struct fan_slot *s = connected(FAN_PACK_ON);
+    assert_int_equal(s->state, FAN_UP);
+    assert_false(packs(s));
+}
+
 static void nothing_is_packed_without_leave(void **state)
 {
     (void)state;
@@ -619,7 +641,9 @@ static void slots_without_a_line_drain(void **state)
     const char *said = reported();
     assert_non_null(strstr(said, "drain w=1 "));
     assert_non_null(strstr(said, "gone w=2 why=left lost=0"));
-    assert_null(strstr(said, "w=0"));
+    assert_non_null(strstr(said, "up w=0 host=far power=3 "));
+    assert_null(strstr(said, "gone w=0"));
+    assert_null(strstr(said, "drain w=0"));
     assert_int_equal(slots[2].state, FAN_ENDING);
     assert_int_equal(fan_staff(&f), 1);
     assert_true(slots[0].power == 3);
@@ -627,11 +651,20 @@ static void slots_without_a_line_drain(void **state)
     fan_dismiss(&f, 0); /* it does not drain */
     assert_false(fan_slot_over(&f, &slots[0]));
     assert_false(fan_slot_over(&f, &slots[1]));
-    give_task(1, 8); /* too late */
-    assert_int_equal(f.lost, 1);
+    give_task(1, 8); /* the policy had not read `drain` */
+    assert_int_equal(f.lost, 0);
+    assert_int_equal(slots[1].n_tasks, 2);
+    change_file("far slots=1 power=3\n");
+    change_file("far slots=1 power=4\n");
+    said = reported();
+    assert_non_null(strstr(said, "up w=0 host=far power=4 "));
+    assert_null(strstr(said, "up w=0 host=far power=3 "));
+    assert_null(strstr(said, "up w=1 "));
     fan_dismiss(&f, 1); /* its task was given to another slot */
     assert_int_equal(slots[1].state, FAN_ENDING);
     assert_non_null(strstr(reported(), "gone w=1 why=left lost=0"));
+    assert_int_equal(f.lost, 0);
+    give_task(1, 9); /* too late */
     assert_int_equal(f.lost, 1);
     let_end(&slots[1]);
     for (int i = 0; i < f.n_versions; i++) hosts_free(&f.versions[i]);
@@ -796,6 +829,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_link_without_an_answer_is_slow, begin, end),
         cmocka_unit_test_setup_teardown(an_answer_of_another_length_is_refused, begin, end),
         cmocka_unit_test_setup_teardown(records_are_packed_on_demand_without_a_probe, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_is_packed_for_a_worker_that_cannot, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_is_packed_on_this_machine, begin, end),
         cmocka_unit_test_setup_teardown(nothing_is_packed_without_leave, begin, end),
         cmocka_unit_test_setup_teardown(a_connection_leaves_nothing_to_the_next, begin, end),
         cmocka_unit_test_setup_teardown(tasks_wait_for_a_slot_that_was_never_up, begin, end),

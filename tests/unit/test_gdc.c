@@ -24,6 +24,8 @@ static struct sim_plan plan_of(uint64_t seed)
     p.p_hang = 0; /* nothing is published about that */
     p.checks = &sim_checks_gdc;
     p.detect_us = 20000000;
+    p.p_drain = 0;
+    p.joins = 0;
     p.p_false = 0; /* the paper's master takes a node's word */
     if (seed % 4 == 3) p.p_lose = p.p_double = p.p_late = .05;
     if (seed % 8 == 4) p.cost_us = 50000; /* a row may look like a crash */

@@ -12,6 +12,7 @@
 
 static struct sim_result total;
 static int64_t all_but_one; /* seeds in which nearly all nodes were lost */
+static int64_t joins;       /* nodes that come later, in all seeds */
 
 static bool run_seed(uint64_t seed, struct sim_result *r)
 {
@@ -23,6 +24,7 @@ static bool run_seed(uint64_t seed, struct sim_result *r)
 static void note_seed(uint64_t seed, const struct sim_result *r)
 {
     sim_add(&total, r);
+    joins += sim_ring_plan_of(seed).joins;
     all_but_one += r->crashes + r->silences >= sim_ring_plan_of(seed).slots - 1;
 }
 
@@ -30,9 +32,10 @@ static void say_seed(uint64_t seed, const struct sim_result *r)
 {
     struct sim_plan p = sim_ring_plan_of(seed);
     printf("%d nodes, %d tasks, %d assigned: %lld events, %lld messages, %lld steals, "
-           "%lld commits, %lld crashes",
+           "%lld commits, %lld crashes, %d join, %lld drain",
         p.slots, p.tasks, p.assigned, (long long)r->events, (long long)r->messages,
-        (long long)r->steals, (long long)r->commits, (long long)r->crashes);
+        (long long)r->steals, (long long)r->commits, (long long)r->crashes, p.joins,
+        (long long)r->drains);
 }
 
 static void every_seed_commits_each_task_once_and_ends(void **state)
@@ -42,13 +45,15 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
     print_message("# %lld seeds: %lld events, %lld tasks given, %lld commits, %lld crashes, "
                   "%lld silences, %lld pauses, %lld slow-downs, %lld hubs killed, "
                   "%lld comings up, %lld answers twice, %lld of garbage, %lld ring messages, "
-                  "%lld steals, %lld tasks stolen; %lld hang, %lld tasks taken over, %lld pieces\n",
+                  "%lld steals, %lld tasks stolen; %lld hang, %lld tasks taken over, %lld pieces; "
+                  "%lld drain, %lld leave, %lld join\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
         (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
         (long long)total.slows, (long long)total.kills, (long long)total.returns,
         (long long)total.twice, (long long)total.garbage, (long long)total.messages,
         (long long)total.steals, (long long)total.passed, (long long)total.hangs,
-        (long long)total.taken_over, (long long)total.pieces);
+        (long long)total.taken_over, (long long)total.pieces, (long long)total.drains,
+        (long long)total.leaves, (long long)joins);
     assert_true(seeds_hold);
 }
 
@@ -64,6 +69,8 @@ static void faults_of_every_kind_happened(void **state)
     assert_true(total.steals > 1000 && total.passed > 1000 && total.flushes > 100);
     assert_true(total.pieces > 1000);
     assert_true(all_but_one > 10);
+    assert_true(joins > 1000 && total.drains > 100 && total.leaves > 100);
+    assert_true(total.leaves < total.drains);
 }
 
 /* ---- the paper's hosts ----------------------------------------------------------------------- */
