@@ -10,12 +10,10 @@
 double sim_bound_s(const struct sim_plan *p)
 {
     size_t n = (size_t)p->work->frame_w * p->work->frame_h, m = (size_t)p->slots;
-    double *c = xmalloc(n, sizeof *c), *v = xmalloc(m, sizeof *v);
-    memcpy(c, p->work->pixel_us, n * sizeof *c);
+    double *v = xmalloc(m, sizeof *v);
     memcpy(v, p->work->power, m * sizeof *v);
-    double s = stats_lower_bound(c, n, v, m) * 1e-6;
+    double s = stats_lower_bound(p->work->pixel_us, n, v, m) * 1e-6;
     if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * (double)n / p->hub_bytes_per_s);
-    free(c);
     free(v);
     return s;
 }

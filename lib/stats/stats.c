@@ -33,12 +33,17 @@ double stats_lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
     return bound;
 }
 
-double stats_lower_bound(double *c, size_t n, double *v, size_t m)
+/* Equal costs in a row are one kind: so the pixels of a coarse picture's costs need no long sort. */
+double stats_lower_bound(const double *c, size_t n, double *v, size_t m)
 {
     struct pieces *p = xmalloc(n + 1, sizeof *p);
-    qsort(c, n, sizeof *c, descending);
-    for (size_t i = 0; i < n; i++) p[i] = (struct pieces){c[i], 1};
-    double bound = stats_lower_bound_pieces(p, n, v, m);
+    size_t kinds = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool same = i && descending(&c[i], &c[i - 1]) == 0;
+        if (same) p[kinds - 1].n++;
+        else p[kinds++] = (struct pieces){c[i], 1};
+    }
+    double bound = stats_lower_bound_pieces(p, kinds, v, m);
     free(p);
     return bound;
 }

@@ -7,11 +7,11 @@
 /*
  * Lower bound on the time in which m slots of speed v can do n pieces of cost c (any unit of time
  * at speed 1), for any schedule. It is the largest of sum c / sum v and, for k = 1 .. m-1, (sum of
- * the k largest c) / (sum of the k largest v). Pieces are never split. Sorts both arrays,
- * descending. 0 if n is 0. (T. Gonzalez, O. Ibarra, S. Sahni, "Bounds for LPT schedules on uniform
- * processors", SIAM J. Comput. 6, 1977.)
+ * the k largest c) / (sum of the k largest v). Pieces are never split. Sorts v, descending. 0 if n
+ * is 0. (T. Gonzalez, O. Ibarra, S. Sahni, "Bounds for LPT schedules on uniform processors", SIAM
+ * J. Comput. 6, 1977.)
  */
-double stats_lower_bound(double *c, size_t n, double *v, size_t m);
+double stats_lower_bound(const double *c, size_t n, double *v, size_t m);
 /* n pieces of cost c each. */
 struct pieces {
     double c;

@@ -41,7 +41,7 @@ static void bound_of_kinds_of_pieces(void **state)
 {
     (void)state;
     struct pieces p[] = {{1, 3}, {4, 2}, {0, 0}};
-    double c[] = {1, 1, 1, 4, 4}, v[] = {3, 1, 1}, w[] = {1, 3, 1};
+    double c[] = {1, 4, 1, 1, 4}, v[] = {3, 1, 1}, w[] = {1, 3, 1};
     near(stats_lower_bound_pieces(p, 3, v, 3), stats_lower_bound(c, 5, w, 3));
     struct pieces few[] = {{9, 1}, {5, 1}};
     double slow[] = {1, 1, 1, 1};
