@@ -24,6 +24,7 @@ timed() {
 	date +%s.%N | awk -v b="$begin" '{ printf "%.3f\n", $1 - b }'
 }
 command -v parallel >/dev/null && ways='threads adaptive gnu' || ways='threads adaptive'
+ways=${WAYS:-$ways}
 for round in $(seq "$rounds"); do
 	for way in $ways; do timed "$way" >>"$way.s" || stop "round $round"; done
 done
