@@ -1,6 +1,6 @@
 #!/bin/sh
 # The adaptive method and the ring with workers that hang: the picture is the same, the run ends without them, and no
-# process remains. The silence limit of fan does not help here: it is 300 s.
+# process remains. The silence limit of fan does not help here: it is two hours.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
@@ -28,8 +28,8 @@ for place in $bad; do
 			printf "\\${b# }" && sleep 1
 		done ;;
 	stopped) kill -STOP $$ ;;
-	slow) # each task takes long
-		perl -e '$| = 1; while (<STDIN>) { sleep 20 if /^task/; print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b } }' |
+	slow) # each task takes hours
+		perl -e '$| = 1; while (<STDIN>) { sleep 7200 if /^task/; print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b } }' |
 			rtworker -a 4 - ;;
 	esac
 	exit
@@ -39,7 +39,7 @@ exec rtworker -a 4 -
 END
 chmod +x worker
 export dir="$tmp/places"
-adaptive='deal -q auto -e fan -t 300 -j'
+adaptive='deal -q auto -e fan -t 7200 -j'
 # hung NAME KIND BAD SLOTS [FAN [NODE]]: three scenes one after the other
 hung() {
 	rm -rf places f?.pfm
@@ -59,9 +59,9 @@ hung 'all but one of five beat' beats '1 2 3 4' 5
 hung 'all but one of five stopped' stopped '1 2 3 4' 5
 hung 'all but one of five do not read' deaf '1 2 3 4' 5
 for k in beats deaf trickle stopped slow; do
-	hung "a ring, one of three $k" $k 1 3 'ringctl fan -t 300 -j' 'ringctl -n'
+	hung "a ring, one of three $k" $k 1 3 'ringctl fan -t 7200 -j' 'ringctl -n'
 done
-hung 'a ring, all but one of five beat' beats '1 2 3 4' 5 'ringctl fan -t 300 -j' 'ringctl -n'
+hung 'a ring, all but one of five beat' beats '1 2 3 4' 5 'ringctl fan -t 7200 -j' 'ringctl -n'
 
 # Many frames, whose states only the good workers read: deal neither keeps the states for the bad one nor waits for it.
 { cat 1.nff; yes '# so that the pipe is full soon' | head -n 300; } >long.nff
@@ -84,7 +84,7 @@ rm -rf places f?.pfm
 mkdir places
 export kind=beats bad=1
 run timeout 1200 sh -c '{ pack scene 1.nff; partition -F 1 "$1"; until [ -e f1.pfm ]; do sleep .05; done; } |
-	env MARK="$2" deal -q auto -e fan -t 300 -j 3 ./worker | gather -o f%d.pfm' sh "$size" "$mark"
+	env MARK="$2" deal -q auto -e fan -t 7200 -j 3 ./worker | gather -o f%d.pfm' sh "$size" "$mark"
 is 'live input: the picture comes before the input ends' "$status $err" '0 '
 ok 'live input: the same picture' cmp f1.pfm good1.pfm
 ok 'live input: no process remains' await 10 none_alive

@@ -75,7 +75,7 @@ is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
 # mortal METHOD [OPTIONS]: long, but one of the three workers is killed by SIGKILL when it has done three tasks, or sent 9000
 # bytes of a longer one. The others begin after that, so whatever the load, the run is not over before.
-wrap_rtworker <<END
+wrap rtworker bin <<END
 if mkdir '$tmp/first' 2>/dev/null; then
 	'$root/bin/rtworker' "\$@" | {
 		perl -e '\$| = 1; while (sysread STDIN, \$b, 4096) {
@@ -121,18 +121,25 @@ done
 mv cut.log job.log
 
 # ---- a worker stops, and one stops for a while ----------------------------------------------------------
-long masterslave
-await 5 working 3
-kill -STOP "$(program rtworker | head -1)"
+# begin METHOD: long with workers that are held back until the file go is there
+hold_rtworker
+begin() {
+	rm -f go held.*
+	PATH=$tmp/holding:$PATH long "$@"
+	await 5 held 3
+}
+begin masterslave
+kill -STOP "$(held_workers | head -1)"
+: >go
 wait "$pid"
 is "masterslave, a worker stopped: exit 0" $? 0
 ok "masterslave, a worker stopped: the same picture" cmp out.pfm good.pfm
 like "masterslave, a worker stopped: a message says so" "$(cat said)" 'lost \(silent\)'
 ok "masterslave, a worker stopped: no process remains" await 2 none_alive
-long interleaved
-await 5 working 3
-p=$(program rtworker | head -1)
+begin interleaved
+p=$(held_workers | head -1)
 kill -STOP "$p"
+: >go
 sleep 1
 kill -CONT "$p"
 wait "$pid"
@@ -140,11 +147,10 @@ is "interleaved, a worker stopped for 1 s: exit 0" $? 0
 ok "interleaved, a worker stopped for 1 s: the same picture" cmp out.pfm good.pfm
 
 # ---- a loaded machine: fan is kept from running, and a worker for longer ---------------
-long masterslave
-await 5 working 3
-sleep .3
-worker=$(program rtworker | head -1) fan=$(program fan)
+begin masterslave
+worker=$(held_workers | head -1) fan=$(program fan)
 kill -STOP "$worker" "$fan"
+: >go
 sleep 4
 kill -CONT "$fan"
 sleep .5
@@ -154,16 +160,26 @@ is "masterslave, fan stopped as well: exit 0" $? 0
 is "masterslave, fan stopped as well: no slot is lost" "$(cat said)" ''
 ok "masterslave, fan stopped as well: the same picture" cmp out.pfm good.pfm
 
-# A tree with another scene counts as one slot, whatever the number of its workers.
+# A tree with another scene counts as one slot, whatever the number of its workers. The others begin when it has announced
+# its job; the input ends when that is said.
 spdgen -s 2 tetra >tetra.nff
-printf '#!/bin/sh\nmkdir other 2>/dev/null || { sleep .5; exec deal fan -j 2 rtworker gears.nff; }\nexec deal fan -j 3 rtworker tetra.nff\n' >old
+# For a worker: waits until another slot has announced its job.
+announced='until grep -aq "^frame 0 " up; do sleep .02; done'
+# contradicted SLOTS COMMAND: a run, with the state that COMMAND prints, whose first slot has another job than the others
+contradicted() {
+	: >up
+	: >said
+	{ "$2"; partition 64x64; await 10 grep -q 'the run ends' said; } |
+		timeout 800 env MARK=$mark deal sh -c 'fan -j "$1" ./old | tee up' fan "$1" 2>said | gather -o out.pfm 2>>said
+}
+printf '#!/bin/sh\nmkdir other 2>/dev/null || { %s; exec deal fan -j 2 rtworker gears.nff; }\nexec deal fan -j 3 rtworker tetra.nff\n' "$announced" >old
 chmod +x old
-{ partition 64x64; sleep 2; } 2>/dev/null | timeout 800 env MARK=$mark deal fan -j 3 ./old 2>said | gather -o out.pfm 2>>said
+contradicted 3 true
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
-# A worker that rarely gets the processor, with one long task.
-{ pack scene gears.nff; partition -u tile:256x256 256x256; } | env MARK=$mark fan -j 1 rtworker -a 25 - 2>said >frags &
+# A worker that rarely gets the processor, with a task of hours.
+{ pack scene gears.nff; partition -u tile:4096x4096 4096x4096; } | env MARK=$mark fan -j 1 rtworker -a 1024 - 2>said >frags &
 pid=$!
 await 5 working 1
 worker=$(program rtworker)
@@ -176,8 +192,9 @@ for _ in 1 2 3 4 5 6; do
 	kill -CONT "$worker"
 	await 5 more_beats
 done
-wait "$pid"
-is "a worker that is mostly kept from running: not lost" "$?$(cat said)" 0
+is "a worker that is mostly kept from running: not lost" "$(program rtworker) $(cat said)" "$worker "
+end_all
+wait "$pid" 2>/dev/null
 
 # ---- every worker dies ---------------------------------------------------------------------------------
 endless masterslave
@@ -207,8 +224,6 @@ liar() {
 }
 # For a liar that comes second: waits until another slot is up.
 second='until grep -aq "up w=" up; do sleep .02; done'
-# For a liar about its job: waits until another slot has announced its own.
-announced='until grep -aq "^frame 0 " up; do sleep .02; done'
 # through SCRIPT: passes on what a worker writes, line by line, each with what perl makes of it, and with the right sums
 cat >through <<'END'
 #!/usr/bin/perl
@@ -252,10 +267,11 @@ like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
 like "another job: the message names the slots" "$(cat said)" \
 	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
 # The liar is the first slot; the others contradict it. It sends no pixels, so that the picture cannot be whole before.
+scene() { pack scene gears.nff; }
 for slots in 2 3; do
-	printf '#!/bin/sh\nmkdir first 2>/dev/null || { sleep .5; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL | { head -n 2; while echo beat; do sleep .2; done; }\n' >liar
+	printf '#!/bin/sh\nmkdir first 2>/dev/null || { %s; exec rtworker -; }\nrtworker - | sed -u "s/ job=[^ ]*/ job=0/" | $SEAL | { head -n 2; while echo beat; do sleep .2; done; }\n' "$announced" >old
 	rm -rf first out.pfm
-	{ pack scene gears.nff; partition 64x64; sleep 2; } 2>/dev/null | timeout 800 env MARK=$mark deal fan -j $slots ./liar 2>said | gather -o out.pfm 2>>said
+	contradicted $slots scene
 	is "the first of $slots slots has another job: exit 3" "$?$(ls out.pfm 2>/dev/null)" 3
 	like "the first of $slots slots has another job: a message says so" "$(cat said)" "frame 0: 1 with job 0, $((slots - 1)) with another: the run ends"
 	ok "the first of $slots slots has another job: no process remains" await 2 none_alive
@@ -372,6 +388,6 @@ rm -f out.pfm
 printf '#!/bin/sh\nmkdir stays 2>/dev/null && exec rtworker -\nexec >&-\nexec sleep 7200\n' >mute && chmod +x mute
 { pack scene gears.nff; partition 64x64; } | env MARK=$mark timeout 1200 deal fan -j 20 ./mute 2>said | gather -o out.pfm
 ok "19 of 20 workers close their output and stay: the same picture, without waiting for them" cmp out.pfm small.pfm
-{ pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 rtworker - | gather -o out.pfm &
+{ pack scene gears.nff; partition 64x64; } | env MARK=$mark deal fan -j 2 rtworker - | gather -o out.pfm
 ok "no process remains" await 4 none_alive
 finish

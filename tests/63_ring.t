@@ -15,27 +15,17 @@ long() {
 	env MARK=$mark balance gdc -j 3 ${work:--s 256x256 -W -a64} -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
-# begin [OPTIONS]: the same, but the workers hold back what they have to say after 2000 bytes, until whole. So whatever the
-# load, all nodes have tasks when a test goes on, and the run is not over.
-wrap_rtworker <<END
-'$root/bin/rtworker' "\$@" | {
-	dd bs=1 count=2000 2>'$tmp/dd.said'
-	: >"$tmp/held.\$\$"
-	until [ -e '$tmp/go' ]; do sleep .05; done
-	cat
-}
-END
-held() { [ "$(find . -name 'held.*' | wc -l)" -ge 3 ]; }
+# begin [OPTIONS]: the same with workers that are held back until whole
+hold_rtworker
 begin() {
 	rm -f go held.*
-	PATH=$tmp/bin:$PATH long "$@"
-	await 5 held
+	PATH=$tmp/holding:$PATH long "$@"
+	await 5 held 3
 }
 endless() {
 	work='-s 1024x1024 -W -a1024' long
 	await 5 working 3
 }
-workers() { program rtworker "$root/bin/rtworker"; } # not the scripts around them
 # whole NAME: the run has ended well
 whole() {
 	: >go
@@ -74,23 +64,28 @@ wait "$pid" 2>/dev/null
 is 'Ctrl-C: no picture' "$(ls out.pfm* 2>/dev/null)" ''
 
 # ---- all tasks start at one node ------------------------------------------------------------------------------------------
-# On a loaded machine too, no node begins before the others are up.
-printf '#!/bin/sh\n: >up.$$; until [ "$(ls up.* | wc -l)" -ge 3 ]; do sleep .01; done; exec rtworker -a 64 -\n' >together
+# On a loaded machine too, no node begins before the others are up, and none goes on before all have done something.
+cat >together <<'END'
+#!/bin/sh
+all() { : >"$1.$$"; until [ "$(find . -name "$1.*" | wc -l)" -ge 3 ]; do sleep .01; done; }
+all up
+rtworker -a 64 - | { dd bs=1 count=1500 2>dd.said; all did; cat; }
+END
 chmod +x together
 for give in half one; do
-	rm -f up.*
+	rm -f up.* did.*
 	{ pack scene gears.nff; partition -n 1 256x256; } |
-		ringctl -k $give fan -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
+		ringctl -k $give fan -t 600 -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
 	is "all tasks start at one node, -k $give: no message" "$(cat said)" ''
 	is "all tasks start at one node, -k $give: the others did only stolen tasks" "$(fragstat first.frags |
-		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print (at > 0), did - had }')" '1 0'
+		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print at, did - had }')" '2 0'
 	rm first.frags
 done
 ok 'all tasks start at one node: the same picture' cmp first.pfm good.pfm
 
 # ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
 begin
-kill -9 "$(workers | head -n 1)"
+kill -9 "$(held_workers | head -n 1)"
 whole 'a worker killed'
 like 'a worker killed: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(exit-3\)'
 begin
@@ -108,7 +103,7 @@ kill -STOP "$(nodes | tail -n 1)"
 # The others take its last task over, whether or not its silence is noticed before.
 whole 'a node stopped'
 begin
-kill -STOP "$(workers | tail -n 1)"
+kill -STOP "$(held_workers | tail -n 1)"
 whole 'a worker stopped'
 begin
 p=$(nodes | head -n 1)
@@ -135,22 +130,28 @@ whole 'the hub killed, with a log: the same command finishes the picture'
 # ---- nodes that cannot be trusted ------------------------------------------------------------------------------------
 partition 128x128 | rtworker -a 16 gears.nff | gather -o small.pfm
 { pack scene gears.nff; partition -n 2 128x128; } >job.task
-# liar NAME node|worker SCRIPT: SCRIPT is one of two nodes, or its worker; the other node comes when it is up, or after a
-# while
+# liar NAME node|worker SCRIPT [WHY [absent]]: SCRIPT is one of two nodes, or its worker. The other node comes when this one
+# is lost for this reason (an ERE), or else when it is up; absent: it never is.
 liar() {
 	rm -rf taken out.pfm
 	: >up
+	: >said
+	case ${5-},${4-} in
+	absent,*) after=true ;;
+	,) after='grep -aq "^up " up' ;;
+	*) after="grep -Eq 'lost .($4).' said" ;;
+	esac
 	case $2 in
 	node) good='ringctl -n rtworker -a 16 -' command=./liar ;;
 	worker) good='rtworker -a 16 -' command='ringctl -n ./liar' ;;
 	esac
-	printf '#!/bin/sh\nif mkdir taken 2>/dev/null; then\n%s\nfi\n%s\nexec %s\n' \
-		"$3" 'for i in 1 2 3 4 5 6 7 8 9 10; do ! grep -aq "^up " up || break; sleep .1; done' "$good" >liar
+	printf '#!/bin/sh\nif mkdir taken 2>/dev/null; then\n%s\nfi\nuntil %s; do sleep .02; done\nexec %s\n' "$3" "$after" "$good" >liar
 	chmod +x liar
 	# shellcheck disable=SC2086  # words
 	timeout 1200 env MARK=$mark ringctl sh -c 'fan -j 2 "$@" | tee up' fan $command <job.task 2>said | gather -o out.pfm 2>>said
 	is "$1: exit 0" $? 0
 	ok "$1: the same picture" cmp out.pfm small.pfm
+	[ -z "${4-}" ] || said "$1" "$4"
 }
 first() { echo "dd bs=1 count=$1 2>/dev/null"; } # a filter: the first COUNT bytes, as they come
 # A filter: passes the stream on, and adds these records after each done.
@@ -164,34 +165,28 @@ while (defined(my $line = <STDIN>)) {
 }
 END
 said() { like "$1: a message says so" "$(cat said)" "lost \\(($2)\\)"; }
-liar 'a worker that babbles after a while' worker "rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
-said 'a worker that babbles after a while' 'exit-3'
-liar 'a node that babbles after a while' node "ringctl -n rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit"
-said 'a node that babbles after a while' garbage
+liar 'a worker that babbles after a while' worker "rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit" exit-3
+liar 'a node that babbles after a while' node "ringctl -n rtworker -a 16 - | { $(first 5000); cat /dev/urandom; }; exit" garbage
 liar 'a node that ends early' node "ringctl -n rtworker -a 16 - | $(first 5000); exit"
-liar 'a node that ends at once' node 'exit 0'
-liar 'a node that never says a word' node 'sleep 7200; exit'
+liar 'a node that ends at once' node 'exit 0' '' absent
+liar 'a node that never says a word' node 'sleep 7200; exit' '' absent
 is 'a node that never sends a record: the run does not wait until it is lost' "$(grep lost said)" ''
 liar 'a worker that ends early, with 0' worker "rtworker -a 16 - | $(first 5000); exit"
 # sealed RECORDS: prints them with their sums
 sealed() { printf %s "$1" | tr ';' '\n' | "$root/tests/seal" | tr '\n' ';'; }
 liar 'a worker that speaks to the hub' worker "rtworker -a 16 - | perl also '$(sealed 'ask;give 0 7 peer=1;')'; exit"
 is 'a worker that sends records to the hub: no message' "$(unexpected said)" ''
-# forger NAME RECORDS: a node that also sends these records, with ; for newlines
+# forger NAME RECORDS [WHY]: a node that also sends these records, with ; for newlines
 forger() {
-	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit"
+	liar "$1" node "ringctl -n rtworker -a 16 - | perl also '$(sealed "$2")'; exit" "${3-}"
 }
 forger 'tasks given away that are its own, and done all the same' 'give 0 120 peer=0;give 0 121 peer=1;give 0 60 peer=1;give 0 61 peer=0;'
 forger 'tasks given away that there are not' 'give 0 128 peer=0;give 7 1 peer=1;'
-forger 'tasks given to a node that does not exist' 'give 0 1 peer=2;'
-said 'tasks given to a node that does not exist' 'wrong-peer'
-forger 'none for a node that does not exist' 'none peer=0 next=4096;'
-said 'none for a node that does not exist' 'wrong-peer'
+forger 'tasks given to a node that does not exist' 'give 0 1 peer=2;' wrong-peer
+forger 'none for a node that does not exist' 'none peer=0 next=4096;' wrong-peer
 forger 'answers without a request, and crash reports on living nodes' 'none peer=0 idle=1;none peer=1;crashed peer=0;crashed peer=1;ask peer=0;ask peer=1;'
-forger 'what only the hub says' 'heir peer=0;'
-said 'what only the hub says' 'wrong-record'
-forger 'asks without end' "$(printf 'ask;%.0s' $(seq 3000))"
-said 'asks without end' 'unasked'
+forger 'what only the hub says' 'heir peer=0;' wrong-record
+forger 'asks without end' "$(printf 'ask;%.0s' $(seq 3000))" unasked
 ok 'liars leave no process' await 2 none_alive
 
 # ---- readers and disks -----------------------------------------------------------------------------------------------
@@ -243,14 +238,15 @@ echo hello x 1 format=3 selftest=0
 cat >said.$(date +%N)
 END
 printf '%s\n' 'ring me=0 n=2 rules=default give=one to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
-{ sleep .5; cat few; } | fan -j 2 sh mute >out
+wrote() { [ "$(grep -ac "^$1 " out)" -ge "$2" ]; } # RECORD TIMES: fan did
+{ await 10 wrote up 2; cat few; } | fan -j 2 sh mute >out
 is 'fan: each record goes to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr '\n' ';')" \
 	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
 printf '#!/bin/sh\necho hello x 1 format=3 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
-{ echo 'frame 0 1 1'; sleep 1; } | fan -j 1 ./asks 2>said >out
+{ echo 'frame 0 1 1'; await 10 wrote gone 1; } | fan -j 1 ./asks 2>said >out
 said 'fan: a node without a place' 'wrong-record'
 printf '#!/bin/sh\nexit 0\n' >ends && chmod +x ends
-{ pack scene gears.nff; sleep .5; } | fan -j 1 ./ends >out 2>/dev/null
+{ pack scene gears.nff; await 10 wrote gone 1; } | fan -j 1 ./ends >out 2>/dev/null
 like 'fan: a worker that ends at once is gone, even while it is fed' "$(grep -a '^gone' out)" 'w=0 why=exit-0'
 
 # ---- the paper's Table 3: 3 hosts of power .77, 2 of 1, 4 of 1.96, of which two are removed after 300 of 512 rows -----

@@ -134,7 +134,7 @@ for shell in dash bash 'busybox sh' 'zsh -f' tcsh fish mksh; do
 done
 
 # ---- hosts that are queued, hosts that join -------------------------------------------------------------------------
-host late 'sleep 6; exec ./by-dash "$1"'
+host late 'until grep -q queued said; do sleep .1; done; exec ./by-dash "$1"'
 sed 's/slots=2/wait=1000/' late.hosts >queue.hosts
 rm -r 'home by-dash/.cache' out.pfm
 fan -S queue.hosts rtworker - <job.task 2>said | gather -o out.pfm

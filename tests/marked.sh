@@ -22,12 +22,12 @@ program() {
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
 # Load decides all times, so no test fails because of seconds. SECONDS is the limit on an idle machine; a loaded one gets
 # forty times as long. Processes that must not end by themselves meanwhile have work for hours.
-await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that waits in vain fails
+await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that waits in vain fails, also in a subshell
 	await_left=$(($1 * 800))
 	shift
 	until "$@"; do
 		if [ $((await_left -= 1)) -lt 0 ]; then
-			tap_failed=1
+			: >"$tmp/.vain"
 			diag "waited in vain: $*" >&2
 			return 1
 		fi
@@ -39,20 +39,34 @@ await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that w
 unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, connecting again$|: is up$|never connected$' "$1"; }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
-# wrap_rtworker: makes ./bin, which has all programs. Where its rtworker is to render, and not to print a job or to be listed
-# by fan, it runs the script on standard input.
-wrap_rtworker() {
-	mkdir bin
-	cp "$root"/bin/balance* "$root/bin/stormring.sh" bin
-	for program in "$root"/bin/*; do [ -e "bin/${program##*/}" ] || ln -s "$program" bin; done
-	rm bin/rtworker bin/fan
+# wrap WORKER DIRECTORY: makes the directory, which has all programs. Where its worker is to render, and not to print a job or
+# to be listed by fan, it runs the script on standard input.
+wrap() {
+	mkdir "$2"
+	cp "$root"/bin/balance* "$root/bin/stormring.sh" "$2"
+	for program in "$root"/bin/*; do [ -e "$2/${program##*/}" ] || ln -s "$program" "$2"; done
+	rm "$2/$1" "$2/fan"
 	# shellcheck disable=SC2016  # for the scripts
 	{
-		printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >bin/fan
-		printf '#!/bin/sh\ncase " ${listing-} $* " in *" -i "* | *" -l"*) exec %s "$@" ;; esac\n' "'$root/bin/rtworker'"
+		printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >"$2/fan"
+		printf '#!/bin/sh\ncase " ${listing-} $* " in *" -i "* | *" -l"*) exec %s "$@" ;; esac\n' "'$root/bin/$1'"
 		cat
-	} >bin/rtworker
-	chmod +x bin/rtworker bin/fan
+	} >"$2/$1"
+	chmod +x "$2/$1" "$2/fan"
 }
+# hold_rtworker: makes the directory holding. Its rtworker holds back what it has to say after 2000 bytes, until the file go
+# is there. So whatever the load, held workers have tasks when a test goes on, and the run is not over.
+hold_rtworker() {
+	wrap rtworker holding <<-END
+		'$root/bin/rtworker' "\$@" | {
+			dd bs=1 count=2000 2>'$tmp/dd.said'
+			: >'$tmp/held.'\$\$
+			until [ -e '$tmp/go' ]; do sleep .05; done
+			cat
+		}
+	END
+}
+held() { [ "$(find "$tmp" -maxdepth 1 -name 'held.*' | wc -l)" -ge "$1" ]; } # this many workers
+held_workers() { program rtworker "$root/bin/rtworker"; } # not the scripts around them
 end_all() { for p in $(alive); do kill -9 "$p"; done 2>/dev/null; }
 trap 'end_all; rm -rf "$tmp"' EXIT
