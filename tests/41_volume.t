@@ -176,10 +176,8 @@ for stage in gather balance pack partition; do
 	await 5 casting
 	victims=$(program $stage)
 	[ $stage != balance ] || victims=$pid
-	if [ -n "$victims" ]; then
-		# shellcheck disable=SC2086
-		kill -9 $victims
-	else
+	# shellcheck disable=SC2086
+	if [ -z "$victims" ] || ! kill -9 $victims 2>/dev/null; then
 		pass "$stage was done before it could be killed"
 		kill -9 $pid
 	fi
