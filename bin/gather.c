@@ -6,7 +6,6 @@
  * finishes the pictures: gather(1).
  */
 #include <errno.h>
-#include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -35,11 +34,9 @@ struct gather {
     struct intake in;
     struct log_keep log;
     struct log_reader reader;
-    struct progress progress;
-    struct eta eta;
+    struct log_progress progress;
     struct image_preview preview;
     int warnings;
-    char why[24]; /* of the stream's bye: it ended early */
     int status;
 };
 
@@ -48,19 +45,11 @@ static const char usage_text[] = "[-hP] [-b BACK] [-e FRAMES] [-k 8|16] [-o OUT]
                                  "[FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
 
-static void add_back(struct image_backs *backs, const char *name)
-{
-    enum image_naming naming = image_name_check(name);
-    if (naming == IMAGE_NAME_BAD)
-        die(ST_USAGE, "-b %s: bad pattern, expected one %%d or %%03d at most", name);
-    image_backs_add(backs, name, strchr(name, '%') != NULL);
-}
-
 static struct options parse(int argc, char **argv, struct image_backs *backs)
 {
     struct options o = {.out.backs = backs, .out.bits = 8, .progress = isatty(STDERR_FILENO)};
     for (int c; (c = prog_getopt(argc, argv, "b:e:hk:mo:Pr:w:")) != -1;) switch (c) {
-        case 'b': add_back(backs, opt_text(c, optarg)); break;
+        case 'b': image_opt_back(c, opt_text(c, optarg), backs); break;
         case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
@@ -84,7 +73,7 @@ static struct options parse(int argc, char **argv, struct image_backs *backs)
 static void complain(struct gather *g, const char *name)
 {
     int err = errno;
-    progress_clear(&g->progress);
+    progress_clear(&g->progress.line);
     errno = err;
     warn("%s:", name);
     g->status = ST_SYSTEM;
@@ -128,7 +117,7 @@ static void open_log(struct gather *g)
 static _Noreturn void reader_gone(struct gather *g)
 {
     flush_log(g);
-    progress_clear(&g->progress);
+    progress_clear(&g->progress.line);
     _exit(ST_SYSTEM);
 }
 
@@ -156,7 +145,7 @@ static void warn_refused(struct gather *g, const struct record *r)
 {
     char text[LOG_DISPUTE_TEXT];
     if (g->warnings++ >= WARNINGS_MAX) return;
-    progress_clear(&g->progress);
+    progress_clear(&g->progress.line);
     warn("%s", intake_refused_text(&g->in, r, text));
 }
 
@@ -177,19 +166,11 @@ static void check_kept(struct gather *g, const struct record *r)
     if (!parts->error) return;
     const struct assembly_frame *f = assembly_find(parts, r->task.frame);
     flush_log(g);
-    progress_clear(&g->progress);
+    progress_clear(&g->progress.line);
     errno = parts->error;
     die(ST_SYSTEM,
         "%s: cannot keep the pixels of frame %u, expected TMPDIR to name a directory with %.1f GB:",
         parts->spill.dir, r->task.frame, (double)assembly_disk(f->have.w, f->have.h) / 1e9);
-}
-
-/* Where the pixels of large frames go. The caller frees it. */
-static char *spill_dir(const struct image_out *out)
-{
-    const char *chosen = getenv("TMPDIR");
-    if (chosen && *chosen) return xstrdup(chosen);
-    return out->pattern ? image_out_dir(out) : xstrdup("/var/tmp");
 }
 
 static void take_frame(struct gather *g, const struct record *r)
@@ -207,38 +188,18 @@ static void take_frame(struct gather *g, const struct record *r)
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
 }
 
-static double clock_s(void) { return (double)now_us() * 1e-6; }
-
-/* For the estimate of the time left. */
-static void note_cost(struct gather *g, const struct record *r)
-{
-    const struct assembly_frame *f = NULL;
-    if (r->kind == REC_FRAG) f = assembly_find(&g->in.parts, r->task.frame);
-    wire_eta(&g->eta, r, f ? f->have.h : 0, g->log.rereading ? -1 : clock_s());
-}
-
 static void take_record(void *ctx, const struct record *r)
 {
     struct gather *g = ctx;
     if (log_keep_ignores(&g->log, r)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
-    if (r->kind == REC_BYE && !g->log.rereading && !rec_str(r, "why", g->why, sizeof g->why))
-        *g->why = '\0';
     log_keep_record(&g->log, r);
-    if (g->o->progress) note_cost(g, r);
+    log_progress_note(&g->progress, &g->in.parts, r, g->log.rereading);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     check_kept(g, r);
     if (!whole) return;
     if (!g->o->missing) write_picture(g, whole);
     assembly_release(&g->in.parts, whole);
-}
-
-static void show_progress(struct gather *g)
-{
-    const struct assembly *a = &g->in.parts;
-    if (!progress_due(&g->progress)) return;
-    double left_s = eta_left_s(&g->eta, (double)a->done_px, (double)a->declared_px, clock_s());
-    progress_show(&g->progress, a->done_px, a->declared_px, left_s);
 }
 
 /* Before a read that may block: keeps the records read so far, writes previews that are due, and
@@ -249,7 +210,7 @@ static void before_read(void *ctx, int fd)
     bool to_stdout = !g->o->out.pattern && !g->o->missing;
     struct pollfd p[2] = {{fd, POLLIN, 0}, {to_stdout ? STDOUT_FILENO : -1, 0, 0}};
     flush_log(g);
-    show_progress(g);
+    log_progress_show(&g->progress, &g->in.parts);
     for (int n = 0; n <= 0;) {
         int wait_ms = image_preview_wait_ms(&g->preview, &g->in.parts);
         if (wait_ms == 0) write_previews(g), wait_ms = -1;
@@ -271,30 +232,18 @@ static void read_stream(struct gather *g, const char *name)
     if (fd != STDIN_FILENO) close(fd);
 }
 
-/* The command that finishes the pictures, from the log or from the input files. */
-static void report_remedy(const struct gather *g)
-{
-    const struct options *o = g->o;
-    struct buf options = {0};
-    buf_printf(&options, "%s -o ", o->out.bits == 16 ? " -k 16" : "");
-    buf_quote(&options, o->out.pattern ? o->out.pattern : "PICTURE.png");
-    buf_append(&options, "", 1);
-    intake_report_remedy(&g->in, o->log, o->inputs, (const char *)buf_data(&options));
-    buf_free(&options);
-}
-
 /* Status 1 or 3; or 2 if the stream itself announced its early end. */
 static int unfinished(const struct gather *g)
 {
-    if (!*g->why || *g->o->inputs) return ST_PARTIAL;
-    return strcmp(g->why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
+    if (!*g->log.why || *g->o->inputs) return ST_PARTIAL;
+    return strcmp(g->log.why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
 }
 
 static int finish(struct gather *g)
 {
     const struct assembly *parts = &g->in.parts;
     char why[LOG_WHY];
-    progress_clear(&g->progress);
+    progress_clear(&g->progress.line);
     if (!g->log.trusted) {
         warn("%s: no worker announced a frame, expected a frame of this log", g->o->log);
         return unfinished(g);
@@ -304,17 +253,13 @@ static int finish(struct gather *g)
         die(ST_USAGE, "%s", why);
     intake_report(&g->in);
     intake_report_twice(&g->in, g->o->progress);
-    bool disputed = parts->n_frames && !*g->o->inputs && strcmp(g->why, "other-jobs") == 0;
-    if (disputed) warn("slots did not agree on a job: the pixels may be of another scene");
-    if (!parts->n_frames && *g->why) warn("nothing was rendered: %s", g->why);
-    if (!parts->n_frames && !*g->why)
-        warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
+    bool disputed = intake_report_bye(&g->in, g->log.why, !*g->o->inputs);
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put_stdout);
     if (g->preview.every_us) write_previews(g);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) {
         intake_report_missing(&g->in);
-        report_remedy(g);
+        intake_report_remedy(&g->in, g->o->log, g->o->inputs, &g->o->out);
     }
     if (g->status != ST_OK || disputed) return ST_SYSTEM;
     if (!assembly_whole(parts) && !(parts->n_frames && g->o->missing)) return unfinished(g);
@@ -331,9 +276,9 @@ int main(int argc, char **argv)
     g.reader = (struct log_reader){take_record, before_read, &g};
     open_log(&g);
     intake_init(&g.in, !o.missing);
-    char *dir = spill_dir(&o.out);
+    char *dir = image_out_spill(&o.out);
     g.in.parts.spill.dir = dir;
-    progress_start(&g.progress, o.progress);
+    progress_start(&g.progress.line, o.progress);
     if (o.preview_s > 0) image_preview_start(&g.preview, &o.out, o.preview_s);
     if (!*o.inputs) read_stream(&g, "-");
     for (char **name = o.inputs; *name; name++) read_stream(&g, *name);

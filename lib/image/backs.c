@@ -31,6 +31,13 @@ void image_backs_add(struct image_backs *b, const char *name, bool numbered)
     k->opaque = is_opaque(&k->im);
 }
 
+void image_opt_back(int opt, const char *name, struct image_backs *b)
+{
+    if (image_name_check(name) == IMAGE_NAME_BAD)
+        die(ST_USAGE, "-%c %s: bad pattern, expected one %%d or %%03d at most", opt, name);
+    image_backs_add(b, name, strchr(name, '%') != NULL);
+}
+
 void image_backs_free(struct image_backs *b)
 {
     for (int i = 0; i < b->n; i++) {

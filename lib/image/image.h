@@ -82,6 +82,9 @@ struct image_backs {
 /* Adds the lowest one so far: a file, "-" for standard input, or, if numbered, a pattern for
  * image_name. Dies with status 2 if the file cannot be read. The name must stay. */
 void image_backs_add(struct image_backs *b, const char *name, bool numbered);
+/* Adds the file, or the pattern if it has a %, that is the argument of option `-opt`; dies with
+ * status 2 if it is bad. */
+void image_opt_back(int opt, const char *name, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
 /* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
@@ -144,8 +147,9 @@ struct image_out {
 void image_out_check(struct image_out *o);
 /* The name of picture number `frame`, or "standard output"; the caller frees. */
 char *image_out_name(const struct image_out *o, uint32_t frame);
-/* The directory of the pictures, or NULL for standard output; the caller frees. */
-char *image_out_dir(const struct image_out *o);
+/* The directory for the pixels of large frames, which the caller frees: TMPDIR; else that of the
+ * pictures; for standard output /var/tmp. */
+char *image_out_spill(const struct image_out *o);
 /* Writes picture number `frame` over its backdrops under that name, with its job, if that is not
  * NULL. Returns 0, or -1 with errno. */
 int image_out_put(const struct image_out *o, uint32_t frame, const char *name,

@@ -72,15 +72,26 @@ void intake_report_missing(const struct intake *in)
 }
 
 void intake_report_remedy(
-    const struct intake *in, const char *log, char *const *inputs, const char *options)
+    const struct intake *in, const char *log, char *const *inputs, const struct image_out *to)
 {
     const char *const one[] = {log, NULL};
     struct buf remedy = {0};
-    bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, options, &remedy);
+    bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
     if (log) warn("to resume from %s, rerun the command, or finish as follows", log);
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
     else if (!log) warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
+}
+
+bool intake_report_bye(const struct intake *in, const char *why, bool piped)
+{
+    const bool none = !in->parts.n_frames;
+    bool disputed = !none && piped && strcmp(why, "other-jobs") == 0;
+    if (disputed) warn("slots did not agree on a job: the pixels may be of another scene");
+    if (none && *why) warn("nothing was rendered: %s", why);
+    if (none && !*why)
+        warn("no frame was declared, expected `frame F W H job=HASH` and its fragments");
+    return disputed;
 }
 
 /* False if r is no frame record with a job, or if its frame was declared with another job or

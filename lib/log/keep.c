@@ -28,7 +28,9 @@ bool log_keep_ignores(const struct log_keep *k, const struct record *r)
 
 void log_keep_record(struct log_keep *k, const struct record *r)
 {
-    if (!k->rereading && r->kind != REC_BEAT) log_append(&k->file, r);
+    if (k->rereading) return;
+    if (r->kind == REC_BYE && !rec_str(r, "why", k->why, sizeof k->why)) *k->why = '\0';
+    if (r->kind != REC_BEAT) log_append(&k->file, r);
 }
 
 int log_keep_confirm(struct log_keep *k, struct intake *in, const struct record *r,

@@ -82,7 +82,10 @@ void intake_report_twice(const struct intake *in, bool all);
 void intake_report_missing(const struct intake *in);
 /* Prints the command of log_remedy that finishes the pictures from `log`; NULL: from `inputs`. */
 void intake_report_remedy(
-    const struct intake *in, const char *log, char *const *inputs, const char *options);
+    const struct intake *in, const char *log, char *const *inputs, const struct image_out *to);
+/* Prints why there is no frame. `why` is that of the run's bye, "" if it has none. Returns true,
+ * and prints that, if a run that was `piped` here had slots of different jobs. */
+bool intake_report_bye(const struct intake *in, const char *why, bool piped);
 /*
  * The file at `path` has a record `frame F W H job=HASH` for each picture that is expected.
  * Declares those without any record so far. Returns 0; else why names the error: in the file, or a
@@ -203,6 +206,7 @@ struct log_keep {
     struct log_past past;
     bool trusted;   /* the log is empty, or of the same origin as this run */
     bool rereading; /* records come from the log */
+    char why[24];   /* of the run's bye: it ended early; else "" */
 };
 /* log_open of `path`; NULL: no log. */
 int log_keep_open(struct log_keep *k, const char *path);
@@ -220,7 +224,7 @@ bool log_keep_ignores(const struct log_keep *k, const struct record *r);
  */
 int log_keep_confirm(struct log_keep *k, struct intake *in, const struct record *r,
     const struct log_reader *reader, char why[LOG_WHY]);
-/* Queues r, unless it comes from the log or is a beat. */
+/* Queues r, unless it comes from the log or is a beat. Notes the reason of the run's bye. */
 void log_keep_record(struct log_keep *k, const struct record *r);
 /* log_flush, once the log is trusted. */
 int log_keep_flush(struct log_keep *k);
@@ -228,10 +232,23 @@ void log_keep_close(struct log_keep *k);
 
 /*
  * Appends to `out` the shell commands, in one line, that finish the pictures of these logs
- * (NULL-ended): tasks, to the worker of that origin, to the last log; then `gather options LOGS`.
- * False if there is no log, or if one is standard input, which cannot be read again.
+ * (NULL-ended): tasks, to the worker of that origin, to the last log; then `gather -o TO LOGS`,
+ * where PICTURE.png stands for standard output. False if there is no log, or if one is standard
+ * input, which cannot be read again.
  */
-bool log_remedy(
-    const char *const *logs, const struct log_origin *origin, const char *options, struct buf *out);
+bool log_remedy(const char *const *logs, const struct log_origin *origin,
+    const struct image_out *to, struct buf *out);
+
+/* The progress line of a run, with an estimate of the time left; all zero at first. */
+struct log_progress {
+    struct progress line; /* start it with progress_start, erase it with progress_clear */
+    struct eta eta;
+};
+/* Tells the estimate of r, before an intake takes it; earlier: r is of an earlier run. Does nothing
+ * if the line is off. */
+void log_progress_note(
+    struct log_progress *p, const struct assembly *parts, const struct record *r, bool earlier);
+/* Shows the line, if that is due. */
+void log_progress_show(struct log_progress *p, const struct assembly *parts);
 
 #endif

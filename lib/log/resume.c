@@ -54,8 +54,8 @@ void log_past_free(struct log_past *past)
     frames_free(&past->confirmed);
 }
 
-bool log_remedy(
-    const char *const *logs, const struct log_origin *origin, const char *options, struct buf *out)
+bool log_remedy(const char *const *logs, const struct log_origin *origin,
+    const struct image_out *to, struct buf *out)
 {
     struct buf names = {0};
     const char *last = NULL;
@@ -74,7 +74,9 @@ bool log_remedy(
         buf_printf(out, "gather -m%s | %s %s >> ", all, with,
             volume ? "GRID SPEC" : crop ? "COMMAND" : "SCENE");
         buf_quote(out, last);
-        buf_printf(out, "; gather%s%s", options, all);
+        buf_printf(out, "; gather%s -o ", to->bits == 16 ? " -k 16" : "");
+        buf_quote(out, to->pattern ? to->pattern : "PICTURE.png");
+        buf_printf(out, "%s", all);
     }
     buf_free(&names);
     return again;

@@ -378,6 +378,40 @@ static void test_out(void **state)
     assert_int_equal(image_opt_bits('k', "16"), 16);
 }
 
+static void spills(const char *pattern, const char *chosen, const char *directory)
+{
+    const struct image_out o = {.pattern = pattern};
+    assert_int_equal(chosen ? setenv("TMPDIR", chosen, 1) : unsetenv("TMPDIR"), 0);
+    char *dir = image_out_spill(&o);
+    assert_string_equal(dir, directory);
+    free(dir);
+}
+
+static void test_spill(void **state)
+{
+    (void)state;
+    char *before = getenv("TMPDIR") ? xstrdup(getenv("TMPDIR")) : NULL;
+    spills("a/b%d.png", "/large", "/large");
+    spills("a/b%d.png", "", "a");
+    spills("a/b%d.png", NULL, "a");
+    spills("/b.png", NULL, "/");
+    spills("b.png", NULL, ".");
+    spills(NULL, "/large", "/large");
+    spills(NULL, NULL, "/var/tmp");
+    if (before) setenv("TMPDIR", before, 1);
+    free(before);
+}
+
+/* The file of a pattern is read later. */
+static void test_opt_back(void **state)
+{
+    (void)state;
+    struct image_backs backs = {.n = 0};
+    image_opt_back('b', "/nonexistent/%03d.png", &backs);
+    assert_int_equal(backs.n, 1);
+    image_backs_free(&backs);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -393,6 +427,8 @@ int main(void)
         cmocka_unit_test(test_rows_that_cannot_be_read),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_out),
+        cmocka_unit_test(test_spill),
+        cmocka_unit_test(test_opt_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -405,17 +405,90 @@ static void test_remedy(void **state)
     static const char *const names[] = {"a log", "b", NULL}, *const piped[] = {"a", "-", NULL};
     const struct log_origin none = {.with = ""}, with = {.with = "rtworker -a4"};
     struct buf b = {0};
-    assert_true(log_remedy(names, &with, " -o x.png", &b));
+    const struct image_out deep = {.pattern = "an x.png", .bits = 16}, piping = {.bits = 8};
+    assert_true(log_remedy(names, &with, &deep, &b));
     buf_append(&b, "", 1);
     assert_string_equal((const char *)buf_data(&b),
-        "gather -m 'a log' b | rtworker -a4 SCENE >> b; gather -o x.png 'a log' b");
+        "gather -m 'a log' b | rtworker -a4 SCENE >> b; gather -k 16 -o 'an x.png' 'a log' b");
     buf_consume(&b, buf_size(&b));
-    assert_true(log_remedy(names + 1, &none, "", &b));
+    assert_true(log_remedy(names + 1, &none, &piping, &b));
     buf_append(&b, "", 1);
-    assert_string_equal((const char *)buf_data(&b), "gather -m b | rtworker SCENE >> b; gather b");
-    assert_false(log_remedy(piped, &with, "", &b));
-    assert_false(log_remedy(names + 2, &with, "", &b));
+    assert_string_equal(
+        (const char *)buf_data(&b), "gather -m b | rtworker SCENE >> b; gather -o PICTURE.png b");
+    assert_false(log_remedy(piped, &with, &piping, &b));
+    assert_false(log_remedy(names + 2, &with, &piping, &b));
     buf_free(&b);
+}
+
+/* The next record of d, as a run's and then as the log's. */
+static void keep_next(struct log_keep *k, struct decoder *d, const char *why)
+{
+    struct record r;
+    assert_int_equal(wire_next(d, &r), WIRE_RECORD);
+    log_keep_record(k, &r);
+    assert_string_equal(k->why, why);
+}
+
+static void test_bye(void **state)
+{
+    (void)state;
+    struct decoder d = {.upward = true};
+    struct log_keep k;
+    struct intake in;
+    assert_int_equal(log_keep_open(&k, NULL), 0);
+    assert_string_equal(k.why, "");
+    feed_text(&d, "bye why=other-jobs\nbeat\nbye\nbye why=method-failed\nbye why=x\n");
+    keep_next(&k, &d, "other-jobs");
+    keep_next(&k, &d, "other-jobs");
+    keep_next(&k, &d, "");
+    keep_next(&k, &d, "method-failed");
+    k.rereading = true;
+    keep_next(&k, &d, "method-failed");
+    wire_free(&d);
+    log_keep_close(&k);
+    intake_init(&in, false);
+    assert_false(intake_report_bye(&in, "other-jobs", true)); /* no frame */
+    assert_int_equal(assembly_declare(&in.parts, 0, W, H, "cafe"), ASSEMBLY_TAKEN);
+    assert_true(intake_report_bye(&in, "other-jobs", true));
+    assert_false(intake_report_bye(&in, "other-jobs", false));
+    assert_false(intake_report_bye(&in, "method-failed", true));
+    assert_false(intake_report_bye(&in, "", true));
+    intake_free(&in);
+}
+
+/* A run of one task, of which the estimate is told. */
+static void note_run(struct log_progress *p, bool earlier)
+{
+    struct decoder d = {.upward = true};
+    struct assembly parts;
+    struct buf b = {0};
+    struct record r;
+    assembly_init(&parts, false, 1 << 20);
+    assembly_declare(&parts, 0, W, H, "cafe");
+    put_row(&b, 0, 2);
+    put_text(&b, "done 0 2 cpu_us=300\n");
+    wire_feed(&d, buf_data(&b), buf_size(&b));
+    while (wire_next(&d, &r) == WIRE_RECORD) log_progress_note(p, &parts, &r, earlier);
+    wire_free(&d);
+    buf_free(&b);
+    assembly_free(&parts);
+}
+
+static void test_progress(void **state)
+{
+    (void)state;
+    static struct log_progress off, now, earlier;
+    const int band = (int)(2.5 / H * ETA_BANDS); /* in the middle of row 2 */
+    note_run(&off, false);
+    assert_true(off.eta.px[band] == 0);
+    progress_start(&now.line, true);
+    note_run(&now, false);
+    assert_true(now.eta.px[band] > 0 && now.eta.cost_us[band] > 0);
+    assert_true(now.eta.work_us == 300);
+    progress_start(&earlier.line, true);
+    note_run(&earlier, true);
+    assert_true(earlier.eta.px[band] > 0);
+    assert_true(earlier.eta.work_us == 0); /* says nothing of this run's speed */
 }
 
 static struct buf lacking;
@@ -554,6 +627,8 @@ int main(void)
         cmocka_unit_test(test_kept_out),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_remedy),
+        cmocka_unit_test(test_bye),
+        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_missing),
         cmocka_unit_test(test_costs),
         cmocka_unit_test(test_costs_of_tasks),
