@@ -90,7 +90,7 @@ camera { location <0,0,-3> direction <0,0,1> right x up y }
 light_source { <5,5,-5> rgb 1 }
 sphere { 0, 1 pigment { rgb <.5,.7,.2> } finish { ambient .2 } }
 POV
-pov() { povray ball.pov "$@" -A -D +W48 +H48 >/dev/null 2>&1; }
+pov() { pov_ray ball.pov "$@" -A -D +W48 +H48 >/dev/null 2>&1; }
 if command -v povray >/dev/null; then
 	pov File_Gamma=1 +FP16 +Olinear.ppm
 	pov File_Gamma=1 +FN16 +Olinear.png

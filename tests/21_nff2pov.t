@@ -45,7 +45,7 @@ is 'at 10000 times the size none is' "$status:$err" 0:
 # same NAME FACTOR WxH FILE: the pictures are the same within tolerances
 same() {
 	nff2pov -x "$2" "$4" >s.pov || return
-	povray +Is.pov +Os.ppm "+W${3%x*}" "+H${3#*x}" File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 ||
+	pov_ray +Is.pov +Os.ppm "+W${3%x*}" "+H${3#*x}" File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 ||
 		{ tail -n 5 povray.log; return 1; }
 	partition "$3" | rtworker "$4" | gather -o s.pfm || return
 	imgcmp -d 0.001 -r 0.00001 s.pfm s.ppm && imgcmp -q -t 0.003922 -f 0.0005 s.pfm s.ppm
@@ -58,7 +58,7 @@ if command -v povray >/dev/null; then
 	{ echo 'f 1 1 1 0 0 1 .9 1.2' && echo 's 2.5 -5 4 3' && echo 'f 1 1 1 0 0 1 .8 1.6' && echo 'c 3 -6 3 1  3 -6 5 .5'
 		sed 's/^hither .*/hither 0/' "$root/scenes/glass.nff"; } >within.nff
 	ok 'POV-Ray agrees from inside a cone of glass in a ball of glass' same within 100 128x128 within.nff
-	pov_reads() { nff2pov -x "$1" "$2" >s.pov; povray +Is.pov -F -D +W8 +H8 -GA >/dev/null 2>&1; }
+	pov_reads() { nff2pov -x "$1" "$2" >s.pov; pov_ray +Is.pov -F -D +W8 +H8 -GA >/dev/null; }
 	ok 'POV-Ray reads a cone over 1e-10 high' pov_reads 1 tall.nff
 	ok 'POV-Ray refuses shorter ones' sh -c 'nff2pov short.nff >s.pov; ! povray +Is.pov -F -D +W8 +H8 -GA >/dev/null 2>&1'
 	ok 'POV-Ray reads them at 10000 times the size' pov_reads 10000 short.nff

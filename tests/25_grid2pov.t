@@ -69,7 +69,7 @@ like 'more knots than a colour map has room for' "$status:$err" '^2:grid2pov: ma
 # pov GRID SPEC SAMPLES: writes POV-Ray's picture to s.ppm
 pov() {
 	grid2pov -n "$3" "$1.vtk" "$2.spec" s.df3 >s.pov || return
-	povray +Is.pov +Os.ppm +W32 +H24 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
+	pov_ray +Is.pov +Os.ppm +W32 +H24 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
 }
 # same GRID SPEC TOLERANCE METHOD: vcworker's picture is the same
 same() {

@@ -322,7 +322,7 @@ like 'a full disk exits 3' "$status $err" '^3 mesh2nff: standard output: '
 # same FILE: rtworker's picture is POV-Ray's
 same() {
 	mesh2nff "$1" >s.nff && nff2pov -x 100 s.nff >s.pov || return
-	povray +Is.pov +Os.ppm +W100 +H100 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
+	pov_ray +Is.pov +Os.ppm +W100 +H100 File_Gamma=1 +FP16 -A -D +WT1 >povray.log 2>&1 || { tail -n 5 povray.log; return 1; }
 	partition 100x100 | rtworker s.nff | gather -o s.pfm || return
 	imgcmp -d 0.001 -r 0.00001 s.pfm s.ppm && imgcmp -q -t 0.003922 -f 0.0005 s.pfm s.ppm
 }

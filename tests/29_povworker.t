@@ -56,7 +56,7 @@ result() { status=$(cat "$1.status") out=$(cat "$1.out") err=$(cat "$1.err"); }
 whole() {
 	name=$1 file=$2
 	shift 2
-	(cd "$(dirname "$file")" && povray "+I$(basename "$file")" -A +FN -D +WT2 "$@" "+O$tmp/$name.png") >"$name.said" 2>&1 ||
+	(cd "$(dirname "$file")" && pov_ray "+I$(basename "$file")" -A +FN -D +WT2 "$@" "+O$tmp/$name.png") >"$name.said" 2>&1 ||
 		diag "$(tail -n 3 "$name.said")"
 }
 # tiles NAME SCENE WORD ...: four tiles by several processes, in NAME.tiles.png

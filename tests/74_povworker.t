@@ -16,7 +16,7 @@ camera { location -4 * z look_at 0 right x * image_width / image_height }
 light_source { <3, 5, -5> rgb 1 }
 sphere { 0, 1 pigment { paint } finish { phong 1 } }
 END
-povray +Iball.pov +W48 +H36 -A +FN -D +Oalone.png >said 2>&1 || diag "$(tail -n 3 said)"
+pov_ray +Iball.pov +W48 +H36 -A +FN -D +Oalone.png >said 2>&1 || diag "$(tail -n 3 said)"
 balance adaptive -S "$TEST_HOSTS/hosts" -s 48x36 -r job.log -o got.png ball.pov 2>said &
 busy() { [ -n "$("$root/tests/hosts" pids host2 povray)" ]; }
 ok 'a host is at work' await 30 busy
