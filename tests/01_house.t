@@ -85,9 +85,13 @@ wire generation rec
 END
 objects=${BUILD:-build}
 for source in lib/*/*.c; do
-	object=$objects/${source#lib/}
-	[ ! -e "${object%.c}.o" ] || nm -g "${object%.c}.o" | awk -v file="$source" '{ print file, $(NF - 1), $NF }'
-done >"$tmp/externs"
+	object=$objects/${source#lib/} && object=${object%.c}.o
+	[ ! -e "$object" ] || echo "$object"
+done | xargs nm -g -A | awk -v from="$objects/" '{
+	file = substr($1, length(from) + 1, index($1, ":") - length(from) - 1)
+	sub(/[.]o$/, ".c", file)
+	print "lib/" file, $(NF - 1), $NF
+}' >"$tmp/externs"
 [ -s "$tmp/externs" ] || echo "$objects has no objects" >"$tmp/externs"
 awk '
 FNR == NR { for (i = 2; i <= NF; i++) { may[$1, $i] = 1; if ($i in of && of[$i] != $1) print $i ": of " of[$i] " and of " $1; of[$i] = $1 } next }
