@@ -119,7 +119,7 @@ refused 'parts of bricks' '-n 1.5,1,1: expected' gridcut -n 1.5,1,1 -o t-%d.vtk 
 refused 'no number in the name' '-o t.vtk: expected one %d' gridcut -n 1,1,2 -o t.vtk wave.vtk
 refused 'a brick' 'b-0.vtk: is a brick, expected a whole grid' gridcut -n 1,1,2 -o t-%d.vtk b-0.vtk
 refused 'no such grid' 'gone.vtk: No such file' gridcut -n 1,1,2 -o t-%d.vtk gone.vtk
-refused 'a pipe' 'standard input: is no file' sh -c 'cat wave.vtk | gridcut -n 1,1,2 -o t-%d.vtk -'
+refused 'a pipe' 'standard input: is a pipe or a device' sh -c 'cat wave.vtk | gridcut -n 1,1,2 -o t-%d.vtk -'
 head -n 1000 wave.vtk >cut.vtk
 refused 'a grid that is cut off' 'cut.vtk:.*(announced|ends before)' gridcut -n 1,1,2 -o t-%d.vtk cut.vtk
 sed '$s/.*/x/' wave.vtk >bad.vtk

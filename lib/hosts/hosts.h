@@ -85,7 +85,7 @@ void host_argv_free(char **argv);
 #define HOST_LAUNCHER_MOST 64
 /*
  * The first word of the command that reaches the host, such as "ssh", in `word`. False if this
- * machine has no such program, as far as this word alone tells.
+ * machine has no such program. Only this word is looked up.
  */
 bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST]);
 

@@ -113,7 +113,7 @@ void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_ac
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
 /* Entry i, on no list, goes to node k, or to the nearest node before it that is up. */
 void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
-/* Entry i, of node k, which is gone or drains, goes to another node as a task of nobody. */
+/* Entry i, of node k, which is gone or drains, goes to another node as a task without owner. */
 void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
 void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
@@ -122,7 +122,7 @@ void hub_mark(struct hub *h, int32_t k);
 
 /* ---- hub_join.c ----------------------------------------------------------------------------- */
 
-/* Node k is lost; the number of nodes may not be known yet. */
+/* Node k is lost; perhaps the number of nodes is not known yet. */
 void hub_note_early(struct hub *h, int32_t k);
 /* There are n nodes at first. False: that was known. */
 bool hub_set_nodes(struct hub *h, int32_t n);

@@ -6,7 +6,7 @@
  *
  * A node that drains gets no more tasks, and is asked for none. It keeps the tasks that it computes
  * at once, the first ones that it was given. The others go to the nearest node before it that is
- * up, as if it were lost. What it sends of them all the same counts if it comes first. It leaves
+ * up, as if it were lost. If it sends one of them first, that counts. It leaves
  * when the hub waits for nothing from it. Its queue cannot be called back, so it is stopped then.
  * One machine with hub.c.
  */

@@ -33,7 +33,7 @@ double stats_lower_bound_pieces(struct pieces *p, size_t n, double *v, size_t m)
     return bound;
 }
 
-/* Equal costs in a row are one kind: so the pixels of a coarse picture's costs need no long sort. */
+/* Equal costs in a row are one kind, so costs of a coarse picture's pixels need no long sort. */
 double stats_lower_bound(const double *c, size_t n, double *v, size_t m)
 {
     struct pieces *p = xmalloc(n + 1, sizeof *p);

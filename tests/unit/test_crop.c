@@ -206,27 +206,29 @@ static void nothing_remains(void **state)
     assert_true(closes(fd));
     close(fd);
 
-    fd = open("fifo", O_RDONLY | O_NONBLOCK);
-    int held = open("fifo", O_WRONLY | O_CLOEXEC); /* so that the read below waits */
-    pid_t pid = fork();
-    if (pid == 0) {
-        char **words = WORDS("sh", "-c", "exec 9>fifo; " LONG " & echo $PPID >&9; " LONG);
-        crop_run(words, dir, NULL, 9, err);
-        _exit(0);
+    /* The second time the command's parent is stopped, so it must outlive the worker. */
+    for (int stops = 0; stops < 2; stops++) {
+        fd = open("fifo", O_RDONLY | O_NONBLOCK);
+        int held = open("fifo", O_WRONLY | O_CLOEXEC); /* so that the read below waits */
+        pid_t pid = fork();
+        if (pid == 0) {
+            char **words = WORDS("sh", "-c", "exec 9>fifo; " LONG " & echo $PPID >&9; " LONG);
+            crop_run(words, dir, NULL, 9, err);
+            _exit(0);
+        }
+        struct pollfd p = {fd, POLLIN, 0};
+        assert_int_equal(poll(&p, 1, PATIENCE_S * 1000), 1);
+        char keeper[16] = "";
+        assert_true(read(fd, keeper, sizeof keeper - 1) > 1);
+        close(held);
+        pid_t stopped = (pid_t)strtol(keeper, NULL, 10);
+        if (stops) assert_int_equal(kill(stopped, SIGSTOP), 0);
+        kill(pid, SIGKILL);
+        waitpid(pid, NULL, 0);
+        if (stops) kill(stopped, SIGCONT);
+        assert_true(closes(fd));
+        close(fd);
     }
-    struct pollfd p = {fd, POLLIN, 0};
-    assert_int_equal(poll(&p, 1, PATIENCE_S * 1000), 1);
-    char keeper[16] = "";
-    assert_true(read(fd, keeper, sizeof keeper - 1) > 1);
-    close(held);
-    /* The command's parent is stopped, so it must outlive the worker before it can end the rest. */
-    pid_t stopped = (pid_t)strtol(keeper, NULL, 10);
-    assert_int_equal(kill(stopped, SIGSTOP), 0);
-    kill(pid, SIGKILL);
-    waitpid(pid, NULL, 0);
-    assert_int_equal(kill(stopped, SIGCONT), 0);
-    assert_true(closes(fd));
-    close(fd);
     unlink("fifo");
 }
 
