@@ -132,8 +132,10 @@ static void test_lamps(void **state)
     struct scene s;
     uint64_t n = 0;
     put_view(&text, in_place, 5, 0, 1, 0);
-    for (int i = 0; i < 60; i++)
-        put_light(&text, in_place, between(3, &n, -2, 2), between(3, &n, -2, 2), 0.5 * (i % 3));
+    for (int i = 0; i < 60; i++) {
+        double x = between(3, &n, -2, 2), y = between(3, &n, -2, 2);
+        put_light(&text, in_place, x, y, 0.5 * (i % 3));
+    }
     buf_printf(&text, "f 1 1 1 1 0 1 0 0\n");
     for (int i = 0; i < 40; i++) { /* small triangles in two planes */
         double x = between(3, &n, -2, 2), y = between(3, &n, -2, 2), z = 0.5 * (i % 2);

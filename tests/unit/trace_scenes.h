@@ -73,7 +73,8 @@ static inline void put_random_prim(struct buf *b, struct placing at, uint64_t se
         buf_printf(b, "c\n");
         put_point(b, at, x, y, z);
         buf_printf(b, " %.17g\n", r * at.scale);
-        put_point(b, at, x + between(seed, n, -1, 1), y + between(seed, n, -1, 1), z + 0.5);
+        double dx = between(seed, n, -1, 1), dy = between(seed, n, -1, 1);
+        put_point(b, at, x + dx, y + dy, z + 0.5);
         buf_printf(b, " %.17g\n", r * at.scale * between(seed, n, 0, 1));
     } else if (kind == 2) { /* an arrow head: concave */
         buf_printf(b, "p 4\n");
@@ -96,7 +97,8 @@ static inline void put_random_prim(struct buf *b, struct placing at, uint64_t se
 static inline void put_random_scene(struct buf *b, struct placing at, uint64_t seed, int count)
 {
     uint64_t n = 0;
-    put_view(b, at, 5, between(seed, &n, -3, 3), between(seed, &n, 1, 4), 0);
+    double y = between(seed, &n, -3, 3), z = between(seed, &n, 1, 4);
+    put_view(b, at, 5, y, z, 0);
     for (int i = 0; i < 3; i++) put_light(b, at, 4 - 3 * i, 3 * i - 2, 6);
     buf_printf(b, "f .8 .7 .6 .7 .2 10 0 0\np 4\n");
     put_point(b, at, -6, -6, -1.5);
