@@ -6,7 +6,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 struct options {
@@ -129,36 +128,8 @@ static void unload(struct input *in)
     buf_free(&in->lines);
 }
 
-/* Names from the grid's title, unless options give them. */
-struct names {
-    struct grid_named scalar, x, z;
-    char title[2 * GRID_NAME + 2];
-};
-
-/* True if these levels have no unit, only a name. */
-static bool is_level(const char *unit)
-{
-    return !*unit || strcmp(unit, "1") == 0 || strncmp(unit, "level", 5) == 0 ||
-           strncmp(unit, "layer", 5) == 0 || strstr(unit, "sigma") || strstr(unit, "hybrid");
-}
-
-static void set_names(
-    struct names *n, const struct options *o, const struct grid *g, struct backdrop *b)
-{
-    bool known = grid_title(g->title, 0, &n->scalar) && n->scalar.unit[0];
-    if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
-    b->title = o->title ? o->title : known ? n->title : g->name;
-    if (grid_title(g->title, 'x', &n->x) && n->x.unit[0] &&
-        strncasecmp(n->x.unit, "degree", 6) != 0)
-        b->flat = n->x.unit;
-    known = grid_title(g->title, 'z', &n->z);
-    b->down = o->unit ? o->unit[0] == '-' : known && n->z.down;
-    b->unit = o->unit ? o->unit + b->down : known ? n->z.unit : "";
-    if (known && !o->unit && is_level(n->z.unit)) b->levels = n->z.name;
-}
-
 /* The background of the picture of grid g with specification s; n has its names. */
-static struct backdrop describe(const struct input *in, int g, int s, struct names *n)
+static struct backdrop describe(const struct input *in, int g, int s, struct backdrop_names *n)
 {
     const struct options *o = in->o;
     struct backdrop b = {.grid = in->grid[g],
@@ -168,29 +139,11 @@ static struct backdrop describe(const struct input *in, int g, int s, struct nam
         .time = in->time[g],
         .lines_name = o->lines,
         .lines = o->lines ? (const char *)buf_data(&in->lines) : NULL};
-    set_names(n, o, in->grid[g], &b);
+    backdrop_name(&b, o->title, o->unit, n);
     return b;
 }
 
 /* ---- -o: pages of one script, each for all pictures that look the same ------------------- */
-
-/* The grid's title without its time has this length. */
-static int timeless(const char *title)
-{
-    const char *t = strstr(title, "; t ");
-    return (int)(t ? (size_t)(t - title) : strlen(title));
-}
-
-/* The maps of these grids are equal except for the time. */
-static bool alike(const struct grid *a, const struct grid *b)
-{
-    int n = timeless(a->title);
-    if (n != timeless(b->title) || strncmp(a->title, b->title, (size_t)n) != 0) return false;
-    for (int i = 0; i < 3; i++)
-        if (a->n[i] != b->n[i] || memcmp(a->at[i], b->at[i], a->n[i] * sizeof *a->at[i]) != 0)
-            return false;
-    return strcmp(a->name, b->name) == 0;
-}
 
 struct pages {
     struct buf script;
@@ -206,13 +159,13 @@ static void add_maps(struct pages *p, const struct input *in)
     char err[BACKDROP_ERR];
     for (int g = 0; g < o->n_grids; g++) {
         int like = 0;
-        while (!alike(in->grid[like], in->grid[g]) ||
+        while (!backdrop_alike(in->grid[like], in->grid[g]) ||
                (!apart && strcmp(in->time[like], in->time[g]) != 0))
             like++;
         for (int s = 0; s < o->n_specs; s++) {
             p->map[g * o->n_specs + s] = like < g ? p->map[like * o->n_specs + s] : p->n++;
             if (like < g) continue;
-            struct names names;
+            struct backdrop_names names;
             struct backdrop b = describe(in, g, s, &names);
             if (backdrop_write(&b, !apart, &p->script, err) != 0) die(ST_USAGE, "%s", err);
         }
@@ -224,7 +177,7 @@ static void add_captions(struct pages *p, const struct input *in)
     const struct options *o = in->o;
     struct buf *script = xcalloc((size_t)o->n_grids * (size_t)o->n_specs, sizeof *script);
     for (int k = 0, i; k < o->n_grids * o->n_specs; k++) {
-        struct names names;
+        struct backdrop_names names;
         struct backdrop b = describe(in, k / o->n_specs, k % o->n_specs, &names);
         backdrop_write_caption(&b, &script[k]);
         buf_append(&script[k], "", 1);
@@ -314,7 +267,7 @@ static void draw(const struct input *in)
 
 static void print(const struct input *in)
 {
-    struct names names;
+    struct backdrop_names names;
     struct buf script = {0};
     char err[BACKDROP_ERR];
     struct backdrop b = describe(in, 0, 0, &names);

@@ -90,11 +90,6 @@ static void find_bound(struct report *r, const char *path)
 
 /* ---- writing ---------------------------------------------------------------------------- */
 
-static double efficiency(const struct report *r)
-{
-    return r->of.makespan_s > 0 ? r->bound_s / r->of.makespan_s : 0;
-}
-
 static void print_slots(const struct account *a)
 {
     printf(
@@ -120,34 +115,7 @@ static void print_summary(const struct report *r)
     printf("makespan_s\t%.6f\ncpu_s\t%.6f\nbusy_s\t%.6f\nstartup_s\t%.6f\nwaiting_s\t%.6f\n"
            "tail_s\t%.6f\nwasted_s\t%.6f\n",
         a->makespan_s, all.cpu_s, t->busy_s, t->startup_s, t->waiting_s, t->tail_s, t->wasted_s);
-    printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, efficiency(r));
-}
-
-/* The intervals of stormring-tsv(5): a bar per `done`. */
-static void print_gantt(const struct report *r, const char *name)
-{
-    static const char *const word[ACCOUNT_KINDS] = {"task", "task given again", "wasted"};
-    const struct history *l = &r->log;
-    const char *kind = l->n_frames && l->frames[0].replayed ? "replayed" : "real";
-    printf("# x: time\n# y: slot\n# note: efficiency %.3f: at least %.3g s, and it took %.3g s%s\n",
-        efficiency(r), r->bound_s, r->of.makespan_s, l->n_runs > 1 ? ", all runs together" : "");
-    printf("# lanes:");
-    for (size_t k = 0; k < r->of.n_slots; k++) printf(" %s", r->of.slots[k].name);
-    printf("\nexperiment\tkind\tmethod\tx\tx_unit\ty\ty_unit\tsample\tseed\tuntil\n");
-    for (size_t i = 0; i < l->n_dones; i++) {
-        const struct span *s = &r->of.spans[i];
-        double zero_s = r->of.zero_s[s->run];
-        printf("%s\t%s\t%s\t%.6f\ts\t%" PRIu32 "\t1\t%zu\t0\t%.6f\n", name, kind,
-            word[account_kind(&r->of, i)], zero_s + s->begin_s, s->slot, i + 1, zero_s + s->end_s);
-    }
-}
-
-static void print_trace(const struct account *a)
-{
-    struct buf out = {0};
-    view_trace(a, &out);
-    put_stdout_buf(&out);
-    buf_free(&out);
+    printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, account_efficiency(a, r->bound_s));
 }
 
 /* The file name for the chart's title, without bytes that would end a field. */
@@ -160,19 +128,25 @@ static char *title_of(const struct options *o)
     return name;
 }
 
+static void print_view(const struct report *r, const struct options *o)
+{
+    struct buf out = {0};
+    char *title = title_of(o);
+    if (o->what == GANTT) view_gantt(&r->of, r->bound_s, title, &out);
+    else view_trace(&r->of, &out);
+    put_stdout_buf(&out);
+    free(title);
+    buf_free(&out);
+}
+
 static void print_report(const struct report *r, const struct options *o)
 {
-    char *title;
     switch (o->what) {
     case SLOTS: print_slots(&r->of); break;
     case SUMMARY: print_summary(r); break;
-    case TRACE: print_trace(&r->of); break;
-    case PAGE: break; /* see follow */
     case GANTT:
-        title = title_of(o);
-        print_gantt(r, title);
-        free(title);
-        break;
+    case TRACE: print_view(r, o); break;
+    case PAGE: break; /* see follow */
     }
 }
 

@@ -46,41 +46,6 @@ struct pov {
     int intervals;      /* between two invisible planes */
 };
 
-/* ---- the field as a DF3 file ----------------------------------------------------------------- */
-
-static void put_number(struct buf *b, uint32_t v, int size)
-{
-    unsigned char bytes[4];
-    for (int i = 0; i < size; i++) bytes[i] = (unsigned char)(v >> 8 * (size - 1 - i));
-    buf_append(b, bytes, (size_t)size);
-}
-
-/* True if the cell above this node exists and has all its corners. */
-static bool cell_there(const struct grid *g, uint32_t i, uint32_t j, uint32_t k)
-{
-    if (i + 1 == g->n[0] || j + 1 == g->n[1] || k + 1 == g->n[2]) return false;
-    for (uint32_t c = 0; c < 8; c++)
-        if (isnan(g->value[grid_node(g, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))]))
-            return false;
-    return true;
-}
-
-static void field(const struct pov *p, struct buf *b)
-{
-    const struct grid *g = p->g;
-    size_t nodes = grid_node(g, 0, 0, g->n[2]);
-    double range = p->most - p->least;
-    for (int a = 0; a < 3; a++) put_number(b, a == 2 && p->missing ? 2 * g->n[a] : g->n[a], 2);
-    for (size_t i = 0; i < nodes; i++) {
-        double v = ((double)g->value[i] - p->least) / range;
-        put_number(b, isnan(v) ? 0 : (uint32_t)(v * UINT32_MAX + 0.5), 4);
-    }
-    for (uint32_t k = 0; p->missing && k < g->n[2]; k++)
-        for (uint32_t j = 0; j < g->n[1]; j++)
-            for (uint32_t i = 0; i < g->n[0]; i++)
-                put_number(b, cell_there(g, i, j, k) ? UINT32_MAX : 0, 4);
-}
-
 /* ---- the scene ------------------------------------------------------------------------------- */
 
 static void put_vec(const char *lead, struct vec3 v)
@@ -290,7 +255,7 @@ int main(int argc, char **argv)
     if (!cut(&p))
         die(ST_USAGE, "-n %d: more than POV-Ray takes of a grid of this size, expected fewer",
             o.samples);
-    field(&p, &df3);
+    grid_df3(&g, p.least, p.most, p.missing, &df3);
     if (outfile_put(o.df3, buf_data(&df3), buf_size(&df3)) != 0) die(ST_SYSTEM, "%s:", o.df3);
     buf_free(&df3);
     put_head(&p);

@@ -170,3 +170,8 @@ double account_bound(const struct account *a, const struct history *one)
     free(p);
     return bound_s;
 }
+
+double account_efficiency(const struct account *a, double bound_s)
+{
+    return a->makespan_s > 0 ? bound_s / a->makespan_s : 0;
+}

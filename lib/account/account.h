@@ -51,6 +51,8 @@ int64_t account_outermost(const char *name);
  * log without pixels a piece is a task.
  */
 double account_bound(const struct account *a, const struct history *one);
+/* This bound / makespan; 0 if the makespan is 0. */
+double account_efficiency(const struct account *a, double bound_s);
 /* The sum over all slots; its name is empty and its power 0. */
 struct account_slot account_total(const struct account *a);
 void account_free(struct account *a);

@@ -27,6 +27,18 @@ struct backdrop {
     const char *lines;      /* NULL, or text in the format of backdrop(1) */
 };
 
+/* The names in a grid's title. */
+struct backdrop_names {
+    struct grid_named scalar, x, z;
+    char title[2 * GRID_NAME + 2];
+};
+/* Sets title, flat, unit, levels and down from the title of b's grid, which n keeps. title: that of
+ * the legend, or NULL. unit: of heights, with a minus sign for depths and pressures, or NULL. */
+void backdrop_name(
+    struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n);
+/* True if the maps of these grids are equal except for the time. */
+bool backdrop_alike(const struct grid *a, const struct grid *b);
+
 /* The height of the strip in pixels. */
 uint32_t backdrop_strip(const struct backdrop *b);
 /* Appends a script that writes a PNG to standard output: w pixels wide, h and the strip high. The

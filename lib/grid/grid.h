@@ -71,6 +71,12 @@ void grid_write_head(const struct grid *g, const char *title, struct buf *b);
 void grid_write_values(const float *value, size_t n, struct buf *b);
 void grid_free(struct grid *g);
 /*
+ * Appends the grid as POV-Ray's density file (DF3), 32 bits for a value: least becomes 0 and most
+ * 2^32 - 1, missing values 0. least < most; all values are between them. mask: as many layers
+ * follow, which are 2^32 - 1 at nodes below a cell without missing values, else 0.
+ */
+void grid_df3(const struct grid *g, double least, double most, bool mask, struct buf *out);
+/*
  * Checks that coordinates ascend or descend in steps of at least GRID_STEP_MIN. Returns the index
  * of the first one that breaks the direction of the first two, or 0 if none does. n is at least 2.
  */

@@ -66,7 +66,10 @@ const char *view_host(const struct history_slot *slot, const char *unknown);
 void view_table(const struct view_log *v, const struct view_state *s, int columns, int lines,
     const char *eol, struct buf *out);
 
-/* ---- a trace, and a page --------------------------------------------------------------------- */
+/* ---- a timeline, a trace, and a page --------------------------------------------------------- */
+
+/* Appends the intervals of stormring-tsv(5): a bar per `done`. name: of the experiment. */
+void view_gantt(const struct account *a, double bound_s, const char *name, struct buf *out);
 
 /* Appends the log as JSON of the Trace Event Format (Google, "Trace Event Format", 2016): a process
  * for each host, a thread for each slot. */

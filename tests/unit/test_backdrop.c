@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <setjmp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
@@ -183,9 +184,68 @@ static void test_times(void **state)
     is_time("T [K]; t time 0 [days since 1999-03-01 00:00 +01:00]", "1999-02-28 23:00 UTC");
 }
 
+/* What the map of a grid with this title is labelled with; unit: of -z. */
+static void is_named(const char *title, const char *unit, const struct backdrop *expected)
+{
+    struct grid g;
+    struct spec s;
+    struct backdrop_names n;
+    load(&g, &s);
+    snprintf(g.title, sizeof g.title, "%s", title);
+    struct backdrop b = {.grid = &g};
+    backdrop_name(&b, NULL, unit, &n);
+    assert_string_equal(b.title, expected->title);
+    assert_string_equal(b.unit, expected->unit);
+    assert_string_equal(b.flat ? b.flat : "", expected->flat ? expected->flat : "");
+    assert_string_equal(b.levels ? b.levels : "", expected->levels ? expected->levels : "");
+    assert_int_equal(b.down, expected->down);
+    grid_free(&g);
+    spec_free(&s);
+}
+
+static void test_names(void **state)
+{
+    (void)state;
+    is_named("", NULL, &(struct backdrop){.title = "x", .unit = ""});
+    is_named("T [K]; x lon [degrees_east]; z height [m]", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "m"});
+    is_named("T [K]; x easting [m]; z -depth [m]", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "m", .flat = "m", .down = true});
+    is_named("T [K]; z lev [sigma_level]", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "sigma_level", .levels = "lev"});
+    is_named("T [K]; z lev [sigma_level]", "-hPa",
+        &(struct backdrop){.title = "T, K", .unit = "hPa", .down = true});
+}
+
+static void test_alike(void **state)
+{
+    (void)state;
+    struct grid a, b;
+    struct spec s;
+    load(&a, &s);
+    spec_free(&s);
+    load(&b, &s);
+    assert_true(backdrop_alike(&a, &b));
+    strcpy(a.title, "T [K]; t time 1 [h]");
+    strcpy(b.title, "T [K]; t time 22 [h]");
+    assert_true(backdrop_alike(&a, &b));
+    strcpy(b.title, "U [K]; t time 1 [h]");
+    assert_false(backdrop_alike(&a, &b));
+    strcpy(b.title, a.title);
+    b.at[2][1] = 2;
+    assert_false(backdrop_alike(&a, &b));
+    b.at[2][1] = a.at[2][1];
+    strcpy(b.name, "y");
+    assert_false(backdrop_alike(&a, &b));
+    grid_free(&a);
+    grid_free(&b);
+    spec_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_outlines),
-        cmocka_unit_test(test_labels), cmocka_unit_test(test_times)};
+        cmocka_unit_test(test_labels), cmocka_unit_test(test_times), cmocka_unit_test(test_names),
+        cmocka_unit_test(test_alike)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -420,6 +420,30 @@ static void test_request(void **state)
         assert_false(convert_request_parse(bad[i], &r));
 }
 
+/* Big-endian sizes and values; then the mask, in which only node 0 of layer 1 has a whole cell. */
+static void test_df3(void **state)
+{
+    (void)state;
+    static const unsigned char expected[] = {0, 2, 0, 2, 0, 6, /* */
+        0, 0, 0, 0, 0, 0, 0, 0, 0x2e, 0x8b, 0xa2, 0xe9, 0x45, 0xd1, 0x74, 0x5d};
+    struct grid g = parse(HEAD AXES SCALARS "1 nan 3 4 5 6 7 8 9 10 11 12\n");
+    struct buf b = {0};
+    grid_df3(&g, 1, 12, true, &b);
+    const unsigned char *p = buf_data(&b);
+    assert_int_equal(buf_size(&b), 6 + 4 * 24);
+    assert_memory_equal(p, expected, sizeof expected);
+    for (size_t i = 0; i < 12; i++)
+        for (size_t k = 0; k < 4; k++) assert_int_equal(p[6 + 4 * (12 + i) + k], i == 4 ? 255 : 0);
+    buf_free(&b);
+    grid_df3(&g, 1, 12, false, &b);
+    assert_int_equal(buf_size(&b), 6 + 4 * 12);
+    p = buf_data(&b);
+    assert_int_equal(p[5], 3);
+    assert_int_equal(p[6 + 4 * 11], 255);
+    buf_free(&b);
+    grid_free(&g);
+}
+
 static void test_axis(void **state)
 {
     (void)state;
@@ -442,6 +466,7 @@ int main(void)
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_values),
+        cmocka_unit_test(test_df3),
         cmocka_unit_test(test_axis),
         cmocka_unit_test(test_consume),
         cmocka_unit_test(test_request),

@@ -420,6 +420,30 @@ static struct buf trace(const struct view_log *v)
     return out;
 }
 
+/* A bar per `done`, those of the second run after the first. */
+static void the_gantt(void **state)
+{
+    (void)state;
+    struct view_log v;
+    struct account a;
+    struct buf b = {0}, out = {0};
+    put_lines(&b, LINES(HELLO, "frame 0 8 8 job=" JOB " w=0 host=a recv_us=0",
+                      "done 0 0 cpu_us=300000 wall_us=400000 w=0 recv_us=500000",
+                      "done 0 0 cpu_us=100000 wall_us=100000 w=1 recv_us=600000", HELLO,
+                      "done 0 1 cpu_us=200000 wall_us=200000 w=0 recv_us=400000"));
+    view(&v, "bars", &b);
+    account_make(&a, &v.log);
+    view_gantt(&a, .5, "n", &out);
+    buf_append(&out, "", 1);
+    has(&out, "# x: time\n# y: slot\n# note: efficiency 0.500: at least 0.5 s, and it took 1 s, "
+              "all runs together\n# lanes: 0 1\nexperiment\t");
+    has(&out, "\nn\treal\ttask\t0.100000\ts\t0\t1\t1\t0\t0.500000\nn\treal\twasted\t");
+    has(&out, "\nn\treal\ttask\t0.800000\ts\t0\t1\t3\t0\t1.000000\n");
+    buf_free(&out);
+    account_free(&a);
+    view_close(&v);
+}
+
 static void the_trace(void **state)
 {
     (void)state;
@@ -492,6 +516,7 @@ int main(void)
         cmocka_unit_test(names_are_text),
         cmocka_unit_test(lanes_are_few),
         cmocka_unit_test(a_small_picture),
+        cmocka_unit_test(the_gantt),
         cmocka_unit_test(the_trace),
         cmocka_unit_test(a_curve_has_few_points),
     };
