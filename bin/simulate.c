@@ -47,12 +47,11 @@ static void parse_pair(int opt, const char *arg, double least, double most, doub
 /* SLOTS[,SPREAD] */
 static void draw_powers(struct options *o, const char *arg)
 {
-    size_t n;
-    double *v = opt_reals('j', arg, 1, SLOTS_MOST, &n);
-    if (n > 2 || v[0] != floor(v[0])) die(ST_USAGE, "-j %s: expected SLOTS[,SPREAD]", arg);
-    o->load.slots = (int32_t)v[0];
-    o->load.power = sim_draw_powers(o->plan.seed, o->load.slots, n > 1 ? v[1] : 1);
-    free(v);
+    double slots, spread = 1;
+    parse_pair('j', arg, 1, SLOTS_MOST, &slots, &spread);
+    if (slots != floor(slots)) die(ST_USAGE, "-j %s: expected SLOTS[,SPREAD]", arg);
+    o->load.slots = (int32_t)slots;
+    o->load.power = sim_draw_powers(o->plan.seed, o->load.slots, spread);
 }
 
 /* The links of hosts whose lines state them; the others have those of -l and -b. */
@@ -161,10 +160,7 @@ static void parse(struct options *o, int argc, char **argv)
         case 's': seed = opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': hosts = opt_text(opt, optarg), ways++; break;
         case 't': o->log = opt_text(opt, optarg); break;
-        case 'u':
-            p->message_us = opt_real(opt, optarg, 0, 1e6);
-            o->tree = true;
-            break;
+        case 'u': p->message_us = opt_real(opt, optarg, 0, 1e6), o->tree = true; break;
         case 'v': p->trace = print_event; break;
         case 'w':
             o->load.power = opt_reals(opt, optarg, 1e-3, 1e3, &n);
