@@ -129,7 +129,7 @@ late() {
 }
 name='a late slot' && late deal sh -c 'fan -z off -t 60 -S hosts rtworker | tee log'
 # The same, if each slot is a policy around other slots.
-sed -i 's,exec ./held,exec deal sh ./held,; s,; rtworker,; deal rtworker,; s,exec rtworker,exec deal fan -j 2 rtworker,' plan
+sed -i 's,exec ./held,exec deal sh ./held,; s,; rtworker,; deal rtworker,; s,exec rtworker,exec deal fan -j 1 rtworker,' plan
 name='a late slot that is a tree' && late deal sh -c 'fan -z off -t 60 -S hosts deal rtworker | tee log'
 
 # ---- held pixels are sent at the first task of another state: the input stays open until they have come --------
