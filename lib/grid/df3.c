@@ -1,13 +1,13 @@
 /* A grid as POV-Ray's density file. */
 #include "grid/grid.h"
+#include "grid/vtk_type.h"
 
 #include <math.h>
 
-/* The last byte is the lowest. */
 static void put_number(struct buf *b, uint32_t v, int size)
 {
     unsigned char bytes[4];
-    for (int i = 0; i < size; i++) bytes[i] = (unsigned char)(v >> 8 * (size - 1 - i));
+    put_big_endian(bytes, v, size);
     buf_append(b, bytes, (size_t)size);
 }
 

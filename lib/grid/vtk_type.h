@@ -15,5 +15,10 @@ extern const struct vtk_type vtk_types[VTK_TYPES];
 
 /* Decodes a big-endian number of a BINARY file. */
 double vtk_decode(const unsigned char *p, struct vtk_type t);
+/* Writes the lowest `size` bytes of a number, the highest first. */
+static inline void put_big_endian(unsigned char *to, uint64_t bits, int size)
+{
+    for (int i = 0; i < size; i++) to[i] = (unsigned char)(bits >> 8 * (size - 1 - i));
+}
 
 #endif

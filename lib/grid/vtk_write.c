@@ -3,11 +3,6 @@
 
 #include <string.h>
 
-static void put_big_endian(unsigned char *to, uint64_t bits, int size)
-{
-    for (int i = 0; i < size; i++) to[i] = (unsigned char)(bits >> 8 * (size - 1 - i));
-}
-
 static void put_title(struct buf *b, const char *title)
 {
     for (size_t i = 0; i < GRID_TITLE - 1 && title[i]; i++) {
