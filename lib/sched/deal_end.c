@@ -17,7 +17,8 @@
  *    must have been out for that time and the time that the idle slot would need.
  * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
- *    cannot be asked: it may be dead. A slot that owes pixels itself does not get such a task.
+ *    cannot be asked: it may be dead. With a least time, the task must have been out as in rule 3. A
+ *    slot that owes pixels itself does not get such a task.
  *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it
@@ -107,12 +108,18 @@ static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
     return is_out_for(d, i, k, LATE_TIMES, LATE_US, now);
 }
 
+/* Rules 3 and 4: has entry i been out long enough to be copied for slot k? */
+static bool is_ripe(struct deal *d, int32_t i, int32_t k, int64_t now)
+{
+    return d->p.least_us <= 0 || is_out_for(d, i, k, 1, 0, now);
+}
+
 /* Rule 3, for slot k: the task given longest ago. */
 static int32_t oldest(struct deal *d, int32_t k, int64_t now)
 {
     int32_t i = d->out.head;
     while (i >= 0 && !may_copy(d, k, i)) i = d->ledger.at[i].next;
-    return i < 0 || d->p.least_us <= 0 || is_out_for(d, i, k, 1, 0, now) ? i : -1;
+    return i >= 0 && is_ripe(d, i, k, now) ? i : -1;
 }
 
 /* Rule 5, for slot k: the uncut task or piece that was given longest ago, if it is late. */
@@ -141,7 +148,7 @@ int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
     if (free != *k) i = other_for(d, *k = free, now);
     if (i >= 0 || !d->p.endgame || !(d->ended || d->flush)) return i;
     i = withheld(d);
-    return i >= 0 && (d->ended || is_late(d, i, *k, now)) ? i : -1;
+    return i >= 0 && (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now)) ? i : -1;
 }
 
 /* Rule 1: the largest piece, in pixels, for slot s. */

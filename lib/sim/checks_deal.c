@@ -164,6 +164,11 @@ static bool is_late(const struct world *w, const struct vtask *t)
     return w->plan->params.endgame && w->now_us - of(t)->since_us >= LATE_US;
 }
 
+static bool is_early(const struct world *w, const struct vtask *t)
+{
+    return (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us;
+}
+
 /* Slot k is given a computed task: only in the endgame, or late, if a slot that computed it is busy
  * or was asked to flush. */
 static void check_withheld(struct world *w, struct vtask *t, int32_t k)
@@ -172,7 +177,8 @@ static void check_withheld(struct world *w, struct vtask *t, int32_t k)
     for (int32_t i = 0; i < w->plan->slots; i++)
         late = late || (owes_it(t, i) && (w->slots[i].asked || w->slots[i].has));
     late = late && w->plan->params.endgame && (w->input_ended || is_late(w, t));
-    if (!late || owes(w, k)) sim_fail(w, "a computed task was given again", k, t->task.id);
+    if (!late || is_early(w, t) || owes(w, k))
+        sim_fail(w, "a computed task was given again", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
 }
@@ -238,7 +244,7 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
     if (count_waiting(w, false))
         sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
     if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
-    bool early = (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us && !withheld;
+    bool early = is_early(w, t) && !withheld; /* check_withheld sees to the latter */
     if ((!w->plan->params.endgame || early) && !in_store(w, t))
         sim_fail(w, "a copy of a task that a slot has begun was given", k, t->task.id);
     if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
@@ -386,10 +392,10 @@ static void check_owners(struct world *w)
     if (waiting) sim_fail(w, "a slot is idle while tasks wait", idle, waiting);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
+        if (w->plan->params.least_us > 0) continue; /* it may be early */
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
         if (free >= 0 && computed) sim_fail(w, "a slot is free while pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
-        if (w->plan->params.least_us > 0) continue; /* it may be early */
         if (copies_of(w, t) < SIM_COPIES_MOST && (free >= 0 || !owes_it(t, idle)))
             sim_fail(w, "a slot is idle in the endgame", idle, i);
     }
