@@ -17,8 +17,8 @@
  *    must have been out for that time and the time that the idle slot would need.
  * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
- *    cannot be asked: it may be dead. With a least time, the task must have been out as in rule 3. A
- *    slot that owes pixels itself does not get such a task.
+ *    cannot be asked: it may be dead. With a least time, the task must have been out as in rule 3.
+ *    A slot that owes pixels itself does not get such a task.
  *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it

@@ -164,11 +164,6 @@ static bool is_late(const struct world *w, const struct vtask *t)
     return w->plan->params.endgame && w->now_us - of(t)->since_us >= LATE_US;
 }
 
-static bool is_early(const struct world *w, const struct vtask *t)
-{
-    return (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us;
-}
-
 /* Slot k is given a computed task: only in the endgame, or late, if a slot that computed it is busy
  * or was asked to flush. */
 static void check_withheld(struct world *w, struct vtask *t, int32_t k)
@@ -177,8 +172,8 @@ static void check_withheld(struct world *w, struct vtask *t, int32_t k)
     for (int32_t i = 0; i < w->plan->slots; i++)
         late = late || (owes_it(t, i) && (w->slots[i].asked || w->slots[i].has));
     late = late && w->plan->params.endgame && (w->input_ended || is_late(w, t));
-    if (!late || is_early(w, t) || owes(w, k))
-        sim_fail(w, "a computed task was given again", k, t->task.id);
+    late = late && (double)(w->now_us - of(t)->since_us) >= w->plan->params.least_us;
+    if (!late || owes(w, k)) sim_fail(w, "a computed task was given again", k, t->task.id);
     of(t)->computed_by = -1;
     w->result->withheld++;
 }
@@ -244,7 +239,7 @@ static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool w
     if (count_waiting(w, false))
         sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
     if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
-    bool early = is_early(w, t) && !withheld; /* check_withheld sees to the latter */
+    bool early = (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us && !withheld;
     if ((!w->plan->params.endgame || early) && !in_store(w, t))
         sim_fail(w, "a copy of a task that a slot has begun was given", k, t->task.id);
     if (copies_of(w, t) >= SIM_COPIES_MOST && !is_late(w, t) && !withheld)
