@@ -35,6 +35,7 @@ static void *deal_create(const struct sched_params *p)
     tasks_init(&d->ledger, sizeof(struct account));
     frames_init(&d->frames, sizeof(struct frame_ids));
     d->pool = d->out = TASK_LIST_EMPTY;
+    d->costs = xcalloc(COSTS, sizeof *d->costs);
     d->late_us = INT64_MAX;
     deal_make_room(d, 1);
     return d;
@@ -49,6 +50,7 @@ static void deal_destroy(void *state)
     frames_free(&d->frames);
     deal_close_room(d);
     free(d->slots);
+    free(d->costs);
     free(d);
 }
 
@@ -102,7 +104,6 @@ static void take_task(
     if (tasks_find(&d->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
     int32_t i = deal_enter(d, &e->task, e->frame_w, -1), to = e->task.to;
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
-    d->left_px += (double)lattice_count(&e->task.at);
     if (s && s->state == SLOT_UP) deal_give(d, to, i, now, out);
     else if (s && s->state == SLOT_NEW) deal_put(d, i, PROMISED, to);
     else deal_put(d, i, IN_POOL, -1);
@@ -119,6 +120,7 @@ static void take_gone(struct deal *d, int32_t k)
     d->up -= s->state == SLOT_UP;
     d->drains -= s->state == SLOT_DRAINS;
     s->state = SLOT_GONE;
+    d->stale_us = 0;
     deal_mark(d, k);
 }
 
@@ -128,7 +130,7 @@ static void take_up(
     int32_t k = e->slot;
     struct slot *s = slot_at(d, k);
     if (s->state == SLOT_UP || s->state == SLOT_DRAINS) {
-        pace_power(&s->pace, e->power);
+        deal_scale(d, k, pace_power(&s->pace, e->power));
         deal_mark(d, k);
         return;
     }
@@ -136,6 +138,9 @@ static void take_up(
     s->width = e->n > 1 ? e->n : 1;
     d->up++;
     s->pace = (struct pace){.power = e->power};
+    d->stale_us = 0;
+    s->all_us = s->all_work = s->work = s->ends_us = 0;
+    s->stalled = false;
     deal_mark(d, k);
     while (s->promised.count) {
         int32_t i = s->promised.head;
@@ -152,13 +157,13 @@ static void take_slots(struct deal *d, int32_t n)
 }
 
 /* Copy c of slot s is done. */
-static void note_pace(struct slot *s, int32_t c, int64_t wall_us, int64_t now)
+static double note_pace(struct slot *s, int32_t c, int64_t wall_us, int64_t now)
 {
     const struct pace_task done = {.px = lattice_count(&s->has.at[c].task.at),
         .sent_us = deal_copy(s, c)->given_us,
         .done_us = now,
         .wall_us = wall_us};
-    pace_note(&s->pace, &done);
+    return pace_note(&s->pace, &done);
 }
 
 static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
@@ -173,7 +178,8 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
         deal_mark(d, e->slot);
         return;
     }
-    note_pace(s, c, e->wall_us, now);
+    deal_cost_note(d, e->slot, c, note_pace(s, c, e->wall_us, now));
+    s->stalled = false;
     if (i >= 0) deal_account(d, i)->copies--;
     if (i >= 0 && !tasks_whole(&s->has, c)) deal_owe(d, e->slot, c, i);
     else deal_drop_copy(d, e->slot, c);
@@ -216,6 +222,7 @@ static void deal_step(
     void *state, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     struct deal *d = state;
+    d->now_us = now;
     switch (e->kind) {
     case SCHED_TASK: take_task(d, e, now, out); break;
     case SCHED_INPUT_END: d->ended = true; break;
@@ -239,6 +246,10 @@ static void deal_step(
     if ((d->ended || d->flush) && !d->pool.count) {
         ask_flush(d, out);
         hand_copies(d, now, out); /* also of tasks that slots were asked to flush */
+    }
+    if (d->pool.count && deal_timed(d)) {
+        double us = deal_pick_us(d);
+        if (us < (double)d->late_us) d->late_us = (int64_t)us + 1;
     }
     if (!d->ledger.count) d->flush = false;
     if (d->ended && !d->ledger.count && !d->closed) {

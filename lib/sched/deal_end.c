@@ -1,20 +1,21 @@
 /*
  * deal: the last tasks. Rules 1 to 4 apply once the input has ended, rule 5 at any time.
  *
- * 1. With an endgame, a task is cut before a slot gets it if it has more pixels than half of the
- *    slot's share of the work left. This is factoring, continued below a row and weighted by the
- *    measured speeds (S. F. Hummel, E. Schonberg, L. E. Flynn, "Factoring: a method for scheduling
- *    parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein,
- *    "Load-sharing in heterogeneous systems via weighted factoring", SPAA 1996).
+ * 1. With an endgame, a task is cut before a slot gets it if the slot would need longer for it than
+ *    PART of the time from the end of its tasks to the expected end of the run (deal_cost.c). This
+ *    is factoring, continued below a row and weighted by the measured speeds (S. F. Hummel,
+ *    E. Schonberg, L. E. Flynn, "Factoring: a method for scheduling parallel loops", Comm. ACM
+ *    35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein, "Load-sharing in heterogeneous
+ *    systems via weighted factoring", SPAA 1996).
  * 2. With the pool empty, an idle slot gets a task that another slot has queued: the last one of
  *    the slot that needs longest for its queue. A task cannot be called back through a pipe; a
  *    second copy has the same effect, because the run does not wait for the first. The rule also
  *    applies with SCHED_DEPTH_AUTO alone, so that its queues can be revoked.
- * 3. With an endgame, if no slot has queued tasks, the idle slot gets the task that was given
- *    longest ago, cut by rule 1 if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading
- *    cycles for information: using replication to schedule bag-of-tasks applications on
- *    computational grids", Euro-Par 2003; there tasks are not divided). With a least time, the task
- *    must have been out for that time and the time that the idle slot would need.
+ * 3. With an endgame, the idle slot gets instead the task that was given longest ago, cut by rule 1
+ *    if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading cycles for information:
+ *    using replication to schedule bag-of-tasks applications on computational grids", Euro-Par
+ *    2003; there tasks are not divided). With a least time, the task must have been out for that
+ *    time and the time that the idle slot would need.
  * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
  *    cannot be asked: it may be dead. With a least time, the task must have been out as in rule 3.
@@ -31,9 +32,11 @@
 #include "sched/deal_int.h"
 
 #define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
-#define PIECE_LEAST 16  /* pixels */
+#define PART .5         /* of the time left: the length of a piece */
+#define QUEUED_PART .05 /* the same, if pieces are queued: they cost no round trips */
 #define PIECE_US 1000.0 /* a piece keeps its slot busy for at least this time, or -t, plus */
 #define PIECE_TRIPS 2.0 /* this number of round trips: smaller ones cost more than they save */
+#define QUEUED_TRIPS .1 /* the same, if pieces are queued */
 #define LATE_TIMES 4
 #define LATE_US 200000 /* added for a busy machine */
 #define LATE_MOST_US 86400e6
@@ -76,25 +79,13 @@ static int32_t withheld(const struct deal *d)
     return k >= 0 ? d->slots[k].computed.head : -1;
 }
 
-/* Time per pixel of slot k, or the mean of the others if it has done none; 0: not known. */
-static double us_per_px_of(const struct deal *d, int32_t k)
-{
-    double sum = 0, known = 0;
-    if (d->slots[k].pace.us_per_px > 0) return d->slots[k].pace.us_per_px;
-    for (int32_t i = 0; i < d->n_slots; i++) {
-        sum += d->slots[i].pace.us_per_px;
-        known += d->slots[i].pace.us_per_px > 0;
-    }
-    return known > 0 ? sum / known : 0;
-}
-
 /* Has entry i been out for the least time, `more_us`, and the time that slot k would need, `times`
  * over? If not, notes when it will have been. */
 static bool is_out_for(
     struct deal *d, int32_t i, int32_t k, double times, double more_us, int64_t now)
 {
-    const struct task_entry *e = &d->ledger.at[i];
-    double us = (double)lattice_count(&e->task.at) * us_per_px_of(d, k);
+    deal_end_us(d); /* for deal_time_us */
+    double us = deal_work(d, i) * deal_time_us(d, k);
     us = d->p.least_us + more_us + times * (us + d->slots[k].pace.round_trip_us);
     int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, LATE_MOST_US);
     if (now >= out_us) return true;
@@ -133,8 +124,8 @@ static int32_t late(struct deal *d, int32_t k, int64_t now)
 /* Rules 2, 3 and 5 for slot k: an entry, or -1. */
 static int32_t other_for(struct deal *d, int32_t k, int64_t now)
 {
-    int32_t i = d->ended ? in_store(d, k) : -1;
-    if (i < 0 && d->ended && d->p.endgame) i = oldest(d, k, now);
+    int32_t i = -1;
+    if (d->ended) i = d->p.endgame ? oldest(d, k, now) : in_store(d, k);
     if (i < 0 && d->p.endgame) i = late(d, k, now);
     return i;
 }
@@ -151,22 +142,18 @@ int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
     return i >= 0 && (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now)) ? i : -1;
 }
 
-/* Rule 1: the largest piece, in pixels, for slot s. */
-static uint64_t piece_px(const struct deal *d, const struct slot *s)
+/* Rule 1: the largest piece of entry i, in pixels, for slot k. */
+static uint64_t piece_px(struct deal *d, int32_t k, int32_t i)
 {
-    double sum = 0, known = 0, up = 0;
-    for (int32_t k = 0; k < d->n_slots; k++) {
-        const struct slot *other = &d->slots[k];
-        if (other->state != SLOT_UP) continue;
-        up++;
-        known += pace_rate(&other->pace) > 0;
-        sum += pace_rate(&other->pace);
-    }
-    if (known <= 0) return UINT32_MAX;
-    double rate = pace_rate(&s->pace) > 0 ? pace_rate(&s->pace) : sum / known;
-    double share = d->left_px / 2 * rate / (sum * up / known);
-    double least = rate * (fmax(PIECE_US, d->p.least_us) + PIECE_TRIPS * s->pace.round_trip_us);
-    return (uint64_t)fmin(fmax(fmax(share, least), PIECE_LEAST), UINT32_MAX);
+    const struct slot *s = &d->slots[k];
+    double now = (double)d->now_us, trip_us = s->pace.round_trip_us;
+    double end_us = deal_end_us(d), px_us = deal_time_us(d, k) * deal_cost(d, i);
+    double starts_us = slot_load(s) ? fmax(s->ends_us, now + trip_us) : now + trip_us;
+    bool queued = deal_timed(d);
+    double trips = queued ? QUEUED_TRIPS : PIECE_TRIPS, part = queued ? QUEUED_PART : PART;
+    double least_us = fmax(PIECE_US, d->p.least_us) + trips * trip_us;
+    double us = fmax(part * (end_us - starts_us), least_us);
+    return px_us > 0 ? (uint64_t)fmin(fmax(us / px_us, 1), UINT32_MAX) : UINT32_MAX;
 }
 
 /* Puts a piece into the pool that covers all missing pixels of entry i, of which slots may hold
@@ -180,7 +167,11 @@ static int32_t open_task(struct deal *d, int32_t i)
     if (t.at.h == 1) t.at = lattice_cut(&t.at, frame_w, e->delivered, t.at.w);
     t.id = deal_ids(d, t.frame)->top + 1;
     deal_take(d, i);
-    if (deal_account(d, i)->copies) deal_share(d, i);
+    d->stale_us = 0;
+    if (deal_account(d, i)->copies) {
+        deal_cost_late(d, i);
+        deal_share(d, i);
+    }
     deal_account(d, i)->pieces = 1;
     deal_put(d, i, OUT, -1);
     int32_t piece = deal_enter(d, &t, frame_w, i);
@@ -197,12 +188,14 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
     struct task t = e->task;
     uint32_t frame_w = e->frame_w;
     int32_t tries = deal_account(d, i)->tries, parent = deal_account(d, i)->parent;
+    deal_take(d, i);
     t.at = lattice_cut(&e->task.at, frame_w, 0, n);
     e->task.at = lattice_cut(&e->task.at, frame_w, n, UINT32_MAX);
     t.id = deal_ids(d, t.frame)->top + 1;
     int32_t piece = deal_enter(d, &t, frame_w, parent);
     deal_account(d, piece)->tries = tries;
     deal_account(d, parent)->pieces++;
+    deal_put_first(d, i);
     deal_put_first(d, piece);
     return piece;
 }
@@ -210,13 +203,13 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
 int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
 {
     if (!d->p.endgame || !d->ended) return i;
-    uint64_t px = piece_px(d, &d->slots[k]);
+    uint64_t px = piece_px(d, k, i);
     for (;;) {
         const struct task_entry *e = &d->ledger.at[i];
         const struct lattice *at = &e->task.at;
         uint64_t left_px = lattice_count(at) - (at->h == 1 ? e->delivered : 0);
         bool ids_left = deal_ids(d, e->task.frame)->top < UINT32_MAX - 1;
-        if (left_px < px + px / 2 || !ids_left) return i;
+        if (left_px <= px + px / 2 || !ids_left) return i;
         uint64_t rows_px = px < at->w ? at->w : px - px % at->w;
         /* An input task, or a piece that was given, keeps its pixels. */
         bool named = deal_account(d, i)->parent < 0 || deal_account(d, i)->latest >= 0;

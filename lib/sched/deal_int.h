@@ -1,7 +1,7 @@
 /*
  * deal, shared by its files: deal.c (events, and which tasks a slot gets), deal_ledger.c (tasks and
- * the slots that hold them), deal_pick.c (choice of the next slot), deal_leave.c (slots that leave
- * the run), deal_end.c (the last tasks).
+ * the slots that hold them), deal_cost.c (expected times), deal_pick.c (choice of the next slot),
+ * deal_leave.c (slots that leave the run), deal_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
@@ -15,6 +15,13 @@ struct slot {
     enum slot_state state;
     int32_t width;                       /* tasks that it computes at once */
     struct pace pace;                    /* beside `state`: piece_px reads both of all slots */
+    double all_us, all_work;             /* time and work of its latest tasks: deal_cost.c */
+    double work;                         /* of its tasks to compute */
+    double last_work;                    /* of the one given last, */
+    double given_us;                     /* and when that was */
+    double ends_us, due_us;              /* when its last and its first task will be done */
+    int64_t scaled_us;                   /* when its power changed */
+    bool stalled;                        /* its first task is overdue */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it, on these lists: */
@@ -26,7 +33,9 @@ struct slot {
 enum copy_list { HELD, SHARED, OWED };
 struct copy {
     int64_t given_us;    /* when the slot was given it */
+    double work;         /* expected when it was given */
     int32_t tries;       /* attempt number, from 1 */
+    uint32_t came_as;    /* id of the input task that it is, or is a piece of */
     enum copy_list list; /* the one that it is on */
     int32_t next;        /* OWED: the next slot that owes the same task, -1: none */
 };
@@ -46,6 +55,7 @@ struct account {
     int32_t owing;       /* the first slot that owes its pixels (copy.next: others), -1: none */
     int32_t parent;      /* the entry of which it is a piece, -1: none */
     int32_t pieces;      /* its uncommitted pieces; together they cover its missing pixels */
+    double work;         /* in the pool: expected */
     int64_t progress_us; /* when it was last given, or computed after that */
 };
 
@@ -56,9 +66,16 @@ struct frame_ids {
 
 /* Rates a slot; a node of the tournament holds the best of each field below it. */
 struct rating {
-    int32_t load;    /* tasks held, fewest first; INT32_MAX: it must not get more */
-    int32_t excess;  /* load less the width and the round-trip allowance; likewise */
+    double need; /* tasks held, or the time at which it needs more; INFINITY: must not get more */
+    int32_t excess;  /* tasks held beyond the width, likewise */
     double store_us; /* time of its queued work, longest first; 0: none queued */
+};
+
+#define COSTS 4096
+/* An observed cost. */
+struct cost {
+    uint32_t frame, id;
+    double cost; /* of a pixel; 0: none */
 };
 
 struct deal {
@@ -66,7 +83,14 @@ struct deal {
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool, out;
     struct frames frames;
-    double left_px; /* pixels of uncommitted input tasks */
+    int64_t now_us;
+    struct cost *costs; /* of the latest tasks, by number modulo COSTS */
+    double mean_cost;   /* recent; 0: not known */
+    double mean_us;     /* mean time of the slots for work 1; 0: not known */
+    double pool_px;     /* input tasks of the pool */
+    double pool_work;   /* pieces in the pool */
+    double end_us;      /* expected end of the run, */
+    double stale_us;    /* and until when that holds */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up, */
@@ -120,6 +144,8 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c);
 void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i);
 /* Does slot k owe pixels of entry i? */
 bool deal_owes(const struct deal *d, int32_t k, int32_t i);
+/* The id of the input task that entry i is, or is a piece of. */
+uint32_t deal_came_as(const struct deal *d, int32_t i);
 /* Slot k is gone: tasks of its list l stay with other slots that have a copy or have computed one,
  * or go back to the front of the pool. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
@@ -136,9 +162,36 @@ void deal_mark(struct deal *d, int32_t k);
 void deal_make_room(struct deal *d, int32_t n);
 void deal_close_room(struct deal *d);
 /* The slot with the least load, the lowest of equals; -1 if no slot may get more. */
-int32_t deal_pick_hungriest(const struct deal *d);
+int32_t deal_pick_hungriest(struct deal *d);
+/* The time when deal_pick_hungriest may find a slot. */
+double deal_pick_us(const struct deal *d);
 /* The slot with the longest queued work, the lowest of equals; -1 if none. */
 int32_t deal_pick_store(const struct deal *d);
+
+/* ---- deal_cost.c ----------------------------------------------------------------------------- */
+
+/* Do queues follow expected times? */
+bool deal_timed(const struct deal *d);
+/* Expected cost of a pixel of entry i, and work of all its pixels. */
+double deal_cost(const struct deal *d, int32_t i);
+double deal_work(const struct deal *d, int32_t i);
+/* Entry i is computed by a slot and will be cut: it costs more than expected if it is overdue. */
+void deal_cost_late(struct deal *d, int32_t i);
+/* Time of slot k for work 1; 0: not known. */
+double deal_time_us(const struct deal *d, int32_t k);
+/* Slot k has computed its copy c in this time. */
+void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us);
+/* Slot k was given its copy c, or does not compute it any more. */
+void deal_foresee(struct deal *d, int32_t k, int32_t c);
+void deal_forget(struct deal *d, int32_t k, int32_t c);
+/* Estimates the tasks of slot k again. */
+void deal_review(struct deal *d, int32_t k);
+/* The times of slot k change by this ratio. */
+void deal_scale(struct deal *d, int32_t k, double ratio);
+/* Is the first task of slot k overdue? */
+bool deal_overdue(const struct deal *d, int32_t k);
+/* The expected end of the run. */
+double deal_end_us(struct deal *d);
 
 /* ---- deal_leave.c ---------------------------------------------------------------------------- */
 

@@ -1,6 +1,8 @@
 /*
  * deal: the ledger, and the copies that slots hold. Every entry is on the one list that its account
  * names.
+ *
+ * One machine with deal_cost.c and deal_pick.c.
  */
 #include "sched/deal_int.h"
 
@@ -28,10 +30,19 @@ static struct task_list *list_of(struct deal *d, int32_t i)
     return &d->pool;
 }
 
+/* Entry i enters the pool (sign 1), or leaves it (-1). */
+static void count_pool(struct deal *d, int32_t i, double sign)
+{
+    struct account *a = deal_account(d, i);
+    if (sign > 0) a->work = a->parent < 0 ? tasks_px(&d->ledger, i) : deal_work(d, i);
+    *(a->parent < 0 ? &d->pool_px : &d->pool_work) += sign * a->work;
+}
+
 void deal_take(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);
     list_remove(&d->ledger, list_of(d, i), i);
+    if (a->place == IN_POOL) count_pool(d, i, -1);
     d->n_promised -= a->place == PROMISED;
     if (a->place == COMPUTED) deal_mark(d, a->owner);
 }
@@ -41,6 +52,7 @@ void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner)
     deal_account(d, i)->place = place;
     deal_account(d, i)->owner = owner;
     list_push_back(&d->ledger, list_of(d, i), i);
+    if (place == IN_POOL) count_pool(d, i, 1);
     d->n_promised += place == PROMISED;
     if (place == COMPUTED) deal_mark(d, owner);
 }
@@ -50,6 +62,7 @@ void deal_put_first(struct deal *d, int32_t i)
     deal_account(d, i)->place = IN_POOL;
     deal_account(d, i)->owner = -1;
     list_push_front(&d->ledger, &d->pool, i);
+    count_pool(d, i, 1);
 }
 
 /* The owner of entry i, which is on no list, is gone. The entry is the next to be given, unless
@@ -89,7 +102,6 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
         const struct task *t = &d->ledger.at[i].task;
         int32_t parent = deal_account(d, i)->parent;
         sched_act(out, SCHED_COMMIT, deal_account(d, i)->owner, t);
-        if (parent < 0) d->left_px -= (double)lattice_count(&t->at);
         deal_forget_pieces(d, i);
         deal_take(d, i);
         leave(d, i);
@@ -142,6 +154,7 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
     enum copy_list list = deal_copy(s, c)->list;
     if (list == OWED) forgive(d, k, c);
     list_remove(&s->has, copies_on(s, list), c);
+    if (list != OWED) deal_forget(d, k, c);
     tasks_remove(&s->has, c);
     deal_mark(d, k);
 }
@@ -150,6 +163,7 @@ void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i)
 {
     struct slot *s = &d->slots[k];
     move_copy(s, c, OWED);
+    deal_forget(d, k, c);
     deal_copy(s, c)->next = deal_account(d, i)->owing;
     deal_account(d, i)->owing = k;
     deal_mark(d, k);
@@ -162,8 +176,7 @@ bool deal_owes(const struct deal *d, int32_t k, int32_t i)
     return c >= 0 && deal_copy(&d->slots[k], c)->list == OWED;
 }
 
-/* The id of the input task that entry i is, or is a piece of. */
-static uint32_t came_as(const struct deal *d, int32_t i)
+uint32_t deal_came_as(const struct deal *d, int32_t i)
 {
     while (deal_account(d, i)->parent >= 0) i = deal_account(d, i)->parent;
     return d->ledger.at[i].task.id;
@@ -179,9 +192,12 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     if (a->copies) deal_share(d, i);
     c = tasks_add(&s->has, &e->task, e->frame_w);
     *deal_copy(s, c) = (struct copy){.given_us = now,
+        .work = deal_work(d, i),
+        .came_as = deal_came_as(d, i),
         .tries = ++a->tries,
         .list = a->copies ? SHARED : HELD,
         .next = -1};
+    deal_foresee(d, k, c);
     list_push_back(&s->has, copies_on(s, deal_copy(s, c)->list), c);
     s->asked = false;
     a->copies++;
@@ -190,7 +206,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     deal_put(d, i, OUT, -1);
     deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);
-    out->at[out->n - 1].origin_id = came_as(d, i);
+    out->at[out->n - 1].origin_id = deal_came_as(d, i);
 }
 
 /* Tasks go back to the front of the pool in their order, unless other slots have them. */

@@ -3,15 +3,18 @@
  * take time logarithmic in the number of slots: sets, and a tournament (tree selection, D. E.
  * Knuth, "The Art of Computer Programming" vol. 3, 5.2.3) for the slot with the least load and the
  * slot with the longest queue.
+ *
+ * One machine with deal_cost.c and deal_ledger.c.
  */
 #include "sched/deal_int.h"
 
 #include <stdlib.h>
 
-#define SHARES 2   /* of the pool: the most a slot may hold at the end */
-#define TRIP .25   /* of a round trip: the work a slot may hold beyond its share, with an endgame */
+#define SHARES 2    /* of the pool: the most a slot may hold at the end */
+#define SAFETY 1.25 /* of the round trip: a slot gets more before it is needed, */
+#define SPREAD 1.5  /* and of the deviation of what it does meanwhile, were tasks independent */
 
-static const struct rating nothing = {INT32_MAX, INT32_MAX, 0};
+static const struct rating nothing = {INFINITY, INT32_MAX, 0};
 
 static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO; }
 
@@ -19,8 +22,8 @@ static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO
  * The number of tasks that slot s, which is up, may hold beyond those it computes. With
  * SCHED_DEPTH_AUTO it follows measurements (pace.c). A queue that is too deep costs nothing until
  * the end, and there the queues are run down: once the input has ended, a slot may hold at most
- * SHARES times its share of the pool (share_of). With an endgame, which can take more back, it may
- * also hold work for TRIP of a round trip.
+ * SHARES times its share of the pool (share_of). With an endgame the queue follows expected times
+ * instead: need_of.
  */
 static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
@@ -33,39 +36,45 @@ static int32_t share_of(const struct deal *d)
     return revoked ? SHARES * d->pool.count / d->up : INT32_MAX;
 }
 
-/* The number of tasks that slot s computes in TRIP of a round trip. */
-static int32_t trip_of(const struct deal *d, const struct slot *s)
+/* The priority of slot k: the number of its tasks; or the time at which it needs another one, so
+ * that it is there before the last one ends. A slot whose task is overdue gets no more. */
+static double need_of(const struct deal *d, int32_t k)
 {
-    double tasks = s->pace.task_us > 0 ? s->width * s->pace.round_trip_us / s->pace.task_us : 0;
-    return adapts(d) && d->p.endgame ? (int32_t)fmin(TRIP * tasks, INT16_MAX) : 0;
+    const struct slot *s = &d->slots[k];
+    int32_t load = slot_load(s);
+    if (!deal_timed(d)) return load - s->width < depth_of(d, s) ? (double)load : (double)INFINITY;
+    if (load < s->width) return load - s->width;
+    if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return INFINITY;
+    if (s->all_work <= 0) return load > s->width ? INFINITY : 0;
+    double us = s->last_work * deal_time_us(d, k) / s->width, trip_us = s->pace.round_trip_us;
+    return s->ends_us - SAFETY * trip_us - SPREAD * sqrt(trip_us * us);
 }
 
 /* ---- the tournament -------------------------------------------------------------------------- */
 
-static struct rating rating_of(const struct deal *d, const struct slot *s)
+static struct rating rating_of(const struct deal *d, int32_t k)
 {
+    const struct slot *s = &d->slots[k];
     int32_t load = slot_load(s);
     struct rating r = nothing;
     if (s->state != SLOT_UP) return r;
-    if (load - s->width < depth_of(d, s)) {
-        r.load = load;
-        r.excess = load - s->width - trip_of(d, s);
-    }
+    r.need = need_of(d, k);
+    if (r.need < (double)INFINITY) r.excess = load - s->width;
     if (s->held.count > s->width) r.store_us = load * (s->pace.task_us > 0 ? s->pace.task_us : 1);
     return r;
 }
 
 static struct rating better(const struct rating *a, const struct rating *b)
 {
-    return (struct rating){.load = a->load < b->load ? a->load : b->load,
+    return (struct rating){.need = fmin(a->need, b->need),
         .excess = a->excess < b->excess ? a->excess : b->excess,
-        .store_us = a->store_us > b->store_us ? a->store_us : b->store_us};
+        .store_us = fmax(a->store_us, b->store_us)};
 }
 
+static bool equal(double a, double b) { return !(a < b) && !(a > b); }
 static bool same(const struct rating *a, const struct rating *b)
 {
-    return a->load == b->load && a->excess == b->excess && !(a->store_us < b->store_us) &&
-           !(a->store_us > b->store_us);
+    return equal(a->need, b->need) && a->excess == b->excess && equal(a->store_us, b->store_us);
 }
 
 static void rate(struct deal *d, int32_t k, struct rating r)
@@ -87,19 +96,31 @@ static int32_t least(const struct deal *d, int32_t i, int32_t share, int32_t k)
     const struct rating *best = d->best;
     int32_t first = i; /* the first leaf below i */
     while (first < d->n_places) first *= 2;
-    int32_t most = k < 0 ? INT32_MAX : best[d->n_places + k].load;
-    bool better = best[i].load < most || (best[i].load == most && first - d->n_places < k);
+    double most = k < 0 ? (double)INFINITY : best[d->n_places + k].need;
+    bool better = best[i].need < most || (equal(best[i].need, most) && first - d->n_places < k);
     if (!better || best[i].excess >= share) return k;
     if (i >= d->n_places) return i - d->n_places;
-    int32_t near = 2 * i + (best[2 * i + 1].load < best[2 * i].load);
+    int32_t near = 2 * i + (best[2 * i + 1].need < best[2 * i].need);
     return least(d, near ^ 1, share, least(d, near, share, k));
 }
 
-int32_t deal_pick_hungriest(const struct deal *d)
+int32_t deal_pick_hungriest(struct deal *d)
 {
-    if (d->best[1].load == INT32_MAX) return -1;
-    return least(d, 1, share_of(d), -1);
+    if (d->best[1].need >= (double)INFINITY) return -1;
+    int32_t share = deal_timed(d) ? INT32_MAX : share_of(d), k;
+    for (;;) {
+        if (deal_timed(d) && d->best[1].need > (double)d->now_us) return -1;
+        k = least(d, 1, share, -1);
+        if (k < 0 || !deal_timed(d) || slot_load(&d->slots[k]) < d->slots[k].width) return k;
+        deal_review(d, k);
+        if (d->best[d->n_places + k].need > (double)d->now_us) continue;
+        if (!deal_overdue(d, k)) return k;
+        d->slots[k].stalled = true;
+        deal_mark(d, k);
+    }
 }
+
+double deal_pick_us(const struct deal *d) { return d->best[1].need; }
 
 int32_t deal_pick_store(const struct deal *d)
 {
@@ -122,7 +143,7 @@ void deal_mark(struct deal *d, int32_t k)
     set_put(&d->withheld, k, (up || drains) && late);
     set_put(&d->unflushed, k, idle && owes && !s->asked);
     set_put(&d->leaving, k, drains && !slot_load(s) && !(owes && s->asked));
-    rate(d, k, rating_of(d, s));
+    rate(d, k, rating_of(d, k));
 }
 
 #define SETS 5

@@ -11,12 +11,12 @@
  *     e - g        >= round trip: the worker was busy; the task was there before the last ended
  *
  * The first sample is taken as it is, and so is each lower one. A higher sample counts only if the
- * worker was waiting, by these data, or idle for longer than a task takes. It then counts with
+ * worker was waiting, by these data, or idle for longer than a task takes, and for not more than
+ * the idle time: else a long queue would look like a long round trip, and grow. It counts with
  * weight 1/8, so that one hiccup does not fill a queue.
  */
 #include "sched/pace.h"
 
-#define DEPTH_MOST 2500
 #define SAFETY 1.25     /* margin: tasks and trips vary */
 #define SHORT .01       /* of a task: a shorter round trip needs no queue */
 #define WEIGHT (1 / 8.) /* weight of the latest sample in a recent mean */
@@ -32,7 +32,7 @@ double pace_power(struct pace *p, double power)
     return ratio;
 }
 
-void pace_note(struct pace *p, const struct pace_task *t)
+double pace_note(struct pace *p, const struct pace_task *t)
 {
     int64_t before = p->done_us > t->sent_us ? p->done_us : t->sent_us;
     int64_t wall_us = t->wall_us;
@@ -43,11 +43,12 @@ void pace_note(struct pace *p, const struct pace_task *t)
     double idle_us = (double)(t->done_us - wall_us - p->done_us);
     bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
-    else if (waited || idle_us > p->task_us)
-        p->round_trip_us += WEIGHT * (sample_us - p->round_trip_us);
+    else if (idle_us > 0 && (waited || idle_us > p->task_us))
+        p->round_trip_us += WEIGHT * fmin(sample_us - p->round_trip_us, idle_us);
     pace_mix(&p->task_us, computed_us);
     pace_mix(&p->us_per_px, computed_us / (double)t->px);
     p->done_us = t->done_us;
+    return computed_us;
 }
 
 int32_t pace_depth(const struct pace *p, int32_t width)
@@ -56,5 +57,5 @@ int32_t pace_depth(const struct pace *p, int32_t width)
     double tasks = SAFETY * width * p->round_trip_us / p->task_us;
     if (tasks < SHORT) return 0;
     double depth = ceil(tasks + .5);
-    return depth > DEPTH_MOST ? DEPTH_MOST : (int32_t)depth;
+    return depth > PACE_DEPTH_MOST ? PACE_DEPTH_MOST : (int32_t)depth;
 }

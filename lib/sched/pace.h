@@ -7,6 +7,8 @@
 
 #include "sched/sched.h"
 
+#define PACE_DEPTH_MOST 2500
+
 struct pace {             /* 0: not known yet */
     double us_per_px;     /* recent mean */
     double task_us;       /* computing time of a task; recent mean */
@@ -31,9 +33,11 @@ struct pace_task {
     int64_t sent_us, done_us; /* when it was sent; when its `done` arrived */
     int64_t wall_us;          /* its computing time, as the worker reports it; -1: not reported */
 };
-/* Records that a task is done. */
-void pace_note(struct pace *p, const struct pace_task *t);
-/* The number of tasks that the worker should hold beyond the `width` that it computes at once. */
+/* Records that a task is done. Returns its computing time: the reported one, at most
+ * the time since it was sent or the one before was done. */
+double pace_note(struct pace *p, const struct pace_task *t);
+/* The number of tasks that the worker should hold beyond the `width` that it computes at once, at
+ * most PACE_DEPTH_MOST. */
 int32_t pace_depth(const struct pace *p, int32_t width);
 
 #endif

@@ -20,6 +20,7 @@ static void calm(struct sim_plan *p, bool tiny)
 {
     p->calm = !tiny;
     p->params.depth = SCHED_DEPTH_AUTO;
+    if (tiny) p->params.endgame = p->seed % 1000 > 500;
     p->width = 1;
     p->slots = tiny ? 1 : pick(p->seed, 2, 2, 8);
     p->tasks = tiny ? 6000 : 300 * p->slots;

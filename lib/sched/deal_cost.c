@@ -1,0 +1,207 @@
+/*
+ * deal: expected times, for -q auto -e. A task takes a slot
+ *
+ *     pixels * cost of a pixel * time of the slot for cost 1
+ *
+ * Both factors are measured against each other. The time of a slot is the mean over its latest
+ * tasks of their time / (pixels * expected cost). The cost of a pixel is then the time of its task
+ * / (pixels * time of the slot). The expected cost is that of the other pieces of the same task,
+ * else that of the nearest tasks by number, else the recent mean.
+ *
+ * One machine with deal_ledger.c and deal_pick.c.
+ */
+#include "sched/deal_int.h"
+
+#define LATEST 8.         /* tasks: a slot's time is the mean over them, or those of a round trip */
+#define RECENT .0625      /* weight of the latest task in the mean cost */
+#define NEAR 8            /* tasks on each side that count as near */
+#define OVERDUE 1         /* a task that is late by this multiple of its expected time */
+#define LATER 2           /* such a task will be late by this multiple of its delay so far */
+#define REVIEWED 16       /* longer queues are not estimated again */
+#define FRESH (1 / 64.)   /* of the time left: how long the expected end holds, */
+#define FRESH_MOST_US 1e5 /* and at most this time */
+
+bool deal_timed(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO && d->p.endgame; }
+
+static struct cost *cost_at(const struct deal *d, uint32_t frame, uint32_t id)
+{
+    return &d->costs[(id + frame * 61) % COSTS];
+}
+
+static double known_cost(const struct deal *d, uint32_t frame, uint32_t id)
+{
+    const struct cost *c = cost_at(d, frame, id);
+    return c->frame == frame && c->id == id ? c->cost : 0;
+}
+
+static void set_cost(struct deal *d, uint32_t frame, uint32_t id, double cost)
+{
+    *cost_at(d, frame, id) = (struct cost){frame, id, cost};
+}
+
+/* The mean of the nearest known costs on both sides; 0: none. */
+static double near_cost(const struct deal *d, uint32_t frame, uint32_t id)
+{
+    double below = known_cost(d, frame, id), above = 0;
+    if (below > 0) return below;
+    for (uint32_t n = 1; n <= NEAR; n++) {
+        if (below <= 0 && n <= id) below = known_cost(d, frame, id - n);
+        if (above <= 0) above = known_cost(d, frame, id + n);
+    }
+    return below > 0 && above > 0 ? (below + above) / 2 : below + above;
+}
+
+/* The cost of a pixel in the input task `id` and its pieces. */
+static double expected_cost(const struct deal *d, uint32_t frame, uint32_t id)
+{
+    double near = near_cost(d, frame, id);
+    return near > 0 ? near : d->mean_cost > 0 ? d->mean_cost : 1;
+}
+
+double deal_cost(const struct deal *d, int32_t i)
+{
+    return expected_cost(d, d->ledger.at[i].task.frame, deal_came_as(d, i));
+}
+
+double deal_work(const struct deal *d, int32_t i)
+{
+    return tasks_px(&d->ledger, i) * deal_cost(d, i);
+}
+
+double deal_time_us(const struct deal *d, int32_t k)
+{
+    const struct slot *s = &d->slots[k];
+    return s->all_work > 0 ? s->all_us / s->all_work : d->mean_us;
+}
+
+void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us)
+{
+    struct slot *s = &d->slots[k];
+    if (deal_copy(s, c)->given_us < s->scaled_us) return; /* it was begun at another speed */
+    const struct task *t = &s->has.at[c].task;
+    uint32_t id = deal_copy(s, c)->came_as;
+    double px = (double)lattice_count(&t->at), work = px * expected_cost(d, t->frame, id);
+    double keep = 1 - 1 / fmax(LATEST, s->pace.round_trip_us / s->pace.task_us);
+    s->all_us = keep * s->all_us + us;
+    s->all_work = keep * s->all_work + work;
+    double cost = us / px * s->all_work / s->all_us;
+    set_cost(d, t->frame, id, cost);
+    d->mean_cost += d->mean_cost > 0 ? RECENT * (cost - d->mean_cost) : cost;
+}
+
+/* The work of the task that slot s is on: of those to compute, the one that was given first. */
+static double first_work(const struct slot *s)
+{
+    int32_t c = s->held.head, other = s->shared.head;
+    if (c < 0 || (other >= 0 && deal_copy(s, other)->given_us < deal_copy(s, c)->given_us))
+        c = other;
+    return c < 0 ? 0 : deal_copy(s, c)->work;
+}
+
+/* The expected time of that task. */
+static double first_us(const struct deal *d, int32_t k)
+{
+    return first_work(&d->slots[k]) * deal_time_us(d, k);
+}
+
+bool deal_overdue(const struct deal *d, int32_t k)
+{
+    const struct slot *s = &d->slots[k];
+    double late_us = (double)d->now_us - s->due_us;
+    return slot_load(s) && s->all_work > 0 && late_us > OVERDUE * first_us(d, k);
+}
+
+static void set_due(struct deal *d, int32_t k)
+{
+    struct slot *s = &d->slots[k];
+    s->due_us = s->ends_us - (s->work - first_work(s)) * deal_time_us(d, k) / s->width;
+}
+
+void deal_foresee(struct deal *d, int32_t k, int32_t c)
+{
+    struct slot *s = &d->slots[k];
+    double arrives_us = (double)d->now_us + s->pace.round_trip_us;
+    bool first = !slot_load(s);
+    if (first || s->ends_us < arrives_us) s->ends_us = arrives_us;
+    s->last_work = deal_copy(s, c)->work;
+    s->given_us = (double)d->now_us;
+    s->work += s->last_work;
+    s->ends_us += s->last_work * deal_time_us(d, k) / s->width;
+    if (first) s->due_us = s->ends_us;
+}
+
+void deal_forget(struct deal *d, int32_t k, int32_t c)
+{
+    struct slot *s = &d->slots[k];
+    s->work -= deal_copy(s, c)->work;
+    double us = deal_time_us(d, k) / s->width;
+    s->ends_us = fmax(
+        (double)d->now_us + s->work * us, s->given_us + s->pace.round_trip_us + s->last_work * us);
+    set_due(d, k);
+}
+
+void deal_scale(struct deal *d, int32_t k, double ratio)
+{
+    struct slot *s = &d->slots[k];
+    double left_us = fmax(s->ends_us - (double)d->now_us, 0);
+    if (ratio < 1 || ratio > 1) s->scaled_us = d->now_us;
+    s->all_us *= ratio;
+    s->ends_us = (double)d->now_us + left_us * ratio;
+    set_due(d, k);
+    d->stale_us = 0;
+}
+
+void deal_cost_late(struct deal *d, int32_t i)
+{
+    int32_t k = deal_account(d, i)->latest;
+    double us = k < 0 ? 0 : deal_time_us(d, k);
+    if (us <= 0 || !deal_overdue(d, k)) return;
+    double late_us = (double)d->now_us - d->slots[k].due_us;
+    set_cost(d, d->ledger.at[i].task.frame, deal_came_as(d, i),
+        deal_cost(d, i) + LATER * late_us / us / tasks_px(&d->ledger, i));
+}
+
+/* The costs of the tasks of list l are known better now. */
+static void review(struct deal *d, int32_t k, const struct task_list *l)
+{
+    struct slot *s = &d->slots[k];
+    for (int32_t c = l->head; c >= 0; c = s->has.at[c].next) {
+        int32_t i = tasks_find(&d->ledger, s->has.at[c].task.frame, s->has.at[c].task.id);
+        if (i < 0) continue;
+        double work = deal_work(d, i), more = work - deal_copy(s, c)->work;
+        deal_copy(s, c)->work = work;
+        s->work += more;
+        s->ends_us += more * deal_time_us(d, k) / s->width;
+    }
+}
+
+void deal_review(struct deal *d, int32_t k)
+{
+    struct slot *s = &d->slots[k];
+    if (slot_load(s) > REVIEWED) return;
+    review(d, k, &s->held);
+    review(d, k, &s->shared);
+    set_due(d, k);
+    deal_mark(d, k);
+}
+
+double deal_end_us(struct deal *d)
+{
+    double now = (double)d->now_us;
+    if (now < d->stale_us) return d->end_us;
+    double speed = 0, known = 0, up = 0, work = d->pool_px * d->mean_cost + d->pool_work;
+    for (int32_t k = 0; k < d->n_slots; k++) {
+        const struct slot *s = &d->slots[k];
+        if (s->state != SLOT_UP) continue;
+        if (s->held.count) work += s->work;
+        if (deal_overdue(d, k)) continue;
+        up += s->width;
+        if (s->all_work <= 0) continue;
+        known += s->width;
+        speed += s->width * s->all_work / s->all_us;
+    }
+    d->mean_us = known > 0 ? known / speed : 0;
+    d->end_us = known > 0 ? now + work / (speed * up / known) : (double)INFINITY;
+    d->stale_us = now + fmin(FRESH * (d->end_us - now), FRESH_MOST_US);
+    return d->end_us;
+}

@@ -1,0 +1,106 @@
+/* How well deal -q auto -e balances, in virtual time: unequal slots, long links, a dear row, a slot
+ * that becomes slow. Work and powers are drawn; a bound is for the mean of all draws. */
+#include "sim/sim.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+enum { W = 64, H = 96, ROUGH_H = 2000, SLOTS = 12, DRAWS = 64 };
+
+struct world_of {
+    int64_t latency_us;
+    double dear;        /* part of the work that one row has; 0: none has more than others */
+    bool rough;         /* many short rows, whose costs say nothing of the next one */
+    const char *faults; /* of simulate -f; NULL: none */
+};
+
+static void make_work(struct sim_workload *l, uint64_t seed, const struct world_of *in)
+{
+    char err[ERR_BYTES];
+    const uint32_t h = in->rough ? ROUGH_H : H;
+    bool good = sim_workload_frame(l, W, h, err);
+    for (uint32_t y = 0; good && y < h; y++) {
+        const struct task row = {.id = y, .at = {0, y, W, 1, 1, 1}, .to = -1};
+        good = sim_workload_task(l, &row, err);
+    }
+    if (!good || !sim_workload_end(l, err)) fail_msg("%s", err);
+    l->slots = SLOTS;
+    l->power = sim_draw_powers(seed, SLOTS, 3);
+    double sum = 0, us = 20000;
+    for (uint32_t i = 0; i < W * h; i++) { /* neighbours cost about the same */
+        if (in->rough) us = 12 * exp(4 * rng_unit(seed, i / W));
+        else us *= exp(.05 * (2 * rng_unit(seed, i) - 1));
+        sum += l->pixel_us[i] = us;
+    }
+    uint32_t y = (uint32_t)(seed * 37 % H);
+    for (uint32_t x = 0; in->dear > 0 && x < W; x++) l->pixel_us[y * W + x] = in->dear * sum / W;
+}
+
+/* Lower bound / makespan. */
+static double efficiency(uint64_t seed, const struct world_of *in)
+{
+    char err[ERR_BYTES];
+    struct sim_workload l = {0};
+    struct sim_plan p = {.seed = seed, .link.latency_us = in->latency_us};
+    struct sim_result r;
+    struct sim_method m = *sim_method_named("deal");
+    make_work(&l, seed, in);
+    m.params.depth = SCHED_DEPTH_AUTO;
+    m.params.endgame = true;
+    p.params = m.params;
+    if (in->rough) p.jitter = .5;
+    if (in->faults && !sim_parse_faults(&p, in->faults)) fail_msg("%s", in->faults);
+    if (!sim_workload_scale(&l, 1, err) || !sim_workload_plan(&l, &m, &p, err)) fail_msg("%s", err);
+    p.checks = NULL; /* of these, test_sim runs many more */
+    sim_run(m.policy, &p, &r);
+    assert_string_equal(r.failure, "");
+    double e = 1e6 * sim_bound_s(&p) / (double)r.end_us;
+    free(p.faults);
+    sim_workload_free(&l);
+    return e;
+}
+
+static void reaches(const char *name, double least, struct world_of in)
+{
+    double sum = 0;
+    for (uint64_t seed = 1; seed <= DRAWS; seed++) sum += efficiency(seed, &in);
+    if (sum / DRAWS >= least) return;
+    fail_msg("%s: %.3f, expected %.3f; to repeat: test_balance", name, sum / DRAWS, least);
+}
+
+static void test_links(void **state)
+{
+    (void)state;
+    reaches("short links", .98, (struct world_of){.latency_us = 500});
+    reaches("long links", .904, (struct world_of){.latency_us = 100000});
+}
+
+static void test_rough_costs(void **state)
+{
+    (void)state;
+    reaches("rough costs", .7, (struct world_of){.latency_us = 50000, .rough = true});
+}
+
+static void test_a_dear_row(void **state)
+{
+    (void)state;
+    reaches("a dear row", .84, (struct world_of){.latency_us = 5000, .dear = .4});
+}
+
+static void test_a_slot_becomes_slow(void **state)
+{
+    (void)state;
+    reaches("a slow slot", .919, (struct world_of){.latency_us = 5000, .faults = "slow@2s:3:.05"});
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_links),
+        cmocka_unit_test(test_rough_costs), cmocka_unit_test(test_a_dear_row),
+        cmocka_unit_test(test_a_slot_becomes_slow)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
