@@ -14,7 +14,7 @@
 #define SAFETY 1.25 /* of the round trip: a slot gets more before it is needed, */
 #define SPREAD 1.5  /* and of the deviation of what it does meanwhile, were tasks independent */
 
-static const struct rating nothing = {INFINITY, INT32_MAX, 0};
+static const struct rating nothing = {(double)INFINITY, INT32_MAX, 0};
 
 static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO; }
 
@@ -44,8 +44,8 @@ static double need_of(const struct deal *d, int32_t k)
     int32_t load = slot_load(s);
     if (!deal_timed(d)) return load - s->width < depth_of(d, s) ? (double)load : (double)INFINITY;
     if (load < s->width) return load - s->width;
-    if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return INFINITY;
-    if (s->all_work <= 0) return load > s->width ? INFINITY : 0;
+    if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return (double)INFINITY;
+    if (s->all_work <= 0) return load > s->width ? (double)INFINITY : 0;
     double us = s->last_work * deal_time_us(d, k) / s->width, trip_us = s->pace.round_trip_us;
     return s->ends_us - SAFETY * trip_us - SPREAD * sqrt(trip_us * us);
 }
