@@ -214,6 +214,7 @@ povworker -p slow.pov >slow.files
 rendering() { [ "$(program povray | wc -l)" -ge 2 ]; }
 await 20 rendering
 kill -9 "$(program povray | head -n 1)"
+await 20 grep -q signal killed.said
 await 20 rendering
 kill -9 "$(program cropworker | head -n 1)"
 : >go
