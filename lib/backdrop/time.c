@@ -15,30 +15,6 @@ static bool by_digits(const struct grid_named *t, char text[BACKDROP_TIME])
     return true;
 }
 
-struct date {
-    int64_t year, month, day, minute;
-};
-
-#define DAY_MINUTES 1440
-#define GREGORIAN 2299161 /* Julian day number of 1582-10-15, the first day of this calendar */
-
-/*
- * The date of minutes since 1970 in the calendar of libudunits2 and CF, Gregorian from 1582 on and
- * Julian before. E. G. Richards, "Calendars", in: Explanatory Supplement to the Astronomical
- * Almanac, 3rd edition, 2013.
- */
-static struct date date_of(int64_t minutes)
-{
-    int64_t unix_day = minutes / DAY_MINUTES - (minutes % DAY_MINUTES < 0);
-    int64_t j = unix_day + 2440588, f = j + 1401;
-    if (j >= GREGORIAN) f += (4 * j + 274277) / 146097 * 3 / 4 - 38;
-    int64_t e = 4 * f + 3, h = 5 * (e % 1461 / 4) + 2;
-    struct date d = {.day = h % 153 / 5 + 1, .month = (h / 153 + 2) % 12 + 1};
-    d.year = e / 1461 - 4716 + (14 - d.month) / 12;
-    d.minute = minutes - unix_day * DAY_MINUTES;
-    return d;
-}
-
 /* Months and years do not. */
 static bool has_length(const char *unit)
 {
@@ -50,18 +26,12 @@ static bool by_date(const struct grid_named *t, char text[BACKDROP_TIME])
 {
     const char *number = strrchr(t->name, ' ');
     double v;
-    struct units_linear to;
-    char err[ERR_BYTES];
+    struct units_date d;
     if (!number || !strstr(t->unit, " since ") || !has_length(t->unit) ||
-        !parse_real(number + 1, -1e18, 1e18, &v))
+        !parse_real(number + 1, -1e18, 1e18, &v) || !units_date(v, t->unit, &d))
         return false;
-    if (!units_linear(t->unit, "seconds since 1970-01-01 00:00:00 UTC", &to, err)) return false;
-    double minutes = round((to.factor * v + to.offset) / 60);
-    if (!(fabs(minutes) < 5e9)) return false; /* some thousands of years */
-    struct date d = date_of((int64_t)minutes);
-    if (d.year < 0 || d.year > 9999) return false;
-    snprintf(text, BACKDROP_TIME, "%04d-%02d-%02d %02d:%02d UTC", (int)d.year, (int)d.month,
-        (int)d.day, (int)d.minute / 60, (int)d.minute % 60);
+    snprintf(text, BACKDROP_TIME, "%04d-%02d-%02d %02d:%02d UTC", d.year, d.month, d.day, d.hour,
+        d.minute);
     return true;
 }
 

@@ -45,3 +45,16 @@ bool units_linear(const char *from, const char *to, struct units_linear *l, char
     ut_free_system(all);
     return good;
 }
+
+bool units_date(double v, const char *unit, struct units_date *d)
+{
+    struct units_linear to;
+    char err[ERR_BYTES];
+    if (!units_linear(unit, "seconds since 1970-01-01 00:00:00 UTC", &to, err)) return false;
+    double minutes = round((to.factor * v + to.offset) / 60), second, precision_s;
+    if (!(fabs(minutes) < 5e9)) return false; /* some thousands of years */
+    ut_decode_time(ut_encode_time(1970, 1, 1, 0, 0, 0) + 60 * minutes, &d->year, &d->month, &d->day,
+        &d->hour, &d->minute, &second, &precision_s);
+    d->year += d->year < 0; /* the library has no year 0 */
+    return d->year >= 0 && d->year <= 9999;
+}

@@ -1,4 +1,4 @@
-/* units: conversion of units of measurement through libudunits2. No I/O except its database. */
+/* units: units of measurement and dates through libudunits2. No I/O except its database. */
 #ifndef STORMRING_UNITS_H
 #define STORMRING_UNITS_H
 
@@ -14,5 +14,13 @@ struct units_linear {
  * things or not linearly, or if the library was missing when this was built.
  */
 bool units_linear(const char *from, const char *to, struct units_linear *l, char err[ERR_BYTES]);
+
+/* Years 0 to 9999, in UTC; Gregorian from 1582-10-15 on, Julian before. */
+struct units_date {
+    int year, month, day, hour, minute;
+};
+/* Finds the date of v in a unit such as "hours since 2000-01-01", to the nearest minute. False if
+ * there is none, or if the library was missing. */
+bool units_date(double v, const char *unit, struct units_date *d);
 
 #endif
