@@ -237,7 +237,7 @@ static void deal_step(
     case SCHED_DONE: take_done(d, e, now); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
-    case SCHED_WAKE: break; /* deal's slots are no nodes; a task may be late */
+    case SCHED_WAKE: break; /* a task is late, or a slot needs one */
     }
     hand_out(d, now, out);
     deal_let_go(d, out); /* before copies are given of what it asks for */

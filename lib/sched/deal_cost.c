@@ -1,12 +1,14 @@
 /*
- * deal: expected times, for -q auto -e. A task takes a slot
+ * deal: expected times. With an endgame, cuts and copies follow them; with SCHED_DEPTH_AUTO as
+ * well, queues do, too. A slot needs for a task
  *
  *     pixels * cost of a pixel * time of the slot for cost 1
  *
- * Both factors are measured against each other. The time of a slot is the mean over its latest
- * tasks of their time / (pixels * expected cost). The cost of a pixel is then the time of its task
- * / (pixels * time of the slot). The expected cost is that of the other pieces of the same task,
- * else that of the nearest tasks by number, else the recent mean.
+ * Pixels times cost are the work of a task. Cost and time are measured against each other. The time
+ * of a slot is that of its latest tasks / their expected work. The cost of a pixel is then the time
+ * of its task / (pixels * time of the slot). The expected cost is that of the other pieces of the
+ * same task, else the mean of the nearest known tasks below and above by number, else the recent
+ * mean of all, else 1.
  *
  * One machine with deal_ledger.c and deal_pick.c.
  */
@@ -15,11 +17,11 @@
 #define LATEST 8.         /* tasks: a slot's time is the mean over them, or those of a round trip */
 #define RECENT .0625      /* weight of the latest task in the mean cost */
 #define NEAR 8            /* tasks on each side that count as near */
-#define OVERDUE 1         /* a task that is late by this multiple of its expected time */
-#define LATER 2           /* such a task will be late by this multiple of its delay so far */
+#define OVERDUE 1         /* a task is overdue if late by this multiple of its expected time */
+#define LATER 2           /* it will then be late by this multiple of its delay so far */
 #define REVIEWED 16       /* longer queues are not estimated again */
-#define FRESH (1 / 64.)   /* of the time left: how long the expected end holds, */
-#define FRESH_MOST_US 1e5 /* and at most this time */
+#define FRESH (1 / 64.)   /* the expected end holds for this part of the time left, */
+#define FRESH_MOST_US 1e5 /* and at most for this time */
 
 bool deal_timed(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO && d->p.endgame; }
 
@@ -39,7 +41,7 @@ static void set_cost(struct deal *d, uint32_t frame, uint32_t id, double cost)
     *cost_at(d, frame, id) = (struct cost){frame, id, cost};
 }
 
-/* The mean of the nearest known costs on both sides; 0: none. */
+/* The known cost of this task; else the mean of the nearest ones below and above; 0: none. */
 static double near_cost(const struct deal *d, uint32_t frame, uint32_t id)
 {
     double below = known_cost(d, frame, id), above = 0;

@@ -1,30 +1,34 @@
 /*
- * deal: the last tasks. Rules 1 to 4 apply once the input has ended, rule 5 at any time.
+ * deal: the last tasks. Rules 1 to 4 apply once the input has ended, rule 5 at any time. Rules 2 to
+ * 5 apply with the pool empty.
  *
  * 1. With an endgame, a task is cut before a slot gets it if the slot would need longer for it than
- *    PART of the time from the end of its tasks to the expected end of the run (deal_cost.c). This
- *    is factoring, continued below a row and weighted by the measured speeds (S. F. Hummel,
- *    E. Schonberg, L. E. Flynn, "Factoring: a method for scheduling parallel loops", Comm. ACM
- *    35(8), 1992; S. F. Hummel, J. Schmidt, R. N. Uma, J. Wein, "Load-sharing in heterogeneous
- *    systems via weighted factoring", SPAA 1996).
- * 2. With the pool empty, an idle slot gets a task that another slot has queued: the last one of
- *    the slot that needs longest for its queue. A task cannot be called back through a pipe; a
- *    second copy has the same effect, because the run does not wait for the first. The rule also
- *    applies with SCHED_DEPTH_AUTO alone, so that its queues can be revoked.
- * 3. With an endgame, the idle slot gets instead the task that was given longest ago, cut by rule 1
- *    if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading cycles for information:
+ *    one and a half pieces. A piece takes PART, or QUEUED_PART, of the time from the end of the
+ *    slot's tasks to the expected end of the run (deal_cost.c). This is factoring, down to parts of
+ *    rows and weighted by the measured speeds (S. F. Hummel, E. Schonberg, L. E. Flynn, "Factoring:
+ *    a method for scheduling parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt,
+ *    R. N. Uma, J. Wein, "Load-sharing in heterogeneous systems via weighted factoring", SPAA
+ *    1996).
+ * 2. With SCHED_DEPTH_AUTO and no endgame, an idle slot gets a task that another slot has queued:
+ *    the last one of the slot that needs longest for its queue. A task cannot be called back
+ *    through a pipe; a second copy has the same effect, because the run does not wait for the
+ *    first.
+ * 3. With an endgame, an idle slot gets the task that was given longest ago, cut by rule 1 if it is
+ *    long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading cycles for information:
  *    using replication to schedule bag-of-tasks applications on computational grids", Euro-Par
  *    2003; there tasks are not divided). With a least time, the task must have been out for that
  *    time and the time that the idle slot would need.
- * 4. With an endgame, if there is no such task either, the idle slot gets a computed task whose
+ * 4. With an endgame, if rules 3 and 5 find no task, the idle slot gets a computed task whose
  *    pixels have not arrived, although their slot was asked to flush, or while it is busy and
  *    cannot be asked: it may be dead. With a least time, the task must have been out as in rule 3.
- *    A slot that owes pixels itself does not get such a task.
+ *    A slot that owes pixels itself does not get such a task. After a flush, the rule applies
+ *    before the end of the input, too, if the task is late.
  *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it
- *    LATE_TIMES over since it was last given. So neither one hanging slot nor COPIES_MOST of them
- *    can hold up a frame that other slots wait for, or a live input.
+ *    LATE_TIMES over since it was last given, and LATE_US and the least time have passed as well.
+ *    So neither one hanging slot nor COPIES_MOST of them can hold up a frame that other slots wait
+ *    for, or a live input.
  *
  * A task that is cut stays in the ledger, and its pieces refer to it. Either its own pixels or the
  * last of its pieces commits it. Pieces get new ids, above all input ids of the frame.
@@ -32,13 +36,13 @@
 #include "sched/deal_int.h"
 
 #define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
-#define PART .5         /* of the time left: the length of a piece */
-#define QUEUED_PART .05 /* the same, if pieces are queued: they cost no round trips */
-#define PIECE_US 1000.0 /* a piece keeps its slot busy for at least this time, or -t, plus */
+#define PART .5         /* a piece takes this part of the time left */
+#define QUEUED_PART .05 /* the same with SCHED_DEPTH_AUTO: queued pieces cost no round trips */
+#define PIECE_US 1000.0 /* a piece is cut to take at least this time, or -t if longer, plus */
 #define PIECE_TRIPS 2.0 /* this number of round trips: smaller ones cost more than they save */
-#define QUEUED_TRIPS .1 /* the same, if pieces are queued */
+#define QUEUED_TRIPS .1 /* the same with SCHED_DEPTH_AUTO */
 #define LATE_TIMES 4
-#define LATE_US 200000 /* added for a busy machine */
+#define LATE_US 200000 /* added, for a busy machine */
 #define LATE_MOST_US 86400e6
 
 /* Is entry i a task or piece that slot k may be given a copy of? */
@@ -142,7 +146,7 @@ int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
     return i >= 0 && (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now)) ? i : -1;
 }
 
-/* Rule 1: the largest piece of entry i, in pixels, for slot k. */
+/* Rule 1: the pixels of a piece of entry i for slot k; UINT32_MAX if its time is not known. */
 static uint64_t piece_px(struct deal *d, int32_t k, int32_t i)
 {
     const struct slot *s = &d->slots[k];

@@ -14,14 +14,14 @@ enum slot_state { SLOT_NEW, SLOT_UP, SLOT_DRAINS, SLOT_GONE };
 struct slot {
     enum slot_state state;
     int32_t width;                       /* tasks that it computes at once */
-    struct pace pace;                    /* beside `state`: piece_px reads both of all slots */
+    struct pace pace;                    /* its measured times */
     double all_us, all_work;             /* time and work of its latest tasks: deal_cost.c */
     double work;                         /* of its tasks to compute */
     double last_work;                    /* of the one given last, */
     double given_us;                     /* and when that was */
-    double ends_us, due_us;              /* when its last and its first task will be done */
+    double ends_us, due_us;              /* when its last and its first `done` are expected */
     int64_t scaled_us;                   /* when its power changed */
-    bool stalled;                        /* its first task is overdue */
+    bool stalled;                        /* it was overdue, and has done no task since */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it, on these lists: */
@@ -33,7 +33,7 @@ struct slot {
 enum copy_list { HELD, SHARED, OWED };
 struct copy {
     int64_t given_us;    /* when the slot was given it */
-    double work;         /* expected when it was given */
+    double work;         /* expected */
     int32_t tries;       /* attempt number, from 1 */
     uint32_t came_as;    /* id of the input task that it is, or is a piece of */
     enum copy_list list; /* the one that it is on */
@@ -55,7 +55,7 @@ struct account {
     int32_t owing;       /* the first slot that owes its pixels (copy.next: others), -1: none */
     int32_t parent;      /* the entry of which it is a piece, -1: none */
     int32_t pieces;      /* its uncommitted pieces; together they cover its missing pixels */
-    double work;         /* in the pool: expected */
+    double work;         /* in the pool: pixels of an input task, expected work of a piece */
     int64_t progress_us; /* when it was last given, or computed after that */
 };
 
@@ -87,8 +87,8 @@ struct deal {
     struct cost *costs; /* of the latest tasks, by number modulo COSTS */
     double mean_cost;   /* recent; 0: not known */
     double mean_us;     /* mean time of the slots for work 1; 0: not known */
-    double pool_px;     /* input tasks of the pool */
-    double pool_work;   /* pieces in the pool */
+    double pool_px;     /* pixels of the input tasks in the pool */
+    double pool_work;   /* work of the pieces in the pool */
     double end_us;      /* expected end of the run, */
     double stale_us;    /* and until when that holds */
     struct slot *slots;
@@ -105,7 +105,7 @@ struct deal {
     struct slot_set withheld;  /* slots that owe pixels, and were asked to flush or are busy */
     struct slot_set unflushed; /* idle slots that owe pixels and were not asked to flush */
     struct slot_set leaving;   /* slots that drain, idle, and were not asked for pixels they owe */
-    int64_t late_us;           /* when a dispatched task will be late; INT64_MAX: none */
+    int64_t late_us;           /* when a task is late or a slot needs one; INT64_MAX: never */
     bool ended, flush, closed;
 };
 
@@ -161,7 +161,7 @@ void deal_mark(struct deal *d, int32_t k);
 /* Makes room for n slots, and marks all again. */
 void deal_make_room(struct deal *d, int32_t n);
 void deal_close_room(struct deal *d);
-/* The slot with the least load, the lowest of equals; -1 if no slot may get more. */
+/* The slot that needs a task first, the lowest of equals; -1 if no slot may get more now. */
 int32_t deal_pick_hungriest(struct deal *d);
 /* The time when deal_pick_hungriest may find a slot. */
 double deal_pick_us(const struct deal *d);
@@ -181,16 +181,16 @@ void deal_cost_late(struct deal *d, int32_t i);
 double deal_time_us(const struct deal *d, int32_t k);
 /* Slot k has computed its copy c in this time. */
 void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us);
-/* Slot k was given its copy c, or does not compute it any more. */
+/* Slot k is given its copy c, or does not compute it any more: changes its expected times. */
 void deal_foresee(struct deal *d, int32_t k, int32_t c);
 void deal_forget(struct deal *d, int32_t k, int32_t c);
-/* Estimates the tasks of slot k again. */
+/* Estimates the tasks of slot k again, by the costs that are known now. */
 void deal_review(struct deal *d, int32_t k);
 /* The times of slot k change by this ratio. */
 void deal_scale(struct deal *d, int32_t k, double ratio);
-/* Is the first task of slot k overdue? */
+/* Has the first task of slot k taken twice its expected time? */
 bool deal_overdue(const struct deal *d, int32_t k);
-/* The expected end of the run. */
+/* The expected end of the run; INFINITY: not known. Updates mean_us. */
 double deal_end_us(struct deal *d);
 
 /* ---- deal_leave.c ---------------------------------------------------------------------------- */

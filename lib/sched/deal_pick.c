@@ -1,8 +1,8 @@
 /*
  * deal: the choice of the next slot. Each change of a slot is marked. Queries at each step then
  * take time logarithmic in the number of slots: sets, and a tournament (tree selection, D. E.
- * Knuth, "The Art of Computer Programming" vol. 3, 5.2.3) for the slot with the least load and the
- * slot with the longest queue.
+ * Knuth, "The Art of Computer Programming" vol. 3, 5.2.3) for the slot that needs a task first, and
+ * the slot with the longest queue.
  *
  * One machine with deal_cost.c and deal_ledger.c.
  */
@@ -10,9 +10,10 @@
 
 #include <stdlib.h>
 
-#define SHARES 2    /* of the pool: the most a slot may hold at the end */
-#define SAFETY 1.25 /* of the round trip: a slot gets more before it is needed, */
-#define SPREAD 1.5  /* and of the deviation of what it does meanwhile, were tasks independent */
+#define SHARES 2 /* of the pool: the most a slot may hold at the end */
+/* A slot gets its next task before the end of the last one: earlier by the sum of */
+#define SAFETY 1.25 /* this number of round trips, and */
+#define SPREAD 1.5  /* of standard deviations of a round trip's tasks, if independent */
 
 static const struct rating nothing = {(double)INFINITY, INT32_MAX, 0};
 
@@ -22,8 +23,8 @@ static bool adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO
  * The number of tasks that slot s, which is up, may hold beyond those it computes. With
  * SCHED_DEPTH_AUTO it follows measurements (pace.c). A queue that is too deep costs nothing until
  * the end, and there the queues are run down: once the input has ended, a slot may hold at most
- * SHARES times its share of the pool (share_of). With an endgame the queue follows expected times
- * instead: need_of.
+ * SHARES times its share of the pool (share_of). With SCHED_DEPTH_AUTO and an endgame, neither
+ * applies: the queue follows expected times (need_of).
  */
 static int32_t depth_of(const struct deal *d, const struct slot *s)
 {
@@ -36,8 +37,10 @@ static int32_t share_of(const struct deal *d)
     return revoked ? SHARES * d->pool.count / d->up : INT32_MAX;
 }
 
-/* The priority of slot k: the number of its tasks; or the time at which it needs another one, so
- * that it is there before the last one ends. A slot whose task is overdue gets no more. */
+/* The priority of slot k, lowest first: the number of its tasks; or the time at which it must be
+ * given another one, so that this arrives before the last one ends. INFINITY: it gets no more, for
+ * example because its first task is overdue. With expected times, a slot that can begin at once is
+ * below 0. */
 static double need_of(const struct deal *d, int32_t k)
 {
     const struct slot *s = &d->slots[k];
@@ -87,7 +90,7 @@ static void rate(struct deal *d, int32_t k, struct rating r)
 }
 
 /*
- * The slot below tree node i with the least load, the lowest of equals, whose excess is less than
+ * The slot below tree node i with the least need, the lowest of equals, whose excess is less than
  * `share`; k (or -1) if that slot is no better than k. If all slots have one width, one descent is
  * enough.
  */

@@ -9,11 +9,13 @@
  *
  *     d - c - g    is the round trip if the worker was idle, and more if it was busy
  *     e - g        >= round trip: the worker was busy; the task was there before the last ended
+ *     d - c - e    the time for which the worker was idle before the task; <= 0: it was not
  *
- * The first sample is taken as it is, and so is each lower one. A higher sample counts only if the
- * worker was waiting, by these data, or idle for longer than a task takes, and for not more than
- * the idle time: else a long queue would look like a long round trip, and grow. It counts with
- * weight 1/8, so that one hiccup does not fill a queue.
+ * A sample of the round trip is d - c - g. The first sample is taken as it is, and so is each lower
+ * one. A higher sample counts only if the worker was idle, and either e - g was shorter than a
+ * round trip, or the worker was idle for longer than a task takes. It counts as higher by at most
+ * the idle time: else a long queue would look like a long round trip, and grow. Its weight is 1/8,
+ * so that one hiccup does not fill a queue.
  */
 #include "sched/pace.h"
 

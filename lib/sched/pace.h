@@ -33,11 +33,12 @@ struct pace_task {
     int64_t sent_us, done_us; /* when it was sent; when its `done` arrived */
     int64_t wall_us;          /* its computing time, as the worker reports it; -1: not reported */
 };
-/* Records that a task is done. Returns its computing time: the reported one, at most
- * the time since it was sent or the one before was done. */
+/* Records that a task is done. Returns its computing time: the reported one. If that is missing, or
+ * longer than the time since the task was sent, it is the time since the task was sent or the one
+ * before was done, whichever was later. */
 double pace_note(struct pace *p, const struct pace_task *t);
 /* The number of tasks that the worker should hold beyond the `width` that it computes at once, at
- * most PACE_DEPTH_MOST. */
+ * most PACE_DEPTH_MOST; 1 if it has done none. */
 int32_t pace_depth(const struct pace *p, int32_t width);
 
 #endif

@@ -1,5 +1,6 @@
-/* How well deal -q auto -e balances, in virtual time: unequal slots, long links, a dear row, a slot
- * that becomes slow. Work and powers are drawn; a bound is for the mean of all draws. */
+/* How well deal -q auto -e balances unequal slots, in virtual time: short and long links, costs
+ * that cannot be expected, a row with much of the work, a slot that becomes slow. Work and powers
+ * are drawn at random. The mean efficiency over all draws must reach a bound. */
 #include "sim/sim.h"
 
 #include <math.h>
@@ -13,9 +14,9 @@ enum { W = 64, H = 96, ROUGH_H = 2000, SLOTS = 12, DRAWS = 64 };
 
 struct world_of {
     int64_t latency_us;
-    double dear;        /* part of the work that one row has; 0: none has more than others */
-    bool rough;         /* many short rows, whose costs say nothing of the next one */
-    const char *faults; /* of simulate -f; NULL: none */
+    double dear;        /* one row costs this part of what all rows cost without it; 0: none does */
+    bool rough;         /* many short rows; the cost of one says nothing about the next */
+    const char *faults; /* as of simulate -f; NULL: none */
 };
 
 static void make_work(struct sim_workload *l, uint64_t seed, const struct world_of *in)
@@ -31,7 +32,7 @@ static void make_work(struct sim_workload *l, uint64_t seed, const struct world_
     l->slots = SLOTS;
     l->power = sim_draw_powers(seed, SLOTS, 3);
     double sum = 0, us = 20000;
-    for (uint32_t i = 0; i < W * h; i++) { /* neighbours cost about the same */
+    for (uint32_t i = 0; i < W * h; i++) { /* unless rough, neighbours cost about the same */
         if (in->rough) us = 12 * exp(4 * rng_unit(seed, i / W));
         else us *= exp(.05 * (2 * rng_unit(seed, i) - 1));
         sum += l->pixel_us[i] = us;
@@ -55,7 +56,7 @@ static double efficiency(uint64_t seed, const struct world_of *in)
     if (in->rough) p.jitter = .5;
     if (in->faults && !sim_parse_faults(&p, in->faults)) fail_msg("%s", in->faults);
     if (!sim_workload_scale(&l, 1, err) || !sim_workload_plan(&l, &m, &p, err)) fail_msg("%s", err);
-    p.checks = NULL; /* of these, test_sim runs many more */
+    p.checks = NULL; /* test_sim runs them */
     sim_run(m.policy, &p, &r);
     assert_string_equal(r.failure, "");
     double e = 1e6 * sim_bound_s(&p) / (double)r.end_us;

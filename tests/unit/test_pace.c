@@ -1,4 +1,4 @@
-/* The measured round trip and time of a worker at the end of a link, in virtual time. */
+/* The round trip and task time of a worker as pace measures them over a link, in virtual time. */
 #include "sched/pace.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { TASK_US = 10000, MOST = 256 };
 
-/* A worker, and when the tasks that it has were sent: the n from `first`, modulo MOST. */
+/* A worker, and when its n queued tasks were sent: sent_us from `first`, modulo MOST. */
 struct line {
     struct pace pace;
     int64_t now_us, free_us, sent_us[MOST];
@@ -19,8 +19,8 @@ struct line {
 
 static double draw(struct line *l) { return rng_unit(1, ++l->drawn); }
 
-/* The worker does n tasks, whose times are from 1/7 to 7 times the mean, over a link with this
- * round trip; each way takes up to 10 % longer. Returns the round trip as measured. */
+/* The worker does n tasks, whose times are from 1/7 to 7 times TASK_US, the median, over a link
+ * with this round trip; each way takes up to 10 % longer. Returns the measured round trip. */
 static double after(struct line *l, int n, double trip_us)
 {
     for (int i = 0; i < n; i++) {
