@@ -55,6 +55,8 @@ LIBS     = -Wl,--as-needed -lpng -lz $(if $(ZSTD),-lzstd) -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
 BUILD    = build
 $(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a directory, without blanks in its name))
+# There the copies of scripts and scenes would be the files themselves, and clean would remove them.
+$(if $(subst $(CURDIR),,$(or $(realpath $(BUILD)),$(abspath $(BUILD)))),,$(error BUILD is "$(BUILD)", the sources, expected another directory))
 BIN      = $(if $(filter build,$(BUILD)),bin,$(BUILD)/bin)
 FUZZ_SECONDS = 600
 FUZZ_SEED    = 0

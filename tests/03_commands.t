@@ -58,6 +58,10 @@ is 'make: one line names the program that is not built and the missing package' 
 	'make: nc2vtk is not built: libnetcdf-dev is missing'
 run make -s -C "$root" BUILD='two words'
 like 'make: a BUILD with blanks is refused' "$status $err" '^2 .*BUILD is "two words", expected'
+for where in . ./ build/.. "$root"; do
+	run make -n -C "$root" clean BUILD="$where"
+	like "make: BUILD=$(echo "$where" | sed 's|^/.*|/...|') would be the sources, and is refused" "$status $err" '^2 .*, the sources, expected another'
+done
 
 # ---- demo --------------------------------------------------------------------------------------------------
 run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"
