@@ -55,6 +55,31 @@ static void tangent_roots(void **state)
     free_grid(&g);
 }
 
+/* Rain is 0 in many cells and on many faces, and nowhere less. */
+static void no_surface_at_the_least_value(void **state)
+{
+    (void)state;
+    static const struct volume_options methods[] = {VOLUME_OPTIONS_DEFAULT,
+        {VOLUME_ADAPTIVE, 1e-9, 0, ISA_AUTO, 1}, {VOLUME_GAUSS, 0, 9, ISA_AUTO, 1}};
+    static float p[4 * 64 * 64];
+    const double at[3] = {4, 4, 4};
+    struct grid g = make_grid(9, 9, 9);
+    for (uint64_t i = 0; i < 729; i++)
+        g.value[i] = rng_unit(5, i) < .6 ? 0 : (float)(30 * rng_unit(6, i));
+    for (int i = 0; i < 6; i++) {
+        double far = i / 3 ? 1e4 : 1;
+        const double from[3] = {4 + 20 * far, 4 + 17 * far, 4 + 13 * far};
+        struct scene c = make_scene(from, at);
+        c.s.w = c.s.h = 64, c.s.angle = 20 / far;
+        knot(&c, 0, 0, 0, 0, 0);
+        knot(&c, 30, 1, 1, 1, 0);
+        iso(&c, 0, 1, 1, 1, 0.5);
+        render(&g, &c.s, &methods[i % 3], p, NULL);
+        for (int v = 3; v < 4 * 64 * 64; v += 4) near((double)p[v], 0, 0);
+    }
+    free_grid(&g);
+}
+
 /* Sheets at nodes' heights, looked at from many directions: each ray meets each once. */
 static void roots_on_faces_count_once(void **state)
 {
@@ -155,6 +180,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(leading_coefficients_near_zero),
         cmocka_unit_test(tangent_roots),
+        cmocka_unit_test(no_surface_at_the_least_value),
         cmocka_unit_test(roots_on_faces_count_once),
         cmocka_unit_test(cells_constant_at_a_knot),
         cmocka_unit_test(offsets_cost_no_digits),
