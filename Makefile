@@ -112,6 +112,7 @@ PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 # sanitizers.
 archives = $(patsubst -l%,lib%.a,$(filter -l%,$(LIBS))) libc.a
 NO_STATIC := $(filter $(archives),$(foreach a,$(archives),$(shell $(CC) -print-file-name=$a)))
+STATIC_LD = $(if $(filter /%,$(shell $(CC) -print-file-name=rcrt1.o)),-static-pie,-static)
 EVERY_STATIC = $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker)
 STATIC   = $(if $(findstring -fsanitize,$(CFLAGS))$(NO_STATIC),,$(EVERY_STATIC))
 
@@ -228,7 +229,7 @@ $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 
 $(STATIC): $(BUILD)/static/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(LDFLAGS) -static -s -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) -Wl,-z,relro,-z,now $(LDFLAGS) $(STATIC_LD) -s -o $@ $< $(BUILD)/libstormring.a $(LIBS)
 
 $(COPIES): $(BUILD)/%: %
 	@mkdir -p $(@D)

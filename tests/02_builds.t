@@ -32,6 +32,13 @@ hardened() {
 }
 ok 'programs built by gcc are hardened' hardened gcc "$(programs $gcc)" $gcc
 ok 'programs built by clang are hardened' hardened clang build/clang/bin build/clang
+# Static programs have no table of symbols.
+pie() { readelf -W -h -l -d "$1" | awk '/Type: +DYN/ { dyn = 1 } /FLAGS_1.* NOW.* PIE/ { now = 1 } /GNU_RELRO/ { relro = 1 } END { exit !(dyn && now && relro) }'; }
+for program in build/static/*; do
+	if there "$program"; then ok "$program is position independent" pie "$program"
+	else skip 'static programs are position independent' "$missing is not there"
+	fi
+done
 ok 'it builds without optimisation' build plain gcc '-O0 -Werror' build/plain/base/clock.o
 is 'CFLAGS and LDFLAGS come last, so they win' "$(make -n -B BUILD=build/plain CC=gcc CFLAGS='-O0 -fno-pie -fno-stack-protector' \
 	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |
