@@ -2,6 +2,7 @@
 # Invariants 1 and 7: the same bytes for every method, number of slots, cut, order, vector width and nesting. The
 # reference is the picture of one worker without a balancer.
 . "$(dirname "$0")/lib.sh"
+patient
 
 spdgen -s 1 gears >gears.nff
 spdgen -s 2 balls >balls.nff

@@ -4,6 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154
 . "$root/tests/marked.sh"
+patient
 
 # grid PHASE: 24x18x7 nodes, uneven, y descending, a missing one
 grid() {

@@ -2,6 +2,7 @@
 # State that changes in a stream: two scenes and their frames, one after the other. Every task is rendered with the
 # scene before it, in every slot, however late the slot comes up and however often the task is given.
 . "$(dirname "$0")/lib.sh"
+patient
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 
 spdgen -s 2 gears >gears.nff

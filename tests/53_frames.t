@@ -4,6 +4,7 @@
 # others to render frame 1.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
+patient
 trap 'touch "$tmp/over"; rm -rf "$tmp"' EXIT
 
 spdgen -s 1 balls >0.nff

@@ -2,6 +2,7 @@
 # balance tells the stages which jobs its pictures have: a slot that announces another job is ended, even if it reports
 # first, and a picture without any fragment is missing.
 . "$(dirname "$0")/lib.sh"
+patient
 spdgen -s 1 tetra >a.nff
 spdgen -s 1 balls >b.nff
 balance interleaved -j 2 -s 24x16 -o true.pfm a.nff

@@ -5,6 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"
+patient
 
 spdgen -s 2 balls >0.nff
 spdgen -s 2 tetra >1.nff
@@ -21,7 +22,7 @@ renders() {
 	# shellcheck disable=SC2086
 	{ pack scene 0.nff; partition $cut 60x44; } >tasks
 	run timeout 300 "$@" - <tasks
-	is "$name" "$status $err $(gather -o a.pfm .out 2>&1; echo $?) $(cmp a.pfm good0.pfm 2>&1)" '0  0 '
+	is "$name" "$status $(unexpected .err) $(gather -o a.pfm .out 2>&1; echo $?) $(cmp a.pfm good0.pfm 2>&1)" '0  0 '
 }
 renders 'one slot' '' rtworker -j 1
 renders 'two slots' '' rtworker -j 2
@@ -35,7 +36,7 @@ renders 'a policy, pixels at a flush' '' deal -q auto -e rtworker -j 3 -c
 renders 'a tree' '' deal fan -j 2 rtworker -j 2
 renders 'a tree without a policy' '' fan -j 2 rtworker -j 2
 run sh -c '{ partition 60x44; } | rtworker -j 3 0.nff | gather -o a.pfm'
-is 'a scene from a file' "$status $err $(cmp a.pfm good0.pfm 2>&1)" '0  '
+is 'a scene from a file' "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0  '
 
 # ---- what it says ----------------------------------------------------------------------------------------------
 { pack scene 0.nff; partition 60x44; } >tasks
@@ -58,7 +59,7 @@ changes() {
 	shift
 	rm -f f?.pfm
 	run timeout 300 sh -c '"$@" - <film | gather -o f%d.pfm' sh "$@"
-	is "$name: complete" "$status $err" '0 '
+	is "$name: complete" "$status $(unexpected .err)" '0 '
 	for f in 0 1 2; do ok "$name: picture $f" cmp f$f.pfm good$f.pfm; done
 }
 changes 'three scenes' rtworker -j 3
@@ -70,11 +71,11 @@ changes 'three scenes, a tree' deal fan -j 2 rtworker -c -j 2
 	pack scene 1.nff && partition 60x44 && pack scene 2.nff && pack scene 0.nff && partition 60x44
 } >same
 run sh -c 'rtworker -j 2 - <same >same.frags'
-is 'one number for frames of other sizes and scenes' "$status $err" '0 '
+is 'one number for frames of other sizes and scenes' "$status $(unexpected .err)" '0 '
 is 'each is announced' "$(lines same.frags | grep -c '^frame 0 60 44 ')" 3
 is 'each task is done' "$(lines same.frags | grep -c '^done')" $((3 * 44 + 10))
 run sh -c 'rtworker -c -j 2 - <same >same.frags'
-is 'the same, pixels at the end' "$status $err $(lines same.frags | grep -c '^done')" "0  $((3 * 44 + 10))"
+is 'the same, pixels at the end' "$status $(unexpected .err) $(lines same.frags | grep -c '^done')" "0  $((3 * 44 + 10))"
 cat >hill.vtk <<'END'
 # vtk DataFile Version 3.0
 hill
@@ -102,7 +103,7 @@ printf '%s\n' 'at .5 .5 .5' 'up 0 0 1' 'angle 40' 'resolution 60 44' 'map 1 1 0 
 for f in 0 1; do partition 60x44 | vcworker hill.vtk $f.spec | gather -o view$f.pfm; done
 rm -f f?.pfm
 run sh -c 'vcworker -j 3 - - <views | gather -o f%d.pfm'
-is 'a grid and two specifications' "$status $err $(cmp f0.pfm view0.pfm 2>&1) $(cmp f1.pfm view1.pfm 2>&1)" '0  '' '
+is 'a grid and two specifications' "$status $(unexpected .err) $(cmp f0.pfm view0.pfm 2>&1) $(cmp f1.pfm view1.pfm 2>&1)" '0  '' '
 
 # ---- what is refused -------------------------------------------------------------------------------------------
 refused() { is "$1: refused" "$status $(printf '%s\n' "$err" | grep -c "$2")" '2 1'; }

@@ -5,6 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"
+patient
 
 spdgen -s 2 balls >0.nff
 spdgen -s 2 tetra >1.nff

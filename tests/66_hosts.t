@@ -1,6 +1,7 @@
 #!/bin/sh
 # balance -S and balance calibrate with hosts that are commands on this machine; 7*.t test ssh.
 . "$(dirname "$0")/lib.sh"
+patient
 
 # shellcheck disable=SC2154  # lib.sh sets them
 spdgen -s 2 gears >gears.nff

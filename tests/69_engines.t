@@ -2,6 +2,7 @@
 # The nodes of a job, and the launchers of stormring-engines(7), with programs of this test in the place of ssh, kubectl
 # and podman; 73_slurm.t has a cluster. GNU parallel is the real one.
 . "$(dirname "$0")/lib.sh"
+patient
 needs parallel
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 spdgen -s 2 gears >gears.nff

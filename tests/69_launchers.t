@@ -4,6 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
 . "$root/tests/marked.sh"
+patient
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 
 script() { cat >"$1" && chmod +x "$1"; }

@@ -8,6 +8,7 @@ if [ -z "${TEST_SLURM-}" ]; then
 fi
 . "$(dirname "$0")/lib.sh"
 . "$root/tests/marked.sh"
+patient
 # shellcheck source=examples.sh
 . "$root/tests/examples.sh"
 # shellcheck disable=SC2154,SC2016  # lib.sh and marked.sh set them; scripts for others

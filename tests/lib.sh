@@ -51,6 +51,22 @@ compile() {
 	cc -std=c11 -D_GNU_SOURCE -O -I"$root/lib" -o "$1" "$root/tests/$1.c" "$root/build/libstormring.a" $(cat "$root/build/libs") ||
 		{ echo "Bail out! tests/$1.c does not compile"; exit 3; }
 }
+# all_in DIRECTORY: makes it, with all programs; scripts are copies, because they run the programs beside them
+all_in() {
+	mkdir "$1"
+	cp "$root"/bin/balance* "$root/bin/stormring.sh" "$1"
+	for tap_program in "$root"/bin/*; do [ -e "$1/${tap_program##*/}" ] || ln -s "$tap_program" "$1"; done
+}
+# patient: from now on fan, if it has no -t, waits longer for silent slots. For tests that a lost slot would fail, because a
+# static method lacks its pixels, or because of its message: load alone can make a slot silent for the default time.
+patient() {
+	all_in patient
+	rm patient/fan
+	# shellcheck disable=SC2016  # for the script
+	printf '#!/bin/sh\ncase ${1-} in --*) ;; *) set -- -t 600 "$@" ;; esac\nexec %s "$@"\n' "'$root/bin/fan'" >patient/fan
+	chmod +x patient/fan
+	PATH=$tmp/patient:$PATH
+}
 # pov_ray WORD ...: runs POV-Ray, once more where a loaded machine did not start its thread in time
 pov_ray() {
 	for tap_try in 1 2 3 4 5; do

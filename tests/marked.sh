@@ -36,15 +36,13 @@ await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that w
 }
 # unexpected FILE: prints the messages of a run without those that load alone can cause: a slot that gets no processor for
 # seconds is lost and connected again, or never connects before the others have done the work
-unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, connecting again$|: is up$|never connected$' "$1"; }
+unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, (connecting|forked) again$|: is up$|never connected$' "$1"; }
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
 # wrap WORKER DIRECTORY: makes the directory, which has all programs. Where its worker is to render, and not to print a job or
 # to be listed by fan, it runs the script on standard input.
 wrap() {
-	mkdir "$2"
-	cp "$root"/bin/balance* "$root/bin/stormring.sh" "$2"
-	for program in "$root"/bin/*; do [ -e "$2/${program##*/}" ] || ln -s "$program" "$2"; done
+	all_in "$2"
 	rm "$2/$1" "$2/fan"
 	# shellcheck disable=SC2016  # for the scripts
 	{
