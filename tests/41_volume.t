@@ -188,19 +188,38 @@ for stage in gather balance pack partition; do
 done
 
 # ---- a series that is killed and resumed ------------------------------------------------------------------
+# A worker here keeps what it has of the fourth picture and later ones, except the first fragment. So a run writes three
+# pictures, has a part of another, and cannot end before it is killed.
+cat >three <<'END'
+$| = 1;
+while (defined(my $line = <STDIN>)) {
+	my $body = '';
+	read STDIN, $body, $1 + 1 if $line =~ / bytes=(\d+)/;
+	next if $line =~ /^(done|frag) (\d+)/ && $2 > 2 && ($1 eq 'done' || $kept++);
+	print $line, $body;
+}
+END
+wrap vcworker kept <<END
+'$root/bin/vcworker' "\$@" | perl '$tmp/three'
+END
+begun() { [ -e f1.pam ] && grep -aq '^frag 3 ' log; }
 # killed NAME PREFIX FILE ...: kill -9 of the last stage, or of the whole group if PREFIX is -, after the second picture
 killed() {
 	name=$1 whom=$2
 	shift 2
 	rm -f log f*.pam
-	# The pictures of one run, to compare with; each takes long enough for a kill.
+	# The pictures of one run, to compare with.
 	balance ds -j 2 -W '-m trapezoid:300' -o whole%d.pam "$@"
-	setsid balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
+	PATH=$tmp/kept:$PATH setsid env MARK=$mark balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
 	pid=$!
-	await 20 test -e f1.pam
+	await 20 begun
 	kill -9 "$whom$pid" 2>/dev/null
-	wait $pid
+	status=0
+	wait $pid || status=$?
+	is "$name: it was killed" $status 137
+	ok "$name: no process remains" await 5 none_alive
 	diag "$name: $(find . -name 'f*.pam' | wc -l) of $(find . -name 'whole*.pam' | wc -l) pictures were there"
+	ok "$name: pictures were missing" [ "$(find . -name 'f*.pam' | wc -l)" -le 3 ]
 	run balance ds -j 2 -W '-m trapezoid:300' -r log -o f%d.pam "$@"
 	is "$name: the same command finishes it" "$status $(printf '%s' "$err" | grep -v 'damaged record')" '0 '
 	same=0
