@@ -263,16 +263,33 @@ for power in .77 .77 .77 1 1 1.96 1.96 1.96 1.96; do
 	hosts=$((${hosts-0} + 1))
 	echo "host$hosts power=$power via=\"sh via $power $hosts %c\""
 done >table.hosts
-rows() { grep -ao 'done 0 [0-9]* cpu' table.frags 2>/dev/null | wc -l; }
-after() { [ "$(rows)" -ge 300 ] || ! kill -0 $! 2>/dev/null; }
+# Each worker holds what it has done back until all hosts are up, and from the 300th row on until the removal.
+cat >gated <<'END'
+$| = 1;
+sub hold { select undef, undef, undef, .02 until $_[0]->() }
+while (defined(my $line = <STDIN>)) {
+	my $body = '';
+	read STDIN, $body, $1 + 1 if $line =~ / bytes=(\d+)/;
+	if ($line =~ /^done/) {
+		hold(sub { @{[glob 'pid.*']} == 9 });
+		open my $rows, '>>', 'rows' or die;
+		syswrite $rows, 'r';
+		hold(sub { -s 'rows' < 300 || -e 'removed' });
+	}
+	print $line, $body;
+}
+END
+printf '#!/bin/sh\nreplay -x %s one.frags | perl gated\n' "$scale" >gate && chmod +x gate
+after() { [ "$(wc -c <rows)" -ge 300 ]; }
 # table [OPTIONS]
 table() {
 	rm -f removed table.frags out.pfm pid.*
-	partition -n 9 32x512 | env MARK=$mark timeout 1200 ringctl "$@" fan -S table.hosts ringctl -n replay -x "$scale" one.frags 2>said |
+	: >rows
+	partition -n 9 32x512 | env MARK=$mark timeout 1200 ringctl "$@" fan -t 600 -S table.hosts ringctl -n ./gate 2>said |
 		gather -r table.frags -o out.pfm &
 	await 20 after
-	: >removed
 	[ "$remove" = none ] || kill -9 $(cat pid.6 pid.8)
+	: >removed
 	wait $!
 	status=$?
 }
