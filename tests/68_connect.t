@@ -26,18 +26,18 @@ PATH=$tmp:$PATH
 says() { cat >"says/$1"; echo "$2" >"status/$1"; }
 
 # ---- failures without a second try ----------------------------------------------------------------------------------------------
+complained() { [ -s tries ] && grep -q '^fan: far' .err; }
 # ends NAME STATUS LINE: beside this machine's slot, a host of three slots ends with one line
 ends() {
 	says far "$2"
 	rm -f tries
-	run sh -c '{ cat job.task; until [ -s tries ] && grep -q "^fan: far" .err; do sleep .05; done; } |
-		deal fan -S :,3/far rtworker - | gather -o out.pfm'
+	run eval '{ cat job.task; await 5 complained; } | in_time deal fan -S :,3/far rtworker - | gather -o out.pfm'
 	is "$1: one line, and how many are missing" "$err" "fan: far: $3
 fan: 3 of 4 slots never connected"
 	ok "$1: the same picture" cmp out.pfm good.pfm
 	is "$1: one try" "$(cat tries)" far
 	rm -f tries
-	run sh -c 'fan -S 3/far rtworker - <job.task >frags'
+	run in_time sh -c 'fan -S 3/far rtworker - <job.task >frags'
 	is "$1: no other host: exit 3, at once" "$status:$err" "3:fan: far: $3
 fan: no slot left"
 	is "$1: no other host: one try" "$(cat tries)" far
@@ -82,12 +82,12 @@ ends 'a worker that ends' 3 'cannot be used (exit-3)' </dev/null
 # In a hosts file: where the programs are, and another way, for which advice about ssh would be wrong.
 says far 127 </dev/null
 echo 'far bin=/opt/bin' >binned
-run sh -c 'fan -S binned rtworker - <job.task >frags'
+run in_time sh -c 'fan -S binned rtworker - <job.task >frags'
 is 'bin= without a worker' "$err" 'fan: far: no rtworker in /opt/bin, nor on its PATH; install it there
 fan: no slot left'
 echo 'Host key verification failed.' | says far 255
 echo 'far via="ssh -p 2222 %h %c"' >by-via
-run sh -c 'fan -S by-via rtworker - <job.task >frags'
+run in_time sh -c 'fan -S by-via rtworker - <job.task >frags'
 like 'via=, and an unknown key' "$err" '^fan: far: host key unknown; connect to it once by hand, as its via= does$'
 # A launcher that this machine lacks.
 mkdir few
@@ -95,7 +95,7 @@ for program in sh env rtworker fan; do ln -s "$(command -v $program)" few; done
 echo 'far via="nosuchlauncher -N 1 %h %c"' >launched
 echo 'far via="./nosuchlauncher %h %c"' >local
 while IFS='|' read -r hosts line; do
-	run env PATH="$tmp/few" fan -S "$hosts" rtworker - <job.task
+	run in_time env PATH="$tmp/few" fan -S "$hosts" rtworker - <job.task
 	is "-S $hosts, no such launcher here: exit 3, and one line" "$status:$err" "3:fan: far: no $line
 fan: no slot left"
 done <<'END'
@@ -107,7 +107,7 @@ END
 rm tries
 printf 'far slots=2\nalso slots=2\n' >two
 echo 'ssh: Could not resolve hostname also: Name or service not known' | says also 255
-run balance calibrate -n 2 -s 16x16 -S two gears.nff
+run in_time balance calibrate -n 2 -s 16x16 -S two gears.nff
 is 'calibrate: exit 3' "$status" 3
 is 'calibrate: one line per host, with the result' "$(printf '%s\n' "$err" | sort)" 'balance calibrate: also: not measured
 balance calibrate: far: not measured
@@ -117,7 +117,7 @@ is 'calibrate: one try each' "$(sort tries | tr '\n' ' ')" 'also far '
 
 # A single name may be meant as a file.
 cp says/also says/nosuch; cp status/also status/nosuch
-run sh -c 'fan -S nosuch rtworker - <job.task >frags'
+run in_time sh -c 'fan -S nosuch rtworker - <job.task >frags'
 is 'a single name that is neither file nor host: exit 3, and a message' "$status:$err" '3:fan: -S nosuch: no such file, and no host of that name
 fan: no slot left'
 
@@ -133,7 +133,7 @@ echo 'later via="./later %c"' >later.hosts
 again() {
 	cat >says/later
 	rm -f tries
-	run sh -c 'fan -S later.hosts rtworker - <job.task | gather -o out.pfm'
+	run in_time sh -c 'fan -S later.hosts rtworker - <job.task | gather -o out.pfm'
 	is "$1: messages say that fan tries again, and that the host is up" "$err" "fan: later: $2
 fan: slot 0 on later: is up"
 	ok "$1: the same picture" cmp out.pfm good.pfm
@@ -156,7 +156,7 @@ again 'no reason' 'cannot be reached (exit-255); trying again for up to 30 s' </
 # fan -l asks a host once more, not once for each slot.
 echo 'ssh: connect to host down port 22: Connection refused' | says down 255
 rm -f tries
-run fan -l -S 5/down rtworker
+run in_time fan -l -S 5/down rtworker
 is 'fan -l: exit 1, and one line' "$status:$err" '1:fan: down: connection refused; trying again'
 is 'fan -l: two tries' "$(tr '\n' ' ' <tries)" 'down down '
 
@@ -168,7 +168,7 @@ exec sh -c "$1"
 END
 chmod +x warned
 echo 'warned via="./warned %c"' >warned.hosts
-run sh -c 'fan -S warned.hosts rtworker - <job.task | gather -o out.pfm'
+run in_time sh -c 'fan -S warned.hosts rtworker - <job.task | gather -o out.pfm'
 is 'a warning without a failure is shown' "$err" 'warned: @@@@@@@@@@@@ WARNING
 warned: more of it'
 ok 'a warning, and no failure: the same picture' cmp out.pfm good.pfm
@@ -186,7 +186,7 @@ END
 chmod +x once
 echo 'once via="./once %c"' >once.hosts
 rm -f tries
-run sh -c 'deal fan -z off -S once.hosts rtworker - <job.task | gather -o out.pfm'
+run in_time sh -c 'deal fan -z off -S once.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
 	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 30 s$'
@@ -195,7 +195,7 @@ like 'a host that was up, then refuses: it is tried again' "$err" \
 printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood
 chmod +x flood
 echo 'flood via="./flood %c"' >flood.hosts
-run sh -c 'fan -S flood.hosts rtworker - <job.task | gather -o out.pfm'
+run in_time sh -c 'fan -S flood.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a flood of messages: the same picture' cmp out.pfm good.pfm
 is 'a flood of messages: each is shown or counted' "$(printf '%s\n' "$err" | awk '/^flood: / { n++ }
 	/^fan: flood: [0-9]+ more lines of messages dropped$/ { n += $3 } END { print n }')" 20000
@@ -203,14 +203,14 @@ ok 'a flood of messages: most are not shown' [ "$(printf '%s\n' "$err" | wc -l)"
 
 # ---- no host left --------------------------------------------------------------------------------------------
 for input in /dev/null job.task; do for chain in fan 'fan -1' 'deal fan' 'deal fan -1' 'ringctl fan'; do
-	run sh -c "$chain -j 3 nosuchprogram <$input"
+	run in_time sh -c "$chain -j 3 nosuchprogram <$input"
 	is "$chain, a worker that is not here, input $input: exit 3, and why" \
 		"$status:$(printf '%s\n' "$err" | grep -v '^[dr][a-z]*: fan ended with [0-9]* tasks unfinished')" \
 		'3:fan: nosuchprogram: No such file or directory
 fan: no slot left'
 done; done
 # shellcheck disable=SC3045  # dash and bash both know -n
-run sh -c '(ulimit -n 40; exec deal fan -j 30 rtworker -) <job.task | gather -o out.pfm'
+run in_time sh -c '(ulimit -n 40; exec deal fan -j 30 rtworker -) <job.task | gather -o out.pfm'
 is 'more slots than files may be open: why, and how many' "$(printf '%s\n' "$err" | sed 's/[0-9]* of/N of/')" \
 	'fan: rtworker: Too many open files
 fan: N of 30 slots never connected'

@@ -22,7 +22,7 @@ exit 255
 END
 # Eight tries take 35 s, and 30 s without a slot end a run if nothing is stated.
 echo 'none tries=8 via="./none %h %c"' >none.hosts
-(fan -S none.hosts rtworker - <job.task >none.frags 2>none.said; echo $? >none.status) &
+(in_time fan -S none.hosts rtworker - <job.task >none.frags 2>none.said; echo $? >none.status) &
 none_pid=$!
 # A queue that lasts longer than the 15 s that a connection may take.
 script queue <<'END'
@@ -32,9 +32,9 @@ until [ -e "$1.released" ]; do sleep .1; done
 exec sh -c "$2"
 END
 printf ': slots=1\nlong slots=2 wait=3600 via="./queue %%h %%c"\n' >long.hosts
-(fan -S long.hosts rtworker - <job.task >long.frags 2>long.said; echo $? >long.status) &
+(in_time fan -S long.hosts rtworker - <job.task >long.frags 2>long.said; echo $? >long.status) &
 long_pid=$!
-(until grep -q 'queued by' long.said; do sleep .1; done; sleep 15; touch long.released) &
+(await 20 grep -q 'queued by' long.said; sleep 15; touch long.released) &
 
 # ---- whole lines --------------------------------------------------------------------------------------------------------
 # It writes a line when its newline has come, and never a part of one.
@@ -51,15 +51,15 @@ printf 'a slots=2 via="./relay %%c"\nb slots=2 via="./relay %%c"\n' >relays
 printf '{ head -c 1000; echo; } </dev/zero | tr "\\0" x; printf "no newline"' >said.sh
 is 'the relay forwards whole lines, and nothing else' "$(sh said.sh | ./lines | wc -lc | tr -s ' ')" ' 1 1001'
 for method in adaptive dc ds gdc gdc-published hybrid interleaved masterslave sc ss; do
-	run balance $method -S relays -s $size -o out.pfm gears.nff
+	run in_time balance $method -S relays -s $size -o out.pfm gears.nff
 	is "whole lines, $method: exit 0" "$status$(printf %s "$err" | grep -v 'never connected$')" 0
 	ok "whole lines, $method: the same picture" cmp out.pfm good.pfm
 	rm -f out.pfm
 done
-run sh -c 'deal -q 4 fan -1 -S relays rtworker - <job.task | gather -o out.pfm'
+run in_time sh -c 'deal -q 4 fan -1 -S relays rtworker - <job.task | gather -o out.pfm'
 ok 'whole lines, fan -1: the same picture' cmp out.pfm good.pfm
 rm -f out.pfm
-run sh -c 'deal -q 4 fan -S relays deal fan -j 2 rtworker - <job.task | gather -o out.pfm'
+run in_time sh -c 'deal -q 4 fan -S relays deal fan -j 2 rtworker - <job.task | gather -o out.pfm'
 ok 'whole lines, a tree: the same picture' cmp out.pfm good.pfm
 
 # The last pixels of a slot wait for no later record.
@@ -82,7 +82,7 @@ echo 'ends via="./ends %c"' >ends.hosts
 for code in 0 1 2 9 143; do
 	rm -f tries out.pfm
 	echo $code >status
-	run sh -c 'deal fan -S ends.hosts rtworker - <job.task | gather -o out.pfm'
+	run in_time sh -c 'deal fan -S ends.hosts rtworker - <job.task | gather -o out.pfm'
 	ok "a launcher that ends with $code: the same picture" cmp out.pfm good.pfm
 	is "a launcher that ends with $code: three tries" "$(wc -l <tries)" 3
 	is "a launcher that ends with $code: messages say so" "$(printf '%s\n' "$err" | sed 's/with [0-9]* tasks/with N tasks/')" \
@@ -94,7 +94,7 @@ done
 for code in 126 127; do
 	rm -f tries
 	echo $code >status
-	run sh -c 'deal fan -S ends.hosts rtworker - <job.task >ends.frags'
+	run in_time sh -c 'deal fan -S ends.hosts rtworker - <job.task >ends.frags'
 	is "a launcher that ends with $code: exit 3, and one try" "$status$(cat tries)" 3try
 done
 
@@ -106,10 +106,11 @@ sh -c "$1" | dd bs=1 count=200 2>/dev/null
 exit 255
 END
 echo 'killer tries=2 via="./killer %c"' >killer.hosts
-run sh -c 'deal fan -S killer.hosts rtworker - <job.task >killer.frags'
+run in_time sh -c 'deal fan -S killer.hosts rtworker - <job.task >killer.frags'
 is 'tries=2, tasks that kill: given up after two' "$status$(wc -l <killer.tries)" 32
 printf 'less slots=3 tries=2 via="./none %%h %%c"\n: slots=1\n' >less.hosts
-run sh -c '{ cat job.task; until grep -q "no try is left" .err; do sleep .1; done; } | deal fan -S less.hosts rtworker - | gather -o out.pfm'
+given_up() { grep -q 'no try is left' .err; }
+run eval '{ cat job.task; await 20 given_up; } | in_time deal fan -S less.hosts rtworker - | gather -o out.pfm'
 is 'tries=2, a host that is not reached: two tries, and messages' "$(wc -l <less.tries)$err" \
 	"2fan: less: cannot be reached (exit-255); trying again, 2 times in all
 fan: less: cannot be used (exit-255); no try is left (tries=2)
@@ -119,21 +120,21 @@ fan: 3 of 4 slots never connected"
 printf 'far slots=2 wait=3600 via="./queue %%h %%c"\n: slots=1\n' >far.hosts
 { pack scene gears.nff; partition -w 1,1,1 $size; } >shares.task
 rm -f out.pfm
-run sh -c 'deal sh -c "fan -S far.hosts rtworker - | tee far.frags" <shares.task | gather -o out.pfm'
+run in_time sh -c 'deal sh -c "fan -S far.hosts rtworker - | tee far.frags" <shares.task | gather -o out.pfm'
 ok 'a queued host with a share: others do that share' cmp out.pfm good.pfm
 is 'a queued host with a share: a message names it, and one counts its slots' "$(printf '%s\n' "$err" | sed 's/; [12] queued/; N queued/')" \
 	'fan: far: queued by its launcher; waiting for up to 3600 s
 fan: 2 of 3 slots never connected; N queued'
 is 'a queued host with a share: its slots are gone, for policies' "$(events far.frags | grep 'w=[01]' | sed 's/ recv_us=.*//' | sort | tr '\n' ';')" \
 	'gone w=0 why=queued lost=0;gone w=1 why=queued lost=0;'
-run fan -l -S far.hosts rtworker -
+run in_time fan -l -S far.hosts rtworker -
 is 'fan -l does not wait for a queue' "$status $(printf '%s\n' "$out" | cut -f 1-2 | tr '\t\n' ' ;')$err" \
 	'1 0 far;1 far;2 :;fan: far: cannot be used (queued)'
 rm -f out.pfm
-ok 'hybrid with a queued host: exit 0' balance hybrid -S far.hosts -s $size -o out.pfm gears.nff
+ok 'hybrid with a queued host: exit 0' in_time balance hybrid -S far.hosts -s $size -o out.pfm gears.nff
 ok 'hybrid with a queued host: the same picture' cmp out.pfm good.pfm
 echo 'brief wait=6 tries=1 via="./queue %h %c"' >brief.hosts
-run sh -c 'fan -S brief.hosts rtworker - <job.task >brief.frags'
+run in_time sh -c 'fan -S brief.hosts rtworker - <job.task >brief.frags'
 is 'wait= is over: a failed connection' "$status$(wc -l <brief.tries)$err" '31fan: brief: queued by its launcher; waiting for up to 6 s
 fan: brief: cannot be used (no-hello); no try is left (tries=1)
 fan: no slot left'

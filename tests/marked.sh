@@ -20,6 +20,7 @@ program() {
 	done
 }
 now_ms() { echo $(($(date +%s%N) / 1000000)); }
+vain() { echo "$1" >>"$tmp/.vain"; diag "$1" >&2; } # MESSAGE: the test has failed
 # Load decides all times, so no test fails because of seconds. SECONDS is the limit on an idle machine; a loaded one gets
 # forty times as long. Processes that must not end by themselves meanwhile have work for hours.
 await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that waits in vain fails, also in a subshell
@@ -27,12 +28,18 @@ await() { # SECONDS COMMAND ...: waits until the command succeeds; a test that w
 	shift
 	until "$@"; do
 		if [ $((await_left -= 1)) -lt 0 ]; then
-			: >"$tmp/.vain"
-			diag "waited in vain: $*" >&2
+			vain "waited in vain: $*"
 			return 1
 		fi
 		sleep .05
 	done
+}
+# in_time COMMAND ...: runs the command; a test whose command goes on for 20 minutes fails
+in_time() {
+	in_time_status=0
+	timeout 1200 "$@" || in_time_status=$?
+	[ $in_time_status -ne 124 ] || vain "had no end: $*"
+	return $in_time_status
 }
 # unexpected FILE: prints the messages of a run without those that load alone can cause: a slot that gets no processor for
 # seconds is lost and connected again, or never connects before the others have done the work
