@@ -4,7 +4,6 @@
 . "$(dirname "$0")/lib.sh"
 # shellcheck disable=SC2154
 . "$root/tests/marked.sh"
-patient
 
 # grid PHASE: 24x18x7 nodes, uneven, y descending, a missing one
 grid() {
