@@ -168,20 +168,25 @@ ok 'the light is off' grep -qx 'light off' "$root/scenes/stormview.spec"
 like 'the contour is at 40 m/s' "$(grep -c '^map' "$root/scenes/stormview.spec") $(grep '^map 40 ' "$root/scenes/stormview.spec")" '^3 map 40 .* 40$'
 
 # ---- kills -----------------------------------------------------------------------------------------------------
-casting() { [ "$(program vcworker | wc -l)" -ge 3 ]; }
+casting() { [ "$(program vcworker | wc -l)" -ge 3 ] && [ -n "$(program $stage)" ]; }
+# There pack waits for the file go, so that it and partition are there to be killed.
+all_in gated
+rm gated/pack
+printf '#!/bin/sh\nuntil [ -e "%s/go" ]; do sleep .05; done\nexec "%s/bin/pack" "$@"\n' "$tmp" "$root" >gated/pack
+chmod +x gated/pack
 for stage in gather balance pack partition; do
-	rm -f f*.pam
-	env MARK=$mark balance ds -j 3 -s 400x300 -W '-m trapezoid:200000' -o f%d.pam a.vtk b.vtk one.spec two.spec 2>said &
+	rm -f f*.pam go
+	case $stage in gather | balance) : >go ;; esac
+	PATH=$tmp/gated:$PATH env MARK=$mark balance ds -j 3 -s 400x300 -W '-m trapezoid:200000' -o f%d.pam a.vtk b.vtk one.spec two.spec 2>said &
 	pid=$!
-	await 5 casting
+	await 20 casting
 	victims=$(program $stage)
 	[ $stage != balance ] || victims=$pid
 	# shellcheck disable=SC2086
-	if [ -z "$victims" ] || ! kill -9 $victims 2>/dev/null; then
-		pass "$stage was done before it could be killed"
-		kill -9 $pid
-	fi
+	kill -9 $victims
+	: >go
 	ok "kill -9 of $stage over several pictures: no process remains" await 2 none_alive
+	end_all
 	wait $pid 2>/dev/null
 	is "kill -9 of $stage: no picture" "$(ls f*.pam* 2>/dev/null)" ''
 done
