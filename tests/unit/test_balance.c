@@ -10,7 +10,11 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { W = 64, H = 96, ROUGH_H = 2000, SLOTS = 12, DRAWS = 64 };
+#define W 64
+#define H 96
+#define ROUGH_H 2000
+#define SLOTS 12
+#define DRAWS 64
 
 struct world_of {
     int64_t latency_us;

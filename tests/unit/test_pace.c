@@ -7,7 +7,8 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { TASK_US = 10000, MOST = 256 };
+#define TASK_US 10000
+#define MOST 256
 
 /* A worker, and when its n queued tasks were sent: sent_us from `first`, modulo MOST. */
 struct line {
