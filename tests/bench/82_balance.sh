@@ -2,7 +2,9 @@
 # 82_balance: how close to the lower bound are deal -q auto -e, on rows, and gdc, on fine cuts? In virtual time: gears
 # at the GDC paper's 1091 s, and other scenes, on hosts of unequal power, with long links, faults and a row that has
 # 30 % of the work. Medians over SEEDS draws of powers and faults, of makespan and of efficiency (lower bound /
-# makespan). With OLD=PROGRAM, another simulate, both columns and the ratio of the makespans. CASES=ERE picks cases.
+# makespan). The bound knows of no faults; where hosts fall silent or become slow, the last column is the efficiency if
+# the others were never idle. With OLD=PROGRAM, another simulate, both columns and the ratio of the makespans. CASES=ERE
+# picks cases.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 seeds=${SEEDS:-5}
@@ -42,6 +44,23 @@ value() {
 	fi
 	awk -F '\t' '$1 == "makespan_s" { m = $2 } $1 == "efficiency" { e = $2 } END { print m, e }' figures
 }
+built draw_powers
+# possible "MAKESPAN EFFICIENCY": prints the efficiency of this draw if no host that is left were ever idle
+possible() {
+	case $hosts in
+	-w*) powers=${hosts#-w } ;;
+	*) powers=$(./draw_powers "$seed" "$(echo "${hosts#-j }" | tr , ' ')") ;;
+	esac
+	echo "$powers" | awk -F , -v bound="$(echo "$1" | awk '{ print $1 * $2 }')" -v faults="${options##* -f }" '{
+		for (i = 1; i <= NF; i++) all += $i
+		n = split(faults, fault, ",")
+		for (i = 1; i <= n; i++) {
+			split(fault[i], at, "[@:]") # what, when, host, new part of its power
+			lost += $(at[3] + 1) * (1 - at[4])
+		}
+		print bound / (at[2] + (bound - at[2]) / (1 - lost / all))
+	}'
+}
 # The ninth host is the fastest.
 known=1,1,1,2,2,2,3,3,4,1,1,1,2,2,2,3,3,1,1,1,2,2,1,1,1,1,2,2,1,1,1,1,1,1,1,1,1
 silent=silence@8s:3,silence@8s:9,silence@8s:17,silence@8s:25,silence@8s:30
@@ -57,14 +76,16 @@ while IFS='|' read -r name costs seconds hosts options; do
 		gdc*' 100,'*) tasks=fine100 ;;
 		*5000*) tasks=pairs ;;
 		esac
-		: >new && : >old
+		: >new && : >old && : >best
 		for seed in $(seq 0 $((seeds - 1))); do
 			value simulate >>new
+			case $options in *@*) possible "$(tail -n 1 new)" >>best ;; esac
 			[ -z "${OLD-}" ] || value "$OLD" >>old
 		done
 		printf '%-44s %-4s %s' "$name" $way "$(median 1 <new) $(median 2 <new)"
 		[ -z "${OLD-}" ] ||
 			echo "$(median 1 <old) $(median 2 <old) $(median 1 <new)" | awk '{ printf " %s %s %.3f", $1, $2, $3 / $1 }'
+		[ ! -s best ] || printf ' possible: %s' "$(median 1 <best)"
 		echo
 	done
 done <<-END
