@@ -250,6 +250,9 @@ is "never a word: exit 0" "$status" 0
 ok "never a word: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/(done 0 .*\n)/\$1\$1/"; exit'
 ok "says done twice: the same picture" cmp out.pfm small.pfm
+liar 'rtworker - | ./through "s/^(frame 0 .*\n)/\$1 x 3000/e"; exit' 2 'lost .unasked' late
+ok "announces the frame 3000 times: the same picture" cmp out.pfm small.pfm
+like "announces the frame 3000 times: a message says so" "$(cat said)" 'lost \(unasked\)'
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference, so the liar sends the second one.

@@ -175,6 +175,7 @@ static void route_frame(struct fan *f, const struct record *r)
     struct fan_job *job = fan_job(f, stream_frame(&f->input, r));
     job->stated = rec_str(r, "job", job->hash, sizeof job->hash);
     job->by = -1;
+    f->n_frames++;
     route_small(f, r);
 }
 

@@ -107,6 +107,7 @@ struct connection {
     int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
     int64_t ahead;      /* messages of a node, less those sent to it */
     int stale;          /* answers to no question */
+    int64_t news;       /* frames and losses that it announced */
     int64_t probe_us;   /* when the latest probe was sent; 0: none was */
     size_t probe_bytes; /* the length of the answer that is to come; 0: none is */
 
@@ -184,7 +185,8 @@ struct fan {
     struct decoder in;
     struct stream_state input;
     struct fan_state_of states[GENERATIONS]; /* live generations, modulo GENERATIONS */
-    uint32_t n_states;                       /* records of state so far */
+    uint32_t n_states;                       /* records of state so far, */
+    int64_t n_frames;                        /* and of frames */
     bool begun;                              /* a task of the latest generation has come */
     struct outlet out;
     int64_t start_us;    /* zero of sent_us and recv_us */

@@ -11,6 +11,7 @@
 #define BEAT_US 250000     /* time between beats of a slot that are passed on */
 /* answers to no question, per connection; likewise messages */
 #define STALE_MOST 1000
+#define NEWS_TIMES 4 /* a worker may announce each frame again after it was lost */
 #define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
 
 static const char *const stamped[] = {"w", "host", "from", "sent_us", "recv_us", NULL};
@@ -124,6 +125,13 @@ static const char *take_job(
     return NULL;
 }
 
+/* A slot that announces more than it can have to is lost, because all of it goes to the log. */
+static const char *take_news(const struct fan *f, struct fan_slot *s)
+{
+    int64_t most = STALE_MOST + NEWS_TIMES * s->width * f->n_frames;
+    return ++s->conn.news > most ? "unasked" : NULL;
+}
+
 /*
  * A requested frame is announced: the slot has loaded the state. The record keeps its place among
  * the pixels, because those before it may belong to another job. A worker with several slots has
@@ -135,6 +143,7 @@ static const char *take_frame(struct fan *f, struct fan_slot *s, const struct re
     const struct frame_size *asked = frames_find(&f->input.frames, r->task.frame);
     if (!asked || asked->w != r->frame_w || asked->h != r->frame_h) return "wrong-frame";
     const char *why = take_job(f, s, asked, r);
+    if (!why) why = take_news(f, s);
     if (why) return why;
     s->conn.announced_frame = true;
     s->feed.loading = false;
@@ -242,10 +251,12 @@ static bool too_long(const struct record *r)
  * An inner fan has lost a slot. If there is a policy between, it has kept the slot's tasks, and the
  * report is for the log. Without one, tasks sent to that slot will not come back.
  */
-static const char *take_inner_gone(struct fan *f, const struct fan_slot *s, const struct record *r)
+static const char *take_inner_gone(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[144];
     if (rec_is(r, "kept", "1")) {
+        const char *why = take_news(f, s);
+        if (why) return why;
         stamp(s, r, text, sizeof text);
         stamp_time(f, text, sizeof text);
         up_forward(&f->out.queue, r, stamped, text);
