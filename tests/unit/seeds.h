@@ -15,7 +15,8 @@ static void note_seed(uint64_t seed, const struct sim_result *r);
 /* The plan, and what happened, without a line's end. */
 static void say_seed(uint64_t seed, const struct sim_result *r);
 
-static bool seeds_hold; /* every one of them; else the other tests have nothing to say */
+static bool seeds_hold;   /* every one of them; else the other tests have nothing to say */
+static int64_t seeds_run; /* below 1000, few faults happen */
 
 static bool try_seed(uint64_t seed, struct sim_result *r)
 {
@@ -33,6 +34,7 @@ static int64_t run_seeds(void)
     int64_t seeds = 1000;
     if (text && !parse_int(text, 1, 100000000, &seeds)) fail_msg("SEEDS=%s", text);
     seeds_hold = true;
+    seeds_run = seeds;
     for (int64_t seed = 0; seed < seeds && seeds_hold; seed++) {
         struct sim_result r;
         seeds_hold = try_seed((uint64_t)seed, &r);
