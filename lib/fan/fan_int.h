@@ -1,10 +1,9 @@
 /*
  * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
- * (which slots are connected next, and what is reported about hosts); join.c (a hosts file that
- * changes: slots that join the run and leave it); refusal.c (why a connection failed); hello.c
- * (which workers are let in); alive.c (silence of this end); code.c (links on which records are
- * packed); up.c (what workers send); err.c (their standard error); send.c (programs for hosts that
- * have none); list.c (fan -l).
+ * (which slots are connected next; reports about hosts); join.c (a hosts file that changes);
+ * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
+ * end); code.c (links on which records are packed); up.c (what workers send); err.c (their standard
+ * error); send.c (programs for hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
