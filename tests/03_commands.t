@@ -60,7 +60,7 @@ run make -s -C "$root" BUILD='two words'
 like 'make: a BUILD with blanks is refused' "$status $err" '^2 .*BUILD is "two words", expected'
 for where in . ./ build/.. "$root"; do
 	run make -n -C "$root" clean BUILD="$where"
-	like "make: BUILD=$(echo "$where" | sed 's|^/.*|/...|') would be the sources, and is refused" "$status $err" '^2 .*, the sources, expected another'
+	like "make: BUILD=$(echo "$where" | sed 's|^/.*|/...|') would be the sources, and is refused" "$status $err" '^2 .*(, the sources, expected another|without blanks in its name)'
 done
 
 # ---- demo --------------------------------------------------------------------------------------------------
