@@ -9,10 +9,10 @@
  *    a method for scheduling parallel loops", Comm. ACM 35(8), 1992; S. F. Hummel, J. Schmidt,
  *    R. N. Uma, J. Wein, "Load-sharing in heterogeneous systems via weighted factoring", SPAA
  *    1996).
- * 2. With either SCHED_DEPTH_AUTO or an endgame, an idle slot gets a task that another slot has
- *    queued: the last one of the slot that needs longest for its queue. A task cannot be called
- *    back through a pipe; a second copy has the same effect, because the run does not wait for the
- *    first. With both, queues are short at the end, and rule 3 alone was measured to be better.
+ * 2. With SCHED_DEPTH_AUTO or an endgame, an idle slot gets a task that another slot has queued:
+ *    the last one of the slot that needs longest for its queue. A task cannot be called back
+ *    through a pipe; a second copy has the same effect, because the run does not wait for the
+ *    first. Where pixels take longer than computing, the two slots meet in the middle.
  * 3. With an endgame, if rule 2 finds no task, an idle slot gets the task that was given longest
  *    ago, cut by rule 1 if it is long (D. P. da Silva, W. Cirne, F. V. Brasileiro, "Trading cycles
  *    for information: using replication to schedule bag-of-tasks applications on computational
@@ -128,8 +128,7 @@ static int32_t late(struct deal *d, int32_t k, int64_t now)
 /* Rules 2, 3 and 5 for slot k: an entry, or -1. */
 static int32_t other_for(struct deal *d, int32_t k, int64_t now)
 {
-    int32_t i = -1;
-    if (d->ended && !deal_timed(d)) i = in_store(d, k);
+    int32_t i = d->ended ? in_store(d, k) : -1;
     if (i < 0 && d->ended && d->p.endgame) i = oldest(d, k, now);
     if (i < 0 && d->p.endgame) i = late(d, k, now);
     return i;
