@@ -239,7 +239,7 @@ static int finish(struct driver *d, char *const *command)
         outlet_drain(&d->out);
         if (left && !signals_came())
             warn("%s ended with %" PRId64 " tasks unfinished", command[0], left);
-        else if (unfinished && !signals_came())
+        else if (unfinished && !nobody && !signals_came())
             warn("%s ended before the end of its input", command[0]);
     }
     return d->out.gone || unfinished || nobody ? ST_SYSTEM : ST_OK;
