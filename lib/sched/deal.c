@@ -35,7 +35,6 @@ static void *deal_create(const struct sched_params *p)
     tasks_init(&d->ledger, sizeof(struct account));
     frames_init(&d->frames, sizeof(struct frame_ids));
     d->pool = d->out = TASK_LIST_EMPTY;
-    d->costs = xcalloc(COSTS, sizeof *d->costs);
     d->late_us = INT64_MAX;
     deal_make_room(d, 1);
     return d;
@@ -50,7 +49,6 @@ static void deal_destroy(void *state)
     frames_free(&d->frames);
     deal_close_room(d);
     free(d->slots);
-    free(d->costs);
     free(d);
 }
 

@@ -25,20 +25,17 @@
 
 bool deal_timed(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO && d->p.endgame; }
 
-static struct cost *cost_at(const struct deal *d, uint32_t frame, uint32_t id)
-{
-    return &d->costs[(id + frame * 61) % COSTS];
-}
+static uint32_t cost_at(uint32_t frame, uint32_t id) { return (id + frame * 61) % COSTS; }
 
 static double known_cost(const struct deal *d, uint32_t frame, uint32_t id)
 {
-    const struct cost *c = cost_at(d, frame, id);
+    const struct cost *c = &d->costs[cost_at(frame, id)];
     return c->frame == frame && c->id == id ? c->cost : 0;
 }
 
 static void set_cost(struct deal *d, uint32_t frame, uint32_t id, double cost)
 {
-    *cost_at(d, frame, id) = (struct cost){frame, id, cost};
+    d->costs[cost_at(frame, id)] = (struct cost){frame, id, cost};
 }
 
 /* The known cost of this task; else the mean of the nearest ones below and above; 0: none. */

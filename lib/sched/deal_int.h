@@ -84,13 +84,13 @@ struct deal {
     struct task_list pool, out;
     struct frames frames;
     int64_t now_us;
-    struct cost *costs; /* of the latest tasks, by number modulo COSTS */
-    double mean_cost;   /* recent; 0: not known */
-    double mean_us;     /* mean time of the slots for work 1; 0: not known */
-    double pool_px;     /* pixels of the input tasks in the pool */
-    double pool_work;   /* work of the pieces in the pool */
-    double end_us;      /* expected end of the run, */
-    double stale_us;    /* and until when that holds */
+    struct cost costs[COSTS]; /* of the latest tasks, by number modulo COSTS */
+    double mean_cost;         /* recent; 0: not known */
+    double mean_us;           /* mean time of the slots for work 1; 0: not known */
+    double pool_px;           /* pixels of the input tasks in the pool */
+    double pool_work;         /* work of the pieces in the pool */
+    double end_us;            /* expected end of the run, */
+    double stale_us;          /* and until when that holds */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up, */

@@ -17,11 +17,6 @@ struct pace {             /* 0: not known yet */
     double power;         /* as its host states it: only changes of it count */
 };
 
-/* Pixels per microsecond; 0: not known. */
-static inline double pace_rate(const struct pace *p)
-{
-    return p->us_per_px > 0 ? 1 / p->us_per_px : 0;
-}
 /* Updates a recent mean with sample x; a mean of 0 takes x as it is. */
 void pace_mix(double *mean, double x);
 /* The worker's host states this power; 0: none. If it stated another one before, the measured times

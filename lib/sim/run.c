@@ -181,8 +181,7 @@ static int64_t time_allowed_us(const struct world *w)
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
 }
 
-/* Without faults, and with the link hidden: the bound, transfers at both ends, and a last task. The
- * cost of a task says nothing of the next one, so expected times are rough. */
+/* Without faults, and with the link hidden: the bound, transfers at both ends, and a last task. */
 static int64_t calm_us(const struct world *w)
 {
     double power = 0, least = 1;
@@ -191,7 +190,7 @@ static int64_t calm_us(const struct world *w)
         least = fmin(least, w->slots[k].power);
     }
     double last_us = w->plan->cost_us * exp(4) / least;
-    return (int64_t)(1.35 * w->cost_us / power + last_us + 10 * (double)w->plan->link.latency_us);
+    return (int64_t)(1.25 * w->cost_us / power + last_us + 10 * (double)w->plan->link.latency_us);
 }
 
 static void trace_event(struct world *w, const struct sim_event *e)
