@@ -7,6 +7,7 @@
 #ifndef STORMRING_TESTS_SEEDS_H
 #define STORMRING_TESTS_SEEDS_H
 
+#include "rounds.h"
 #include "sim/sim.h"
 
 /* False where it failed; why is in r->failure. */
@@ -31,7 +32,7 @@ static bool try_seed(uint64_t seed, struct sim_result *r)
 static int64_t run_seeds(void)
 {
     const char *text = getenv("SEEDS");
-    int64_t seeds = 1000;
+    int64_t seeds = rounds(1000);
     if (text && !parse_int(text, 1, 100000000, &seeds)) fail_msg("SEEDS=%s", text);
     seeds_hold = true;
     seeds_run = seeds;

@@ -1,6 +1,7 @@
 /* Outlines that break a map: without points, with one, beyond the globe. Labels of many maps: none
  * covers another, nor leaves its part of the picture. Times. */
 #include "backdrop/backdrop.h"
+#include "rounds.h"
 #include "units/units.h"
 
 #include <math.h>
@@ -134,7 +135,8 @@ static void test_labels(void **state)
     char err[ERR_BYTES];
     load(&g, &s);
     spec_free(&s);
-    for (uint64_t seed = 1, round = 0; round < 400; round++) {
+    uint64_t seed = 1;
+    for (int round = 0; round < rounds(400); round++) {
         struct buf text = {0}, out = {0};
         put_view(&seed, &text);
         put_colours(&seed, &text);
