@@ -152,7 +152,10 @@ static void meet_again(struct assembly *a, const struct assembly_frame *f, uint6
     struct assembly_dispute *d = dispute_of(a, f->number, kept->source[p - kept->first], source);
     if (!d) return;
     double most = 0;
-    for (int c = 0; c < 4; c++) most = fmax(most, fabs((double)first[c] - (double)rgba[c]));
+    for (int c = 0; c < 4; c++) { /* by fmax, gcc 12 for aarch64 fails with an internal error */
+        double off = fabs((double)first[c] - (double)rgba[c]);
+        if (off > most) most = off;
+    }
     if (d->pixels++ && most <= d->worst) return;
     d->worst = most;
     d->x = (uint32_t)(p % f->have.w);
@@ -174,12 +177,10 @@ static void keep(struct assembly_frame *f, uint64_t p, uint64_t n, const struct 
 {
     memcpy(kept->rgba + 4 * (p - kept->first), rgba, n * 4 * sizeof *rgba);
     uint16_t *sources = kept->source + (p - kept->first);
-    bool clear = false;
     for (uint64_t i = 0; i < n; i++) {
         sources[i] = source;
-        clear |= !(rgba[4 * i + 3] >= 1);
+        if (!(rgba[4 * i + 3] >= 1)) f->clear = true;
     }
-    f->clear |= clear;
 }
 
 /* False with errno if pixels cannot be kept. */

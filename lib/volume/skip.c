@@ -174,7 +174,8 @@ static void mark_layer(void *ctx, uint32_t k)
         }
     free(lo);
     free(hi);
-    for (int i = 0; i < VF; i++) s->range[k] = fmax(s->range[k], (double)l.range[i]);
+    for (int i = 0; i < VF; i++) /* by fmax, gcc 12 for aarch64 fails with an internal error */
+        if ((double)l.range[i] > s->range[k]) s->range[k] = (double)l.range[i];
 }
 
 void skip_init(struct volume *v)
