@@ -214,7 +214,7 @@ killed() {
 	rm -f log f*.pam
 	# The pictures of one run, to compare with.
 	balance ds -j 2 -W '-m trapezoid:300' -o whole%d.pam "$@"
-	PATH=$tmp/kept:$PATH setsid env MARK=$mark balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
+	PATH=$tmp/kept:$PATH patience=600 setsid env MARK=$mark balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
 	pid=$!
 	await 20 begun
 	kill -9 "$whom$pid" 2>/dev/null

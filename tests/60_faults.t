@@ -87,7 +87,7 @@ exec '$root/bin/rtworker' "\$@"
 END
 mortal() {
 	rm -rf first dead
-	PATH=$tmp/bin:$PATH long "$@"
+	PATH=$tmp/bin:$PATH patience=600 long "$@"
 }
 
 # ---- a worker dies -----------------------------------------------------------------------------------
@@ -123,7 +123,7 @@ mv cut.log job.log
 hold_rtworker
 begin() {
 	rm -f go held.*
-	PATH=$tmp/holding:$PATH long "$@"
+	PATH=$tmp/holding:$PATH patience=8 long "$@"
 	await 5 held 3
 }
 begin masterslave
@@ -149,7 +149,7 @@ begin masterslave
 worker=$(held_workers | head -1) fan=$(program fan)
 kill -STOP "$worker" "$fan"
 : >go
-sleep 4
+sleep 9
 kill -CONT "$fan"
 sleep .5
 kill -CONT "$worker"

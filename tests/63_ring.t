@@ -19,7 +19,7 @@ long() {
 hold_rtworker
 begin() {
 	rm -f go held.*
-	PATH=$tmp/holding:$PATH long "$@"
+	PATH=$tmp/holding:$PATH patience=600 long "$@"
 	await 5 held 3
 }
 endless() {

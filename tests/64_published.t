@@ -47,7 +47,7 @@ like 'the next node answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( 
 hold_rtworker
 for try in 1 2 3; do
 	rm -f job.frags go held.*
-	PATH=$tmp/holding:$PATH MARK=$mark timeout 1200 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
+	PATH=$tmp/holding:$PATH MARK=$mark patience=600 timeout 1200 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
 	pid=$!
 	await 5 held 3
 	kill -9 "$(program ringctl 'ringctl -n ' | tail -n 1)"

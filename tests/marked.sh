@@ -47,13 +47,14 @@ unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, (connecting|forked
 none_alive() { [ -z "$(alive)" ]; }
 working() { [ "$(program rtworker | wc -l)" -ge "$1" ]; }
 # wrap WORKER DIRECTORY: makes the directory, which has all programs. Where its worker is to render, and not to print a job or
-# to be listed by fan, it runs the script on standard input.
+# to be listed by fan, it runs the script on standard input. With patience=SECONDS in the environment, its fan waits that long
+# for silent slots: workers that a script holds back are silent, on a loaded machine for long.
 wrap() {
 	all_in "$2"
 	rm "$2/$1" "$2/fan"
 	# shellcheck disable=SC2016  # for the scripts
 	{
-		printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s "$@"\n' "'$root/bin/fan'" >"$2/fan"
+		printf '#!/bin/sh\nlisting=$1 && export listing\nexec %s ${patience:+-t "$patience"} "$@"\n' "'$root/bin/fan'" >"$2/fan"
 		printf '#!/bin/sh\ncase " ${listing-} $* " in *" -i "* | *" -l"*) exec %s "$@" ;; esac\n' "'$root/bin/$1'"
 		cat
 	} >"$2/$1"
