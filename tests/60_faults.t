@@ -72,7 +72,7 @@ wait "$pid" 2>/dev/null
 is "Ctrl-C: no picture" "$(ls out.pfm* 2>/dev/null)" ""
 
 # mortal METHOD [OPTIONS]: long, but one of the three workers is killed by SIGKILL when it has done three tasks, or sent 9000
-# bytes of a longer one. The others begin after that, so whatever the load, the run is not over before.
+# bytes of a longer one. The others get their input after that, so whatever the load, the run is not over before.
 wrap rtworker bin <<END
 if mkdir '$tmp/first' 2>/dev/null; then
 	'$root/bin/rtworker' "\$@" | {
@@ -82,8 +82,7 @@ if mkdir '$tmp/first' 2>/dev/null; then
 		kill -9 \$\$
 	}
 fi
-until [ -e '$tmp/dead' ]; do sleep .05; done
-exec '$root/bin/rtworker' "\$@"
+{ until [ -e '$tmp/dead' ]; do sleep .05; done; exec cat; } | '$root/bin/rtworker' "\$@"
 END
 mortal() {
 	rm -rf first dead
