@@ -152,7 +152,7 @@ static void meet_again(struct assembly *a, const struct assembly_frame *f, uint6
     struct assembly_dispute *d = dispute_of(a, f->number, kept->source[p - kept->first], source);
     if (!d) return;
     double most = 0;
-    for (int c = 0; c < 4; c++) { /* by fmax, gcc 12 for aarch64 fails with an internal error */
+    for (int c = 0; c < 4; c++) { /* with fmax, gcc 12 for aarch64 ends in an internal error */
         double off = fabs((double)first[c] - (double)rgba[c]);
         if (off > most) most = off;
     }
@@ -177,10 +177,12 @@ static void keep(struct assembly_frame *f, uint64_t p, uint64_t n, const struct 
 {
     memcpy(kept->rgba + 4 * (p - kept->first), rgba, n * 4 * sizeof *rgba);
     uint16_t *sources = kept->source + (p - kept->first);
+    bool clear = false;
     for (uint64_t i = 0; i < n; i++) {
         sources[i] = source;
-        if (!(rgba[4 * i + 3] >= 1)) f->clear = true;
+        clear |= !(rgba[4 * i + 3] >= 1);
     }
+    f->clear |= clear;
 }
 
 /* False with errno if pixels cannot be kept. */

@@ -174,7 +174,7 @@ static void mark_layer(void *ctx, uint32_t k)
         }
     free(lo);
     free(hi);
-    for (int i = 0; i < VF; i++) /* by fmax, gcc 12 for aarch64 fails with an internal error */
+    for (int i = 0; i < VF; i++) /* with fmax, gcc 12 for aarch64 ends in an internal error */
         if ((double)l.range[i] > s->range[k]) s->range[k] = (double)l.range[i];
 }
 
