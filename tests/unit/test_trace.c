@@ -220,7 +220,7 @@ static void test_first_samples_tell(void **state)
     }
     for (int side = 3; side <= last; side++) {
         assert_in_range(same[side], 1, PIXELS - 1); /* some were refined, and some were not */
-        assert_in_range(off[side], 0, (side < 6 ? .005 : .001) * PIXELS);
+        assert_in_range(off[side], 0, (side < 6 ? .005 : .001) * (double)PIXELS);
     }
 }
 
