@@ -49,12 +49,13 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-# lasting METHOD: the same, but half of the tasks come when the file go is there, so that the run lasts until then
+# lasting METHOD: the same, but half of the tasks come when the file go is there, so that the run lasts until then. Before
+# the run, balance calls partition to count what is left; that call must not wait.
 all_in late
 rm late/partition
 cat >late/partition <<END
 #!/bin/sh
-case \$* in *@- | *1x1@*) exec '$root/bin/partition' "\$@" ;; esac # balance asks what is left
+case \$* in *@- | *1x1@*) exec '$root/bin/partition' "\$@" ;; esac
 tasks=\$('$root/bin/partition' "\$@") || exit
 half=\$((\$(echo "\$tasks" | wc -l) / 2))
 echo "\$tasks" | head -n \$half
