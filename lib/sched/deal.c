@@ -27,6 +27,7 @@
 #include <stdlib.h>
 
 #define SLOTS_MAX (1 << 20)
+#define COSTS 4096 /* observed costs that are kept */
 
 static void *deal_create(const struct sched_params *p)
 {
@@ -34,6 +35,7 @@ static void *deal_create(const struct sched_params *p)
     d->p = *p;
     tasks_init(&d->ledger, sizeof(struct account));
     frames_init(&d->frames, sizeof(struct frame_ids));
+    cost_init(&d->costs, COSTS);
     d->pool = d->out = TASK_LIST_EMPTY;
     d->late_us = INT64_MAX;
     deal_make_room(d, 1);
@@ -47,6 +49,7 @@ static void deal_destroy(void *state)
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
     frames_free(&d->frames);
+    cost_free(&d->costs);
     deal_close_room(d);
     free(d->slots);
     free(d);
@@ -137,7 +140,8 @@ static void take_up(
     d->up++;
     s->pace = (struct pace){.power = e->power};
     d->stale_us = 0;
-    s->all_us = s->all_work = s->work = s->ends_us = 0;
+    s->speed = (struct speed){0};
+    s->work = s->ends_us = 0;
     s->stalled = false;
     deal_mark(d, k);
     while (s->promised.count) {

@@ -1,22 +1,12 @@
 /*
  * deal: expected times. With an endgame, cuts and copies follow them; with SCHED_DEPTH_AUTO as
- * well, queues do, too. A slot needs for a task
- *
- *     pixels * cost of a pixel * time of the slot for cost 1
- *
- * Pixels times cost are the work of a task. Cost and time are measured against each other. The time
- * of a slot is that of its latest tasks / their expected work. The cost of a pixel is then the time
- * of its task / (pixels * time of the slot). The expected cost is that of the other pieces of the
- * same task, else the mean of the nearest known tasks below and above by number, else the recent
- * mean of all, else 1.
+ * well, queues do, too. cost.h says how they are measured.
  *
  * One machine with deal_ledger.c and deal_pick.c.
  */
 #include "sched/deal_int.h"
 
 #define LATEST 8.         /* tasks: a slot's time is the mean over them, or those of a round trip */
-#define RECENT .0625      /* weight of the latest task in the mean cost */
-#define NEAR 8            /* tasks on each side that count as near */
 #define OVERDUE 1         /* a task is overdue if late by this multiple of its expected time */
 #define LATER 2           /* it will then be late by this multiple of its delay so far */
 #define REVIEWED 16       /* longer queues are not estimated again */
@@ -25,41 +15,9 @@
 
 bool deal_timed(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO && d->p.endgame; }
 
-static uint32_t cost_at(uint32_t frame, uint32_t id) { return (id + frame * 61) % COSTS; }
-
-static double known_cost(const struct deal *d, uint32_t frame, uint32_t id)
-{
-    const struct cost *c = &d->costs[cost_at(frame, id)];
-    return c->frame == frame && c->id == id ? c->cost : 0;
-}
-
-static void set_cost(struct deal *d, uint32_t frame, uint32_t id, double cost)
-{
-    d->costs[cost_at(frame, id)] = (struct cost){frame, id, cost};
-}
-
-/* The known cost of this task; else the mean of the nearest ones below and above; 0: none. */
-static double near_cost(const struct deal *d, uint32_t frame, uint32_t id)
-{
-    double below = known_cost(d, frame, id), above = 0;
-    if (below > 0) return below;
-    for (uint32_t n = 1; n <= NEAR; n++) {
-        if (below <= 0 && n <= id) below = known_cost(d, frame, id - n);
-        if (above <= 0) above = known_cost(d, frame, id + n);
-    }
-    return below > 0 && above > 0 ? (below + above) / 2 : below + above;
-}
-
-/* The cost of a pixel in the input task `id` and its pieces. */
-static double expected_cost(const struct deal *d, uint32_t frame, uint32_t id)
-{
-    double near = near_cost(d, frame, id);
-    return near > 0 ? near : d->mean_cost > 0 ? d->mean_cost : 1;
-}
-
 double deal_cost(const struct deal *d, int32_t i)
 {
-    return expected_cost(d, d->ledger.at[i].task.frame, deal_came_as(d, i));
+    return cost_expected(&d->costs, d->ledger.at[i].task.frame, deal_came_as(d, i));
 }
 
 double deal_work(const struct deal *d, int32_t i)
@@ -70,7 +28,7 @@ double deal_work(const struct deal *d, int32_t i)
 double deal_time_us(const struct deal *d, int32_t k)
 {
     const struct slot *s = &d->slots[k];
-    return s->all_work > 0 ? s->all_us / s->all_work : d->mean_us;
+    return s->speed.work > 0 ? s->speed.us / s->speed.work : d->mean_us;
 }
 
 void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us)
@@ -78,14 +36,9 @@ void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us)
     struct slot *s = &d->slots[k];
     if (deal_copy(s, c)->given_us < s->scaled_us) return; /* it was begun at another speed */
     const struct task *t = &s->has.at[c].task;
-    uint32_t id = deal_copy(s, c)->came_as;
-    double px = (double)lattice_count(&t->at), work = px * expected_cost(d, t->frame, id);
     double keep = 1 - 1 / fmax(LATEST, s->pace.round_trip_us / s->pace.task_us);
-    s->all_us = keep * s->all_us + us;
-    s->all_work = keep * s->all_work + work;
-    double cost = us / px * s->all_work / s->all_us;
-    set_cost(d, t->frame, id, cost);
-    d->mean_cost += d->mean_cost > 0 ? RECENT * (cost - d->mean_cost) : cost;
+    cost_note(&d->costs, &s->speed, t->frame, deal_copy(s, c)->came_as,
+        (double)lattice_count(&t->at), us, keep);
 }
 
 /* The work of the task that slot s is on: of those to compute, the one that was given first. */
@@ -107,7 +60,7 @@ bool deal_overdue(const struct deal *d, int32_t k)
 {
     const struct slot *s = &d->slots[k];
     double late_us = (double)d->now_us - s->due_us;
-    return slot_load(s) && s->all_work > 0 && late_us > OVERDUE * first_us(d, k);
+    return slot_load(s) && s->speed.work > 0 && late_us > OVERDUE * first_us(d, k);
 }
 
 static void set_due(struct deal *d, int32_t k)
@@ -144,7 +97,7 @@ void deal_scale(struct deal *d, int32_t k, double ratio)
     struct slot *s = &d->slots[k];
     double left_us = fmax(s->ends_us - (double)d->now_us, 0);
     if (ratio < 1 || ratio > 1) s->scaled_us = d->now_us;
-    s->all_us *= ratio;
+    s->speed.us *= ratio;
     s->ends_us = (double)d->now_us + left_us * ratio;
     set_due(d, k);
     d->stale_us = 0;
@@ -156,7 +109,7 @@ void deal_cost_late(struct deal *d, int32_t i)
     double us = k < 0 ? 0 : deal_time_us(d, k);
     if (us <= 0 || !deal_overdue(d, k)) return;
     double late_us = (double)d->now_us - d->slots[k].due_us;
-    set_cost(d, d->ledger.at[i].task.frame, deal_came_as(d, i),
+    cost_set(&d->costs, d->ledger.at[i].task.frame, deal_came_as(d, i),
         deal_cost(d, i) + LATER * late_us / us / tasks_px(&d->ledger, i));
 }
 
@@ -188,16 +141,16 @@ double deal_end_us(struct deal *d)
 {
     double now = (double)d->now_us;
     if (now < d->stale_us) return d->end_us;
-    double speed = 0, known = 0, up = 0, work = d->pool_px * d->mean_cost + d->pool_work;
+    double speed = 0, known = 0, up = 0, work = d->pool_px * d->costs.mean + d->pool_work;
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];
         if (s->state != SLOT_UP) continue;
         if (s->held.count) work += s->work;
         if (deal_overdue(d, k)) continue;
         up += s->width;
-        if (s->all_work <= 0) continue;
+        if (s->speed.work <= 0) continue;
         known += s->width;
-        speed += s->width * s->all_work / s->all_us;
+        speed += s->width * s->speed.work / s->speed.us;
     }
     d->mean_us = known > 0 ? known / speed : 0;
     d->end_us = known > 0 ? now + work / (speed * up / known) : (double)INFINITY;

@@ -6,6 +6,7 @@
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
 
+#include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/slot_set.h"
 
@@ -15,7 +16,7 @@ struct slot {
     enum slot_state state;
     int32_t width;                       /* tasks that it computes at once */
     struct pace pace;                    /* its measured times */
-    double all_us, all_work;             /* time and work of its latest tasks: deal_cost.c */
+    struct speed speed;                  /* likewise: deal_cost.c */
     double work;                         /* of its tasks to compute */
     double last_work;                    /* of the one given last, */
     double given_us;                     /* and when that was */
@@ -71,26 +72,18 @@ struct rating {
     double store_us; /* time of its queued work, longest first; 0: none queued */
 };
 
-#define COSTS 4096
-/* An observed cost. */
-struct cost {
-    uint32_t frame, id;
-    double cost; /* of a pixel; 0: none */
-};
-
 struct deal {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool, out;
     struct frames frames;
     int64_t now_us;
-    struct cost costs[COSTS]; /* of the latest tasks, by number modulo COSTS */
-    double mean_cost;         /* recent; 0: not known */
-    double mean_us;           /* mean time of the slots for work 1; 0: not known */
-    double pool_px;           /* pixels of the input tasks in the pool */
-    double pool_work;         /* work of the pieces in the pool */
-    double end_us;            /* expected end of the run, */
-    double stale_us;          /* and until when that holds */
+    struct costs costs;
+    double mean_us;   /* mean time of the slots for work 1; 0: not known */
+    double pool_px;   /* pixels of the input tasks in the pool */
+    double pool_work; /* work of the pieces in the pool */
+    double end_us;    /* expected end of the run, */
+    double stale_us;  /* and until when that holds */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up, */

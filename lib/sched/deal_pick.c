@@ -48,7 +48,7 @@ static double need_of(const struct deal *d, int32_t k)
     if (!deal_timed(d)) return load - s->width < depth_of(d, s) ? (double)load : (double)INFINITY;
     if (load < s->width) return load - s->width;
     if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return (double)INFINITY;
-    if (s->all_work <= 0) return load > s->width ? (double)INFINITY : 0;
+    if (s->speed.work <= 0) return load > s->width ? (double)INFINITY : 0;
     double us = s->last_work * deal_time_us(d, k) / s->width, trip_us = s->pace.round_trip_us;
     return s->ends_us - SAFETY * trip_us - SPREAD * sqrt(trip_us * us);
 }

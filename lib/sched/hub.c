@@ -21,11 +21,14 @@
 
 #include <stdlib.h>
 
+#define COSTS 16384 /* observed costs that are kept: nodes are at different parts of the picture */
+
 static void *ring_create(const struct sched_params *p)
 {
     struct hub *h = xcalloc(1, sizeof *h);
     h->p = *p;
     tasks_init(&h->ledger, sizeof(struct hub_task));
+    cost_init(&h->costs, COSTS);
     h->pool = h->rest = h->cut = TASK_LIST_EMPTY;
     frames_init(&h->frames, sizeof(uint32_t));
     h->oldest = h->newest = h->stalest = h->freshest = -1;
@@ -39,6 +42,7 @@ static void ring_destroy(void *state)
     if (!h) return;
     tasks_free(&h->ledger);
     frames_free(&h->frames);
+    cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
     free(h->nodes);
@@ -160,7 +164,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
 {
     int32_t k = e->slot;
     struct hub_node *s = &h->nodes[k];
-    s->all_us *= pace_power(&s->pace, e->power);
+    s->speed.us *= pace_power(&s->pace, e->power);
     if (hub_works(h, k)) {
         hub_mark(h, k);
         return;
@@ -199,7 +203,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
         .sent_us = t->sent_us,
         .done_us = h->now_us,
         .wall_us = wall_us};
-    hub_end_note(h, i, &done);
+    hub_cost_note(h, i, &done);
     pace_note(pace, &done);
     pace_mix(&h->pace.us_per_px, pace->us_per_px);
 }
@@ -325,6 +329,7 @@ static void ring_step(
     case SCHED_TASK: take_task(h, e, out); break;
     case SCHED_INPUT_END:
         h->ended = true;
+        for (int32_t k = 0; k < h->n_nodes; k++) hub_mark(h, k);
         flush_all(h, out);
         break;
     case SCHED_FLUSH:

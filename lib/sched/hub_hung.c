@@ -51,6 +51,7 @@ void hub_progress(struct hub *h, int32_t k)
     if (!h->nodes[k].busy) return;
     unlist(h, k);
     enlist(h, k);
+    hub_cost_mark(h, k);
 }
 
 /* The time from which entry i of node k is late for node thief. */

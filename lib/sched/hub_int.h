@@ -1,13 +1,15 @@
 /*
  * The hub of the ring, shared by its files: hub.c (events), hub_ledger.c (tasks), hub_match.c
  * (pairs nodes that want work with nodes that have some), hub_hung.c (nodes that make no progress),
- * hub_join.c (nodes that join and leave), hub_end.c (the last tasks).
+ * hub_join.c (nodes that join and leave), hub_cost.c (expected times), hub_end.c (the last tasks).
  */
 #ifndef STORMRING_SCHED_HUB_INT_H
 #define STORMRING_SCHED_HUB_INT_H
 
+#include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/slot_set.h"
+#include "sched/tournament.h"
 
 /* ---- hub.c ----------------------------------------------------------------------------------- */
 
@@ -26,8 +28,7 @@ struct hub_node {
     int32_t cut;               /* entries of `held` that have pieces, */
     double cut_px;             /* and their pixels */
     struct pace pace;          /* of its worker, from its DONE messages */
-    double all_us, all_px;     /* computing time and pixels of all its tasks so far */
-    int32_t worth;             /* class of its work that has no pieces; -1: none */
+    struct speed speed;        /* hub_cost.c */
     int32_t load;              /* class of its work if it may be asked for some; else -1 */
     bool flushed;              /* asked to flush `computed` since it was last given a task */
     bool asking;               /* wants work, and was given none since it asked */
@@ -55,7 +56,6 @@ struct hub_task {
     int64_t sent_us;       /* when its owner was sent it */
     int32_t parent;        /* the entry that it is a piece of; -1: none */
     int32_t piece;         /* the first of its own pieces; -1: none */
-    double cost;           /* with pieces: time of its pixels, as a multiple of a node's mean */
     int32_t before, after; /* its neighbours among the pieces of its parent */
 };
 
@@ -78,11 +78,14 @@ struct hub {
     struct slot_set hungry, late, delayed; /* hub_match.c */
     struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
-    struct slot_set worth[LOADS];          /* nodes whose tasks can be cut, by class of work */
-    uint64_t worths;
+    struct tournament wanting, latest, most_late; /* at the end: hub_cost.c */
+    int32_t reviewed;          /* the node whose expected times were computed again last */
     int32_t turn;              /* the node that was looked at last in the endgame */
     int64_t end_us;            /* when a task will be late; INT64_MAX: none */
     struct pace pace;          /* the mean of all nodes */
+    struct costs costs;
+    double mean_us;            /* recent time of nodes for work 1; 0: not known */
+    double task_work;          /* recent work of tasks */
     int32_t oldest, newest;    /* the ends of the list of outstanding asks */
     int64_t answer_us;         /* the longest recent time to an answer; 0: none yet */
     int64_t now_us;            /* the time of this step */
@@ -176,10 +179,27 @@ void hub_progress(struct hub *h, int32_t k);
 /* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
 void hub_hung(struct hub *h, struct sched_actions *out);
 
-/* ---- hub_end.c ------------------------------------------------------------------------------ */
+/* ---- hub_cost.c ----------------------------------------------------------------------------- */
 
 /* Entry i is done by its owner, whose pace does not have it yet. */
-void hub_end_note(struct hub *h, int32_t i, const struct pace_task *done);
+void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done);
+/* Expected times. That which node k needs for a pixel of entry i; */
+double hub_pixel_us(const struct hub *h, int32_t k, int32_t i);
+/* the same for its own entry i; if that is its current task, at least what it has taken so far; */
+double hub_own_pixel_us(const struct hub *h, int32_t k, int32_t i);
+/* the time that node k needs for work 1; */
+double hub_time_us(const struct hub *h, int32_t k);
+/* when node k ends its tasks that have no pieces; */
+double hub_ends_us(const struct hub *h, int32_t k);
+/* the time until then. *late: its current task should be done. It is then expected to take as long
+ * again as it is late. */
+double hub_left_us(const struct hub *h, int32_t k, bool *late);
+/* The id of the input task that entry i is, or is a piece of. */
+uint32_t hub_came_as(const struct hub *h, int32_t i);
+/* Node k has changed, and input has ended: notes what it wants, and when it ends. */
+void hub_cost_mark(struct hub *h, int32_t k);
+
+/* ---- hub_end.c ------------------------------------------------------------------------------ */
 
 /* Gives node k, which wants work, a part of a task of another node; false: there is none. */
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out);

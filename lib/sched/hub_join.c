@@ -22,9 +22,9 @@ static void make_room(struct hub *h, int32_t n)
     hub_sets_free(h);
     h->n_places = n;
     hub_sets_init(h);
-    h->loads = h->worths = 0;
+    h->loads = 0;
     for (int32_t k = 0; k < h->n_nodes; k++) {
-        h->nodes[k].load = h->nodes[k].worth = -1;
+        h->nodes[k].load = -1;
         set_put(&h->up, k, h->nodes[k].state == NODE_UP);
         hub_mark(h, k);
     }
@@ -38,7 +38,6 @@ static void add_nodes(struct hub *h, int32_t n, enum node_state state)
             .held = TASK_LIST_EMPTY,
             .computed = TASK_LIST_EMPTY,
             .load = -1,
-            .worth = -1,
             .thief = -1,
             .victim = -1};
     if (n > h->n_places) make_room(h, n > 2 * h->n_places ? n : 2 * h->n_places);

@@ -28,6 +28,7 @@
 #define LATE_US 100000     /* with this added for a busy machine */
 #define FIRST_US 3000000   /* while no answer has come yet */
 #define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
+#define REVIEWED 4 /* nodes: what is known of costs has changed since they were marked */
 
 static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
 {
@@ -35,7 +36,6 @@ static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
         &h->up, &h->hungry, &h->idle, &h->freed, &h->late, &h->delayed, &h->leaving};
     for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) act(sets[i], h->n_places);
     for (int c = 0; c < LOADS; c++) act(&h->rich[c], h->n_places);
-    for (int c = 0; c < LOADS; c++) act(&h->worth[c], h->n_places);
 }
 
 static void empty(struct slot_set *s, int32_t n)
@@ -44,8 +44,21 @@ static void empty(struct slot_set *s, int32_t n)
     set_free(s);
 }
 
-void hub_sets_init(struct hub *h) { for_sets(h, set_init); }
-void hub_sets_free(struct hub *h) { for_sets(h, empty); }
+void hub_sets_init(struct hub *h)
+{
+    for_sets(h, set_init);
+    tournament_init(&h->wanting, h->n_places);
+    tournament_init(&h->latest, h->n_places);
+    tournament_init(&h->most_late, h->n_places);
+}
+
+void hub_sets_free(struct hub *h)
+{
+    for_sets(h, empty);
+    tournament_free(&h->wanting);
+    tournament_free(&h->latest);
+    tournament_free(&h->most_late);
+}
 
 /* The class of work of px pixels for node s. A node without measurements counts as the mean of the
  * others. */
@@ -81,13 +94,6 @@ static void mark_rich(struct hub *h, int32_t k, bool rich)
     move(h->rich, &h->loads, k, &s->load, load);
 }
 
-static void mark_worth(struct hub *h, int32_t k, bool has)
-{
-    struct hub_node *s = &h->nodes[k];
-    int32_t worth = has ? class_of(h, s, s->held_px - s->cut_px) : -1;
-    move(h->worth, &h->worths, k, &s->worth, worth);
-}
-
 /* A node is not a victim if there is an outstanding ask for each task that it has not begun. */
 void hub_mark(struct hub *h, int32_t k)
 {
@@ -97,10 +103,10 @@ void hub_mark(struct hub *h, int32_t k)
     set_put(&h->late, k, s->state == NODE_NEW && s->held.count);
     set_put(&h->hungry, k, up && s->asking && s->victim < 0);
     set_put(&h->delayed, k, up && s->asking && !s->told && (s->victim < 0 || s->passed_on));
-    if (h->p.endgame) mark_worth(h, k, (up || drains) && s->held.count > s->cut);
     set_put(&h->leaving, k, drains && !s->held.count && !s->computed.count);
     mark_rich(h, k, up && more && !s->asking && !s->dry && !s->silent);
     hub_busy(h, k);
+    hub_cost_mark(h, k);
 }
 
 static void give_late(struct hub *h, struct sched_actions *out)
@@ -164,13 +170,16 @@ static void ask(struct hub *h, struct sched_actions *out)
     tell(victim, RING_ASK, thief, out);
 }
 
-/* In the endgame a hungry node gets a part of another node's task. They take turns, because the
- * part may pay for one and not for another. */
+/* In the endgame a hungry node gets a part of another node's task: the one that would be done with
+ * it first. The others take turns, because a part may pay for one of them if not for that. */
 static bool end(struct hub *h, struct sched_actions *out)
 {
     if (!h->p.endgame || !h->ended) return false;
+    for (int n = 0; n < REVIEWED; n++) hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
+    int32_t first = tournament_least(&h->wanting, NULL, NULL);
+    if (first >= 0 && hub_end(h, first, out)) return true;
     h->turn = set_after(&h->hungry, h->turn);
-    return hub_end(h, h->turn, out);
+    return h->turn != first && hub_end(h, h->turn, out);
 }
 
 void hub_match(struct hub *h, struct sched_actions *out)

@@ -6,7 +6,8 @@
  *
  * 1. A node asks ahead. It asks when the time until it runs dry has shrunk to the time that an ask
  *    takes, by its measurements of its worker and of its asks; at the latest when it has no tasks.
- *    At most one ask is outstanding; any task that comes ends it.
+ *    Before an ask was answered, an ask is taken to last twice as long as PLACE took to come after
+ *    hello. At most one ask is outstanding; any task that comes ends it.
  * 2. The victim gives tasks until both nodes would finish at the same time, if the thief is as fast
  *    and begins one ask's time from now. That is about half, and never so much that the victim
  *    would have to ask at once. (Steal-half: D. Hendler, N. Shavit, "Non-blocking steal-half work
@@ -190,12 +191,15 @@ static void take(
     case SCHED_UP:
         n->width += e->n > 1 ? e->n : 1;
         n->pace = (struct pace){0};
+        n->up_us = now;
         break;
     case SCHED_GONE: take_gone(n); break;
     case SCHED_DONE: take_done(n, e, now); break;
     case SCHED_PIXELS: take_pixels(n, e, out); break;
     case SCHED_RING:
         if (e->ring.kind != RING_PLACE) break;
+        /* Until an ask is answered: it takes two links, there and back, as this took one. */
+        if (!n->placed) n->trip_us = 2 * (double)(now - n->up_us);
         n->place = e->ring;
         n->placed = true;
         break;

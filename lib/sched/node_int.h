@@ -33,6 +33,7 @@ struct node {
     bool delayed;              /* likewise: that ask has to wait for work */
     int64_t ask_us;            /* likewise: when an ask is due; INT64_MAX: none */
     double trip_us;            /* likewise: time from an ask to the first task that answers it */
+    int64_t up_us;             /* when its worker came up, so that it said hello */
     struct gdc_node *gdc;      /* state of the published rules; NULL at first */
 };
 

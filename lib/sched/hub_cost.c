@@ -1,0 +1,96 @@
+/*
+ * The hub: expected times, by which it chooses at the end (hub_end.c). cost.h says how they are
+ * measured.
+ * One machine with hub.c.
+ */
+#include "sched/hub_int.h"
+
+#define LATEST 8.   /* tasks: a node's time is the mean over them */
+#define LOOKED_AT 8 /* tasks of a node whose costs are looked up; the others count as the mean */
+#define BUSY_US 1e15
+
+double hub_time_us(const struct hub *h, int32_t k)
+{
+    const struct hub_node *s = &h->nodes[k];
+    return (s->speed.work > 0 ? s->speed.us / s->speed.work : h->mean_us) / s->width;
+}
+
+uint32_t hub_came_as(const struct hub *h, int32_t i)
+{
+    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
+    return h->ledger.at[i].task.id;
+}
+
+static double cost_of(const struct hub *h, int32_t i)
+{
+    return cost_expected(&h->costs, h->ledger.at[i].task.frame, hub_came_as(h, i));
+}
+
+double hub_pixel_us(const struct hub *h, int32_t k, int32_t i)
+{
+    return cost_of(h, i) * hub_time_us(h, k);
+}
+
+double hub_own_pixel_us(const struct hub *h, int32_t k, int32_t i)
+{
+    double us = hub_pixel_us(h, k, i), since_us = (double)(h->now_us - h->nodes[k].progress_us);
+    return i == h->nodes[k].held.head ? fmax(us, since_us / tasks_px(&h->ledger, i)) : us;
+}
+
+double hub_ends_us(const struct hub *h, int32_t k)
+{
+    const struct hub_node *s = &h->nodes[k];
+    double work = 0, px = s->held_px;
+    int32_t i = s->held.head;
+    for (int n = 0; i >= 0 && n < LOOKED_AT; n++, i = h->ledger.at[i].next) {
+        px -= tasks_px(&h->ledger, i);
+        if (!n || hub_task(h, i)->piece < 0) work += tasks_px(&h->ledger, i) * cost_of(h, i);
+    }
+    if (i >= 0) work += px * h->costs.mean;
+    return (double)s->progress_us + work * hub_time_us(h, k);
+}
+
+double hub_left_us(const struct hub *h, int32_t k, bool *late)
+{
+    const struct hub_node *s = &h->nodes[k];
+    int32_t i = s->held.head;
+    double now = (double)h->now_us, ends_us = hub_ends_us(h, k);
+    *late = false;
+    if (i < 0) return 0;
+    double first_us = (double)s->progress_us + tasks_px(&h->ledger, i) * hub_pixel_us(h, k, i);
+    *late = now > first_us;
+    return ends_us - now + (*late ? 2 * (now - first_us) : 0);
+}
+
+void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done)
+{
+    struct hub_node *s = &h->nodes[hub_task(h, i)->owner];
+    int64_t since = s->pace.done_us > done->sent_us ? s->pace.done_us : done->sent_us;
+    bool told = done->wall_us >= 0 && done->wall_us <= done->done_us - done->sent_us;
+    double us = fmax((double)(told ? done->wall_us : done->done_us - since), 1);
+    double px = (double)done->px;
+    pace_mix(&h->task_work, px * cost_of(h, i));
+    cost_note(&h->costs, &s->speed, h->ledger.at[i].task.frame, hub_came_as(h, i), px, us,
+        1 - 1 / LATEST);
+    pace_mix(&h->mean_us, s->speed.us / s->speed.work);
+}
+
+/* When the node would be done with one more task, as far as nodes can be compared: those that are
+ * idle come first. */
+static double done_us(const struct hub *h, int32_t k)
+{
+    const struct hub_node *s = &h->nodes[k];
+    double us = h->task_work * hub_time_us(h, k);
+    return us + (s->held.count ? BUSY_US + hub_ends_us(h, k) : s->pace.round_trip_us);
+}
+
+void hub_cost_mark(struct hub *h, int32_t k)
+{
+    if (!h->p.endgame || !h->ended) return;
+    const struct hub_node *s = &h->nodes[k];
+    bool can_be_cut = hub_works(h, k) && s->held.count > s->cut;
+    double never = (double)INFINITY, ends_us = can_be_cut ? hub_ends_us(h, k) : never;
+    tournament_set(&h->wanting, k, set_has(&h->hungry, k) ? done_us(h, k) : never);
+    tournament_set(&h->latest, k, can_be_cut ? -ends_us : never);
+    tournament_set(&h->most_late, k, ends_us);
+}
