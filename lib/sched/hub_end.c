@@ -78,7 +78,8 @@ static int32_t open_task(struct hub *h, int32_t i)
     if (at.h == 1) at = lattice_cut(&at, e->frame_w, e->delivered, at.w);
     int32_t k = hub_task(h, i)->owner;
     double us = hub_time_us(h, k);
-    if (us > 0) cost_set(&h->costs, e->task.frame, hub_came_as(h, i), hub_own_pixel_us(h, k, i) / us);
+    if (us > 0)
+        cost_set(&h->costs, e->task.frame, hub_came_as(h, i), hub_own_pixel_us(h, k, i) / us);
     h->taken_over = true;
     i = hub_enter(h, i, &at);
     hub_mark(h, hub_task(h, hub_task(h, i)->parent)->owner);

@@ -69,20 +69,20 @@ struct hub {
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
-    int32_t *early;  /* nodes lost before n_nodes was known */
+    int32_t *early;   /* nodes lost before n_nodes was known */
     size_t n_early;
-    int64_t n_computed;                    /* entries of the ledger */
-    double left_px;                        /* pixels that nodes have to compute */
-    struct slot_set up;                    /* nodes that are up */
-    struct slot_set leaving;               /* nodes that drain, and owe nothing */
-    struct slot_set hungry, late, delayed; /* hub_match.c */
-    struct slot_set rich[LOADS];           /* likewise, by class of work */
-    uint64_t loads;                        /* bit c: rich[c] is not empty */
+    int64_t n_computed;                           /* entries of the ledger */
+    double left_px;                               /* pixels that nodes have to compute */
+    struct slot_set up;                           /* nodes that are up */
+    struct slot_set leaving;                      /* nodes that drain, and owe nothing */
+    struct slot_set hungry, late, delayed;        /* hub_match.c */
+    struct slot_set rich[LOADS];                  /* likewise, by class of work */
+    uint64_t loads;                               /* bit c: rich[c] is not empty */
     struct tournament wanting, latest, most_late; /* at the end: hub_cost.c */
-    int32_t reviewed;          /* the node whose expected times were computed again last */
-    int32_t turn;              /* the node that was looked at last in the endgame */
-    int64_t end_us;            /* when a task will be late; INT64_MAX: none */
-    struct pace pace;          /* the mean of all nodes */
+    int32_t reviewed; /* the node whose expected times were computed again last */
+    int32_t turn;     /* the node that was looked at last in the endgame */
+    int64_t end_us;   /* when a task will be late; INT64_MAX: none */
+    struct pace pace; /* the mean of all nodes */
     struct costs costs;
     double mean_us;            /* recent time of nodes for work 1; 0: not known */
     double task_work;          /* recent work of tasks */

@@ -28,7 +28,7 @@
 #define LATE_US 100000     /* with this added for a busy machine */
 #define FIRST_US 3000000   /* while no answer has come yet */
 #define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
-#define REVIEWED 4 /* nodes: what is known of costs has changed since they were marked */
+#define REVIEWED 4         /* nodes: what is known of costs has changed since they were marked */
 
 static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
 {
@@ -175,7 +175,8 @@ static void ask(struct hub *h, struct sched_actions *out)
 static bool end(struct hub *h, struct sched_actions *out)
 {
     if (!h->p.endgame || !h->ended) return false;
-    for (int n = 0; n < REVIEWED; n++) hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
+    for (int n = 0; n < REVIEWED; n++)
+        hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
     int32_t first = tournament_least(&h->wanting, NULL, NULL);
     if (first >= 0 && hub_end(h, first, out)) return true;
     h->turn = set_after(&h->hungry, h->turn);

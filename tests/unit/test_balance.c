@@ -18,8 +18,8 @@
 #define DRAWS 64
 
 struct world_of {
-    bool ring;          /* ringctl -e */
-    int32_t slots;      /* 0: SLOTS */
+    bool ring;     /* ringctl -e */
+    int32_t slots; /* 0: SLOTS */
     int64_t latency_us;
     double dear;        /* one row costs this part of what all rows cost without it; 0: none does */
     bool rough;         /* many short rows; the cost of one says nothing about the next */
@@ -119,13 +119,15 @@ static void test_ring_links(void **state)
 static void test_ring_dear_row(void **state)
 {
     (void)state;
-    reaches("ring, a dear row", .86, (struct world_of){.ring = true, .latency_us = 5000, .dear = .4});
+    reaches(
+        "ring, a dear row", .86, (struct world_of){.ring = true, .latency_us = 5000, .dear = .4});
 }
 
 static void test_ring_many_slots(void **state)
 {
     (void)state;
-    reaches("ring, many slots", .67, (struct world_of){.ring = true, .slots = 200, .latency_us = 500});
+    reaches(
+        "ring, many slots", .67, (struct world_of){.ring = true, .slots = 200, .latency_us = 500});
 }
 
 int main(void)

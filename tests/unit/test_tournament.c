@@ -45,8 +45,7 @@ static void finds_the_least(void **state)
             int32_t k = (int32_t)(rng_unit((uint64_t)seed, ++drawn) * n);
             double key = floor(20 * rng_unit((uint64_t)seed, ++drawn)) - 10;
             tournament_set(&t, k, key > 5 ? (double)INFINITY : key);
-            for (int32_t i = 0; i < n; i++)
-                allowed[i] = rng_unit((uint64_t)seed, ++drawn) < .3;
+            for (int32_t i = 0; i < n; i++) allowed[i] = rng_unit((uint64_t)seed, ++drawn) < .3;
             check(&t, tournament_least(&t, NULL, NULL), searched(&t, n, NULL));
             int32_t found = tournament_least(&t, is_allowed, allowed);
             check(&t, found, searched(&t, n, allowed));
