@@ -7,9 +7,9 @@ mutants=$root/tests/mutants
 
 # Only the file with the mutant is compiled: the linker takes the others from the library of the clone, and this one not,
 # because all that it defines is there already. The tests of crop wait until patience ends, so they get less.
-flags="-std=c11 -D_GNU_SOURCE -DPATIENCE_S=10 -O1"
+flags="-std=c11 -D_GNU_SOURCE -DPATIENCE_S=10 -O0"
 library=$root/build/libstormring.a
-libs="-lcmocka $(cat "$root/build/libs")"
+libs="-Wl,-S -lcmocka $(cat "$root/build/libs")"
 # shellcheck disable=SC2086
 compile() { cc $flags "-I$root/lib" -c -o "$1" "$2"; }
 unset CMOCKA_MESSAGE_OUTPUT # tests say in words which one failed

@@ -170,11 +170,11 @@ static void ask(struct hub *h, struct sched_actions *out)
     tell(victim, RING_ASK, thief, out);
 }
 
-/* In the endgame a hungry node gets a part of another node's task: the one that would be done with
- * it first. The others take turns, because a part may pay for one of them if not for that. */
+/* In the endgame, which hub_cost_mark begins, a hungry node gets a part of another node's task: the
+ * one that would be done with it first. The others take turns, because a part may pay for one of
+ * them if not for that. */
 static bool end(struct hub *h, struct sched_actions *out)
 {
-    if (!h->p.endgame || !h->ended) return false;
     for (int n = 0; n < REVIEWED; n++)
         hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
     int32_t first = tournament_least(&h->wanting, NULL, NULL);

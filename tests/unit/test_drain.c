@@ -8,12 +8,14 @@
 static void *hub;
 static struct sched_actions acts;
 
-static void tell(struct sched_event e)
+static void tell_at(int64_t now_us, struct sched_event e)
 {
     e.from = -1;
     acts.n = 0;
-    policy_ring.step(hub, &e, 0, &acts);
+    policy_ring.step(hub, &e, now_us, &acts);
 }
+
+static void tell(struct sched_event e) { tell_at(0, e); }
 
 static struct sched_event about(enum sched_event_kind kind, int32_t slot, uint32_t id)
 {
@@ -89,6 +91,21 @@ static void a_task_that_it_gives_away_is_not_lost(void **state)
     assert_int_equal(acts.at[acts.n - 1].kind, SCHED_LEAVE);
 }
 
+static void an_idle_node_gets_its_task_if_it_hangs(void **state)
+{
+    (void)state;
+    for (uint32_t id = 1; id < 4; id++) {
+        tell(about(SCHED_DONE, 0, id));
+        tell(about(SCHED_PIXELS, 0, id));
+    }
+    tell((struct sched_event){
+        .kind = SCHED_RING, .slot = 0, .ring = {.kind = RING_ASK, .peer = -1}});
+    int64_t late_us = policy_ring.wake_us(hub);
+    assert_true(late_us > 0 && late_us < INT64_MAX);
+    tell_at(late_us, (struct sched_event){.kind = SCHED_WAKE, .slot = -1});
+    assert_given(0, 0, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -96,6 +113,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(
             it_leaves_when_its_task_is_done_and_its_pixels_have_come, begin, end),
         cmocka_unit_test_setup_teardown(a_task_that_it_gives_away_is_not_lost, begin, end),
+        cmocka_unit_test_setup_teardown(an_idle_node_gets_its_task_if_it_hangs, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
