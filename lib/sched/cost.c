@@ -1,3 +1,4 @@
+/* Observed costs, in a table by the numbers of tasks. */
 #include "sched/cost.h"
 
 #include <stdlib.h>

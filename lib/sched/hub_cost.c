@@ -5,9 +5,9 @@
  */
 #include "sched/hub_int.h"
 
-#define LATEST 8.   /* tasks: a node's time is the mean over them */
-#define LOOKED_AT 8 /* tasks of a node whose costs are looked up; the others count as the mean */
-#define BUSY_US 1e15
+#define LATEST 8.    /* tasks: a node's time is the mean over them */
+#define LOOKED_AT 8  /* tasks of a node whose costs are looked up; the others count as the mean */
+#define BUSY_US 1e15 /* more than any time */
 
 double hub_time_us(const struct hub *h, int32_t k)
 {
@@ -75,8 +75,8 @@ void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done)
     pace_mix(&h->mean_us, s->speed.us / s->speed.work);
 }
 
-/* When the node would be done with one more task, as far as nodes can be compared: those that are
- * idle come first. */
+/* When node k would be done with one more task: from now if it is idle. Else the time only serves
+ * to compare such nodes, and is above all times of idle nodes. */
 static double done_us(const struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];

@@ -71,14 +71,16 @@ struct hub {
     int32_t n_places; /* nodes that the sets have room for */
     int32_t *early;   /* nodes lost before n_nodes was known */
     size_t n_early;
-    int64_t n_computed;                           /* entries of the ledger */
-    double left_px;                               /* pixels that nodes have to compute */
-    struct slot_set up;                           /* nodes that are up */
-    struct slot_set leaving;                      /* nodes that drain, and owe nothing */
-    struct slot_set hungry, late, delayed;        /* hub_match.c */
-    struct slot_set rich[LOADS];                  /* likewise, by class of work */
-    uint64_t loads;                               /* bit c: rich[c] is not empty */
-    struct tournament wanting, latest, most_late; /* at the end: hub_cost.c */
+    int64_t n_computed;                    /* entries of the ledger */
+    double left_px;                        /* pixels that nodes have to compute */
+    struct slot_set up;                    /* nodes that are up */
+    struct slot_set leaving;               /* nodes that drain, and owe nothing */
+    struct slot_set hungry, late, delayed; /* hub_match.c */
+    struct slot_set rich[LOADS];           /* likewise, by class of work */
+    uint64_t loads;                        /* bit c: rich[c] is not empty */
+    /* At the end (hub_cost.c): nodes that want work, by when they would be done with some; nodes
+     * whose tasks can be cut, those that end last first, and those that should have ended first. */
+    struct tournament wanting, latest, most_late;
     int32_t reviewed; /* the node whose expected times were computed again last */
     int32_t turn;     /* the node that was looked at last in the endgame */
     int64_t end_us;   /* when a task will be late; INT64_MAX: none */

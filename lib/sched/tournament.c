@@ -21,8 +21,8 @@ void tournament_set(struct tournament *t, int32_t k, double key)
 
 double tournament_key(const struct tournament *t, int32_t k) { return t->key[t->n + k]; }
 
-/* The best slot below place i, or `best` (-1: none) if none there is better. Places with lesser keys
- * come first, so that few are looked at. */
+/* The best slot below place i, or `best` (-1: none) if none there is better. Places with lesser
+ * keys come first, so that few are looked at. */
 static int32_t least_below(const struct tournament *t, int32_t i, int32_t best,
     bool (*may)(const void *context, int32_t k), const void *context)
 {

@@ -1,6 +1,6 @@
 /*
- * The slot with the least key, while keys change: a tree in which each place holds the lesser key of
- * the two below it. The hub keeps nodes by the times that it expects.
+ * The slot with the least key, while keys change: a tree in which each place holds the lesser key
+ * of the two below it. The hub keeps nodes by the times that it expects.
  */
 #ifndef STORMRING_SCHED_TOURNAMENT_H
 #define STORMRING_SCHED_TOURNAMENT_H

@@ -1,7 +1,7 @@
 /* How well deal -q auto -e and ringctl -e balance unequal slots, in virtual time: short and long
  * links, costs that cannot be expected, a row with much of the work, a slot that becomes slow, many
- * slots. Work and powers are drawn at random. The mean efficiency over all draws must reach a bound.
- */
+ * slots. Work and powers are drawn at random. The mean efficiency over all draws must reach a
+ * bound. */
 #include "sim/sim.h"
 
 #include <math.h>
