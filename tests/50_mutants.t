@@ -3,7 +3,7 @@
 # (mutants/). The shipped code passes them.
 . "$(dirname "$0")/lib.sh"
 needs /usr/include/cmocka.h
-mutants=$root/tests/mutants
+mutants=$root/tests/mutants work=$PWD
 
 # Only the file with the mutant is compiled: the linker takes the others from the library of the clone, and this one not,
 # because all that it defines is there already. The tests of crop wait until patience ends, so they get less.
@@ -14,17 +14,20 @@ libs="-Wl,-S -lcmocka $(cat "$root/build/libs")"
 compile() { cc $flags "-I$root/lib" -c -o "$1" "$2"; }
 unset CMOCKA_MESSAGE_OUTPUT # tests say in words which one failed
 sign='to repeat:' # what a test says that has found a mutant
-# found TEST LIST NAME: row NAME of LIST makes a mutant, and a seed of test_TEST fails with it
+# found TEST LIST NAME: row NAME of LIST makes a mutant, and a seed of test_TEST fails with it. In a directory of its own,
+# so that several can run at a time.
 # shellcheck disable=SC2086
-found() {
+found() (
+	mkdir "in.$3" && cd "in.$3" || return
 	"$mutants/apply" "$3" "$2" >mutant.c || return
 	compile mutant.o mutant.c || { echo "$3: does not compile"; return 1; }
-	cc -o mutant mutant.o "$1.o" "$library" $libs || { echo "$3: does not link"; return 1; }
+	cc -o mutant mutant.o "$work/$1.o" "$library" $libs || { echo "$3: does not link"; return 1; }
 	status=0
 	timeout 300 prlimit --cpu=60 ./mutant >said 2>&1 || status=$?
 	{ [ "$status" -ne 0 ] && grep -q "$sign" said; } ||
 		{ echo "$3: survives: test_$1 exits with $status, and no seed fails"; return 1; }
-}
+)
+was_found() { [ -e "$1.found" ] || { cat "$1.why"; return 1; }; }
 # listed LIST: it has rows, and no other lines
 listed() { grep -q '^@' "$1" && ! grep -nvE '^(#.*|@ [a-z0-9-]+  lib/[a-z0-9_/]+[.]c|[-+]( .*)?|)$' "$1"; }
 names() { awk '$1 == "@" { print $2 }' "$@"; }
@@ -35,7 +38,13 @@ family() {
 	ok "test_$1 compiles" compile "$1.o" "$root/tests/unit/test_$1.c"
 	cc -o shipped "$1.o" "$library" $libs
 	ok "the shipped code passes test_$1" ./shipped
-	for name in $(names "$mutants/$1"); do ok "test_$1 finds: $name" found "$1" "$mutants/$1" "$name"; done
+	number=0
+	for name in $(names "$mutants/$1"); do
+		{ found "$1" "$mutants/$1" "$name" >"$name.why" 2>&1 && : >"$name.found"; } &
+		[ $((number = (number + 1) % 4)) -ne 0 ] || wait
+	done
+	wait
+	for name in $(names "$mutants/$1"); do ok "test_$1 finds: $name" was_found "$name"; done
 }
 
 is 'each mutant has its own name' "$(names "$mutants"/[!a]* | sort | uniq -d)" ''
@@ -73,7 +82,7 @@ cat >wrong <<'END'
 END
 # refused NAME ERE: for this reason
 refused() {
-	run found gdc wrong "$1"
+	run found gdc ../wrong "$1"
 	like "a row fails: $1" "$status $out$err" "$2"
 }
 refused text-missing '^1 text-missing: lib/sched/gdc_master.c does not have the text: no such text'
@@ -81,7 +90,7 @@ refused text-twice '^1 text-twice: lib/sched/gdc_master.c has the text more than
 refused replacement-missing '^1 replacement-missing: no line with "[+]" follows: struct member'
 refused no-program '^1 no-program: does not compile'
 refused no-change '^1 no-change: changes nothing in lib/sched/gdc_master.c'
-refused name-twice '^1 name-twice: this name is in wrong 2 times, expected once'
+refused name-twice '^1 name-twice: this name is in [.][.]/wrong 2 times, expected once'
 refused no-bug '^1 no-bug: survives: test_gdc exits with 0, and no seed fails'
 printf '%s\n' '@name lib/sched/gdc_master.c' '- text' '+' '@ other  lib/sched/gdc_master.c' '- text' '+' >wrong
 run listed wrong
