@@ -49,8 +49,8 @@ begin() {
 	job=$!
 }
 end() { wait "$job"; ended=$(now_ms); status=$(cat status); }
-# lasting METHOD: the same, but half of the tasks come when the file go is there, so that the run lasts until then. Before
-# the run, balance calls partition to count what is left; that call must not wait.
+# lasting METHOD: the same, but half of the tasks come when the file go is there, so that the run lasts until then. balance
+# also calls partition before the run, to count the tasks that are left. That call must not wait.
 all_in late
 rm late/partition
 cat >late/partition <<END

@@ -61,8 +61,7 @@ static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     t->sent_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = t->from;
-    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
-    out->at[out->n - 1].origin_id = h->ledger.at[i].task.id;
+    out->at[out->n - 1].origin_id = hub_came_as(h, i);
     hub_served(h, k);
     if (s->held.count == 1) hub_progress(h, k);
 }

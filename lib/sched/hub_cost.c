@@ -15,12 +15,6 @@ double hub_time_us(const struct hub *h, int32_t k)
     return (s->speed.work > 0 ? s->speed.us / s->speed.work : h->mean_us) / s->width;
 }
 
-uint32_t hub_came_as(const struct hub *h, int32_t i)
-{
-    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
-    return h->ledger.at[i].task.id;
-}
-
 static double cost_of(const struct hub *h, int32_t i)
 {
     return cost_expected(&h->costs, h->ledger.at[i].task.frame, hub_came_as(h, i));
@@ -37,7 +31,8 @@ double hub_own_pixel_us(const struct hub *h, int32_t k, int32_t i)
     return i == h->nodes[k].held.head ? fmax(us, since_us / tasks_px(&h->ledger, i)) : us;
 }
 
-double hub_ends_us(const struct hub *h, int32_t k)
+/* When node k ends its current task, and those that have no pieces. */
+static double ends_of(const struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
     double work = 0, px = s->held_px;
@@ -54,9 +49,9 @@ double hub_left_us(const struct hub *h, int32_t k, bool *late)
 {
     const struct hub_node *s = &h->nodes[k];
     int32_t i = s->held.head;
-    double now = (double)h->now_us, ends_us = hub_ends_us(h, k);
     *late = false;
     if (i < 0) return 0;
+    double now = (double)h->now_us, ends_us = ends_of(h, k);
     double first_us = (double)s->progress_us + tasks_px(&h->ledger, i) * hub_pixel_us(h, k, i);
     *late = now > first_us;
     return ends_us - now + (*late ? 2 * (now - first_us) : 0);
@@ -81,15 +76,15 @@ static double done_us(const struct hub *h, int32_t k)
 {
     const struct hub_node *s = &h->nodes[k];
     double us = h->task_work * hub_time_us(h, k);
-    return us + (s->held.count ? BUSY_US + hub_ends_us(h, k) : s->pace.round_trip_us);
+    return us + (s->held.count ? BUSY_US + ends_of(h, k) : s->pace.round_trip_us);
 }
 
 void hub_cost_mark(struct hub *h, int32_t k)
 {
-    if (!h->p.endgame || !h->ended) return;
+    if (!hub_is_ending(h)) return;
     const struct hub_node *s = &h->nodes[k];
     bool can_be_cut = hub_works(h, k) && s->held.count > s->cut;
-    double never = (double)INFINITY, ends_us = can_be_cut ? hub_ends_us(h, k) : never;
+    double never = (double)INFINITY, ends_us = can_be_cut ? ends_of(h, k) : never;
     tournament_set(&h->wanting, k, set_has(&h->hungry, k) ? done_us(h, k) : never);
     tournament_set(&h->latest, k, can_be_cut ? -ends_us : never);
     tournament_set(&h->most_late, k, ends_us);

@@ -47,22 +47,22 @@ static int32_t last_of(const struct hub *h, int32_t k, int32_t to)
     return i;
 }
 
-struct helped {
+struct helper {
     const struct hub *h;
     int32_t k;
 };
-static bool can_help(const void *context, int32_t at)
+static bool can_be_helped(const void *context, int32_t at)
 {
-    const struct helped *to = context;
-    return at != to->k && last_of(to->h, at, to->k) >= 0;
+    const struct helper *by = context;
+    return at != by->k && last_of(by->h, at, by->k) >= 0;
 }
 
 /* The node that will need longest, and has a task for node k; -1: none. */
 static int32_t slowest(const struct hub *h, int32_t k)
 {
-    const struct helped to = {h, k};
-    int32_t last = tournament_least(&h->latest, can_help, &to);
-    int32_t late = tournament_least(&h->most_late, can_help, &to);
+    const struct helper by = {h, k};
+    int32_t last = tournament_least(&h->latest, can_be_helped, &by);
+    int32_t late = tournament_least(&h->most_late, can_be_helped, &by);
     bool is_late;
     if (last < 0) return -1;
     return hub_left_us(h, late, &is_late) > hub_left_us(h, last, &is_late) ? late : last;
@@ -113,6 +113,8 @@ static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     hub_unlist(h, i);
     hub_assign(h, i, k, out);
 }
+
+bool hub_is_ending(const struct hub *h) { return h->p.endgame && h->ended; }
 
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out)
 {

@@ -148,6 +148,8 @@ void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed);
 void hub_note_id(struct hub *h, const struct task *t);
 /* Enters a piece of entry `parent` with these pixels, which no node has yet. */
 int32_t hub_enter(struct hub *h, int32_t parent, const struct lattice *at);
+/* The id of the input task that entry i is, or is a piece of. */
+uint32_t hub_came_as(const struct hub *h, int32_t i);
 /* Removes entry i, which has no pieces. */
 void hub_remove(struct hub *h, int32_t i);
 
@@ -191,18 +193,16 @@ double hub_pixel_us(const struct hub *h, int32_t k, int32_t i);
 double hub_own_pixel_us(const struct hub *h, int32_t k, int32_t i);
 /* the time that node k needs for work 1; */
 double hub_time_us(const struct hub *h, int32_t k);
-/* when node k ends its tasks that have no pieces; */
-double hub_ends_us(const struct hub *h, int32_t k);
-/* the time until then. *late: its current task should be done. It is then expected to take as long
- * again as it is late. */
+/* the time until node k ends its current task, and those that have no pieces. *late: the current
+ * task should be done. It is then expected to take as long again as it is late. */
 double hub_left_us(const struct hub *h, int32_t k, bool *late);
-/* The id of the input task that entry i is, or is a piece of. */
-uint32_t hub_came_as(const struct hub *h, int32_t i);
-/* Node k has changed, and input has ended: notes what it wants, and when it ends. */
+/* Node k has changed: notes in the endgame what it wants, and when it ends. */
 void hub_cost_mark(struct hub *h, int32_t k);
 
 /* ---- hub_end.c ------------------------------------------------------------------------------ */
 
+/* Has the endgame begun? */
+bool hub_is_ending(const struct hub *h);
 /* Gives node k, which wants work, a part of a task of another node; false: there is none. */
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out);
 

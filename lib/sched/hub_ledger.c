@@ -50,6 +50,12 @@ void hub_note_id(struct hub *h, const struct task *t)
     if (t->id > *top) *top = t->id;
 }
 
+uint32_t hub_came_as(const struct hub *h, int32_t i)
+{
+    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
+    return h->ledger.at[i].task.id;
+}
+
 /* Entry i has these pieces now: the first of them, or -1. */
 static void set_piece(struct hub *h, int32_t i, int32_t piece)
 {

@@ -28,7 +28,7 @@
 #define LATE_US 100000     /* with this added for a busy machine */
 #define FIRST_US 3000000   /* while no answer has come yet */
 #define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
-#define REVIEWED 4         /* nodes: what is known of costs has changed since they were marked */
+#define REVIEWED 4         /* nodes that a step marks again, because costs have changed */
 
 static void for_sets(struct hub *h, void (*act)(struct slot_set *s, int32_t n))
 {
@@ -170,11 +170,12 @@ static void ask(struct hub *h, struct sched_actions *out)
     tell(victim, RING_ASK, thief, out);
 }
 
-/* In the endgame, which hub_cost_mark begins, a hungry node gets a part of another node's task: the
+/* In the endgame a hungry node gets a part of another node's task: the
  * one that would be done with it first. The others take turns, because a part may pay for one of
  * them if not for that. */
 static bool end(struct hub *h, struct sched_actions *out)
 {
+    if (!hub_is_ending(h)) return false;
     for (int n = 0; n < REVIEWED; n++)
         hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
     int32_t first = tournament_least(&h->wanting, NULL, NULL);
