@@ -1,0 +1,75 @@
+# shellcheck shell=sh disable=SC2154  # balance, which reads this, sets them
+# The rest of balance with -v, when its workers run: gather writes the picture, and then other hosts compute a share of its
+# tasks once more. Here are $share and the rest of balance's variables and functions, its files as arguments, and the
+# stream on descriptor 4.
+exec 5>&-
+# Without a log of the user, gather need not report anything when it is killed.
+temporary='' running='' signal=KILL kept=$log
+[ -z "$log" ] || signal=TERM
+trap '[ -z "$temporary" ] || rm -rf "$temporary"' EXIT
+# A second signal must not interrupt the removal of temporary files.
+trap 'trap "" HUP INT TERM; [ -z "$running" ] || kill -$signal "$running" 2>/dev/null; exit 130' HUP INT TERM
+temporary=$(directory) || exit
+: "${log:=$temporary/log}"
+# The hosts of the checks are those of the file when the picture is complete: slots keep their numbers in all rounds. Until
+# then these lines count.
+case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
+gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END &
+$frames
+END
+running=$!
+exec 4<&-
+wait $running
+status=$?
+running='' signal=TERM
+# With status 1 the picture may still be complete, if hosts differed. The checks then find out which one is wrong.
+all_there() { echo "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! echo "$left" | grep -q '^task '; }
+if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then
+	# A temporary log is kept if it has a part of the picture.
+	case $status,$kept in
+	[13],)
+		if grep -aq '^frag ' "$log"; then
+			trap - EXIT
+			echo "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary" >&2
+		fi
+		;;
+	esac
+	exit $status
+fi
+
+# The picture is complete. The pieces that another host computes again are drawn only now, so that no worker can predict
+# them. If two hosts differ, further hosts decide which is wrong. The first round waits for no host: deal -e gives the
+# share of a slow host to others, which may be the very host that is checked. The next rounds are for the pieces that this
+# leaves unchecked. There each piece stays with its host, which has time as long as fragments come. Hosts that did not
+# deliver are asked last.
+if [ -f "$temporary/hosts" ]; then
+	if cat -- "$all_hosts" >"$temporary/now" && fan -l -S "$temporary/now" >/dev/null; then mv "$temporary/now" "$temporary/hosts"
+	else echo "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify" >&2
+	fi
+	all_hosts=$temporary/hosts
+fi
+seed=$(od -An -N7 -tu8 /dev/urandom | tr -d ' ') && [ -n "$seed" ] || exit 3
+# chosen [-r]: prints state and the tasks of the next round; -r: reports on all rounds
+chosen() {
+	number=0
+	set -- "$@" "$share" "$log"
+	while [ $((number += 1)) -lt $round ]; do set -- "$@" "$temporary/$number"; done
+	if [ -n "$all_hosts" ]; then verify -S "$all_hosts" -s "$seed" "$@"; else verify -j "$all_slots" -s "$seed" "$@"; fi
+}
+# again DEAL ...: runs the workers
+again() {
+	# shellcheck disable=SC2046,SC2086
+	if [ -n "$all_hosts" ]; then exec "$@" fan $(one_each "$method") ${pack:+-z "$pack"} -S "$all_hosts" $renderer $worker
+	else exec "$@" fan $(one_each "$method") -j "$all_slots" $renderer $worker
+	fi
+}
+round=0
+while [ $((round += 1)) -le 4 ] && [ -n "$(chosen </dev/null | head -c 1)" ]; do
+	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e >"$temporary/$round" 6<&- &
+	else state "$@" | chosen | again deal 6<&- | verify -t 20 "$log" >"$temporary/$round" 6<&- &
+	fi
+	running=$!
+	wait $running
+	running=''
+done
+chosen -r && exit $status
