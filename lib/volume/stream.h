@@ -71,7 +71,8 @@ struct stream_lanes {
  * local coordinate at time t is base - (next - t) * rate.
  */
 struct stream_fast {
-    _Alignas(STREAM_LINE) float t[STREAM_WALKERS], exit[STREAM_WALKERS], end[STREAM_WALKERS];
+    _Alignas(STREAM_LINE) float t[STREAM_WALKERS], exit[STREAM_WALKERS], stop[STREAM_WALKERS],
+        end[STREAM_WALKERS];
     float next[3][STREAM_WALKERS], number[3][STREAM_WALKERS], way[3][STREAM_WALKERS];
     float start[3][STREAM_WALKERS], inv[3][STREAM_WALKERS];
     float base[3][STREAM_WALKERS], rate[3][STREAM_WALKERS];
@@ -128,6 +129,16 @@ struct stream_pieces {
     int32_t entry[STREAM_PARTS], cell[STREAM_PARTS];
 };
 
+/* Where a ray is in regions with live cells; most: the greatest number of cells that it may pass.
+ * The last span takes in those for which there is no room. */
+#define REGION_SHIFT 4 /* a region has 16 cells along each axis */
+#define STREAM_SPANS 6
+struct stream_spans {
+    double begin[STREAM_SPANS], end[STREAM_SPANS];
+    int64_t most;
+    uint32_t n, taken;
+};
+
 /* Rays at their first cells. */
 #define STREAM_STARTS 64
 struct stream_starts {
@@ -170,11 +181,12 @@ struct stream {
     float *value_high, *value_low; /* the values of surfaces are their sums */
     bool *above;                   /* per ray and surface: see surface.c */
     struct meeting *ground;        /* per ray; NULL: there is no ground */
-    /* Leaps over empty regions (leap.c): one byte per region; some cell of it is live. */
+    /* Leaps over empty regions (leap.c): 1 if some cell of the region is live; planes of all axes
+     * that are faces of regions. */
     bool leaps;
-    uint8_t *region;
-    double *region_plane[3];
+    double *region, *region_plane;
     int64_t regions[3];
+    struct stream_spans spans[STREAM_RAYS];
     uint64_t half_pack[16]; /* for doubles: indices of their halves */
     uint64_t pack[256];     /* by mask: the indices of its lanes, one byte each */
 
@@ -219,8 +231,7 @@ struct stream {
 /* Finds the regions with live cells. (leap.c) */
 void volume_leap_init(struct stream *s);
 void volume_leap_free(struct stream *s);
-/* Brings the ray of a lane to the next live region from where it is, and sets `exit` to where live
- * regions end. False if there are none until the end of the grid. */
+/* Brings the ray of a lane to its next span, and sets `exit` to the span's end. False if there is none. */
 bool volume_leap(struct stream *s, int lane);
 
 #endif

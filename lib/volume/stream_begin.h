@@ -5,21 +5,7 @@
 #ifndef STORMRING_VOLUME_STREAM_BEGIN_H
 #define STORMRING_VOLUME_STREAM_BEGIN_H
 
-#include "volume/stream_simd.h"
-#include "volume/stream.h"
-
-struct aim {
-    vd d[3], inv[3]; /* direction; its reciprocals, 0 on an axis without movement */
-    vl up[3], down[3];
-    vd in[3], out[3]; /* planes of entry and exit */
-    vd near, at[3], exit;
-    vd enter; /* t of the entry into a brick or a clip box; else 0 */
-    vl hit;
-};
-
-/* On an even grid: times that never are. */
-#define FAR 1e300
-#define FAST_FAR 1e30
+#include "volume/stream_span.h"
 
 /* Directions through the middles of pixels. */
 SIMD_INLINE void aim_at(struct aim *m, const struct camera *c, vd x, vd y)
@@ -144,12 +130,6 @@ SIMD_INLINE vl even_cell(const struct aim *m, const struct volume *v, int a, vd 
     return vl_choose(cell < 0, (vl){0}, cell);
 }
 
-/* A ray on an axis. still, per_edge: the place in the cell and 1 / its edge if it does not move. */
-struct start {
-    vl cell, step, plane; /* plane: the first that it meets */
-    vd start, inv, next, prev, rate, still, per_edge;
-};
-
 static struct start start_uneven(
     struct stream_starts *s, const struct aim *m, const struct volume *v, int a)
 {
@@ -178,12 +158,6 @@ static void stop_slow(struct aim *m, const struct volume *v, int a, double edge)
     }
     vl moves = (vl)(vd_abs(m->d[a]) * sqrt(square) > vd_set(SLOW * edge));
     m->up[a] &= moves, m->down[a] &= moves;
-}
-
-/* The time at plane n. */
-SIMD_INLINE vd met_at(vd n, vd start, vd inv, bool fast)
-{
-    return fast ? vd_rounded(vd_rounded(n - start) * inv) : (n - start) * inv;
 }
 
 /* On an even grid, planes are where their numbers are. Ends the ray where it meets the last one. */
@@ -281,13 +255,16 @@ static void begin(struct stream *s)
         t->hit |= (uint64_t)vl_signs(m.hit) << i;
         vd_store(t->enter + i, m.enter);
         vl node = (vl){0} + (int64_t)v->origin;
+        if (s->fast) m.exit = vd_set(HUGE_VAL); /* the time of a plane, as the walk has it */
+        struct start r[3];
         UNROLLED
         for (int a = 0; a < 3; a++) {
-            struct start r = s->fast   ? start_even(t, &m, v, a, true)
-                             : s->even ? start_even(t, &m, v, a, false)
-                                       : start_uneven(t, &m, v, a);
-            node += put_start_axis(t, i, &m, &r, a, v->stride[a]);
+            r[a] = s->fast   ? start_even(t, &m, v, a, true)
+                   : s->even ? start_even(t, &m, v, a, false)
+                             : start_uneven(t, &m, v, a);
+            node += put_start_axis(t, i, &m, &r[a], a, v->stride[a]);
         }
+        if (s->leaps) find_spans(s, t->ray + i, n - i, &m, r);
         vd_store(t->exit + i, m.exit);
         vl_store(t->node + i, node);
         for (uint32_t k = 0; s->wide && k < VD && i + k < n; k++) keep_ray(s, i, k, &m);

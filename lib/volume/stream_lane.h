@@ -71,7 +71,7 @@ static void put_fast(struct stream *s, int lane, int i)
     const struct stream_starts *t = &s->starts;
     struct stream_fast *q = &s->quick;
     q->t[lane] = 0;
-    q->exit[lane] = (float)t->exit[i];
+    q->exit[lane] = q->stop[lane] = (float)t->exit[i];
     q->node[lane] = (int32_t)t->node[i];
     q->passed[lane] = 0;
     UNROLLED

@@ -24,7 +24,8 @@ static void refill(struct stream *s, int h0, unsigned mask)
 {
     for (unsigned m = mask & ~(s->parked >> h0); m; m &= m - 1) {
         int lane = h0 + __builtin_ctz(m);
-        if (s->leaps && s->lanes.exit[lane] >= 0 && volume_leap(s, lane)) continue;
+        const bool seen = (s->fast ? (double)s->quick.exit[lane] : s->lanes.exit[lane]) >= 0;
+        if (s->leaps && seen && volume_leap(s, lane)) continue;
         take_ray(s, lane);
         put_ray(s, lane);
     }

@@ -16,13 +16,13 @@ static double between(uint64_t seed, uint64_t *n, double lo, double hi)
     return lo + (hi - lo) * rng_unit(seed, (*n)++);
 }
 
-/* Uneven planes; balls, also in corners, of 1 to 6 cells; nothing between them. */
+/* Even planes, or uneven ones; balls, also in corners, of 1 to 6 cells; nothing between them. */
 static struct grid balls(uint64_t seed, uint64_t *n)
 {
     uint32_t size[3];
     for (int a = 0; a < 3; a++) size[a] = 3 + (uint32_t)(rng_u64(seed, (*n)++) % 60);
     struct grid g = make_grid(size[0], size[1], size[2]);
-    double stretch = between(seed, n, 0, .05);
+    double stretch = seed % 3 == 0 ? 0 : between(seed, n, 0, .05);
     for (int a = 0; a < 3; a++)
         for (uint32_t i = 0; i < g.n[a]; i++) g.at[a][i] = i * (1 + stretch * i);
     for (int ball = (int)(seed % 5); ball > 0; ball--) {
