@@ -19,10 +19,11 @@ is '-l aligns the columns' "$(printf '%s\n' "$out" | awk '
 like '-l lists refused variables with the reason' "$out" '^# prmsl	meanSea	1 level, expected 2 at least$'
 
 grib2vtk "$file" 'speed=hypot(u,v)' >speed.vtk
-levels=$(grib_get -w shortName=u,typeOfLevel=isobaricInhPa -p level "$file" | sort -rn)
+grib_copy -w shortName=u/v,typeOfLevel=isobaricInhPa "$file" uv.grb # so that each search is short
+levels=$(grib_get -w shortName=u -p level uv.grb | sort -rn)
 for name in u v; do
 	for level in $levels; do
-		grib_get_data -w "shortName=$name,typeOfLevel=isobaricInhPa,level=$level" "$file" | awk 'NR > 1 { print $3 }'
+		grib_get_data -w "shortName=$name,level=$level" uv.grb | awk 'NR > 1 { print $3 }'
 	done >$name
 done
 paste u v | awk '{ printf "%.12g\n", sqrt($1 ^ 2 + $2 ^ 2) }' >w

@@ -231,7 +231,8 @@ struct stream {
 /* Finds the regions with live cells. (leap.c) */
 void volume_leap_init(struct stream *s);
 void volume_leap_free(struct stream *s);
-/* Brings the ray of a lane to its next span, and sets `exit` to the span's end. False if there is none. */
+/* Brings the ray of a lane to its next span, and sets `exit` to where the span ends. False if
+ * there is none. */
 bool volume_leap(struct stream *s, int lane);
 
 #endif

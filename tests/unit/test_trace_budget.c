@@ -5,6 +5,7 @@
 #include "trace/pending.h"
 
 #include <stdarg.h>
+#include "rounds.h"
 #include "trace_scenes.h"
 
 #define ROUNDING 1e-9 /* relative to the greatest colour */
@@ -96,7 +97,7 @@ static double holds(struct buf *b, int depth, uint32_t side)
 static void test_random_scenes(void **state)
 {
     (void)state;
-    for (uint64_t seed = 1; seed <= 30; seed++) {
+    for (uint64_t seed = 1; seed <= (uint64_t)rounds(30); seed++) {
         struct buf b = {0};
         put_random_scene(&b, in_place, seed, 4 + (int)seed * 3);
         holds(&b, 1 + (int)(seed % 7), 24);
@@ -106,7 +107,7 @@ static void test_random_scenes(void **state)
 static void test_glass(void **state)
 {
     (void)state;
-    for (uint64_t seed = 1; seed <= 5; seed++) {
+    for (uint64_t seed = 1; seed <= (uint64_t)rounds(5); seed++) {
         struct buf b = {0};
         put_glass_scene(&b, in_place, seed, 30);
         holds(&b, 5, 24);

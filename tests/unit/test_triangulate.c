@@ -2,6 +2,7 @@
  * Triangles of polygons: they cover it once, whatever its shape, plane and order; and it always
  * ends.
  */
+#include "rounds.h"
 #include "scene/scene.h"
 
 #include <setjmp.h>
@@ -192,7 +193,7 @@ static void test_flower(void **state)
 static void test_many_corners(void **state)
 {
     (void)state;
-    enum { N = 200000 };
+    const uint32_t N = (uint32_t)rounds(200000);
     struct vec3 *v = xcalloc(N, sizeof *v);
     struct triangle *t = xcalloc(N, sizeof *t);
     struct scene s = {.vertices = v, .n_vertices = N};
