@@ -258,8 +258,7 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
         sim_fail(w, "more tasks are queued at a slot than wait", k, id);
 }
 
-/* With equal depths the slot with the least load gets the task, of equals the first. A copy goes
- * to an idle slot. */
+/* With equal depths the least loaded slot gets it, of equals the first; a copy, an idle one. */
 static void check_least(struct world *w, int32_t k, uint32_t id)
 {
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
@@ -369,9 +368,6 @@ static void check_drains(struct world *w)
     }
 }
 
-/* The checks that look at every task are made at one event of 16 if there are more tasks. */
-#define MANY_TASKS 1000
-
 static void check_owners(struct world *w)
 {
     bool endgame = w->plan->params.endgame && w->input_ended;
@@ -383,7 +379,7 @@ static void check_owners(struct world *w)
     }
     for (int32_t k = 0; k < w->plan->slots; k++) hand_over(w, k);
     check_drains(w);
-    if (w->n_tasks > MANY_TASKS && w->result->events % 16) return;
+    if (w->n_tasks > 1000 && w->result->events % 16) return; /* what follows looks at all tasks */
     int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
     if (!endgame && waiting > count_waiting(w, false))
         sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);
