@@ -178,7 +178,7 @@ static void test_any_grouping(void **state)
     scene_free(&s);
 }
 
-enum { W = 96, H = 64, SCENES = 2, PIXELS = SCENES * W * H };
+enum { W = 64, H = 48, SCENES = 2, PIXELS = SCENES * W * H };
 
 /* Counts the pixels that differ between refined where the first samples say so and everywhere. */
 static void refined(const struct scene *s, int side, int *off, int *same)

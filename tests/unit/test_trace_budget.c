@@ -143,7 +143,7 @@ static void test_shells(void **state)
 static void test_many_pending(void **state)
 {
     (void)state;
-    struct buf b = shells(17, .1, .2, .8);
+    struct buf b = shells(14, .1, .2, .8);
     struct scene s;
     read_scene(&b, &s);
     struct trace_options o = TRACE_OPTIONS_DEFAULT;
