@@ -3,7 +3,7 @@
 # of rows that `balance adaptive` begins with (joining them is not counted): seconds, and whether pictures are the same.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-rounds=${ROUNDS:-3} size=${SIZE:-1280x960} slots=${SLOTS:-$((2 * $(nproc)))}
+rounds=${ROUNDS:-3} size=${SIZE:-1280x960} slots=${SLOTS:-$(nproc)}
 scene=${SCENE:-/usr/share/doc/povray/examples/advanced/teapot/teapot.pov} words=${WORDS:-+A0.1 +AM2}
 name=$(basename "$scene") width=${size%x*} height=${size#*x}
 mkdir files bands
