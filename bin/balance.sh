@@ -1,7 +1,6 @@
 # shellcheck shell=sh disable=SC2154  # balance, which reads this, sets them
-# The rest of balance with -v, when its workers run: gather writes the picture, and then other hosts compute a share of its
-# tasks once more. Here are $share and the rest of balance's variables and functions, its files as arguments, and the
-# stream on descriptor 4.
+# balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
+# once more. It uses balance's variables and functions, its arguments, which are files, and the stream on descriptor 4.
 exec 5>&-
 # Without a log of the user, gather need not report anything when it is killed.
 temporary='' running='' signal=KILL kept=$log
