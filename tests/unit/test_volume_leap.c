@@ -1,6 +1,6 @@
 /*
  * Grids of which little is seen, over which rays leap: every live cell is visited as by the code
- * that takes one ray at a time, and the picture is the same.
+ * that takes one ray at a time, and the picture is the same, with vectors of any width.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,6 +65,7 @@ static void every_live_cell(void **state)
 {
     (void)state;
     const struct volume_options usual = VOLUME_OPTIONS_DEFAULT,
+                                least = {VOLUME_ADAPTIVE, usual.tolerance, 0, ISA_SSE2, 1},
                                 alone = {VOLUME_ADAPTIVE, 1e-8, 0, ISA_AUTO, 1};
     uint64_t cells = 0;
     for (uint64_t seed = 0; seed < 120; seed++) {
@@ -75,6 +76,8 @@ static void every_live_cell(void **state)
         struct scene c = look(&g, seed, &n);
         c.s.knot = c.knot, c.s.iso = c.iso;
         render(&g, &c.s, &usual, p, &got);
+        render(&g, &c.s, &least, q, NULL);
+        assert_memory_equal(p, q, sizeof p);
         render(&g, &c.s, &alone, q, &expected);
         for (int i = 0; i < VALUES; i++)
             if (!(fabs((double)p[i] - (double)q[i]) <= usual.tolerance))
