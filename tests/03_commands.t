@@ -52,7 +52,7 @@ END
 chmod +x "$plain/cc"
 run make -s -C "$root" BUILD="$other" CC="$plain/cc"
 is 'make: without a header it builds the other programs' "$status" 0
-is 'make: all other programs and copies of the scripts are there' "$(cd "$other/bin" && ls)" \
+is 'make: all other programs and copies of the scripts are there' "$(cd "$other/bin" && LC_ALL=C ls)" \
 	"$(cd "$root/bin" && for f in *; do basename "$f" .c; done | sort -u | grep -vx nc2vtk)"
 is 'make: one line names the program that is not built and the missing package' "$err" \
 	'make: nc2vtk is not built: libnetcdf-dev is missing'

@@ -16,7 +16,7 @@ before=$(tree)
 # ---- into an ordinary user's home ------------------------------------------------------------------------------------
 prefix="$tmp/home/my prefix"
 ok 'make install' make -s -C "$root" install PREFIX="$prefix"
-is 'every program and script is installed' "$(ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
+is 'every program and script is installed' "$(LC_ALL=C ls "$prefix/bin")" "$(printf '%s\n' mine $programs | LC_ALL=C sort)"
 is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
 is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; printf 'chart\nexperiments\nmanifest\n'; } | sort)"
 is 'every static program is installed' "$(ls "$prefix/lib/stormring")" "$(ls "$root/build/static")"
@@ -45,7 +45,7 @@ is 'all installed files are gone, also of the earlier version, and all other fil
 # ---- for a package: DESTDIR and PREFIX are made and removed ----------------------------------------------------
 stage="$tmp/stage/it's \\ a \"new\" *"
 ok 'make install into a directory with quotes in its name' make -s -C "$root" install DESTDIR="$stage" PREFIX=/usr
-is 'every program and script is in the staging directory' "$(ls "$stage/usr/bin")" "$programs"
+is 'every program and script is in the staging directory' "$(LC_ALL=C ls "$stage/usr/bin")" "$programs"
 is 'nothing is installed elsewhere' "$(ls stage)" "${stage##*/}"
 ok 'make uninstall' make -s -C "$root" uninstall DESTDIR="$stage" PREFIX=/usr
 is 'uninstall leaves nothing in the staging directory' "$(tree)" "$before"
