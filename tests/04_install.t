@@ -16,7 +16,7 @@ before=$(tree)
 # ---- into an ordinary user's home ------------------------------------------------------------------------------------
 prefix="$tmp/home/my prefix"
 ok 'make install' make -s -C "$root" install PREFIX="$prefix"
-is 'every program and script is installed' "$(LC_ALL=C ls "$prefix/bin")" "$(printf '%s\n' mine $programs | LC_ALL=C sort)"
+is 'every program and script is installed' "$(LC_ALL=C ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
 is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
 is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; printf 'chart\nexperiments\nmanifest\n'; } | sort)"
 is 'every static program is installed' "$(ls "$prefix/lib/stormring")" "$(ls "$root/build/static")"
