@@ -27,6 +27,8 @@
 #:
 #: BUILD=DIR builds elsewhere; CC, CFLAGS and LDFLAGS are as usual.
 
+# Without make's own rules: one of them makes X from a newer X.sh, even where X is a script.
+.SUFFIXES:
 CC       = cc
 CFLAGS   = -O2 -g
 PREFIX   = /usr/local

@@ -50,6 +50,9 @@ case \$output in
 esac
 END
 chmod +x "$plain/cc"
+: >"$tmp/script.sh"
+run env LC_ALL=C make -n -C "$root" "$tmp/script"
+like 'make: makes no script from another one' "$status $err" "^2 .*No rule to make target '[^']*script'"
 run make -s -C "$root" BUILD="$other" CC="$plain/cc"
 is 'make: without a header it builds the other programs' "$status" 0
 is 'make: all other programs and copies of the scripts are there' "$(cd "$other/bin" && LC_ALL=C ls)" \

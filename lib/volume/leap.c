@@ -54,7 +54,6 @@ void volume_leap_free(struct stream *s)
 struct on_axis {
     int64_t plane, step; /* the index of the next plane */
     double start, inv;
-    bool fast;
 };
 
 static struct on_axis on_axis(const struct stream *s, int a, int lane)
@@ -63,17 +62,17 @@ static struct on_axis on_axis(const struct stream *s, int a, int lane)
     const struct stream_fast *q = &s->quick;
     if (s->fast)
         return (struct on_axis){(int64_t)q->number[a][lane], (int64_t)q->way[a][lane],
-            (double)q->start[a][lane], (double)q->inv[a][lane], true};
+            (double)q->start[a][lane], (double)q->inv[a][lane]};
     int64_t plane = s->even ? (int64_t)l->number[a][lane]
                             : l->plane[a][lane] - (s->v->plane[a] - s->v->plane[0]);
-    return (struct on_axis){plane, l->step[a][lane], l->start[a][lane], l->inv[a][lane], false};
+    return (struct on_axis){plane, l->step[a][lane], l->start[a][lane], l->inv[a][lane]};
 }
 
 /* When plane i is met: the same bits as in the walk. */
 static double met(const struct stream *s, const struct on_axis *x, int a, int64_t i)
 {
     const double way = place(s, a, i) - x->start;
-    return x->fast ? (double)(float)((double)(float)way * x->inv) : way * x->inv;
+    return s->fast ? (double)(float)((double)(float)way * x->inv) : way * x->inv;
 }
 
 /* The first plane that is met after time t, which may be one past the grid. */

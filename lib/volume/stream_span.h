@@ -34,6 +34,16 @@ SIMD_INLINE vd met_at(vd n, vd start, vd inv, bool fast)
     return fast ? vd_rounded(vd_rounded(n - start) * inv) : (n - start) * inv;
 }
 
+/* The axis whose plane ends the cell or region. Of several axes the first: the steps of the others
+ * then have length 0. */
+struct which {
+    vl x, y;
+};
+SIMD_INLINE struct which which_ends(vd x, vd y, vd z)
+{
+    return (struct which){(vl)(x <= y) & (vl)(x <= z), (vl)(y <= z)};
+}
+
 /* VD rays among regions: their region, and on each axis the plane that ends it, as an index into
  * s->region_plane, and its time. */
 struct march {
@@ -61,9 +71,8 @@ SIMD_INLINE struct march march_begin(
 /* The rays of `in` pass the plane that ends their region. */
 SIMD_INLINE void march_on(const struct stream *s, struct march *w, const struct start r[3], vl in)
 {
-    const vl x = (vl)(w->next[0] <= w->next[1]) & (vl)(w->next[0] <= w->next[2]);
-    const vl y = ~x & (vl)(w->next[1] <= w->next[2]);
-    const vl mine[3] = {in & x, in & y, in & ~x & ~y};
+    const struct which m = which_ends(w->next[0], w->next[1], w->next[2]);
+    const vl mine[3] = {in & m.x, in & ~m.x & m.y, in & ~m.x & ~m.y};
     int64_t stride = 1;
     vl plane = {0};
     vd start = vd_set(0), inv = start;

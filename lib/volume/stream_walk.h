@@ -8,11 +8,6 @@
 
 /* ---- a step --------------------------------------------------------------------------------- */
 
-/* The axis whose plane ends the cell. Of several axes the first: the steps of the others then have
- * length 0. */
-struct which {
-    vl x, y;
-};
 SIMD_INLINE vd of_axis(struct which m, vd x, vd y, vd z)
 {
     return vd_choose(m.x, x, vd_choose(m.y, y, z));
@@ -20,10 +15,6 @@ SIMD_INLINE vd of_axis(struct which m, vd x, vd y, vd z)
 SIMD_INLINE vl of_axis_l(struct which m, vl x, vl y, vl z)
 {
     return vl_choose(m.x, x, vl_choose(m.y, y, z));
-}
-SIMD_INLINE struct which which_ends(vd x, vd y, vd z)
-{
-    return (struct which){(vl)(x <= y) & (vl)(x <= z), (vl)(y <= z)};
 }
 SIMD_INLINE vd of_axes(struct which m, double (*of)[STREAM_WALKERS], int h)
 {
