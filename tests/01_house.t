@@ -108,11 +108,6 @@ $2 ~ /^[A-TV-Z]$/ {
 }
 NF < 3 || $1 !~ /^lib/' "$tmp/prefixes" "$tmp/externs" >"$found"
 clean 'externs begin with the name of their module'
-{
-	grep -nE '^#[[:blank:]]*define[[:blank:]]+_' lib/*/*.[ch] bin/*.c
-	nm -A "$objects"/*/*.o | grep -E ' [A-TV-Za-tv-z] _' | sed 's/.*\/\([^/]*\/[^/]*\)[.]o:.* /lib\/\1.c: /'
-} >"$found"
-clean 'no name is one of the compiler: none begins with _'
 
 # Files that call each other in a circle are one machine, and say so at their head.
 awk '
