@@ -24,10 +24,14 @@ static struct counts count(const struct scene *s)
     struct counts n = {.largest = 3};
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *p = &s->prims[i];
-        if (p->kind == PRIM_SPHERE) n.spheres++;
-        else if (p->kind == PRIM_CONE) n.cones++;
-        else n.triangles += p->poly.count - 2;
-        if (prim_is_poly(p) && p->poly.count > n.largest) n.largest = p->poly.count;
+        switch (p->kind) {
+        case PRIM_SPHERE: n.spheres++; break;
+        case PRIM_CONE: n.cones++; break;
+        case PRIM_POLYGON:
+        case PRIM_PATCH:
+            n.triangles += p->poly.count - 2;
+            if (p->poly.count > n.largest) n.largest = p->poly.count;
+        }
     }
     return n;
 }

@@ -68,6 +68,17 @@ static void put_prim(struct nff_out *o, const struct scene *s, const struct prim
     }
 }
 
+static void check_same_prim(const struct prim *a, const struct prim *b)
+{
+    MUST(a->kind == b->kind);
+    switch (a->kind) {
+    case PRIM_SPHERE: MUST(memcmp(&a->sphere, &b->sphere, sizeof a->sphere) == 0); break;
+    case PRIM_CONE: MUST(memcmp(&a->cone, &b->cone, sizeof a->cone) == 0); break;
+    case PRIM_POLYGON:
+    case PRIM_PATCH: MUST(a->poly.first == b->poly.first && a->poly.count == b->poly.count);
+    }
+}
+
 static void check_round_trip(const struct scene *s)
 {
     char *text, err[SCENE_ERR];
@@ -86,9 +97,12 @@ static void check_round_trip(const struct scene *s)
     MUST(!s->n_lights || memcmp(s->lights, again.lights, s->n_lights * sizeof *s->lights) == 0);
     MUST(!s->n_vertices ||
          memcmp(s->vertices, again.vertices, s->n_vertices * sizeof *s->vertices) == 0);
-    for (uint32_t i = 0; i < s->n_prims; i++)
-        MUST(memcmp(&s->materials[s->prims[i].material], &again.materials[again.prims[i].material],
+    for (uint32_t i = 0; i < s->n_prims; i++) {
+        const struct prim *a = &s->prims[i], *b = &again.prims[i];
+        MUST(memcmp(&s->materials[a->material], &again.materials[b->material],
                  sizeof *s->materials) == 0);
+        check_same_prim(a, b);
+    }
     scene_free(&again);
     free(text);
 }
@@ -107,9 +121,8 @@ static void check_parts(const char *text, size_t n, int rc, const char *err, con
     MUST(!p.normals || memcmp(p.normals, s->normals, p.n_vertices * sizeof *p.normals) == 0);
     for (uint32_t i = 0; i < p.n_prims; i++) {
         const struct prim *a = &p.prims[i], *b = &s->prims[i];
-        MUST(a->kind == b->kind && a->material == b->material);
-        if (prim_is_poly(a))
-            MUST(a->poly.first == b->poly.first && a->poly.count == b->poly.count);
+        MUST(a->material == b->material);
+        check_same_prim(a, b);
     }
     scene_free(&p);
 }
