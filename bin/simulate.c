@@ -104,7 +104,7 @@ static void parse_method(struct options *o, int argc, char **argv)
         else if (opt == 'p') o->method.policy = &policy_published;
         else if (strcmp(optarg, "one") == 0) p->one = true;
         else if (strcmp(optarg, "half") == 0) p->one = false;
-        else usage(ST_USAGE, text);
+        else die(ST_USAGE, "-k %s: expected half or one", optarg);
     }
     if (optind != argc) usage(ST_USAGE, text);
 }

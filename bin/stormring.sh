@@ -1,6 +1,7 @@
 # shellcheck shell=sh disable=SC2154  # usage and here are set by the script that reads this
 # Every script reads this first, with its usage in $usage and its own directory in $here. It has the options and checks
 # that all programs share; programs in C have them in lib/base/option.c.
+[ ! -d /dev/fd ] || [ -e /dev/fd/2 ] || exec 2>/dev/null # mawk fails where standard error is closed
 LC_ALL=C && export LC_ALL # so that awk and others read and write numbers with a point in every locale
 # answer TEXT: prints TEXT and exits
 answer() {

@@ -29,7 +29,7 @@ album html image task base
 grid base
 spec grid base
 volume simd grid spec task base
-cf grid base
+cf units grid base
 grib grid base
 units base
 convert units grid image base

@@ -160,6 +160,14 @@ done
 like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
 run timeout 5 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i and -n, once'
+for method in masterslave auto calibrate; do
+	run balance $method -W foo tetra.nff
+	like "balance $method -W foo: says what is expected" "$status $err" '^2 balance: .*-W foo: expected options of rtworker$'
+done
+run sh -c 'cat tetra.nff | balance masterslave -o x.png /dev/stdin'
+like "balance: a pipe as a file is refused" "$status $err" '^2 balance: /dev/stdin: is a pipe, which can be read only once, expected '
+run sh -c 'balance masterslave -j 2 -s 8x6 -o closed.png tetra.nff <&- >&- 2>&-'
+is "balance: closed standard streams: the same picture" "$status $(cmp closed.png piped.png && echo same)" '0 same'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'
 like "balance: the message on a bad scene from a pipe names the record" "$status $err" '^2 rtworker: scene:2: '
 mkdir unbuilt

@@ -237,6 +237,15 @@ if there /usr/include/udunits2.h; then
 	refused_z noterm.nc 'the levels name cc, which is not there'
 	ncdump hybrid.nc | sed 's/PS(x, y)/PS(x, x)/' | ncgen -o square.nc -
 	refused_z square.nc 'the surface pressure has x twice'
+		ncdump hybrid.nc | sed 's/PS:units = "hPa"/PS:units = "K"/' | ncgen -o kelvin.nc -
+	refused_z kelvin.nc "PS is in 'K', expected a unit of pressure"
+	ncdump hybrid.nc | sed 's/P0:units = "hPa"/P0:units = "kPa"/; s/ P0 = 1000/ P0 = 100/' | ncgen -o kilo.nc -
+	is '-z: pressures in any unit' "$(got -z kilo.nc s)" '3 4 1 nan 13 14 11 12'
+	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "km2 s-2" ;/; s/9806.65/0.00980665/; s/19613.3/0.0196133/g; s/39226.6/0.0392266/; s/49033.25/0.04903325/' |
+		ncgen -o squares.nc -
+	is '-z: a geopotential in any unit' "$(got -z squares.nc s)" '1 2 3 4 11 12 8 6.5'
+	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "K" ;/' | ncgen -o warmth.nc -
+	refused_z warmth.nc "gp is in 'K', expected a length or m2 s-2"
 	make_nc theta "$cube" "$axes z:units = \"K\"; float s(z, y, x);" "$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
 	refused_z theta.nc 'no heights, expected pressures'
 	nc2vtk -z $ncarg/cdf/vinth2p.nc T >a.vtk
@@ -298,6 +307,34 @@ run nc2vtk -c metres.nc s
 is 'refused: -c of kilometres' "$status:$out:$err" '2::nc2vtk: metres.nc: s: -c: x is not a longitude in degrees'
 like 'reasons are listed, too' "$(nc2vtk -l curved.nc)" '^# /s	a curvilinear grid'
 like '-i: so are they in the table' "$(nc2vtk -i curved.nc)" '^# /s	a curvilinear grid'
+
+make_nc winds "$cube" "$axes float u(z, y, x); u:units = \"m/s\"; float v(z, y, x); v:units = \"km/h\";" \
+	"$nodes u = 3, 3, 3, 3, 3, 3, 3, 3; v = 4, 4, 4, 4, 4, 4, 4, 4;"
+refused winds.nc 's=hypot(u,v)' "s=hypot.u,v.: the two are in 'm/s' and 'km/h', expected one unit"
+make_nc strong "$cube" "$axes float u(z, y, x); float v(z, y, x);" "$nodes u = 9e17, 3, 3, 3, 3, 3, 3, 3; v = 9e17, 4, 4, 4, 4, 4, 4, 4;"
+refused strong.nc 's=hypot(u,v)' 'v: a value is as large as 1.27'
+
+# ---- files that are cut or damaged -----------------------------------------------------------------------------
+cut_at() { head -c "$1" k.nc >cut.nc; run nc2vtk cut.nc s; [ "$status:$out" = 2: ] || echo "$kind: $1 bytes: $status"; }
+damaged_at() { # another byte there: a grid, or a message
+	{ head -c "$1" k.nc; printf '\377'; tail -c +$(($1 + 2)) k.nc; } >cut.nc
+	run prlimit --as=1000000000 nc2vtk -o cut.vtk cut.nc s
+	case $status in 0 | 2) ;; *) echo "$kind: byte $1: $status" ;; esac
+}
+make_nc records 't = UNLIMITED; y = 2; x = 2; z = 2;' "$axes double t(t); short s(t, z, y, x); byte b(t);" "$nodes t = 1, 2; s = $(seq -s, 16); b = 1, 2;"
+for cdl in packed records; do
+	for kind in 1 2 5; do
+		ncgen -k $kind -o k.nc $cdl.cdl
+		size=$(wc -c <k.nc)
+		# A format may be padded by up to 3 bytes, which hold nothing.
+		for at in 4 8 30 100 $((size / 2)) $((size - 12)) $((size - 4)); do cut_at "$at"; done
+		for at in $(seq 4 9 $((size - 1))); do damaged_at "$at"; done
+	done
+done >bad
+is 'classic files that are cut are refused, and damage ends no process' "$(cat bad)" ''
+head -c 200 packed.nc >cut.nc
+run nc2vtk cut.nc s
+like 'a file that is cut: the message says so' "$status $err" '^2 nc2vtk: cut.nc: (ends after 200 bytes, expected [0-9]+|byte [0-9]+: damaged, expected the header of a NetCDF file)$'
 
 # ---- usage, and a full disk ----------------------------------------------------------------------------------
 at_the_end packed.nc s

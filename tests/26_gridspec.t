@@ -46,6 +46,10 @@ grid zero 1 1 1 's = 0'
 grid half 1 1 1 's = i < 4 ? "nan" : k'
 grid negative 1 1 1 's = -i - j * k'
 for name in plain thin globe tall strip huge outlier flat zero negative; do ok "the picture of $name fits" fits $name; done
+# Far from the origin, with a scale of many digits.
+grid far 70 1.1 20 's = i + j + k' 's [K]; x x [m]; y y [m]; z z [m]'
+awk '/^[XYZ]_COORD/ { print; getline; for (i = 1; i <= NF; i++) printf "%.17g ", $i + 5.4e6; print ""; next } { print }' far.vtk >x && mv x far.vtk
+ok 'the picture of far fits' fits far
 fits half >half.at
 is 'a grid with missing values is visible' "$(grep -c nothing half.at)" 0
 
@@ -90,6 +94,9 @@ refused 'balance: nothing there' 'gridspec: gone.vtk: all values are missing, ex
 is 'balance: no picture is left' "$(ls no.png 2>/dev/null)" ''
 grid lone 1 1 1 's = i == 4 && j == 4 ? 1 : "nan"'
 refused 'no cell' 'gridspec: lone.vtk: each cell has a missing corner, expected' gridspec lone.vtk
+grid vast 2e9 2e9 1.5e9 's = i' 's [K]; x x [m]; y y [m]; z t [s]'
+run sh -c 'gridspec vast.vtk >vast.spec && vcworker -n vast.vtk vast.spec'
+is 'the scale of a vast grid is one that a specification may have' "$status$err" 0
 grid sheet 1e17 1e17 1 's = i'
 refused 'lengths that no scale brings together' 'gridspec: sheet.vtk: an axis is 1e9 times' gridspec sheet.vtk
 sed 's/^SCALARS.*/VECTORS wind float/' plain.vtk >vectors.vtk

@@ -264,7 +264,7 @@ END
 printf '%s\n' 'newmtl lamp' 'Kd 1 1 1' 'Ke 1 0 0' 'map_Kd wood.png' >losses.mtl
 run mesh2nff losses.obj
 is 'losses: exit 0, and one line each with a count' "$status:$(printf '%s\n' "$err" | sort)" \
-	"0:mesh2nff: losses.obj: faces with coordinates that are not finite or beyond 1e12, or with over 1000000 corners: 3, left out
+	"0:mesh2nff: losses.obj: faces with coordinates that are not finite or beyond 1e12, with corners that are not there, or with over 1000000: 3, left out
 mesh2nff: losses.obj: faces without area: 1, left out
 mesh2nff: losses.obj: lines: 1, left out
 mesh2nff: losses.obj: materials that emit light: 1, written without it
@@ -272,6 +272,10 @@ mesh2nff: losses.obj: materials with textures: 1, written without them
 mesh2nff: losses.obj: points: 2, left out"
 is 'and the rest is written' "$(faces)" 'f 1 1 1 1 0 0 0 1
 p 3 1 0 0 0 1 0 0 0 1'
+sed '/^mtllib/s/ .*/ none.mtl/; /^f [156]/d; /^f 2 2/d; /^[pl] /d' losses.obj >library.obj
+run mesh2nff library.obj
+is 'a file of materials that is not there: exit 0, and one line' "$status:$err" \
+	'0:mesh2nff: library.obj: files of materials that are not there: 1, their materials are white'
 sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
 like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
 gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
@@ -293,6 +297,8 @@ refused() {
 }
 refused missing.obj 'missing.obj: No such file or directory$'
 refused . '[.]: Is a directory$'
+printf '%s\n' OFF '3 2 0' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' '3 0 1 9' >corner.off
+refused corner.off 'corner[.]off: a face has a corner that is not there, expected all corners$'
 echo words >words.txt
 refused words.txt 'words.txt: libassimp: .*, expected a mesh in one of its formats$'
 head -c 300 a.glb >torn.glb

@@ -355,6 +355,20 @@ for p in 'fan -j 2' 'deal fan -j 2'; do
 done
 refused 'one number for two tasks' 'frame 0 8 8\ntask 0 0 0 0 1 1 1 1\ntask 0 0 0 1 1 1 1 1\n' 'fan -j 2'
 
+# What a command says that is no worker: deal ends.
+hello='hello x 0.2 format=3 selftest=0123456789abcdef'
+# said WHAT RECORDS ERE
+said() {
+	printf '%s\n' "$2" | "$root/tests/seal" >said.rec
+	run sh -c "partition 8x8 | timeout 60 deal sh -c 'cat said.rec; exec sleep 50'"
+	like "deal: $1: exit 3, and says so" "$status $err" "^3 deal: from the command: record $3\$"
+}
+said 'a command that echoes its input' 'frame 0 8 8' '`frame`, expected `hello` first'
+said 'tasks from a command' "$hello
+task 0 0 0 0 1 1 1 1" '`task`, expected one that workers send'
+said 'flush from a command' "$hello
+flush" '`flush`, expected one that workers send'
+
 # ---- closed standard streams ----------------------------------------------------------------
 for p in 'fan -j 2' 'deal fan -j 2'; do
 	run sh -c "timeout 1200 $p rtworker gears.nff <."

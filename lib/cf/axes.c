@@ -16,7 +16,8 @@ static bool one_of(const char *s, const char *const *words)
 static bool is_pressure(const char *units)
 {
     static const char *const words[] = {"Pa", "hPa", "kPa", "dbar", "decibar", "mb", "mbar",
-        "millibar", "millibars", "bar", "atm", NULL};
+        "millibar", "millibars", "bar", "bars", "atm", "pascal", "pascals", "hectopascal",
+        "hectopascals", "kilopascal", "kilopascals", "torr", "psi", "N m-2", NULL};
     return one_of(units, words);
 }
 

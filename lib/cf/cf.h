@@ -3,7 +3,7 @@
  *
  * Follows "NetCDF Climate and Forecast (CF) Metadata Conventions" 1.10 (2022) and the older NetCDF
  * Users' Guide. Differs in: if neither identifies the axes, their order in the file does, with x
- * last. Units are labels: nothing is converted.
+ * last. Units are labels: only those of heights, and of pressures for heights, are converted.
  *
  * Call order: cf_open; cf_find, or cf_each and cf_field_read; cf_axes; cf_values for each time;
  * cf_close. Functions that can fail return false with a message in err. A caller must link

@@ -15,6 +15,9 @@ static inline bool cf_did(struct cf_file *c, int status)
  * then cleared. */
 bool cf_look(struct cf_file *c, char err[ERR_BYTES]);
 
+/* False with the reason in err if a classic NetCDF file is cut or its header is damaged. */
+bool cf_is_whole(const char *path, char err[ERR_BYTES]);
+
 /* The text of an attribute, or its first string; "" if there is none. */
 void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT]);
 void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p);

@@ -13,6 +13,7 @@ bool cf_look(struct cf_file *c, char err[ERR_BYTES])
 bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES])
 {
     *c = (struct cf_file){0};
+    if (!cf_is_whole(path, err)) return false;
     cf_did(c, nc_open(path, NC_NOWRITE, &c->root));
     return cf_look(c, err);
 }

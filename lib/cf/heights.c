@@ -4,6 +4,7 @@
  * files of the Community Climate Model.
  */
 #include "cf/cf_int.h"
+#include "units/units.h"
 
 #include <netcdf.h>
 #include <stdlib.h>
@@ -15,42 +16,66 @@
 
 /* ---- geopotential --------------------------------------------------------------------------- */
 
-/* Metres in a unit of the variable, if it is a geopotential or its height; otherwise 0. */
-static double metres_of(struct cf_file *c, int group, int id, const char *name)
+/* True if the variable is a geopotential or its height, by its standard name or by other signs. */
+static bool is_geopotential(struct cf_file *c, int group, int id, const char *name, bool *standard)
 {
     static const char *const names[] = {"gh", "hgt", "z3", "zg", "height"};
-    char standard[CF_TEXT], units[CF_TEXT], about[CF_TEXT];
-    cf_text(c, group, id, "standard_name", standard);
+    char said[CF_TEXT], about[CF_TEXT];
+    cf_text(c, group, id, "standard_name", said);
     cf_text(c, group, id, "long_name", about);
-    cf_text(c, group, id, "units", units);
-    bool is = strcmp(standard, "geopotential_height") == 0 ||
-              strcmp(standard, "geopotential") == 0 || strcasestr(about, "geopotential");
+    *standard = strcmp(said, "geopotential_height") == 0 || strcmp(said, "geopotential") == 0;
+    bool is = *standard || strcasestr(about, "geopotential");
     for (size_t i = 0; !is && i < sizeof names / sizeof *names; i++)
         is = strcasecmp(name, names[i]) == 0;
-    if (!is) return 0;
+    return is;
+}
+
+/* A unit in another one, which it must be proportional to; 0 if it is not. */
+static double in_units(const char *unit, const char *of)
+{
+    char err[ERR_BYTES];
+    struct units_linear l;
+    return units_linear(unit, of, &l, err) && fabs(l.offset) <= 0 ? l.factor : 0;
+}
+
+/* Metres in a unit of a geopotential or its height; 0 if it is none of either. The first spellings
+ * are known without libudunits2. */
+static double metres_in(const char *units)
+{
     if (strncmp(units, "m2", 2) == 0 || strncmp(units, "m**2", 4) == 0 ||
         strncmp(units, "m^2", 3) == 0)
         return 1 / GRAVITY;
-    bool metre = strcmp(units, "m") == 0 || strcmp(units, "gpm") == 0 ||
-                 strncasecmp(units, "meter", 5) == 0 || strncasecmp(units, "metre", 5) == 0;
-    return metre ? 1 : 0;
+    if (strcmp(units, "m") == 0 || strcmp(units, "gpm") == 0 ||
+        strncasecmp(units, "meter", 5) == 0 || strncasecmp(units, "metre", 5) == 0)
+        return 1;
+    double metres = in_units(units, "m");
+    return metres > 0 ? metres : in_units(units, "m2 s-2") / GRAVITY;
 }
 
-static bool find_geopotential(struct cf_file *c, const struct cf_field *f, struct cf_heights *h)
+/* Returns 1 if the file has one, 0 if it has none, and -1 with a message in err if its unit is
+ * wrong. */
+static int find_geopotential(
+    struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
 {
     int n = 0;
-    char name[NC_MAX_NAME + 1] = "", err[ERR_BYTES];
+    char name[NC_MAX_NAME + 1] = "", units[CF_TEXT];
     cf_did(c, nc_inq_nvars(f->group, &n));
     for (int id = 0; id < n; id++) {
+        bool standard;
         cf_did(c, nc_inq_varname(f->group, id, name));
-        h->metres = metres_of(c, f->group, id, name);
-        if (h->metres == 0) continue;
+        if (!is_geopotential(c, f->group, id, name, &standard)) continue;
+        cf_text(c, f->group, id, "units", units);
+        h->metres = metres_in(units);
+        if (h->metres <= 0 && !standard) continue;
         if (cf_field_read(c, f->group, id, &h->geopotential, err) &&
-            cf_same_axes(f, &h->geopotential))
-            return true;
+            cf_same_axes(f, &h->geopotential)) {
+            if (h->metres > 0) return 1;
+            err_set(err, "%.60s is in '%.60s', expected a length or m2 s-2", name, units);
+            return -1;
+        }
         cf_field_free(&h->geopotential);
     }
-    return false;
+    return 0;
 }
 
 /* ---- hybrid levels --------------------------------------------------------------------------- */
@@ -91,14 +116,20 @@ static bool find_names(struct cf_file *c, const struct cf_axis *z, struct names 
     return n->a[0] && n->b[0] && n->ps[0];
 }
 
-/* Pascals in a unit of a variable. */
-static double pascals(struct cf_file *c, int group, int id)
+/* Multiplies by the pascals in a unit of a variable; one without a unit is in Pa. False with the
+ * reason in err if its unit is none of pressure. */
+static bool to_pascals(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES])
 {
-    char units[CF_TEXT];
+    char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
     cf_text(c, group, id, "units", units);
+    if (!units[0] || strcmp(units, "Pa") == 0) return true;
     bool hecto = strcmp(units, "hPa") == 0 || strcmp(units, "mb") == 0 ||
                  strcmp(units, "mbar") == 0 || strncmp(units, "millibar", 8) == 0;
-    return hecto ? 100 : 1;
+    double pascals = hecto ? 100 : in_units(units, "Pa");
+    *value *= pascals;
+    if (pascals > 0) return true;
+    cf_did(c, nc_inq_varname(group, id, name));
+    return err_set(err, "%.60s is in '%.60s', expected a unit of pressure", name, units);
 }
 
 /* Reads n numbers of a variable. */
@@ -127,18 +158,22 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     int id;
     if (n->p0[0] && nc_inq_varid(z->in, n->p0, &id) == NC_NOERR) {
         if (!numbers(c, z->in, n->p0, 1, &p0, err)) return false;
-        p0 *= pascals(c, z->in, id);
+        if (!to_pascals(c, z->in, id, &p0, err)) return false;
     }
     if (n->ptop[0]) {
         if (!numbers(c, z->in, n->ptop, 1, &ptop, err)) return false;
-        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR) ptop *= pascals(c, z->in, id);
+        if (nc_inq_varid(z->in, n->ptop, &id) == NC_NOERR && !to_pascals(c, z->in, id, &ptop, err))
+            return false;
     }
     h->a = xcalloc(z->n, sizeof *h->a);
     h->b = xcalloc(z->n, sizeof *h->b);
     const char *a = n->ap[0] ? n->ap : n->a;
     if (a[0] && !numbers(c, z->in, a, z->n, h->a, err)) return false;
     if (!numbers(c, z->in, n->b, z->n, h->b, err)) return false;
-    if (n->ap[0] && nc_inq_varid(z->in, n->ap, &id) == NC_NOERR) p0 = pascals(c, z->in, id);
+    if (n->ap[0] && nc_inq_varid(z->in, n->ap, &id) == NC_NOERR) {
+        p0 = 1;
+        if (!to_pascals(c, z->in, id, &p0, err)) return false;
+    }
     for (size_t k = 0; k < z->n; k++) {
         h->a[k] = h->a[k] * p0 + ptop * (1 - h->b[k]);
         if (!isfinite(h->a[k]) || !isfinite(h->b[k]))
@@ -154,7 +189,9 @@ bool cf_heights_find(
     struct names n;
     *h = (struct cf_heights){.kind = CF_HEIGHTS_NONE};
     if (z->made) return true;
-    if (find_geopotential(c, f, h)) {
+    const int found = find_geopotential(c, f, h, err);
+    if (found < 0) return false;
+    if (found) {
         h->kind = CF_HEIGHTS_GEOPOTENTIAL;
         return true;
     }
@@ -163,7 +200,8 @@ bool cf_heights_find(
         return err_set(err, "the levels need the surface pressure %.60s, which is not there", n.ps);
     h->kind = CF_HEIGHTS_HYBRID;
     h->group = f->group;
-    h->surface_pa = pascals(c, f->group, h->surface);
+    h->surface_pa = 1;
+    if (!to_pascals(c, f->group, h->surface, &h->surface_pa, err)) return false;
     return find_coefficients(c, z, &n, h, err);
 }
 

@@ -82,8 +82,9 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct 
             float *to = g->value + w.origin + w.step[0] * (ptrdiff_t)i + w.step[1] * (ptrdiff_t)j;
             for (size_t k = 0; k < w.n[2]; k++, to += w.step[2]) {
                 double v = cf_unpack(&f->packing, *from++);
+                if (combine) v = hypot((double)*to, v);
                 if (fabs(v) > worst) worst = fabs(v);
-                *to = (float)(combine ? hypot((double)*to, v) : v);
+                *to = (float)v;
             }
         }
     }

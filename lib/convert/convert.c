@@ -74,6 +74,14 @@ static struct units_linear conversion(const struct run *r, const char *from, con
     return l;
 }
 
+bool convert_same_unit(const char *a, const char *b)
+{
+    struct units_linear l;
+    char err[ERR_BYTES];
+    return strcmp(a, b) == 0 ||
+           (units_linear(a, b, &l, err) && fabs(l.factor - 1) < 1e-9 && fabs(l.offset) < 1e-9);
+}
+
 static void convert_values(struct run *r)
 {
     const size_t n = grid_node(&r->g, 0, 0, r->g.n[2]);

@@ -38,6 +38,8 @@ struct convert_request {
 };
 /* Blanks are ignored. False if the text is neither form. */
 bool convert_request_parse(const char *text, struct convert_request *r);
+/* True if two units are the same, perhaps in other spellings. */
+bool convert_same_unit(const char *a, const char *b);
 
 /* What -z makes heights of. */
 enum convert_levels {

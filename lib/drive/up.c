@@ -72,8 +72,24 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
     return true;
 }
 
+/* Tasks, state and other records that go down, and reports of slots that were not announced. */
+static _Noreturn void refuse(const struct record *r, const char *expected)
+{
+    die(ST_SYSTEM, "from the command: record `%s`, expected %s", rec_name(r->kind), expected);
+}
+
+static void check_up(const struct driver *d, const struct record *r)
+{
+    char job[24];
+    /* A fan may lose its slots before one has said hello. */
+    if (!d->out.greeted && r->kind != REC_HELLO && r->kind != REC_GONE && r->kind != REC_BYE)
+        refuse(r, "`hello` first");
+    if (r->kind == REC_FRAME && !rec_str(r, "job", job, sizeof job)) refuse(r, "`job=` in it");
+}
+
 static void take_up(struct driver *d, const struct record *r)
 {
+    check_up(d, r);
     struct sched_event e = {.slot = d->lone ? 0 : rec_slot(r), .task = r->task, .from = -1};
     switch (r->kind) {
     case REC_HELLO: take_hello(d, r); return;
@@ -99,7 +115,8 @@ static void take_up(struct driver *d, const struct record *r)
         break;
     default:
         e.kind = SCHED_RING;
-        if (d->node || !drive_ring_of(r, &e.ring)) return;
+        if (!drive_ring_of(r, &e.ring)) refuse(r, "one that workers send");
+        if (d->node) return;
     }
     if (e.slot >= 0) drive_tell(d, e);
 }

@@ -137,9 +137,10 @@ static bool take_values(
         size_t i = columns ? across : along, j = columns ? along : across;
         float *to = g->value + (k * ny + (up ? j : ny - 1 - j)) * nx + (leftwards ? nx - 1 - i : i);
         double v = values[m] == MISSING ? (double)NAN : values[m];
+        if (combine) v = hypot((double)*to, v);
         if (fabs(v) > GRID_MAX)
             return err_set(err, "a value is %g, expected %g at most", v, GRID_MAX);
-        *to = (float)(combine ? hypot((double)*to, v) : v);
+        *to = (float)v;
     }
     return true;
 }

@@ -40,7 +40,7 @@ int image_decode_part(const unsigned char *p, size_t n, const struct image_part 
         return pnm_decode(p, n, part, im, err);
     if (n >= 2 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f'))
         return pfm_decode(p, n, part, im, err);
-    return image_fail(err, "unknown picture format, expected PNG, PAM, PPM, PGM or PFM");
+    return image_fail(err, "unknown picture format, expected PNG, PAM, PFM, or binary PPM or PGM");
 }
 
 /* Reads the whole file, if it has at most `most` bytes. */

@@ -133,6 +133,8 @@ static bool sums_right(const unsigned char *p, size_t end)
 static void set_limits(struct reader *r)
 {
     png_set_read_fn(r->png, r, take);
+    /* By default a damaged gAMA chunk is left out, and samples then stand for other light. */
+    png_set_crc_action(r->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_set_user_limits(r->png, FRAME_SIDE_MAX, FRAME_SIDE_MAX);
     png_set_chunk_malloc_max(r->png, CHUNK_BYTES_MAX);
     png_set_chunk_cache_max(r->png, CHUNKS_MAX);

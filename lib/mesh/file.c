@@ -98,11 +98,30 @@ static bool measure(struct mesh *m, char err[ERR_BYTES])
            err_set(err, "extends over %g, expected at least %g", extent, EXTENT_MIN);
 }
 
+/* libassimp goes on without what is not there, and only its log says so. */
+static void note(const char *said, char *user)
+{
+    struct mesh *m = (void *)user;
+    if (strstr(said, "Unable to locate material file")) m->lost_libraries++;
+    if (strstr(said, "index is out of range")) m->lost_vertex = true;
+}
+
+static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
+{
+    const struct aiLogStream log = {note, (char *)m};
+    aiAttachLogStream(&log);
+    bool ok = import(path, m, err);
+    aiDetachLogStream(&log);
+    if (ok && m->lost_vertex)
+        return err_set(err, "a face has a corner that is not there, expected all corners");
+    return ok;
+}
+
 struct mesh *mesh_open(const char *path, const struct mesh_options *o, char err[ERR_BYTES])
 {
     struct mesh *m = xcalloc(1, sizeof *m);
     m->o = *o;
-    bool ok = import(path, m, err);
+    bool ok = import_noted(path, m, err);
     if (ok) mesh_losses_find(m);
     ok = ok && mesh_parts_find(m, err) && measure(m, err);
     if (ok) {

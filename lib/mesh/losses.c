@@ -4,6 +4,7 @@
 #include <string.h>
 
 static const struct mesh_loss names[LOSSES + 1] = {
+    [LOSS_LIBRARIES] = {"files of materials that are not there", "their materials are white", 0},
     [LOSS_TEXTURES] = {"materials with textures", "written without them", 0},
     [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},
@@ -19,9 +20,10 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_AREAS] = {"area lights", "written as point lights", 0},
     [LOSS_AMBIENTS] = {"lights without a place and direction", "left out", 0},
     [LOSS_BAD_LIGHTS] = {"lights with numbers that are not finite or too large", "left out", 0},
-    [LOSS_BAD_FACES] = {"faces with coordinates that are not finite or beyond 1e12, or with over "
-                        "1000000 corners",
-        "left out", 0},
+    [LOSS_BAD_FACES] =
+        {"faces with coordinates that are not finite or beyond 1e12, with corners that "
+         "are not there, or with over 1000000",
+            "left out", 0},
     [LOSS_FLAT_FACES] = {"faces without area", "left out", 0},
     [LOSS_BAD_NORMALS] = {"faces with normals that are no direction", "written without them", 0},
 };
@@ -41,6 +43,7 @@ bool mesh_is_gltf(const struct mesh *m)
 void mesh_losses_find(struct mesh *m)
 {
     memcpy(m->loss, names, sizeof names);
+    m->loss[LOSS_LIBRARIES].n = m->lost_libraries;
     m->loss[LOSS_ANIMATIONS].n = m->scene->mNumAnimations;
     for (unsigned i = 0; i < m->scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = m->scene->mMeshes[i];

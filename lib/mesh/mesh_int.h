@@ -13,6 +13,7 @@
 #define MESH_LIGHTS_MAX 1000U
 
 enum mesh_loss_kind {
+    LOSS_LIBRARIES,
     LOSS_TEXTURES,
     LOSS_EMISSION,
     LOSS_METAL,
@@ -84,6 +85,9 @@ struct mesh {
     struct light *lights; /* own_colour is set */
     uint32_t n_lights;
     struct mesh_loss loss[LOSSES + 1];
+    /* What only libassimp's log says: */
+    unsigned lost_libraries; /* files of materials that are not there */
+    bool lost_vertex;        /* a face names a vertex that is not there */
 };
 
 /* Fills parts and frames from the tree of nodes. False with err if there are too many faces. */

@@ -182,6 +182,15 @@ static double metres(const char *unit)
                : 0;
 }
 
+/* As a specification has it. */
+static double six_digits(double v)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.6g", v);
+    parse_real(text, -HUGE_VAL, HUGE_VAL, &v);
+    return v;
+}
+
 /* False if no scale that a specification may have is large enough. */
 static bool set_scale(const struct grid *g, struct frame *f, const struct grid_named unit[3])
 {
@@ -194,7 +203,7 @@ static bool set_scale(const struct grid *g, struct frame *f, const struct grid_n
         bool same = a != 2 || strcmp(unit[0].unit, unit[2].unit) == 0;
         if (e[a] < least * longest || !same) fitting = least * longest / e[a];
         else if (e[a] > TALL * longest) fitting = TALL * longest / e[a];
-        f->scale[a] = base * fmin(fmax(fitting, 1e-9), base > 1 ? 1 : 1e9);
+        f->scale[a] = six_digits(fmax(base * fmin(fitting, base > 1 ? 1 : 1e9), 1e-9));
         if (e[a] * f->scale[a] < least / 2 * longest * base) return false;
     }
     f->lo = v3(g->at[0][0] * f->scale[0], g->at[1][0] * f->scale[1], g->at[2][0] * f->scale[2]);
@@ -240,7 +249,7 @@ static void set_view(struct frame *f, uint32_t w, uint32_t h)
 
 static void put_place(struct buf *out, const char *word, struct vec3 p, double step)
 {
-    buf_printf(out, "%s %.10g %.10g %.10g\n", word, round(p.x / step) * step,
+    buf_printf(out, "%s %.15g %.15g %.15g\n", word, round(p.x / step) * step,
         round(p.y / step) * step, round(p.z / step) * step);
 }
 

@@ -71,9 +71,9 @@ static bool take_numbers(struct reader *r, char **f, struct table_row *row)
 {
     int64_t lane;
     if (!parse_real(f[X], -1e300, 1e300, &row->x))
-        return bad(r, "x is \"%.40s\", expected a number", f[X]);
+        return bad(r, "x is \"%.40s\", expected a number from -1e300 to 1e300", f[X]);
     if (!parse_real(f[Y], -1e300, 1e300, &row->y))
-        return bad(r, "y is \"%.40s\", expected a number", f[Y]);
+        return bad(r, "y is \"%.40s\", expected a number from -1e300 to 1e300", f[Y]);
     if (!parse_int(f[SAMPLE], 0, INT64_MAX, &row->sample))
         return bad(r, "sample is \"%.40s\", expected a whole number", f[SAMPLE]);
     if (!parse_int(f[SEED], 0, INT64_MAX, &row->seed))

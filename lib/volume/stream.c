@@ -9,6 +9,8 @@
 /* Bound on float rounding errors, relative to the range of a cell's values. */
 #define ROUNDING 0x1p-20
 #define TOLERANCE_MIN 0x1p-15
+/* Narrowest span of a map: products of widths are floats without loss of precision. */
+#define SPAN_MIN 0x1p-50
 #define TILE 16 /* pixels; squares of it are STREAM_RAYS */
 /* With a light: of 1 / edges, and their inverse. */
 #define EDGE_MAX 1e15
@@ -46,10 +48,17 @@ static bool edges_fit(const struct volume *v)
     return true;
 }
 
+static bool spans_fit(const struct map *m)
+{
+    for (uint32_t i = 0; i < m->n; i++)
+        if (!m->span[i].transparent && m->span[i].hi - m->span[i].lo < SPAN_MIN) return false;
+    return true;
+}
+
 bool volume_stream_fits(const struct volume *v)
 {
     if (v->o.method != VOLUME_ADAPTIVE || v->second || (is_lit(v) && !rule_for(v))) return false;
-    if (v->spec->lit && !edges_fit(v)) return false;
+    if ((v->spec->lit && !edges_fit(v)) || !spans_fit(&v->map)) return false;
     return v->o.tolerance >= TOLERANCE_MIN;
 }
 

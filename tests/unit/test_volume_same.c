@@ -220,6 +220,33 @@ static void scaled(void **state)
     free_grid(&g);
 }
 
+/* All values times a factor, and the map and surfaces with them: no picture changes. */
+static void other_values(void **state)
+{
+    (void)state;
+    static const double factors[] = {0x1p-30, 0x1p-70, 0x1p-90, 0x1p-115, 0x1p50};
+    static float p[VALUES], q[VALUES];
+    for (size_t method = 0; method < METHODS; method++)
+        for (int form = 0; form < 2; form++) { /* plain; with a surface */
+            struct grid g = rough_grid();
+            struct scene c = seen();
+            if (form == 1) iso(&c, 6, 1, 1, 1, 0.5);
+            picture(&g, &c, method, p);
+            double at = 1;
+            for (size_t f = 0; f < sizeof factors / sizeof *factors; f++) {
+                const double factor = factors[f] / at;
+                for (size_t i = 0; i < grid_node(&g, 0, 0, g.n[2]); i++)
+                    g.value[i] = (float)((double)g.value[i] * factor);
+                for (size_t i = 0; i < c.s.n_knots; i++) c.knot[i].s *= factor;
+                for (size_t i = 0; i < c.s.n_isos; i++) c.iso[i].s *= factor;
+                at = factors[f];
+                picture(&g, &c, method, q);
+                assert_same("other_values", method, p, q, methods[method].most);
+            }
+            free_grid(&g);
+        }
+}
+
 /* ---- cut in two ------------------------------------------------------------------------------ */
 
 static struct grid half(const struct grid *g, int axis, uint32_t from, uint32_t nodes)
@@ -267,6 +294,7 @@ int main(void)
         cmocka_unit_test(permuted),
         cmocka_unit_test(refined),
         cmocka_unit_test(scaled),
+        cmocka_unit_test(other_values),
         cmocka_unit_test(split),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
