@@ -311,6 +311,8 @@ like '-i: so are they in the table' "$(nc2vtk -i curved.nc)" '^# /s	a curvilinea
 make_nc winds "$cube" "$axes float u(z, y, x); u:units = \"m/s\"; float v(z, y, x); v:units = \"km/h\";" \
 	"$nodes u = 3, 3, 3, 3, 3, 3, 3, 3; v = 4, 4, 4, 4, 4, 4, 4, 4;"
 refused winds.nc 's=hypot(u,v)' "s=hypot.u,v.: the two are in 'm/s' and 'km/h', expected one unit"
+make_nc text "$cube" "$axes short s(z, y, x); s:scale_factor = \"0.5\";" "$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
+refused text.nc s 's: scale_factor is not a number, expected one number'
 make_nc strong "$cube" "$axes float u(z, y, x); float v(z, y, x);" "$nodes u = 9e17, 3, 3, 3, 3, 3, 3, 3; v = 9e17, 4, 4, 4, 4, 4, 4, 4;"
 refused strong.nc 's=hypot(u,v)' 'v: a value is as large as 1.27'
 

@@ -109,6 +109,7 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!find_coordinates(group, dim, name, &in, &id)) return true;
     cf_packing(c, in, id, &p);
     if (!cf_is_numeric(&p)) return true; /* labels, not numbers */
+    if (!cf_unpacks(&p, a->name, err)) return false;
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
     a->in = in;

@@ -45,6 +45,7 @@ struct cf_packing {
     double scale, offset, valid_min, valid_max;
     double missing[CF_MISSING_MAX]; /* stored numbers that mean "missing" */
     size_t n_missing;
+    const char *bad; /* the attribute that is not one number, as it must be; NULL: none */
 };
 
 struct cf_field {

@@ -21,6 +21,8 @@ bool cf_is_whole(const char *path, char err[ERR_BYTES]);
 /* The text of an attribute, or its first string; "" if there is none. */
 void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT]);
 void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p);
+/* False with the reason in err if values cannot be unpacked. */
+bool cf_unpacks(const struct cf_packing *p, const char *name, char err[ERR_BYTES]);
 /* True if the variable holds numbers. */
 bool cf_is_numeric(const struct cf_packing *p);
 /* Converts a stored number to a value; NaN if it is missing. */

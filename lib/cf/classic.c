@@ -155,7 +155,7 @@ static uint64_t needed(struct header *h)
 
 bool cf_is_whole(const char *path, char err[ERR_BYTES])
 {
-    char magic[4];
+    unsigned char magic[4];
     struct header h = {.f = fopen(path, "rb")};
     if (!h.f) return true; /* libnetcdf says why */
     bool good = true;

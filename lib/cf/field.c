@@ -66,6 +66,7 @@ bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, cha
     if (!cf_look(c, err)) return false;
     if (!cf_is_numeric(&f->packing))
         return err_set(err, "its values are not numbers, expected numbers");
+    if (!cf_unpacks(&f->packing, f->name, err)) return false;
     if (n > CF_AXES_MAX)
         return err_set(err, "it has %d dimensions, expected %d at most", n, CF_AXES_MAX);
     for (; f->n_axes < n; f->n_axes++)

@@ -247,6 +247,10 @@ static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf
     double *values = xcalloc(n, sizeof *values);
     struct cf_packing p;
     cf_packing(c, h->group, h->surface, &p);
+    if (!cf_unpacks(&p, "the surface pressure", err)) {
+        free(values);
+        return false;
+    }
     cf_did(c, nc_get_vara_double(h->group, h->surface, start, count, values));
     for (size_t m = 0; m < n; m++) {
         size_t to = 0;

@@ -46,6 +46,16 @@ static size_t numbers(
     return got ? n : 0;
 }
 
+/* Reads an attribute that would change all values. */
+static void one(struct cf_file *c, int group, int id, const char *name, double *out, int *type,
+    struct cf_packing *p)
+{
+    nc_type is;
+    size_t n;
+    if (nc_inq_att(group, id, name, &is, &n) != NC_NOERR) return;
+    if (n != 1 || !is_number(is) || !numbers(c, group, id, name, 1, out, type)) p->bad = name;
+}
+
 /* Adds the default fill value of a variable without _FillValue. Bytes have none, because they have
  * too few values. */
 static void add_default_fill(struct cf_packing *p)
@@ -84,8 +94,8 @@ void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
     cf_text(c, group, id, "_Unsigned", text);
     p->unsigned_too = strcasecmp(text, "true") == 0 &&
                       (p->type == NC_BYTE || p->type == NC_SHORT || p->type == NC_INT);
-    numbers(c, group, id, "add_offset", 1, &p->offset, &of_scale);
-    numbers(c, group, id, "scale_factor", 1, &p->scale, &of_scale);
+    one(c, group, id, "add_offset", &p->offset, &of_scale, p);
+    one(c, group, id, "scale_factor", &p->scale, &of_scale, p);
 
     p->n_missing = numbers(c, group, id, "_FillValue", 1, p->missing, &type);
     if (!p->n_missing) add_default_fill(p);
@@ -104,6 +114,11 @@ void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
         p->valid_min = as_stored(p, p->valid_min);
         p->valid_max = as_stored(p, p->valid_max);
     }
+}
+
+bool cf_unpacks(const struct cf_packing *p, const char *name, char err[ERR_BYTES])
+{
+    return !p->bad || err_set(err, "%.60s: %s is not a number, expected one number", name, p->bad);
 }
 
 double cf_unpack(const struct cf_packing *p, double stored)
