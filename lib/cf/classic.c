@@ -164,7 +164,6 @@ bool cf_is_whole(const char *path, char err[ERR_BYTES])
         h.size = (uint64_t)ftello(h.f);
         h.version = magic[3];
         h.at = sizeof magic;
-        rewind(h.f);
         fseeko(h.f, (off_t)h.at, SEEK_SET);
         uint64_t size = needed(&h);
         if (h.bad)
