@@ -4,7 +4,7 @@
 needs gcc valgrind /usr/include/cmocka.h
 . "$root/tests/builds.sh"
 
-# make check may have compiled all by gcc with -Werror.
+# make check may have compiled all by gcc without a warning.
 gcc=build
 strict() {
 	cc -v 2>&1 | grep -q '^gcc version' && [ -e build/strict ] && [ -z "$(find lib bin tests/unit -newer build/strict)" ] && return
