@@ -155,7 +155,7 @@ check:
 	@tests/need build
 	@tests/need check || [ "$$CI" != true ]
 	@mkdir -p $(BUILD)
-	@$(PARALLEL) -s all unit 2>$(BUILD)/said || { cat $(BUILD)/said >&2; exit 1; }
+	@LC_ALL=C $(PARALLEL) -s all unit 2>$(BUILD)/said || { cat $(BUILD)/said >&2; exit 1; }
 	@cat $(BUILD)/said >&2; $(if $(COMPILED),:,grep -q warning: $(BUILD)/said || touch $(BUILD)/strict)
 	$(RUN) tests/check
 

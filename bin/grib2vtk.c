@@ -72,9 +72,8 @@ static struct source find(const struct gb_index *x, const struct options *o)
         s.part[i] = find_stack(x, o, s.request.part[i], s.request.length[i]);
     if (s.request.n > 1 && !gb_same_axes(&s.part[0], &s.part[1]))
         die(ST_USAGE, "%s: %s: the two have different axes, expected the same", file, what);
-    if (s.request.n > 1 && !convert_same_unit(s.part[0].at->units, s.part[1].at->units))
-        die(ST_USAGE, "%s: %s: the two are in '%s' and '%s', expected one unit", file, what,
-            s.part[0].at->units, s.part[1].at->units);
+    if (s.request.n > 1)
+        convert_check_units(&o->common, s.part[0].at->units, s.part[1].at->units);
     return s;
 }
 

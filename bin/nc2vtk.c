@@ -46,9 +46,7 @@ static struct source find(struct cf_file *c, const struct convert_options *o)
             die(ST_USAGE, "%s: %.*s: %s", o->file, r->length[i], r->part[i], err);
     if (r->n > 1 && !cf_same_axes(&s.part[0], &s.part[1]))
         die(ST_USAGE, "%s: %s: the two have different axes, expected the same", o->file, o->what);
-    if (r->n > 1 && !convert_same_unit(s.part[0].units, s.part[1].units))
-        die(ST_USAGE, "%s: %s: the two are in '%s' and '%s', expected one unit", o->file, o->what,
-            s.part[0].units, s.part[1].units);
+    if (r->n > 1) convert_check_units(o, s.part[0].units, s.part[1].units);
     return s;
 }
 

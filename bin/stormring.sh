@@ -27,6 +27,12 @@ given() {
 	echo "${0##*/}: $refused" >&2
 	exit 2
 }
+# unfit SAID MESSAGE: prints what a worker said without its usage, or MESSAGE if it said no more; exits with 2
+unfit() {
+	said=$(echo "$1" | grep -v '^usage:\|^   ')
+	echo "${said:-$2}" >&2
+	exit 2
+}
 # directory: makes a directory for temporary files and prints its name
 directory() {
 	mktemp -d 2>/dev/null && return

@@ -237,7 +237,7 @@ if there /usr/include/udunits2.h; then
 	refused_z noterm.nc 'the levels name cc, which is not there'
 	ncdump hybrid.nc | sed 's/PS(x, y)/PS(x, x)/' | ncgen -o square.nc -
 	refused_z square.nc 'the surface pressure has x twice'
-		ncdump hybrid.nc | sed 's/PS:units = "hPa"/PS:units = "K"/' | ncgen -o kelvin.nc -
+	ncdump hybrid.nc | sed 's/PS:units = "hPa"/PS:units = "K"/' | ncgen -o kelvin.nc -
 	refused_z kelvin.nc "PS is in 'K', expected a unit of pressure"
 	ncdump hybrid.nc | sed 's/P0:units = "hPa"/P0:units = "kPa"/; s/ P0 = 1000/ P0 = 100/' | ncgen -o kilo.nc -
 	is '-z: pressures in any unit' "$(got -z kilo.nc s)" '3 4 1 nan 13 14 11 12'

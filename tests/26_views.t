@@ -46,12 +46,12 @@ is 'from the side to above, the camera does not go round' "$(word from v1.spec |
 } >g.vtk
 ok 'vcworker reads the views' vcworker -i g.vtk v?.spec
 
-# refused NAME ERE ARGUMENT ...
 sed 's/$/\r/' a.spec >a.crlf
 sed 's/$/\r/' b.spec >b.crlf
 views -n 3 -o v%d.spec a.spec b.spec
 views -n 3 -o w%d.spec a.crlf b.crlf
 ok 'lines may end in carriage returns and newlines' cmp v1.spec w1.spec
+# refused NAME ERE ARGUMENT ...
 refused() { name=$1 ere=$2; shift 2; run views "$@"; like "$name" "$status $err" "^2 $ere"; }
 sed 's/^from .*/from 6e400 0 4/' a.spec >far.spec
 refused 'a number beyond all' 'views: far.spec:[0-9]+: from: 6e400, expected a number from -1e18 to 1e18$' -n 3 -o v%d.spec far.spec b.spec

@@ -11,17 +11,16 @@
 #include <string.h>
 
 enum { TAG_NONE = 0, TAG_DIMENSION = 10, TAG_VARIABLE = 11, TAG_ATTRIBUTE = 12 };
-#define STREAMING UINT32_MAX /* the number of records is that which the file holds */
 
 struct header {
     FILE *f;
     uint64_t at, size; /* bytes */
     int version;
     bool bad;
-    uint64_t *length, n_dims;  /* a length of 0: the dimension of records */
-    uint64_t records, end;     /* end: of the data of variables without records */
-    uint64_t record, widest;   /* bytes of a record; of a record when each variable is padded */
-    uint64_t n_recorded, last; /* variables with records; the end of their first record */
+    uint64_t *length, n_dims;       /* a length of 0: the dimension of records */
+    uint64_t end;                   /* of the data of variables without records */
+    uint64_t n_recorded, last;      /* variables with records; the end of their first record */
+    uint64_t record, padded_record; /* bytes of a record: of a single variable; of several */
 };
 
 static uint64_t damaged(struct header *h)
@@ -131,7 +130,7 @@ static void variable(struct header *h)
     else {
         h->n_recorded++;
         h->record = bytes;
-        h->widest = sum(h->widest, padded(bytes));
+        h->padded_record = sum(h->padded_record, padded(bytes));
         h->last = end > h->last ? end : h->last;
     }
 }
@@ -139,15 +138,14 @@ static void variable(struct header *h)
 /* Reads the header. Returns the least size of such a file. */
 static uint64_t needed(struct header *h)
 {
-    h->records = count(h);
-    if (h->version != 5 && h->records == STREAMING) h->records = 0;
-    if (h->version == 5 && h->records == UINT64_MAX) h->records = 0;
+    uint64_t records = count(h);
+    if (records == (h->version == 5 ? UINT64_MAX : UINT32_MAX)) records = 0; /* as the file holds */
     dimensions(h);
     attributes(h);
     for (uint64_t n = list(h, TAG_VARIABLE); n > 0 && !h->bad; n--) variable(h);
-    if (h->n_recorded > 0 && h->records > 0) {
-        uint64_t record = h->n_recorded == 1 ? h->record : h->widest;
-        uint64_t end = sum(h->last, product(record, h->records - 1));
+    if (h->n_recorded > 0 && records > 0) {
+        uint64_t record = h->n_recorded == 1 ? h->record : h->padded_record;
+        uint64_t end = sum(h->last, product(record, records - 1));
         if (end > h->end) h->end = end;
     }
     return h->end;

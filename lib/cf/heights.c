@@ -122,7 +122,7 @@ static bool to_pascals(struct cf_file *c, int group, int id, double *value, char
 {
     char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
     cf_text(c, group, id, "units", units);
-    if (!units[0] || strcmp(units, "Pa") == 0) return true;
+    if (!units[0]) return true;
     bool hecto = strcmp(units, "hPa") == 0 || strcmp(units, "mb") == 0 ||
                  strcmp(units, "mbar") == 0 || strncmp(units, "millibar", 8) == 0;
     double pascals = hecto ? 100 : in_units(units, "Pa");

@@ -74,12 +74,14 @@ static struct units_linear conversion(const struct run *r, const char *from, con
     return l;
 }
 
-bool convert_same_unit(const char *a, const char *b)
+void convert_check_units(const struct convert_options *o, const char *a, const char *b)
 {
     struct units_linear l;
     char err[ERR_BYTES];
-    return strcmp(a, b) == 0 ||
-           (units_linear(a, b, &l, err) && fabs(l.factor - 1) < 1e-9 && fabs(l.offset) < 1e-9);
+    if (strcmp(a, b) == 0) return;
+    if (!units_linear(a, b, &l, err) || fabs(l.factor - 1) >= 1e-9 || fabs(l.offset) >= 1e-9)
+        die(ST_USAGE, "%s: %s: the two are in '%s' and '%s', expected one unit", o->file, o->what,
+            a, b);
 }
 
 static void convert_values(struct run *r)

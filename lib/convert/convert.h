@@ -38,8 +38,8 @@ struct convert_request {
 };
 /* Blanks are ignored. False if the text is neither form. */
 bool convert_request_parse(const char *text, struct convert_request *r);
-/* True if two units are the same, perhaps in other spellings. */
-bool convert_same_unit(const char *a, const char *b);
+/* Refuses a request of two variables whose units are not the same, perhaps in other spellings. */
+void convert_check_units(const struct convert_options *o, const char *a, const char *b);
 
 /* What -z makes heights of. */
 enum convert_levels {

@@ -72,7 +72,7 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
     return true;
 }
 
-/* Tasks, state and other records that go down, and reports of slots that were not announced. */
+/* A record that no worker, policy or fan sends. */
 static _Noreturn void refuse(const struct record *r, const char *expected)
 {
     die(ST_SYSTEM, "from the command: record `%s`, expected %s", rec_name(r->kind), expected);
