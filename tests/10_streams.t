@@ -60,6 +60,14 @@ is "the job is the one that -i prints" "$(partition 512x512 | rtworker tetra.nff
 	"$(rtworker -i tetra.nff | grep -o 'job=.*')"
 is "then come done, the pixels, and bye" "$(records <frags | sed -n '3,$p' | tr '\n' ';')" \
 	"done 0 0 cpu wall;frag 0 0 0 0 6 1 1 1 ch=4;done 0 1 cpu wall;frag 0 1 2 1 6 1 1 1 ch=4;bye;"
+# no_reader COMMAND ...: prints the status of a command whose reader has left
+no_reader() {
+	{ until [ -e left ]; do sleep .1; done; "$@"; echo $? >status; } | { exec <&-; : >left; }
+	rm left
+	cat status
+}
+partition 4x3 >tasks
+is "no reader: status, without and with -j" "$(no_reader rtworker tetra.nff <tasks) $(no_reader rtworker -j 2 tetra.nff <tasks)" '3 3'
 is "-f 4 cuts fragments" "$(partition -u run:6 4x3 | rtworker -f 4 tetra.nff | records | grep -c '^frag')" 4
 is "-c keeps fragments to the end" "$(partition 4x3 | rtworker -c tetra.nff | records | cut -c 1-4 | tr '\n' ' ')" \
 	"hell fram done done done frag frag frag bye "

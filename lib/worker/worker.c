@@ -358,6 +358,7 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
         .ops = ops, .options = o, .ctx = ctx, .in.coded = true, .generations.keeps = true};
     int status = ST_OK;
     frames_init(&w.frames, sizeof(struct worker_job));
+    signal(SIGPIPE, SIG_IGN); /* so the status is the same whenever the reader goes */
     worker_hello(&w, o->jobs > 1 ? o->jobs : 1);
     if (o->jobs > 1) status = worker_forks(&w);
     else worker_loop(&w);
