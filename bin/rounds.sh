@@ -13,9 +13,13 @@ temporary=$(directory) || exit
 # The hosts of the checks are those of the file when the picture is complete: slots keep their numbers in all rounds. Until
 # then these lines count.
 case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
-gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END &
+{
+	# This script ends gather then. Gather itself would name a log that is removed.
+	[ -n "$kept" ] || trap '' HUP INT TERM
+	exec gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END
 $frames
 END
+} &
 running=$!
 exec 4<&-
 wait $running

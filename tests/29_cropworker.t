@@ -223,6 +223,26 @@ for signal in TERM KILL; do
 	ends "SIG$signal to a worker of two slots" "$signal" cropworker -j 2 sh sleeper
 	ends "SIG$signal to fan" "$signal" fan -j 2 cropworker sh sleeper
 done
+# The command ends, and what it has started has its standard output.
+grey 32 24 >whole.pgm
+run env MARK=$mark timeout 800 cropworker sh -c "cat '$tmp/whole.pgm'; sleep 10000 &" <tiles.task
+is 'a command that leaves a process: status' "$status" 0
+ok 'and nothing remains' await 10 none_alive
+run sh -c "timeout 800 cropworker sh -c 'cat $tmp/whole.pgm; sleep 10000 &' <tiles.task 2>said | gather -o left.png && cat said"
+is 'and the picture is whole' "$status:$out:$err" 0::
+# Not a picture, or more than one.
+blend -o one.png whole.pgm && cat one.png one.png >two.png
+for bad in 'mkfifo {o}:is no regular file' 'ln -s /dev/zero {o}:is no regular file' 'truncate -s 9999999 {o}:is too long' \
+	'cat two.png:[0-9]+ bytes behind the PNG, expected one picture'; do
+	run timeout 800 cropworker sh -c "cd '$tmp' && ${bad%:*}" <tiles.task
+	like "${bad%:*}: refused" "$status $err" "^3 .*${bad##*:}"
+done
+# Names of files are bytes.
+name=$(printf '\303\274\377.txt')
+echo inside >"$name"
+ok 'a name that is no UTF-8 is packed' sh -c 'LC_ALL=C pack files "$1" >named.files' sh "$name"
+cat named.files tiles.task | cropworker sh -c 'grep -q inside {i} && [ "$(echo *)" = "$0" ] && cat "$1"' "$name" "$tmp/whole.pgm" 2>said | gather -o named.png
+is 'and unpacked' "$(cat said)$(imgcmp -q named.png left.png || echo differ)" ''
 MARK=$mark cropworker -j 2 sh sleeper <tiles.task | until [ -e leave ]; do sleep .05; done &
 ok 'a reader that leaves: at work' await 10 sleeping 4
 touch leave

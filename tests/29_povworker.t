@@ -102,8 +102,11 @@ later resumed balance adaptive -j 2 -s 48x36 -r part.log -o resumed.png my/scene
 later complete balance adaptive -j 2 -s 48x36 -r whole.log -o complete.png my/scene.pov
 later film balance adaptive -j 2 -s 32x24 -W '+KFI3 +KFF5' -o film%02d.png my/scene.pov
 later one balance adaptive -j 2 -s 32x24 -W '+KFF5' -o one.png my/scene.pov
+later third balance adaptive -j 2 -s 32x24 -W '+kfi3' -o third.png my/scene.pov
+later ini balance adaptive -j 2 -s 32x24 -W 'Initial_Frame=3 final_frame=5' -o ini%02d.png my/scene.pov
 later bad balance adaptive -j 2 -s 32x24 -o bad.png bad.pov
 for frame in 3 4 5; do whole frame$frame- my/scene.pov +W32 +H24 +KFI3 +KFF5 +SF$frame +EF$frame & done
+whole third- my/scene.pov +W32 +H24 +KFI3 &
 wait
 result again
 like 'a log of other files is refused' "$status $err" '^[23] .*(job|state|scene)'
@@ -117,6 +120,10 @@ is 'an animation: a picture for each frame, with POV-Ray'"'"'s numbers' "$status
 for frame in 3 4 5; do
 	is "frame $frame: that of POV-Ray alone" "$(same film0$frame.png frame$frame-*.png)" 'differing	0'
 done
+result third
+is '+KFI alone: one picture, that of POV-Ray alone' "$status:$(same third.png third-*.png)" '0:differing	0'
+result ini
+is 'frames in words with =' "$status:$(cmp ini03.png film03.png && cmp ini05.png film05.png && echo ini*.png)" '0:ini03.png ini04.png ini05.png'
 is 'the frames differ' "$(same film03.png film05.png | grep -c '	0$')" 0
 result one
 like 'an animation with one name is refused' "$status $err" '^2 .*5 pictures, expected -o with %d'
@@ -126,6 +133,8 @@ like 'and its reason' "$err" 'Parse Error'
 ok 'and no picture' [ ! -e bad.png ]
 run povworker -i +KFI5 +KFF3 my/scene.pov
 is 'frames that end before they begin' "$status:$out" 2:
+run povworker -i +SF2 +KFF3 my/scene.pov
+like 'a share of the frames is refused' "$status $err" '^2 povworker: [+]SF2: expected [+]KFI and [+]KFF'
 run povworker -i +KFFx my/scene.pov
 is 'a frame that is no number' "$status:$out" 2:
 

@@ -233,23 +233,24 @@ for refused in '-k 9' '-r balls.nff'; do
 	run env TMPDIR="$tmp/temporary" balance interleaved -v 1 -S two -s 32x32 $refused -o out.png balls.nff
 	is "$refused: status, and nothing stays" "$status:$(ls temporary)" 2:
 done
-# signalled PASS SIGNAL: no file and no process remains after a signal in this pass
+# signalled PASS SIGNAL HOLD [-]: no file and no process remains after a signal in this pass, to balance or to its group
 first_pass() { [ -s "$(echo temporary/*/log)" ]; }
 second_pass() { [ -e "$(echo temporary/*/1)" ] && [ "$(wc -l <starts)" -eq 4 ]; }
 signalled() {
 	printf '%s\n' "a via=\"./later hold $3 0 %c\"" "b via=\"./later hold $3 0 %c\"" >two
 	rm -f starts
-	MARK="$mark" TMPDIR="$tmp/temporary" perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' \
+	MARK="$mark" TMPDIR="$tmp/temporary" perl -e '$SIG{INT} = "DEFAULT"; setpgrp; exec @ARGV' \
 		balance interleaved -v 1 -S two -s 32x32 -o out.png balls.nff 2>said &
 	of=$!
-	ok "$2 in the $1 pass: the pass has begun" await 10 "$1_pass"
-	kill -"$2" $of
+	ok "$2 in the $1 pass${4:+, to all}: the pass has begun" await 10 "$1_pass"
+	kill -"$2" "${4-}$of"
 	wait $of
-	is "$2 in the $1 pass: status, messages and files" "$?:$(grep -v '^fan: ' said):$(ls temporary)" 130::
-	ok "$2 in the $1 pass: no process remains" await 10 none_alive
+	is "$2 in the $1 pass${4:+, to all}: status, messages and files" "$?:$(grep -v '^fan: ' said):$(ls temporary)" 130::
+	ok "$2 in the $1 pass${4:+, to all}: no process remains" await 10 none_alive
 }
 for signal in INT TERM; do
 	signalled first $signal 0
 	signalled second $signal 2
+	signalled first $signal 0 -
 done
 finish

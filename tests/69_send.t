@@ -43,8 +43,8 @@ first=$(wc -c <bytes.far)
 fan -z off -S one.hosts rtworker - <job.task 2>said >/dev/null
 is 'the second run says nothing' "$(cat said)" ''
 is 'the second run sends the stream only' "$((first - $(wc -c <bytes.far)))" "$bytes"
-is 'the worker has its hash as a name' "$(cached far rtworker)" \
-	"cache.far/stormring/$(sha256sum <"$static/rtworker" | cut -d ' ' -f 1)/rtworker"
+hash=$(sha256sum <"$static/rtworker" | cut -d ' ' -f 1)
+is 'the worker has its hash as a name' "$(cached far rtworker)" "cache.far/stormring/$hash/rtworker"
 is 'nothing else is left there' "$(find cache.far ! -type d)" "$(cached far rtworker)"
 is 'only the user can read it' "$(find cache.far -perm 700 | wc -l)" 4
 works 'two slots' far
@@ -71,6 +71,15 @@ is 'a truncated worker there is replaced' "$(cat messages)" "$(printf "$sent" fa
 works 'after that' far
 is 'after that nothing is sent' "$(cat messages)" ''
 is 'and nothing else is left there' "$(find cache.far ! -type d)" "$(cached far rtworker)"
+
+# Something else has the place of the worker.
+for kind in 'mkdir' 'mkfifo'; do
+	bare "$kind"
+	mkdir -p "cache.$kind/stormring/$hash" && $kind "cache.$kind/stormring/$hash/rtworker"
+	run timeout 800 fan -S "$kind.hosts" rtworker - <job.task
+	like "a $kind in the place of the worker" "$status $err" "^3 .*/$hash/rtworker: is no file"
+	is "a $kind there: nothing is left" "$(ls "cache.$kind/stormring/$hash")" rtworker
+done
 
 # Programs of earlier versions: the time of a file is that of its last use.
 mkdir cache.far/stormring/old cache.far/stormring/young

@@ -114,6 +114,26 @@ static int wait_for(struct child *c)
     return child_end(c, 0);
 }
 
+/* Reads standard output until its end, or until the keeper has ended: a process in the background
+ * may hold it open. Returns whether that was possible. */
+static bool read_output(const struct child *c, struct buf *to, size_t most)
+{
+    int keeper = pidfd_open(c->pid, 0);
+    struct pollfd p[2] = {{c->from, POLLIN, 0}, {keeper, POLLIN, 0}};
+    bool ended = false;
+    ptrdiff_t n = keeper < 0 ? -1 : 1;
+    while (n > 0 && buf_size(to) <= most) {
+        int ready = poll(p, ended ? 1 : 2, ended ? 0 : -1);
+        if (ready < 0 && errno == EINTR) continue;
+        if (ready < 0) n = -1;
+        else if (ready && p[0].revents) n = read_some(c->from, to, 1 << 18);
+        else if (ended) break;
+        else ended = true; /* what it wrote is in the pipe by now */
+    }
+    if (keeper >= 0) close(keeper);
+    return n >= 0;
+}
+
 int crop_run(
     char *const words[], const char *directory, struct buf *out, size_t most, char err[CROP_ERR])
 {
@@ -121,12 +141,15 @@ int crop_run(
     struct child c;
     struct buf none = {0}, *to = out ? out : &none;
     if (child_fork(&c, keep, &k) != 0) return err_set(err, "fork: %s", strerror(errno)) - 1;
-    ptrdiff_t n;
-    while ((n = read_some(c.from, to, 1 << 18)) > 0 && buf_size(to) <= most) continue;
-    buf_free(&none);
-    if (n > 0) {
-        child_end(&c, 0);
+    bool good = read_output(&c, to, most);
+    if (!good) err_set(err, "standard output of %s: %s", words[0], strerror(errno));
+    else if (buf_size(to) > most) {
         err_set(err, "more than %zu bytes of output, expected a picture", most);
+        good = false;
+    }
+    buf_free(&none);
+    if (!good) {
+        child_end(&c, 0);
         return -1;
     }
     int status = wait_for(&c);

@@ -60,8 +60,9 @@ int crop_remove(const char *path);
 /*
  * Runs words in this directory (NULL: the current one), with an empty standard input. Its standard
  * output, of at most `most` bytes, goes to *out; with out NULL it is dropped. Standard error is
- * shown only if the command fails: its last lines. Waits for the end. Returns 0; -1 with the reason
- * in err; or CROP_NOT_FOUND, likewise, for status 127.
+ * shown only if the command fails: its last lines. Waits for the end of the command, and kills what
+ * is left of its process group. Returns 0; -1 with the reason in err; or CROP_NOT_FOUND, likewise,
+ * for status 127.
  */
 #define CROP_NOT_FOUND (-127)
 int crop_run(

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* No picture of this size has more bytes: float RGB or incompressible 16-bit RGBA, and headers. */
@@ -12,6 +13,13 @@ static size_t bytes_most(uint32_t w, uint32_t h) { return (size_t)w * h * 16 + (
 static int picture_of(const struct crop_rect *at, const char *path, const struct buf *bytes,
     struct image *picture, char err[CROP_ERR])
 {
+    struct stat st;
+    const char *odd = NULL;
+    if (path && stat(path, &st) == 0) {
+        if (!S_ISREG(st.st_mode)) odd = "is no regular file";
+        else if ((size_t)st.st_size > bytes_most(at->frame_w, at->frame_h)) odd = "is too long";
+    }
+    if (odd) return err_set(err, "the file {o}: %s, expected a picture", odd) - 1;
     const struct image_part part = {at->frame_w, at->frame_h, at->y, at->y + at->h};
     char why[IMAGE_ERR];
     int failed = path ? image_read(path, picture, why)

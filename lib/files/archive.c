@@ -85,6 +85,8 @@ bool files_pack(char *const paths[], size_t n, struct buf *archive, char err[ERR
     archive_write_set_format_pax_restricted(a);
     archive_write_set_bytes_per_block(a, 512);
     archive_write_set_bytes_in_last_block(a, 512);
+    /* Names are bytes, whatever the locale. */
+    archive_write_set_options(a, "hdrcharset=BINARY");
     bool good = archive_write_open(a, archive, NULL, take_bytes, NULL) == ARCHIVE_OK;
     if (!good) fail(err, "archive", a);
     plain_path(&directory, paths[0]);
@@ -168,6 +170,7 @@ bool files_unpack(const unsigned char *archive, size_t n, const char *directory,
     bool good = true;
     *first = NULL;
     archive_read_support_format_tar(a);
+    archive_read_set_options(a, "hdrcharset=BINARY");
     if (archive_read_open_memory(a, archive, n) != ARCHIVE_OK) good = fail(err, "archive", a);
     while (good && (result = archive_read_next_header(a, &e)) == ARCHIVE_OK)
         good = take_entry(a, e, directory, &most, first, err);

@@ -37,10 +37,12 @@ static const char script[] =
     "w=$(cd -P \"$d\" && [ -O . ] && pwd -P) || no \"$d: belongs to another user\"; d=$w; "
     "case $d in *:*) no \"$d: expected a directory without a colon\";; esac; "
     "w=$(LC_ALL=C chmod 700 \"$d\" 2>&1) || no \"$w\"; "
-    "good() { case $({ sha256sum <\"$2\"; } 2>/dev/null) in \"$1 \"*) ;; *) false;; esac; }; "
+    "good() { [ -f \"$2\" ] && "
+    "case $({ sha256sum <\"$2\"; } 2>/dev/null) in \"$1 \"*) ;; *) false;; esac; }; "
     "until [ \"$1\" = -- ]; do f=$d/$1/$3; "
     /* The time of the file is that of its last use. */
     "if good \"$1\" \"$f\"; then touch \"$f\" 2>/dev/null; else "
+    "if [ -e \"$f\" -a ! -f \"$f\" ]; then no \"$f: is no file\"; fi; "
     "w=$(LC_ALL=C mkdir -p \"$d/$1\" 2>&1) || no \"$w\"; "
     "w=$(LC_ALL=C mktemp \"$d/$1/new.XXXXXX\" 2>&1) || no \"$w\"; "
     "t=$w; trap clean EXIT; trap \"exit 1\" HUP INT TERM PIPE; "

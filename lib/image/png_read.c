@@ -167,8 +167,9 @@ static bool reader_init(struct reader *r)
 int png_decode(const unsigned char *p, size_t n, const struct image_part *part, struct image *im,
     char err[IMAGE_ERR])
 {
-    if (!chunks_end(p, n))
-        return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
+    size_t end = chunks_end(p, n);
+    if (!end) return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
+    if (end != n) return image_fail(err, "%zu bytes behind the PNG, expected one picture", n - end);
     struct reader r = {.p = p, .n = n, .part = part, .im = im, .err = err};
     int failed = reader_init(&r) ? guarded(&r) : -1;
     png_destroy_read_struct(&r.png, &r.info, NULL);
