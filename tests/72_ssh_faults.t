@@ -115,8 +115,10 @@ inflict() { # FAULT
 lost() { echo "fan: slot 1 on host2: lost [(]$1[)] with [0-9]+ tasks, connecting again"; } # an ERE
 while read -r method fault why; do
 	name="$method, kill -9 of the $fault"
-	begin "$method"
+	lasting "$method"
 	inflict "$fault"
+	await 20 says "$(lost "$why")"
+	: >go
 	end
 	same_picture "$name"
 	noticed "$name" "$(lost "$why")"
