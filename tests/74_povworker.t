@@ -17,10 +17,19 @@ light_source { <3, 5, -5> rgb 1 }
 sphere { 0, 1 pigment { paint } finish { phong 1 } }
 END
 pov_ray +Iball.pov +W48 +H36 -A +FN -D +Oalone.png >said 2>&1 || diag "$(tail -n 3 said)"
+# POV-Ray waits on the hosts until one of them was hit.
+for h in host1 host2 host3; do
+	put $h /home/render/bin/povray <<'END'
+#!/bin/sh
+until [ -e /home/render/go ]; do sleep .1; done
+exec /usr/bin/povray "$@"
+END
+done
 balance adaptive -S "$TEST_HOSTS/hosts" -s 48x36 -r job.log -o got.png ball.pov 2>said &
 busy() { [ -n "$("$root/tests/hosts" pids host2 povray)" ]; }
 ok 'a host is at work' await 30 busy
 for p in $("$root/tests/hosts" pids host2 cropworker); do kill -9 "$p" && break; done
+for h in host1 host2 host3; do hosts run $h touch /home/render/go; done
 wait $!
 is 'a worker is killed: exit 0' $? 0
 is 'the same picture' "$(imgcmp got.png alone.png | grep differing)" 'differing	0'
