@@ -23,7 +23,7 @@ found() (
 	compile mutant.o mutant.c || { echo "$3: does not compile"; return 1; }
 	cc -o mutant mutant.o "$work/$1.o" "$library" $libs || { echo "$3: does not link"; return 1; }
 	# The first sign is enough: it ends the test, and the shell must survive to keep the status.
-	{ trap : PIPE; timeout 300 prlimit --cpu=60 ./mutant 2>&1; echo $? >status; } | grep -q "$sign" && [ "$(cat status)" -ne 0 ] ||
+	{ trap : PIPE; TMPDIR=$PWD timeout 300 prlimit --cpu=60 ./mutant 2>&1; echo $? >status; } | grep -q "$sign" && [ "$(cat status)" -ne 0 ] ||
 		{ echo "$3: survives: test_$1 exits with $(cat status), and no seed fails"; return 1; }
 )
 was_found() { [ -e "$1.found" ] || { cat "$1.why"; return 1; }; }

@@ -1,6 +1,8 @@
 /* picture: the pixels of a task from the picture that a command has drawn. */
 #include "crop/crop.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -9,23 +11,31 @@
 /* No picture of this size has more bytes: float RGB or incompressible 16-bit RGBA, and headers. */
 static size_t bytes_most(uint32_t w, uint32_t h) { return (size_t)w * h * 16 + (1 << 20); }
 
-/* Reads the file or the bytes, and checks the size. */
-static int picture_of(const struct crop_rect *at, const char *path, const struct buf *bytes,
-    struct image *picture, char err[CROP_ERR])
+/* Appends the file {o}. A device or FIFO might never end. */
+static int read_output(const char *path, size_t most, struct buf *bytes, char err[CROP_ERR])
 {
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat st;
     const char *odd = NULL;
-    if (path && stat(path, &st) == 0) {
-        if (!S_ISREG(st.st_mode)) odd = "is no regular file";
-        else if ((size_t)st.st_size > bytes_most(at->frame_w, at->frame_h)) odd = "is too long";
+    if (fd < 0 || fstat(fd, &st) != 0) odd = strerror(errno);
+    else if (!S_ISREG(st.st_mode)) odd = "is no regular file";
+    ptrdiff_t k = 1;
+    while (!odd && k > 0) {
+        if ((k = read_some(fd, bytes, 1 << 18)) < 0) odd = strerror(errno);
+        else if (buf_size(bytes) > most) odd = "is too long";
     }
-    if (odd) return err_set(err, "the file {o}: %s, expected a picture", odd) - 1;
+    if (fd >= 0) close(fd);
+    return odd ? err_set(err, "the file {o}: %s, expected a picture", odd) - 1 : 0;
+}
+
+/* Decodes the bytes, and checks the size. `from` is what they come from. */
+static int picture_of(const struct crop_rect *at, const char *from, const struct buf *bytes,
+    struct image *picture, char err[CROP_ERR])
+{
     const struct image_part part = {at->frame_w, at->frame_h, at->y, at->y + at->h};
     char why[IMAGE_ERR];
-    int failed = path ? image_read(path, picture, why)
-                      : image_decode_part(buf_data(bytes), buf_size(bytes), &part, picture, why);
-    if (failed) {
-        err_set(err, "%s: %s", path ? "the file {o}" : "the command's standard output", why);
+    if (image_decode_part(buf_data(bytes), buf_size(bytes), &part, picture, why) != 0) {
+        err_set(err, "%s: %s", from, why);
         return -1;
     }
     uint32_t w = picture->w, h = picture->h;
@@ -45,9 +55,11 @@ int crop_draw(const struct crop_command *c, const struct crop_rect *at, struct i
     /* The suffix makes no difference here; some programs take it for the format. */
     snprintf(path, sizeof path, "%s/%ld.png", c->scratch, (long)getpid());
     char **words = crop_words(c->words, at, c->first, path);
-    int failed =
-        crop_run(words, c->files, file ? NULL : &bytes, bytes_most(at->frame_w, at->frame_h), err);
-    if (!failed) failed = picture_of(at, file ? path : NULL, &bytes, picture, err);
+    size_t most = bytes_most(at->frame_w, at->frame_h);
+    int failed = crop_run(words, c->files, file ? NULL : &bytes, most, err);
+    if (!failed && file) failed = read_output(path, most, &bytes, err);
+    const char *from = file ? "the file {o}" : "the command's standard output";
+    if (!failed) failed = picture_of(at, from, &bytes, picture, err);
     if (file) unlink(path);
     crop_words_free(words);
     buf_free(&bytes);

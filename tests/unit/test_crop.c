@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "crop/crop.h"
+#include "scratch.h"
 
 #ifndef PATIENCE_S // mutants/ need less, because some wait for ever
 #define PATIENCE_S 30
@@ -33,7 +34,7 @@ static char **words_of(const char *const words[])
 }
 #define WORDS(...) words_of((const char *const[]){__VA_ARGS__, NULL})
 
-static char dir[] = "/tmp/stormring-crop-XXXXXX";
+static char dir[SCRATCH_BYTES];
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
@@ -289,6 +290,10 @@ static void a_picture_in_a_file(void **state)
     assert_int_equal(draw("{ " PGM(6, 2) "; } >{o}; echo noise", &rect, err), 0);
     assert_int_equal(draw("echo no picture >{o}", &rect, err), -1);
     assert_non_null(strstr(err, "the file {o}: "));
+    assert_int_equal(draw("mkfifo {o}", &rect, err), -1);
+    assert_non_null(strstr(err, "the file {o}: is no regular file"));
+    assert_int_equal(draw("truncate -s 3000000 {o}", &rect, err), -1);
+    assert_non_null(strstr(err, "the file {o}: is too long"));
     assert_int_equal(draw("{ " PGM(6, 2) "; } >{o}; exit 1", &rect, err), -1);
     assert_int_equal(chdir("/"), 0);
     assert_int_equal(rmdir(dir), 0); /* it is empty */
@@ -373,7 +378,7 @@ static int limited(void **state)
 static int make_dir(void **state)
 {
     (void)state;
-    return !mkdtemp(dir) || chdir(dir) != 0;
+    return !scratch_make(dir) || chdir(dir) != 0;
 }
 
 static int remove_dir(void **state)

@@ -16,13 +16,14 @@
 #include <unistd.h>
 
 #include "image/image.h"
+#include "scratch.h"
 
 #define ROOM (UINT64_C(1) << 30)
 #define W 301
 #define H 101
 #define PIXELS ((uint64_t)W * H) /* 15 pages */
 
-static char dir[] = "/tmp/stormring-store-XXXXXX";
+static char dir[SCRATCH_BYTES];
 
 static float shade(uint64_t p, int c) { return c == 3 ? 1 : (float)p + (float)c / 4; }
 
@@ -186,7 +187,7 @@ static int open_files(int *fd)
 static bool dir_empty(void)
 {
     bool empty = rmdir(dir) == 0;
-    if (empty) assert_non_null(mkdtemp(strcpy(dir, "/tmp/stormring-store-XXXXXX")));
+    if (empty) assert_true(scratch_make(dir));
     return empty;
 }
 
@@ -287,7 +288,7 @@ int main(void)
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_failures),
     };
-    if (!mkdtemp(dir)) return 1;
+    if (!scratch_make(dir)) return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     rmdir(dir);
     return failed;

@@ -12,11 +12,12 @@
 
 #include "image/image.h"
 #include "view/view.h"
+#include "scratch.h"
 
 #define JOB "0123456789abcdef"
 #define HELLO "hello deal 0.1 format=3 selftest=0 slots=2"
 
-static char dir[] = "/tmp/stormring-view-XXXXXX";
+static char dir[SCRATCH_BYTES];
 
 /* ---- logs ------------------------------------------------------------------------------------ */
 
@@ -494,7 +495,7 @@ static void a_curve_has_few_points(void **state)
 static int make_dir(void **state)
 {
     (void)state;
-    return !mkdtemp(dir) || chdir(dir) != 0;
+    return !scratch_make(dir) || chdir(dir) != 0;
 }
 
 static int remove_dir(void **state)
