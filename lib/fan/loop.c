@@ -106,8 +106,9 @@ static size_t fill_poll(struct fan *f, struct pollfd *p, bool reading)
         if (c->to < 0 && c->from < 0 && c->err < 0) continue;
         s->conn.poll = n;
         bool sent = fan_slot_is_sent(s);
-        p[n++] = pipe_poll_entry(
-            c->to, fan_slot_fed(s) || sent, sent || down_size(&s->feed.queue) ? POLLOUT : 0);
+        /* A slot whose input is to end as soon as it is up has nothing to wait for. */
+        bool due = sent || down_size(&s->feed.queue) || fan_slot_over(f, s);
+        p[n++] = pipe_poll_entry(c->to, fan_slot_fed(s) || sent, due ? POLLOUT : 0);
         p[n++] = pipe_poll_entry(c->from, reading, POLLIN);
         if (c->err >= 0) p[n++] = pipe_poll_entry(c->err, true, POLLIN);
     }
