@@ -2,8 +2,8 @@
  * backdrop: writes the background of a picture of a grid as a gnuplot script: the grid's lowest
  * plane as a map, with lines such as coasts; the grid's edges, the graticule, heights. The
  * specification's camera projects everything here, so gnuplot gets pixels. Below the picture is a
- * strip with a legend of the colours and a caption, title and time: there nothing covers them, nor
- * they anything. No I/O.
+ * strip with a legend of the colours and a caption (title and time), which overlap nothing else
+ * there. No I/O.
  */
 #ifndef STORMRING_BACKDROP_H
 #define STORMRING_BACKDROP_H

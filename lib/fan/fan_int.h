@@ -11,7 +11,7 @@
 #include "fan/fan.h"
 #include "pipe/pipe.h"
 
-/* If no slot is up, and no slot that may come up was up for this time, no host is left. */
+/* No host is left when no slot that may come up has been up for this time. */
 #define UNREACHED_S 30.0
 
 /* The life of a slot; the table is at the head of slot.c. */

@@ -131,7 +131,7 @@ void hub_mark(struct hub *h, int32_t k);
 void hub_note_early(struct hub *h, int32_t k);
 /* There are n nodes at first. False: that was known. */
 bool hub_set_nodes(struct hub *h, int32_t n);
-/* Node k, which comes up, is in the table then. False: it cannot be. */
+/* Adds node k to the table if it is new. False: it cannot be added. */
 bool hub_join(struct hub *h, int32_t k);
 /* Node k is to leave the ring: it keeps what it computes. */
 void hub_drain(struct hub *h, int32_t k, struct sched_actions *out);

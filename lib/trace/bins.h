@@ -128,8 +128,8 @@ SIMD_INLINE void bins_ref(struct bins *b, const struct binning *g, const struct 
     bin_ref(b, 2, k[2], box);
 }
 
-/* Adds every step-th ref. They take turns between b and c, which may be the same. Neighbours are
- * often in one bin: with two, a bin need not wait for the store before. */
+/* Adds every step-th ref. They go to b and c in turn, which may be the same. Neighbours are often
+ * in one bin: with two sets, an add need not wait for the last store. */
 static inline void bins_add(struct bins *b, struct bins *c, const struct binning *g,
     const struct ref *r, uint32_t n, uint32_t step)
 {

@@ -3,8 +3,8 @@
  * When those that remain can change the sample by no more than the error budget together, the
  * sample is finished and they are dropped. So the sum of all that is dropped is bounded, unlike in
  * R. Hall, D. Greenberg, "A testbed for realistic image synthesis", IEEE CG&A 3(8), 1983, where
- * each ray ends below a fixed weight. The order depends on nothing but the sample's own rays. By
- * largest bound first, nested glass took up to a third more rays.
+ * each ray ends below a fixed weight. The order depends on nothing but the sample's own rays. In
+ * order of bound, nested glass took up to a third more rays.
  *
  * The rays of all samples of a wave share one pool.
  */
@@ -23,9 +23,9 @@ struct pending {
     bool mirrored; /* reflected, not transmitted */
 };
 
-/* Beyond PENDING_MOST rays of a sample, those that follow are traced depth first, so memory stays
- * bounded: a ray leaves two behind, of which the mirrored one has another level. Only a sample that
- * is traced alone may have more. */
+/* When a sample has PENDING_MOST rays, further ones are traced depth first, so memory stays
+ * bounded: a ray adds at most two, and the mirrored one is a level deeper. Only a sample that is
+ * traced alone may have more. */
 #define PENDING_MOST 65536
 struct pending_pool {
     struct pending *at;
@@ -39,8 +39,8 @@ struct pending_pool {
 struct pending_rays {
     uint32_t *heap; /* indices into the pool, a binary heap by weight */
     uint32_t n, cap;
-    double over; /* the sum of the bounds exceeded the budget by this when it was last computed,
-                  * less the bounds of the rays traced since: positive while it must exceed it */
+    double over; /* sum of the bounds - budget, when last computed, less the bounds of the rays
+                  * traced since. Above 0: the sum still exceeds the budget */
 };
 
 void pending_pool_init(struct pending_pool *pool, bool with_media);

@@ -190,8 +190,8 @@ bool wire_light(const unsigned char *body, size_t n);
 
 /*
  * Packed records (pack.c): only a decoder with `coded` takes them. wire_pack appends the packed
- * form of r; false, and nothing is appended, if it would not be shorter. wire_pack_last does that
- * in place to the record that begins at unread byte `at` of b and ends it, if that is a frag.
+ * form of r; false, and nothing is appended, if it would not be shorter. wire_pack_last packs
+ * in place the last record of b, which begins at unread byte `at`, if it is a frag.
  */
 bool wire_pack(struct buf *to, const struct record *r);
 void wire_pack_last(struct buf *b, size_t at);
