@@ -118,13 +118,13 @@ static void print_summary(const struct report *r)
     printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, account_efficiency(a, r->bound_s));
 }
 
-/* The file name for the chart's title, without bytes that would end a field. */
+/* The file name for the chart's title, without bytes that would end a field or begin a comment. */
 static char *title_of(const struct options *o)
 {
     const char *path = *o->inputs ? *o->inputs : "-", *slash = strrchr(path, '/');
     char *name = xstrdup(strcmp(path, "-") == 0 ? "log" : slash && slash[1] ? slash + 1 : path);
     for (char *c = name; *c; c++)
-        if ((unsigned char)*c < ' ') *c = '?';
+        if ((unsigned char)*c < ' ' || (c == name && *c == '#')) *c = '?';
     return name;
 }
 

@@ -68,7 +68,7 @@ static void print(const struct options *o, const struct image *a, const struct i
 static bool within(const struct options *o, const struct image_diff *d)
 {
     if (!o->limit_over && !o->limit_rmse) return d->differing == 0;
-    if (o->limit_over && (double)d->over > o->fraction * (double)d->pixels) return false;
+    if (o->limit_over && d->over > image_share(o->fraction, d->pixels)) return false;
     return !o->limit_rmse || d->rmse_kept <= o->rmse_limit;
 }
 

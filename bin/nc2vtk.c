@@ -3,6 +3,7 @@
 #include "cf/cf.h"
 #include "convert/convert.h"
 
+#include <stdlib.h>
 #include <unistd.h>
 
 static const char usage_text[] = "[-chz] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE\n"
@@ -159,6 +160,16 @@ static enum convert_levels levels_of(struct source *s)
     return z->pressure ? CONVERT_LEVELS_PRESSURE : convert_levels_of(z->units);
 }
 
+/* The shortest decimal from nine digits on that reads back: a minute may be in the last ones. */
+static void put_time(struct buf *title, double at)
+{
+    char text[32];
+    int digits = 9;
+    do snprintf(text, sizeof text, "%.*g", digits, at);
+    while (strtod(text, NULL) != at && digits++ < 17);
+    buf_printf(title, "%s", text);
+}
+
 static void describe(const void *ctx, size_t time, const char *z, struct buf *title)
 {
     const struct source *s = ctx;
@@ -170,7 +181,10 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     }
     if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);
-    if (t && t->at) buf_printf(title, "; t %s %.9g [%s]", t->name, t->at[time], t->units);
+    if (!t || !t->at) return;
+    buf_printf(title, "; t %s ", t->name);
+    put_time(title, t->at[time]);
+    buf_printf(title, " [%s]", t->units);
 }
 
 static void convert_field(struct cf_file *c, const struct convert_options *o)

@@ -101,7 +101,7 @@ static void parse_sampling(const char *s, struct trace_options *t)
     t->samples = (int)samples;
     t->threshold = -1;
     if (colon && !parse_real(colon + 1, 0, 1e6, &t->threshold))
-        die(ST_USAGE, "-a %s: expected N:THRESHOLD, a number >= 0", s);
+        die(ST_USAGE, "-a %s: expected N:THRESHOLD, a number from 0 to 1000000", s);
 }
 
 static void parse_hierarchy(const char *s, struct trace_options *t)

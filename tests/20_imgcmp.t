@@ -35,6 +35,14 @@ is 'psnr of one white pixel in 200' "$(figure psnr_db)" 23.0103
 is 'over counts the pixels over the tolerance' "$(figure over) $(figure over_percent) $(figure differing)" '1 0.500000 1'
 is 'the output is eleven lines of name TAB value' "$(printf '%s\n' "$out" | grep -c '^[a-z_]*	[^	]*$')" 11
 
+# .29 of 100 pixels is 29, though .29 as a double is a little less.
+{ printf 'P5\n10 10\n255\n'; head -c 29 /dev/zero | tr '\0' '\377'; head -c 71 /dev/zero; } >some.pgm
+grey 10 10 000 >none.pgm
+run imgcmp -f .29 none.pgm some.pgm
+is '-f and -d are not off by rounding' "$status $(figure over) $(imgcmp -d .29 none.pgm some.pgm | sed -n 's/^dropped	//p')" '0 29 29'
+run imgcmp -f .28 none.pgm some.pgm
+is '-f: a pixel too many' "$status" 1
+
 run imgcmp -d 0.005 black.pgm dot.pgm
 is '-d leaves the worst pixels out' "$(figure rmse_kept) $(figure dropped)" '0 1'
 is '-d sets no limit' "$status" 1

@@ -83,6 +83,8 @@ ok 'it draws a Gantt chart' chart -o bars.svg bars.tsv
 texts bars.svg >said
 is 'Gantt chart: all lanes have names, also those without bars' "$(grep -cx '0\|1\.0\|1\.1' said)" 3
 like 'Gantt chart: the axes have names and units' "$(tr '\n' ' ' <said)" 'slot .*time \(s\).*log \(real\)'
+tsv '# lanes: fe80::1%eth0 100% 1.1' '# x: time' "$bars" 'log real task 0 s 0 1 1 0 1.5' | chart -o percent.svg
+is 'Gantt chart: a lane may have a percent sign in its name' "$(texts percent.svg | grep -cx 'fe80::1%eth0\|100%\|1\.1')" 3
 is 'Gantt chart: the legend has only the kinds of bars that occur' "$(grep -c 'task given again' said)$(grep -cx 'task\|wasted\|task_again' said)" 03
 like 'Gantt chart: the note is below the chart' "$(cat said)" '^efficiency \.9$'
 is 'Gantt chart: wasted tasks are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's

@@ -148,6 +148,14 @@ for calendar in noleap standard; do
 	sed -n 's/.*; t //p' a.vtk
 done >calendars
 is 'a calendar that is not the usual one is named with the time' "$(paste -sd: calendars)" 't 1 [days since 2000-1-1 (noleap)]:t 1 [days since 2000-1-1]'
+# The proleptic Gregorian calendar is the usual one from 1582 on.
+for since in 2000-1-1 0001-1-1; do
+	sed "s/t:units = \"days since 2000-1-1\";/t:units = \"days since $since\"; t:calendar = \"proleptic_gregorian\";/; s/t = 0, 1;/t = 0, 738000.010416667;/" order.cdl |
+		ncgen -o calendar.nc && got -t 1 calendar.nc s >/dev/null
+	sed -n 's/.*; t t //p' a.vtk
+done >calendars
+is 'an earlier proleptic calendar is named, and a time has all its digits' "$(paste -sd: calendars)" \
+	'738000.010416667 [days since 2000-1-1]:738000.010416667 [days since 0001-1-1 (proleptic_gregorian)]'
 make_nc plain 'time = 2; a = 3; b = 2; c = 2;' 'float a(a); float b(b); float c(c); float s(time, a, b, c);' \
 	"a = 1, 2, 4; b = 1, 2; c = 5, 4; s = $(seq -s, 0 23);"
 is 'axes without attributes are told apart by their order' "$(got -t 1 plain.nc s)" '13 12 15 14 17 16 19 18 21 20 23 22'
@@ -244,6 +252,18 @@ if there /usr/include/udunits2.h; then
 	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "km2 s-2" ;/; s/9806.65/0.00980665/; s/19613.3/0.0196133/g; s/39226.6/0.0392266/; s/49033.25/0.04903325/' |
 		ncgen -o squares.nc -
 	is '-z: a geopotential in any unit' "$(got -z squares.nc s)" '1 2 3 4 11 12 8 6.5'
+	for unit in 'meter2 second-2' J/kg 'm**2 s**-2'; do
+		ncdump geo.nc | sed "s,gp:units = .*,gp:units = \"$unit\" ;," | ncgen -o words.nc - && nc2vtk -z words.nc s >a.vtk && coordinates Z a.vtk
+	done | awk '{ printf "%.2f ", $1 }' >g
+	is '-z: a geopotential in any words' "$(cat g)" '0.00 2000.00 0.00 2000.00 0.00 2000.00 '
+	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "m2 s-1" ;/' | ncgen -o rate.nc -
+	refused_z rate.nc "gp is in 'm2 s-1', expected a length or m2 s-2"
+	for unit in decibars 'N/m2' 'hPa '; do
+		ncdump geo.nc | sed "s,z:units = .*,z:units = \"$unit\" ;," | ncgen -o words.nc - && nc2vtk words.nc s >a.vtk && coordinates Z a.vtk
+	done | awk '{ printf "%g ", $1 }' >g
+	is 'a pressure in any unit points down' "$(cat g)" '-1000 -500 -1000 -500 -1000 -500 '
+	ncdump hybrid.nc | sed "s/ps: PS/$(printf '%120s' '') ps: PS/" | ncgen -o blanks.nc -
+	is '-z: terms may be far apart' "$(got -z blanks.nc s)" '3 4 1 nan 13 14 11 12'
 	ncdump geo.nc | sed 's/gp:units = .*/gp:units = "K" ;/' | ncgen -o warmth.nc -
 	refused_z warmth.nc "gp is in 'K', expected a length or m2 s-2"
 	make_nc theta "$cube" "$axes z:units = \"K\"; float s(z, y, x);" "$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
@@ -272,6 +292,11 @@ make_nc flat "$cube" "$axes float s(y, x);" "$nodes s = 1, 2, 3, 4;"
 is 'a field of x and y has one level' "$(nc2vtk flat.nc s | grep -a '^DIMENSIONS')" 'DIMENSIONS 2 2 1'
 make_nc double "$cube" 'float x(x); x:axis = "X"; float y(y); y:axis = "X"; float z(z); float s(z, y, x);' "$nodes $data"
 refused double.nc s 'y and x both are x'
+make_nc twice "run = 1; time = 2; height = 1; $cube" "$axes double run(run); run:units = \"days since 2000-1-1\"; double time(time);
+	time:units = \"days since 2000-1-1\"; double height(height); height:positive = \"up\"; float s(run, time, height, z, y, x);" \
+	"run = 0; time = 3, 4; height = 2; $nodes s = $(seq -s, 16);"
+is 'beside an axis of its kind, one with one element is left out' "$(got -t 1 twice.nc s):$(sed -n 's/.*; //;2p' a.vtk)" \
+	'9 10 11 12 13 14 15 16:t time 4 [days since 2000-1-1]'
 make_nc five "$cube a = 2; b = 1; t = 1;" "$axes double t(t); t:axis = \"T\"; int a(a); float s(t, a, b, z, y, x);" \
 	"$nodes t = 0; a = 1, 2; s = $(seq -s, 16);"
 refused five.nc s 'a has 2 elements and is none of x, y, z and time, expected 1'
@@ -313,6 +338,9 @@ make_nc winds "$cube" "$axes float u(z, y, x); u:units = \"m/s\"; float v(z, y, 
 refused winds.nc 's=hypot(u,v)' "s=hypot.u,v.: the two are in 'm/s' and 'km/h', expected one unit"
 make_nc text "$cube" "$axes short s(z, y, x); s:scale_factor = \"0.5\";" "$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
 refused text.nc s 's: scale_factor is not a number, expected one number'
+make_nc words "$cube" "$axes float s(z, y, x); s:missing_value = \"-999\"; float r(z, y, x); r:valid_range = \"0 100\";" "$nodes"
+refused words.nc s 's: missing_value is not a number, expected one number'
+refused words.nc r 'r: valid_range is not a number, expected one number'
 make_nc strong "$cube" "$axes float u(z, y, x); float v(z, y, x);" "$nodes u = 9e17, 3, 3, 3, 3, 3, 3, 3; v = 9e17, 4, 4, 4, 4, 4, 4, 4;"
 refused strong.nc 's=hypot(u,v)' 'v: a value is as large as 1.27'
 

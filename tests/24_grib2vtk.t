@@ -61,6 +61,9 @@ is 'latitudes ascend' "$(on_line coordinates Y a.vtk)" '58 60'
 like 'the title has the names of the axes' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
 grib_set -s edition=1,packingType=grid_simple plain.grib2 plain.grib1
 is 'GRIB 1 gives the same values' "$(got plain.grib1 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+make_grib pascals "set scaledValueOfFirstFixedSurface=101320; set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=150; write;
+	set scaledValueOfFirstFixedSurface=100; write;"
+is 'pressures have all their digits' "$(got pascals.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-1013.2 -1.5 -1'
 make_grib north "set jScansPositively=1; set latitudeOfFirstGridPointInDegrees=58; set latitudeOfLastGridPointInDegrees=60; $one $two"
 is 'rows may start in the south' "$(got north.grib2 t)" '11 12 13 14 15 16 1 2 3 4 5 6'
 make_grib west "set iScansNegatively=1; set longitudeOfFirstGridPointInDegrees=10; set longitudeOfLastGridPointInDegrees=350; $one $two"
@@ -86,6 +89,8 @@ make_grib round "set Ni=4; set longitudeOfFirstGridPointInDegrees=90; set longit
 set iDirectionIncrementInDegrees=90; set level=500; set values={1,2,3,4,5,6,7,8}; write; set level=850; write;"
 is '-c: the first column comes again at the end' "$(got -c round.grib2 t)" '5 6 7 8 5 1 2 3 4 1 5 6 7 8 5 1 2 3 4 1'
 is '-c: the new column is 360 degrees further east' "$(on_line coordinates X a.vtk)" '90 180 270 360 450'
+make_grib whole "set longitudeOfFirstGridPointInDegrees=180; set longitudeOfLastGridPointInDegrees=180; set iDirectionIncrementInDegrees=180; $one $two"
+is 'a circle may end where it began' "$(got whole.grib2 t >/dev/null; on_line coordinates X a.vtk)" '180 360 540'
 grib2vtk gauss.grib2 t >open.vtk
 grib2vtk -c gauss.grib2 t >a.vtk
 ok '-c: a Gaussian grid is closed' closed open.vtk a.vtk "$(coordinates X open.vtk | wc -l)"

@@ -105,6 +105,8 @@ like 'a damaged log: -s counts the lost records' "$out" '^lost_records	1$'
 
 # ---- as intervals --------------------------------------------------------------------------------------------
 fragstat -g again.frags >gantt.tsv
+cp again.frags '#again.frags'
+is '-g: a name does not begin a comment' "$(fragstat -g '#again.frags' | sed 's/^?again/again/' | cmp - gantt.tsv)" ''
 is '-g: one line per done record' "$(grep -vc '^#' gantt.tsv)" 7
 is '-g: the line has begin and end of the task' "$(awk -F '\t' '/^again/ { print $3, $4, $6, $10; exit }' gantt.tsv)" 'task 0.020000 0 0.120000'
 is '-g: a second run follows the first' "$(awk -F '\t' '/^again/ { line = $10 } END { print line }' gantt.tsv)" 0.402000

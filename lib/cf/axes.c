@@ -1,5 +1,6 @@
 /* axes: reads coordinate variables and identifies x, y, z and time. */
 #include "cf/cf_int.h"
+#include "units/units.h"
 
 #include <netcdf.h>
 #include <stdlib.h>
@@ -13,12 +14,20 @@ static bool one_of(const char *s, const char *const *words)
     return false;
 }
 
+double cf_in_units(const char *unit, const char *of)
+{
+    char err[ERR_BYTES];
+    struct units_linear l;
+    return units_linear(unit, of, &l, err) && fabs(l.offset) <= 0 ? l.factor : 0;
+}
+
+/* The words are known without libudunits2. */
 static bool is_pressure(const char *units)
 {
     static const char *const words[] = {"Pa", "hPa", "kPa", "dbar", "decibar", "mb", "mbar",
         "millibar", "millibars", "bar", "bars", "atm", "pascal", "pascals", "hectopascal",
         "hectopascals", "kilopascal", "kilopascals", "torr", "psi", "N m-2", NULL};
-    return one_of(units, words);
+    return one_of(units, words) || cf_in_units(units, "Pa") > 0;
 }
 
 /* The kind that a coordinate variable's attributes state; CF_NONE if they state none. */
@@ -84,15 +93,24 @@ static bool find_coordinates(int group, int dim, const char *name, int *in, int 
     }
 }
 
+/* All times are after 1582, from when on the proleptic Gregorian calendar is the usual one. */
+static bool is_modern(const struct cf_axis *a)
+{
+    const char *since = strstr(a->units, " since ");
+    for (size_t i = 0; i < a->n; i++)
+        if (a->at[i] < 0) return false;
+    return since && strtol(since + 7, NULL, 10) > 1582;
+}
+
 /* A date of another calendar must not be taken for one of the usual calendar. */
 static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
 {
-    static const char *const usual[] = {"standard", "gregorian", "proleptic_gregorian", NULL};
     char calendar[CF_TEXT] = "";
     if (a->kind == CF_T) cf_text(c, in, id, "calendar", calendar);
+    if (strcasecmp(calendar, "standard") == 0 || strcasecmp(calendar, "gregorian") == 0) return;
+    if (strcasecmp(calendar, "proleptic_gregorian") == 0 && is_modern(a)) return;
     size_t n = strlen(a->units);
-    if (calendar[0] && !one_of(calendar, usual))
-        snprintf(a->units + n, CF_TEXT - n, " (%s)", calendar);
+    if (calendar[0]) snprintf(a->units + n, CF_TEXT - n, " (%s)", calendar);
 }
 
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
@@ -116,16 +134,16 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     a->id = id;
     a->pressure = is_pressure(a->units);
     a->kind = kind_of(c, in, id, a);
-    name_calendar(c, in, id, a);
     a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && a->pressure);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
+    name_calendar(c, in, id, a);
     return true;
 }
 
 /* The level of a field of x and y. NULL if there is no room for it. */
-static const struct cf_axis *make_level(struct cf_field *f)
+static struct cf_axis *make_level(struct cf_field *f)
 {
     if (f->n_axes == CF_AXES_MAX) return NULL;
     struct cf_axis *a = &f->axis[f->n_axes++];
@@ -134,17 +152,30 @@ static const struct cf_axis *make_level(struct cf_field *f)
     return a;
 }
 
+/* Of two axes of a kind, the one that is left out: it has one element, as that of the time at which a
+ * forecast was made. NULL if neither is. */
+static struct cf_axis *lesser(struct cf_axis *a, struct cf_axis *b)
+{
+    if ((a->n == 1) != (b->n == 1)) return a->n == 1 ? a : b;
+    if (a->n > 1 || a->kind != CF_T) return NULL;
+    bool first = strcasecmp(a->name, "time") == 0, second = strcasecmp(b->name, "time") == 0;
+    if (first == second) return NULL;
+    return first ? b : a;
+}
+
 bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
 {
-    const struct cf_axis *of[CF_NONE] = {NULL};
+    struct cf_axis *of[CF_NONE] = {NULL};
     bool other[sizeof f->axis / sizeof *f->axis] = {false};
     for (int i = 0; i < f->n_axes; i++) {
-        const struct cf_axis *a = &f->axis[i];
+        struct cf_axis *a = &f->axis[i];
         if (a->kind == CF_NONE) continue;
-        if (of[a->kind])
-            return err_set(err, "%.60s and %.60s both are %c, expected one", of[a->kind]->name,
-                a->name, "xyzt"[a->kind]);
-        of[a->kind] = a;
+        struct cf_axis *b = of[a->kind], *less = b ? lesser(b, a) : NULL;
+        if (b && !less)
+            return err_set(err, "%.60s and %.60s both are %c, expected one", b->name, a->name,
+                "xyzt"[a->kind]);
+        if (less != a) of[a->kind] = a;
+        if (less) less->kind = CF_NONE;
     }
     for (int i = 0; i < f->n_axes; i++) {
         struct cf_axis *a = &f->axis[i];

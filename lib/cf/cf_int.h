@@ -18,7 +18,9 @@ bool cf_look(struct cf_file *c, char err[ERR_BYTES]);
 /* False with the reason in err if a classic NetCDF file is cut or its header is damaged. */
 bool cf_is_whole(const char *path, char err[ERR_BYTES]);
 
-/* The text of an attribute, or its first string; "" if there is none. */
+/* The text of an attribute, or its first string; "" if there is none. The caller frees the whole
+ * text. */
+char *cf_whole_text(struct cf_file *c, int group, int id, const char *name);
 void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT]);
 void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p);
 /* False with the reason in err if values cannot be unpacked. */
@@ -28,12 +30,15 @@ bool cf_is_numeric(const struct cf_packing *p);
 /* Converts a stored number to a value; NaN if it is missing. */
 double cf_unpack(const struct cf_packing *p, double stored);
 
+/* A unit in another one, which it must be proportional to; 0 if it is not, or libudunits2 is missing. */
+double cf_in_units(const char *unit, const char *of);
+
 /* False with the reason in err if the dimension cannot be the axis of a grid. */
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES]);
 /*
  * Assigns kinds to axes that have none: first by name, then the remaining kinds in the order that
- * CF recommends: t z y x. Axes with one element stay CF_NONE. False with the reason in err unless
- * x, y and z each occur once.
+ * CF recommends: t z y x. Axes with one element stay CF_NONE, and become it beside a longer one of
+ * their kind. False with the reason in err unless x, y and z each occur once.
  */
 bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES]);
 

@@ -4,7 +4,6 @@
  * files of the Community Climate Model.
  */
 #include "cf/cf_int.h"
-#include "units/units.h"
 
 #include <netcdf.h>
 #include <stdlib.h>
@@ -30,26 +29,20 @@ static bool is_geopotential(struct cf_file *c, int group, int id, const char *na
     return is;
 }
 
-/* A unit in another one, which it must be proportional to; 0 if it is not. */
-static double in_units(const char *unit, const char *of)
-{
-    char err[ERR_BYTES];
-    struct units_linear l;
-    return units_linear(unit, of, &l, err) && fabs(l.offset) <= 0 ? l.factor : 0;
-}
-
-/* Metres in a unit of a geopotential or its height; 0 if it is none of either. The first spellings
- * are known without libudunits2. */
+/* Metres in a unit of a geopotential or its height; 0 if it is none of either. The spellings of the
+ * table are known without libudunits2. */
 static double metres_in(const char *units)
 {
-    if (strncmp(units, "m2", 2) == 0 || strncmp(units, "m**2", 4) == 0 ||
-        strncmp(units, "m^2", 3) == 0)
-        return 1 / GRAVITY;
-    if (strcmp(units, "m") == 0 || strcmp(units, "gpm") == 0 ||
-        strncasecmp(units, "meter", 5) == 0 || strncasecmp(units, "metre", 5) == 0)
-        return 1;
-    double metres = in_units(units, "m");
-    return metres > 0 ? metres : in_units(units, "m2 s-2") / GRAVITY;
+    static const struct {
+        const char *unit;
+        double metres;
+    } table[] = {{"m2 s-2", 1 / GRAVITY}, {"m**2 s**-2", 1 / GRAVITY}, {"m^2 s^-2", 1 / GRAVITY},
+        {"m2/s2", 1 / GRAVITY}, {"m^2/s^2", 1 / GRAVITY}, {"m", 1}, {"gpm", 1}, {"meter", 1},
+        {"meters", 1}, {"metre", 1}, {"metres", 1}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (strcasecmp(units, table[i].unit) == 0) return table[i].metres;
+    double metres = cf_in_units(units, "m");
+    return metres > 0 ? metres : cf_in_units(units, "m2 s-2") / GRAVITY;
 }
 
 /* Returns 1 if the file has one, 0 if it has none, and -1 with a message in err if its unit is
@@ -102,13 +95,14 @@ struct names {
 /* False if the levels are neither hybrid nor sigma levels. */
 static bool find_names(struct cf_file *c, const struct cf_axis *z, struct names *n)
 {
-    char terms[CF_TEXT];
+    char *terms = cf_whole_text(c, z->in, z->id, "formula_terms");
+    bool stated = *terms;
     memset(n, 0, sizeof *n);
-    cf_text(c, z->in, z->id, "formula_terms", terms);
     term(terms, "a", n->a), term(terms, "ap", n->ap), term(terms, "p0", n->p0);
     term(terms, "ps", n->ps), term(terms, "ptop", n->ptop);
     if (!term(terms, "b", n->b)) term(terms, "sigma", n->b);
-    if (terms[0]) return n->b[0] && n->ps[0];
+    free(terms);
+    if (stated) return n->b[0] && n->ps[0];
     cf_text(c, z->in, z->id, "A_var", n->a);
     cf_text(c, z->in, z->id, "B_var", n->b);
     cf_text(c, z->in, z->id, "P0_var", n->p0);
@@ -125,7 +119,7 @@ static bool to_pascals(struct cf_file *c, int group, int id, double *value, char
     if (!units[0]) return true;
     bool hecto = strcmp(units, "hPa") == 0 || strcmp(units, "mb") == 0 ||
                  strcmp(units, "mbar") == 0 || strncmp(units, "millibar", 8) == 0;
-    double pascals = hecto ? 100 : in_units(units, "Pa");
+    double pascals = hecto ? 100 : cf_in_units(units, "Pa");
     *value *= pascals;
     if (pascals > 0) return true;
     cf_did(c, nc_inq_varname(group, id, name));

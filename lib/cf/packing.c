@@ -6,38 +6,58 @@
 #include <string.h>
 #include <strings.h>
 
-void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT])
+/* A string of n bytes, printable and without blanks at its end, which the caller frees. */
+static char *clean(const char *text, size_t n)
 {
-    nc_type type;
-    size_t n;
-    out[0] = '\0';
-    if (nc_inq_att(group, id, name, &type, &n) != NC_NOERR || n == 0) return;
+    char *s = xcalloc(n + 1, 1);
+    memcpy(s, text, n);
+    for (char *c = s; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
+    for (n = strlen(s); n > 0 && s[n - 1] == ' '; n--) s[n - 1] = '\0';
+    return s;
+}
+
+char *cf_whole_text(struct cf_file *c, int group, int id, const char *name)
+{
+    nc_type type = NC_NAT;
+    size_t n = 0;
+    char *s = NULL;
+    if (nc_inq_att(group, id, name, &type, &n) != NC_NOERR || n == 0) return clean("", 0);
     if (type == NC_CHAR) {
-        char *text = xcalloc(n + 1, 1);
-        if (cf_did(c, nc_get_att_text(group, id, name, text))) snprintf(out, CF_TEXT, "%s", text);
+        char *text = xcalloc(n, 1);
+        if (cf_did(c, nc_get_att_text(group, id, name, text))) s = clean(text, n);
         free(text);
     } else if (type == NC_STRING) {
         char **text = xcalloc(n, sizeof *text);
         if (cf_did(c, nc_get_att_string(group, id, name, text))) {
-            if (text[0]) snprintf(out, CF_TEXT, "%s", text[0]);
+            if (text[0]) s = clean(text[0], strlen(text[0]));
             nc_free_string(n, text);
         }
         free(text);
     }
-    for (char *s = out; *s; s++)
-        if ((unsigned char)*s < ' ' || *s == 0x7f) *s = ' ';
+    return s ? s : clean("", 0);
+}
+
+void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF_TEXT])
+{
+    char *whole = cf_whole_text(c, group, id, name);
+    snprintf(out, CF_TEXT, "%s", whole);
+    free(whole);
 }
 
 static bool is_number(int type) { return type > NC_CHAR ? type < NC_STRING : type == NC_BYTE; }
 bool cf_is_numeric(const struct cf_packing *p) { return is_number(p->type); }
 
-/* Reads at most `most` numbers of an attribute. Returns their count; 0 if there are none. */
-static size_t numbers(
-    struct cf_file *c, int group, int id, const char *name, size_t most, double *out, int *type)
+/* Reads at most `most` numbers of an attribute. Returns their count; 0 if there are none. An attribute
+ * that is no number is noted in p. */
+static size_t numbers(struct cf_file *c, int group, int id, const char *name, size_t most,
+    double *out, int *type, struct cf_packing *p)
 {
     size_t n;
     nc_type is;
-    if (nc_inq_att(group, id, name, &is, &n) != NC_NOERR || n == 0 || !is_number(is)) return 0;
+    if (nc_inq_att(group, id, name, &is, &n) != NC_NOERR || n == 0) return 0;
+    if (!is_number(is)) p->bad = name;
+    if (!is_number(is)) return 0;
     double *all = xcalloc(n, sizeof *all);
     bool got = cf_did(c, nc_get_att_double(group, id, name, all));
     if (n > most) n = most;
@@ -53,7 +73,7 @@ static void one(struct cf_file *c, int group, int id, const char *name, double *
     nc_type is;
     size_t n;
     if (nc_inq_att(group, id, name, &is, &n) != NC_NOERR) return;
-    if (n != 1 || !is_number(is) || !numbers(c, group, id, name, 1, out, type)) p->bad = name;
+    if (n != 1 || !is_number(is) || !numbers(c, group, id, name, 1, out, type, p)) p->bad = name;
 }
 
 /* Adds the default fill value of a variable without _FillValue. Bytes have none, because they have
@@ -97,17 +117,17 @@ void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
     one(c, group, id, "add_offset", &p->offset, &of_scale, p);
     one(c, group, id, "scale_factor", &p->scale, &of_scale, p);
 
-    p->n_missing = numbers(c, group, id, "_FillValue", 1, p->missing, &type);
+    p->n_missing = numbers(c, group, id, "_FillValue", 1, p->missing, &type, p);
     if (!p->n_missing) add_default_fill(p);
     p->n_missing += numbers(c, group, id, "missing_value", CF_MISSING_MAX - p->n_missing,
-        p->missing + p->n_missing, &type);
+        p->missing + p->n_missing, &type, p);
     for (size_t i = 0; i < p->n_missing; i++) p->missing[i] = as_stored(p, p->missing[i]);
 
     type = p->type;
-    if (numbers(c, group, id, "valid_range", 2, range, &type) == 2)
+    if (numbers(c, group, id, "valid_range", 2, range, &type, p) == 2)
         p->valid_min = range[0], p->valid_max = range[1];
-    numbers(c, group, id, "valid_min", 1, &p->valid_min, &type);
-    numbers(c, group, id, "valid_max", 1, &p->valid_max, &type);
+    numbers(c, group, id, "valid_min", 1, &p->valid_min, &type, p);
+    numbers(c, group, id, "valid_max", 1, &p->valid_max, &type, p);
     /* They apply to stored numbers, unless their type is that of the values. */
     p->valid_unpacked = type != p->type && type == of_scale;
     if (!p->valid_unpacked) {

@@ -78,7 +78,10 @@ function draw_panel(p,    l, text) {
 function axes(    i, step, name, text) {
 	split(about["lanes"], name, " ")
 	step = ceil(n_lanes * 13 / plot_h)
-	for (i = 0; i < n_lanes; i += step) text = text (i ? ", " : "") quoted(i + 1 in name ? name[i + 1] : i) " " i
+	for (i = 0; i < n_lanes; i += step) {
+		gsub(/%/, "%%", name[i + 1]) # gnuplot takes the label of a tic for a format
+		text = text (i ? ", " : "") quoted(name[i + 1] == "" ? i : name[i + 1]) " " i
+	}
 	printf "set xrange [0:%.9g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", last_until * 1.01, n_lanes - 0.4, text
 	print "set xtics autofreq; set grid xtics noytics"
 }

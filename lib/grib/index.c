@@ -66,10 +66,13 @@ double gb_real(const codes_handle *h, const char *key)
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
-/* A layer's level is its middle. */
+/* A layer's level is its middle. ecCodes cuts pressures to whole hPa, which edition 2 states in Pa. */
 static double level_of(const codes_handle *h, const char *levels)
 {
     size_t n = strlen(levels);
+    if (strcmp(levels, "isobaricInhPa") == 0 && gb_long(h, "edition") == 2)
+        return gb_real(h, "scaledValueOfFirstFixedSurface") *
+               pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
     if (n > 5 && strcmp(levels + n - 5, "Layer") == 0)
         return (gb_real(h, "topLevel") + gb_real(h, "bottomLevel")) / 2;
     return gb_real(h, "level");

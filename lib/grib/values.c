@@ -56,7 +56,7 @@ static void sphere_axes(const codes_handle *h, const char *kind, struct grid *g)
     double b = gb_real(h, "latitudeOfLastGridPointInDegrees");
     bool westwards = gb_long(h, "iScansNegatively");
     double west = westwards ? last : first, east = westwards ? first : last;
-    spread(g->at[0], g->n[0], west, east < west ? east + 360 : east);
+    spread(g->at[0], g->n[0], west, east <= west ? east + 360 : east);
     spread(g->at[1], g->n[1], fmin(a, b), fmax(a, b));
     size_t n = 0;
     if (strcmp(kind, "regular_gg") != 0 ||

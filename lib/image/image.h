@@ -120,6 +120,8 @@ struct image_diff {
     uint64_t over;      /* pixels with a clamped component that differs by more than tolerance */
     uint64_t differing; /* pixels that differ at all, not clamped, alpha included */
 };
+/* A fraction of n pixels, rounded down: .29 of 100 is 29, though .29 as a double is less. */
+uint64_t image_share(double fraction, uint64_t n);
 /* The caller checks that the sizes are equal. A NaN differs from every number by 1. */
 void image_compare(const struct image *a, const struct image *b, double tolerance, double drop,
     struct image_diff *d);

@@ -5,6 +5,7 @@
  */
 #include "image/image.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,12 +90,17 @@ static void compare_pixel(
     d->worst_y = (uint32_t)(i / w);
 }
 
+uint64_t image_share(double fraction, uint64_t n)
+{
+    return (uint64_t)fmin(fraction * (double)n * (1 + 4 * DBL_EPSILON), (double)n);
+}
+
 void image_compare(const struct image *a, const struct image *b, double tolerance, double drop,
     struct image_diff *d)
 {
     size_t n = (size_t)a->w * a->h;
     double sum = 0;
-    *d = (struct image_diff){.pixels = n, .dropped = (uint64_t)(drop * (double)n)};
+    *d = (struct image_diff){.pixels = n, .dropped = image_share(drop, n)};
     for (size_t i = 0; i < n; i++) {
         sum += (double)pixel_error(a, b, i);
         compare_pixel(a->rgba + 4 * i, b->rgba + 4 * i, i, a->w, tolerance, d);

@@ -28,7 +28,7 @@ bool reader_real(struct reader *r, const char *what, double min, double max, dou
     if (!(v >= min && v <= max)) {
         char range[64];
         r->t = start;
-        snprintf(range, sizeof range, "a number from %g to %g", min, max);
+        snprintf(range, sizeof range, "a number from %.9g to %.9g", min, max);
         return reader_fail_token(r, what, range);
     }
     *out = v;

@@ -134,7 +134,7 @@ static bool read_number(
         r->at += n;
         return true;
     }
-    snprintf(expected, sizeof expected, "a number from %g to %g", range->min, range->max);
+    snprintf(expected, sizeof expected, "a number from %.9g to %.9g", range->min, range->max);
     return fail_word(r, word, range->what, expected);
 }
 
