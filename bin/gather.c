@@ -40,7 +40,7 @@ struct gather {
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-b BACK] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG]\n"
+static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG]\n"
                                  "              [-w SECONDS] "
                                  "[FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";

@@ -3,7 +3,7 @@
 #include "cf/cf.h"
 #include "convert/convert.h"
 
-#include <stdlib.h>
+#include <float.h>
 #include <unistd.h>
 
 static const char usage_text[] = "[-chz] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE\n"
@@ -165,8 +165,9 @@ static void put_time(struct buf *title, double at)
 {
     char text[32];
     int digits = 9;
+    double read;
     do snprintf(text, sizeof text, "%.*g", digits, at);
-    while (strtod(text, NULL) != at && digits++ < 17);
+    while (!(parse_real(text, -DBL_MAX, DBL_MAX, &read) && read == at) && digits++ < 17);
     buf_printf(title, "%s", text);
 }
 

@@ -25,8 +25,8 @@ struct options {
 
 static const char text[] =
     "[-hr] [-c LEVEL] [FILE.tsv]\n"
-    "       tsvstat [-hr] [-c LEVEL] -t less|more|same:MARGIN|steadier A B [FILE.tsv]\n"
-    "       tsvstat [-hr] [-c LEVEL] [-L x|y|xy] -p [FILE.tsv]";
+    "       tsvstat [-r] [-c LEVEL] -t less|more|same:MARGIN|steadier A B [FILE.tsv]\n"
+    "       tsvstat [-r] [-c LEVEL] [-L x|y|xy] -p [FILE.tsv]";
 
 static void parse_relation(struct claim *c, const char *arg)
 {

@@ -96,10 +96,10 @@ static bool find_coordinates(int group, int dim, const char *name, int *in, int 
 /* All times are after 1582, from when on the proleptic Gregorian calendar is the usual one. */
 static bool is_modern(const struct cf_axis *a)
 {
-    const char *since = strstr(a->units, " since ");
+    struct units_date from;
     for (size_t i = 0; i < a->n; i++)
         if (a->at[i] < 0) return false;
-    return since && strtol(since + 7, NULL, 10) > 1582;
+    return units_date(0, a->units, &from) && from.year > 1582;
 }
 
 /* A date of another calendar must not be taken for one of the usual calendar. */
@@ -152,8 +152,8 @@ static struct cf_axis *make_level(struct cf_field *f)
     return a;
 }
 
-/* Of two axes of a kind, the one that is left out: it has one element, as that of the time at which a
- * forecast was made. NULL if neither is. */
+/* Of two axes of a kind, the one that is left out: it has one element, as that of the time at which
+ * a forecast was made. NULL if neither is. */
 static struct cf_axis *lesser(struct cf_axis *a, struct cf_axis *b)
 {
     if ((a->n == 1) != (b->n == 1)) return a->n == 1 ? a : b;

@@ -30,7 +30,8 @@ bool cf_is_numeric(const struct cf_packing *p);
 /* Converts a stored number to a value; NaN if it is missing. */
 double cf_unpack(const struct cf_packing *p, double stored);
 
-/* A unit in another one, which it must be proportional to; 0 if it is not, or libudunits2 is missing. */
+/* A unit in another one, which it must be proportional to; 0 if it is not, or if libudunits2 was
+ * missing. */
 double cf_in_units(const char *unit, const char *of);
 
 /* False with the reason in err if the dimension cannot be the axis of a grid. */

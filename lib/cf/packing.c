@@ -48,8 +48,8 @@ void cf_text(struct cf_file *c, int group, int id, const char *name, char out[CF
 static bool is_number(int type) { return type > NC_CHAR ? type < NC_STRING : type == NC_BYTE; }
 bool cf_is_numeric(const struct cf_packing *p) { return is_number(p->type); }
 
-/* Reads at most `most` numbers of an attribute. Returns their count; 0 if there are none. An attribute
- * that is no number is noted in p. */
+/* Reads at most `most` numbers of an attribute. Returns their count; 0 if there are none. An
+ * attribute that is no number is noted in p. */
 static size_t numbers(struct cf_file *c, int group, int id, const char *name, size_t most,
     double *out, int *type, struct cf_packing *p)
 {

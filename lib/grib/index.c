@@ -66,7 +66,7 @@ double gb_real(const codes_handle *h, const char *key)
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
-/* A layer's level is its middle. ecCodes cuts pressures to whole hPa, which edition 2 states in Pa. */
+/* A layer's level is its middle. Edition 2 states pressures in Pa, which ecCodes cuts to hPa. */
 static double level_of(const codes_handle *h, const char *levels)
 {
     size_t n = strlen(levels);
