@@ -49,4 +49,6 @@ run rtworker -s 24x16 a.nff
 is '-s alone' "$status $err" '2 rtworker: -s: expected -i or -n with it'
 run balance masterslave -W '-s 8x8' a.nff
 is 'balance -W -s' "$status $err" '2 balance: -W -s 8x8: expected the size with -s before -W'
+run balance adaptive -W '-j 3' a.nff
+is 'balance -W -j' "$status $err" '2 balance: -W -j 3: expected the slots with -j before -W'
 finish
