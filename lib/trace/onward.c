@@ -1,20 +1,12 @@
 /*
- * onward: reflection, refraction and the media around a ray, as in POV-Ray 3.7. A ray that crosses
+ * onward: reflection and refraction, as in POV-Ray 3.7. A ray that crosses
  * the surface of a medium that contains it leaves that medium; otherwise it enters the medium.
  * Total internal reflection has weight 1 and replaces both rays. A surface that does not bend the
  * ray does not use up a level.
  */
 #include "trace/trace_int.h"
 
-#include <string.h>
-
 #define SAME_IOR 1e-10 /* the reference's value: a ratio this close to 1 bends nothing */
-
-void media_copy(struct media *to, const struct media *from)
-{
-    to->n = from->n;
-    memcpy(to->id, from->id, from->n * sizeof from->id[0]);
-}
 
 /* The medium that the item bounds. */
 static uint32_t medium_of(const struct tracer *t, const struct item *it)
@@ -23,24 +15,11 @@ static uint32_t medium_of(const struct tracer *t, const struct item *it)
 }
 
 /* The index of refraction of the innermost medium. */
-static double ior_in(const struct tracer *t, const struct media *in)
+static double ior_in(const struct tracer *t, const struct media *m, uint32_t list)
 {
-    if (in->n == 0) return 1;
-    uint32_t id = in->id[in->n - 1], n = t->scene->n_materials;
+    if (!list) return 1;
+    uint32_t id = m->link[list].id, n = t->scene->n_materials;
     return t->surfaces[id < n ? id : t->scene->prims[id - n].material].ior;
-}
-
-/* Enters or leaves medium id. */
-static void media_cross(struct media *in, uint32_t id)
-{
-    uint32_t i = in->n;
-    while (i > 0 && in->id[i - 1] != id) i--;
-    if (i > 0) {
-        memmove(&in->id[i - 1], &in->id[i], (in->n - i) * sizeof in->id[0]);
-        in->n--;
-    } else if (in->n < MEDIA_MAX) {
-        in->id[in->n++] = id;
-    }
 }
 
 enum passage { STRAIGHT, BENT, TURNED_BACK };
@@ -56,7 +35,7 @@ static enum passage refract(struct vec3 *d, struct vec3 n, double ratio)
 }
 
 void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct hit_point *at,
-    int level, const struct media *outside, struct media *inside, struct onward *o)
+    int level, struct media *m, uint32_t outside, struct onward *o)
 {
     const struct surface *f = at->surface;
     o->reflected = f->ks > 0 || (f->t > 0 && t->options.by_spd);
@@ -64,13 +43,13 @@ void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const st
     o->passed = f->t > 0;
     if (o->passed) {
         struct vec3 d = r->d;
-        media_copy(inside, outside);
-        media_cross(inside, medium_of(t, at->item));
-        enum passage how = refract(&d, at->n, ior_in(t, outside) / ior_in(t, inside));
+        o->inside = media_cross(m, outside, medium_of(t, at->item));
+        enum passage how = refract(&d, at->n, ior_in(t, m, outside) / ior_in(t, m, o->inside));
         o->through = (struct ray){at->p, d, 0, HUGE_VAL, at->err, false, at->start};
         o->through_weight = f->t;
         o->through_level = level + (how == BENT || t->options.by_spd);
         if (how == TURNED_BACK) {
+            media_drop(m, o->inside);
             o->passed = false;
             o->reflected = true;
             o->mirror_weight = 1;

@@ -3,12 +3,11 @@
 
 #include <stdlib.h>
 
-void pending_pool_init(struct pending_pool *pool, bool with_media)
+void pending_pool_init(struct pending_pool *pool)
 {
     *pool = (struct pending_pool){.cap = 2 * WAVE_RAYS};
     pool->at = xmalloc(pool->cap, sizeof *pool->at);
     pool->unused = xmalloc(pool->cap, sizeof *pool->unused);
-    pool->media = with_media ? xmalloc(pool->cap, sizeof *pool->media) : NULL;
     while (pool->n_unused < pool->cap) {
         pool->unused[pool->n_unused] = pool->cap - 1 - pool->n_unused;
         pool->n_unused++;
@@ -18,7 +17,7 @@ void pending_pool_init(struct pending_pool *pool, bool with_media)
 void pending_pool_free(struct pending_pool *pool)
 {
     free(pool->at);
-    free(pool->media);
+    media_free(&pool->media);
     free(pool->unused);
 }
 
@@ -29,14 +28,19 @@ uint32_t pending_new(struct pending_pool *pool)
         pool->cap += more;
         pool->at = xrealloc(pool->at, pool->cap, sizeof *pool->at);
         pool->unused = xrealloc(pool->unused, pool->cap, sizeof *pool->unused);
-        if (pool->media) pool->media = xrealloc(pool->media, pool->cap, sizeof *pool->media);
         for (; pool->n_unused < more; pool->n_unused++)
             pool->unused[pool->n_unused] = pool->cap - 1 - pool->n_unused;
     }
-    return pool->unused[--pool->n_unused];
+    uint32_t i = pool->unused[--pool->n_unused];
+    pool->at[i].media = 0;
+    return i;
 }
 
-void pending_release(struct pending_pool *pool, uint32_t i) { pool->unused[pool->n_unused++] = i; }
+void pending_release(struct pending_pool *pool, uint32_t i)
+{
+    media_drop(&pool->media, pool->at[i].media);
+    pool->unused[pool->n_unused++] = i;
+}
 
 void pending_push(struct pending_rays *p, struct pending_pool *pool, uint32_t i)
 {

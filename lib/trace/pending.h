@@ -20,7 +20,8 @@ struct pending {
     double bound;  /* the most light that it can bring to the sample */
     uint64_t hops; /* rays before it in its tree: guarantees that a tree ends */
     int level;
-    bool mirrored; /* reflected, not transmitted */
+    bool mirrored;  /* reflected, not transmitted */
+    uint32_t media; /* the list of those that contain it */
 };
 
 /* When a sample has PENDING_MOST rays, further ones are traced depth first, so memory stays
@@ -29,8 +30,8 @@ struct pending {
 #define PENDING_MOST 65536
 struct pending_pool {
     struct pending *at;
-    struct media *media; /* one per ray; NULL if nothing transmits */
-    uint32_t *unused;    /* indices of free entries: n_unused, the next one last */
+    struct media media;
+    uint32_t *unused; /* indices of free entries: n_unused, the next one last */
     uint32_t n_unused, cap;
     uint32_t stack[TRACE_DEPTH_MAX + 2], n_stack;
 };
@@ -43,10 +44,11 @@ struct pending_rays {
                   * traced since. Above 0: the sum still exceeds the budget */
 };
 
-void pending_pool_init(struct pending_pool *pool, bool with_media);
+void pending_pool_init(struct pending_pool *pool);
 void pending_pool_free(struct pending_pool *pool);
-/* Takes an entry from the pool. Pointers into the pool become invalid. */
+/* Takes an entry from the pool, with no media. Pointers into the pool become invalid. */
 uint32_t pending_new(struct pending_pool *pool);
+/* Drops the ray's media as well. */
 void pending_release(struct pending_pool *pool, uint32_t i);
 
 void pending_push(struct pending_rays *p, struct pending_pool *pool, uint32_t i);

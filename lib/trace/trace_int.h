@@ -196,14 +196,20 @@ const struct kernels *trace_kernels_avx512(void);
 /* For all hierarchies, without packets; these count the tests. */
 const struct kernels *slabs_kernels(void);
 
-#define MEDIA_MAX TRACE_DEPTH_MAX
+/* A medium that contains rays. All polygons of one material bound one medium (they are one mesh in
+ * the reference). Each sphere or cone bounds its own. */
+struct medium {
+    uint32_t id;    /* a material, or the number of materials + a primitive */
+    uint32_t outer; /* the rest of the list; in an unused link, the next unused one */
+    uint32_t users; /* of the list that begins here: rays, and links of inner media */
+};
 
-/* The media that contain a ray, innermost last. All polygons of one material bound one medium (they
- * are one mesh in the reference). Each sphere or cone bounds its own. Media deeper than MEDIA_MAX
- * are dropped. */
+/* The media that contain a ray are a list, the innermost first: the index of its first link, or 0
+ * if there are none. Lists share their outer parts. */
 struct media {
-    uint32_t n;
-    uint32_t id[MEDIA_MAX]; /* a material, or the number of materials + a primitive */
+    struct medium *link; /* link[0] is in no list */
+    uint32_t n, cap;     /* links that were ever used; room */
+    uint32_t unused;     /* 0: none */
 };
 
 /* A material, prepared for shading. */
@@ -214,6 +220,7 @@ struct surface {
 };
 
 struct shaders;
+struct enclosing; /* around.c */
 
 struct tracer {
     const struct scene *scene;
@@ -227,7 +234,8 @@ struct tracer {
     uint8_t *transmits;                   /* per item: its material's t > 0 */
     bool *light_in_surface;               /* per light */
     double radiance[TRACE_DEPTH_MAX + 1]; /* by level: the most light a ray can bring */
-    struct media around;                  /* the media that contain the start of eye rays */
+    struct enclosing *enclosing;          /* what may contain the start of an eye ray */
+    uint32_t n_enclosing;
     struct crossings crossings[PACKET];
     struct wave *wave;
     struct trace_counts counts;
@@ -261,14 +269,25 @@ struct onward {
     struct ray mirror, through;
     double mirror_weight, through_weight; /* share of their light in this ray's light */
     int mirror_level, through_level;
+    uint32_t inside; /* if passed: the transmitted ray's media, which the caller drops */
 };
-/* Computes the mirrored and the transmitted ray. The mirrored ray stays in *outside. If a ray is
- * transmitted, *inside becomes its media. */
+/* Computes the mirrored and the transmitted ray. The mirrored ray stays in `outside`. */
 void trace_spawn_secondary(const struct tracer *t, const struct ray *r, const struct hit_point *at,
-    int level, const struct media *outside, struct media *inside, struct onward *o);
-void media_copy(struct media *to, const struct media *from);
-/* around.c: the media that contain a ray starting at p. Needs t->surfaces. */
-void media_around(const struct tracer *t, struct vec3 p, struct media *in);
+    int level, struct media *m, uint32_t outside, struct onward *o);
+
+/* media.c. m may be zeroed. Each user drops the list once. */
+void media_free(struct media *m);
+/* A list of medium id and those of list `outer`, whose user becomes the link. */
+uint32_t media_add(struct media *m, uint32_t id, uint32_t outer);
+/* Returns the list, which has one more user. */
+uint32_t media_keep(struct media *m, uint32_t list);
+void media_drop(struct media *m, uint32_t list);
+/* The media of a ray that enters or leaves medium id. */
+uint32_t media_cross(struct media *m, uint32_t list, uint32_t id);
+/* around.c. Sets t->enclosing for the frame's size. Needs t->surfaces. */
+void media_list_enclosing(struct tracer *t);
+/* The media that contain an eye ray starting at p. */
+uint32_t media_around(const struct tracer *t, struct vec3 p, struct media *m);
 
 /* items.c: sets items, n_items and transmits. Returns references to the items that have a surface,
  * which the caller frees. *reach: the largest absolute coordinate of a ray's origin or hit. */
@@ -279,7 +298,7 @@ void bound_radiance(struct tracer *t);
 
 /* wave.c: the colours of n <= WAVE_RAYS eye rays. */
 #define WAVE_RAYS 64
-struct wave *wave_new(const struct tracer *t);
+struct wave *wave_new(void);
 void wave_free(struct wave *w);
 void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct vec3 *colour);
 

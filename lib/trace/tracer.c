@@ -62,10 +62,9 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     free(refs);
     parallel_free(p);
     mark_lights(t, reach);
-    t->wave = wave_new(t);
+    t->wave = wave_new();
     const struct view *v = &s->view;
     t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
-    if (t->transmits) media_around(t, v3_mad(v->from, t->camera.forward, v->hither), &t->around);
     tracer_frame(t, v->res_x, v->res_y);
     return t;
 }
@@ -77,6 +76,7 @@ void tracer_free(struct tracer *t)
     free(t->items);
     free(t->surfaces);
     free(t->transmits);
+    free(t->enclosing);
     free(t->light_in_surface);
     for (int i = 0; i < PACKET; i++) free(t->crossings[i].item);
     wave_free(t->wave);
@@ -85,8 +85,10 @@ void tracer_free(struct tracer *t)
 
 void tracer_frame(struct tracer *t, uint32_t w, uint32_t h)
 {
+    if (w == t->camera.w && h == t->camera.h) return;
     t->camera.w = w;
     t->camera.h = h;
+    media_list_enclosing(t);
 }
 
 void tracer_counts(const struct tracer *t, struct trace_counts *c) { *c = t->counts; }

@@ -25,7 +25,8 @@ struct sample {
     struct vec3 *colour;
     double shadow_budget; /* not spent yet */
     const struct ray *eye;
-    uint32_t now; /* index of the ray in the pool */
+    uint32_t around; /* the media of the eye ray */
+    uint32_t now;    /* index of the ray in the pool */
     struct hit h;
     struct hit_point at;
     struct vec3 light; /* direct light only */
@@ -45,13 +46,13 @@ struct wave {
     uint32_t n_queries;
     struct shade_points at; /* of the samples that are shaded */
     struct shade_light lit;
-    uint32_t eye; /* the entry of the pool that all eye rays share, except for the ray itself */
+    uint32_t eye; /* the entry of the pool that all eye rays share, except ray and media */
 };
 
-struct wave *wave_new(const struct tracer *t)
+struct wave *wave_new(void)
 {
     struct wave *w = xcalloc(1, sizeof *w);
-    pending_pool_init(&w->pool, t->transmits != NULL);
+    pending_pool_init(&w->pool);
     w->eye = pending_new(&w->pool);
     w->pool.at[w->eye] = (struct pending){.weight = 1, .level = 1};
     return w;
@@ -67,6 +68,11 @@ void wave_free(struct wave *w)
 static inline const struct ray *ray_now(const struct wave *w, const struct sample *s)
 {
     return s->now == w->eye ? s->eye : &w->pool.at[s->now].ray;
+}
+
+static inline uint32_t media_now(const struct wave *w, const struct sample *s)
+{
+    return s->now == w->eye ? s->around : w->pool.at[s->now].media;
 }
 
 /* Adds the light that the ray of this round brings. */
@@ -210,9 +216,9 @@ static uint32_t find_hits(struct tracer *t, struct wave *w, struct sample **list
     return hits;
 }
 
-/* Adds a ray to the sample's pending ones. */
+/* Adds a ray to the sample's pending ones. It becomes the user of `media`. */
 static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, const struct ray *r,
-    double weight, int level, const struct media *media, uint64_t hops, bool mirrored)
+    double weight, int level, uint32_t media, uint64_t hops, bool mirrored)
 {
     uint32_t i = pending_new(&w->pool);
     struct pending *k = &w->pool.at[i];
@@ -222,7 +228,7 @@ static void add_ray(const struct tracer *t, struct wave *w, struct sample *s, co
     k->hops = hops;
     k->level = level;
     k->mirrored = mirrored;
-    if (w->pool.media) media_copy(&w->pool.media[i], media);
+    k->media = media;
     pending_push(&s->rays, &w->pool, i);
 }
 
@@ -235,17 +241,18 @@ static void send_on(struct tracer *t, struct wave *w, struct sample *s)
     /* A straight ray crosses a surface at most twice. The bound guarantees that a tree ends. */
     if (k->hops > ((uint64_t)2 * t->n_items + 1) * TRACE_DEPTH_MAX) return;
     struct onward o;
-    struct media outside, inside;
-    if (w->pool.media) media_copy(&outside, &w->pool.media[s->now]);
-    trace_spawn_secondary(t, ray_now(w, s), &s->at, k->level, &outside, &inside, &o);
+    struct media *m = &w->pool.media;
+    uint32_t outside = media_now(w, s);
+    trace_spawn_secondary(t, ray_now(w, s), &s->at, k->level, m, outside, &o);
     uint64_t hops = k->hops + 1;
     double weight = k->weight; /* adding rays may move k */
     t->counts.turned_back += f->t > 0 && !o.passed;
     if (o.passed)
         add_ray(
-            t, w, s, &o.through, weight * o.through_weight, o.through_level, &inside, hops, false);
+            t, w, s, &o.through, weight * o.through_weight, o.through_level, o.inside, hops, false);
     if (o.reflected)
-        add_ray(t, w, s, &o.mirror, weight * o.mirror_weight, o.mirror_level, &outside, hops, true);
+        add_ray(t, w, s, &o.mirror, weight * o.mirror_weight, o.mirror_level,
+            media_keep(m, outside), hops, true);
 }
 
 /* Traces the rays `now` of the listed samples, and leaves the samples whose rays hit something in
@@ -307,7 +314,6 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
 {
     struct wave *w = t->wave;
     struct sample *list[WAVE_RAYS];
-    if (w->pool.media) media_copy(&w->pool.media[w->eye], &t->around);
     for (uint32_t i = 0; i < n; i++) {
         struct sample *s = list[i] = &w->sample[i];
         colour[i] = v3(0, 0, 0);
@@ -315,9 +321,11 @@ void wave_colours(struct tracer *t, const struct ray *eye, uint32_t n, struct ve
         s->rays.over = 0;
         s->shadow_budget = t->options.budget / 2;
         s->eye = &eye[i];
+        s->around = media_around(t, v3_mad(eye[i].o, eye[i].d, eye[i].t_min), &w->pool.media);
         s->now = w->eye;
     }
     uint32_t hits = trace_round(t, w, list, n);
+    for (uint32_t i = 0; i < n; i++) media_drop(&w->pool.media, w->sample[i].around);
     uint32_t large = trace_samples(t, w, list, hits, n > 1 ? ALONE : UINT32_MAX);
     for (uint32_t i = 0; i < large; i++) trace_samples(t, w, &list[i], 1, UINT32_MAX);
 }

@@ -10,14 +10,15 @@
 
 #define ROUNDING 1e-9 /* relative to the greatest colour */
 
+static struct media media;
+
 /* The light of a ray, by recursion. Independent of pending rays, bounds and waves. */
 static struct vec3 depth_first(
-    struct tracer *t, const struct ray *r, int level, const struct media *outside, uint64_t *rays)
+    struct tracer *t, const struct ray *r, int level, uint32_t outside, uint64_t *rays)
 {
     struct hit h;
     struct hit_point at;
     struct onward o;
-    struct media inside;
     struct vec3 sum = v3(0, 0, 0), light;
     struct ray shadow;
     const double *b = t->scene->background;
@@ -33,13 +34,14 @@ static struct vec3 depth_first(
         sum = v3_mad(sum, light, light_through(t, c));
     }
     if (level >= t->options.depth) return sum;
-    trace_spawn_secondary(t, r, &at, level, outside, &inside, &o);
+    trace_spawn_secondary(t, r, &at, level, &media, outside, &o);
     if (o.reflected)
         sum =
             v3_mad(sum, depth_first(t, &o.mirror, o.mirror_level, outside, rays), o.mirror_weight);
-    if (o.passed)
-        sum = v3_mad(
-            sum, depth_first(t, &o.through, o.through_level, &inside, rays), o.through_weight);
+    if (!o.passed) return sum;
+    light = depth_first(t, &o.through, o.through_level, o.inside, rays);
+    media_drop(&media, o.inside);
+    sum = v3_mad(sum, light, o.through_weight);
     return sum;
 }
 
@@ -79,7 +81,7 @@ static double holds(struct buf *b, int depth, uint32_t side)
             }
             wave_colours(t, ray, side, colour);
             for (uint32_t x = 0; x < side; x++) {
-                struct vec3 want = depth_first(t, &ray[x], 1, &t->around, &all);
+                struct vec3 want = depth_first(t, &ray[x], 1, 0, &all);
                 double off = farthest(want, colour[x]);
                 if (off > budgets[i] + ROUNDING * (1 + farthest(want, v3(0, 0, 0))))
                     fail_msg("pixel %u %u: %g off, the budget is %g", x, y, off, budgets[i]);
@@ -155,7 +157,7 @@ static void test_many_pending(void **state)
     struct ray ray = {t->camera.eye, d, 0, HUGE_VAL, 0, false, 0};
     uint64_t all = 0;
     wave_colours(t, &ray, 1, &got);
-    struct vec3 want = depth_first(t, &ray, 1, &t->around, &all);
+    struct vec3 want = depth_first(t, &ray, 1, 0, &all);
     assert_int_equal(rays_of(t), all);
     assert_true(all > 10 * PENDING_MOST);
     assert_true(farthest(want, got) < 1e-9);
@@ -169,7 +171,7 @@ static void test_order(void **state)
     (void)state;
     struct pending_pool pool;
     struct pending_rays rays = {0};
-    pending_pool_init(&pool, false);
+    pending_pool_init(&pool);
     for (uint64_t i = 0; i < 500; i++) {
         uint32_t k = pending_new(&pool);
         pool.at[k].weight = pool.at[k].bound = rng_unit(7, i);
