@@ -188,6 +188,16 @@ sed 's/"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5,/"
 run mesh2nff both.gltf
 like 'an orthographic camera is named' "$err" 'cameras that are orthographic or define no view: 1, left out'
 is 'and the next one is taken' "$(after from):$(after angle)" '0 0 4:57.29578'
+# Only names tie cameras and lights to nodes in libassimp.
+gltf '{"children": [1, 2]}, {"name": "Cam", "camera": 0, "translation": [0, 0, 9]}, {"name": "Cam", "mesh": 0}' "$paint, $lens" >names.gltf
+run mesh2nff names.gltf
+is 'a later mesh with the name of a camera does not move it' "$(after from)" '0 0 9'
+is 'and nothing is in doubt' "$err" ''
+gltf '{"children": [1, 2, 3]}, {"name": "Cam", "mesh": 0}, {"name": "Cam", "camera": 0, "translation": [0, 0, 9]}, {"name": "Cam", "camera": 0}' \
+	"$paint, $lens" >twice.gltf
+run mesh2nff twice.gltf
+is 'a camera at two nodes with one name is at the first' "$(after from)" '0 0 9'
+like 'and named' "$err" "^mesh2nff: twice.gltf: cameras or lights whose node's name is not unique: 1, taken to be at the first one$"
 
 lamps='"extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
 	{"type": "point", "intensity": 50, "color": [1, 0.5, 0.25]}, {"type": "directional", "intensity": 1.5},
@@ -206,6 +216,10 @@ run mesh2nff a.gltf
 is 'without lights: a bright one, and one at the eye' "$(printf '%s\n' "$out" | sed -n 's/^l //p' | sed -n '1s/.* 0.8 0.8 0.8$/bright/p;2p')" \
 	"bright
 $(after from) 0.3 0.3 0.3"
+gltf "{\"children\": [1, 2]}, {\"name\": \"Lamp\", $(lamp 0), \"translation\": [0.5, 0.5, 10]}, {\"name\": \"Lamp\", \"mesh\": 0}" \
+	"$paint, $(echo "$lamps" | sed 's/{"type": "directional.*/]}}/;/"spot"/d' | sed 's/, ]/]/')" >lamp.gltf
+run mesh2nff lamp.gltf
+is 'nor does a later mesh with its name move a light' "$(after l)" '0.5 0.5 10 1 0.5 0.25'
 
 # ---- the view that fits --------------------------------------------------------------------------------------
 # extent NFF: how near the corners come to the edges of the picture, across and along: 1 is the edge

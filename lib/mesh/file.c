@@ -138,8 +138,8 @@ void mesh_close(struct mesh *m)
 {
     if (m->scene) aiReleaseImport(m->scene);
     free(m->parts);
-    free(m->light_frames);
-    free(m->camera_frames);
+    free(m->light_places);
+    free(m->camera_places);
     free(m->materials);
     free(m->lights);
     free(m);

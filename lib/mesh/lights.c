@@ -89,7 +89,7 @@ void mesh_lights_find(struct mesh *m)
         case aiLightSource_DIRECTIONAL: break;
         default: m->loss[LOSS_AMBIENTS].n++; continue;
         }
-        if (!add(m, l, &m->light_frames[i], &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
+        if (!add(m, l, &m->light_places[i].frame, &sum)) m->loss[LOSS_BAD_LIGHTS].n++;
     }
     if (!m->n_lights) add_two(m);
     else scale(m, mesh_is_gltf(m) && mesh_is_length(sum) ? 1 / sum : 1);

@@ -25,6 +25,7 @@ enum mesh_loss_kind {
     LOSS_LINES,
     LOSS_CAMERAS,
     LOSS_BAD_CAMERAS,
+    LOSS_PLACES,
     LOSS_SPOTS,
     LOSS_AREAS,
     LOSS_AMBIENTS,
@@ -73,13 +74,20 @@ struct mesh_part {
     struct vec3 cofactor[3]; /* rows of the cofactor matrix, which turns normals */
 };
 
+/* Where a light or camera is: at the node with its name. */
+struct mesh_place {
+    struct mesh_frame frame;
+    unsigned n; /* nodes that it may be at; frame is the first one's */
+    bool bare;  /* they have no meshes */
+};
+
 struct mesh {
     const struct aiScene *scene;
     struct mesh_options o;
     struct mesh_part *parts;
     size_t n_parts;
-    struct mesh_frame *light_frames, *camera_frames; /* of the nodes with their names */
-    struct material *materials;                      /* as many as the scene's */
+    struct mesh_place *light_places, *camera_places; /* as many as the scene's */
+    struct material *materials;                      /* likewise */
     struct vec3 lo, hi;                              /* bounds of the faces */
     struct view view;
     struct light *lights; /* own_colour is set */

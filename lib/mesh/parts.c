@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const struct mesh_frame identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
 /* Nodes that are not visited yet. The tree may be as deep as the file is long: no recursion. */
 struct stack {
     struct entry {
@@ -41,14 +43,25 @@ static bool same_name(const struct aiString *a, const struct aiString *b)
     return a->length == b->length && memcmp(a->data, b->data, a->length) == 0;
 }
 
-/* Gives lights and cameras with the node's name its frame. */
-static void place(struct mesh *m, const struct aiNode *node, const struct mesh_frame *f)
+/*
+ * Only the name tells which node has a light or camera, and several nodes may have one name. Those
+ * without meshes go before the others, and the first of them before the rest.
+ */
+static void place(struct mesh_place *p, const struct aiNode *node, const struct mesh_frame *f)
+{
+    bool bare = node->mNumMeshes == 0;
+    if (bare && !p->bare) p->n = 0, p->bare = true;
+    if (bare != p->bare) return;
+    if (p->n++ == 0) p->frame = *f;
+}
+
+static void place_all(struct mesh *m, const struct aiNode *node, const struct mesh_frame *f)
 {
     const struct aiScene *s = m->scene;
     for (unsigned i = 0; i < s->mNumLights; i++)
-        if (same_name(&s->mLights[i]->mName, &node->mName)) m->light_frames[i] = *f;
+        if (same_name(&s->mLights[i]->mName, &node->mName)) place(&m->light_places[i], node, f);
     for (unsigned i = 0; i < s->mNumCameras; i++)
-        if (same_name(&s->mCameras[i]->mName, &node->mName)) m->camera_frames[i] = *f;
+        if (same_name(&s->mCameras[i]->mName, &node->mName)) place(&m->camera_places[i], node, f);
 }
 
 static struct vec3 row(const struct mesh_frame *f, int i)
@@ -71,7 +84,7 @@ static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct en
 {
     const struct aiScene *s = m->scene;
     struct mesh_frame f = product(&e->parent, &e->node->mTransformation);
-    place(m, e->node, &f);
+    place_all(m, e->node, &f);
     for (unsigned i = 0; i < e->node->mNumMeshes; i++) {
         unsigned at = e->node->mMeshes[i];
         if (at >= s->mNumMeshes) continue;
@@ -82,9 +95,21 @@ static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct en
     return true;
 }
 
+/* Places without a node yet. */
+static struct mesh_place *places(unsigned n)
+{
+    struct mesh_place *p = xcalloc(n + 1, sizeof *p);
+    for (unsigned i = 0; i < n; i++) p[i].frame = identity;
+    return p;
+}
+
+static void count_doubtful(struct mesh *m, const struct mesh_place *p, unsigned n)
+{
+    for (unsigned i = 0; i < n; i++) m->loss[LOSS_PLACES].n += p[i].n > 1;
+}
+
 bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
 {
-    static const struct mesh_frame identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     const struct aiScene *s = m->scene;
     struct stack stack = {.n = 0};
     size_t room = 0;
@@ -93,10 +118,8 @@ bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
     if (s->mNumLights > MESH_LIGHTS_MAX || s->mNumCameras > MESH_LIGHTS_MAX)
         return err_set(err, "%u lights and %u cameras, expected at most %u of each", s->mNumLights,
             s->mNumCameras, MESH_LIGHTS_MAX);
-    m->light_frames = xcalloc(s->mNumLights + 1, sizeof *m->light_frames);
-    m->camera_frames = xcalloc(s->mNumCameras + 1, sizeof *m->camera_frames);
-    for (unsigned i = 0; i < s->mNumLights; i++) m->light_frames[i] = identity;
-    for (unsigned i = 0; i < s->mNumCameras; i++) m->camera_frames[i] = identity;
+    m->light_places = places(s->mNumLights);
+    m->camera_places = places(s->mNumCameras);
     push(&stack, s->mRootNode, &identity);
     while (ok && stack.n) {
         struct entry e = stack.at[--stack.n];
@@ -106,5 +129,7 @@ bool mesh_parts_find(struct mesh *m, char err[ERR_BYTES])
             push(&stack, e.node->mChildren[i], &f);
     }
     free(stack.at);
+    count_doubtful(m, m->light_places, s->mNumLights);
+    count_doubtful(m, m->camera_places, s->mNumCameras);
     return ok || err_set(err, "more than %u faces, expected at most as many", MESH_FACES_MAX);
 }

@@ -41,7 +41,7 @@ static double vertical_angle(const struct mesh *m, const struct aiCamera *c)
 static bool take_camera(struct mesh *m, unsigned i)
 {
     const struct aiCamera *c = m->scene->mCameras[i];
-    const struct mesh_frame *f = &m->camera_frames[i];
+    const struct mesh_frame *f = &m->camera_places[i].frame;
     struct view *v = &m->view;
     /* A camera of glTF is placed by its node alone; before 5.3 it had the node's place as well. */
     struct vec3 position = mesh_is_gltf(m) ? v3(0, 0, 0) : mesh_vec(c->mPosition);
