@@ -198,6 +198,32 @@ gltf '{"children": [1, 2, 3]}, {"name": "Cam", "mesh": 0}, {"name": "Cam", "came
 run mesh2nff twice.gltf
 is 'a camera at two nodes with one name is at the first' "$(after from)" '0 0 9'
 like 'and named' "$err" "^mesh2nff: twice.gltf: cameras or lights whose node's name is not unique: 1, taken to be at the first one$"
+# collada LENS: a triangle, and a camera
+collada() {
+	cat <<-END
+		<?xml version="1.0"?>
+		<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset>
+		<library_cameras><camera id="c" name="c"><optics><technique_common><perspective>$1<znear>0.1</znear><zfar>99</zfar>
+		</perspective></technique_common></optics></camera></library_cameras>
+		<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array>
+		<technique_common><accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+		<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/>
+		</vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
+		</library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><translate>0 0 9</translate>
+		<instance_camera url="#c"/></node><node id="o"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+		<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+	END
+}
+collada '<yfov>40</yfov>' >y.dae
+run mesh2nff y.dae
+is "a Collada camera's yfov alone is lost, and a view fitted" "$(after angle):$err" \
+	'40:mesh2nff: y.dae: cameras that are orthographic or define no view: 1, left out'
+collada '<yfov>40</yfov><aspect_ratio>1.5</aspect_ratio>' >ya.dae
+run mesh2nff ya.dae
+is 'its yfov and aspect ratio are taken' "$(printf '%.3f' "$(after angle)"):$(after resolution):$(after from):$err" '40.000:768 512:0 0 9:'
+collada '<xfov>60</xfov><yfov>40</yfov>' >xy.dae
+run mesh2nff xy.dae
+is 'so is a camera with xfov and yfov' "$(after from):$err" '0 0 9:'
 
 lamps='"extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
 	{"type": "point", "intensity": 50, "color": [1, 0.5, 0.25]}, {"type": "directional", "intensity": 1.5},
@@ -321,6 +347,17 @@ refused torn.glb 'torn.glb: libassimp: .*, expected a mesh in one of its formats
 refused empty 'empty: .*, expected a mesh'
 run mesh2nff - <empty
 is 'refused: an empty standard input' "$status:$out:$err" '2::mesh2nff: stdin: is empty, expected a mesh'
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 4' 'property float x' 'property float y' 'property float z' \
+	'element tristrips 1' 'property list int int vertex_indices' end_header '0 0 0' '1 0 0' '0 1 0' '1 1 0' '4 0 1 2 3' >strips.ply
+refused strips.ply 'strips.ply: PLY with element tristrips, expected element face$'
+tr '\n' '\r' <strips.ply >returns.ply
+refused returns.ply 'returns.ply: PLY with element tristrips, expected element face$'
+run mesh2nff - <strips.ply
+is 'refused: triangle strips from standard input' "$status:$out:$err" '2::mesh2nff: stdin: PLY with element tristrips, expected element face'
+sed 's/^format.*/&\ncomment element tristrips 1/; s/^element tristrips/element face/; s/^end_header/element tristrips 0\nproperty list int int vertex_indices\n&/; s/^4 .*/3 0 1 2/' \
+	strips.ply >faces.ply
+run mesh2nff faces.ply
+is 'but not the words in a comment, nor no strips' "$status:$err:$(faces | tail -n 1)" '0::p 3 0 0 0 1 0 0 0 1 0'
 printf 'v %s\n' '0 0 0' '1 1 1' '2 2 2' >line.obj
 echo 'f 1 2 3' >>line.obj
 refused line.obj 'line.obj: has no usable face with an area, expected one at least$'

@@ -28,25 +28,50 @@ static bool refused(char err[ERR_BYTES])
         n ? why : "no reason is given");
 }
 
+/*
+ * True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. It takes
+ * either line end.
+ */
+static bool has_strips(FILE *f)
+{
+    char line[256];
+    unsigned n;
+    if (fscanf(f, "%255[^\r\n]", line) != 1 || strncasecmp(line, "ply", 3) != 0) return false;
+    while (fscanf(f, " %255[^\r\n]", line) == 1 && strncmp(line, "end_header", 10) != 0)
+        if (sscanf(line, "element tristrips %u", &n) == 1 && n) return true;
+    return false;
+}
+
+/* Closes the file; NULL: it could not be opened. */
+static bool is_readable(FILE *f, char err[ERR_BYTES])
+{
+    if (!f) return err_set(err, "%s", strerror(errno));
+    bool strips = has_strips(f);
+    fclose(f);
+    return !strips || err_set(err, "PLY with element tristrips, expected element face");
+}
+
+static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES])
+{
+    size_t n = buf_size(b);
+    const char *data = (const char *)buf_data(b);
+    if (!n) return err_set(err, "is empty, expected a mesh");
+    if (n > BYTES_MAX) return too_large(err);
+    if (!is_readable(fmemopen(b->data + b->off, n, "rb"), err)) return false;
+    /* Binary glTF is the one that libassimp does not tell by its content. */
+    const char *hint = n >= 4 && memcmp(data, "glTF", 4) == 0 ? "glb" : "";
+    m->scene = aiImportFileFromMemory(data, (unsigned)n, 0, hint);
+    return m->scene || refused(err);
+}
+
 /* Whole: of a pipe the format can only be told by its content, and neighbours are not found. */
 static bool import_stream(const char *path, struct mesh *m, char err[ERR_BYTES])
 {
     struct buf b = {0};
-    if (read_file(path, &b) != 0) {
-        err_set(err, "%s", strerror(errno));
-        buf_free(&b);
-        return false;
-    }
-    size_t n = buf_size(&b);
-    bool ok = n <= BYTES_MAX;
-    /* Binary glTF is the one that libassimp does not tell by its content. */
-    const char *data = (const char *)buf_data(&b);
-    const char *hint = n >= 4 && memcmp(data, "glTF", 4) == 0 ? "glb" : "";
-    if (n && ok) m->scene = aiImportFileFromMemory(data, (unsigned)n, 0, hint);
+    bool ok = read_file(path, &b) == 0 ? import_bytes(&b, m, err)
+                                       : err_set(err, "%s", strerror(errno));
     buf_free(&b);
-    if (!ok) return too_large(err);
-    if (!n) return err_set(err, "is empty, expected a mesh");
-    return m->scene || refused(err);
+    return ok;
 }
 
 static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
@@ -58,9 +83,7 @@ static bool import(const char *path, struct mesh *m, char err[ERR_BYTES])
         return import_stream(path, m, err);
     if (S_ISDIR(st.st_mode)) return err_set(err, "%s", strerror(EISDIR));
     if (st.st_size > (off_t)BYTES_MAX) return too_large(err);
-    FILE *f = fopen(path, "rb");
-    if (!f) return err_set(err, "%s", strerror(errno));
-    fclose(f);
+    if (!is_readable(fopen(path, "rb"), err)) return false;
     m->scene = aiImportFile(path, 0);
     return m->scene || refused(err);
 }

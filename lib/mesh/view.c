@@ -38,11 +38,21 @@ static double vertical_angle(const struct mesh *m, const struct aiCamera *c)
     return 2 * atan(tan(across / 2) / aspect) * 180 / PI;
 }
 
+/*
+ * True if libassimp's default of pi/4 stands for an angle that it did not read in a Collada file:
+ * it takes that number for degrees.
+ */
+static bool is_angle_unread(const struct aiCamera *c)
+{
+    return fabs((double)c->mHorizontalFOV - PI / 4 * PI / 180) < 1e-6;
+}
+
 static bool take_camera(struct mesh *m, unsigned i)
 {
     const struct aiCamera *c = m->scene->mCameras[i];
     const struct mesh_frame *f = &m->camera_places[i].frame;
     struct view *v = &m->view;
+    if (is_angle_unread(c)) return false;
     /* A camera of glTF is placed by its node alone; before 5.3 it had the node's place as well. */
     struct vec3 position = mesh_is_gltf(m) ? v3(0, 0, 0) : mesh_vec(c->mPosition);
     struct vec3 forward = mesh_frame_vector(f, mesh_vec(c->mLookAt));
