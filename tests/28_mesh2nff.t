@@ -127,6 +127,22 @@ for file in text.stl bytes.stl; do
 	is "$file: facets are flat" "$status:$err:$(faces | grep '^p')" '0::p 3 0 0 0 1 0 0 0 1.5 0
 p 3 0 0 0 1 0 0 0 0 -0.001'
 done
+{ packed 'x80 L<' 1; packed 'f<12 S<' 0 0 1 0 0 0 1 0 0 0 1.5 0 0; } >zeros.stl
+run mesh2nff - <zeros.stl
+is 'standard input: STL with a header of zeros' "$status:$err:$(faces | grep '^p')" '0::p 3 0 0 0 1 0 0 0 1.5 0'
+
+# ---- OFF, whose first word says what its corners have --------------------------------------------------------
+# off WORD MORE [DIMENSION]: a triangle
+off() { printf '%s\n' "$1" ${3-} '3 1 0' "0 0 0$2" "1 0 0$2" "0 1 0$2" '3 0 1 2'; }
+off OFF '' >OFF.off
+off COFF ' 1 0 0 1' >COFF.off
+off STOFF ' 0.5 0.5' >STOFF.off
+off NOFF ' 0 0 1' >NOFF.off
+off 4nOFF ' 1' 3 >4nOFF.off
+for file in *OFF.off; do
+	run mesh2nff - <"$file"
+	is "standard input: $file" "$status:$(faces | grep '^p')" '0:p 3 0 0 0 1 0 0 0 1 0'
+done
 
 # ---- glTF ----------------------------------------------------------------------------------------------------
 # triangle: its positions, its normals, and three indices

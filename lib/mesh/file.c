@@ -51,16 +51,26 @@ static bool is_readable(FILE *f, char err[ERR_BYTES])
     return !strips || err_set(err, "PLY with element tristrips, expected element face");
 }
 
+/* The suffix of a format that libassimp does not tell by its content; "": none of these. */
+static const char *hint(const unsigned char *data, size_t n)
+{
+    size_t lead = 0; /* of OFF: what its corners have */
+    while (lead < n && memchr("STCN4n", data[lead], 6)) lead++;
+    if (n - lead >= 3 && memcmp(data + lead, "OFF", 3) == 0) return "off";
+    if (n >= 4 && memcmp(data, "glTF", 4) == 0) return "glb";
+    if (n < 84) return "";
+    uint64_t facets = data[80] | data[81] << 8 | data[82] << 16 | (uint64_t)data[83] << 24;
+    return n == 84 + 50 * facets ? "stl" : "";
+}
+
 static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES])
 {
     size_t n = buf_size(b);
-    const char *data = (const char *)buf_data(b);
     if (!n) return err_set(err, "is empty, expected a mesh");
     if (n > BYTES_MAX) return too_large(err);
     if (!is_readable(fmemopen(b->data + b->off, n, "rb"), err)) return false;
-    /* Binary glTF is the one that libassimp does not tell by its content. */
-    const char *hint = n >= 4 && memcmp(data, "glTF", 4) == 0 ? "glb" : "";
-    m->scene = aiImportFileFromMemory(data, (unsigned)n, 0, hint);
+    const unsigned char *data = buf_data(b);
+    m->scene = aiImportFileFromMemory((const char *)data, (unsigned)n, 0, hint(data, n));
     return m->scene || refused(err);
 }
 
