@@ -82,7 +82,12 @@ ok 'a named pipe' sh -c 'mesh2nff pipe >b && cmp a.nff b'
 wait
 mkdir other
 cp a.obj other
-is 'without the library: the default material of libassimp' "$(mesh2nff other/a.obj | grep '^f ' | sort -u)" 'f 0.6 0.6 0.6 1 0 0 0 1'
+is 'without the library: the grey of libassimp' "$(mesh2nff other/a.obj | grep '^f ' | sort -u)" 'f 0.6 0.6 0.6 1 0 0 0 1'
+grep -v '^usemtl' other/a.obj >other/none.obj
+is 'without materials: white' "$(mesh2nff other/none.obj 2>err | grep '^f ' | sort -u)" 'f 1 1 1 1 0 0 0 1'
+printf 'newmtl %s\nKd 0.6 0.6 %s\n' DefaultMaterial 0.5 >other/default.mtl
+{ echo 'mtllib default.mtl'; sed 's/^usemtl .*/usemtl DefaultMaterial/; /^mtllib/d' a.obj; } >other/default.obj
+is "a file's own colour of that name" "$(mesh2nff other/default.obj | grep '^f ' | sort -u)" 'f 0.6 0.6 0.5 1 0 0 0 1'
 
 # ---- PLY and STL, as text and as bytes -----------------------------------------------------------------------
 header() {
@@ -331,7 +336,7 @@ p 3 1 0 0 0 1 0 0 0 1'
 sed '/^mtllib/s/ .*/ none.mtl/; /^f [156]/d; /^f 2 2/d; /^[pl] /d' losses.obj >library.obj
 run mesh2nff library.obj
 is 'a file of materials that is not there: exit 0, and one line' "$status:$err" \
-	'0:mesh2nff: library.obj: files of materials that are not there: 1, their materials are white'
+	'0:mesh2nff: library.obj: files of materials that are not there: 1, their materials are grey'
 sed 's/"metallicFactor": 0/"metallicFactor": 1/' a.gltf >metal.gltf
 like 'metal is named' "$(mesh2nff metal.gltf 2>&1 >a)" '^mesh2nff: metal.gltf: materials of metal: 1, written as if they were none$'
 gltf '{"mesh": 0}' "$paint"', "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],

@@ -4,7 +4,7 @@
 #include <string.h>
 
 static const struct mesh_loss names[LOSSES + 1] = {
-    [LOSS_LIBRARIES] = {"files of materials that are not there", "their materials are white", 0},
+    [LOSS_LIBRARIES] = {"files of materials that are not there", "their materials are grey", 0},
     [LOSS_TEXTURES] = {"materials with textures", "written without them", 0},
     [LOSS_EMISSION] = {"materials that emit light", "written without it", 0},
     [LOSS_METAL] = {"materials of metal", "written as if they were none", 0},

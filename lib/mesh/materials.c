@@ -42,11 +42,24 @@ static bool alpha_counts(const struct aiMaterial *m)
            strcmp(mode.data, "BLEND") == 0;
 }
 
+/*
+ * True if libassimp made the material up for faces without one. The name alone does not tell: STL
+ * and others use it for the colours of the file, too.
+ */
+static bool is_made_up(const struct aiMaterial *m, struct vec3 diffuse)
+{
+    struct aiString name;
+    return aiGetMaterialString(m, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+           strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0 && (float)diffuse.x == .6f &&
+           (float)diffuse.y == .6f && (float)diffuse.z == .6f;
+}
+
 static struct material translate(const struct aiMaterial *m)
 {
     struct material out;
     struct vec3 c;
     colour(m, "$clr.diffuse", &c);
+    if (is_made_up(m, c)) c = v3(1, 1, 1);
     out.r = c.x, out.g = c.y, out.b = c.z;
     double opacity = alpha_counts(m) ? within(real(m, "$mat.opacity", 1), 0, 1) : 1;
     double through = within(real(m, "$mat.transmission.factor", 0), 0, 1);
