@@ -138,6 +138,7 @@ is 'standard input: STL with a header of zeros' "$status:$err:$(faces | grep '^p
 
 # ---- OFF, whose first word says what its corners have --------------------------------------------------------
 # off WORD MORE [DIMENSION]: a triangle
+# shellcheck disable=SC2086  # none, or a word
 off() { printf '%s\n' "$1" ${3-} '3 1 0' "0 0 0$2" "1 0 0$2" "0 1 0$2" '3 0 1 2'; }
 off OFF '' >OFF.off
 off COFF ' 1 0 0 1' >COFF.off

@@ -28,17 +28,37 @@ static bool refused(char err[ERR_BYTES])
         n ? why : "no reason is given");
 }
 
-/*
- * True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. It takes
- * either line end.
- */
+#define LINE_BYTES 64 /* of a line in the header of a PLY; what follows says no more */
+
+/* Reads a line with text, without blanks before it; libassimp takes either line end. */
+static bool next_line(FILE *f, char line[LINE_BYTES])
+{
+    size_t n = 0;
+    int c = getc(f);
+    while (c == ' ' || c == '\t' || c == '\r' || c == '\n') c = getc(f);
+    for (; c != EOF && c != '\r' && c != '\n'; c = getc(f))
+        if (n + 1 < LINE_BYTES) line[n++] = (char)c;
+    line[n] = '\0';
+    return n > 0;
+}
+
+/* True of `element tristrips` with a count that is not 0. */
+static bool declares_strips(const char *line)
+{
+    if (strncmp(line, "element", 7) != 0) return false;
+    line += 7 + strspn(line + 7, " \t");
+    if (strncmp(line, "tristrips", 9) != 0) return false;
+    line += 9 + strspn(line + 9, " \t0");
+    return *line >= '1' && *line <= '9';
+}
+
+/* True if a PLY has triangle strips, of which libassimp keeps the last triangle alone. */
 static bool has_strips(FILE *f)
 {
-    char line[256];
-    unsigned n;
-    if (fscanf(f, "%255[^\r\n]", line) != 1 || strncasecmp(line, "ply", 3) != 0) return false;
-    while (fscanf(f, " %255[^\r\n]", line) == 1 && strncmp(line, "end_header", 10) != 0)
-        if (sscanf(line, "element tristrips %u", &n) == 1 && n) return true;
+    char line[LINE_BYTES];
+    if (!next_line(f, line) || strncasecmp(line, "ply", 3) != 0) return false;
+    while (next_line(f, line) && strncmp(line, "end_header", 10) != 0)
+        if (declares_strips(line)) return true;
     return false;
 }
 
@@ -55,7 +75,7 @@ static bool is_readable(FILE *f, char err[ERR_BYTES])
 static const char *hint(const unsigned char *data, size_t n)
 {
     size_t lead = 0; /* of OFF: what its corners have */
-    while (lead < n && memchr("STCN4n", data[lead], 6)) lead++;
+    while (lead < n && data[lead] && strchr("STCN4n", data[lead])) lead++;
     if (n - lead >= 3 && memcmp(data + lead, "OFF", 3) == 0) return "off";
     if (n >= 4 && memcmp(data, "glTF", 4) == 0) return "glb";
     if (n < 84) return "";
@@ -78,8 +98,8 @@ static bool import_bytes(const struct buf *b, struct mesh *m, char err[ERR_BYTES
 static bool import_stream(const char *path, struct mesh *m, char err[ERR_BYTES])
 {
     struct buf b = {0};
-    bool ok = read_file(path, &b) == 0 ? import_bytes(&b, m, err)
-                                       : err_set(err, "%s", strerror(errno));
+    bool ok =
+        read_file(path, &b) == 0 ? import_bytes(&b, m, err) : err_set(err, "%s", strerror(errno));
     buf_free(&b);
     return ok;
 }

@@ -16,8 +16,8 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_LINES] = {"lines", "left out", 0},
     [LOSS_CAMERAS] = {"cameras beyond the first", "left out", 0},
     [LOSS_BAD_CAMERAS] = {"cameras that are orthographic or define no view", "left out", 0},
-    [LOSS_PLACES] =
-        {"cameras or lights whose node's name is not unique", "taken to be at the first one", 0},
+    [LOSS_PLACES] = {"cameras or lights whose node's name is not unique",
+        "taken to be at the first one", 0},
     [LOSS_SPOTS] = {"spot lights", "written as point lights", 0},
     [LOSS_AREAS] = {"area lights", "written as point lights", 0},
     [LOSS_AMBIENTS] = {"lights without a place and direction", "left out", 0},
