@@ -27,20 +27,29 @@ static double bar_x(const struct bar *b, double v)
     return b->x + b->w * (v - b->lo) / (b->hi - b->lo);
 }
 
-/* The opacity is that of a layer as thick as the grid's shortest extent. */
+/* The opacity of the most opaque slice, which shows the colours whatever their extinction is. */
+static double slice_opacity(const struct spec *p)
+{
+    double most = 0;
+    for (size_t i = 0; i < p->n_slices; i++) most = fmax(most, p->slice[i].opacity);
+    return most;
+}
+
+/* The opacity is that of a layer as thick as the grid's shortest extent, or of a slice. */
 static void bar_spans(const struct bar *b, const struct drawing *s)
 {
+    const double least = slice_opacity(s->b->spec);
     double thick = HUGE_VAL;
     for (int a = 0; a < 3; a++)
         thick = fmin(thick, fabs((s->hi[a] - s->lo[a]) * s->b->spec->scale[a]));
     for (size_t i = 0; i + 1 < s->b->spec->n_knots; i++) {
         const struct spec_knot *p = s->b->spec->knot + i, *q = p + 1;
-        for (int j = 0; j < SPAN_PIECES && (p->k > 0 || q->k > 0) && q->s > p->s; j++) {
+        for (int j = 0; j < SPAN_PIECES && least + p->k + q->k > 0 && q->s > p->s; j++) {
             double f = (j + .5) / SPAN_PIECES, rgb[3];
             for (int c = 0; c < 3; c++) rgb[c] = p->rgb[c] + f * (q->rgb[c] - p->rgb[c]);
             double x0 = bar_x(b, p->s + (q->s - p->s) * j / SPAN_PIECES);
             double x1 = bar_x(b, p->s + (q->s - p->s) * (j + 1) / SPAN_PIECES);
-            double alpha = 1 - exp(-thick * (p->k + f * (q->k - p->k)));
+            double alpha = fmax(least, 1 - exp(-thick * (p->k + f * (q->k - p->k))));
             patch(s, x0, fmin(fmax(x1, x0 + .3) + .7, b->x + b->w), b->y, b->y + b->h, rgb, alpha);
         }
     }

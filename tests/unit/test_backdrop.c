@@ -156,6 +156,49 @@ static void test_labels(void **state)
     grid_free(&g);
 }
 
+/* ---- legends --------------------------------------------------------------------------------- */
+
+/* The number of patches of these colours in the legend of a specification with these lines. */
+static int patches(const char *lines, const char *rgb)
+{
+    struct grid g;
+    struct spec s;
+    struct buf text = {0}, out = {0};
+    char err[ERR_BYTES], rest[48];
+    int n = 0;
+    load(&g, &s);
+    spec_free(&s);
+    buf_printf(
+        &text, "from 10 45 30\nat 10 45 0\nup 0 1 0\nangle 60\nresolution 400 300\n%s", lines);
+    if (spec_read("spec", (const char *)buf_data(&text), buf_size(&text), &s, err) != 0)
+        fail_msg("%s", err);
+    struct backdrop b = {
+        .grid = &g, .spec = &s, .w = s.w, .h = s.h, .title = "x", .unit = "m", .time = ""};
+    if (backdrop_write(&b, true, &out, err) != 0) fail_msg("%s", err);
+    buf_append(&out, "", 1);
+    snprintf(rest, sizeof rest, "front fs solid noborder fc rgb '#%s", rgb);
+    for (const char *p = (const char *)buf_data(&out); (p = strstr(p, rest)); p++) n++;
+    buf_free(&text);
+    buf_free(&out);
+    grid_free(&g);
+    spec_free(&s);
+    return n;
+}
+
+/* The plate under the legend, in the colour of the page, is a patch too. */
+static void test_legends(void **state)
+{
+    (void)state;
+    assert_int_equal(patches("map 0 1 0 0 1e6\nmap 1 1 0 0 1e6\n", "ff0000"), 48);
+    assert_int_equal(patches("map 0 1 0 0 0\nmap 1 1 0 0 0\n", ""), 1);
+    /* A slice shows colours without extinction. */
+    assert_int_equal(patches("map 0 1 0 0 0\nmap 1 1 0 0 0\nslice z .5 1\n", "ff0000"), 48);
+    assert_int_equal(
+        patches("map 0 1 0 0 0\nmap 1 1 0 0 0\nslice z .5 .5\nslice x 9 1\n", "ff0000"), 48);
+    assert_int_equal(patches("map 0 1 0 0 0\nmap 1 1 0 0 0\nslice z .5 .5\n", "fab5b5"), 48);
+    assert_int_equal(patches("map 0 1 0 0 1e6\nmap 1 1 0 0 1e6\nslice z .5 .5\n", "ff0000"), 48);
+}
+
 static void is_time(const char *title, const char *expected)
 {
     char text[BACKDROP_TIME];
@@ -247,7 +290,7 @@ static void test_alike(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_outlines),
-        cmocka_unit_test(test_labels), cmocka_unit_test(test_times), cmocka_unit_test(test_names),
-        cmocka_unit_test(test_alike)};
+        cmocka_unit_test(test_labels), cmocka_unit_test(test_legends), cmocka_unit_test(test_times),
+        cmocka_unit_test(test_names), cmocka_unit_test(test_alike)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
