@@ -94,6 +94,14 @@ static struct options parse(int argc, char **argv)
     return o;
 }
 
+/* True if a picture has the colours of a second field, which its legend names. */
+static bool by_second(const struct input *in)
+{
+    for (int i = 0; i < in->o->n_specs; i++)
+        if (in->spec[i].n_colours) return true;
+    return false;
+}
+
 static void load(struct input *in, const struct options *o)
 {
     char err[ERR_BYTES];
@@ -112,6 +120,9 @@ static void load(struct input *in, const struct options *o)
     }
     for (int i = 0; i < o->n_specs; i++)
         if (spec_load(o->files[o->n_grids + i], &in->spec[i], err) != 0) die(ST_USAGE, "%s", err);
+    for (int i = 0; i < o->n_grids; i++)
+        if (in->file[i] && by_second(in) && !grid_file_second(in->file[i], err))
+            die(ST_USAGE, "%s", err);
     if (o->lines && read_file(o->lines, &in->lines) != 0) die(ST_USAGE, "%s:", o->lines);
     buf_append(&in->lines, "", 1);
 }

@@ -180,13 +180,47 @@ done
 backdrop wall.vtk wall.spec >/dev/full 2>err
 is 'a full disk is exit 3, too' "$?" 3
 
+# ---- a second field: its colours, name and unit ------------------------------------------------------------
+for hour in 0 1 2; do sed "2s/.*/T [K]; z -p [hPa]; t time $hour [hours since 2026-11-23]/" wall.vtk >hour$hour.vtk; done
+{ cat wall.spec; printf 'colour 5 0 0 1\ncolour 15 0 1 0\n'; } >second.spec
+# bytes TITLE LEVELS: a grid with the corners 1 and 3, in bytes
+bytes() {
+	printf '# vtk DataFile Version 3.0\n%s\nBINARY\nDATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 %s\n' "$1" "$2"
+	printf 'X_COORDINATES 2 char\n\1\3\nY_COORDINATES 2 char\n\1\3\nZ_COORDINATES %s char\n\1' "$2"
+	if [ "$2" = 2 ]; then printf '\3'; fi
+	printf '\nPOINT_DATA %s\nSCALARS s%s char 1\nLOOKUP_TABLE default\n\1\3\2#' $((4 * $2)) "$2"
+	if [ "$2" = 2 ]; then printf '\3\3\1\1'; fi
+	echo
+}
+sed '2s,.*,wind [m/s]; z height [Pa],' wall.vtk | cat hour0.vtk - >text.vtk
+{ bytes 'T [K]; z lev [m]' 2; bytes h 1; bytes 'wind [m/s]' 2; } >bytes.vtk
+{ bytes 'T [K]; z lev [m]' 2; bytes '' 2; } >unnamed.vtk
+for grid in text bytes unnamed; do
+	name='wind, m/s'
+	[ $grid != unnamed ] || name=s2
+	backdrop $grid.vtk second.spec >second.gp
+	is "$grid: the legend has the name and the values of the second field" \
+		"$(sed -n "s/^set label '\([^°]*\)' at.*/\1/p" second.gp | grep -v 'm$\|hPa$\|UTC$' | tr '\n' ,)" "6,8,10,12,14,$name,"
+	backdrop -o second.png $grid.vtk second.spec
+	backdrop -o titled.png -t "$name" $grid.vtk second.spec
+	ok "$grid: and in the picture" cmp second.png titled.png
+done
+like 'the first field has its name without colour lines' "$(backdrop bytes.vtk wall.spec)" "^set label 'T, K' at"
+for hour in 1 2; do sed '2s,.*,wind [m/s],' wall.vtk | cat hour$hour.vtk - >two$hour.vtk; done
+sed '2s,.*,cloud [1],' wall.vtk | cat hour1.vtk - >two3.vtk
+backdrop -o two%d.png -c caption%d.png two1.vtk two2.vtk two3.vtk second.spec
+is 'a second field of another name has another caption' "$(cmp -s two0.png two1.png; echo $?) $(cmp -s caption0.png caption2.png; echo $?)" '0 1'
+sed '$d' text.vtk >torn.vtk
+run backdrop -o torn.png torn.vtk second.spec
+like 'a second field that is torn is refused' "$status:$out$err" '^2:backdrop: torn.vtk:[0-9]*: '
+ok 'balance -m: a second field' balance adaptive -j 2 -m none: -o second-m.png bytes.vtk second.spec
+
 # ---- many maps: backdrop -o --------------------------------------------------------------------------------
 like 'levels without a unit have their name' "$(titled 'T [K]; x lon [degrees_east]; y lat [degrees_north]; z -sigma [1]')" ',sigma 1000,'
 for time in 'time 36.5 [hours since 2026-11-22 00:00:00]=2026-11-23 12:30 UTC' 'validity 202611231200 [YYYYMMDDhhmm]=2026-11-23 12:00 UTC' \
 	'time 2 [months since 2026-01-01]=time 2 months since 2026-01-01'; do
 	like "the time ${time%%=*}" "$(titled "T [K]; x lon []; y lat []; z lev [m]; t ${time%%=*}")" ",${time#*=},T, K,\$"
 done
-for hour in 0 1 2; do sed "2s/.*/T [K]; z -p [hPa]; t time $hour [hours since 2026-11-23]/" wall.vtk >hour$hour.vtk; done
 sed 's/^from.*/from 12 22 -70/' wall.spec >other.spec
 ok 'backdrop -o: maps of three grids and two specifications' backdrop -o m%d.png -c c%d.png -m line hour?.vtk wall.spec other.spec
 is 'grids with the same axes have the same map, each specification another one' \

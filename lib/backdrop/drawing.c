@@ -10,7 +10,7 @@ void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
     const struct spec *spec = b->spec;
     *s = (struct drawing){.b = b, .out = out, .w = b->w, .h = b->h};
     s->em = BACKDROP_FONT * fmax(SCALE_LEAST, fmin(s->h / 720, s->w / 1080));
-    int rows = spec->n_knots && spec->n_isos ? 2 : 1;
+    int rows = spec->n_knots && spec->n_isos && !spec->n_colours ? 2 : 1;
     s->strip = ceil((BACKDROP_MARGIN + rows * BACKDROP_ROW + 1 + BACKDROP_LINE) * s->em);
     s->camera = camera_new(v3_of(spec->from), v3_of(spec->at), v3_of(spec->up), spec->angle);
     for (int a = 0; a < 3; a++) {

@@ -27,10 +27,21 @@ static double bar_x(const struct bar *b, double v)
     return b->x + b->w * (v - b->lo) / (b->hi - b->lo);
 }
 
-/* The opacity of the most opaque slice, which shows the colours whatever their extinction is. */
-static double slice_opacity(const struct spec *p)
+/* The colours of the bar: those of the second field, if there are any. */
+static const struct spec_knot *bar_knots(const struct spec *p, size_t *n)
 {
-    double most = 0;
+    *n = p->n_colours ? p->n_colours : p->n_knots;
+    return p->n_colours ? p->colour : p->knot;
+}
+
+/* The bar's surfaces: none beside colours of the second field, because theirs is the first one. */
+static size_t bar_n_isos(const struct spec *p) { return p->n_colours ? 0 : p->n_isos; }
+
+/* The opacity of the most opaque slice, which shows the colours whatever their extinction is. The
+ * second field says nothing of opacity. */
+static double least_opacity(const struct spec *p)
+{
+    double most = p->n_colours ? 1 : 0;
     for (size_t i = 0; i < p->n_slices; i++) most = fmax(most, p->slice[i].opacity);
     return most;
 }
@@ -38,12 +49,13 @@ static double slice_opacity(const struct spec *p)
 /* The opacity is that of a layer as thick as the grid's shortest extent, or of a slice. */
 static void bar_spans(const struct bar *b, const struct drawing *s)
 {
-    const double least = slice_opacity(s->b->spec);
+    const double least = least_opacity(s->b->spec);
     double thick = HUGE_VAL;
     for (int a = 0; a < 3; a++)
         thick = fmin(thick, fabs((s->hi[a] - s->lo[a]) * s->b->spec->scale[a]));
-    for (size_t i = 0; i + 1 < s->b->spec->n_knots; i++) {
-        const struct spec_knot *p = s->b->spec->knot + i, *q = p + 1;
+    size_t n;
+    const struct spec_knot *p = bar_knots(s->b->spec, &n);
+    for (const struct spec_knot *q = p + 1; n > 1; n--, p++, q++) {
         for (int j = 0; j < SPAN_PIECES && least + p->k + q->k > 0 && q->s > p->s; j++) {
             double f = (j + .5) / SPAN_PIECES, rgb[3];
             for (int c = 0; c < 3; c++) rgb[c] = p->rgb[c] + f * (q->rgb[c] - p->rgb[c]);
@@ -55,13 +67,23 @@ static void bar_spans(const struct bar *b, const struct drawing *s)
     }
 }
 
+/* The colours of the second field hold beyond its first and its last knot, too. */
+static void bar_ends(const struct bar *b, const struct drawing *s)
+{
+    const struct spec *p = s->b->spec;
+    if (!p->n_colours) return;
+    const struct spec_knot *first = p->colour, *last = first + p->n_colours - 1;
+    patch(s, b->x, bar_x(b, first->s) + .7, b->y, b->y + b->h, first->rgb, 1);
+    patch(s, bar_x(b, last->s), b->x + b->w, b->y, b->y + b->h, last->rgb, 1);
+}
+
 /* Above the bar if it has values below. Labels that would cover others are left out. */
 static void bar_isos(const struct bar *b, const struct drawing *s)
 {
     char text[64];
     double y = s->b->spec->n_knots ? b->y + b->h + BACKDROP_ROW / 2 * s->em
                                    : b->y - BACKDROP_ROW / 2 * s->em;
-    for (size_t i = 0; i < s->b->spec->n_isos; i++) {
+    for (size_t i = 0; i < bar_n_isos(s->b->spec); i++) {
         const struct spec_iso *iso = s->b->spec->iso + i;
         double x = bar_x(b, iso->s), at[2] = {x, y};
         patch(s, x - .012 * b->w, x + .012 * b->w, b->y, b->y + b->h, iso->rgb, iso->opacity);
@@ -128,15 +150,17 @@ void backdrop_legend(const struct drawing *s)
     const struct spec *p = s->b->spec;
     struct bar b = {.2 * s->w, (BACKDROP_LINE + BACKDROP_ROW) * s->em - s->strip, .6 * s->w, s->em,
         HUGE_VAL, -HUGE_VAL};
-    for (size_t i = 0; i < p->n_knots; i++)
-        b.lo = fmin(b.lo, p->knot[i].s), b.hi = fmax(b.hi, p->knot[i].s);
-    for (size_t i = 0; i < p->n_isos; i++)
+    size_t n;
+    const struct spec_knot *knot = bar_knots(p, &n);
+    for (size_t i = 0; i < n; i++) b.lo = fmin(b.lo, knot[i].s), b.hi = fmax(b.hi, knot[i].s);
+    for (size_t i = 0; i < bar_n_isos(p); i++)
         b.lo = fmin(b.lo, p->iso[i].s), b.hi = fmax(b.hi, p->iso[i].s);
     double pad = b.hi > b.lo ? .04 * (b.hi - b.lo) : fmax(.01, .1 * fabs(b.lo));
     b.lo -= pad;
     b.hi += pad;
     s->labels->in_strip = true;
     patch(s, 0, s->w, -s->strip, 0, page, 1); /* over lines that leave the picture */
+    bar_ends(&b, s);
     bar_spans(&b, s);
     bar_isos(&b, s);
     buf_printf(s->out,

@@ -16,9 +16,11 @@ void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {
     const struct grid *g = b->grid;
-    bool known = grid_title(g->title, 0, &n->scalar) && n->scalar.unit[0];
+    const bool second = b->spec->n_colours > 0; /* the legend is that of this field */
+    bool known = grid_title(second ? g->second_title : g->title, 0, &n->scalar);
+    known = known && n->scalar.unit[0];
     if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
-    b->title = title ? title : known ? n->title : g->name;
+    b->title = title ? title : known ? n->title : second ? g->second_name : g->name;
     if (grid_title(g->title, 'x', &n->x) && n->x.unit[0] &&
         strncasecmp(n->x.unit, "degree", 6) != 0)
         b->flat = n->x.unit;
@@ -35,12 +37,18 @@ static size_t timeless(const char *title)
     return t ? (size_t)(t - title) : strlen(title);
 }
 
+static bool same_title(const char *a, const char *b)
+{
+    size_t n = timeless(a);
+    return n == timeless(b) && strncmp(a, b, n) == 0;
+}
+
 bool backdrop_alike(const struct grid *a, const struct grid *b)
 {
-    size_t n = timeless(a->title);
-    if (n != timeless(b->title) || strncmp(a->title, b->title, n) != 0) return false;
+    if (!same_title(a->title, b->title) || !same_title(a->second_title, b->second_title))
+        return false;
     for (int i = 0; i < 3; i++)
         if (a->n[i] != b->n[i] || memcmp(a->at[i], b->at[i], a->n[i] * sizeof *a->at[i]) != 0)
             return false;
-    return strcmp(a->name, b->name) == 0;
+    return strcmp(a->name, b->name) == 0 && strcmp(a->second_name, b->second_name) == 0;
 }

@@ -63,6 +63,38 @@ struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES])
 
 const struct grid *grid_file_grid(const struct grid_file *f) { return &f->g; }
 
+/* Passes over the values of g. vtk_head has checked that a binary file has all of them. */
+static bool pass_values(struct vtk_reader *r, struct vtk_type t, const struct grid *g)
+{
+    float *row = xmalloc(g->n[0], sizeof *row);
+    bool good = true;
+    if (r->binary) r->at += grid_node(g, 0, 0, g->n[2]) * t.size;
+    for (uint64_t i = (uint64_t)g->n[1] * g->n[2]; !r->binary && good && i; i--)
+        good = vtk_row(r, t, g->n[0], false, row);
+    free(row);
+    vtk_skip_metadata(r);
+    return good;
+}
+
+bool grid_file_second(struct grid_file *f, char err[ERR_BYTES])
+{
+    struct vtk_reader r = f->r;
+    struct vtk_type t = f->type;
+    struct grid h = {0};
+    r.err = err;
+    r.further = true;
+    bool good = pass_values(&r, t, &f->g);
+    while (good && vtk_next_is(&r, "#")) {
+        grid_free(&h);
+        r.has[0] = r.has[1] = false;
+        good = vtk_head(&r, &h, &t);
+        if (good && h.n[2] > 1) vtk_name_second(&f->g, &h);
+        good = good && pass_values(&r, t, &h);
+    }
+    grid_free(&h);
+    return good && vtk_tail(&r);
+}
+
 void grid_file_close(struct grid_file *f)
 {
     if (f->map != MAP_FAILED) munmap(f->map, f->bytes);

@@ -30,7 +30,8 @@ struct grid {
     char title[GRID_TITLE]; /* second line of the file; holds the units */
     struct grid_brick brick;
     /* Further grids of the file; NULL: none. Not written again. */
-    float *second;       /* values of another field at the same nodes; NaN: both are missing */
+    float *second; /* values of another field at the same nodes; NaN: both are missing */
+    char second_name[GRID_NAME], second_title[GRID_TITLE]; /* its scalar's name, and its title */
     struct grid *ground; /* one level, whose values are heights: n[2] and at[2] do not count */
 };
 /* Index of node i, j, k. */
@@ -99,6 +100,9 @@ double grid_at(const struct grid *g, const double p[3]);
 struct grid_file;
 struct grid_file *grid_file_open(const char *path, char err[ERR_BYTES]);
 const struct grid *grid_file_grid(const struct grid_file *f);
+/* Sets name and title of the second field, if the file has one. Values are passed over. Call it
+ * before grid_file_cut. False with a message in err if what follows the first grid is invalid. */
+bool grid_file_second(struct grid_file *f, char err[ERR_BYTES]);
 void grid_file_close(struct grid_file *f);
 #define GRID_BRICKS_MAX 256 /* all are open at the same time */
 /*

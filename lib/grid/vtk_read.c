@@ -219,6 +219,12 @@ static bool same_axes(const struct grid *g, const struct grid *h)
     return true;
 }
 
+void vtk_name_second(struct grid *g, const struct grid *h)
+{
+    memcpy(g->second_name, h->name, sizeof h->name);
+    memcpy(g->second_title, h->title, sizeof h->title);
+}
+
 /* Makes h the ground or the second field of g. */
 static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
 {
@@ -241,6 +247,7 @@ static bool take_further(struct vtk_reader *r, struct grid *g, struct grid *h)
         else if (isnan(g->value[i])) h->value[i] = NAN;
     g->second = h->value;
     h->value = NULL;
+    vtk_name_second(g, h);
     return true;
 }
 

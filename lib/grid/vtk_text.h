@@ -30,6 +30,8 @@ bool vtk_brick_array(
 bool vtk_brick(struct vtk_reader *r, struct grid *g);
 /* Reads everything before the values, and their type. (vtk_read.c) */
 bool vtk_head(struct vtk_reader *r, struct grid *g, struct vtk_type *t);
+/* Notes the names of h as those of the second field of g. (vtk_read.c) */
+void vtk_name_second(struct grid *g, const struct grid *h);
 /* Reads n values, a row of the file, as they come or from the last to the first. Returns pages that
  * were read, if there are any to return. */
 bool vtk_row(struct vtk_reader *r, struct vtk_type t, uint32_t n, bool down, float *row);

@@ -197,6 +197,12 @@ static void test_legends(void **state)
         patches("map 0 1 0 0 0\nmap 1 1 0 0 0\nslice z .5 .5\nslice x 9 1\n", "ff0000"), 48);
     assert_int_equal(patches("map 0 1 0 0 0\nmap 1 1 0 0 0\nslice z .5 .5\n", "fab5b5"), 48);
     assert_int_equal(patches("map 0 1 0 0 1e6\nmap 1 1 0 0 1e6\nslice z .5 .5\n", "ff0000"), 48);
+    /* The second field's colours are opaque, and hold beyond the knots. */
+    static const char second[] = "map 0 1 0 0 .1\nmap 1 1 0 0 .1\niso .5 0 1 0 1\nslice z .5 .5\n"
+                                 "colour 7 0 0 1\ncolour 9 0 0 1\n";
+    assert_int_equal(patches(second, "0000ff"), 50);
+    assert_int_equal(patches(second, ""), 51);
+    assert_int_equal(patches("map 0 1 0 0 1\nmap 1 1 0 0 1\ncolour 7 0 0 1\n", "0000ff"), 2);
 }
 
 static void is_time(const char *title, const char *expected)
@@ -237,7 +243,7 @@ static void is_named(const char *title, const char *unit, const struct backdrop 
     struct backdrop_names n;
     load(&g, &s);
     snprintf(g.title, sizeof g.title, "%s", title);
-    struct backdrop b = {.grid = &g};
+    struct backdrop b = {.grid = &g, .spec = &s};
     backdrop_name(&b, NULL, unit, &n);
     assert_string_equal(b.title, expected->title);
     assert_string_equal(b.unit, expected->unit);

@@ -251,7 +251,9 @@ static void test_refused(void **state)
 #define GROUND                                                                                     \
     HEAD "DIMENSIONS 3 2 1\nX_COORDINATES 3 int\n9 5 0\nY_COORDINATES 2 float\n1 2\n"              \
          "Z_COORDINATES 1 float\n7\nPOINT_DATA 6\nSCALARS h short\nLOOKUP_TABLE d\n3 2 1 6 5 4\n"
-#define SECOND HEAD AXES SCALARS "12 11 nan 9 8 7 6 5 4 3 2 1\n"
+#define SECOND                                                                                     \
+    "# vtk DataFile Version 3.0\nwind\nASCII\nDATASET RECTILINEAR_GRID\n" AXES SCALARS             \
+    "12 11 nan 9 8 7 6 5 4 3 2 1\n"
 
 /* A second field and a ground, in either order, may follow. */
 static void test_further(void **state)
@@ -261,6 +263,8 @@ static void test_further(void **state)
     for (int i = 0; i < 2; i++) {
         struct grid g = parse(texts[i]);
         assert_true(g.second && g.ground && g.ground->n[0] == 3 && g.ground->n[2] == 1);
+        assert_string_equal(g.second_name, g.name);
+        assert_string_equal(g.second_title, "wind");
         assert_true(g.ground->at[0][0] == 0 && g.ground->value[0] == 1 && g.ground->value[5] == 6);
         for (size_t k = 0; k < 12; k++) {
             assert_true(k == 2 ? isnan(g.value[k]) : g.value[k] == (float)(k + 1));
