@@ -149,11 +149,24 @@ like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [
 	'^0°,4°E,.*,42°N,.*,1000 hPa,.*,time 0 d,speed, m/s,$'
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
 	'^0 m,4 m,.*,42 m,.*,-1000 m,.*,T, K,$'
+for x in 'grid_longitude [degrees]; y grid_latitude [degrees]' 'rlon [degrees]; y rlat [degrees]'; do
+	like "labels of a rotated sphere are plain degrees: $x" "$(titled "T [K]; x $x; z height [m]")" '^0°,2°,.*,42°,44°,.*,T, K,$'
+done
 like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
 like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,4°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
 is 'on a plane lines do not go round the globe' "$(block lines titled.gp | wc -l)" 2
+is 'nor on a rotated sphere' "$(sed '2s,.*,T [K]; x rlon [degrees]; y rlat [degrees],' wall.vtk >rotated.vtk
+	printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop rotated.vtk wall.spec - >rotated.gp; block lines rotated.gp | wc -l)" 2
+printf '> globe\n372 41\n12 49\n' >globe
+backdrop wall.vtk wall.spec globe >globe.gp
+is 'lines of the globe are on the map' "$(block lines globe.gp | wc -l)" 2
+for grid in titled rotated; do
+	run backdrop $grid.vtk wall.spec globe
+	is "they are refused where x is no longitude: $grid" "$status:${#out}:$err" \
+		'2:0:backdrop: globe:1: longitudes and latitudes, which x and y of the grid are not, expected lines in its coordinates, or none'
+done
 # The eye is above, and beyond the low end of y: one edge is between these two sides.
 is 'the front edge is left out' "$(block edges wall.gp | wc -l)" $((11 * 65))
 # C has no degree sign.
@@ -289,7 +302,10 @@ run env PATH="$tmp/broken:$PATH" balance adaptive -j 2 -m line -r no.frags -o no
 like 'balance -m: gnuplot fails' "$status:$err" 'backdrop: gnuplot failed: line 7: no such terminal$'
 is 'balance -m: status 3, and no picture' "$status:$(ls no?.png no.frags 2>/dev/null)" 3:
 echo 'background 0 0 0' | cat wall.spec - >dark.spec
-for bad in '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
+ok 'balance -m none: on a rotated sphere' balance adaptive -j 2 -m none: -o rotated.png rotated.vtk wall.spec
+run balance adaptive -j 2 -m coasts: -o no.png rotated.vtk wall.spec
+like 'it has no coasts' "$status:$err" '^2:backdrop: .*/coasts:1: longitudes and latitudes, which x and y of the grid are not, '
+for bad in '-m coasts: rotated.vtk wall.spec' '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
 	# shellcheck disable=SC2086
 	run balance adaptive -o no.png $bad
 	is "refused: balance $bad" "$status:$out$(ls no.png 2>/dev/null)" 2:

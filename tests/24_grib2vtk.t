@@ -72,6 +72,13 @@ make_grib columns "set jPointsAreConsecutive=1; $one $two"
 is 'columns may come instead of rows' "$(got columns.grib2 t)" '12 14 16 11 13 15 2 4 6 1 3 5'
 make_grib turns "set alternativeRowScanning=1; $one $two"
 is 'rows may alternate in direction' "$(got turns.grib2 t)" '16 15 14 11 12 13 6 5 4 1 2 3'
+make_grib rotated "$one $two" rotated_ll_pl_grib2
+got rotated.grib2 t >values
+printf '%s\n' 'from 360 30 1000' 'at 360 59 0' 'up 0 1 0' 'angle 30' 'resolution 300 200' 'iso 5 1 1 1 1' >above.spec
+echo '> globe' >globe
+run backdrop a.vtk above.spec globe
+like 'degrees of a rotated sphere are no longitudes' "$status:$(sed -n 2p a.vtk):$err" \
+	'^2:t \[K\]; x grid_longitude \[degrees\]; y grid_latitude \[degrees\]; z .*:backdrop: globe:1: longitudes and latitudes, which'
 make_grib gauss "$one $two"
 grib_filter -o gauss.grib2 - "$samples/regular_gg_pl_grib2.tmpl" <<'END'
 set shortName="t"; set typeOfLevel="isobaricInhPa"; set level=500; write; set level=850; write;

@@ -11,6 +11,7 @@
 #include "base/base.h"
 #include "spec/spec.h"
 
+#define BACKDROP_DEGREE "°"    /* the unit of a rotated sphere, which is treated as a plane */
 #define BACKDROP_ERR ERR_BYTES /* bytes of a message: "name:line: what, expected what" */
 
 struct backdrop {

@@ -6,7 +6,7 @@
 
 #define LINE 256
 
-enum kind { OPEN, LAND_AREA, WATER_AREA };
+enum kind { OPEN, LAND_AREA, WATER_AREA, GLOBE };
 
 struct reader {
     const struct drawing *s;
@@ -32,13 +32,17 @@ static const char *next_line(const char *text, char line[LINE])
     return text[n] ? text + n + 1 : NULL;
 }
 
-/* Parses "> land" or "> water". */
+/* Parses "> land", "> water" or "> globe". */
 static enum kind kind_of(char *line)
 {
     char *rest = line, *mark = strtok_r(rest, " \t\r", &rest);
     char *word = strtok_r(NULL, " \t\r", &rest);
     if (!mark || !word || strcmp(mark, ">") != 0 || strtok_r(NULL, " \t\r", &rest)) return OPEN;
-    return strcmp(word, "land") == 0 ? LAND_AREA : strcmp(word, "water") == 0 ? WATER_AREA : OPEN;
+    static const char *const words[] = {
+        [LAND_AREA] = "land", [WATER_AREA] = "water", [GLOBE] = "globe"};
+    for (int k = LAND_AREA; k <= GLOBE; k++)
+        if (strcmp(word, words[k]) == 0) return (enum kind)k;
+    return OPEN;
 }
 
 /* The block for an area of this kind. Starts a new block if the last one has the other kind. */
@@ -60,7 +64,7 @@ static void flush(struct reader *r)
     struct buf filled = {0};
     struct outline *o = &r->now;
     bool seen = true;
-    if (r->kind != OPEN && o->n) {
+    if ((r->kind == LAND_AREA || r->kind == WATER_AREA) && o->n) {
         outline_add(o, o->at[0]);
         seen = outline_fill(r->s, o, &filled);
         if (seen)
@@ -77,7 +81,7 @@ static bool read_line(struct reader *r, char *line)
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
         flush(r);
         r->kind = kind_of(line);
-        return true;
+        return r->kind != GLOBE || !r->now.flat;
     }
     if (!numbers(line, v)) return false;
     outline_add(&r->now, (struct outline_point){v[0], v[1]});
@@ -95,6 +99,11 @@ bool lines_read(const struct drawing *s, struct lines *l, char err[BACKDROP_ERR]
         good = read_line(&r, line);
     }
     if (good) flush(&r);
+    else if (r.kind == GLOBE && r.now.flat)
+        err_set(err,
+            "%.128s:%d: longitudes and latitudes, which x and y of the grid are not, expected "
+            "lines in its coordinates, or none",
+            s->b->lines_name, number - 1);
     else err_set(err, "%.128s:%d: expected longitude and latitude", s->b->lines_name, number - 1);
     if (l->n_areas) buf_printf(&l->areas, "EOD\n");
     outline_free(&r.now);

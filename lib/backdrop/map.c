@@ -55,7 +55,8 @@ static void degrees_text(char *out, size_t n, int axis, double v)
 static void flat_text(const struct drawing *s, char *out, size_t n, double v)
 {
     bool km = strcmp(s->b->flat, "m") == 0 && s->hi[0] - s->lo[0] >= KM_LEAST;
-    snprintf(out, n, "%.6g %s%s", km ? v / 1000 : v, km ? "k" : "", s->b->flat);
+    const char *blank = strcmp(s->b->flat, BACKDROP_DEGREE) == 0 ? "" : " ";
+    snprintf(out, n, "%.6g%s%s%s", km ? v / 1000 : v, blank, km ? "k" : "", s->b->flat);
 }
 
 static void place_text(const struct drawing *s, char *out, size_t n, int axis, double v)

@@ -12,6 +12,20 @@ static bool is_level(const char *unit)
            strncmp(unit, "layer", 5) == 0 || strstr(unit, "sigma") || strstr(unit, "hybrid");
 }
 
+/* True for degrees of a rotated sphere, which are no longitudes. */
+static bool is_rotated(const char *name)
+{
+    return strcasecmp(name, "grid_longitude") == 0 || strcasecmp(name, "rlon") == 0;
+}
+
+/* The unit of x and y, or NULL if they are longitude and latitude. */
+static const char *flat_unit(const struct grid *g, struct grid_named *x)
+{
+    if (!grid_title(g->title, 'x', x)) return NULL;
+    if (x->unit[0] && strncasecmp(x->unit, "degree", 6) != 0) return x->unit;
+    return is_rotated(x->name) ? BACKDROP_DEGREE : NULL;
+}
+
 void backdrop_name(
     struct backdrop *b, const char *title, const char *unit, struct backdrop_names *n)
 {
@@ -21,9 +35,7 @@ void backdrop_name(
     known = known && n->scalar.unit[0];
     if (known) snprintf(n->title, sizeof n->title, "%s, %s", n->scalar.name, n->scalar.unit);
     b->title = title ? title : known ? n->title : second ? g->second_name : g->name;
-    if (grid_title(g->title, 'x', &n->x) && n->x.unit[0] &&
-        strncasecmp(n->x.unit, "degree", 6) != 0)
-        b->flat = n->x.unit;
+    b->flat = flat_unit(g, &n->x);
     known = grid_title(g->title, 'z', &n->z);
     b->down = unit ? unit[0] == '-' : known && n->z.down;
     b->unit = unit ? unit + b->down : known ? n->z.unit : "";

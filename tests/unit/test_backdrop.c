@@ -262,6 +262,13 @@ static void test_names(void **state)
         &(struct backdrop){.title = "T, K", .unit = "m"});
     is_named("T [K]; x easting [m]; z -depth [m]", NULL,
         &(struct backdrop){.title = "T, K", .unit = "m", .flat = "m", .down = true});
+    is_named("T [K]; x rlon [degrees]", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "", .flat = BACKDROP_DEGREE});
+    is_named("T [K]; x grid_longitude []", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "", .flat = BACKDROP_DEGREE});
+    is_named("T [K]; x rlon [rad]", NULL,
+        &(struct backdrop){.title = "T, K", .unit = "", .flat = "rad"});
+    is_named("T [K]; x longitude [degrees]", NULL, &(struct backdrop){.title = "T, K", .unit = ""});
     is_named("T [K]; z lev [sigma_level]", NULL,
         &(struct backdrop){.title = "T, K", .unit = "sigma_level", .levels = "lev"});
     is_named("T [K]; z lev [sigma_level]", "-hPa",
