@@ -79,7 +79,8 @@ static const char *hint(const unsigned char *data, size_t n)
     if (n - lead >= 3 && memcmp(data + lead, "OFF", 3) == 0) return "off";
     if (n >= 4 && memcmp(data, "glTF", 4) == 0) return "glb";
     if (n < 84) return "";
-    uint64_t facets = data[80] | data[81] << 8 | data[82] << 16 | (uint64_t)data[83] << 24;
+    uint64_t facets =
+        data[80] | (uint64_t)data[81] << 8 | (uint64_t)data[82] << 16 | (uint64_t)data[83] << 24;
     return n == 84 + 50 * facets ? "stl" : "";
 }
 
