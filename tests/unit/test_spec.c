@@ -222,7 +222,7 @@ static void test_refused(void **state)
                                 "above, or 4 numbers"},
         {VIEW MAP "colour 1 0 0 0\ncolour 0 0 0 0",
             "t:9: colour: 0 after 1, expected values that ascend"},
-        {VIEW MAP "colour 1 0 0", "t:8: colour: no blue, expected a number from 0 to 1e+06"},
+        {VIEW MAP "colour 1 0 0", "t:8: colour: no blue, expected a number from 0 to 1000000"},
         {VIEW "iso 1 0 0 0 1\ncolour 1 0 0 0",
             "t:7: colour: no map, expected map lines, whose extinction it colours"},
         {VIEW "palette vik\nground 1 0 0 0 1",
@@ -230,7 +230,7 @@ static void test_refused(void **state)
         {VIEW "palette vik\nground 1 2",
             "t:7: ground: place is '2', expected a number from 0 to 1"},
         {VIEW "limit 0", "t:6: limit: opacity is '0', expected a number from 0.001 to 1"},
-        {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 180"},
+        {"angle 180", "t:1: angle: degrees is '180', expected a number from 1e-06 to 179.999999"},
         {"resolution 0 1", "t:1: resolution: width is '0', expected a number from 1 to 65535"},
         {"resolution 1 1.5", "t:1: resolution: 1 1.5, expected whole pixels"},
         {"from 0 0 0\nat 0 0 0\nup 0 0 1\nangle 9\nresolution 1 1",
@@ -245,7 +245,7 @@ static void test_refused(void **state)
             "t:6: map: 3 numbers and no palette, expected a palette line above, or 5 numbers"},
         {VIEW "palette vik\nmap 1 1.5 2",
             "t:7: map: place is '1.5', expected a number from 0 to 1"},
-        {"angle \x01\x80", "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 180"},
+        {"angle \x01\x80", "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 179.999999"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct spec s;
