@@ -245,7 +245,8 @@ static void test_refused(void **state)
             "t:6: map: 3 numbers and no palette, expected a palette line above, or 5 numbers"},
         {VIEW "palette vik\nmap 1 1.5 2",
             "t:7: map: place is '1.5', expected a number from 0 to 1"},
-        {"angle \x01\x80", "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 179.999999"},
+        {"angle \x01\x80",
+            "t:1: angle: degrees is '?\?', expected a number from 1e-06 to 179.999999"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct spec s;
