@@ -21,13 +21,13 @@ double cf_in_units(const char *unit, const char *of)
     return units_linear(unit, of, &l, err) && fabs(l.offset) <= 0 ? l.factor : 0;
 }
 
-/* The words are known without libudunits2. */
+/* The words are known without libudunits2, which takes 5 ms to read its units. */
 static bool is_pressure(const char *units)
 {
     static const char *const words[] = {"Pa", "hPa", "kPa", "dbar", "decibar", "mb", "mbar",
         "millibar", "millibars", "bar", "bars", "atm", "pascal", "pascals", "hectopascal",
         "hectopascals", "kilopascal", "kilopascals", "torr", "psi", "N m-2", NULL};
-    return one_of(units, words) || cf_in_units(units, "Pa") > 0;
+    return one_of(units, words) || (units[0] && cf_in_units(units, "Pa") > 0);
 }
 
 /* The kind that a coordinate variable's attributes state; CF_NONE if they state none. */
@@ -51,7 +51,7 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct c
     if (strstr(a->units, " since ") || strcasecmp(standard, "time") == 0 ||
         strcasecmp(a->name, "time") == 0)
         return CF_T;
-    return positive[0] || is_pressure(a->units) || one_of(standard, up) ? CF_Z : CF_NONE;
+    return positive[0] || one_of(standard, up) || is_pressure(a->units) ? CF_Z : CF_NONE;
 }
 
 /*
@@ -132,8 +132,8 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     cf_text(c, in, id, "positive", positive);
     a->in = in;
     a->id = id;
-    a->pressure = is_pressure(a->units);
     a->kind = kind_of(c, in, id, a);
+    a->pressure = a->kind == CF_Z && is_pressure(a->units);
     a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && a->pressure);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
