@@ -5,7 +5,7 @@ needs clang /usr/include/cmocka.h
 . "$root/tests/builds.sh"
 # Without numbers of lines, which `make fuzz` has, it compiles in less time; a report still names the functions.
 programs=$(printf 'build/fuzz/bin/%s ' pack partition deal fan rtworker gather imgcmp fragstat nff2pov) # of the pipeline
-ok 'it builds with sanitizers, and clang warns of nothing' make -s -j2 sanitized OF="unit fuzzers $programs" STRICT='-Werror -g0'
+ok 'it builds with sanitizers, and clang warns of nothing' make -s -j2 sanitized OF="unit fuzzers $programs" STRICT='-Werror -Wreserved-identifier -g0'
 
 # test_base tries to run out of memory.
 units=$(basename -s .c tests/unit/test_*.c)

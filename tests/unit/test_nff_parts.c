@@ -1,4 +1,5 @@
 /* Reading NFF in parts: the same scene, or the same message, as in one piece. */
+#include "rounds.h"
 #include "scene/reader.h"
 
 #include <setjmp.h>
@@ -122,7 +123,7 @@ static void test_damaged(void **state)
     (void)state;
     static const char bytes[] = "?pslvbf#1 \n-e.";
     int refused = 0, taken = 0;
-    for (uint64_t seed = 0; seed < 500; seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(500); seed++) {
         struct buf b = {0};
         put_scene(&b, seed % 50);
         size_t at = rng_u64(seed, 1000) % b.len;
@@ -133,7 +134,7 @@ static void test_damaged(void **state)
         taken += ok;
         buf_free(&b);
     }
-    assert_true(refused > 33 && taken > 33);
+    assert_true(refused > rounds(33) && taken > rounds(33));
 }
 
 static void test_contradictions(void **state)

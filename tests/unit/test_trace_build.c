@@ -4,6 +4,7 @@
  */
 #include <stdarg.h>
 #include <stddef.h>
+#include "rounds.h"
 #include "trace_scenes.h"
 
 /* A scene of n primitives, more than a chunk of references has and than a task builds. */
@@ -105,7 +106,7 @@ static void test_any_number_of_threads(void **state)
         struct trace_options o = TRACE_OPTIONS_DEFAULT;
         make_scene(&s, 1, scenes[i].n, scenes[i].put);
         struct tracer *one = tracer_new(&s, &o);
-        for (o.threads = 2; o.threads <= 7; o.threads++) {
+        for (o.threads = 2; o.threads <= 1 + rounds(6); o.threads++) {
             struct tracer *t = tracer_new(&s, &o);
             same_items(one, t);
             same_hierarchy(&one->bvh, &t->bvh);

@@ -2,6 +2,7 @@
  * The hierarchy of slabs, and none, against the BVH: the same hits, shadows and pictures, bit by
  * bit; its volumes contain what they bound; the counts of tests.
  */
+#include "rounds.h"
 #include "trace/slabs.h"
 
 #include <stdarg.h>
@@ -58,7 +59,7 @@ static void test_pictures(void **state)
 {
     (void)state;
     static const struct placing places[] = {{1, 0}, {1, 1e6}, {1e-9, 0}, {1e12, 0}};
-    for (uint64_t seed = 0; seed < 12; seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(12); seed++) {
         struct scene s;
         random_scene(&s, seed, places[seed % 4]);
         same_pictures(&s);
@@ -90,7 +91,7 @@ static void test_small_scenes(void **state)
 static void test_rays(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 6; seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(6); seed++) {
         struct scene s;
         struct tracer *t[3];
         struct crossings c[3] = {{0}};

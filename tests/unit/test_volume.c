@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "rounds.h"
 #include "volume_cases.h"
 
 #include <string.h>
@@ -52,9 +53,9 @@ static void linear_field(void **state)
     knot(&c, 0, 0, 0, 1, 0);
     knot(&c, 5, 1, 0, 1, 0.5);
     double k = 0.1, depth = k * 12.5, sum = 0;
-    for (int i = 0; i < 2000000; i++) {
-        double u = (i + 0.5) * depth / 2000000;
-        sum += sqrt(25 - 2 * u / k) / 5 * exp(-u) * depth / 2000000;
+    for (int i = 0; i < 100000; i++) {
+        double u = (i + 0.5) * depth / 100000;
+        sum += sqrt(25 - 2 * u / k) / 5 * exp(-u) * depth / 100000;
     }
     const struct volume_options *all[] = {&doubling, &gauss5, &fine, &usual};
     for (int i = 0; i < 4; i++) {
@@ -155,7 +156,7 @@ static void adaptive_keeps_its_tolerance(void **state)
     (void)state;
     static const double tolerance[] = {1e-2, 1.0 / 1024, 1e-4, 1e-5};
     struct grid g = wind_grid();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < rounds(4); i++) {
         struct scene c = wind_scene(SIDE);
         static float p[4 * SIDE * SIDE];
         double most, seen = 0;

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 #include <cmocka.h>
+#include "rounds.h"
 #include "volume_scenes.h"
 
 #define SIDE 24
@@ -70,7 +71,7 @@ static void keeps_the_tolerance(void **state)
     const struct volume_options usual = VOLUME_OPTIONS_DEFAULT;
     const struct volume_options fine = {VOLUME_ADAPTIVE, 1e-7, 0, ISA_AUTO, 1};
     double seen = 0, worst = 0;
-    for (uint64_t seed = 0; seed < 80; seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(80); seed++) {
         uint64_t n = 0;
         struct grid g = even_grid(seed, &n);
         struct scene c = look(&g, seed, &n);
@@ -86,7 +87,7 @@ static void keeps_the_tolerance(void **state)
         free_grid(&g);
     }
     print_message("# at worst %.2g\n", worst);
-    assert_true(seen > 5);
+    assert_true(seen > rounds(5));
 }
 
 /* By each kernel; one pixel at a time; in rows from the last. */
@@ -94,7 +95,7 @@ static void same_bits(void **state)
 {
     (void)state;
     static float p[VALUES], q[VALUES];
-    for (uint64_t seed = 0; seed < 40; seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(40); seed++) {
         uint64_t n = 0;
         struct grid g = even_grid(seed, &n);
         struct scene c = look(&g, seed, &n);

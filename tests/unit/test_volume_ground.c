@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "rounds.h"
 #include "volume_cases.h"
 
 #include <string.h>
@@ -74,7 +75,7 @@ static void no_ray_slips_through(void **state)
     const struct grid *h = g.ground;
     for (int a = 0; a < 2; a++)
         for (uint32_t i = 0; i < h->n[a]; i++) h->at[a][i] = i * .7 + .1 * rng_unit(9, i);
-    for (uint64_t n = 0; n < 20000; n++) {
+    for (uint64_t n = 0; n < (uint64_t)rounds(20000); n++) {
         double from[3], at[3];
         const uint32_t i = 1 + (uint32_t)(10 * rng_unit(n, 0)),
                        j = 1 + (uint32_t)(7 * rng_unit(n, 1));

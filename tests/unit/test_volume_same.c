@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "rounds.h"
 #include "volume_scenes.h"
 
 #include <string.h>
@@ -203,7 +204,7 @@ static void scaled(void **state)
             if (form == 1) c.s.attenuation = 0.02;
             if (form == 2) iso(&c, 6, 1, 1, 1, 0.5), c.s.lit = true, c.s.light[2] = 30;
             picture(&g, &c, method, p);
-            for (int f = 0; f < 6; f++) {
+            for (int f = 0; f < rounds(6); f++) {
                 struct scene far = c;
                 double factor = factors[f];
                 for (int a = 0; a < 3; a++) {
