@@ -3,7 +3,6 @@
 #include "cf/cf.h"
 #include "convert/convert.h"
 
-#include <float.h>
 #include <unistd.h>
 
 static const char usage_text[] = "[-chz] [-o FILE] [-t INDEX|all] [-u UNIT] FILE.nc VARIABLE\n"
@@ -160,21 +159,11 @@ static enum convert_levels levels_of(struct source *s)
     return z->pressure ? CONVERT_LEVELS_PRESSURE : convert_levels_of(z->units);
 }
 
-/* The shortest decimal from nine digits on that reads back: a minute may be in the last ones. */
-static void put_time(struct buf *title, double at)
-{
-    char text[32];
-    int digits = 9;
-    double read;
-    do snprintf(text, sizeof text, "%.*g", digits, at);
-    while (!(parse_real(text, -DBL_MAX, DBL_MAX, &read) && read == at) && digits++ < 17);
-    buf_printf(title, "%s", text);
-}
-
 static void describe(const void *ctx, size_t time, const char *z, struct buf *title)
 {
     const struct source *s = ctx;
     const struct cf_field *f = &s->part[0];
+    char text[32];
     for (int k = CF_X; k <= (z ? CF_Y : CF_Z); k++) {
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
@@ -183,9 +172,8 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);
     if (!t || !t->at) return;
-    buf_printf(title, "; t %s ", t->name);
-    put_time(title, t->at[time]);
-    buf_printf(title, " [%s]", t->units);
+    print_real(text, t->at[time], 9); /* a minute may be in the last digits */
+    buf_printf(title, "; t %s %s [%s]", t->name, text, t->units);
 }
 
 static void convert_field(struct cf_file *c, const struct convert_options *o)

@@ -126,14 +126,14 @@ static void describe(struct options *o)
         n += (size_t)snprintf(s->with + n, sizeof s->with - n, ",-a%d", t->samples);
     if (t->threshold >= 0) {
         char text[32];
-        print_real(text, t->threshold);
+        print_real(text, t->threshold, 6);
         n += (size_t)snprintf(s->with + n, sizeof s->with - n, ":%s", text);
     }
     if (t->depth != usual.depth)
         n += (size_t)snprintf(s->with + n, sizeof s->with - n, ",-d%d", t->depth);
     if (t->budget != usual.budget) {
         char text[32];
-        print_real(text, t->budget);
+        print_real(text, t->budget, 6);
         snprintf(s->with + n, sizeof s->with - n, ",-w%s", text);
     }
 }

@@ -159,7 +159,7 @@ static void print_numbers(const double *v, size_t n)
 {
     char shown[32];
     for (size_t i = 0; i < n; i++) {
-        print_real(shown, v[i]);
+        print_real(shown, v[i], 6);
         printf("\t%s", shown);
     }
 }

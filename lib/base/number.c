@@ -2,6 +2,7 @@
 #include "base/base.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,10 +80,14 @@ double *opt_reals(int opt, const char *s, double min, double max, size_t *n)
     return v;
 }
 
-void print_real(char text[32], double v)
+void print_real(char text[32], double v, int digits)
 {
-    for (int digits = 6; digits <= 17; digits++) {
-        snprintf(text, 32, "%.*g", digits, v);
-        if (strtod(text, NULL) == v) return;
-    }
+    do snprintf(text, 32, "%.*g", digits, v);
+    while (strtod(text, NULL) != v && digits++ < DBL_DECIMAL_DIG);
+}
+
+void print_float(char text[32], float v, int digits)
+{
+    do snprintf(text, 32, "%.*g", digits, (double)v);
+    while (strtof(text, NULL) != v && digits++ < FLT_DECIMAL_DIG);
 }

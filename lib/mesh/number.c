@@ -62,10 +62,6 @@ size_t mesh_number(char text[MESH_NUMBER], float v)
                    put_digits(text + sign, (uint64_t)m, n + rounded_up, exponent + rounded_up);
         }
     }
-    for (int n = 1; n <= DIGITS_MAX; n++) {
-        double back;
-        snprintf(text, MESH_NUMBER, "%.*g", n, (double)v);
-        if (parse_real(text, -1e39, 1e39, &back) && (float)back == v) break;
-    }
+    print_float(text, v, 1);
     return strlen(text);
 }

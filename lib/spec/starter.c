@@ -127,17 +127,6 @@ static void set_depth(struct map *m, double chord)
     for (int i = 0; i < m->n; i++) m->band[i].k *= MEAN_DEPTH / chord / (sum / share);
 }
 
-/* The shortest decimal that reads back as this float. */
-static const char *decimal(float value, char text[32])
-{
-    double back;
-    for (int digits = 3; digits <= 9; digits++) {
-        snprintf(text, 32, "%.*g", digits, (double)value);
-        if (parse_real(text, -2 * GRID_MAX, 2 * GRID_MAX, &back) && (float)back == value) break;
-    }
-    return text;
-}
-
 static void put_map(struct buf *out, const struct survey *v, const struct map *m, double chord)
 {
     char lo[32], hi[32];
@@ -148,7 +137,7 @@ static void put_map(struct buf *out, const struct survey *v, const struct map *m
     }
     for (int i = 0; i < m->n; i++) {
         const struct band *b = &m->band[i];
-        decimal(b->lo, lo), decimal(b->hi, hi);
+        print_float(lo, b->lo, 3), print_float(hi, b->hi, 3);
         double k = i == 0 && v->ground ? 0 : b->k;
         buf_printf(out, "map %s %.3g %.3g\t# from %.3g %%\n", lo, b->place, k, 100 * b->from);
         buf_printf(out, "map %s %.3g %.3g\t# to %.3g %%\n", hi, b->place, b->k, 100 * b->to);
@@ -269,8 +258,8 @@ static void put_about(
     char lo[32], hi[32];
     buf_printf(out, "# ");
     put_words(out, known ? scalar.name : g->name);
-    buf_printf(
-        out, ": %s to %s ", decimal(v->quantile[0], lo), decimal(v->quantile[RANKS - 1], hi));
+    print_float(lo, v->quantile[0], 3), print_float(hi, v->quantile[RANKS - 1], 3);
+    buf_printf(out, ": %s to %s ", lo, hi);
     if (known) put_words(out, scalar.unit);
     buf_printf(out, " at %u x %u x %u nodes", g->n[0], g->n[1], g->n[2]);
     if (v->there < v->nodes)

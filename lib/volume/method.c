@@ -48,7 +48,7 @@ bool volume_method_print(const struct volume_options *o, char text[VOLUME_METHOD
 {
     char number[32];
     if (methods[o->method].most) snprintf(number, sizeof number, "%d", o->n);
-    else print_real(number, o->tolerance);
+    else print_real(number, o->tolerance, 6);
     snprintf(text, VOLUME_METHOD, "%s:%s", methods[o->method].name, number);
     return o->method == usual.method && o->tolerance == usual.tolerance;
 }
