@@ -65,7 +65,7 @@ clean 'modules include only what the table allows'
 # A name that files share begins with its module's name, or with one of these words, which no other module has.
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
-base buf camera close_stdout cpu_us die err eta hash64 isa load_file now_us opt outfile parse portable_tan print_real prog progress
+base buf camera close_stdout cpu_us die err eta hash64 isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
 base parallel put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 grib gb

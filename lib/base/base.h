@@ -89,7 +89,7 @@ void opt_size(int opt, const char *s, int max, int *w, int *h);
 /* The same for a comma-separated list. Returns *n numbers, which the caller frees. */
 double *opt_reals(int opt, const char *s, double min, double max, size_t *n);
 
-/* Writes v with so many significant digits, from `digits` on, that it reads back. */
+/* Writes v with `digits` significant digits, or as many more as it needs to read back as v. */
 void print_real(char text[32], double v, int digits);
 void print_float(char text[32], float v, int digits);
 
