@@ -155,6 +155,16 @@ for command in 'rtworker -' 'fan -j 1 rtworker -' 'deal fan -j 1 rtworker -'; do
 	run timeout 800 sh -c "$command <often >/dev/null"
 	like "$command: a task of the state before those" "$status $err" '^2 .*task 0 0: its state was replaced too often'
 done
+# Workers do not announce a frame that comes again.
+for command in 'fan -j 2 rtworker -a 4 -' 'deal fan -1 -j 2 rtworker -a 4 -'; do
+	rm -f f?.pfm
+	: >log
+	partition 40x32 >all
+	run timeout 1200 sh -c "{ pack scene 0.nff; sed 16q all; ./until grep -aq '^frag' log; echo frame 0 40 32; sed 1,16d all; } |
+		$command | tee log | gather -o f%d.pfm"
+	is "$command, a frame comes again: complete" "$status $err" '0 '
+	right "$command, a frame comes again" 1
+done
 run timeout 800 sh -c 'rtworker 0.nff <mixed >/dev/null'
 like 'a scene where it is a file already' "$status $err" '^2 rtworker: record .scene., expected no state records'
 finish

@@ -169,12 +169,19 @@ static int route_task(struct fan *f, const struct record *r)
     return fan_slot_send(f, t->to >= 0 ? t->to : (int)(t->id % (uint32_t)n), r, frame);
 }
 
-/* The input states the frame's job, or leaves it to the first slot. */
+/* The input states the frame's job, or leaves it to the first slot. Workers announce a frame that
+ * comes again, of the same size and state, only once: it keeps its job. */
 static void route_frame(struct fan *f, const struct record *r)
 {
+    const struct frame_size *known = frames_find(&f->input.frames, r->task.frame);
+    bool again = known && known->w == r->frame_w && known->h == r->frame_h &&
+                 known->generation == f->input.generations.now;
+    const struct fan_job before = again ? *fan_job(f, known) : (struct fan_job){.by = -1};
     struct fan_job *job = fan_job(f, stream_frame(&f->input, r));
-    job->stated = rec_str(r, "job", job->hash, sizeof job->hash);
-    job->by = -1;
+    if (rec_str(r, "job", job->hash, sizeof job->hash)) {
+        job->stated = true;
+        job->by = -1;
+    } else *job = before;
     f->n_frames++;
     route_small(f, r);
 }
