@@ -261,6 +261,14 @@ like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmeti
 liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
 ok "a line that a stamp makes too long: the same picture" cmp out.pfm small.pfm
 like "a line that a stamp makes too long: a message says so" "$(cat said)" 'lost \(long-line\)'
+# The name of the host is part of the stamp.
+printf '%0255d via="env FAR=1 sh -c %%c"\n:\n' 0 >hosts
+printf '#!/bin/sh\n[ -n "${FAR-}" ] || { { until grep -q long-line said; do sleep .02; done; cat; } | exec rtworker -; exit; }\n%s\n' \
+	'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 690).qq(\n)/e"' >liar
+: >said
+{ pack scene gears.nff; partition 64x64; await 10 grep -q long-line said; } | deal fan -z off -t 60 -S hosts ./liar 2>>said | gather -o out.pfm
+is "a line that the name of the host makes too long: exit 0" $? 0
+ok "a line that the name of the host makes too long: the same picture" cmp out.pfm small.pfm
 liar "$announced; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; exit' 3 'lost .other-job'
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'

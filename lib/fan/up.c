@@ -12,7 +12,7 @@
 /* answers to no question, per connection; likewise messages */
 #define STALE_MOST 1000
 #define NEWS_TIMES 4 /* a worker may announce each frame again after it was lost */
-#define SAID_MAX (WIRE_LINE_MAX - 256) /* bytes of a line without its stamps */
+#define SAID_MAX (WIRE_LINE_MAX - HOST_NAME_MOST - 128) /* bytes of a line without its stamps */
 
 static const char *const stamped[] = {"w", "host", "from", "sent_us", "recv_us", NULL};
 
