@@ -364,7 +364,7 @@ enum rec_kind wire_awaited(struct decoder *d, size_t *bytes)
 {
     struct record r;
     char why[sizeof d->why];
-    bool awaits = !d->lost && look(d, &r, why) == WIRE_MORE && r.body_len;
+    bool awaits = !d->lost && look(d, &r, why) == WIRE_MORE && r.body_len && r.kind != REC_FRAG;
     *bytes = awaits ? r.body_len : 0;
     return awaits ? r.kind : REC_KINDS;
 }

@@ -115,7 +115,7 @@ int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
 void wire_eta(struct eta *e, const struct record *r, uint32_t frame_h, double t_s);
 /* The body of r, which d has returned last, for modification. */
 unsigned char *wire_body(struct decoder *d, const struct record *r);
-/* After WIRE_MORE: kind and length of the record whose body is arriving; REC_KINDS: none. */
+/* After WIRE_MORE: kind and length of the state record whose body is arriving; REC_KINDS: none. */
 enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
 
 /*

@@ -839,6 +839,10 @@ static void test_awaited(void **state)
         while (wire_next(&d, &r) == WIRE_RECORD) continue;
     }
     wire_free(&d);
+    feed_text(&d, "frag 0 0 0 0 1 1 1 1 job=0 ch=4 crc=1 bytes=16\nx"); /* is no state */
+    assert_int_equal(wire_next(&d, &r), WIRE_MORE);
+    assert_int_equal(wire_awaited(&d, &bytes), REC_KINDS);
+    wire_free(&d);
     d = (struct decoder){.upward = true};
     wire_feed(&d, stream, body);
     while (wire_next(&d, &r) != WIRE_MORE) continue;
