@@ -109,6 +109,15 @@ like 'a fragment before its frame' "$err" '1 fragment ignored: of no declared fr
 like 'a fragment outside' "$err" '1 fragment ignored: outside'
 like 'tasks, and frames without a job' "$err" '2 records ignored, expected fragments'
 ok 'garbage: not in the picture' cmp f.pam want.pam
+frag 0 0 '0 0 1 1 1 1' "$half" 1 >one
+for n in $(seq 0 64); do sed "s/^frag 0/frag $n/" one; done | seal >early
+for n in $(seq 0 63); do
+	echo "frame $n 1 1 job=cafe"
+	sed "s/^frag 0/frag $n/" one
+done | seal >most
+run gather -o 'early%d.pam' early most
+is 'the 65th of many frames with fragments before them is never declared: status 1' "$status $(ls early*.pam | wc -l)" '1 64'
+rm early*.pam
 {
 	echo 'frame 0 4 3 job=cafe'
 	frag 3 0 '0 0 4 1 1 1' "$full" 4

@@ -10,7 +10,7 @@
 #define OPEN_BYTES_MAX                                                                             \
     (UINT64_C(5) << 30) /* pixels and bitmaps of the frames that are open at once */
 #define READ_BYTES (1 << 18)
-#define LOG_ORPHANS_MOST 64
+#define LOG_ORPHANS_MOST 1024 /* frames */
 
 /* Bytes that a shell takes only as parts of a word. */
 #define WORD_BYTES "-.:,+0123456789abcdefghijklmnopqrstuvwxyz"
@@ -98,7 +98,7 @@ bool intake_orphaned(const struct intake *in)
 {
     for (size_t i = 0; i < in->orphans.n; i++)
         if (!assembly_find(&in->parts, in->orphans.at[i].frame)) return true;
-    return false;
+    return in->orphans.n == LOG_ORPHANS_MOST; /* there may have been more */
 }
 
 struct assembly_frame *intake_record(struct intake *in, const struct record *r)
