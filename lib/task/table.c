@@ -157,7 +157,11 @@ void tasks_remove(struct task_table *t, int32_t i)
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)
 {
     struct task_entry *e = &t->at[i];
-    int64_t n0 = lattice_offset(&e->task.at, e->frame_w, at);
+    const struct lattice next =
+        lattice_cut(&e->task.at, e->frame_w, e->delivered, lattice_count(at));
+    /* A task with rows that overlap has several places for one piece. */
+    int64_t n0 = memcmp(&next, at, sizeof next) == 0 ? (int64_t)e->delivered
+                                                     : lattice_offset(&e->task.at, e->frame_w, at);
     if (n0 < 0 || (uint64_t)n0 > e->delivered) return false;
     uint64_t n1 = (uint64_t)n0 + lattice_count(at);
     if (n1 > e->delivered) e->delivered = n1;

@@ -623,6 +623,14 @@ static void test_deliver(void **state)
     assert_true(tasks_deliver(&t, i, &last));
     assert_true(tasks_whole(&t, i));
     assert_true(tasks_deliver(&t, i, &task.at));
+    /* two rows of 20 pixels, which overlap in a frame of width 10 */
+    task = (struct task){.id = 1, .at = {0, 0, 20, 2, 1, 1}, .to = -1};
+    i = tasks_add(&t, &task, 10);
+    for (uint64_t n0 = 0; n0 < 40; n0 += 10) {
+        struct lattice piece = lattice_cut(&task.at, 10, n0, 10);
+        assert_true(tasks_deliver(&t, i, &piece));
+        assert_int_equal(t.at[i].delivered, n0 + 10);
+    }
     tasks_free(&t);
 }
 
