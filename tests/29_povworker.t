@@ -81,6 +81,7 @@ whole alone my/scene.pov +W48 +H36 &
 whole alone9 my/scene.pov +W48 +H9 &
 later got balance adaptive -j 2 -s 48x36 -r my.log -o got.png my/scene.pov
 later rows balance masterslave -1 -j 4 -s 48x9 -o rows.png my/scene.pov
+later auto balance auto -j 2 -s 48x9 -o auto.png my/scene.pov
 later job1 povworker -i -s 48x36 my/scene.pov
 later job2 povworker -i -s 48x36 other/scene.pov
 later job3 povworker -i -s 48x36 +A0.3 +AM2 other/scene.pov
@@ -90,6 +91,9 @@ is 'balance: exit 0 in silence' "$status:$out$err" 0:
 is 'balance: the same picture as of POV-Ray alone' "$(same got.png alone.png)" 'differing	0'
 result rows
 is 'balance masterslave: rows' "$status:$(same rows.png alone9.png)" '0:differing	0'
+result auto
+is 'balance auto: the same picture' "$status:$(same auto.png alone9.png)" '0:differing	0'
+like 'balance auto: adaptive was simulated, too' "$err" 'adaptive:? [0-9]'
 ok 'no file remains' await 5 none_left
 is 'the job depends on all files' "$(cat job[123].out | grep job= | sort -u | wc -l | tr -d ' ')" 3
 
