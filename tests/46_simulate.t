@@ -41,6 +41,9 @@ takes 'a crash, which the first hears of; and does all' 4.900000 -f crash@.5s:1 
 is 'one crash, and all tasks are committed' "$(of crashes) $(of uncommitted)" '1 0'
 takes 'a crash when two tasks are there' 3.700000 -f crash@2:1 deal
 takes 'silence: what it had is given to the first 3 s later' 5.800000 -f silence@.5s:1 deal -q 1
+run simulate -v -m 1e6 -f pause@.5s:0 fan <four.task
+is 'a pause: the task goes on where it was, and ends later by the pause' "$(of makespan_s)" \
+	"$(printf '%s\n' "$out" | awk '/ resumes$/ { printf "%.6f", 3.5 + $2 / 1e6 }')"
 takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'

@@ -79,7 +79,7 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
     int32_t k = e->slot;
     struct vslot *s = &w->slots[k];
     enum sim_fault_kind kind = (enum sim_fault_kind)e->sched.n;
-    int64_t silence_us = w->plan->silence_us;
+    int64_t silence_us = w->plan->silence_us, pause_us;
     if (kind == SIM_KILL) kill_hub(w);
     if (!s->alive || (s->stalled && kind != SIM_CRASH) || kind == SIM_KILL) return;
     switch (kind) {
@@ -93,8 +93,9 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
         break;
     case SIM_PAUSE:
         s->stalled = true;
-        sim_schedule(w, w->now_us + (int64_t)(sim_draw(w) * (double)silence_us), k,
-            (struct sim_event){.kind = SIM_RESUME});
+        pause_us = (int64_t)(sim_draw(w) * (double)silence_us);
+        if (s->clock.busy) s->paused_us += pause_us;
+        sim_schedule(w, w->now_us + pause_us, k, (struct sim_event){.kind = SIM_RESUME});
         break;
     case SIM_SLOW:
         w->result->slows++;

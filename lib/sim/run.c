@@ -176,7 +176,8 @@ static int64_t time_allowed_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     double trips_us = 4 * w->latency_us * (w->n_tasks + 2) + w->bytes_us;
-    double faults_us = (double)(p->faults_us + p->silence_us) + 2e6;
+    double faults_us = (double)p->faults_us + 2e6;
+    faults_us += (double)p->silence_us * (1 + (double)p->n_faults);
     faults_us += (double)p->detect_us * p->slots;
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
 }

@@ -85,8 +85,14 @@ static void computed(struct world *w, int32_t k, int64_t wall_us)
 {
     struct vslot *s = &w->slots[k];
     if (s->hung) return;
+    if (s->paused_us > 0) { /* it computed nothing for this time */
+        struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = wall_us + s->paused_us};
+        sim_schedule(w, w->now_us + s->paused_us, k, e);
+        s->paused_us = 0;
+        return;
+    }
     sim_clock_end(&s->clock, w->now_us);
-    if (s->stalled) return; /* it begins again when it resumes */
+    if (s->stalled) return; /* silent for ever */
     struct task t = s->queue.at[s->queue.first++];
     struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
     w->result->computed++;
@@ -156,7 +162,6 @@ void sim_resume(struct world *w, int32_t k)
     struct vslot *s = &w->slots[k];
     s->stalled = false;
     w->result->pauses++;
-    sim_start_next(w, k);
     for (size_t i = 0; i < s->inbox.n; i++) {
         struct sim_event e = s->inbox.at[i];
         sim_deliver(w, &e);
@@ -171,6 +176,7 @@ void sim_end_slot(struct world *w, int32_t k)
     if (s->node) w->plan->node->destroy(s->node);
     s->node = NULL;
     s->alive = s->stalled = s->hung = false;
+    s->paused_us = 0;
     s->epoch++;
     s->inbox.n = 0;
     s->queue.first = s->queue.n = 0;

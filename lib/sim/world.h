@@ -36,7 +36,8 @@ struct vslot {
     struct sim_tasks queue; /* to compute, in order */
     struct sim_tasks held;  /* computed, pixels not sent */
     struct sim_clock clock;
-    bool hung; /* busy for ever */
+    bool hung;         /* busy for ever */
+    int64_t paused_us; /* its task ends later by this */
     /* Its link: latest arrivals, which keep order. */
     int64_t down_us, up_us, pixels_us;
     /* For the checks of deal: */
@@ -79,12 +80,12 @@ struct world {
     struct coverage sent; /* pixels passed on */
     uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
-    int64_t hub_us;  /* pixels pass the hub until then */
+    int64_t hub_us;                 /* pixels pass the hub until then */
     struct net_queue *up, *down_to; /* of links, by their numbers */
-    double cost_us;  /* sum of costs drawn, at power 1 */
-    double alone_us; /* time of all tasks on the slowest slot */
-    double latency_us; /* the most of a link */
-    double bytes_us; /* time of all their records on the slowest link */
+    double cost_us;                 /* sum of costs drawn, at power 1 */
+    double alone_us;                /* time of all tasks on the slowest slot */
+    double latency_us;              /* the most of a link */
+    double bytes_us;                /* time of all their records on the slowest link */
     uint64_t draws;
     bool slots_known, input_ended, ended;
     void *note;     /* data of the plan's checks */
