@@ -67,6 +67,15 @@ run simulate -v -m 1e6 -S links fan <four.task
 like 'slots of one host share its link: up' "$out" '^# 208000 1 to hub: up$'
 like 'slots of one host share its link: a task that need not wait' "$out" '^# 242000 1 from hub: task 1$'
 
+# A pixel takes .4 us, or .004; a record .4 us of a hub, and those of a pixel about .1 us of a link, or of the hub.
+partition -u run:1 10x10 >px.task
+for short in '-m .4 fan:40' '-m .4 -u 0 deal:40' '-m .004 -u .4 deal:120' '-m .004 -b 1e9 fan:14' '-m .004 -b 0,1e9 fan:10' \
+	'-m .004 -u 0 -b 0,1e9 deal:10'; do
+	# shellcheck disable=SC2086
+	run simulate ${short%:*} <px.task
+	is "times below a microsecond add up: $short" "$(of makespan_s)" "$(echo "${short#*:}" | awk '{ printf "%.6f", $1 / 1e6 }')"
+done
+
 # ---- trees, by hand --------------------------------------------------------------------------------------------
 # test_tree.c has the times. Three records for each task, up, and a flush.
 takes 'a tree of one hub is the same as no tree' 2.500000 -u 0 deal

@@ -76,11 +76,11 @@ void sim_say(struct world *w, int32_t k, struct sched_event e)
 void sim_pass_hub(struct world *w, const struct sim_event *e)
 {
     struct sim_event passed = *e;
-    if (w->hub_us < w->now_us) w->hub_us = w->now_us;
+    w->hub_us = fmax(w->hub_us, (double)w->now_us);
     if (e->sched.kind == SCHED_PIXELS)
         w->hub_us += net_us(net_bytes(&e->sched), w->plan->hub_bytes_per_s);
     passed.kind = SIM_SCHED;
-    sim_schedule(w, w->hub_us, e->slot, passed);
+    sim_schedule(w, (int64_t)w->hub_us, e->slot, passed);
 }
 
 void sim_send_down(struct world *w, int32_t k, const struct sched_action *a)

@@ -90,9 +90,9 @@ double net_least_rate(const struct sim_plan *p)
 
 int64_t net_send(struct net_queue *q, double bytes, double bytes_per_s, int64_t now_us, bool bulk)
 {
-    int64_t us = net_us(bytes, bytes_per_s);
-    q->bulk_us = (q->bulk_us > now_us ? q->bulk_us : now_us) + us;
-    if (bulk) return q->bulk_us;
-    q->small_us = (q->small_us > now_us ? q->small_us : now_us) + us;
-    return q->small_us;
+    double us = net_us(bytes, bytes_per_s);
+    q->bulk_us = fmax(q->bulk_us, (double)now_us) + us;
+    if (bulk) return (int64_t)q->bulk_us;
+    q->small_us = fmax(q->small_us, (double)now_us) + us;
+    return (int64_t)q->small_us;
 }

@@ -29,16 +29,16 @@ int64_t net_most_us(const struct sim_plan *p);
 /* The bytes of the record of this event, its pixels included; 0: no record. */
 double net_bytes(const struct sched_event *e);
 /* The time that these bytes take; 0 if there is no limit. */
-static inline int64_t net_us(double bytes, double bytes_per_s)
+static inline double net_us(double bytes, double bytes_per_s)
 {
-    return bytes_per_s > 0 ? (int64_t)(1e6 * bytes / bytes_per_s) : 0;
+    return bytes_per_s > 0 ? 1e6 * bytes / bytes_per_s : 0;
 }
 /*
  * One direction of a link. Records without pixels overtake those with pixels, whose queue is
  * `bulk`; both take time of the link.
  */
 struct net_queue {
-    int64_t small_us, bulk_us; /* when the last one has left */
+    double small_us, bulk_us; /* when the last one has left; not rounded: many are short */
 };
 /* Sends a message at now_us, and returns the time at which its last byte leaves. */
 int64_t net_send(struct net_queue *q, double bytes, double bytes_per_s, int64_t now_us, bool bulk);

@@ -281,7 +281,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     begin(&w);
     w.alone_us = alone_us(&w);
     w.latency_us = (double)net_most_us(plan);
-    w.bytes_us = (double)net_us(net_all_bytes(plan), net_least_rate(plan));
+    w.bytes_us = net_us(net_all_bytes(plan), net_least_rate(plan));
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
     most += PX_AT_ONCE * (int64_t)w.frame_w * w.frame_h;
     if (plan->detect_us) most += AT_ONCE * n * n; /* each node asks each other */

@@ -70,7 +70,7 @@ void sim_start_next(struct world *w, int32_t k)
     w->cost_us += us;
     us /= s->power;
     sim_clock_begin(&s->clock, w->now_us);
-    struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = llround(us)};
+    struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = sim_clock_round(&s->clock, us)};
     if (!s->hung) sim_schedule(w, w->now_us + e.sched.wall_us, k, e);
 }
 

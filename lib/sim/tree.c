@@ -17,7 +17,8 @@ static void start_next(struct tree *t, int32_t i)
     if (w->clock.busy || w->queue.first == w->queue.n) return;
     const struct sim_work *work = t->plan->work;
     double us = sim_work_us(work, &w->queue.at[w->queue.first]) / work->power[k];
-    struct sim_event e = {.kind = SIM_COMPUTED, .slot = i, .sched.wall_us = llround(us)};
+    int64_t wall_us = sim_clock_round(&w->clock, us);
+    struct sim_event e = {.kind = SIM_COMPUTED, .slot = i, .sched.wall_us = wall_us};
     e.at_us = t->now_us + e.sched.wall_us;
     sim_clock_begin(&w->clock, t->now_us);
     sim_heap_push(&t->heap, &e);

@@ -63,11 +63,10 @@ static int64_t passes(struct tree *t, int32_t hub, const struct sched_event *e)
         t->result->hub_records++;
         t->result->hub_bytes += bytes;
     }
-    h->busy_us = (h->busy_us > t->now_us ? h->busy_us : t->now_us);
-    h->busy_us += llround(t->plan->message_us);
-    if (e->kind != SCHED_PIXELS) return h->busy_us;
-    h->pixels_us = h->pixels_us > h->busy_us ? h->pixels_us : h->busy_us;
-    return h->pixels_us += net_us(bytes, t->plan->hub_bytes_per_s);
+    h->busy_us = fmax(h->busy_us, (double)t->now_us) + t->plan->message_us;
+    if (e->kind != SCHED_PIXELS) return (int64_t)h->busy_us;
+    h->pixels_us = fmax(h->pixels_us, h->busy_us) + net_us(bytes, t->plan->hub_bytes_per_s);
+    return (int64_t)h->pixels_us;
 }
 
 void tree_sleep(struct tree *t, int32_t hub)

@@ -35,6 +35,14 @@ void sim_clock_begin(struct sim_clock *c, int64_t now_us)
     if (c->first_us < 0) c->first_us = now_us;
 }
 
+int64_t sim_clock_round(struct sim_clock *c, double us)
+{
+    c->rest_us += us;
+    int64_t whole_us = llround(fmax(c->rest_us, 0));
+    c->rest_us -= (double)whole_us;
+    return whole_us;
+}
+
 void sim_clock_end(struct sim_clock *c, int64_t now_us)
 {
     if (!c->busy) return;

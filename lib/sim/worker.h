@@ -23,9 +23,12 @@ struct sim_clock {
     int64_t began_us; /* begin of its current task, or of the one before */
     int64_t last_us;  /* end of its last task */
     double busy_us;   /* time of the tasks that have ended */
+    double rest_us;   /* rounded off so far */
 };
 #define SIM_CLOCK_INIT ((struct sim_clock){.first_us = -1})
 void sim_clock_begin(struct sim_clock *c, int64_t now_us);
+/* The time of a task that takes us, rounded so that those of many short tasks add up. */
+int64_t sim_clock_round(struct sim_clock *c, double us);
 /* The current task has ended in one way or another; if there is none, nothing happens. */
 void sim_clock_end(struct sim_clock *c, int64_t now_us);
 /*
