@@ -53,8 +53,11 @@ like 'a static method: the message has the command to repeat the run' "$err" "to
 takes 'a link takes the bytes of records and pixels' 2.592000 -b 1000 fan
 # Of 101 bytes a second, each pixel takes 1 s of the hub: from .8 on the first, then the next ones.
 takes 'the pixels of all pass the hub one after the other' 4.800000 -b 0,101 fan
+head -n 2 four.task >first.row
 two -b 0,8 fan
 is 'the bound counts pixels without their records in the link of the hub' "$(of bound_s)" 8.000000
+run simulate -m 1e6 -b 0,8 fan <first.row
+is 'the bound counts no pixels without a task' "$(of bound_s)" 2.000000
 # hosts of other links: the second is .3 s away, at 1000 bytes a second
 printf 'a power=1\nb power=2 latency_ms=300 bytes_per_s=1000\n' >links
 run simulate -v -m 1e6 -S links -l 100 fan <four.task

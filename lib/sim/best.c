@@ -13,7 +13,10 @@ double sim_bound_s(const struct sim_plan *p)
     double *v = xmalloc(m, sizeof *v);
     memcpy(v, p->work->power, m * sizeof *v);
     double s = stats_lower_bound(p->work->pixel_us, n, v, m) * 1e-6;
-    if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * (double)n / p->hub_bytes_per_s);
+    double px = 0;
+    for (int32_t i = 0; i < p->tasks; i++) px += (double)lattice_count(&p->work->tasks[i].at);
+    px = fmin(px, (double)n); /* tasks may leave out pixels, or overlap */
+    if (p->hub_bytes_per_s > 0) s = fmax(s, SIM_PIXEL_BYTES * px / p->hub_bytes_per_s);
     free(v);
     return s;
 }
