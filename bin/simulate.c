@@ -106,6 +106,8 @@ static void parse_method(struct options *o, int argc, char **argv)
         else if (strcmp(optarg, "half") == 0) p->one = false;
         else die(ST_USAGE, "-k %s: expected half or one", optarg);
     }
+    if (o->method.policy == &policy_published && p->endgame)
+        die(ST_USAGE, "ring -p: expected no -e with it");
     if (optind != argc) usage(ST_USAGE, text);
 }
 

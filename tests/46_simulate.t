@@ -199,6 +199,7 @@ refuses '-j with half a slot' 'expected SLOTS' simulate -j 1.5 deal
 refuses 'lost messages without ring -p' 'expected ring -p' simulate -f lose=.1 deal
 refuses 'a tree of rings' 'expected deal or adaptive, without' simulate -g 2 ring
 refuses 'a tree with faults' 'expected deal or adaptive, without' simulate -g 2 -f crash=1 deal
+refuses 'the published ring with an endgame' 'expected no -e' simulate ring -e -p
 refuses 'half a hub' 'expected whole numbers' simulate -g 1.5 deal
 refuses 'no hub' 'expected' simulate -g 0 deal
 refuses '-c with fan' 'expected deal or ring' simulate -c fan
