@@ -89,6 +89,11 @@ is 'Gantt chart: the legend has only the kinds of bars that occur' "$(grep -c 't
 like 'Gantt chart: the note is below the chart' "$(cat said)" '^efficiency \.9$'
 is 'Gantt chart: wasted tasks are hatched' "$(grep -c "url(#gpPat" bars.svg)" 2 # the bar, and the legend's
 ok 'it writes a Gantt chart as PNG' chart -o bars.png bars.tsv
+ok 'Gantt chart: of a task that takes no time' sh -c 'chart -o none.svg' <<END
+$(tsv "$bars" 'log real task 0 s 0 1 1 0 0')
+END
+tsv "$bars" 'log real task -4 s 0 1 1 0 -2' | chart -o before.svg
+is 'Gantt chart: the axis begins with the first task, if that is before 0' "$(texts before.svg | grep -cx -- '-4\|-2')" 2
 
 # refused LINE WHY ROW ...: chart exits 2, prints line and reason, and writes no picture
 refused() {

@@ -29,12 +29,13 @@ function take_bar(p, l, begin, lane, end) {
 	bar_lane[n_bars] = lane
 	has_bars[p, l] = 1
 	n_lanes = max(n_lanes, lane + 1)
-	last_until = max(last_until, end)
+	last_until = max(last_until + 0, end)
+	first_begin = min(first_begin + 0, begin)
 }
 # What is too small to be seen is drawn as one bar with what follows it at once.
 function bar_block(p, l,    i, lane, apart, small) {
-	apart = last_until / plot_w / 4
-	small = last_until / plot_w
+	small = (last_until - first_begin) / plot_w
+	apart = small / 4
 	for (lane in open_begin) delete open_begin[lane]
 	printf "$b%d_%d << END_OF_DATA\n", p, l
 	for (i = 1; i <= n_bars; i++) {
@@ -82,7 +83,8 @@ function axes(    i, step, name, text) {
 		gsub(/%/, "%%", name[i + 1]) # gnuplot takes the label of a tic for a format
 		text = text (i ? ", " : "") quoted(name[i + 1] == "" ? i : name[i + 1]) " " i
 	}
-	printf "set xrange [0:%.9g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", last_until * 1.01, n_lanes - 0.4, text
+	printf "set xrange [%.9g:%.9g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", first_begin * 1.01,
+		(last_until > first_begin ? last_until * 1.01 : 1), n_lanes - 0.4, text
 	print "set xtics autofreq; set grid xtics noytics"
 }
 function prepare(    l, name) {
