@@ -63,6 +63,8 @@ like 'the footer has the other load of the machine' "$(cat said)" '^others took 
 leveled 'left out' >drop.tsv && chart -o drop.svg drop.tsv && texts drop.svg >said
 like 'the chart says that outliers are left out' "$(cat said)" '^means, .* of up to 4 samples without outliers$'
 is 'without outliers the chart differs' "$(cmp -s level.svg drop.svg; echo $?)" 1
+{ sed 1d drop.tsv; tsv 'a real m 1 1 4 s 5 0'; } | tsvstat -p >said
+is 'a median and range without outliers, beside the least and most of all samples' "$(awk -F '\t' '$4 == 1 { print $8, $9, $10, $13, $14 }' said)" '4 4 4 4 10'
 # chart itself clips bands at the axis: the interval of 1 and 9 reaches far beyond it.
 tsv '# level: .99' "$header" 'a real m 1 1 4 s 1 0' 'a real m 2 1 1 s 1 0' 'a real m 2 1 9 s 2 0' >wide.tsv
 # shellcheck disable=SC2016

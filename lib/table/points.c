@@ -89,7 +89,8 @@ void table_medians(struct table *t)
         for (size_t k = 0; k < p->n; k++) v[k] = t->rows[p->from + k].x;
         p->x = range(v, p->n);
         for (size_t k = 0; k < p->n; k++) v[k] = t->rows[p->from + k].y;
-        p->y = p->shown = range(v, p->n);
+        p->y = range(v, p->n);
+        p->shown = range(v, table_samples(&t->rows[p->from], p->n, v));
         free(v);
     }
 }

@@ -77,7 +77,8 @@ bool table_points(struct table *t, char err[ERR_BYTES]);
 size_t table_samples(const struct table_row *r, size_t n, double *y);
 /* Orders by sample and seed: < 0, 0 or > 0. Equal ones of two methods are a pair. */
 int table_by_sample(const struct table_row *a, const struct table_row *b);
-/* Sets x, y and shown of each point: the median and the range of all of its samples. */
+/* Sets x, y and shown of each point: the median and the range of its samples; those of shown
+ * without marked outliers. */
 void table_medians(struct table *t);
 /* Puts the points, or the rows of a table of intervals, in the order of the file. */
 void table_as_read(struct table *t);
