@@ -77,6 +77,12 @@ tsv '# level: much' "$header" 'a real m 1 1 4 s 1 0' >bad.tsv
 run chart bad.tsv
 like 'refused: a level that is not a number' "$status $err" '^2 tsvstat: bad.tsv:1: level is "much", expected a number'
 
+# Numbers that are close to one another, as times of day are, and those at the limits of the format.
+tsv "$header" 'a real m 1732633200 1 1e11 1 1 0' 'a real m 1732633201 1 100000000001 1 1 0' >close.tsv
+ok 'points whose numbers differ by 1e-11' chart close.tsv >/dev/null
+tsv "$header" 'a real m 1e-300 1 1e-300 1 1 0' 'a real m 1e300 1 1e300 1 1 0' >far.tsv
+ok 'logarithmic axes from 1e-300 to 1e300' timeout 60 chart -L xy far.tsv >/dev/null
+
 # Intervals: a lane for each slot, a look for each kind of bar, and no options of points.
 bars=$(printf '%s until' "$header")
 tsv '# lanes: 0 1.0 1.1' '# x: time' '# y: slot' '# note: efficiency .9' "$bars" 'log real task 0 s 0 1 1 0 1.5' \

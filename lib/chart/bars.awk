@@ -54,7 +54,7 @@ function bar_block(p, l,    i, lane, apart, small) {
 	print "END_OF_DATA"
 }
 function print_bar(lane) {
-	printf "%.9g %d %.9g %.9g %.2f %.2f\n", (open_begin[lane] + open_end[lane]) / 2, lane, open_begin[lane],
+	printf "%.17g %d %.17g %.17g %.2f %.2f\n", (open_begin[lane] + open_end[lane]) / 2, lane, open_begin[lane],
 		open_end[lane], lane - 0.4, lane + 0.4
 }
 function bar_look(l,    colours) {
@@ -83,7 +83,7 @@ function axes(    i, step, name, text) {
 		gsub(/%/, "%%", name[i + 1]) # gnuplot takes the label of a tic for a format
 		text = text (i ? ", " : "") quoted(name[i + 1] == "" ? i : name[i + 1]) " " i
 	}
-	printf "set xrange [%.9g:%.9g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", first_begin * 1.01,
+	printf "set xrange [%.17g:%.17g]; set yrange [%.1f:-0.6]; set ytics (%s)\n", first_begin * 1.01,
 		(last_until > first_begin ? last_until * 1.01 : 1), n_lanes - 0.4, text
 	print "set xtics autofreq; set grid xtics noytics"
 }

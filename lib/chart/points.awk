@@ -74,8 +74,8 @@ function axis(a, lo, hi, is_log,    pad) {
 	from[a] = lo == 0 && !is_log ? 0 : lo - pad
 	to[a] = hi + pad
 	if (!is_log) return
-	from[a] = exp(from[a] * log(10))
-	to[a] = exp(to[a] * log(10))
+	from[a] = exp((from[a] > -307 ? from[a] : lo) * log(10)) # no room where numbers end
+	to[a] = exp((to[a] < 307 ? to[a] : hi) * log(10))
 }
 function find_axes(    q, x0, x1, y0, y1) {
 	for (q = 1; q <= n_points; q++) {
@@ -88,7 +88,7 @@ function find_axes(    q, x0, x1, y0, y1) {
 function axes(    i) {
 	styles()
 	for (i = 1; i <= length(log_axes); i++) print "set logscale " substr(log_axes, i, 1)
-	printf "set xrange [%.9g:%.9g]; set yrange [%.9g:%.9g]\n", from["x"], to["x"], from["y"], to["y"]
+	printf "set xrange [%.17g:%.17g]; set yrange [%.17g:%.17g]\n", from["x"], to["x"], from["y"], to["y"]
 	print ticks("x")
 }
 # gnuplot names the decades only; over a short range 2 and 5 of each are needed to read anything.
@@ -176,7 +176,7 @@ function styles(    colours, shapes, dashes, l) {
 function data(p, l,    i, q, text) {
 	for (i = 1; i <= n_order[p, l]; i++) {
 		q = order[p, l, i]
-		text = text sprintf("%.9g %.9g %.9g %.9g %.9g %.9g\n", x_mid[q], y_mid[q], x_low[q], x_high[q],
+		text = text sprintf("%.17g %.17g %.17g %.17g %.17g %.17g\n", x_mid[q], y_mid[q], x_low[q], x_high[q],
 			y_low[q], y_high[q])
 	}
 	block("d" p "_" l, text)
@@ -202,14 +202,14 @@ function band_data(p, l,    i, k, q, r, n, t, edge, a, b, c, text) {
 function insert(t, n, v) { for (; n > 1 && t[n - 1] > v; n--) t[n] = t[n - 1]; t[n] = v }
 function between(a, v, w, t) { return logarithmic[a] ? exp(log(v) + t * (log(w) - log(v))) : v + t * (w - v) }
 function band_at(x, low, high) {
-	return sprintf("%.9g %.9g %.9g\n", x, min(max(low, from["y"]), to["y"]), min(max(high, from["y"]), to["y"]))
+	return sprintf("%.17g %.17g %.17g\n", x, min(max(low, from["y"]), to["y"]), min(max(high, from["y"]), to["y"]))
 }
 function front_data(p,    i, text) {
 	for (i = 1; i <= n_front[p]; i++)
-		text = text sprintf("%.9g %.9g\n", x_mid[front[p, i]], y_mid[front[p, i]])
+		text = text sprintf("%.17g %.17g\n", x_mid[front[p, i]], y_mid[front[p, i]])
 	block("front" p, text)
 	# its edge begins at the top, and goes on to the right
-	block("edge" p, sprintf("%.9g %.9g\n%s%.9g %.9g\n", x_mid[front[p, 1]], to["y"], text, to["x"],
+	block("edge" p, sprintf("%.17g %.17g\n%s%.17g %.17g\n", x_mid[front[p, 1]], to["y"], text, to["x"],
 		y_mid[front[p, n_front[p]]]))
 }
 # Settings vary in both directions and get bars; a function of x gets a band.
