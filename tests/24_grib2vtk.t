@@ -61,6 +61,24 @@ is 'latitudes ascend' "$(on_line coordinates Y a.vtk)" '58 60'
 like 'the title has the names of the axes' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
 grib_set -s edition=1,packingType=grid_simple plain.grib2 plain.grib1
 is 'GRIB 1 gives the same values' "$(got plain.grib1 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+# units_of_edition_1 TYPE SET1 SET2: z of such levels
+units_of_edition_1() {
+	grib_filter -o levels.grib1 - "$samples/GRIB1.tmpl" <<-END
+		set Ni=3; set Nj=2; set values={1,2,3,4,5,6}; set indicatorOfTypeOfLevel=$1; $2; write; $3; write;
+	END
+	grib2vtk levels.grib1 z >a.vtk && echo "$(on_line coordinates Z a.vtk)$(sed -n '2s/.*; z\([^;]*\);.*/\1/p' a.vtk)"
+}
+is 'GRIB 1: depths in the ground are in cm' "$(units_of_edition_1 112 'set topLevel=0; set bottomLevel=10' \
+	'set topLevel=10; set bottomLevel=40')" '-0.25 -0.05 -depthBelowLandLayer [m]'
+is 'GRIB 1: layers of heights are in hm' "$(units_of_edition_1 106 'set topLevel=20; set bottomLevel=10' \
+	'set topLevel=30; set bottomLevel=20')" '1500 2500 heightAboveGroundLayer [m]'
+is 'GRIB 1: pressures from the ground are in hPa' "$(units_of_edition_1 116 'set topLevel=30; set bottomLevel=0' \
+	'set topLevel=60; set bottomLevel=30')" '1500 4500 pressureFromGroundLayer [Pa]'
+is 'GRIB 1: layers of pressures are in kPa' "$(units_of_edition_1 101 'set topLevel=30; set bottomLevel=50' \
+	'set topLevel=50; set bottomLevel=100')" '-750 -400 -isobaricLayer [hPa]'
+is 'GRIB 1: sigma is in 1/10000' "$(units_of_edition_1 107 'set level=9950' 'set level=8000')" '-0.995 -0.8 -sigma [1]'
+is 'GRIB 1: precise layers count from 1100 hPa' "$(units_of_edition_1 121 'set topLevel=30; set bottomLevel=10' \
+	'set topLevel=60; set bottomLevel=40')" '-1080 -1050 -isobaricLayerHighPrecision [hPa]'
 make_grib pascals "set scaledValueOfFirstFixedSurface=101320; set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=150; write;
 	set scaledValueOfFirstFixedSurface=100; write;"
 is 'pressures have all their digits' "$(got pascals.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-1013.2 -1.5 -1'

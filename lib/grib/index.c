@@ -66,16 +66,28 @@ double gb_real(const codes_handle *h, const char *key)
 
 /* ---- the index ------------------------------------------------------------------------------ */
 
-/* A layer's level is its middle. Edition 2 states pressures in Pa, which ecCodes cuts to hPa. */
+/* The number of a level, for a layer that of its middle. Edition 2 states pressures in Pa, which
+ * ecCodes cuts to hPa. Edition 1 has its own units, such as cm and kPa (table 3), which ecCodes
+ * keeps. */
 static double level_of(const codes_handle *h, const char *levels)
 {
-    size_t n = strlen(levels);
-    if (strcmp(levels, "isobaricInhPa") == 0 && gb_long(h, "edition") == 2)
-        return gb_real(h, "scaledValueOfFirstFixedSurface") *
-               pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
-    if (n > 5 && strcmp(levels + n - 5, "Layer") == 0)
-        return (gb_real(h, "topLevel") + gb_real(h, "bottomLevel")) / 2;
-    return gb_real(h, "level");
+    static const struct {
+        long type;
+        double factor, from;
+    } old[] = {{101, 10, 0}, {104, 100, 0}, {106, 100, 0}, {107, 1e-4, 0}, {108, .01, 0},
+        {111, .01, 0}, {112, .01, 0}, {114, -1, 475}, {115, 100, 0}, {116, 100, 0}, {119, 1e-4, 0},
+        {120, .01, 0}, {121, -1, 1100}, {125, .01, 0}, {128, -.001, 1.1}};
+    const double top = gb_real(h, "topLevel"), bottom = gb_real(h, "bottomLevel");
+    const double v = strstr(levels, "Layer") ? (top + bottom) / 2 : gb_real(h, "level");
+    if (gb_long(h, "edition") == 2)
+        return strcmp(levels, "isobaricInhPa") != 0
+                   ? v
+                   : gb_real(h, "scaledValueOfFirstFixedSurface") *
+                         pow(10, -gb_real(h, "scaleFactorOfFirstFixedSurface")) / 100;
+    const long type = gb_long(h, "indicatorOfTypeOfLevel");
+    for (size_t i = 0; i < sizeof old / sizeof *old; i++)
+        if (old[i].type == type) return old[i].from + old[i].factor * v;
+    return type == 141 ? (top * 10 + 1100 - bottom) / 2 : v;
 }
 
 static void read_entry(const struct gb_file *in, struct gb_entry *e)
