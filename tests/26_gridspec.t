@@ -50,6 +50,8 @@ for name in plain thin globe tall strip huge outlier flat zero negative; do ok "
 grid far 70 1.1 20 's = i + j + k' 's [K]; x x [m]; y y [m]; z z [m]'
 awk '/^[XYZ]_COORD/ { print; getline; for (i = 1; i <= NF; i++) printf "%.17g ", $i + 5.4e6; print ""; next } { print }' far.vtk >x && mv x far.vtk
 ok 'the picture of far fits' fits far
+gridspec -s 10x8000 far.vtk >far.spec && partition 10x8000 | vcworker far.vtk far.spec | gather -o far.pam
+like 'and in a narrow picture' "$(painted far.pam 10 8000)" '^1?0 [89]0 49 50$'
 fits half >half.at
 is 'a grid with missing values is visible' "$(grep -c nothing half.at)" 0
 

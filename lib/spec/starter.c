@@ -157,7 +157,7 @@ struct frame {
     double scale[3];
     struct vec3 lo, hi; /* corners of the box, scaled */
     struct vec3 from, at;
-    double step; /* to which places are rounded: a thousandth of the distance, or less */
+    double step; /* to which places are rounded: a thousandth of the frame's width, or less */
 };
 
 /* Metres in a unit of length; 0: no length. A degree is one of latitude. */
@@ -233,7 +233,7 @@ static void set_view(struct frame *f, uint32_t w, uint32_t h)
         distance = fmax(distance * fmax(hi[0] - lo[0], hi[1] - lo[1]) / 2 / FILL, size);
     }
     f->from = v3_mad(f->at, towards, distance);
-    f->step = pow(10, floor(log10(distance)) - 3);
+    f->step = pow(10, floor(log10(distance * fmin(1, (double)w / h))) - 3);
 }
 
 static void put_place(struct buf *out, const char *word, struct vec3 p, double step)
