@@ -43,9 +43,10 @@ grid huge 1 1 1 's = exp(log(10) * (2 * i * (k + 1) / 4 - 20))'
 grid outlier 1 1 1 's = i == 4 && j == 4 && k == 4 ? 1e9 : i + k'
 grid flat 1 1 1 's = 5'
 grid zero 1 1 1 's = 0'
+grid most 1 1 1 's = 1e18'
 grid half 1 1 1 's = i < 4 ? "nan" : k'
 grid negative 1 1 1 's = -i - j * k'
-for name in plain thin globe tall strip huge outlier flat zero negative; do ok "the picture of $name fits" fits $name; done
+for name in plain thin globe tall strip huge outlier flat zero most negative; do ok "the picture of $name fits" fits $name; done
 # Far from the origin, with a scale of many digits.
 grid far 70 1.1 20 's = i + j + k' 's [K]; x x [m]; y y [m]; z z [m]'
 awk '/^[XYZ]_COORD/ { print; getline; for (i = 1; i <= NF; i++) printf "%.17g ", $i + 5.4e6; print ""; next } { print }' far.vtk >x && mv x far.vtk

@@ -133,7 +133,8 @@ static void put_map(struct buf *out, const struct survey *v, const struct map *m
     if (m->n == 0) { /* one value: a band around it */
         double s = (double)v->quantile[0], d = fmax(fabs(s) / 1000, 1e-6);
         for (int side = -1; side <= 1; side += 2)
-            buf_printf(out, "map %.9g .5 %.4g\n", s + side * d, MEAN_DEPTH / chord);
+            buf_printf(out, "map %.9g .5 %.4g\n", fmax(-GRID_MAX, fmin(s + side * d, GRID_MAX)),
+                MEAN_DEPTH / chord);
     }
     for (int i = 0; i < m->n; i++) {
         const struct band *b = &m->band[i];
