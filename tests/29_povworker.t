@@ -139,6 +139,8 @@ run povworker -i +KFI5 +KFF3 my/scene.pov
 is 'frames that end before they begin' "$status:$out" 2:
 run povworker -i +SF2 +KFF3 my/scene.pov
 like 'a share of the frames is refused' "$status $err" '^2 povworker: [+]SF2: expected [+]KFI and [+]KFF'
+is 'numbers of frames are decimal' "$(povworker -i +KFI008 +KFF010 my/scene.pov | sed -n 's/^frame //p' | tr '\n' ' ')" \
+	'640 480 8 640 480 9 640 480 10 '
 run povworker -i +KFFx my/scene.pov
 is 'a frame that is no number' "$status:$out" 2:
 
