@@ -167,7 +167,8 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
     for (int k = CF_X; k <= (z ? CF_Y : CF_Z); k++) {
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
-        buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, a -> name, a -> units);
+        const char *name = a->rotated ? "grid_longitude" : a->name;
+        buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, name, a->units);
     }
     if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);

@@ -134,6 +134,10 @@ make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x);
 is "NetCDF's default fill value and NaN are missing" "$(got fill.nc f)" '1 nan 3 nan 5 6 7 8'
 is 'the default fill value of integers is missing' "$(got fill.nc i)" '1 2 nan 4 5 6 7 8'
 is 'a missing value of another type is recognised' "$(got fill.nc d)" '1 nan 3 4 5 6 7 8'
+make_nc rotated "$cube" "$axes short s(z, y, x); x:standard_name = \"grid_longitude\"; x:units = \"degrees\";" \
+	"$nodes s = 1, 2, 3, 4, 5, 6, 7, 8;"
+got rotated.nc s >/dev/null
+like 'x of a rotated sphere is named so, whatever its name' "$(sed -n 2p a.vtk)" '; x grid_longitude \[degrees\]; y y '
 make_nc rounded "$cube" "$axes float f(z, y, x); f:missing_value = -999.9;" "$nodes f = 1, -999.9, 3, 4, 5, 6, 7, 8;"
 is 'a missing value that is more precise than the values is recognised' "$(got rounded.nc f)" '1 nan 3 4 5 6 7 8'
 

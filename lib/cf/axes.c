@@ -31,7 +31,7 @@ static bool is_pressure(const char *units)
 }
 
 /* The kind that a coordinate variable's attributes state; CF_NONE if they state none. */
-static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct cf_axis *a)
+static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis *a)
 {
     static const char *const east[] = {"degrees_east", "degree_east", "degree_E", "degrees_E",
         "degreeE", "degreesE", "longitude", "grid_longitude", "projection_x_coordinate", NULL};
@@ -44,6 +44,7 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, const struct c
     cf_text(c, group, id, "axis", axis);
     cf_text(c, group, id, "standard_name", standard);
     cf_text(c, group, id, "positive", positive);
+    a->rotated = strcasecmp(standard, "grid_longitude") == 0;
     const char *at = axis[0] && !axis[1] ? strchr(letters, axis[0] & ~0x20) : NULL;
     if (at) return (enum cf_kind)(at - letters);
     if (one_of(a->units, east) || one_of(standard, east)) return CF_X;
