@@ -168,7 +168,7 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
         const struct cf_axis *a = cf_axis_of(f, (enum cf_kind)k);
         const char *sign = k == CF_Z && a->down ? "-" : "";
         const char *name = a->rotated ? "grid_longitude" : a->name;
-        buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, name, a->units);
+        buf_printf(title, "; %c %s%s [%s]", "xyz"[k], sign, name, a -> units);
     }
     if (z) buf_printf(title, "; z %s", z);
     const struct cf_axis *t = cf_axis_of(f, CF_T);
@@ -184,6 +184,7 @@ static void convert_field(struct cf_file *c, const struct convert_options *o)
     struct converter from = {.what = s.request.name,
         .name = s.request.name,
         .unit = s.part[0].units,
+        .difference = s.part[0].difference,
         .levels = levels_of(&s),
         .levels_unit = cf_axis_of(&s.part[0], CF_Z)->units,
         .degrees = cf_axis_is_longitude(cf_axis_of(&s.part[0], CF_X)),

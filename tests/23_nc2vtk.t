@@ -225,6 +225,9 @@ if there /usr/include/udunits2.h; then
 		'x = 1, 2; y = 3, 4; z = 1000, 500; s = 273.15, 274.15, 275.15, 276.15, 263.15, 264.15, 265.15, 266.15;'
 	is '-u: values are converted' "$(nc2vtk -u degC warm.nc s >a.vtk; values a.vtk | awk '{ printf "%.3f ", $1 + 1e-4 }')" \
 		'0.000 1.000 2.000 3.000 -10.000 -9.000 -8.000 -7.000 '
+	sed 's/s:units = "K";/& s:units_metadata = "temperature: difference";/' warm.cdl | ncgen -o warmer.nc
+	is '-u: a difference of temperatures stays one' "$(nc2vtk -u degC warmer.nc s >b.vtk; values b.vtk | awk '{ printf "%.2f ", $1 }')" \
+		'273.15 274.15 275.15 276.15 263.15 264.15 265.15 266.15 '
 	like '-u: the title has the unit' "$(sed -n 2p a.vtk)" '^s \[degC\]; '
 	run nc2vtk -u m warm.nc s
 	is '-u: another quantity is refused' "$status:$out:$err" "2::nc2vtk: warm.nc: s: 'K' does not convert to 'm'"

@@ -54,6 +54,7 @@ struct cf_field {
     struct cf_axis axis[CF_AXES_MAX]; /* in file order */
     struct cf_packing packing;
     char name[CF_TEXT], units[CF_TEXT], long_name[CF_TEXT];
+    bool difference; /* of temperatures: units_metadata says so */
 };
 
 bool cf_open(const char *path, struct cf_file *c, char err[ERR_BYTES]);

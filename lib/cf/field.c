@@ -56,12 +56,14 @@ static bool check_axes(struct cf_file *c, struct cf_field *f, char err[ERR_BYTES
 bool cf_field_read(struct cf_file *c, int group, int id, struct cf_field *f, char err[ERR_BYTES])
 {
     int n = 0, dims[NC_MAX_VAR_DIMS];
-    char name[NC_MAX_NAME + 1] = "";
+    char name[NC_MAX_NAME + 1] = "", about[CF_TEXT];
     *f = (struct cf_field){.group = group, .id = id};
     cf_did(c, nc_inq_var(group, id, name, NULL, &n, dims, NULL));
     snprintf(f->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
     cf_text(c, group, id, "units", f->units);
     cf_text(c, group, id, "long_name", f->long_name);
+    cf_text(c, group, id, "units_metadata", about);
+    f->difference = strcmp(about, "temperature: difference") == 0;
     cf_packing(c, group, id, &f->packing);
     if (!cf_look(c, err)) return false;
     if (!cf_is_numeric(&f->packing))

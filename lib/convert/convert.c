@@ -158,6 +158,7 @@ void convert(const struct convert_options *o, const struct converter *c)
         die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, c->what, o->time,
             c->times);
     if (o->unit) r.unit = conversion(&r, c->unit, o->unit);
+    if (c->difference) r.unit.offset = 0;
     c->axes(c->ctx, &r.g);
     snprintf(r.g.name, sizeof r.g.name, "%s", c->name);
     convert_axis(&r);

@@ -52,6 +52,7 @@ enum convert_levels {
 struct converter {
     const char *what, *name; /* what: for messages; name: of the scalar */
     const char *unit;        /* of the scalar */
+    bool difference;         /* the scalar is a difference, in whose units 0 stays 0 */
     enum convert_levels levels;
     const char *levels_unit; /* of z */
     bool degrees;            /* x is longitude in degrees */
