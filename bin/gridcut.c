@@ -16,8 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MIB_MAX 2047      /* a record has less than 2 GiB */
-#define VOLUME_SLACK 1e-6 /* of the whole, by which rounded volumes of all bricks may differ */
+#define MIB_MAX 2047 /* a record has less than 2 GiB */
 
 struct options {
     double mib;        /* -m: the most memory of a brick's values; 0: parts is given */
@@ -154,13 +153,6 @@ static int by_sight(const void *a, const void *b)
     return 0;
 }
 
-static double volume_of(const double bounds[3][2])
-{
-    double v = 1;
-    for (int a = 0; a < 3; a++) v *= bounds[a][1] - bounds[a][0];
-    return v;
-}
-
 static bool overlap(const struct brick *a, const struct brick *b)
 {
     for (int i = 0; i < 3; i++)
@@ -168,11 +160,21 @@ static bool overlap(const struct brick *a, const struct brick *b)
     return true;
 }
 
-/* Bricks that do not overlap and have the whole's volume are all of its bricks. */
+/* True if this face of a brick is a face of the whole, or just that of another brick. */
+static bool is_joined(const struct brick *all, int n, const struct brick *b, int a, int end)
+{
+    bool joined = b->own[a][end] == b->whole[a][end];
+    for (int k = 0; k < n && !joined; k++) {
+        joined = all[k].own[a][!end] == b->own[a][end];
+        for (int i = 1; i < 3; i++)
+            joined &= memcmp(all[k].own[(a + i) % 3], b->own[(a + i) % 3], sizeof b->own[a]) == 0;
+    }
+    return joined;
+}
+
+/* Bricks that do not overlap, and whose faces all are joined, are a whole lattice. */
 static void check_bricks(const struct brick *b, int n)
 {
-    const double whole = volume_of(b[0].whole);
-    double sum = 0;
     for (int i = 0; i < n; i++) {
         if (memcmp(b[i].whole, b[0].whole, sizeof b[i].whole) != 0)
             die(ST_USAGE, "%s and %s are of two grids, expected bricks of one", b[0].path,
@@ -181,11 +183,11 @@ static void check_bricks(const struct brick *b, int n)
             if (overlap(&b[i], &b[k]))
                 die(ST_USAGE, "%s and %s have a cell in common, expected bricks of one cut",
                     b[k].path, b[i].path);
-        sum += volume_of(b[i].own);
     }
-    if (sum < whole * (1 - VOLUME_SLACK))
-        die(ST_USAGE, "bricks are missing: these have %.3g %% of the grid, expected all of it",
-            100 * sum / whole);
+    for (int i = 0; i < 6 * n; i++)
+        if (!is_joined(b, n, &b[i / 6], i % 3, i % 2))
+            die(ST_USAGE, "bricks are missing: %s has none beside it along %c, expected all",
+                b[i / 6].path, "xyz"[i % 3]);
 }
 
 static void order(const struct options *o)

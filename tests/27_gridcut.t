@@ -82,8 +82,14 @@ is 'the nearest brick comes first, here that in the middle' "$(gridcut -s middle
 spec '90 9 3' '10 9 3' >right.spec
 is 'from the right' "$(gridcut -s right.spec row-*.vtk | on_line)" 'row-2.vtk row-1.vtk row-0.vtk'
 refused() { name=$1 ere=$2; shift 2; run "$@"; like "$name" "$status $err" "^2 gridcut: $ere"; }
-refused 'a brick is missing' 'bricks are missing: these have 65.2 % of the grid, expected' gridcut -s map.spec row-0.vtk row-2.vtk
+refused 'a brick is missing' 'bricks are missing: row-0.vtk has none beside it along x, expected' gridcut -s map.spec row-0.vtk row-2.vtk
 refused 'a brick twice' 'row-0.vtk and row-0.vtk have a cell in common' gridcut -s map.spec row-0.vtk row-0.vtk row-1.vtk
+grid thin 4 3 3 's = i' && sed -i '/^X_COO/{n;n;s/.*/1e-7/}' thin.vtk
+gridcut -n 3,1,1 -o thin-%d.vtk thin.vtk
+refused 'a thin brick is missing' 'bricks are missing: thin-1.vtk has none beside it along x' gridcut -s map.spec thin-1.vtk thin-2.vtk
+gridcut -n 1,2,1 -o half-%d.vtk wave.vtk
+gridcut -n 2,2,1 -o quarter-%d.vtk wave.vtk
+refused 'bricks of two cuts' 'bricks are missing: ' gridcut -s map.spec half-0.vtk quarter-2.vtk quarter-3.vtk
 gridcut -n 3,1,1 -o other-%d.vtk layers.vtk
 refused 'bricks of two grids' 'row-0.vtk and other-1.vtk are of two grids' gridcut -s map.spec row-0.vtk other-1.vtk row-2.vtk
 refused 'a whole grid' 'wave.vtk: is no brick, expected' gridcut -s map.spec wave.vtk
