@@ -240,6 +240,8 @@ done
 # Names of files are bytes.
 name=$(printf '\303\274\377.txt')
 echo inside >"$name"
+run pack files - </dev/null
+is 'standard input is no file that is packed' "$status $err" '2 pack: -: No such file or directory'
 ok 'a name that is no UTF-8 is packed' sh -c 'LC_ALL=C pack files "$1" >named.files' sh "$name"
 cat named.files tiles.task | cropworker sh -c 'grep -q inside {i} && [ "$(echo *)" = "$0" ] && cat "$1"' "$name" "$tmp/whole.pgm" 2>said | gather -o named.png
 is 'and unpacked' "$(cat said)$(imgcmp -q named.png left.png || echo differ)" ''

@@ -50,8 +50,8 @@ static bool put_file(struct archive *a, const char *path, const char *name, char
 {
     struct buf bytes = {0};
     struct stat st;
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
-        return err_set(err, "%s: is no regular file, expected files", path);
+    if (stat(path, &st) != 0) return err_set(err, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(st.st_mode)) return err_set(err, "%s: is no regular file, expected files", path);
     if (!load_file(path, &bytes, err)) return false;
     struct archive_entry *e = archive_entry_new();
     archive_entry_set_pathname(e, name);
