@@ -147,6 +147,9 @@ titled() {
 }
 like "labels have the units of the grid's title" "$(titled 'speed [m/s]; x lon [degrees_east]; y lat [degrees_north]; z -lev [hPa]; t time 0 [d]')" \
 	'^0°,4°E,.*,42°N,.*,1000 hPa,.*,time 0 d,speed, m/s,$'
+{ grep -v '^map' wall.spec; printf '%s\n' 'map 1013250 1 0 0 1' 'map 1013256 0 1 0 1'; } >precise.spec
+like 'values of the legend have all their digits' "$(backdrop wall.vtk precise.spec | sed -n "s/^set label '\(.*\)' at .*/\1/p" | tr '\n' ,)" \
+	',1013250,1013252,1013254,1013256,'
 like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m]; y lambert_y [m]; z heightAboveGround [m]; t')" \
 	'^0 m,4 m,.*,42 m,.*,-1000 m,.*,T, K,$'
 for x in 'grid_longitude [degrees]; y grid_latitude [degrees]' 'rlon [degrees]; y rlat [degrees]'; do

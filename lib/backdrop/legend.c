@@ -101,13 +101,13 @@ static void bar_values(const struct bar *b, const struct drawing *s)
         double widest = 0, step = backdrop_step(b->hi - b->lo, n);
         t = backdrop_ticks(b->lo, b->hi, step);
         for (int i = t.first; i <= t.last; i++) {
-            snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
+            snprintf(text, sizeof text, "%.10g", i * t.step + 0.0);
             widest = fmax(widest, backdrop_text_width(s, text));
         }
         if (widest + .5 * s->em < b->w * step / (b->hi - b->lo)) break;
     }
     for (int i = t.first; i <= t.last; i++) {
-        snprintf(text, sizeof text, "%.6g", i * t.step + 0.0);
+        snprintf(text, sizeof text, "%.10g", i * t.step + 0.0);
         double at[2] = {bar_x(b, i * t.step), b->y - BACKDROP_ROW / 2 * s->em};
         backdrop_label(s, text, at, 0);
     }

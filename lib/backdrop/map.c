@@ -47,7 +47,7 @@ static void degrees_text(char *out, size_t n, int axis, double v)
     if (axis == 0) v = remainder(v, 360);
     const char *side = v < 0 ? axis ? "S" : "W" : axis ? "N" : "E";
     bool neither = v == 0 || (axis == 0 && fabs(v) == 180);
-    snprintf(out, n, "%.6g°%s", fabs(v), neither ? "" : side);
+    snprintf(out, n, "%.8g°%s", fabs(v), neither ? "" : side);
 }
 
 #define KM_LEAST 2e4 /* metres: larger ranges are labelled in kilometres */
@@ -56,7 +56,7 @@ static void flat_text(const struct drawing *s, char *out, size_t n, double v)
 {
     bool km = strcmp(s->b->flat, "m") == 0 && s->hi[0] - s->lo[0] >= KM_LEAST;
     const char *blank = strcmp(s->b->flat, BACKDROP_DEGREE) == 0 ? "" : " ";
-    snprintf(out, n, "%.6g%s%s%s", km ? v / 1000 : v, blank, km ? "k" : "", s->b->flat);
+    snprintf(out, n, "%.10g%s%s%s", km ? v / 1000 : v, blank, km ? "k" : "", s->b->flat);
 }
 
 static void place_text(const struct drawing *s, char *out, size_t n, int axis, double v)
@@ -154,8 +154,8 @@ static enum label label_height(const struct drawing *s, const void *ctx, double 
     const struct beside *b = ctx;
     double xy[2], v = (s->b->down ? -z : z) + 0.0;
     char text[128];
-    if (s->b->levels) snprintf(text, sizeof text, "%.40s %.6g", s->b->levels, v);
-    else snprintf(text, sizeof text, "%.6g %s", v, s->b->unit);
+    if (s->b->levels) snprintf(text, sizeof text, "%.40s %.10g", s->b->levels, v);
+    else snprintf(text, sizeof text, "%.10g %s", v, s->b->unit);
     if (!backdrop_project(s, b->corner[0], b->corner[1], z, xy)) return LABEL_LEFT_OUT;
     /* at the edge of the picture, closer to the edge of the grid, or over it */
     double wide = backdrop_text_width(s, text) + 1;
