@@ -82,6 +82,10 @@ is 'GRIB 1: precise layers count from 1100 hPa' "$(units_of_edition_1 121 'set t
 make_grib pascals "set scaledValueOfFirstFixedSurface=101320; set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=150; write;
 	set scaledValueOfFirstFixedSurface=100; write;"
 is 'pressures have all their digits' "$(got pascals.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-1013.2 -1.5 -1'
+make_grib soil 'set typeOfFirstFixedSurface=151; set typeOfSecondFixedSurface=151; set scaleFactorOfFirstFixedSurface=0;
+	set scaleFactorOfSecondFixedSurface=0; set scaledValueOfFirstFixedSurface=0; set scaledValueOfSecondFixedSurface=1;
+	set values={1,2,3,4,5,6}; write; set scaledValueOfFirstFixedSurface=1; set scaledValueOfSecondFixedSurface=2; write;'
+is 'layers of the soil count downwards' "$(got soil.grib2 t >/dev/null; on_line coordinates Z a.vtk)" '-1.5 -0.5'
 make_grib north "set jScansPositively=1; set latitudeOfFirstGridPointInDegrees=58; set latitudeOfLastGridPointInDegrees=60; $one $two"
 is 'rows may start in the south' "$(got north.grib2 t)" '11 12 13 14 15 16 1 2 3 4 5 6'
 make_grib west "set iScansNegatively=1; set longitudeOfFirstGridPointInDegrees=10; set longitudeOfLastGridPointInDegrees=350; $one $two"

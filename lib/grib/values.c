@@ -11,8 +11,8 @@ const struct gb_measure *gb_measure_of(const char *levels)
     static const struct gb_measure measures[] = {{"isobaricInhPa", "hPa", true},
         {"isobaricInPa", "Pa", true}, {"isobaricLayer", "hPa", true}, {"heightAbove", "m", false},
         {"pressureFromGround", "Pa", false}, {"theta", "K", false}, {"depthBelow", "m", true},
-        {"hybrid", "1", true}, {"sigma", "1", true}, {"eta", "1", true},
-        {"generalVertical", "1", true}, {"", "", false}};
+        {"soil", "1", true}, {"oceanModel", "1", true}, {"hybrid", "1", true}, {"sigma", "1", true},
+        {"eta", "1", true}, {"generalVertical", "1", true}, {"", "", false}};
     const struct gb_measure *m = measures;
     while (strncmp(levels, m->prefix, strlen(m->prefix)) != 0) m++;
     return m;
