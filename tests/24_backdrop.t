@@ -155,6 +155,8 @@ like 'labels of a grid on a plane are metres' "$(titled 'T [K]; x lambert_x [m];
 for x in 'grid_longitude [degrees]; y grid_latitude [degrees]' 'rlon [degrees]; y rlat [degrees]'; do
 	like "labels of a rotated sphere are plain degrees: $x" "$(titled "T [K]; x $x; z height [m]")" '^0°,2°,.*,42°,44°,.*,T, K,$'
 done
+like 'degrees west are not labelled as east' "$(titled "T [K]; x lon [degrees_west]; y lat [degrees_north]; z height [m]")" \
+	'^0 degrees_west,'
 like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
 like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,4°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
