@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #define MARGIN 0x1p-20 /* of the size of the ground: room around its heights */
+#define ROOM 0x1p-40   /* of a height: what rounding may do to it */
 
 struct ground {
     const struct grid *g;
@@ -62,10 +63,14 @@ static void set_bounds(struct ground *g, const struct spec *s)
     }
     size = MARGIN * fmax(size, fmax(fabs(lo), fabs(hi)));
     g->bounds[2][0] = lo - size, g->bounds[2][1] = hi + size;
+    /* A flat ground in a face of the clip box is in the box. */
     for (int a = 0; a < 3 && s->clipped; a++) {
         const bool turned = s->scale[a] < 0;
-        g->bounds[a][0] = fmax(g->bounds[a][0], s->clip[a][turned] * s->scale[a]);
-        g->bounds[a][1] = fmin(g->bounds[a][1], s->clip[a][!turned] * s->scale[a]);
+        const double room = a == 2 ? ROOM : 0, eye = fabs(s->from[a]);
+        const double low = s->clip[a][turned] * s->scale[a];
+        const double high = s->clip[a][!turned] * s->scale[a];
+        g->bounds[a][0] = fmax(g->bounds[a][0], low - room * (fabs(low) + eye));
+        g->bounds[a][1] = fmin(g->bounds[a][1], high + room * (fabs(high) + eye));
     }
 }
 

@@ -97,6 +97,30 @@ static void no_ray_slips_through(void **state)
     grid_free(&g);
 }
 
+static double even(double x, double y, double z) { return 2.7 + 0 * (x + y + z); }
+
+/* The clip box begins or ends at the height of a flat ground, which is then in it. */
+static void it_is_seen_in_a_face_of_the_clip_box(void **state)
+{
+    (void)state;
+    struct grid g = with_ground(4, 3, even);
+    struct spec_knot ground[] = {{0, {1, 1, 1}, 0}};
+    const double z = (double)g.ground->value[0];
+    for (uint64_t n = 0; n < (uint64_t)rounds(2000); n++) {
+        double from[3], at[3];
+        for (int a = 0; a < 3; a++) at[a] = a < 2 ? .2 + 1.6 * rng_unit(n, (uint64_t)a) : z;
+        for (int a = 0; a < 3; a++) from[a] = at[a] + 20 * (rng_unit(n, 2 + (uint64_t)a) - .5);
+        struct scene c = make_scene(from, at);
+        c.s.ground = ground, c.s.n_grounds = 1, c.s.clipped = true;
+        for (int a = 0; a < 3; a++) c.s.clip[a][0] = -9, c.s.clip[a][1] = 9;
+        c.s.clip[2][n % 2] = z;
+        float p[4];
+        render(&g, &c.s, &usual, p, NULL);
+        if (p[3] != 1) fail_msg("ray %d does not see the ground", (int)n);
+    }
+    grid_free(&g);
+}
+
 /* What a specification names must be there. */
 static void it_must_be_there(void **state)
 {
@@ -122,6 +146,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_ends_rays),
         cmocka_unit_test(no_ray_slips_through),
+        cmocka_unit_test(it_is_seen_in_a_face_of_the_clip_box),
         cmocka_unit_test(it_must_be_there),
     };
     return cmocka_run_group_tests_name("volume: ground", tests, NULL, NULL);
