@@ -13,6 +13,7 @@
 
 #define MARGIN 0x1p-20 /* of the size of the ground: room around its heights */
 #define ROOM 0x1p-40   /* of a height: what rounding may do to it */
+#define BEHIND 0x1p-32 /* of the distance to the ground: at most this far behind it a ray ends */
 
 struct ground {
     const struct grid *g;
@@ -226,6 +227,13 @@ static void shade(
     for (int c = 0; c < 3; c++) m->rgb[c] *= light;
 }
 
+/* A time behind the ground by more than rounding: what is in the ground's place is before it. */
+static double behind(const struct over *r, double t, double eye)
+{
+    const double z = fabs(eye) + fabs(eye + t * r->d[2]);
+    return t + fmin(ROOM * z / fabs(r->d[2]), BEHIND * t);
+}
+
 struct meeting ground_meet(const struct ground *g, const struct spec *s, struct vec3 dir)
 {
     struct meeting m = {.is = false};
@@ -244,7 +252,7 @@ struct meeting ground_meet(const struct ground *g, const struct spec *s, struct 
             const double w = there ? crossing_of(&p, above) : -1;
             m.is = w >= 0;
             m.t = before + r.t + w * (end - r.t);
-            if (m.is) shade(&r, s, &p, w, &m);
+            if (m.is) shade(&r, s, &p, w, &m), m.t = behind(&r, m.t, s->from[2]);
         }
         if (!pass(&r, next, end)) break;
     }

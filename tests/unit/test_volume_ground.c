@@ -121,6 +121,32 @@ static void it_is_seen_in_a_face_of_the_clip_box(void **state)
     grid_free(&g);
 }
 
+static double level(double x, double y, double z) { return 3 + 0 * (x + y + z); }
+
+/* A slice, a surface and a flat ground in one place are seen in this order, without speckles. */
+static void it_is_behind_what_is_in_its_place(void **state)
+{
+    (void)state;
+    struct grid in[] = {with_ground(4, 3, even), with_ground(4, 3, level)}; /* in cells, in faces */
+    struct spec_knot ground[] = {{0, {1, 0, 0}, 0}};
+    for (uint64_t n = 0; n < (uint64_t)rounds(2000); n++) {
+        const double z = (double)in[n % 2].ground->value[0];
+        struct spec_slice slice = {2, z, .5};
+        double from[3], at[3];
+        for (int a = 0; a < 3; a++) at[a] = a < 2 ? .2 + 1.6 * rng_unit(n, (uint64_t)a) : z;
+        for (int a = 0; a < 3; a++) from[a] = at[a] + 20 * (rng_unit(n, 2 + (uint64_t)a) - .5);
+        struct scene c = make_scene(from, at);
+        knot(&c, 0, 0, 0, 1, 0), knot(&c, 10, 0, 0, 1, 0), iso(&c, z, 0, 1, 0, .5);
+        c.s.slice = &slice, c.s.n_slices = 1;
+        if (n / 2 % 2) c.s.ground = ground, c.s.n_grounds = 1;
+        float p[4];
+        render(&in[n % 2], &c.s, &usual, p, NULL);
+        near((double)p[2], .5, 1e-6), near((double)p[1], .25, 1e-6);
+        near((double)p[0], n / 2 % 2 ? .25 : 0, 1e-6);
+    }
+    for (int i = 0; i < 2; i++) grid_free(&in[i]);
+}
+
 /* What a specification names must be there. */
 static void it_must_be_there(void **state)
 {
@@ -147,6 +173,7 @@ int main(void)
         cmocka_unit_test(it_ends_rays),
         cmocka_unit_test(no_ray_slips_through),
         cmocka_unit_test(it_is_seen_in_a_face_of_the_clip_box),
+        cmocka_unit_test(it_is_behind_what_is_in_its_place),
         cmocka_unit_test(it_must_be_there),
     };
     return cmocka_run_group_tests_name("volume: ground", tests, NULL, NULL);
