@@ -101,6 +101,14 @@ is 'without a hierarchy no volume is tested' "$(count volume_tests) $(count hier
 is 'rays are the sum of their kinds' "$(count rays)" \
 	"$(($(count eye_rays) + $(count reflected_rays) + $(count refracted_rays) + $(count shadow_rays)))"
 
+# A light far away, as one writes the sun, widens neither edges nor boxes.
+spdgen -s 3 tetra | sed 's/^l .*/l 2e16 -18e16 -5e16/' >sun.nff
+out=$(spdgen -s 3 tetra | rtworker -n -s 64x64)
+hits=$(count eye_hits) volumes=$(count volume_tests)
+out=$(rtworker -n -s 64x64 sun.nff)
+is 'a light at 1e17: as many eye rays hit' "$(count eye_hits)" "$hits"
+ok '... and as few boxes are tested' test "$(count volume_tests)" -lt "$((2 * volumes))"
+
 # The first paper's scenes: the numbers of `protocol complexity`.
 while read -r scene rays; do
 	run sh -c "spdgen -s 2 $scene | rtworker -n"

@@ -149,7 +149,6 @@ struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct
     if (s->n_materials > MATERIAL_MASK) die(ST_SYSTEM, "too many materials");
     parallel_run(p, n_parts, count_part, &m);
     *reach = farther(0, s->view.from);
-    for (uint32_t i = 0; i < s->n_lights; i++) *reach = farther(*reach, s->lights[i].pos);
     for (uint32_t i = 0; i < n_parts; i++) {
         m.parts[i].first = (uint32_t)n;
         n += m.parts[i].most;

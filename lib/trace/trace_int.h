@@ -70,8 +70,7 @@ struct shape {
     size_t block_size, items_at; /* items_at: offset of the array item in a block */
     /* False: degenerate. */
     bool (*has_surface)(const struct scene *s, const struct item *it);
-    /* Fills a lane of a block. No coordinate of the scene, eye and lights included, exceeds
-     * reach. */
+    /* Fills a lane of a block. No coordinate of a ray's origin or hit exceeds reach. */
     void (*fill)(const struct scene *s, const struct item *it, double reach, void *block, int lane);
     /* Makes a lane that no ray hits. */
     void (*clear)(void *block, int lane);
@@ -290,7 +289,8 @@ void media_list_enclosing(struct tracer *t);
 uint32_t media_around(const struct tracer *t, struct vec3 p, struct media *m);
 
 /* items.c: sets items, n_items and transmits. Returns references to the items that have a surface,
- * which the caller frees. *reach: the largest absolute coordinate of a ray's origin or hit. */
+ * which the caller frees. *reach: the largest absolute coordinate of a ray's origin or hit. Lights
+ * do not count: one that is far away would widen every edge and box. */
 struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct parallel *p);
 
 /* bound.c: sets t->radiance. Needs t->surfaces. */

@@ -32,8 +32,8 @@ static const struct shaders *choose_shaders(enum isa isa)
     return wide ? wide : trace_shaders_sse2();
 }
 
-/* Both ends of a shadow ray are within reach of 0 along each axis. So 8 * reach exceeds the bound
- * on the light's error (ends.h). */
+/* If the light lies on an item, both ends of its shadow rays are within reach of 0 along each axis.
+ * So 8 * reach exceeds the bound on the light's error (ends.h). */
 static void mark_lights(struct tracer *t, double reach)
 {
     const struct scene *s = t->scene;
