@@ -58,6 +58,15 @@ p 4 -99 6 -99 99 6 -99 99 6 99 -99 6 99
 p 4 -99 7 -99 99 7 -99 99 7 99 -99 7 99
 p 4 -99 8 -99 99 8 -99 99 8 99 -99 8 99
 END
+# A mirroring sphere so small that rounding puts a hit at its centre.
+printf '%s\n' 'b 1 1 1 v from 0 0 0 at 0 1 0 up 0 0 1 angle 40 hither 0 resolution 1 1' 'f 1 1 1 0 .5 9 0 0' \
+	's 0 5 0 1e-17' >dot.nff
+for set in sse2 avx2 avx512; do
+	rtworker -x $set -h >/dev/null 2>&1 || continue
+	run sh -c "partition 1x1 | rtworker -x $set dot.nff | gather -o dot.pfm"
+	is "$set: a sphere smaller than rounding mirrors the background" "$status:$(tail -c 12 dot.pfm | od -An -tf4 | xargs)" \
+		'0:0.5 0.5 0.5'
+done
 # Through a pane into glass of index 2, and there onto a wall at 45 degrees.
 by_hand 'total internal reflection: reflected once, and not refracted' 3 '15/15 30/0 15/15 0/0 15' <<'END'
 f 1 1 1 0 0 9 .5 2

@@ -50,7 +50,9 @@ static void extent(
 static struct vec3 normal(const struct scene *s, const struct item *it, struct vec3 *p)
 {
     const struct prim *q = &s->prims[it->prim];
-    struct vec3 n = v3_unit(v3_sub(*p, q->sphere.center));
+    struct vec3 n = v3_sub(*p, q->sphere.center);
+    double len = v3_len(n); /* 0: the sphere is smaller than the rounding of its place */
+    n = len > 0 ? v3_scale(n, 1 / len) : v3(0, 0, 1);
     *p = v3_mad(q->sphere.center, n, fabs(q->sphere.radius));
     return n;
 }
