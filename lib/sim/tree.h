@@ -19,8 +19,8 @@ struct tree_node {
 struct tree_hub {
     void *state;
     int64_t wake_us;           /* next wake-up, INT64_MAX: none */
-    double busy_us;           /* it handles records until then */
-    double pixels_us;         /* pixels pass its bandwidth until then */
+    double busy_us;            /* it handles records until then */
+    double pixels_us;          /* pixels pass its bandwidth until then */
     struct net_queue up, down; /* of its link to its parent */
 };
 

@@ -80,7 +80,7 @@ struct world {
     struct coverage sent; /* pixels passed on */
     uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
-    double hub_us;                 /* pixels pass the hub until then */
+    double hub_us;                  /* pixels pass the hub until then */
     struct net_queue *up, *down_to; /* of links, by their numbers */
     double cost_us;                 /* sum of costs drawn, at power 1 */
     double alone_us;                /* time of all tasks on the slowest slot */
