@@ -87,9 +87,9 @@ refused 'a brick twice' 'row-0.vtk and row-0.vtk have a cell in common' gridcut 
 grid thin 4 3 3 's = i' && sed -i '/^X_COO/{n;n;s/.*/1e-7/}' thin.vtk
 gridcut -n 3,1,1 -o thin-%d.vtk thin.vtk
 refused 'a thin brick is missing' 'bricks are missing: thin-1.vtk has none beside it along x' gridcut -s map.spec thin-1.vtk thin-2.vtk
-gridcut -n 1,2,1 -o half-%d.vtk wave.vtk
+gridcut -n 1,2,1 -o two-%d.vtk wave.vtk
 gridcut -n 2,2,1 -o quarter-%d.vtk wave.vtk
-refused 'bricks of two cuts' 'bricks are missing: ' gridcut -s map.spec half-0.vtk quarter-2.vtk quarter-3.vtk
+refused 'bricks of two cuts' 'bricks are missing: ' gridcut -s map.spec two-0.vtk quarter-2.vtk quarter-3.vtk
 gridcut -n 3,1,1 -o other-%d.vtk layers.vtk
 refused 'bricks of two grids' 'row-0.vtk and other-1.vtk are of two grids' gridcut -s map.spec row-0.vtk other-1.vtk row-2.vtk
 refused 'a whole grid' 'wave.vtk: is no brick, expected' gridcut -s map.spec wave.vtk
