@@ -97,6 +97,15 @@ static void no_ray_slips_through(void **state)
     grid_free(&g);
 }
 
+/* From somewhere to a point at this height. */
+static struct scene towards_height(double z, uint64_t seed)
+{
+    double from[3], at[3];
+    for (int a = 0; a < 3; a++) at[a] = a < 2 ? .2 + 1.6 * rng_unit(seed, (uint64_t)a) : z;
+    for (int a = 0; a < 3; a++) from[a] = at[a] + 20 * (rng_unit(seed, 2 + (uint64_t)a) - .5);
+    return make_scene(from, at);
+}
+
 static double even(double x, double y, double z) { return 2.7 + 0 * (x + y + z); }
 
 /* The clip box begins or ends at the height of a flat ground, which is then in it. */
@@ -107,10 +116,7 @@ static void it_is_seen_in_a_face_of_the_clip_box(void **state)
     struct spec_knot ground[] = {{0, {1, 1, 1}, 0}};
     const double z = (double)g.ground->value[0];
     for (uint64_t n = 0; n < (uint64_t)rounds(2000); n++) {
-        double from[3], at[3];
-        for (int a = 0; a < 3; a++) at[a] = a < 2 ? .2 + 1.6 * rng_unit(n, (uint64_t)a) : z;
-        for (int a = 0; a < 3; a++) from[a] = at[a] + 20 * (rng_unit(n, 2 + (uint64_t)a) - .5);
-        struct scene c = make_scene(from, at);
+        struct scene c = towards_height(z, n);
         c.s.ground = ground, c.s.n_grounds = 1, c.s.clipped = true;
         for (int a = 0; a < 3; a++) c.s.clip[a][0] = -9, c.s.clip[a][1] = 9;
         c.s.clip[2][n % 2] = z;
@@ -132,10 +138,7 @@ static void it_is_behind_what_is_in_its_place(void **state)
     for (uint64_t n = 0; n < (uint64_t)rounds(2000); n++) {
         const double z = (double)in[n % 2].ground->value[0];
         struct spec_slice slice = {2, z, .5};
-        double from[3], at[3];
-        for (int a = 0; a < 3; a++) at[a] = a < 2 ? .2 + 1.6 * rng_unit(n, (uint64_t)a) : z;
-        for (int a = 0; a < 3; a++) from[a] = at[a] + 20 * (rng_unit(n, 2 + (uint64_t)a) - .5);
-        struct scene c = make_scene(from, at);
+        struct scene c = towards_height(z, n);
         knot(&c, 0, 0, 0, 1, 0), knot(&c, 10, 0, 0, 1, 0), iso(&c, z, 0, 1, 0, .5);
         c.s.slice = &slice, c.s.n_slices = 1;
         if (n / 2 % 2) c.s.ground = ground, c.s.n_grounds = 1;
