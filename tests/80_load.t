@@ -13,19 +13,19 @@ spdgen -s 2 tetra >tetra.nff
 good() { partition "$1" | rtworker tetra.nff | gather -o good.pfm; }
 same() { is "$1: exit 0, and no message" "$status$(cat said)" 0 && ok "$1: the same picture" cmp out.pfm good.pfm; }
 
-good 400x250
-measured "{ pack scene tetra.nff; partition -u run:1 400x250; } |
+good 400x500
+measured "{ pack scene tetra.nff; partition -u run:1 400x500; } |
 	deal fan -j 200 rtworker - 2>said | gather -o out.pfm"
-same '200 slots, 100000 tasks'
+same '200 slots, 200000 tasks'
 bounded '200 slots' fan kib $((16 << 10))
 bounded '200 slots' fan open $((2 * 200 + 16))
 bounded '200 slots' deal kib $((20 << 10))
 bounded '200 slots' deal open 16
 bounded '200 slots' gather open 16
 
-measured "{ pack scene tetra.nff; partition -n 100 -u run:1 400x250; } |
+measured "{ pack scene tetra.nff; partition -n 100 -u run:1 400x500; } |
 	ringctl fan -j 100 ringctl -n rtworker - 2>said | gather -o out.pfm"
-same 'a ring of 100, 100000 tasks'
+same 'a ring of 100, 200000 tasks'
 bounded 'a ring of 100' ringctl kib $((64 << 10))
 bounded 'a ring of 100' ringctl open 16
 bounded 'a ring of 100' fan kib $((64 << 10))

@@ -88,7 +88,7 @@ static const struct volume_options many = {VOLUME_TRAPEZOID, 0, 20000, ISA_AUTO,
 static void keeps_the_tolerance(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(400); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)rounds(800); seed++) {
         double e = difference(seed, &usual, &converged);
         if (e > usual.tolerance) fail_msg("seed %d: error %.3g", (int)seed, e);
         if (seed % 4) continue;
