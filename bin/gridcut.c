@@ -14,6 +14,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define MIB_MAX 2047 /* a record has less than 2 GiB */
@@ -112,7 +113,14 @@ static void cut(const struct options *o)
                 parts[a], "xyz"[a], g -> n[a] - 1);
     uint32_t n = parts[0] * parts[1] * parts[2];
     char **path = xcalloc(n, sizeof *path);
-    for (uint32_t i = 0; i < n; i++) path[i] = image_name(o->out, i);
+    struct stat grid, at;
+    bool named = stat(o->path[0], &grid) == 0;
+    for (uint32_t i = 0; i < n; i++) {
+        path[i] = image_name(o->out, i);
+        bool there = named && stat(path[i], &at) == 0;
+        if (there && at.st_dev == grid.st_dev && at.st_ino == grid.st_ino)
+            die(ST_USAGE, "-o %s: %s is the grid itself, expected other names", o->out, path[i]);
+    }
     int status = grid_file_cut(f, parts, path, err);
     if (status != ST_OK) die(status, "%s", err);
     for (uint32_t i = 0; i < n; i++) free(path[i]);

@@ -15,7 +15,8 @@ before=$(tree)
 
 # ---- into an ordinary user's home ------------------------------------------------------------------------------------
 prefix="$tmp/home/my prefix"
-ok 'make install' make -s -C "$root" install PREFIX="$prefix"
+mkdir -p elsewhere/tests
+ok 'make install, where CDPATH leads elsewhere' env CDPATH="$tmp/elsewhere" make -s -C "$root" install PREFIX="$prefix"
 is 'every program and script is installed' "$(LC_ALL=C ls "$prefix/bin")" "$(printf '%s\n' mine $programs | sort)"
 is 'every page is installed' "$(cd "$prefix/share/man" && ls man*/* | wc -l)" "$(($(ls "$root"/man/*.[1-9] | wc -l) + 1))"
 is 'every scene is installed' "$(ls "$prefix/share/stormring")" "$({ ls "$root/scenes"; printf 'chart\nexperiments\nmanifest\n'; } | sort)"

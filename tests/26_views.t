@@ -28,6 +28,9 @@ ok '-c: the last but one view is the last key' cmp v06.spec d.spec
 rm -f v*.spec
 run views -n 1 -o v%d.spec b.spec c.spec
 ok 'a single view is the first key' cmp v0.spec b.spec
+sed 's/^from.*/& # the eye/' b.spec >comment.spec
+views -n 1 -o v%d.spec comment.spec c.spec
+ok 'with its comments' cmp v0.spec comment.spec
 
 key near.spec '1 0 0' '0 0 0' '0 0 1' 20
 key far.spec '104 0 0' '4 0 0' '0 1 0' 60

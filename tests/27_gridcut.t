@@ -104,8 +104,11 @@ printf '%s\n' 'broken via="false %c" tries=1' 'good via="sh -c %c" slots=2' >hos
 run balance bricks -S hosts -k 16 -o two.pam b-*.vtk night.spec
 is 'a host that fails: the other one renders its brick' "$status $(cmp two.pam bricks.pam && echo same)" '0 same'
 like 'a message names that host' "$err" '^balance bricks: broken: gets no more bricks'
+mkdir broken # hosts may have the names of directories
 run balance bricks -S broken,worse -o no.png b-*.vtk night.spec
 is 'all hosts fail: exit 1, no picture' "$status $(ls no.png 2>/dev/null)" '1 '
+like 'a message names one of them' "$err" '^balance bricks: broken: gets no more bricks'
+is 'no directory is read' "$(echo "$err" | grep -c directory)" 0
 like 'a message counts the bricks' "$err" '^balance bricks: 4 of 4 bricks have no picture'
 run balance bricks -j 1 -o no.png b-0.vtk b-1.vtk b-2.vtk night.spec
 like 'bricks are missing: refused before the work' "$status $err" '^2 gridcut: bricks are missing'
@@ -122,6 +125,9 @@ refused '-m: too little' '-m 1e-05: more than 256 bricks' gridcut -m .00001 -o t
 refused 'more bricks than cells' '-n: 7 bricks along z, expected 6 at most' gridcut -n 1,1,7 -o t-%d.vtk wave.vtk
 refused 'too many bricks' '-n 7,7,7: expected' gridcut -n 7,7,7 -o t-%d.vtk wave.vtk
 refused 'parts of bricks' '-n 1.5,1,1: expected' gridcut -n 1.5,1,1 -o t-%d.vtk wave.vtk
+cp wave.vtk hour-01.vtk
+refused 'a name that is the grid' '-o hour-%02d.vtk: hour-01.vtk is the grid itself' gridcut -n 1,1,2 -o hour-%02d.vtk hour-01.vtk
+ok 'which stays as it is' cmp wave.vtk hour-01.vtk
 refused 'no number in the name' '-o t.vtk: expected one %d' gridcut -n 1,1,2 -o t.vtk wave.vtk
 refused 'a brick' 'b-0.vtk: is a brick, expected a whole grid' gridcut -n 1,1,2 -o t-%d.vtk b-0.vtk
 refused 'no such grid' 'gone.vtk: No such file' gridcut -n 1,1,2 -o t-%d.vtk gone.vtk

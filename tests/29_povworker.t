@@ -93,7 +93,7 @@ result rows
 is 'balance masterslave: rows' "$status:$(same rows.png alone9.png)" '0:differing	0'
 result auto
 is 'balance auto: the same picture' "$status:$(same auto.png alone9.png)" '0:differing	0'
-like 'balance auto: adaptive was simulated, too' "$err" 'adaptive:? [0-9]'
+is 'balance auto: adaptive, without a simulation' "$err" ''
 ok 'no file remains' await 5 none_left
 is 'the job depends on all files' "$(cat job[123].out | grep job= | sort -u | wc -l | tr -d ' ')" 3
 
@@ -108,9 +108,11 @@ later film balance adaptive -j 2 -s 32x24 -W '+KFI3 +KFF5' -o film%02d.png my/sc
 later one balance adaptive -j 2 -s 32x24 -W '+KFF5' -o one.png my/scene.pov
 later third balance adaptive -j 2 -s 32x24 -W '+kfi3' -o third.png my/scene.pov
 later ini balance adaptive -j 2 -s 32x24 -W 'Initial_Frame=3 final_frame=5' -o ini%02d.png my/scene.pov
+later preview balance adaptive -j 2 -s 80x60 -W +SP8 -o preview.png my/scene.pov
 later bad balance adaptive -j 2 -s 32x24 -o bad.png bad.pov
 for frame in 3 4 5; do whole frame$frame- my/scene.pov +W32 +H24 +KFI3 +KFF5 +SF$frame +EF$frame & done
 whole third- my/scene.pov +W32 +H24 +KFI3 &
+whole preview- my/scene.pov +W80 +H60 +SP8 &
 wait
 result again
 like 'a log of other files is refused' "$status $err" '^[23] .*(job|state|scene)'
@@ -126,6 +128,8 @@ for frame in 3 4 5; do
 done
 result third
 is '+KFI alone: one picture, that of POV-Ray alone' "$status:$(same third.png third-*.png)" '0:differing	0'
+result preview
+is 'a mosaic preview: the picture of POV-Ray alone' "$status:$(same preview.png preview-*.png)" '0:differing	0'
 result ini
 is 'frames in words with =' "$status:$(cmp ini03.png film03.png && cmp ini05.png film05.png && echo ini*.png)" '0:ini03.png ini04.png ini05.png'
 is 'the frames differ' "$(same film03.png film05.png | grep -c '	0$')" 0
@@ -135,12 +139,23 @@ result bad
 like 'a scene that POV-Ray refuses: status 2 before the run' "$status $err" '^2 .*'
 like 'and its reason' "$err" 'Parse Error'
 ok 'and no picture' [ ! -e bad.png ]
+# POV-Ray is only on the host.
+mkdir without
+ln -s /usr/bin/* /bin/* without 2>/dev/null
+rm without/povray
+printf '#!/bin/sh\nPATH=$FULL exec sh -c "$1"\n' >with && chmod +x with
+echo 'h slots=2 via="./with %c"' >hosts
+run env FULL="$PATH" PATH="$BIN:$tmp/without" balance adaptive -S hosts -s 48x9 -o away.png my/scene.pov
+is 'POV-Ray is only on the host: the same picture' "$status:$(same away.png alone9.png)" '0:differing	0'
+like 'and a message' "$err" 'povray.*it was not tried here$'
 run povworker -i +KFI5 +KFF3 my/scene.pov
 is 'frames that end before they begin' "$status:$out" 2:
 run povworker -i +SF2 +KFF3 my/scene.pov
 like 'a share of the frames is refused' "$status $err" '^2 povworker: [+]SF2: expected [+]KFI and [+]KFF'
 is 'numbers of frames are decimal' "$(povworker -i +KFI008 +KFF010 my/scene.pov | sed -n 's/^frame //p' | tr '\n' ' ')" \
 	'640 480 8 640 480 9 640 480 10 '
+run povworker -i Frame_Step=2 +KFF3 my/scene.pov
+like 'steps of frames are refused' "$status $err" '^2 povworker: Frame_Step=2: expected [+]KFI and [+]KFF'
 run povworker -i +KFFx my/scene.pov
 is 'a frame that is no number' "$status:$out" 2:
 

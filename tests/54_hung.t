@@ -28,6 +28,10 @@ for place in $bad; do
 			printf "\\${b# }" && sleep 1
 		done ;;
 	stopped) kill -STOP $$ ;;
+	withheld) # it computes and says so, but keeps its pixels
+		exec 3<&0
+		{ rtworker -a 4 - <&3 & while echo beat; do sleep .5; done; } |
+			grep -a --line-buffered -E '^(frame|done|beat)( |$)' ;;
 	slow) # each task takes hours
 		perl -e '$| = 1; while (<STDIN>) { sleep 7200 if /^task/; print; if (/bytes=(\d+)/) { read STDIN, $b, $1; print $b } }' |
 			rtworker -a 4 - ;;
@@ -52,13 +56,13 @@ hung() {
 	for n in 1 2 3; do ok "$1: picture $n" cmp f$n.pfm good$n.pfm; done
 	ok "$1: no process remains" await 10 none_alive
 }
-for k in beats deaf trickle stopped slow; do
+for k in beats deaf trickle stopped slow withheld; do
 	hung "one of three $k" $k 1 3
 done
 hung 'all but one of five beat' beats '1 2 3 4' 5
 hung 'all but one of five stopped' stopped '1 2 3 4' 5
 hung 'all but one of five do not read' deaf '1 2 3 4' 5
-for k in beats deaf trickle stopped slow; do
+for k in beats deaf trickle stopped slow withheld; do
 	hung "a ring, one of three $k" $k 1 3 'ringctl fan -t 7200 -j' 'ringctl -n'
 done
 hung 'a ring, all but one of five beat' beats '1 2 3 4' 5 'ringctl fan -t 7200 -j' 'ringctl -n'

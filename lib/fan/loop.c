@@ -301,7 +301,8 @@ int fan_run(const struct fan_options *o)
     stop(&f);
     if (!f.refused) say_bye(&f);
     int status = status_of(&f);
-    if (f.stale) warn("%" PRId64 " answers were dropped, because no node had asked", f.stale);
+    if (f.stale)
+        warn("%" PRId64 " answers were dropped, because nothing had asked for them", f.stale);
     fan_close(&f);
     if (signals_came()) signals_die();
     return status;

@@ -78,6 +78,20 @@ static const char *below(const char *path, const char *directory, char err[ERR_B
     return NULL;
 }
 
+/* Is one of the first n paths the same one? */
+static bool has_path(char *const paths[], size_t n, const char *plain)
+{
+    struct buf other = {0};
+    bool found = false;
+    for (size_t i = 0; i < n && !found; i++) {
+        other.off = other.len = 0;
+        plain_path(&other, paths[i]);
+        found = strcmp((const char *)other.data, plain) == 0;
+    }
+    buf_free(&other);
+    return found;
+}
+
 bool files_pack(char *const paths[], size_t n, struct buf *archive, char err[ERR_BYTES])
 {
     struct archive *a = archive_write_new();
@@ -95,6 +109,7 @@ bool files_pack(char *const paths[], size_t n, struct buf *archive, char err[ERR
     for (size_t i = 0; i < n && good; i++) {
         path.off = path.len = 0;
         plain_path(&path, paths[i]);
+        if (has_path(paths, i, (const char *)path.data)) continue;
         const char *name = below((const char *)path.data, (const char *)directory.data, err);
         good = name && put_file(a, paths[i], name, err);
     }

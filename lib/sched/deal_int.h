@@ -29,9 +29,10 @@ struct slot {
     struct task_list held;               /* to compute; no other slot has them */
     struct task_list shared;             /* to compute; others have them too, or they were cut */
     struct task_list owed;               /* computed and not committed; some pixels are missing */
+    struct task_list late;               /* the same, but committed: others sent its pixels first */
 };
 /* Payload of an entry of `has`. */
-enum copy_list { HELD, SHARED, OWED };
+enum copy_list { HELD, SHARED, OWED, LATE };
 struct copy {
     int64_t given_us;    /* when the slot was given it */
     double work;         /* expected */
@@ -133,6 +134,8 @@ void deal_share(struct deal *d, int32_t i);
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out);
 /* Removes copy c of slot k. */
 void deal_drop_copy(struct deal *d, int32_t k, int32_t c);
+/* Slot k has computed copy c of a committed entry. Some of its pixels are missing. */
+void deal_outrun(struct deal *d, int32_t k, int32_t c);
 /* Slot k has computed copy c of entry i, and owes its pixels from now on. */
 void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i);
 /* Does slot k owe pixels of entry i? */
@@ -200,7 +203,7 @@ void deal_let_go(struct deal *d, struct sched_actions *out);
 int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now);
 /* The entry to give to slot k instead of entry i: a piece of it if it is long, else i itself. */
 int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i);
-/* True if a slot is still computing a copy that may no longer be needed. */
+/* True if a slot still computes a copy, or has pixels of one, that may no longer be needed. */
 bool deal_end_busy(const struct deal *d);
 
 #endif

@@ -81,7 +81,7 @@ static void leave(struct deal *d, int32_t i)
     const struct task *t = &d->ledger.at[i].task;
     int32_t k;
     while ((k = deal_account(d, i)->owing) >= 0)
-        deal_drop_copy(d, k, tasks_find(&d->slots[k].has, t->frame, t->id));
+        deal_outrun(d, k, tasks_find(&d->slots[k].has, t->frame, t->id));
     tasks_remove(&d->ledger, i);
 }
 
@@ -114,7 +114,13 @@ void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 
 static struct task_list *copies_on(struct slot *s, enum copy_list list)
 {
-    return list == HELD ? &s->held : list == SHARED ? &s->shared : &s->owed;
+    switch (list) {
+    case HELD: return &s->held;
+    case SHARED: return &s->shared;
+    case OWED: return &s->owed;
+    case LATE: break;
+    }
+    return &s->late;
 }
 
 static void move_copy(struct slot *s, int32_t c, enum copy_list to)
@@ -154,8 +160,17 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
     enum copy_list list = deal_copy(s, c)->list;
     if (list == OWED) forgive(d, k, c);
     list_remove(&s->has, copies_on(s, list), c);
-    if (list != OWED) deal_forget(d, k, c);
+    if (list == HELD || list == SHARED) deal_forget(d, k, c);
     tasks_remove(&s->has, c);
+    deal_mark(d, k);
+}
+
+void deal_outrun(struct deal *d, int32_t k, int32_t c)
+{
+    struct slot *s = &d->slots[k];
+    if (deal_copy(s, c)->list == OWED) forgive(d, k, c);
+    else deal_forget(d, k, c);
+    move_copy(s, c, LATE);
     deal_mark(d, k);
 }
 

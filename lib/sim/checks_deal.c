@@ -319,10 +319,10 @@ static void check_give(struct world *w, const struct sched_action *a)
 static void check_stop(struct world *w, bool stop)
 {
     bool busy = false, may = w->plan->params.endgame || adapts(w);
-    for (int32_t k = 0; k < w->plan->slots; k++) busy = busy || (w->slots[k].up && w->slots[k].has);
-    if (stop && !may) sim_fail(w, "slots were stopped by a policy that must not stop them", 0, 0);
-    if (may && stop != busy)
-        sim_fail(w, "slots were stopped while idle, or left busy at the end", busy, stop);
+    for (int32_t k = 0; k < w->plan->slots; k++) busy |= w->slots[k].up && w->slots[k].has;
+    for (int32_t i = 0; i < w->n_tasks; i++) busy |= of(&w->tasks[i])->owing != 0;
+    if (stop != (may && busy))
+        sim_fail(w, "slots were stopped that must not be, or left busy at the end", busy, stop);
 }
 
 /* Slot k may leave if it drains, and owes nothing. */

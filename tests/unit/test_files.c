@@ -57,16 +57,17 @@ static void comes_out_again(void **state)
 {
     (void)state;
     char scene[] = "./in/scene.pov", included[] = "in//sub/a b.inc", empty[] = "in/empty";
-    char *names[] = {scene, included, empty}, *first, err[ERR_BYTES];
+    char twice[] = "in/./sub/a b.inc";
+    char *names[] = {scene, included, empty, twice}, *first, err[ERR_BYTES];
     struct buf a = {0}, again = {0};
     write_file("in/scene.pov", "scene");
     write_file("in/sub/a b.inc", "included\n");
     write_file("in/empty", "");
-    assert_true(files_pack(names, 3, &a, err));
+    assert_true(files_pack(names, 4, &a, err));
     assert_int_equal(chmod("in/empty", 0640), 0);
     sleep(1); /* another time of change */
     write_file("in/scene.pov", "scene");
-    assert_true(files_pack(names, 3, &again, err));
+    assert_true(files_pack(names, 4, &again, err));
     assert_int_equal(buf_size(&a), buf_size(&again));
     assert_memory_equal(buf_data(&a), buf_data(&again), buf_size(&a));
     assert_true(files_unpack(buf_data(&a), buf_size(&a), "out", &first, err));
