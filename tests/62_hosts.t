@@ -79,10 +79,10 @@ is 'fan -l -S FILE WORKER: power= is kept' "$(fan -l -S hosts rtworker - | cut -
 script asked 'echo asked >>asked.said; exec sh -c "$1"'
 printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
 is 'fan -l: no worker is started on a host with power=' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
-script far '{ cat; sleep .1; } | sh -c "$1"'
+script far '{ cat; sleep 2; } | sh -c "$1"'
 printf ': slots=1\nfar power=3 via="./far %%c"\nnone via="false %%c"\n' >far.hosts
 is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -S far.hosts rtworker - 2>said |
-	awk '{ print $2, ($3 == 3), ($4 >= 100 ? "far" : $4 > 0 ? "near" : $4) }' | tr '\n' ';')" ': 0 near;far 1 far;none 0 -;'
+	awk '{ print $2, ($3 == 3), ($4 >= 2000 ? "far" : $4 > 0 ? "near" : $4) }' | tr '\n' ';')" ': 0 near;far 1 far;none 0 -;'
 bad() { # NAME HOSTS ERE
 	run fan -S "$2" rtworker - </dev/null
 	is "$1: exit 2" "$status" 2
