@@ -66,6 +66,23 @@ for where in . ./ build/.. "$root"; do
 	like "make: BUILD=$(echo "$where" | sed 's|^/.*|/...|') would be the sources, and is refused" "$status $err" '^2 .*(, the sources, expected another|without blanks in its name)'
 done
 
+# ---- check: what a skipped test does ------------------------------------------------------------------------
+mkdir -p small/tests/unit small/build/unit
+cp "$root/tests/check" "$root/tests/tap" small/tests
+: >small/tests/unit/test_a.c
+for file in build/unit/test_a tests/1.t tests/20.t tests/26.t tests/3.t tests/46.t; do
+	printf '#!/bin/sh\necho "ok 1 # SKIP %s"\necho 1..1\n' 'vectors of x: this processor has none' >small/$file
+	chmod +x small/$file
+done
+run env -u BUILD CI=true small/tests/check quick
+is 'check, CI=true: a test skipped for want of instructions is no failure' "$status" 0
+like '... and is named' "$out" '^skipped: 46.t: vectors of x: this processor has none'
+sed -i 's/vectors.*none/hosts: only root can make hosts/' small/tests/3.t
+run env -u BUILD CI=true small/tests/check quick
+is 'check, CI=true: any other skipped test is a failure' "$status" 1
+run env -u BUILD -u CI small/tests/check quick
+is 'check: without CI=true it is none' "$status" 0
+
 # ---- demo --------------------------------------------------------------------------------------------------
 run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"
 is 'demo: exit 0' "$status" 0
