@@ -106,7 +106,7 @@ LIBS_test_inference = $(LIBS_tsvstat)
 LIBS_test_mesh = $(LIBS_mesh2nff)
 LIBS_test_files = $(LIBS_pack)
 FUZZERS  = $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(filter-out $(if $(ARCHIVE),,tests/fuzz/fuzz_files.c),$(wildcard tests/fuzz/fuzz_*.c)))
-# `cd` then goes elsewhere, and prints where.
+# With CDPATH, `cd` may go elsewhere, and prints where.
 unexport CDPATH
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"

@@ -39,6 +39,13 @@ directory() {
 	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
+# host_lines HOSTS: the hosts of a file or a list, which fan has accepted: a line each, as in a hosts file. A directory may have
+# the name of a host.
+host_lines() {
+	if [ -f "$1" ]; then grep -v '^[[:space:]]*\(#.*\)*$' -- "$1"
+	else echo "$1" | tr , '\n' | sed -E 's,^([0-9]+)/(.*),\2 slots=\1,'
+	fi | sed 's/^[[:blank:]]*//'
+}
 asked "${1-}"
 trap '' XFSZ # so that a file at its size limit is a write error, which is reported
 # With too few descriptors, a shell takes programs for missing and cannot print a message.

@@ -65,7 +65,7 @@ static struct slot *slot_at(struct deal *d, int32_t k)
             .held = TASK_LIST_EMPTY,
             .shared = TASK_LIST_EMPTY,
             .owed = TASK_LIST_EMPTY,
-            .late = TASK_LIST_EMPTY};
+            .outrun = TASK_LIST_EMPTY};
         tasks_init(&s->has, sizeof(struct copy));
     }
     return &d->slots[k];
@@ -117,7 +117,7 @@ static void take_gone(struct deal *d, int32_t k)
     deal_lose(d, k, &s->shared);
     deal_lose(d, k, &s->held);
     while (s->owed.count) deal_drop_copy(d, k, s->owed.tail);
-    while (s->late.count) deal_drop_copy(d, k, s->late.tail);
+    while (s->outrun.count) deal_drop_copy(d, k, s->outrun.tail);
     deal_reclaim(d, &s->computed);
     deal_reclaim(d, &s->promised);
     d->up -= s->state == SLOT_UP;
@@ -176,7 +176,7 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
     if (!s || (s->state != SLOT_UP && s->state != SLOT_DRAINS)) return;
     int32_t i = tasks_find(&d->ledger, e->task.frame, e->task.id);
     int32_t c = tasks_find(&s->has, e->task.frame, e->task.id);
-    if (c < 0 || deal_copy(s, c)->list == OWED || deal_copy(s, c)->list == LATE) {
+    if (c < 0 || deal_computed(s, c)) {
         /* If DONE was repeated, perhaps the slot had no such pixels when it was asked to flush. */
         if (c >= 0) s->asked = false;
         deal_mark(d, e->slot);
@@ -201,8 +201,7 @@ static void note_pixels(struct deal *d, int32_t k, const struct task *t)
     struct slot *s = k >= 0 && k < d->n_slots ? &d->slots[k] : NULL;
     int32_t c = s ? tasks_find(&s->has, t->frame, t->id) : -1;
     if (c < 0 || !tasks_deliver(&s->has, c, &t->at)) return;
-    enum copy_list list = deal_copy(s, c)->list;
-    if (tasks_whole(&s->has, c) && (list == OWED || list == LATE)) deal_drop_copy(d, k, c);
+    if (tasks_whole(&s->has, c) && deal_computed(s, c)) deal_drop_copy(d, k, c);
 }
 
 static void take_pixels(struct deal *d, const struct sched_event *e, struct sched_actions *out)
@@ -281,7 +280,7 @@ static int32_t deal_tries(const void *state, int32_t slot, uint32_t frame, uint3
     if (slot < 0 || slot >= d->n_slots) return 0;
     const struct slot *s = &d->slots[slot];
     int32_t c = tasks_find(&s->has, frame, id);
-    return c < 0 || deal_copy(s, c)->list == LATE ? 0 : deal_copy(s, c)->tries;
+    return c < 0 || deal_copy(s, c)->list == OUTRUN ? 0 : deal_copy(s, c)->tries;
 }
 
 static int64_t deal_wake_us(const void *state)

@@ -224,7 +224,7 @@ int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
 bool deal_end_busy(const struct deal *d)
 {
     bool copied = d->p.depth == SCHED_DEPTH_AUTO || d->p.endgame;
-    bool busy = d->up + d->drains > d->idle.count;
-    for (int32_t k = 0; k < d->n_slots && !busy; k++) busy = d->slots[k].late.count;
-    return copied && busy;
+    int32_t k = 0;
+    while (k < d->n_slots && !d->slots[k].has.count) k++;
+    return copied && k < d->n_slots;
 }

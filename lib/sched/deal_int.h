@@ -29,10 +29,10 @@ struct slot {
     struct task_list held;               /* to compute; no other slot has them */
     struct task_list shared;             /* to compute; others have them too, or they were cut */
     struct task_list owed;               /* computed and not committed; some pixels are missing */
-    struct task_list late;               /* the same, but committed: others sent its pixels first */
+    struct task_list outrun;             /* the same, but committed: others sent its pixels first */
 };
 /* Payload of an entry of `has`. */
-enum copy_list { HELD, SHARED, OWED, LATE };
+enum copy_list { HELD, SHARED, OWED, OUTRUN };
 struct copy {
     int64_t given_us;    /* when the slot was given it */
     double work;         /* expected */
@@ -44,6 +44,11 @@ struct copy {
 static inline struct copy *deal_copy(const struct slot *s, int32_t c)
 {
     return tasks_extra(&s->has, c);
+}
+/* Has slot s computed its copy c? */
+static inline bool deal_computed(const struct slot *s, int32_t c)
+{
+    return deal_copy(s, c)->list == OWED || deal_copy(s, c)->list == OUTRUN;
 }
 
 /* Payload of an entry of the ledger. */

@@ -118,9 +118,9 @@ static struct task_list *copies_on(struct slot *s, enum copy_list list)
     case HELD: return &s->held;
     case SHARED: return &s->shared;
     case OWED: return &s->owed;
-    case LATE: break;
+    case OUTRUN: break;
     }
-    return &s->late;
+    return &s->outrun;
 }
 
 static void move_copy(struct slot *s, int32_t c, enum copy_list to)
@@ -160,7 +160,7 @@ void deal_drop_copy(struct deal *d, int32_t k, int32_t c)
     enum copy_list list = deal_copy(s, c)->list;
     if (list == OWED) forgive(d, k, c);
     list_remove(&s->has, copies_on(s, list), c);
-    if (list == HELD || list == SHARED) deal_forget(d, k, c);
+    if (!deal_computed(s, c)) deal_forget(d, k, c);
     tasks_remove(&s->has, c);
     deal_mark(d, k);
 }
@@ -170,7 +170,7 @@ void deal_outrun(struct deal *d, int32_t k, int32_t c)
     struct slot *s = &d->slots[k];
     if (deal_copy(s, c)->list == OWED) forgive(d, k, c);
     else deal_forget(d, k, c);
-    move_copy(s, c, LATE);
+    move_copy(s, c, OUTRUN);
     deal_mark(d, k);
 }
 
