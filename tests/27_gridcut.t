@@ -104,7 +104,7 @@ printf '%s\n' 'broken via="false %c" tries=1' 'good via="sh -c %c" slots=2' >hos
 run balance bricks -S hosts -k 16 -o two.pam b-*.vtk night.spec
 is 'a host that fails: the other one renders its brick' "$status $(cmp two.pam bricks.pam && echo same)" '0 same'
 like 'a message names that host' "$err" '^balance bricks: broken: gets no more bricks'
-mkdir broken # hosts may have the names of directories
+mkdir broken,worse # a list of hosts may be the name of a directory
 run balance bricks -S broken,worse -o no.png b-*.vtk night.spec
 is 'all hosts fail: exit 1, no picture' "$status $(ls no.png 2>/dev/null)" '1 '
 like 'a message names one of them' "$err" '^balance bricks: broken: gets no more bricks'
