@@ -195,6 +195,8 @@ static struct options parse(int argc, char **argv)
     if (o.hosts && o.powers) die(ST_USAGE, "-S and -w: expected one of them");
     o.inputs = argv + optind;
     check_view(&o);
+    if (o.page && outfile_is(o.page, *o.inputs))
+        die(ST_USAGE, "-o %s: is the log, expected another name", o.page);
     return o;
 }
 

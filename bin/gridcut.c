@@ -14,7 +14,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define MIB_MAX 2047 /* a record has less than 2 GiB */
@@ -113,12 +112,9 @@ static void cut(const struct options *o)
                 parts[a], "xyz"[a], g -> n[a] - 1);
     uint32_t n = parts[0] * parts[1] * parts[2];
     char **path = xcalloc(n, sizeof *path);
-    struct stat grid, at;
-    bool named = stat(o->path[0], &grid) == 0;
     for (uint32_t i = 0; i < n; i++) {
         path[i] = image_name(o->out, i);
-        bool there = named && stat(path[i], &at) == 0;
-        if (there && at.st_dev == grid.st_dev && at.st_ino == grid.st_ino)
+        if (outfile_is(path[i], o->path[0]))
             die(ST_USAGE, "-o %s: %s is the grid itself, expected other names", o->out, path[i]);
     }
     int status = grid_file_cut(f, parts, path, err);

@@ -327,6 +327,14 @@ echo text >no.nc
 refused no.nc s 'Unknown file format'
 run nc2vtk -t 12 "$atlas" TEMP
 is 'a time that is not there' "$status:$err" "2:nc2vtk: $atlas: TEMP: -t 12: expected an index below 12"
+make_nc never "t = UNLIMITED; $cube" "$axes float s(t, z, y, x); double t(t); t:axis = \"T\";" "$nodes"
+refused never.nc s 's: no times, expected one at least'
+cp other.nc own-1.nc
+for name in own-1.nc ./own-1.nc; do
+	run nc2vtk -o $name own-1.nc s
+	is "refused: $name for a grid of own-1.nc" "$status:$err" "2:nc2vtk: -o $name: $name is the input, expected another name"
+done
+ok 'which stays as it is' cmp own-1.nc other.nc
 longitudes half 0 90 180
 longitudes gap 0 60 120 180 240
 longitudes twice 0 120 240 360 480

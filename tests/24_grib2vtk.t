@@ -185,6 +185,11 @@ run grib2vtk -L surface "$file" u
 like 'levels that are not there' "$status:$err" '^2:grib2vtk: .*: no u at levels of type surface'
 run grib2vtk -t 1 "$file" u
 like 'a time that is not there' "$status:$err" '^2:grib2vtk: .*: -t 1: expected an index below 1'
+cp plain.grib2 own-0.grib2
+run grib2vtk -t all -o own-%d.grib2 own-0.grib2 t
+is 'refused: a grid under the name of its file' "$status:$err" \
+	'2:grib2vtk: -o own-%d.grib2: own-0.grib2 is the input, expected another name'
+ok 'which stays as it is' cmp own-0.grib2 plain.grib2
 
 # ---- usage, and a full disk --------------------------------------------------------------------------------------
 at_the_end plain.grib2 t 'plain.grib2 =hypot(t,t)'

@@ -49,7 +49,7 @@ run grid2pov -h
 is '-h exits 0' "$status" 0
 for bad in '-n 0 even.vtk smooth.spec s.df3' '-n 9999 even.vtk smooth.spec s.df3' '-y even.vtk smooth.spec s.df3' \
 	'even.vtk smooth.spec' 'missing.vtk smooth.spec s.df3' 'even.vtk missing.spec s.df3' 'smooth.spec even.vtk s.df3' \
-	'even.vtk iso.spec s.df3' 'even.vtk smooth.spec \s.df3'; do
+	'even.vtk iso.spec s.df3' 'even.vtk smooth.spec ./even.vtk' 'even.vtk smooth.spec smooth.spec' 'even.vtk smooth.spec \s.df3'; do
 	# shellcheck disable=SC2086  # a word each
 	run grid2pov $bad
 	is "refused: grid2pov $bad" "$status:$out" 2:

@@ -193,4 +193,8 @@ for args in '-f' '-f -' '-H' '-f all.frags half.log' '-f -s all.frags' '-f -t al
 	run fragstat $args </dev/null
 	is "usage: fragstat $args" "$status$(echo x.*)" '2x.*'
 done
+cp ended.log kept.log
+run fragstat -H -o ./kept.log kept.log
+is 'refused: a page under the name of its log' "$status:$err" '2:fragstat: -o ./kept.log: is the log, expected another name'
+ok 'which stays as it is' cmp kept.log ended.log
 finish

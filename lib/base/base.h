@@ -190,6 +190,8 @@ int outfile_put(const char *path, const void *p, size_t n);
 /* Tests whether path's directory is writable. Returns 0, or -1 with errno. A directory name with
  * `%` is not tested. */
 int outfile_check(const char *path);
+/* True if both are names of one file. */
+bool outfile_is(const char *a, const char *b);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */
 

@@ -150,6 +150,12 @@ int outfile_put(const char *path, const void *p, size_t n)
     return -1;
 }
 
+bool outfile_is(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
 int outfile_check(const char *path)
 {
     char *dir = xstrdup(path), *slash = strrchr(dir, '/');

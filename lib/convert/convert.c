@@ -17,6 +17,17 @@ static void put(const struct convert_options *o, size_t time, const struct buf *
     free(path);
 }
 
+/* Ends the program if an output is the input by this or another name. */
+static void check_names(const struct convert_options *o, size_t from, size_t to)
+{
+    for (size_t time = from; o->out && time < to; time++) {
+        char *path = image_name(o->out, (uint32_t)time);
+        if (outfile_is(path, o->file))
+            die(ST_USAGE, "-o %s: %s is the input, expected another name", o->out, path);
+        free(path);
+    }
+}
+
 /* ---- the last column of a globe ------------------------------------------------------------- */
 
 #define SLACK .01 /* of a step: coordinates are rounded, to float or to some decimals */
@@ -153,10 +164,12 @@ static void convert_time(struct run *r, size_t time)
 void convert(const struct convert_options *o, const struct converter *c)
 {
     struct run r = {.o = o, .c = c};
-    size_t end = o->every ? c->times : o->time + 1;
-    if (end > c->times || !c->times)
+    const size_t begin = o->every ? 0 : o->time, end = o->every ? c->times : o->time + 1;
+    if (!c->times) die(ST_USAGE, "%s: %s: no times, expected one at least", o->file, c->what);
+    if (end > c->times)
         die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, c->what, o->time,
             c->times);
+    check_names(o, begin, end);
     if (o->unit) r.unit = conversion(&r, c->unit, o->unit);
     if (c->difference) r.unit.offset = 0;
     c->axes(c->ctx, &r.g);
@@ -165,7 +178,7 @@ void convert(const struct convert_options *o, const struct converter *c)
     if (o->heights && c->levels == CONVERT_LEVELS_FIELD) c->axes(c->ctx, &r.height);
     r.closing = o->round && wants_closing(o, c, &r.g);
     if (r.closing) make_room(&r.g);
-    for (size_t time = o->every ? 0 : o->time; time < end; time++) convert_time(&r, time);
+    for (size_t time = begin; time < end; time++) convert_time(&r, time);
     grid_free(&r.g);
     grid_free(&r.height);
 }
