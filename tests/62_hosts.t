@@ -81,8 +81,11 @@ printf ': slots=1\nasked power=3 via="./asked %%c"\n' >asked.hosts
 is 'fan -l: no worker is started on a host with power=' "$(fan -l -S asked.hosts rtworker - | cut -f 3 | tail -1; cat asked.said 2>/dev/null)" 3
 script far '{ cat; sleep 2; } | sh -c "$1"'
 printf ': slots=1\nfar power=3 via="./far %%c"\nnone via="false %%c"\n' >far.hosts
-is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -S far.hosts rtworker - 2>said |
+is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -t 60 -S far.hosts rtworker - 2>said |
 	awk '{ print $2, ($3 == 3), ($4 >= 2000 ? "far" : $4 > 0 ? "near" : $4) }' | tr '\n' ';')" ': 0 near;far 1 far;none 0 -;'
+script tardy 'sleep 11; exec rtworker -'
+fan -l -t 60 -j 1 ./tardy >tardy.said 2>&1 &
+tardy=$!
 bad() { # NAME HOSTS ERE
 	run fan -S "$2" rtworker - </dev/null
 	is "$1: exit 2" "$status" 2
@@ -221,15 +224,15 @@ partition 256x256 >rows
 tail -n +130 rows >rest.task
 cat long.task rest.task | rtworker -a 64 - | gather -o long.pfm
 printf 'a slots=2 via="sh -c %%c"\nb via="sh -c %%c"\n' >three
-long() {
+long() { # [SECONDS of silence]
 	: >out.frags
 	rm -f proceed
-	env MARK=$mark sh -c '{ cat long.task; until [ -e proceed ]; do sleep .05; done; cat rest.task; } | deal sh -c "fan -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
+	env MARK=$mark limit="${1:-3}" sh -c '{ cat long.task; until [ -e proceed ]; do sleep .05; done; cat rest.task; } | deal sh -c "fan -t $limit -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
 	pid=$!
 	await 5 ups 3
 }
 ups() { [ "$(events out.frags | grep -c '^up ')" -ge "$1" ]; }
-long
+long 600
 # shellcheck disable=SC2046
 kill -9 $(program rtworker | head -2)
 await 20 ups 5
@@ -325,4 +328,6 @@ wait $behind_pid
 is 'a host behind many silent ones: exit 0' "$(cat behind.status)" 0
 gather -o out.pfm behind.frags
 same 'a host behind many silent ones'
+wait $tardy
+like 'fan -l: a worker that says hello after 11 s is measured, with -t 60' "$(cat tardy.said)" '^0	:	[0-9.]+$'
 finish

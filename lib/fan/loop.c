@@ -26,10 +26,11 @@
 /* The silence allowed to slot s, in seconds; 0: no limit. */
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
-    if (fan_slot_over(f, s) && !s->n_tasks && s->host->here) return CLOSING_S;
+    const bool opening = s->state == FAN_OPENING, here = s->host->here;
+    if (fan_slot_over(f, s) && !s->n_tasks && here && !(f->listing && opening)) return CLOSING_S;
     if (fan_slot_has_asked(s)) return REACH_S + fan_send_time_s(s);
     if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
-    if (s->state == FAN_OPENING) return s->host->here ? HELLO_S : REACH_S;
+    if (opening) return fmax(here ? HELLO_S : REACH_S, f->o->silence_s);
     if (fan_slot_over(f, s) && !s->n_tasks) return f->o->silence_s;
     /* Pixels of computed tasks may be held back until a flush. */
     bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
