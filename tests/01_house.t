@@ -342,7 +342,7 @@ try() { # PAGE
 	rm -rf "$tmp/work" && mkdir "$tmp/work"
 	examples "$root/$1" >"$tmp/script"
 	grep -qv '^#' "$tmp/script" || { echo "$1: has no example that is run (lines beginning with \"\$ \")"; return; }
-	(cd "$tmp/work" && timeout 120 sh -e "$tmp/script") >"$tmp/said" 2>&1 </dev/null ||
+	(cd "$tmp/work" && timeout 1200 sh -e "$tmp/script") >"$tmp/said" 2>&1 </dev/null ||
 		{ echo "$1: an example exits $?, after saying:"; tail -n 5 "$tmp/said"; }
 }
 # worked NAME PAGE

@@ -28,7 +28,7 @@ for step in steps/*/; do
 		printf '. %s" >%s" 2>%s" </dev/null\necho $? >%s"\n' "$said" "${said%run}out" "${said%run}err" "${said%run}status"
 	done
 done >all
-(cd work && steps=$tmp/steps timeout 1200 sh "$tmp/all") >said 2>&1
+(cd work && steps=$tmp/steps timeout 2300 sh "$tmp/all") >said 2>&1
 
 # plain FILE: prints it with single blanks, because tables have tabs
 plain() { sed 's/[[:blank:]][[:blank:]]*/ /g; s/ $//' "$1" 2>/dev/null; }

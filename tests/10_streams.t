@@ -162,11 +162,11 @@ for bad in '' nomethod 'masterslave' 'masterslave no-such-file' 'masterslave bad
 	'masterslave -j 0 tetra.nff' 'masterslave -o x.jpg tetra.nff' 'masterslave -z tetra.nff' \
 	'masterslave -W -d0 tetra.nff'; do
 	# shellcheck disable=SC2086
-	run timeout 20 balance $bad
+	run timeout 1200 balance $bad
 	is "balance $bad: exit 2" "$status" 2
 done
 like "balance nomethod lists the methods" "$(balance nomethod 2>&1)" 'expected one of: adaptive auto dc ds gdc gdc-published hybrid interleaved masterslave sc ss$'
-run timeout 5 balance masterslave -W -i tetra.nff
+run timeout 1200 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i and -n, once'
 for method in masterslave auto calibrate; do
 	run balance $method -W foo tetra.nff

@@ -364,9 +364,18 @@ like 'full disk: a message says so' "$(cat err.txt)" '^gather: standard output: 
 status=0
 gather -m torn >/dev/full 2>err.txt || status=$?
 is '-m on a full disk: status 3' "$status" 3
-{ sleep 0.3; gather whole 2>err.txt; echo $? >status; } | :
+# left COMMAND ...: runs it with a pipe whose reader is gone
+mkfifo shut
+left() {
+	: <shut & exec 4>shut
+	wait $!
+	"$@" >&4 2>err.txt
+	echo $? >status
+	exec 4>&-
+}
+left gather whole
 is 'reader gone before: quiet, status 3' "$(cat status err.txt)" 3
-{ sleep 0.3; gather -m torn 2>err.txt; echo $? >status; } | :
+left gather -m torn
 like '-m, reader gone: status 3' "$(cat status)" '^3$'
 mkfifo held
 sleep 20 >held &

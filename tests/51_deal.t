@@ -9,7 +9,7 @@
 # Rows of some milliseconds.
 spdgen -s 2 gears >gears.nff
 { pack scene gears.nff; partition 64x64; } >job.task
-fan -j 2 rtworker -a 64 - <job.task | gather -o good.pfm
+rtworker -a 64 - <job.task | gather -o good.pfm
 same() { imgcmp good.pfm "$1"; }
 
 # One slot sends hello and two rows, then nothing for hours; its fan would wait for it. Each slot has four rows in advance,
@@ -17,7 +17,7 @@ same() { imgcmp good.pfm "$1"; }
 { pack scene gears.nff; partition -n 3 -c 12 64x64; } >late.task
 # Rows are short; these 16 tasks are long enough to be cut, also on a loaded machine.
 { pack scene gears.nff; partition -u tile:64x32 64x512; } >long.task
-fan -j 2 rtworker -a 64 - <long.task | gather -o long.pfm
+rtworker -a 64 - <long.task | gather -o long.pfm
 cat >late <<'END'
 mkdir slow 2>/dev/null || exec rtworker -a 64 -
 rtworker -a 64 - | { dd bs=1 count=3000 2>/dev/null; sleep 7200; }
@@ -45,7 +45,7 @@ divided() {
 }
 ok "long tasks are cut: the same picture, pieces have numbers above those that came" divided
 whole() {
-	deal -e -t 86400 fan -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm && imgcmp long.pfm out.pfm || return 1
+	deal -e -t 86400 fan -t 600 -j 3 rtworker -a 64 - <long.task | tee log | gather -o out.pfm && imgcmp long.pfm out.pfm || return 1
 	[ "$(grep -ao 'done 0 [0-9]* ' log | sort -u | wc -l)" -eq 16 ] && ! grep -aq 'done .* try=' log
 }
 ok "-t: no task is cut or given twice that a slot does in less" whole

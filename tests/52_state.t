@@ -16,7 +16,7 @@ film >film.task
 both() {
 	ok "$1: the first picture" cmp f0.pfm good0.pfm
 	ok "$1: the second picture" cmp f1.pfm good1.pfm
-	is "$1: no message" "$(cat said)" ''
+	is "$1: no message" "$(grep -v 'never connected$' said)" ''
 	rm -f f?.pfm
 }
 for command in 'rtworker -a 9 -' 'fan -j 3 rtworker -a 9 -' 'fan -j 3 rtworker -c -a 9 -' 'deal fan -j 3 rtworker -a 9 -' \

@@ -105,7 +105,7 @@ await 120 rendering 3
 # shellcheck disable=SC2046
 kill -KILL $(renderers | head -n 1)
 ended 'a killed process of a slot'
-is 'a killed process of a slot: only its tasks were lost' "$(grep -c 'lost' said) $(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [0-9]+ tasks, forked again$' said) $(grep -ac '^gone' log)" '1 1 0'
+is 'a killed process of a slot: only its tasks were lost' "$(unexpected said | grep -c lost) $(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [0-9]+ tasks, forked again$' said) $(grep -ac '^gone' log)" '1 1 0'
 begun -j 3
 await 120 rendering 3
 # shellcheck disable=SC2046

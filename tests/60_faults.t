@@ -111,7 +111,7 @@ for m in interleaved ss sc; do
 	ok "$m: the printed command runs" sh -c "$remedy"
 	ok "$m: the printed command finishes the picture" cmp out.pfm good.pfm
 	rm -f out.pfm
-	long $m -r cut.log
+	patiently long $m -r cut.log
 	wait "$pid"
 	ok "$m: the same command again gives the same picture" cmp out.pfm good.pfm
 done
@@ -122,7 +122,7 @@ mv cut.log job.log
 hold_rtworker
 begin() {
 	rm -f go held.*
-	PATH=$tmp/holding:$PATH patience=8 long "$@"
+	PATH=$tmp/holding:$PATH patience=${limit:-8} long "$@"
 	await 5 held 3
 }
 begin masterslave
@@ -133,6 +133,7 @@ is "masterslave, a worker stopped: exit 0" $? 0
 ok "masterslave, a worker stopped: the same picture" cmp out.pfm good.pfm
 like "masterslave, a worker stopped: a message says so" "$(cat said)" 'lost \(silent\)'
 ok "masterslave, a worker stopped: no process remains" await 2 none_alive
+limit=600
 begin interleaved
 p=$(held_workers | head -1)
 kill -STOP "$p"
@@ -142,6 +143,8 @@ kill -CONT "$p"
 wait "$pid"
 is "interleaved, a worker stopped for 1 s: exit 0" $? 0
 ok "interleaved, a worker stopped for 1 s: the same picture" cmp out.pfm good.pfm
+
+limit=''
 
 # ---- a loaded machine: fan is kept from running, and a worker for longer ---------------
 begin masterslave

@@ -20,7 +20,7 @@ heard() {
 	picture=$1 tasks=$2
 	shift 2
 	rm -rf 0 1 2 down.* up.*
-	ok "$picture: it ends well" timeout 1200 sh -c 'ringctl -p fan -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
+	ok "$picture: it ends well" timeout 1200 sh -c 'ringctl -p fan -t 600 -j 3 "$PWD/node" "$@" | gather -o $0.pfm' "$picture" "$@" <"$tasks"
 	ok "$picture: the picture" cmp "$picture.pfm" good.pfm
 }
 # says FILE ...: prints the records of the ring, without their sums

@@ -110,7 +110,7 @@ done
 mkdir dashed
 cp gears.nff dashed/-d.nff
 run sh -c "cd dashed && balance masterslave -s 16x16 -r -d.frags -o -d.pfm -- -d.nff"
-is 'balance: files whose names begin with a dash' "$status$err$(ls dashed | tr '\n' ' ')" '0-d.frags -d.nff -d.pfm '
+is 'balance: files whose names begin with a dash' "$status$(echo "$err" | grep -v 'never connected$')$(ls dashed | tr '\n' ' ')" '0-d.frags -d.nff -d.pfm '
 ok 'the log as it was' cmp log before
 
 # ---- accepted logs --------------------------------------------------------------------------------------------

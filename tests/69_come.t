@@ -183,7 +183,7 @@ for method in interleaved ss sc gdc-published; do
 	rm -f out.pfm
 	echo 'a slots=2 via="./slow %c"' >now
 	echo 'b via="sh -c %c"' >later
-	balance $method -S now -s $size -o out.pfm tetra.nff 2>said
+	patiently balance $method -S now -s $size -o out.pfm tetra.nff 2>said
 	ok "$method: the same picture" cmp out.pfm good.pfm
 	why='each task has its slot in advance'
 	[ $method != gdc-published ] || why='the published ring has a fixed number of nodes'

@@ -64,11 +64,6 @@ echo "\$tasks" | tail -n +\$((half + 1))
 END
 chmod +x late/partition
 lasting() { PATH=$tmp/late:$PATH begin "$@"; }
-# patiently METHOD: the same as begin, where no host may be lost, even if load makes it silent for some seconds
-usual=$PATH
-patient
-patience=$PATH PATH=$usual
-patiently() { PATH=$patience begin "$@"; }
 at_work() { grep -aqE '(done|frag) 0 [0-9]+ .* w=1' job.log 2>/dev/null; } # host2 is
 says() { grep -Eq "^[0-9]+ $1" said; }
 # noticed NAME ERE: a message after the fault matches
@@ -111,6 +106,8 @@ fault_sshd() { kill -9 $(hosts pids host2 sshd); }
 fault_stop() { stopped=$(hosts pids host2 rtworker) && kill -STOP "$stopped"; }
 fault_link() { hosts link host2 down; }
 fault_power() { hosts power host2 .05; }
+# On a loaded machine ssh gives up while others compute.
+in_time() { ! grep -q 'no answer' said || [ "$(grep -aE '^(done|gone) ' job.log | tail -n 1 | cut -c 1-4)" = 'done' ]; }
 reach_work() { await 20 at_work || fail "$name: host2 is at work" "$(cat said)"; }
 inflict() { # FAULT
 	reach_work
@@ -162,7 +159,7 @@ for method in masterslave gdc; do
 	noticed "$name" "$(lost silent)"
 
 	name="$method, a link that is down for a second"
-	patiently $method
+	patiently begin $method
 	inflict link
 	sleep 1
 	hosts link host2 up
@@ -190,7 +187,7 @@ for method in masterslave gdc; do
 	fi
 
 	name="$method, a host at 5 % of a processor"
-	patiently $method
+	patiently begin $method
 	inflict power
 	end
 	same_picture "$name"
@@ -204,7 +201,7 @@ for method in masterslave gdc; do
 	begin $method
 	end
 	same_picture "$name"
-	is "$name: when all is done, the run does not wait until ssh gives up" "$(grep 'timed out' said)" '' # after 10 s
+	ok "$name: when all is done, the run does not wait until ssh gives up" in_time # after 10 s
 	since=$begun
 	report "$name" .25
 	kill -CONT "$(listener)"

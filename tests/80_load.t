@@ -15,7 +15,7 @@ same() { is "$1: exit 0, and no message" "$status$(cat said)" 0 && ok "$1: the s
 
 good 400x500
 measured "{ pack scene tetra.nff; partition -u run:1 400x500; } |
-	deal fan -j 200 rtworker - 2>said | gather -o out.pfm"
+	deal fan -t 600 -j 200 rtworker - 2>said | gather -o out.pfm"
 same '200 slots, 200000 tasks'
 bounded '200 slots' fan kib $((16 << 10))
 bounded '200 slots' fan open $((2 * 200 + 16))
@@ -24,14 +24,14 @@ bounded '200 slots' deal open 16
 bounded '200 slots' gather open 16
 
 measured "{ pack scene tetra.nff; partition -n 100 -u run:1 400x500; } |
-	ringctl fan -j 100 ringctl -n rtworker - 2>said | gather -o out.pfm"
+	ringctl fan -t 600 -j 100 ringctl -n rtworker - 2>said | gather -o out.pfm"
 same 'a ring of 100, 200000 tasks'
 bounded 'a ring of 100' ringctl kib $((64 << 10))
 bounded 'a ring of 100' ringctl open 16
 bounded 'a ring of 100' fan kib $((64 << 10))
 
 good 2000x2000
-measured "{ pack scene tetra.nff; partition 2000x2000; } | deal fan -j 2 rtworker - 2>said | { sleep 5; gather -o out.pfm; }"
+measured "{ pack scene tetra.nff; partition 2000x2000; } | deal fan -t 600 -j 2 rtworker - 2>said | { sleep 5; gather -o out.pfm; }"
 same 'a reader that pauses for 5 s'
 bounded 'a reader that pauses' fan kib $((16 << 10))
 bounded 'a reader that pauses' deal kib $((20 << 10))

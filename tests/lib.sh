@@ -59,13 +59,16 @@ all_in() {
 }
 # patient: from now on fan, if it has no -t, waits longer for silent slots. For tests that a lost slot would fail, because a
 # static method lacks its pixels, or because of its message: load alone can make a slot silent for the default time.
-patient() {
-	all_in patient
-	rm patient/fan
+patient() { patience && PATH=$tmp/patient:$PATH; }
+# patiently COMMAND ...: the same for one command
+patiently() { patience && PATH=$tmp/patient:$PATH "$@"; }
+patience() {
+	[ ! -d "$tmp/patient" ] || return 0
+	all_in "$tmp/patient"
+	rm "$tmp/patient/fan"
 	# shellcheck disable=SC2016  # for the script
-	printf '#!/bin/sh\ncase ${1-} in --*) ;; *) set -- -t 600 "$@" ;; esac\nexec %s "$@"\n' "'$root/bin/fan'" >patient/fan
-	chmod +x patient/fan
-	PATH=$tmp/patient:$PATH
+	printf '#!/bin/sh\ncase ${1-} in --*) ;; *) set -- -t 600 "$@" ;; esac\nexec %s "$@"\n' "'$root/bin/fan'" >"$tmp/patient/fan"
+	chmod +x "$tmp/patient/fan"
 }
 # pov_ray WORD ...: runs POV-Ray, once more where a loaded machine did not start its thread in time
 pov_ray() {

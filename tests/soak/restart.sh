@@ -9,6 +9,7 @@ trap '[ -z "${pid-}" ] || kill -9 "-$pid" 2>/dev/null; rm -rf "$tmp"' EXIT
 pick() { seed=$(((seed * 1103515245 + 12345) % 2147483648)) && picked=$((seed / 65536 % $1)); }
 ms() { echo $(($(date +%s%N) / 1000000)); }
 spdgen -s 2 gears >gears.nff
+patient # no pixel may come twice, and static methods lose those of a lost slot
 size=96x96
 # start METHOD: in a session of its own, so that its group can be killed
 start() { setsid balance "$1" -j 3 -s $size -W '-a 16' -r log -o out.pfm gears.nff 2>>said & pid=$!; }

@@ -19,7 +19,7 @@
 #include "scratch.h"
 
 #ifndef PATIENCE_S // mutants/ need less, because some wait for ever
-#define PATIENCE_S 30
+#define PATIENCE_S 1200
 #endif
 #define LONG "sleep 90" /* what a failing test may leave behind ends by itself */
 
