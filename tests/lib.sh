@@ -59,10 +59,10 @@ all_in() {
 }
 # patient: from now on fan, if it has no -t, waits longer for silent slots. For tests that a lost slot would fail, because a
 # static method lacks its pixels, or because of its message: load alone can make a slot silent for the default time.
-patient() { patience && PATH=$tmp/patient:$PATH; }
+patient() { make_patient && PATH=$tmp/patient:$PATH; }
 # patiently COMMAND ...: the same for one command
-patiently() { patience && PATH=$tmp/patient:$PATH "$@"; }
-patience() {
+patiently() { make_patient && PATH=$tmp/patient:$PATH "$@"; }
+make_patient() {
 	[ ! -d "$tmp/patient" ] || return 0
 	all_in "$tmp/patient"
 	rm "$tmp/patient/fan"

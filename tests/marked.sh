@@ -41,6 +41,9 @@ in_time() {
 	[ $in_time_status -ne 124 ] || vain "had no end: $*"
 	return $in_time_status
 }
+# never_waits ERE LOG: the run did not wait until a slot was lost. `said` has no such message, or the log has tasks that were done
+# after the loss, as on a loaded machine.
+never_waits() { ! grep -Eq "$1" said || [ "$(grep -aE '^(done|gone) ' "$2" | tail -n 1 | cut -c 1-4)" = 'done' ]; }
 # unexpected FILE: prints the messages of a run without those that load alone can cause: a slot that gets no processor for
 # seconds is lost and connected again, or never connects before the others have done the work
 unexpected() { grep -vE 'lost [(]silent[)] with [0-9]+ tasks, (connecting|forked) again$|: is up$|never connected$' "$1"; }
