@@ -183,6 +183,8 @@ refused 'another version' 'echo hello rtworker 0.0 format=3 selftest=77; exec ca
 	'^fan: liar: refused: it runs rtworker 0\.0, expected rtworker [0-9.]+ as here$'
 refused 'another format' "echo ${hello% *} selftest=77; exec cat >/dev/null" \
 	'^fan: liar: refused: its stream is of format 1, expected 3$'
+refused 'lines of a terminal' 'sh -c "$1" | sed -u "s/\$/\r/"' \
+	'^fan: liar: refused: its lines end in CR LF, as those of a terminal: expected LF'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'
 is 'a worker that ends is not started again, nor for another slot' "$(wc -l <liar.started)" 1
 refused 'a worker that is not there' 'exec no-such-worker' \
@@ -191,6 +193,7 @@ refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: rtworker can
 script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
 run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
 same 'garbage'
+like 'garbage: a message says what is wrong' "$err" '^fan: slot [0-9]+ on liar: its stream: unknown record, expected task, frame, frag, \.\.\.$'
 like 'garbage: the worker gets SIGTERM before SIGKILL' "$(cat termed)" told
 ok 'garbage: no process remains' await 2 none_alive
 

@@ -88,6 +88,20 @@ static const char *refuse(struct fan_slot *s, const char *why, const char *fmt, 
     return why;
 }
 
+const char *fan_take_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
+{
+    const char *hello, *end;
+    if (!n) return NULL;
+    if (!s->conn.before_hello)
+        fan_printable(s->conn.chatter, sizeof s->conn.chatter, (const char *)said, n);
+    hello = memmem(said, n, "hello ", 6);
+    if (!hello) return NULL;
+    end = memchr(hello, '\n', n - (size_t)(hello - (const char *)said));
+    if (!end || end[-1] != '\r') return NULL;
+    return refuse(s, "no-hello",
+        "its lines end in CR LF, as those of a terminal: expected LF (ssh -T, srun without --pty)");
+}
+
 /*
  * fan is itself a worker: it sends its hello with the first hello of a slot. A slot without
  * measurements counts as fast as that one.

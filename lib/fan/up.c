@@ -298,13 +298,6 @@ void fan_printable(char *to, size_t room, const char *line, size_t n)
     to[i] = '\0';
 }
 
-/* Keeps the first line that a host prints before hello, in case no hello comes. */
-static void note_chatter(struct fan_slot *s, const unsigned char *said, size_t n)
-{
-    if (!s->conn.before_hello)
-        fan_printable(s->conn.chatter, sizeof s->conn.chatter, (const char *)said, n);
-}
-
 /*
  * Start-up files of a host may print anything before the worker runs. It is skipped until a line
  * looks like a hello, or until CHATTER_MOST bytes.
@@ -323,10 +316,11 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
     bool over = fan_slot_over(f, s) && !s->n_tasks && s->conn.child.to < 0;
     int more = stream_read(&s->conn.from, s->conn.child.from);
     n = buf_size(&s->conn.from.in) - before;
-    if (s->state != FAN_UP) note_chatter(s, buf_data(&s->conn.from.in) + before, n);
+    const unsigned char *said = buf_data(&s->conn.from.in) + before;
+    const char *why = s->state != FAN_UP ? fan_take_chatter(s, said, n) : NULL;
     struct record r;
     enum wire_result result;
-    const char *why = fan_take_requests(s, buf_data(&s->conn.from.in) + before, n);
+    if (!why) why = fan_take_requests(s, said, n);
     bool at_work = false; /* a node that answers others may have an idle worker */
     while (!why && (result = wire_next(&s->conn.from, &r)) != WIRE_MORE) {
         if (is_chatter(s, result, &r)) continue;
@@ -334,6 +328,8 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
             at_work |= r.kind < REC_RING;
             why = take_record(f, s, &r);
         } else if (!s->conn.from.ended) {
+            char name[SLOT_NAME];
+            warn("%s: its stream: %s", fan_slot_name(s, name), s->conn.from.why);
             why = "garbage";
         }
     }
