@@ -182,6 +182,8 @@ fails 'no picture' 'the command.s standard output: empty, expected' true
 fails 'no picture in {o}' 'the file .o.: No such file' true '{o}'
 fails 'no picture but text' '.*unknown picture format' echo hello
 fails 'a picture that is cut off' '.*standard output' sh -c 'head -c 900 "$0"' "$tmp/whole8.ppm"
+printf 'Pf\n4 3\n-1\n%032d\0\0\300\177%012d' 0 0 >nan.pfm
+fails 'a picture with a pixel that is no number' "the command's standard output: pixel 0,0 is NaN, expected numbers" cat "$tmp/nan.pfm"
 fails 'a picture of another size' 'a picture of 32x24, expected 4x3 or the whole frame, 8x8' cat "$tmp/whole8.png"
 fails 'output without end' 'more than [0-9]* bytes' yes
 run cropworker sh -c 'i=0; while [ $((i += 1)) -le 2000 ]; do printf "line %d of text\033[2J\r\n" $i; done >&2; exit 1' <small.task

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -28,7 +29,20 @@ static int read_output(const char *path, size_t most, struct buf *bytes, char er
     return odd ? err_set(err, "the file {o}: %s, expected a picture", odd) - 1 : 0;
 }
 
-/* Decodes the bytes, and checks the size. `from` is what they come from. */
+/* Index of the first value of the rectangle that is NaN; `all` if there is none. The picture is the
+ * rectangle or the frame. */
+static size_t find_nan(const struct crop_rect *at, const struct image *im, size_t all)
+{
+    const bool whole = im->w != at->w || im->h != at->h;
+    for (uint32_t y = 0; y < at->h; y++) {
+        const size_t begin = whole ? ((size_t)at->y + y) * im->w + at->x : (size_t)y * im->w;
+        for (size_t i = 4 * begin; i < 4 * (begin + at->w); i++)
+            if (isnan(im->rgba[i])) return i;
+    }
+    return all;
+}
+
+/* Decodes the bytes, and checks the size and the values. `from` is what they come from. */
 static int picture_of(const struct crop_rect *at, const char *from, const struct buf *bytes,
     struct image *picture, char err[CROP_ERR])
 {
@@ -38,11 +52,17 @@ static int picture_of(const struct crop_rect *at, const char *from, const struct
         err_set(err, "%s: %s", from, why);
         return -1;
     }
-    uint32_t w = picture->w, h = picture->h;
-    if ((w == at->w && h == at->h) || (w == at->frame_w && h == at->frame_h)) return 0;
+    const uint32_t w = picture->w, h = picture->h;
+    const size_t all = (size_t)w * h * 4;
+    size_t nan = all;
+    const bool fits = (w == at->w && h == at->h) || (w == at->frame_w && h == at->frame_h);
+    if (fits && (nan = find_nan(at, picture, all)) == all) return 0;
     image_free(picture);
-    err_set(err, "a picture of %ux%u, expected %ux%u or the whole frame, %ux%u", w, h, at->w, at->h,
-        at->frame_w, at->frame_h);
+    if (fits)
+        err_set(err, "%s: pixel %zu,%zu is NaN, expected numbers", from, nan / 4 % w, nan / 4 / w);
+    else
+        err_set(err, "a picture of %ux%u, expected %ux%u or the whole frame, %ux%u", w, h, at->w,
+            at->h, at->frame_w, at->frame_h);
     return -1;
 }
 
