@@ -20,6 +20,7 @@ struct options {
     struct cut_share share;
     uint32_t frame;  /* -F: number of the frame */
     const char *log; /* -r: leave out pixels that it has */
+    struct intake *have;
     enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
     int64_t seed;                                                       /* -o shuffle: */
     const char *cost_log;                                               /* -o cost: */
@@ -135,15 +136,22 @@ static struct options parse(int argc, char **argv)
 
 /* ---- a picture ------------------------------------------------------------------------------- */
 
-/* -r: pixels that need no task; none if the log has none of this frame. */
-static struct coverage read_log(const struct options *o)
+/* -r: once for all frames, because a log may be long. */
+static void read_log(const struct options *o)
 {
-    struct coverage have = {0};
-    if (!o->log) return have;
     char why[LOG_WHY];
-    int odd = log_coverage(o->log, o->frame, &have, why);
+    int odd = log_survey_path(o->log, o->have, why);
     if (odd < 0) die(ST_USAGE, "%s:", o->log);
     if (odd) die(ST_USAGE, "%s: %s", o->log, why);
+}
+
+/* Pixels that need no task; none if there is no log, or if it has none of this frame. */
+static struct coverage had(const struct options *o)
+{
+    struct coverage have = {0};
+    const struct assembly_frame *f =
+        o->have ? assembly_find(&o->have->parts, o->frame) : NULL;
+    if (f) assembly_coverage(f, &have);
     if (have.bits && (have.w != (uint32_t)o->w || have.h != (uint32_t)o->h))
         die(ST_USAGE, "%s: has another size: frame %u of %ux%u pixels, expected %dx%d", o->log,
             o->frame, have.w, have.h, o->w, o->h);
@@ -177,7 +185,7 @@ static void write_tasks(const struct options *o, const char *job)
     struct buf out = {0};
     struct cut_tasks tasks;
     struct task t;
-    struct coverage have = read_log(o);
+    struct coverage have = had(o);
     cut_tasks_begin(&tasks, &o->cut, (uint32_t)o->w, (uint32_t)o->h,
         o->powers ? o->n_powers : o->slots, o->powers);
     if (o->shares) tasks.assigned = cut_share_of(&o->share, tasks.n);
@@ -243,8 +251,14 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
+    struct intake have;
+    if (o.log) {
+        o.have = &have;
+        read_log(&o);
+    }
     if (o.pictures) write_pictures(&o);
     else write_tasks(&o, "");
+    if (o.have) intake_free(o.have);
     free(o.powers);
     close_stdout();
     return ST_OK;

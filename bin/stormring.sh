@@ -33,9 +33,9 @@ unfit() {
 	echo "${said:-$2}" >&2
 	exit 2
 }
-# directory: makes a directory for temporary files and prints its name
+# directory: makes a directory for temporary files and prints its name, an absolute one
 directory() {
-	mktemp -d 2>/dev/null && return
+	made=$(mktemp -d 2>/dev/null) && (CDPATH='' cd -- "$made" && pwd) && return
 	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }

@@ -75,7 +75,8 @@ for args in '' '-n 0 faults' '-n x faults' '-s -1 faults' '-s 010 faults' '-o' '
 done
 
 # ---- resuming: with the same costs, one run without a stop, and one killed at a random moment ------------
-ok 'an experiment' protocol -n 2 -o whole.tsv faults
+mkdir relative
+ok 'an experiment, with a relative TMPDIR' env TMPDIR=relative protocol -n 2 -o whole.tsv faults
 is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
 is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 21
 TMPDIR=$tmp protocol -n 2 -o a.tsv faults 2>/dev/null &

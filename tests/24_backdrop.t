@@ -231,6 +231,13 @@ is 'a second field of another name has another caption' "$(cmp -s two0.png two1.
 sed '$d' text.vtk >torn.vtk
 run backdrop -o torn.png torn.vtk second.spec
 like 'a second field that is torn is refused' "$status:$out$err" '^2:backdrop: torn.vtk:[0-9]*: '
+sed 's/^resolution .*/resolution 48 60/' wall.spec >high.spec
+balance adaptive -j 2 -m none: -o both%d.png hour0.vtk wall.spec high.spec
+for at in 0 1; do
+	spec=$([ $at = 1 ] && echo high.spec || echo wall.spec)
+	balance interleaved -j 1 -m none: -o alone.png hour0.vtk $spec
+	ok "balance -m: of two sizes, each picture is that which it is alone: $spec" cmp both$at.png alone.png
+done
 ok 'balance -m: a second field' balance adaptive -j 2 -m none: -o second-m.png bytes.vtk second.spec
 
 # ---- many maps: backdrop -o --------------------------------------------------------------------------------

@@ -74,6 +74,9 @@ for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate 
 	like "no TMPDIR, $program: exit 3, and a line" "$status:$err" \
 		"^3:[a-z]+(-calibrate)?: $tmp/none: cannot make a directory there, expected TMPDIR to name a writable directory$"
 done
+mkdir ./-t
+run env TMPDIR=-t balance interleaved -j 1 -s 8x8 -o o.png gears.nff
+is 'a relative TMPDIR that begins with -: exit 0, and nothing remains' "$status:$err:$(ls ./-t)" 0::
 for program in 'balance interleaved -j 1' 'balance calibrate'; do
 	run sh -c "$program -s -h gears.nff"
 	like "$program -s -h: exit 2, and a line" "$status:$err" '^2:[a-z-]+: -s -h: expected WxH'

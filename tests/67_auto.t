@@ -79,5 +79,8 @@ for m in auto masterslave; do
 done
 ok 'two views: the first' cmp auto-0.pfm masterslave-0.pfm
 ok 'two views: the second' cmp auto-1.pfm masterslave-1.pfm
+mkdir a:b
+run env TMPDIR=a:b balance auto -j 2 -s 8x8 -o x.png gears.nff
+like 'a colon in TMPDIR: refused' "$status:$err:$(ls a:b)" '^2:balance auto: a:b: has a colon, which PATH cannot hold, expected another TMPDIR:$'
 is 'no file remains in TMPDIR' "$(mkdir t && TMPDIR=$PWD/t balance auto -j 2 -s 8x8 -o x.png gears.nff 2>said; ls t)" ''
 finish

@@ -91,6 +91,12 @@ is 'four pictures of two grids are verified' "$status:$(counts | cut -d ' ' -f 2
 balance interleaved -S hosts -s 32x32 -r there.log -o out.png balls.nff
 run balance interleaved -v 1 -S hosts -s 32x32 -r there.log -o out.png balls.nff
 is 'a log of an earlier run' "$status:$(counts)" '0:32 0 0'
+printf 'a via="sh -c %%c"\nb via="exit 127; : %%c"\n' >alone
+for v in '' '-v 1'; do
+	# shellcheck disable=SC2086
+	run balance masterslave $v -S alone -s 16x12 -r alone.log -o out.png balls.nff
+done
+is 'a log of an earlier run: a host does not check itself' "$status:$(counts)" '1:12 0 12'
 
 # ---- hosts that join and leave -------------------------------------------------------------------------------------
 # Of each slot of a, four rows come before b has begun. Then the hosts file is replaced by `file`.

@@ -15,7 +15,6 @@
 
 #define LEAVING_MS 100 /* poll while a slot is exiting: SIGCHLD reports its end, not its staying */
 #define STOP_MS 200    /* for workers to end when the run is given up */
-#define VIA_MS 2000    /* likewise on other hosts: srun takes its job out of the queue */
 #define HELLO_S 10.0   /* silence allowed before hello */
 #define REACH_S 15.0   /* likewise if ssh has 10 s to connect */
 #define QUEUED_S 5.0   /* likewise if the launcher may queue it; then it has wait= */
@@ -208,7 +207,7 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 static void stop(struct fan *f)
 {
     int64_t here_us = now_us() + STOP_MS * INT64_C(1000);
-    int64_t end_us = now_us() + VIA_MS * INT64_C(1000);
+    int64_t end_us = now_us() + CHILD_LAUNCHER_MS * INT64_C(1000);
     for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].conn.child);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];

@@ -32,7 +32,6 @@
 
 #define GRACE_US 500000      /* for a worker to exit once its stream has ended */
 #define STOP_US 200000       /* for a slot that was given up and told to end */
-#define STOP_VIA_US 2000000  /* likewise on another host: srun takes its job out of the queue */
 #define VIA_FAILED 255       /* ssh's status for its own failures */
 #define NOT_RUN 126          /* a shell's status for a command that it cannot run */
 #define NOT_FOUND 127        /* and for one that it does not find */
@@ -340,7 +339,7 @@ void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool agai
 {
     lose(f, s, why, again);
     child_stop(&s->conn.child);
-    s->conn.leave_us = now_us() + (s->host->here ? STOP_US : STOP_VIA_US);
+    s->conn.leave_us = now_us() + (s->host->here ? STOP_US : CHILD_LAUNCHER_MS * 1000);
     if (!s->conn.child.pid) settle(f, s);
 }
 

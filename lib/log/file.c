@@ -88,21 +88,18 @@ int log_survey(const struct log_file *l, struct intake *in)
     return 1;
 }
 
-int log_coverage(const char *path, uint32_t frame, struct coverage *have, char why[LOG_WHY])
+int log_survey_path(const char *path, struct intake *in, char why[LOG_WHY])
 {
     struct log_file l = {.path = path};
     struct stat st;
-    *have = (struct coverage){0};
+    intake_init(in, false);
     if (stat(path, &st) != 0) return errno == ENOENT ? 0 : -1;
     if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode)) return 0;
     l.fd = open(path, O_RDONLY | O_CLOEXEC);
     if (l.fd < 0) return -1;
-    struct intake in;
-    int failed = log_survey(&l, &in);
-    const struct assembly_frame *f = assembly_find(&in.parts, frame);
-    if (!failed && f) assembly_coverage(f, have);
-    if (failed > 0) snprintf(why, LOG_WHY, "%s", in.why);
-    intake_free(&in);
+    intake_free(in);
+    int failed = log_survey(&l, in);
+    if (failed > 0) snprintf(why, LOG_WHY, "%s", in->why);
     log_close(&l);
     return failed;
 }

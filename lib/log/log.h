@@ -129,11 +129,11 @@ int log_longest_us(const char *path, int64_t most_us, int64_t *us, char why[LOG_
 int log_pass(int fd, int64_t patience_us, void (*put)(const void *p, size_t n));
 
 /*
- * The pixels of frame number `frame` in the log at `path`, in *have, which the caller frees with
- * coverage_free. Its size is 0x0 if the log has none of them, is empty, missing, a device or a
- * pipe. Returns 0; 1 if the log cannot be resumed, with the reason in why; or -1 with errno.
+ * Which pixels the log at `path` has: in->parts, without pixels. There are no frames if the log is
+ * empty, missing, a device or a pipe. The caller frees *in with intake_free, whatever is returned:
+ * 0; 1 if the log cannot be resumed, with the reason in why; or -1 with errno.
  */
-int log_coverage(const char *path, uint32_t frame, struct coverage *have, char why[LOG_WHY]);
+int log_survey_path(const char *path, struct intake *in, char why[LOG_WHY]);
 
 /* The cost of each pixel of a picture, from the CPU times of the tasks in a log. */
 struct log_costs {

@@ -11,7 +11,7 @@ enum phase { CHOOSE, CUT, FIRST, AGAIN };
 struct reading {
     struct verify *v;
     struct verify_hosts *hosts;
-    int32_t *place; /* by slot, as frame records of this run say; -1: not said */
+    int32_t *place; /* by slot, as frame records of the run say; -1: not said */
     size_t slots;
     bool elsewhere; /* this run has a slot that is not on the only host */
     enum phase phase;
@@ -56,6 +56,8 @@ static int32_t find_place(struct reading *p, int32_t slot)
 {
     if (slot < 0) return -1;
     if (p->hosts->several && (size_t)slot < p->slots && p->place[slot] >= 0) return p->place[slot];
+    /* Slots of an earlier run may have been on other hosts. */
+    if (p->phase == FIRST && p->run != p->runs) return -1;
     return slot < p->hosts->slots ? p->hosts->place_of[slot] : -1;
 }
 
@@ -68,8 +70,8 @@ static void take_frag(struct reading *p, const struct record *r)
     switch (p->phase) {
     case CHOOSE: verify_choose(p->v, &r->task); break;
     case CUT: verify_cut(p->v, &r->task); break;
-    case FIRST: /* slots of an earlier run may have been on other hosts */
-        if (p->run != p->runs || place < 0) slot = place = -1;
+    case FIRST:
+        if (p->run != p->runs || place < 0) slot = -1;
         verify_first(p->v, &r->task, slot, place, p->pixels);
         break;
     case AGAIN: verify_again(p->v, &r->task, slot, place, p->pixels); break;

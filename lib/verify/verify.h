@@ -32,7 +32,7 @@
 
 /* The result of one slot for a part. */
 struct verify_opinion {
-    int32_t slot, place; /* -1: not known, as of an earlier run in the same log */
+    int32_t slot, place; /* -1: not known. The slot is not, if an earlier run in the same log had it */
     uint64_t sum[2];
 };
 static inline bool verify_same(const struct verify_opinion *a, const struct verify_opinion *b)
