@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 struct options {
@@ -50,7 +51,7 @@ static bool is_grid(const char *path)
     char bytes[sizeof begin - 1];
     FILE *f = fopen(path, "r");
     bool is = f && fread(bytes, 1, sizeof bytes, f) == sizeof bytes &&
-              memcmp(bytes, begin, sizeof bytes) == 0;
+              strncasecmp(bytes, begin, sizeof bytes) == 0;
     if (f) fclose(f);
     return is;
 }

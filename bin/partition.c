@@ -149,8 +149,7 @@ static void read_log(const struct options *o)
 static struct coverage had(const struct options *o)
 {
     struct coverage have = {0};
-    const struct assembly_frame *f =
-        o->have ? assembly_find(&o->have->parts, o->frame) : NULL;
+    const struct assembly_frame *f = o->have ? assembly_find(&o->have->parts, o->frame) : NULL;
     if (f) assembly_coverage(f, &have);
     if (have.bits && (have.w != (uint32_t)o->w || have.h != (uint32_t)o->h))
         die(ST_USAGE, "%s: has another size: frame %u of %ux%u pixels, expected %dx%d", o->log,

@@ -150,4 +150,6 @@ tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #'
 	'`touch_pwned` real '"'"';system("touch_pwned")# 1 s 2 s 1 0' 'END_OF_DATA real @m@`touch_pwned` 2 s 2 s 1 0' >evil.tsv
 ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
 ok 'quotes and backquotes in the data run no command' [ ! -e pwned -a ! -e touch_pwned ]
+mkdir "it's"
+ok 'a quote in TMPDIR, and a line end in a title' env TMPDIR="it's" chart -t "$(printf 'a\nb')" -o lines.svg times.tsv
 finish

@@ -127,6 +127,9 @@ is 'packed: scale, offset, fill, missing values, valid range' "$(got packed.nc s
 make_nc valid "$cube" "$axes short s(z, y, x); s:scale_factor = 0.5; s:add_offset = 100.; s:valid_max = 104.;" \
 	"$nodes s = 1, 2, 3, 7, 8, 9, 10, 11;"
 is 'packed: a range of values, by its type' "$(got valid.nc s)" '100.5 101 101.5 103.5 104 nan nan nan'
+make_nc wider "$cube" "$axes short s(z, y, x); s:scale_factor = .5f; s:add_offset = 100.; s:valid_range = 99., 104.;" \
+	"$nodes s = 1, 2, -2, -3, 8, 9, 10, 11;"
+is 'packed: values have the wider type of scale and offset' "$(got wider.nc s)" '100.5 101 99 nan 104 nan nan nan'
 make_nc bytes "$cube" "$axes byte s(z, y, x); s:_Unsigned = \"true\"; s:_FillValue = -1b; s:valid_max = -2b;" "$nodes s = 0, 1, 127, -128, -2, -3, _, 5;"
 is '_Unsigned bytes are read as unsigned' "$(got bytes.nc s)" '0 1 127 128 254 253 nan 5'
 make_nc fill "$cube" "$axes float f(z, y, x); int i(z, y, x); double d(z, y, x); d:missing_value = 1e10f;" \
@@ -173,12 +176,16 @@ is 'dimensions of one element are left out' "$(got -t 1 ensemble.nc s)" '9 10 11
 is 'axes are the same without dimensions of one element' "$(got -t 1 ensemble.nc 'd=hypot(s,u)' | cut -d' ' -f 4)" 16.970562
 like '-l does not list dimensions of one element' "$(nc2vtk -l ensemble.nc)" '^/s	x=x:2	y=y:2	z=z:2	t=t:2	'
 # The name of an axis decides last; an axis with an unknown name does not count as height.
-for name in timestep time_step xtime date level_type ensemble; do
+for name in timestep time_step xtime date level_type ensemble number; do
 	make_nc named "$name = 2; lat = 2; lon = 2;" "float $name($name); float lat(lat); float lon(lon); float s($name, lat, lon);" \
 		"$name = 0, 1; lat = 1, 2; lon = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;"
 	run nc2vtk named.nc s
 	is "an axis named $name is not taken for height" "$status:$(echo "$err" | grep -cE 'no z among its 3|is none of x, y, z and time')" 2:1
 done
+make_nc named 'm = 2; lat = 2; lon = 2;' 'float m(m); m:standard_name = "realization"; float lat(lat); float lon(lon); float s(m, lat, lon);' \
+	'm = 0, 1; lat = 1, 2; lon = 1, 2; s = 1, 2, 3, 4, 5, 6, 7, 8;'
+run nc2vtk named.nc s
+like 'an axis of realizations is not taken for height' "$status:$err" '^2:.*: m has 2 elements and is none of x, y, z and time'
 make_nc named 'bottom_top = 2; timestep = 2; lon = 2; lat = 2;' 'float bottom_top(bottom_top); float timestep(timestep);
 	float lon(lon); float lat(lat); float s(bottom_top, timestep, lon, lat);' \
 	"bottom_top = 1, 2; timestep = 0, 1; lon = 1, 2; lat = 1, 2; s = $(seq -s, 16);"
@@ -228,6 +235,9 @@ if there /usr/include/udunits2.h; then
 	sed 's/s:units = "K";/& s:units_metadata = "temperature: difference";/' warm.cdl | ncgen -o warmer.nc
 	is '-u: a difference of temperatures stays one' "$(nc2vtk -u degC warmer.nc s >b.vtk; values b.vtk | awk '{ printf "%.2f ", $1 }')" \
 		'273.15 274.15 275.15 276.15 263.15 264.15 265.15 266.15 '
+	ncdump warm.nc | sed '/s:units/d' | ncgen -o bare.nc -
+	run nc2vtk -u degC bare.nc s
+	is '-u: values without a unit are refused' "$status:$out:$err" '2::nc2vtk: bare.nc: s: has no unit, expected one to convert from'
 	like '-u: the title has the unit' "$(sed -n 2p a.vtk)" '^s \[degC\]; '
 	run nc2vtk -u m warm.nc s
 	is '-u: another quantity is refused' "$status:$out:$err" "2::nc2vtk: warm.nc: s: 'K' does not convert to 'm'"
@@ -238,6 +248,10 @@ if there /usr/include/udunits2.h; then
 	make_nc geo "$cube" "$axes z:units = \"hPa\"; float s(z, y, x); float gp(z, y, x); gp:standard_name = \"geopotential\"; gp:units = \"m2 s-2\";" \
 		"x = 1, 2; y = 3, 4; z = 1000, 500; s = 1, 2, 3, 4, 11, 12, 13, 14; gp = 0, 0, 0, 9806.65, 19613.3, 19613.3, 39226.6, 49033.25;"
 	is '-z: columns are moved to common heights' "$(got -z geo.nc s):$(coordinates Z a.vtk | awk '{ printf "%.2f ", $1 }')" '1 2 3 4 11 12 8 6.5:0.00 2000.00 '
+	ncdump geo.nc | sed 's/^.*float gp(/float spread(z, y, x); spread:units = "m"; spread:long_name = "geopotential height spread";&/; s/^ gp =/ spread = 1, 1, 1, 1, 2, 2, 2, 2;&/' | ncgen -o spread.nc -
+	is '-z: the spread of a height is no height' "$(got -z spread.nc s)" '1 2 3 4 11 12 8 6.5'
+	ncdump spread.nc | sed 's/height spread"/height"/' | ncgen -o two.nc -
+	is '-z: a standard name decides before a long name' "$(got -z two.nc s)" '1 2 3 4 11 12 8 6.5'
 	# a * p0 + b * ps: 1013.25 and 226.3206 hPa at x 1, and half of the surface pressure at x 2
 	hybrid='float z(z); z:axis = "Z"; z:positive = "down"; z:formula_terms = "a: ca b: cb p0: P0 ps: PS"; double ca(z), cb(z), P0;
 		P0:units = "hPa"; float PS(x, y); PS:units = "hPa"; float x(x); float y(y); float s(z, y, x);'
@@ -245,6 +259,11 @@ if there /usr/include/udunits2.h; then
 		PS = 1013.25, 1013.25, 506.625, 1013.25; s = 1, 2, 3, 4, 11, 12, 13, 14;"
 	is '-z: hybrid levels, with the surface pressure; the ground has no value' "$(got -z hybrid.nc s)" '3 4 1 nan 13 14 11 12'
 	is '-z: their planes' "$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '0 11000 '
+	ncdump hybrid.nc | sed 's/double cb(z)/short cb(z)/; s/^.*P0:units/cb:scale_factor = .5;&/; s/ cb = 1, 0/ cb = 2, 0/' | ncgen -o stored.nc -
+	is '-z: coefficients may be packed' "$(got -z stored.nc s)" '3 4 1 nan 13 14 11 12'
+	ncdump hybrid.nc | awk '/ s\(z, y, x\)/ { v = $0; next } /^ s =/ { inside = 1 } inside && !/^}/ { d = d $0; next } /^}/ { print "group: g { variables: " v " data: " d " }" } 1' |
+		ncgen -k nc4 -o deep.nc -
+	is '-z: the surface pressure may be in a group around' "$(got -z deep.nc g/s)" '3 4 1 nan 13 14 11 12'
 	refused_z() { run nc2vtk -z "$1" s; like "refused: -z of $1" "$status:$out:$err" "^2::nc2vtk: $1: s: -z: $2"; }
 	ncdump hybrid.nc | sed 's/float PS(/float Q(/; s/PS:units/Q:units/; s/^ PS =/ Q =/' | ncgen -o noground.nc -
 	refused_z noground.nc 'the levels need the surface pressure PS, which is not there'

@@ -231,6 +231,8 @@ is 'a second field of another name has another caption' "$(cmp -s two0.png two1.
 sed '$d' text.vtk >torn.vtk
 run backdrop -o torn.png torn.vtk second.spec
 like 'a second field that is torn is refused' "$status:$out$err" '^2:backdrop: torn.vtk:[0-9]*: '
+sed '1s/.*/# VTK DATAFILE VERSION 2.0/' hour0.vtk >capitals.vtk
+ok 'a first line in capitals' backdrop -o capitals%d.png capitals.vtk capitals.vtk wall.spec
 sed 's/^resolution .*/resolution 48 60/' wall.spec >high.spec
 balance adaptive -j 2 -m none: -o both%d.png hour0.vtk wall.spec high.spec
 for at in 0 1; do

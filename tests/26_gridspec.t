@@ -63,6 +63,12 @@ is 'pressures beside degrees: it says how many hPa' "$(grep -E '^(scale|# as)' g
 	'# as high as 1 degrees_east is wide: 11.1 hPa;scale 1 1 0.09;'
 is 'names, units and ranges are stated' "$(sed -n '1p;4p' globe.spec)" '# speed: 0 to 16 m/s at 9 x 9 x 9 nodes
 # z: 0 to -1000 hPa, negated in the grid'
+# As floats, .439 is above its decimal and -.1 below: the knots enclose both.
+grid capped 1 1 1 's = i < 4 ? -.1 : i == 4 ? .2 : .439' 's [\302\260C]; x x [m]; y y [m]; z z [m]'
+gridspec capped.vtk >capped.spec
+is 'the greatest and the least value are within the knots' "$(awk '$1 == "map" { print $2 }' capped.spec | sed -n '1p;$p' | tr '\n' ' ')" \
+	'-0.10000000149011612 0.4390000104904175 '
+like 'units may be beyond ASCII' "$(head -n 1 capped.spec)" "^# s: -0.1 to 0.439 $(printf '\302\260')C at"
 like 'missing values are counted' "$(cat half.spec)" '^# s: 0 to 8 .*, 44.4 % missing$'
 
 # 729 values from 0 to 728: each tenth has 73 of them.

@@ -21,6 +21,8 @@ for pair in 0:a 2:b 4:c; do ok "view ${pair%:*} is a key" cmp "v${pair%:*}.spec"
 is 'there are no other views' "$(echo v*.spec)" 'v0.spec v1.spec v2.spec v3.spec v4.spec'
 is 'a view half way round is at the same height' "$(word from v1.spec)" '7.071 7.071 5.000 '
 is 'all lines except from are the same' "$(grep -v '^from' v3.spec)" "$(grep -v '^from' a.spec)"
+sed '/^#/d; s/^up/\n&/' b.spec >bare.spec
+ok 'keys may differ in comments and blank lines' views -n 3 -o v%d.spec a.spec bare.spec
 rm -f v?.spec
 run views -c -n 8 -o v%02d.spec a.spec b.spec c.spec d.spec
 is '-c comes back to the first key' "$status $(echo v*.spec | wc -w) $(word from v07.spec)" '0 8 7.071 -7.071 5.000 '

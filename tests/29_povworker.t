@@ -33,6 +33,11 @@ height_field { pgm "heights.pgm" translate <-.5, -1.2, -.5> scale <6, 1, 6> pigm
 END
 is 'the files of a scene: it, what it includes, and textures' "$(povworker -l my/scene.pov | sort | tr '\n' ' ')" \
 	'my/heights.pgm my/inc/b.inc my/scene.pov my/tex/a.ppm '
+mkdir 'my odd' && cp -r my/tex my/inc my/heights.pgm 'my odd'
+for odd in "a b" "a;b" "a=b" "a'b" "a[b]"; do
+	cp my/scene.pov "my odd/$odd.pov"
+	ok "a scene named $odd.pov" povworker -i -s 8x8 "my odd/$odd.pov"
+done
 is 'the scene comes first' "$(cd my && povworker -l scene.pov | head -n 1)" scene.pov
 echo >my/more
 is 'a further file' "$(povworker -l my/scene.pov my/more | grep -c more)" 1

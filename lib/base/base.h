@@ -53,6 +53,9 @@ bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt,
     PRINTF_LIKE(4, 0);
 /* Formats n bytes at word for a message: in quotes, cut, and printable. Returns out. */
 #define ERR_WORD 40
+#define ERR_PATH 101
+/* A path for messages: a long one without its beginning. */
+const char *err_path(char out[ERR_PATH], const char *path);
 const char *err_word(char out[ERR_WORD], const void *word, size_t n);
 /* Prints "usage: program TEXT" and exits: to stdout if status is 0 (-h), otherwise to stderr. */
 _Noreturn void usage(int status, const char *text);
@@ -175,7 +178,9 @@ void put_stdout_buf(struct buf *b);
 /* Flushes and closes stdout. Dies with status 3 if any output was lost. */
 void close_stdout(void);
 
-/* A file that appears under its name only when complete: written beside it, then renamed. */
+/* A file that appears under its name only when complete: written beside it, then renamed. A link
+ * stays, and the file that it leads to is replaced. SIGHUP, SIGINT and SIGTERM, unless ignored,
+ * remove what is not complete. (outfile.c) */
 struct outfile {
     FILE *f;
     char *path, *temporary; /* temporary NULL: path is written directly (a device, a pipe) */
@@ -187,8 +192,8 @@ int outfile_commit(struct outfile *o);
 void outfile_discard(struct outfile *o);
 /* Writes n bytes as such a file. Returns 0, or -1 with errno and no file left. */
 int outfile_put(const char *path, const void *p, size_t n);
-/* Tests whether path's directory is writable. Returns 0, or -1 with errno. A directory name with
- * `%` is not tested. */
+/* Tests whether the path can be written: it is no directory, its name is not too long, and its
+ * directory is writable. Returns 0, or -1 with errno. A directory name with `%` is not tested. */
 int outfile_check(const char *path);
 /* True if both are names of one file. */
 bool outfile_is(const char *a, const char *b);

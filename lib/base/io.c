@@ -1,4 +1,4 @@
-/* io: checked reading and writing, and files that appear only when complete. */
+/* io: checked reading and writing. */
 #include "base/base.h"
 
 #include <errno.h>
@@ -72,7 +72,8 @@ bool load_file(const char *path, struct buf *b, char err[ERR_BYTES])
     if (read_file(path, b) == 0) return true;
     int why = errno;
     buf_free(b);
-    return err_set(err, "%.128s: %s", path, strerror(why));
+    char shown[ERR_PATH];
+    return err_set(err, "%s: %s", err_path(shown, path), strerror(why));
 }
 
 void put_stdout(const void *p, size_t n)
@@ -84,86 +85,4 @@ void put_stdout_buf(struct buf *b)
 {
     put_stdout(buf_data(b), buf_size(b));
     buf_consume(b, buf_size(b));
-}
-
-int outfile_open(struct outfile *o, const char *path)
-{
-    struct stat st;
-    *o = (struct outfile){0};
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
-        o->f = fopen(path, "we");
-        if (!o->f) return -1;
-    } else {
-        size_t n = strlen(path) + sizeof ".XXXXXX";
-        o->temporary = xmalloc(n, 1);
-        snprintf(o->temporary, n, "%s.XXXXXX", path);
-        int fd = mkostemp(o->temporary, O_CLOEXEC);
-        o->f = fd < 0 ? NULL : fdopen(fd, "w");
-        if (!o->f) {
-            int err = errno;
-            if (fd >= 0) close(fd), unlink(o->temporary);
-            free(o->temporary);
-            errno = err;
-            return -1;
-        }
-        mode_t mask = umask(0); /* mkostemp used 0600; set the mode that open(2) sets */
-        umask(mask);
-        fchmod(fd, 0666 & ~mask);
-    }
-    o->path = xstrdup(path);
-    return 0;
-}
-
-static void outfile_end(struct outfile *o, bool keep)
-{
-    if (o->temporary && !keep) unlink(o->temporary);
-    free(o->temporary);
-    free(o->path);
-    *o = (struct outfile){0};
-}
-
-int outfile_commit(struct outfile *o)
-{
-    int err = 0;
-    if (fflush(o->f) != 0 || ferror(o->f)) err = errno ? errno : EIO;
-    if (fclose(o->f) != 0 && !err) err = errno;
-    if (!err && o->temporary && rename(o->temporary, o->path) != 0) err = errno;
-    outfile_end(o, !err);
-    errno = err;
-    return err ? -1 : 0;
-}
-
-void outfile_discard(struct outfile *o)
-{
-    fclose(o->f);
-    outfile_end(o, false);
-}
-
-int outfile_put(const char *path, const void *p, size_t n)
-{
-    struct outfile o;
-    if (outfile_open(&o, path) != 0) return -1;
-    if (fwrite(p, 1, n, o.f) == n) return outfile_commit(&o);
-    int err = errno;
-    outfile_discard(&o);
-    errno = err;
-    return -1;
-}
-
-bool outfile_is(const char *a, const char *b)
-{
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
-int outfile_check(const char *path)
-{
-    char *dir = xstrdup(path), *slash = strrchr(dir, '/');
-    if (slash) slash[slash == dir] = '\0';
-    const char *at = slash ? dir : ".";
-    int failed = strchr(at, '%') ? 0 : access(at, W_OK | X_OK);
-    int err = errno;
-    free(dir);
-    errno = err;
-    return failed;
 }

@@ -70,9 +70,18 @@ bool err_set(char err[ERR_BYTES], const char *fmt, ...)
     return false;
 }
 
+const char *err_path(char out[ERR_PATH], const char *path)
+{
+    const size_t n = strlen(path), most = ERR_PATH - 1;
+    if (n <= most) snprintf(out, ERR_PATH, "%s", path);
+    else snprintf(out, ERR_PATH, "...%s", path + n - (most - 3));
+    return out;
+}
+
 bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt, va_list ap)
 {
-    int n = snprintf(err, ERR_BYTES, "%.100s:%zu: ", file, line);
+    char path[ERR_PATH];
+    int n = snprintf(err, ERR_BYTES, "%s:%zu: ", err_path(path, file), line);
     if (n < 0 || n >= ERR_BYTES) n = 0;
     vsnprintf(err + n, ERR_BYTES - (size_t)n, fmt, ap);
     return false;

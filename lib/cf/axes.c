@@ -65,12 +65,12 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
         const char *part; /* part of the name; with "=" in front the whole name */
         enum cf_kind kind;
     } table[] = {{"_type", CF_NONE}, {"ensemble", CF_NONE}, {"member", CF_NONE}, {"=ens", CF_NONE},
-        {"realization", CF_NONE}, {"bnds", CF_NONE}, {"time", CF_T}, {"step", CF_T}, {"date", CF_T},
-        {"month", CF_T}, {"year", CF_T}, {"hour", CF_T}, {"=day", CF_T}, {"=t", CF_T},
-        {"longitude", CF_X}, {"west_east", CF_X}, {"=lon", CF_X}, {"=x", CF_X}, {"latitude", CF_Y},
-        {"south_north", CF_Y}, {"=lat", CF_Y}, {"=y", CF_Y}, {"bottom_top", CF_Z}, {"level", CF_Z},
-        {"height", CF_Z}, {"depth", CF_Z}, {"altitude", CF_Z}, {"pressure", CF_Z}, {"=lev", CF_Z},
-        {"=z", CF_Z}};
+        {"=number", CF_NONE}, {"realization", CF_NONE}, {"bnds", CF_NONE}, {"time", CF_T},
+        {"step", CF_T}, {"date", CF_T}, {"month", CF_T}, {"year", CF_T}, {"hour", CF_T},
+        {"=day", CF_T}, {"=t", CF_T}, {"longitude", CF_X}, {"west_east", CF_X}, {"=lon", CF_X},
+        {"=x", CF_X}, {"latitude", CF_Y}, {"south_north", CF_Y}, {"=lat", CF_Y}, {"=y", CF_Y},
+        {"bottom_top", CF_Z}, {"level", CF_Z}, {"height", CF_Z}, {"depth", CF_Z},
+        {"altitude", CF_Z}, {"pressure", CF_Z}, {"=lev", CF_Z}, {"=z", CF_Z}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const char *part = table[i].part;
         if (*part == '=' ? strcasecmp(name, part + 1) != 0 : !strcasestr(name, part)) continue;
@@ -116,7 +116,7 @@ static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
 
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
-    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
+    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT], standard[CF_TEXT];
     int in, id;
     struct cf_packing p;
     *a = (struct cf_axis){.kind = CF_NONE};
@@ -131,6 +131,8 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_unpacks(&p, a->name, err)) return false;
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
+    cf_text(c, in, id, "standard_name", standard);
+    a->member = strcasecmp(standard, "realization") == 0;
     a->in = in;
     a->id = id;
     a->kind = kind_of(c, in, id, a);
@@ -182,7 +184,8 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
         struct cf_axis *a = &f->axis[i];
         if (a->kind != CF_NONE || a->n == 1) continue;
         enum cf_kind kind = kind_by_name(a->name, &other[i]);
-        if (kind == CF_NONE) continue;
+        other[i] |= a->member;
+        if (kind == CF_NONE || other[i]) continue;
         other[i] = of[kind] != NULL;
         if (other[i]) continue;
         of[kind] = a;

@@ -34,6 +34,7 @@ struct cf_axis {
     char name[CF_TEXT], units[CF_TEXT];
     bool pressure; /* its units are those of pressure */
     bool rotated;  /* longitudes of a rotated sphere, by their standard name */
+    bool member;   /* counts members of an ensemble, by its standard name */
     bool made;     /* not in the file: the one level of a field of x and y */
     int in, id;    /* group and variable of the coordinates, if `at` */
 };

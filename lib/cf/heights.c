@@ -19,6 +19,8 @@
 static bool is_geopotential(struct cf_file *c, int group, int id, const char *name, bool *standard)
 {
     static const char *const names[] = {"gh", "hgt", "z3", "zg", "height"};
+    static const char *const others[] = {"anomaly", "deviation", "difference", "eddy", "error",
+        "perturbation", "spread", "tendency"};
     char said[CF_TEXT], about[CF_TEXT];
     cf_text(c, group, id, "standard_name", said);
     cf_text(c, group, id, "long_name", about);
@@ -26,6 +28,8 @@ static bool is_geopotential(struct cf_file *c, int group, int id, const char *na
     bool is = *standard || strcasestr(about, "geopotential");
     for (size_t i = 0; !is && i < sizeof names / sizeof *names; i++)
         is = strcasecmp(name, names[i]) == 0;
+    for (size_t i = 0; !*standard && is && i < sizeof others / sizeof *others; i++)
+        is = !strcasestr(about, others[i]) && !strcasestr(said, others[i]);
     return is;
 }
 
@@ -53,10 +57,11 @@ static int find_geopotential(
     int n = 0;
     char name[NC_MAX_NAME + 1] = "", units[CF_TEXT];
     cf_did(c, nc_inq_nvars(f->group, &n));
-    for (int id = 0; id < n; id++) {
+    for (int k = 0; k < 2 * n; k++) { /* first those with a standard name */
+        const int id = k % n;
         bool standard;
         cf_did(c, nc_inq_varname(f->group, id, name));
-        if (!is_geopotential(c, f->group, id, name, &standard)) continue;
+        if (!is_geopotential(c, f->group, id, name, &standard) || standard != (k < n)) continue;
         cf_text(c, f->group, id, "units", units);
         h->metres = metres_in(units);
         if (h->metres <= 0 && !standard) continue;
@@ -132,6 +137,7 @@ static bool numbers(
 {
     int id, dims, dim[NC_MAX_VAR_DIMS];
     size_t length = 1;
+    struct cf_packing p;
     if (nc_inq_varid(group, name, &id) != NC_NOERR)
         return err_set(err, "the levels name %.60s, which is not there", name);
     cf_did(c, nc_inq_var(group, id, NULL, NULL, &dims, dim, NULL));
@@ -140,7 +146,10 @@ static bool numbers(
     if (!c->status && dims == 1) cf_did(c, nc_inq_dimlen(group, dim[0], &length));
     if (!c->status && length != n)
         return err_set(err, "%.60s has %zu numbers, expected %zu", name, length, n);
+    cf_packing(c, group, id, &p);
+    if (!cf_unpacks(&p, name, err)) return false;
     if (!c->status) cf_did(c, nc_get_var_double(group, id, out));
+    for (size_t i = 0; !c->status && i < n; i++) out[i] = cf_unpack(&p, out[i]);
     return cf_look(c, err);
 }
 
@@ -176,6 +185,14 @@ static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const 
     return true;
 }
 
+/* Finds a variable in the group or an enclosing one. */
+static bool find_above(int *group, const char *name, int *id)
+{
+    while (nc_inq_varid(*group, name, id) != NC_NOERR)
+        if (nc_inq_grp_parent(*group, group) != NC_NOERR) return false;
+    return true;
+}
+
 bool cf_heights_find(
     struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES])
 {
@@ -190,12 +207,12 @@ bool cf_heights_find(
         return true;
     }
     if (!z->at || !find_names(c, z, &n)) return cf_look(c, err);
-    if (nc_inq_varid(f->group, n.ps, &h->surface) != NC_NOERR)
+    h->group = f->group;
+    if (!find_above(&h->group, n.ps, &h->surface))
         return err_set(err, "the levels need the surface pressure %.60s, which is not there", n.ps);
     h->kind = CF_HEIGHTS_HYBRID;
-    h->group = f->group;
     h->surface_pa = 1;
-    if (!to_pascals(c, f->group, h->surface, &h->surface_pa, err)) return false;
+    if (!to_pascals(c, h->group, h->surface, &h->surface_pa, err)) return false;
     return find_coefficients(c, z, &n, h, err);
 }
 

@@ -107,15 +107,19 @@ void cf_packing(struct cf_file *c, int group, int id, struct cf_packing *p)
 {
     char text[CF_TEXT];
     double range[2];
-    int type, of_scale = NC_NAT;
+    int type, of_scale = NC_NAT, of_offset = NC_NAT;
     *p = (struct cf_packing){
         .scale = 1, .valid_min = (double)-INFINITY, .valid_max = (double)INFINITY};
     cf_did(c, nc_inq_vartype(group, id, &p->type));
     cf_text(c, group, id, "_Unsigned", text);
     p->unsigned_too = strcasecmp(text, "true") == 0 &&
                       (p->type == NC_BYTE || p->type == NC_SHORT || p->type == NC_INT);
-    one(c, group, id, "add_offset", &p->offset, &of_scale, p);
+    one(c, group, id, "add_offset", &p->offset, &of_offset, p);
     one(c, group, id, "scale_factor", &p->scale, &of_scale, p);
+    /* Values have the wider type of the two. Of the integers, none is that of values. */
+    if (of_scale == NC_NAT || of_offset == NC_DOUBLE ||
+        (of_offset == NC_FLOAT && of_scale != NC_DOUBLE))
+        of_scale = of_offset;
 
     p->n_missing = numbers(c, group, id, "_FillValue", 1, p->missing, &type, p);
     if (!p->n_missing) add_default_fill(p);

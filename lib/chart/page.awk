@@ -14,7 +14,7 @@ function bad(what) {
 	exit 2
 }
 # Text between single quotes is left alone by gnuplot: no commands, no escapes. A quote itself goes between double ones.
-function quoted(s) { gsub(/\047/, "\047 . \"\047\" . \047", s); return "(\047" s "\047)" }
+function quoted(s) { gsub(/[[:cntrl:]]/, " ", s); gsub(/\047/, "\047 . \"\047\" . \047", s); return "(\047" s "\047)" }
 function max(a, b) { return a > b ? a : b }
 function min(a, b) { return a < b ? a : b }
 function log10(v) { return log(v) / log(10) }

@@ -81,6 +81,8 @@ static struct units_linear conversion(const struct run *r, const char *from, con
 {
     struct units_linear l = {1, 0};
     char err[ERR_BYTES];
+    if (!*from)
+        die(ST_USAGE, "%s: %s: has no unit, expected one to convert from", r->o->file, r->c->what);
     if (!units_linear(from, to, &l, err)) die(ST_USAGE, "%s: %s: %s", r->o->file, r->c->what, err);
     return l;
 }

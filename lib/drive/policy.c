@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #define GRACE_MS (CHILD_LAUNCHER_MS + 500) /* for the command, which may be fan with launchers */
-#define QUIET_US INT64_C(3000000) /* silence allowed to a command that owes tasks */
+#define QUIET_US INT64_C(3000000)          /* silence allowed to a command that owes tasks */
 
 static void flush(struct driver *d, int32_t to)
 {

@@ -335,8 +335,8 @@ int fan_staff(const struct fan *f);
 
 /* Asks a worker on this machine for the values that other hosts must agree with. */
 void fan_ask_reference(struct fan *f);
-/* Looks at what a slot that is not up has sent: keeps the first line, in case no hello comes. Returns
- * NULL, or the reason of refusal. */
+/* Looks at what a slot that is not up has sent: keeps the first line, in case no hello comes.
+ * Returns NULL, or the reason of refusal. */
 const char *fan_take_chatter(struct fan_slot *s, const unsigned char *said, size_t n);
 /* Returns NULL if the slot is accepted (it is up then), or the reason of refusal. */
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);

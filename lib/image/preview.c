@@ -1,7 +1,6 @@
 /* preview: files of pictures that are not complete; see image.h. */
 #include "image/image.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -32,21 +31,6 @@ int image_preview_wait_ms(const struct image_preview *p, const struct assembly *
     return left_us > 0 ? (int)(left_us / 1000) + 1 : 0;
 }
 
-/* A signal that ends the program waits, so that no temporary file remains. */
-static int save(const struct image_preview *p, const struct assembly_frame *f, const char *name)
-{
-    sigset_t ending, before;
-    sigemptyset(&ending);
-    sigaddset(&ending, SIGINT);
-    sigaddset(&ending, SIGTERM);
-    sigaddset(&ending, SIGHUP);
-    sigprocmask(SIG_BLOCK, &ending, &before);
-    const struct image_rows rows = assembly_rows(f);
-    int failed = image_out_put(p->out, f->number, name, &rows, f->job);
-    sigprocmask(SIG_SETMASK, &before, NULL);
-    return failed;
-}
-
 char *image_preview_put(struct image_preview *p, const struct assembly *a)
 {
     char *failed = NULL;
@@ -55,7 +39,8 @@ char *image_preview_put(struct image_preview *p, const struct assembly *a)
         struct assembly_frame *f = a->frames[i];
         if (f->released || !f->pixels || f->shown_px == f->have.done) continue;
         char *name = image_preview_name(p->out, f->number);
-        if (save(p, f, name) != 0) failed = name;
+        const struct image_rows rows = assembly_rows(f);
+        if (image_out_put(p->out, f->number, name, &rows, f->job) != 0) failed = name;
         else free(name);
         f->shown_px = f->have.done;
     }

@@ -53,8 +53,9 @@ static void cut(struct parts *p, const char *text, size_t n)
     const char *at = text, *end = text + n;
     for (uint32_t i = 0; i < p->n; i++) {
         const char *to = text + n / p->n * (i + 1);
-        if (to < at) to = at; /* the part before it went further: this one is empty */
-        else to = i + 1 < p->n ? cut_after(to, end) : end;
+        if (i + 1 == p->n) to = end;
+        else if (to < at) to = at; /* the part before it went further: this one is empty */
+        else to = cut_after(to, end);
         struct part *a = &p->at[i];
         a->r = (struct reader){.name = p->name, .err = a->err, .s = &a->s};
         tokens_init(&a->r.t, at, (size_t)(to - at));

@@ -139,6 +139,9 @@ static void put_map(struct buf *out, const struct survey *v, const struct map *m
     for (int i = 0; i < m->n; i++) {
         const struct band *b = &m->band[i];
         print_float(lo, b->lo, 3), print_float(hi, b->hi, 3);
+        /* A knot is a double: the outermost ones must enclose the least and the greatest value. */
+        if (i == 0 && strtod(lo, NULL) > (double)b->lo) print_real(lo, (double)b->lo, 3);
+        if (i + 1 == m->n && strtod(hi, NULL) < (double)b->hi) print_real(hi, (double)b->hi, 3);
         double k = i == 0 && v->ground ? 0 : b->k;
         buf_printf(out, "map %s %.3g %.3g\t# from %.3g %%\n", lo, b->place, k, 100 * b->from);
         buf_printf(out, "map %s %.3g %.3g\t# to %.3g %%\n", hi, b->place, b->k, 100 * b->to);
@@ -248,7 +251,8 @@ static void put_place(struct buf *out, const char *word, struct vec3 p, double s
 /* Text of a file becomes a comment: it stays on its line. */
 static void put_words(struct buf *out, const char *text)
 {
-    for (; *text; text++) buf_printf(out, "%c", *text < ' ' || *text == 0x7f ? '?' : *text);
+    for (; *text; text++)
+        buf_printf(out, "%c", (unsigned char)*text < ' ' || *text == 0x7f ? '?' : *text);
 }
 
 static void put_about(

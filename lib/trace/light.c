@@ -4,6 +4,8 @@
  */
 #include "trace/trace_int.h"
 
+#include <stdlib.h>
+
 void trace_hit_point(
     const struct tracer *t, const struct ray *r, const struct hit *h, struct hit_point *at)
 {
@@ -40,9 +42,18 @@ bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, 
     return true;
 }
 
-/* Insertion sort: the lists are short. */
+#define FEW 32 /* items; more come from smoke and layered glass */
+
+static int by_number(const void *a, const void *b)
+{
+    const uint32_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
 static void sort_items(uint32_t *item, uint32_t n)
 {
+    if (n > FEW) qsort(item, n, sizeof *item, by_number);
+    if (n > FEW) return;
     for (uint32_t i = 1; i < n; i++) {
         uint32_t x = item[i], k = i;
         for (; k > 0 && item[k - 1] > x; k--) item[k] = item[k - 1];

@@ -79,7 +79,8 @@ struct verify_count verify_counted(const struct verify *v)
 static void name_slot(const struct verify_opinion *o, const struct verify_hosts *h, struct buf *out)
 {
     if (o->place < 0) buf_printf(out, "a slot of an earlier run");
-    else if (o->slot < 0) buf_printf(out, "host %s in an earlier run", verify_hosts_name(h, o->place));
+    else if (o->slot < 0)
+        buf_printf(out, "host %s in an earlier run", verify_hosts_name(h, o->place));
     else buf_printf(out, "slot %d (host %s)", o->slot, verify_hosts_name(h, o->place));
 }
 

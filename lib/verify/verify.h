@@ -30,9 +30,9 @@
 #include "log/log.h"
 #include "task/task.h"
 
-/* The result of one slot for a part. */
+/* The result of one slot for a part. -1: not known, as the slot of an earlier run in the log. */
 struct verify_opinion {
-    int32_t slot, place; /* -1: not known. The slot is not, if an earlier run in the same log had it */
+    int32_t slot, place;
     uint64_t sum[2];
 };
 static inline bool verify_same(const struct verify_opinion *a, const struct verify_opinion *b)

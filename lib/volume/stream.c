@@ -181,7 +181,8 @@ static bool is_fast(const struct stream *s)
         nodes *= v->cells[a] + 1.0;
         most = fmax(most, v->cells[a]);
     }
-    return s->even && !s->wide && !v->narrowed && nodes < INT32_MAX && edges_fit(v) &&
+    return s->even && !s->wide && !v->narrowed && nodes < INT32_MAX && most < 0x1p24 &&
+           edges_fit(v) &&
            4 * v->range * most * STREAM_FAST_ERROR <= (double)s->least_room * ROUNDING;
 }
 

@@ -4,7 +4,9 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -329,6 +331,59 @@ static void test_outfile(void **state)
     assert_content("third");
 }
 
+static void test_outfile_link(void **state)
+{
+    (void)state;
+    struct stat st;
+    char link[sizeof path + 5];
+    snprintf(link, sizeof link, "%s.link", path);
+    assert_int_equal(outfile_put(path, "old", 3), 0);
+    assert_int_equal(symlink(path, link), 0);
+    assert_int_equal(outfile_check(link), 0);
+    assert_int_equal(outfile_put(link, "new", 3), 0);
+    assert_content("new");
+    assert_int_equal(lstat(link, &st), 0);
+    assert_true(S_ISLNK(st.st_mode));
+    assert_int_equal(unlink(link), 0);
+}
+
+/* Two files are open when the signal comes. */
+static void test_outfile_signal(void **state)
+{
+    (void)state;
+    static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        int status, pipe_to[2];
+        char name[2][64] = {{0}};
+        assert_int_equal(pipe(pipe_to), 0);
+        pid_t pid = fork();
+        if (pid == 0) {
+            struct outfile o[2];
+            for (int k = 0; k < 2; k++) {
+                outfile_open(&o[k], path);
+                snprintf(name[k], sizeof name[k], "%s", o[k].temporary);
+            }
+            if (write(pipe_to[1], name, sizeof name) == (ssize_t)sizeof name) raise(signals[i]);
+            _exit(0);
+        }
+        assert_int_equal(read(pipe_to[0], name, sizeof name), sizeof name);
+        assert_int_equal(waitpid(pid, &status, 0), pid);
+        assert_true(WIFSIGNALED(status) && WTERMSIG(status) == signals[i]);
+        for (int k = 0; k < 2; k++) {
+            assert_int_equal(strncmp(name[k], path, strlen(path)), 0);
+            assert_int_equal(access(name[k], F_OK), -1);
+        }
+        close(pipe_to[0]), close(pipe_to[1]);
+    }
+    /* Afterwards the signals do what they did. */
+    struct sigaction now;
+    struct outfile o;
+    assert_int_equal(outfile_open(&o, path), 0);
+    outfile_discard(&o);
+    assert_int_equal(sigaction(SIGTERM, NULL, &now), 0);
+    assert_true(now.sa_handler == SIG_DFL);
+}
+
 static void test_outfile_fails(void **state)
 {
     (void)state;
@@ -343,6 +398,15 @@ static void test_outfile_fails(void **state)
     assert_int_equal(outfile_check(path), 0);
     assert_int_equal(outfile_check("file"), 0);
     assert_int_equal(outfile_check("/nonexistent/file"), -1);
+    assert_int_equal(outfile_check("/tmp"), -1);
+    assert_int_equal(errno, EISDIR);
+    char longest[NAME_MAX + 1];
+    memset(longest, 'x', NAME_MAX);
+    longest[NAME_MAX] = '\0';
+    assert_int_equal(outfile_check(longest), -1);
+    assert_int_equal(errno, ENAMETOOLONG);
+    longest[NAME_MAX - 7] = '\0';
+    assert_int_equal(outfile_check(longest), 0);
     assert_int_equal(outfile_check("/nonexistent-%d/file"), 0);
     struct buf b = {0};
     assert_int_equal(read_file("/nonexistent/file", &b), -1);
@@ -526,6 +590,8 @@ int main(void)
         cmocka_unit_test(test_buf_printf),
         cmocka_unit_test(test_quote),
         cmocka_unit_test(test_outfile),
+        cmocka_unit_test(test_outfile_link),
+        cmocka_unit_test(test_outfile_signal),
         cmocka_unit_test(test_outfile_fails),
         cmocka_unit_test(test_read_open),
         cmocka_unit_test(test_write_full),

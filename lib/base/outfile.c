@@ -1,0 +1,182 @@
+/*
+ * outfile: files that appear under their names only when complete. A signal that ends the program
+ * removes the temporary files first.
+ */
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define SUFFIX ".XXXXXX"
+
+/* ---- temporary files ------------------------------------------------------------------------- */
+
+/* Those that are open, for the handler. */
+struct temporary {
+    struct temporary *next;
+    char name[];
+};
+static struct temporary *open_ones;
+
+/* The signals, and what they did before. */
+static const int ending[] = {SIGHUP, SIGINT, SIGTERM};
+#define ENDING (sizeof ending / sizeof *ending)
+static struct sigaction before[ENDING];
+
+static void remove_all(int sig)
+{
+    for (const struct temporary *t = open_ones; t; t = t->next) unlink(t->name);
+    open_ones = NULL;
+    for (size_t i = 0; i < ENDING; i++)
+        if (ending[i] == sig) sigaction(sig, &before[i], NULL);
+    raise(sig);
+}
+
+/* Blocks the signals while the list changes. */
+static void block(sigset_t *was)
+{
+    sigset_t these;
+    sigemptyset(&these);
+    for (size_t i = 0; i < ENDING; i++) sigaddset(&these, ending[i]);
+    sigprocmask(SIG_BLOCK, &these, was);
+}
+
+static void add(struct temporary *t)
+{
+    const struct sigaction act = {.sa_handler = remove_all};
+    for (size_t i = 0; i < ENDING && !open_ones; i++) {
+        sigaction(ending[i], NULL, &before[i]);
+        if (before[i].sa_handler != SIG_IGN) sigaction(ending[i], &act, NULL);
+    }
+    t->next = open_ones;
+    open_ones = t;
+}
+
+static void drop(const char *name)
+{
+    struct temporary **at = &open_ones, *t;
+    while ((t = *at) != NULL && t->name != name) at = &t->next;
+    if (!t) return;
+    *at = t->next;
+    free(t);
+    for (size_t i = 0; i < ENDING && !open_ones; i++) sigaction(ending[i], &before[i], NULL);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+/* What a link leads to, so that the link stays. The caller frees it. */
+static char *target_of(const char *path)
+{
+    struct stat st;
+    char *target = lstat(path, &st) == 0 && S_ISLNK(st.st_mode) ? realpath(path, NULL) : NULL;
+    return target ? target : xstrdup(path);
+}
+
+static FILE *open_beside(const char *path, char **name)
+{
+    const size_t n = strlen(path) + sizeof SUFFIX;
+    struct temporary *t = xmalloc(sizeof *t + n, 1);
+    sigset_t was;
+    snprintf(t->name, n, "%s%s", path, SUFFIX);
+    block(&was);
+    int fd = mkostemp(t->name, O_CLOEXEC), err = errno;
+    FILE *f = fd < 0 ? NULL : fdopen(fd, "w");
+    if (f) {
+        mode_t mask = umask(0); /* mkostemp used 0600; set the mode that open(2) sets */
+        umask(mask);
+        fchmod(fd, 0666 & ~mask);
+        add(t);
+        *name = t->name;
+    } else {
+        if (fd >= 0) err = errno, close(fd), unlink(t->name);
+        free(t);
+    }
+    sigprocmask(SIG_SETMASK, &was, NULL);
+    errno = err;
+    return f;
+}
+
+int outfile_open(struct outfile *o, const char *path)
+{
+    struct stat st;
+    *o = (struct outfile){.path = target_of(path)};
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) o->f = fopen(path, "we");
+    else o->f = open_beside(o->path, &o->temporary);
+    if (o->f) return 0;
+    int err = errno;
+    free(o->path);
+    errno = err;
+    return -1;
+}
+
+/* Renames or removes the temporary file. Returns 0 or an errno. */
+static int end(struct outfile *o, bool keep)
+{
+    int err = 0;
+    sigset_t was;
+    if (o->temporary) {
+        block(&was);
+        if (keep && rename(o->temporary, o->path) != 0) err = errno;
+        if (!keep || err) unlink(o->temporary);
+        drop(o->temporary);
+        sigprocmask(SIG_SETMASK, &was, NULL);
+    }
+    free(o->path);
+    *o = (struct outfile){0};
+    return err;
+}
+
+int outfile_commit(struct outfile *o)
+{
+    int err = 0;
+    if (fflush(o->f) != 0 || ferror(o->f)) err = errno ? errno : EIO;
+    if (fclose(o->f) != 0 && !err) err = errno;
+    const int failed = end(o, !err);
+    errno = err ? err : failed;
+    return errno ? -1 : 0;
+}
+
+void outfile_discard(struct outfile *o)
+{
+    fclose(o->f);
+    end(o, false);
+}
+
+int outfile_put(const char *path, const void *p, size_t n)
+{
+    struct outfile o;
+    if (outfile_open(&o, path) != 0) return -1;
+    if (fwrite(p, 1, n, o.f) == n) return outfile_commit(&o);
+    int err = errno;
+    outfile_discard(&o);
+    errno = err;
+    return -1;
+}
+
+bool outfile_is(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+int outfile_check(const char *path)
+{
+    char *dir = target_of(path), *slash = strrchr(dir, '/');
+    const size_t n = strlen(slash ? slash + 1 : dir);
+    struct stat st;
+    int err = 0;
+    if (slash) slash[slash == dir] = '\0';
+    const char *at = slash ? dir : ".";
+    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode)) err = EISDIR;
+    else if (n + sizeof SUFFIX - 1 > NAME_MAX) err = ENAMETOOLONG;
+    else if (!strchr(at, '%') && access(at, W_OK | X_OK) != 0) err = errno;
+    free(dir);
+    errno = err;
+    return err ? -1 : 0;
+}
