@@ -266,7 +266,6 @@ static void pictures_have_the_right_size(void **state)
         draw("printf 'PF\\n600 600\\n-1.0\\n'; head -c 4320000 /dev/zero", &large, err), 0);
 }
 
-/* Its file is removed, also if the command fails. */
 /* Of a picture of the frame, all pixels of the rectangle are there. */
 static void a_rectangle_of_the_frame(void **state)
 {
@@ -283,6 +282,7 @@ static void a_rectangle_of_the_frame(void **state)
     image_free(&im);
 }
 
+/* Its file is removed, also if the command fails. */
 static void a_picture_in_a_file(void **state)
 {
     (void)state;
