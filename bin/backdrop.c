@@ -84,7 +84,7 @@ static struct options parse(int argc, char **argv)
         case 'o': o.out.pattern = opt_text(c, optarg); break;
         case 's':
             if (!parse_size(optarg, 16384, &o.w, &o.h))
-                die(ST_USAGE, "-s %s: expected a size such as 800x600", optarg);
+                die(ST_USAGE, "-s %s: expected a size such as 800x600, sides up to 16384", optarg);
             break;
         case 't': o.title = opt_text(c, optarg); break;
         case 'z': o.unit = opt_text(c, optarg); break;

@@ -39,6 +39,13 @@ directory() {
 	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
+# replace FILE: puts standard input there when all of it has come. A link stays, and the file that it leads to is replaced.
+replace() {
+	to=$(readlink -f -- "$1") && [ ! -d "$to" ] && part=$(mktemp -- "$to.XXXXXX" 2>/dev/null) || return
+	{ cat >"$part" && chmod "$(printf %o $((0666 & ~0$(umask))))" "$part" && mv -f -- "$part" "$to"; } 2>/dev/null && return
+	rm -f -- "$part"
+	return 1
+}
 # host_lines HOSTS: the hosts of a file or a list, which fan has accepted: a line each, as in a hosts file. A directory may have
 # the name of a host.
 host_lines() {

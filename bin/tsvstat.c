@@ -110,7 +110,8 @@ static void summarise(const struct table *t, double level)
         double variance, x = 0;
         size_t n;
         struct interval of = inference_point(t, p, level, &n, &variance);
-        for (size_t k = 0; k < p->n; k++) x += r[k].x / (double)p->n;
+        for (size_t k = 0; k < p->n; k++)
+            if (!r[k].outlier) x += r[k].x / (double)n;
         printf("%s\t%s\t%s\t%.9g\t%zu\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\n", r->experiment, r->kind,
             r->method, x, n, p->n - n, of.estimate, variance, of.low, of.high);
     }

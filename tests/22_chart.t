@@ -68,7 +68,7 @@ is 'a median and range without outliers, beside the least and most of all sample
 # chart itself clips bands at the axis: the interval of 1 and 9 reaches far beyond it.
 tsv '# level: .99' "$header" 'a real m 1 1 4 s 1 0' 'a real m 2 1 1 s 1 0' 'a real m 2 1 9 s 2 0' >wide.tsv
 # shellcheck disable=SC2016
-mkdir seen && printf '#!/bin/sh\ncp "$3" script\n' >seen/gnuplot && chmod +x seen/gnuplot
+mkdir seen && printf '#!/bin/sh\ncp "$3" "%s/script"\n' "$tmp" >seen/gnuplot && chmod +x seen/gnuplot
 sh -c 'PATH=$0:$PATH; exec chart wide.tsv' "$tmp/seen" >/dev/null 2>&1
 is 'a band ends at the axis, and has a point where each edge leaves it' "$(tr '[:]' '   ' <script | awk '
 	/^set xrange/ && high == "" { low = $8; high = $9 }

@@ -50,10 +50,24 @@ static void add_idle(struct account *a)
     free(known);
 }
 
+/* True if slot i of the log is a worker of several slots, such as 1 of 1.0 and 1.1: only its frames
+ * and its loss have its own number. */
+static bool is_outer(const struct history *l, const bool *works, size_t i)
+{
+    const char *name = l->slots[i].name;
+    const size_t n = strlen(name);
+    for (size_t k = 0; k < l->n_slots && !works[i]; k++)
+        if (strncmp(l->slots[k].name, name, n) == 0 && l->slots[k].name[n] == '.') return true;
+    return false;
+}
+
 static void make_slots(struct account *a)
 {
     const struct history *l = a->log;
-    for (size_t i = 0; i < l->n_slots; i++) add_slot(a, l->slots[i].name);
+    bool *works = xcalloc(l->n_slots + 1, sizeof *works);
+    for (size_t i = 0; i < l->n_dones; i++) works[l->dones[i].slot] = true;
+    for (size_t i = 0; i < l->n_slots; i++)
+        if (!is_outer(l, works, i)) add_slot(a, l->slots[i].name);
     add_idle(a);
     if (a->n_slots) qsort(a->slots, a->n_slots, sizeof *a->slots, by_name);
     a->slot_of = xcalloc(l->n_slots, sizeof *a->slot_of);
@@ -61,8 +75,9 @@ static void make_slots(struct account *a)
         struct account_slot key = {0};
         memcpy(key.name, l->slots[i].name, sizeof key.name);
         const struct account_slot *s = bsearch(&key, a->slots, a->n_slots, sizeof key, by_name);
-        a->slot_of[i] = (uint32_t)(s - a->slots);
+        if (s) a->slot_of[i] = (uint32_t)(s - a->slots); /* an outer slot has no tasks */
     }
+    free(works);
 }
 
 /* ---- times ----------------------------------------------------------------------------------- */

@@ -15,6 +15,11 @@ bool history_same(const struct history *l, const struct history *other, char err
         snprintf(err, HISTORY_ERR, "no pixels, expected two logs with pixels to compare");
         return false;
     }
+    if (l->n_frames != other->n_frames) {
+        snprintf(err, HISTORY_ERR, "%zu frames, expected %zu as in the other log", l->n_frames,
+            other->n_frames);
+        return false;
+    }
     for (size_t i = 0; i < other->n_frames; i++) {
         const struct history_frame *f = &other->frames[i], *own = history_frame_of(l, f->number);
         if (!own || strcmp(f->job, own->job) != 0) {
@@ -28,6 +33,13 @@ bool history_same(const struct history *l, const struct history *other, char err
                 f->number, own->have.done, f->have.done);
             return false;
         }
+        for (uint64_t p = 0; p < (uint64_t)f->w * f->h; p++)
+            if (own->w != f->w || own->h != f->h ||
+                coverage_has(&f->have, p) != coverage_has(&own->have, p)) {
+                snprintf(err, HISTORY_ERR,
+                    "frame %" PRIu32 ": other pixels, expected those of the other log", f->number);
+                return false;
+            }
     }
     return true;
 }

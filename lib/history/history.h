@@ -137,7 +137,7 @@ struct history_place history_place_of(struct history *l, const struct history_fr
  * pixels the first done of each key counts as useful.
  */
 bool history_wasted(const struct history *l, const struct history_done *d);
-/* True if l has the jobs of `other`, with the same number of pixels; else text in err. */
+/* True if l has the jobs of `other`, and the same pixels; else text in err. */
 bool history_same(const struct history *l, const struct history *other, char err[HISTORY_ERR]);
 /* NULL if no slot announced it. */
 const struct history_frame *history_frame_of(const struct history *l, uint32_t number);

@@ -22,7 +22,8 @@ struct survey {
     struct task_table tasks; /* of this run: in another run a key may mean another task */
     struct cost *cost;       /* of tasks of all runs */
     size_t n;
-    uint32_t *of; /* by pixel: 1 + the index of its task's cost, or 0 */
+    uint32_t *of;   /* by pixel: 1 + the index of its task's cost, or 0 */
+    uint32_t *last; /* the same of the last task that brought it */
 };
 
 /* The index of the task's cost. */
@@ -43,9 +44,10 @@ static void take_frag(struct survey *s, const struct task *t)
     if (!s->of || t->frame != s->frame || !lattice_valid(&t->at, c->w, c->h)) return;
     size_t place = place_of(s, t);
     for (uint64_t i = 0, n = lattice_count(&t->at); i < n; i++) {
-        uint32_t *of = &s->of[lattice_pixel(&t->at, c->w, i)];
-        if (*of) continue;
-        *of = (uint32_t)place + 1;
+        const uint64_t p = lattice_pixel(&t->at, c->w, i);
+        if (!s->of[p]) s->of[p] = (uint32_t)place + 1;
+        if (s->last[p] == place + 1) continue; /* a second copy of the task */
+        s->last[p] = (uint32_t)place + 1;
         s->cost[place].pixels++;
     }
 }
@@ -60,6 +62,7 @@ static void take(void *ctx, const struct record *r)
         s->costs->w = r->frame_w;
         s->costs->h = r->frame_h;
         s->of = xcalloc((size_t)r->frame_w * r->frame_h, sizeof *s->of);
+        s->last = xcalloc((size_t)r->frame_w * r->frame_h, sizeof *s->last);
     }
     if (r->kind == REC_FRAG) take_frag(s, &r->task);
     if (r->kind == REC_DONE && rec_int(r, "cpu_us", 0, INT64_MAX, &us)) {
@@ -100,6 +103,7 @@ int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY])
     tasks_free(&s.tasks);
     free(s.cost);
     free(s.of);
+    free(s.last);
     return failed;
 }
 

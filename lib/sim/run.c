@@ -163,8 +163,9 @@ static double alone_us(const struct world *w)
     for (size_t i = 0, n = (size_t)w->frame_w * w->frame_h; i < n; i++) us += p->work->pixel_us[i];
     for (int32_t k = 1; k < p->slots; k++) least = fmin(least, p->work->power[k]);
     double slow = p->p_slow > 0 ? SLOWEST : 1;
-    for (size_t i = 0; i < p->n_faults; i++)
-        if (p->faults[i].kind == SIM_SLOW) slow = fmin(slow, p->faults[i].power);
+    for (size_t i = 0; i < p->n_faults; i++) /* those of a slot multiply */
+        if (p->faults[i].kind == SIM_SLOW) slow *= fmin(p->faults[i].power, 1);
+    slow = fmax(slow, SLOWEST * 1e-6);
     return us / (least * slow);
 }
 

@@ -86,8 +86,10 @@ void table_medians(struct table *t)
     for (size_t i = 0; i < t->n_points; i++) {
         struct table_point *p = &t->points[i];
         double *v = xmalloc(p->n, sizeof *v);
-        for (size_t k = 0; k < p->n; k++) v[k] = t->rows[p->from + k].x;
-        p->x = range(v, p->n);
+        size_t kept = 0;
+        for (size_t k = 0; k < p->n; k++)
+            if (!t->rows[p->from + k].outlier) v[kept++] = t->rows[p->from + k].x;
+        p->x = range(v, kept);
         for (size_t k = 0; k < p->n; k++) v[k] = t->rows[p->from + k].y;
         p->y = range(v, p->n);
         p->shown = range(v, table_samples(&t->rows[p->from], p->n, v));

@@ -48,7 +48,7 @@ rivals() {
 					if (error[q] > 1.01 * error[p]) continue
 					if (best == "" || sum[q] / n[q] < sum[best] / n[best]) best = q
 				}
-				for (s = 1; s <= most; s++) if ((p, s) in x) {
+				for (s = 1; s <= most; s++) if ((p, s) in x && (best == "" || (best, s) in x)) {
 					$0 = line[s]; $1 = scene[p] ": " method[p]; $3 = "cheapest as exact"; $4 = 0
 					$6 = best == "" ? 1e9 : x[best, s] / x[p, s]
 					print
