@@ -152,4 +152,7 @@ ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
 ok 'quotes and backquotes in the data run no command' [ ! -e pwned -a ! -e touch_pwned ]
 mkdir "it's"
 ok 'a quote in TMPDIR, and a line end in a title' env TMPDIR="it's" chart -t "$(printf 'a\nb')" -o lines.svg times.tsv
+echo before >aim.svg && ln -s aim.svg link.svg
+ok 'a link stays, and the file that it leads to is replaced' sh -c 'chart -o link.svg times.tsv && [ -L link.svg ] && grep -q "<svg" aim.svg'
+
 finish

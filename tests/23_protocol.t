@@ -17,6 +17,8 @@ like 'one sample gives no interval' "$out" "m${tab}2${tab}1${tab}0${tab}8${tab}0
 like 'a setting is one point at any x' "$out" "m@a${tab}1.5${tab}2${tab}0${tab}8"
 { cat five.tsv; tsv 'e real m 1 s 99 s 6 0' | sed 1d; } >six.tsv
 like 'an outlier counts' "$(tsvstat six.tsv)" "m${tab}1${tab}6${tab}0${tab}19"
+tsv 'e real m@s 1 s 1 s 1 0' 'e real m@s 1 s 2 s 2 0' 'e real m@s 1 s 3 s 3 0' 'e real m@s 1 s 4 s 4 0' 'e real m@s 1000 s 99 s 5 0' >far.tsv
+like '-r removes its x, too' "$(tsvstat -r far.tsv)" "m@s${tab}1${tab}4${tab}1${tab}2.5"
 like '-r removes it' "$(tsvstat -r six.tsv)" "m${tab}1${tab}5${tab}1${tab}3${tab}2.5"
 
 # ---- comparisons: a is 1 less than b in each pair, c differs from a by little, d is a with more noise ----------------

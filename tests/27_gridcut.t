@@ -89,6 +89,8 @@ gridcut -n 3,1,1 -o thin-%d.vtk thin.vtk
 refused 'a thin brick is missing' 'bricks are missing: thin-1.vtk has none beside it along x' gridcut -s map.spec thin-1.vtk thin-2.vtk
 gridcut -n 1,2,1 -o two-%d.vtk wave.vtk
 gridcut -n 2,2,1 -o quarter-%d.vtk wave.vtk
+run balance bricks -j 1 -s 20000x20000 -o large.png row-0.vtk row-1.vtk row-2.vtk map.spec
+like 'balance bricks: more pixels than blend takes' "$status:$err" '^2:balance bricks: 20000x20000: more than 2\^28 pixels, expected fewer'
 refused 'bricks of two cuts' 'bricks are missing: ' gridcut -s map.spec two-0.vtk quarter-2.vtk quarter-3.vtk
 gridcut -n 3,1,1 -o other-%d.vtk layers.vtk
 refused 'bricks of two grids' 'row-0.vtk and other-1.vtk are of two grids' gridcut -s map.spec row-0.vtk other-1.vtk row-2.vtk

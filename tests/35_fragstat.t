@@ -146,4 +146,18 @@ refuses '`x`' -w 1,x,2 three.frags
 refuses 'host : has no power' -S 2/:,far three.frags
 refuses '2 slots' -S two three.frags
 refuses '-S and -w' -S hosts -w 1,1,1 three.frags
+partition 8x8 >eight.task
+spdgen -s 1 tetra >one.nff
+deal fan -j 1 rtworker -j 2 one.nff <eight.task >inner.frags
+gives slots 2 inner.frags
+rtworker one.nff <eight.task >one.frags
+for half in 1 2; do { head -n 1 eight.task; sed 1d eight.task | awk -v half=$half 'int((NR - 1) / 4) + 1 == half'; } | rtworker one.nff >half$half.frags; done
+run fragstat -s -c half1.frags half2.frags
+like '-c: a log of other pixels is refused' "$status:$out$err" '^2:.*other pixels, expected those of the other log'
+partition -F 1 8x8 | rtworker one.nff >next.frags
+cat one.frags next.frags >two.frags
+run fragstat -s -c two.frags one.frags
+like '-c: a log of more pictures is refused' "$status:$out$err" '^2:.*frames, expected 1 as in the other log'
+ok '-c: the log itself' fragstat -s -c one.frags one.frags
+
 finish

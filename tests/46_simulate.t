@@ -222,4 +222,13 @@ bad 'two frames' 'frame 0 4 4' 'frame 1 4 4'
 bad 'no record' nonsense
 run simulate -n 1 fan
 is 'refused: seeds of fan, which loses tasks' "$status" 2
+is 'a host that is slowed twice: the run is simulated to its end' "$(partition -u run:4 8x8 |
+	simulate -m 1000 -j 1 -f slow@.001s:0:.001,slow@.002s:0:.001 deal | awk '$1 == "uncommitted" { print $2 }')" 0
+is 'jitter: no run is faster than the bound and three of the least latencies' "$(partition -u run:64 8x8 |
+	simulate -l 100 -m 10 -s 4 -f jitter=1 deal | awk '{ v[$1] = $2 } END { print (v["least_s"] <= v["makespan_s"]) }')" 1
+# Task 0 has two pixels, and task 9 these and two others.
+{ partition -u run:2 4x1 | head -n 2; partition -u run:4 4x1 | awk '/^task/ { $3 = 9; print }'; } | rtworker tetra.nff |
+	LC_ALL=C sed 's/^\(.*\)done 0 0 .*$/\1done 0 0 cpu_us=1000 wall_us=1/; s/^\(.*\)done 0 9 .*$/\1done 0 9 cpu_us=8000 wall_us=1/' | "$root/tests/seal" >over.log
+is 'each pixel costs an equal share of its task, also where tasks overlap' "$(partition -n 1 4x1 | simulate -t over.log -j 1 fan | grep bound_s)" "bound_s	0.005000"
+
 finish

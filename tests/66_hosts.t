@@ -82,6 +82,8 @@ cp gears.nff "./$odd"
 printf '%s\n' 'odd via="./said '"'a\\\\cb'"' %c"' >-odd
 printf '#!/bin/sh\nprintf "%%s\\n" "$1" >odd.said; exec sh -c "$2"\n' >said
 chmod +x said
+cp hosts aim && ln -s aim link && balance calibrate -n 1 -s 16x16 -S link -o link gears.nff >/dev/null 2>&1
+is 'calibrate -o: a link stays, and the file that it leads to is replaced' "$(ls -l link | sed 's/.*-> //'):$(head -n 1 aim | cut -c 1-35)" 'aim:# measured by balance calibrate: 16'
 run balance calibrate -n 1 -s 32x32 -S -odd -o -measured -- "$odd"
 is 'calibrate: odd names, and backslashes in a via: exit 0' "$status$err" 0
 is 'calibrate: odd names and backslashes are kept' "$(cat odd.said; grep -v '^#' ./-measured | sed 's/ power=[0-9.]*//')" "a\\cb

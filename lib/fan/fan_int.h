@@ -84,8 +84,7 @@ struct sending {
     size_t length;
 };
 
-/* One process of a slot, and the facts learned from it. A slot without a process has
- * CONNECTION_NONE. */
+/* One process of a slot, and the facts learned from it; CONNECTION_NONE if there is none. */
 struct connection {
     struct child child;
     size_t poll; /* index of child.to in the last poll; .from and .err follow; 0: none */
@@ -335,10 +334,8 @@ int fan_staff(const struct fan *f);
 
 /* Asks a worker on this machine for the values that other hosts must agree with. */
 void fan_ask_reference(struct fan *f);
-/* Looks at what a slot that is not up has sent: keeps the first line, in case no hello comes.
- * Returns NULL, or the reason of refusal. */
+/* What a slot says before its hello, and that. NULL, or the reason of refusal. */
 const char *fan_take_chatter(struct fan_slot *s, const unsigned char *said, size_t n);
-/* Returns NULL if the slot is accepted (it is up then), or the reason of refusal. */
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
 
 /* ---- alive.c ---- */

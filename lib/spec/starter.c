@@ -127,6 +127,15 @@ static void set_depth(struct map *m, double chord)
     for (int i = 0; i < m->n; i++) m->band[i].k *= MEAN_DEPTH / chord / (sum / share);
 }
 
+/* Prints an outermost knot, which is a double, so that it encloses the value. */
+static void print_outer(char text[32], float v, bool least)
+{
+    double knot;
+    print_float(text, v, 3);
+    bool read = parse_real(text, -GRID_MAX, GRID_MAX, &knot);
+    if (!read || (least ? knot > (double)v : knot < (double)v)) print_real(text, (double)v, 3);
+}
+
 static void put_map(struct buf *out, const struct survey *v, const struct map *m, double chord)
 {
     char lo[32], hi[32];
@@ -138,10 +147,10 @@ static void put_map(struct buf *out, const struct survey *v, const struct map *m
     }
     for (int i = 0; i < m->n; i++) {
         const struct band *b = &m->band[i];
-        print_float(lo, b->lo, 3), print_float(hi, b->hi, 3);
-        /* A knot is a double: the outermost ones must enclose the least and the greatest value. */
-        if (i == 0 && strtod(lo, NULL) > (double)b->lo) print_real(lo, (double)b->lo, 3);
-        if (i + 1 == m->n && strtod(hi, NULL) < (double)b->hi) print_real(hi, (double)b->hi, 3);
+        if (i == 0) print_outer(lo, b->lo, true);
+        else print_float(lo, b->lo, 3);
+        if (i + 1 == m->n) print_outer(hi, b->hi, false);
+        else print_float(hi, b->hi, 3);
         double k = i == 0 && v->ground ? 0 : b->k;
         buf_printf(out, "map %s %.3g %.3g\t# from %.3g %%\n", lo, b->place, k, 100 * b->from);
         buf_printf(out, "map %s %.3g %.3g\t# to %.3g %%\n", hi, b->place, b->k, 100 * b->to);
