@@ -45,6 +45,7 @@ static enum cf_kind kind_of(struct cf_file *c, int group, int id, struct cf_axis
     cf_text(c, group, id, "standard_name", standard);
     cf_text(c, group, id, "positive", positive);
     a->rotated = strcasecmp(standard, "grid_longitude") == 0;
+    a->member = strcasecmp(standard, "realization") == 0;
     const char *at = axis[0] && !axis[1] ? strchr(letters, axis[0] & ~0x20) : NULL;
     if (at) return (enum cf_kind)(at - letters);
     if (one_of(a->units, east) || one_of(standard, east)) return CF_X;
@@ -116,7 +117,7 @@ static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
 
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
-    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT], standard[CF_TEXT];
+    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
     int in, id;
     struct cf_packing p;
     *a = (struct cf_axis){.kind = CF_NONE};
@@ -131,8 +132,6 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_unpacks(&p, a->name, err)) return false;
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
-    cf_text(c, in, id, "standard_name", standard);
-    a->member = strcasecmp(standard, "realization") == 0;
     a->in = in;
     a->id = id;
     a->kind = kind_of(c, in, id, a);
