@@ -190,8 +190,8 @@ is 'a worker that ends is not started again, nor for another slot' "$(wc -l <lia
 refused 'a worker that is not there' 'exec no-such-worker' \
 	'^fan: liar: no rtworker on its PATH; install it there, or say bin=DIRECTORY in a hosts file$'
 refused 'a worker that cannot be run' 'exec /dev/null' '^fan: liar: rtworker cannot be run there; install one for that machine$'
-script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -c 3000; echo nonsense; sleep 9; } & wait'
-run sh -c "MARK=$mark deal fan -S liars rtworker - <job.task | gather -o out.pfm"
+script liar 'trap "echo told >>termed; exit" TERM; sh -c "$1" | { head -n 1; echo nonsense; sleep 9; } & wait'
+run eval '{ cat job.task; await 60 test -s termed; } | MARK=$mark deal fan -S liars rtworker - | gather -o out.pfm'
 same 'garbage'
 like 'garbage: a message says what is wrong' "$err" '^fan: slot [0-9]+ on liar: its stream: unknown record, expected task, frame, frag, \.\.\.$'
 like 'garbage: the worker gets SIGTERM before SIGKILL' "$(cat termed)" told
