@@ -283,15 +283,13 @@ while (defined(my $line = <STDIN>)) {
 }
 END
 printf '#!/bin/sh\nreplay -x %s one.frags | perl gated\n' "$scale" >gate && chmod +x gate
-after() { [ "$(wc -c <rows)" -ge 306 ] || [ -s lacks ]; }
-# table SECONDS [OPTIONS]
+after() { [ "$(wc -c <rows)" -ge 306 ]; }
+# table [OPTIONS]
 table() {
-	rm -f removed table.frags out.pfm pid.* lacks
+	rm -f removed table.frags out.pfm pid.*
 	: >rows
-	limit=$1
-	shift
-	partition -n 9 32x512 | env MARK=$mark timeout "$limit" ringctl "$@" fan -t 600 -S table.hosts ringctl -n ./gate 2>said |
-		gather -r table.frags -o out.pfm 2>lacks &
+	partition -n 9 32x512 | env MARK=$mark timeout 1200 ringctl "$@" fan -t 600 -S table.hosts ringctl -n ./gate 2>said |
+		gather -r table.frags -o out.pfm &
 	await 20 after
 	[ "$remove" = none ] || kill -9 $(cat pid.6 pid.8)
 	: >removed
@@ -304,22 +302,22 @@ finished() {
 	ok "Table 3, $1: the same picture" cmp out.pfm table.pfm
 	diag "Table 3, $1: $(fragstat -s -S table.hosts table.frags | grep -E 'makespan|bound|steals' | tr '\n\t' '; ')"
 }
-# published NAME: these rules have hazards, and load causes some of them. Such a run does not end: it is interrupted.
+# The published rules have hazards, and load causes some of them: one of three runs must be complete.
 published() {
-	table 300 -p
-	if [ $status = 0 ]; then
-		finished "$1"
-	else
-		is "Table 3, $1: interrupted: exit 1" $status 1
-		like "Table 3, $1: interrupted: a message says what is missing" "$(cat lacks)" '^gather: frame 0: .* pixels missing: row'
-	fi
+	for try in 1 2 3; do
+		table -p
+		[ $status != 0 ] || break
+		diag "as published, try $try: exit $status, $(cat said)"
+	done
 }
 remove=none
-published 'no host removed'
+published
+finished 'no host removed'
 remove=two
-published 'as published'
+published
+finished 'as published'
 is 'Table 3: two hosts were removed' "$(grep -c 'lost (signal-9)' said)" 2
-table 1200
+table
 finished 'by default'
 ok 'Table 3: no process remains' await 2 none_alive
 finish

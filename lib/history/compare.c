@@ -33,13 +33,14 @@ bool history_same(const struct history *l, const struct history *other, char err
                 f->number, own->have.done, f->have.done);
             return false;
         }
-        for (uint64_t p = 0; p < (uint64_t)f->w * f->h; p++)
-            if (own->w != f->w || own->h != f->h ||
-                coverage_has(&f->have, p) != coverage_has(&own->have, p)) {
-                snprintf(err, HISTORY_ERR,
-                    "frame %" PRIu32 ": other pixels, expected those of the other log", f->number);
-                return false;
-            }
+        bool same = own->w == f->w && own->h == f->h;
+        for (uint64_t p = 0; same && p < (uint64_t)f->w * f->h; p++)
+            same = coverage_has(&f->have, p) == coverage_has(&own->have, p);
+        if (!same) {
+            snprintf(err, HISTORY_ERR,
+                "frame %" PRIu32 ": other pixels, expected those of the other log", f->number);
+            return false;
+        }
     }
     return true;
 }
