@@ -110,7 +110,7 @@ static void open_log(struct gather *g)
     snprintf(last_words, sizeof last_words,
         "%sgather: interrupted; %s has the pixels so far: rerun the command to resume\n",
         o->progress ? "\n" : "", o->log);
-    signals_say(last_words);
+    signals_say(last_words, o->log);
 }
 
 /* The reader of stdout is gone: keeps the records read so far, and ends. */
@@ -248,6 +248,7 @@ static int finish(struct gather *g)
         warn("%s: no worker announced a frame, expected a frame of this log", g->o->log);
         return unfinished(g);
     }
+    const uint32_t known = parts->n_frames;
     /* Frames without any record are missing too; if there is no frame at all, that is reported. */
     if (g->o->expected && parts->n_frames && intake_expect(&g->in, g->o->expected, why) != 0)
         die(ST_USAGE, "%s", why);
@@ -259,7 +260,7 @@ static int finish(struct gather *g)
     if (g->preview.every_us) write_previews(g);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) {
         intake_report_missing(&g->in);
-        intake_report_remedy(&g->in, g->o->log, g->o->inputs, &g->o->out);
+        intake_report_remedy(&g->in, g->o->log, g->o->inputs, &g->o->out, parts->n_frames > known);
     }
     if (g->status != ST_OK || disputed) return ST_SYSTEM;
     if (!assembly_whole(parts) && !(parts->n_frames && g->o->missing)) return unfinished(g);

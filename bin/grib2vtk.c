@@ -72,8 +72,7 @@ static struct source find(const struct gb_index *x, const struct options *o)
         s.part[i] = find_stack(x, o, s.request.part[i], s.request.length[i]);
     if (s.request.n > 1 && !gb_same_axes(&s.part[0], &s.part[1]))
         die(ST_USAGE, "%s: %s: the two have different axes, expected the same", file, what);
-    if (s.request.n > 1)
-        convert_check_units(&o->common, s.part[0].at->units, s.part[1].at->units);
+    if (s.request.n > 1) convert_check_units(&o->common, s.part[0].at->units, s.part[1].at->units);
     return s;
 }
 
@@ -183,7 +182,7 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
         buf_printf(title, "x grid_longitude [degrees]; y grid_latitude [degrees]; ");
     else buf_printf(title, "x longitude [degrees_east]; y latitude [degrees_north]; ");
     if (z) buf_printf(title, "z %s", z);
-    else buf_printf(title, "z %s%s [%s]", m->down ? "-" : "", e->levels, m->units);
+    else buf_printf(title, "z %s%s [%s]", gb_counts_down(e) ? "-" : "", e->levels, m->units);
     buf_printf(title, "; t validity %012lld [YYYYMMDDhhmm]", (long long)e->when);
 }
 

@@ -88,8 +88,11 @@ static void fit(const struct options *o, const struct grid *g, uint32_t parts[3]
             if (edge > longest) longest = edge, cut = a;
         }
         if (nodes * sizeof(float) <= o->mib * 1048576) return;
+        if (longest <= 1)
+            die(ST_USAGE, "-m %g: a brick of one cell takes %g, expected that at least", o->mib,
+                nodes * sizeof(float) / 1048576);
         parts[cut]++;
-        if (longest <= 1 || (uint64_t)parts[0] * parts[1] * parts[2] > GRID_BRICKS_MAX)
+        if ((uint64_t)parts[0] * parts[1] * parts[2] > GRID_BRICKS_MAX)
             die(ST_USAGE, "-m %g: more than %d bricks, expected more memory for each", o->mib,
                 GRID_BRICKS_MAX);
     }

@@ -2,20 +2,19 @@
 # balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
 # once more. It uses balance's variables and functions, its arguments, which are files, and the stream on descriptor 4.
 exec 5>&-
-# Without a log of the user, gather need not report anything when it is killed.
-temporary='' running='' signal=KILL kept=$log
-[ -z "$log" ] || signal=TERM
+temporary='' running='' kept=$log
 trap '[ -z "$temporary" ] || rm -rf "$temporary"' EXIT
 # A second signal must not interrupt the removal of temporary files.
-trap 'trap "" HUP INT TERM; [ -z "$running" ] || kill -$signal "$running" 2>/dev/null; exit 130' HUP INT TERM
+# gather is silent about a log that is removed.
+trap 'trap "" HUP INT TERM; [ -n "$kept" ] || [ -z "$temporary" ] || rm -rf "$temporary"; [ -z "$running" ] || kill "$running" 2>/dev/null; exit 130' HUP INT TERM
 temporary=$(directory) || exit
 : "${log:=$temporary/log}"
 # The hosts of the checks are those of the file when the picture is complete: slots keep their numbers in all rounds. Until
 # then these lines count.
 case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
 {
-	# This script ends gather then. Gather itself would name a log that is removed.
-	[ -n "$kept" ] || trap '' HUP INT TERM
+	# This script ends gather then, when the log is removed.
+	[ -n "$kept" ] || trap '' HUP INT
 	exec gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END
 $frames
 END
@@ -24,7 +23,7 @@ running=$!
 exec 4<&-
 wait $running
 status=$?
-running='' signal=TERM
+running=''
 # With status 1 the picture may still be complete, if hosts differed. The checks then find out which one is wrong.
 all_there() { echo "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! echo "$left" | grep -q '^task '; }
 if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then

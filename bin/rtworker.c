@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 7 /* raise it when a pixel of any scene changes */
+#define FORMAT_VERSION 8 /* raise it when a pixel of any scene changes */
 
 struct options {
     struct trace_options trace;

@@ -41,6 +41,7 @@ directory() {
 }
 # replace FILE: puts standard input there when all of it has come. A link stays, and the file that it leads to is replaced.
 replace() {
+	[ ! -e "$1" ] || [ -f "$1" ] || [ -d "$1" ] || { cat >"$1"; return; } # a device or a pipe
 	to=$(readlink -f -- "$1") && [ ! -d "$to" ] && part=$(mktemp -- "$to.XXXXXX" 2>/dev/null) || return
 	{ cat >"$part" && chmod "$(printf %o $((0666 & ~0$(umask))))" "$part" && mv -f -- "$part" "$to"; } 2>/dev/null && return
 	rm -f -- "$part"

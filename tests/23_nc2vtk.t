@@ -150,6 +150,17 @@ make_nc order 'lon = 4; lev = 2; t = 2; lat = 3;' 'float lon(lon); lon:units = "
 # s = 12 lon + 6 lev + 3 t + lat, latitudes and levels turned round
 is 'dimensions may come in any order' "$(got -t 1 order.nc s)" \
 	"$(for lev in 1 0; do for lat in 2 1 0; do for lon in 0 1 2 3; do echo $((12 * lon + 6 * lev + 3 + lat)); done; done; done | paste -sd' ')"
+sed 's/lev:positive = "up"/lev:units = "hPa"; &/' order.cdl | ncgen -o upward.nc && got upward.nc s >/dev/null
+is 'a pressure points down, whatever its attribute says' "$(on_line coordinates Z a.vtk)" '-20 -10'
+sed 's/lev:positive = "up"/lev:standard_name = "depth"; lev:units = "m"/' order.cdl | ncgen -o deep.nc && got deep.nc s >/dev/null
+is 'a depth points down without an attribute' "$(on_line coordinates Z a.vtk)" '-20 -10'
+make_nc step 'time = 1; step = 2; z = 2; y = 2; x = 2;' "$axes double time(time); time:units = \"days since 2000-1-1\";
+	double step(step); step:standard_name = \"forecast_period\"; step:units = \"hours\"; float s(time, step, z, y, x);" \
+	"$nodes time = 0; step = 0, 6; s = $(seq -s, 1 16);"
+is 'a time of one element, and steps' "$(got -t 1 step.nc s)" '9 10 11 12 13 14 15 16'
+printf 'netcdf a {\ndimensions: n = 20000000; y = 2; x = 2;\nvariables: double n(n); n:_Storage = "chunked"; n:_ChunkSizes = 1000;\n\tfloat s(n, y, x); s:_Storage = "chunked"; s:_ChunkSizes = 1000, 2, 2;\n}\n' | ncgen -k nc4 -o long.nc -
+run nc2vtk -l long.nc
+like 'a coordinate that is too long is not read' "$out$err" 'n has 20000000 nodes, expected 16777216 at most'
 for calendar in noleap standard; do
 	sed "s/t:units = \"days since 2000-1-1\";/& t:calendar = \"$calendar\";/" order.cdl | ncgen -o calendar.nc && got -t 1 calendar.nc s >/dev/null
 	sed -n 's/.*; t //p' a.vtk
@@ -249,6 +260,8 @@ if there /usr/include/udunits2.h; then
 		"x = 1, 2; y = 3, 4; z = 1000, 500; s = 1, 2, 3, 4, 11, 12, 13, 14; gp = 0, 0, 0, 9806.65, 19613.3, 19613.3, 39226.6, 49033.25;"
 	is '-z: columns are moved to common heights' "$(got -z geo.nc s):$(coordinates Z a.vtk | awk '{ printf "%.2f ", $1 }')" '1 2 3 4 11 12 8 6.5:0.00 2000.00 '
 	ncdump geo.nc | sed 's/^.*float gp(/float spread(z, y, x); spread:units = "m"; spread:long_name = "geopotential height spread";&/; s/^ gp =/ spread = 1, 1, 1, 1, 2, 2, 2, 2;&/' | ncgen -o spread.nc -
+	ncdump spread.nc | sed 's/spread:long_name = .*/spread:standard_name = "geopotential_height"; spread:cell_methods = "time: standard_deviation";/' | ncgen -o deviation.nc -
+	is '-z: nor is a deviation, whatever its standard name' "$(got -z deviation.nc s)" '1 2 3 4 11 12 8 6.5'
 	is '-z: the spread of a height is no height' "$(got -z spread.nc s)" '1 2 3 4 11 12 8 6.5'
 	ncdump spread.nc | sed 's/height spread"/height"/' | ncgen -o two.nc -
 	is '-z: a standard name decides before a long name' "$(got -z two.nc s)" '1 2 3 4 11 12 8 6.5'
@@ -264,13 +277,19 @@ if there /usr/include/udunits2.h; then
 	ncdump hybrid.nc | awk '/ s\(z, y, x\)/ { v = $0; next } /^ s =/ { inside = 1 } inside && !/^}/ { d = d $0; next } /^}/ { print "group: g { variables: " v " data: " d " }" } 1' |
 		ncgen -k nc4 -o deep.nc -
 	is '-z: the surface pressure may be in a group around' "$(got -z deep.nc g/s)" '3 4 1 nan 13 14 11 12'
+	# a + b * orog: 100 and 1000 m, above a ground of 0 to 800 m
+	ncdump hybrid.nc | sed 's/"a: ca b: cb p0: P0 ps: PS"/"a: ca b: cb orog: PS"/; s/PS:units = "hPa"/PS:units = "m"/; s/^ ca =.*/ ca = 100, 1000 ;/; s/^ cb =.*/ cb = 1, 0 ;/;
+		/^ PS =/,/;/c\ PS = 0, 0, 800, 0 ;' | ncgen -o orog.nc -
+	is '-z: hybrid heights, with the height of the ground' "$(got -z orog.nc s):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" '3 4 1 nan 13 14 11 12:100 1000 '
 	refused_z() { run nc2vtk -z "$1" s; like "refused: -z of $1" "$status:$out:$err" "^2::nc2vtk: $1: s: -z: $2"; }
 	ncdump hybrid.nc | sed 's/float PS(/float Q(/; s/PS:units/Q:units/; s/^ PS =/ Q =/' | ncgen -o noground.nc -
-	refused_z noground.nc 'the levels need the surface pressure PS, which is not there'
+	refused_z noground.nc 'the levels need PS of the surface, which is not there'
 	ncdump hybrid.nc | sed 's/"a: ca /"a: cc /' | ncgen -o noterm.nc -
+	ncdump hybrid.nc | sed 's/"a: ca b: cb p0: P0 ps: PS"/"s: ca eta: cb depth: PS"/' | ncgen -o ocean.nc -
+	refused_z ocean.nc 'the formula_terms of z are neither of hybrid nor of sigma levels'
 	refused_z noterm.nc 'the levels name cc, which is not there'
 	ncdump hybrid.nc | sed 's/PS(x, y)/PS(x, x)/' | ncgen -o square.nc -
-	refused_z square.nc 'the surface pressure has x twice'
+	refused_z square.nc 'PS of the surface has x twice'
 	ncdump hybrid.nc | sed 's/PS:units = "hPa"/PS:units = "K"/' | ncgen -o kelvin.nc -
 	refused_z kelvin.nc "PS is in 'K', expected a unit of pressure"
 	ncdump hybrid.nc | sed 's/P0:units = "hPa"/P0:units = "kPa"/; s/ P0 = 1000/ P0 = 100/' | ncgen -o kilo.nc -

@@ -56,6 +56,10 @@ END
 one='set level=500; set values={1,2,3,4,5,6}; write;' two='set level=850; set values={11,12,13,14,15,16}; write;'
 make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPresent=1; set values={21,9999,23,24,25,26}; write;"
 is 'values go up from the bottom and from the south; a bit map marks missing ones' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
+make_grib native 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; set values={11,12,13,14,15,16}; write;'
+is 'hybrid levels without coefficients count upwards, as those of NCEP' "$(got native.grib2 t):$(on_line coordinates Z a.vtk)" '4 5 6 1 2 3 14 15 16 11 12 13:1 2'
+make_grib thin "$one set typeOfFirstFixedSurface=100; set scaleFactorOfFirstFixedSurface=0; set scaledValueOfFirstFixedSurface=40; set values={31,32,33,34,35,36}; write;"
+is 'levels below 1 hPa are among the others' "$(got thin.grib2 t):$(on_line coordinates Z a.vtk)" '4 5 6 1 2 3 34 35 36 31 32 33:-500 -0.4'
 is 'longitudes continue beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'
 is 'latitudes ascend' "$(on_line coordinates Y a.vtk)" '58 60'
 like 'the title has the names of the axes' "$(sed -n 2p a.vtk)" '^t \[K\]; x longitude \[degrees_east\]; y latitude \[degrees_north\]; z -isobaricInhPa \[hPa\]; t '
@@ -145,10 +149,10 @@ if there /usr/include/udunits2.h; then
 	is '-z: hybrid levels, with pv and the surface pressure' \
 		"$(got -z hybrid.grib2 t | cut -d' ' -f1-6):$(coordinates Z a.vtk | awk '{ printf "%.0f ", $1 }')" \
 		'14 15 nan 11 12 13:4123 16180 '
-	make_grib bald 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; write;
+	make_grib no_pv 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; write;
 		set shortName="sp"; set typeOfLevel="surface"; set values={100000,100000,100000,100000,100000,100000}; write;'
-	run grib2vtk -z bald.grib2 t
-	like 'refused: -z of hybrid levels without pv' "$status:$out:$err" '^2::grib2vtk: bald.grib2: t: -z: the levels have no coefficients'
+	run grib2vtk -z no_pv.grib2 t
+	like 'refused: -z of hybrid levels without pv' "$status:$out:$err" '^2::grib2vtk: no_pv.grib2: t: -z: the levels have no coefficients'
 	make_grib theta "set typeOfLevel=\"theta\"; $one $two"
 	run grib2vtk -z theta.grib2 t
 	like 'refused: -z of other levels' "$status:$out:$err" '^2::grib2vtk: theta.grib2: t: -z: no heights, expected pressures'

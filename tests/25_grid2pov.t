@@ -55,6 +55,9 @@ for bad in '-n 0 even.vtk smooth.spec s.df3' '-n 9999 even.vtk smooth.spec s.df3
 	is "refused: grid2pov $bad" "$status:$out" 2:
 	ok "refused: grid2pov $bad: it writes no file" [ ! -e s.df3 ]
 done
+gridcut -n 2,1,1 -o brick%d.vtk even.vtk
+run grid2pov brick0.vtk smooth.spec s.df3
+is 'refused: a brick' "$status:$out:$err" '2::grid2pov: brick0.vtk: is a brick, expected a whole grid'
 run grid2pov even.vtk smooth.spec none/s.df3
 is 'a file that cannot be written exits 3' "$status:$out" 3:
 run grid2pov even.vtk lit.spec s.df3

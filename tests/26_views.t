@@ -86,6 +86,10 @@ is 'a refusal leaves no file' "$(echo half*)" 'half*'
 refused 'no pattern' 'views: -o v.spec: expected one %d' -n 3 -o v.spec a.spec b.spec
 refused 'no number of them' 'views: -n 0: expected a number' -n 0 -o v%d.spec a.spec b.spec
 refused 'one key' 'usage: views' -n 3 -o v%d.spec a.spec
+cp a.spec t=0.spec && cp b.spec t=1.spec
+views -n 3 -o plain%d.spec a.spec b.spec
+ok 'keys whose names have =' timeout 60 views -n 3 -o equal%d.spec t=0.spec t=1.spec
+ok 'keys whose names have =: the same views' sh -c 'for i in 0 1 2; do cmp plain$i.spec equal$i.spec || exit; done'
 run views -n 3 -o none/v%d.spec a.spec b.spec
 is 'no directory: exit 3' "$status" 3
 finish

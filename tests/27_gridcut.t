@@ -124,6 +124,7 @@ ok 'killed: no process stays' await 10 none_alive
 gridcut -m .002 -o small-%d.vtk wave.vtk
 is '-m: no brick has more values' "$(for f in small-*.vtk; do sed -n '/^POINT_DATA/{s/.* //p;q}' "$f"; done | sort -n | awk 'END { print $1 <= 524 }')" 1
 refused '-m: too little' '-m 1e-05: more than 256 bricks' gridcut -m .00001 -o t-%d.vtk wave.vtk
+refused '-m: less than a cell' '-m 1e-06: a brick of one cell takes [0-9.e-]+, expected that at least' gridcut -m .000001 -o t-%d.vtk thin.vtk
 refused 'more bricks than cells' '-n: 7 bricks along z, expected 6 at most' gridcut -n 1,1,7 -o t-%d.vtk wave.vtk
 refused 'too many bricks' '-n 7,7,7: expected' gridcut -n 7,7,7 -o t-%d.vtk wave.vtk
 refused 'parts of bricks' '-n 1.5,1,1: expected' gridcut -n 1.5,1,1 -o t-%d.vtk wave.vtk

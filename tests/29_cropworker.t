@@ -177,6 +177,7 @@ fails() {
 fails 'a command that is not there' 'no-such: exit status 127' ./no-such
 fails 'a command that fails' 'sh: exit status 5, expected 0' sh -c 'echo last words >&2; exit 5'
 like 'the last words of its standard error' "$err" '^sh: last words$'
+fails 'a command that fails as perl does' 'sh: exit status 255, expected 0' sh -c 'exit 255'
 fails 'a command that is killed' 'sh: ended by signal 9' sh -c 'kill -9 $$'
 fails 'no picture' 'the command.s standard output: empty, expected' true
 fails 'no picture in {o}' 'the file .o.: No such file' true '{o}'

@@ -87,6 +87,8 @@ whole alone9 my/scene.pov +W48 +H9 &
 later got balance adaptive -j 2 -s 48x36 -r my.log -o got.png my/scene.pov
 later rows balance masterslave -1 -j 4 -s 48x9 -o rows.png my/scene.pov
 later auto balance auto -j 2 -s 48x9 -o auto.png my/scene.pov
+mkdir -p 'A=1' && cp -r my/. 'A=1'
+later sign balance adaptive -j 2 -s 48x9 -o sign.png A=1/scene.pov
 later job1 povworker -i -s 48x36 my/scene.pov
 later job2 povworker -i -s 48x36 other/scene.pov
 later job3 povworker -i -s 48x36 +A0.3 +AM2 other/scene.pov
@@ -96,6 +98,8 @@ is 'balance: exit 0 in silence' "$status:$out$(echo "$err" | grep -v 'never conn
 is 'balance: the same picture as of POV-Ray alone' "$(same got.png alone.png)" 'differing	0'
 result rows
 is 'balance masterslave: rows' "$status:$(same rows.png alone9.png)" '0:differing	0'
+result sign
+is 'balance: a scene whose name has =' "$status:$(same sign.png alone9.png)" '0:differing	0'
 result auto
 is 'balance auto: the same picture' "$status:$(same auto.png alone9.png)" '0:differing	0'
 is 'balance auto: adaptive, without a simulation' "$(echo "$err" | grep -v 'never connected$')" ''

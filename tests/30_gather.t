@@ -182,6 +182,16 @@ is 'incomplete: no file' "$(find . -name 'n.png*')" ''
 run gather -k 16 -r 'the log' -o n.png torn
 like 'the command, from a log with an odd name' "$err" \
 	"gather -m 'the log' \| rtworker SCENE >> 'the log'; gather -k 16 -o n.png 'the log'\$"
+# A command that makes another picture, or not all of them, is not printed.
+finishes() { run gather "$@"; printf '%s\n' "$err" | grep -c 'to finish'; }
+printf 'frame 0 4 3 job=cafe\nframe 1 4 3 job=beef\n' >both
+is 'incomplete, and another picture has not begun: no command' "$(finishes -e both -o n%d.png torn)" 0
+printf 'P3 4 3 255\n%s\n' "$(yes '1 2 3' | head -n 12)" >back.ppm
+is 'incomplete, on a backdrop: no command' "$(finishes -b back.ppm -o n.png torn)" 0
+LC_ALL=C sed 's/^frame 0 4 3 job=cafe/& with=cropworker/' torn | "$root/tests/seal" >crop.torn
+is 'incomplete, by a command that is not known: no command' "$(finishes -o n.png crop.torn)" 0
+long=$(printf '%0300d' 0 | sed 's,0\{100\},&/,g') && mkdir -p "${long%/*}" && cp torn "$long.log"
+is 'incomplete: a command that is too long for a message: none' "$(finishes -o n.png "$long.log")" 0
 run sh -c 'gather -o n.png <torn'
 like 'without a log' "$err" 'no log was kept'
 run gather -o n.png /dev/null

@@ -187,6 +187,28 @@ ok 'a loss within a tree: the same picture' cmp deep.png real.png
 like 'a loss within a tree is passed on, with its place' "$(grep -a '^gone' deep.log)" '^gone why=[a-z0-9-]+ lost=[0-9]+ kept=1 w=0[.][01] recv_us='
 
 # ---- refused -----------------------------------------------------------------------------------------------------
+# A picture larger than the memory: 18 bytes a pixel, of which most are missing.
+rtworker tetra.nff >large.log <<END
+frame 0 8000 8000
+task 0 0 0 0 1 1 1 1
+END
+(ulimit -v 400000 && fragstat -H large.log >large.html)
+is 'a page of a picture that exceeds the memory: exit 0' $? 0
+like 'a page of a picture that exceeds the memory: it has the picture' "$(cat large.html)" 'data:image/png'
+# A host with two slots is lost: the marks are in its lanes, not in those of the first one.
+"$root/tests/seal" >lost.log <<'END'
+hello deal 0.1 selftest=0 slots=2
+up w=0 host=good power=1 slots=1
+up w=1 host=bad power=1 slots=2
+done 0 0 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=120000
+done 0 1 cpu_us=90000 wall_us=100000 w=1.0 sent_us=0 recv_us=120000
+done 0 2 cpu_us=90000 wall_us=100000 w=1.1 sent_us=0 recv_us=120000
+gone w=1 why=silent tasks=1 recv_us=200000
+done 0 3 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=320000
+END
+is 'a lost host of several slots is marked in their lanes' "$(fragstat -H lost.log | grep -o 'class="lane"><span>[^<]*\|<title>lost: silent' | tr '\n' ' ')" \
+	'class="lane"><span>0 good class="lane"><span>1.0 <title>lost: silent class="lane"><span>1.1 <title>lost: silent '
+ok 'its events have a line of their own' sh -c "fragstat -t lost.log | grep -q '\"tid\":5,\"args\":{\"name\":\"slot 1\"'"
 for args in '-f' '-f -' '-H' '-f all.frags half.log' '-f -s all.frags' '-f -t all.frags' '-f -H all.frags' '-H -w 1 all.frags' \
 	'-o x.html all.frags' '-g -t all.frags' '-t -H all.frags' '-f -i 0 all.frags' '-H nosuch.log' '-H -c all.frags all.frags'; do
 	# shellcheck disable=SC2086

@@ -224,6 +224,9 @@ run simulate -n 1 fan
 is 'refused: seeds of fan, which loses tasks' "$status" 2
 is 'a host that is slowed twice: the run is simulated to its end' "$(partition -u run:4 8x8 |
 	simulate -m 1000 -j 1 -f slow@.001s:0:.001,slow@.002s:0:.001 deal | awk '$1 == "uncommitted" { print $2 }')" 0
+is 'a host that is slowed three times keeps a thousandth of its power' "$(partition -u run:4 8x8 |
+	simulate -m 1000 -j 1 -f slow@.001s:0:.001,slow@.002s:0:.001,slow@.003s:0:.001 fan | awk '$1 == "uncommitted" { print $2 }')" 0
+is 'a host that is slow from the start' "$(partition -u run:4 8x8 | simulate -m 1000 -j 2 -f slow@0s:1:.1 deal | awk '$1 == "slows" { print $2 }')" 1
 is 'jitter: no run is faster than the bound and three of the least latencies' "$(partition -u run:64 8x8 |
 	simulate -l 100 -m 10 -s 4 -f jitter=1 deal | awk '{ v[$1] = $2 } END { print (v["least_s"] <= v["makespan_s"]) }')" 1
 # Task 0 has two pixels, and task 9 these and two others.

@@ -178,6 +178,37 @@ contradicted 3 true
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
+# A tree reports the job of each picture for each of its workers, in any order. It is one slot all the same.
+cat >old <<'END'
+#!/bin/sh
+mkdir first 2>/dev/null && exec deal fan -j 4 rtworker gears.nff
+until [ "$(grep -ac '^frame [01] ' up)" -ge 8 ]; do sleep .02; done
+exec deal fan -j 1 rtworker tetra.nff
+END
+: >up
+: >said
+{ partition 64x64; partition -F 1 64x64; await 10 grep -q 'the run ends' said; } |
+	timeout 800 env MARK=$mark deal sh -c 'fan -j 4 ./old | tee up' fan 2>said | gather -o 'old%d.pfm' 2>>said
+is "a tree with another scene, of two pictures: exit 3" $? 3
+like "a tree with another scene, of two pictures: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
+# Each of its 32 workers announces each of the 60 pictures.
+for i in $(seq 0 59); do partition -F "$i" 8x8; done >many.tasks
+timeout 800 deal fan -j 1 deal fan -j 32 rtworker tetra.nff <many.tasks 2>said | gather -o 'many%d.pfm'
+is "a tree announces many pictures: exit 0, no slot is lost" "$?:$(cat said)" 0:
+# A worker that holds back pixels is asked for them before it has any. It is not silent when it has computed some later.
+{ pack scene tetra.nff; echo 'frame 0 8 8'; echo flush; sleep 1; echo 'task 0 0 0 0 8 8 1 1'; sleep 4; } | timeout 800 fan -t 2 -j 1 rtworker -c - 2>said | gather -o eight.pfm
+is "a flush before the task: exit 0, no slot is lost" "$?:$(cat said)" 0:
+# With fan -1, a worker here that dies before it has said hello is started again, and gets all of its state.
+printf '#!/bin/sh\nmkdir died 2>/dev/null && { sleep 1; kill -9 $$; }\nexec rtworker "$@"\n' >dies && chmod +x dies
+{ pack scene gears.nff; partition 64x64; } | timeout 800 deal fan -1 -j 2 ./dies - 2>said | gather -o died.pfm
+is "fan -1, a worker dies before its hello: exit 0" $? 0
+partition 64x64 | rtworker gears.nff | gather -o well.pfm
+ok "fan -1, a worker dies before its hello: the same picture" cmp died.pfm well.pfm
+# A hello may take longer than the end of a run that has nothing to do.
+printf '#!/bin/sh\nsleep 2\nexec rtworker "$@"\n' >late && chmod +x late
+run sh -c 'timeout 800 fan -j 1 ./late tetra.nff </dev/null'
+is "nothing to do, and a late hello: exit 0" "$status:$err" 0:
+
 # A worker that rarely gets the processor, with a task of hours.
 { pack scene gears.nff; partition -u tile:4096x4096 4096x4096; } | env MARK=$mark fan -j 1 rtworker -a 1024 - 2>said >frags &
 pid=$!
@@ -255,6 +286,9 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/^(frame 0 .*\n)/\$1 x 3000/e"; exit' 2 'lost .unasked' late
 ok "announces the frame 3000 times: the same picture" cmp out.pfm small.pfm
 like "announces the frame 3000 times: a message says so" "$(cat said)" 'lost \(unasked\)'
+liar 'rtworker - | ./through "\$_ = (\$_ . \$body) x 6000 . \$_ if /^frag /"; exit' 2 'lost .unasked' late
+ok "sends the same pixels 6000 times: the same picture" cmp out.pfm small.pfm
+like "sends the same pixels 6000 times: a message says so" "$(cat said)" 'lost \(unasked\)'
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference, so the liar sends the second one.

@@ -63,6 +63,12 @@ ok 'no host is left: the log is unchanged' cmp log4 before
 balance masterslave -S hosts -s $size -r log4 -o out.pfm gears.nff 2>said
 ok 'with other hosts the same command finishes the picture' cmp out.pfm good.pfm
 
+# A device or a pipe is written, not replaced.
+mkfifo pipe
+cat pipe >piped &
+ok 'calibrate -o: a pipe' timeout 100 balance calibrate -n 1 -s 16x16 -S hosts -o pipe gears.nff
+wait $!
+ok 'calibrate -o: the pipe stays, and gets the hosts' sh -c 'test -p pipe && fan -l -S piped'
 # ---- calibrate ------------------------------------------------------------------------------------------------
 run balance calibrate -n 3 -s 64x48 -S hosts -o measured gears.nff
 is 'calibrate: exit 0' "$status" 0

@@ -75,7 +75,7 @@ static void make_slots(struct account *a)
         struct account_slot key = {0};
         memcpy(key.name, l->slots[i].name, sizeof key.name);
         const struct account_slot *s = bsearch(&key, a->slots, a->n_slots, sizeof key, by_name);
-        if (s) a->slot_of[i] = (uint32_t)(s - a->slots); /* an outer slot has no tasks */
+        a->slot_of[i] = s ? (uint32_t)(s - a->slots) : ACCOUNT_OUTER;
     }
     free(works);
 }

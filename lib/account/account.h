@@ -20,11 +20,13 @@ struct account_slot {
     int64_t tasks, duplicates, retries, steals; /* duplicates: tasks whose pixels were not used */
 };
 
+#define ACCOUNT_OUTER UINT32_MAX
+
 struct account {
     const struct history *log;  /* the caller's; it must stay until account_free */
     struct account_slot *slots; /* by name: 0, 1, ..., 10 */
     size_t n_slots;
-    uint32_t *slot_of;  /* index in slots of each slot of the log */
+    uint32_t *slot_of;  /* index in slots of each slot of the log; ACCOUNT_OUTER: it has no tasks */
     struct span *spans; /* of each done of the log; slots and runs are indices */
     double *run_s;      /* makespan of each run */
     double *zero_s;     /* start of each run: runs follow each other */

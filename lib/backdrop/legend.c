@@ -87,7 +87,7 @@ static void bar_isos(const struct bar *b, const struct drawing *s)
         const struct spec_iso *iso = s->b->spec->iso + i;
         double x = bar_x(b, iso->s), at[2] = {x, y};
         patch(s, x - .012 * b->w, x + .012 * b->w, b->y, b->y + b->h, iso->rgb, iso->opacity);
-        snprintf(text, sizeof text, "%.6g", iso->s);
+        snprintf(text, sizeof text, "%.10g", iso->s);
         backdrop_label(s, text, at, 0);
     }
 }

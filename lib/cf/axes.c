@@ -7,6 +7,9 @@
 #include <string.h>
 #include <strings.h>
 
+/* A small file can claim to have more, which would take gigabytes to read. */
+#define NODES_MOST (1 << 24)
+
 static bool one_of(const char *s, const char *const *words)
 {
     for (; *words; words++)
@@ -117,14 +120,14 @@ static void name_calendar(struct cf_file *c, int in, int id, struct cf_axis *a)
 
 bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char err[ERR_BYTES])
 {
-    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT];
+    char name[NC_MAX_NAME + 1] = "", positive[CF_TEXT], standard[CF_TEXT];
     int in, id;
     struct cf_packing p;
     *a = (struct cf_axis){.kind = CF_NONE};
     if (!cf_did(c, nc_inq_dim(group, dim, name, &a->n))) return cf_look(c, err);
     snprintf(a->name, CF_TEXT, "%.*s", CF_TEXT - 1, name);
-    if (a->n > INT32_MAX)
-        return err_set(err, "%.60s has %zu nodes, expected %d at most", name, a->n, INT32_MAX);
+    if (a->n > NODES_MOST)
+        return err_set(err, "%.60s has %zu nodes, expected %d at most", name, a->n, NODES_MOST);
     if (strcasecmp(name, "time") == 0) a->kind = CF_T;
     if (!find_coordinates(group, dim, name, &in, &id)) return true;
     cf_packing(c, in, id, &p);
@@ -132,11 +135,13 @@ bool cf_axis_read(struct cf_file *c, int group, int dim, struct cf_axis *a, char
     if (!cf_unpacks(&p, a->name, err)) return false;
     cf_text(c, in, id, "units", a->units);
     cf_text(c, in, id, "positive", positive);
+    cf_text(c, in, id, "standard_name", standard);
     a->in = in;
     a->id = id;
     a->kind = kind_of(c, in, id, a);
     a->pressure = a->kind == CF_Z && is_pressure(a->units);
-    a->down = strcasecmp(positive, "down") == 0 || (!positive[0] && a->pressure);
+    const bool depth = strcasecmp(standard, "depth") == 0;
+    a->down = strcasecmp(positive, "down") == 0 || a->pressure || (!positive[0] && depth);
     a->at = xcalloc(a->n, sizeof *a->at);
     cf_did(c, nc_get_var_double(in, id, a->at));
     for (size_t i = 0; i < a->n; i++) a->at[i] = cf_unpack(&p, a->at[i]);
@@ -185,8 +190,9 @@ bool cf_tell_axes_apart(struct cf_field *f, char err[ERR_BYTES])
         enum cf_kind kind = kind_by_name(a->name, &other[i]);
         other[i] |= a->member;
         if (kind == CF_NONE || other[i]) continue;
-        other[i] = of[kind] != NULL;
+        other[i] = of[kind] && of[kind]->n > 1;
         if (other[i]) continue;
+        if (of[kind]) of[kind]->kind = CF_NONE; /* one element, as that of the time of a forecast */
         of[kind] = a;
         a->kind = kind;
     }

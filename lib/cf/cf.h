@@ -97,24 +97,25 @@ bool cf_values(struct cf_file *c, const struct cf_field *f, size_t time, struct 
 #define CF_TERMS 3
 /* The variables from which the height of each node of a field comes. */
 struct cf_heights {
-    enum { CF_HEIGHTS_NONE, CF_HEIGHTS_GEOPOTENTIAL, CF_HEIGHTS_HYBRID } kind;
+    enum { CF_HEIGHTS_NONE, CF_HEIGHTS_GEOPOTENTIAL, CF_HEIGHTS_HYBRID, CF_HEIGHTS_OROGRAPHY } kind;
     struct cf_field geopotential;
     double metres; /* of a unit of the geopotential */
-    double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa */
-    int surface;   /* variable of the surface pressure, in the group of the levels */
+    double *a, *b; /* hybrid: the pressure is a[k] + b[k] * surface pressure, in Pa; or the height
+                    * is that with the height of the ground, in metres */
+    int surface;   /* variable of the surface's pressure or height, in this group: */
     int group;
-    double surface_pa; /* a unit of it in Pa */
+    double unit; /* a unit of it in Pa or metres */
 };
 /*
- * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure
- * and the coefficients of its hybrid or sigma levels. False with a message in err if the levels
+ * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure or
+ * height and the coefficients of its hybrid or sigma levels. False with a message in err if the levels
  * name variables that cannot be used. Call cf_heights_free in any case.
  */
 bool cf_heights_find(
     struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES]);
 void cf_heights_free(struct cf_heights *h);
-/* Reads, at one time, metres (CF_HEIGHTS_GEOPOTENTIAL) or pressures in Pa (CF_HEIGHTS_HYBRID) into
- * a grid with the axes of the field. */
+/* Reads, at one time, metres, or for CF_HEIGHTS_HYBRID pressures in Pa, into a grid with the axes of
+ * the field. */
 bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
     size_t time, struct grid *g, char err[ERR_BYTES]);
 

@@ -20,16 +20,18 @@ static bool is_geopotential(struct cf_file *c, int group, int id, const char *na
 {
     static const char *const names[] = {"gh", "hgt", "z3", "zg", "height"};
     static const char *const others[] = {"anomaly", "deviation", "difference", "eddy", "error",
-        "perturbation", "spread", "tendency"};
-    char said[CF_TEXT], about[CF_TEXT];
+        "perturbation", "range", "spread", "tendency", "variance"};
+    char said[CF_TEXT], about[CF_TEXT], cells[CF_TEXT];
     cf_text(c, group, id, "standard_name", said);
     cf_text(c, group, id, "long_name", about);
+    cf_text(c, group, id, "cell_methods", cells);
     *standard = strcmp(said, "geopotential_height") == 0 || strcmp(said, "geopotential") == 0;
     bool is = *standard || strcasestr(about, "geopotential");
     for (size_t i = 0; !is && i < sizeof names / sizeof *names; i++)
         is = strcasecmp(name, names[i]) == 0;
-    for (size_t i = 0; !*standard && is && i < sizeof others / sizeof *others; i++)
-        is = !strcasestr(about, others[i]) && !strcasestr(said, others[i]);
+    for (size_t i = 0; is && i < sizeof others / sizeof *others; i++)
+        is = !strcasestr(about, others[i]) && !strcasestr(said, others[i]) &&
+             !strcasestr(cells, others[i]);
     return is;
 }
 
@@ -94,20 +96,28 @@ static bool term(const char *terms, const char *what, char name[CF_TEXT])
 }
 
 struct names {
-    char a[CF_TEXT], ap[CF_TEXT], b[CF_TEXT], p0[CF_TEXT], ps[CF_TEXT], ptop[CF_TEXT];
+    char a[CF_TEXT], ap[CF_TEXT], b[CF_TEXT], p0[CF_TEXT], ptop[CF_TEXT];
+    char ps[CF_TEXT], orog[CF_TEXT]; /* surface pressure, or height; "": none */
 };
 
-/* False if the levels are neither hybrid nor sigma levels. */
-static bool find_names(struct cf_file *c, const struct cf_axis *z, struct names *n)
+/* Returns 1 if the levels are hybrid or sigma levels, 0 if they state no formula, and -1 with a
+ * message in err if they state another one. */
+static int find_names(
+    struct cf_file *c, const struct cf_axis *z, struct names *n, char err[ERR_BYTES])
 {
     char *terms = cf_whole_text(c, z->in, z->id, "formula_terms");
     bool stated = *terms;
     memset(n, 0, sizeof *n);
     term(terms, "a", n->a), term(terms, "ap", n->ap), term(terms, "p0", n->p0);
-    term(terms, "ps", n->ps), term(terms, "ptop", n->ptop);
+    term(terms, "ps", n->ps), term(terms, "ptop", n->ptop), term(terms, "orog", n->orog);
     if (!term(terms, "b", n->b)) term(terms, "sigma", n->b);
     free(terms);
-    if (stated) return n->b[0] && n->ps[0];
+    if (stated && n->b[0] && (n->ps[0] || n->orog[0])) return 1;
+    if (stated) {
+        err_set(
+            err, "the formula_terms of %.60s are neither of hybrid nor of sigma levels", z->name);
+        return -1;
+    }
     cf_text(c, z->in, z->id, "A_var", n->a);
     cf_text(c, z->in, z->id, "B_var", n->b);
     cf_text(c, z->in, z->id, "P0_var", n->p0);
@@ -115,8 +125,20 @@ static bool find_names(struct cf_file *c, const struct cf_axis *z, struct names 
     return n->a[0] && n->b[0] && n->ps[0];
 }
 
-/* Multiplies by the pascals in a unit of a variable; one without a unit is in Pa. False with the
- * reason in err if its unit is none of pressure. */
+/* Multiplies by the metres in a unit of a variable; one without a unit is in metres. False with the
+ * reason in err if its unit is no length. */
+static bool to_metres(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES])
+{
+    char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
+    cf_text(c, group, id, "units", units);
+    double metres = units[0] ? metres_in(units) : 1;
+    *value *= metres;
+    if (metres > 0) return true;
+    cf_did(c, nc_inq_varname(group, id, name));
+    return err_set(err, "%.60s is in '%.60s', expected a length", name, units);
+}
+
+/* The same for a pressure, in Pa. */
 static bool to_pascals(struct cf_file *c, int group, int id, double *value, char err[ERR_BYTES])
 {
     char units[CF_TEXT], name[NC_MAX_NAME + 1] = "";
@@ -153,13 +175,18 @@ static bool numbers(
     return cf_look(c, err);
 }
 
-/* Brings coefficients to a[k] + b[k] * surface pressure. */
+/* Brings coefficients to a[k] + b[k] * surface pressure or height. */
 static bool find_coefficients(struct cf_file *c, const struct cf_axis *z, const struct names *n,
     struct cf_heights *h, char err[ERR_BYTES])
 {
     double p0 = P0, ptop = 0;
     int id;
-    if (n->p0[0] && nc_inq_varid(z->in, n->p0, &id) == NC_NOERR) {
+    if (n->orog[0]) { /* a height is a + b times that of the ground */
+        p0 = 1;
+        if (n->a[0] && nc_inq_varid(z->in, n->a, &id) == NC_NOERR &&
+            !to_metres(c, z->in, id, &p0, err))
+            return false;
+    } else if (n->p0[0] && nc_inq_varid(z->in, n->p0, &id) == NC_NOERR) {
         if (!numbers(c, z->in, n->p0, 1, &p0, err)) return false;
         if (!to_pascals(c, z->in, id, &p0, err)) return false;
     }
@@ -206,13 +233,16 @@ bool cf_heights_find(
         h->kind = CF_HEIGHTS_GEOPOTENTIAL;
         return true;
     }
-    if (!z->at || !find_names(c, z, &n)) return cf_look(c, err);
+    const int named = z->at ? find_names(c, z, &n, err) : 0;
+    if (named <= 0) return named == 0 && cf_look(c, err);
+    const char *surface = n.ps[0] ? n.ps : n.orog;
     h->group = f->group;
-    if (!find_above(&h->group, n.ps, &h->surface))
-        return err_set(err, "the levels need the surface pressure %.60s, which is not there", n.ps);
-    h->kind = CF_HEIGHTS_HYBRID;
-    h->surface_pa = 1;
-    if (!to_pascals(c, h->group, h->surface, &h->surface_pa, err)) return false;
+    if (!find_above(&h->group, surface, &h->surface))
+        return err_set(err, "the levels need %.60s of the surface, which is not there", surface);
+    h->kind = n.ps[0] ? CF_HEIGHTS_HYBRID : CF_HEIGHTS_OROGRAPHY;
+    h->unit = 1;
+    if (n.ps[0]) n.orog[0] = '\0';
+    if (!(n.ps[0] ? to_pascals : to_metres)(c, h->group, h->surface, &h->unit, err)) return false;
     return find_coefficients(c, z, &n, h, err);
 }
 
@@ -225,16 +255,16 @@ void cf_heights_free(struct cf_heights *h)
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-/* Reads the surface pressure in Pa at one time, as a layer of g. Its dimensions are those of the
- * field, without z. */
+/* Reads the surface pressure in Pa, or its height in metres, at one time, as a layer of g. Its
+ * dimensions are those of the field, without z. */
 static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
     size_t time, const struct grid *g, double *layer, char err[ERR_BYTES])
 {
     int dims = 0, dim[NC_MAX_VAR_DIMS];
-    char name[NC_MAX_NAME + 1];
+    char name[NC_MAX_NAME + 1], what[NC_MAX_NAME + 1] = "";
     size_t start[CF_AXES_MAX] = {0}, count[CF_AXES_MAX], of[CF_AXES_MAX] = {0};
     unsigned seen = 0;
-    cf_did(c, nc_inq_var(h->group, h->surface, NULL, NULL, &dims, dim, NULL));
+    cf_did(c, nc_inq_var(h->group, h->surface, what, NULL, &dims, dim, NULL));
     if (dims > CF_AXES_MAX) dims = 0;
     for (int i = 0; i < dims; i++) {
         const struct cf_axis *a = NULL;
@@ -244,21 +274,21 @@ static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf
         if (count[i] == 1 && !(a && a->kind <= CF_Y)) continue;
         if (!a || a->n != count[i] || a->kind == CF_Z || a->kind == CF_NONE)
             return err_set(err,
-                "the surface pressure has the dimension %.60s, expected x, y and "
-                "time of the field",
-                name);
+                "%.60s of the surface has the dimension %.60s, expected x, y and time of the field",
+                what, name);
         if (a->kind == CF_T) start[i] = time, count[i] = 1;
         else of[i] = a->kind == CF_X ? 1 : g->n[0];
-        if (seen >> a->kind & 1) return err_set(err, "the surface pressure has %.60s twice", name);
+        if (seen >> a->kind & 1)
+            return err_set(err, "%.60s of the surface has %.60s twice", what, name);
         seen |= 1U << a->kind;
     }
     if (!(seen >> CF_X & 1 && seen >> CF_Y & 1))
-        return err_set(err, "the surface pressure lacks x or y, expected both");
+        return err_set(err, "%.60s of the surface lacks x or y, expected both", what);
     size_t n = (size_t)g->n[0] * g->n[1], at[CF_AXES_MAX] = {0};
     double *values = xcalloc(n, sizeof *values);
     struct cf_packing p;
     cf_packing(c, h->group, h->surface, &p);
-    if (!cf_unpacks(&p, "the surface pressure", err)) {
+    if (!cf_unpacks(&p, what, err)) {
         free(values);
         return false;
     }
@@ -270,7 +300,7 @@ static bool surface(struct cf_file *c, const struct cf_field *f, const struct cf
             const struct cf_axis *a = cf_axis_of(f, of[i] == 1 ? CF_X : CF_Y);
             to += of[i] * (a->at[1] < a->at[0] ? a->n - 1 - at[i] : at[i]);
         }
-        layer[to] = cf_unpack(&p, values[m]) * h->surface_pa;
+        layer[to] = cf_unpack(&p, values[m]) * h->unit;
         for (int i = dims - 1; i >= 0 && ++at[i] == count[i]; i--) at[i] = 0;
     }
     free(values);

@@ -155,7 +155,8 @@ int crop_run(
     int status = wait_for(&c);
     if (status == 0) return 0;
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (code > 128) err_set(err, "%s: ended by signal %d", words[0], code - 128);
+    if (code > 128 && code <= 128 + SIGRTMAX)
+        err_set(err, "%s: ended by signal %d", words[0], code - 128);
     else err_set(err, "%s: exit status %d, expected 0", words[0], code);
     return code == 127 ? CROP_NOT_FOUND : -1;
 }

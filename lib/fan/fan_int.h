@@ -73,6 +73,7 @@ struct fan_job {
     char hash[24];         /* the hash */
     int32_t by;            /* the slot that stated it first; -1: the input */
     int32_t agree, differ; /* slots that stated this job; another one */
+    int64_t vote;          /* number of this count of them, ascending */
 };
 
 /* Programs under way to the host, before its hello. */
@@ -102,9 +103,9 @@ struct connection {
     int64_t beat_us;               /* its last beat that was passed on */
     int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
     int64_t told_us;    /* when it was last told that this end lives; 0: it need not know */
-    int64_t agreed;     /* the last frame for which its job agreed with the first slot's, -1 */
     int64_t ahead;      /* messages of a node, less those sent to it */
-    int stale;          /* answers to no question */
+    int64_t stale;      /* answers to no question, and pixels that came before */
+    int64_t answers;    /* others */
     int64_t news;       /* frames and losses that it announced */
     int64_t probe_us;   /* when the latest probe was sent; 0: none was */
     size_t probe_bytes; /* the length of the answer that is to come; 0: none is */
@@ -115,8 +116,7 @@ struct connection {
     bool placed;             /* it was told its place in a ring: its messages to the hub pass */
     bool input_closed_first; /* the stream ended after its input was closed */
 };
-#define CONNECTION_NONE                                                                            \
-    ((struct connection){.child = CHILD_NONE, .from = {.upward = true}, .agreed = -1})
+#define CONNECTION_NONE ((struct connection){.child = CHILD_NONE, .from = {.upward = true}})
 
 /* Records for a slot. Those of a slot that was not up yet outlive a connection that fails. */
 struct feed {
@@ -155,6 +155,7 @@ struct fan_slot {
     int dismissed;      /* its slots that the policy has dismissed; all: its input ends */
     double power;       /* of each slot; 0: not known */
     int inner;          /* number of slots that each stands for */
+    int64_t agreed;     /* the latest vote in which it was counted */
 };
 
 /* Every hello must agree with this. */
@@ -185,6 +186,7 @@ struct fan {
     struct fan_state_of states[GENERATIONS]; /* live generations, modulo GENERATIONS */
     uint32_t n_states;                       /* records of state so far, */
     int64_t n_frames;                        /* and of frames */
+    int64_t n_votes;                         /* on jobs */
     bool begun;                              /* a task of the latest generation has come */
     struct outlet out;
     int64_t start_us;    /* zero of sent_us and recv_us */

@@ -26,7 +26,7 @@
 static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
 {
     const bool opening = s->state == FAN_OPENING, here = s->host->here;
-    if (fan_slot_over(f, s) && !s->n_tasks && here && !(f->listing && opening)) return CLOSING_S;
+    if (fan_slot_over(f, s) && !s->n_tasks && here && !opening) return CLOSING_S;
     if (fan_slot_has_asked(s)) return REACH_S + fan_send_time_s(s);
     if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
     if (opening) return fmax(here ? HELLO_S : REACH_S, f->o->silence_s);

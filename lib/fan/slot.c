@@ -255,20 +255,21 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
         return 0;
     }
     int32_t i = tasks_find(tasks, r->task.frame, r->task.id);
-    if (i >= 0) { /* the same task is under way */
-        if (memcmp(&tasks->at[i].task.at, &r->task.at, sizeof r->task.at) == 0) return 0;
+    if (i >= 0 && memcmp(&tasks->at[i].task.at, &r->task.at, sizeof r->task.at) != 0) {
         warn("task %u %u: number used twice, expected another for other pixels", r->task.frame,
             r->task.id);
         return ST_USAGE;
     }
+    if (i >= 0 && !fan_task(tasks, i)->computed) return 0; /* the same task is under way */
     if (!s->feed.primed || s->feed.behind || (int32_t)(frame->generation - s->feed.since) < 0)
         fan_prime(f, s, frame->generation);
-    i = tasks_add(tasks, &r->task, frame->w);
+    s->n_tasks += i < 0;
+    if (i < 0) i = tasks_add(tasks, &r->task, frame->w); /* else its pixels are held back */
     bool stolen = rec_int(r, "peer", 0, WIRE_SLOTS_MAX - 1, &from);
     *fan_task(tasks, i) =
         (struct fan_task){.sent_us = now_us() - f->start_us, .from = stolen ? (int32_t)from : -1};
-    s->n_tasks++;
     s->undone++;
+    s->feed.flushed = false; /* it may hold back the pixels of this one */
     if (fan_slot_has_stream(s)) s->conn.ahead--;
     s->host->given |= s->state == FAN_UP;
     if (fan_takes(s)) fan_pass_down(&s->feed.queue.bytes, r, s, k);
@@ -277,7 +278,8 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
 
 bool fan_slot_fed(const struct fan_slot *s)
 {
-    return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here);
+    /* Before its hello only if it is not started again: what was written would be lost. */
+    return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here && s->width == 1);
 }
 
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)

@@ -9,8 +9,10 @@
 
 #define CHATTER_MOST 65536 /* bytes before hello, which start-up files may print */
 #define BEAT_US 250000     /* time between beats of a slot that are passed on */
-/* answers to no question, per connection; likewise messages */
+/* Answers to no question, per connection; likewise messages. An inner policy sends some for each
+ * late copy, so there may be this many more for each other answer. */
 #define STALE_MOST 1000
+#define STALE_TIMES 4
 #define NEWS_TIMES 4 /* a worker may announce each frame again after it was lost */
 #define SAID_MAX (WIRE_LINE_MAX - HOST_NAME_MOST - 128) /* bytes of a line without its stamps */
 
@@ -116,19 +118,22 @@ static const char *take_job(
         memcpy(known->hash, job, sizeof job);
         known->by = s->number;
         known->agree = known->differ = 0;
-        s->conn.agreed = -1;
+        known->vote = ++f->n_votes;
     }
     known->stated = true;
     if (strcmp(known->hash, job) != 0) return dispute(f, s, frame, job);
-    known->agree += s->conn.agreed != frame->frame; /* a tree reports it for each of its workers */
-    s->conn.agreed = frame->frame;
+    /* A tree reports it for each of its workers, and for those of other frames in between. */
+    if (s->agreed < known->vote) {
+        known->agree++;
+        s->agreed = known->vote;
+    }
     return NULL;
 }
 
 /* A slot that announces more than it can have to is lost, because all of it goes to the log. */
 static const char *take_news(const struct fan *f, struct fan_slot *s)
 {
-    int64_t most = STALE_MOST + NEWS_TIMES * s->width * f->n_frames;
+    int64_t most = STALE_MOST + NEWS_TIMES * s->width * s->inner * f->n_frames;
     return ++s->conn.news > most ? "unasked" : NULL;
 }
 
@@ -172,12 +177,18 @@ static void complete_task(struct fan_slot *s, struct task_table *tasks, int32_t 
     s->conn.completed_task = true;
 }
 
-/* Drops an answer to no question. A slot that sends too many is lost, so that others get its
- * tasks. */
+/* Counts an answer to no question, or pixels that came before. A slot that sends too many is lost,
+ * so that others get its tasks. */
+static const char *count_stale(struct fan_slot *s)
+{
+    return ++s->conn.stale > STALE_MOST + STALE_TIMES * s->conn.answers ? "unasked" : NULL;
+}
+
+/* Drops an answer to no question. */
 static const char *take_stale(struct fan *f, struct fan_slot *s)
 {
     f->stale++;
-    return ++s->conn.stale > STALE_MOST ? "unasked" : NULL;
+    return count_stale(s);
 }
 
 static const char *take_done(struct fan *f, struct fan_slot *s, const struct record *r)
@@ -194,6 +205,7 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     wire_forward(&f->out.queue.control, r, stamped, text);
     task->computed = true;
     s->undone--;
+    s->conn.answers++;
     complete_task(s, tasks, i);
     return NULL;
 }
@@ -206,7 +218,10 @@ static const char *take_frag(struct fan *f, struct fan_slot *s, const struct rec
     const struct fan_job *known = fan_job(f, frames_find(&f->input.frames, r->task.frame));
     if (!s->conn.announced_frame || !known->stated) return "frag-before-frame";
     if (!rec_is(r, "job", known->hash)) return "other-job";
+    const uint64_t before = tasks->at[i].delivered;
     if (!tasks_deliver(tasks, i, &r->task.at)) return "wrong-pixels";
+    if (tasks->at[i].delivered > before) s->conn.answers++;
+    else if (count_stale(s)) return "unasked";
     char text[96];
     stamp(s, r, text, sizeof text);
     up_forward(&f->out.queue, r, stamped, text);

@@ -24,6 +24,7 @@ struct gb_entry {
     char levels[GB_TEXT];                                   /* type of level */
     char grid[GB_TEXT], kind[GB_TEXT]; /* hash of the grid's definition; grid type */
     double level;                      /* for a layer, its middle */
+    bool no_pv;                        /* a hybrid level without coefficients */
     int64_t when;                      /* validity time, YYYYMMDDhhmm */
     int64_t nx, ny;
     size_t number; /* message number in the file, from 0 */
@@ -47,12 +48,15 @@ struct gb_stack gb_stack_at(const struct gb_index *x, size_t first);
 bool gb_stack_check(const struct gb_stack *s, char err[ERR_BYTES]);
 bool gb_same_axes(const struct gb_stack *a, const struct gb_stack *b);
 
-/* The units of a type of level. down: it counts downwards, and z is negated. */
+/* The units of a type of level. down: it counts downwards, see gb_counts_down. */
 struct gb_measure {
     const char *prefix, *units;
     bool down;
 };
 const struct gb_measure *gb_measure_of(const char *levels);
+/* True if the level counts downwards. Hybrid levels do if they have the coefficients of their pressure;
+ * those of NCEP's native files, which have none, count upwards. */
+bool gb_counts_down(const struct gb_entry *e);
 /* True if x and y of this grid type are metres on a plane. */
 bool gb_is_projected(const char *kind);
 

@@ -76,7 +76,7 @@ static double level_of(const codes_handle *h, const char *levels)
         double factor, from;
     } old[] = {{101, 10, 0}, {104, 100, 0}, {106, 100, 0}, {107, 1e-4, 0}, {108, .01, 0},
         {111, .01, 0}, {112, .01, 0}, {114, -1, 475}, {115, 100, 0}, {116, 100, 0}, {119, 1e-4, 0},
-        {120, .01, 0}, {121, -1, 1100}, {125, .01, 0}, {128, -.001, 1.1}};
+        {120, .01, 0}, {121, -1, 1100}, {125, .01, 0}, {128, -.001, 1.1}, {210, .01, 0}};
     const double top = gb_real(h, "topLevel"), bottom = gb_real(h, "bottomLevel");
     const double v = strstr(levels, "Layer") ? (top + bottom) / 2 : gb_real(h, "level");
     if (gb_long(h, "edition") == 2)
@@ -97,6 +97,9 @@ static void read_entry(const struct gb_file *in, struct gb_entry *e)
     get_text(in->h, "name", e->long_name);
     get_text(in->h, "units", e->units);
     get_text(in->h, "typeOfLevel", e->levels);
+    /* ecCodes gives pressures that are no whole hPa a type of their own. */
+    if (strcmp(e->levels, "isobaricInPa") == 0) snprintf(e->levels, GB_TEXT, "isobaricInhPa");
+    e->no_pv = strncmp(e->levels, "hybrid", 6) == 0 && !gb_long(in->h, "PVPresent");
     get_text(in->h, "md5GridSection", e->grid);
     get_text(in->h, "gridType", e->kind);
     e->level = level_of(in->h, e->levels);

@@ -9,13 +9,19 @@
 const struct gb_measure *gb_measure_of(const char *levels)
 {
     static const struct gb_measure measures[] = {{"isobaricInhPa", "hPa", true},
-        {"isobaricInPa", "Pa", true}, {"isobaricLayer", "hPa", true}, {"heightAbove", "m", false},
+        {"isobaricLayer", "hPa", true}, {"heightAbove", "m", false},
         {"pressureFromGround", "Pa", false}, {"theta", "K", false}, {"depthBelow", "m", true},
-        {"soil", "1", true}, {"oceanModel", "1", true}, {"hybrid", "1", true}, {"sigma", "1", true},
-        {"eta", "1", true}, {"generalVertical", "1", true}, {"", "", false}};
+        {"soil", "1", true}, {"oceanModel", "1", true}, {"hybridHeight", "1", false},
+        {"hybrid", "1", true}, {"sigma", "1", true}, {"eta", "1", true},
+        {"generalVertical", "1", true}, {"", "", false}};
     const struct gb_measure *m = measures;
     while (strncmp(levels, m->prefix, strlen(m->prefix)) != 0) m++;
     return m;
+}
+
+bool gb_counts_down(const struct gb_entry *e)
+{
+    return gb_measure_of(e->levels)->down && !e->no_pv;
 }
 
 bool gb_is_projected(const char *kind)
@@ -88,7 +94,7 @@ bool gb_axes(const char *path, const struct gb_stack *s, struct grid *g, char er
 {
     const struct gb_entry *e = s->at;
     const size_t n[] = {(size_t)e->nx, (size_t)e->ny, s->n_levels};
-    const bool down = gb_measure_of(e->levels)->down;
+    const bool down = gb_counts_down(e);
     struct gb_file in;
     *g = (struct grid){.value = NULL};
     if (!gb_open(path, &in, err)) return false;
@@ -149,7 +155,7 @@ bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct g
     bool combine, char err[ERR_BYTES])
 {
     const struct gb_entry *level = s->at + time * s->n_levels;
-    const bool down = gb_measure_of(level->levels)->down;
+    const bool down = gb_counts_down(level);
     struct gb_file in;
     size_t taken = 0;
     if (!gb_open(path, &in, err)) return false;

@@ -84,13 +84,12 @@ struct interval inference_compare(const struct claim *c, const struct table *t,
 
 const char *inference_verdict(const struct claim *c, struct interval of, size_t used)
 {
-    bool below = of.high<0, above = of.low> 0;
     if (used < 2) return "open";
     switch (c->relation) {
-    case INFERENCE_MORE: return above ? "holds" : below ? "fails" : "open";
+    case INFERENCE_MORE: return of.low > 0 ? "holds" : of.high <= 0 ? "fails" : "open";
     case INFERENCE_SAME:
         if (of.low >= -c->margin && of.high <= c->margin) return "holds";
         return of.low > c->margin || of.high < -c->margin ? "fails" : "open";
-    default: return below ? "holds" : above ? "fails" : "open";
+    default: return of.high < 0 ? "holds" : of.low >= 0 ? "fails" : "open";
     }
 }

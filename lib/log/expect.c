@@ -6,6 +6,7 @@
 #include <string.h>
 
 #define FRAMES_LISTED 8 /* incomplete frames described singly */
+#define REMEDY_MOST 900 /* bytes; a message has 1024 */
 
 static const char *plural(uint64_t n) { return n == 1 ? "" : "s"; }
 
@@ -71,15 +72,18 @@ void intake_report_missing(const struct intake *in)
     if (incomplete > FRAMES_LISTED) warn("... and %u frames more", incomplete - FRAMES_LISTED);
 }
 
-void intake_report_remedy(
-    const struct intake *in, const char *log, char *const *inputs, const struct image_out *to)
+void intake_report_remedy(const struct intake *in, const char *log, char *const *inputs,
+    const struct image_out *to, bool more)
 {
     const char *const one[] = {log, NULL};
     struct buf remedy = {0};
-    bool again = log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
-    if (log) warn("to resume from %s, rerun the command, or finish as follows", log);
+    bool again =
+        !more && log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
+    again &= buf_size(&remedy) < REMEDY_MOST;
+    if (log)
+        warn("to resume from %s, rerun the command%s", log, again ? ", or finish as follows" : "");
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else if (!log) warn("no log was kept (-r LOG), so only a new run can render them");
+    else if (!log && !*inputs) warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
 }
 

@@ -64,15 +64,14 @@ bool log_remedy(const char *const *logs, const struct log_origin *origin,
         buf_append(&names, " ", 1);
         buf_quote(&names, last);
     }
-    bool again = last && !*logs;
+    bool again = last && !*logs && !(to->backs && to->backs->n) &&
+                 strncmp(origin->with, "cropworker", strlen("cropworker")) != 0;
     if (again) {
         buf_append(&names, "", 1);
         const char *all = (const char *)buf_data(&names);
         const char *with = *origin->with ? origin->with : "rtworker";
         bool volume = strncmp(with, "vcworker", strlen("vcworker")) == 0;
-        bool crop = strncmp(with, "cropworker", strlen("cropworker")) == 0;
-        buf_printf(out, "gather -m%s | %s %s >> ", all, with,
-            volume ? "GRID SPEC" : crop ? "COMMAND" : "SCENE");
+        buf_printf(out, "gather -m%s | %s %s >> ", all, with, volume ? "GRID SPEC" : "SCENE");
         buf_quote(out, last);
         buf_printf(out, "; gather%s -o ", to->bits == 16 ? " -k 16" : "");
         buf_quote(out, to->pattern ? to->pattern : "PICTURE.png");

@@ -42,19 +42,22 @@ void signals_catch(void)
     catching = true;
 }
 
-static const char *last_words;
+static const char *last_words, *about;
 
 static void say(int sig)
 {
-    ssize_t said = write(STDERR_FILENO, last_words, strlen(last_words));
-    (void)said;
+    if (access(about, F_OK) == 0) {
+        ssize_t said = write(STDERR_FILENO, last_words, strlen(last_words));
+        (void)said;
+    }
     signal(sig, SIG_DFL);
     raise(sig);
 }
 
-void signals_say(const char *text)
+void signals_say(const char *text, const char *file)
 {
     last_words = text;
+    about = file;
     for (size_t i = 0; i < N_ENDING; i++)
         if (signal(ending[i], say) == SIG_IGN) signal(ending[i], SIG_IGN);
 }

@@ -117,16 +117,17 @@ static void set_normal(struct reader *r, struct vec3 n)
     s->normals[s->n_vertices - 1] = len >= LENGTH_MIN ? v3_scale(n, 1 / len) : v3(0, 0, 0);
 }
 
-/*
- * Replaces a patch's zero normals by the patch's own normal, so that shading always has one.
- */
+/* Replaces a patch's zero normals by the patch's own normal, so that shading always has one. Patches
+ * may be wound either way, so that points to the side of the others. */
 static void fill_normals(struct scene *s, uint32_t first)
 {
-    struct vec3 own = v3(0, 0, 0);
+    struct vec3 own = v3(0, 0, 0), others = own;
+    for (uint32_t i = first; i < s->n_vertices; i++) others = v3_add(others, s->normals[i]);
     for (uint32_t i = first; i < s->n_vertices; i++) {
         if (s->normals[i].x != 0 || s->normals[i].y != 0 || s->normals[i].z != 0) continue;
         if (v3_dot(own, own) == 0)
             own = scene_newell_unit(s->vertices + first, s->n_vertices - first);
+        if (v3_dot(own, others) < 0) own = v3_scale(own, -1);
         s->normals[i] = own;
     }
 }

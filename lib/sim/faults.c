@@ -81,7 +81,8 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
     enum sim_fault_kind kind = (enum sim_fault_kind)e->sched.n;
     int64_t silence_us = w->plan->silence_us, pause_us;
     if (kind == SIM_KILL) kill_hub(w);
-    if (!s->alive || (s->stalled && kind != SIM_CRASH) || kind == SIM_KILL) return;
+    const bool any = kind == SIM_CRASH || kind == SIM_SLOW;
+    if (!s->alive || (s->stalled && !any) || kind == SIM_KILL) return;
     switch (kind) {
     case SIM_CRASH:
         w->result->crashes++;
@@ -99,7 +100,8 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
         break;
     case SIM_SLOW:
         w->result->slows++;
-        s->power *= e->sched.power;
+        s->power = fmax(
+            s->power * e->sched.power, POWER_LEAST * (w->plan->work ? w->plan->work->power[k] : 1));
         if (w->plan->tells_power) sim_say_up(w, k);
         break;
     case SIM_HANG:

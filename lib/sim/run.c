@@ -165,7 +165,7 @@ static double alone_us(const struct world *w)
     double slow = p->p_slow > 0 ? SLOWEST : 1;
     for (size_t i = 0; i < p->n_faults; i++) /* those of a slot multiply */
         if (p->faults[i].kind == SIM_SLOW) slow *= fmin(p->faults[i].power, 1);
-    slow = fmax(slow, SLOWEST * 1e-6);
+    slow = fmax(slow, POWER_LEAST);
     return us / (least * slow);
 }
 

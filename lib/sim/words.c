@@ -25,14 +25,14 @@ static bool parse_when(char *when, struct sim_fault *f)
     if (!n || when[n - 1] != 's') return parse_int(when, 1, INT32_MAX, &f->commits);
     when[n - 1] = '\0';
     if (!parse_real(when, 0, 1e9, &s)) return false;
-    f->at_us = (int64_t)(s * 1e6);
+    f->at_us = (int64_t)fmax(s * 1e6, 1); /* at 0 the slots start */
     return true;
 }
 
 /* WHEN[:SLOT[:POWER]]; the hub has no slot, and only a slow-down has a power. */
 static bool parse_fault(struct sim_plan *plan, enum sim_fault_kind kind, char *when)
 {
-    struct sim_fault f = {.kind = kind, .power = SLOWED};
+    struct sim_fault f = {.kind = kind, .power = kind == SIM_SLOW ? SLOWED : 0};
     char *slot = cut_off(when), *power = slot ? cut_off(slot) : NULL;
     int64_t k = 0;
     if (!parse_when(when, &f) || (kind == SIM_KILL) != !slot || (power && kind != SIM_SLOW))

@@ -10,8 +10,9 @@
 #include "sim/net.h"
 #include "sim/worker.h"
 
-#define FRAME_W 64  /* pixels; of frames that the plan makes up */
-#define SLOWEST .05 /* share of its power left to a slot slowed down by chance */
+#define FRAME_W 64       /* pixels; of frames that the plan makes up */
+#define SLOWEST .05      /* share of its power left to a slot slowed down by chance */
+#define POWER_LEAST 1e-3 /* likewise, by all slow-downs together */
 
 /* Events for a stopped process wait here. */
 struct inbox {

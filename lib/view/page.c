@@ -74,15 +74,28 @@ static void add_bar(struct timeline *t, size_t i)
     lane->to[k] = fmax(fmax(lane->to[k], to), 1e-3);
 }
 
-static void add_mark(struct timeline *t, const struct history_event *e)
+/* True if line i is that of slot k of the log, or of a slot within it, as 1.0 is within 1. */
+static bool is_within(const struct account *a, uint32_t i, int32_t k)
 {
-    uint32_t line = t->a->slot_of[e->slot];
-    if (!e->lost || line >= LANES_MOST) return;
+    const char *outer = a->log->slots[k].name, *name = a->slots[i].name;
+    const size_t n = strlen(outer);
+    if (a->slot_of[k] != ACCOUNT_OUTER) return a->slot_of[k] == i;
+    return strncmp(name, outer, n) == 0 && name[n] == '.';
+}
+
+static void put_mark(struct timeline *t, const struct history_event *e, uint32_t line)
+{
     double at = unit_of(t, (size_t)e->run, e->recv_us < 0 ? 0 : (double)e->recv_us * 1e-6);
     struct buf *b = &t->lanes[line].marks;
     buf_printf(b, "<rect class=\"l\" x=\"%.1f\" width=\"3\" height=\"18\"><title>lost: ", at);
     html_word(b, e->why);
     buf_printf(b, ", %" PRId64 " tasks</title></rect>", e->tasks);
+}
+
+static void add_mark(struct timeline *t, const struct history_event *e)
+{
+    for (uint32_t i = 0; e->lost && i < t->a->n_slots && i < LANES_MOST; i++)
+        if (is_within(t->a, i, e->slot)) put_mark(t, e, i);
 }
 
 static void put_lane(const struct timeline *t, size_t line, const char *host, struct buf *out)
@@ -116,7 +129,10 @@ static void put_timeline(const struct account *a, struct buf *out)
     t.lanes = xcalloc(n + 1, sizeof *t.lanes);
     for (size_t i = 0; i < l->n_dones; i++) add_bar(&t, i);
     for (size_t i = 0; i < l->n_events; i++) add_mark(&t, &l->events[i]);
-    for (size_t i = 0; i < l->n_slots; i++) host[a->slot_of[i]] = view_host(&l->slots[i], "");
+    for (size_t i = 0; i < l->n_slots; i++) {
+        const uint32_t line = a->slot_of[i];
+        if (line != ACCOUNT_OUTER) host[line] = view_host(&l->slots[i], "");
+    }
     buf_printf(out,
         "<h2>Timeline</h2>\n<p class=\"key\">%.3g s%s: <span><i "
         "style=\"background:#3a7ca5\"></i>task"

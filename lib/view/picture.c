@@ -51,7 +51,9 @@ void view_picture(const char *path, struct buf *png)
 {
     struct intake in = {0};
     const struct log_reader reader = {.record = take, .ctx = &in};
+    char *dir = image_out_spill(&(struct image_out){0});
     intake_init(&in, true);
+    in.parts.spill.dir = dir;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || log_read(&in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
     close(fd);
@@ -65,4 +67,5 @@ void view_picture(const char *path, struct buf *png)
         image_free(&small);
     }
     intake_free(&in);
+    free(dir);
 }

@@ -57,6 +57,13 @@ static int by_host(const void *a, const void *b, void *slots)
 }
 
 /* A process for each host, from 1 on; a thread for each slot, by its line in the table. */
+/* A slot without tasks of its own has a line of its own, after the others. */
+static uint32_t tid_of(const struct trace *t, int32_t k)
+{
+    const uint32_t line = t->a->slot_of[k];
+    return line == ACCOUNT_OUTER ? (uint32_t)t->a->n_slots + (uint32_t)k + 1 : line + 1;
+}
+
 static void put_names(struct trace *t)
 {
     const struct history *l = t->a->log;
@@ -71,7 +78,7 @@ static void put_names(struct trace *t)
             put_name(t, "process_name", ++pid, 0, host);
         t->pid[k] = pid;
         snprintf(name, sizeof name, "slot %s", l->slots[k].name);
-        put_name(t, "thread_name", pid, t->a->slot_of[k] + 1, name);
+        put_name(t, "thread_name", pid, tid_of(t, (int32_t)k), name);
     }
     free(order);
 }
@@ -107,7 +114,7 @@ static void put_event(struct trace *t, const struct history_event *e)
     buf_printf(t->out,
         ",\"cat\":\"slot\",\"ph\":\"i\",\"s\":\"t\",\"ts\":%.0f,\"pid\":%zu,\"tid\":%" PRIu32
         ",\"args\":{\"tasks_lost\":%" PRId64 "}}",
-        at_us, t->pid[e->slot], t->a->slot_of[e->slot] + 1, e->tasks);
+        at_us, t->pid[e->slot], tid_of(t, e->slot), e->tasks);
 }
 
 /* The pixels so far, in at most COUNTS_MOST points. */

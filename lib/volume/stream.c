@@ -62,22 +62,37 @@ bool volume_stream_fits(const struct volume *v)
     return v->o.tolerance >= TOLERANCE_MIN;
 }
 
-/*
- * A value's error is at most ROUNDING times its cell's range. The relative error of k is at most
- * that divided by the span's width; alpha's error is smaller. So this is the greatest range.
- */
-static float room_in(const struct volume *v, const struct map_span *p)
+/* The greatest length of a ray in a cell. */
+static double longest(const struct volume *v)
 {
-    return p->transparent ? HUGE_VALF : (float)(v->o.tolerance * (p->hi - p->lo) / ROUNDING);
+    double square = 0;
+    for (int a = 0; a < 3; a++) {
+        double edge = 0;
+        for (uint32_t i = 0; i < v->cells[a]; i++) edge = fmax(edge, 1 / v->inv_edge[a][i]);
+        square += edge * edge;
+    }
+    return sqrt(square);
+}
+
+/*
+ * A value's error is at most ROUNDING times its cell's range. The error of k, in parts of its
+ * greatest value in the span, is at most that divided by the span's width. Alpha's error is at most
+ * that of the optical depth. So this is the greatest range, if a cell is `length` long.
+ */
+static float room_in(const struct volume *v, const struct map_span *p, double length)
+{
+    const double width = p->hi - p->lo, depth = length * fmax(p->k0, p->k0 + p->k1 * width);
+    return p->transparent ? HUGE_VALF : (float)(v->o.tolerance * width / ROUNDING / fmax(depth, 1));
 }
 
 static void find_room(struct stream *s)
 {
     const struct volume *v = s->v;
     float *room = s->map.room;
+    const double length = longest(v);
     s->least_room = room[0] = room[v->map.n + 1] = HUGE_VALF;
     for (uint32_t i = 0; i < v->map.n; i++) {
-        room[i + 1] = room_in(v, &v->map.span[i]);
+        room[i + 1] = room_in(v, &v->map.span[i], length);
         if (room[i + 1] < s->least_room) s->least_room = room[i + 1];
     }
     s->narrow = v->range > (double)s->least_room;

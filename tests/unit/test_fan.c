@@ -426,9 +426,9 @@ static void assert_no_connection(const struct connection *c)
     assert_null(c->refusal);
     assert_string_equal(c->detail, "");
     assert_string_equal(c->chatter, "");
-    assert_int_equal(c->agreed, -1);
     assert_int_equal((int64_t)c->before_hello | (int64_t)c->poll | c->opened_us | c->heard_us, 0);
-    assert_int_equal(c->leave_us | c->beat_us | c->closed_us | c->ahead | c->stale | c->news, 0);
+    assert_int_equal(c->leave_us | c->beat_us | c->closed_us | c->ahead | c->stale, 0);
+    assert_int_equal(c->news | c->answers, 0);
     assert_false(c->connected || c->announced_frame || c->completed_task);
     assert_false(c->placed || c->input_closed_first);
 }
@@ -451,7 +451,7 @@ static void a_connection_leaves_nothing_to_the_next(void **state)
     struct connection *c = &s->conn;
     c->announced_frame = c->completed_task = c->placed = c->input_closed_first = true;
     c->poll = c->before_hello = 2;
-    c->agreed = c->ahead = c->stale = 3;
+    c->ahead = c->stale = c->answers = 3;
     c->news = 3;
     c->beat_us = c->closed_us = c->leave_us = 4;
     fan_slot_lose(&f, s, "silent", true);

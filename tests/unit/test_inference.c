@@ -184,6 +184,8 @@ static void claims_are_decided_by_the_whole_interval(void **state)
     assert_string_equal(verdict(INFERENCE_LESS, 0, -1, .01), "holds");
     assert_string_equal(verdict(INFERENCE_LESS, 0, 1, .01), "fails");
     assert_string_equal(verdict(INFERENCE_LESS, 0, -1, 5), "open");
+    assert_string_equal(verdict(INFERENCE_LESS, 0, 0, 0), "fails"); /* the same samples */
+    assert_string_equal(verdict(INFERENCE_MORE, 0, 0, 0), "fails");
     assert_string_equal(verdict(INFERENCE_MORE, 0, 1, .01), "holds");
     assert_string_equal(verdict(INFERENCE_MORE, 0, -1, .01), "fails");
     assert_string_equal(verdict(INFERENCE_MORE, 0, 0, .01), "open");

@@ -247,9 +247,8 @@ static void a_fork_that_fails_leaves_no_child(void **state)
 }
 
 /* The last words come first, then the end by the signal; an ignored signal stays so. */
-static void last_words_are_said(void **state)
+static void last_words_about(const char *file, const char *expected)
 {
-    (void)state;
     char text[32] = "";
     int words[2], status;
     assert_int_equal(pipe(words), 0);
@@ -257,17 +256,24 @@ static void last_words_are_said(void **state)
     if (pid == 0) {
         dup2(words[1], STDERR_FILENO);
         signal(SIGHUP, SIG_IGN);
-        signals_say("so far\n");
+        signals_say("so far\n", file);
         raise(SIGHUP);
         raise(SIGTERM);
         _exit(0);
     }
-    close(words[1]);
     assert_int_equal(waitpid(pid, &status, 0), pid);
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
-    assert_int_equal(read(words[0], text, sizeof text - 1), 7);
-    assert_string_equal(text, "so far\n");
+    close(words[1]);
+    assert_int_equal(read(words[0], text, sizeof text - 1), strlen(expected));
+    assert_string_equal(text, expected);
     close(words[0]);
+}
+
+static void last_words_are_said(void **state)
+{
+    (void)state;
+    last_words_about("/", "so far\n");
+    last_words_about("/no/such", "");
 }
 
 int main(void)
