@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 8 /* raise it when a pixel of any volume changes */
+#define FORMAT_VERSION 9 /* raise it when a pixel of any volume changes */
 
 struct options {
     struct volume_options volume;

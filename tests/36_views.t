@@ -207,8 +207,8 @@ gone w=1 why=silent tasks=1 recv_us=200000
 done 0 3 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=320000
 END
 is 'a lost host of several slots is marked in their lanes' "$(fragstat -H lost.log | grep -o 'class="lane"><span>[^<]*\|<title>lost: silent' | tr '\n' ' ')" \
-	'class="lane"><span>0 good class="lane"><span>1.0 <title>lost: silent class="lane"><span>1.1 <title>lost: silent '
-ok 'its events have a line of their own' sh -c "fragstat -t lost.log | grep -q '\"tid\":5,\"args\":{\"name\":\"slot 1\"'"
+	'class="lane"><span>0  class="lane"><span>1.0  <title>lost: silent class="lane"><span>1.1  <title>lost: silent '
+ok 'its events have a line of their own' sh -c "fragstat -t lost.log | grep -q '\"tid\":7,\"args\":{\"name\":\"slot 1\"'"
 for args in '-f' '-f -' '-H' '-f all.frags half.log' '-f -s all.frags' '-f -t all.frags' '-f -H all.frags' '-H -w 1 all.frags' \
 	'-o x.html all.frags' '-g -t all.frags' '-t -H all.frags' '-f -i 0 all.frags' '-H nosuch.log' '-H -c all.frags all.frags'; do
 	# shellcheck disable=SC2086

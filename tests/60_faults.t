@@ -286,7 +286,7 @@ ok "says done twice: the same picture" cmp out.pfm small.pfm
 liar 'rtworker - | ./through "s/^(frame 0 .*\n)/\$1 x 3000/e"; exit' 2 'lost .unasked' late
 ok "announces the frame 3000 times: the same picture" cmp out.pfm small.pfm
 like "announces the frame 3000 times: a message says so" "$(cat said)" 'lost \(unasked\)'
-liar 'rtworker - | ./through "\$_ = (\$_ . \$body) x 6000 . \$_ if /^frag /"; exit' 2 'lost .unasked' late
+liar 'rtworker - | ./through "\$_ = (\$_ . \$body . chr 10) x 6000 . \$_ if /^frag /"; exit' 2 'lost .unasked' late
 ok "sends the same pixels 6000 times: the same picture" cmp out.pfm small.pfm
 like "sends the same pixels 6000 times: a message says so" "$(cat said)" 'lost \(unasked\)'
 liar 'exit 0'
