@@ -181,7 +181,7 @@ like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 wi
 # A tree reports the job of each picture for each of its workers, in any order. It is one slot all the same.
 cat >old <<'END'
 #!/bin/sh
-mkdir first 2>/dev/null && exec deal fan -j 4 rtworker -a 16 gears.nff
+mkdir tree 2>/dev/null && exec deal fan -j 4 rtworker -a 16 gears.nff
 until [ "$(grep -ac '^frame [01] ' up)" -ge 8 ] || [ $((tries += 1)) -gt 500 ]; do sleep .02; done
 exec deal fan -j 1 rtworker tetra.nff
 END
