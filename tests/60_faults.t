@@ -178,7 +178,7 @@ contradicted 3 true
 is "a tree with another scene: exit 3" $? 3
 like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
 
-# A tree reports the job of each picture for each of its workers, in any order. It is one slot all the same.
+# A tree reports the job of each picture for each of its workers, in any order. It counts as one slot.
 cat >old <<'END'
 #!/bin/sh
 mkdir tree 2>/dev/null && exec deal fan -j 4 rtworker -a 16 gears.nff

@@ -108,14 +108,14 @@ struct cf_heights {
 };
 /*
  * Looks for heights: a geopotential (height) with the axes of the field, or the surface pressure or
- * height and the coefficients of its hybrid or sigma levels. False with a message in err if the levels
- * name variables that cannot be used. Call cf_heights_free in any case.
+ * height and the coefficients of its hybrid or sigma levels. False with a message in err if the
+ * levels name variables that cannot be used. Call cf_heights_free in any case.
  */
 bool cf_heights_find(
     struct cf_file *c, const struct cf_field *f, struct cf_heights *h, char err[ERR_BYTES]);
 void cf_heights_free(struct cf_heights *h);
-/* Reads, at one time, metres, or for CF_HEIGHTS_HYBRID pressures in Pa, into a grid with the axes of
- * the field. */
+/* Reads, at one time, metres, or for CF_HEIGHTS_HYBRID pressures in Pa, into a grid with the axes
+ * of the field. */
 bool cf_heights_values(struct cf_file *c, const struct cf_field *f, const struct cf_heights *h,
     size_t time, struct grid *g, char err[ERR_BYTES]);
 

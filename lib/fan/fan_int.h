@@ -1,9 +1,9 @@
 /*
- * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c
- * (which slots are connected next; reports about hosts); join.c (a hosts file that changes);
- * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
- * end); code.c (links on which records are packed); up.c (what workers send); err.c (their standard
- * error); send.c (programs for hosts that have none); list.c (fan -l).
+ * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c (the
+ * order of connections; reports about hosts); join.c (a hosts file that changes); refusal.c (why a
+ * connection failed); hello.c (which workers are let in); alive.c (silence of this end); code.c
+ * (packed records); up.c (what workers send); err.c (their standard error); send.c (programs for
+ * hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -69,8 +69,8 @@ struct fan_task {
 
 /* Payload of a frame: its job. */
 struct fan_job {
-    bool stated;           /* the input or a slot has stated it: */
-    char hash[24];         /* the hash */
+    bool stated; /* the input or a slot has stated this hash: */
+    char hash[24];
     int32_t by;            /* the slot that stated it first; -1: the input */
     int32_t agree, differ; /* slots that stated this job; another one */
     int64_t vote;          /* number of this count of them, ascending */
@@ -102,14 +102,13 @@ struct connection {
     int64_t leave_us;              /* deadline for its exit, once it leaves */
     int64_t beat_us;               /* its last beat that was passed on */
     int64_t closed_us;             /* when its input was closed, at or after hello; 0: not yet */
-    int64_t told_us;    /* when it was last told that this end lives; 0: it need not know */
-    int64_t ahead;      /* messages of a node, less those sent to it */
-    int64_t stale;      /* answers to no question, and pixels that came before */
-    int64_t answers;    /* others */
-    int64_t news;       /* frames and losses that it announced */
-    int64_t probe_us;   /* when the latest probe was sent; 0: none was */
-    size_t probe_bytes; /* the length of the answer that is to come; 0: none is */
-
+    int64_t told_us;         /* when it was last told that this end lives; 0: it need not know */
+    int64_t ahead;           /* messages of a node, less those sent to it */
+    int64_t stale;           /* answers to no question, and pixels that came before */
+    int64_t answers;         /* others */
+    int64_t news;            /* frames and losses that it announced */
+    int64_t probe_us;        /* when the latest probe was sent; 0: none was */
+    size_t probe_bytes;      /* the length of the answer that is to come; 0: none is */
     bool connected;          /* it said hello and was accepted */
     bool announced_frame;    /* it has announced a frame */
     bool completed_task;     /* it has computed and delivered a task */
@@ -372,8 +371,7 @@ bool fan_refusal_explain(
 
 /* ---- send.c ---- */
 
-/* Takes what the slot's host has printed before hello: requests for programs. Returns NULL, or why
- * the host cannot be used. */
+/* Takes the requests for programs that come before hello. NULL, or why the host cannot be used. */
 const char *fan_take_requests(struct fan_slot *s, const unsigned char *said, size_t n);
 /* True if programs wait to be written to the slot. */
 bool fan_slot_is_sent(const struct fan_slot *s);

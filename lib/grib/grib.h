@@ -54,8 +54,8 @@ struct gb_measure {
     bool down;
 };
 const struct gb_measure *gb_measure_of(const char *levels);
-/* True if the level counts downwards. Hybrid levels do if they have the coefficients of their pressure;
- * those of NCEP's native files, which have none, count upwards. */
+/* True if the level counts downwards. Hybrid levels do if they have the coefficients of their
+ * pressure; those of NCEP's native files, which have none, count upwards. */
 bool gb_counts_down(const struct gb_entry *e);
 /* True if x and y of this grid type are metres on a plane. */
 bool gb_is_projected(const char *kind);

@@ -66,8 +66,8 @@ void signals_catch(void);
 struct pollfd;
 /* poll(2). The end of a child, or one of the signals above, ends it with EINTR. */
 int signals_poll(struct pollfd *p, size_t n, int timeout_ms);
-/* In the place of signals_catch: one of the signals above prints `text` on stderr before it ends this
- * process, if this file exists then. Both must stay. */
+/* In the place of signals_catch: one of the signals above prints `text` on stderr before it ends
+ * this process, if this file exists then. Both must stay. */
 void signals_say(const char *text, const char *file);
 /* Undoes signals_catch in a child. */
 void signals_restore(void);

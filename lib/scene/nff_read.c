@@ -117,8 +117,8 @@ static void set_normal(struct reader *r, struct vec3 n)
     s->normals[s->n_vertices - 1] = len >= LENGTH_MIN ? v3_scale(n, 1 / len) : v3(0, 0, 0);
 }
 
-/* Replaces a patch's zero normals by the patch's own normal, so that shading always has one. Patches
- * may be wound either way, so that points to the side of the others. */
+/* Replaces a patch's zero normals by the patch's own normal, so that shading always has one.
+ * Patches may be wound either way, so that points to the side of the others. */
 static void fill_normals(struct scene *s, uint32_t first)
 {
     struct vec3 own = v3(0, 0, 0), others = own;
