@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 struct options {
@@ -49,6 +50,9 @@ static bool is_grid(const char *path)
 {
     static const char begin[] = "# vtk DataFile";
     char bytes[sizeof begin - 1];
+    struct stat st;
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
+        die(ST_USAGE, "%s: is a pipe or a device, expected a file", path);
     FILE *f = fopen(path, "r");
     bool is = f && fread(bytes, 1, sizeof bytes, f) == sizeof bytes &&
               strncasecmp(bytes, begin, sizeof bytes) == 0;
@@ -117,6 +121,8 @@ static void load(struct input *in, const struct options *o)
         if (o->out.pattern && !(in->file[i] = grid_file_open(o->files[i], err)))
             die(ST_USAGE, "%s", err);
         if (in->file[i]) in->grid[i] = grid_file_grid(in->file[i]);
+        if (in->grid[i]->brick.is)
+            die(ST_USAGE, "%s: is a brick, expected a whole grid", o->files[i]);
         backdrop_time(in->grid[i]->title, in->time[i]);
     }
     for (int i = 0; i < o->n_specs; i++)
@@ -125,6 +131,8 @@ static void load(struct input *in, const struct options *o)
         if (in->file[i] && by_second(in) && !grid_file_second(in->file[i], err))
             die(ST_USAGE, "%s", err);
     if (o->lines && read_file(o->lines, &in->lines) != 0) die(ST_USAGE, "%s:", o->lines);
+    if (buf_size(&in->lines) && memchr(buf_data(&in->lines), '\0', buf_size(&in->lines)))
+        die(ST_USAGE, "%s: has a byte 0, expected text", o->lines);
     buf_append(&in->lines, "", 1);
 }
 

@@ -82,7 +82,10 @@ int main(int argc, char **argv)
     struct image over, all;
     struct image_backs backs = {.n = 0};
     open_picture(o.path[0], &over);
-    for (int i = 1; i < o.n; i++) image_backs_add(&backs, o.path[i], false);
+    for (int i = 1; i < o.n; i++) {
+        image_backs_add(&backs, o.path[i], false);
+        image_backs_blend(&backs, &over); /* so that pictures of one size need little memory */
+    }
     const struct image_rows one = image_rows_of(&over);
     const struct image_rows rows = image_backs_under(&backs, 0, &one);
     image_init(&all, rows.w, rows.h);

@@ -43,7 +43,16 @@ static int unpack(const void *options, const char *name, unsigned char *bytes, s
     u->directory = xstrdup((const char *)buf_data(&path));
     buf_free(&path);
     bool good = mkdir(u->directory, 0700) == 0 || err_set(err, "%s: cannot be made", u->directory);
-    if (good && files_unpack(bytes, n, u->directory, &u->first, err)) return 0;
+    char *first = NULL;
+    if (good && files_unpack(bytes, n, u->directory, &first, err)) {
+        struct buf plain = {0}; /* a name that no command takes for an option */
+        buf_printf(&plain, "./%s", first);
+        buf_append(&plain, "", 1);
+        u->first = xstrdup((const char *)buf_data(&plain));
+        buf_free(&plain);
+        free(first);
+        return 0;
+    }
     crop_remove(u->directory);
     free(u->directory);
     return -1;

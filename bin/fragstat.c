@@ -249,7 +249,7 @@ static int follow(const struct options *o)
     struct view_log v;
     bool found, over;
     if (o->follow && o->what != PAGE) signal(SIGWINCH, nothing);
-    if (o->follow && isatty(STDOUT_FILENO)) printf("\033[2J");
+    if (o->follow && o->what != PAGE && isatty(STDOUT_FILENO)) printf("\033[2J");
     view_open(&v, *o->inputs);
     do {
         found = view_read(&v);

@@ -82,7 +82,12 @@ static void complain(struct gather *g, const char *name)
 /* Writes the records read so far to the log, once it is known that they belong there. */
 static void flush_log(struct gather *g)
 {
-    if (log_keep_flush(&g->log) != 0) complain(g, g->o->log);
+    static char last_words[4352];
+    if (log_keep_flush(&g->log) == 0) return;
+    complain(g, g->o->log);
+    snprintf(last_words, sizeof last_words, "%sgather: interrupted; %s lacks pixels\n",
+        g->o->progress ? "\n" : "", g->o->log);
+    signals_say(last_words, g->o->log);
 }
 
 /* Reading a file that is being appended to would never end. A picture would replace its own log. */
@@ -91,21 +96,41 @@ static void check_not_log(const struct gather *g, const struct stat *st, const c
     if (log_keep_is(&g->log, st)) die(ST_USAGE, "%s: is also the log, expected another file", name);
 }
 
+/* Refuses to replace the log or an input by a picture, or by its preview. */
+static void check_written(const struct gather *g, const char *name)
+{
+    struct stat st, input;
+    if (!name || stat(name, &st) != 0) return;
+    check_not_log(g, &st, name);
+    for (char **from = g->o->inputs; *from; from++)
+        if (S_ISREG(st.st_mode) && stat(*from, &input) == 0 && input.st_dev == st.st_dev &&
+            input.st_ino == st.st_ino)
+            die(ST_USAGE, "%s: is also an input, expected another file", name);
+}
+
+/* The same for those of this frame. */
+static void check_outputs(const struct gather *g, uint32_t frame)
+{
+    const struct image_out *out = &g->o->out;
+    if (!out->pattern) return;
+    char *name = image_out_name(out, frame);
+    char *partial = g->o->preview_s > 0 ? image_preview_name(out, frame) : NULL;
+    check_written(g, name);
+    check_written(g, partial);
+    free(name);
+    free(partial);
+}
+
 static void open_log(struct gather *g)
 {
     static char last_words[4352];
     const struct options *o = g->o;
-    const char *out = o->out.pattern;
-    struct stat st;
     if (log_keep_open(&g->log, o->log) != 0) {
         if (errno == EWOULDBLOCK) die(ST_USAGE, "%s: is in use by another run", o->log);
         die(ST_SYSTEM, "%s:", o->log);
     }
+    check_outputs(g, 0);
     if (!o->log) return;
-    if (out && stat(out, &st) == 0) check_not_log(g, &st, out);
-    char *partial = o->preview_s > 0 ? image_preview_name(&o->out, 0) : NULL;
-    if (partial && stat(partial, &st) == 0) check_not_log(g, &st, partial);
-    free(partial);
     /* Only records since the last read are missing from the log, as after kill -9. */
     snprintf(last_words, sizeof last_words,
         "%sgather: interrupted; %s has the pixels so far: rerun the command to resume\n",
@@ -186,6 +211,7 @@ static void take_frame(struct gather *g, const struct record *r)
             r->task.frame, out->pattern ? out->pattern : "standard output");
     }
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
+    if (announced && !g->o->missing) check_outputs(g, r->task.frame);
 }
 
 static void take_record(void *ctx, const struct record *r)

@@ -14,6 +14,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define MIB_MAX 2047 /* a record has less than 2 GiB */
@@ -98,9 +99,18 @@ static void fit(const struct options *o, const struct grid *g, uint32_t parts[3]
     }
 }
 
+static bool is_file(const char *path, const struct stat *in)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && st.st_dev == in->st_dev && st.st_ino == in->st_ino;
+}
+
 static void cut(const struct options *o)
 {
     char err[ERR_BYTES];
+    struct stat in = {0};
+    if (strcmp(o->path[0], "-") == 0) fstat(STDIN_FILENO, &in);
+    else stat(o->path[0], &in); /* if it fails, so does this: */
     struct grid_file *f = grid_file_open(o->path[0], err);
     if (!f) die(ST_USAGE, "%s", err);
     const struct grid *g = grid_file_grid(f);
@@ -117,7 +127,7 @@ static void cut(const struct options *o)
     char **path = xcalloc(n, sizeof *path);
     for (uint32_t i = 0; i < n; i++) {
         path[i] = image_name(o->out, i);
-        if (outfile_is(path[i], o->path[0]))
+        if (is_file(path[i], &in))
             die(ST_USAGE, "-o %s: %s is the grid itself, expected other names", o->out, path[i]);
     }
     int status = grid_file_cut(f, parts, path, err);

@@ -40,6 +40,7 @@ int main(int argc, char **argv)
     struct buf text = {0};
     char err[ERR_BYTES];
     if (grid_load(o.grid, &g, err) != 0) die(ST_USAGE, "%s", err);
+    if (g.brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o.grid);
     if (!spec_starter(&g, o.palette, (uint32_t)o.w, (uint32_t)o.h, &text, err))
         die(ST_USAGE, "%s: %s", o.grid, err);
     put_stdout_buf(&text);

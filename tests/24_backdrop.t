@@ -29,6 +29,9 @@ ok 'blend reads - and writes standard output' cmp piped.png file.png
 blend -b 0,0,1 -o ground.pfm red.pam
 is '-b: half of red over blue' "$(samples ground.pfm)" '0.5020 0.0000 0.4980'
 printf 'P6 2 1 255\n123456' >wide.ppm
+{ printf 'P6 3000 1000 255\n'; head -c 9000000 /dev/zero; } >large.ppm
+ok 'blend: the memory does not grow with the number of pictures' prlimit --as=200000000 \
+	blend -o large.pfm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm
 run blend red.pam wide.ppm
 is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture over it'
 for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do
@@ -186,6 +189,12 @@ backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
 like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x89'
 
 printf '1 2\n\n3\n' >bad.line
+mkfifo spec.pipe
+run timeout 20 backdrop -o no.png wall.vtk spec.pipe
+is 'a pipe with -o: refused' "$status:$err" '2:backdrop: spec.pipe: is a pipe or a device, expected a file'
+printf '1 1\n2 2\n\000\nwords\n' >zero.line
+run backdrop wall.vtk wall.spec zero.line
+is 'a line file with a byte 0: refused' "$status:$err" '2:backdrop: zero.line: has a byte 0, expected text'
 run backdrop wall.vtk wall.spec bad.line
 is 'a line that is none is refused' "$status:$out:$err" \
 	'2::backdrop: bad.line:3: expected longitude and latitude'
@@ -363,6 +372,10 @@ is 'coastlines: all are closed, none jumps, and the area of land is right' "$(ca
 run coastlines wall.vtk
 is 'coastlines: refuses a file without coasts' "$status:$out" 2:
 like 'coastlines: the message names the missing variable' "$err" '^coastlines: wall.vtk: no Bin_size_in_minutes, expected'
+mkdir torn
+printf '#!/bin/sh\nncdump=%s\n"$ncdump" "$@" | sed "\$d"\nexit 1\n' "$(command -v ncdump)" >torn/ncdump && chmod +x torn/ncdump
+run env PATH="$tmp/torn:$PATH" coastlines
+like 'coastlines: ncdump fails in the middle' "$status:$out:$err" '^2::coastlines: .*: ncdump cannot read all of it, expected'
 run sh -c 'coastlines >/dev/full'
 is 'coastlines: a full disk: exit 3, and a line' "$status:$err" '3:coastlines: standard output: cannot be written'
 for bad in none.nc '-x' 'a b'; do

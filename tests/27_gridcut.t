@@ -132,6 +132,11 @@ cp wave.vtk hour-01.vtk
 refused 'a name that is the grid' '-o hour-%02d.vtk: hour-01.vtk is the grid itself' gridcut -n 1,1,2 -o hour-%02d.vtk hour-01.vtk
 ok 'which stays as it is' cmp wave.vtk hour-01.vtk
 refused 'no number in the name' '-o t.vtk: expected one %d' gridcut -n 1,1,2 -o t.vtk wave.vtk
+cp hour-01.vtk piped-0.vtk
+run gridcut -n 1,1,2 -o piped-%d.vtk - <piped-0.vtk
+is 'standard input that would be a brick: refused, and it stays' "$status:$(cmp piped-0.vtk hour-01.vtk && echo same)" 2:same
+run gridspec b-0.vtk
+is 'a starter for a brick: refused' "$status:$err" '2:gridspec: b-0.vtk: is a brick, expected a whole grid'
 refused 'a brick' 'b-0.vtk: is a brick, expected a whole grid' gridcut -n 1,1,2 -o t-%d.vtk b-0.vtk
 refused 'no such grid' 'gone.vtk: No such file' gridcut -n 1,1,2 -o t-%d.vtk gone.vtk
 refused 'a pipe' 'standard input: is a pipe or a device' sh -c 'cat wave.vtk | gridcut -n 1,1,2 -o t-%d.vtk -'

@@ -150,6 +150,10 @@ for file in *OFF.off; do
 	is "standard input: $file" "$status:$(faces | grep '^p')" '0:p 3 0 0 0 1 0 0 0 1 0'
 done
 
+printf 'newmtl z\nKd 1 1 1\nd 0.5\nNi 0\n' >zero.mtl
+printf 'mtllib zero.mtl\nusemtl z\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >zero.obj
+is 'an index of refraction of 0 bends no light' "$(mesh2nff zero.obj | grep '^f ')" 'f 1 1 1 0.5 0 0 0.5 1'
+
 # ---- glTF ----------------------------------------------------------------------------------------------------
 # triangle: its positions, its normals, and three indices
 triangle() { packed 'f<18 S<3 x2' 0 0 0  1 0 0  0 1 0  0.6 0.8 0  0 0 1  0 0 1  0 1 2; }
@@ -208,8 +212,25 @@ is '-s: another size, the same angle' "$(after angle):$(after resolution)" '28.6
 sed 's/"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5,/"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9,/' \
 	camera.gltf >both.gltf
 run mesh2nff both.gltf
-like 'an orthographic camera is named' "$err" 'cameras that are orthographic or define no view: 1, left out'
+like 'an orthographic camera is named' "$err" 'cameras that are orthographic, of glTF 1, or define no view: 1, left out'
 is 'and the next one is taken' "$(after from):$(after angle)" '0 0 4:57.29578'
+# libassimp turns cameras of glTF 1 backwards.
+cat >old.gltf <<'END'
+{"asset": {"version": "1.0"}, "scene": "s", "scenes": {"s": {"nodes": ["n", "c"]}},
+"nodes": {"n": {"meshes": ["m"]}, "c": {"camera": "cam", "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]}},
+"cameras": {"cam": {"type": "perspective", "perspective": {"yfov": 0.6, "aspectRatio": 1.5, "znear": 0.1, "zfar": 100}}},
+"meshes": {"m": {"primitives": [{"attributes": {"POSITION": "a"}, "indices": "i", "mode": 4}]}},
+"buffers": {"b": {"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA",
+"byteLength": 42, "type": "arraybuffer"}},
+"bufferViews": {"v": {"buffer": "b", "byteOffset": 0, "byteLength": 36, "target": 34962},
+"w": {"buffer": "b", "byteOffset": 36, "byteLength": 6, "target": 34963}},
+"accessors": {"a": {"bufferView": "v", "byteOffset": 0, "byteStride": 12, "componentType": 5126, "count": 3, "type": "VEC3"},
+"i": {"bufferView": "w", "byteOffset": 0, "byteStride": 0, "componentType": 5123, "count": 3, "type": "SCALAR"}}}
+END
+run mesh2nff old.gltf
+like 'glTF 1: the camera is left out' "$status:$err" '^0:mesh2nff: old.gltf: cameras .*: 1, left out$'
+is 'and the view fits' "$(after angle)" 40
+
 # Only names tie cameras and lights to nodes in libassimp.
 gltf '{"children": [1, 2]}, {"name": "Cam", "camera": 0, "translation": [0, 0, 9]}, {"name": "Cam", "mesh": 0}' "$paint, $lens" >names.gltf
 run mesh2nff names.gltf
@@ -239,7 +260,7 @@ collada() {
 collada '<yfov>40</yfov>' >y.dae
 run mesh2nff y.dae
 is "a Collada camera's yfov alone is lost, and a view fitted" "$(after angle):$err" \
-	'40:mesh2nff: y.dae: cameras that are orthographic or define no view: 1, left out'
+	'40:mesh2nff: y.dae: cameras that are orthographic, of glTF 1, or define no view: 1, left out'
 collada '<yfov>40</yfov><aspect_ratio>1.5</aspect_ratio>' >ya.dae
 run mesh2nff ya.dae
 is 'its yfov and aspect ratio are taken' "$(printf '%.3f' "$(after angle)"):$(after resolution):$(after from):$err" '40.000:768 512:0 0 9:'
@@ -361,6 +382,10 @@ refused missing.obj 'missing.obj: No such file or directory$'
 refused . '[.]: Is a directory$'
 printf '%s\n' OFF '3 2 0' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' '3 0 1 9' >corner.off
 refused corner.off 'corner[.]off: a face has a corner that is not there, expected all corners$'
+printf '%s\n' OFF '3 9 0' '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' >cut.off
+refused cut.off 'cut[.]off: ends too early, expected a whole file$'
+printf '%s\n' 'solid a' 'facet normal 0 0 1' 'outer loop' 'vertex 0 0 0' 'vertex 1 0 0' 'vertex 0 1 0' endloop endfacet >cut.stl
+refused cut.stl 'cut[.]stl: ends too early, expected a whole file$'
 echo words >words.txt
 refused words.txt 'words.txt: libassimp: .*, expected a mesh in one of its formats$'
 head -c 300 a.glb >torn.glb

@@ -163,6 +163,8 @@ run povworker -i +SF2 +KFF3 my/scene.pov
 like 'a share of the frames is refused' "$status $err" '^2 povworker: [+]SF2: expected [+]KFI and [+]KFF'
 is 'numbers of frames are decimal' "$(povworker -i +KFI008 +KFF010 my/scene.pov | sed -n 's/^frame //p' | tr '\n' ' ')" \
 	'640 480 8 640 480 9 640 480 10 '
+run povworker -i -s 8x8 +KFF99999999 my/scene.pov
+like 'too many frames are refused' "$status $err" '^2 povworker: .*expected at most 1048576 frames'
 run povworker -i Frame_Step=2 +KFF3 my/scene.pov
 like 'steps of frames are refused' "$status $err" '^2 povworker: Frame_Step=2: expected [+]KFI and [+]KFF'
 run povworker -i +KFFx my/scene.pov

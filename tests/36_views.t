@@ -192,9 +192,12 @@ rtworker tetra.nff >large.log <<END
 frame 0 8000 8000
 task 0 0 0 0 1 1 1 1
 END
-(ulimit -v 400000 && fragstat -H large.log >large.html)
+prlimit --as=409600000 fragstat -H large.log >large.html
 is 'a page of a picture that exceeds the memory: exit 0' $? 0
 like 'a page of a picture that exceeds the memory: it has the picture' "$(cat large.html)" 'data:image/png'
+run env TMPDIR="$tmp/none" fragstat -H large.log
+is 'a page of a picture that cannot be kept: status 3' "$status" 3
+like 'and a message says why' "$err" '^fragstat: .*/none: cannot keep the pixels, expected TMPDIR'
 # A host with two slots is lost: the marks are in its lanes, not in those of the first one.
 "$root/tests/seal" >lost.log <<'END'
 hello deal 0.1 selftest=0 slots=2

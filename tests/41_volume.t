@@ -289,6 +289,36 @@ peak() {
 peak 'a file' '0 19' 51200 big.vtk small.spec 8<<END
 $(partition 30x20)
 END
+# Rays within the plane y = 1.4, where one of the cells of the face has no values.
+cat >face.vtk <<'END'
+# vtk DataFile Version 3.0
+face
+ASCII
+DATASET RECTILINEAR_GRID
+DIMENSIONS 3 3 3
+X_COORDINATES 3 double
+0 1 2
+Y_COORDINATES 3 double
+.4 1.4 2.4
+Z_COORDINATES 3 double
+0 1 2
+POINT_DATA 27
+SCALARS s float 1
+LOOKUP_TABLE default
+1 1 1 1 1 1 nan nan nan
+1 1 1 1 1 1 nan nan nan
+1 1 1 1 1 1 nan nan nan
+END
+for from in '9 1.4 .7' '-9 1.4 .7'; do
+	printf '%s\n' "from $from" 'at 0 1.4 .7' 'up 0 0 1' 'angle 30' 'resolution 9 3' 'map 0 1 0 0 1' 'map 2 1 0 0 1' >face.spec
+	{ cat face.spec; echo 'clip -9 -9 -9 9 9 9'; } >wide.spec
+	partition 9x3 | vcworker -m gauss:9 face.vtk face.spec | gather -o exact.pfm
+	for of in face wide; do
+		partition 9x3 | vcworker face.vtk $of.spec | gather -o in.pfm
+		ok "rays in a face from $from, $of: in the same cells by every method" imgcmp -t 1e-5 in.pfm exact.pfm
+	done
+done
+
 mkfifo stream
 { pack grid big.vtk; pack spec small.spec; partition 30x20; } >stream &
 peak 'a record' '0 19' 51200 - - 8<stream

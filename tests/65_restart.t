@@ -97,6 +97,15 @@ ln -s log log.pfm
 run gather -r log -o log.pfm whole
 is 'the log by another name as the picture: exit 2' "$status" 2
 like 'the log by another name as the picture: a message says so' "$err" 'log.pfm: is also the log'
+cp log log0.pfm
+run gather -r log0.pfm -o log%d.pfm whole
+is 'the log by the name of the first picture: exit 2, and the log stays' "$status:$(cmp log0.pfm log && echo same)" 2:same
+cp whole in.pfm
+run gather -o in.pfm in.pfm
+is 'an input as the picture: exit 2, and the input stays' "$status:$(cmp in.pfm whole && echo same)" 2:same
+cp whole in.partial.pfm
+run gather -w 1 -o in.pfm in.partial.pfm
+is 'an input as the preview: exit 2, and the input stays' "$status:$(cmp in.partial.pfm whole && echo same)" 2:same
 run balance masterslave -r log -o log -s $size gears.nff
 is 'balance -r log -o log: exit 2' "$status" 2
 run balance masterslave -r gears.nff -o out.pfm gears.nff

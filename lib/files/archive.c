@@ -52,6 +52,9 @@ static bool put_file(struct archive *a, const char *path, const char *name, char
     struct stat st;
     if (stat(path, &st) != 0) return err_set(err, "%s: %s", path, strerror(errno));
     if (!S_ISREG(st.st_mode)) return err_set(err, "%s: is no regular file, expected files", path);
+    if (st.st_size > INT_MAX) /* libarchive takes no more at once */
+        return err_set(
+            err, "%s: %lld bytes, expected at most %d", path, (long long)st.st_size, INT_MAX);
     if (!load_file(path, &bytes, err)) return false;
     struct archive_entry *e = archive_entry_new();
     archive_entry_set_pathname(e, name);

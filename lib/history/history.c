@@ -233,9 +233,9 @@ static void note_cost(struct history *l, const struct record *r)
 {
     const struct history_frame *f = r->kind == REC_FRAG ? find_frame(l, r->task.frame) : NULL;
     int64_t us = 0;
-    if (r->kind == REC_DONE && !rec_int(r, "recv_us", 0, INT64_MAX, &us))
-        us = l->lone_us += l->dones[l->n_dones - 1].wall_us;
-    wire_eta(l->eta, r, f ? f->h : 0, (double)us * 1e-6);
+    bool lone = r->kind == REC_DONE && !rec_int(r, "recv_us", 0, INT64_MAX, &us);
+    if (lone) l->lone_us += (double)l->dones[l->n_dones - 1].wall_us;
+    wire_eta(l->eta, r, f ? f->h : 0, (lone ? l->lone_us : (double)us) * 1e-6);
 }
 
 static void take_record(struct history *l, const struct record *r)

@@ -109,7 +109,7 @@ struct history {
     size_t *sorted;          /* indices of frags by place; built when first needed */
     struct task_table tasks; /* those done, with history.c's payload */
     bool running;            /* the last run goes on */
-    int64_t lone_us;         /* wall time of the last run, without a fan */
+    double lone_us;          /* wall time of the last run, without a fan */
 };
 
 /*

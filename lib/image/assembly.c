@@ -109,20 +109,30 @@ static enum assembly_verdict failed(struct assembly *a)
     return ASSEMBLY_FAILED;
 }
 
+static void forget_recent(struct assembly *a)
+{
+    if (a->recent) close_frame(a, a->recent);
+    a->recent = NULL;
+}
+
+static bool new_store(struct assembly *a, struct assembly_frame *f)
+{
+    const char *dir = in_file(a, f) ? a->spill.dir : NULL;
+    f->pixels = store_new(f->have.w, f->have.h, dir, a->spill.pages);
+    return f->pixels != NULL;
+}
+
 /* Allocates f at its first fragment. */
 static enum assembly_verdict open_frame(struct assembly *a, struct assembly_frame *f)
 {
     if (f->have.bits) return ASSEMBLY_TAKEN;
     uint64_t bytes = frame_bytes(a, f);
-    if (bytes > a->room_bytes && a->recent) {
-        close_frame(a, a->recent);
-        a->recent = NULL;
-    }
+    if (bytes > a->room_bytes) forget_recent(a);
     if (bytes > a->room_bytes) return ASSEMBLY_NO_ROOM;
-    if (a->keep_pixels)
-        f->pixels =
-            store_new(f->have.w, f->have.h, in_file(a, f) ? a->spill.dir : NULL, a->spill.pages);
-    if (a->keep_pixels && !f->pixels) return failed(a);
+    if (a->keep_pixels && !new_store(a, f)) {
+        forget_recent(a); /* it may have filled the disk */
+        if (!new_store(a, f)) return failed(a);
+    }
     a->room_bytes -= bytes;
     coverage_init(&f->have, f->have.w, f->have.h);
     return ASSEMBLY_TAKEN;

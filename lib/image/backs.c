@@ -20,6 +20,15 @@ static bool is_opaque(const struct image *im)
     return true;
 }
 
+static void put_under(float *top, const float *back, size_t n)
+{
+    for (; n > 0; n--, top += 4, back += 4) {
+        float clear = 1 - top[3];
+        if (clear <= 0) continue;
+        for (int c = 0; c < 4; c++) top[c] += clear * back[c];
+    }
+}
+
 void image_backs_add(struct image_backs *b, const char *name, bool numbered)
 {
     char err[IMAGE_ERR];
@@ -29,6 +38,17 @@ void image_backs_add(struct image_backs *b, const char *name, bool numbered)
     if (numbered) return;
     if (image_read(name, &k->im, err) != 0) die(ST_USAGE, "%s: %s", name, err);
     k->opaque = is_opaque(&k->im);
+}
+
+void image_backs_blend(struct image_backs *b, struct image *over)
+{
+    while (b->n) {
+        struct image *im = &b->back[0].im;
+        if (im->w != over->w || im->h != over->h) return;
+        put_under(over->rgba, im->rgba, (size_t)im->w * im->h);
+        image_free(im);
+        memmove(b->back, b->back + 1, (size_t)--b->n * sizeof *b->back);
+    }
 }
 
 void image_opt_back(int opt, const char *name, struct image_backs *b)
@@ -66,15 +86,6 @@ static void load(struct image_back *k, uint32_t frame)
     buf_free(&k->bytes);
     k->bytes = bytes;
     free(name);
-}
-
-static void put_under(float *top, const float *back, uint32_t n)
-{
-    for (; n > 0; n--, top += 4, back += 4) {
-        float clear = 1 - top[3];
-        if (clear <= 0) continue;
-        for (int c = 0; c < 4; c++) top[c] += clear * back[c];
-    }
 }
 
 static const float *row(const struct image_rows *rows, uint32_t y)

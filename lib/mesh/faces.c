@@ -75,11 +75,11 @@ static void count(struct mesh_loss *loss, enum mesh_loss_kind kind)
 static bool make(const struct mesh_part *p, const struct aiFace *f, struct mesh_loss *loss,
     struct scratch *s, struct mesh_face *out)
 {
-    if (f->mNumIndices < 3) {
+    if (f->mNumIndices == 1 || f->mNumIndices == 2) {
         count(loss, f->mNumIndices == 2 ? LOSS_LINES : LOSS_POINTS);
         return false;
     }
-    if (!corners(p, f, s)) {
+    if (f->mNumIndices == 0 || !corners(p, f, s)) {
         count(loss, LOSS_BAD_FACES);
         return false;
     }

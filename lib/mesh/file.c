@@ -158,6 +158,8 @@ static void note(const char *said, char *user)
     struct mesh *m = (void *)user;
     if (strstr(said, "Unable to locate material file")) m->lost_libraries++;
     if (strstr(said, "index is out of range")) m->lost_vertex = true;
+    if (strstr(said, "in the header is incorrect")) m->lost_end = true; /* OFF */
+    if (strstr(said, "unexpected EOF")) m->lost_end = true;             /* STL in text */
 }
 
 static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
@@ -166,6 +168,7 @@ static bool import_noted(const char *path, struct mesh *m, char err[ERR_BYTES])
     aiAttachLogStream(&log);
     bool ok = import(path, m, err);
     aiDetachLogStream(&log);
+    if (ok && m->lost_end) return err_set(err, "ends too early, expected a whole file");
     if (ok && m->lost_vertex)
         return err_set(err, "a face has a corner that is not there, expected all corners");
     return ok;

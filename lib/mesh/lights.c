@@ -70,7 +70,8 @@ static void add_two(struct mesh *m)
     struct vec3 back = v3_unit(v3_sub(v->from, v->at));
     struct vec3 right = v3_unit(v3_cross(v->up, back)), up = v3_cross(back, right);
     struct vec3 d = v3_unit(v3_mad(v3_mad(back, right, KEY_RIGHT), up, KEY_ABOVE));
-    struct vec3 at = v3_mad(centre(m), d, KEY_FAR * diagonal(m));
+    double far = fmax(KEY_FAR * diagonal(m), 2 * v3_len(v3_sub(v->from, centre(m))));
+    struct vec3 at = v3_mad(centre(m), d, far);
     m->lights[m->n_lights++] = (struct light){at, .8, .8, .8, true};
     m->lights[m->n_lights++] = (struct light){v->from, .3, .3, .3, true};
 }

@@ -15,7 +15,8 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_POINTS] = {"points", "left out", 0},
     [LOSS_LINES] = {"lines", "left out", 0},
     [LOSS_CAMERAS] = {"cameras beyond the first", "left out", 0},
-    [LOSS_BAD_CAMERAS] = {"cameras that are orthographic or define no view", "left out", 0},
+    [LOSS_BAD_CAMERAS] = {"cameras that are orthographic, of glTF 1, or define no view", "left out",
+        0},
     [LOSS_PLACES] = {"cameras or lights whose node's name is not unique",
         "taken to be at the first one", 0},
     [LOSS_SPOTS] = {"spot lights", "written as point lights", 0},
@@ -30,17 +31,20 @@ static const struct mesh_loss names[LOSSES + 1] = {
     [LOSS_BAD_NORMALS] = {"faces with normals that are no direction", "written without them", 0},
 };
 
-bool mesh_is_gltf(const struct mesh *m)
+/* True if the name of libassimp's reader begins with this. */
+static bool is_read_by(const struct mesh *m, const char *name)
 {
     const struct aiMetadata *data = m->scene->mMetaData;
     for (unsigned i = 0; data && i < data->mNumProperties; i++) {
         if (strcmp(data->mKeys[i].data, "SourceAsset_Format") != 0) continue;
         const struct aiMetadataEntry *e = &data->mValues[i];
         return e->mType == AI_AISTRING &&
-               strncmp(((const struct aiString *)e->mData)->data, "glTF2", 5) == 0;
+               strncmp(((const struct aiString *)e->mData)->data, name, strlen(name)) == 0;
     }
     return false;
 }
+bool mesh_is_gltf(const struct mesh *m) { return is_read_by(m, "glTF2"); }
+bool mesh_is_gltf1(const struct mesh *m) { return is_read_by(m, "glTF "); }
 
 void mesh_losses_find(struct mesh *m)
 {

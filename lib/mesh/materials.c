@@ -70,7 +70,8 @@ static struct material translate(const struct aiMaterial *m)
     out.ks = 0;
     if (colour(m, "$clr.specular", &c) && out.shine > 0)
         out.ks = within((c.x + c.y + c.z) / 3 * real(m, "$mat.shinpercent", 1), 0, COLOUR_MAX);
-    out.ior = within(real(m, "$mat.refracti", 1), IOR_MIN, IOR_MAX);
+    out.ior = within(real(m, "$mat.refracti", 1), 0, IOR_MAX);
+    if (out.ior < IOR_MIN) out.ior = 1; /* 0 stands for a material that bends no light */
     return out;
 }
 

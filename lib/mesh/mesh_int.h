@@ -96,6 +96,7 @@ struct mesh {
     /* What only libassimp's log says: */
     unsigned lost_libraries; /* files of materials that are not there */
     bool lost_vertex;        /* a face names a vertex that is not there */
+    bool lost_end;           /* the file ends too early */
 };
 
 /* Fills parts and frames from the tree of nodes. False with err if there are too many faces. */
@@ -122,5 +123,7 @@ void mesh_lights_find(struct mesh *m);
 void mesh_losses_find(struct mesh *m);
 /* True if the file is glTF 2, whose lights have physical units. */
 bool mesh_is_gltf(const struct mesh *m);
+/* glTF 1, whose cameras libassimp turns backwards. */
+bool mesh_is_gltf1(const struct mesh *m);
 
 #endif

@@ -52,7 +52,7 @@ static bool take_camera(struct mesh *m, unsigned i)
     const struct aiCamera *c = m->scene->mCameras[i];
     const struct mesh_frame *f = &m->camera_places[i].frame;
     struct view *v = &m->view;
-    if (is_angle_unread(c)) return false;
+    if (is_angle_unread(c) || mesh_is_gltf1(m)) return false;
     /* A camera of glTF is placed by its node alone; before 5.3 it had the node's place as well. */
     struct vec3 position = mesh_is_gltf(m) ? v3(0, 0, 0) : mesh_vec(c->mPosition);
     struct vec3 forward = mesh_frame_vector(f, mesh_vec(c->mLookAt));

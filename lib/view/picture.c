@@ -57,6 +57,9 @@ void view_picture(const char *path, struct buf *png)
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 || log_read(&in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
     close(fd);
+    errno = in.parts.error;
+    if (errno)
+        die(ST_SYSTEM, "%s: cannot keep the pixels, expected TMPDIR to name a directory:", dir);
     const struct assembly_frame *f = in.parts.n_frames ? in.parts.frames[0] : NULL;
     if (f && f->pixels) {
         const struct image_rows rows = assembly_rows(f);

@@ -13,14 +13,15 @@
 static double now_of(const struct view_log *v)
 {
     const struct history *l = &v->log;
-    int64_t us = 0, lone_us = 0;
+    int64_t us = 0;
+    double lone_us = 0;
     for (size_t i = l->n_dones; i-- > 0 && l->dones[i].run + 1 == (int32_t)l->n_runs;) {
         if (l->dones[i].recv_us > us) us = l->dones[i].recv_us;
-        lone_us += l->dones[i].wall_us;
+        lone_us += (double)l->dones[i].wall_us;
     }
     for (size_t i = l->n_events; i-- > 0 && l->events[i].run + 1 == (int32_t)l->n_runs;)
         if (l->events[i].recv_us > us) us = l->events[i].recv_us;
-    double now_s = (double)(us ? us : lone_us) * 1e-6;
+    double now_s = (us ? (double)us : lone_us) * 1e-6;
     return l->ended ? now_s : now_s + (double)(now_us() - v->heard_us) * 1e-6;
 }
 

@@ -119,8 +119,8 @@ SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int
     return lo;
 }
 
-/* The same on an even grid, for a ray that begins at plane `at`. By rounding it may be a neighbour,
- * in which the ray has no length that matters. */
+/* The same on an even grid, for a ray that begins at plane `at`, but by rounding it may be a
+ * neighbour. A ray in a face would be in the wrong cell, so this is only the guess. */
 SIMD_INLINE vl even_cell(const struct aim *m, const struct volume *v, int a, vd at)
 {
     const vl last = (vl){0} + (int64_t)(v->cells[a] - 1);
@@ -166,9 +166,10 @@ SIMD_INLINE struct start start_even(
 {
     const double *plane = v->plane[a], edge = (plane[v->cells[a]] - plane[0]) / v->cells[a];
     const vd at = (m->at[a] - plane[0]) / edge, zero = vd_set(0);
+    if (!v->narrowed) vl_store(s->guess[a], even_cell(m, v, a, at));
+    const vl cell = find_cell(m, v, a, s->guess[a]);
     if (fast) stop_slow(m, v, a, edge);
     const vl moves = m->up[a] | m->down[a];
-    const vl cell = v->narrowed ? find_cell(m, v, a, s->guess[a]) : even_cell(m, v, a, at);
     struct start r = {.cell = cell, .step = m->down[a] - m->up[a], .plane = cell - m->up[a]};
     r.start = vd_choose(moves, at, vd_set(fast ? -FAST_FAR : -FAR));
     r.inv = vd_choose(moves, m->inv[a] * edge, vd_set(1));

@@ -94,7 +94,9 @@ static void print_taken(const struct worker_states *s, char text[WORKER_ERR])
         if (!s->filed[k])
             n += (size_t)snprintf(
                 text + n, WORKER_ERR - n, "%s`%s`", n ? " or " : "", rec_name(s->r->part[k].kind));
-    if (!n) snprintf(text, WORKER_ERR, "no state records, because all state is in files");
+    if (!n)
+        snprintf(text, WORKER_ERR, "no state records, because %s",
+            s->r->n_parts ? "all state is in files" : "the renderer has no state");
 }
 
 static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body,

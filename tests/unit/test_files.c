@@ -176,6 +176,8 @@ static void refuses_to_unpack(void **state)
     hostile("a/..", '0', "", 1, "x", "below its directory");
     hostile("./x", '0', "", 1, "x", "below its directory");
     hostile("a//x", '0', "", 1, "x", "below its directory");
+    hostile("escape\033[2J", '0', "", 1, "x", "no control characters");
+    hostile("line\n", '0', "", 1, "x", "no control characters");
     hostile("link", '2', "/etc/passwd", 0, "", "no regular file");
     hostile("link", '1', "good", 0, "", "no regular file");
     hostile("device", '3', "", 0, "", "no regular file");
