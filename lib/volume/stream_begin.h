@@ -119,15 +119,19 @@ SIMD_INLINE vl find_cell(const struct aim *m, const struct volume *v, int a, int
     return lo;
 }
 
-/* The same on an even grid, for a ray that begins at plane `at`, but by rounding it may be a
- * neighbour. A ray in a face would be in the wrong cell, so this is only the guess. */
-SIMD_INLINE vl even_cell(const struct aim *m, const struct volume *v, int a, vd at)
+/* The same on an even grid, for a ray that begins at plane `at`. Near an inner plane rounding may
+ * choose the neighbour, in which a ray within the face would stay: then the cell is looked up. */
+#define NEAR_PLANE 0x1p-20
+SIMD_INLINE vl even_cell(const struct aim *m, const struct volume *v, int a, vd at, int64_t *guess)
 {
     const vl last = (vl){0} + (int64_t)(v->cells[a] - 1);
     vl cell = __builtin_convertvector(at, vl);
-    cell += m->down[a] & (vl)(at <= __builtin_convertvector(cell, vd));
-    cell = vl_choose(cell > last, last, cell);
-    return vl_choose(cell < 0, (vl){0}, cell);
+    cell = vl_choose(cell > last, last, vl_choose(cell < 0, (vl){0}, cell));
+    vd into = at - __builtin_convertvector(cell, vd);
+    const vl below = (vl)(into < vd_set(NEAR_PLANE)), above = (vl)(into > vd_set(1 - NEAR_PLANE));
+    if (!vl_signs((below & (cell > 0)) | (above & (cell < last)))) return cell;
+    vl_store(guess, cell);
+    return find_cell(m, v, a, guess);
 }
 
 static struct start start_uneven(
@@ -166,8 +170,8 @@ SIMD_INLINE struct start start_even(
 {
     const double *plane = v->plane[a], edge = (plane[v->cells[a]] - plane[0]) / v->cells[a];
     const vd at = (m->at[a] - plane[0]) / edge, zero = vd_set(0);
-    if (!v->narrowed) vl_store(s->guess[a], even_cell(m, v, a, at));
-    const vl cell = find_cell(m, v, a, s->guess[a]);
+    const vl cell =
+        v->narrowed ? find_cell(m, v, a, s->guess[a]) : even_cell(m, v, a, at, s->guess[a]);
     if (fast) stop_slow(m, v, a, edge);
     const vl moves = m->up[a] | m->down[a];
     struct start r = {.cell = cell, .step = m->down[a] - m->up[a], .plane = cell - m->up[a]};
