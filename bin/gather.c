@@ -97,19 +97,23 @@ static void check_not_log(const struct gather *g, const struct stat *st, const c
 }
 
 /* Refuses to replace the log or an input by a picture, or by its preview. */
-static void check_written(const struct gather *g, const char *name)
+static void check_written(struct gather *g, const char *name)
 {
+    char input_0[] = "/dev/stdin", *piped[] = {input_0, NULL};
     struct stat st, input;
-    if (!name || stat(name, &st) != 0) return;
+    if (!name || stat(name, &st) != 0 || !S_ISREG(st.st_mode)) return;
+    if (log_keep_is(&g->log, &st)) flush_log(g);
     check_not_log(g, &st, name);
-    for (char **from = g->o->inputs; *from; from++)
-        if (S_ISREG(st.st_mode) && stat(*from, &input) == 0 && input.st_dev == st.st_dev &&
-            input.st_ino == st.st_ino)
-            die(ST_USAGE, "%s: is also an input, expected another file", name);
+    for (char **from = *g->o->inputs ? g->o->inputs : piped; *from; from++) {
+        if (stat(*from, &input) != 0) continue;
+        if (input.st_dev != st.st_dev || input.st_ino != st.st_ino) continue;
+        flush_log(g);
+        die(ST_USAGE, "%s: is also an input, expected another file", name);
+    }
 }
 
 /* The same for those of this frame. */
-static void check_outputs(const struct gather *g, uint32_t frame)
+static void check_outputs(struct gather *g, uint32_t frame)
 {
     const struct image_out *out = &g->o->out;
     if (!out->pattern) return;
@@ -203,6 +207,7 @@ static void take_frame(struct gather *g, const struct record *r)
     const struct image_out *out = &g->o->out;
     char job[ASSEMBLY_NAME];
     bool announced = rec_str(r, "job", job, sizeof job);
+    const uint32_t known = g->in.parts.n_frames;
     if (announced) confirm(g, r);
     enum assembly_verdict verdict = intake_frame(&g->in, r);
     if (g->in.parts.n_frames > 1 && !g->o->missing && out->naming != IMAGE_NAME_NUMBERED) {
@@ -211,7 +216,7 @@ static void take_frame(struct gather *g, const struct record *r)
             r->task.frame, out->pattern ? out->pattern : "standard output");
     }
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
-    if (announced && !g->o->missing) check_outputs(g, r->task.frame);
+    if (g->in.parts.n_frames > known && !g->o->missing) check_outputs(g, r->task.frame);
 }
 
 static void take_record(void *ctx, const struct record *r)

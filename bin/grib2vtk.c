@@ -182,7 +182,9 @@ static void describe(const void *ctx, size_t time, const char *z, struct buf *ti
         buf_printf(title, "x grid_longitude [degrees]; y grid_latitude [degrees]; ");
     else buf_printf(title, "x longitude [degrees_east]; y latitude [degrees_north]; ");
     if (z) buf_printf(title, "z %s", z);
-    else buf_printf(title, "z %s%s [%s]", gb_counts_down(e) ? "-" : "", e->levels, m->units);
+    else
+        buf_printf(
+            title, "z %s%s [%s]", gb_counts_down(s->part[0].at) ? "-" : "", e->levels, m->units);
     buf_printf(title, "; t validity %012lld [YYYYMMDDhhmm]", (long long)e->when);
 }
 

@@ -14,7 +14,7 @@ temporary=$(directory) || exit
 # then these lines count.
 case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
 {
-	# A signal to all processes does not reach gather then: this script ends it, when the log is removed.
+	# A signal to the process group does not reach gather then: this script ends it, when the log is removed.
 	exec ${alone:+setsid} gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END
 $frames
 END

@@ -39,7 +39,8 @@ directory() {
 	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
-# replace FILE: puts standard input there when all of it has come. A link stays, and the file that it leads to is replaced.
+# replace FILE: puts standard input there when all of it has come; into a device or a pipe at once. A link stays, and the file
+# that it leads to is replaced.
 replace() {
 	[ ! -e "$1" ] || [ -f "$1" ] || [ -d "$1" ] || { cat >"$1"; return; } # a device or a pipe
 	to=$(readlink -f -- "$1") && [ ! -d "$to" ] && part=$(mktemp -- "$to.XXXXXX" 2>/dev/null) || return

@@ -58,6 +58,13 @@ make_grib plain "$one $two set level=1000; set missingValue=9999; set bitmapPres
 is 'values go up from the bottom and from the south; a bit map marks missing ones' "$(got plain.grib2 t)" '24 25 26 21 nan 23 14 15 16 11 12 13 4 5 6 1 2 3'
 make_grib native 'set typeOfLevel="hybrid"; set level=1; set values={1,2,3,4,5,6}; write; set level=2; set values={11,12,13,14,15,16}; write;'
 is 'hybrid levels without coefficients count upwards, as those of NCEP' "$(got native.grib2 t):$(on_line coordinates Z a.vtk)" '4 5 6 1 2 3 14 15 16 11 12 13:1 2'
+make_grib mixed 'set typeOfLevel="hybrid"; set PVPresent=1; set pv={0.0, 20000.0, 0.0, 0.0, 0.0, 1.0}; set level=1; set values={1,2,3,4,5,6}; write;
+	set level=2; set values={11,12,13,14,15,16}; write; set PVPresent=0; set dataDate=20300101; set level=1; set values={1,2,3,4,5,6}; write;
+	set level=2; set values={11,12,13,14,15,16}; write;'
+for time in 0 1; do
+	is "a file whose first time has coefficients, time $time: levels count downwards" \
+		"$(got -t $time mixed.grib2 t):$(on_line coordinates Z a.vtk)" '14 15 16 11 12 13 4 5 6 1 2 3:-2 -1'
+done
 make_grib thin "$one set typeOfFirstFixedSurface=100; set scaleFactorOfFirstFixedSurface=0; set scaledValueOfFirstFixedSurface=40; set values={31,32,33,34,35,36}; write;"
 is 'levels below 1 hPa are among the others' "$(got thin.grib2 t):$(on_line coordinates Z a.vtk)" '4 5 6 1 2 3 34 35 36 31 32 33:-500 -0.4'
 is 'longitudes continue beyond 360' "$(on_line coordinates X a.vtk)" '350 360 370'

@@ -103,6 +103,8 @@ is 'the log by the name of the first picture: exit 2, and the log stays' "$statu
 cp whole in.pfm
 run gather -o in.pfm in.pfm
 is 'an input as the picture: exit 2, and the input stays' "$status:$(cmp in.pfm whole && echo same)" 2:same
+run gather -o in.pfm <in.pfm
+is 'standard input as the picture: exit 2, and it stays' "$status:$(cmp in.pfm whole && echo same)" 2:same
 cp whole in.partial.pfm
 run gather -w 1 -o in.pfm in.partial.pfm
 is 'an input as the preview: exit 2, and the input stays' "$status:$(cmp in.partial.pfm whole && echo same)" 2:same

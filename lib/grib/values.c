@@ -155,7 +155,7 @@ bool gb_values(const char *path, const struct gb_stack *s, size_t time, struct g
     bool combine, char err[ERR_BYTES])
 {
     const struct gb_entry *level = s->at + time * s->n_levels;
-    const bool down = gb_counts_down(level);
+    const bool down = gb_counts_down(s->at); /* as gb_axes has it, for all times */
     struct gb_file in;
     size_t taken = 0;
     if (!gb_open(path, &in, err)) return false;

@@ -36,17 +36,19 @@ struct to_run {
     bool forks; /* the result is the exit status; else, a return is a failure with errno */
 };
 
-/* Closes all descriptors above standard error. Linux before 5.9 has no close_range. */
-static void close_others(void)
+/* Closes all descriptors above standard error. False, with errno, if they are not known: Linux
+ * before 5.9 has no close_range. */
+static bool close_others(void)
 {
     int64_t fd;
-    if (close_range(STDERR_FILENO + 1, ~0U, 0) == 0) return;
+    if (close_range(STDERR_FILENO + 1, ~0U, 0) == 0) return true;
     DIR *open_now = opendir("/proc/self/fd");
-    if (!open_now) return;
+    if (!open_now) return false;
     for (struct dirent *e; (e = readdir(open_now)) != NULL;)
         if (parse_int(e->d_name, STDERR_FILENO + 1, INT_MAX, &fd) && fd != dirfd(open_now))
             close((int)fd);
     closedir(open_now);
+    return true;
 }
 
 static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_run *run)
@@ -60,9 +62,8 @@ static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_r
     /* Without exec, the child would keep the pipes of others open, which would never end. */
     if (dup2(p[TO][0], STDIN_FILENO) >= 0 && dup2(p[FROM][1], STDOUT_FILENO) >= 0 &&
         (p[ERR][1] < 0 || dup2(p[ERR][1], STDERR_FILENO) >= 0)) {
-        if (run->forks) close_others();
-        int result = run->function(run->ctx);
-        if (run->forks) _exit(result);
+        if (!run->forks) run->function(run->ctx);
+        else if (close_others()) _exit(run->function(run->ctx));
     }
     int err = errno;
     (void)!write(p[REPORT][1], &err, sizeof err);

@@ -56,7 +56,6 @@ static int by_host(const void *a, const void *b, void *slots)
     return order ? order : (i > j) - (i < j);
 }
 
-/* A process for each host, from 1 on; a thread for each slot, by its line in the table. */
 /* A slot without tasks of its own has a line of its own, after the others. */
 static uint32_t tid_of(const struct trace *t, int32_t k)
 {
@@ -64,6 +63,7 @@ static uint32_t tid_of(const struct trace *t, int32_t k)
     return line == ACCOUNT_OUTER ? (uint32_t)t->a->n_slots + (uint32_t)k + 1 : line + 1;
 }
 
+/* A process for each host, from 1 on; a thread for each slot, by its line in the table. */
 static void put_names(struct trace *t)
 {
     const struct history *l = t->a->log;
