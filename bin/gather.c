@@ -79,34 +79,40 @@ static void complain(struct gather *g, const char *name)
     g->status = ST_SYSTEM;
 }
 
+/* What a signal that ends this process prints about the log. */
+static void say_last(const struct gather *g, const char *what)
+{
+    static char words[4352];
+    snprintf(words, sizeof words, "%sgather: interrupted; %s %s\n", g->o->progress ? "\n" : "",
+        g->o->log, what);
+    signals_say(words, g->o->log);
+}
+
 /* Writes the records read so far to the log, once it is known that they belong there. */
 static void flush_log(struct gather *g)
 {
-    static char last_words[4352];
     if (log_keep_flush(&g->log) == 0) return;
     complain(g, g->o->log);
-    snprintf(last_words, sizeof last_words, "%sgather: interrupted; %s lacks pixels\n",
-        g->o->progress ? "\n" : "", g->o->log);
-    signals_say(last_words, g->o->log);
+    say_last(g, "lacks pixels");
 }
 
 /* Reading a file that is being appended to would never end. A picture would replace its own log. */
-static void check_not_log(const struct gather *g, const struct stat *st, const char *name)
+static void check_not_log(struct gather *g, const struct stat *st, const char *name)
 {
-    if (log_keep_is(&g->log, st)) die(ST_USAGE, "%s: is also the log, expected another file", name);
+    if (!log_keep_is(&g->log, st)) return;
+    flush_log(g);
+    die(ST_USAGE, "%s: is also the log, expected another file", name);
 }
 
 /* Refuses to replace the log or an input by a picture, or by its preview. */
 static void check_written(struct gather *g, const char *name)
 {
     char input_0[] = "/dev/stdin", *piped[] = {input_0, NULL};
-    struct stat st, input;
+    struct stat st;
     if (!name || stat(name, &st) != 0 || !S_ISREG(st.st_mode)) return;
-    if (log_keep_is(&g->log, &st)) flush_log(g);
     check_not_log(g, &st, name);
     for (char **from = *g->o->inputs ? g->o->inputs : piped; *from; from++) {
-        if (stat(*from, &input) != 0) continue;
-        if (input.st_dev != st.st_dev || input.st_ino != st.st_ino) continue;
+        if (!outfile_is(name, *from)) continue;
         flush_log(g);
         die(ST_USAGE, "%s: is also an input, expected another file", name);
     }
@@ -127,7 +133,6 @@ static void check_outputs(struct gather *g, uint32_t frame)
 
 static void open_log(struct gather *g)
 {
-    static char last_words[4352];
     const struct options *o = g->o;
     if (log_keep_open(&g->log, o->log) != 0) {
         if (errno == EWOULDBLOCK) die(ST_USAGE, "%s: is in use by another run", o->log);
@@ -136,10 +141,7 @@ static void open_log(struct gather *g)
     check_outputs(g, 0);
     if (!o->log) return;
     /* Only records since the last read are missing from the log, as after kill -9. */
-    snprintf(last_words, sizeof last_words,
-        "%sgather: interrupted; %s has the pixels so far: rerun the command to resume\n",
-        o->progress ? "\n" : "", o->log);
-    signals_say(last_words, o->log);
+    say_last(g, "has the pixels so far: rerun the command to resume");
 }
 
 /* The reader of stdout is gone: keeps the records read so far, and ends. */

@@ -38,7 +38,11 @@ for order in sample shuffle shuffle:7 cost:coarse.frags; do
 done
 
 is 'sample: one task of eight first, evenly spread' "$(partition -o sample 4x40 | awk '/^task/ { printf "%s ", $3 }' | cut -c 1-34)" '4 12 20 28 36 0 1 2 3 5 6 7 8 9 10'
-is 'sample: at most 32 tasks' "$(partition -o sample 4x10000 | awk '/^task/ && $3 < last { exit } /^task/ { last = $3; n++ } END { print n, last }')" '32 9843'
+# Prints the number of tasks in each pass from top to bottom.
+passes() { partition -o sample "$1" | awk '/^task/ { if ($3 < last) { print n; n = 0 } last = $3; n++ } END { print n }' | tr '\n' ' '; }
+is 'sample: three passes' "$(passes 4x10000)" '32 64 128 9776 '
+is 'sample: at most a quarter in all' "$(passes 4x384) $(passes 4x380)" '32 64 288  32 348 '
+is 'sample: evenly spread' "$(partition -o sample 4x10240 | awk '/^task/ && ++n <= 224 { print $3 % 40, $3 % 320 != 0 }' | sort | uniq -c | sed 's/^ *//')" '224 0 1'
 is 'sample: a frame of few tasks' "$(partition -o sample 4x7 | awk '/^task/ { printf "%s ", $3 }')" '0 1 2 3 4 5 6 '
 ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1 8x50 | cksum)" != "$(partition -o shuffle:2 8x50 | cksum)" ]'
 # A log made by hand: row 1 of 2 costs more. Of 4 rows the lower two come first.

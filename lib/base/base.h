@@ -215,18 +215,23 @@ int64_t cpu_us(void); /* this process */
 #define ETA_MARKS 128
 struct eta {
     double cost_us[ETA_BANDS], px[ETA_BANDS];
+    bool known;           /* the forecast */
+    double us[ETA_BANDS]; /* the cost of a pixel that it says */
+    double from_s;        /* when it was made, after n_from tasks */
+    uint64_t n_from;
     struct eta_task {
-        bool used, done;
+        bool used, done, earlier;
         uint32_t frame, id;
         uint32_t first, last; /* bands */
         double cost_us, px;   /* not yet in the bands */
     } tasks[ETA_TASKS];
     struct {
-        double t_s, work_us;
+        double t_s, work_us, cost_sum_us;
     } marks[ETA_MARKS]; /* points of the recent run */
     int n_marks;
     uint64_t n_done;
-    double step_s, last_s, work_us;
+    uint32_t lowest; /* band since the forecast */
+    double step_s, last_s, work_us, cost_sum_us;
 };
 /* The cost of a task came at time t_s; negative: in an earlier run. */
 void eta_done(struct eta *e, uint32_t frame, uint32_t id, double cost_us, double t_s);

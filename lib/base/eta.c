@@ -5,7 +5,13 @@
  * done says little about the share of the work. But costs depend on the place: the mean cost of a
  * pixel is kept for each band of rows; a band without any pixel gets a value between those of the
  * bands that have some. This is good when a few tasks from all over the picture come early
- * (partition(1), -o sample). The slots' speed is work per second, over a recent part of the run.
+ * (partition(1), -o sample).
+ *
+ * A row may take half as long again at one time as at another, because virtual machines share
+ * processors. So times that are measured early and late do not compare. After each pass over the
+ * picture the costs of the bands become the forecast. From then on the work of a task is what the
+ * forecast says, whatever time it took, and the slots' speed is such work per second, over a recent
+ * part of the run.
  */
 #include "base/base.h"
 
@@ -26,63 +32,6 @@ static struct eta_task *task_of(struct eta *e, uint32_t frame, uint32_t id)
     return t;
 }
 
-/* The cost of a task and the pixels that it brought so far go to their bands. */
-static void settle(struct eta *e, struct eta_task *t)
-{
-    if (!t->done || t->px <= 0) return;
-    double rows = t->last - t->first + 1;
-    for (int b = (int)t->first; b <= (int)t->last; b++) {
-        e->cost_us[b] += t->cost_us / rows;
-        e->px[b] += t->px / rows;
-    }
-    t->cost_us = t->px = 0;
-}
-
-void eta_pixels(struct eta *e, uint32_t frame, uint32_t id, double y0, double y1, double px)
-{
-    struct eta_task *t = task_of(e, frame, id);
-    uint32_t first = (uint32_t)fmin(fmax(y0, 0) * ETA_BANDS, ETA_BANDS - 1);
-    uint32_t last = (uint32_t)fmin(fmax(y1, 0) * ETA_BANDS, ETA_BANDS - 1);
-    if (t->px <= 0) t->first = first, t->last = last;
-    if (first < t->first) t->first = first;
-    if (last > t->last) t->last = last;
-    t->px += px;
-    settle(e, t);
-}
-
-/* Every second mark is dropped when all are used: they stay evenly spread over the run. */
-static void mark(struct eta *e, double t_s)
-{
-    if (e->n_marks && t_s < e->marks[e->n_marks - 1].t_s + e->step_s) return;
-    if (e->n_marks == ETA_MARKS) {
-        for (int i = 0; i < ETA_MARKS / 2; i++) e->marks[i] = e->marks[2 * i];
-        e->n_marks = ETA_MARKS / 2;
-        e->step_s = (t_s - e->marks[0].t_s) / (ETA_MARKS / 2);
-    }
-    e->marks[e->n_marks].t_s = t_s;
-    e->marks[e->n_marks++].work_us = e->work_us;
-}
-
-void eta_done(struct eta *e, uint32_t frame, uint32_t id, double cost_us, double t_s)
-{
-    struct eta_task *t = task_of(e, frame, id);
-    t->done = true;
-    t->cost_us += cost_us;
-    settle(e, t);
-    if (t_s < 0) return;
-    e->work_us += cost_us;
-    e->last_s = t_s;
-    e->n_done++;
-    mark(e, t_s);
-}
-
-void eta_begin(struct eta *e)
-{
-    e->n_marks = 0;
-    e->n_done = 0;
-    e->work_us = e->step_s = 0;
-}
-
 /* Mean cost of a pixel in each band. False if no cost is known. */
 static bool densities(const struct eta *e, double us[ETA_BANDS])
 {
@@ -100,11 +49,94 @@ static bool densities(const struct eta *e, double us[ETA_BANDS])
     return before >= 0;
 }
 
+/* Every second mark is dropped when all are used: they stay evenly spread over the run. */
+static void mark(struct eta *e, double t_s)
+{
+    if (e->n_marks && t_s < e->marks[e->n_marks - 1].t_s + e->step_s) return;
+    if (e->n_marks == ETA_MARKS) {
+        for (int i = 0; i < ETA_MARKS / 2; i++) e->marks[i] = e->marks[2 * i];
+        e->n_marks = ETA_MARKS / 2;
+        e->step_s = (t_s - e->marks[0].t_s) / (ETA_MARKS / 2);
+    }
+    e->marks[e->n_marks].t_s = t_s;
+    e->marks[e->n_marks].cost_sum_us = e->cost_sum_us;
+    e->marks[e->n_marks++].work_us = e->work_us;
+}
+
+/*
+ * The passes of a sample go down the picture. When tasks begin again in an upper part, the costs so
+ * far become the forecast. It says the same work for the tasks before it as their costs do.
+ */
+static void forecast(struct eta *e, uint32_t first)
+{
+    if (first + ETA_BANDS / 2 >= e->lowest) return;
+    e->lowest = 0;
+    e->known = densities(e, e->us);
+    e->from_s = e->last_s;
+    e->n_from = e->n_done;
+    e->work_us = e->cost_sum_us;
+    for (int i = 0; i < e->n_marks; i++) e->marks[i].work_us = e->marks[i].cost_sum_us;
+}
+
+/* The cost of a task and the pixels that it brought so far go to their bands. */
+static void settle(struct eta *e, struct eta_task *t)
+{
+    if (!t->done || t->px <= 0) return;
+    double rows = t->last - t->first + 1, work_us = 0;
+    forecast(e, t->first);
+    if (t->last > e->lowest) e->lowest = t->last;
+    for (int b = (int)t->first; b <= (int)t->last; b++) {
+        work_us += (e->known ? e->us[b] * t->px : t->cost_us) / rows;
+        e->cost_us[b] += t->cost_us / rows;
+        e->px[b] += t->px / rows;
+    }
+    if (!t->earlier) {
+        e->cost_sum_us += t->cost_us;
+        e->work_us += work_us;
+        mark(e, e->last_s);
+    }
+    t->cost_us = t->px = 0;
+}
+
+void eta_pixels(struct eta *e, uint32_t frame, uint32_t id, double y0, double y1, double px)
+{
+    struct eta_task *t = task_of(e, frame, id);
+    uint32_t first = (uint32_t)fmin(fmax(y0, 0) * ETA_BANDS, ETA_BANDS - 1);
+    uint32_t last = (uint32_t)fmin(fmax(y1, 0) * ETA_BANDS, ETA_BANDS - 1);
+    if (t->px <= 0) t->first = first, t->last = last;
+    if (first < t->first) t->first = first;
+    if (last > t->last) t->last = last;
+    t->px += px;
+    settle(e, t);
+}
+
+void eta_done(struct eta *e, uint32_t frame, uint32_t id, double cost_us, double t_s)
+{
+    struct eta_task *t = task_of(e, frame, id);
+    t->done = true;
+    t->earlier = t_s < 0;
+    t->cost_us += cost_us;
+    if (!t->earlier) {
+        e->last_s = t_s;
+        e->n_done++;
+    }
+    settle(e, t);
+}
+
+void eta_begin(struct eta *e)
+{
+    e->n_marks = 0;
+    e->n_done = e->n_from = 0;
+    e->work_us = e->cost_sum_us = e->step_s = 0;
+    e->from_s = -HUGE_VAL;
+}
+
 /* Work in microseconds that the missing pixels will cost. */
 static double work_left(const struct eta *e, double done, double total)
 {
-    double us[ETA_BANDS], work = 0, missing = 0;
-    if (!densities(e, us)) return -1;
+    double now[ETA_BANDS], work = 0, missing = 0;
+    const double *us = e->known ? e->us : now;
+    if (!e->known && !densities(e, now)) return -1;
     for (int b = 0; b < ETA_BANDS; b++) {
         double px = fmax(total / ETA_BANDS - e->px[b], 0);
         work += px * us[b];
@@ -113,13 +145,20 @@ static double work_left(const struct eta *e, double done, double total)
     return missing > 0 ? work * (total - done) / missing : 0;
 }
 
+/* Speed is measured from then on: since the forecast if as many tasks came after it as before. */
+static double since_s(const struct eta *e)
+{
+    double past_s = fmax(RECENT * (e->last_s - e->marks[0].t_s), RECENT_LEAST_S);
+    double from_s = e->last_s - past_s;
+    return e->known && e->n_done >= 2 * e->n_from ? fmax(from_s, e->from_s) : from_s;
+}
+
 double eta_left_s(const struct eta *e, double done, double total, double t_s)
 {
     if (done >= total) return 0;
     double work = work_left(e, done, total);
-    if (work < 0 || e->n_done < TASKS_LEAST) return -1;
-    double past_s = fmax(RECENT * (e->last_s - e->marks[0].t_s), RECENT_LEAST_S);
-    double from_s = e->last_s - past_s;
+    if (work < 0 || e->n_done < TASKS_LEAST || !e->n_marks) return -1;
+    double from_s = since_s(e);
     int i = 0;
     while (i + 1 < e->n_marks && e->marks[i + 1].t_s <= from_s) i++;
     double took_s = e->last_s - e->marks[i].t_s, did = e->work_us - e->marks[i].work_us;

@@ -4,8 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAMPLES_MOST 32 /* tasks of a sample: enough for an estimate of the time left, and few */
-#define SAMPLE_STEP_LEAST 8
+/* Of a sample: the most tasks of its first and last pass, and the least tasks for each of them. */
+#define PASS_FIRST 32
+#define PASS_LAST 128
+#define FIRST_STEP_LEAST 8
+#define SAMPLE_STEP_LEAST 4
 
 bool cut_in_runs(const struct cut *cut) { return cut->unit == CUT_FINE || cut->unit == CUT_COARSE; }
 
@@ -57,17 +60,23 @@ void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed)
     }
 }
 
+/* Each pass fills the gaps of those before it. */
 void cut_tasks_sample(struct cut_tasks *c)
 {
-    uint32_t n = c->n / SAMPLE_STEP_LEAST < SAMPLES_MOST ? c->n / SAMPLE_STEP_LEAST : SAMPLES_MOST;
-    uint32_t at = n, k = 0;
+    bool *chosen = xcalloc((size_t)c->n + 1, sizeof *chosen);
+    uint32_t parts = c->n / FIRST_STEP_LEAST < PASS_FIRST ? c->n / FIRST_STEP_LEAST : PASS_FIRST;
+    uint32_t at = 0;
     ascending(c);
-    for (uint32_t i = 0; i < c->n; i++) {
-        /* the middle of the k-th of n equal parts */
-        bool chosen = k < n && i == (uint32_t)(((uint64_t)2 * k + 1) * c->n / ((uint64_t)2 * n));
-        if (chosen) c->order[k++] = i;
-        else c->order[at++] = i;
+    while (parts > 0 && parts <= PASS_LAST && (at == 0 || at + parts <= c->n / SAMPLE_STEP_LEAST)) {
+        for (uint32_t k = 0; k < parts; k++) { /* the middle of each of these equal parts */
+            uint32_t i = (uint32_t)(((uint64_t)2 * k + 1) * c->n / ((uint64_t)2 * parts));
+            chosen[c->order[at++] = i] = true;
+        }
+        parts *= 2;
     }
+    for (uint32_t i = 0; i < c->n; i++)
+        if (!chosen[i]) c->order[at++] = i;
+    free(chosen);
 }
 
 static int dearest_first(const void *a, const void *b, void *by_id)

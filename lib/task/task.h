@@ -166,7 +166,10 @@ bool cut_share_parse(const char *s, struct cut_share *share);
 uint32_t cut_share_of(const struct cut_share *share, uint32_t n);
 /* Puts the tasks in a random order, by the seed. */
 void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed);
-/* Puts a few tasks from all over the picture first, evenly spread: one of eight, at most 32. */
+/*
+ * Puts a sample from all over the picture first: 32 tasks, evenly spread, but at most an eighth of
+ * all; then 64 and 128 tasks between those, while the sample is at most a quarter of all.
+ */
 void cut_tasks_sample(struct cut_tasks *c);
 /* Puts the tasks with the highest cost first; equals stay in the order of ids. cost: by id. */
 void cut_tasks_sort(struct cut_tasks *c, const double *cost);

@@ -7,7 +7,7 @@ echo 'run	share	left_s	eta_s	error_percent'
 run=0
 while [ $((run += 1)) -le "${RUNS:-5}" ]; do
 	# Each update of the line with the time at which it came.
-	balance adaptive -P -j "${SLOTS:-2}" -s "${SIZE:-1024x1024}" -W "${OPTIONS:--a 16}" -o gears.png gears.nff 2>&1 |
+	balance adaptive -P -j "${SLOTS:-2}" -s "${SIZE:-2048x2048}" -W "${OPTIONS:--a 25}" -o gears.png gears.nff 2>&1 |
 		perl -MTime::HiRes=time -e '$| = 1; $/ = "\r"; $begin = time;
 			while (<STDIN>) { printf "%.3f %s\n", time - $begin, $1 eq "?" ? "?" : eval { $s = 0; $s = 60 * $s + $_ for split /:/, $1; $s } if /ETA ([0-9:?]+)/ }
 			printf "%.3f end\n", time - $begin' >said
