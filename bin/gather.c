@@ -26,7 +26,7 @@ struct options {
     bool missing;         /* -m: print tasks instead of pictures */
     bool progress;        /* -P, or stderr is a terminal */
     double preview_s;     /* -w: seconds between previews; 0: none */
-    char **inputs;        /* NULL-ended; none: standard input */
+    char **inputs;        /* NULL-ended; "-": standard input */
 };
 
 struct gather {
@@ -36,6 +36,7 @@ struct gather {
     struct log_reader reader;
     struct log_progress progress;
     struct image_preview preview;
+    char *spill; /* directory for the pixels of large frames */
     int warnings;
     int status;
 };
@@ -64,7 +65,8 @@ static struct options parse(int argc, char **argv, struct image_backs *backs)
         die(ST_USAGE, "-m: expected neither -o nor -r with it");
     if (o.missing && backs->n) die(ST_USAGE, "-m: expected no -b with it");
     if (o.preview_s > 0 && !o.out.pattern) die(ST_USAGE, "-w: expected -o OUT with it");
-    o.inputs = argv + optind;
+    static char dash[] = "-", *standard[] = {dash, NULL};
+    o.inputs = argv[optind] ? argv + optind : standard;
     image_out_check(&o.out);
     return o;
 }
@@ -104,15 +106,17 @@ static void check_not_log(struct gather *g, const struct stat *st, const char *n
     die(ST_USAGE, "%s: is also the log, expected another file", name);
 }
 
-/* Refuses to replace the log or an input by a picture, or by its preview. */
-static void check_written(struct gather *g, const char *name)
+/* Refuses to replace the log, a backdrop or an input by picture number `frame`, or its preview. */
+static void check_written(struct gather *g, uint32_t frame, const char *name)
 {
-    char input_0[] = "/dev/stdin", *piped[] = {input_0, NULL};
     struct stat st;
     if (!name || stat(name, &st) != 0 || !S_ISREG(st.st_mode)) return;
     check_not_log(g, &st, name);
-    for (char **from = *g->o->inputs ? g->o->inputs : piped; *from; from++) {
-        if (!outfile_is(name, *from)) continue;
+    bool back = image_backs_have(g->o->out.backs, frame, name);
+    if (back) flush_log(g);
+    if (back) die(ST_USAGE, "%s: is also a backdrop, expected another file", name);
+    for (char **from = g->o->inputs; *from; from++) {
+        if (!outfile_is(name, strcmp(*from, "-") == 0 ? "/dev/stdin" : *from)) continue;
         flush_log(g);
         die(ST_USAGE, "%s: is also an input, expected another file", name);
     }
@@ -125,8 +129,8 @@ static void check_outputs(struct gather *g, uint32_t frame)
     if (!out->pattern) return;
     char *name = image_out_name(out, frame);
     char *partial = g->o->preview_s > 0 ? image_preview_name(out, frame) : NULL;
-    check_written(g, name);
-    check_written(g, partial);
+    check_written(g, frame, name);
+    check_written(g, frame, partial);
     free(name);
     free(partial);
 }
@@ -211,6 +215,7 @@ static void take_frame(struct gather *g, const struct record *r)
     bool announced = rec_str(r, "job", job, sizeof job);
     const uint32_t known = g->in.parts.n_frames;
     if (announced) confirm(g, r);
+    if (!g->spill) g->in.parts.spill.dir = g->spill = image_out_spill(out, r->task.frame);
     enum assembly_verdict verdict = intake_frame(&g->in, r);
     if (g->in.parts.n_frames > 1 && !g->o->missing && out->naming != IMAGE_NAME_NUMBERED) {
         flush_log(g);
@@ -268,7 +273,7 @@ static void read_stream(struct gather *g, const char *name)
 /* Status 1 or 3; or 2 if the stream itself announced its early end. */
 static int unfinished(const struct gather *g)
 {
-    if (!*g->log.why || *g->o->inputs) return ST_PARTIAL;
+    if (!*g->log.why || !intake_piped(g->o->inputs)) return ST_PARTIAL;
     return strcmp(g->log.why, "method-failed") == 0 ? ST_USAGE : ST_SYSTEM;
 }
 
@@ -287,7 +292,7 @@ static int finish(struct gather *g)
         die(ST_USAGE, "%s", why);
     intake_report(&g->in);
     intake_report_twice(&g->in, g->o->progress);
-    bool disputed = intake_report_bye(&g->in, g->log.why, !*g->o->inputs);
+    bool disputed = intake_report_bye(&g->in, g->log.why, intake_piped(g->o->inputs));
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put_stdout);
     if (g->preview.every_us) write_previews(g);
@@ -310,15 +315,12 @@ int main(int argc, char **argv)
     g.reader = (struct log_reader){take_record, before_read, &g};
     open_log(&g);
     intake_init(&g.in, !o.missing);
-    char *dir = image_out_spill(&o.out);
-    g.in.parts.spill.dir = dir;
     progress_start(&g.progress.line, o.progress);
     if (o.preview_s > 0) image_preview_start(&g.preview, &o.out, o.preview_s);
-    if (!*o.inputs) read_stream(&g, "-");
     for (char **name = o.inputs; *name; name++) read_stream(&g, *name);
     int status = finish(&g);
     intake_free(&g.in);
-    free(dir);
+    free(g.spill);
     log_keep_close(&g.log);
     image_backs_free(&backs);
     if (status != ST_SYSTEM) close_stdout(); /* else the error was reported */

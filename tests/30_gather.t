@@ -84,6 +84,18 @@ like 'overlapping fragments: only the overlap is counted' "$(cat err.txt)" '^gat
 	gather -o u.pam
 ok 'duplicates in an incomplete frame: the first stands' cmp t.pam u.pam
 
+# 70 pictures, of each another slot sends other pixels: not all are listed.
+for n in $(seq 70); do
+	printf 'frame %d 1 1 job=cafe w=0\n' "$n"
+	frag "$n" 0 '0 0 1 1 1 1' "$full" 1 ' w=0'
+	frag "$n" 1 '0 0 1 1 1 1' "$half" 1 ' w=1'
+done >many.unsealed
+seal <many.unsealed >many
+run gather -o m%d.pam many
+is 'differing duplicates in 70 pictures: 64 are listed, and the rest is counted' \
+	"$status $(printf '%s\n' "$err" | grep -c 'one of the two') $(printf '%s\n' "$err" | tail -n 1)" '1 64 gather: ... and 6 differing pixels more'
+rm m*.pam
+
 # ---- refused
 {
 	echo 'frame 0 4 3 job=cafe w=0'
@@ -188,6 +200,10 @@ printf 'frame 0 4 3 job=cafe\nframe 1 4 3 job=beef\n' >both
 is 'incomplete, and another picture has not begun: no command' "$(finishes -e both -o n%d.png torn)" 0
 printf 'P3 4 3 255\n%s\n' "$(yes '1 2 3' | head -n 12)" >back.ppm
 is 'incomplete, on a backdrop: no command' "$(finishes -b back.ppm -o n.png torn)" 0
+{ echo 'frame 1 4 3 job=beef'; cat torn; } | seal >scenes
+is 'incomplete, of two scenes: no command' "$(finishes -o n%d.png scenes)" 0
+LC_ALL=C sed 's/^frame 0 4 3 job=cafe/& with=rm,-rf,./' torn | "$root/tests/seal" >rm.torn
+is 'incomplete, by another program: no command' "$(finishes -o n.png rm.torn)" 0
 LC_ALL=C sed 's/^frame 0 4 3 job=cafe/& with=cropworker/' torn | "$root/tests/seal" >crop.torn
 is 'incomplete, by a command that is not known: no command' "$(finishes -o n.png crop.torn)" 0
 long=$(printf '%0300d' 0 | sed 's,0\{100\},&/,g') && mkdir -p "${long%/*}" && cp torn "$long.log"
@@ -195,6 +211,10 @@ is 'incomplete: a command that is too long for a message: none' "$(finishes -o n
 run sh -c 'gather -o n.png <torn'
 like 'without a log' "$err" 'no log was kept'
 run gather -o n.png /dev/null
+# "-" is standard input, as if nothing were named.
+{ picture 0 | sed '$d'; echo 'bye why=other-jobs'; } 2>/dev/null | seal >jobs
+is '-: the end of the run counts' "$(gather -o a.pam - <jobs 2>err.txt; echo $?) $(grep -c 'did not agree' err.txt)" '3 1'
+is '-: no log was kept' "$(gather -o n.png - <torn 2>&1 | grep -c 'no log was kept')" 1
 is 'empty input: status 1' "$status" 1
 like 'empty input: a message says so' "$err" 'no frame was declared'
 

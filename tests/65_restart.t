@@ -105,6 +105,12 @@ run gather -o in.pfm in.pfm
 is 'an input as the picture: exit 2, and the input stays' "$status:$(cmp in.pfm whole && echo same)" 2:same
 run gather -o in.pfm <in.pfm
 is 'standard input as the picture: exit 2, and it stays' "$status:$(cmp in.pfm whole && echo same)" 2:same
+cp whole in.pfm
+is 'standard input, named -, as the picture: exit 2, and it stays' "$(gather -o in.pfm - <in.pfm 2>/dev/null; echo $?):$(cmp in.pfm whole && echo same)" 2:same
+printf 'P6 1 1 255\n123' >in.partial.ppm
+cp in.partial.ppm in.partial.pfm
+is 'a backdrop as the preview: exit 2, and it stays' "$(gather -b in.partial.pfm -w 1 -o in.pfm <whole 2>&1 | grep -c 'is also a backdrop'):$(cmp in.partial.pfm in.partial.ppm && echo same)" 1:same
+is 'a backdrop as the picture: exit 2, and it stays' "$(gather -b in.partial.pfm -o in.partial.pfm <whole 2>/dev/null; echo $?):$(cmp in.partial.pfm in.partial.ppm && echo same)" 2:same
 cp whole in.partial.pfm
 run gather -w 1 -o in.pfm in.partial.pfm
 is 'an input as the preview: exit 2, and the input stays' "$status:$(cmp in.partial.pfm whole && echo same)" 2:same

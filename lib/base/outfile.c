@@ -1,6 +1,6 @@
 /*
  * outfile: files that appear under their names only when complete. A signal that ends the program
- * removes the temporary files first.
+ * removes the temporary files first, and so does exit().
  */
 #include "base/base.h"
 
@@ -29,10 +29,18 @@ static const int ending[] = {SIGHUP, SIGINT, SIGTERM};
 #define ENDING (sizeof ending / sizeof *ending)
 static struct sigaction before[ENDING];
 
-static void remove_all(int sig)
+static pid_t owner; /* a child that exits leaves them */
+
+static void remove_all(void)
 {
+    if (getpid() != owner) return;
     for (const struct temporary *t = open_ones; t; t = t->next) unlink(t->name);
     open_ones = NULL;
+}
+
+static void remove_and_end(int sig)
+{
+    remove_all();
     for (size_t i = 0; i < ENDING; i++)
         if (ending[i] == sig) sigaction(sig, &before[i], NULL);
     raise(sig);
@@ -49,7 +57,10 @@ static void block(sigset_t *was)
 
 static void add(struct temporary *t)
 {
-    const struct sigaction act = {.sa_handler = remove_all};
+    const struct sigaction act = {.sa_handler = remove_and_end};
+    static bool registered;
+    if (!registered) registered = atexit(remove_all) == 0;
+    owner = getpid();
     for (size_t i = 0; i < ENDING && !open_ones; i++) {
         sigaction(ending[i], NULL, &before[i]);
         if (before[i].sa_handler != SIG_IGN) sigaction(ending[i], &act, NULL);

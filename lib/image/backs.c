@@ -51,6 +51,17 @@ void image_backs_blend(struct image_backs *b, struct image *over)
     }
 }
 
+bool image_backs_have(const struct image_backs *b, uint32_t frame, const char *path)
+{
+    bool have = false;
+    for (int i = 0; i < b->n && !have; i++) {
+        char *name = b->back[i].numbered ? image_name(b->back[i].name, frame) : NULL;
+        have = outfile_is(name ? name : b->back[i].name, path);
+        free(name);
+    }
+    return have;
+}
+
 void image_opt_back(int opt, const char *name, struct image_backs *b)
 {
     if (image_name_check(name) == IMAGE_NAME_BAD)

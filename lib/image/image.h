@@ -89,6 +89,8 @@ void image_backs_blend(struct image_backs *b, struct image *over);
  * status 2 if it is bad. */
 void image_opt_back(int opt, const char *name, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
+/* True if the file at `path` is one of those of picture number `frame`. */
+bool image_backs_have(const struct image_backs *b, uint32_t frame, const char *path);
 /* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
 struct image_rows image_backs_under(
@@ -152,9 +154,9 @@ struct image_out {
 void image_out_check(struct image_out *o);
 /* The name of picture number `frame`, or "standard output"; the caller frees. */
 char *image_out_name(const struct image_out *o, uint32_t frame);
-/* The directory for the pixels of large frames, which the caller frees: TMPDIR; else that of the
- * pictures; for standard output /var/tmp. */
-char *image_out_spill(const struct image_out *o);
+/* The directory for the pixels of large frames, which the caller frees: TMPDIR; else that of
+ * picture number `frame`; for standard output /var/tmp. */
+char *image_out_spill(const struct image_out *o, uint32_t frame);
 /* Writes picture number `frame` over its backdrops under that name, with its job, if that is not
  * NULL. Returns 0, or -1 with errno. */
 int image_out_put(const struct image_out *o, uint32_t frame, const char *name,

@@ -31,12 +31,12 @@ char *image_out_name(const struct image_out *o, uint32_t frame)
     return o->pattern ? image_name(o->pattern, frame) : xstrdup("standard output");
 }
 
-char *image_out_spill(const struct image_out *o)
+char *image_out_spill(const struct image_out *o, uint32_t frame)
 {
     const char *chosen = getenv("TMPDIR");
     if (chosen && *chosen) return xstrdup(chosen);
     if (!o->pattern) return xstrdup("/var/tmp");
-    char *name = image_out_name(o, 0), *slash = strrchr(name, '/');
+    char *name = image_out_name(o, frame), *slash = strrchr(name, '/');
     if (slash) {
         slash[slash == name] = '\0';
         return name;

@@ -52,10 +52,13 @@ const char *intake_refused_text(
 void intake_report_twice(const struct intake *in, bool all)
 {
     const struct assembly *parts = &in->parts;
-    uint64_t same = assembly_again(parts);
+    uint64_t same = assembly_again(parts), more = parts->differing;
     char text[LOG_DISPUTE_TEXT];
-    for (uint32_t i = 0; i < parts->n_disputes; i++)
+    for (uint32_t i = 0; i < parts->n_disputes; i++) {
         warn("%s", log_dispute_text(&in->sources, &parts->disputes[i], text));
+        more -= parts->disputes[i].pixels;
+    }
+    if (more) warn("... and %" PRIu64 " differing pixels more", more);
     if (same && all) warn("%" PRIu64 " pixels came twice", same);
 }
 
@@ -72,19 +75,39 @@ void intake_report_missing(const struct intake *in)
     if (incomplete > FRAMES_LISTED) warn("... and %u frames more", incomplete - FRAMES_LISTED);
 }
 
+/* True if the incomplete frames are of several jobs: no single command has the state of all. */
+static bool several_jobs(const struct assembly *parts)
+{
+    const char *job = NULL;
+    for (uint32_t i = 0; i < parts->n_frames; i++) {
+        const struct assembly_frame *f = parts->frames[i];
+        if (coverage_full(&f->have)) continue;
+        if (job && strcmp(job, f->job) != 0) return true;
+        job = f->job;
+    }
+    return false;
+}
+
 void intake_report_remedy(const struct intake *in, const char *log, char *const *inputs,
     const struct image_out *to, bool more)
 {
     const char *const one[] = {log, NULL};
     struct buf remedy = {0};
-    bool again =
-        !more && log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
+    bool again = !more && !several_jobs(&in->parts) &&
+                 log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
     again &= buf_size(&remedy) < REMEDY_MOST;
     if (log)
         warn("to resume from %s, rerun the command%s", log, again ? ", or finish as follows" : "");
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else if (!log && !*inputs) warn("no log was kept (-r LOG), so only a new run can render them");
+    else if (!log && intake_piped(inputs))
+        warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
+}
+
+bool intake_piped(char *const *inputs)
+{
+    while (*inputs && strcmp(*inputs, "-") != 0) inputs++;
+    return *inputs != NULL;
 }
 
 bool intake_report_bye(const struct intake *in, const char *why, bool piped)

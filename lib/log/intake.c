@@ -86,9 +86,10 @@ static struct assembly_frame *take_frag(struct intake *in, const struct record *
     if (in->pixels) rec_pixels(r, in->pixels);
     enum assembly_verdict verdict =
         assembly_commit(&in->parts, number, job, source, &r->task.at, in->pixels);
-    if (verdict == ASSEMBLY_UNDECLARED && in->orphans.n < LOG_ORPHANS_MOST &&
-        !frames_find(&in->orphans, number))
-        frames_set(&in->orphans, number, 0, 0);
+    if (verdict == ASSEMBLY_UNDECLARED && !frames_find(&in->orphans, number)) {
+        if (in->orphans.n < LOG_ORPHANS_MOST) frames_set(&in->orphans, number, 0, 0);
+        else in->more_orphans = true;
+    }
     if (verdict != ASSEMBLY_TAKEN) return NULL;
     struct assembly_frame *f = note_id(in, &r->task);
     return f->released || !coverage_full(&f->have) ? NULL : f;
@@ -98,7 +99,7 @@ bool intake_orphaned(const struct intake *in)
 {
     for (size_t i = 0; i < in->orphans.n; i++)
         if (!assembly_find(&in->parts, in->orphans.at[i].frame)) return true;
-    return in->orphans.n == LOG_ORPHANS_MOST; /* there may have been more */
+    return in->more_orphans;
 }
 
 struct assembly_frame *intake_record(struct intake *in, const struct record *r)

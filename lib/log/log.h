@@ -53,6 +53,7 @@ struct intake {
     struct assembly parts;
     struct log_sources sources;
     struct frames orphans; /* frames with fragments but no declaration */
+    bool more_orphans;     /* than fit there */
     struct log_origin origin;
     uint64_t good;         /* records read */
     uint64_t bad, skipped; /* records and bytes lost */
@@ -84,6 +85,8 @@ void intake_report_missing(const struct intake *in);
  * log_remedy unless `more` says that they would not make all pictures. */
 void intake_report_remedy(const struct intake *in, const char *log, char *const *inputs,
     const struct image_out *to, bool more);
+/* True if one of these names, up to NULL, is "-". */
+bool intake_piped(char *const *inputs);
 /* Prints why there is no frame. `why` is that of the run's bye, "" if it has none. Returns true,
  * and prints that, if a run that was `piped` here had slots of different jobs. */
 bool intake_report_bye(const struct intake *in, const char *why, bool piped);

@@ -54,6 +54,16 @@ void log_past_free(struct log_past *past)
     frames_free(&past->confirmed);
 }
 
+/* A worker may announce any words. Only those of this project's programs become a command. */
+static bool runs(const char *with)
+{
+    static const char *const known[] = {"rtworker", "vcworker", "povworker"};
+    size_t n = strcspn(with, " ");
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strlen(known[i]) == n && strncmp(with, known[i], n) == 0) return true;
+    return false;
+}
+
 bool log_remedy(const char *const *logs, const struct log_origin *origin,
     const struct image_out *to, struct buf *out)
 {
@@ -64,12 +74,11 @@ bool log_remedy(const char *const *logs, const struct log_origin *origin,
         buf_append(&names, " ", 1);
         buf_quote(&names, last);
     }
-    bool again = last && !*logs && !(to->backs && to->backs->n) &&
-                 strncmp(origin->with, "cropworker", strlen("cropworker")) != 0;
+    const char *with = *origin->with ? origin->with : "rtworker";
+    bool again = last && !*logs && !(to->backs && to->backs->n) && runs(with);
     if (again) {
         buf_append(&names, "", 1);
         const char *all = (const char *)buf_data(&names);
-        const char *with = *origin->with ? origin->with : "rtworker";
         bool volume = strncmp(with, "vcworker", strlen("vcworker")) == 0;
         buf_printf(out, "gather -m%s | %s %s >> ", all, with, volume ? "GRID SPEC" : "SCENE");
         buf_quote(out, last);

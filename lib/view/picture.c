@@ -51,7 +51,7 @@ void view_picture(const char *path, struct buf *png)
 {
     struct intake in = {0};
     const struct log_reader reader = {.record = take, .ctx = &in};
-    char *dir = image_out_spill(&(struct image_out){0});
+    char *dir = image_out_spill(&(struct image_out){0}, 0);
     intake_init(&in, true);
     in.parts.spill.dir = dir;
     int fd = open(path, O_RDONLY | O_CLOEXEC);

@@ -386,6 +386,31 @@ static void test_outfile_signal(void **state)
     assert_true(now.sa_handler == SIG_DFL);
 }
 
+/* exit() removes them too, but not that of a child. */
+static void test_outfile_exit(void **state)
+{
+    (void)state;
+    int status, pipe_to[2];
+    char name[64] = {0};
+    assert_int_equal(pipe(pipe_to), 0);
+    pid_t pid = fork();
+    if (pid == 0) {
+        struct outfile o;
+        outfile_open(&o, path);
+        pid_t child = fork();
+        if (child == 0) exit(0);
+        waitpid(child, NULL, 0);
+        bool there = access(o.temporary, F_OK) == 0;
+        snprintf(name, sizeof name, "%s", o.temporary);
+        exit(there && write(pipe_to[1], name, sizeof name) == (ssize_t)sizeof name ? 7 : 0);
+    }
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 7);
+    assert_int_equal(read(pipe_to[0], name, sizeof name), sizeof name);
+    assert_int_equal(access(name, F_OK), -1);
+    close(pipe_to[0]), close(pipe_to[1]);
+}
+
 static void test_outfile_fails(void **state)
 {
     (void)state;
@@ -594,6 +619,7 @@ int main(void)
         cmocka_unit_test(test_outfile),
         cmocka_unit_test(test_outfile_link),
         cmocka_unit_test(test_outfile_signal),
+        cmocka_unit_test(test_outfile_exit),
         cmocka_unit_test(test_outfile_fails),
         cmocka_unit_test(test_read_open),
         cmocka_unit_test(test_write_full),
