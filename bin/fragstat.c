@@ -168,6 +168,12 @@ static void check_view(const struct options *o)
         die(ST_USAGE, "-f and -H: expected one log, which is a file");
 }
 
+static void check_page(const struct options *o)
+{
+    if (outfile_is(o->page, *o->inputs))
+        die(ST_USAGE, "-o %s: is the log, expected another name", o->page);
+}
+
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
@@ -195,8 +201,7 @@ static struct options parse(int argc, char **argv)
     if (o.hosts && o.powers) die(ST_USAGE, "-S and -w: expected one of them");
     o.inputs = argv + optind;
     check_view(&o);
-    if (o.page && outfile_is(o.page, *o.inputs))
-        die(ST_USAGE, "-o %s: is the log, expected another name", o.page);
+    if (o.page) check_page(&o);
     return o;
 }
 
@@ -206,6 +211,7 @@ static void put_page(const struct view_log *v, const struct options *o)
 {
     struct buf page = {0}, png = {0};
     struct account a;
+    if (o->page) check_page(o); /* the log may not have been there */
     account_make(&a, &v->log);
     view_picture(v->path, &png);
     view_page(v, &a, &png, view_ended(v) ? 0 : o->every_s, &page);
@@ -256,10 +262,10 @@ static int follow(const struct options *o)
         if (!found && !o->follow) die(ST_USAGE, "%s: no such file", v.path);
         if (o->what != PAGE) put_table(&v, found);
         else if (found) put_page(&v, o);
-        over = !o->follow || view_ended(&v);
+        over = !o->follow || (view_ended(&v) && !view_held(&v));
         if (!over) poll(NULL, 0, (int)(o->every_s * 1000));
     } while (!over);
-    bool whole = view_whole(&v);
+    bool whole = view_whole(&v) && !*v.log.bye;
     view_close(&v);
     close_stdout();
     return whole || !o->follow ? ST_OK : ST_PARTIAL;

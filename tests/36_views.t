@@ -22,16 +22,51 @@ seal() { "$root/tests/seal"; }
 run fragstat -f ended.log
 is 'a run that has ended: one table; status 1, because pixels are missing' "$status$err$(printf '%s\n' "$out" | grep -c '^slot')" 11
 is 'the table of a run' "$out" '0.0 % of 64 pixels, ended after 0:01
-slot   host                 tasks    last task     px/s     idle
-0      localhost                2          0 2        0   13.0 %  up
-1      <script>alert(1)         1          0 1        0   46.7 %  silent
-2      -                        0            -        -        -  left
+slot   host                             tasks    last task     px/s     idle
+0      localhost                            2          0 2        0   13.0 %  up
+1      <script>alert(1)</script>"&\         1          0 1        0   46.7 %  silent
+2      -                                    0            -        -        -  left
 lost at 0:01: slot 1 on <script>alert(1)</script>"&\ (silent) with 2 tasks'
 spdgen -s 2 tetra >tetra.nff
 partition 32x32 | rtworker tetra.nff >all.frags
 run fragstat -f all.frags
 is 'a whole picture: status 0' "$status$err" 0
 like 'a worker without a fan has a slot without a name' "$out" '^- +- +32 +0 31 '
+# The second run has no slot 1, and has only begun. Slot 0 holds 0.0, which does its tasks; it is lost after them.
+{
+	cat begun.log
+	echo 'bye why=no-slot-left'
+	echo 'hello deal 0.2 format=3 selftest=0 slots=2'
+	echo 'frame 0 8 8 job=cafe w=0 host=: recv_us=10000'
+	echo 'done 0 3 cpu_us=100000 wall_us=100000 w=0.0 sent_us=0 recv_us=150000'
+} | seal >second.log
+is 'a run that resumes another one: only its slots and losses' "$(timeout 60 fragstat -f -i .1 second.log | sed '/^$/q' | cut -c 1-50)" \
+	'0.0 % of 64 pixels, 0:00, ETA ?, 1 slots up
+slot   host                 tasks    last task    
+0.0    localhost                1          0 3    '
+{ cat second.log; echo 'gone w=0 why=silent lost=2 recv_us=200000 kept=1'; echo 'bye why=no-slot-left'; } | seal >third.log
+run fragstat -f third.log
+like 'the loss of a slot is that of the slots that it holds' "$out" '^0[.]0 .*silent$'
+fragstat -t third.log >third.json
+like 'a trace: their host as well' "$(cat third.json)" '"ts":[0-9]+,"dur":100000,"pid":2'
+fragstat -H third.log >third.html
+is 'a page: losses at the end are in sight' "$(grep -o 'class="l" x="[0-9.]*' third.html | sed 's/.*"//' | sort -n | tail -n 1)" 997.0
+{ cat all.frags; echo 'bye why=no-slot-left'; } | seal >early.log
+run fragstat -f early.log
+is 'a run that gave up: status 1, whatever its frames so far' "$status" 1
+: >empty.log
+is 'nothing so far: no estimate' "$(timeout 60 fragstat -f -i .1 empty.log | head -n 1)" '0.0 % of 0 pixels, 0:00, ETA ?, 0 slots up'
+# A run that goes on with a log that has ended: it holds the log, and has written nothing yet.
+mkfifo begins
+cp ended.log held.log
+flock held.log sh -c 'echo >begins; cat begins; cat all.frags >>held.log' &
+read -r _ <begins
+MARK=$mark fragstat -f -i .1 held.log >held.said &
+pid=$!
+ok 'a run that holds the log and has written nothing: it waits' await 1 sh -c '[ "$(grep -c "^slot" held.said)" -gt 3 ]'
+echo >begins
+wait $pid
+like 'and follows it' "$(tail -n 4 held.said)" '^- +- +32 +0 31 '
 run fragstat -f /
 is 'a directory: status 2' "$status" 2
 echo 'hello fan 0.1 selftest=0' >old.log
@@ -117,7 +152,7 @@ fragstat -H all.frags >all.html
 fragstat -H begun.log >begun.html
 ok 'a page of a run that goes on reloads itself' grep -q '<meta http-equiv="refresh" content="7">' half.html
 ok 'a page of a run that has ended does not' sh -c '! grep -q refresh all.html'
-is 'names are escaped' "$(grep -c '<script' begun.html) $(grep -c '&lt;script&gt;alert(1)&lt;/script&gt;&quot;&amp;' begun.html)" '0 2'
+is 'names are escaped' "$(grep -c '<script' begun.html) $(grep -c '&lt;script&gt;alert(1)&lt;/script&gt;&quot;&amp;' begun.html)" '0 3'
 is 'a page needs no other file' "$(grep -oE '(src|href)="[^"]{0,22}' half.html)" 'src="data:image/png;base64,'
 sed 's/.*base64,\([^"]*\)".*/\1/; t; d' all.html | base64 -d >page.png
 gather -o all.png all.frags

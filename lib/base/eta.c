@@ -155,7 +155,7 @@ static double since_s(const struct eta *e)
 
 double eta_left_s(const struct eta *e, double done, double total, double t_s)
 {
-    if (done >= total) return 0;
+    if (done >= total) return total > 0 ? 0 : -1;
     double work = work_left(e, done, total);
     if (work < 0 || e->n_done < TASKS_LEAST || !e->n_marks) return -1;
     double from_s = since_s(e);

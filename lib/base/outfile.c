@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #define SUFFIX ".XXXXXX"
+#define LINKS_MOST 40 /* as in path_resolution(7) */
 
 /* ---- temporary files ------------------------------------------------------------------------- */
 
@@ -81,12 +82,24 @@ static void drop(const char *name)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* What a link leads to, so that the link stays. The caller frees it. */
+/* What a link leads to, also if that does not exist yet, so that the link stays. The caller frees
+ * it. */
 static char *target_of(const char *path)
 {
-    struct stat st;
-    char *target = lstat(path, &st) == 0 && S_ISLNK(st.st_mode) ? realpath(path, NULL) : NULL;
-    return target ? target : xstrdup(path);
+    char *at = xstrdup(path), to[PATH_MAX];
+    for (int links = 0; links < LINKS_MOST; links++) {
+        const ssize_t n = readlink(at, to, sizeof to - 1);
+        if (n < 0) break; /* no link */
+        to[n] = '\0';
+        const char *slash = *to == '/' ? NULL : strrchr(at, '/');
+        const int kept = slash ? (int)(slash + 1 - at) : 0;
+        const size_t size = (size_t)kept + (size_t)n + 1;
+        char *next = xmalloc(size, 1);
+        snprintf(next, size, "%.*s%s", kept, at, to);
+        free(at);
+        at = next;
+    }
+    return at;
 }
 
 static FILE *open_beside(const char *path, char **name)

@@ -39,12 +39,19 @@ static bool set_bytes(struct host *host, const char *value)
     return parse_real(value, 1, 1e15, &host->bytes_per_s);
 }
 
+/* %c becomes a word in quotes, which inner quotes would end. */
 static bool set_via(struct host *host, const char *value)
 {
     bool command = false;
-    for (const char *p = value; (p = strchr(p, '%')) != NULL; p += 2) {
-        if (!p[1] || !strchr("hc%", p[1])) return false;
-        command |= p[1] == 'c';
+    char quote = '\0';
+    for (const char *p = value; *p; p++) {
+        if (*p == quote) quote = '\0';
+        else if (!quote && (*p == '\'' || *p == '"')) quote = *p;
+        else if (*p == '\\' && quote != '\'' && p[1]) p++;
+        if (*p != '%') continue;
+        p++;
+        if (!*p || !strchr("hc%", *p) || (*p == 'c' && quote)) return false;
+        command |= *p == 'c';
     }
     if (command) host->via = xstrdup(value);
     return command;
@@ -83,7 +90,10 @@ static const struct key {
 } keys[] = {
     {"slots", set_slots, "an integer from 1 to 4096"},
     {"power", set_power, "a number from 1e-6 to 1e6"},
-    {"via", set_via, "a command in quotes with %c, and %h for the host, %% for a percent sign"},
+    {"via", set_via,
+        "a command in quotes with %c, outside of inner quotes, and %h for the host, %% for a "
+        "percent "
+        "sign"},
     {"bin", set_bin, "a directory from / or ~/, without a colon"},
     {"wait", set_wait, "seconds from 1 to 1e6"},
     {"tries", set_tries, "an integer from 1 to 1000"},

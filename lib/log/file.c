@@ -3,10 +3,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define LOCK_TRIES 10 /* of 10 ms */
 
 static void close_keeping_errno(int *fd)
 {
@@ -14,6 +17,16 @@ static void close_keeping_errno(int *fd)
     if (*fd >= 0) close(*fd);
     *fd = -1;
     errno = err;
+}
+
+/* fragstat(1) holds the lock for a moment, to see whether a run does. */
+static bool lock(int fd)
+{
+    for (int again = 0; flock(fd, LOCK_EX | LOCK_NB) != 0; again++) {
+        if (errno != EWOULDBLOCK || again == LOCK_TRIES) return false;
+        poll(NULL, 0, 10);
+    }
+    return true;
 }
 
 int log_open(struct log_file *l, const char *path)
@@ -24,7 +37,7 @@ int log_open(struct log_file *l, const char *path)
     l->fd = open(path, (regular ? O_RDWR : O_WRONLY) | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
     if (l->fd < 0 || !regular) return l->fd < 0 ? -1 : 0;
     /* Check the size under the lock, when no other process can change it. */
-    if (flock(l->fd, LOCK_EX | LOCK_NB) != 0 || fstat(l->fd, &st) != 0) {
+    if (!lock(l->fd) || fstat(l->fd, &st) != 0) {
         close_keeping_errno(&l->fd);
         return -1;
     }

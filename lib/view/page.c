@@ -10,6 +10,7 @@
 #define WIDTH 1000    /* units of a lane */
 #define GAP_LEAST 0.5 /* units: bars that are nearer are drawn as one */
 #define LANES_MOST 512
+#define MARK 3 /* units: the width of the mark of a loss */
 
 static const char *const class_of[ACCOUNT_KINDS] = {"t", "a", "w"};
 
@@ -85,9 +86,11 @@ static bool is_within(const struct account *a, uint32_t i, int32_t k)
 
 static void put_mark(struct timeline *t, const struct history_event *e, uint32_t line)
 {
-    double at = unit_of(t, (size_t)e->run, e->recv_us < 0 ? 0 : (double)e->recv_us * 1e-6);
+    double at_s = fmin(e->recv_us < 0 ? 0 : (double)e->recv_us * 1e-6, t->a->run_s[e->run]);
+    double at = fmin(unit_of(t, (size_t)e->run, at_s), WIDTH - MARK);
     struct buf *b = &t->lanes[line].marks;
-    buf_printf(b, "<rect class=\"l\" x=\"%.1f\" width=\"3\" height=\"18\"><title>lost: ", at);
+    buf_printf(
+        b, "<rect class=\"l\" x=\"%.1f\" width=\"%d\" height=\"18\"><title>lost: ", at, MARK);
     html_word(b, e->why);
     buf_printf(b, ", %" PRId64 " tasks</title></rect>", e->tasks);
 }
@@ -131,7 +134,7 @@ static void put_timeline(const struct account *a, struct buf *out)
     for (size_t i = 0; i < l->n_events; i++) add_mark(&t, &l->events[i]);
     for (size_t i = 0; i < l->n_slots; i++) {
         const uint32_t line = a->slot_of[i];
-        if (line != ACCOUNT_OUTER) host[line] = view_host(&l->slots[i], "");
+        if (line != ACCOUNT_OUTER) host[line] = view_host(l, i, "");
     }
     buf_printf(out,
         "<h2>Timeline</h2>\n<p class=\"key\">%.3g s%s: <span><i "

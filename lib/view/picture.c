@@ -55,8 +55,9 @@ void view_picture(const char *path, struct buf *png)
     intake_init(&in, true);
     in.parts.spill.dir = dir;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || log_read(&in, fd, path, &reader) < 0) die(ST_SYSTEM, "%s:", path);
-    close(fd);
+    bool gone = fd < 0 && errno == ENOENT; /* since it was read */
+    if (!gone && (fd < 0 || log_read(&in, fd, path, &reader) < 0)) die(ST_SYSTEM, "%s:", path);
+    if (!gone) close(fd);
     errno = in.parts.error;
     if (errno)
         die(ST_SYSTEM, "%s: cannot keep the pixels, expected TMPDIR to name a directory:", dir);

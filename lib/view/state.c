@@ -6,6 +6,8 @@
 #include <string.h>
 
 #define LOSSES_MOST 5 /* lines about losses */
+#define HOST_LEAST 16 /* columns of a host's name */
+#define OTHER_COLUMNS 65
 
 /* ---- the state ------------------------------------------------------------------------------- */
 
@@ -63,9 +65,26 @@ void view_state(const struct view_log *v, struct view_state *s)
         s->left_s = eta_left_s(&v->eta, (double)s->done_px, (double)s->total_px, s->now_s);
 }
 
-const char *view_host(const struct history_slot *slot, const char *unknown)
+/* The slot that holds slot i, as 1 holds 1.0; -1: none. */
+static ptrdiff_t outer_of(const struct history *l, size_t i)
 {
-    return strcmp(slot->host, ":") == 0 ? "localhost" : *slot->host ? slot->host : unknown;
+    const char *name = l->slots[i].name;
+    size_t n = strlen(name);
+    while (n > 0) {
+        if (name[--n] != '.') continue;
+        for (size_t k = 0; k < l->n_slots; k++)
+            if (strncmp(l->slots[k].name, name, n) == 0 && !l->slots[k].name[n])
+                return (ptrdiff_t)k;
+    }
+    return -1;
+}
+
+const char *view_host(const struct history *l, size_t i, const char *unknown)
+{
+    ptrdiff_t k = (ptrdiff_t)i;
+    while (k >= 0 && !*l->slots[k].host) k = outer_of(l, (size_t)k);
+    if (k < 0) return unknown;
+    return strcmp(l->slots[k].host, ":") == 0 ? "localhost" : l->slots[k].host;
 }
 
 /* ---- the table ------------------------------------------------------------------------------- */
@@ -74,6 +93,7 @@ struct page {
     struct buf *out;
     const char *eol;
     int columns, left; /* lines left; -1: no limit */
+    int host;          /* columns of a host */
 };
 
 static void PRINTF_LIKE(2, 3) put(struct page *p, const char *fmt, ...)
@@ -114,6 +134,18 @@ static void put_head(struct page *p, const struct view_log *v, const struct view
         put(p, "%" PRIu64 " damaged place%s: %s", v->d.bad, v->d.bad == 1 ? "" : "s", v->d.why);
 }
 
+/* Of slot i; or of a slot that holds it, and is lost since. */
+static const struct history_event *last_event(
+    const struct view_log *v, const struct view_state *s, size_t i)
+{
+    const struct history_event *e = s->slots[i].event;
+    for (ptrdiff_t k = outer_of(&v->log, i); k >= 0; k = outer_of(&v->log, (size_t)k)) {
+        const struct history_event *outer = s->slots[k].event;
+        if (outer && *outer->why && (!e || outer > e)) e = outer;
+    }
+    return e;
+}
+
 static void put_slot(struct page *p, const struct view_log *v, const struct view_state *s, size_t i)
 {
     const struct history_slot *slot = &v->log.slots[i];
@@ -125,24 +157,30 @@ static void put_slot(struct page *p, const struct view_log *v, const struct view
     if (own->done) short_number(own->px_per_s, rate);
     if (own->last_s > 0)
         snprintf(idle, sizeof idle, "%.1f %%", 100 * fmax(0, 1 - own->busy_s / own->last_s));
-    if (own->event && *own->event->why) state = own->event->why;
+    const struct history_event *event = last_event(v, s, i);
+    if (event && *event->why) state = event->why;
     else if (!own->done) state = "no task yet";
-    put(p, "%-6s %-16.16s %9zu %12s %8s %8s  %s", slot->name, view_host(slot, "-"), own->tasks,
-        task, rate, idle, state);
+    put(p, "%-6s %-*.*s %9zu %12s %8s %8s  %s", slot->name, p->host, p->host,
+        view_host(&v->log, i, "-"), own->tasks, task, rate, idle, state);
+}
+
+static bool is_loss(const struct history *l, size_t i)
+{
+    return l->events[i].lost && (size_t)l->events[i].run + 1 == l->n_runs;
 }
 
 static void put_losses(struct page *p, const struct view_log *v, size_t n)
 {
     const struct history *l = &v->log;
     size_t from = l->n_events;
-    while (n && from > 0) n -= l->events[--from].lost;
+    while (n && from > 0) n -= is_loss(l, --from);
     for (size_t i = from; i < l->n_events; i++) {
         const struct history_event *e = &l->events[i];
         char at[ETA_TEXT] = "?";
-        if (!e->lost) continue;
+        if (!is_loss(l, i)) continue;
         if (e->recv_us >= 0) eta_text((double)e->recv_us * 1e-6, at);
         put(p, "lost at %s: slot %s on %s (%s) with %" PRId64 " task%s", at, l->slots[e->slot].name,
-            view_host(&l->slots[e->slot], "-"), e->why, e->tasks, e->tasks == 1 ? "" : "s");
+            view_host(l, (size_t)e->slot, "-"), e->why, e->tasks, e->tasks == 1 ? "" : "s");
     }
 }
 
@@ -152,22 +190,52 @@ static int by_name(const void *a, const void *b, void *slots)
     return strverscmp(all[*(const size_t *)a].name, all[*(const size_t *)b].name);
 }
 
+/* The slots of the last run, by name, without those whose tasks are done by slots that they hold.
+ * Returns their number. */
+static size_t order_slots(const struct history *l, const struct view_state *s, size_t *order)
+{
+    bool *holds = xcalloc(l->n_slots + 1, sizeof *holds);
+    size_t n = 0;
+    for (size_t i = 0; i < l->n_slots; i++)
+        for (ptrdiff_t k = s->slots[i].done ? outer_of(l, i) : -1; k >= 0 && !holds[k];
+             k = outer_of(l, (size_t)k))
+            holds[k] = true;
+    for (size_t i = 0; i < l->n_slots; i++)
+        if (s->slots[i].done || (s->slots[i].event && !holds[i])) order[n++] = i;
+    if (n) qsort_r(order, n, sizeof *order, by_name, l->slots);
+    free(holds);
+    return n;
+}
+
+/* As wide as the longest name, if the terminal is. */
+static int host_columns(const struct history *l, const size_t *order, size_t n, int columns)
+{
+    int most = HOST_LEAST;
+    for (size_t i = 0; i < n; i++) {
+        int length = (int)strlen(view_host(l, order[i], "-"));
+        if (length > most) most = length;
+    }
+    int room = columns - OTHER_COLUMNS > HOST_LEAST ? columns - OTHER_COLUMNS : HOST_LEAST;
+    return columns && most > room ? room : most;
+}
+
 void view_table(const struct view_log *v, const struct view_state *s, int columns, int lines,
     const char *eol, struct buf *out)
 {
     const struct history *l = &v->log;
-    struct page p = {out, eol, columns, lines ? lines : -1};
-    size_t losses = 0;
-    for (size_t i = 0; i < l->n_events; i++) losses += l->events[i].lost;
-    size_t told = losses < LOSSES_MOST ? losses : LOSSES_MOST,
-           *order = xmalloc(l->n_slots + 1, sizeof *order);
+    struct page p = {out, eol, columns, lines ? lines : -1, 0};
+    size_t losses = 0, *order = xmalloc(l->n_slots + 1, sizeof *order);
+    for (size_t i = 0; i < l->n_events; i++) losses += is_loss(l, i);
+    size_t told = losses < LOSSES_MOST ? losses : LOSSES_MOST, n = order_slots(l, s, order);
+    p.host = host_columns(l, order, n, columns);
     put_head(&p, v, s);
-    put(&p, "%-6s %-16s %9s %12s %8s %8s", "slot", "host", "tasks", "last task", "px/s", "idle");
-    size_t room = p.left < 0 ? l->n_slots : p.left > (int)told + 1 ? (size_t)p.left - told - 1 : 0;
-    for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
-    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_name, l->slots);
-    for (size_t i = 0; i < l->n_slots && i < room; i++) put_slot(&p, v, s, order[i]);
-    if (room < l->n_slots) put(&p, "... and %zu more slots", l->n_slots - room);
+    put(&p, "%-6s %-*s %9s %12s %8s %8s", "slot", p.host, "host", "tasks", "last task", "px/s",
+        "idle");
+    size_t below = told + (losses > told), room = n;
+    if (p.left >= 0 && n + below > (size_t)p.left)
+        room = (size_t)p.left > below + 1 ? (size_t)p.left - below - 1 : 0;
+    for (size_t i = 0; i < room; i++) put_slot(&p, v, s, order[i]);
+    if (room < n) put(&p, "... and %zu more slots", n - room);
     put_losses(&p, v, told);
     if (losses > told) put(&p, "%zu losses in all", losses);
     free(order);

@@ -43,16 +43,16 @@ static void put_name(struct trace *t, const char *what, size_t pid, size_t tid, 
     buf_printf(t->out, "}}");
 }
 
-static const char *host_of(const struct history_slot *slot)
+static const char *host_of(const struct history *l, size_t i)
 {
-    return view_host(slot, "unknown host");
+    return view_host(l, i, "unknown host");
 }
 
-static int by_host(const void *a, const void *b, void *slots)
+static int by_host(const void *a, const void *b, void *trace)
 {
-    const struct history_slot *all = slots;
+    const struct history *log = ((const struct trace *)trace)->a->log;
     size_t i = *(const size_t *)a, j = *(const size_t *)b;
-    int order = strcmp(host_of(&all[i]), host_of(&all[j]));
+    int order = strcmp(host_of(log, i), host_of(log, j));
     return order ? order : (i > j) - (i < j);
 }
 
@@ -69,12 +69,12 @@ static void put_names(struct trace *t)
     const struct history *l = t->a->log;
     size_t *order = xmalloc(l->n_slots + 1, sizeof *order), pid = 0;
     for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
-    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, l->slots);
+    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, t);
     for (size_t i = 0; i < l->n_slots; i++) {
         size_t k = order[i];
         char name[HISTORY_NAME + 8];
-        const char *host = host_of(&l->slots[k]);
-        if (!i || strcmp(host, host_of(&l->slots[order[i - 1]])) != 0)
+        const char *host = host_of(l, k);
+        if (!i || strcmp(host, host_of(l, order[i - 1])) != 0)
             put_name(t, "process_name", ++pid, 0, host);
         t->pid[k] = pid;
         snprintf(name, sizeof name, "slot %s", l->slots[k].name);
@@ -101,7 +101,9 @@ static void put_task(struct trace *t, size_t i)
 
 static void put_event(struct trace *t, const struct history_event *e)
 {
-    double at_us = t->a->zero_s[e->run] * 1e6 + (double)(e->recv_us < 0 ? 0 : e->recv_us);
+    double at_s = e->recv_us < 0 ? 0 : (double)e->recv_us * 1e-6;
+    if ((size_t)e->run + 1 < t->a->log->n_runs) at_s = fmin(at_s, t->a->run_s[e->run]);
+    double at_us = (t->a->zero_s[e->run] + at_s) * 1e6;
     begin(t);
     buf_printf(t->out, "\"name\":");
     if (*e->why) {
@@ -117,22 +119,39 @@ static void put_event(struct trace *t, const struct history_event *e)
         at_us, t->pid[e->slot], tid_of(t, e->slot), e->tasks);
 }
 
+struct count {
+    double end_s;
+    uint64_t pixels;
+};
+
+static int by_end(const void *a, const void *b)
+{
+    const struct count *x = a, *y = b;
+    return (x->end_s > y->end_s) - (x->end_s < y->end_s);
+}
+
 /* The pixels so far, in at most COUNTS_MOST points. */
 static void put_counts(struct trace *t)
 {
     const struct history *l = t->a->log;
     size_t step = l->n_dones / COUNTS_MOST + 1;
+    struct count *c = xmalloc(l->n_dones + 1, sizeof *c);
     uint64_t px = 0;
     for (size_t i = 0; i < l->n_dones; i++) {
         const struct span *s = &t->a->spans[i];
-        px += l->dones[i].pixels;
+        c[i] = (struct count){t->a->zero_s[s->run] + s->end_s, l->dones[i].pixels};
+    }
+    if (l->n_dones) qsort(c, l->n_dones, sizeof *c, by_end);
+    for (size_t i = 0; i < l->n_dones; i++) {
+        px += c[i].pixels;
         if (i % step && i + 1 < l->n_dones) continue;
         begin(t);
         buf_printf(t->out,
             "\"name\":\"pixels\",\"ph\":\"C\",\"ts\":%.0f,\"pid\":0,\"args\":{\"done\":%" PRIu64
             "}}",
-            (t->a->zero_s[s->run] + s->end_s) * 1e6, px);
+            c[i].end_s * 1e6, px);
     }
+    free(c);
 }
 
 void view_trace(const struct account *a, struct buf *out)

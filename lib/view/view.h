@@ -32,6 +32,8 @@ bool view_read(struct view_log *v);
 void view_close(struct view_log *v);
 /* True if the last run has said bye. */
 bool view_ended(const struct view_log *v);
+/* True if a run holds the log: one that has just begun may have written nothing yet. */
+bool view_held(const struct view_log *v);
 /* True if every pixel of every frame is there, and there is at least one frame. */
 bool view_whole(const struct view_log *v);
 
@@ -56,8 +58,9 @@ struct view_state {
 };
 /* The caller frees s->slots. */
 void view_state(const struct view_log *v, struct view_state *s);
-/* The name of the slot's host, as people know it; `unknown` if the log does not state it. */
-const char *view_host(const struct history_slot *slot, const char *unknown);
+/* The host of slot i, as people know it: its own, or that of a slot that holds it; `unknown` if the
+ * log does not state it. */
+const char *view_host(const struct history *l, size_t i, const char *unknown);
 
 /*
  * Appends the table of the run in state s: a line for each slot, and the latest losses. columns,

@@ -344,6 +344,12 @@ static void test_outfile_link(void **state)
     assert_content("new");
     assert_int_equal(lstat(link, &st), 0);
     assert_true(S_ISLNK(st.st_mode));
+    /* a relative link to a file that does not exist yet */
+    assert_int_equal(unlink(link) | unlink(path), 0);
+    assert_int_equal(symlink(strrchr(path, '/') + 1, link), 0);
+    assert_int_equal(outfile_put(link, "third", 5), 0);
+    assert_content("third");
+    assert_true(lstat(link, &st) == 0 && S_ISLNK(st.st_mode));
     assert_int_equal(unlink(link), 0);
 }
 

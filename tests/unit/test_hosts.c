@@ -138,8 +138,12 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("a send=auto bin=/opt", 1, "bin= and send= together");
     refused("a power=nan", 1, "power='nan'");
     refused("a power=", 1, "power=''");
+    assert_true(read_text("a via=\"sh -c 'it; \\\"%h' \\\"'\\\" %c\""));
+    hosts_free(&hosts);
     refused("a via=\"ssh %h\"", 1, "%c");
     refused("a via=\"ssh %h %c %x\"", 1, "via=");
+    refused("a via=\"sh -c 'cd /; %c'\"", 1, "outside of inner quotes");
+    refused("a via=\"sh -c \\\"%c\\\"\"", 1, "outside of inner quotes");
     refused("a via=\"%c %\"", 1, "via=");
     refused("a via=\"ssh %h %c\nb", 1, "quote");
     refused("a bin=here", 1, "bin='here'");
