@@ -217,22 +217,62 @@ static void the_table(void **state)
     assert_string_equal(text(&out),
         "0.0 % of 64 pixels, differ after 1:06|\n"
         "slot   host                 tasks    last task     px/s     idle|\n"
-        "0      localhost                0            -        -        -  no task yet|\n"
         "2      a                        0            -        -        -  hung|\n"
         "10     b                        2          0 3        0   70.0 %  up|\n"
         "lost at 0:03: slot 2 on a (silent) with 2 tasks|\n"
         "lost at 1:06: slot 2 on a (hung) with 1 task|\n");
     buf_free(&out);
     out = table(&v, 12, 5);
-    assert_string_equal(text(&out), "0.0 % of 64 |\nslot   host |\n... and 3 mo|\nlost at 0:03|\n"
+    assert_string_equal(text(&out), "0.0 % of 64 |\nslot   host |\n... and 2 mo|\nlost at 0:03|\n"
                                     "lost at 1:06|\n");
     buf_free(&out);
     out = table(&v, 12, 3);
-    assert_string_equal(text(&out), "0.0 % of 64 |\nslot   host |\n... and 3 mo|\n");
+    assert_string_equal(text(&out), "0.0 % of 64 |\nslot   host |\n... and 2 mo|\n");
     buf_free(&out);
     out = table(&v, 0, 6);
-    has(&out, "idle|\n0 ");
-    has(&out, "yet|\n... and 2 more slots|\nlost at 0:03");
+    has(&out, "idle|\n2 ");
+    has(&out, "hung|\n10 ");
+    has(&out, "up|\nlost at 0:03");
+    buf_free(&out);
+    view_close(&v);
+}
+
+/* Slots 0 and 3.1 hold others, which do their tasks. The losses of the first run do not count. */
+static void slots_within_slots(void **state)
+{
+    (void)state;
+    struct view_log v;
+    struct buf b = {0};
+    put_lines(
+        &b, LINES(HELLO, "done 0 9 cpu_us=1 w=1 recv_us=1", "gone w=1 why=silent lost=1 recv_us=1",
+                HELLO, "frame 0 8 8 job=" JOB " w=0 host=a-host-of-a-long-name recv_us=0",
+                "frame 0 8 8 job=" JOB " w=3.1 host=: recv_us=0",
+                "frame 0 8 8 job=" JOB " w=3 host=b recv_us=0",
+                "frame 0 8 8 job=" JOB " w=30 recv_us=0",
+                "done 0 0 cpu_us=100000 wall_us=100000 w=0.10 recv_us=100000",
+                "done 0 1 cpu_us=100000 wall_us=100000 w=0.9 recv_us=100000",
+                "done 0 2 cpu_us=100000 wall_us=100000 w=3.1.2.0 recv_us=200000",
+                "gone w=0 why=silent lost=1 recv_us=300000",
+                "frame 0 8 8 job=" JOB " w=0.9 recv_us=400000"));
+    view(&v, "within", &b);
+    struct buf out = table(&v, 0, 0);
+    has(&out,
+        "|\nslot   host                      tasks    last task     px/s     idle|\n"
+        "0.9    a-host-of-a-long-name         1          0 1        0    0.0 %  up|\n"
+        "0.10   a-host-of-a-long-name         1          0 0        0    0.0 %  silent|\n"
+        "3.1.2.0 localhost                     1          0 2        0   50.0 %  up|\n"
+        "30     -                             0            -        -        -  no task yet|\n"
+        "lost at 0:00: slot 0 on a-host-of-a-long-name (silent) with 1 task|\n");
+    lacks(&out, "slot 1 ");
+    buf_free(&out);
+    out = table(&v, 83, 0);
+    has(&out, "\n0.9    a-host-of-a-long-n         1 ");
+    buf_free(&out);
+    out = table(&v, 60, 0);
+    has(&out, "\n0.9    a-host-of-a-long         1 ");
+    buf_free(&out);
+    out = table(&v, 0, 5); /* of 4 slots and a loss */
+    has(&out, "up|\n... and 3 more slots|\nlost at");
     buf_free(&out);
     view_close(&v);
 }
@@ -258,6 +298,10 @@ static void many_losses(void **state)
     has(&out, "lost at 0:01: slot 1 on - (hung) with 1 task|");
     has(&out, "lost at 0:05: ");
     lacks(&out, "lost at 0:06");
+    has(&out, "6 losses in all|");
+    buf_free(&out);
+    out = table(&v, 0, 10); /* of 3 lines above, 4 slots, 5 losses and their number */
+    has(&out, "... and 4 more slots|\nlost at 0:01");
     has(&out, "6 losses in all|");
     has(&out, "|\n1 damaged place: ");
     buf_free(&out);
@@ -471,6 +515,21 @@ static void the_trace(void **state)
     has(&out, "\"name\":\"ready\",");
     buf_free(&out);
     view_close(&v);
+    /* A loss after the last task of its run is not in the next one. Two slots without times. */
+    put_lines(
+        &b, LINES("frame 0 8 8 job=" JOB " w=0", "done 0 0 cpu_us=1 wall_us=500000 w=0",
+                "done 0 1 cpu_us=1 wall_us=100000 w=1", "gone w=1 why=silent lost=2 recv_us=900000",
+                HELLO, "done 0 2 cpu_us=1 wall_us=100000 w=0"));
+    view(&v, "late", &b);
+    out = trace(&v);
+    has(&out, "\"name\":\"lost: silent\",\"cat\":\"slot\",\"ph\":\"i\",\"s\":\"t\",\"ts\":500000,");
+    has(&out, "\"ph\":\"C\",\"ts\":100000,\"pid\":0,\"args\":{\"done\":0}},\n"
+              "{\"name\":\"pixels\",\"ph\":\"C\",\"ts\":500000,");
+    buf_free(&out);
+    out = page(&v, NULL, 0);
+    has(&out, "<rect class=\"l\" x=\"833.3\"");
+    buf_free(&out);
+    view_close(&v);
 }
 
 /* A curve of few points, the last of which has all pixels. */
@@ -511,6 +570,7 @@ int main(void)
         cmocka_unit_test(figures_of_the_last_run),
         cmocka_unit_test(rates_are_of_late),
         cmocka_unit_test(the_table),
+        cmocka_unit_test(slots_within_slots),
         cmocka_unit_test(many_losses),
         cmocka_unit_test(numbers_are_short),
         cmocka_unit_test(the_timeline),
