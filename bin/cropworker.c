@@ -4,7 +4,9 @@
 #include "files/files.h"
 #include "worker/worker.h"
 
+#include <errno.h>
 #include <inttypes.h>
+#include <limits.h>
 #include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +23,7 @@ struct options {
     int64_t frame;             /* -F: its number */
     char **command;
     const char *scratch; /* directory of this process */
+    pid_t pid;           /* this process, and not one of its slots */
 };
 
 /* ---- its files ------------------------------------------------------------------------------ */
@@ -44,6 +47,7 @@ static int unpack(const void *options, const char *name, unsigned char *bytes, s
     buf_free(&path);
     bool good = mkdir(u->directory, 0700) == 0 || err_set(err, "%s: cannot be made", u->directory);
     char *first = NULL;
+    errno = 0;
     if (good && files_unpack(bytes, n, u->directory, &first, err)) {
         struct buf plain = {0}; /* a name that no command takes for an option */
         buf_printf(&plain, "./%s", first);
@@ -53,7 +57,9 @@ static int unpack(const void *options, const char *name, unsigned char *bytes, s
         free(first);
         return 0;
     }
+    int err_no = errno;
     crop_remove(u->directory);
+    if (err_no == ENOSPC || err_no == EDQUOT || err_no == EIO) die(ST_SYSTEM, "%s", err);
     free(u->directory);
     return -1;
 }
@@ -71,6 +77,8 @@ static void remove_files(void *value)
 /* What is drawn for the current task. */
 struct drawing {
     struct crop_command command;
+    pid_t pid; /* of the process that the files are of; others make copies */
+    char *own; /* such a copy, or NULL */
     struct crop_rect at;
     struct image picture;
 };
@@ -81,6 +89,7 @@ static void *build(const void *options, void *const value[])
     struct drawing *d = xcalloc(1, sizeof *d);
     const struct unpacked *u = value[0];
     d->command = (struct crop_command){.words = o->command, .scratch = o->scratch};
+    d->pid = o->pid;
     if (u) d->command.files = u->directory, d->command.first = u->first;
     return d;
 }
@@ -89,7 +98,21 @@ static void free_drawing(void *built)
 {
     struct drawing *d = built;
     image_free(&d->picture);
+    if (d->own) crop_remove(d->own);
+    free(d->own);
     free(d);
+}
+
+/* A slot of several has its own copy of the files: commands may write files and read them again. */
+static void own_files(struct drawing *d)
+{
+    char own[PATH_MAX];
+    const pid_t pid = getpid();
+    if (!d->command.files || d->pid == pid) return;
+    snprintf(own, sizeof own, "%s-%ld", d->command.files, (long)pid);
+    if (crop_copy(d->command.files, own) != 0) die(ST_SYSTEM, "%s: cannot be made:", own);
+    d->command.files = d->own = xstrdup(own);
+    d->pid = pid;
 }
 
 /* A task that cannot be drawn ends this process. So another one, perhaps on another host, gets it,
@@ -98,6 +121,7 @@ static void task(void *built, const struct frame_size *f, const struct lattice *
 {
     struct drawing *d = built;
     char err[CROP_ERR];
+    own_files(d);
     image_free(&d->picture);
     d->at = crop_around(whole, f->w, f->h);
     d->at.frame = f->frame;
@@ -206,6 +230,7 @@ int main(int argc, char **argv)
     /* A command without {i} has no state. */
     renderer.n_parts = crop_uses(o.command, "i") ? 1 : 0;
     o.scratch = crop_directory();
+    o.pid = getpid();
     struct worker_states *s = worker_states_new(&renderer, &o, &o.words);
     int status = ST_OK;
     if (o.w) inspect(s, &o);

@@ -27,11 +27,13 @@ given() {
 	echo "${0##*/}: $refused" >&2
 	exit 2
 }
-# unfit SAID MESSAGE: prints what a worker said without its usage, or MESSAGE if it said no more; exits with 2
+# unfit SAID MESSAGE [STATUS]: prints what a worker said without its usage, or MESSAGE if it said no more; exits with 2, or
+# with 3 if that is its status
 unfit() {
 	said=$(echo "$1" | grep -v '^usage:\|^   ')
 	echo "${said:-$2}" >&2
-	exit 2
+	[ "${3-2}" -eq 3 ] || exit 2
+	exit 3
 }
 # directory: makes a directory for temporary files and prints its name, an absolute one
 directory() {

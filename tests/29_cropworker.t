@@ -248,6 +248,21 @@ is 'standard input is no file that is packed' "$status $err" '2 pack: -: No such
 ok 'a name that is no UTF-8 is packed' sh -c 'LC_ALL=C pack files "$1" >named.files' sh "$name"
 cat named.files tiles.task | cropworker sh -c 'grep -q inside {i} && [ "$(echo *)" = "$0" ] && cat "$1"' "$name" "$tmp/whole.pgm" 2>said | gather -o named.png
 is 'and unpacked' "$(cat said)$(imgcmp -q named.png left.png || echo differ)" ''
+# Two commands at a time, each of which waits for the other one, and writes a file.
+cat >apart <<'END'
+pwd >>"$1"
+echo "$2" >mine
+n=0
+until [ "$(wc -l <"$1")" -ge 2 ] || [ $((n += 1)) -gt 500 ]; do sleep .02; done
+[ "$(cat mine)" = "$2" ] && exec cat "$3"
+END
+printf 'P5 8 8 255\n%064d' 0 >zeros.pgm
+{ pack files zeros.pgm; partition -u tile:8x4 8x8; } | cropworker -j 2 sh "$tmp/apart" "$tmp/dirs" '{y}' '{i}' 2>said | gather -o apart.png
+is '-j: each slot has a directory of its own' "$(cat said)$(sort -u dirs | wc -l) $(imgcmp apart.png zeros.pgm | grep differing)" '2 differing	0'
+ok '-j: no file remains' await 10 none_left
+printf 'P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE CMYK\nENDHDR\nabcd' >cmyk.pam
+run imgcmp cmyk.pam cmyk.pam
+like 'a PAM of four inks is no RGBA' "$status $err" '^2 .*no CMYK'
 MARK=$mark cropworker -j 2 sh sleeper <tiles.task | until [ -e leave ]; do sleep .05; done &
 ok 'a reader that leaves: at work' await 10 sleeping 4
 touch leave

@@ -33,6 +33,14 @@ height_field { pgm "heights.pgm" translate <-.5, -1.2, -.5> scale <6, 1, 6> pigm
 END
 is 'the files of a scene: it, what it includes, and textures' "$(povworker -l my/scene.pov | sort | tr '\n' ' ')" \
 	'my/heights.pgm my/inc/b.inc my/scene.pov my/tex/a.ppm '
+mkdir -p quotes/in && cp my/scene.pov quotes/in/q.pov && echo >quotes/far && echo >quotes/in/near
+printf '// "near"\n#declare s = "http://x"; // "near"\n#declare t = "../far";\n' >>quotes/in/q.pov
+is 'names in comments, and outside of the directory, are not sent' "$(povworker -l quotes/in/q.pov 2>said) $(cat said)" \
+	'quotes/in/q.pov povworker: quotes/in/q.pov: "../far" is not sent, expected a name without ..'
+run balance adaptive -s 8x8 -W '-f 0' -o bad.png my/scene.pov
+is 'balance -W with a bad option of the worker: status 2' "$status $err" '2 cropworker: -f 0: expected an integer from 1 to 65536'
+run balance adaptive -s 8x8 -W scene.ini -o bad.png my/scene.pov
+like 'balance -W with a file' "$status $err" '^2 balance: -W scene.ini: expected options of povworker'
 mkdir 'my odd' && cp -r my/tex my/inc my/heights.pgm 'my odd'
 for odd in "a b" "a;b" "a=b" "a'b" "a[b]"; do
 	cp my/scene.pov "my odd/$odd.pov"

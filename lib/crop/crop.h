@@ -55,6 +55,12 @@ const char *crop_directory(void);
 /* Removes the file or directory, with all that is in it; follows no link. 0, or -1 with errno. */
 int crop_remove(const char *path);
 
+/* ---- copy.c ---- */
+
+/* Copies the directory, with the files and directories in it, to one that does not exist yet. 0, or
+ * -1 with errno. */
+int crop_copy(const char *path, const char *to);
+
 /* ---- command.c ---- */
 
 /*

@@ -45,8 +45,15 @@ static bool number(struct text *t, int64_t max, int64_t *out)
     return word(t, w, sizeof w) && parse_int(w, 1, max, out);
 }
 
-/* WIDTH 4, DEPTH 3, ... in any order until ENDHDR. TUPLTYPE is ignored: DEPTH determines the
- * channels. */
+/* CMYK has as many channels as RGB_ALPHA. */
+static bool tuple_type(struct text *t)
+{
+    char type[24];
+    return word(t, type, sizeof type) && strncmp(type, "CMYK", 4) != 0;
+}
+
+/* WIDTH 4, DEPTH 3, ... in any order until ENDHDR. Of TUPLTYPE only CMYK is refused: DEPTH
+ * determines the channels. */
 static bool pam_header(struct text *t, struct header *h)
 {
     char key[24];
@@ -57,7 +64,7 @@ static bool pam_header(struct text *t, struct header *h)
         else if (strcmp(key, "HEIGHT") == 0) ok = number(t, FRAME_SIDE_MAX, &h->h);
         else if (strcmp(key, "DEPTH") == 0) ok = number(t, 4, &h->channels);
         else if (strcmp(key, "MAXVAL") == 0) ok = number(t, 65535, &h->max);
-        else if (strcmp(key, "TUPLTYPE") == 0) ok = word(t, key, sizeof key);
+        else if (strcmp(key, "TUPLTYPE") == 0) ok = tuple_type(t);
         else ok = false;
         if (!ok) return false;
     }
@@ -86,7 +93,9 @@ int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, 
     struct header h;
     if (!read_header(p, n, &h))
         return image_fail(err,
-            "damaged P%c header, expected sides from 1 to %d, 1 to 4 channels, maximum 1 to 65535",
+            "damaged P%c header, expected sides from 1 to %d, 1 to 4 channels, maximum 1 to 65535, "
+            "no "
+            "CMYK",
             p[1], FRAME_SIDE_MAX);
     uint32_t width = (uint32_t)h.w, height = (uint32_t)h.h;
     if (!image_size_ok(width, height, err)) return -1;
