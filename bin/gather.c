@@ -291,7 +291,7 @@ static int finish(struct gather *g)
     if (g->o->expected && parts->n_frames && intake_expect(&g->in, g->o->expected, why) != 0)
         die(ST_USAGE, "%s", why);
     intake_report(&g->in);
-    intake_report_twice(&g->in, g->o->progress);
+    bool differ = intake_report_twice(&g->in, g->o->progress);
     bool disputed = intake_report_bye(&g->in, g->log.why, intake_piped(g->o->inputs));
     for (uint32_t i = 0; i < parts->n_frames && g->o->missing; i++)
         intake_missing(parts->frames[i], put_stdout);
@@ -302,7 +302,7 @@ static int finish(struct gather *g)
     }
     if (g->status != ST_OK || disputed) return ST_SYSTEM;
     if (!assembly_whole(parts) && !(parts->n_frames && g->o->missing)) return unfinished(g);
-    return parts->differing || intake_orphaned(&g->in) ? ST_PARTIAL : ST_OK;
+    return differ || intake_orphaned(&g->in) ? ST_PARTIAL : ST_OK;
 }
 
 int main(int argc, char **argv)

@@ -189,6 +189,13 @@ enum assembly_verdict {
     ASSEMBLY_VERDICTS
 };
 
+/* Pixels that came again when the frame was closed; see late.c. */
+struct assembly_late {
+    bool known;                    /* the sum of the first pixels */
+    uint64_t first, again, places; /* sums of hashes */
+    uint64_t n;                    /* pixels that came again */
+};
+
 struct assembly_frame {
     uint32_t number;
     char job[ASSEMBLY_NAME]; /* from the first declaration, which stands */
@@ -197,7 +204,8 @@ struct assembly_frame {
         have;   /* bits NULL: no fragment yet, or released; w, h and done are always valid */
     bool clear; /* some alpha is below 1 */
     bool released;
-    uint64_t again;    /* pixels that came more than once */
+    uint64_t again; /* pixels that came more than once, and were compared */
+    struct assembly_late late;
     uint64_t shown_px; /* pixels in its last preview */
     uint32_t next_id;  /* for the caller: above every task id seen */
 };
@@ -259,8 +267,17 @@ void assembly_release(struct assembly *a, struct assembly_frame *f);
 bool assembly_whole(const struct assembly *a);
 /* Copies the coverage of f; the caller frees the copy. */
 void assembly_coverage(const struct assembly_frame *f, struct coverage *copy);
-/* Pixels that came again with the same bits, over all frames. */
+/* Pixels that came again with the same bits, over all frames, before their frame was closed. */
 uint64_t assembly_again(const struct assembly *a);
+/* Of those that came again later: every pixel of the frame did, and they are the same or differ; or
+ * some did, which cannot be compared. */
+enum assembly_lateness {
+    ASSEMBLY_NONE_LATE,
+    ASSEMBLY_LATE_SAME,
+    ASSEMBLY_LATE_DIFFERS,
+    ASSEMBLY_LATE_UNKNOWN
+};
+enum assembly_lateness assembly_late(const struct assembly_frame *f);
 /* "3072 of 262144 pixels missing: rows 5, 13, 20-31, ..." */
 #define ASSEMBLY_TEXT 256
 void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT]);

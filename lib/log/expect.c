@@ -49,17 +49,35 @@ const char *intake_refused_text(
     return out;
 }
 
-void intake_report_twice(const struct intake *in, bool all)
+bool intake_report_twice(const struct intake *in, bool all)
 {
     const struct assembly *parts = &in->parts;
-    uint64_t same = assembly_again(parts), more = parts->differing;
+    uint64_t same = assembly_again(parts), more = parts->differing, unknown = 0;
+    bool differ = more > 0;
     char text[LOG_DISPUTE_TEXT];
     for (uint32_t i = 0; i < parts->n_disputes; i++) {
         warn("%s", log_dispute_text(&in->sources, &parts->disputes[i], text));
         more -= parts->disputes[i].pixels;
     }
     if (more) warn("... and %" PRIu64 " differing pixels more", more);
+    for (uint32_t i = 0; i < parts->n_frames; i++) {
+        const struct assembly_frame *f = parts->frames[i];
+        const enum assembly_lateness is = assembly_late(f);
+        if (is == ASSEMBLY_LATE_DIFFERS)
+            warn("frame %" PRIu32
+                 ": its pixels came again after the next picture was complete, and "
+                 "differ: one of the two is wrong; the first were kept",
+                f->number);
+        differ |= is == ASSEMBLY_LATE_DIFFERS;
+        if (is == ASSEMBLY_LATE_SAME) same += f->late.n;
+        if (is == ASSEMBLY_LATE_UNKNOWN) unknown += f->late.n;
+    }
     if (same && all) warn("%" PRIu64 " pixels came twice", same);
+    if (unknown && in->pixels)
+        warn("%" PRIu64 " pixels came again too late to be compared: after the next picture was "
+             "complete",
+            unknown);
+    return differ;
 }
 
 void intake_report_missing(const struct intake *in)

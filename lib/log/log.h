@@ -76,10 +76,10 @@ const char *intake_refused_text(
  * release; else NULL. */
 struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 
-/* Print to standard error: what was skipped or ignored; the pixels that differ, and with `all` how
- * many came twice; what the first incomplete frames lack. */
+/* Print to standard error: what was skipped or ignored; the pixels that differ, which is true if any
+ * do, and with `all` how many came twice; what the first incomplete frames lack. */
 void intake_report(const struct intake *in);
-void intake_report_twice(const struct intake *in, bool all);
+bool intake_report_twice(const struct intake *in, bool all);
 void intake_report_missing(const struct intake *in);
 /* Prints how to finish the pictures from `log`; NULL: from `inputs`. Tells the commands of
  * log_remedy unless `more` says that they would not make all pictures. */

@@ -169,12 +169,47 @@ static void test_memory_is_bounded(void **state)
         if (f > 1) assert_null(assembly_find(&a, f - 1)->pixels);
     }
     put(&a, 5, 16, row, 1); /* too late: counted only */
-    assert_int_equal(assembly_find(&a, 5)->again, 32);
+    assert_int_equal(assembly_find(&a, 5)->again, 16);
+    assert_int_equal(assembly_find(&a, 5)->late.n, 16);
     assert_int_equal(a.differing, 16 * 99);
     assert_int_equal(a.n_disputes, ASSEMBLY_DISPUTES_MAX);
     assert_false(assembly_whole(&a));
     assert_int_equal(put(&a, 0, 16, all, 0), ASSEMBLY_TAKEN);
     assert_true(assembly_whole(&a));
+    assembly_free(&a);
+}
+
+/* Late pixels of frame 0, in any cut: all of them again, with the same bits or not; or not all. */
+static void test_late(void **state)
+{
+    (void)state;
+    struct assembly a;
+    const struct lattice all = {0, 0, 16, 16, 1, 1}, upper = {0, 0, 16, 8, 1, 1},
+                         lower = {0, 8, 16, 8, 1, 1};
+    assembly_init(&a, true, ROOM);
+    for (uint32_t f = 0; f < 3; f++) {
+        assembly_declare(&a, f, 16, 16, "j");
+        put(&a, f, 16, all, 0);
+        assembly_release(&a, assembly_find(&a, f));
+    }
+    const struct assembly_frame *f = assembly_find(&a, 0);
+    assert_int_equal(assembly_late(f), ASSEMBLY_NONE_LATE);
+    put(&a, 0, 16, upper, 0);
+    assert_int_equal(assembly_late(f), ASSEMBLY_LATE_UNKNOWN);
+    put(&a, 0, 16, lower, 0);
+    assert_int_equal(assembly_late(f), ASSEMBLY_LATE_SAME);
+    put(&a, 0, 16, all, 0);
+    assert_int_equal(assembly_late(f), ASSEMBLY_LATE_SAME);
+    put(&a, 0, 16, lower, 0);
+    put(&a, 0, 16, lower, 0); /* as many as all, but not all */
+    assert_int_equal(assembly_late(f), ASSEMBLY_LATE_UNKNOWN);
+    put(&a, 0, 16, upper, 0);
+    put(&a, 0, 16, upper, 1);
+    assert_int_equal(assembly_late(f), ASSEMBLY_LATE_DIFFERS);
+    assert_int_equal(assembly_late(assembly_find(&a, 1)), ASSEMBLY_NONE_LATE);
+    put(&a, 1, 16, all, 1);
+    assert_int_equal(assembly_late(assembly_find(&a, 1)), ASSEMBLY_LATE_DIFFERS);
+    assert_int_equal(a.differing, 0);
     assembly_free(&a);
 }
 
@@ -242,6 +277,7 @@ int main(void)
         cmocka_unit_test(test_bits_not_values),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_memory_is_bounded),
+        cmocka_unit_test(test_late),
         cmocka_unit_test(test_released_is_given_back),
         cmocka_unit_test(test_without_pixels),
         cmocka_unit_test(test_missing_in_words),
