@@ -211,7 +211,7 @@ static void put_page(const struct view_log *v, const struct options *o)
 {
     struct buf page = {0}, png = {0};
     struct account a;
-    if (o->page) check_page(o); /* the log may not have been there */
+    if (o->page) check_page(o); /* the log exists only now, perhaps */
     account_make(&a, &v->log);
     view_picture(v->path, &png);
     view_page(v, &a, &png, view_ended(v) ? 0 : o->every_s, &page);

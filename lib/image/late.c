@@ -16,7 +16,7 @@ static uint64_t hash_of(uint64_t p, const float *rgba)
     return rng_u64(rng_u64(p, bits[0]), bits[1]);
 }
 
-void late_close(struct assembly_frame *f)
+void assembly_late_close(struct assembly_frame *f)
 {
     const uint32_t w = f->have.w;
     if (!f->pixels || !coverage_full(&f->have)) return;
@@ -28,7 +28,7 @@ void late_close(struct assembly_frame *f)
     }
 }
 
-void late_add(struct assembly_frame *f, const struct lattice *at, const float *rgba)
+void assembly_late_add(struct assembly_frame *f, const struct lattice *at, const float *rgba)
 {
     f->late.n += lattice_count(at);
     for (uint64_t j = 0; j < at->h && f->late.known; j++) {

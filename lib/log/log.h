@@ -76,8 +76,8 @@ const char *intake_refused_text(
  * release; else NULL. */
 struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 
-/* Print to standard error: what was skipped or ignored; the pixels that differ, which is true if any
- * do, and with `all` how many came twice; what the first incomplete frames lack. */
+/* Print to standard error: what was skipped or ignored; the pixels that differ (true: there are
+ * some), and with `all` how many came twice; what the first incomplete frames lack. */
 void intake_report(const struct intake *in);
 bool intake_report_twice(const struct intake *in, bool all);
 void intake_report_missing(const struct intake *in);
