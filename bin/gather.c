@@ -112,7 +112,7 @@ static void check_written(struct gather *g, uint32_t frame, const char *name)
     struct stat st;
     if (!name || stat(name, &st) != 0 || !S_ISREG(st.st_mode)) return;
     check_not_log(g, &st, name);
-    bool back = image_backs_have(g->o->out.backs, frame, name);
+    bool back = image_backs_have(g->o->out.backs, g->in.parts.n_frames > 0, frame, name);
     if (back) flush_log(g);
     if (back) die(ST_USAGE, "%s: is also a backdrop, expected another file", name);
     for (char **from = g->o->inputs; *from; from++) {
@@ -263,7 +263,10 @@ static void read_stream(struct gather *g, const char *name)
     struct stat st;
     int fd = read_open(&name);
     if (fstat(fd, &st) == 0) check_not_log(g, &st, name);
+    char why[sizeof g->log.why];
+    memcpy(why, g->log.why, sizeof why);
     int failed = log_read(&g->in, fd, name, &g->reader);
+    if (fd != STDIN_FILENO) memcpy(g->log.why, why, sizeof why); /* the end of another run */
     if (failed < 0) die(ST_SYSTEM, "%s:", name);
     flush_log(g);
     if (failed) die(ST_USAGE, "%s: %s", name, g->in.why);

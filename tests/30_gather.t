@@ -110,8 +110,10 @@ is 'a picture that comes again, later, and differs: status 1' "$status $err" \
 	'1 gather: frame 0: its pixels came again after the next picture was complete, and differ: one of the two is wrong; the first were kept'
 { cat three; frag 0 2 '0 2 4 1 1 1' "$full" 4 | seal; } >again
 run gather -o a%d.pam again
-is 'a part that comes again, later: a message' "$status $err" \
-	'0 gather: 4 pixels came again too late to be compared: after the next picture was complete'
+is 'a part that comes again, later: silent' "$status$err" 0
+run gather -P -o a%d.pam again
+like 'a part that comes again, later, with -P' "$status $err" \
+	'^0 .*gather: 4 pixels came again too late to be compared: after the next picture was complete$'
 is '-m compares nothing' "$(gather -m again 2>&1)" ''
 
 # ---- refused
@@ -232,6 +234,7 @@ run gather -o n.png /dev/null
 # "-" is standard input, as if nothing were named.
 { picture 0 | sed '$d'; echo 'bye why=other-jobs'; } 2>/dev/null | seal >jobs
 is '-: the end of the run counts' "$(gather -o a.pam - <jobs 2>err.txt; echo $?) $(grep -c 'did not agree' err.txt)" '3 1'
+is 'a log beside - is no end of this run' "$(gather -o a.pam jobs - </dev/null 2>&1; echo $?)" 0
 is '-: no log was kept' "$(gather -o n.png - <torn 2>&1 | grep -c 'no log was kept')" 1
 is 'empty input: status 1' "$status" 1
 like 'empty input: a message says so' "$err" 'no frame was declared'

@@ -22,6 +22,7 @@
 #define RECENT 0.5
 #define RECENT_LEAST_S 10
 #define TASKS_LEAST 4
+#define GAP_MOST 4 /* bands in a row without pixels, for a forecast */
 
 /* The entry of a task. Takes the place of another one if the table is full: that one is lost. */
 static struct eta_task *task_of(struct eta *e, uint32_t frame, uint32_t id)
@@ -32,10 +33,11 @@ static struct eta_task *task_of(struct eta *e, uint32_t frame, uint32_t id)
     return t;
 }
 
-/* Mean cost of a pixel in each band. False if no cost is known. */
-static bool densities(const struct eta *e, double us[ETA_BANDS])
+/* Mean cost of a pixel in each band. Returns the most bands in a row without pixels: all of them if
+ * none has any. */
+static int densities(const struct eta *e, double us[ETA_BANDS])
 {
-    int before = -1;
+    int before = -1, gap = 0;
     for (int b = 0; b < ETA_BANDS; b++) {
         if (e->px[b] <= 0) continue;
         us[b] = e->cost_us[b] / e->px[b];
@@ -43,10 +45,11 @@ static bool densities(const struct eta *e, double us[ETA_BANDS])
             double share = before < 0 ? 1 : (double)(k - before) / (b - before);
             us[k] = before < 0 ? us[b] : us[before] + (us[b] - us[before]) * share;
         }
+        if (b - before - 1 > gap) gap = b - before - 1;
         before = b;
     }
     for (int k = before + 1; before >= 0 && k < ETA_BANDS; k++) us[k] = us[before];
-    return before >= 0;
+    return ETA_BANDS - 1 - before > gap ? ETA_BANDS - 1 - before : gap;
 }
 
 /* Every second mark is dropped when all are used: they stay evenly spread over the run. */
@@ -71,7 +74,8 @@ static void forecast(struct eta *e, uint32_t first)
 {
     if (first + ETA_BANDS / 2 >= e->lowest) return;
     e->lowest = 0;
-    e->known = densities(e, e->us);
+    if (densities(e, e->us) > GAP_MOST) return;
+    e->known = true;
     e->from_s = e->last_s;
     e->n_from = e->n_done;
     e->work_us = e->cost_sum_us;
@@ -136,7 +140,7 @@ static double work_left(const struct eta *e, double done, double total)
 {
     double now[ETA_BANDS], work = 0, missing = 0;
     const double *us = e->known ? e->us : now;
-    if (!e->known && !densities(e, now)) return -1;
+    if (!e->known && densities(e, now) == ETA_BANDS) return -1;
     for (int b = 0; b < ETA_BANDS; b++) {
         double px = fmax(total / ETA_BANDS - e->px[b], 0);
         work += px * us[b];

@@ -74,14 +74,10 @@ static bool put_file(struct archive *a, const char *path, const char *name, char
 static const char *below(const char *path, const char *directory, char err[ERR_BYTES])
 {
     size_t n = strlen(directory);
-    char why[ERR_BYTES];
-    if (strncmp(path, directory, n) == 0) {
-        if (files_name_check(path + n, why)) return path + n;
-        err_set(err, "%s", why);
-        return NULL;
-    }
-    err_set(err, "%s: expected a file below %s, the directory of the first file", path,
-        n ? directory : "./");
+    char why[ERR_BYTES] = "";
+    if (strncmp(path, directory, n) == 0 && files_name_check(path + n, why)) return path + n;
+    err_set(err, "%s: expected a file below %s, the directory of the first file%s%s", path,
+        n ? directory : "./", *why ? "; " : "", why);
     return NULL;
 }
 

@@ -51,10 +51,11 @@ void image_backs_blend(struct image_backs *b, struct image *over)
     }
 }
 
-bool image_backs_have(const struct image_backs *b, uint32_t frame, const char *path)
+bool image_backs_have(const struct image_backs *b, bool numbered, uint32_t frame, const char *path)
 {
     bool have = false;
     for (int i = 0; i < b->n && !have; i++) {
+        if (b->back[i].numbered && !numbered) continue;
         char *name = b->back[i].numbered ? image_name(b->back[i].name, frame) : NULL;
         have = outfile_is(name ? name : b->back[i].name, path);
         free(name);

@@ -89,8 +89,8 @@ void image_backs_blend(struct image_backs *b, struct image *over);
  * status 2 if it is bad. */
 void image_opt_back(int opt, const char *name, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
-/* True if the file at `path` is one of those of picture number `frame`. */
-bool image_backs_have(const struct image_backs *b, uint32_t frame, const char *path);
+/* True if the file at `path` is one of them; with `numbered`, also one of picture number `frame`. */
+bool image_backs_have(const struct image_backs *b, bool numbered, uint32_t frame, const char *path);
 /* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
 struct image_rows image_backs_under(
@@ -191,9 +191,11 @@ enum assembly_verdict {
 
 /* Pixels that came again when the frame was closed; see late.c. */
 struct assembly_late {
-    bool known;                    /* the sum of the first pixels */
-    uint64_t first, again, places; /* sums of hashes */
-    uint64_t n;                    /* pixels that came again */
+    bool known, differs;         /* the sums; a whole copy differs from the first */
+    uint64_t same;               /* pixels of whole copies with the same bits */
+    uint64_t n;                  /* other ones, which cannot be compared */
+    uint64_t first, again;       /* sums of hashes: of all first pixels; of those n */
+    uint64_t all_places, places; /* and of their places */
 };
 
 struct assembly_frame {
@@ -269,15 +271,6 @@ bool assembly_whole(const struct assembly *a);
 void assembly_coverage(const struct assembly_frame *f, struct coverage *copy);
 /* Pixels that came again with the same bits, over all frames, before their frame was closed. */
 uint64_t assembly_again(const struct assembly *a);
-/* Of those that came again later: every pixel of the frame did, and they are the same or differ; or
- * some did, which cannot be compared. */
-enum assembly_lateness {
-    ASSEMBLY_NONE_LATE,
-    ASSEMBLY_LATE_SAME,
-    ASSEMBLY_LATE_DIFFERS,
-    ASSEMBLY_LATE_UNKNOWN
-};
-enum assembly_lateness assembly_late(const struct assembly_frame *f);
 /* "3072 of 262144 pixels missing: rows 5, 13, 20-31, ..." */
 #define ASSEMBLY_TEXT 256
 void assembly_missing_text(const struct assembly_frame *f, char out[ASSEMBLY_TEXT]);

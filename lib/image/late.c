@@ -1,9 +1,9 @@
 /*
  * late: pixels that come again when their frame is closed, so that there is nothing to compare them
- * with. Of a closed frame a sum of hashes is kept, one for each pixel with its place. If every
- * pixel has come again equally often, which a sum of hashes of the places tells, the sum of the
- * late ones must be the same. So a whole second copy of a film is compared, in whatever cut it
- * comes; a part of a frame is only counted.
+ * with. Of a closed frame a sum of hashes is kept, one for each pixel with its place. When every
+ * pixel has come again, equally often, which a sum of hashes of the places tells, the sum of the
+ * late ones must be the same. So a second copy of a film is compared, in whatever cut it comes; a
+ * part of a frame is only counted.
  */
 #include "image/store.h"
 
@@ -23,9 +23,22 @@ void assembly_late_close(struct assembly_frame *f)
     f->late = (struct assembly_late){.known = true};
     for (uint32_t y = 0; y < f->have.h; y++) {
         const float *row = store_row(f->pixels, y);
-        for (uint32_t x = 0; x < w; x++)
-            f->late.first += hash_of((uint64_t)y * w + x, row + 4 * (size_t)x);
+        for (uint32_t x = 0; x < w; x++) {
+            const uint64_t p = (uint64_t)y * w + x;
+            f->late.first += hash_of(p, row + 4 * (size_t)x);
+            f->late.all_places += rng_u64(0, p);
+        }
     }
+}
+
+/* Compares the late pixels if they are whole copies. */
+static void compare(struct assembly_late *l, uint64_t all)
+{
+    const uint64_t times = l->n / all;
+    if (!l->known || l->n % all || l->places != times * l->all_places) return;
+    if (l->again == times * l->first) l->same += l->n;
+    else l->differs = true;
+    l->n = l->again = l->places = 0;
 }
 
 void assembly_late_add(struct assembly_frame *f, const struct lattice *at, const float *rgba)
@@ -38,15 +51,5 @@ void assembly_late_add(struct assembly_frame *f, const struct lattice *at, const
             f->late.places += rng_u64(0, p);
         }
     }
-}
-
-enum assembly_lateness assembly_late(const struct assembly_frame *f)
-{
-    const uint64_t all = (uint64_t)f->have.w * f->have.h, times = f->late.n / all;
-    uint64_t places = 0;
-    if (!f->late.n) return ASSEMBLY_NONE_LATE;
-    if (!f->late.known || f->late.n % all) return ASSEMBLY_LATE_UNKNOWN;
-    for (uint64_t p = 0; p < all; p++) places += rng_u64(0, p);
-    if (f->late.places != times * places) return ASSEMBLY_LATE_UNKNOWN;
-    return f->late.again == times * f->late.first ? ASSEMBLY_LATE_SAME : ASSEMBLY_LATE_DIFFERS;
+    compare(&f->late, (uint64_t)f->have.w * f->have.h);
 }

@@ -53,7 +53,7 @@ bool intake_report_twice(const struct intake *in, bool all)
 {
     const struct assembly *parts = &in->parts;
     uint64_t same = assembly_again(parts), more = parts->differing, unknown = 0;
-    bool differ = more > 0;
+    uint32_t differing = 0;
     char text[LOG_DISPUTE_TEXT];
     for (uint32_t i = 0; i < parts->n_disputes; i++) {
         warn("%s", log_dispute_text(&in->sources, &parts->disputes[i], text));
@@ -62,22 +62,21 @@ bool intake_report_twice(const struct intake *in, bool all)
     if (more) warn("... and %" PRIu64 " differing pixels more", more);
     for (uint32_t i = 0; i < parts->n_frames; i++) {
         const struct assembly_frame *f = parts->frames[i];
-        const enum assembly_lateness is = assembly_late(f);
-        if (is == ASSEMBLY_LATE_DIFFERS)
+        if (f->late.differs && ++differing <= FRAMES_LISTED)
             warn("frame %" PRIu32
                  ": its pixels came again after the next picture was complete, and "
                  "differ: one of the two is wrong; the first were kept",
                 f->number);
-        differ |= is == ASSEMBLY_LATE_DIFFERS;
-        if (is == ASSEMBLY_LATE_SAME) same += f->late.n;
-        if (is == ASSEMBLY_LATE_UNKNOWN) unknown += f->late.n;
+        same += f->late.same;
+        unknown += f->late.n;
     }
+    if (differing > FRAMES_LISTED) warn("... and %u frames more", differing - FRAMES_LISTED);
     if (same && all) warn("%" PRIu64 " pixels came twice", same);
-    if (unknown && in->pixels)
+    if (unknown && all && in->pixels)
         warn("%" PRIu64 " pixels came again too late to be compared: after the next picture was "
              "complete",
             unknown);
-    return differ;
+    return parts->differing || differing;
 }
 
 void intake_report_missing(const struct intake *in)
@@ -117,7 +116,7 @@ void intake_report_remedy(const struct intake *in, const char *log, char *const 
     if (log)
         warn("to resume from %s, rerun the command%s", log, again ? ", or finish as follows" : "");
     if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else if (!log && intake_piped(inputs))
+    else if (!log && intake_piped(inputs) && !inputs[1])
         warn("no log was kept (-r LOG), so only a new run can render them");
     buf_free(&remedy);
 }

@@ -222,6 +222,20 @@ static void a_slow_sample(void **state)
     assert_true(near(eta_left_s(&e, 48, 128, t_s), left_s));
 }
 
+/* The middle first, and then the rest: that is no sample of the whole picture. */
+static void half_a_picture_is_no_sample(void **state)
+{
+    (void)state;
+    static struct eta e;
+    e = (struct eta){0};
+    for (uint32_t i = 0; i < 48; i++) {
+        uint32_t b = i < 44 ? i + 10 : i - 44;
+        eta_done(&e, 0, i, 1e6, i);
+        eta_pixels(&e, 0, i, row(b), row(b), 1);
+    }
+    assert_true(!e.known);
+}
+
 /* Odd bands cost 3 s, even ones 1 s. The second forecast changes the work of the second pass. */
 static void two_forecasts(void **state)
 {
@@ -351,6 +365,7 @@ int main(void)
         cmocka_unit_test(unknown_at_first),
         cmocka_unit_test(a_resumed_run),
         cmocka_unit_test(a_slow_sample),
+        cmocka_unit_test(half_a_picture_is_no_sample),
         cmocka_unit_test(two_forecasts),
         cmocka_unit_test(costs_belong_to_bands),
         cmocka_unit_test(tasks_do_not_mix),

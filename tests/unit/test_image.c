@@ -382,7 +382,7 @@ static void spills(const char *pattern, const char *chosen, const char *director
 {
     const struct image_out o = {.pattern = pattern};
     assert_int_equal(chosen ? setenv("TMPDIR", chosen, 1) : unsetenv("TMPDIR"), 0);
-    char *dir = image_out_spill(&o);
+    char *dir = image_out_spill(&o, 7);
     assert_string_equal(dir, directory);
     free(dir);
 }
@@ -394,6 +394,7 @@ static void test_spill(void **state)
     spills("a/b%d.png", "/large", "/large");
     spills("a/b%d.png", "", "a");
     spills("a/b%d.png", NULL, "a");
+    spills("a/%d/b.png", NULL, "a/7");
     spills("/b.png", NULL, "/");
     spills("b.png", NULL, ".");
     spills(NULL, "/large", "/large");
