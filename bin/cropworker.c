@@ -45,9 +45,10 @@ static int unpack(const void *options, const char *name, unsigned char *bytes, s
     buf_append(&path, "", 1);
     u->directory = xstrdup((const char *)buf_data(&path));
     buf_free(&path);
-    bool good = mkdir(u->directory, 0700) == 0 || err_set(err, "%s: cannot be made", u->directory);
-    char *first = NULL;
     errno = 0;
+    bool good =
+        mkdir(u->directory, 0700) == 0 || err_set(err, "%s: %s", u->directory, strerror(errno));
+    char *first = NULL;
     if (good && files_unpack(bytes, n, u->directory, &first, err)) {
         struct buf plain = {0}; /* a name that no command takes for an option */
         buf_printf(&plain, "./%s", first);
@@ -68,6 +69,7 @@ static void remove_files(void *value)
 {
     struct unpacked *u = value;
     crop_remove(u->directory);
+    crop_remove_copies(u->directory);
     free(u->directory);
     free(u->first);
 }
@@ -98,7 +100,6 @@ static void free_drawing(void *built)
 {
     struct drawing *d = built;
     image_free(&d->picture);
-    if (d->own) crop_remove(d->own);
     free(d->own);
     free(d);
 }
@@ -106,13 +107,8 @@ static void free_drawing(void *built)
 /* A slot of several has its own copy of the files: commands may write files and read them again. */
 static void own_files(struct drawing *d)
 {
-    char own[PATH_MAX];
-    const pid_t pid = getpid();
-    if (!d->command.files || d->pid == pid) return;
-    snprintf(own, sizeof own, "%s-%ld", d->command.files, (long)pid);
-    if (crop_copy(d->command.files, own) != 0) die(ST_SYSTEM, "%s: cannot be made:", own);
-    d->command.files = d->own = xstrdup(own);
-    d->pid = pid;
+    if (!d->command.files || d->own || d->pid == getpid()) return;
+    d->command.files = d->own = crop_copy(d->command.files);
 }
 
 /* A task that cannot be drawn ends this process. So another one, perhaps on another host, gets it,

@@ -207,14 +207,14 @@ static struct options parse(int argc, char **argv)
 
 /* ---- a run in view ----------------------------------------------------------------------- */
 
-static void put_page(const struct view_log *v, const struct options *o)
+static void put_page(const struct view_log *v, const struct options *o, bool goes_on)
 {
     struct buf page = {0}, png = {0};
     struct account a;
     if (o->page) check_page(o); /* the log exists only now, perhaps */
     account_make(&a, &v->log);
     view_picture(v->path, &png);
-    view_page(v, &a, &png, view_ended(v) ? 0 : o->every_s, &page);
+    view_page(v, &a, &png, view_ended(v) && !goes_on ? 0 : o->every_s, &page);
     if (!o->page) put_stdout_buf(&page);
     else if (outfile_put(o->page, buf_data(&page), buf_size(&page)) != 0)
         die(ST_SYSTEM, "%s:", o->page);
@@ -259,13 +259,16 @@ static int follow(const struct options *o)
     view_open(&v, *o->inputs);
     do {
         found = view_read(&v);
+        /* What a run has written that holds the log no more is read first. */
+        bool held = found && view_held(&v);
+        if (found && !held) found = view_read(&v);
         if (!found && !o->follow) die(ST_USAGE, "%s: no such file", v.path);
         if (o->what != PAGE) put_table(&v, found);
-        else if (found) put_page(&v, o);
-        over = !o->follow || (view_ended(&v) && !view_held(&v));
+        else if (found) put_page(&v, o, o->follow && held);
+        over = !o->follow || (view_ended(&v) && !held);
         if (!over) poll(NULL, 0, (int)(o->every_s * 1000));
     } while (!over);
-    bool whole = view_whole(&v) && !*v.log.bye;
+    bool whole = view_whole(&v);
     view_close(&v);
     close_stdout();
     return whole || !o->follow ? ST_OK : ST_PARTIAL;

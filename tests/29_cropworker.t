@@ -260,6 +260,15 @@ printf 'P5 8 8 255\n%064d' 0 >zeros.pgm
 { pack files zeros.pgm; partition -u tile:8x4 8x8; } | cropworker -j 2 sh "$tmp/apart" "$tmp/dirs" '{y}' '{i}' 2>said | gather -o apart.png
 is '-j: each slot has a directory of its own' "$(cat said)$(sort -u dirs | wc -l) $(imgcmp apart.png zeros.pgm | grep differing)" '2 differing	0'
 ok '-j: no file remains' await 10 none_left
+# 200 records of files, of which a worker keeps some. A record for each directory that is there at the end.
+for n in $(seq 200); do printf 'P5 8 8 255\n%064d' "$n" >"n.pgm"; pack files n.pgm; partition -F "$n" -u tile:8x4 8x8; done >states.task
+{ cat states.task; until [ -e counted ]; do sleep .05; done; } | cropworker -j 2 cat '{i}' 2>said | gather -o 'state%d.pam' &
+ok 'many records of files: the last picture comes' await 60 test -e state200.pam
+ok 'and the copies of most are removed' sh -c '[ "$(ls scratch/*/ | grep -c -)" -lt 300 ]'
+: >counted
+wait $!
+is 'without a message' "$(cat said)" ''
+rm state*.pam
 printf 'P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE CMYK\nENDHDR\nabcd' >cmyk.pam
 run imgcmp cmyk.pam cmyk.pam
 like 'a PAM of four inks is no RGBA' "$status $err" '^2 .*no CMYK'

@@ -34,9 +34,11 @@ END
 is 'the files of a scene: it, what it includes, and textures' "$(povworker -l my/scene.pov | sort | tr '\n' ' ')" \
 	'my/heights.pgm my/inc/b.inc my/scene.pov my/tex/a.ppm '
 mkdir -p quotes/in && cp my/scene.pov quotes/in/q.pov && echo >quotes/far && echo >quotes/in/near
-printf '// "near"\n#declare s = "http://x"; // "near"\n#declare t = "../far";\n' >>quotes/in/q.pov
+printf '// "near"\n#declare s = "http://x"; // "near"\n#declare t = "../far";\n/* http://x */ #declare u = "seen";\n' >>quotes/in/q.pov
+echo >quotes/in/seen
 is 'names in comments, and outside of the directory, are not sent' "$(povworker -l quotes/in/q.pov 2>said) $(cat said)" \
-	'quotes/in/q.pov povworker: quotes/in/q.pov: "../far" is not sent, expected a name without ..'
+	'quotes/in/q.pov
+quotes/in/seen povworker: quotes/in/q.pov: "../far" is not sent, expected a name without ..'
 run balance adaptive -s 8x8 -W '-f 0' -o bad.png my/scene.pov
 is 'balance -W with a bad option of the worker: status 2' "$status $err" '2 cropworker: -f 0: expected an integer from 1 to 65536'
 run balance adaptive -s 8x8 -W scene.ini -o bad.png my/scene.pov

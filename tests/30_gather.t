@@ -232,9 +232,9 @@ run sh -c 'gather -o n.png <torn'
 like 'without a log' "$err" 'no log was kept'
 run gather -o n.png /dev/null
 # "-" is standard input, as if nothing were named.
-{ picture 0 | sed '$d'; echo 'bye why=other-jobs'; } 2>/dev/null | seal >jobs
-is '-: the end of the run counts' "$(gather -o a.pam - <jobs 2>err.txt; echo $?) $(grep -c 'did not agree' err.txt)" '3 1'
-is 'a log beside - is no end of this run' "$(gather -o a.pam jobs - </dev/null 2>&1; echo $?)" 0
+{ picture 0 | sed '$d'; echo 'bye why=other-jobs'; } 2>/dev/null | seal >odd.jobs
+is '-: the end of the run counts' "$(gather -o a.pam - <odd.jobs 2>err.txt; echo $?) $(grep -c 'did not agree' err.txt)" '3 1'
+is 'a log beside - is no end of this run' "$(gather -o a.pam odd.jobs - </dev/null 2>&1; echo $?)" 0
 is '-: no log was kept' "$(gather -o n.png - <torn 2>&1 | grep -c 'no log was kept')" 1
 is 'empty input: status 1' "$status" 1
 like 'empty input: a message says so' "$err" 'no frame was declared'

@@ -2,10 +2,12 @@
  * one. */
 #include "crop/crop.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -53,9 +55,29 @@ static int copy_one(const char *path, const struct stat *st, int kind, struct FT
     return kind == FTW_F ? copy_file(path, to, st->st_mode) : 0;
 }
 
-int crop_copy(const char *path, const char *to)
+char *crop_copy(const char *path)
 {
+    static char to[PATH_MAX];
+    snprintf(to, sizeof to, "%s-%ld", path, (long)getpid());
     prefix = strlen(path);
     target = to;
-    return nftw(path, copy_one, OPEN_MOST, FTW_PHYS);
+    if (nftw(path, copy_one, OPEN_MOST, FTW_PHYS) != 0) die(ST_SYSTEM, "%s: cannot be made:", to);
+    return xstrdup(to);
+}
+
+void crop_remove_copies(const char *path)
+{
+    char *parent = xstrdup(path), *slash = strrchr(parent, '/');
+    if (slash) *slash = '\0';
+    const char *name = path + (slash ? slash + 1 - parent : 0);
+    const size_t n = strlen(name);
+    DIR *d = slash ? opendir(parent) : NULL;
+    for (const struct dirent *e; d && (e = readdir(d));) {
+        char copy[PATH_MAX];
+        if (strncmp(e->d_name, name, n) != 0 || e->d_name[n] != '-') continue;
+        if (snprintf(copy, sizeof copy, "%s/%s", parent, e->d_name) < (int)sizeof copy)
+            crop_remove(copy);
+    }
+    if (d) closedir(d);
+    free(parent);
 }

@@ -57,9 +57,12 @@ int crop_remove(const char *path);
 
 /* ---- copy.c ---- */
 
-/* Copies the directory, with the files and directories in it, to one that does not exist yet. 0, or
- * -1 with errno. */
-int crop_copy(const char *path, const char *to);
+/* Copies the directory, with the files and directories in it, to one beside it that is named after
+ * this process. Returns its name, which the caller frees; a failure ends the program with status
+ * 3. */
+char *crop_copy(const char *path);
+/* Removes the copies of that directory, of all processes. */
+void crop_remove_copies(const char *path);
 
 /* ---- command.c ---- */
 
