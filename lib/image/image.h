@@ -89,7 +89,7 @@ void image_backs_blend(struct image_backs *b, struct image *over);
  * status 2 if it is bad. */
 void image_opt_back(int opt, const char *name, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
-/* True if the file at `path` is one of them; with `numbered`, also one of picture number `frame`. */
+/* True if the file at `path` is one of them; with `numbered`, or of those of picture `frame`. */
 bool image_backs_have(const struct image_backs *b, bool numbered, uint32_t frame, const char *path);
 /* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
