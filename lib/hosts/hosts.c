@@ -91,9 +91,8 @@ static const struct key {
     {"slots", set_slots, "an integer from 1 to 4096"},
     {"power", set_power, "a number from 1e-6 to 1e6"},
     {"via", set_via,
-        "a command in quotes with %c, outside of inner quotes, and %h for the host, %% for a "
-        "percent "
-        "sign"},
+        "a command in quotes with %c, outside of inner quotes, and %h for the host, "
+        "%% for a percent sign"},
     {"bin", set_bin, "a directory from / or ~/, without a colon"},
     {"wait", set_wait, "seconds from 1 to 1e6"},
     {"tries", set_tries, "an integer from 1 to 1000"},

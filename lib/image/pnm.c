@@ -93,9 +93,8 @@ int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, 
     struct header h;
     if (!read_header(p, n, &h))
         return image_fail(err,
-            "damaged P%c header, expected sides from 1 to %d, 1 to 4 channels, maximum 1 to 65535, "
-            "no "
-            "CMYK",
+            "damaged P%c header, expected sides from 1 to %d, 1 to 4 channels, "
+            "maximum 1 to 65535, no CMYK",
             p[1], FRAME_SIDE_MAX);
     uint32_t width = (uint32_t)h.w, height = (uint32_t)h.h;
     if (!image_size_ok(width, height, err)) return -1;
