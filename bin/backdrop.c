@@ -44,6 +44,7 @@ static void check_out(int opt, struct image_out *out, int pictures)
         die(ST_USAGE, "-%c %s: expected a name that ends in .png", opt, out->pattern);
     if (pictures > 1 && out->naming != IMAGE_NAME_NUMBERED)
         die(ST_USAGE, "-%c %s: %d pictures, expected %%d in the name", opt, out->pattern, pictures);
+    image_name_keep(out->pattern, 0, (uint32_t)pictures - 1);
 }
 
 static bool is_grid(const char *path)
@@ -53,10 +54,10 @@ static bool is_grid(const char *path)
     struct stat st;
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
         die(ST_USAGE, "%s: is a pipe or a device, expected a file", path);
-    FILE *f = fopen(path, "r");
-    bool is = f && fread(bytes, 1, sizeof bytes, f) == sizeof bytes &&
+    int fd = input_open(path);
+    bool is = fd >= 0 && read(fd, bytes, sizeof bytes) == (ssize_t)sizeof bytes &&
               strncasecmp(bytes, begin, sizeof bytes) == 0;
-    if (f) fclose(f);
+    if (fd >= 0) close(fd);
     return is;
 }
 
@@ -74,6 +75,8 @@ static void check_files(struct options *o, int n)
     o->n_specs = n - o->n_grids;
     if (!o->n_specs)
         die(ST_USAGE, "%s: is a grid, expected a specification after the grids", o->files[n - 1]);
+    for (int i = 0; i < n; i++) input_add(o->files[i], "an input");
+    if (o->lines) input_add(o->lines, "an input");
     check_out('o', &o->out, o->n_grids * o->n_specs);
     check_out('c', &o->captions, o->n_grids * o->n_specs);
 }

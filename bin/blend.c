@@ -48,6 +48,8 @@ static struct options parse(int argc, char **argv)
     if (o.out && !image_format_of(o.out, &o.format))
         die(ST_USAGE, "-o %s: expected a name that ends in .png, .pam or .pfm", o.out);
     int piped = 0;
+    for (int i = 0; i < o.n; i++) input_add(o.path[i], "an input");
+    if (o.out) input_keep(o.out);
     for (int i = 0; i < o.n; i++) piped += strcmp(o.path[i], "-") == 0;
     if (piped > 1) die(ST_USAGE, "two pictures from standard input, expected one at most");
     return o;

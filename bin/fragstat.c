@@ -168,12 +168,6 @@ static void check_view(const struct options *o)
         die(ST_USAGE, "-f and -H: expected one log, which is a file");
 }
 
-static void check_page(const struct options *o)
-{
-    if (outfile_is(o->page, *o->inputs))
-        die(ST_USAGE, "-o %s: is the log, expected another name", o->page);
-}
-
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
@@ -201,7 +195,9 @@ static struct options parse(int argc, char **argv)
     if (o.hosts && o.powers) die(ST_USAGE, "-S and -w: expected one of them");
     o.inputs = argv + optind;
     check_view(&o);
-    if (o.page) check_page(&o);
+    if (!o.page) return o;
+    input_add(*o.inputs, "the log");
+    input_keep(o.page);
     return o;
 }
 
@@ -211,7 +207,7 @@ static void put_page(const struct view_log *v, const struct options *o, bool goe
 {
     struct buf page = {0}, png = {0};
     struct account a;
-    if (o->page) check_page(o); /* the log exists only now, perhaps */
+    input_add(*o->inputs, "the log"); /* it exists only now, perhaps */
     account_make(&a, &v->log);
     view_picture(v->path, &png);
     view_page(v, &a, &png, view_ended(v) && !goes_on ? 0 : o->every_s, &page);

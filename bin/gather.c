@@ -10,7 +10,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/base.h"
@@ -41,18 +40,18 @@ struct gather {
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-k 8|16] [-o OUT] [-r LOG]\n"
-                                 "              [-w SECONDS] "
-                                 "[FRAGS ...]\n"
+static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-i FILE] [-k 8|16] [-o OUT]\n"
+                                 "              [-r LOG] [-w SECONDS] [FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
 
 static struct options parse(int argc, char **argv, struct image_backs *backs)
 {
     struct options o = {.out.backs = backs, .out.bits = 8, .progress = isatty(STDERR_FILENO)};
-    for (int c; (c = prog_getopt(argc, argv, "b:e:hk:mo:Pr:w:")) != -1;) switch (c) {
+    for (int c; (c = prog_getopt(argc, argv, "b:e:hi:k:mo:Pr:w:")) != -1;) switch (c) {
         case 'b': image_opt_back(c, opt_text(c, optarg), backs); break;
         case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
+        case 'i': input_add(opt_text(c, optarg), "an input"); break;
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
         case 'm': o.missing = true; break;
         case 'o': o.out.pattern = opt_text(c, optarg); break;
@@ -98,51 +97,34 @@ static void flush_log(struct gather *g)
     say_last(g, "lacks pixels");
 }
 
-/* Reading a file that is being appended to would never end. A picture would replace its own log. */
-static void check_not_log(struct gather *g, const struct stat *st, const char *name)
+/* No log, picture or preview may replace a file that the run reads. Reading a log that is being
+ * appended to would never end. */
+static void check_files(const struct options *o)
 {
-    if (!log_keep_is(&g->log, st)) return;
-    flush_log(g);
-    die(ST_USAGE, "%s: is also the log, expected another file", name);
-}
-
-/* Refuses to replace the log, a backdrop or an input by picture number `frame`, or its preview. */
-static void check_written(struct gather *g, uint32_t frame, const char *name)
-{
-    struct stat st;
-    if (!name || stat(name, &st) != 0 || !S_ISREG(st.st_mode)) return;
-    check_not_log(g, &st, name);
-    bool back = image_backs_have(g->o->out.backs, g->in.parts.n_frames > 0, frame, name);
-    if (back) flush_log(g);
-    if (back) die(ST_USAGE, "%s: is also a backdrop, expected another file", name);
-    for (char **from = g->o->inputs; *from; from++) {
-        if (!outfile_is(name, strcmp(*from, "-") == 0 ? "/dev/stdin" : *from)) continue;
-        flush_log(g);
-        die(ST_USAGE, "%s: is also an input, expected another file", name);
+    if (o->log) input_add(o->log, "the log");
+    for (char **from = o->inputs; *from; from++) {
+        const char *what = input_is(*from);
+        if (what && strcmp(what, "an input") != 0)
+            die(ST_USAGE, "%s: is also %s, expected another file", *from, what);
+        input_add(*from, "an input");
     }
-}
-
-/* The same for those of this frame. */
-static void check_outputs(struct gather *g, uint32_t frame)
-{
-    const struct image_out *out = &g->o->out;
-    if (!out->pattern) return;
-    char *name = image_out_name(out, frame);
-    char *partial = g->o->preview_s > 0 ? image_preview_name(out, frame) : NULL;
-    check_written(g, frame, name);
-    check_written(g, frame, partial);
-    free(name);
+    if (!o->out.pattern) return;
+    image_name_keep(o->out.pattern, 0, UINT32_MAX);
+    if (o->preview_s <= 0) return;
+    char *partial = image_preview_name(o->out.pattern);
+    image_name_keep(partial, 0, UINT32_MAX);
     free(partial);
 }
 
 static void open_log(struct gather *g)
 {
     const struct options *o = g->o;
+    if (o->log) input_keep(o->log);
     if (log_keep_open(&g->log, o->log) != 0) {
         if (errno == EWOULDBLOCK) die(ST_USAGE, "%s: is in use by another run", o->log);
         die(ST_SYSTEM, "%s:", o->log);
     }
-    check_outputs(g, 0);
+    check_files(o);
     if (!o->log) return;
     /* Only records since the last read are missing from the log, as after kill -9. */
     say_last(g, "has the pixels so far: rerun the command to resume");
@@ -161,11 +143,11 @@ static void write_picture(struct gather *g, const struct assembly_frame *f)
     const struct image_out *out = &g->o->out;
     char *name = image_out_name(out, f->number);
     const struct image_rows rows = assembly_rows(f);
-    if (out->backs->n) flush_log(g); /* a bad backdrop ends the program */
+    flush_log(g); /* a bad backdrop ends the program, and so does a name that became an input's */
     if (image_out_put(out, f->number, name, &rows, f->job) != 0) {
         if (!out->pattern && errno == EPIPE) reader_gone(g);
         complain(g, name);
-    } else if (g->o->preview_s > 0) image_preview_remove(&g->preview, f->number);
+    } else if (g->o->preview_s > 0) image_preview_remove(&g->preview, f);
     free(name);
 }
 
@@ -213,7 +195,6 @@ static void take_frame(struct gather *g, const struct record *r)
     const struct image_out *out = &g->o->out;
     char job[ASSEMBLY_NAME];
     bool announced = rec_str(r, "job", job, sizeof job);
-    const uint32_t known = g->in.parts.n_frames;
     if (announced) confirm(g, r);
     if (!g->spill) g->in.parts.spill.dir = g->spill = image_out_spill(out, r->task.frame);
     enum assembly_verdict verdict = intake_frame(&g->in, r);
@@ -223,7 +204,6 @@ static void take_frame(struct gather *g, const struct record *r)
             r->task.frame, out->pattern ? out->pattern : "standard output");
     }
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
-    if (g->in.parts.n_frames > known && !g->o->missing) check_outputs(g, r->task.frame);
 }
 
 static void take_record(void *ctx, const struct record *r)
@@ -260,9 +240,7 @@ static void before_read(void *ctx, int fd)
 
 static void read_stream(struct gather *g, const char *name)
 {
-    struct stat st;
     int fd = read_open(&name);
-    if (fstat(fd, &st) == 0) check_not_log(g, &st, name);
     char why[sizeof g->log.why];
     memcpy(why, g->log.why, sizeof why);
     int failed = log_read(&g->in, fd, name, &g->reader);

@@ -239,8 +239,7 @@ static void read_both(const struct options *o, struct grid *g, struct spec *s)
                 NODES_MAX);
     if (s->n_knots == 0 || s->n_knots > KNOTS_MAX)
         die(ST_USAGE, "%s: %zu map lines, expected 2 to %d", o->spec, s->n_knots, KNOTS_MAX);
-    if (outfile_is(o->df3, o->grid) || outfile_is(o->df3, o->spec))
-        die(ST_USAGE, "%s: is read as well, expected another name", o->df3);
+    input_keep(o->df3);
     if (strpbrk(o->df3, "\"\\\n"))
         die(ST_USAGE, "%s: expected a name without quote, backslash and line end", o->df3);
 }

@@ -99,18 +99,10 @@ static void fit(const struct options *o, const struct grid *g, uint32_t parts[3]
     }
 }
 
-static bool is_file(const char *path, const struct stat *in)
-{
-    struct stat st;
-    return stat(path, &st) == 0 && st.st_dev == in->st_dev && st.st_ino == in->st_ino;
-}
-
 static void cut(const struct options *o)
 {
     char err[ERR_BYTES];
-    struct stat in = {0};
-    if (strcmp(o->path[0], "-") == 0) fstat(STDIN_FILENO, &in);
-    else stat(o->path[0], &in); /* if it fails, so does this: */
+    input_add(o->path[0], "the grid");
     struct grid_file *f = grid_file_open(o->path[0], err);
     if (!f) die(ST_USAGE, "%s", err);
     const struct grid *g = grid_file_grid(f);
@@ -125,11 +117,8 @@ static void cut(const struct options *o)
                 parts[a], "xyz"[a], g -> n[a] - 1);
     uint32_t n = parts[0] * parts[1] * parts[2];
     char **path = xcalloc(n, sizeof *path);
-    for (uint32_t i = 0; i < n; i++) {
-        path[i] = image_name(o->out, i);
-        if (is_file(path[i], &in))
-            die(ST_USAGE, "-o %s: %s is the grid itself, expected other names", o->out, path[i]);
-    }
+    image_name_keep(o->out, 0, n - 1);
+    for (uint32_t i = 0; i < n; i++) path[i] = image_name(o->out, i);
     int status = grid_file_cut(f, parts, path, err);
     if (status != ST_OK) die(status, "%s", err);
     for (uint32_t i = 0; i < n; i++) free(path[i]);

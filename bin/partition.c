@@ -238,7 +238,7 @@ static void write_pictures(struct options *o)
 {
     char why[WIRE_WHY];
     bool piped = strcmp(o->pictures, "-") == 0;
-    int fd = piped ? STDIN_FILENO : open(o->pictures, O_RDONLY | O_CLOEXEC);
+    int fd = input_open(o->pictures);
     if (fd < 0) die(ST_USAGE, "%s:", o->pictures);
     int bad = wire_read(fd, take, o, why);
     if (bad < 0) die(ST_SYSTEM, "%s:", o->pictures);

@@ -2,7 +2,7 @@
 # balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
 # once more. It uses balance's variables and functions, its arguments, which are files, and the stream on descriptor 4.
 exec 5>&-
-temporary='' running='' kept=$log alone=''
+temporary='' running='' kept=$log
 [ -n "$kept" ] || alone=y
 trap '[ -z "$temporary" ] || rm -rf "$temporary"' EXIT
 # A second signal must not interrupt the removal of temporary files.
@@ -15,9 +15,7 @@ temporary=$(directory) || exit
 case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
 {
 	# A signal to the process group does not reach gather then: this script ends it, when the log is removed.
-	exec ${alone:+setsid} gather $gather ${backs:+-b "$backs/caption-%d.png" -b "$backs/map-%d.png"} -e /dev/fd/7 ${bits:+-k "$bits"} -r "$log" ${out:+-o "$out"} ${preview:+-w "$preview"} <&4 4<&- 6<&- 7<<END
-$frames
-END
+	beside assemble "$@"
 } &
 running=$!
 exec 4<&-

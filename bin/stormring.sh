@@ -41,9 +41,26 @@ directory() {
 	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
-# replace FILE: puts standard input there when all of it has come; into a device or a pipe at once. A link stays, and the file
-# that it leads to is replaced.
+# apart OPTION FILE INPUT ...: refuses the file of an option if it is one of these inputs, by any name
+apart() {
+	letter=$1 aim=$2
+	shift 2
+	[ -f "$aim" ] || return 0
+	for read_too; do
+		# shellcheck disable=SC3013  # dash has -ef
+		[ ! "$aim" -ef "$read_too" ] || {
+			printf '%s\n' "${0##*/}: -$letter $aim: is also an input, expected another file" >&2
+			exit 2
+		}
+	done
+}
+# replace FILE: puts standard input there when all of it has come; into a device, a pipe or an open descriptor at once. A link
+# stays, and the file that it leads to is replaced.
 replace() {
+	for to in 1 2 3 4 5 6 7 8 9; do
+		# shellcheck disable=SC3013  # dash has -ef
+		[ ! "$1" -ef "/dev/fd/$to" ] || { cat >&"$to"; return; }
+	done
 	[ ! -e "$1" ] || [ -f "$1" ] || [ -d "$1" ] || { cat >"$1"; return; } # a device or a pipe
 	to=$(readlink -f -- "$1") && [ ! -d "$to" ] && part=$(mktemp -- "$to.XXXXXX" 2>/dev/null) || return
 	{ cat >"$part" && chmod "$(printf %o $((0666 & ~0$(umask))))" "$part" && mv -f -- "$part" "$to"; } 2>/dev/null && return

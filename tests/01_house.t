@@ -65,7 +65,7 @@ clean 'modules include only what the table allows'
 # A name that files share begins with its module's name, or with one of these words, which no other module has.
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
-base buf camera close_stdout cpu_us die err eta hash64 isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
+base buf camera close_stdout cpu_us die err eta hash64 input isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
 base parallel put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 grib gb
@@ -193,6 +193,18 @@ lib=$(ls lib/*/*.[ch])
 	ban 'the library exits only in die, and where its reader is gone' '_?exit|abort' \
 		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|worker/forks|worker/worker)\.c$')
 }
+# Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
+{
+	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
+		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|log/file|pipe/queue|hosts/send)\.c:'
+	for c in bin/*.c; do
+		! grep -qE 'outfile_(open|put)|image_(save|out)|grid_file_cut|convert\(' "$c" || grep -qE 'input_(add|keep)|image_name_keep|convert\(' "$c" || echo "$c:1: does not ask whether an output is an input (base.h)"
+	done
+	for script in $(printf '%s\n' "$scripts" | grep '^bin/' | grep -v '^bin/protocol$'); do
+		! grep -qE '^[[:blank:]]o\) |replace "' "$script" || grep -qE 'apart o|beside assemble' "$script" || echo "$script:1: does not ask whether an output is an input (apart)"
+	done
+} >"$found"
+clean 'outputs are opened by base, and are no inputs'
 # shellcheck disable=SC2046,SC2086
 {
 	others=$(echo "$lib" | grep -v '^lib/base/')

@@ -77,10 +77,10 @@ refused 'no direction' 'views: here.spec: from has no length' -n 3 -o v%d.spec a
 refused 'opposite' 'views: c.spec: from is opposite to that of a.spec, expected another' -n 3 -o v%d.spec a.spec c.spec
 refused 'empty' 'views: a key is an empty file' -n 3 -o v%d.spec a.spec empty.spec
 refused 'no file' 'views: none: cannot be read' -n 3 -o v%d.spec a.spec none
-refused 'a key would be overwritten' 'views: v1.spec: is a key as well' -n 3 -o v%d.spec a.spec v1.spec
-refused 'the same by another name' 'views: ./v1.spec: is a key as well' -n 3 -o ./v%d.spec a.spec v1.spec
+refused 'a key would be overwritten' 'views: -o v1.spec: is also an input' -n 3 -o v%d.spec a.spec v1.spec
+refused 'the same by another name' 'views: -o ./v1.spec: is also an input' -n 3 -o ./v%d.spec a.spec v1.spec
 ln -s b.spec l2.spec
-refused 'the same by a link' 'views: l2.spec: is a key as well' -n 3 -o l%d.spec a.spec b.spec
+refused 'the same by a link' 'views: -o l2.spec: is also an input' -n 3 -o l%d.spec a.spec b.spec
 refused 'opposite, after other views' 'views: c.spec: from is opposite' -n 9 -o half%d.spec b.spec a.spec c.spec
 is 'a refusal leaves no file' "$(echo half*)" 'half*'
 refused 'no pattern' 'views: -o v.spec: expected one %d' -n 3 -o v.spec a.spec b.spec

@@ -129,7 +129,7 @@ refused 'more bricks than cells' '-n: 7 bricks along z, expected 6 at most' grid
 refused 'too many bricks' '-n 7,7,7: expected' gridcut -n 7,7,7 -o t-%d.vtk wave.vtk
 refused 'parts of bricks' '-n 1.5,1,1: expected' gridcut -n 1.5,1,1 -o t-%d.vtk wave.vtk
 cp wave.vtk hour-01.vtk
-refused 'a name that is the grid' '-o hour-%02d.vtk: hour-01.vtk is the grid itself' gridcut -n 1,1,2 -o hour-%02d.vtk hour-01.vtk
+refused 'a name that is the grid' 'hour-01.vtk: is also the grid' gridcut -n 1,1,2 -o hour-%02d.vtk hour-01.vtk
 ok 'which stays as it is' cmp wave.vtk hour-01.vtk
 refused 'no number in the name' '-o t.vtk: expected one %d' gridcut -n 1,1,2 -o t.vtk wave.vtk
 cp hour-01.vtk piped-0.vtk

@@ -252,6 +252,6 @@ for args in '-f' '-f -' '-H' '-f all.frags half.log' '-f -s all.frags' '-f -t al
 done
 cp ended.log kept.log
 run fragstat -H -o ./kept.log kept.log
-is 'refused: a page under the name of its log' "$status:$err" '2:fragstat: -o ./kept.log: is the log, expected another name'
+is 'refused: a page under the name of its log' "$status:$err" '2:fragstat: ./kept.log: is also the log, expected another file'
 ok 'which stays as it is' cmp kept.log ended.log
 finish

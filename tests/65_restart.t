@@ -42,11 +42,20 @@ is 'partition -r: a scattered set begins at the first pixel that is missing' \
 	'task 0 0 44 36 2090 1 2 1 to=0;task 0 1 1 0 3840 1 2 1 to=1;'
 
 # ---- the same picture from any beginning of a log ---------------------------------------------------------------
-partition 16x4 | rtworker tetra.nff | gather -r small -o small.pfm
+partition 16x4 >tasks
+rtworker tetra.nff <tasks | gather -r small -o small.pfm
 end=$(wc -c <small) at=0 bad=''
 while [ "$at" -le "$end" ]; do
 	rm -f out.pfm
 	head -c "$at" small >"cut"
+	# Within the first line it may be any text.
+	if [ "$at" -gt 0 ] && [ "$at" -lt "$(head -n 1 small | wc -c)" ]; then
+		partition -r cut 16x4 >none 2>said && bad="$bad $at:taken"
+		rtworker tetra.nff <tasks 2>said | gather -r cut -o out.pfm 2>said && bad="$bad $at:gathered"
+		[ "$(wc -c <cut)" -eq "$at" ] && [ ! -e out.pfm ] || bad="$bad $at:changed"
+		at=$((at + 3))
+		continue
+	fi
 	partition -r cut 16x4 | rtworker tetra.nff | gather -r cut -o out.pfm 2>said
 	[ $? -eq 0 ] && cmp -s out.pfm small.pfm || bad="$bad $at"
 	# The resumed log is a good log as well, and has each pixel once.
@@ -54,7 +63,7 @@ while [ "$at" -le "$end" ]; do
 	cmp -s again.pfm small.pfm || bad="$bad $at:log"
 	at=$((at + 3))
 done
-is "cut at each third of $end bytes: the same picture, no pixel twice" "$bad" ''
+is "cut at each third of $end bytes: the same picture, no pixel twice; within the first line it is no log" "$bad" ''
 
 # ---- refused by name; the log is unchanged --------------------------------------------------------------------
 head -c 60000 whole >log
@@ -81,8 +90,10 @@ head -c 60000 whole | perl -pe 's/( selftest=)..../${1}0000/' | "$root/tests/sea
 cp log before
 refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
 # A file that is not a log does not become one.
+printf 'hello rtworker 1.0 is what a log begins with\n' | cat - whole >log && cp log before
+refused 'kind of file, with a log in it' 'is not a log, expected a whole hello first, or an empty file' -s $size gears.nff
 cp gears.nff log && cp log before
-refused 'kind of file' 'is not a log, expected fragments, or a new file' -s $size gears.nff
+refused 'kind of file' 'is not a log, expected a whole hello first, or an empty file' -s $size gears.nff
 run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"
 is 'another kind of file, by hand: exit 2' "$status" 2
 ok 'another kind of file, by hand: as it was' cmp log before

@@ -163,6 +163,21 @@ int write_full(int fd, const void *p, size_t n);
 /* Appends one read(2) of at most `most` bytes to b; repeats on EINTR. Returns the bytes read, 0 at
  * the end, or -1 with errno. */
 ptrdiff_t read_some(int fd, struct buf *b, size_t most);
+/*
+ * What a run reads, no output of it replaces: outfile_open dies with status 2 if it is told to.
+ * input_open, read_open, read_file and load_file note what they open. For files that are read
+ * otherwise, or later, or by another program, call input_add before the first output is opened.
+ * Two names, or links, may lead to one file. "-" is standard input. (input.c)
+ */
+/* what: for the message, such as "an input" or "the log"; it must stay. If the file was noted
+ * before, what it was then counts. Only regular files are noted. */
+void input_add(const char *path, const char *what);
+/* What the file was noted as; NULL: it is no input. */
+const char *input_is(const char *path);
+/* Dies with status 2 if the file is an input. */
+void input_keep(const char *path);
+/* Opens a file for reading and notes it. Returns a descriptor, or -1 with errno. */
+int input_open(const char *path);
 /* Opens the file *name for reading; "-" is standard input, and *name becomes that. Dies with status
  * 2 on failure. */
 int read_open(const char **name);
@@ -179,13 +194,15 @@ void put_stdout_buf(struct buf *b);
 void close_stdout(void);
 
 /* A file that appears under its name only when complete: written beside it, then renamed. A link
- * stays, and the file that it leads to is replaced. SIGHUP, SIGINT and SIGTERM, unless ignored,
- * remove what is not complete. (outfile.c) */
+ * stays, and the file that it leads to is replaced. A name of an open descriptor, such as
+ * /dev/stdout, or a link to one, is that descriptor: what was written there stays. SIGHUP, SIGINT
+ * and SIGTERM, unless ignored, remove what is not complete. (outfile.c) */
 struct outfile {
     FILE *f;
-    char *path, *temporary; /* temporary NULL: path is written directly (a device, a pipe) */
+    char *path, *temporary; /* temporary NULL: it is written directly (a device, a pipe) */
 };
 
+/* Returns 0, or -1 with errno. Dies with status 2 if the file is an input. */
 int outfile_open(struct outfile *o, const char *path);
 /* Flushes, closes, renames. Returns 0, or -1 with errno and no file left. */
 int outfile_commit(struct outfile *o);
@@ -193,10 +210,9 @@ void outfile_discard(struct outfile *o);
 /* Writes n bytes as such a file. Returns 0, or -1 with errno and no file left. */
 int outfile_put(const char *path, const void *p, size_t n);
 /* Tests whether the path can be written: it is no directory, its name is not too long, and its
- * directory is writable. Returns 0, or -1 with errno. A directory name with `%` is not tested. */
+ * directory is writable. Returns 0, or -1 with errno. A directory name with `%` is not tested. Dies
+ * with status 2 if the file is an input. */
 int outfile_check(const char *path);
-/* True if both are names of one file. */
-bool outfile_is(const char *a, const char *b);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */
 

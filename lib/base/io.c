@@ -2,7 +2,6 @@
 #include "base/base.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -33,12 +32,9 @@ ptrdiff_t read_some(int fd, struct buf *b, size_t most)
 
 int read_open(const char **name)
 {
-    if (strcmp(*name, "-") == 0) {
-        *name = "standard input";
-        return STDIN_FILENO;
-    }
-    int fd = open(*name, O_RDONLY | O_CLOEXEC);
+    int fd = input_open(*name);
     if (fd < 0) die(ST_USAGE, "%s:", *name);
+    if (fd == STDIN_FILENO) *name = "standard input";
     return fd;
 }
 
@@ -54,7 +50,7 @@ static void reserve_file(int fd, struct buf *b)
 
 int read_file(const char *path, struct buf *b)
 {
-    int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    int fd = input_open(path);
     if (fd < 0) return -1;
     reserve_file(fd, b);
     ptrdiff_t k;

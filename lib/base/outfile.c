@@ -82,12 +82,27 @@ static void drop(const char *name)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* What a link leads to, also if that does not exist yet, so that the link stays. The caller frees
- * it. */
-static char *target_of(const char *path)
+/* The open descriptor that this is a name of, such as /proc/self/fd/1; -1: none. */
+static int descriptor_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *dir = xstrdup(path), at[PATH_MAX], own[64], thread[64];
+    int64_t fd = -1;
+    dir[slash ? slash + 1 - path : 0] = '\0';
+    snprintf(own, sizeof own, "/proc/%d/fd", (int)getpid());
+    snprintf(thread, sizeof thread, "/proc/%d/task/%d/fd", (int)getpid(), (int)getpid());
+    if (realpath(*dir ? dir : ".", at) && (strcmp(at, own) == 0 || strcmp(at, thread) == 0))
+        parse_int(slash ? slash + 1 : path, 0, INT_MAX, &fd);
+    free(dir);
+    return (int)fd;
+}
+
+/* What a link leads to, also if that does not exist yet, so that the link stays. If it is an open
+ * descriptor, *fd is that, otherwise -1. The caller frees it. */
+static char *target_of(const char *path, int *fd)
 {
     char *at = xstrdup(path), to[PATH_MAX];
-    for (int links = 0; links < LINKS_MOST; links++) {
+    for (int links = 0; (*fd = descriptor_of(at)) < 0 && links < LINKS_MOST; links++) {
         const ssize_t n = readlink(at, to, sizeof to - 1);
         if (n < 0) break; /* no link */
         to[n] = '\0';
@@ -126,11 +141,24 @@ static FILE *open_beside(const char *path, char **name)
     return f;
 }
 
+/* A stream that writes to the descriptor where that is now. */
+static FILE *open_again(int fd)
+{
+    int other = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    FILE *f = other < 0 ? NULL : fdopen(other, "w");
+    if (fd == STDOUT_FILENO) fflush(stdout);
+    if (!f && other >= 0) close(other);
+    return f;
+}
+
 int outfile_open(struct outfile *o, const char *path)
 {
     struct stat st;
-    *o = (struct outfile){.path = target_of(path)};
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) o->f = fopen(path, "we");
+    int fd;
+    input_keep(path);
+    *o = (struct outfile){.path = target_of(path, &fd)};
+    if (fd >= 0) o->f = open_again(fd);
+    else if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) o->f = fopen(path, "we");
     else o->f = open_beside(o->path, &o->temporary);
     if (o->f) return 0;
     int err = errno;
@@ -183,21 +211,18 @@ int outfile_put(const char *path, const void *p, size_t n)
     return -1;
 }
 
-bool outfile_is(const char *a, const char *b)
-{
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
 int outfile_check(const char *path)
 {
-    char *dir = target_of(path), *slash = strrchr(dir, '/');
+    int fd;
+    input_keep(path);
+    char *dir = target_of(path, &fd), *slash = strrchr(dir, '/');
     const size_t n = strlen(slash ? slash + 1 : dir);
     struct stat st;
     int err = 0;
     if (slash) slash[slash == dir] = '\0';
     const char *at = slash ? dir : ".";
     if (stat(path, &st) == 0 && S_ISDIR(st.st_mode)) err = EISDIR;
+    else if (fd >= 0) err = 0;
     else if (n + sizeof SUFFIX - 1 > NAME_MAX) err = ENAMETOOLONG;
     else if (!strchr(at, '%') && access(at, W_OK | X_OK) != 0) err = errno;
     free(dir);

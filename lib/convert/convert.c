@@ -17,17 +17,6 @@ static void put(const struct convert_options *o, size_t time, const struct buf *
     free(path);
 }
 
-/* Ends the program if an output is the input by this or another name. */
-static void check_names(const struct convert_options *o, size_t from, size_t to)
-{
-    for (size_t time = from; o->out && time < to; time++) {
-        char *path = image_name(o->out, (uint32_t)time);
-        if (outfile_is(path, o->file))
-            die(ST_USAGE, "-o %s: %s is the input, expected another name", o->out, path);
-        free(path);
-    }
-}
-
 /* ---- the last column of a globe ------------------------------------------------------------- */
 
 #define SLACK .01 /* of a step: coordinates are rounded, to float or to some decimals */
@@ -171,7 +160,8 @@ void convert(const struct convert_options *o, const struct converter *c)
     if (end > c->times)
         die(ST_USAGE, "%s: %s: -t %zu: expected an index below %zu", o->file, c->what, o->time,
             c->times);
-    check_names(o, begin, end);
+    input_add(o->file, "an input");
+    if (o->out) image_name_keep(o->out, (uint32_t)begin, (uint32_t)end - 1);
     if (o->unit) r.unit = conversion(&r, c->unit, o->unit);
     if (c->difference) r.unit.offset = 0;
     c->axes(c->ctx, &r.g);

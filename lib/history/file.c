@@ -25,7 +25,7 @@ static int load(struct history_file *file, int fd)
 int history_open(struct history_file *file, const char *path)
 {
     struct stat st;
-    int result = -1, fd = open(path, O_RDONLY | O_CLOEXEC);
+    int result = -1, fd = input_open(path);
     *file = (struct history_file){0};
     if (fd < 0) return -1;
     if (fstat(fd, &st) == 0) {

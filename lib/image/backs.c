@@ -29,12 +29,16 @@ static void put_under(float *top, const float *back, size_t n)
     }
 }
 
+static void note(const char *name) { input_add(name, "a backdrop"); }
+
 void image_backs_add(struct image_backs *b, const char *name, bool numbered)
 {
     char err[IMAGE_ERR];
     b->back = xrealloc(b->back, (size_t)b->n + 1, sizeof *b->back);
     struct image_back *k = &b->back[b->n++];
     *k = (struct image_back){.name = name, .numbered = numbered};
+    if (numbered) image_name_each(name, 0, UINT32_MAX, note);
+    else note(name);
     if (numbered) return;
     if (image_read(name, &k->im, err) != 0) die(ST_USAGE, "%s: %s", name, err);
     k->opaque = is_opaque(&k->im);
@@ -49,18 +53,6 @@ void image_backs_blend(struct image_backs *b, struct image *over)
         image_free(im);
         memmove(b->back, b->back + 1, (size_t)--b->n * sizeof *b->back);
     }
-}
-
-bool image_backs_have(const struct image_backs *b, bool numbered, uint32_t frame, const char *path)
-{
-    bool have = false;
-    for (int i = 0; i < b->n && !have; i++) {
-        if (b->back[i].numbered && !numbered) continue;
-        char *name = b->back[i].numbered ? image_name(b->back[i].name, frame) : NULL;
-        have = outfile_is(name ? name : b->back[i].name, path);
-        free(name);
-    }
-    return have;
 }
 
 void image_opt_back(int opt, const char *name, struct image_backs *b)

@@ -2,7 +2,6 @@
 #include "image/codecs.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -46,7 +45,7 @@ int image_decode_part(const unsigned char *p, size_t n, const struct image_part 
 /* Reads the whole file, if it has at most `most` bytes. */
 static int slurp(const char *path, size_t most, struct buf *b, char err[IMAGE_ERR])
 {
-    int fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    int fd = input_open(path);
     if (fd < 0) return image_fail(err, "%s, expected a picture", strerror(errno));
     ptrdiff_t k;
     while ((k = read_some(fd, b, 1 << 18)) > 0)
@@ -68,8 +67,8 @@ int image_read(const char *path, struct image *im, char err[IMAGE_ERR])
     return failed;
 }
 
-int image_load_png(const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h,
-    char err[IMAGE_ERR])
+int image_load_png(
+    const char *path, size_t most, struct buf *b, uint32_t *w, uint32_t *h, char err[IMAGE_ERR])
 {
     *b = (struct buf){0};
     int failed = slurp(path, most, b, err);

@@ -89,8 +89,6 @@ void image_backs_blend(struct image_backs *b, struct image *over);
  * status 2 if it is bad. */
 void image_opt_back(int opt, const char *name, struct image_backs *b);
 void image_backs_free(struct image_backs *b);
-/* True if the file at `path` is one of them; with `numbered`, or of those of picture `frame`. */
-bool image_backs_have(const struct image_backs *b, bool numbered, uint32_t frame, const char *path);
 /* Picture number `frame` over its backdrops, valid until the next call; the picture alone without
  * any, or if b is NULL. Dies with status 2 if a file cannot be read or has another width. */
 struct image_rows image_backs_under(
@@ -139,6 +137,12 @@ void image_compare(const struct image *a, const struct image *b, double toleranc
 enum image_naming { IMAGE_NAME_BAD, IMAGE_NAME_SINGLE, IMAGE_NAME_NUMBERED };
 enum image_naming image_name_check(const char *pattern);
 char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
+/* Calls file() for each file that is there and has such a name, with a number from first to last,
+ * if the number is in the last component; otherwise for the name of number `first`. */
+typedef void (*image_name_file)(const char *name);
+void image_name_each(const char *pattern, uint32_t first, uint32_t last, image_name_file file);
+/* Dies with status 2 if one of these files is an input (base.h): better now than at its turn. */
+void image_name_keep(const char *pattern, uint32_t first, uint32_t last);
 
 /* Where a program puts its pictures. */
 struct image_out {
@@ -288,17 +292,19 @@ struct image_preview {
     uint64_t shown_px;           /* pixels of all frames at the last one */
 };
 void image_preview_start(struct image_preview *p, const struct image_out *out, double every_s);
-/* The caller frees it. */
-char *image_preview_name(const struct image_out *out, uint32_t frame);
+/* The name, or pattern, of the preview of such a picture; the caller frees it. */
+char *image_preview_name(const char *whole);
 /* Time until the next preview; -1: no pixel has come since the last one. */
 int image_preview_wait_ms(const struct image_preview *p, const struct assembly *a);
 /*
  * Writes each incomplete frame with new pixels, as image_save does. The next preview is due
  * every_us later, or when previews have taken a tenth of the time. Returns NULL; or with errno the
  * name of a file that could not be written, which the caller frees. No preview is due after that.
+ * A file of that name that is no preview is not replaced: EEXIST. A preview of an earlier run is
+ * a picture as gather writes it: of that size, and a PNG has a job.
  */
 char *image_preview_put(struct image_preview *p, const struct assembly *a);
-/* Removes the preview of a frame, also that of an earlier run. */
-void image_preview_remove(const struct image_preview *p, uint32_t frame);
+/* Removes the preview of this picture, also that of an earlier run. */
+void image_preview_remove(const struct image_preview *p, const struct assembly_frame *f);
 
 #endif

@@ -2,6 +2,7 @@
  * passed to printf. */
 #include "image/image.h"
 
+#include <dirent.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,4 +64,58 @@ char *image_name(const char *pattern, uint32_t frame)
     char *name = xstrdup((const char *)buf_data(&b));
     buf_free(&b);
     return name;
+}
+
+/* ---- the files that have such names ---------------------------------------------------------- */
+
+/* The number in a name that the pattern, without directories, makes; -1: it makes no such name. */
+static int64_t number_in(const char *pattern, const char *name)
+{
+    char fill, digits[12];
+    int width;
+    size_t same = 0;
+    int64_t v;
+    const char *number = pattern;
+    for (; *number && (number[0] != '%' || number[1] == '%'); same++)
+        number += number[0] == '%' ? 2 : 1;
+    if (strnlen(name, same) < same || !number_at(number, &fill, &width)) return -1;
+    const char *at = name + same + strspn(name + same, " ");
+    size_t n = strspn(at, "0123456789");
+    while (n > 1 && *at == '0') at++, n--;
+    snprintf(digits, sizeof digits, "%.*s", n < sizeof digits ? (int)n : 0, at);
+    if (!parse_int(digits, 0, UINT32_MAX, &v)) return -1;
+    char *made = image_name(pattern, (uint32_t)v);
+    bool is = strcmp(made, name) == 0;
+    free(made);
+    return is ? v : -1;
+}
+
+void image_name_each(const char *pattern, uint32_t first, uint32_t last, image_name_file file)
+{
+    const char *slash = strrchr(pattern, '/'), *base = slash ? slash + 1 : pattern;
+    struct buf dir = {0};
+    buf_printf(&dir, "%.*s", slash ? (int)(base - pattern) : 1, slash ? pattern : ".");
+    buf_append(&dir, "", 1);
+    char *in = image_name((const char *)buf_data(&dir), 0);
+    DIR *d = image_name_check(base) == IMAGE_NAME_NUMBERED ? opendir(in) : NULL;
+    for (const struct dirent *e; d && (e = readdir(d)) != NULL;) {
+        const int64_t v = number_in(base, e->d_name);
+        if (v < first || v > last) continue;
+        char *name = image_name(pattern, (uint32_t)v);
+        file(name);
+        free(name);
+    }
+    if (d) closedir(d);
+    else {
+        char *name = image_name(pattern, first);
+        file(name);
+        free(name);
+    }
+    free(in);
+    buf_free(&dir);
+}
+
+void image_name_keep(const char *pattern, uint32_t first, uint32_t last)
+{
+    image_name_each(pattern, first, last, input_keep);
 }

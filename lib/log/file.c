@@ -82,13 +82,18 @@ static void survey(void *ctx, const struct record *r)
     if (whole) assembly_release(&in->parts, whole);
 }
 
-/* Every stream begins like this, even a file cut off within its first record. */
+/* Every stream begins with a hello. Without a whole one, a text with a record in it, such as a
+ * letter about logs, would be a log, and pixels would be appended to it. */
 static bool begins_as_log(int fd)
 {
-    static const char first[] = "hello ";
-    char text[sizeof first - 1];
+    char text[WIRE_LINE_MAX];
     ssize_t n = pread(fd, text, sizeof text, 0);
-    return n >= 0 && memcmp(text, first, (size_t)n) == 0;
+    struct decoder d = {.upward = true};
+    struct record r;
+    if (n > 0) wire_feed(&d, text, (size_t)n);
+    bool is = n == 0 || (wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_HELLO && rec_sealed(&r));
+    wire_free(&d);
+    return is;
 }
 
 int log_survey(const struct log_file *l, struct intake *in)
@@ -96,8 +101,9 @@ int log_survey(const struct log_file *l, struct intake *in)
     const struct log_reader reader = {.record = survey, .ctx = in};
     intake_init(in, false);
     int odd = log_reread(l, in, &reader);
-    if (odd || in->good || begins_as_log(l->fd)) return odd;
-    snprintf(in->why, sizeof in->why, "is not a log, expected fragments, or a new file");
+    if (odd || begins_as_log(l->fd)) return odd;
+    snprintf(
+        in->why, sizeof in->why, "is not a log, expected a whole hello first, or an empty file");
     return 1;
 }
 
@@ -108,7 +114,7 @@ int log_survey_path(const char *path, struct intake *in, char why[LOG_WHY])
     intake_init(in, false);
     if (stat(path, &st) != 0) return errno == ENOENT ? 0 : -1;
     if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode)) return 0;
-    l.fd = open(path, O_RDONLY | O_CLOEXEC);
+    l.fd = input_open(path);
     if (l.fd < 0) return -1;
     intake_free(in);
     int failed = log_survey(&l, in);

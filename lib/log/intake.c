@@ -174,7 +174,7 @@ int log_read(struct intake *in, int fd, const char *name, const struct log_reade
 int log_read_path(const char *path, const struct log_reader *reader, char why[LOG_WHY])
 {
     struct intake in = {0};
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = input_open(path);
     if (fd < 0) return -1;
     int result = log_read(&in, fd, path, reader);
     int err = errno;

@@ -1,8 +1,6 @@
 /* A run that is kept in a log: see log.h. */
 #include "log/log.h"
 
-#include <sys/stat.h>
-
 int log_keep_open(struct log_keep *k, const char *path)
 {
     *k = (struct log_keep){.file = {.fd = -1}, .trusted = true};
@@ -10,13 +8,6 @@ int log_keep_open(struct log_keep *k, const char *path)
     int failed = log_open(&k->file, path);
     k->trusted = !k->file.holds;
     return failed;
-}
-
-bool log_keep_is(const struct log_keep *k, const struct stat *st)
-{
-    struct stat log;
-    if (k->file.fd < 0 || fstat(k->file.fd, &log) != 0) return false;
-    return S_ISREG(st->st_mode) && st->st_dev == log.st_dev && st->st_ino == log.st_ino;
 }
 
 int log_keep_flush(struct log_keep *k) { return k->trusted ? log_flush(&k->file) : 0; }

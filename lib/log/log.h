@@ -178,8 +178,7 @@ void log_close(struct log_file *l);
 /* Reads the log from its beginning, as log_read does. */
 int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader);
 /* The same into a new intake, for coverage only. Returns 1 if nothing may be appended to the
- * file, with text in in->why: it is of another format, or has neither a record nor the beginning
- * of one. */
+ * file, with text in in->why: it is of another format, or does not begin with a whole hello. */
 int log_survey(const struct log_file *l, struct intake *in);
 
 /* The log's content before a run, and the frames of the run that belong to it; all zero at
@@ -214,9 +213,6 @@ struct log_keep {
 };
 /* log_open of `path`; NULL: no log. */
 int log_keep_open(struct log_keep *k, const char *path);
-/* True if st is the log's regular file: it can be neither input nor picture. */
-struct stat;
-bool log_keep_is(const struct log_keep *k, const struct stat *st);
 /* True for fragments and beats before the log is trusted: only the origin and the frames of the
  * workers count until then. */
 bool log_keep_ignores(const struct log_keep *k, const struct record *r);

@@ -299,11 +299,12 @@ static int remove_folder(void **state)
 
 static void assert_content(const char *text)
 {
-    struct buf b = {0};
-    assert_int_equal(read_file(path, &b), 0);
-    assert_int_equal(buf_size(&b), strlen(text));
-    assert_memory_equal(buf_data(&b), text, strlen(text));
-    buf_free(&b);
+    char got[64]; /* read_file would note an input */
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    got[fread(got, 1, sizeof got - 1, f)] = '\0';
+    fclose(f);
+    assert_string_equal(got, text);
 }
 
 static void test_outfile(void **state)
@@ -354,6 +355,78 @@ static void test_outfile_link(void **state)
 }
 
 /* Two files are open when the signal comes. */
+/* An output that is a name of an open descriptor goes where that is. */
+static void test_outfile_descriptor(void **state)
+{
+    (void)state;
+    char link[sizeof path + 5], name[64];
+    snprintf(link, sizeof link, "%s.link", path);
+    static const char *const names[] = {
+        "/dev/fd/%d", "/proc/self/fd/%d", "/proc/thread-self/fd/%d"};
+    for (size_t i = 0; i < 2 * sizeof names / sizeof *names; i++) {
+        int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        assert_true(fd >= 0);
+        assert_int_equal(write_full(fd, "before ", 7), 0);
+        snprintf(name, sizeof name, names[i / 2], fd);
+        if (i % 2) assert_int_equal(symlink(name, link), 0);
+        assert_int_equal(outfile_check(i % 2 ? link : name), 0);
+        assert_int_equal(outfile_put(i % 2 ? link : name, "new", 3), 0);
+        assert_int_equal(write_full(fd, " after", 6), 0);
+        close(fd);
+        assert_content("before new after");
+        if (i % 2) assert_int_equal(unlink(link), 0);
+    }
+}
+
+static const char *output;
+static void open_output(void)
+{
+    struct outfile o;
+    _exit(outfile_open(&o, output) == 0 ? ST_OK : ST_SYSTEM);
+}
+
+/* No output replaces what was read, by any name. */
+static void test_inputs(void **state)
+{
+    (void)state;
+    char soft[sizeof path + 5], hard[sizeof path + 5], other[sizeof path + 6];
+    struct buf b = {0};
+    snprintf(soft, sizeof soft, "%s.link", path);
+    snprintf(hard, sizeof hard, "%s.hard", path);
+    snprintf(other, sizeof other, "%s.other", path);
+    assert_int_equal(outfile_put(path, "input", 5), 0);
+    assert_int_equal(outfile_put(other, "other", 5), 0);
+    assert_null(input_is(path));
+    assert_int_equal(read_file(path, &b), 0);
+    assert_int_equal(symlink(path, soft), 0);
+    assert_int_equal(link(path, hard), 0);
+    for (int i = 0; i < 3; i++) {
+        const char *name = i == 0 ? path : i == 1 ? soft : hard;
+        assert_string_equal(input_is(name), "an input");
+        output = name;
+        assert_int_equal(in_child(open_output, NULL), ST_USAGE);
+        assert_non_null(strstr(said, "is also an input, expected another file"));
+    }
+    assert_null(input_is(other));
+    assert_null(input_is("/dev/null"));
+    input_add(other, "the log");
+    input_add(other, "an input");
+    assert_string_equal(input_is(other), "the log");
+    /* A file of the input's name and another one with its inode are no inputs. */
+    assert_int_equal(rename(other, path), 0);
+    assert_null(input_is(hard));
+    assert_int_equal(unlink(soft), 0);
+    assert_int_equal(unlink(hard), 0);
+    for (int i = 0; i < 1000; i++) { /* the table grows */
+        snprintf(other, sizeof other, "%s.%d", path, i % 10);
+        assert_int_equal(outfile_put(other, "x", 1), 0);
+        input_add(other, "an input");
+        assert_non_null(input_is(other));
+        assert_int_equal(unlink(other), 0);
+    }
+    buf_free(&b);
+}
+
 static void test_outfile_signal(void **state)
 {
     (void)state;
@@ -624,6 +697,8 @@ int main(void)
         cmocka_unit_test(test_quote),
         cmocka_unit_test(test_outfile),
         cmocka_unit_test(test_outfile_link),
+        cmocka_unit_test(test_outfile_descriptor),
+        cmocka_unit_test(test_inputs),
         cmocka_unit_test(test_outfile_signal),
         cmocka_unit_test(test_outfile_exit),
         cmocka_unit_test(test_outfile_fails),
