@@ -25,14 +25,14 @@ wait $running
 status=$?
 running=''
 # With status 1 the picture may still be complete, if hosts differed. The checks then find out which one is wrong.
-all_there() { echo "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! echo "$left" | grep -q '^task '; }
+all_there() { printf '%s\n' "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! printf '%s\n' "$left" | grep -q '^task '; }
 if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then
 	# A temporary log is kept if it has a part of the picture.
 	case $status,$kept in
 	[13],)
 		if grep -aq '^frag ' "$log"; then
 			trap - EXIT
-			echo "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary" >&2
+			say "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary"
 		fi
 		;;
 	esac
@@ -46,7 +46,7 @@ fi
 # deliver are asked last.
 if [ -f "$temporary/hosts" ]; then
 	if cat -- "$all_hosts" >"$temporary/now" && fan -l -S "$temporary/now" >/dev/null; then mv "$temporary/now" "$temporary/hosts"
-	else echo "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify" >&2
+	else say "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify"
 	fi
 	all_hosts=$temporary/hosts
 fi

@@ -83,13 +83,14 @@ static void drop(const char *name)
 /* ---- files ----------------------------------------------------------------------------------- */
 
 /* What a link leads to, also if that does not exist yet, so that the link stays. The caller frees
- * it. */
+ * it. NULL with errno: it leads to no end. */
 static char *target_of(const char *path)
 {
     char *at = xstrdup(path), to[PATH_MAX];
-    for (int links = 0; links < LINKS_MOST; links++) {
+    for (int links = 0;; links++) {
         const ssize_t n = readlink(at, to, sizeof to - 1);
-        if (n < 0) break; /* no link */
+        if (n < 0) return at; /* no link */
+        if (links == LINKS_MOST) break;
         to[n] = '\0';
         const char *slash = *to == '/' ? NULL : strrchr(at, '/');
         const int kept = slash ? (int)(slash + 1 - at) : 0;
@@ -99,7 +100,9 @@ static char *target_of(const char *path)
         free(at);
         at = next;
     }
-    return at;
+    free(at);
+    errno = ELOOP;
+    return NULL;
 }
 
 static FILE *open_beside(const char *path, char **name)
@@ -130,6 +133,7 @@ int outfile_open(struct outfile *o, const char *path)
 {
     struct stat st;
     *o = (struct outfile){.path = target_of(path)};
+    if (!o->path) return -1;
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) o->f = fopen(path, "we");
     else o->f = open_beside(o->path, &o->temporary);
     if (o->f) return 0;
@@ -191,7 +195,8 @@ bool outfile_is(const char *a, const char *b)
 
 int outfile_check(const char *path)
 {
-    char *dir = target_of(path), *slash = strrchr(dir, '/');
+    char *dir = target_of(path), *slash = dir ? strrchr(dir, '/') : NULL;
+    if (!dir) return -1;
     const size_t n = strlen(slash ? slash + 1 : dir);
     struct stat st;
     int err = 0;

@@ -7,9 +7,11 @@
 #   axes()            prints the axes that panels share
 #   draw_panel(p)     prints panel p
 #   key_look(i, x, y) prints the data of entry i of the legend, at x, y; returns its part of a plot command
-# The caller sets name, type, log_axes, labels and pareto, and CHART_TITLE, CHART_X and CHART_Y in the environment.
+# The caller sets type, log_axes, labels and pareto, and CHART_TITLE, CHART_X, CHART_Y and CHART_NAME in the environment.
 function bad(what) {
-	printf "chart: %s:%d: %s\n", name, NR, what >"/dev/stderr"
+	what = sprintf("%s:%d: %s", ENVIRON["CHART_NAME"], NR, what)
+	gsub(/[[:cntrl:]]|\302[\200-\237]/, "?", what)
+	print "chart: " what >"/dev/stderr"
 	failed = 1
 	exit 2
 }
