@@ -258,7 +258,7 @@ static void nothing(int sig) { (void)sig; }
 
 static int follow(const struct options *o)
 {
-    struct view_log v;
+    static struct view_log v; /* 60 KB, and a stack may be small */
     bool found, over;
     if (o->follow && o->what != PAGE) signal(SIGWINCH, nothing);
     if (o->follow && o->what != PAGE && isatty(STDOUT_FILENO)) printf("\033[2J");

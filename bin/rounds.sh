@@ -67,11 +67,13 @@ again() {
 }
 round=0
 while [ $((round += 1)) -le 4 ] && [ -n "$(chosen </dev/null | head -c 1)" ]; do
-	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e >"$temporary/$round" 6<&- &
+	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e 6<&- | cat >"$temporary/$round" 2>/dev/null &
 	else state "$@" | chosen | again deal 6<&- | verify -t 20 "$log" >"$temporary/$round" 6<&- &
 	fi
 	running=$!
 	wait $running
-	running=''
+	written=$? running=''
+	# 1 of verify: fragments did not come. What could not be written is not what hosts did not compute.
+	case $round,$written in 1,0 | [2-4],[01]) ;; *) say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"; exit 3 ;; esac
 done
 chosen -r && exit $status

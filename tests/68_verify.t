@@ -96,7 +96,7 @@ for v in '' '-v 1'; do
 	# shellcheck disable=SC2086
 	run balance masterslave $v -S alone -s 16x12 -r alone.log -o out.png balls.nff
 done
-is 'a log of an earlier run: a host does not check itself' "$status:$(counts)" '1:12 0 12'
+is 'a log of an earlier run: a host does not check itself' "$status:$(counts)" '1:0 0 12'
 
 # ---- hosts that join and leave -------------------------------------------------------------------------------------
 # Of each slot of a, four rows come before b has begun. Then the hosts file is replaced by `file`.
