@@ -87,8 +87,8 @@ static void say_last(const struct gather *g, const char *what)
     static char words[4352];
     char log[4096];
     text_shown(log, sizeof log, g->o->log);
-    snprintf(words, sizeof words, "%sgather: interrupted; %s %s\n", g->o->progress ? "\n" : "",
-        log, what);
+    snprintf(words, sizeof words, "%sgather: interrupted; %s %s\n", g->o->progress ? "\n" : "", log,
+        what);
     signals_say(words, g->o->log);
 }
 

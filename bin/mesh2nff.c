@@ -63,8 +63,8 @@ static void guard(const char *path, const char *name, bool on)
     snprintf(complaint[0], sizeof complaint[0],
         "%s: %s: libassimp failed, expected a file without damage\n", prog_name(), file);
     snprintf(complaint[1], sizeof complaint[1],
-        "%s: %s: libassimp did not end within %ld s, expected a file without damage\n",
-        prog_name(), file, (long)limit.it_value.tv_sec);
+        "%s: %s: libassimp did not end within %ld s, expected a file without damage\n", prog_name(),
+        file, (long)limit.it_value.tv_sec);
     if (!on) setitimer(ITIMER_PROF, &limit, NULL);
     for (size_t i = 0; i < sizeof fatal / sizeof *fatal; i++) sigaction(fatal[i], &act, NULL);
     if (on) setitimer(ITIMER_PROF, &limit, NULL);

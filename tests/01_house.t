@@ -195,6 +195,9 @@ lib=$(ls lib/*/*.[ch])
 }
 # shellcheck disable=SC2046,SC2086
 {
+	# dash makes terminal escapes of words, and \\c cuts a message.
+	grep -nE '\becho\b[^|;&)#]*[$`]' $(printf '%s\n' "$scripts" | grep '^bin/') tests/need tests/install | grep -vE '^[^:]*:[0-9]+:[[:space:]]*#' >"$found"
+	clean 'scripts print text by printf, not by echo'
 	others=$(echo "$lib" | grep -v '^lib/base/')
 	ban 'messages have one form' 'perror|v?errx?|v?warnx|v?syslog|psignal' $others bin/*.c
 	grep -nw stderr $others bin/*.c | grep -vE ':[0-9]+: *(/?\*)|STDERR|/\*.*stderr' >"$found"
