@@ -118,13 +118,17 @@ static void print_summary(const struct report *r)
     printf("bound_s\t%.6f\nefficiency\t%.4f\n", r->bound_s, account_efficiency(a, r->bound_s));
 }
 
-/* The file name for the chart's title, without bytes that would end a field or begin a comment. */
+/* The file name for the chart's title, without what would end a field, begin a comment, or not
+ * be drawn. */
 static char *title_of(const struct options *o)
 {
     const char *path = *o->inputs ? *o->inputs : "-", *slash = strrchr(path, '/');
     char *name = xstrdup(strcmp(path, "-") == 0 ? "log" : slash && slash[1] ? slash + 1 : path);
-    for (char *c = name; *c; c++)
-        if ((unsigned char)*c < ' ' || (c == name && *c == '#')) *c = '?';
+    if (*name == '#') *name = '?';
+    for (size_t i = 0, left = strlen(name), k; left; i += k, left -= k) {
+        k = utf8_shown(name + i, left);
+        if (!k) name[i] = '?', k = 1;
+    }
     return name;
 }
 
@@ -235,7 +239,9 @@ static void put_table(const struct view_log *v, bool found)
         view_table(v, &s, size.ws_col, lines, screen ? line : "\n", &out);
         free(s.slots);
     } else {
-        buf_printf(&out, "waiting for %s%s", v->path, screen ? line : "\n");
+        char path[4096];
+        text_shown(path, sizeof path, v->path);
+        buf_printf(&out, "waiting for %s%s", path, screen ? line : "\n");
     }
     buf_printf(&out, "%s", screen ? rest : "\n");
     put_stdout_buf(&out);
@@ -248,7 +254,7 @@ static void nothing(int sig) { (void)sig; }
 
 static int follow(const struct options *o)
 {
-    struct view_log v;
+    static struct view_log v; /* 60 KB, and a stack may be small */
     bool found, over;
     if (o->follow && o->what != PAGE) signal(SIGWINCH, nothing);
     if (o->follow && o->what != PAGE && isatty(STDOUT_FILENO)) printf("\033[2J");

@@ -84,8 +84,10 @@ static void complain(struct gather *g, const char *name)
 static void say_last(const struct gather *g, const char *what)
 {
     static char words[4352];
-    snprintf(words, sizeof words, "%sgather: interrupted; %s %s\n", g->o->progress ? "\n" : "",
-        g->o->log, what);
+    char log[4096];
+    text_shown(log, sizeof log, g->o->log);
+    snprintf(words, sizeof words, "%sgather: interrupted; %s %s\n", g->o->progress ? "\n" : "", log,
+        what);
     signals_say(words, g->o->log);
 }
 
@@ -292,7 +294,8 @@ int main(int argc, char **argv)
     struct image_backs backs = {.n = 0};
     struct options o = parse(argc, argv, &backs);
     signal(SIGPIPE, SIG_IGN);
-    struct gather g = {.o = &o};
+    static struct gather g; /* 60 KB, and a stack may be small */
+    g.o = &o;
     g.reader = (struct log_reader){take_record, before_read, &g};
     open_log(&g);
     intake_init(&g.in, !o.missing);

@@ -57,12 +57,14 @@ static void guard(const char *path, const char *name, bool on)
 {
     struct sigaction act = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND)};
     struct itimerval limit = {.it_value.tv_sec = on ? seconds_for(path) : 0};
+    char file[301];
+    text_shown(file, sizeof file, name);
     act.sa_handler = on ? complain : SIG_DFL;
     snprintf(complaint[0], sizeof complaint[0],
-        "%s: %.300s: libassimp failed, expected a file without damage\n", prog_name(), name);
+        "%s: %s: libassimp failed, expected a file without damage\n", prog_name(), file);
     snprintf(complaint[1], sizeof complaint[1],
-        "%s: %.300s: libassimp did not end within %ld s, expected a file without damage\n",
-        prog_name(), name, (long)limit.it_value.tv_sec);
+        "%s: %s: libassimp did not end within %ld s, expected a file without damage\n", prog_name(),
+        file, (long)limit.it_value.tv_sec);
     if (!on) setitimer(ITIMER_PROF, &limit, NULL);
     for (size_t i = 0; i < sizeof fatal / sizeof *fatal; i++) sigaction(fatal[i], &act, NULL);
     if (on) setitimer(ITIMER_PROF, &limit, NULL);

@@ -23,14 +23,14 @@ wait $running
 status=$?
 running=''
 # With status 1 the picture may still be complete, if hosts differed. The checks then find out which one is wrong.
-all_there() { echo "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! echo "$left" | grep -q '^task '; }
+all_there() { printf '%s\n' "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! printf '%s\n' "$left" | grep -q '^task '; }
 if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then
 	# A temporary log is kept if it has a part of the picture.
 	case $status,$kept in
 	[13],)
 		if grep -aq '^frag ' "$log"; then
 			trap - EXIT
-			echo "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary" >&2
+			say "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary"
 		fi
 		;;
 	esac
@@ -44,7 +44,7 @@ fi
 # deliver are asked last.
 if [ -f "$temporary/hosts" ]; then
 	if cat -- "$all_hosts" >"$temporary/now" && fan -l -S "$temporary/now" >/dev/null; then mv "$temporary/now" "$temporary/hosts"
-	else echo "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify" >&2
+	else say "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify"
 	fi
 	all_hosts=$temporary/hosts
 fi
@@ -65,11 +65,13 @@ again() {
 }
 round=0
 while [ $((round += 1)) -le 4 ] && [ -n "$(chosen </dev/null | head -c 1)" ]; do
-	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e >"$temporary/$round" 6<&- &
+	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e 6<&- | cat >"$temporary/$round" 2>/dev/null &
 	else state "$@" | chosen | again deal 6<&- | verify -t 20 "$log" >"$temporary/$round" 6<&- &
 	fi
 	running=$!
 	wait $running
-	running=''
+	written=$? running=''
+	# 1 of verify: fragments did not come. What could not be written is not what hosts did not compute.
+	case $round,$written in 1,0 | [2-4],[01]) ;; *) say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"; exit 3 ;; esac
 done
 chosen -r && exit $status

@@ -3,9 +3,19 @@
 # that all programs share; programs in C have them in lib/base/option.c.
 [ ! -d /dev/fd ] || [ -e /dev/fd/2 ] || exec 2>/dev/null # mawk fails where standard error is closed
 LC_ALL=C && export LC_ALL # so that awk and others read and write numbers with a point in every locale
+# Names of files and what files say may have control characters, which a terminal obeys, and echo makes more of backslashes.
+# printable: standard input, with ? for control characters except line ends, as those of C1 are in UTF-8
+printable() { awk '{ gsub(/[[:cntrl:]]|\302[\200-\237]/, "?"); print }'; }
+# say MESSAGE: prints it to standard error, in one line
+say() { printf %s "$1" | tr '\n' '?' | printable >&2; }
+# misused: prints the usage, and exits
+misused() {
+	printf '%s\n' "$usage" >&2
+	exit 2
+}
 # answer TEXT: prints TEXT and exits
 answer() {
-	{ printf '%s\n' "$1"; } 2>/dev/null || { echo "${0##*/}: standard output: cannot be written" >&2; exit 3; }
+	{ printf '%s\n' "$1"; } 2>/dev/null || { say "${0##*/}: standard output: cannot be written"; exit 3; }
 	exit 0
 }
 # asked WORD: answers -h, --help and --version
@@ -24,21 +34,21 @@ given() {
 	?,-[A-Za-z] | ?,--help | ?,--version) refused="-$1 $2: expected a value, not an option; for a file of that name write ./$2" ;;
 	*) return ;;
 	esac
-	echo "${0##*/}: $refused" >&2
+	say "${0##*/}: $refused"
 	exit 2
 }
 # unfit SAID MESSAGE [STATUS]: prints what a worker said without its usage, or MESSAGE if it said no more; exits with 2, or
 # with 3 if that is its status
 unfit() {
-	said=$(echo "$1" | grep -v '^usage:\|^   ')
-	echo "${said:-$2}" >&2
+	said=$(printf '%s\n' "$1" | grep -v '^usage:\|^   ')
+	printf '%s\n' "${said:-$2}" | printable >&2
 	[ "${3-2}" -eq 3 ] || exit 2
 	exit 3
 }
 # directory: makes a directory for temporary files and prints its name, an absolute one
 directory() {
 	made=$(mktemp -d 2>/dev/null) && (CDPATH='' cd -- "$made" && pwd) && return
-	echo "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
+	say "${0##*/}: ${TMPDIR:-/tmp}: cannot make a directory there, expected TMPDIR to name a writable directory" >&2
 	exit 3
 }
 # apart OPTION FILE INPUT ...: refuses the file of an option if it is one of these inputs, by any name
@@ -71,7 +81,7 @@ replace() {
 # the name of a host.
 host_lines() {
 	if [ -f "$1" ]; then grep -v '^[[:space:]]*\(#.*\)*$' -- "$1"
-	else echo "$1" | tr , '\n' | sed -E 's,^([0-9]+)/(.*),\2 slots=\1,'
+	else printf '%s\n' "$1" | tr , '\n' | sed -E 's,^([0-9]+)/(.*),\2 slots=\1,'
 	fi | sed 's/^[[:blank:]]*//'
 }
 asked "${1-}"
@@ -79,5 +89,5 @@ trap '' XFSZ # so that a file at its size limit is a write error, which is repor
 # With too few descriptors, a shell takes programs for missing and cannot print a message.
 # shellcheck disable=SC3045,SC2016  # dash and bash have ulimit -n; the $0 is of the inner shell
 case $(ulimit -n) in
-[0-9] | [12][0-9]) exec sh -c 'echo "$0: expected a limit of 30 open files or more (ulimit -n)" >&2; exit 3' "${0##*/}" ;;
+[0-9] | [12][0-9]) exec sh -c 'printf "%s\n" "$0: expected a limit of 30 open files or more (ulimit -n)" >&2; exit 3' "${0##*/}" ;;
 esac

@@ -110,8 +110,8 @@ static int report(const struct program *p)
     }
     warn("%" PRIu32 " of %" PRIu32 " pieces were computed again on another %s: %" PRIu32
          " differ, %" PRIu32 " could not be computed",
-        v->pieces, v->seen, p->places.several ? "host" : "slot of the only host", count.different,
-        count.unchecked);
+        v->pieces - count.unchecked, v->seen, p->places.several ? "host" : "slot of the only host",
+        count.different, count.unchecked);
     return count.different || count.unchecked ? ST_PARTIAL : ST_OK;
 }
 

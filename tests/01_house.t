@@ -66,7 +66,7 @@ clean 'modules include only what the table allows'
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
 base buf camera close_stdout cpu_us die err eta hash64 input isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
-base parallel put_stdout read relay usage version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
+base parallel put_stdout read relay text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 grib gb
 grid vtk
@@ -207,6 +207,9 @@ lib=$(ls lib/*/*.[ch])
 clean 'outputs are opened by base, and are no inputs'
 # shellcheck disable=SC2046,SC2086
 {
+	# dash makes terminal escapes of words, and \\c cuts a message.
+	grep -nE '\becho\b[^|;&)#]*[$`]' $(printf '%s\n' "$scripts" | grep '^bin/') tests/need tests/install | grep -vE '^[^:]*:[0-9]+:[[:space:]]*#' >"$found"
+	clean 'scripts print text by printf, not by echo'
 	others=$(echo "$lib" | grep -v '^lib/base/')
 	ban 'messages have one form' 'perror|v?errx?|v?warnx|v?syslog|psignal' $others bin/*.c
 	grep -nw stderr $others bin/*.c | grep -vE ':[0-9]+: *(/?\*)|STDERR|/\*.*stderr' >"$found"

@@ -32,6 +32,54 @@ tests/62_hosts.t: has no assertion "no such assertion"'
 awk '/^\.It Sy / { if (open) print open; open = $0 } /^Shown by|Not prevented|without a password|umask|apt-get/ { open = "" } /^\.Ss/ { if (open) print open; open = "" }' "$page" >open
 is 'each threat has a test, or says what is not prevented' "$(cat open)" ''
 
+# ---- messages ----------------------------------------------------------------------------------------------------
+# Names and words of files may have what a terminal obeys, and what echo of some shells makes into that.
+# obeyed FILE: it has a control character, also one of C1 in UTF-8, that is no line end
+obeyed() { tr -d '\n' <"$1" | LC_ALL=C grep -aqE "[[:cntrl:]]|$(printf '\302[\200-\237]')"; }
+odd=$(printf 'n\033]0;x\007\302\233\nq\\033\\c.') lines=0
+for program in "$root"/bin/*; do
+	program=${program##*/}
+	[ -x "$root/bin/$program" ] || continue
+	case $program in
+	balance) words='adaptive -j 1' ends='nff pov vtk' ;;
+	balance-bricks) words='-o o.png k.vtk' ends='spec' ;;
+	balance-calibrate) words='-n 1' ends='nff' ;;
+	balance-*) continue ;;
+	backdrop) words='-o o.png' ends='vtk' ;;
+	blend | grid2pov) words='-o o.png' ends='png' ;;
+	cropworker) words='-i -s 8x8' ends='x' ;;
+	fan | ringctl | deal | protocol | spdgen) words='' ends='x' ;;
+	grib2vtk | nc2vtk) words='-l' ends='nc' ;;
+	gridcut) words='-n 2,1,1 -o b%d.vtk' ends='vtk' ;;
+	imgcmp) words='x.png' ends='png' ;;
+	pack) words='scene' ends='nff' ;;
+	povworker | rtworker) words='-i' ends='nff pov' ;;
+	partition) words='-r' ends='x' ;;
+	simulate) words='-t' ends='x' ;;
+	vcworker) words='-i k.vtk' ends='spec' ;;
+	verify) words='-j 2 1' ends='x' ;;
+	views) words='-n 2 -o v%d k.spec' ends='spec' ;;
+	*) words='' ends='x' ;;
+	esac
+	for end in $ends; do
+		for state in missing malformed; do
+			rm -f "$odd$end"
+			[ $state = missing ] || printf '\033[31m \\033[31m\\c\007 \302\233 1\n#version 3.7;\n' >"$odd$end"
+			# shellcheck disable=SC2086  # words
+			timeout 60 "$program" $words "$odd$end" </dev/null 2>"$tmp/out" >/dev/null
+			case $words in -r | -t) timeout 60 "$program" $words "$odd$end" 8x8 </dev/null 2>>"$tmp/out" >/dev/null ;; esac
+			"$program" "-$odd" </dev/null 2>>"$tmp/out" >/dev/null
+			lines=$((lines + $(wc -l <"$tmp/out")))
+			! obeyed "$tmp/out" || { echo "$program $words, $state:"; cat -v "$tmp/out"; }
+		done
+	done
+done >said
+printf 'a\033b\n' >obeyed.txt
+is 'a control character in a file is found' "$(obeyed obeyed.txt; echo $?)" 0
+is 'no message has a control character of a name or a file' "$(cat said)" ''
+ok 'there were messages' [ $lines -gt 60 ]
+rm -f "$odd"*
+
 # ---- facts -----------------------------------------------------------------------------------------------------------
 # calls NAME ...: prints the programs that call one of these functions
 calls() {

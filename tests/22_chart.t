@@ -150,6 +150,13 @@ tsv '# title: `touch pwned` $(touch pwned) "%d" '"'"'; system("touch pwned"); #'
 	'`touch_pwned` real '"'"';system("touch_pwned")# 1 s 2 s 1 0' 'END_OF_DATA real @m@`touch_pwned` 2 s 2 s 1 0' >evil.tsv
 ok 'quotes and backquotes in the data are text' chart -lp -o evil.svg evil.tsv
 ok 'quotes and backquotes in the data run no command' [ ! -e pwned -a ! -e touch_pwned ]
+{
+	printf '# note: \377 \355\240\200 \302\233 %s\n' "$(printf '\303\251%.0s' $(seq 200))"
+	tsv "$header"
+	printf 'a\treal\tm\303\t1\ts\t2\ts\t1\t0\n'
+} >odd.tsv
+chart -t "$(printf 'T\377')" -o odd.svg odd.tsv
+is 'text that is no UTF-8, or is cut within a character, is replaced' "$(iconv -f UTF-8 -t UTF-8 odd.svg | grep -ac "$(printf '\357\277\275')")" 3
 mkdir "it's"
 ok 'a quote in TMPDIR, and a line end in a title' env TMPDIR="it's" chart -t "$(printf 'a\nb')" -o lines.svg times.tsv
 echo before >aim.svg && ln -s aim.svg link.svg

@@ -84,6 +84,8 @@ refused 'the same by a link' 'views: -o l2.spec: is also an input' -n 3 -o l%d.s
 refused 'opposite, after other views' 'views: c.spec: from is opposite' -n 9 -o half%d.spec b.spec a.spec c.spec
 is 'a refusal leaves no file' "$(echo half*)" 'half*'
 refused 'no pattern' 'views: -o v.spec: expected one %d' -n 3 -o v.spec a.spec b.spec
+refused 'a line end in the pattern' 'views: -o a[?]v%d.spec: expected one %d' -n 3 -o 'a
+v%d.spec' a.spec b.spec
 refused 'no number of them' 'views: -n 0: expected a number' -n 0 -o v%d.spec a.spec b.spec
 refused 'one key' 'usage: views' -n 3 -o v%d.spec a.spec
 cp a.spec t=0.spec && cp b.spec t=1.spec

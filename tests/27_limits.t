@@ -34,6 +34,24 @@ like 'views: exit 3, and why' "$status:$err" '^3:.*File too large'
 run sh -c 'ulimit -f 1; balance interleaved -j 1 -o big.png - <gears.nff'
 like 'balance, a scene from a pipe: exit 3, and why' "$status:$err" '^3:.*File too large'
 
+# A stack of 64 KiB, less than a run's estimate of the time left takes.
+while IFS='|' read -r command; do
+	run sh -c "ulimit -s 64; $command"
+	is "a small stack, $command: exit 0" "$status:$err" 0:
+done <<END
+rtworker gears.nff <plain.task
+fan -j 2 rtworker - <job.task
+deal -q auto -e fan -j 2 rtworker -c - <job.task
+ringctl fan -j 2 ringctl -n rtworker - <job.task
+gather -r small.log -o small.png gears.frags
+fragstat -f gears.frags
+fragstat -H gears.frags
+verify -j 2 1 gears.frags </dev/null
+replay gears.frags <plain.task
+simulate -j 3 -m 100 ring <plain.task
+partition -r gears.frags 64x64
+END
+
 # few N PROGRAM: runs it with a limit of N open files. It inherits only the standard three.
 few() { run perl -MPOSIX -e 'POSIX::close($_) for 3 .. 1023; exec @ARGV' sh -c "ulimit -n $1; exec $2"; }
 for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate gears.nff' 'protocol -l' 'chart gears.tsv' coastlines; do

@@ -39,6 +39,11 @@ echo >quotes/in/seen
 is 'names in comments, and outside of the directory, are not sent' "$(povworker -l quotes/in/q.pov 2>said) $(cat said)" \
 	'quotes/in/q.pov
 quotes/in/seen povworker: quotes/in/q.pov: "../far" is not sent, expected a name without ..'
+cp my/scene.pov 'two
+lines.pov'
+run balance adaptive -s 8x8 -o bad.png 'two
+lines.pov'
+is 'a name with a line end is refused' "$status:$err" '2:povworker: two?lines.pov: a name with a line end, expected names without'
 run balance adaptive -s 8x8 -W '-f 0' -o bad.png my/scene.pov
 is 'balance -W with a bad option of the worker: status 2' "$status $err" '2 cropworker: -f 0: expected an integer from 1 to 65536'
 run balance adaptive -s 8x8 -W scene.ini -o bad.png my/scene.pov

@@ -228,6 +228,13 @@ LC_ALL=C sed 's/^frame 0 4 3 job=cafe/& with=cropworker/' torn | "$root/tests/se
 is 'incomplete, by a command that is not known: no command' "$(finishes -o n.png crop.torn)" 0
 long=$(printf '%0300d' 0 | sed 's,0\{100\},&/,g') && mkdir -p "${long%/*}" && cp torn "$long.log"
 is 'incomplete: a command that is too long for a message: none' "$(finishes -o n.png "$long.log")" 0
+for name in 'line\nend' 'escape\033' 'byte\377'; do
+	cp torn "$(printf "$name")"
+	is "incomplete, of $name: a command that cannot be pasted: none" "$(finishes -o n.png "$(printf "$name")")" 0
+done
+ln -s round.png round.png
+run gather -o round.png whole
+is 'a link to itself is not replaced' "$status:$err:$(readlink round.png)" '3:gather: round.png: Too many levels of symbolic links:round.png'
 run sh -c 'gather -o n.png <torn'
 like 'without a log' "$err" 'no log was kept'
 run gather -o n.png /dev/null

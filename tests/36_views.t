@@ -224,8 +224,9 @@ rtworker tetra.nff >large.log <<END
 frame 0 8000 8000
 task 0 0 0 0 1 1 1 1
 END
-prlimit --as=409600000 fragstat -H large.log >large.html
-is 'a page of a picture that exceeds the memory: exit 0' $? 0
+# shellcheck disable=SC2016  # the last number: pages of 4 KiB that the program got
+run sh -c 'prlimit --as=409600000 fragstat -H large.log >large.html; echo $? $(cut -d " " -f 11 /proc/$$/stat)'
+like 'a page of a picture that exceeds the memory: exit 0, and only the pixels that are there are read' "$out" '^0 1?[0-9]{1,4}$'
 like 'a page of a picture that exceeds the memory: it has the picture' "$(cat large.html)" 'data:image/png'
 run env TMPDIR="$tmp/none" fragstat -H large.log
 is 'a page of a picture that cannot be kept: status 3' "$status" 3
@@ -250,6 +251,9 @@ for args in '-f' '-f -' '-H' '-f all.frags half.log' '-f -s all.frags' '-f -t al
 	run fragstat $args </dev/null
 	is "usage: fragstat $args" "$status$(echo x.*)" '2x.*'
 done
+odd=$(printf 'odd\377\302\233\033.log') && cp all.frags "$odd"
+is 'a name that is no UTF-8 makes a page that is' "$(fragstat -H "$odd" | iconv -f UTF-8 -t UTF-8 | grep -ao '<title>.*</title>')" \
+	"$(printf '<title>odd\357\277\275\357\277\275\357\277\275\357\277\275.log</title>')"
 cp ended.log kept.log
 run fragstat -H -o ./kept.log kept.log
 is 'refused: a page under the name of its log' "$status:$err" '2:fragstat: ./kept.log: is also the log, expected another file'

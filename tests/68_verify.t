@@ -24,6 +24,16 @@ done
 run balance masterslave -v 1 -j 2 -s 32x32 -o out.png balls.nff
 like 'one host: another slot computes the pieces again, and a message says so' "$status $(echo "$err" | tail -n 1)" \
 	'^0 verify: 32 of 32 pieces were computed again on another slot of the only host: 0 differ'
+# The checks of the first round do not fit on the disk.
+mkdir full && cat >full/mktemp <<END
+#!/bin/sh
+made=\$($(command -v mktemp) "\$@") || exit
+[ ! -d "\$made" ] || ln -s /dev/full "\$made/1"
+echo "\$made"
+END
+chmod +x full/mktemp
+PATH=$tmp/full:$PATH run balance masterslave -v 1 -j 2 -s 32x32 -o out.png balls.nff
+like 'a full disk: exit 3, and no host is blamed' "$status:$err" '^3:balance: .*: the checks cannot be written, expected TMPDIR to name'
 run balance masterslave -v 1 -j 1 -s 32x32 -o out.png balls.nff
 is 'one slot is refused' "$status:$err" '2:balance: -v: one slot, expected two at least, and two hosts to check hosts'
 for bad in 0 1.5 x -1; do
@@ -96,7 +106,7 @@ for v in '' '-v 1'; do
 	# shellcheck disable=SC2086
 	run balance masterslave $v -S alone -s 16x12 -r alone.log -o out.png balls.nff
 done
-is 'a log of an earlier run: a host does not check itself' "$status:$(counts)" '1:12 0 12'
+is 'a log of an earlier run: a host does not check itself' "$status:$(counts)" '1:0 0 12'
 
 # ---- hosts that join and leave -------------------------------------------------------------------------------------
 # Of each slot of a, four rows come before b has begun. Then the hosts file is replaced by `file`.

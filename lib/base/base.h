@@ -34,7 +34,8 @@ enum {
  * 0, 1 and 2, and makes a file size limit an error of write instead of a signal. */
 void prog_init(const char *argv0);
 const char *prog_name(void);
-/* Prints "program: text" on stderr. If the format ends in ':', errno's text is appended. */
+/* Prints "program: text" on stderr, in one line: what text_shown does not show, such as an escape
+ * in a file's name, appears as \x1b. If the format ends in ':', errno's text is appended. */
 void warn(const char *fmt, ...) PRINTF_LIKE(1, 2);
 /* The same, then exit(status). */
 _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
@@ -57,6 +58,12 @@ bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt,
 /* A path for messages: a long one without its beginning. */
 const char *err_path(char out[ERR_PATH], const char *path);
 const char *err_word(char out[ERR_WORD], const void *word, size_t n);
+/* The bytes of the character at s, where n bytes are; 0: it is a control character, which a
+ * terminal would obey, or no UTF-8. XML has neither. (printable.c) */
+size_t utf8_shown(const void *s, size_t n);
+/* Copies s to out, of `room` bytes, where bytes for which that is 0 become \x1b. What has no room
+ * is left out. Returns the length. */
+size_t text_shown(char *out, size_t room, const char *s);
 /* Prints "usage: program TEXT" and exits: to stdout if status is 0 (-h), otherwise to stderr. */
 _Noreturn void usage(int status, const char *text);
 /* Prints "program VERSION" to stdout, and exits with status 0. */

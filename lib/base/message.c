@@ -36,12 +36,15 @@ const char *prog_name(void) { return name; }
 static PRINTF_LIKE(1, 0) void message(const char *fmt, va_list ap)
 {
     int err = errno;
-    char text[1024];
-    vsnprintf(text, sizeof text, fmt, ap);
+    char text[1024], line[4 * sizeof text]; /* no memory is asked for: there may be none */
+    int said = snprintf(text, sizeof text, "%s: ", name);
+    if (said > 0 && (size_t)said < sizeof text)
+        vsnprintf(text + said, sizeof text - (size_t)said, fmt, ap);
+    text_shown(line, sizeof line, text);
     size_t n = strlen(fmt);
     /* One write, so that lines of several processes do not mix. */
-    if (n && fmt[n - 1] == ':') fprintf(stderr, "%s: %s %s\n", name, text, strerror(err));
-    else fprintf(stderr, "%s: %s\n", name, text);
+    if (n && fmt[n - 1] == ':') fprintf(stderr, "%s %s\n", line, strerror(err));
+    else fprintf(stderr, "%s\n", line);
 }
 
 void warn(const char *fmt, ...)

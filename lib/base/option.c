@@ -5,13 +5,24 @@
 #include <getopt.h>
 #include <string.h>
 
+static void complain(const char *word, const char *letters)
+{
+    const char *letter = optopt < 0x7f && isalnum(optopt) ? strchr(letters, optopt) : NULL;
+    if (strncmp(word, "--", 2) == 0 && !letter) warn("unrecognized option '%s'", word);
+    else if (!letter) warn("invalid option -- '%c'", optopt);
+    else if (letter[1] == ':') warn("option requires an argument -- '%c'", optopt);
+    else warn("option '%s' doesn't allow an argument", word);
+}
+
 int prog_getopt(int argc, char **argv, const char *letters)
 {
     enum { VERSION = 256 }; /* not a letter */
     static const struct option words[] = {
         {"help", no_argument, NULL, 'h'}, {"version", no_argument, NULL, VERSION}, {0}};
+    opterr = 0; /* getopt would print what it does not know as it is */
     int opt = getopt_long(argc, argv, letters, words, NULL);
     if (opt == VERSION) version();
+    if (opt == '?') complain(argv[optind - 1], letters);
     return opt;
 }
 

@@ -98,13 +98,16 @@ static int descriptor_of(const char *path)
 }
 
 /* What a link leads to, also if that does not exist yet, so that the link stays. If it is an open
- * descriptor, *fd is that, otherwise -1. The caller frees it. */
+ * descriptor, *fd is that, otherwise -1. The caller frees it. NULL with errno: it leads
+ * to no end. */
 static char *target_of(const char *path, int *fd)
 {
     char *at = xstrdup(path), to[PATH_MAX];
-    for (int links = 0; (*fd = descriptor_of(at)) < 0 && links < LINKS_MOST; links++) {
+    for (int links = 0;; links++) {
+        if ((*fd = descriptor_of(at)) >= 0) return at;
         const ssize_t n = readlink(at, to, sizeof to - 1);
-        if (n < 0) break; /* no link */
+        if (n < 0) return at; /* no link */
+        if (links == LINKS_MOST) break;
         to[n] = '\0';
         const char *slash = *to == '/' ? NULL : strrchr(at, '/');
         const int kept = slash ? (int)(slash + 1 - at) : 0;
@@ -114,7 +117,9 @@ static char *target_of(const char *path, int *fd)
         free(at);
         at = next;
     }
-    return at;
+    free(at);
+    errno = ELOOP;
+    return NULL;
 }
 
 static FILE *open_beside(const char *path, char **name)
@@ -157,6 +162,7 @@ int outfile_open(struct outfile *o, const char *path)
     int fd;
     input_keep(path);
     *o = (struct outfile){.path = target_of(path, &fd)};
+    if (!o->path) return -1;
     if (fd >= 0) o->f = open_again(fd);
     else if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) o->f = fopen(path, "we");
     else o->f = open_beside(o->path, &o->temporary);
@@ -215,7 +221,8 @@ int outfile_check(const char *path)
 {
     int fd;
     input_keep(path);
-    char *dir = target_of(path, &fd), *slash = strrchr(dir, '/');
+    char *dir = target_of(path, &fd), *slash = dir ? strrchr(dir, '/') : NULL;
+    if (!dir) return -1;
     const size_t n = strlen(slash ? slash + 1 : dir);
     struct stat st;
     int err = 0;

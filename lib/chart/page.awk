@@ -7,14 +7,27 @@
 #   axes()            prints the axes that panels share
 #   draw_panel(p)     prints panel p
 #   key_look(i, x, y) prints the data of entry i of the legend, at x, y; returns its part of a plot command
-# The caller sets name, type, log_axes, labels and pareto, and CHART_TITLE, CHART_X and CHART_Y in the environment.
+# The caller sets type, log_axes, labels and pareto, and CHART_TITLE, CHART_X, CHART_Y and CHART_NAME in the environment.
 function bad(what) {
-	printf "chart: %s:%d: %s\n", name, NR, what >"/dev/stderr"
+	what = sprintf("%s:%d: %s", ENVIRON["CHART_NAME"], NR, what)
+	gsub(/[[:cntrl:]]|\302[\200-\237]/, "?", what)
+	print "chart: " what >"/dev/stderr"
 	failed = 1
 	exit 2
 }
+# s with blanks for control characters, and U+FFFD for bytes that are no UTF-8, such as half of a character: XML has neither.
+function shown(s,    out) {
+	gsub(/[[:cntrl:]]|\302[\200-\237]/, " ", s)
+	gsub(/\357\277[\276\277]/, "\377", s)
+	while (s != "")
+		if (match(s, /^([ -~]|[\302-\337][\200-\277]|\340[\240-\277][\200-\277]|[\341-\354\356\357][\200-\277][\200-\277]|\355[\200-\237][\200-\277]|\360[\220-\277][\200-\277][\200-\277]|[\361-\363][\200-\277][\200-\277][\200-\277]|\364[\200-\217][\200-\277][\200-\277])+/)) {
+			out = out substr(s, 1, RLENGTH)
+			s = substr(s, RLENGTH + 1)
+		} else { out = out "\357\277\275"; s = substr(s, 2) }
+	return out
+}
 # Text between single quotes is left alone by gnuplot: no commands, no escapes. A quote itself goes between double ones.
-function quoted(s) { gsub(/[[:cntrl:]]/, " ", s); gsub(/\047/, "\047 . \"\047\" . \047", s); return "(\047" s "\047)" }
+function quoted(s) { s = shown(s); gsub(/\047/, "\047 . \"\047\" . \047", s); return "(\047" s "\047)" }
 function max(a, b) { return a > b ? a : b }
 function min(a, b) { return a < b ? a : b }
 function log10(v) { return log(v) / log(10) }

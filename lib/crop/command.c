@@ -27,6 +27,15 @@ struct keeper {
     bool piped; /* standard output is the picture */
 };
 
+/* In the child: cropworker relays it. */
+static void complain(const char *name)
+{
+    char shown[1024];
+    int why = errno;
+    text_shown(shown, sizeof shown, name);
+    dprintf(STDERR_FILENO, "%s: %s\n", shown, strerror(why));
+}
+
 static _Noreturn void run_command(const struct keeper *k, int err)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -34,11 +43,11 @@ static _Noreturn void run_command(const struct keeper *k, int err)
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0 &&
         (k->piped || dup2(null, STDOUT_FILENO) >= 0)) {
         if (k->directory && chdir(k->directory) != 0) {
-            dprintf(STDERR_FILENO, "%s: %s\n", k->directory, strerror(errno));
+            complain(k->directory);
             _exit(127);
         }
         execvp(k->words[0], k->words);
-        dprintf(STDERR_FILENO, "%s: %s\n", k->words[0], strerror(errno));
+        complain(k->words[0]);
     }
     _exit(127);
 }

@@ -5,16 +5,18 @@
 
 void html_text(struct buf *out, const char *s, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0, k; i < n; i += k) {
+        k = utf8_shown(s + i, n - i);
         switch (s[i]) {
         case '<': buf_printf(out, "&lt;"); break;
         case '>': buf_printf(out, "&gt;"); break;
         case '&': buf_printf(out, "&amp;"); break;
         case '"': buf_printf(out, "&quot;"); break;
         case '\'': buf_printf(out, "&#39;"); break;
+        case '\n': buf_append(out, "\n", k = 1); break;
         default:
-            if ((unsigned char)s[i] < ' ' && s[i] != '\n') buf_append(out, "?", 1);
-            else buf_append(out, s + i, 1);
+            if (k) buf_append(out, s + i, k);
+            else buf_append(out, "\xef\xbf\xbd", 3), k = 1; /* U+FFFD */
         }
     }
 }

@@ -8,7 +8,7 @@
 
 /*
  * Appends n bytes as text, for an element or for an attribute in quotes. Control characters except
- * newlines become question marks.
+ * newlines, and bytes that are no UTF-8, become U+FFFD: XML has neither.
  */
 void html_text(struct buf *out, const char *s, size_t n);
 void html_word(struct buf *out, const char *s);

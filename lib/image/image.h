@@ -265,6 +265,9 @@ enum assembly_verdict assembly_commit(struct assembly *a, uint32_t number, const
     uint16_t source, const struct lattice *at, const float *rgba);
 /* The picture of a frame with pixels: missing ones are transparent. Valid until f changes. */
 struct image_rows assembly_rows(const struct assembly_frame *f);
+/* Makes *to, at most `side` pixels wide and high, of a frame with pixels: each pixel is the mean of
+ * k x k, of which missing ones are transparent. False with errno: they cannot be read. */
+bool assembly_small(const struct assembly_frame *f, uint32_t side, struct image *to);
 /* Bytes on disk for the pixels of a frame of this size that is kept in a file. */
 uint64_t assembly_disk(uint32_t w, uint32_t h);
 /* Call after the frame was written. Its memory is freed when the next frame is released. */

@@ -233,9 +233,9 @@ void log_keep_close(struct log_keep *k);
 /*
  * Appends to `out` the shell commands, in one line, that finish the pictures of these logs
  * (NULL-ended): tasks, to the worker of that origin, to the last log; then `gather -o TO LOGS`,
- * where PICTURE.png stands for standard output. False if there is no log, or if one is standard
- * input, which cannot be read again, and if the commands would make another picture: with
- * backdrops, or by a worker whose command they do not know.
+ * where PICTURE.png stands for standard output. False if there is no log, if one is standard
+ * input, which cannot be read again, or has a name that cannot be printed, and if the commands
+ * would make another picture: with backdrops, or by a worker whose command they do not know.
  */
 bool log_remedy(const char *const *logs, const struct log_origin *origin,
     const struct image_out *to, struct buf *out);

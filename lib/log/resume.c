@@ -64,18 +64,28 @@ static bool runs(const char *with)
     return false;
 }
 
+/* A name with a line end or an escape cannot be pasted. */
+static bool prints(const char *name)
+{
+    size_t n = strlen(name), k = 1;
+    for (; n && k; name += k, n -= k) k = utf8_shown(name, n);
+    return !n;
+}
+
 bool log_remedy(const char *const *logs, const struct log_origin *origin,
     const struct image_out *to, struct buf *out)
 {
     struct buf names = {0};
     const char *last = NULL;
+    bool told = !to->pattern || prints(to->pattern);
     for (; *logs && strcmp(*logs, "-") != 0; logs++) {
+        told = told && prints(*logs);
         last = *logs;
         buf_append(&names, " ", 1);
         buf_quote(&names, last);
     }
     const char *with = *origin->with ? origin->with : "rtworker";
-    bool again = last && !*logs && !(to->backs && to->backs->n) && runs(with);
+    bool again = told && last && !*logs && !(to->backs && to->backs->n) && runs(with);
     if (again) {
         buf_append(&names, "", 1);
         const char *all = (const char *)buf_data(&names);

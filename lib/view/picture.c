@@ -18,23 +18,6 @@ static void take(void *ctx, const struct record *r)
         intake_record(in, r);
 }
 
-/* Each pixel of the result is the mean of k x k pixels; missing ones are transparent. */
-static void shrink(const struct image_rows *from, uint32_t k, struct image *to)
-{
-    image_init(to, (from->w + k - 1) / k, (from->h + k - 1) / k);
-    for (uint32_t y = 0; y < from->h; y++) {
-        const float *row = from->row(from, y);
-        uint32_t h = from->h - y / k * k < k ? from->h - y / k * k : k;
-        if (!row) die(ST_SYSTEM, "the pixels of the picture:");
-        for (uint32_t x = 0; x < from->w; x++) {
-            uint32_t w = from->w - x / k * k < k ? from->w - x / k * k : k;
-            float *mean = to->rgba + 4 * ((size_t)(y / k) * to->w + x / k);
-            for (int c = 0; c < 4; c++)
-                mean[c] += row[4 * (size_t)x + (size_t)c] / ((float)w * (float)h);
-        }
-    }
-}
-
 static void encode(const struct image *im, const char *job, struct buf *png)
 {
     char *bytes = NULL;
@@ -63,10 +46,8 @@ void view_picture(const char *path, struct buf *png)
         die(ST_SYSTEM, "%s: cannot keep the pixels, expected TMPDIR to name a directory:", dir);
     const struct assembly_frame *f = in.parts.n_frames ? in.parts.frames[0] : NULL;
     if (f && f->pixels) {
-        const struct image_rows rows = assembly_rows(f);
-        uint32_t side = rows.w > rows.h ? rows.w : rows.h;
         struct image small;
-        shrink(&rows, (side + SIDE_MOST - 1) / SIDE_MOST, &small);
+        if (!assembly_small(f, SIDE_MOST, &small)) die(ST_SYSTEM, "the pixels of the picture:");
         encode(&small, f->job, png);
         image_free(&small);
     }

@@ -271,6 +271,38 @@ static void test_missing_in_words(void **state)
     assembly_free(&a);
 }
 
+/* Of 70x31 pixels, 3x3 become one; at the edges, fewer. Missing ones count as transparent black. */
+static void test_small(void **state)
+{
+    (void)state;
+    enum { W = 70, H = 31, K = 3 };
+    struct assembly a;
+    struct image small;
+    assembly_init(&a, true, ROOM);
+    assembly_declare(&a, 0, W, H, "j");
+    put(&a, 0, W, (struct lattice){5, 2, 30, 9, 1, 1}, 0);
+    put(&a, 0, W, (struct lattice){1, 20, 10, 2, 7, 1}, 0);
+    put(&a, 0, W, (struct lattice){64, 29, 6, 2, 1, 1}, 0);
+    const struct assembly_frame *f = assembly_find(&a, 0);
+    assert_true(assembly_small(f, 25, &small));
+    assert_int_equal(small.w, (W + K - 1) / K);
+    assert_int_equal(small.h, (H + K - 1) / K);
+    struct image slow;
+    image_init(&slow, small.w, small.h);
+    const struct image_rows rows = assembly_rows(f);
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) {
+            uint32_t w = x / K * K + K > W ? W % K : K, h = y / K * K + K > H ? H % K : K;
+            for (uint32_t c = 0; c < 4; c++)
+                slow.rgba[4 * (y / K * slow.w + x / K) + c] +=
+                    rows.row(&rows, y)[4 * x + c] / ((float)w * (float)h);
+        }
+    assert_memory_equal(slow.rgba, small.rgba, 4 * sizeof(float) * small.w * small.h);
+    image_free(&slow);
+    image_free(&small);
+    assembly_free(&a);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -283,6 +315,7 @@ int main(void)
         cmocka_unit_test(test_released_is_given_back),
         cmocka_unit_test(test_without_pixels),
         cmocka_unit_test(test_missing_in_words),
+        cmocka_unit_test(test_small),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
