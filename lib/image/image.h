@@ -86,8 +86,8 @@ struct image_backs {
 /* Adds the lowest one so far: a file, "-" for standard input, or, if numbered, a pattern for
  * image_name. Dies with status 2 if the file cannot be read. The name must stay. */
 void image_backs_add(struct image_backs *b, const char *name, bool numbered);
-/* Puts the uppermost ones that are as large as this picture under it, and frees them. For files
- * that were added without a number. */
+/* Puts the uppermost ones that are as large as this picture under it, and frees them: they are at
+ * the top with it, and not at the bottom. For files that were added without a number. */
 void image_backs_blend(struct image_backs *b, struct image *over);
 /* Adds the file, or the pattern if it has a %, that is the argument of option `-opt`; dies with
  * status 2 if it is bad. */
