@@ -39,7 +39,7 @@ double srgb_from_linear(double v);
 #define CURVE_UNSTATED (-1.0)
 /* The curve of samples of at most 8 bits, or of more, in a file that states none. False with a
  * message if the part refuses it. */
-bool curve_unstated(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR]);
+bool sampler_curve(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR]);
 
 struct sampler {
     uint32_t max;  /* the sample value of 1.0 */

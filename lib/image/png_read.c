@@ -84,7 +84,7 @@ static void read_header(struct reader *r)
     if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) /* also by a profile that libpng knows */
         r->curve = CURVE_SRGB;
     bool deep = png_get_bit_depth(r->png, r->info) == 16;
-    if (r->curve == CURVE_UNSTATED && !curve_unstated(r->part, deep, &r->curve, r->err))
+    if (r->curve == CURVE_UNSTATED && !sampler_curve(r->part, deep, &r->curve, r->err))
         png_longjmp(r->png, 1);
     sampler_init(&r->sampler, deep ? 65535 : 255, r->curve);
     unify(r);

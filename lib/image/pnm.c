@@ -103,7 +103,7 @@ int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, 
         return image_fail(err, "%zu bytes of pixels, expected %zu", n - h.size, all);
     struct sampler s;
     double curve;
-    if (!curve_unstated(part, h.max > 255, &curve, err)) return -1;
+    if (!sampler_curve(part, h.max > 255, &curve, err)) return -1;
     sampler_init(&s, (uint32_t)h.max, curve);
     image_init(im, width, height);
     bool ok = true;

@@ -26,7 +26,7 @@ uint8_t srgb_encode8(float linear)
 
 float srgb_decode8(uint8_t v) { return (float)srgb_to_linear(v / 255.0); }
 
-bool curve_unstated(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR])
+bool sampler_curve(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR])
 {
     *curve = !deep || part->deep == IMAGE_DEEP_SRGB ? CURVE_SRGB : 1.0;
     if (!deep || part->deep != IMAGE_DEEP_REFUSED) return true;
