@@ -13,13 +13,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#define FORMAT_VERSION 1 /* raise it when a pixel of any picture changes */
+#define FORMAT_VERSION 2 /* raise it when a pixel of any picture changes */
 
 struct options {
     struct worker_options worker;
     struct worker_words words; /* for job hashes and `with=` */
     int w, h;                  /* -i -s: size of the frame; 0: render tasks */
     int64_t frame;             /* -F: its number */
+    enum image_deep deep;      /* -g: what 16 bits that do not state their curve hold */
     char **command;
     const char *scratch; /* directory of this process */
     pid_t pid;           /* this process, and not one of its slots */
@@ -89,7 +90,7 @@ static void *build(const void *options, void *const value[])
     const struct options *o = options;
     struct drawing *d = xcalloc(1, sizeof *d);
     const struct unpacked *u = value[0];
-    d->command = (struct crop_command){.words = o->command, .scratch = o->scratch};
+    d->command = (struct crop_command){.words = o->command, .scratch = o->scratch, .deep = o->deep};
     d->pid = o->pid;
     if (u) d->command.files = u->directory, d->command.first = u->first;
     return d;
@@ -161,16 +162,26 @@ static struct worker_renderer renderer = {
 
 /* ---- options -------------------------------------------------------------------------------- */
 
+static enum image_deep take_curve(const char *s)
+{
+    if (strcmp(s, "srgb") == 0) return IMAGE_DEEP_SRGB;
+    if (strcmp(s, "linear") == 0) return IMAGE_DEEP_LINEAR;
+    die(ST_USAGE, "-g %s: expected srgb or linear", s);
+}
+
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-ch] [-f PIXELS] [-j SLOTS] COMMAND [ARGUMENT ...]\n"
-                               "       cropworker -i [-F FRAME] -s WxH COMMAND [ARGUMENT ...]";
+    static const char text[] =
+        "[-ch] [-f PIXELS] [-g srgb|linear] [-j SLOTS] COMMAND [ARGUMENT ...]\n"
+        "       cropworker -i [-F FRAME] [-g srgb|linear] -s WxH COMMAND "
+        "[ARGUMENT ...]";
     bool inspect = false;
-    struct options o = {0};
+    struct options o = {.deep = IMAGE_DEEP_REFUSED};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+F:hij:s:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+F:g:hij:s:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'F': o.frame = opt_int(opt, optarg, 0, UINT32_MAX); break;
+        case 'g': o.deep = take_curve(optarg); break;
         case 'h': usage(ST_OK, text);
         case 'i': inspect = true; break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
@@ -182,8 +193,8 @@ static struct options parse(int argc, char **argv)
     if (!inspect && o.frame) die(ST_USAGE, "-F: expected -i with it");
     if (inspect != (o.w > 0)) die(ST_USAGE, "-i and -s: expected both or neither");
     o.command = argv + optind;
-    snprintf(o.words.job, sizeof o.words.job, "crop %d words=%016" PRIx64, FORMAT_VERSION,
-        crop_words_hash(o.command));
+    snprintf(o.words.job, sizeof o.words.job, "crop %d deep=%d words=%016" PRIx64, FORMAT_VERSION,
+        (int)o.deep, crop_words_hash(o.command));
     snprintf(o.words.with, sizeof o.words.with, "cropworker");
     return o;
 }

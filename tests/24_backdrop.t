@@ -32,6 +32,21 @@ printf 'P6 2 1 255\n123456' >wide.ppm
 { printf 'P6 3000 1000 255\n'; head -c 9000000 /dev/zero; } >large.ppm
 ok 'blend: the memory does not grow with the number of pictures' prlimit --as=200000000 \
 	blend -o large.pfm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm large.ppm
+# column FILE RED GREEN BLUE ALPHA (octal) HEIGHT: a picture one pixel wide
+column() {
+	printf 'P7\nWIDTH 1\nHEIGHT %d\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n' "$6" >"$1"
+	for _ in $(seq "$6"); do printf "\\$2\\$3\\$4\\$5"; done >>"$1"
+}
+column nothing.pam 377 000 000 000 1
+column low.pam 000 377 000 377 1
+column high.pam 000 000 377 377 2
+blend -o heights.pam nothing.pam low.pam high.pam
+is 'blend: pictures of the height of the first are at the top with it' "$(tail -c 6 heights.pam | od -An -tu1)" '   0 255   0   0   0 255'
+column clear2.pam 000 000 000 000 2
+column all.pam 000 000 377 377 3
+blend -o heights.pam nothing.pam clear2.pam low.pam all.pam
+is 'and those behind one of another height are at the bottom' "$(tail -c 9 heights.pam | od -An -tu1)" \
+	'   0   0 255   0   0 255   0 255   0'
 run blend red.pam wide.ppm
 is 'sizes that differ are refused' "$status:$err" '2:blend: wide.ppm has 2x1 pixels, expected a width of 1, as the picture over it'
 for bad in '' '-b 1,2 red.pam' '-k 9 red.pam blue.pam' '-o x.gif red.pam blue.pam' '- -' 'red.pam none.png'; do

@@ -199,6 +199,12 @@ is 'transforms of nodes, and two instances' "$(faces | grep '^pp')" \
 	'pp 3 11 22 33 -0.9363292 0.35112345 0 11 24 33 0 0 1 10 22 33 0 0 1
 pp 3 10 20 30 0.6 0.8 0 11 20 30 0 0 1 10 21 30 0 0 1'
 
+# The order of the corners is turned with the normals: both show the same side.
+gltf '{"mesh": 0, "scale": [-2, 1, 1]}' "$paint" >mirror.gltf
+run mesh2nff mirror.gltf
+is 'a mirrored patch: normals on the mirrored side, corners in their order' "$(faces | grep '^pp')" \
+	'pp 3 0 0 0 -0.35112345 0.9363292 0 0 1 0 0 0 1 -2 0 0 0 0 1'
+
 # ---- cameras and lights --------------------------------------------------------------------------------------
 lens='"cameras": [{"type": "perspective", "perspective": {"aspectRatio": 1.5, "yfov": 0.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]'
 gltf '{"mesh": 0, "children": [1, 2]}, {"camera": 0, "matrix": [0,0,-1,0, 0,1,0,0, 1,0,0,0, 5,0.5,0,1]}, {"camera": 1, "translation": [0, 0, 4]}' "$paint, $lens" >camera.gltf

@@ -84,7 +84,7 @@ for cut in row tile:16x7 run:50 scatter guided; do
 	partition -u "$cut" -n 3 32x24 | fan -j 3 cropworker perl draw.pl 255 32 '{x}' '{y}' '{w}' '{h}' | gather -o got.png
 	is "8 bits, $cut: all 256 values come out as they went in" "$(same got.png whole8.png)" 'differing	0'
 done
-partition -u tile:256x64 256x256 | fan -j 2 cropworker perl draw.pl 65535 256 '{x}' '{y}' '{w}' '{h}' | gather -k 16 -o got.pam
+partition -u tile:256x64 256x256 | fan -j 2 cropworker -g linear perl draw.pl 65535 256 '{x}' '{y}' '{w}' '{h}' | gather -k 16 -o got.pam
 { printf 'P7\nWIDTH 256\nHEIGHT 256\nDEPTH 3\nMAXVAL 65535\nTUPLTYPE RGB\nENDHDR\n'; tail -c $((256 * 256 * 6)) whole16.ppm; } >whole16.pam
 ok '16 bits: all 65536 values come out as they went in' cmp got.pam whole16.pam
 for picture in whole8.png whole8.ppm; do
@@ -92,8 +92,19 @@ for picture in whole8.png whole8.ppm; do
 	is "$picture: a picture of the whole frame" "$(same got.png whole8.png)" 'differing	0'
 done
 perl png.pl <whole16.ppm >sixteen.png
-partition -u tile:100x100 256x256 | fan -j 2 cropworker cp "$tmp/sixteen.png" '{o}' | gather -k 16 -o got.png
+partition -u tile:100x100 256x256 | fan -j 2 cropworker -g linear cp "$tmp/sixteen.png" '{o}' | gather -k 16 -o got.png
 is '{o}: a PNG of 16 bits' "$(same got.png whole16.ppm)" 'differing	0'
+# 32768 of 65535 is 128 of 255 in sRGB, and 188 if it is linear.
+printf 'P5 4 3 65535\n' >deep.pgm
+printf '\200\0\200\0\200\0\200\0\200\0\200\0\200\0\200\0\200\0\200\0\200\0\200\0' >>deep.pgm
+for curve in srgb:128 linear:188; do
+	partition 4x3 | cropworker -g ${curve%:*} cat "$tmp/deep.pgm" | gather -o got.pam
+	is "-g ${curve%:*}: what 16 bits hold" "$(tail -c 3 got.pam | od -An -tu1 | tr -d ' ')" "${curve#*:}${curve#*:}${curve#*:}"
+done
+is 'the job depends on -g' "$({ cropworker -g srgb -i -s 4x3 cat deep.pgm && cropworker -g linear -i -s 4x3 cat deep.pgm; } |
+	grep job= | sort -u | wc -l)" 2
+run cropworker -g gamma cat deep.pgm
+is '-g: two curves, and no other' "$status $err" '2 cropworker: -g gamma: expected srgb or linear'
 is '{o}: standard output is dropped' "$(partition 32x24 | cropworker sh -c 'echo noise; cp "$0" "$1"' "$tmp/whole8.png" '{o}' |
 	gather -o got.png && same got.png whole8.png)" 'differing	0'
 printf 'frame 0 512 300\ntask 0 0 0 0 512 300 1 1\n' >one.task
@@ -182,6 +193,9 @@ fails 'a command that is killed' 'sh: ended by signal 9' sh -c 'kill -9 $$'
 fails 'no picture' 'the command.s standard output: empty, expected' true
 fails 'no picture in {o}' 'the file .o.: No such file' true '{o}'
 fails 'no picture but text' '.*unknown picture format' echo hello
+for deep in deep.pgm sixteen.png; do
+	fails "16 bits that do not state their curve: $deep" "16 bits that do not state their curve, expected option -g" cat "$tmp/$deep"
+done
 fails 'a picture that is cut off' '.*standard output' sh -c 'head -c 900 "$0"' "$tmp/whole8.ppm"
 printf 'Pf\n4 3\n-1\n%032d\0\0\300\177%012d' 0 0 >nan.pfm
 fails 'a picture with a pixel that is no number' "the command's standard output: pixel 0,0 is NaN, expected numbers" cat "$tmp/nan.pfm"

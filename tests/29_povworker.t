@@ -132,6 +132,8 @@ later film balance adaptive -j 2 -s 32x24 -W '+KFI3 +KFF5' -o film%02d.png my/sc
 later one balance adaptive -j 2 -s 32x24 -W '+KFF5' -o one.png my/scene.pov
 later third balance adaptive -j 2 -s 32x24 -W '+kfi3' -o third.png my/scene.pov
 later ini balance adaptive -j 2 -s 32x24 -W 'Initial_Frame=3 final_frame=5' -o ini%02d.png my/scene.pov
+printf 'Output_File_Type=P\nBits_Per_Color=16\nFile_Gamma=2.2\nInput_File_Name=inc/b.inc\n' >my/more.ini
+later more balance adaptive -j 2 -s 48x36 -W Include_Ini=more.ini -o more.pfm my/scene.pov my/more.ini
 later preview balance adaptive -j 2 -s 80x60 -W +SP8 -o preview.png my/scene.pov
 later bad balance adaptive -j 2 -s 32x24 -o bad.png bad.pov
 for frame in 3 4 5; do whole frame$frame- my/scene.pov +W32 +H24 +KFI3 +KFF5 +SF$frame +EF$frame & done
@@ -180,8 +182,18 @@ is 'numbers of frames are decimal' "$(povworker -i +KFI008 +KFF010 my/scene.pov 
 	'640 480 8 640 480 9 640 480 10 '
 run povworker -i -s 8x8 +KFF99999999 my/scene.pov
 like 'too many frames are refused' "$status $err" '^2 povworker: .*expected at most 1048576 frames'
-run povworker -i Frame_Step=2 +KFF3 my/scene.pov
-like 'steps of frames are refused' "$status $err" '^2 povworker: Frame_Step=2: expected [+]KFI and [+]KFF'
+for step in Frame_Step=2 +stp2; do
+	run povworker -i $step +KFF3 my/scene.pov
+	like 'steps of frames are refused' "$status $err" "^2 povworker: [$step]+: expected [+]KFI and [+]KFF"
+done
+for word in +FP16 +fp +FT +F8 Output_File_Type=p; do
+	run povworker -i $word my/scene.pov
+	like "$word: only PNG states its curve" "$status $err" "^2 povworker: [$word]+: expected [+]FN, [+]FN8 or [+]FN16"
+done
+for word in +oa.png Output_File_Name=a.png output_to_file=off +Iother.pov Input_File_Name=other.pov; do
+	run povworker -i $word my/scene.pov
+	like "$word is povworker's" "$status $err" "^2 povworker: [$word]+: expected "
+done
 run povworker -i +KFFx my/scene.pov
 is 'a frame that is no number' "$status:$out" 2:
 
@@ -235,6 +247,9 @@ equal photons light1
 equal 'focal blur' light2
 equal 'an area light' light3
 is '+FN16 File_Gamma=1: tiles make the same picture of 16 bits' "$(same bits.tiles.png bits.png)" 'differing	0'
+result more
+is 'an ini file of the words: its gamma and bits, but not its format and scene' \
+	"$status:$(imgcmp -t 0.0001 more.pfm bits.png | grep '^over	')" '0:over	0'
 depends +AM1 am1
 is '+AM1: bands of 32 rows make the same picture' "$(same bands.tiles.png bands.png)" 'differing	0'
 depends 'the shadow of a surface nearer than 0.001' near

@@ -82,9 +82,10 @@ int crop_run(
 /* What to run, and where. */
 struct crop_command {
     char *const *words;
-    const char *scratch; /* a directory, for {o} */
-    const char *files;   /* the directory in which to run; NULL: the current one */
-    const char *first;   /* {i} */
+    const char *scratch;  /* a directory, for {o} */
+    const char *files;    /* the directory in which to run; NULL: the current one */
+    const char *first;    /* {i} */
+    enum image_deep deep; /* what 16 bits that do not state their curve hold */
 };
 /*
  * Draws the rectangle: the picture holds its pixels, or those of the frame. The caller frees it by

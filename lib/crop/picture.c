@@ -44,9 +44,9 @@ static size_t find_nan(const struct crop_rect *at, const struct image *im, size_
 
 /* Decodes the bytes, and checks the size and the values. `from` is what they come from. */
 static int picture_of(const struct crop_rect *at, const char *from, const struct buf *bytes,
-    struct image *picture, char err[CROP_ERR])
+    enum image_deep deep, struct image *picture, char err[CROP_ERR])
 {
-    const struct image_part part = {at->frame_w, at->frame_h, at->y, at->y + at->h};
+    const struct image_part part = {at->frame_w, at->frame_h, at->y, at->y + at->h, deep};
     char why[IMAGE_ERR];
     if (image_decode_part(buf_data(bytes), buf_size(bytes), &part, picture, why) != 0) {
         err_set(err, "%s: %s", from, why);
@@ -79,7 +79,7 @@ int crop_draw(const struct crop_command *c, const struct crop_rect *at, struct i
     int failed = crop_run(words, c->files, file ? NULL : &bytes, most, err);
     if (!failed && file) failed = read_output(path, most, &bytes, err);
     const char *from = file ? "the file {o}" : "the command's standard output";
-    if (!failed) failed = picture_of(at, from, &bytes, picture, err);
+    if (!failed) failed = picture_of(at, from, &bytes, c->deep, picture, err);
     if (file) unlink(path);
     crop_words_free(words);
     buf_free(&bytes);

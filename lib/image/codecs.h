@@ -31,12 +31,15 @@ int pfm_decode(const unsigned char *p, size_t n, const struct image_part *part, 
     char err[IMAGE_ERR]);
 int pfm_encode(FILE *f, const struct image_rows *rows);
 
-
 double srgb_to_linear(double v);
 double srgb_from_linear(double v);
 
 /* Transfer curve of samples: an exponent > 0 (1: linear light), or sRGB. */
 #define CURVE_SRGB 0.0
+#define CURVE_UNSTATED (-1.0)
+/* The curve of samples of at most 8 bits, or of more, in a file that states none. False with a
+ * message if the part refuses it. */
+bool sampler_curve(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR]);
 
 struct sampler {
     uint32_t max;  /* the sample value of 1.0 */

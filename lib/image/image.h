@@ -33,17 +33,21 @@ void image_free(struct image *im);
 bool image_format_of(const char *path, enum image_format *format);
 /*
  * Reads a PNG (any kind), PAM, PPM, PGM or PFM, recognised by content; "-" is standard input. A PNG
- * with an sRGB chunk, or with 8 bits and gAMA 1/2.2, holds sRGB. Another gAMA gives the exponent.
- * Without either, and in PNM, 8 bits hold sRGB and 16 bits linear light. Returns 0, or -1 with
- * "what, expected what" in err and nothing allocated.
+ * with an sRGB chunk holds sRGB. With gAMA alone, its samples are a power of light, also that of
+ * 1/2.2: POV-Ray and others write the sRGB chunk if they mean sRGB. Without either, and in PNM,
+ * samples of up to 8 bits hold sRGB, and others linear light. Returns 0, or -1 with "what, expected
+ * what" in err and nothing allocated.
  */
 int image_read(const char *path, struct image *im, char err[IMAGE_ERR]);
 /* Reads n bytes in memory. */
 int image_decode(const unsigned char *p, size_t n, struct image *im, char err[IMAGE_ERR]);
 /* The same, but of a picture of size w x h only rows `first` to `end` - 1: the others stay
- * transparent black, and their memory is not touched. */
+ * transparent black, and their memory is not touched. And what samples of more than 8 bits hold if
+ * the file does not state it. */
+enum image_deep { IMAGE_DEEP_LINEAR, IMAGE_DEEP_SRGB, IMAGE_DEEP_REFUSED };
 struct image_part {
     uint32_t w, h, first, end;
+    enum image_deep deep;
 };
 int image_decode_part(const unsigned char *p, size_t n, const struct image_part *part,
     struct image *im, char err[IMAGE_ERR]);
@@ -82,8 +86,8 @@ struct image_backs {
 /* Adds the lowest one so far: a file, "-" for standard input, or, if numbered, a pattern for
  * image_name. Dies with status 2 if the file cannot be read. The name must stay. */
 void image_backs_add(struct image_backs *b, const char *name, bool numbered);
-/* Puts the uppermost ones that are as large as this picture under it, and frees them. For files
- * that were added without a number. */
+/* Puts the uppermost ones that are as large as this picture under it, and frees them: they are at
+ * the top with it, and not at the bottom. For files that were added without a number. */
 void image_backs_blend(struct image_backs *b, struct image *over);
 /* Adds the file, or the pattern if it has a %, that is the argument of option `-opt`; dies with
  * status 2 if it is bad. */

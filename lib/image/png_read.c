@@ -26,6 +26,9 @@ struct reader {
     const unsigned char *p;
     size_t n;
     unsigned char *rows; /* one row, or all rows if interlaced */
+    unsigned char *rgba; /* a row of a palette's colours */
+    double curve;        /* of the samples; CURVE_UNSTATED: no chunk states it */
+    bool clear;          /* a chunk states alpha */
     struct sampler sampler;
     const struct image_part *part;
     struct image *im;
@@ -54,21 +57,16 @@ static void take(png_structp png, png_bytep to, size_t n)
     r->n -= n;
 }
 
-/* The samples' transfer curve: from the sRGB chunk, the gAMA chunk, or the default in image.h. */
-static double curve_of(const struct reader *r, int depth)
-{
-    png_fixed_point gamma; /* 100000 times the exponent from light to sample */
-    if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) return CURVE_SRGB;
-    if (!png_get_gAMA_fixed(r->png, r->info, &gamma) || gamma <= 0)
-        return depth == 16 ? 1.0 : CURVE_SRGB;
-    if (depth < 16 && gamma >= 45450 && gamma <= 45460) return CURVE_SRGB;
-    return gamma == 100000 ? 1.0 : 100000.0 / gamma;
-}
-
-/* Converts every kind to RGB or RGBA of 8 or 16 bits. */
+/* Converts every kind to RGB or RGBA of 8 or 16 bits, but palettes to an index a byte: libpng would
+ * make black of an index beyond the palette. */
 static void unify(struct reader *r)
 {
-    png_set_expand(r->png); /* palettes, grey below 8 bits, tRNS */
+    if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_PALETTE) {
+        png_set_packing(r->png);
+        r->rgba = xcalloc(png_get_image_width(r->png, r->info), 4);
+        return;
+    }
+    png_set_expand(r->png); /* grey below 8 bits, tRNS */
     png_set_gray_to_rgb(r->png);
 }
 
@@ -81,10 +79,35 @@ static void read_header(struct reader *r)
     size_t row = png_get_rowbytes(r->png, r->info);
     if (row * h / DEFLATE_RATIO_MAX > r->n)
         png_error(r->png, "it is too short for the size it declares");
-    int depth = png_get_bit_depth(r->png, r->info);
-    sampler_init(&r->sampler, depth == 16 ? 65535 : 255, curve_of(r, depth));
+    if (r->clear && !png_get_valid(r->png, r->info, PNG_INFO_tRNS))
+        png_error(r->png, "a tRNS chunk that does not fit");
+    if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) /* also by a profile that libpng knows */
+        r->curve = CURVE_SRGB;
+    bool deep = png_get_bit_depth(r->png, r->info) == 16;
+    if (r->curve == CURVE_UNSTATED && !sampler_curve(r->part, deep, &r->curve, r->err))
+        png_longjmp(r->png, 1);
+    sampler_init(&r->sampler, deep ? 65535 : 255, r->curve);
     unify(r);
     image_init(r->im, w, h);
+}
+
+/* The colours of a row of indices, as RGBA. */
+static const unsigned char *look_up(struct reader *r, const unsigned char *index)
+{
+    png_colorp colour = NULL;
+    png_bytep alpha = NULL;
+    int n = 0, n_alpha = 0;
+    png_get_PLTE(r->png, r->info, &colour, &n);
+    png_get_tRNS(r->png, r->info, &alpha, &n_alpha, NULL);
+    for (uint32_t x = 0; x < r->im->w; x++) {
+        const int i = index[x];
+        if (i >= n) png_error(r->png, "a pixel whose colour is not in the palette");
+        r->rgba[4 * x] = colour[i].red;
+        r->rgba[4 * x + 1] = colour[i].green;
+        r->rgba[4 * x + 2] = colour[i].blue;
+        r->rgba[4 * x + 3] = i < n_alpha ? alpha[i] : 255;
+    }
+    return r->rgba;
 }
 
 static void read_pixels(struct reader *r)
@@ -92,7 +115,7 @@ static void read_pixels(struct reader *r)
     int passes = png_set_interlace_handling(r->png);
     png_read_update_info(r->png, r->info);
     size_t row = png_get_rowbytes(r->png, r->info), stride = passes > 1 ? row : 0;
-    int channels = png_get_channels(r->png, r->info);
+    int channels = r->rgba ? 4 : png_get_channels(r->png, r->info);
     uint32_t w = r->im->w, h = r->im->h;
     r->rows = xcalloc(passes > 1 ? h : 1, row);
     for (int pass = 0; pass < passes; pass++)
@@ -100,10 +123,14 @@ static void read_pixels(struct reader *r)
             unsigned char *at = r->rows + y * stride;
             png_read_row(r->png, at, NULL);
             if (pass == passes - 1 && image_wants(r->part, r->im, y))
-                sampler_row(&r->sampler, at, channels, w, r->im->rgba + (size_t)4 * w * y);
+                sampler_row(&r->sampler, r->rgba ? look_up(r, at) : at, channels, w,
+                    r->im->rgba + (size_t)4 * w * y);
         }
     png_read_end(r->png, NULL);
 }
+
+/* Whether a chunk of this name is at p. */
+static bool is_chunk(const unsigned char *p, const char *name) { return !memcmp(p + 4, name, 4); }
 
 /* Where the last chunk ends, if all chunks are complete; otherwise 0. It is checked because libpng
  * allocates a chunk's declared length before reading it, regardless of its limits. */
@@ -114,9 +141,33 @@ static size_t chunks_end(const unsigned char *p, size_t n)
         uint32_t data = png_get_uint_32(p + at);
         if (data > n - AROUND - at) return 0;
         at += AROUND + data;
-        if (memcmp(p + at - data - AROUND + 4, "IEND", 4) == 0) return at;
+        if (is_chunk(p + at - data - AROUND, "IEND")) return at;
     }
     return 0;
+}
+
+/*
+ * Finds the chunks that state what samples mean: sRGB, or else gAMA, which is 100000 times the
+ * exponent from light to sample, and tRNS. libpng leaves out those that contradict other chunks,
+ * such as a damaged profile. False with a message if a gAMA is no exponent.
+ */
+static bool find_statements(struct reader *r)
+{
+    const unsigned char *p = r->p;
+    bool srgb = false;
+    r->curve = CURVE_UNSTATED;
+    for (size_t at = SIGNATURE, data; at < r->n; at += AROUND + data) {
+        data = png_get_uint_32(p + at);
+        srgb |= is_chunk(p + at, "sRGB");
+        r->clear |= is_chunk(p + at, "tRNS");
+        if (!is_chunk(p + at, "gAMA")) continue;
+        uint32_t gamma = data == 4 ? png_get_uint_32(p + at + 8) : 0;
+        if (gamma == 0 || gamma > PNG_UINT_31_MAX || r->curve != CURVE_UNSTATED)
+            return image_fail(r->err, "damaged PNG: gAMA, expected one, above 0") == 0;
+        r->curve = gamma == PNG_GAMMA_LINEAR ? 1.0 : 1.0 * PNG_GAMMA_LINEAR / gamma;
+    }
+    if (srgb) r->curve = CURVE_SRGB;
+    return true;
 }
 
 /* The chunks are complete. */
@@ -171,10 +222,11 @@ int png_decode(const unsigned char *p, size_t n, const struct image_part *part, 
     if (!end) return image_fail(err, "damaged PNG: it ends within a chunk, expected a whole one");
     if (end != n) return image_fail(err, "%zu bytes behind the PNG, expected one picture", n - end);
     struct reader r = {.p = p, .n = n, .part = part, .im = im, .err = err};
-    int failed = reader_init(&r) ? guarded(&r) : -1;
+    int failed = find_statements(&r) && reader_init(&r) ? guarded(&r) : -1;
     png_destroy_read_struct(&r.png, &r.info, NULL);
     sampler_free(&r.sampler);
     free(r.rows);
+    free(r.rgba);
     if (failed) image_free(im);
     return failed;
 }

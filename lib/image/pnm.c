@@ -1,7 +1,7 @@
 /*
  * pnm: the Netpbm formats: reads PAM (P7), PPM (P6) and PGM (P5), writes PAM. One picture per file.
- * Samples up to 255 hold sRGB, larger ones linear light, as image.h defines; Netpbm leaves this
- * open.
+ * Samples up to 255 hold sRGB, larger ones linear light, or what the reader says, as image.h
+ * defines; Netpbm leaves this open.
  */
 #include "image/codecs.h"
 
@@ -102,7 +102,9 @@ int pnm_decode(const unsigned char *p, size_t n, const struct image_part *part, 
     if (n - h.size != all)
         return image_fail(err, "%zu bytes of pixels, expected %zu", n - h.size, all);
     struct sampler s;
-    sampler_init(&s, (uint32_t)h.max, h.max > 255 ? 1.0 : CURVE_SRGB);
+    double curve;
+    if (!sampler_curve(part, h.max > 255, &curve, err)) return -1;
+    sampler_init(&s, (uint32_t)h.max, curve);
     image_init(im, width, height);
     bool ok = true;
     for (uint32_t y = 0; y < height && ok; y++)

@@ -26,6 +26,15 @@ uint8_t srgb_encode8(float linear)
 
 float srgb_decode8(uint8_t v) { return (float)srgb_to_linear(v / 255.0); }
 
+bool sampler_curve(const struct image_part *part, bool deep, double *curve, char err[IMAGE_ERR])
+{
+    *curve = !deep || part->deep == IMAGE_DEEP_SRGB ? CURVE_SRGB : 1.0;
+    if (!deep || part->deep != IMAGE_DEEP_REFUSED) return true;
+    image_fail(err, "16 bits that do not state their curve, expected option -g, 8 bits, "
+                    "or a PNG with sRGB or gAMA");
+    return false;
+}
+
 void sampler_init(struct sampler *s, uint32_t max, double curve)
 {
     s->max = max;

@@ -22,13 +22,20 @@ static void make_room(struct scratch *s, uint32_t n)
     s->normal = xrealloc(s->normal, s->room, sizeof *s->normal);
 }
 
+/* The vertex of corner i. In a mirrored mesh the order is reversed behind the first corner, so that
+ * it still runs counterclockwise about the side to which the normals point. */
+static unsigned index_of(const struct mesh_part *p, const struct aiFace *f, unsigned i)
+{
+    return f->mIndices[p->mirrors && i > 0 ? f->mNumIndices - i : i];
+}
+
 /* False if a corner is not there, not finite or too far away. */
 static bool corners(const struct mesh_part *p, const struct aiFace *f, struct scratch *s)
 {
     if (f->mNumIndices > MESH_CORNERS_MAX) return false;
     make_room(s, f->mNumIndices);
     for (unsigned i = 0; i < f->mNumIndices; i++) {
-        unsigned at = f->mIndices[i];
+        unsigned at = index_of(p, f, i);
         if (at >= p->mesh->mNumVertices) return false;
         s->v[i] = mesh_frame_point(&p->frame, mesh_vec(p->mesh->mVertices[at]));
         if (!mesh_is_place(s->v[i])) return false;
@@ -47,15 +54,15 @@ static struct vec3 area(const struct vec3 *v, uint32_t n)
 
 enum normals { NORMALS_FLAT, NORMALS_BENT, NORMALS_BAD };
 
-/* Turns the corners' normals by the inverse transpose times a factor: the cofactors. */
+/* Turns the corners' normals. */
 static enum normals normals(
     const struct mesh_part *p, const struct aiFace *f, struct vec3 own, struct scratch *s)
 {
-    const struct vec3 *c = p->cofactor;
+    const struct vec3 *c = p->turn;
     enum normals kind = NORMALS_FLAT;
     if (!p->mesh->mNormals) return NORMALS_FLAT;
     for (unsigned i = 0; i < f->mNumIndices; i++) {
-        struct vec3 n = mesh_vec(p->mesh->mNormals[f->mIndices[i]]);
+        struct vec3 n = mesh_vec(p->mesh->mNormals[index_of(p, f, i)]);
         n = v3(v3_dot(c[0], n), v3_dot(c[1], n), v3_dot(c[2], n));
         double length = v3_len(n);
         if (length == 0) return NORMALS_FLAT; /* libassimp fills in what a face lacks */

@@ -71,7 +71,8 @@ static inline bool mesh_is_place(struct vec3 v)
 struct mesh_part {
     const struct aiMesh *mesh;
     struct mesh_frame frame;
-    struct vec3 cofactor[3]; /* rows of the cofactor matrix, which turns normals */
+    struct vec3 turn[3]; /* rows of the inverse transpose times |determinant|: turns normals */
+    bool mirrors;        /* the determinant is negative: corners would run the other way round */
 };
 
 /* Where a light or camera is: at the node with its name. */

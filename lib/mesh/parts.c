@@ -75,9 +75,12 @@ static void add_part(struct mesh *m, size_t *room, const struct aiMesh *mesh, st
         *room = *room ? 2 * *room : 16;
         m->parts = xrealloc(m->parts, *room, sizeof *m->parts);
     }
-    struct vec3 x = row(&f, 0), y = row(&f, 1), z = row(&f, 2);
-    m->parts[m->n_parts++] =
-        (struct mesh_part){mesh, f, {v3_cross(y, z), v3_cross(z, x), v3_cross(x, y)}};
+    struct vec3 x = row(&f, 0), y = row(&f, 1), z = row(&f, 2), yz = v3_cross(y, z);
+    bool mirrors = v3_dot(x, yz) < 0;
+    double sign = mirrors ? -1 : 1; /* cofactors are the inverse transpose times the determinant */
+    m->parts[m->n_parts++] = (struct mesh_part){mesh, f,
+        {v3_scale(yz, sign), v3_scale(v3_cross(z, x), sign), v3_scale(v3_cross(x, y), sign)},
+        mirrors};
 }
 
 static bool visit(struct mesh *m, size_t *room, uint64_t *faces, const struct entry *e)

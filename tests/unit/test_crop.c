@@ -238,7 +238,7 @@ static void nothing_remains(void **state)
 static int draw(const char *line, const struct crop_rect *at, char err[CROP_ERR])
 {
     char **words = WORDS("sh", "-c", line);
-    const struct crop_command c = {.words = words, .scratch = dir, .files = dir};
+    const struct crop_command c = {words, dir, dir, NULL, IMAGE_DEEP_REFUSED};
     struct image im;
     *err = '\0';
     int result = crop_draw(&c, at, &im, err);
@@ -260,6 +260,8 @@ static void pictures_have_the_right_size(void **state)
     assert_int_equal(draw(PGM(2, 6), &rect, err), -1);
     assert_int_equal(draw("echo hello", &rect, err), -1);
     assert_non_null(strstr(err, "the command's standard output: "));
+    assert_int_equal(draw("printf 'P5 6 2 511\\n'; head -c 24 /dev/zero", &rect, err), -1);
+    assert_non_null(strstr(err, "16 bits that do not state their curve"));
     /* 12 bytes a pixel */
     const struct crop_rect large = {.frame_w = 600, .frame_h = 600, .w = 600, .h = 600};
     assert_int_equal(

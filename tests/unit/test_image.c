@@ -142,7 +142,8 @@ static void test_round_trips(void **state)
 static void test_parts(void **state)
 {
     (void)state;
-    const struct image_part part = {5, 6, 2, 4}, other = {6, 5, 2, 4};
+    const struct image_part part = {.w = 5, .h = 6, .first = 2, .end = 4},
+                            other = {.w = 6, .h = 5, .first = 2, .end = 4};
     for (int format = 0; format < 3; format++) {
         struct image im, all, some;
         char err[IMAGE_ERR];

@@ -90,6 +90,7 @@ struct kind {
     int type, depth, interlace;
     int gamma; /* gAMA, 0 none, -1 an sRGB chunk */
     bool trns;
+    int colours; /* of the palette; 0: one for each index */
 };
 
 static void put_bytes(png_structp png, png_bytep p, size_t n)
@@ -150,10 +151,12 @@ static struct bytes make_png(const struct kind *k)
         .red = (png_uint_16)sample(k, 0, 0),
         .green = (png_uint_16)sample(k, 0, 1),
         .blue = (png_uint_16)sample(k, 0, 2)};
-    if (k->type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 1 << k->depth);
+    if (k->type == PNG_COLOR_TYPE_PALETTE)
+        png_set_PLTE(png, info, palette, k->colours ? k->colours : 1 << k->depth);
     if (k->trns) png_set_tRNS(png, info, alphas, 1 << k->depth, &key);
     if (k->gamma > 0) png_set_gAMA_fixed(png, info, k->gamma);
     if (k->gamma < 0) png_set_sRGB(png, info, 0);
+    png_set_check_for_invalid_index(png, -1);
     png_write_info(png, info);
     unsigned char rows[4][64], *at[4];
     for (uint32_t y = 0; y < 4; y++) pack_row(k, y, at[y] = rows[y]);
@@ -173,7 +176,7 @@ static double srgb_light(double v)
 static double light(const struct kind *k, uint32_t v, uint32_t max)
 {
     double x = (double)v / max;
-    bool srgb = k->gamma < 0 || (k->depth < 16 && (k->gamma == 0 || k->gamma == 45455));
+    bool srgb = k->gamma < 0 || (k->depth < 16 && k->gamma == 0);
     if (srgb) return srgb_light(x);
     return k->gamma == 0 || k->gamma == 100000 ? x : pow(x, 1e5 / k->gamma);
 }
@@ -232,7 +235,7 @@ static void test_png_of_every_kind(void **state)
                 for (int variant = 0; variant < 4; variant++) {
                     bool trns = variant & 1 && !(types[t][0] & PNG_COLOR_MASK_ALPHA);
                     check_kind(
-                        &(struct kind){types[t][0], types[t][d], variant >> 1, gammas[g], trns});
+                        &(struct kind){types[t][0], types[t][d], variant >> 1, gammas[g], trns, 0});
                 }
 }
 
@@ -243,8 +246,9 @@ static void test_damaged_png(void **state)
 {
     (void)state;
     char err[IMAGE_ERR];
-    const struct kind kinds[] = {{PNG_COLOR_TYPE_RGB, 8, 0, -1, false},
-        {PNG_COLOR_TYPE_PALETTE, 4, 1, 45455, true}, {PNG_COLOR_TYPE_RGB_ALPHA, 16, 1, 0, false}};
+    const struct kind kinds[] = {{PNG_COLOR_TYPE_RGB, 8, 0, -1, false, 0},
+        {PNG_COLOR_TYPE_PALETTE, 4, 1, 45455, true, 0},
+        {PNG_COLOR_TYPE_RGB_ALPHA, 16, 1, 0, false, 0}};
     for (size_t k = 0; k < 3; k++) {
         struct bytes b = make_png(&kinds[k]);
         struct image im;
@@ -259,11 +263,88 @@ static void test_damaged_png(void **state)
     }
 }
 
+/* What libpng leaves out, or makes black: it would change the light of samples. */
+static void test_statements_that_libpng_leaves_out(void **state)
+{
+    (void)state;
+    for (int interlace = 0; interlace < 2; interlace++)
+        for (int depth = 2; depth <= 8; depth *= 2) { /* the samples have every index of 2 bits */
+            struct bytes b =
+                make_png(&(struct kind){PNG_COLOR_TYPE_PALETTE, depth, interlace, 0, false, 3});
+            refuse(b.p, b.n, "a pixel whose colour is not in the palette");
+            free(b.p);
+        }
+    static const struct {
+        const char *name, *data;
+        unsigned n;
+        const char *why;
+    } bad[] = {{"gAMA", "\0\0\0\0", 4, "gAMA"}, {"gAMA", "\x80\0\0\0", 4, "gAMA"},
+        {"gAMA", "\0\x01\x86", 3, "gAMA"}, {"tRNS", "\1\2\3\4\5", 5, "tRNS"}};
+    const size_t place = 33; /* behind IHDR */
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct bytes b = make_png(
+            &(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, bad[i].name[0] == 'g' ? 0 : 100000, false, 0});
+        unsigned char chunk[17] = {0, 0, 0, (unsigned char)bad[i].n};
+        memcpy(chunk + 4, bad[i].name, 4);
+        memcpy(chunk + 8, bad[i].data, bad[i].n);
+        png_save_uint_32(chunk + 8 + bad[i].n, (png_uint_32)crc32(0, chunk + 4, 4 + bad[i].n));
+        b.p = realloc(b.p, b.n + sizeof chunk);
+        assert_non_null(b.p);
+        memmove(b.p + place + 12 + bad[i].n, b.p + place, b.n - place);
+        memcpy(b.p + place, chunk, 12 + bad[i].n);
+        refuse(b.p, b.n + 12 + bad[i].n, bad[i].why);
+        free(b.p);
+    }
+}
+
+/* Decodes pixel 1, a grey one, for a caller with this rule; below 0: it is refused, and says so. */
+static double grey(struct bytes b, enum image_deep deep)
+{
+    char err[IMAGE_ERR] = "";
+    struct image im;
+    const struct image_part part = {.deep = deep};
+    if (image_decode_part((const unsigned char *)b.p, b.n, &part, &im, err) == 0) {
+        double v = (double)im.rgba[4];
+        image_free(&im);
+        return v;
+    }
+    assert_non_null(strstr(err, "16 bits that do not state their curve, expected option -g"));
+    assert_null(im.rgba);
+    return -1;
+}
+
+static void assert_near(double a, double b) { assert_true(fabs(a - b) < 1e-6); }
+
+/* A caller may know what 16 bits hold if the file does not state it, or refuse them. */
+static void test_unstated_curves(void **state)
+{
+    (void)state;
+    static const int gammas[] = {0, -1, 100000, 45455};
+    for (int depth = 8; depth <= 16; depth += 8)
+        for (size_t g = 0; g < 4; g++) {
+            const struct kind k = {PNG_COLOR_TYPE_GRAY, depth, 0, gammas[g], false, 0};
+            struct bytes b = make_png(&k);
+            const uint32_t v = sample(&k, 1, 0), max = (1u << depth) - 1;
+            const bool open = depth == 16 && k.gamma == 0;
+            const double stated = light(&k, v, max), srgb = srgb_light((double)v / max);
+            assert_near(grey(b, IMAGE_DEEP_LINEAR), stated);
+            assert_near(grey(b, IMAGE_DEEP_SRGB), open ? srgb : stated);
+            assert_near(grey(b, IMAGE_DEEP_REFUSED), open ? -1 : stated);
+            free(b.p);
+        }
+    char deep[] = "P5 2 1 65535\n\0\0\x80\0", low[] = "P5 2 1 255\n\0\x80";
+    const struct bytes d = {deep, sizeof deep - 1}, l = {low, sizeof low - 1};
+    assert_near(grey(d, IMAGE_DEEP_LINEAR), 32768. / 65535);
+    assert_near(grey(d, IMAGE_DEEP_SRGB), srgb_light(32768. / 65535));
+    assert_near(grey(d, IMAGE_DEEP_REFUSED), -1);
+    assert_near(grey(l, IMAGE_DEEP_REFUSED), srgb_light(128. / 255));
+}
+
 /* A header that promises far more than the file can hold is refused before memory is taken. */
 static void test_png_bomb(void **state)
 {
     (void)state;
-    struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false});
+    struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false, 0});
     static const uint32_t sides[][2] = {{16384, 16384}, {65535, 65535}, {70000, 1}, {0, 1}};
     static const char *const why[] = {"too short", "pixels, expected", ", expected", ", expected"};
     for (int s = 0; s < 4; s++) {
@@ -283,6 +364,8 @@ int main(void)
         cmocka_unit_test(test_png_chunks),
         cmocka_unit_test(test_png_of_every_kind),
         cmocka_unit_test(test_damaged_png),
+        cmocka_unit_test(test_statements_that_libpng_leaves_out),
+        cmocka_unit_test(test_unstated_curves),
         cmocka_unit_test(test_png_bomb),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
