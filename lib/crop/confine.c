@@ -3,7 +3,8 @@
  * that this process starts, has no way back, and needs no privilege.
  *
  * The versions of Landlock, and of the header, know more and more kinds of access. What a version
- * does not know stays free: truncate(2) before version 3, ioctl(2) on devices before version 5.
+ * does not know stays free: before version 3 a file can be emptied, by truncate(2) or by open(2) for
+ * reading with O_TRUNC; before version 5, ioctl(2) is free on devices that can be read.
  * Version 1 forbids every rename and link to another directory.
  */
 #include "crop/crop.h"
