@@ -3,9 +3,9 @@
  * that this process starts, has no way back, and needs no privilege.
  *
  * The versions of Landlock, and of the header, know more and more kinds of access. What a version
- * does not know stays free: before version 3 a file can be emptied, by truncate(2) or by open(2) for
- * reading with O_TRUNC; before version 5, ioctl(2) is free on devices that can be read.
- * Version 1 forbids every rename and link to another directory.
+ * does not know stays free: before version 3 a file can be emptied, by truncate(2) or by open(2)
+ * for reading with O_TRUNC; before version 5, ioctl(2) is free on devices that can be read. Version
+ * 1 forbids every rename and link to another directory.
  */
 #include "crop/crop.h"
 
@@ -27,7 +27,7 @@
 #define LANDLOCK_ACCESS_FS_IOCTL_DEV (UINT64_C(1) << 15)
 #endif
 
-/* A device that is made below an own directory would lead out of it. */
+/* Not allowed in own directories: what a device there stands for is elsewhere. */
 #define DEVICES                                                                                    \
     (LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_IOCTL_DEV)
 /* What exists for one file, and not only for a directory. */

@@ -37,7 +37,7 @@ static int open_one(const char *path, const struct stat *st, int kind, struct FT
 void crop_rename(const char *name)
 {
     prctl(PR_SET_NAME, name);
-    /* The command line: its first word, as far as that has room. */
+    /* The first word of the command line, which cannot become longer. */
     char *word = program_invocation_name;
     const size_t room = word ? strlen(word) : 0, n = strlen(name);
     for (size_t i = 0; i < room; i++) word[i] = i < n ? name[i] : '\0';
