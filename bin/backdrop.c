@@ -234,7 +234,7 @@ static void run_gnuplot(const struct buf *script, struct buf *pngs)
     snprintf(said, sizeof said, "%s.said", path);
     char *const words[] = {shell, option, run, shell, path, said, NULL};
     if (outfile_put(path, buf_data(script), buf_size(script)) != 0) die(ST_SYSTEM, "%s:", path);
-    int status = crop_run(words, NULL, pngs, SIZE_MAX / 2, err);
+    int status = crop_run(words, &(struct crop_place){0}, pngs, SIZE_MAX / 2, err);
     if (status == CROP_NOT_FOUND)
         die(ST_SYSTEM, "gnuplot is not there, expected it from the Debian package gnuplot-nox");
     if (status != 0) fail(said);

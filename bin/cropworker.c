@@ -21,6 +21,7 @@ struct options {
     int w, h;                  /* -i -s: size of the frame; 0: render tasks */
     int64_t frame;             /* -F: its number */
     enum image_deep deep;      /* -g: what 16 bits that do not state their curve hold */
+    bool anywhere;             /* -w: the command may write anywhere */
     char **command;
     const char *scratch; /* directory of this process */
     pid_t pid;           /* this process, and not one of its slots */
@@ -90,7 +91,8 @@ static void *build(const void *options, void *const value[])
     const struct options *o = options;
     struct drawing *d = xcalloc(1, sizeof *d);
     const struct unpacked *u = value[0];
-    d->command = (struct crop_command){.words = o->command, .scratch = o->scratch, .deep = o->deep};
+    d->command = (struct crop_command){
+        .words = o->command, .scratch = o->scratch, .deep = o->deep, .confined = !o->anywhere};
     d->pid = o->pid;
     if (u) d->command.files = u->directory, d->command.first = u->first;
     return d;
@@ -172,19 +174,20 @@ static enum image_deep take_curve(const char *s)
 static struct options parse(int argc, char **argv)
 {
     static const char text[] =
-        "[-ch] [-f PIXELS] [-g srgb|linear] [-j SLOTS] COMMAND [ARGUMENT ...]\n"
-        "       cropworker -i [-F FRAME] [-g srgb|linear] -s WxH COMMAND "
+        "[-chw] [-f PIXELS] [-g srgb|linear] [-j SLOTS] COMMAND [ARGUMENT ...]\n"
+        "       cropworker -i [-w] [-F FRAME] [-g srgb|linear] -s WxH COMMAND "
         "[ARGUMENT ...]";
     bool inspect = false;
     struct options o = {.deep = IMAGE_DEEP_REFUSED};
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+F:g:hij:s:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+F:g:hij:s:w" WORKER_OPTIONS)) != -1) {
         switch (opt) {
         case 'F': o.frame = opt_int(opt, optarg, 0, UINT32_MAX); break;
         case 'g': o.deep = take_curve(optarg); break;
         case 'h': usage(ST_OK, text);
         case 'i': inspect = true; break;
         case 's': opt_size(opt, optarg, FRAME_SIDE_MAX, &o.w, &o.h); break;
+        case 'w': o.anywhere = true; break;
         default:
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
@@ -235,6 +238,10 @@ int main(int argc, char **argv)
     struct options o = parse(argc, argv);
     /* A command without {i} has no state. */
     renderer.n_parts = crop_uses(o.command, "i") ? 1 : 0;
+    if (!o.anywhere && !crop_landlock()) {
+        warn("no Landlock in this kernel: the command can write all files of this account");
+        o.anywhere = true;
+    }
     o.scratch = crop_directory();
     o.pid = getpid();
     struct worker_states *s = worker_states_new(&renderer, &o, &o.words);

@@ -59,7 +59,7 @@ apart() {
 	for read_too; do
 		# shellcheck disable=SC3013  # dash has -ef
 		[ ! "$aim" -ef "$read_too" ] || {
-			printf '%s\n' "${0##*/}: -$letter $aim: is also an input, expected another file" >&2
+			say "${0##*/}: -$letter $aim: is also an input, expected another file"
 			exit 2
 		}
 	done

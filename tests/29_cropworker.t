@@ -23,8 +23,8 @@ is '-F without -i: refused' "$status:$out" 2:
 printf 'P5 1 1 255\n\100' >one.pgm
 echo 'cat "$(dirname "$0")/one.pgm"; echo "$*" >>"$0.said"' >draw
 # job WxH WORD ...
-job() { size=$1; shift; cropworker -i -s "$size" sh "$tmp/draw" "$@" | tail -n 1; }
-run cropworker -F 3 -i -s 40x30 sh "$tmp/draw" '{x},{y} {w}x{h} {F}'
+job() { size=$1; shift; cropworker -w -i -s "$size" sh "$tmp/draw" "$@" | tail -n 1; }
+run cropworker -F 3 -i -w -s 40x30 sh "$tmp/draw" '{x},{y} {w}x{h} {F}'
 like '-i: the frame' "$out" '^frame 40 30$'
 like '-i: the job' "$out" '^job=[0-9a-f]{16}$'
 is '-i: the pixel in the middle was drawn' "$(cat draw.said)" '20,15 1x1 3'
@@ -45,7 +45,7 @@ head -c $(($1 * $2)) /dev/zero
 END
 SAID=$tmp/said && export SAID
 printf 'frame 7 40 30\ntask 7 0 8 4 5 6 1 1\n' >tile.task
-run cropworker sh say '{w}' '{h}' '{x},{y}' '{x1},{y1}-{x2},{y2}' '{W}x{H}' 'f{F}.' '{z} {x }{' "a b'\$" <tile.task
+run cropworker -w sh say '{w}' '{h}' '{x},{y}' '{x1},{y1}-{x2},{y2}' '{W}x{H}' 'f{F}.' '{z} {x }{' "a b'\$" <tile.task
 is 'words: numbers replaced, the rest left' "$status:$(cat said)" "0:5 6 8,4 9,5-13,10 40x30 f7. {z} {x }{ a b'\$"
 cp .out seven.frags
 run gather -o f.png seven.frags
@@ -112,7 +112,7 @@ cat >count.pl <<'END'
 open my $f, '>>', 'counted'; print $f "x\n"; close $f;
 exec 'perl', 'draw.pl', @ARGV;
 END
-cropworker -f 1000 perl count.pl 255 512 '{x}' '{y}' '{w}' '{h}' <one.task | gather -o got.png
+cropworker -w -f 1000 perl count.pl 255 512 '{x}' '{y}' '{w}' '{h}' <one.task | gather -o got.png
 perl draw.pl 255 512 0 0 512 300 >whole.ppm
 is 'a task of several fragments is drawn once' "$(wc -l <counted | tr -d ' '):$(imgcmp got.png whole.ppm | grep differing)" \
 	'1:differing	0'
@@ -175,6 +175,58 @@ else
 	like 'an archive without files is refused' "$status $err" '^2 .*has no file'
 fi
 
+# ---- what a command may write ------------------------------------------------------------------------------------
+# The command says what was possible. In a kernel without Landlock all is, as with -w, and a line says so.
+compile landlock
+cat >tries <<'END'
+try() { if (eval "$2") >/dev/null 2>&1; then did="$did $1"; fi; }
+cd "$1" || exit
+did=''
+try read 'cat old'
+try own ': >"$OUT"'
+try temporary 'rm "$(mktemp -p "$TMPDIR")"'
+try null ': >/dev/null'
+try make ': >new'
+try append 'echo >>old'
+try link 'ln old "$OUT.hard" && echo >>"$OUT.hard"'
+try symlink 'ln -s "$PWD/old" "$OUT.soft" && echo >>"$OUT.soft"'
+try rename 'mv old older && mv older old'
+try remove 'rm old'
+try mkdir 'mkdir dir'
+echo "$did" >&2
+exit 1
+END
+printf 'P5 8 8 255\n%064d' 0 >eight.pgm
+partition -u tile:4x4 8x8 >eight.task
+# tries COMMAND ...: what a command of this worker can do in a directory that is not its own
+tries() {
+	rm -rf outside && mkdir outside && echo old >outside/old
+	run "$@" sh -c 'OUT=$1 sh "$0" "$2"' "$tmp/tries" '{o}' "$tmp/outside" <eight.task
+	possible=$(printf '%s\n' "$err" | sed -n 's/^sh:  *//p')
+}
+all='read own temporary null make append link symlink rename remove mkdir'
+said='^cropworker: no Landlock in this kernel: the command can write all files of this account$'
+tries ./landlock cropworker
+is 'a kernel without Landlock: the command can write anywhere' "$possible" "$all"
+is 'without Landlock: one line says so' "$(printf '%s\n' "$err" | grep -c "$said")" 1
+./landlock deal fan -1 -j 3 cropworker cat "$tmp/eight.pgm" <eight.task 2>err | gather -o got.png
+is 'without Landlock: the same picture, and one line of all slots and tasks' "$(same got.png eight.pgm) $(grep -c . err) $(grep -c "$said" err)" \
+	'differing	0 1 1'
+tries ./landlock cropworker -w
+is '-w: without that line' "$possible:$(printf '%s\n' "$err" | grep -c Landlock)" "$all:0"
+tries cropworker -w
+is '-w: the command can write anywhere' "$possible" "$all"
+tries cropworker
+if [ "$(./landlock)" = 0 ]; then
+	is 'a command cannot write outside of its directories' "$possible:$(printf '%s\n' "$err" | grep -c "$said")" "$all:1"
+else
+	is 'a command cannot write outside of its directories' "$possible:$(cat outside/old):$(ls outside)" 'read own temporary null:old:old'
+	deal fan -1 -j 3 cropworker sh -c 'cat "$0" >/dev/stdout' "$tmp/eight.pgm" <eight.task 2>err | gather -o got.png
+	is 'and its standard output is open, without a message' "$(same got.png eight.pgm) $(cat err)" 'differing	0 '
+	run cropworker sh -c 'echo "${TMPDIR##*/}" >&2; exit 1' <eight.task
+	like 'its TMPDIR is a directory of the task' "$err" '^sh: task-[0-9]+$'
+fi
+
 # ---- failures --------------------------------------------------------------------------------------------------
 printf 'frame 0 8 8\ntask 0 0 2 1 4 3 1 1\n' >small.task
 # fails NAME ERE COMMAND ...: the task fails with this message
@@ -211,7 +263,7 @@ printf 'P6 %d %d 255\n' "$1" "$2"
 head -c $(($1 * $2 * 3)) /dev/zero
 END
 partition -u tile:16x16 32x24 >tiles.task
-deal -q 0 fan -1 -j 2 cropworker sh once '{w}' '{h}' '{x},{y}' <tiles.task 2>said | gather -o got.png
+deal -q 0 fan -1 -j 2 cropworker -w sh once '{w}' '{h}' '{x},{y}' <tiles.task 2>said | gather -o got.png
 is 'commands that fail once: tried again' "$(grep -c 'not yet' said):$(imgcmp got.png got.png | grep size)" '4:size	32x24'
 run deal -e fan -1 -j 2 cropworker sh -c 'echo no >&2; exit 1' <tiles.task
 is 'commands that always fail: the run ends with status 3' "$status:$(printf '%s\n' "$err" | grep -c 'no slot left')" 3:1
@@ -237,9 +289,18 @@ ends() {
 	ok "$name: no file remains" await 10 none_left
 }
 for signal in TERM KILL; do
-	ends "SIG$signal to a worker of two slots" "$signal" cropworker -j 2 sh sleeper
-	ends "SIG$signal to fan" "$signal" fan -j 2 cropworker sh sleeper
+	ends "SIG$signal to a worker of two slots" "$signal" cropworker -w -j 2 sh sleeper
+	ends "SIG$signal to fan" "$signal" fan -j 2 cropworker -w sh sleeper
 done
+# A kill of all processes that have its name.
+MARK=$mark cropworker -w -j 2 sh sleeper <tiles.task >/dev/null 2>&1 &
+ok 'two slots at work' await 10 sleeping 4
+is 'keepers and the janitor have names of their own, also in the command line' \
+	"$(program cropworker | wc -l) $(program cropkeeper cropkeeper | wc -l) $(program cropclean cropclean | wc -l)" '3 2 1'
+# shellcheck disable=SC2046  # a word each
+kill -9 $(program cropworker)
+ok 'kill -9 by name: no process remains' await 10 none_alive
+ok 'kill -9 by name: no file remains' await 10 none_left
 # The command ends, and what it has started has its standard output.
 grey 32 24 >whole.pgm
 run env MARK=$mark timeout 800 cropworker sh -c "cat '$tmp/whole.pgm'; sleep 10000 &" <tiles.task
@@ -271,7 +332,7 @@ until [ "$(wc -l <"$1")" -ge 2 ] || [ $((n += 1)) -gt 500 ]; do sleep .02; done
 [ "$(cat mine)" = "$2" ] && exec cat "$3"
 END
 printf 'P5 8 8 255\n%064d' 0 >zeros.pgm
-{ pack files zeros.pgm; partition -u tile:8x4 8x8; } | cropworker -j 2 sh "$tmp/apart" "$tmp/dirs" '{y}' '{i}' 2>said | gather -o apart.png
+{ pack files zeros.pgm; partition -u tile:8x4 8x8; } | cropworker -w -j 2 sh "$tmp/apart" "$tmp/dirs" '{y}' '{i}' 2>said | gather -o apart.png
 is '-j: each slot has a directory of its own' "$(cat said)$(sort -u dirs | wc -l) $(imgcmp apart.png zeros.pgm | grep differing)" '2 differing	0'
 ok '-j: no file remains' await 10 none_left
 # 200 records of files, of which a worker keeps some. A record for each directory that is there at the end.
@@ -286,7 +347,7 @@ rm state*.pam
 printf 'P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE CMYK\nENDHDR\nabcd' >cmyk.pam
 run imgcmp cmyk.pam cmyk.pam
 like 'a PAM of four inks is no RGBA' "$status $err" '^2 .*no CMYK'
-MARK=$mark cropworker -j 2 sh sleeper <tiles.task | until [ -e leave ]; do sleep .05; done &
+MARK=$mark cropworker -w -j 2 sh sleeper <tiles.task | until [ -e leave ]; do sleep .05; done &
 ok 'a reader that leaves: at work' await 10 sleeping 4
 touch leave
 ok 'a reader that leaves: no process remains' await 10 none_alive

@@ -254,6 +254,44 @@ depends +AM1 am1
 is '+AM1: bands of 32 rows make the same picture' "$(same bands.tiles.png bands.png)" 'differing	0'
 depends 'the shadow of a surface nearer than 0.001' near
 
+# ---- what a scene may write --------------------------------------------------------------------------------------
+compile landlock
+mkdir safe && echo 0.25 >old && echo '#declare included = 1;' >old.inc
+# pov NAME TEXT: a scene with this text
+pov() { printf '#version 3.7; %s camera { location -4*z look_at 0 } sphere { 0, included }\n' "$2" >"safe/$1.pov"; }
+pov reads "#fopen F \"$tmp/old\" read #read (F, x1) #fclose F #include \"$tmp/old.inc\""
+pov own '#declare included = 1; #fopen F "mine" write #write (F, "1") #fclose F #fopen F "mine" append #write (F, "1") #fclose F
+	#fopen F "mine" read #read (F, included) #fclose F'
+pov makes "#declare included = 1; #fopen F \"$tmp/made\" write #write (F, 1) #fclose F"
+pov appends "#declare included = 1; #fopen F \"$tmp/old\" append #write (F, 1) #fclose F"
+pov plain '#declare included = 1;'
+later without ./landlock balance adaptive -j 2 -s 8x8 -o without.png safe/reads.pov
+for name in reads own makes appends; do later "$name" povworker -i -s 8x8 "safe/$name.pov"; done
+later ini povworker -i -s 8x8 "Create_Ini=$tmp/made.ini" safe/plain.pov
+wait
+result reads
+like 'a scene that reads and includes files of other directories' "$status $out" '^0 frame 8 8$'
+result own
+like 'a scene that writes a file of its own, and reads it' "$status $out" '^0 frame 8 8$'
+result without
+is 'without Landlock: one line here, one of the workers, and the picture' \
+	"$status:$(imgcmp without.png without.png | grep size):$(printf '%s\n' "$err" | grep -v 'never connected$' | sed 's/^\(cropworker: no Landlock\).*/\1/')" \
+	'0:size	8x8:cropworker: no Landlock
+cropworker: no Landlock'
+if [ "$(./landlock)" = 0 ]; then
+	result makes
+	like 'a scene that writes a file elsewhere' "$status $err" '^0 cropworker: no Landlock in this kernel'
+else
+	result makes
+	like 'a scene that writes a file elsewhere is refused' "$status $err" '^2 '
+	like 'and its reason' "$err" 'Cannot open user file'
+	result appends
+	is 'a scene that appends to a file elsewhere' "$status:$(cat old)" 2:0.25
+	is 'Create_Ini elsewhere: no file, nor that of the scene' "$(cat ini.status):$(echo made*)" '2:made*'
+fi
+run balance adaptive -j 2 -s 8x8 -W -w -o free.png safe/makes.pov
+is 'balance -W -w: a scene can write anywhere' "$status:$(cat made)" 0:1
+
 # ---- faults ----------------------------------------------------------------------------------------------------
 cat >slow.pov <<'END'
 #version 3.7;
@@ -268,7 +306,7 @@ whole slow slow.pov +W48 +H36
 mkdir first
 printf '#!/bin/sh\n%s "$@" | tee %s/first.png\n' "$(command -v povray)" "$tmp" >first/povray
 chmod +x first/povray
-{ povworker -p slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker - >first.frags
+{ povworker -p slow.pov; printf 'frame 0 48 36\ntask 0 0 0 0 48 1 1 1\n'; } | PATH=$tmp/first:$PATH povworker -w - >first.frags
 { printf 'P5 48 36 255\n'; head -c 1728 /dev/zero; } >black.pgm
 is 'the first row is drawn, and no other' "$(same first.png black.pgm)" 'differing	0'
 # Renderers of rectangles wait for the file go, so that some are there to be killed.

@@ -23,7 +23,7 @@
 
 struct keeper {
     char *const *words;
-    const char *directory;
+    const struct crop_place *place;
     bool piped; /* standard output is the picture */
 };
 
@@ -36,15 +36,26 @@ static void complain(const char *name)
     dprintf(STDERR_FILENO, "%s: %s\n", shown, strerror(why));
 }
 
+/* Goes to the place of the command. Returns what failed, with errno; or NULL. */
+static const char *take_place(const struct crop_place *p)
+{
+    if (p->directory && chdir(p->directory) != 0) return p->directory;
+    if (!p->own) return NULL;
+    const char *const own[] = {p->own, p->directory, NULL};
+    if (setenv("TMPDIR", p->own, 1) != 0) return p->own;
+    return crop_confine(own, crop_landlock()) == 0 ? NULL : "Landlock";
+}
+
 static _Noreturn void run_command(const struct keeper *k, int err)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     int null = open("/dev/null", O_RDWR | O_CLOEXEC);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0 &&
         (k->piped || dup2(null, STDOUT_FILENO) >= 0)) {
-        if (k->directory && chdir(k->directory) != 0) {
-            complain(k->directory);
-            _exit(127);
+        const char *failed = take_place(k->place);
+        if (failed) {
+            complain(failed);
+            _exit(126);
         }
         execvp(k->words[0], k->words);
         complain(k->words[0]);
@@ -102,6 +113,7 @@ static int keep(void *ctx)
     const struct keeper *k = ctx;
     const char *slash = strrchr(k->words[0], '/');
     int err[2];
+    crop_rename("cropkeeper");
     prctl(PR_SET_PDEATHSIG, 0);
     signal(SIGALRM, SIG_DFL);
     signal(SIGPIPE, SIG_DFL);
@@ -143,10 +155,10 @@ static bool read_output(const struct child *c, struct buf *to, size_t most)
     return n >= 0;
 }
 
-int crop_run(
-    char *const words[], const char *directory, struct buf *out, size_t most, char err[CROP_ERR])
+int crop_run(char *const words[], const struct crop_place *place, struct buf *out, size_t most,
+    char err[CROP_ERR])
 {
-    struct keeper k = {words, directory, out != NULL};
+    struct keeper k = {words, place, out != NULL};
     struct child c;
     struct buf none = {0}, *to = out ? out : &none;
     if (child_fork(&c, keep, &k) != 0) return err_set(err, "fork: %s", strerror(errno)) - 1;

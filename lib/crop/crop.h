@@ -17,6 +17,8 @@
  * A command runs in a process group of its own, below a keeper: a process that ends the group when
  * this process ends in any way. A command that leaves its group is not ended. Files of a run are in
  * one directory, which a janitor, a process of its own too, removes when this process has ended.
+ * Keeper and janitor have names of their own, cropkeeper and cropclean, so that they outlive a
+ * `pkill -9` of this program by its name.
  */
 #ifndef STORMRING_CROP_H
 #define STORMRING_CROP_H
@@ -55,6 +57,9 @@ const char *crop_directory(void);
 /* Removes the file or directory, with all that is in it; follows no link. 0, or -1 with errno. */
 int crop_remove(const char *path);
 
+/* Gives this process, a fork, another name, of at most 10 bytes. */
+void crop_rename(const char *name);
+
 /* ---- copy.c ---- */
 
 /* Copies the directory, with the files and directories in it, to one beside it that is named after
@@ -64,28 +69,48 @@ char *crop_copy(const char *path);
 /* Removes the copies of that directory, of all processes. */
 void crop_remove_copies(const char *path);
 
+/* ---- confine.c ---- */
+
+/* The version of the kernel's Landlock; 0 if it has none. */
+int crop_landlock(void);
+/*
+ * From now on this process, and all that it starts, can write, make, rename and remove files only
+ * below these directories; NULL ends the list. It can also write to /dev/null, /dev/zero and what
+ * is open already, read all that it could read, and gets no new privilege by a setuid program.
+ * `version` is at most crop_landlock's, and not 0. 0, or -1 with errno; then call _exit.
+ */
+int crop_confine(const char *const own[], int version);
+
 /* ---- command.c ---- */
 
+/* Where a command runs, and what it may write. */
+struct crop_place {
+    const char *directory; /* in which it runs; NULL: the current one */
+    /* Its TMPDIR. It can write there and in `directory`, and nowhere else: the kernel must have
+     * Landlock. NULL: no limit, and the TMPDIR of this process. */
+    const char *own;
+};
 /*
- * Runs words in this directory (NULL: the current one), with an empty standard input. Its standard
+ * Runs words in this place, with an empty standard input. Its standard
  * output, of at most `most` bytes, goes to *out; with out NULL it is dropped. Standard error is
  * shown only if the command fails: its last lines. Waits for the end of the command, and kills what
  * is left of its process group. Returns 0; -1 with the reason in err; or CROP_NOT_FOUND, likewise,
  * for status 127.
  */
 #define CROP_NOT_FOUND (-127)
-int crop_run(
-    char *const words[], const char *directory, struct buf *out, size_t most, char err[CROP_ERR]);
+int crop_run(char *const words[], const struct crop_place *place, struct buf *out, size_t most,
+    char err[CROP_ERR]);
 
 /* ---- picture.c ---- */
 
 /* What to run, and where. */
 struct crop_command {
     char *const *words;
-    const char *scratch;  /* a directory, for {o} */
+    const char *scratch;  /* a directory, in which each process gets one for its tasks' files */
     const char *files;    /* the directory in which to run; NULL: the current one */
     const char *first;    /* {i} */
     enum image_deep deep; /* what 16 bits that do not state their curve hold */
+    bool confined;        /* it can write in these directories only */
 };
 /*
  * Draws the rectangle: the picture holds its pixels, or those of the frame. The caller frees it by

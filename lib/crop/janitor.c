@@ -34,6 +34,15 @@ static int open_one(const char *path, const struct stat *st, int kind, struct FT
     return 0;
 }
 
+void crop_rename(const char *name)
+{
+    prctl(PR_SET_NAME, name);
+    /* The first word of the command line, which cannot become longer. */
+    char *word = program_invocation_name;
+    const size_t room = word ? strlen(word) : 0, n = strlen(name);
+    for (size_t i = 0; i < room; i++) word[i] = i < n ? name[i] : '\0';
+}
+
 int crop_remove(const char *path)
 {
     nftw(path, open_one, OPEN_MOST, FTW_PHYS);
@@ -50,6 +59,7 @@ static int clean_up(void *ctx)
     /* A kill of this process before it has made the directory does no harm. */
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++) signal(ignored[i], SIG_IGN);
     prctl(PR_SET_PDEATHSIG, 0);
+    crop_rename("cropclean");
     if (snprintf(name, sizeof name, "%s/stormring-XXXXXX", base) >= (int)sizeof name) return 1;
     if (!mkdtemp(name)) return errno < 126 ? errno : 1;
     if (write_full(STDOUT_FILENO, name, strlen(name)) != 0) return crop_remove(name);

@@ -69,18 +69,22 @@ static int picture_of(const struct crop_rect *at, const char *from, const struct
 int crop_draw(const struct crop_command *c, const struct crop_rect *at, struct image *picture,
     char err[CROP_ERR])
 {
-    char path[4096];
+    char own[4000], path[4096];
     struct buf bytes = {0};
     bool file = crop_uses(c->words, "o");
+    snprintf(own, sizeof own, "%s/task-%ld", c->scratch, (long)getpid());
     /* The suffix makes no difference here; some programs take it for the format. */
-    snprintf(path, sizeof path, "%s/%ld.png", c->scratch, (long)getpid());
+    snprintf(path, sizeof path, "%s/out.png", own);
+    crop_remove(own); /* of a killed process with the same number */
+    if (mkdir(own, 0700) != 0) return err_set(err, "%s: %s", own, strerror(errno)) - 1;
     char **words = crop_words(c->words, at, c->first, path);
     size_t most = bytes_most(at->frame_w, at->frame_h);
-    int failed = crop_run(words, c->files, file ? NULL : &bytes, most, err);
+    const struct crop_place place = {c->files, c->confined ? own : NULL};
+    int failed = crop_run(words, &place, file ? NULL : &bytes, most, err);
     if (!failed && file) failed = read_output(path, most, &bytes, err);
     const char *from = file ? "the file {o}" : "the command's standard output";
     if (!failed) failed = picture_of(at, from, &bytes, c->deep, picture, err);
-    if (file) unlink(path);
+    crop_remove(own);
     crop_words_free(words);
     buf_free(&bytes);
     return failed;

@@ -12,6 +12,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,6 +36,7 @@ static char **words_of(const char *const words[])
 #define WORDS(...) words_of((const char *const[]){__VA_ARGS__, NULL})
 
 static char dir[SCRATCH_BYTES];
+static const struct crop_place there = {.directory = dir};
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
@@ -139,7 +141,7 @@ static int shell(const char *line, struct buf *out, size_t most, char err[CROP_E
     int file = mkstemp(name), kept = dup(STDERR_FILENO);
     assert_true(file >= 0 && kept >= 0 && dup2(file, STDERR_FILENO) >= 0);
     *err = '\0';
-    int result = crop_run(words, dir, out, most, err);
+    int result = crop_run(words, &there, out, most, err);
     assert_true(dup2(kept, STDERR_FILENO) >= 0);
     ssize_t n = pread(file, said, sizeof said - 1, 0);
     said[n > 0 ? n : 0] = '\0';
@@ -156,7 +158,8 @@ static void output_is_kept_or_dropped(void **state)
     assert_int_equal(buf_size(&out), strlen(dir) + 1);
     assert_memory_equal(buf_data(&out), dir, strlen(dir));
     buf_free(&out);
-    assert_int_equal(crop_run(WORDS("pwd"), "/", &out, 1000, err), 0);
+    assert_int_equal(
+        crop_run(WORDS("pwd"), &(struct crop_place){.directory = "/"}, &out, 1000, err), 0);
     assert_int_equal(buf_size(&out), 2);
     buf_free(&out);
     assert_int_equal(shell("head -c 3000 /dev/zero", NULL, 1000, err), 0);
@@ -174,7 +177,7 @@ static void failures_have_a_reason(void **state)
     assert_int_equal(shell("kill -9 $$", NULL, 9, err), -1);
     assert_string_equal(err, "sh: ended by signal 9");
     char **none = WORDS("./no-such-command");
-    assert_int_equal(crop_run(none, dir, NULL, 9, err), CROP_NOT_FOUND);
+    assert_int_equal(crop_run(none, &there, NULL, 9, err), CROP_NOT_FOUND);
     assert_int_equal(shell("echo fine >&2", NULL, 9, err), 0);
     assert_string_equal(said, "");
     assert_int_equal(
@@ -214,7 +217,7 @@ static void nothing_remains(void **state)
         pid_t pid = fork();
         if (pid == 0) {
             char **words = WORDS("sh", "-c", "exec 9>fifo; " LONG " & echo $PPID >&9; " LONG);
-            crop_run(words, dir, NULL, 9, err);
+            crop_run(words, &there, NULL, 9, err);
             _exit(0);
         }
         struct pollfd p = {fd, POLLIN, 0};
@@ -231,6 +234,64 @@ static void nothing_remains(void **state)
         close(fd);
     }
     unlink("fifo");
+}
+
+/* ---- limits ---------------------------------------------------------------------------------- */
+
+static bool opens(const char *name, int flags)
+{
+    int fd = open(name, flags | O_CLOEXEC, 0600);
+    if (fd >= 0) close(fd);
+    return fd >= 0;
+}
+
+/* What a process confined to "own" can do: NULL, or what it could not do and should, or the other
+ * way round. Reading is free. */
+static const char *confined(int version)
+{
+    static const char *const own[] = {"own", NULL};
+    if (crop_confine(own, version) != 0) return "crop_confine";
+    if (!opens("out/file", O_RDONLY)) return "read";
+    if (!opens("/dev/null", O_WRONLY)) return "write to /dev/null";
+    if (opens("out/file", O_WRONLY)) return "write outside";
+    if (version >= 3 && opens("out/file", O_RDONLY | O_TRUNC)) return "open with O_TRUNC outside";
+    if (opens("out/new", O_WRONLY | O_CREAT)) return "make a file outside";
+    if (version >= 3 && truncate("out/file", 0) == 0) return "truncate outside";
+    if (mkdir("out/d", 0700) == 0 || mkfifo("out/f", 0600) == 0) return "make more outside";
+    if (symlink("x", "out/l") == 0 || link("out/file", "out/l") == 0) return "link outside";
+    if (rename("out/file", "out/x") == 0 || unlink("out/file") == 0) return "remove outside";
+    if (rmdir("out/dir") == 0) return "remove a directory outside";
+    if (link("out/file", "own/l") == 0) return "link from outside";
+    if (!opens("own/new", O_WRONLY | O_CREAT | O_TRUNC)) return "make a file";
+    if (truncate("own/new", 0) != 0) return "truncate";
+    if (mkdir("own/d", 0700) != 0 || symlink("../out/file", "own/l") != 0) return "make more";
+    if (opens("own/l", O_WRONLY)) return "write outside by a link";
+    if (mknod("own/null", S_IFCHR | 0600, makedev(1, 3)) == 0) return "make a device";
+    if ((rename("own/new", "own/d/new") == 0) != (version >= 2)) return "rename across";
+    if (rename("own/l", "own/new") != 0 || unlink("own/new") != 0) return "rename and remove";
+    return NULL;
+}
+
+static void a_process_can_be_confined(void **state)
+{
+    (void)state;
+    const int most = crop_landlock();
+    static const char *const own[] = {"own", NULL};
+    if (!most) assert_int_equal(crop_confine(own, 1), -1); /* the kernel has no Landlock */
+    for (int version = 1; version <= most; version++) {
+        assert_int_equal(mkdir("own", 0700) + mkdir("out", 0700) + mkdir("out/dir", 0700), 0);
+        assert_true(opens("out/file", O_WRONLY | O_CREAT));
+        pid_t pid = fork();
+        if (pid == 0) {
+            const char *wrong = confined(version);
+            if (wrong) dprintf(STDERR_FILENO, "version %d: %s\n", version, wrong);
+            _exit(wrong != NULL);
+        }
+        int status = -1;
+        assert_int_equal(waitpid(pid, &status, 0), pid);
+        assert_int_equal(status, 0);
+        assert_int_equal(crop_remove("own") + crop_remove("out"), 0);
+    }
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
@@ -399,6 +460,7 @@ int main(void)
         cmocka_unit_test_setup(output_is_kept_or_dropped, limited),
         cmocka_unit_test_setup(failures_have_a_reason, limited),
         cmocka_unit_test_setup(nothing_remains, limited),
+        cmocka_unit_test(a_process_can_be_confined),
         cmocka_unit_test_setup(pictures_have_the_right_size, limited),
         cmocka_unit_test_setup(a_rectangle_of_the_frame, limited),
         cmocka_unit_test_setup(a_picture_in_a_file, limited),
