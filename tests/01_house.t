@@ -394,7 +394,7 @@ rows() { sed -n "/$2/,/;/p" "$1" | grep -oE "${3-}[{]\"[^\"]+\"" | cut -d '"' -f
 {
 	unseeded record '^(..)?@( |$)' $(rows lib/wire/decode.c '^} grammar')
 	unseeded spec '^@ ' $(rows lib/spec/spec.c '= {"from"' '= ')
-	unseeded nff '^ *@( |$)' $(rows lib/scene/nff_read.c '^} entities')
+	unseeded nff '(^| )@( |$)' $(rows lib/scene/nff_read.c '^} entities')
 	unseeded grid ' @( 1)?$' $(rows lib/grid/vtk_type.c '^const struct vtk_type')
 	unseeded image '^@' P5 P6 P7 PF Pf
 	for type in 0 2 3 4 6; do
