@@ -239,6 +239,19 @@ static void test_netpbm(void **state)
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 5\nMAXVAL 255\nENDHDR\n12345", "header");
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nMAXVAL 255\nENDHDR\n123", "header");
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\n", "header");
+    REFUSE("P7\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nDEPTH 3\nMAXVAL 255\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 3\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE CMYK\nENDHDR\n1234", "header");
+    REFUSE("P7\nWIDTH 65536\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 65536\nDEPTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 65536\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nLENGTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P5 1 65536 255\n1", "header");
+    REFUSE("P5 1 1 0\n1", "header");
+    /* As many pixels as a picture may have, and a row more. */
+    REFUSE("P5 16384 16384 255\n1", "1 bytes of pixels, expected 268435456");
+    REFUSE("P5 16384 16385 255\n1", "pixels, expected sides");
 }
 
 static void test_float_maps(void **state)
@@ -252,6 +265,11 @@ static void test_float_maps(void **state)
     REFUSE("PF\n1 1\nnan\n\0\0\0\0\0\0\0\0\0\0\0\0", "header");
     REFUSE("PF\n1 1\n-1.0", "header");
     REFUSE("PF\n1 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0", "11 bytes of pixels, expected 12");
+    REFUSE("PF\n1 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0\0\0", "13 bytes of pixels, expected 12");
+    REFUSE("PF\n0 1\n-1.0\n", "header");
+    REFUSE("PF\n1 0\n-1.0\n", "header");
+    REFUSE("PF\n65536 1\n-1.0\n", "header");
+    REFUSE("PF\n1 65536\n-1.0\n", "header");
     REFUSE("PF\n65535 65535\n-1.0\n", "pixels, expected sides");
 }
 
@@ -269,6 +287,35 @@ static void test_chunks_that_do_not_fit(void **state)
     refuse(file.p, file.n, "it ends within a chunk");
     memcpy(file.p + 33, "\xff\xff\xff\xfftEXt", 8);
     refuse(file.p, file.n, "it ends within a chunk");
+    free(file.p);
+}
+
+/* A file of exactly so many bytes is read, a longer one is not, and what follows the PNG is left. */
+static void test_files_have_a_limit(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/stormring-limit-XXXXXX", err[IMAGE_ERR];
+    struct image im;
+    struct buf b;
+    uint32_t w, h;
+    fill(&im, 3, 2, 8, false);
+    struct bytes file = encoded(&im, IMAGE_PNG, 8, NULL);
+    image_free(&im);
+    int fd = mkstemp(path);
+    assert_true(fd >= 0 && write_full(fd, file.p, file.n) == 0);
+    assert_int_equal(image_load_png(path, file.n, &b, &w, &h, err), 0);
+    assert_true(w == 3 && h == 2 && buf_size(&b) == file.n);
+    buf_free(&b);
+    assert_int_equal(image_load_png(path, file.n - 1, &b, &w, &h, err), -1);
+    assert_non_null(strstr(err, "bytes, expected a picture"));
+    assert_int_equal(write_full(fd, "more", 4), 0);
+    assert_int_equal(image_load_png(path, 1000, &b, &w, &h, err), 0);
+    assert_int_equal(buf_size(&b), file.n);
+    buf_free(&b);
+    assert_int_equal(image_read(path, &im, err), -1);
+    assert_non_null(strstr(err, "4 bytes behind the PNG"));
+    close(fd);
+    unlink(path);
     free(file.p);
 }
 
@@ -424,6 +471,7 @@ int main(void)
         cmocka_unit_test(test_netpbm),
         cmocka_unit_test(test_float_maps),
         cmocka_unit_test(test_chunks_that_do_not_fit),
+        cmocka_unit_test(test_files_have_a_limit),
         cmocka_unit_test(test_write_errors_are_reported),
         cmocka_unit_test(test_rows_that_cannot_be_read),
         cmocka_unit_test(test_names),
