@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "files/files.h"
+#include "scratch.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -16,19 +17,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char directory[64]; /* the current one, with in/ and out/ */
+static char directory[SCRATCH_BYTES]; /* the current one, with in/ and out/ */
 
 static int make_directory(void **state)
 {
     (void)state;
-    snprintf(directory, sizeof directory, "/tmp/test_files.XXXXXX");
-    return !mkdtemp(directory) || chdir(directory) != 0 || mkdir("in", 0700) != 0 ||
+    return !scratch_make(directory) || chdir(directory) != 0 || mkdir("in", 0700) != 0 ||
            mkdir("in/sub", 0700) != 0 || mkdir("out", 0700) != 0;
 }
 
 static void remove_all(const char *path)
 {
-    char command[128];
+    char command[SCRATCH_BYTES + 16];
     snprintf(command, sizeof command, "rm -rf %s", path);
     assert_int_equal(system(command), 0);
 }
@@ -115,7 +115,7 @@ static void refused(const char *one, const char *second, const char *why)
 static void refuses_to_pack(void **state)
 {
     (void)state;
-    char outside[128];
+    char outside[SCRATCH_BYTES + 16];
     snprintf(outside, sizeof outside, "%s/in/scene", directory);
     write_file("in/scene", "");
     write_file("beside", "");

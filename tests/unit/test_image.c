@@ -1,6 +1,7 @@
 /* Curves, codecs and names: round trips; damaged files are refused and leak
  * nothing. */
 #include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,6 +11,7 @@
 #include <cmocka.h>
 
 #include "image/codecs.h"
+#include "scratch.h"
 
 /* ---- curves ----------------------------------------------------------------------------- */
 
@@ -294,14 +296,16 @@ static void test_chunks_that_do_not_fit(void **state)
 static void test_files_have_a_limit(void **state)
 {
     (void)state;
-    char path[] = "/tmp/stormring-limit-XXXXXX", err[IMAGE_ERR];
+    char path[SCRATCH_BYTES + 16], dir[SCRATCH_BYTES], err[IMAGE_ERR];
     struct image im;
     struct buf b;
     uint32_t w, h;
     fill(&im, 3, 2, 8, false);
     struct bytes file = encoded(&im, IMAGE_PNG, 8, NULL);
     image_free(&im);
-    int fd = mkstemp(path);
+    assert_true(scratch_make(dir));
+    snprintf(path, sizeof path, "%s/file", dir);
+    int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     assert_true(fd >= 0 && write_full(fd, file.p, file.n) == 0);
     assert_int_equal(image_load_png(path, file.n, &b, &w, &h, err), 0);
     assert_true(w == 3 && h == 2 && buf_size(&b) == file.n);
@@ -316,6 +320,7 @@ static void test_files_have_a_limit(void **state)
     assert_non_null(strstr(err, "4 bytes behind the PNG"));
     close(fd);
     unlink(path);
+    assert_int_equal(rmdir(dir), 0);
     free(file.p);
 }
 
@@ -352,10 +357,10 @@ static void test_rows_that_cannot_be_read(void **state)
 {
     (void)state;
     static const char *const names[] = {"a.png", "a.pam", "a.pfm"};
-    char dir[] = "/tmp/stormring-torn-XXXXXX", path[64];
+    char dir[SCRATCH_BYTES], path[SCRATCH_BYTES + 16];
     float row[4 * 8] = {0};
     const struct image_rows rows = {8, 4, false, torn, row};
-    assert_non_null(mkdtemp(dir));
+    assert_true(scratch_make(dir));
     for (int format = IMAGE_PNG; format <= IMAGE_PFM; format++) {
         snprintf(path, sizeof path, "%s/%s", dir, names[format]);
         errno = 0;
