@@ -258,7 +258,7 @@ static bool unpacked(struct buf *b, char err[ERR_BYTES])
     return good;
 }
 
-/* Sparse files of archives of 2 to 3 KiB. What writes them all the same soon meets the limit. */
+/* Sparse files of archives of 2 to 3 KiB. Code that writes them meets a limit soon. */
 static void is_no_larger_than_its_archive(void **state)
 {
     (void)state;

@@ -292,7 +292,7 @@ static void test_chunks_that_do_not_fit(void **state)
     free(file.p);
 }
 
-/* A file of exactly so many bytes is read, a longer one is not, and what follows the PNG is left. */
+/* A file as long as the limit is read, a longer one is not. Bytes behind a PNG are left out. */
 static void test_files_have_a_limit(void **state)
 {
     (void)state;

@@ -675,7 +675,9 @@ static char *write_rows_of(
     const struct frame_size size = {.w = W, .h = H};
     struct buf b = {0};
     struct record r;
-    char *path = xstrdup("/tmp/stormring-verify-XXXXXX"), stamp[16];
+    const char *base = getenv("TMPDIR");
+    char *path = xmalloc(4096, 1), stamp[16];
+    snprintf(path, 4096, "%s/stormring-verify-XXXXXX", base ? base : "/tmp");
     wire_hello(&b, "fan", "00ff", 1, 3);
     for (int k = 0; k < 3; k++) {
         snprintf(
