@@ -127,6 +127,7 @@ static void a_bad_list_is_refused(void **state)
 static void a_bad_file_is_refused_with_its_line(void **state)
 {
     (void)state;
+    static const char nul[] = "a\nb\0 via=\"x %c\"\n";
     char name[300];
     refused("", 0, "no host");
     refused("# nobody\n\n", 0, "no host");
@@ -168,7 +169,7 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     hosts_free(&hosts);
     assert_true(read_text("a slots=4000\nb slots=96"));
     hosts_free(&hosts);
-    assert_false(read_bytes("a\nb\0 via=\"x %c\"\n", 18));
+    assert_false(read_bytes(nul, sizeof nul - 1));
     assert_non_null(strstr(err, ":2: a NUL byte, expected text"));
 }
 
