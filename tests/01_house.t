@@ -392,6 +392,32 @@ pages='man/stormring-task.5 man/stormring-frag.5'
 	clean 'the pages name the keys that the code reads and writes'
 }
 
+# ---- seeds: a fuzz target starts from each kind that its reader knows ------------------------------------------
+# unseeded TARGET ERE KIND ...: prints the kinds without a seed, which has a match of ERE with the kind in the place of @
+unseeded() {
+	target=$1 ere=$2
+	shift 2
+	[ $# -gt 1 ] || echo "$target: the kinds are not found in the sources"
+	for kind; do
+		LC_ALL=C grep -aiqE "$(printf '%s\n' "$ere" | sed "s/@/$kind/")" "tests/fuzz/corpus/$target"/* || echo "$target: no seed has $kind"
+	done
+}
+# rows FILE FROM [ERE]: the names in the table of FILE that begins where FROM matches, each behind a brace
+rows() { sed -n "/$2/,/;/p" "$1" | grep -oE "${3-}[{]\"[^\"]+\"" | cut -d '"' -f 2; }
+# The first two bytes of a record's seed say how it is fed.
+# shellcheck disable=SC2046  # a word each
+{
+	unseeded record '^(..)?@( |$)' $(rows lib/wire/decode.c '^} grammar')
+	unseeded spec '^@ ' $(rows lib/spec/spec.c '= {"from"' '= ')
+	unseeded nff '(^| )@( |$)' $(rows lib/scene/nff_read.c '^} entities')
+	unseeded grid ' @( 1)?$' $(rows lib/grid/vtk_type.c '^const struct vtk_type')
+	unseeded image '^@' P5 P6 P7 PF Pf
+	for type in 0 2 3 4 6; do
+		for seed in tests/fuzz/corpus/image/*.png; do od -An -tu1 -j25 -N1 "$seed"; done | grep -qw "$type" || echo "image: no PNG of type $type"
+	done
+} >"$found"
+clean 'the corpora have a seed for every kind of record, word, entity, number and picture'
+
 # ---- prose: plain English, about files that exist --------------------------------------------------------------
 find lib bin tests man scenes -type f | sed 's,.*/,,' | sort -u >"$tmp/there"
 # Of C files the comments are read, with END behind each file's last one.

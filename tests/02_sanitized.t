@@ -17,4 +17,17 @@ clean() { cat "$tmp/$1.said"; return "$(cat "$tmp/$1.status")"; }
 for name in $units; do ok "$name is clean under ASan and UBSan" clean "$name"; done
 ok 'the pipeline built with sanitizers renders the same bits' same build/fuzz/bin
 ok 'the fuzz targets find nothing in a short run' tests/fuzz/run 1 1
+
+# Targets a and c find something, b does not.
+mkdir -p "$tmp/tests/fuzz" "$tmp/build/fuzz"
+cp tests/fuzz/run "$tmp/tests/fuzz"
+for name in a b c; do
+	: >"$tmp/tests/fuzz/fuzz_$name.c"
+	printf '#!/bin/sh\necho stat::number_of_executed_units: 7\nexit %s\n' "$([ $name = b ]; echo $?)" >"$tmp/build/fuzz/fuzz_$name"
+	chmod +x "$tmp/build/fuzz/fuzz_$name"
+done
+run "$tmp/tests/fuzz/run" 1 1
+is 'after a finding the other targets go on, and all findings are listed' "$status $(printf '%s\n' "$out" | grep inputs) $(printf '%s\n' "$err" | cut -d ';' -f 1)" \
+	'1 b: 7 inputs, no finding fuzz: a: a finding
+fuzz: c: a finding'
 finish

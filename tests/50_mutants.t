@@ -46,7 +46,7 @@ family() {
 	for name in $(names "$mutants/$1"); do ok "test_$1 finds: $name" was_found "$name"; done
 }
 
-is 'each mutant has its own name' "$(names "$mutants"/[!a]* | sort | uniq -d)" ''
+is 'each mutant has its own name' "$(names "$mutants"/[!a]* "$mutants/assembly" | sort | uniq -d)" ''
 family sim
 family ring
 family gdc
@@ -96,8 +96,13 @@ run listed wrong
 is 'a line that is not part of a row is found' "$status $out" '1 1:@name lib/sched/gdc_master.c'
 # Tests of single functions, which say it in cmocka's words.
 sign='[[]  FAILED  []]'
-for test in clock wire eta fan pace powers drain worker forks store crop view nff_parts; do family $test; done
+for test in clock wire eta fan pace powers drain worker forks store crop view nff_parts image png assembly hosts hosts_job send verify; do family $test; done
 if there /usr/include/zstd.h; then family packing
 else skip 'test_packing finds its mutants' 'libzstd is not there'
+fi
+if there /usr/include/archive.h; then
+	libs="$libs -larchive"
+	family files
+else skip 'test_files finds its mutants' 'libarchive is not there'
 fi
 finish

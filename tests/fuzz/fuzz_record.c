@@ -91,16 +91,32 @@ static void check_ring(const struct record *r)
     wire_free(&d);
 }
 
+/* A record about a slot names it, and alive has a time in range. */
+static void check_slots(const struct record *r)
+{
+    double within_s = 0;
+    if (r->kind == REC_UP || r->kind == REC_GONE || r->kind == REC_DRAIN) {
+        size_t n;
+        MUST(rec_key(r, "w", &n));
+    }
+    if (r->kind == REC_LEAVE) MUST(r->task.to >= 0);
+    if (r->kind == REC_ALIVE)
+        MUST(rec_real(r, "within", WIRE_WITHIN_LEAST, WIRE_WITHIN_MOST, &within_s));
+}
+
 static void check_record(const struct record *r, bool upward)
 {
     MUST(r->kind < REC_KINDS && r->line_len < WIRE_LINE_MAX);
     MUST(strncmp(r->line, rec_name(r->kind), strlen(rec_name(r->kind))) == 0);
     MUST(r->task.to >= -1);
-    if (upward) MUST(r->kind != REC_SCENE && r->kind != REC_GRID && r->kind != REC_SPEC);
+    if (upward)
+        MUST(r->kind != REC_SCENE && r->kind != REC_GRID && r->kind != REC_SPEC &&
+             r->kind != REC_FILES);
     if (r->kind == REC_FRAME)
         MUST(r->frame_w - 1 < FRAME_SIDE_MAX && r->frame_h - 1 < FRAME_SIDE_MAX);
     if (r->kind == REC_FRAG) check_frag(r);
-    if (r->kind >= REC_RING) check_ring(r);
+    if (r->kind >= REC_RING && r->kind <= REC_CRASHED) check_ring(r);
+    check_slots(r);
     check_packed(r, upward);
     check_forward(r, upward);
 }

@@ -135,12 +135,14 @@ static void test_refusals(void **state)
     for (int i = 0; i < 6; i++) assert_int_equal(put(&a, 0, 8, outside[i], 0), ASSEMBLY_OUTSIDE);
     assert_int_equal(assembly_declare(&a, 0, 8, 8, "other"), ASSEMBLY_FOREIGN);
     assert_int_equal(assembly_declare(&a, 0, 8, 9, "j"), ASSEMBLY_FOREIGN);
+    assert_int_equal(assembly_declare(&a, 0, 9, 8, "j"), ASSEMBLY_FOREIGN);
+    assert_int_equal(put_as(&a, 0, "jj", 1, 8, row, 9), ASSEMBLY_FOREIGN);
     assert_int_equal(put_as(&a, 0, "other", 1, 8, row, 9), ASSEMBLY_FOREIGN);
     assert_int_equal(put_as(&a, 0, "", 1, 8, row, 9), ASSEMBLY_FOREIGN);
     assert_int_equal(assembly_find(&a, 0)->have.done, 0);
     assert_int_equal(put(&a, 0, 8, row, 0), ASSEMBLY_TAKEN);
     assert_int_equal(assembly_declare(&a, 0, 8, 8, "j"), ASSEMBLY_TAKEN);
-    assert_int_equal(a.refused[ASSEMBLY_FOREIGN], 2);
+    assert_int_equal(a.refused[ASSEMBLY_FOREIGN], 3);
     assert_int_equal(a.refused[ASSEMBLY_OUTSIDE], 6);
     assert_int_equal(a.refused[ASSEMBLY_UNDECLARED], 1);
     assert_int_equal(a.differing, 0);
@@ -187,7 +189,7 @@ static void test_late(void **state)
     const struct lattice all = {0, 0, 16, 16, 1, 1}, upper = {0, 0, 16, 8, 1, 1},
                          lower = {0, 8, 16, 8, 1, 1};
     assembly_init(&a, true, ROOM);
-    for (uint32_t f = 0; f < 3; f++) {
+    for (uint32_t f = 0; f < 4; f++) {
         assembly_declare(&a, f, 16, 16, "j");
         put(&a, f, 16, all, 0);
         assembly_release(&a, assembly_find(&a, f));
@@ -210,6 +212,13 @@ static void test_late(void **state)
     l = &assembly_find(&a, 1)->late;
     assert_true(l->n == 0 && l->same == 0 && !l->differs);
     put(&a, 1, 16, all, 1);
+    assert_true(l->n == 0 && l->same == 0 && l->differs);
+    /* The right pixels at each other's places. */
+    float row[4 * 16];
+    for (int i = 0; i < 4 * 16; i++) row[i] = shade((uint64_t)(i / 4 ^ 1), i % 4);
+    assembly_commit(&a, 2, "j", 1, &(struct lattice){0, 0, 16, 1, 1, 1}, row);
+    put(&a, 2, 16, (struct lattice){0, 1, 16, 15, 1, 1}, 0);
+    l = &assembly_find(&a, 2)->late;
     assert_true(l->n == 0 && l->same == 0 && l->differs);
     assert_int_equal(a.differing, 0);
     assembly_free(&a);

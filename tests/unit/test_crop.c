@@ -299,7 +299,7 @@ static void a_process_can_be_confined(void **state)
 static int draw(const char *line, const struct crop_rect *at, char err[CROP_ERR])
 {
     char **words = WORDS("sh", "-c", line);
-    const struct crop_command c = {words, dir, dir, NULL, IMAGE_DEEP_REFUSED};
+    const struct crop_command c = {words, dir, dir, NULL, IMAGE_DEEP_REFUSED, false};
     struct image im;
     *err = '\0';
     int result = crop_draw(&c, at, &im, err);
@@ -345,6 +345,35 @@ static void a_rectangle_of_the_frame(void **state)
     image_free(&im);
 }
 
+#define NAN_AT "printf '\\000\\000\\300\\177'; "
+
+/* Of a picture of the rectangle no pixel may be NaN; of one of the frame, none of the rectangle. */
+static void no_pixel_is_nan(void **state)
+{
+    (void)state;
+    static const char *const rows[][2] = {
+        /* the last value of the rectangle's first row, of its last row, and the first value */
+        {"6 2\\n-1\\n'; head -c 140 /dev/zero; " NAN_AT, "pixel 5,0 is NaN, expected numbers"},
+        {"6 2\\n-1\\n'; head -c 68 /dev/zero; " NAN_AT "head -c 72 /dev/zero", "pixel 5,1 is NaN"},
+        {"6 2\\n-1\\n'; head -c 72 /dev/zero; " NAN_AT "head -c 68 /dev/zero", "pixel 0,0 is NaN"},
+        /* in the frame, at 9,6 and 4,5, at 10,6 and 3,6, and in the rows around */
+        {"40 30\\n-1\\n'; head -c 11156 /dev/zero; " NAN_AT "head -c 3240 /dev/zero",
+            "pixel 9,6 is NaN"},
+        {"40 30\\n-1\\n'; head -c 11568 /dev/zero; " NAN_AT "head -c 2828 /dev/zero",
+            "pixel 4,5 is NaN"},
+        {"40 30\\n-1\\n'; head -c 11160 /dev/zero; " NAN_AT "head -c 3236 /dev/zero", NULL},
+        {"40 30\\n-1\\n'; head -c 11084 /dev/zero; " NAN_AT "head -c 3312 /dev/zero", NULL},
+        {"40 30\\n-1\\n'; head -c 10608 /dev/zero; " NAN_AT "head -c 3788 /dev/zero", NULL},
+        {"40 30\\n-1\\n'; head -c 12048 /dev/zero; " NAN_AT "head -c 2348 /dev/zero", NULL},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char line[200], err[CROP_ERR];
+        snprintf(line, sizeof line, "printf 'PF\\n%s", rows[i][0]);
+        assert_int_equal(draw(line, &rect, err), rows[i][1] ? -1 : 0);
+        if (rows[i][1]) assert_non_null(strstr(err, rows[i][1]));
+    }
+}
+
 /* Its file is removed, also if the command fails. */
 static void a_picture_in_a_file(void **state)
 {
@@ -387,6 +416,80 @@ static void links_are_not_followed(void **state)
     errno = 0;
     assert_int_equal(crop_remove("in"), -1);
     assert_int_equal(errno, ENOENT);
+}
+
+static void put(const char *path, const char *text, mode_t mode)
+{
+    unlink(path); /* what was read is not replaced */
+    assert_int_equal(outfile_put(path, text, strlen(text)), 0);
+    assert_int_equal(chmod(path, mode), 0);
+}
+
+static void has(const char *directory, const char *name, const char *text, mode_t mode)
+{
+    char path[128];
+    struct stat st;
+    struct buf b = {0};
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    assert_int_equal(stat(path, &st), 0);
+    assert_int_equal(st.st_mode & 07777, mode);
+    if (!text) return;
+    assert_int_equal(read_file(path, &b), 0);
+    assert_int_equal(buf_size(&b), strlen(text));
+    assert_memory_equal(buf_data(&b), text, strlen(text));
+    buf_free(&b);
+}
+
+/* A copy has the files and what is executable, for the user alone, and no links. */
+static void a_copy_is_separate(void **state)
+{
+    (void)state;
+    char name[64];
+    static char large[300000];
+    memset(large, 'x', sizeof large - 1);
+    assert_int_equal(mkdir("files", 0700), 0);
+    assert_int_equal(mkdir("files/sub", 0755), 0);
+    put("files/plain", "text", 0444);
+    put("files/sub/runs", large, 06755);
+    put("files/empty", "", 0600);
+    assert_int_equal(symlink("plain", "files/link"), 0);
+    char *copy = crop_copy("./files");
+    snprintf(name, sizeof name, "./files-%ld", (long)getpid());
+    assert_string_equal(copy, name);
+    has(copy, "plain", "text", 0600);
+    has(copy, "sub", NULL, 0700);
+    has(copy, "sub/runs", large, 0700);
+    has(copy, "empty", "", 0600);
+    snprintf(name, sizeof name, "./files-%ld/link", (long)getpid());
+    struct stat st;
+    assert_int_equal(lstat(name, &st), -1);
+    snprintf(name, sizeof name, "./files-%ld/plain", (long)getpid());
+    put(name, "changed", 0600);
+    has("files", "plain", "text", 0444);
+
+    /* It is there: a second one ends the program. */
+    pid_t pid = fork();
+    if (pid == 0) {
+        close(STDERR_FILENO);
+        snprintf(name, sizeof name, "files-%ld", (long)getpid());
+        mkdir(name, 0700);
+        crop_copy("files");
+        _exit(0);
+    }
+    int status;
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == ST_SYSTEM);
+
+    /* The copies of all processes are removed, and nothing else. */
+    static const char *const others[] = {"file-1", "files1", "files.1-1", "other-1"};
+    for (int i = 0; i < 4; i++) assert_int_equal(mkdir(others[i], 0700), 0);
+    assert_int_equal(mkdir("files-1", 0500), 0);
+    crop_remove_copies("./files");
+    assert_int_equal(access(copy, F_OK), -1);
+    assert_int_equal(access("files-1", F_OK), -1);
+    for (int i = 0; i < 4; i++) assert_int_equal(rmdir(others[i]), 0);
+    assert_int_equal(crop_remove("files"), 0);
+    free(copy);
 }
 
 /* A process that has made a directory is killed with its whole group: the directory goes too. */
@@ -463,8 +566,10 @@ int main(void)
         cmocka_unit_test(a_process_can_be_confined),
         cmocka_unit_test_setup(pictures_have_the_right_size, limited),
         cmocka_unit_test_setup(a_rectangle_of_the_frame, limited),
+        cmocka_unit_test_setup(no_pixel_is_nan, limited),
         cmocka_unit_test_setup(a_picture_in_a_file, limited),
         cmocka_unit_test(links_are_not_followed),
+        cmocka_unit_test_setup(a_copy_is_separate, limited),
         cmocka_unit_test_setup(a_directory_ends_with_its_process, limited),
     };
     return cmocka_run_group_tests(tests, make_dir, remove_dir);

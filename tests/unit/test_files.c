@@ -8,24 +8,27 @@
 #include <cmocka.h>
 
 #include "files/files.h"
+#include "scratch.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char directory[64]; /* the current one, with in/ and out/ */
+static char directory[SCRATCH_BYTES]; /* the current one, with in/ and out/ */
 
 static int make_directory(void **state)
 {
     (void)state;
-    snprintf(directory, sizeof directory, "/tmp/test_files.XXXXXX");
-    return !mkdtemp(directory) || chdir(directory) != 0 || mkdir("in", 0700) != 0 ||
+    return !scratch_make(directory) || chdir(directory) != 0 || mkdir("in", 0700) != 0 ||
            mkdir("in/sub", 0700) != 0 || mkdir("out", 0700) != 0;
 }
 
 static void remove_all(const char *path)
 {
-    char command[128];
+    char command[SCRATCH_BYTES + 16];
     snprintf(command, sizeof command, "rm -rf %s", path);
     assert_int_equal(system(command), 0);
 }
@@ -39,6 +42,7 @@ static int remove_directory(void **state)
 
 static void write_file(const char *path, const char *text)
 {
+    unlink(path); /* what was read is not replaced */
     assert_int_equal(outfile_put(path, text, strlen(text)), 0);
 }
 
@@ -49,6 +53,14 @@ static void assert_file(const char *path, const char *text)
     assert_int_equal(buf_size(&b), strlen(text));
     assert_memory_equal(buf_data(&b), text, strlen(text));
     buf_free(&b);
+}
+
+/* For the user alone, and what is executable stays so. */
+static void assert_mode(const char *path, mode_t mode)
+{
+    struct stat st;
+    assert_int_equal(stat(path, &st), 0);
+    assert_int_equal(st.st_mode & 07777, mode);
 }
 
 /* ---- packing -------------------------------------------------------------------------------- */
@@ -63,10 +75,10 @@ static void comes_out_again(void **state)
     write_file("in/scene.pov", "scene");
     write_file("in/sub/a b.inc", "included\n");
     write_file("in/empty", "");
+    assert_int_equal(chmod("in/sub/a b.inc", 0744), 0);
     assert_true(files_pack(names, 4, &a, err));
     assert_int_equal(chmod("in/empty", 0640), 0);
-    sleep(1); /* another time of change */
-    write_file("in/scene.pov", "scene");
+    assert_int_equal(utimensat(AT_FDCWD, "in/empty", (struct timespec[2]){{0}}, 0), 0);
     assert_true(files_pack(names, 4, &again, err));
     assert_int_equal(buf_size(&a), buf_size(&again));
     assert_memory_equal(buf_data(&a), buf_data(&again), buf_size(&a));
@@ -75,6 +87,9 @@ static void comes_out_again(void **state)
     assert_file("out/scene.pov", "scene");
     assert_file("out/sub/a b.inc", "included\n");
     assert_file("out/empty", "");
+    assert_mode("out/scene.pov", 0600);
+    assert_mode("out/sub/a b.inc", 0700);
+    assert_mode("out/sub", 0700);
     free(first);
     /* A second time the files are there: nothing is written over them. */
     assert_false(files_unpack(buf_data(&a), buf_size(&a), "out", &first, err));
@@ -101,7 +116,7 @@ static void refused(const char *one, const char *second, const char *why)
 static void refuses_to_pack(void **state)
 {
     (void)state;
-    char outside[128];
+    char outside[SCRATCH_BYTES + 16];
     snprintf(outside, sizeof outside, "%s/in/scene", directory);
     write_file("in/scene", "");
     write_file("beside", "");
@@ -118,22 +133,32 @@ static void refuses_to_pack(void **state)
 
 /* ---- unpacking ------------------------------------------------------------------------------ */
 
-/* Appends an entry as tar(5) describes the ustar format. */
-static void put_entry(
-    struct buf *b, const char *name, char type, const char *link, size_t size, const char *text)
+static const char *mode = "0000644"; /* of the next entries */
+
+/* Appends an entry as tar(5) describes the ustar format. A sparse one, 'S', has `size` bytes, and a
+ * hole in front of the last one that makes it `real` long. */
+static void put_real(struct buf *b, const char *name, char type, const char *link, size_t size,
+    const char *text, unsigned long real)
 {
     unsigned char header[512] = {0};
-    char field[13];
+    char field[64];
     unsigned sum = 0;
     memcpy(header, name, strlen(name));
-    memcpy(header + 100, "0000644\0000000000\0000000000", 24);
+    memcpy(header + 100, mode, 8);
+    memcpy(header + 108, "0000000\0000000000", 16);
     snprintf(field, sizeof field, "%011zo", size);
     memcpy(header + 124, field, 12);
     memcpy(header + 136, "00000000000", 12);
     memset(header + 148, ' ', 8);
     header[156] = (unsigned char)type;
     memcpy(header + 157, link, strlen(link));
-    memcpy(header + 257, "ustar\00000", 8);
+    memcpy(header + 257, type == 'S' ? "ustar  \0" : "ustar\00000", 8);
+    if (type == 'S') {
+        snprintf(field, sizeof field, "%011lo %011o ", real - 1, 1);
+        memcpy(header + 386, field, 24);
+        snprintf(field, sizeof field, "%011lo", real);
+        memcpy(header + 483, field, 12);
+    }
     for (int i = 0; i < 512; i++) sum += header[i];
     snprintf(field, sizeof field, "%06o", sum);
     memcpy(header + 148, field, 7);
@@ -141,6 +166,12 @@ static void put_entry(
     size_t n = strlen(text), padded = (n + 511) / 512 * 512;
     buf_append(b, text, n);
     for (; n < padded; n++) buf_append(b, "", 1);
+}
+
+static void put_entry(
+    struct buf *b, const char *name, char type, const char *link, size_t size, const char *text)
+{
+    put_real(b, name, type, link, size, text, size);
 }
 
 static void put_end(struct buf *b)
@@ -180,6 +211,7 @@ static void refuses_to_unpack(void **state)
     hostile("line\n", '0', "", 1, "x", "no control characters");
     hostile("link", '2', "/etc/passwd", 0, "", "no regular file");
     hostile("link", '1', "good", 0, "", "no regular file");
+    hostile("link", '1', "good", 1, "x", "no regular file");
     hostile("device", '3', "", 0, "", "no regular file");
     hostile("device", '4', "", 0, "", "no regular file");
     hostile("pipe", '6', "", 0, "", "no regular file");
@@ -212,14 +244,90 @@ static void refuses_other_bytes(void **state)
     assert_false(files_unpack(buf_data(&b), buf_size(&b), "out", &first, err));
     assert_non_null(strstr(err, "below its directory"));
     buf_free(&b);
-    /* A sparse file of 8 GiB in an archive of 2 KiB. */
+}
+
+/* Unpacks what was put into b, and frees it. */
+static bool unpacked(struct buf *b, char err[ERR_BYTES])
+{
+    char *first;
+    remove_all("out");
+    assert_int_equal(mkdir("out", 0700), 0);
+    put_end(b);
+    bool good = files_unpack(buf_data(b), buf_size(b), "out", &first, err);
+    free(first);
+    buf_free(b);
+    return good;
+}
+
+/* Sparse files of archives of 2 to 3 KiB. Code that writes them meets a limit soon. */
+static void is_no_larger_than_its_archive(void **state)
+{
+    (void)state;
+    static const char longer[] = "archive: its files are longer than itself";
     static const char map[] = "22 GNU.sparse.major=1\n22 GNU.sparse.minor=0\n"
-                              "33 GNU.sparse.realsize=8589934592\n";
+                              "34 GNU.sparse.realsize=8589934592\n";
+    static const char where[] = "1\n8589934591\n1\n";
+    char err[ERR_BYTES], data[514];
+    struct buf b = {0};
+    struct rlimit before, limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    limit = before;
+    memset(data, ' ', sizeof data - 1);
+    data[513] = '\0';
+    limit.rlim_cur = 1 << 20;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    put_real(&b, "hole-in-front", 'S', "", 1, "x", 8UL << 30);
+    assert_false(unpacked(&b, err));
+    assert_string_equal(err, longer);
     put_entry(&b, "header", 'x', "", strlen(map), map);
-    put_entry(&b, "sparse", '0', "", 512, "0\n");
-    put_end(&b);
-    assert_false(files_unpack(buf_data(&b), buf_size(&b), "out", &first, err));
-    buf_free(&b);
+    memcpy(data, where, sizeof where - 1);
+    put_entry(&b, "described-by-pax", '0', "", 513, data);
+    assert_false(unpacked(&b, err));
+    assert_string_equal(err, longer);
+    /* Each is shorter than the archive, both are longer. */
+    put_real(&b, "one", 'S', "", 1, "x", 2000);
+    put_real(&b, "two", 'S', "", 1, "x", 2000);
+    assert_false(unpacked(&b, err));
+    assert_string_equal(err, longer);
+    put_real(&b, "one", 'S', "", 1, "x", 1500);
+    put_real(&b, "two", 'S', "", 1, "x", 1500);
+    assert_true(unpacked(&b, err));
+    signal(SIGXFSZ, handler);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+}
+
+/* Whatever bits an archive states: the user's alone. */
+static void gives_no_other_rights(void **state)
+{
+    (void)state;
+    char err[ERR_BYTES];
+    struct buf b = {0};
+    mode = "0006777";
+    put_entry(&b, "runs", '0', "", 1, "x");
+    mode = "0006666";
+    put_entry(&b, "sub/plain", '0', "", 1, "x");
+    mode = "0000644";
+    assert_true(unpacked(&b, err));
+    assert_mode("out/runs", 0700);
+    assert_mode("out/sub/plain", 0600);
+    assert_mode("out/sub", 0700);
+}
+
+static void names_have_limits(void **state)
+{
+    (void)state;
+    char err[ERR_BYTES], name[1026];
+    memset(name, 'n', sizeof name);
+    name[1024] = '\0';
+    assert_true(files_name_check(name, err));
+    assert_true(files_name_check("...", err) && files_name_check(".a/..b/c..", err));
+    name[1024] = 'n', name[1025] = '\0';
+    assert_false(files_name_check(name, err));
+    assert_non_null(strstr(err, "1025 bytes, expected 1 to 1024"));
+    static const char *const bad[] = {"", ".", "..", "/", "a/", "a/.", "\177", "\037", "a\tb"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(files_name_check(bad[i], err));
 }
 
 int main(void)
@@ -229,6 +337,9 @@ int main(void)
         cmocka_unit_test(refuses_to_pack),
         cmocka_unit_test(refuses_to_unpack),
         cmocka_unit_test(refuses_other_bytes),
+        cmocka_unit_test(is_no_larger_than_its_archive),
+        cmocka_unit_test(gives_no_other_rights),
+        cmocka_unit_test(names_have_limits),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -14,17 +14,19 @@
 static char path[32], err[HOSTS_ERR];
 static struct hosts hosts;
 
-static bool read_text(const char *text)
+static bool read_bytes(const char *text, size_t n)
 {
     memcpy(path, "/tmp/hosts.XXXXXX", 18);
     int fd = mkstemp(path);
     assert_true(fd >= 0);
-    assert_int_equal(write_full(fd, text, strlen(text)), 0);
+    assert_int_equal(write_full(fd, text, n), 0);
     close(fd);
     bool good = hosts_read(&hosts, path, err);
     unlink(path);
     return good;
 }
+
+static bool read_text(const char *text) { return read_bytes(text, strlen(text)); }
 
 /* The text is refused at this line, in these words. */
 static void refused(const char *text, int line, const char *words)
@@ -125,6 +127,7 @@ static void a_bad_list_is_refused(void **state)
 static void a_bad_file_is_refused_with_its_line(void **state)
 {
     (void)state;
+    static const char nul[] = "a\nb\0 via=\"x %c\"\n";
     char name[300];
     refused("", 0, "no host");
     refused("# nobody\n\n", 0, "no host");
@@ -138,12 +141,15 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("a send=auto bin=/opt", 1, "bin= and send= together");
     refused("a power=nan", 1, "power='nan'");
     refused("a power=", 1, "power=''");
+    refused("a latency_ms=-1", 1, "latency_ms='-1': expected a number from 0 to 1e7");
+    refused("a bytes_per_s=.5", 1, "bytes_per_s='.5': expected a number from 1 to 1e15");
     assert_true(read_text("a via=\"sh -c 'it; \\\"%h' \\\"'\\\" %c\""));
     hosts_free(&hosts);
     refused("a via=\"ssh %h\"", 1, "%c");
     refused("a via=\"ssh %h %c %x\"", 1, "via=");
     refused("a via=\"sh -c 'cd /; %c'\"", 1, "outside of inner quotes");
     refused("a via=\"sh -c \\\"%c\\\"\"", 1, "outside of inner quotes");
+    refused("a via=\"sh -c 'x \\\"%c\\\"'\"", 1, "outside of inner quotes");
     refused("a via=\"%c %\"", 1, "via=");
     refused("a via=\"ssh %h %c\nb", 1, "quote");
     refused("a bin=here", 1, "bin='here'");
@@ -155,9 +161,16 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("\"a b\"", 1, "no host name");
     refused(": via=\"sh -c %c\"", 1, "this machine");
     refused(": bin=/usr/bin", 1, "this machine");
-    memset(name, 'n', sizeof name - 1);
-    name[sizeof name - 1] = '\0';
+    memset(name, 'n', sizeof name);
+    name[HOST_NAME_MOST + 1] = '\0';
     refused(name, 1, "no host name");
+    name[HOST_NAME_MOST] = '\0';
+    assert_true(read_text(name));
+    hosts_free(&hosts);
+    assert_true(read_text("a slots=4000\nb slots=96"));
+    hosts_free(&hosts);
+    assert_false(read_bytes(nul, sizeof nul - 1));
+    assert_non_null(strstr(err, ":2: a NUL byte, expected text"));
 }
 
 /* No shell, no other program and no reader of records makes anything else of a name. */
@@ -167,7 +180,7 @@ static void names_consist_of_harmless_bytes(void **state)
     static const char *const good[] = {"Render-1.example.org", "me.too+x@10.0.0.1", "a_b%eth0",
         "::1", "me@fe80::1%eth0", "2001:db8::7", "9"};
     static const char *const bad[] = {"a$(touch${IFS}X)", "a;b", "a`b`", "a|b", "a&b", "a'b", "a*b",
-        "a~b", "a!b", "a(b", "a{b}", "a>b", "a^b", "a[1]", "me@-oProxyCommand", "@a", "me@",
+        "a~b", "a!b", "a(b", "a{b}", "a>b", "a^b", "a[1]", "me@-oProxyCommand", "-l@a", "@a", "me@",
         "a@b@c", "root:x:0:0:root", "daemon::1:", "a:22", "me:x@a", "::1::2", "a\177", "\303\244"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         assert_true(read_text(good[i]));
@@ -175,8 +188,15 @@ static void names_consist_of_harmless_bytes(void **state)
         hosts_free(&hosts);
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) refused(bad[i], 1, "no host name");
-    assert_false(hosts_read(&hosts, "a;b", err));
-    assert_non_null(strstr(err, "'a;b': no host name"));
+    /* In a list a comma and a slash are no part of a name, and a colon is part of an address. */
+    for (int c = 1; c < 256; c++) {
+        const char name[] = {'1', '/', 'a', (char)c, 'b', '\0'};
+        bool harmless = (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z');
+        if (strchr(",/", c)) continue;
+        assert_int_equal(hosts_read(&hosts, name, err), harmless || strchr("._@%+-", c));
+        if (harmless || strchr("._@%+-", c)) hosts_free(&hosts);
+        else assert_non_null(strstr(err, ": no host name"));
+    }
 }
 
 /* A file that was named by mistake is refused soon, and little of it is shown. */
@@ -186,11 +206,20 @@ static void what_is_no_hosts_file_is_refused(void **state)
     static char line[5000], text[(1 << 20) + 2];
     memset(line, 'x', sizeof line - 1);
     refused(line, 1, "more than 4096 bytes");
+    memcpy(line, "a #", 3);
+    line[4097] = '\0';
+    refused(line, 1, "more than 4096 bytes");
+    line[4096] = '\0';
+    assert_true(read_text(line));
+    hosts_free(&hosts);
+    memset(line, 'x', sizeof line - 1);
     line[200] = '\0';
     memcpy(line, "a secret", 8);
     refused(line, 1, "'secretxxxxxxxxxxxxxxxxxxxxxxxxx...': unknown");
     memset(text, '\n', sizeof text - 1);
     refused(text, 0, "larger than 1048576 bytes");
+    text[1 << 20] = '\0';
+    refused(text, 0, "no host");
     assert_false(hosts_read(&hosts, "/dev/zero", err));
     assert_non_null(strstr(err, "/dev/zero: no regular file, expected"));
     assert_false(hosts_read(&hosts, "/tmp/", err));
@@ -368,7 +397,8 @@ static void a_version_that_stays_is_new_once(void **state)
 static void lines_are_the_same_if_they_reach_the_same_host(void **state)
 {
     (void)state;
-    assert_true(read_text("a\na slots=3 power=2\nb\na bin=/x\na bin=/y\na via=\"x %c\"\n"));
+    assert_true(read_text("a\na slots=3 power=2\nb\na bin=/x\na bin=/y\na via=\"x %c\"\n"
+                          "a send=auto\na wait=9\n"));
     for (size_t i = 0; i < hosts.n; i++)
         for (size_t j = 0; j < hosts.n; j++)
             assert_int_equal(host_same(&hosts.at[i], &hosts.at[j]), i == j || i + j == 1);

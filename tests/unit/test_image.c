@@ -1,6 +1,7 @@
 /* Curves, codecs and names: round trips; damaged files are refused and leak
  * nothing. */
 #include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,6 +11,7 @@
 #include <cmocka.h>
 
 #include "image/codecs.h"
+#include "scratch.h"
 
 /* ---- curves ----------------------------------------------------------------------------- */
 
@@ -240,6 +242,19 @@ static void test_netpbm(void **state)
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 5\nMAXVAL 255\nENDHDR\n12345", "header");
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nMAXVAL 255\nENDHDR\n123", "header");
     REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\n", "header");
+    REFUSE("P7\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nDEPTH 3\nMAXVAL 255\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 3\nENDHDR\n123", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE CMYK\nENDHDR\n1234", "header");
+    REFUSE("P7\nWIDTH 65536\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 65536\nDEPTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 65536\nENDHDR\n1", "header");
+    REFUSE("P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nLENGTH 1\nMAXVAL 255\nENDHDR\n1", "header");
+    REFUSE("P5 1 65536 255\n1", "header");
+    REFUSE("P5 1 1 0\n1", "header");
+    /* As many pixels as a picture may have, and a row more. */
+    REFUSE("P5 16384 16384 255\n1", "1 bytes of pixels, expected 268435456");
+    REFUSE("P5 16384 16385 255\n1", "pixels, expected sides");
 }
 
 static void test_float_maps(void **state)
@@ -253,6 +268,11 @@ static void test_float_maps(void **state)
     REFUSE("PF\n1 1\nnan\n\0\0\0\0\0\0\0\0\0\0\0\0", "header");
     REFUSE("PF\n1 1\n-1.0", "header");
     REFUSE("PF\n1 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0", "11 bytes of pixels, expected 12");
+    REFUSE("PF\n1 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0\0\0", "13 bytes of pixels, expected 12");
+    REFUSE("PF\n0 1\n-1.0\n", "header");
+    REFUSE("PF\n1 0\n-1.0\n", "header");
+    REFUSE("PF\n65536 1\n-1.0\n", "header");
+    REFUSE("PF\n1 65536\n-1.0\n", "header");
     REFUSE("PF\n65535 65535\n-1.0\n", "pixels, expected sides");
 }
 
@@ -270,6 +290,38 @@ static void test_chunks_that_do_not_fit(void **state)
     refuse(file.p, file.n, "it ends within a chunk");
     memcpy(file.p + 33, "\xff\xff\xff\xfftEXt", 8);
     refuse(file.p, file.n, "it ends within a chunk");
+    free(file.p);
+}
+
+/* A file as long as the limit is read, a longer one is not. Bytes behind a PNG are left out. */
+static void test_files_have_a_limit(void **state)
+{
+    (void)state;
+    char path[SCRATCH_BYTES + 16], dir[SCRATCH_BYTES], err[IMAGE_ERR];
+    struct image im;
+    struct buf b;
+    uint32_t w, h;
+    fill(&im, 3, 2, 8, false);
+    struct bytes file = encoded(&im, IMAGE_PNG, 8, NULL);
+    image_free(&im);
+    assert_true(scratch_make(dir));
+    snprintf(path, sizeof path, "%s/file", dir);
+    int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    assert_true(fd >= 0 && write_full(fd, file.p, file.n) == 0);
+    assert_int_equal(image_load_png(path, file.n, &b, &w, &h, err), 0);
+    assert_true(w == 3 && h == 2 && buf_size(&b) == file.n);
+    buf_free(&b);
+    assert_int_equal(image_load_png(path, file.n - 1, &b, &w, &h, err), -1);
+    assert_non_null(strstr(err, "bytes, expected a picture"));
+    assert_int_equal(write_full(fd, "more", 4), 0);
+    assert_int_equal(image_load_png(path, 1000, &b, &w, &h, err), 0);
+    assert_int_equal(buf_size(&b), file.n);
+    buf_free(&b);
+    assert_int_equal(image_read(path, &im, err), -1);
+    assert_non_null(strstr(err, "4 bytes behind the PNG"));
+    close(fd);
+    unlink(path);
+    assert_int_equal(rmdir(dir), 0);
     free(file.p);
 }
 
@@ -306,10 +358,10 @@ static void test_rows_that_cannot_be_read(void **state)
 {
     (void)state;
     static const char *const names[] = {"a.png", "a.pam", "a.pfm"};
-    char dir[] = "/tmp/stormring-torn-XXXXXX", path[64];
+    char dir[SCRATCH_BYTES], path[SCRATCH_BYTES + 16];
     float row[4 * 8] = {0};
     const struct image_rows rows = {8, 4, false, torn, row};
-    assert_non_null(mkdtemp(dir));
+    assert_true(scratch_make(dir));
     for (int format = IMAGE_PNG; format <= IMAGE_PFM; format++) {
         snprintf(path, sizeof path, "%s/%s", dir, names[format]);
         errno = 0;
@@ -425,6 +477,7 @@ int main(void)
         cmocka_unit_test(test_netpbm),
         cmocka_unit_test(test_float_maps),
         cmocka_unit_test(test_chunks_that_do_not_fit),
+        cmocka_unit_test(test_files_have_a_limit),
         cmocka_unit_test(test_write_errors_are_reported),
         cmocka_unit_test(test_rows_that_cannot_be_read),
         cmocka_unit_test(test_names),

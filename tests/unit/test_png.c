@@ -340,21 +340,81 @@ static void test_unstated_curves(void **state)
     assert_near(grey(l, IMAGE_DEEP_REFUSED), srgb_light(128. / 255));
 }
 
+/* png_inspect of a copy: it may look at no byte behind. */
+static int inspected(const char *p, size_t *n, const char *why)
+{
+    char err[IMAGE_ERR] = "";
+    uint32_t w = 0, h = 0;
+    unsigned char *copy = malloc(*n + 1);
+    assert_non_null(copy);
+    memcpy(copy, p, *n);
+    int failed = png_inspect(copy, n, &w, &h, err);
+    if (failed && !strstr(err, why)) fail_msg("\"%s\" does not say \"%s\"", err, why);
+    assert_true(failed || (w == 5 && h == 4));
+    free(copy);
+    return failed;
+}
+
 /* A header that promises far more than the file can hold is refused before memory is taken. */
 static void test_png_bomb(void **state)
 {
     (void)state;
     struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, 0, false, 0});
-    static const uint32_t sides[][2] = {{16384, 16384}, {65535, 65535}, {70000, 1}, {0, 1}};
-    static const char *const why[] = {"too short", "pixels, expected", ", expected", ", expected"};
-    for (int s = 0; s < 4; s++) {
+    static const uint32_t sides[][2] = {
+        {400, 400}, {16384, 16384}, {65535, 65535}, {70000, 1}, {0, 1}};
+    static const char *const why[] = {
+        "too short", "too short", "pixels, expected", ", expected", ", expected"};
+    for (int s = 0; s < 5; s++) {
         unsigned char *ihdr = (unsigned char *)b.p + 12;
         for (int i = 0; i < 8; i++)
             ihdr[4 + i] = (unsigned char)(sides[s][i / 4] >> (24 - 8 * (i % 4)));
         uint32_t crc = (uint32_t)crc32(crc32(0, NULL, 0), ihdr, 17);
         for (int i = 0; i < 4; i++) ihdr[17 + i] = (unsigned char)(crc >> (24 - 8 * i));
         refuse(b.p, b.n, why[s]);
+        if (s >= 3) assert_int_equal(inspected(b.p, &(size_t){b.n}, ", expected"), -1);
     }
+    free(b.p);
+}
+
+/* Pages that hold PNGs look at all of their bytes, and at no pixel. */
+static void test_png_inspect(void **state)
+{
+    (void)state;
+    static const char ppm[] = "P6 1 1 255\n123";
+    struct bytes b = make_png(&(struct kind){PNG_COLOR_TYPE_RGB, 8, 0, -1, false, 0});
+    size_t n = b.n + 5, whole = b.n;
+    char *longer = calloc(1, n);
+    assert_non_null(longer);
+    memcpy(longer, b.p, b.n);
+    assert_int_equal(inspected(longer, &n, ""), 0);
+    assert_int_equal(n, whole); /* what is behind does not count */
+    free(longer);
+    for (n = 0; n < whole; n++) assert_int_equal(inspected(b.p, &(size_t){n}, ", expected"), -1);
+    for (size_t i = 0; i < whole; i++) {
+        b.p[i] ^= 0x55;
+        if (inspected(b.p, &(size_t){whole}, ", expected") == 0)
+            fail_msg("byte %zu was changed", i);
+        b.p[i] ^= 0x55;
+    }
+    b.p[whole - 13] ^= 1; /* the sum of the pixels */
+    assert_int_equal(inspected(b.p, &(size_t){whole}, "the sum of a chunk is wrong"), -1);
+    assert_int_equal(inspected(ppm, &(size_t){sizeof ppm - 1}, "not a PNG"), -1);
+    free(b.p);
+}
+
+/* Black pixels: few bytes of file hold many. */
+static void test_png_of_few_bytes(void **state)
+{
+    (void)state;
+    char err[IMAGE_ERR] = "";
+    struct image im;
+    image_init(&im, 400, 400);
+    for (size_t i = 0; i < 400 * 400; i++) im.rgba[4 * i + 3] = 1;
+    struct bytes b = encoded(&im, 8, NULL);
+    image_free(&im);
+    assert_true(b.n * 100 < 3 * 400 * 400);
+    assert_int_equal(decoded(b, &im, err), 0);
+    image_free(&im);
     free(b.p);
 }
 
@@ -367,6 +427,8 @@ int main(void)
         cmocka_unit_test(test_statements_that_libpng_leaves_out),
         cmocka_unit_test(test_unstated_curves),
         cmocka_unit_test(test_png_bomb),
+        cmocka_unit_test(test_png_inspect),
+        cmocka_unit_test(test_png_of_few_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -402,6 +402,25 @@ static void start(struct verify *v, const int32_t *place_of, int32_t slots, int3
     verify_split(v);
 }
 
+/* A lie in any one value is found, and so is one that moves values to other places. */
+static void test_every_value_counts(void **state)
+{
+    (void)state;
+    static float pixels[4 * W];
+    struct verify v;
+    for (size_t lie = 0; lie < 4 * W; lie++)
+        for (size_t other = lie; other < 4 * W; other += 1 + lie) {
+            start(&v, three.place_of, 3, 3);
+            say(&v, 0, 0);
+            for (size_t i = 0; i < 4 * W; i++) pixels[i] = (float)i;
+            pixels[lie] = other == lie ? .5f : (float)other;
+            if (other != lie) pixels[other] = (float)lie;
+            verify_again(&v, &one, 1, 1, pixels);
+            assert_int_equal(verify_judge(&v.part[0]), VERIFY_DIFFERENT);
+            verify_free(&v);
+        }
+}
+
 /* The opinions that are named as wrong, a bit each; those of which one may be, negative. */
 static int named(const struct verify *v)
 {
@@ -427,6 +446,11 @@ static void test_no_witness(void **state)
     say(&v, 2, 0);
     assert_int_equal(named(&v), 3);
     assert_int_equal(verify_next(&v, &v.part[0]), -1);
+    verify_free(&v);
+    start(&v, three.place_of, 3, 3);
+    say(&v, 3, 5);
+    say(&v, 1, 0); /* one alone shows nothing */
+    assert_int_equal(named(&v), -3);
     verify_free(&v);
 }
 
@@ -651,7 +675,9 @@ static char *write_rows_of(
     const struct frame_size size = {.w = W, .h = H};
     struct buf b = {0};
     struct record r;
-    char *path = xstrdup("/tmp/stormring-verify-XXXXXX"), stamp[16];
+    const char *base = getenv("TMPDIR");
+    char *path = xmalloc(4096, 1), stamp[16];
+    snprintf(path, 4096, "%s/stormring-verify-XXXXXX", base ? base : "/tmp");
     wire_hello(&b, "fan", "00ff", 1, 3);
     for (int k = 0; k < 3; k++) {
         snprintf(
@@ -737,12 +763,15 @@ static void test_earlier_runs(void **state)
     struct buf b = {0};
     assert_int_equal(read_file(files[0], &b), 0);
     assert_int_equal(read_file(second, &b), 0);
+    unlink(files[0]); /* what was read is not replaced */
     assert_int_equal(outfile_put(files[0], buf_data(&b), buf_size(&b)), 0);
     verify_hosts_init(&h, abc, 3);
     verify_init(&v, 7, 1, h.place_of, 3, h.places);
     assert_int_equal(verify_read(&v, &h, files, &name, why), 0);
-    for (uint32_t y = 0; y < H; y++)
+    for (uint32_t y = 0; y < H; y++) {
         assert_int_equal(v.part[y].by[0].slot, y < 3 ? -1 : (int32_t)(y % 3));
+        assert_int_equal(v.part[y].by[0].place, v.part[y].by[0].slot);
+    }
     verify_free(&v);
     verify_hosts_free(&h);
     buf_free(&b);
@@ -824,9 +853,9 @@ int main(void)
         cmocka_unit_test(test_hung_of_two), cmocka_unit_test(test_behind),
         cmocka_unit_test(test_places), cmocka_unit_test(test_parent_and_piece),
         cmocka_unit_test(test_half), cmocka_unit_test(test_twice_in_log),
-        cmocka_unit_test(test_no_witness), cmocka_unit_test(test_one_host),
-        cmocka_unit_test(test_both_ways), cmocka_unit_test(test_next),
-        cmocka_unit_test(test_earlier), cmocka_unit_test(test_seeds),
+        cmocka_unit_test(test_every_value_counts), cmocka_unit_test(test_no_witness),
+        cmocka_unit_test(test_one_host), cmocka_unit_test(test_both_ways),
+        cmocka_unit_test(test_next), cmocka_unit_test(test_earlier), cmocka_unit_test(test_seeds),
         cmocka_unit_test(test_foreign), cmocka_unit_test(test_requests),
         cmocka_unit_test(test_describe), cmocka_unit_test(test_files),
         cmocka_unit_test(test_earlier_runs), cmocka_unit_test(test_joined),

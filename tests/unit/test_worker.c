@@ -368,6 +368,7 @@ static void test_changed_file(void **state)
     close(mkstemp(changed));
     for (int i = 0; i < 2; i++) {
         truncated = i;
+        unlink(changed); /* what was read is not replaced */
         assert_int_equal(outfile_put(changed, old.data, old.len), 0);
         struct worker_states *s = worker_states_new(&changes, &builds, &words);
         worker_states_load(s, 0, changed);
