@@ -5,7 +5,6 @@
 #include "worker/worker.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,8 +195,10 @@ static struct options parse(int argc, char **argv)
     if (!inspect && o.frame) die(ST_USAGE, "-F: expected -i with it");
     if (inspect != (o.w > 0)) die(ST_USAGE, "-i and -s: expected both or neither");
     o.command = argv + optind;
-    snprintf(o.words.job, sizeof o.words.job, "crop %d deep=%d words=%016" PRIx64, FORMAT_VERSION,
-        (int)o.deep, crop_words_hash(o.command));
+    char hash[SHA256_TEXT];
+    crop_words_hash(o.command, hash);
+    snprintf(o.words.job, sizeof o.words.job, "crop %d deep=%d words=%s", FORMAT_VERSION,
+        (int)o.deep, hash);
     snprintf(o.words.with, sizeof o.words.with, "cropworker");
     return o;
 }
@@ -226,7 +227,9 @@ static void inspect(struct worker_states *s, const struct options *o)
     int failed = crop_draw(&d->command, &d->at, &d->picture, err);
     if (failed == CROP_NOT_FOUND) warn("%s; it was not tried here", err);
     else if (failed) die(ST_USAGE, "%s", err);
-    printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
+    char job[WIRE_JOB];
+    worker_states_job(s, w, h, job);
+    printf("frame %u %u\njob=%s\n", w, h, job);
     close_stdout();
 }
 

@@ -188,7 +188,9 @@ static void inspect(const struct worker_states *s, const struct options *o)
     const struct scene *scene = worker_states_value(s, 0);
     uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
     uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
-    printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
+    char job[WIRE_JOB];
+    worker_states_job(s, w, h, job);
+    printf("frame %u %u\njob=%s\n", w, h, job);
     close_stdout();
 }
 

@@ -185,7 +185,9 @@ static void inspect(struct worker_states *s, const struct options *o)
         if (!volume_check(worker_states_value(s, GRID), spec, err))
             die(ST_USAGE, "%s: %s", o->specs[i], err);
         uint32_t w = o->w ? (uint32_t)o->w : spec->w, h = o->w ? (uint32_t)o->h : spec->h;
-        printf("frame %u %u\njob=%016" PRIx64 "\n", w, h, worker_states_job(s, w, h));
+        char job[WIRE_JOB];
+        worker_states_job(s, w, h, job);
+        printf("frame %u %u\njob=%s\n", w, h, job);
     }
     close_stdout();
 }

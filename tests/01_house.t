@@ -66,7 +66,7 @@ clean 'modules include only what the table allows'
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
 base buf camera close_stdout cpu_us die err eta hash64 input isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
-base parallel put_stdout read relay text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
+base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 grib gb
 grid vtk

@@ -122,7 +122,7 @@ state | fan -j 3 rtworker - >frags
 is "fan: task ID goes to slot ID mod N" \
 	"$(lines frags | grep '^done' | awk '{ split($0, w, "w="); print $3 % 3 - substr(w[2], 1, 1) }' | sort -u)" 0
 is "fan: its hello has the number of slots" "$(lines frags | grep '^hello' | sed 's/selftest=[0-9a-f]*/S/; s/power=[0-9.e+]*/P/; s/ alive=1//; s/ zstd=1//; s/ sum=.*//')" \
-	"hello fan 0.2 format=3 S P slots=3"
+	"hello fan 0.2 format=4 S P slots=3"
 is "fan: it sends up for each slot" "$(lines frags | grep '^up' | cut -c 1-11 | sort | tr '\n' ';')" \
 	"up w=0 host;up w=1 host;up w=2 host;"
 is "fan: it adds slot and times to done" "$(lines frags | grep '^done 0 4 ' | sed 's/ sum=.*//; s/=[0-9]*/=/g')" "done 0 4 cpu_us= wall_us= w= sent_us= recv_us="

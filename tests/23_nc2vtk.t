@@ -370,7 +370,7 @@ refused never.nc s 's: no times, expected one at least'
 cp other.nc own-1.nc
 for name in own-1.nc ./own-1.nc; do
 	run nc2vtk -o $name own-1.nc s
-	is "refused: $name for a grid of own-1.nc" "$status:$err" "2:nc2vtk: -o $name: $name is the input, expected another name"
+	is "refused: $name for a grid of own-1.nc" "$status:$err" "2:nc2vtk: $name: is also an input, expected another file"
 done
 ok 'which stays as it is' cmp own-1.nc other.nc
 longitudes half 0 90 180

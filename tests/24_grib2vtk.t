@@ -199,7 +199,7 @@ like 'a time that is not there' "$status:$err" '^2:grib2vtk: .*: -t 1: expected 
 cp plain.grib2 own-0.grib2
 run grib2vtk -t all -o own-%d.grib2 own-0.grib2 t
 is 'refused: a grid under the name of its file' "$status:$err" \
-	'2:grib2vtk: -o own-%d.grib2: own-0.grib2 is the input, expected another name'
+	'2:grib2vtk: own-0.grib2: is also an input, expected another file'
 ok 'which stays as it is' cmp own-0.grib2 plain.grib2
 
 # ---- usage, and a full disk --------------------------------------------------------------------------------------

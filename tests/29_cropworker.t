@@ -26,7 +26,7 @@ echo 'cat "$(dirname "$0")/one.pgm"; echo "$*" >>"$0.said"' >draw
 job() { size=$1; shift; cropworker -w -i -s "$size" sh "$tmp/draw" "$@" | tail -n 1; }
 run cropworker -F 3 -i -w -s 40x30 sh "$tmp/draw" '{x},{y} {w}x{h} {F}'
 like '-i: the frame' "$out" '^frame 40 30$'
-like '-i: the job' "$out" '^job=[0-9a-f]{16}$'
+like '-i: the job' "$out" '^job=[0-9a-f]{32}$'
 is '-i: the pixel in the middle was drawn' "$(cat draw.said)" '20,15 1x1 3'
 is 'the job depends on the words' "$({ job 40x30 '{x}' && job 40x30 '{y}' && job 40x30 '{x}{x}' && job 40x30 '{x}' '{x}'; } | sort -u | wc -l)" 4
 is 'and on the size' "$({ job 40x30 '{x}' && job 30x40 '{x}'; } | sort -u | wc -l)" 2

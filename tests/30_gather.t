@@ -171,27 +171,28 @@ for change in 's/ 0 1 0 1 4 / 0 1 0 2 4 /' 's/^(frag 0 2 .*)cafe/$1cafd/' 's/^fr
 done
 
 # ---- a log of another format
-sed -e 's/ sum=........$//; s/ format=3//' -e 's/ job=cafe ch/ ch/' whole >format1
-perl -e 'while (<>) { s/ format=3/ format=2/; print; next unless / bytes=(\d+)/; read ARGV, $_, $1 + 1; chop; print }' whole | seal >format2
-sed 's/ format=3/ format=4/' whole | seal >format4
+sed -e 's/ sum=........$//; s/ format=4//' -e 's/ job=cafe ch/ ch/' whole >format1
+perl -e 'while (<>) { s/ format=4/ format=2/; print; next unless / bytes=(\d+)/; read ARGV, $_, $1 + 1; chop; print }' whole | seal >format2
+for format in 3 5; do sed "s/ format=4/ format=$format/" whole | seal >format$format; done
+remedy='expected 4: use programs of one version, or begin a new log'
 for args in 'gather -o f.pam' 'gather -m' 'gather -o f.pam whole' fragstat 'replay -x 0' 'partition -o cost:'; do
-	for log in format1 format2 format4; do
+	for log in format1 format2 format3 format5; do
 		case $args in *:) set -- "$args$log" 4x3 ;; *) set -- "$args" "$log" ;; esac
 		# shellcheck disable=SC2086
 		run $1 $2 <whole
 		is "$args $log: status 2" "$status" 2
-		like "$args $log: by name" "$err" ": $log: is of format ${log#format}, expected 3\$"
+		like "$args $log: by name" "$err" ": $log: is of format ${log#format}, $remedy\$"
 	done
 done
-for log in format1 format2 format4; do
+for log in format1 format2 format3 format5; do
 	cp $log before
 	run gather -r $log -o f.pam whole
 	is "gather -r $log: status 2, and nothing is appended" "$status$(cmp $log before)" 2
-	like "gather -r $log: by name" "$err" "$log: is of format ${log#format}, expected 3\$"
+	like "gather -r $log: by name" "$err" "$log: is of format ${log#format}, $remedy\$"
 	run partition -r $log 4x3
-	like "partition -r $log: by name" "$status$err" "^2.*$log: is of format ${log#format}, expected 3\$"
+	like "partition -r $log: by name" "$status$err" "^2.*$log: is of format ${log#format}, $remedy\$"
 	run gather -o f.pam <$log
-	like "gather <$log: by name" "$status$err" "^2.*standard input: is of format ${log#format}, expected 3\$"
+	like "gather <$log: by name" "$status$err" "^2.*standard input: is of format ${log#format}, $remedy\$"
 done
 { cat whole; frag 0 1 '0 1 4 1 1 1' "$full" 4 | seal | head -c -1; echo bye; } >joined
 run gather -o f.pam joined

@@ -7,7 +7,7 @@
 seal() { "$root/tests/seal"; }
 # Slot 1 is lost with two tasks; a host has a name that no hosts file would take.
 {
-	echo 'hello deal 0.2 format=3 selftest=0 slots=3'
+	echo 'hello deal 0.2 format=4 selftest=0 slots=3'
 	echo 'frame 0 8 8 job=cafe w=0 host=: recv_us=10000'
 	echo 'frame 0 8 8 job=cafe w=1 host=<script>alert(1)</script>"&\ recv_us=11000'
 	echo 'done 0 0 cpu_us=90000 wall_us=100000 w=0 sent_us=0 recv_us=120000'
@@ -36,7 +36,7 @@ like 'a worker without a fan has a slot without a name' "$out" '^- +- +32 +0 31 
 {
 	cat begun.log
 	echo 'bye why=no-slot-left'
-	echo 'hello deal 0.2 format=3 selftest=0 slots=2'
+	echo 'hello deal 0.2 format=4 selftest=0 slots=2'
 	echo 'frame 0 8 8 job=cafe w=0 host=: recv_us=10000'
 	echo 'done 0 3 cpu_us=100000 wall_us=100000 w=0.0 sent_us=0 recv_us=150000'
 } | seal >second.log

@@ -176,7 +176,7 @@ printf '#!/bin/sh\nmkdir other 2>/dev/null || { %s; exec deal fan -j 2 rtworker 
 chmod +x old
 contradicted 3 true
 is "a tree with another scene: exit 3" $? 3
-like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
+like "a tree with another scene: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{32}, 2 with another: the run ends'
 
 # A tree reports the job of each picture for each of its workers, in any order. It counts as one slot.
 cat >old <<'END'
@@ -190,7 +190,7 @@ END
 { partition 64x64; partition -F 1 64x64; await 10 grep -q 'the run ends' said; } |
 	timeout 800 env MARK=$mark deal sh -c 'fan -j 4 ./old | tee up' fan 2>said | gather -o 'old%d.pfm' 2>>said
 is "a tree with another scene, of two pictures: exit 3" $? 3
-like "a tree with another scene, of two pictures: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{16}, 2 with another: the run ends'
+like "a tree with another scene, of two pictures: a message says so" "$(cat said)" 'frame 0: 1 with job [0-9a-f]{32}, 2 with another: the run ends'
 # Each of its 32 workers announces each of the 60 pictures.
 for i in $(seq 0 59); do partition -F "$i" 8x8; done >many.tasks
 timeout 800 deal fan -j 1 deal fan -j 32 rtworker tetra.nff <many.tasks 2>said | gather -o 'many%d.pfm'
@@ -292,7 +292,7 @@ like "sends the same pixels 6000 times: a message says so" "$(cat said)" 'lost \
 liar 'exit 0'
 ok "ends at once: the same picture" cmp out.pfm small.pfm
 # The first hello is the reference, so the liar sends the second one.
-liar "$second; "'echo "hello $(rtworker --version) format=3 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
+liar "$second; "'echo "hello $(rtworker --version) format=4 selftest=0 power=1000"; exec rtworker - >/dev/null' 2 'lost .other-arithmetic'
 ok "other arithmetic: the same picture" cmp out.pfm small.pfm
 like "other arithmetic: a message says so" "$(cat said)" 'lost \(other-arithmetic\)'
 liar 'rtworker - | ./through "s/(frame 0 .*) sum=.*\n/\$1.q( x=).(q(y) x 955).qq(\n)/e"; exit' 2 'lost .long-line' late
@@ -310,7 +310,7 @@ liar "$announced; "'rtworker - | ./through "s/^(frame.*) job=\S+/\$1 job=0/"; ex
 ok "another job: the same picture" cmp out.pfm small.pfm
 like "another job: a message says so" "$(cat said)" 'lost \(other-job\)'
 like "another job: the message names the slots" "$(cat said)" \
-	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{16} as on slot [0-2], which sent it first$'
+	'^fan: slot [0-2]: frame 0 has job 0 there, expected [0-9a-f]{32} as on slot [0-2], which sent it first$'
 # The liar is the first slot; the others contradict it. It sends no pixels, so that the picture cannot be whole before.
 scene() { pack scene gears.nff; }
 for slots in 2 3; do
@@ -401,7 +401,7 @@ done
 refused 'one number for two tasks' 'frame 0 8 8\ntask 0 0 0 0 1 1 1 1\ntask 0 0 0 1 1 1 1 1\n' 'fan -j 2'
 
 # What a command says that is no worker: deal ends.
-hello='hello x 0.2 format=3 selftest=0123456789abcdef'
+hello='hello x 0.2 format=4 selftest=0123456789abcdef'
 # said WHAT RECORDS ERE
 said() {
 	printf '%s\n' "$2" | "$root/tests/seal" >said.rec

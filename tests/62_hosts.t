@@ -179,10 +179,10 @@ refused() {
 hello=$(rtworker gears.nff </dev/null | head -1 | cut -d ' ' -f 1-4)
 refused 'other arithmetic' "echo $hello selftest=77 power=99; exec cat >/dev/null" \
 	'^fan: liar: refused: its arithmetic differs \(selftest=77, here [0-9a-f]{16}\)'
-refused 'another version' 'echo hello rtworker 0.0 format=3 selftest=77; exec cat >/dev/null' \
+refused 'another version' 'echo hello rtworker 0.0 format=4 selftest=77; exec cat >/dev/null' \
 	'^fan: liar: refused: it runs rtworker 0\.0, expected rtworker [0-9.]+ as here$'
 refused 'another format' "echo ${hello% *} selftest=77; exec cat >/dev/null" \
-	'^fan: liar: refused: its stream is of format 1, expected 3$'
+	'^fan: liar: refused: its stream is of format 1, expected 4: use programs of one version, or begin a new log$'
 refused 'lines of a terminal' 'sh -c "$1" | sed -u "s/\$/\r/"' \
 	'^fan: liar: refused: its lines end in CR LF, as those of a terminal: expected LF'
 refused 'a worker that ends' 'exit 3' '^fan: liar: cannot be used \(exit-3\)'

@@ -235,7 +235,7 @@ ok 'a ring of workers that are no nodes: no process remains' await 2 none_alive
 
 # ---- how fan handles records of nodes -------------------------------------------------------------------------------
 cat >mute <<'END'
-echo hello x 1 format=3 selftest=0
+echo hello x 1 format=4 selftest=0
 cat >said.$(date +%N)
 END
 printf '%s\n' 'ring me=0 n=2 rules=default give=one to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
@@ -243,7 +243,7 @@ wrote() { [ "$(grep -ac "^$1 " out)" -ge "$2" ]; } # RECORD TIMES: fan did
 { await 10 wrote up 2; cat few; } | fan -j 2 sh mute >out
 is 'fan: each record goes to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr '\n' ';')" \
 	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
-printf '#!/bin/sh\necho hello x 1 format=3 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
+printf '#!/bin/sh\necho hello x 1 format=4 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; await 10 wrote gone 1; } | fan -j 1 ./asks 2>said >out
 said 'fan: a node without a place' 'wrong-record'
 printf '#!/bin/sh\nexit 0\n' >ends && chmod +x ends

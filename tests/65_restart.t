@@ -79,7 +79,7 @@ refused() {
 	is "another $name: no picture" "$(ls out.pfm* 2>/dev/null)" ''
 }
 rm -f out.pfm
-refused scene 'is of another scene: frame 0 has job [0-9a-f]{16}, expected' -s $size tetra.nff
+refused scene 'is of another scene: frame 0 has job [0-9a-f]{32}, expected' -s $size tetra.nff
 refused size 'has another size: frame 0 of 96x80 pixels, expected 64x64' -s 64x64 gears.nff
 refused option 'was rendered with other options: .rtworker., expected .rtworker -a4 -d3.' -s $size -W '-a 4 -d 3' gears.nff
 perl -pi -e 's/^(hello rtworker) \S+/$1 0.0/; s/(frame 0 96 80 job=)..../${1}0000/' log
@@ -100,6 +100,18 @@ ok 'another kind of file, by hand: as it was' cmp log before
 # A complete log of another scene is refused as well, although there is nothing to render.
 cp whole log && cp log before
 refused 'scene than that of a whole log' 'is of another scene' -s $size tetra.nff
+# Two scenes, made to have one XXH64: the bytes 32 to 39 undo in the hash what bytes 0 to 7 did.
+# painted COLOUR BYTES
+painted() {
+	printf 'b %s 1\n# of an equal hash64: %s\nv\nfrom 3 4 5\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 32 32\n' "$@"
+	printf 'l 5 3 9\nf 1 1 1 1 0 0 0 0\ns 0 0 0 1\n'
+}
+painted '.1 .0' 'xR*##eu#' >blue.nff
+painted '.9 .2' '##(1w##6' >violet.nff
+partition 32x32 | rtworker blue.nff >log
+cp log before
+refused 'scene of an equal XXH64' 'is of another scene' violet.nff
+cp whole log && cp log before
 run gather -r log -o out.pfm tetra.nff
 is 'no worker announced a frame: exit 1' "$status$(ls out.pfm* 2>/dev/null)" 1
 like 'no worker announced a frame: a message says so' "$err" 'log: no worker announced a frame, expected a frame of this log'

@@ -20,7 +20,7 @@ static void pass(struct buf *b, const struct record *r, bool lie, FILE *lies)
     memcpy(&bits, rgba, sizeof bits);
     bits ^= 1;
     memcpy(rgba, &bits, sizeof bits);
-    char job[32];
+    char job[WIRE_JOB];
     if (!rec_str(r, "job", job, sizeof job)) *job = '\0';
     wire_frag(b, &r->task, &r->task.at, job, rgba);
     fprintf(lies, "%u %u\n", r->task.at.x, r->task.at.y);

@@ -303,11 +303,16 @@ static inline double rng_unit(uint64_t seed, uint64_t counter)
 }
 
 #define HASH64_INIT 0
-/* XXH64 of n bytes, with a seed: HASH64_INIT, or the hash of what came before. Not safe against
- * adversaries. */
+/* XXH64 of n bytes, with a seed: HASH64_INIT, or the hash of what came before. For accidents: two
+ * inputs of one hash are easily made. */
 uint64_t hash64(uint64_t seed, const void *p, size_t n);
 /* The same for n 32-bit numbers, least significant byte first: the same hash on all machines. */
 uint64_t hash64_u32(uint64_t seed, const void *p, size_t n);
+#define SHA256_TEXT 65 /* bytes of a SHA-256 in hexadecimal, with NUL */
+/* SHA-256 of n bytes: two inputs of one hash, or of its first 32 digits, cannot be made. */
+void sha256(const void *p, size_t n, char text[SHA256_TEXT]);
+/* The same without special instructions, for comparison. */
+void sha256_plain(const void *p, size_t n, char text[SHA256_TEXT]);
 
 /* ---- vectors -------------------------------------------------------------------------- */
 

@@ -44,7 +44,7 @@ bool crop_uses(char *const words[], const char *name);
 char **crop_words(char *const words[], const struct crop_rect *at, const char *in, const char *out);
 void crop_words_free(char **words);
 /* The hash of all words, for jobs. */
-uint64_t crop_words_hash(char *const words[]);
+void crop_words_hash(char *const words[], char hash[SHA256_TEXT]);
 
 /* ---- janitor.c ---- */
 

@@ -78,9 +78,10 @@ void crop_words_free(char **words)
     free(words);
 }
 
-uint64_t crop_words_hash(char *const words[])
+void crop_words_hash(char *const words[], char hash[SHA256_TEXT])
 {
-    uint64_t hash = HASH64_INIT;
-    for (; *words; words++) hash = hash64(hash, *words, strlen(*words) + 1);
-    return hash;
+    struct buf all = {0};
+    for (; *words; words++) buf_append(&all, *words, strlen(*words) + 1);
+    sha256(buf_data(&all), buf_size(&all), hash);
+    buf_free(&all);
 }

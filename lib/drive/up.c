@@ -80,7 +80,7 @@ static _Noreturn void refuse(const struct record *r, const char *expected)
 
 static void check_up(const struct driver *d, const struct record *r)
 {
-    char job[24];
+    char job[WIRE_JOB];
     /* A fan may lose its slots before one has said hello. */
     if (!d->out.greeted && r->kind != REC_HELLO && r->kind != REC_GONE && r->kind != REC_BYE)
         refuse(r, "`hello` first");

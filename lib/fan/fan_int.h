@@ -70,7 +70,7 @@ struct fan_task {
 /* Payload of a frame: its job. */
 struct fan_job {
     bool stated; /* the input or a slot has stated this hash: */
-    char hash[24];
+    char hash[WIRE_JOB];
     int32_t by;            /* the slot that stated it first; -1: the input */
     int32_t agree, differ; /* slots that stated this job; another one */
     int64_t vote;          /* number of this count of them, ascending */

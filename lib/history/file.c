@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -78,26 +77,7 @@ bool history_first_job(const struct history_file *file, uint64_t *hash, char err
     return true;
 }
 
-bool history_job(const struct history_frame *f, uint64_t *job)
-{
-    uint64_t v = 0;
-    if (strlen(f->job) != 16 || f->job[strspn(f->job, "0123456789abcdef")]) return false;
-    for (const char *c = f->job; *c; c++)
-        v = v << 4 | (uint64_t)(*c <= '9' ? *c - '0' : *c - 'a' + 10);
-    *job = v;
-    return true;
-}
-
 bool history_replayable(const struct history *l, char err[HISTORY_ERR])
 {
-    uint64_t job;
-    if (!l->n_frags || !l->n_dones) return no_run(err);
-    for (size_t i = 0; i < l->n_frames; i++) {
-        const struct history_frame *f = &l->frames[i];
-        if (history_job(f, &job)) continue;
-        snprintf(err, HISTORY_ERR, "frame %" PRIu32 ": job=%s, expected 16 hexadecimal digits",
-            f->number, f->job);
-        return false;
-    }
-    return true;
+    return (l->n_frags && l->n_dones) || no_run(err);
 }

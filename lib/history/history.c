@@ -162,7 +162,7 @@ static void take_gone(struct history *l, const struct record *r)
 /* The first announcement sets a frame's job. Pixels of another job belong to no frame. */
 static void take_frame(struct history *l, const struct record *r)
 {
-    char job[HISTORY_JOB];
+    char job[WIRE_JOB];
     if (!rec_str(r, "job", job, sizeof job)) return;
     int32_t slot = slot_of(l, r);
     if (!rec_str(r, "host", l->slots[slot].host, HISTORY_HOST)) *l->slots[slot].host = '\0';

@@ -16,7 +16,6 @@
 #include "wire/wire.h"
 
 #define HISTORY_NAME 64
-#define HISTORY_JOB 24
 #define HISTORY_ERR 256
 #define HISTORY_WITH 160
 #define HISTORY_HOST 64
@@ -38,8 +37,8 @@ struct history_done {
 
 struct history_frame {
     uint32_t number, w, h;
-    char job[HISTORY_JOB], with[HISTORY_WITH]; /* as first announced */
-    bool replayed;                             /* its times are those of another run */
+    char job[WIRE_JOB], with[HISTORY_WITH]; /* as first announced */
+    bool replayed;                          /* its times are those of another run */
     struct coverage have;
     struct history_place *places; /* private: by pixel; built when first needed */
 };
@@ -160,9 +159,7 @@ void history_close(struct history_file *file);
  * err: there is none, or the log is of another format.
  */
 bool history_first_job(const struct history_file *file, uint64_t *hash, char err[HISTORY_ERR]);
-/* The frame's job as a number. False if it is not 16 hexadecimal digits. */
-bool history_job(const struct history_frame *f, uint64_t *job);
-/* True if the log has tasks with pixels and every job is a number; else text in err. */
+/* True if the log has tasks with pixels; else text in err. */
 bool history_replayable(const struct history *l, char err[HISTORY_ERR]);
 
 /* The pixels of a task, in a log read by history_over. */

@@ -10,12 +10,11 @@
 #define HOSTS_SLOTS_MAX 4096 /* of all hosts together */
 #define HOST_NAME_MOST 255   /* bytes of a host's name */
 #define HOSTS_ERR 512
-#define HOSTS_SHA256 65    /* bytes of a hash in hexadecimal, with NUL */
 #define HOSTS_SENT_MOST 32 /* programs that one command names */
 
 /* A static program, and those that hosts with send=auto get. */
 struct hosts_program {
-    char *name, sha256[HOSTS_SHA256];
+    char *name, sha256[SHA256_TEXT];
     struct buf bytes;
 };
 struct hosts_sent {

@@ -1,5 +1,5 @@
 /* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs),
- * watch.c (files that change); send.c, sha256.c (programs for hosts that have none). */
+ * watch.c (files that change); send.c (programs for hosts that have none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -33,8 +33,6 @@ struct hosts_version hosts_version(const char *file);
  * true: *good is false if the job's variables or its file are refused.
  */
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good);
-/* The SHA-256 of n bytes, in hexadecimal. */
-void hosts_sha256(const unsigned char *p, size_t n, char text[HOSTS_SHA256]);
 /* Appends the command for the shell of a host that has no programs. */
 void hosts_add_bootstrap(struct buf *b, const struct hosts_sent *sent, char *const worker[]);
 

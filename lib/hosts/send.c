@@ -129,7 +129,7 @@ static void add(struct hosts_sent *sent, const char *directory, const char *name
     sent->at = xrealloc(sent->at, sent->n + 1, sizeof *sent->at);
     struct hosts_program *p = &sent->at[sent->n++];
     *p = (struct hosts_program){.name = xstrdup(name), .bytes = bytes};
-    hosts_sha256(buf_data(&bytes), buf_size(&bytes), p->sha256);
+    sha256(buf_data(&bytes), buf_size(&bytes), p->sha256);
 }
 
 bool hosts_send(struct hosts *h, struct hosts_sent *sent, char *const worker[], char err[HOSTS_ERR])

@@ -3,7 +3,8 @@
  * with. Of a closed frame a sum of hashes is kept, one for each pixel with its place. When every
  * pixel has come again, equally often, which a sum of hashes of the places tells, the sum of the
  * late ones must be the same. So a second copy of a film is compared, in whatever cut it comes; a
- * part of a frame is only counted.
+ * part of a frame is only counted. It finds accidents: a liar can choose pixels of the same sum,
+ * which balance -v finds by keys that it draws.
  */
 #include "image/store.h"
 

@@ -33,12 +33,13 @@ double net_bytes(const struct sched_event *e)
         return LENGTH("done   cpu_us= wall_us=" SUM) + digits(t->frame) + digits(t->id) + 2 * time;
     case SCHED_PIXELS: {
         double bytes = px * SIM_PIXEL_BYTES, records = ceil(px / FRAG_PIXELS_MOST);
-        double line = LENGTH("frag job=0123456789abcdef ch=4 crc=4294967295 bytes=" SUM "\n");
+        double line =
+            LENGTH("frag job=0123456789abcdef0123456789abcdef ch=4 crc=4294967295 bytes=" SUM "\n");
         line += lattice_bytes(t) + digits((uint64_t)(bytes / records));
         return records * line + bytes;
     }
     case SCHED_UP:
-        return LENGTH("hello rtworker " STORMRING_VERSION " format=3 selftest=0123456789abcdef"
+        return LENGTH("hello rtworker " STORMRING_VERSION " format=4 selftest=0123456789abcdef"
                       " power=1.23456 slots=1 alive=1 zstd=1" SUM);
     case SCHED_RING: return LENGTH("none peer=1234 next=1234" SUM);
     case SCHED_INPUT_END:

@@ -81,7 +81,7 @@ static void take_frag(struct reading *p, const struct record *r)
 static void take(void *ctx, const struct record *r)
 {
     struct reading *p = ctx;
-    char job[64];
+    char job[WIRE_JOB];
     if (r->kind == REC_HELLO) {
         p->runs += p->phase == CHOOSE;
         p->run += p->phase == FIRST;

@@ -85,7 +85,7 @@ const char *verify_hosts_name(const struct verify_hosts *h, int32_t place);
 
 /* Payload of a frame. */
 struct verify_frame {
-    char job[24];       /* "": not known */
+    char job[WIRE_JOB]; /* "": not known */
     bool tasks_written; /* the caller's: false at first */
 };
 struct verify_cut {

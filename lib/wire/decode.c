@@ -349,7 +349,7 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
         return WIRE_BAD;
     }
     if (line[d->span - 1] != '\n') {
-        wire_fail(why, "no newline after the body", "bytes=N bytes and a newline (format 3)");
+        wire_fail(why, "no newline after the body", "bytes=N bytes and a newline (format 4)");
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;

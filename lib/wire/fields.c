@@ -57,7 +57,9 @@ bool rec_ours(const struct record *r, char why[160])
     if (r->kind != REC_HELLO) return true;
     rec_int(r, "format", 0, INT64_MAX, &format);
     if (format == WIRE_FORMAT) return true;
-    snprintf(why, 160, "is of format %" PRId64 ", expected %d", format, WIRE_FORMAT);
+    snprintf(why, 160,
+        "is of format %" PRId64 ", expected %d: use programs of one version, or begin a new log",
+        format, WIRE_FORMAT);
     return false;
 }
 

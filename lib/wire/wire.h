@@ -12,7 +12,7 @@
 #include "base/base.h"
 #include "task/task.h"
 
-#define WIRE_FORMAT 3                      /* of fragment streams, as in hello */
+#define WIRE_FORMAT 4                      /* of fragment streams, as in hello */
 #define WIRE_LINE_MAX 1024                 /* bytes, newline included */
 #define WIRE_SEAL_BYTES 13                 /* " sum=89abcdef", the last word of a sealed line */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
@@ -21,6 +21,7 @@
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
 #define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
 #define WIRE_WITHIN_MOST 1e8               /* to this */
+#define WIRE_JOB 33                        /* bytes of a job with NUL: 32 hexadecimal digits */
 #define WIRE_WHY 160                       /* bytes of a message for people */
 #define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
 

@@ -11,7 +11,7 @@
 /* The value of a part, shared by the generations that use it. */
 struct shared {
     void *value;
-    uint64_t hash; /* of the record or file */
+    char hash[SHA256_TEXT]; /* of the record or file */
     int users;
 };
 
@@ -60,7 +60,8 @@ static int take_part(struct worker_states *s, struct subject *of, int k, const c
     const struct worker_part *part = &s->r->part[k];
     drop_part(s, of, k);
     struct shared *p = xmalloc(1, sizeof *p);
-    *p = (struct shared){xcalloc(1, part->size), hash64(HASH64_INIT, bytes, n), 1};
+    *p = (struct shared){.value = xcalloc(1, part->size), .users = 1};
+    sha256(bytes, n, p->hash);
     if (part->read(s->options, name, bytes, n, p->value, err) == 0) {
         of->part[k] = p;
         return 0;
@@ -133,22 +134,22 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
     return 0;
 }
 
-static uint64_t job_of(
-    const struct worker_states *s, const struct subject *of, uint32_t w, uint32_t h)
+static void job_of(const struct worker_states *s, const struct subject *of, uint32_t w, uint32_t h,
+    char job[WIRE_JOB])
 {
-    char text[sizeof s->words->job + 40 * WORKER_PARTS];
-    int n = snprintf(text, sizeof text, "%s", s->words->job);
+    char text[sizeof s->words->job + (SHA256_TEXT + 16) * WORKER_PARTS + 24], hash[SHA256_TEXT];
+    int n = snprintf(text, sizeof text, "%s %" PRIu32 "x%" PRIu32, s->words->job, w, h);
     for (int k = 0; k < s->r->n_parts; k++)
-        n += snprintf(text + n, sizeof text - (size_t)n, " %s=%016" PRIx64,
-            rec_name(s->r->part[k].kind), of->part[k]->hash);
-    const uint32_t size[2] = {w, h};
-    return hash64_u32(hash64(HASH64_INIT, text, (size_t)n), size, 2);
+        n += snprintf(text + n, sizeof text - (size_t)n, " %s=%s", rec_name(s->r->part[k].kind),
+            of->part[k]->hash);
+    sha256(text, (size_t)n, hash);
+    snprintf(job, WIRE_JOB, "%.*s", WIRE_JOB - 1, hash);
 }
 
-static uint64_t job(void *ctx)
+static void job(void *ctx, char text[WIRE_JOB])
 {
     const struct worker_states *s = ctx;
-    return job_of(s, s->at, s->w, s->h);
+    job_of(s, s->at, s->w, s->h, text);
 }
 
 static const char *with(void *ctx) { return ((struct worker_states *)ctx)->words->with; }
@@ -218,9 +219,9 @@ void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h)
     return s->at->built;
 }
 
-uint64_t worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h)
+void worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h, char job[WIRE_JOB])
 {
-    return job_of(s, s->subjects, w, h);
+    job_of(s, s->subjects, w, h, job);
 }
 
 /* ---- life ----------------------------------------------------------------------------------- */

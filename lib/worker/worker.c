@@ -111,7 +111,7 @@ bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORK
     end();
     if (failed) return false;
     char extra[WITH_MAX + 32], job[sizeof known->hash];
-    snprintf(job, sizeof job, "%016" PRIx64, w->ops->job(w->ctx));
+    w->ops->job(w->ctx, job);
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
         w->ops->replayed ? " kind=replayed" : "");
     wire_job(&w->out, f, job, extra);

@@ -42,7 +42,7 @@ struct worker_ops {
      */
     int (*ready)(void *ctx, const struct frame_size *f, char err[WORKER_ERR]);
     /* Hash of format, options that change pixels, state and size, for the frame made ready. */
-    uint64_t (*job)(void *ctx);
+    void (*job)(void *ctx, char job[WIRE_JOB]);
     /*
      * Program and options that give this job, as command line words separated by commas
      * ("rtworker,-d3"). The command that finishes the picture later needs them.
@@ -147,7 +147,7 @@ const void *worker_states_value(const struct worker_states *s, int k);
 /* What build made of the loaded parts, with the frame set to this size. */
 void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h);
 /* The job of a frame of this size of the loaded parts. */
-uint64_t worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h);
+void worker_states_job(const struct worker_states *s, uint32_t w, uint32_t h, char job[WIRE_JOB]);
 /* Renders the tasks of standard input, to its end. Returns the exit status. */
 int worker_render(struct worker_states *s, const struct worker_options *o);
 /* The operations of that loop. Their ctx is s. */

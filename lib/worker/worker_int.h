@@ -13,8 +13,8 @@
 
 /* Payload of a frame: its job. */
 struct worker_job {
-    char hash[24];  /* as the input states it, then as announced; "": neither */
-    bool announced; /* the worker has said it */
+    char hash[WIRE_JOB]; /* as the input states it, then as announced; "": neither */
+    bool announced;      /* the worker has said it */
 };
 
 struct worker {

@@ -41,7 +41,7 @@ static void put_done(struct buf *b, uint32_t id, struct lattice at, int64_t used
 static void slots_of_hellos_and_of_records(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"hello deal 0.1 format=3 selftest=1 slots=4",
+    static const char *const lines[] = {"hello deal 0.1 format=4 selftest=1 slots=4",
         "done 0 0 cpu_us=1 w=10", "done 0 1 cpu_us=1 w=2.1", "done 0 2 cpu_us=1 w=0",
         "done 0 3 cpu_us=1 w=2.0 from=1", NULL};
     static const char *const names[] = {"0", "1", "2.0", "2.1", "3", "10"};
@@ -69,7 +69,7 @@ static void slots_of_hellos_and_of_records(void **state)
 static void a_lone_worker_is_no_idle_slot(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"hello rtworker 0.1 format=3 selftest=1 slots=1",
+    static const char *const lines[] = {"hello rtworker 0.1 format=4 selftest=1 slots=1",
         "done 0 0 cpu_us=3000 wall_us=1000", "done 0 1 cpu_us=1000 wall_us=2000", NULL};
     struct buf b = of_lines(lines);
     struct history l = {0};
@@ -88,12 +88,12 @@ static void a_lone_worker_is_no_idle_slot(void **state)
 static void times_of_two_runs(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"hello deal 0.1 format=3 selftest=0 slots=3",
+    static const char *const lines[] = {"hello deal 0.1 format=4 selftest=0 slots=3",
         "done 0 0 cpu_us=90000 wall_us=100000 w=0 recv_us=120000",
         "done 0 1 cpu_us=200000 wall_us=200000 w=1 recv_us=230000",
         "done 0 2 cpu_us=100000 wall_us=100000 w=0 recv_us=240000",
         "done 0 2 cpu_us=50000 wall_us=50000 w=1 recv_us=300000 try=2",
-        "hello deal 0.1 format=3 selftest=0 slots=3",
+        "hello deal 0.1 format=4 selftest=0 slots=3",
         "done 0 3 cpu_us=1000 wall_us=1000 w=2 recv_us=102000", NULL};
     struct buf b = of_lines(lines);
     struct history l = {0};

@@ -651,6 +651,53 @@ static void test_hash(void **state)
     assert_true(HASH64_INIT == 0); /* logs hold hashes */
 }
 
+/* FIPS 180-4 has no examples; these are those of NIST, and lengths around a block's end. */
+static void test_sha256(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *hash;
+    } known[] = {
+        {"", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"},
+        {"abc", "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"},
+        {"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq",
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1"},
+    };
+    static const struct {
+        size_t length;
+        const char *hash;
+    } of_a[] = {
+        {55, "9f4390f8d30c2dd92ec9f095b65e2b9ae9b0a925a5258e241c9f1e910f734318"},
+        {56, "b35439a4ac6f0948b6d6f9e3c6af0f5f590ce20f1bde7090ef7970686ec6738a"},
+        {63, "7d3e74a05d7db15bce4ad9ec0658ea98e3f06eeecf16b4c6fff2da457ddc2f34"},
+        {64, "ffe054fe7ae0cb6dc65c3af9b61d5209f439851db43d0ba5997337df154668eb"},
+        {65, "635361c48bb9eab14198e76ea8ab7f1a41685d6ad62aa9146d301d4f17eb0ae0"},
+        {119, "31eba51c313a5c08226adf18d4a359cfdfd8d2e816b13f4af952f7ea6584dcfb"},
+        {120, "2f3d335432c70b580af0e8e1b3674a7c020d683aa5f73aaaedfdc55af904c21c"},
+        {128, "6836cf13bac400e9105071cd6af47084dfacad4e5e302c94bfed24e013afb73e"},
+    };
+    char text[SHA256_TEXT];
+    unsigned char a[130];
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        sha256(known[i].text, strlen(known[i].text), text);
+        assert_string_equal(text, known[i].hash);
+    }
+    memset(a, 'a', sizeof a);
+    for (size_t i = 0; i < sizeof of_a / sizeof *of_a; i++) {
+        sha256(a, of_a[i].length, text);
+        assert_string_equal(text, of_a[i].hash);
+    }
+    /* With and without the processor's instructions, at any address. */
+    unsigned char bytes[1000];
+    char plain[SHA256_TEXT];
+    for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (unsigned char)rng_u64(1, i);
+    for (size_t n = 0; n < sizeof bytes - 64; n++) {
+        sha256(bytes + n % 64, n, text);
+        sha256_plain(bytes + n % 64, n, plain);
+        assert_string_equal(text, plain);
+    }
+}
+
 static void test_vectors(void **state)
 {
     (void)state;
@@ -708,6 +755,7 @@ int main(void)
         cmocka_unit_test(test_clocks),
         cmocka_unit_test(test_chance),
         cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_sha256),
         cmocka_unit_test(test_vectors),
         cmocka_unit_test(test_camera),
     };

@@ -153,7 +153,7 @@ static void say(struct fan_slot *s, const void *p, size_t n)
 /* Without alive=1: cat would send back what it is told. */
 static void say_hello(struct fan_slot *s)
 {
-    static const char hello[] = "hello cat 1 format=3 selftest=0123 power=1 slots=1 zstd=1\n";
+    static const char hello[] = "hello cat 1 format=4 selftest=0123 power=1 slots=1 zstd=1\n";
     say(s, hello, sizeof hello - 1);
 }
 
@@ -382,7 +382,7 @@ static void records_are_packed_on_demand_without_a_probe(void **state)
 
 static void nothing_is_packed_for_a_worker_that_cannot(void **state)
 {
-    static const char hello[] = "hello cat 1 format=3 selftest=0123 power=1 slots=1\n";
+    static const char hello[] = "hello cat 1 format=4 selftest=0123 power=1 slots=1\n";
     (void)state;
     struct fan_slot *s = &slots[0];
     options.pack = FAN_PACK_ON;
@@ -697,7 +697,7 @@ static void a_slot_that_was_lost_and_drains_is_given_up(void **state)
 
 /* ---- anything that a worker may send ---- */
 
-static const char *const bits[] = {"hello cat 1 format=3 selftest=0123 power=1\n", "bye\n",
+static const char *const bits[] = {"hello cat 1 format=4 selftest=0123 power=1\n", "bye\n",
     "beat\n", "frame 0 4 4 job=1\n", "done 0 1 cpu_us=1 wall_us=1\n", "gone w=0\n", "up w=0\n",
     "ask to=1\n", "task 0 1 0 0 4 1 1 1\n", "scene bytes=3\nabc\n", "flush\n", "none\n", "\n",
     "drain w=0\n", "joins\n", "leave to=0\n", "alive within=1\n", "\377\0", "frag 0 1"};

@@ -36,10 +36,10 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
     return 0;
 }
 
-static uint64_t job(void *ctx)
+static void job(void *ctx, char text[WIRE_JOB])
 {
     (void)ctx;
-    return 7;
+    snprintf(text, WIRE_JOB, "7");
 }
 
 static const char *with(void *ctx)

@@ -71,7 +71,7 @@ static void the_first_pixels_count(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 format=3 selftest=1 slots=3");
+    line(&b, "hello deal 0.1 format=4 selftest=1 slots=3");
     line(&b, "frame 0 8 4 job=" JOB " with=rtworker w=0");
     line(&b, "frame 0 8 4 job=" JOB " w=1");
     line(&b, "done 0 0 cpu_us=10 wall_us=11 w=0 recv_us=100");
@@ -102,13 +102,13 @@ static void a_hello_begins_a_run(void **state)
 {
     (void)state;
     struct buf b = {0};
-    line(&b, "hello deal 0.1 format=3 selftest=1 slots=2"); /* nothing came of this one */
-    line(&b, "hello deal 0.1 format=3 selftest=1 slots=2");
+    line(&b, "hello deal 0.1 format=4 selftest=1 slots=2"); /* nothing came of this one */
+    line(&b, "hello deal 0.1 format=4 selftest=1 slots=2");
     line(&b, "done 0 0 cpu_us=1 w=0");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 format=3 selftest=1 slots=5");
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=5");
     line(&b, "done 0 1 cpu_us=1 w=0");
-    line(&b, "hello fan 0.1 format=3 selftest=1 slots=9");
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=9");
     struct history l = read_log(&b);
     assert_int_equal(l.n_runs, 2);
     assert_int_equal(l.runs[0].slots, 2);
@@ -324,35 +324,19 @@ static void pixels_that_cannot_be_used_are_named(void **state)
 static void only_some_logs_can_be_replayed(void **state)
 {
     (void)state;
-    static const struct {
-        const char *job, *refused;
-    } jobs[] = {{JOB, NULL}, {"fedcba9876543210", NULL}, {"0123456789abcde", "job=0123456789abcde"},
-        {"0123456789abcdeg", "16 hexadecimal"}, {"0123456789ABCDEF", "16 hexadecimal"}};
-    char err[HISTORY_ERR], text[80];
+    char err[HISTORY_ERR];
     struct buf b = {0};
     struct history l = {0};
-    uint64_t job;
     assert_false(history_replayable(&l, err));
     assert_non_null(strstr(err, "no task"));
-    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
-        snprintf(text, sizeof text, "frame 7 8 4 job=%s w=0", jobs[i].job);
-        line(&b, "frame 0 8 4 job=" JOB " w=0");
-        line(&b, text);
-        done(&b, 0, 0, 0);
-        frag(&b, 0, row(0), 0, 1);
-        history_over(&l, b.data, b.len);
-        assert_int_equal(history_replayable(&l, err), !jobs[i].refused);
-        assert_int_equal(history_job(&l.frames[1], &job), !jobs[i].refused);
-        if (jobs[i].refused) assert_non_null(strstr(err, jobs[i].refused));
-        if (jobs[i].refused) assert_non_null(strstr(err, "frame 7: "));
-        if (i == 1) assert_true(job == UINT64_C(0xfedcba9876543210));
-        history_free(&l);
-        buf_consume(&b, buf_size(&b));
-    }
     line(&b, "frame 0 8 4 job=" JOB " w=0");
     done(&b, 0, 0, 0);
     history_over(&l, b.data, b.len); /* no pixels */
     assert_false(history_replayable(&l, err));
+    history_free(&l);
+    frag(&b, 0, row(0), 0, 1);
+    history_over(&l, b.data, b.len);
+    assert_true(history_replayable(&l, err));
     history_free(&l);
     buf_free(&b);
 }

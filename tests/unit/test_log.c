@@ -63,7 +63,7 @@ static void put_run(struct buf *b, const char *hello, const char *frame, uint32_
     for (uint32_t y = from; y < to; y++) put_row(b, 0, y);
 }
 
-static const char hello[] = "hello rtworker 0.1 format=3 selftest=00000000000000aa power=1\n";
+static const char hello[] = "hello rtworker 0.1 format=4 selftest=00000000000000aa power=1\n";
 static const char frame[] = "frame 0 8 6 job=cafe with=rtworker,-a4\n";
 
 static void test_origin(void **state)
@@ -74,7 +74,7 @@ static void test_origin(void **state)
     struct intake in;
     put_run(&b, hello, frame, 0, 2);
     put_text(
-        &b, "hello rtworker 9 format=3 selftest=bb\nframe 0 8 6 job=cafe with=other\nbeat\ntorn");
+        &b, "hello rtworker 9 format=4 selftest=bb\nframe 0 8 6 job=cafe with=other\nbeat\ntorn");
     write_log(&b);
     assert_int_equal(log_open(&l, path), 0);
     assert_true(l.holds);
@@ -265,13 +265,13 @@ static void test_continues(void **state)
     const char *other = "frame 0 8 6 job=beef with=rtworker,-a4\n";
     differs(hello, frame, "");
     differs("", frame, "");
-    differs("hello deal 0.2 format=3 selftest=00000000000000aa\n", frame, "");
+    differs("hello deal 0.2 format=4 selftest=00000000000000aa\n", frame, "");
     differs(hello, "frame 1 9 9 job=beef\n", "");
     differs(hello, "frame 0 8 7 job=beef with=rtworker,-d1\n", "has another size: frame 0 of 8x6");
     differs(hello, "frame 0 8 6 job=beef with=rtworker\n", "was rendered with other options");
-    differs("hello deal 0.2 format=3 selftest=bb\n", other, "was rendered by another version: 0.1");
-    differs("hello deal 0.1 format=3 selftest=bb\n", other, "was rendered by other arithmetic");
-    differs("hello deal 0.2 format=3 selftest=bb\n", frame, "was rendered by another version");
+    differs("hello deal 0.2 format=4 selftest=bb\n", other, "was rendered by another version: 0.1");
+    differs("hello deal 0.1 format=4 selftest=bb\n", other, "was rendered by other arithmetic");
+    differs("hello deal 0.2 format=4 selftest=bb\n", frame, "was rendered by another version");
     differs(hello, other, "is of another scene: frame 0 has job cafe, expected beef");
     differs("", "frame 0 8 6 job=beef\n", "is of another scene");
 }

@@ -250,12 +250,12 @@ static void static_programs_are_sent_and_nothing_else(void **state)
 static void a_hash_names_a_program(void **state)
 {
     (void)state;
-    char other[HOSTS_SHA256];
+    char other[SHA256_TEXT];
     memcpy(other, program.sha256, sizeof other);
     assert_ptr_equal(hosts_program(&sent, other), &program);
-    other[HOSTS_SHA256 - 2] = other[HOSTS_SHA256 - 2] == '0' ? '1' : '0';
+    other[SHA256_TEXT - 2] = other[SHA256_TEXT - 2] == '0' ? '1' : '0';
     assert_null(hosts_program(&sent, other));
-    other[HOSTS_SHA256 - 2] = '\0';
+    other[SHA256_TEXT - 2] = '\0';
     assert_null(hosts_program(&sent, other));
     assert_null(hosts_program(&sent, ""));
     assert_null(hosts_program(NULL, program.sha256));
@@ -267,7 +267,7 @@ static int make_dir(void **state)
     static char name[] = "worker";
     program.name = name;
     buf_append(&program.bytes, worker, sizeof worker - 1);
-    hosts_sha256((const unsigned char *)worker, sizeof worker - 1, program.sha256);
+    sha256(worker, sizeof worker - 1, program.sha256);
     return !scratch_make(dir) || chdir(dir) != 0 || mkdir("tools", 0700) != 0;
 }
 

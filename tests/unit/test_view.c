@@ -15,7 +15,7 @@
 #include "scratch.h"
 
 #define JOB "0123456789abcdef"
-#define HELLO "hello deal 0.1 format=3 selftest=0 slots=2"
+#define HELLO "hello deal 0.1 format=4 selftest=0 slots=2"
 
 static char dir[SCRATCH_BYTES];
 
@@ -405,7 +405,7 @@ static void lanes_are_few(void **state)
     (void)state;
     struct view_log v;
     struct buf b = {0};
-    put_lines(&b, LINES("hello deal 0.1 format=3 selftest=0 slots=600",
+    put_lines(&b, LINES("hello deal 0.1 format=4 selftest=0 slots=600",
                       "done 0 0 cpu_us=1 w=599 recv_us=1", "gone w=599 why=hung lost=1 recv_us=9"));
     view(&v, "wide", &b);
     struct buf out = page(&v, NULL, 0);

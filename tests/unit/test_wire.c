@@ -396,8 +396,8 @@ static void test_refused(void **state)
         "ring me=1 n=1 rules=default give=half\n", "ring me=0 n=1048577 rules=default give=half\n",
         "ring me=0 n=1 rules=old give=half\n", "ring me=0 n=1 rules=default give=two\n",
         "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n", "drain\n", "drain to=1\n",
-        "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n",
-        "alive\n", "alive within=.4\n", "alive within=1e9\n", "alive within=x\n"};
+        "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n", "alive\n",
+        "alive within=.4\n", "alive within=1e9\n", "alive within=x\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct decoder d = {0};
         struct record r;
@@ -606,7 +606,7 @@ static void test_sealed_lines(void **state)
 static void test_seal_is_asked_for(void **state)
 {
     (void)state;
-    static const char text[] = "done 0 1 cpu_us=1 wall_us=1\nhello x 1 format=4 selftest=0\nbeat\n";
+    static const char text[] = "done 0 1 cpu_us=1 wall_us=1\nhello x 1 format=9 selftest=0\nbeat\n";
     for (int upward = 0; upward <= 1; upward++) {
         struct decoder d = {.upward = upward};
         struct record r;
@@ -616,7 +616,8 @@ static void test_seal_is_asked_for(void **state)
         if (upward) assert_non_null(strstr(d.why, "no sum, expected sum="));
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         assert_false(rec_ours(&r, why));
-        assert_string_equal(why, "is of format 4, expected 3");
+        assert_string_equal(
+            why, "is of format 9, expected 4: use programs of one version, or begin a new log");
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         assert_true(rec_ours(&r, why));
         wire_free(&d);
@@ -627,7 +628,8 @@ static void test_seal_is_asked_for(void **state)
     feed_text(&d, "hello rtworker 0.1 selftest=00ff\n");
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
     assert_false(rec_ours(&r, why));
-    assert_string_equal(why, "is of format 1, expected 3");
+    assert_string_equal(
+        why, "is of format 1, expected 4: use programs of one version, or begin a new log");
     wire_free(&d);
 }
 

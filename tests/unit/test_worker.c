@@ -145,8 +145,12 @@ static void drop(struct worker_states *s, uint32_t generation)
     worker_states_ops(s).drop(s, generation);
 }
 
+struct job {
+    char text[WIRE_JOB];
+};
+
 /* A task of this generation is rendered from these two. Returns its job. */
-static uint64_t renders(struct worker_states *s, uint32_t generation, const char *letters)
+static struct job renders(struct worker_states *s, uint32_t generation, const char *letters)
 {
     char err[WORKER_ERR] = "";
     float rgba[4];
@@ -156,7 +160,9 @@ static uint64_t renders(struct worker_states *s, uint32_t generation, const char
     ops.render(s, &(struct lattice){0, 0, 1, 1, 1, 1}, 0, 1, rgba);
     assert_true(rgba[0] == (float)letters[0] && rgba[1] == (float)letters[1]);
     assert_true(rgba[2] == W && rgba[3] == H);
-    return ops.job(s);
+    struct job job;
+    ops.job(s, job.text);
+    return job;
 }
 
 static void lacks(struct worker_states *s, uint32_t generation, const char *why)
@@ -175,20 +181,20 @@ static void test_generations(void **state)
     struct worker_states *s = begin();
     give(s, 0, REC_GRID, "a");
     give(s, 0, REC_SPEC, "x");
-    uint64_t first = renders(s, 0, "ax");
+    struct job first = renders(s, 0, "ax");
     give(s, 1, REC_SPEC, "y");
-    uint64_t second = renders(s, 1, "ay");
-    assert_true(first != second);
-    assert_true(renders(s, 0, "ax") == first);
+    struct job second = renders(s, 1, "ay");
+    assert_string_not_equal(first.text, second.text);
+    assert_string_equal(renders(s, 0, "ax").text, first.text);
     assert_int_equal(builds, 2);
     assert_int_equal(parts, 3);
     give(s, 2, REC_GRID, "b");
     renders(s, 2, "by");
-    assert_true(renders(s, 1, "ay") == second);
+    assert_string_equal(renders(s, 1, "ay").text, second.text);
     drop(s, 0);
     assert_int_equal(parts, 3); /* a is shared by 1 */
     assert_int_equal(builts, 2);
-    assert_true(renders(s, 1, "ay") == second);
+    assert_string_equal(renders(s, 1, "ay").text, second.text);
     drop(s, 1);
     assert_int_equal(parts, 2);
     renders(s, 2, "by");
@@ -273,6 +279,13 @@ static void with_file(const char *text, struct worker_states *s, int k)
     unlink(path);
 }
 
+static struct job file_job(const struct worker_states *s, uint32_t w, uint32_t h)
+{
+    struct job job;
+    worker_states_job(s, w, h, job.text);
+    return job;
+}
+
 /* A file is the same state as a record, and has the same job. */
 static void test_files(void **state)
 {
@@ -280,13 +293,13 @@ static void test_files(void **state)
     struct worker_states *records = begin();
     give(records, 0, REC_GRID, "a");
     give(records, 0, REC_SPEC, "x");
-    uint64_t job = renders(records, 0, "ax");
+    struct job job = renders(records, 0, "ax");
     end(records);
     struct worker_states *s = begin();
     with_file("a", s, 0);
     refuses(s, 0, REC_GRID, "b", "record `grid`, expected `spec`");
     give(s, 0, REC_SPEC, "x");
-    assert_true(renders(s, 0, "ax") == job);
+    assert_string_equal(renders(s, 0, "ax").text, job.text);
     give(s, 1, REC_SPEC, "y");
     renders(s, 1, "ay");
     drop(s, 0);
@@ -300,7 +313,7 @@ static void test_files(void **state)
         "record `spec`, expected no state records, because all state is in files");
     assert_string_equal(((const struct text *)worker_states_value(s, 0))->s, "a");
     assert_string_equal(((const struct text *)worker_states_value(s, 1))->s, "x");
-    assert_true(worker_states_job(s, W, H) == job);
+    assert_string_equal(file_job(s, W, H).text, job.text);
     assert_int_equal(builds, 0);
     assert_string_equal(((struct built *)worker_states_built(s, W, H))->s, "a+x");
     end(s);
@@ -308,14 +321,16 @@ static void test_files(void **state)
 
 /* The job is a hash of the options' words, of all parts and of the size; in this form, or logs of
  * earlier runs could not be resumed. */
-static uint64_t job_of(const void *grid, size_t n, const char *spec)
+static struct job job_of(const void *grid, size_t n, const char *spec)
 {
-    char text[80];
-    int len = snprintf(text, sizeof text, "texts 1 grid=%016llx spec=%016llx",
-        (unsigned long long)hash64(HASH64_INIT, grid, n),
-        (unsigned long long)hash64(HASH64_INIT, spec, strlen(spec)));
-    const uint32_t size[2] = {W, H};
-    return hash64_u32(hash64(HASH64_INIT, text, (size_t)len), size, 2);
+    char text[200], hash[2][SHA256_TEXT];
+    struct job job;
+    sha256(grid, n, hash[0]);
+    sha256(spec, strlen(spec), hash[1]);
+    int len = snprintf(text, sizeof text, "texts 1 %dx%d grid=%s spec=%s", W, H, hash[0], hash[1]);
+    sha256(text, (size_t)len, hash[0]);
+    snprintf(job.text, sizeof job.text, "%.32s", hash[0]);
+    return job;
 }
 
 static void test_job(void **state)
@@ -324,18 +339,17 @@ static void test_job(void **state)
     struct worker_states *s = begin();
     with_file("a", s, 0);
     with_file("x", s, 1);
-    uint64_t job = worker_states_job(s, W, H);
-    assert_true(job == job_of("a", 1, "x"));
-    assert_true(job != worker_states_job(s, H, W));
-    worker_states_built(s, W, H);
-    assert_true(worker_states_ops(s).job(s) == job);
+    struct job job = file_job(s, W, H);
+    assert_string_equal(job.text, job_of("a", 1, "x").text);
+    assert_string_not_equal(job.text, file_job(s, H, W).text);
+    assert_string_equal(renders(s, 0, "ax").text, job.text);
     assert_string_equal(worker_states_ops(s).with(s), "texts,-x");
     assert_string_equal(worker_states_ops(s).program, "texts");
     end(s);
     s = begin();
     with_file("x", s, 0);
     with_file("a", s, 1);
-    assert_true(worker_states_job(s, W, H) != job);
+    assert_string_not_equal(file_job(s, W, H).text, job.text);
     float rgba[8];
     uint32_t room = 2;
     worker_states_ops(s).selftest(s, rgba, &room);
@@ -373,7 +387,7 @@ static void test_changed_file(void **state)
         struct worker_states *s = worker_states_new(&changes, &builds, &words);
         worker_states_load(s, 0, changed);
         with_file("x", s, 1);
-        assert_true(worker_states_job(s, W, H) == job_of(old.data, old.len, "x"));
+        assert_string_equal(file_job(s, W, H).text, job_of(old.data, old.len, "x").text);
         struct buf new = {0};
         assert_int_equal(read_file(changed, &new), 0);
         assert_true(truncated ? !new.len : new.len == old.len &&new.data[0] == 'n');
