@@ -92,6 +92,7 @@ refused replacement-missing '^1 replacement-missing: no line with "[+]" follows:
 refused no-program '^1 no-program: does not compile'
 refused no-change '^1 no-change: changes nothing in lib/sched/gdc_master.c'
 refused name-twice '^1 name-twice: this name is in [.][.]/wrong 2 times, expected once'
+compile gdc.o "$root/tests/unit/test_gdc.c"
 refused no-bug '^1 no-bug: survives: test_gdc exits with 0, and no seed fails'
 printf '%s\n' '@name lib/sched/gdc_master.c' '- text' '+' '@ other  lib/sched/gdc_master.c' '- text' '+' >wrong
 run listed wrong
