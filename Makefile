@@ -8,8 +8,10 @@
 #:   make need              installs what a build needs
 #:
 #: Tests
-#:   make test              the inner loop, under a minute: units, single programs, simulated time
-#:   make check             every test, about ten minutes
+#:   make check             one build, and every test of behaviour once: 8 minutes of two idle cores
+#:   make reach             sanitizers, mutants, analyzers, models and the second compiler, for what changed since the last
+#:                          make nightly that passed; everything takes TO MEASURE minutes
+#:   make nightly           all tests, longer, with seeds of the date: TO MEASURE minutes; writes tests/PASSED
 #:   make fresh             as root: make demo in a Debian that has nothing yet; FULL=1: make check there, takes hours
 #:   make fuzz              each decoder for FUZZ_SECONDS=600; FUZZ_SEED=1 repeats a run
 #:   make soak              minutes of kills and load
@@ -144,22 +146,16 @@ demo-volume:
 	@$(PARALLEL) -s all
 	$(RUN) tests/demo-volume
 
-# The inner loop, under a minute: tests of one unit, of one program, and in simulated time.
-test:
-	@tests/need build
-	@$(PARALLEL) -s all unit
-	$(RUN) tests/check quick
-
 # What cannot be installed is said, and tests that need it are skipped. If this compiles all, and without a warning, the file
-# strict tells 02_builds.t, which otherwise compiles all once more.
+# strict tells 02_compilers.t, which otherwise compiles all once more.
 COMPILED := $(wildcard $(BUILD)/libstormring.a)
-check:
+check reach nightly:
 	@tests/need build
 	@tests/need check || [ "$$CI" != true ]
 	@mkdir -p $(BUILD)
 	@LC_ALL=C $(PARALLEL) -s all unit 2>$(BUILD)/said || { cat $(BUILD)/said >&2; exit 1; }
 	@cat $(BUILD)/said >&2; $(if $(COMPILED),:,grep -q warning: $(BUILD)/said || touch $(BUILD)/strict)
-	$(RUN) tests/check
+	$(RUN) BEGUN=$(shell date +%s) tests/check $@
 
 bench:
 	@tests/need bench
@@ -269,4 +265,4 @@ clean:
 
 -include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all help dist need demo demo-volume test check fresh bench bench-volume soak chart sheet report fuzz sanitized unit fuzzers install uninstall clean
+.PHONY: all help dist need demo demo-volume check reach nightly fresh bench bench-volume soak chart sheet report fuzz sanitized unit fuzzers install uninstall clean

@@ -70,18 +70,26 @@ done
 mkdir -p small/tests/unit small/build/unit
 cp "$root/tests/check" "$root/tests/tap" small/tests
 : >small/tests/unit/test_a.c
-for file in build/unit/test_a tests/1.t tests/20.t tests/26.t tests/3.t tests/46.t; do
+for file in build/unit/test_a tests/29_povworker.t tests/3.t tests/60_faults.t tests/72_ssh_faults.t; do
 	printf '#!/bin/sh\necho "ok 1 # SKIP %s"\necho 1..1\n' 'vectors of x: this processor has none' >small/$file
 	chmod +x small/$file
 done
-run env -u BUILD CI=true small/tests/check quick
+run env -u BUILD CI=true small/tests/check
 is 'check, CI=true: a test skipped for want of instructions is no failure' "$status" 0
-like '... and is named' "$out" '^skipped: 46.t: vectors of x: this processor has none'
+like '... and is named' "$out" '^skipped: 60_faults.t: vectors of x: this processor has none'
 sed -i 's/vectors.*none/hosts: only root can make hosts/' small/tests/3.t
-run env -u BUILD CI=true small/tests/check quick
+run env -u BUILD CI=true small/tests/check
 is 'check, CI=true: any other skipped test is a failure' "$status" 1
-run env -u BUILD -u CI small/tests/check quick
+run env -u BUILD -u CI small/tests/check
 is 'check: without CI=true it is none' "$status" 0
+usual=$(sed -n 's/^usual=\([0-9]*\).*/\1/p' "$root/tests/check")
+run env -u BUILD -u CI BEGUN=$(($(date +%s) - 2 * usual)) small/tests/check
+like 'check: more than 1.5 times the usual time is said before the summary, and is no failure' \
+	"$status $(printf '%s\n' "$out" | grep -A 1 '^check:' | tr '\n' ' ')" "^0 check: it took [0-9]+ s, .* $usual s .* Files="
+run env -u BUILD -u CI BEGUN=$(($(date +%s) - usual)) small/tests/check
+is 'check: the usual time is not said' "$(printf '%s\n' "$out" | grep -c '^check:')" 0
+for page in README.md Makefile tests/README; do grep -q "$((usual / 60)) minutes" "$root/$page" || echo $page; done >missing
+is 'pages say the usual time' "$(cat missing)" ''
 
 # ---- demo --------------------------------------------------------------------------------------------------
 run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"

@@ -232,11 +232,14 @@ sampled() {
 }
 sampled hierarchy '^0 [.0-9]+$'
 sampled latency '^0 [.0-9]+$'
-sampled regret '^0 [.0-9]+$'
-sampled agreement '^0 [.0-9]+$'
 sampled steals '^0 [.0-9]+$'
 sampled stability '^0 [.0-9]+$'
 sampled variance '^0 [.0-9]+$'
+# These two render for as long as all others.
+if [ "${NIGHT-}" = true ]; then
+	sampled regret '^0 [.0-9]+$'
+	sampled agreement '^0 [.0-9]+$'
+fi
 sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
 # Ctrl-C while processes compute beside a sample; an interactive shell gives it a group of its own.
 # shellcheck disable=SC2016  # of perl

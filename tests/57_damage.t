@@ -98,8 +98,8 @@ while [ "$seed" -lt "$end" ]; do
 	for frame in 0 1; do [ ! -e f$frame.pfm ] || cmp -s f$frame.pfm $worker/true$frame.pfm || [ $status -ne 0 ] || why='another picture'; done
 	if [ $status -eq 0 ]; then good=$((good + 1)); else refused=$((refused + 1)); fi
 	if [ -n "$why" ]; then
-		bad="$bad $seed"
-		diag "$why: ${PACKED:+PACKED=1 }FAULTS=1 FIRST=$seed tests/57_damage.t: $place"
+		bad="$bad${bad:+, }$seed"
+		diag "$why, to repeat: ${PACKED:+PACKED=1 }FAULTS=1 FIRST=$seed tests/57_damage.t: $place"
 		diag "$(cat damaged 2>/dev/null; head -c 600 said)"
 	fi
 	seed=$((seed + 1))

@@ -10,8 +10,6 @@ build() {
 
 spdgen -s 2 gears >"$tmp/gears.nff"
 partition 40x32 | rtworker "$tmp/gears.nff" | gather -o "$tmp/reference.pfm"
-# programs BUILD: where the programs of this build are
-programs() { if [ "$1" = build ]; then echo bin; else echo "$1/bin"; fi; }
 # same BIN: a small picture goes through every stage, and has the same bits
 same() {
 	rm -f "$tmp"/same.*

@@ -84,5 +84,7 @@ pov_ray() {
 needs() { there "$@" || { echo "1..0 # SKIP $missing is not there"; exit 0; }; }
 # skip NAME WHY: reports a skipped assertion
 skip() { tap_n=$((tap_n + 1)); echo "ok $tap_n # SKIP $1: $2"; }
+# soaked N: N, for a soak by hand; a tenth, for make nightly
+soaked() { if [ "${NIGHT-}" = true ]; then echo $(($1 / 10)); else echo "$1"; fi; }
 # finish: after a wait in vain (marked.sh) the test has failed, and says so again, because `run` may hide the first message
 finish() { [ ! -e "$tmp/.vain" ] || { tap_failed=1; diag "$(cat "$tmp/.vain")"; }; echo "1..$tap_n"; exit $tap_failed; }

@@ -3,7 +3,7 @@
 # process is stopped. No process remains. If only a worker dies under deal, the picture is the same and the exit status
 # is 0.
 . "$(dirname "$0")/../lib.sh"
-runs=${1:-200} seed=${2:-$(date +%s)}
+runs=${1:-$(soaked 200)} seed=${2:-${FIRST:-$(date +%s)}}
 # shellcheck source=../marked.sh
 . "$root/tests/marked.sh"
 name() { cat "/proc/$1/comm" 2>/dev/null; }
@@ -14,6 +14,7 @@ spdgen -s 2 gears >gears.nff
 size=96x96
 partition $size | rtworker -a 16 gears.nff | gather -o good.pfm
 state="{ pack scene gears.nff; partition $size; } |"
+first=$seed
 diag "seed $seed"
 run=0
 while [ $((run += 1)) -le "$runs" ]; do
@@ -53,4 +54,5 @@ while [ $((run += 1)) -le "$runs" ]; do
 	is "run $run: a worker of: $chain: exit 0" $status 0
 	ok "run $run: a worker of: $chain: the same picture" cmp out.pfm good.pfm
 done
+[ "$tap_failed" = 0 ] || fail "to repeat: tests/soak/kills.sh $runs $first" ''
 finish

@@ -2,7 +2,7 @@
 # restart.sh [POINTS [SEED]]: kill -9 of the last stage or of the whole group, at random moments of runs that keep a
 # log; then the same command until it is done. The picture is the same, and no task of the log is rendered again.
 . "$(dirname "$0")/../lib.sh"
-points=${1:-200} seed=${2:-$(date +%s)}
+points=${1:-$(soaked 200)} seed=${2:-${FIRST:-$(date +%s)}}
 # shellcheck disable=SC2154  # lib.sh sets tmp
 trap '[ -z "${pid-}" ] || kill -9 "-$pid" 2>/dev/null; rm -rf "$tmp"' EXIT
 # pick N: a number below N, the next of the seed's
@@ -14,6 +14,7 @@ size=96x96
 # start METHOD: in a session of its own, so that its group can be killed
 start() { setsid balance "$1" -j 3 -s $size -W '-a 16' -r log -o out.pfm gears.nff 2>>said & pid=$!; }
 partition $size | rtworker -a 16 gears.nff | gather -o good.pfm
+first=$seed
 diag "seed $seed"
 set -- interleaved masterslave hybrid gdc ss sc ds dc
 for method in "$@"; do
@@ -60,4 +61,5 @@ while [ $((point += 1)) -le "$points" ]; do
 done
 pid=''
 diag "$kills kills; of $tasks tasks $again were computed when a kill came and their pixels not logged: done again"
+[ "$tap_failed" = 0 ] || fail "to repeat: tests/soak/restart.sh $points $first" ''
 finish

@@ -1,8 +1,9 @@
 /*
  * What tests of a policy in virtual time under seeded faults have in common. `test_NAME SEED` runs
- * one seed and says what happened; `test_NAME` runs seeds 0 .. 999 (fewer under
- * sanitizers; SEEDS in the environment: another number), and ends at the first that fails. The file
- * that includes it defines the functions declared first, and SEEDS_TEST, the test's name.
+ * one seed and says what happened; `test_NAME` runs seeds 0 .. 999 (fewer under sanitizers), and
+ * ends at the first that fails. FIRST and SEEDS in the environment are another seed to begin with
+ * and another number. The file that includes it defines the functions declared first, and
+ * SEEDS_TEST, the test's name.
  */
 #ifndef STORMRING_TESTS_SEEDS_H
 #define STORMRING_TESTS_SEEDS_H
@@ -28,15 +29,22 @@ static bool try_seed(uint64_t seed, struct sim_result *r)
     return good;
 }
 
+/* A number of the environment. */
+static int64_t seeds_number(const char *name, int64_t least, int64_t usual)
+{
+    const char *text = getenv(name);
+    if (text && !parse_int(text, least, 1000000000, &usual)) fail_msg("%s=%s", name, text);
+    return usual;
+}
+
 /* How many were wanted. */
 static int64_t run_seeds(void)
 {
-    const char *text = getenv("SEEDS");
-    int64_t seeds = rounds(1000);
-    if (text && !parse_int(text, 1, 100000000, &seeds)) fail_msg("SEEDS=%s", text);
+    int64_t seeds = seeds_number("SEEDS", 1, rounds(1000));
+    int64_t first = seeds_number("FIRST", 0, 0);
     seeds_hold = true;
     seeds_run = seeds;
-    for (int64_t seed = 0; seed < seeds && seeds_hold; seed++) {
+    for (int64_t seed = first; seed < first + seeds && seeds_hold; seed++) {
         struct sim_result r;
         seeds_hold = try_seed((uint64_t)seed, &r);
         note_seed((uint64_t)seed, &r);
@@ -48,7 +56,8 @@ static void a_seed_is_one_run_exactly(void **state)
 {
     (void)state;
     if (!seeds_hold) skip();
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(60); seed++) {
+    uint64_t first = (uint64_t)seeds_number("FIRST", 0, 0);
+    for (uint64_t seed = first; seed < first + (uint64_t)rounds(60); seed++) {
         struct sim_result a, b;
         try_seed(seed, &a);
         try_seed(seed, &b);

@@ -161,7 +161,8 @@ static void judge(const struct intake *in, uint64_t seed, const char *what)
             same = rows.row(&rows, (uint32_t)(i / 4 / W))[i % (4 * W)] ==
                    shade(f->number, i / 4, (int)(i % 4));
         if (!same)
-            fail_msg("another picture after %s: FAULTS=1 FIRST=%" PRIu64 " build/unit/test_faults",
+            fail_msg("another picture after %s, to repeat: FAULTS=1 FIRST=%" PRIu64
+                     " build/unit/test_faults",
                 what, seed);
     }
 }
