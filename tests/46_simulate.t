@@ -48,11 +48,11 @@ takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
 like 'a static method: the message has the command to repeat the run' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
-# At 1000 bytes a second a hello takes .104 s, a task .034, done .053, and a pixel with its record .101 s. So the hub knows at
-# .204 that the first is up; task 0 runs from .338 to 1.338, task 2 to 2.338; its pixel is at the hub at 2.592.
-takes 'a link takes the bytes of records and pixels' 2.592000 -b 1000 fan
-# Of 101 bytes a second, each pixel takes 1 s of the hub: from .8 on the first, then the next ones.
-takes 'the pixels of all pass the hub one after the other' 4.800000 -b 0,101 fan
+# At 1000 bytes a second a hello takes .104 s, a task .034, done .053, and a pixel with its record .117 s. So the hub knows at
+# .204 that the first is up; task 0 runs from .338 to 1.338, task 2 to 2.338; its pixel is at the hub at 2.608.
+takes 'a link takes the bytes of records and pixels' 2.608000 -b 1000 fan
+# Of 117 bytes a second, each pixel takes 1 s of the hub: from .8 on the first, then the next ones.
+takes 'the pixels of all pass the hub one after the other' 4.800000 -b 0,117 fan
 head -n 2 four.task >first.row
 two -b 0,8 fan
 is 'the bound counts pixels without their records in the link of the hub' "$(of bound_s)" 8.000000
@@ -72,8 +72,8 @@ like 'slots of one host share its link: a task that need not wait' "$out" '^# 24
 
 # A pixel takes .4 us, or .004; a record .4 us of a hub, and those of a pixel about .1 us of a link, or of the hub.
 partition -u run:1 10x10 >px.task
-for short in '-m .4 fan:40' '-m .4 -u 0 deal:40' '-m .004 -u .4 deal:120' '-m .004 -b 1e9 fan:14' '-m .004 -b 0,1e9 fan:10' \
-	'-m .004 -u 0 -b 0,1e9 deal:10'; do
+for short in '-m .4 fan:40' '-m .4 -u 0 deal:40' '-m .004 -u .4 deal:120' '-m .004 -b 1e9 fan:16' '-m .004 -b 0,1e9 fan:11' \
+	'-m .004 -u 0 -b 0,1e9 deal:11'; do
 	# shellcheck disable=SC2086
 	run simulate ${short%:*} <px.task
 	is "times below a microsecond add up: $short" "$(of makespan_s)" "$(echo "${short#*:}" | awk '{ printf "%.6f", $1 / 1e6 }')"

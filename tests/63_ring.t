@@ -138,7 +138,7 @@ liar() {
 	: >said
 	limit=3
 	case ${5-},${4-} in
-	absent,*) after=true limit=600 ;; # the run would last for hours if it waited until this one is lost
+	absent,*) after=true limit=30 ;; # the end waits for a worker of this machine as long, but the run must not
 	,) after='grep -aq "^up " up' ;;
 	*) after="grep -Eq 'lost .($4).' said" ;;
 	esac

@@ -91,9 +91,9 @@ cp log before
 refused arithmetic 'was rendered by other arithmetic: self-test 0000' -s $size gears.nff
 # A file that is not a log does not become one.
 printf 'hello rtworker 1.0 is what a log begins with\n' | cat - whole >log && cp log before
-refused 'kind of file, with a log in it' 'is not a log, expected a whole hello first, or an empty file' -s $size gears.nff
+refused 'kind of file, with a log in it' 'is not a log, expected a whole record first, or an empty file' -s $size gears.nff
 cp gears.nff log && cp log before
-refused 'kind of file' 'is not a log, expected a whole hello first, or an empty file' -s $size gears.nff
+refused 'kind of file' 'is not a log, expected a whole record first, or an empty file' -s $size gears.nff
 run sh -c "partition $size | rtworker gears.nff | gather -r log -o out.pfm"
 is 'another kind of file, by hand: exit 2' "$status" 2
 ok 'another kind of file, by hand: as it was' cmp log before

@@ -82,8 +82,8 @@ static void survey(void *ctx, const struct record *r)
     if (whole) assembly_release(&in->parts, whole);
 }
 
-/* Every stream begins with a hello. Without a whole one, a text with a record in it, such as a
- * letter about logs, would be a log, and pixels would be appended to it. */
+/* The first line is a record with its sum: a hello, or a loss before the first one. Otherwise a text
+ * with a record in it, such as a letter about logs, would be a log, and pixels would be appended. */
 static bool begins_as_log(int fd)
 {
     char text[WIRE_LINE_MAX];
@@ -91,7 +91,7 @@ static bool begins_as_log(int fd)
     struct decoder d = {.upward = true};
     struct record r;
     if (n > 0) wire_feed(&d, text, (size_t)n);
-    bool is = n == 0 || (wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_HELLO && rec_sealed(&r));
+    bool is = n == 0 || (wire_next(&d, &r) == WIRE_RECORD && rec_sealed(&r));
     wire_free(&d);
     return is;
 }
@@ -103,7 +103,7 @@ int log_survey(const struct log_file *l, struct intake *in)
     int odd = log_reread(l, in, &reader);
     if (odd || begins_as_log(l->fd)) return odd;
     snprintf(
-        in->why, sizeof in->why, "is not a log, expected a whole hello first, or an empty file");
+        in->why, sizeof in->why, "is not a log, expected a whole record first, or an empty file");
     return 1;
 }
 

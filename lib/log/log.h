@@ -178,7 +178,7 @@ void log_close(struct log_file *l);
 /* Reads the log from its beginning, as log_read does. */
 int log_reread(const struct log_file *l, struct intake *in, const struct log_reader *reader);
 /* The same into a new intake, for coverage only. Returns 1 if nothing may be appended to the
- * file, with text in in->why: it is of another format, or does not begin with a whole hello. */
+ * file, with text in in->why: it is of another format, or does not begin with a whole record. */
 int log_survey(const struct log_file *l, struct intake *in);
 
 /* The log's content before a run, and the frames of the run that belong to it; all zero at
