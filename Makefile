@@ -48,7 +48,7 @@ accepted = $(shell $(CC) $(1) $(CFLAGS) -Werror -S -o - -x c -include stdio.h /d
 probed   = $(foreach f,$(HARD),$(call accepted,$(f))) $(if $(findstring -fsanitize,$(CFLAGS)),,$(or \
            $(call accepted,$(FORTIFY)3),$(call accepted,$(FORTIFY)2)))
 HARDENED = $(eval HARDENED := $(probed))$(HARDENED)
-# Four files are compiled for wider vectors, and used only where the machine has them.
+# Five files are compiled for wider vectors, and used only where the machine has them.
 X86      = $(findstring x86_64,$(shell $(CC) -dumpmachine))
 FLAGS_trace/trace_avx2    = $(if $(X86),-mavx2 -mno-fma)
 FLAGS_trace/shade_avx2    = $(FLAGS_trace/trace_avx2)

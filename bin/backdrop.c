@@ -52,6 +52,7 @@ static bool is_grid(const char *path)
     static const char begin[] = "# vtk DataFile";
     char bytes[sizeof begin - 1];
     struct stat st;
+    if (strcmp(path, "-") == 0) return false; /* it is read once, and later */
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
         die(ST_USAGE, "%s: is a pipe or a device, expected a file", path);
     int fd = input_open(path);

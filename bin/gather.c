@@ -35,14 +35,29 @@ struct gather {
     struct log_reader reader;
     struct log_progress progress;
     struct image_preview preview;
-    char *spill; /* directory for the pixels of large frames */
+    struct buf expected; /* -e: frames */
+    char *spill;         /* directory for the pixels of large frames */
     int warnings;
     int status;
 };
 
-static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-i FILE] [-k 8|16] [-o OUT]\n"
+static const char usage_text[] = "[-hP] [-b BACKDROP] [-e FRAMES] [-i INPUTS] [-k 8|16] [-o OUT]\n"
                                  "              [-r LOG] [-w SECONDS] [FRAGS ...]\n"
                                  "       gather -m [-P] [FRAGS ...]";
+
+/* A file of names, a line each. */
+static void add_inputs(const char *list)
+{
+    char err[ERR_BYTES];
+    struct buf names;
+    if (!load_file(list, &names, err)) die(ST_USAGE, "%s", err);
+    buf_append(&names, "", 1);
+    for (char *at = (char *)names.data, *end; (end = strchr(at, '\n')) != NULL; at = end + 1) {
+        *end = '\0';
+        input_add(at, "an input");
+    }
+    buf_free(&names);
+}
 
 static struct options parse(int argc, char **argv, struct image_backs *backs)
 {
@@ -51,7 +66,7 @@ static struct options parse(int argc, char **argv, struct image_backs *backs)
         case 'b': image_opt_back(c, opt_text(c, optarg), backs); break;
         case 'e': o.expected = opt_text(c, optarg); break;
         case 'h': usage(ST_OK, usage_text);
-        case 'i': input_add(opt_text(c, optarg), "an input"); break;
+        case 'i': add_inputs(opt_text(c, optarg)); break;
         case 'k': o.out.bits = image_opt_bits(c, optarg); break;
         case 'm': o.missing = true; break;
         case 'o': o.out.pattern = opt_text(c, optarg); break;
@@ -110,12 +125,30 @@ static void check_files(const struct options *o)
             die(ST_USAGE, "%s: is also %s, expected another file", *from, what);
         input_add(*from, "an input");
     }
+}
+
+/* The same for the picture and the preview of this frame. */
+static void check_output(const struct options *o, uint32_t frame)
+{
     if (!o->out.pattern) return;
-    image_name_keep(o->out.pattern, 0, UINT32_MAX);
-    if (o->preview_s <= 0) return;
-    char *partial = image_preview_name(o->out.pattern);
-    image_name_keep(partial, 0, UINT32_MAX);
+    char *name = image_out_name(&o->out, frame), *partial = image_preview_name(name);
+    input_keep(name);
+    if (o->preview_s > 0) input_keep(partial);
+    free(name);
     free(partial);
+}
+
+/* For all that are expected, before anything is read: workers need not begin. */
+static void check_expected(const struct options *o, const struct buf *frames)
+{
+    struct decoder d = {0};
+    struct record r;
+    enum wire_result got;
+    wire_feed(&d, buf_data(frames), buf_size(frames));
+    while ((got = wire_next(&d, &r)) != WIRE_MORE)
+        if (got == WIRE_RECORD && r.kind == REC_FRAME) check_output(o, r.task.frame);
+    wire_free(&d);
+    if (o->out.naming != IMAGE_NAME_NUMBERED) check_output(o, 0);
 }
 
 static void open_log(struct gather *g)
@@ -127,6 +160,7 @@ static void open_log(struct gather *g)
         die(ST_SYSTEM, "%s:", o->log);
     }
     check_files(o);
+    check_expected(o, &g->expected);
     if (!o->log) return;
     /* Only records since the last read are missing from the log, as after kill -9. */
     say_last(g, "has the pixels so far: rerun the command to resume");
@@ -197,6 +231,7 @@ static void take_frame(struct gather *g, const struct record *r)
     const struct image_out *out = &g->o->out;
     char job[ASSEMBLY_NAME];
     bool announced = rec_str(r, "job", job, sizeof job);
+    const uint32_t known = g->in.parts.n_frames;
     if (announced) confirm(g, r);
     if (!g->spill) g->in.parts.spill.dir = g->spill = image_out_spill(out, r->task.frame);
     enum assembly_verdict verdict = intake_frame(&g->in, r);
@@ -205,6 +240,7 @@ static void take_frame(struct gather *g, const struct record *r)
         die(ST_USAGE, "frame %u: a second picture for %s, expected -o with %%d in the name",
             r->task.frame, out->pattern ? out->pattern : "standard output");
     }
+    if (g->in.parts.n_frames > known) flush_log(g), check_output(g->o, r->task.frame);
     if (verdict == ASSEMBLY_FOREIGN || verdict == ASSEMBLY_NO_ROOM) warn_refused(g, r);
 }
 
@@ -271,7 +307,8 @@ static int finish(struct gather *g)
     }
     const uint32_t known = parts->n_frames;
     /* Frames without any record are missing too; if there is no frame at all, that is reported. */
-    if (g->o->expected && parts->n_frames && intake_expect(&g->in, g->o->expected, why) != 0)
+    if (g->o->expected && parts->n_frames &&
+        intake_expect(&g->in, g->o->expected, &g->expected, why) != 0)
         die(ST_USAGE, "%s", why);
     intake_report(&g->in);
     bool differ = intake_report_twice(&g->in, g->o->progress);
@@ -297,6 +334,8 @@ int main(int argc, char **argv)
     static struct gather g; /* 60 KB, and a stack may be small */
     g.o = &o;
     g.reader = (struct log_reader){take_record, before_read, &g};
+    char err[ERR_BYTES];
+    if (o.expected && !load_file(o.expected, &g.expected, err)) die(ST_USAGE, "%s", err);
     open_log(&g);
     intake_init(&g.in, !o.missing);
     progress_start(&g.progress.line, o.progress);
@@ -304,6 +343,7 @@ int main(int argc, char **argv)
     for (char **name = o.inputs; *name; name++) read_stream(&g, *name);
     int status = finish(&g);
     intake_free(&g.in);
+    buf_free(&g.expected);
     free(g.spill);
     log_keep_close(&g.log);
     image_backs_free(&backs);

@@ -1,4 +1,4 @@
-# shellcheck shell=sh disable=SC2154  # balance, which reads this, sets them
+# shellcheck shell=sh disable=SC2034,SC2154  # balance, which reads this, uses and sets them
 # balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
 # once more. It uses balance's variables and functions, its arguments, which are files, and the stream on descriptor 4.
 exec 5>&-
@@ -15,7 +15,7 @@ temporary=$(directory) || exit
 case $all_hosts in slurm: | pbs:) ;; *) [ ! -f "$all_hosts" ] || { cat -- "$all_hosts" >"$temporary/hosts" || exit 3; } ;; esac
 {
 	# A signal to the process group does not reach gather then: this script ends it, when the log is removed.
-	beside assemble "$@"
+	assemble
 } &
 running=$!
 exec 4<&-
@@ -72,6 +72,10 @@ while [ $((round += 1)) -le 4 ] && [ -n "$(chosen </dev/null | head -c 1)" ]; do
 	wait $running
 	written=$? running=''
 	# 1 of verify: fragments did not come. What could not be written is not what hosts did not compute.
-	case $round,$written in 1,0 | [2-4],[01]) ;; *) say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"; exit 3 ;; esac
+	case $round,$written in
+	1,0 | [2-4],[01]) ;;
+	[2-4],2) break ;; # the log cannot be read: the report says so
+	*) say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"; exit 3 ;;
+	esac
 done
 chosen -r && exit $status

@@ -67,10 +67,14 @@ apart() {
 # replace FILE: puts standard input there when all of it has come; into a device, a pipe or an open descriptor at once. A link
 # stays, and the file that it leads to is replaced.
 replace() {
-	for to in 1 2 3 4 5 6 7 8 9; do
-		# shellcheck disable=SC3013  # dash has -ef
-		[ ! "$1" -ef "/dev/fd/$to" ] || { cat >&"$to"; return; }
-	done
+	case $([ ! -L "$1" ] || echo link),$1 in
+	link,* | ,/dev/* | ,/proc/*)
+		for to in 1 2 3 4 5 6 7 8 9; do
+			# shellcheck disable=SC3013  # dash has -ef
+			[ ! "$1" -ef "/dev/fd/$to" ] || { cat >&"$to"; return; }
+		done
+		;;
+	esac
 	[ ! -e "$1" ] || [ -f "$1" ] || [ -d "$1" ] || { cat >"$1"; return; } # a device or a pipe
 	to=$(readlink -f -- "$1") && [ ! -d "$to" ] && part=$(mktemp -- "$to.XXXXXX" 2>/dev/null) || return
 	{ cat >"$part" && chmod "$(printf %o $((0666 & ~0$(umask))))" "$part" && mv -f -- "$part" "$to"; } 2>/dev/null && return

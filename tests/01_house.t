@@ -201,7 +201,7 @@ lib=$(ls lib/*/*.[ch])
 		! grep -qE 'outfile_(open|put)|image_(save|out)|grid_file_cut|convert\(' "$c" || grep -qE 'input_(add|keep)|image_name_keep|convert\(' "$c" || echo "$c:1: does not ask whether an output is an input (base.h)"
 	done
 	for script in $(printf '%s\n' "$scripts" | grep '^bin/' | grep -v '^bin/protocol$'); do
-		! grep -qE '^[[:blank:]]o\) |replace "' "$script" || grep -qE 'apart o|beside assemble' "$script" || echo "$script:1: does not ask whether an output is an input (apart)"
+		! grep -qE '^[[:blank:]]o\) |replace "' "$script" || grep -qE 'apart o|gather .* -i ' "$script" || echo "$script:1: does not ask whether an output is an input (apart)"
 	done
 } >"$found"
 clean 'outputs are opened by base, and are no inputs'

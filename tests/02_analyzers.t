@@ -3,7 +3,7 @@
 . "$(dirname "$0")/lib.sh"
 needs clang-tidy cppcheck shellcheck
 cd "$root" || exit 3
-files=$(tests/reach analyzed) scripts=$(tests/reach scripts)
+files=$(tests/reach analyzed) && scripts=$(tests/reach scripts) || exit 3
 # shellcheck disable=SC2086  # a word each
 [ -z "$files" ] || ok 'cppcheck finds nothing' cppcheck -q -j2 --error-exitcode=1 --enable=warning,performance,portability \
 	--inline-suppr --suppress=uninitvar --suppress=normalCheckLevelMaxBranches --std=c11 -D_GNU_SOURCE '-D_Noreturn=__attribute__((noreturn))' -Ilib $files

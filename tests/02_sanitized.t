@@ -4,7 +4,8 @@
 . "$(dirname "$0")/lib.sh"
 needs clang /usr/include/cmocka.h
 . "$root/tests/builds.sh"
-units=$(tests/reach units) fuzzers=$(tests/reach fuzzers) programs=''
+units=$(tests/reach units) && fuzzers=$(tests/reach fuzzers) || exit 3
+programs=''
 # If a change reaches one stage of the pipeline, every stage is built.
 [ -z "$(tests/reach pipeline)" ] || programs=$(CHANGED='' tests/reach pipeline)
 targets=$(for name in $units; do echo "build/fuzz/unit/$name"; done

@@ -224,7 +224,7 @@ else
 	deal fan -1 -j 3 cropworker sh -c 'cat "$0" >/dev/stdout' "$tmp/eight.pgm" <eight.task 2>err | gather -o got.png
 	is 'and its standard output is open, without a message' "$(same got.png eight.pgm) $(cat err)" 'differing	0 '
 	run cropworker sh -c 'echo "${TMPDIR##*/}" >&2; exit 1' <eight.task
-	like 'its TMPDIR is a directory of the task' "$err" '^sh: task-[0-9]+$'
+	like 'its TMPDIR is a directory of the task' "$err" '^sh: task-[0-9A-Za-z]+$'
 fi
 
 # ---- failures --------------------------------------------------------------------------------------------------

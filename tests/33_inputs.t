@@ -29,6 +29,8 @@ gather -o back.png t.frags
 printf '%s\n' 'experiment	kind	method	x	x_unit	y	y_unit	sample	seed' 'a	real	m	1	1	2	s	1	0' >t.tsv
 echo : >hosts
 echo '0 0' >lines
+echo t.nff >names
+printf 'frame %s 8 8 job=1\n' 0 1 >frames
 # Each file also by a name that an output of the programs can have.
 for name in g.vtk:g1.png s.spec:s1.png t.nff:t1.png t.frags:f.png back.png:back1.png t.tsv:t.svg hosts:h1.png lines:l1.png g.vtk:b-0.vtk; do
 	ln -s "${name%:*}" "${name#*:}"
@@ -47,7 +49,7 @@ balance adaptive -j 1 -s 8x8 -w 1 -o t.png t.nff|t.partial.png
 balance adaptive -j 1 -s 8x8 -r t1.png -o a.png t.nff|-r t1.png
 balance adaptive -j 1 -s 8x8 -o s%d.png g.vtk s.spec s.spec|s1.png
 balance adaptive -j 1 -s 8x8 -o g%d.png g.vtk s.spec s.spec|g1.png
-balance adaptive -S hosts -s 8x8 -o h%d.png t.nff|h1.png
+balance adaptive -S hosts -s 8x8 -o h1.png t.nff|h1.png
 balance adaptive -j 1 -m lines -s 40x40 -o l1.png g.vtk s.spec|l1.png
 balance adaptive -j 1 -m lines -s 40x40 -o l%d.png g.vtk s.spec s.spec|l1.png
 balance adaptive -v .5 -j 2 -s 8x8 -o t1.png t.nff|t1.png
@@ -59,10 +61,11 @@ backdrop -s 40x40 -o g1.png g.vtk s.spec|g1.png
 gather -o f.png t.frags|f.png
 gather -o f.png <t.frags|f.png
 gather -o a.png -r f.png t.frags|t.frags
-gather -b back.png -o back%d.png t.frags|back1.png
+gather -b back.png -e frames -o back%d.png t.frags|back1.png
 gather -b back%d.png -o back1.png t.frags|back1.png
-gather -i t1.png -o t%d.png t.frags|t1.png
-gather -i t.nff -w 1 -o t.png t.frags|t.partial.png
+gather -i names -e frames -o t%d.png t.frags|t1.png
+gather -i names -w 1 -o t.png t.frags|t.partial.png
+balance adaptive -j 1 -s 8x8 -o t1.png - <t.nff|t1.png
 blend -o back1.png back.png|back1.png
 grid2pov g.vtk s.spec g1.png|g1.png
 gridcut -n 1,1,2 -o b-%d.vtk g.vtk|b-0.vtk
@@ -85,7 +88,7 @@ is 'and a preview is not written over it: status 3' "$status:$(cmp o.partial.png
 blend -o p.partial.pfm back.png && blend -o q.pfm p.partial.pfm q.pfm 2>said
 printf 'PF\n1 1\n-1.0\n%012d' 0 >q.partial.pfm && cp q.partial.pfm own.pfm
 for name in p q; do gather -w 60 -o $name.pfm t.frags; done
-is 'of a PFM, the size tells' "$(ls ./*.partial.pfm):$(cmp q.partial.pfm own.pfm && echo same)" ./q.partial.pfm:same
+is 'of a PFM, the width tells' "$(ls ./*.partial.pfm):$(cmp q.partial.pfm own.pfm && echo same)" ./q.partial.pfm:same
 
 # ---- outputs that are open descriptors
 # both COMMAND: its output lands between two lines

@@ -52,7 +52,7 @@ while [ "$at" -le "$end" ]; do
 	if [ "$at" -gt 0 ] && [ "$at" -lt "$(head -n 1 small | wc -c)" ]; then
 		partition -r cut 16x4 >none 2>said && bad="$bad $at:taken"
 		rtworker tetra.nff <tasks 2>said | gather -r cut -o out.pfm 2>said && bad="$bad $at:gathered"
-		[ "$(wc -c <cut)" -eq "$at" ] && [ ! -e out.pfm ] || bad="$bad $at:changed"
+		[ "$(wc -c <"cut")" -eq "$at" ] && [ ! -e out.pfm ] || bad="$bad $at:changed"
 		at=$((at + 3))
 		continue
 	fi

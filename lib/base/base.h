@@ -58,9 +58,9 @@ bool err_at(char err[ERR_BYTES], const char *file, size_t line, const char *fmt,
 /* A path for messages: a long one without its beginning. */
 const char *err_path(char out[ERR_PATH], const char *path);
 const char *err_word(char out[ERR_WORD], const void *word, size_t n);
-/* The bytes of the character at s, where n bytes are; 0: it is a control character, which a
+/* The bytes of the character at text, where n bytes are; 0: it is a control character, which a
  * terminal would obey, or no UTF-8. XML has neither. (printable.c) */
-size_t utf8_shown(const void *s, size_t n);
+size_t utf8_shown(const void *text, size_t n);
 /* Copies s to out, of `room` bytes, where bytes for which that is 0 become \x1b. What has no room
  * is left out. Returns the length. */
 size_t text_shown(char *out, size_t room, const char *s);

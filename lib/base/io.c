@@ -34,7 +34,7 @@ int read_open(const char **name)
 {
     int fd = input_open(*name);
     if (fd < 0) die(ST_USAGE, "%s:", *name);
-    if (fd == STDIN_FILENO) *name = "standard input";
+    if (strcmp(*name, "-") == 0) *name = "standard input";
     return fd;
 }
 

@@ -6,32 +6,43 @@
 #include "crop/crop.h"
 #include "proc/proc.h"
 
+#include <dirent.h>
 #include <errno.h>
-#include <ftw.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#define OPEN_MOST 16 /* directories open at a time */
+#define DEPTH_MOST 400 /* directories within directories: each is open meanwhile */
 #define TRIES 50
 #define PAUSE_NS 100000000
 
-static int remove_one(const char *path, const struct stat *st, int kind, struct FTW *at)
+/*
+ * Removes the entry `name` of the directory `in`, with all that is in it. A command that is still
+ * there may exchange a directory for a link meanwhile, so each step goes from an open directory and
+ * follows no link. Returns 0, or -1 with errno.
+ */
+static int remove_entry(int in, const char *name, int depth)
 {
-    (void)st, (void)kind, (void)at;
-    return remove(path) == 0 || errno == ENOENT ? 0 : -1;
-}
-
-/* A directory may have been made unwritable. */
-static int open_one(const char *path, const struct stat *st, int kind, struct FTW *at)
-{
-    (void)st, (void)at;
-    if (kind == FTW_D || kind == FTW_DNR) (void)!chmod(path, 0700);
-    return 0;
+    char self[64];
+    int at = openat(in, name, O_PATH | O_NOFOLLOW | O_DIRECTORY | O_CLOEXEC);
+    if (at < 0) return errno == ENOTDIR || errno == ELOOP ? unlinkat(in, name, 0) : -1;
+    snprintf(self, sizeof self, "/proc/self/fd/%d", at);
+    (void)!chmod(self, 0700); /* it may have been made unwritable */
+    int fd = openat(at, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    close(at);
+    DIR *d = fd < 0 ? NULL : fdopendir(fd);
+    if (!d && fd >= 0) close(fd);
+    for (const struct dirent *e; d && depth < DEPTH_MOST && (e = readdir(d)) != NULL;)
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0)
+            remove_entry(dirfd(d), e->d_name, depth + 1);
+    if (d) closedir(d);
+    return unlinkat(in, name, AT_REMOVEDIR);
 }
 
 void crop_rename(const char *name)
@@ -43,11 +54,7 @@ void crop_rename(const char *name)
     for (size_t i = 0; i < room; i++) word[i] = i < n ? name[i] : '\0';
 }
 
-int crop_remove(const char *path)
-{
-    nftw(path, open_one, OPEN_MOST, FTW_PHYS);
-    return nftw(path, remove_one, OPEN_MOST, FTW_PHYS | FTW_DEPTH);
-}
+int crop_remove(const char *path) { return remove_entry(AT_FDCWD, path, 0); }
 
 /* Makes the directory, prints its name or an errno, and waits for the end of standard input. */
 static int clean_up(void *ctx)

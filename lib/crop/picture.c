@@ -72,11 +72,11 @@ int crop_draw(const struct crop_command *c, const struct crop_rect *at, struct i
     char own[4000], path[4096];
     struct buf bytes = {0};
     bool file = crop_uses(c->words, "o");
-    snprintf(own, sizeof own, "%s/task-%ld", c->scratch, (long)getpid());
+    /* A new one for each task: something of the last one may be there still. */
+    snprintf(own, sizeof own, "%s/task-XXXXXX", c->scratch);
+    if (!mkdtemp(own)) return err_set(err, "%s: %s", own, strerror(errno)) - 1;
     /* The suffix makes no difference here; some programs take it for the format. */
     snprintf(path, sizeof path, "%s/out.png", own);
-    crop_remove(own); /* of a killed process with the same number */
-    if (mkdir(own, 0700) != 0) return err_set(err, "%s: %s", own, strerror(errno)) - 1;
     char **words = crop_words(c->words, at, c->first, path);
     size_t most = bytes_most(at->frame_w, at->frame_h);
     const struct crop_place place = {c->files, c->confined ? own : NULL};

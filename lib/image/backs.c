@@ -37,7 +37,7 @@ void image_backs_add(struct image_backs *b, const char *name, bool numbered)
     b->back = xrealloc(b->back, (size_t)b->n + 1, sizeof *b->back);
     struct image_back *k = &b->back[b->n++];
     *k = (struct image_back){.name = name, .numbered = numbered};
-    if (numbered) image_name_each(name, 0, UINT32_MAX, note);
+    if (numbered) image_name_each(name, note);
     else note(name);
     if (numbered) return;
     if (image_read(name, &k->im, err) != 0) die(ST_USAGE, "%s: %s", name, err);

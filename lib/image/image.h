@@ -141,11 +141,11 @@ void image_compare(const struct image *a, const struct image *b, double toleranc
 enum image_naming { IMAGE_NAME_BAD, IMAGE_NAME_SINGLE, IMAGE_NAME_NUMBERED };
 enum image_naming image_name_check(const char *pattern);
 char *image_name(const char *pattern, uint32_t frame); /* the caller frees */
-/* Calls file() for each file that is there and has such a name, with a number from first to last,
- * if the number is in the last component; otherwise for the name of number `first`. */
+/* Calls file() for each file that is there and has such a name, if its number is in the last
+ * component. */
 typedef void (*image_name_file)(const char *name);
-void image_name_each(const char *pattern, uint32_t first, uint32_t last, image_name_file file);
-/* Dies with status 2 if one of these files is an input (base.h): better now than at its turn. */
+void image_name_each(const char *pattern, image_name_file file);
+/* Dies with status 2 if a file of these names is an input (base.h): better now than at its turn. */
 void image_name_keep(const char *pattern, uint32_t first, uint32_t last);
 
 /* Where a program puts its pictures. */
@@ -308,7 +308,7 @@ int image_preview_wait_ms(const struct image_preview *p, const struct assembly *
  * every_us later, or when previews have taken a tenth of the time. Returns NULL; or with errno the
  * name of a file that could not be written, which the caller frees. No preview is due after that.
  * A file of that name that is no preview is not replaced: EEXIST. A preview of an earlier run is
- * a picture as gather writes it: of that size, and a PNG has a job.
+ * a picture as gather writes it: of that width, and a PNG has a job.
  */
 char *image_preview_put(struct image_preview *p, const struct assembly *a);
 /* Removes the preview of this picture, also that of an earlier run. */

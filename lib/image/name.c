@@ -74,23 +74,27 @@ static int64_t number_in(const char *pattern, const char *name)
     char fill, digits[12];
     int width;
     size_t same = 0;
-    int64_t v;
+    int64_t v = -1;
     const char *number = pattern;
     for (; *number && (number[0] != '%' || number[1] == '%'); same++)
         number += number[0] == '%' ? 2 : 1;
-    if (strnlen(name, same) < same || !number_at(number, &fill, &width)) return -1;
-    const char *at = name + same + strspn(name + same, " ");
-    size_t n = strspn(at, "0123456789");
-    while (n > 1 && *at == '0') at++, n--;
-    snprintf(digits, sizeof digits, "%.*s", n < sizeof digits ? (int)n : 0, at);
-    if (!parse_int(digits, 0, UINT32_MAX, &v)) return -1;
+    const size_t n = strlen(name), skip = number_at(number, &fill, &width);
+    char *rest = image_name(number + skip, 0);
+    if (same + strlen(rest) < n) {
+        const char *end = name + n - strlen(rest), *at = name + same;
+        while (at + 1 < end && (*at == ' ' || *at == '0')) at++;
+        snprintf(digits, sizeof digits, "%.*s", (int)(end - at), at);
+        if (end - at >= (ptrdiff_t)sizeof digits || !parse_int(digits, 0, UINT32_MAX, &v)) v = -1;
+    }
+    free(rest);
+    if (v < 0) return -1;
     char *made = image_name(pattern, (uint32_t)v);
     bool is = strcmp(made, name) == 0;
     free(made);
     return is ? v : -1;
 }
 
-void image_name_each(const char *pattern, uint32_t first, uint32_t last, image_name_file file)
+void image_name_each(const char *pattern, image_name_file file)
 {
     const char *slash = strrchr(pattern, '/'), *base = slash ? slash + 1 : pattern;
     struct buf dir = {0};
@@ -100,22 +104,21 @@ void image_name_each(const char *pattern, uint32_t first, uint32_t last, image_n
     DIR *d = image_name_check(base) == IMAGE_NAME_NUMBERED ? opendir(in) : NULL;
     for (const struct dirent *e; d && (e = readdir(d)) != NULL;) {
         const int64_t v = number_in(base, e->d_name);
-        if (v < first || v > last) continue;
+        if (v < 0) continue;
         char *name = image_name(pattern, (uint32_t)v);
         file(name);
         free(name);
     }
     if (d) closedir(d);
-    else {
-        char *name = image_name(pattern, first);
-        file(name);
-        free(name);
-    }
     free(in);
     buf_free(&dir);
 }
 
 void image_name_keep(const char *pattern, uint32_t first, uint32_t last)
 {
-    image_name_each(pattern, first, last, input_keep);
+    for (uint64_t v = first; v <= last; v++) {
+        char *name = image_name(pattern, (uint32_t)v);
+        input_keep(name);
+        free(name);
+    }
 }

@@ -79,7 +79,8 @@ static void read_header(struct reader *r)
     size_t row = png_get_rowbytes(r->png, r->info);
     if (row * h / DEFLATE_RATIO_MAX > r->n)
         png_error(r->png, "it is too short for the size it declares");
-    if (r->clear && !png_get_valid(r->png, r->info, PNG_INFO_tRNS))
+    bool alpha = png_get_color_type(r->png, r->info) & PNG_COLOR_MASK_ALPHA;
+    if (r->clear && !alpha && !png_get_valid(r->png, r->info, PNG_INFO_tRNS))
         png_error(r->png, "a tRNS chunk that does not fit");
     if (png_get_valid(r->png, r->info, PNG_INFO_sRGB)) /* also by a profile that libpng knows */
         r->curve = CURVE_SRGB;
@@ -162,9 +163,11 @@ static bool find_statements(struct reader *r)
         r->clear |= is_chunk(p + at, "tRNS");
         if (!is_chunk(p + at, "gAMA")) continue;
         uint32_t gamma = data == 4 ? png_get_uint_32(p + at + 8) : 0;
-        if (gamma == 0 || gamma > PNG_UINT_31_MAX || r->curve != CURVE_UNSTATED)
+        const double curve = gamma == PNG_GAMMA_LINEAR ? 1.0 : 1.0 * PNG_GAMMA_LINEAR / gamma;
+        bool other = r->curve != CURVE_UNSTATED && r->curve != curve;
+        if (gamma == 0 || gamma > PNG_UINT_31_MAX || other)
             return image_fail(r->err, "damaged PNG: gAMA, expected one, above 0") == 0;
-        r->curve = gamma == PNG_GAMMA_LINEAR ? 1.0 : 1.0 * PNG_GAMMA_LINEAR / gamma;
+        r->curve = curve;
     }
     if (srgb) r->curve = CURVE_SRGB;
     return true;

@@ -33,7 +33,7 @@ static char *name_of(const struct image_preview *p, const struct assembly_frame 
     return name;
 }
 
-/* False if a file that no gather wrote would be lost: a picture of another size, or without a job.
+/* False if a file that no gather wrote would be lost: a picture of another width, or without a job.
  */
 static bool may_replace(
     const struct image_preview *p, const char *name, const struct assembly_frame *f)
@@ -47,9 +47,7 @@ static bool may_replace(
     if (fd >= 0) close(fd);
     if (p->out->format == IMAGE_PNG) return n > 0 && memmem(begin, (size_t)n, job, sizeof job);
     int bytes = snprintf(size, sizeof size,
-        p->out->format == IMAGE_PAM ? "P7\nWIDTH %" PRIu32 "\nHEIGHT %" PRIu32 "\n"
-                                    : "PF\n%" PRIu32 " %" PRIu32 "\n",
-        f->have.w, f->have.h);
+        p->out->format == IMAGE_PAM ? "P7\nWIDTH %" PRIu32 "\n" : "PF\n%" PRIu32 " ", f->have.w);
     return n >= bytes && memcmp(begin, size, (size_t)bytes) == 0;
 }
 

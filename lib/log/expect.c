@@ -1,7 +1,6 @@
 /* Pictures that were expected and are missing; fragments that cannot be used, or came twice. */
 #include "log/log.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <string.h>
 
@@ -148,24 +147,21 @@ static bool expect(struct intake *in, const struct record *r)
                ASSEMBLY_TAKEN;
 }
 
-int intake_expect(struct intake *in, const char *path, char why[LOG_WHY])
+int intake_expect(struct intake *in, const char *name, const struct buf *frames, char why[LOG_WHY])
 {
-    struct buf text = {0};
     struct decoder d = {0};
     struct record r;
     enum wire_result got;
-    int odd = read_file(path, &text);
-    if (odd) snprintf(why, LOG_WHY, "%s: %s", path, strerror(errno));
-    wire_feed(&d, buf_data(&text), buf_size(&text));
+    int odd = 0;
+    wire_feed(&d, buf_data(frames), buf_size(frames));
     wire_end(&d);
     while (!odd && (got = wire_next(&d, &r)) != WIRE_MORE) {
         odd = got == WIRE_RECORD ? !expect(in, &r) : 1;
         if (odd && got == WIRE_RECORD)
             snprintf(why, LOG_WHY, "%s: `%.*s`, expected `frame F W H job=HASH` as it was rendered",
-                path, r.line_len < 80 ? (int)r.line_len : 80, r.line);
-        else if (odd) snprintf(why, LOG_WHY, "%s: %s", path, d.why);
+                name, r.line_len < 80 ? (int)r.line_len : 80, r.line);
+        else if (odd) snprintf(why, LOG_WHY, "%s: %s", name, d.why);
     }
     wire_free(&d);
-    buf_free(&text);
     return odd;
 }

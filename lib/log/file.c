@@ -54,7 +54,11 @@ void log_append(struct log_file *l, const struct record *r)
 int log_flush(struct log_file *l)
 {
     if (l->fd < 0) return 0;
+    const bool first = lseek(l->fd, 0, SEEK_END) == 0;
     int failed = write_full(l->fd, buf_data(&l->pending), buf_size(&l->pending));
+    const int err = errno;
+    if (failed && first) (void)!ftruncate(l->fd, 0); /* a part of a line is no log */
+    errno = err;
     buf_consume(&l->pending, buf_size(&l->pending));
     if (failed) close_keeping_errno(&l->fd);
     return failed;
@@ -82,8 +86,8 @@ static void survey(void *ctx, const struct record *r)
     if (whole) assembly_release(&in->parts, whole);
 }
 
-/* The first line is a record with its sum: a hello, or a loss before the first one. Otherwise a text
- * with a record in it, such as a letter about logs, would be a log, and pixels would be appended. */
+/* The first line is a record with its sum: a hello, or a loss before the first one. Otherwise a
+ * text with a record in it, such as a letter about logs, would be a log and get pixels. */
 static bool begins_as_log(int fd)
 {
     char text[WIRE_LINE_MAX];

@@ -91,11 +91,11 @@ bool intake_piped(char *const *inputs);
  * and prints that, if a run that was `piped` here had slots of different jobs. */
 bool intake_report_bye(const struct intake *in, const char *why, bool piped);
 /*
- * The file at `path` has a record `frame F W H job=HASH` for each picture that is expected.
- * Declares those without any record so far. Returns 0; else why names the error: in the file, or a
- * picture of another job or size.
+ * The file `name`, with these bytes, has a record `frame F W H job=HASH` for each picture that is
+ * expected. Declares those without any record so far. Returns 0; else why names the error: in the
+ * file, or a picture of another job or size.
  */
-int intake_expect(struct intake *in, const char *path, char why[LOG_WHY]);
+int intake_expect(struct intake *in, const char *name, const struct buf *frames, char why[LOG_WHY]);
 
 /* True if fragments of a frame without a declaration remain: its frame record was lost. */
 bool intake_orphaned(const struct intake *in);
