@@ -29,6 +29,9 @@ gather -m gears.frags >big; nff2pov gears.nff >big|nff2pov: standard output: Fil
 balance interleaved -j 2 -o big.png gears.nff|gather: big.png: File too large
 balance calibrate -n 1 -s 16x16 gears.nff|pack: standard output: File too large
 END
+run prlimit --fsize=20 gather -r cut.log -o cut.png gears.frags
+is 'a log whose first write failed is empty, not a part of a line' "$status:$(wc -c <cut.log)" 3:0
+ok 'so the same command goes on' gather -r cut.log -o cut.png gears.frags
 run sh -c "ulimit -f 1; views -n 9 -o big-%d.spec '$view' '$view'"
 like 'views: exit 3, and why' "$status:$err" '^3:.*File too large'
 run sh -c 'ulimit -f 1; balance interleaved -j 1 -o big.png - <gears.nff'

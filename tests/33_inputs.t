@@ -90,6 +90,13 @@ printf 'PF\n1 1\n-1.0\n%012d' 0 >q.partial.pfm && cp q.partial.pfm own.pfm
 for name in p q; do gather -w 60 -o $name.pfm t.frags; done
 is 'of a PFM, the width tells' "$(ls ./*.partial.pfm):$(cmp q.partial.pfm own.pfm && echo same)" ./q.partial.pfm:same
 
+printf 'P6 8 12 255\n' >high.ppm && head -c 288 /dev/zero >>high.ppm
+for again in 1 2; do run gather -w 60 -b high.ppm -o r.pam part.frags; done
+is 'the preview of an earlier run, under a caption, is replaced' "$status:$(ls r.*)" 1:r.partial.pam
+for at in 0 1; do cp back.png c${at}0.png; done
+gather -b 'c%d0.png' -e frames -o c10.png t.frags 2>said
+is 'a backdrop of a later frame, with a digit behind the number' "$?:$(cut -d : -f 2- said)" '2: c10.png: is also a backdrop, expected another file'
+
 # ---- outputs that are open descriptors
 # both COMMAND: its output lands between two lines
 both() { { echo before; sh -c "$1"; echo after; } >all; printf '%s %s %s' "$(head -n 1 all)" "$(tail -n 1 all | grep -ac 'after$')" "$(wc -c <all)"; }
@@ -99,6 +106,8 @@ bytes=$(($(wc -c <want.png) + 13))
 for out in o1 o2 o3; do is "gather -o, a link to standard output: $out" "$(both "gather -o $out.png t.frags")" "before 1 $bytes"; done
 is 'balance -o: the same' "$(both 'balance masterslave -j 1 -s 8x8 -o o3.png t.nff')" "before 1 $bytes"
 chart -o want.svg t.tsv
+cp want.svg own.svg && echo more >>own.svg
+is 'chart -o: a file that is open for reading is replaced' "$(chart -o own.svg t.tsv 3<own.svg 2>&1)$(cmp own.svg want.svg && echo same)" same
 is 'chart -o: the same' "$(both 'chart -o o.svg t.tsv')" "before 1 $(($(wc -c <want.svg) + 13))"
 grid2pov g.vtk s.spec want.df3 >/dev/null
 is 'grid2pov, /dev/fd/3' "$(both 'grid2pov g.vtk s.spec /dev/fd/3 3>&1 >/dev/null')" "before 1 $(($(wc -c <want.df3) + 13))"

@@ -297,6 +297,32 @@ static void test_statements_that_libpng_leaves_out(void **state)
     }
 }
 
+/* What libpng leaves out without a loss: a tRNS where pixels have alpha, and a gAMA said twice. */
+static void test_statements_without_a_meaning(void **state)
+{
+    (void)state;
+    static const unsigned char gamma[] = "\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f",
+                               clear[] = "\0\0\0\1tRNS\7\xee\x7d\x5c\xb3";
+    struct image im;
+    char err[IMAGE_ERR];
+    for (int i = 0; i < 2; i++) {
+        struct bytes b = make_png(&(struct kind){
+            i ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, 8, 0, i ? 0 : 100000, false, 0});
+        unsigned char chunk[16];
+        const size_t n = i ? 13 : 16, place = 33;
+        memcpy(chunk, i ? clear : gamma, n);
+        png_save_uint_32(chunk + n - 4, (png_uint_32)crc32(0, chunk + 4, (unsigned)n - 8));
+        b.p = realloc(b.p, b.n + n);
+        assert_non_null(b.p);
+        memmove(b.p + place + n, b.p + place, b.n - place);
+        memcpy(b.p + place, chunk, n);
+        b.n += n;
+        if (decoded(b, &im, err) != 0) fail_msg("%s", err);
+        image_free(&im);
+        free(b.p);
+    }
+}
+
 /* Decodes pixel 1, a grey one, for a caller with this rule; below 0: it is refused, and says so. */
 static double grey(struct bytes b, enum image_deep deep)
 {
@@ -425,6 +451,7 @@ int main(void)
         cmocka_unit_test(test_png_of_every_kind),
         cmocka_unit_test(test_damaged_png),
         cmocka_unit_test(test_statements_that_libpng_leaves_out),
+        cmocka_unit_test(test_statements_without_a_meaning),
         cmocka_unit_test(test_unstated_curves),
         cmocka_unit_test(test_png_bomb),
         cmocka_unit_test(test_png_inspect),
