@@ -254,7 +254,8 @@ refused 'balance: a bad grid behind a good one' 'vcworker: bad.vtk:' balance ds 
 refused 'balance: no specification' 'balance: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
 refused 'balance: no grid' 'vcworker: one.spec:1: no VTK' balance ds -o x.png one.spec two.spec
 refused 'balance: one name for two' 'balance: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
-refused 'balance: the picture over a specification' 'balance: -o two.spec: is' balance ds -o two.spec a.vtk one.spec two.spec
+ln -s one.spec one.png
+refused 'balance: the picture over a specification' 'gather: one.png: is also an input' balance ds -o one.png a.vtk one.spec
 refused 'balance -W -n' 'vcworker: -[in]: expected one of' balance ds -W -n -o x.png a.vtk one.spec
 said() { { "$@" | timeout 800 vcworker >/dev/null; } 2>&1; }
 like 'a task before any grid' "$(said partition 2x2)" 'no grid, expected a .grid. record before the first task'
