@@ -91,7 +91,7 @@ for name in p q; do gather -w 60 -o $name.pfm t.frags; done
 is 'of a PFM, the width tells' "$(ls ./*.partial.pfm):$(cmp q.partial.pfm own.pfm && echo same)" ./q.partial.pfm:same
 
 printf 'P6 8 12 255\n' >high.ppm && head -c 288 /dev/zero >>high.ppm
-for again in 1 2; do run gather -w 60 -b high.ppm -o r.pam part.frags; done
+for _ in 1 2; do run gather -w 60 -b high.ppm -o r.pam part.frags; done
 is 'the preview of an earlier run, under a caption, is replaced' "$status:$(ls r.*)" 1:r.partial.pam
 for at in 0 1; do cp back.png c${at}0.png; done
 gather -b 'c%d0.png' -e frames -o c10.png t.frags 2>said
