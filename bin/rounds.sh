@@ -1,6 +1,10 @@
 # shellcheck shell=sh disable=SC2034,SC2154  # balance, which reads this, uses and sets them
-# balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
-# once more. It uses balance's variables and functions, its arguments, which are files, and the stream on descriptor 4.
+# balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its pieces
+# once more. It uses of balance
+#     its arguments, which are files, and the stream on descriptor 4
+#     method log share frames pack renderer worker; all_slots or, if not empty, all_hosts
+#     assemble, which becomes gather; state FILE ...; one_each METHOD
+# and sets temporary running kept alone log seed round number.
 exec 5>&-
 temporary='' running='' kept=$log
 [ -n "$kept" ] || alone=y
@@ -37,11 +41,8 @@ if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then
 	exit $status
 fi
 
-# The picture is complete. The pieces that another host computes again are drawn only now, so that no worker can predict
-# them. If two hosts differ, further hosts decide which is wrong. The first round waits for no host: deal -e gives the
-# share of a slow host to others, which may be the very host that is checked. The next rounds are for the pieces that this
-# leaves unchecked. There each piece stays with its host, which has time as long as fragments come. Hosts that did not
-# deliver are asked last.
+# The picture is complete. The pieces are drawn only now, so that no worker can predict them. Each goes to another host. If
+# two hosts differ, a third one is asked about that piece; if a host does not deliver, another one is.
 if [ -f "$temporary/hosts" ]; then
 	if cat -- "$all_hosts" >"$temporary/now" && fan -l -S "$temporary/now" >/dev/null; then mv "$temporary/now" "$temporary/hosts"
 	else say "balance: -v: $all_hosts has become unusable: the hosts of the beginning verify"
@@ -49,33 +50,30 @@ if [ -f "$temporary/hosts" ]; then
 	all_hosts=$temporary/hosts
 fi
 seed=$(od -An -N7 -tu8 /dev/urandom | tr -d ' ') && [ -n "$seed" ] || exit 3
-# chosen [-r]: prints state and the tasks of the next round; -r: reports on all rounds
-chosen() {
+# checked [-r]: prints state and the tasks of the next round; -r: reports on all rounds
+checked() {
 	number=0
 	set -- "$@" "$share" "$log"
 	while [ $((number += 1)) -lt $round ]; do set -- "$@" "$temporary/$number"; done
 	if [ -n "$all_hosts" ]; then verify -S "$all_hosts" -s "$seed" "$@"; else verify -j "$all_slots" -s "$seed" "$@"; fi
 }
-# again DEAL ...: runs the workers
-again() {
+# computed: turns these tasks into fragments
+computed() {
 	# shellcheck disable=SC2046,SC2086
-	if [ -n "$all_hosts" ]; then exec "$@" fan $(one_each "$method") ${pack:+-z "$pack"} -S "$all_hosts" $renderer $worker
-	else exec "$@" fan $(one_each "$method") -j "$all_slots" $renderer $worker
+	if [ -n "$all_hosts" ]; then exec fan $(one_each "$method") ${pack:+-z "$pack"} -S "$all_hosts" $renderer $worker
+	else exec fan $(one_each "$method") -j "$all_slots" $renderer $worker
 	fi
 }
 round=0
-while [ $((round += 1)) -le 4 ] && [ -n "$(chosen </dev/null | head -c 1)" ]; do
-	if [ $round -eq 1 ]; then state "$@" | chosen | again deal -q auto -e 6<&- | cat >"$temporary/$round" 2>/dev/null &
-	else state "$@" | chosen | again deal 6<&- | verify -t 20 "$log" >"$temporary/$round" 6<&- &
-	fi
+while [ $((round += 1)) -le 4 ] && [ -n "$(checked </dev/null | head -c 1)" ]; do
+	# A host that hangs ends the round, and its pieces go to others. cat says whether there was room.
+	state "$@" | checked | computed 6<&- | verify -t 20 "$log" 6<&- | cat >"$temporary/$round" 2>/dev/null &
 	running=$!
-	wait $running
-	written=$? running=''
-	# 1 of verify: fragments did not come. What could not be written is not what hosts did not compute.
-	case $round,$written in
-	1,0 | [2-4],[01]) ;;
-	[2-4],2) break ;; # the log cannot be read: the report says so
-	*) say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"; exit 3 ;;
-	esac
+	wait $running || {
+		running=''
+		say "balance: $temporary: the checks cannot be written, expected TMPDIR to name a directory with more room"
+		exit 3
+	}
+	running=''
 done
-chosen -r && exit $status
+checked -r && exit $status

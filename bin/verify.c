@@ -10,7 +10,9 @@
 #include "verify/verify.h"
 #include "wire/wire.h"
 
+#include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -26,12 +28,6 @@ struct options {
     int64_t seconds;   /* -t: passes fragments on; 0: no */
     double fraction;   /* of the fragments */
     char **files;      /* the log, then checks; NULL ends them */
-};
-
-struct program {
-    struct verify v;
-    struct hosts hosts;
-    struct verify_hosts places;
 };
 
 /* After reading a log: result, why and errno as log_read_path leaves them. */
@@ -50,10 +46,11 @@ static void write_tasks(const struct verify *v, const struct frame_size *f)
     struct verify_frame *own = frames_extra(&v->frames, f);
     char job[sizeof own->job + 4];
     struct buf b = {0};
-    struct task t;
-    if (own->tasks_written) return;
     snprintf(job, sizeof job, "job=%s", own->job);
-    for (uint32_t from = 0; verify_request(v, f->frame, &from, &t);) {
+    for (uint32_t i = own->tasks_written ? 0 : own->first; i; i = v->piece[i - 1].next) {
+        const struct verify_piece *p = &v->piece[i - 1];
+        const struct task t = {f->frame, i - 1, p->at, verify_next(v, p), 0};
+        if (t.to < 0) continue;
         if (!own->tasks_written) wire_frame(&b, f->frame, f->w, f->h, *own->job ? job : "");
         own->tasks_written = true;
         wire_task(&b, &t);
@@ -90,45 +87,77 @@ static void pass_state(struct verify *v)
 
 /* ---- the report ------------------------------------------------------------------------------ */
 
-static void report_part(const struct program *p, const struct verify_part *part)
+static void report_piece(const struct verify *v, const struct verify_piece *p)
 {
     struct buf b = {0};
-    verify_describe(part, &p->places, &b);
+    verify_describe(v, p, &b);
     warn("%.*s", (int)buf_size(&b), (const char *)buf_data(&b));
     buf_free(&b);
 }
 
-static int report(const struct program *p)
+static int report(const struct verify *v)
 {
-    const struct verify *v = &p->v;
-    const struct verify_count count = verify_counted(v);
-    int lines = 0;
-    for (uint32_t i = 0; i < v->n && lines < LINES_MOST; i++) {
-        if (verify_judge(&v->part[i]) != VERIFY_DIFFERENT) continue;
-        report_part(p, &v->part[i]);
-        lines++;
+    uint32_t count[VERIFY_DIFFERENT + 1] = {0};
+    for (uint32_t i = 0; i < v->n; i++) {
+        enum verify_verdict verdict = verify_judge(&v->piece[i]);
+        if (verdict == VERIFY_DIFFERENT && count[verdict] < LINES_MOST)
+            report_piece(v, &v->piece[i]);
+        count[verdict]++;
     }
-    warn("%" PRIu32 " of %" PRIu32 " pieces were computed again on another %s: %" PRIu32
+    warn("%" PRIu32 " of %" PRIu64 " pieces were computed again on another %s: %" PRIu32
          " differ, %" PRIu32 " could not be computed",
-        v->pieces - count.unchecked, v->seen, p->places.several ? "host" : "slot of the only host",
-        count.different, count.unchecked);
-    return count.different || count.unchecked ? ST_PARTIAL : ST_OK;
+        v->n - count[VERIFY_UNCHECKED], v->seen, v->several ? "host" : "slot of the only host",
+        count[VERIFY_DIFFERENT], count[VERIFY_UNCHECKED]);
+    return v->n > count[VERIFY_AGREED] ? ST_PARTIAL : ST_OK;
 }
 
-/* ---- patience -------------------------------------------------------------------------------- */
+/* ---- the stream of a check, which may stall -------------------------------------------------- */
+
+struct passing {
+    int64_t patience_us, until_us; /* a fragment must come until then */
+};
+
+static void pass_record(void *ctx, const struct record *r)
+{
+    struct passing *p = ctx;
+    struct buf b = {0};
+    if (r->kind == REC_FRAG) p->until_us = now_us() + p->patience_us;
+    wire_forward(&b, r, NULL, NULL);
+    put_stdout_buf(&b);
+    buf_free(&b);
+}
+
+/* Before each read. A sender that hangs may still send beats, or a byte now and then. */
+static void await(void *ctx, int fd)
+{
+    const struct passing *p = ctx;
+    for (int n = 0; n <= 0;) {
+        int64_t left_ms = (p->until_us - now_us() + 999) / 1000;
+        if (left_ms <= 0) {
+            warn("no fragment came for %" PRId64 " s: the missing ones are not waited for",
+                p->patience_us / 1000000);
+            close_stdout();
+            exit(ST_PARTIAL);
+        }
+        n = poll(
+            &(struct pollfd){fd, POLLIN, 0}, 1, left_ms < INT32_MAX ? (int)left_ms : INT32_MAX);
+        if (n < 0 && errno != EINTR) die(ST_SYSTEM, "poll:");
+    }
+}
 
 static int pass_fragments(const char *log, int64_t seconds)
 {
     char why[LOG_WHY];
     int64_t longest_us;
     check_read(log_longest_us(log, INT64_MAX / 2 / PATIENCE_TIMES, &longest_us, why), log, why);
-    const int64_t patience_us = seconds * 1000000 + PATIENCE_TIMES * longest_us;
-    int ended = log_pass(STDIN_FILENO, patience_us, put_stdout);
-    if (ended < 0) die(ST_SYSTEM, "standard input:");
-    if (ended) return ST_OK;
-    warn("no fragment came for %" PRId64 " s: the missing ones are not waited for",
-        patience_us / 1000000);
-    return ST_PARTIAL;
+    struct passing p = {.patience_us = seconds * 1000000 + PATIENCE_TIMES * longest_us};
+    const struct log_reader reader = {pass_record, await, &p};
+    struct intake in = {0};
+    p.until_us = now_us() + p.patience_us;
+    int failed = log_read(&in, STDIN_FILENO, "standard input", &reader);
+    check_read(failed < 0 ? -2 : failed, "standard input", in.why);
+    intake_free(&in);
+    return ST_OK;
 }
 
 /* ---------------------------------------------------------------------------------------------- */
@@ -179,21 +208,20 @@ static const char **find_hosts(struct hosts *hosts, const struct options *o)
 
 static int check_pieces(const struct options *o)
 {
-    struct program p = {0};
+    struct verify v;
+    struct hosts hosts = {0};
     char why[LOG_WHY];
     const char *name;
     int status = ST_OK;
-    const char **names = find_hosts(&p.hosts, o);
-    verify_hosts_init(&p.places, names, p.hosts.slots);
-    verify_init(&p.v, o->seed, o->fraction, p.places.place_of, p.hosts.slots, p.places.places);
-    int failed = verify_read(&p.v, &p.places, o->files, &name, why);
-    check_read(failed, name, why);
-    if (o->reports) status = report(&p);
-    else pass_state(&p.v);
-    verify_free(&p.v);
-    verify_hosts_free(&p.places);
+    const char **names = find_hosts(&hosts, o);
+    verify_init(&v, o->seed, o->fraction, names, hosts.slots);
     free(names);
-    hosts_free(&p.hosts);
+    hosts_free(&hosts);
+    int failed = verify_read(&v, o->files, &name, why);
+    check_read(failed, name, why);
+    if (o->reports) status = report(&v);
+    else pass_state(&v);
+    verify_free(&v);
     return status;
 }
 

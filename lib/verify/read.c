@@ -1,128 +1,190 @@
-/* Reading the log and the checks, in the order that verify.h states. */
+/* Reading the log and the checks: pieces and their results. */
 #include "verify/verify.h"
-#include "wire/wire.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* The current purpose of reading a file. */
-enum phase { CHOOSE, CUT, FIRST, AGAIN };
+enum { SEED_CHOICE = 0, SEED_SUM = 1 }; /* each kind of random number has its own */
 
 struct reading {
     struct verify *v;
-    struct verify_hosts *hosts;
-    int32_t *place; /* by slot, as frame records of the run say; -1: not said */
-    size_t slots;
-    bool elsewhere; /* this run has a slot that is not on the only host */
-    enum phase phase;
-    uint32_t runs, run; /* of the log: all; begun in phase FIRST */
+    struct log_sources from;
+    bool check;     /* or the log */
+    bool elsewhere; /* the log's last run has a slot that is not on the first host */
     float *pixels;
-    const char **name; /* of the current file, for the caller */
 };
 
-/* ---- the place of a slot --------------------------------------------------------------------- */
-
-static void begin_run(struct reading *p)
+static int32_t host_named(struct verify *v, const char *name)
 {
-    p->slots = 0;
-    p->elsewhere = false;
+    for (int32_t i = 0; i < v->hosts; i++)
+        if (strcmp(v->host[i], name) == 0) return i;
+    v->host = xrealloc(v->host, (size_t)v->hosts + 1, sizeof *v->host);
+    v->host[v->hosts] = xstrdup(name);
+    return v->hosts++;
 }
 
-/* Slot numbers go up to WIRE_SLOTS_MAX. */
-static int32_t *place_of(struct reading *p, int32_t slot)
+void verify_init(
+    struct verify *v, uint64_t seed, double fraction, const char *const *name, int32_t slots)
 {
-    size_t n = (size_t)slot + 1;
-    if (n > p->slots) {
-        p->place = xrealloc(p->place, n, sizeof *p->place);
-        memset(p->place + p->slots, -1, (n - p->slots) * sizeof *p->place);
-        p->slots = n;
+    *v = (struct verify){.seed = seed, .fraction = fraction, .slots = slots};
+    v->host_of = xmalloc((size_t)slots, sizeof *v->host_of);
+    v->place = xcalloc((size_t)slots, sizeof *v->place);
+    for (int32_t k = 0; k < slots; k++) v->host_of[k] = host_named(v, name[k]);
+    v->several = v->hosts > 1;
+    frames_init(&v->frames, sizeof(struct verify_frame));
+}
+
+void verify_free(struct verify *v)
+{
+    for (uint32_t i = 0; i < v->n; i++) free(v->piece[i].by);
+    for (int32_t i = 0; i < v->hosts; i++) free(v->host[i]);
+    free(v->piece);
+    free(v->host);
+    free(v->host_of);
+    free(v->place);
+    frames_free(&v->frames);
+    *v = (struct verify){0};
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+/* The place is a host for now, or -1 if no frame record says which. */
+static struct verify_result result_of(struct reading *in, const struct record *r)
+{
+    const uint16_t source = log_source_of(&in->from, r);
+    const struct log_source *from = &in->from.at[source];
+    struct verify_result got = {.slot = rec_slot(r), .run = from->run};
+    got.place = *from->host ? host_named(in->v, from->host) : -1;
+    rec_pixels(r, in->pixels);
+    got.sum = hash64(rng_u64(in->v->seed, SEED_SUM), in->pixels,
+        lattice_count(&r->task.at) * 4 * sizeof *in->pixels);
+    return got;
+}
+
+/* Slots of an earlier run may have been on other hosts than now. */
+static void find_place(const struct verify *v, struct verify_result *got, bool earlier)
+{
+    const bool now = !earlier && got->slot >= 0 && got->slot < v->slots;
+    if (!v->several) got->place = now ? got->slot : -1;
+    else if (got->place < 0) got->place = now ? v->host_of[got->slot] : -1;
+    if (earlier || got->place < 0) got->slot = -1;
+}
+
+/* A slot that sends the same again adds nothing. */
+static void add_result(struct verify_piece *p, const struct verify_result *got)
+{
+    for (uint32_t i = 0; i < p->n; i++)
+        if (p->by[i].slot == got->slot && p->by[i].place == got->place && p->by[i].sum == got->sum)
+            return;
+    p->by = xrealloc(p->by, (size_t)p->n + 1, sizeof *p->by);
+    p->by[p->n++] = *got;
+}
+
+/* ---- records --------------------------------------------------------------------------------- */
+
+static void take_frame(struct reading *in, const struct record *r)
+{
+    struct verify *v = in->v;
+    const struct log_source *from;
+    uint16_t source = log_source_of(&in->from, r);
+    if (in->check) return;
+    from = &in->from.at[source];
+    in->elsewhere = in->elsewhere || (*from->host && strcmp(from->host, v->host[0]) != 0);
+    if (frames_find(&v->frames, r->task.frame)) return;
+    struct verify_frame *f =
+        frames_extra(&v->frames, frames_set(&v->frames, r->task.frame, r->frame_w, r->frame_h));
+    if (!rec_str(r, "job", f->job, sizeof f->job)) *f->job = '\0';
+}
+
+/* Chooses a fragment of the log, or not. */
+static void choose(struct reading *in, const struct record *r)
+{
+    struct verify *v = in->v;
+    const struct frame_size *size = frames_find(&v->frames, r->task.frame);
+    if (rng_unit(v->seed + SEED_CHOICE, v->seen++) >= v->fraction) return;
+    if (!size || !lattice_valid(&r->task.at, size->w, size->h)) return;
+    if (v->n == UINT32_MAX / 2) die(ST_SYSTEM, "more than %u pieces", v->n);
+    if (v->n == v->cap) {
+        v->cap = v->cap ? v->cap * 2 : 64;
+        v->piece = xrealloc(v->piece, v->cap, sizeof *v->piece);
     }
-    return &p->place[slot];
+    struct verify_piece *p = &v->piece[v->n++];
+    *p = (struct verify_piece){.at = r->task.at, .frame = r->task.frame, .asked = -1, .failed = -1};
+    const struct verify_result got = result_of(in, r);
+    add_result(p, &got);
+    struct verify_frame *f = frames_extra(&v->frames, size);
+    *(f->last ? &v->piece[f->last - 1].next : &f->first) = v->n;
+    f->last = v->n;
 }
 
-/* A slot announces a frame, and fan says on which host the slot is. */
-static void take_host(struct reading *p, const struct record *r)
+static void take_check(struct reading *in, const struct record *r)
 {
-    char host[256];
-    int32_t slot = rec_slot(r);
-    if (slot < 0 || !rec_str(r, "host", host, sizeof host)) return;
-    if (p->hosts->several) {
-        int32_t *place = place_of(p, slot);
-        if (*place < 0) *place = verify_hosts_place(p->hosts, host);
-    } else if (strcmp(host, p->hosts->name[0]) != 0) p->elsewhere = true;
-}
-
-static int32_t find_place(struct reading *p, int32_t slot)
-{
-    if (slot < 0) return -1;
-    if (p->hosts->several && (size_t)slot < p->slots && p->place[slot] >= 0) return p->place[slot];
-    /* Slots of an earlier run may have been on other hosts. */
-    if (p->phase == FIRST && p->run != p->runs) return -1;
-    return slot < p->hosts->slots ? p->hosts->place_of[slot] : -1;
-}
-
-/* ---------------------------------------------------------------------------------------------- */
-
-static void take_frag(struct reading *p, const struct record *r)
-{
-    int32_t slot = rec_slot(r), place = find_place(p, slot);
-    if (p->phase == FIRST || p->phase == AGAIN) rec_pixels(r, p->pixels);
-    switch (p->phase) {
-    case CHOOSE: verify_choose(p->v, &r->task); break;
-    case CUT: verify_cut(p->v, &r->task); break;
-    case FIRST:
-        if (p->run != p->runs || place < 0) slot = -1;
-        verify_first(p->v, &r->task, slot, place, p->pixels);
-        break;
-    case AGAIN: verify_again(p->v, &r->task, slot, place, p->pixels); break;
-    }
+    struct verify_piece *p = r->task.id < in->v->n ? &in->v->piece[r->task.id] : NULL;
+    if (!p || p->frame != r->task.frame || memcmp(&p->at, &r->task.at, sizeof p->at) != 0) return;
+    struct verify_result got = result_of(in, r);
+    find_place(in->v, &got, false);
+    if (got.place >= 0) add_result(p, &got);
 }
 
 static void take(void *ctx, const struct record *r)
 {
-    struct reading *p = ctx;
-    char job[WIRE_JOB];
+    struct reading *in = ctx;
     if (r->kind == REC_HELLO) {
-        p->runs += p->phase == CHOOSE;
-        p->run += p->phase == FIRST;
-        begin_run(p);
+        log_sources_begin(&in->from, NULL);
+        in->elsewhere = false;
     }
-    if (r->kind == REC_FRAME) take_host(p, r);
-    if (r->kind == REC_FRAME && p->phase == CHOOSE)
-        verify_frame(p->v, r->task.frame, r->frame_w, r->frame_h,
-            rec_str(r, "job", job, sizeof job) ? job : NULL);
-    if (r->kind == REC_FRAG) take_frag(p, r);
+    if (r->kind == REC_FRAME) take_frame(in, r);
+    if (r->kind == REC_FRAG) (in->check ? take_check : choose)(in, r);
 }
 
-static int read_one(struct reading *p, enum phase phase, const char *name, char why[LOG_WHY])
+/* ---- files ----------------------------------------------------------------------------------- */
+
+static void end_log(struct reading *in)
 {
-    const struct log_reader reader = {.record = take, .ctx = p};
-    p->phase = phase;
-    *p->name = name;
-    begin_run(p);
-    return log_read_path(name, &reader, why);
+    struct verify *v = in->v;
+    v->several = v->several || in->elsewhere;
+    for (uint32_t i = 0; i < v->n; i++)
+        find_place(v, v->piece[i].by, v->piece[i].by->run != in->from.run);
+    in->check = true;
 }
 
-static int read_again(struct reading *p, const char *name, char why[LOG_WHY])
+static void begin_check(struct verify *v)
 {
-    verify_begin(p->v);
-    int failed = read_one(p, AGAIN, name, why);
-    verify_end(p->v);
-    return failed;
+    for (uint32_t i = 0; i < v->n; i++) v->piece[i].asked = verify_next(v, &v->piece[i]);
 }
 
-int verify_read(struct verify *v, struct verify_hosts *h, char *const *files, const char **name,
-    char why[LOG_WHY])
+static void end_check(struct verify *v)
 {
-    struct reading p = {.v = v, .hosts = h, .name = name};
-    p.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *p.pixels);
-    int failed = read_one(&p, CHOOSE, files[0], why);
-    if (p.elsewhere && !h->several) verify_hosts_several(h);
-    for (int i = 1; files[i] && !failed; i++) failed = read_one(&p, CUT, files[i], why);
-    if (!failed) verify_split(v);
-    if (!failed) failed = read_one(&p, FIRST, files[0], why);
-    for (int i = 1; files[i] && !failed; i++) failed = read_again(&p, files[i], why);
-    free(p.pixels);
-    free(p.place);
+    for (uint32_t i = 0; i < v->n; i++) {
+        struct verify_piece *p = &v->piece[i];
+        if (p->asked < 0) continue;
+        const int32_t at = verify_place(v, p->asked);
+        p->failed = verify_computed(p, at) ? -1 : at;
+        v->place[at].asked++;
+        v->place[at].made += p->failed < 0;
+    }
+    for (int32_t k = 0; k < v->slots; k++) {
+        struct verify_place *place = &v->place[k];
+        place->mute = place->mute || (place->asked && !place->made);
+        place->asked = place->made = 0;
+    }
+}
+
+int verify_read(struct verify *v, char *const *files, const char **name, char why[LOG_WHY])
+{
+    struct reading in = {.v = v};
+    const struct log_reader reader = {.record = take, .ctx = &in};
+    in.pixels = xmalloc((size_t)WIRE_FRAG_PIXELS_MAX * 4, sizeof *in.pixels);
+    int failed = 0;
+    for (int i = 0; files[i] && !failed; i++) {
+        *name = files[i];
+        log_sources_begin(&in.from, NULL);
+        if (in.check) begin_check(v);
+        failed = log_read_path(files[i], &reader, why);
+        if (in.check) end_check(v);
+        else end_log(&in);
+    }
+    log_sources_free(&in.from);
+    free(in.pixels);
     return failed;
 }
