@@ -2,8 +2,8 @@
  * verify: chooses fragments of a log, has other hosts compute them again, and judges the results.
  *
  * A chosen fragment is a piece. Its task has exactly its pixels, and the piece's number as id, so
- * a worker returns it as one fragment. A result is a hash of all bits of the pixels. The seed must
- * be unknown to workers while they compute: they could choose pixels of the same hash.
+ * a worker returns it as one fragment. A result is a sum over all bits of the pixels. The seed must
+ * be unknown to workers while they compute: they could choose pixels of the same sum.
  *
  *     verify_init, verify_read
  *     verify_next for each piece: the tasks of the next check; or verify_judge: the report
