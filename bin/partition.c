@@ -1,5 +1,6 @@
 /* partition: cuts frames into tasks, optionally preassigned to slots. */
 #include "base/base.h"
+#include "history/history.h"
 #include "log/log.h"
 #include "task/task.h"
 #include "wire/wire.h"
@@ -160,21 +161,21 @@ static struct coverage had(const struct options *o)
 /* -o cost: the log may be of a picture of another size. */
 static void order_by_cost(const struct options *o, struct cut_tasks *tasks)
 {
-    struct log_costs costs;
+    struct history_costs costs;
     uint32_t w = tasks->frame_w, h = tasks->frame_h;
-    char why[LOG_WHY];
-    if (log_costs_read(o->cost_log, &costs, why) != 0) die(ST_USAGE, "%s: %s", o->cost_log, why);
+    char err[HISTORY_ERR];
+    if (!history_costs_read(o->cost_log, &costs, err)) die(ST_USAGE, "%s: %s", o->cost_log, err);
     if (!costs.us)
         die(ST_USAGE, "%s: has no costs, expected a log of a picture of the same scene",
             o->cost_log);
     double *cost = xmalloc((size_t)tasks->n + 1, sizeof *cost);
     for (uint32_t id = 0; id < tasks->n; id++) {
         struct task t = cut_task(&tasks->cut, w, h, id);
-        cost[id] = log_cost_of(&costs, &t.at, w, h);
+        cost[id] = history_cost_of(&costs, &t.at, w, h);
     }
     cut_tasks_sort(tasks, cost);
     free(cost);
-    log_costs_free(&costs);
+    history_costs_free(&costs);
 }
 
 /* Slots get their shares of the work to be done: with a log, of the rest. job: of the frame, or

@@ -101,7 +101,7 @@ static void load_log(struct replay *r)
     const char *path = r->o->path;
     struct history *l = &r->log;
     char err[HISTORY_ERR];
-    history_over(l, r->file.bytes, r->file.n);
+    history_read_bytes(l, r->file.bytes, r->file.n);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad) warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad, l->why);
     if (!history_replayable(l, err)) die(ST_USAGE, "%s: %s", path, err);

@@ -1,7 +1,7 @@
 /* simulate: policies in virtual time, with faults. Tasks, costs and hosts go in, figures come
  * out. */
 #include "base/base.h"
-#include "log/log.h"
+#include "history/history.h"
 #include "hosts/hosts.h"
 #include "sim/sim.h"
 
@@ -219,13 +219,13 @@ static void read_tasks(struct sim_workload *l)
 /* -t */
 static void read_costs(struct sim_workload *l, const char *log)
 {
-    struct log_costs c;
-    char why[LOG_WHY];
-    if (log_costs_read(log, &c, why) != 0) die(ST_USAGE, "%s: %s", log, why);
+    struct history_costs c;
+    char err[HISTORY_ERR];
+    if (!history_costs_read(log, &c, err)) die(ST_USAGE, "%s: %s", log, err);
     if (!c.us) die(ST_USAGE, "%s: expected the log of a picture", log);
     for (int32_t i = 0; i < l->n; i++)
-        log_costs_put(&c, &l->tasks[i].at, l->frame_w, l->frame_h, l->pixel_us);
-    log_costs_free(&c);
+        history_costs_put(&c, &l->tasks[i].at, l->frame_w, l->frame_h, l->pixel_us);
+    history_costs_free(&c);
 }
 
 /* ---- a run ----------------------------------------------------------------------------------- */

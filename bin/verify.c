@@ -5,6 +5,7 @@
  * know, while it computes a piece, that the piece will be checked. lib/verify has the rules.
  */
 #include "base/base.h"
+#include "history/history.h"
 #include "hosts/hosts.h"
 #include "log/log.h"
 #include "verify/verify.h"
@@ -145,12 +146,22 @@ static void await(void *ctx, int fd)
     }
 }
 
+/* The longest task of the log. */
+static int64_t longest_us(const char *log)
+{
+    struct history l = {0};
+    const int fd = input_open(log);
+    int failed = fd < 0 ? -1 : history_read(&l, fd) != 0 ? -2 : l.refused;
+    check_read(failed, log, l.why);
+    const int64_t us = history_longest_us(&l, INT64_MAX / 2 / PATIENCE_TIMES);
+    history_free(&l);
+    close(fd);
+    return us;
+}
+
 static int pass_fragments(const char *log, int64_t seconds)
 {
-    char why[LOG_WHY];
-    int64_t longest_us;
-    check_read(log_longest_us(log, INT64_MAX / 2 / PATIENCE_TIMES, &longest_us, why), log, why);
-    struct passing p = {.patience_us = seconds * 1000000 + PATIENCE_TIMES * longest_us};
+    struct passing p = {.patience_us = seconds * 1000000 + PATIENCE_TIMES * longest_us(log)};
     const struct log_reader reader = {pass_record, await, &p};
     struct intake in = {0};
     p.until_us = now_us() + p.patience_us;

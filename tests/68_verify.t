@@ -225,6 +225,12 @@ is 'verify -t: all records are passed on' $? 0
 run verify -t 1000 long.log <long.log
 cmp -s "$tmp/.out" long.log
 is 'verify -t: it waits for the end of the input' "$?:$status:$err" 0:0:
+for odd in missing /; do
+	run verify -t 1 $odd </dev/null
+	like "verify -t: a log that cannot be read: $odd" "$status:$err" "^[23]:verify: $odd: (No such file|Is a directory)"
+done
+run verify -t 1 long.log </
+like 'verify -t: an input that cannot be read' "$status:$err" '^3:verify: standard input: Is a directory'
 
 # ---- files and processes that remain -----------------------------------------------------------------------------------------------
 mkdir temporary

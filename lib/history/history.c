@@ -252,7 +252,7 @@ static void take_record(struct history *l, const struct record *r)
     if (l->eta) note_cost(l, r);
 }
 
-void history_take(struct history *l, struct decoder *d)
+void history_feed(struct history *l, struct decoder *d)
 {
     struct record r;
     for (enum wire_result got; !l->refused && (got = wire_next(d, &r)) != WIRE_MORE;) {
@@ -282,7 +282,7 @@ int history_read(struct history *l, int fd)
     do {
         n = read_some(fd, &d.in, READ_BYTES);
         if (n <= 0) wire_end(&d);
-        history_take(l, &d);
+        history_feed(l, &d);
     } while (n > 0 && !l->refused);
     int err = errno;
     end_file(l, &d);
@@ -291,7 +291,7 @@ int history_read(struct history *l, int fd)
     return n < 0 ? -1 : 0;
 }
 
-void history_over(struct history *l, unsigned char *p, size_t n)
+void history_read_bytes(struct history *l, unsigned char *p, size_t n)
 {
     for (bool summed = false;; summed = true) {
         struct decoder d = wire_over(p, n);
@@ -299,7 +299,7 @@ void history_over(struct history *l, unsigned char *p, size_t n)
         d.unsummed = !summed;
         history_free(l);
         l->keep = true;
-        history_take(l, &d);
+        history_feed(l, &d);
         end_file(l, &d);
         if (summed || l->refused || !d.bad) return;
     }

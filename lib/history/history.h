@@ -3,7 +3,7 @@
  * slots did with the pixels that each brought. fragstat, which judges a run, and replay, which
  * repeats it, share this reader.
  *
- * Call history_read for each file; or history_over for one in memory, if its pixels are needed.
+ * Call history_read for each file; or history_read_bytes for one in memory, if its pixels are needed.
  * Then use the tables, then call history_free. A log is not trusted: damaged records are skipped
  * and counted, and of each pixel the first one counts, as in gather. A pixel belongs to the latest
  * `done` of its slot for that task.
@@ -45,12 +45,12 @@ struct history_frame {
 #define HISTORY_NONE (-1)    /* not present */
 #define HISTORY_UNKNOWN (-2) /* present, but the log does not state its cost */
 
-/* Pixels, in the order of the log; only after history_over. */
+/* Pixels, in the order of the log; only after history_read_bytes. */
 struct history_frag {
     uint32_t frame;
     int32_t done; /* the done they belong to, or HISTORY_UNKNOWN */
     struct lattice at;
-    const unsigned char *body; /* for wire_pixels, once history_sound is true */
+    const unsigned char *body; /* for wire_pixels, once history_frag_intact is true */
     size_t bytes;
     uint32_t crc; /* expected crc of the body */
     bool summed;  /* the crc was checked */
@@ -115,17 +115,17 @@ struct history {
  * Reads a log that grows: handles the complete records in d, whose `upward` is true and which was
  * fed by the caller.
  */
-void history_take(struct history *l, struct decoder *d);
+void history_feed(struct history *l, struct decoder *d);
 /* Reads fd to its end; the caller closes it. 0, or -1 with errno. */
 int history_read(struct history *l, int fd);
 /*
  * Reads a whole log of n bytes in memory, which must stay until history_free. Bodies are not
- * checked: call history_sound before using one. If records are damaged in other ways, reads all
+ * checked: call history_frag_intact before using one. If records are damaged in other ways, reads all
  * again with every body checked, so that a bad record costs no good one.
  */
-void history_over(struct history *l, unsigned char *p, size_t n);
+void history_read_bytes(struct history *l, unsigned char *p, size_t n);
 /* True if these bytes are those that were sent, and valid pixels. */
-bool history_sound(struct history_frag *f);
+bool history_frag_intact(struct history_frag *f);
 /* The first frag with exactly these pixels, or NULL. */
 struct history_frag *history_frag_at(
     struct history *l, const struct history_frame *f, const struct lattice *at);
@@ -141,6 +141,31 @@ bool history_same(const struct history *l, const struct history *other, char err
 /* NULL if no slot announced it. */
 const struct history_frame *history_frame_of(const struct history *l, uint32_t number);
 void history_free(struct history *l);
+
+/* ---- costs ----------------------------------------------------------------------------------- */
+
+/*
+ * The longest time from the begin of a run to the end of its first task, or of a later task, in
+ * microseconds; 0: the log has none. Ignores times above most_us.
+ */
+int64_t history_longest_us(const struct history *l, int64_t most_us);
+
+/* The cost of each pixel of a picture, from the CPU times of the tasks in a log. */
+struct history_costs {
+    uint32_t w, h; /* 0: no task was both done and delivered */
+    double *us;    /* row by row; microseconds */
+};
+/* Reads the first frame of the log at `path`. Missing pixels get the mean. False with text in
+ * err: it cannot be read, or is of another format. */
+bool history_costs_read(const char *path, struct history_costs *c, char err[HISTORY_ERR]);
+void history_costs_free(struct history_costs *c);
+/* The cost of each pixel of a task, put at its place in us, which has frame_w x frame_h pixels.
+ * The picture is of the same scene, and may have another size. */
+void history_costs_put(const struct history_costs *c, const struct lattice *at, uint32_t frame_w,
+    uint32_t frame_h, double *us);
+/* The sum over the pixels of a task. */
+double history_cost_of(
+    const struct history_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h);
 
 /* ---- replaying ------------------------------------------------------------------------------- */
 
@@ -162,7 +187,7 @@ bool history_first_job(const struct history_file *file, uint64_t *hash, char err
 /* True if the log has tasks with pixels; else text in err. */
 bool history_replayable(const struct history *l, char err[HISTORY_ERR]);
 
-/* The pixels of a task, in a log read by history_over. */
+/* The pixels of a task, in a log read by history_read_bytes. */
 struct history_found {
     struct lattice at;
     const struct history_frag *whole; /* has exactly these pixels; NULL: they are spread */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool history_sound(struct history_frag *f)
+bool history_frag_intact(struct history_frag *f)
 {
     if (!f->summed)
         f->summed = wire_crc(f->body, f->bytes) == f->crc && wire_light(f->body, f->bytes);
@@ -96,7 +96,7 @@ static bool add_cost(const struct history *l, const struct history_frame *f,
     struct history_frag *frag, uint64_t p, uint64_t n, double *us, char err[HISTORY_ERR])
 {
     if (frag->done < 0) return refuse(f, p, "has no CPU time", err);
-    if (!history_sound(frag)) return refuse(f, p, "is damaged", err);
+    if (!history_frag_intact(frag)) return refuse(f, p, "is damaged", err);
     const struct history_done *d = &l->dones[frag->done];
     *us += (double)d->cpu_us / (double)d->sent * (double)n;
     return true;

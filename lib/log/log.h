@@ -120,41 +120,11 @@ int log_read(struct intake *in, int fd, const char *name, const struct log_reade
 int log_read_path(const char *path, const struct log_reader *reader, char why[LOG_WHY]);
 
 /*
- * Sets *us to the longest time in the log at `path`: from the begin of a run to the end of its
- * first task, or of a later task; 0: it has none. Ignores times above most_us. Returns as
- * log_read_path does.
- */
-int log_longest_us(const char *path, int64_t most_us, int64_t *us, char why[LOG_WHY]);
-/*
- * Passes the good records of the stream at fd on to `put`, until its end or until no fragment has
- * come for patience_us: a sender that hangs may still send beats, or a byte now and then. Returns 1
- * at the end; 0 if it stalled; or -1 with errno.
- */
-int log_pass(int fd, int64_t patience_us, void (*put)(const void *p, size_t n));
-
-/*
  * Which pixels the log at `path` has: in->parts, without pixels. There are no frames if the log is
  * empty, missing, a device or a pipe. The caller frees *in with intake_free, whatever is returned:
  * 0; 1 if the log cannot be resumed, with the reason in why; or -1 with errno.
  */
 int log_survey_path(const char *path, struct intake *in, char why[LOG_WHY]);
-
-/* The cost of each pixel of a picture, from the CPU times of the tasks in a log. */
-struct log_costs {
-    uint32_t w, h; /* 0: no task was both done and delivered */
-    double *us;    /* row by row; microseconds */
-};
-/* Reads the log's first frame. Missing pixels get the mean. Returns 0; else the reason in why. */
-int log_costs_read(const char *path, struct log_costs *c, char why[LOG_WHY]);
-void log_costs_free(struct log_costs *c);
-/* The cost of pixel p of a picture of any size of the same scene. */
-double log_cost_at(const struct log_costs *c, uint64_t p, uint32_t frame_w, uint32_t frame_h);
-/* The cost of each pixel of a task, put at its place in us, which has frame_w x frame_h pixels. */
-void log_costs_put(const struct log_costs *c, const struct lattice *at, uint32_t frame_w,
-    uint32_t frame_h, double *us);
-/* The sum over the pixels of a task. */
-double log_cost_of(
-    const struct log_costs *c, const struct lattice *at, uint32_t frame_w, uint32_t frame_h);
 
 /* ---- the file ------------------------------------------------------------------------ */
 

@@ -61,7 +61,7 @@ bool view_read(struct view_log *v)
     while ((n = read_some(v->fd, &v->d.in, READ_BYTES)) > 0) {
         v->at += (uint64_t)n;
         v->heard_us = now_us();
-        history_take(&v->log, &v->d);
+        history_feed(&v->log, &v->d);
         if (v->log.refused) die(ST_USAGE, "%s: %s", v->path, v->log.why);
     }
     if (n < 0) die(ST_SYSTEM, "%s:", v->path);

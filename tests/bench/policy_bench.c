@@ -11,7 +11,7 @@
  * bound.
  */
 #include "base/base.h"
-#include "log/log.h"
+#include "history/history.h"
 #include "sim/sim.h"
 #include "stats/stats.h"
 
@@ -23,7 +23,7 @@ struct bench {
     struct sim_plan plan;
     struct sim_work work;
     struct sim_fault slow;
-    struct log_costs costs;
+    struct history_costs costs;
     struct task *tasks;
     double *power;
     double total_s;
@@ -63,8 +63,8 @@ static void parse(struct bench *b, int argc, char **argv)
         }
     }
     if (optind + 1 != argc || !b->power) die(ST_USAGE, "expected -w POWER,... LOG");
-    char why[LOG_WHY];
-    if (log_costs_read(argv[optind], &b->costs, why) != 0 || !b->costs.us)
+    char err[HISTORY_ERR];
+    if (!history_costs_read(argv[optind], &b->costs, err) || !b->costs.us)
         die(ST_USAGE, "%s: expected a log", argv[optind]);
 }
 
@@ -116,7 +116,7 @@ int main(int argc, char **argv)
     sim_run(&policy_deal, &b.plan, &result);
     if (*result.failure) die(ST_PARTIAL, "%s", result.failure);
     printf("%.6f %.6f\n", (double)result.end_us * 1e-6, bound_us * 1e-6);
-    log_costs_free(&b.costs);
+    history_costs_free(&b.costs);
     free(b.tasks);
     free(b.power);
     close_stdout();

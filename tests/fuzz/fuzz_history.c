@@ -60,7 +60,7 @@ static void check_pixels(struct history *h)
         MUST(frag->bytes == lattice_count(&frag->at) * WIRE_PIXEL_BYTES);
         struct history_frag *same = history_frag_at(h, f, &frag->at);
         MUST(same && same <= frag && memcmp(&same->at, &frag->at, sizeof frag->at) == 0);
-        history_sound(frag);
+        history_frag_intact(frag);
     }
     for (size_t i = 0; i < h->n_frames; i++) {
         const struct history_frame *f = &h->frames[i];
@@ -82,7 +82,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (pixels_of(copy, size, true) + pixels_of(copy, size, false) <= PIXELS_MOST) {
         struct history over = {0}, read = {0};
         char err[HISTORY_ERR];
-        history_over(&over, copy, size);
+        history_read_bytes(&over, copy, size);
         check_tables(&over);
         check_pixels(&over);
         int fd = memfd_create("log", MFD_CLOEXEC);

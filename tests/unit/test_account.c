@@ -48,7 +48,7 @@ static void slots_of_hellos_and_of_records(void **state)
     struct buf b = of_lines(lines);
     struct history l = {0};
     struct account a;
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     account_make(&a, &l);
     assert_int_equal(a.n_slots, 6);
     for (int k = 0; k < 6; k++) {
@@ -74,7 +74,7 @@ static void a_lone_worker_is_no_idle_slot(void **state)
     struct buf b = of_lines(lines);
     struct history l = {0};
     struct account a;
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     account_make(&a, &l);
     assert_int_equal(a.n_slots, 1);
     assert_string_equal(a.slots[0].name, "-");
@@ -98,7 +98,7 @@ static void times_of_two_runs(void **state)
     struct buf b = of_lines(lines);
     struct history l = {0};
     struct account a;
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     account_make(&a, &l);
     near(a.run_s[0], .3);
     near(a.run_s[1], .102);
@@ -135,8 +135,8 @@ static double bound_us(bool split)
         put_done(&other, i,
             split ? (struct lattice){4 * i, 0, 4, H, 1, 1} : (struct lattice){0, 2 * i, W, 2, 1, 1},
             7);
-    history_over(&one, rows.data, rows.len);
-    history_over(&l, other.data, other.len);
+    history_read_bytes(&one, rows.data, rows.len);
+    history_read_bytes(&l, other.data, other.len);
     account_make(&a, &l);
     struct account_slot two[2] = {a.slots[0], a.slots[0]};
     struct account pair = a;

@@ -1,5 +1,6 @@
 /* What a log tells: runs, slots, whose pixels counted; and pixels found again. */
 #include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -176,13 +177,13 @@ static void pixels_are_found_again(void **state)
         frag(&b, y, row(3 - y), 0, (float)(100 * y));
     }
     struct history l = {0};
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     const struct history_frame *f = history_frame_of(&l, 0);
     struct lattice want = row(2), spread = {3, 1, 1, 2, 1, 1};
     struct history_frag *whole = history_frag_at(&l, f, &want);
     assert_non_null(whole);
     assert_int_equal(whole->done, 1);
-    assert_true(history_sound(whole));
+    assert_true(history_frag_intact(whole));
     assert_null(history_frag_at(&l, f, &spread));
     for (uint64_t i = 0; i < 2; i++) {
         struct history_place at = history_place_of(&l, f, lattice_pixel(&spread, 8, i));
@@ -210,16 +211,16 @@ static void damage_costs_itself(void **state)
     buf_append(&log, b.data, torn);
     buf_append(&log, b.data, b.len);
     struct history l = {0};
-    history_over(&l, log.data, log.len);
+    history_read_bytes(&l, log.data, log.len);
     assert_int_equal(l.bad, 1);
     assert_int_equal(l.n_frags, 7);
     assert_int_equal(history_frame_of(&l, 0)->have.done, 32);
-    for (size_t i = 0; i < l.n_frags; i++) assert_true(history_sound(&l.frags[i]));
+    for (size_t i = 0; i < l.n_frags; i++) assert_true(history_frag_intact(&l.frags[i]));
     b.data[b.len - 2] ^= 1; /* a bit in a body: the framing holds, the sum does not */
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     assert_int_equal(l.n_frags, 4);
-    assert_true(history_sound(&l.frags[2]));
-    assert_false(history_sound(&l.frags[3]));
+    assert_true(history_frag_intact(&l.frags[2]));
+    assert_false(history_frag_intact(&l.frags[3]));
     history_free(&l);
     buf_free(&log);
     buf_free(&b);
@@ -233,7 +234,7 @@ static void many_slots_keep_their_names(void **state)
     for (int round = 0; round < 2; round++)
         for (int k = 0; k < SLOTS; k++) done(&b, (uint32_t)(round * SLOTS + k), k % 7, k);
     struct history l = {0};
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     assert_int_equal(l.n_slots, SLOTS);
     for (int i = 0; i < 2 * SLOTS; i++) {
         char name[24];
@@ -269,7 +270,7 @@ static void a_task_costs_what_its_pixels_cost(void **state)
     char err[HISTORY_ERR];
     float rgba[4 * 8];
     put_costs(&b);
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     const struct history_frame *f = history_frame_of(&l, 0);
     struct lattice whole = row(1), spread = {6, 0, 4, 1, 1, 1}, column = {3, 0, 1, 3, 1, 1};
     assert_true(history_find(&l, f, &whole, &found, err));
@@ -303,11 +304,11 @@ static void pixels_that_cannot_be_used_are_named(void **state)
     struct buf b = {0};
     struct history l = {0};
     put_costs(&b);
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     not_found(&l, row(3), "frame 0: pixel 0,3 has no CPU time");
     not_found(&l, (struct lattice){2, 2, 1, 2, 1, 1}, "pixel 2,3 has no CPU");
     b.data[l.frags[1].body - b.data] ^= 1;
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     not_found(&l, row(1), "pixel 0,1 is damaged");
     not_found(&l, (struct lattice){5, 0, 1, 2, 1, 1}, "pixel 5,1 is damaged");
     history_free(&l);
@@ -315,7 +316,7 @@ static void pixels_that_cannot_be_used_are_named(void **state)
     line(&b, "frame 0 8 4 job=" JOB " w=0");
     done(&b, 0, 0, 0);
     frag(&b, 0, row(0), 0, 1);
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     not_found(&l, (struct lattice){7, 0, 2, 1, 1, 1}, "pixel 0,1 is missing");
     history_free(&l);
     buf_free(&b);
@@ -331,11 +332,11 @@ static void only_some_logs_can_be_replayed(void **state)
     assert_non_null(strstr(err, "no task"));
     line(&b, "frame 0 8 4 job=" JOB " w=0");
     done(&b, 0, 0, 0);
-    history_over(&l, b.data, b.len); /* no pixels */
+    history_read_bytes(&l, b.data, b.len); /* no pixels */
     assert_false(history_replayable(&l, err));
     history_free(&l);
     frag(&b, 0, row(0), 0, 1);
-    history_over(&l, b.data, b.len);
+    history_read_bytes(&l, b.data, b.len);
     assert_true(history_replayable(&l, err));
     history_free(&l);
     buf_free(&b);
@@ -381,6 +382,90 @@ static void a_log_in_memory(void **state)
     buf_free(&b);
 }
 
+static void save(const char *path, const struct buf *b)
+{
+    int fd = open(path, O_WRONLY | O_TRUNC);
+    assert_true(fd >= 0);
+    assert_int_equal(write_full(fd, buf_data(b), buf_size(b)), 0);
+    close(fd);
+}
+
+/* One number is another task in another run. Pixels that came twice cost what the first ones did;
+ * those without a cost get the mean. */
+static void costs_of_two_runs(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/stormring-history-XXXXXX", err[HISTORY_ERR];
+    struct buf b = {0};
+    struct history_costs c;
+    close(mkstemp(path));
+    for (int run = 0; run < 2; run++) {
+        line(&b, "hello fan 0.1 format=4 selftest=1 slots=2");
+        line(&b, "frame 0 8 4 job=" JOB);
+        line(&b, run ? "done 0 0 cpu_us=72 w=0" : "done 0 0 cpu_us=8 w=0");
+        frag(&b, 0, row((uint32_t)run), 0, 1);
+    }
+    line(&b, "done 0 1 cpu_us=800 w=1");
+    frag(&b, 1, row(1), 1, 1);
+    frag(&b, 2, row(2), 1, 1);
+    save(path, &b);
+    assert_true(history_costs_read(path, &c, err));
+    assert_int_equal(c.w, 8);
+    assert_int_equal(c.h, 4);
+    for (int p = 0; p < 32; p++) assert_true(c.us[p] == (p < 8 ? 1 : p < 16 ? 9 : 5));
+    history_costs_free(&c);
+    buf_consume(&b, buf_size(&b));
+    line(&b, "frame 0 8 4 job=" JOB);
+    frag(&b, 0, row(0), 0, 1);
+    save(path, &b);
+    assert_true(history_costs_read(path, &c, err));
+    assert_null(c.us); /* no pixel has a cost */
+    buf_consume(&b, buf_size(&b));
+    line(&b, "hello x 1 format=9");
+    save(path, &b);
+    assert_false(history_costs_read(path, &c, err));
+    assert_non_null(strstr(err, "format 9"));
+    unlink(path);
+    assert_false(history_costs_read(path, &c, err));
+    assert_string_equal(err, strerror(ENOENT));
+    buf_free(&b);
+}
+
+/* A picture of another size takes the costs of the same places. */
+static void costs_of_tasks(void **state)
+{
+    (void)state;
+    double us[] = {1, 2, 3, 4}, all[20] = {0};
+    const struct history_costs c = {.w = 2, .h = 2, .us = us};
+    const struct lattice whole = {0, 1, 4, 1, 1, 1}, scattered = {1, 2, 4, 1, 2, 1};
+    assert_true(history_cost_of(&c, &whole, 4, 4) == 1 + 1 + 2 + 2);
+    assert_true(history_cost_of(&c, &whole, 4, 2) == 3 + 3 + 4 + 4);
+    history_costs_put(&c, &scattered, 4, 5, all); /* pixels 9, 11, 13, 15 */
+    for (int p = 0; p < 20; p++) {
+        bool there = p >= 9 && p <= 15 && p % 2;
+        assert_true(all[p] == (there ? (p - 7) / 2 : 0));
+    }
+}
+
+/* The first task of a run counts from the run's begin, later ones for themselves. */
+static void the_longest_task(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=1");
+    line(&b, "done 0 0 cpu_us=1 wall_us=900 recv_us=30");
+    line(&b, "done 0 1 cpu_us=1 wall_us=40 recv_us=900");
+    line(&b, "done 0 2 cpu_us=1 wall_us=5000 recv_us=900");
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=1");
+    line(&b, "done 0 3 cpu_us=1 wall_us=900 recv_us=50");
+    struct history l = read_log(&b);
+    assert_int_equal(history_longest_us(&l, 1000), 50);
+    assert_int_equal(history_longest_us(&l, 10000), 5000);
+    history_free(&l);
+    assert_int_equal(history_longest_us(&l, 1000), 0);
+    buf_free(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -395,6 +480,9 @@ int main(void)
         cmocka_unit_test(pixels_that_cannot_be_used_are_named),
         cmocka_unit_test(only_some_logs_can_be_replayed),
         cmocka_unit_test(a_log_in_memory),
+        cmocka_unit_test(costs_of_two_runs),
+        cmocka_unit_test(costs_of_tasks),
+        cmocka_unit_test(the_longest_task),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -523,106 +523,6 @@ static void test_missing(void **state)
     buf_free(&b);
 }
 
-/* One number, another task in another run. */
-static void test_costs(void **state)
-{
-    (void)state;
-    struct buf b = {0};
-    struct log_costs c;
-    char why[LOG_WHY];
-    float rgba[4 * W] = {0};
-    for (int run = 0; run < 2; run++) {
-        struct task t = {.at = {0, (uint32_t)run, W, 1, 1, 1}, .to = -1};
-        put_text(&b, hello);
-        put_text(&b, frame);
-        wire_done(&b, &t, run ? 9 * W : W, 0);
-        wire_frag(&b, &t, &t.at, "cafe", rgba);
-    }
-    write_log(&b);
-    assert_int_equal(log_costs_read(path, &c, why), 0);
-    assert_true(c.us[0] == 1 && c.us[W - 1] == 1);
-    assert_true(c.us[W] == 9 && c.us[2 * W - 1] == 9);
-    assert_true(c.us[2 * W] == 5);
-    log_costs_free(&c);
-    buf_free(&b);
-}
-
-/* A picture of another size takes the costs of the same places. */
-static void test_costs_of_tasks(void **state)
-{
-    (void)state;
-    double us[] = {1, 2, 3, 4}, all[20] = {0};
-    const struct log_costs c = {.w = 2, .h = 2, .us = us};
-    const struct lattice row = {0, 1, 4, 1, 1, 1}, scattered = {1, 2, 4, 1, 2, 1};
-    assert_true(log_cost_of(&c, &row, 4, 4) == 1 + 1 + 2 + 2);
-    assert_true(log_cost_of(&c, &row, 4, 2) == 3 + 3 + 4 + 4);
-    log_costs_put(&c, &scattered, 4, 5, all); /* pixels 9, 11, 13, 15 */
-    for (int p = 0; p < 20; p++) {
-        bool there = p >= 9 && p <= 15 && p % 2;
-        assert_true(all[p] == (there ? (p - 7) / 2 : 0));
-    }
-}
-
-/* The first task of a run counts from the run's begin, later ones for themselves. */
-static void test_longest(void **state)
-{
-    (void)state;
-    struct buf b = {0};
-    char why[LOG_WHY];
-    int64_t us = 7;
-    put_text(&b, hello);
-    put_text(&b, "done 0 0 cpu_us=1 wall_us=900 recv_us=30\n"
-                 "done 0 1 cpu_us=1 wall_us=40 recv_us=900\n"
-                 "done 0 2 cpu_us=1 wall_us=5000 recv_us=900\n");
-    put_text(&b, hello);
-    put_text(&b, "done 0 3 cpu_us=1 wall_us=900 recv_us=50\n");
-    write_log(&b);
-    assert_int_equal(log_longest_us(path, 1000, &us, why), 0);
-    assert_int_equal(us, 50);
-    assert_int_equal(log_longest_us(path, 10000, &us, why), 0);
-    assert_int_equal(us, 5000);
-    assert_int_equal(log_longest_us("/nonexistent", 1000, &us, why), -1);
-    assert_int_equal(errno, ENOENT);
-    assert_int_equal(log_longest_us("/tmp", 1000, &us, why), -2);
-    assert_int_equal(errno, EISDIR);
-    buf_consume(&b, buf_size(&b));
-    put_text(&b, "hello x 1 format=9\n");
-    write_log(&b);
-    assert_int_equal(log_longest_us(path, 1000, &us, why), 1);
-    assert_non_null(strstr(why, "expected"));
-    buf_free(&b);
-}
-
-static struct buf passed;
-static void keep(const void *p, size_t n) { buf_append(&passed, p, n); }
-
-/* The end of a stream is waited for; a sender that stays open and silent is not. */
-static void test_pass(void **state)
-{
-    (void)state;
-    struct buf b = {0};
-    int p[2];
-    put_run(&b, hello, frame, 0, 2);
-    put_text(&b, "beat\n");
-    for (int stalls = 0; stalls < 2; stalls++) {
-        assert_int_equal(pipe(p), 0);
-        assert_int_equal(write_full(p[1], "garbage\n", 8), 0);
-        assert_int_equal(write_full(p[1], buf_data(&b), buf_size(&b)), 0);
-        if (!stalls) close(p[1]);
-        assert_int_equal(log_pass(p[0], stalls ? 200000 : INT64_C(3600000000), keep), !stalls);
-        if (stalls) close(p[1]);
-        close(p[0]);
-        assert_int_equal(buf_size(&passed), buf_size(&b)); /* all but the garbage */
-        assert_memory_equal(buf_data(&passed), buf_data(&b), buf_size(&b));
-        buf_consume(&passed, buf_size(&passed));
-    }
-    int dir = open("/tmp", O_RDONLY | O_CLOEXEC);
-    assert_int_equal(log_pass(dir, INT64_C(3600000000), keep), -1);
-    close(dir);
-    buf_free(&b);
-    buf_free(&passed);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -639,10 +539,6 @@ int main(void)
         cmocka_unit_test(test_bye),
         cmocka_unit_test(test_progress),
         cmocka_unit_test(test_missing),
-        cmocka_unit_test(test_costs),
-        cmocka_unit_test(test_costs_of_tasks),
-        cmocka_unit_test(test_longest),
-        cmocka_unit_test(test_pass),
     };
     int fd = mkstemp(path);
     if (fd < 0) die(ST_SYSTEM, "%s:", path);
