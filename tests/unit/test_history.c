@@ -408,6 +408,10 @@ static void costs_of_two_runs(void **state)
     line(&b, "done 0 1 cpu_us=800 w=1");
     frag(&b, 1, row(1), 1, 1);
     frag(&b, 2, row(2), 1, 1);
+    line(&b, "frame 1 8 4 job=" JOB " w=-");
+    line(&b, "done 1 0 cpu_us=800 w=-");
+    wire_frag(&b, &(struct task){.frame = 1, .at = row(3)}, &(struct lattice){0, 3, 8, 1, 1, 1},
+        JOB, (float[32]){0});
     save(path, &b);
     assert_true(history_costs_read(path, &c, err));
     assert_int_equal(c.w, 8);
