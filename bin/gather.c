@@ -2,8 +2,7 @@
  * gather: turns fragments into pictures; the last stage of every pipeline.
  *
  * Records go through log's intake into image's assembly, which holds the rules of committing. A
- * frame is written as soon as it is whole. Missing parts are reported with the command that
- * finishes the pictures: gather(1).
+ * frame is written as soon as it is whole, and missing parts are reported: gather(1).
  */
 #include <errno.h>
 #include <poll.h>
@@ -305,7 +304,6 @@ static int finish(struct gather *g)
         warn("%s: no worker announced a frame, expected a frame of this log", g->o->log);
         return unfinished(g);
     }
-    const uint32_t known = parts->n_frames;
     /* Frames without any record are missing too; if there is no frame at all, that is reported. */
     if (g->o->expected && parts->n_frames &&
         intake_expect(&g->in, g->o->expected, &g->expected, why) != 0)
@@ -318,7 +316,7 @@ static int finish(struct gather *g)
     if (g->preview.every_us) write_previews(g);
     if (parts->n_frames && !g->o->missing && !assembly_whole(parts)) {
         intake_report_missing(&g->in);
-        intake_report_remedy(&g->in, g->o->log, g->o->inputs, &g->o->out, parts->n_frames > known);
+        intake_report_resume(g->o->log, g->o->inputs);
     }
     if (g->status != ST_OK || disputed) return ST_SYSTEM;
     if (!assembly_whole(parts) && !(parts->n_frames && g->o->missing)) return unfinished(g);

@@ -105,12 +105,8 @@ for m in interleaved ss sc; do
 	is "$m, a worker killed: exit 1" $? 1
 	like "$m: the missing pixels are listed" "$(cat said)" '[0-9]+ of 65536 pixels missing'
 	is "$m: no picture" "$(ls out.pfm* 2>/dev/null)" ""
-	remedy=$(sed -n 's/^gather: to finish: //p' said | sed 's/SCENE/gears.nff/')
-	like "$m: the command that finishes it is printed" "$remedy" 'gather -m job\.log \| rtworker .*>> *job\.log'
+	like "$m: a message says what to do" "$(cat said)" 'gather: to resume from job\.log, rerun the command'
 	cp job.log cut.log
-	ok "$m: the printed command runs" sh -c "$remedy"
-	ok "$m: the printed command finishes the picture" cmp out.pfm good.pfm
-	rm -f out.pfm
 	patiently long $m -r cut.log
 	wait "$pid"
 	ok "$m: the same command again gives the same picture" cmp out.pfm good.pfm

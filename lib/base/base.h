@@ -155,8 +155,6 @@ void buf_printf(struct buf *b, const char *fmt, ...) PRINTF_LIKE(2, 3);
 void buf_consume(struct buf *b, size_t n);
 /* Appends s as one word of a shell command. */
 void buf_word(struct buf *b, const char *s);
-/* Appends a file name as one word that is never taken for an option. */
-void buf_quote(struct buf *b, const char *s);
 static inline size_t buf_size(const struct buf *b) { return b->len - b->off; }
 static inline const unsigned char *buf_data(const struct buf *b)
 {

@@ -142,9 +142,3 @@ void buf_word(struct buf *b, const char *s)
     }
     buf_append(b, "'", 1);
 }
-
-void buf_quote(struct buf *b, const char *s)
-{
-    if (*s == '-') buf_append(b, "./", 2);
-    buf_word(b, s);
-}

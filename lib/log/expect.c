@@ -5,7 +5,6 @@
 #include <string.h>
 
 #define FRAMES_LISTED 8 /* incomplete frames described singly */
-#define REMEDY_MOST 900 /* bytes; a message has 1024 */
 
 static const char *plural(uint64_t n) { return n == 1 ? "" : "s"; }
 
@@ -91,33 +90,12 @@ void intake_report_missing(const struct intake *in)
     if (incomplete > FRAMES_LISTED) warn("... and %u frames more", incomplete - FRAMES_LISTED);
 }
 
-/* True if the incomplete frames are of several jobs: no single command has the state of all. */
-static bool several_jobs(const struct assembly *parts)
+void intake_report_resume(const char *log, char *const *inputs)
 {
-    const char *job = NULL;
-    for (uint32_t i = 0; i < parts->n_frames; i++) {
-        const struct assembly_frame *f = parts->frames[i];
-        if (coverage_full(&f->have)) continue;
-        if (job && strcmp(job, f->job) != 0) return true;
-        job = f->job;
-    }
-    return false;
-}
-
-void intake_report_remedy(const struct intake *in, const char *log, char *const *inputs,
-    const struct image_out *to, bool more)
-{
-    const char *const one[] = {log, NULL};
-    struct buf remedy = {0};
-    bool again = !more && !several_jobs(&in->parts) &&
-                 log_remedy(log ? one : (const char *const *)inputs, &in->origin, to, &remedy);
-    again &= buf_size(&remedy) < REMEDY_MOST;
-    if (log)
-        warn("to resume from %s, rerun the command%s", log, again ? ", or finish as follows" : "");
-    if (again) warn("to finish: %.*s", (int)buf_size(&remedy), (const char *)buf_data(&remedy));
-    else if (!log && intake_piped(inputs) && !inputs[1])
+    if (log) warn("to resume from %s, rerun the command", log);
+    else if (intake_piped(inputs) && !inputs[1])
         warn("no log was kept (-r LOG), so only a new run can render them");
-    buf_free(&remedy);
+    else warn("to resume, rerun the command of a log with -r LOG");
 }
 
 bool intake_piped(char *const *inputs)

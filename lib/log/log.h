@@ -81,10 +81,8 @@ struct assembly_frame *intake_record(struct intake *in, const struct record *r);
 void intake_report(const struct intake *in);
 bool intake_report_twice(const struct intake *in, bool all);
 void intake_report_missing(const struct intake *in);
-/* Prints how to finish the pictures from `log`; NULL: from `inputs`. Tells the commands of
- * log_remedy unless `more` says that they would not make all pictures. */
-void intake_report_remedy(const struct intake *in, const char *log, char *const *inputs,
-    const struct image_out *to, bool more);
+/* Prints how to resume from `log`; NULL: from `inputs`. */
+void intake_report_resume(const char *log, char *const *inputs);
 /* True if one of these names, up to NULL, is "-". */
 bool intake_piped(char *const *inputs);
 /* Prints why there is no frame. `why` is that of the run's bye, "" if it has none. Returns true,
@@ -199,16 +197,6 @@ void log_keep_record(struct log_keep *k, const struct record *r);
 /* log_flush, once the log is trusted. */
 int log_keep_flush(struct log_keep *k);
 void log_keep_close(struct log_keep *k);
-
-/*
- * Appends to `out` the shell commands, in one line, that finish the pictures of these logs
- * (NULL-ended): tasks, to the worker of that origin, to the last log; then `gather -o TO LOGS`,
- * where PICTURE.png stands for standard output. False if there is no log, if one is standard
- * input, which cannot be read again, or has a name that cannot be printed, and if the commands
- * would make another picture: with backdrops, or by a worker whose command they do not know.
- */
-bool log_remedy(const char *const *logs, const struct log_origin *origin,
-    const struct image_out *to, struct buf *out);
 
 /* The progress line of a run, with an estimate of the time left; all zero at first. */
 struct log_progress {

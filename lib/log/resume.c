@@ -1,4 +1,4 @@
-/* Conditions for resuming a log, and the command that does it. */
+/* Conditions for resuming a log. */
 #include "log/log.h"
 
 #include <inttypes.h>
@@ -52,50 +52,4 @@ void log_past_free(struct log_past *past)
 {
     intake_free(&past->held);
     frames_free(&past->confirmed);
-}
-
-/* A worker may announce any words. Only those of this project's programs become a command. */
-static bool runs(const char *with)
-{
-    static const char *const known[] = {"rtworker", "vcworker", "povworker"};
-    size_t n = strcspn(with, " ");
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (strlen(known[i]) == n && strncmp(with, known[i], n) == 0) return true;
-    return false;
-}
-
-/* A name with a line end or an escape cannot be pasted. */
-static bool prints(const char *name)
-{
-    size_t n = strlen(name), k = 1;
-    for (; n && k; name += k, n -= k) k = utf8_shown(name, n);
-    return !n;
-}
-
-bool log_remedy(const char *const *logs, const struct log_origin *origin,
-    const struct image_out *to, struct buf *out)
-{
-    struct buf names = {0};
-    const char *last = NULL;
-    bool told = !to->pattern || prints(to->pattern);
-    for (; *logs && strcmp(*logs, "-") != 0; logs++) {
-        told = told && prints(*logs);
-        last = *logs;
-        buf_append(&names, " ", 1);
-        buf_quote(&names, last);
-    }
-    const char *with = *origin->with ? origin->with : "rtworker";
-    bool again = told && last && !*logs && !(to->backs && to->backs->n) && runs(with);
-    if (again) {
-        buf_append(&names, "", 1);
-        const char *all = (const char *)buf_data(&names);
-        bool volume = strncmp(with, "vcworker", strlen("vcworker")) == 0;
-        buf_printf(out, "gather -m%s | %s %s >> ", all, with, volume ? "GRID SPEC" : "SCENE");
-        buf_quote(out, last);
-        buf_printf(out, "; gather%s -o ", to->bits == 16 ? " -k 16" : "");
-        buf_quote(out, to->pattern ? to->pattern : "PICTURE.png");
-        buf_printf(out, "%s", all);
-    }
-    buf_free(&names);
-    return again;
 }

@@ -408,27 +408,6 @@ static void test_refused(void **state)
     intake_free(&in);
 }
 
-static void test_remedy(void **state)
-{
-    (void)state;
-    static const char *const names[] = {"a log", "b", NULL}, *const piped[] = {"a", "-", NULL};
-    const struct log_origin none = {.with = ""}, with = {.with = "rtworker -a4"};
-    struct buf b = {0};
-    const struct image_out deep = {.pattern = "an x.png", .bits = 16}, piping = {.bits = 8};
-    assert_true(log_remedy(names, &with, &deep, &b));
-    buf_append(&b, "", 1);
-    assert_string_equal((const char *)buf_data(&b),
-        "gather -m 'a log' b | rtworker -a4 SCENE >> b; gather -k 16 -o 'an x.png' 'a log' b");
-    buf_consume(&b, buf_size(&b));
-    assert_true(log_remedy(names + 1, &none, &piping, &b));
-    buf_append(&b, "", 1);
-    assert_string_equal(
-        (const char *)buf_data(&b), "gather -m b | rtworker SCENE >> b; gather -o PICTURE.png b");
-    assert_false(log_remedy(piped, &with, &piping, &b));
-    assert_false(log_remedy(names + 2, &with, &piping, &b));
-    buf_free(&b);
-}
-
 /* The next record of d, as a run's and then as the log's. */
 static void keep_next(struct log_keep *k, struct decoder *d, const char *why)
 {
@@ -535,7 +514,6 @@ int main(void)
         cmocka_unit_test(test_kept_runs),
         cmocka_unit_test(test_kept_out),
         cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_remedy),
         cmocka_unit_test(test_bye),
         cmocka_unit_test(test_progress),
         cmocka_unit_test(test_missing),
