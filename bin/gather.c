@@ -30,7 +30,7 @@ struct options {
 struct gather {
     const struct options *o;
     struct intake in;
-    struct log_keep log;
+    struct log_run log;
     struct log_reader reader;
     struct log_progress progress;
     struct image_preview preview;
@@ -108,7 +108,7 @@ static void say_last(const struct gather *g, const char *what)
 /* Writes the records read so far to the log, once it is known that they belong there. */
 static void flush_log(struct gather *g)
 {
-    if (log_keep_flush(&g->log) == 0) return;
+    if (log_run_flush(&g->log) == 0) return;
     complain(g, g->o->log);
     say_last(g, "lacks pixels");
 }
@@ -154,7 +154,7 @@ static void open_log(struct gather *g)
 {
     const struct options *o = g->o;
     if (o->log) input_keep(o->log);
-    if (log_keep_open(&g->log, o->log) != 0) {
+    if (log_run_open(&g->log, o->log) != 0) {
         if (errno == EWOULDBLOCK) die(ST_USAGE, "%s: is in use by another run", o->log);
         die(ST_SYSTEM, "%s:", o->log);
     }
@@ -205,7 +205,7 @@ static void warn_refused(struct gather *g, const struct record *r)
 static void confirm(struct gather *g, const struct record *r)
 {
     char why[LOG_WHY];
-    int refused = log_keep_confirm(&g->log, &g->in, r, &g->reader, why);
+    int refused = log_run_confirm(&g->log, &g->in, r, &g->reader, why);
     if (refused < 0) die(ST_SYSTEM, "%s:", g->o->log);
     if (refused) flush_log(g);
     if (refused) die(ST_USAGE, "%s: %s", g->o->log, why);
@@ -246,9 +246,9 @@ static void take_frame(struct gather *g, const struct record *r)
 static void take_record(void *ctx, const struct record *r)
 {
     struct gather *g = ctx;
-    if (log_keep_ignores(&g->log, r)) return;
+    if (log_run_ignores(&g->log, r)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
-    log_keep_record(&g->log, r);
+    log_run_append(&g->log, r);
     log_progress_note(&g->progress, &g->in.parts, r, g->log.rereading);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     check_kept(g, r);
@@ -343,7 +343,7 @@ int main(int argc, char **argv)
     intake_free(&g.in);
     buf_free(&g.expected);
     free(g.spill);
-    log_keep_close(&g.log);
+    log_run_close(&g.log);
     image_backs_free(&backs);
     if (status != ST_SYSTEM) close_stdout(); /* else the error was reported */
     return status;

@@ -149,54 +149,42 @@ int log_reread(const struct log_file *l, struct intake *in, const struct log_rea
  * file, with text in in->why: it is of another format, or does not begin with a whole record. */
 int log_survey(const struct log_file *l, struct intake *in);
 
-/* The log's content before a run, and the frames of the run that belong to it; all zero at
- * first. */
-struct log_past {
+/*
+ * A run that is appended to a log, or to none. If the log holds something, it is not trusted before
+ * a worker has announced a frame that belongs there: then its content is read, and counts before
+ * the run's. For each record r of the run: log_run_ignores; if r is a frame record with a job,
+ * log_run_confirm; log_run_append; then intake_frame or intake_record.
+ */
+struct log_run {
+    struct log_file file;
+    bool trusted;   /* the log is empty, or of the same origin as this run */
+    bool rereading; /* records come from the log */
+    char why[24];   /* of the run's bye: it ended early; else "" */
+    /* private: the log's content before the run, and frames of the run that belong to it */
     bool known;
     struct intake held;
     struct frames confirmed;
 };
-/*
- * Checks that the stream of origin `now`, which announces r (a frame record with a job), may be
- * appended. A frame that the log does not know may be appended. A frame once confirmed is not
- * checked again. Make the first call before anything is appended. Returns 0; 1 if the stream must
- * not be appended, and why names the difference: size, options, arithmetic, version or scene, or
- * that the file is no log; or -1 with errno.
- */
-int log_confirm(struct log_past *past, const struct log_file *l, const struct log_origin *now,
-    const struct record *r, char why[LOG_WHY]);
-void log_past_free(struct log_past *past);
-/*
- * A run that is appended to a log, or to none. If the log holds something, it is not trusted before
- * a worker has announced a frame that belongs there: then its content is read, and counts before
- * the run's. For each record r of the run: log_keep_ignores; if r is a frame record with a job,
- * log_keep_confirm; log_keep_record; then intake_frame or intake_record.
- */
-struct log_keep {
-    struct log_file file;
-    struct log_past past;
-    bool trusted;   /* the log is empty, or of the same origin as this run */
-    bool rereading; /* records come from the log */
-    char why[24];   /* of the run's bye: it ended early; else "" */
-};
 /* log_open of `path`; NULL: no log. */
-int log_keep_open(struct log_keep *k, const char *path);
+int log_run_open(struct log_run *run, const char *path);
 /* True for fragments and beats before the log is trusted: only the origin and the frames of the
  * workers count until then. */
-bool log_keep_ignores(const struct log_keep *k, const struct record *r);
+bool log_run_ignores(const struct log_run *run, const struct record *r);
 /*
- * Checks r as log_confirm does, and notes it in `in`. When the log is trusted for the first time,
- * its records go to `reader`, while `rereading` is true. Returns 0; 1 if r does not belong to the
- * log, with the reason in why; or -1 with errno. Does nothing for records from the log, or if it
- * was empty.
+ * Checks that r, a frame record with a job, belongs to the log, and notes it in `in`, whose origin
+ * is this run's. A frame that the log does not know belongs there. When the log is trusted for the
+ * first time, its records go to `reader`, while `rereading` is true. Returns 0; 1 if r does not
+ * belong to the log, and why names the difference: size, options, arithmetic, version or scene, or
+ * that the file is no log; or -1 with errno. Does nothing for records from the log, or if it was
+ * empty.
  */
-int log_keep_confirm(struct log_keep *k, struct intake *in, const struct record *r,
+int log_run_confirm(struct log_run *run, struct intake *in, const struct record *r,
     const struct log_reader *reader, char why[LOG_WHY]);
 /* Queues r, unless it comes from the log or is a beat. Notes the reason of the run's bye. */
-void log_keep_record(struct log_keep *k, const struct record *r);
+void log_run_append(struct log_run *run, const struct record *r);
 /* log_flush, once the log is trusted. */
-int log_keep_flush(struct log_keep *k);
-void log_keep_close(struct log_keep *k);
+int log_run_flush(struct log_run *run);
+void log_run_close(struct log_run *run);
 
 /* The progress line of a run, with an estimate of the time left; all zero at first. */
 struct log_progress {

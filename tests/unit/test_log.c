@@ -230,19 +230,21 @@ static void test_lock(void **state)
     wire_free(&d);
 }
 
+static void ignore(void *ctx, const struct record *r) { (void)ctx, (void)r; }
+
 /* The log above against a run that says otherwise; "" for a run that may go on. */
 static void differs(const char *now_hello, const char *now_frame, const char *want)
 {
     struct buf b = {0};
-    struct log_file l;
+    struct log_run run;
     struct intake now;
-    struct log_past past = {0};
+    const struct log_reader reader = {ignore, NULL, NULL};
     struct decoder d = {.upward = true};
     struct record r;
     char why[LOG_WHY] = "";
     put_run(&b, hello, frame, 0, 2);
     write_log(&b);
-    assert_int_equal(log_open(&l, path), 0);
+    assert_int_equal(log_run_open(&run, path), 0);
     intake_init(&now, false);
     feed_text(&d, now_hello);
     feed_text(&d, now_frame);
@@ -250,12 +252,11 @@ static void differs(const char *now_hello, const char *now_frame, const char *wa
         assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
         intake_note(&now, &r);
     } while (r.kind != REC_FRAME);
-    assert_int_equal(log_confirm(&past, &l, &now.origin, &r, why), *want != 0);
+    assert_int_equal(log_run_confirm(&run, &now, &r, &reader, why), *want != 0);
     assert_true(strncmp(why, want, strlen(want)) == 0);
-    log_past_free(&past);
+    log_run_close(&run);
     wire_free(&d);
     intake_free(&now);
-    log_close(&l);
     buf_free(&b);
 }
 
@@ -278,7 +279,7 @@ static void test_continues(void **state)
 
 /* What a run that is kept counts: every record of its own, and of the log when that is trusted. */
 struct kept {
-    struct log_keep k;
+    struct log_run k;
     struct intake in;
     struct log_reader reader;
     int refused;
@@ -288,14 +289,14 @@ struct kept {
 static void keep_record(void *ctx, const struct record *r)
 {
     struct kept *kept = ctx;
-    if (log_keep_ignores(&kept->k, r)) return;
+    if (log_run_ignores(&kept->k, r)) return;
     if (r->kind == REC_FRAME) {
-        int refused = log_keep_confirm(&kept->k, &kept->in, r, &kept->reader, kept->why);
+        int refused = log_run_confirm(&kept->k, &kept->in, r, &kept->reader, kept->why);
         if (refused) kept->refused = refused;
         if (refused) return;
         intake_frame(&kept->in, r);
     }
-    log_keep_record(&kept->k, r);
+    log_run_append(&kept->k, r);
     if (r->kind == REC_FRAME) return;
     struct assembly_frame *whole = intake_record(&kept->in, r);
     if (whole) assembly_release(&kept->in.parts, whole);
@@ -307,7 +308,7 @@ static void keep_run(struct kept *kept, const struct buf *run)
     struct decoder d = {.upward = true};
     struct record r;
     *kept = (struct kept){.reader = {keep_record, NULL, kept}};
-    assert_int_equal(log_keep_open(&kept->k, path), 0);
+    assert_int_equal(log_run_open(&kept->k, path), 0);
     intake_init(&kept->in, false);
     wire_feed(&d, buf_data(run), buf_size(run));
     while (wire_next(&d, &r) == WIRE_RECORD) keep_record(kept, &r);
@@ -316,9 +317,9 @@ static void keep_run(struct kept *kept, const struct buf *run)
 
 static void end_run(struct kept *kept)
 {
-    assert_int_equal(log_keep_flush(&kept->k), 0);
+    assert_int_equal(log_run_flush(&kept->k), 0);
     intake_free(&kept->in);
-    log_keep_close(&kept->k);
+    log_run_close(&kept->k);
 }
 
 static void log_is(const struct buf *want)
@@ -380,10 +381,10 @@ static void test_kept_out(void **state)
     assert_false(kept.k.trusted);
     end_run(&kept);
     log_is(&all);
-    assert_int_equal(log_keep_open(&kept.k, NULL), 0); /* no log at all */
+    assert_int_equal(log_run_open(&kept.k, NULL), 0); /* no log at all */
     assert_true(kept.k.trusted);
-    assert_int_equal(log_keep_flush(&kept.k), 0);
-    log_keep_close(&kept.k);
+    assert_int_equal(log_run_flush(&kept.k), 0);
+    log_run_close(&kept.k);
     buf_free(&all);
     buf_free(&run);
 }
@@ -409,11 +410,11 @@ static void test_refused(void **state)
 }
 
 /* The next record of d, as a run's and then as the log's. */
-static void keep_next(struct log_keep *k, struct decoder *d, const char *why)
+static void keep_next(struct log_run *k, struct decoder *d, const char *why)
 {
     struct record r;
     assert_int_equal(wire_next(d, &r), WIRE_RECORD);
-    log_keep_record(k, &r);
+    log_run_append(k, &r);
     assert_string_equal(k->why, why);
 }
 
@@ -421,9 +422,9 @@ static void test_bye(void **state)
 {
     (void)state;
     struct decoder d = {.upward = true};
-    struct log_keep k;
+    struct log_run k;
     struct intake in;
-    assert_int_equal(log_keep_open(&k, NULL), 0);
+    assert_int_equal(log_run_open(&k, NULL), 0);
     assert_string_equal(k.why, "");
     feed_text(&d, "bye why=other-jobs\nbeat\nbye\nbye why=method-failed\nbye why=x\n");
     keep_next(&k, &d, "other-jobs");
@@ -433,7 +434,7 @@ static void test_bye(void **state)
     k.rereading = true;
     keep_next(&k, &d, "method-failed");
     wire_free(&d);
-    log_keep_close(&k);
+    log_run_close(&k);
     intake_init(&in, false);
     assert_false(intake_report_bye(&in, "other-jobs", true)); /* no frame */
     assert_int_equal(assembly_declare(&in.parts, 0, W, H, "cafe"), ASSEMBLY_TAKEN);
