@@ -3,10 +3,10 @@
  * slots did with the pixels that each brought. fragstat, which judges a run, and replay, which
  * repeats it, share this reader.
  *
- * Call history_read for each file; or history_read_bytes for one in memory, if its pixels are needed.
- * Then use the tables, then call history_free. A log is not trusted: damaged records are skipped
- * and counted, and of each pixel the first one counts, as in gather. A pixel belongs to the latest
- * `done` of its slot for that task.
+ * Call history_read for each file; or history_read_bytes for one in memory, if its pixels are
+ * needed. Then use the tables, then call history_free. A log is not trusted: damaged records are
+ * skipped and counted, and of each pixel the first one counts, as in gather. A pixel belongs to
+ * the latest `done` of its slot for that task.
  */
 #ifndef STORMRING_HISTORY_H
 #define STORMRING_HISTORY_H
@@ -121,8 +121,8 @@ void history_feed(struct history *l, struct decoder *d);
 int history_read(struct history *l, int fd);
 /*
  * Reads a whole log of n bytes in memory, which must stay until history_free. Bodies are not
- * checked: call history_frag_intact before using one. If records are damaged in other ways, reads all
- * again with every body checked, so that a bad record costs no good one.
+ * checked: call history_frag_intact before using one. If records are damaged in other ways, reads
+ * all again with every body checked, so that a bad record costs no good one.
  */
 void history_read_bytes(struct history *l, unsigned char *p, size_t n);
 /* True if these bytes are those that were sent, and valid pixels. */

@@ -20,7 +20,7 @@ void log_run_close(struct log_run *run)
     log_close(&run->file);
 }
 
-/* ---- does the run belong to the log? ------------------------------------------------------------ */
+/* ---- does the run belong to the log? --------------------------------------------------------- */
 
 /* True if both are known and differ. */
 static bool differ(const char *a, const char *b) { return *a && *b && strcmp(a, b) != 0; }
@@ -84,7 +84,7 @@ int log_run_confirm(struct log_run *run, struct intake *in, const struct record 
     return 0;
 }
 
-/* ---- its records ------------------------------------------------------------------------------- */
+/* ---- its records ----------------------------------------------------------------------------- */
 
 bool log_run_ignores(const struct log_run *run, const struct record *r)
 {

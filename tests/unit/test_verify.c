@@ -249,7 +249,7 @@ static void test_hung(void **state)
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
             struct outcome o = verify(&c, cut, seed);
             assert_int_equal(o.different + o.unchecked, 0);
-            assert_in_range(o.rounds, cut < 3 ? 2 : 1, 2); /* six pieces: it may not be asked */
+            assert_in_range(o.rounds, cut < 3 ? 2 : 1, 2); /* six pieces: perhaps none is for it */
         }
 }
 
@@ -361,7 +361,7 @@ static void test_foreign(void **state)
     unlink(check.path);
 }
 
-/* ---- one piece, and what each place says of it, by hand ----------------------------------------- */
+/* ---- one piece, and what each place says of it, by hand -------------------------------------- */
 
 /* Results of places "a" to "d" in turn, as letters: equal ones agree; '.': it said nothing; '?'
  * before all: the first one is of an unknown slot. Names them: a bit each, negative if unsure. */
@@ -574,7 +574,7 @@ static void test_frames(void **state)
     unlink(log.path);
 }
 
-/* ---- earlier runs, hosts that have come and gone ----------------------------------------------- */
+/* ---- earlier runs, hosts that have come and gone --------------------------------------------- */
 
 static void described(const struct verify *v, uint32_t piece, const char *expected)
 {
