@@ -98,16 +98,6 @@ rm m*.pam
 
 # Pictures that come again after the next one is complete.
 for n in 0 1 2; do picture $n; done >three
-cat three three >again
-run gather -P -o a%d.pam again
-like 'a second log of three pictures: they are compared' "$status $err" '^0 .*gather: 36 pixels came twice$'
-{ cat three; { echo 'frame 0 4 3 job=cafe'; for y in 0 1 2; do frag 0 $y "0 $y 4 1 1 1" "$half" 4; done; } | seal; } >again
-run gather -o a%d.pam again
-is 'a picture that comes again, later: silent' "$status$err" 0
-{ cat three; { echo 'frame 0 4 3 job=cafe'; for y in 0 1; do frag 0 $y "0 $y 4 1 1 1" "$half" 4; done; frag 0 2 '0 2 4 1 1 1' "$full" 4; } | seal; } >again
-run gather -o a%d.pam again
-is 'a picture that comes again, later, and differs: status 1' "$status $err" \
-	'1 gather: frame 0: its pixels came again after the next picture was complete, and differ: one of the two is wrong; the first were kept'
 { cat three; frag 0 2 '0 2 4 1 1 1' "$full" 4 | seal; } >again
 run gather -o a%d.pam again
 is 'a part that comes again, later: silent' "$status$err" 0

@@ -36,7 +36,6 @@ static uint64_t frame_bytes(const struct assembly *a, const struct assembly_fram
 static void close_frame(struct assembly *a, struct assembly_frame *f)
 {
     if (!f->have.bits) return;
-    if (f->released && !in_file(a, f)) assembly_late_close(f);
     a->room_bytes += frame_bytes(a, f);
     store_free(f->pixels);
     f->pixels = NULL;
@@ -226,7 +225,7 @@ static enum assembly_verdict commit(struct assembly *a, uint32_t number, const c
     if (!same_job(f, job)) return ASSEMBLY_FOREIGN;
     if (!lattice_valid(at, f->have.w, f->have.h)) return ASSEMBLY_OUTSIDE;
     if (f->released && !f->have.bits) {
-        assembly_late_add(f, at, rgba);
+        f->late += lattice_count(at);
         return ASSEMBLY_TAKEN;
     }
     enum assembly_verdict opened = open_frame(a, f);

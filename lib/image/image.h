@@ -197,15 +197,6 @@ enum assembly_verdict {
     ASSEMBLY_VERDICTS
 };
 
-/* Pixels that came again when the frame was closed; see late.c. */
-struct assembly_late {
-    bool known, differs;         /* the sums; a whole copy differs from the first */
-    uint64_t same;               /* pixels of whole copies with the same bits */
-    uint64_t n;                  /* other ones, which cannot be compared */
-    uint64_t first, again;       /* sums of hashes: of all first pixels; of those n */
-    uint64_t all_places, places; /* and of their places */
-};
-
 struct assembly_frame {
     uint32_t number;
     char job[ASSEMBLY_NAME]; /* from the first declaration, which stands */
@@ -214,8 +205,8 @@ struct assembly_frame {
         have;   /* bits NULL: no fragment yet, or released; w, h and done are always valid */
     bool clear; /* some alpha is below 1 */
     bool released;
-    uint64_t again; /* pixels that came more than once, and were compared */
-    struct assembly_late late;
+    uint64_t again;    /* pixels that came more than once, and were compared */
+    uint64_t late;     /* pixels that came again when the frame was closed: not compared */
     uint64_t shown_px; /* pixels in its last preview */
     uint32_t next_id;  /* for the caller: above every task id seen */
 };

@@ -36,8 +36,4 @@ const float *store_row(struct store *s, uint32_t y);
 uint64_t store_memory(uint32_t w, uint32_t h, bool in_file, uint32_t pages);
 uint64_t store_disk(uint32_t w, uint32_t h);
 
-/* late.c: keeps the sum of f, before it is closed; counts pixels of f that come after that. */
-void assembly_late_close(struct assembly_frame *f);
-void assembly_late_add(struct assembly_frame *f, const struct lattice *at, const float *rgba);
-
 #endif

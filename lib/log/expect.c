@@ -50,31 +50,20 @@ const char *intake_refused_text(
 bool intake_report_twice(const struct intake *in, bool all)
 {
     const struct assembly *parts = &in->parts;
-    uint64_t same = assembly_again(parts), more = parts->differing, unknown = 0;
-    uint32_t differing = 0;
+    uint64_t same = assembly_again(parts), more = parts->differing, late = 0;
     char text[LOG_DISPUTE_TEXT];
     for (uint32_t i = 0; i < parts->n_disputes; i++) {
         warn("%s", log_dispute_text(&in->sources, &parts->disputes[i], text));
         more -= parts->disputes[i].pixels;
     }
     if (more) warn("... and %" PRIu64 " differing pixels more", more);
-    for (uint32_t i = 0; i < parts->n_frames; i++) {
-        const struct assembly_frame *f = parts->frames[i];
-        if (f->late.differs && ++differing <= FRAMES_LISTED)
-            warn("frame %" PRIu32
-                 ": its pixels came again after the next picture was complete, and "
-                 "differ: one of the two is wrong; the first were kept",
-                f->number);
-        same += f->late.same;
-        unknown += f->late.n;
-    }
-    if (differing > FRAMES_LISTED) warn("... and %u frames more", differing - FRAMES_LISTED);
+    for (uint32_t i = 0; i < parts->n_frames; i++) late += parts->frames[i]->late;
     if (same && all) warn("%" PRIu64 " pixels came twice", same);
-    if (unknown && all && in->pixels)
+    if (late && all && in->pixels)
         warn("%" PRIu64 " pixels came again too late to be compared: after the next picture was "
              "complete",
-            unknown);
-    return parts->differing || differing;
+            late);
+    return parts->differing;
 }
 
 void intake_report_missing(const struct intake *in)

@@ -172,55 +172,12 @@ static void test_memory_is_bounded(void **state)
     }
     put(&a, 5, 16, row, 1); /* too late: counted only */
     assert_int_equal(assembly_find(&a, 5)->again, 16);
-    assert_int_equal(assembly_find(&a, 5)->late.n, 16);
+    assert_int_equal(assembly_find(&a, 5)->late, 16);
     assert_int_equal(a.differing, 16 * 99);
     assert_int_equal(a.n_disputes, ASSEMBLY_DISPUTES_MAX);
     assert_false(assembly_whole(&a));
     assert_int_equal(put(&a, 0, 16, all, 0), ASSEMBLY_TAKEN);
     assert_true(assembly_whole(&a));
-    assembly_free(&a);
-}
-
-/* Late pixels in any cut: all of them again, with the same bits or not; or not all. */
-static void test_late(void **state)
-{
-    (void)state;
-    struct assembly a;
-    const struct lattice all = {0, 0, 16, 16, 1, 1}, upper = {0, 0, 16, 8, 1, 1},
-                         lower = {0, 8, 16, 8, 1, 1};
-    assembly_init(&a, true, ROOM);
-    for (uint32_t f = 0; f < 4; f++) {
-        assembly_declare(&a, f, 16, 16, "j");
-        put(&a, f, 16, all, 0);
-        assembly_release(&a, assembly_find(&a, f));
-    }
-    const struct assembly_late *l = &assembly_find(&a, 0)->late;
-    put(&a, 0, 16, upper, 0);
-    assert_true(l->n == 128 && l->same == 0 && !l->differs);
-    put(&a, 0, 16, lower, 0);
-    assert_true(l->n == 0 && l->same == 256);
-    put(&a, 0, 16, all, 0);
-    assert_true(l->n == 0 && l->same == 512);
-    put(&a, 0, 16, lower, 0);
-    put(&a, 0, 16, lower, 0); /* as many as all, but not all */
-    assert_true(l->n == 256 && l->same == 512);
-    put(&a, 0, 16, upper, 0);
-    put(&a, 0, 16, upper, 1);
-    assert_true(l->n == 0 && l->same == 512 && l->differs);
-    put(&a, 0, 16, upper, 0); /* more does not hide it */
-    assert_true(l->n == 128 && l->differs);
-    l = &assembly_find(&a, 1)->late;
-    assert_true(l->n == 0 && l->same == 0 && !l->differs);
-    put(&a, 1, 16, all, 1);
-    assert_true(l->n == 0 && l->same == 0 && l->differs);
-    /* The right pixels at each other's places. */
-    float row[4 * 16];
-    for (int i = 0; i < 4 * 16; i++) row[i] = shade((uint64_t)(i / 4 ^ 1), i % 4);
-    assembly_commit(&a, 2, "j", 1, &(struct lattice){0, 0, 16, 1, 1, 1}, row);
-    put(&a, 2, 16, (struct lattice){0, 1, 16, 15, 1, 1}, 0);
-    l = &assembly_find(&a, 2)->late;
-    assert_true(l->n == 0 && l->same == 0 && l->differs);
-    assert_int_equal(a.differing, 0);
     assembly_free(&a);
 }
 
@@ -320,7 +277,6 @@ int main(void)
         cmocka_unit_test(test_bits_not_values),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_memory_is_bounded),
-        cmocka_unit_test(test_late),
         cmocka_unit_test(test_released_is_given_back),
         cmocka_unit_test(test_without_pixels),
         cmocka_unit_test(test_missing_in_words),
