@@ -1,5 +1,5 @@
 #!/bin/sh
-# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; examples; wire labels;
+# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; wire labels;
 # words. Each check prints file:line of what breaks it.
 . "$(dirname "$0")/lib.sh"
 cd "$root" || exit 3
@@ -364,29 +364,6 @@ for page in man/*.[1-9]; do
 	[ "$name" = stormring.7 ] || grep -qF "Xr ${name%.*} ${name##*.}" man/stormring.7 || echo "man/stormring.7:1: does not name $name"
 done >"$found"
 clean 'stormring(7) names every page'
-
-# ---- examples: a page's run in one directory, in order, up to the first that fails -------------------------------
-# shellcheck source=examples.sh
-. "$root/tests/examples.sh"
-try() { # PAGE
-	rm -rf "$tmp/work" && mkdir "$tmp/work"
-	examples "$root/$1" >"$tmp/script"
-	grep -qv '^#' "$tmp/script" || { echo "$1: has no example that is run (lines beginning with \"\$ \")"; return; }
-	(cd "$tmp/work" && timeout 1200 sh -e "$tmp/script") >"$tmp/said" 2>&1 </dev/null ||
-		{ echo "$1: an example exits $?, after saying:"; tail -n 5 "$tmp/said"; }
-}
-# worked NAME PAGE
-worked() {
-	examples "$2" >"$tmp/named"
-	! lacking "$tmp/named" || { skip "$1" "$missing is not there"; return; }
-	try "$2" >"$found"
-	clean "$1"
-}
-for page in man/*.[1-9]; do
-	# 05_tutorial.t runs that one, and checks what comes out as well.
-	[ "$page" = man/stormring-tutorial.7 ] || worked "the examples of $(basename "$page") work" "$page"
-done
-worked 'the commands of README.md work' README.md
 
 # ---- wire labels: names of records and keys are the same in code and in the pages of section 5 -----------------
 # In the pages, records are `.It Ic NAME ...`, keys `.It Cm KEY Ns = ...`.
