@@ -166,7 +166,7 @@ done >"$found"
 clean 'every public header compiles alone'
 
 # ---- sizes -------------------------------------------------------------------------------------------------
-sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
+sources=$(ls lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
 scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* tests/experiments/* .ci/run 2>/dev/null)
 # What awk, sort and others print and read is by the user's language, unless LC_ALL is set, which stormring.sh does.
 {
@@ -180,9 +180,9 @@ clean 'numbers that scripts print have a point, in any language'
 {
 	awk 'length > 100 { print FILENAME ":" FNR ": " length " columns, expected at most 100" }' $sources >"$found"
 	clean 'lines have at most 100 columns'
-	awk 'FNR > 400 && !said[FILENAME]++ { print FILENAME ":401: expected at most 400 lines" }' lib/*/*.[ch] bin/*.c >"$found"
+	awk 'FNR > 400 && !said[FILENAME]++ { print FILENAME ":401: expected at most 400 lines" }' lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c >"$found"
 	clean 'files have at most 400 lines'
-	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
+	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c >"$found"
 	clean 'functions have at most 70 lines'
 	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] lib/chart/* >"$found"
 	clean 'lines do not end in blanks'
@@ -196,7 +196,7 @@ ban() {
 	grep -nE "(^|[^A-Za-z0-9_.>])($calls) *\\(" "$@" | grep -vE '^[^:]*:[0-9]+: *(/?\*|//)' >"$found"
 	clean "$why"
 }
-lib=$(ls lib/*/*.[ch])
+lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 # shellcheck disable=SC2046,SC2086
 {
 	ban 'no unchecked parsing, unbounded copying or hidden state' \
@@ -414,7 +414,7 @@ clean 'the corpora have a seed for every kind of record, word, entity, number an
 find lib bin tests man scenes -type f | sed 's,.*/,,' | sort -u >"$tmp/there"
 # Of C files the comments are read, with END behind each file's last one.
 prose='README.md CHANGELOG.md lib/README.md tests/README tests/bench/RESULTS.md man/*.[1-9]'
-comments='lib/*/*.[ch] bin/*.c tests/unit/*.[ch] tests/fuzz/*.[ch] tests/bench/*.c tests/*.c'
+comments='lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c tests/unit/*.[ch] tests/fuzz/*.[ch] tests/bench/*.c tests/*.c'
 # shellcheck disable=SC2086
 awk '
 function say(text) { if (text !~ /^[ \t]*$/) print FILENAME ":" FNR ": " text }
