@@ -1,7 +1,6 @@
 /*
  * The hub: expected times, by which it chooses at the end (hub_end.c). cost.h says how they are
  * measured.
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 
@@ -78,6 +77,8 @@ static double done_us(const struct hub *h, int32_t k)
     double us = h->task_work * hub_time_us(h, k);
     return us + (s->held.count ? BUSY_US + ends_of(h, k) : s->pace.round_trip_us);
 }
+
+bool hub_is_ending(const struct hub *h) { return h->p.endgame && h->ended; }
 
 void hub_cost_mark(struct hub *h, int32_t k)
 {

@@ -15,7 +15,6 @@
  * own pixels, or the last of its pieces. Pieces are entries of the ledger, and can be cut again.
  * They have new ids, above all input ids of the frame. (As deal_end.c does with the tasks of its
  * slots; see there for the sources.)
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 
@@ -113,8 +112,6 @@ static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     hub_unlist(h, i);
     hub_assign(h, i, k, out);
 }
-
-bool hub_is_ending(const struct hub *h) { return h->p.endgame && h->ended; }
 
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out)
 {

@@ -1,7 +1,16 @@
 /*
- * The hub of the ring, shared by its files: hub.c (events), hub_ledger.c (tasks), hub_match.c
- * (pairs nodes that want work with nodes that have some), hub_hung.c (nodes that make no progress),
- * hub_join.c (nodes that join and leave), hub_cost.c (expected times), hub_end.c (the last tasks).
+ * The hub of the ring, shared by its files. Each calls only those below it:
+ *
+ *     hub.c        events
+ *     hub_match.c  pairs nodes that want work with nodes that have some
+ *     hub_end.c    the last tasks
+ *     hub_hung.c   nodes that make no progress
+ *     hub_join.c   nodes that join and leave
+ *     hub_owner.c  which node has a task
+ *     hub_asks.c   asks and their answers
+ *     hub_mark.c   what nodes want and have
+ *     hub_cost.c   expected times
+ *     hub_ledger.c tasks
  */
 #ifndef STORMRING_SCHED_HUB_INT_H
 #define STORMRING_SCHED_HUB_INT_H
@@ -10,8 +19,6 @@
 #include "sched/pace.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
-
-/* ---- hub.c ----------------------------------------------------------------------------------- */
 
 /* Classes of work: class c lasts at least 2^c microseconds, and less than twice that. */
 #define LOADS 48
@@ -42,7 +49,7 @@ struct hub_node {
     int64_t since_us;          /* the time of that ask */
     int32_t older, newer;      /* its neighbours in the list of outstanding asks, by time */
     bool silent;               /* did not answer in time, and has sent nothing since */
-    bool busy;                 /* has to make progress: hub_hung.c */
+    bool busy;                 /* has to make progress: hub_mark.c */
     int32_t staler, fresher;   /* its neighbours in the list of busy nodes, by latest progress */
     int64_t progress_us;       /* the time of its latest progress */
 };
@@ -75,7 +82,7 @@ struct hub {
     double left_px;                        /* pixels that nodes have to compute */
     struct slot_set up;                    /* nodes that are up */
     struct slot_set leaving;               /* nodes that drain, and owe nothing */
-    struct slot_set hungry, late, delayed; /* hub_match.c */
+    struct slot_set hungry, late, delayed; /* hub_mark.c */
     struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
     /* At the end (hub_cost.c): nodes that want work, by when they would be done with some; nodes
@@ -112,6 +119,10 @@ static inline bool hub_works(const struct hub *h, int32_t k)
 {
     return hub_is_up(h, k) || (k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_DRAINS);
 }
+/* ---- hub_owner.c ----------------------------------------------------------------------------- */
+
+/* Sends entry i to its owner, node k, which is up. */
+void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
 /* Moves the next n tasks of node k to node peer, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
@@ -122,8 +133,6 @@ void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
 void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
-/* Node k has changed: notes whether it wants work, and whether it has some. */
-void hub_mark(struct hub *h, int32_t k);
 
 /* ---- hub_join.c ----------------------------------------------------------------------------- */
 
@@ -155,11 +164,13 @@ void hub_remove(struct hub *h, int32_t i);
 
 /* ---- hub_match.c ----------------------------------------------------------------------------- */
 
-/* The sets of slots of the hub, once the number of nodes is known. */
-void hub_sets_init(struct hub *h);
-void hub_sets_free(struct hub *h);
 /* Pairs each node that wants work with a victim while victims remain. */
 void hub_match(struct hub *h, struct sched_actions *out);
+
+/* ---- hub_asks.c ----------------------------------------------------------------------------- */
+
+/* Node k is asked on behalf of node thief. */
+void hub_pair(struct hub *h, int32_t k, int32_t thief);
 /* Node k was given a task: this ends its ask. */
 void hub_served(struct hub *h, int32_t k);
 /* Node k says ASK; or NONE, to node peer. */
@@ -176,12 +187,19 @@ int64_t hub_late_us(const struct hub *h);
 
 /* ---- hub_hung.c ----------------------------------------------------------------------------- */
 
-/* Node k has changed: notes whether it has to make progress, and whether it is idle. */
-void hub_busy(struct hub *h, int32_t k);
-/* Node k has made progress. */
-void hub_progress(struct hub *h, int32_t k);
 /* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
 void hub_hung(struct hub *h, struct sched_actions *out);
+
+/* ---- hub_mark.c ----------------------------------------------------------------------------- */
+
+/* The sets of slots of the hub, once the number of nodes is known. */
+void hub_sets_init(struct hub *h);
+void hub_sets_free(struct hub *h);
+/* Node k has changed: notes whether it wants work, whether it has some, whether it has to make
+ * progress, and whether it is idle. */
+void hub_mark(struct hub *h, int32_t k);
+/* Node k has made progress. */
+void hub_progress(struct hub *h, int32_t k);
 
 /* ---- hub_cost.c ----------------------------------------------------------------------------- */
 
@@ -196,13 +214,13 @@ double hub_time_us(const struct hub *h, int32_t k);
 /* the time until node k ends its current task, and those that have no pieces. *late: the current
  * task should be done. It is then expected to take as long again as it is late. */
 double hub_left_us(const struct hub *h, int32_t k, bool *late);
+/* Has the endgame begun? */
+bool hub_is_ending(const struct hub *h);
 /* Node k has changed: notes in the endgame what it wants, and when it ends. */
 void hub_cost_mark(struct hub *h, int32_t k);
 
 /* ---- hub_end.c ------------------------------------------------------------------------------ */
 
-/* Has the endgame begun? */
-bool hub_is_ending(const struct hub *h);
 /* Gives node k, which wants work, a part of a task of another node; false: there is none. */
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out);
 

@@ -1,6 +1,5 @@
 /*
  * The hub: the ledger. Each entry is on the one list that its owner, its state and its pieces name.
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 
