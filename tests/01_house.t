@@ -76,7 +76,7 @@ log intake
 pipe blob down outlet silence stdout_private stream up
 proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
-sched cost deal gdc hub node pace policy set tournament
+sched cost deal gdc hub node pace pieces policy set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh cone_shape crossings items light media pending sah slabs sphere_shape tracer triangle_shape wave

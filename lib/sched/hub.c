@@ -29,7 +29,7 @@ static void *ring_create(const struct sched_params *p)
     tasks_init(&h->ledger, sizeof(struct hub_task));
     cost_init(&h->costs, COSTS);
     h->pool = h->rest = h->cut = TASK_LIST_EMPTY;
-    frames_init(&h->frames, sizeof(uint32_t));
+    frames_init(&h->ids, PIECES_ID);
     h->oldest = h->newest = h->stalest = h->freshest = -1;
     h->hung_us = h->end_us = INT64_MAX;
     return h;
@@ -40,7 +40,7 @@ static void ring_destroy(void *state)
     struct hub *h = state;
     if (!h) return;
     tasks_free(&h->ledger);
-    frames_free(&h->frames);
+    frames_free(&h->ids);
     cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
@@ -74,10 +74,7 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
 static void take_task(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = tasks_add(&h->ledger, &e->task, e->frame_w);
-    struct hub_task *t = hub_task(h, i);
-    t->owner = t->from = t->parent = t->piece = t->before = t->after = -1;
-    if (h->p.endgame) hub_note_id(h, &e->task);
+    int32_t i = hub_enter(h, &e->task, e->frame_w);
     if (h->n_nodes) start(h, i, out);
     else hub_enlist(h, i, -1, false);
 }
@@ -131,8 +128,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
         .sent_us = t->sent_us,
         .done_us = h->now_us,
         .wall_us = wall_us};
-    hub_cost_note(h, i, &done);
-    pace_note(pace, &done);
+    hub_cost_note(h, i, (double)done.px, pace_note(pace, &done));
     pace_mix(&h->pace.us_per_px, pace->us_per_px);
 }
 
@@ -164,25 +160,16 @@ static void leave(struct hub *h, int32_t i)
     set_put(&h->freed, k, true);
 }
 
-static void forget_pieces(struct hub *h, int32_t i)
-{
-    int32_t j;
-    while ((j = hub_task(h, i)->piece) >= 0) {
-        forget_pieces(h, j);
-        leave(h, j);
-    }
-}
-
 /* The last pixels of entry i have come, which may be the last piece of another one. */
 static void commit(struct hub *h, int32_t i, struct sched_actions *out)
 {
     do {
-        int32_t parent = hub_task(h, i)->parent;
+        int32_t parent = pieces_parent(&h->ledger, i), j;
         sched_act(out, SCHED_COMMIT, hub_task(h, i)->owner, &h->ledger.at[i].task);
-        forget_pieces(h, i);
+        while ((j = pieces_leaf(&h->ledger, i)) >= 0) leave(h, j);
         leave(h, i);
         i = parent;
-    } while (i >= 0 && hub_task(h, i)->piece < 0);
+    } while (i >= 0 && !pieces_exist(&h->ledger, i));
     while (h->freed.count) {
         int32_t k = set_after(&h->freed, -1);
         set_put(&h->freed, k, false);
@@ -208,7 +195,7 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
 {
     int32_t k = e->slot, peer = e->ring.peer;
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    bool owns = i >= 0 && hub_task(h, i)->owner == k, cut = owns && hub_task(h, i)->piece >= 0;
+    bool owns = i >= 0 && hub_task(h, i)->owner == k, cut = owns && pieces_exist(&h->ledger, i);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
     if (owns) hub_unlist(h, i);
     if (cut) hub_enlist(h, i, -1, false);

@@ -3,13 +3,10 @@
  * node may never answer although beats tell its fan that it is alive. So if a node is idle and no
  * node can be asked for work, the hub looks at the node that has made no progress for longest. If
  * that node's task is late, the idle node becomes its owner. A task is late if the idle node could
- * have done it LATE_TIMES since. If the first node finishes it first, its pixels count.
+ * have done it PACE_LATE_TIMES since. If the first node finishes it first, its pixels count.
  */
 #include "sched/hub_int.h"
 
-#define LATE_TIMES 4
-#define LATE_US 200000 /* added for a busy machine */
-#define LATE_MOST_US 86400e6
 #define TRIES 8 /* takeovers of a task that add its first wait once more */
 
 /* The time from which entry i of node k is late for node thief. */
@@ -19,9 +16,9 @@ static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
     const struct pace *p = &h->nodes[thief].pace;
     double us_per_px = p->us_per_px > 0 ? p->us_per_px : h->pace.us_per_px;
     double us = (double)px * us_per_px;
-    us = LATE_US + LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
+    us = PACE_LATE_US + PACE_LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
     us *= 1 + hub_task(h, i)->tries / TRIES;
-    return h->nodes[k].progress_us + (int64_t)fmin(us, LATE_MOST_US);
+    return h->nodes[k].progress_us + (int64_t)fmin(us, PACE_LATE_MOST_US);
 }
 
 void hub_hung(struct hub *h, struct sched_actions *out)
@@ -35,7 +32,7 @@ void hub_hung(struct hub *h, struct sched_actions *out)
         if (k < 0) return;
         const struct hub_node *s = &h->nodes[k];
         int32_t i = s->held.head;
-        while (i >= 0 && hub_task(h, i)->piece >= 0) i = h->ledger.at[i].next;
+        while (i >= 0 && pieces_exist(&h->ledger, i)) i = h->ledger.at[i].next;
         if (i < 0) i = s->computed.head;
         h->hung_us = late_us(h, i, k, thief);
         if (h->now_us < h->hung_us) return;

@@ -17,6 +17,7 @@
 
 #include "sched/cost.h"
 #include "sched/pace.h"
+#include "sched/pieces.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
 
@@ -56,14 +57,12 @@ struct hub_node {
 
 /* Payload of an entry of the ledger. */
 struct hub_task {
-    int32_t owner;         /* the node whose task it is; -1: in the pool */
-    int32_t from;          /* its previous owner, if it was stolen; else -1 */
-    int32_t tries;         /* attempts so far; 0: no node was sent it */
-    bool computed;         /* its owner has computed it; pixels are missing */
-    int64_t sent_us;       /* when its owner was sent it */
-    int32_t parent;        /* the entry that it is a piece of; -1: none */
-    int32_t piece;         /* the first of its own pieces; -1: none */
-    int32_t before, after; /* its neighbours among the pieces of its parent */
+    struct piece piece; /* first: pieces.h */
+    int32_t owner;      /* the node whose task it is; -1: in the pool */
+    int32_t from;       /* its previous owner, if it was stolen; else -1 */
+    int32_t tries;      /* attempts so far; 0: no node was sent it */
+    bool computed;      /* its owner has computed it; pixels are missing */
+    int64_t sent_us;    /* when its owner was sent it */
 };
 
 struct hub {
@@ -72,7 +71,7 @@ struct hub {
     struct task_list pool;    /* no known node could own them */
     struct task_list rest;    /* pieces that no node has: hub_end.c */
     struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
-    struct frames frames;     /* with an endgame: the highest id of each frame */
+    struct frames ids;        /* with an endgame: pieces.h */
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
@@ -153,12 +152,12 @@ void hub_let_go(struct hub *h, struct sched_actions *out);
 void hub_unlist(struct hub *h, int32_t i);
 /* Puts entry i, on no list, on a list of node k; or on one of those of no node (-1). */
 void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed);
-/* With an endgame: notes the id of a task of the input. */
-void hub_note_id(struct hub *h, const struct task *t);
-/* Enters a piece of entry `parent` with these pixels, which no node has yet. */
-int32_t hub_enter(struct hub *h, int32_t parent, const struct lattice *at);
-/* The id of the input task that entry i is, or is a piece of. */
-uint32_t hub_came_as(const struct hub *h, int32_t i);
+/* Adds a task of the input, on no list. */
+int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w);
+/* Makes a piece of all missing pixels of entry i, which a node has. */
+int32_t hub_open_task(struct hub *h, int32_t i);
+/* Cuts n pixels off entry i, a piece that no node has, as another one. */
+int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n);
 /* Removes entry i, which has no pieces. */
 void hub_remove(struct hub *h, int32_t i);
 
@@ -203,8 +202,8 @@ void hub_progress(struct hub *h, int32_t k);
 
 /* ---- hub_cost.c ----------------------------------------------------------------------------- */
 
-/* Entry i is done by its owner, whose pace does not have it yet. */
-void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done);
+/* Entry i, of px pixels, is done by its owner in this time. */
+void hub_cost_note(struct hub *h, int32_t i, double px, double us);
 /* Expected times. That which node k needs for a pixel of entry i; */
 double hub_pixel_us(const struct hub *h, int32_t k, int32_t i);
 /* the same for its own entry i; if that is its current task, at least what it has taken so far; */

@@ -48,7 +48,7 @@ static bool end(struct hub *h, struct sched_actions *out)
     if (!hub_is_ending(h)) return false;
     for (int n = 0; n < REVIEWED; n++)
         hub_cost_mark(h, h->reviewed = set_after(&h->up, h->reviewed));
-    int32_t first = tournament_least(&h->wanting, NULL, NULL);
+    int32_t first = tournament_least(&h->wanting, NULL);
     if (first >= 0 && hub_end(h, first, out)) return true;
     h->turn = set_after(&h->hungry, h->turn);
     return h->turn != first && hub_end(h, h->turn, out);

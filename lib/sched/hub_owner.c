@@ -13,7 +13,7 @@ void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     t->sent_us = h->now_us;
     sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
     out->at[out->n - 1].from = t->from;
-    out->at[out->n - 1].origin_id = hub_came_as(h, i);
+    out->at[out->n - 1].origin_id = pieces_came_as(&h->ledger, i);
     hub_served(h, k);
     if (s->held.count == 1) hub_progress(h, k);
 }
@@ -42,7 +42,7 @@ void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
     hub_unlist(h, i);
     hub_task(h, i)->from = -1;
-    if (hub_task(h, i)->piece < 0) hub_assign(h, i, k, out);
+    if (!pieces_exist(&h->ledger, i)) hub_assign(h, i, k, out);
     else hub_enlist(h, i, -1, false);
 }
 
