@@ -48,7 +48,7 @@ static void ring_destroy(void *state)
     free(h);
 }
 
-/* ---- tasks without owner ---------------------------------------------------------------------- */
+/* ---- tasks without owner --------------------------------------------------------------------- */
 
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {

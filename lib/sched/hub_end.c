@@ -8,8 +8,8 @@
  *    pieces cover all pixels that are missing. The first one goes to the idle node, and the rest
  *    waits for the next nodes that want work.
  * 3. A piece keeps its node busy for half of its share of all work that is left, and at least for
- *    PIECES_LEAST_US and PIECE_TRIPS of its round trip. If its task is late, a pixel costs what the task
- *    has taken so far.
+ *    PIECES_LEAST_US and PIECE_TRIPS of its round trip. If its task is late, a pixel costs what the
+ *    task has taken so far.
  *
  * See deal_end.c for the sources.
  */
@@ -92,7 +92,8 @@ static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     const struct lattice *at = &h->ledger.at[i].task.at;
     double px = tasks_px(&h->ledger, i);
     uint64_t n = pieces_rows(at, part_px(h, k, px, hub_pixel_us(h, k, i)));
-    if ((double)n < .75 * px && !h->ledger.at[i].delivered) i = hub_cut_off(h, i, n);
+    bool may = !h->ledger.at[i].delivered && pieces_id_left(&h->ids, &h->ledger.at[i].task);
+    if ((double)n < .75 * px && may) i = hub_cut_off(h, i, n);
     hub_unlist(h, i);
     hub_assign(h, i, k, out);
 }
@@ -109,6 +110,7 @@ bool hub_end(struct hub *h, int32_t k, struct sched_actions *out)
     int32_t from = slowest(h, k);
     if (from < 0) return false;
     i = last_of(h, from, k);
+    if (!pieces_id_left(&h->ids, &h->ledger.at[i].task)) return false;
     double us = hub_time_us(h, from), theirs_us = hub_left_us(h, from, &late);
     if (us > 0) us = hub_own_pixel_us(h, from, i) * hub_time_us(h, k) / us;
     double need_us =

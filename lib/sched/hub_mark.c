@@ -73,7 +73,7 @@ static void mark_rich(struct hub *h, int32_t k, bool rich)
     move(h->rich, &h->loads, k, &s->load, load);
 }
 
-/* ---- busy nodes, by latest progress ----------------------------------------------------------- */
+/* ---- busy nodes, by latest progress ---------------------------------------------------------- */
 
 static void unlist(struct hub *h, int32_t k)
 {

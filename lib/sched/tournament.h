@@ -1,7 +1,7 @@
 /*
  * The slot with the least key, while keys change: tree selection (D. E. Knuth, "The Art of Computer
- * Programming" vol. 3, 5.2.3). Each place of the tree holds the lesser key of the two below it. deal
- * keeps slots by the time at which they need a task, and the hub nodes by the times that it expects.
+ * Programming" vol. 3, 5.2.3). Each place of the tree holds the lesser key of the two below it.
+ * deal keeps slots by the time at which they need a task, the hub nodes by when they will end.
  */
 #ifndef STORMRING_SCHED_TOURNAMENT_H
 #define STORMRING_SCHED_TOURNAMENT_H
