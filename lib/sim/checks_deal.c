@@ -7,8 +7,7 @@ struct note {
     uint64_t owners; /* slots that were given it and have not answered: bit K */
     uint64_t owing;  /* slots that have computed it, are not lost, and owe pixels: bit K */
     uint64_t got[SIM_SLOTS_MOST]; /* pixels that the slot has sent under its number */
-    int32_t came; /* number of tasks read when it was */
-    int32_t gives;
+    int32_t gives, came; /* came: the number of tasks read when it was */
     int64_t order;               /* of the latest give, among all gives */
     uint8_t nth[SIM_SLOTS_MOST]; /* attempt number of the slot's copy */
     int32_t computed_by;         /* the first slot that computed it and is not lost, -1: none */
@@ -229,8 +228,7 @@ static bool in_store(const struct world *w, const struct vtask *t)
     return false;
 }
 
-/* Slot k is given a task that others have. `withheld`: one of them has computed it and its
- * pixels do not come, whatever number still compute it. */
+/* Slot k is given a task that others have. withheld: one has computed it, but no pixels come. */
 static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool withheld)
 {
     w->result->copies++;
