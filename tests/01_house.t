@@ -117,9 +117,6 @@ clean 'externs begin with the name of their module'
 # each other. A node and its slots are one recursion: a slot that is free takes a step of the node, which starts the slot.
 cat >"$tmp/circles" <<'END'
 sim/node sim/slots
-sched/deal_cost sched/deal_ledger sched/deal_pick
-sched/gdc_node sched/node
-sched/hub sched/hub_cost sched/hub_end sched/hub_hung sched/hub_join sched/hub_match
 worker/fork_slot worker/forks worker/worker
 END
 awk '
