@@ -80,7 +80,7 @@ log intake
 pipe blob down outlet silence stdout_private stream up
 proc child cores_available signals status_text want_descriptors
 scene corners nff points pov reader token tokens
-sched cost deal gdc hub node pace policy set tournament
+sched cost deal gdc hub node pace pieces policy set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh cone_shape crossings items light media pending sah slabs sphere_shape tracer triangle_shape wave
@@ -117,9 +117,6 @@ clean 'externs begin with the name of their module'
 # each other. A node and its slots are one recursion: a slot that is free takes a step of the node, which starts the slot.
 cat >"$tmp/circles" <<'END'
 sim/node sim/slots
-sched/deal_cost sched/deal_ledger sched/deal_pick
-sched/gdc_node sched/node
-sched/hub sched/hub_cost sched/hub_end sched/hub_hung sched/hub_join sched/hub_match
 worker/fork_slot worker/forks worker/worker
 END
 awk '

@@ -229,6 +229,15 @@ is 'a host that is slowed three times keeps a thousandth of its power' "$(partit
 is 'a host that is slow from the start' "$(partition -u run:4 8x8 | simulate -m 1000 -j 2 -f slow@0s:1:.1 deal | awk '$1 == "slows" { print $2 }')" 1
 is 'jitter: no run is faster than the bound and three of the least latencies' "$(partition -u run:64 8x8 |
 	simulate -l 100 -m 10 -s 4 -f jitter=1 deal | awk '{ v[$1] = $2 } END { print (v["least_s"] <= v["makespan_s"]) }')" 1
+# Tasks that do not arrive by number.
+partition 16x16 | rtworker tetra.nff >rows.log
+for order in sample "cost:$PWD/rows.log"; do
+	for rules in deal 'deal -q auto' '-f crash=.5,kill=1 deal'; do
+		# shellcheck disable=SC2086  # options and method
+		is "tasks go in order of arrival: partition -o ${order%%:*}, simulate $rules" "$(partition -o "$order" 16x16 |
+			simulate -j 4 -l 5 $rules 2>&1 | awk '$1 == "uncommitted" || /order/')" 'uncommitted	0'
+	done
+done
 # Task 0 has two pixels, and task 9 these and two others.
 { partition -u run:2 4x1 | head -n 2; partition -u run:4 4x1 | awk '/^task/ { $3 = 9; print }'; } | rtworker tetra.nff |
 	LC_ALL=C sed 's/^\(.*\)done 0 0 .*$/\1done 0 0 cpu_us=1000 wall_us=1/; s/^\(.*\)done 0 9 .*$/\1done 0 9 cpu_us=8000 wall_us=1/' | "$root/tests/seal" >over.log

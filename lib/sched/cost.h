@@ -24,6 +24,12 @@ struct speed {
     double us, work; /* of the latest tasks of a slot; 0: none */
 };
 
+/* The time that the slot needs for work 1; mean_us if none of its tasks is known. */
+static inline double cost_time_us(const struct speed *s, double mean_us)
+{
+    return s->work > 0 ? s->us / s->work : mean_us;
+}
+
 void cost_init(struct costs *c, uint32_t n); /* allocates, cost_free frees */
 void cost_free(struct costs *c);
 /* The expected cost of a pixel of task `id` of the input, and of its pieces: the observed one, else

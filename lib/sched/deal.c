@@ -34,7 +34,7 @@ static void *deal_create(const struct sched_params *p)
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
     tasks_init(&d->ledger, sizeof(struct account));
-    frames_init(&d->frames, sizeof(struct frame_ids));
+    frames_init(&d->ids, PIECES_ID);
     cost_init(&d->costs, COSTS);
     d->pool = d->out = TASK_LIST_EMPTY;
     d->late_us = INT64_MAX;
@@ -48,7 +48,7 @@ static void deal_destroy(void *state)
     if (!d) return;
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
-    frames_free(&d->frames);
+    frames_free(&d->ids);
     cost_free(&d->costs);
     deal_close_room(d);
     free(d->slots);
@@ -104,7 +104,7 @@ static void take_task(
     struct deal *d, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     if (tasks_find(&d->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = deal_enter(d, &e->task, e->frame_w, -1), to = e->task.to;
+    int32_t i = deal_enter(d, &e->task, e->frame_w), to = e->task.to;
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
     if (s && s->state == SLOT_UP) deal_give(d, to, i, now, out);
     else if (s && s->state == SLOT_NEW) deal_put(d, i, PROMISED, to);

@@ -1,8 +1,6 @@
 /*
  * deal: expected times. With an endgame, cuts and copies follow them; with SCHED_DEPTH_AUTO as
  * well, queues do, too. cost.h says how they are measured.
- *
- * One machine with deal_ledger.c and deal_pick.c.
  */
 #include "sched/deal_int.h"
 
@@ -13,11 +11,11 @@
 #define FRESH (1 / 64.)   /* the expected end holds for this part of the time left, */
 #define FRESH_MOST_US 1e5 /* and at most for this time */
 
-bool deal_timed(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO && d->p.endgame; }
+bool deal_timed(const struct deal *d) { return deal_adapts(d) && d->p.endgame; }
 
 double deal_cost(const struct deal *d, int32_t i)
 {
-    return cost_expected(&d->costs, d->ledger.at[i].task.frame, deal_came_as(d, i));
+    return cost_expected(&d->costs, d->ledger.at[i].task.frame, pieces_came_as(&d->ledger, i));
 }
 
 double deal_work(const struct deal *d, int32_t i)
@@ -27,8 +25,7 @@ double deal_work(const struct deal *d, int32_t i)
 
 double deal_time_us(const struct deal *d, int32_t k)
 {
-    const struct slot *s = &d->slots[k];
-    return s->speed.work > 0 ? s->speed.us / s->speed.work : d->mean_us;
+    return cost_time_us(&d->slots[k].speed, d->mean_us);
 }
 
 void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us)
@@ -109,7 +106,7 @@ void deal_cost_late(struct deal *d, int32_t i)
     double us = k < 0 ? 0 : deal_time_us(d, k);
     if (us <= 0 || !deal_overdue(d, k)) return;
     double late_us = (double)d->now_us - d->slots[k].due_us;
-    cost_set(&d->costs, d->ledger.at[i].task.frame, deal_came_as(d, i),
+    cost_set(&d->costs, d->ledger.at[i].task.frame, pieces_came_as(&d->ledger, i),
         deal_cost(d, i) + LATER * late_us / us / tasks_px(&d->ledger, i));
 }
 
@@ -127,14 +124,14 @@ static void review(struct deal *d, int32_t k, const struct task_list *l)
     }
 }
 
-void deal_review(struct deal *d, int32_t k)
+bool deal_review(struct deal *d, int32_t k)
 {
     struct slot *s = &d->slots[k];
-    if (slot_load(s) > REVIEWED) return;
+    if (slot_load(s) > REVIEWED) return false;
     review(d, k, &s->held);
     review(d, k, &s->shared);
     set_due(d, k);
-    deal_mark(d, k);
+    return true;
 }
 
 double deal_end_us(struct deal *d)

@@ -26,30 +26,23 @@
  *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it
- *    LATE_TIMES over since it was last given, and LATE_US and the least time have passed as well.
+ *    PACE_LATE_TIMES over since it was last given, and PACE_LATE_US and the least time have passed.
  *    So neither one hanging slot nor COPIES_MOST of them can hold up a frame that other slots wait
  *    for, or a live input.
- *
- * A task that is cut stays in the ledger, and its pieces refer to it. Either its own pixels or the
- * last of its pieces commits it. Pieces get new ids, above all input ids of the frame.
  */
 #include "sched/deal_int.h"
 
 #define COPIES_MOST 3   /* of a pixel at once, except by rule 5 */
 #define PART .5         /* a piece takes this part of the time left */
 #define QUEUED_PART .05 /* the same with SCHED_DEPTH_AUTO: queued pieces cost no round trips */
-#define PIECE_US 1000.0 /* a piece is cut to take at least this time, or -t if longer, plus */
-#define PIECE_TRIPS 2.0 /* this number of round trips: smaller ones cost more than they save */
+#define PIECE_TRIPS 2.0 /* round trips, added to its least time: less costs more than it saves */
 #define QUEUED_TRIPS .1 /* the same with SCHED_DEPTH_AUTO */
-#define LATE_TIMES 4
-#define LATE_US 200000 /* added, for a busy machine */
-#define LATE_MOST_US 86400e6
 
 /* Is entry i a task or piece that slot k may be given a copy of? */
 static bool may_have(const struct deal *d, int32_t k, int32_t i)
 {
     const struct account *a = deal_account(d, i);
-    return a->place == OUT && !a->pieces && !deal_owes(d, k, i);
+    return a->place == OUT && !pieces_exist(&d->ledger, i) && !deal_owes(d, k, i);
 }
 
 /* The same, and is it being computed by fewer than COPIES_MOST slots, counting copies of the tasks
@@ -58,7 +51,7 @@ static bool may_copy(const struct deal *d, int32_t k, int32_t i)
 {
     if (!may_have(d, k, i)) return false;
     int32_t copies = 0;
-    for (; i >= 0; i = deal_account(d, i)->parent) copies += deal_account(d, i)->copies;
+    for (; i >= 0; i = pieces_parent(&d->ledger, i)) copies += deal_account(d, i)->copies;
     return copies < COPIES_MOST;
 }
 
@@ -91,7 +84,7 @@ static bool is_out_for(
     deal_end_us(d); /* for deal_time_us */
     double us = deal_work(d, i) * deal_time_us(d, k);
     us = d->p.least_us + more_us + times * (us + d->slots[k].pace.round_trip_us);
-    int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, LATE_MOST_US);
+    int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, PACE_LATE_MOST_US);
     if (now >= out_us) return true;
     if (out_us < d->late_us) d->late_us = out_us;
     return false;
@@ -100,7 +93,7 @@ static bool is_out_for(
 /* Rule 5: is entry i late, for slot k? */
 static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
 {
-    return is_out_for(d, i, k, LATE_TIMES, LATE_US, now);
+    return is_out_for(d, i, k, PACE_LATE_TIMES, PACE_LATE_US, now);
 }
 
 /* Rules 3 and 4: has entry i been out long enough to be copied for slot k? */
@@ -146,7 +139,7 @@ int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now)
     return i >= 0 && (d->ended ? is_ripe(d, i, *k, now) : is_late(d, i, *k, now)) ? i : -1;
 }
 
-/* Rule 1: the pixels of a piece of entry i for slot k; UINT32_MAX if its time is not known. */
+/* Rule 1: the pixels of a piece of entry i for slot k. */
 static uint64_t piece_px(struct deal *d, int32_t k, int32_t i)
 {
     const struct slot *s = &d->slots[k];
@@ -155,50 +148,35 @@ static uint64_t piece_px(struct deal *d, int32_t k, int32_t i)
     double starts_us = slot_load(s) ? fmax(s->ends_us, now + trip_us) : now + trip_us;
     bool queued = deal_timed(d);
     double trips = queued ? QUEUED_TRIPS : PIECE_TRIPS, part = queued ? QUEUED_PART : PART;
-    double least_us = fmax(PIECE_US, d->p.least_us) + trips * trip_us;
-    double us = fmax(part * (end_us - starts_us), least_us);
-    return px_us > 0 ? (uint64_t)fmin(fmax(us / px_us, 1), UINT32_MAX) : UINT32_MAX;
+    double least_us = fmax(PIECES_LEAST_US, d->p.least_us) + trips * trip_us;
+    return pieces_px(part * (end_us - starts_us), least_us, px_us, UINT32_MAX);
 }
 
 /* Puts a piece into the pool that covers all missing pixels of entry i, of which slots may hold
  * copies. */
 static int32_t open_task(struct deal *d, int32_t i)
 {
-    const struct task_entry *e = &d->ledger.at[i];
-    struct task t = e->task;
-    uint32_t frame_w = e->frame_w;
+    const struct lattice at = pieces_missing(&d->ledger.at[i]);
     int32_t tries = deal_account(d, i)->tries;
-    if (t.at.h == 1) t.at = lattice_cut(&t.at, frame_w, e->delivered, t.at.w);
-    t.id = deal_ids(d, t.frame)->top + 1;
     deal_take(d, i);
     d->stale_us = 0;
     if (deal_account(d, i)->copies) {
         deal_cost_late(d, i);
         deal_share(d, i);
     }
-    deal_account(d, i)->pieces = 1;
     deal_put(d, i, OUT, -1);
-    int32_t piece = deal_enter(d, &t, frame_w, i);
-    deal_account(d, piece)->tries = tries;
-    deal_put_first(d, piece);
-    return piece;
+    i = pieces_add(&d->ledger, &d->ids, i, &at);
+    deal_open_account(d, i, tries);
+    deal_put_first(d, i);
+    return i;
 }
 
-/* Splits the first n pixels off entry i, a piece, as another piece; n is whole rows if i has
- * several. */
+/* Cuts n pixels off entry i, a piece in the pool, as another piece. */
 static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
 {
-    struct task_entry *e = &d->ledger.at[i];
-    struct task t = e->task;
-    uint32_t frame_w = e->frame_w;
-    int32_t tries = deal_account(d, i)->tries, parent = deal_account(d, i)->parent;
     deal_take(d, i);
-    t.at = lattice_cut(&e->task.at, frame_w, 0, n);
-    e->task.at = lattice_cut(&e->task.at, frame_w, n, UINT32_MAX);
-    t.id = deal_ids(d, t.frame)->top + 1;
-    int32_t piece = deal_enter(d, &t, frame_w, parent);
-    deal_account(d, piece)->tries = tries;
-    deal_account(d, parent)->pieces++;
+    int32_t piece = pieces_cut(&d->ledger, &d->ids, i, n);
+    deal_open_account(d, piece, deal_account(d, i)->tries);
     deal_put_first(d, i);
     deal_put_first(d, piece);
     return piece;
@@ -210,14 +188,11 @@ int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
     uint64_t px = piece_px(d, k, i);
     for (;;) {
         const struct task_entry *e = &d->ledger.at[i];
-        const struct lattice *at = &e->task.at;
-        uint64_t left_px = lattice_count(at) - (at->h == 1 ? e->delivered : 0);
-        bool ids_left = deal_ids(d, e->task.frame)->top < UINT32_MAX - 1;
-        if (left_px <= px + px / 2 || !ids_left) return i;
-        uint64_t rows_px = px < at->w ? at->w : px - px % at->w;
+        const struct lattice at = pieces_missing(e);
+        if (lattice_count(&at) <= px + px / 2 || !pieces_id_left(&d->ids, &e->task)) return i;
         /* An input task, or a piece that was given, keeps its pixels. */
-        bool named = deal_account(d, i)->parent < 0 || deal_account(d, i)->latest >= 0;
-        i = named ? open_task(d, i) : cut_off(d, i, at->h > 1 ? rows_px : px);
+        bool named = pieces_parent(&d->ledger, i) < 0 || deal_account(d, i)->latest >= 0;
+        i = named ? open_task(d, i) : cut_off(d, i, pieces_rows(&at, px));
     }
 }
 

@@ -1,14 +1,22 @@
 /*
- * deal, shared by its files: deal.c (events, and which tasks a slot gets), deal_ledger.c (tasks and
- * the slots that hold them), deal_cost.c (expected times), deal_pick.c (choice of the next slot),
- * deal_leave.c (slots that leave the run), deal_end.c (the last tasks).
+ * deal, shared by its files. Each calls only those below it:
+ *
+ *     deal.c        events, and which tasks a slot gets
+ *     deal_end.c    the last tasks
+ *     deal_leave.c  slots that leave the run
+ *     deal_pick.c   the choice of the next slot
+ *     deal_ledger.c tasks, and the slots that hold them
+ *     deal_mark.c   what slots need and have
+ *     deal_cost.c   expected times
  */
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
 
 #include "sched/cost.h"
 #include "sched/pace.h"
+#include "sched/pieces.h"
 #include "sched/slot_set.h"
+#include "sched/tournament.h"
 
 enum slot_state { SLOT_NEW, SLOT_UP, SLOT_DRAINS, SLOT_GONE };
 
@@ -54,35 +62,22 @@ static inline bool deal_computed(const struct slot *s, int32_t c)
 /* Payload of an entry of the ledger. */
 enum place { IN_POOL, PROMISED, OUT, COMPUTED };
 struct account {
+    struct piece piece; /* first: pieces.h */
     enum place place;
     int32_t owner;       /* PROMISED, COMPUTED: the slot on whose list it is; else -1 */
     int32_t tries;       /* attempts so far */
     int32_t copies;      /* slots that have a copy and have not done it */
     int32_t latest;      /* the slot it was last given to */
     int32_t owing;       /* the first slot that owes its pixels (copy.next: others), -1: none */
-    int32_t parent;      /* the entry of which it is a piece, -1: none */
-    int32_t pieces;      /* its uncommitted pieces; together they cover its missing pixels */
     double work;         /* in the pool: pixels of an input task, expected work of a piece */
     int64_t progress_us; /* when it was last given, or computed after that */
-};
-
-/* Payload of a frame. */
-struct frame_ids {
-    uint32_t top; /* the highest id of its tasks so far; pieces get higher ones */
-};
-
-/* Rates a slot; a node of the tournament holds the best of each field below it. */
-struct rating {
-    double need; /* tasks held, or the time at which it needs more; INFINITY: must not get more */
-    int32_t excess;  /* tasks held beyond the width, likewise */
-    double store_us; /* time of its queued work, longest first; 0: none queued */
 };
 
 struct deal {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool, out;
-    struct frames frames;
+    struct frames ids; /* with an endgame: pieces.h */
     int64_t now_us;
     struct costs costs;
     double mean_us;   /* mean time of the slots for work 1; 0: not known */
@@ -96,9 +91,10 @@ struct deal {
     int32_t drains;     /* and those that will leave */
     int32_t known;      /* number of slots, from SCHED_SLOTS; 0 before */
     int32_t n_promised; /* promised tasks */
-    /* deal_pick.c; only slots that are up: */
-    int32_t n_places;          /* capacity of `slots`: a power of two */
-    struct rating *best;       /* the tournament: 1 is the root, 2 i and 2 i + 1 are below i */
+    /* deal_mark.c, with room for as many slots as `slots`; only slots that are up: */
+    struct tournament need;    /* tasks held, or the time at which it needs more */
+    struct tournament excess;  /* tasks held beyond the width; both only if it may get more */
+    struct tournament store;   /* minus the time of its queued work, if there is any */
     struct slot_set idle;      /* slots with no task to compute */
     struct slot_set free;      /* idle slots that owe no pixels of computed tasks */
     struct slot_set withheld;  /* slots that owe pixels, and were asked to flush or are busy */
@@ -113,16 +109,14 @@ static inline struct account *deal_account(const struct deal *d, int32_t i)
 {
     return tasks_extra(&d->ledger, i);
 }
-/* The frame of a task that was in the ledger. */
-static inline struct frame_ids *deal_ids(const struct deal *d, uint32_t frame)
-{
-    return frames_extra(&d->frames, frames_find(&d->frames, frame));
-}
+static inline bool deal_adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO; }
 
 /* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
-/* Adds an entry to the ledger, on no list. */
-int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent);
+/* Adds a task of the input to the ledger, on no list. */
+int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w);
+/* Entry i is new, and on no list: notes that no slot has it, after this number of attempts. */
+void deal_open_account(struct deal *d, int32_t i, int32_t tries);
 /* Removes entry i from its list. */
 void deal_take(struct deal *d, int32_t i);
 /* Appends entry i, on no list, to a list. owner: for PROMISED and COMPUTED, else -1. */
@@ -145,8 +139,6 @@ void deal_outrun(struct deal *d, int32_t k, int32_t c);
 void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i);
 /* Does slot k owe pixels of entry i? */
 bool deal_owes(const struct deal *d, int32_t k, int32_t i);
-/* The id of the input task that entry i is, or is a piece of. */
-uint32_t deal_came_as(const struct deal *d, int32_t i);
 /* Slot k is gone: tasks of its list l stay with other slots that have a copy or have computed one,
  * or go back to the front of the pool. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
@@ -157,17 +149,20 @@ void deal_reclaim(struct deal *d, struct task_list *l);
 
 /* ---- deal_pick.c ----------------------------------------------------------------------------- */
 
-/* Slot k has changed: updates the sets and the tournament. */
-void deal_mark(struct deal *d, int32_t k);
-/* Makes room for n slots, and marks all again. */
-void deal_make_room(struct deal *d, int32_t n);
-void deal_close_room(struct deal *d);
 /* The slot that needs a task first, the lowest of equals; -1 if no slot may get more now. */
 int32_t deal_pick_hungriest(struct deal *d);
 /* The time when deal_pick_hungriest may find a slot. */
 double deal_pick_us(const struct deal *d);
 /* The slot with the longest queued work, the lowest of equals; -1 if none. */
 int32_t deal_pick_store(const struct deal *d);
+
+/* ---- deal_mark.c ----------------------------------------------------------------------------- */
+
+/* Slot k has changed: updates the sets and the tournaments. */
+void deal_mark(struct deal *d, int32_t k);
+/* Makes room for n slots, and marks all again. */
+void deal_make_room(struct deal *d, int32_t n);
+void deal_close_room(struct deal *d);
 
 /* ---- deal_cost.c ----------------------------------------------------------------------------- */
 
@@ -185,8 +180,9 @@ void deal_cost_note(struct deal *d, int32_t k, int32_t c, double us);
 /* Slot k is given its copy c, or does not compute it any more: changes its expected times. */
 void deal_foresee(struct deal *d, int32_t k, int32_t c);
 void deal_forget(struct deal *d, int32_t k, int32_t c);
-/* Estimates the tasks of slot k again, by the costs that are known now. */
-void deal_review(struct deal *d, int32_t k);
+/* Estimates the tasks of slot k again, by the costs that are known now. False: there are many, and
+ * it did not. */
+bool deal_review(struct deal *d, int32_t k);
 /* The times of slot k change by this ratio. */
 void deal_scale(struct deal *d, int32_t k, double ratio);
 /* Has the first task of slot k taken twice its expected time? */

@@ -1,20 +1,23 @@
 /*
  * deal: the ledger, and the copies that slots hold. Every entry is on the one list that its account
  * names.
- *
- * One machine with deal_cost.c and deal_pick.c.
  */
 #include "sched/deal_int.h"
 
-int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w, int32_t parent)
+int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w)
 {
     int32_t i = tasks_add(&d->ledger, t, frame_w);
-    *deal_account(d, i) =
-        (struct account){.owner = -1, .latest = -1, .owing = -1, .parent = parent};
-    if (!frames_find(&d->frames, t->frame)) frames_set(&d->frames, t->frame, 0, 0);
-    struct frame_ids *ids = deal_ids(d, t->frame);
-    if (t->id > ids->top) ids->top = t->id;
+    deal_account(d, i)->piece = PIECE_OF_NONE;
+    deal_open_account(d, i, 0);
+    if (d->p.endgame) pieces_note_id(&d->ids, t);
     return i;
+}
+
+void deal_open_account(struct deal *d, int32_t i, int32_t tries)
+{
+    struct account *a = deal_account(d, i);
+    a->owner = a->latest = a->owing = -1;
+    a->tries = tries;
 }
 
 static struct task_list *list_of(struct deal *d, int32_t i)
@@ -34,8 +37,9 @@ static struct task_list *list_of(struct deal *d, int32_t i)
 static void count_pool(struct deal *d, int32_t i, double sign)
 {
     struct account *a = deal_account(d, i);
-    if (sign > 0) a->work = a->parent < 0 ? tasks_px(&d->ledger, i) : deal_work(d, i);
-    *(a->parent < 0 ? &d->pool_px : &d->pool_work) += sign * a->work;
+    bool whole = a->piece.parent < 0;
+    if (sign > 0) a->work = whole ? tasks_px(&d->ledger, i) : deal_work(d, i);
+    *(whole ? &d->pool_px : &d->pool_work) += sign * a->work;
 }
 
 void deal_take(struct deal *d, int32_t i)
@@ -70,44 +74,37 @@ void deal_put_first(struct deal *d, int32_t i)
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);
-    if (a->copies || a->pieces) deal_put(d, i, OUT, -1);
+    if (a->copies || pieces_exist(&d->ledger, i)) deal_put(d, i, OUT, -1);
     else if (a->owing >= 0) deal_put(d, i, COMPUTED, a->owing);
     else deal_put_first(d, i);
 }
 
-/* Entry i, on no list, leaves the ledger: no slot owes its pixels any more. */
+/* Entry i, which has no pieces, leaves the ledger: no slot owes its pixels any more. */
 static void leave(struct deal *d, int32_t i)
 {
+    deal_take(d, i);
     const struct task *t = &d->ledger.at[i].task;
     int32_t k;
     while ((k = deal_account(d, i)->owing) >= 0)
         deal_outrun(d, k, tasks_find(&d->slots[k].has, t->frame, t->id));
-    tasks_remove(&d->ledger, i);
+    pieces_remove(&d->ledger, i);
 }
 
 void deal_forget_pieces(struct deal *d, int32_t i)
 {
-    for (int32_t j = 0; deal_account(d, i)->pieces && j < d->ledger.cap; j++) {
-        if (!d->ledger.at[j].live || deal_account(d, j)->parent != i) continue;
-        deal_forget_pieces(d, j);
-        deal_take(d, j);
-        leave(d, j);
-        deal_account(d, i)->pieces--;
-    }
+    int32_t j;
+    while ((j = pieces_leaf(&d->ledger, i)) >= 0) leave(d, j);
 }
 
 void deal_commit(struct deal *d, int32_t i, struct sched_actions *out)
 {
-    while (i >= 0) {
-        const struct task *t = &d->ledger.at[i].task;
-        int32_t parent = deal_account(d, i)->parent;
-        sched_act(out, SCHED_COMMIT, deal_account(d, i)->owner, t);
+    do {
+        int32_t parent = pieces_parent(&d->ledger, i);
+        sched_act(out, SCHED_COMMIT, deal_account(d, i)->owner, &d->ledger.at[i].task);
         deal_forget_pieces(d, i);
-        deal_take(d, i);
         leave(d, i);
         i = parent;
-        if (i >= 0 && --deal_account(d, i)->pieces) return;
-    }
+    } while (i >= 0 && !pieces_exist(&d->ledger, i));
 }
 
 /* ---- copies ---------------------------------------------------------------------------------- */
@@ -191,12 +188,6 @@ bool deal_owes(const struct deal *d, int32_t k, int32_t i)
     return c >= 0 && deal_copy(&d->slots[k], c)->list == OWED;
 }
 
-uint32_t deal_came_as(const struct deal *d, int32_t i)
-{
-    while (deal_account(d, i)->parent >= 0) i = deal_account(d, i)->parent;
-    return d->ledger.at[i].task.id;
-}
-
 void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_actions *out)
 {
     struct slot *s = &d->slots[k];
@@ -208,7 +199,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     c = tasks_add(&s->has, &e->task, e->frame_w);
     *deal_copy(s, c) = (struct copy){.given_us = now,
         .work = deal_work(d, i),
-        .came_as = deal_came_as(d, i),
+        .came_as = pieces_came_as(&d->ledger, i),
         .tries = ++a->tries,
         .list = a->copies ? SHARED : HELD,
         .next = -1};
@@ -221,7 +212,7 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     deal_put(d, i, OUT, -1);
     deal_mark(d, k);
     sched_act(out, SCHED_GIVE, k, &e->task);
-    out->at[out->n - 1].origin_id = deal_came_as(d, i);
+    out->at[out->n - 1].origin_id = pieces_came_as(&d->ledger, i);
 }
 
 /* Tasks go back to the front of the pool in their order, unless other slots have them. */

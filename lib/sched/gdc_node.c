@@ -24,7 +24,6 @@
  * - Visited are the nodes between P(i) and P(next), going up. So a hint that leads back, or to P(i)
  *   itself, is not followed.
  * - An ended node asks no more. It computes rows that still come: late answers to earlier requests.
- * One machine with node.c.
  */
 #include "sched/node_int.h"
 

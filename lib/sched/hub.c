@@ -15,7 +15,6 @@
  * is computed once too often.
  *
  * The ledger alone ends the run.
- * One machine with hub_hung.c, hub_join.c and hub_match.c.
  */
 #include "sched/hub_int.h"
 
@@ -30,7 +29,7 @@ static void *ring_create(const struct sched_params *p)
     tasks_init(&h->ledger, sizeof(struct hub_task));
     cost_init(&h->costs, COSTS);
     h->pool = h->rest = h->cut = TASK_LIST_EMPTY;
-    frames_init(&h->frames, sizeof(uint32_t));
+    frames_init(&h->ids, PIECES_ID);
     h->oldest = h->newest = h->stalest = h->freshest = -1;
     h->hung_us = h->end_us = INT64_MAX;
     return h;
@@ -41,7 +40,7 @@ static void ring_destroy(void *state)
     struct hub *h = state;
     if (!h) return;
     tasks_free(&h->ledger);
-    frames_free(&h->frames);
+    frames_free(&h->ids);
     cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
@@ -49,52 +48,7 @@ static void ring_destroy(void *state)
     free(h);
 }
 
-/* ---- owners ---------------------------------------------------------------------------------- */
-
-/* Sends entry i to its owner, node k, which is up. */
-static void send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
-{
-    struct hub_node *s = &h->nodes[k];
-    struct hub_task *t = hub_task(h, i);
-    s->flushed = false;
-    t->tries += !t->tries;
-    t->sent_us = h->now_us;
-    sched_act(out, SCHED_GIVE, k, &h->ledger.at[i].task);
-    out->at[out->n - 1].from = t->from;
-    out->at[out->n - 1].origin_id = hub_came_as(h, i);
-    hub_served(h, k);
-    if (s->held.count == 1) hub_progress(h, k);
-}
-
-/* Entry i, on no list, goes to node k or, if that is gone or drains, to the nearest node before it
- * that is up. */
-void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
-{
-    enum node_state state = h->nodes[k].state;
-    if (state == NODE_GONE || state == NODE_DRAINS) k = set_before(&h->up, k);
-    hub_enlist(h, i, k, false);
-    if (hub_is_up(h, k)) send(h, k, i, out);
-    else if (k >= 0) hub_mark(h, k);
-}
-
-void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out)
-{
-    while (n-- > 0) {
-        int32_t i = h->nodes[k].held.head;
-        hub_unlist(h, i);
-        hub_task(h, i)->from = k;
-        hub_assign(h, i, peer, out);
-    }
-    hub_mark(h, k);
-}
-
-void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
-{
-    hub_unlist(h, i);
-    hub_task(h, i)->from = -1;
-    if (hub_task(h, i)->piece < 0) hub_assign(h, i, k, out);
-    else hub_enlist(h, i, -1, false);
-}
+/* ---- tasks without owner --------------------------------------------------------------------- */
 
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {
@@ -115,40 +69,12 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
     }
 }
 
-/* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
-void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
-{
-    struct hub_node *s = &h->nodes[k];
-    bool wanted = s->state == NODE_DRAINS || ((h->ended || h->flush) && s->state == NODE_UP);
-    if (!wanted || s->flushed || s->held.count || !s->computed.count) return;
-    s->flushed = true;
-    hub_mark(h, k);
-    hub_progress(h, k);
-    sched_act(out, SCHED_ASK_FLUSH, k, NULL);
-}
-
-void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out)
-{
-    struct hub_task *t = hub_task(h, i);
-    int32_t k = t->owner;
-    hub_unlist(h, i);
-    t->from = k;
-    t->tries++;
-    h->taken_over = true;
-    hub_assign(h, i, thief, out);
-    hub_mark(h, k);
-    hub_ask_flush(h, k, out);
-}
-
 /* ---- events ---------------------------------------------------------------------------------- */
 
 static void take_task(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
     if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
-    int32_t i = tasks_add(&h->ledger, &e->task, e->frame_w);
-    struct hub_task *t = hub_task(h, i);
-    t->owner = t->from = t->parent = t->piece = t->before = t->after = -1;
-    if (h->p.endgame) hub_note_id(h, &e->task);
+    int32_t i = hub_enter(h, &e->task, e->frame_w);
     if (h->n_nodes) start(h, i, out);
     else hub_enlist(h, i, -1, false);
 }
@@ -172,7 +98,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     s->width = e->n > 1 ? e->n : 1;
     set_put(&h->up, k, true);
     hub_mark(h, k);
-    for (int32_t i = s->held.head; i >= 0; i = h->ledger.at[i].next) send(h, k, i, out);
+    for (int32_t i = s->held.head; i >= 0; i = h->ledger.at[i].next) hub_send(h, k, i, out);
     take_pool(h, k, out);
     sched_act(out, SCHED_SAY, k, NULL);
     out->at[out->n - 1].ring = (struct ring){
@@ -202,8 +128,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
         .sent_us = t->sent_us,
         .done_us = h->now_us,
         .wall_us = wall_us};
-    hub_cost_note(h, i, &done);
-    pace_note(pace, &done);
+    hub_cost_note(h, i, (double)done.px, pace_note(pace, &done));
     pace_mix(&h->pace.us_per_px, pace->us_per_px);
 }
 
@@ -235,25 +160,16 @@ static void leave(struct hub *h, int32_t i)
     set_put(&h->freed, k, true);
 }
 
-static void forget_pieces(struct hub *h, int32_t i)
-{
-    int32_t j;
-    while ((j = hub_task(h, i)->piece) >= 0) {
-        forget_pieces(h, j);
-        leave(h, j);
-    }
-}
-
 /* The last pixels of entry i have come, which may be the last piece of another one. */
 static void commit(struct hub *h, int32_t i, struct sched_actions *out)
 {
     do {
-        int32_t parent = hub_task(h, i)->parent;
+        int32_t parent = pieces_parent(&h->ledger, i), j;
         sched_act(out, SCHED_COMMIT, hub_task(h, i)->owner, &h->ledger.at[i].task);
-        forget_pieces(h, i);
+        while ((j = pieces_leaf(&h->ledger, i)) >= 0) leave(h, j);
         leave(h, i);
         i = parent;
-    } while (i >= 0 && hub_task(h, i)->piece < 0);
+    } while (i >= 0 && !pieces_exist(&h->ledger, i));
     while (h->freed.count) {
         int32_t k = set_after(&h->freed, -1);
         set_put(&h->freed, k, false);
@@ -279,7 +195,7 @@ static void take_give(struct hub *h, const struct sched_event *e, struct sched_a
 {
     int32_t k = e->slot, peer = e->ring.peer;
     int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
-    bool owns = i >= 0 && hub_task(h, i)->owner == k, cut = owns && hub_task(h, i)->piece >= 0;
+    bool owns = i >= 0 && hub_task(h, i)->owner == k, cut = owns && pieces_exist(&h->ledger, i);
     if (peer < 0 || peer >= h->n_nodes) peer = k;
     if (owns) hub_unlist(h, i);
     if (cut) hub_enlist(h, i, -1, false);

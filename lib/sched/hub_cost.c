@@ -1,7 +1,6 @@
 /*
  * The hub: expected times, by which it chooses at the end (hub_end.c). cost.h says how they are
  * measured.
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 
@@ -11,13 +10,12 @@
 
 double hub_time_us(const struct hub *h, int32_t k)
 {
-    const struct hub_node *s = &h->nodes[k];
-    return (s->speed.work > 0 ? s->speed.us / s->speed.work : h->mean_us) / s->width;
+    return cost_time_us(&h->nodes[k].speed, h->mean_us) / h->nodes[k].width;
 }
 
 static double cost_of(const struct hub *h, int32_t i)
 {
-    return cost_expected(&h->costs, h->ledger.at[i].task.frame, hub_came_as(h, i));
+    return cost_expected(&h->costs, h->ledger.at[i].task.frame, pieces_came_as(&h->ledger, i));
 }
 
 double hub_pixel_us(const struct hub *h, int32_t k, int32_t i)
@@ -39,7 +37,7 @@ static double ends_of(const struct hub *h, int32_t k)
     int32_t i = s->held.head;
     for (int n = 0; i >= 0 && n < LOOKED_AT; n++, i = h->ledger.at[i].next) {
         px -= tasks_px(&h->ledger, i);
-        if (!n || hub_task(h, i)->piece < 0) work += tasks_px(&h->ledger, i) * cost_of(h, i);
+        if (!n || !pieces_exist(&h->ledger, i)) work += tasks_px(&h->ledger, i) * cost_of(h, i);
     }
     if (i >= 0) work += px * h->costs.mean;
     return (double)s->progress_us + work * hub_time_us(h, k);
@@ -57,16 +55,12 @@ double hub_left_us(const struct hub *h, int32_t k, bool *late)
     return ends_us - now + (*late ? 2 * (now - first_us) : 0);
 }
 
-void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done)
+void hub_cost_note(struct hub *h, int32_t i, double px, double us)
 {
     struct hub_node *s = &h->nodes[hub_task(h, i)->owner];
-    int64_t since = s->pace.done_us > done->sent_us ? s->pace.done_us : done->sent_us;
-    bool told = done->wall_us >= 0 && done->wall_us <= done->done_us - done->sent_us;
-    double us = fmax((double)(told ? done->wall_us : done->done_us - since), 1);
-    double px = (double)done->px;
     pace_mix(&h->task_work, px * cost_of(h, i));
-    cost_note(&h->costs, &s->speed, h->ledger.at[i].task.frame, hub_came_as(h, i), px, us,
-        1 - 1 / LATEST);
+    cost_note(&h->costs, &s->speed, h->ledger.at[i].task.frame, pieces_came_as(&h->ledger, i), px,
+        us, 1 - 1 / LATEST);
     pace_mix(&h->mean_us, s->speed.us / s->speed.work);
 }
 
@@ -78,6 +72,8 @@ static double done_us(const struct hub *h, int32_t k)
     double us = h->task_work * hub_time_us(h, k);
     return us + (s->held.count ? BUSY_US + ends_of(h, k) : s->pace.round_trip_us);
 }
+
+bool hub_is_ending(const struct hub *h) { return h->p.endgame && h->ended; }
 
 void hub_cost_mark(struct hub *h, int32_t k)
 {

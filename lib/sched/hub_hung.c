@@ -3,56 +3,11 @@
  * node may never answer although beats tell its fan that it is alive. So if a node is idle and no
  * node can be asked for work, the hub looks at the node that has made no progress for longest. If
  * that node's task is late, the idle node becomes its owner. A task is late if the idle node could
- * have done it LATE_TIMES since. If the first node finishes it first, its pixels count.
- *
- * Progress is a task done, new pixels, or a first task after none. Nodes that have tasks, or were
- * asked for pixels that have not arrived, are in a list in the order of their latest progress.
- * One machine with hub.c and hub_match.c.
+ * have done it PACE_LATE_TIMES since. If the first node finishes it first, its pixels count.
  */
 #include "sched/hub_int.h"
 
-#define LATE_TIMES 4
-#define LATE_US 200000 /* added for a busy machine */
-#define LATE_MOST_US 86400e6
 #define TRIES 8 /* takeovers of a task that add its first wait once more */
-
-static void unlist(struct hub *h, int32_t k)
-{
-    struct hub_node *s = &h->nodes[k];
-    if (!s->busy) return;
-    *(s->staler >= 0 ? &h->nodes[s->staler].fresher : &h->stalest) = s->fresher;
-    *(s->fresher >= 0 ? &h->nodes[s->fresher].staler : &h->freshest) = s->staler;
-    s->busy = false;
-}
-
-static void enlist(struct hub *h, int32_t k)
-{
-    struct hub_node *s = &h->nodes[k];
-    s->busy = true;
-    s->progress_us = h->now_us;
-    s->staler = h->freshest;
-    s->fresher = -1;
-    *(h->freshest >= 0 ? &h->nodes[h->freshest].fresher : &h->stalest) = k;
-    h->freshest = k;
-}
-
-void hub_busy(struct hub *h, int32_t k)
-{
-    const struct hub_node *s = &h->nodes[k];
-    bool owes = s->held.count > s->cut || (s->computed.count && s->flushed);
-    bool busy = hub_works(h, k) && owes;
-    if (busy && !s->busy) enlist(h, k);
-    if (!busy) unlist(h, k);
-    set_put(&h->idle, k, s->state == NODE_UP && s->asking && s->victim < 0 && !s->held.count);
-}
-
-void hub_progress(struct hub *h, int32_t k)
-{
-    if (!h->nodes[k].busy) return;
-    unlist(h, k);
-    enlist(h, k);
-    hub_cost_mark(h, k);
-}
 
 /* The time from which entry i of node k is late for node thief. */
 static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
@@ -61,9 +16,9 @@ static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
     const struct pace *p = &h->nodes[thief].pace;
     double us_per_px = p->us_per_px > 0 ? p->us_per_px : h->pace.us_per_px;
     double us = (double)px * us_per_px;
-    us = LATE_US + LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
+    us = PACE_LATE_US + PACE_LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
     us *= 1 + hub_task(h, i)->tries / TRIES;
-    return h->nodes[k].progress_us + (int64_t)fmin(us, LATE_MOST_US);
+    return h->nodes[k].progress_us + (int64_t)fmin(us, PACE_LATE_MOST_US);
 }
 
 void hub_hung(struct hub *h, struct sched_actions *out)
@@ -77,7 +32,7 @@ void hub_hung(struct hub *h, struct sched_actions *out)
         if (k < 0) return;
         const struct hub_node *s = &h->nodes[k];
         int32_t i = s->held.head;
-        while (i >= 0 && hub_task(h, i)->piece >= 0) i = h->ledger.at[i].next;
+        while (i >= 0 && pieces_exist(&h->ledger, i)) i = h->ledger.at[i].next;
         if (i < 0) i = s->computed.head;
         h->hung_us = late_us(h, i, k, thief);
         if (h->now_us < h->hung_us) return;

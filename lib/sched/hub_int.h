@@ -1,17 +1,25 @@
 /*
- * The hub of the ring, shared by its files: hub.c (events), hub_ledger.c (tasks), hub_match.c
- * (pairs nodes that want work with nodes that have some), hub_hung.c (nodes that make no progress),
- * hub_join.c (nodes that join and leave), hub_cost.c (expected times), hub_end.c (the last tasks).
+ * The hub of the ring, shared by its files. Each calls only those below it:
+ *
+ *     hub.c        events
+ *     hub_match.c  pairs nodes that want work with nodes that have some
+ *     hub_end.c    the last tasks
+ *     hub_hung.c   nodes that make no progress
+ *     hub_join.c   nodes that join and leave
+ *     hub_owner.c  which node has a task
+ *     hub_asks.c   asks and their answers
+ *     hub_mark.c   what nodes want and have
+ *     hub_cost.c   expected times
+ *     hub_ledger.c tasks
  */
 #ifndef STORMRING_SCHED_HUB_INT_H
 #define STORMRING_SCHED_HUB_INT_H
 
 #include "sched/cost.h"
 #include "sched/pace.h"
+#include "sched/pieces.h"
 #include "sched/slot_set.h"
 #include "sched/tournament.h"
-
-/* ---- hub.c ----------------------------------------------------------------------------------- */
 
 /* Classes of work: class c lasts at least 2^c microseconds, and less than twice that. */
 #define LOADS 48
@@ -42,21 +50,19 @@ struct hub_node {
     int64_t since_us;          /* the time of that ask */
     int32_t older, newer;      /* its neighbours in the list of outstanding asks, by time */
     bool silent;               /* did not answer in time, and has sent nothing since */
-    bool busy;                 /* has to make progress: hub_hung.c */
+    bool busy;                 /* has to make progress: hub_mark.c */
     int32_t staler, fresher;   /* its neighbours in the list of busy nodes, by latest progress */
     int64_t progress_us;       /* the time of its latest progress */
 };
 
 /* Payload of an entry of the ledger. */
 struct hub_task {
-    int32_t owner;         /* the node whose task it is; -1: in the pool */
-    int32_t from;          /* its previous owner, if it was stolen; else -1 */
-    int32_t tries;         /* attempts so far; 0: no node was sent it */
-    bool computed;         /* its owner has computed it; pixels are missing */
-    int64_t sent_us;       /* when its owner was sent it */
-    int32_t parent;        /* the entry that it is a piece of; -1: none */
-    int32_t piece;         /* the first of its own pieces; -1: none */
-    int32_t before, after; /* its neighbours among the pieces of its parent */
+    struct piece piece; /* first: pieces.h */
+    int32_t owner;      /* the node whose task it is; -1: in the pool */
+    int32_t from;       /* its previous owner, if it was stolen; else -1 */
+    int32_t tries;      /* attempts so far; 0: no node was sent it */
+    bool computed;      /* its owner has computed it; pixels are missing */
+    int64_t sent_us;    /* when its owner was sent it */
 };
 
 struct hub {
@@ -65,7 +71,7 @@ struct hub {
     struct task_list pool;    /* no known node could own them */
     struct task_list rest;    /* pieces that no node has: hub_end.c */
     struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
-    struct frames frames;     /* with an endgame: the highest id of each frame */
+    struct frames ids;        /* with an endgame: pieces.h */
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
@@ -75,7 +81,7 @@ struct hub {
     double left_px;                        /* pixels that nodes have to compute */
     struct slot_set up;                    /* nodes that are up */
     struct slot_set leaving;               /* nodes that drain, and owe nothing */
-    struct slot_set hungry, late, delayed; /* hub_match.c */
+    struct slot_set hungry, late, delayed; /* hub_mark.c */
     struct slot_set rich[LOADS];           /* likewise, by class of work */
     uint64_t loads;                        /* bit c: rich[c] is not empty */
     /* At the end (hub_cost.c): nodes that want work, by when they would be done with some; nodes
@@ -112,6 +118,10 @@ static inline bool hub_works(const struct hub *h, int32_t k)
 {
     return hub_is_up(h, k) || (k >= 0 && k < h->n_nodes && h->nodes[k].state == NODE_DRAINS);
 }
+/* ---- hub_owner.c ----------------------------------------------------------------------------- */
+
+/* Sends entry i to its owner, node k, which is up. */
+void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
 /* Moves the next n tasks of node k to node peer, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
@@ -122,8 +132,6 @@ void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
 void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
-/* Node k has changed: notes whether it wants work, and whether it has some. */
-void hub_mark(struct hub *h, int32_t k);
 
 /* ---- hub_join.c ----------------------------------------------------------------------------- */
 
@@ -144,22 +152,24 @@ void hub_let_go(struct hub *h, struct sched_actions *out);
 void hub_unlist(struct hub *h, int32_t i);
 /* Puts entry i, on no list, on a list of node k; or on one of those of no node (-1). */
 void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed);
-/* With an endgame: notes the id of a task of the input. */
-void hub_note_id(struct hub *h, const struct task *t);
-/* Enters a piece of entry `parent` with these pixels, which no node has yet. */
-int32_t hub_enter(struct hub *h, int32_t parent, const struct lattice *at);
-/* The id of the input task that entry i is, or is a piece of. */
-uint32_t hub_came_as(const struct hub *h, int32_t i);
+/* Adds a task of the input, on no list. */
+int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w);
+/* Makes a piece of all missing pixels of entry i, which a node has. */
+int32_t hub_open_task(struct hub *h, int32_t i);
+/* Cuts n pixels off entry i, a piece that no node has, as another one. */
+int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n);
 /* Removes entry i, which has no pieces. */
 void hub_remove(struct hub *h, int32_t i);
 
 /* ---- hub_match.c ----------------------------------------------------------------------------- */
 
-/* The sets of slots of the hub, once the number of nodes is known. */
-void hub_sets_init(struct hub *h);
-void hub_sets_free(struct hub *h);
 /* Pairs each node that wants work with a victim while victims remain. */
 void hub_match(struct hub *h, struct sched_actions *out);
+
+/* ---- hub_asks.c ----------------------------------------------------------------------------- */
+
+/* Node k is asked on behalf of node thief. */
+void hub_pair(struct hub *h, int32_t k, int32_t thief);
 /* Node k was given a task: this ends its ask. */
 void hub_served(struct hub *h, int32_t k);
 /* Node k says ASK; or NONE, to node peer. */
@@ -176,17 +186,24 @@ int64_t hub_late_us(const struct hub *h);
 
 /* ---- hub_hung.c ----------------------------------------------------------------------------- */
 
-/* Node k has changed: notes whether it has to make progress, and whether it is idle. */
-void hub_busy(struct hub *h, int32_t k);
-/* Node k has made progress. */
-void hub_progress(struct hub *h, int32_t k);
 /* Gives late tasks to idle nodes. hung_us is then the time when another will be late. */
 void hub_hung(struct hub *h, struct sched_actions *out);
 
+/* ---- hub_mark.c ----------------------------------------------------------------------------- */
+
+/* The sets of slots of the hub, once the number of nodes is known. */
+void hub_sets_init(struct hub *h);
+void hub_sets_free(struct hub *h);
+/* Node k has changed: notes whether it wants work, whether it has some, whether it has to make
+ * progress, and whether it is idle. */
+void hub_mark(struct hub *h, int32_t k);
+/* Node k has made progress. */
+void hub_progress(struct hub *h, int32_t k);
+
 /* ---- hub_cost.c ----------------------------------------------------------------------------- */
 
-/* Entry i is done by its owner, whose pace does not have it yet. */
-void hub_cost_note(struct hub *h, int32_t i, const struct pace_task *done);
+/* Entry i, of px pixels, is done by its owner in this time. */
+void hub_cost_note(struct hub *h, int32_t i, double px, double us);
 /* Expected times. That which node k needs for a pixel of entry i; */
 double hub_pixel_us(const struct hub *h, int32_t k, int32_t i);
 /* the same for its own entry i; if that is its current task, at least what it has taken so far; */
@@ -196,13 +213,13 @@ double hub_time_us(const struct hub *h, int32_t k);
 /* the time until node k ends its current task, and those that have no pieces. *late: the current
  * task should be done. It is then expected to take as long again as it is late. */
 double hub_left_us(const struct hub *h, int32_t k, bool *late);
+/* Has the endgame begun? */
+bool hub_is_ending(const struct hub *h);
 /* Node k has changed: notes in the endgame what it wants, and when it ends. */
 void hub_cost_mark(struct hub *h, int32_t k);
 
 /* ---- hub_end.c ------------------------------------------------------------------------------ */
 
-/* Has the endgame begun? */
-bool hub_is_ending(const struct hub *h);
 /* Gives node k, which wants work, a part of a task of another node; false: there is none. */
 bool hub_end(struct hub *h, int32_t k, struct sched_actions *out);
 

@@ -8,7 +8,6 @@
  * at once, the first ones that it was given. The others go to the nearest node before it that is
  * up, as if it were lost. If it sends one of them first, that counts. It leaves
  * when the hub waits for nothing from it. Its queue cannot be called back, so it is stopped then.
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 

@@ -1,13 +1,13 @@
 /*
  * The hub: the ledger. Each entry is on the one list that its owner, its state and its pieces name.
- * One machine with hub.c.
  */
 #include "sched/hub_int.h"
 
 static struct task_list *list_of(struct hub *h, int32_t i)
 {
     const struct hub_task *t = hub_task(h, i);
-    if (t->owner < 0) return t->piece >= 0 ? &h->cut : t->parent >= 0 ? &h->rest : &h->pool;
+    if (t->owner < 0 && pieces_exist(&h->ledger, i)) return &h->cut;
+    if (t->owner < 0) return t->piece.parent >= 0 ? &h->rest : &h->pool;
     return t->computed ? &h->nodes[t->owner].computed : &h->nodes[t->owner].held;
 }
 
@@ -18,7 +18,7 @@ static void count(struct hub *h, int32_t i, int32_t more)
     if (t->owner < 0 || t->computed) return;
     struct hub_node *s = &h->nodes[t->owner];
     s->held_px += more * tasks_px(&h->ledger, i);
-    if (t->piece < 0) {
+    if (!pieces_exist(&h->ledger, i)) {
         h->left_px += more * tasks_px(&h->ledger, i);
         return;
     }
@@ -42,58 +42,54 @@ void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed)
     count(h, i, 1);
 }
 
-void hub_note_id(struct hub *h, const struct task *t)
+int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w)
 {
-    const struct frame_size *f = frames_find(&h->frames, t->frame);
-    if (!f) f = frames_set(&h->frames, t->frame, 0, 0);
-    uint32_t *top = frames_extra(&h->frames, f);
-    if (t->id > *top) *top = t->id;
+    int32_t i = tasks_add(&h->ledger, t, frame_w);
+    hub_task(h, i)->piece = PIECE_OF_NONE;
+    hub_task(h, i)->owner = hub_task(h, i)->from = -1;
+    if (h->p.endgame) pieces_note_id(&h->ids, t);
+    return i;
 }
 
-uint32_t hub_came_as(const struct hub *h, int32_t i)
+/* Pieces of entry i come or go: before (-1) and after (1) that. */
+static void recount(struct hub *h, int32_t i, int32_t more)
 {
-    while (hub_task(h, i)->parent >= 0) i = hub_task(h, i)->parent;
-    return h->ledger.at[i].task.id;
+    if (i < 0) return;
+    bool unowned = hub_task(h, i)->owner < 0;
+    if (unowned && more < 0) list_remove(&h->ledger, list_of(h, i), i);
+    if (unowned && more > 0) list_push_back(&h->ledger, list_of(h, i), i);
+    count(h, i, more);
 }
 
-/* Entry i has these pieces now: the first of them, or -1. */
-static void set_piece(struct hub *h, int32_t i, int32_t piece)
+/* Piece i is new: no node has it yet. */
+static int32_t enlist_piece(struct hub *h, int32_t i)
 {
-    struct hub_task *t = hub_task(h, i);
-    count(h, i, -1);
-    if (t->owner < 0) list_remove(&h->ledger, list_of(h, i), i);
-    t->piece = piece;
-    if (t->owner < 0) list_push_back(&h->ledger, list_of(h, i), i);
-    count(h, i, 1);
-}
-
-int32_t hub_enter(struct hub *h, int32_t parent, const struct lattice *at)
-{
-    struct task t = h->ledger.at[parent].task;
-    uint32_t *top = frames_extra(&h->frames, frames_find(&h->frames, t.frame));
-    t.at = *at;
-    t.id = ++*top;
-    int32_t i = tasks_add(&h->ledger, &t, h->ledger.at[parent].frame_w);
-    const struct hub_task *p = hub_task(h, parent);
-    *hub_task(h, i) = (struct hub_task){.owner = -1,
-        .from = p->owner,
-        .tries = p->tries,
-        .parent = parent,
-        .piece = -1,
-        .before = -1,
-        .after = p->piece};
-    if (p->piece >= 0) hub_task(h, p->piece)->before = i;
-    set_piece(h, parent, i);
+    const struct hub_task *parent = hub_task(h, pieces_parent(&h->ledger, i));
+    hub_task(h, i)->from = parent->owner;
+    hub_task(h, i)->tries = parent->tries;
     hub_enlist(h, i, -1, false);
     return i;
 }
 
+int32_t hub_open_task(struct hub *h, int32_t i)
+{
+    const struct lattice at = pieces_missing(&h->ledger.at[i]);
+    recount(h, i, -1);
+    int32_t piece = pieces_add(&h->ledger, &h->ids, i, &at);
+    recount(h, i, 1);
+    return enlist_piece(h, piece);
+}
+
+int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n)
+{
+    return enlist_piece(h, pieces_cut(&h->ledger, &h->ids, i, n));
+}
+
 void hub_remove(struct hub *h, int32_t i)
 {
-    const struct hub_task *t = hub_task(h, i);
+    int32_t parent = pieces_parent(&h->ledger, i);
     hub_unlist(h, i);
-    if (t->after >= 0) hub_task(h, t->after)->before = t->before;
-    if (t->before >= 0) hub_task(h, t->before)->after = t->after;
-    else if (t->parent >= 0) set_piece(h, t->parent, t->after);
-    tasks_remove(&h->ledger, i);
+    recount(h, parent, -1);
+    pieces_remove(&h->ledger, i);
+    recount(h, parent, 1);
 }

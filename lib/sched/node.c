@@ -17,7 +17,6 @@
  *    is not passed round.
  *
  * A node that has no PLACE from a hub only feeds its worker.
- * One machine with gdc_node.c.
  */
 #include "sched/node_int.h"
 
@@ -47,54 +46,7 @@ static void node_destroy(void *state)
     free(n);
 }
 
-/* ---- what it has ----------------------------------------------------------------------------- */
-
-static void queue_push(struct node *n, int32_t i)
-{
-    list_push_back(&n->has, &n->queue, i);
-    n->queue_px += tasks_px(&n->has, i);
-}
-
-static void queue_take(struct node *n, int32_t i)
-{
-    list_remove(&n->has, &n->queue, i);
-    n->queue_px -= tasks_px(&n->has, i);
-}
-
-static void unlist(struct node *n, int32_t i)
-{
-    switch (node_task(n, i)->place) {
-    case QUEUED: queue_take(n, i); break;
-    case FED:
-        list_remove(&n->has, &n->fed, i);
-        n->fed_px -= tasks_px(&n->has, i);
-        break;
-    case COMPUTED: list_remove(&n->has, &n->computed, i); break;
-    }
-}
-
-static void enqueue(struct node *n, int32_t i)
-{
-    node_task(n, i)->place = QUEUED;
-    n->has.at[i].delivered = 0;
-    queue_push(n, i);
-}
-
-struct ring *node_say(enum ring_kind kind, int32_t peer, struct sched_actions *out)
-{
-    sched_act(out, SCHED_SAY, 0, NULL);
-    struct ring *r = &out->at[out->n - 1].ring;
-    *r = (struct ring){.kind = kind, .peer = peer, .next = -1};
-    return r;
-}
-
-void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *out)
-{
-    node_say(RING_GIVE, peer, out);
-    out->at[out->n - 1].task = n->has.at[i].task;
-    queue_take(n, i);
-    tasks_remove(&n->has, i);
-}
+/* ---- the worker ------------------------------------------------------------------------------ */
 
 /*
  * The number of tasks that the worker holds beyond its current ones, which cannot be given away any
@@ -114,7 +66,7 @@ static void feed(struct node *n, int64_t now, struct sched_actions *out)
     int32_t most = n->width ? n->width + store_of(n) : 0;
     while (n->queue.count && n->fed.count < most) {
         int32_t i = n->queue.head;
-        queue_take(n, i);
+        node_queue_take(n, i);
         list_push_back(&n->has, &n->fed, i);
         n->fed_px += tasks_px(&n->has, i);
         *node_task(n, i) = (struct node_task){.place = FED, .fed_us = now};
@@ -135,9 +87,9 @@ static void take_task(struct node *n, const struct sched_event *e, int64_t now)
     }
     n->asked_us = -1;
     if (i >= 0 && node_task(n, i)->place != COMPUTED) return;
-    if (i >= 0) unlist(n, i);
+    if (i >= 0) node_unlist(n, i);
     else i = tasks_add(&n->has, &e->task, e->frame_w);
-    enqueue(n, i);
+    node_enqueue(n, i);
 }
 
 static void take_done(struct node *n, const struct sched_event *e, int64_t now)
@@ -152,7 +104,7 @@ static void take_done(struct node *n, const struct sched_event *e, int64_t now)
         .done_us = now,
         .wall_us = e->wall_us};
     pace_note(&n->pace, &done);
-    unlist(n, i);
+    node_unlist(n, i);
     node_task(n, i)->place = COMPUTED;
     list_push_back(&n->has, &n->computed, i);
 }
@@ -162,7 +114,7 @@ static void take_pixels(struct node *n, const struct sched_event *e, struct sche
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
     if (i < 0 || !tasks_deliver(&n->has, i, &e->task.at) || !tasks_whole(&n->has, i)) return;
     sched_act(out, SCHED_COMMIT, 0, &n->has.at[i].task);
-    unlist(n, i);
+    node_unlist(n, i);
     tasks_remove(&n->has, i);
 }
 
@@ -173,8 +125,8 @@ static void take_gone(struct node *n)
     for (int l = 0; l < 2; l++) {
         while (lost[l]->count) {
             int32_t i = lost[l]->head;
-            unlist(n, i);
-            enqueue(n, i);
+            node_unlist(n, i);
+            node_enqueue(n, i);
         }
     }
     n->width = 0;

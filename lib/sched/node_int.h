@@ -1,6 +1,6 @@
 /*
- * A node of the ring, shared by its files: node.c (the queue, the worker, and the default rules),
- * gdc_node.c (the rules as published).
+ * A node of the ring, shared by its files: node.c (events, the worker, and the default rules),
+ * gdc_node.c (the rules as published), node_queue.c (the lists of tasks).
  *
  * A task is queued, then fed to the worker, then computed with pixels missing. The node removes it
  * when the pixels have come, or when it gives the task away.
@@ -42,12 +42,17 @@ static inline struct node_task *node_task(const struct node *n, int32_t i)
     return tasks_extra(&n->has, i);
 }
 
-/* ---- node.c ----------------------------------------------------------------------------- */
+/* ---- node_queue.c ----------------------------------------------------------------------- */
 
 /* Adds a message to the hub. The caller may set its other fields until the next action. */
 struct ring *node_say(enum ring_kind kind, int32_t peer, struct sched_actions *out);
 /* Gives entry i, which is queued, to node peer. */
 void node_give(struct node *n, int32_t i, int32_t peer, struct sched_actions *out);
+/* Takes entry i off the queue; off its list. */
+void node_queue_take(struct node *n, int32_t i);
+void node_unlist(struct node *n, int32_t i);
+/* Entry i, on no list, is the last of the queue. */
+void node_enqueue(struct node *n, int32_t i);
 
 /* ---- gdc_node.c ------------------------------------------------------------------------------ */
 

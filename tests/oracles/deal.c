@@ -8,7 +8,7 @@ struct note {
     uint64_t owners; /* slots that were given it and have not answered: bit K */
     uint64_t owing;  /* slots that have computed it, are not lost, and owe pixels: bit K */
     uint64_t got[SIM_SLOTS_MOST]; /* pixels that the slot has sent under its number */
-    int32_t gives;
+    int32_t gives, came; /* came: the number of tasks read when it was */
     int64_t order;               /* of the latest give, among all gives */
     uint8_t nth[SIM_SLOTS_MOST]; /* attempt number of the slot's copy */
     int32_t computed_by;         /* the first slot that computed it and is not lost, -1: none */
@@ -143,6 +143,7 @@ static void deal_task(struct vtask *t)
 static void deal_event(struct world *w, const struct sched_event *e)
 {
     bool named = e->task.frame == 0 && e->task.id < (uint32_t)w->n_tasks;
+    if (e->kind == SCHED_TASK && named) of(&w->tasks[e->task.id])->came = w->n_read;
     if (e->kind == SCHED_PIXELS && named) note_pixels(w, &w->tasks[e->task.id], e);
     if (e->kind == SCHED_DONE && named) note_done(w, &w->tasks[e->task.id], e->slot);
     if (e->kind == SCHED_GONE) note_gone(w, e->slot);
@@ -228,8 +229,7 @@ static bool in_store(const struct world *w, const struct vtask *t)
     return false;
 }
 
-/* Slot k is given a task that others have. `withheld`: one of them has computed it and its
- * pixels do not come, whatever number still compute it. */
+/* Slot k is given a task that others have. withheld: one has computed it, but no pixels come. */
 static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool withheld)
 {
     w->result->copies++;
@@ -274,7 +274,7 @@ static void check_turn(struct world *w, const struct vtask *t)
 {
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
-        bool first = of(other)->gives ? !of(other)->owners : other->task.id < t->task.id;
+        bool first = of(other)->gives ? !of(other)->owners : of(other)->came < of(t)->came;
         if (other->to < 0 && is_open(other) && first)
             sim_fail(w, "a task was given out of order", t->task.id, i);
     }
