@@ -39,6 +39,7 @@ sim sched stats task base
 proc base
 crop proc image task base
 files base
+job grid spec wire task base
 hosts base
 pipe proc wire task base
 fan pipe hosts proc wire coder task base
