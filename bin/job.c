@@ -139,8 +139,8 @@ static void write_state(const struct options *o)
 
 /* ---- -i ------------------------------------------------------------------------------------- */
 
-/* A map under a picture with a background is not seen. What is wrong with a file, its reader says
- * later. */
+/* A map under a picture with a background is not seen. The worker says later if a specification is
+ * wrong. */
 static void check_map(const struct options *o)
 {
     const struct job *j = &o->job;
@@ -194,6 +194,7 @@ static int keep(const struct options *o)
     if ((input || j->starter) && !o->kept)
         die(ST_USAGE, "-i: expected -k FILE with it, for %s",
             input ? "standard input" : "a grid alone");
+    for (size_t i = 0; i < j->n; i++) input_add(j->path[i], "an input");
     if (input) keep_input(o);
     if (j->starter) {
         put_starter(o, &starter);

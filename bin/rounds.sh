@@ -1,11 +1,12 @@
 # shellcheck shell=sh disable=SC2034,SC2154  # balance, which reads this, uses and sets them
 # balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its tasks
 # once more. It uses of balance
-#     $@ frames states      the files, the frame records, the number of states
-#     method renderer worker pack    how they are rendered; one_each METHOD
-#     all_hosts all_slots   -S, or the slots of this machine
-#     share log out         -v, -r, -o; log is empty without -r
-#     state FILE ...        writes the state records; assemble becomes gather, by setsid if `alone` is set
+#     $@ frames             the files, and the frame records of their pictures
+#     method renderer worker pack    how they are rendered, with the function one_each METHOD
+#     all_hosts all_slots   -S, empty without; the number of slots
+#     share log             -v; -r, empty without
+#     state FILE ...        the function that writes the state records
+#     assemble              the one that becomes gather, by setsid if `alone` is set
 # and the stream, which comes from descriptor 4; descriptor 5 is its other end.
 exec 5>&-
 temporary='' running='' kept=$log

@@ -21,8 +21,7 @@ size_t job_first(const char *path, unsigned char first[JOB_FIRST], uint64_t *siz
 bool job_is_grid(const unsigned char *first, size_t n);
 /*
  * If no program that renders reads such a file, returns false with the rest of "FILE: ..." in err:
- * what it is, what was expected, and the program that reads it. What is not known is taken for
- * text.
+ * what it is, what was expected, and the program that reads it. Other files are taken for text.
  */
 bool job_readable(const unsigned char *first, size_t n, uint64_t size, char err[ERR_BYTES]);
 
