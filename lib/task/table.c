@@ -160,8 +160,9 @@ bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)
     const struct lattice next =
         lattice_cut(&e->task.at, e->frame_w, e->delivered, lattice_count(at));
     /* A task with rows that overlap has several places for one piece. */
-    int64_t n0 = memcmp(&next, at, sizeof next) == 0 ? (int64_t)e->delivered
-                                                     : lattice_offset(&e->task.at, e->frame_w, at);
+    bool goes_on = memcmp(&next, at, sizeof next) == 0 &&
+                   lattice_count(at) <= lattice_count(&e->task.at) - e->delivered;
+    int64_t n0 = goes_on ? (int64_t)e->delivered : lattice_offset(&e->task.at, e->frame_w, at);
     if (n0 < 0 || (uint64_t)n0 > e->delivered) return false;
     uint64_t n1 = (uint64_t)n0 + lattice_count(at);
     if (n1 > e->delivered) e->delivered = n1;

@@ -14,7 +14,8 @@ load() {
 	start=$(now_ms)
 	measured "{ pack scene tetra.nff; partition $2; } | $4 2>said | { $3; gather -o out.pfm; }"
 	# shellcheck disable=SC2154  # peaks.sh sets it
-	is "$1: exit 0, and not a word" "$status$(cat said)" 0
+	# A loaded machine connects some slots too late for their work.
+	is "$1: exit 0, and no other word" "$status$(grep -v 'slots never connected$' said)" 0
 	ok "$1: the same picture, after $(($(now_ms) - start)) ms" cmp out.pfm good.pfm
 	bounded "$1" fan kib 32768
 	bounded "$1" fan open $((2 * 64 + 16))

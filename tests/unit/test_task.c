@@ -623,6 +623,9 @@ static void test_deliver(void **state)
     assert_true(tasks_deliver(&t, i, &last));
     assert_true(tasks_whole(&t, i));
     assert_true(tasks_deliver(&t, i, &task.at));
+    assert_false(
+        tasks_deliver(&t, i, &(struct lattice){0, 3, 3, 1, 1, 1})); /* would go on after it */
+    assert_true(tasks_whole(&t, i));
     /* two rows of 20 pixels, which overlap in a frame of width 10 */
     task = (struct task){.id = 1, .at = {0, 0, 20, 2, 1, 1}, .to = -1};
     i = tasks_add(&t, &task, 10);
