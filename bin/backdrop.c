@@ -3,10 +3,10 @@
 #include "backdrop/backdrop.h"
 #include "crop/crop.h"
 #include "image/image.h"
+#include "job/job.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -49,17 +49,13 @@ static void check_out(int opt, struct image_out *out, int pictures)
 
 static bool is_grid(const char *path)
 {
-    static const char begin[] = "# vtk DataFile";
-    char bytes[sizeof begin - 1];
+    unsigned char first[JOB_FIRST];
+    uint64_t size;
     struct stat st;
     if (strcmp(path, "-") == 0) return false; /* it is read once, and later */
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
         die(ST_USAGE, "%s: is a pipe or a device, expected a file", path);
-    int fd = input_open(path);
-    bool is = fd >= 0 && read(fd, bytes, sizeof bytes) == (ssize_t)sizeof bytes &&
-              strncasecmp(bytes, begin, sizeof bytes) == 0;
-    if (fd >= 0) close(fd);
-    return is;
+    return job_is_grid(first, job_first(path, first, &size));
 }
 
 static void check_files(struct options *o, int n)

@@ -15,7 +15,7 @@ static const char usage_text[] = "[-h] [-p PALETTE] [-s WxH] GRID.vtk";
 
 static struct options parse(int argc, char **argv)
 {
-    struct options o = {.palette = "viridis", .w = 1200, .h = 800};
+    struct options o = {.palette = SPEC_STARTER_PALETTE, .w = SPEC_STARTER_W, .h = SPEC_STARTER_H};
     double colours[SPEC_PALETTE_POINTS][3];
     for (int c; (c = prog_getopt(argc, argv, "hp:s:")) != -1;) switch (c) {
         case 'h': usage(ST_OK, usage_text);
@@ -40,7 +40,6 @@ int main(int argc, char **argv)
     struct buf text = {0};
     char err[ERR_BYTES];
     if (grid_load(o.grid, &g, err) != 0) die(ST_USAGE, "%s", err);
-    if (g.brick.is) die(ST_USAGE, "%s: is a brick, expected a whole grid", o.grid);
     if (!spec_starter(&g, o.palette, (uint32_t)o.w, (uint32_t)o.h, &text, err))
         die(ST_USAGE, "%s: %s", o.grid, err);
     put_stdout_buf(&text);

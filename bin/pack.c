@@ -1,12 +1,15 @@
 /* pack: wraps files as state records. */
 #include "base/base.h"
 #include "files/files.h"
-#include "wire/wire.h"
+#include "job/job.h"
 
 #include <string.h>
 #include <unistd.h>
 
-static const char usage_text[] = "[-h] scene|grid|spec|files FILE ...";
+#define REASON_MOST 40
+
+static const char usage_text[] = "[-h] scene|grid|spec|files FILE ...\n"
+                                 "       pack bye REASON";
 
 static enum rec_kind kind_named(const char *s)
 {
@@ -16,33 +19,24 @@ static enum rec_kind kind_named(const char *s)
     die(ST_USAGE, "%s: expected scene, grid, spec or files", s);
 }
 
-/* Writes the record, and frees the body. */
-static void put(enum rec_kind kind, const char *name, struct buf *body)
-{
-    struct buf record = {0};
-    if (buf_size(body) > (size_t)WIRE_STATE_MAX)
-        die(ST_USAGE, "%s: %zu bytes, expected at most %lld", name, buf_size(body),
-            (long long)WIRE_STATE_MAX);
-    wire_state(&record, kind, buf_data(body), buf_size(body));
-    put_stdout(buf_data(&record), buf_size(&record));
-    buf_free(body);
-    buf_free(&record);
-}
-
-static void pack(enum rec_kind kind, const char *path)
-{
-    struct buf body = {0};
-    if (read_file(path, &body) != 0) die(ST_USAGE, "%s:", path);
-    put(kind, path, &body);
-}
-
 /* One record of all files. */
 static void pack_files(char *const paths[], size_t n)
 {
     struct buf body = {0};
     char err[ERR_BYTES];
     if (!files_pack(paths, n, &body, err)) die(ST_USAGE, "%s", err);
-    put(REC_FILES, "files", &body);
+    job_put(REC_FILES, "files", &body);
+}
+
+/* The last record of a stream that ends early. */
+static void put_bye(const char *why)
+{
+    struct buf b = {0};
+    if (!*why || strlen(why) > REASON_MOST || why[strspn(why, "abcdefghijklmnopqrstuvwxyz-")])
+        die(ST_USAGE, "bye %s: expected letters and -, at most %d", why, REASON_MOST);
+    wire_bye(&b, why);
+    put_stdout_buf(&b);
+    buf_free(&b);
 }
 
 int main(int argc, char **argv)
@@ -52,10 +46,16 @@ int main(int argc, char **argv)
     while ((opt = prog_getopt(argc, argv, "+h")) != -1)
         usage(opt == 'h' ? ST_OK : ST_USAGE, usage_text);
     if (argc - optind < 2) usage(ST_USAGE, usage_text);
+    if (strcmp(argv[optind], "bye") == 0) {
+        if (argc - optind > 2) usage(ST_USAGE, usage_text);
+        put_bye(argv[optind + 1]);
+        close_stdout();
+        return ST_OK;
+    }
     enum rec_kind kind = kind_named(argv[optind]);
     if (kind == REC_FILES) pack_files(argv + optind + 1, (size_t)(argc - optind - 1));
     else
-        for (int i = optind + 1; i < argc; i++) pack(kind, argv[i]);
+        for (int i = optind + 1; i < argc; i++) job_put_file(kind, argv[i]);
     close_stdout();
     return ST_OK;
 }

@@ -1,17 +1,24 @@
 # shellcheck shell=sh disable=SC2034,SC2154  # balance, which reads this, uses and sets them
-# balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its pieces
-# once more. It uses of balance
-#     its arguments, which are files, and the stream on descriptor 4
-#     method log share frames pack renderer worker; all_slots or, if not empty, all_hosts
-#     assemble, which becomes gather; state FILE ...; one_each METHOD
-# and sets temporary running kept alone log seed round number.
+# balance reads this for -v, when its workers run: gather writes the picture, then other hosts compute a share of its
+# pieces once more. It uses of balance
+#     $@ frames             the files, and the frame records of their pictures
+#     method renderer worker pack    how they are rendered, with the function one_each METHOD
+#     all_hosts all_slots   -S, empty without; the number of slots
+#     share log             -v; -r, empty without
+#     state FILE ...        the function that writes the state records
+#     assemble              the one that becomes gather, by setsid if `alone` is set
+# and the stream, which comes from descriptor 4; descriptor 5 is its other end. It sets temporary running kept alone log
+# seed round number.
 exec 5>&-
 temporary='' running='' kept=$log
 [ -n "$kept" ] || alone=y
 trap '[ -z "$temporary" ] || rm -rf "$temporary"' EXIT
 # A second signal must not interrupt the removal of temporary files.
 # gather is silent about a log that is removed.
-trap 'trap "" HUP INT TERM; [ -n "$kept" ] || [ -z "$temporary" ] || rm -rf "$temporary"; [ -z "$running" ] || kill "$running" 2>/dev/null; exit 130' HUP INT TERM
+trap 'trap "" HUP INT TERM
+	[ -n "$kept" ] || [ -z "$temporary" ] || rm -rf "$temporary"
+	[ -z "$running" ] || kill "$running" 2>/dev/null
+	exit 130' HUP INT TERM
 temporary=$(directory) || exit
 : "${log:=$temporary/log}"
 # The hosts of the checks are those of the file when the picture is complete: slots keep their numbers in all rounds. Until
@@ -27,14 +34,18 @@ wait $running
 status=$?
 running=''
 # With status 1 the picture may still be complete, if hosts differed. The checks then find out which one is wrong.
-all_there() { printf '%s\n' "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") && ! printf '%s\n' "$left" | grep -q '^task '; }
+all_there() {
+	printf '%s\n' "$frames" >"$temporary/frames" && left=$(partition -r "$log" "1x1@$temporary/frames") &&
+		! printf '%s\n' "$left" | grep -q '^task '
+}
 if [ $status -ne 0 ] && { [ $status -ne 1 ] || ! all_there; }; then
 	# A temporary log is kept if it has a part of the picture.
 	case $status,$kept in
 	[13],)
 		if grep -aq '^frag ' "$log"; then
 			trap - EXIT
-			say "balance: $log is kept: rerun the command with -r $log to resume and verify; to give up, remove $temporary"
+			say "balance: $log is kept: rerun the command with -r $log to resume and verify; \
+to give up, remove $temporary"
 		fi
 		;;
 	esac

@@ -41,6 +41,7 @@ sim sched stats task base
 proc base
 crop proc image task base
 files base
+job grid spec wire task base
 hosts base
 pipe proc wire task base
 fan pipe hosts proc wire coder task base
@@ -295,7 +296,7 @@ for program in $all; do
 	[ -e "$source" ] || source=bin/$program
 	case $program in balance-calibrate | balance-bricks) method='' ;; esac
 	for option in $(by_argument "$source"); do
-		case $program,$option in balance*,W | simulate,[kq]) continue ;; esac # of a worker, of a method
+		case $program,$option in balance*,W | job,W | simulate,[kq]) continue ;; esac # of a worker, of a method
 		# shellcheck disable=SC2086  # none, or a word
 		timeout 10 "$program" $method -"$option" -h </dev/null >"$tmp/stdout" 2>"$tmp/stderr"
 		case $? in 2) ;; *) echo "$program: -$option -h exits with another status than 2" ;; esac

@@ -95,7 +95,7 @@ is 'pages say the usual time' "$(cat missing)" ''
 run make -s -C "$root" demo BUILD="$other" CC="$plain/cc"
 is 'demo: exit 0' "$status" 0
 is 'demo: it runs the programs of its BUILD' "$(sort -u used | tr '\n' ' ')" \
-	'deal fan fragstat gather imgcmp nff2pov pack partition rtworker spdgen '
+	'deal fan fragstat gather imgcmp job nff2pov partition rtworker spdgen '
 like 'demo: names the picture' "$out" 'gears\.png'
 like 'demo: states the efficiency' "$out" 'efficiency +[0-9.]+ %'
 like 'demo: POV-Ray agrees' "$out" 'POV-Ray agrees'

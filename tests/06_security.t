@@ -52,6 +52,7 @@ for program in "$root"/bin/*; do
 	grib2vtk | nc2vtk) words='-l' ends='nc' ;;
 	gridcut) words='-n 2,1,1 -o b%d.vtk' ends='vtk' ;;
 	imgcmp) words='x.png' ends='png' ;;
+	job) words='-i -k kept' ends='nff pov vtk' ;;
 	pack) words='scene' ends='nff' ;;
 	povworker | rtworker) words='-i' ends='nff pov' ;;
 	partition) words='-r' ends='x' ;;
@@ -93,7 +94,7 @@ if command -v nm >/dev/null; then
 	is 'no program opens a socket' "$(calls socket socketpair connect bind listen accept accept4 getaddrinfo)" ''
 	is 'no program starts a shell by a function of the C library' "$(calls system popen wordexp)" ''
 	is 'only programs that start others can start one' "$(calls execvp execv execve execl execlp posix_spawn posix_spawnp |
-		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'backdrop cropworker deal fan replay ringctl rtworker vcworker '
+		sed 's/:.*//' | sort -u | tr '\n' ' ')" 'backdrop cropworker deal fan job replay ringctl rtworker vcworker '
 else
 	skip 'what programs call' 'nm is not there'
 fi

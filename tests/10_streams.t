@@ -170,10 +170,10 @@ run timeout 1200 balance masterslave -W -i tetra.nff
 like "balance -W -i: refused at once" "$status $err" '^2 rtworker: -i: expected one of -i and -n, once'
 for method in masterslave auto calibrate; do
 	run balance $method -W foo tetra.nff
-	like "balance $method -W foo: says what is expected" "$status $err" '^2 balance: .*-W foo: expected options of rtworker$'
+	like "balance $method -W foo: says what is expected" "$status $err" '^2 (job|balance: calibrate): -W foo: expected options of rtworker$'
 done
 run sh -c 'cat tetra.nff | balance masterslave -o x.png /dev/stdin'
-like "balance: a pipe as a file is refused" "$status $err" '^2 balance: /dev/stdin: is a pipe, which can be read only once, expected '
+like "balance: a pipe as a file is refused" "$status $err" '^2 job: /dev/stdin: is a pipe, which can be read only once, expected '
 run sh -c 'balance masterslave -j 2 -s 8x6 -o closed.png tetra.nff <&- >&- 2>&-'
 is "balance: closed standard streams: the same picture" "$status $(cmp closed.png piped.png && echo same)" '0 same'
 run sh -c 'printf "v\nfrom x\n" | balance masterslave -o x.png -'

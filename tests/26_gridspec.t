@@ -99,7 +99,7 @@ is 'balance auto: a grid alone is enough' "$status $(cmp auto.pam plain.pam && e
 refused() { name=$1 ere=$2; shift 2; run "$@"; like "$name" "$status $err" "^2 $ere"; }
 grid gone 1 1 1 's = "nan"'
 refused 'nothing there' 'gridspec: gone.vtk: all values are missing, expected' gridspec gone.vtk
-refused 'balance: nothing there' 'gridspec: gone.vtk: all values are missing, expected' balance adaptive -o no.png gone.vtk
+refused 'balance: nothing there' 'job: gone.vtk: all values are missing, expected' balance adaptive -o no.png gone.vtk
 is 'balance: no picture is left' "$(ls no.png 2>/dev/null)" ''
 grid lone 1 1 1 's = i == 4 && j == 4 ? 1 : "nan"'
 refused 'no cell' 'gridspec: lone.vtk: each cell has a missing corner, expected' gridspec lone.vtk

@@ -47,7 +47,7 @@ is 'a name with a line end is refused' "$status:$err" '2:povworker: two?lines.po
 run balance adaptive -s 8x8 -W '-f 0' -o bad.png my/scene.pov
 is 'balance -W with a bad option of the worker: status 2' "$status $err" '2 cropworker: -f 0: expected an integer from 1 to 65536'
 run balance adaptive -s 8x8 -W scene.ini -o bad.png my/scene.pov
-like 'balance -W with a file' "$status $err" '^2 balance: -W scene.ini: expected options of povworker'
+like 'balance -W with a file' "$status $err" '^2 job: -W scene.ini: expected options of povworker'
 mkdir 'my odd' && cp -r my/tex my/inc my/heights.pgm 'my odd'
 for odd in "a b" "a;b" "a=b" "a'b" "a[b]"; do
 	cp my/scene.pov "my odd/$odd.pov"

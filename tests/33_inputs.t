@@ -72,6 +72,16 @@ gridcut -n 1,1,2 -o b-%d.vtk g.vtk|b-0.vtk
 fragstat -H -o f.png t.frags|f.png
 chart -o t.svg t.tsv|-o t.svg
 END
+# The data itself, where a grid, a scene or a specification is expected.
+printf 'CDF\001' >.data.nc
+for files in .data.nc 'g.vtk .data.nc'; do
+	# shellcheck disable=SC2086  # a word each
+	run balance adaptive -j 1 -o a.png $files
+	is "refused, with the program that reads it: $files" "$status:$err" \
+		'2:job: .data.nc: is a NetCDF file, expected a scene, a grid or a specification: nc2vtk makes a grid of a variable'
+done
+run sh -c 'balance adaptive -j 1 -o a.png - <.data.nc'
+like 'the same from standard input' "$status:$err" '^2:job: standard input: is a NetCDF file'
 ls -l | diff .before - >.said 2>&1
 is 'no file was changed, and none is new' "$(cat .said)" ''
 

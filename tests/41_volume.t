@@ -168,12 +168,12 @@ like 'the contour is at 40 m/s' "$(grep -c '^map' "$root/scenes/stormview.spec")
 
 # ---- kills -----------------------------------------------------------------------------------------------------
 casting() { [ "$(program vcworker | wc -l)" -ge 3 ] && [ -n "$(program $stage)" ]; }
-# There pack waits for the file go, so that it and partition are there to be killed.
+# There job waits for the file go before it writes state, so that it and partition are there to be killed.
 all_in gated
-rm gated/pack
-printf '#!/bin/sh\nuntil [ -e "%s/go" ]; do sleep .05; done\nexec "%s/bin/pack" "$@"\n' "$tmp" "$root" >gated/pack
-chmod +x gated/pack
-for stage in gather balance pack partition; do
+rm gated/job
+printf '#!/bin/sh\n[ "$1" = -i ] || until [ -e "%s/go" ]; do sleep .05; done\nexec "%s/bin/job" "$@"\n' "$tmp" "$root" >gated/job
+chmod +x gated/job
+for stage in gather balance job partition; do
 	rm -f f*.pam go
 	case $stage in gather | balance) : >go ;; esac
 	PATH=$tmp/gated:$PATH env MARK=$mark balance ds -j 3 -s 400x300 -W '-m trapezoid:200000' -o f%d.pam a.vtk b.vtk one.spec two.spec 2>said &
@@ -251,9 +251,9 @@ refused 'an unknown method' 'vcworker: -m simpson: expected adaptive' vcworker -
 refused 'gauss:0' 'vcworker: -m gauss:0: expected gauss:N, an integer from 1 to 64' vcworker -m gauss:0 a.vtk one.spec
 refused 'balance: a bad specification' 'vcworker: bad.spec:11:' balance ds -o x-%d.png a.vtk one.spec bad.spec
 refused 'balance: a bad grid behind a good one' 'vcworker: bad.vtk:' balance ds -o x-%d.png a.vtk bad.vtk one.spec
-refused 'balance: no specification' 'balance: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
+refused 'balance: no specification' 'job: b.vtk: is a grid' balance ds -o x.png a.vtk b.vtk
 refused 'balance: no grid' 'vcworker: one.spec:1: no VTK' balance ds -o x.png one.spec two.spec
-refused 'balance: one name for two' 'balance: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
+refused 'balance: one name for two' 'job: 2 pictures, expected -o with %d' balance ds -o x.png a.vtk one.spec two.spec
 ln -s one.spec one.png
 refused 'balance: the picture over a specification' 'gather: one.png: is also an input' balance ds -o one.png a.vtk one.spec
 refused 'balance -W -n' 'vcworker: -[in]: expected one of' balance ds -W -n -o x.png a.vtk one.spec

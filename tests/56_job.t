@@ -48,7 +48,7 @@ is 'rtworker -i -s: the job of that size' "$(echo "$out" | tail -n 1)" "$(grep -
 run rtworker -s 24x16 a.nff
 is '-s alone' "$status $err" '2 rtworker: -s: expected -i or -n with it'
 run balance masterslave -W '-s 8x8' a.nff
-is 'balance -W -s' "$status $err" '2 balance: -W -s 8x8: expected the size with -s before -W'
+is 'balance -W -s' "$status $err" '2 job: -W -s 8x8: expected the size with -s before -W'
 run balance adaptive -W '-j 3' a.nff
-is 'balance -W -j' "$status $err" '2 balance: -W -j 3: expected the slots with -j before -W'
+is 'balance -W -j' "$status $err" '2 job: -W -j 3: expected the slots with -j before -W'
 finish

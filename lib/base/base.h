@@ -43,6 +43,8 @@ _Noreturn void die(int status, const char *fmt, ...) PRINTF_LIKE(2, 3);
  * Prints "NAME: text" on stderr: a line from another program. Unprintable bytes appear as \x1b.
  */
 void relay(const char *who, const char *text, size_t n);
+/* The same for a line that begins with that name: what text_shown does not show appears as \x1b. */
+void relay_line(const char *line);
 /*
  * Messages that a function returns to its caller. err_set cuts the text to ERR_BYTES. err_at puts
  * "file:line: " in front, with the name cut to 100 bytes. Both return false, so that their caller

@@ -2,6 +2,8 @@
 #include "base/base.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 void relay(const char *who, const char *text, size_t n)
 {
@@ -15,4 +17,13 @@ void relay(const char *who, const char *text, size_t n)
     }
     fprintf(stderr, "%s: %.*s\n", name, (int)buf_size(&b), (const char *)buf_data(&b));
     buf_free(&b);
+}
+
+void relay_line(const char *line)
+{
+    const size_t room = 4 * strlen(line) + 1;
+    char *shown = xmalloc(room, 1);
+    text_shown(shown, room, line);
+    fprintf(stderr, "%s\n", shown);
+    free(shown);
 }

@@ -180,6 +180,26 @@ int child_end(struct child *c, int grace_ms)
     return status;
 }
 
+int child_run(char *const argv[], int in, int err, struct buf *said)
+{
+    int out[2], status = 0;
+    if (pipe2(out, O_CLOEXEC) != 0) return -1;
+    pid_t pid = fork();
+    if (pid == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGTERM);
+        if (dup2(in, STDIN_FILENO) >= 0 && dup2(out[1], STDOUT_FILENO) >= 0 &&
+            dup2(err < 0 ? out[1] : err, STDERR_FILENO) >= 0)
+            execvp(argv[0], argv);
+        _exit(127);
+    }
+    close(out[1]);
+    while (pid > 0 && read_some(out[0], said, 1 << 16) > 0) continue;
+    close(out[0]);
+    if (pid < 0) return -1;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
 const char *status_text(int status, char text[24])
 {
     if (WIFSIGNALED(status)) snprintf(text, 24, "signal-%d", WTERMSIG(status));

@@ -49,6 +49,13 @@ void child_stop(struct child *c);
  * or -1 if there was no child.
  */
 int child_end(struct child *c, int grace_ms);
+/*
+ * Runs argv to its end, as a shell does: in this process's group, with its descriptors, and with
+ * standard input and error from these; err -1: that goes where the output goes. Appends what it
+ * prints to `said`. Returns the exit status, 127 if it cannot be run, or 128 and the number of the
+ * signal that ended it; -1 with errno if there can be no process.
+ */
+int child_run(char *const argv[], int in, int err, struct buf *said);
 /* "exit-3", "signal-9" for a wait status, into text[24]. */
 const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */

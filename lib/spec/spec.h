@@ -59,8 +59,12 @@ void spec_palette_at(const double rgb[SPEC_PALETTE_POINTS][3], double place, dou
  * Appends a specification for a first picture of a grid: a view of w x h pixels that fits, a scale
  * that makes a thin grid thick, and a map with a band for each tenth of the values, with colours of
  * the palette. Comments state units, quantiles and the vertical exaggeration. Returns false with a
- * message in err if all values are missing. If all are equal, the map has one band around them.
+ * message in err if all values are missing, or if it is a brick. If all are equal, the map has one
+ * band around them.
  */
+#define SPEC_STARTER_W 1200 /* as it is usual */
+#define SPEC_STARTER_H 800
+#define SPEC_STARTER_PALETTE "viridis"
 bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_t h,
     struct buf *out, char err[ERR_BYTES]);
 

@@ -312,6 +312,7 @@ bool spec_starter(const struct grid *g, const char *palette, uint32_t w, uint32_
 {
     struct grid_named unit[3];
     struct frame f;
+    if (g->brick.is) return err_set(err, "is a brick, expected a whole grid");
     const struct survey v = survey(g);
     if (!v.there) return err_set(err, "all values are missing, expected some that are not");
     if (!has_cell(g))
