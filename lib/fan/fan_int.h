@@ -1,14 +1,15 @@
 /*
  * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c (the
- * order of connections; reports about hosts); join.c (a hosts file that changes); refusal.c (why a
- * connection failed); hello.c (which workers are let in); alive.c (silence of this end); code.c
- * (packed records); up.c (what workers send); err.c (their standard error); send.c (programs for
- * hosts that have none); list.c (fan -l).
+ * order of connections; reports about hosts); place.c (the slots of one worker); join.c (a hosts
+ * file that changes); refusal.c (why a connection failed); hello.c (which workers are let in);
+ * alive.c (silence of this end); code.c (packed records); up.c (what workers send); err.c (their
+ * standard error); send.c (programs for hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
 #include "fan/fan.h"
+#include "fan/place.h"
 #include "pipe/pipe.h"
 
 /* No host is left when no slot that may come up has been up for this time. */
@@ -138,7 +139,8 @@ struct fan_slot {
     struct connection conn;
     struct feed feed;
     struct task_table *tasks; /* of each slot: sent, and not yet both computed and delivered */
-    int32_t n_tasks;          /* in all of them */
+    struct fan_place *places; /* of each slot */
+    int32_t n_tasks;          /* in all of the tables */
     int32_t undone;           /* tasks not computed */
 
     /* Over all connections: */
@@ -310,10 +312,8 @@ bool fan_host_limited(const struct fan_host *h);
 bool fan_slot_in_queue(const struct fan_slot *s);
 /* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
 bool fan_host_retries(struct fan_slot *s);
-/*
- * Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
- * of the host are reported as gone; without a retry (`again`) they are given up.
- */
+/* Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
+ * of the host are reported as gone; without a retry (`again`) they are given up. */
 void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
 /* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
