@@ -14,7 +14,7 @@ done_now() { grep -aoE '^done 0 [0-9]+ ' out | sort -u | wc -l; }
 # next N: waits until N tasks are done
 next() {
 	until [ "$(done_now)" -ge "$1" ]; do
-		kill -0 $fan 2>/dev/null || stop "the run has ended: $(cat said)"
+		kill -0 "$fan" 2>/dev/null || stop "the run has ended: $(cat said)"
 		sleep .05
 	done
 }
