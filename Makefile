@@ -247,9 +247,19 @@ $(COPIES): $(BUILD)/%: %
 	@mkdir -p $(@D)
 	cp $< $@
 
-$(BUILD)/unit/%: tests/unit/%.c $(BUILD)/libstormring.a
+# What policies must do, for their tests.
+ORACLES  = $(patsubst tests/oracles/%.c,$(BUILD)/oracles/%.o,$(wildcard tests/oracles/*.c))
+$(BUILD)/liboracles.a: $(ORACLES)
+	@rm -f $@
+	$(AR) rcs $@ $(ORACLES)
+
+$(BUILD)/oracles/%.o: tests/oracles/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a -lcmocka $(LIBS) $(LIBS_$(@F))
+	$(compile)
+
+$(BUILD)/unit/%: tests/unit/%.c $(BUILD)/liboracles.a $(BUILD)/libstormring.a
+	@mkdir -p $(@D)
+	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $@.d -o $@ $< $(BUILD)/liboracles.a $(BUILD)/libstormring.a -lcmocka $(LIBS) $(LIBS_$(@F))
 
 $(BUILD)/fuzz_%: tests/fuzz/fuzz_%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) -fsanitize=fuzzer -MMD -MP -MF $@.d -o $@ $< $(BUILD)/libstormring.a $(LIBS) $(LIBS_$(@F))
@@ -266,13 +276,13 @@ dist:
 
 # Another BUILD may be a directory with more in it than what was built.
 EVERY_O  = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
-OF_BUILD = $(BUILD)/.need $(BUILD)/said $(BUILD)/strict $(BUILD)/libstormring.a $(BUILD)/libs $(BUILD)/hosts/bootstrap.c $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
+OF_BUILD = $(BUILD)/.need $(BUILD)/said $(BUILD)/strict $(BUILD)/libstormring.a $(BUILD)/libs $(BUILD)/hosts/bootstrap.c $(BUILD)/liboracles.a $(ORACLES) $(ORACLES:.o=.d) $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
            $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(EVERY_STATIC)
 clean:
 	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)
 	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)
 	@rmdir -p $(sort $(dir $(OF_BUILD))) 2>/dev/null || :
 
--include $(LIBOBJ:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
+-include $(LIBOBJ:.o=.d) $(ORACLES:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
 .PHONY: all help dist need demo demo-volume check reach nightly fresh bench bench-volume soak chart sheet report fuzz sanitized unit fuzzers install uninstall clean

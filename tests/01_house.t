@@ -113,14 +113,23 @@ $2 ~ /^[A-TV-Z]$/ {
 NF < 3 || $1 !~ /^lib/' "$tmp/prefixes" "$tmp/externs" >"$found"
 clean 'externs begin with the name of their module'
 
-# Files that call each other in a circle are one machine, and say so at their head.
+# Of two files one is above the other: no file calls one that calls it back, over whatever others. Those of a row may call
+# each other. A node and its slots are one recursion: a slot that is free takes a step of the node, which starts the slot.
+cat >"$tmp/circles" <<'END'
+sim/node sim/slots
+sched/deal_cost sched/deal_ledger sched/deal_pick
+sched/gdc_node sched/node
+sched/hub sched/hub_cost sched/hub_end sched/hub_hung sched/hub_join sched/hub_match
+worker/fork_slot worker/forks worker/worker
+END
 awk '
+FNR == NR { for (i = 1; i <= NF; i++) together["lib/" $i ".c"] = FNR; next }
 $2 != "U" && $2 ~ /^[A-Z]$/ { at[$3] = $1 }
 { line[++n] = $0 }
 END {
 	for (i = 1; i <= n; i++) {
 		split(line[i], f, " ")
-		if (f[2] == "U" && f[3] in at && at[f[3]] != f[1]) calls[f[1], at[f[3]]] = 1
+		if (f[2] == "U" && f[3] in at && at[f[3]] != f[1]) { calls[f[1], at[f[3]]] = 1; by[f[1], at[f[3]]] = f[3] }
 		left[f[1]] = 1
 	}
 	do { # what calls none of those left, or is called by none of them, is in no circle
@@ -131,13 +140,15 @@ END {
 			if (!out || !into) { delete left[a]; gone = 1 }
 		}
 	} while (gone)
-	for (a in left) for (b in left) reaches[a, b] = (a, b) in calls
-	for (c in left) for (a in left) for (b in left) if (reaches[a, c] && reaches[c, b]) reaches[a, b] = 1
-	for (a in left) if (reaches[a, a]) print a
-}' "$tmp/externs" | sort | while read -r file; do
-	sed '/^#/q' "$file" | tr -s '\n *' ' ' | grep -q 'One machine with' || echo "$file:1: calls files that call it, expected \"One machine with ...\" at its head"
-done >"$found"
-clean 'files that call each other in a circle say so'
+	for (a in left) for (b in left) if ((a, b) in calls) reaches[a, b] = 1
+	for (c in left) for (a in left) for (b in left) if ((a, c) in reaches && (c, b) in reaches) reaches[a, b] = 1
+	for (a in left) for (b in left) if (a != b && (a, b) in calls && (b, a) in reaches) {
+		if (!(a in together && b in together && together[a] == together[b])) print a ":1: calls " by[a, b] " of " b ", which calls it back"
+		used[together[a]] = 1
+	}
+	for (a in together) if (!(together[a] in used)) print a ":1: is in a row of circles, and in no circle"
+}' "$tmp/circles" "$tmp/externs" | sort >"$found"
+clean 'no files call each other in a circle'
 
 awk '/^[ \t]*#[ \t]*include[ \t]*"/ {
 	split($0, part, "\""); split(part[2], to, "/")
@@ -155,7 +166,7 @@ done >"$found"
 clean 'every public header compiles alone'
 
 # ---- sizes -------------------------------------------------------------------------------------------------
-sources=$(ls lib/*/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
+sources=$(ls lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c tests/unit/*.c tests/fuzz/*.c)
 scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run tests/bench/* tests/experiments/* .ci/run 2>/dev/null)
 # What awk, sort and others print and read is by the user's language, unless LC_ALL is set, which stormring.sh does.
 {
@@ -169,9 +180,9 @@ clean 'numbers that scripts print have a point, in any language'
 {
 	awk 'length > 100 { print FILENAME ":" FNR ": " length " columns, expected at most 100" }' $sources >"$found"
 	clean 'lines have at most 100 columns'
-	awk 'FNR > 400 && !said[FILENAME]++ { print FILENAME ":401: expected at most 400 lines" }' lib/*/*.[ch] bin/*.c >"$found"
+	awk 'FNR > 400 && !said[FILENAME]++ { print FILENAME ":401: expected at most 400 lines" }' lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c >"$found"
 	clean 'files have at most 400 lines'
-	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] bin/*.c >"$found"
+	awk '/^{/ { begin = FNR } /^}/ && begin { if (FNR - begin > 71) print FILENAME ":" begin ": a function of " FNR - begin - 1 " lines, expected at most 70"; begin = 0 }' lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c >"$found"
 	clean 'functions have at most 70 lines'
 	awk '/[ \t]$/ { print FILENAME ":" FNR ": blanks at the end of the line" }' $sources $scripts man/*.[1-9] lib/chart/* >"$found"
 	clean 'lines do not end in blanks'
@@ -185,7 +196,7 @@ ban() {
 	grep -nE "(^|[^A-Za-z0-9_.>])($calls) *\\(" "$@" | grep -vE '^[^:]*:[0-9]+: *(/?\*|//)' >"$found"
 	clean "$why"
 }
-lib=$(ls lib/*/*.[ch])
+lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 # shellcheck disable=SC2046,SC2086
 {
 	ban 'no unchecked parsing, unbounded copying or hidden state' \
@@ -403,7 +414,7 @@ clean 'the corpora have a seed for every kind of record, word, entity, number an
 find lib bin tests man scenes -type f | sed 's,.*/,,' | sort -u >"$tmp/there"
 # Of C files the comments are read, with END behind each file's last one.
 prose='README.md CHANGELOG.md lib/README.md tests/README tests/bench/RESULTS.md man/*.[1-9]'
-comments='lib/*/*.[ch] bin/*.c tests/unit/*.[ch] tests/fuzz/*.[ch] tests/bench/*.c tests/*.c'
+comments='lib/*/*.[ch] tests/oracles/*.[ch] bin/*.c tests/unit/*.[ch] tests/fuzz/*.[ch] tests/bench/*.c tests/*.c'
 # shellcheck disable=SC2086
 awk '
 function say(text) { if (text !~ /^[ \t]*$/) print FILENAME ":" FNR ": " text }

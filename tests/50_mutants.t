@@ -9,7 +9,7 @@ reached=$("$root/tests/reach" families) && reached=$(printf '%s\n' "$reached" | 
 # Only the file with the mutant is compiled: the linker takes the others from the library of the clone, and this one not,
 # because all that it defines is there already. The tests of crop wait until patience ends, so they get less.
 flags="-std=c11 -D_GNU_SOURCE -DPATIENCE_S=10 -O0"
-library=$root/build/libstormring.a
+library="$root/build/liboracles.a $root/build/libstormring.a"
 libs="-Wl,-S -lcmocka $(cat "$root/build/libs")"
 # shellcheck disable=SC2086
 compile() { cc $flags "-I$root/lib" -c -o "$1" "$2"; }
@@ -24,7 +24,7 @@ found() (
 	# A program that hosts run is a string.
 	! head -n 1 mutant.c | grep -q '^#!' || { mv mutant.c mutant.sh && sed -f "$root/lib/hosts/bootstrap.sed" mutant.sh >mutant.c; } || return
 	compile mutant.o mutant.c || { echo "$3: does not compile"; return 1; }
-	cc -o mutant mutant.o "$work/$1.o" "$library" $libs || { echo "$3: does not link"; return 1; }
+	cc -o mutant mutant.o "$work/$1.o" $library $libs || { echo "$3: does not link"; return 1; }
 	# The first sign is enough: it ends the test, and the shell must survive to keep the status.
 	{ trap : PIPE; TMPDIR=$PWD timeout 300 prlimit --cpu=60 ./mutant 2>&1; echo $? >status; } | grep -q "$sign" && [ "$(cat status)" -ne 0 ] ||
 		{ echo "$3: survives: test_$1 exits with $(cat status), and no seed fails"; return 1; }
@@ -39,7 +39,7 @@ family() {
 	case " $reached " in *" $1 "*) ;; *) return ;; esac
 	ok "mutants/$1 is a list of mutants" listed "$mutants/$1"
 	ok "test_$1 compiles" compile "$1.o" "$root/tests/unit/test_$1.c"
-	cc -o shipped "$1.o" "$library" $libs
+	cc -o shipped "$1.o" $library $libs
 	ok "the shipped code passes test_$1" ./shipped
 	number=0
 	for name in $(names "$mutants/$1"); do

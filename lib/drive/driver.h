@@ -1,5 +1,5 @@
-/* The live driver, shared by its files: policy.c (the loop, and its input) and up.c (what the
- * command sends). */
+/* The live driver, shared by its files: policy.c (the loop, and its input), up.c (what the
+ * command sends) and tell.c (events, and what the policy does). */
 #ifndef STORMRING_DRIVER_H
 #define STORMRING_DRIVER_H
 
@@ -31,6 +31,8 @@ struct driver {
 
 /* An event for the policy; carries out its actions. */
 void drive_tell(struct driver *d, struct sched_event e);
+/* Asks slot `to`, or all (-1), to flush. */
+void drive_flush(struct driver *d, int32_t to);
 /* Handles records from the command. False at the end of its stream. */
 bool drive_listen(struct driver *d);
 

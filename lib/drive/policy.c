@@ -2,7 +2,7 @@
  * The live driver of a policy: turns records into events, and actions into records, around one
  * command. It takes no scheduling decision. Records about the command's slots (hello, up, gone) end
  * here; outwards the driver is one worker. A node of a ring reads its hub's messages from standard
- * input; the hub reads its nodes' messages from the command. One machine with up.c.
+ * input; the hub reads its nodes' messages from the command.
  */
 #include "drive/driver.h"
 #include "drive/ring_record.h"
@@ -15,61 +15,6 @@
 
 #define GRACE_MS (CHILD_LAUNCHER_MS + 500) /* for the command, which may be fan with launchers */
 #define QUIET_US INT64_C(3000000)          /* silence allowed to a command that owes tasks */
-
-static void flush(struct driver *d, int32_t to)
-{
-    char text[24] = "";
-    if (to >= 0) snprintf(text, sizeof text, "to=%" PRId32, to);
-    wire_plain(&d->down.bytes, REC_FLUSH, text);
-}
-
-/* Slot k of the fan may leave. */
-static void dismiss(struct driver *d, int32_t k)
-{
-    char text[24];
-    snprintf(text, sizeof text, "to=%" PRId32, k);
-    wire_plain(&d->down.bytes, REC_LEAVE, text);
-}
-
-/* Sends the task of an action, with the unknown keys of the input task. */
-static void give(struct driver *d, const struct sched_action *a, int32_t to)
-{
-    const char *keys = tags_find(&d->tags, a->task.frame, a->origin_id);
-    char text[WIRE_LINE_MAX] = "";
-    struct task t = a->task;
-    t.to = to;
-    int n = 0;
-    if (a->from >= 0) n = snprintf(text, sizeof text, "peer=%" PRId32, a->from);
-    if (keys) snprintf(text + n, sizeof text - (size_t)n, "%s%s", n ? " " : "", keys);
-    wire_give(&d->down.bytes, &t, text);
-}
-
-static void perform(struct driver *d)
-{
-    for (size_t i = 0; i < d->acts.n; i++) {
-        const struct sched_action *a = &d->acts.at[i];
-        int32_t to = d->lone ? -1 : a->slot;
-        switch (a->kind) {
-        case SCHED_GIVE: give(d, a, to); break;
-        case SCHED_ASK_FLUSH: flush(d, to); break;
-        case SCHED_COMMIT: tags_drop(&d->tags, &a->task); break;
-        case SCHED_SAY:
-            if (d->node) drive_ring_say(&d->out.queue.control, a, -1);
-            else drive_ring_say(&d->down.bytes, a, to);
-            break;
-        case SCHED_LEAVE: dismiss(d, to); break;
-        case SCHED_END: d->closing = true; break;
-        case SCHED_STOP: d->stopping = true; break;
-        }
-    }
-    d->acts.n = 0;
-}
-
-void drive_tell(struct driver *d, struct sched_event e)
-{
-    d->policy->step(d->state, &e, now_us(), &d->acts);
-    perform(d);
-}
 
 static int take_task(struct driver *d, const struct record *r)
 {
@@ -186,7 +131,7 @@ static void ask_quiet(struct driver *d)
 {
     if (now_us() < d->heard_us + QUIET_US) return;
     d->heard_us = now_us();
-    if (sched_uncommitted(d->policy, d->state)) flush(d, -1);
+    if (sched_uncommitted(d->policy, d->state)) drive_flush(d, -1);
 }
 
 /* The time that poll may wait. */

@@ -1,6 +1,6 @@
 /*
  * The live driver: records from the command. Those about its slots (hello, up, gone, drain) become
- * events and end here; those with results are passed on. One machine with policy.c.
+ * events and end here; those with results are passed on.
  */
 #include "drive/driver.h"
 #include "drive/ring_record.h"

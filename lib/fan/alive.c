@@ -1,7 +1,6 @@
 /*
  * fan: the silence of this end. A worker on a host that was cut off, or under a stopped sshd, sees
  * no end of its input. It is told for how long this end may be silent, and gets beats more often.
- * One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

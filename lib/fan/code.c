@@ -4,7 +4,6 @@
  * its way: the worker answers a probe, a code record, with the number of bytes that the probe asks
  * for. If the answer comes fast, a longer one is asked for. A round trip counts as transfer, so a
  * link can seem slower than it is, but not faster.
- * One machine with connect.c, down.c, err.c, hello.c, refusal.c, slot.c and up.c.
  */
 #include "coder/coder.h"
 #include "fan/fan_int.h"

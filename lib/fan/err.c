@@ -2,7 +2,6 @@
  * fan: standard error of workers on other machines, shown line by line with the host's name. It is
  * always read, so no worker blocks on its messages. A host that prints too much is not shown in
  * full.
- * One machine with connect.c, down.c, hello.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

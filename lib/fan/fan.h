@@ -14,9 +14,9 @@ struct fan_options {
     char *const *command;    /* NULL-ended: the worker, one for each slot */
     struct hosts_sent *sent; /* programs for hosts without any, by hosts_send */
     bool trips;              /* fan -l: round trips as well */
-    bool one_each; /* one worker for each host, with -j SLOTS, instead of one for each slot */
-    enum fan_pack pack;   /* records of other machines */
-    double silence_s; /* a slot that has work is lost after this silence */
+    bool one_each;      /* one worker for each host, with -j SLOTS, instead of one for each slot */
+    enum fan_pack pack; /* records of other machines */
+    double silence_s;   /* a slot that has work is lost after this silence */
 };
 
 /* Runs until the input has ended and every slot is done. Returns the exit status. Blocks. */

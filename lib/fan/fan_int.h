@@ -1,9 +1,10 @@
 /*
- * fan, shared by its files: loop.c; down.c (the input); slot.c (the life of a slot); connect.c (the
- * order of connections; reports about hosts); place.c (the slots of one worker); join.c (a hosts
- * file that changes); refusal.c (why a connection failed); hello.c (which workers are let in);
- * alive.c (silence of this end); code.c (packed records); up.c (what workers send); err.c (their
- * standard error); send.c (programs for hosts that have none); list.c (fan -l).
+ * fan, shared by its files: loop.c; facts.c (what is true of a slot); state.c (what a slot is
+ * sent); report.c (failures); down.c (the input); slot.c (the life of a slot); connect.c (the order
+ * of connections); place.c (the slots of one worker); join.c (a hosts file that changes);
+ * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
+ * end); code.c (packed records); up.c (what workers send); err.c (their standard error); send.c
+ * (programs for hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -218,7 +219,6 @@ static inline struct fan_job *fan_job(const struct fan *f, const struct frame_si
 }
 
 /* ---- loop.c ---- */
-
 void fan_open(struct fan *f, const struct fan_options *o, bool listing);
 /* One round of the loop. */
 void fan_round(struct fan *f);
@@ -227,10 +227,30 @@ bool fan_working(const struct fan *f);
 /* Ends all processes, and frees everything. */
 void fan_close(struct fan *f);
 
-/* ---- down.c ---- */
+/* ---- facts.c ---- */
+/* The entry of f->slots that has slot k, from 0 to n_numbers - 1. */
+struct fan_slot *fan_slot_of(const struct fan *f, int k);
+/* True if the slot has a process whose stream has not ended. */
+bool fan_slot_has_stream(const struct fan_slot *s);
+/* True if the slot is sent what is queued for it. */
+bool fan_slot_fed(const struct fan_slot *s);
+/* True if there is, or may be, work for a slot that is not up. */
+bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
+/* True if the slot gets no more records than those that are queued for it. */
+bool fan_slot_over(const struct fan *f, const struct fan_slot *s);
+/* True if the slot is up or may come up. */
+bool fan_slot_comes(const struct fan_slot *s);
+/* True if few of its connections are opened at a time. Launchers with a queue limit themselves. */
+bool fan_host_limited(const struct fan_host *h);
+/* The slot's process is being connected by a launcher that may queue it. */
+bool fan_slot_in_queue(const struct fan_slot *s);
+/* The slot's name in messages: "slot 3", "slot 3 on render1". */
+#define SLOT_NAME (HOST_NAME_MOST + 32)
+const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
+/* Copies a line for use in messages: `room` bytes at most, unprintable bytes as `?`. */
+void fan_printable(char *to, size_t room, const char *line, size_t n);
 
-/* Reads the input once, and routes all records that can be decoded. */
-void fan_take_input(struct fan *f);
+/* ---- state.c ---- */
 /* Sends slot s the state that it needs before its first task. The task is of this generation;
  * or, early, of an unknown one. */
 void fan_prime(struct fan *f, struct fan_slot *s, uint32_t generation);
@@ -242,31 +262,41 @@ void fan_forget(struct fan_state_of *state);
 void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot *s, int k);
 /* True if records for the slot are queued: it is fed, or tasks wait for it. */
 bool fan_takes(const struct fan_slot *s);
+/* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
+void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
+
+/* ---- report.c ---- */
+/* The wait before the next try after this number of failures in a row. */
+int64_t fan_retry_wait_us(int failures);
+/* True if tries= allows the host no other connection. */
+bool fan_host_exhausted(const struct fan_host *h);
+/* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
+bool fan_host_retries(struct fan_slot *s);
+/* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
+/* Prints why slot s could not be connected, with advice. `why` is the reason if neither ssh nor the
+ * remote shell gave a better one. */
+void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again);
+
+/* ---- down.c ---- */
+/* Reads the input once, and routes all records that can be decoded. */
+void fan_take_input(struct fan *f);
 /* True if no slot's queue is too long. */
 bool fan_room_down(const struct fan *f);
 
 /* ---- slot.c ---- */
-
 /* The state after the event; FAN_NEVER: it cannot happen in this state. */
 enum fan_slot_state fan_slot_next(enum fan_slot_state state, enum fan_slot_event event);
 /* Sets up entry `at` of f->slots: slots from `number` on, on host h. */
 void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host *h);
-/* The entry of f->slots that has slot k, from 0 to n_numbers - 1. */
-struct fan_slot *fan_slot_of(const struct fan *f, int k);
 /* Starts the process of a waiting slot. */
 void fan_slot_open(struct fan *f, struct fan_slot *s);
 /* The slot's hello was accepted: it is up. */
 void fan_slot_up(struct fan *f, struct fan_slot *s);
 /* Its power has changed: this is reported if it is up and does not drain. */
 void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power);
-/* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
-void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
 /* Sends a task record to slot k, and records it. Returns 0, or the status to end with. */
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame);
-/* True if the slot is sent what is queued for it. */
-bool fan_slot_fed(const struct fan_slot *s);
-/* True if the slot has a process whose stream has not ended. */
-bool fan_slot_has_stream(const struct fan_slot *s);
 /* Writes as much to the slot as its pipe takes. */
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p);
 /*
@@ -284,12 +314,6 @@ bool fan_slot_leaves(const struct fan_slot *s);
 void fan_slot_left(struct fan *f, struct fan_slot *s);
 /* Gives up a waiting slot together with its host. */
 void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why);
-/* True if there is, or may be, work for a slot that is not up. */
-bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
-/* True if the slot gets no more records than those that are queued for it. */
-bool fan_slot_over(const struct fan *f, const struct fan_slot *s);
-/* True if the slot is up or may come up. */
-bool fan_slot_comes(const struct fan_slot *s);
 /* Drops its tasks and all records for it. */
 void fan_slot_forget(struct fan_slot *s);
 /* The same at the end of the run. */
@@ -298,28 +322,10 @@ void fan_slot_free(struct fan_slot *s);
 void fan_slot_disconnect(const struct fan *f, struct fan_slot *s);
 
 /* ---- connect.c ---- */
-
 /* Starts slots whose turn it is. Returns the milliseconds until another may have its turn. */
 int fan_connect(struct fan *f);
-/* The slot's name in messages: "slot 3", "slot 3 on render1". */
-#define SLOT_NAME (HOST_NAME_MOST + 32)
-const char *fan_slot_name(const struct fan_slot *s, char text[SLOT_NAME]);
-/* The wait before the next try after this number of failures in a row. */
-int64_t fan_retry_wait_us(int failures);
-/* True if few of its connections are opened at a time. Launchers with a queue limit themselves. */
-bool fan_host_limited(const struct fan_host *h);
-/* The slot's process is being connected by a launcher that may queue it. */
-bool fan_slot_in_queue(const struct fan_slot *s);
-/* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
-bool fan_host_retries(struct fan_slot *s);
-/* Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
- * of the host are reported as gone; without a retry (`again`) they are given up. */
-void fan_host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again);
-/* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
-void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
 
 /* ---- join.c ---- */
-
 /* Adds a host of this line, without slots. Pointers to hosts change. */
 void fan_add_host(struct fan *f, const struct host *line);
 /* Adds n slots of host h of f->hosts, with the next numbers. Pointers to slots change. */
@@ -332,7 +338,6 @@ void fan_dismiss(struct fan *f, int k);
 int fan_staff(const struct fan *f);
 
 /* ---- hello.c ---- */
-
 /* Asks a worker on this machine for the values that other hosts must agree with. */
 void fan_ask_reference(struct fan *f);
 /* What a slot says before its hello, and that. NULL, or the reason of refusal. */
@@ -340,14 +345,12 @@ const char *fan_take_chatter(struct fan_slot *s, const unsigned char *said, size
 const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct record *r);
 
 /* ---- alive.c ---- */
-
 /* Slot s was accepted, and sent this hello: elsewhere, it is to end when this end is silent. */
 void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *r);
 /* Writes a beat to the slot, if it is time, and nothing else is on its way. */
 void fan_alive_beat(struct fan *f, struct fan_slot *s);
 
 /* ---- code.c ---- */
-
 /* Slot s was accepted, and sent this hello: it is up at once, or once its link is measured. */
 void fan_code_begin(struct fan *f, struct fan_slot *s, const struct record *hello);
 /* True if the slot waits for the answer to a probe. */
@@ -358,7 +361,6 @@ void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us);
 const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record *r);
 
 /* ---- refusal.c ---- */
-
 /* Drops the held lines and the reason. */
 void fan_refusal_forget(struct fan_slot *s);
 /* True if this line of standard error may explain a failed connection. The line is held then. */
@@ -370,7 +372,6 @@ bool fan_refusal_explain(
     const struct fan *f, struct fan_slot *s, const char *why, struct buf *text);
 
 /* ---- send.c ---- */
-
 /* Takes the requests for programs that come before hello. NULL, or why the host cannot be used. */
 const char *fan_take_requests(struct fan_slot *s, const unsigned char *said, size_t n);
 /* True if programs wait to be written to the slot. */
@@ -383,11 +384,8 @@ bool fan_slot_has_asked(const struct fan_slot *s);
 double fan_send_time_s(const struct fan_slot *s);
 
 /* ---- up.c, err.c ---- */
-
 /* Decodes and handles everything that slot s has sent. */
 void fan_slot_listen(struct fan *f, struct fan_slot *s);
-/* Copies a line for use in messages: `room` bytes at most, unprintable bytes as `?`. */
-void fan_printable(char *to, size_t room, const char *line, size_t n);
 /* Shows new lines of the slot's standard error. */
 void fan_slot_show_err(const struct fan *f, struct fan_slot *s);
 /* Shows the rest of it, and closes it. */

@@ -2,7 +2,6 @@
  * fan: accepts or refuses workers. The pictures of all slots must have the same bits. So each hello
  * must agree with the first in program, version and self-test. If a slot is on another machine, the
  * first hello is that of a worker on this machine, before any other is read.
- * One machine with connect.c, down.c, err.c, join.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

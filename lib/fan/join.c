@@ -10,7 +10,6 @@
  *
  * Another power= of a line is told to the policy by another `up`. Only a policy can do all this; it
  * sends `joins` before its first task.
- * One machine with connect.c, down.c, err.c, hello.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

@@ -2,7 +2,6 @@
  * fan: the reason of a failed connection, and advice. ssh has one exit status, 255, for all of its
  * own failures. Its messages (OpenSSH 7 to 10) tell permanent failures from passing ones. 126 and
  * 127 come from the remote shell (POSIX, 2.8.2).
- * One machine with connect.c, down.c, err.c, hello.c, join.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

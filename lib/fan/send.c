@@ -2,7 +2,6 @@
  * fan: programs for hosts that have none. Before its hello such a host prints requests, which
  * hosts/send.c describes. Each program is sent once in a connection, and nothing else is sent until
  * the hello, so the script there may read ahead.
- * One machine with connect.c, down.c, err.c, hello.c, refusal.c, slot.c and up.c.
  */
 #include "fan/fan_int.h"
 

@@ -20,7 +20,6 @@
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.
- * One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c and up.c.
  */
 #include "fan/fan_int.h"
 
@@ -89,29 +88,7 @@ static void change(struct fan *f, struct fan_slot *s, enum fan_slot_event event)
     s->state = state;
 }
 
-bool fan_slot_has_stream(const struct fan_slot *s)
-{
-    return s->state == FAN_OPENING || s->state == FAN_QUEUED || s->state == FAN_UP;
-}
-
 bool fan_slot_leaves(const struct fan_slot *s) { return leaves(s->state); }
-
-bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s)
-{
-    if (s->drains) return false;
-    if (f->listing) return !s->measured;
-    return f->in_open || s->n_tasks || (s->host->here && !s->was_up);
-}
-
-bool fan_slot_over(const struct fan *f, const struct fan_slot *s)
-{
-    return !f->in_open || s->dismissed == s->width;
-}
-
-bool fan_slot_comes(const struct fan_slot *s)
-{
-    return s->state != FAN_GONE && s->state != FAN_ENDING;
-}
 
 void fan_slot_forget(struct fan_slot *s)
 {
@@ -144,18 +121,6 @@ void fan_slot_free(struct fan_slot *s)
 {
     free(s->tasks);
     free(s->places);
-}
-
-struct fan_slot *fan_slot_of(const struct fan *f, int k)
-{
-    int low = 0, high = f->n_slots; /* it is one of low .. high - 1 */
-    if (f->n_numbers == f->n_slots) return &f->slots[k];
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        if (f->slots[middle].number <= k) low = middle;
-        else high = middle;
-    }
-    return &f->slots[low];
 }
 
 void fan_slot_disconnect(const struct fan *f, struct fan_slot *s)
@@ -238,14 +203,6 @@ void fan_slot_up(struct fan *f, struct fan_slot *s)
     say_up(f, s);
 }
 
-void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra)
-{
-    struct down_queue q = {0};
-    wire_plain(&q.bytes, kind, extra);
-    down_write(&q, s->conn.child.to);
-    down_free(&q);
-}
-
 int fan_slot_send(struct fan *f, int k, const struct record *r, const struct frame_size *frame)
 {
     struct fan_slot *s = fan_slot_of(f, k);
@@ -280,12 +237,6 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     return 0;
 }
 
-bool fan_slot_fed(const struct fan_slot *s)
-{
-    /* Before its hello only if it is not started again: what was written would be lost. */
-    return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here && s->width == 1);
-}
-
 void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
 {
     bool full = p->events & POLLOUT && !(p->revents & POLLOUT);
@@ -301,6 +252,35 @@ void fan_slot_feed(struct fan *f, struct fan_slot *s, const struct pollfd *p)
     if (fan_slot_over(f, s) && !down_size(&s->feed.queue)) {
         if (s->conn.child.to >= 0) s->conn.closed_us = now_us();
         child_close(&s->conn.child.to);
+    }
+}
+
+void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
+{
+    change(f, s, ON_GIVE_UP);
+    fan_say_gone(f, s, why, true);
+    f->lost += s->n_tasks;
+    s->measured = true;
+    fan_slot_forget(s);
+}
+
+/*
+ * Slot s could not be connected: prints the reason once per host, with advice. Other waiting slots
+ * of the host are reported as gone; without a retry (`again`) they are given up.
+ */
+static void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool again)
+{
+    struct fan_host *h = s->host;
+    bool ends = !again && (!h->reached || fan_host_exhausted(h));
+    if (h->said == FAN_QUIET || (h->said == FAN_RETRIED && ends)) fan_complain(f, s, why, again);
+    else fan_refusal_forget(s);
+    h->said = again ? FAN_RETRIED : FAN_ENDED;
+    for (int k = 0; k < f->n_slots; k++) {
+        struct fan_slot *other = &f->slots[k];
+        if (other->host != h || other->state != FAN_WAITING) continue;
+        other->measured |= s->measured;
+        if (again) fan_say_gone(f, other, why, false);
+        else if (ends) fan_slot_give_up(f, other, why);
     }
 }
 
@@ -321,7 +301,7 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);
-    else if (!s->conn.connected && !s->host->here) fan_host_failed(f, s, why, again);
+    else if (!s->conn.connected && !s->host->here) host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || (f->in_open && !s->drains)))
         warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
             again && s->host->here ? ", starting again"
@@ -330,15 +310,6 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     f->lost += lost;
     if (s->conn.connected) s->missing_us = now_us();
     if (s->conn.connected || !again) fan_slot_forget(s);
-}
-
-void fan_slot_give_up(struct fan *f, struct fan_slot *s, const char *why)
-{
-    change(f, s, ON_GIVE_UP);
-    fan_say_gone(f, s, why, true);
-    f->lost += s->n_tasks;
-    s->measured = true;
-    fan_slot_forget(s);
 }
 
 void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool again)

@@ -1,6 +1,6 @@
 /*
  * fan: records from workers. They are checked against what the workers were sent, stamped, and
- * passed on. One machine with connect.c, down.c, err.c, hello.c, join.c, refusal.c and slot.c.
+ * passed on.
  */
 #include "fan/fan_int.h"
 
@@ -318,14 +318,6 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
         return NULL;
     default: return "wrong-record";
     }
-}
-
-void fan_printable(char *to, size_t room, const char *line, size_t n)
-{
-    size_t i = 0;
-    for (; i < n && i + 1 < room && line[i] != '\n'; i++)
-        to[i] = (char)(line[i] >= ' ' && line[i] <= '~' ? line[i] : '?');
-    to[i] = '\0';
 }
 
 /*

@@ -31,6 +31,7 @@ int64_t sim_run_seeds(const struct sim_method *m, uint64_t first, int64_t seeds,
         struct sim_plan plan = m->node ? sim_ring_plan_of(seed) : sim_plan_of(seed);
         if (m->tuned) plan.params = m->params, plan.width = 1;
         plan.trace = trace;
+        plan.checks = m->checks;
         sim_run(m->policy, &plan, &r);
         sim_add(sum, &r);
         if (!*r.failure) continue;

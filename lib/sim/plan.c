@@ -39,7 +39,6 @@ struct sim_plan sim_plan_of(uint64_t seed)
     static const int32_t depths[] = {0, 0, 1, 2, 16, SCHED_DEPTH_AUTO, SCHED_DEPTH_AUTO};
     static const int64_t latencies_us[] = {0, 100, 5000, 200000};
     struct sim_plan p = {.seed = seed, .cost_us = 1000, .faults_us = 4000000, .hops = 2};
-    p.checks = &sim_checks_deal;
     p.jitter = .5;
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 3) : pick(seed, 2, 2, 24);
     p.tasks = unit(seed, 3) < .1 ? pick(seed, 4, 0, 3) : pick(seed, 4, 1, 200);
@@ -75,7 +74,6 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_plan_of(seed);
     p.node = &policy_node;
-    p.checks = &sim_checks_ring;
     p.calm = false;
     p.p_hang = chance(seed, 25, .3);
     if (p.p_hang > 0) p.detect_us = 5000000;

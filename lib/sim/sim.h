@@ -17,33 +17,8 @@
  * Checks of every run, after every event: a task commits once, and only after all of its pixels
  * were passed on; a frame waits exactly while a task older than the previous frame's is
  * uncommitted; the end comes once, when everything is committed and no pixel is missing; time
- * advances. A policy has its own checks (plan.checks), which may be too slow for large runs:
- *
- * sim_checks_deal, for at most SIM_SLOTS_MOST slots:
- *
- *   give      only to a slot that is up, only an open task, from the pool only up to the depth;
- *             a copy only to an idle slot, after the end of the input, with an empty pool, and at
- *             most SIM_COPIES_MOST at once; in an endgame earlier, or more, of a late task
- *   turn      tasks without an owner go in order of arrival, after lost tasks
- *   least     with equal depths, the slot with the least load is given the task
- *   withheld  a computed task only in an endgame, if its slot is busy or was asked to flush, and
- *             only to a slot that owes no pixels
- *   pieces    of tasks only in an endgame; under new ids, inside one task, disjoint
- *   idle      in an endgame no slot is idle while a task may still be copied
- *   revoked   if the depth follows the link and the input has ended, no slot holds more than twice
- *             its share of the pool
- *   end       stops the slots if one is still busy
- *
- * sim_checks_gdc, for the ring as published, whose nodes run policy_node:
- *
- *   rows      in the first phase each to its node, once; then a row moves only from a node that
- *             gives it to the node it names; all rows that started at a dead node go to the node
- *             that reports it
- *   messages  reach their receivers unchanged
- *   asking    only an idle node asks: the next node up the ring in its search; no other one before
- *             an answer; again at the timeout, and the fifth time with a report
- *   answers   one per request, between rows: a row if there is one, else whether the node is idle,
- *             and then the node that it found
+ * advances. A test gives the plan the checks of a policy (tests/oracles), which look at all tasks
+ * at each event.
  *
  * For plans made up from a seed: the end comes within the time that the work, the faults and the
  * slowest slot allow.
@@ -53,8 +28,6 @@
 
 #include "sched/sched.h"
 
-#define SIM_SLOTS_MOST 64
-#define SIM_COPIES_MOST 3
 #define SIM_PIXEL_BYTES 16 /* four floats */
 
 /* Work to render if the plan does not make it up: for measurements. */
@@ -84,8 +57,7 @@ struct sim_fault {
     double power;    /* SLOW: factor of the slot's power */
 };
 
-struct sim_checks; /* private */
-extern const struct sim_checks sim_checks_deal, sim_checks_ring, sim_checks_gdc;
+struct sim_checks; /* of a policy: world.h */
 
 /* A link: of one slot, or of a host, whose slots share it. */
 struct sim_link {
@@ -109,10 +81,10 @@ struct sim_plan {
     double cost_us;   /* the least cost of a row at power 1; the most is exp(4) times that */
     double p_crash, p_silence, p_pause, p_slow, p_hang, p_drain; /* at most one per slot */
     bool tells_power; /* the policy is told the power of a slot that becomes slow */
-    int32_t joins; /* the last slots come later, and are not counted at first */
-    double p_kill;                                      /* of the hub */
-    double p_return;                                    /* a lost slot comes back */
-    double p_twice;                                     /* an answer is sent twice */
+    int32_t joins;    /* the last slots come later, and are not counted at first */
+    double p_kill;    /* of the hub */
+    double p_return;  /* a lost slot comes back */
+    double p_twice;   /* an answer is sent twice */
     /* an answer names a task that was not asked for */
     double p_garbage;
     double p_false; /* a node sends its hub a false message */
@@ -133,11 +105,11 @@ struct sim_plan {
     const struct sim_link *links;
     const int32_t *link_of; /* of each slot: an index of links */
     int32_t n_links;
-    const int32_t *groups; /* of a tree, sim_tree_run; the caller's */
-    size_t levels;         /* entries of groups */
-    double message_us;     /* likewise: the time that a hub takes for a record */
+    const int32_t *groups;           /* of a tree, sim_tree_run; the caller's */
+    size_t levels;                   /* entries of groups */
+    double message_us;               /* likewise: the time that a hub takes for a record */
     const struct sim_work *work;     /* NULL: rows of random cost */
-    void (*trace)(const char *line);          /* each event in words; NULL: no trace */
+    void (*trace)(const char *line); /* each event in words; NULL: no trace */
 };
 /* Makes up a plan from the seed: from small to large, with few or many faults. Slot 0 is never
  * lost. */
@@ -156,7 +128,7 @@ struct sim_result {
     uint64_t trace_hash;
     int64_t events, gives, commits, flushes;
     int64_t crashes, silences, pauses, slows, hangs, drains, kills, twice, garbage, returns;
-    int64_t leaves; /* slots that left as they were told to */
+    int64_t leaves;      /* slots that left as they were told to */
     int64_t uncommitted; /* tasks, if the run did not end */
     /* gives of tasks that others have; pieces given; ends that stop slots */
     int64_t copies, pieces, stops;
@@ -228,6 +200,7 @@ struct sim_method {
     const char *options;                /* letters of the options that it takes */
     bool best;                          /* each task goes where sim_best puts it */
     bool tuned;                         /* its params are part of it: no seed changes them */
+    const struct sim_checks *checks;    /* as in the plan */
 };
 /* NULL if there is no such method. */
 const struct sim_method *sim_method_named(const char *name);
@@ -268,9 +241,9 @@ double *sim_draw_powers(uint64_t seed, int32_t slots, double spread);
 /* Multiplies all costs. Refuses work that could take too long for the clock. */
 bool sim_workload_scale(struct sim_workload *l, double factor, char err[ERR_BYTES]);
 /*
- * Completes the plan of a run: all but seed, faults, links, params and trace, which are the
- * caller's. The workload must stay valid. Its tasks get slots if the method is `best`. Refuses a
- * fault of a slot that is not there.
+ * Completes the plan of a run: all but seed, faults, links, params, checks and trace, which are
+ * the caller's. The workload must stay valid. Its tasks get slots if the method is `best`. Refuses
+ * a fault of a slot that is not there.
  */
 bool sim_workload_plan(
     struct sim_workload *l, const struct sim_method *m, struct sim_plan *p, char err[ERR_BYTES]);

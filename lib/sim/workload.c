@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #define MOST_US 1e14       /* all tasks on the weakest slot: sums of times must fit int64_t */
-#define CHECKED_TASKS 4096 /* limit for a policy's checks: they look at all tasks at each event */
 #define DETECT_US 20000000 /* for nodes to detect a dead one, by the rules as published */
 #define SILENCE_US 3000000 /* until a fan gives up a silent slot */
 
@@ -94,14 +93,6 @@ bool sim_workload_scale(struct sim_workload *l, double factor, char err[ERR_BYTE
 
 /* ---- the plan -------------------------------------------------------------------------------- */
 
-static const struct sim_checks *checks_of(const struct policy *policy, const struct sim_plan *p)
-{
-    if (p->slots > SIM_SLOTS_MOST || p->tasks > CHECKED_TASKS) return NULL;
-    if (policy == &policy_deal) return &sim_checks_deal;
-    if (policy == &policy_ring) return &sim_checks_ring;
-    return policy == &policy_published ? &sim_checks_gdc : NULL;
-}
-
 static void preassign_best(struct sim_workload *l)
 {
     int32_t *to = xcalloc((size_t)l->n, sizeof *to);
@@ -131,7 +122,6 @@ bool sim_workload_plan(
     p->width = 1;
     p->work = &l->work;
     p->node = m->node;
-    p->checks = checks_of(m->policy, p);
     p->silence_us = SILENCE_US;
     p->detect_us = m->policy == &policy_published ? DETECT_US : 0;
     p->faults_us = (int64_t)(1e6 * sim_bound_s(p));

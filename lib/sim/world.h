@@ -1,7 +1,7 @@
 /*
  * The world of one simulated run, shared by its files: run.c (the hub, its input, the loop),
  * links.c, slots.c (processes and workers), node.c (a node's policy), faults.c, checks.c (checks of
- * every run), checks_deal.c.
+ * every run).
  */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H

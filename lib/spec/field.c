@@ -1,6 +1,5 @@
 /*
  * field: the lines of a specification that say what is seen of the field.
- * One machine with spec.c.
  */
 #include "spec/spec_int.h"
 

@@ -4,7 +4,6 @@
  *
  * One table lists the words, their numbers and the ranges. Constraints between lines are checked
  * when the line comes (the map ascends) or at the end (the view is complete).
- * One machine with field.c.
  */
 #include "geometry/geometry.h"
 #include "spec/spec_int.h"
@@ -92,15 +91,6 @@ static const struct range iso_by_place[] = {
     COORDINATE("value"), PLACE, {"opacity", 0, 1}, {NULL, 0, 0}};
 #define WORDS (sizeof words / sizeof *words)
 #define NEEDED (1U << FROM | 1U << AT | 1U << UP | 1U << ANGLE | 1U << RESOLUTION)
-
-bool spec_fail(struct spec_reader *r, const char *fmt, ...)
-{
-    va_list ap;
-    va_start(ap, fmt);
-    err_at(r->err, r->name, r->line, fmt, ap);
-    va_end(ap);
-    return false;
-}
 
 static inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 

@@ -3,7 +3,6 @@
  * the spans of each ray in regions with live cells. Planes of regions are planes of cells, and the
  * time at a plane depends on nothing but the plane. So a ray that has leapt is exactly where single
  * steps would have brought it.
- * One machine with stream.c.
  */
 #include "volume/stream.h"
 

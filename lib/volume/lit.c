@@ -28,7 +28,6 @@
  * degree 6 together, whatever the field. A rule of 16 nodes is exact to degree 31. That leaves 16
  * for exp(-tau), of a depth of at most 1, and 9 for the light: 2e-5 of the colour is left out, and
  * with 32 nodes 1e-11.
- * One machine with integrate.c.
  */
 #include "volume/volume_int.h"
 

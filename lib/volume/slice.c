@@ -2,11 +2,23 @@
  * slice: planes across an axis, in the colours of the map. A ray crosses a plane at a time that is
  * computed as those of the grid's planes are. So it is within the segment of exactly one layer of
  * cells, or at the end of two, of which the first one has it.
- * One machine with surface.c.
  */
 #include "volume/volume_int.h"
 
 #include <stdlib.h>
+
+#define TIE 0x1p-30 /* of a segment: nearer sheets are in one place, and rounding moved them */
+
+uint32_t crossing_insert(struct crossing *list, uint32_t n, struct crossing x)
+{
+    /* A slice in a face is of the first cell, so it is in front of a surface in its place. */
+    const double tie = x.iso ? 0 : TIE;
+    uint32_t i = n;
+    for (; i > 0 && list[i - 1].w > x.w - (list[i - 1].iso ? tie : 0); i--) list[i] = list[i - 1];
+    if (i < n) x.w = fmin(x.w, list[i + 1].w);
+    list[i] = x;
+    return n + 1;
+}
 
 /* Marks the layers of cells that touch a slice. */
 static void mark_layers(struct volume *v, const struct slice *s)

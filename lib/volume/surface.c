@@ -4,24 +4,10 @@
  * a root on a face shared by two cells counts once, even if their cubics differ there by rounding.
  * A value that is less by rounding alone is not below: a field that comes down to the value, and
  * never below it, has no surface there.
- * One machine with slice.c.
  */
 #include "volume/volume_int.h"
 
 #include <float.h>
-
-#define TIE 0x1p-30 /* of a segment: nearer sheets are in one place, and rounding moved them */
-
-uint32_t crossing_insert(struct crossing *list, uint32_t n, struct crossing x)
-{
-    /* A slice in a face is of the first cell, so it is in front of a surface in its place. */
-    const double tie = x.iso ? 0 : TIE;
-    uint32_t i = n;
-    for (; i > 0 && list[i - 1].w > x.w - (list[i - 1].iso ? tie : 0); i--) list[i] = list[i - 1];
-    if (i < n) x.w = fmin(x.w, list[i + 1].w);
-    list[i] = x;
-    return n + 1;
-}
 
 /* More than the rounding error of the field in the cell: it adds about 30 products of these. */
 static double rounding(const struct cell *c)

@@ -1,6 +1,5 @@
 /*
- * volume: prepares a grid for one specification and casts the rays of its pixels. One machine
- * with stream.c.
+ * volume: prepares a grid for one specification and casts the rays of its pixels.
  */
 #include "volume/volume_int.h"
 
@@ -146,22 +145,6 @@ static void ray(struct path *p, struct walk *w)
         last = s.t1;
         p->v->counts.cells += own;
     }
-}
-
-void volume_put(const struct volume *v, const double rgb[3], double transmittance, float *rgba)
-{
-    bool backed = v->spec->backed && !v->brick;
-    for (int c = 0; c < 3; c++)
-        rgba[c] = (float)(rgb[c] + (backed ? transmittance * v->spec->background[c] : 0));
-    rgba[3] = backed ? 1 : (float)(1 - transmittance);
-}
-
-void volume_put_ground(const struct volume *v, const struct meeting *m, const double rgb[3],
-    double transmittance, float *rgba)
-{
-    double sum[3];
-    for (int c = 0; c < 3; c++) sum[c] = rgb[c] + transmittance * m->rgb[c];
-    volume_put(v, sum, 0, rgba);
 }
 
 static void pixel(struct volume *v, uint64_t at, float *rgba)

@@ -245,7 +245,7 @@ void cell_second(struct cell *c, const struct cell *of, const struct volume *v, 
 /* The gradient at w, in scaled space. */
 struct vec3 cell_gradient(const struct cell *c, double w);
 
-/* ---- integration (integrate.c, surface.c) --------------------------------------------------- */
+/* ---- integration (integrate.c, path.c, surface.c) ------------------------------------------- */
 
 /* The colour that a ray has accumulated. */
 struct path {
@@ -289,8 +289,16 @@ typedef void piece_fn(struct path *, const struct piece *);
 
 void volume_gauss_rule(struct rule *r, int m);
 /* The optical depth of a piece from its start to x. */
-double volume_depth_to(const struct path *p, const struct piece *s, double x);
-bool volume_is_straight(const struct piece *s, double lo, double hi);
+static inline double volume_depth_to(const struct path *p, const struct piece *s, double x)
+{
+    const double *q = s->q;
+    double mean = q[0] + x * (q[1] / 2 + x * (q[2] / 3 + x * q[3] / 4));
+    return x * (s->span->k0 + s->span->k1 * mean) * (s->b - s->a) * p->cell->len;
+}
+static inline bool volume_is_straight(const struct piece *s, double lo, double hi)
+{
+    return fabs(s->q[2]) + fabs(s->q[3]) <= BEND_MAX * (hi - lo);
+}
 /* Adds a piece of this depth. The rule gives the mean colour; alpha is exact. */
 void volume_gauss(struct path *p, const struct piece *s, double depth, const struct rule *r);
 /* Splits a piece in two. */

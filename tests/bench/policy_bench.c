@@ -10,6 +10,7 @@
  * (unless given, what the log says); with -s slot 0 falls to a twentieth of its power at half of the
  * bound.
  */
+#include "../oracles/oracles.h"
 #include "base/base.h"
 #include "log/log.h"
 #include "sim/sim.h"

@@ -67,7 +67,6 @@ static double efficiency(uint64_t seed, const struct world_of *in)
     if (in->rough) p.jitter = .5;
     if (in->faults && !sim_parse_faults(&p, in->faults)) fail_msg("%s", in->faults);
     if (!sim_workload_scale(&l, 1, err) || !sim_workload_plan(&l, &m, &p, err)) fail_msg("%s", err);
-    p.checks = NULL; /* test_sim runs them */
     sim_run(m.policy, &p, &r);
     assert_string_equal(r.failure, "");
     double e = 1e6 * sim_bound_s(&p) / (double)r.end_us;

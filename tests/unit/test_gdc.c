@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #define SEEDS_TEST "test_gdc"
+#include "../oracles/oracles.h"
 #include "seeds.h"
 
 #include <string.h>
@@ -22,7 +23,7 @@ static struct sim_plan plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_ring_plan_of(seed);
     p.p_hang = 0; /* nothing is published about that */
-    p.checks = &sim_checks_gdc;
+    p.checks = &oracle_gdc;
     p.detect_us = 20000000;
     p.p_drain = 0;
     p.joins = 0;
@@ -140,7 +141,7 @@ static void two_of_nine_hosts_are_removed_after_300_rows(void **state)
                 {.kind = SIM_CRASH, .slot = b, .at_us = -1, .commits = 300}};
             struct sim_plan plan = {.seed = 1,
                 .node = &policy_node,
-                .checks = &sim_checks_gdc,
+                .checks = &oracle_gdc,
                 .slots = HOSTS,
                 .tasks = ROWS,
                 .width = 1,

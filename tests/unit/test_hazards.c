@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
+#include "../oracles/oracles.h"
 #include "sim/sim.h"
 
 #include <string.h>
@@ -115,7 +116,7 @@ static void run(struct hazard *h, bool published, struct seen *s)
         .power = power};
     struct sim_plan p = h->more;
     p.node = &policy_node;
-    p.checks = published ? &sim_checks_gdc : &sim_checks_ring;
+    p.checks = published ? &oracle_gdc : &oracle_ring;
     p.slots = h->nodes;
     p.tasks = h->rows;
     p.width = 1;

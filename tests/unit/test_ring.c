@@ -8,6 +8,7 @@
 
 #include "sched/hub_int.h"
 #define SEEDS_TEST "test_ring"
+#include "../oracles/oracles.h"
 #include "seeds.h"
 
 static struct sim_result total;
@@ -17,6 +18,7 @@ static int64_t joins;       /* nodes that come later, in all seeds */
 static bool run_seed(uint64_t seed, struct sim_result *r)
 {
     struct sim_plan plan = sim_ring_plan_of(seed);
+    plan.checks = &oracle_ring;
     sim_run(&policy_ring, &plan, r);
     return !*r->failure;
 }
@@ -98,7 +100,7 @@ static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
         .frame_w = 1, .frame_h = ROWS, .tasks = rows, .pixel_us = row_us, .power = power};
     struct sim_plan plan = {.seed = seed,
         .node = &policy_node,
-        .checks = &sim_checks_ring,
+        .checks = &oracle_ring,
         .slots = HOSTS,
         .tasks = ROWS,
         .width = 1,
@@ -215,7 +217,7 @@ static void who_asks_a_node_that_hangs_asks_another_one(void **state)
         .frame_w = 1, .frame_h = 71, .tasks = rows, .pixel_us = row_us, .power = power};
     struct sim_fault hangs = {.kind = SIM_SILENCE, .slot = 1, .at_us = 1000000};
     struct sim_plan plan = {.node = &policy_node,
-        .checks = &sim_checks_ring,
+        .checks = &oracle_ring,
         .slots = 3,
         .tasks = 71,
         .width = 1,

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #define SEEDS_TEST "test_sim"
+#include "../oracles/oracles.h"
 #include "seeds.h"
 
 static struct sim_result total;
@@ -14,6 +15,7 @@ static struct sim_result total;
 static bool run_seed(uint64_t seed, struct sim_result *r)
 {
     struct sim_plan plan = sim_plan_of(seed);
+    plan.checks = &oracle_deal;
     sim_run(&policy_deal, &plan, r);
     return !*r->failure;
 }

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #define SEEDS_TEST "test_tree"
+#include "../oracles/oracles.h"
 #include "seeds.h"
 
 #define FRAME_W 24
@@ -99,7 +100,7 @@ static void fail_seed(struct sim_result *r, const char *what, double got, double
 static void compare(struct sim_plan *p, struct sim_result *r)
 {
     struct sim_result flat;
-    p->checks = &sim_checks_deal;
+    p->checks = &oracle_deal;
     sim_run(&policy_deal, p, &flat);
     if (*flat.failure) snprintf(r->failure, sizeof r->failure, "%s", flat.failure);
     if (flat.end_us != r->end_us)

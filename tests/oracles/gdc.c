@@ -2,6 +2,7 @@
  * Checks of the ring as published under all faults: the sender, receiver and time of each message.
  * They do not check that a run ends.
  */
+#include "oracles.h"
 #include "sim/world.h"
 
 #include <stdlib.h>
@@ -280,7 +281,7 @@ static void after_step(struct world *w)
         sim_fail(w, "the master did not forward a message", m->says, said->kind);
 }
 
-const struct sim_checks sim_checks_gdc = {.event = event,
+const struct sim_checks oracle_gdc = {.event = event,
     .action = action,
     .after = after_step,
     .node_event = node_event,

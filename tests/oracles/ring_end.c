@@ -2,7 +2,7 @@
  * Checks of the ring's endgame: pieces of tasks. The hub's pieces without a node are not known here
  * until they are given.
  */
-#include "sim/ring_model.h"
+#include "ring_model.h"
 
 static struct rtask *at(const struct world *w, int32_t id) { return w->tasks[id].note; }
 

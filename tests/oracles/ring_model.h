@@ -1,10 +1,11 @@
 /*
  * The ring's checks keep a ledger of their own. It is shared by ring_model.c (the ledger),
- * checks_ring.c (the hub) and checks_node.c (the nodes).
+ * ring.c (the hub) and node.c (the nodes).
  */
 #ifndef STORMRING_SIM_RING_MODEL_H
 #define STORMRING_SIM_RING_MODEL_H
 
+#include "oracles.h"
 #include "sim/world.h"
 
 /* The state of a task; bits are slots. CUT: no node has it, but its pieces are missing. REST: no
@@ -79,14 +80,14 @@ void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, in
 void sim_ring_hand_over(struct world *w, struct ring_model *m, int32_t k);
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
 
-/* ---- checks_end.c ---------------------------------------------------------------------------- */
+/* ---- ring_end.c ---------------------------------------------------------------------------- */
 
 /* A task with a new id, or a piece without a node, is given. False: that breaks a rule. */
 bool sim_ring_piece(struct world *w, struct ring_model *m, const struct sched_action *a);
 /* Task t leaves the ledger, with its pieces. */
 void sim_ring_forget(struct world *w, struct ring_model *m, struct rtask *t);
 
-/* ---- checks_node.c --------------------------------------------------------------------------- */
+/* ---- node.c --------------------------------------------------------------------------- */
 
 void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e);
 void sim_ring_node_action(struct world *w, int32_t k, const struct sched_action *a);

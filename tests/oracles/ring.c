@@ -2,7 +2,7 @@
  * Checks of the ring (default rules) after each action of hub and nodes, against the checks' own
  * ledger. Steps cost no more than those of the policy, except when a slot comes or goes.
  */
-#include "sim/ring_model.h"
+#include "ring_model.h"
 
 #include <stdlib.h>
 
@@ -388,7 +388,7 @@ static void ring_restart(struct world *w)
     w->note = NULL;
 }
 
-const struct sim_checks sim_checks_ring = {.event = ring_event,
+const struct sim_checks oracle_ring = {.event = ring_event,
     .action = ring_action,
     .after = ring_after,
     .restart = ring_restart,

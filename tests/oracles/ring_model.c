@@ -1,5 +1,5 @@
 /* The ledger of the ring's checks. */
-#include "sim/ring_model.h"
+#include "ring_model.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * Checks of a node of the ring (default rules) after each action. The node's tasks, and those of
  * its worker, are recorded apart from the hub's view.
  */
-#include "sim/ring_model.h"
+#include "ring_model.h"
 
 /* Tasks that a node may feed its worker beyond the current ones; also if pauses, and wrong
  * answers, make its link seem slow. */

@@ -1,4 +1,5 @@
 /* Checks of deal after each action. */
+#include "oracles.h"
 #include "sim/world.h"
 
 #include <string.h>
@@ -396,5 +397,4 @@ static void check_owners(struct world *w)
     }
 }
 
-const struct sim_checks sim_checks_deal = {
-    .task = deal_task, .event = deal_event, .action = deal_action, .after = check_owners};
+const struct sim_checks oracle_deal = {deal_task, deal_event, deal_action, .after = check_owners};

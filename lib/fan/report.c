@@ -1,0 +1,69 @@
+/* fan: failures of slots and hosts: when the next try may be, and what is said. */
+#include "fan/fan_int.h"
+
+#include <inttypes.h>
+
+#define RETRY_FIRST_US 500000 /* before a slot is connected again; doubled each time */
+#define RETRY_MOST_US 10000000
+
+int64_t fan_retry_wait_us(int failures)
+{
+    int64_t wait_us = RETRY_FIRST_US;
+    for (int i = 1; i < failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
+    return wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US;
+}
+
+void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
+{
+    if (s->told_gone && !(lost && s->n_tasks)) return;
+    for (int i = 0; i < s->width; i++) fan_place_gone(f, s, i, why, lost ? s->tasks[i].count : 0);
+    s->told_gone = true;
+}
+
+/* True if a slot of the host is needed. *last: no other host has slots that may come. */
+static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *last)
+{
+    bool wanted = false;
+    *last = true;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (s->host == h) wanted |= fan_slot_wanted(f, s);
+        else if (fan_slot_comes(s)) *last = false;
+    }
+    return wanted;
+}
+
+bool fan_host_exhausted(const struct fan_host *h)
+{
+    return h->host->tries && h->failures >= h->host->tries;
+}
+
+bool fan_host_retries(struct fan_slot *s)
+{
+    struct fan_host *h = s->host;
+    if (s->conn.opened_us >= h->failed_us) { /* slots opened at one time fail as one */
+        h->failed_us = now_us();
+        h->retry_us = h->failed_us + fan_retry_wait_us(++h->failures);
+    }
+    return !fan_host_exhausted(h);
+}
+
+void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again)
+{
+    struct buf text = {0};
+    bool last;
+    if (!fan_refusal_explain(f, s, why, &text))
+        buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
+            again ? "reached" : "used", why, *s->conn.chatter ? ", it says: " : "",
+            s->conn.chatter);
+    if (again && host_wanted(f, s->host, &last)) {
+        buf_printf(&text, "; trying again");
+        if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
+        else if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
+    }
+    if (fan_host_exhausted(s->host))
+        buf_printf(&text, "; no try is left (tries=%d)", s->host->failures);
+    buf_append(&text, "", 1);
+    warn("%s", (const char *)buf_data(&text));
+    buf_free(&text);
+}
