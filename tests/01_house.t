@@ -204,7 +204,7 @@ lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 	ban 'memory comes from the allocators of base' '[mc]alloc|realloc|strn?dup|aligned_alloc' \
 		$(echo "$lib" | grep -v '^lib/base/memory\.c$') bin/*.c
 	ban 'the library exits only in die, and where its reader is gone' '_?exit|abort' \
-		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|worker/forks|worker/worker)\.c$')
+		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|worker/forks|worker/pulse|worker/session)\.c$')
 }
 # Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
 {

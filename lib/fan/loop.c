@@ -31,9 +31,7 @@ static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
     if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
     if (opening) return fmax(here ? HELLO_S : REACH_S, f->o->silence_s);
     if (fan_slot_over(f, s) && !s->n_tasks) return f->o->silence_s;
-    /* Pixels of computed tasks may be held back until a flush. */
-    bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
-    if (!asked) return 0;
+    if (!fan_slot_owes(f, s, s->undone, s->n_tasks)) return 0;
     return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
 }
 
@@ -57,10 +55,17 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
         fan_code_late(f, s, looked_us);
+        fan_places_silence(f, s, reading);
         double allowed_s = silence_allowed_s(f, s);
         if (!reading || allowed_s <= 0) s->conn.heard_us = now_us();
         else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6) went_silent(f, s);
     }
+}
+
+static void credit(int64_t *heard_us, int64_t late_us, int64_t looked_us)
+{
+    *heard_us += late_us;
+    if (*heard_us > looked_us) *heard_us = looked_us;
 }
 
 /*
@@ -73,8 +78,8 @@ static void credit_own_delay(struct fan *f, int64_t looked_us)
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
-        int64_t heard_us = s->conn.heard_us + late_us;
-        s->conn.heard_us = heard_us < looked_us ? heard_us : looked_us;
+        credit(&s->conn.heard_us, late_us, looked_us);
+        for (int i = 0; i < s->width; i++) credit(&s->places[i].heard_us, late_us, looked_us);
     }
 }
 

@@ -1,5 +1,5 @@
 /*
- * states: the state of a renderer by generation. The loop (worker.c) counts generations and says
+ * states: the state of a renderer by generation. The loop (loop.c) counts generations and says
  * when one can be dropped. A part is freed when the last generation that shares it is dropped.
  */
 #include "worker/worker.h"

@@ -1,6 +1,7 @@
 /*
- * worker, shared by its files: worker.c (the loop of one process), forks.c (the loop of a parent
- * whose children render), fork_slot.c (such a child), builder.c (the thread that loads and builds),
+ * worker, shared by its files: run.c (from hello to exit); loop.c (the loop of one process);
+ * forks.c (the loop of a parent whose children render), fork_slot.c (such a child), builder.c (the
+ * thread that loads and builds); session.c (frames, jobs and states of both); pulse.c (beats);
  * states.c (the state of a renderer).
  */
 #ifndef STORMRING_WORKER_INT_H
@@ -30,15 +31,24 @@ struct worker {
     struct generations generations;
     float *pixels;
     int64_t cpu_us;             /* used at the latest done or other record */
+    double power;               /* of each slot, as its hello states it */
     char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
-/* ---- worker.c ---- */
+/* ---- pulse.c ---- */
 
-/* Says hello for this number of slots. */
-void worker_hello(struct worker *w, int slots);
-/* Reads standard input to its end, renders, and says bye. */
-void worker_loop(struct worker *w);
+/* From now on begin and end enclose each callback, during which beats are sent. Without it they do
+ * nothing. */
+void worker_pulse_open(void);
+void worker_pulse_begin(void);
+void worker_pulse_end(void);
+
+/* ---- session.c ---- */
+
+/* The reader is gone (EPIPE or 0), or writing failed: this process is not needed any more. */
+_Noreturn void worker_reader_gone(int err);
+/* Writes w->out. */
+void worker_push(struct worker *w);
 /* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is
  * missing, with text in err. Another job than the input stated sets w->other_job; the caller sends
  * w->out and ends the program. */
@@ -52,7 +62,11 @@ const struct frame_size *worker_frame_of(const struct worker *w, const struct ta
 void worker_drop_older(struct worker *w, enum rec_kind kind, size_t bytes);
 /* Refuses a record that does not belong to the input. */
 _Noreturn void worker_refuse(const struct record *r);
-void worker_free(struct worker *w);
+
+/* ---- loop.c ---- */
+
+/* Reads standard input to its end, renders, and says bye. */
+void worker_loop(struct worker *w);
 
 /* ---- builder.c ---- */
 
@@ -93,70 +107,53 @@ struct fork_slot {
     size_t poll; /* index of child.to in the last poll; .from follows; 0: none */
     struct decoder from;
     struct down_queue to;
-    uint32_t generation;      /* the latest one when the child was forked */
-    bool ends;                /* its input is to be closed, once all of it is written */
-    bool flush;               /* it is to flush after its waiting tasks */
-    bool flushed;             /* it was asked to, and got no task since */
-    struct task_table tasks;  /* all that follow; the payload is a struct fork_task */
-    struct task_list waiting; /* tasks not sent to the child */
-    struct task_list sent;    /* tasks not both computed and delivered */
-    int undone;               /* sent tasks that are not computed */
-    int64_t silent_us;        /* its silence while this process was reading */
-    int deaths;               /* children in a row that lost tasks and completed none */
-    bool refused;             /* the system has refused to fork a child for the waiting tasks */
-    bool lent;                /* other slots have had tasks of this one */
-};
-struct fork_task {
-    int of;        /* the slot that it is for; this one, unless it is lent */
-    bool computed; /* its `done` has come, from this child or one before */
-    bool again;    /* it has come from this child */
+    uint32_t generation; /* the latest one when the child was forked */
+    bool ends;           /* its input is to be closed, once all of it is written */
+    bool flush;          /* it is to flush after its waiting tasks */
+    struct buf waiting;  /* tasks, each a struct task: those not sent to the child, */
+    struct buf sent;     /* and those that it has not computed */
+    int deaths;          /* children in a row that computed no task */
+    bool out;            /* the system has refused it a child */
 };
 
 struct forks {
     struct worker *w;
     struct fork_slot *slots;
     int n_slots;
-    struct task_table tasks; /* tasks for any slot, all of them on the list */
-    struct task_list any;
+    struct buf any; /* tasks for any slot, each a struct task */
     struct worker_builder builder;
     bool built[GENERATIONS]; /* by generation, modulo GENERATIONS */
     bool wants;              /* the builder is to build for this frame: */
     struct frame_size wanted;
     bool holds;         /* this record waits for the builder, or for tasks: */
     struct record held; /* in the decoder's buffer */
-    bool flushed;       /* children were asked to flush for it */
     bool in_open;
-    int forked;  /* children forked in this round; above FORKS_MOST: one could not be */
+    bool lost;   /* a slot was gone */
+    int forked;  /* children forked in this round */
     int refused; /* status to end with at once */
     struct outlet out;
     int64_t beat_us;
-    int64_t looked_us; /* time of the last round */
 };
 
 /* As worker_run after the hello, with options->jobs children that share this process's state. */
 int worker_forks(struct worker *w);
 /* True if tasks of the generation can be rendered. */
-bool worker_forks_built(const struct forks *p, uint32_t generation);
+static inline bool worker_forks_built(const struct forks *p, uint32_t generation)
+{
+    return p->built[generation % GENERATIONS];
+}
 
 /* ---- fork_slot.c ---- */
 
-void worker_fork_open(struct fork_slot *s, int number);
 void worker_fork_free(struct fork_slot *s);
-/* Adds a task of a frame of this width, which is for slot `of`. False: the slot has it already. */
-bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of);
-/* Adds a task to slot t->to, unless that has it already. */
-void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w);
-/* Lends the waiting tasks of a slot that was refused a child to slots that have one. A task waits
- * on if no slot can take it now. */
-void worker_fork_lend(struct forks *p, struct fork_slot *s);
 /* Sends the child what it can take; forks it if it is needed. */
 void worker_fork_feed(struct forks *p, struct fork_slot *s);
 /* Handles all that the child has sent. */
 void worker_fork_listen(struct forks *p, struct fork_slot *s);
-/* Ends the slot's child if its stream has ended or it was silent for too long. */
-void worker_fork_check(struct fork_slot *s, int64_t elapsed_us);
+/* Ends the slot's child if its stream has ended. */
+void worker_fork_check(struct forks *p, struct fork_slot *s);
 /* True if a task would be computed at once, or after at most `ahead` others. */
 bool worker_fork_wants(
-    const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation);
+    const struct forks *p, const struct fork_slot *s, size_t ahead, uint32_t generation);
 
 #endif
