@@ -79,7 +79,7 @@ scene corners nff points pov reader token tokens
 sched cost deal gdc hub node pace policy set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
-trace bound bvh cone_shape crossings items light media pending sah slabs sphere_shape tracer triangle_shape wave
+trace bound bvh crossings items light media pending sah slabs tracer wave
 volume cell crossing cubic ground lit map path skip_init slice walk
 wire generation rec
 END
