@@ -1,7 +1,8 @@
 /*
  * kernel: traverses the hierarchy, at the vector width of the including file (trace_sse2.c,
  * trace_avx2.c, trace_avx512.c). Box tests use float and are conservative: they may report a box
- * that the ray misses. Hits are decided in double (lanes.h).
+ * that the ray misses. Hits are decided in double (lanes.h). tests/unit/test_trace_twin.c has the
+ * same search in a few lines, without vectors.
  */
 #include "trace/shapes.h"
 
