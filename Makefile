@@ -101,7 +101,7 @@ SCRIPTS  = $(filter-out $(EVERY) $(EVERY:.c=),$(wildcard bin/*))
 COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
-LIBOBJ   = $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
+LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
            lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
@@ -221,9 +221,18 @@ $(BUILD)/libstormring.a: $(LIBOBJ)
 	$(AR) rcs $@ $(LIBOBJ)
 	@echo '$(LIBS)' >$(BUILD)/libs # for programs that are compiled elsewhere
 
+compile  = $(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(FLAGS_$*) -MMD -MP -c -o $@ $<
 $(BUILD)/%.o: lib/%.c | $(BUILD)/.need
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(FLAGS_$*) -MMD -MP -c -o $@ $<
+	$(compile)
+
+# The program that hosts run before a worker that is sent to them.
+$(BUILD)/hosts/bootstrap.c: lib/hosts/bootstrap.sh lib/hosts/bootstrap.sed | $(BUILD)/.need
+	@mkdir -p $(@D)
+	sed -f lib/hosts/bootstrap.sed $< >$@
+
+$(BUILD)/hosts/bootstrap.o: $(BUILD)/hosts/bootstrap.c
+	$(compile)
 
 $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	@mkdir -p $(BUILD)/dep $(BIN)
@@ -256,8 +265,8 @@ dist:
 	git archive --prefix=stormring-$(VERSION)/ -o stormring-$(VERSION).tar.gz HEAD
 
 # Another BUILD may be a directory with more in it than what was built.
-EVERY_O  = $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
-OF_BUILD = $(BUILD)/.need $(BUILD)/said $(BUILD)/strict $(BUILD)/libstormring.a $(BUILD)/libs $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
+EVERY_O  = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
+OF_BUILD = $(BUILD)/.need $(BUILD)/said $(BUILD)/strict $(BUILD)/libstormring.a $(BUILD)/libs $(BUILD)/hosts/bootstrap.c $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
            $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(EVERY_STATIC)
 clean:
 	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)

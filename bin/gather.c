@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/base.h"
+#include "eta/eta.h"
 #include "log/log.h"
 #include "proc/proc.h"
 
@@ -33,7 +34,7 @@ struct gather {
     struct intake in;
     struct log_keep log;
     struct log_reader reader;
-    struct log_progress progress;
+    struct eta_progress progress;
     struct image_preview preview;
     struct buf expected; /* -e: frames */
     char *spill;         /* directory for the pixels of large frames */
@@ -250,7 +251,7 @@ static void take_record(void *ctx, const struct record *r)
     if (log_keep_ignores(&g->log, r)) return;
     if (r->kind == REC_FRAME) take_frame(g, r);
     log_keep_record(&g->log, r);
-    log_progress_note(&g->progress, &g->in.parts, r, g->log.rereading);
+    eta_progress_note(&g->progress, &g->in.parts, r, g->log.rereading);
     struct assembly_frame *whole = r->kind == REC_FRAME ? NULL : intake_record(&g->in, r);
     check_kept(g, r);
     if (!whole) return;
@@ -266,7 +267,7 @@ static void before_read(void *ctx, int fd)
     bool to_stdout = !g->o->out.pattern && !g->o->missing;
     struct pollfd p[2] = {{fd, POLLIN, 0}, {to_stdout ? STDOUT_FILENO : -1, 0, 0}};
     flush_log(g);
-    log_progress_show(&g->progress, &g->in.parts);
+    eta_progress_show(&g->progress, &g->in.parts);
     for (int n = 0; n <= 0;) {
         int wait_ms = image_preview_wait_ms(&g->preview, &g->in.parts);
         if (wait_ms == 0) write_previews(g), wait_ms = -1;

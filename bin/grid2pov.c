@@ -15,6 +15,7 @@
  *   - POV-Ray merges surfaces nearer than a fixed distance. The scene is scaled to make that
  *     distance small.
  */
+#include "geometry/geometry.h"
 #include "volume/volume.h"
 
 #include <stdlib.h>

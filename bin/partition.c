@@ -21,9 +21,8 @@ struct options {
     uint32_t frame;  /* -F: number of the frame */
     const char *log; /* -r: leave out pixels that it has */
     struct intake *have;
-    enum { ORDER_NONE, ORDER_SHUFFLE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
-    int64_t seed;                                                       /* -o shuffle: */
-    const char *cost_log;                                               /* -o cost: */
+    enum { ORDER_NONE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
+    const char *cost_log; /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };
@@ -43,21 +42,14 @@ static void parse_powers(struct options *o, const char *list)
 
 static void parse_order(struct options *o, const char *order)
 {
-    static const char shuffle[] = "shuffle", cost[] = "cost:";
+    static const char cost[] = "cost:";
     if (strncmp(order, cost, sizeof cost - 1) == 0 && order[sizeof cost - 1]) {
         o->order = ORDER_COST;
         o->cost_log = order + sizeof cost - 1;
         return;
     }
-    if (strcmp(order, "sample") == 0) {
-        o->order = ORDER_SAMPLE;
-        return;
-    }
-    const char *seed = order + sizeof shuffle - 1;
-    if (strncmp(order, shuffle, sizeof shuffle - 1) != 0 ||
-        (*seed && (*seed != ':' || !parse_int(seed + 1, 0, INT64_MAX, &o->seed))))
-        die(ST_USAGE, "-o %s: expected sample, shuffle, shuffle:SEED or cost:LOG", order);
-    o->order = ORDER_SHUFFLE;
+    if (strcmp(order, "sample") != 0) die(ST_USAGE, "-o %s: expected sample or cost:LOG", order);
+    o->order = ORDER_SAMPLE;
 }
 
 /* Chunks are given in order, on demand. They, and runs, depend on the number of slots. */
@@ -90,7 +82,7 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...]\n"
-        "           [-o sample|shuffle[:SEED]|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
+        "           [-o sample|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
         "UNIT: row, tile:WxH, run:N, scatter, fine, coarse:N, guided[:N], factoring[:N]";
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}};
@@ -191,7 +183,6 @@ static void write_tasks(const struct options *o, const char *job)
     tasks.have = have.bits ? &have : NULL;
     if (o->order == ORDER_COST) order_by_cost(o, &tasks);
     if (o->order == ORDER_SAMPLE) cut_tasks_sample(&tasks);
-    if (o->order == ORDER_SHUFFLE) cut_tasks_shuffle(&tasks, (uint64_t)o->seed);
     wire_frame(&out, o->frame, (uint32_t)o->w, (uint32_t)o->h, job);
     while (cut_tasks_next(&tasks, &t)) {
         t.frame = o->frame;

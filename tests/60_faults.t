@@ -8,13 +8,13 @@ needs ps
 . "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
 
-partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
+partition 256x256 | rtworker -a 16 gears.nff | gather -o good.pfm
 # long METHOD [OPTIONS]: starts a run of some seconds on 3 slots, in the background; endless: a run of hours, to be killed
 long() {
 	method=$1
 	shift
 	# shellcheck disable=SC2086  # several words
-	env MARK=$mark balance "$method" -j 3 ${work:--s 256x256 -W -a64} -o out.pfm "$@" gears.nff 2>said &
+	env MARK=$mark balance "$method" -j 3 ${work:--s 256x256 -W -a16} -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
 endless() { work='-s 1024x1024 -W -a1024' long "$@"; }

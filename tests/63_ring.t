@@ -7,12 +7,12 @@ needs ps
 
 . "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
-partition 256x256 | rtworker -a 64 gears.nff | gather -o good.pfm
+partition 256x256 | rtworker -a 16 gears.nff | gather -o good.pfm
 # long [OPTIONS]: starts a run of some seconds on 3 slots, in the background; endless: a run of hours, to be killed
 long() {
 	rm -f out.pfm
 	# shellcheck disable=SC2086  # several words
-	env MARK=$mark balance gdc -j 3 ${work:--s 256x256 -W -a64} -o out.pfm "$@" gears.nff 2>said &
+	env MARK=$mark balance gdc -j 3 ${work:--s 256x256 -W -a16} -o out.pfm "$@" gears.nff 2>said &
 	pid=$!
 }
 # begin [OPTIONS]: the same with workers that are held back until whole
@@ -69,7 +69,7 @@ cat >together <<'END'
 #!/bin/sh
 all() { : >"$1.$$"; until [ "$(find . -name "$1.*" | wc -l)" -ge 3 ]; do sleep .01; done; }
 all up
-rtworker -a 64 - | { dd bs=1 count=1500 2>dd.said; all did; cat; }
+rtworker -a 16 - | { dd bs=1 count=1500 2>dd.said; all did; cat; }
 END
 chmod +x together
 for give in half one; do
@@ -95,7 +95,7 @@ like 'a node killed: a message says so' "$(cat said)" 'fan: slot [0-2]: lost \(s
 begin
 kill -9 $(nodes | head -n 2)
 whole 'two of three nodes killed'
-begin -W '-a 64 -c'
+begin -W '-a 16 -c'
 kill -9 "$(nodes | head -n 1)"
 whole 'a node killed, concentrated transfer'
 begin

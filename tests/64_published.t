@@ -5,7 +5,7 @@
 
 . "$root/tests/marked.sh"
 spdgen -s 2 gears >gears.nff
-partition 192x192 | rtworker -a 64 gears.nff | gather -o good.pfm
+partition 192x192 | rtworker -a 16 gears.nff | gather -o good.pfm
 
 # ---- records of nodes -------------------------------------------------------------------------------------------------
 # down.k and up.k have the records to and from node k.
@@ -26,7 +26,7 @@ heard() {
 # says FILE ...: prints the records of the ring, without their sums
 says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) .*' "$@" | sed 's/ sum=.*//'; }
 { pack scene gears.nff; partition -n 3 192x192; } >turn.task
-heard turn turn.task -a 64 -c
+heard turn turn.task -a 16 -c
 is 'a node gets its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
 { pack scene gears.nff; partition -n 1 192x192; } >first.task
 # first_word KIND NODE: prints the first record of this kind from that node
@@ -34,7 +34,7 @@ first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.
 # Node 2 has no rows either, unless it has got some meanwhile. If the run is over before it reads the question, as on a loaded
 # machine, it does not answer, and the run is repeated.
 for try in 1 2 3; do
-	heard first first.task -a 64
+	heard first first.task -a 16
 	answer=$(first_word '^(none|give).* peer=1' 2)
 	[ -z "$answer" ] || break
 	diag "try $try: node 2 did not answer"
@@ -47,7 +47,7 @@ like 'the next node answers' "$answer" '^(none peer=1 idle=[01]|give .*peer=1)( 
 hold_rtworker
 for try in 1 2 3; do
 	rm -f job.frags go held.*
-	PATH=$tmp/holding:$PATH MARK=$mark patience=600 timeout 1200 balance gdc-published -j 3 -s 192x192 -W '-a 64' -r job.frags -o out.pfm gears.nff 2>said &
+	PATH=$tmp/holding:$PATH MARK=$mark patience=600 timeout 1200 balance gdc-published -j 3 -s 192x192 -W '-a 16' -r job.frags -o out.pfm gears.nff 2>said &
 	pid=$!
 	await 5 held 3
 	kill -9 "$(program ringctl 'ringctl -n ' | tail -n 1)"

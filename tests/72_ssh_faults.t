@@ -6,14 +6,14 @@
 want_hosts=3
 . "$(dirname "$0")/hosts.sh"
 spdgen -s 2 gears >gears.nff
-partition 192x192 | rtworker -a 64 gears.nff | gather -o good.pfm
+partition 192x192 | rtworker -a 36 gears.nff | gather -o good.pfm
 file=$TEST_HOSTS/hosts
 unequal
 
 # ---- no host left: this takes long, so it runs beside the rest, on its own hosts ----------------------------------------
 cat >nobody <<'END'
 hosts=$1 name=$2 list=$3 && mkdir "$name" && cd "$name" || exit
-{ balance masterslave -S "$list" -s 192x192 -W '-a 144' -r log -o out.pfm ../gears.nff 2>said; echo $? >status; } &
+{ balance masterslave -S "$list" -s 192x192 -W '-a 64' -r log -o out.pfm ../gears.nff 2>said; echo $? >status; } &
 if [ "$name" = lost ]; then
 	until grep -aq 'done 0 ' log; do sleep .05; done 2>/dev/null
 	kill -9 $("$hosts" pids host1 sshd)
@@ -43,7 +43,7 @@ begin() {
 	begun=$(now_ms)
 	{
 		env MARK="$mark" sh -c 'echo $$ >pid; exec "$@"' run \
-			balance "$@" -S "$file" -s 192x192 -W '-a 64' -r job.log -o out.pfm gears.nff
+			balance "$@" -S "$file" -s 192x192 -W '-a 36' -r job.log -o out.pfm gears.nff
 		echo $? >status
 	} 2>&1 | stamp >said &
 	job=$!
@@ -283,7 +283,7 @@ begin interleaved
 inflict ssh
 end
 is "$name: exit 1" "$status" 1
-run balance interleaved -S "$file" -s 192x192 -W '-a 64' -r job.log -o out.pfm gears.nff
+run balance interleaved -S "$file" -s 192x192 -W '-a 36' -r job.log -o out.pfm gears.nff
 is "$name: the same command exits 0" "$status" 0
 ok "$name: it finishes the picture" cmp out.pfm good.pfm
 
@@ -303,7 +303,7 @@ done
 tree() {
 	rm -f out.pfm job.log killed
 	env MARK="$mark" sh -c '{ pack scene gears.nff; partition 192x192; until [ -e killed ]; do sleep .1; done; } |
-		deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 64 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
+		deal -q 2 fan -S "$1" deal fan -j 2 rtworker -a 36 - | gather -r job.log -o out.pfm' tree "$file" 2>said &
 	job=$!
 	reach_work
 }

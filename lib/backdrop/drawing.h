@@ -3,6 +3,7 @@
 #define STORMRING_BACKDROP_DRAWING_H
 
 #include "backdrop/backdrop.h"
+#include "geometry/geometry.h"
 
 #define PAGE 0.92       /* linear light of the page */
 #define PAPER "#f6f6f6" /* the same in sRGB */

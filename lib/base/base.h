@@ -1,6 +1,6 @@
 /*
  * base: what every module may use. Messages and exit statuses, ranged number parsing, memory, byte
- * buffers, checked input and output, clocks, a counter-based random generator, hashing, vectors.
+ * buffers, checked input and output, clocks, a counter-based random generator, hashing.
  *
  * The program's name is the only state. Functions that can fail for outside reasons return -1 with
  * errno set, unless stated otherwise. Only die(), functions that call it as stated, and the
@@ -226,65 +226,6 @@ int outfile_check(const char *path);
 int64_t now_us(void); /* monotonic */
 int64_t cpu_us(void); /* this process */
 
-/* ---- time left ------------------------------------------------------------------------ */
-
-/*
- * Predicts the end of a run from the cost of the pixels that have come, by their place, and from
- * the work that is done in a second. Fixed in size; all zero at first. Times are in seconds from
- * any zero.
- */
-#define ETA_BANDS 64   /* of rows */
-#define ETA_TASKS 1024 /* whose pixels or cost have come, and not both */
-#define ETA_MARKS 128
-struct eta {
-    double cost_us[ETA_BANDS], px[ETA_BANDS];
-    bool known;           /* the forecast */
-    double us[ETA_BANDS]; /* the cost of a pixel that it says */
-    double from_s;        /* when it was made, after n_from tasks */
-    uint64_t n_from;
-    struct eta_task {
-        bool used, done, earlier;
-        uint32_t frame, id;
-        uint32_t first, last; /* bands */
-        double cost_us, px;   /* not yet in the bands */
-    } tasks[ETA_TASKS];
-    struct {
-        double t_s, work_us, cost_sum_us;
-    } marks[ETA_MARKS]; /* points of the recent run */
-    int n_marks;
-    uint64_t n_done;
-    uint32_t lowest; /* band since the forecast */
-    double step_s, last_s, work_us, cost_sum_us;
-};
-/* The cost of a task came at time t_s; negative: in an earlier run. */
-void eta_done(struct eta *e, uint32_t frame, uint32_t id, double cost_us, double t_s);
-/* Some of its pixels came: px of them, in rows from y0 to y1, as parts of the height. */
-void eta_pixels(struct eta *e, uint32_t frame, uint32_t id, double y0, double y1, double px);
-/* Another run begins: the speed is not known any more, the costs are. */
-void eta_begin(struct eta *e);
-/* Seconds from t_s to the end, if done of total pixels have come; -1: not known yet. */
-double eta_left_s(const struct eta *e, double done, double total, double t_s);
-/* Writes "1:05", "1:02:30"; "?" if left_s is negative. */
-#define ETA_TEXT 32
-const char *eta_text(double left_s, char out[ETA_TEXT]);
-
-/* ---- progress ------------------------------------------------------------------------- */
-
-/* One line on stderr, updated at most five times a second: percent and estimated time left. */
-struct progress {
-    bool on;
-    int width; /* columns now on the screen */
-    int64_t next_us;
-};
-
-void progress_start(struct progress *p, bool on);
-/* True if the line is to be updated now. */
-bool progress_due(const struct progress *p);
-/* Shows done of total units and the time left; negative: not known. */
-void progress_show(struct progress *p, uint64_t done, uint64_t total, double left_s);
-/* Erases the line. Call before any other message, and at the end. */
-void progress_clear(struct progress *p);
-
 /* ---- chance and hashes ---------------------------------------------------------------- */
 
 /* A counter-based generator: the value depends only on (seed, counter). The finaliser is
@@ -313,67 +254,5 @@ uint64_t hash64_u32(uint64_t seed, const void *p, size_t n);
 void sha256(const void *p, size_t n, char text[SHA256_TEXT]);
 /* The same without special instructions, for comparison. */
 void sha256_plain(const void *p, size_t n, char text[SHA256_TEXT]);
-
-/* ---- vectors -------------------------------------------------------------------------- */
-
-struct vec3 {
-    double x, y, z;
-};
-
-static inline struct vec3 v3(double x, double y, double z) { return (struct vec3){x, y, z}; }
-static inline struct vec3 v3_of(const double a[3]) { return v3(a[0], a[1], a[2]); }
-static inline struct vec3 v3_add(struct vec3 a, struct vec3 b)
-{
-    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
-}
-static inline struct vec3 v3_sub(struct vec3 a, struct vec3 b)
-{
-    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
-}
-static inline struct vec3 v3_scale(struct vec3 a, double s)
-{
-    return v3(a.x * s, a.y * s, a.z * s);
-}
-/* a + s b */
-static inline struct vec3 v3_mad(struct vec3 a, struct vec3 b, double s)
-{
-    return v3(a.x + b.x * s, a.y + b.y * s, a.z + b.z * s);
-}
-static inline double v3_dot(struct vec3 a, struct vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-static inline struct vec3 v3_cross(struct vec3 a, struct vec3 b)
-{
-    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-static inline double v3_len(struct vec3 a) { return sqrt(v3_dot(a, a)); }
-static inline struct vec3 v3_unit(struct vec3 a) { return v3_scale(a, 1 / v3_len(a)); }
-
-/* ---- camera --------------------------------------------------------------------------- */
-
-/*
- * Converts pixels to rays as in NFF (E. Haines, "A Proposal for Standard Graphics Environments",
- * IEEE Computer Graphics and Applications 7, 1987): the angle is the vertical field of view, pixels
- * are square, x grows along forward x up, row 0 is on top. The same bits on every host.
- */
-struct camera {
-    struct vec3 eye, forward, right, up; /* right, up: half the frame's height at distance 1 */
-    uint32_t w, h;                       /* frame size in pixels; the caller sets it */
-};
-
-/* angle_deg in (0, 180); at differs from from. If `up` is parallel to the view, the roll is
- * arbitrary but always the same. */
-struct camera camera_new(struct vec3 from, struct vec3 at, struct vec3 up, double angle_deg);
-/* Vector from the eye to the frame's point (x, y), in pixels from the top left corner, on the plane
- * at distance 1 along forward. */
-static inline struct vec3 camera_direction(const struct camera *c, double x, double y)
-{
-    double sx = (2 * x - c->w) / c->h, sy = (c->h - 2 * y) / c->h;
-    return v3_mad(v3_mad(c->forward, c->right, sx), c->up, sy);
-}
-
-/* angle in [0, pi/2). A C library's tan may differ in the last bit between hosts. */
-double portable_tan(double angle);
 
 #endif

@@ -235,7 +235,7 @@ static void note_cost(struct history *l, const struct record *r)
     int64_t us = 0;
     bool lone = r->kind == REC_DONE && !rec_int(r, "recv_us", 0, INT64_MAX, &us);
     if (lone) l->lone_us += (double)l->dones[l->n_dones - 1].wall_us;
-    wire_eta(l->eta, r, f ? f->h : 0, (lone ? l->lone_us : (double)us) * 1e-6);
+    eta_record(l->eta, r, f ? f->h : 0, (lone ? l->lone_us : (double)us) * 1e-6);
 }
 
 static void take_record(struct history *l, const struct record *r)

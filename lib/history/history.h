@@ -12,6 +12,7 @@
 #define STORMRING_HISTORY_H
 
 #include "base/base.h"
+#include "eta/eta.h"
 #include "task/task.h"
 #include "wire/wire.h"
 

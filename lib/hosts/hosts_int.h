@@ -33,6 +33,8 @@ struct hosts_version hosts_version(const char *file);
  * true: *good is false if the job's variables or its file are refused.
  */
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good);
+/* bootstrap.sh, in one line, as bootstrap.sed makes it. */
+extern const char hosts_bootstrap[];
 /* Appends the command for the shell of a host that has no programs. */
 void hosts_add_bootstrap(struct buf *b, const struct hosts_sent *sent, char *const worker[]);
 

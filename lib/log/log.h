@@ -240,16 +240,4 @@ void log_keep_close(struct log_keep *k);
 bool log_remedy(const char *const *logs, const struct log_origin *origin,
     const struct image_out *to, struct buf *out);
 
-/* The progress line of a run, with an estimate of the time left; all zero at first. */
-struct log_progress {
-    struct progress line; /* start it with progress_start, erase it with progress_clear */
-    struct eta eta;
-};
-/* Tells the estimate of r, before an intake takes it; earlier: r is of an earlier run. Does nothing
- * if the line is off. */
-void log_progress_note(
-    struct log_progress *p, const struct assembly *parts, const struct record *r, bool earlier);
-/* Shows the line, if that is due. */
-void log_progress_show(struct log_progress *p, const struct assembly *parts);
-
 #endif

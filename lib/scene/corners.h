@@ -5,7 +5,7 @@
 #ifndef STORMRING_CORNERS_H
 #define STORMRING_CORNERS_H
 
-#include "base/base.h"
+#include "geometry/geometry.h"
 #include "scene/points.h"
 
 #define CORNERS_STACK 256 /* more corners are stored on the heap */

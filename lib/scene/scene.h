@@ -7,6 +7,7 @@
 #define STORMRING_SCENE_H
 
 #include "base/base.h"
+#include "geometry/geometry.h"
 
 #define SCENE_ERR ERR_BYTES
 

@@ -6,6 +6,7 @@
  * when the line comes (the map ascends) or at the end (the view is complete).
  * One machine with field.c.
  */
+#include "geometry/geometry.h"
 #include "spec/spec_int.h"
 
 #include <stdlib.h>

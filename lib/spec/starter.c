@@ -3,6 +3,7 @@
  * values. The numbers below were chosen by looking at winds, temperatures and humidities of the
  * atmosphere and at temperatures of the ocean.
  */
+#include "geometry/geometry.h"
 #include "spec/spec.h"
 
 #include <stdlib.h>

@@ -49,17 +49,6 @@ static void ascending(struct cut_tasks *c)
     for (uint32_t i = 0; i < c->n; i++) c->order[i] = i;
 }
 
-/* R. Durstenfeld, "Algorithm 235: random permutation", Comm. ACM 7(7), 1964. */
-void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed)
-{
-    ascending(c);
-    for (uint32_t i = c->n; i > 1; i--) {
-        uint32_t k = (uint32_t)(rng_unit(seed, i) * i), kept = c->order[i - 1];
-        c->order[i - 1] = c->order[k];
-        c->order[k] = kept;
-    }
-}
-
 /* Each pass fills the gaps of those before it. */
 void cut_tasks_sample(struct cut_tasks *c)
 {

@@ -164,8 +164,6 @@ struct cut_share {
 bool cut_share_parse(const char *s, struct cut_share *share);
 /* The number of tasks out of n; more than n if count is. */
 uint32_t cut_share_of(const struct cut_share *share, uint32_t n);
-/* Puts the tasks in a random order, by the seed. */
-void cut_tasks_shuffle(struct cut_tasks *c, uint64_t seed);
 /*
  * Puts a sample from all over the picture first: 32 tasks, evenly spread, but at most an eighth of
  * all; then 64 and 128 tasks between those, while the sample is at most a quarter of all.

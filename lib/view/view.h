@@ -9,6 +9,7 @@
 #define STORMRING_VIEW_H
 
 #include "account/account.h"
+#include "eta/eta.h"
 #include "history/history.h"
 
 /* ---- a log that grows ------------------------------------------------------------------------ */

@@ -14,7 +14,7 @@
 #define TILE 16 /* pixels; squares of it are STREAM_RAYS */
 /* With a light: of 1 / edges, and their inverse. */
 #define EDGE_MAX 1e15
-/* Greatest distance of a plane from where even ones are, in cells: no error that float shows. */
+/* Planes may differ from even spacing by at most this many cells: a float cannot resolve less. */
 #define EVEN 0x1p-28
 
 /* Rules for lit pieces; what their errors are: see stream_lit.h. */

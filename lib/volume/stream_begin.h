@@ -151,7 +151,8 @@ static struct start start_uneven(
     return r;
 }
 
-/* With s->fast, slower rays do not move on an axis: in cells on their way through the grid. */
+/* With s->fast, a ray that crosses less than this part of a cell on an axis, on its whole way
+ * through the grid, is taken as parallel to the planes of that axis. */
 #define SLOW 0x1p-24
 static void stop_slow(struct aim *m, const struct volume *v, int a, double edge)
 {

@@ -7,6 +7,7 @@
 #ifndef STORMRING_VOLUME_INT_H
 #define STORMRING_VOLUME_INT_H
 
+#include "geometry/geometry.h"
 #include "volume/volume.h"
 
 #include <string.h>

@@ -111,9 +111,6 @@ void wire_free(struct decoder *d);
  */
 typedef void wire_taker(void *ctx, const struct record *r);
 int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
-/* Tells e what r says of costs and pixels; t_s as in eta_done, frame_h is the height of a frag's
- * frame. */
-void wire_eta(struct eta *e, const struct record *r, uint32_t frame_h, double t_s);
 /* The body of r, which d has returned last, for modification. */
 unsigned char *wire_body(struct decoder *d, const struct record *r);
 /* After WIRE_MORE: kind and length of the state record whose body is arriving; REC_KINDS: none. */

@@ -28,7 +28,6 @@ cat >methods <<'END'
 -u guided -n N|
 -u factoring -n N|
 -u factoring -w POWERS|
--o shuffle|
 -o cost:SCENE.small|
 -n N|-e
 |-e

@@ -112,6 +112,9 @@ simulated() {
 	interleaved) cut="-n $slots -u ${unit:-row}" run=fan ;;
 	masterslave) cut="-u ${unit:-row}" run=deal ;;
 	adaptive) cut="-o sample -u ${unit:-row}" run='deal -q auto -e' ;;
+	guided) cut="-n $slots -u guided" run=deal ;;
+	factoring) cut="-n $slots -u factoring" run=deal ;;
+	weighted) cut="-w $powers -u factoring" run=deal ;;
 	ds) cut="-n $slots -c 0 -u ${unit:-coarse:250}" run=deal ;;
 	hybrid) cut="-w $powers -c 400/512 -u ${unit:-row}" run='deal -q 1' ;;
 	gdc) cut="-n $slots -u ${unit:-fine}" run='ring -e' ;;

@@ -556,38 +556,6 @@ static void test_write_full(void **state)
 
 /* ---- the rest --------------------------------------------------------------------------- */
 
-static void show_progress(void)
-{
-    struct progress p;
-    prog_init("test");
-    progress_start(&p, true);
-    progress_show(&p, 0, 0, -1);
-    progress_show(&p, 0, 10, -1);
-    p.next_us = 0;
-    progress_show(&p, 1, 10, 899.7);
-    if (progress_due(&p)) progress_show(&p, 2, 10, 5); /* too early */
-    p.next_us = 0;
-    progress_show(&p, 8, 10, 3605);
-    progress_clear(&p);
-    progress_start(&p, false);
-    progress_show(&p, 5, 10, 5);
-    progress_clear(&p);
-    exit(0);
-}
-
-static void test_progress(void **state)
-{
-    (void)state;
-    assert_int_equal(in_child(show_progress, NULL), 0);
-    assert_non_null(strstr(said, "\rtest:   0.0 %, ETA ?"));
-    assert_non_null(strstr(said, "\rtest:  10.0 %, ETA 15:00"));
-    assert_non_null(strstr(said, "\rtest:  80.0 %, ETA 1:00:05"));
-    assert_null(strstr(said, "20.0"));
-    assert_null(strstr(said, "50.0"));
-    assert_null(strchr(said, '\n'));
-    assert_int_equal(said[strlen(said) - 1], '\r');
-}
-
 static void test_clocks(void **state)
 {
     (void)state;
@@ -698,37 +666,6 @@ static void test_sha256(void **state)
     }
 }
 
-static void test_vectors(void **state)
-{
-    (void)state;
-    struct vec3 c = v3_cross(v3(1, 2, 3), v3(-4, 5, 7)), m = v3_mad(v3(1, 2, 3), v3(2, 4, 6), .5);
-    assert_true(c.x == -1 && c.y == -19 && c.z == 13);
-    assert_true(m.x == 2 && m.y == 4 && m.z == 6);
-    assert_true(v3_dot(v3(1, 2, 3), v3(4, -5, 6)) == 12);
-    assert_true(v3_len(v3_unit(v3(3, 4, 12))) == 1);
-    assert_true(v3_sub(v3_add(v3(1, 1, 1), v3(2, 3, 4)), v3(1, 1, 1)).z == 4);
-}
-
-/* Also where `up` is along the view, which leaves the roll open. */
-static void test_camera(void **state)
-{
-    (void)state;
-    const struct vec3 up[] = {{0, 0, 1}, {0, 1, 0}, {-3, 0, 0}, {1e-9, 0, 1}};
-    for (size_t i = 0; i < sizeof up / sizeof *up; i++) {
-        struct camera c = camera_new(v3(1, 2, 10), v3(1, 2, 4), up[i], 90);
-        c.w = 200, c.h = 100;
-        assert_true(c.eye.z == 10 && c.forward.z == -1);
-        assert_true(fabs(v3_len(c.right) - 1) < 1e-12 && fabs(v3_len(c.up) - 1) < 1e-12);
-        assert_true(fabs(v3_dot(c.right, c.up)) < 1e-12 && fabs(v3_dot(c.up, c.forward)) < 1e-12);
-        struct vec3 middle = camera_direction(&c, 100, 50), corner = camera_direction(&c, 0, 100);
-        assert_true(v3_len(v3_sub(middle, c.forward)) < 1e-12);
-        struct vec3 aside = v3_sub(corner, c.forward);
-        assert_true(v3_len(v3_sub(aside, v3_sub(v3_scale(c.right, -2), c.up))) < 1e-12);
-    }
-    struct camera north = camera_new(v3(1, 2, 10), v3(1, 2, 4), up[1], 90);
-    assert_true(north.right.x > .999 && north.up.y > .999);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -751,13 +688,10 @@ int main(void)
         cmocka_unit_test(test_outfile_fails),
         cmocka_unit_test(test_read_open),
         cmocka_unit_test(test_write_full),
-        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_clocks),
         cmocka_unit_test(test_chance),
         cmocka_unit_test(test_hash),
         cmocka_unit_test(test_sha256),
-        cmocka_unit_test(test_vectors),
-        cmocka_unit_test(test_camera),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

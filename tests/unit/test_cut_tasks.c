@@ -14,7 +14,7 @@
 #define ROUNDS 60
 #define SLOTS_MOST 7
 
-enum order { ASCENDING, SHUFFLED, SORTED, ORDERS };
+enum order { ASCENDING, SAMPLED, SORTED, ORDERS };
 static const char *const units[] = {"row", "tile:7x5", "run:13", "run:1", "run:5000", "scatter",
     "fine", "coarse:9", "guided", "guided:7", "factoring", "factoring:3"};
 #define UNITS (sizeof units / sizeof *units)
@@ -41,7 +41,7 @@ static void begin(
 {
     cut_tasks_begin(c, cut, w, h, SLOTS_MOST, NULL);
     for (uint32_t i = 0; i < c->n; i++) cost[i] = draw(0, 3);
-    if (order == SHUFFLED) cut_tasks_shuffle(c, draw(0, 1000));
+    if (order == SAMPLED) cut_tasks_sample(c);
     if (order == SORTED) cut_tasks_sort(c, cost);
 }
 
@@ -108,39 +108,6 @@ static void the_dearest_come_first_and_equals_by_id(void **state)
     cut_tasks_end(&c);
 }
 
-/* The ids of 12 tasks as letters. */
-static void shuffled(uint64_t seed, char text[13])
-{
-    struct cut cut = cut_of("row", 1);
-    struct cut_tasks c;
-    struct task t;
-    size_t n = 0;
-    cut_tasks_begin(&c, &cut, 3, 12, 0, NULL);
-    cut_tasks_shuffle(&c, seed);
-    while (cut_tasks_next(&c, &t)) text[n++] = (char)('a' + t.id);
-    text[n] = '\0';
-    cut_tasks_end(&c);
-}
-
-static void a_seed_is_one_order(void **state)
-{
-    (void)state;
-    char one[13], again[13], other[13];
-    int first[12] = {0};
-    shuffled(1, one);
-    shuffled(1, again);
-    shuffled(2, other);
-    assert_string_equal(one, again);
-    assert_string_not_equal(one, other);
-    assert_string_not_equal(one, "abcdefghijkl");
-    for (uint64_t seed = 0; seed < 1200; seed++) { /* each task is first about as often */
-        shuffled(seed, one);
-        first[*one - 'a']++;
-    }
-    for (int i = 0; i < 12; i++)
-        assert_in_range(first[i], 60, 140); /* 100, standard deviation 10 */
-}
-
 /* ---- slots ----------------------------------------------------------------------------------- */
 
 static void without_slots_no_task_has_one(void **state)
@@ -166,7 +133,8 @@ static void slots_take_turns_in_the_order_written(void **state)
         struct task t;
         struct coverage share[SLOTS_MOST], all;
         cut_tasks_begin(&c, &cut, w, h, slots, NULL);
-        cut_tasks_shuffle(&c, (uint64_t)i);
+        for (uint32_t k = 0; k < c.n; k++) cost[k] = draw(0, 1000);
+        cut_tasks_sort(&c, cost);
         coverage_init(&all, w, h);
         for (int k = 0; k < slots; k++) coverage_init(&share[k], w, h);
         for (; cut_tasks_next(&c, &t); n++) {
@@ -261,7 +229,7 @@ static void what_is_there_is_left_out(void **state)
         for (uint64_t p = 0; p < (uint64_t)w * h; p++)
             if (p / w < h / 2) coverage_set(&have, p);
         coverage_copy(&all, &have);
-        begin(&c, &cut, w, h, i % 2 ? SHUFFLED : ASCENDING);
+        begin(&c, &cut, w, h, i % 2 ? SAMPLED : ASCENDING);
         c.have = &have;
         while (cut_tasks_next(&c, &t)) {
             assert_true(!cut_in_chunks(&cut) ? t.to == (int32_t)(turn++ % SLOTS_MOST) : t.to == -1);
@@ -318,7 +286,6 @@ int main(void)
         cmocka_unit_test(every_order_has_each_pixel_and_each_id_once),
         cmocka_unit_test(an_order_only_orders),
         cmocka_unit_test(the_dearest_come_first_and_equals_by_id),
-        cmocka_unit_test(a_seed_is_one_order),
         cmocka_unit_test(without_slots_no_task_has_one),
         cmocka_unit_test(slots_take_turns_in_the_order_written),
         cmocka_unit_test(powers_weigh_the_interleave),

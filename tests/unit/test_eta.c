@@ -1,11 +1,13 @@
 /* The estimate of the time left: runs in virtual time, with the row costs of real pictures. */
-#include "base/base.h"
-#include "task/task.h"
+#include "eta/eta.h"
+#include "image/image.h"
 #include "wire/wire.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -285,7 +287,7 @@ static void take(struct eta *e, struct buf *b, uint32_t frame_h)
     struct decoder d = wire_over(b->data, b->len);
     struct record r;
     int n = 0;
-    for (; wire_next(&d, &r) == WIRE_RECORD; n++) wire_eta(e, &r, frame_h, 1);
+    for (; wire_next(&d, &r) == WIRE_RECORD; n++) eta_record(e, &r, frame_h, 1);
     assert_true(n > 0);
     buf_free(b);
 }
@@ -318,6 +320,80 @@ static void what_records_tell(void **state)
     wire_frag(&b, &t, &t.at, "0123456789abcdef", rgba);
     take(&e, &b, 0);
     assert_true(sum(e.px) == 0);
+}
+
+/* A run of one task, row 2 of 6, of which the estimate is told. */
+static void note_run(struct eta_progress *p, bool earlier)
+{
+    static const float rgba[4 * 8];
+    const struct task t = {.id = 2, .at = {0, 2, 8, 1, 1, 1}, .to = -1};
+    struct assembly parts;
+    struct buf b = {0};
+    struct record r;
+    assembly_init(&parts, false, 1 << 20);
+    assembly_declare(&parts, 0, 8, 6, "cafe");
+    wire_frag(&b, &t, &t.at, "cafe", rgba);
+    wire_done(&b, &t, 300, 0);
+    struct decoder d = wire_over(b.data, b.len);
+    while (wire_next(&d, &r) == WIRE_RECORD) eta_progress_note(p, &parts, &r, earlier);
+    buf_free(&b);
+    assembly_free(&parts);
+}
+
+static void what_a_run_tells(void **state)
+{
+    (void)state;
+    static struct eta_progress off, now, earlier;
+    const int band = (int)(2.5 / 6 * ETA_BANDS); /* in the middle of row 2 */
+    note_run(&off, false);
+    assert_true(off.eta.px[band] == 0);
+    progress_start(&now.line, true);
+    note_run(&now, false);
+    assert_true(now.eta.px[band] > 0 && now.eta.cost_us[band] > 0);
+    assert_true(now.eta.work_us == 300);
+    progress_start(&earlier.line, true);
+    note_run(&earlier, true);
+    assert_true(earlier.eta.px[band] > 0);
+    assert_true(earlier.eta.work_us == 0); /* says nothing of this run's speed */
+}
+
+static void show_line(void)
+{
+    struct progress p;
+    progress_start(&p, true);
+    progress_show(&p, 0, 0, -1);
+    progress_show(&p, 0, 10, -1);
+    p.next_us = 0;
+    progress_show(&p, 1, 10, 899.7);
+    if (progress_due(&p)) progress_show(&p, 2, 10, 5); /* too early */
+    p.next_us = 0;
+    progress_show(&p, 8, 10, 3605);
+    progress_clear(&p);
+    progress_start(&p, false);
+    progress_show(&p, 5, 10, 5);
+    progress_clear(&p);
+}
+
+static void the_line(void **state)
+{
+    (void)state;
+    char said[4096] = {0};
+    FILE *to = tmpfile();
+    int err = dup(STDERR_FILENO);
+    assert_true(to && err >= 0 && dup2(fileno(to), STDERR_FILENO) >= 0);
+    prog_init("test");
+    show_line();
+    assert_true(dup2(err, STDERR_FILENO) >= 0 && close(err) == 0);
+    rewind(to);
+    assert_true(fread(said, 1, sizeof said - 1, to) > 0);
+    fclose(to);
+    assert_non_null(strstr(said, "\rtest:   0.0 %, ETA ?"));
+    assert_non_null(strstr(said, "\rtest:  10.0 %, ETA 15:00"));
+    assert_non_null(strstr(said, "\rtest:  80.0 %, ETA 1:00:05"));
+    assert_null(strstr(said, "20.0"));
+    assert_null(strstr(said, "50.0"));
+    assert_null(strchr(said, '\n'));
+    assert_int_equal(said[strlen(said) - 1], '\r');
 }
 
 /* The rows that an earlier run left out cost what that run says, at the speed of this one. */
@@ -376,6 +452,8 @@ int main(void)
         cmocka_unit_test(rows_above_cost_what_those_below_do),
         cmocka_unit_test(the_speed_is_that_of_late),
         cmocka_unit_test(what_records_tell),
+        cmocka_unit_test(what_a_run_tells),
+        cmocka_unit_test(the_line),
         cmocka_unit_test(nonsense),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

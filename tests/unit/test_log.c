@@ -465,41 +465,6 @@ static void test_bye(void **state)
     intake_free(&in);
 }
 
-/* A run of one task, of which the estimate is told. */
-static void note_run(struct log_progress *p, bool earlier)
-{
-    struct decoder d = {.upward = true};
-    struct assembly parts;
-    struct buf b = {0};
-    struct record r;
-    assembly_init(&parts, false, 1 << 20);
-    assembly_declare(&parts, 0, W, H, "cafe");
-    put_row(&b, 0, 2);
-    put_text(&b, "done 0 2 cpu_us=300\n");
-    wire_feed(&d, buf_data(&b), buf_size(&b));
-    while (wire_next(&d, &r) == WIRE_RECORD) log_progress_note(p, &parts, &r, earlier);
-    wire_free(&d);
-    buf_free(&b);
-    assembly_free(&parts);
-}
-
-static void test_progress(void **state)
-{
-    (void)state;
-    static struct log_progress off, now, earlier;
-    const int band = (int)(2.5 / H * ETA_BANDS); /* in the middle of row 2 */
-    note_run(&off, false);
-    assert_true(off.eta.px[band] == 0);
-    progress_start(&now.line, true);
-    note_run(&now, false);
-    assert_true(now.eta.px[band] > 0 && now.eta.cost_us[band] > 0);
-    assert_true(now.eta.work_us == 300);
-    progress_start(&earlier.line, true);
-    note_run(&earlier, true);
-    assert_true(earlier.eta.px[band] > 0);
-    assert_true(earlier.eta.work_us == 0); /* says nothing of this run's speed */
-}
-
 static struct buf lacking;
 static void lack(const void *p, size_t n) { buf_append(&lacking, p, n); }
 
@@ -637,7 +602,6 @@ int main(void)
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_remedy),
         cmocka_unit_test(test_bye),
-        cmocka_unit_test(test_progress),
         cmocka_unit_test(test_missing),
         cmocka_unit_test(test_costs),
         cmocka_unit_test(test_costs_of_tasks),

@@ -1,5 +1,5 @@
-/* progress: the progress line: percent done and estimated time left. */
-#include "base/base.h"
+/* The progress line: percent done and estimated time left. */
+#include "eta/eta.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /*
- * eta: the time that is left, predicted from the cost of the pixels that have come. See base.h.
+ * eta: the time that is left, predicted from the cost of the pixels that have come. See eta.h.
  *
  * Pixels of one picture differ in cost by a factor of 100 and more, so the share of pixels that is
  * done says little about the share of the work. But costs depend on the place: the mean cost of a
@@ -13,7 +13,7 @@
  * forecast says, whatever time it took, and the slots' speed is such work per second, over a recent
  * part of the run.
  */
-#include "base/base.h"
+#include "eta/eta.h"
 
 #include <string.h>
 

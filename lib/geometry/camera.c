@@ -1,5 +1,5 @@
 /* camera: view and projection. */
-#include "base/base.h"
+#include "geometry/geometry.h"
 
 #define HALF_DEGREE_RAD (3.14159265358979323846 / 360)
 
