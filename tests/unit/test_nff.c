@@ -164,7 +164,7 @@ static void test_refused(void **state)
     } bad[] = {
         {"", 1, "without a view"},
         {"s 0 0 0 1\n", 2, "without a view"},
-        {VIEW "x 1 2 3", 8, "entity is 'x', expected one of v b l f s c p pp"},
+        {VIEW "? 1 2 3", 8, "entity is '?', expected one of v b l f "},
         {VIEW "tpp 3", 8, "entity is 'tpp'"},
         {VIEW "s 0 0 0 1\n\n0 0 0", 10, "entity is '0'"},
         {VIEW "s 0 0\nnan 1", 9, "sphere's centre is 'nan', expected a number"},
