@@ -9,18 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void *reader_grown(void *p, uint32_t n, uint32_t *room, size_t size)
-{
-    if (n < *room) return p;
-    *room = *room ? 2 * *room : 16;
-    return xrealloc(p, *room, size);
-}
-
-bool reader_point(struct reader *r, const char *what, struct vec3 *out)
-{
-    return reader_vec(r, what, -COORDINATE_MAX, COORDINATE_MAX, out);
-}
-
 static bool read_background(struct reader *r)
 {
     if (r->background_line)
@@ -45,17 +33,6 @@ static bool read_light(struct reader *r)
     s->lights = reader_grown(s->lights, s->n_lights, &r->room_lights, sizeof l);
     s->lights[s->n_lights++] = l;
     return true;
-}
-
-struct prim *reader_add_prim(struct reader *r, enum prim_kind kind)
-{
-    struct scene *s = r->s;
-    s->prims = reader_grown(s->prims, s->n_prims, &r->room_prims, sizeof *s->prims);
-    struct prim *p = &s->prims[s->n_prims++];
-    memset(p, 0, sizeof *p);
-    p->kind = kind;
-    p->material = r->material;
-    return p;
 }
 
 /* Besides the primitives. */
@@ -93,8 +70,10 @@ bool nff_is_entity(const char *word, size_t n)
 static bool fail_entity(struct reader *r)
 {
     char words[(NFF_WORD_MAX + 1) * (ENTITIES + PRIM_KINDS) + sizeof "one of"] = "one of";
-    for (size_t i = 0; i < ENTITIES; i++) strcat(strcat(words, " "), entities[i].word);
-    for (int i = 0; i < PRIM_KINDS; i++) strcat(strcat(words, " "), scene_prims[i]->word);
+    size_t n = strlen(words);
+    for (size_t i = 0; i < ENTITIES + PRIM_KINDS; i++)
+        n += (size_t)snprintf(words + n, sizeof words - n, " %s",
+            i < ENTITIES ? entities[i].word : scene_prims[i - ENTITIES]->word);
     return reader_fail_token(r, "entity", words);
 }
 

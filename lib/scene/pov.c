@@ -21,30 +21,6 @@
  */
 #define TRANSMIT_MAX (1 - 0x1p-20)
 
-/* Writes the shorter of 15 and 17 digits that reads back as v. */
-void pov_real(struct pov *o, const char *lead, double v)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.15g", v);
-    if (strtod(text, NULL) != v) snprintf(text, sizeof text, "%.17g", v);
-    fputs(lead, o->f);
-    fputs(text, o->f);
-}
-
-static void put_vec(struct pov *o, const char *lead, struct vec3 v)
-{
-    fputs(lead, o->f);
-    pov_real(o, "<", v.x);
-    pov_real(o, ",", v.y);
-    pov_real(o, ",", v.z);
-    putc('>', o->f);
-}
-
-void pov_point(struct pov *o, const char *lead, struct vec3 v)
-{
-    put_vec(o, lead, v3_scale(v, o->scale));
-}
-
 static void put_head(struct pov *o)
 {
     const struct view *v = &o->s->view;
@@ -58,16 +34,16 @@ static void put_head(struct pov *o)
     struct vec3 right = v3_unit(v3_cross(dir, v3_unit(v->up))), up = v3_cross(right, dir);
     double height = 2 * tan(v->angle_deg * (M_PI / 360));
     pov_point(o, "camera { perspective location ", v->from);
-    put_vec(o, " direction ", dir);
-    put_vec(o, "\n  up ", v3_scale(up, height));
-    put_vec(o, " right image_width/image_height*", v3_scale(right, height));
+    pov_vec(o, " direction ", dir);
+    pov_vec(o, "\n  up ", v3_scale(up, height));
+    pov_vec(o, " right image_width/image_height*", v3_scale(right, height));
     const double *b = o->s->background;
-    put_vec(o, " }\nbackground { rgb ", v3(b[0], b[1], b[2]));
+    pov_vec(o, " }\nbackground { rgb ", v3(b[0], b[1], b[2]));
     fputs(" }\n", o->f);
     for (uint32_t i = 0; i < o->s->n_lights; i++) {
         const struct light *l = &o->s->lights[i];
         pov_point(o, "light_source { ", l->pos);
-        put_vec(o, " rgb ", v3(l->r, l->g, l->b));
+        pov_vec(o, " rgb ", v3(l->r, l->g, l->b));
         fputs(" }\n", o->f);
     }
 }
@@ -77,7 +53,7 @@ static void put_texture(struct pov *o, uint32_t i)
     const struct material *m = &o->s->materials[i];
     double t = (double)(float)fmin(m->t, TRANSMIT_MAX);
     fprintf(o->f, "#declare M%u = texture { pigment { ", i);
-    put_vec(o, "rgb ", v3(m->r, m->g, m->b));
+    pov_vec(o, "rgb ", v3(m->r, m->g, m->b));
     if (m->t > 0) pov_real(o, " transmit ", t);
     fputs(" } finish { ambient 0", o->f);
     pov_real(o, " diffuse ", m->kd / (1 - t));
@@ -89,23 +65,12 @@ static void put_texture(struct pov *o, uint32_t i)
     fputs(" } }\n", o->f);
 }
 
-void pov_material(struct pov *o, uint32_t i)
-{
-    const struct material *m = &o->s->materials[i];
-    fprintf(o->f, " texture { M%u }", i);
-    if (m->t > 0) {
-        pov_real(o, " interior { ior ", m->ior);
-        fputs(" }", o->f);
-    }
-    fputs(" }\n", o->f);
-}
-
 static void put_triangle(struct pov *o, const struct triangle *t, bool smooth)
 {
     const char *lead = smooth ? "smooth_triangle { " : "triangle { ";
     for (int k = 0; k < 3; k++, lead = ",") {
         pov_point(o, lead, o->s->vertices[t->v[k]]);
-        if (smooth) put_vec(o, ",", o->s->normals[t->v[k]]);
+        if (smooth) pov_vec(o, ",", o->s->normals[t->v[k]]);
     }
     fputs(" }\n", o->f);
 }

@@ -7,8 +7,8 @@
 
 #include "scene/reader.h"
 
-/* The space between the eye and the hither plane. Inside: dot(normal, p) <= offset. p is relative to
- * the eye; normals have unit length. */
+/* The space between the eye and the hither plane. Inside: dot(normal, p) <= offset. p is relative
+ * to the eye; normals have unit length. */
 enum { PYRAMID_PLANES = 6 };
 struct pyramid {
     struct vec3 normal[PYRAMID_PLANES];
@@ -42,9 +42,9 @@ struct prim_row {
 };
 #define SCENE_PRIM_EXTERN(KIND, name) extern const struct prim_row scene_##name;
 SCENE_PRIMS(SCENE_PRIM_EXTERN)
-extern const struct prim_row *const scene_prims[PRIM_KINDS]; /* scene.c */
+extern const struct prim_row *const scene_prims[PRIM_KINDS]; /* prims.c */
 
-/* nff_read.c: adds a primitive of the current material; its other bytes are 0. */
+/* reader.c: adds a primitive of the current material; its other bytes are 0. */
 struct prim *reader_add_prim(struct reader *r, enum prim_kind kind);
 /* Ensures room for one more element of `size` bytes in p, which holds n. Doubles the room. */
 void *reader_grown(void *p, uint32_t n, uint32_t *room, size_t size);
@@ -59,8 +59,9 @@ void scene_include(struct vec3 *lo, struct vec3 *hi, struct vec3 a, struct vec3 
 /* Includes c - e and c + e, slightly widened. */
 void scene_include_about(struct vec3 *lo, struct vec3 *hi, struct vec3 c, struct vec3 e);
 
-/* pov.c: lead, then a number, or a scaled point. */
+/* pov_put.c: lead, then a number, a vector, or a scaled point. */
 void pov_real(struct pov *o, const char *lead, double v);
+void pov_vec(struct pov *o, const char *lead, struct vec3 v);
 void pov_point(struct pov *o, const char *lead, struct vec3 v);
 /* Ends an object. */
 void pov_material(struct pov *o, uint32_t i);

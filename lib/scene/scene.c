@@ -1,10 +1,7 @@
-/* scene: the table of kinds of primitives; frees a scene; bounds of primitives. */
+/* scene: frees a scene; what bounds of primitives are made of. */
 #include "scene/prim.h"
 
 #include <stdlib.h>
-
-#define ROW(KIND, name) [PRIM_##KIND] = &scene_##name,
-const struct prim_row *const scene_prims[PRIM_KINDS] = {SCENE_PRIMS(ROW)};
 
 /*
  * Computed bounds are widened by this fraction of their magnitude: four roundings.
@@ -33,18 +30,3 @@ void scene_include_about(struct vec3 *lo, struct vec3 *hi, struct vec3 c, struct
         e.z + WIDEN * (fabs(c.z) + e.z));
     scene_include(lo, hi, v3_sub(c, e), v3_add(c, e));
 }
-
-void scene_prim_bounds(
-    const struct scene *s, const struct prim *p, struct vec3 *lo, struct vec3 *hi)
-{
-    *lo = v3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
-    *hi = v3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
-    scene_prims[p->kind]->bounds(s, p, lo, hi);
-}
-
-void scene_put_prim(struct nff_out *o, const struct scene *s, const struct prim *p)
-{
-    scene_prims[p->kind]->write(o, s, p);
-}
-
-const char *scene_sample(enum prim_kind kind) { return scene_prims[kind]->sample; }

@@ -52,8 +52,8 @@ struct item {
 };
 #define MATERIAL_MASK ((UINT32_C(1) << 29) - 1)
 
-/* What is asked of a kind outside of the vectors. Lane i of a block holds item[i]; lanes with NO_ITEM
- * hold numbers that no ray can hit. */
+/* What is asked of a kind outside of the vectors. Lane i of a block holds item[i]; lanes with
+ * NO_ITEM hold numbers that no ray can hit. */
 struct shape {
     enum prim_kind prim;         /* that becomes such an item; triangles: polygons and patches */
     size_t block_size, items_at; /* items_at: offset of the array item in a block */

@@ -26,8 +26,8 @@ static bool enters(
 }
 
 /* A leaf's items are tested; of equal hits the lower item counts. A node's children that the ray
- * enters before the nearest hit so far are searched. kernel.h takes the nearest child first, so that
- * it can leave out more of the others. */
+ * enters before the nearest hit so far are searched. kernel.h takes the nearest child first, so
+ * that it can leave out more of the others. */
 static void twin(const struct bvh *b, uint32_t child, const struct ray *r, struct hit *h)
 {
     if (!(child & LEAF)) {
