@@ -1,8 +1,8 @@
 /*
  * polygon: what prim.h asks of a polygon, and of a patch, which has normals. Whether hither may
- * hide it is decided triangle by triangle. Each is clipped plane by plane (I. Sutherland, G. Hodgman,
- * "Reentrant polygon clipping", CACM 17(1), 1974). Clipping is exact, which matters because floors
- * often pass close to the eye, outside the picture.
+ * hide it is decided triangle by triangle. Each is clipped plane by plane (I. Sutherland, G.
+ * Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974). Clipping is exact, which matters
+ * because floors often pass close to the eye, outside the picture.
  */
 #include "scene/prim.h"
 
