@@ -70,14 +70,8 @@ if command -v povray >/dev/null; then
 	ok 'POV-Ray agrees on balls' same balls 100 128x128 balls.nff
 	# A lamp in each kind of surface. These let light through: POV-Ray tries the surface that shaded last by itself, and
 	# then counts a lamp in it as shaded. At 100 times the size its single precision moves polygons away from lamps.
-	for lamp in 'p 3  -2 1.7 -.9  1.1 2.4 -.5  -1.7 1.1 1.4:-1.01 1.79 -.32' \
-		'pp 3  -2 1.7 -.9 .5 -.8 .3  1.1 2.4 -.5 .6 -.8 .3  -1.7 1.1 1.4 .7 -.8 .3:-1.23 1.54 .33' \
-		's -.4 .3 .3 1.1:.26 -.58 .3' 's 0 0 0 9:-1 -4 8' 'c -1.2 .4 -.8 .7  .6 .4 -.8 .7:-.1 -.02 -.24' \
-		'c .4 .2 -.8 .9  .4 .2 1.6 .3:.4 -.4 .4'; do
-		printf '%s\n' 'b .1 .2 .4' 'v from 4.1 -6.3 3.7 at 0 0 .5 up 0 0 1 angle 45 hither 0 resolution 128 96' \
-			"l ${lamp#*:} 1 1 1" 'f .8 .7 .6 .7 .3 6 0 0' 'p 4 -5 -5 -1 5 -5 -1 5 5 -1 -5 5 -1' \
-			'f .5 .8 .9 .7 .3 8 0 0' 's 1.5 -1 -.2 .6' 'f .9 .6 .3 .4 .2 9 .4 1' "${lamp%:*}" >lamp.nff
-		ok "POV-Ray agrees on a lamp in ${lamp%:*}" same 'a lamp' 10 128x96 lamp.nff
+	for lamp in "$root"/tests/fuzz/corpus/nff/lamp-*.nff; do
+		ok "POV-Ray agrees on $(basename "$lamp" .nff)" same 'a lamp' 10 128x96 "$lamp"
 	done
 	spdgen -s 2 gears >gears.nff
 	ok 'POV-Ray agrees on gears' same gears 100 128x128 gears.nff

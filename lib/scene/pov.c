@@ -12,7 +12,7 @@
  *     object.
  *   - Each object has its own interior: a shared interior would join two glass objects into one.
  */
-#include "scene/scene.h"
+#include "scene/prim.h"
 
 #include <stdlib.h>
 
@@ -20,36 +20,6 @@
  * With transmit 1, POV-Ray's diffuse light would be 0 for any coefficient. Its colours are float.
  */
 #define TRANSMIT_MAX (1 - 0x1p-20)
-
-struct pov {
-    FILE *f;
-    const struct scene *s;
-    double scale;
-};
-
-/* Writes the shorter of 15 and 17 digits that reads back as v. */
-static void put_real(struct pov *o, const char *lead, double v)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.15g", v);
-    if (strtod(text, NULL) != v) snprintf(text, sizeof text, "%.17g", v);
-    fputs(lead, o->f);
-    fputs(text, o->f);
-}
-
-static void put_vec(struct pov *o, const char *lead, struct vec3 v)
-{
-    fputs(lead, o->f);
-    put_real(o, "<", v.x);
-    put_real(o, ",", v.y);
-    put_real(o, ",", v.z);
-    putc('>', o->f);
-}
-
-static void put_point(struct pov *o, const char *lead, struct vec3 v)
-{
-    put_vec(o, lead, v3_scale(v, o->scale));
-}
 
 static void put_head(struct pov *o)
 {
@@ -63,17 +33,17 @@ static void put_head(struct pov *o)
     struct vec3 dir = v3_unit(v3_sub(v->at, v->from));
     struct vec3 right = v3_unit(v3_cross(dir, v3_unit(v->up))), up = v3_cross(right, dir);
     double height = 2 * tan(v->angle_deg * (M_PI / 360));
-    put_point(o, "camera { perspective location ", v->from);
-    put_vec(o, " direction ", dir);
-    put_vec(o, "\n  up ", v3_scale(up, height));
-    put_vec(o, " right image_width/image_height*", v3_scale(right, height));
+    pov_point(o, "camera { perspective location ", v->from);
+    pov_vec(o, " direction ", dir);
+    pov_vec(o, "\n  up ", v3_scale(up, height));
+    pov_vec(o, " right image_width/image_height*", v3_scale(right, height));
     const double *b = o->s->background;
-    put_vec(o, " }\nbackground { rgb ", v3(b[0], b[1], b[2]));
+    pov_vec(o, " }\nbackground { rgb ", v3(b[0], b[1], b[2]));
     fputs(" }\n", o->f);
     for (uint32_t i = 0; i < o->s->n_lights; i++) {
         const struct light *l = &o->s->lights[i];
-        put_point(o, "light_source { ", l->pos);
-        put_vec(o, " rgb ", v3(l->r, l->g, l->b));
+        pov_point(o, "light_source { ", l->pos);
+        pov_vec(o, " rgb ", v3(l->r, l->g, l->b));
         fputs(" }\n", o->f);
     }
 }
@@ -83,55 +53,24 @@ static void put_texture(struct pov *o, uint32_t i)
     const struct material *m = &o->s->materials[i];
     double t = (double)(float)fmin(m->t, TRANSMIT_MAX);
     fprintf(o->f, "#declare M%u = texture { pigment { ", i);
-    put_vec(o, "rgb ", v3(m->r, m->g, m->b));
-    if (m->t > 0) put_real(o, " transmit ", t);
+    pov_vec(o, "rgb ", v3(m->r, m->g, m->b));
+    if (m->t > 0) pov_real(o, " transmit ", t);
     fputs(" } finish { ambient 0", o->f);
-    put_real(o, " diffuse ", m->kd / (1 - t));
+    pov_real(o, " diffuse ", m->kd / (1 - t));
     if (m->ks > 0) {
-        put_real(o, " phong ", m->ks);
-        put_real(o, " phong_size ", m->shine);
-        put_real(o, " reflection ", m->ks);
+        pov_real(o, " phong ", m->ks);
+        pov_real(o, " phong_size ", m->shine);
+        pov_real(o, " reflection ", m->ks);
     }
     fputs(" } }\n", o->f);
-}
-
-/* Ends an object. */
-static void put_material(struct pov *o, uint32_t i)
-{
-    const struct material *m = &o->s->materials[i];
-    fprintf(o->f, " texture { M%u }", i);
-    if (m->t > 0) {
-        put_real(o, " interior { ior ", m->ior);
-        fputs(" }", o->f);
-    }
-    fputs(" }\n", o->f);
-}
-
-static void put_sphere(struct pov *o, const struct prim *p)
-{
-    put_point(o, "sphere { ", p->sphere.center);
-    put_real(o, ",", p->sphere.radius * o->scale);
-    put_material(o, p->material);
-}
-
-static void put_cone(struct pov *o, const struct prim *p)
-{
-    double r0 = p->cone.base_radius * o->scale, r1 = p->cone.apex_radius * o->scale;
-    bool cylinder = p->cone.base_radius == p->cone.apex_radius;
-    put_point(o, cylinder ? "cylinder { " : "cone { ", p->cone.base);
-    if (!cylinder) put_real(o, ",", r0);
-    put_point(o, ",", p->cone.apex);
-    put_real(o, ",", r1);
-    fputs(" open", o->f);
-    put_material(o, p->material);
 }
 
 static void put_triangle(struct pov *o, const struct triangle *t, bool smooth)
 {
     const char *lead = smooth ? "smooth_triangle { " : "triangle { ";
     for (int k = 0; k < 3; k++, lead = ",") {
-        put_point(o, lead, o->s->vertices[t->v[k]]);
-        if (smooth) put_vec(o, ",", o->s->normals[t->v[k]]);
+        pov_point(o, lead, o->s->vertices[t->v[k]]);
+        if (smooth) pov_vec(o, ",", o->s->normals[t->v[k]]);
     }
     fputs(" }\n", o->f);
 }
@@ -159,7 +98,7 @@ static void put_meshes(struct pov *o, const struct listed *list, uint32_t n, uin
         if (triangles) open = true;
         for (uint32_t k = 0; k < triangles; k++) put_triangle(o, &t[k], p->kind == PRIM_PATCH);
         if (open && (i + 1 == n || list[i + 1].material != p->material)) {
-            put_material(o, p->material);
+            pov_material(o, p->material);
             open = false;
         }
     }
@@ -176,14 +115,12 @@ void pov_write(FILE *f, const struct scene *s, double scale)
     uint32_t n = 0, most = 0;
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *p = &s->prims[i];
-        switch (p->kind) {
-        case PRIM_SPHERE: put_sphere(&o, p); break;
-        case PRIM_CONE: put_cone(&o, p); break;
-        case PRIM_POLYGON:
-        case PRIM_PATCH:
-            if (p->poly.count > most) most = p->poly.count;
-            polygons[n++] = (struct listed){p->material, i};
+        if (scene_prims[p->kind]->pov) {
+            scene_prims[p->kind]->pov(&o, p);
+            continue;
         }
+        if (p->poly.count > most) most = p->poly.count;
+        polygons[n++] = (struct listed){p->material, i};
     }
     qsort(polygons, n, sizeof *polygons, by_material);
     put_meshes(&o, polygons, n, most);
@@ -195,9 +132,8 @@ uint32_t pov_refused(const struct scene *s, double scale, uint32_t *which)
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *p = &s->prims[i];
-        if (p->kind != PRIM_CONE) continue;
-        struct vec3 base = v3_scale(p->cone.base, scale), apex = v3_scale(p->cone.apex, scale);
-        if (v3_len(v3_sub(apex, base)) < POV_CONE_MIN && n++ == 0) *which = i;
+        const struct prim_row *row = scene_prims[p->kind];
+        if (row->pov_takes && !row->pov_takes(p, scale) && n++ == 0) *which = i;
     }
     return n;
 }

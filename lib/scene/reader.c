@@ -1,5 +1,5 @@
 /* reader: reads the numbers of NFF entities with range checks and messages with line numbers. */
-#include "scene/reader.h"
+#include "scene/prim.h"
 
 #include <string.h>
 
@@ -65,4 +65,27 @@ bool reader_rgb(struct reader *r, const char *what, double rgb[3])
     for (int i = 0; i < 3; i++)
         if (!reader_real(r, what, 0, COLOUR_MAX, &rgb[i])) return false;
     return true;
+}
+
+void *reader_grown(void *p, uint32_t n, uint32_t *room, size_t size)
+{
+    if (n < *room) return p;
+    *room = *room ? 2 * *room : 16;
+    return xrealloc(p, *room, size);
+}
+
+bool reader_point(struct reader *r, const char *what, struct vec3 *out)
+{
+    return reader_vec(r, what, -COORDINATE_MAX, COORDINATE_MAX, out);
+}
+
+struct prim *reader_add_prim(struct reader *r, enum prim_kind kind)
+{
+    struct scene *s = r->s;
+    s->prims = reader_grown(s->prims, s->n_prims, &r->room_prims, sizeof *s->prims);
+    struct prim *p = &s->prims[s->n_prims++];
+    memset(p, 0, sizeof *p);
+    p->kind = kind;
+    p->material = r->material;
+    return p;
 }

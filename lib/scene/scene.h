@@ -29,7 +29,12 @@ struct material {
     double kd, ks, shine, t, ior;
 };
 
-enum prim_kind { PRIM_SPHERE, PRIM_CONE, PRIM_POLYGON, PRIM_PATCH };
+/* A row for each kind of primitive (prim.h). */
+#define SCENE_PRIMS(ROW) ROW(SPHERE, sphere) ROW(CONE, cone) ROW(POLYGON, polygon) ROW(PATCH, patch)
+#define SCENE_PRIM_ENUMERATOR(KIND, name) PRIM_##KIND,
+enum prim_kind { SCENE_PRIMS(SCENE_PRIM_ENUMERATOR) };
+#define SCENE_PRIM_ONE_MORE(KIND, name) +1
+enum { PRIM_KINDS = 0 SCENE_PRIMS(SCENE_PRIM_ONE_MORE) };
 
 struct prim {
     enum prim_kind kind;
@@ -126,6 +131,11 @@ void nff_put_cone(
 /* n >= 3 vertices; a patch if normals is not NULL. */
 void nff_put_polygon(
     struct nff_out *o, uint32_t n, const struct vec3 *v, const struct vec3 *normals);
+/* A primitive of any kind, without its material. */
+void scene_put_prim(struct nff_out *o, const struct scene *s, const struct prim *p);
+/* Text of a material and one primitive, for self-tests: within 3 of the origin, in front of an eye
+ * at 3 4 5. */
+const char *scene_sample(enum prim_kind kind);
 
 /*
  * Writes the scene for POV-Ray 3.7, which renders the same picture (except hither, which POV-Ray's

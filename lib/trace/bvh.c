@@ -8,8 +8,8 @@
  * references is a task, and threads take tasks. The nodes of a task follow one another, as do its
  * blocks, in the order of tasks. So the hierarchy does not depend on the number of threads.
  */
-#include "trace/ends.h"
 #include "trace/sah.h"
+#include "trace/shapes.h"
 #include "trace/trace_int.h"
 
 #include <float.h>

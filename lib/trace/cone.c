@@ -1,8 +1,8 @@
 /*
  * cone: the open mantle of a cone or cylinder, two-sided. The signs of the radii are ignored. The
- * intersection is in hit.h. A cone whose ends coincide has no mantle.
+ * intersection is in cone.h. A cone whose ends coincide has no mantle.
  */
-#include "trace/trace_int.h"
+#include "trace/cone.h"
 
 struct frame {
     struct vec3 base, axis;
@@ -101,5 +101,26 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return v3_unit(v3_mad(radial, f.axis, -f.k));
 }
 
-const struct shape cone_shape = {sizeof(struct cone4), offsetof(struct cone4, item), has_surface,
-    fill, clear, bounds, extent, normal};
+static bool contains(const struct prim *q, struct vec3 p)
+{
+    struct vec3 axis = v3_sub(q->cone.apex, q->cone.base), up = v3_sub(p, q->cone.base);
+    double r0 = q->cone.base_radius, r1 = q->cone.apex_radius;
+    double z = v3_dot(up, axis) / v3_dot(axis, axis); /* 0 at the base, 1 at the apex */
+    return z > 0 && z < 1 && v3_len(v3_mad(up, axis, -z)) < r0 + (r1 - r0) * z;
+}
+
+static double size(const struct prim *q) { return fmax(q->cone.base_radius, q->cone.apex_radius); }
+
+const struct shape trace_cone = {
+    .prim = PRIM_CONE,
+    .block_size = sizeof(struct cone4),
+    .items_at = offsetof(struct cone4, item),
+    .has_surface = has_surface,
+    .fill = fill,
+    .clear = clear,
+    .bounds = bounds,
+    .extent = extent,
+    .normal = normal,
+    .contains = contains,
+    .size = size,
+};

@@ -23,17 +23,6 @@ struct making {
     struct part *parts;
 };
 
-static enum item_kind kind_of(const struct prim *p)
-{
-    switch (p->kind) {
-    case PRIM_SPHERE: return ITEM_SPHERE;
-    case PRIM_CONE: return ITEM_CONE;
-    case PRIM_POLYGON:
-    case PRIM_PATCH: break;
-    }
-    return ITEM_TRIANGLE;
-}
-
 static double larger(double a, double b) { return a > b ? a : b; }
 
 static double farther(double reach, struct vec3 p)
@@ -96,7 +85,7 @@ static void make_part(void *ctx, uint32_t i)
     for (uint32_t k = i * CHUNK, end = end_of(s, i); k < end; k++) {
         const struct prim *p = &s->prims[k];
         struct item it = {.prim = k, .material = p->material & MATERIAL_MASK};
-        it.kind = kind_of(p);
+        it.kind = trace_kind_of(p);
         if (it.kind != ITEM_TRIANGLE) {
             add_item(m, part, it);
             continue;

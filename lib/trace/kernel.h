@@ -1,22 +1,16 @@
 /*
  * kernel: traverses the hierarchy, at the vector width of the including file (trace_sse2.c,
  * trace_avx2.c, trace_avx512.c). Box tests use float and are conservative: they may report a box
- * that the ray misses. Hits are decided in double (hit.h).
+ * that the ray misses. Hits are decided in double (lanes.h). tests/unit/test_trace_twin.c has the
+ * same search in a few lines, without vectors.
  */
-#include "trace/ends.h"
-#include "trace/hit.h"
+#include "trace/shapes.h"
 
 #include <float.h>
 
 #define TINY 1e-18f /* replaces smaller slopes: slack / TINY is longer than any ray */
 /* Exceeds the rounding error of a float slab test. */
 #define T_ROUNDING (1 + 0x1p-20f)
-
-/* A ray, prepared for tests of boxes. */
-struct box_ray {
-    float near[3], far[3], inv[3];        /* origins for the near and far planes; 1/d */
-    uint32_t near_plane[3], far_plane[3]; /* offsets of these planes in a node, in floats */
-};
 
 static inline void box_ray_axis(struct box_ray *w, int axis, float o, float pad, float inv)
 {
@@ -82,7 +76,7 @@ static ALWAYS_INLINE unsigned hit_boxes(
 
 /*
  * How many times the ray crosses lane k of block i, given that it hits the lane `times` times. If
- * the light lies on that surface (ends.h), one of the hits is the ray's end. The reverse ray from
+ * the light lies on that surface (lanes.h), one of the hits is the ray's end. The reverse ray from
  * the light then finds the other crossing, unless the ray also starts on the surface.
  */
 static inline unsigned crossed(const struct bvh *b, enum item_kind kind, uint32_t i, int k,

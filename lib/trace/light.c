@@ -26,7 +26,7 @@ bool light_from(const struct tracer *t, const struct hit_point *at, uint32_t i, 
     const struct light *l = &t->scene->lights[i];
     const struct surface *f = at->surface;
     struct vec3 to = v3_sub(l->pos, at->p);
-    /* The light is behind the surface, or in its plane, where rounding would decide (ends.h). This
+    /* The light is behind the surface, or in its plane, where rounding would decide (lanes.h). This
      * test comes before the square root, because it is cheaper. */
     double err = at->err + ERR_UNIT * (fabs(to.x) + fabs(to.y) + fabs(to.z));
     if (!(v3_dot(at->n, to) > err)) return false;
@@ -63,8 +63,8 @@ static void sort_items(uint32_t *item, uint32_t n)
 
 /*
  * The factors are multiplied in item order, so the traversal order does not change the product. A
- * polygon or patch counts once, even if the ray hit the seam of two triangles. Other items count
- * once per crossing, on the way in and out.
+ * polygon or patch counts once, even if the ray hit the seam of two triangles. Items that enclose
+ * something count once per crossing, on the way in and out.
  */
 double light_through(const struct tracer *t, struct crossings *c)
 {
@@ -73,7 +73,7 @@ double light_through(const struct tracer *t, struct crossings *c)
     sort_items(c->item, c->n);
     for (uint32_t i = 0; i < c->n; i++) {
         const struct item *it = &t->items[c->item[i]];
-        if (it->prim != last || it->kind != ITEM_TRIANGLE) product *= t->surfaces[it->material].t;
+        if (it->prim != last || shape_encloses(it->kind)) product *= t->surfaces[it->material].t;
         last = it->prim;
     }
     return product;

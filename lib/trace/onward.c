@@ -11,7 +11,7 @@
 /* The medium that the item bounds. */
 static uint32_t medium_of(const struct tracer *t, const struct item *it)
 {
-    return it->kind == ITEM_TRIANGLE ? it->material : t->scene->n_materials + it->prim;
+    return shape_encloses(it->kind) ? t->scene->n_materials + it->prim : it->material;
 }
 
 /* The index of refraction of the innermost medium. */

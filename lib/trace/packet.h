@@ -5,13 +5,13 @@
  * when it leaves the stack. If few rays remain, each continues alone (C. Benthin, I. Wald, S.
  * Woop, M. Ernst, W. Mark, "Combining single and packet-ray tracing for arbitrary ray distributions
  * on the Intel MIC architecture", IEEE TVCG 18(9), 2012). Box tests are conservative, and so is
- * the filter of leaves (filter.h); what remains is tested ray by ray. So the hits equal those of
- * single rays.
+ * the filter of leaves (may_hit_block); what remains is tested ray by ray. So the hits equal those
+ * of single rays.
  */
 #ifndef STORMRING_TRACE_PACKET_H
 #define STORMRING_TRACE_PACKET_H
 
-#include "trace/filter.h"
+#include "trace/kernel.h"
 
 /* Magnitude of a, sign of b. */
 static inline vf vf_copysign(vf a, vf b) { return (vf)(((vi)a & INT32_MAX) | ((vi)b & INT32_MIN)); }

@@ -1,5 +1,5 @@
-/* sphere: two-sided. The sign of the radius is ignored. The intersection is in hit.h. */
-#include "trace/trace_int.h"
+/* sphere: two-sided. The sign of the radius is ignored. The intersection is in sphere.h. */
+#include "trace/sphere.h"
 
 static bool has_surface(const struct scene *s, const struct item *it)
 {
@@ -57,5 +57,23 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return n;
 }
 
-const struct shape sphere_shape = {sizeof(struct sphere4), offsetof(struct sphere4, item),
-    has_surface, fill, clear, bounds, extent, normal};
+static bool contains(const struct prim *q, struct vec3 p)
+{
+    return v3_len(v3_sub(p, q->sphere.center)) < q->sphere.radius;
+}
+
+static double size(const struct prim *q) { return q->sphere.radius; }
+
+const struct shape trace_sphere = {
+    .prim = PRIM_SPHERE,
+    .block_size = sizeof(struct sphere4),
+    .items_at = offsetof(struct sphere4, item),
+    .has_surface = has_surface,
+    .fill = fill,
+    .clear = clear,
+    .bounds = bounds,
+    .extent = extent,
+    .normal = normal,
+    .contains = contains,
+    .size = size,
+};

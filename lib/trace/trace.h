@@ -69,7 +69,7 @@ void tracer_counts(const struct tracer *t, struct trace_counts *c);
 
 /* Tests since tracer_new, if options.count_tests, and the size of the hierarchy. */
 struct trace_tests {
-    uint64_t rays, boxes, items; /* boxes: bounding volumes; items: triangles, spheres, cones */
+    uint64_t rays, boxes, items; /* boxes: bounding volumes; items: triangles, other primitives */
     uint64_t bytes;              /* of the hierarchy, without the items */
 };
 void tracer_tests(const struct tracer *t, struct trace_tests *c);

@@ -33,9 +33,14 @@ struct hit {
 
 /* ---- items and blocks ------------------------------------------------------------------ */
 
-/* ITEM_KINDS is no enumerator, so that -Wswitch names each switch without a case for a kind. */
-enum item_kind { ITEM_TRIANGLE, ITEM_SPHERE, ITEM_CONE };
-enum { ITEM_KINDS = ITEM_CONE + 1 };
+/* A row for each kind: its name, and that of its files, NAME.h (the vectors) and NAME.c (struct
+ * shape). */
+#define TRACE_SHAPES(ROW) ROW(TRIANGLE, triangle) ROW(SPHERE, sphere) ROW(CONE, cone)
+
+#define ENUMERATOR(KIND, name) ITEM_##KIND,
+enum item_kind { TRACE_SHAPES(ENUMERATOR) };
+#define ONE_MORE(KIND, name) +1
+enum { ITEM_KINDS = 0 TRACE_SHAPES(ONE_MORE) };
 _Static_assert(ITEM_KINDS <= 4, "items and leaves have two bits for the kind");
 
 struct item {
@@ -47,26 +52,10 @@ struct item {
 };
 #define MATERIAL_MASK ((UINT32_C(1) << 29) - 1)
 
-/* Lane i of a block holds item[i]. Lanes with NO_ITEM hold numbers that no ray can hit. */
-struct tri4 {
-    _Alignas(32) double n[3][LANES], d[LANES]; /* the plane: n.p = d, n of length 1 */
-    /* Inside if u.p + du >= 0, v.p + dv >= 0 and their sum <= 1; a margin is included. */
-    double u[3][LANES], du[LANES], v[3][LANES], dv[LANES];
-    double err[LANES]; /* bound on the distance of the plane from its vertices */
-    uint32_t item[LANES];
-};
-struct sphere4 {
-    _Alignas(32) double c[3][LANES], r[LANES], err[LANES];
-    uint32_t item[LANES];
-};
-/* Axis a from base b; height z along it in [0, h]; radius r + k z. */
-struct cone4 {
-    _Alignas(32) double b[3][LANES], a[3][LANES], h[LANES], r[LANES], k[LANES], err[LANES];
-    uint32_t item[LANES];
-};
-
-/* One row per kind (shapes.c). */
+/* What is asked of a kind outside of the vectors. Lane i of a block holds item[i]; lanes with
+ * NO_ITEM hold numbers that no ray can hit. */
 struct shape {
+    enum prim_kind prim;         /* that becomes such an item; triangles: polygons and patches */
     size_t block_size, items_at; /* items_at: offset of the array item in a block */
     /* False: degenerate. */
     bool (*has_surface)(const struct scene *s, const struct item *it);
@@ -81,15 +70,25 @@ struct shape {
     /* The unit normal at p, on either side. Moves p onto the surface if that is more accurate than
      * o + t d. */
     struct vec3 (*normal)(const struct scene *s, const struct item *it, struct vec3 *p);
+    /* True if p is inside. NULL: the shape encloses nothing. */
+    bool (*contains)(const struct prim *q, struct vec3 p);
+    /* A ray from the eye begins in larger media before smaller ones. */
+    double (*size)(const struct prim *q);
 };
-extern const struct shape triangle_shape, sphere_shape, cone_shape;
-extern const struct shape *const trace_shapes[];
+#define EXTERN(KIND, name) extern const struct shape trace_##name;
+TRACE_SHAPES(EXTERN)
+extern const struct shape *const trace_shapes[ITEM_KINDS];
+enum item_kind trace_kind_of(const struct prim *p);
 
 /* The items of a block. */
 static inline uint32_t *block_items(uint32_t kind, void *block)
 {
     return (uint32_t *)(void *)((char *)block + trace_shapes[kind]->items_at);
 }
+
+/* True: each item is the surface of a medium of its own. False: all items of one material are the
+ * surface of one medium, which contains no eye. */
+static inline bool shape_encloses(uint32_t kind) { return trace_shapes[kind]->contains != NULL; }
 
 /* ---- the hierarchy ---------------------------------------------------------------------- */
 
@@ -195,8 +194,8 @@ const struct kernels *trace_kernels_avx512(void);
 /* For all hierarchies, without packets; these count the tests. */
 const struct kernels *slabs_kernels(void);
 
-/* A medium that contains rays. All polygons of one material bound one medium (they are one mesh in
- * the reference). Each sphere or cone bounds its own. */
+/* A medium that contains rays (shape_encloses). All polygons of one material bound one medium,
+ * because they are one mesh in the reference. */
 struct medium {
     uint32_t id;    /* a material, or the number of materials + a primitive */
     uint32_t outer; /* the rest of the list; in an unused link, the next unused one */

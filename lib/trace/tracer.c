@@ -33,7 +33,7 @@ static const struct shaders *choose_shaders(enum isa isa)
 }
 
 /* If the light lies on an item, both ends of its shadow rays are within reach of 0 along each axis.
- * So 8 * reach exceeds the bound on the light's error (ends.h). */
+ * So 8 * reach exceeds the bound on the light's error (lanes.h). */
 static void mark_lights(struct tracer *t, double reach)
 {
     const struct scene *s = t->scene;

@@ -7,7 +7,7 @@
  * neighbours overlap by a rounding error instead of leaving a crack. A ray that starts on the
  * plane, within the error bounds of both, does not hit the triangle.
  */
-#include "trace/trace_int.h"
+#include "trace/triangle.h"
 
 static struct vec3 corner(const struct scene *s, const struct item *it, int i)
 {
@@ -43,7 +43,7 @@ static bool has_surface(const struct scene *s, const struct item *it)
 
 static void fill(const struct scene *s, const struct item *it, double reach, void *block, int lane)
 {
-    struct tri4 *b = block;
+    struct triangle4 *b = block;
     struct vec3 a = corner(s, it, 0), e1 = v3_sub(corner(s, it, 1), a);
     struct vec3 e2 = v3_sub(corner(s, it, 2), a), cross = v3_cross(e1, e2);
     double area2 = v3_len(cross);
@@ -70,7 +70,7 @@ static void fill(const struct scene *s, const struct item *it, double reach, voi
 
 static void clear(void *block, int lane)
 {
-    struct tri4 *b = block;
+    struct triangle4 *b = block;
     put(b->n, lane, v3(0, 0, 0)); /* never hit: |n.o - d| > err is false */
     put(b->u, lane, v3(0, 0, 0));
     put(b->v, lane, v3(0, 0, 0));
@@ -117,5 +117,14 @@ static struct vec3 normal(const struct scene *s, const struct item *it, struct v
     return it->smooth ? smooth_normal(s, it, *p, n) : n;
 }
 
-const struct shape triangle_shape = {sizeof(struct tri4), offsetof(struct tri4, item), has_surface,
-    fill, clear, bounds, extent, normal};
+const struct shape trace_triangle = {
+    .prim = PRIM_POLYGON,
+    .block_size = sizeof(struct triangle4),
+    .items_at = offsetof(struct triangle4, item),
+    .has_surface = has_surface,
+    .fill = fill,
+    .clear = clear,
+    .bounds = bounds,
+    .extent = extent,
+    .normal = normal,
+};

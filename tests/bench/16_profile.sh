@@ -26,13 +26,14 @@ command -v perf >/dev/null || stop 'perf is not there, expected the Debian packa
 # shellcheck disable=SC2046  # a word each
 cc -std=c11 -D_GNU_SOURCE -O2 -g -no-pie -ffp-contract=off -I"$root/lib" -o trace_bench "$root/tests/bench/trace_bench.c" \
 	"$root/build/libstormring.a" $(cat "$root/build/libs") || stop 'trace_bench does not compile'
+# Files of lib/, or a module for the rest of its files.
 cat >rows <<'END'
-traversal kernel.h packet.h trace_sse2.c trace_avx2.c trace_avx512.c
-tests hit.h filter.h ends.h
-shading light.c shade_impl.h math.c onward.c bound.c
-bookkeeping wave.c pending.c pending.h pixel.c tracer.c around.c
-build bvh.c sah.c bins.h items.c shapes.c triangle.c sphere.c cone.c triangulate.c corners.c
-read nff_read.c nff_parts.c nff_material.c nff_view.c reader.c token.c token.h scene.c points.c number.c hither.c
+traversal trace/kernel.h trace/packet.h trace/trace_sse2.c trace/trace_avx2.c trace/trace_avx512.c
+tests trace/*.h
+shading trace/light.c trace/shade_impl.h trace/math.c trace/onward.c trace/bound.c
+bookkeeping trace/wave.c trace/pending.c trace/pending.h trace/pixel.c trace/tracer.c trace/around.c
+build trace/bins.h trace/*.c
+read scene/*.c scene/*.h base/number.c
 END
 # shellcheck disable=SC2046  # words
 [ $# -gt 0 ] || set -- $(spdgen -l | awk '!/^#/ { print $1 }')
@@ -54,9 +55,12 @@ for s; do
 		FILENAME == "places" && !named { fn = $1; named = 1; next }
 		FILENAME == "places" {
 			named = 0
-			sub(/:.*/, ""); sub(/.*\//, "")
+			sub(/:.*/, ""); sub(/.*\/lib\//, "")
+			rest = $1
+			sub(/\/.*\./, "/*.", rest)
 			if (!(at in of) && fn == "normal") of[at] = "shading"
 			if (!(at in of) && $1 in row) of[at] = row[$1]
+			if (!(at in of) && rest in row) of[at] = row[rest]
 			next
 		}
 		FILENAME == "addresses" { sub(/^0*/, ""); n[($1 in of) ? of[$1] : "system"]++; all++; next }

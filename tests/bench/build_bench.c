@@ -24,14 +24,12 @@ static struct counts count(const struct scene *s)
     struct counts n = {.largest = 3};
     for (uint32_t i = 0; i < s->n_prims; i++) {
         const struct prim *p = &s->prims[i];
-        switch (p->kind) {
-        case PRIM_SPHERE: n.spheres++; break;
-        case PRIM_CONE: n.cones++; break;
-        case PRIM_POLYGON:
-        case PRIM_PATCH:
-            n.triangles += p->poly.count - 2;
-            if (p->poly.count > n.largest) n.largest = p->poly.count;
-        }
+        if (p->kind == PRIM_SPHERE) n.spheres++;
+        else if (p->kind == PRIM_CONE) n.cones++;
+        else if (!prim_is_poly(p)) die(ST_USAGE, "primitive %u is unknown to Embree", i + 1);
+        if (!prim_is_poly(p)) continue;
+        n.triangles += p->poly.count - 2;
+        if (p->poly.count > n.largest) n.largest = p->poly.count;
     }
     return n;
 }

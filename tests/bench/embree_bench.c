@@ -330,6 +330,7 @@ static RTCScene embree_build(
     rtcSetSceneBuildQuality(s, quality);
     for (unsigned k = 0; k < ITEM_KINDS; k++) {
         if (!n[k]) continue;
+        if (!geometry_of[k].fill) die(ST_USAGE, "a primitive of the scene is unknown to Embree");
         RTCGeometry g = rtcNewGeometry(device, geometry_of[k].type);
         geometry_of[k].fill(g, n[k]);
         rtcCommitGeometry(g);

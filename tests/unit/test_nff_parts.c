@@ -16,18 +16,6 @@ static void same_bytes(const void *a, const void *b, size_t n)
     if (n && a) assert_memory_equal(a, b, n);
 }
 
-static void same_prim(const struct prim *a, const struct prim *b)
-{
-    assert_int_equal(a->kind, b->kind);
-    assert_int_equal(a->material, b->material);
-    switch (a->kind) {
-    case PRIM_SPHERE: same_bytes(&a->sphere, &b->sphere, sizeof a->sphere); break;
-    case PRIM_CONE: same_bytes(&a->cone, &b->cone, sizeof a->cone); break;
-    case PRIM_POLYGON:
-    case PRIM_PATCH: same_bytes(&a->poly, &b->poly, sizeof a->poly); break;
-    }
-}
-
 static void same_scene(const struct scene *a, const struct scene *b)
 {
     assert_int_equal(a->n_lights, b->n_lights);
@@ -43,7 +31,7 @@ static void same_scene(const struct scene *a, const struct scene *b)
     same_bytes(a->materials, b->materials, a->n_materials * sizeof *a->materials);
     same_bytes(a->vertices, b->vertices, a->n_vertices * sizeof *a->vertices);
     same_bytes(a->normals, b->normals, a->n_vertices * sizeof *a->normals);
-    for (uint32_t i = 0; i < a->n_prims; i++) same_prim(&a->prims[i], &b->prims[i]);
+    same_bytes(a->prims, b->prims, a->n_prims * sizeof *a->prims);
 }
 
 /* The text in one piece, and cut into 2 to PARTS_MOST parts. True if it is a scene. */
@@ -76,7 +64,7 @@ static void put_entity(struct buf *b, uint64_t seed, uint64_t *n, bool patches)
 {
     static const char *const materials[] = {"1 0 0 .5 .5 10 0 0", "0 1 0 1 0 1 .5 1.5",
         "1 1 1 1 0 0 0 0" /* the default */, "-0 1 0 1 0 1 .5 1.5", "0 0 1 .2 .7 9 0 0"};
-    uint64_t kind = rng_u64(seed, (*n)++) % 9, count = 3 + rng_u64(seed, *n) % 5;
+    uint64_t kind = rng_u64(seed, (*n)++) % 10, count = 3 + rng_u64(seed, *n) % 5;
     switch (kind) {
     case 0: buf_printf(b, "f %s", materials[rng_u64(seed, (*n)++) % 5]); break;
     case 1:
@@ -86,8 +74,9 @@ static void put_entity(struct buf *b, uint64_t seed, uint64_t *n, bool patches)
         break;
     case 2: buf_printf(b, "# a line that begins with a letter\ns 0 0 %d 1", (int)count); break;
     case 3: buf_printf(b, "c\n1 2 3 4 5 6 7 %d", (int)count); break;
+    case 4: buf_printf(b, "%s", scene_sample(rng_u64(seed, (*n)++) % PRIM_KINDS)); break;
     default:
-        patches = patches && kind > 5;
+        patches = patches && kind > 6;
         buf_printf(b, patches ? "pp\t%d" : "p %d", (int)count);
         put_numbers(b, seed, n, (int)count * (patches ? 6 : 3));
     }

@@ -11,20 +11,6 @@
 
 static const struct kernels scalar = {"scalar", closest, blocked, closest_packet, blocked_packet};
 
-typedef long double real;
-struct vec {
-    real x, y, z;
-};
-static struct vec less(struct vec3 a, struct vec3 b)
-{
-    return (struct vec){(real)a.x - (real)b.x, (real)a.y - (real)b.y, (real)a.z - (real)b.z};
-}
-static real dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static struct vec mad(struct vec a, struct vec b, real s)
-{
-    return (struct vec){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s};
-}
-
 enum answer { CLEAR, SHADED, TOO_NEAR };
 
 /* Where the way from p to the lamp, 0 to 1, crosses the surface but at the lamp. */
@@ -32,52 +18,18 @@ static enum answer reference(const struct scene *s, struct vec3 lamp, struct vec
 {
     const struct prim *q = &s->prims[0];
     const real slack = 1e-4L;
-    struct vec way = less(lamp, p);
-    real t, z = .5L;
-    if (q->kind == PRIM_SPHERE) {
-        t = 1 - 2 * dot(way, less(lamp, q->sphere.center)) / dot(way, way);
-    } else if (q->kind == PRIM_CONE) {
-        struct vec axis = less(q->cone.apex, q->cone.base), up = less(lamp, q->cone.base);
-        real len2 = dot(axis, axis), z0 = dot(up, axis) / len2, rise = dot(way, axis) / len2;
-        real widen = (real)q->cone.apex_radius - (real)q->cone.base_radius;
-        real r = (real)q->cone.base_radius + widen * z0;
-        struct vec across = mad(up, axis, -z0), e = mad(way, axis, -rise);
-        real a = dot(e, e) - widen * rise * widen * rise;
-        t = 1 - 2 * (dot(across, e) - r * widen * rise) / a;
-        z = z0 + (t - 1) * rise;
-    } else {
-        return CLEAR;
-    }
+    if (!prim_kinds[q->kind].again) return CLEAR;
+    real z, t = prim_kinds[q->kind].again(q, lamp, less(lamp, p), &z);
     if (fabsl(t) < slack || fabsl(t - 1) < slack || fabsl(z) < slack || fabsl(z - 1) < slack)
         return TOO_NEAR;
     return t > 0 && t < 1 && z > 0 && z < 1 ? SHADED : CLEAR;
 }
 
-/* A point of the surface, well inside of it, and its normal. */
 static struct vec3 lamp_on(const struct scene *s, uint64_t seed, uint64_t *n, struct vec3 *normal)
 {
-    const struct prim *q = &s->prims[0];
     struct vec3 d = v3_unit(random_point(seed, n, 1));
     double u = between(seed, n, .1, .4), v = between(seed, n, .1, .4);
-    if (q->kind == PRIM_SPHERE) {
-        *normal = d;
-        return v3_mad(q->sphere.center, d, fabs(q->sphere.radius));
-    }
-    if (q->kind == PRIM_CONE) {
-        struct vec3 axis = v3_sub(q->cone.apex, q->cone.base);
-        double len = v3_len(axis), r = q->cone.base_radius;
-        double widen = q->cone.apex_radius - r;
-        axis = v3_scale(axis, 1 / len);
-        d = v3_unit(v3_mad(d, axis, -v3_dot(d, axis)));
-        *normal = v3_unit(v3_mad(d, axis, -widen / len));
-        return v3_mad(v3_mad(q->cone.base, axis, (u + v) * len), d, r + widen * (u + v));
-    }
-    struct triangle tri[8];
-    scene_triangulate(s, q, tri);
-    struct vec3 a = s->vertices[tri[0].v[0]], e = v3_sub(s->vertices[tri[0].v[1]], a);
-    struct vec3 f = v3_sub(s->vertices[tri[0].v[2]], a);
-    *normal = v3_unit(v3_cross(e, f));
-    return v3_mad(v3_mad(a, e, u), f, v);
+    return prim_kinds[s->prims[0].kind].lamp(s, &s->prims[0], d, u, v, normal);
 }
 
 static void seen_from(const struct tracer *t, struct vec3 p, enum answer want, const char *what)

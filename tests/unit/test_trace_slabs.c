@@ -4,6 +4,7 @@
  */
 #include "rounds.h"
 #include "trace/slabs.h"
+#include "trace/triangle.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -174,7 +175,8 @@ static uint32_t check_node(const struct tracer *t, uint32_t node, uint32_t first
     }
     const struct slabs_leaf *l = &s->leaves[first];
     for (uint32_t k = l->first; l->kind == ITEM_TRIANGLE && k < l->first + l->n; k++) {
-        const struct tri4 *b = (const struct tri4 *)t->bvh.blocks[ITEM_TRIANGLE] + k / LANES;
+        const struct triangle4 *b =
+            (const struct triangle4 *)t->bvh.blocks[ITEM_TRIANGLE] + k / LANES;
         for (int v = 0; v < 3; v++) {
             struct vec3 p = t->scene->vertices[t->items[b->item[k % LANES]].vertex[v]];
             for (int i = 0; i < SLABS; i++) {

@@ -133,39 +133,30 @@ static void leave_surface(const struct tracer *t, uint64_t seed, struct placing 
     }
 }
 
+static void check_no_self_hit(const char *convex, struct placing at)
+{
+    struct buf text = {0};
+    struct scene s;
+    put_view(&text, in_place, 5, 0, 1, 0);
+    buf_printf(&text, "%s", convex);
+    read_scene(&text, &s);
+    /* Placed after reading, so that the shapes stay what the text says. */
+    for (uint32_t v = 0; v < s.n_vertices; v++) s.vertices[v] = placed(at, s.vertices[v]);
+    if (prim_kinds[s.prims[0].kind].place) prim_kinds[s.prims[0].kind].place(&s.prims[0], at);
+    struct tracer *t = tracer_with(&s, trace_kernels_sse2());
+    leave_surface(t, 7, at);
+    tracer_free(t);
+    scene_free(&s);
+}
+
 static void test_no_self_hit(void **state)
 {
     (void)state;
-    static const char *const kinds[] = {"s 0 0 0 1\n", "c\n0 0 -1 .7\n.2 .1 1 .7\n",
-        "c\n0 0 -1 .9\n.2 .1 1 .1\n",
-        "p 5\n1 0 .1\n.3 1 .23\n-1 .4 -.02\n-.8 -.7 -.22\n.4 -.9 -.14\n"};
     const struct placing at[] = {{1, 0}, {1e-3, 0}, {1e6, 0}, {1, 1000}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
-            struct buf text = {0};
-            struct scene s;
-            put_view(&text, in_place, 5, 0, 1, 0);
-            buf_printf(&text, "%s", kinds[i]);
-            read_scene(&text, &s);
-            /* Placed after reading, so that the shapes stay what the text says. */
-            struct vec3 shift = v3(at[k].shift, at[k].shift, at[k].shift);
-            for (uint32_t v = 0; v < s.n_vertices; v++)
-                s.vertices[v] = v3_mad(shift, s.vertices[v], at[k].scale);
-            struct prim *p = &s.prims[0];
-            if (p->kind == PRIM_SPHERE) {
-                p->sphere.center = v3_mad(shift, p->sphere.center, at[k].scale);
-                p->sphere.radius *= at[k].scale;
-            } else if (p->kind == PRIM_CONE) {
-                p->cone.base = v3_mad(shift, p->cone.base, at[k].scale);
-                p->cone.apex = v3_mad(shift, p->cone.apex, at[k].scale);
-                p->cone.base_radius *= at[k].scale;
-                p->cone.apex_radius *= at[k].scale;
-            }
-            struct tracer *t = tracer_with(&s, trace_kernels_sse2());
-            leave_surface(t, 7, at[k]);
-            tracer_free(t);
-            scene_free(&s);
-        }
+    for (int kind = 0; kind < PRIM_KINDS; kind++)
+        for (int i = 0; i < 2 && prim_kinds[kind].convex[i]; i++)
+            for (size_t k = 0; k < sizeof at / sizeof *at; k++)
+                check_no_self_hit(prim_kinds[kind].convex[i], at[k]);
 }
 
 static void test_sphere_from_inside(void **state)

@@ -2,25 +2,13 @@
 #ifndef TRACE_SCENES_H
 #define TRACE_SCENES_H
 
-#include "scene/scene.h"
+#include "prim_kinds.h"
 #include "trace/trace_int.h"
 
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-
-/* Transforms that every coordinate goes through: p * scale + shift on each axis. */
-struct placing {
-    double scale, shift;
-};
-static const struct placing in_place = {1, 0};
-
-static inline void put_point(struct buf *b, struct placing at, double x, double y, double z)
-{
-    buf_printf(b, " %.17g %.17g %.17g", x * at.scale + at.shift, y * at.scale + at.shift,
-        z * at.scale + at.shift);
-}
 
 static inline void put_view(
     struct buf *b, struct placing at, double x, double y, double z, double hither)
@@ -32,24 +20,11 @@ static inline void put_view(
     buf_printf(b, "\nup 0 0 1\nangle 40\nhither %.17g\nresolution 48 32\n", hither * at.scale);
 }
 
-static inline void put_sphere(
-    struct buf *b, struct placing at, double x, double y, double z, double r)
-{
-    buf_printf(b, "s");
-    put_point(b, at, x, y, z);
-    buf_printf(b, " %.17g\n", r * at.scale);
-}
-
 static inline void put_light(struct buf *b, struct placing at, double x, double y, double z)
 {
     buf_printf(b, "l");
     put_point(b, at, x, y, z);
     buf_printf(b, "\n");
-}
-
-static inline double between(uint64_t seed, uint64_t *n, double lo, double hi)
-{
-    return lo + (hi - lo) * rng_unit(seed, (*n)++);
 }
 
 static inline void put_random_material(struct buf *b, uint64_t seed, uint64_t *n)
@@ -60,37 +35,6 @@ static inline void put_random_material(struct buf *b, uint64_t seed, uint64_t *n
     uint64_t pick = rng_u64(seed, (*n)++);
     buf_printf(b, "f %g %g %g %g %g %g %g %g\n", v[0], v[1], v[2], v[3], v[4] < 0.4 ? 0.3 : 0.0,
         1 + 60 * v[5], t[pick & 3], ior[pick >> 2 & 3]);
-}
-
-static inline void put_random_prim(struct buf *b, struct placing at, uint64_t seed, uint64_t *n)
-{
-    double x = between(seed, n, -2, 2), y = between(seed, n, -2, 2), z = between(seed, n, -1, 2);
-    double r = between(seed, n, 0.05, 0.6);
-    uint64_t kind = rng_u64(seed, (*n)++) % 4;
-    if (kind == 0) {
-        put_sphere(b, at, x, y, z, r);
-    } else if (kind == 1) {
-        buf_printf(b, "c\n");
-        put_point(b, at, x, y, z);
-        buf_printf(b, " %.17g\n", r * at.scale);
-        double dx = between(seed, n, -1, 1), dy = between(seed, n, -1, 1);
-        put_point(b, at, x + dx, y + dy, z + 0.5);
-        buf_printf(b, " %.17g\n", r * at.scale * between(seed, n, 0, 1));
-    } else if (kind == 2) { /* an arrow head: concave */
-        buf_printf(b, "p 4\n");
-        put_point(b, at, x, y, z + r);
-        put_point(b, at, x - r, y, z - r);
-        put_point(b, at, x, y, z - r / 2);
-        put_point(b, at, x + r, y, z - r);
-        buf_printf(b, "\n");
-    } else {
-        buf_printf(b, "pp 3\n");
-        for (int i = 0; i < 3; i++) {
-            double dx = between(seed, n, -1, 1), dy = between(seed, n, -1, 1);
-            put_point(b, at, x + dx, y + dy, z + between(seed, n, -1, 1));
-            buf_printf(b, " %.17g %.17g 1\n", dx, dy);
-        }
-    }
 }
 
 /* A ground square and `count` primitives of every kind, some of glass. */
@@ -162,12 +106,6 @@ static inline struct tracer *tracer_with(const struct scene *s, const struct ker
     struct tracer *t = tracer_new(s, &o);
     t->k = k;
     return t;
-}
-
-static inline struct vec3 random_point(uint64_t seed, uint64_t *n, double size)
-{
-    double x = between(seed, n, -size, size), y = between(seed, n, -size, size);
-    return v3(x, y, between(seed, n, -size, size));
 }
 
 #endif
