@@ -118,7 +118,6 @@ clean 'externs begin with the name of their module'
 # each other. A node and its slots are one recursion: a slot that is free takes a step of the node, which starts the slot.
 cat >"$tmp/circles" <<'END'
 sim/node sim/slots
-worker/fork_slot worker/forks worker/worker
 END
 awk '
 FNR == NR { for (i = 1; i <= NF; i++) together["lib/" $i ".c"] = FNR; next }
