@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "coder/coder.h"
 #include "fan/fan.h"
+#include "patience/patience.h"
 #include "proc/proc.h"
 
 #include <string.h>
@@ -39,7 +40,7 @@ int main(int argc, char **argv)
     struct hosts hosts;
     struct hosts_sent sent = {0};
     char err[HOSTS_ERR];
-    struct fan_options o = {.hosts = &hosts, .silence_s = 3};
+    struct fan_options o = {.hosts = &hosts, .silence_s = PATIENCE_SILENCE_US / 1e6};
     const char *list = NULL;
     int slots = 0;
     int listing = 0;

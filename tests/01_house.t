@@ -36,21 +36,21 @@ grib grid base
 units base
 convert units grid image base
 backdrop units grid spec geometry image base
-sched task base
-sim sched stats task base
+sched task patience base
+sim sched stats task patience base
 proc base
 crop proc image task base
 files base
 job grid spec wire task base
 hosts base
-pipe proc wire task base
-fan pipe hosts proc wire coder task base
-worker pipe proc wire image task base
+pipe proc wire task patience base
+fan pipe hosts proc wire coder task patience base
+worker pipe proc wire image task patience base
 history eta wire task base
 account history wire task stats base
 view html account history log eta wire image task stats base
 verify log wire task base
-drive sched pipe proc wire task base
+drive sched pipe proc wire task patience base
 END
 
 awk '
@@ -152,6 +152,11 @@ awk '/^[ \t]*#[ \t]*include[ \t]*"/ {
 	if (to[2] != to[1] ".h") print FILENAME ":" FNR ": " part[2] " is private to " to[1]
 }' bin/*.c >"$found"
 clean 'programs include public headers only'
+
+# Times after which something counts as late or dead stand in one table.
+grep -nE '^#define [A-Z_]*(LATE|SILEN|GRACE|BEAT|RETRY|PATIEN|HELLO|DEAD|GIVE_UP)[A-Z_]*_(US|MS|S|TIMES) ' lib/*/*.[ch] bin/*.c |
+	grep -vE '^lib/(patience|sim)/' | grep -v 'PATIENCE_' >"$found"
+clean 'patience is stated in lib/patience/patience.h'
 
 for dir in lib/*/; do
 	module=$(basename "$dir")

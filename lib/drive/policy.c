@@ -6,6 +6,7 @@
  */
 #include "drive/driver.h"
 #include "drive/ring_record.h"
+#include "patience/patience.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -13,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define GRACE_MS (CHILD_LAUNCHER_MS + 500) /* for the command, which may be fan with launchers */
-#define QUIET_US INT64_C(3000000)          /* silence allowed to a command that owes tasks */
+/* For the command, which may be a fan whose launchers need their time. */
+#define GRACE_MS ((PATIENCE_LAUNCHER_US + PATIENCE_EXIT_US) / 1000)
 
 static int take_task(struct driver *d, const struct record *r)
 {
@@ -129,7 +130,7 @@ static int64_t wake_us(const struct driver *d)
  */
 static void ask_quiet(struct driver *d)
 {
-    if (now_us() < d->heard_us + QUIET_US) return;
+    if (now_us() < d->heard_us + PATIENCE_SILENCE_US) return;
     d->heard_us = now_us();
     if (sched_uncommitted(d->policy, d->state)) drive_flush(d, -1);
 }
@@ -137,7 +138,7 @@ static void ask_quiet(struct driver *d)
 /* The time that poll may wait. */
 static int wait_ms(const struct driver *d)
 {
-    int64_t wake = wake_us(d), quiet = d->heard_us + QUIET_US;
+    int64_t wake = wake_us(d), quiet = d->heard_us + PATIENCE_SILENCE_US;
     int64_t left_us = (wake < quiet ? wake : quiet) - now_us();
     if (left_us <= 0) return 0;
     return (int)((left_us + 999) / 1000);

@@ -4,10 +4,9 @@
  */
 #include "fan/fan_int.h"
 
-#define SILENCES 10 /* of -t: by then this end has given the slot up for long */
-#define BEATS 4     /* in this time */
+#define BEATS 4 /* in this time */
 
-static double within_s(const struct fan *f) { return SILENCES * f->o->silence_s; }
+static double within_s(const struct fan *f) { return PATIENCE_ALIVE_TIMES * f->o->silence_s; }
 
 /* It is written whole, or the pipe is full, and then it need not be. */
 static void tell(struct fan_slot *s, enum rec_kind kind, const char *extra)

@@ -11,8 +11,7 @@
 #define PROBE_FIRST (16 << 10)
 #define PROBE_GROWS 8 /* times */
 #define PROBE_LAST (PROBE_FIRST * PROBE_GROWS * PROBE_GROWS)
-#define LATE_US 3000000 /* after this time without an answer the link is slow */
-#define FAST 16         /* bytes per microsecond, 128 Mbit/s: then a longer answer says more */
+#define FAST 16 /* bytes per microsecond, 128 Mbit/s: then a longer answer says more */
 
 _Static_assert(PROBE_LAST <= WIRE_PROBE_MAX, "the answer to a probe is one record");
 
@@ -60,7 +59,7 @@ bool fan_code_waits(const struct fan_slot *s)
 
 void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us)
 {
-    if (!fan_code_waits(s) || looked_us - s->conn.probe_us < LATE_US) return;
+    if (!fan_code_waits(s) || looked_us - s->conn.probe_us < PATIENCE_PROBE_US) return;
     pack(s);
     fan_slot_up(f, s);
 }

@@ -11,10 +11,8 @@
 
 #include "fan/fan.h"
 #include "fan/place.h"
+#include "patience/patience.h"
 #include "pipe/pipe.h"
-
-/* No host is left when no slot that may come up has been up for this time. */
-#define UNREACHED_S 30.0
 
 /* The life of a slot; the table is at the head of slot.c. */
 enum fan_slot_state {

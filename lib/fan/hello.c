@@ -9,8 +9,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define REFERENCE_US 10000000 /* for that worker's hello */
-#define END_MS 200            /* for it to exit once its input is closed */
 #define POWER_LEAST 1e-6
 #define POWER_MOST 1e9 /* an inner fan: the sum of its slots */
 
@@ -36,7 +34,7 @@ static void listen_here(struct fan *f, struct child *c)
 {
     struct decoder d = {.upward = true};
     struct record r;
-    int64_t end_us = now_us() + REFERENCE_US, left_us;
+    int64_t end_us = now_us() + PATIENCE_HELLO_US, left_us;
     bool more = true;
     while (more && !*f->reference.of && !signals_came() && (left_us = end_us - now_us()) > 0) {
         struct pollfd p = pipe_poll_entry(c->from, true, POLLIN);
@@ -63,7 +61,7 @@ void fan_ask_reference(struct fan *f)
         child_close(&c.to);
         fan_connect(f); /* slots start meanwhile; they are read later */
         listen_here(f, &c);
-        child_end(&c, END_MS);
+        child_end(&c, PATIENCE_STOP_US / 1000);
     }
     if (!*f->reference.of && !signals_came())
         warn("%s sends no hello here: the hello of the first slot sets the arithmetic",

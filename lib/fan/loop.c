@@ -14,25 +14,20 @@
 #include <unistd.h>
 
 #define LEAVING_MS 100 /* poll while a slot is exiting: SIGCHLD reports its end, not its staying */
-#define STOP_MS 200    /* for workers to end when the run is given up */
-#define HELLO_S 10.0   /* silence allowed before hello */
-#define REACH_S 15.0   /* likewise if ssh has 10 s to connect */
-#define QUEUED_S 5.0   /* likewise if the launcher may queue it; then it has wait= */
-#define LOADING_S 15.0 /* while state is under way: a slow link takes long */
-#define CLOSING_S 1.0  /* when nothing is left to send */
-#define LATE_US 100000 /* a round may begin this much late */
 
-/* The silence allowed to slot s, in seconds; 0: no limit. */
-static double silence_allowed_s(const struct fan *f, const struct fan_slot *s)
+/* The silence allowed to slot s, in microseconds; 0: no limit. */
+static double silence_allowed_us(const struct fan *f, const struct fan_slot *s)
 {
     const bool opening = s->state == FAN_OPENING, here = s->host->here;
-    if (fan_slot_over(f, s) && !s->n_tasks && here && !opening) return CLOSING_S;
-    if (fan_slot_has_asked(s)) return REACH_S + fan_send_time_s(s);
-    if (fan_slot_in_queue(s)) return s->state == FAN_QUEUED ? s->host->host->wait_s : QUEUED_S;
-    if (opening) return fmax(here ? HELLO_S : REACH_S, f->o->silence_s);
-    if (fan_slot_over(f, s) && !s->n_tasks) return f->o->silence_s;
+    const double stated_us = f->o->silence_s * 1e6;
+    if (fan_slot_over(f, s) && !s->n_tasks && here && !opening) return PATIENCE_CLOSING_US;
+    if (fan_slot_has_asked(s)) return PATIENCE_REACH_US + fan_send_time_s(s) * 1e6;
+    if (fan_slot_in_queue(s))
+        return s->state == FAN_QUEUED ? s->host->host->wait_s * 1e6 : PATIENCE_QUEUED_US;
+    if (opening) return fmax(here ? PATIENCE_HELLO_US : PATIENCE_REACH_US, stated_us);
+    if (fan_slot_over(f, s) && !s->n_tasks) return stated_us;
     if (!fan_slot_owes(f, s, s->undone, s->n_tasks)) return 0;
-    return s->feed.loading ? fmax(LOADING_S, f->o->silence_s) : f->o->silence_s;
+    return s->feed.loading ? fmax(PATIENCE_LOADING_US, stated_us) : stated_us;
 }
 
 /* A list of powers does not wait for a queue. */
@@ -56,9 +51,9 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         if (!fan_slot_has_stream(s)) continue;
         fan_code_late(f, s, looked_us);
         fan_places_silence(f, s, reading);
-        double allowed_s = silence_allowed_s(f, s);
-        if (!reading || allowed_s <= 0) s->conn.heard_us = now_us();
-        else if ((double)(looked_us - s->conn.heard_us) > allowed_s * 1e6) went_silent(f, s);
+        double allowed_us = silence_allowed_us(f, s);
+        if (!reading || allowed_us <= 0) s->conn.heard_us = now_us();
+        else if ((double)(looked_us - s->conn.heard_us) > allowed_us) went_silent(f, s);
     }
 }
 
@@ -74,7 +69,7 @@ static void credit(int64_t *heard_us, int64_t late_us, int64_t looked_us)
  */
 static void credit_own_delay(struct fan *f, int64_t looked_us)
 {
-    int64_t late_us = looked_us - f->awake_us - LATE_US;
+    int64_t late_us = looked_us - f->awake_us - PATIENCE_ROUND_US;
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
@@ -89,9 +84,9 @@ static int next_silence_ms(const struct fan *f, int64_t now, int wait_ms)
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
-        double allowed_s = silence_allowed_s(f, s);
-        if (allowed_s <= 0) continue;
-        double left_ms = allowed_s * 1e3 - (double)(now - s->conn.heard_us) / 1e3;
+        double allowed_us = silence_allowed_us(f, s);
+        if (allowed_us <= 0) continue;
+        double left_ms = (allowed_us - (double)(now - s->conn.heard_us)) / 1e3;
         if (left_ms < wait_ms) wait_ms = left_ms > 0 ? (int)left_ms + 1 : 0;
     }
     return wait_ms;
@@ -178,7 +173,7 @@ bool fan_working(const struct fan *f)
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
-        bool early = now < s->missing_us + (int64_t)(UNREACHED_S * 1e6);
+        bool early = now < s->missing_us + PATIENCE_UNREACHED_US;
         bool hope = early || untried(s) || fan_slot_in_queue(s) || s->host->host->tries;
         if (fan_slot_comes(s) && fan_slot_wanted(f, s) && hope) return true;
     }
@@ -211,8 +206,8 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
 /* Ends the run: the rest is not needed, or no slot is left. */
 static void stop(struct fan *f)
 {
-    int64_t here_us = now_us() + STOP_MS * INT64_C(1000);
-    int64_t end_us = now_us() + CHILD_LAUNCHER_MS * INT64_C(1000);
+    int64_t here_us = now_us() + PATIENCE_STOP_US;
+    int64_t end_us = now_us() + PATIENCE_LAUNCHER_US;
     for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].conn.child);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
@@ -277,7 +272,8 @@ static void say_bye(struct fan *f)
     up_end_record(&f->out.queue);
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
-    else if (none) warn("no slot left: none could be reached for %g s", UNREACHED_S);
+    else if (none)
+        warn("no slot left: none could be reached for %g s", PATIENCE_UNREACHED_US / 1e6);
     int missing = never_up(f), queued = 0;
     for (int k = 0; k < f->n_slots; k++)
         if (f->slots[k].state == FAN_QUEUED && !f->slots[k].was_up) queued += f->slots[k].width;

@@ -3,14 +3,11 @@
 
 #include <inttypes.h>
 
-#define RETRY_FIRST_US 500000 /* before a slot is connected again; doubled each time */
-#define RETRY_MOST_US 10000000
-
 int64_t fan_retry_wait_us(int failures)
 {
-    int64_t wait_us = RETRY_FIRST_US;
-    for (int i = 1; i < failures && wait_us < RETRY_MOST_US; i++) wait_us *= 2;
-    return wait_us < RETRY_MOST_US ? wait_us : RETRY_MOST_US;
+    int64_t wait_us = PATIENCE_RETRY_FIRST_US;
+    for (int i = 1; i < failures && wait_us < PATIENCE_RETRY_MOST_US; i++) wait_us *= 2;
+    return wait_us < PATIENCE_RETRY_MOST_US ? wait_us : PATIENCE_RETRY_MOST_US;
 }
 
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
@@ -59,7 +56,8 @@ void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool
     if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
         if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
-        else if (last && !f->listing) buf_printf(&text, " for up to %g s", UNREACHED_S);
+        else if (last && !f->listing)
+            buf_printf(&text, " for up to %g s", PATIENCE_UNREACHED_US / 1e6);
     }
     if (fan_host_exhausted(s->host))
         buf_printf(&text, "; no try is left (tries=%d)", s->host->failures);

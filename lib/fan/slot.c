@@ -6,7 +6,7 @@
  *   ON_START    it is the slot's turn                             a process is started
  *   ON_QUEUE    it has been silent, and its host has wait=        `gone` is reported
  *   ON_HELLO    its hello agrees with the first                   `up` is reported; it gets records
- *   ON_EOF      its stream ends                                   its process has GRACE_US to exit
+ *   ON_EOF      its stream ends                                   its process may end by itself
  *   ON_RETRY    its connection has failed                         `gone` is reported; its process
  *   ON_LOSS     likewise, or it is wrong, and no try will follow  is stopped; its tasks are lost
  *   ON_EXIT     its process has exited, or was killed             the connection is reset
@@ -29,13 +29,10 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define GRACE_US 500000      /* for a worker to exit once its stream has ended */
-#define STOP_US 200000       /* for a slot that was given up and told to end */
-#define VIA_FAILED 255       /* ssh's status for its own failures */
-#define NOT_RUN 126          /* a shell's status for a command that it cannot run */
-#define NOT_FOUND 127        /* and for one that it does not find */
-#define ASK_AGAIN_US 5000000 /* fan -l: a slot that failed within this time is asked once more */
-#define DEATHS_MOST 5        /* connections in a row that lost tasks and did none: no accident */
+#define VIA_FAILED 255 /* ssh's status for its own failures */
+#define NOT_RUN 126    /* a shell's status for a command that it cannot run */
+#define NOT_FOUND 127  /* and for one that it does not find */
+#define DEATHS_MOST 5  /* connections in a row that lost tasks and did none: no accident */
 
 /* An event that a row does not name cannot happen in that state: FAN_NEVER. */
 static const enum fan_slot_state transitions[FAN_SLOT_STATES][FAN_SLOT_EVENTS] = {
@@ -297,7 +294,7 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;
-    s->measured |= !more || now_us() - s->conn.opened_us > ASK_AGAIN_US;
+    s->measured |= !more || now_us() - s->conn.opened_us > PATIENCE_ASK_AGAIN_US;
     int32_t lost = s->conn.connected || !again ? s->n_tasks : 0;
     fan_say_gone(f, s, why, lost);
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);
@@ -316,7 +313,7 @@ void fan_slot_lose(struct fan *f, struct fan_slot *s, const char *why, bool agai
 {
     lose(f, s, why, again);
     child_stop(&s->conn.child);
-    s->conn.leave_us = now_us() + (s->host->here ? STOP_US : CHILD_LAUNCHER_MS * 1000);
+    s->conn.leave_us = now_us() + (s->host->here ? PATIENCE_STOP_US : PATIENCE_LAUNCHER_US);
     if (!s->conn.child.pid) settle(f, s);
 }
 
@@ -324,7 +321,7 @@ void fan_slot_leave(struct fan *f, struct fan_slot *s)
 {
     change(f, s, ON_EOF);
     s->conn.input_closed_first = s->conn.child.to < 0 && fan_slot_over(f, s); /* it was to end */
-    s->conn.leave_us = now_us() + GRACE_US;
+    s->conn.leave_us = now_us() + PATIENCE_EXIT_US;
 }
 
 /* Decides by the exit status of its process whether the slot has ended as it was told to, or is

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #define CHATTER_MOST 65536 /* bytes before hello, which start-up files may print */
-#define BEAT_US 250000     /* time between beats of a slot that are passed on */
 /* Answers to no question, per connection; likewise messages. An inner policy sends some for each
  * late copy, so there may be this many more for each other answer. */
 #define STALE_MOST 1000
@@ -61,7 +60,7 @@ static void pass_beat(struct fan *f, struct fan_slot *s, const struct record *r)
 {
     char text[96];
     int64_t now = now_us();
-    if (now - s->conn.beat_us < BEAT_US) return;
+    if (now - s->conn.beat_us < PATIENCE_BEAT_PASSED_US) return;
     s->conn.beat_us = now;
     stamp(s, r, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);

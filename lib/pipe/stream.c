@@ -1,4 +1,5 @@
 /* Stream handling that both drivers share. */
+#include "patience/patience.h"
 #include "pipe/pipe.h"
 
 #include <errno.h>
@@ -6,7 +7,6 @@
 #include <unistd.h>
 
 #define READ_BYTES 65536
-#define BEAT_US 500000
 
 struct pollfd pipe_poll_entry(int fd, bool wanted, short events)
 {
@@ -103,7 +103,7 @@ void outlet_beat(struct outlet *o, const struct decoder *input)
 {
     int64_t now = now_us();
     bool within_body = buf_size(&input->in) > WIRE_LINE_MAX && !input->ended;
-    if (!within_body || !o->greeted || now - o->beat_us < BEAT_US) return;
+    if (!within_body || !o->greeted || now - o->beat_us < PATIENCE_BEAT_US) return;
     o->beat_us = now;
     wire_plain(&o->queue.control, REC_BEAT, NULL);
 }

@@ -40,8 +40,6 @@ void child_close(int *fd); /* closes *fd unless -1, and makes it -1 */
  * last output. Does not wait.
  */
 bool child_ended(struct child *c, int *status);
-/* The time that a launcher has after SIGTERM: srun takes its job out of the queue. */
-#define CHILD_LAUNCHER_MS 2000
 /* Sends SIGTERM to the child's group, so that it can end its own children. Does not wait. */
 void child_stop(struct child *c);
 /*

@@ -26,7 +26,8 @@
  *    By no rule does a slot get a task of which it owes the pixels.
  * 5. With an endgame, an idle slot gets a late task, whether the input has ended or not, and
  *    whatever number of slots have a copy. A task is late if the idle slot could have done it
- *    PACE_LATE_TIMES over since it was last given, and PACE_LATE_US and the least time have passed.
+ *    PATIENCE_TASK_TIMES over since it was last given, and PATIENCE_TASK_US and the least time
+ *    have passed.
  *    So neither one hanging slot nor COPIES_MOST of them can hold up a frame that other slots wait
  *    for, or a live input.
  */
@@ -84,7 +85,7 @@ static bool is_out_for(
     deal_end_us(d); /* for deal_time_us */
     double us = deal_work(d, i) * deal_time_us(d, k);
     us = d->p.least_us + more_us + times * (us + d->slots[k].pace.round_trip_us);
-    int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, PACE_LATE_MOST_US);
+    int64_t out_us = deal_account(d, i)->progress_us + (int64_t)fmin(us, PATIENCE_TASK_MOST_US);
     if (now >= out_us) return true;
     if (out_us < d->late_us) d->late_us = out_us;
     return false;
@@ -93,7 +94,7 @@ static bool is_out_for(
 /* Rule 5: is entry i late, for slot k? */
 static bool is_late(struct deal *d, int32_t i, int32_t k, int64_t now)
 {
-    return is_out_for(d, i, k, PACE_LATE_TIMES, PACE_LATE_US, now);
+    return is_out_for(d, i, k, PATIENCE_TASK_TIMES, PATIENCE_TASK_US, now);
 }
 
 /* Rules 3 and 4: has entry i been out long enough to be copied for slot k? */

@@ -15,23 +15,23 @@
  * some points open. They are decided as follows:
  *
  * - A node repeats a request that was not answered within TIMEOUT_ROWS times the longest row that
- *   the node itself has computed, and at least TIMEOUT_LEAST_US. After TRIES_MOST repetitions each
- *   further timeout is reported to the master, until an answer comes.
+ *   the node itself has computed, and at least PATIENCE_PUBLISHED_US. After TRIES_MOST repetitions
+ *   each further timeout is reported to the master, until an answer comes.
  * - Requests have no numbers. Each is answered, repeated ones too, and any answer of the node asked
  *   counts as the answer to the latest request.
- * - A node that gets no row of phase 1 within TIMEOUT_LEAST_US asks too.
+ * - A node that gets no row of phase 1 within PATIENCE_PUBLISHED_US asks too.
  * - Messages are read between rows: when a row is done and the next one begins.
  * - Visited are the nodes between P(i) and P(next), going up. So a hint that leads back, or to P(i)
  *   itself, is not followed.
  * - An ended node asks no more. It computes rows that still come: late answers to earlier requests.
  */
+#include "patience/patience.h"
 #include "sched/node_int.h"
 
 #include <stdlib.h>
 
 #define TRIES_MOST 3
 #define TIMEOUT_ROWS 2
-#define TIMEOUT_LEAST_US 500000
 #define ASKED_MOST 4                    /* waiting requests, per node of the ring; more are lost */
 #define ROW_MOST_US INT64_C(3600000000) /* longer times are not believed */
 
@@ -70,7 +70,7 @@ static void take_place(struct node *n, int64_t now)
     if (n->gdc) return; /* a PLACE for an earlier connection on this slot */
     n->gdc = xcalloc(1, sizeof *n->gdc);
     search_on(n, after(n, n->place.me));
-    n->gdc->due_us = now + TIMEOUT_LEAST_US;
+    n->gdc->due_us = now + PATIENCE_PUBLISHED_US;
 }
 
 /* ---- asking ---------------------------------------------------------------------------------- */
@@ -80,7 +80,7 @@ static void say_and_wait(
 {
     struct gdc_node *g = n->gdc;
     int64_t wait_us = TIMEOUT_ROWS * g->longest_us;
-    g->due_us = now + (wait_us > TIMEOUT_LEAST_US ? wait_us : TIMEOUT_LEAST_US);
+    g->due_us = now + (wait_us > PATIENCE_PUBLISHED_US ? wait_us : PATIENCE_PUBLISHED_US);
     g->tries++;
     node_say(kind, g->next, out);
 }

@@ -12,11 +12,9 @@
  * victim is silent: it is not asked until it sends something. Its answer may still come: its GIVE
  * counts, whatever the asking node waits for by then.
  */
+#include "patience/patience.h"
 #include "sched/hub_int.h"
 
-#define LATE_TIMES 8       /* of the longest answer: then an answer is late, */
-#define LATE_US 100000     /* with this added for a busy machine */
-#define FIRST_US 3000000   /* while no answer has come yet */
 #define ANSWERS_OF_LATE 16 /* the number of recent answers, about, of which it is the longest */
 
 void hub_pair(struct hub *h, int32_t k, int32_t thief)
@@ -109,7 +107,8 @@ void hub_lost(struct hub *h, int32_t k)
 int64_t hub_late_us(const struct hub *h)
 {
     if (h->oldest < 0) return INT64_MAX;
-    int64_t late_us = h->answer_us ? LATE_TIMES * h->answer_us + LATE_US : FIRST_US;
+    int64_t late_us = h->answer_us ? PATIENCE_ANSWER_TIMES * h->answer_us + PATIENCE_ANSWER_US
+                                   : PATIENCE_FIRST_ANSWER_US;
     return h->nodes[h->oldest].since_us + late_us;
 }
 

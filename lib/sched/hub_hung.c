@@ -3,7 +3,7 @@
  * node may never answer although beats tell its fan that it is alive. So if a node is idle and no
  * node can be asked for work, the hub looks at the node that has made no progress for longest. If
  * that node's task is late, the idle node becomes its owner. A task is late if the idle node could
- * have done it PACE_LATE_TIMES since. If the first node finishes it first, its pixels count.
+ * have done it PATIENCE_TASK_TIMES since. If the first node finishes it first, its pixels count.
  */
 #include "sched/hub_int.h"
 
@@ -16,9 +16,9 @@ static int64_t late_us(const struct hub *h, int32_t i, int32_t k, int32_t thief)
     const struct pace *p = &h->nodes[thief].pace;
     double us_per_px = p->us_per_px > 0 ? p->us_per_px : h->pace.us_per_px;
     double us = (double)px * us_per_px;
-    us = PACE_LATE_US + PACE_LATE_TIMES * (us + p->round_trip_us + (double)h->answer_us);
+    us = PATIENCE_TASK_US + PATIENCE_TASK_TIMES * (us + p->round_trip_us + (double)h->answer_us);
     us *= 1 + hub_task(h, i)->tries / TRIES;
-    return h->nodes[k].progress_us + (int64_t)fmin(us, PACE_LATE_MOST_US);
+    return h->nodes[k].progress_us + (int64_t)fmin(us, PATIENCE_TASK_MOST_US);
 }
 
 void hub_hung(struct hub *h, struct sched_actions *out)

@@ -5,14 +5,10 @@
 #ifndef STORMRING_SCHED_PACE_H
 #define STORMRING_SCHED_PACE_H
 
+#include "patience/patience.h"
 #include "sched/sched.h"
 
 #define PACE_DEPTH_MOST 2500
-/* A task that a slot has had for long is late, and goes to another slot as well: after this number
- * of times that the other one would need for it, and more. */
-#define PACE_LATE_TIMES 4
-#define PACE_LATE_US 200000 /* added for a busy machine */
-#define PACE_LATE_MOST_US 86400e6
 
 struct pace {             /* 0: not known yet */
     double us_per_px;     /* recent mean */

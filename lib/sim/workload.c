@@ -1,11 +1,11 @@
 /* Measured work: tasks, costs and powers from outside, and the plan of a run with them. */
+#include "patience/patience.h"
 #include "sim/sim.h"
 
 #include <stdlib.h>
 
 #define MOST_US 1e14       /* all tasks on the weakest slot: sums of times must fit int64_t */
 #define DETECT_US 20000000 /* for nodes to detect a dead one, by the rules as published */
-#define SILENCE_US 3000000 /* until a fan gives up a silent slot */
 
 /* ---- tasks ----------------------------------------------------------------------------------- */
 
@@ -122,7 +122,7 @@ bool sim_workload_plan(
     p->width = 1;
     p->work = &l->work;
     p->node = m->node;
-    p->silence_us = SILENCE_US;
+    p->silence_us = PATIENCE_SILENCE_US;
     p->detect_us = m->policy == &policy_published ? DETECT_US : 0;
     p->faults_us = (int64_t)(1e6 * sim_bound_s(p));
     return true;

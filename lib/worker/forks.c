@@ -10,6 +10,7 @@
  * What the children owe, and for how long they are silent, is for the reader to watch (fan): here
  * is no table of tasks.
  */
+#include "patience/patience.h"
 #include "worker/worker_int.h"
 
 #include <errno.h>
@@ -20,7 +21,6 @@
 
 #define AHEAD 3          /* tasks of a slot, without those that have to= */
 #define TASKS_MOST 65536 /* waiting; beyond that the input waits */
-#define BEAT_US 450000   /* between beats while there is work */
 #define ROUND_MS 200     /* longest round while a child may end */
 #define POLL_FIXED 3     /* entries of poll before those of the children */
 
@@ -260,7 +260,7 @@ static void beat(struct forks *p)
 {
     int64_t now = now_us();
     outlet_beat(&p->out, &p->w->in);
-    if (now - p->beat_us < BEAT_US || !p->builder.busy) return;
+    if (now - p->beat_us < PATIENCE_BEAT_US || !p->builder.busy) return;
     p->beat_us = now;
     wire_plain(&p->out.queue.control, REC_BEAT, NULL);
 }

@@ -4,6 +4,7 @@
  * writes only while `busy`, when no record is half written. It stops itself when the worker is
  * idle.
  */
+#include "patience/patience.h"
 #include "worker/worker_int.h"
 
 #include <errno.h>
@@ -13,7 +14,6 @@
 #include <unistd.h>
 
 #define LOOK_US 100000
-#define BEAT_US 450000 /* time after which a check is also a beat: every fifth */
 
 static volatile sig_atomic_t busy, ticking;
 static bool pulsing;    /* worker_pulse_open was called */
@@ -32,7 +32,7 @@ static void look(int sig)
     int err = errno;
     (void)sig;
     if (poll(&p, 1, 0) > 0 && p.revents & POLL_GONE) _exit(ST_SYSTEM);
-    if (now_us() - beat_us >= BEAT_US) {
+    if (now_us() - beat_us >= PATIENCE_BEAT_US) {
         beat_us = now_us();
         if (!busy) set_timer(0);
         else if (write(STDOUT_FILENO, beat, sizeof beat - 1) < 0) _exit(ST_SYSTEM);
