@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-ehp] [-k half|one] COMMAND [ARGUMENT ...]\n"
+static const char text[] = "[-ehp] COMMAND [ARGUMENT ...]\n"
                            "       ringctl -n WORKER [ARGUMENT ...]";
 
 struct options {
@@ -18,16 +18,10 @@ struct options {
 static void parse(struct options *o, int argc, char **argv)
 {
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+ehk:np")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehnp")) != -1) {
         switch (opt) {
         case 'e': o->params.endgame = o->rules = true; break;
         case 'h': usage(ST_OK, text);
-        case 'k':
-            o->params.one = strcmp(optarg, "one") == 0;
-            if (!o->params.one && strcmp(optarg, "half") != 0)
-                die(ST_USAGE, "-k %s: expected half or one", optarg);
-            o->rules = true;
-            break;
         case 'n': o->node = true; break;
         case 'p': o->published = o->rules = true; break;
         default: usage(ST_USAGE, text);

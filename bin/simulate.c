@@ -18,7 +18,7 @@ static const char text[] =
     "           [-s SEED] [-u US] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
     "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto] [-t SECONDS],\n"
-    "        ring [-e|-p] [-k half|one]";
+    "        ring [-e|-p]";
 
 struct options {
     struct sim_plan plan;
@@ -94,17 +94,14 @@ static void parse_method(struct options *o, int argc, char **argv)
     *p = m->params;
     int opt;
     optind = 0; /* restart getopt */
-    while ((opt = prog_getopt(argc, argv, "+ehk:pq:t:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehpq:t:")) != -1) {
         if (opt == 'h') usage(ST_OK, text);
         if (!strchr(m->options, opt)) usage(ST_USAGE, text);
         if (opt == 'e') p->endgame = true;
         else if (opt == 'q' && strcmp(optarg, "auto") == 0) p->depth = SCHED_DEPTH_AUTO;
         else if (opt == 'q') p->depth = (int32_t)opt_int(opt, optarg, 0, 1000000);
         else if (opt == 't') p->least_us = 1e6 * opt_real(opt, optarg, 0, 86400);
-        else if (opt == 'p') o->method.policy = &policy_published;
-        else if (strcmp(optarg, "one") == 0) p->one = true;
-        else if (strcmp(optarg, "half") == 0) p->one = false;
-        else die(ST_USAGE, "-k %s: expected half or one", optarg);
+        else o->method.policy = &policy_published;
     }
     if (o->method.policy == &policy_published && p->endgame)
         die(ST_USAGE, "ring -p: expected no -e with it");

@@ -87,7 +87,7 @@ ring() { { pack scene gears.nff; partition -n 3 $size; } | "$@" | gather -r ring
 ring ringctl fan -j 3 ringctl -n deal fan -j 2 rtworker -
 same "a ring of nodes of two slots" gears.pfm
 rm ring.frags
-rings() { { pack scene gears.nff; partition -n 3 "$size"; } | deal -q 2 fan -t 300 -j 2 ringctl -k one fan -t 300 -j 2 ringctl -n ./together; }
+rings() { { pack scene gears.nff; partition -n 3 "$size"; } | deal -q 2 fan -t 300 -j 2 ringctl fan -t 300 -j 2 ringctl -n ./together; }
 ok "all four nodes of two rings under one deal get tasks" four rings
 same "rings dealt to" gears.pfm
 ring ringctl fan -j 2 ringctl -n ringctl -p fan -j 2 ringctl -n rtworker -

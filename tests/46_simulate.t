@@ -109,11 +109,10 @@ like '-v: the hub learns of the lost slot' "$out" '^# 600000 1 to hub: gone$'
 # The first node has all four. The second gets its place at .2, and asks; the ask is at the hub at .3 and at the first node
 # at .4; the gift is at the hub at .5 and at the second node at .6. In one hop from node to node each way takes half of that.
 stolen() { run simulate -v -m 1e6 -w 1,1 -l 100 "$@" <first.task; }
-stolen ring -k one
+stolen ring
 like 'the ring: a steal takes two hops, through the hub' "$out" '^# 600000 1 from hub: task 1 from=0$'
 is 'the ring: all tasks are done, by both nodes' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'
-is 'the ring -k one: one task per steal' "$(of steals)" "$(of passed)"
-stolen -H 1 ring -k one
+stolen -H 1 ring
 like 'the ring -H 1: a steal takes one hop' "$out" '^# 400000 1 from hub: task 1 from=0$'
 stolen ring -p
 is 'the published ring: all tasks are done' "$status $(of uncommitted) $(of steals | sed 's/[1-9]/some/')" '0 0 some'

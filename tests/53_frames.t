@@ -59,7 +59,7 @@ held_by 'deal, three slots' "$whole" deal -q 2 fan -t 60 -j 3
 held_by 'a tree' "$whole" deal fan -t 60 -j 2 deal fan -t 60 -j 2
 held_by 'a tree of lone workers' "$whole" deal -q 1 fan -t 60 -j 3 deal
 held_by 'ring' "$whole" ringctl fan -t 60 -j 2 ringctl -n
-held_by 'ring, one at a time' "$whole" ringctl -k one fan -t 60 -j 3 ringctl -n
+held_by 'ring, three nodes' "$whole" ringctl fan -t 60 -j 3 ringctl -n
 held_by 'ring as published' "$begun" ringctl -p fan -t 60 -j 2 ringctl -n
 held_by 'static' "$begun" fan -t 60 -j 2
 options=-c
@@ -77,7 +77,7 @@ mv three short
 } >three
 # order: on the way down, the tasks of frame 1, of state 128, come before the next state
 order() { grep -a '^scene \|^task 1 ' down | awk '$1 == "scene" { n++ } $1 == "task" && n > 128 { exit 1 }'; }
-for policy in deal 'ringctl -k half'; do
+for policy in deal ringctl; do
 	node=''
 	[ "$policy" = deal ] || node='ringctl -n'
 	# shellcheck disable=SC2086

@@ -75,7 +75,7 @@ is 'balance gdc -1 is refused' "$status $err" '2 balance: -1: a ring has a node 
 printf '%s\n' '#!/bin/sh' 'shift 2; exec rtworker "$@"' >plain && chmod +x plain
 run fan -1 -j 2 ./plain - <tasks
 like 'a worker with another number of slots is refused' "$status $err" '^3 fan: slots 0 to 1: refused: it has 1 slots, expected 2, by its option -j$'
-echo 'ring me=0 n=2 rules=default give=half to=0' >ring
+echo 'ring me=0 n=2 rules=default to=0' >ring
 run fan -1 -j 2 rtworker - <ring
 is 'a ring is refused' "$status $err" '2 fan: record `ring`: expected a worker for each slot, without -1'
 

@@ -72,15 +72,11 @@ all up
 rtworker -a 16 - | { dd bs=1 count=1500 2>dd.said; all did; cat; }
 END
 chmod +x together
-for give in half one; do
-	rm -f up.* did.*
-	{ pack scene gears.nff; partition -n 1 256x256; } |
-		ringctl -k $give fan -t 600 -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
-	is "all tasks start at one node, -k $give: no message" "$(cat said)" ''
-	is "all tasks start at one node, -k $give: the others did only stolen tasks" "$(fragstat first.frags |
-		awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print at, did - had }')" '2 0'
-	rm first.frags
-done
+{ pack scene gears.nff; partition -n 1 256x256; } |
+	ringctl fan -t 600 -j 3 ringctl -n ./together 2>said | gather -r first.frags -o first.pfm
+is 'all tasks start at one node: no message' "$(cat said)" ''
+is 'all tasks start at one node: the others did only stolen tasks' "$(fragstat first.frags |
+	awk '$1 == 1 || $1 == 2 { did += $2; had += $12; at += $2 > 0 } END { print at, did - had }')" '2 0'
 ok 'all tasks start at one node: the same picture' cmp first.pfm good.pfm
 
 # ---- nodes and workers that die, or stop -----------------------------------------------------------------------------
@@ -221,10 +217,10 @@ refused() { # NAME RECORDS COMMAND ...
 refused 'fan, an ask without a slot' 'ask peer=0\n' fan -j 2 rtworker -
 refused 'fan, a question to a slot that is not there' 'ask peer=0 to=2\n' fan -j 2 rtworker -
 refused 'fan, what a node says' 'give 0 0 peer=0 to=1\n' fan -j 2 rtworker -
-refused 'a hub that hears another' 'ring me=0 n=1 rules=default give=half\n' ringctl fan -j 2 ringctl -n rtworker -
+refused 'a hub that hears another' 'ring me=0 n=1 rules=default\n' ringctl fan -j 2 ringctl -n rtworker -
 refused 'deal, a record of the ring' 'ask\n' deal fan -j 2 rtworker -
 refused 'a node, what another node says' 'crashed peer=0\n' ringctl -n rtworker -
-for bad in '' '-n' '-k two fan' '-x' '-n -p rtworker' '-n -k one rtworker'; do
+for bad in '' '-n' '-k one fan' '-x' '-n -p rtworker'; do
 	# shellcheck disable=SC2086
 	run ringctl $bad </dev/null
 	is "ringctl $bad: exit 2" "$status" 2
@@ -238,11 +234,11 @@ cat >mute <<'END'
 echo hello x 1 format=4 selftest=0
 cat >said.$(date +%N)
 END
-printf '%s\n' 'ring me=0 n=2 rules=default give=one to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
+printf '%s\n' 'ring me=0 n=2 rules=default to=0' 'none peer=1 idle=1 next=0 to=1' 'ask to=0' >few
 wrote() { [ "$(grep -ac "^$1 " out)" -ge "$2" ]; } # RECORD TIMES: fan did
 { await 10 wrote up 2; cat few; } | fan -j 2 sh mute >out
 is 'fan: each record goes to its slot, without to=' "$(sed 's/ sum=.*//' said.* | sort | tr '\n' ';')" \
-	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default give=one;'
+	'ask;none peer=1 idle=1 next=0;ring me=0 n=2 rules=default;'
 printf '#!/bin/sh\necho hello x 1 format=4 selftest=0; sleep .2; echo ask; cat >/dev/null\n' >asks && chmod +x asks
 { echo 'frame 0 1 1'; await 10 wrote gone 1; } | fan -j 1 ./asks 2>said >out
 said 'fan: a node without a place' 'wrong-record'

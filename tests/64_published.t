@@ -27,7 +27,7 @@ heard() {
 says() { LC_ALL=C grep -a -h -o -E '(^|[^ -~])(ring|ask|give|none|crashed|heir) .*' "$@" | sed 's/ sum=.*//'; }
 { pack scene gears.nff; partition -n 3 192x192; } >turn.task
 heard turn turn.task -a 16 -c
-is 'a node gets its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published give=one'
+is 'a node gets its rules' "$(says down.* | grep -o 'rules=published.*' | sort -u)" 'rules=published'
 { pack scene gears.nff; partition -n 1 192x192; } >first.task
 # first_word KIND NODE: prints the first record of this kind from that node
 first_word() { for k in 0 1 2; do says down.$k | grep -q "me=$2 n=3" && says up.$k | grep -E -m 1 "$1"; done; }

@@ -23,8 +23,7 @@ bool drive_ring_of(const struct record *r, struct ring *m)
         .idle = said.idle,
         .me = said.me,
         .n = said.n,
-        .published = said.published,
-        .one = said.one};
+        .published = said.published};
     return true;
 }
 
@@ -39,6 +38,5 @@ void drive_ring_say(struct buf *b, const struct sched_action *a, int32_t to)
             .me = m->me,
             .n = m->n,
             .idle = m->idle,
-            .published = m->published,
-            .one = m->one});
+            .published = m->published});
 }

@@ -134,7 +134,7 @@ static void take_up(struct master *m, int32_t k, struct sched_actions *out)
     node->up = node->met = true;
     send_ring(m, k,
         (struct ring){
-            RING_PLACE, .peer = -1, .next = -1, .me = k, .n = m->n, .published = true, .one = true},
+            RING_PLACE, .peer = -1, .next = -1, .me = k, .n = m->n, .published = true},
         out);
     for (int32_t i = node->rows.head; i >= 0; i = m->table.at[i].next) send_assigned(m, i, out);
 }

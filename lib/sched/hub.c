@@ -102,7 +102,7 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
     take_pool(h, k, out);
     sched_act(out, SCHED_SAY, k, NULL);
     out->at[out->n - 1].ring = (struct ring){
-        .kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes, .one = h->p.one};
+        .kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes};
 }
 
 static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)

@@ -20,7 +20,7 @@ static void give_late(struct hub *h, struct sched_actions *out)
     while (h->hungry.count && h->late.count) {
         int32_t late = set_after(&h->late, set_after(&h->hungry, -1));
         int32_t held = h->nodes[late].held.count;
-        hub_give(h, late, set_before(&h->hungry, late), h->p.one ? 1 : (held + 1) / 2, out);
+        hub_give(h, late, set_before(&h->hungry, late), (held + 1) / 2, out);
     }
 }
 

@@ -202,7 +202,7 @@ static int32_t spare(const struct node *n, int64_t now)
     double here_us = known ? fed_us(n, us_per_px, now) : n->fed_px;
     double there_us = known ? n->trip_us : 0;
     here_us += n->queue_px * us_per_px;
-    int32_t given = 0, most = n->place.one ? 1 : n->queue.count;
+    int32_t given = 0, most = n->queue.count;
     if (n->asked_us >= 0) return 0;
     for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
         double us = tasks_px(&n->has, i) * us_per_px;

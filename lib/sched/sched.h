@@ -45,7 +45,6 @@ struct ring {
     bool idle;      /* NONE: I have nothing to do myself */
     int32_t me, n;  /* PLACE */
     bool published; /* PLACE: the rules as published apply */
-    bool one;       /* PLACE: give one task at a time, not half of them */
 };
 
 enum sched_event_kind {
@@ -104,7 +103,6 @@ struct sched_params {
     int32_t depth;   /* -q: tasks a slot may hold beyond those it computes, or SCHED_DEPTH_AUTO */
     bool endgame;    /* -e: cut the last tasks smaller and give them to more than one slot */
     double least_us; /* -t: least time of a piece, and of a task out before it is copied; 0: none */
-    bool one;        /* ring -k one: nodes give one task at a time */
 };
 
 struct policy {

@@ -77,7 +77,7 @@ struct sim_plan sim_ring_plan_of(uint64_t seed)
     p.calm = false;
     p.p_hang = chance(seed, 25, .3);
     if (p.p_hang > 0) p.detect_us = 5000000;
-    p.params = (struct sched_params){.one = unit(seed, 30) < .3, .endgame = unit(seed, 32) < .5};
+    p.params = (struct sched_params){.endgame = unit(seed, 32) < .5};
     p.slots = unit(seed, 1) < .3 ? pick(seed, 2, 1, 4) : pick(seed, 2, 2, 64);
     if (unit(seed, 3) >= .1) p.tasks = pick(seed, 4, 1, 200);
     if (p.assigned > p.tasks) p.assigned = p.tasks;

@@ -184,8 +184,8 @@ void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const st
     buf_printf(b, "%s", rec_name(kind));
     if (kind == REC_GIVE) buf_printf(b, " %" PRIu32 " %" PRIu32, t->frame, t->id);
     if (kind == REC_RING)
-        buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s give=%s", m->me, m->n,
-            m->published ? "published" : "default", m->one ? "one" : "half");
+        buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s", m->me, m->n,
+            m->published ? "published" : "default");
     else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
     if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
     if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);

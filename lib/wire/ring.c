@@ -37,8 +37,7 @@ bool rec_ring(const struct record *r, struct rec_ring *m)
     switch (r->kind) {
     case REC_RING:
         return m->me >= 0 && m->me < m->n &&
-               either(r, "rules", "default", "published", &m->published) &&
-               either(r, "give", "half", "one", &m->one);
+               either(r, "rules", "default", "published", &m->published);
     case REC_ASK: return true;
     case REC_HEIR:
     case REC_NONE:

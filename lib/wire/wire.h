@@ -163,7 +163,7 @@ int32_t rec_slot(const struct record *r);
 /* The keys of a ring record; -1 or false if absent. */
 struct rec_ring {
     int32_t peer, next, me, n;
-    bool idle, published, one;
+    bool idle, published;
 };
 /* False if r is no ring record, or lacks a key, or has one out of range. A decoder returns no
  * such record. */

@@ -22,8 +22,6 @@ static void settle(struct world *w, struct rslot *s, int32_t k)
     const int32_t width = w->plan->width;
     double most_px = s->had_px / 2 + sim_ring_model(w)->most_px;
     if (s->asker >= 0 && !s->answers) sim_fail(w, "an ask was not answered", k, s->asker);
-    if (s->asker >= 0 && w->plan->params.one && s->answers > 1)
-        sim_fail(w, "a node gives more than one task", k, s->answers);
     if (s->in_time && s->given_px > most_px)
         sim_fail(w, "a node gives more than half of its queue", (int64_t)s->given_px, k);
     s->asker = -1;

@@ -204,7 +204,7 @@ static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int3
     if (late < 0 || m->slots[late].state != RING_NEW) return false;
     if (m->slots[k].hungry) {
         m->late = late;
-        m->late_left = w->plan->params.one ? 1 : (m->slots[late].promised + 1) / 2;
+        m->late_left = (m->slots[late].promised + 1) / 2;
     }
     if (m->late != late || m->late_left-- <= 0) return false;
     t->from = late;

@@ -318,7 +318,7 @@ static void assert_ring(
     only(&d, &b, &r);
     assert_true(r.kind == kind && r.task.to == to && rec_ring(&r, &got));
     assert_true(got.peer == m->peer && got.next == m->next && got.me == m->me && got.n == m->n);
-    assert_true(got.idle == m->idle && got.published == m->published && got.one == m->one);
+    assert_true(got.idle == m->idle && got.published == m->published);
     if (kind == REC_GIVE) assert_true(r.task.frame == some_task.frame && r.task.id == some_task.id);
     no_more(&d);
     buf_free(&b);
@@ -331,9 +331,9 @@ static void test_ring(void **state)
     struct rec_ring place = nobody, m = nobody;
     place.me = 1048575;
     place.n = 1048576;
-    assert_ring(REC_RING, &place, 3, "ring me=1048575 n=1048576 rules=default give=half to=3\n");
-    place.published = place.one = true;
-    assert_ring(REC_RING, &place, -1, "ring me=1048575 n=1048576 rules=published give=one\n");
+    assert_ring(REC_RING, &place, 3, "ring me=1048575 n=1048576 rules=default to=3\n");
+    place.published = true;
+    assert_ring(REC_RING, &place, -1, "ring me=1048575 n=1048576 rules=published\n");
     assert_ring(REC_ASK, &m, -1, "ask\n");
     m.peer = 1048575;
     assert_ring(REC_ASK, &m, 0, "ask peer=1048575 to=0\n");
@@ -391,11 +391,11 @@ static void test_refused(void **state)
         "task 0 0 0 0 1 1 1 1 peer=1048576\n", "ask 3\n", "ask peer=\n", "ask peer=1048576\n",
         "give 0 1\n", "give 0 peer=1\n", "give 0 4294967296 peer=1\n", "give 0 1 peer=x\n",
         "none\n", "none peer=0 idle=2\n", "none peer=0 next=-1\n", "crashed\n",
-        "crashed peer=1 bytes=0\n", "heir next=1\n", "ring n=1 rules=default give=half\n",
-        "ring me=0 rules=default give=half\n", "ring me=0 n=0 rules=default give=half\n",
-        "ring me=1 n=1 rules=default give=half\n", "ring me=0 n=1048577 rules=default give=half\n",
-        "ring me=0 n=1 rules=old give=half\n", "ring me=0 n=1 rules=default give=two\n",
-        "ring me=0 n=1 rules=default\n", "ring me=0 n=1 give=one\n", "drain\n", "drain to=1\n",
+        "crashed peer=1 bytes=0\n", "heir next=1\n", "ring n=1 rules=default\n",
+        "ring me=0 rules=default\n", "ring me=0 n=0 rules=default\n",
+        "ring me=1 n=1 rules=default\n", "ring me=0 n=1048577 rules=default\n",
+        "ring me=0 n=1 rules=old\n",
+        "ring me=0 n=1\n", "drain\n", "drain to=1\n",
         "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n", "alive\n",
         "alive within=.4\n", "alive within=1e9\n", "alive within=x\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -761,7 +761,7 @@ static void test_enemies(void **state)
     check_cost("frag 0 0 0 0 65536 1 1 1 ch=4 crc=0 bytes=1048576\nbeat\n", 4 << 20);
     check_cost("uuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuuu", 1 << 18);
     check_cost("beat a=1 beat a=1 beat a=1 beat a=1 ", 1 << 18);
-    check_cost("ring me=0 n=1 rules=default give=two\n", 1 << 18);
+    check_cost("ring me=0 n=1 rules=none\n", 1 << 18);
     check_cost("scene bytes=2147483647\n", 1 << 20);
 }
 
