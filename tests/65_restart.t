@@ -140,7 +140,7 @@ is 'an input as the preview: exit 2, and the input stays' "$status:$(cmp in.part
 run balance masterslave -r log -o log -s $size gears.nff
 is 'balance -r log -o log: exit 2' "$status" 2
 run balance masterslave gears.nff -s $size -o out.pfm
-is 'balance: options behind the scene' "$status $err" '2 balance: -s: no such file; options are before the files'
+is 'balance: options behind the scene' "$status $err" '2 job: -s: no such file; options are before the files'
 run balance masterslave -r gears.nff -o out.pfm gears.nff
 is 'balance -r with the scene: exit 2' "$status" 2
 run balance masterslave -o nosuch/out.pfm -s $size gears.nff

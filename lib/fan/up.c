@@ -8,8 +8,8 @@
 #include <string.h>
 
 #define CHATTER_MOST 65536 /* bytes before hello, which start-up files may print */
-/* Answers to no question, per connection; likewise messages. An inner policy sends some for each
- * late copy, so there may be this many more for each other answer. */
+/* Limit of unsolicited answers per connection, and of messages. An inner policy sends some for each
+ * late copy, so STALE_TIMES more are allowed for each solicited answer. */
 #define STALE_MOST 1000
 #define STALE_TIMES 4
 #define NEWS_TIMES 4 /* a worker may announce each frame again after it was lost */

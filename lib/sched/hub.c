@@ -219,7 +219,7 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
     }
 }
 
-/* Only these count: pixels may be older. */
+/* A record of this node proves that it lives. Pixels do not: they may come from before. */
 static void note_life(struct hub *h, const struct sched_event *e)
 {
     if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_works(h, e->slot)) return;

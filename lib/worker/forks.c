@@ -72,8 +72,8 @@ static void want(struct forks *p, const struct frame_size *f)
     p->wants = true;
 }
 
-/* A frame of a known number and another size or state. Tasks of the old one have the same keys, so
- * they come first. */
+/* Does the record change the size or the state of a known frame? Tasks of the old frame have the
+ * same keys, so they are finished first. */
 static bool changes(const struct forks *p, const struct record *r)
 {
     const struct frame_size *f = frames_find(&p->w->frames, r->task.frame);
