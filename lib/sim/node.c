@@ -1,7 +1,6 @@
 /*
  * Nodes: the policy between a slot's link and its worker. Its messages go up the link; its tasks
- * reach the worker at once.
- * One machine with slots.c.
+ * reach the worker at once. So node.c and slots.c call each other.
  */
 #include "sim/world.h"
 

@@ -1,7 +1,6 @@
 /*
  * Slots. A slot is a process that takes its tasks in order. When it ends, messages under way to it
  * and its current task are void; messages that it had sent are not.
- * One machine with node.c.
  */
 #include "sim/world.h"
 

@@ -1,7 +1,6 @@
 /*
  * A run of a tree in virtual time: its workers, its input, its loop. The policies are those that
  * deal runs; see sim_tree_run in sim.h.
- * One machine with tree_hub.c.
  */
 #include "sim/tree.h"
 
