@@ -9,12 +9,38 @@
 
 /* Payload of a task. */
 struct history_task {
-    int32_t last; /* index of its last done */
+    int32_t last;  /* index of its last done, -1: none */
+    int32_t early; /* index of its latest pixels without a done; valid if these are of this task */
+};
+
+/* Pixels of a task of slot `slot` that came before its done. */
+struct history_early {
+    int32_t task, slot;    /* -1: they have got a done */
+    int32_t next;          /* earlier ones of the task, -1: none */
+    int64_t frag;          /* index, -1: none is kept */
+    uint64_t sent, pixels; /* as in struct history_done */
 };
 
 static struct history_task *task_at(const struct history *l, int32_t i)
 {
     return tasks_extra(&l->tasks, i);
+}
+
+/* Makes the task if it is new. */
+static int32_t task_of(struct history *l, const struct task *t)
+{
+    int32_t i = tasks_find(&l->tasks, t->frame, t->id);
+    if (i >= 0) return i;
+    i = tasks_add(&l->tasks, t, 0);
+    *task_at(l, i) = (struct history_task){-1, -1};
+    return i;
+}
+
+/* The latest early pixels of task i, -1: none. */
+static int32_t early_of(const struct history *l, int32_t i)
+{
+    int32_t at = task_at(l, i)->early;
+    return at >= 0 && at < l->n_early && l->early[at].task == i ? at : -1;
 }
 
 /* The place of a slot name in the hash table, or where it belongs. */
@@ -71,6 +97,7 @@ static void drop_events(struct history *l)
 static void begin_run(struct history *l)
 {
     l->running = true;
+    l->n_early = 0;
     if (!l->runs) tasks_init(&l->tasks, sizeof(struct history_task));
     if (!l->runs || !run_idle(l)) {
         l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
@@ -91,6 +118,30 @@ static void take_hello(struct history *l, const struct record *r)
     if (rec_int(r, "slots", 1, HISTORY_SLOTS_MAX, &n)) l->runs[l->n_runs - 1].slots = (int32_t)n;
 }
 
+/* The pixels of task i that its slot sent before done di belong to it. */
+static void claim_early(struct history *l, int32_t i, int32_t di)
+{
+    struct history_done *d = &l->dones[di];
+    for (int32_t at = early_of(l, i); at >= 0; at = l->early[at].next) {
+        struct history_early *e = &l->early[at];
+        if (e->slot != d->slot) continue;
+        e->slot = -1;
+        d->sent += e->sent;
+        d->pixels += e->pixels;
+        if (e->frag >= 0) l->frags[e->frag].done = di;
+    }
+}
+
+static void keep_early(struct history *l, const struct task *t, struct history_early early)
+{
+    early.task = task_of(l, t);
+    early.next = early_of(l, early.task);
+    if ((l->n_early & (l->n_early - 1)) == 0) /* full: a power of two */
+        l->early = xrealloc(l->early, l->n_early ? 2 * (size_t)l->n_early : 1, sizeof *l->early);
+    task_at(l, early.task)->early = l->n_early;
+    l->early[l->n_early++] = early;
+}
+
 static void take_done(struct history *l, const struct record *r)
 {
     if (!l->running) begin_run(l);
@@ -106,10 +157,10 @@ static void take_done(struct history *l, const struct record *r)
     rec_int(r, "recv_us", 0, INT64_MAX, &d->recv_us);
     rec_int(r, "try", 1, INT64_MAX, &d->try);
     d->stolen = rec_int(r, "from", 0, WIRE_SLOTS_MAX - 1, &from);
-    int32_t i = tasks_find(&l->tasks, d->frame, d->id);
-    d->before = i < 0 ? -1 : task_at(l, i)->last;
-    if (i < 0) i = tasks_add(&l->tasks, &r->task, 0);
+    int32_t i = task_of(l, &r->task);
+    d->before = task_at(l, i)->last;
     task_at(l, i)->last = (int32_t)l->n_dones++;
+    claim_early(l, i, task_at(l, i)->last);
 }
 
 static struct history_frame *find_frame(const struct history *l, uint32_t number)
@@ -183,15 +234,15 @@ static int32_t done_of(const struct history *l, const struct task *t, int32_t sl
     return HISTORY_UNKNOWN;
 }
 
-static void take_pixels(
-    struct history *l, struct history_frame *f, const struct lattice *at, int32_t di)
+/* Returns the number of pixels that were not there. */
+static uint64_t take_pixels(struct history_frame *f, const struct lattice *at)
 {
     uint64_t before = f->have.done;
     for (uint32_t j = 0; j < at->h; j++) {
         uint64_t p = lattice_pixel(at, f->w, (uint64_t)j * at->w);
         for (uint32_t i = 0; i < at->w; i++, p += at->sx) coverage_set(&f->have, p);
     }
-    if (di >= 0) l->dones[di].pixels += f->have.done - before;
+    return f->have.done - before;
 }
 
 static void keep_frag(struct history *l, const struct record *r, int32_t di)
@@ -218,8 +269,17 @@ static void take_frag(struct history *l, const struct record *r)
     int32_t di = done_of(l, &r->task, slot);
     if (l->keep) keep_frag(l, r, di);
     l->n_frags++;
-    if (di >= 0) l->dones[di].sent += lattice_count(at);
-    take_pixels(l, f, at, di);
+    uint64_t sent = lattice_count(at), pixels = take_pixels(f, at);
+    if (di < 0) {
+        keep_early(l, &r->task,
+            (struct history_early){.slot = slot,
+                .frag = l->keep ? (int64_t)l->n_frags - 1 : -1,
+                .sent = sent,
+                .pixels = pixels});
+    } else {
+        l->dones[di].sent += sent;
+        l->dones[di].pixels += pixels;
+    }
 }
 
 static void take_bye(struct history *l, const struct record *r)
@@ -319,6 +379,7 @@ void history_free(struct history *l)
     free(l->events);
     free(l->frags);
     free(l->sorted);
+    free(l->early);
     tasks_free(&l->tasks);
     *l = (struct history){0};
 }

@@ -6,7 +6,8 @@
  * Call history_read for each file; or history_read_bytes for one in memory, if its pixels are
  * needed. Then use the tables, then call history_free. A log is not trusted: damaged records are
  * skipped and counted, and of each pixel the first one counts, as in gather. A pixel belongs to
- * the latest `done` of its slot for that task.
+ * the latest `done` of its slot for that task in the run, or else to the next one: workers may send
+ * pixels of a long task before it is done.
  */
 #ifndef STORMRING_HISTORY_H
 #define STORMRING_HISTORY_H
@@ -103,13 +104,15 @@ struct history {
     bool refused;          /* a hello of another format, see why: the rest is not read */
 
     /* private */
-    bool keep;               /* fills frags */
-    int32_t *slot_at;        /* slots by hash of the name; -1: none */
-    size_t slots_room;       /* size of slot_at, twice that of `slots` */
-    size_t *sorted;          /* indices of frags by place; built when first needed */
-    struct task_table tasks; /* those done, with history.c's payload */
-    bool running;            /* the last run goes on */
-    double lone_us;          /* wall time of the last run, without a fan */
+    bool keep;                   /* fills frags */
+    int32_t *slot_at;            /* slots by hash of the name; -1: none */
+    size_t slots_room;           /* size of slot_at, twice that of `slots` */
+    size_t *sorted;              /* indices of frags by place; built when first needed */
+    struct task_table tasks;     /* those of the log, with history.c's payload */
+    struct history_early *early; /* pixels of the last run that came before their done */
+    int32_t n_early;
+    bool running;   /* the last run goes on */
+    double lone_us; /* wall time of the last run, without a fan */
 };
 
 /*

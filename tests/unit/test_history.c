@@ -247,6 +247,34 @@ static void many_slots_keep_their_names(void **state)
     buf_free(&b);
 }
 
+/* A worker sends pixels of a long task before it is done; those of another slot or run stay without
+ * a cost. */
+static void pixels_before_their_done(void **state)
+{
+    (void)state;
+    struct buf b = {0};
+    struct history l = {0};
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=2");
+    line(&b, "frame 0 8 4 job=" JOB);
+    frag(&b, 0, row(3), 0, 1);
+    line(&b, "hello fan 0.1 format=4 selftest=1 slots=2");
+    frag(&b, 0, row(0), 0, 1);
+    frag(&b, 0, row(1), 0, 1);
+    frag(&b, 0, row(1), 1, 1);
+    line(&b, "done 0 0 cpu_us=24 w=0");
+    frag(&b, 0, row(2), 0, 1);
+    line(&b, "done 0 0 cpu_us=8 w=0");
+    history_read_bytes(&l, b.p, buf_size(&b));
+    assert_int_equal(l.n_dones, 2);
+    assert_int_equal(l.dones[0].sent, 24);
+    assert_int_equal(l.dones[0].pixels, 24);
+    assert_int_equal(l.dones[1].sent, 0);
+    static const int done_of[] = {HISTORY_UNKNOWN, 0, 0, HISTORY_UNKNOWN, 0};
+    for (int i = 0; i < 5; i++) assert_int_equal(l.frags[i].done, done_of[i]);
+    history_free(&l);
+    buf_free(&b);
+}
+
 /* ---- replaying ------------------------------------------------------------------------------- */
 
 /* Row y of an 8 x 4 frame, by task y of 80 (y + 1) us; row 3 without its cost. */
@@ -485,6 +513,7 @@ int main(void)
         cmocka_unit_test(only_some_logs_can_be_replayed),
         cmocka_unit_test(a_log_in_memory),
         cmocka_unit_test(costs_of_two_runs),
+        cmocka_unit_test(pixels_before_their_done),
         cmocka_unit_test(costs_of_tasks),
         cmocka_unit_test(the_longest_task),
     };
