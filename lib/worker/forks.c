@@ -105,6 +105,8 @@ static bool is_free(struct forks *p)
     if (tasks_waiting(p, frame ? NULL : &oldest)) return false;
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *s = &p->slots[k];
+        /* Files of a state are the parent's: a later child uses them for tasks of that state. */
+        if (!frame && count(&s->sent, &oldest)) free = false;
         if (!s->child.pid || (!frame && (int32_t)(s->generation - oldest) >= 0)) continue;
         s->ends = true; /* it sends what it holds back */
         free = false;
