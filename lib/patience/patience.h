@@ -46,7 +46,8 @@
 
 /* ---- fan, seen by a worker ------------------------------------------------------------------- */
 
-/* So many times PATIENCE_SILENCE_US or -t without a word from fan: the connection is dead. */
+/* Without a word from fan for this number of times PATIENCE_SILENCE_US or -t, the connection is
+ * dead. */
 #define PATIENCE_ALIVE_TIMES 10
 
 /* ---- a process that was told to end ---------------------------------------------------------- */
@@ -61,15 +62,15 @@
 
 /* ---- a task or an answer, seen by a policy --------------------------------------------------- */
 
-/* A task that a slot has had for long is late, and goes to another slot as well: after so many
- * times that the other one would need for it, with this added for a busy machine, and after a day
- * at most. */
+/* A task that a slot has had for long is late, and goes to another slot as well: after this number
+ * of times that the other one would need for it, with a time added for a busy machine, and after a
+ * day at most. */
 #define PATIENCE_TASK_TIMES 4
 #define PATIENCE_TASK_US 200000
 #define PATIENCE_TASK_MOST_US 86400e6
-/* An answer of a node of the ring is late after so many times the longest answer so far, with this
- * added; or after the last time while none has come. Twice the factor of a task: another node is
- * asked instead, which disturbs it, and gains little. */
+/* An answer of a node of the ring is late after this number of times the longest answer so far, with
+ * a time added; or after a fixed time while none has come. The factor is twice that of a task,
+ * because asking another node instead gains little. */
 #define PATIENCE_ANSWER_TIMES 8
 #define PATIENCE_ANSWER_US 100000
 #define PATIENCE_FIRST_ANSWER_US 3000000

@@ -264,7 +264,9 @@ static void pixels_before_their_done(void **state)
     line(&b, "done 0 0 cpu_us=24 w=0");
     frag(&b, 0, row(2), 0, 1);
     line(&b, "done 0 0 cpu_us=8 w=0");
-    history_read_bytes(&l, b.p, buf_size(&b));
+    unsigned char *log = xmalloc(buf_size(&b), 1);
+    memcpy(log, buf_data(&b), buf_size(&b));
+    history_read_bytes(&l, log, buf_size(&b));
     assert_int_equal(l.n_dones, 2);
     assert_int_equal(l.dones[0].sent, 24);
     assert_int_equal(l.dones[0].pixels, 24);
@@ -272,6 +274,7 @@ static void pixels_before_their_done(void **state)
     static const int done_of[] = {HISTORY_UNKNOWN, 0, 0, HISTORY_UNKNOWN, 0};
     for (int i = 0; i < 5; i++) assert_int_equal(l.frags[i].done, done_of[i]);
     history_free(&l);
+    free(log);
     buf_free(&b);
 }
 
