@@ -68,8 +68,8 @@
 #define PATIENCE_TASK_TIMES 4
 #define PATIENCE_TASK_US 200000
 #define PATIENCE_TASK_MOST_US 86400e6
-/* An answer of a node of the ring is late after this number of times the longest answer so far, with
- * a time added; or after a fixed time while none has come. The factor is twice that of a task,
+/* An answer of a node of the ring is late after this number of times the longest answer so far,
+ * with a time added; or after a fixed time while none has come. The factor is twice that of a task,
  * because asking another node instead gains little. */
 #define PATIENCE_ANSWER_TIMES 8
 #define PATIENCE_ANSWER_US 100000
