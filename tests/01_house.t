@@ -12,6 +12,7 @@ clean() { if [ -s "$found" ]; then fail "$1" "$(cat "$found")"; else pass "$1"; 
 cat >"$tmp/arrows" <<'END'
 base
 geometry
+patience
 task base
 coder base
 wire coder task base
