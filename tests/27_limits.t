@@ -64,8 +64,8 @@ for program in 'balance interleaved -j 1 -o o.png gears.nff' 'balance calibrate 
 			'^3:[a-z]+(-calibrate)?: expected a limit of 30 open files or more \(ulimit -n\)$'
 	done
 done
-# Six slots and files for two or three children: a policy gives the tasks of the others to these. The input stays open
-# until all tasks are done, so waiting for its end would take forever.
+# Six slots and files for two or three children: the tasks of the others are done too, under their slots' numbers. The
+# input stays open until all tasks are done, so waiting for its end would take forever.
 cat >poor <<'END'
 #!/bin/sh
 ulimit -n $FILES
@@ -73,14 +73,18 @@ exec perl -MPOSIX -e 'POSIX::close($_) for 3 .. 1023; exec @ARGV' rtworker "$@"
 END
 chmod +x poor
 gather -o good.pfm <gears.frags
-for chain in 'deal fan -1 -j 6 ./poor -' 'deal -q 2 -e fan -1 -j 6 ./poor -c -' 'deal -q auto -e fan -1 -j 6 ./poor -c -f 9 -'; do
+for chain in 'fan -1 -j 6 ./poor -' 'deal fan -1 -j 6 ./poor -' 'deal -q 2 -e fan -1 -j 6 ./poor -c -' 'deal -q auto -e fan -1 -j 6 ./poor -c -f 9 -'; do
 	for cut in 'scatter -n 6' row; do
 		# shellcheck disable=SC2086
 		{ pack scene gears.nff; partition -u $cut 64x64; } >poor.task
 		FILES=13 run sh -c "timeout 1200 $chain <poor.task >poor.frags"
-		like "13 open files, -u $cut | $chain: exit 0, and a line" "$status:$err" '^0:.*slot [1-5]: Too many open files; the run goes on without it$'
+		like "13 open files, -u $cut | $chain: exit 0, and a line" "$status:$err" '^0:.*slot [1-5]: Too many open files; other slots take its tasks$'
 		gather -o poor.pfm <poor.frags
 		ok "13 open files, -u $cut | $chain: the same picture" cmp poor.pfm good.pfm
+		case $cut,$chain in *-e*) ;; scatter*)
+			is "13 open files, -u $cut | $chain: a task under each slot" \
+				"$(grep -ao '^done .* w=[0-9]' poor.frags | sed 's/.*w=//' | sort -u | tr -d '\n')" 012345 ;;
+		esac
 	done
 done
 FILES=8 run sh -c "timeout 1200 fan -1 -j 6 ./poor - <poor.task >poor.frags"

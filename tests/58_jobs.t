@@ -126,16 +126,13 @@ run rtworker -j 2 - <three
 refused 'records of a worker' 'record `hello`'
 
 # ---- ends ------------------------------------------------------------------------------------------------------
-# begun SLOTS [OPTION ...]: starts a worker whose input stays open, within the command $via; $worker is the process, and it
-# has done two tasks
-via=''
+# begun SLOTS [OPTION ...]: starts a worker whose input stays open; $worker is its process, and it has done two tasks
 begun() {
 	slots=$1
 	shift
 	rm -f in out
 	mkfifo in
-	# shellcheck disable=SC2086  # words
-	MARK=$mark $via rtworker -j "$slots" "$@" - <in >out 2>said &
+	MARK=$mark rtworker -j "$slots" "$@" - <in >out 2>said &
 	worker=$!
 	exec 9>in
 	cat tasks >&9
@@ -154,25 +151,43 @@ partition 100x80 | rtworker -a 1024 2.nff | gather -o good.pfm
 # same: the picture of the last run, and its exit status
 same() { echo "$status $(gather -o a.pfm out 2>&1) $(cmp a.pfm good.pfm 2>&1)"; }
 over() { ! kill -0 "$worker" 2>&7; }
-# lost LOG: the number of times that slots were gone, and up again
-lost() { grep -aoE '^(gone|up) w=[0-9]+ ' "$1" | cut -d ' ' -f 1 | sort | uniq -c | awk '{ printf "%s ", $1 }'; }
-says='^rtworker: slot [0-2]: lost \(signal-9\)( in task 0 [0-9]+)? with [0-9] tasks, forked again$'
 begun 3 -a 1024
 # shellcheck disable=SC2046
 kill -KILL $(children | head -n 1)
 ended
-is 'a killed child: exit 1, the slot is gone and up again, and a message names its task' \
-	"$status $(lost out)$(grep -cE "$says" said) $(unexpected said | wc -l)" '1 1 1 1 1'
-is 'a killed child: no other task is lost' "$(grep -aoE '^gone .*' out | sed -nE 's/.* lost=([0-9]+).*/\1/p')" \
-	"$((80 - $(grep -aoE 'done 0 [0-9]+ ' out | sort -u | wc -l)))"
+is 'a killed child: the picture' "$(same)" '0  '
+is 'a killed child: no other task was lost' "$(grep -cE '^rtworker: slot [0-2]: lost \(signal-9\) with [1-4] tasks, forked again$' said) $(unexpected said | wc -l)" '1 1'
+# done_by_number: the number of tasks that are done once, twice, ...
+done_by_number() { grep -aoE 'done 0 [0-9]+ ' out | sort | uniq -c | awk '{ n[$1]++ } END { for (i in n) print i, n[i] }'; }
+is 'a killed child: each done once' "$(done_by_number)" '1 80'
+begun 3 -a 1024 -c
+# shellcheck disable=SC2046
+kill -KILL $(children | tail -n 1)
+ended
+is 'a killed child that held pixels back' "$(same)" '0  '
+is 'a killed child that held pixels back: each done once' "$(done_by_number)" '1 80'
+begun 2 -a 1024
+# shellcheck disable=SC2046
+kill -STOP $(children | head -n 1)
+ended
+is 'a stopped child: the picture' "$(same)" '0  '
+like 'a stopped child: a message names it' "$(cat said)" '^rtworker: slot [01]: lost \(silent\) with [1-4] tasks, forked again$'
+# An idle child is asked to end; one that holds pixels back must send them.
+partition 100x80 | rtworker 2.nff | gather -o plain.pfm
+computed() { [ "$(done_by_number)" = '1 80' ]; }
 for options in '' -c; do
 	# shellcheck disable=SC2086
-	via='deal -q auto -e' && begun 3 -a 1024 $options && via=''
+	begun 2 $options
+	await 60 computed
 	# shellcheck disable=SC2046
-	kill -KILL $(ps -o pid= --ppid "$(children | tr -d ' ')" | tail -n 1)
+	kill -STOP $(children | head -n 1)
+	exec 9>&-
+	await 2 over
+	kill -0 "$worker" 2>&7 && kill -KILL "$worker"
 	ended
-	is "a killed child, a policy $options: the picture" "$(same) $(grep -cE "$says" said)" '0   1'
-done
+	is "a stopped child without work $options: the picture" "$status $(gather -o a.pfm out 2>&1) $(cmp a.pfm plain.pfm 2>&1)" '0  '
+done 7>/dev/null
+like 'a stopped child that held pixels back: a message names it' "$(cat said)" '^rtworker: slot [01]: lost \(silent\) with [0-9]+ tasks, forked again$'
 begun 2 -a 1024 -d 20
 while kill -0 "$worker" 2>&7; do
 	for child in $(children); do kill -KILL "$child" 2>&7; done

@@ -23,8 +23,7 @@ struct driver {
     bool in_open, closing;
     bool stopping; /* nothing that the command still does is needed */
     bool node;     /* of a ring */
-    bool lone;     /* the command is one slot, not a fan; */
-    int width;     /* it computes as many tasks at once */
+    bool lone;     /* the command is one slot, not a fan */
     int refused;   /* status to end with at once */
     char why[24];  /* reason in the command's bye: it ended early */
 };

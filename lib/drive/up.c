@@ -13,9 +13,8 @@
 
 /*
  * A fan reports its slots one by one. Any other command, a policy or a lone worker, is one slot
- * that computes as many tasks at once as its hello states. A policy handles the loss of its own
- * slots itself. If a worker loses one of its slots, all of its tasks are given again. A node is
- * around one worker, whatever that is.
+ * that computes as many tasks at once as its hello states, and handles the loss of its own slots
+ * itself. A node is around one worker, whatever that is.
  */
 static void take_hello(struct driver *d, const struct record *r)
 {
@@ -32,7 +31,6 @@ static void take_hello(struct driver *d, const struct record *r)
     d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
     if (d->policy->joins && !d->lone) wire_plain(&d->down.bytes, REC_JOINS, NULL);
     drive_tell(d, (struct sched_event){.kind = SCHED_SLOTS, .n = d->lone ? 1 : (int32_t)n});
-    d->width = (int)n;
     if (d->lone)
         drive_tell(d, (struct sched_event){.kind = SCHED_UP, .n = (int32_t)n, .power = power});
 }
@@ -70,7 +68,6 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
     e->kind = r->kind == REC_UP ? SCHED_UP : SCHED_GONE;
     if (r->kind == REC_GONE && !forward_gone(d, r)) return false;
     if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
-    if (d->lone) e->n = d->width;
     if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
     return true;
 }

@@ -1,16 +1,15 @@
 /*
  * fan, shared by its files: loop.c; facts.c (what is true of a slot); state.c (what a slot is
  * sent); report.c (failures); down.c (the input); slot.c (the life of a slot); connect.c (the order
- * of connections); place.c (the slots of one worker); join.c (a hosts file that changes);
- * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
- * end); code.c (packed records); up.c (what workers send); err.c (their standard error); send.c
- * (programs for hosts that have none); list.c (fan -l).
+ * of connections); join.c (a hosts file that changes); refusal.c (why a connection failed); hello.c
+ * (which workers are let in); alive.c (silence of this end); code.c (packed records); up.c (what
+ * workers send); err.c (their standard error); send.c (programs for hosts that have none); list.c
+ * (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
 
 #include "fan/fan.h"
-#include "fan/place.h"
 #include "patience/patience.h"
 #include "pipe/pipe.h"
 
@@ -138,8 +137,7 @@ struct fan_slot {
     struct connection conn;
     struct feed feed;
     struct task_table *tasks; /* of each slot: sent, and not yet both computed and delivered */
-    struct fan_place *places; /* of each slot */
-    int32_t n_tasks;          /* in all of the tables */
+    int32_t n_tasks;          /* in all of them */
     int32_t undone;           /* tasks not computed */
 
     /* Over all connections: */

@@ -26,7 +26,9 @@ static double silence_allowed_us(const struct fan *f, const struct fan_slot *s)
         return s->state == FAN_QUEUED ? s->host->host->wait_s * 1e6 : PATIENCE_QUEUED_US;
     if (opening) return fmax(here ? PATIENCE_HELLO_US : PATIENCE_REACH_US, stated_us);
     if (fan_slot_over(f, s) && !s->n_tasks) return stated_us;
-    if (!fan_slot_owes(f, s, s->undone, s->n_tasks)) return 0;
+    /* Pixels of computed tasks may be held back until a flush. */
+    bool asked = s->undone || (s->n_tasks && (s->feed.flushed || !f->in_open));
+    if (!asked) return 0;
     return s->feed.loading ? fmax(PATIENCE_LOADING_US, stated_us) : stated_us;
 }
 
@@ -50,17 +52,10 @@ static void find_silent(struct fan *f, int64_t looked_us, bool reading)
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
         fan_code_late(f, s, looked_us);
-        fan_places_silence(f, s, reading);
         double allowed_us = silence_allowed_us(f, s);
         if (!reading || allowed_us <= 0) s->conn.heard_us = now_us();
         else if ((double)(looked_us - s->conn.heard_us) > allowed_us) went_silent(f, s);
     }
-}
-
-static void credit(int64_t *heard_us, int64_t late_us, int64_t looked_us)
-{
-    *heard_us += late_us;
-    if (*heard_us > looked_us) *heard_us = looked_us;
 }
 
 /*
@@ -73,8 +68,8 @@ static void credit_own_delay(struct fan *f, int64_t looked_us)
     for (int k = 0; f->awake_us && late_us > 0 && k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         if (!fan_slot_has_stream(s)) continue;
-        credit(&s->conn.heard_us, late_us, looked_us);
-        for (int i = 0; i < s->width; i++) credit(&s->places[i].heard_us, late_us, looked_us);
+        int64_t heard_us = s->conn.heard_us + late_us;
+        s->conn.heard_us = heard_us < looked_us ? heard_us : looked_us;
     }
 }
 

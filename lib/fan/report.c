@@ -12,8 +12,14 @@ int64_t fan_retry_wait_us(int failures)
 
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
 {
+    char extra[128];
     if (s->told_gone && !(lost && s->n_tasks)) return;
-    for (int i = 0; i < s->width; i++) fan_place_gone(f, s, i, why, lost ? s->tasks[i].count : 0);
+    for (int i = 0; i < s->width; i++) {
+        snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32 " recv_us=%" PRId64,
+            s->number + i, why, lost ? s->tasks[i].count : 0, now_us() - f->start_us);
+        wire_plain(&f->out.queue.bulk, REC_GONE, extra);
+        up_end_record(&f->out.queue);
+    }
     s->told_gone = true;
 }
 

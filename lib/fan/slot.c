@@ -91,10 +91,7 @@ void fan_slot_forget(struct fan_slot *s)
 {
     down_free(&s->feed.queue);
     s->feed = (struct feed){0};
-    for (int i = 0; i < s->width; i++) {
-        tasks_free(&s->tasks[i]);
-        s->places[i] = (struct fan_place){0};
-    }
+    for (int i = 0; i < s->width; i++) tasks_free(&s->tasks[i]);
     s->n_tasks = s->undone = 0;
 }
 
@@ -110,15 +107,10 @@ void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host
         .measured = h->host->power > 0 && !f->o->trips,
         .missing_us = now_us()};
     s->tasks = xcalloc((size_t)width, sizeof *s->tasks);
-    s->places = xcalloc((size_t)width, sizeof *s->places);
     for (int i = 0; i < width; i++) tasks_init(&s->tasks[i], sizeof(struct fan_task));
 }
 
-void fan_slot_free(struct fan_slot *s)
-{
-    free(s->tasks);
-    free(s->places);
-}
+void fan_slot_free(struct fan_slot *s) { free(s->tasks); }
 
 void fan_slot_disconnect(const struct fan *f, struct fan_slot *s)
 {
@@ -172,7 +164,13 @@ void fan_slot_queue(struct fan *f, struct fan_slot *s)
 
 static void say_up(struct fan *f, const struct fan_slot *s)
 {
-    for (int i = 0; i < s->width; i++) fan_place_up(f, s, i);
+    char text[HOST_NAME_MOST + 64];
+    for (int i = 0; i < s->width; i++) {
+        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number + i,
+            s->host->host->name, s->power, s->inner);
+        wire_plain(&f->out.queue.bulk, REC_UP, text);
+        up_end_record(&f->out.queue);
+    }
 }
 
 void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power)
@@ -204,9 +202,8 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
 {
     struct fan_slot *s = fan_slot_of(f, k);
     struct task_table *tasks = &s->tasks[k - s->number];
-    struct fan_place *place = &s->places[k - s->number];
     int64_t from;
-    bool left = place->out || (s->drains && (s->state != FAN_UP || fan_slot_over(f, s)));
+    bool left = s->drains && (s->state != FAN_UP || fan_slot_over(f, s));
     if (!fan_slot_comes(s) || left || (s->was_up && s->state != FAN_UP)) {
         f->lost++;
         return 0;
@@ -226,7 +223,6 @@ int fan_slot_send(struct fan *f, int k, const struct record *r, const struct fra
     *fan_task(tasks, i) =
         (struct fan_task){.sent_us = now_us() - f->start_us, .from = stolen ? (int32_t)from : -1};
     s->undone++;
-    place->undone++;
     s->feed.flushed = false; /* it may hold back the pixels of this one */
     if (fan_slot_has_stream(s)) s->conn.ahead--;
     s->host->given |= s->state == FAN_UP;
@@ -330,9 +326,7 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
 {
     char why[24];
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    /* A worker that has lost some of its slots has said so. */
-    bool reported = code == 0 || (code == ST_PARTIAL && s->width > 1);
-    bool well = s->conn.input_closed_first && !s->n_tasks && reported;
+    bool well = s->conn.input_closed_first && !s->n_tasks && code == 0;
     bool worked =
         f->in_open && s->host->given && !s->host->here && code != NOT_RUN && code != NOT_FOUND;
     bool connection = WIFSIGNALED(status) || worked ||

@@ -204,7 +204,6 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     wire_forward(&f->out.queue.control, r, stamped, text);
     task->computed = true;
     s->undone--;
-    s->places[tasks - s->tasks].undone--;
     s->conn.answers++;
     complete_task(s, tasks, i);
     return NULL;
@@ -245,7 +244,6 @@ static const char *take_ring(struct fan *f, struct fan_slot *s, const struct rec
         if (i < 0 || fan_task(s->tasks, i)->computed) return take_stale(f, s);
         remove_task(s, s->tasks, i);
         s->undone--;
-        s->places->undone--;
     }
     if (r->kind != REC_GIVE && ++s->conn.ahead > STALE_MOST) return "unasked";
     stamp(s, r, text, sizeof text);
@@ -264,9 +262,8 @@ static bool too_long(const struct record *r)
 }
 
 /*
- * An inner slot was lost. If there is a policy between, it has kept the slot's tasks, and the
- * report is for the log. Without one, tasks sent to that slot will not come back. With fan -1 the
- * slot has a number here, and is lost alone.
+ * An inner fan has lost a slot. If there is a policy between, it has kept the slot's tasks, and the
+ * report is for the log. Without one, tasks sent to that slot will not come back.
  */
 static const char *take_inner_gone(struct fan *f, struct fan_slot *s, const struct record *r)
 {
@@ -279,19 +276,7 @@ static const char *take_inner_gone(struct fan *f, struct fan_slot *s, const stru
         up_forward(&f->out.queue, r, stamped, text);
         return NULL;
     }
-    int k = number_of(s, r);
-    if (s->width == 1 || k < 0) return f->in_open || s->n_tasks ? "inner-gone" : NULL;
-    if (s->places[k - s->number].out) return NULL;
-    if (!rec_str(r, "why", text, 24)) snprintf(text, sizeof text, "inner-gone");
-    fan_place_lose(f, s, k - s->number, text);
-    return take_news(f, s);
-}
-
-/* Such a slot takes tasks again. Those of an inner fan without -1 are its own affair. */
-static void take_inner_up(struct fan *f, struct fan_slot *s, const struct record *r)
-{
-    int k = number_of(s, r);
-    if (s->width > 1 && k >= 0) fan_place_back(f, s, k - s->number);
+    return f->in_open || s->n_tasks ? "inner-gone" : NULL;
 }
 
 /* Returns NULL, or the reason why the slot cannot be trusted any more. */
@@ -311,7 +296,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_GIVE:
     case REC_NONE:
     case REC_CRASHED: return take_ring(f, s, r);
-    case REC_UP: take_inner_up(f, s, r); return NULL;
+    case REC_UP: /* of an inner fan: its own affair */ return NULL;
     case REC_BYE:
         if (s->conn.closed_us) s->trip_us = now_us() - s->conn.closed_us;
         return NULL;
@@ -347,7 +332,6 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
         if (is_chatter(s, result, &r)) continue;
         if (result == WIRE_RECORD) {
             at_work |= r.kind < REC_RING;
-            fan_place_hear(s, &r);
             why = take_record(f, s, &r);
         } else if (!s->conn.from.ended) {
             char name[SLOT_NAME];

@@ -44,6 +44,12 @@
 /* A round of fan may begin this much late: beyond, fan itself was kept from running. */
 #define PATIENCE_ROUND_US 100000
 
+/* ---- a child, seen by a worker of several slots ---------------------------------------------- */
+
+/* Most silence that counts in one round of the worker: beyond, the worker itself was late. The
+ * child is lost after PATIENCE_SILENCE_US. */
+#define PATIENCE_PARENT_US 200000
+
 /* ---- fan, seen by a worker ------------------------------------------------------------------- */
 
 /* Without a word from fan for this number of times PATIENCE_SILENCE_US or -t, the connection is

@@ -2,9 +2,10 @@
  * forks: the life of a child. It is a fork of the parent, made when a task needs it, and runs
  * worker_loop with the state that the parent had then. It gets frames, tasks and flushes only.
  * For tasks of later state it is replaced: its input ends, it finishes what it has, and the parent
- * forks another. If it dies, its slot is `gone` with all of its tasks, and `up` again: the program
- * that sent the tasks gives them once more, as after the loss of any worker.
+ * forks another. If it dies, or is silent, the parent forks another one for its tasks.
+ * One machine with forks.c and worker.c.
  */
+#include "patience/patience.h"
 #include "worker/worker_int.h"
 
 #include <errno.h>
@@ -12,16 +13,19 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define DEATHS_MOST 5 /* in a row, without a computed task: it is no accident */
+#define DEATHS_MOST 5   /* in a row, without a completed task: it is no accident */
+#define FAILURES_MOST 2 /* the same, of children that said themselves why */
 
-static size_t tasks_in(const struct buf *b) { return buf_size(b) / sizeof(struct task); }
-
-/* The first task of b, which has one. */
-static struct task first(const struct buf *b)
+static struct fork_task *extra(const struct fork_slot *s, int32_t i)
 {
-    struct task t;
-    memcpy(&t, buf_data(b), sizeof t);
-    return t;
+    return tasks_extra(&s->tasks, i);
+}
+
+void worker_fork_open(struct fork_slot *s, int number)
+{
+    *s = (struct fork_slot){
+        .number = number, .child = CHILD_NONE, .waiting = TASK_LIST_EMPTY, .sent = TASK_LIST_EMPTY};
+    tasks_init(&s->tasks, sizeof(struct fork_task));
 }
 
 /* The child has ended. */
@@ -30,61 +34,33 @@ static void settle(struct fork_slot *s)
     child_end(&s->child, 0);
     wire_free(&s->from);
     down_free(&s->to);
-    buf_free(&s->sent);
-    s->ends = false;
+    s->ends = s->flushed = false;
+    s->undone = 0;
+    s->silent_us = 0;
 }
 
 void worker_fork_free(struct fork_slot *s)
 {
     settle(s);
-    buf_free(&s->waiting);
+    tasks_free(&s->tasks);
 }
 
-/* ---- the loss of a child -------------------------------------------------------------------- */
-
-static void say(struct forks *p, enum rec_kind kind, const char *text)
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of)
 {
-    wire_plain(&p->out.queue.bulk, kind, text);
-    up_end_record(&p->out.queue);
+    if (tasks_find(&s->tasks, t->frame, t->id) >= 0) return false;
+    int32_t i = tasks_add(&s->tasks, t, frame_w);
+    extra(s, i)->of = of;
+    list_push_back(&s->tasks, &s->waiting, i);
+    return true;
 }
 
-/* The slot is gone, with all of its tasks, computed ones that it holds back as well. */
-static void lose(struct forks *p, struct fork_slot *s, const char *why)
+void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w)
 {
-    char text[96];
-    snprintf(text, sizeof text, "w=%d why=%s lost=%zu", s->number, why,
-        tasks_in(&s->sent) + tasks_in(&s->waiting));
-    say(p, REC_GONE, text);
-    p->lost = true;
-    buf_free(&s->waiting);
-    settle(s);
-}
-
-/* It can have another child. */
-static void lose_child(struct forks *p, struct fork_slot *s, const char *why)
-{
-    char text[64] = "";
-    const size_t n = tasks_in(&s->sent);
-    const struct task t = n ? first(&s->sent) : (struct task){0};
-    if (n) snprintf(text, sizeof text, " in task %" PRIu32 " %" PRIu32, t.frame, t.id);
-    warn("slot %d: lost (%s)%s with %zu tasks, forked again", s->number, why, text, n);
-    if (++s->deaths >= DEATHS_MOST)
-        die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
-    lose(p, s, why);
-    snprintf(text, sizeof text, "w=%d host=: power=%.6g slots=1", s->number, p->w->power);
-    say(p, REC_UP, text);
-}
-
-/* The system refuses a child. Without a process the slot stays gone. */
-static void leave_out(struct forks *p, struct fork_slot *s)
-{
-    int err = errno, others = 0;
-    for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
-    errno = err;
-    if (!others) die(ST_SYSTEM, "fork:");
-    warn("slot %d: %s; the run goes on without it", s->number, strerror(err));
-    s->out = true;
-    lose(p, s, "not-forked");
+    struct fork_slot *s = &p->slots[t->to];
+    if (worker_fork_add(s, t, frame_w, s->number)) return;
+    /* Another slot, which has no child, may have lent the task to this one, and wait for it. */
+    int of = extra(s, tasks_find(&s->tasks, t->frame, t->id))->of;
+    if (of != s->number) worker_fork_add(&p->slots[of], t, frame_w, s->number);
 }
 
 /* ---- down ----------------------------------------------------------------------------------- */
@@ -101,13 +77,21 @@ static int render(void *ctx)
 
 static bool start(struct forks *p, struct fork_slot *s)
 {
+    static bool said;
     uint32_t now = p->w->generations.now;
     if (p->forked >= FORKS_MOST) return false;
     p->forked++;
     if (child_fork(&s->child, render, p->w) != 0) {
-        leave_out(p, s);
+        int err = errno, others = 0;
+        p->forked = FORKS_MOST + 1; /* the next round tries again, after a pause */
+        for (int k = 0; k < p->n_slots; k++) others += p->slots[k].child.pid > 0;
+        errno = err;
+        if (!others) die(ST_SYSTEM, "fork:");
+        if (!said) warn("slot %d: %s; other slots take its tasks", s->number, strerror(err));
+        said = s->refused = true;
         return false;
     }
+    s->refused = false;
     s->from = (struct decoder){.upward = true, .unsummed = true};
     s->generation = worker_forks_built(p, now) ? now : now - 1;
     return true;
@@ -119,11 +103,41 @@ static bool fits(const struct fork_slot *s, uint32_t generation)
 }
 
 bool worker_fork_wants(
-    const struct forks *p, const struct fork_slot *s, size_t ahead, uint32_t generation)
+    const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation)
 {
     bool replaced = s->child.pid && !fits(s, generation);
-    if (s->out || (!s->child.pid && p->builder.busy)) return false;
-    return tasks_in(&s->sent) + tasks_in(&s->waiting) <= (replaced ? 0 : ahead);
+    if (!s->child.pid && p->builder.busy) return false;
+    return s->undone + s->waiting.count <= (replaced ? 0 : ahead);
+}
+
+/* Gives task i of slot s to the slot with the fewest that can take it. */
+static bool lend(struct forks *p, struct fork_slot *s, int32_t i)
+{
+    const struct task_entry e = s->tasks.at[i];
+    struct fork_slot *to = NULL;
+    for (int k = 0; k < p->n_slots; k++) {
+        struct fork_slot *o = &p->slots[k];
+        if (!fits(o, e.task.generation)) continue;
+        int32_t same = tasks_find(&o->tasks, e.task.frame, e.task.id);
+        if (same >= 0) { /* it can take the task when the pixels of its own copy are here */
+            o->flush |= extra(o, same)->again && !o->flushed;
+            continue;
+        }
+        if (!to || o->undone + o->waiting.count < to->undone + to->waiting.count) to = o;
+    }
+    return to && worker_fork_add(to, &e.task, e.frame_w, extra(s, i)->of);
+}
+
+void worker_fork_lend(struct forks *p, struct fork_slot *s)
+{
+    if (!s->refused || s->child.pid) return;
+    for (int32_t i = s->waiting.head, next; i >= 0; i = next) {
+        next = s->tasks.at[i].next;
+        if (!lend(p, s, i)) continue;
+        p->slots[extra(s, i)->of].lent = true;
+        list_remove(&s->tasks, &s->waiting, i);
+        tasks_remove(&s->tasks, i);
+    }
 }
 
 /* True if the child can take tasks of the generation. */
@@ -134,11 +148,14 @@ static bool prepare(struct forks *p, struct fork_slot *s, uint32_t generation)
     return !s->ends;
 }
 
-static void send(struct fork_slot *s)
+static void send(struct fork_slot *s, int32_t i)
 {
-    struct task t = first(&s->waiting);
-    buf_consume(&s->waiting, sizeof t);
-    buf_append(&s->sent, &t, sizeof t);
+    struct task t = s->tasks.at[i].task;
+    list_remove(&s->tasks, &s->waiting, i);
+    list_push_back(&s->tasks, &s->sent, i);
+    extra(s, i)->again = false;
+    s->undone++;
+    s->flushed = false;
     t.to = -1;
     wire_task(&s->to.bytes, &t);
 }
@@ -148,19 +165,22 @@ static void send(struct fork_slot *s)
 static void end_idle(const struct forks *p, struct fork_slot *s)
 {
     uint32_t now = p->w->generations.now;
-    bool over = !p->in_open && !p->holds && !buf_size(&p->any);
+    bool over = !p->in_open && !p->holds && !p->any.count;
     bool old = s->generation != now && worker_forks_built(p, now);
-    if (s->child.pid && !buf_size(&s->sent) && !buf_size(&s->waiting)) s->ends |= over || old;
+    if (s->child.pid && !s->undone && !s->waiting.count) s->ends |= over || old;
 }
 
 void worker_fork_feed(struct forks *p, struct fork_slot *s)
 {
-    for (; buf_size(&s->waiting); send(s)) {
-        uint32_t generation = first(&s->waiting).generation;
+    for (int32_t i; (i = s->waiting.head) >= 0; send(s, i)) {
+        uint32_t generation = s->tasks.at[i].task.generation;
         if (!worker_forks_built(p, generation) || !prepare(p, s, generation)) break;
     }
-    if (s->flush && !buf_size(&s->waiting) && !buf_size(&p->any)) {
-        if (s->child.pid && !s->ends) wire_plain(&s->to.bytes, REC_FLUSH, NULL);
+    if (s->flush && !s->waiting.count && !p->any.count) {
+        if (s->child.pid && !s->ends) {
+            wire_plain(&s->to.bytes, REC_FLUSH, NULL);
+            s->flushed = true;
+        }
         s->flush = false;
     }
     end_idle(p, s);
@@ -170,32 +190,67 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
     if (s->ends && !down_size(&s->to)) child_close(&s->child.to);
 }
 
+/* ---- the loss of a child -------------------------------------------------------------------- */
+
+/* Its tasks wait again, for another child. */
+static void lose(struct fork_slot *s, const char *why, int most)
+{
+    int lost = s->sent.count;
+    if (lost) {
+        s->flush = true; /* it may have been asked before it was lost */
+        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
+        if (++s->deaths >= most)
+            die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
+    }
+    settle(s);
+    for (int32_t i; (i = s->sent.tail) >= 0;) {
+        list_remove(&s->tasks, &s->sent, i);
+        list_push_front(&s->tasks, &s->waiting, i);
+    }
+}
+
 /* ---- up ------------------------------------------------------------------------------------- */
 
-static const char *stamp(const struct fork_slot *s, char w[24])
+static void complete(struct fork_slot *s, int32_t i)
 {
-    snprintf(w, 24, "w=%d", s->number);
+    if (!extra(s, i)->again || !tasks_whole(&s->tasks, i)) return;
+    list_remove(&s->tasks, &s->sent, i);
+    tasks_remove(&s->tasks, i);
+    s->deaths = 0;
+}
+
+static const char *stamp(char w[24], int slot)
+{
+    snprintf(w, 24, "w=%d", slot);
     return w;
 }
 
-/* It renders its tasks in order. */
-static const char *take_done(struct forks *p, struct fork_slot *s, const struct record *r)
+/* A task that is computed again says `done` once only. */
+static void take_done(struct forks *p, struct fork_slot *s, const struct record *r)
 {
     char w[24];
-    const struct task t = buf_size(&s->sent) ? first(&s->sent) : (struct task){0};
-    if (!buf_size(&s->sent) || t.frame != r->task.frame || t.id != r->task.id) return "wrong-task";
-    buf_consume(&s->sent, sizeof t);
-    s->deaths = 0;
-    wire_forward(&p->out.queue.control, r, NULL, stamp(s, w));
-    return NULL;
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0 || extra(s, i)->again) return;
+    extra(s, i)->again = true;
+    s->undone--;
+    if (!extra(s, i)->computed)
+        wire_forward(&p->out.queue.control, r, NULL, stamp(w, extra(s, i)->of));
+    extra(s, i)->computed = true;
+    complete(s, i);
 }
 
-/* While the parent waits for children and reads nothing, the beat of one is that of all slots,
- * because their tasks may be unread. */
-static void take_beat(struct forks *p, const struct fork_slot *s, const struct record *r)
+/* Pixels that a child before had sent are dropped. */
+static const char *take_frag(struct forks *p, struct fork_slot *s, const struct record *r)
 {
     char w[24];
-    wire_forward(&p->out.queue.control, r, NULL, p->holds ? NULL : stamp(s, w));
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0) return NULL;
+    uint64_t before = s->tasks.at[i].delivered;
+    if (!tasks_deliver(&s->tasks, i, &r->task.at)) return "wrong-pixels";
+    if (s->tasks.at[i].delivered > before)
+        up_forward(&p->out.queue, r, NULL, stamp(w, extra(s, i)->of));
+    complete(s, i);
+    return NULL;
 }
 
 static const char *take(struct forks *p, struct fork_slot *s, const struct record *r)
@@ -204,9 +259,9 @@ static const char *take(struct forks *p, struct fork_slot *s, const struct recor
     switch (r->kind) {
     case REC_FRAME: /* the parent has said it */
     case REC_BYE: return NULL;
-    case REC_BEAT: take_beat(p, s, r); return NULL;
-    case REC_DONE: return take_done(p, s, r);
-    case REC_FRAG: up_forward(&p->out.queue, r, NULL, stamp(s, w)); return NULL;
+    case REC_BEAT: wire_forward(&p->out.queue.control, r, NULL, stamp(w, s->number)); return NULL;
+    case REC_DONE: take_done(p, s, r); return NULL;
+    case REC_FRAG: return take_frag(p, s, r);
     default: return "wrong-record";
     }
 }
@@ -217,21 +272,35 @@ void worker_fork_listen(struct forks *p, struct fork_slot *s)
     struct record r;
     enum wire_result result;
     const char *why = NULL;
+    s->silent_us = 0;
     while (!why && (result = wire_next(&s->from, &r)) != WIRE_MORE) {
         if (result == WIRE_RECORD) why = take(p, s, &r);
         else if (!s->from.ended) why = "garbage";
     }
-    if (why) lose_child(p, s, why);
+    if (why) lose(s, why, DEATHS_MOST);
     else if (more <= 0) child_close(&s->child.from);
 }
 
-void worker_fork_check(struct forks *p, struct fork_slot *s)
+/* True if the child is to say something, or to end. */
+static bool owes(const struct fork_slot *s)
+{
+    return s->undone || (s->flushed && s->sent.count) || s->ends || s->child.from < 0;
+}
+
+void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
 {
     char why[24];
     int status;
-    if (!s->child.pid || s->child.from >= 0) return;
+    if (!s->child.pid) return;
+    if (owes(s)) s->silent_us += elapsed_us < PATIENCE_PARENT_US ? elapsed_us : PATIENCE_PARENT_US;
+    if (s->silent_us > PATIENCE_SILENCE_US) {
+        lose(s, "silent", DEATHS_MOST);
+        return;
+    }
+    if (s->child.from >= 0) return;
     bool told = s->ends && s->child.to < 0;
     if (!child_ended(&s->child, &status)) return;
-    if (!told || buf_size(&s->sent) || status != 0) lose_child(p, s, status_text(status, why));
-    else settle(s);
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (told && !s->sent.count && code == 0) settle(s);
+    else lose(s, status_text(status, why), code == ST_SYSTEM ? FAILURES_MOST : DEATHS_MOST);
 }

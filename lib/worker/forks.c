@@ -4,11 +4,11 @@
  * children render (fork_slot.c). A thread loads and builds (builder.c), so that meanwhile children
  * get tasks of earlier state and beats go on; but no child is forked meanwhile.
  *
- * A task with to=K is for slot K; any other one for the slot that is idle first. A state record
- * holds the input until it is loaded. It waits until no task needs the state that it replaces.
- *
- * What the children owe, and for how long they are silent, is for the reader to watch (fan): here
- * is no table of tasks.
+ * A task with to=K is for slot K; any other one for the slot that is idle first. If the system
+ * refuses to fork a slot's child, other slots have its tasks, and the records still name it. A
+ * state record holds the input until it is loaded. It waits until no task needs the state that it
+ * replaces.
+ * One machine with fork_slot.c and worker.c.
  */
 #include "patience/patience.h"
 #include "worker/worker_int.h"
@@ -16,33 +16,32 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #define AHEAD 3          /* tasks of a slot, without those that have to= */
 #define TASKS_MOST 65536 /* waiting; beyond that the input waits */
-#define ROUND_MS 200     /* longest round while a child may end */
+#define ROUND_MS 200     /* longest round while there is work */
 #define POLL_FIXED 3     /* entries of poll before those of the children */
 
 /* ---- state ---------------------------------------------------------------------------------- */
 
-/* The number of waiting tasks in b; with `before`, only those of earlier generations. */
-static int count(const struct buf *b, const uint32_t *before)
+/* Tasks that no child has computed and delivered, of generations before `oldest`, or all. */
+static int tasks_before(const struct forks *p, const uint32_t *oldest)
 {
-    int n = 0;
-    struct task t;
-    for (size_t at = 0; at < buf_size(b); at += sizeof t) {
-        memcpy(&t, buf_data(b) + at, sizeof t);
-        n += !before || (int32_t)(t.generation - *before) < 0;
+    int n = oldest ? 0 : p->tasks.count;
+    for (int k = -1; k < p->n_slots; k++) {
+        const struct task_table *t = k < 0 ? &p->tasks : &p->slots[k].tasks;
+        if (!oldest) n += k < 0 ? 0 : t->count;
+        for (uint32_t g = p->w->generations.oldest; oldest && (int32_t)(g - *oldest) < 0; g++)
+            n += t->n_by_generation[g % GENERATIONS];
     }
     return n;
 }
 
-/* The same of all tasks that no child was sent. */
-static int tasks_waiting(const struct forks *p, const uint32_t *before)
+static int tasks_waiting(const struct forks *p)
 {
-    int n = count(&p->any, before);
-    for (int k = 0; k < p->n_slots; k++) n += count(&p->slots[k].waiting, before);
+    int n = p->any.count;
+    for (int k = 0; k < p->n_slots; k++) n += p->slots[k].waiting.count;
     return n;
 }
 
@@ -95,23 +94,17 @@ static void take_frame(struct forks *p, const struct record *r)
     else want(p, f);
 }
 
-/* True if no task needs what the held record replaces: none waits, and no child that may have one
- * runs. A frame replaces one whose tasks have the same keys. */
+/* True if no task needs what the held record replaces. Children that hold back pixels are to
+ * flush. */
 static bool is_free(struct forks *p)
 {
     const struct record *r = &p->held;
-    bool frame = r->kind == REC_FRAME, free = true;
+    bool frame = r->kind == REC_FRAME;
     uint32_t oldest = frame ? 0 : generation_oldest(&p->w->generations, r->kind, r->body_len);
-    if (tasks_waiting(p, frame ? NULL : &oldest)) return false;
-    for (int k = 0; k < p->n_slots; k++) {
-        struct fork_slot *s = &p->slots[k];
-        /* Files of a state are the parent's: a later child uses them for tasks of that state. */
-        if (!frame && count(&s->sent, &oldest)) free = false;
-        if (!s->child.pid || (!frame && (int32_t)(s->generation - oldest) >= 0)) continue;
-        s->ends = true; /* it sends what it holds back */
-        free = false;
-    }
-    return free;
+    if (!tasks_before(p, frame ? NULL : &oldest)) return true;
+    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= !p->flushed;
+    p->flushed = true;
+    return false;
 }
 
 /* Starts to load the held record. */
@@ -144,7 +137,7 @@ static void joined(struct forks *p)
         return;
     }
     const uint32_t next = b->generation + 1;
-    bool asked = tasks_waiting(p, &next) > 0;
+    bool asked = tasks_before(p, &next) > 0;
     /* State may be missing: then the first task tries again. */
     if (b->failed && asked) die(ST_USAGE, "%s", b->err);
     if (b->failed) return;
@@ -177,31 +170,34 @@ static void take_task(struct forks *p, const struct record *r)
 {
     struct task t = r->task;
     const struct frame_size *f = worker_frame_of(p->w, &t);
-    struct fork_slot *s = t.to >= 0 && t.to < p->n_slots ? &p->slots[t.to] : NULL;
-    if (s && s->out) return; /* the sender has been told */
     t.generation = f->generation;
     if (!worker_forks_built(p, t.generation)) want(p, f);
-    buf_append(s ? &s->waiting : &p->any, &t, sizeof t);
+    if (t.to >= 0 && t.to < p->n_slots) worker_fork_give(p, &t, f->w);
+    else if (tasks_find(&p->tasks, t.frame, t.id) < 0)
+        list_push_back(&p->tasks, &p->any, tasks_add(&p->tasks, &t, f->w));
 }
 
 /* Gives tasks without a slot to those that have the fewest. */
 static void assign(struct forks *p)
 {
-    struct task t;
-    for (size_t ahead = 0; ahead < AHEAD; ahead++)
-        for (int k = 0; k < p->n_slots && buf_size(&p->any); k++) {
+    for (int ahead = 0; ahead < AHEAD; ahead++)
+        for (int k = 0; k < p->n_slots && p->any.count; k++) {
             struct fork_slot *s = &p->slots[k];
-            memcpy(&t, buf_data(&p->any), sizeof t);
-            if (!worker_forks_built(p, t.generation)) return;
-            if (!worker_fork_wants(p, s, ahead, t.generation)) continue;
-            buf_append(&s->waiting, &t, sizeof t);
-            buf_consume(&p->any, sizeof t);
+            int32_t i = p->any.head;
+            struct task_entry e = p->tasks.at[i];
+            if (!worker_forks_built(p, e.task.generation)) return;
+            if (!worker_fork_wants(p, s, ahead, e.task.generation)) continue;
+            list_remove(&p->tasks, &p->any, i);
+            tasks_remove(&p->tasks, i);
+            worker_fork_add(s, &e.task, e.frame_w, s->number);
         }
 }
 
 static void take_flush(struct forks *p, const struct record *r)
 {
-    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= r->task.to < 0 || r->task.to == k;
+    const int32_t to = r->task.to;
+    bool all = to < 0 || (to < p->n_slots && p->slots[to].lent);
+    for (int k = 0; k < p->n_slots; k++) p->slots[k].flush |= all || to == k;
     if (r->task.to < 0) outlet_answer(&p->out);
 }
 
@@ -226,6 +222,7 @@ static int take(void *ctx, const struct record *r)
     }
     p->held = *r;
     p->holds = true;
+    p->flushed = false;
     return STREAM_HOLD;
 }
 
@@ -238,9 +235,14 @@ static bool has_child(const struct forks *p)
     return false;
 }
 
+static bool has_work(const struct forks *p)
+{
+    return p->builder.busy || p->holds || tasks_before(p, NULL);
+}
+
 static size_t fill_poll(struct forks *p, struct pollfd *at)
 {
-    bool reading = p->in_open && !p->holds && tasks_waiting(p, NULL) < TASKS_MOST;
+    bool reading = p->in_open && !p->holds && tasks_waiting(p) < TASKS_MOST;
     bool listening = up_size(&p->out.queue) < UP_QUEUE_MOST;
     size_t n = POLL_FIXED;
     at[0] = pipe_poll_entry(STDIN_FILENO, reading, POLLIN);
@@ -253,24 +255,18 @@ static size_t fill_poll(struct forks *p, struct pollfd *at)
         at[n++] = pipe_poll_entry(s->child.to, down_size(&s->to) > 0, POLLOUT);
         at[n++] = pipe_poll_entry(s->child.from, listening, POLLIN);
     }
+    if (!listening) p->looked_us = 0; /* their silence does not count */
     return n;
 }
 
-/* While a state is loaded or built, the reader knows that this process lives. Otherwise children
- * send beats, each for its slot, so that the silence of one is noticed. */
-static void beat(struct forks *p)
+/* As long as there is work, the reader knows that this process lives; it watches its children
+ * itself. */
+static void beat(struct forks *p, int64_t now)
 {
-    int64_t now = now_us();
     outlet_beat(&p->out, &p->w->in);
-    if (now - p->beat_us < PATIENCE_BEAT_US || !p->builder.busy) return;
+    if (now - p->beat_us < PATIENCE_BEAT_US || !has_work(p)) return;
     p->beat_us = now;
     wire_plain(&p->out.queue.control, REC_BEAT, NULL);
-}
-
-static int wait_ms(const struct forks *p)
-{
-    if (p->forked == FORKS_MOST) return 0; /* others may have to be forked */
-    return p->builder.busy || has_child(p) ? ROUND_MS : -1;
 }
 
 static void go_round(struct forks *p, struct pollfd *at)
@@ -278,11 +274,15 @@ static void go_round(struct forks *p, struct pollfd *at)
     p->forked = 0;
     assign(p);
     for (int k = 0; k < p->n_slots; k++) worker_fork_feed(p, &p->slots[k]);
+    for (int k = 0; k < p->n_slots; k++) worker_fork_lend(p, &p->slots[k]);
     size_t n = fill_poll(p, at);
-    if (signals_poll(at, n, wait_ms(p)) < 0) {
+    int wait_ms = has_work(p) || (!p->in_open && has_child(p)) ? ROUND_MS : -1;
+    if (signals_poll(at, n, p->forked == FORKS_MOST ? 0 : wait_ms) < 0) {
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
         for (size_t i = 0; i < n; i++) at[i].revents = 0;
     }
+    int64_t now = now_us(), elapsed_us = p->looked_us ? now - p->looked_us : 0;
+    p->looked_us = now;
     outlet_polled(&p->out, &at[1]);
     if (p->out.gone) return;
     if (at[0].revents) p->refused = stream_input(&p->w->in, &p->in_open, take, p);
@@ -290,28 +290,26 @@ static void go_round(struct forks *p, struct pollfd *at)
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *s = &p->slots[k];
         if (s->poll && at[s->poll + 1].revents) worker_fork_listen(p, s);
-        worker_fork_check(p, s);
+        worker_fork_check(s, elapsed_us);
     }
     proceed(p);
-    beat(p);
+    beat(p, now);
     outlet_push(&p->out);
 }
 
 static bool goes_on(const struct forks *p)
 {
     if (p->out.gone || p->refused || signals_came()) return false;
-    return p->in_open || p->builder.busy || p->holds || p->wants || tasks_waiting(p, NULL) ||
-           has_child(p);
+    return p->in_open || has_work(p) || p->wants || has_child(p);
 }
 
 int worker_forks(struct worker *w)
 {
-    struct forks p = {.w = w, .n_slots = w->options->jobs, .in_open = true};
+    struct forks p = {.w = w, .n_slots = w->options->jobs, .any = TASK_LIST_EMPTY, .in_open = true};
     signals_catch();
     want_descriptors(2 * p.n_slots + 16);
     p.slots = xcalloc((size_t)p.n_slots, sizeof *p.slots);
-    for (int k = 0; k < p.n_slots; k++)
-        p.slots[k] = (struct fork_slot){.number = k, .child = CHILD_NONE};
+    for (int k = 0; k < p.n_slots; k++) worker_fork_open(&p.slots[k], k);
     struct pollfd *at = xcalloc((size_t)p.n_slots * 2 + POLL_FIXED, sizeof *at);
     worker_builder_open(&p.builder, w);
     outlet_open(&p.out);
@@ -325,10 +323,9 @@ int worker_forks(struct worker *w)
     outlet_drain(&p.out);
     for (int k = 0; k < p.n_slots; k++) worker_fork_free(&p.slots[k]);
     worker_builder_close(&p.builder);
-    buf_free(&p.any);
+    tasks_free(&p.tasks);
     up_free(&p.out.queue);
     free(p.slots);
     free(at);
-    if (p.out.gone) return ST_SYSTEM;
-    return p.refused ? p.refused : p.lost ? ST_PARTIAL : ST_OK;
+    return p.out.gone ? ST_SYSTEM : p.refused;
 }

@@ -17,8 +17,8 @@ static void hello(struct worker *w, int slots)
     uint64_t hash = hash64_u32(HASH64_INIT, rgba, (size_t)n * 4);
     char selftest[24];
     snprintf(selftest, sizeof selftest, "%016" PRIx64, hash);
-    w->power = WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1);
-    wire_hello(&w->out, w->ops->program, selftest, slots * w->power, slots);
+    double power = WORKER_SELFTEST_REFERENCE_US / (double)(took > 0 ? took : 1);
+    wire_hello(&w->out, w->ops->program, selftest, slots * power, slots);
     worker_push(w);
 }
 

@@ -31,7 +31,6 @@ struct worker {
     struct generations generations;
     float *pixels;
     int64_t cpu_us;             /* used at the latest done or other record */
-    double power;               /* of each slot, as its hello states it */
     char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
@@ -107,32 +106,44 @@ struct fork_slot {
     size_t poll; /* index of child.to in the last poll; .from follows; 0: none */
     struct decoder from;
     struct down_queue to;
-    uint32_t generation; /* the latest one when the child was forked */
-    bool ends;           /* its input is to be closed, once all of it is written */
-    bool flush;          /* it is to flush after its waiting tasks */
-    struct buf waiting;  /* tasks, each a struct task: those not sent to the child, */
-    struct buf sent;     /* and those that it has not computed */
-    int deaths;          /* children in a row that computed no task */
-    bool out;            /* the system has refused it a child */
+    uint32_t generation;      /* the latest one when the child was forked */
+    bool ends;                /* its input is to be closed, once all of it is written */
+    bool flush;               /* it is to flush after its waiting tasks */
+    bool flushed;             /* it was asked to, and got no task since */
+    struct task_table tasks;  /* all that follow; the payload is a struct fork_task */
+    struct task_list waiting; /* tasks not sent to the child */
+    struct task_list sent;    /* tasks not both computed and delivered */
+    int undone;               /* sent tasks that are not computed */
+    int64_t silent_us;        /* its silence while this process was reading */
+    int deaths;               /* children in a row that lost tasks and completed none */
+    bool refused;             /* the system has refused to fork a child for the waiting tasks */
+    bool lent;                /* other slots have had tasks of this one */
+};
+struct fork_task {
+    int of;        /* the slot that it is for; this one, unless it is lent */
+    bool computed; /* its `done` has come, from this child or one before */
+    bool again;    /* it has come from this child */
 };
 
 struct forks {
     struct worker *w;
     struct fork_slot *slots;
     int n_slots;
-    struct buf any; /* tasks for any slot, each a struct task */
+    struct task_table tasks; /* tasks for any slot, all of them on the list */
+    struct task_list any;
     struct worker_builder builder;
     bool built[GENERATIONS]; /* by generation, modulo GENERATIONS */
     bool wants;              /* the builder is to build for this frame: */
     struct frame_size wanted;
     bool holds;         /* this record waits for the builder, or for tasks: */
     struct record held; /* in the decoder's buffer */
+    bool flushed;       /* children were asked to flush for it */
     bool in_open;
-    bool lost;   /* a slot was gone */
-    int forked;  /* children forked in this round */
+    int forked;  /* children forked in this round; above FORKS_MOST: one could not be */
     int refused; /* status to end with at once */
     struct outlet out;
     int64_t beat_us;
+    int64_t looked_us; /* time of the last round */
 };
 
 /* As worker_run after the hello, with options->jobs children that share this process's state. */
@@ -145,15 +156,23 @@ static inline bool worker_forks_built(const struct forks *p, uint32_t generation
 
 /* ---- fork_slot.c ---- */
 
+void worker_fork_open(struct fork_slot *s, int number);
 void worker_fork_free(struct fork_slot *s);
+/* Adds a task of a frame of this width, which is for slot `of`. False: the slot has it already. */
+bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of);
+/* Adds a task to slot t->to, unless that has it already. */
+void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w);
+/* Lends the waiting tasks of a slot that was refused a child to slots that have one. A task waits
+ * on if no slot can take it now. */
+void worker_fork_lend(struct forks *p, struct fork_slot *s);
 /* Sends the child what it can take; forks it if it is needed. */
 void worker_fork_feed(struct forks *p, struct fork_slot *s);
 /* Handles all that the child has sent. */
 void worker_fork_listen(struct forks *p, struct fork_slot *s);
-/* Ends the slot's child if its stream has ended. */
-void worker_fork_check(struct forks *p, struct fork_slot *s);
+/* Ends the slot's child if its stream has ended or it was silent for too long. */
+void worker_fork_check(struct fork_slot *s, int64_t elapsed_us);
 /* True if a task would be computed at once, or after at most `ahead` others. */
 bool worker_fork_wants(
-    const struct forks *p, const struct fork_slot *s, size_t ahead, uint32_t generation);
+    const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation);
 
 #endif
