@@ -13,6 +13,8 @@ int64_t history_longest_us(const struct history *l, int64_t most_us)
         const struct history_done *d = &l->dones[i];
         int64_t us = d->run == run ? d->wall_us : d->recv_us;
         run = d->run;
+        /* wall_us is the worker's word: no task took longer than fan had run. */
+        if (d->recv_us >= 0 && us > d->recv_us) us = d->recv_us;
         if (us > longest_us && us <= most_us) longest_us = us;
     }
     return longest_us;

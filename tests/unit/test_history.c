@@ -490,7 +490,7 @@ static void the_longest_task(void **state)
     line(&b, "hello fan 0.1 format=4 selftest=1 slots=1");
     line(&b, "done 0 0 cpu_us=1 wall_us=900 recv_us=30");
     line(&b, "done 0 1 cpu_us=1 wall_us=40 recv_us=900");
-    line(&b, "done 0 2 cpu_us=1 wall_us=5000 recv_us=900");
+    line(&b, "done 0 2 cpu_us=1 wall_us=400000000000000000 recv_us=5000"); /* a lie */
     line(&b, "hello fan 0.1 format=4 selftest=1 slots=1");
     line(&b, "done 0 3 cpu_us=1 wall_us=900 recv_us=50");
     struct history l = read_log(&b);
