@@ -225,7 +225,7 @@ static int take_lines(struct job_frames *f, struct buf *said)
     buf_append(said, "", 1);
     for (char *text = (char *)said->data, *line; (line = next_line(&text)) != NULL;) {
         if (job_frames_take(f, line)) continue;
-        if (strncmp(line, "usage:", 6) == 0 || strncmp(line, "   ", 3) == 0) continue;
+        if (strncmp(line, "usage:", 6) == 0) break; /* the rest is usage as well */
         relay_line(line);
         others++;
     }
@@ -264,7 +264,10 @@ static void ask(const struct options *o, int in, size_t at, struct job_frames *f
 /* A list has a name in each line. */
 static void print_input(const char *name)
 {
-    if (!strchr(name, '\n')) printf("input %s\n", name);
+    char shown[ERR_PATH];
+    if (strchr(name, '\n'))
+        die(ST_USAGE, "%s: has a line end in its name, expected none", err_path(shown, name));
+    printf("input %s\n", name);
 }
 
 static void print_inputs(const struct options *o, int null)

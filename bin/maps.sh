@@ -25,7 +25,10 @@ draw_maps() {
 	} </dev/null >/dev/null 2>&1 4<&- 5>&- 6<&- &
 	exec 9>"$maps/held"
 	case $lines in
-	coasts:) coastlines >"$maps/coasts" || exit; lines=$maps/coasts ;;
+	coasts:)
+		coastlines >"$maps/coasts" 4<&- 5>&- 6<&- 9>&- || exit
+		lines=$maps/coasts
+		;;
 	none:) lines=/dev/null ;;
 	esac
 	backs=$(printf '%s\n' "$maps" | sed 's/%/%%/g') # a pattern

@@ -38,6 +38,10 @@ done
 ln t.nff t.partial.png
 ls -l >.before
 
+cp t.nff "$(printf 'x\ny.png')" && run balance adaptive -j 1 -s 8x8 -o "$(printf 'x\ny.png')" "$(printf 'x\ny.png')"
+like 'a name with a line end is refused' "$status $err" '^2 job: x.*y.png: has a line end in its name, expected none'
+ok 'which is kept' cmp t.nff "$(printf 'x\ny.png')"
+rm "$(printf 'x\ny.png')"
 # A line for each: the command, and the file that it would replace.
 while IFS='|' read -r command file; do
 	run sh -c "$command"

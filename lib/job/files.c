@@ -46,8 +46,7 @@ static bool look(const char *path, bool *grid, char err[ERR_BYTES])
 /* POV-Ray takes +WORD and NAME=VALUE for its own. The name stays in memory to the end. */
 static void plain_name(char **path)
 {
-    const bool word = **path == '+' && path[0][1] >= 'A' && path[0][1] <= 'Z';
-    if (**path == '/' || (!word && !strchr(*path, '='))) return;
+    if (**path == '/' || (**path != '+' && !strchr(*path, '='))) return;
     struct buf b = {0};
     buf_printf(&b, "./%s", *path);
     buf_append(&b, "", 1);

@@ -105,7 +105,7 @@ static void test_binary_stl(void **state)
 
 static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", a[] = "a.vtk",
             b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc", pov[] = "p=1.POV",
-            plus[] = "+Kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
+            plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
 
 static void save(const char *path, const char *text)
 {
@@ -155,7 +155,7 @@ static void test_together(void **state)
     assert_true(job_of(&j, FILES(a, x, b), err) && j.grids == 1); /* b is no specification */
     assert_true(job_of(&j, FILES(x, y), err) && j.grids == 1 && j.what == JOB_GRIDS);
     assert_true(job_of(&j, FILES(plus, x), err) && j.what == JOB_POV);
-    assert_string_equal(j.path[0], "./+Kff.pov");
+    assert_string_equal(j.path[0], "./+kff.pov");
     assert_string_equal(job_worker(&j), "povworker");
     assert_int_equal(job_states(&j), 1);
     free(j.path[0]);
