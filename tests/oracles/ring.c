@@ -198,7 +198,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
 }
 
 /* Tasks that wait for a slot not up yet go to nodes that ask, about half of them at a time. */
-static bool is_late(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+static bool is_late(struct ring_model *m, struct rtask *t, int32_t k)
 {
     int32_t late = t->base;
     if (late < 0 || m->slots[late].state != RING_NEW) return false;
@@ -247,7 +247,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
         sim_fail(w, "a task is given that has an owner, or does not exist", a->slot, id);
         return;
     }
-    int32_t k = is_late(w, m, t, a->slot) ? a->slot : sim_ring_receiver(w, m, t->base);
+    int32_t k = is_late(m, t, a->slot) ? a->slot : sim_ring_receiver(w, m, t->base);
     if (a->slot != k) sim_fail(w, "a task is given to a node that does not own it", a->slot, k);
     if (a->from != t->from) sim_fail(w, "a task names the wrong earlier owner", a->from, t->from);
     if (s->state != RING_UP) return;

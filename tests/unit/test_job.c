@@ -209,7 +209,7 @@ static void test_states(void **state)
 static struct spec starter(uint32_t w, uint32_t h, bool map)
 {
     struct buf text = {0};
-    struct spec s;
+    struct spec s = {0};
     char err[ERR_BYTES];
     buf_append(&text, "# before\n", 9);
     if (!job_starter(a, w, h, map, &text, err) ||
