@@ -14,7 +14,7 @@ const struct sim_method *sim_method_named(const char *name)
             .options = "",
             .tuned = true},
         {.name = "deal", .policy = &policy_deal, .options = "eqt"},
-        {.name = "ring", .policy = &policy_ring, .node = &policy_node, .options = "ekp"},
+        {.name = "ring", .policy = &policy_ring, .node = &policy_node, .options = "ep"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(name, table[i].name) == 0) return &table[i];

@@ -8,6 +8,6 @@ enum item_kind trace_kind_of(const struct prim *p)
 {
     uint32_t kind = 0;
     if (prim_is_poly(p)) return ITEM_TRIANGLE;
-    while (trace_shapes[kind]->prim != p->kind) kind++;
+    while (kind < ITEM_KINDS - 1 && trace_shapes[kind]->prim != p->kind) kind++;
     return (enum item_kind)kind;
 }
