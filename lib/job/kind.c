@@ -23,7 +23,7 @@ static const struct row {
     size_t n;
     struct foreign of;
 } rows[] = {
-#define BYTES(s) s, sizeof s - 1
+#define BYTES(s) (s), sizeof(s) - 1
     {BYTES("CDF\1"), {"a NetCDF file", "nc2vtk makes a grid of a variable"}},
     {BYTES("CDF\2"), {"a NetCDF file", "nc2vtk makes a grid of a variable"}},
     {BYTES("CDF\5"), {"a NetCDF file", "nc2vtk makes a grid of a variable"}},
