@@ -23,7 +23,7 @@ struct options {
     const char *log; /* -r: leave out pixels that it has */
     struct intake *have;
     enum { ORDER_NONE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
-    const char *cost_log; /* -o cost: */
+    const char *cost_log;                                /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };
@@ -56,8 +56,8 @@ static void parse_order(struct options *o, const char *order)
 /* Chunks are given in order, on demand. They, and runs, depend on the number of slots. */
 static void check_slots(const struct options *o)
 {
-    if (cut_in_runs(&o->cut) && !o->slots && !o->powers)
-        die(ST_USAGE, "-u fine or coarse: expected -n SLOTS or -w POWER,...");
+    if (cut_suits(&o->cut) && !o->slots && !o->powers)
+        die(ST_USAGE, "-u fine, coarse or tile:WxH:TASKS: expected -n SLOTS or -w POWER,...");
     if (!cut_in_chunks(&o->cut)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");
     if (!o->slots && !o->powers) die(ST_USAGE, "-u factoring: expected -n SLOTS or -w POWER,...");
@@ -84,7 +84,8 @@ static struct options parse(int argc, char **argv)
     static const char text[] =
         "[-h] [-c COUNT[/OF]] [-F FRAME] [-n SLOTS | -w POWER,...]\n"
         "           [-o sample|cost:LOG] [-r LOG] [-u UNIT] WxH[@FILE]\n"
-        "UNIT: row, tile:WxH, run:N, scatter, fine, coarse:N, guided[:N], factoring[:N]";
+        "UNIT: row, tile:WxH[:TASKS], run:N, scatter, fine[:TASKS], coarse:N, guided[:N],\n"
+        "      factoring[:N]";
     bool numbered = false;
     struct options o = {.cut = {.unit = CUT_ROW}};
     int opt;
@@ -107,8 +108,8 @@ static struct options parse(int argc, char **argv)
         case 'u':
             if (!cut_parse(optarg, &o.cut))
                 die(ST_USAGE,
-                    "-u %s: expected row, tile:WxH, run:N, scatter, fine, coarse:N, guided, "
-                    "guided:N, factoring or factoring:N",
+                    "-u %s: expected row, tile:WxH[:TASKS], run:N, scatter, fine[:TASKS], "
+                    "coarse:N, guided[:N] or factoring[:N]",
                     optarg);
             break;
         case 'w': parse_powers(&o, optarg); break;

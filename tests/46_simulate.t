@@ -228,6 +228,26 @@ is 'a host that is slowed three times keeps a thousandth of its power' "$(partit
 is 'a host that is slow from the start' "$(partition -u run:4 8x8 | simulate -m 1000 -j 2 -f slow@0s:1:.1 deal | awk '$1 == "slows" { print $2 }')" 1
 is 'jitter: no run is faster than the bound and three of the least latencies' "$(partition -u run:64 8x8 |
 	simulate -l 100 -m 10 -s 4 -f jitter=1 deal | awk '{ v[$1] = $2 } END { print (v["least_s"] <= v["makespan_s"]) }')" 1
+# What ships is what is simulated.
+here=$root/bin temporary=$tmp
+# shellcheck source=../bin/virtual.sh
+. "$root/bin/virtual.sh"
+# ships COMMAND METHOD SLOTS [WORKER]: gives the tasks of a method to COMMAND
+ships() { shipped "$1" "$2" 64x64 "$3" /dev/null fan -j "$3" "${4-rtworker}"; }
+counted() { ships 'sh -c cat' "$@" | awk '/^task/ { n++ } END { print n }'; }
+# shellcheck disable=SC2046  # words
+is 'simulate adaptive has the rules of balance-adaptive' \
+	"$(partition 64x64 | simulate -l 9 adaptive | grep trace)" \
+	"$(partition 64x64 | simulate -l 9 $(ships echo adaptive 2) | grep trace)"
+is 'balance-gdc: rules' "$(ships echo gdc 2)" 'ring -e'
+is 'adaptive: rows, while each slot has 30' "$(counted adaptive 2)" 64
+is 'adaptive: parts of rows for more slots' "$(counted adaptive 3; counted adaptive 64)" "$(printf '92\n2048')"
+is 'adaptive: smaller tiles for more slots' "$(counted adaptive 1 vcworker; counted adaptive 9 vcworker)" "$(printf '32\n512')"
+is 'adaptive: a band for each slot, at least' "$(counted adaptive 9 povworker; counted adaptive 100 povworker)" "$(printf '16\n128')"
+is 'another unit' "$(unit=run:2048 && counted adaptive 3)" 2
+# Most of 100 hosts have no row of 64.
+ok 'adaptive on more hosts than rows' awk "BEGIN { exit !($(ships 'simulate -j 100 -m 10000' adaptive 100 | awk '$1 == "efficiency" { print $2 }') > .9) }"
+
 # Tasks that do not arrive by number.
 partition 16x16 | rtworker tetra.nff >rows.log
 for order in sample "cost:$PWD/rows.log"; do

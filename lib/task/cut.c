@@ -1,6 +1,7 @@
 /* Cutting a frame into tasks. */
 #include "task/task.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* NAME or NAME:N */
@@ -14,17 +15,34 @@ static bool parse_chunks(const char *s, const char *name, enum cut_unit unit, st
     return true;
 }
 
+/* WxH or WxH:TASKS */
+static bool parse_tile(const char *s, struct cut *cut)
+{
+    char size[32];
+    int w, h;
+    int64_t tasks = 0;
+    const char *colon = strchr(s, ':');
+    size_t len = colon ? (size_t)(colon - s) : strlen(s);
+    snprintf(size, sizeof size, "%.*s", len < sizeof size ? (int)len : 0, s);
+    if (!parse_size(size, FRAME_SIDE_MAX, &w, &h)) return false;
+    if (colon && !parse_int(colon + 1, 1, CUT_TASKS_MOST, &tasks)) return false;
+    *cut = (struct cut){
+        .unit = CUT_TILE, .w = (uint32_t)w, .h = (uint32_t)h, .tasks = (uint32_t)tasks};
+    return true;
+}
+
 bool cut_parse(const char *s, struct cut *cut)
 {
-    int w, h;
     int64_t n;
     if (strcmp(s, "row") == 0) *cut = (struct cut){.unit = CUT_ROW};
     else if (strcmp(s, "scatter") == 0) *cut = (struct cut){.unit = CUT_SCATTER, .w = 1};
-    else if (strcmp(s, "fine") == 0) *cut = (struct cut){.unit = CUT_FINE};
+    else if (strcmp(s, "fine") == 0)
+        *cut = (struct cut){.unit = CUT_FINE, .tasks = CUT_TASKS_A_SLOT};
+    else if (strncmp(s, "fine:", 5) == 0 && parse_int(s + 5, 1, CUT_TASKS_MOST, &n))
+        *cut = (struct cut){.unit = CUT_FINE, .tasks = (uint32_t)n};
     else if (strncmp(s, "coarse:", 7) == 0 && parse_int(s + 7, 1, UINT32_MAX, &n))
-        *cut = (struct cut){.unit = CUT_COARSE, .w = (uint32_t)n};
-    else if (strncmp(s, "tile:", 5) == 0 && parse_size(s + 5, FRAME_SIDE_MAX, &w, &h))
-        *cut = (struct cut){.unit = CUT_TILE, .w = (uint32_t)w, .h = (uint32_t)h};
+        *cut = (struct cut){.unit = CUT_COARSE, .w = (uint32_t)n, .tasks = CUT_TASKS_A_SLOT};
+    else if (strncmp(s, "tile:", 5) == 0) return parse_tile(s + 5, cut);
     else if (strncmp(s, "run:", 4) == 0 && parse_int(s + 4, 1, UINT32_MAX, &n))
         *cut = (struct cut){.unit = CUT_RUN, .w = (uint32_t)n};
     else
@@ -33,15 +51,23 @@ bool cut_parse(const char *s, struct cut *cut)
     return true;
 }
 
-void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots)
+static uint32_t ceil_div(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
+
+void cut_suit(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots)
 {
-    uint32_t run = (uint32_t)((uint64_t)frame_w * frame_h / CUT_TASKS_A_SLOT / (uint32_t)slots);
+    uint64_t tasks = (uint64_t)cut->tasks * (uint32_t)slots;
+    if (cut->unit == CUT_TILE) {
+        while (cut_count(cut, frame_w, frame_h) < tasks && (cut->w > 1 || cut->h > 1)) {
+            uint32_t *side = cut->w > cut->h ? &cut->w : &cut->h;
+            *side = ceil_div(*side, 2);
+        }
+        return;
+    }
+    uint32_t run = (uint32_t)((uint64_t)frame_w * frame_h / tasks);
     if (cut->unit == CUT_COARSE) run = run > cut->w ? run : cut->w;
     else run = run < 1 ? 1 : run < frame_w ? run : frame_w;
     *cut = (struct cut){.unit = CUT_RUN, .w = run};
 }
-
-static uint32_t ceil_div(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
 
 uint32_t cut_count(const struct cut *cut, uint32_t frame_w, uint32_t frame_h)
 {

@@ -53,8 +53,10 @@ enum cut_unit {
 };
 /* Tasks per slot: enough to balance the load, and few enough that their transfer costs little. */
 #define CUT_TASKS_A_SLOT 150
+#define CUT_TASKS_MOST 1000000
 struct cut {
     enum cut_unit unit;
+    uint32_t tasks; /* fine, coarse, tile: this many for each slot; 0: tiles as they are */
     uint32_t w,
         h; /* tile: its sides; run: w pixels; coarse: at least w; scatter: w sets; the last */
            /* two: chunks are of whole rows, or of whole runs of w pixels */
@@ -62,14 +64,15 @@ struct cut {
     uint32_t n;
 };
 /*
- * Parses "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "fine", "coarse:N" (the caller
- * calls cut_runs), "guided", "guided:N", "factoring", "factoring:N" (the caller calls cut_chunks).
- * False if s is none of them.
+ * Parses "row", "tile:WxH", "run:N", "scatter" (the caller sets w), "tile:WxH:TASKS", "fine",
+ * "fine:TASKS", "coarse:N" (the caller calls cut_suit), "guided", "guided:N", "factoring",
+ * "factoring:N" (the caller calls cut_chunks). False if s is none of them.
  */
 bool cut_parse(const char *s, struct cut *cut);
-/* Turns fine and coarse into runs of a frame that give CUT_TASKS_A_SLOT tasks per slot. Fine
- * runs are no longer than a row, coarse ones no shorter than w. */
-void cut_runs(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots);
+/* Chooses a size that gives cut->tasks tasks per slot. Fine and coarse become runs: fine ones no
+ * longer than a row, coarse ones no shorter than w. The longer side of a tile is halved until there
+ * are at least as many. */
+void cut_suit(struct cut *cut, uint32_t frame_w, uint32_t frame_h, int slots);
 /* Computes the chunks of a frame. power: for factoring, the powers of the slots, or NULL. With
  * powers the first `slots` chunks are one for each slot. cut_free frees them. */
 void cut_chunks(
@@ -147,12 +150,12 @@ struct cut_tasks {
     uint32_t *order;     /* ids; NULL: ascending */
     uint32_t at, given;  /* tasks looked at; tasks that took a turn */
 };
-/* The units whose tasks depend on the number of slots: fine and coarse; guided and factoring. */
-bool cut_in_runs(const struct cut *cut);
+/* What depends on the number of slots: fine, coarse, tile:WxH:TASKS; guided and factoring. */
+bool cut_suits(const struct cut *cut);
 bool cut_in_chunks(const struct cut *cut);
 /*
  * Cuts the frame. power: of the slots, above 0, or NULL; it must stay valid. slots 0, not with
- * these four units: no task gets a slot.
+ * those: no task gets a slot.
  */
 void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_w, uint32_t frame_h,
     int slots, const double *power);

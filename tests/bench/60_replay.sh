@@ -3,11 +3,11 @@
 # of .442 and one of 1.347, rows of 512x512 at 1/20 of the paper's times (97.86 s for balls on the reference host, 11.15
 # times that for gears, .455 times for tetra). Efficiency is lower bound / makespan with default settings; all slots
 # start at 0. 14 start-ups share two cores here, and messages do not shrink with the costs: at 1/20 of the time both
-# weigh 20 times as much (SHRINK=2 sets 1/2; METHODS names the methods). masterslave+ is with deal -q auto -e. It needs
+# weigh 20 times as much (SHRINK=2 sets 1/2; METHODS names the methods). It needs
 # two idle cores and some minutes. `protocol agreement` measures how exact a replay is.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-rounds=${ROUNDS:-5} shrink=${SHRINK:-20} methods=${METHODS:-interleaved masterslave hybrid ss sc ds dc masterslave+}
+rounds=${ROUNDS:-5} shrink=${SHRINK:-20} methods=${METHODS:-interleaved masterslave hybrid ss sc ds dc adaptive}
 
 cat >hosts <<'END'
 :     slots=12 power=1
@@ -21,11 +21,8 @@ for scene in balls gears tetra; do
 done
 once() { # SCENE METHOD: adds a line to SCENE.METHOD: efficiency, and efficiency without start-up
 	rm -f "$1.$2.frags" run.pfm
-	more=''
-	[ "${2%+}" = "$2" ] || more='-q auto -e'
-	# shellcheck disable=SC2086
 	pack scene "$1.nff" |
-		"balance-${2%+}" 512x512 14 /dev/null $more fan -S hosts replay -x "$(cat "$1.scale")" "$1.frags" |
+		"balance-$2" 512x512 14 /dev/null fan -S hosts replay -x "$(cat "$1.scale")" "$1.frags" |
 		gather -r "$1.$2.frags" -o run.pfm || stop "failed: $2 of $1"
 	fragstat -s -S hosts "$1.$2.frags" | awk -F '\t' '{ v[$1] = $2 } END {
 		print v["efficiency"], v["efficiency"] / (1 - v["startup_s"] / (v["slots"] * v["makespan_s"])) }' >>"$1.$2"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# 82_balance: how close to the lower bound are deal -q auto -e, on rows, and gdc, on fine cuts? In virtual time: gears
+# 82_balance: how close to the lower bound are the shipped adaptive and gdc? In virtual time: gears
 # at the GDC paper's 1091 s, and other scenes, on hosts of unequal power, with long links, faults and a row that has
 # 30 % of the work. Medians over SEEDS draws of powers and faults, of makespan and of efficiency (lower bound /
 # makespan). The bound knows of no faults; where hosts fall silent or become slow, the last column is the efficiency if
@@ -7,6 +7,9 @@
 # picks cases.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
+here=$root/bin temporary=$tmp
+# shellcheck source=../../bin/virtual.sh
+. "$root/bin/virtual.sh"
 seeds=${SEEDS:-5}
 
 # costs SCENE: SCENE.frags, the cost of each row on one worker
@@ -28,17 +31,11 @@ one_row() {
 }
 for scene in gears balls rings; do costs $scene; done
 one_row
-partition 512x512 >rows.task
-partition 1x1 >one.task
-partition -u run:2 512x512 >pairs.task
-for slots in 14 37 100; do partition -u fine -n $slots 512x512 >"fine$slots.task"; done
 
-# value SIMULATE KEY ...: prints makespan and efficiency of a run of METHOD on TASKS, 0 if it fails
+# value SIMULATE: prints makespan and efficiency of a run of the method, 0 if it fails
 value() {
-	method_of=$method
-	[ "$1" = simulate ] || [ "$method" != 'ring -e' ] || "$1" -m 1 ring -e <one.task >/dev/null 2>&1 || method_of=ring
-	# shellcheck disable=SC2086  # options
-	if ! "$1" -t "$costs.frags" -x "$scale" -s "$seed" $hosts $options $method_of <"$tasks.task" >figures; then
+	if ! shipped "$1 -t $costs.frags -x $scale -s $seed $hosts $options" "$method" 512x512 "$slots" /dev/null \
+		fan -j "$slots" rtworker >figures; then
 		echo '0 0'
 		return
 	fi
@@ -64,25 +61,23 @@ possible() {
 # The ninth host is the fastest.
 known=1,1,1,2,2,2,3,3,4,1,1,1,2,2,2,3,3,1,1,1,2,2,1,1,1,1,2,2,1,1,1,1,1,1,1,1,1
 silent=silence@8s:3,silence@8s:9,silence@8s:17,silence@8s:25,silence@8s:30
-printf '%-44s %-4s %s\n' case method 'makespan_s efficiency'"${OLD:+ old_makespan_s old_efficiency ratio}"
+printf '%-44s %-8s %s\n' case method 'makespan_s efficiency'"${OLD:+ old_makespan_s old_efficiency ratio}"
 # A case: name | costs | seconds at power 1 | hosts | options of simulate
 while IFS='|' read -r name costs seconds hosts options; do
 	echo "$name" | grep -Eq -- "${CASES:-.}" || continue
 	scale=$(fragstat -s "$costs.frags" | awk -v s="$seconds" '$1 == "cpu_s" { print s / $2 }')
-	for way in deal gdc; do
-		case $way in deal) method='deal -q auto -e' tasks=rows ;; gdc) method='ring -e' tasks=fine37 ;; esac
-		case $way$hosts in
-		gdc*.442*) tasks=fine14 ;;
-		gdc*' 100,'*) tasks=fine100 ;;
-		*5000*) tasks=pairs ;;
-		esac
+	case $hosts in
+	-j*) slots=${hosts#-j } && slots=${slots%,*} ;;
+	*) slots=$(echo "$hosts" | tr , '\n' | wc -l) ;;
+	esac
+	for method in adaptive gdc; do
 		: >new && : >old && : >best
 		for seed in $(seq 0 $((seeds - 1))); do
 			value simulate >>new
 			case $options in *@*) possible "$(tail -n 1 new)" >>best ;; esac
 			[ -z "${OLD-}" ] || value "$OLD" >>old
 		done
-		printf '%-44s %-4s %s' "$name" $way "$(median 1 <new) $(median 2 <new)"
+		printf '%-44s %-8s %s' "$name" $method "$(median 1 <new) $(median 2 <new)"
 		[ -z "${OLD-}" ] ||
 			echo "$(median 1 <old) $(median 2 <old) $(median 1 <new)" | awk '{ printf " %s %s %.3f", $1, $2, $3 / $1 }'
 		[ ! -s best ] || printf ' possible: %s' "$(median 1 <best)"
@@ -97,7 +92,7 @@ done <<-END
 	five hosts fall silent, 50 ms|gears|1091.14|-j 37,3.1623|-l 50 -f $silent
 	a row with 30 % of the work, 5 ms|hot|1091.14|-j 37,3.1623|-l 5
 	a row with 30 % of the work, 50 ms|hot|1091.14|-j 37,3.1623|-l 50
-	5000 hosts, pairs of pixels, .5 ms|gears|1091.14|-j 5000,3|-l .5
+	5000 hosts, .5 ms|gears|1091.14|-j 5000,3|-l .5
 	unseen: balls, 37 hosts, 20 ms|balls|97.86|-j 37,3.1623|-l 20
 	unseen: rings, 37 hosts, 100 ms|rings|400|-j 37,3.1623|-l 100
 	unseen: gears, 14 hosts, 20 ms|gears|1091.14|-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347|-l 20

@@ -11,26 +11,13 @@ built delay
 spdgen -s 1 balls >balls.nff
 for n in $(seq 0 99); do sed "s/^from .*/from 2.$n 1.3 1.7/" balls.nff >"$n.nff"; done
 printf 'a via="%s/delay %s sh -c %%c"\nb via="%s/delay %s sh -c %%c"\n' "$tmp" "$ms" "$tmp" "$ms" >hosts
-# stream [OPTIONS]: prints all frames, each with its own scene
-stream() { for n in $(seq 0 99); do pack scene "$n.nff" && partition -F "$n" "$@" $size; done; }
-stream >demand.task
-stream -n 2 >turn.task
-stream -u coarse:250 -n 2 -c 0 >runs.task
-# until_last COMMAND: prints the seconds until its last picture is written
-until_last() {
+for n in $(seq 0 99); do pack scene "$n.nff" && echo "frame $n ${size%x*} ${size#*x}"; done >states
+seconds() { # METHOD OPTIONS: prints the seconds until its last picture is written
 	rm -f x*.pfm
 	begin=$(date +%s.%N)
-	sh -c "$1" || return
+	# shellcheck disable=SC2086  # words
+	"balance-$1" $size@states 2 /dev/null fan -S hosts rtworker $2 - </dev/null | gather -o x%02d.pfm || return
 	stat -c %.9Y x*.pfm | sort -n | awk -v begin="$begin" 'END { if (NR != 100) exit 1; printf "%.6f\n", $1 - begin }'
-}
-seconds() { # METHOD OPTIONS
-	case $1 in
-	interleaved) until_last "fan -S hosts rtworker $2 - <turn.task | gather -o x%02d.pfm" ;;
-	adaptive) until_last "deal -q auto -e fan -S hosts rtworker $2 - <demand.task | gather -o x%02d.pfm" ;;
-	masterslave) until_last "deal fan -S hosts rtworker $2 - <demand.task | gather -o x%02d.pfm" ;;
-	ds) until_last "deal fan -S hosts rtworker $2 - <runs.task | gather -o x%02d.pfm" ;;
-	*) stop "$1: expected interleaved, adaptive, masterslave or ds" ;;
-	esac
 }
 for options in '-a 1' '-a 16'; do
 	i=0

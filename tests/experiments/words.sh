@@ -103,24 +103,23 @@ delayed() { built delay && echo "$PWD/delay $1"; }
 # Links of 10 Mbit/s in all. A pixel has 3 bytes (GDC) or 5 (StormView) there, but 16 in simulate.
 # shellcheck disable=SC2034  # for experiments
 ethernet_gdc='-l 1 -b 6.67e6,6.67e6' ethernet_stormview='-l 1 -b 4e6,4e6'
-# simulated METHOD POWERS OPTION ...: writes $work/figures for balance METHOD in virtual time, or for the best known
-# schedule, with $frame cut into $unit; the default unit is that of the method
+# simulated METHOD POWERS OPTION ...: writes $work/figures for balance METHOD in virtual time, on $frame. Its cut and its rules
+# are those of the shipped script; $unit, if it is set, replaces its unit. Or for published rivals, which no script runs;
+# or for the best known schedule, of rows.
 simulated() {
 	method=$1 powers=$2 slots=$(echo "$2" | tr , '\n' | wc -l)
 	shift 2
 	case $method in
-	interleaved) cut="-n $slots -u ${unit:-row}" run=fan ;;
-	masterslave) cut="-u ${unit:-row}" run=deal ;;
-	adaptive) cut="-o sample -u ${unit:-row}" run='deal -q auto -e' ;;
 	guided) cut="-n $slots -u guided" run=deal ;;
 	factoring) cut="-n $slots -u factoring" run=deal ;;
 	weighted) cut="-w $powers -u factoring" run=deal ;;
-	ds) cut="-n $slots -c 0 -u ${unit:-coarse:250}" run=deal ;;
-	hybrid) cut="-w $powers -c 400/512 -u ${unit:-row}" run='deal -q 1' ;;
-	gdc) cut="-n $slots -u ${unit:-fine}" run='ring -e' ;;
-	gdc-rows) cut="-n $slots -u ${unit:-row}" run='ring -e' ;;
-	gdc-published) cut="-n $slots -u ${unit:-row}" run='ring -p' ;;
 	best) cut="-u ${unit:-row}" run=best ;;
+	gdc-rows) (unit=row && simulated gdc "$powers" "$@"); return ;;
+	*)
+		echo "$powers" | tr , '\n' | awk -v OFS='\t' '{ print NR - 1, "host", $1 }' >"$work/table"
+		quietly shipped "simulate -w $powers $*" "$method" "$frame" "$slots" /dev/null fan -j "$slots" rtworker
+		return
+		;;
 	esac
 	# shellcheck disable=SC2086
 	partition $cut "$frame" | quietly simulate -w "$powers" "$@" $run

@@ -220,27 +220,35 @@ static void test_cut_kinds(void **state)
     assert_true(lattice_valid(&last.at, FRAME_SIDE_MAX, FRAME_SIDE_MAX));
 }
 
-/* 150 tasks a slot, but fine ones no longer than a row, coarse ones no shorter than asked. */
+/* Tasks a slot, but fine ones no longer than a row, coarse ones no shorter than asked. The longer
+ * sides of tiles are halved until there are enough. */
 static void test_runs(void **state)
 {
     (void)state;
     static const struct {
-        enum cut_unit unit;
-        uint32_t w, fw, fh;
+        const char *cut;
+        uint32_t fw, fh;
         int slots;
         uint32_t count, first;
     } cases[] = {
-        {CUT_FINE, 0, 512, 512, 14, 2115, 124},     /* 262144 / 2100 */
-        {CUT_FINE, 0, 512, 512, 2, 512, 512},       /* 873 pixels are more than a row */
-        {CUT_FINE, 0, 3, 4, 100, 12, 1},            /* a pixel at least */
-        {CUT_COARSE, 250, 512, 512, 2, 301, 873},   /* longer than asked */
-        {CUT_COARSE, 250, 512, 512, 14, 1049, 250}, /* as asked */
-        {CUT_COARSE, 250, 10, 10, 1000000, 1, 100}, /* all there is */
-        {CUT_COARSE, 1, FRAME_SIDE_MAX, FRAME_SIDE_MAX, 1, 151, 28632241},
+        {"fine", 512, 512, 14, 2115, 124},       /* 262144 / 2100 */
+        {"fine", 512, 512, 2, 512, 512},         /* 873 pixels are more than a row */
+        {"fine", 3, 4, 100, 12, 1},              /* a pixel at least */
+        {"fine:30", 512, 512, 17, 512, 512},     /* 514 pixels */
+        {"fine:30", 512, 512, 18, 541, 485},     /* 262144 / 540 */
+        {"coarse:250", 512, 512, 2, 301, 873},   /* longer than asked */
+        {"coarse:250", 512, 512, 14, 1049, 250}, /* as asked */
+        {"coarse:250", 10, 10, 1000000, 1, 100}, /* all there is */
+        {"coarse:1", FRAME_SIDE_MAX, FRAME_SIDE_MAX, 1, 151, 28632241},
+        {"tile:64x16:30", 512, 512, 8, 256, 1024},  /* as asked: 240 are enough */
+        {"tile:64x16:30", 512, 512, 9, 512, 512},   /* 32x16 */
+        {"tile:64x16:30", 512, 512, 35, 2048, 128}, /* 16x16 is not enough for 1050: 16x8 */
+        {"tile:5x3:1000000", 7, 5, 1000000, 35, 1}, /* a pixel at least */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct cut cut = {.unit = cases[i].unit, .w = cases[i].w};
-        cut_runs(&cut, cases[i].fw, cases[i].fh, cases[i].slots);
+        struct cut cut;
+        assert_true(cut_parse(cases[i].cut, &cut) && cut_suits(&cut));
+        cut_suit(&cut, cases[i].fw, cases[i].fh, cases[i].slots);
         assert_int_equal(cut_count(&cut, cases[i].fw, cases[i].fh), cases[i].count);
         struct task first = cut_task(&cut, cases[i].fw, cases[i].fh, 0);
         assert_int_equal(lattice_count(&first.at), cases[i].first);
@@ -285,8 +293,9 @@ static void test_cut_parse(void **state)
 {
     (void)state;
     static const char *const bad[] = {"", "rows", "row:2", "tile", "tile:", "tile:0x1", "tile:4",
-        "fine:2", "coarse", "coarse:0", "run:0", "run:", "run:-1", "run:4294967296", "scatter:3",
-        "Row", "run:1x1", "guided:", "guided:0", "guided:x", "guide", "factoring:0", "factoring5"};
+        "tile:4x4:", "tile:4x4:0", "tile:4x4:2:2", "fine:", "fine:0", "fine:1000001", "coarse",
+        "coarse:0", "run:0", "run:", "run:-1", "run:4294967296", "scatter:3", "Row", "run:1x1",
+        "guided:", "guided:0", "guided:x", "guide", "factoring:0", "factoring5"};
     struct cut c;
     assert_true(cut_parse("row", &c) && c.unit == CUT_ROW);
     assert_true(cut_parse("scatter", &c) && c.unit == CUT_SCATTER);
