@@ -190,32 +190,6 @@ cheapest() { # the verdicts: less, and less than half
 is 'a rival at less than half of the time: both claims hold' "$(cheapest .4 .02)" '1 1 0 found, 1 1 0 found'
 is 'a rival at more than half of the time: the second claim fails' "$(cheapest .6 .01)" '1 1 0 found, 1 0 1 not found'
 is 'no rival is as exact: both claims fail' "$(cheapest .4 .0203)" '1 0 1 not found, 1 0 1 not found'
-# The simulation of a method must run the policy and the tasks of its balancer.
-sed -n '/^simulated() {/,/^}/p' "$root/tests/experiments/words.sh" >simulated
-mkdir stand-in
-cat >stand-in/deal <<'END'
-#!/bin/sh
-case ${0##*/} in
-fan) [ "$1" != -l ] || { printf '0\t:\t1\n1\t:\t.442\n2\t:\t2\n'; exit; } ;;
-ringctl) words=ring ;;
-deal) words=deal ;;
-esac
-while [ "${1#-}" != "$1" ]; do words="$words $1" && shift; case $1 in fan | -*) ;; *) words="$words $1" && shift ;; esac done
-[ "${0##*/}" != fan ] || words=fan
-echo "$words $(cksum)"
-END
-chmod +x stand-in/deal
-ln stand-in/deal stand-in/fan
-ln stand-in/deal stand-in/ringctl
-for m in interleaved masterslave ds adaptive hybrid gdc gdc-published; do
-	is "$m: simulation and balancer run the same policy on the same tasks" "$(
-		quietly() { shift 3 && echo "$* $(cksum)"; }
-		# shellcheck source=/dev/null
-		. ./simulated
-		# shellcheck disable=SC2034  # it reads them
-		frame=512x100 unit='' && simulated $m 1,.442,2
-	)" "$(PATH=$PWD/stand-in:$PATH "balance-$m" 512x100 3 /dev/null fan -j 3 rtworker </dev/null)"
-done
 # Takes one sample, the last of the plan, after made-up ones. kill leaves the head of the table.
 sampled() {
 	# Its children may write beside the table for a while.

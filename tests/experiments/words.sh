@@ -124,6 +124,13 @@ simulated() {
 	# shellcheck disable=SC2086
 	partition $cut "$frame" | quietly simulate -w "$powers" "$@" $run
 }
+# scattered N: S_S. A worker sends its pixels 250 at a time, as if these were tasks that it has from the start.
+scattered() {
+	partition -u scatter -n "$1" "$frame" | awk -v w="${frame%x*}" '$1 != "task" { print; next }
+		{ for (from = 0; from < $6; from += 250) {
+			p = $4 + from * $8
+			print "task 0", id++, p % w, int(p / w), ($6 - from < 250 ? $6 - from : 250), 1, $8, 1, $10 } }'
+}
 # speed [SECONDS]: prints SECONDS (1) divided by the makespan of that run; 0 if the picture was never complete
 speed() {
 	awk -F '\t' -v s="${1-1}" '{ v[$1] = $2 } END { printf "%.9g\n", (v["uncommitted"] > 0 ? 0 : s / v["makespan_s"]) }' "$work/figures"
