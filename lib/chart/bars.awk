@@ -10,6 +10,7 @@ function take(p) {
 	take_bar(p, look_of($3), $4 + 0, $6 + 0, $10 + 0)
 }
 function samples() { return "" }
+function ranges_differ() { return 0 }
 
 # What fragstat tells apart has one look in all charts; what others do takes the looks that are left.
 function look_of(method,    i) {

@@ -4,6 +4,7 @@
 #   take(p)           takes the row in $1 ... of panel p
 #   prepare()         after the last row: changes plot_w, plot_h and per_row, sets the n_keys names in key_name
 #   samples()         returns the remark on the number of samples
+#   ranges_differ()   whether each panel has numbers at its axes
 #   axes()            prints the axes that panels share
 #   draw_panel(p)     prints panel p
 #   key_look(i, x, y) prints the data of entry i of the legend, at x, y; returns its part of a plot command
@@ -87,7 +88,7 @@ function layout(    i) {
 	plot_h = n_panels > 1 ? 340 : 380
 	per_row = n_panels == 4 ? 2 : min(3, n_panels)
 	left = 78
-	gap_x = 22
+	gap_x = ranges_differ() ? 60 : 22
 	gap_y = 90
 	top = n_panels > 1 ? 62 : 42
 	for (i in kinds) n_kinds++
