@@ -46,9 +46,10 @@ function listed(list, of, at,    n, i, name) {
 	}
 	return n
 }
-# Sets shade, mark and dash of each line: those of its method, which may have the name of the StormView paper, D_S for ds; the
-# others take the colours and marks that are left, in turn.
-function take_looks(    l, name, c, m, others) {
+# Sets shade, mark and dash of each line: those of its method, which may have the name of the StormView paper, D_S for ds. The
+# others take the colours and marks that are left, in turn; beside methods from the end, where the rarer ones are.
+function take_looks(    l, name, c, m, others, step) {
+	step = 1
 	for (l = 1; l <= n_lines; l++) {
 		name = tolower(line_name[l])
 		gsub(/_/, "", name)
@@ -56,19 +57,20 @@ function take_looks(    l, name, c, m, others) {
 		colour_taken[shade[l] = method_colour[name]]
 		mark_taken[mark[l] = method_mark[name]]
 		dash[l] = method_dash[name]
+		step = -1
 	}
 	for (l = 1; l <= n_lines; l++) {
 		if (l in shade) continue
-		c = untaken(colour_at, n_colours, colour_taken, c)
-		m = untaken(mark_at, n_marks, mark_taken, m)
+		c = untaken(colour_at, n_colours, colour_taken, c, step)
+		m = untaken(mark_at, n_marks, mark_taken, m, step)
 		shade[l] = colour_at[c]
 		mark[l] = mark_at[m]
 		dash[l] = dash_at[others++ % n_dashes + 1]
 	}
 }
-# The number after k, from 1 to n and round again, of one that is not taken, if there is one.
-function untaken(at, n, taken, k,    tries) {
-	do k = k % n + 1
+# The number after k, or before it, of 1 to n in a circle, of one that is not taken, if there is one.
+function untaken(at, n, taken, k, step,    tries) {
+	do k = step > 0 ? k % n + 1 : k > 1 ? k - 1 : n
 	while ((at[k] in taken) && ++tries < n)
 	return k
 }

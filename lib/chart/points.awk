@@ -79,7 +79,7 @@ function find_front(p,    q, i) {
 function axis(a, lo, hi, is_log,    pad) {
 	logarithmic[a] = is_log
 	if (is_log) { lo = log10(lo); hi = log10(hi) }
-	else if (lo > 0 && lo < .4 * hi) lo = 0
+	else if (lo > 0 && lo < (ranges_differ() ? .25 : .4) * hi) lo = 0
 	pad = hi > lo ? (hi - lo) * 0.06 : is_log ? 0.3 : max(hi < 0 ? -hi : hi, 1) * 0.1
 	from[a] = lo == 0 && !is_log ? 0 : lo - pad
 	to[a] = hi + pad
@@ -197,12 +197,13 @@ function name_point(q,    x, y, w, h, side, k, away, left, low) {
 	write(point_name[q], "first", unplace("x", left + w / 2, plot_w), unplace("y", low + h / 2, plot_h), "center", 10,
 		shade[point_line[q]])
 }
-# Points of a line that are on one another share a name.
-function join_names(p,    q, r) {
+# Points of a line that are on one another share a name, "first, second" or "first ... last".
+function join_names(p,    q, r, first) {
 	for (q = 1; q <= n_points; q++) for (r = 1; r < q && point_panel[q] == p; r++) {
 		if (point_panel[r] != p || point_line[r] != point_line[q] || point_name[r] == "" || point_name[q] == "") continue
 		if (gap(q, r, "x", x_mid, plot_w) > 5 || gap(q, r, "y", y_mid, plot_h) > 5) continue
-		point_name[r] = point_name[r] ", " point_name[q]
+		if (!(r in first)) { first[r] = point_name[r]; point_name[r] = first[r] ", " point_name[q] }
+		else point_name[r] = first[r] " ... " point_name[q]
 		point_name[q] = ""
 		if (q in on_front) on_front[r] = 1
 	}
@@ -278,7 +279,7 @@ function plot(p,    l, d, ranges, solid, dashed, points) {
 		if (!n_order[p, l]) continue
 		d = ", $d" p "_" l " using "
 		if (banded(p, l)) ranges = ranges ", $band" p "_" l " using 1:2:3 with filledcurves fc rgb 0x" shade[l] \
-			" fs transparent solid 0.13 noborder"
+			" fs transparent solid " (n_lines > 6 ? .07 : .13) " noborder"
 		else if ((p, l) in varies) ranges = ranges d "1:2:3:4:5:6 with xyerrorbars lc rgb 0x" shade[l] " lw 1 dt solid pt 0 ps 0"
 		if (dash[l] == "solid") solid = solid d "1:2 with lines ls " l
 		else dashed = dashed d "1:2 with lines ls " l

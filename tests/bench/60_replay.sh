@@ -41,10 +41,10 @@ done
 # The last runs of three of them as bars; the titles have their efficiency.
 mkdir -p "$root/build/bench" || exit 3
 {
-	printf '# %s\n' 'x: time' 'y: host' 'lanes: 1 1 1 1 1 1 1 1 1 1 1 1 0.442 1.347' 'seed: 0' 'command: tests/bench/60_replay.sh' \
+	printf '# %s\n' 'x: time' 'y: power of the host' 'lanes: 1 1 1 1 1 1 1 1 1 1 1 1 0.442 1.347' 'seed: 0' 'command: tests/bench/60_replay.sh' \
 		"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
 		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
-		"note: lanes are hosts, named by their power; times are 1/$shrink of the paper's"
+		"note: times are 1/$shrink of the paper's"
 	for method in interleaved masterslave adaptive; do
 		[ -s gears.$method.frags ] || continue
 		efficiency=$(tail -n 1 gears.$method | awk '{ printf "%.2f", $1 }')
