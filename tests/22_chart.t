@@ -64,7 +64,8 @@ done >missing
 is 'each method of balance has a look' "$(cat missing)" ''
 # look FILE N: mark and colour of entry N of the legend
 look() { sed -n "/<title>[$]m$2</,/<use/s/.*#\(gpPt[0-9]*\).*color=.\(rgb([^)]*)\).*/\1 \2/p" "$1"; }
-tsv "$header" 'a real other 1 1 2 s 1 0' 'a real gdc 1 1 3 s 1 0' 'a real D_S 1 1 4 s 1 0' | chart -o first.svg
+tsv "$header" 'a real other 1 1 2 s 1 0' 'a real gdc 1 1 3 s 1 0' 'a real D_S 1 1 4 s 1 0' >first.tsv
+chart -o first.svg first.tsv
 tsv "$header" 'a real ds 1 1 4 s 1 0' 'a real third 1 1 3 s 1 0' 'a real gdc 1 1 3 s 1 0' | chart -o second.svg
 is 'a method has its mark and colour, in any order' "$(look first.svg 2), $(look second.svg 3)" 'gpPt4 rgb(  0, 114, 178), gpPt4 rgb(  0, 114, 178)'
 is 'a name of the StormView paper is that of a method' "$(look first.svg 3)" "$(look second.svg 1)"
@@ -89,6 +90,9 @@ tsv '# log: y' "$header" 'a real m 1 1 1e-9 s 1 0' 'a real m 2 1 1e6 s 1 0' | ch
 is 'names of decades' "$(texts wide.svg | grep -x '1e-9\|1e-6\|0.001\|1000\|1e6' | paste -s -d ' ')" '1e-9 1e-6 0.001 1000 1e6'
 tsv "$header" 'a real m@p 1 1 2 s 1 0' 'a real m@q 1 1 2 s 1 0' 'a real n@r 1 1 2 s 1 0' 'a real m@s 9 1 2 s 1 0' | chart -l -o join.svg
 is 'points of a line on one another share a name' "$(texts join.svg | grep -cx 'p, q\|r\|s')" 3
+
+{ echo "# note: $(seq -f 'word%g' 30 | paste -s -d ' ')"; cat first.tsv; } | chart -o noted.svg
+is 'a long note has several lines' "$(texts noted.svg | grep -c '^word1 .*word1[0-9] *$\|^word[12][0-9] .*word30$')" 2
 
 # A table with a level gets means and intervals: of 4, 4, 10 and 4 the mean is not 4.
 leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \

@@ -115,10 +115,16 @@ function headline(    i, kind, title) {
 	title = title (title ? " " : "") "(" kind ")"
 	write(title, "screen", 0.5, 1 - 18 / height, "center", 15, "000000")
 }
-# The lines at the foot, from the top down: what to know, and what made the numbers.
-function remark(text) {
-	if (text == "") return
-	remarks[++n_remarks] = length(text) > width / 5.6 ? substr(text, 1, int(width / 5.6) - 3) "..." : text
+# The lines at the foot, from the top down: what to know, and what made the numbers. A remark has up to three.
+function remark(text,    most, lines, k) {
+	most = int(width / 5.6)
+	for (lines = 1; lines < 3 && length(text) > most; lines++) {
+		for (k = most; k > 1 && substr(text, k, 1) != " "; k--) { }
+		if (k == 1) break
+		remarks[++n_remarks] = substr(text, 1, k)
+		text = substr(text, k + 1)
+	}
+	if (text != "") remarks[++n_remarks] = length(text) > most ? substr(text, 1, most - 3) "..." : text
 }
 function collect_remarks(    recipe, key, keys, i) {
 	remark(about["note"])

@@ -37,10 +37,8 @@ function prepare(    q, l) {
 		least = q == 1 ? n_samples[q] : min(least, n_samples[q])
 		if (x_low[q] < x_high[q] || y_low[q] < y_high[q]) varies[point_panel[q], point_line[q]] = 1
 	}
-	if (about["limit"] != "") {
-		limit = about["limit"] + 0
-		if (log_axes ~ /y/ && limit <= 0) limit = ""
-	}
+	if (about["limit"] ~ /^[-+.0-9]/) limit = about["limit"] + 0
+	if (limit != "" && log_axes ~ /y/ && limit <= 0) limit = ""
 	take_looks()
 	for (l = 1; l <= n_lines; l++) {
 		key_name[l] = line_name[l] (n_kinds > 1 ? " (" line_kind[l] ")" : "")
