@@ -191,6 +191,11 @@ clean 'numbers that scripts print have a point, in any language'
 	clean 'lines do not end in blanks'
 }
 
+# A new member would be what the stack had: threads without a number took all processes of a machine.
+awk 'FNR == 1 { body = 0 } /^{/ { body = 1 } /^}/ { body = 0 }
+	body && /^ +struct [a-z]+_options [a-z]+;/ { print FILENAME ":" FNR ": expected = ..._OPTIONS_DEFAULT" }' tests/bench/*.c >"$found"
+clean 'options in benches begin with their defaults'
+
 # ---- the charts of the manual: what their notes say ----------------------------------------------------------
 # These wait for an idle machine: make chart
 waiting='hierarchy limits speed-accuracy'

@@ -122,18 +122,17 @@ function x_ticks(p,    q, i, n, at, room, end, name, text, left_out) {
 	}
 	return left_out > 2 ? ticks("x") : "set xtics (" text ")"
 }
-# gnuplot names the decades only; over a short range 2 and 5 of each are needed to read anything.
-function ticks(a,    k, text, decades, step) {
+# gnuplot names the decades only; a short range needs numbers between them.
+function ticks(a,    k, i, n, digit, text, decades, step) {
 	if (!logarithmic[a]) return "set " a "tics autofreq; set format " a " \047%g\047"
 	decades = log10(to[a]) - log10(from[a])
 	step = decades > 8 ? ceil(decades / 8) : 1
-	for (k = step * floor(log10(from[a]) / step); k <= log10(to[a]); k += step) {
-		text = text (text ? ", " : "") tick(1, k)
-		if (decades < 3.2) text = text ", " tick(2, k) ", " tick(5, k)
-	}
+	n = split(decades < .6 ? "1 1.5 2 3 4 5 6 7 8 9" : decades < 1.2 ? "1 2 3 5 7" : decades < 3.2 ? "1 2 5" : "1", digit, " ")
+	for (k = step * floor(log10(from[a]) / step); k <= log10(to[a]); k += step)
+		for (i = 1; i <= n; i++) text = text (text ? ", " : "") tick(digit[i], k)
 	return "set " a "tics (" text ")"
 }
-function tick(digit, k) { return sprintf("\047%s\047 %de%d", number((digit "e" k) + 0), digit, k) }
+function tick(digit, k) { return sprintf("\047%s\047 %ge%d", number((digit "e" k) + 0), digit, k) }
 # 1e5, not 100000 or 1e+05; 1e-4, not 0.0001.
 function number(v,    name, size) {
 	name = sprintf("%.0e", v)
