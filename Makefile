@@ -178,16 +178,16 @@ soak:
 	@$(PARALLEL) -s all
 	@prove -v tests/soak/*.sh
 
-# Experiments and the names of their charts, in man/pictures. That of limits is without the integrators. The bars of hosts
-# are drawn by tests/bench/60_replay.sh.
+# Experiments and the names of their charts, in man/pictures. That of limits is without the integrators. All are measured
+# before the first is drawn: a new chart makes the commit dirty. tests/bench/60_replay.sh draws the bars of hosts.
 CHARTS = balancing:balancing latency:methods speedup:speedup tracing:speed-accuracy casting:volume-accuracy \
          hierarchy:hierarchy limits:limits slaves:slaves
 chart:
 	@tests/need bench chart
 	@$(PARALLEL) -s all
 	@for e in $(CHARTS); do table=build/$${e%:*}.tsv; rm -rf $$table*; \
-		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table && \
-		grep -v 'contour is\|cells are\|rays meet\|only layer\|as a haze' $$table | \
+		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table || exit; done
+	@for e in $(CHARTS); do grep -v 'contour is\|cells are\|rays meet\|only layer\|as a haze' build/$${e%:*}.tsv | \
 		bin/chart -l -o man/pictures/$${e#*:}.svg || exit; done
 
 # The scenes of SPD in one picture, for the manual.
