@@ -20,7 +20,7 @@
 #: Measurements (tests/bench/RESULTS.md)
 #:   make bench             every benchmark
 #:   make bench-volume      vcworker beside VTK, and with light, attenuation and surfaces
-#:   make chart             draws speed against accuracy of both workers
+#:   make chart             draws the charts of the manual in an hour, on an idle machine; CHARTS=speedup:speedup draws one
 #:   make sheet             draws the scenes of spdgen: man/pictures/spd.png
 #:   make report            repeats the papers' experiments: report/index.html; FULL=1 takes their numbers of samples
 #:
@@ -178,13 +178,17 @@ soak:
 	@$(PARALLEL) -s all
 	@prove -v tests/soak/*.sh
 
-# Speed against accuracy of both workers, beside others': README's charts, and what is claimed of them.
+# Experiments and the names of their charts, in man/pictures. That of limits is without the integrators. All are measured
+# before the first is drawn: a new chart makes the commit dirty. tests/bench/60_replay.sh draws the bars of hosts.
+CHARTS = balancing:balancing latency:methods speedup:speedup tracing:speed-accuracy casting:volume-accuracy \
+         hierarchy:hierarchy limits:limits slaves:slaves
 chart:
 	@tests/need bench chart
 	@$(PARALLEL) -s all
-	@for e in tracing:speed casting:volume; do table=build/$${e%:*}.tsv; rm -rf $$table*; \
-		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table && \
-		bin/chart -l -o man/pictures/$${e#*:}-accuracy.svg $$table || exit; done
+	@for e in $(CHARTS); do table=build/$${e%:*}.tsv; rm -rf $$table*; \
+		bin/protocol -o $$table $${e%:*} && bin/protocol -v $${e%:*} $$table || exit; done
+	@for e in $(CHARTS); do grep -v 'contour is\|cells are\|rays meet\|only layer\|as a haze' build/$${e%:*}.tsv | \
+		bin/chart -l -o man/pictures/$${e#*:}.svg || exit; done
 
 # The scenes of SPD in one picture, for the manual.
 sheet:

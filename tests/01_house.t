@@ -195,6 +195,28 @@ clean 'the cut and the rules of a method stand in its script only'
 	clean 'lines do not end in blanks'
 }
 
+# A new member would be what the stack had: threads without a number took all processes of a machine.
+awk 'FNR == 1 { body = 0 } /^{/ { body = 1 } /^}/ { body = 0 }
+	body && /^ +struct [a-z]+_options [a-z]+;/ { print FILENAME ":" FNR ": expected = ..._OPTIONS_DEFAULT" }' tests/bench/*.c >"$found"
+clean 'options in benches begin with their defaults'
+
+# ---- the charts of the manual: what their notes say ----------------------------------------------------------
+# These wait for an idle machine: make chart
+waiting='hierarchy limits speed-accuracy'
+for chart in man/pictures/*.svg; do
+	why=$(sed -n 's/.*<text>\(.*\)<\/text>.*/\1/p' "$chart" | awk '
+		/; commit [0-9a-f]+(;|$)/ { clean = 1 }
+		/^others took / && $3 > .1 { print "others took " $3 " processors;" }
+		END { if (!clean) print "its commit is dirty or none;" }')
+	name=$(basename "$chart" .svg)
+	case " $waiting ,$why" in
+	*" $name "*,) echo "$chart: is good, expected no longer among those that wait" ;;
+	*" $name "*,?*) ;;
+	*,?*) printf '%s: ' "$chart" && echo $why draw it again on an idle machine ;;
+	esac
+done >"$found"
+clean 'charts of the manual are of a clean commit and an idle machine'
+
 # ---- calls that are not made -------------------------------------------------------------------------------
 # ban WHY ERE FILE ...: no call of these
 ban() {

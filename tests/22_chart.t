@@ -53,6 +53,46 @@ chart -o one.svg one.tsv
 chart -o three.svg three.tsv
 is 'lines run through medians' "$(points three.svg)" "$(points one.svg)"
 
+# Methods have one look in all charts, whatever else is in them; the manual has the same table.
+printf '%s\n' 'BEGIN { gsub(/;/, "\n", methods); print methods }' >print.awk
+awk -f "$root/lib/chart/methods.awk" -f print.awk >looks
+is 'chart(1) has the table of looks' "$(sed -n '/^\.Ss Methods/,/^\.El/s/^\.It \([a-z-]*\) Ta \(.*\) Ta \(.*\) Ta \(.*\)/\1:\2:\3:\4/p' "$root/man/chart.1")" "$(cat looks)"
+is 'no two methods have the same mark' "$(cut -d : -f 3 looks | sort | uniq -d)" ''
+for method in "$root"/bin/balance-*; do
+	case $method in *bricks | *calibrate) ;; *) cut -d : -f 1 looks | grep -qx "${method##*/balance-}" || echo "$method" ;; esac
+done >missing
+is 'each method of balance has a look' "$(cat missing)" ''
+# look FILE N: mark and colour of entry N of the legend
+look() { sed -n "/<title>[$]m$2</,/<use/s/.*#\(gpPt[0-9]*\).*color=.\(rgb([^)]*)\).*/\1 \2/p" "$1"; }
+tsv "$header" 'a real other 1 1 2 s 1 0' 'a real gdc 1 1 3 s 1 0' 'a real D_S 1 1 4 s 1 0' >first.tsv
+chart -o first.svg first.tsv
+tsv "$header" 'a real ds 1 1 4 s 1 0' 'a real third 1 1 3 s 1 0' 'a real gdc 1 1 3 s 1 0' | chart -o second.svg
+is 'a method has its mark and colour, in any order' "$(look first.svg 2), $(look second.svg 3)" 'gpPt4 rgb(  0, 114, 178), gpPt4 rgb(  0, 114, 178)'
+is 'a name of the StormView paper is that of a method' "$(look first.svg 3)" "$(look second.svg 1)"
+is 'other lines take what is left, beside methods the rarer looks' "$(look first.svg 1), $(look second.svg 2), $(look one.svg 1)" \
+	'gpPt2 rgb(170,  51, 119), gpPt2 rgb(170,  51, 119), gpPt6 rgb(  0, 114, 178)'
+{ tsv "$header"; seq 20 | awk '{ print "a real m" $1 " 1 1 2 s 1 0" }' | tr ' ' '\t'; } | chart -o many.svg
+is 'the looks go round' "$(look many.svg 13)" "$(look many.svg 1 | sed 's/gpPt6/gpPt1/')"
+
+# Ticks are where the table has values, ranges may be those of each panel, and a limit is a line.
+tsv '# ranges: own' '# limit: 2.5 what is possible' "$header" 'a real m 15 1 2 s 1 0' 'a real m 20 1 2 s 1 0' 'a real m 27 1 2 s 1 0' \
+	'b real m 1 1 200 s 1 0' 'b real m 90 1 201 s 1 0' >own.tsv
+chart -o own.svg own.tsv && texts own.svg >said
+is 'ticks: the values of x' "$(tr '\n' ' ' <said | grep -o '15 20 27\|1 90' | paste -s -d ';')" '15 20 27;1 90'
+is 'own ranges: each panel has numbers of its own' "$(grep -cx '2\|200' said)" 2
+is 'a limit is in the legend' "$(grep -cx 'what is possible' said)" 1
+is 'a limit is a line in each panel' "$(grep -c '<title>2.5</title>' own.svg)" 2
+grep -v ranges own.tsv | chart | texts /dev/stdin >said
+is 'the same ranges: the numbers once' "$(grep -cx 200 said)" 1
+tsv "$header" 'a real m 1 1 2 s 1 0' 'a real m 1.01 1 2 s 1 0' 'a real m 3 1 2 s 1 0' | chart -o near.svg
+is 'a tick without room has no name' "$(texts near.svg | grep -cx '1\|1.01\|3')" 2
+tsv '# log: y' "$header" 'a real m 1 1 1e-9 s 1 0' 'a real m 2 1 1e6 s 1 0' | chart -o wide.svg
+is 'names of decades' "$(texts wide.svg | grep -x '1e-9\|1e-6\|0.001\|1000\|1e6' | paste -s -d ' ')" '1e-9 1e-6 0.001 1000 1e6'
+tsv "$header" 'a real m@p 1 1 2 s 1 0' 'a real m@q 1 1 2 s 1 0' 'a real n@r 1 1 2 s 1 0' 'a real m@s 9 1 2 s 1 0' | chart -l -o join.svg
+is 'points of a line on one another share a name' "$(texts join.svg | grep -cx 'p, q\|r\|s')" 3
+
+{ echo "# note: $(seq -f 'word%g' 30 | paste -s -d ' ')"; cat first.tsv; } | chart -o noted.svg
+is 'a long note has several lines' "$(texts noted.svg | grep -c '^word1 .*word1[0-9] *$\|^word[12][0-9] .*word30$')" 2
 
 # A table with a level gets means and intervals: of 4, 4, 10 and 4 the mean is not 4.
 leveled() { tsv '# level: .9' "# outliers: $1" "$header" 'a real m 1 1 4 s 1 0' 'a real m 1 1 4 s 2 0' 'a real m 1 1 10 s 3 0' \

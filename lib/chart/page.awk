@@ -4,6 +4,7 @@
 #   take(p)           takes the row in $1 ... of panel p
 #   prepare()         after the last row: changes plot_w, plot_h and per_row, sets the n_keys names in key_name
 #   samples()         returns the remark on the number of samples
+#   ranges_differ()   whether each panel has numbers at its axes
 #   axes()            prints the axes that panels share
 #   draw_panel(p)     prints panel p
 #   key_look(i, x, y) prints the data of entry i of the legend, at x, y; returns its part of a plot command
@@ -87,7 +88,7 @@ function layout(    i) {
 	plot_h = n_panels > 1 ? 340 : 380
 	per_row = n_panels == 4 ? 2 : min(3, n_panels)
 	left = 78
-	gap_x = 22
+	gap_x = ranges_differ() ? 60 : 22
 	gap_y = 90
 	top = n_panels > 1 ? 62 : 42
 	for (i in kinds) n_kinds++
@@ -114,10 +115,16 @@ function headline(    i, kind, title) {
 	title = title (title ? " " : "") "(" kind ")"
 	write(title, "screen", 0.5, 1 - 18 / height, "center", 15, "000000")
 }
-# The lines at the foot, from the top down: what to know, and what made the numbers.
-function remark(text) {
-	if (text == "") return
-	remarks[++n_remarks] = length(text) > width / 5.6 ? substr(text, 1, int(width / 5.6) - 3) "..." : text
+# The lines at the foot, from the top down: what to know, and what made the numbers. A remark has up to three.
+function remark(text,    most, lines, k) {
+	most = int(width / 5.6)
+	for (lines = 1; lines < 3 && length(text) > most; lines++) {
+		for (k = most; k > 1 && substr(text, k, 1) != " "; k--) { }
+		if (k == 1) break
+		remarks[++n_remarks] = substr(text, 1, k)
+		text = substr(text, k + 1)
+	}
+	if (text != "") remarks[++n_remarks] = length(text) > most ? substr(text, 1, most - 3) "..." : text
 }
 function collect_remarks(    recipe, key, keys, i) {
 	remark(about["note"])

@@ -1,6 +1,5 @@
-# Panels of points: lines through medians or means with what they vary by, told apart by colour (the palette of Okabe and
-# Ito, "Color Universal Design", 2008, with grey for its yellow, which is faint on white), by shape and by dash, so that a
-# chart reads without colour too. See page.awk.
+# Panels of points: lines through medians or means with what they vary by, told apart by colour, by shape and by dash
+# (methods.awk), so that a chart reads without colour too. See page.awk.
 function check() { }
 # --- reading: the columns of `tsvstat -p` ---
 function take(p,    line, setting, i, l, q) {
@@ -38,15 +37,24 @@ function prepare(    q, l) {
 		least = q == 1 ? n_samples[q] : min(least, n_samples[q])
 		if (x_low[q] < x_high[q] || y_low[q] < y_high[q]) varies[point_panel[q], point_line[q]] = 1
 	}
-	find_axes()
+	if (about["limit"] ~ /^[-+.0-9]/) limit = about["limit"] + 0
+	if (limit != "" && log_axes ~ /y/ && limit <= 0) limit = ""
+	take_looks()
 	for (l = 1; l <= n_lines; l++) {
 		key_name[l] = line_name[l] (n_kinds > 1 ? " (" line_kind[l] ")" : "")
 		longest_key = max(longest_key, length(key_name[l]))
 	}
 	n_keys = n_lines
-	if (!pareto) return
-	key_name[++n_keys] = "Pareto front"
-	longest_key = max(longest_key, 12)
+	if (pareto) add_key("Pareto front", 100)
+	if (limit != "") {
+		sub(/^[^ ]* */, "", about["limit"])
+		add_key(about["limit"], 101)
+	}
+}
+function add_key(name, style) {
+	key_name[++n_keys] = name
+	key_style[n_keys] = style
+	longest_key = max(longest_key, length(name))
 }
 function samples(    what) {
 	what = "one sample each"
@@ -69,7 +77,7 @@ function find_front(p,    q, i) {
 function axis(a, lo, hi, is_log,    pad) {
 	logarithmic[a] = is_log
 	if (is_log) { lo = log10(lo); hi = log10(hi) }
-	else if (lo > 0 && lo < hi / 2) lo = 0
+	else if (lo > 0 && lo < (ranges_differ() ? .25 : .4) * hi) lo = 0
 	pad = hi > lo ? (hi - lo) * 0.06 : is_log ? 0.3 : max(hi < 0 ? -hi : hi, 1) * 0.1
 	from[a] = lo == 0 && !is_log ? 0 : lo - pad
 	to[a] = hi + pad
@@ -77,35 +85,61 @@ function axis(a, lo, hi, is_log,    pad) {
 	from[a] = exp((from[a] > -307 ? from[a] : lo) * log(10)) # no room where numbers end
 	to[a] = exp((to[a] < 307 ? to[a] : hi) * log(10))
 }
-function find_axes(    q, x0, x1, y0, y1) {
+# Those of all panels, or of panel p if each has its own.
+function find_axes(p,    q, n, x0, x1, y0, y1) {
 	for (q = 1; q <= n_points; q++) {
-		x0 = q > 1 ? min(x0, x_low[q]) : x_low[q]; x1 = q > 1 ? max(x1, x_high[q]) : x_high[q]
-		y0 = q > 1 ? min(y0, reach_low[q]) : reach_low[q]; y1 = q > 1 ? max(y1, reach_high[q]) : reach_high[q]
+		if (ranges_differ() && point_panel[q] != p) continue
+		x0 = n++ ? min(x0, x_low[q]) : x_low[q]; x1 = n > 1 ? max(x1, x_high[q]) : x_high[q]
+		y0 = n > 1 ? min(y0, reach_low[q]) : reach_low[q]; y1 = n > 1 ? max(y1, reach_high[q]) : reach_high[q]
 	}
 	axis("x", x0, x1, log_axes ~ /x/)
-	axis("y", y0, y1, log_axes ~ /y/)
+	axis("y", limit != "" ? min(y0, limit) : y0, limit != "" ? max(y1, limit) : y1, log_axes ~ /y/)
+	printf "set xrange [%.17g:%.17g]; set yrange [%.17g:%.17g]\n", from["x"], to["x"], from["y"], to["y"]
 }
+function ranges_differ() { return about["ranges"] == "own" }
 function axes(    i) {
 	styles()
 	for (i = 1; i <= length(log_axes); i++) print "set logscale " substr(log_axes, i, 1)
-	printf "set xrange [%.17g:%.17g]; set yrange [%.17g:%.17g]\n", from["x"], to["x"], from["y"], to["y"]
-	print ticks("x")
 }
-# gnuplot names the decades only; over a short range 2 and 5 of each are needed to read anything.
-function ticks(a,    k, text, decades, step) {
+# Where panel p has points, if x was chosen, not measured, and has few values; their names, where there is room for them.
+function x_ticks(p,    q, i, n, at, room, end, name, text, left_out) {
+	for (q = 1; q <= n_points; q++) {
+		if (ranges_differ() && point_panel[q] != p) continue
+		if (point_name[q] != "") return ticks("x")
+		for (i = 1; i <= n && at[i] != x_mid[q]; i++) { }
+		if (i > n) insert(at, ++n, x_mid[q])
+		if (n > 14) return ticks("x")
+	}
+	end = -99
+	for (i = 1; i <= n; i++) {
+		name = number(at[i])
+		room = length(name) * 3.6 + 3
+		q = place("x", at[i], plot_w)
+		if (q - room < end) name = ""
+		else end = q + room
+		text = text (i > 1 ? ", " : "") quoted(name) sprintf(" %.17g", at[i])
+		left_out += name == ""
+	}
+	return left_out > 2 ? ticks("x") : "set xtics (" text ")"
+}
+# gnuplot names the decades only; a short range needs numbers between them.
+function ticks(a,    k, i, n, digit, text, decades, step) {
 	if (!logarithmic[a]) return "set " a "tics autofreq; set format " a " \047%g\047"
 	decades = log10(to[a]) - log10(from[a])
 	step = decades > 8 ? ceil(decades / 8) : 1
-	for (k = floor(log10(from[a])); k <= log10(to[a]); k += step) {
-		text = text (text ? ", " : "") tick(1, k)
-		if (decades < 3.2) text = text ", " tick(2, k) ", " tick(5, k)
-	}
+	n = split(decades < .6 ? "1 1.5 2 3 4 5 6 7 8 9" : decades < 1.2 ? "1 2 3 5 7" : decades < 3.2 ? "1 2 5" : "1", digit, " ")
+	for (k = step * floor(log10(from[a]) / step); k <= log10(to[a]); k += step)
+		for (i = 1; i <= n; i++) text = text (text ? ", " : "") tick(digit[i], k)
 	return "set " a "tics (" text ")"
 }
-function tick(digit, k,    name) { # 1e8, not 1e+08
-	name = sprintf("%g", (digit "e" k) + 0)
+function tick(digit, k) { return sprintf("\047%s\047 %ge%d", number((digit "e" k) + 0), digit, k) }
+# 1e5, not 100000 or 1e+05; 1e-4, not 0.0001.
+function number(v,    name, size) {
+	name = sprintf("%.0e", v)
+	size = v < 0 ? -v : v
+	if (name + 0 != v || size == 0 || size >= 1e-3 && size < 1e5) return sprintf("%.10g", v)
 	sub(/e[+]0*/, "e", name); sub(/e-0*/, "e-", name)
-	return sprintf("\047%s\047 %de%d", name, digit, k)
+	return name
 }
 function place(a, v, pixels) { # how far v is along the axis, in pixels
 	if (logarithmic[a]) return (log(v) - log(from[a])) / (log(to[a]) - log(from[a])) * pixels
@@ -140,38 +174,51 @@ function is_free(x, y, w, h,    i) {
 		if (box_x[i] < x + w && x < box_x[i] + box_w[i] && box_y[i] < y + h && y < box_y[i] + h) return 0
 	return 1
 }
-function name_point(q,    x, y, w, h, dx, dy, k) { # above it, below it, or at its sides
-	x = place("x", x_mid[q], plot_w)
-	y = place("y", y_mid[q], plot_h)
-	w = length(point_name[q]) * 5.6 + 2
-	h = 10
-	split("6 " (-w - 6) " 6 " (-w - 6) " " (-w / 2) " " (-w / 2) " 8 " (-w - 8), dx, " ")
-	split("6 6 " (-h - 6) " " (-h - 6) " 6 " (-h - 6) " " (-h / 2) " " (-h / 2), dy, " ")
-	for (k = 1; k <= 8 && !is_free(x + dx[k], y + dy[k], w, h); k++) { }
-	if (k > 8) return
-	box_x[++n_boxes] = x + dx[k]
-	box_y[n_boxes] = y + dy[k]
+# At its corners, above it, below it or at its sides, close or a little further.
+function name_point(q,    x, y, w, h, side, k, away, left, low) {
+	w = length(point_name[q]) * 5.8 + 4
+	h = 12
+	split("1 1 -1 1 1 -1 -1 -1 0 1 0 -1 1 0 -1 0", side, " ")
+	for (k = 0; k < 16; k++) {
+		away = k < 8 ? 6 : 12
+		x = side[2 * k % 16 + 1]
+		y = side[2 * k % 16 + 2]
+		left = place("x", x_mid[q], plot_w) + (x > 0 ? away : x < 0 ? -w - away : -w / 2)
+		low = place("y", y_mid[q], plot_h) + (y > 0 ? away : y < 0 ? -h - away : -h / 2)
+		if (is_free(left, low, w, h)) break
+	}
+	if (k == 16) return
+	box_x[++n_boxes] = left
+	box_y[n_boxes] = low
 	box_w[n_boxes] = w
-	write(point_name[q], "first", unplace("x", x + dx[k] + w / 2, plot_w),
-		unplace("y", y + dy[k] + h / 2, plot_h), "center", 10, substr(shade[point_line[q]], 7))
+	write(point_name[q], "first", unplace("x", left + w / 2, plot_w), unplace("y", low + h / 2, plot_h), "center", 10,
+		shade[point_line[q]])
 }
+# Points of a line that are on one another share a name, "first, second" or "first ... last".
+function join_names(p,    q, r, first) {
+	for (q = 1; q <= n_points; q++) for (r = 1; r < q && point_panel[q] == p; r++) {
+		if (point_panel[r] != p || point_line[r] != point_line[q] || point_name[r] == "" || point_name[q] == "") continue
+		if (gap(q, r, "x", x_mid, plot_w) > 5 || gap(q, r, "y", y_mid, plot_h) > 5) continue
+		if (!(r in first)) { first[r] = point_name[r]; point_name[r] = first[r] ", " point_name[q] }
+		else point_name[r] = first[r] " ... " point_name[q]
+		point_name[q] = ""
+		if (q in on_front) on_front[r] = 1
+	}
+}
+function gap(q, r, a, v, pixels,    d) { d = place(a, v[q], pixels) - place(a, v[r], pixels); return d < 0 ? -d : d }
 function name_points(p,    pass, q) { # those on the front first
+	join_names(p)
 	obstacles(p)
 	for (pass = 1; pass >= 0; pass--) for (q = 1; q <= n_points; q++)
 		if (point_panel[q] == p && point_name[q] != "" && (q in on_front) == pass) name_point(q)
 }
 
 # --- drawing ---
-function styles(    colours, shapes, dashes, l) {
-	split("0072B2 D55E00 009E73 CC79A7 E69F00 56B4E9 000000 808080", colours, " ")
-	split("7 5 9 13 11 6 4 8 12", shapes, " ")
-	split("solid (9,4) (3,3) (9,3,2,3) (14,4)", dashes, " ")
-	for (l = 1; l <= n_lines; l++) {
-		shade[l] = "rgb 0x" colours[(l - 1) % 8 + 1]
-		printf "set style line %d lw 1.6 ps 0.75 lc %s pt %d dt %s\n", l, shade[l],
-			shapes[(l - 1) % 9 + 1], dashes[(l - 1) % 5 + 1]
-	}
+function styles(    l) {
+	for (l = 1; l <= n_lines; l++)
+		printf "set style line %d lw 1.8 ps %g lc rgb 0x%s pt %d dt %s\n", l, mark[l] in is_filled ? .8 : 1.1, shade[l], mark[l], dash[l]
 	print "set style line 100 lw 5 ps 1.9 lc rgb 0xd8d8d8 pt 7 dt solid"
+	print "set style line 101 lw 1.2 ps 0 lc rgb 0x606060 pt 0 dt (6,4)"
 }
 function data(p, l,    i, q, text) {
 	for (i = 1; i <= n_order[p, l]; i++) {
@@ -199,6 +246,7 @@ function band_data(p, l,    i, k, q, r, n, t, edge, a, b, c, text) {
 	}
 	block("band" p "_" l, text)
 }
+# Puts v among the n - 1 sorted numbers of t.
 function insert(t, n, v) { for (; n > 1 && t[n - 1] > v; n--) t[n] = t[n - 1]; t[n] = v }
 function between(a, v, w, t) { return logarithmic[a] ? exp(log(v) + t * (log(w) - log(v))) : v + t * (w - v) }
 function band_at(x, low, high) {
@@ -220,27 +268,33 @@ function banded(p, l,    i, any) {
 	}
 	return any && n_order[p, l] > 1
 }
-function plot(p,    l, d, ranges, lines) {
-	if (pareto) ranges = ", $edge" p " with steps ls 100, $front" p " with points ls 100"
+# Dashed lines lie on solid ones, and marks on both, so that lines of the same course show all their colours.
+function plot(p,    l, d, ranges, solid, dashed, points) {
+	if (limit != "") ranges = sprintf(", %.9g with lines ls 101", limit)
+	if (pareto) ranges = ranges ", $edge" p " with steps ls 100, $front" p " with points ls 100"
 	for (l = 1; l <= n_lines; l++) {
 		if (!n_order[p, l]) continue
 		d = ", $d" p "_" l " using "
-		if (banded(p, l)) ranges = ranges ", $band" p "_" l " using 1:2:3 with filledcurves fc " shade[l] \
-			" fs transparent solid 0.2 noborder"
-		else if ((p, l) in varies) ranges = ranges d "1:2:3:4:5:6 with xyerrorbars lc " shade[l] " lw 1 dt solid pt 0 ps 0"
-		lines = lines d "1:2 with lines ls " l d "1:2 with points ls " l " dt solid"
+		if (banded(p, l)) ranges = ranges ", $band" p "_" l " using 1:2:3 with filledcurves fc rgb 0x" shade[l] \
+			" fs transparent solid " (n_lines > 6 ? .07 : .13) " noborder"
+		else if ((p, l) in varies) ranges = ranges d "1:2:3:4:5:6 with xyerrorbars lc rgb 0x" shade[l] " lw 1 dt solid pt 0 ps 0"
+		if (dash[l] == "solid") solid = solid d "1:2 with lines ls " l
+		else dashed = dashed d "1:2 with lines ls " l
+		points = points d "1:2 with points ls " l " dt solid"
 	}
-	print "plot " substr(ranges lines, 3)
+	print "plot " substr(ranges solid dashed points, 3)
 }
 function y_axis(col,    marks) { # only the first panel of a row has its numbers
 	marks = ticks("y")
-	if (col) gsub(/\047%?g?[^\047]*\047/, "\047\047", marks)
+	if (col && !ranges_differ()) gsub(/\047%?g?[^\047]*\047/, "\047\047", marks)
 	print marks
 	print (col ? "unset ylabel" : "set ylabel " quoted(y_title) " offset 0.5,0")
 }
 function draw_panel(p,    l) {
 	if (pareto) find_front(p)
 	print "unset label"
+	find_axes(p)
+	print x_ticks(p)
 	for (l = 1; l <= n_lines; l++) if (n_order[p, l]) {
 		data(p, l)
 		if (banded(p, l)) band_data(p, l)
@@ -253,7 +307,7 @@ function draw_panel(p,    l) {
 	plot(p)
 }
 function key_look(i, x, y,    style) {
-	style = i > n_lines ? 100 : i
+	style = i in key_style ? key_style[i] : i
 	block("k" i, sprintf("%.1f %.1f\n%.1f %.1f\n", x + 2, y, x + 40, y))
 	block("m" i, sprintf("%.1f %.1f\n", x + 21, y))
 	return ", $k" i " with lines ls " style ", $m" i " with points ls " style " dt solid"

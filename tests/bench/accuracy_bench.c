@@ -72,7 +72,7 @@ static void look_at(struct look *l, const char *map)
 /* What METHOD says; the limit goes to the scene. */
 static struct volume_options method_of(struct look *l, const char *name)
 {
-    struct volume_options o;
+    struct volume_options o = VOLUME_OPTIONS_DEFAULT;
     char err[ERR_BYTES], method[VOLUME_METHOD] = "";
     size_t n = strcspn(name, "/");
     const char *limit = name[n] ? name + n : NULL;
@@ -81,7 +81,6 @@ static struct volume_options method_of(struct look *l, const char *name)
     l->c.s.opacity_limit = 1;
     if (limit && !parse_real(limit + 1, 1e-9, 1, &l->c.s.opacity_limit))
         die(ST_USAGE, "%s: expected a limit from 1e-9 to 1", name);
-    o.isa = ISA_AUTO;
     return o;
 }
 
