@@ -143,8 +143,8 @@ static int64_t used_us(void *ctx) { return llrint(((struct replay *)ctx)->used_u
 static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
     const struct replay *r = ctx;
-    const char *job = r->log.frames[0].job;
-    uint64_t hash = hash64(HASH64_INIT, job, strlen(job));
+    const char *first = r->log.frames[0].job;
+    uint64_t hash = hash64(HASH64_INIT, first, strlen(first));
     *n = 1;
     for (int k = 0; k < 4; k++) rgba[k] = (float)(hash >> (16 * k) & 0xffff);
     sleep_us(WORKER_SELFTEST_REFERENCE_US / r->o->power);

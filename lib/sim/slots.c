@@ -186,7 +186,7 @@ void sim_end_slot(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     sim_clock_end(&s->clock, w->now_us);
-    if (s->node) w->plan->node->destroy(s->node);
+    if (w->plan->node && s->node) w->plan->node->destroy(s->node);
     s->node = NULL;
     s->alive = s->stalled = s->paused = s->hung = false;
     sim_work_end(w, k);
