@@ -48,12 +48,12 @@ for scene in $scenes; do
 done
 
 # agree SLOTS BUILD METHOD: prints the ratio of a real run's makespan to the simulated one, of 5 s without builds; of more on
-# many slots, because gdc has 150 tasks for each, and two cores pass some thousand a second. deal gets
-# shorter tasks than rows: with two or three rows for each slot, chance decides which slot has the last one.
+# many slots, because gdc has 150 tasks for each, and two cores pass some thousand a second. deal has 40 for
+# each: with two or three rows, chance decides which slot has the last one, and tasks of 20 ms feel each round trip.
 agree() {
 	case $3 in
 	adaptive) cut='-o sample' rules=adaptive command='deal -q auto -e fan -S hosts' ;;
-	deal) cut='-u run:64' rules=deal command='deal fan -S hosts' ;;
+	deal) cut="-u run:$((262144 / (40 * $1)))" rules=deal command='deal fan -S hosts' ;;
 	gdc) cut="-u fine -n $1" rules='ring -e' command='ringctl -e fan -S hosts ringctl -n' ;;
 	esac
 	powers=$(awk -v n="$1" 'BEGIN { for (k = 0; k < n; k++) printf "%s%.3f", (k ? "," : ""), (n > 14 ? .5 + (k * 7 % n) / n : k < 12 ? 1 : k < 13 ? .442 : 1.347) }')
