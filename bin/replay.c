@@ -20,9 +20,10 @@
 
 struct options {
     struct worker_options worker;
-    double power; /* -p: 1 is the machine of the log */
-    double load;  /* -l: mean load by other users, relative to a task's time */
-    double scale; /* -x: of all times */
+    double build_s; /* -b: of each state, at power 1 */
+    double power;   /* -p: 1 is the machine of the log */
+    double load;    /* -l: mean load by other users, relative to a task's time */
+    double scale;   /* -x: of all times */
     uint64_t seed;
     const char *path;
 };
@@ -30,9 +31,8 @@ struct options {
 struct replay {
     const struct options *o;
     struct history_file file;
-    bool loaded;        /* the log was read */
-    uint64_t first_job; /* hash of the first job */
     struct history log;
+    bool built; /* it has waited as long as the original worker builds its state */
     const struct history_frame *frame;
     struct history_found found; /* the pixels of the task */
     uint64_t pieces;            /* done so far: counter of the random load */
@@ -86,33 +86,27 @@ static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n,
     history_pixels(&r->log, r->frame, &r->found, n0, n, rgba);
 }
 
-/* Reads only enough of the log to see that it is one. */
-static void open_log(struct replay *r)
-{
-    const char *path = r->o->path;
-    char err[HISTORY_ERR];
-    int failed = history_open(&r->file, path);
-    if (failed) die(failed == -1 || errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
-    if (!history_first_job(&r->file, &r->first_job, err)) die(ST_USAGE, "%s: %s", path, err);
-}
-
+/* Before hello: the original worker has no log to read, so no task may wait for that. */
 static void load_log(struct replay *r)
 {
     const char *path = r->o->path;
     struct history *l = &r->log;
     char err[HISTORY_ERR];
+    int failed = history_open(&r->file, path);
+    if (failed) die(failed == -1 || errno == EISDIR ? ST_USAGE : ST_SYSTEM, "%s:", path);
     history_read_bytes(l, r->file.bytes, r->file.n);
     if (l->refused) die(ST_USAGE, "%s: %s", path, l->why);
     if (l->bad) warn("%s: %" PRIu64 " damaged places skipped; the last: %s", path, l->bad, l->why);
     if (!history_replayable(l, err)) die(ST_USAGE, "%s: %s", path, err);
 }
 
-/* Scenes and other state are for renderers: ignored. */
+/* Scenes and other state are for renderers: only the time to build it counts. */
 static int take_state(void *ctx, uint32_t generation, enum rec_kind kind,
     unsigned char *body, // NOLINT(readability-non-const-parameter)
     size_t n, char err[WORKER_ERR])
 {
-    (void)ctx, (void)generation, (void)kind, (void)body, (void)n;
+    (void)generation, (void)kind, (void)body, (void)n;
+    ((struct replay *)ctx)->built = false;
     *err = '\0';
     return 0;
 }
@@ -120,18 +114,15 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind,
 static int ready(void *ctx, const struct frame_size *wanted, char err[WORKER_ERR])
 {
     struct replay *r = ctx;
-    int64_t begin = now_us();
-    if (!r->loaded) load_log(r);
-    /* The original worker has no log to read, so the time for it is part of the next wait. */
-    if (!r->loaded) r->owed_us -= (double)(now_us() - begin);
-    r->loaded = true;
     const struct history_frame *f = history_frame_of(&r->log, wanted->frame);
     if (!f || f->w != wanted->w || f->h != wanted->h) {
         snprintf(err, WORKER_ERR, "%s: no frame %u of %ux%u, expected a frame of the log",
             r->o->path, wanted->frame, wanted->w, wanted->h);
         return -1;
     }
-    if (f != r->frame) r->own_us = cpu_us();
+    if (!r->built) sleep_us(1e6 * r->o->build_s / r->o->power);
+    if (f != r->frame || !r->built) r->own_us = cpu_us();
+    r->built = true;
     r->frame = f;
     return 0;
 }
@@ -152,8 +143,10 @@ static int64_t used_us(void *ctx) { return llrint(((struct replay *)ctx)->used_u
 static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
     const struct replay *r = ctx;
+    const char *first = r->log.frames[0].job;
+    uint64_t hash = hash64(HASH64_INIT, first, strlen(first));
     *n = 1;
-    for (int k = 0; k < 4; k++) rgba[k] = (float)(r->first_job >> (16 * k) & 0xffff);
+    for (int k = 0; k < 4; k++) rgba[k] = (float)(hash >> (16 * k) & 0xffff);
     sleep_us(WORKER_SELFTEST_REFERENCE_US / r->o->power);
 }
 
@@ -182,12 +175,15 @@ static double usual_power(void)
 
 static struct options parse(int argc, char **argv)
 {
-    static const char text[] = "[-ch] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE] LOG";
+    static const char text[] =
+        "[-ch] [-b SECONDS] [-f PIXELS] [-l LOAD] [-p POWER] [-s SEED] [-x SCALE]\n"
+        "           LOG";
     struct options o = {.power = usual_power(), .scale = 1};
     int opt;
     /* Options may follow the log: methods append theirs to the command line. */
-    while ((opt = prog_getopt(argc, argv, "hl:p:s:x:" WORKER_OPTIONS)) != -1) {
+    while ((opt = prog_getopt(argc, argv, "b:hl:p:s:x:" WORKER_OPTIONS)) != -1) {
         switch (opt) {
+        case 'b': o.build_s = opt_real(opt, optarg, 0, 86400); break;
         case 'h': usage(ST_OK, text);
         case 'l': o.load = opt_real(opt, optarg, 0, 1e3); break;
         case 'p': o.power = opt_real(opt, optarg, POWER_LEAST, POWER_MOST); break;
@@ -208,7 +204,7 @@ int main(int argc, char **argv)
     struct options o = parse(argc, argv);
     struct replay r = {.o = &o};
     prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); /* ns: sleeps end on time */
-    open_log(&r);
+    load_log(&r);
     int status = worker_run(&ops, &o.worker, &r);
     history_free(&r.log);
     history_close(&r.file);

@@ -11,11 +11,14 @@
 #include <unistd.h>
 
 #define SLOTS_MOST 100000
+#define START_MOST_S 86400.
+#define SPREAD_MOST 1e5
 
 static const char text[] =
     "[-chv] [-b LINK[,HUB]] [-f FAULT,...] [-g HUBS,...] [-H HOPS]\n"
-    "           [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...] [-l MS] [-m US[,SPREAD] | -t LOG]\n"
-    "           [-s SEED] [-u US] [-x SCALE] METHOD\n"
+    "           [-j SLOTS[,SPREAD] | -S HOSTS | -w POWER,...] [-l MS] [-L LOADS]\n"
+    "           [-m US[,SPREAD] | -t LOG] [-p CONNECT[,STATE[,BUILD[,SPREAD]]]] [-s SEED]\n"
+    "           [-u US] [-x SCALE] METHOD\n"
     "       simulate [-v] -n SEEDS [-s SEED] METHOD\n"
     "METHOD: fan, best, adaptive, deal [-e] [-q DEPTH|auto] [-t SECONDS],\n"
     "        ring [-e|-p]";
@@ -41,6 +44,21 @@ static void parse_pair(int opt, const char *arg, double least, double most, doub
     if (n > 2) die(ST_USAGE, "-%c %s: expected one number or two", opt, arg);
     *a = v[0];
     if (n > 1) *b = v[1];
+    free(v);
+}
+
+/* CONNECT[,STATE[,BUILD[,SPREAD]]] */
+static void parse_start(struct sim_start *s, const char *arg)
+{
+    s->spread = 1;
+    double *const to[] = {&s->connect_s, &s->state_bytes, &s->build_s, &s->spread};
+    size_t n;
+    double *v = opt_reals('p', arg, 0, 1e12, &n);
+    if (n > 4 || v[0] > START_MOST_S || (n > 2 && v[2] > START_MOST_S) ||
+        (n > 3 && (v[3] < 1 || v[3] > SPREAD_MOST)))
+        die(ST_USAGE, "-p %s: expected SECONDS[,BYTES[,SECONDS[,SPREAD]]], at most %g s and %g",
+            arg, START_MOST_S, SPREAD_MOST);
+    for (size_t i = 0; i < n; i++) *to[i] = v[i];
     free(v);
 }
 
@@ -131,12 +149,13 @@ static void print_event(const char *line) { printf("# %s\n", line); }
 static void parse(struct options *o, int argc, char **argv)
 {
     struct sim_plan *p = &o->plan;
-    const char *slots = NULL, *hosts = NULL, *faults = NULL;
+    const char *slots = NULL, *hosts = NULL, *faults = NULL, *loads = NULL;
+    char err[ERR_BYTES];
     int64_t seed = 0;
     bool made = false, more = false;
     size_t n;
     int opt, ways = 0;
-    while ((opt = prog_getopt(argc, argv, "+b:cf:g:hH:j:l:m:n:s:S:t:u:vw:x:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+b:cf:g:hH:j:l:L:m:n:p:s:S:t:u:vw:x:")) != -1) {
         more = more || !strchr("nsv", opt);
         switch (opt) {
         case 'b':
@@ -151,11 +170,13 @@ static void parse(struct options *o, int argc, char **argv)
         case 'H': p->hops = opt_real(opt, optarg, 0, 100); break;
         case 'j': slots = opt_text(opt, optarg), ways++; break;
         case 'l': p->link.latency_us = llround(opt_real(opt, optarg, 0, 1e7) * 1e3); break;
+        case 'L': loads = opt_text(opt, optarg); break;
         case 'm':
             made = true;
             parse_pair(opt, optarg, 1e-3, 1e9, &o->us, &o->spread);
             break;
         case 'n': o->seeds = opt_int(opt, optarg, 1, INT32_MAX); break;
+        case 'p': parse_start(&p->start, optarg); break;
         case 's': seed = opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': hosts = opt_text(opt, optarg), ways++; break;
         case 't': o->log = opt_text(opt, optarg); break;
@@ -180,13 +201,15 @@ static void parse(struct options *o, int argc, char **argv)
         die(ST_USAGE, "expected one of -j, -S and -w, and one of -m and -t");
     if (p->concentrate && o->method.policy == &sim_fan)
         die(ST_USAGE, "-c: expected deal or ring, which ask for pixels held back");
-    if (o->tree && (o->method.policy != &policy_deal || faults || p->concentrate || p->trace))
-        die(ST_USAGE, "-g and -u: expected deal or adaptive, without -c, -f and -v");
+    bool plain = !faults && !loads && !p->concentrate && !p->trace && p->start.spread <= 0;
+    if (o->tree && (o->method.policy != &policy_deal || !plain))
+        die(ST_USAGE, "-g and -u: expected deal or adaptive, without -c, -f, -L, -p and -v");
     if (hosts) read_hosts(o, hosts);
     else if (!o->load.power) draw_powers(o, slots ? slots : "1");
     if (faults && !sim_parse_faults(p, faults))
         die(ST_USAGE,
             "-f %s: expected KIND=CHANCE or KIND@WHEN[:SLOT[:POWER]], with commas between", faults);
+    if (loads && !sim_read_loads(p, loads, err)) die(ST_USAGE, "-L %s: %s", loads, err);
     if ((p->p_lose > 0 || p->p_double > 0 || p->p_late > 0) &&
         o->method.policy != &policy_published)
         die(ST_USAGE, "-f %s: expected ring -p, whose links lose messages", faults);
@@ -256,7 +279,7 @@ static int run_tasks(struct options *o, int argc, char **argv)
     if (o->log) read_costs(l, o->log);
     else sim_draw_costs(l, o->plan.seed, o->us, o->spread);
     if (!sim_workload_scale(l, o->scale, err)) die(ST_USAGE, "%s", err);
-    if (!sim_workload_plan(l, &o->method, &o->plan, err)) die(ST_USAGE, "-f: %s", err);
+    if (!sim_workload_plan(l, &o->method, &o->plan, err)) die(ST_USAGE, "-f or -L: %s", err);
     if (o->tree) sim_tree_run(o->method.policy, &o->plan, &r);
     else sim_run(o->method.policy, &o->plan, &r);
     sim_report(&o->plan, &r, &out);
@@ -293,6 +316,7 @@ int main(int argc, char **argv)
     int status = o.seeds ? run_seeds(&o) : run_tasks(&o, argc, argv);
     sim_workload_free(&o.load);
     free(o.plan.faults);
+    free(o.plan.loads);
     free(o.groups);
     close_stdout();
     return status;

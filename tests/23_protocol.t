@@ -209,6 +209,7 @@ sampled latency '^0 [.0-9]+$'
 sampled steals '^0 [.0-9]+$'
 sampled stability '^0 [.0-9]+$'
 sampled variance '^0 [.0-9]+$'
+sampled loads '^0 [.0-9]+$'
 # These two render for as long as all others.
 if [ "${NIGHT-}" = true ]; then
 	sampled regret '^0 [.0-9]+$'

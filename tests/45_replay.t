@@ -61,6 +61,14 @@ wall_3=$elapsed_us
 echo "$wall_1 $wall_2 $wall_3" | awk '{ exit !($1 >= 80000 && $2 >= 160000 && $3 >= 240000) }'
 is 'the elapsed time is at least that time' $? 0
 diag "8 tasks of 10 ms took $wall_1 us, at half the power $wall_2, at scale 3 $wall_3"
+# A log that takes longer to read than the first task takes: that is part of no task.
+{ cat slow.frags; yes beat | head -n 500000; } >long.frags
+head -n 2 rows.task | replay long.frags >timed.frags
+is 'reading the log does not shorten the first task' "$(sum timed.frags wall_us | awk '{ print ($1 > 5000) }')" 1
+rm long.frags
+begin=$(date +%s%N)
+{ pack scene balls.nff; head -n 2 rows.task; } | replay -b .3 -p 3 slow.frags >timed.frags
+is 'a state is built before its first task, in a time of its own' "$((($(date +%s%N) - begin) / 1000 >= 100000)) $(sum timed.frags cpu_us)" '1 3333'
 REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
 is 'REPLAY_POWER sets the power' "$(sum timed.frags cpu_us)" 20000
 like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
@@ -117,6 +125,7 @@ sed 's/^frame 0 64 48/frame 0 64 47/' one.frags | "$root/tests/seal" >size.frags
 refuses 'a log of another size' 'size.frags: no frame 0 of 64x48' size.frags
 LC_ALL=C sed 's/done 0 5 /dine 0 5 /' one.frags >undone.frags
 refuses 'pixels of unknown cost' 'undone.frags: frame 0: pixel 0,5 has no CPU time' undone.frags
+refuses 'a build before it began' '-b -1' -b -1 one.frags
 refuses 'power 0' '-p 0' -p 0 one.frags
 refuses 'scale -1' '-x -1' -x -1 one.frags
 run replay nosuch.frags

@@ -44,7 +44,15 @@ takes 'silence: what it had is given to the first 3 s later' 5.800000 -f silence
 run simulate -v -m 1e6 -f pause@.5s:0 fan <four.task
 is 'a pause: the task goes on where it was, and ends later by the pause' "$(of makespan_s)" \
 	"$(printf '%s\n' "$out" | awk '/ resumes$/ { printf "%.6f", 3.5 + $2 / 1e6 }')"
-takes 'the first half as fast from .8 s on' 3.500000 -f slow@.8s:0:.5 deal
+takes 'a fifth as fast from .9 s on, in the middle of a task' 2.500000 -f slow@.9s:0:.2 deal
+# Both connect at .5 s; a scene of 500 bytes comes with the first task at .7, and takes a second of power 1 to be built. The
+# first does task 0 from 1.7 to 2.7. The second does task 1 from 1.2 to 1.7, and after round trips tasks 2 and 3, to 3.1.
+takes 'hosts connect, get their state and build it' 3.200000 -p .5,500,1 deal
+is 'no run is faster than the power that is left then: T - 1.8 + 2 (T - 1.3) = 4' "$(of bound_s) $(of least_s)" '1.333333 2.800000'
+# The first has .5 s of task 0 at 1.2, and 1.25 of .4 a second later; the second joins at 1 s and does three tasks by 3.1.
+printf '0 0 .5\n1.2 0 .4\n0 1 0\n1 1 1\n' >shares
+takes 'shares of power that change in a task, and a host that joins' 3.200000 -L shares deal
+is 'no run is faster than the shares that are left' "$(of least_s | awk '{ print ($1 < 3) }')" 1
 two -f crash@.5s:1 fan
 is 'a static method does not recover' "$status $(of uncommitted) $(of efficiency)" '1 2 0.0000'
 like 'a static method: the message has the command to repeat the run' "$err" "to repeat, with the same tasks: simulate -m 1e6 -w 1,2 -l 100 -f crash@.5s:1 fan$"
@@ -63,7 +71,8 @@ printf 'a power=1\nb power=2 latency_ms=300 bytes_per_s=1000\n' >links
 run simulate -v -m 1e6 -S links -l 100 fan <four.task
 like 'a host with its own latency and bandwidth' "$out" '^# 738000 1 from hub: task 1$'
 like 'a host with those of -l' "$out" '^# 200000 0 from hub: task 0$'
-is 'no run is faster than the bound and three of the least latencies' "$(of least_s)" 1.633333
+# The first has 4 - 3 x .1 s of its power 1, the second 4 - 3 x .3 of 2 at the least, if 4 s are over after T: T - .3 + 2 (T - .9) = 4.
+is 'no run is faster than what slots can do between three of their latencies' "$(of least_s)" 2.033333
 # Its two slots share a link: the hello of the second waits for that of the first. fan gives a slot its tasks when it is up.
 printf 'a slots=2 power=1 bytes_per_s=1000\n' >links
 run simulate -v -m 1e6 -S links fan <four.task
@@ -199,6 +208,12 @@ refuses 'lost messages without ring -p' 'expected ring -p' simulate -f lose=.1 d
 refuses 'a tree of rings' 'expected deal or adaptive, without' simulate -g 2 ring
 refuses 'a tree with faults' 'expected deal or adaptive, without' simulate -g 2 -f crash=1 deal
 refuses 'the published ring with an endgame' 'expected no -e' simulate ring -e -p
+refuses 'loads of a tree' 'without -c, -f, -L, -p' simulate -g 2 -L /dev/null deal
+refuses 'a start of a tree' 'without -c, -f, -L, -p' simulate -g 2 -p 1 deal
+refuses 'no loads' '^simulate: -L nothing: ' simulate -L nothing deal
+printf '1 0 .5\n1 2 .5\n' >two.loads
+refuses 'loads of a slot that does not exist' 'slot 2 of 2' simulate -j 2 -L two.loads deal
+for start in 1,2,3,4,5 1,2,3,.5 1e6 1,2,1e6 -1; do refuses "-p $start" '-p.*expected' simulate -p "$start" deal; done
 refuses 'half a hub' 'expected whole numbers' simulate -g 1.5 deal
 refuses 'no hub' 'expected' simulate -g 0 deal
 refuses '-c with fan' 'expected deal or ring' simulate -c fan

@@ -50,34 +50,9 @@ void history_close(struct history_file *file)
     *file = (struct history_file){0};
 }
 
-static bool no_run(char err[HISTORY_ERR])
-{
-    snprintf(err, HISTORY_ERR, "no task with pixels, expected the log of a run");
-    return false;
-}
-
-bool history_first_job(const struct history_file *file, uint64_t *hash, char err[HISTORY_ERR])
-{
-    struct decoder d = wire_over(file->bytes, file->n);
-    struct record r;
-    const char *job = NULL;
-    size_t n = 0;
-    enum wire_result got;
-    d.upward = d.unsummed = true;
-    while (!job && (got = wire_next(&d, &r)) != WIRE_MORE) {
-        if (got != WIRE_RECORD) continue;
-        if (!rec_ours(&r, d.why)) {
-            snprintf(err, HISTORY_ERR, "%s", d.why);
-            return false;
-        }
-        if (r.kind == REC_FRAME) job = rec_key(&r, "job", &n);
-    }
-    if (!job) return no_run(err);
-    *hash = hash64(HASH64_INIT, job, n);
-    return true;
-}
-
 bool history_replayable(const struct history *l, char err[HISTORY_ERR])
 {
-    return (l->n_frags && l->n_dones) || no_run(err);
+    if (l->n_frags && l->n_dones) return true;
+    snprintf(err, HISTORY_ERR, "no task with pixels, expected the log of a run");
+    return false;
 }

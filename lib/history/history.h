@@ -183,11 +183,6 @@ struct history_file {
  * after history_free. */
 int history_open(struct history_file *file, const char *path);
 void history_close(struct history_file *file);
-/*
- * Reads only up to the first frame with a job, and makes a hash of that job. False with text in
- * err: there is none, or the log is of another format.
- */
-bool history_first_job(const struct history_file *file, uint64_t *hash, char err[HISTORY_ERR]);
 /* True if the log has tasks with pixels; else text in err. */
 bool history_replayable(const struct history *l, char err[HISTORY_ERR]);
 

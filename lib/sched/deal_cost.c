@@ -4,7 +4,7 @@
  */
 #include "sched/deal_int.h"
 
-#define LATEST 8.         /* tasks: a slot's time is the mean over them, or those of a round trip */
+#define LATEST 2.         /* tasks: a slot's time is the mean over them, or those of a round trip */
 #define OVERDUE 1         /* a task is overdue if late by this multiple of its expected time */
 #define LATER 2           /* it will then be late by this multiple of its delay so far */
 #define REVIEWED 16       /* longer queues are not estimated again */

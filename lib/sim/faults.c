@@ -26,6 +26,15 @@ static void draw_drain(struct world *w, int32_t k, int64_t at)
     if (sim_draw(w) < .4) plan_fault(w, at, k, kind, sim_draw(w) < .5);
 }
 
+/* Half of the slow slots have all of their power again later. */
+static void draw_slow(struct world *w, int32_t k, int64_t at)
+{
+    double power = SLOWEST + (.5 - SLOWEST) * sim_draw(w);
+    plan_fault(w, at, k, SIM_SLOW, power);
+    if (sim_draw(w) < .5) return;
+    plan_fault(w, at + (int64_t)(sim_draw(w) * 1e6), k, SIM_SLOW, 1 / power);
+}
+
 void sim_draw_fault(struct world *w, int32_t k)
 {
     const struct sim_plan *p = w->plan;
@@ -34,8 +43,7 @@ void sim_draw_fault(struct world *w, int32_t k)
     if (sim_draw(w) < p->p_crash && mortal) plan_fault(w, at, k, SIM_CRASH, 0);
     else if (sim_draw(w) < p->p_silence && mortal) plan_fault(w, at, k, SIM_SILENCE, 0);
     else if (sim_draw(w) < p->p_pause) plan_fault(w, at, k, SIM_PAUSE, 0);
-    else if (sim_draw(w) < p->p_slow && mortal)
-        plan_fault(w, at, k, SIM_SLOW, SLOWEST + (.5 - SLOWEST) * sim_draw(w));
+    else if (sim_draw(w) < p->p_slow && mortal) draw_slow(w, k, at);
     else if (p->p_hang > 0 && sim_draw(w) < p->p_hang && mortal)
         plan_fault(w, at, k, SIM_HANG, sim_draw(w) < .5);
     else if (p->p_drain > 0 && sim_draw(w) < p->p_drain && mortal) draw_drain(w, k, at);
@@ -95,13 +103,15 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
     case SIM_PAUSE:
         s->stalled = true;
         pause_us = (int64_t)(sim_draw(w) * (double)silence_us);
-        if (s->clock.busy) s->paused_us += pause_us;
+        s->paused = true;
+        sim_work_changed(w, k);
         sim_schedule(w, w->now_us + pause_us, k, (struct sim_event){.kind = SIM_RESUME});
         break;
     case SIM_SLOW:
         w->result->slows++;
         s->power = fmax(
             s->power * e->sched.power, POWER_LEAST * (w->plan->work ? w->plan->work->power[k] : 1));
+        sim_work_changed(w, k);
         if (w->plan->tells_power) sim_say_up(w, k);
         break;
     case SIM_HANG:

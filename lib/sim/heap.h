@@ -12,7 +12,10 @@ enum sim_kind {
     SIM_AT_HUB,   /* the same, after the pixels that pass the hub */
     SIM_INPUT,    /* the next tasks may be read */
     SIM_TO_SLOT,  /* sched event arrives at the slot: task, flush, ring message or end */
-    SIM_COMPUTED, /* the slot has finished its task */
+    SIM_STATE,    /* the state of the frames arrives at the slot */
+    SIM_PREPARED, /* the slot has built it; sched.n: the turn of its work */
+    SIM_COMPUTED, /* the slot has finished its task; likewise */
+    SIM_LOAD,     /* load number sched.n of the plan; sched.power: the share that it leaves */
     SIM_WAKE,     /* of the slot's node; slot -1: of the hub */
     SIM_FAULT,    /* fault number sched.n of the plan */
     SIM_RESUME,   /* the slot continues after a pause */

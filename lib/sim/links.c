@@ -106,3 +106,16 @@ void sim_send_down(struct world *w, int32_t k, const struct sched_action *a)
     if (between_nodes) send_datagram(w, at, k, down);
     else sim_schedule(w, at, k, down);
 }
+
+void sim_prime(struct world *w, int32_t k)
+{
+    const struct sim_start *start = &w->plan->start;
+    int32_t number = net_number_of(w->plan, k);
+    if (start->state_bytes <= 0 && start->build_s <= 0) return;
+    if (w->primed_us[number] < 0)
+        w->primed_us[number] = (double)net_send(&w->down_to[number], start->state_bytes,
+            net_link_of(w->plan, k).bytes_per_s, w->now_us, true);
+    int64_t left_us = (int64_t)fmax(w->primed_us[number], (double)w->now_us);
+    int64_t at = arrival(w, k, left_us, 1, &w->slots[k].down_us);
+    sim_schedule(w, at, k, (struct sim_event){.kind = SIM_STATE});
+}

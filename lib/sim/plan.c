@@ -32,6 +32,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_hang = p->p_kill = 0;
     p->p_return = p->p_twice = p->p_garbage = p->p_drain = 0;
     p->joins = 0;
+    p->start = (struct sim_start){0};
 }
 
 struct sim_plan sim_plan_of(uint64_t seed)
@@ -65,6 +66,8 @@ struct sim_plan sim_plan_of(uint64_t seed)
     if (unit(seed, 40) < .25) p.p_drain = unit(seed, 41) < .5 ? .4 : .9;
     if (unit(seed, 42) < .25) p.joins = pick(seed, 43, 1, p.slots) - 1;
     p.tells_power = unit(seed, 44) < .5;
+    if (unit(seed, 45) < .25)
+        p.start = (struct sim_start){.build_s = .1 * unit(seed, 46), .spread = 4};
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;

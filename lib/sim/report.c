@@ -52,7 +52,7 @@ void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf
     real(out, "waiting_s", r->waiting_us * 1e-6);
     real(out, "tail_s", r->tail_us * 1e-6);
     real(out, "bound_s", bound);
-    real(out, "least_s", bound + 3e-6 * (double)net_least_us(p) * (1 - p->jitter));
+    real(out, "least_s", sim_least_s(p));
     buf_printf(out, "efficiency\t%.4f\n", whole && makespan > 0 ? bound / makespan : 0);
     count(out, "messages", r->messages);
     count(out, "steals", r->steals);

@@ -97,6 +97,7 @@ static bool is_void(const struct world *w, const struct sim_event *e)
 {
     switch (e->kind) {
     case SIM_FAULT:
+    case SIM_LOAD:
     case SIM_RESTART: return false;
     case SIM_SCHED:
     case SIM_AT_HUB:
@@ -111,7 +112,10 @@ static bool is_void(const struct world *w, const struct sim_event *e)
 static void handle(struct world *w, const struct sim_event *e)
 {
     switch (e->kind) {
-    case SIM_SCHED: step(w, &e->sched); break;
+    case SIM_SCHED:
+        if (e->sched.kind == SCHED_UP && !w->slots[e->sched.slot].up) sim_prime(w, e->sched.slot);
+        step(w, &e->sched);
+        break;
     case SIM_AT_HUB: sim_pass_hub(w, e); break;
     case SIM_INPUT: w->input_due = false; break;
     case SIM_RETURN: sim_slot_comes_up(w, e->slot); break;
@@ -125,7 +129,10 @@ static void handle(struct world *w, const struct sim_event *e)
         else sim_deliver(w, e);
         break;
     case SIM_TO_SLOT:
+    case SIM_STATE:
+    case SIM_PREPARED:
     case SIM_COMPUTED: sim_deliver(w, e); break;
+    case SIM_LOAD: sim_take_load(w, e); return;
     case SIM_FAULT: sim_inject_fault(w, e); return;
     case SIM_RESTART: sim_restart_hub(w); return;
     }
@@ -143,6 +150,7 @@ static void begin(struct world *w)
         sim_draw_fault(w, k);
     }
     sim_plan_faults(w);
+    sim_plan_loads(w);
     /* The number of slots may be known before or after the first tasks. */
     sim_start_slots(w, sim_draw(w) < .5 || p->work ? 0 : (int64_t)(sim_draw(w) * 2e5));
     w->spread_us = sim_draw(w) < .5 || p->calm || p->work ? 0 : (int64_t)(1e6 * sim_draw(w));
@@ -159,14 +167,31 @@ static double alone_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     if (!p->work) return p->cost_us * exp(4) * p->rows * (p->tasks + 2);
-    double us = p->work->task_us * p->tasks, least = p->work->power[0];
+    double us = p->work->task_us * p->tasks, least = p->work->power[0], share = 1;
     for (size_t i = 0, n = (size_t)w->frame_w * w->frame_h; i < n; i++) us += p->work->pixel_us[i];
     for (int32_t k = 1; k < p->slots; k++) least = fmin(least, p->work->power[k]);
     double slow = p->p_slow > 0 ? SLOWEST : 1;
     for (size_t i = 0; i < p->n_faults; i++) /* those of a slot multiply */
         if (p->faults[i].kind == SIM_SLOW) slow *= fmin(p->faults[i].power, 1);
     slow = fmax(slow, POWER_LEAST);
-    return us / (least * slow);
+    for (size_t i = 0; i < p->n_loads; i++)
+        if (p->loads[i].share > 0) share = fmin(share, p->loads[i].share);
+    return us / (least * slow * share);
+}
+
+/* Until the last slot is prepared, at the least power that it may have, and the last load has
+ * changed. */
+static double start_us(const struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    double most = net_us(p->start.state_bytes * net_links(p), net_least_rate(p));
+    double us = 0, slow = p->p_slow > 0 ? SLOWEST : 1;
+    for (int32_t k = 0; k < p->slots; k++) {
+        double build = sim_build_us(p, k) / (w->slots[k].power * slow);
+        us = fmax(us, (double)sim_connect_us(p, k) + build);
+    }
+    for (size_t i = 0; i < p->n_loads; i++) most = fmax(most, (double)p->loads[i].at_us);
+    return most + us;
 }
 
 /*
@@ -177,7 +202,7 @@ static int64_t time_allowed_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     double trips_us = 4 * w->latency_us * (w->n_tasks + 2) + w->bytes_us;
-    double faults_us = (double)p->faults_us + 2e6;
+    double faults_us = (double)p->faults_us + 2e6 + w->start_us;
     faults_us += (double)p->silence_us * (1 + (double)p->n_faults);
     faults_us += (double)p->detect_us * p->slots;
     return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
@@ -232,10 +257,13 @@ static void open_world(struct world *w)
     for (int32_t k = 0; k < p->slots; k++) {
         w->slots[k].clock = SIM_CLOCK_INIT;
         w->slots[k].wake_us = INT64_MAX;
+        w->slots[k].share = 1;
     }
     w->wake_us = INT64_MAX;
     w->up = xcalloc(2 * (size_t)net_links(p), sizeof *w->up);
     w->down_to = w->up + net_links(p);
+    w->primed_us = xcalloc((size_t)net_links(p), sizeof *w->primed_us);
+    for (int32_t i = 0; i < net_links(p); i++) w->primed_us[i] = -1;
     w->order = xcalloc((size_t)p->tasks + 1, sizeof *w->order);
     coverage_init(&w->sent, w->frame_w, w->frame_h);
     for (int32_t i = 0; i < p->tasks; i++) {
@@ -264,6 +292,7 @@ static void close_world(struct world *w)
     coverage_free(&w->sent);
     free(w->note);
     free(w->up);
+    free(w->primed_us);
     free(w->slots);
     free(w->order);
     free(w->tasks);
@@ -281,6 +310,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     w.state = policy->create(&plan->params);
     begin(&w);
     w.alone_us = alone_us(&w);
+    w.start_us = start_us(&w);
     w.latency_us = (double)net_most_us(plan);
     w.bytes_us = net_us(net_all_bytes(plan), net_least_rate(plan));
     int64_t n = plan->slots, at_once = 0, most = AT_ONCE * (n + plan->tasks + 1);
@@ -288,6 +318,7 @@ void sim_run(const struct policy *policy, const struct sim_plan *plan, struct si
     if (plan->detect_us) most += AT_ONCE * n * n; /* each node asks each other */
     while (!*result->failure && !result->stops && sim_heap_pop(&w.heap, &e)) {
         if (e.at_us > 2 * time_allowed_us(&w)) break; /* some methods ask for ever */
+        if (sim_work_over(&w, &e)) continue;
         at_once = e.at_us > w.now_us ? 0 : at_once + 1;
         if (at_once > most) sim_fail(&w, "time stands still", at_once, most);
         w.now_us = e.at_us;

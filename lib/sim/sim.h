@@ -11,6 +11,11 @@
  * SCHED_WAITING_MOST tasks wait, as in the live driver. If the hub is killed all slots die with it;
  * a new hub gets the tasks of which a pixel had not been passed on.
  *
+ * A slot may need preparation: it connects, its state goes down its link before its tasks, and the
+ * worker builds. Meanwhile tasks queue at the worker, as in the live one, and none of that is in
+ * the time of its first task. Other users may leave it a share of its power that changes in time;
+ * tasks under way go on at the new speed.
+ *
  * If a plan has several frames, each has its own state. The input waits at a frame until the policy
  * admits it, as in the live driver; meanwhile slots are flushed.
  *
@@ -43,7 +48,7 @@ enum sim_fault_kind {
     SIM_CRASH,   /* the slot dies; the fan sees EOF */
     SIM_SILENCE, /* its connection is half open: the fan gives it up after silence_us */
     SIM_PAUSE,   /* it is silent for less than that, and continues */
-    SIM_SLOW,    /* tasks that it begins from now on take longer */
+    SIM_SLOW,    /* it has only a part of its power from now on */
     SIM_HANG,    /* it never finishes its task, but sends beats: no fan gives it up */
     SIM_DRAIN,   /* it is told to leave the run */
     SIM_KILL     /* the hub is killed, and restarted later */
@@ -63,6 +68,24 @@ struct sim_checks; /* of a policy: world.h */
 struct sim_link {
     int64_t latency_us; /* one way */
     double bytes_per_s; /* each way; 0: no limit */
+};
+
+/*
+ * What a host does before its first task. Connecting and building take a time of their own on each
+ * host: the one stated here times `spread` to a power in [-1, 1), drawn by the seed.
+ */
+struct sim_start {
+    double connect_s;   /* until a slot comes up */
+    double state_bytes; /* sent once over each link, when the hub knows of its first slot */
+    double build_s;     /* at power 1, from when the state has arrived */
+    double spread;      /* up to 1: all hosts take the same time */
+};
+
+/* From at_us on other users leave the slot this share of its power. */
+struct sim_load {
+    int32_t slot;
+    int64_t at_us;
+    double share; /* above 0; or 0 at time 0: it joins the run at its next load */
 };
 
 /* Chances are per slot, or per answer. Times are microseconds of virtual time. */
@@ -97,6 +120,9 @@ struct sim_plan {
     /* no faults and enough work: the run must take little longer than the bound */
     bool calm;
     int64_t silence_us;
+    struct sim_start start;
+    struct sim_load *loads; /* of all slots, by slot and then by time; the caller's */
+    size_t n_loads;
     struct sim_link link;   /* of each slot, and between the hubs of a tree */
     double jitter;          /* latency varies up to this part, both ways */
     double hops;            /* latencies of a ring message between nodes; 2: through the hub */
@@ -121,6 +147,12 @@ struct sim_plan sim_ring_plan_of(uint64_t seed);
  * faults, which the caller must free. False if a word is no fault.
  */
 bool sim_parse_faults(struct sim_plan *plan, const char *list);
+
+/*
+ * Reads a file of loads (simulate(1), -L), which become the plan's; the caller frees plan->loads.
+ * False with text in err: the file cannot be read, or is none.
+ */
+bool sim_read_loads(struct sim_plan *plan, const char *path, char err[ERR_BYTES]);
 
 struct sim_result {
     char failure[200]; /* empty: every check held */
@@ -174,6 +206,12 @@ void sim_add(struct sim_result *sum, const struct sim_result *r);
  * that one bound serves all methods. It is at least the time of all pixels through the hub.
  */
 double sim_bound_s(const struct sim_plan *plan);
+/*
+ * The same for this model: a slot begins when it has its state and its first message, and has what
+ * the loads leave of its power, and its last pixels must come back. At least the bound and three
+ * latencies. Infinite if no slot ever begins.
+ */
+double sim_least_s(const struct sim_plan *plan);
 
 /*
  * The best schedule found with all costs known: longest processing time first, each task to the

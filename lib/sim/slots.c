@@ -64,13 +64,12 @@ static double cost_us(struct world *w, const struct task *t)
 void sim_start_next(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    if (s->clock.busy || s->stalled || !s->alive || s->queue.first == s->queue.n) return;
+    if (s->clock.busy || s->prepares || s->stalled || !s->alive) return;
+    if (s->queue.first == s->queue.n) return;
     double us = cost_us(w, &s->queue.at[s->queue.first]);
     w->cost_us += us;
-    us /= s->power;
     sim_clock_begin(&s->clock, w->now_us);
-    struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = sim_clock_round(&s->clock, us)};
-    if (!s->hung) sim_schedule(w, w->now_us + e.sched.wall_us, k, e);
+    sim_work_begin(w, k, SIM_COMPUTED, us);
 }
 
 void sim_hand_over(struct world *w, int32_t k)
@@ -80,16 +79,12 @@ void sim_hand_over(struct world *w, int32_t k)
     held->first = held->n = 0;
 }
 
-static void computed(struct world *w, int32_t k, int64_t wall_us)
+static void computed(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     if (s->hung) return;
-    if (s->paused_us > 0) { /* it computed nothing for this time */
-        struct sim_event e = {.kind = SIM_COMPUTED, .sched.wall_us = wall_us + s->paused_us};
-        sim_schedule(w, w->now_us + s->paused_us, k, e);
-        s->paused_us = 0;
-        return;
-    }
+    int64_t wall_us = w->now_us - s->clock.began_us;
+    sim_work_end(w, k);
     sim_clock_end(&s->clock, w->now_us);
     if (s->stalled) return; /* silent for ever */
     struct task t = s->queue.at[s->queue.first++];
@@ -98,6 +93,21 @@ static void computed(struct world *w, int32_t k, int64_t wall_us)
     answer_twice_or_worse(w, k, e);
     if (w->plan->concentrate) sim_append_task(&s->held, &t);
     else send_pixels(w, k, &t);
+    sim_start_next(w, k);
+}
+
+/* State that was under way to an earlier process may arrive as well. */
+static void build(struct world *w, int32_t k)
+{
+    const struct vslot *s = &w->slots[k];
+    if (s->prepares && !s->work.on) sim_work_begin(w, k, SIM_PREPARED, sim_build_us(w->plan, k));
+}
+
+static void prepared(struct world *w, int32_t k)
+{
+    if (w->slots[k].hung) return;
+    sim_work_end(w, k);
+    w->slots[k].prepares = false;
     sim_start_next(w, k);
 }
 
@@ -133,8 +143,10 @@ static void read_down(struct world *w, int32_t k, const struct sched_event *e)
 void sim_deliver(struct world *w, const struct sim_event *e)
 {
     struct vslot *s = &w->slots[e->slot];
-    if (e->kind == SIM_COMPUTED) computed(w, e->slot, e->sched.wall_us);
+    if (e->kind == SIM_COMPUTED) computed(w, e->slot);
+    else if (e->kind == SIM_PREPARED) prepared(w, e->slot);
     else if (s->stalled) keep(&s->inbox, e);
+    else if (e->kind == SIM_STATE) build(w, e->slot);
     else if (e->kind == SIM_WAKE) sim_node_wake(w, e->slot);
     else if (w->plan->node && !(e->sched.kind == SCHED_INPUT_END && s->left))
         sim_node_step(w, e->slot, e->sched);
@@ -151,6 +163,7 @@ void sim_slot_comes_up(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     s->alive = true;
+    s->prepares = w->plan->start.state_bytes > 0 || w->plan->start.build_s > 0;
     w->result->returns++;
     if (w->plan->node) sim_node_begin(w, k);
     sim_say_up(w, k);
@@ -159,7 +172,8 @@ void sim_slot_comes_up(struct world *w, int32_t k)
 void sim_resume(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
-    s->stalled = false;
+    s->stalled = s->paused = false;
+    sim_work_changed(w, k);
     w->result->pauses++;
     for (size_t i = 0; i < s->inbox.n; i++) {
         struct sim_event e = s->inbox.at[i];
@@ -172,10 +186,11 @@ void sim_end_slot(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
     sim_clock_end(&s->clock, w->now_us);
-    if (s->node) w->plan->node->destroy(s->node);
+    if (w->plan->node && s->node) w->plan->node->destroy(s->node);
     s->node = NULL;
-    s->alive = s->stalled = s->hung = false;
-    s->paused_us = 0;
+    s->alive = s->stalled = s->paused = s->hung = false;
+    sim_work_end(w, k);
+    w->primed_us[net_number_of(w->plan, k)] = -1;
     s->epoch++;
     s->inbox.n = 0;
     s->queue.first = s->queue.n = 0;

@@ -28,6 +28,8 @@ static const char *const scheds[] = {[SCHED_TASK] = "task",
     [SCHED_RING] = "ring",
     [SCHED_WAKE] = "wake"};
 static const char *const kinds[] = {[SIM_INPUT] = "input",
+    [SIM_STATE] = "has its state",
+    [SIM_PREPARED] = "is prepared",
     [SIM_COMPUTED] = "computed",
     [SIM_WAKE] = "wake",
     [SIM_RESUME] = "resumes",
@@ -59,6 +61,7 @@ void sim_trace_line(const struct sim_event *e, bool lost, char line[SIM_LINE])
     char what[64];
     bool to_hub = e->kind == SIM_SCHED || e->kind == SIM_AT_HUB;
     if (to_hub || e->kind == SIM_TO_SLOT) describe(&e->sched, what, sizeof what);
+    else if (e->kind == SIM_LOAD) snprintf(what, sizeof what, "share %.3g", e->sched.power);
     else if (e->kind == SIM_FAULT) snprintf(what, sizeof what, "fault %s", faults[e->sched.n]);
     else snprintf(what, sizeof what, "%s", kinds[e->kind]);
     snprintf(line, SIM_LINE, "%" PRId64 " %" PRId32 "%s %s%s", e->at_us, e->slot,

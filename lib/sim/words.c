@@ -1,11 +1,12 @@
-/* Faults as words of a command line. */
+/* Faults as words of a command line; loads as lines of a file. */
 #include "sim/sim.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define SLOT_MOST 1000000
-#define SLOWED .1 /* default share of its power left */
+#define SLOWED .1        /* default share of its power left */
+#define SHARE_LEAST 1e-3 /* of a load */
 
 /* Ends the word at the next ':'; the rest, or NULL. */
 static char *cut_off(char *word)
@@ -83,4 +84,73 @@ bool sim_parse_faults(struct sim_plan *plan, const char *list)
     while (good && (word = strsep(&rest, ",")) != NULL) good = parse_word(plan, word);
     free(copy);
     return good;
+}
+
+/* ---- loads ----------------------------------------------------------------------------------- */
+
+static int by_slot_and_time(const void *a, const void *b)
+{
+    const struct sim_load *x = a, *y = b;
+    if (x->slot != y->slot) return x->slot < y->slot ? -1 : 1;
+    return x->at_us < y->at_us ? -1 : x->at_us > y->at_us;
+}
+
+/* SECONDS SLOT SHARE. Returns 1, or 0 for a line without words, or -1. */
+static int parse_load(char *line, struct sim_load *l)
+{
+    char *word[4] = {0}, *rest = NULL;
+    int n = 0;
+    double s;
+    int64_t k;
+    line[strcspn(line, "#")] = '\0';
+    for (char *at = strtok_r(line, " \t\r", &rest); at; at = strtok_r(NULL, " \t\r", &rest)) {
+        if (n == 3) return -1;
+        word[n++] = at;
+    }
+    if (!n) return 0;
+    if (n < 3 || !parse_real(word[0], 0, 1e9, &s) || !parse_int(word[1], 0, SLOT_MOST, &k))
+        return -1;
+    if (!parse_real(word[2], s > 0 ? SHARE_LEAST : 0, 1, &l->share)) return -1;
+    if (l->share > 0 && l->share < SHARE_LEAST) return -1;
+    l->slot = (int32_t)k;
+    l->at_us = llround(s * 1e6);
+    return 1;
+}
+
+/* Says what is wrong in sorted loads: two of one time, or an absence that never ends. */
+static bool in_order(const struct sim_load *l, size_t n, char err[ERR_BYTES])
+{
+    for (size_t i = 0; i < n; i++) {
+        bool more = i + 1 < n && l[i + 1].slot == l[i].slot;
+        double s = 1e-6 * (double)l[i].at_us;
+        if (more && l[i + 1].at_us == l[i].at_us)
+            return err_set(
+                err, "slot %d twice at %g s, expected a share for each time", l[i].slot, s);
+        if (!more && l[i].share <= 0)
+            return err_set(err, "slot %d never joins, expected a later share of it", l[i].slot);
+    }
+    return true;
+}
+
+bool sim_read_loads(struct sim_plan *plan, const char *path, char err[ERR_BYTES])
+{
+    struct buf b = {0};
+    struct sim_load *all = NULL;
+    size_t n = 0, number = 1;
+    if (!load_file(path, &b, err)) return false;
+    buf_append(&b, "", 1);
+    char *rest = (char *)b.data, *line;
+    int found = 0;
+    for (; found >= 0 && (line = strsep(&rest, "\n")) != NULL; number += found >= 0) {
+        if (!(n & (n + 1))) all = xrealloc(all, 2 * n + 2, sizeof *all);
+        found = parse_load(line, &all[n]);
+        n += found > 0;
+    }
+    buf_free(&b);
+    qsort(all, n, sizeof *all, by_slot_and_time);
+    plan->loads = all;
+    plan->n_loads = n;
+    if (found < 0)
+        return err_set(err, "line %zu, expected SECONDS SLOT SHARE, such as 2.5 0 .5", number);
+    return in_order(all, n, err);
 }

@@ -108,6 +108,9 @@ bool sim_workload_plan(
         if (p->faults[i].slot >= l->slots)
             return err_set(
                 err, "slot %d of %d, expected one from 0 on", p->faults[i].slot, l->slots);
+    if (p->n_loads && p->loads[p->n_loads - 1].slot >= l->slots)
+        return err_set(
+            err, "slot %d of %d, expected one from 0 on", p->loads[p->n_loads - 1].slot, l->slots);
     l->work = (struct sim_work){.frame_w = l->frame_w,
         .frame_h = l->frame_h,
         .tasks = l->tasks,

@@ -55,6 +55,8 @@ void sim_start_slots(struct world *w, int64_t known_us)
     for (int32_t k = 0; k < p->slots; k++) {
         double latest_us = k < p->slots - p->joins ? 1e5 : (double)p->faults_us;
         int64_t up_us = p->work ? 0 : (int64_t)(sim_draw(w) * latest_us);
-        sim_schedule(w, known_us + up_us, k, (struct sim_event){.kind = SIM_RETURN});
+        int64_t from_us = known_us > sim_joins_us(p, k) ? known_us : sim_joins_us(p, k);
+        sim_schedule(
+            w, from_us + up_us + sim_connect_us(p, k), k, (struct sim_event){.kind = SIM_RETURN});
     }
 }

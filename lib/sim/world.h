@@ -1,7 +1,8 @@
 /*
  * The world of one simulated run, shared by its files: run.c (the hub, its input, the loop),
- * links.c, slots.c (processes and workers), node.c (a node's policy), faults.c, checks.c (checks of
- * every run).
+ * links.c, start.c (what comes before the first task), slots.c (processes and workers), work.c
+ * (what they work on, and how fast), node.c (a node's policy), faults.c, checks.c (checks of every
+ * run).
  */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H
@@ -20,6 +21,16 @@ struct inbox {
     size_t n, cap;
 };
 
+/* What a slot's processor is at: the task that its clock counts, or its preparation. */
+struct vwork {
+    bool on;
+    enum sim_kind ends; /* the event at its end */
+    double left_us;     /* at power 1, of what was left at: */
+    int64_t since_us;
+    double speed; /* since then */
+    int32_t turn; /* the event of an earlier turn is void: the speed has changed since */
+};
+
 struct vslot {
     bool up, lost;     /* the hub's policy was told that it is up; that it was lost, ever */
     bool drains, left; /* it was told that it drains; and has let it go */
@@ -34,11 +45,14 @@ struct vslot {
     int64_t wake_us;    /* next wake-up, INT64_MAX: none */
     /* Its worker: */
     double power;
+    double share; /* of that, which other users leave */
+    bool paused;
+    bool prepares; /* it has no state to compute with yet */
+    struct vwork work;
     struct sim_tasks queue; /* to compute, in order */
     struct sim_tasks held;  /* computed, pixels not sent */
     struct sim_clock clock;
-    bool hung;         /* busy for ever */
-    int64_t paused_us; /* its task ends later by this */
+    bool hung; /* busy for ever */
     /* Its link: latest arrivals, which keep order. */
     int64_t down_us, up_us, pixels_us;
     /* For the checks of deal: */
@@ -83,8 +97,10 @@ struct world {
     int64_t now_us;
     double hub_us;                  /* pixels pass the hub until then */
     struct net_queue *up, *down_to; /* of links, by their numbers */
+    double *primed_us;              /* likewise: when the state has left; -1: it was not sent */
     double cost_us;                 /* sum of costs drawn, at power 1 */
     double alone_us;                /* time of all tasks on the slowest slot */
+    double start_us;                /* the most time until a slot is prepared, or a load changes */
     double latency_us;              /* the most of a link */
     double bytes_us;                /* time of all their records on the slowest link */
     uint64_t draws;
@@ -130,6 +146,33 @@ void sim_say(struct world *w, int32_t k, struct sched_event e);
 void sim_pass_hub(struct world *w, const struct sim_event *e);
 /* Sends the hub's action to slot k. */
 void sim_send_down(struct world *w, int32_t k, const struct sched_action *a);
+/* The hub knows that slot k is up: sends it the state, if its link has not had it. */
+void sim_prime(struct world *w, int32_t k);
+
+/* ---- start.c --------------------------------------------------------------------------------- */
+
+/* When slot k connects: 0, or the time at which it joins; INT64_MAX: never. */
+int64_t sim_joins_us(const struct sim_plan *p, int32_t k);
+/* The time that it needs to come up then. */
+int64_t sim_connect_us(const struct sim_plan *p, int32_t k);
+/* The time that it needs to build at power 1. */
+double sim_build_us(const struct sim_plan *p, int32_t k);
+/* The index of its first load, or that of a later slot's, or n_loads. */
+size_t sim_first_load(const struct sim_plan *p, int32_t k);
+
+/* ---- work.c ---------------------------------------------------------------------------------- */
+
+/* Slot k begins what takes us at power 1; the event `ends` comes at the end, with sched.n. */
+void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us);
+/* Its power, share or pause has changed: what it is at ends earlier or later. */
+void sim_work_changed(struct world *w, int32_t k);
+/* It has ended, in one way or another. */
+void sim_work_end(struct world *w, int32_t k);
+/* The event is for work that has ended, or whose speed has changed since. */
+bool sim_work_over(const struct world *w, const struct sim_event *e);
+/* Schedules the first load of each slot. */
+void sim_plan_loads(struct world *w);
+void sim_take_load(struct world *w, const struct sim_event *e);
 
 /* ---- slots.c --------------------------------------------------------------------------------- */
 

@@ -37,6 +37,22 @@ loaded() {
 		print
 	}'
 }
+# shares KIND SEED SLOTS SECONDS LOAD: prints loads for simulate -L, for runs of about these seconds. Others take LOAD of the
+# power in the mean, at most .495. A constant load is drawn for each slot from 0 to 2 LOAD; a drift goes between these two in
+# a sine; in steps and bursts, each slot is free or has 2 LOAD less, for exponential times with means of 1/4 and 1/20.
+shares() {
+	awk -v kind="$1" -v seed="$2" -v slots="$3" -v s="$4" -v load="$5" "$uniform"'
+		function put(share) { printf "%.6f %d %.6f\n", t, k, share < .01 ? .01 : share }
+		BEGIN {
+			mean = s / (kind == "steps" ? 4 : 20)
+			for (k = 0; k < slots; k++) {
+				t = 0; phase = uniform(++n); on = phase < .5
+				if (kind == "constant") put(1 - 2 * load * phase)
+				else if (kind == "drift") for (; t < 8 * s; t += s / 50) put(1 - load - load * sin(6.28319 * (t / s + phase)))
+				else for (; t < 8 * s; t -= mean * log(1 - uniform(++n))) { put(on ? 1 - 2 * load : 1); on = !on }
+			}
+		}'
+}
 # once NAME COMMAND: writes the file NAME by a line of shell, unless it exists; it is kept until the table is complete
 once() {
 	[ -e "$1" ] || { sh -c "$2" >"$1.new.$$" </dev/null && mv "$1.new.$$" "$1"; } || fail 3 "failed: $2"

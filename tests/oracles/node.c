@@ -13,7 +13,8 @@
 static bool is_steady(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
-    return p->width == 1 && p->p_pause + p->p_silence + p->p_slow + p->p_garbage <= 0;
+    double faults = p->p_pause + p->p_silence + p->p_slow + p->p_garbage;
+    return p->width == 1 && faults <= 0 && p->start.build_s <= 0;
 }
 
 /* Before the next event of node k: all due actions were taken. */
