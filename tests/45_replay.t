@@ -63,7 +63,7 @@ is 'the elapsed time is at least that time' $? 0
 diag "8 tasks of 10 ms took $wall_1 us, at half the power $wall_2, at scale 3 $wall_3"
 REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
 is 'REPLAY_POWER sets the power' "$(sum timed.frags cpu_us)" 20000
-like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
+like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.1 '
 timed -l 2
 loaded=$(sum timed.frags wall_us)
 is 'load does not count as CPU time' "$(sum timed.frags cpu_us)" 80000
