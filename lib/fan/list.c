@@ -25,7 +25,7 @@ static void measure(struct fan *f)
 static void level(struct fan *f)
 {
     for (int k = 0, end; k < f->n_slots; k = end) {
-        double best = 0, least = INFINITY;
+        double best = 0, least = (double)INFINITY;
         int64_t trip_us = INT64_MAX;
         for (end = k; same_host(f, end, k); end++) {
             const struct fan_slot *s = &f->slots[end];

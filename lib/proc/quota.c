@@ -25,7 +25,7 @@ static double part(const char *quota, const char *period)
 {
     int64_t q, p;
     if (!parse_int(quota, 1, INT64_MAX, &q) || !parse_int(period, 1, INT64_MAX, &p))
-        return INFINITY;
+        return (double)INFINITY;
     return (double)q / (double)p;
 }
 
@@ -37,9 +37,9 @@ static double of_group(const char *root, bool first_version, const char *dir)
                     first_line(root, dir, "cpu.cfs_period_us", period);
         return both ? part(quota, period) : (double)INFINITY;
     }
-    if (!first_line(root, dir, "cpu.max", quota)) return INFINITY;
+    if (!first_line(root, dir, "cpu.max", quota)) return (double)INFINITY;
     char *space = strchr(quota, ' ');
-    if (!space) return INFINITY;
+    if (!space) return (double)INFINITY;
     *space = '\0';
     return part(quota, space + 1);
 }
@@ -47,7 +47,7 @@ static double of_group(const char *root, bool first_version, const char *dir)
 /* The least of a group and those around it. In a container the root may be the group itself. */
 static double of_all(const char *root, bool first_version, char *dir)
 {
-    double least = INFINITY;
+    double least = (double)INFINITY;
     while (*dir) {
         if (strcmp(dir, "/") != 0) least = fmin(least, of_group(root, first_version, dir));
         *strrchr(dir, '/') = '\0';
@@ -58,7 +58,7 @@ static double of_all(const char *root, bool first_version, char *dir)
 double proc_quota(const char *groups, const char *root)
 {
     char line[PATH_MAX + 64], first[PATH_MAX];
-    double least = INFINITY;
+    double least = (double)INFINITY;
     FILE *f = fopen(groups, "re");
     if (!f) return least;
     snprintf(first, sizeof first, "%s/cpu", root);
