@@ -14,10 +14,13 @@ END
 chmod +x bin/fan || exit 3
 export FAN="$root/bin/fan"
 spdgen -s 2 gears >gears.nff && pack scene gears.nff >state || exit 3
-for ms in .5 85; do for n in 14 37 64 300 1000; do
-	seq "$n" | awk -v OFS='\t' -v trip="$ms" '{ p = 10 ^ (($1 * .618) % 1) / 3; print NR - 1, "host" NR, p, 2 * trip, p }' >table
+# decides SLOTS MS SAMPLES: samples of a pixel, by which a picture is slow
+decides() {
+	seq "$1" | awk -v OFS='\t' -v trip="$2" '{ p = 10 ^ (($1 * .618) % 1) / 3; print NR - 1, "host" NR, p, 2 * trip, p }' >table
 	# shellcheck disable=SC2154  # lib.sh sets pin
-	s=$($pin ./cpu "bin/balance-auto 512x512 $n /dev/null fan -j $n rtworker -a 16 <state 2>said >chosen") || { cat said; exit 3; }
-	report "$n slots at $ms ms: CPU" "$s" ' s' $((n > 64 ? 3 : 1))
+	s=$($pin ./cpu "bin/balance-auto 512x512 $1 /dev/null fan -j $1 rtworker -a $3 <state 2>said >chosen") || { cat said; exit 3; }
+	report "$1 slots at $2 ms, $3 samples: CPU" "$s" ' s' $(($1 > 64 ? 3 : 1))
 	cat said
-done; done
+}
+for ms in .5 85; do for n in 14 37 64 300 1000; do decides $n $ms 16; done; done
+decides 14 .5 1024
