@@ -136,10 +136,8 @@ static const char *with(void *ctx) { return ((struct replay *)ctx)->frame->with;
 
 static int64_t used_us(void *ctx) { return llrint(((struct replay *)ctx)->used_us); }
 
-/*
- * Takes the reference's time, so that hello states the power. The pixel encodes the log's job:
- * slots that replay different jobs are told apart like machines with different arithmetic.
- */
+/* The pixel encodes the log's job: slots that replay different jobs are told apart like machines
+ * with different arithmetic. */
 static void selftest(void *ctx, float *rgba, uint32_t *n)
 {
     const struct replay *r = ctx;
@@ -147,8 +145,9 @@ static void selftest(void *ctx, float *rgba, uint32_t *n)
     uint64_t hash = hash64(HASH64_INIT, first, strlen(first));
     *n = 1;
     for (int k = 0; k < 4; k++) rgba[k] = (float)(hash >> (16 * k) & 0xffff);
-    sleep_us(WORKER_SELFTEST_REFERENCE_US / r->o->power);
 }
+
+static double power(void *ctx) { return ((struct replay *)ctx)->o->power; }
 
 static const struct worker_ops ops = {
     .program = "replay",
@@ -158,6 +157,7 @@ static const struct worker_ops ops = {
     .with = with,
     .render = render,
     .selftest = selftest,
+    .power = power,
     .cpu_us = used_us,
     .replayed = true,
 };

@@ -71,7 +71,7 @@ begin=$(date +%s%N)
 is 'a state is built before its first task, in a time of its own' "$((($(date +%s%N) - begin) / 1000 >= 100000)) $(sum timed.frags cpu_us)" '1 3333'
 REPLAY_POWER=4 replay slow.frags <eight.task >timed.frags
 is 'REPLAY_POWER sets the power' "$(sum timed.frags cpu_us)" 20000
-like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.(0[0-9]|10)'
+like 'hello has the power of REPLAY_POWER' "$(REPLAY_POWER=.1 replay slow.frags </dev/null)" '^hello .* power=0\.1 '
 timed -l 2
 loaded=$(sum timed.frags wall_us)
 is 'load does not count as CPU time' "$(sum timed.frags cpu_us)" 80000

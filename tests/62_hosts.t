@@ -82,7 +82,11 @@ is 'fan -l: no worker is started on a host with power=' "$(fan -l -S asked.hosts
 script far '{ cat; sleep 2; } | sh -c "$1"'
 printf ': slots=1\nfar power=3 via="./far %%c"\nnone via="false %%c"\n' >far.hosts
 is 'fan -l -l: round trips, also of those whose power is stated' "$(fan -ll -t 60 -S far.hosts rtworker - 2>said |
-	awk '{ print $2, ($3 == 3), ($4 >= 2000 ? "far" : $4 > 0 ? "near" : $4) }' | tr '\n' ';')" ': 0 near;far 1 far;none 0 -;'
+	awk '{ print $2, ($3 == 3), ($4 >= 2000 ? "far" : $4 > 0 ? "near" : $4), ($5 > 0 ? $5 <= $3 : $5) }' | tr '\n' ';')" \
+	': 0 near 1;far 1 far -;none 0 - -;'
+script counted 'echo asked >>counted.said; exec rtworker -'
+is 'fan -l -l: four slots of a host are asked, and all have its values' "$(fan -l -l -j 9 ./counted |
+	cut -f 3-5 | grep -v -- - | uniq -c | awk '{ print $1 }') $(wc -l <counted.said)" '9 4'
 script tardy 'sleep 11; exec rtworker -'
 fan -l -t 60 -j 1 ./tardy >tardy.said 2>&1 &
 tardy=$!

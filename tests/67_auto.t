@@ -26,6 +26,26 @@ printf 'far slots=3 power=3 via="./far %%c"\nnone via="false %%c"\n' >none
 chosen 'one of four does not answer: nothing is given to it in advance' 'masterslave|ds|adaptive|gdc' none
 like 'balance auto: the host without answer is named' "$err" 'no answer: none$'
 
+# A table in the place of that of fan -l -l. What cannot be chosen is not simulated further, and at most 2 % are given away.
+mkdir many && ln -s "$root"/bin/* many/ && rm many/fan many/balance-auto && cp "$root/bin/balance-auto" many/
+printf '#!/bin/sh\n[ "$1 $2" != "-l -l" ] || exec cat table\nexec "%s/bin/fan" "$@"\n' "$root" >many/fan && chmod +x many/fan
+pack scene gears.nff >state
+for n in 9 401; do
+	seq $n | awk -v OFS='\t' '{ p = 1 + $1 * .618 % 1; print NR - 1, "host" NR, p, 40, p * .7 }' >table
+	run sh -c 'many/balance-auto 256x256 "$1" /dev/null fan rtworker <state' - $n
+	is "$n slots: 2 % and no more are given away" "$(echo "$err" | awk -v name="$out" '{
+		s[name] = $4
+		sub(/.*simulated; /, "")
+		for (i = 1; i < NF && $i !~ /^(none|simpler)$/; i += 2) { s[$i] = $(i + 1) + 0; left[$i] = $(i + 1) ~ /[+]/ }
+		best = $i == "none" ? name : $(i + 2)
+		if (!best) print "no reason"
+		for (m in s) if (s[m] < .995 * s[best]) print m " is faster than " best
+		for (m in left) if (left[m] && s[m] < 1.01 * s[best]) print m " was left out"
+		if (s[name] > 1.03 * s[best]) print name " takes longer than " best
+	}')" ''
+done
+is 'more than 400 slots: no ring' "$(echo "$err" | grep -c gdc)" 0
+
 same() { ok "$1: the same picture" cmp out.pfm good.pfm; rm -f out.pfm; }
 run balance auto -j 3 -s $size -o out.pfm gears.nff
 is 'balance auto: exit 0' "$status" 0

@@ -26,7 +26,7 @@ static void take_hello(struct driver *d, const struct record *r)
     rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n);
     rec_real(r, "power", POWER_LEAST, POWER_MOST, &power);
     rec_str(r, "selftest", selftest, sizeof selftest);
-    wire_hello(&d->out.queue.control, d->policy->name, selftest, power, (int)n);
+    wire_hello(&d->out.queue.control, d->policy->name, selftest, power, 0, (int)n);
     d->out.greeted = true;
     d->lone = d->node || strncmp(r->line, fan, sizeof fan - 1) != 0;
     if (d->policy->joins && !d->lone) wire_plain(&d->down.bytes, REC_JOINS, NULL);

@@ -23,8 +23,9 @@ struct fan_options {
 int fan_run(const struct fan_options *o);
 /*
  * Writes a line for each slot: number, host, power; with `trips` also the time from the end of a
- * worker's input to its bye, in milliseconds. If there is a command, starts it on every slot whose
- * values the hosts do not state, and measures them. Returns the exit status.
+ * worker's input to its bye, in milliseconds, and the least power. If there is a command, starts it
+ * on hosts that do not state these values, on four slots at most, and measures them. Returns the
+ * exit status.
  */
 int fan_list(const struct fan_options *o);
 

@@ -152,6 +152,7 @@ struct fan_slot {
     bool drains;        /* it is to leave the run */
     int dismissed;      /* its slots that the policy has dismissed; all: its input ends */
     double power;       /* of each slot; 0: not known */
+    double least;       /* its least by the self-test; 0: not known, or a file states the power */
     int inner;          /* number of slots that each stands for */
     int64_t agreed;     /* the latest vote in which it was counted */
 };

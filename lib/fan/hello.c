@@ -110,7 +110,7 @@ static void say_hello(struct fan *f, double power)
         const struct fan_slot *s = &f->slots[k];
         sum += s->width * (s->power > 0 ? s->power : power);
     }
-    wire_hello(&f->out.queue.control, "fan", f->reference.selftest, sum, f->n_numbers);
+    wire_hello(&f->out.queue.control, "fan", f->reference.selftest, sum, 0, f->n_numbers);
     f->out.greeted = true;
 }
 
@@ -139,9 +139,10 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
         return refuse(s, "other-slots", "it has %d slots, expected %d, by its option -j",
             (int)inner, s->width);
     s->inner = s->width > 1 ? 1 : (int)inner;
-    double power;
+    double power, least;
     if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &power)) power = s->width;
-    if (!(s->power > 0)) s->power = power / s->width;
+    if (!rec_real(r, "least", POWER_LEAST, POWER_MOST, &least)) least = 0;
+    if (!(s->power > 0)) s->power = power / s->width, s->least = least / s->width;
     if (!f->out.greeted) say_hello(f, s->power);
     s->measured = true;
     fan_alive_begin(f, s, r);

@@ -1,38 +1,54 @@
 /* fan -l: one line per slot. Hosts are known; their speed may have to be measured. */
 #include "fan/fan_int.h"
 
-/* Starts a worker on every slot without a stated power, and reads its hello. */
+#define ASKED 4 /* most slots of a host that are measured: the others are on the same machine */
+
+static bool same_host(const struct fan *f, int i, int k)
+{
+    return i < f->n_slots && f->slots[i].host == f->slots[k].host;
+}
+
+/* Starts a worker on the first slots of each host without a stated power, and reads its hello. */
 static void measure(struct fan *f)
 {
+    for (int k = ASKED; k < f->n_slots; k++) f->slots[k].measured |= same_host(f, k - ASKED, k);
     while (fan_working(f)) {
         fan_round(f);
         up_free(&f->out.queue); /* no reader for records here */
     }
 }
 
-/* The slots of a host are on one machine. The best of their self-tests, and the shortest of
- * their round trips, was disturbed least. */
+/*
+ * The slots of a host are on one machine. The best of their self-tests, and the shortest of their
+ * round trips, was disturbed least. A slot that was asked and did not answer has neither.
+ */
 static void level(struct fan *f)
 {
     for (int k = 0, end; k < f->n_slots; k = end) {
-        double best = 0;
+        double best = 0, least = (double)INFINITY;
         int64_t trip_us = INT64_MAX;
-        for (end = k; end < f->n_slots && f->slots[end].host == f->slots[k].host; end++) {
-            best = fmax(best, f->slots[end].power);
-            int64_t trip = f->slots[end].trip_us;
-            if (trip && trip < trip_us) trip_us = trip;
+        for (end = k; same_host(f, end, k); end++) {
+            const struct fan_slot *s = &f->slots[end];
+            best = fmax(best, s->power);
+            if (s->least > 0) least = fmin(least, s->least);
+            if (s->trip_us) trip_us = s->trip_us < trip_us ? s->trip_us : trip_us;
         }
         for (int i = k; i < end; i++) {
-            if (f->slots[i].power > 0) f->slots[i].power = best;
-            if (f->slots[i].trip_us) f->slots[i].trip_us = trip_us;
+            struct fan_slot *s = &f->slots[i];
+            const bool asked = i < k + ASKED;
+            if (!asked || s->power > 0) s->power = best;
+            if (s->power > 0 && isfinite(least)) s->least = fmin(least, best);
+            if ((!asked || s->trip_us) && trip_us < INT64_MAX) s->trip_us = trip_us;
         }
     }
 }
 
-/* A slot's round trip in milliseconds, if it ended when told to. */
+/* A slot's round trip in milliseconds, if it ended when told to; and the least of its power. */
 static void print_trip(const struct fan_slot *s)
 {
     if (s->trip_us > 0) printf("\t%.3f", (double)s->trip_us / 1e3);
+    else printf("\t-");
+    if (s->least > 0) printf("\t%.6g", s->least);
     else printf("\t-");
 }
 

@@ -58,6 +58,12 @@ int child_run(char *const argv[], int in, int err, struct buf *said);
 const char *status_text(int status, char text[24]);
 /* The number of processors this process may run on. */
 int cores_available(void);
+/*
+ * The processors that its control groups allow it, such as .25; INFINITY: no quota. groups is
+ * /proc/self/cgroup, and root is where the groups are mounted, /sys/fs/cgroup: version 2, or
+ * version 1 with the controller at root/cpu. (quota.c)
+ */
+double proc_quota(const char *groups, const char *root);
 /* Raises the limit of open descriptors to n if the system allows it. */
 void want_descriptors(int n);
 

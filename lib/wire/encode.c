@@ -40,11 +40,14 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
     wire_seal(b, at);
 }
 
-void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots)
+void wire_hello(
+    struct buf *b, const char *program, const char *selftest, double power, double least, int slots)
 {
     size_t at = buf_size(b);
-    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g slots=%d alive=1%s", program,
-        STORMRING_VERSION, WIRE_FORMAT, selftest, power, slots, coder_there() ? " zstd=1" : "");
+    buf_printf(b, "hello %s %s format=%d selftest=%s power=%.6g", program, STORMRING_VERSION,
+        WIRE_FORMAT, selftest, power);
+    if (least > 0) buf_printf(b, " least=%.6g", least);
+    buf_printf(b, " slots=%d alive=1%s", slots, coder_there() ? " zstd=1" : "");
     wire_seal(b, at);
 }
 

@@ -212,7 +212,9 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
     const float *rgba);
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
-void wire_hello(struct buf *b, const char *program, const char *selftest, double power, int slots);
+/* least: of the power, by the self-test; 0: not known */
+void wire_hello(struct buf *b, const char *program, const char *selftest, double power,
+    double least, int slots);
 /* a record without numbers and body: "kind extra"; */
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra);
 /* a ring record; for a give, of task t; with to=K if t->to >= 0; */

@@ -53,8 +53,11 @@ struct worker_ops {
     void (*task)(void *ctx, const struct frame_size *f, const struct lattice *whole);
     /* Renders pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
-    /* Renders a fixed built-in picture. Its bytes are hashed; its time gives the power. */
+    /* Renders a fixed built-in picture, the same each time. Its bytes are hashed; its time gives
+     * the power. */
     void (*selftest)(void *ctx, float *rgba, uint32_t *n); /* n: room for 4*n floats, then pixels */
+    /* The power that a stand-in states. NULL: it is measured. */
+    double (*power)(void *ctx);
     /* The CPU time used so far, in microseconds. NULL: that of this process. */
     int64_t (*cpu_us)(void *ctx);
     /* This is a stand-in for another worker, whose CPU time cpu_us returns. Frames are announced as
@@ -78,8 +81,38 @@ bool worker_option(struct worker_options *o, int opt, const char *arg);
 /* Runs to the end of input. Returns the exit status. */
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx);
 
-/* A machine of power 1 takes this time for the self-test, in microseconds. */
+/* ---- power (power.c) ------------------------------------------------------------------------- */
+
+/* A machine of power 1 takes this CPU time for the self-test, in microseconds. */
 #define WORKER_SELFTEST_REFERENCE_US 2000.0
+
+/*
+ * The power of a slot: the speed at which it renders if no other process wants its processor.
+ *
+ * The best of several runs of the self-test counts, by CPU time: other processes take the processor
+ * away for a while, and the first run also loads pages. A quota of the group of processes takes it
+ * away for good, but not in a test that is shorter than the quota's period, so the quota counts
+ * as it is stated. Others that stay do not count: what comes of them shows in the least power, and
+ * in the times of tasks, which policies measure.
+ *
+ * Zero-initialise; add runs until the power is known: after three to eight, which take 4 ms of CPU
+ * time or 20 ms; on a slow machine after one of 20 ms.
+ */
+struct worker_power {
+    int n;            /* runs */
+    int64_t best_us;  /* CPU time of the shortest */
+    int64_t cpu_us;   /* of all */
+    int64_t wall_us;  /* wall-clock time of all */
+    int64_t later_us; /* of all but the first */
+};
+/* A run took these times. A CPU time that is 0 or longer than the run is that of a coarse clock:
+ * then the other time counts. */
+void worker_power_add(struct worker_power *p, int64_t cpu_us, int64_t wall_us);
+bool worker_power_known(const struct worker_power *p);
+/* Both need a run. processors: those that a quota allows; INFINITY: there is none. */
+double worker_power_best(const struct worker_power *p, double processors);
+/* By the mean wall-clock time of all runs but the first: at most the best. */
+double worker_power_least(const struct worker_power *p, double processors);
 
 /* ---- renderers (states.c) ------------------------------------------------------------------- */
 

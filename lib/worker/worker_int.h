@@ -1,5 +1,6 @@
 /*
- * worker, shared by its files: run.c (from hello to exit); loop.c (the loop of one process);
+ * worker, shared by its files: run.c (from hello to exit); power.c (the power that hello states);
+ * loop.c (the loop of one process);
  * forks.c (the loop of a parent whose children render), fork_slot.c (such a child), builder.c (the
  * thread that loads and builds); session.c (frames, jobs and states of both); pulse.c (beats);
  * states.c (the state of a renderer).

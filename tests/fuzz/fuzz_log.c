@@ -107,7 +107,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     buf_append(&run, data, size);
-    wire_hello(&run, "fuzzer", "0", 1, 1);
+    wire_hello(&run, "fuzzer", "0", 1, 0, 1);
     for (uint32_t i = 0; i < in.parts.n_frames; i++) {
         const struct assembly_frame *f = in.parts.frames[i];
         const struct frame_size said = {.frame = f->number, .w = f->have.w, .h = f->have.h};

@@ -312,7 +312,7 @@ static void what_records_tell(void **state)
     wire_frag(&b, &other, &t.at, "0123456789abcdef", rgba);
     take(&e, &b, 64);
     assert_true(near(e.work_us, 335));
-    wire_hello(&b, "fan", "0", 0, 1);
+    wire_hello(&b, "fan", "0", 0, 0, 1);
     take(&e, &b, 64);
     assert_true(e.work_us == 0 && near(sum(e.cost_us), 335));
     e = (struct eta){0};

@@ -39,7 +39,7 @@ static void put_row(struct buf *b, uint32_t frame, uint32_t y, const char *job)
 static void make_log(void)
 {
     for (int run = 0; run < 2; run++) {
-        wire_hello(&good, "fan", "00ff", 1, 2);
+        wire_hello(&good, "fan", "00ff", 1, 0, 2);
         for (uint32_t f = 0; f < FRAMES; f++) {
             char job[24];
             const struct frame_size size = {.frame = f, .w = W, .h = H};
@@ -124,7 +124,7 @@ static bool take(struct intake *in, const struct buf *b)
 static bool resume(struct intake *in)
 {
     struct buf run = {0};
-    wire_hello(&run, "fan", "00ff", 1, 2);
+    wire_hello(&run, "fan", "00ff", 1, 0, 2);
     for (uint32_t k = 0; k < FRAMES; k++) {
         const struct frame_size size = {.frame = k, .w = W, .h = H};
         char job[24];

@@ -45,7 +45,7 @@ static void records_have_the_lengths_of_the_wire(void **state)
         assert_true(got <= most && got >= most - 9); /* the crc has 1 to 10 digits */
     }
     struct sched_event hello = {.kind = SCHED_UP}, flush = {.kind = SCHED_FLUSH};
-    wire_hello(&b, "rtworker", "0123456789abcdef", 1.23456, 1);
+    wire_hello(&b, "rtworker", "0123456789abcdef", 1.23456, 0, 1);
     bool packs = memmem(buf_data(&b), buf_size(&b), " zstd=1", 7) != NULL;
     assert_true(net_bytes(&hello) == taken(&b) + (packs ? 0 : 7)); /* built without libzstd */
     wire_plain(&b, REC_FLUSH, NULL);

@@ -7,12 +7,14 @@
 #include <cmocka.h>
 
 #include "pipe/pipe.h"
+#include "scratch.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -276,6 +278,56 @@ static void last_words_are_said(void **state)
     last_words_about("/no/such", "");
 }
 
+/* ---- quotas ---------------------------------------------------------------------------------- */
+
+/* Writes a file of a tree of control groups. */
+static void group(const char *dir, const char *name, const char *text)
+{
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s%s", dir, name);
+    for (char *slash = path + strlen(dir); (slash = strchr(slash + 1, '/'));) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+    assert_int_equal(outfile_put(path, text, strlen(text)), 0);
+}
+
+static double quota(const char *dir, const char *groups)
+{
+    char path[SCRATCH_BYTES + 8];
+    group(dir, "/groups", groups);
+    snprintf(path, sizeof path, "%s/groups", dir);
+    return proc_quota(path, dir);
+}
+
+static void quotas_are_read(void **state)
+{
+    (void)state;
+    char dir[SCRATCH_BYTES];
+    assert_true(scratch_make(dir));
+    assert_true(isinf(quota(dir, "")) && isinf(quota(dir, "junk\n:\n0:\n0::x\n")));
+    group(dir, "/job/cpu.max", "max 100000\n");
+    group(dir, "/job/part/cpu.max", "150000 100000\n");
+    group(dir, "/odd/cpu.max", "many\n");
+    assert_true(isinf(quota(dir, "0::/job\n")) && isinf(quota(dir, "0::/odd\n")));
+    assert_true(quota(dir, "0::/job/part\n") == 1.5);
+    group(dir, "/job/cpu.max", "25000 100000\n"); /* the group around it counts, too */
+    assert_true(quota(dir, "0::/job/part\n") == .25);
+    assert_true(isinf(quota(dir, "0::/elsewhere\n")));
+    group(dir, "/cpu/job/cpu.cfs_quota_us", "50000\n"); /* version 1 */
+    group(dir, "/cpu/job/cpu.cfs_period_us", "100000\n");
+    assert_true(quota(dir, "2:cpuacct,cpu:/job\n1:name=systemd:/job/part\n0::/\n") == .5);
+    group(dir, "/cpu/job/cpu.cfs_quota_us", "-1\n");
+    assert_true(isinf(quota(dir, "2:cpu:/job\n")));
+    group(dir, "/cpu.max", "10000 100000\n"); /* a container: its own group is the root */
+    assert_true(quota(dir, "0::/elsewhere\n") == .1 && quota(dir, "0::/\n") == .1);
+    assert_true(isinf(proc_quota("/no/such", dir)));
+    char command[SCRATCH_BYTES + 16];
+    snprintf(command, sizeof command, "rm -rf '%s'", dir);
+    assert_int_equal(system(command), 0);
+}
+
 int main(void)
 {
     signal(SIGPIPE, SIG_IGN);
@@ -293,6 +345,7 @@ int main(void)
         cmocka_unit_test(a_child_that_stays_is_killed_with_its_group),
         cmocka_unit_test(a_fork_that_fails_leaves_no_child),
         cmocka_unit_test(last_words_are_said),
+        cmocka_unit_test(quotas_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -39,7 +39,7 @@ static void begin(struct file *f, const struct crew *c, bool hosts)
 {
     const struct frame_size size[] = {{.w = W, .h = H}, {.frame = 1, .w = W, .h = H}};
     char stamp[64];
-    wire_hello(&f->b, "fan", "00ff", 1, c->slots);
+    wire_hello(&f->b, "fan", "00ff", 1, 0, c->slots);
     for (int k = 0; k < c->slots * FRAMES; k++) {
         int slot = k / FRAMES;
         snprintf(stamp, sizeof stamp, hosts ? "w=%d host=%s" : "w=%d", slot, c->host[slot]);

@@ -62,7 +62,7 @@ static void some_log(struct buf *b)
     some_pixels(rgba, 16);
     rgba[3] = 0;
     struct task t = {0, 1, {0, 1, 2, 2, 1, 1}, -1, 0};
-    wire_hello(b, "rtworker", "00ff", 1.25, 1);
+    wire_hello(b, "rtworker", "00ff", 1.25, 0, 1);
     wire_job(b, &(struct frame_size){.w = 4, .h = 4}, JOB, "with=rtworker");
     wire_frag(b, &t, &t.at, JOB, rgba);
     wire_done(b, &t, 120, 130);
@@ -253,7 +253,7 @@ static void test_done_and_plain(void **state)
     assert_false(rec_int(&r, "us", 0, 9, &v)); /* the end of a key is no key */
     no_more(&d);
     buf_consume(&b, buf_size(&b));
-    wire_hello(&b, "rtworker", "abc", 1.347, 1);
+    wire_hello(&b, "rtworker", "abc", 1.347, .5, 1);
     only(&d, &b, &r);
     assert_true(r.kind == REC_HELLO && rec_real(&r, "power", 0, 10, &x) && x == 1.347);
     assert_false(rec_real(&r, "selftest", 0, 10, &x));

@@ -398,9 +398,51 @@ static void test_changed_file(void **state)
     buf_free(&old);
 }
 
+/* Adds runs until the power is known, or all are added. Returns the number that was needed. */
+static int power_of(struct worker_power *p, int n, const int64_t us[][2])
+{
+    *p = (struct worker_power){0};
+    int i = 0;
+    while (i < n && !(i && worker_power_known(p))) {
+        worker_power_add(p, us[i][0], us[i][1]);
+        i++;
+    }
+    return i;
+}
+
+static void test_power(void **state)
+{
+    (void)state;
+    const double all = (double)INFINITY;
+    struct worker_power p;
+    /* The first run loads pages. The processor is taken away in the third. */
+    static const int64_t busy[][2] = {
+        {1700, 1700}, {550, 560}, {600, 9440}, {500, 500}, {500, 500}, {500, 500}, {1, 1}};
+    assert_int_equal(power_of(&p, 7, busy), 6); /* 4350 us of CPU time, and not yet 20 ms */
+    assert_true(worker_power_best(&p, all) == 4 && worker_power_best(&p, 8) == 4);
+    assert_true(fabs(worker_power_least(&p, all) - 2000. / 2300) < 1e-9);
+    /* A quota of a quarter of a processor is not seen in a short test. */
+    assert_true(worker_power_best(&p, .25) == 1);
+    static const int64_t calm[][2] = {{700, 700}, {500, 500}, {500, 500}, {500, 500}, {500, 500},
+        {500, 500}, {500, 500}, {500, 500}, {1, 1}};
+    assert_int_equal(power_of(&p, 9, calm), 8);
+    assert_true(worker_power_least(&p, all) == 4 && worker_power_least(&p, .25) == 1);
+    /* It takes its time where others take the processor, or the machine is slow. */
+    static const int64_t crowded[][2] = {{900, 9000}, {600, 12000}, {700, 700}, {1, 1}};
+    assert_int_equal(power_of(&p, 4, crowded), 3);
+    static const int64_t slow[][2] = {{40000, 50000}, {1, 1}};
+    assert_int_equal(power_of(&p, 2, slow), 1);
+    assert_true(worker_power_best(&p, all) == .05 && worker_power_least(&p, all) == .04);
+    /* A clock that counts in ticks of 4 ms. */
+    static const int64_t ticks[][2] = {{0, 900}, {4000, 800}, {0, 1000}, {0, 900}, {0, 800}};
+    power_of(&p, 5, ticks);
+    assert_true(worker_power_best(&p, all) == 2.5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_power),
         cmocka_unit_test(test_generations),
         cmocka_unit_test(test_replaced),
         cmocka_unit_test(test_many),

@@ -250,6 +250,45 @@ static void seeds_add_up(void **state)
         sim_run_seeds(&losing, (uint64_t)held, 1, NULL, &r), 0); /* the seed to repeat */
 }
 
+/* ---- the judge of deal ----------------------------------------------------------------------- */
+
+/* deal, which gets the tasks when all have come, ordered by their numbers. */
+static struct sched_event held[8];
+static size_t n_held;
+static void step_by_number(
+    void *state, const struct sched_event *e, int64_t now_us, struct sched_actions *out)
+{
+    if (e->kind == SCHED_TASK) {
+        assert_true(e->task.id < 8);
+        held[e->task.id] = *e;
+        n_held++;
+        return;
+    }
+    for (size_t i = 0; e->kind == SCHED_INPUT_END && i < n_held; i++)
+        policy_deal.step(state, &held[i], now_us, out);
+    policy_deal.step(state, e, now_us, out);
+}
+
+/* Tasks whose numbers are in no order go in the order of arrival. */
+static void the_judge_of_deal_wants_the_order_of_arrival(void **state)
+{
+    (void)state;
+    struct sim_workload l = rows(8);
+    struct sim_result r;
+    sim_draw_costs(&l, 0, 1000, 1);
+    powers(&l, (double[]){1, 3}, 2);
+    struct sim_plan p = plan_of(&l, "deal");
+    p.checks = &oracle_deal;
+    sim_run(&policy_deal, &p, &r);
+    assert_string_equal(r.failure, "");
+    assert_int_equal(r.commits, 8);
+    struct policy by_number = policy_deal;
+    by_number.step = step_by_number;
+    sim_run(&by_number, &p, &r);
+    assert_non_null(strstr(r.failure, "a task was given out of order"));
+    sim_workload_free(&l);
+}
+
 /* The value of this key; NULL: there is none. */
 static const char *value(const char *text, const char *key, char out[40])
 {
@@ -329,6 +368,7 @@ int main(void)
         cmocka_unit_test(best_preassigns),
         cmocka_unit_test(methods_have_names),
         cmocka_unit_test(seeds_add_up),
+        cmocka_unit_test(the_judge_of_deal_wants_the_order_of_arrival),
         cmocka_unit_test(figures_are_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
