@@ -50,7 +50,8 @@ static double need_of(const struct deal *d, int32_t k)
 static double excess_of(const struct deal *d, const struct slot *s)
 {
     int32_t load = slot_load(s);
-    if (!deal_timed(d)) return (s->pace.measured ? 1 : UNMEASURED) * (load - s->width);
+    bool known = s->pace.measured || !deal_adapts(d);
+    if (!deal_timed(d)) return (known ? 1 : UNMEASURED) * (load - s->width);
     if (s->pace.measured || load < s->width) return 0;
     double px = s->px * (1 + .5 / load) / s->power; /* half a task more, so that it is rounded */
     return s->speed.work > 0 ? px / LATER : px;
