@@ -14,7 +14,7 @@
 #define FIRST .35     /* of its share of the work: what a slot may hold before it has done a task */
 #define APART_MOST 64 /* tasks from one of a first share to the next in the pool */
 
-/* The slots that are up, or will be as far as is known. */
+/* The number of slots: those of the fan that are up or may come up. */
 static int32_t expected_slots(const struct deal *d) { return d->known > d->up ? d->known : d->up; }
 
 /* The limit of what deal_mark.c says a slot holds. */

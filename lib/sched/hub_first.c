@@ -1,20 +1,20 @@
 /*
- * The hub: first shares by power, with an endgame. A task that waits for its node costs no message
- * once it is there, but each steal takes round trips. So where the hosts file states powers, a node
- * begins with a share by its power. Powers come one by one, with the nodes:
+ * The hub: first shares by power, with an endgame. A task that waits at its node costs no message,
+ * but each steal takes round trips. So where the hosts file states powers, a node begins with a
+ * share by its power. Powers come one by one, with the nodes:
  *
- * 1. A node that comes up gets FIRST of the tasks that waited for it, and less if its power is below
- *    the mean of those that are up. The rest goes to the pool.
+ * 1. A node that comes up gets FIRST of the tasks that waited for it, and less if its power is
+ *    below the mean of those that are up. The rest goes to the pool.
  * 2. Once each node has come up or is lost, the pool is dealt out, so that the pixels of all nodes
- *    are as their powers. Nodes of at least the mean power keep theirs; the others' come
- *    from all over the pool.
+ *    are as their powers. Nodes of at least the mean power keep theirs; the others' come from all
+ *    over the pool.
  * 3. Until then, a node that asks gets a part of the pool.
  */
 #include "sched/hub_int.h"
 
 #define FIRST .35   /* as in deal_pick.c */
 #define ALMOST .999 /* of the mean power: sums are not exact */
-#define PARTS 2     /* an asking node gets its share of the pool / this */
+#define PARTS 2     /* an asking node gets this part of its share of the pool */
 
 void hub_first_weigh(struct hub *h, int32_t k, double stated)
 {
@@ -44,8 +44,8 @@ static void take(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
     hub_assign(h, i, k, out);
 }
 
-/* It keeps its order if it will keep the rest, too (deal_own). Else it keeps every n-th one, because
- * neighbours cost about the same. */
+/* It keeps its order if it will keep the rest, too (deal_own). Else it keeps every n-th one,
+ * because neighbours cost about the same. */
 void hub_first_part(struct hub *h, int32_t k)
 {
     struct hub_node *s = &h->nodes[k];
