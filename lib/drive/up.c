@@ -69,6 +69,7 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
     if (r->kind == REC_GONE && !forward_gone(d, r)) return false;
     if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
     if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
+    e->stated = rec_is(r, "stated", "1");
     return true;
 }
 

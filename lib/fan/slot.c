@@ -166,8 +166,8 @@ static void say_up(struct fan *f, const struct fan_slot *s)
 {
     char text[HOST_NAME_MOST + 64];
     for (int i = 0; i < s->width; i++) {
-        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d", s->number + i,
-            s->host->host->name, s->power, s->inner);
+        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d%s", s->number + i,
+            s->host->host->name, s->power, s->inner, s->host->host->power > 0 ? " stated=1" : "");
         wire_plain(&f->out.queue.bulk, REC_UP, text);
         up_end_record(&f->out.queue);
     }

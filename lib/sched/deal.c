@@ -83,8 +83,12 @@ static void hand(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched
 
 static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
-    int32_t k;
-    while (d->pool.count && (k = deal_pick_hungriest(d)) >= 0) hand(d, k, d->pool.head, now, out);
+    int32_t k, last = -1, next = -1;
+    while (d->pool.count && (k = deal_pick_hungriest(d)) >= 0) {
+        int32_t i = k == last && next >= 0 ? next : d->pool.head;
+        next = deal_pick_apart(d, last = k, i);
+        hand(d, k, i, now, out);
+    }
 }
 
 /* With the pool empty, idle slots get copies of other slots' tasks, or pieces of them. A cut
@@ -132,6 +136,7 @@ static void take_up(
 {
     int32_t k = e->slot;
     struct slot *s = slot_at(d, k);
+    s->stated = e->stated ? e->power : 0;
     if (s->state == SLOT_UP || s->state == SLOT_DRAINS) {
         deal_scale(d, k, pace_power(&s->pace, e->power));
         deal_mark(d, k);
@@ -143,7 +148,7 @@ static void take_up(
     s->pace = (struct pace){.power = e->power};
     d->stale_us = 0;
     s->speed = (struct speed){0};
-    s->work = s->ends_us = 0;
+    s->work = s->ends_us = s->px = 0;
     s->stalled = false;
     deal_mark(d, k);
     while (s->promised.count) {
@@ -164,6 +169,7 @@ static void take_slots(struct deal *d, int32_t n)
 static double note_pace(struct slot *s, int32_t c, int64_t wall_us, int64_t now)
 {
     const struct pace_task done = {.px = lattice_count(&s->has.at[c].task.at),
+        .state = s->has.at[c].task.generation,
         .sent_us = deal_copy(s, c)->given_us,
         .done_us = now,
         .wall_us = wall_us};

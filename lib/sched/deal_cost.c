@@ -75,6 +75,7 @@ void deal_foresee(struct deal *d, int32_t k, int32_t c)
     s->last_work = deal_copy(s, c)->work;
     s->given_us = (double)d->now_us;
     s->work += s->last_work;
+    s->px += (double)lattice_count(&s->has.at[c].task.at);
     s->ends_us += s->last_work * deal_time_us(d, k) / s->width;
     if (first) s->due_us = s->ends_us;
 }
@@ -83,6 +84,7 @@ void deal_forget(struct deal *d, int32_t k, int32_t c)
 {
     struct slot *s = &d->slots[k];
     s->work -= deal_copy(s, c)->work;
+    s->px -= (double)lattice_count(&s->has.at[c].task.at);
     double us = deal_time_us(d, k) / s->width;
     s->ends_us = fmax(
         (double)d->now_us + s->work * us, s->given_us + s->pace.round_trip_us + s->last_work * us);

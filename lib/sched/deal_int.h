@@ -25,6 +25,9 @@ struct slot {
     int32_t width;                       /* tasks that it computes at once */
     struct pace pace;                    /* its measured times */
     struct speed speed;                  /* likewise: deal_cost.c */
+    double stated;                       /* its power by the hosts file; 0: none */
+    double power;                        /* that, or 1; 0 if it is not up */
+    double px;                           /* pixels of its tasks to compute */
     double work;                         /* of its tasks to compute */
     double last_work;                    /* of the one given last, */
     double given_us;                     /* and when that was */
@@ -80,6 +83,8 @@ struct deal {
     struct frames ids; /* with an endgame: pieces.h */
     int64_t now_us;
     struct costs costs;
+    double power;     /* sum of the powers of the slots that are up */
+    double left_px;   /* pixels of the input tasks that no slot has computed */
     double mean_us;   /* mean time of the slots for work 1; 0: not known */
     double pool_px;   /* pixels of the input tasks in the pool */
     double pool_work; /* work of the pieces in the pool */
@@ -151,6 +156,8 @@ void deal_reclaim(struct deal *d, struct task_list *l);
 
 /* The slot that needs a task first, the lowest of equals; -1 if no slot may get more now. */
 int32_t deal_pick_hungriest(struct deal *d);
+/* The entry of the pool to give next, after entry i, to a slot that gets several at once. */
+int32_t deal_pick_apart(const struct deal *d, int32_t k, int32_t i);
 /* The time when deal_pick_hungriest may find a slot. */
 double deal_pick_us(const struct deal *d);
 /* The slot with the longest queued work, the lowest of equals; -1 if none. */

@@ -42,9 +42,17 @@ static void count_pool(struct deal *d, int32_t i, double sign)
     *(whole ? &d->pool_px : &d->pool_work) += sign * a->work;
 }
 
+/* Entry i enters a list (sign 1), or leaves it (-1). */
+static void count_left(struct deal *d, int32_t i, double sign)
+{
+    const struct account *a = deal_account(d, i);
+    if (a->piece.parent < 0 && a->place != COMPUTED) d->left_px += sign * tasks_px(&d->ledger, i);
+}
+
 void deal_take(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);
+    count_left(d, i, -1);
     list_remove(&d->ledger, list_of(d, i), i);
     if (a->place == IN_POOL) count_pool(d, i, -1);
     d->n_promised -= a->place == PROMISED;
@@ -56,6 +64,7 @@ void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner)
     deal_account(d, i)->place = place;
     deal_account(d, i)->owner = owner;
     list_push_back(&d->ledger, list_of(d, i), i);
+    count_left(d, i, 1);
     if (place == IN_POOL) count_pool(d, i, 1);
     d->n_promised += place == PROMISED;
     if (place == COMPUTED) deal_mark(d, owner);
@@ -66,6 +75,7 @@ void deal_put_first(struct deal *d, int32_t i)
     deal_account(d, i)->place = IN_POOL;
     deal_account(d, i)->owner = -1;
     list_push_front(&d->ledger, &d->pool, i);
+    count_left(d, i, 1);
     count_pool(d, i, 1);
 }
 

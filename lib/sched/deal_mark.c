@@ -11,6 +11,9 @@
 #define SAFETY 1.25 /* this number of round trips, and */
 #define SPREAD 1.5  /* of standard deviations of a round trip's tasks, if independent */
 
+#define LATER 2.5    /* a slot of known speed may hold this multiple of its first share */
+#define UNMEASURED 4 /* the queue of a slot of unknown round trip counts this number of times */
+
 /*
  * The number of tasks that slot s, which is up, may hold beyond those it computes. With
  * SCHED_DEPTH_AUTO it follows measurements (pace.c). A queue that is too deep costs nothing until
@@ -34,9 +37,24 @@ static double need_of(const struct deal *d, int32_t k)
     if (!deal_timed(d)) return load - s->width < depth_of(d, s) ? (double)load : (double)INFINITY;
     if (load < s->width) return load - s->width;
     if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return (double)INFINITY;
-    if (s->speed.work <= 0) return load > s->width ? (double)INFINITY : 0;
+    if (s->speed.work <= 0) return -1 / (1 + s->px / s->power);
     double us = s->last_work * deal_time_us(d, k) / s->width, trip_us = s->pace.round_trip_us;
     return s->ends_us - SAFETY * trip_us - SPREAD * sqrt(trip_us * us);
+}
+
+/*
+ * What the limit of deal_pick.c is set against: the number of tasks in the queue of slot s; with
+ * expected times, the pixels that it holds for its power. Those only count until its round trip is
+ * measured (pace.c): LATER of them count as one when its speed is known, and costs with it.
+ */
+static double excess_of(const struct deal *d, const struct slot *s)
+{
+    int32_t load = slot_load(s);
+    bool known = s->pace.measured || !deal_adapts(d);
+    if (!deal_timed(d)) return (known ? 1 : UNMEASURED) * (load - s->width);
+    if (s->pace.measured || load < s->width) return 0;
+    double px = s->px * (1 + .5 / load) / s->power; /* half a task more, so that it is rounded */
+    return s->speed.work > 0 ? px / LATER : px;
 }
 
 /* ---- marks ----------------------------------------------------------------------------------- */
@@ -50,14 +68,17 @@ static void rate(struct deal *d, int32_t k)
     bool up = s->state == SLOT_UP, stores = up && s->held.count > s->width;
     double need = up ? need_of(d, k) : never, task_us = s->pace.task_us > 0 ? s->pace.task_us : 1;
     tournament_set(&d->need, k, need);
-    tournament_set(&d->excess, k, need < never ? load - s->width : never);
+    tournament_set(&d->excess, k, need < never ? excess_of(d, s) : never);
     tournament_set(&d->store, k, stores ? -load * task_us : never);
 }
 
 void deal_mark(struct deal *d, int32_t k)
 {
-    const struct slot *s = &d->slots[k];
+    struct slot *s = &d->slots[k];
     bool up = s->state == SLOT_UP, drains = s->state == SLOT_DRAINS;
+    double power = !up ? 0 : s->stated > 0 ? s->stated : 1;
+    d->power += power - s->power;
+    s->power = power;
     bool idle = up && !slot_load(s), owes = s->owed.count;
     set_put(&d->idle, k, idle);
     set_put(&d->free, k, idle && !owes);

@@ -16,6 +16,13 @@
  * round trip, or the worker was idle for longer than a task takes. It counts as higher by at most
  * the idle time: else a long queue would look like a long round trip, and grow. Its weight is 1/8,
  * so that one hiccup does not fill a queue.
+ *
+ * Preparation is no round trip. Before its first task with new state, such as a scene, a worker
+ * waits for the state and builds from it. That time is in the samples of all tasks that were sent
+ * before the first `done` of this state came. None of them counts as higher. The first sample of
+ * all is taken, because it is the most that the round trip can be. The round trip is measured when
+ * a task that was sent later finds the worker idle: then d - c - g has no other part. Until then,
+ * deal gives the worker no more than a part of its share of the work (deal_mark.c).
  */
 #include "sched/pace.h"
 
@@ -43,10 +50,14 @@ double pace_note(struct pace *p, const struct pace_task *t)
     double computed_us = wall_us > 1 ? (double)wall_us : 1;
     double sample_us = (double)(t->done_us - t->sent_us - wall_us);
     double idle_us = (double)(t->done_us - wall_us - p->done_us);
+    bool newer = !p->done_us || (int32_t)(t->state - p->state) > 0;
+    if (newer) p->state = t->state, p->ready_us = t->done_us;
+    bool ready = t->sent_us >= p->ready_us;
     bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
-    else if (idle_us > 0 && (waited || idle_us > p->task_us))
+    else if (ready && idle_us > 0 && (waited || idle_us > p->task_us))
         p->round_trip_us += WEIGHT * fmin(sample_us - p->round_trip_us, idle_us);
+    p->measured = p->measured || (ready && idle_us > 0);
     pace_mix(&p->task_us, computed_us);
     pace_mix(&p->us_per_px, computed_us / (double)t->px);
     p->done_us = t->done_us;

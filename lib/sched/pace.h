@@ -14,6 +14,9 @@ struct pace {             /* 0: not known yet */
     double us_per_px;     /* recent mean */
     double task_us;       /* computing time of a task; recent mean */
     double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
+    bool measured;        /* that delay is one of the link; else preparation may be in it */
+    uint32_t state;       /* the latest state of which a task is done, */
+    int64_t ready_us;     /* and the arrival of its first `done` */
     int64_t done_us;      /* arrival of the latest `done` */
     double power;         /* as its host states it: only changes of it count */
 };
@@ -26,6 +29,7 @@ double pace_power(struct pace *p, double power);
 /* A task that the worker has done. */
 struct pace_task {
     uint64_t px;              /* its pixels */
+    uint32_t state;           /* the number of the state that it was computed with */
     int64_t sent_us, done_us; /* when it was sent; when its `done` arrived */
     int64_t wall_us;          /* its computing time, as the worker reports it; -1: not reported */
 };

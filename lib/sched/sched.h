@@ -68,6 +68,7 @@ struct sched_event {
     uint32_t frame_w;
     int64_t wall_us; /* DONE: computing time, as the slot reports it; -1: not reported */
     double power;    /* UP: relative power of the slot; 0: unknown */
+    bool stated;     /* UP: the hosts file states that power; else it was measured in a moment */
     int32_t from;    /* TASK, to a node: the previous owner; -1: none */
     struct ring ring;
 };

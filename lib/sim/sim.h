@@ -101,6 +101,7 @@ struct sim_plan {
     int32_t width;    /* tasks that a slot computes at once, by its hello */
     int32_t assigned; /* number of tasks with to=K */
     bool concentrate; /* slots send pixels only on a flush */
+    bool unstated;    /* the powers that slots come up with were measured, not stated */
     double cost_us;   /* the least cost of a row at power 1; the most is exp(4) times that */
     double p_crash, p_silence, p_pause, p_slow, p_hang, p_drain; /* at most one per slot */
     bool tells_power; /* the policy is told the power of a slot that becomes slow */

@@ -155,7 +155,10 @@ void sim_deliver(struct world *w, const struct sim_event *e)
 
 void sim_say_up(struct world *w, int32_t k)
 {
-    struct sched_event e = {.kind = SCHED_UP, .n = w->plan->width, .power = w->slots[k].power};
+    struct sched_event e = {.kind = SCHED_UP,
+        .n = w->plan->width,
+        .power = w->slots[k].power,
+        .stated = !w->plan->unstated};
     sim_say(w, k, e);
 }
 

@@ -73,6 +73,32 @@ static void test_a_hiccup(void **state)
     assert_true(after(&l, 1, 1000000) < before_us + 130000);
 }
 
+/* Reading and building a scene is in no round trip: not of the first state, once a task that was
+ * sent later found the worker idle, and not of the next state. */
+static void test_preparation(void **state)
+{
+    (void)state;
+    struct pace p = {0};
+    const struct {
+        uint32_t state;
+        int64_t sent_us, done_us;
+        bool measured;
+        double trip_us;
+    } of[] = {{0, 0, 1020000, false, 1010000}, {0, 0, 1030000, false, 1010000},
+        {0, 1030000, 1050000, true, 10000}, {1, 1050000, 3060000, true, 10000},
+        {1, 1050000, 3070000, true, 10000}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        const struct pace_task done = {.px = 1,
+            .state = of[i].state,
+            .sent_us = of[i].sent_us,
+            .done_us = of[i].done_us,
+            .wall_us = TASK_US};
+        pace_note(&p, &done);
+        assert_int_equal(p.measured, of[i].measured);
+        assert_true(fabs(p.round_trip_us - of[i].trip_us) < .5);
+    }
+}
+
 static void test_depth(void **state)
 {
     (void)state;
@@ -91,6 +117,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_round_trip_stays),
         cmocka_unit_test(test_a_round_trip_that_changes), cmocka_unit_test(test_a_hiccup),
-        cmocka_unit_test(test_depth)};
+        cmocka_unit_test(test_preparation), cmocka_unit_test(test_depth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,37 @@
+# shellcheck shell=sh disable=SC2154  # here and temporary are set by the script that reads this
+# Methods in virtual time. A method's own script runs, so that its cut and its rules stand there and nowhere else.
+# balance-auto and the experiments read this, with a directory for files in $temporary.
+
+# shipped COMMAND METHOD WxH SLOTS LOG fan ARGUMENT ...: runs balance-METHOD. What it finds instead of deal, fan and
+# ringctl gives its tasks to the command line COMMAND, to which simulate's METHOD is appended. `fan -l` prints the file
+# table of that directory. $unit, if it is not empty, replaces the unit of the cut.
+shipped() {
+	simulate=$1 script=$here/balance-$2
+	shift 2
+	[ -e "$temporary/bin/ringctl" ] || stand_ins "$temporary/bin" || exit 3
+	programs=$here simulate=$simulate table=$temporary/table unit=${unit-} PATH=$temporary/bin:$PATH "$script" "$@" </dev/null
+}
+stand_ins() {
+	mkdir -p "$1" && cat >"$1/fan" <<-'END' && cat >"$1/partition" <<-'END' || return
+		#!/bin/sh
+		run='' hold=''
+		case ${0##*/},${1-} in
+		fan,-l) exec cat "$table" ;;
+		fan,*) run=fan known=: ;;
+		deal,*) run=deal known=:eq:t: ;;
+		ringctl,*) run=ring known=:ep ;;
+		esac
+		# A worker with -c concentrates: it holds pixels back until deal asks for them.
+		case "$run $* " in deal*' -c '*) hold=-c ;; esac
+		[ "$run" = fan ] || while getopts "$known" option; do run="$run -$option ${OPTARG-}"; done
+		exec $simulate $hold $run
+	END
+		#!/bin/sh
+		words=$# at=0
+		while [ $((at += 1)) -lt "$words" ]; do set -- "$@" "$1"; shift; done
+		size=$1
+		shift
+		exec "$programs/partition" "$@" ${unit:+-u "$unit"} "$size"
+	END
+	chmod +x "$1/fan" "$1/partition" && ln -sf fan "$1/deal" && ln -sf fan "$1/ringctl"
+}

@@ -1,0 +1,56 @@
+#!/bin/sh
+# 28_first: efficiencies of adaptive, gdc and a schedule that knows all costs, in virtual time, where the first share of a
+# slot matters: six scenes of 512x512, hosts x latency (one way) x work for each host. Cuts and rules are those of the
+# shipped scripts. SCENES, HOSTS, LATENCIES_MS and WORK_S choose fewer. Then the means over the scenes.
+# shellcheck source=lib.sh
+. "$(dirname "$0")/lib.sh"
+
+# powers HOSTS: 14 workstations of the paper, 37 equal ones, or one of power 20 among 13 of 1
+powers() {
+	case $1 in
+	14) echo 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347 ;;
+	20) echo 20,1,1,1,1,1,1,1,1,1,1,1,1,1 ;;
+	*) seq "$1" | sed 's/.*/1/' | paste -sd , ;;
+	esac
+}
+# These replace the programs that a script runs around its workers.
+mkdir stub
+cat >stub/fan <<'END'
+#!/bin/sh
+run=''
+case ${0##*/} in
+deal) run=deal known=:eq:t: ;;
+ringctl) run=ring known=:ep ;;
+esac
+while getopts "$known" option; do run="$run -$option ${OPTARG-}"; done
+exec simulate $SIMULATED $run
+END
+chmod +x stub/fan && ln -s fan stub/deal && ln -s fan stub/ringctl || exit 3
+# efficiency METHOD: with the options of simulate in $SIMULATED
+efficiency() {
+	if [ "$1" = best ]; then # shellcheck disable=SC2086
+		partition 512x512 | simulate $SIMULATED best
+	else PATH=$tmp/stub:$PATH "$root/bin/balance-$1" 512x512 "$slots" none.frags fan -j "$slots" rtworker - </dev/null
+	fi | awk '$1 == "efficiency" { print $2 }'
+}
+printf 'scene\thosts\tms\ts\tadaptive\tgdc\tbest\n'
+for scene in ${SCENES:-gears balls tetra shells mount rings}; do
+	spdgen -s 2 "$scene" >scene.nff || stop "spdgen $scene failed"
+	partition -u run:64 512x512 | rtworker -a 4 scene.nff >frags || stop 'rtworker failed'
+	cpu=$(fragstat -s frags | awk '$1 == "cpu_s" { print $2 }')
+	for hosts in ${HOSTS:-14 37 20}; do
+		power=$(powers "$hosts") && slots=$(echo "$power" | tr , '\n' | wc -l)
+		for ms in ${LATENCIES_MS:-.5 5 50 150}; do
+			for s in ${WORK_S:-2 20}; do
+				x=$(echo "$power" | tr , '\n' | awk -v s="$s" -v cpu="$cpu" '{ sum += $1 } END { print sum * s / cpu }')
+				export SIMULATED="-t $tmp/frags -x $x -w $power -l $ms"
+				printf '%s\t%s\t%s\t%s' "$scene" "$hosts" "$ms" "$s"
+				for method in adaptive gdc best; do printf '\t%s' "$(efficiency $method)"; done
+				echo
+			done
+		done
+	done
+done | tee table
+awk '{ k = $2 "\t" $3 "\t" $4; if (!n[k]++) order[++m] = k; for (c = 5; c <= 7; c++) sum[k, c] += $c }
+	END { for (i = 1; i <= m; i++) { k = order[i]
+		printf "mean\t%s\t%.3f\t%.3f\t%.3f\n", k, sum[k, 5] / n[k], sum[k, 6] / n[k], sum[k, 7] / n[k] } }' table
