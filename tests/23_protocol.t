@@ -80,7 +80,7 @@ done
 mkdir relative
 ok 'an experiment, with a relative TMPDIR' env TMPDIR=relative protocol -n 2 -o whole.tsv faults
 is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
-is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 21
+is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 25
 TMPDIR=$tmp protocol -n 2 -o a.tsv faults 2>/dev/null &
 run=$!
 until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done

@@ -54,7 +54,7 @@ agree() {
 	powers=$(awk -v n="$1" 'BEGIN { for (k = 0; k < n; k++) printf "%s%.3f", (k ? "," : ""), (n > 14 ? .5 + (k * 7 % n) / n : k < 12 ? 1 : k < 13 ? .442 : 1.347) }')
 	scale=$(fragstat -s gears.frags | awk -v p="$powers" '$1 == "cpu_s" { n = split(p, v, ","); for (k = 1; k <= n; k++) sum += v[k]; print (n > 50 ? n / 10 : 5) * sum / $2 }')
 	[ "$3" = masterslave ] && unit=run:$((262144 / (40 * $1))) || unit=''
-	shipped "simulate -v -t gears.frags -x $scale -w $powers -l .1 -p 0,0,$2,2" "$3" 512x512 "$1" /dev/null fan >simulated || stop simulate
+	shipped "simulate -v -t gears.frags -x $scale -w $powers -l .1 -p 0,0,$2,2" "$3" 512x512 "$1" /dev/null fan rtworker >simulated || stop simulate
 	awk -v build="$2" -v p="$powers" 'BEGIN { n = split(p, power, ",") }
 		/ has its state$/ { at[$3 + 0] = $2 }
 		/ is prepared$/ { took[$3 + 0] = 1e-6 * ($2 - at[$3 + 0]) * power[$3 + 1] }
