@@ -21,13 +21,18 @@
  * waits for the state and builds from it. That time is in the samples of all tasks that were sent
  * before the first `done` of this state came. None of them counts as higher. The first sample of
  * all is taken, because it is the most that the round trip can be. The round trip is measured when
- * a task that was sent later finds the worker idle: then d - c - g has no other part. Until then,
- * deal gives the worker no more than a part of its share of the work (deal_mark.c).
+ * a task that was sent later finds the worker idle: then d - c - g has no other part. Until then
+ * less is assumed, each time that a task is done that was sent since, while it is longer than a few
+ * tasks. So a deep queue gets shorter, until that happens, which costs a part of a round trip once.
+ * And deal gives the worker no more than a part of its share of the work (deal_mark.c).
  */
 #include "sched/pace.h"
 
 #define SAFETY 1.25     /* margin: tasks and trips vary */
 #define SHORT .01       /* of a task: a shorter round trip needs no queue */
+#define IDLE .1         /* of a sample: less idle time between two tasks is not the link's */
+#define DOUBT .8        /* of a round trip that was not measured is assumed after the next one */
+#define DEEP 4          /* tasks: a round trip of fewer is not doubted */
 #define WEIGHT (1 / 8.) /* weight of the latest sample in a recent mean */
 
 void pace_mix(double *mean, double x) { *mean += *mean > 0 ? WEIGHT * (x - *mean) : x; }
@@ -54,10 +59,17 @@ double pace_note(struct pace *p, const struct pace_task *t)
     if (newer) p->state = t->state, p->ready_us = t->done_us;
     bool ready = t->sent_us >= p->ready_us;
     bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
+    bool idle = idle_us > IDLE * sample_us;
+    if (newer) p->doubted_us = t->done_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
+    else if (ready && idle && !p->measured) p->round_trip_us = sample_us;
     else if (ready && idle_us > 0 && (waited || idle_us > p->task_us))
         p->round_trip_us += WEIGHT * fmin(sample_us - p->round_trip_us, idle_us);
-    p->measured = p->measured || (ready && idle_us > 0);
+    p->measured = p->measured || (ready && idle);
+    if (!p->measured && t->sent_us > p->doubted_us && p->round_trip_us > DEEP * p->task_us) {
+        p->round_trip_us *= DOUBT;
+        p->doubted_us = t->done_us;
+    }
     pace_mix(&p->task_us, computed_us);
     pace_mix(&p->us_per_px, computed_us / (double)t->px);
     p->done_us = t->done_us;

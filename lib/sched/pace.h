@@ -17,6 +17,7 @@ struct pace {             /* 0: not known yet */
     bool measured;        /* that delay is one of the link; else preparation may be in it */
     uint32_t state;       /* the latest state of which a task is done, */
     int64_t ready_us;     /* and the arrival of its first `done` */
+    int64_t doubted_us;   /* when less was assumed last, until the round trip is measured */
     int64_t done_us;      /* arrival of the latest `done` */
     double power;         /* as its host states it: only changes of it count */
 };

@@ -99,6 +99,28 @@ static void test_preparation(void **state)
     }
 }
 
+/* A round trip that preparation may be part of is doubted, until an idle worker shows the true one.
+ * A moment between two tasks shows nothing. */
+static void test_doubt(void **state)
+{
+    (void)state;
+    struct pace p = {0};
+    const struct {
+        int64_t sent_us, done_us;
+        bool measured;
+        double trip_us;
+    } of[] = {{0, 1010000, false, 1000000}, {0, 1020100, false, 1000000},
+        {0, 2020000, false, 1000000}, {1010001, 2030100, false, 800000},
+        {1010001, 2040200, false, 800000}, {2030101, 3050000, true, 1009899}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        const struct pace_task done = {
+            .px = 1, .sent_us = of[i].sent_us, .done_us = of[i].done_us, .wall_us = TASK_US};
+        pace_note(&p, &done);
+        assert_int_equal(p.measured, of[i].measured);
+        assert_true(fabs(p.round_trip_us - of[i].trip_us) < .5);
+    }
+}
+
 static void test_depth(void **state)
 {
     (void)state;
@@ -117,6 +139,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_round_trip_stays),
         cmocka_unit_test(test_a_round_trip_that_changes), cmocka_unit_test(test_a_hiccup),
-        cmocka_unit_test(test_preparation), cmocka_unit_test(test_depth)};
+        cmocka_unit_test(test_preparation), cmocka_unit_test(test_doubt),
+        cmocka_unit_test(test_depth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
