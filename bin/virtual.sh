@@ -6,6 +6,9 @@
 # ringctl gives its tasks to the command line COMMAND, to which simulate's METHOD is appended. `fan -l` prints the file
 # table of that directory. $unit, if it is not empty, replaces the unit of the cut.
 shipped() {
+	case $temporary in
+	*:*) say "${0##*/}: ${TMPDIR-}: has a colon, which PATH cannot hold, expected another TMPDIR"; exit 2 ;;
+	esac
 	simulate=$1 script=$here/balance-$2
 	shift 2
 	[ -e "$temporary/bin/ringctl" ] || stand_ins "$temporary/bin" || exit 3

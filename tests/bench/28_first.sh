@@ -4,6 +4,9 @@
 # shipped scripts. SCENES, HOSTS, LATENCIES_MS and WORK_S choose fewer. Then the means over the scenes.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
+here=$root/bin temporary=$tmp
+# shellcheck source=../../bin/virtual.sh
+. "$root/bin/virtual.sh"
 
 # powers HOSTS: 14 workstations of the paper, 37 equal ones, or one of power 20 among 13 of 1
 powers() {
@@ -13,24 +16,11 @@ powers() {
 	*) seq "$1" | sed 's/.*/1/' | paste -sd , ;;
 	esac
 }
-# These replace the programs that a script runs around its workers.
-mkdir stub
-cat >stub/fan <<'END'
-#!/bin/sh
-run=''
-case ${0##*/} in
-deal) run=deal known=:eq:t: ;;
-ringctl) run=ring known=:ep ;;
-esac
-while getopts "$known" option; do run="$run -$option ${OPTARG-}"; done
-exec simulate $SIMULATED $run
-END
-chmod +x stub/fan && ln -s fan stub/deal && ln -s fan stub/ringctl || exit 3
-# efficiency METHOD: with the options of simulate in $SIMULATED
+# efficiency METHOD
 efficiency() {
-	if [ "$1" = best ]; then # shellcheck disable=SC2086
-		partition 512x512 | simulate $SIMULATED best
-	else PATH=$tmp/stub:$PATH "$root/bin/balance-$1" 512x512 "$slots" none.frags fan -j "$slots" rtworker - </dev/null
+	# shellcheck disable=SC2086
+	if [ "$1" = best ]; then partition 512x512 | $simulated best
+	else shipped "$simulated" "$1" 512x512 "$slots" /dev/null fan -j "$slots" rtworker
 	fi | awk '$1 == "efficiency" { print $2 }'
 }
 printf 'scene\thosts\tms\ts\tadaptive\tgdc\tbest\n'
@@ -43,7 +33,7 @@ for scene in ${SCENES:-gears balls tetra shells mount rings}; do
 		for ms in ${LATENCIES_MS:-.5 5 50 150}; do
 			for s in ${WORK_S:-2 20}; do
 				x=$(echo "$power" | tr , '\n' | awk -v s="$s" -v cpu="$cpu" '{ sum += $1 } END { print sum * s / cpu }')
-				export SIMULATED="-t $tmp/frags -x $x -w $power -l $ms"
+				simulated="simulate -t frags -x $x -w $power -l $ms"
 				printf '%s\t%s\t%s\t%s' "$scene" "$hosts" "$ms" "$s"
 				for method in adaptive gdc best; do printf '\t%s' "$(efficiency $method)"; done
 				echo

@@ -119,6 +119,8 @@ delayed() { built delay && echo "$PWD/delay $1"; }
 # Links of 10 Mbit/s in all. A pixel has 3 bytes (GDC) or 5 (StormView) there, but 16 in simulate.
 # shellcheck disable=SC2034  # for experiments
 ethernet_gdc='-l 1 -b 6.67e6,6.67e6' ethernet_stormview='-l 1 -b 4e6,4e6'
+# tabled POWERS: writes what `fan -l` says to a method in virtual time
+tabled() { echo "$1" | tr , '\n' | awk -v OFS='\t' '{ print NR - 1, "host", $1 }' >"$work/table"; }
 # simulated METHOD POWERS OPTION ...: writes $work/figures for balance METHOD in virtual time, on $frame. Its cut and its rules
 # are those of the shipped script; $unit, if it is set, replaces its unit. Or for published rivals, which no script runs;
 # or for the best known schedule, of rows.
@@ -132,7 +134,7 @@ simulated() {
 	best) cut="-u ${unit:-row}" run=best ;;
 	gdc-rows) (unit=row && simulated gdc "$powers" "$@"); return ;;
 	*)
-		echo "$powers" | tr , '\n' | awk -v OFS='\t' '{ print NR - 1, "host", $1 }' >"$work/table"
+		tabled "$powers"
 		quietly shipped "simulate -w $powers $*" "$method" "$frame" "$slots" /dev/null fan -j "$slots" rtworker
 		return
 		;;
