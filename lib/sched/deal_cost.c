@@ -4,14 +4,12 @@
  */
 #include "sched/deal_int.h"
 
-#define LATEST 2.         /* tasks: a slot's time is the mean over them, or those of a round trip */
+#define LATEST 8.         /* tasks: a slot's time is the mean over them, or those of a round trip */
 #define OVERDUE 1         /* a task is overdue if late by this multiple of its expected time */
 #define LATER 2           /* it will then be late by this multiple of its delay so far */
 #define REVIEWED 16       /* longer queues are not estimated again */
 #define FRESH (1 / 64.)   /* the expected end holds for this part of the time left, */
 #define FRESH_MOST_US 1e5 /* and at most for this time */
-
-bool deal_timed(const struct deal *d) { return deal_adapts(d) && d->p.endgame; }
 
 double deal_cost(const struct deal *d, int32_t i)
 {

@@ -20,6 +20,8 @@
 
 enum slot_state { SLOT_NEW, SLOT_UP, SLOT_DRAINS, SLOT_GONE };
 
+#define DEAL_SHARES_MOST 512 /* on more slots there are no first shares */
+
 struct slot {
     enum slot_state state;
     int32_t width;                       /* tasks that it computes at once */
@@ -98,7 +100,7 @@ struct deal {
     int32_t n_promised; /* promised tasks */
     /* deal_mark.c, with room for as many slots as `slots`; only slots that are up: */
     struct tournament need;    /* tasks held, or the time at which it needs more */
-    struct tournament excess;  /* tasks held beyond the width; both only if it may get more */
+    struct tournament excess;  /* what deal_pick.c limits; both only if it may get more */
     struct tournament store;   /* minus the time of its queued work, if there is any */
     struct slot_set idle;      /* slots with no task to compute */
     struct slot_set free;      /* idle slots that owe no pixels of computed tasks */
@@ -115,6 +117,8 @@ static inline struct account *deal_account(const struct deal *d, int32_t i)
     return tasks_extra(&d->ledger, i);
 }
 static inline bool deal_adapts(const struct deal *d) { return d->p.depth == SCHED_DEPTH_AUTO; }
+/* Do queues follow expected times? */
+static inline bool deal_timed(const struct deal *d) { return deal_adapts(d) && d->p.endgame; }
 
 /* ---- deal_ledger.c --------------------------------------------------------------------------- */
 
@@ -154,6 +158,17 @@ void deal_reclaim(struct deal *d, struct task_list *l);
 
 /* ---- deal_pick.c ----------------------------------------------------------------------------- */
 
+/* The number of slots: those of the fan, of which some may be lost for good. */
+static inline int32_t deal_slots(const struct deal *d)
+{
+    return d->known > d->up ? d->known : d->up;
+}
+/* Does a slot get a first share? It takes time by the number of slots to find one that may have
+ * more: a tenth of a millisecond a task on 10,000. */
+static inline bool deal_shares(const struct deal *d)
+{
+    return deal_timed(d) && deal_slots(d) <= DEAL_SHARES_MOST;
+}
 /* The slot that needs a task first, the lowest of equals; -1 if no slot may get more now. */
 int32_t deal_pick_hungriest(struct deal *d);
 /* The entry of the pool to give next, after entry i, to a slot that gets several at once. */
@@ -173,8 +188,6 @@ void deal_close_room(struct deal *d);
 
 /* ---- deal_cost.c ----------------------------------------------------------------------------- */
 
-/* Do queues follow expected times? */
-bool deal_timed(const struct deal *d);
 /* Expected cost of a pixel of entry i, and work of all its pixels. */
 double deal_cost(const struct deal *d, int32_t i);
 double deal_work(const struct deal *d, int32_t i);

@@ -37,7 +37,10 @@ static double need_of(const struct deal *d, int32_t k)
     if (!deal_timed(d)) return load - s->width < depth_of(d, s) ? (double)load : (double)INFINITY;
     if (load < s->width) return load - s->width;
     if (s->stalled || load - s->width >= PACE_DEPTH_MOST) return (double)INFINITY;
-    if (s->speed.work <= 0) return -1 / (1 + s->px / s->power);
+    if (s->speed.work <= 0)
+        return deal_shares(d)    ? -1 / (1 + s->px / s->power)
+               : load > s->width ? (double)INFINITY
+                                 : 0;
     double us = s->last_work * deal_time_us(d, k) / s->width, trip_us = s->pace.round_trip_us;
     return s->ends_us - SAFETY * trip_us - SPREAD * sqrt(trip_us * us);
 }
@@ -52,7 +55,7 @@ static double excess_of(const struct deal *d, const struct slot *s)
     int32_t load = slot_load(s);
     bool known = s->pace.measured || !deal_adapts(d);
     if (!deal_timed(d)) return (known ? 1 : UNMEASURED) * (load - s->width);
-    if (s->pace.measured || load < s->width) return 0;
+    if (!deal_shares(d) || s->pace.measured || load < s->width) return 0;
     double px = s->px * (1 + .5 / load) / s->power; /* half a task more, so that it is rounded */
     return s->speed.work > 0 ? px / LATER : px;
 }

@@ -14,14 +14,12 @@
 #define FIRST .35     /* of its share of the work: what a slot may hold before it has done a task */
 #define APART_MOST 64 /* tasks from one of a first share to the next in the pool */
 
-/* The number of slots: those of the fan that are up or may come up. */
-static int32_t expected_slots(const struct deal *d) { return d->known > d->up ? d->known : d->up; }
-
 /* The limit of what deal_mark.c says a slot holds. */
 static double limit_of(const struct deal *d)
 {
     if (!d->up) return 0;
-    if (deal_timed(d)) return FIRST * d->left_px / (d->power / d->up * expected_slots(d));
+    if (deal_timed(d) && !deal_shares(d)) return (double)INFINITY;
+    if (deal_timed(d)) return FIRST * d->left_px / (d->power / d->up * deal_slots(d));
     bool revoked = d->ended && (deal_adapts(d) || d->p.endgame);
     return revoked ? SHARES * d->pool.count / d->up : (double)INFINITY;
 }
@@ -58,8 +56,8 @@ double deal_pick_us(const struct deal *d)
  * every n-th one, where n slots will get as many. */
 int32_t deal_pick_apart(const struct deal *d, int32_t k, int32_t i)
 {
-    if (!deal_timed(d) || d->slots[k].pace.measured) return -1;
-    int32_t n = d->costs.mean > 0 ? d->up : expected_slots(d) - d->up + 1;
+    if (!deal_shares(d) || d->slots[k].pace.measured) return -1;
+    int32_t n = d->costs.mean > 0 ? d->up : deal_slots(d) - d->up + 1;
     for (n = n < APART_MOST ? n : APART_MOST; n > 0 && i >= 0; n--) i = d->ledger.at[i].next;
     return i;
 }

@@ -52,7 +52,9 @@ static void ring_destroy(void *state)
 
 static void start(struct hub *h, int32_t i, struct sched_actions *out)
 {
-    hub_assign(h, i, hub_first_node(h, i), out);
+    const struct task *t = &h->ledger.at[i].task;
+    bool chosen = t->to >= 0 && t->to < h->n_nodes;
+    hub_assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
 }
 
 /* The pool goes to node k, the only one that is up (k >= 0); or each task to its first node,
@@ -92,19 +94,15 @@ static void take_up(struct hub *h, const struct sched_event *e, struct sched_act
         hub_mark(h, k);
         return;
     }
-    h->n_new -= s->state == NODE_NEW;
     s->state = NODE_UP;
     s->width = e->n > 1 ? e->n : 1;
     set_put(&h->up, k, true);
-    hub_first_weigh(h, k, e->stated ? e->power : 0);
-    if (h->p.endgame && e->stated) hub_first_part(h, k);
     hub_mark(h, k);
     for (int32_t i = s->held.head; i >= 0; i = h->ledger.at[i].next) hub_send(h, k, i, out);
-    if (h->p.endgame) hub_first_deal(h, out);
-    else take_pool(h, k, out);
+    take_pool(h, k, out);
     sched_act(out, SCHED_SAY, k, NULL);
-    out->at[out->n - 1].ring = (struct ring){
-        .kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes};
+    out->at[out->n - 1].ring =
+        (struct ring){.kind = RING_PLACE, .peer = -1, .next = -1, .me = k, .n = h->n_nodes};
 }
 
 static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
@@ -112,17 +110,14 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     struct hub_node *s = &h->nodes[k];
     struct task_list *lists[] = {&s->computed, &s->held};
     bool had = hub_works(h, k);
-    h->n_new -= s->state == NODE_NEW;
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
-    hub_first_weigh(h, k, 0);
     hub_lost(h, k);
     for (int l = 0; l < 2; l++)
         while (lists[l]->count) {
             hub_task(h, lists[l]->head)->tries += had;
             hub_hand_on(h, lists[l]->head, k, out);
         }
-    if (h->p.endgame) hub_first_deal(h, out);
 }
 
 static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
@@ -130,6 +125,7 @@ static void note_pace(struct hub *h, int32_t i, int64_t wall_us)
     const struct hub_task *t = hub_task(h, i);
     struct pace *pace = &h->nodes[t->owner].pace;
     const struct pace_task done = {.px = lattice_count(&h->ledger.at[i].task.at),
+        .state = h->ledger.at[i].task.generation,
         .sent_us = t->sent_us,
         .done_us = h->now_us,
         .wall_us = wall_us};

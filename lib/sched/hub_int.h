@@ -6,7 +6,6 @@
  *     hub_end.c    the last tasks
  *     hub_hung.c   nodes that make no progress
  *     hub_join.c   nodes that join and leave
- *     hub_first.c  first shares by power
  *     hub_owner.c  which node has a task
  *     hub_asks.c   asks and their answers
  *     hub_mark.c   what nodes want and have
@@ -34,8 +33,6 @@ struct hub_node {
     struct task_list held;     /* its tasks: entries of the ledger */
     struct task_list computed; /* likewise; computed, but pixels are missing */
     double held_px;            /* pixels of `held` */
-    double power;              /* as the hosts file states it, 1 if not; 0 if it is not up */
-    double lacks_px, dealt_px; /* while the pool is dealt out: of its share, and of that so far */
     int32_t cut;               /* entries of `held` that have pieces, */
     double cut_px;             /* and their pixels */
     struct pace pace;          /* of its worker, from its DONE messages */
@@ -71,14 +68,12 @@ struct hub_task {
 struct hub {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
-    struct task_list pool;    /* no known node could own them, or they wait for powers */
+    struct task_list pool;    /* no known node could own them */
     struct task_list rest;    /* pieces that no node has: hub_end.c */
     struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
     struct frames ids;        /* with an endgame: pieces.h */
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
-    int32_t n_new;    /* nodes that have not come up yet and are not lost */
-    double power;     /* sum of the powers of nodes that are up */
     int32_t n_places; /* nodes that the sets have room for */
     int32_t *early;   /* nodes lost before n_nodes was known */
     size_t n_early;
@@ -150,19 +145,6 @@ bool hub_join(struct hub *h, int32_t k);
 void hub_drain(struct hub *h, int32_t k, struct sched_actions *out);
 /* Nodes that drain and owe nothing leave. */
 void hub_let_go(struct hub *h, struct sched_actions *out);
-
-/* ---- hub_first.c ---------------------------------------------------------------------------- */
-
-/* The node at which entry i, an input task, begins if powers are not known. */
-int32_t hub_first_node(const struct hub *h, int32_t i);
-/* Node k has come up, is lost or drains. stated: its power by the hosts file; 0: none. */
-void hub_first_weigh(struct hub *h, int32_t k, double stated);
-/* Of the tasks that waited for node k, which has come up, some go to the pool. */
-void hub_first_part(struct hub *h, int32_t k);
-/* Deals out the pool if each node has come up or is lost. */
-void hub_first_deal(struct hub *h, struct sched_actions *out);
-/* With an endgame, nodes that ask get tasks of the pool. */
-void hub_first_ask(struct hub *h, struct sched_actions *out);
 
 /* ---- hub_ledger.c --------------------------------------------------------------------------- */
 

@@ -55,7 +55,6 @@ bool hub_set_nodes(struct hub *h, int32_t n)
     add_nodes(h, n, NODE_NEW);
     for (size_t i = 0; i < h->n_early; i++)
         if (h->early[i] < n) h->nodes[h->early[i]].state = NODE_GONE;
-    for (int32_t k = 0; k < n; k++) h->n_new += h->nodes[k].state == NODE_NEW;
     return true;
 }
 
@@ -76,7 +75,6 @@ void hub_drain(struct hub *h, int32_t k, struct sched_actions *out)
     if (s->state != NODE_UP) return;
     s->state = NODE_DRAINS;
     set_put(&h->up, k, false);
-    hub_first_weigh(h, k, 0);
     hub_lost(h, k);
     for (int32_t kept = 0; i >= 0 && kept < s->width; kept++) i = h->ledger.at[i].next;
     while (i >= 0) {

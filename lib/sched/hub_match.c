@@ -58,7 +58,6 @@ void hub_match(struct hub *h, struct sched_actions *out)
 {
     h->end_us = INT64_MAX;
     give_late(h, out);
-    hub_first_ask(h, out);
     while (h->hungry.count) {
         if (h->loads) ask(h, out);
         else if (!end(h, out)) break;

@@ -100,6 +100,7 @@ static void take_done(struct node *n, const struct sched_event *e, int64_t now)
         return;
     }
     const struct pace_task done = {.px = lattice_count(&n->has.at[i].task.at),
+        .state = n->has.at[i].task.generation,
         .sent_us = node_task(n, i)->fed_us,
         .done_us = now,
         .wall_us = e->wall_us};

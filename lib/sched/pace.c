@@ -61,8 +61,9 @@ double pace_note(struct pace *p, const struct pace_task *t)
     bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
     bool idle = idle_us > IDLE * sample_us;
     if (newer) p->doubted_us = t->done_us;
+    if (!p->done_us || sample_us < p->most_us) p->most_us = sample_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
-    else if (ready && idle && !p->measured) p->round_trip_us = sample_us;
+    else if (ready && idle && !p->measured) p->round_trip_us = p->most_us;
     else if (ready && idle_us > 0 && (waited || idle_us > p->task_us))
         p->round_trip_us += WEIGHT * fmin(sample_us - p->round_trip_us, idle_us);
     p->measured = p->measured || (ready && idle);

@@ -13,6 +13,7 @@
 struct pace {             /* 0: not known yet */
     double us_per_px;     /* recent mean */
     double task_us;       /* computing time of a task; recent mean */
+    double most_us;       /* the round trip is at most this: the least sample */
     double round_trip_us; /* delay of a task beyond its computing time, if the worker was idle */
     bool measured;        /* that delay is one of the link; else preparation may be in it */
     uint32_t state;       /* the latest state of which a task is done, */

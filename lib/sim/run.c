@@ -162,36 +162,41 @@ static void begin(struct world *w)
     sim_schedule(w, 0, 0, (struct sim_event){.kind = SIM_INPUT});
 }
 
+/* The least part of its power that a slot may have. Slow-downs of a slot multiply. */
+static double least_part(const struct sim_plan *p)
+{
+    double slow = p->p_slow > 0 ? SLOWEST : 1, share = 1;
+    for (size_t i = 0; i < p->n_faults; i++)
+        if (p->faults[i].kind == SIM_SLOW) slow *= fmin(p->faults[i].power, 1);
+    for (size_t i = 0; i < p->n_loads; i++)
+        if (p->loads[i].share > 0) share = fmin(share, p->loads[i].share);
+    return fmax(slow, POWER_LEAST) * share;
+}
+
 /* All of the work in sequence, at the least power that a slot may have. */
 static double alone_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     if (!p->work) return p->cost_us * exp(4) * p->rows * (p->tasks + 2);
-    double us = p->work->task_us * p->tasks, least = p->work->power[0], share = 1;
+    double us = p->work->task_us * p->tasks, least = p->work->power[0];
     for (size_t i = 0, n = (size_t)w->frame_w * w->frame_h; i < n; i++) us += p->work->pixel_us[i];
     for (int32_t k = 1; k < p->slots; k++) least = fmin(least, p->work->power[k]);
-    double slow = p->p_slow > 0 ? SLOWEST : 1;
-    for (size_t i = 0; i < p->n_faults; i++) /* those of a slot multiply */
-        if (p->faults[i].kind == SIM_SLOW) slow *= fmin(p->faults[i].power, 1);
-    slow = fmax(slow, POWER_LEAST);
-    for (size_t i = 0; i < p->n_loads; i++)
-        if (p->loads[i].share > 0) share = fmin(share, p->loads[i].share);
-    return us / (least * slow * share);
+    return us / (least * least_part(p));
 }
 
 /* Until the last slot is prepared, at the least power that it may have, and the last load has
- * changed. */
+ * changed. A slot that comes back prepares once more. */
 static double start_us(const struct world *w)
 {
     const struct sim_plan *p = w->plan;
     double most = net_us(p->start.state_bytes * net_links(p), net_least_rate(p));
-    double us = 0, slow = p->p_slow > 0 ? SLOWEST : 1;
+    double us = 0, part = least_part(p), times = 1 + (p->p_return > 0) + (double)p->n_faults;
     for (int32_t k = 0; k < p->slots; k++) {
-        double build = sim_build_us(p, k) / (w->slots[k].power * slow);
+        double build = sim_build_us(p, k) / (w->slots[k].power * part);
         us = fmax(us, (double)sim_connect_us(p, k) + build);
     }
     for (size_t i = 0; i < p->n_loads; i++) most = fmax(most, (double)p->loads[i].at_us);
-    return most + us;
+    return times * (most + us);
 }
 
 /*
@@ -205,7 +210,8 @@ static int64_t time_allowed_us(const struct world *w)
     double faults_us = (double)p->faults_us + 2e6 + w->start_us;
     faults_us += (double)p->silence_us * (1 + (double)p->n_faults);
     faults_us += (double)p->detect_us * p->slots;
-    return (int64_t)(2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us));
+    double us = 2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us);
+    return (int64_t)fmin(us, 4e18); /* it is doubled */
 }
 
 /* Without faults, and with the link hidden: the bound, transfers at both ends, and a last task. */

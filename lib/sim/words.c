@@ -138,6 +138,10 @@ bool sim_read_loads(struct sim_plan *plan, const char *path, char err[ERR_BYTES]
     struct sim_load *all = NULL;
     size_t n = 0, number = 1;
     if (!load_file(path, &b, err)) return false;
+    if (memchr(buf_data(&b), 0, buf_size(&b))) {
+        buf_free(&b);
+        return err_set(err, "a byte 0, expected lines of text");
+    }
     buf_append(&b, "", 1);
     char *rest = (char *)b.data, *line;
     int found = 0;
@@ -147,7 +151,7 @@ bool sim_read_loads(struct sim_plan *plan, const char *path, char err[ERR_BYTES]
         n += found > 0;
     }
     buf_free(&b);
-    qsort(all, n, sizeof *all, by_slot_and_time);
+    if (n) qsort(all, n, sizeof *all, by_slot_and_time);
     plan->loads = all;
     plan->n_loads = n;
     if (found < 0)

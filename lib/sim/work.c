@@ -7,11 +7,13 @@
 
 static double speed_of(const struct vslot *s) { return s->paused ? 0 : s->power * s->share; }
 
-static void schedule_end(struct world *w, int32_t k, int64_t at_us)
+static void schedule_end(struct world *w, int32_t k, bool first)
 {
-    struct vwork *work = &w->slots[k].work;
-    if (work->speed <= 0 || w->slots[k].hung) return;
-    sim_schedule(w, at_us, k, (struct sim_event){.kind = work->ends, .sched.n = work->turn});
+    struct vslot *s = &w->slots[k];
+    if (s->work.speed <= 0 || s->hung) return;
+    double us = s->work.left_us / s->work.speed;
+    sim_schedule(w, w->now_us + (first ? sim_clock_round(&s->clock, us) : llround(us)), k,
+        (struct sim_event){.kind = s->work.ends, .sched.n = s->work.turn});
 }
 
 void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us)
@@ -19,7 +21,7 @@ void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us)
     struct vslot *s = &w->slots[k];
     int32_t turn = s->work.turn + 1;
     s->work = (struct vwork){true, ends, us, w->now_us, speed_of(s), turn};
-    schedule_end(w, k, w->now_us + sim_clock_round(&s->clock, us / s->work.speed));
+    schedule_end(w, k, true);
 }
 
 void sim_work_changed(struct world *w, int32_t k)
@@ -31,7 +33,7 @@ void sim_work_changed(struct world *w, int32_t k)
     work->since_us = w->now_us;
     work->speed = speed_of(&w->slots[k]);
     work->turn++;
-    schedule_end(w, k, w->now_us + llround(work->left_us / work->speed));
+    schedule_end(w, k, false);
 }
 
 void sim_work_end(struct world *w, int32_t k)

@@ -117,7 +117,6 @@ static void run(struct hazard *h, bool published, struct seen *s)
     struct sim_plan p = h->more;
     p.node = &policy_node;
     p.checks = published ? &oracle_gdc : &oracle_ring;
-    p.unstated = true;
     p.slots = h->nodes;
     p.tasks = h->rows;
     p.width = 1;

@@ -69,8 +69,23 @@ static void test_a_hiccup(void **state)
 {
     (void)state;
     struct line l = {0};
-    double before_us = after(&l, 1, 100000);
+    double before_us = after(&l, 30, 100000);
+    assert_true(l.pace.measured);
     assert_true(after(&l, 1, 1000000) < before_us + 130000);
+}
+
+/* A task waited half a second in the queue, and the worker then waited 20 ms for it. */
+static void test_a_long_queue(void **state)
+{
+    (void)state;
+    struct pace p = {.task_us = TASK_US,
+        .most_us = 5000,
+        .round_trip_us = 5000,
+        .measured = true,
+        .done_us = 510000};
+    const struct pace_task done = {.px = 1, .done_us = 540000, .wall_us = TASK_US};
+    pace_note(&p, &done);
+    assert_true(fabs(p.round_trip_us - 7500) < .5);
 }
 
 /* Reading and building a scene is in no round trip: not of the first state, once a task that was
@@ -111,7 +126,7 @@ static void test_doubt(void **state)
         double trip_us;
     } of[] = {{0, 1010000, false, 1000000}, {0, 1020100, false, 1000000},
         {0, 2020000, false, 1000000}, {1010001, 2030100, false, 800000},
-        {1010001, 2040200, false, 800000}, {2030101, 3050000, true, 1009899}};
+        {1010001, 2040200, false, 800000}, {2030101, 3050000, true, 1000000}};
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         const struct pace_task done = {
             .px = 1, .sent_us = of[i].sent_us, .done_us = of[i].done_us, .wall_us = TASK_US};
@@ -139,7 +154,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_round_trip_stays),
         cmocka_unit_test(test_a_round_trip_that_changes), cmocka_unit_test(test_a_hiccup),
-        cmocka_unit_test(test_preparation), cmocka_unit_test(test_doubt),
-        cmocka_unit_test(test_depth)};
+        cmocka_unit_test(test_a_long_queue), cmocka_unit_test(test_preparation),
+        cmocka_unit_test(test_doubt), cmocka_unit_test(test_depth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

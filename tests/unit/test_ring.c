@@ -19,7 +19,6 @@ static bool run_seed(uint64_t seed, struct sim_result *r)
 {
     struct sim_plan plan = sim_ring_plan_of(seed);
     plan.checks = &oracle_ring;
-    plan.unstated = true; /* its nodes begin with the tasks that waited for them */
     sim_run(&policy_ring, &plan, r);
     return !*r->failure;
 }
@@ -102,7 +101,6 @@ static double efficiency(uint64_t seed, int64_t latency_us, double total_s)
     struct sim_plan plan = {.seed = seed,
         .node = &policy_node,
         .checks = &oracle_ring,
-        .unstated = true,
         .slots = HOSTS,
         .tasks = ROWS,
         .width = 1,
@@ -220,7 +218,6 @@ static void who_asks_a_node_that_hangs_asks_another_one(void **state)
     struct sim_fault hangs = {.kind = SIM_SILENCE, .slot = 1, .at_us = 1000000};
     struct sim_plan plan = {.node = &policy_node,
         .checks = &oracle_ring,
-        .unstated = true,
         .slots = 3,
         .tasks = 71,
         .width = 1,
