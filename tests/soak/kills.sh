@@ -1,6 +1,6 @@
 #!/bin/sh
 # kills.sh [RUNS [SEED]]: kill -9 at a random moment of a random process of a random chain, sometimes while another
-# process is stopped. No process remains. If only a worker dies under deal, the picture is the same and the exit status
+# process is stopped. Both may end an inner fan, so there are three. No process remains. If only a worker dies under deal, the picture is the same and the exit status
 # is 0.
 . "$(dirname "$0")/../lib.sh"
 runs=${1:-$(soaked 200)} seed=${2:-${FIRST:-$(date +%s)}}
@@ -24,7 +24,7 @@ while [ $((run += 1)) -le "$runs" ]; do
 	0) chain="exec balance masterslave -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" ;;
 	1) chain="$state deal fan -j 2 deal fan -j 2 rtworker -a 16 - | gather -o out.pfm" ;;
 	2) chain="$state deal -q 2 deal fan -j 3 rtworker -a 16 - | gather -o out.pfm" ;;
-	3) chain="$state deal fan -j 2 fan -j 2 rtworker -a 16 - | gather -o out.pfm" ;;
+	3) chain="$state deal fan -j 3 fan -j 2 rtworker -a 16 - | gather -o out.pfm" ;;
 	5) chain="exec balance gdc -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" ;;
 	6) chain="$state ringctl fan -j 2 ringctl -n ringctl fan -j 2 ringctl -n rtworker -a 16 - | gather -o out.pfm" ;;
 	4) chain="exec balance interleaved -j 3 -s $size -W '-a 16' -o out.pfm gears.nff" saved=false ;;
