@@ -11,7 +11,7 @@
 #:   make check             one build, and every test of behaviour once: 11 minutes of two idle cores
 #:   make reach             sanitizers, mutants, analyzers, models and the second compiler, for what changed since the last
 #:                          make nightly that passed; everything takes 10 minutes
-#:   make nightly           all tests, longer, with seeds of the date: not measured yet, an hour or so; writes
+#:   make nightly           all tests, longer, with seeds of the date: half an hour of two idle cores; writes
 #:                          tests/PASSED
 #:   make fresh             as root: make demo in a Debian that has nothing yet; FULL=1: make check there, takes hours
 #:   make fuzz              each decoder for FUZZ_SECONDS=600; FUZZ_SEED=1 repeats a run

@@ -1,7 +1,7 @@
 #!/bin/sh
 # kills.sh [RUNS [SEED]]: kill -9 at a random moment of a random process of a random chain, sometimes while another
-# process is stopped. Both may end an inner fan, so there are three. No process remains. If only a worker dies under deal, the picture is the same and the exit status
-# is 0.
+# process is stopped. Both may end an inner fan, so there are three. No process remains. If only a worker dies under deal,
+# the picture is the same and the exit status is 0.
 . "$(dirname "$0")/../lib.sh"
 runs=${1:-$(soaked 200)} seed=${2:-${FIRST:-$(date +%s)}}
 # shellcheck source=../marked.sh
