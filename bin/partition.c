@@ -23,7 +23,7 @@ struct options {
     const char *log; /* -r: leave out pixels that it has */
     struct intake *have;
     enum { ORDER_NONE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
-    const char *cost_log;                                /* -o cost: */
+    const char *cost_log; /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };
@@ -56,7 +56,7 @@ static void parse_order(struct options *o, const char *order)
 /* Chunks are given in order, on demand. They, and runs, depend on the number of slots. */
 static void check_slots(const struct options *o)
 {
-    if (cut_suits(&o->cut) && !o->slots && !o->powers)
+    if (cut_follows_slots(&o->cut) && !o->slots && !o->powers)
         die(ST_USAGE, "-u fine, coarse or tile:WxH:TASKS: expected -n SLOTS or -w POWER,...");
     if (!cut_in_chunks(&o->cut)) return;
     if (o->cut.unit == CUT_GUIDED && !o->slots) die(ST_USAGE, "-u guided: expected -n SLOTS");

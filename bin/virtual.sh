@@ -2,13 +2,17 @@
 # Methods in virtual time. A method's own script runs, so that its cut and its rules stand there and nowhere else.
 # balance-auto and the experiments read this, with a directory for files in $temporary.
 
+# fits_path PROGRAM: refuses a directory that PATH cannot hold
+fits_path() {
+	case $temporary in *:*) ;; *) return ;; esac
+	say "$1: ${TMPDIR-}: has a colon, which PATH cannot hold, expected another TMPDIR"
+	return 1
+}
 # shipped COMMAND METHOD WxH SLOTS LOG fan ARGUMENT ...: runs balance-METHOD. What it finds instead of deal, fan and
 # ringctl gives its tasks to the command line COMMAND, to which simulate's METHOD is appended. `fan -l` prints the file
 # table of that directory. $unit, if it is not empty, replaces the unit of the cut.
 shipped() {
-	case $temporary in
-	*:*) say "${0##*/}: ${TMPDIR-}: has a colon, which PATH cannot hold, expected another TMPDIR"; exit 2 ;;
-	esac
+	fits_path "${0##*/}" || exit 2
 	simulate=$1 script=$here/balance-$2
 	shift 2
 	[ -e "$temporary/bin/ringctl" ] || stand_ins "$temporary/bin" || exit 3

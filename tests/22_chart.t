@@ -69,7 +69,7 @@ chart -o first.svg first.tsv
 tsv "$header" 'a real ds 1 1 4 s 1 0' 'a real third 1 1 3 s 1 0' 'a real gdc 1 1 3 s 1 0' | chart -o second.svg
 is 'a method has its mark and colour, in any order' "$(look first.svg 2), $(look second.svg 3)" 'gpPt4 rgb(  0, 114, 178), gpPt4 rgb(  0, 114, 178)'
 is 'a name of the StormView paper is that of a method' "$(look first.svg 3)" "$(look second.svg 1)"
-is 'other lines take what is left, beside methods the rarer looks' "$(look first.svg 1), $(look second.svg 2), $(look one.svg 1)" \
+is 'lines that are no methods take free looks: from the end of the table if the chart has methods' "$(look first.svg 1), $(look second.svg 2), $(look one.svg 1)" \
 	'gpPt2 rgb(170,  51, 119), gpPt2 rgb(170,  51, 119), gpPt6 rgb(  0, 114, 178)'
 { tsv "$header"; seq 20 | awk '{ print "a real m" $1 " 1 1 2 s 1 0" }' | tr ' ' '\t'; } | chart -o many.svg
 is 'the looks go round' "$(look many.svg 13)" "$(look many.svg 1 | sed 's/gpPt6/gpPt1/')"

@@ -56,11 +56,13 @@ double pace_note(struct pace *p, const struct pace_task *t)
     double sample_us = (double)(t->done_us - t->sent_us - wall_us);
     double idle_us = (double)(t->done_us - wall_us - p->done_us);
     bool newer = !p->done_us || (int32_t)(t->state - p->state) > 0;
-    if (newer) p->state = t->state, p->ready_us = t->done_us;
+    if (newer) {
+        p->state = t->state;
+        p->ready_us = p->doubted_us = t->done_us;
+    }
     bool ready = t->sent_us >= p->ready_us;
     bool waited = !p->done_us || (double)t->sent_us + p->round_trip_us > (double)p->done_us;
     bool idle = idle_us > IDLE * sample_us;
-    if (newer) p->doubted_us = t->done_us;
     if (!p->done_us || sample_us < p->most_us) p->most_us = sample_us;
     if (!p->done_us || sample_us < p->round_trip_us) p->round_trip_us = sample_us;
     else if (ready && idle && !p->measured) p->round_trip_us = p->most_us;

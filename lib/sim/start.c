@@ -1,5 +1,5 @@
-/* Before the first task: when slots join, and what their preparation takes. And what is left of the
- * time then: the least time of any schedule. */
+/* Before the first task: the time at which a slot joins, and the times of its preparation. The
+ * least time of any schedule follows from them. */
 #include "sim/world.h"
 
 #define CONNECT (UINT64_C(1) << 60) /* draws of hosts, apart from others of the seed */

@@ -1,7 +1,8 @@
 /*
- * What a slot works on, and how fast. Its speed is the share of its power that other users leave,
- * and 0 while it is paused. When the speed changes, the work that was done so far is taken off, and
- * what is left ends earlier or later: so the end is where the integral of the speed is the work.
+ * The work of a slot, and its speed. Other users leave the slot a share of its power: that is its
+ * speed. While the slot is paused, its speed is 0. When the speed changes, the work that is done is
+ * subtracted, and the remaining work gets a new end. So the integral of the speed over the time of
+ * a task is the work of the task.
  */
 #include "sim/world.h"
 

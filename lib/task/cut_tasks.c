@@ -10,7 +10,7 @@
 #define FIRST_STEP_LEAST 8
 #define SAMPLE_STEP_LEAST 4
 
-bool cut_suits(const struct cut *cut) { return cut->tasks > 0; }
+bool cut_follows_slots(const struct cut *cut) { return cut->tasks > 0; }
 
 bool cut_in_chunks(const struct cut *cut)
 {
@@ -26,7 +26,7 @@ void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_
         .assigned = UINT32_MAX,
         .slots = slots,
         .power = power};
-    if (cut_suits(cut)) cut_suit(&c->cut, frame_w, frame_h, slots);
+    if (cut_follows_slots(cut)) cut_suit(&c->cut, frame_w, frame_h, slots);
     if (cut_in_chunks(cut)) cut_chunks(&c->cut, frame_w, frame_h, power, slots);
     if (power) c->credit = xcalloc((size_t)slots, sizeof *c->credit);
     c->n = cut_count(&c->cut, frame_w, frame_h);

@@ -151,7 +151,7 @@ struct cut_tasks {
     uint32_t at, given;  /* tasks looked at; tasks that took a turn */
 };
 /* What depends on the number of slots: fine, coarse, tile:WxH:TASKS; guided and factoring. */
-bool cut_suits(const struct cut *cut);
+bool cut_follows_slots(const struct cut *cut);
 bool cut_in_chunks(const struct cut *cut);
 /*
  * Cuts the frame. power: of the slots, above 0, or NULL; it must stay valid. slots 0, not with

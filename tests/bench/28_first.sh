@@ -11,7 +11,7 @@ here=$root/bin temporary=$tmp
 # powers HOSTS: 14 workstations of the paper, 37 equal ones, or one of power 20 among 13 of 1
 powers() {
 	case $1 in
-	14) echo 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347 ;;
+	14) echo "$workstations" ;;
 	20) echo 20,1,1,1,1,1,1,1,1,1,1,1,1,1 ;;
 	*) seq "$1" | sed 's/.*/1/' | paste -sd , ;;
 	esac

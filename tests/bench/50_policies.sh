@@ -62,7 +62,7 @@ setting() {
 }
 
 eight=1,1,1,1,1,1,1,1
-paper=1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347
+paper=$workstations
 seconds='1091 97.86 44.5' # the paper's, on its reference host
 setting 'A. 8 equal hosts, no latency' $eight "$seconds" -c 100
 setting "B. the paper's 14 hosts, 1 ms" $paper "$seconds" -c 100 -l 1000

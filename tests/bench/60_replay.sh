@@ -18,11 +18,7 @@ here=$root/bin temporary=$tmp
 scenes=${SCENES-gears balls tetra} slots=${SLOTS-14 50 200} builds=${BUILDS-0 .4 1}
 rounds=${ROUNDS:-5} shrink=${SHRINK:-20} methods=${METHODS:-interleaved masterslave hybrid ss sc ds dc adaptive}
 
-cat >hosts <<'END'
-:     slots=12 power=1
-slow  power=0.442 via="env REPLAY_POWER=0.442 sh -c %c"
-fast  power=1.347 via="env REPLAY_POWER=1.347 sh -c %c"
-END
+workstation_hosts >hosts
 for scene in balls gears tetra; do
 	spdgen -s 2 $scene >$scene.nff && partition 512x512 | rtworker $scene.nff >$scene.frags || stop 'rtworker failed'
 	case $scene in balls) paper_s=97.86 ;; gears) paper_s=1091.14 ;; tetra) paper_s=44.53 ;; esac

@@ -19,7 +19,7 @@ for _ in $(seq "${ROUNDS:-3}"); do
 		partition -u run:64 512x512 | $pin rtworker -a 4 scene.nff >frags || stop 'rtworker failed'
 		for hosts in 14 100 1000; do
 			power=$hosts slots="-j $hosts"
-			[ $hosts != 14 ] || power=13.789 slots='-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347'
+			[ $hosts != 14 ] || power=13.789 slots="-w $workstations"
 			scale=$(fragstat -s frags | awk -v s="$power" '$1 == "cpu_s" { print 20 * s / $2 }')
 			for method in adaptive gdc masterslave; do
 				shipped "simulate -t frags -x $scale -l .5 $slots" $method 512x512 $hosts /dev/null \

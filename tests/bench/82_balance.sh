@@ -95,8 +95,8 @@ done <<-END
 	5000 hosts, .5 ms|gears|1091.14|-j 5000,3|-l .5
 	unseen: balls, 37 hosts, 20 ms|balls|97.86|-j 37,3.1623|-l 20
 	unseen: rings, 37 hosts, 100 ms|rings|400|-j 37,3.1623|-l 100
-	unseen: gears, 14 hosts, 20 ms|gears|1091.14|-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347|-l 20
-	unseen: balls, 14 hosts, .5 ms|balls|97.86|-w 1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347|-l .5
+	unseen: gears, 14 hosts, 20 ms|gears|1091.14|-w $workstations|-l 20
+	unseen: balls, 14 hosts, .5 ms|balls|97.86|-w $workstations|-l .5
 	unseen: gears, 100 hosts, 20 ms|gears|1091.14|-j 100,3|-l 20
 	unseen: gears, 37 hosts of powers 1 to 100|gears|1091.14|-j 37,10|-l 20
 	unseen: crashes and pauses, 0 ms|gears|1091.14|-j 37,3.1623|-l 0 -f crash=.3,pause=.5

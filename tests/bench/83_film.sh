@@ -16,11 +16,7 @@ done >states
 # shellcheck disable=SC2154  # lib.sh sets pin
 partition -u run:256 $size@states | $pin rtworker - >one.frags || stop 'rtworker failed'
 scale=$(fragstat -s one.frags | awk -v s="$((frames * ${SECONDS_A_FRAME:-1}))" -v p=$power '$1 == "cpu_s" { print s * p / $2 }')
-cat >hosts <<'END'
-:     slots=12 power=1
-slow  power=0.442 via="env REPLAY_POWER=0.442 sh -c %c"
-fast  power=1.347 via="env REPLAY_POWER=1.347 sh -c %c"
-END
+workstation_hosts >hosts
 for method in ${METHODS:-interleaved masterslave adaptive}; do
 	rm -f run.frags
 	"balance-$method" $size@states 14 /dev/null fan -S hosts replay -x "$scale" one.frags </dev/null |

@@ -14,6 +14,15 @@ core=$(($(nproc) - 1))
 pin="taskset -c $core"
 $pin true 2>/dev/null || pin=''
 
+# The GDC paper's workstations: 14 powers, and a hosts file of them on this machine, for replay
+workstations=1,1,1,1,1,1,1,1,1,1,1,1,.442,1.347
+workstation_hosts() {
+	cat <<-'END'
+		:     slots=12 power=1
+		slow  power=0.442 via="env REPLAY_POWER=0.442 sh -c %c"
+		fast  power=1.347 via="env REPLAY_POWER=1.347 sh -c %c"
+	END
+}
 stop() { echo "${0##*/}: $*" >&2; exit 3; }
 # built NAME [-lLIBRARY ...]: compiles tests/bench/NAME.c to a program in this directory
 built() {

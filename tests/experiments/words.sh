@@ -149,6 +149,18 @@ scattered() {
 			p = $4 + from * $8
 			print "task 0", id++, p % w, int(p / w), ($6 - from < 250 ? $6 - from : 250), 1, $8, 1, $10 } }'
 }
+# stormview METHOD POWERS OPTION ...: the same as simulated, for a method by its name in the StormView paper
+stormview() {
+	way=$1
+	shift
+	case $way in
+	D_S) simulated ds "$@" ;;
+	D_C) simulated dc "$@" ;;
+	S_C) simulated sc "$@" ;;
+	S_S) scattered "$(echo "$1" | tr , '\n' | wc -l)" | quietly simulate -w "$@" fan ;;
+	*) simulated "$way" "$@" ;;
+	esac
+}
 # speed [SECONDS]: prints SECONDS (1) divided by the makespan of that run; 0 if the picture was never complete
 speed() {
 	awk -F '\t' -v s="${1-1}" '{ v[$1] = $2 } END { printf "%.9g\n", (v["uncommitted"] > 0 ? 0 : s / v["makespan_s"]) }' "$work/figures"

@@ -247,7 +247,7 @@ static void test_runs(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct cut cut;
-        assert_true(cut_parse(cases[i].cut, &cut) && cut_suits(&cut));
+        assert_true(cut_parse(cases[i].cut, &cut) && cut_follows_slots(&cut));
         cut_suit(&cut, cases[i].fw, cases[i].fh, cases[i].slots);
         assert_int_equal(cut_count(&cut, cases[i].fw, cases[i].fh), cases[i].count);
         struct task first = cut_task(&cut, cases[i].fw, cases[i].fh, 0);
