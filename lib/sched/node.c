@@ -110,6 +110,15 @@ static void take_done(struct node *n, const struct sched_event *e, int64_t now)
     list_push_back(&n->has, &n->computed, i);
 }
 
+/* The hub gives it to another node. */
+static void take_fail(struct node *n, const struct sched_event *e)
+{
+    int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
+    if (i < 0 || node_task(n, i)->place != FED) return;
+    node_unlist(n, i);
+    tasks_remove(&n->has, i);
+}
+
 static void take_pixels(struct node *n, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
@@ -148,6 +157,7 @@ static void take(
         break;
     case SCHED_GONE: take_gone(n); break;
     case SCHED_DONE: take_done(n, e, now); break;
+    case SCHED_FAIL: take_fail(n, e); break;
     case SCHED_PIXELS: take_pixels(n, e, out); break;
     case SCHED_RING:
         if (e->ring.kind != RING_PLACE) break;

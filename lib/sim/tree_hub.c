@@ -102,6 +102,8 @@ static void act(struct tree *t, int32_t hub, const struct sched_action *a)
         if (hub == 0) commit(t, &a->task);
         return;
     case SCHED_SAY:
+    case SCHED_BLAME:
+    case SCHED_ABANDON:
     case SCHED_LEAVE: return;
     case SCHED_END:
     case SCHED_STOP: t->ended = t->ended || hub == 0; return;

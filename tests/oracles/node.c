@@ -77,7 +77,9 @@ void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e
 {
     struct rslot *s = &sim_ring_model(w)->slots[k];
     struct rtask *t =
-        e->kind == SCHED_TASK || e->kind == SCHED_DONE ? sim_ring_task(w, &e->task) : NULL;
+        e->kind == SCHED_TASK || e->kind == SCHED_DONE || e->kind == SCHED_FAIL
+            ? sim_ring_task(w, &e->task)
+            : NULL;
     uint64_t bit = UINT64_C(1) << k;
     if (e->kind == SCHED_SLOTS) node_begins(w, s, k);
     else settle(w, s, k);
@@ -90,7 +92,7 @@ void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e
         s->queued++;
         s->has_px += px_of(&e->task);
     }
-    if (e->kind == SCHED_DONE && t && t->fed & bit) node_forgets(s, k, t, &e->task);
+    if ((e->kind == SCHED_DONE || e->kind == SCHED_FAIL) && t && t->fed & bit) node_forgets(s, k, t, &e->task);
 }
 
 static void check_give_away(
