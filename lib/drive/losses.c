@@ -25,6 +25,7 @@ void drive_reason(struct driver *d, const struct record *r)
 {
     char host[256], why[24], said[WIRE_SAID];
     if (!rec_str(r, "host", host, sizeof host)) snprintf(host, sizeof host, "slot %d", rec_slot(r));
+    else if (strcmp(host, ":") == 0) snprintf(host, sizeof host, "this machine");
     if (!rec_str(r, "why", why, sizeof why)) *why = '\0';
     rec_said(r, said);
     buf_consume(&d->losses.reason, buf_size(&d->losses.reason));
@@ -62,7 +63,8 @@ void drive_abandon(struct driver *d, const struct sched_action *a)
     const struct task *t = &a->task;
     const struct reasons *why = find(l, t->frame, t->id);
     if (!why) why = find(l, t->frame, a->origin_id);
-    const char *text = why ? why->text : "";
+    const char *last = buf_size(&l->reason) ? (const char *)buf_data(&l->reason) : "";
+    const char *text = why ? why->text : last;
     bool said = l->all && l->frame == t->frame;
     if (a->all && !said)
         warn("frame %" PRIu32 ": given up, because slots were lost or failed over all tasks of it "

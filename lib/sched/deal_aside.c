@@ -175,7 +175,8 @@ void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
         list_remove(&d->ledger, &d->aside, i);
         list_push_back(&d->ledger, &d->aside, i);
         struct blame_frame *f = blame_frame(&d->blame, task_of(d, i));
-        if (f->aside) try_frame(d, i, f, now, out);
+        if (f->aside && blame_sum(&d->blame, &d->ledger, i) < d->blame.most)
+            try_frame(d, i, f, now, out);
         else try_task(d, i, now, out);
     }
 }

@@ -136,7 +136,8 @@ void hub_aside_try(struct hub *h, struct sched_actions *out)
         list_remove(&h->ledger, &h->aside, i);
         list_push_back(&h->ledger, &h->aside, i);
         struct blame_frame *f = blame_frame(&h->blame, task_of(h, i));
-        if (f->aside) try_frame(h, i, f, out);
+        if (f->aside && blame_sum(&h->blame, &h->ledger, i) < h->blame.most)
+            try_frame(h, i, f, out);
         else try_task(h, i, out);
     }
 }

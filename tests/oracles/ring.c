@@ -290,7 +290,7 @@ static void check_tried(struct world *w, struct ring_model *m, struct rtask *t, 
         if (other && other->place == RING_HELD && !other->cut && !other->alone && !now)
             sim_fail(w, "a task is tried again while others are to be done", i, k);
     }
-    t->alone = sim_ring_bad(w, m, t) && !m->all_aside;
+    t->alone |= sim_ring_costly(w, t);
     t->tried = m->n_events;
     t->from = -1;
     sim_ring_enter(w, m, t, RING_ORPHAN, k);

@@ -81,13 +81,18 @@ void sim_ring_enter(
     if (k >= 0) sim_ring_mark(w, m, k);
 }
 
-bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t)
+bool sim_ring_costly(const struct world *w, const struct rtask *t)
 {
     const int32_t most = w->plan->params.losses ? w->plan->params.losses : SCHED_LOSSES;
     int32_t i = 0, blamed = 0;
     while (w->tasks[i].note != t) i++;
     for (; i >= 0; i = ((struct rtask *)w->tasks[i].note)->parent) blamed += w->tasks[i].blamed;
-    return t->alone || m->all_aside || blamed >= most;
+    return blamed >= most;
+}
+
+bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t)
+{
+    return t->alone || m->all_aside || sim_ring_costly(w, t);
 }
 
 void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)

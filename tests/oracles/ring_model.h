@@ -81,7 +81,8 @@ int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int
 /* Moves task t to place p, with base k. */
 void sim_ring_enter(
     struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
-/* Task t was put aside: it has cost too many nodes, or all tasks have. */
+/* Task t has cost too many nodes; or all tasks have. */
+bool sim_ring_costly(const struct world *w, const struct rtask *t);
 bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t);
 /* Task t of slot k is not its own any more. */
 void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k);
