@@ -66,8 +66,8 @@ spdgen -s 2 gears >gears.nff || stop 'spdgen failed'
 partition 512x512 | rtworker gears.nff >gears.frags || stop 'rtworker failed'
 scale=$(fragstat -s gears.frags |
 	awk -v n="${SHRINK:-20}" '$1 == "cpu_s" { print 1091.14 / n / $2 }')
-shipped 'sh -c cat' adaptive 512x512 $slots /dev/null fan -j $slots rtworker >tasks ||
-	stop 'no tasks'
+adaptive() { shipped "$1" adaptive 512x512 $slots /dev/null fan -j $slots rtworker; }
+{ adaptive 'sh -c cat' >tasks && rules=$(adaptive echo); } || stop 'adaptive failed'
 # shellcheck disable=SC2016  # of the hub
 echo "exec deal -q auto fan -S hosts.\${HUB:-alone} replay -x $scale gears.frags" >inner
 
@@ -78,8 +78,8 @@ below() {
 	case $1 in
 	'fan alone') ./own cpu fan -S hosts $replay ;;
 	tree) ./own cpu deal -q auto ./own cpu fan -S hubs sh inner ;;
-	adaptive*-z) ./own cpu deal -q auto -e ./own cpu fan -z on -S hosts $replay ;;
-	adaptive*) ./own cpu deal -q auto -e ./own cpu fan -z off -S hosts $replay ;;
+	adaptive*-z) ./own cpu $rules ./own cpu fan -z on -S hosts $replay ;;
+	adaptive*) ./own cpu $rules ./own cpu fan -z off -S hosts $replay ;;
 	*) ./own cpu $1 ./own cpu fan -z off -S hosts $replay ;;
 	esac <tasks
 }
