@@ -100,7 +100,7 @@ takes 'a hub within a hub adds two latencies to each task' 2.900000 -g 1 deal
 is 'a tree: hubs, records of the first one, and its tasks' "$(of hubs) $(of hub_slots) $(of hub_records) $(of hub_tasks)" '2 2 14 4'
 takes 'a hub that needs .01 s for a record' 2.580000 -u 10000 deal
 takes 'two hosts, a hub for each' 2.900000 -g 2 deal
-is 'a tree: records on all links, and the work' "$(of records) $(of work_s)" '28 4.000000'
+is 'a tree: 3 records for a task on each of two links, 4 hellos and 2 flushes; and the work' "$(of records) $(of work_s)" '30 4.000000'
 
 two -f kill@2 deal
 is 'the hub is killed: the next run does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
