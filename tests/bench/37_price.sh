@@ -86,7 +86,7 @@ below() {
 # kill_one: when half of the tasks are done, one host is no more
 kill_one() {
 	tries=0
-	until [ "$(cat run.frags 2>/dev/null | grep -ac '^done ')" -ge 256 ]; do
+	until [ "$(grep -ac '^done ' run.frags)" -ge 256 ]; do
 		[ $((tries += 1)) -lt 2000 ] || return
 		sleep .05
 	done
@@ -109,7 +109,8 @@ checked() {
 }
 # sample METHOD FAULT: adds a line to a file: s, CPU ms, records, MB, percent
 sample() {
-	rm -f cpu run.frags out.pfm up.* down.* dead.* group.*
+	rm -f cpu out.pfm up.* down.* dead.* group.*
+	: >run.frags
 	[ "$2" = none ] || { kill_one & killer=$!; }
 	case $1 in
 	*-r) below "$1" | ./own cpu gather -r run.frags -o out.pfm ;;
