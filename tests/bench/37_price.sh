@@ -76,7 +76,7 @@ below() {
 	replay="replay -x $scale gears.frags"
 	# shellcheck disable=SC2086  # words
 	case $1 in
-	'fan alone') ./own cpu fan -S hosts $replay ;;
+	'fan alone') ./own cpu fan -z off -S hosts $replay ;;
 	tree) ./own cpu deal -q auto ./own cpu fan -S hubs sh inner ;;
 	adaptive*-z) ./own cpu $rules ./own cpu fan -z on -S hosts $replay ;;
 	adaptive*) ./own cpu $rules ./own cpu fan -z off -S hosts $replay ;;
@@ -130,7 +130,8 @@ sample() {
 			s = v["makespan_s"] - v["startup_s"] / v["slots"] + more
 			print (whole ? -1 : s), cpu, records, bytes / 1e6, again }' figures >>"$1, $2"
 }
-methods='fan alone|deal|deal -e|deal -q auto|adaptive|adaptive -r|adaptive -v|adaptive -z|tree'
+methods=${METHODS:-"fan alone|deal|deal -e|deal -q auto|adaptive|adaptive -r|adaptive -v"\
+"|adaptive -z|tree"}
 for _ in $(seq "$rounds"); do
 	for fault in none killed; do
 		echo "$methods" | tr '|' '\n' >list
