@@ -69,7 +69,7 @@ scale=$(fragstat -s gears.frags |
 adaptive() { shipped "$1" adaptive 512x512 $slots /dev/null fan -j $slots rtworker; }
 { adaptive 'sh -c cat' >tasks && rules=$(adaptive echo); } || stop 'adaptive failed'
 # shellcheck disable=SC2016  # of the hub
-echo "exec deal -q auto fan -S hosts.\${HUB:-alone} replay -x $scale gears.frags" >inner
+echo "exec deal -q auto fan -z off -S hosts.\${HUB:-alone} replay -x $scale gears.frags" >inner
 
 # below METHOD: hands out the tasks, and writes fragments
 below() {
@@ -77,7 +77,7 @@ below() {
 	# shellcheck disable=SC2086  # words
 	case $1 in
 	'fan alone') ./own cpu fan -z off -S hosts $replay ;;
-	tree) ./own cpu deal -q auto ./own cpu fan -S hubs sh inner ;;
+	tree) ./own cpu deal -q auto ./own cpu fan -z off -S hubs sh inner ;;
 	adaptive*-z) ./own cpu $rules ./own cpu fan -z on -S hosts $replay ;;
 	adaptive*) ./own cpu $rules ./own cpu fan -z off -S hosts $replay ;;
 	*) ./own cpu $1 ./own cpu fan -z off -S hosts $replay ;;
