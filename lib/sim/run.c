@@ -15,8 +15,10 @@
 static void account(struct world *w)
 {
     w->result->end_us = w->now_us;
-    for (int32_t k = 0; k < w->plan->slots; k++)
+    for (int32_t k = 0; k < w->plan->slots; k++) {
         sim_clock_split(&w->slots[k].clock, w->now_us, w->result);
+        sim_work_count(w, k);
+    }
 }
 
 /* Measuring ends here; nodes end with their input. */

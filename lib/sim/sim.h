@@ -179,6 +179,9 @@ struct sim_result {
     int64_t passed;              /* tasks that a node gave to another one */
     int64_t reports;             /* reports of nodes that do not answer */
     int64_t lost, doubled, late; /* ring messages, if they are datagrams */
+    int64_t records;             /* that left for a link, without those that fan adds */
+    double bytes;                /* of these, with the state */
+    double work_us;              /* computed at power 1, repeated and unfinished tasks included */
     /* Of the first hub of a tree: records and bytes that it passed; most tasks it had at once. */
     int64_t hub_records, hub_tasks;
     double hub_bytes;

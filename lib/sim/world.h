@@ -175,6 +175,8 @@ size_t sim_first_load(const struct sim_plan *p, int32_t k);
 void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us);
 /* Its power, share or pause has changed: what it is at ends earlier or later. */
 void sim_work_changed(struct world *w, int32_t k);
+/* Adds what slot k has computed since its speed changed last to the work of the run. */
+void sim_work_count(struct world *w, int32_t k);
 /* It has ended, in one way or another. */
 void sim_work_end(struct world *w, int32_t k);
 /* The event is for work that has ended, or whose speed has changed since. */
