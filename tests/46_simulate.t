@@ -265,7 +265,7 @@ is 'balance-gdc: a slot begins with a share by its power' \
 # Powers far above 1 count as well. A slot without a stated one has 1: no worker is asked.
 mkdir only && printf '#!/bin/sh\nexec cat\n' >only/ringctl && chmod +x only/ringctl
 printf ': power=5000\n: power=1000 slots=2\n' >large
-printf ': slots=2\n: power=.5 via="false %%c"\n' >some
+printf ': slots=2\nfar power=.5 via="false %%c"\n' >some
 for list in 'large 1.0 0.2 0.2 ' 'some 1.0 1.0 0.5 '; do
 	is "balance-gdc: the powers of a hosts file, ${list%% *}" "$(PATH=$PWD/only:$PATH balance-gdc \
 		64x64 3 /dev/null fan -S "${list%% *}" false </dev/null | began)" "${list#* }"
