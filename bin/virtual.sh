@@ -4,7 +4,7 @@
 
 # fits_path PROGRAM: refuses a directory that PATH cannot hold
 fits_path() {
-	case $temporary in *:*) ;; *) return ;; esac
+	case $temporary in *:*) ;; *) return 0 ;; esac
 	say "$1: ${TMPDIR-}: has a colon, which PATH cannot hold, expected another TMPDIR"
 	return 1
 }

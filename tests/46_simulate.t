@@ -270,6 +270,12 @@ for list in 'large 1.0 0.2 0.2 ' 'some 1.0 1.0 0.5 '; do
 	is "balance-gdc: the powers of a hosts file, ${list%% *}" "$(PATH=$PWD/only:$PATH balance-gdc \
 		64x64 3 /dev/null fan -S "${list%% *}" false </dev/null | began)" "${list#* }"
 done
+# One host of power 20 among 13 of 1. With equal shares it has an efficiency of .52.
+ok 'balance-gdc: one strong host, far away' awk "BEGIN { exit !($(ships \
+	"simulate -w 20$(printf ',1%.0s' $(seq 13)) -l 50 -m 8000" gdc 14 | awk '$1 == "efficiency" { print $2 }') > .8) }"
+# A function that is called after a test that fails does not fail by that.
+is 'a method is simulated in the other branch of a test' \
+	"$(if false; then :; else ships 'echo' gdc 2; fi)" 'ring -e'
 is 'balance-gdc-published: equal shares' \
 	"$(ships 'sh -c cat sh -w 5,1' gdc-published 2 | began)" '1.0 1.0 '
 printf '%s\thost\t%s\t1\t%s\n' 0 5 3 1 1 - >table
