@@ -29,7 +29,7 @@ stand_ins() {
 			shift
 			while getopts :1j:S:t:z: option; do :; done
 			case $simulate in
-			*' -w '*) stated=${simulate##* -w } && echo "${stated%% *}" | tr , '\n' ;;
+			*' -w '*) stated=${simulate##* -w } && printf '%s\n' "${stated%% *}" | tr , '\n' ;;
 			*) if [ -e "$table" ]; then
 				awk -F '\t' -v worker=$(($# >= OPTIND)) \
 					'{ print (worker || NF < 5 || $5 == "-" ? $3 : "-") }' "$table"

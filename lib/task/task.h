@@ -126,6 +126,13 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
 
 /* ---- the tasks of a frame ------------------------------------------------------------ */
 
+/* When a slot gets its next task. */
+struct cut_turn {
+    double due; /* in the order of these the slots get tasks */
+    int32_t slot;
+    uint32_t had; /* tasks so far */
+};
+
 /*
  * The tasks of a frame, one after the other, each with its slot. Call cut_tasks_begin; set fields
  * and call the functions that are needed; cut_tasks_next until it returns false; cut_tasks_end.
@@ -139,11 +146,6 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
  * few columns, which may be dear. So with unequal powers the k-th task of a slot is at a random
  * place of the k-th stretch of tasks of which it should have one.
  */
-struct cut_turn {
-    double due; /* in the order of these the slots get tasks */
-    int32_t slot;
-    uint32_t had; /* tasks so far */
-};
 struct cut_tasks {
     struct cut cut; /* of this frame; owned */
     uint32_t frame_w, frame_h;

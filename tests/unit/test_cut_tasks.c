@@ -198,8 +198,8 @@ static void powers_weigh_the_interleave(void **state)
     }
 }
 
-/* Parts of rows: each slot has its share at each time, as far as each is within a task of its
- * stretch, but not at equal distances. Equal slots take turns. */
+/* Parts of rows: no slot is far from its share at any time, but its tasks are not at equal
+ * distances. Equal slots take turns. */
 static void fine_tasks_lie_at_random_places(void **state)
 {
     (void)state;
