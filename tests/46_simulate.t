@@ -261,6 +261,33 @@ is 'simulate adaptive has the rules of balance-adaptive' \
 	"$(partition 64x64 | simulate -l 9 adaptive | grep trace)" \
 	"$(partition 64x64 | simulate -l 9 $(ships echo adaptive 2) | grep trace)"
 is 'balance-gdc: rules' "$(ships echo gdc 2)" 'ring -e'
+# began: how many tasks begin at each slot, in parts of the first slot's
+began() {
+	sed -n 's/^task .* to=//p' |
+		awk '{ n[$1]++ } END { for (k = 0; k in n; k++) printf "%.1f ", n[k] / n[0] }'
+}
+is 'balance-gdc: a slot begins with a share by its power' \
+	"$(ships 'sh -c cat sh -w 5,1,2' gdc 3 | began)" '1.0 0.2 0.4 '
+# Powers far above 1 count as well. A slot without a stated one has 1: no worker is asked.
+mkdir only && printf '#!/bin/sh\nexec cat\n' >only/ringctl && chmod +x only/ringctl
+printf ': power=5000\n: power=1000 slots=2\n' >large
+printf ': slots=2\nfar power=.5 via="false %%c"\n' >some
+for list in 'large 1.0 0.2 0.2 ' 'some 1.0 1.0 0.5 '; do
+	is "balance-gdc: the powers of a hosts file, ${list%% *}" "$(PATH=$PWD/only:$PATH balance-gdc \
+		64x64 3 /dev/null fan -S "${list%% *}" false </dev/null | began)" "${list#* }"
+done
+# One host of power 20 among 13 of 1. With equal shares it has an efficiency of .52.
+ok 'balance-gdc: one strong host, far away' awk "BEGIN { exit !($(ships \
+	"simulate -w 20$(printf ',1%.0s' $(seq 13)) -l 50 -m 8000" gdc 14 | awk '$1 == "efficiency" { print $2 }') > .8) }"
+# A function that is called after a test that fails does not fail by that.
+is 'a method is simulated in the other branch of a test' \
+	"$(if false; then :; else ships 'echo' gdc 2; fi)" 'ring -e'
+is 'balance-gdc-published: equal shares' \
+	"$(ships 'sh -c cat sh -w 5,1' gdc-published 2 | began)" '1.0 1.0 '
+printf '%s\thost\t%s\t1\t%s\n' 0 5 3 1 1 - >table
+is 'a power that was measured counts for hybrid, and not for gdc' \
+	"$(ships 'sh -c cat' hybrid 2 | began)$(ships 'sh -c cat' gdc 2 | began)" '1.0 0.2 1.0 1.0 '
+rm table
 is 'adaptive: rows, while each slot has 30' "$(counted adaptive 2)" 64
 is 'adaptive: parts of rows for more slots' "$(counted adaptive 3; counted adaptive 64)" "$(printf '92\n2048')"
 is 'adaptive: smaller tiles for more slots' "$(counted adaptive 1 vcworker; counted adaptive 9 vcworker)" "$(printf '32\n512')"

@@ -41,11 +41,13 @@ enum ring_kind {
     RING_CRASHED, /* up, published rules: peer does not answer */
     RING_HEIR     /* down, published rules: peer's tasks follow; next came after peer */
 };
+#define RING_TAKES_MOST 1000000
 struct ring {
     enum ring_kind kind;
     int32_t peer;   /* -1: none */
     int32_t next;   /* NONE: ask this node, which had work; HEIR: see there; -1: none */
     bool idle;      /* NONE: I have nothing to do myself */
+    int32_t takes;  /* ASK, down: peer's time for work in percent of this node's; 0: not known */
     int32_t me, n;  /* PLACE */
     bool published; /* PLACE: the rules as published apply */
 };

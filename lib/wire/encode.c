@@ -214,6 +214,7 @@ void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const st
         buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s", m->me, m->n,
             m->published ? "published" : "default");
     else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
+    if (kind == REC_ASK && m->takes > 0) buf_printf(b, " takes=%" PRId32, m->takes);
     if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
     if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
     if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);

@@ -19,6 +19,7 @@
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a record of state */
 #define WIRE_STATE_KINDS 4                 /* scene, grid, spec, files */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
+#define WIRE_TAKES_MOST 1000000            /* percent, in an ask */
 #define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
 #define WIRE_WITHIN_MOST 1e8               /* to this */
 #define WIRE_JOB 33                        /* bytes of a job with NUL: 32 hexadecimal digits */
@@ -167,6 +168,7 @@ int32_t rec_slot(const struct record *r);
 /* The keys of a ring record; -1 or false if absent. */
 struct rec_ring {
     int32_t peer, next, me, n;
+    int32_t takes; /* 0: absent */
     bool idle, published;
 };
 /* False if r is no ring record, or lacks a key, or has one out of range. A decoder returns no

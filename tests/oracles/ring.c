@@ -130,7 +130,7 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     sim_ring_mark(w, m, k);
     /* the repeated report means that the first was too early */
     if (t->place == RING_COMPUTED) s->flushed = false;
-    if (t->place == RING_HELD) s->moved_us = w->now_us, note_well(w, m);
+    if (t->place == RING_HELD) s->moved_us = w->now_us, s->timed = true, note_well(w, m);
     if (t->place == RING_HELD) sim_ring_enter(w, m, t, RING_COMPUTED, k);
 }
 
@@ -341,9 +341,12 @@ static void check_choice(struct world *w, struct ring_model *m, int32_t victim, 
         if (m->slots[i].hungry) sim_fail(w, "another hungry node is nearer", i, thief);
 }
 
-static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
+static void check_asked(struct world *w, struct ring_model *m, int32_t victim, const struct ring *r)
 {
+    int32_t thief = r->peer;
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
+    if (r->takes < 0 || r->takes > RING_TAKES_MOST || (r->takes > 0) != (v->timed && s->timed))
+        sim_fail(w, "the hub states a speed that it does not know", victim, r->takes);
     if (!v->rich) sim_fail(w, "a node without tasks to give is asked", victim, thief);
     if (!s->hungry) sim_fail(w, "a node is asked for a node that wants no work", victim, thief);
     check_choice(w, m, victim, thief);
@@ -361,7 +364,7 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
     const struct ring *r = &a->ring;
     if (s->state != RING_UP)
         sim_fail(w, "a message goes to a node that is not up", a->slot, r->kind);
-    if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
+    if (r->kind == RING_ASK) check_asked(w, m, a->slot, r);
     else if (r->kind == RING_NONE) {
         if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
             sim_fail(w, "the hub sends NONE to a node that has not asked", a->slot, r->peer);

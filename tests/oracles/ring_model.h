@@ -39,6 +39,7 @@ struct rslot {
     int64_t given_before; /* tasks that the victim had been given then */
     int64_t since_us;     /* time of that ask */
     bool silent;          /* did not answer in time, and has sent nothing since */
+    bool timed;           /* it has done a task of its own */
     int64_t moved_us;     /* last progress, or last time with nothing to do */
     /* The node itself, since it began: */
     int32_t queued, fed;
@@ -48,6 +49,7 @@ struct rslot {
     bool in_time;            /* its worker was in time when the node was asked */
     double has_px;           /* pixels queued and fed */
     double had_px, given_px; /* has_px before the ask; pixels given in the answers */
+    double part;             /* of had_px that the asking node does in the same time as the rest */
 };
 
 struct ring_model {

@@ -350,6 +350,7 @@ static void assert_ring(
     only(&d, &b, &r);
     assert_true(r.kind == kind && r.task.to == to && rec_ring(&r, &got));
     assert_true(got.peer == m->peer && got.next == m->next && got.me == m->me && got.n == m->n);
+    assert_true(got.takes == m->takes);
     assert_true(got.idle == m->idle && got.published == m->published);
     if (kind == REC_GIVE) assert_true(r.task.frame == some_task.frame && r.task.id == some_task.id);
     no_more(&d);
@@ -369,6 +370,9 @@ static void test_ring(void **state)
     assert_ring(REC_ASK, &m, -1, "ask\n");
     m.peer = 1048575;
     assert_ring(REC_ASK, &m, 0, "ask peer=1048575 to=0\n");
+    m.takes = 1000000;
+    assert_ring(REC_ASK, &m, 0, "ask peer=1048575 takes=1000000 to=0\n");
+    m.takes = 0;
     assert_ring(REC_GIVE, &m, -1, "give 7 4294967295 peer=1048575\n");
     assert_ring(REC_CRASHED, &m, -1, "crashed peer=1048575\n");
     assert_ring(REC_NONE, &m, 2147483647, "none peer=1048575 to=2147483647\n");
