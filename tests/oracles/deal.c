@@ -306,7 +306,9 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
 /* Tasks without an owner are given in order of arrival, after all lost ones. */
 static void check_turn(struct world *w, const struct vtask *t)
 {
-    if (is_suspect(w, t)) return;
+    int32_t blamed = 0; /* if all tasks were put aside, lost ones came behind others */
+    for (int32_t i = 0; i < w->n_tasks; i++) blamed += w->tasks[i].blamed;
+    if (is_suspect(w, t) || blamed >= SCHED_LOSSES) return;
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
         bool first = of(other)->gives ? !of(other)->owners : of(other)->came < of(t)->came;
