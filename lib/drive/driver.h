@@ -22,6 +22,7 @@ struct driver {
     int64_t heard_us; /* when the command last sent something or was asked to */
     bool in_open, closing;
     bool stopping; /* nothing that the command still does is needed */
+    bool dismissed; /* the input has said so, with `bye` */
     bool node;     /* of a ring */
     bool lone;     /* the command is one slot, not a fan */
     int refused;   /* status to end with at once */

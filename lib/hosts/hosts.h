@@ -87,6 +87,14 @@ void host_argv_free(char **argv);
  * machine has no such program. Only this word is looked up.
  */
 bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST]);
+/* True if that word is ssh, whose status tells its own failures from those of the command. */
+bool host_by_ssh(const struct host *h);
+/* The command that prints ssh's settings for the host, and connects to nothing; or NULL. Free it
+ * with host_argv_free. */
+char **host_settings_argv(const struct host *h);
+/* The host or the command, in these settings, through which ssh connects. NULL: none. The caller
+ * frees it. */
+char *host_jump(const char *settings, size_t n);
 
 /* ---- watch.c: a file that may change ---- */
 

@@ -42,6 +42,11 @@ struct worker {
 void worker_pulse_open(void);
 void worker_pulse_begin(void);
 void worker_pulse_end(void);
+/* To be called before standard input is read, between these two or outside: appends what the pulse
+ * has read there. True if that was anything. */
+bool worker_pulse_last(struct buf *to);
+/* To be called after that with what waits to be decoded. */
+void worker_pulse_heard(const struct buf *in);
 
 /* ---- session.c ---- */
 
