@@ -240,7 +240,7 @@ mkdir jumps now
 cat >jumps/ssh <<'END'
 #!/bin/sh
 case $1 in -G) printf 'user me\nproxyjump bastion\n'; exit ;; esac
-mkdir "now/$$"; find now -mindepth 1 | wc -l >>most; sleep .1; rmdir "now/$$"
+mkdir "now/$$"; ls now | wc -l >>most; sleep .1; rmdir "now/$$"
 for command; do :; done
 exec sh -c "$command"
 END

@@ -82,7 +82,8 @@ for program in ssh kubectl podman parallel; do
 done
 
 # ---- files of hosts of other batch systems ---------------------------------------------------------------------------
-awk '/^[.]Ss/ { here = /Batch systems with a file/ } here && /^[.]Bd/ { n++; next } /^[.]/ { next } here && n { print >("made." n) }' \
+awk '/^[.]Ss/ { here = /Batch systems with a file/ } here && /^[.]Bd/ { n++; shown = 1; next }
+	/^[.]/ { shown = 0 } shown { print >("made." n) }' \
 	"$root/man/stormring-engines.7"
 printf '%s\n' node1 node2 node1 >one-a-slot
 printf 'node1 2 all.q@node1 UNDEFINED\nnode2 1 all.q@node2 <NULL>\n' >grid
@@ -98,12 +99,12 @@ chmod +x stand-in/flux
 cp stand-in/ssh stand-in/oarsh
 made=0
 for system in LSF 'LSF, the variable' SGE Flux OAR; do
-	made=$((made + 1)) each='node1 node1 node2'
-	[ $system != Flux ] || each="$(seq -f node1 -s ' ' 8) $(seq -f node2 -s ' ' 8)"
+	made=$((made + 1)) each='2 node1 1 node2'
+	[ "$system" != Flux ] || each='8 node1 8 node2'
 	rm -f hosts
 	sed "s/\\\\(aq/'/g; s/\\\\e/\\\\/g" made.$made >line.sh
 	LSB_DJOB_HOSTFILE=one-a-slot LSB_MCPU_HOSTS='node1 2 node2 1' PE_HOSTFILE=grid OAR_NODEFILE=one-a-slot sh ./line.sh
-	is "$system: the slots of the nodes" "$(fan -l -S hosts | cut -f 2 | paste -sd ' ')" "$each"
+	is "$system: the slots of the nodes" "$(fan -l -S hosts | cut -f 2 | uniq -c | xargs)" "$each"
 	render "$system" interleaved hosts -1
 	is "$system: one connection for each node" "$(sort reached | paste -sd ' ')" 'node1 node2'
 done

@@ -100,17 +100,17 @@ done
 
 # ---- the end of a run --------------------------------------------------------------------------------------------------------
 # A task of hours, and `bye`. A worker is told so before its launcher is stopped; then it ends by itself, with success.
-{ pack scene gears.nff; partition -u run:1000000 2000x2000 | head -n 2; } >endless.task
+{ pack scene gears.nff; partition -u run:4000000 2000x2000 | head -n 2; } >endless.task
 printf '#!/bin/sh\ntrap "" TERM\ntee got | sh -c "$1"\n' >polite && chmod +x polite
 echo 'polite slots=2 via="./polite %c"' >polite.hosts
-for chain in 'rtworker -a 4096 -' 'rtworker -a 4096 -j 2 -' 'fan -j 2 rtworker -a 4096 -' 'deal fan -j 2 rtworker -a 4096 -' \
-	'ringctl -n rtworker -a 4096 -'; do
+for chain in 'rtworker -a 1024 -' 'rtworker -a 1024 -j 2 -' 'fan -j 2 rtworker -a 1024 -' 'deal fan -j 2 rtworker -a 1024 -' \
+	'ringctl -n rtworker -a 1024 -'; do
 	run in_time sh -c "{ cat endless.task; sleep .3; echo bye; } | $chain >ended.frags"
 	is "$chain: \`bye\` ends it, with 0 and without a word" "$status$err" 0
 done
 for one in '' -1; do
 	rm -f got
-	MARK=$mark fan $one -S polite.hosts rtworker -a 4096 - <endless.task >polite.frags 2>polite.said &
+	MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - <endless.task >polite.frags 2>polite.said &
 	pid=$!
 	await 20 grep -aq '^up ' polite.frags
 	kill -TERM $pid

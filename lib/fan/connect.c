@@ -52,7 +52,8 @@ static void note_jump(struct fan *f, struct fan_host *h, char *jump)
 static void take_settings(struct fan *f, struct fan_host *h, struct child *c)
 {
     struct buf said = {0};
-    while (read_some(c->from, &said, SETTINGS_READ) > 0 && buf_size(&said) < SETTINGS_MOST) continue;
+    while (read_some(c->from, &said, SETTINGS_READ) > 0 && buf_size(&said) < SETTINGS_MOST)
+        continue;
     child_end(c, 0);
     char *jump = host_jump((const char *)buf_data(&said), buf_size(&said));
     if (jump) note_jump(f, h, jump);

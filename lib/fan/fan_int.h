@@ -63,10 +63,10 @@ struct fan_host {
     bool given;        /* and was sent tasks */
     bool told_queued;  /* a message said that it is queued, and no slot of it was up since */
     enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
-    bool told_plain;   /* it was reported that its worker cannot pack */
+    bool told_plain;         /* it was reported that its worker cannot pack */
     uint64_t told[FAN_TOLD]; /* hashes of lines of failed connections since a slot was lost; */
     unsigned n_told;         /* the next one replaces number n_told % FAN_TOLD */
-    int64_t window_us; /* start of the count of lines shown */
+    int64_t window_us;       /* start of the count of lines shown */
     int shown;
     int64_t dropped; /* lines not shown, and not yet reported */
 };
@@ -142,7 +142,7 @@ struct feed {
 
 /* Descriptors for n slots; and slots for n descriptors. */
 #define FAN_DESCRIPTORS(n) (3 * (n) + 16)
-#define FAN_DESCRIPTED(n) (((n) - 16) / 3)
+#define FAN_DESCRIPTED(n) (((n)-16) / 3)
 
 /* A slot; or, with fan -1, all slots of a host that have one worker. */
 struct fan_slot {
@@ -196,10 +196,10 @@ struct fan {
     int connecting;         /* slots that are opening on hosts that are limited */
     int connecting_most;    /* of these at a time */
     int64_t paced_us;       /* no other one before this time */
-    int n_by_ssh; /* hosts */
+    int n_by_ssh;           /* hosts */
     struct fan_jump *jumps;
     int n_jumps;
-    int well;               /* slots that ended with success */
+    int well; /* slots that ended with success */
     struct fan_reference reference;
     struct decoder in;
     struct stream_state input;

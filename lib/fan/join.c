@@ -53,8 +53,7 @@ void fan_add_host(struct fan *f, const struct host *line)
     if (before) memcpy(f->hosts, before, (size_t)f->n_hosts * sizeof *before);
     for (int k = 0; k < f->n_slots; k++) f->slots[k].host = f->hosts + (f->slots[k].host - before);
     free(before);
-    f->hosts[f->n_hosts++] = (struct fan_host){
-        .host = line,
+    f->hosts[f->n_hosts++] = (struct fan_host){.host = line,
         .argv = command_line(line, f->o->command, width),
         .here = host_is_here(line),
         .by_ssh = host_by_ssh(line)};

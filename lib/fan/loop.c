@@ -304,8 +304,7 @@ static void say_bye(struct fan *f)
     up_end_record(&f->out.queue);
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
-    else if (none)
-        warn("no slot left: none could be reached for %s", fan_patience_text(f, text));
+    else if (none) warn("no slot left: none could be reached for %s", fan_patience_text(f, text));
     int missing = never_up(f), queued = 0;
     for (int k = 0; k < f->n_slots; k++)
         if (f->slots[k].state == FAN_QUEUED && !f->slots[k].was_up) queued += f->slots[k].width;

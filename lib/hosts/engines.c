@@ -13,8 +13,8 @@
 #define PARTS_VARIABLE "SLURM_HET_SIZE"
 #define FILE_VARIABLE "PBS_NODEFILE"
 #define PARTS_MOST 1000 /* of a heterogeneous job, more than Slurm allows */
-#define DIGITS_MOST 18 /* of a number in a node's name */
-#define WORD_MOST 64   /* bytes of a range or a count, more than any that is valid */
+#define DIGITS_MOST 18  /* of a number in a node's name */
+#define WORD_MOST 64    /* bytes of a range or a count, more than any that is valid */
 #define VARIABLE_MOST 64
 
 /*

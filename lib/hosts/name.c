@@ -67,12 +67,14 @@ static void advise(char *to, const char *s, bool file)
                *close = open ? strchr(open, ']') : NULL;
     const char *slots = file ? "a line `host slots=4`" : "`4/host`";
     if (!*s && !file) snprintf(to, HOSTS_ERR, "a name before and after each comma");
-    else if (strstr(s, "://")) snprintf(to, HOSTS_ERR, "HOST or USER@HOST, without `ssh://`");
+    else if (strstr(s, "://"))
+        snprintf(
+            to, HOSTS_ERR, "HOST or USER@HOST, without `ssh://`; a port goes into ~/.ssh/config");
     else if (strcmp(s, "slurm:") == 0 || strcmp(s, "pbs:") == 0)
         snprintf(to, HOSTS_ERR, "`%s` alone, as the argument of -S", s);
     else if (open == host && close && is_ipv6(open + 1, (size_t)(close - open - 1)))
         snprintf(to, HOSTS_ERR, "an IPv6 address without brackets%s", close[1] ? " and port" : "");
-    else if (close)
+    else if (strpbrk(s, "[]{}"))
         snprintf(to, HOSTS_ERR, "each host by its name: only `slurm:` expands brackets");
     else if (file && strchr(s, ',')) snprintf(to, HOSTS_ERR, "one host a line, without a comma");
     else if (counted(s, '*') || counted(s, '/'))

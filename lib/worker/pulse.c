@@ -39,7 +39,8 @@ static bool ends_with_bye(const unsigned char *at, size_t n)
     static const char plain[] = "\nbye\n";
     size_t k = buf_size(&over), m = sizeof plain - 1;
     return (n >= k && memcmp(at + n - k, buf_data(&over), k) == 0) ||
-           (n >= m && memcmp(at + n - m, plain, m) == 0) || (n == m - 1 && memcmp(at, plain + 1, n) == 0);
+           (n >= m && memcmp(at + n - m, plain, m) == 0) ||
+           (n == m - 1 && memcmp(at, plain + 1, n) == 0);
 }
 
 /* Ends this process if its input ends with `bye`: the run is over, and needs no more pixels. */
@@ -48,8 +49,8 @@ static void look_ahead(void)
     struct pollfd p = {STDIN_FILENO, POLLIN, 0};
     ptrdiff_t n;
     if (poll(&p, 1, 0) <= 0 || !(p.revents & POLLHUP)) return;
-    while (n_last < sizeof last &&
-           (n = read(STDIN_FILENO, last + n_last, sizeof last - n_last)) > 0)
+    while (
+        n_last < sizeof last && (n = read(STDIN_FILENO, last + n_last, sizeof last - n_last)) > 0)
         n_last += (size_t)n;
     if (n_last ? ends_with_bye(last, n_last) : said) _exit(ST_OK);
 }
@@ -92,10 +93,7 @@ bool worker_pulse_last(struct buf *to)
     return true;
 }
 
-void worker_pulse_heard(const struct buf *in)
-{
-    said = ends_with_bye(buf_data(in), buf_size(in));
-}
+void worker_pulse_heard(const struct buf *in) { said = ends_with_bye(buf_data(in), buf_size(in)); }
 
 void worker_pulse_begin(void)
 {

@@ -335,8 +335,7 @@ static void a_byte_order_mark_is_skipped(void **state)
 static void ssh_is_asked_for_its_way(void **state)
 {
     (void)state;
-    static const char *const settings[][2] = {
-        {"user me\nproxyjump bastion\nport 22\n", "bastion"},
+    static const char *const settings[][2] = {{"user me\nproxyjump bastion\nport 22\n", "bastion"},
         {"proxycommand ssh -W %h:%p gate", "ssh -W %h:%p gate"},
         {"proxycommand none\nproxyjump none\n", NULL}, {"xproxyjump a\n", NULL}, {"", NULL}};
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
