@@ -109,12 +109,14 @@ for chain in 'rtworker -a 1024 -' 'rtworker -a 1024 -j 2 -' 'fan -j 2 rtworker -
 	is "$chain: \`bye\` ends it, with 0 and without a word" "$status$err" 0
 done
 for one in '' -1; do
-	rm -f got
-	MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - <endless.task >polite.frags 2>polite.said &
+	rm -f got over
+	{ cat endless.task; until [ -e over ]; do sleep .05; done; } |
+		MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - >polite.frags 2>polite.said &
 	pid=$!
 	await 20 grep -aq '^up ' polite.frags
 	kill -TERM $pid
 	wait $pid
+	: >over
 	like "fan ${one:-without -1}: workers are told that the run is over" "$(tail -n 1 got | tr -d '\0')" '^bye( |$)'
 	ok "fan ${one:-without -1}: no process remains" await 10 none_alive
 done
