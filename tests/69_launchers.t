@@ -108,15 +108,17 @@ for chain in 'rtworker -a 1024 -' 'rtworker -a 1024 -j 2 -' 'fan -j 2 rtworker -
 	run in_time sh -c "{ cat endless.task; sleep .3; echo bye; } | $chain >ended.frags"
 	is "$chain: \`bye\` ends it, with 0 and without a word" "$status$err" 0
 done
+mkfifo open
 for one in '' -1; do
-	rm -f got over
-	{ cat endless.task; until [ -e over ]; do sleep .05; done; } |
-		MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - >polite.frags 2>polite.said &
+	rm -f got
+	MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - <open >polite.frags 2>polite.said &
 	pid=$!
+	exec 7>open
+	cat endless.task >&7
 	await 20 grep -aq '^up ' polite.frags
 	kill -TERM $pid
 	wait $pid
-	: >over
+	exec 7>&-
 	like "fan ${one:-without -1}: workers are told that the run is over" "$(tail -n 1 got | tr -d '\0')" '^bye( |$)'
 	ok "fan ${one:-without -1}: no process remains" await 10 none_alive
 done
