@@ -174,7 +174,7 @@ run sh -c 'deal fan -S talks rtworker - <job.task | gather -o out.pfm'
 same 'start-up files that talk'
 is 'standard error comes by lines, with the host, made harmless' "$err" 'talker: first \x1b[31mred
 talker: \xffsecond'
-echo 'mute tries=1 via="echo Go away; echo now; exit 0; : %c"' >mute
+echo 'mute via="echo Go away; echo now; exit 0; : %c"' >mute
 run sh -c 'fan -S mute rtworker - <job.task'
 is 'no hello from any host: exit 3' "$status" 3
 like 'no hello from any host: its output is shown' "$err" '^fan: mute: cannot be used \(exit-0\), it says: Go away$'

@@ -222,7 +222,7 @@ static void dismiss(struct fan *f, int64_t end_us)
     bool *told = xcalloc((size_t)f->n_slots, sizeof *told);
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
-        told[k] = fan_alive_end(s);
+        told[k] = !f->refused && fan_alive_end(s);
         if (told[k]) continue;
         if (!s->host->here && s->state != FAN_UP && fan_slot_has_stream(s)) fan_slot_end_err(f, s);
         child_stop(&s->conn.child);

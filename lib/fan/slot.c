@@ -17,7 +17,7 @@
  * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
  * Once a slot of the host was sent tasks, and while more may come, any status but 126 and 127
  * means that: a launcher whose job was ended chooses its own. Of a launcher other than ssh, any
- * such status also means that before the first hello: a container may not be there yet.
+ * such status but 0 also means that before the first hello: a container may not be there yet.
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.
@@ -334,7 +334,7 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
     bool well = s->conn.input_closed_first && !s->n_tasks && code == 0;
     bool runs = !s->host->here && code != NOT_RUN && code != NOT_FOUND, ssh = s->host->by_ssh;
     bool worked = runs && f->in_open && (s->host->given || !ssh);
-    bool unready = runs && !ssh && !s->conn.connected;
+    bool unready = runs && code && !ssh && !s->conn.connected;
     bool connection = WIFSIGNALED(status) || worked || unready ||
                       (code == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->conn.connected && code == ST_SYSTEM);
