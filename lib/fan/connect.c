@@ -21,15 +21,17 @@
 #define ASKED_MOST 16         /* processes that print settings of ssh */
 #define SETTINGS_MOST 65536   /* bytes that one prints */
 #define SETTINGS_READ 8192    /* read at a time */
+#define EACH 3                /* descriptors of a slot, */
+#define OTHERS 16             /* and all others */
 #define TURN_MS 500           /* the longest wait between two looks */
 
 void fan_connect_limit(struct fan *f)
 {
-    const int all = FAN_DESCRIPTORS(f->n_slots);
+    const int all = OTHERS + EACH * f->n_slots;
     const double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     int there = want_descriptors(all);
     /* If there are fewer, those that are up need some. */
-    int most = there < all ? FAN_DESCRIPTED(there) / 2 : f->n_slots;
+    int most = there < all ? (there - OTHERS) / EACH / 2 : f->n_slots;
     if (bytes > 0) most = (int)fmin(most, bytes / OPENING_BYTES);
     f->connecting_most = most > OPENING_MOST ? most : OPENING_MOST;
 }

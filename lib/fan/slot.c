@@ -17,7 +17,7 @@
  * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
  * Once a slot of the host was sent tasks, and while more may come, any status but 126 and 127
  * means that: a launcher whose job was ended chooses its own. Of a launcher other than ssh, any
- * such status but 0 also means that before the first hello: a container may not be there yet.
+ * such status but 0 also means that before the first hello: a container may start later.
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.

@@ -1,6 +1,6 @@
 /* hosts, shared by its files: table.c (the rows), name.c (names), hosts.c (files and lists),
- * engines.c (jobs), watch.c (files that change); launch.c (commands that reach hosts), word.c (their
- * words), send.c (programs for hosts that have none). */
+ * engines.c (jobs), watch.c (files that change); launch.c (commands that reach hosts), word.c
+ * (their words), send.c (programs for hosts that have none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 

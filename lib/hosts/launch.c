@@ -108,7 +108,7 @@ static bool is_program(const char *dir, size_t n, const char *word)
     return len < 0 || (size_t)len >= sizeof path || access(path, X_OK) == 0;
 }
 
-/* The first word of the template, if no shell makes anything else of it; or "". */
+/* The first word of the template if no shell changes it, or "". */
 static void first_word(const char *via, char word[HOST_LAUNCHER_MOST])
 {
     size_t n = strspn(via, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-");

@@ -1,7 +1,8 @@
 /*
- * Words for the login shell of a host. Within single quotes csh and tcsh replace `!`, and fish takes
- * a backslash for a quote; outside of them a backslash quotes both in every shell. A newline needs
- * a backslash within the quotes of csh, which other shells keep: so it travels as an octal number.
+ * Words for the login shell of a host. Within single quotes csh and tcsh replace `!`, and fish
+ * takes a backslash for a quote; outside of them a backslash quotes both in every shell. A newline
+ * needs a backslash within the quotes of csh, which other shells keep: so it travels as an octal
+ * number.
  */
 #include "hosts/hosts_int.h"
 

@@ -5,7 +5,6 @@
 #include <float.h>
 #include <inttypes.h>
 #include <poll.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -133,7 +132,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_GRID:
     case REC_SPEC:
     case REC_FILES: take_state(w, r); break;
-    case REC_BYE: exit(ST_OK); /* the run is over */
+    case REC_BYE: worker_dismissed();
     default:
         if (!silence_take(r)) worker_refuse(r);
     }

@@ -52,6 +52,8 @@ void worker_pulse_heard(const struct buf *in);
 
 /* The reader is gone (EPIPE or 0), or writing failed: this process is not needed any more. */
 _Noreturn void worker_reader_gone(int err);
+/* Its input says that the run is over. */
+_Noreturn void worker_dismissed(void);
 /* Writes w->out. */
 void worker_push(struct worker *w);
 /* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is
