@@ -9,6 +9,7 @@
  */
 #include "fan/fan_int.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -64,20 +65,50 @@ static void take_settings(struct fan *f, struct fan_host *h, struct child *c)
 
 /* Asks ssh for its way to this host and those after it, some at a time because each takes 5 ms.
  * Nothing is connected. */
-static void ask(struct fan *f, struct fan_host *h)
+static void ask_each(struct fan *f, struct fan_host *h)
 {
     struct child child[ASKED_MOST];
     struct fan_host *of[ASKED_MOST];
     int n = 0;
     for (; n < ASKED_MOST && h < f->hosts + f->n_hosts; h++) {
-        if (h->asked || !fan_host_limited(h)) continue;
+        if (h->asked || !h->by_ssh || host_via_jumps(h->host)) continue;
         h->asked = true;
-        /* Eight hosts never are too many for the host that they may go through. */
-        char **argv = f->n_by_ssh > OPENING_MOST ? host_settings_argv(h->host) : NULL;
+        char **argv = host_settings_argv(h->host);
         if (argv && child_start_apart(&child[n], argv) == 0) of[n++] = h;
         host_argv_free(argv);
     }
     for (int i = 0; i < n; i++) take_settings(f, of[i], &child[i]);
+}
+
+/* True if ssh's configuration, as one host has it, may lead through others. */
+static bool configured(const struct fan_host *h)
+{
+    struct buf said = {0};
+    char **argv = host_settings_argv(h->host);
+    int null = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (argv && null >= 0) child_run(argv, null, -1, &said);
+    child_close(&null);
+    host_argv_free(argv);
+    buf_append(&said, "", 1);
+    bool jumps = host_config_jumps((const char *)buf_data(&said), buf_size(&said) - 1);
+    buf_free(&said);
+    return jumps;
+}
+
+/* Learns whether another host is between. */
+static void ask(struct fan *f, struct fan_host *h)
+{
+    bool few = f->n_by_ssh <= OPENING_MOST; /* never too many for a host between */
+    if (few || !h->by_ssh) {
+        h->asked = true;
+    } else if (host_via_jumps(h->host)) {
+        h->asked = true;
+        note_jump(f, h, xstrdup(h->host->via));
+    } else {
+        if (!f->configured) f->configured = configured(h) ? FAN_JUMPS : FAN_DIRECT;
+        if (f->configured == FAN_JUMPS) ask_each(f, h);
+        h->asked = true;
+    }
 }
 
 /* The host, the way to it, and this machine have room for a connection more. */

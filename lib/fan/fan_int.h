@@ -161,6 +161,7 @@ struct fan {
     int connecting_most;    /* of these at a time */
     int64_t paced_us;       /* no other one before this time */
     int n_by_ssh;           /* hosts */
+    enum { FAN_UNKNOWN, FAN_DIRECT, FAN_JUMPS } configured; /* ssh, to go through others */
     struct fan_jump *jumps;
     int n_jumps;
     int well; /* slots that ended with success */

@@ -1,6 +1,6 @@
 /* hosts, shared by its files: table.c (the rows), name.c (names), hosts.c (files and lists),
  * engines.c (jobs), watch.c (files that change); launch.c (commands that reach hosts), word.c
- * (their words), send.c (programs for hosts that have none). */
+ * (their words), way.c (other hosts between), send.c (programs for hosts that have none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -35,6 +35,10 @@ struct hosts_version hosts_version(const char *file);
  * true: *good is false if the job's variables or its file are refused.
  */
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good);
+/* The template of the command that reaches the host. */
+const char *hosts_via(const struct host *h);
+/* sh, which becomes the command of the template, by way of `by`. */
+char **hosts_by_sh(const char *by, const char *via, const char *name, const char *remote);
 /* Appends a word for the shell of a host, which may be like the Bourne shell, csh or fish. */
 void hosts_add_word(struct buf *b, const char *word);
 /*

@@ -47,7 +47,7 @@ static void add_remote(struct buf *b, const struct host *h, char *const worker[]
     buf_append(b, "", 1);
 }
 
-static const char *via_of(const struct host *h) { return h->via ? h->via : default_via; }
+const char *hosts_via(const struct host *h) { return h->via ? h->via : default_via; }
 
 static void add_template(struct buf *b, const char *via, const char *name, const char *remote)
 {
@@ -67,8 +67,7 @@ static char **copy_of(char *const *words, size_t n)
     return argv;
 }
 
-/* sh, which becomes the command of the template, by way of `by`. */
-static char **by_sh(const char *by, const char *via, const char *name, const char *remote)
+char **hosts_by_sh(const char *by, const char *via, const char *name, const char *remote)
 {
     char sh[] = "sh", option[] = "-c";
     struct buf line = {0};
@@ -89,7 +88,7 @@ char **host_argv(const struct host *h, char *const worker[])
     }
     char **plain = hosts_plain_words(worker);
     add_remote(&remote, h, plain ? plain : worker);
-    char **argv = by_sh("", via_of(h), h->name, (const char *)buf_data(&remote));
+    char **argv = hosts_by_sh("", hosts_via(h), h->name, (const char *)buf_data(&remote));
     host_argv_free(plain);
     buf_free(&remote);
     return argv;
@@ -119,7 +118,7 @@ static void first_word(const char *via, char word[HOST_LAUNCHER_MOST])
 bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST])
 {
     const char *dir = getenv("PATH");
-    first_word(via_of(h), word);
+    first_word(hosts_via(h), word);
     if (!*word || !dir) return true; /* a shell may know what it is */
     if (strchr(word, '/')) return is_program("", 0, word);
     for (size_t k; k = strcspn(dir, ":"), !is_program(dir, k, word); dir += k + 1)
@@ -131,38 +130,7 @@ bool host_by_ssh(const struct host *h)
 {
     char word[HOST_LAUNCHER_MOST];
     if (host_is_here(h)) return false;
-    first_word(via_of(h), word);
+    first_word(hosts_via(h), word);
     const char *slash = strrchr(word, '/');
     return strcmp(slash ? slash + 1 : word, "ssh") == 0;
-}
-
-char **host_settings_argv(const struct host *h)
-{
-    const char *via = via_of(h);
-    size_t n = strcspn(via, " \t");
-    if (!host_by_ssh(h) || strpbrk(via, "|&;<>()`$\n")) return NULL;
-    struct buf asks = {0};
-    buf_printf(&asks, "%.*s -G%s", (int)n, via, via + n);
-    buf_append(&asks, "", 1);
-    char **argv = by_sh("timeout 2 ", (const char *)asks.data, h->name, "true");
-    buf_free(&asks);
-    return argv;
-}
-
-char *host_jump(const char *settings, size_t n)
-{
-    static const char *const keys[] = {"proxyjump ", "proxycommand "};
-    const char *end = settings + n;
-    for (const char *at = settings, *stop; at < end; at = stop + 1) {
-        stop = memchr(at, '\n', (size_t)(end - at));
-        if (!stop) stop = end;
-        for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
-            size_t k = strlen(keys[i]), most = (size_t)(stop - at);
-            if (most <= k || memcmp(at, keys[i], k) != 0) continue;
-            if (most - k == 4 && memcmp(at + k, "none", 4) == 0) continue;
-            char *jump = xcalloc(most - k + 1, 1);
-            return memcpy(jump, at + k, most - k);
-        }
-    }
-    return NULL;
 }
