@@ -351,7 +351,8 @@ static void ssh_is_asked_for_its_way(void **state)
         char **argv = host_settings_argv(&hosts.at[i]);
         assert_int_equal(host_by_ssh(&hosts.at[i]), by_ssh[i]);
         assert_int_equal(argv != NULL, by_ssh[i] && i != 4); /* a shell changes the words of d */
-        if (i == 2) assert_string_equal(argv[2], "exec timeout 1 /usr/bin/ssh -v -G -J gate b true");
+        if (i == 2)
+            assert_string_equal(argv[2], "exec timeout 1 /usr/bin/ssh -v -G -J gate b true");
         host_argv_free(argv);
     }
     hosts_free(&hosts);
