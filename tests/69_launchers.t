@@ -102,7 +102,6 @@ done
 # A task of hours, and `bye`. A worker is told so before its launcher is stopped; then it ends by itself, with success.
 { pack scene gears.nff; partition -u run:4000000 2000x2000 | head -n 2; } >endless.task
 printf '#!/bin/sh\ntrap "" TERM\ntee got | sh -c "$1"\n' >polite && chmod +x polite
-echo 'polite slots=2 via="./polite %c"' >polite.hosts
 for chain in 'rtworker -a 1024 -' 'rtworker -a 1024 -j 2 -' 'fan -j 2 rtworker -a 1024 -' 'deal fan -j 2 rtworker -a 1024 -' \
 	'ringctl -n rtworker -a 1024 -'; do
 	run in_time sh -c "{ cat endless.task; sleep .3; echo bye; } | $chain >ended.frags"
@@ -111,6 +110,7 @@ done
 mkfifo open
 for one in '' -1; do
 	rm -f got
+	echo "polite slots=${one:+2} via=\"./polite %c\"" | sed 's/slots= //' >polite.hosts
 	MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - <open >polite.frags 2>polite.said &
 	pid=$!
 	exec 7>open
