@@ -599,6 +599,7 @@ static void a_container_may_start_late(void **state)
         enum fan_slot_state then;
     } rows[] = {{false, "exit 1", FAN_WAITING}, {false, "exit 125", FAN_WAITING},
         {true, "exit 255", FAN_WAITING}, {true, "exit 1", FAN_GONE}};
+    f.in_open = false; /* its tasks wait for it */
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         struct fan_slot *s = &slots[0];
         char *argv[] = {(char[]){"sh"}, (char[]){"-c"}, NULL, NULL};
