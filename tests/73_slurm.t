@@ -38,7 +38,7 @@ is 'a heterogeneous job: exit 0' "$status" 0
 ok 'a heterogeneous job: the same picture' cmp het.pfm good.pfm
 is 'a heterogeneous job: two slots on each node of all parts' "$(hosts_in het.log)" 'n1 n1 n2 n2 n3 n3 '
 # Copies of tasks are left at the end; srun does not report that they are stopped.
-is 'good runs: no word of srun' "$(for k in 1 2 3 4; do
+is 'good runs: no word of srun' "$(for _ in 1 2 3 4; do
 	salloc -Q -N 2 --exclusive balance adaptive -S slurm: -s 160x120 -W '-a 16' -o quiet.png gears.nff 2>&1
 done | grep -v 'never connected')" ''
 
