@@ -84,7 +84,7 @@ replace() {
 # host_lines HOSTS: the hosts of a file or a list, which fan has accepted: a line each, as in a hosts file. A directory may have
 # the name of a host.
 host_lines() {
-	if [ -f "$1" ]; then grep -v '^[[:space:]]*\(#.*\)*$' -- "$1"
+	if [ -f "$1" ]; then LC_ALL=C sed "1s/^$(printf '\357\273\277')//" -- "$1" | grep -v '^[[:space:]]*\(#.*\)*$'
 	else printf '%s\n' "$1" | tr , '\n' | sed -E 's,^([0-9]+)/(.*),\2 slots=\1,'
 	fi | sed 's/^[[:blank:]]*//'
 }

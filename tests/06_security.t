@@ -107,6 +107,8 @@ chmod +x fake/ssh
 echo far >far
 PATH=$tmp/fake:$PATH run fan -l -l -S far rtworker -
 is 'ssh forwards no agent and no X11, and does not ask' "$(grep -cx -e -a -e -x -e -T -e -oBatchMode=yes words)" 4
+is 'ssh forwards no port, runs no other command, and shares no connection' "$(grep -cx -e -oClearAllForwardings=yes \
+	-e -oRemoteCommand=none -e -oPermitLocalCommand=no -e -oControlMaster=no words)" 4
 is 'ssh is told nothing about the keys of hosts' "$(grep -ci 'StrictHost\|KnownHosts' words)" 0
 
 spdgen -s 2 tetra >tetra.nff

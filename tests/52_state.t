@@ -88,7 +88,7 @@ done
 # ---- impossible runs ----------------------------------------------------------------------------------------------
 run sh -c '{ pack scene gears.nff; partition 16x12; pack scene tetra.nff; echo nonsense; } | deal fan -j 2 rtworker - >/dev/null'
 is 'nonsense behind state that waits: exit 2' "$status" 2
-printf 'gone via="exit 9; %%c"\n' >none
+printf 'gone tries=1 via="exit 9; %%c"\n' >none
 run sh -c 'timeout 800 deal fan -S none rtworker - <film.task | gather -o f%d.pfm'
 is 'state that waits while no slot is left: exit 3' "$status" 3
 finish

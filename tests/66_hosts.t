@@ -53,7 +53,7 @@ is 'names that begin with a minus: exit 0' "$status$err" 0
 ok 'names that begin with a minus: the same picture' cmp ./-out.pfm good.pfm
 
 # ---- no host, and an unchanged log ---------------------------------------------------------------
-printf 'gone via="exit 9; %%c"\n' >none
+printf 'gone tries=1 via="exit 9; %%c"\n' >none
 head -c 50000 log3 >before
 cp before log4
 rm -f out.pfm
@@ -105,7 +105,7 @@ run balance calibrate -n 1 -s 64x48 -S 2/:,: -o measured gears.nff
 is 'calibrate -S LIST: its hosts file' "$(grep -v '^#' measured | sed 's/power=[0-9.]*/power=/' | tr '\n' ';')" ': power= slots=2;: power=;'
 run balance calibrate -n 2 -s 32x32 gears.nff
 is 'calibrate: this machine alone' "$status$(printf '%s\n' "$out" | wc -l)" 02
-printf 'gone slots=3 power=7 via="exit 9; %%c"\n: # here\n"again" via="sh -c %%c"\n' >bad
+printf 'gone slots=3 power=7 tries=1 via="exit 9; %%c"\n: # here\n"again" via="sh -c %%c"\n' >bad
 run balance calibrate -n 2 -s 32x32 -S bad -o partly gears.nff
 is 'calibrate: a host that renders nothing: exit 1' "$status" 1
 is 'calibrate: a host that renders nothing: named once' "$(printf '%s\n' "$err" | grep '^balance')" 'balance calibrate: gone: not measured'

@@ -189,7 +189,68 @@ rm -f tries
 run in_time sh -c 'deal fan -z off -S once.hosts rtworker - <job.task | gather -o out.pfm'
 ok 'a host that was up, then refuses: the same picture' cmp out.pfm good.pfm
 like 'a host that was up, then refuses: it is tried again' "$err" \
-	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 30 s$'
+	'^fan: once: key refused; connect to it once by hand, as its via= does; trying again for up to 10 minutes$'
+
+# ---- containers and queues that are not ready, and lines of several tries ----------------------------------------------
+# starting NAME STATUS: a launcher other than ssh, which fails twice with two lines
+cat >starting <<'END'
+#!/bin/sh
+echo try >>tries
+[ "$(wc -l <tries)" -gt 2 ] || { printf 'Error: no such container\nIt may start later.\n' >&2; exit "$(cat code)"; }
+exec sh -c "$1"
+END
+chmod +x starting
+echo 'starting via="./starting %c"' >starting.hosts
+for code in 1 125 255; do
+	echo $code >code
+	rm -f tries
+	run in_time sh -c 'fan -S starting.hosts rtworker - <job.task | gather -o out.pfm'
+	is "a launcher that is not ready, exit $code: each line once, and that fan tries again" "$err" "starting: Error: no such container
+starting: It may start later.
+fan: starting: cannot be reached (exit-$code); trying again for up to 30 s
+fan: slot 0 on starting: is up"
+	ok "a launcher that is not ready, exit $code: the same picture" cmp out.pfm good.pfm
+done
+
+# A connection that breaks while its link is measured: what fan has sent for that is not shown as words of the host.
+cat >broken <<'END'
+#!/bin/sh
+mkdir broken.once 2>/dev/null || exec sh -c "$1"
+sh -c "$1" | dd bs=1 count=9000 2>/dev/null
+exit 255
+END
+chmod +x broken
+echo 'broken via="./broken %c"' >broken.hosts
+run in_time sh -c 'deal fan -S broken.hosts rtworker - <job.task | gather -o out.pfm'
+is 'a connection that breaks while its link is measured: a message says so' "$err" \
+	'fan: broken: cannot be reached (exit-255), while its link was measured; trying again for up to 30 s
+fan: slot 0 on broken: is up'
+
+# ---- many hosts ------------------------------------------------------------------------------------------------------
+# Those that are silent are so for longer than a test may take.
+printf '#!/bin/sh\nexec sleep 7200\n' >silent
+chmod +x silent
+{ seq -f 'silent%g via="./silent %%c"' 40; echo 'live via="sh -c %c"'; seq -f 'more%g via="./silent %%c"' 9; } >room
+run in_time sh -c 'deal fan -t 1e5 -S room rtworker - <job.task | gather -o out.pfm'
+is 'a host behind many silent ones waits for none of them' "$status$err" '0fan: 49 of 50 slots never connected'
+ok 'a host behind many silent ones: the same picture' cmp out.pfm good.pfm
+
+# An ssh whose configuration has a jump host. Each connection counts those that are being opened.
+mkdir jumps now
+cat >jumps/ssh <<'END'
+#!/bin/sh
+case "$1 $2" in '-v -G') printf 'user me\nproxyjump bastion\n'; echo "debug1: Reading configuration data $PWD/jumps/config" >&2; exit ;; esac
+mkdir "now/$$"; ls now | wc -l >>most; sleep .1; rmdir "now/$$"
+for command; do :; done
+exec sh -c "$command"
+END
+chmod +x jumps/ssh
+printf '# ProxyJump none\nHost *\n\tProxyJump = bastion\n' >jumps/config
+all_up() { [ "$(grep -ac '^up ' jumps.frags)" -ge 20 ]; }
+: >jumps.frags
+{ cat job.task; await 60 all_up; } | PATH=$tmp/jumps:$PATH fan -S "$(seq -f far%g -s , 20)" rtworker - >jumps.frags
+ok 'one jump host: all hosts are up' all_up
+ok 'one jump host: at most 8 connections are opened at a time' [ "$(sort -n most | tail -n 1)" -le 8 ]
 
 # ---- output of hosts ---------------------------------------------------------------------------------------------
 printf '#!/bin/sh\nseq 20000 >&2; exec sh -c "$1"\n' >flood

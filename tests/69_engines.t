@@ -38,6 +38,7 @@ END
 cat >stand-in/kubectl <<'END'
 #!/bin/sh
 [ "$1 $2 $4" = 'exec -i --' ] || exit 1
+[ -e started ] || { : >started; echo 'error: container not found ("worker")' >&2; exit 1; }
 echo "$3" >>reached
 shift 4
 exec "$@"
@@ -45,6 +46,7 @@ END
 cat >stand-in/podman <<'END'
 #!/bin/sh
 [ "$1 $2" = 'exec -i' ] || exit 1
+[ -e started ] || { : >started; echo 'Error: no such container' >&2; exit 125; }
 echo "$3" >>reached
 shift 3
 exec "$@"
@@ -69,9 +71,42 @@ is 'the page has six lines' "$(cut -d ' ' -f 1 lines | tr '\n' ' ')" \
 # On a loaded machine GNU parallel takes more than the 15 seconds that fan gives a host by default.
 for program in ssh kubectl podman parallel; do
 	sed -n "s/^via=\"$program /box slots=8 wait=800 &/p" lines >hosts
+	rm -f started
 	render "$program" interleaved hosts -1
+	case $program in kubectl | podman)
+		like "$program: a container that starts late is tried again" "$err" \
+			'^fan: box: cannot be reached \(exit-[0-9]+\); trying again for up to 30 s$' ;;
+	esac
 	is "$program: every slot" "$(hosts_in job.log)" 'box box box box box box box box '
 	is "$program: one connection, by the host's name" "$(sed 's,^8/,,' reached | sort -u)" box
+done
+
+# ---- files of hosts of other batch systems ---------------------------------------------------------------------------
+awk '/^[.]Ss/ { here = /Batch systems with a file/ } here && /^[.]Bd/ { n++; shown = 1; next }
+	/^[.]/ { shown = 0 } shown { print >("made." n) }' \
+	"$root/man/stormring-engines.7"
+printf '%s\n' node1 node2 node1 >one-a-slot
+printf 'node1 2 all.q@node1 UNDEFINED\nnode2 1 all.q@node2 <NULL>\n' >grid
+cat >stand-in/flux <<'END'
+#!/bin/sh
+case "$*" in 'hostlist -e local') echo node1 node2; exit ;; esac
+[ "$1 $2 $3 $4 $5" = 'run -u -N1 -n1 -c8' ] || exit 1
+echo "${6#--requires=host:}" >>reached
+shift 6
+exec "$@"
+END
+chmod +x stand-in/flux
+cp stand-in/ssh stand-in/oarsh
+made=0
+for system in LSF 'LSF, the variable' SGE Flux OAR; do
+	made=$((made + 1)) each='2 node1 1 node2'
+	[ "$system" != Flux ] || each='8 node1 8 node2'
+	rm -f hosts
+	sed "s/\\\\(aq/'/g; s/\\\\e/\\\\/g" made.$made >line.sh
+	LSB_DJOB_HOSTFILE=one-a-slot LSB_MCPU_HOSTS='node1 2 node2 1' PE_HOSTFILE=grid OAR_NODEFILE=one-a-slot sh ./line.sh
+	is "$system: the slots of the nodes" "$(fan -l -S hosts | cut -f 2 | uniq -c | xargs)" "$each"
+	render "$system" interleaved hosts -1
+	is "$system: one connection for each node" "$(sort reached | paste -sd ' ')" 'node1 node2'
 done
 
 # ---- bad input: one line, status 2, and nothing is written; unit/test_hosts_job.c has every form -------------------------

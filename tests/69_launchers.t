@@ -88,7 +88,7 @@ for code in 0 1 2 9 143; do
 	is "a launcher that ends with $code: messages say so" "$(printf '%s\n' "$err" | sed 's/with [0-9]* tasks/with N tasks/')" \
 		"fan: slot 0 on ends: lost (exit-$code) with N tasks, connecting again
 ends: no node is there
-fan: ends: cannot be reached (exit-1); trying again for up to 30 s
+fan: ends: cannot be reached (exit-1); trying again for up to 10 minutes
 fan: slot 0 on ends: is up"
 done
 for code in 126 127; do
@@ -96,6 +96,31 @@ for code in 126 127; do
 	echo $code >status
 	run in_time sh -c 'deal fan -S ends.hosts rtworker - <job.task >ends.frags'
 	is "a launcher that ends with $code: exit 3, and one try" "$status$(cat tries)" 3try
+done
+
+# ---- the end of a run --------------------------------------------------------------------------------------------------------
+# A task of hours, and `bye`. A worker is told so before its launcher is stopped; then it ends by itself, with success.
+{ pack scene gears.nff; partition -u run:4000000 2000x2000 | head -n 2; } >endless.task
+printf '#!/bin/sh\ntrap "" TERM\ntee got | sh -c "$1"\n' >polite && chmod +x polite
+for chain in 'rtworker -a 1024 -' 'rtworker -a 1024 -j 2 -' 'fan -j 2 rtworker -a 1024 -' 'deal fan -j 2 rtworker -a 1024 -' \
+	'ringctl -n rtworker -a 1024 -'; do
+	run in_time sh -c "{ cat endless.task; sleep .3; echo bye; } | $chain >ended.frags"
+	is "$chain: \`bye\` ends it, with 0 and without a word" "$status$err" 0
+done
+mkfifo open
+for one in '' -1; do
+	rm -f got
+	echo "polite slots=${one:+2} via=\"./polite %c\"" | sed 's/slots= //' >polite.hosts
+	MARK=$mark fan $one -S polite.hosts rtworker -a 1024 - <open >polite.frags 2>polite.said &
+	pid=$!
+	exec 7>open
+	cat endless.task >&7
+	await 20 grep -aq '^up ' polite.frags
+	kill -TERM $pid
+	wait $pid
+	exec 7>&-
+	like "fan ${one:-without -1}: workers are told that the run is over" "$(tail -n 1 got | tr -d '\0')" '^bye( |$)'
+	ok "fan ${one:-without -1}: no process remains" await 10 none_alive
 done
 
 # ---- tries= ------------------------------------------------------------------------------------------------------------------

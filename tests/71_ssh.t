@@ -98,6 +98,40 @@ is 'a ring: no message' "$(unexpected said)" ''
 connected 'a ring: one connection per host' 2
 like 'a ring: two leaves per host' "$(slots_in ring.log)" '([01]\.[01] ){3}'
 
+# ---- an ssh_config for a person's sessions -----------------------------------------------------------------------------
+cp "$TEST_HOSTS/config" config.kept
+cat - config.kept >"$TEST_HOSTS/config" <<END
+Host *
+	LocalForward 7777 localhost:22
+	RemoteForward 7778 localhost:22
+	DynamicForward 7779
+	ExitOnForwardFailure yes
+	Tunnel yes
+	ForwardAgent yes
+	ForwardX11 yes
+	RemoteCommand touch /tmp/remote
+	PermitLocalCommand yes
+	LocalCommand touch $tmp/local
+	RequestTTY force
+	ControlMaster auto
+	ControlPath $tmp/%C
+END
+listening() { awk 'NR > 1 && $4 == "0A" && $2 ~ /:1E6[123]$/ { print $2 }'; } # on 7777 to 7779
+: >up
+rm -f looked out.pfm
+{ pack scene gears.nff; partition 96x96; until [ -e looked ]; do sleep .05; done; } |
+	deal sh -c 'fan -t 1e5 -S host1,host2 rtworker -a 9 - | tee up' 2>said | gather -o out.pfm &
+pid=$!
+ok "a person's ssh_config: two hosts are up" both_up
+is "a person's ssh_config: no port is open here" "$(cat /proc/net/tcp /proc/net/tcp6 | listening)" ''
+is "a person's ssh_config: no port is open on the host" "$(hosts run host1 cat /proc/net/tcp /proc/net/tcp6 | listening)" ''
+: >looked
+wait $pid
+ok "a person's ssh_config: the same picture" cmp out.pfm good9.pfm
+is "a person's ssh_config: no message" "$(unexpected said)" ''
+is "a person's ssh_config: none of its commands runs" "$(ls local 2>/dev/null; hosts run host1 find /tmp -name remote; find . -type s)" ''
+cp config.kept "$TEST_HOSTS/config"
+
 # ---- output of start-up files, and workers' standard error -----------------------------------------
 hosts run host2 sh -c 'cat >/root/.bashrc' <<'END'
 echo "Welcome to host2.  Today: hello, frames and tasks"

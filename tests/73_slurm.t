@@ -32,6 +32,16 @@ is 'salloc: one step for each node' "$(steps "$(last_job)")" '1 1 1 1 '
 run salloc -Q -N 2 --exclusive balance gdc -S slurm: -s 96x96 -o ring.pfm gears.nff
 ok 'salloc, a ring: the same picture' cmp ring.pfm good.pfm
 
+run salloc -Q -N 1 -w n1 --exclusive : -N 2 -w n2,n3 --exclusive balance interleaved -S slurm: -s 96x96 -r het.log -o het.pfm gears.nff
+is 'a heterogeneous job: exit 0' "$status" 0
+[ "$status" = 0 ] || diag "$err"
+ok 'a heterogeneous job: the same picture' cmp het.pfm good.pfm
+is 'a heterogeneous job: two slots on each node of all parts' "$(hosts_in het.log)" 'n1 n1 n2 n2 n3 n3 '
+# Copies of tasks are left at the end; srun does not report that they are stopped.
+is 'good runs: no word of srun' "$(for _ in 1 2 3 4; do
+	salloc -Q -N 2 --exclusive balance adaptive -S slurm: -s 160x120 -W '-a 16' -o quiet.png gears.nff 2>&1
+done | grep -v 'never connected')" ''
+
 for n in n1 n2; do echo "$n slots=2 via=\"srun -Q -N 1 -n 1 -c 2 --overlap -w %h sh -c %c\""; done >lines
 run salloc -Q -N 2 -w n1,n2 --exclusive balance interleaved -1 -S lines -s 96x96 -o lines.pfm gears.nff
 ok 'srun without -u: the same picture' cmp lines.pfm good.pfm

@@ -31,11 +31,12 @@ struct driver {
     uint32_t oldest;  /* the oldest live generation before `held` */
     int64_t heard_us; /* when the command last sent something or was asked to */
     bool in_open, closing;
-    bool stopping; /* nothing that the command still does is needed */
-    bool node;     /* of a ring */
-    bool lone;     /* the command is one slot, not a fan */
-    int refused;   /* status to end with at once */
-    char why[24];  /* reason in the command's bye: it ended early */
+    bool stopping;  /* nothing that the command still does is needed */
+    bool dismissed; /* the input has said so, with `bye` */
+    bool node;      /* of a ring */
+    bool lone;      /* the command is one slot, not a fan */
+    int refused;    /* status to end with at once */
+    char why[24];   /* reason in the command's bye: it ended early */
 };
 
 /* An event for the policy; carries out its actions. */

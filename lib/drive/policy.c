@@ -78,6 +78,7 @@ static int take_down(void *ctx, const struct record *r)
         outlet_answer(&d->out);
         return 0;
     case REC_CODE: outlet_code(&d->out, r); return 0;
+    case REC_BYE: d->dismissed = d->stopping = true; return 0;
     case REC_RING:
     case REC_HEIR:
     case REC_ASK:
@@ -176,6 +177,7 @@ static bool poll_round(struct driver *d)
 static int finish(struct driver *d, char *const *command)
 {
     if (d->refused) return d->refused;
+    if (d->dismissed) return ST_OK;
     int64_t left = sched_uncommitted(d->policy, d->state);
     bool unfinished = left || d->in_open;
     bool nobody = !d->out.greeted && strcmp(d->why, "no-slot-left") == 0; /* it said why */

@@ -185,6 +185,7 @@ static int route(void *ctx, const struct record *r)
     case REC_NONE: return route_ring(f, r);
     case REC_JOINS: f->joins = true; return 0;
     case REC_LEAVE: return route_leave(f, r);
+    case REC_BYE: f->dismissed = true; return 0;
     default:
         warn(
             "standard input: record `%s`, expected state, frame, task or flush", rec_name(r->kind));

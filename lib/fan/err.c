@@ -34,19 +34,25 @@ static void show_line(struct fan_host *h, const char *line, size_t n)
     else h->dropped++;
 }
 
-/*
- * A host prints the same reason at each failed try; it is shown only once until it changes. Lines
- * that one message may sum up are held until the connection has failed.
- */
-static void show(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
+/* A host prints the same reason at each failed try, in one line or several: each is shown once. */
+static void show_once(struct fan_host *h, const char *line, size_t n)
 {
     uint64_t hash = hash64(HASH64_INIT, line, n);
+    for (int i = 0; i < FAN_TOLD; i++)
+        if (h->told[i] == hash) return;
+    h->told[h->n_told++ % FAN_TOLD] = hash;
+    show_line(h, line, n);
+}
+
+/* Lines that one message may sum up are held until the connection has failed. */
+static void show(const struct fan *f, struct fan_slot *s, const char *line, size_t n)
+{
     if (n && line[n - 1] == '\r') n--;
     if (!s->conn.connected && fan_refusal_holds(f, s, line, n)) return;
     if (s->conn.connected && n) snprintf(s->conn.said, sizeof s->conn.said, "%.*s", (int)n, line);
     fan_slot_show_held(s);
-    if (s->conn.connected || hash != s->host->told) show_line(s->host, line, n);
-    s->host->told = hash;
+    if (s->conn.connected) show_line(s->host, line, n);
+    else show_once(s->host, line, n);
 }
 
 static void show_lines(const struct fan *f, struct fan_slot *s, bool all)
@@ -88,7 +94,7 @@ void fan_slot_show_held(struct fan_slot *s)
     while ((n = buf_size(&s->conn.held)) > 0) {
         const char *line = (const char *)buf_data(&s->conn.held), *newline = memchr(line, '\n', n);
         size_t len = newline ? (size_t)(newline - line) : n;
-        show_line(s->host, line, len);
+        show_once(s->host, line, len);
         buf_consume(&s->conn.held, len + (newline != NULL));
     }
 }

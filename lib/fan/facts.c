@@ -29,6 +29,18 @@ bool fan_slot_fed(const struct fan_slot *s)
     return s->state == FAN_UP || (s->state == FAN_OPENING && s->host->here && s->width == 1);
 }
 
+int64_t fan_patience_us(const struct fan *f)
+{
+    bool any = false;
+    for (int k = 0; k < f->n_slots; k++) {
+        const struct fan_slot *s = &f->slots[k];
+        if (s->host->here || s->drains || !fan_slot_comes(s)) continue;
+        if (!s->host->reached) return PATIENCE_UNREACHED_US;
+        any = true;
+    }
+    return any ? PATIENCE_RETURN_US : PATIENCE_UNREACHED_US;
+}
+
 bool fan_host_limited(const struct fan_host *h) { return !h->here && h->host->wait_s <= 0; }
 
 bool fan_slot_in_queue(const struct fan_slot *s)

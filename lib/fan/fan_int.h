@@ -10,6 +10,7 @@
 #define STORMRING_FAN_INT_H
 
 #include "fan/fan.h"
+#include "fan/fan_host.h"
 #include "patience/patience.h"
 #include "pipe/pipe.h"
 
@@ -36,27 +37,6 @@ enum fan_slot_event {
     ON_EXIT,    /* its process has ended */
     ON_GIVE_UP, /* its host cannot be used */
     FAN_SLOT_EVENTS
-};
-
-struct fan_host {
-    const struct host *host;
-    char **argv;       /* command line of each of its slots */
-    bool here;         /* this machine: no connection can fail */
-    bool kept;         /* join.c: the new version of the file has it */
-    bool removed;      /* it is no longer in the file: all of its slots drain */
-    int opening;       /* slots being connected */
-    int failures;      /* failed connections in a row: one slot at a time retries */
-    int64_t retry_us;  /* not before this time */
-    int64_t failed_us; /* when `failures` was last counted */
-    bool reached;      /* a slot of it was up */
-    bool given;        /* and was sent tasks */
-    bool told_queued;  /* a message said that it is queued, and no slot of it was up since */
-    enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
-    bool told_plain;   /* it was reported that its worker cannot pack */
-    uint64_t told;     /* hash of the last line of standard error */
-    int64_t window_us; /* start of the count of lines shown */
-    int shown;
-    int64_t dropped; /* lines not shown, and not yet reported */
 };
 
 /* Payload of a task of a slot. */
@@ -188,7 +168,13 @@ struct fan {
     int n_numbers;          /* slots are numbered 0 .. n_numbers - 1 */
     int n[FAN_SLOT_STATES]; /* slots in each state */
     int connecting;         /* slots that are opening on hosts that are limited */
-    int well;               /* slots that ended with success */
+    int connecting_most;    /* of these at a time */
+    int64_t paced_us;       /* no other one before this time */
+    int n_by_ssh;           /* hosts */
+    enum { FAN_UNKNOWN, FAN_DIRECT, FAN_JUMPS } configured; /* ssh, to go through others */
+    struct fan_jump *jumps;
+    int n_jumps;
+    int well; /* slots that ended with success */
     struct fan_reference reference;
     struct decoder in;
     struct stream_state input;
@@ -206,6 +192,7 @@ struct fan {
     int64_t n_deaths;                    /* of this number: excuse.c */
     bool disputed;       /* slots disagree on a job, and no majority decides */
     bool unreached;      /* tasks waited to the end for slots that never were up */
+    bool dismissed;      /* a fan around this one has said that the run is over */
     bool asked;          /* a task has come */
     double coder_speed;  /* bytes that are packed in a microsecond; 0: not measured */
     bool in_open;
@@ -250,6 +237,8 @@ bool fan_slot_wanted(const struct fan *f, const struct fan_slot *s);
 bool fan_slot_over(const struct fan *f, const struct fan_slot *s);
 /* True if the slot is up or may come up. */
 bool fan_slot_comes(const struct fan_slot *s);
+/* For how long no slot may be up while there is work: longer if every host has been up. */
+int64_t fan_patience_us(const struct fan *f);
 /* True if few of its connections are opened at a time. Launchers with a queue limit themselves. */
 bool fan_host_limited(const struct fan_host *h);
 /* The slot's process is being connected by a launcher that may queue it. */
@@ -272,8 +261,9 @@ void fan_forget(struct fan_state_of *state);
 void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot *s, int k);
 /* True if records for the slot are queued: it is fed, or tasks wait for it. */
 bool fan_takes(const struct fan_slot *s);
-/* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
-void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
+/* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it:
+ * false if not. */
+bool fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
 
 /* ---- excuse.c ---- */
 /* Slot s, which has tasks, is lost. True if other slots were lost over what it computed. */
@@ -288,6 +278,9 @@ bool fan_host_exhausted(const struct fan_host *h);
 bool fan_host_retries(struct fan_slot *s);
 /* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
+/* The time of fan_patience_us. */
+#define FAN_PATIENCE_TEXT 32
+const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT]);
 /* Prints why slot s could not be connected, with advice. `why` is the reason if neither ssh nor the
  * remote shell gave a better one. */
 void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again);
@@ -338,6 +331,8 @@ void fan_slot_disconnect(const struct fan *f, struct fan_slot *s);
 /* ---- connect.c ---- */
 /* Starts slots whose turn it is. Returns the milliseconds until another may have its turn. */
 int fan_connect(struct fan *f);
+/* Sets the number of connections that may be opened at a time, after slots were added. */
+void fan_connect_limit(struct fan *f);
 
 /* ---- join.c ---- */
 /* Adds a host of this line, without slots. Pointers to hosts change. */
@@ -363,6 +358,9 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
 void fan_alive_begin(struct fan *f, struct fan_slot *s, const struct record *r);
 /* Writes a beat to the slot, if it is time, and nothing else is on its way. */
 void fan_alive_beat(struct fan *f, struct fan_slot *s);
+/* Tells a worker behind a launcher that the run is over, and ends its input. False if it cannot be
+ * told, or need not be. */
+bool fan_alive_end(struct fan_slot *s);
 
 /* ---- code.c ---- */
 /* Slot s was accepted, and sent this hello: it is up at once, or once its link is measured. */

@@ -145,6 +145,7 @@ const char *fan_take_hello(struct fan *f, struct fan_slot *s, const struct recor
     if (!(s->power > 0)) s->power = power / s->width, s->least = least / s->width;
     if (!f->out.greeted) say_hello(f, s->power);
     s->measured = true;
+    *s->conn.chatter = '\0';
     fan_alive_begin(f, s, r);
     fan_code_begin(f, s, r);
     return NULL;

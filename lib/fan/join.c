@@ -53,8 +53,11 @@ void fan_add_host(struct fan *f, const struct host *line)
     if (before) memcpy(f->hosts, before, (size_t)f->n_hosts * sizeof *before);
     for (int k = 0; k < f->n_slots; k++) f->slots[k].host = f->hosts + (f->slots[k].host - before);
     free(before);
-    f->hosts[f->n_hosts++] = (struct fan_host){
-        .host = line, .argv = command_line(line, f->o->command, width), .here = host_is_here(line)};
+    f->hosts[f->n_hosts++] = (struct fan_host){.host = line,
+        .argv = command_line(line, f->o->command, width),
+        .here = host_is_here(line),
+        .by_ssh = host_by_ssh(line)};
+    f->n_by_ssh += host_by_ssh(line);
 }
 
 void fan_add_slots(struct fan *f, int h, int n)
@@ -65,7 +68,7 @@ void fan_add_slots(struct fan *f, int h, int n)
     f->n[FAN_WAITING] += more;
     for (; more; more--, f->n_numbers += width)
         fan_slot_init(f, f->n_slots++, f->n_numbers, width, &f->hosts[h]);
-    want_descriptors(3 * f->n_slots + 16);
+    fan_connect_limit(f);
 }
 
 /* ---- slots that leave ---- */

@@ -13,6 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#define HEAR_MS 10
+#define HEAR_BYTES 65536
 #define LEAVING_MS 100 /* poll while a slot is exiting: SIGCHLD reports its end, not its staying */
 
 /* The silence allowed to slot s, in microseconds; 0: no limit. */
@@ -163,12 +165,12 @@ static bool untried(const struct fan_slot *s) { return !s->host->failures && !s-
 
 bool fan_working(const struct fan *f)
 {
-    int64_t now = now_us();
-    if (f->out.gone || f->refused || f->disputed || signals_came()) return false;
+    int64_t now = now_us(), patience_us = fan_patience_us(f);
+    if (f->out.gone || f->refused || f->disputed || f->dismissed || signals_came()) return false;
     for (int k = 0; k < f->n_slots; k++) {
         const struct fan_slot *s = &f->slots[k];
         if (at_work(s)) return true;
-        bool early = now < s->missing_us + PATIENCE_UNREACHED_US;
+        bool early = now < s->missing_us + patience_us;
         bool hope = early || untried(s) || fan_slot_in_queue(s) || s->host->host->tries;
         if (fan_slot_comes(s) && fan_slot_wanted(f, s) && hope) return true;
     }
@@ -198,12 +200,44 @@ static void await_exit(const struct fan *f, struct fan_slot *s, int64_t end_us)
     }
 }
 
+/* Reads what a worker says that was told to end, and drops it, until its stream ends. */
+static void hear_out(const struct fan *f, struct fan_slot *s, int64_t end_us)
+{
+    struct buf said = {0};
+    for (ptrdiff_t n = 1; n > 0 && now_us() < end_us; buf_free(&said)) {
+        struct pollfd p = pipe_poll_entry(s->conn.child.from, true, POLLIN);
+        if (poll(&p, 1, HEAR_MS) > 0) n = read_some(s->conn.child.from, &said, HEAR_BYTES);
+        if (s->conn.child.err >= 0) fan_slot_show_err(f, s);
+    }
+    await_exit(f, s, end_us);
+    child_stop(&s->conn.child);
+}
+
+/*
+ * Launchers end without a word if their workers end by themselves, as their slots are told to. A
+ * connection that is still being opened has nothing to say: its launcher would report its own end.
+ */
+static void dismiss(struct fan *f, int64_t end_us)
+{
+    bool *told = xcalloc((size_t)f->n_slots, sizeof *told);
+    for (int k = 0; k < f->n_slots; k++) {
+        struct fan_slot *s = &f->slots[k];
+        told[k] = !f->refused && fan_alive_end(s);
+        if (told[k]) continue;
+        if (!s->host->here && s->state != FAN_UP && fan_slot_has_stream(s)) fan_slot_end_err(f, s);
+        child_stop(&s->conn.child);
+    }
+    for (int k = 0; k < f->n_slots; k++)
+        if (told[k]) hear_out(f, &f->slots[k], end_us);
+    free(told);
+}
+
 /* Ends the run: the rest is not needed, or no slot is left. */
 static void stop(struct fan *f)
 {
-    int64_t here_us = now_us() + PATIENCE_STOP_US;
     int64_t end_us = now_us() + PATIENCE_LAUNCHER_US;
-    for (int k = 0; k < f->n_slots; k++) child_stop(&f->slots[k].conn.child);
+    dismiss(f, now_us() + PATIENCE_BYE_US);
+    int64_t here_us = now_us() + PATIENCE_STOP_US;
     for (int k = 0; k < f->n_slots; k++) {
         struct fan_slot *s = &f->slots[k];
         f->lost += s->n_tasks;
@@ -222,6 +256,8 @@ void fan_close(struct fan *f)
     for (int i = 0; i < GENERATIONS; i++) fan_forget(&f->states[i]);
     for (int k = 0; k < f->n_slots; k++) fan_slot_free(&f->slots[k]);
     for (int i = 0; i < f->n_versions; i++) hosts_free(&f->versions[i]);
+    for (int i = 0; i < f->n_jumps; i++) free(f->jumps[i].name);
+    free(f->jumps);
     free(f->versions);
     free(f->hosts);
     free(f->slots);
@@ -262,13 +298,13 @@ static bool deserted(const struct fan *f)
 /* Sends bye to the reader. */
 static void say_bye(struct fan *f)
 {
+    char text[FAN_PATIENCE_TEXT];
     bool none = !f->disputed && deserted(f);
     wire_bye(&f->out.queue.bulk, f->disputed ? "other-jobs" : none ? "no-slot-left" : "");
     up_end_record(&f->out.queue);
     outlet_drain(&f->out);
     if (none && all_gone(f)) warn("no slot left");
-    else if (none)
-        warn("no slot left: none could be reached for %g s", PATIENCE_UNREACHED_US / 1e6);
+    else if (none) warn("no slot left: none could be reached for %s", fan_patience_text(f, text));
     int missing = never_up(f), queued = 0;
     for (int k = 0; k < f->n_slots; k++)
         if (f->slots[k].state == FAN_QUEUED && !f->slots[k].was_up) queued += f->slots[k].width;
@@ -280,6 +316,7 @@ static void say_bye(struct fan *f)
 static int status_of(const struct fan *f)
 {
     if (f->refused) return f->refused;
+    if (f->dismissed) return ST_OK;
     if (f->out.gone || f->disputed || deserted(f)) return ST_SYSTEM;
     return f->lost || f->failed ? ST_PARTIAL : ST_OK;
 }
@@ -295,7 +332,7 @@ int fan_run(const struct fan_options *o)
         fan_join(&f);
     }
     stop(&f);
-    if (!f.refused) say_bye(&f);
+    if (!f.refused && !f.dismissed) say_bye(&f);
     int status = status_of(&f);
     if (f.stale)
         warn("%" PRId64 " answers were dropped, because nothing had asked for them", f.stale);

@@ -27,6 +27,14 @@ void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
     s->told_gone = true;
 }
 
+const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT])
+{
+    double s = (double)fan_patience_us(f) / 1e6;
+    if (s < 120) snprintf(text, FAN_PATIENCE_TEXT, "%g s", s);
+    else snprintf(text, FAN_PATIENCE_TEXT, "%g minutes", s / 60);
+    return text;
+}
+
 /* True if a slot of the host is needed. *last: no other host has slots that may come. */
 static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *last)
 {
@@ -58,16 +66,18 @@ bool fan_host_retries(struct fan_slot *s)
 void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
     struct buf text = {0};
+    char patience[FAN_PATIENCE_TEXT];
     bool last;
+    const char *says = *s->conn.chatter ? ", it says: " : "";
+    if (s->conn.probe_us) says = ", while its link was measured"; /* after its hello */
     if (!fan_refusal_explain(f, s, why, &text))
         buf_printf(&text, "%s: cannot be %s (%s)%s%s", s->host->host->name,
-            again ? "reached" : "used", why, *s->conn.chatter ? ", it says: " : "",
-            s->conn.chatter);
+            again ? "reached" : "used", why, says, s->conn.chatter);
     if (again && host_wanted(f, s->host, &last)) {
         buf_printf(&text, "; trying again");
         if (s->host->host->tries) buf_printf(&text, ", %d times in all", s->host->host->tries);
-        else if (last && !f->listing)
-            buf_printf(&text, " for up to %g s", PATIENCE_UNREACHED_US / 1e6);
+        else if ((last || (s->host->reached && !f->n[FAN_UP])) && !f->listing)
+            buf_printf(&text, " for up to %s", fan_patience_text(f, patience));
     }
     if (fan_host_exhausted(s->host))
         buf_printf(&text, "; no try is left (tries=%d)", s->host->failures);

@@ -16,7 +16,8 @@
  * A connection has failed if ssh exits with 255 or is killed, or if a slot on another machine is
  * silent. It has failed as well if the slot reports by its status that it has lost its own worker.
  * Once a slot of the host was sent tasks, and while more may come, any status but 126 and 127
- * means that: a launcher whose job was ended chooses its own.
+ * means that: a launcher whose job was ended chooses its own. Of a launcher other than ssh, any
+ * such status but 0 also means that before the first hello: a container may start later.
  * After ON_EOF, ON_RETRY and ON_LOSS nothing is read from it. ON_RETRY loses only tasks that were
  * sent. Tasks for a slot that was never up wait for it; therefore nothing is sent to another
  * machine before the slot's hello.
@@ -81,6 +82,7 @@ static void change(struct fan *f, struct fan_slot *s, enum fan_slot_event event)
     f->n[s->state]--;
     f->n[state]++;
     if (fan_host_limited(s->host)) f->connecting += opening;
+    if (s->host->jump) f->jumps[s->host->jump - 1].opening += opening;
     s->host->opening += opening;
     s->state = state;
 }
@@ -301,7 +303,10 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
             : again                ? ", connecting again"
                                    : "");
     f->lost += lost;
-    if (s->conn.connected) s->missing_us = now_us();
+    if (s->conn.connected) {
+        s->missing_us = now_us();
+        memset(s->host->told, 0, sizeof s->host->told);
+    }
     if (s->conn.connected || !again) fan_slot_forget(s);
 }
 
@@ -327,9 +332,10 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
     char why[24];
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     bool well = s->conn.input_closed_first && !s->n_tasks && code == 0;
-    bool worked =
-        f->in_open && s->host->given && !s->host->here && code != NOT_RUN && code != NOT_FOUND;
-    bool connection = WIFSIGNALED(status) || worked ||
+    bool runs = !s->host->here && code != NOT_RUN && code != NOT_FOUND, ssh = s->host->by_ssh;
+    bool worked = runs && f->in_open && (s->host->given || !ssh);
+    bool unready = runs && code && !ssh && !s->conn.connected;
+    bool connection = WIFSIGNALED(status) || worked || unready ||
                       (code == VIA_FAILED && !fan_refusal_is_final(s)) ||
                       (s->conn.connected && code == ST_SYSTEM);
     if (well && s->drains) fan_say_gone(f, s, "left", false);

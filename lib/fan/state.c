@@ -54,10 +54,11 @@ void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot
     wire_forward(to, r, drop, k >= 0 && s->width > 1 ? text : NULL);
 }
 
-void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra)
+bool fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra)
 {
     struct down_queue q = {0};
     wire_plain(&q.bytes, kind, extra);
-    down_write(&q, s->conn.child.to);
+    bool told = down_write(&q, s->conn.child.to) == 0 && !down_size(&q);
     down_free(&q);
+    return told;
 }

@@ -345,9 +345,10 @@ void fan_slot_listen(struct fan *f, struct fan_slot *s)
     int more = stream_read(&s->conn.from, s->conn.child.from);
     n = buf_size(&s->conn.from.in) - before;
     const unsigned char *said = buf_data(&s->conn.from.in) + before;
-    const char *why = s->state != FAN_UP ? fan_take_chatter(s, said, n) : NULL;
+    const char *why = NULL;
     struct record r;
     enum wire_result result;
+    if (s->state != FAN_UP && !fan_code_waits(s)) why = fan_take_chatter(s, said, n);
     if (!why) why = fan_take_requests(s, said, n);
     bool at_work = false; /* a node that answers others may have an idle worker */
     while (!why && (result = wire_next(&s->conn.from, &r)) != WIRE_MORE) {

@@ -10,15 +10,19 @@
 #define NODE_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
 #define NODES_VARIABLE "SLURM_JOB_NODELIST"
 #define CPUS_VARIABLE "SLURM_JOB_CPUS_PER_NODE"
+#define PARTS_VARIABLE "SLURM_HET_SIZE"
 #define FILE_VARIABLE "PBS_NODEFILE"
-#define DIGITS_MOST 18 /* of a number in a node's name */
-#define WORD_MOST 64   /* bytes of a range or a count, more than any that is valid */
+#define PARTS_MOST 1000 /* of a heterogeneous job, more than Slurm allows */
+#define DIGITS_MOST 18  /* of a number in a node's name */
+#define WORD_MOST 64    /* bytes of a range or a count, more than any that is valid */
+#define VARIABLE_MOST 64
 
 /*
  * One step of the job for each connection. -u: records are forwarded when they come, not when a
- * line is full. --overlap: the job's script and other steps may use the same processors.
+ * line is full. --overlap: the job's script and other steps may use the same processors. A node of
+ * a heterogeneous job is reached through its part of the job.
  */
-#define STEP_VIA "srun -Qu -N 1 -n 1 -c %d --overlap -w %%h sh -c %%c"
+#define STEP_VIA "srun -Qu%s -N 1 -n 1 -c %d --overlap -w %%h sh -c %%c"
 
 /* Sets r to the variable's text. */
 static bool find_variable(struct hosts_reader *r, const char *variable)
@@ -57,7 +61,7 @@ static bool node_valid(const char *name, size_t n)
 static struct host *node_of(
     const struct hosts_reader *r, struct hosts *h, const char *name, size_t n)
 {
-    for (size_t i = h->n; i-- > 0;)
+    for (size_t i = h->n; i-- > r->done;)
         if (strlen(h->at[i].name) == n && memcmp(h->at[i].name, name, n) == 0) return &h->at[i];
     if (!node_valid(name, n)) {
         wrong(r, name, n, "a node's name, of at most 255 letters, digits and ._-");
@@ -151,10 +155,10 @@ static const char *name_end(const char *at, const char *end)
     return at;
 }
 
-static bool read_nodes(struct hosts_reader *r, struct hosts *h)
+static bool read_nodes(struct hosts_reader *r, struct hosts *h, const char *variable)
 {
     const struct name none = {0};
-    if (!find_variable(r, NODES_VARIABLE)) return false;
+    if (!find_variable(r, variable)) return false;
     for (const char *at = r->at, *stop; at <= r->end; at = stop + 1) {
         stop = name_end(at, r->end);
         if (!expand(r, h, &none, at, stop)) return false;
@@ -181,11 +185,12 @@ static bool read_count(
     return wrong(r, at, n, "processors of a node, as 8, or 8(x3) for three nodes, 1 to 4096");
 }
 
-static bool read_cpus(struct hosts_reader *r, struct hosts *h)
+static bool read_cpus(
+    struct hosts_reader *r, struct hosts *h, const char *variable, const char *nodes_variable)
 {
-    size_t known = 0;
+    size_t known = r->done;
     int64_t cpus, nodes;
-    if (!find_variable(r, CPUS_VARIABLE)) return false;
+    if (!find_variable(r, variable)) return false;
     for (const char *at = r->at, *stop; at <= r->end; at = stop + 1) {
         stop = first_of(at, r->end, ',');
         if (!read_count(r, at, (size_t)(stop - at), &cpus, &nodes)) return false;
@@ -194,19 +199,45 @@ static bool read_cpus(struct hosts_reader *r, struct hosts *h)
         if (stop == r->end && known == h->n) return true;
     }
     return hosts_refuse(r, "%s nodes, expected %zu, as in %s", known < h->n ? "fewer" : "more",
-        h->n, NODES_VARIABLE);
+        h->n - r->done, nodes_variable);
 }
 
-static bool read_slurm(struct hosts_reader *r, struct hosts *h)
+/* The variable of part k of a heterogeneous job. Without one of its own, the first part has that of
+ * the job; so has a job without parts (-1). */
+static const char *part_variable(const char *variable, int k, char name[VARIABLE_MOST])
 {
-    if (!read_nodes(r, h) || !read_cpus(r, h)) return false;
-    for (size_t i = 0; i < h->n; i++) {
+    snprintf(name, VARIABLE_MOST, "%s_HET_GROUP_%d", variable, k);
+    return k < 0 || (k == 0 && !getenv(name)) ? variable : name;
+}
+
+static bool read_part(struct hosts_reader *r, struct hosts *h, int k)
+{
+    char nodes_name[VARIABLE_MOST], cpus_name[VARIABLE_MOST], group[32] = "";
+    const char *nodes = part_variable(NODES_VARIABLE, k, nodes_name);
+    const char *cpus = part_variable(CPUS_VARIABLE, k, cpus_name);
+    r->done = h->n;
+    if (!read_nodes(r, h, nodes) || !read_cpus(r, h, cpus, nodes)) return false;
+    if (k >= 0) snprintf(group, sizeof group, " --het-group=%d", k);
+    for (size_t i = r->done; i < h->n; i++) {
         struct buf via = {0};
-        buf_printf(&via, STEP_VIA, h->at[i].slots);
+        buf_printf(&via, STEP_VIA, group, h->at[i].slots);
         buf_append(&via, "", 1);
         h->at[i].via = (char *)via.data;
         if (!hosts_count(r, h, &h->at[i])) return false;
     }
+    return true;
+}
+
+static bool read_slurm(struct hosts_reader *r, struct hosts *h)
+{
+    const char *parts = getenv(PARTS_VARIABLE);
+    int64_t n;
+    if (!parts) return read_part(r, h, -1);
+    r->name = PARTS_VARIABLE;
+    if (!parse_int(parts, 1, PARTS_MOST, &n))
+        return wrong(r, parts, strlen(parts), "the number of parts of the job, 1 to 1000");
+    for (int k = 0; k < n; k++)
+        if (!read_part(r, h, k)) return false;
     return true;
 }
 

@@ -196,7 +196,7 @@ static bool read_lines(struct hosts_reader *r, struct hosts *h, const struct buf
 static bool read_entry(struct hosts_reader *r, struct hosts *h, char *entry)
 {
     struct host *host = hosts_add(h);
-    char *slash = strchr(entry, '/');
+    char *slash = strstr(entry, "://") ? NULL : strchr(entry, '/');
     if (slash) *slash = '\0';
     if (slash && !set_slots(host, entry))
         return hosts_refuse(r,
@@ -219,6 +219,10 @@ static bool named_as_file(const char *name)
 static bool doubt(const struct hosts_reader *r, struct hosts *h, const char *name)
 {
     h->no_file = strcmp(name, ":") != 0 && !strchr(name, '@');
+    if (strcmp(name, "slurm") == 0 || strcmp(name, "pbs") == 0)
+        return hosts_refuse(r,
+            "%s: no such file, expected `%s:` for the nodes of a job, or 1/%s for a host", name,
+            name, name);
     if (!named_as_file(name)) return true;
     return hosts_refuse(r, "%s: no such file, expected one, or 1/%s for a host", name, name);
 }
@@ -237,13 +241,23 @@ static bool read_list(struct hosts_reader *r, struct hosts *h, const char *list)
     return good && (strpbrk(list, ",/") || doubt(r, h, list));
 }
 
+/* Skips a byte order mark, which editors on Windows write. */
+static bool skip_mark(const struct hosts_reader *r, struct buf *text)
+{
+    const unsigned char *at = buf_data(text);
+    if (buf_size(text) >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0) buf_consume(text, 3);
+    if (buf_size(text) < 2 || (memcmp(at, "\xff\xfe", 2) != 0 && memcmp(at, "\xfe\xff", 2) != 0))
+        return true;
+    return hosts_refuse(r, "text of UTF-16, expected UTF-8");
+}
+
 bool hosts_of_file(struct hosts *h, const char *name, char err[HOSTS_ERR])
 {
     struct buf text = {0};
     struct hosts_reader r = {.name = name, .err = err};
     *err = '\0';
     *h = (struct hosts){.file = xstrdup(name), .version = hosts_version(name)};
-    bool good = hosts_read_file(&r, &text) && read_lines(&r, h, &text);
+    bool good = hosts_read_file(&r, &text) && skip_mark(&r, &text) && read_lines(&r, h, &text);
     buf_free(&text);
     if (!good) hosts_free(h);
     return good;

@@ -87,6 +87,18 @@ void host_argv_free(char **argv);
  * machine has no such program. Only this word is looked up.
  */
 bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST]);
+/* True if that word is ssh, whose status tells its own failures from those of the command. */
+bool host_by_ssh(const struct host *h);
+/* The command of the host has the option of such a way itself. */
+bool host_via_jumps(const struct host *h);
+/* The command that prints ssh's settings for the host and, on standard error, the files that they
+ * come from. It connects to nothing. Or NULL. Free it with host_argv_free. */
+char **host_settings_argv(const struct host *h);
+/* True if one of these files may send ssh through another host. `said` ends with a NUL. */
+bool host_config_jumps(const char *said, size_t n);
+/* The host or the command, in these settings, through which ssh connects. NULL: none. The caller
+ * frees it. */
+char *host_jump(const char *settings, size_t n);
 
 /* ---- watch.c: a file that may change ---- */
 

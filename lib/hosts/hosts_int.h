@@ -1,5 +1,6 @@
-/* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs),
- * watch.c (files that change); send.c (programs for hosts that have none). */
+/* hosts, shared by its files: table.c (the rows), name.c (names), hosts.c (files and lists),
+ * engines.c (jobs), watch.c (files that change); launch.c (commands that reach hosts), word.c
+ * (their words), way.c (other hosts between), send.c (programs for hosts that have none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -10,7 +11,8 @@ struct hosts_reader {
     const char *name; /* of the file */
     int line;         /* 0: no line */
     const char *at, *end;
-    char *err; /* HOSTS_ERR bytes */
+    char *err;   /* HOSTS_ERR bytes */
+    size_t done; /* hosts of earlier texts, whose names may come again */
 };
 
 /* Writes "NAME:LINE: text" to r->err, and returns false. */
@@ -33,6 +35,18 @@ struct hosts_version hosts_version(const char *file);
  * true: *good is false if the job's variables or its file are refused.
  */
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good);
+/* The template of the command that reaches the host. */
+const char *hosts_via(const struct host *h);
+/* sh, which becomes the command of the template, by way of `by`. */
+char **hosts_by_sh(const char *by, const char *via, const char *name, const char *remote);
+/* Appends a word for the shell of a host, which may be like the Bourne shell, csh or fish. */
+void hosts_add_word(struct buf *b, const char *word);
+/*
+ * A copy of a command without control characters: no quotes keep a newline in every shell. It
+ * begins with sh, which restores the words there. NULL if the command has none. host_argv_free
+ * frees it.
+ */
+char **hosts_plain_words(char *const worker[]);
 /* bootstrap.sh, in one line, as bootstrap.sed makes it. */
 extern const char hosts_bootstrap[];
 /* Appends the command for the shell of a host that has no programs. */

@@ -10,12 +10,15 @@
 #include <unistd.h>
 
 /*
- * No terminal, X11, agent, escape character or prompt. A host that does not answer is given up
- * after 10 s; a connection without any data is given up after 15 s. The user's own configuration of
- * hosts and keys still applies.
+ * No terminal, X11, agent, escape character or prompt. What the user's configuration has for a
+ * person's sessions does not apply: forwarded ports and tunnels, a remote or local command, and
+ * becoming the connection that others share, which would end with this one. A host that does not
+ * answer is given up after 10 s; a connection without any data is given up after 15 s. The user's
+ * own configuration of hosts and keys still applies.
  */
 static const char default_via[] =
-    "ssh -T -x -a -e none -oBatchMode=yes -oConnectTimeout=10 -oServerAliveInterval=5"
+    "ssh -T -x -a -e none -oBatchMode=yes -oClearAllForwardings=yes -oRemoteCommand=none"
+    " -oPermitLocalCommand=no -oControlMaster=no -oConnectTimeout=10 -oServerAliveInterval=5"
     " -oServerAliveCountMax=3 %h %c";
 
 /* ~ is the remote home directory. */
@@ -23,7 +26,7 @@ static void add_path(struct buf *b, const char *bin)
 {
     buf_printf(b, "env PATH=");
     if (*bin == '~') buf_printf(b, "\"$HOME\"");
-    buf_word(b, *bin == '~' ? bin + 1 : bin);
+    hosts_add_word(b, *bin == '~' ? bin + 1 : bin);
     buf_printf(b, ":\"$PATH\" ");
 }
 
@@ -39,14 +42,15 @@ static void add_remote(struct buf *b, const struct host *h, char *const worker[]
     if (h->bin) add_path(b, h->bin);
     for (size_t i = 0; worker[i]; i++) {
         if (i) buf_append(b, " ", 1);
-        buf_word(b, worker[i]);
+        hosts_add_word(b, worker[i]);
     }
     buf_append(b, "", 1);
 }
 
+const char *hosts_via(const struct host *h) { return h->via ? h->via : default_via; }
+
 static void add_template(struct buf *b, const char *via, const char *name, const char *remote)
 {
-    buf_printf(b, "exec ");
     for (const char *p = via; *p; p++) {
         if (*p != '%') buf_append(b, p, 1);
         else if (*++p == 'h') buf_word(b, name);
@@ -63,20 +67,30 @@ static char **copy_of(char *const *words, size_t n)
     return argv;
 }
 
+char **hosts_by_sh(const char *by, const char *via, const char *name, const char *remote)
+{
+    char sh[] = "sh", option[] = "-c";
+    struct buf line = {0};
+    buf_printf(&line, "exec %s", by);
+    add_template(&line, via, name, remote);
+    char **argv = copy_of((char *const[]){sh, option, (char *)line.data}, 3);
+    buf_free(&line);
+    return argv;
+}
+
 char **host_argv(const struct host *h, char *const worker[])
 {
-    struct buf remote = {0}, line = {0};
+    struct buf remote = {0};
     size_t n = 0;
     if (host_is_here(h)) {
         while (worker[n]) n++;
         return copy_of(worker, n);
     }
-    add_remote(&remote, h, worker);
-    add_template(&line, h->via ? h->via : default_via, h->name, (const char *)buf_data(&remote));
-    char sh[] = "sh", option[] = "-c";
-    char **argv = copy_of((char *const[]){sh, option, (char *)line.data}, 3);
+    char **plain = hosts_plain_words(worker);
+    add_remote(&remote, h, plain ? plain : worker);
+    char **argv = hosts_by_sh("", hosts_via(h), h->name, (const char *)buf_data(&remote));
+    host_argv_free(plain);
     buf_free(&remote);
-    buf_free(&line);
     return argv;
 }
 
@@ -93,15 +107,30 @@ static bool is_program(const char *dir, size_t n, const char *word)
     return len < 0 || (size_t)len >= sizeof path || access(path, X_OK) == 0;
 }
 
+/* The first word of the template if no shell changes it, or "". */
+static void first_word(const char *via, char word[HOST_LAUNCHER_MOST])
+{
+    size_t n = strspn(via, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-");
+    bool plain = n && n < HOST_LAUNCHER_MOST && via[n] && strchr(" \t", via[n]);
+    snprintf(word, HOST_LAUNCHER_MOST, "%.*s", plain ? (int)n : 0, via);
+}
+
 bool host_launcher(const struct host *h, char word[HOST_LAUNCHER_MOST])
 {
-    const char *via = h->via ? h->via : default_via, *dir = getenv("PATH");
-    size_t n = strspn(via, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-");
-    bool plain = n && n < HOST_LAUNCHER_MOST && strchr(" \t", via[n]) && via[n];
-    snprintf(word, HOST_LAUNCHER_MOST, "%.*s", plain ? (int)n : 0, via);
-    if (!plain || !dir) return true; /* a shell may know what it is */
+    const char *dir = getenv("PATH");
+    first_word(hosts_via(h), word);
+    if (!*word || !dir) return true; /* a shell may know what it is */
     if (strchr(word, '/')) return is_program("", 0, word);
     for (size_t k; k = strcspn(dir, ":"), !is_program(dir, k, word); dir += k + 1)
         if (!dir[k]) return false;
     return true;
+}
+
+bool host_by_ssh(const struct host *h)
+{
+    char word[HOST_LAUNCHER_MOST];
+    if (host_is_here(h)) return false;
+    first_word(hosts_via(h), word);
+    const char *slash = strrchr(word, '/');
+    return strcmp(slash ? slash + 1 : word, "ssh") == 0;
 }

@@ -23,7 +23,7 @@ void hosts_add_bootstrap(struct buf *b, const struct hosts_sent *sent, char *con
     buf_printf(b, " --");
     for (; *worker; worker++) {
         buf_append(b, " ", 1);
-        buf_word(b, *worker);
+        hosts_add_word(b, *worker);
     }
 }
 

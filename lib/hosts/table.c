@@ -1,9 +1,8 @@
 /*
- * The table of hosts: rows, the names that are accepted, and reading the text of a file.
+ * The table of hosts: its rows, and reading the text of a file.
  */
 #include "hosts/hosts_int.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -31,42 +30,6 @@ struct host *hosts_add(struct hosts *h)
     h->at = xrealloc(h->at, h->n + 1, sizeof *h->at);
     h->at[h->n] = (struct host){.slots = 1, .latency_ms = -1};
     return &h->at[h->n++];
-}
-
-#define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._:@%+-"
-
-/* The only names with a colon are IPv6 addresses, with or without %ZONE. */
-static bool is_ipv6(const char *s)
-{
-    char address[INET6_ADDRSTRLEN];
-    struct in6_addr bytes;
-    size_t n = strcspn(s, "%");
-    if (n >= sizeof address) return false;
-    memcpy(address, s, n);
-    address[n] = '\0';
-    return inet_pton(AF_INET6, address, &bytes) == 1;
-}
-
-/* A valid name is one word for every shell and in every record, and no program takes it for an
- * option. */
-static bool name_valid(const char *s)
-{
-    size_t n = strlen(s);
-    if (strcmp(s, ":") == 0) return true;
-    if (n > HOST_NAME_MOST || *s == '-' || *s == '@' || s[strspn(s, NAME_BYTES)]) return false;
-    const char *at = strchr(s, '@'), *host = at ? at + 1 : s;
-    if (!*host || *host == '-' || strchr(host, '@')) return false;
-    return !strchr(s, ':') || is_ipv6(host);
-}
-
-bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char *name)
-{
-    char shown[ERR_WORD];
-    host->name = xstrdup(name);
-    if (name_valid(name)) return true;
-    return hosts_refuse(r,
-        "%s: no host name, expected `:`, HOST or USER@HOST first, of letters, digits and ._:@%%+-",
-        err_word(shown, name, strlen(name)));
 }
 
 bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host)

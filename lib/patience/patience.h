@@ -34,6 +34,8 @@
 #define PATIENCE_CLOSING_US 1000000
 /* Without any slot up, while there is work. */
 #define PATIENCE_UNREACHED_US 30000000
+/* Likewise, if every host was up before: a switch restarts in minutes. */
+#define PATIENCE_RETURN_US 600000000
 /* Before the first and, at most, before each further try to connect. It is doubled each time. */
 #define PATIENCE_RETRY_FIRST_US 500000
 #define PATIENCE_RETRY_MOST_US 10000000
@@ -58,6 +60,8 @@
 
 /* ---- a process that was told to end ---------------------------------------------------------- */
 
+/* Until SIGTERM, after `bye`: a worker looks for it every 100 ms. */
+#define PATIENCE_BYE_US 800000
 /* Until SIGKILL, after SIGTERM: a worker has nothing to tidy. */
 #define PATIENCE_STOP_US 200000
 /* Likewise, for a launcher: ssh passes the end on to another host, srun takes its job out of the

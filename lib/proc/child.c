@@ -215,10 +215,11 @@ int cores_available(void)
     return n > 0 ? n : 1;
 }
 
-void want_descriptors(int n)
+int want_descriptors(int n)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)n) return;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)n) return n;
     limit.rlim_cur = limit.rlim_max < (rlim_t)n ? limit.rlim_max : (rlim_t)n;
     setrlimit(RLIMIT_NOFILE, &limit);
+    return (int)limit.rlim_cur;
 }

@@ -64,8 +64,8 @@ int cores_available(void);
  * version 1 with the controller at root/cpu. (quota.c)
  */
 double proc_quota(const char *groups, const char *root);
-/* Raises the limit of open descriptors to n if the system allows it. */
-void want_descriptors(int n);
+/* Raises the limit of open descriptors to n if the system allows it. Returns it, at most n. */
+int want_descriptors(int n);
 
 /* ---- signals: delivered only while this process waits in signals_poll ---- */
 

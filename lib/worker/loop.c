@@ -144,6 +144,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_GRID:
     case REC_SPEC:
     case REC_FILES: take_state(w, r); break;
+    case REC_BYE: worker_dismissed();
     default:
         if (!silence_take(r)) worker_refuse(r);
     }
@@ -154,6 +155,7 @@ static void take_record(struct worker *w, const struct record *r)
 static bool fill(struct worker *w)
 {
     struct pollfd p[2] = {{STDIN_FILENO, POLLIN, 0}, {STDOUT_FILENO, 0, 0}};
+    if (worker_pulse_last(&w->in.in)) return true;
     while (poll(p, 2, -1) < 0)
         if (errno != EINTR) die(ST_SYSTEM, "poll:");
     if (p[1].revents & POLL_GONE) worker_reader_gone(0);
@@ -161,6 +163,7 @@ static bool fill(struct worker *w)
     if (n < 0) die(ST_SYSTEM, "standard input:");
     if (n > 0) silence_heard();
     else silence_forget();
+    worker_pulse_heard(&w->in.in);
     return n > 0;
 }
 

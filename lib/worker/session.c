@@ -19,6 +19,8 @@ _Noreturn void worker_reader_gone(int err)
     die(ST_SYSTEM, "standard output:");
 }
 
+_Noreturn void worker_dismissed(void) { exit(ST_OK); }
+
 void worker_push(struct worker *w)
 {
     if (!buf_size(&w->out)) return;

@@ -43,11 +43,18 @@ struct worker {
 void worker_pulse_open(void);
 void worker_pulse_begin(void);
 void worker_pulse_end(void);
+/* To be called before standard input is read, between these two or outside: appends what the pulse
+ * has read there. True if that was anything. */
+bool worker_pulse_last(struct buf *to);
+/* To be called after that with what waits to be decoded. */
+void worker_pulse_heard(const struct buf *in);
 
 /* ---- session.c ---- */
 
 /* The reader is gone (EPIPE or 0), or writing failed: this process is not needed any more. */
 _Noreturn void worker_reader_gone(int err);
+/* Its input says that the run is over. */
+_Noreturn void worker_dismissed(void);
 /* Writes w->out. */
 void worker_push(struct worker *w);
 /* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is

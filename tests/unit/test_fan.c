@@ -103,7 +103,8 @@ static int begin(void **state)
         .n_numbers = SLOTS};
     f.in_open = f.out.greeted = true;
     f.n[FAN_WAITING] = SLOTS;
-    host = (struct fan_host){.host = &of_file, .argv = worker};
+    f.connecting_most = 100;
+    host = (struct fan_host){.host = &of_file, .argv = worker, .by_ssh = true};
     for (int k = 0; k < SLOTS; k++) make_slot(&slots[k], k);
     frames_init(&f.input.frames, sizeof(struct fan_job));
     frames_set(&f.input.frames, 0, 4, 4);
@@ -588,6 +589,89 @@ static void before_it_has_tasks_most_statuses_are_final(void **state)
     assert_int_equal(state_after(0, "cat; exit 1"), FAN_GONE);
 }
 
+/* Another launcher than ssh has no status for its own failures. */
+static void a_container_may_start_late(void **state)
+{
+    (void)state;
+    static const struct row {
+        bool by_ssh;
+        const char *command;
+        enum fan_slot_state then;
+    } rows[] = {{false, "exit 1", FAN_WAITING}, {false, "exit 125", FAN_WAITING},
+        {true, "exit 255", FAN_WAITING}, {true, "exit 1", FAN_GONE}};
+    f.in_open = false; /* its tasks wait for it */
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct fan_slot *s = &slots[0];
+        char *argv[] = {(char[]){"sh"}, (char[]){"-c"}, NULL, NULL};
+        argv[2] = xstrdup(rows[i].command);
+        host.argv = argv;
+        host.by_ssh = rows[i].by_ssh;
+        fan_slot_open(&f, s);
+        hang_up(s);
+        s->conn.leave_us = INT64_MAX;
+        let_end(s);
+        assert_int_equal(s->state, rows[i].then);
+        free(argv[2]);
+        host.argv = worker;
+    }
+}
+
+static void a_container_may_restart_before_it_has_tasks(void **state)
+{
+    (void)state;
+    host.by_ssh = false;
+    assert_int_equal(state_after(0, "cat; exit 137"), FAN_WAITING);
+    assert_int_equal(state_after(0, "cat; exit 126"), FAN_GONE);
+}
+
+#define ROOM 20 /* hosts */
+
+static void hosts_wait_for_each_other_only_behind_one_jump_host(void **state)
+{
+    (void)state;
+    static struct fan_host many[ROOM];
+    static struct fan_slot each[ROOM];
+    struct fan_jump jump = {.name = (char[]){"bastion"}};
+    f.slots = each;
+    f.hosts = many;
+    f.jumps = &jump;
+    f.n_jumps = 1;
+    f.n_slots = f.n_hosts = f.n_numbers = ROOM;
+    for (int through = 0; through <= 1; through++) {
+        memset(f.n, 0, sizeof f.n);
+        f.n[FAN_WAITING] = ROOM;
+        f.connecting = 0;
+        for (int k = 0; k < ROOM; k++) {
+            many[k] = (struct fan_host){
+                .host = &of_file, .argv = worker, .by_ssh = true, .asked = true, .jump = through};
+            fan_slot_init(&f, k, k, 1, &many[k]);
+        }
+        for (int i = 0; i < ROOM; i++) fan_connect(&f);
+        assert_int_equal(f.n[FAN_OPENING], through ? 8 : ROOM);
+        for (int k = 0; k < ROOM; k++) {
+            fan_slot_disconnect(&f, &each[k]);
+            fan_slot_free(&each[k]);
+        }
+    }
+    f.jumps = NULL;
+}
+
+/* Ten minutes, for a switch that restarts. */
+static void hosts_that_were_all_up_are_waited_for(void **state)
+{
+    (void)state;
+    assert_int_equal(fan_patience_us(&f), PATIENCE_UNREACHED_US);
+    fan_slot_open(&f, &slots[0]);
+    say_hello(&slots[0]);
+    assert_int_equal(fan_patience_us(&f), PATIENCE_RETURN_US);
+    struct fan_host other = {.host = &of_file, .argv = worker};
+    slots[1].host = &other; /* it was never up */
+    assert_int_equal(fan_patience_us(&f), PATIENCE_UNREACHED_US);
+    fan_slot_give_up(&f, &slots[1], "exit-127");
+    assert_int_equal(fan_patience_us(&f), PATIENCE_RETURN_US);
+    slots[1].host = &host;
+}
+
 static void the_last_try_is_the_last(void **state)
 {
     (void)state;
@@ -839,6 +923,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_queued_slot_delays_no_other, begin, end),
         cmocka_unit_test_setup_teardown(a_status_tells_whether_another_try_may_help, begin, end),
         cmocka_unit_test_setup_teardown(before_it_has_tasks_most_statuses_are_final, begin, end),
+        cmocka_unit_test_setup_teardown(a_container_may_start_late, begin, end),
+        cmocka_unit_test_setup_teardown(a_container_may_restart_before_it_has_tasks, begin, end),
+        cmocka_unit_test_setup_teardown(
+            hosts_wait_for_each_other_only_behind_one_jump_host, begin, end),
+        cmocka_unit_test_setup_teardown(hosts_that_were_all_up_are_waited_for, begin, end),
         cmocka_unit_test_setup_teardown(the_last_try_is_the_last, begin, end),
         cmocka_unit_test_setup_teardown(slots_without_a_line_drain, begin, end),
         cmocka_unit_test_setup_teardown(a_slot_that_was_lost_and_drains_is_given_up, begin, end),

@@ -229,7 +229,7 @@ static void what_is_no_hosts_file_is_refused(void **state)
 /* What the host's shell is to run, when `via` only prints it. */
 static void check_command(const char *name, const char *via, const char *bin, const char *expected)
 {
-    char word[] = "rtworker", quoted[] = "it's a \"$word\" \\ `x` \n*", empty[] = "",
+    char word[] = "rtworker", quoted[] = "it's a \"$word\" \\ `x` ! *", empty[] = "",
          option[] = "-d3";
     char *worker[] = {word, quoted, empty, option, NULL};
     struct host h = {.name = xstrdup(name),
@@ -250,15 +250,112 @@ static void check_command(const char *name, const char *via, const char *bin, co
 static void commands_are_quoted_for_both_shells(void **state)
 {
     (void)state;
-#define THERE "'\\''it'\\''\\'\\'''\\''s a \"$word\" \\ `x` \n*'\\'' '\\'''\\'' -d3'"
+#define THERE                                                                                      \
+    "'\\''it'\\''"                                                                                 \
+    "\\"                                                                                           \
+    "'\\''"                                                                                        \
+    "'\\''s a \"$word\" '\\''"                                                                     \
+    "\\\\"                                                                                         \
+    "'\\'' `x` '\\''"                                                                              \
+    "\\!"                                                                                          \
+    "'\\'' *'\\''"                                                                                 \
+    " '\\'''\\'' -d3'"
     check_command("a", "%h %c", NULL, "exec a 'exec rtworker " THERE);
     check_command("a;b", "x %h %% %c", NULL, "exec x 'a;b' % 'exec rtworker " THERE);
     check_command(
         "a", "%c", "/opt/x y", "exec 'exec env PATH='\\''/opt/x y'\\'':\"$PATH\" rtworker " THERE);
     check_command("a", "%c", "~/b", "exec 'exec env PATH=\"$HOME\"/b:\"$PATH\" rtworker " THERE);
     check_command("me@a", NULL, NULL,
-        "exec ssh -T -x -a -e none -oBatchMode=yes -oConnectTimeout=10 -oServerAliveInterval=5"
+        "exec ssh -T -x -a -e none -oBatchMode=yes -oClearAllForwardings=yes -oRemoteCommand=none"
+        " -oPermitLocalCommand=no -oControlMaster=no -oConnectTimeout=10 -oServerAliveInterval=5"
         " -oServerAliveCountMax=3 me@a 'exec rtworker " THERE);
+}
+
+static void control_characters_travel_as_numbers(void **state)
+{
+    (void)state;
+    char word[] = "a", lines[] = "x\ny\\z\t!\177", empty[] = "";
+    char *plain[] = {word, empty, NULL}, *odd[] = {word, lines, empty, NULL};
+    assert_null(hosts_plain_words(plain));
+    char **words = hosts_plain_words(odd);
+    assert_non_null(words);
+    assert_string_equal(words[0], "sh");
+    assert_string_equal(words[1], "-c");
+    assert_null(strpbrk(words[2], "!\\'\n"));
+    assert_string_equal(words[4], "a");
+    assert_string_equal(words[5], "x\\0012y\\0134z\\0011!\\0177");
+    assert_string_equal(words[6], "");
+    assert_null(words[7]);
+    host_argv_free(words);
+}
+
+/* What other programs take for a host, as a list or in a file. */
+static void a_message_says_what_to_write(void **state)
+{
+    (void)state;
+    static const char *const rows[][3] = {
+        {"a:2222", "via=\"ssh -p 2222 %h %c\"; slots are written 4/host", "slots=4"},
+        {"root@a:22", "expected 'root@a' without a colon: a port goes into ~/.ssh/config",
+            "ssh -p 22 "},
+        {"[::1]", "an IPv6 address without brackets", "without brackets"},
+        {"me@[fe80::1%eth0]:22", "without brackets and port", "without brackets and port"},
+        {"ssh://a:22", "without `ssh://`", "without `ssh://`"},
+        {"a,", "a name before and after each comma", "one host a line"},
+        {",a", "a name before and after each comma", "one host a line"},
+        {"4*a", "`4/host` for four slots", "a line `host slots=4`"},
+        {"a*4", "four slots are written `4/host`", "a line `host slots=4`"},
+        {"n[1-4]", "each host by its name", "each host by its name"},
+        {"a b", "commas between names, and no blanks", NULL},
+        {"a;b", "commas between names, and no blanks", "of letters, digits and ._@%+-"},
+        {"a:/tmp", "no such file", "four slots are written"},
+        {"a:b", "or an IPv6 address", "or an IPv6 address"},
+        {"a,slurm:", "`slurm:` alone", "one host a line"},
+        {"slurm", "expected `slurm:` for the nodes of a job, or 1/slurm", NULL},
+        {"pbs", "expected `pbs:`", NULL},
+        {"4/a", NULL, "expected a line `host slots=4` for four slots"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        if (rows[i][2]) refused(rows[i][0], 1, rows[i][2]);
+        if (!rows[i][1]) continue;
+        assert_false(hosts_read(&hosts, rows[i][0], err));
+        if (!strstr(err, rows[i][1])) fail_msg("%s", err);
+    }
+}
+
+static void a_byte_order_mark_is_skipped(void **state)
+{
+    (void)state;
+    assert_true(read_text("\357\273\277render1 slots=2\n"));
+    assert_string_equal(hosts.at[0].name, "render1");
+    hosts_free(&hosts);
+    assert_false(read_bytes("\377\376a\0\n\0", 6));
+    assert_non_null(strstr(err, "text of UTF-16, expected UTF-8"));
+}
+
+static void ssh_is_asked_for_its_way(void **state)
+{
+    (void)state;
+    static const char *const settings[][2] = {{"user me\nproxyjump bastion\nport 22\n", "bastion"},
+        {"proxycommand ssh -W %h:%p gate", "ssh -W %h:%p gate"},
+        {"proxycommand none\nproxyjump none\n", NULL}, {"xproxyjump a\n", NULL}, {"", NULL}};
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        char *jump = host_jump(settings[i][0], strlen(settings[i][0]));
+        if (settings[i][1]) assert_string_equal(jump, settings[i][1]);
+        else assert_null(jump);
+        free(jump);
+    }
+    assert_true(read_text("a\n:\nb via=\"/usr/bin/ssh -J gate %h %c\"\nc via=\"sh -c %c\"\n"
+                          "d via=\"ssh $OPTIONS %h %c\"\ne via=\"podman exec -i %h sh -c %c\"\n"));
+    static const bool by_ssh[] = {true, false, true, false, true, false};
+    for (size_t i = 0; i < hosts.n; i++) {
+        char **argv = host_settings_argv(&hosts.at[i]);
+        assert_int_equal(host_by_ssh(&hosts.at[i]), by_ssh[i]);
+        assert_int_equal(argv != NULL, by_ssh[i] && i != 4); /* a shell changes the words of d */
+        if (i == 2)
+            assert_string_equal(argv[2], "exec timeout 1 /usr/bin/ssh -v -G -J gate b true");
+        host_argv_free(argv);
+    }
+    hosts_free(&hosts);
 }
 
 static void here_nothing_is_between(void **state)
@@ -379,6 +476,10 @@ int main(void)
         cmocka_unit_test(names_consist_of_harmless_bytes),
         cmocka_unit_test(what_is_no_hosts_file_is_refused),
         cmocka_unit_test(commands_are_quoted_for_both_shells),
+        cmocka_unit_test(control_characters_travel_as_numbers),
+        cmocka_unit_test(a_message_says_what_to_write),
+        cmocka_unit_test(a_byte_order_mark_is_skipped),
+        cmocka_unit_test(ssh_is_asked_for_its_way),
         cmocka_unit_test(here_nothing_is_between),
         cmocka_unit_test(slots_are_numbered_through_the_hosts),
         cmocka_unit_test(a_version_that_stays_is_new_once),

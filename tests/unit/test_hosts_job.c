@@ -208,6 +208,41 @@ static void a_node_is_reached_by_a_step_of_its_own(void **state)
     hosts_free(&hosts);
 }
 
+/* Each part has its own variables; the first one may have those of the job. */
+static void parts_of_a_heterogeneous_job_have_their_own_steps(void **state)
+{
+    (void)state;
+    char word[] = "rtworker", *worker[] = {word, NULL};
+    setenv("SLURM_HET_SIZE", "2", 1);
+    setenv("SLURM_JOB_NODELIST_HET_GROUP_1", "n[1-3]", 1);
+    setenv("SLURM_JOB_CPUS_PER_NODE_HET_GROUP_1", "64(x3)", 1);
+    assert_true(slurm("n1", "2"));
+    char **argv = host_argv(&hosts.at[3], worker);
+    assert_string_equal(argv[2],
+        "exec srun -Qu --het-group=1 -N 1 -n 1 -c 64 --overlap -w n3 sh -c 'exec rtworker'");
+    host_argv_free(argv);
+    has("n1/2 n1/64 n2/64 n3/64 ");
+    setenv("SLURM_JOB_NODELIST_HET_GROUP_0", "n[8-9]", 1);
+    setenv("SLURM_JOB_CPUS_PER_NODE_HET_GROUP_0", "1(x2)", 1);
+    assert_true(slurm("n1", "2"));
+    has("n8/1 n9/1 n1/64 n2/64 n3/64 ");
+    setenv("SLURM_JOB_CPUS_PER_NODE_HET_GROUP_1", "64(x2)", 1);
+    assert_false(slurm("n1", "2"));
+    said("SLURM_JOB_CPUS_PER_NODE_HET_GROUP_1: fewer nodes, expected 3, as in "
+         "SLURM_JOB_NODELIST_HET_GROUP_1",
+        "fewer");
+    setenv("SLURM_HET_SIZE", "3", 1);
+    setenv("SLURM_JOB_CPUS_PER_NODE_HET_GROUP_1", "64(x3)", 1);
+    assert_false(slurm("n1", "2"));
+    said("SLURM_JOB_NODELIST_HET_GROUP_2: ", "not set");
+    setenv("SLURM_HET_SIZE", "many", 1);
+    assert_false(slurm("n1", "2"));
+    said("SLURM_HET_SIZE: 'many'", "parts");
+    unsetenv("SLURM_HET_SIZE");
+    assert_true(slurm("n1", "2"));
+    has("n1/2 ");
+}
+
 /* ---- PBS ---- */
 
 static char path[32];
@@ -313,6 +348,7 @@ int main(void)
         cmocka_unit_test(other_lists_of_nodes_are_refused),
         cmocka_unit_test(other_counts_of_processors_are_refused),
         cmocka_unit_test(a_node_is_reached_by_a_step_of_its_own),
+        cmocka_unit_test(parts_of_a_heterogeneous_job_have_their_own_steps),
         cmocka_unit_test(a_node_has_a_slot_for_each_line),
         cmocka_unit_test(other_files_of_nodes_are_refused),
         cmocka_unit_test(a_file_of_nodes_must_be_a_file),

@@ -1,0 +1,40 @@
+/* fan: what is known of a host, beside its line in the hosts file. */
+#ifndef STORMRING_FAN_HOST_H
+#define STORMRING_FAN_HOST_H
+
+#include "hosts/hosts.h"
+
+#define FAN_TOLD 32 /* lines that a host is not shown to repeat */
+
+/* A host, or a command, through which ssh connects to others. */
+struct fan_jump {
+    char *name;
+    int opening; /* slots being connected through it */
+};
+
+struct fan_host {
+    const struct host *host;
+    char **argv;       /* command line of each of its slots */
+    bool here;         /* this machine: no connection can fail */
+    bool by_ssh;       /* its launcher is ssh */
+    bool asked;        /* it is known how ssh connects to it: */
+    int jump;          /* number in f->jumps, counted from 1; 0: directly, or not known */
+    bool kept;         /* join.c: the new version of the file has it */
+    bool removed;      /* it is no longer in the file: all of its slots drain */
+    int opening;       /* slots being connected */
+    int failures;      /* failed connections in a row: one slot at a time retries */
+    int64_t retry_us;  /* not before this time */
+    int64_t failed_us; /* when `failures` was last counted */
+    bool reached;      /* a slot of it was up */
+    bool given;        /* and was sent tasks */
+    bool told_queued;  /* a message said that it is queued, and no slot of it was up since */
+    enum { FAN_QUIET, FAN_RETRIED, FAN_ENDED } said; /* message printed since a slot of it was up */
+    bool told_plain;         /* it was reported that its worker cannot pack */
+    uint64_t told[FAN_TOLD]; /* hashes of lines of failed connections since a slot was lost; */
+    unsigned n_told;         /* the next one replaces number n_told % FAN_TOLD */
+    int64_t window_us;       /* start of the count of lines shown */
+    int shown;
+    int64_t dropped; /* lines not shown, and not yet reported */
+};
+
+#endif
