@@ -130,6 +130,14 @@ void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t
     wire_seal(b, at);
 }
 
+void wire_failed(struct buf *b, const struct task *t, const char *why, const char *slot)
+{
+    size_t at = buf_size(b);
+    buf_printf(b, "failed %" PRIu32 " %" PRIu32 " why=%s", t->frame, t->id, why);
+    put_extra(b, slot);
+    wire_seal(b, at);
+}
+
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra)
 {
     size_t at = buf_size(b);

@@ -36,6 +36,7 @@ enum rec_kind {
     REC_HELLO,
     REC_FRAG,
     REC_DONE,
+    REC_FAILED,
     REC_BEAT,
     REC_BYE,
     REC_UP,
@@ -62,11 +63,12 @@ struct record {
     enum rec_kind kind;
     const char *line; /* not terminated, without its newline */
     size_t line_len;
-    const unsigned char *body; /* bytes=N of them, without the newline after them */
+    const unsigned char *body; /* bytes=N of them, without the newline after them; NULL: dropped */
     size_t body_len;
     bool has_body;
-    size_t wire_len;  /* bytes that the body had on the wire: fewer if it was packed */
-    struct task task; /* task, frag: all; done, give: the key; frame: .frame; to=K, else -1 */
+    size_t wire_len; /* bytes that the body had on the wire: fewer if it was packed */
+    struct task
+        task; /* task, frag: all; done, failed, give: the key; frame: .frame; to=K, else -1 */
     uint32_t frame_w, frame_h; /* frame */
 };
 
@@ -87,6 +89,8 @@ struct decoder {
     size_t span;        /* bytes of a whole record */
     size_t extent;      /* length of a bad record, if it is certain */
     struct buf plain;   /* a packed record, unpacked */
+    bool drops;         /* the body of the record in front is dropped: */
+    size_t dropped;     /* bytes so far */
 };
 
 enum wire_result {
@@ -115,6 +119,9 @@ int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
 unsigned char *wire_body(struct decoder *d, const struct record *r);
 /* After WIRE_MORE: kind and length of the state record whose body is arriving; REC_KINDS: none. */
 enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
+/* After wire_awaited has returned a kind: the body is dropped as it comes, unchecked, so that it
+ * takes no memory. The record comes out in its place, without it. */
+static inline void wire_drop(struct decoder *d) { d->drops = true; }
 
 /*
  * A stream may change its state. A frame belongs to the state before it in the stream; a frame
@@ -212,6 +219,8 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
     const float *rgba);
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
+/* A task that the worker cannot do, for this reason, which is one word; slot: "w=K" or NULL. */
+void wire_failed(struct buf *b, const struct task *t, const char *why, const char *slot);
 /* least: of the power, by the self-test; 0: not known */
 void wire_hello(struct buf *b, const char *program, const char *selftest, double power,
     double least, int slots);
