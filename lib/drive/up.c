@@ -79,6 +79,16 @@ static _Noreturn void refuse(const struct record *r, const char *expected)
     die(ST_SYSTEM, "from the command: record `%s`, expected %s", rec_name(r->kind), expected);
 }
 
+/* No other slot can do what the only one cannot. */
+static void check_failed(const struct driver *d, const struct record *r)
+{
+    char why[24] = "";
+    if (!d->lone || rec_is(r, "kept", "1")) return;
+    rec_str(r, "why", why, sizeof why);
+    die(ST_SYSTEM, "task %" PRIu32 " %" PRIu32 ": its worker cannot do it (%s)", r->task.frame,
+        r->task.id, why);
+}
+
 static void check_up(const struct driver *d, const struct record *r)
 {
     char job[WIRE_JOB];
@@ -106,6 +116,11 @@ static void take_up(struct driver *d, const struct record *r)
         e.kind = SCHED_PIXELS;
         break;
     case REC_BYE: rec_str(r, "why", d->why, sizeof d->why); return;
+    case REC_FAILED: /* the slot is up again at once */
+        check_failed(d, r);
+        if (!forward_gone(d, r)) return;
+        e.kind = SCHED_GONE;
+        break;
     case REC_DRAIN:
         if (d->lone || !d->policy->joins) return; /* only a fan's slots can leave */
         e.kind = SCHED_DRAIN;

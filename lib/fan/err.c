@@ -44,6 +44,7 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
     if (n && line[n - 1] == '\r') n--;
     if (!s->conn.connected && fan_refusal_holds(f, s, line, n)) return;
     fan_slot_show_held(s);
+    s->conn.told_end |= s->conn.connected && fan_refusal_ends(line, n);
     if (s->conn.connected || hash != s->host->told) show_line(s->host, line, n);
     s->host->told = hash;
 }

@@ -12,6 +12,9 @@
  * late copy, so STALE_TIMES more are allowed for each solicited answer. */
 #define STALE_MOST 1000
 #define STALE_TIMES 4
+/* Tasks in a row that a slot cannot do: a policy that gives each of them to it without end is no
+ * reason to go on. */
+#define FAILED_MOST 10000
 #define NEWS_TIMES 4 /* a worker may announce each frame again after it was lost */
 #define SAID_MAX (WIRE_LINE_MAX - HOST_NAME_MOST - 128) /* bytes of a line without its stamps */
 
@@ -174,6 +177,7 @@ static void complete_task(struct fan_slot *s, struct task_table *tasks, int32_t 
     if (!fan_task(tasks, i)->computed || !tasks_whole(tasks, i)) return;
     remove_task(s, tasks, i);
     s->conn.completed_task = true;
+    s->conn.failed = 0;
 }
 
 /* Counts an answer to no question, or pixels that came before. A slot that sends too many is lost,
@@ -261,21 +265,48 @@ static bool too_long(const struct record *r)
     return said > SAID_MAX;
 }
 
+static void pass_stamped(struct fan *f, const struct fan_slot *s, const struct record *r)
+{
+    char text[144];
+    stamp(s, r, text, sizeof text);
+    stamp_time(f, text, sizeof text);
+    up_forward(&f->out.queue, r, stamped, text);
+}
+
+/* A report for the log: an inner policy has kept the tasks. */
+static const char *pass_kept(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    const char *why = take_news(f, s);
+    if (!why) pass_stamped(f, s, r);
+    return why;
+}
+
+/*
+ * The slot cannot do this task, and goes on with its others. A policy takes them back, as if the
+ * slot were lost; therefore it is reported as up again. If it gets them again, they are under way.
+ */
+static const char *take_failed(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    if (rec_is(r, "kept", "1")) return pass_kept(f, s, r);
+    struct task_table *tasks = tasks_of(s, r);
+    int32_t i = tasks ? tasks_find(tasks, r->task.frame, r->task.id) : -1;
+    if (i < 0 || fan_task(tasks, i)->computed) return take_stale(f, s);
+    if (s->drains || ++s->conn.failed > FAILED_MOST) return "out-of-memory";
+    s->undone--;
+    remove_task(s, tasks, i);
+    f->lost++;
+    pass_stamped(f, s, r);
+    fan_say_up(f, s, number_of(s, r));
+    return NULL;
+}
+
 /*
  * An inner fan has lost a slot. If there is a policy between, it has kept the slot's tasks, and the
  * report is for the log. Without one, tasks sent to that slot will not come back.
  */
 static const char *take_inner_gone(struct fan *f, struct fan_slot *s, const struct record *r)
 {
-    char text[144];
-    if (rec_is(r, "kept", "1")) {
-        const char *why = take_news(f, s);
-        if (why) return why;
-        stamp(s, r, text, sizeof text);
-        stamp_time(f, text, sizeof text);
-        up_forward(&f->out.queue, r, stamped, text);
-        return NULL;
-    }
+    if (rec_is(r, "kept", "1")) return pass_kept(f, s, r);
     return f->in_open || s->n_tasks ? "inner-gone" : NULL;
 }
 
@@ -289,6 +320,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_FRAME: return take_frame(f, s, r);
     case REC_DONE: return take_done(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
+    case REC_FAILED: return take_failed(f, s, r);
     case REC_BEAT: pass_beat(f, s, r); return NULL;
     case REC_GONE: return take_inner_gone(f, s, r);
     case REC_CODE: return fan_take_code(f, s, r);

@@ -21,6 +21,12 @@ static struct fork_task *extra(const struct fork_slot *s, int32_t i)
     return tasks_extra(&s->tasks, i);
 }
 
+static const char *stamp(char w[24], int slot)
+{
+    snprintf(w, 24, "w=%d", slot);
+    return w;
+}
+
 void worker_fork_open(struct fork_slot *s, int number)
 {
     *s = (struct fork_slot){
@@ -128,6 +134,19 @@ static bool lend(struct forks *p, struct fork_slot *s, int32_t i)
     return to && worker_fork_add(to, &e.task, e.frame_w, extra(s, i)->of);
 }
 
+void worker_fork_fail(struct forks *p, struct fork_slot *s, uint32_t generation, const char *why)
+{
+    char w[24];
+    for (int32_t i = s->waiting.head, next; i >= 0; i = next) {
+        next = s->tasks.at[i].next;
+        const struct task t = s->tasks.at[i].task;
+        if (t.generation != generation) continue;
+        worker_fail(p->w, &p->out.queue.control, &t, stamp(w, extra(s, i)->of), why);
+        list_remove(&s->tasks, &s->waiting, i);
+        tasks_remove(&s->tasks, i);
+    }
+}
+
 void worker_fork_lend(struct forks *p, struct fork_slot *s)
 {
     if (!s->refused || s->child.pid) return;
@@ -198,7 +217,8 @@ static void lose(struct fork_slot *s, const char *why, int most)
     int lost = s->sent.count;
     if (lost) {
         s->flush = true; /* it may have been asked before it was lost */
-        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
+        warn("slot %d: lost (%s) with %d tasks, forked again%s", s->number, why, lost,
+            status_hint(why));
         if (++s->deaths >= most)
             die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
     }
@@ -217,12 +237,6 @@ static void complete(struct fork_slot *s, int32_t i)
     list_remove(&s->tasks, &s->sent, i);
     tasks_remove(&s->tasks, i);
     s->deaths = 0;
-}
-
-static const char *stamp(char w[24], int slot)
-{
-    snprintf(w, 24, "w=%d", slot);
-    return w;
 }
 
 /* A task that is computed again says `done` once only. */
