@@ -177,8 +177,10 @@ int crop_run(char *const words[], const struct crop_place *place, struct buf *ou
     int status = wait_for(&c);
     if (status == 0) return 0;
     char text[24];
-    const char *number = strchr(status_text(status, text), '-') + 1;
-    if (*text == 's') err_set(err, "%s: ended by signal %s%s", words[0], number, status_hint(text));
-    else err_set(err, "%s: exit status %s, expected 0", words[0], number);
-    return strcmp(text, "exit-127") == 0 ? CROP_NOT_FOUND : -1;
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (code > 128 && code <= 128 + SIGRTMAX)
+        err_set(err, "%s: ended by signal %d%s", words[0], code - 128,
+            status_hint(status_text(status, text)));
+    else err_set(err, "%s: exit status %d, expected 0", words[0], code);
+    return code == 127 ? CROP_NOT_FOUND : -1;
 }

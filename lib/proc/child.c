@@ -20,8 +20,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SIGNAL_MOST 64 /* of Linux */
-
 enum { TO, FROM, REPORT, ERR, PIPES }; /* ERR comes last: it may be missing */
 
 void child_close(int *fd)
@@ -206,9 +204,10 @@ int child_run(char *const argv[], int in, int err, struct buf *said)
 
 const char *status_text(int status, char text[24])
 {
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    const bool by_signal = code > 128 && code <= 128 + SIGNAL_MOST;
-    snprintf(text, 24, by_signal ? "signal-%d" : "exit-%d", by_signal ? code - 128 : code);
+    const bool killed = WIFEXITED(status) && WEXITSTATUS(status) == 128 + SIGKILL;
+    if (killed) snprintf(text, 24, "signal-%d", SIGKILL);
+    else if (WIFSIGNALED(status)) snprintf(text, 24, "signal-%d", WTERMSIG(status));
+    else snprintf(text, 24, "exit-%d", WEXITSTATUS(status));
     return text;
 }
 
