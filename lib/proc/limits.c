@@ -245,11 +245,11 @@ static double room(const char *dir, bool first_version)
     return fmax(most - fmax(used - files, 0), 0);
 }
 
-/* What is left of a limit of this process. */
-static double left(int resource, double used)
+/* What is left of the limit of addresses. */
+static double addresses_left(double used)
 {
     struct rlimit limit;
-    if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return NONE;
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return NONE;
     return fmax((double)limit.rlim_cur - used, 0);
 }
 
@@ -262,6 +262,6 @@ struct proc_memory proc_memory(const char *root)
     const double page = (double)sysconf(_SC_PAGESIZE), all = number_of(root, "/proc/self/statm", 0);
     return (struct proc_memory){
         .bytes = fmin(kib * 1024, least(root, "memory", room)),
-        .addresses = left(RLIMIT_AS, all * page),
+        .addresses = addresses_left(all * page),
     };
 }

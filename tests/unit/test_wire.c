@@ -895,6 +895,11 @@ static void test_dropped(void **state)
     feed_text(&d, "grid bytes=9\nabc");
     assert_int_equal(wire_next(&d, &r), WIRE_MORE);
     wire_drop(&d);
+    feed_text(&d, "defghi\nflush\ngrid bytes=9\nabc"); /* more than the rest */
+    assert_true(wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_GRID && !r.body);
+    assert_true(wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_FLUSH);
+    assert_int_equal(wire_next(&d, &r), WIRE_MORE);
+    wire_drop(&d);
     wire_end(&d);
     assert_int_equal(wire_next(&d, &r), WIRE_BAD);
     assert_non_null(strstr(d.why, "cut off"));
