@@ -114,7 +114,7 @@ unexport CDPATH
 # What tests and measurements run: these programs.
 RUN      = @BIN="$$(cd $(BIN) && pwd)"
 # Two commands must do: they use all cores without being told.
-PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
+PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell tests/processors))
 
 # What hosts with send=auto get: programs that need no library there. Left out where a static library is missing, and by
 # sanitizers.

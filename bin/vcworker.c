@@ -41,6 +41,13 @@ static int spec_of(
     return spec_read(name, (const char *)text, n, spec, err);
 }
 
+/* As float; fewer bytes than values are a mistake, which reading names. */
+static double grid_needs(const unsigned char *start, size_t n, size_t bytes)
+{
+    const uint64_t nodes = start ? grid_nodes(start, n) : 0;
+    return nodes <= bytes ? (double)nodes * sizeof(float) : 0;
+}
+
 static void free_grid(void *grid) { grid_free(grid); }
 static void free_spec(void *spec) { spec_free(spec); }
 
@@ -105,8 +112,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "vcworker",
-    .part = {[GRID] = {REC_GRID, sizeof(struct grid), grid_of, free_grid},
-        [SPEC] = {REC_SPEC, sizeof(struct spec), spec_of, free_spec}},
+    .part = {[GRID] = {REC_GRID, sizeof(struct grid), grid_of, free_grid, grid_needs},
+        [SPEC] = {REC_SPEC, sizeof(struct spec), spec_of, free_spec, NULL}},
     .n_parts = 2,
     .check = check,
     .build = build,

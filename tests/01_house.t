@@ -69,7 +69,7 @@ clean 'modules include only what the table allows'
 # A name that files share begins with its module's name, or with one of these words, which no other module has.
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
-base buf close_stdout cpu_us die err hash64 input isa load_file now_us opt outfile parse print_float print_real prog
+base buf clock close_stdout cpu_us die err hash64 input isa load_file now_us opt outfile parse print_float print_real prog
 base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags
 eta progress
@@ -80,7 +80,7 @@ hosts host
 image assembly pam pfm png pnm quantizer sampler srgb store
 log intake
 pipe blob down outlet silence stdout_private stream up
-proc child cores_available signals status_text want_descriptors
+proc child cores_available groups signals status want_descriptors
 scene corners nff points pov reader token tokens
 sched cost deal gdc hub node pace pieces policy set tournament
 sim net tree

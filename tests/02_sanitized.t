@@ -19,7 +19,7 @@ ok 'it builds with sanitizers, and clang warns of nothing' \
 # test_base tries to run out of memory.
 export ASAN_OPTIONS=allocator_may_return_null=1
 # shellcheck disable=SC2016  # the inner shell expands them
-printf '%s\n' $units | xargs -r -n 1 -P "$(nproc)" sh -c '"build/fuzz/unit/$1" >"$0/$1.said" 2>&1; echo $? >"$0/$1.status"' "$tmp"
+printf '%s\n' $units | xargs -r -n 1 -P "$("$root/tests/processors")" sh -c '"build/fuzz/unit/$1" >"$0/$1.said" 2>&1; echo $? >"$0/$1.status"' "$tmp"
 unset ASAN_OPTIONS
 clean() { cat "$tmp/$1.said"; return "$(cat "$tmp/$1.status")"; }
 for name in $units; do ok "$name is clean under ASan and UBSan" clean "$name"; done

@@ -69,7 +69,7 @@ cat >stalled <<'END'
 END
 chmod +x stall stalled
 computed() { grep -aq "^done" "got.$1" 2>/dev/null; } # NODE: tasks, whose pixels wait
-lost() { grep -q " on $1: lost (.*) with [1-9][0-9]* tasks, connecting again$" said; } # NODE, with tasks
+lost() { grep -q " on $1: lost (.*) with [1-9][0-9]* tasks, connecting again" said; } # NODE, with tasks
 # back NODE: they are up again after that
 back() { awk -v on=" on $1: " 'index($0, on "lost") { lost = 1; up = 0 } lost && index($0, on "are up") { up = 1 } END { exit !up }' said; }
 neither() { ! back n3 && ! back n4; }

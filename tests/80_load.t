@@ -23,6 +23,12 @@ bounded '200 slots' deal kib $((20 << 10))
 bounded '200 slots' deal open 16
 bounded '200 slots' gather open 16
 
+measured "{ pack scene tetra.nff; partition -u run:1 400x500; } |
+	deal -q auto -e fan -t 600 -j 2 rtworker - 2>said | gather -o out.pfm"
+same 'two slots with -q auto, 200000 tasks'
+bounded 'two slots with -q auto' fan kib $((32 << 10))
+bounded 'two slots with -q auto' deal kib $(((32 << 10) + (2 * 2500 * 450 >> 10)))
+
 measured "{ pack scene tetra.nff; partition -n 100 -u run:1 400x500; } |
 	ringctl fan -t 600 -j 100 ringctl -n rtworker - 2>said | gather -o out.pfm"
 same 'a ring of 100, 200000 tasks'

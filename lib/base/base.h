@@ -223,7 +223,9 @@ int outfile_check(const char *path);
 
 /* ---- clocks, in microseconds ---------------------------------------------------------- */
 
-int64_t now_us(void); /* monotonic */
+int64_t now_us(void); /* monotonic, without the time that was forgotten */
+/* This process was stopped for this time, which is to count nowhere. */
+void clock_forget(int64_t us);
 int64_t cpu_us(void); /* this process */
 
 /* ---- chance and hashes ---------------------------------------------------------------- */

@@ -161,6 +161,7 @@ int crop_run(char *const words[], const struct crop_place *place, struct buf *ou
     struct keeper k = {words, place, out != NULL};
     struct child c;
     struct buf none = {0}, *to = out ? out : &none;
+    signals_catch_stop(); /* for the command, too */
     if (child_fork(&c, keep, &k) != 0) return err_set(err, "fork: %s", strerror(errno)) - 1;
     bool good = read_output(&c, to, most);
     if (!good) err_set(err, "standard output of %s: %s", words[0], strerror(errno));
@@ -175,9 +176,11 @@ int crop_run(char *const words[], const struct crop_place *place, struct buf *ou
     }
     int status = wait_for(&c);
     if (status == 0) return 0;
+    char text[24];
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     if (code > 128 && code <= 128 + SIGRTMAX)
-        err_set(err, "%s: ended by signal %d", words[0], code - 128);
+        err_set(err, "%s: ended by signal %d%s", words[0], code - 128,
+            status_hint(status_text(status, text)));
     else err_set(err, "%s: exit status %d, expected 0", words[0], code);
     return code == 127 ? CROP_NOT_FOUND : -1;
 }

@@ -174,7 +174,8 @@ static bool poll_round(struct driver *d)
     return more;
 }
 
-static int finish(struct driver *d, char *const *command)
+/* `end` is "", or what its wait status adds to a message. */
+static int finish(struct driver *d, char *const *command, const char *end)
 {
     if (d->refused) return d->refused;
     if (d->dismissed) return ST_OK;
@@ -186,9 +187,9 @@ static int finish(struct driver *d, char *const *command)
         up_end_record(&d->out.queue);
         outlet_drain(&d->out);
         if (left && !signals_came())
-            warn("%s ended with %" PRId64 " tasks unfinished", command[0], left);
+            warn("%s ended with %" PRId64 " tasks unfinished%s", command[0], left, end);
         else if (unfinished && !nobody && !signals_came())
-            warn("%s ended before the end of its input", command[0]);
+            warn("%s ended before the end of its input%s", command[0], end);
     }
     if (d->out.gone || unfinished || nobody) return ST_SYSTEM;
     return d->losses.some ? ST_PARTIAL : ST_OK;
@@ -213,8 +214,9 @@ int drive_policy(
     while (more && !d.out.gone && !d.refused && !d.stopping && !signals_came())
         more = poll_round(&d);
     if (more) child_stop(&d.child);
-    child_end(&d.child, GRACE_MS);
-    int status = finish(&d, command);
+    char text[24];
+    const int ended = child_end(&d.child, GRACE_MS);
+    int status = finish(&d, command, more ? "" : status_hint(status_text(ended, text)));
     policy->destroy(d.state);
     free(d.acts.at);
     down_free(&d.down);

@@ -51,6 +51,7 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
     if (!s->conn.connected && fan_refusal_holds(f, s, line, n)) return;
     if (s->conn.connected && n) snprintf(s->conn.said, sizeof s->conn.said, "%.*s", (int)n, line);
     fan_slot_show_held(s);
+    s->conn.told_end |= s->conn.connected && fan_refusal_ends(line, n);
     if (s->conn.connected) show_line(s->host, line, n);
     else show_once(s->host, line, n);
 }

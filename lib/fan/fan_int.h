@@ -92,6 +92,7 @@ struct connection {
     size_t probe_bytes;      /* the length of the answer that is to come; 0: none is */
     bool connected;          /* it said hello and was accepted */
     bool announced_frame;    /* it has announced a frame */
+    bool told_end;           /* ssh has said why the connection ended */
     bool completed_task;     /* it has computed and delivered a task */
     bool placed;             /* it was told its place in a ring: its messages to the hub pass */
     bool input_closed_first; /* the stream ended after its input was closed */
@@ -276,11 +277,12 @@ int64_t fan_retry_wait_us(int failures);
 bool fan_host_exhausted(const struct fan_host *h);
 /* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
 bool fan_host_retries(struct fan_slot *s);
-/* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
+/* Reports `gone` for slot s, unless that was reported (`lost`: with its tasks); `up` for slot k. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
 /* The time of fan_patience_us. */
 #define FAN_PATIENCE_TEXT 32
 const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT]);
+void fan_say_up(struct fan *f, const struct fan_slot *s, int k);
 /* Prints why slot s could not be connected, with advice. `why` is the reason if neither ssh nor the
  * remote shell gave a better one. */
 void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again);
@@ -377,6 +379,8 @@ const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record
 void fan_refusal_forget(struct fan_slot *s);
 /* True if this line of standard error may explain a failed connection. The line is held then. */
 bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line, size_t n);
+/* True if this line is ssh's on a connection that has ended. */
+bool fan_refusal_ends(const char *line, size_t n);
 /* True if ssh's message shows that a retry cannot help. Only if the host never was up. */
 bool fan_refusal_is_final(const struct fan_slot *s);
 /* Appends the reason and advice, and drops the held lines; or returns false. */

@@ -94,6 +94,15 @@ bool fan_refusal_holds(const struct fan *f, struct fan_slot *s, const char *line
     return true;
 }
 
+bool fan_refusal_ends(const char *line, size_t n)
+{
+    static const char *const says[] = {"onnection", "disconnect", "not responding", "roken pipe",
+        "ssh", "packet", "imed out", NULL};
+    int i = 0;
+    while (says[i] && !has(line, n, says[i])) i++;
+    return says[i] != NULL;
+}
+
 bool fan_refusal_is_final(const struct fan_slot *s)
 {
     return !s->host->reached && s->conn.refusal && s->conn.refusal->final;

@@ -166,13 +166,7 @@ void fan_slot_queue(struct fan *f, struct fan_slot *s)
 
 static void say_up(struct fan *f, const struct fan_slot *s)
 {
-    char text[HOST_NAME_MOST + 64];
-    for (int i = 0; i < s->width; i++) {
-        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d%s", s->number + i,
-            s->host->host->name, s->power, s->inner, s->host->host->power > 0 ? " stated=1" : "");
-        wire_plain(&f->out.queue.bulk, REC_UP, text);
-        up_end_record(&f->out.queue);
-    }
+    for (int i = 0; i < s->width; i++) fan_say_up(f, s, s->number + i);
 }
 
 void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power)
@@ -279,6 +273,14 @@ static void host_failed(struct fan *f, struct fan_slot *s, const char *why, bool
     }
 }
 
+/* ssh has no status for a worker that a signal has ended: it ends with 255, and prints nothing. */
+static bool killed(const struct fan_slot *s, const char *why)
+{
+    const char *via = s->host->host->via;
+    return !s->host->here && s->conn.connected && !s->conn.told_end &&
+           strcmp(why, "exit-255") == 0 && (!via || strstr(via, "ssh"));
+}
+
 /* Reports the loss of the slot, and decides whether to connect it again. */
 static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
 {
@@ -298,10 +300,13 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     if (s->drains && !s->conn.connected) fan_refusal_forget(s);
     else if (!s->conn.connected && !s->host->here) host_failed(f, s, why, again);
     else if (strcmp(why, "not-started") != 0 && (lost || (f->in_open && !s->drains)))
-        warn("%s: lost (%s) with %" PRId32 " tasks%s", fan_slot_name(s, name), why, lost,
+        warn("%s: lost (%s) with %" PRId32 " tasks%s%s", fan_slot_name(s, name), why, lost,
             again && s->host->here ? ", starting again"
             : again                ? ", connecting again"
-                                   : "");
+                                   : "",
+            killed(s, why)
+                ? "; ssh says no reason: killed there, as the kernel does when memory is short"
+                : status_hint(why));
     f->lost += lost;
     if (s->conn.connected) {
         s->missing_us = now_us();

@@ -53,6 +53,9 @@ static inline size_t grid_node(const struct grid *g, uint32_t i, uint32_t j, uin
  */
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES]);
+/* The number of values of the first grid by its head, which is in the first n bytes; 0: it is not,
+ * or is wrong. */
+uint64_t grid_nodes(const unsigned char *start, size_t n);
 /* Reads a file; "-": standard input. */
 int grid_load(const char *path, struct grid *g, char err[ERR_BYTES]);
 /*

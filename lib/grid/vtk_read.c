@@ -274,6 +274,24 @@ static int read_from(struct vtk_reader r, struct grid *g, char err[ERR_BYTES])
     return -1;
 }
 
+uint64_t grid_nodes(const unsigned char *start, size_t n)
+{
+    char err[ERR_BYTES];
+    struct grid g = {0};
+    struct vtk_reader r = {.bytes = start, .at = start, .end = start + n, .name = "", .err = err};
+    uint64_t nodes = 1, planes = 0;
+    if (!read_head(&r, &g) || (vtk_take(&r, "FIELD") && !read_field(&r)) ||
+        !vtk_expect(&r, "next part", "DIMENSIONS"))
+        return 0;
+    for (int a = 0; a < 3; a++) {
+        if (!vtk_count(&r, "nodes", 1, INT32_MAX, &planes) ||
+            nodes > UINT32_MAX * UINT64_C(64) / planes)
+            return 0;
+        nodes *= planes;
+    }
+    return nodes;
+}
+
 int grid_read(
     const char *name, const unsigned char *bytes, size_t n, struct grid *g, char err[ERR_BYTES])
 {

@@ -77,6 +77,32 @@ static bool set_tries(struct host *host, const char *value)
     return true;
 }
 
+static bool set_nice(struct host *host, const char *value)
+{
+    int64_t n;
+    if (!parse_int(value, 0, 19, &n)) return false;
+    host->nice = (int)n;
+    return true;
+}
+
+/* Bytes, with or without a suffix. */
+static bool set_memory(struct host *host, const char *value)
+{
+    static const char units[] = "KMG";
+    char text[24];
+    int64_t n;
+    if (strlen(value) >= sizeof text) return false;
+    const size_t digits = strspn(value, "0123456789");
+    const char *unit = value[digits] ? strchr(units, value[digits]) : NULL;
+    if (value[digits] && (!unit || value[digits + 1])) return false;
+    snprintf(text, sizeof text, "%.*s", (int)digits, value);
+    if (!parse_int(text, 1, INT64_C(1) << 50, &n)) return false;
+    for (int times = unit ? (int)(unit - units) + 1 : 0; times; times--)
+        if ((n *= 1024) > INT64_C(1) << 50) return false;
+    host->memory = n;
+    return n >= 1 << 20;
+}
+
 static bool set_send(struct host *host, const char *value)
 {
     host->send = true;
@@ -99,6 +125,8 @@ static const struct key {
     {"latency_ms", set_latency, "a number from 0 to 1e7"},
     {"bytes_per_s", set_bytes, "a number from 1 to 1e15"},
     {"send", set_send, "auto"},
+    {"nice", set_nice, "an integer from 0 to 19"},
+    {"mem", set_memory, "bytes, at least 1M, with or without K, M or G"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 

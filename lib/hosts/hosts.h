@@ -25,10 +25,12 @@ struct hosts_sent {
 struct host {
     char *name, *via, *bin; /* via, bin: NULL if not stated */
     int slots;
-    double power;  /* of a slot; 0: not stated */
-    double wait_s; /* how long its launcher may queue a connection; 0: it has no queue */
-    int tries;     /* connections in a row that may fail; 0: not stated */
-    bool send;     /* it has no programs of its own */
+    double power;   /* of a slot; 0: not stated */
+    double wait_s;  /* how long its launcher may queue a connection; 0: it has no queue */
+    int tries;      /* connections in a row that may fail; 0: not stated */
+    bool send;      /* it has no programs of its own */
+    int nice;       /* of its workers, more than that of their parent */
+    int64_t memory; /* bytes of addresses that each process of them may have; 0: not stated */
     const struct hosts_sent *sent; /* these are sent instead; NULL: not known yet */
     /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
     double latency_ms, bytes_per_s;
@@ -74,9 +76,9 @@ void hosts_sent_free(struct hosts_sent *sent);
 /* True for this machine: commands are run as they are. */
 bool host_is_here(const struct host *h);
 /*
- * The command line to run here so that `worker` (NULL-ended) runs on the host: `worker` itself, or
- * the host's `via` with the worker as a command for the remote shell. NULL-ended; free it with
- * host_argv_free.
+ * The command line to run here so that `worker` (NULL-ended) runs on the host, within the host's
+ * limits: `worker` itself, or the host's `via` with the worker as a command for the remote shell.
+ * NULL-ended; free it with host_argv_free.
  */
 char **host_argv(const struct host *h, char *const worker[]);
 void host_argv_free(char **argv);

@@ -78,18 +78,36 @@ char **hosts_by_sh(const char *by, const char *via, const char *name, const char
     return argv;
 }
 
+/* The worker's command within the limits of the host, by programs that every host has. */
+static char **limited(const struct host *h, char *const worker[])
+{
+    static const char bounded[] = "ulimit -v \"$1\" && shift && exec \"$@\"";
+    char kib[24], nice[8];
+    const char *before[9];
+    size_t n = 0, all = 0;
+    snprintf(kib, sizeof kib, "%lld", (long long)(h->memory / 1024));
+    snprintf(nice, sizeof nice, "%d", h->nice);
+    if (h->nice) before[n++] = "nice", before[n++] = "-n", before[n++] = nice;
+    if (h->memory) {
+        before[n++] = "sh", before[n++] = "-c", before[n++] = bounded;
+        before[n++] = "sh", before[n++] = kib;
+    }
+    while (worker[all]) all++;
+    char **words = xcalloc(n + all + 1, sizeof *words);
+    for (size_t i = 0; i < n + all; i++) words[i] = xstrdup(i < n ? before[i] : worker[i - n]);
+    return words;
+}
+
 char **host_argv(const struct host *h, char *const worker[])
 {
     struct buf remote = {0};
-    size_t n = 0;
-    if (host_is_here(h)) {
-        while (worker[n]) n++;
-        return copy_of(worker, n);
-    }
-    char **plain = hosts_plain_words(worker);
-    add_remote(&remote, h, plain ? plain : worker);
+    char **words = limited(h, worker);
+    if (host_is_here(h)) return words;
+    char **plain = hosts_plain_words(words);
+    add_remote(&remote, h, plain ? plain : words);
     char **argv = hosts_by_sh("", hosts_via(h), h->name, (const char *)buf_data(&remote));
     host_argv_free(plain);
+    host_argv_free(words);
     buf_free(&remote);
     return argv;
 }

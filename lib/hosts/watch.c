@@ -41,6 +41,7 @@ static bool same_text(const char *a, const char *b) { return a && b ? strcmp(a, 
 bool host_same(const struct host *a, const struct host *b)
 {
     bool way = same_text(a->via, b->via) && same_text(a->bin, b->bin) && a->send == b->send;
-    return way && same_text(a->name, b->name) && !(a->wait_s < b->wait_s) &&
+    bool limits = a->nice == b->nice && a->memory == b->memory;
+    return way && limits && same_text(a->name, b->name) && !(a->wait_s < b->wait_s) &&
            !(a->wait_s > b->wait_s);
 }

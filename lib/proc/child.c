@@ -6,13 +6,12 @@
  * the REPORT pipe. A successful exec closes that pipe's write end. The parent closes the child's
  * ends at once.
  */
-#include "proc/proc.h"
+#include "proc/proc_int.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <sched.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -54,6 +53,7 @@ static bool close_others(void)
 static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_run *run)
 {
     setpgid(0, 0);
+    groups_forget(); /* they are those of the parent */
     signals_restore();
     /* A killed parent cannot kill its children: this also ends a stopped child, or one that
      * ignores signals. */
@@ -104,6 +104,7 @@ static int start(struct child *c, const struct to_run *run, int n_pipes)
     c->pid = fork();
     if (c->pid == 0) run_child(parent, p, run);
     if (c->pid < 0) err = errno, c->pid = 0;
+    if (c->pid > 0 && n_pipes == ERR) groups_add(c->pid);
     close(p[TO][0]), close(p[FROM][1]), close(p[REPORT][1]), child_close(&p[ERR][1]);
     c->to = p[TO][1];
     c->from = p[FROM][0];
@@ -144,6 +145,7 @@ static int kill_group(struct child *c)
     kill(-c->pid, SIGKILL);
     while (waitpid(c->pid, &status, 0) < 0 && errno == EINTR)
         ;
+    groups_remove(c->pid);
     c->pid = 0;
     return status;
 }
@@ -202,17 +204,17 @@ int child_run(char *const argv[], int in, int err, struct buf *said)
 
 const char *status_text(int status, char text[24])
 {
-    if (WIFSIGNALED(status)) snprintf(text, 24, "signal-%d", WTERMSIG(status));
+    const bool killed = WIFEXITED(status) && WEXITSTATUS(status) == 128 + SIGKILL;
+    if (killed) snprintf(text, 24, "signal-%d", SIGKILL);
+    else if (WIFSIGNALED(status)) snprintf(text, 24, "signal-%d", WTERMSIG(status));
     else snprintf(text, 24, "exit-%d", WEXITSTATUS(status));
     return text;
 }
 
-int cores_available(void)
+const char *status_hint(const char *text)
 {
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
-    int n = CPU_COUNT(&set);
-    return n > 0 ? n : 1;
+    const bool killed = strcmp(text, "signal-9") == 0;
+    return killed ? "; killed (signal 9), as the kernel does when memory is short" : "";
 }
 
 int want_descriptors(int n)

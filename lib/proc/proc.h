@@ -26,7 +26,8 @@ struct child {
  * included. End it with child_ended or child_end.
  */
 int child_start(struct child *c, char *const argv[]);
-/* The same, with standard error through a pipe of its own. */
+/* The same, with standard error through a pipe of its own, for work on another machine: it is not
+ * stopped with this process (signals_catch). */
 int child_start_apart(struct child *c, char *const argv[]);
 /*
  * The same, but the child is a fork of this process that runs the function, whose result is its
@@ -54,26 +55,47 @@ int child_end(struct child *c, int grace_ms);
  * signal that ended it; -1 with errno if there can be no process.
  */
 int child_run(char *const argv[], int in, int err, struct buf *said);
-/* "exit-3", "signal-9" for a wait status, into text[24]. */
+/* "exit-3", "signal-9" for a wait status, into text[24]. 137, the status of a shell whose command
+ * was ended by signal 9, is that signal; launchers choose other numbers above 128 themselves. */
 const char *status_text(int status, char text[24]);
-/* The number of processors this process may run on. */
-int cores_available(void);
-/*
- * The processors that its control groups allow it, such as .25; INFINITY: no quota. groups is
- * /proc/self/cgroup, and root is where the groups are mounted, /sys/fs/cgroup: version 2, or
- * version 1 with the controller at root/cpu. (quota.c)
- */
-double proc_quota(const char *groups, const char *root);
+/* What a message adds to such a text: of signal 9 that the kernel sends it when memory is short;
+ * else "". It begins with "; ". */
+const char *status_hint(const char *text);
 /* Raises the limit of open descriptors to n if the system allows it. Returns it, at most n. */
 int want_descriptors(int n);
+
+/* ---- what the system allows this process (limits.c) ---- */
+
+/* The number of processors that this process may use: those of its set, and no more than its quota,
+ * rounded up. At least 1. */
+int cores_available(void);
+/*
+ * The functions below read files of /proc and /sys below the directory `root`, "" for those of the
+ * system. A file that is missing, or has other text than expected, limits nothing.
+ *
+ * The processors that this process's control groups allow it, of version 1, 2 or both, and the
+ * groups around them: such as .25; INFINITY: no quota.
+ */
+double proc_quota(const char *root);
+/* What this process may still take. INFINITY: no limit. */
+struct proc_memory {
+    double bytes;     /* of memory: by its control groups, and by what the machine has, with swap */
+    double addresses; /* by RLIMIT_AS */
+};
+struct proc_memory proc_memory(const char *root);
 
 /* ---- signals: delivered only while this process waits in signals_poll ---- */
 
 /*
  * From now on SIGINT, SIGTERM and SIGHUP, unless ignored, only set signals_came. SIGPIPE is
- * ignored. Children start without these changes.
+ * ignored. SIGTSTP, unless ignored, stops children too, because they are in other process groups
+ * than the terminal's; the SIGCONT that continues this process continues them. The clock forgets
+ * the time between. Children start without these changes.
  */
 void signals_catch(void);
+/* Only that of SIGTSTP, at any time: for a process with one thread that does not call
+ * signals_poll. */
+void signals_catch_stop(void);
 struct pollfd;
 /* poll(2). The end of a child, or one of the signals above, ends it with EINTR. */
 int signals_poll(struct pollfd *p, size_t n, int timeout_ms);

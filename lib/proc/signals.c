@@ -1,12 +1,16 @@
 /* Signals that end a program which has children: see proc.h. */
-#include "proc/proc.h"
+#include "proc/proc_int.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <time.h>
 #include <unistd.h>
+
+#define STOPPED_TRIES 200 /* a millisecond each, until children have stopped */
 
 static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
 #define N_ENDING (sizeof ending / sizeof *ending)
@@ -15,23 +19,70 @@ static volatile sig_atomic_t came; /* the first one that came */
 static sigset_t before;            /* the mask at the start of this process */
 static bool catching;
 
+static volatile sig_atomic_t stops; /* SIGTSTP has come */
+
+/*
+ * Children stop first, and their children before them. So none of them can be told to go on before
+ * it has stopped. A SIGCONT that has come meanwhile is pending, because it is blocked: it takes the
+ * stop back.
+ */
+static void stop(void)
+{
+    sigset_t pending;
+    const int64_t since_us = now_us();
+    stops = 0;
+    groups_signal(SIGTSTP);
+    for (int i = 0; i < STOPPED_TRIES && !groups_stopped(); i++)
+        nanosleep(&(struct timespec){0, 1000000}, NULL);
+    if (sigpending(&pending) != 0 || !sigismember(&pending, SIGCONT)) raise(SIGSTOP);
+    groups_signal(SIGCONT);
+    clock_forget(now_us() - since_us);
+}
+
 static void note(int sig)
 {
-    if (sig != SIGCHLD && !came) came = sig;
+    if (sig == SIGTSTP) stops = 1;
+    else if (sig != SIGCHLD && !came) came = sig;
+}
+
+static void stop_now(int sig)
+{
+    (void)sig;
+    const int err = errno;
+    stop();
+    errno = err;
+}
+
+/* Has this process, or the one that started it, set the signal aside? */
+static bool ignored(int sig)
+{
+    struct sigaction act;
+    return sigaction(sig, NULL, &act) == 0 && act.sa_handler == SIG_IGN;
+}
+
+void signals_catch_stop(void)
+{
+    const struct sigaction act = {.sa_handler = stop_now, .sa_flags = SA_RESTART};
+    if (!ignored(SIGTSTP)) sigaction(SIGTSTP, &act, NULL);
 }
 
 void signals_catch(void)
 {
-    struct sigaction act = {.sa_handler = note}, old;
+    struct sigaction act = {.sa_handler = note};
     sigset_t blocked;
     sigemptyset(&act.sa_mask);
     sigemptyset(&blocked);
     sigaddset(&blocked, SIGCHLD);
     sigaction(SIGCHLD, &act, NULL);
     for (size_t i = 0; i < N_ENDING; i++) {
-        if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler == SIG_IGN) continue;
+        if (ignored(ending[i])) continue;
         sigaction(ending[i], &act, NULL);
         sigaddset(&blocked, ending[i]);
+    }
+    if (!ignored(SIGTSTP)) {
+        sigaction(SIGTSTP, &act, NULL);
+        sigaddset(&blocked, SIGTSTP);
+        sigaddset(&blocked, SIGCONT);
     }
     signal(SIGPIPE, SIG_IGN);
     /* If this process is to be killed when its parent dies, changes that to SIGTERM: it has
@@ -65,13 +116,17 @@ void signals_say(const char *text, const char *file)
 static void reset(int sig)
 {
     struct sigaction act;
-    if (sigaction(sig, NULL, &act) == 0 && act.sa_handler == note) signal(sig, SIG_DFL);
+    const bool own =
+        sigaction(sig, NULL, &act) == 0 && (act.sa_handler == note || act.sa_handler == stop_now);
+    if (own) signal(sig, SIG_DFL);
 }
 
 /* exec would reset caught signals, but not the mask and SIGPIPE. */
 void signals_restore(void)
 {
     signal(SIGPIPE, SIG_DFL);
+    reset(SIGTSTP);
+    stops = 0;
     if (!catching) return;
     reset(SIGCHLD);
     for (size_t i = 0; i < N_ENDING; i++) reset(ending[i]);
@@ -83,7 +138,11 @@ void signals_restore(void)
 int signals_poll(struct pollfd *p, size_t n, int timeout_ms)
 {
     struct timespec t = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
-    return ppoll(p, (nfds_t)n, timeout_ms < 0 ? NULL : &t, catching ? &before : NULL);
+    int ready = ppoll(p, (nfds_t)n, timeout_ms < 0 ? NULL : &t, catching ? &before : NULL);
+    const int err = errno;
+    if (stops) stop();
+    errno = err;
+    return ready;
 }
 
 bool signals_came(void) { return came != 0; }

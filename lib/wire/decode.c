@@ -184,33 +184,6 @@ static bool parse_body(struct record *r, const struct decoder *d, char why[160])
     return true;
 }
 
-static int hex(char c)
-{
-    if (c >= '0' && c <= '9') return c - '0';
-    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
-/*
- * A line that ends in its sum must have the right one. Workers are not trusted: each of their lines
- * must have one, unless it is one word. A hello without one is of format 1.
- */
-static bool check_seal(const struct record *r, bool upward, char why[160])
-{
-    if (!rec_sealed(r)) {
-        if (!upward || r->kind == REC_HELLO || !memchr(r->line, ' ', r->line_len)) return true;
-        return wire_fail(why, "no sum", "sum=HHHHHHHH at the end of the line (stormring-frag(5))");
-    }
-    size_t n = r->line_len - WIRE_SEAL_BYTES;
-    uint32_t sum = 0;
-    for (size_t i = r->line_len - 8; i < r->line_len; i++) {
-        int v = hex(r->line[i]);
-        if (v < 0) return wire_fail(why, "sum out of range", "8 hexadecimal digits");
-        sum = sum << 4 | (uint32_t)v;
-    }
-    return sum == wire_crc(r->line, n) ? true
-                                       : wire_fail(why, "sum differs", "the line that was sent");
-}
-
 static bool parse_line(
     const struct decoder *d, const char *line, size_t len, struct record *r, char why[160])
 {
@@ -252,7 +225,7 @@ static bool parse_line(
         return wire_fail(why, "no such time", "within=S in range");
     if (r->kind == REC_LEAVE && r->task.to < 0)
         return wire_fail(why, grammar[r->kind].name, "to=K");
-    return parse_body(r, d, why) && check_seal(r, d->upward, why);
+    return parse_body(r, d, why) && wire_check_seal(r, d->upward, why);
 }
 
 static bool check_body(struct decoder *d, const struct record *r, char why[160])
@@ -327,6 +300,19 @@ static void lose(struct decoder *d, const struct record *r)
     buf_consume(&d->in, step);
 }
 
+/* Forgets what has come of the body behind the line in front, of `head` bytes. True if that was the
+ * rest: then the line alone is the record. */
+static bool drop_body(struct decoder *d, size_t head)
+{
+    unsigned char *body = d->in.data + d->in.off + head;
+    size_t here = buf_size(&d->in) - head, due = d->span - head - d->dropped;
+    size_t n = here < due ? here : due;
+    memmove(body, body + n, here - n);
+    d->in.len -= n;
+    d->dropped += n;
+    return n == due;
+}
+
 /* Decodes the front of the buffer. */
 static enum wire_result look(struct decoder *d, struct record *r, char why[160])
 {
@@ -344,6 +330,16 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
     size_t len = (size_t)(nl - line);
     if (!parse_line(d, line, len, r, why)) return WIRE_BAD;
     d->span = len + 1 + (r->has_body ? r->wire_len + 1 : 0);
+    if (d->drops) {
+        if (drop_body(d, len + 1)) {
+            d->span = len + 1;
+            return WIRE_RECORD;
+        }
+        if (!d->ended) return WIRE_MORE;
+        d->drops = false;
+        wire_fail(why, "cut off", "bytes=N bytes and a newline");
+        return WIRE_BAD;
+    }
     if (n < d->span) {
         if (!d->ended) return WIRE_MORE;
         wire_fail(why, "cut off", "bytes=N bytes and a newline");
@@ -373,6 +369,7 @@ enum rec_kind wire_awaited(struct decoder *d, size_t *bytes)
 enum wire_result wire_next(struct decoder *d, struct record *r)
 {
     char why[sizeof d->why];
+    if (d->consumed) d->drops = false, d->dropped = 0;
     buf_consume(&d->in, d->consumed);
     d->consumed = 0;
     if (d->plain.cap > PLAIN_KEPT) buf_free(&d->plain);

@@ -65,11 +65,12 @@ struct record {
     enum rec_kind kind;
     const char *line; /* not terminated, without its newline */
     size_t line_len;
-    const unsigned char *body; /* bytes=N of them, without the newline after them */
+    const unsigned char *body; /* bytes=N of them, without the newline after them; NULL: dropped */
     size_t body_len;
     bool has_body;
-    size_t wire_len;  /* bytes that the body had on the wire: fewer if it was packed */
-    struct task task; /* task, frag: all; done, give: the key; frame: .frame; to=K, else -1 */
+    size_t wire_len; /* bytes that the body had on the wire: fewer if it was packed */
+    struct task
+        task; /* task, frag: all; done, failed, give: the key; frame: .frame; to=K, else -1 */
     uint32_t frame_w, frame_h; /* frame */
 };
 
@@ -90,6 +91,8 @@ struct decoder {
     size_t span;        /* bytes of a whole record */
     size_t extent;      /* length of a bad record, if it is certain */
     struct buf plain;   /* a packed record, unpacked */
+    bool drops;         /* the body of the record in front is dropped: */
+    size_t dropped;     /* bytes so far */
 };
 
 enum wire_result {
@@ -118,6 +121,9 @@ int wire_read(int fd, wire_taker *take, void *ctx, char why[WIRE_WHY]);
 unsigned char *wire_body(struct decoder *d, const struct record *r);
 /* After WIRE_MORE: kind and length of the state record whose body is arriving; REC_KINDS: none. */
 enum rec_kind wire_awaited(struct decoder *d, size_t *bytes);
+/* After wire_awaited has returned a kind: the body is dropped as it comes, unchecked, so that it
+ * takes no memory. The record comes out in its place, without it. */
+static inline void wire_drop(struct decoder *d) { d->drops = true; }
 
 /*
  * A stream may change its state. A frame belongs to the state before it in the stream; a frame

@@ -1,4 +1,5 @@
-/* wire, shared by its files: encode.c and pack.c append records; decode.c and unpack.c read. */
+/* wire, shared by its files: encode.c and pack.c append records; decode.c, seal.c and
+ * unpack.c read. */
 #ifndef STORMRING_WIRE_INT_H
 #define STORMRING_WIRE_INT_H
 
@@ -9,6 +10,15 @@
 /* Appends a body and the newline after it, which lets whole records through a launcher that
  * forwards whole lines. */
 void wire_put_body(struct buf *b, const void *body, size_t n);
+
+/* ---- seal.c ---- */
+
+/*
+ * A line that ends in its sum must have the right one. Workers are not trusted: each of their lines
+ * must have one, unless it is one word. A hello without one is of format 1. False: it is bad, with
+ * the error in why.
+ */
+bool wire_check_seal(const struct record *r, bool upward, char why[WIRE_WHY]);
 
 /* ---- unpack.c ---- */
 

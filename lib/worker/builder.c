@@ -15,9 +15,8 @@ static void *run(void *builder)
 {
     struct worker_builder *b = builder;
     const struct worker *w = b->w;
-    if (b->body)
-        b->failed = w->ops->state(w->ctx, b->generation, b->kind, b->body, b->n, b->err) != 0;
-    else b->failed = w->ops->ready(w->ctx, &b->frame, b->err) != 0;
+    if (b->body) b->failed = w->ops->state(w->ctx, b->generation, b->kind, b->body, b->n, b->err);
+    else b->failed = w->ops->ready(w->ctx, &b->frame, b->err);
     while (write(b->done[1], "", 1) < 0 && errno == EINTR)
         ;
     return NULL;
@@ -38,7 +37,7 @@ void worker_builder_close(struct worker_builder *b)
 static void start(struct worker_builder *b)
 {
     b->busy = true;
-    b->failed = false;
+    b->failed = 0;
     errno = pthread_create(&b->thread, NULL, run, b);
     if (errno) die(ST_SYSTEM, "a thread to build:");
 }

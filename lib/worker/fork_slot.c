@@ -21,6 +21,12 @@ static struct fork_task *extra(const struct fork_slot *s, int32_t i)
     return tasks_extra(&s->tasks, i);
 }
 
+static const char *stamp(char w[24], int slot)
+{
+    snprintf(w, 24, "w=%d", slot);
+    return w;
+}
+
 void worker_fork_open(struct fork_slot *s, int number)
 {
     *s = (struct fork_slot){
@@ -128,6 +134,19 @@ static bool lend(struct forks *p, struct fork_slot *s, int32_t i)
     return to && worker_fork_add(to, &e.task, e.frame_w, extra(s, i)->of);
 }
 
+void worker_fork_fail(struct forks *p, struct fork_slot *s, uint32_t generation, const char *why)
+{
+    char w[24];
+    for (int32_t i = s->waiting.head, next; i >= 0; i = next) {
+        next = s->tasks.at[i].next;
+        const struct task t = s->tasks.at[i].task;
+        if (t.generation != generation) continue;
+        worker_fail(p->w, &p->out.queue.control, &t, stamp(w, extra(s, i)->of), why);
+        list_remove(&s->tasks, &s->waiting, i);
+        tasks_remove(&s->tasks, i);
+    }
+}
+
 void worker_fork_lend(struct forks *p, struct fork_slot *s)
 {
     if (!s->refused || s->child.pid) return;
@@ -192,12 +211,6 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
 
 /* ---- the loss of a child -------------------------------------------------------------------- */
 
-static const char *stamp(char w[24], int slot)
-{
-    snprintf(w, 24, "w=%d", slot);
-    return w;
-}
-
 /* Task i, which was sent, leaves the table. */
 static void drop(struct fork_slot *s, int32_t i)
 {
@@ -233,7 +246,8 @@ static void lose(struct forks *p, struct fork_slot *s, const char *why)
     int32_t suspect = current(s);
     if (suspect >= 0) {
         s->flush = true; /* it may have been asked before it was lost */
-        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, s->sent.count);
+        warn("slot %d: lost (%s) with %d tasks, forked again%s", s->number, why, s->sent.count,
+            status_hint(why));
         if (++extra(s, suspect)->losses >= LOSSES_MOST) fail(p, s, suspect, why, NULL);
     }
     settle(s);

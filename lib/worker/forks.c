@@ -53,7 +53,7 @@ static void announce(struct forks *p, uint32_t generation)
     for (size_t i = 0; i < w->frames.n; i++) {
         const struct frame_size *f = &w->frames.at[i];
         if (f->generation != generation) continue;
-        if (!worker_announce(w, f, err)) die(ST_USAGE, "%s", err);
+        if (worker_announce(w, f, err)) die(ST_USAGE, "%s", err);
         buf_append(&p->out.queue.bulk, buf_data(&w->out), buf_size(&w->out));
         buf_consume(&w->out, buf_size(&w->out));
         up_end_record(&p->out.queue);
@@ -91,7 +91,7 @@ static void take_frame(struct forks *p, const struct record *r)
             wire_forward(&s->to.bytes, r, NULL, NULL);
     }
     if (worker_forks_built(p, now) && !p->builder.busy) announce(p, now);
-    else want(p, f);
+    else if (!p->unfit[now % GENERATIONS]) want(p, f);
 }
 
 /* True if no task needs what the held record replaces. Children that hold back pixels are to
@@ -107,17 +107,6 @@ static bool is_free(struct forks *p)
     return false;
 }
 
-/* Starts to load the held record. */
-static void load(struct forks *p)
-{
-    struct worker *w = p->w;
-    const struct record *r = &p->held;
-    worker_drop_older(w, r->kind, r->body_len);
-    generation_state(&w->generations, r->kind, r->body_len);
-    p->built[w->generations.now % GENERATIONS] = false;
-    worker_builder_load(&p->builder, r, wire_body(&w->in, r));
-}
-
 static int take(void *ctx, const struct record *r);
 
 /* Goes on with the input after the held record. */
@@ -125,6 +114,48 @@ static void resume(struct forks *p)
 {
     p->holds = false;
     p->refused = stream_take(&p->w->in, take, p);
+}
+
+/* Notes why tasks of the generation cannot be done; NULL: nothing is known. */
+static void set_unfit(struct forks *p, uint32_t generation, const char *why)
+{
+    char **at = &p->unfit[generation % GENERATIONS];
+    free(*at);
+    *at = why ? xstrdup(why) : NULL;
+}
+
+/* Starts to load the held record, if it fits in memory. */
+static void load(struct forks *p)
+{
+    struct worker *w = p->w;
+    const struct record *r = &p->held;
+    worker_drop_older(w, r->kind, r->body_len);
+    generation_state(&w->generations, r->kind, r->body_len);
+    const uint32_t now = w->generations.now;
+    p->built[now % GENERATIONS] = false;
+    set_unfit(p, now, NULL);
+    if (worker_loads(w, r)) {
+        worker_builder_load(&p->builder, r, wire_body(&w->in, r));
+        return;
+    }
+    if (w->ops->state(w->ctx, now, r->kind, NULL, r->body_len, w->refusal) != 0)
+        die(ST_USAGE, "%s", w->refusal);
+    resume(p);
+}
+
+/* Says of all waiting tasks of the generation why they cannot be done. */
+static void fail_all(struct forks *p, uint32_t generation, const char *why)
+{
+    set_unfit(p, generation, why);
+    for (int32_t i = p->any.head, next; i >= 0; i = next) {
+        const struct task t = p->tasks.at[i].task;
+        next = p->tasks.at[i].next;
+        if (t.generation != generation) continue;
+        worker_fail(p->w, &p->out.queue.control, &t, "w=0", why);
+        list_remove(&p->tasks, &p->any, i);
+        tasks_remove(&p->tasks, i);
+    }
+    for (int k = 0; k < p->n_slots; k++) worker_fork_fail(p, &p->slots[k], generation, why);
 }
 
 static void joined(struct forks *p)
@@ -138,6 +169,10 @@ static void joined(struct forks *p)
     }
     const uint32_t next = b->generation + 1;
     bool asked = tasks_before(p, &next) > 0;
+    if (b->failed == WORKER_REFUSED) {
+        fail_all(p, b->generation, b->err);
+        return;
+    }
     /* State may be missing: then the first task tries again. */
     if (b->failed && asked) die(ST_USAGE, "%s", b->err);
     if (b->failed) return;
@@ -171,6 +206,13 @@ static void take_task(struct forks *p, const struct record *r)
     struct task t = r->task;
     const struct frame_size *f = worker_frame_of(p->w, &t);
     t.generation = f->generation;
+    const char *unfit = p->unfit[t.generation % GENERATIONS];
+    if (unfit) {
+        char w[24];
+        snprintf(w, sizeof w, "w=%d", t.to >= 0 && t.to < p->n_slots ? t.to : 0);
+        worker_fail(p->w, &p->out.queue.control, &t, w, unfit);
+        return;
+    }
     if (!worker_forks_built(p, t.generation)) want(p, f);
     if (t.to >= 0 && t.to < p->n_slots) worker_fork_give(p, &t, f->w);
     else if (tasks_find(&p->tasks, t.frame, t.id) < 0)
@@ -286,7 +328,10 @@ static void go_round(struct forks *p, struct pollfd *at)
     p->looked_us = now;
     outlet_polled(&p->out, &at[1]);
     if (p->out.gone) return;
-    if (at[0].revents) p->refused = stream_input(&p->w->in, &p->in_open, take, p);
+    if (at[0].revents) {
+        p->refused = stream_input(&p->w->in, &p->in_open, take, p);
+        if (!p->holds) worker_consider(p->w);
+    }
     if (at[2].revents) joined(p);
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *s = &p->slots[k];
@@ -323,6 +368,7 @@ int worker_forks(struct worker *w)
     up_end_record(&p.out.queue);
     outlet_drain(&p.out);
     for (int k = 0; k < p.n_slots; k++) worker_fork_free(&p.slots[k]);
+    for (int g = 0; g < GENERATIONS; g++) free(p.unfit[g]);
     worker_builder_close(&p.builder);
     tasks_free(&p.tasks);
     up_free(&p.out.queue);

@@ -80,7 +80,13 @@ static void take_task(struct worker *w, const struct task *t)
 {
     char err[WORKER_ERR];
     const struct frame_size *f = worker_frame_of(w, t);
-    if (!worker_announce(w, f, err)) die(ST_USAGE, "%s", err);
+    const int failed = worker_announce(w, f, err);
+    if (failed == WORKER_REFUSED) {
+        worker_fail(w, &w->out, t, NULL, err);
+        worker_push(w);
+        return;
+    }
+    if (failed) die(ST_USAGE, "%s", err);
     announce(w);
     if (w->ops->ready(w->ctx, f, err) != 0) die(ST_USAGE, "%s", err);
     const struct worker_job *known = frames_extra(&w->frames, f);
@@ -114,9 +120,10 @@ static void take_task(struct worker *w, const struct task *t)
 static void take_state(struct worker *w, const struct record *r)
 {
     char err[WORKER_ERR];
-    unsigned char *body = wire_body(&w->in, r);
     worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
+    unsigned char *body = worker_loads(w, r) ? wire_body(&w->in, r) : NULL;
+    memcpy(err, w->refusal, sizeof err);
     worker_pulse_begin();
     if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
         die(ST_USAGE, "%s", err);
@@ -177,6 +184,7 @@ void worker_loop(struct worker *w)
         size_t bytes;
         enum rec_kind kind = wire_awaited(&w->in, &bytes);
         if (kind != REC_KINDS) worker_drop_older(w, kind, bytes);
+        worker_consider(w);
         if (buf_size(&w->in.in) > WIRE_LINE_MAX) worker_pulse_begin();
         more = fill(w);
         worker_pulse_end();

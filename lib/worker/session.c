@@ -29,14 +29,14 @@ void worker_push(struct worker *w)
     buf_consume(&w->out, buf_size(&w->out));
 }
 
-bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
+int worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR])
 {
     struct worker_job *known = frames_extra(&w->frames, f);
-    if (known->announced) return true;
+    if (known->announced) return 0;
     worker_pulse_begin();
     int failed = w->ops->ready(w->ctx, f, err);
     worker_pulse_end();
-    if (failed) return false;
+    if (failed) return failed;
     char extra[WITH_MAX + 32], job[sizeof known->hash];
     w->ops->job(w->ctx, job);
     snprintf(extra, sizeof extra, "with=%.*s%s", WITH_MAX, w->ops->with(w->ctx),
@@ -49,7 +49,17 @@ bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORK
             f->frame, job, known->hash);
     memcpy(known->hash, job, sizeof job);
     known->announced = true;
-    return true;
+    return 0;
+}
+
+void worker_fail(
+    struct worker *w, struct buf *to, const struct task *t, const char *slot, const char *why)
+{
+    struct worker_job *known = frames_extra(&w->frames, frames_find(&w->frames, t->frame));
+    if (!known->failed) warn("frame %" PRIu32 ": %s", t->frame, why);
+    known->failed = true;
+    wire_failed(to, t, "out-of-memory", why, slot);
+    w->failed = true;
 }
 
 struct frame_size *worker_frame(struct worker *w, const struct record *r)

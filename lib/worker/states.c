@@ -2,16 +2,18 @@
  * states: the state of a renderer by generation. The loop (loop.c) counts generations and says
  * when one can be dropped. A part is freed when the last generation that shares it is dropped.
  */
-#include "worker/worker.h"
+#include "worker/worker_int.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* The value of a part, shared by the generations that use it. */
 struct shared {
     void *value;
     char hash[SHA256_TEXT]; /* of the record or file */
+    char *refusal;          /* why it is not there, as it does not fit in memory; NULL: it is */
     int users;
 };
 
@@ -40,8 +42,9 @@ static void drop_part(const struct worker_states *s, struct subject *of, int k)
     if (of->built) s->r->free(of->built);
     of->built = NULL;
     if (p && --p->users == 0) {
-        s->r->part[k].free(p->value);
+        if (p->value) s->r->part[k].free(p->value);
         free(p->value);
+        free(p->refusal);
         free(p);
     }
     of->part[k] = NULL;
@@ -51,6 +54,15 @@ static void drop(void *ctx, uint32_t generation)
 {
     struct worker_states *s = ctx;
     for (int k = 0; k < s->r->n_parts; k++) drop_part(s, &s->subjects[generation % GENERATIONS], k);
+}
+
+/* The part is not there; the reason takes its place. */
+static int refuse_part(const struct worker_states *s, struct subject *of, int k, const char *why)
+{
+    drop_part(s, of, k);
+    of->part[k] = xmalloc(1, sizeof *of->part[k]);
+    *of->part[k] = (struct shared){.refusal = xstrdup(why), .users = 1};
+    return 0;
 }
 
 /* Frees the replaced part first, because grids are large. */
@@ -105,12 +117,24 @@ static int take_state(void *ctx, uint32_t generation, enum rec_kind kind, unsign
 {
     struct worker_states *s = ctx;
     for (int k = 0; k < s->r->n_parts; k++)
-        if (s->r->part[k].kind == kind && !s->filed[k])
-            return take_part(s, subject_of(s, generation), k, rec_name(kind), body, n, err);
+        if (s->r->part[k].kind == kind && !s->filed[k]) {
+            struct subject *of = subject_of(s, generation);
+            return body || !n ? take_part(s, of, k, rec_name(kind), body, n, err)
+                              : refuse_part(s, of, k, err);
+        }
     char taken[WORKER_ERR];
     print_taken(s, taken);
     err_set(err, "record `%s`, expected %s", rec_name(kind), taken);
     return -1;
+}
+
+static double needs(
+    void *ctx, enum rec_kind kind, const unsigned char *start, size_t n, size_t bytes)
+{
+    const struct worker_renderer *r = ((struct worker_states *)ctx)->r;
+    for (int k = 0; k < r->n_parts; k++)
+        if (r->part[k].kind == kind && r->part[k].needs) return r->part[k].needs(start, n, bytes);
+    return 0;
 }
 
 static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
@@ -123,6 +147,10 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
         if (!at->part[k]) {
             err_set(err, "no %s, expected a `%s` record before the first task", kind, kind);
             return -1;
+        }
+        if (at->part[k]->refusal) {
+            err_set(err, "%s: %s", kind, at->part[k]->refusal);
+            return WORKER_REFUSED;
         }
         value[k] = at->part[k]->value;
     }
@@ -177,6 +205,7 @@ struct worker_ops worker_states_ops(const struct worker_states *s)
     return (struct worker_ops){
         .program = s->r->program,
         .state = take_state,
+        .needs = needs,
         .drop = drop,
         .ready = ready,
         .job = job,
@@ -201,7 +230,15 @@ void worker_states_load(struct worker_states *s, int k, const char *path)
     char err[WORKER_ERR];
     struct buf bytes = {0};
     const char *name = strcmp(path, "-") == 0 ? rec_name(s->r->part[k].kind) : path;
+    const struct worker_part *part = &s->r->part[k];
+    struct stat st;
+    const bool known = stat(path, &st) == 0 && S_ISREG(st.st_mode);
+    if (known && !worker_fits(0, (size_t)st.st_size, false, err))
+        die(ST_SYSTEM, "%s: %s", path, err);
     if (read_file(path, &bytes) != 0) die(ST_USAGE, "%s:", path);
+    const size_t n = buf_size(&bytes);
+    if (!worker_fits(part->needs ? part->needs(bytes.data, n, n) : 0, n, true, err))
+        die(ST_SYSTEM, "%s: %s", name, err);
     if (take_part(s, s->subjects, k, name, bytes.data, buf_size(&bytes), err) != 0)
         die(ST_USAGE, "%s", err);
     s->filed[k] = true;

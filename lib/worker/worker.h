@@ -22,23 +22,29 @@
 #include "wire/wire.h"
 
 #define WORKER_ERR 256
+#define WORKER_REFUSED 1 /* state does not fit in memory: tasks that need it are not done */
 
 struct worker_ops {
     const char *program; /* as hello states it */
     /*
      * Takes a state record of this generation (wire.h): the latest one, or the next, which begins
      * with all state of the latest. Returns 0, or -1 with text in err. `body` is valid during the
-     * call, which may modify it.
+     * call, which may modify it. NULL, if n is not 0: it does not fit in memory, as err says, and
+     * what needs it is refused.
      */
     int (*state)(void *ctx, uint32_t generation, enum rec_kind kind, unsigned char *body, size_t n,
         char err[WORKER_ERR]);
+    /* The bytes that such a record takes when it is loaded, at least, by the first n of its bytes.
+     * NULL: records are not refused. */
+    double (*needs)(
+        void *ctx, enum rec_kind kind, const unsigned char *start, size_t n, size_t bytes);
     /* No more tasks of this generation will come, even if none came: frees state that only it
      * needs. NULL: nothing to free. */
     void (*drop)(void *ctx, uint32_t generation);
     /*
      * Checks that all state of f's generation is present and usable, and builds what rendering
-     * needs. Called before every task, for a generation that was not dropped. Returns 0, or else
-     * text in err.
+     * needs. Called before every task, for a generation that was not dropped. Returns 0, or -1 with
+     * text in err, or WORKER_REFUSED with that of `state`.
      */
     int (*ready)(void *ctx, const struct frame_size *f, char err[WORKER_ERR]);
     /* Hash of format, options that change pixels, state and size, for the frame made ready. */
@@ -134,6 +140,8 @@ struct worker_part {
         char err[WORKER_ERR]);
     /* Frees what `read` allocated, not the value itself. */
     void (*free)(void *value);
+    /* The bytes that it takes when it is loaded, at least, by the first n of its bytes. NULL: 0. */
+    double (*needs)(const unsigned char *start, size_t n, size_t bytes);
 };
 
 #define WORKER_PARTS 2 /* most parts of a renderer */
@@ -173,8 +181,8 @@ struct worker_states *worker_states_new(
 void worker_states_free(struct worker_states *s);
 /*
  * Reads part k from a file; "-": standard input. It replaces the part that was read before. Records
- * of its kind are then refused. A file that cannot be read ends the program with status 2. Not
- * after worker_render.
+ * of its kind are then refused. A file that cannot be read ends the program with status 2, one that
+ * does not fit in memory with status 3. Not after worker_render.
  */
 void worker_states_load(struct worker_states *s, int k, const char *path);
 /* The value of part k that was loaded. */

@@ -3,7 +3,7 @@
  * loop.c (the loop of one process);
  * forks.c (the loop of a parent whose children render), fork_slot.c (such a child), builder.c (the
  * thread that loads and builds); session.c (frames, jobs and states of both); pulse.c (beats);
- * states.c (the state of a renderer).
+ * states.c (the state of a renderer); memory.c (whether a state fits).
  */
 #ifndef STORMRING_WORKER_INT_H
 #define STORMRING_WORKER_INT_H
@@ -17,6 +17,7 @@
 struct worker_job {
     char hash[WIRE_JOB]; /* as the input states it, then as announced; "": neither */
     bool announced;      /* the worker has said it */
+    bool failed;         /* the worker has said why it is not done */
 };
 
 struct worker {
@@ -33,6 +34,7 @@ struct worker {
     float *pixels;
     int64_t cpu_us;             /* used at the latest done or other record */
     bool failed;                /* a task could not be rendered */
+    char refusal[WORKER_ERR];   /* why the latest state that did not fit was refused */
     char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
@@ -57,15 +59,18 @@ _Noreturn void worker_reader_gone(int err);
 _Noreturn void worker_dismissed(void);
 /* Writes w->out. */
 void worker_push(struct worker *w);
-/* Appends to w->out the job of the frame's pixels, unless it was announced. False: state is
- * missing, with text in err. Another job than the input stated sets w->other_job; the caller sends
- * w->out and ends the program. */
-bool worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR]);
+/* Appends to w->out the job of the frame's pixels, unless it was announced. Returns 0, or what
+ * `ready` returns: state is missing or refused, with text in err. Another job than the input stated
+ * sets w->other_job; the caller sends w->out and ends the program. */
+int worker_announce(struct worker *w, const struct frame_size *f, char err[WORKER_ERR]);
 /* Takes a frame record. Returns the frame if its job is to be announced, or NULL if the record
  * repeats a frame that was announced. */
 struct frame_size *worker_frame(struct worker *w, const struct record *r);
 /* The frame of a task; a task without one, or whose state was dropped, ends the program. */
 const struct frame_size *worker_frame_of(const struct worker *w, const struct task *t);
+/* Says that the task, of slot "w=K" or NULL, cannot be done; and why, once for each frame. */
+void worker_fail(
+    struct worker *w, struct buf *to, const struct task *t, const char *slot, const char *why);
 /* A record of this kind is here or on its way: drops state that is too old then. */
 void worker_drop_older(struct worker *w, enum rec_kind kind, size_t bytes);
 /* Refuses a record that does not belong to the input. */
@@ -75,6 +80,16 @@ _Noreturn void worker_refuse(const struct record *r);
 
 /* Reads standard input to its end, renders, and says bye. */
 void worker_loop(struct worker *w);
+
+/* ---- memory.c ---- */
+
+/* True if a state of this length, which takes `loaded` bytes more when it is loaded, fits in
+ * memory; else err says what it needs. here: the record or file is in memory already. */
+bool worker_fits(double loaded, size_t bytes, bool here, char err[WORKER_ERR]);
+/* Call after a read of the input: a state record that does not fit is dropped as it arrives. */
+void worker_consider(struct worker *w);
+/* True if the state record can be loaded; else w->refusal says why not. */
+bool worker_loads(struct worker *w, const struct record *r);
 
 /* ---- builder.c ---- */
 
@@ -90,7 +105,7 @@ struct worker_builder {
     size_t n;
     struct frame_size frame;
     /* its result */
-    bool failed;
+    int failed; /* as the operation returns it */
     char err[WORKER_ERR];
 };
 void worker_builder_open(struct worker_builder *b, const struct worker *w);
@@ -141,8 +156,9 @@ struct forks {
     struct task_table tasks; /* tasks for any slot, all of them on the list */
     struct task_list any;
     struct worker_builder builder;
-    bool built[GENERATIONS]; /* by generation, modulo GENERATIONS */
-    bool wants;              /* the builder is to build for this frame: */
+    bool built[GENERATIONS];  /* by generation, modulo GENERATIONS */
+    char *unfit[GENERATIONS]; /* likewise: why its tasks cannot be done; NULL: nothing is known */
+    bool wants;               /* the builder is to build for this frame: */
     struct frame_size wanted;
     bool holds;         /* this record waits for the builder, or for tasks: */
     struct record held; /* in the decoder's buffer */
@@ -171,6 +187,8 @@ void worker_fork_free(struct fork_slot *s);
 bool worker_fork_add(struct fork_slot *s, const struct task *t, uint32_t frame_w, int of);
 /* Adds a task to slot t->to, unless that has it already. */
 void worker_fork_give(struct forks *p, const struct task *t, uint32_t frame_w);
+/* Says of the waiting tasks of this generation that they cannot be done, and why. */
+void worker_fork_fail(struct forks *p, struct fork_slot *s, uint32_t generation, const char *why);
 /* Lends the waiting tasks of a slot that was refused a child to slots that have one. A task waits
  * on if no slot can take it now. */
 void worker_fork_lend(struct forks *p, struct fork_slot *s);

@@ -38,7 +38,7 @@ measure() {
 	echo "$work_s $parse_s $start_s $read_s $gather_s" | awk '{
 		printf "CPU s: %.2f in all; serial: parse %.3f, build %.3f, encode %.3f; besides, gather reads for %.3f\n",
 			$1, $2, ($3 > $2 ? $3 - $2 : 0), ($5 > $4 ? $5 - $4 : 0), $4 }'
-	echo "$(nproc) cores: at best $(median 5 <pairs) of one worker's time is left for two on this machine"
+	echo "$("$root/tests/processors") cores: at best $(median 5 <pairs) of one worker's time is left for two on this machine"
 	report "$size: two slots / one worker" "$(median 3 <pairs)" '' 0.53
 }
 measure 1024x1024 '-a 25'

@@ -79,7 +79,7 @@ mkdir -p "$root/build/bench" || exit 3
 {
 	printf '# %s\n' 'x: time' 'y: power of the host' 'lanes: 1 1 1 1 1 1 1 1 1 1 1 1 0.442 1.347' 'seed: 0' 'command: tests/bench/60_replay.sh' \
 		"commit: $(cd "$root" && git describe --always --dirty 2>/dev/null || echo none)" \
-		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores" \
+		"machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $("$root/tests/processors") cores" \
 		"note: times are 1/$shrink of the paper's"
 	for method in interleaved masterslave adaptive; do
 		[ -s gears.$method.frags ] || continue

@@ -114,7 +114,7 @@ timed() {
 }
 table() { # the last side has the columns of the kill: its runs are long enough to be killed half way
 	echo
-	echo "gears, ${side}x$side, medians of $rounds runs on $(nproc) cores:"
+	echo "gears, ${side}x$side, medians of $rounds runs on $("$root/tests/processors") cores:"
 	echo
 	kills='' rule=''
 	[ "$side" != "$last" ] || kills=' one of two killed: exit | picture | s |' rule=' --- | --- | ---: |'

@@ -58,7 +58,7 @@ while [ $i -lt $rounds ]; do
 	done
 	i=$((i + 1))
 done
-echo "gears, ${side}x$side, medians of $rounds runs on three hosts of one slot, which share $(nproc) cores:"
+echo "gears, ${side}x$side, medians of $rounds runs on three hosts of one slot, which share $("$root/tests/processors") cores:"
 echo
 echo '| by | lines | s | a worker killed: exit | picture | s | a cable out: exit | picture | s |'
 echo '| --- | ---: | ---: | --- | --- | ---: | --- | --- | ---: |'

@@ -4,7 +4,7 @@
 # size and the view of its paper; the pictures of make demo-volume have 18 times as many pixels.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
-rounds=${ROUNDS:-5} sizes=${SIZES:-'63 125 250 500 1000 2000 4000 8000 16000'} slots=$(nproc)
+rounds=${ROUNDS:-5} sizes=${SIZES:-'63 125 250 500 1000 2000 4000 8000 16000'} slots=$("$root/tests/processors")
 data=/usr/share/ncarg/data/cdf/nc4uvt.nc
 nc2vtk -c -o wind.vtk $data 'speed=hypot(U,V)' || stop 'no grid'
 # frame SPEC: prints its WxH

@@ -32,7 +32,7 @@ timed() {
 for round in $(seq "$rounds"); do
 	for way in balance gnu; do timed $way >>$way.s || stop "round $round"; done
 done
-echo "$name, $size, $words: three hosts of one slot, which share $(nproc) processors; medians of $rounds"
+echo "$name, $size, $words: three hosts of one slot, which share $("$root/tests/processors") processors; medians of $rounds"
 for way in balance gnu; do echo "  $way $(median 1 <$way.s) s"; done
 "$hosts" power host3 .25
 for way in balance gnu; do echo "  $way, host3 at a quarter of a processor: $(timed $way) s"; done

@@ -177,7 +177,7 @@ static void failures_have_a_reason(void **state)
     assert_int_equal(shell("exit 3", NULL, 9, err), -1);
     assert_string_equal(err, "sh: exit status 3, expected 0");
     assert_int_equal(shell("kill -9 $$", NULL, 9, err), -1);
-    assert_string_equal(err, "sh: ended by signal 9");
+    assert_non_null(strstr(err, "sh: ended by signal 9; killed (signal 9), as the kernel does"));
     char **none = WORDS("./no-such-command");
     assert_int_equal(crop_run(none, &there, NULL, 9, err), CROP_NOT_FOUND);
     assert_int_equal(shell("echo fine >&2", NULL, 9, err), 0);

@@ -276,6 +276,12 @@ static void test_done_and_plain(void **state)
     struct record r;
     int64_t v;
     double x;
+    wire_failed(&b, &some_task, "out-of-memory", "", "w=3");
+    only(&d, &b, &r);
+    assert_true(r.kind == REC_FAIL && r.task.frame == 7 && r.task.id == 4294967295u);
+    assert_true(rec_is(&r, "why", "out-of-memory") && rec_slot(&r) == 3 && rec_sealed(&r));
+    no_more(&d);
+    buf_consume(&b, buf_size(&b));
     wire_done(&b, &some_task, 5, INT64_MAX);
     only(&d, &b, &r);
     assert_true(r.kind == REC_DONE && r.task.frame == 7 && r.task.id == 4294967295u);
@@ -430,8 +436,7 @@ static void test_refused(void **state)
         "crashed peer=1 bytes=0\n", "heir next=1\n", "ring n=1 rules=default\n",
         "ring me=0 rules=default\n", "ring me=0 n=0 rules=default\n",
         "ring me=1 n=1 rules=default\n", "ring me=0 n=1048577 rules=default\n",
-        "ring me=0 n=1 rules=old\n",
-        "ring me=0 n=1\n", "drain\n", "drain to=1\n",
+        "ring me=0 n=1 rules=old\n", "ring me=0 n=1\n", "drain\n", "drain to=1\n",
         "drain w=0 bytes=0\n", "leave\n", "leave w=1\n", "leave to=-1\n", "joins 1\n", "alive\n",
         "alive within=.4\n", "alive within=1e9\n", "alive within=x\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -888,6 +893,55 @@ static void test_awaited(void **state)
     wire_free(&d);
 }
 
+/* All cuts of the stream into two reads: each record comes, without the bodies of grids. */
+static void test_dropped(void **state)
+{
+    (void)state;
+    static const char stream[] =
+        "frame 0 1 1\ngrid bytes=9\ntask 1 2\n\nspec bytes=2\nab\ngrid bytes=0 x=y\n\nflush\n";
+    static const enum rec_kind kinds[] = {REC_FRAME, REC_GRID, REC_SPEC, REC_GRID, REC_FLUSH};
+    for (size_t cut = 0; cut < sizeof stream - 1; cut++) {
+        struct decoder d = {0};
+        struct record r;
+        size_t bytes, most = 0;
+        int k = 0;
+        bool dropped = false;
+        for (size_t i = 0; i < sizeof stream - 1; i++) {
+            wire_feed(&d, stream + i, 1);
+            if (i < cut) continue;
+            while (wire_next(&d, &r) == WIRE_RECORD) {
+                assert_int_equal(r.kind, kinds[k++]);
+                if (k == 2) assert_true(r.body_len == 9 && !r.body == dropped);
+                if (k == 3) assert_memory_equal(r.body, "ab", 2);
+                assert_int_equal(wire_awaited(&d, &bytes), REC_KINDS); /* this one is held */
+            }
+            if (k == 1 && wire_awaited(&d, &bytes) == REC_GRID) {
+                wire_drop(&d);
+                dropped = true;
+                assert_int_equal(bytes, 9);
+            }
+            if (dropped && k == 1 && buf_size(&d.in) > most) most = buf_size(&d.in);
+        }
+        assert_int_equal(k, 5);
+        if (cut == 0) assert_true(dropped && most <= sizeof "grid bytes=9\n");
+        wire_free(&d);
+    }
+    struct decoder d = {0};
+    struct record r;
+    feed_text(&d, "grid bytes=9\nabc");
+    assert_int_equal(wire_next(&d, &r), WIRE_MORE);
+    wire_drop(&d);
+    feed_text(&d, "defghi\nflush\ngrid bytes=9\nabc"); /* more than the rest */
+    assert_true(wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_GRID && !r.body);
+    assert_true(wire_next(&d, &r) == WIRE_RECORD && r.kind == REC_FLUSH);
+    assert_int_equal(wire_next(&d, &r), WIRE_MORE);
+    wire_drop(&d);
+    wire_end(&d);
+    assert_int_equal(wire_next(&d, &r), WIRE_BAD);
+    assert_non_null(strstr(d.why, "cut off"));
+    wire_free(&d);
+}
+
 static void count_record(void *ctx, const struct record *r)
 {
     int *n = ctx;
@@ -936,6 +990,7 @@ int main(void)
         cmocka_unit_test(test_generations),
         cmocka_unit_test(test_generations_that_live),
         cmocka_unit_test(test_awaited),
+        cmocka_unit_test(test_dropped),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_state),
         cmocka_unit_test(test_task),

@@ -48,6 +48,11 @@ static void free_text(void *value)
     parts--;
 }
 
+static double needs(const unsigned char *start, size_t n, size_t bytes)
+{
+    return start && n ? (double)bytes + start[0] : 0;
+}
+
 static void *build(const void *options, void *const value[])
 {
     struct built *b = xcalloc(1, sizeof *b);
@@ -92,8 +97,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "texts",
-    .part = {{REC_GRID, sizeof(struct text), text_of, free_text},
-        {REC_SPEC, sizeof(struct text), text_of, free_text}},
+    .part = {{REC_GRID, sizeof(struct text), text_of, free_text, needs},
+        {REC_SPEC, sizeof(struct text), text_of, free_text, NULL}},
     .n_parts = 2,
     .build = build,
     .free = free_built,
@@ -233,6 +238,35 @@ static void test_replaced(void **state)
     renders(s, 0, "cx");
     assert_int_equal(builds, 2);
     assert_int_equal(parts, 2);
+    end(s);
+}
+
+/* A part that does not fit is refused with all generations that share it, until one replaces it. */
+static void test_unfit(void **state)
+{
+    (void)state;
+    struct worker_states *s = begin();
+    char err[WORKER_ERR] = "out of memory";
+    const struct worker_ops ops = worker_states_ops(s);
+    const unsigned char start[] = "!";
+    give(s, 0, REC_GRID, "a");
+    give(s, 0, REC_SPEC, "x");
+    assert_int_equal(ops.state(s, 1, REC_GRID, NULL, 9, err), 0);
+    give(s, 2, REC_SPEC, "y");
+    for (uint32_t g = 1; g < 3; g++) {
+        const struct frame_size f = {.generation = g, .w = W, .h = H};
+        memset(err, 0, sizeof err);
+        assert_int_equal(ops.ready(s, &f, err), WORKER_REFUSED);
+        assert_string_equal(err, "grid: out of memory");
+    }
+    renders(s, 0, "ax");
+    drop(s, 0);
+    assert_int_equal(parts, 2); /* x and y */
+    give(s, 3, REC_GRID, "b");
+    renders(s, 3, "by");
+    assert_true(ops.needs(s, REC_GRID, start, 1, 9) == 9 + '!');
+    assert_true(
+        ops.needs(s, REC_GRID, NULL, 0, 9) == 0 && ops.needs(s, REC_SPEC, start, 1, 9) == 0);
     end(s);
 }
 
@@ -445,6 +479,7 @@ int main(void)
         cmocka_unit_test(test_power),
         cmocka_unit_test(test_generations),
         cmocka_unit_test(test_replaced),
+        cmocka_unit_test(test_unfit),
         cmocka_unit_test(test_many),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_files),
