@@ -141,6 +141,34 @@ like 'a time limit: the log says how to go on' "$(cat "slurm-$limited.out")" 'ba
 ok 'a time limit: the next job exits with 0' sbatch -W -Q -N 2 --exclusive --wrap \
 	'balance adaptive -S slurm: -s 96x96 -r batch.log -o batch.pfm gears.nff'
 ok 'a time limit: the same picture' cmp batch.pfm good.pfm
+
+# ---- a pool, by the commands of the page: hosts join when their jobs begin, and leave when they end
+# The worker waits as above. Real pools are larger, and what they render takes longer.
+mkdir pool && cat >pool/rtworker <<'END'
+#!/bin/sh
+PATH=${PATH#*/pool:}
+case $* in *-i*) exec rtworker "$@" ;; esac
+exec ./stall "$@"
+END
+chmod +x pool/rtworker
+sed -n '/^sbatch -J pool/,/^[.]Ed/p' "$root/man/stormring-engines.7" | sed "/^[.]Ed/d
+	s/\\\\(aq/'/g; s/\\\\e/\\\\/g
+	s/=1-20/=1-2/; s/-c 8/-c 2/g; s/slots=8/slots=2/; s/gears.png/out.pfm/; s/sleep 2/sleep .2/
+	s/^balance adaptive/& -s 96x96 -z off -t 1000/" >commands
+is 'a pool: the page has its commands' "$(grep -c . commands)" 13
+rm -f gears.log
+PATH=$tmp/pool:$PATH sh commands >said 2>&1 &
+running=$!
+slots_up() { [ "$(grep -ac '^up ' gears.log 2>/dev/null)" = "$1" ]; }
+ok 'a pool: its slots join the run' await 30 slots_up 5
+first=$(squeue -h -r -n pool -o %i | head -n 1) && node=$(squeue -h -r -j "$first" -o %N)
+begun 'a pool' "$node"
+scancel "$first"
+# Its connection is lost, or its line goes first.
+left() { ! grep -q "^$node " hosts && grep -aqE '^(gone|lost) ' gears.log; }
+ok 'a pool: a slot leaves when its job ends' await 30 left
+ends 'a pool'
+
 none_running() { [ -z "$(squeue -h)" ]; }
 ok 'no job and no step is left' await 30 none_running
 is 'no worker is left' "$(pgrep -c rtworker)" 0
