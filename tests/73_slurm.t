@@ -144,18 +144,21 @@ ok 'a time limit: the same picture' cmp batch.pfm good.pfm
 
 # ---- a pool, by the commands of the page: hosts join when their jobs begin, and leave when they end
 # The worker waits as above. Real pools are larger, and what they render takes longer.
-mkdir pool && cat >pool/rtworker <<'END'
+all_in pool
+rm pool/rtworker pool/fan
+cp "$tmp/patient/fan" pool
+cat >pool/rtworker <<END
 #!/bin/sh
-PATH=${PATH#*/pool:}
-case $* in *-i*) exec rtworker "$@" ;; esac
-exec ./stall "$@"
+PATH=$root/bin:\$PATH
+case \$* in *-i*) exec rtworker "\$@" ;; esac
+exec "$tmp/stall" "\$@"
 END
 chmod +x pool/rtworker
 sed -n '/^sbatch -J pool/,/^[.]Ed/p' "$root/man/stormring-engines.7" | sed "/^[.]Ed/d
 	s/\\\\(aq/'/g; s/\\\\e/\\\\/g
 	s/=1-20/=1-2/; s/-c 8/-c 2/g; s/slots=8/slots=2/; s/gears.png/out.pfm/; s/sleep 2/sleep .2/
-	s/^balance adaptive/& -s 96x96 -z off -t 1000/" >commands
-is 'a pool: the page has its commands' "$(grep -c . commands)" 13
+	s/^balance adaptive/& -s 96x96 -z off/" >commands
+is 'a pool: the page has its commands' "$(grep -c . commands)" 15
 rm -f gears.log
 PATH=$tmp/pool:$PATH sh commands >said 2>&1 &
 running=$!

@@ -30,7 +30,7 @@ static void words_are_found_in_any_case(void **state)
 }
 
 /* In order. */
-static const char *const ordered[] = {"", "0", "00", "1", "01", "2", "9", "010", "10", "99", "100",
+static const char *const ordered[] = {"", "0", "00", "01", "1", "2", "9", "010", "10", "99", "100",
     "18446744073709551616", "18446744073709551617", "a", "a0", "a1", "a1b2", "a1b10", "a2", "a010",
     "aa", "b", "\xc3\xa9"};
 
