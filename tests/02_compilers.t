@@ -25,7 +25,7 @@ for unit in build/posix/unit/test_*; do
 done
 # shellcheck disable=SC2329  # run by ok
 by_posix() (BIN=$root/build/posix/bin && export BIN && exec "tests/$1.t")
-for test in 10_streams 12_partition 30_gather 36_views 40_identical 57_damage; do
+for test in 10_streams 12_partition 30_gather 40_identical; do
 	ok "by POSIX: $test" by_posix $test
 done
 finish

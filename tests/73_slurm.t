@@ -162,14 +162,17 @@ is 'a pool: the page has its commands' "$(grep -c . commands)" 15
 rm -f gears.log
 PATH=$tmp/pool:$PATH sh commands >said 2>&1 &
 running=$!
-slots_up() { [ "$(grep -ac '^up ' gears.log 2>/dev/null)" = "$1" ]; }
-ok 'a pool: its slots join the run' await 30 slots_up 5
-first=$(squeue -h -r -n pool -o %i | head -n 1) && node=$(squeue -h -r -j "$first" -o %N)
-begun 'a pool' "$node"
-scancel "$first"
-# Its connection is lost, or its line goes first.
-left() { ! grep -q "^$node " hosts && grep -aqE '^(gone|lost) ' gears.log; }
-ok 'a pool: a slot leaves when its job ends' await 30 left
+nodes() { squeue -h -r -t R -n pool -o %N; }
+two() { [ "$(nodes | wc -l)" = 2 ]; }
+ok 'a pool: its jobs run' await 30 two
+# shellcheck disable=SC2046  # a word each
+begun 'a pool' $(nodes)
+pass 'a pool: both nodes join the run'
+gone=$(nodes | head -n 1)
+scancel "$(squeue -h -r -n pool -w "$gone" -o %i)"
+# Its connections are lost, or its line goes first.
+left() { grep -qE " on $gone: lost| slots join the run, [1-9][0-9]* leave it" said; }
+ok 'a pool: a host leaves when its job ends' await 30 left
 ends 'a pool'
 
 none_running() { [ -z "$(squeue -h)" ]; }
