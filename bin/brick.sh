@@ -1,14 +1,13 @@
 # shellcheck shell=sh disable=SC2154  # balance-bricks, whose slots run this, exports them
 # brick.sh NUMBER: renders that brick by all slots of host $slot, and prints a pixel for the farm of
-# balance-bricks. A host whose brick failed gets no other one.
+# balance-bricks.
 here=$(dirname "$(readlink -f "$0")") && usage='' && . "$here/stormring.sh"
 set -f # words of -W are split at blanks, and are no patterns
-[ ! -e "$temporary/failed.$slot" ] || exit 1
 exec 2>"$temporary/said"
 brick=$(sed -n "$1p" "$temporary/order")
 balance adaptive -S "$temporary/host.$slot" -k 16 -o "$temporary/$1.pam" ${size:+-s "$size"} \
 	${worker:+-W "$worker"} ${pack:+-z "$pack"} -- "$brick" "$spec" && printf 'P5 1 1 255\n0' && exit
-: >"$temporary/failed.$slot"
+: >"$temporary/failed" # so that the words of the farm about it are not needed
 name=$(sed -n "$slot{s/[[:blank:]].*//;p;}" "$temporary/lines")
-say "balance bricks: $name: gets no more bricks, because $brick failed there"
+say "balance bricks: $name: $brick failed there"
 exit 1

@@ -112,9 +112,9 @@ static void own_files(struct drawing *d)
     d->command.files = d->own = crop_copy(d->command.files);
 }
 
-/* A task that cannot be drawn ends this process. So another one, perhaps on another host, gets it,
- * until fan has no slot left. */
-static void task(void *built, const struct frame_size *f, const struct lattice *whole)
+/* A task that cannot be drawn fails, and another worker, perhaps on another host, may get it. */
+static bool task(void *built, const struct frame_size *f, const struct lattice *whole,
+    char why[WORKER_ERR])
 {
     struct drawing *d = built;
     char err[CROP_ERR];
@@ -122,9 +122,9 @@ static void task(void *built, const struct frame_size *f, const struct lattice *
     image_free(&d->picture);
     d->at = crop_around(whole, f->w, f->h);
     d->at.frame = f->frame;
-    if (crop_draw(&d->command, &d->at, &d->picture, err) != 0)
-        die(ST_SYSTEM, "frame %u, rectangle %u,%u %ux%u: %s", d->at.frame, d->at.x, d->at.y,
-            d->at.w, d->at.h, err);
+    if (crop_draw(&d->command, &d->at, &d->picture, err) == 0) return true;
+    return err_set(why, "frame %u, rectangle %u,%u %ux%u: %s", d->at.frame, d->at.x, d->at.y,
+        d->at.w, d->at.h, err);
 }
 
 static void render(void *built, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)

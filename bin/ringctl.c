@@ -5,7 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-ehp] COMMAND [ARGUMENT ...]\n"
+#define LOSSES_MOST 1000000
+
+static const char text[] = "[-ehp] [-l LOSSES] COMMAND [ARGUMENT ...]\n"
                            "       ringctl -n WORKER [ARGUMENT ...]";
 
 struct options {
@@ -18,10 +20,14 @@ struct options {
 static void parse(struct options *o, int argc, char **argv)
 {
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+ehnp")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+ehl:np")) != -1) {
         switch (opt) {
         case 'e': o->params.endgame = o->rules = true; break;
         case 'h': usage(ST_OK, text);
+        case 'l':
+            o->params.losses = (int32_t)opt_int(opt, optarg, 1, LOSSES_MOST);
+            o->rules = true;
+            break;
         case 'n': o->node = true; break;
         case 'p': o->published = o->rules = true; break;
         default: usage(ST_USAGE, text);
@@ -30,7 +36,8 @@ static void parse(struct options *o, int argc, char **argv)
     if (optind == argc) usage(ST_USAGE, text);
     if (o->node && o->rules)
         die(ST_USAGE, "-n: expected no other option, because the hub sets them");
-    if (o->published && o->params.endgame) die(ST_USAGE, "-p: expected no -e with it");
+    if (o->published && (o->params.endgame || o->params.losses))
+        die(ST_USAGE, "-p: expected no -e and no -l with it");
 }
 
 int main(int argc, char **argv)

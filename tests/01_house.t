@@ -180,9 +180,9 @@ scripts=$(grep -lE '^#!/bin/sh|shellcheck shell=sh' bin/* tests/* tests/fuzz/run
 	done
 } >"$found"
 clean 'numbers that scripts print have a point, in any language'
-# Methods are run by virtual.sh, not spelled again. 50_policies compares options.
+# Methods are run by virtual.sh, not spelled again. 50_policies and price compare options.
 grep -nE -e '-q auto|-e -q|ring -e|-o sample|-u (fine|coarse)' tests/experiments/* tests/bench/[0-9]*.sh |
-	grep -vE '^[^:]*:[0-9]+:#|/50_policies.sh:|perf record' >"$found"
+	grep -vE '^[^:]*:[0-9]+:#|/50_policies.sh:|/(37_)?price(.sh)?:|perf record' >"$found"
 clean 'the cut and the rules of a method stand in its script only'
 # shellcheck disable=SC2086  # lists of names without blanks
 {

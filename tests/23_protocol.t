@@ -165,6 +165,10 @@ for e in $(protocol -l | cut -f 1); do
 			for (i = split("experiment kind method x x_unit y y_unit sample seed", c, " "); i; i--) $i = c[i]; print }
 		{ print $1, "real", $2, ($3 == "-" ? 1 + NR * 7907 % 103 / 1000 : $3), 1, 1 + NR * 7919 % 101 / 1000, 1, $4, $5 }' plan >made.tsv
 	protocol -v "$e" made.tsv >verdicts 2>said
+	# steals counts messages between the nodes of a ring.
+	if [ "$e" != steals ] && grep -q "${tab}gdc$tab" plan; then
+		ok "$e has adaptive beside gdc" grep -q "${tab}adaptive$tab" plan
+	fi
 	awk -F '\t' 'NF != 7 || /\t\t|\t$/ || NR > 1 && $6 !~ /^(found|found in part|not found|not decided|does not hold|holds until X = [0-9]+(e[0-9]+)?)$/' verdicts >odd
 	is "the claims of $e" "$(wc -l <verdicts | awk '{ print ($1 > 1) }')$(cat odd said)" 1
 	head -n 3 made.tsv >one.tsv
@@ -210,6 +214,7 @@ sampled steals '^0 [.0-9]+$'
 sampled stability '^0 [.0-9]+$'
 sampled variance '^0 [.0-9]+$'
 sampled loads '^0 [.0-9]+$'
+sampled price '^0 [.0-9]+$'
 # These two render for as long as all others.
 if [ "${NIGHT-}" = true ]; then
 	sampled regret '^0 [.0-9]+$'

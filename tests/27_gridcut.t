@@ -105,11 +105,11 @@ ok 'its picture, with a background, is that of the grid' imgcmp -t .0001 night.p
 printf '%s\n' 'broken via="false %c" tries=1' 'good via="sh -c %c" slots=2' >hosts
 run balance bricks -S hosts -k 16 -o two.pam b-*.vtk night.spec
 is 'a host that fails: the other one renders its brick' "$status $(cmp two.pam bricks.pam && echo same)" '0 same'
-like 'a message names that host' "$err" '^balance bricks: broken: gets no more bricks'
+like 'a message names that host' "$err" '^balance bricks: broken: b-[0-9].vtk failed there'
 mkdir broken,worse # a list of hosts may be the name of a directory
 run balance bricks -S broken,worse -o no.png b-*.vtk night.spec
 is 'all hosts fail: exit 1, no picture' "$status $(ls no.png 2>/dev/null)" '1 '
-like 'a message names one of them' "$err" '^balance bricks: broken: gets no more bricks'
+like 'a message names one of them' "$err" '^balance bricks: broken: b-[0-9].vtk failed there'
 is 'no directory is read' "$(echo "$err" | grep -c directory)" 0
 like 'a message counts the bricks' "$err" '^balance bricks: 4 of 4 bricks have no picture'
 run balance bricks -j 1 -o no.png b-0.vtk b-1.vtk b-2.vtk night.spec

@@ -27,8 +27,12 @@ is 'deal: the time after the last task' "$(of tail_s)" 1.200000
 is 'no schedule is faster than sum of costs / sum of powers' "$(of bound_s)" 1.333333
 is 'no simulated run is faster than that and three messages' "$(of least_s)" 1.633333
 is 'efficiency is bound / makespan' "$(of efficiency)" 0.5333
+# A hello takes 104 bytes, a task 34, a pixel 117, done 53, or 51 where times have a digit less, and a flush 6.
+is 'records and bytes on all links' "$(of records) $(of bytes)" "16 $((2 * (104 + 53 + 51 + 6) + 4 * (34 + 117))).000000"
+is 'the work of a run that repeats none' "$(of work_s)" 4.000000
 takes 'deal -q 1: two tasks each, at once' 2.300000 deal -q 1
 takes 'adaptive: two tasks each, at once, and a copy of the second one of the first' 2.000000 adaptive
+is 'the work of an unfinished copy counts: .6 s' "$(of work_s)" 4.600000
 takes 'adaptive: the first becomes a thousand times slower, the other one does all' 2.700000 -f slow@.1s:0:.001 adaptive
 takes 'fan: the same' 2.300000 fan
 takes 'best: one task to the first, three to the second' 1.800000 best
@@ -39,6 +43,7 @@ takes 'costs twice as high' 4.500000 -x 2 deal
 takes 'no latency' 2.000000 -l 0 deal
 takes 'a crash, which the first hears of; and does all' 4.900000 -f crash@.5s:1 deal
 is 'one crash, and all tasks are committed' "$(of crashes) $(of uncommitted)" '1 0'
+is 'lost work counts: .3 s of power 2' "$(of work_s)" 4.600000
 takes 'a crash when two tasks are there' 3.700000 -f crash@2:1 deal
 takes 'silence: what it had is given to the first 3 s later' 5.800000 -f silence@.5s:1 deal -q 1
 run simulate -v -m 1e6 -f pause@.5s:0 fan <four.task
@@ -95,6 +100,7 @@ takes 'a hub within a hub adds two latencies to each task' 2.900000 -g 1 deal
 is 'a tree: hubs, records of the first one, and its tasks' "$(of hubs) $(of hub_slots) $(of hub_records) $(of hub_tasks)" '2 2 14 4'
 takes 'a hub that needs .01 s for a record' 2.580000 -u 10000 deal
 takes 'two hosts, a hub for each' 2.900000 -g 2 deal
+is 'a tree: 3 records for a task on each of two links, 4 hellos and 2 flushes; and the work' "$(of records) $(of work_s)" '30 4.000000'
 
 two -f kill@2 deal
 is 'the hub is killed: the next run does the rest' "$status $(of kills) $(of uncommitted)" '0 1 0'
@@ -255,10 +261,38 @@ is 'simulate adaptive has the rules of balance-adaptive' \
 	"$(partition 64x64 | simulate -l 9 adaptive | grep trace)" \
 	"$(partition 64x64 | simulate -l 9 $(ships echo adaptive 2) | grep trace)"
 is 'balance-gdc: rules' "$(ships echo gdc 2)" 'ring -e'
+# began: how many tasks begin at each slot, in parts of the first slot's
+began() {
+	sed -n 's/^task .* to=//p' |
+		awk '{ n[$1]++ } END { for (k = 0; k in n; k++) printf "%.1f ", n[k] / n[0] }'
+}
+is 'balance-gdc: a slot begins with a share by its power' \
+	"$(ships 'sh -c cat sh -w 5,1,2' gdc 3 | began)" '1.0 0.2 0.4 '
+# Powers far above 1 count as well. A slot without a stated one has 1: no worker is asked.
+mkdir only && printf '#!/bin/sh\nexec cat\n' >only/ringctl && chmod +x only/ringctl
+printf ': power=5000\n: power=1000 slots=2\n' >large
+printf ': slots=2\nfar power=.5 via="false %%c"\n' >some
+for list in 'large 1.0 0.2 0.2 ' 'some 1.0 1.0 0.5 '; do
+	is "balance-gdc: the powers of a hosts file, ${list%% *}" "$(PATH=$PWD/only:$PATH balance-gdc \
+		64x64 3 /dev/null fan -S "${list%% *}" false </dev/null | began)" "${list#* }"
+done
+# One host of power 20 among 13 of 1. With equal shares it has an efficiency of .52.
+ok 'balance-gdc: one strong host, far away' awk "BEGIN { exit !($(ships \
+	"simulate -w 20$(printf ',1%.0s' $(seq 13)) -l 50 -m 8000" gdc 14 | awk '$1 == "efficiency" { print $2 }') > .8) }"
+# A function that is called after a test that fails does not fail by that.
+is 'a method is simulated in the other branch of a test' \
+	"$(if false; then :; else ships 'echo' gdc 2; fi)" 'ring -e'
+is 'balance-gdc-published: equal shares' \
+	"$(ships 'sh -c cat sh -w 5,1' gdc-published 2 | began)" '1.0 1.0 '
+printf '%s\thost\t%s\t1\t%s\n' 0 5 3 1 1 - >table
+is 'a power that was measured counts for hybrid, and not for gdc' \
+	"$(ships 'sh -c cat' hybrid 2 | began)$(ships 'sh -c cat' gdc 2 | began)" '1.0 0.2 1.0 1.0 '
+rm table
 is 'adaptive: rows, while each slot has 30' "$(counted adaptive 2)" 64
 is 'adaptive: parts of rows for more slots' "$(counted adaptive 3; counted adaptive 64)" "$(printf '92\n2048')"
 is 'adaptive: smaller tiles for more slots' "$(counted adaptive 1 vcworker; counted adaptive 9 vcworker)" "$(printf '32\n512')"
 is 'adaptive: a band for each slot, at least' "$(counted adaptive 9 povworker; counted adaptive 100 povworker)" "$(printf '16\n128')"
+is 'a method runs after a command that failed' "$(if false; then :; else counted gdc 2; fi)" "$(counted gdc 2)"
 is 'another unit' "$(unit=run:2048 && counted adaptive 3)" 2
 # Most of 100 hosts have no row of 64.
 ok 'adaptive on more hosts than rows' awk "BEGIN { exit !($(ships 'simulate -j 100 -m 10000' adaptive 100 | awk '$1 == "efficiency" { print $2 }') > .9) }"

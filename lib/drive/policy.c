@@ -188,7 +188,8 @@ static int finish(struct driver *d, char *const *command)
         else if (unfinished && !nobody && !signals_came())
             warn("%s ended before the end of its input", command[0]);
     }
-    return d->out.gone || unfinished || nobody ? ST_SYSTEM : ST_OK;
+    if (d->out.gone || unfinished || nobody) return ST_SYSTEM;
+    return d->losses.some ? ST_PARTIAL : ST_OK;
 }
 
 int drive_policy(
@@ -202,6 +203,7 @@ int drive_policy(
     signals_catch();
     outlet_open(&d.out);
     tags_init(&d.tags);
+    drive_losses_init(&d.losses);
     d.state = policy->create(params);
     d.heard_us = now_us();
     if (child_start(&d.child, command) != 0) die(ST_SYSTEM, "%s:", command[0]);
@@ -219,6 +221,7 @@ int drive_policy(
     wire_free(&d.from);
     frames_free(&d.input.frames);
     tags_free(&d.tags);
+    drive_losses_free(&d.losses);
     buf_free(&d.held);
     if (signals_came()) signals_die();
     return status;

@@ -43,7 +43,12 @@ static void perform(struct driver *d)
         switch (a->kind) {
         case SCHED_GIVE: give(d, a, to); break;
         case SCHED_ASK_FLUSH: drive_flush(d, to); break;
-        case SCHED_COMMIT: tags_drop(&d->tags, &a->task); break;
+        case SCHED_COMMIT:
+            tags_drop(&d->tags, &a->task);
+            drive_forgive(d, &a->task);
+            break;
+        case SCHED_BLAME: drive_blame(d, a); break;
+        case SCHED_ABANDON: drive_abandon(d, a); break;
         case SCHED_SAY:
             if (d->node) drive_ring_say(&d->out.queue.control, a, -1);
             else drive_ring_say(&d->down.bytes, a, to);

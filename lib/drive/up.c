@@ -66,6 +66,7 @@ static bool take_slot(struct driver *d, const struct record *r, struct sched_eve
         return false;
     }
     e->kind = r->kind == REC_UP ? SCHED_UP : SCHED_GONE;
+    if (r->kind == REC_GONE) drive_reason(d, r);
     if (r->kind == REC_GONE && !forward_gone(d, r)) return false;
     if (rec_int(r, "slots", 1, WIRE_SLOTS_MAX, &n)) e->n = (int32_t)n;
     if (!rec_real(r, "power", POWER_LEAST, POWER_MOST, &e->power)) e->power = 0;
@@ -100,6 +101,11 @@ static void take_up(struct driver *d, const struct record *r)
         forward_done(d, r, &e);
         e.kind = SCHED_DONE;
         if (!rec_int(r, "wall_us", 0, INT64_MAX, &e.wall_us)) e.wall_us = -1;
+        break;
+    case REC_FAIL:
+        e.kind = SCHED_FAIL;
+        drive_reason(d, r);
+        if (d->node) wire_forward(&d->out.queue.control, r, NULL, NULL);
         break;
     case REC_FRAG:
         up_forward(&d->out.queue, r, NULL, NULL);

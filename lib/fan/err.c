@@ -43,6 +43,7 @@ static void show(const struct fan *f, struct fan_slot *s, const char *line, size
     uint64_t hash = hash64(HASH64_INIT, line, n);
     if (n && line[n - 1] == '\r') n--;
     if (!s->conn.connected && fan_refusal_holds(f, s, line, n)) return;
+    if (s->conn.connected && n) snprintf(s->conn.said, sizeof s->conn.said, "%.*s", (int)n, line);
     fan_slot_show_held(s);
     if (s->conn.connected || hash != s->host->told) show_line(s->host, line, n);
     s->host->told = hash;

@@ -1,6 +1,6 @@
 /*
  * fan, shared by its files: loop.c; facts.c (what is true of a slot); state.c (what a slot is
- * sent); report.c (failures); down.c (the input); slot.c (the life of a slot); connect.c (the order
+ * sent); report.c (failures); excuse.c (those that are no fault of a slot); down.c (the input); slot.c (the life of a slot); connect.c (the order
  * of connections); join.c (a hosts file that changes); refusal.c (why a connection failed); hello.c
  * (which workers are let in); alive.c (silence of this end); code.c (packed records); up.c (what
  * workers send); err.c (their standard error); send.c (programs for hosts that have none); list.c
@@ -72,6 +72,7 @@ struct fan_job {
     char hash[WIRE_JOB];
     int32_t by;            /* the slot that stated it first; -1: the input */
     int32_t agree, differ; /* slots that stated this job; another one */
+    bool well;             /* a task of it was done */
     int64_t vote;          /* number of this count of them, ascending */
 };
 
@@ -95,6 +96,7 @@ struct connection {
     char detail[200];              /* the line that matched this row; or why nothing can be sent */
     struct sending sending;        /* to a host that has no programs */
     char chatter[160];             /* its first output, if that was no hello */
+    char said[WIRE_SAID];          /* its last line of standard error since its hello */
     size_t before_hello;           /* bytes before hello */
     int64_t opened_us;             /* start of the process */
     int64_t heard_us;              /* last activity */
@@ -170,6 +172,14 @@ struct fan_state_of {
     struct buf frame_lines;
 };
 
+/* A slot was lost while it computed this task. */
+#define FAN_DEATHS 64
+struct fan_death {
+    uint32_t frame, id;
+    int32_t slot;
+    bool excused; /* others were lost over it too */
+};
+
 struct fan {
     const struct fan_options *o;
     int n_slots, n_hosts; /* entries of these: */
@@ -191,6 +201,9 @@ struct fan {
     int64_t start_us;    /* zero of sent_us and recv_us */
     int64_t awake_us;    /* when the next round was due to begin */
     int64_t lost, stale; /* tasks lost with their slots; answers to no question */
+    int64_t failed;      /* tasks that a slot could not compute */
+    struct fan_death deaths[FAN_DEATHS]; /* the latest, */
+    int64_t n_deaths;                    /* of this number: excuse.c */
     bool disputed;       /* slots disagree on a job, and no majority decides */
     bool unreached;      /* tasks waited to the end for slots that never were up */
     bool asked;          /* a task has come */
@@ -261,6 +274,10 @@ void fan_pass_down(struct buf *to, const struct record *r, const struct fan_slot
 bool fan_takes(const struct fan_slot *s);
 /* Writes a record without numbers to a slot for which nothing is queued, if its pipe takes it. */
 void fan_slot_tell(const struct fan_slot *s, enum rec_kind kind, const char *extra);
+
+/* ---- excuse.c ---- */
+/* Slot s, which has tasks, is lost. True if other slots were lost over what it computed. */
+bool fan_excuse(struct fan *f, const struct fan_slot *s);
 
 /* ---- report.c ---- */
 /* The wait before the next try after this number of failures in a row. */

@@ -281,7 +281,7 @@ static int status_of(const struct fan *f)
 {
     if (f->refused) return f->refused;
     if (f->out.gone || f->disputed || deserted(f)) return ST_SYSTEM;
-    return f->lost ? ST_PARTIAL : ST_OK;
+    return f->lost || f->failed ? ST_PARTIAL : ST_OK;
 }
 
 int fan_run(const struct fan_options *o)

@@ -12,13 +12,17 @@ int64_t fan_retry_wait_us(int failures)
 
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost)
 {
-    char extra[128];
     if (s->told_gone && !(lost && s->n_tasks)) return;
     for (int i = 0; i < s->width; i++) {
-        snprintf(extra, sizeof extra, "w=%d why=%s lost=%" PRId32 " recv_us=%" PRId64,
-            s->number + i, why, lost ? s->tasks[i].count : 0, now_us() - f->start_us);
-        wire_plain(&f->out.queue.bulk, REC_GONE, extra);
+        struct buf extra = {0};
+        buf_printf(&extra, "w=%d why=%s lost=%" PRId32 " recv_us=%" PRId64 " host=%s",
+            s->number + i, why, lost ? s->tasks[i].count : 0, now_us() - f->start_us,
+            s->host->host->name);
+        wire_said(&extra, lost ? s->conn.said : "");
+        buf_append(&extra, "", 1);
+        wire_plain(&f->out.queue.bulk, REC_GONE, (const char *)buf_data(&extra));
         up_end_record(&f->out.queue);
+        buf_free(&extra);
     }
     s->told_gone = true;
 }

@@ -283,10 +283,10 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     char name[SLOT_NAME];
     s->failures = s->conn.completed_task ? 1 : s->failures + 1;
     if (s->conn.completed_task) s->deaths = 0;
-    else if (s->conn.connected && s->n_tasks) s->deaths++;
+    else if (s->conn.connected && s->n_tasks && !fan_excuse(f, s)) s->deaths++;
     int most = s->host->host->tries ? s->host->host->tries : DEATHS_MOST;
     bool first = s->failures <= 1 && !s->host->failures;
-    again &= (!s->host->here || s->width > 1) && s->deaths < most && !s->drains;
+    again &= (!s->host->here || s->conn.connected) && s->deaths < most && !s->drains;
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;

@@ -203,9 +203,30 @@ static const char *take_done(struct fan *f, struct fan_slot *s, const struct rec
     stamp_time(f, text, sizeof text);
     wire_forward(&f->out.queue.control, r, stamped, text);
     task->computed = true;
+    fan_job(f, frames_find(&f->input.frames, r->task.frame))->well = true;
     s->undone--;
     s->conn.answers++;
     complete_task(s, tasks, i);
+    return NULL;
+}
+
+/* The slot cannot compute the task, and goes on with others. */
+static const char *take_fail(struct fan *f, struct fan_slot *s, const struct record *r)
+{
+    struct task_table *tasks = tasks_of(s, r);
+    int32_t i = tasks ? tasks_find(tasks, r->task.frame, r->task.id) : -1;
+    char text[HOST_NAME_MOST + 184];
+    if (i < 0) return take_stale(f, s);
+    stamp(s, r, text, sizeof text);
+    size_t n = strlen(text);
+    snprintf(text + n, sizeof text - n, " host=%s", s->host->host->name);
+    stamp_time(f, text, sizeof text);
+    wire_forward(&f->out.queue.control, r, stamped, text);
+    f->failed++;
+    s->undone -= !fan_task(tasks, i)->computed;
+    s->conn.answers++;
+    s->conn.completed_task = true; /* it is well */
+    remove_task(s, tasks, i);
     return NULL;
 }
 
@@ -288,6 +309,7 @@ static const char *take_record(struct fan *f, struct fan_slot *s, const struct r
     case REC_HELLO: return fan_take_hello(f, s, r);
     case REC_FRAME: return take_frame(f, s, r);
     case REC_DONE: return take_done(f, s, r);
+    case REC_FAIL: return take_fail(f, s, r);
     case REC_FRAG: return take_frag(f, s, r);
     case REC_BEAT: pass_beat(f, s, r); return NULL;
     case REC_GONE: return take_inner_gone(f, s, r);

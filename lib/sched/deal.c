@@ -7,7 +7,10 @@
  *   pool      pool list             a slot that is up may hold one more: -> out
  *   promised  slot's promised list  its slot comes up: -> out; is gone, or does not exist: -> pool
  *   out       out list; copies in   DONE from a slot that has a copy: -> computed; the last such
- *             `has` of some slots   slot gone, and no piece left: -> pool (front)
+ *             `has` of some slots   slot gone, and no piece left: -> pool (front; if it was being
+ *                                   computed, back), or aside if it has cost some slots
+ *   aside     aside list            nothing else is to be done: -> out, pieces of it or itself; or
+ *                                   it is given up (deal_aside.c)
  *   computed  slot's computed list  slot gone: -> out if another has a copy, else the list of
  *                                   another slot that owes its pixels, else pool (front);
  *                                   given once more (deal_end.c, rule 4): -> out
@@ -34,9 +37,9 @@ static void *deal_create(const struct sched_params *p)
     struct deal *d = xcalloc(1, sizeof *d);
     d->p = *p;
     tasks_init(&d->ledger, sizeof(struct account));
-    frames_init(&d->ids, PIECES_ID);
+    blame_init(&d->blame, p->losses);
     cost_init(&d->costs, COSTS);
-    d->pool = d->out = TASK_LIST_EMPTY;
+    d->pool = d->out = d->aside = TASK_LIST_EMPTY;
     d->late_us = INT64_MAX;
     deal_make_room(d, 1);
     return d;
@@ -48,7 +51,7 @@ static void deal_destroy(void *state)
     if (!d) return;
     for (int32_t k = 0; k < d->n_slots; k++) tasks_free(&d->slots[k].has);
     tasks_free(&d->ledger);
-    frames_free(&d->ids);
+    blame_free(&d->blame);
     cost_free(&d->costs);
     deal_close_room(d);
     free(d->slots);
@@ -85,7 +88,8 @@ static void hand_out(struct deal *d, int64_t now, struct sched_actions *out)
 {
     int32_t k, last = -1, next = -1;
     while (d->pool.count && (k = deal_pick_hungriest(d)) >= 0) {
-        int32_t i = k == last && next >= 0 ? next : d->pool.head;
+        int32_t i = k == last && next >= 0 ? next : deal_aside_other(d, k);
+        if (i < 0) continue;
         next = deal_pick_apart(d, last = k, i);
         hand(d, k, i, now, out);
     }
@@ -112,12 +116,13 @@ static void take_task(
     struct slot *s = to >= 0 && to < (d->known ? d->known : SLOTS_MAX) ? slot_at(d, to) : NULL;
     if (s && s->state == SLOT_UP) deal_give(d, to, i, now, out);
     else if (s && s->state == SLOT_NEW) deal_put(d, i, PROMISED, to);
-    else deal_put(d, i, IN_POOL, -1);
+    else deal_put_last(d, i);
 }
 
-static void take_gone(struct deal *d, int32_t k)
+static void take_gone(struct deal *d, int32_t k, struct sched_actions *out)
 {
     struct slot *s = slot_at(d, k);
+    deal_aside_blame(d, k, out);
     deal_lose(d, k, &s->shared);
     deal_lose(d, k, &s->held);
     while (s->owed.count) deal_drop_copy(d, k, s->owed.tail);
@@ -188,17 +193,27 @@ static void take_done(struct deal *d, const struct sched_event *e, int64_t now)
         deal_mark(d, e->slot);
         return;
     }
+    deal_aside_well(d, &s->has.at[c].task);
     deal_cost_note(d, e->slot, c, note_pace(s, c, e->wall_us, now));
     s->stalled = false;
     if (i >= 0) deal_account(d, i)->copies--;
     if (tasks_whole(&s->has, c)) deal_drop_copy(d, e->slot, c);
     else if (i >= 0) deal_owe(d, e->slot, c, i);
     else deal_outrun(d, e->slot, c);
-    if (i < 0 || deal_account(d, i)->place != OUT) return; /* another slot finished first */
+    if (i < 0) return;
+    if (deal_account(d, i)->place != OUT && deal_account(d, i)->place != ASIDE)
+        return; /* another slot finished first */
     deal_forget_pieces(d, i);
     deal_take(d, i);
     deal_account(d, i)->progress_us = now;
     deal_put(d, i, COMPUTED, e->slot);
+}
+
+static void take_fail(struct deal *d, const struct sched_event *e, struct sched_actions *out)
+{
+    const struct slot *s = e->slot < d->n_slots ? &d->slots[e->slot] : NULL;
+    int32_t c = s ? tasks_find(&s->has, e->task.frame, e->task.id) : -1;
+    if (c >= 0) deal_aside_fail(d, e->slot, c, out); /* whatever it said before */
 }
 
 /* Slot k has sent pixels: it may owe fewer. */
@@ -240,18 +255,20 @@ static void deal_step(
     case SCHED_FLUSH: d->flush = true; break;
     case SCHED_SLOTS: take_slots(d, e->n); break;
     case SCHED_UP: take_up(d, e, now, out); break;
-    case SCHED_GONE: take_gone(d, e->slot); break;
+    case SCHED_GONE: take_gone(d, e->slot, out); break;
     case SCHED_DRAIN:
         slot_at(d, e->slot);
         deal_drain(d, e->slot);
         break;
     case SCHED_DONE: take_done(d, e, now); break;
+    case SCHED_FAIL: take_fail(d, e, out); break;
     case SCHED_PIXELS: take_pixels(d, e, out); break;
     case SCHED_RING:
     case SCHED_WAKE: break; /* a task is late, or a slot needs one */
     }
     hand_out(d, now, out);
     deal_let_go(d, out); /* before copies are given of what it asks for */
+    if (d->aside.count) deal_aside_try(d, now, out);
     d->late_us = INT64_MAX;
     hand_copies(d, now, out);
     if ((d->ended || d->flush) && !d->pool.count) {

@@ -50,7 +50,7 @@ static bool may_have(const struct deal *d, int32_t k, int32_t i)
  * that it is a piece of? */
 static bool may_copy(const struct deal *d, int32_t k, int32_t i)
 {
-    if (!may_have(d, k, i)) return false;
+    if (!may_have(d, k, i) || deal_account(d, i)->alone) return false;
     int32_t copies = 0;
     for (; i >= 0; i = pieces_parent(&d->ledger, i)) copies += deal_account(d, i)->copies;
     return copies < COPIES_MOST;
@@ -153,9 +153,7 @@ static uint64_t piece_px(struct deal *d, int32_t k, int32_t i)
     return pieces_px(part * (end_us - starts_us), least_us, px_us, UINT32_MAX);
 }
 
-/* Puts a piece into the pool that covers all missing pixels of entry i, of which slots may hold
- * copies. */
-static int32_t open_task(struct deal *d, int32_t i)
+int32_t deal_end_open(struct deal *d, int32_t i)
 {
     const struct lattice at = pieces_missing(&d->ledger.at[i]);
     int32_t tries = deal_account(d, i)->tries;
@@ -166,17 +164,16 @@ static int32_t open_task(struct deal *d, int32_t i)
         deal_share(d, i);
     }
     deal_put(d, i, OUT, -1);
-    i = pieces_add(&d->ledger, &d->ids, i, &at);
+    i = pieces_add(&d->ledger, &d->blame.frames, i, &at);
     deal_open_account(d, i, tries);
     deal_put_first(d, i);
     return i;
 }
 
-/* Cuts n pixels off entry i, a piece in the pool, as another piece. */
-static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
+int32_t deal_end_cut(struct deal *d, int32_t i, uint64_t n)
 {
     deal_take(d, i);
-    int32_t piece = pieces_cut(&d->ledger, &d->ids, i, n);
+    int32_t piece = pieces_cut(&d->ledger, &d->blame.frames, i, n);
     deal_open_account(d, piece, deal_account(d, i)->tries);
     deal_put_first(d, i);
     deal_put_first(d, piece);
@@ -185,15 +182,15 @@ static int32_t cut_off(struct deal *d, int32_t i, uint64_t n)
 
 int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
 {
-    if (!d->p.endgame || !d->ended) return i;
+    if (!d->p.endgame || !d->ended || deal_account(d, i)->alone) return i;
     uint64_t px = piece_px(d, k, i);
     for (;;) {
         const struct task_entry *e = &d->ledger.at[i];
         const struct lattice at = pieces_missing(e);
-        if (lattice_count(&at) <= px + px / 2 || !pieces_id_left(&d->ids, &e->task)) return i;
+        if (lattice_count(&at) <= px + px / 2 || !pieces_id_left(&d->blame.frames, &e->task)) return i;
         /* An input task, or a piece that was given, keeps its pixels. */
         bool named = pieces_parent(&d->ledger, i) < 0 || deal_account(d, i)->latest >= 0;
-        i = named ? open_task(d, i) : cut_off(d, i, pieces_rows(&at, px));
+        i = named ? deal_end_open(d, i) : deal_end_cut(d, i, pieces_rows(&at, px));
     }
 }
 

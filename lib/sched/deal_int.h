@@ -2,6 +2,7 @@
  * deal, shared by its files. Each calls only those below it:
  *
  *     deal.c        events, and which tasks a slot gets
+ *     deal_aside.c  tasks that cost slots
  *     deal_end.c    the last tasks
  *     deal_leave.c  slots that leave the run
  *     deal_pick.c   the choice of the next slot
@@ -12,6 +13,7 @@
 #ifndef STORMRING_SCHED_DEAL_INT_H
 #define STORMRING_SCHED_DEAL_INT_H
 
+#include "sched/blame.h"
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
@@ -36,6 +38,7 @@ struct slot {
     double ends_us, due_us;              /* when its last and its first `done` are expected */
     int64_t scaled_us;                   /* when its power changed */
     bool stalled;                        /* it was overdue, and has done no task since */
+    int32_t lost;                        /* how often it was, while it computed a task */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it, on these lists: */
@@ -65,11 +68,12 @@ static inline bool deal_computed(const struct slot *s, int32_t c)
 }
 
 /* Payload of an entry of the ledger. */
-enum place { IN_POOL, PROMISED, OUT, COMPUTED };
+enum place { IN_POOL, PROMISED, OUT, COMPUTED, ASIDE };
 struct account {
     struct piece piece; /* first: pieces.h */
     enum place place;
     int32_t owner;       /* PROMISED, COMPUTED: the slot on whose list it is; else -1 */
+    int32_t alone;       /* not 0: it was put aside, only one slot at a time gets it; blame_step */
     int32_t tries;       /* attempts so far */
     int32_t copies;      /* slots that have a copy and have not done it */
     int32_t latest;      /* the slot it was last given to */
@@ -81,8 +85,8 @@ struct account {
 struct deal {
     struct sched_params p;
     struct task_table ledger; /* uncommitted tasks */
-    struct task_list pool, out;
-    struct frames ids; /* with an endgame: pieces.h */
+    struct task_list pool, out, aside;
+    struct blame blame;
     int64_t now_us;
     struct costs costs;
     double power;     /* sum of the powers of the slots that are up */
@@ -132,6 +136,8 @@ void deal_take(struct deal *d, int32_t i);
 void deal_put(struct deal *d, int32_t i, enum place place, int32_t owner);
 /* Puts entry i, on no list, at the head of the pool. */
 void deal_put_first(struct deal *d, int32_t i);
+/* Puts entry i, on no list, at the end of the pool; or aside, if it is or its frame is. */
+void deal_put_last(struct deal *d, int32_t i);
 /* The last pixels of entry i were passed on: removes it. The last piece also commits the whole. */
 void deal_commit(struct deal *d, int32_t i, struct sched_actions *out);
 /* Removes the pieces of entry i. */
@@ -149,9 +155,11 @@ void deal_owe(struct deal *d, int32_t k, int32_t c, int32_t i);
 /* Does slot k owe pixels of entry i? */
 bool deal_owes(const struct deal *d, int32_t k, int32_t i);
 /* Slot k is gone: tasks of its list l stay with other slots that have a copy or have computed one,
- * or go back to the front of the pool. */
+ * or go back to the front of the pool; or to its end, if slots were lost over them. */
 void deal_lose(struct deal *d, int32_t k, struct task_list *l);
-/* The same for all but the first `keep` tasks of the list. */
+/* The same for one copy; */
+void deal_lose_copy(struct deal *d, int32_t k, int32_t c);
+/* for all but the first `keep` tasks of the list. */
 void deal_lose_after(struct deal *d, int32_t k, struct task_list *l, int32_t keep);
 /* The same for ledger entries on list l: tasks that the slot had computed or was promised. */
 void deal_reclaim(struct deal *d, struct task_list *l);
@@ -210,6 +218,20 @@ bool deal_overdue(const struct deal *d, int32_t k);
 /* The expected end of the run; INFINITY: not known. Updates mean_us. */
 double deal_end_us(struct deal *d);
 
+/* ---- deal_aside.c ---------------------------------------------------------------------------- */
+
+/* Slot k is lost: blames the tasks that it computed. */
+void deal_aside_blame(struct deal *d, int32_t k, struct sched_actions *out);
+/* Slot k cannot compute its copy c: blames the task, and takes the copy away. */
+void deal_aside_fail(struct deal *d, int32_t k, int32_t c, struct sched_actions *out);
+/* A task of the frame was done: if the frame was put aside, its tasks go back to the pool. */
+void deal_aside_well(struct deal *d, const struct task *t);
+/* The entry to give to slot k instead of the first one of the pool, over which it may have been
+ * lost; -1: none. */
+int32_t deal_aside_other(struct deal *d, int32_t k);
+/* If nothing else is to be done, tries what was put aside, or gives it up. */
+void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out);
+
 /* ---- deal_leave.c ---------------------------------------------------------------------------- */
 
 /* Slot k is to leave the run. */
@@ -224,6 +246,11 @@ void deal_let_go(struct deal *d, struct sched_actions *out);
 int32_t deal_end_other(struct deal *d, int32_t *k, int64_t now);
 /* The entry to give to slot k instead of entry i: a piece of it if it is long, else i itself. */
 int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i);
+/* Puts a piece into the pool that covers all missing pixels of entry i, of which slots may hold
+ * copies. */
+int32_t deal_end_open(struct deal *d, int32_t i);
+/* Cuts n pixels off entry i, a piece in the pool, as another piece. */
+int32_t deal_end_cut(struct deal *d, int32_t i, uint64_t n);
 /* True if a slot still computes a copy, or has pixels of one, that may no longer be needed. */
 bool deal_end_busy(const struct deal *d);
 

@@ -9,7 +9,7 @@ int32_t deal_enter(struct deal *d, const struct task *t, uint32_t frame_w)
     int32_t i = tasks_add(&d->ledger, t, frame_w);
     deal_account(d, i)->piece = PIECE_OF_NONE;
     deal_open_account(d, i, 0);
-    if (d->p.endgame) pieces_note_id(&d->ids, t);
+    blame_note(&d->blame, t);
     return i;
 }
 
@@ -28,6 +28,7 @@ static struct task_list *list_of(struct deal *d, int32_t i)
     case PROMISED: return &s->promised;
     case COMPUTED: return &s->computed;
     case OUT: return &d->out;
+    case ASIDE: return &d->aside;
     case IN_POOL: break;
     }
     return &d->pool;
@@ -46,7 +47,8 @@ static void count_pool(struct deal *d, int32_t i, double sign)
 static void count_left(struct deal *d, int32_t i, double sign)
 {
     const struct account *a = deal_account(d, i);
-    if (a->piece.parent < 0 && a->place != COMPUTED) d->left_px += sign * tasks_px(&d->ledger, i);
+    bool left = a->place != COMPUTED && a->place != ASIDE;
+    if (a->piece.parent < 0 && left) d->left_px += sign * tasks_px(&d->ledger, i);
 }
 
 void deal_take(struct deal *d, int32_t i)
@@ -79,13 +81,23 @@ void deal_put_first(struct deal *d, int32_t i)
     count_pool(d, i, 1);
 }
 
-/* The owner of entry i, which is on no list, is gone. The entry is the next to be given, unless
- * other slots have a copy or a piece, or have computed it. */
+void deal_put_last(struct deal *d, int32_t i)
+{
+    bool bad = blame_bad(&d->blame, &d->ledger, i, deal_account(d, i)->alone);
+    deal_put(d, i, bad ? ASIDE : IN_POOL, -1);
+}
+
+/* The owner of entry i, which is on no list, is gone. The entry is the next to be given, or the
+ * last if slots were lost over it, unless other slots have a copy or a piece, or have computed it.
+ * If it is bad, it is put aside although others have a copy, who may hang. */
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);
-    if (a->copies || pieces_exist(&d->ledger, i)) deal_put(d, i, OUT, -1);
+    int32_t lost = blame_sum(&d->blame, &d->ledger, i);
+    bool bad = a->alone || lost >= d->blame.most, cut = pieces_exist(&d->ledger, i);
+    if (cut || (a->copies && !bad)) deal_put(d, i, OUT, -1);
     else if (a->owing >= 0) deal_put(d, i, COMPUTED, a->owing);
+    else if (lost || blame_bad(&d->blame, &d->ledger, i, a->alone)) deal_put_last(d, i);
     else deal_put_first(d, i);
 }
 
@@ -97,6 +109,7 @@ static void leave(struct deal *d, int32_t i)
     int32_t k;
     while ((k = deal_account(d, i)->owing) >= 0)
         deal_outrun(d, k, tasks_find(&d->slots[k].has, t->frame, t->id));
+    blame_forget(&d->blame, t);
     pieces_remove(&d->ledger, i);
 }
 
@@ -225,20 +238,24 @@ void deal_give(struct deal *d, int32_t k, int32_t i, int64_t now, struct sched_a
     out->at[out->n - 1].origin_id = pieces_came_as(&d->ledger, i);
 }
 
+void deal_lose_copy(struct deal *d, int32_t k, int32_t c)
+{
+    const struct task *t = &d->slots[k].has.at[c].task;
+    int32_t i = tasks_find(&d->ledger, t->frame, t->id);
+    bool computed = deal_computed(&d->slots[k], c);
+    deal_drop_copy(d, k, c);
+    if (i < 0) return; /* committed already */
+    const struct account *a = deal_account(d, i);
+    if (!computed) deal_account(d, i)->copies--;
+    if (a->place != (computed ? COMPUTED : OUT) || (computed && a->owner != k)) return;
+    deal_take(d, i);
+    put_back(d, i);
+}
+
 /* Tasks go back to the front of the pool in their order, unless other slots have them. */
 void deal_lose_after(struct deal *d, int32_t k, struct task_list *l, int32_t keep)
 {
-    struct slot *s = &d->slots[k];
-    while (l->count > keep) {
-        const struct task *t = &s->has.at[l->tail].task;
-        int32_t i = tasks_find(&d->ledger, t->frame, t->id);
-        deal_drop_copy(d, k, l->tail);
-        if (i < 0) continue; /* committed already */
-        deal_account(d, i)->copies--;
-        if (deal_account(d, i)->place != OUT) continue;
-        deal_take(d, i);
-        put_back(d, i);
-    }
+    while (l->count > keep) deal_lose_copy(d, k, l->tail);
 }
 
 void deal_lose(struct deal *d, int32_t k, struct task_list *l) { deal_lose_after(d, k, l, 0); }

@@ -152,15 +152,29 @@ static void take_done(struct master *m, const struct task *t)
     row_at(m, i)->computed = true;
 }
 
-static void take_pixels(struct master *m, const struct task *t, struct sched_actions *out)
+/* Row i is complete, or given up. */
+static void leave(struct master *m, int32_t i, struct sched_actions *out)
 {
-    int32_t i = tasks_find(&m->table, t->frame, t->id);
-    if (i < 0 || !tasks_deliver(&m->table, i, &t->at) || !tasks_whole(&m->table, i)) return;
     const struct row *r = row_at(m, i);
     sched_act(out, SCHED_COMMIT, r->node, &m->table.at[i].task);
     m->computed -= r->computed;
     list_remove(&m->table, r->node >= 0 ? &m->node[r->node].rows : &m->early, i);
     tasks_remove(&m->table, i);
+}
+
+static void take_pixels(struct master *m, const struct task *t, struct sched_actions *out)
+{
+    int32_t i = tasks_find(&m->table, t->frame, t->id);
+    if (i >= 0 && tasks_deliver(&m->table, i, &t->at) && tasks_whole(&m->table, i)) leave(m, i, out);
+}
+
+/* The paper has no rule for a task that cannot be computed: it is given up. */
+static void take_fail(struct master *m, const struct task *t, struct sched_actions *out)
+{
+    int32_t i = tasks_find(&m->table, t->frame, t->id);
+    if (i < 0) return;
+    sched_act(out, SCHED_ABANDON, -1, &m->table.at[i].task);
+    leave(m, i, out);
 }
 
 /* ---- phase 2, and fault tolerance ----------------------------------------------------------- */
@@ -240,6 +254,7 @@ static void master_step(
         if (is_node(m, e->slot)) m->node[e->slot].up = false;
         break;
     case SCHED_DONE: take_done(m, &e->task); break;
+    case SCHED_FAIL: take_fail(m, &e->task, out); break;
     case SCHED_PIXELS: take_pixels(m, &e->task, out); break;
     case SCHED_RING:
         if (is_node(m, e->slot)) take_ring(m, e->slot, e, out);

@@ -28,8 +28,8 @@ static void *ring_create(const struct sched_params *p)
     h->p = *p;
     tasks_init(&h->ledger, sizeof(struct hub_task));
     cost_init(&h->costs, COSTS);
-    h->pool = h->rest = h->cut = TASK_LIST_EMPTY;
-    frames_init(&h->ids, PIECES_ID);
+    h->pool = h->rest = h->cut = h->aside = TASK_LIST_EMPTY;
+    blame_init(&h->blame, p->losses);
     h->oldest = h->newest = h->stalest = h->freshest = -1;
     h->hung_us = h->end_us = INT64_MAX;
     return h;
@@ -40,7 +40,7 @@ static void ring_destroy(void *state)
     struct hub *h = state;
     if (!h) return;
     tasks_free(&h->ledger);
-    frames_free(&h->ids);
+    blame_free(&h->blame);
     cost_free(&h->costs);
     hub_sets_free(h);
     free(h->early);
@@ -50,13 +50,6 @@ static void ring_destroy(void *state)
 
 /* ---- tasks without owner --------------------------------------------------------------------- */
 
-static void start(struct hub *h, int32_t i, struct sched_actions *out)
-{
-    const struct task *t = &h->ledger.at[i].task;
-    bool chosen = t->to >= 0 && t->to < h->n_nodes;
-    hub_assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
-}
-
 /* The pool goes to node k, the only one that is up (k >= 0); or each task to its first node,
  * once nodes are known (-1). */
 static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
@@ -65,7 +58,7 @@ static void take_pool(struct hub *h, int32_t k, struct sched_actions *out)
         int32_t i = h->pool.head;
         hub_unlist(h, i);
         if (k >= 0) hub_assign(h, i, k, out);
-        else start(h, i, out);
+        else hub_start(h, i, out);
     }
 }
 
@@ -75,7 +68,7 @@ static void take_task(struct hub *h, const struct sched_event *e, struct sched_a
 {
     if (tasks_find(&h->ledger, e->task.frame, e->task.id) >= 0) return; /* the same key again */
     int32_t i = hub_enter(h, &e->task, e->frame_w);
-    if (h->n_nodes) start(h, i, out);
+    if (h->n_nodes) hub_start(h, i, out);
     else hub_enlist(h, i, -1, false);
 }
 
@@ -110,6 +103,7 @@ static void take_gone(struct hub *h, int32_t k, struct sched_actions *out)
     struct hub_node *s = &h->nodes[k];
     struct task_list *lists[] = {&s->computed, &s->held};
     bool had = hub_works(h, k);
+    if (had) hub_aside_blame(h, k, out);
     s->state = NODE_GONE;
     set_put(&h->up, k, false);
     hub_lost(h, k);
@@ -142,6 +136,7 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     else {
         note_pace(h, i, e->wall_us);
         hub_progress(h, k);
+        hub_aside_well(h, i, out);
     }
     hub_unlist(h, i);
     hub_enlist(h, i, k, true);
@@ -151,31 +146,11 @@ static void take_done(struct hub *h, const struct sched_event *e, struct sched_a
     hub_ask_flush(h, k, out);
 }
 
-/* Entry i, without pieces, leaves the ledger. */
-static void leave(struct hub *h, int32_t i)
+static void take_fail(struct hub *h, const struct sched_event *e, struct sched_actions *out)
 {
-    int32_t k = hub_task(h, i)->owner;
-    hub_remove(h, i);
-    if (k < 0) return;
-    hub_mark(h, k);
-    set_put(&h->freed, k, true);
-}
-
-/* The last pixels of entry i have come, which may be the last piece of another one. */
-static void commit(struct hub *h, int32_t i, struct sched_actions *out)
-{
-    do {
-        int32_t parent = pieces_parent(&h->ledger, i), j;
-        sched_act(out, SCHED_COMMIT, hub_task(h, i)->owner, &h->ledger.at[i].task);
-        while ((j = pieces_leaf(&h->ledger, i)) >= 0) leave(h, j);
-        leave(h, i);
-        i = parent;
-    } while (i >= 0 && !pieces_exist(&h->ledger, i));
-    while (h->freed.count) {
-        int32_t k = set_after(&h->freed, -1);
-        set_put(&h->freed, k, false);
-        hub_ask_flush(h, k, out);
-    }
+    int32_t i = tasks_find(&h->ledger, e->task.frame, e->task.id);
+    if (i < 0 || !hub_works(h, e->slot) || hub_task(h, i)->owner != e->slot) return;
+    hub_aside_fail(h, e->slot, i, out);
 }
 
 static void take_pixels(struct hub *h, const struct sched_event *e, struct sched_actions *out)
@@ -186,7 +161,7 @@ static void take_pixels(struct hub *h, const struct sched_event *e, struct sched
     if (!tasks_deliver(&h->ledger, i, &e->task.at)) return;
     if (h->ledger.at[i].delivered > before && hub_works(h, e->slot)) hub_progress(h, e->slot);
     if (!tasks_whole(&h->ledger, i)) return;
-    commit(h, i, out);
+    hub_commit(h, i, out);
 }
 
 /* A GIVE to a node that does not exist leaves the task with its owner. A GIVE of a task that the
@@ -223,7 +198,7 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 /* A record of this node proves that it lives. Pixels do not: they may come from before. */
 static void note_life(struct hub *h, const struct sched_event *e)
 {
-    if ((e->kind != SCHED_DONE && e->kind != SCHED_RING) || !hub_works(h, e->slot)) return;
+    if ((e->kind != SCHED_DONE && e->kind != SCHED_FAIL && e->kind != SCHED_RING) || !hub_works(h, e->slot)) return;
     h->nodes[e->slot].silent = false;
     hub_mark(h, e->slot);
 }
@@ -261,6 +236,7 @@ static void ring_step(
         else hub_note_early(h, e->slot);
         break;
     case SCHED_DONE: take_done(h, e, out); break;
+    case SCHED_FAIL: take_fail(h, e, out); break;
     case SCHED_PIXELS: take_pixels(h, e, out); break;
     case SCHED_RING: take_ring(h, e, out); break;
     case SCHED_DRAIN:
@@ -268,6 +244,7 @@ static void ring_step(
         break;
     case SCHED_WAKE: break;
     }
+    if (h->aside.count) hub_aside_try(h, out);
     hub_match(h, out);
     hub_hung(h, out);
     hub_let_go(h, out);

@@ -38,7 +38,9 @@ static int32_t rest_for(const struct hub *h, int32_t k)
 static int32_t last_of(const struct hub *h, int32_t k, int32_t to)
 {
     int32_t i = h->nodes[k].held.tail;
-    while (i >= 0 && (pieces_exist(&h->ledger, i) || has_part(h, to, i))) i = h->ledger.at[i].prev;
+    while (i >= 0 &&
+           (pieces_exist(&h->ledger, i) || hub_task(h, i)->alone || has_part(h, to, i)))
+        i = h->ledger.at[i].prev;
     return i;
 }
 
@@ -92,7 +94,7 @@ static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     const struct lattice *at = &h->ledger.at[i].task.at;
     double px = tasks_px(&h->ledger, i);
     uint64_t n = pieces_rows(at, part_px(h, k, px, hub_pixel_us(h, k, i)));
-    bool may = !h->ledger.at[i].delivered && pieces_id_left(&h->ids, &h->ledger.at[i].task);
+    bool may = !h->ledger.at[i].delivered && pieces_id_left(&h->blame.frames, &h->ledger.at[i].task);
     if ((double)n < .75 * px && may) i = hub_cut_off(h, i, n);
     hub_unlist(h, i);
     hub_assign(h, i, k, out);
@@ -110,7 +112,7 @@ bool hub_end(struct hub *h, int32_t k, struct sched_actions *out)
     int32_t from = slowest(h, k);
     if (from < 0) return false;
     i = last_of(h, from, k);
-    if (!pieces_id_left(&h->ids, &h->ledger.at[i].task)) return false;
+    if (!pieces_id_left(&h->blame.frames, &h->ledger.at[i].task)) return false;
     double us = hub_time_us(h, from), theirs_us = hub_left_us(h, from, &late);
     if (us > 0) us = hub_own_pixel_us(h, from, i) * hub_time_us(h, k) / us;
     double need_us =

@@ -2,6 +2,7 @@
  * The hub of the ring, shared by its files. Each calls only those below it:
  *
  *     hub.c        events
+ *     hub_aside.c  tasks that cost nodes
  *     hub_match.c  pairs nodes that want work with nodes that have some
  *     hub_end.c    the last tasks
  *     hub_hung.c   nodes that make no progress
@@ -15,6 +16,7 @@
 #ifndef STORMRING_SCHED_HUB_INT_H
 #define STORMRING_SCHED_HUB_INT_H
 
+#include "sched/blame.h"
 #include "sched/cost.h"
 #include "sched/pace.h"
 #include "sched/pieces.h"
@@ -53,6 +55,7 @@ struct hub_node {
     bool busy;                 /* has to make progress: hub_mark.c */
     int32_t staler, fresher;   /* its neighbours in the list of busy nodes, by latest progress */
     int64_t progress_us;       /* the time of its latest progress */
+    int32_t lost;              /* how often it was, while it computed a task */
 };
 
 /* Payload of an entry of the ledger. */
@@ -62,6 +65,8 @@ struct hub_task {
     int32_t from;       /* its previous owner, if it was stolen; else -1 */
     int32_t tries;      /* attempts so far; 0: no node was sent it */
     bool computed;      /* its owner has computed it; pixels are missing */
+    int32_t alone;      /* not 0: it was put aside, only one node at a time gets it; blame_step */
+    bool aside;         /* it is aside, and no node has it */
     int64_t sent_us;    /* when its owner was sent it */
 };
 
@@ -70,8 +75,9 @@ struct hub {
     struct task_table ledger; /* uncommitted tasks */
     struct task_list pool;    /* no known node could own them */
     struct task_list rest;    /* pieces that no node has: hub_end.c */
-    struct task_list cut;     /* tasks of lost nodes whose pieces are missing */
-    struct frames ids;        /* with an endgame: pieces.h */
+    struct task_list cut;     /* tasks of no node whose pieces are missing */
+    struct task_list aside;   /* tasks that cost nodes */
+    struct blame blame;
     struct hub_node *nodes;
     int32_t n_nodes;  /* 0: not known yet */
     int32_t n_places; /* nodes that the sets have room for */
@@ -124,14 +130,32 @@ static inline bool hub_works(const struct hub *h, int32_t k)
 void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
 /* Moves the next n tasks of node k to node peer, which is up. */
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
+/* Entry i, of node k, which cannot compute it and goes on, goes to another node. */
+void hub_pass_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
+/* The last pixels of entry i have come, or are given up. It may be the last piece of another one. */
+void hub_commit(struct hub *h, int32_t i, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);
+/* An entry without owner goes to the node of its slot, or to that of its number. */
+void hub_start(struct hub *h, int32_t i, struct sched_actions *out);
 /* Entry i, on no list, goes to node k, or to the nearest node before it that is up. */
 void hub_assign(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
-/* Entry i, of node k, which is gone or drains, goes to another node as a task without owner. */
+/* Entry i, of node k, which is gone or drains, goes to another node as a task without owner; or
+ * aside. */
 void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
 /* Asks node k to flush once it has computed all of its tasks and pixels are missing. */
 void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out);
+
+/* ---- hub_aside.c ---------------------------------------------------------------------------- */
+
+/* Node k, which is lost, was computing these: blames the tasks. */
+void hub_aside_blame(struct hub *h, int32_t k, struct sched_actions *out);
+/* Node k cannot compute its entry i: blames the task, and gives it to another node. */
+void hub_aside_fail(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
+/* Entry i was done: if its frame was put aside, its tasks go to nodes. */
+void hub_aside_well(struct hub *h, int32_t i, struct sched_actions *out);
+/* If nodes have nothing else to do, tries what was put aside, or gives it up. */
+void hub_aside_try(struct hub *h, struct sched_actions *out);
 
 /* ---- hub_join.c ----------------------------------------------------------------------------- */
 
@@ -148,6 +172,8 @@ void hub_let_go(struct hub *h, struct sched_actions *out);
 
 /* ---- hub_ledger.c --------------------------------------------------------------------------- */
 
+/* Puts entry i, on no list, aside. */
+void hub_put_aside(struct hub *h, int32_t i);
 /* Takes entry i off its list. */
 void hub_unlist(struct hub *h, int32_t i);
 /* Puts entry i, on no list, on a list of node k; or on one of those of no node (-1). */

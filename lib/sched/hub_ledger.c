@@ -7,6 +7,7 @@ static struct task_list *list_of(struct hub *h, int32_t i)
 {
     const struct hub_task *t = hub_task(h, i);
     if (t->owner < 0 && pieces_exist(&h->ledger, i)) return &h->cut;
+    if (t->aside) return &h->aside;
     if (t->owner < 0) return t->piece.parent >= 0 ? &h->rest : &h->pool;
     return t->computed ? &h->nodes[t->owner].computed : &h->nodes[t->owner].held;
 }
@@ -37,9 +38,19 @@ void hub_enlist(struct hub *h, int32_t i, int32_t k, bool computed)
 {
     hub_task(h, i)->owner = k;
     hub_task(h, i)->computed = computed;
+    hub_task(h, i)->aside = false;
     h->n_computed += computed;
     list_push_back(&h->ledger, list_of(h, i), i);
     count(h, i, 1);
+}
+
+void hub_put_aside(struct hub *h, int32_t i)
+{
+    struct hub_task *t = hub_task(h, i);
+    t->owner = t->from = -1;
+    t->computed = false;
+    t->aside = true;
+    list_push_back(&h->ledger, list_of(h, i), i);
 }
 
 int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w)
@@ -47,7 +58,7 @@ int32_t hub_enter(struct hub *h, const struct task *t, uint32_t frame_w)
     int32_t i = tasks_add(&h->ledger, t, frame_w);
     hub_task(h, i)->piece = PIECE_OF_NONE;
     hub_task(h, i)->owner = hub_task(h, i)->from = -1;
-    if (h->p.endgame) pieces_note_id(&h->ids, t);
+    blame_note(&h->blame, t);
     return i;
 }
 
@@ -75,20 +86,21 @@ int32_t hub_open_task(struct hub *h, int32_t i)
 {
     const struct lattice at = pieces_missing(&h->ledger.at[i]);
     recount(h, i, -1);
-    int32_t piece = pieces_add(&h->ledger, &h->ids, i, &at);
+    int32_t piece = pieces_add(&h->ledger, &h->blame.frames, i, &at);
     recount(h, i, 1);
     return enlist_piece(h, piece);
 }
 
 int32_t hub_cut_off(struct hub *h, int32_t i, uint64_t n)
 {
-    return enlist_piece(h, pieces_cut(&h->ledger, &h->ids, i, n));
+    return enlist_piece(h, pieces_cut(&h->ledger, &h->blame.frames, i, n));
 }
 
 void hub_remove(struct hub *h, int32_t i)
 {
     int32_t parent = pieces_parent(&h->ledger, i);
     hub_unlist(h, i);
+    blame_forget(&h->blame, &h->ledger.at[i].task);
     recount(h, parent, -1);
     pieces_remove(&h->ledger, i);
     recount(h, parent, 1);

@@ -30,6 +30,14 @@ static void tell(int32_t k, enum ring_kind kind, int32_t peer, struct sched_acti
     out->at[out->n - 1].ring = (struct ring){.kind = kind, .peer = peer, .next = -1};
 }
 
+/* What node thief takes for work, in percent of what node k takes; 0: not both have done a task. */
+static int32_t takes(const struct hub *h, int32_t k, int32_t thief)
+{
+    if (h->nodes[k].speed.work <= 0 || h->nodes[thief].speed.work <= 0) return 0;
+    double percent = 100 * hub_time_us(h, thief) / hub_time_us(h, k);
+    return (int32_t)fmax(1, fmin(percent, RING_TAKES_MOST));
+}
+
 /* Asks a node with work left on behalf of the nearest hungry node before it. */
 static void ask(struct hub *h, struct sched_actions *out)
 {
@@ -38,6 +46,7 @@ static void ask(struct hub *h, struct sched_actions *out)
     int32_t thief = set_before(&h->hungry, victim);
     hub_pair(h, victim, thief);
     tell(victim, RING_ASK, thief, out);
+    out->at[out->n - 1].ring.takes = takes(h, victim, thief);
 }
 
 /* In the endgame a hungry node gets a part of another node's task: the

@@ -4,6 +4,13 @@
  */
 #include "sched/hub_int.h"
 
+void hub_start(struct hub *h, int32_t i, struct sched_actions *out)
+{
+    const struct task *t = &h->ledger.at[i].task;
+    bool chosen = t->to >= 0 && t->to < h->n_nodes;
+    hub_assign(h, i, chosen ? t->to : (int32_t)(t->id % (uint32_t)h->n_nodes), out);
+}
+
 void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
     struct hub_node *s = &h->nodes[k];
@@ -42,8 +49,17 @@ void hub_hand_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
 {
     hub_unlist(h, i);
     hub_task(h, i)->from = -1;
-    if (!pieces_exist(&h->ledger, i)) hub_assign(h, i, k, out);
-    else hub_enlist(h, i, -1, false);
+    if (pieces_exist(&h->ledger, i)) hub_enlist(h, i, -1, false);
+    else if (blame_bad(&h->blame, &h->ledger, i, hub_task(h, i)->alone)) hub_put_aside(h, i);
+    else hub_assign(h, i, k, out);
+}
+
+void hub_pass_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out)
+{
+    hub_task(h, i)->tries++;
+    hub_hand_on(h, i, set_before(&h->up, k), out);
+    hub_mark(h, k);
+    hub_ask_flush(h, k, out);
 }
 
 void hub_ask_flush(struct hub *h, int32_t k, struct sched_actions *out)
@@ -68,4 +84,30 @@ void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions
     hub_assign(h, i, thief, out);
     hub_mark(h, k);
     hub_ask_flush(h, k, out);
+}
+
+/* Entry i, without pieces, leaves the ledger. */
+static void leave(struct hub *h, int32_t i)
+{
+    int32_t k = hub_task(h, i)->owner;
+    hub_remove(h, i);
+    if (k < 0) return;
+    hub_mark(h, k);
+    set_put(&h->freed, k, true);
+}
+
+void hub_commit(struct hub *h, int32_t i, struct sched_actions *out)
+{
+    do {
+        int32_t parent = pieces_parent(&h->ledger, i), j;
+        sched_act(out, SCHED_COMMIT, hub_task(h, i)->owner, &h->ledger.at[i].task);
+        while ((j = pieces_leaf(&h->ledger, i)) >= 0) leave(h, j);
+        leave(h, i);
+        i = parent;
+    } while (i >= 0 && !pieces_exist(&h->ledger, i));
+    while (h->freed.count) {
+        int32_t k = set_after(&h->freed, -1);
+        set_put(&h->freed, k, false);
+        hub_ask_flush(h, k, out);
+    }
 }

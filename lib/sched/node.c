@@ -8,9 +8,10 @@
  *    takes, by its measurements of its worker and of its asks; at the latest when it has no tasks.
  *    Before an ask was answered, an ask is taken to last twice as long as PLACE took to come after
  *    hello. At most one ask is outstanding; any task that comes ends it.
- * 2. The victim gives tasks until both nodes would finish at the same time, if the thief is as fast
- *    and begins one ask's time from now. That is about half, and never so much that the victim
- *    would have to ask at once. (Steal-half: D. Hendler, N. Shavit, "Non-blocking steal-half work
+ * 2. The victim gives tasks until both nodes would finish at the same time, if the thief begins one
+ *    ask's time from now. The hub says how fast it is; else it counts as fast as the victim. Then
+ *    that is about half, and never so much that the victim would have to ask at once. (Steal-half:
+ *    D. Hendler, N. Shavit, "Non-blocking steal-half work
  *    queues", PODC 2002. Differs in the end of the queue: the victim gives the tasks that it would
  *    begin first. So all tasks are begun in the order of partition, such as the dearest first.)
  * 3. A node that asks gives nothing. So a given task is begun where it arrives, and the last task
@@ -110,6 +111,15 @@ static void take_done(struct node *n, const struct sched_event *e, int64_t now)
     list_push_back(&n->has, &n->computed, i);
 }
 
+/* The hub gives it to another node. */
+static void take_fail(struct node *n, const struct sched_event *e)
+{
+    int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
+    if (i < 0 || node_task(n, i)->place != FED) return;
+    node_unlist(n, i);
+    tasks_remove(&n->has, i);
+}
+
 static void take_pixels(struct node *n, const struct sched_event *e, struct sched_actions *out)
 {
     int32_t i = tasks_find(&n->has, e->task.frame, e->task.id);
@@ -148,6 +158,7 @@ static void take(
         break;
     case SCHED_GONE: take_gone(n); break;
     case SCHED_DONE: take_done(n, e, now); break;
+    case SCHED_FAIL: take_fail(n, e); break;
     case SCHED_PIXELS: take_pixels(n, e, out); break;
     case SCHED_RING:
         if (e->ring.kind != RING_PLACE) break;
@@ -195,9 +206,10 @@ static void ask(struct node *n, bool more, int64_t now, struct sched_actions *ou
     node_say(RING_ASK, -1, out);
 }
 
-/* Rules 2 and 3: the number of tasks to give. */
-static int32_t spare(const struct node *n, int64_t now)
+/* Rules 2 and 3: the number of tasks to give to a node that takes this percentage of the time. */
+static int32_t spare(const struct node *n, int32_t takes, int64_t now)
 {
+    double slower = takes > 0 ? takes / 100. : 1;
     bool known = pace_of(n) > 0; /* if not, pixels stand for microseconds */
     double us_per_px = known ? pace_of(n) : 1;
     double here_us = known ? fed_us(n, us_per_px, now) : n->fed_px;
@@ -207,26 +219,26 @@ static int32_t spare(const struct node *n, int64_t now)
     if (n->asked_us >= 0) return 0;
     for (int32_t i = n->queue.head; given < most && i >= 0; i = n->has.at[i].next) {
         double us = tasks_px(&n->has, i) * us_per_px;
-        if (there_us + us + LEAST_US > here_us) break;
-        there_us += us;
+        if (there_us + us * slower + LEAST_US > here_us) break;
+        there_us += us * slower;
         here_us -= us;
         given++;
     }
     return given;
 }
 
-static void answer(struct node *n, int32_t peer, int64_t now, struct sched_actions *out)
+static void answer(struct node *n, const struct ring *ask, int64_t now, struct sched_actions *out)
 {
-    int32_t given = spare(n, now);
-    if (!given) node_say(RING_NONE, peer, out);
-    while (given-- > 0) node_give(n, n->queue.head, peer, out);
+    int32_t given = spare(n, ask->takes, now);
+    if (!given) node_say(RING_NONE, ask->peer, out);
+    while (given-- > 0) node_give(n, n->queue.head, ask->peer, out);
 }
 
 static void default_rules(
     struct node *n, const struct sched_event *e, int64_t now, struct sched_actions *out)
 {
     if (e->kind == SCHED_RING && e->ring.kind == RING_NONE) n->delayed = true;
-    if (e->kind == SCHED_RING && e->ring.kind == RING_ASK) answer(n, e->ring.peer, now, out);
+    if (e->kind == SCHED_RING && e->ring.kind == RING_ASK) answer(n, &e->ring, now, out);
     ask(n, e->kind == SCHED_TASK, now, out);
 }
 

@@ -17,6 +17,9 @@
  * or (1) to (3) hold for its pieces. (3) SCHED_END or SCHED_STOP comes exactly once: as soon as the
  * input has ended and no task is uncommitted, never before. policy_published guarantees (2), and
  * that the end comes at all, only while nothing fails.
+ *
+ * A task that costs each slot that computes it is given up in the end (blame.h), by SCHED_ABANDON:
+ * then it, or the pieces of it that are good, and the rest count as committed.
  */
 #ifndef STORMRING_SCHED_H
 #define STORMRING_SCHED_H
@@ -38,11 +41,13 @@ enum ring_kind {
     RING_CRASHED, /* up, published rules: peer does not answer */
     RING_HEIR     /* down, published rules: peer's tasks follow; next came after peer */
 };
+#define RING_TAKES_MOST 1000000
 struct ring {
     enum ring_kind kind;
     int32_t peer;   /* -1: none */
     int32_t next;   /* NONE: ask this node, which had work; HEIR: see there; -1: none */
     bool idle;      /* NONE: I have nothing to do myself */
+    int32_t takes;  /* ASK, down: peer's time for work in percent of this node's; 0: not known */
     int32_t me, n;  /* PLACE */
     bool published; /* PLACE: the rules as published apply */
 };
@@ -57,6 +62,7 @@ enum sched_event_kind {
     SCHED_GONE,      /* slot: its connection is lost, with all that the slot held */
     SCHED_DRAIN,     /* slot: it is to leave the run; SCHED_LEAVE is the answer */
     SCHED_DONE,      /* slot, task key: computed; the slot may still hold back pixels */
+    SCHED_FAIL,      /* slot, task key: the slot cannot compute it, and goes on */
     SCHED_PIXELS,    /* slot, task key, at: these pixels have arrived and were passed on */
     SCHED_RING, /* ring, task key for a GIVE; slot: the sending node; to a node: from the hub */
     SCHED_WAKE  /* the time is wake_us or later */
@@ -76,7 +82,9 @@ struct sched_event {
 enum sched_action_kind {
     SCHED_GIVE,      /* task to slot */
     SCHED_ASK_FLUSH, /* slot: send the pixels that are held back */
-    SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once */
+    SCHED_COMMIT,    /* task: all of its pixels have been passed on, each once, or given up */
+    SCHED_BLAME,     /* slot, task: the slot was lost, or has failed, while it computed the task */
+    SCHED_ABANDON,   /* task: its missing pixels are given up; all: and those of its frame */
     SCHED_SAY, /* ring, task key for a GIVE; slot: the receiving node; from a node: to the hub */
     SCHED_LEAVE, /* slot, after SCHED_DRAIN: it holds nothing more, and gets nothing more */
     SCHED_END, /* close the input of all slots */
@@ -88,6 +96,7 @@ struct sched_action {
     struct task task;
     uint32_t origin_id; /* GIVE: id of the input task that this one is, or is a piece of */
     int32_t from;       /* GIVE, to a node: the previous owner; -1: none */
+    bool all;           /* ABANDON: no task of the frame could be computed */
     struct ring ring;
 };
 /* The actions of one step, in order. The driver empties the list and frees it at last. */
@@ -100,10 +109,12 @@ void sched_act(
 
 #define SCHED_WAITING_MOST 65536 /* undispatched tasks: the driver pauses its input */
 #define SCHED_DEPTH_AUTO (-1)
+#define SCHED_LOSSES 3 /* slots that a task may cost before it is put aside, by default */
 struct sched_params {
     int32_t depth;   /* -q: tasks a slot may hold beyond those it computes, or SCHED_DEPTH_AUTO */
     bool endgame;    /* -e: cut the last tasks smaller and give them to more than one slot */
     double least_us; /* -t: least time of a piece, and of a task out before it is copied; 0: none */
+    int32_t losses;  /* -l: slots that a task may cost before it is put aside; 0: SCHED_LOSSES */
 };
 
 struct policy {

@@ -53,6 +53,31 @@ static void check_commit(struct world *w, const struct sched_action *a)
     w->open_of[t->task.generation % GENERATIONS]--;
 }
 
+static bool inside(const struct world *w, const struct lattice *part, const struct task *t)
+{
+    return lattice_offset(&t->at, w->frame_w, part) >= 0;
+}
+
+/* A task is given up only if it is bad, or has cost as many slots as if it were. The parts of a
+ * task count for the task, and the task for its parts. */
+static void check_abandon(struct world *w, const struct sched_action *a)
+{
+    const int32_t most = w->plan->params.losses ? w->plan->params.losses : SCHED_LOSSES;
+    int32_t blamed = 0;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *t = &w->tasks[i];
+        if (a->all || inside(w, &a->task.at, &t->task) || inside(w, &t->task.at, &a->task))
+            blamed += t->blamed;
+    }
+    if (blamed <= most) sim_fail(w, "a task was given up too early", a->task.id, blamed);
+    if (!a->all && !sim_poison_in(w, &a->task) && blamed < most + 2)
+        sim_fail(w, "a good task was given up", a->task.id, blamed);
+    const uint64_t done = w->sent.done;
+    for (uint64_t i = 0, n = lattice_count(&a->task.at); i < n; i++)
+        coverage_set(&w->sent, lattice_pixel(&a->task.at, w->frame_w, i));
+    w->result->abandoned += w->sent.done - done;
+}
+
 static void check_end(struct world *w)
 {
     if (w->ended) sim_fail(w, "the run ended twice", 0, 0);
@@ -80,6 +105,9 @@ void sim_note_action(struct world *w, const struct sched_action *a)
     w->result->pieces += piece;
     if (a->kind == SCHED_ASK_FLUSH) w->result->flushes++;
     if (a->kind == SCHED_STOP) w->result->stops++;
+    if (a->kind == SCHED_BLAME && sim_vtask_at(w, a->task.id))
+        sim_vtask_at(w, a->task.id)->blamed++;
+    if (a->kind == SCHED_ABANDON) check_abandon(w, a);
     if (a->kind == SCHED_COMMIT) check_commit(w, a);
     if (a->kind == SCHED_END || a->kind == SCHED_STOP) check_end(w);
     if (w->checks && w->checks->action) w->checks->action(w, a);

@@ -1,5 +1,5 @@
 /*
- * Faults: crash, silence, pause, slow-down, hang, drain, and a killed hub. At most one random fault
+ * Faults: crash, silence, pause, slow-down, hang, drain, a killed hub, and poison. At most one random fault
  * befalls a slot, and one more if it drains; slot 0 is never lost.
  */
 #include "sim/world.h"
@@ -15,6 +15,35 @@ static void plan_fault(
     struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = (int32_t)kind, .power = power}};
     sim_schedule(w, at_us, k, e);
 }
+
+/* ---- poison ---------------------------------------------------------------------------------- */
+
+const struct poison *sim_poison_in(const struct world *w, const struct task *t)
+{
+    for (size_t i = 0; i < w->n_poison; i++) {
+        const struct poison *p = &w->poison[i];
+        const struct lattice one = {p->x, p->y, 1, 1, t->at.sx, t->at.sy};
+        if (lattice_offset(&t->at, w->frame_w, &one) >= 0) return p;
+    }
+    return NULL;
+}
+
+void sim_plan_poison(struct world *w)
+{
+    const struct sim_plan *p = w->plan;
+    w->poison = xcalloc(p->n_faults + (size_t)p->poison + 1, sizeof *w->poison);
+    for (size_t i = 0; i < p->n_faults; i++)
+        if (p->faults[i].kind == SIM_POISON)
+            w->poison[w->n_poison++] = (struct poison){p->faults[i].x, p->faults[i].y, false};
+    for (int32_t i = 0; i < p->poison && p->tasks; i++) {
+        const double where = rng_unit(p->seed, 5000 + 2 * (uint64_t)i);
+        const int64_t px = (int64_t)(where * p->tasks * p->rows * w->frame_w);
+        w->poison[w->n_poison++] = (struct poison){(uint32_t)(px % w->frame_w),
+            (uint32_t)(px / w->frame_w), rng_unit(p->seed, 5001 + 2 * (uint64_t)i) < .5};
+    }
+}
+
+/* ---- plans ----------------------------------------------------------------------------------- */
 
 /* A slot that drains may be lost or hang. */
 static void draw_drain(struct world *w, int32_t k, int64_t at)
@@ -54,7 +83,8 @@ void sim_plan_faults(struct world *w)
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
-        if (f->at_us >= 0) plan_fault(w, f->at_us, f->slot, f->kind, f->power);
+        if (f->at_us >= 0 && f->kind != SIM_POISON)
+            plan_fault(w, f->at_us, f->slot, f->kind, f->power);
     }
     if (sim_draw(w) < p->p_kill)
         plan_fault(w, (int64_t)(sim_draw(w) * (double)p->faults_us), 0, SIM_KILL, 0);
@@ -65,7 +95,7 @@ void sim_inject_by_commits(struct world *w, int64_t before)
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
-        if (f->at_us < 0 && f->commits > before && f->commits <= w->result->commits)
+        if (f->at_us < 0 && f->kind != SIM_POISON && f->commits > before && f->commits <= w->result->commits)
             plan_fault(w, w->now_us, f->slot, f->kind, f->power);
     }
 }
@@ -123,7 +153,8 @@ void sim_inject_fault(struct world *w, const struct sim_event *e)
         w->result->drains++;
         sim_say(w, k, (struct sched_event){.kind = SCHED_DRAIN});
         break;
-    case SIM_KILL: break;
+    case SIM_KILL:
+    case SIM_POISON: break;
     }
 }
 
@@ -160,6 +191,7 @@ void sim_restart_hub(struct world *w)
         struct vtask *t = &w->tasks[i];
         free(t->note);
         t->note = NULL;
+        t->blamed = 0;
         if (i >= w->plan->tasks) continue;
         forget(w, t);
         if (w->checks && w->checks->task) w->checks->task(t);

@@ -23,6 +23,7 @@ static double trips_of(const struct world *w, bool between_nodes)
 static int64_t leaves(struct world *w, int32_t k, const struct sched_event *e, bool bulk)
 {
     struct net_queue *q = &w->up[net_number_of(w->plan, k)];
+    net_count(w->result, net_bytes(e));
     return net_send(q, net_bytes(e), net_link_of(w->plan, k).bytes_per_s, w->now_us, bulk);
 }
 
@@ -99,6 +100,7 @@ void sim_send_down(struct world *w, int32_t k, const struct sched_action *a)
     default: e.kind = SCHED_INPUT_END; break;
     }
     struct net_queue *q = &w->down_to[net_number_of(w->plan, k)];
+    net_count(w->result, net_bytes(&e));
     int64_t at = net_send(q, net_bytes(&e), net_link_of(w->plan, k).bytes_per_s, w->now_us, true);
     at = arrival(w, k, at, trips_of(w, between_nodes), &w->slots[k].down_us);
     w->result->messages += between_nodes;
@@ -112,9 +114,11 @@ void sim_prime(struct world *w, int32_t k)
     const struct sim_start *start = &w->plan->start;
     int32_t number = net_number_of(w->plan, k);
     if (start->state_bytes <= 0 && start->build_s <= 0) return;
-    if (w->primed_us[number] < 0)
+    if (w->primed_us[number] < 0) {
+        net_count(w->result, start->state_bytes);
         w->primed_us[number] = (double)net_send(&w->down_to[number], start->state_bytes,
             net_link_of(w->plan, k).bytes_per_s, w->now_us, true);
+    }
     int64_t left_us = (int64_t)fmax(w->primed_us[number], (double)w->now_us);
     int64_t at = arrival(w, k, left_us, 1, &w->slots[k].down_us);
     sim_schedule(w, at, k, (struct sim_event){.kind = SIM_STATE});

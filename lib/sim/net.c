@@ -46,6 +46,7 @@ double net_bytes(const struct sched_event *e)
     case SCHED_SLOTS:
     case SCHED_GONE:
     case SCHED_WAKE:
+    case SCHED_FAIL:
     case SCHED_DRAIN: break;
     }
     return 0;

@@ -42,6 +42,12 @@ struct net_queue {
 };
 /* Sends a message at now_us, and returns the time at which its last byte leaves. */
 int64_t net_send(struct net_queue *q, double bytes, double bytes_per_s, int64_t now_us, bool bulk);
+/* Counts what is sent; 0 bytes are no record. */
+static inline void net_count(struct sim_result *r, double bytes)
+{
+    r->records += bytes > 0;
+    r->bytes += bytes;
+}
 /* All bytes of the run's tasks, each sent once: their records and pixels. */
 double net_all_bytes(const struct sim_plan *p);
 /* The least rate of a link or a hub, in bytes per second; 0: no limit. */

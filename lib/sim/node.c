@@ -39,6 +39,8 @@ static void node_act(struct world *w, int32_t k, const struct sched_action *a)
     case SCHED_SAY: say_ring(w, k, a); break;
     case SCHED_ASK_FLUSH: sim_hand_over(w, k); break;
     case SCHED_LEAVE:
+    case SCHED_BLAME:
+    case SCHED_ABANDON:
     case SCHED_COMMIT: break;
     case SCHED_END:
     case SCHED_STOP:

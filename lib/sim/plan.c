@@ -31,7 +31,7 @@ static void calm(struct sim_plan *p, bool tiny)
     p->rows = p->frames = 1;
     p->p_crash = p->p_silence = p->p_pause = p->p_slow = p->p_hang = p->p_kill = 0;
     p->p_return = p->p_twice = p->p_garbage = p->p_drain = 0;
-    p->joins = 0;
+    p->joins = p->poison = 0;
     p->start = (struct sim_start){0};
 }
 
@@ -68,6 +68,7 @@ struct sim_plan sim_plan_of(uint64_t seed)
     p.tells_power = unit(seed, 44) < .5;
     if (unit(seed, 45) < .25)
         p.start = (struct sim_start){.build_s = .1 * unit(seed, 46), .spread = 4};
+    if (unit(seed, 47) < .15) p.poison = pick(seed, 48, 1, 3);
     if (seed % 100 == 50) calm(&p, false);
     if (seed % 500 == 99) calm(&p, true);
     return p;

@@ -21,7 +21,8 @@ void sim_report_faults(const struct sim_result *r, struct buf *out)
     } table[] = {{"crashes", r->crashes}, {"silences", r->silences}, {"pauses", r->pauses},
         {"slows", r->slows}, {"hangs", r->hangs}, {"kills", r->kills}, {"returns", r->returns},
         {"twice", r->twice}, {"garbage", r->garbage}, {"lost", r->lost}, {"doubled", r->doubled},
-        {"late", r->late}, {"events", r->events}};
+        {"late", r->late}, {"poisoned", r->poisoned},
+        {"abandoned", (int64_t)r->abandoned}, {"events", r->events}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) count(out, table[i].key, table[i].n);
     buf_printf(out, "trace\t%016" PRIx64 "\n", r->trace_hash);
 }
@@ -51,9 +52,12 @@ void sim_report(const struct sim_plan *p, const struct sim_result *r, struct buf
     real(out, "startup_s", r->startup_us * 1e-6);
     real(out, "waiting_s", r->waiting_us * 1e-6);
     real(out, "tail_s", r->tail_us * 1e-6);
+    real(out, "work_s", r->work_us * 1e-6);
     real(out, "bound_s", bound);
     real(out, "least_s", sim_least_s(p));
     buf_printf(out, "efficiency\t%.4f\n", whole && makespan > 0 ? bound / makespan : 0);
+    count(out, "records", r->records);
+    real(out, "bytes", r->bytes);
     count(out, "messages", r->messages);
     count(out, "steals", r->steals);
     count(out, "passed", r->passed);

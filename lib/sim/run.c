@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#define POISON_TRIES 40 /* slots that a pixel may cost: three, and two for each cut */
 #define AT_ONCE 100   /* limit of events per slot and task, against endless loops */
 #define PX_AT_ONCE 10 /* likewise, per pixel */
 
@@ -14,8 +15,10 @@
 static void account(struct world *w)
 {
     w->result->end_us = w->now_us;
-    for (int32_t k = 0; k < w->plan->slots; k++)
+    for (int32_t k = 0; k < w->plan->slots; k++) {
         sim_clock_split(&w->slots[k].clock, w->now_us, w->result);
+        sim_work_count(w, k);
+    }
 }
 
 /* Measuring ends here; nodes end with their input. */
@@ -36,7 +39,8 @@ static void step(struct world *w, const struct sched_event *e)
         const struct sched_action *a = &acts->at[i];
         sim_note_action(w, a);
         if (a->kind == SCHED_END || a->kind == SCHED_STOP) close_run(w, a);
-        else if (a->kind != SCHED_COMMIT) sim_send_down(w, a->slot, a);
+        else if (a->kind != SCHED_COMMIT && a->kind != SCHED_BLAME && a->kind != SCHED_ABANDON)
+            sim_send_down(w, a->slot, a);
     }
     acts->n = 0;
     if (w->checks && w->checks->after) w->checks->after(w);
@@ -149,6 +153,7 @@ static void begin(struct world *w)
         if (p->work) w->slots[k].power = p->work->power[k];
         sim_draw_fault(w, k);
     }
+    sim_plan_poison(w);
     sim_plan_faults(w);
     sim_plan_loads(w);
     /* The number of slots may be known before or after the first tasks. */
@@ -210,6 +215,7 @@ static int64_t time_allowed_us(const struct world *w)
     double faults_us = (double)p->faults_us + 2e6 + w->start_us;
     faults_us += (double)p->silence_us * (1 + (double)p->n_faults);
     faults_us += (double)p->detect_us * p->slots;
+    faults_us += POISON_TRIES * (double)w->n_poison * (1e6 + w->alone_us / (p->tasks + 1));
     double us = 2 * (1 + (double)w->result->kills) * (faults_us + w->alone_us + trips_us);
     return (int64_t)fmin(us, 4e18); /* it is doubled */
 }
@@ -296,6 +302,7 @@ static void close_world(struct world *w)
     }
     for (int32_t i = 0; i < w->n_tasks; i++) free(w->tasks[i].note);
     coverage_free(&w->sent);
+    free(w->poison);
     free(w->note);
     free(w->up);
     free(w->primed_us);
@@ -357,6 +364,8 @@ void sim_add(struct sim_result *sum, const struct sim_result *r)
     sum->hangs += r->hangs;
     sum->drains += r->drains;
     sum->leaves += r->leaves;
+    sum->poisoned += r->poisoned;
+    sum->abandoned += r->abandoned;
     sum->kills += r->kills;
     sum->twice += r->twice;
     sum->garbage += r->garbage;

@@ -20,7 +20,7 @@
  * admits it, as in the live driver; meanwhile slots are flushed.
  *
  * Checks of every run, after every event: a task commits once, and only after all of its pixels
- * were passed on; a frame waits exactly while a task older than the previous frame's is
+ * were passed on, or given up because it has cost enough slots; a frame waits exactly while a task older than the previous frame's is
  * uncommitted; the end comes once, when everything is committed and no pixel is missing; time
  * advances. A test gives the plan the checks of a policy (tests/oracles), which look at all tasks
  * at each event.
@@ -51,7 +51,8 @@ enum sim_fault_kind {
     SIM_SLOW,    /* it has only a part of its power from now on */
     SIM_HANG,    /* it never finishes its task, but sends beats: no fan gives it up */
     SIM_DRAIN,   /* it is told to leave the run */
-    SIM_KILL     /* the hub is killed, and restarted later */
+    SIM_KILL,    /* the hub is killed, and restarted later */
+    SIM_POISON   /* a slot that has computed this pixel dies, and comes back */
 };
 /* A fault that is not random. */
 struct sim_fault {
@@ -60,6 +61,7 @@ struct sim_fault {
     int64_t at_us;   /* time; or, if < 0: */
     int64_t commits; /* number of committed tasks */
     double power;    /* SLOW: factor of the slot's power */
+    uint32_t x, y;   /* POISON */
 };
 
 struct sim_checks; /* of a policy: world.h */
@@ -107,6 +109,7 @@ struct sim_plan {
     bool tells_power; /* the policy is told the power of a slot that becomes slow */
     int32_t joins;    /* the last slots come later, and are not counted at first */
     double p_kill;    /* of the hub */
+    int32_t poison;   /* pixels, drawn by the seed, that are as by SIM_POISON */
     double p_return;  /* a lost slot comes back */
     double p_twice;   /* an answer is sent twice */
     /* an answer names a task that was not asked for */
@@ -162,6 +165,8 @@ struct sim_result {
     int64_t events, gives, commits, flushes;
     int64_t crashes, silences, pauses, slows, hangs, drains, kills, twice, garbage, returns;
     int64_t leaves;      /* slots that left as they were told to */
+    int64_t poisoned;    /* slots that died of a task */
+    uint64_t abandoned;  /* pixels given up */
     int64_t uncommitted; /* tasks, if the run did not end */
     /* gives of tasks that others have; pieces given; ends that stop slots */
     int64_t copies, pieces, stops;
@@ -174,6 +179,9 @@ struct sim_result {
     int64_t passed;              /* tasks that a node gave to another one */
     int64_t reports;             /* reports of nodes that do not answer */
     int64_t lost, doubled, late; /* ring messages, if they are datagrams */
+    int64_t records;             /* that left for a link, without those that fan adds */
+    double bytes;                /* of these, with the state */
+    double work_us;              /* computed at power 1, repeated and unfinished tasks included */
     /* Of the first hub of a tree: records and bytes that it passed; most tasks it had at once. */
     int64_t hub_records, hub_tasks;
     double hub_bytes;

@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+#define RESTART_US 500000 /* from the death of a worker to its next hello */
+
 /* ---- the worker ------------------------------------------------------------------------------ */
 
 /* Sends to the fan; a node, if there is one, gets it at once. */
@@ -79,6 +81,21 @@ void sim_hand_over(struct world *w, int32_t k)
     held->first = held->n = 0;
 }
 
+/* The task costs the slot, or fails. The fan starts the slot again, unless it drains. */
+static void poisoned(struct world *w, int32_t k, const struct task *t, bool said)
+{
+    bool drains = w->slots[k].drains;
+    w->result->poisoned++;
+    if (said) {
+        answer(w, k, (struct sched_event){.kind = SCHED_FAIL, .task = *t, .from = -1});
+        sim_start_next(w, k);
+        return;
+    }
+    sim_end_slot(w, k);
+    sim_say(w, k, (struct sched_event){.kind = SCHED_GONE});
+    if (!drains) sim_schedule(w, w->now_us + RESTART_US, k, (struct sim_event){.kind = SIM_RETURN});
+}
+
 static void computed(struct world *w, int32_t k)
 {
     struct vslot *s = &w->slots[k];
@@ -88,6 +105,11 @@ static void computed(struct world *w, int32_t k)
     sim_clock_end(&s->clock, w->now_us);
     if (s->stalled) return; /* silent for ever */
     struct task t = s->queue.at[s->queue.first++];
+    const struct poison *poison = sim_poison_in(w, &t);
+    if (poison) {
+        poisoned(w, k, &t, poison->said);
+        return;
+    }
     struct sched_event e = {.kind = SCHED_DONE, .task = t, .wall_us = wall_us, .from = -1};
     w->result->computed++;
     answer_twice_or_worse(w, k, e);

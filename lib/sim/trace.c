@@ -24,6 +24,7 @@ static const char *const scheds[] = {[SCHED_TASK] = "task",
     [SCHED_GONE] = "gone",
     [SCHED_DRAIN] = "drain",
     [SCHED_DONE] = "done",
+    [SCHED_FAIL] = "fail",
     [SCHED_PIXELS] = "pixels",
     [SCHED_RING] = "ring",
     [SCHED_WAKE] = "wake"};

@@ -106,8 +106,11 @@ static void handle(struct tree *t, const struct sim_event *e)
 static void account(struct tree *t)
 {
     t->result->end_us = t->now_us;
-    for (int32_t k = 0; k < t->plan->slots; k++)
+    for (int32_t k = 0; k < t->plan->slots; k++) {
+        double before_us = t->result->busy_us;
         sim_clock_split(&t->workers[k].clock, t->now_us, t->result);
+        t->result->work_us += (t->result->busy_us - before_us) * t->plan->work->power[k];
+    }
 }
 
 static void trace_event(struct tree *t, const struct sim_event *e)

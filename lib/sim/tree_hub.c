@@ -36,6 +36,7 @@ static struct net_queue *queue_of(struct tree *t, int32_t i, bool up)
 void tree_say(struct tree *t, int32_t i, struct sched_event e)
 {
     struct sim_link link = link_of(t, i);
+    net_count(t->result, net_bytes(&e));
     int64_t left_us = net_send(
         queue_of(t, i, true), net_bytes(&e), link.bytes_per_s, t->now_us, e.kind == SCHED_PIXELS);
     e.slot = t->nodes[i].number;
@@ -47,6 +48,7 @@ void tree_say(struct tree *t, int32_t i, struct sched_event e)
 static void send_down(struct tree *t, int32_t i, struct sched_event e, int64_t at_us)
 {
     struct sim_link link = link_of(t, i);
+    net_count(t->result, net_bytes(&e));
     at_us = net_send(queue_of(t, i, false), net_bytes(&e), link.bytes_per_s, at_us, true);
     schedule(t, at_us + link.latency_us, i, (struct sim_event){.kind = SIM_TO_SLOT, .sched = e});
 }
@@ -102,6 +104,8 @@ static void act(struct tree *t, int32_t hub, const struct sched_action *a)
         if (hub == 0) commit(t, &a->task);
         return;
     case SCHED_SAY:
+    case SCHED_BLAME:
+    case SCHED_ABANDON:
     case SCHED_LEAVE: return;
     case SCHED_END:
     case SCHED_STOP: t->ended = t->ended || hub == 0; return;

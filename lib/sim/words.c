@@ -46,8 +46,24 @@ static bool parse_fault(struct sim_plan *plan, enum sim_fault_kind kind, char *w
     return true;
 }
 
+/* X:Y, a pixel. */
+static bool parse_poison(struct sim_plan *plan, char *x)
+{
+    char *y = cut_off(x);
+    int64_t at[2];
+    if (!y || !parse_int(x, 0, FRAME_SIDE_MAX - 1, &at[0]) ||
+        !parse_int(y, 0, FRAME_SIDE_MAX - 1, &at[1]))
+        return false;
+    plan->faults = xrealloc(plan->faults, plan->n_faults + 1, sizeof *plan->faults);
+    plan->faults[plan->n_faults++] = (struct sim_fault){
+        .kind = SIM_POISON, .x = (uint32_t)at[0], .y = (uint32_t)at[1]};
+    return true;
+}
+
 static bool parse_word(struct sim_plan *p, char *word)
 {
+    if (strncmp(word, "poison@", 7) == 0) return parse_poison(p, word + 7);
+
     const struct {
         const char *name;
         double *chance;

@@ -25,10 +25,19 @@ void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us)
     schedule_end(w, k, true);
 }
 
+void sim_work_count(struct world *w, int32_t k)
+{
+    const struct vwork *work = &w->slots[k].work;
+    if (!work->on || work->ends != SIM_COMPUTED) return;
+    double us = (double)(w->now_us - work->since_us) * work->speed;
+    w->result->work_us += fmin(us, work->left_us);
+}
+
 void sim_work_changed(struct world *w, int32_t k)
 {
     struct vwork *work = &w->slots[k].work;
     if (!work->on) return;
+    if (!w->ended) sim_work_count(w, k);
     work->left_us -= (double)(w->now_us - work->since_us) * work->speed;
     work->left_us = fmax(work->left_us, 0);
     work->since_us = w->now_us;
@@ -39,6 +48,7 @@ void sim_work_changed(struct world *w, int32_t k)
 
 void sim_work_end(struct world *w, int32_t k)
 {
+    if (!w->ended) sim_work_count(w, k);
     w->slots[k].work.on = false;
     w->slots[k].work.turn++;
 }

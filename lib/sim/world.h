@@ -15,6 +15,12 @@
 #define SLOWEST .05      /* share of its power left to a slot slowed down by chance */
 #define POWER_LEAST 1e-3 /* likewise, by all slow-downs together */
 
+/* A pixel that costs slots. */
+struct poison {
+    uint32_t x, y;
+    bool said; /* the slot says that it cannot compute it, and goes on; else it dies */
+};
+
 /* Events for a stopped process wait here. */
 struct inbox {
     struct sim_event *at;
@@ -67,6 +73,7 @@ struct vtask {
     int32_t to; /* preassigned slot, -1: none */
     bool known, committed;
     uint64_t sent; /* pixels 0 .. sent were passed to the policy under this id */
+    int32_t blamed; /* slots that were lost over it, by the policy */
     void *note;    /* data of the plan's checks; freed with the task */
 };
 
@@ -92,7 +99,9 @@ struct world {
     uint32_t generation;          /* the latest admitted generation */
     bool waits;                   /* the next one is not admitted yet */
     uint32_t frame_w, frame_h;
-    struct coverage sent; /* pixels passed on */
+    struct coverage sent; /* pixels passed on, or given up */
+    struct poison *poison; /* pixels that cost slots, */
+    size_t n_poison;       /* of this number */
     uint64_t wanted_px;   /* of all tasks of the plan */
     int64_t now_us;
     double hub_us;                  /* pixels pass the hub until then */
@@ -166,6 +175,8 @@ size_t sim_first_load(const struct sim_plan *p, int32_t k);
 void sim_work_begin(struct world *w, int32_t k, enum sim_kind ends, double us);
 /* Its power, share or pause has changed: what it is at ends earlier or later. */
 void sim_work_changed(struct world *w, int32_t k);
+/* Adds what slot k has computed since its speed changed last to the work of the run. */
+void sim_work_count(struct world *w, int32_t k);
 /* It has ended, in one way or another. */
 void sim_work_end(struct world *w, int32_t k);
 /* The event is for work that has ended, or whose speed has changed since. */
@@ -197,6 +208,10 @@ void sim_node_wake(struct world *w, int32_t k);
 
 /* ---- faults.c -------------------------------------------------------------------------------- */
 
+/* The first such pixel of the task, or NULL. */
+const struct poison *sim_poison_in(const struct world *w, const struct task *t);
+/* Chooses pixels for that. */
+void sim_plan_poison(struct world *w);
 /* Schedules the faults that the plan names, and draws some for slot k; k -1: for the hub. */
 void sim_plan_faults(struct world *w);
 void sim_draw_fault(struct world *w, int32_t k);

@@ -17,6 +17,54 @@ bool cut_in_chunks(const struct cut *cut)
     return cut->unit == CUT_GUIDED || cut->unit == CUT_FACTORING;
 }
 
+/* ---- random places --------------------------------------------------------------------------- */
+
+static bool are_unequal(const double *power, int slots)
+{
+    for (int k = 1; power && k < slots; k++)
+        if (power[k] < power[0] || power[k] > power[0]) return true;
+    return false;
+}
+
+static double due(const struct cut_tasks *c, const struct cut_turn *t)
+{
+    return (t->had + rng_unit((uint64_t)t->slot, t->had)) / c->power[t->slot];
+}
+
+/* The turn at this place may be due later than those below it: 2 i + 1 and 2 i + 2 are below i. */
+static void sink(struct cut_tasks *c, int at)
+{
+    struct cut_turn *t = c->turns, moved = t[at];
+    for (int below; (below = 2 * at + 1) < c->slots; at = below) {
+        if (below + 1 < c->slots && t[below + 1].due < t[below].due) below++;
+        if (t[below].due >= moved.due) break;
+        t[at] = t[below];
+    }
+    t[at] = moved;
+}
+
+static void begin_turns(struct cut_tasks *c)
+{
+    c->turns = xcalloc((size_t)c->slots, sizeof *c->turns);
+    for (int k = c->slots; k-- > 0;) {
+        c->turns[k].slot = k;
+        c->turns[k].due = due(c, &c->turns[k]);
+        sink(c, k);
+    }
+}
+
+static int take_turn(struct cut_tasks *c)
+{
+    struct cut_turn *first = c->turns;
+    int slot = first->slot;
+    first->had++;
+    first->due = due(c, first);
+    sink(c, 0);
+    return slot;
+}
+
+/* ---- a frame --------------------------------------------------------------------------------- */
+
 void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_w, uint32_t frame_h,
     int slots, const double *power)
 {
@@ -29,6 +77,7 @@ void cut_tasks_begin(struct cut_tasks *c, const struct cut *cut, uint32_t frame_
     if (cut_follows_slots(cut)) cut_suit(&c->cut, frame_w, frame_h, slots);
     if (cut_in_chunks(cut)) cut_chunks(&c->cut, frame_w, frame_h, power, slots);
     if (power) c->credit = xcalloc((size_t)slots, sizeof *c->credit);
+    if (cut->unit == CUT_FINE && are_unequal(power, slots)) begin_turns(c);
     c->n = cut_count(&c->cut, frame_w, frame_h);
 }
 
@@ -36,6 +85,7 @@ void cut_tasks_end(struct cut_tasks *c)
 {
     cut_free(&c->cut);
     free(c->credit);
+    free(c->turns);
     free(c->order);
     *c = (struct cut_tasks){0};
 }
@@ -115,6 +165,7 @@ static int32_t slot_of(struct cut_tasks *c, uint32_t place)
 {
     uint32_t given = c->given++;
     if (cut_in_chunks(&c->cut)) return c->power && place < (uint32_t)c->slots ? (int32_t)place : -1;
+    if (c->turns) return take_turn(c);
     if (c->power) return interleave(c);
     return c->slots ? (int32_t)(given % (uint32_t)c->slots) : -1;
 }

@@ -126,6 +126,13 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
 
 /* ---- the tasks of a frame ------------------------------------------------------------ */
 
+/* When a slot gets its next task. */
+struct cut_turn {
+    double due; /* in the order of these the slots get tasks */
+    int32_t slot;
+    uint32_t had; /* tasks so far */
+};
+
 /*
  * The tasks of a frame, one after the other, each with its slot. Call cut_tasks_begin; set fields
  * and call the functions that are needed; cut_tasks_next until it returns false; cut_tasks_end.
@@ -134,6 +141,10 @@ bool coverage_trim(const struct coverage *c, struct lattice *at);
  * order of slots, each slot with a credit of at least 1 gets a task and pays 1; when no slot has
  * that, each credit grows by the slot's power. Of chunks only the first ones get slots, one each in
  * order, and only with powers. A task that is left out takes no turn.
+ *
+ * Fine tasks are parts of rows. If those of a slot were at equal distances, they could all be in
+ * few columns, which may be dear. So with unequal powers the k-th task of a slot is at a random
+ * place of the k-th stretch of tasks of which it should have one.
  */
 struct cut_tasks {
     struct cut cut; /* of this frame; owned */
@@ -144,11 +155,12 @@ struct cut_tasks {
 
     /* private */
     int slots;
-    const double *power; /* the caller's */
-    double *credit;      /* by slot */
-    int turn;            /* the slot to look at next */
-    uint32_t *order;     /* ids; NULL: ascending */
-    uint32_t at, given;  /* tasks looked at; tasks that took a turn */
+    const double *power;    /* the caller's */
+    double *credit;         /* by slot */
+    struct cut_turn *turns; /* a heap: the first is due first. NULL: weighted interleave */
+    int turn;               /* the slot to look at next */
+    uint32_t *order;        /* ids; NULL: ascending */
+    uint32_t at, given;     /* tasks looked at; tasks that took a turn */
 };
 /* What depends on the number of slots: fine, coarse, tile:WxH:TASKS; guided and factoring. */
 bool cut_follows_slots(const struct cut *cut);

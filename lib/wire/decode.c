@@ -32,6 +32,7 @@ static const struct grammar {
     [REC_HELLO] = {"hello", ARGS_HELLO, false},
     [REC_FRAG] = {"frag", ARGS_TASK, true},
     [REC_DONE] = {"done", ARGS_KEY, false},
+    [REC_FAIL] = {"fail", ARGS_KEY, false},
     [REC_BEAT] = {"beat", ARGS_NONE, false},
     [REC_BYE] = {"bye", ARGS_NONE, false},
     [REC_UP] = {"up", ARGS_NONE, false},

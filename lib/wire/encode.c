@@ -130,6 +130,30 @@ void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t
     wire_seal(b, at);
 }
 
+void wire_said(struct buf *b, const char *said)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    size_t n = strlen(said);
+    if (n > WIRE_SAID - 1) n = WIRE_SAID - 1;
+    if (n) buf_printf(b, " said=");
+    for (size_t i = 0; i < n; i++) {
+        unsigned char c = (unsigned char)said[i];
+        char hex[] = {'%', digits[c >> 4], digits[c & 15]};
+        if (c > ' ' && c < 127 && c != '%') buf_append(b, &c, 1);
+        else buf_append(b, hex, sizeof hex);
+    }
+}
+
+void wire_failed(struct buf *b, const struct task *t, const char *why, const char *said,
+    const char *extra)
+{
+    size_t at = buf_size(b);
+    buf_printf(b, "fail %" PRIu32 " %" PRIu32 " why=%s", t->frame, t->id, why);
+    wire_said(b, said);
+    put_extra(b, extra);
+    wire_seal(b, at);
+}
+
 void wire_plain(struct buf *b, enum rec_kind kind, const char *extra)
 {
     size_t at = buf_size(b);
@@ -190,6 +214,7 @@ void wire_ring(struct buf *b, enum rec_kind kind, const struct task *t, const st
         buf_printf(b, " me=%" PRId32 " n=%" PRId32 " rules=%s", m->me, m->n,
             m->published ? "published" : "default");
     else if (m->peer >= 0) buf_printf(b, " peer=%" PRId32, m->peer);
+    if (kind == REC_ASK && m->takes > 0) buf_printf(b, " takes=%" PRId32, m->takes);
     if (none && m->idle) buf_printf(b, " idle=%d", m->idle);
     if ((none || kind == REC_HEIR) && m->next >= 0) buf_printf(b, " next=%" PRId32, m->next);
     if (t->to >= 0) buf_printf(b, " to=%" PRId32, t->to);

@@ -29,6 +29,23 @@ bool rec_str(const struct record *r, const char *key, char *out, size_t size)
     return true;
 }
 
+static int digit(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+void rec_said(const struct record *r, char said[WIRE_SAID])
+{
+    size_t n = 0, m = 0;
+    const char *v = rec_key(r, "said", &n);
+    for (size_t i = 0; v && i < n && m < WIRE_SAID - 1; i++) {
+        bool coded = v[i] == '%' && i + 2 < n && digit(v[i + 1]) >= 0 && digit(v[i + 2]) >= 0;
+        said[m++] = coded ? (char)(digit(v[i + 1]) << 4 | digit(v[i + 2])) : v[i];
+        if (coded) i += 2;
+    }
+    said[m] = '\0';
+}
+
 int32_t rec_slot(const struct record *r)
 {
     char name[32];

@@ -31,8 +31,9 @@ bool rec_ring(const struct record *r, struct rec_ring *m)
     if (!number(r, "peer", WIRE_SLOTS_MAX - 1, &m->peer) ||
         !number(r, "next", WIRE_SLOTS_MAX - 1, &m->next) ||
         !number(r, "me", WIRE_SLOTS_MAX - 1, &m->me) || !number(r, "n", WIRE_SLOTS_MAX, &m->n) ||
-        !number(r, "idle", 1, &idle))
+        !number(r, "takes", WIRE_TAKES_MOST, &m->takes) || !number(r, "idle", 1, &idle))
         return false;
+    if (m->takes < 0) m->takes = 0;
     m->idle = idle == 1;
     switch (r->kind) {
     case REC_RING:

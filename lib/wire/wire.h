@@ -19,10 +19,12 @@
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a record of state */
 #define WIRE_STATE_KINDS 4                 /* scene, grid, spec, files */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
+#define WIRE_TAKES_MOST 1000000            /* percent, in an ask */
 #define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
 #define WIRE_WITHIN_MOST 1e8               /* to this */
 #define WIRE_JOB 33                        /* bytes of a job with NUL: 32 hexadecimal digits */
 #define WIRE_WHY 160                       /* bytes of a message for people */
+#define WIRE_SAID 160                      /* likewise, in a record */
 #define WIRE_PIXEL_BYTES 16                /* RGBA float32, linear, premultiplied, little-endian */
 
 enum rec_kind {
@@ -36,6 +38,7 @@ enum rec_kind {
     REC_HELLO,
     REC_FRAG,
     REC_DONE,
+    REC_FAIL,
     REC_BEAT,
     REC_BYE,
     REC_UP,
@@ -158,11 +161,14 @@ bool rec_int(const struct record *r, const char *key, int64_t min, int64_t max, 
 bool rec_real(const struct record *r, const char *key, double min, double max, double *out);
 /* Copies the value into out[size]; false if it is absent or too long. */
 bool rec_str(const struct record *r, const char *key, char *out, size_t size);
+/* The words of `said=`, with NUL; "" if there are none. They are from another machine. */
+void rec_said(const struct record *r, char said[WIRE_SAID]);
 /* The slot of the outermost fan that stamped r: 2 if w is "2.1". -1: none. */
 int32_t rec_slot(const struct record *r);
 /* The keys of a ring record; -1 or false if absent. */
 struct rec_ring {
     int32_t peer, next, me, n;
+    int32_t takes; /* 0: absent */
     bool idle, published;
 };
 /* False if r is no ring record, or lacks a key, or has one out of range. A decoder returns no
@@ -212,6 +218,11 @@ void wire_job(struct buf *b, const struct frame_size *f, const char *job, const 
 void wire_frag(struct buf *b, const struct task *t, const struct lattice *at, const char *job,
     const float *rgba);
 void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall_us);
+/* The task cannot be computed: why is one word; said: words of a command or a process, or "". */
+void wire_failed(struct buf *b, const struct task *t, const char *why, const char *said,
+    const char *extra);
+/* Appends " said=" and the words, as far as there is room, unless they are empty. */
+void wire_said(struct buf *b, const char *said);
 /* least: of the power, by the self-test; 0: not known */
 void wire_hello(struct buf *b, const char *program, const char *selftest, double power,
     double least, int slots);

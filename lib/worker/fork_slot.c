@@ -3,6 +3,7 @@
  * worker_loop with the state that the parent had then. It gets frames, tasks and flushes only.
  * For tasks of later state it is replaced: its input ends, it finishes what it has, and the parent
  * forks another. If it dies, or is silent, the parent forks another one for its tasks.
+ * A task over which LOSSES_MOST of them are lost fails.
  * One machine with forks.c and worker.c.
  */
 #include "patience/patience.h"
@@ -13,8 +14,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#define DEATHS_MOST 5   /* in a row, without a completed task: it is no accident */
-#define FAILURES_MOST 2 /* the same, of children that said themselves why */
+#define LOSSES_MOST 2 /* children lost over a task: it is no accident */
 
 static struct fork_task *extra(const struct fork_slot *s, int32_t i)
 {
@@ -192,15 +192,49 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s)
 
 /* ---- the loss of a child -------------------------------------------------------------------- */
 
-/* Its tasks wait again, for another child. */
-static void lose(struct fork_slot *s, const char *why, int most)
+static const char *stamp(char w[24], int slot)
 {
-    int lost = s->sent.count;
-    if (lost) {
+    snprintf(w, 24, "w=%d", slot);
+    return w;
+}
+
+/* Task i, which was sent, leaves the table. */
+static void drop(struct fork_slot *s, int32_t i)
+{
+    list_remove(&s->tasks, &s->sent, i);
+    tasks_remove(&s->tasks, i);
+}
+
+/* Task i cannot be computed: says so, in the words of the child's own record, if it sent one. */
+static void fail(
+    struct forks *p, struct fork_slot *s, int32_t i, const char *why, const struct record *r)
+{
+    char w[24];
+    if (extra(s, i)->computed)
+        die(ST_SYSTEM, "slot %d: lost (%s) with pixels that it had computed", s->number, why);
+    stamp(w, extra(s, i)->of);
+    if (r) wire_forward(&p->out.queue.control, r, NULL, w);
+    else wire_failed(&p->out.queue.control, &s->tasks.at[i].task, why, "", w);
+    p->w->failed = true;
+    drop(s, i);
+}
+
+/* The task that the child was computing, or else the first one whose pixels are missing; -1: none. */
+static int32_t current(const struct fork_slot *s)
+{
+    int32_t i = s->sent.head;
+    while (i >= 0 && extra(s, i)->again) i = s->tasks.at[i].next;
+    return i >= 0 ? i : s->sent.head;
+}
+
+/* Its tasks wait again, for another child. */
+static void lose(struct forks *p, struct fork_slot *s, const char *why)
+{
+    int32_t suspect = current(s);
+    if (suspect >= 0) {
         s->flush = true; /* it may have been asked before it was lost */
-        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, lost);
-        if (++s->deaths >= most)
-            die(ST_SYSTEM, "slot %d: lost %d times in a row", s->number, s->deaths);
+        warn("slot %d: lost (%s) with %d tasks, forked again", s->number, why, s->sent.count);
+        if (++extra(s, suspect)->losses >= LOSSES_MOST) fail(p, s, suspect, why, NULL);
     }
     settle(s);
     for (int32_t i; (i = s->sent.tail) >= 0;) {
@@ -214,15 +248,7 @@ static void lose(struct fork_slot *s, const char *why, int most)
 static void complete(struct fork_slot *s, int32_t i)
 {
     if (!extra(s, i)->again || !tasks_whole(&s->tasks, i)) return;
-    list_remove(&s->tasks, &s->sent, i);
-    tasks_remove(&s->tasks, i);
-    s->deaths = 0;
-}
-
-static const char *stamp(char w[24], int slot)
-{
-    snprintf(w, 24, "w=%d", slot);
-    return w;
+    drop(s, i);
 }
 
 /* A task that is computed again says `done` once only. */
@@ -237,6 +263,15 @@ static void take_done(struct forks *p, struct fork_slot *s, const struct record 
         wire_forward(&p->out.queue.control, r, NULL, stamp(w, extra(s, i)->of));
     extra(s, i)->computed = true;
     complete(s, i);
+}
+
+/* The child cannot compute the task, and goes on. */
+static void take_fail(struct forks *p, struct fork_slot *s, const struct record *r)
+{
+    int32_t i = tasks_find(&s->tasks, r->task.frame, r->task.id);
+    if (i < 0 || extra(s, i)->again || extra(s, i)->computed) return;
+    s->undone--;
+    fail(p, s, i, "", r);
 }
 
 /* Pixels that a child before had sent are dropped. */
@@ -261,6 +296,7 @@ static const char *take(struct forks *p, struct fork_slot *s, const struct recor
     case REC_BYE: return NULL;
     case REC_BEAT: wire_forward(&p->out.queue.control, r, NULL, stamp(w, s->number)); return NULL;
     case REC_DONE: take_done(p, s, r); return NULL;
+    case REC_FAIL: take_fail(p, s, r); return NULL;
     case REC_FRAG: return take_frag(p, s, r);
     default: return "wrong-record";
     }
@@ -277,7 +313,7 @@ void worker_fork_listen(struct forks *p, struct fork_slot *s)
         if (result == WIRE_RECORD) why = take(p, s, &r);
         else if (!s->from.ended) why = "garbage";
     }
-    if (why) lose(s, why, DEATHS_MOST);
+    if (why) lose(p, s, why);
     else if (more <= 0) child_close(&s->child.from);
 }
 
@@ -287,14 +323,14 @@ static bool owes(const struct fork_slot *s)
     return s->undone || (s->flushed && s->sent.count) || s->ends || s->child.from < 0;
 }
 
-void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
+void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us)
 {
     char why[24];
     int status;
     if (!s->child.pid) return;
     if (owes(s)) s->silent_us += elapsed_us < PATIENCE_PARENT_US ? elapsed_us : PATIENCE_PARENT_US;
     if (s->silent_us > PATIENCE_SILENCE_US) {
-        lose(s, "silent", DEATHS_MOST);
+        lose(p, s, "silent");
         return;
     }
     if (s->child.from >= 0) return;
@@ -302,5 +338,5 @@ void worker_fork_check(struct fork_slot *s, int64_t elapsed_us)
     if (!child_ended(&s->child, &status)) return;
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     if (told && !s->sent.count && code == 0) settle(s);
-    else lose(s, status_text(status, why), code == ST_SYSTEM ? FAILURES_MOST : DEATHS_MOST);
+    else lose(p, s, status_text(status, why));
 }

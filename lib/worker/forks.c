@@ -290,7 +290,7 @@ static void go_round(struct forks *p, struct pollfd *at)
     for (int k = 0; k < p->n_slots; k++) {
         struct fork_slot *s = &p->slots[k];
         if (s->poll && at[s->poll + 1].revents) worker_fork_listen(p, s);
-        worker_fork_check(s, elapsed_us);
+        worker_fork_check(p, s, elapsed_us);
     }
     proceed(p);
     beat(p, now);

@@ -68,6 +68,14 @@ static void say_done(struct worker *w, const struct task *t, int64_t wall_us)
     w->cpu_us = cpu;
 }
 
+static void fail(struct worker *w, const struct task *t, const char *err)
+{
+    warn("%s", err);
+    wire_failed(&w->out, t, "failed", err, NULL);
+    worker_push(w);
+    w->failed = true;
+}
+
 static void take_task(struct worker *w, const struct task *t)
 {
     char err[WORKER_ERR];
@@ -80,8 +88,12 @@ static void take_task(struct worker *w, const struct task *t)
     w->held_of = f->generation;
     int64_t wall = now_us();
     worker_pulse_begin();
-    if (w->ops->task) w->ops->task(w->ctx, f, &t->at);
+    bool good = !w->ops->task || w->ops->task(w->ctx, f, &t->at, err);
     worker_pulse_end();
+    if (!good) {
+        fail(w, t, err);
+        return;
+    }
     uint64_t total = lattice_count(&t->at), most = w->options->frag_pixels;
     if (!most || most > WIRE_FRAG_PIXELS_MAX) most = WIRE_FRAG_PIXELS_MAX;
     for (uint64_t n0 = 0; n0 < total;) {

@@ -57,5 +57,5 @@ int worker_run(const struct worker_ops *ops, const struct worker_options *o, voi
     if (o->jobs > 1) status = worker_forks(&w);
     else worker_loop(&w);
     free_all(&w);
-    return status;
+    return status == ST_OK && w.failed ? ST_PARTIAL : status;
 }

@@ -154,10 +154,11 @@ static void job(void *ctx, char text[WIRE_JOB])
 
 static const char *with(void *ctx) { return ((struct worker_states *)ctx)->words->with; }
 
-static void task(void *ctx, const struct frame_size *f, const struct lattice *whole)
+static bool task(
+    void *ctx, const struct frame_size *f, const struct lattice *whole, char err[WORKER_ERR])
 {
     const struct worker_states *s = ctx;
-    if (s->r->task) s->r->task(s->at->built, f, whole);
+    return !s->r->task || s->r->task(s->at->built, f, whole, err);
 }
 
 static void render(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)

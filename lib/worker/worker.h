@@ -49,8 +49,9 @@ struct worker_ops {
      */
     const char *(*with)(void *ctx);
     /* Called before each task, whose lattice this is; render then gets it in one or more pieces.
-     * NULL: no matter. */
-    void (*task)(void *ctx, const struct frame_size *f, const struct lattice *whole);
+     * False with text in err: it cannot be rendered, and the worker goes on. NULL: no matter. */
+    bool (*task)(void *ctx, const struct frame_size *f, const struct lattice *whole,
+        char err[WORKER_ERR]);
     /* Renders pixels n0 .. n0+n of the lattice into rgba[4n]. */
     void (*render)(void *ctx, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     /* Renders a fixed built-in picture, the same each time. Its bytes are hashed; its time gives
@@ -151,7 +152,8 @@ struct worker_renderer {
      * `task` does that. */
     void (*frame)(void *built, uint32_t w, uint32_t h);
     /* As the functions of the same names in struct worker_ops. */
-    void (*task)(void *built, const struct frame_size *f, const struct lattice *whole);
+    bool (*task)(void *built, const struct frame_size *f, const struct lattice *whole,
+        char err[WORKER_ERR]);
     void (*render)(void *built, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba);
     void (*selftest)(float *rgba, uint32_t *n);
     int64_t (*cpu_us)(void *states);

@@ -32,6 +32,7 @@ struct worker {
     struct generations generations;
     float *pixels;
     int64_t cpu_us;             /* used at the latest done or other record */
+    bool failed;                /* a task could not be rendered */
     char other_job[WORKER_ERR]; /* a frame has another job than the input stated; "": none has */
 };
 
@@ -116,7 +117,6 @@ struct fork_slot {
     struct task_list sent;    /* tasks not both computed and delivered */
     int undone;               /* sent tasks that are not computed */
     int64_t silent_us;        /* its silence while this process was reading */
-    int deaths;               /* children in a row that lost tasks and completed none */
     bool refused;             /* the system has refused to fork a child for the waiting tasks */
     bool lent;                /* other slots have had tasks of this one */
 };
@@ -124,6 +124,7 @@ struct fork_task {
     int of;        /* the slot that it is for; this one, unless it is lent */
     bool computed; /* its `done` has come, from this child or one before */
     bool again;    /* it has come from this child */
+    int losses;    /* children that were lost while they computed it */
 };
 
 struct forks {
@@ -171,7 +172,7 @@ void worker_fork_feed(struct forks *p, struct fork_slot *s);
 /* Handles all that the child has sent. */
 void worker_fork_listen(struct forks *p, struct fork_slot *s);
 /* Ends the slot's child if its stream has ended or it was silent for too long. */
-void worker_fork_check(struct fork_slot *s, int64_t elapsed_us);
+void worker_fork_check(struct forks *p, struct fork_slot *s, int64_t elapsed_us);
 /* True if a task would be computed at once, or after at most `ahead` others. */
 bool worker_fork_wants(
     const struct forks *p, const struct fork_slot *s, int ahead, uint32_t generation);

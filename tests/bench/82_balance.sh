@@ -2,9 +2,9 @@
 # 82_balance: how close to the lower bound are the shipped adaptive and gdc? In virtual time: gears
 # at the GDC paper's 1091 s, and other scenes, on hosts of unequal power, with long links, faults and a row that has
 # 30 % of the work. Medians over SEEDS draws of powers and faults, of makespan and of efficiency (lower bound /
-# makespan). The bound knows of no faults; where hosts fall silent or become slow, the last column is the efficiency if
-# the others were never idle. With OLD=PROGRAM, another simulate, both columns and the ratio of the makespans. CASES=ERE
-# picks cases.
+# makespan), and of the least time of any schedule that knows all costs / makespan. Where hosts fall silent or become slow
+# at a known time, that is the time in which the others were never idle; where faults are drawn, it is not known. With
+# OLD=PROGRAM, another simulate, its makespan, efficiency, and the ratio of the makespans. CASES=ERE picks cases.
 # shellcheck source=lib.sh
 . "$(dirname "$0")/lib.sh"
 here=$root/bin temporary=$tmp
@@ -32,36 +32,38 @@ one_row() {
 for scene in gears balls rings; do costs $scene; done
 one_row
 
-# value SIMULATE: prints makespan and efficiency of a run of the method, 0 if it fails
+# value SIMULATE: prints makespan, efficiency and least time / makespan of a run of the method, 0 if it fails
 value() {
 	if ! shipped "$1 -t $costs.frags -x $scale -s $seed $hosts $options" "$method" 512x512 "$slots" /dev/null \
 		fan -j "$slots" rtworker >figures; then
-		echo '0 0'
+		echo '0 0 0'
 		return
 	fi
-	awk -F '\t' '$1 == "makespan_s" { m = $2 } $1 == "efficiency" { e = $2 } END { print m, e }' figures
+	awk -F '\t' '$1 == "makespan_s" { m = $2 } $1 == "efficiency" { e = $2 } $1 == "least_s" { l = $2 }
+		END { print m, e, l / m }' figures
 }
 built draw_powers
-# possible "MAKESPAN EFFICIENCY": prints the efficiency of this draw if no host that is left were ever idle
+# possible "MAKESPAN EFFICIENCY ...": prints the part of the efficiency that this draw allows, if no host that is left is
+# ever idle
 possible() {
 	case $hosts in
 	-w*) powers=${hosts#-w } ;;
 	*) powers=$(./draw_powers "$seed" "$(echo "${hosts#-j }" | tr , ' ')") ;;
 	esac
-	echo "$powers" | awk -F , -v bound="$(echo "$1" | awk '{ print $1 * $2 }')" -v faults="${options##* -f }" '{
+	echo "$powers" | awk -F , -v efficiency="$(echo "$1" | cut -d ' ' -f 2)" -v bound="$(echo "$1" | awk '{ print $1 * $2 }')" -v faults="${options##* -f }" '{
 		for (i = 1; i <= NF; i++) all += $i
 		n = split(faults, fault, ",")
 		for (i = 1; i <= n; i++) {
 			split(fault[i], at, "[@:]") # what, when, host, new part of its power
 			lost += $(at[3] + 1) * (1 - at[4])
 		}
-		print bound / (at[2] + (bound - at[2]) / (1 - lost / all))
+		print efficiency / bound * (at[2] + (bound - at[2]) / (1 - lost / all))
 	}'
 }
 # The ninth host is the fastest.
 known=1,1,1,2,2,2,3,3,4,1,1,1,2,2,2,3,3,1,1,1,2,2,1,1,1,1,2,2,1,1,1,1,1,1,1,1,1
 silent=silence@8s:3,silence@8s:9,silence@8s:17,silence@8s:25,silence@8s:30
-printf '%-44s %-8s %s\n' case method 'makespan_s efficiency'"${OLD:+ old_makespan_s old_efficiency ratio}"
+printf '%-44s %-8s %s\n' case method 'makespan_s efficiency of_possible'"${OLD:+ old_makespan_s old_efficiency ratio}"
 # A case: name | costs | seconds at power 1 | hosts | options of simulate
 while IFS='|' read -r name costs seconds hosts options; do
 	echo "$name" | grep -Eq -- "${CASES:-.}" || continue
@@ -74,13 +76,16 @@ while IFS='|' read -r name costs seconds hosts options; do
 		: >new && : >old && : >best
 		for seed in $(seq 0 $((seeds - 1))); do
 			value simulate >>new
-			case $options in *@*) possible "$(tail -n 1 new)" >>best ;; esac
+			case $options in
+			*@*) possible "$(tail -n 1 new)" ;;
+			*=*) echo - ;;
+			*) tail -n 1 new | cut -d ' ' -f 3 ;;
+			esac >>best
 			[ -z "${OLD-}" ] || value "$OLD" >>old
 		done
-		printf '%-44s %-8s %s' "$name" $method "$(median 1 <new) $(median 2 <new)"
+		printf '%-44s %-8s %s' "$name" $method "$(median 1 <new) $(median 2 <new) $(if grep -q - best; then echo -; else median 1 <best; fi)"
 		[ -z "${OLD-}" ] ||
 			echo "$(median 1 <old) $(median 2 <old) $(median 1 <new)" | awk '{ printf " %s %s %.3f", $1, $2, $3 / $1 }'
-		[ ! -s best ] || printf ' possible: %s' "$(median 1 <best)"
 		echo
 	done
 done <<-END

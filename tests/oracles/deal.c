@@ -13,6 +13,7 @@ struct note {
     uint8_t nth[SIM_SLOTS_MOST]; /* attempt number of the slot's copy */
     int32_t computed_by;         /* the first slot that computed it and is not lost, -1: none */
     bool overtaken;              /* it is a piece of a task computed since */
+    bool done;                   /* a slot has computed it, ever */
     int64_t since_us;            /* time it was last given or computed */
 };
 static struct note *of(const struct vtask *t) { return t->note; }
@@ -47,6 +48,21 @@ static bool is_open(const struct vtask *t)
     return t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by < 0;
 }
 
+/* Slots were lost over t, or over a task that it is a part of, or over all that they had. Such tasks
+ * wait behind others, are tried one by one, and are cut (deal_aside.c); sim checks what is given up. */
+static bool is_suspect(const struct world *w, const struct vtask *t)
+{
+    int32_t all = 0;
+    bool well = false;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct vtask *other = &w->tasks[i];
+        if (other->blamed && (other == t || inside(w, t, other))) return true;
+        all += other->blamed;
+        well = well || (other->note && of(other)->done);
+    }
+    return !well && all >= SCHED_LOSSES;
+}
+
 /* True if a piece of t was given that still counts; and if committed ones do. */
 static bool in_pieces(const struct world *w, const struct vtask *t, bool committed)
 {
@@ -66,14 +82,15 @@ static bool is_promised(const struct world *w, const struct vtask *t)
     return !w->slots[t->to].up && !w->slots[t->to].lost;
 }
 
-/* Known tasks without an owner that wait as a whole, for any slot or for theirs. */
-static int32_t count_waiting(const struct world *w, bool promised)
+/* Known tasks without an owner that wait as a whole, for any slot or for theirs; all, or only those
+ * that are not suspect. */
+static int32_t count_waiting(const struct world *w, bool promised, bool all)
 {
     int32_t n = 0;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];
         if (!is_open(t) || of(t)->owners || in_pieces(w, t, true)) continue;
-        n += is_promised(w, t) == promised;
+        n += is_promised(w, t) == promised && (all || !is_suspect(w, t));
     }
     return n;
 }
@@ -101,12 +118,25 @@ static void note_done(struct world *w, struct vtask *t, int32_t k)
     if (!is_piece(w, t) && nth != of(t)->nth[k])
         sim_fail(w, "the policy numbers an attempt wrongly", nth, of(t)->nth[k]);
     of(t)->owners &= ~(UINT64_C(1) << k);
+    of(t)->done = true;
     w->slots[k].has--;
     if (of(t)->got[k] < lattice_count(&t->task.at)) of(t)->owing |= UINT64_C(1) << k;
     if (of(t)->computed_by >= 0 || t->committed || of(t)->overtaken) return;
     of(t)->computed_by = k;
     of(t)->since_us = w->now_us;
     overtake(w, t);
+}
+
+/* Slot k cannot compute t. */
+static void note_fail(struct world *w, struct vtask *t, int32_t k)
+{
+    const uint64_t bit = UINT64_C(1) << k;
+    if (!has(t, k) && !owes_it(t, k)) return;
+    w->slots[k].has -= has(t, k);
+    of(t)->owners &= ~bit;
+    of(t)->owing &= ~bit;
+    if (of(t)->computed_by == k)
+        of(t)->computed_by = of(t)->owing && !of(t)->owners ? __builtin_ctzll(of(t)->owing) : -1;
 }
 
 static void note_gone(struct world *w, int32_t k)
@@ -146,6 +176,7 @@ static void deal_event(struct world *w, const struct sched_event *e)
     if (e->kind == SCHED_TASK && named) of(&w->tasks[e->task.id])->came = w->n_read;
     if (e->kind == SCHED_PIXELS && named) note_pixels(w, &w->tasks[e->task.id], e);
     if (e->kind == SCHED_DONE && named) note_done(w, &w->tasks[e->task.id], e->slot);
+    if (e->kind == SCHED_FAIL && named) note_fail(w, &w->tasks[e->task.id], e->slot);
     if (e->kind == SCHED_GONE) note_gone(w, e->slot);
 }
 
@@ -185,7 +216,8 @@ static void check_piece(struct world *w, struct vtask *t, const struct sched_act
 {
     int32_t wholes = 0;
     t->task = a->task;
-    if (!w->plan->params.endgame || !w->input_ended)
+    bool searched = is_suspect(w, t);
+    if ((!w->plan->params.endgame && !searched) || !w->input_ended)
         sim_fail(w, "a piece was given before the endgame", a->slot, a->task.id);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *other = &w->tasks[i];
@@ -233,11 +265,12 @@ static bool in_store(const struct world *w, const struct vtask *t)
 static void check_copy(struct world *w, const struct vtask *t, int32_t k, bool withheld)
 {
     w->result->copies++;
+    if (is_suspect(w, t)) return; /* slots that have it may hang */
     bool may = w->input_ended && (w->plan->params.endgame || adapts(w));
     if (!may && !is_late(w, t)) sim_fail(w, "a task was given twice", k, t->task.id);
     w->result->late_copies += !may;
     if (w->slots[k].has) sim_fail(w, "a busy slot was given a copy", k, t->task.id);
-    if (count_waiting(w, false))
+    if (count_waiting(w, false, false))
         sim_fail(w, "a copy was given while other tasks wait", k, t->task.id);
     if (in_pieces(w, t, false)) sim_fail(w, "a copy of a task in pieces was given", k, t->task.id);
     bool early = (double)(w->now_us - of(t)->since_us) < w->plan->params.least_us && !withheld;
@@ -255,13 +288,14 @@ static void check_depth(struct world *w, int32_t k, uint32_t id)
     if (n > most) sim_fail(w, "a slot has more tasks than the queue depth allows", k, id);
     /* With pieces, more tasks may wait than these checks count. */
     if (!adapts(w) || w->plan->params.endgame || !w->input_ended || n < 2) return;
-    if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false) + 1))
+    if ((n - 1) * count_up(w) > 2 * (count_waiting(w, false, true) + 1))
         sim_fail(w, "more tasks are queued at a slot than wait", k, id);
 }
 
 /* With equal depths the least loaded slot gets it, of equals the first; a copy, an idle one. */
 static void check_least(struct world *w, int32_t k, uint32_t id)
 {
+    if (is_suspect(w, sim_vtask_at(w, id))) return;
     for (int32_t i = 0; i < w->plan->slots && !adapts(w); i++) {
         int32_t first = i < k && !w->plan->params.endgame, had = w->slots[k].has - 1;
         if (is_up(w, i) && w->slots[i].has - first < had)
@@ -272,10 +306,11 @@ static void check_least(struct world *w, int32_t k, uint32_t id)
 /* Tasks without an owner are given in order of arrival, after all lost ones. */
 static void check_turn(struct world *w, const struct vtask *t)
 {
+    if (is_suspect(w, t)) return;
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
         bool first = of(other)->gives ? !of(other)->owners : of(other)->came < of(t)->came;
-        if (other->to < 0 && is_open(other) && first)
+        if (other->to < 0 && is_open(other) && first && !is_suspect(w, other))
             sim_fail(w, "a task was given out of order", t->task.id, i);
     }
 }
@@ -381,8 +416,8 @@ static void check_owners(struct world *w)
     for (int32_t k = 0; k < w->plan->slots; k++) hand_over(w, k);
     check_drains(w);
     if (w->n_tasks > 1000 && w->result->events % 16) return; /* what follows looks at all tasks */
-    int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true);
-    if (!endgame && waiting > count_waiting(w, false))
+    int64_t waiting = w->policy->waiting(w->state) - count_waiting(w, true, true);
+    if (!endgame && waiting > count_waiting(w, false, true))
         sim_fail(w, "the policy counts more waiting tasks than exist", waiting, 0);
     if (!endgame || idle < 0 || w->ended) return;
     if (waiting) sim_fail(w, "a slot is idle while tasks wait", idle, waiting);
@@ -392,6 +427,7 @@ static void check_owners(struct world *w)
         bool computed = t->known && !t->committed && !of(t)->overtaken && of(t)->computed_by >= 0;
         if (free >= 0 && computed) sim_fail(w, "a slot is free while pixels are withheld", free, i);
         if (!is_open(t) || !of(t)->owners || in_pieces(w, t, false)) continue;
+        if (is_suspect(w, t)) continue;
         if (copies_of(w, t) < SIM_COPIES_MOST && (free >= 0 || !owes_it(t, idle)))
             sim_fail(w, "a slot is idle in the endgame", idle, i);
     }

@@ -21,10 +21,10 @@ static bool is_steady(const struct world *w)
 static void settle(struct world *w, struct rslot *s, int32_t k)
 {
     const int32_t width = w->plan->width;
-    double most_px = s->had_px / 2 + sim_ring_model(w)->most_px;
+    double most_px = s->had_px * s->part + sim_ring_model(w)->most_px;
     if (s->asker >= 0 && !s->answers) sim_fail(w, "an ask was not answered", k, s->asker);
     if (s->in_time && s->given_px > most_px)
-        sim_fail(w, "a node gives more than half of its queue", (int64_t)s->given_px, k);
+        sim_fail(w, "a node gives more than its share of its queue", (int64_t)s->given_px, k);
     s->asker = -1;
     if (s->queued && s->fed < width)
         sim_fail(w, "a worker waits while its node has tasks", k, s->queued);
@@ -57,6 +57,7 @@ static void node_takes_ring(struct world *w, struct rslot *s, int32_t k, const s
     s->answers = 0;
     s->given_px = 0;
     s->had_px = s->has_px;
+    s->part = 1 / (1 + (r->takes ? r->takes / 100. : 1));
     s->in_time =
         is_steady(w) && v->clock.busy && (double)(w->now_us - v->clock.began_us) < shortest_us;
 }
@@ -77,7 +78,9 @@ void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e
 {
     struct rslot *s = &sim_ring_model(w)->slots[k];
     struct rtask *t =
-        e->kind == SCHED_TASK || e->kind == SCHED_DONE ? sim_ring_task(w, &e->task) : NULL;
+        e->kind == SCHED_TASK || e->kind == SCHED_DONE || e->kind == SCHED_FAIL
+            ? sim_ring_task(w, &e->task)
+            : NULL;
     uint64_t bit = UINT64_C(1) << k;
     if (e->kind == SCHED_SLOTS) node_begins(w, s, k);
     else settle(w, s, k);
@@ -90,7 +93,7 @@ void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e
         s->queued++;
         s->has_px += px_of(&e->task);
     }
-    if (e->kind == SCHED_DONE && t && t->fed & bit) node_forgets(s, k, t, &e->task);
+    if ((e->kind == SCHED_DONE || e->kind == SCHED_FAIL) && t && t->fed & bit) node_forgets(s, k, t, &e->task);
 }
 
 static void check_give_away(

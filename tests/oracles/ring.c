@@ -108,6 +108,19 @@ static void note_drain(struct world *w, struct ring_model *m, int32_t k)
     if (m->slots[k].state == RING_UP) retire(w, m, k, RING_DRAINS);
 }
 
+/* Tasks that are not bad themselves have owners again. */
+static void note_well(struct world *w, struct ring_model *m)
+{
+    m->well = true;
+    if (!m->all_aside) return;
+    m->all_aside = false;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        struct rtask *t = w->tasks[i].note;
+        if (t && t->place == RING_ASIDE && !sim_ring_bad(w, m, t))
+            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(m, &w->tasks[i].task));
+    }
+}
+
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     struct rslot *s = &m->slots[k];
@@ -117,8 +130,26 @@ static void note_done(struct world *w, struct ring_model *m, struct rtask *t, in
     sim_ring_mark(w, m, k);
     /* the repeated report means that the first was too early */
     if (t->place == RING_COMPUTED) s->flushed = false;
-    if (t->place == RING_HELD) s->moved_us = w->now_us;
+    if (t->place == RING_HELD) s->moved_us = w->now_us, s->timed = true, note_well(w, m);
     if (t->place == RING_HELD) sim_ring_enter(w, m, t, RING_COMPUTED, k);
+}
+
+/* Slot k cannot compute t, which goes to the next node. */
+static void note_fail(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+{
+    if (t->base != k || !works(&m->slots[k])) return;
+    if (t->place != RING_HELD && t->place != RING_COMPUTED) return;
+    const enum rstate state = m->slots[k].state;
+    sim_ring_hand_on(w, m, t, k);
+    m->slots[k].state = RING_GONE;
+    if (t->place == RING_ORPHAN) {
+        m->up -= state == RING_UP;
+        int32_t heir = sim_ring_receiver(w, m, k);
+        m->up += state == RING_UP;
+        m->slots[k].state = state;
+        sim_ring_enter(w, m, t, RING_ORPHAN, heir < 0 ? k : heir);
+    }
+    m->slots[k].state = state;
 }
 
 static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
@@ -175,7 +206,8 @@ static void ring_event(struct world *w, const struct sched_event *e)
     struct ring_model *m = sim_ring_model(w);
     struct rtask *t;
     note_late(w, m);
-    if (e->kind == SCHED_DONE || e->kind == SCHED_RING) {
+    m->n_events++;
+    if (e->kind == SCHED_DONE || e->kind == SCHED_FAIL || e->kind == SCHED_RING) {
         m->slots[e->slot].silent = false;
         sim_ring_mark(w, m, e->slot);
     }
@@ -189,6 +221,9 @@ static void ring_event(struct world *w, const struct sched_event *e)
     case SCHED_GONE: note_gone(w, m, e->slot); break;
     case SCHED_DONE:
         if ((t = sim_ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
+        break;
+    case SCHED_FAIL:
+        if ((t = sim_ring_task(w, &e->task)) != NULL) note_fail(w, m, t, e->slot);
         break;
     case SCHED_RING: note_ring(w, m, e); break;
     case SCHED_DRAIN: note_drain(w, m, e->slot); break;
@@ -231,6 +266,36 @@ static void check_taken_over(
     sim_ring_enter(w, m, t, RING_ORPHAN, a->slot);
 }
 
+/* A node was lost over a task: then it may be put aside, with others that the node had. */
+static void note_blame(struct world *w, struct ring_model *m, const struct sched_action *a)
+{
+    struct rtask *t = sim_ring_task(w, &a->task);
+    if (!t || t->lost != m->n_events)
+        sim_fail(w, "a node is lost over a task that it did not have", a->slot, a->task.id);
+    m->all_aside |= !m->well && ++m->blames >= SCHED_LOSSES;
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        t = w->tasks[i].note;
+        bool lost = t && t->lost == m->n_events && t->place >= RING_ORPHAN && t->place != RING_CUT;
+        if (lost && (t->place == RING_ORPHAN || t->place == RING_REST) && sim_ring_bad(w, m, t))
+            sim_ring_enter(w, m, t, RING_ASIDE, -1);
+    }
+}
+
+/* A task that was aside is tried: no node has another one to compute. */
+static void check_tried(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
+{
+    for (int32_t i = 0; i < w->n_tasks; i++) {
+        const struct rtask *other = w->tasks[i].note;
+        bool now = other && other->tried == m->n_events; /* another one that is tried */
+        if (other && other->place == RING_HELD && !other->cut && !other->alone && !now)
+            sim_fail(w, "a task is tried again while others are to be done", i, k);
+    }
+    t->alone |= sim_ring_costly(w, t);
+    t->tried = m->n_events;
+    t->from = -1;
+    sim_ring_enter(w, m, t, RING_ORPHAN, k);
+}
+
 static void check_given(struct world *w, struct ring_model *m, const struct sched_action *a)
 {
     struct rslot *s = &m->slots[a->slot];
@@ -241,6 +306,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
         if (!sim_ring_piece(w, m, a)) return;
         t = sim_ring_task(w, &a->task);
     }
+    if (t && t->place == RING_ASIDE) check_tried(w, m, t, a->slot);
     if (t && (t->place == RING_HELD || t->place == RING_COMPUTED) && t->base != a->slot)
         check_taken_over(w, m, t, a);
     if (!t || t->place != RING_ORPHAN) {
@@ -275,9 +341,12 @@ static void check_choice(struct world *w, struct ring_model *m, int32_t victim, 
         if (m->slots[i].hungry) sim_fail(w, "another hungry node is nearer", i, thief);
 }
 
-static void check_asked(struct world *w, struct ring_model *m, int32_t victim, int32_t thief)
+static void check_asked(struct world *w, struct ring_model *m, int32_t victim, const struct ring *r)
 {
+    int32_t thief = r->peer;
     struct rslot *v = &m->slots[victim], *s = &m->slots[thief];
+    if (r->takes < 0 || r->takes > RING_TAKES_MOST || (r->takes > 0) != (v->timed && s->timed))
+        sim_fail(w, "the hub states a speed that it does not know", victim, r->takes);
     if (!v->rich) sim_fail(w, "a node without tasks to give is asked", victim, thief);
     if (!s->hungry) sim_fail(w, "a node is asked for a node that wants no work", victim, thief);
     check_choice(w, m, victim, thief);
@@ -295,7 +364,7 @@ static void check_said(struct world *w, struct ring_model *m, const struct sched
     const struct ring *r = &a->ring;
     if (s->state != RING_UP)
         sim_fail(w, "a message goes to a node that is not up", a->slot, r->kind);
-    if (r->kind == RING_ASK) check_asked(w, m, a->slot, r->peer);
+    if (r->kind == RING_ASK) check_asked(w, m, a->slot, r);
     else if (r->kind == RING_NONE) {
         if (!s->asking || s->told || r->peer != a->slot || !(s->hungry || s->passed))
             sim_fail(w, "the hub sends NONE to a node that has not asked", a->slot, r->peer);
@@ -342,6 +411,8 @@ static void ring_action(struct world *w, const struct sched_action *a)
         sim_ring_forget(w, m, t);
         break;
     case SCHED_LEAVE: check_leave(w, m, a->slot); break;
+    case SCHED_BLAME: note_blame(w, m, a); break;
+    case SCHED_ABANDON: break;
     case SCHED_END:
     case SCHED_STOP:
         if ((a->kind == SCHED_STOP) != m->taken_over)

@@ -49,17 +49,25 @@ bool sim_ring_piece(struct world *w, struct ring_model *m, const struct sched_ac
         sim_fail(w, "a task is given that is no piece of another one", a->slot, id);
         return false;
     }
-    if (!w->plan->params.endgame || !m->input_ended)
+    bool alone = at(w, parent)->place == RING_ASIDE || at(w, parent)->alone;
+    if (alone) { /* a half of a task that has cost nodes */
+        if (!m->input_ended || overlaps(w, parent, &a->task))
+            sim_fail(w, "a task is cut that must not be", a->slot, id);
+        at(w, parent)->alone = t->alone = true;
+        if (at(w, parent)->place == RING_ASIDE) sim_ring_enter(w, m, at(w, parent), RING_CUT, -1);
+    }
+    if (!alone && (!w->plan->params.endgame || !m->input_ended))
         sim_fail(w, "a piece is given before the endgame", a->slot, id);
-    if (!s->asking || s->victim >= 0 || m->rich)
+    if (!alone && (!s->asking || s->victim >= 0 || m->rich))
         sim_fail(w, "a node gets a piece that could get a task, or wants none", a->slot, id);
     if (overlaps(w, parent, &a->task)) sim_fail(w, "pieces overlap", parent, id);
-    for (int32_t i = parent; i >= 0; i = at(w, i)->parent)
+    for (int32_t i = parent; i >= 0 && !alone; i = at(w, i)->parent)
         if (at(w, i)->base == a->slot)
             sim_fail(w, "a node gets a piece of its own task", a->slot, id);
     m->open += t->place == RING_ABSENT;
     m->cuts += !at(w, parent)->cut;
-    at(w, parent)->cut = m->taken_over = true;
+    at(w, parent)->cut = true;
+    m->taken_over |= !alone;
     t->parent = parent;
     t->from = a->from;
     v->task = a->task;

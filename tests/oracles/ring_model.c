@@ -81,12 +81,30 @@ void sim_ring_enter(
     if (k >= 0) sim_ring_mark(w, m, k);
 }
 
+bool sim_ring_costly(const struct world *w, const struct rtask *t)
+{
+    const int32_t most = w->plan->params.losses ? w->plan->params.losses : SCHED_LOSSES;
+    int32_t i = 0, blamed = 0;
+    while (w->tasks[i].note != t) i++;
+    for (; i >= 0; i = ((struct rtask *)w->tasks[i].note)->parent) blamed += w->tasks[i].blamed;
+    return blamed >= most;
+}
+
+bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t)
+{
+    return t->alone || m->all_aside || sim_ring_costly(w, t);
+}
+
 void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     if (t->place != RING_ORPHAN) t->passes = 0;
     t->from = -1;
+    t->lost = m->n_events;
     bool waits = t->parent >= 0 && !m->up;
-    enum rplace to = t->cut ? RING_CUT : waits ? RING_REST : RING_ORPHAN;
+    enum rplace to = t->cut                  ? RING_CUT
+                     : sim_ring_bad(w, m, t) ? RING_ASIDE
+                     : waits                 ? RING_REST
+                                             : RING_ORPHAN;
     sim_ring_enter(w, m, t, to, to == RING_ORPHAN ? k : -1);
 }
 

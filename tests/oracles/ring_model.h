@@ -10,11 +10,15 @@
 
 /* The state of a task; bits are slots. CUT: no node has it, but its pieces are missing. REST: no
  * node has this piece. */
-enum rplace { RING_ABSENT, RING_ORPHAN, RING_HELD, RING_COMPUTED, RING_CUT, RING_REST };
+/* ASIDE: it has cost nodes, and none has it. */
+enum rplace { RING_ABSENT, RING_ORPHAN, RING_HELD, RING_COMPUTED, RING_CUT, RING_REST, RING_ASIDE };
 struct rtask {
     enum rplace place;
     int32_t parent; /* the task that it is a piece of; -1: none */
     bool cut;       /* it has pieces */
+    bool alone;     /* it was aside and is tried once more, or is a part of such a task */
+    int64_t tried;  /* the number of the event in which it was tried once more; */
+    int64_t lost;   /* the number of the event in which its node was lost */
     int32_t base;   /* its owner; ORPHAN: its future owner, or that one's heir; -1: not known */
     int32_t from;   /* previous owner, if it was given away; else -1 */
     int32_t passes; /* times it was given away since a lost connection had it */
@@ -35,6 +39,7 @@ struct rslot {
     int64_t given_before; /* tasks that the victim had been given then */
     int64_t since_us;     /* time of that ask */
     bool silent;          /* did not answer in time, and has sent nothing since */
+    bool timed;           /* it has done a task of its own */
     int64_t moved_us;     /* last progress, or last time with nothing to do */
     /* The node itself, since it began: */
     int32_t queued, fed;
@@ -44,6 +49,7 @@ struct rslot {
     bool in_time;            /* its worker was in time when the node was asked */
     double has_px;           /* pixels queued and fed */
     double had_px, given_px; /* has_px before the ask; pixels given in the answers */
+    double part;             /* of had_px that the asking node does in the same time as the rest */
 };
 
 struct ring_model {
@@ -57,6 +63,10 @@ struct ring_model {
     int32_t late, late_left; /* the slot not up whose tasks are given away; how many may be */
     double most_px;          /* most pixels of a task */
     int32_t touched;         /* the slot of the latest event, -1: none */
+    int64_t n_events;        /* so far */
+    int32_t blames;          /* nodes lost over tasks before one was done; */
+    bool well;               /* one was; */
+    bool all_aside;          /* none was, and too many nodes were lost */
     int64_t answer_us;       /* the longest recent answer, 0: none */
     struct rslot slots[];
 };
@@ -73,6 +83,9 @@ int32_t sim_ring_receiver(const struct world *w, const struct ring_model *m, int
 /* Moves task t to place p, with base k. */
 void sim_ring_enter(
     struct world *w, struct ring_model *m, struct rtask *t, enum rplace p, int32_t k);
+/* Task t has cost too many nodes; or all tasks have. */
+bool sim_ring_costly(const struct world *w, const struct rtask *t);
+bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t);
 /* Task t of slot k is not its own any more. */
 void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, int32_t k);
 /* If slot k drains since this step: the policy has handed over all of its tasks but those that it

@@ -198,6 +198,38 @@ static void powers_weigh_the_interleave(void **state)
     }
 }
 
+/* Parts of rows: no slot is far from its share at any time, but its tasks are not at equal
+ * distances. Equal slots take turns. */
+static void fine_tasks_lie_at_random_places(void **state)
+{
+    (void)state;
+    enum { SLOTS = 14 };
+    double power[SLOTS] = {20}, sum = 20;
+    for (int k = 1; k < SLOTS; k++) sum += power[k] = k == 13 ? .3 : 1;
+    for (int equal = 0; equal < 2; equal++) {
+        struct cut cut = cut_of("fine", 1);
+        struct cut_tasks c;
+        struct task t;
+        int32_t n = 0, of[SLOTS] = {0}, last = 0, distances = 0;
+        bool seen[4000] = {false};
+        for (int k = 0; equal && k < SLOTS; k++) power[k] = 7;
+        cut_tasks_begin(&c, &cut, 512, 512, SLOTS, power);
+        for (; cut_tasks_next(&c, &t); n++) {
+            of[t.to]++;
+            if (equal) assert_int_equal(t.to, n % SLOTS);
+            for (int k = 0; !equal && k < SLOTS; k++)
+                assert_true(fabs(of[k] - n * power[k] / sum) < 1 + SLOTS * power[k] / sum);
+            if (equal || t.to != 1) continue;
+            distances += !seen[n - last];
+            seen[n - last] = true;
+            last = n;
+        }
+        assert_int_equal(n, c.n);
+        assert_true(equal || distances > 20);
+        cut_tasks_end(&c);
+    }
+}
+
 static void with_powers_the_first_chunks_go_to_their_slots(void **state)
 {
     (void)state;
@@ -289,6 +321,7 @@ int main(void)
         cmocka_unit_test(without_slots_no_task_has_one),
         cmocka_unit_test(slots_take_turns_in_the_order_written),
         cmocka_unit_test(powers_weigh_the_interleave),
+        cmocka_unit_test(fine_tasks_lie_at_random_places),
         cmocka_unit_test(with_powers_the_first_chunks_go_to_their_slots),
         cmocka_unit_test(what_is_there_is_left_out),
         cmocka_unit_test(only_the_first_are_assigned),

@@ -22,6 +22,7 @@ static bool is_kind(uint64_t seed) { return seed % 2 == 0; }
 static struct sim_plan plan_of(uint64_t seed)
 {
     struct sim_plan p = sim_ring_plan_of(seed);
+    p.poison = 0; /* the paper has no rule for it */
     p.p_hang = 0; /* nothing is published about that */
     p.checks = &oracle_gdc;
     p.detect_us = 20000000;

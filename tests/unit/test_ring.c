@@ -187,6 +187,43 @@ static void a_wait_for_work_is_no_measure_of_an_ask(void **state)
     assert_true(asks_again_us(false) == 1000); /* where that is what an ask takes */
 }
 
+/* A node with 100 tasks is asked for work by one that takes this percentage of its time: how many
+ * does it give? */
+static int given_to(int32_t takes)
+{
+    const struct policy *p = &policy_node;
+    struct sched_actions acts = {0};
+    void *n = p->create(&(struct sched_params){0});
+    struct sched_event place = {.kind = SCHED_RING, .ring = {.kind = RING_PLACE, .n = 2}};
+    struct sched_event ask = {.kind = SCHED_RING, .ring = {.kind = RING_ASK, .peer = 1}};
+    p->step(n, &(struct sched_event){.kind = SCHED_UP, .n = 1}, 0, &acts);
+    for (uint32_t i = 0; i < 101; i++) {
+        struct sched_event e = {.kind = SCHED_TASK, .frame_w = 64, .from = -1};
+        e.task = (struct task){0, i, {0, i, 64, 1, 1, 1}, -1, 0};
+        p->step(n, &e, 0, &acts);
+    }
+    p->step(n, &place, 0, &acts);
+    struct sched_event done = {.kind = SCHED_DONE, .wall_us = 1000, .from = -1};
+    done.task = (struct task){0, 0, {0, 0, 64, 1, 1, 1}, -1, 0};
+    p->step(n, &done, 1000, &acts);
+    acts.n = 0;
+    ask.ring.takes = takes;
+    p->step(n, &ask, 1000, &acts);
+    int given = count_acts(&acts, SCHED_SAY, NULL);
+    p->destroy(n);
+    free(acts.at);
+    return given;
+}
+
+/* Both are to end at the same time. */
+static void a_slow_node_is_given_less_and_a_fast_one_more(void **state)
+{
+    (void)state;
+    int half = given_to(0), few = given_to(900), most = given_to(10);
+    assert_true(half == given_to(100) && half > 45 && half <= 50);
+    assert_true(few > 5 && few <= 10 && most > 85 && most <= 91);
+}
+
 /* ---- a node that is out of reach ------------------------------------------------------------- */
 
 static int32_t given_by[3]; /* tasks, of the nodes */
@@ -283,6 +320,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_seed_is_one_run_exactly),
         cmocka_unit_test(work_is_spread_over_unequal_hosts),
         cmocka_unit_test(a_wait_for_work_is_no_measure_of_an_ask),
+        cmocka_unit_test(a_slow_node_is_given_less_and_a_fast_one_more),
         cmocka_unit_test(who_asks_a_node_that_hangs_asks_another_one),
         cmocka_unit_test(a_set_finds_the_next_round_the_ring),
     };

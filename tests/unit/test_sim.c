@@ -46,13 +46,14 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         "comings up, %lld answers "
         "twice, %lld "
         "of garbage, %lld copies, %lld pieces, "
-        "%lld ends that stop, %lld copies of what was late\n",
+        "%lld ends that stop, %lld copies of what was late, %lld slots poisoned, %lld pixels given up\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
         (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
         (long long)total.slows, (long long)total.hangs, (long long)total.drains,
         (long long)total.leaves, (long long)total.kills, (long long)total.returns,
         (long long)total.twice, (long long)total.garbage, (long long)total.copies,
-        (long long)total.pieces, (long long)total.stops, (long long)total.late_copies);
+        (long long)total.pieces, (long long)total.stops, (long long)total.late_copies,
+        (long long)total.poisoned, (long long)total.abandoned);
     assert_true(seeds_hold);
 }
 
@@ -65,6 +66,7 @@ static void faults_of_every_kind_happened(void **state)
     assert_true(total.slows > 100 && total.kills > 50);
     assert_true(total.hangs > 100 && total.late_copies > 100);
     assert_true(total.drains > 100 && total.leaves > 100 && total.leaves < total.drains);
+    assert_true(total.poisoned > 500 && total.abandoned > 50);
     assert_true(total.twice > 1000 && total.garbage > 1000 && total.gives > total.commits + 100);
     assert_true(
         total.copies > 1000 && total.pieces > 1000 && total.stops > 100 && total.withheld > 100);

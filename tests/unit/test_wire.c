@@ -66,6 +66,7 @@ static void some_log(struct buf *b)
     wire_job(b, &(struct frame_size){.w = 4, .h = 4}, JOB, "with=rtworker");
     wire_frag(b, &t, &t.at, JOB, rgba);
     wire_done(b, &t, 120, 130);
+    wire_failed(b, &t, "failed", "no memory: 90% of 2 GB", "w=3");
     wire_plain(b, REC_BEAT, "w=3");
     wire_plain(b, REC_UP, "w=4 host=: power=1");
     wire_plain(b, REC_GONE, "w=4 why=exit-3");
@@ -75,6 +76,37 @@ static void some_log(struct buf *b)
     wire_frag(b, &t, &t.at, JOB, rgba);
     wire_done(b, &t, 1, 2);
     wire_plain(b, REC_BYE, NULL);
+}
+
+/* Words of other machines are one word of a record, whatever they have, and are cut. */
+static void words_come_as_they_were_said(void **state)
+{
+    (void)state;
+    static const char *const words[] = {
+        "", "disk full", "90% of \"2 GB\"", "50%20", "\x1b[31mred\n", "gr\xc3\xbc\xc3\x9f", "a=b c=d"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        struct decoder d = {.upward = true};
+        struct record r;
+        char said[WIRE_SAID], why[24];
+        struct task t = {.frame = 3, .id = 4};
+        wire_failed(&d.in, &t, "failed", words[i], NULL);
+        assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+        assert_true(r.kind == REC_FAIL && r.task.frame == 3 && r.task.id == 4);
+        assert_true(rec_str(&r, "why", why, sizeof why) && strcmp(why, "failed") == 0);
+        rec_said(&r, said);
+        assert_string_equal(said, words[i]);
+        wire_free(&d);
+    }
+    char many[2 * WIRE_SAID] = "";
+    memset(many, ' ', sizeof many - 1);
+    struct decoder d = {.upward = true};
+    struct record r;
+    char said[WIRE_SAID];
+    wire_failed(&d.in, &(struct task){0}, "failed", many, NULL);
+    assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
+    rec_said(&r, said);
+    assert_true(strlen(said) == WIRE_SAID - 1 && strspn(said, " ") == WIRE_SAID - 1);
+    wire_free(&d);
 }
 
 /* What a stream holds: the records' bytes one after the other, each behind its length. */
@@ -318,6 +350,7 @@ static void assert_ring(
     only(&d, &b, &r);
     assert_true(r.kind == kind && r.task.to == to && rec_ring(&r, &got));
     assert_true(got.peer == m->peer && got.next == m->next && got.me == m->me && got.n == m->n);
+    assert_true(got.takes == m->takes);
     assert_true(got.idle == m->idle && got.published == m->published);
     if (kind == REC_GIVE) assert_true(r.task.frame == some_task.frame && r.task.id == some_task.id);
     no_more(&d);
@@ -337,6 +370,9 @@ static void test_ring(void **state)
     assert_ring(REC_ASK, &m, -1, "ask\n");
     m.peer = 1048575;
     assert_ring(REC_ASK, &m, 0, "ask peer=1048575 to=0\n");
+    m.takes = 1000000;
+    assert_ring(REC_ASK, &m, 0, "ask peer=1048575 takes=1000000 to=0\n");
+    m.takes = 0;
     assert_ring(REC_GIVE, &m, -1, "give 7 4294967295 peer=1048575\n");
     assert_ring(REC_CRASHED, &m, -1, "crashed peer=1048575\n");
     assert_ring(REC_NONE, &m, 2147483647, "none peer=1048575 to=2147483647\n");
@@ -448,7 +484,7 @@ static void test_any_feeding(void **state)
     some_log(&log);
     struct decoder d = {0};
     struct seen whole = decode(&d, buf_data(&log), buf_size(&log), buf_size(&log));
-    assert_int_equal(whole.records, 12);
+    assert_int_equal(whole.records, 13);
     assert_int_equal(d.skipped, 0);
     wire_free(&d);
     for (size_t step = 0; step < 70; step++) {
@@ -896,6 +932,7 @@ static void test_read(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_come_as_they_were_said),
         cmocka_unit_test(test_generations),
         cmocka_unit_test(test_generations_that_live),
         cmocka_unit_test(test_awaited),

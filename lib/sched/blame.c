@@ -1,0 +1,111 @@
+#include "sched/blame.h"
+
+/* Payload of a task. */
+struct blamed {
+    int32_t n;               /* lost attempts */
+    int32_t by[BLAME_SLOTS]; /* the latest slots: that of attempt I at I modulo BLAME_SLOTS */
+};
+
+static struct blamed *find(const struct blame *b, const struct task *t)
+{
+    int32_t i = b->tasks.count ? tasks_find(&b->tasks, t->frame, t->id) : -1;
+    return i < 0 ? NULL : tasks_extra(&b->tasks, i);
+}
+
+void blame_init(struct blame *b, int32_t most)
+{
+    b->most = most ? most : SCHED_LOSSES;
+    frames_init(&b->frames, sizeof(struct blame_frame));
+    tasks_init(&b->tasks, sizeof(struct blamed));
+}
+
+void blame_free(struct blame *b)
+{
+    frames_free(&b->frames);
+    tasks_free(&b->tasks);
+}
+
+void blame_note(struct blame *b, const struct task *t) { pieces_note_id(&b->frames, t); }
+
+struct blame_frame *blame_frame(const struct blame *b, const struct task *t)
+{
+    return frames_extra(&b->frames, frames_find(&b->frames, t->frame));
+}
+
+bool blame_add(struct blame *b, const struct task *t, int32_t k)
+{
+    struct blame_frame *f = blame_frame(b, t);
+    struct blamed *task = find(b, t);
+    if (!task) task = tasks_extra(&b->tasks, tasks_add(&b->tasks, t, 0));
+    task->by[task->n++ % BLAME_SLOTS] = k;
+    if (f->well || ++f->lost < b->most || f->aside) return false;
+    f->aside = true;
+    f->tried = 0;
+    return true;
+}
+
+bool blame_well(struct blame *b, const struct task *t)
+{
+    struct blame_frame *f = blame_frame(b, t);
+    bool was = f->aside;
+    f->well = true;
+    f->aside = false;
+    return was;
+}
+
+int32_t blame_count(const struct blame *b, const struct task *t)
+{
+    const struct blamed *task = find(b, t);
+    return task ? task->n : 0;
+}
+
+bool blame_is(const struct blame *b, const struct task *t, int32_t k)
+{
+    const struct blamed *task = find(b, t);
+    for (int32_t i = 0; task && i < task->n && i < BLAME_SLOTS; i++)
+        if (task->by[i] == k) return true;
+    return false;
+}
+
+void blame_forget(struct blame *b, const struct task *t)
+{
+    int32_t i = b->tasks.count ? tasks_find(&b->tasks, t->frame, t->id) : -1;
+    if (i >= 0) tasks_remove(&b->tasks, i);
+}
+
+int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_t i)
+{
+    int32_t n = 0;
+    for (; b->tasks.count && i >= 0; i = pieces_parent(ledger, i))
+        n += blame_count(b, &ledger->at[i].task);
+    return n;
+}
+
+bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone)
+{
+    bool aside = blame_frame(b, &ledger->at[i].task)->aside;
+    return alone || aside || blame_sum(b, ledger, i) >= b->most;
+}
+
+/* The other pieces of the parent of entry i, which is a half and was lost. */
+static enum blame_step by_others(const struct blame *b, const struct task_table *ledger, int32_t i)
+{
+    int32_t parent = pieces_parent(ledger, i);
+    if (parent < 0) return BLAME_ABANDON;
+    int32_t j = pieces_at(ledger, parent)->first;
+    if (j == i) j = pieces_at(ledger, j)->after;
+    if (j < 0) return BLAME_HALVE;
+    return blame_count(b, &ledger->at[j].task) ? BLAME_ABANDON_PARENT : BLAME_WAIT;
+}
+
+enum blame_step blame_step(
+    const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone, bool ended)
+{
+    const struct lattice at = pieces_missing(&ledger->at[i]);
+    const struct task *t = &ledger->at[i].task;
+    bool may_cut = ended && lattice_count(&at) > 1 && pieces_id_left(&b->frames, t);
+    if (alone ? blame_count(b, t) < alone : blame_sum(b, ledger, i) < b->most) return BLAME_GIVE;
+    if (!alone) return may_cut ? BLAME_HALVE : BLAME_GIVE_ALONE;
+    enum blame_step step = by_others(b, ledger, i);
+    return step == BLAME_HALVE && !may_cut ? BLAME_ABANDON : step;
+}

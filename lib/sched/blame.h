@@ -1,0 +1,75 @@
+/*
+ * blame: tasks over which slots were lost. A slot computes its tasks in the order in which it was
+ * given them. So when it is lost, or says that it cannot compute one, the first tasks that it had
+ * not done are suspect, as many as it computes at once. A task may be the reason, for example
+ * because it needs too much memory, or its slot may, for example because its host was switched
+ * off. So a suspect is tried by other slots, and is put aside when `most` attempts were lost. Then
+ * everything else is done first.
+ *
+ * If all of a frame is bad, each of its tasks would cost `most` slots. So a frame is put aside as a
+ * whole when as many attempts were lost, whichever tasks they were, and no task of it was done.
+ */
+#ifndef STORMRING_SCHED_BLAME_H
+#define STORMRING_SCHED_BLAME_H
+
+#include "sched/pieces.h"
+#include "sched/sched.h"
+
+#define BLAME_SLOTS 4 /* slots that are remembered for each task */
+
+/* Payload of a frame. */
+struct blame_frame {
+    uint32_t top; /* first: the highest id, for pieces.h */
+    int32_t lost; /* attempts lost before a task was done */
+    bool well;    /* a task was done */
+    bool aside;   /* it is put aside, */
+    int32_t tried; /* one of its tasks was tried since: the `lost` that shows that it was lost */
+};
+
+struct blame {
+    int32_t most;
+    struct frames frames;    /* all frames of the input */
+    struct task_table tasks; /* that were lost, and are not committed */
+};
+void blame_init(struct blame *b, int32_t most);
+void blame_free(struct blame *b);
+/* Notes a task of the input. */
+void blame_note(struct blame *b, const struct task *t);
+struct blame_frame *blame_frame(const struct blame *b, const struct task *t);
+/* Slot k was lost over the task. True if its frame is to be put aside now. */
+bool blame_add(struct blame *b, const struct task *t, int32_t k);
+/* A task of the frame was done. True if the frame was put aside, and is no longer. */
+bool blame_well(struct blame *b, const struct task *t);
+/* Lost attempts of the task. */
+int32_t blame_count(const struct blame *b, const struct task *t);
+/* Was slot k lost over the task? Of many such slots, the latest are known. */
+bool blame_is(const struct blame *b, const struct task *t, int32_t k);
+/* The same of entry i of a ledger, and of the tasks that it is a piece of: each may have been lost
+ * for this piece. */
+int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_t i);
+/* Is the entry, or its frame, to be aside? alone: it was before, see below. */
+bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone);
+/*
+ * What to do with entry i of a ledger, which was put aside for itself, when nothing else is to be
+ * done. ended: pieces may be made. alone: 0; or it was given since, or is a half, and this is the
+ * number of lost attempts, by blame_count, that show that it was lost again.
+ *
+ * A task is cut into halves; before the end of the input, when pieces may not be known to the
+ * sender of the tasks, it is tried as it is. If one half is lost, it is cut in its turn; so all of
+ * the task is computed but the smallest part that is bad. If both are lost, the task is given up:
+ * to search in both would cost a slot for each bad pixel.
+ */
+enum blame_step {
+    BLAME_GIVE,          /* give it to a slot */
+    BLAME_GIVE_ALONE,    /* the same, for the last time */
+    BLAME_HALVE,         /* cut it */
+    BLAME_WAIT,          /* its other half was not tried yet */
+    BLAME_ABANDON,       /* give it up */
+    BLAME_ABANDON_PARENT /* give up the task that it is a half of */
+};
+enum blame_step blame_step(
+    const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone, bool ended);
+/* The task has left the ledger. */
+void blame_forget(struct blame *b, const struct task *t);
+
+#endif

@@ -1,0 +1,47 @@
+#!/bin/sh
+# Pieces of work that cost each worker that computes them: everything else is done, and they are named.
+. "$(dirname "$0")/lib.sh"
+spdgen -s 2 gears >g.nff
+
+# A command that dies in one pixel of 200x150, and what is said of it.
+cat >paint <<'END'
+[ "$1" -le "$BX" ] && [ "$BX" -lt $(($1 + $3)) ] && [ "$2" -le "$BY" ] && [ "$BY" -lt $(($2 + $4)) ] && echo 'no memory here' >&2 && kill -9 $$
+printf 'P5 %d %d 255\n' "$3" "$4"
+head -c $(($3 * $4)) /dev/zero | tr '\0' '@'
+END
+for at in 10,10 110,80 199,149; do
+	export BX=${at%,*} BY=${at#*,}
+	rm -f log
+	status=$(partition -u tile:40x30 200x150 | { deal -e fan -j 4 cropworker sh paint '{x}' '{y}' '{w}' '{h}' 2>said; echo $? >status; } | gather -r log -o a.png 2>said.gather; echo $?)
+	is "a bad pixel at $at: all others are there" "$status $(cat status) $(tail -n 2 said.gather | grep -o 'frame 0.* of 30000 pixels.*missing')" "1 1 frame 0: 1 of 30000 pixels missing"
+	like "a bad pixel at $at: it is named" "$(grep '^deal:' said)" "^deal: frame 0: 1x1\+$BX\+$BY: given up, .*this machine [(]failed[)], it says: frame 0, rectangle $BX,$BY 1x1: sh: ended by signal 9$"
+done
+is 'the log says so' "$(grep -a -c '^fail 0 .* why=task said=' log)" 1
+status=0
+partition -r log -u tile:40x30 200x150 | { deal fan -j 2 cropworker sh paint '{x}' '{y}' '{w}' '{h}' 2>said; echo $? >status; } | gather -r log -o a.png 2>/dev/null || status=$?
+is 'a rerun tries only what is missing' "$status $(cat status) $(grep -c '^deal: frame 0: 1x1+199+149: given up' said)" '1 1 1'
+
+# Workers that die, on this machine and on another.
+printf 'a slots=2 via="sh -c %%c"\nb slots=2 via="sh -c %%c"\n' >hosts
+# It dies when it is given the pixel 20,20, and has done what it was given before.
+cat >frail <<'END'
+#!/bin/sh
+while IFS= read -r line; do
+	# shellcheck disable=SC2086  # its words
+	set -- $line
+	if [ "$1" = task ] && [ "$4" -le 20 ] && [ 20 -lt $(($4 + $6)) ] && [ "$5" -le 20 ] && [ 20 -lt $(($5 + $7)) ]; then
+		echo 'no memory here' >&2
+		kill -9 $$ && exit
+	fi
+	printf '%s\n' "$line"
+done | rtworker g.nff
+END
+chmod +x frail
+for where in '-j 3' '-S hosts'; do
+	# shellcheck disable=SC2086
+	partition -u tile:16x16 64x48 | { deal -q 0 fan $where ./frail 2>said; echo $? >status; } | gather -o b.png 2>/dev/null
+	is "workers that die $where: one pixel is given up" "$(cat status) $(grep '^deal: .* given up' said | cut -d, -f1)" '1 deal: frame 0: 1x1+20+20: given up'
+	[ "$where" = '-j 3' ] || like 'their last words are named' "$(grep '^deal: ' said)" '[ab] [(](exit-137|signal-9)[)], it says: no memory here'
+	ok "workers that die $where: no slot is given up" [ "$(grep -c 'no slot left' said)" = 0 ]
+done
+finish

@@ -1,0 +1,151 @@
+/* Tasks that cost each slot that computes them, in virtual time: what is given up, and at what cost. */
+#include "../oracles/oracles.h"
+#include "sim/world.h"
+
+#include <setjmp.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#define TASKS 25
+#define ROWS 2
+#define FAULTS 64
+
+static struct sim_fault faults[FAULTS];
+
+static struct sim_plan plan_of(int32_t slots, bool endgame)
+{
+    struct sim_plan p = {.seed = 1, .slots = slots, .tasks = TASKS, .rows = ROWS, .width = 1};
+    p.cost_us = 1000;
+    p.hops = 2;
+    p.silence_us = 3000000;
+    p.params.endgame = endgame;
+    p.params.depth = endgame ? SCHED_DEPTH_AUTO : 0;
+    p.faults = faults;
+    return p;
+}
+
+/* Pixel x of task id, in its second row. */
+static void poison(struct sim_plan *p, uint32_t x, uint32_t id)
+{
+    faults[p->n_faults++] = (struct sim_fault){.kind = SIM_POISON, .x = x, .y = id * ROWS + 1};
+}
+
+static struct sim_result run(const struct policy *policy, struct sim_plan p)
+{
+    struct sim_result r;
+    bool ring = policy == &policy_ring;
+    p.node = ring ? &policy_node : NULL;
+    p.checks = ring ? &oracle_ring : &oracle_deal;
+    sim_run(policy, &p, &r);
+    assert_string_equal(r.failure, "");
+    assert_int_equal(r.uncommitted, 0);
+    return r;
+}
+
+static const struct policy *const policies[] = {&policy_deal, &policy_ring};
+
+/* Three slots, and then at most two for each cut: 128 pixels are cut seven times. */
+static void the_smallest_bad_part_is_given_up(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int endgame = 0; endgame < 2; endgame++)
+            for (int32_t slots = 1; slots <= 8; slots *= 2) {
+                struct sim_plan p = plan_of(slots, endgame);
+                poison(&p, 10, 1);
+                struct sim_result r = run(policies[i], p);
+                if (r.abandoned != 1) print_error("%s, %d slots, endgame %d: %lld poisoned\n", policies[i]->name, slots, endgame, (long long)r.poisoned);
+                assert_int_equal(r.abandoned, 1);
+                assert_true(r.poisoned >= 4 && r.poisoned <= 3 + 7 + (endgame ? 4 : 0));
+            }
+}
+
+static void two_bad_parts_of_one_task_cost_little_more_than_one(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(4, false);
+        poison(&p, 0, 1);
+        poison(&p, 63, 1);
+        struct sim_result r = run(policies[i], p);
+        assert_true(r.abandoned > 1 && r.abandoned <= 64 * ROWS);
+        assert_true(r.poisoned <= 3 + 2 + 7);
+    }
+}
+
+static void bad_tasks_apart_are_found_each(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(4, false);
+        poison(&p, 5, 0);
+        poison(&p, 6, 12);
+        poison(&p, 7, TASKS - 1);
+        assert_int_equal(run(policies[i], p).abandoned, 3);
+    }
+}
+
+/* A bad frame costs three slots and one more, and not three for each of its tasks. In a ring, whose
+ * tasks are at nodes from the beginning, it costs each node at most once more. */
+static void a_bad_frame_is_given_up_as_a_whole(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(4, false);
+        for (uint32_t id = 0; id < TASKS; id++) poison(&p, id, id);
+        struct sim_result r = run(policies[i], p);
+        assert_int_equal(r.abandoned, 64 * ROWS * TASKS);
+        assert_true(r.poisoned <= 2 * 4 + 1);
+    }
+}
+
+static void an_option_says_how_many_slots_a_task_may_cost(void **state)
+{
+    (void)state;
+    struct sim_plan p = plan_of(4, false);
+    poison(&p, 10, 3);
+    p.params.losses = 1;
+    int64_t few = run(&policy_deal, p).poisoned;
+    p.params.losses = 6;
+    assert_int_equal(run(&policy_deal, p).poisoned, few + 5);
+}
+
+/* Later state waits until the bad task is given up: then it is not cut, because the input goes on. */
+static void a_bad_task_does_not_hold_up_later_frames(void **state)
+{
+    (void)state;
+    struct sim_plan p = plan_of(4, false);
+    p.frames = 10;
+    p.window = 2;
+    poison(&p, 10, 1);
+    assert_int_equal(run(&policy_deal, p).abandoned, 64 * ROWS);
+}
+
+static void slots_that_are_lost_for_other_reasons_give_nothing_up(void **state)
+{
+    (void)state;
+    for (int32_t k = 0; k < 6; k++)
+        faults[k] = (struct sim_fault){.kind = SIM_CRASH, .slot = k, .at_us = 400000 + 100 * k};
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(8, false);
+        p.n_faults = 6;
+        p.cost_us = 200000;
+        struct sim_result r = run(policies[i], p);
+        assert_int_equal(r.crashes, 6);
+        assert_int_equal(r.abandoned, 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_smallest_bad_part_is_given_up),
+        cmocka_unit_test(two_bad_parts_of_one_task_cost_little_more_than_one),
+        cmocka_unit_test(bad_tasks_apart_are_found_each),
+        cmocka_unit_test(a_bad_frame_is_given_up_as_a_whole),
+        cmocka_unit_test(an_option_says_how_many_slots_a_task_may_cost),
+        cmocka_unit_test(a_bad_task_does_not_hold_up_later_frames),
+        cmocka_unit_test(slots_that_are_lost_for_other_reasons_give_nothing_up),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
