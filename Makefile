@@ -4,6 +4,7 @@
 #:   make                   builds the programs, in bin/, and static ones for hosts that have none, in build/static/
 #:   make demo              renders gears.png on all cores, measures the balance, compares with POV-Ray
 #:   make demo-volume       renders the wind of a NetCDF file over a map: wind-smooth.png, wind-surfaces.png
+#:   make image             packs the static programs for containers: build/image.tar
 #:   make install           PREFIX=/usr/local DESTDIR=; make uninstall removes what was installed
 #:   make need              installs what a build needs
 #:
@@ -28,7 +29,8 @@
 #:   make dist              packs the last commit: stormring-VERSION.tar.gz
 #:   make clean             removes what was built
 #:
-#: BUILD=DIR builds elsewhere; CC, CFLAGS and LDFLAGS are as usual.
+#: BUILD=DIR builds elsewhere; CC, CFLAGS and LDFLAGS are as usual. POSIX=1 takes nothing that
+#: POSIX.1-2008 lacks, and builds in build/posix.
 
 # Without make's own rules: one of them makes X from a newer X.sh, even where X is a script.
 .SUFFIXES:
@@ -39,7 +41,9 @@ TO       = '$(subst ','\'',$(DESTDIR)$(PREFIX))'
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
            -Wpointer-arith -Wcast-qual -Wwrite-strings -Wundef -Wvla -Wdouble-promotion
 # No contraction into FMA, no fast-math, and no float in double, as c11 has it on s390x: the same bits on every host.
-MODEL    = -std=gnu11 -D_GNU_SOURCE -ffp-contract=off -fno-math-errno -Ilib
+SYSTEM   = $(if $(POSIX),-D_POSIX_C_SOURCE=200809L,-D_GNU_SOURCE) \
+           -Werror=implicit-function-declaration
+MODEL    = -std=gnu11 $(SYSTEM) -ffp-contract=off -fno-math-errno -Ilib
 # Hardened: what this compiler lacks, or warns of with these CFLAGS, is left out. CFLAGS and LDFLAGS come later and win.
 HARD     = -fPIE -fstack-protector-strong -fstack-clash-protection -fcf-protection -mbranch-protection=standard
 HARD_LD  = -Wl,-z,relro,-z,now $(if $(filter -static,$(CFLAGS) $(LDFLAGS)),,-pie)
@@ -58,7 +62,7 @@ FLAGS_volume/volume_avx2  = $(FLAGS_trace/trace_avx2)
 FLAGS_volume/volume_avx512 = $(if $(X86),-mavx512f -mavx512dq -mavx512vl -mavx512bw -mno-fma -mprefer-vector-width=512)
 LIBS     = -Wl,--as-needed -lpng -lz $(if $(ZSTD),-lzstd) -lm
 # Another BUILD has programs of its own: make BUILD=build/clang CC=clang
-BUILD    = build
+BUILD    = build$(if $(POSIX),/posix)
 $(if $(filter 1,$(words $(BUILD))),,$(error BUILD is "$(BUILD)", expected a directory, without blanks in its name))
 # There the copies of scripts and scenes would be the files themselves, and clean would remove them.
 $(if $(subst $(CURDIR),,$(or $(realpath $(BUILD)),$(abspath $(BUILD)))),,$(error BUILD is "$(BUILD)", the sources, expected another directory))
@@ -102,7 +106,9 @@ COPIES   = $(if $(filter-out bin,$(BIN)),$(SCRIPTS:bin/%=$(BIN)/%) \
            $(patsubst %,$(BUILD)/%,$(wildcard tests/experiments/* scenes/* lib/chart/*)))
 NO       = $(call part,3)
 LIBOBJ   = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(filter-out $(NO:%=lib/%/%) \
-           lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
+           lib/coder/$(if $(ZSTD),none,zstd).c lib/files/$(if $(ARCHIVE),none,archive).c \
+           lib/os/$(if $(POSIX),linux,posix).c lib/crop/$(if $(POSIX),confine,unconfined).c \
+           lib/units/$(if $(UDUNITS),none,udunits).c,$(wildcard lib/*/*.c)))
 UNIT     = $(if $(call lacks,cmocka.h,-),,$(patsubst tests/unit/%.c,$(BUILD)/unit/%,\
            $(filter-out $(NO:%=tests/unit/test_%.c) $(if $(ARCHIVE),,tests/unit/test_files.c),$(wildcard tests/unit/test_*.c))))
 LIBS_test_inference = $(LIBS_tsvstat)
@@ -120,9 +126,29 @@ PARALLEL = $(MAKE) $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell tests/processors))
 # sanitizers.
 archives = $(patsubst -l%,lib%.a,$(filter -l%,$(LIBS))) libc.a
 NO_STATIC := $(filter $(archives),$(foreach a,$(archives),$(shell $(CC) -print-file-name=$a)))
-STATIC_LD = $(if $(filter /%,$(shell $(CC) -print-file-name=rcrt1.o)),-static-pie,-static)
 EVERY_STATIC = $(patsubst %,$(BUILD)/static/%,deal fan ringctl rtworker vcworker)
 STATIC   = $(if $(findstring -fsanitize,$(CFLAGS))$(NO_STATIC),,$(EVERY_STATIC))
+# Where Debian's musl-gcc is, they have musl for a C library, and are smaller. libz.a and libzstd.a
+# are made for GNU's, but what these programs call there needs nothing that is different. musl-gcc
+# does not know that a program can be both static and position independent.
+OF_CC   := $(if $(filter cc gcc,$(CC)),$(shell $(CC) -print-multiarch))
+MUSL_AT := $(if $(POSIX),,$(wildcard /usr/lib/$(subst gnu,musl,$(OF_CC))/rcrt1.o))
+MUSL    := $(if $(MUSL_AT),$(if $(shell command -v musl-gcc 2>&1),musl-gcc))
+MUSL_OF  = os base patience geometry task coder wire image scene simd trace grid spec volume \
+           stats proc hosts pipe fan worker sched drive
+MUSL_OBJ = $(patsubst $(BUILD)/%,$(BUILD)/musl/%,$(filter $(MUSL_OF:%=$(BUILD)/%/%.o),$(LIBOBJ)))
+ifneq ($(MUSL),)
+STATIC_CC = $(MUSL) -idirafter /usr/include -idirafter /usr/include/$(OF_CC)
+STATIC_A  = $(BUILD)/musl/libstormring.a
+STATIC_LD = -static -nostartfiles \
+            -Wl,-pie,--no-dynamic-linker,-z,text,-z,stack-size=8388608 $(MUSL_AT)
+STATIC_LIBS = $(foreach l,z $(ZSTD),$(shell $(CC) -print-file-name=lib$l.a))
+else
+STATIC_CC = $(CC)
+STATIC_LD = $(if $(filter /%,$(shell $(CC) -print-file-name=rcrt1.o)),-static-pie,-static)
+STATIC_A  = $(BUILD)/libstormring.a
+STATIC_LIBS = $(LIBS)
+endif
 
 all: $(PROGRAMS) $(COPIES) $(STATIC)
 	$(if $(strip $(LACKING)),@set -- $(call part,2); for p in $(call part,1); do echo "make: $$p is not built: $$1 is missing" >&2; shift; done)
@@ -243,9 +269,28 @@ $(PROGRAMS): $(BIN)/%: bin/%.c $(BUILD)/libstormring.a
 	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) $(HARD_LD) $(LDFLAGS) -MMD -MP -MF $(BUILD)/dep/$*.d -o $@ $< \
 		$(BUILD)/libstormring.a $(LIBS) $(LIBS_$*)
 
-$(STATIC): $(BUILD)/static/%: bin/%.c $(BUILD)/libstormring.a
+$(STATIC): $(BUILD)/static/%: bin/%.c $(STATIC_A)
 	@mkdir -p $(@D)
-	$(CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) -Wl,-z,relro,-z,now $(LDFLAGS) $(STATIC_LD) -s -o $@ $< $(BUILD)/libstormring.a $(LIBS)
+	$(STATIC_CC) $(MODEL) $(WARN) $(STRICT) $(HARDENED) $(CFLAGS) -Wl,-z,relro,-z,now $(LDFLAGS) $(STATIC_LD) \
+		-s -o $@ $< $(STATIC_A) $(STATIC_LIBS)
+
+$(BUILD)/musl/libstormring.a: $(MUSL_OBJ)
+	@rm -f $@
+	$(AR) rcs $@ $(MUSL_OBJ)
+
+$(BUILD)/musl/%.o: private CC = $(STATIC_CC)
+$(BUILD)/musl/%.o: lib/%.c | $(BUILD)/.need
+	@mkdir -p $(@D)
+	$(compile)
+
+$(BUILD)/musl/hosts/bootstrap.o: $(BUILD)/hosts/bootstrap.c
+	@mkdir -p $(@D)
+	$(compile)
+
+# An image of the static programs for podman, docker and the like: stormring-engines(7)
+image: $(BUILD)/image.tar
+$(BUILD)/image.tar: tests/image $(STATIC)
+	tests/image $@ $(VERSION) $(STATIC)
 
 $(COPIES): $(BUILD)/%: %
 	@mkdir -p $(@D)
@@ -280,13 +325,15 @@ dist:
 
 # Another BUILD may be a directory with more in it than what was built.
 EVERY_O  = $(BUILD)/hosts/bootstrap.o $(patsubst lib/%.c,$(BUILD)/%.o,$(wildcard lib/*/*.c))
+EVERY_MUSL = $(EVERY_O:$(BUILD)/%=$(BUILD)/musl/%)
 OF_BUILD = $(BUILD)/.need $(BUILD)/said $(BUILD)/strict $(BUILD)/libstormring.a $(BUILD)/libs $(BUILD)/hosts/bootstrap.c $(BUILD)/liboracles.a $(ORACLES) $(ORACLES:.o=.d) $(EVERY_O) $(EVERY_O:.o=.d) $(EVERY:bin/%.c=$(BUILD)/dep/%.d) \
+           $(EVERY_MUSL) $(EVERY_MUSL:.o=.d) $(BUILD)/musl/libstormring.a $(BUILD)/image.tar \
            $(UNIT) $(UNIT:=.d) $(FUZZERS) $(FUZZERS:=.d) $(COPIES) $(EVERY_STATIC)
 clean:
 	$(if $(filter build,$(BUILD)),rm -rf build report gears.png gears.frags wind-*.png wind-*.frags stormring-*.tar.gz)
 	rm -f $(EVERY:bin/%.c=$(BIN)/%) $(OF_BUILD)
 	@rmdir -p $(sort $(dir $(OF_BUILD))) 2>/dev/null || :
 
--include $(LIBOBJ:.o=.d) $(ORACLES:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
+-include $(LIBOBJ:.o=.d) $(MUSL_OBJ:.o=.d) $(ORACLES:.o=.d) $(wildcard $(BUILD)/dep/*.d $(BUILD)/unit/*.d $(BUILD)/fuzz_*.d)
 
-.PHONY: all help dist need demo demo-volume check reach nightly fresh bench bench-volume soak chart sheet report fuzz sanitized unit fuzzers install uninstall clean
+.PHONY: all help dist image need demo demo-volume check reach nightly fresh bench bench-volume soak chart sheet report fuzz sanitized unit fuzzers install uninstall clean

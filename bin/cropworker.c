@@ -2,10 +2,10 @@
 #include "base/base.h"
 #include "crop/crop.h"
 #include "files/files.h"
+#include "os/os.h"
 #include "worker/worker.h"
 
 #include <errno.h>
-#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -237,7 +237,7 @@ int main(int argc, char **argv)
 {
     prog_init(argv[0]);
     /* The memory of a picture is new each time: then rows that are not decoded cost nothing. */
-    mallopt(M_MMAP_THRESHOLD, 1 << 18);
+    os_allocate_afresh(1 << 18);
     struct options o = parse(argc, argv);
     /* A command without {i} has no state. */
     renderer.n_parts = crop_uses(o.command, "i") ? 1 : 0;

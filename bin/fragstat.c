@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "history/history.h"
 #include "hosts/hosts.h"
+#include "os/os.h"
 #include "view/view.h"
 
 #include <errno.h>
@@ -12,7 +13,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 struct options {
@@ -227,16 +227,16 @@ static void put_page(const struct view_log *v, const struct options *o, bool goe
 static void put_table(const struct view_log *v, bool found)
 {
     static const char home[] = "\033[H", line[] = "\033[K\n", rest[] = "\033[J";
-    struct winsize size = {0};
     struct buf out = {0};
     bool screen = isatty(STDOUT_FILENO);
-    if (screen && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) size = (struct winsize){0};
+    int columns = 0, rows = 0;
+    if (screen) os_terminal(STDOUT_FILENO, &columns, &rows);
     if (screen) buf_printf(&out, "%s", home);
     if (found) {
-        int lines = size.ws_row > 1 ? size.ws_row - 1 : 0;
+        int lines = rows > 1 ? rows - 1 : 0;
         struct view_state s;
         view_state(v, &s);
-        view_table(v, &s, size.ws_col, lines, screen ? line : "\n", &out);
+        view_table(v, &s, columns, lines, screen ? line : "\n", &out);
         free(s.slots);
     } else {
         char path[4096];

@@ -1,6 +1,7 @@
 /* mesh2nff: converts a mesh that libassimp reads to an NFF scene. */
 #include "base/base.h"
 #include "mesh/mesh.h"
+#include "os/os.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -53,9 +54,10 @@ static int seconds_for(const char *path)
     return SECONDS + (int)fmin((double)st.st_size / 1e6 * SECONDS_PER_MB, 1e6);
 }
 
-static void guard(const char *path, const char *name, bool on)
+/* flags: of the handler. */
+static void guard(const char *path, const char *name, bool on, int flags)
 {
-    struct sigaction act = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND)};
+    struct sigaction act = {.sa_flags = flags | (int)SA_RESETHAND};
     struct itimerval limit = {.it_value.tv_sec = on ? seconds_for(path) : 0};
     char file[301];
     text_shown(file, sizeof file, name);
@@ -77,18 +79,17 @@ int main(int argc, char **argv)
     struct mesh_options o = parse(argc, argv);
     const char *path = argv[optind], *name = strcmp(path, "-") == 0 ? "stdin" : path;
     /* A stack of its own, because a deep tree may use up the other. */
-    stack_t stack = {.ss_sp = xmalloc(1, STACK_BYTES), .ss_size = STACK_BYTES};
-    sigaltstack(&stack, NULL);
-    guard(path, name, true);
+    void *stack = xmalloc(1, STACK_BYTES);
+    guard(path, name, true, os_signal_stack(stack, STACK_BYTES));
     struct mesh *m = mesh_open(path, &o, err);
-    guard(path, name, false);
+    guard(path, name, false, 0);
     if (!m) die(ST_USAGE, "%s: %s", name, err);
     for (const struct mesh_loss *l = mesh_losses(m); l->what; l++)
         if (l->n) warn("%s: %s: %llu, %s", name, l->what, (unsigned long long)l->n, l->outcome);
     mesh_write(m, stdout);
     mesh_close(m);
-    sigaltstack(&(stack_t){.ss_flags = SS_DISABLE}, NULL);
-    free(stack.ss_sp);
+    os_signal_stack(NULL, 0);
+    free(stack);
     close_stdout();
     return ST_OK;
 }

@@ -31,7 +31,7 @@ struct options {
 static void parse_powers(struct options *o, const char *list)
 {
     char *copy = xstrdup(list), *rest = copy, *word;
-    while ((word = strsep(&rest, ",")) != NULL) {
+    while ((word = text_part(&rest, ',')) != NULL) {
         o->powers = xrealloc(o->powers, (size_t)o->n_powers + 1, sizeof *o->powers);
         if (!parse_real(word, 1e-6, 1e6, &o->powers[o->n_powers]))
             die(ST_USAGE, "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between", list,

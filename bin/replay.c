@@ -2,13 +2,13 @@
  * pixels. */
 #include "base/base.h"
 #include "history/history.h"
+#include "os/os.h"
 #include "worker/worker.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -203,7 +203,7 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct replay r = {.o = &o};
-    prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); /* ns: sleeps end on time */
+    os_sleep_exactly();
     load_log(&r);
     int status = worker_run(&ops, &o.worker, &r);
     history_free(&r.log);

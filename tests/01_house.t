@@ -10,15 +10,16 @@ clean() { if [ -s "$found" ]; then fail "$1" "$(cat "$found")"; else pass "$1"; 
 
 # ---- which module may include which: a line a module, its own headers besides --------------------------------
 cat >"$tmp/arrows" <<'END'
-base
+os
+base os
 geometry
 patience
 task base
 coder base
 wire coder task base
-image task base
+image task base os
 eta wire image task base
-log wire image task base
+log wire image task base os
 stats base
 table stats base
 inference table stats base
@@ -26,10 +27,10 @@ scene geometry base
 spd scene geometry base
 simd base
 mesh scene geometry base
-trace simd scene geometry image task base
+trace simd scene geometry image task base os
 html base
 album html image task base
-grid base
+grid base os
 spec grid geometry base
 volume simd grid spec geometry task base
 cf units grid base
@@ -39,17 +40,17 @@ convert units grid image base
 backdrop units grid spec geometry image base
 sched task patience base
 sim sched stats task patience base
-proc base
-crop proc image task base
+proc base os
+crop proc image task base os
 files base
 job grid spec wire task base
 hosts base
-pipe proc wire task patience base
+pipe proc wire task patience base os
 fan pipe hosts proc wire coder task patience base
-worker pipe proc wire image task patience base
+worker pipe proc wire image task patience base os
 history eta wire task base
 account history wire task stats base
-view html account history log eta wire image task stats base
+view html account history log eta wire image task stats base os
 verify log wire task base
 drive sched pipe proc wire task patience base
 END
@@ -237,10 +238,31 @@ lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 	ban 'the library exits only in die, and where its reader is gone' '_?exit|abort' \
 		$(echo "$lib" | grep -vE '^lib/(base/message|crop/command|pipe/silence|proc/child|worker/forks|worker/pulse|worker/session)\.c$')
 }
+# ---- the system ----------------------------------------------------------------------------------------------
+# What C and POSIX.1-2008 lack is in lib/os, and in few files which are optional: see lib/README.md. A header of angle
+# brackets is one of theirs, or a library's.
+beyond='accept4|v?asprintf|basename|close_range|copy_file_range|daemon|dup3|epoll_[a-z0-9]+|eventfd|execvpe'
+beyond="$beyond|fallocate|flock|get_nprocs|getopt_long|getrandom|inotify_[a-z0-9_]+|ioctl|madvise|mallo(pt|c_trim)|memfd_create|mem(mem|rchr)"
+beyond="$beyond|mempcpy|mkostemps?|mremap|nftw|pidfd_[a-z_]+|pipe2|ppoll|prctl|p(read|write)v2?|qsort_r|rawmemchr|realpath"
+beyond="$beyond|reallocarray|sched_[gs]etaffinity|signalfd|sigaltstack|sincos|splice|strcasestr|strchrnul|strlc(at|py)|strsep"
+beyond="$beyond|strverscmp|syscall|timegm|timerfd_[a-z]+|usleep|wait[34]|le(16|32|64)toh|htole(16|32|64)"
+headers='arpa/inet|ctype|dirent|errno|fcntl|float|inttypes|limits|math|poll|pthread|setjmp|signal|std(arg|bool|def|int|io|lib)'
+headers="$headers|strings?|sys/(mman|resource|stat|time|types|uio|utsname|wait)|time|unistd"
+headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|immintrin|cpuid|cmocka"
+# shellcheck disable=SC2046,SC2086
+{
+	ours="$(printf '%s\n' $lib | grep -vE '^lib/(os/linux|crop/confine)\.c$') $(echo bin/*.c)"
+	ban 'what only some systems have is in lib/os' "$beyond" $ours
+	grep -nE '^[[:blank:]]*#[[:blank:]]*include[[:blank:]]*<' $ours | grep -vE "<($headers)\.h>" >"$found"
+	clean 'headers are those of C, POSIX and the libraries'
+	# lib/os/linux.c has what the rules look for.
+	seen() { [ "$(grep -cE "(^|[^A-Za-z0-9_.>])($beyond) *\\(" $1)" -gt 9 ] && [ "$(grep include $1 | grep '<' | grep -cvE "<($headers)\\.h>")" -gt 4 ]; }
+	ok 'these rules see the calls and headers of lib/os/linux.c' seen lib/os/linux.c
+}
 # Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
 {
-	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
-		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|log/file|pipe/queue|hosts/send)\.c:|:[0-9]+: *(/?\*)'
+	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|os_temporary\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
+		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|log/file|pipe/queue|hosts/send)\.c:|^lib/os/os\.[ch]:|:[0-9]+: *(/?\*)'
 	for c in bin/*.c; do
 		! grep -qE 'outfile_(open|put)|image_(save|out)|grid_file_cut|convert\(' "$c" || grep -qE 'input_(add|keep)|image_name_keep|convert\(' "$c" || echo "$c:1: does not ask whether an output is an input (base.h)"
 	done

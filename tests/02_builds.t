@@ -15,6 +15,16 @@ for program in build/static/*; do
 	else skip 'static programs are position independent' "$missing is not there"
 	fi
 done
+if there build/static/rtworker musl-gcc; then
+	is 'static programs have musl' "$(grep -l 'GNU C Library' build/static/*)" ''
+else skip 'static programs have musl' "$missing is not there"
+fi
+# In a subshell, because of its PATH.
+# shellcheck disable=SC2329  # run by ok
+same_static() (same build/static)
+if there build/static/rtworker; then ok 'static programs render the same bits' same_static
+else skip 'static programs render the same bits' "$missing is not there"
+fi
 ok 'it builds without optimisation' build plain gcc '-O0 -Werror' build/plain/base/clock.o
 is 'CFLAGS and LDFLAGS come last, so they win' "$(make -n -B BUILD=build/plain CC=gcc CFLAGS='-O0 -fno-pie -fno-stack-protector' \
 	LDFLAGS=-no-pie build/plain/bin/imgcmp 2>&1 | grep -e '-o build/plain/bin/imgcmp' |

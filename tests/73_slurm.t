@@ -151,6 +151,40 @@ like 'a time limit: the log says how to go on' "$(cat "slurm-$limited.out")" 'ba
 ok 'a time limit: the next job exits with 0' sbatch -W -Q -N 2 --exclusive --wrap \
 	'balance adaptive -S slurm: -s 96x96 -r batch.log -o batch.pfm gears.nff'
 ok 'a time limit: the same picture' cmp batch.pfm good.pfm
+
+# ---- a pool, by the commands of the page: hosts join when their jobs begin, and leave when they end
+# The worker waits as above. Real pools are larger, and what they render takes longer.
+all_in pool
+rm pool/rtworker pool/fan
+cp "$tmp/patient/fan" pool
+cat >pool/rtworker <<END
+#!/bin/sh
+PATH=$root/bin:\$PATH
+case \$* in *-i*) exec rtworker "\$@" ;; esac
+exec "$tmp/stall" "\$@"
+END
+chmod +x pool/rtworker
+sed -n '/^sbatch -J pool/,/^[.]Ed/p' "$root/man/stormring-engines.7" | sed "/^[.]Ed/d
+	s/\\\\(aq/'/g; s/\\\\e/\\\\/g
+	s/=1-20/=1-2/; s/-c 8/-c 2/g; s/slots=8/slots=2/; s/gears.png/out.pfm/; s/sleep 2/sleep .2/
+	s/^balance adaptive/& -s 96x96 -z off/" >commands
+is 'a pool: the page has its commands' "$(grep -c . commands)" 15
+rm -f gears.log
+PATH=$tmp/pool:$PATH sh commands >said 2>&1 &
+running=$!
+nodes() { squeue -h -r -t R -n pool -o %N; }
+two() { [ "$(nodes | wc -l)" = 2 ]; }
+ok 'a pool: its jobs run' await 30 two
+# shellcheck disable=SC2046  # a word each
+begun 'a pool' $(nodes)
+pass 'a pool: both nodes join the run'
+gone=$(nodes | head -n 1)
+scancel "$(squeue -h -r -n pool -w "$gone" -o %i)"
+# Its connections are lost, or its line goes first.
+left() { grep -qE " on $gone: lost| slots join the run, [1-9][0-9]* leave it" said; }
+ok 'a pool: a host leaves when its job ends' await 30 left
+ends 'a pool'
+
 none_running() { [ -z "$(squeue -h)" ]; }
 ok 'no job and no step is left' await 30 none_running
 is 'no worker is left' "$(pgrep -c rtworker)" 0

@@ -17,7 +17,7 @@ static void add_slot(struct account *a, const char *name)
 
 static int by_name(const void *a, const void *b)
 {
-    return strverscmp(
+    return text_order(
         ((const struct account_slot *)a)->name, ((const struct account_slot *)b)->name);
 }
 

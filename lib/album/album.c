@@ -57,19 +57,19 @@ static void split_name(struct album_picture *p, const char *name)
 static int by_path(const void *a, const void *b)
 {
     const struct album_picture *p = a, *q = b;
-    return strverscmp(p->path, q->path);
+    return text_order(p->path, q->path);
 }
 
 static int by_time(const void *a, const void *b)
 {
     const struct album_picture *p = a, *q = b;
-    return strverscmp(p->time, q->time);
+    return text_order(p->time, q->time);
 }
 
 static int by_cell(const void *a, const void *b)
 {
     const struct album_picture *p = a, *q = b;
-    int order = strverscmp(p->view, q->view);
+    int order = text_order(p->view, q->view);
     if (!order) order = by_time(a, b);
     return order ? order : by_path(a, b);
 }

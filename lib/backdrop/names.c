@@ -23,7 +23,7 @@ static const char *flat_unit(const struct grid *g, struct grid_named *x)
 {
     if (!grid_title(g->title, 'x', x)) return NULL;
     if (x->unit[0] && strncasecmp(x->unit, "degree", 6) != 0) return x->unit;
-    if (strcasestr(x->unit, "_w")) return x->unit; /* degrees_west */
+    if (text_has(x->unit, "_w")) return x->unit; /* degrees_west */
     return is_rotated(x->name) ? BACKDROP_DEGREE : NULL;
 }
 

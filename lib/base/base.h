@@ -66,6 +66,15 @@ size_t utf8_shown(const void *text, size_t n);
 /* Copies s to out, of `room` bytes, where bytes for which that is 0 become \x1b. What has no room
  * is left out. Returns the length. */
 size_t text_shown(char *out, size_t room, const char *s);
+/* The first place of the k bytes at what, at least one, in the n bytes; NULL: none. (text.c) */
+const void *text_find(const void *in, size_t n, const void *what, size_t k);
+/* True if the word, which is not empty, is in s, in large or small letters. */
+bool text_has(const char *s, const char *word);
+/* As strcmp, but numbers within the texts come by value: frame9 before frame10. */
+int text_order(const char *a, const char *b);
+/* Cuts the text at the first `end`, moves *rest behind it, and returns the part before. With none,
+ * that is all, and *rest becomes NULL. NULL: *rest is. */
+char *text_part(char **rest, char end);
 /* Prints "usage: program TEXT" and exits: to stdout if status is 0 (-h), otherwise to stderr. */
 _Noreturn void usage(int status, const char *text);
 /* Prints "program VERSION" to stdout, and exits with status 0. */
@@ -137,11 +146,6 @@ void *xrealloc(void *p, size_t n, size_t size);
 char *xstrdup(const char *s);
 /* The same, aligned to 64 bytes, not cleared. Release with free(). */
 void *xaligned(size_t n, size_t size);
-/* Asks the system for all pages of these bytes at once, which costs less than a fault for each. For
- * memory that will be written soon. If the system cannot, the faults come. */
-void base_populate(void *p, size_t bytes);
-/* Returns the whole pages within these bytes to the system. Their contents are lost. */
-void base_discard(void *p, size_t bytes);
 
 /* Bytes [off, len) of data are unread. Append at the end, consume at the front. */
 struct buf {

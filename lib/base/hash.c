@@ -5,7 +5,6 @@
  */
 #include "base/base.h"
 
-#include <endian.h>
 #include <string.h>
 
 #define P1 UINT64_C(0x9e3779b185ebca87)
@@ -13,6 +12,8 @@
 #define P3 UINT64_C(0x165667b19e3779f9)
 #define P4 UINT64_C(0x85ebca77c2b2ae63)
 #define P5 UINT64_C(0x27d4eb2f165667c5)
+
+#define LITTLE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
 
 static inline uint64_t rotated(uint64_t v, int by) { return v << by | v >> (64 - by); }
 
@@ -26,7 +27,7 @@ static inline uint32_t read_32(const unsigned char *at, bool words)
 {
     uint32_t v;
     memcpy(&v, at, sizeof v);
-    return words ? v : le32toh(v);
+    return words || LITTLE ? v : __builtin_bswap32(v);
 }
 
 static inline uint64_t read_64(const unsigned char *at, bool words)

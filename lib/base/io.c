@@ -1,5 +1,6 @@
 /* io: checked reading and writing. */
 #include "base/base.h"
+#include "os/os.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -45,7 +46,7 @@ static void reserve_file(int fd, struct buf *b)
     if (b->data || fstat(fd, &st) != 0 || !S_ISREG(st.st_mode) || st.st_size <= 0) return;
     b->cap = (size_t)st.st_size + 1;
     b->data = xmalloc(b->cap, 1);
-    base_populate(b->data, b->cap);
+    os_populate(b->data, b->cap);
 }
 
 int read_file(const char *path, struct buf *b)

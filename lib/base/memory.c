@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #define BUF_KEEP (8 << 20) /* bytes; an empty buffer with more capacity is freed */
 
@@ -44,23 +42,6 @@ void *xaligned(size_t n, size_t size)
 {
     size_t bytes = (product(n, size) + 63) & ~(size_t)63;
     return checked(aligned_alloc(64, bytes), bytes);
-}
-
-void base_populate(void *p, size_t bytes)
-{
-#ifdef MADV_POPULATE_WRITE
-    size_t before = (uintptr_t)p % (uintptr_t)sysconf(_SC_PAGESIZE);
-    if (bytes) madvise((char *)p - before, before + bytes, MADV_POPULATE_WRITE);
-#else
-    (void)p, (void)bytes;
-#endif
-}
-
-void base_discard(void *p, size_t bytes)
-{
-    size_t page = (size_t)sysconf(_SC_PAGESIZE), before = -(uintptr_t)p % page;
-    if (bytes < before + page) return;
-    madvise((char *)p + before, (bytes - before) & ~(page - 1), MADV_DONTNEED);
 }
 
 char *xstrdup(const char *s)

@@ -70,7 +70,7 @@ double *opt_reals(int opt, const char *s, double min, double max, size_t *n)
 {
     char *copy = xstrdup(s), *rest = copy, *word;
     double *v = NULL;
-    for (*n = 0; (word = strsep(&rest, ",")) != NULL; (*n)++) {
+    for (*n = 0; (word = text_part(&rest, ',')) != NULL; (*n)++) {
         v = xrealloc(v, *n + 1, sizeof *v);
         if (!parse_real(word, min, max, &v[*n]))
             die(ST_USAGE, "-%c %s: `%s`, expected numbers from %g to %g with commas between", opt,

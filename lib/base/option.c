@@ -1,9 +1,10 @@
 /* option: parsing of command lines, shared by all programs. */
 #include "base/base.h"
+#include "os/os.h"
 
 #include <ctype.h>
-#include <getopt.h>
 #include <string.h>
+#include <unistd.h>
 
 static void complain(const char *word, const char *letters)
 {
@@ -16,12 +17,9 @@ static void complain(const char *word, const char *letters)
 
 int prog_getopt(int argc, char **argv, const char *letters)
 {
-    enum { VERSION = 256 }; /* not a letter */
-    static const struct option words[] = {
-        {"help", no_argument, NULL, 'h'}, {"version", no_argument, NULL, VERSION}, {0}};
     opterr = 0; /* getopt would print what it does not know as it is */
-    int opt = getopt_long(argc, argv, letters, words, NULL);
-    if (opt == VERSION) version();
+    int opt = os_getopt(argc, argv, letters);
+    if (opt == OS_VERSION) version();
     if (opt == '?') complain(argv[optind - 1], letters);
     return opt;
 }

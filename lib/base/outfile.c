@@ -3,6 +3,7 @@
  * removes the temporary files first, and so does exit().
  */
 #include "base/base.h"
+#include "os/os.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -82,17 +83,32 @@ static void drop(const char *name)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
+/* True if the directory has the open descriptors of this process, by any of its names. The numbers
+ * of such files are sure only while they are open. */
+static bool has_descriptors(const char *dir)
+{
+    static const char *const names[] = {"/proc/self/fd", "/proc/thread-self/fd", "/dev/fd"};
+    struct stat at, own;
+    bool has = false;
+    for (size_t i = 0; !has && i < sizeof names / sizeof *names; i++) {
+        int fd = open(names[i], O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (fd < 0) continue;
+        has = fstat(fd, &own) == 0 && stat(dir, &at) == 0 && at.st_dev == own.st_dev &&
+              at.st_ino == own.st_ino;
+        close(fd);
+    }
+    return has;
+}
+
 /* The open descriptor that this is a name of, such as /proc/self/fd/1; -1: none. */
 static int descriptor_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    char *dir = xstrdup(path), at[PATH_MAX], own[64], thread[64];
+    char *dir = xstrdup(path);
     int64_t fd = -1;
     dir[slash ? slash + 1 - path : 0] = '\0';
-    snprintf(own, sizeof own, "/proc/%d/fd", (int)getpid());
-    snprintf(thread, sizeof thread, "/proc/%d/task/%d/fd", (int)getpid(), (int)getpid());
-    if (realpath(*dir ? dir : ".", at) && (strcmp(at, own) == 0 || strcmp(at, thread) == 0))
-        parse_int(slash ? slash + 1 : path, 0, INT_MAX, &fd);
+    if (parse_int(slash ? slash + 1 : path, 0, INT_MAX, &fd) && !has_descriptors(*dir ? dir : "."))
+        fd = -1;
     free(dir);
     return (int)fd;
 }
@@ -129,10 +145,10 @@ static FILE *open_beside(const char *path, char **name)
     sigset_t was;
     snprintf(t->name, n, "%s%s", path, SUFFIX);
     block(&was);
-    int fd = mkostemp(t->name, O_CLOEXEC), err = errno;
+    int fd = os_temporary(t->name), err = errno;
     FILE *f = fd < 0 ? NULL : fdopen(fd, "w");
     if (f) {
-        mode_t mask = umask(0); /* mkostemp used 0600; set the mode that open(2) sets */
+        mode_t mask = umask(0); /* mkstemp used 0600; set the mode that open(2) sets */
         umask(mask);
         fchmod(fd, 0666 & ~mask);
         add(t);

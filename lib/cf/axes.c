@@ -77,7 +77,7 @@ static enum cf_kind kind_by_name(const char *name, bool *other)
         {"altitude", CF_Z}, {"pressure", CF_Z}, {"=lev", CF_Z}, {"=z", CF_Z}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const char *part = table[i].part;
-        if (*part == '=' ? strcasecmp(name, part + 1) != 0 : !strcasestr(name, part)) continue;
+        if (*part == '=' ? strcasecmp(name, part + 1) != 0 : !text_has(name, part)) continue;
         *other = table[i].kind == CF_NONE;
         return table[i].kind;
     }

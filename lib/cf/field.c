@@ -12,7 +12,7 @@ static bool is_curvilinear(struct cf_file *c, const struct cf_field *f)
 {
     char names[CF_TEXT], *rest = names, *word;
     cf_text(c, f->group, f->id, "coordinates", names);
-    while ((word = strsep(&rest, " ")) != NULL) {
+    while ((word = text_part(&rest, ' ')) != NULL) {
         int id, n;
         if (*word && nc_inq_varid(f->group, word, &id) == NC_NOERR &&
             nc_inq_varndims(f->group, id, &n) == NC_NOERR && n > 1)

@@ -26,12 +26,12 @@ static bool is_geopotential(struct cf_file *c, int group, int id, const char *na
     cf_text(c, group, id, "long_name", about);
     cf_text(c, group, id, "cell_methods", cells);
     *standard = strcmp(said, "geopotential_height") == 0 || strcmp(said, "geopotential") == 0;
-    bool is = *standard || strcasestr(about, "geopotential");
+    bool is = *standard || text_has(about, "geopotential");
     for (size_t i = 0; !is && i < sizeof names / sizeof *names; i++)
         is = strcasecmp(name, names[i]) == 0;
     for (size_t i = 0; is && i < sizeof others / sizeof *others; i++)
-        is = !strcasestr(about, others[i]) && !strcasestr(said, others[i]) &&
-             !strcasestr(cells, others[i]);
+        is = !text_has(about, others[i]) && !text_has(said, others[i]) &&
+             !text_has(cells, others[i]);
     return is;
 }
 

@@ -4,6 +4,7 @@
  * from this process ends.
  */
 #include "crop/crop.h"
+#include "os/os.h"
 #include "proc/proc.h"
 
 #include <errno.h>
@@ -12,8 +13,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/pidfd.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,7 +47,8 @@ static const char *take_place(const struct crop_place *p)
 
 static _Noreturn void run_command(const struct keeper *k, int err)
 {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    signals_restore();
+    os_die_with_parent(SIGKILL);
     int null = open("/dev/null", O_RDWR | O_CLOEXEC);
     if (null >= 0 && dup2(null, STDIN_FILENO) >= 0 && dup2(err, STDERR_FILENO) >= 0 &&
         (k->piped || dup2(null, STDOUT_FILENO) >= 0)) {
@@ -89,18 +89,18 @@ static void show_tail(const char *name, const struct buf *tail)
     }
 }
 
-/* Waits for the command. The end of standard input ends all. */
-static int watch(pid_t pid, int pidfd, int err, const char *name)
+/* Waits for the command. The end of standard input ends all, and so does a signal. */
+static int watch(pid_t pid, int err, const char *name)
 {
     struct buf tail = {0};
-    struct pollfd p[3] = {{STDIN_FILENO, 0, 0}, {pidfd, POLLIN, 0}, {err, POLLIN, 0}};
+    struct pollfd p[2] = {{STDIN_FILENO, 0, 0}, {err, POLLIN, 0}};
     int status = 0;
-    while (!p[1].revents) {
-        if (poll(p, 3, -1) < 0 && errno != EINTR) return 1;
-        if (p[0].revents) kill(0, SIGKILL);
-        if (p[2].revents && !read_tail(err, &tail)) p[2].fd = -1;
+    while (waitpid(pid, &status, WNOHANG) == 0) {
+        p[0].revents = p[1].revents = 0;
+        if (signals_poll(p, 2, -1) < 0 && errno != EINTR) return 1;
+        if (p[0].revents || signals_came()) kill(0, SIGKILL);
+        if (p[1].revents && !read_tail(err, &tail)) p[1].fd = -1;
     }
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
     if (status == 0) return 0;
     fcntl(err, F_SETFL, O_NONBLOCK); /* another process of the group may hold it open */
     while (read_tail(err, &tail)) continue;
@@ -113,18 +113,17 @@ static int keep(void *ctx)
     const struct keeper *k = ctx;
     const char *slash = strrchr(k->words[0], '/');
     int err[2];
-    crop_rename("cropkeeper");
-    prctl(PR_SET_PDEATHSIG, 0);
+    os_rename("cropkeeper");
+    os_die_with_parent(0);
     signal(SIGALRM, SIG_DFL);
-    signal(SIGPIPE, SIG_DFL);
-    if (pipe2(err, O_CLOEXEC) != 0) return 126;
+    signals_catch();
+    if (os_pipe(err) != 0) return 126;
     pid_t pid = fork();
     if (pid < 0) return 126;
     if (pid == 0) run_command(k, err[1]);
     close(STDOUT_FILENO);
     close(err[1]);
-    int pidfd = pidfd_open(pid, 0);
-    return pidfd < 0 ? 126 : watch(pid, pidfd, err[0], slash ? slash + 1 : k->words[0]);
+    return watch(pid, err[0], slash ? slash + 1 : k->words[0]);
 }
 
 /* Waits for the keeper without closing its pipe. */
@@ -136,13 +135,13 @@ static int wait_for(struct child *c)
 }
 
 /* Reads standard output until its end, or until the keeper has ended: a process in the background
- * may hold it open. Returns whether that was possible. */
+ * may hold it open. Only the keeper can read its standard input, so that pipe fails then. Returns
+ * whether that was possible. */
 static bool read_output(const struct child *c, struct buf *to, size_t most)
 {
-    int keeper = pidfd_open(c->pid, 0);
-    struct pollfd p[2] = {{c->from, POLLIN, 0}, {keeper, POLLIN, 0}};
+    struct pollfd p[2] = {{c->from, POLLIN, 0}, {c->to, 0, 0}};
     bool ended = false;
-    ptrdiff_t n = keeper < 0 ? -1 : 1;
+    ptrdiff_t n = 1;
     while (n > 0 && buf_size(to) <= most) {
         int ready = poll(p, ended ? 1 : 2, ended ? 0 : -1);
         if (ready < 0 && errno == EINTR) continue;
@@ -151,7 +150,6 @@ static bool read_output(const struct child *c, struct buf *to, size_t most)
         else if (ended) break;
         else ended = true; /* what it wrote is in the pipe by now */
     }
-    if (keeper >= 0) close(keeper);
     return n >= 0;
 }
 

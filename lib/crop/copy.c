@@ -5,25 +5,16 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define OPEN_MOST 16 /* directories open at a time */
-
-static size_t prefix; /* bytes of the name to copy */
-static const char *target;
-
 static int copy_bytes(int from, int to)
 {
-    ssize_t n;
-    while ((n = copy_file_range(from, NULL, to, NULL, SSIZE_MAX, 0)) > 0) continue;
-    if (n == 0) return 0;
-    struct buf b = {0}; /* a file system that cannot */
-    if (lseek(from, 0, SEEK_SET) != 0 || lseek(to, 0, SEEK_SET) != 0) return -1;
+    ptrdiff_t n;
+    struct buf b = {0};
     while (
         (n = read_some(from, &b, 1 << 18)) > 0 && write_full(to, buf_data(&b), buf_size(&b)) == 0)
         buf_consume(&b, buf_size(&b));
@@ -43,26 +34,53 @@ static int copy_file(const char *path, const char *to, mode_t mode)
     return failed;
 }
 
-static int copy_one(const char *path, const struct stat *st, int kind, struct FTW *at)
+/* What is copied, and where to: names that grow and shrink, because the directories may be deep. */
+static char source[PATH_MAX], target[PATH_MAX];
+
+static int copy_all(void);
+
+/* Links are left out. */
+static int copy_one(void)
 {
-    char to[PATH_MAX];
-    (void)at;
-    if (snprintf(to, sizeof to, "%s%s", target, path + prefix) >= (int)sizeof to) {
-        errno = ENAMETOOLONG;
-        return -1;
+    struct stat st;
+    if (lstat(source, &st) != 0) return -1;
+    if (S_ISDIR(st.st_mode)) return mkdir(target, 0700) == 0 ? copy_all() : -1;
+    return S_ISLNK(st.st_mode) ? 0 : copy_file(source, target, st.st_mode);
+}
+
+static int append(char name[PATH_MAX], size_t n, const char *entry)
+{
+    if (snprintf(name + n, PATH_MAX - n, "/%s", entry) < (int)(PATH_MAX - n)) return 0;
+    errno = ENAMETOOLONG;
+    return -1;
+}
+
+/* What is in the directory. */
+static int copy_all(void)
+{
+    const size_t n = strlen(source), k = strlen(target);
+    int failed = 0;
+    DIR *d = opendir(source);
+    if (!d) return -1;
+    for (const struct dirent *e; !failed && (e = readdir(d)) != NULL;) {
+        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
+        failed = append(source, n, e->d_name);
+        if (!failed) failed = append(target, k, e->d_name);
+        if (!failed) failed = copy_one();
+        source[n] = target[k] = '\0';
     }
-    if (kind == FTW_D) return mkdir(to, 0700);
-    return kind == FTW_F ? copy_file(path, to, st->st_mode) : 0;
+    int err = errno;
+    closedir(d);
+    errno = err;
+    return failed;
 }
 
 char *crop_copy(const char *path)
 {
-    static char to[PATH_MAX];
-    snprintf(to, sizeof to, "%s-%ld", path, (long)getpid());
-    prefix = strlen(path);
-    target = to;
-    if (nftw(path, copy_one, OPEN_MOST, FTW_PHYS) != 0) die(ST_SYSTEM, "%s: cannot be made:", to);
-    return xstrdup(to);
+    snprintf(source, PATH_MAX, "%s", path);
+    snprintf(target, PATH_MAX, "%s-%ld", path, (long)getpid());
+    if (copy_one() != 0) die(ST_SYSTEM, "%s: cannot be made:", target);
+    return xstrdup(target);
 }
 
 void crop_remove_copies(const char *path)

@@ -57,9 +57,6 @@ const char *crop_directory(void);
 /* Removes the file or directory, with all that is in it; follows no link. 0, or -1 with errno. */
 int crop_remove(const char *path);
 
-/* Gives this process, a fork, another name, of at most 10 bytes. */
-void crop_rename(const char *name);
-
 /* ---- copy.c ---- */
 
 /* Copies the directory, with the files and directories in it, to one beside it that is named after

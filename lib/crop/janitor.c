@@ -4,6 +4,7 @@
  * process group of its own, so that a kill of this one's group leaves it alive.
  */
 #include "crop/crop.h"
+#include "os/os.h"
 #include "proc/proc.h"
 
 #include <dirent.h>
@@ -13,7 +14,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -29,29 +29,20 @@
  */
 static int remove_entry(int in, const char *name, int depth)
 {
-    char self[64];
-    int at = openat(in, name, O_PATH | O_NOFOLLOW | O_DIRECTORY | O_CLOEXEC);
-    if (at < 0) return errno == ENOTDIR || errno == ELOOP ? unlinkat(in, name, 0) : -1;
-    snprintf(self, sizeof self, "/proc/self/fd/%d", at);
-    (void)!chmod(self, 0700); /* it may have been made unwritable */
-    int fd = openat(at, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    close(at);
-    DIR *d = fd < 0 ? NULL : fdopendir(fd);
-    if (!d && fd >= 0) close(fd);
+    const int flags = O_RDONLY | O_NOFOLLOW | O_DIRECTORY | O_CLOEXEC;
+    int fd = openat(in, name, flags);
+    /* It may have been made unreadable, or unwritable. */
+    if (fd < 0 && errno == EACCES && fchmodat(in, name, 0700, AT_SYMLINK_NOFOLLOW) == 0)
+        fd = openat(in, name, flags);
+    if (fd < 0) return errno == ENOTDIR || errno == ELOOP ? unlinkat(in, name, 0) : -1;
+    (void)!fchmod(fd, 0700);
+    DIR *d = fdopendir(fd);
+    if (!d) close(fd);
     for (const struct dirent *e; d && depth < DEPTH_MOST && (e = readdir(d)) != NULL;)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0)
             remove_entry(dirfd(d), e->d_name, depth + 1);
     if (d) closedir(d);
     return unlinkat(in, name, AT_REMOVEDIR);
-}
-
-void crop_rename(const char *name)
-{
-    prctl(PR_SET_NAME, name);
-    /* The first word of the command line, which cannot become longer. */
-    char *word = program_invocation_name;
-    const size_t room = word ? strlen(word) : 0, n = strlen(name);
-    for (size_t i = 0; i < room; i++) word[i] = i < n ? name[i] : '\0';
 }
 
 int crop_remove(const char *path) { return remove_entry(AT_FDCWD, path, 0); }
@@ -65,8 +56,8 @@ static int clean_up(void *ctx)
     struct buf none = {0};
     /* A kill of this process before it has made the directory does no harm. */
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++) signal(ignored[i], SIG_IGN);
-    prctl(PR_SET_PDEATHSIG, 0);
-    crop_rename("cropclean");
+    os_die_with_parent(0);
+    os_rename("cropclean");
     if (snprintf(name, sizeof name, "%s/stormring-XXXXXX", base) >= (int)sizeof name) return 1;
     if (!mkdtemp(name)) return errno < 126 ? errno : 1;
     if (write_full(STDOUT_FILENO, name, strlen(name)) != 0) return crop_remove(name);

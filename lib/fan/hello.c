@@ -91,7 +91,7 @@ const char *fan_take_chatter(struct fan_slot *s, const unsigned char *said, size
     if (!n) return NULL;
     if (!s->conn.before_hello)
         fan_printable(s->conn.chatter, sizeof s->conn.chatter, (const char *)said, n);
-    hello = memmem(said, n, "hello ", 6);
+    hello = text_find(said, n, "hello ", 6);
     if (!hello) return NULL;
     end = memchr(hello, '\n', n - (size_t)(hello - (const char *)said));
     if (!end || end[-1] != '\r') return NULL;

@@ -49,7 +49,7 @@ static const struct refusal {
 
 static bool has(const char *line, size_t n, const char *words)
 {
-    return memmem(line, n, words, strlen(words)) != NULL;
+    return text_find(line, n, words, strlen(words)) != NULL;
 }
 
 /* The last component of the worker's path: a shell, or env(1), names it if it is missing. */

@@ -8,6 +8,10 @@
 #include <math.h>
 #include <stdint.h>
 
+#ifndef M_PI /* POSIX has it as an extension */
+#define M_PI 3.14159265358979323846
+#endif
+
 /* ---- vectors -------------------------------------------------------------------------- */
 
 struct vec3 {

@@ -7,6 +7,7 @@
  * count is not trusted until that many bytes are present.
  */
 #include "grid/vtk_text.h"
+#include "os/os.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -155,7 +156,7 @@ static void give_back(struct vtk_reader *r)
     unsigned char *from = r->kept + skip, *to = from + ((n - skip) & ~(page - 1));
     r->line += vtk_lines(r->kept, to);
     r->kept = to;
-    (void)madvise(from, (size_t)(to - from), MADV_DONTNEED); /* failure only costs memory */
+    os_discard(from, (size_t)(to - from));
 }
 
 bool vtk_row(struct vtk_reader *r, struct vtk_type t, uint32_t n, bool down, float *row)

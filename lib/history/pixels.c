@@ -22,9 +22,10 @@ static int by_start(const struct history_frag *a, uint32_t frame, const struct l
     return order ? order : compare(a->at.x, at->x);
 }
 
-static int by_number(const void *a, const void *b, void *frags)
+static const struct history_frag *all; /* while they are sorted */
+
+static int by_number(const void *a, const void *b)
 {
-    const struct history_frag *all = frags;
     size_t i = *(const size_t *)a, j = *(const size_t *)b;
     int order = by_start(&all[i], all[j].frame, &all[j].at);
     return order ? order : (i > j) - (i < j);
@@ -34,7 +35,8 @@ static void sort(struct history *l)
 {
     l->sorted = xmalloc(l->n_frags, sizeof *l->sorted);
     for (size_t i = 0; i < l->n_frags; i++) l->sorted[i] = i;
-    qsort_r(l->sorted, l->n_frags, sizeof *l->sorted, by_number, l->frags);
+    all = l->frags;
+    qsort(l->sorted, l->n_frags, sizeof *l->sorted, by_number);
 }
 
 struct history_frag *history_frag_at(

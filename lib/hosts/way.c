@@ -52,7 +52,7 @@ bool host_config_jumps(const char *said, size_t n)
 {
     static const char reads[] = "Reading configuration data ";
     const char *end = said + n, *at, *stop;
-    while ((at = memmem(said, (size_t)(end - said), reads, sizeof reads - 1)) != NULL) {
+    while ((at = text_find(said, (size_t)(end - said), reads, sizeof reads - 1)) != NULL) {
         at += sizeof reads - 1;
         said = stop = at + strcspn(at, "\r\n");
         if (file_has_key(at, (size_t)(stop - at))) return true;

@@ -45,7 +45,7 @@ static bool may_replace(
     int fd = open(name, O_RDONLY | O_CLOEXEC);
     ssize_t n = fd < 0 ? 0 : read(fd, begin, sizeof begin);
     if (fd >= 0) close(fd);
-    if (p->out->format == IMAGE_PNG) return n > 0 && memmem(begin, (size_t)n, job, sizeof job);
+    if (p->out->format == IMAGE_PNG) return n > 0 && text_find(begin, (size_t)n, job, sizeof job);
     int bytes = snprintf(size, sizeof size,
         p->out->format == IMAGE_PAM ? "P7\nWIDTH %" PRIu32 "\n" : "PF\n%" PRIu32 " ", f->have.w);
     return n >= bytes && memcmp(begin, size, (size_t)bytes) == 0;

@@ -1,11 +1,11 @@
 /* store: pixels in memory, or in a file with pages in memory: see store.h. */
 #include "image/store.h"
+#include "os/os.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #define RGBA_BYTES ((size_t)STORE_PAGE * 4 * sizeof(float))
@@ -55,11 +55,12 @@ static int nameless(const char *dir, uint64_t n)
     buf_append(&name, "", 1);
     char *path = xstrdup((const char *)buf_data(&name));
     buf_free(&name);
-    int fd = mkostemp(path, O_CLOEXEC), why = errno;
+    int fd = os_temporary(path), why = errno;
     if (fd >= 0) unlink(path);
     free(path);
-    if (fd >= 0 && fallocate(fd, 0, 0, (off_t)n) != 0 && errno != EOPNOTSUPP && errno != ENOSYS) {
-        why = errno;
+    const int failed = fd < 0 ? 0 : posix_fallocate(fd, 0, (off_t)n);
+    if (failed && failed != EINVAL && failed != EOPNOTSUPP && failed != ENOSYS) {
+        why = failed;
         close(fd);
         fd = -1;
     }
@@ -106,12 +107,11 @@ static int transfer(struct store *s, uint32_t i, bool out)
     unsigned char *part[2] = {(unsigned char *)(s->rgba + (size_t)i * STORE_PAGE * 4),
         (unsigned char *)(s->source + (size_t)i * STORE_PAGE)};
     for (size_t done = 0; done < PAGE_BYTES;) {
-        size_t rest = done < RGBA_BYTES ? RGBA_BYTES - done : 0,
-               skip = rest ? 0 : done - RGBA_BYTES;
-        struct iovec v[2] = {
-            {part[0] + (RGBA_BYTES - rest), rest}, {part[1] + skip, SOURCE_BYTES - skip}};
-        ssize_t k = out ? pwritev(s->fd, v, 2, from + (off_t)done)
-                        : preadv(s->fd, v, 2, from + (off_t)done);
+        const bool first = done < RGBA_BYTES;
+        unsigned char *at = first ? part[0] + done : part[1] + (done - RGBA_BYTES);
+        const size_t n = (first ? RGBA_BYTES : PAGE_BYTES) - done;
+        ssize_t k = out ? pwrite(s->fd, at, n, from + (off_t)done)
+                        : pread(s->fd, at, n, from + (off_t)done);
         if (k < 0 && errno == EINTR) continue;
         if (k == 0) errno = EIO; /* the file was cut */
         if (k <= 0) return -1;

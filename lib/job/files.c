@@ -103,7 +103,7 @@ struct job_state job_state(const struct job *j, size_t at)
 /* Puts # before the line, if it is in b behind `at`. */
 static void comment_out(struct buf *b, size_t at, const char *line)
 {
-    const unsigned char *found = memmem(b->data + at, b->len - at, line, strlen(line));
+    const unsigned char *found = text_find(b->data + at, b->len - at, line, strlen(line));
     if (!found) return;
     at = (size_t)(found + 1 - b->data);
     buf_append(b, "", 1);

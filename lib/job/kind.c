@@ -110,8 +110,8 @@ static bool is_stl(const unsigned char *p, size_t n, uint64_t size)
 static const struct foreign *xml_of(const unsigned char *p, size_t n)
 {
     if (!begins(p, n, "<")) return NULL;
-    if (memmem(p, n, "<VTKFile", 8)) return &vtk;
-    return memmem(p, n, "<COLLADA", 8) ? &collada : &xml;
+    if (text_find(p, n, "<VTKFile", 8)) return &vtk;
+    return text_find(p, n, "<COLLADA", 8) ? &collada : &xml;
 }
 
 static const struct foreign *foreign_of(const unsigned char *p, size_t n, uint64_t size)

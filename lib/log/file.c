@@ -1,11 +1,11 @@
 /* The file that keeps a stream. */
 #include "log/log.h"
+#include "os/os.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ static void close_keeping_errno(int *fd)
 /* fragstat(1) holds the lock for a moment, to see whether a run does. */
 static bool lock(int fd)
 {
-    for (int again = 0; flock(fd, LOCK_EX | LOCK_NB) != 0; again++) {
+    for (int again = 0; os_lock(fd) != 0; again++) {
         if (errno != EWOULDBLOCK || again == LOCK_TRIES) return false;
         poll(NULL, 0, 10);
     }

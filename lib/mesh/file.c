@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #define BYTES_MAX UINT32_MAX /* of a file; libassimp's lengths have 32 bits */

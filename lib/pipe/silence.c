@@ -4,13 +4,13 @@
  * and this process counts on a timer how long nothing has come: also while it computes, and while a
  * write blocks. It counts its own ticks, so that time in which it was stopped does not count.
  */
+#include "os/os.h"
 #include "pipe/pipe.h"
 
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -29,7 +29,8 @@ static bool came(void)
 {
     struct pollfd in = {STDIN_FILENO, POLLIN, 0};
     int before = unread;
-    if (ioctl(STDIN_FILENO, FIONREAD, &unread) != 0) return true;
+    unread = os_unread(STDIN_FILENO);
+    if (unread < 0) return true;
     if (heard || unread != before || unread >= UNREAD) return true;
     return !unread && poll(&in, 1, 0) > 0; /* its end waits */
 }

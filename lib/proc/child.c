@@ -6,15 +6,14 @@
  * the REPORT pipe. A successful exec closes that pipe's write end. The parent closes the child's
  * ends at once.
  */
+#include "os/os.h"
 #include "proc/proc_int.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -35,21 +34,6 @@ struct to_run {
     bool forks; /* the result is the exit status; else, a return is a failure with errno */
 };
 
-/* Closes all descriptors above standard error. False, with errno, if they are not known: Linux
- * before 5.9 has no close_range. */
-static bool close_others(void)
-{
-    int64_t fd;
-    if (close_range(STDERR_FILENO + 1, ~0U, 0) == 0) return true;
-    DIR *open_now = opendir("/proc/self/fd");
-    if (!open_now) return false;
-    for (struct dirent *e; (e = readdir(open_now)) != NULL;)
-        if (parse_int(e->d_name, STDERR_FILENO + 1, INT_MAX, &fd) && fd != dirfd(open_now))
-            close((int)fd);
-    closedir(open_now);
-    return true;
-}
-
 static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_run *run)
 {
     setpgid(0, 0);
@@ -57,13 +41,14 @@ static _Noreturn void run_child(pid_t parent, int p[PIPES][2], const struct to_r
     signals_restore();
     /* A killed parent cannot kill its children: this also ends a stopped child, or one that
      * ignores signals. */
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    os_die_with_parent(SIGKILL);
     if (getppid() != parent) _exit(127);
     /* Without exec, the child would keep the pipes of others open, which would never end. */
     if (dup2(p[TO][0], STDIN_FILENO) >= 0 && dup2(p[FROM][1], STDOUT_FILENO) >= 0 &&
         (p[ERR][1] < 0 || dup2(p[ERR][1], STDERR_FILENO) >= 0)) {
-        if (!run->forks) run->function(run->ctx);
-        else if (close_others()) _exit(run->function(run->ctx));
+        if (run->forks) os_close_others();
+        const int status = run->function(run->ctx);
+        if (run->forks) _exit(status);
     }
     int err = errno;
     (void)!write(p[REPORT][1], &err, sizeof err);
@@ -74,7 +59,7 @@ static int open_pipes(int p[PIPES][2], int n)
 {
     p[ERR][0] = p[ERR][1] = -1;
     for (int i = 0; i < n; i++) {
-        if (pipe2(p[i], O_CLOEXEC) == 0) continue;
+        if (os_pipe(p[i]) == 0) continue;
         int err = errno;
         while (i-- > 0) close(p[i][0]), close(p[i][1]);
         errno = err;
@@ -185,10 +170,10 @@ int child_end(struct child *c, int grace_ms)
 int child_run(char *const argv[], int in, int err, struct buf *said)
 {
     int out[2], status = 0;
-    if (pipe2(out, O_CLOEXEC) != 0) return -1;
+    if (os_pipe(out) != 0) return -1;
     pid_t pid = fork();
     if (pid == 0) {
-        prctl(PR_SET_PDEATHSIG, SIGTERM);
+        os_die_with_parent(SIGTERM);
         if (dup2(in, STDIN_FILENO) >= 0 && dup2(out[1], STDOUT_FILENO) >= 0 &&
             dup2(err < 0 ? out[1] : err, STDERR_FILENO) >= 0)
             execvp(argv[0], argv);

@@ -8,11 +8,11 @@
  * hierarchy, such as the group of a container. Version 2, and each controller of version 1, is a
  * hierarchy of its own, and all of them may be mounted at once.
  */
+#include "os/os.h"
 #include "proc/proc.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -204,24 +204,9 @@ static double quota(const char *dir, bool first_version)
 
 double proc_quota(const char *root) { return least(root, "cpu", quota); }
 
-/* The processors of this process's set. A set is too small for a machine of more: EINVAL. */
-static int affinity(void)
-{
-    for (int most = CPU_SETSIZE; most <= 1 << 20; most *= 4) {
-        cpu_set_t *set = CPU_ALLOC((size_t)most);
-        const size_t size = CPU_ALLOC_SIZE((size_t)most);
-        int n = -1;
-        if (set && sched_getaffinity(0, size, set) == 0) n = CPU_COUNT_S(size, set);
-        const bool small = set && n < 0 && errno == EINVAL;
-        CPU_FREE(set);
-        if (!small) return n > 0 ? n : 1;
-    }
-    return 1;
-}
-
 int cores_available(void)
 {
-    const int n = affinity();
+    const int n = os_processors();
     const double most = ceil(proc_quota(""));
     return most < n ? (int)fmax(most, 1) : n;
 }

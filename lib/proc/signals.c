@@ -1,4 +1,5 @@
 /* Signals that end a program which has children: see proc.h. */
+#include "os/os.h"
 #include "proc/proc_int.h"
 
 #include <errno.h>
@@ -6,7 +7,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -43,6 +43,7 @@ static void note(int sig)
 {
     if (sig == SIGTSTP) stops = 1;
     else if (sig != SIGCHLD && !came) came = sig;
+    os_poll_end();
 }
 
 static void stop_now(int sig)
@@ -70,7 +71,7 @@ void signals_catch(void)
 {
     struct sigaction act = {.sa_handler = note};
     sigset_t blocked;
-    sigemptyset(&act.sa_mask);
+    sigfillset(&act.sa_mask); /* os_poll_end leaves the handler */
     sigemptyset(&blocked);
     sigaddset(&blocked, SIGCHLD);
     sigaction(SIGCHLD, &act, NULL);
@@ -87,8 +88,7 @@ void signals_catch(void)
     signal(SIGPIPE, SIG_IGN);
     /* If this process is to be killed when its parent dies, changes that to SIGTERM: it has
      * children of its own to end. */
-    int sig = 0;
-    if (prctl(PR_GET_PDEATHSIG, &sig) == 0 && sig) prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (os_dies_with_parent()) os_die_with_parent(SIGTERM);
     sigprocmask(SIG_BLOCK, &blocked, &before);
     catching = true;
 }
@@ -137,8 +137,7 @@ void signals_restore(void)
 
 int signals_poll(struct pollfd *p, size_t n, int timeout_ms)
 {
-    struct timespec t = {timeout_ms / 1000, timeout_ms % 1000 * 1000000L};
-    int ready = ppoll(p, (nfds_t)n, timeout_ms < 0 ? NULL : &t, catching ? &before : NULL);
+    int ready = os_poll(p, n, timeout_ms, catching ? &before : NULL);
     const int err = errno;
     if (stops) stop();
     errno = err;

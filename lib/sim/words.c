@@ -97,7 +97,7 @@ bool sim_parse_faults(struct sim_plan *plan, const char *list)
 {
     char *copy = xstrdup(list), *rest = copy, *word;
     bool good = true;
-    while (good && (word = strsep(&rest, ",")) != NULL) good = parse_word(plan, word);
+    while (good && (word = text_part(&rest, ',')) != NULL) good = parse_word(plan, word);
     free(copy);
     return good;
 }
@@ -161,7 +161,7 @@ bool sim_read_loads(struct sim_plan *plan, const char *path, char err[ERR_BYTES]
     buf_append(&b, "", 1);
     char *rest = (char *)b.data, *line;
     int found = 0;
-    for (; found >= 0 && (line = strsep(&rest, "\n")) != NULL; number += found >= 0) {
+    for (; found >= 0 && (line = text_part(&rest, '\n')) != NULL; number += found >= 0) {
         if (!(n & (n + 1))) all = xrealloc(all, 2 * n + 2, sizeof *all);
         found = parse_load(line, &all[n]);
         n += found > 0;

@@ -118,9 +118,11 @@ void cut_tasks_sample(struct cut_tasks *c)
     free(chosen);
 }
 
-static int dearest_first(const void *a, const void *b, void *by_id)
+static const double *cost_of; /* of the tasks that are sorted */
+
+static int dearest_first(const void *a, const void *b)
 {
-    const double *cost = *(const double **)by_id;
+    const double *cost = cost_of;
     uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
     if (cost[i] != cost[j]) return cost[i] > cost[j] ? -1 : 1;
     return i < j ? -1 : 1;
@@ -131,7 +133,8 @@ static int dearest_first(const void *a, const void *b, void *by_id)
 void cut_tasks_sort(struct cut_tasks *c, const double *cost)
 {
     ascending(c);
-    qsort_r(c->order, c->n, sizeof *c->order, dearest_first, &cost);
+    cost_of = cost;
+    qsort(c->order, c->n, sizeof *c->order, dearest_first);
 }
 
 /* ---- the slots ------------------------------------------------------------------------------- */

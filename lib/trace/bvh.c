@@ -8,6 +8,7 @@
  * references is a task, and threads take tasks. The nodes of a task follow one another, as do its
  * blocks, in the order of tasks. So the hierarchy does not depend on the number of threads.
  */
+#include "os/os.h"
 #include "trace/sah.h"
 #include "trace/shapes.h"
 #include "trace/trace_int.h"
@@ -207,10 +208,10 @@ static void fill_task(void *ctx, uint32_t i)
     for (int k = 0; k < ITEM_KINDS; k++) {
         uint32_t end = i + 1 < m->n_tasks ? t[1].first_block[k] : m->b->n_blocks[k];
         size_t size = trace_shapes[k]->block_size, at = t->first_block[k] * size;
-        if (end * size > at) base_populate((char *)m->b->blocks[k] + at, end * size - at);
+        if (end * size > at) os_populate((char *)m->b->blocks[k] + at, end * size - at);
     }
     make_leaves(m, t);
-    base_discard(m->refs + t->span.first, t->span.n * sizeof *m->refs);
+    os_discard(m->refs + t->span.first, t->span.n * sizeof *m->refs);
 }
 
 /* ---- the hierarchy -------------------------------------------------------------------------- */

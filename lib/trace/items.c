@@ -2,6 +2,7 @@
  * items: the items of a scene, and a reference to each that has a surface. Threads take chunks of
  * CHUNK primitives. Items have the same numbers with any number of threads.
  */
+#include "os/os.h"
 #include "trace/trace_int.h"
 
 #include <stdlib.h>
@@ -80,8 +81,8 @@ static void make_part(void *ctx, uint32_t i)
     const struct scene *s = m->t->scene;
     struct part *part = &m->parts[i];
     struct triangle *tri = xmalloc(part->largest - 2, sizeof *tri);
-    base_populate(m->t->items + part->first, part->most * sizeof *m->t->items);
-    base_populate(m->refs + part->first, part->most * sizeof *m->refs);
+    os_populate(m->t->items + part->first, part->most * sizeof *m->t->items);
+    os_populate(m->refs + part->first, part->most * sizeof *m->refs);
     for (uint32_t k = i * CHUNK, end = end_of(s, i); k < end; k++) {
         const struct prim *p = &s->prims[k];
         struct item it = {.prim = k, .material = p->material & MATERIAL_MASK};

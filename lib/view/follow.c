@@ -1,10 +1,10 @@
 /* A log that grows: see view.h. */
+#include "os/os.h"
 #include "view/view.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -70,13 +70,7 @@ bool view_read(struct view_log *v)
 
 bool view_ended(const struct view_log *v) { return v->log.ended; }
 
-bool view_held(const struct view_log *v)
-{
-    if (v->fd < 0 || flock(v->fd, LOCK_SH | LOCK_NB) != 0)
-        return v->fd >= 0 && errno == EWOULDBLOCK;
-    flock(v->fd, LOCK_UN);
-    return false;
-}
+bool view_held(const struct view_log *v) { return v->fd >= 0 && os_locked(v->fd); }
 
 bool view_whole(const struct view_log *v)
 {

@@ -184,10 +184,11 @@ static void put_losses(struct page *p, const struct view_log *v, size_t n)
     }
 }
 
-static int by_name(const void *a, const void *b, void *slots)
+static const struct history_slot *all; /* while they are sorted */
+
+static int by_name(const void *a, const void *b)
 {
-    const struct history_slot *all = slots;
-    return strverscmp(all[*(const size_t *)a].name, all[*(const size_t *)b].name);
+    return text_order(all[*(const size_t *)a].name, all[*(const size_t *)b].name);
 }
 
 /* The slots of the last run, by name, without those whose tasks are done by slots that they hold.
@@ -202,7 +203,8 @@ static size_t order_slots(const struct history *l, const struct view_state *s, s
             holds[k] = true;
     for (size_t i = 0; i < l->n_slots; i++)
         if (s->slots[i].done || (s->slots[i].event && !holds[i])) order[n++] = i;
-    if (n) qsort_r(order, n, sizeof *order, by_name, l->slots);
+    all = l->slots;
+    qsort(order, n, sizeof *order, by_name);
     free(holds);
     return n;
 }

@@ -48,11 +48,12 @@ static const char *host_of(const struct history *l, size_t i)
     return view_host(l, i, "unknown host");
 }
 
-static int by_host(const void *a, const void *b, void *trace)
+static const struct history *of; /* whose slots are sorted */
+
+static int by_host(const void *a, const void *b)
 {
-    const struct history *log = ((const struct trace *)trace)->a->log;
     size_t i = *(const size_t *)a, j = *(const size_t *)b;
-    int order = strcmp(host_of(log, i), host_of(log, j));
+    int order = strcmp(host_of(of, i), host_of(of, j));
     return order ? order : (i > j) - (i < j);
 }
 
@@ -69,7 +70,8 @@ static void put_names(struct trace *t)
     const struct history *l = t->a->log;
     size_t *order = xmalloc(l->n_slots + 1, sizeof *order), pid = 0;
     for (size_t i = 0; i < l->n_slots; i++) order[i] = i;
-    if (l->n_slots) qsort_r(order, l->n_slots, sizeof *order, by_host, t);
+    of = l;
+    qsort(order, l->n_slots, sizeof *order, by_host);
     for (size_t i = 0; i < l->n_slots; i++) {
         size_t k = order[i];
         char name[HISTORY_NAME + 8];

@@ -3,10 +3,10 @@
  * parent (forks.c) goes on with the tasks of earlier state. There is one thread at a time, and the
  * parent forks no child meanwhile. Until builder_join, only the thread uses the state.
  */
+#include "os/os.h"
 #include "worker/worker_int.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <string.h>
 #include <unistd.h>
@@ -25,7 +25,7 @@ static void *run(void *builder)
 void worker_builder_open(struct worker_builder *b, const struct worker *w)
 {
     *b = (struct worker_builder){.w = w};
-    if (pipe2(b->done, O_CLOEXEC) != 0) die(ST_SYSTEM, "pipe:");
+    if (os_pipe(b->done) != 0) die(ST_SYSTEM, "pipe:");
 }
 
 void worker_builder_close(struct worker_builder *b)

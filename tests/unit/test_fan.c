@@ -12,6 +12,7 @@
 
 #include "coder/coder.h"
 #include "fan/fan_int.h"
+#include "os/os.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -212,7 +213,7 @@ static void must_be_refused(struct fan_slot *s, enum fan_slot_event event)
     int status;
     char said[256];
     int ends[2];
-    assert_int_equal(pipe2(ends, O_CLOEXEC), 0);
+    assert_int_equal(os_pipe(ends), 0);
     pid_t pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {

@@ -209,8 +209,10 @@ static void test_lock(void **state)
     unlink(path);
     assert_int_equal(log_open(&one, path), 0);
     assert_false(one.holds);
+#ifdef _GNU_SOURCE /* test_os.c has other processes */
     assert_int_equal(log_open(&two, path), -1);
     assert_int_equal(errno, EWOULDBLOCK);
+#endif
     feed_text(&d, hello);
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
     log_append(&one, &r);

@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include "trace_scenes.h"
 
+#define SQRT_HALF 0.70710678118654752440
+
 static float *picture(const char *nff, const struct trace_options *o, uint32_t w, uint32_t h)
 {
     struct buf text = {0};
@@ -44,9 +46,9 @@ static void test_colours(void **state)
     /* the background, and nothing at all in the scene */
     centre_is("b .1 .2 .3 " DOWN, .1, .2, .3);
     /* kd C N.L, light at 45 degrees, of its own colour, and of 1/sqrt(n) each */
-    centre_is(DOWN "l 5 0 5 1 .5 .25 f .8 .6 .4 .5 0 1 0 0 " FLOOR, .8 * .5 * M_SQRT1_2,
-        .6 * .5 * M_SQRT1_2 * .5, .4 * .5 * M_SQRT1_2 * .25);
-    centre_is(DOWN "l 0 0 5 l 0 0 7 f 1 1 1 .5 0 1 0 0 " FLOOR, M_SQRT1_2, M_SQRT1_2, M_SQRT1_2);
+    centre_is(DOWN "l 5 0 5 1 .5 .25 f .8 .6 .4 .5 0 1 0 0 " FLOOR, .8 * .5 * SQRT_HALF,
+        .6 * .5 * SQRT_HALF * .5, .4 * .5 * SQRT_HALF * .25);
+    centre_is(DOWN "l 0 0 5 l 0 0 7 f 1 1 1 .5 0 1 0 0 " FLOOR, SQRT_HALF, SQRT_HALF, SQRT_HALF);
     /* the highlight takes the light's colour; mirrored is straight up */
     centre_is(DOWN "l 5 0 5 1 .5 0 f 0 1 0 0 .5 4 0 0 " FLOOR, .5 * .25, .5 * .25 * .5, 0);
     /* seen from behind: the normal turns toward the ray */
@@ -67,10 +69,10 @@ static void test_rays(void **state)
         .25, .25, .25);
     /* a shadow ray crosses a sphere's surface twice, a polygon's seam once */
     centre_is(DOWN "l 5 0 5 f 1 1 1 1 0 1 0 0 " FLOOR "f 1 1 1 0 0 1 .5 1.5 s 2.5 0 2.5 1 ",
-        M_SQRT1_2 * .25, M_SQRT1_2 * .25, M_SQRT1_2 * .25);
+        SQRT_HALF * .25, SQRT_HALF * .25, SQRT_HALF * .25);
     centre_is(DOWN "l 5 0 5 f 1 1 1 1 0 1 0 0 " FLOOR
                    "f 1 1 1 0 0 1 .5 1.5 p 4 1 -1 2 3 -1 2 3 1 2 1 1 2 ",
-        M_SQRT1_2 * .5, M_SQRT1_2 * .5, M_SQRT1_2 * .5);
+        SQRT_HALF * .5, SQRT_HALF * .5, SQRT_HALF * .5);
     /* inside a prism of glass the ray meets the sloped side beyond the critical angle: all of it is
      * turned back there (weight 1), leaves through the side; two surfaces of .5 */
     centre_is("b 1 1 1 " DOWN "f 1 1 1 0 0 1 .5 1.5 p 4 -1 -1 1 1 -1 1 1 1 1 -1 1 1 "
