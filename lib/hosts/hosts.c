@@ -19,7 +19,7 @@
 static bool set_slots(struct host *host, const char *value)
 {
     int64_t n;
-    if (!parse_int(value, 1, HOSTS_SLOTS_MAX, &n)) return false;
+    if (!parse_int(value, 1, HOST_SLOTS_MAX, &n)) return false;
     host->slots = (int)n;
     return true;
 }
@@ -87,18 +87,20 @@ static const struct key {
     const char *name;
     bool (*set)(struct host *host, const char *value);
     const char *expected;
+    bool way; /* how the host is reached, not what it offers */
 } keys[] = {
     {"slots", set_slots, "an integer from 1 to 4096"},
     {"power", set_power, "a number from 1e-6 to 1e6"},
     {"via", set_via,
         "a command in quotes with %c, outside of inner quotes, and %h for the host, "
-        "%% for a percent sign"},
-    {"bin", set_bin, "a directory from / or ~/, without a colon"},
-    {"wait", set_wait, "seconds from 1 to 1e6"},
+        "%% for a percent sign",
+        true},
+    {"bin", set_bin, "a directory from / or ~/, without a colon", true},
+    {"wait", set_wait, "seconds from 1 to 1e6", true},
     {"tries", set_tries, "an integer from 1 to 1000"},
     {"latency_ms", set_latency, "a number from 0 to 1e7"},
     {"bytes_per_s", set_bytes, "a number from 1 to 1e15"},
-    {"send", set_send, "auto"},
+    {"send", set_send, "auto", true},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 
@@ -123,6 +125,7 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         if (strcmp(word, keys[i].name) != 0) continue;
         if (*seen & 1U << i) return hosts_refuse(r, "%s comes twice, expected it once", word);
         *seen |= 1U << i;
+        hosts_put_key(keys[i].way ? &host->way : &host->offer, keys[i].name, value);
         if (keys[i].set(host, value)) return true;
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
@@ -261,10 +264,11 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
         return good;
     }
     /* A directory with results of a host may have its name. */
-    if (stat(arg, &st) == 0 && (!S_ISDIR(st.st_mode) || strchr(arg, '/')))
+    if (!strchr(arg, '\n') && stat(arg, &st) == 0 && (!S_ISDIR(st.st_mode) || strchr(arg, '/')))
         return hosts_of_file(h, arg, err);
     r.name = "-S";
-    good = read_list(&r, h, arg);
+    struct buf text = {.data = (unsigned char *)(uintptr_t)arg, .len = strlen(arg)};
+    good = strchr(arg, '\n') ? read_lines(&r, h, &text) : read_list(&r, h, arg);
     if (!good) hosts_free(h);
     return good;
 }

@@ -1,5 +1,5 @@
 /* hosts, shared by its files: table.c (the rows), hosts.c (files and lists), engines.c (jobs),
- * watch.c (files that change); send.c (programs for hosts that have none). */
+ * watch.c (files that change); racks.c (trees); send.c (programs for hosts that have none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -11,6 +11,11 @@ struct hosts_reader {
     int line;         /* 0: no line */
     const char *at, *end;
     char *err; /* HOSTS_ERR bytes */
+    /* engines.c: the hosts by name, with open addressing: indices of the table of hosts, or -1. */
+    struct hosts_names {
+        int32_t *at;
+        size_t room; /* 0, or a power of two, at least twice the number of hosts */
+    } * names;
 };
 
 /* Writes "NAME:LINE: text" to r->err, and returns false. */
@@ -19,6 +24,10 @@ bool hosts_refuse(const struct hosts_reader *r, const char *fmt, ...) PRINTF_LIK
 struct host *hosts_add(struct hosts *h);
 /* Copies a name that is one word for every shell, or refuses it. */
 bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char *name);
+/* Appends ` KEY="VALUE"`, with quotes as a line has them. */
+void hosts_put_key(struct buf *b, const char *key, const char *value);
+/* Frees what a row has. */
+void host_free(struct host *host);
 /* Call when the host is complete: checks it, and counts its slots. */
 bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host);
 /*
