@@ -44,8 +44,9 @@ crop proc image task base
 files base
 job grid spec wire task base
 hosts base
-pipe proc wire task patience base
-fan pipe hosts proc wire coder task patience base
+keep base
+pipe keep proc wire task patience base
+fan pipe keep hosts proc wire coder task patience base
 worker pipe proc wire image task patience base
 history eta wire task base
 account history wire task stats base

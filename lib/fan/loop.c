@@ -180,7 +180,8 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     *f = (struct fan){.o = o, .start_us = now_us()};
     f->listing = listing;
     f->in_open = !listing;
-    f->in.coded = f->input.generations.keeps = true;
+    f->in = STREAM_INPUT;
+    f->input.generations.keeps = true;
     frames_init(&f->input.frames, sizeof(struct fan_job));
     for (size_t i = 0; i < o->hosts->n; i++) fan_add_host(f, &o->hosts->at[i]);
     if (!listing && fan_workers(f, o->hosts) > FAN_MOST)

@@ -106,6 +106,7 @@ static void take_state(struct worker *w, const struct record *r)
     worker_drop_older(w, r->kind, r->body_len);
     generation_state(&w->generations, r->kind, r->body_len);
     worker_pulse_begin();
+    stream_keep(r);
     if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
         die(ST_USAGE, "%s", err);
     worker_pulse_end();
