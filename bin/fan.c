@@ -10,7 +10,8 @@
 
 static const char text[] = "[-1h] [-S HOSTS [-T N] | -j SLOTS] [-t SECONDS] [-z on|off|auto]\n"
                            "           WORKER [ARGUMENT ...]\n"
-                           "       fan -l [-1l] [-S HOSTS [-T N] | -j SLOTS] [WORKER [ARGUMENT ...]]";
+                           "       fan -l [-1l] [-S HOSTS [-T N] | -j SLOTS] [WORKER\n"
+                           "           [ARGUMENT ...]]";
 
 /* At most one of the two may be given. */
 static void find_hosts(struct hosts *h, const char *list, int slots)

@@ -3,7 +3,8 @@
 # whatever is in the directory of the host. Hosts are commands on this machine, which count bytes.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
-fan -l -z on >said 2>&1 || { echo "1..0 # SKIP $(cat said)"; exit 0; } # without libzstd no link is measured
+# Without libzstd no link is measured.
+fan -l -z on >said 2>&1 || { echo "1..0 # SKIP $(cat said)"; exit 0; }
 patient
 spdgen -s 2 gears >gears.nff
 hash=$(sha256sum <gears.nff | cut -d ' ' -f 1)
@@ -29,13 +30,17 @@ renders() {
 	name=$1
 	shift
 	rm -f down.* out.pfm
-	run sh -c '{ cat job.task; wait=300; until eval "$until" || [ $((wait -= 1)) -eq 0 ]; do sleep .1; done; } |
-		"$@" - 2>said | gather -o out.pfm' sh "$@"
+	run sh -c '{
+			cat job.task
+			wait=300
+			until eval "$until" || [ $((wait -= 1)) -eq 0 ]; do sleep .1; done
+		} | "$@" - 2>said | gather -o out.pfm' sh "$@"
 	is "$name: the same picture" "$status $err $(cmp out.pfm good.pfm 2>&1)" '0  '
-	kept=$(cat down.* | grep -ac '^scene .* kept=') whole=$(cat down.* | grep -a '^scene ' | grep -vc ' kept=')
+	kept=$(cat down.* | grep -ac '^scene .* kept=')
+	whole=$(cat down.* | grep -a '^scene ' | grep -vc ' kept=')
 }
 
-# ---- once -------------------------------------------------------------------------------------------
+# ---- once ---------------------------------------------------------------------------------------
 renders 'first run' deal fan -1 -S one.hosts rtworker
 is 'first run: the scene is sent' "$whole $kept" '1 0'
 ok 'first run: it is kept' cmp "cache.a/$file" gears.nff
@@ -52,10 +57,11 @@ cp cache.a/$file other
 renders 'on this machine' deal fan -j 2 rtworker
 is 'on this machine nothing is kept' "$(find cache.a -newer other -type f)" ''
 
-# ---- what is there is not trusted -----------------------------------------------------------------------
+# ---- what is there is not trusted ---------------------------------------------------------------
 printf x | dd of="cache.a/$file" bs=1 seek=5000 conv=notrunc 2>/dev/null
 renders 'a damaged file' deal fan -1 -S one.hosts rtworker
-like 'a damaged file: a message says so' "$(cat said)" "^a: rtworker: standard input: state $(printf %.16s "$hash")\.\.\. is not kept here any more, or was damaged$"
+like 'a damaged file: a message says so' "$(cat said)" \
+	"^a: rtworker: standard input: state $(printf %.16s "$hash")\.\.\. is not kept here any more, or was damaged$"
 is 'a damaged file: then the scene is sent' "$whole $kept" '1 1'
 ok 'a damaged file: it is replaced' cmp "cache.a/$file" gears.nff
 mkdir elsewhere
@@ -69,9 +75,10 @@ scene crc=1 bytes=70000 kept=../../etc/passwd
 
 frame 0 8 8
 END
-like 'a name that is no hash' "$status $err" '^3 rtworker: standard input: state ../../etc/passwd... is not kept here'
+like 'a name that is no hash' "$status $err" \
+	'^3 rtworker: standard input: state ../../etc/passwd... is not kept here'
 
-# ---- a tree ---------------------------------------------------------------------------------------------
+# ---- a tree -------------------------------------------------------------------------------------
 rm -rf cache.?/*
 export until='[ -e cache.a/$file ] && [ -e cache.b/$file ] && [ -e cache.c/$file ]' file
 renders 'racks' fan -T 2 -S hosts rtworker
@@ -83,5 +90,6 @@ renders 'racks, again' fan -T 2 -S hosts rtworker
 is 'racks, again: only hashes are sent' "$whole $kept" '0 3'
 rm -rf cache.b/*
 renders 'racks, a new host' fan -T 2 -S hosts rtworker
-is 'racks, a new host: its head has the scene' "$(grep -a '^scene ' down.b | grep -vc kept=) $(grep -ac ' kept=' down.a)" '1 1'
+is 'racks, a new host: its head has the scene' \
+	"$(grep -a '^scene ' down.b | grep -vc kept=) $(grep -ac ' kept=' down.a)" '1 1'
 finish

@@ -9,7 +9,8 @@ static bool same_host(const struct fan *f, int i, int k)
 /* Starts a worker on the first slots of each host without a stated power, and reads its hello. */
 static void measure(struct fan *f)
 {
-    for (int k = FAN_ASKED; k < f->n_slots; k++) f->slots[k].measured |= same_host(f, k - FAN_ASKED, k);
+    for (int k = FAN_ASKED; k < f->n_slots; k++)
+        f->slots[k].measured |= same_host(f, k - FAN_ASKED, k);
     while (fan_working(f)) {
         fan_round(f);
         up_free(&f->out.queue); /* no reader for records here */

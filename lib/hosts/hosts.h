@@ -50,10 +50,10 @@ struct hosts {
     bool no_file; /* a single name, which could have been meant for a file */
 };
 /*
- * Reads hosts from `arg`: `slurm:` or `pbs:` for those of the job around this process; the text of a
- * file, if it has a line end; an existing file, one host per line; else a comma list. Slots are numbered from 0 in this order. A single
- * name with a suffix of files, such as .txt, is refused. False with text in err, which begins with
- * the place. hosts_free frees *h after success.
+ * Reads hosts from `arg`: `slurm:` or `pbs:` for those of the job around this process; the text of
+ * a file, if it has a line end; an existing file, one host per line; else a comma list. Slots are
+ * numbered from 0 in this order. A single name with a suffix of files, such as .txt, is refused.
+ * False with text in err, which begins with the place. hosts_free frees *h after success.
  */
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
 /* The same from a file only, whether it exists or not. */

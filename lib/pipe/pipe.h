@@ -20,10 +20,11 @@
 struct blob {
     struct buf bytes;
     struct buf packed; /* the same record, packed when a queue first wants it so */
+    bool tried;        /* to pack it; that may gain nothing */
     struct buf kept;   /* likewise, with a hash for its body */
-    char hash[SHA256_TEXT]; /* of the body; "": not computed, */
-    bool tried, asked;      /* or it is short; packing and hashing were tried, once each */
-    int users;         /* queues that still need it, and its maker until blob_drop */
+    bool hashed;       /* its body is, if it is long enough to be kept */
+    char hash[SHA256_TEXT];
+    int users; /* queues that still need it, and its maker until blob_drop */
 };
 /* Takes over the bytes, one record, and leaves an empty buffer. The maker is the first user. */
 struct blob *blob_new(struct buf *bytes);

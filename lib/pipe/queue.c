@@ -78,11 +78,11 @@ static bool is_kept(const struct down_queue *q, struct blob *b)
     struct record r;
     d.unsummed = true;
     if (!q->keeps) return false;
-    if (!b->asked && wire_next(&d, &r) == WIRE_RECORD && r.body_len >= KEEP_LEAST) {
+    if (!b->hashed && wire_next(&d, &r) == WIRE_RECORD && r.body_len >= KEEP_LEAST) {
         sha256(r.body, r.body_len, b->hash);
         wire_keep(&b->kept, &r, b->hash);
     }
-    b->asked = true;
+    b->hashed = true;
     return *b->hash && keep_names(q->keeps, b->hash);
 }
 

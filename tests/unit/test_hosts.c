@@ -318,7 +318,8 @@ static void racks_have_the_lines_of_their_hosts(void **state)
 {
     (void)state;
     struct hosts all, one;
-    assert_true(read_text("a slots=2 power=.5 via=\"v 'x y' \\\"q\\\\\\\\\\\" %c\" tries=3\nb power=2 bin=~/x\n"
+    assert_true(read_text("a slots=2 power=.5 via=\"v 'x y' \\\"q\\\\\\\\\\\" %c\" tries=3\n"
+                          "b power=2 bin=~/x\n"
                           ": slots=4\nc slots=3\nd send=auto wait=9\n"));
     all = hosts;
     assert_true(hosts_racks(&all, 2, err));

@@ -1,5 +1,5 @@
-/* Kept state: what was kept is found by its hash, and by nothing else; damage, links and other users' directories are
- * refused; what was used longest ago goes first. */
+/* Kept state: what was kept is found by its hash, and by nothing else; damage, links and other
+ * users' directories are refused; what was used longest ago goes first. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,8 @@ static int open_scratch(void **state)
     if (!scratch_make(directory) || chdir(directory) != 0) return -1;
     setenv("XDG_CACHE_HOME", directory, 1);
     for (int i = 0; i < 3; i++) {
-        for (size_t k = 0; k < KEEP_LEAST; k++) bytes[i][k] = (unsigned char)rng_u64((uint64_t)i, k);
+        for (size_t k = 0; k < KEEP_LEAST; k++)
+            bytes[i][k] = (unsigned char)rng_u64((uint64_t)i, k);
         sha256(bytes[i], KEEP_LEAST, hash[i]);
     }
     return 0;
