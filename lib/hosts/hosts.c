@@ -87,22 +87,26 @@ static const struct key {
     const char *name;
     bool (*set)(struct host *host, const char *value);
     const char *expected;
-    bool way; /* how the host is reached, not what it offers */
 } keys[] = {
     {"slots", set_slots, "an integer from 1 to 4096"},
     {"power", set_power, "a number from 1e-6 to 1e6"},
     {"via", set_via,
         "a command in quotes with %c, outside of inner quotes, and %h for the host, "
-        "%% for a percent sign",
-        true},
-    {"bin", set_bin, "a directory from / or ~/, without a colon", true},
-    {"wait", set_wait, "seconds from 1 to 1e6", true},
+        "%% for a percent sign"},
+    {"bin", set_bin, "a directory from / or ~/, without a colon"},
+    {"wait", set_wait, "seconds from 1 to 1e6"},
     {"tries", set_tries, "an integer from 1 to 1000"},
     {"latency_ms", set_latency, "a number from 0 to 1e7"},
     {"bytes_per_s", set_bytes, "a number from 1 to 1e15"},
-    {"send", set_send, "auto", true},
+    {"send", set_send, "auto"},
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
+
+/* Does the key say how the host is reached, not what it offers? */
+static bool is_way(const struct key *k)
+{
+    return k->set == set_via || k->set == set_bin || k->set == set_wait || k->set == set_send;
+}
 
 /* "slots=, power= or bin=": all keys. */
 static const char *key_names(char *to, size_t room)
@@ -125,7 +129,7 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         if (strcmp(word, keys[i].name) != 0) continue;
         if (*seen & 1U << i) return hosts_refuse(r, "%s comes twice, expected it once", word);
         *seen |= 1U << i;
-        hosts_put_key(keys[i].way ? &host->way : &host->offer, keys[i].name, value);
+        hosts_put_key(is_way(&keys[i]) ? &host->way : &host->offer, keys[i].name, value);
         if (keys[i].set(host, value)) return true;
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
