@@ -95,7 +95,7 @@ c slots=2 via="./via %h %c"
 d via="./via \"%h\" %c"
 END
 run sh -c 'ulimit -n 41; exec balance masterslave -S four.hosts -s 60x44 -o a.pfm 0.nff'
-is 'too many hosts: a tree' "$status $(cat .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
+is 'too many hosts: a tree' "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
 
 # ---- racks -----------------------------------------------------------------------------------------------------
 is 'fan -l -T: a line for each rack' "$(fan -l -T 3 -S four.hosts | tr '\t\n' ': ')" '0:a:- 1:d:- '
@@ -104,14 +104,14 @@ is 'a rack is a slot' "$(grep -aoE 'up w=.*' frags | awk '{ print $2, $3, $5 }' 
 for method in adaptive auto dc gdc hybrid interleaved sc; do
 	rm -f a.pfm
 	run balance $method -T 2 -S four.hosts -s 60x44 -o a.pfm 0.nff
-	is "balance $method -T 2" "$status $(cat .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
+	is "balance $method -T 2" "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
 done
 run balance adaptive -T 2 -v 1 -S four.hosts -s 60x44 -o a.pfm 0.nff
-like 'a tree cannot be verified' "$status $err" '^2 balance: 4 hosts: a tree .*balance: -v: a tree of racks, expected at most [0-9]+ hosts$'
+like 'a tree cannot be verified' "$status $(tail -n 1 .err)" '^2 balance: -v: a tree of racks, expected at most [0-9]+ hosts$'
 run balance adaptive -T 2 -j 2 -s 60x44 -o a.pfm 0.nff
 is 'racks need hosts' "$status $err" '2 balance: -T: expected -S with it'
-awk 'BEGIN { for (k = 0; k < 9; k++) printf "h%d via=\"%4000s %%c\"\n", k, "x" }' >long.hosts
-run fan -l -T 9 -S long.hosts
+awk 'BEGIN { for (k = 0; k < 10; k++) printf "h%d via=\"%4000s %%c\"\n", k, "x" }' >long.hosts
+run fan -l -T 10 -S long.hosts
 like 'a rack of too many lines is refused' "$status $err" '^2 fan: -T: the lines of the rack of h0 have [0-9]+ bytes, expected at most 32768: fewer hosts in it$'
 
 # ---- what is refused -------------------------------------------------------------------------------------------

@@ -49,17 +49,20 @@ static char **insert(const struct host *h, char *const *command, size_t at, char
     return argv;
 }
 
-/* The command line of a worker with this number of slots; or of the head of a rack. */
+/*
+ * The command line of a worker with this number of slots; or of the head of a rack. There tasks are
+ * neither cut nor copied, because a method without a policy would drop what comes of that.
+ */
 static char **command_line(const struct host *h, char *const *command, int slots)
 {
     char number[16], jobs[] = "-j";
-    char deal[] = "deal", depth[] = "-q", adapts[] = "auto", end[] = "-e";
+    char deal[] = "deal", queue[] = "-q", one[] = "1";
     char fan[] = "fan", each[] = "-1", hosts[] = "-S";
     size_t at = words_of_node(command);
     if (!*command || (slots == 1 && !h->rack)) return host_argv(h, command);
     if (h->rack)
         return insert(h, command, at,
-            (char *const[]){deal, depth, adapts, end, fan, each, hosts, h->rack, NULL});
+            (char *const[]){deal, queue, one, fan, each, hosts, h->rack, NULL});
     snprintf(number, sizeof number, "%d", slots);
     return insert(h, command, at + 1, (char *const[]){jobs, number, NULL});
 }
