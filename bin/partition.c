@@ -25,7 +25,7 @@ struct options {
     const char *log; /* -r: leave out pixels that it has */
     struct intake *have;
     enum { ORDER_NONE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
-    const char *cost_log; /* -o cost: */
+    const char *cost_log;                                /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };

@@ -36,8 +36,8 @@ renders() {
 			until eval "$until" || [ $((wait -= 1)) -eq 0 ]; do sleep .1; done
 		} | "$@" - 2>said | gather -o out.pfm' sh "$@"
 	is "$name: the same picture" "$status $err $(cmp out.pfm good.pfm 2>&1)" '0  '
-	kept=$(cat down.* | grep -ac '^scene .* kept=')
-	whole=$(cat down.* | grep -a '^scene ' | grep -vc ' kept=')
+	kept=$(cat down.* 2>/dev/null | grep -ac '^scene .* kept=')
+	whole=$(cat down.* 2>/dev/null | grep -a '^scene ' | grep -vc ' kept=')
 }
 
 # ---- once ---------------------------------------------------------------------------------------

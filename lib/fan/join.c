@@ -61,8 +61,8 @@ static char **command_line(const struct host *h, char *const *command, int slots
     size_t at = words_of_node(command);
     if (!*command || (slots == 1 && !h->rack)) return host_argv(h, command);
     if (h->rack)
-        return insert(h, command, at,
-            (char *const[]){deal, queue, one, fan, each, hosts, h->rack, NULL});
+        return insert(
+            h, command, at, (char *const[]){deal, queue, one, fan, each, hosts, h->rack, NULL});
     snprintf(number, sizeof number, "%d", slots);
     return insert(h, command, at + 1, (char *const[]){jobs, number, NULL});
 }
@@ -245,8 +245,8 @@ void fan_join(struct fan *f)
         hosts_free(&new);
         return;
     }
-    bool room = f->n_numbers <= WIRE_SLOTS_MAX - new.slots &&
-                fan_workers(f, &new) <= FAN_MOST - f->n_slots;
+    bool room =
+        f->n_numbers <= WIRE_SLOTS_MAX - new.slots &&fan_workers(f, &new) <= FAN_MOST - f->n_slots;
     if (f->joins && room) {
         f->versions = xrealloc(f->versions, (size_t)f->n_versions + 1, sizeof *f->versions);
         f->versions[f->n_versions++] = new;

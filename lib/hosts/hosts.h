@@ -10,7 +10,7 @@
 #define HOSTS_SLOTS_MAX 1000000 /* of all hosts together */
 #define HOST_SLOTS_MAX 4096     /* of one host */
 #define HOSTS_MOST 100000
-#define HOST_NAME_MOST 255      /* bytes of a host's name */
+#define HOST_NAME_MOST 255 /* bytes of a host's name */
 #define HOSTS_ERR 512
 #define HOSTS_SENT_MOST 32 /* programs that one command names */
 
@@ -32,7 +32,7 @@ struct host {
     int tries;     /* connections in a row that may fail; 0: not stated */
     bool send;     /* it has no programs of its own */
     const struct hosts_sent *sent; /* these are sent instead; NULL: not known yet */
-    char *rack; /* the lines of its rack, of which it is the head; NULL: it is no rack */
+    char *rack;            /* the lines of its rack, of which it is the head; NULL: it is no rack */
     struct buf offer, way; /* the keys of its line; way: via, bin, send and wait */
     /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
     double latency_ms, bytes_per_s;

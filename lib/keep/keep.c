@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #define READ_BYTES (1 << 20)
-#define FREE_PART 100    /* one of this number of parts of the file system stays free */
-#define PARTIAL_S 3600   /* a file that a process was killed at is removed after this time */
-#define PARTIAL "new-"   /* its name begins so */
+#define FREE_PART 100  /* one of this number of parts of the file system stays free */
+#define PARTIAL_S 3600 /* a file that a process was killed at is removed after this time */
+#define PARTIAL "new-" /* its name begins so */
 #define PARTIAL_ROOM 64
 
 /* ---- the directory --------------------------------------------------------------------------- */
@@ -139,8 +139,8 @@ void keep_list(char text[KEEP_LIST])
     struct files f = list_files(fd);
     close(fd);
     for (size_t i = 0; i < f.n && i < KEEP_LISTED; i++)
-        length += (size_t)snprintf(text + length, KEEP_LIST - length, "%s%.*s", i ? "," : "",
-            KEEP_DIGITS, f.at[i].name);
+        length += (size_t)snprintf(
+            text + length, KEEP_LIST - length, "%s%.*s", i ? "," : "", KEEP_DIGITS, f.at[i].name);
     free(f.at);
 }
 
@@ -178,8 +178,8 @@ bool keep_read(const char *name, size_t n, struct buf *to)
     struct stat st;
     int at = is_hash(name) ? open_directory(false) : -1, fd = -1;
     if (at >= 0) fd = openat(at, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    bool good = fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode) &&
-                st.st_size == (off_t)n && read_contents(fd, name, n, to);
+    bool good = fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && st.st_size == (off_t)n &&
+                read_contents(fd, name, n, to);
     if (good) futimens(fd, NULL); /* the time of its last use */
     else if (fd >= 0) unlinkat(at, name, 0);
     if (fd >= 0) close(fd);

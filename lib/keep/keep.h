@@ -8,7 +8,7 @@
 
 #include "base/base.h"
 
-#define KEEP_LEAST 65536           /* bytes: less is sent as fast as it is found */
+#define KEEP_LEAST 65536             /* bytes: less is sent as fast as it is found */
 #define KEEP_MOST (INT64_C(4) << 30) /* bytes of all files */
 
 /*
