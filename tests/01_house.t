@@ -241,7 +241,7 @@ lib=$(ls lib/*/*.[ch] tests/oracles/*.[ch])
 # Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
 {
 	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
-		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|log/file|pipe/queue|hosts/send)\.c:|:[0-9]+: *(/?\*)'
+		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|keep/keep|log/file|pipe/queue|hosts/send)\.c:|:[0-9]+: *(/?\*)'
 	for c in bin/*.c; do
 		! grep -qE 'outfile_(open|put)|image_(save|out)|grid_file_cut|convert\(' "$c" || grep -qE 'input_(add|keep)|image_name_keep|convert\(' "$c" || echo "$c:1: does not ask whether an output is an input (base.h)"
 	done

@@ -8,6 +8,7 @@
 #include "hosts/hosts.h"
 
 #define FAN_MOST 4096 /* workers, and so connections, of one fan */
+#define FAN_ASKED 4   /* fan -l: slots of a host that are measured: all are on one machine */
 
 enum fan_pack { FAN_PACK_AUTO, FAN_PACK_ON, FAN_PACK_OFF };
 

@@ -38,8 +38,6 @@ enum fan_slot_event {
     FAN_SLOT_EVENTS
 };
 
-#define FAN_ASKED 4 /* fan -l: slots of a host that are measured: all are on one machine */
-
 struct fan_host {
     const struct host *host;
     char **argv;       /* command line of each of its slots */
@@ -174,8 +172,7 @@ struct fan_state_of {
 
 struct fan {
     const struct fan_options *o;
-    int n_slots, n_hosts; /* entries of these: */
-    int room_slots, room_hosts;
+    int n_slots, n_hosts, room_slots, room_hosts; /* entries of these: */
     struct fan_slot *slots;
     struct fan_host *hosts;
     int n_numbers;          /* slots are numbered 0 .. n_numbers - 1 */
@@ -326,15 +323,14 @@ void fan_slot_disconnect(const struct fan *f, struct fan_slot *s);
 int fan_connect(struct fan *f);
 
 /* ---- join.c ---- */
-/* Adds a host of this line, without slots. Pointers to hosts change. */
+/* Adds a host of this line, without slots; n slots of host h of f->hosts, with the next numbers.
+ * Pointers to hosts; and to slots change. */
 void fan_add_host(struct fan *f, const struct host *line);
-/* Adds n slots of host h of f->hosts, with the next numbers. Pointers to slots change. */
 void fan_add_slots(struct fan *f, int h, int n);
-/* The command line of the worker that others must agree with. host_argv_free frees it. */
+/* The command line of the worker to agree with. host_argv_free frees it. */
 char **fan_reference_line(const struct fan *f);
-/* The number of slots of a line: a node of a ring is one, whatever its worker has. */
+/* The slots of a line: a node of a ring is one, whatever its worker has; workers of hosts. */
 int fan_numbers(const struct fan *f, const struct host *line);
-/* The number of workers of these hosts. */
 int fan_workers(const struct fan *f, const struct hosts *h);
 /* Takes a new version of the hosts file, if there is one. */
 void fan_join(struct fan *f);

@@ -51,7 +51,7 @@ static char **insert(const struct host *h, char *const *command, size_t at, char
 
 /*
  * The command line of a worker with this number of slots; or of the head of a rack. There tasks are
- * neither cut nor copied, because a method without a policy would drop what comes of that.
+ * neither cut nor copied, because a method without a policy would drop the results.
  */
 static char **command_line(const struct host *h, char *const *command, int slots)
 {
