@@ -127,7 +127,7 @@ static void take_gone(struct deal *d, int32_t k)
     d->up -= s->state == SLOT_UP;
     d->drains -= s->state == SLOT_DRAINS;
     s->state = SLOT_GONE;
-    deal_changed(d);
+    d->stale_us = 0;
     deal_mark(d, k);
 }
 
@@ -146,7 +146,7 @@ static void take_up(
     s->width = e->n > 1 ? e->n : 1;
     d->up++;
     s->pace = (struct pace){.power = e->power};
-    deal_changed(d);
+    d->stale_us = 0;
     s->speed = (struct speed){0};
     s->work = s->ends_us = s->px = 0;
     s->stalled = false;

@@ -160,7 +160,7 @@ static int32_t open_task(struct deal *d, int32_t i)
     const struct lattice at = pieces_missing(&d->ledger.at[i]);
     int32_t tries = deal_account(d, i)->tries;
     deal_take(d, i);
-    deal_changed(d);
+    d->stale_us = 0;
     if (deal_account(d, i)->copies) {
         deal_cost_late(d, i);
         deal_share(d, i);

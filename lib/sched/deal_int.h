@@ -91,8 +91,8 @@ struct deal {
     double pool_px;   /* pixels of the input tasks in the pool */
     double pool_work; /* work of the pieces in the pool */
     double end_us;    /* expected end of the run, */
-    double stale_us;  /* and until when that holds, */
-    int32_t changes;  /* apart from these */
+    double stale_us;  /* and until when that holds; */
+    int32_t looks;    /* on many slots, for this number of looks more */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up, */
@@ -208,9 +208,6 @@ bool deal_review(struct deal *d, int32_t k);
 void deal_scale(struct deal *d, int32_t k, double ratio);
 /* Has the first task of slot k taken twice its expected time? */
 bool deal_overdue(const struct deal *d, int32_t k);
-/* The expected end has changed. To compute it takes a time by the number of slots, so on many slots
- * only every n-th change counts. */
-void deal_changed(struct deal *d);
 /* The expected end of the run; INFINITY: not known. Updates mean_us. */
 double deal_end_us(struct deal *d);
 

@@ -48,7 +48,7 @@ reached() {
 	pack scene state >&8
 	grep -a -m "$rows" '^up w=' <&9 >ups
 	end=$(date +%s.%N)
-	cat <&9 >/dev/null &
+	cat <&9 >/dev/null 8>&- &
 	reader=$!
 	until [ "$(kept)" -ge $((real * state)) ]; do sleep .2; done
 	sleep 1
