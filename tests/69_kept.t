@@ -85,7 +85,7 @@ renders 'racks' fan -T 2 -S hosts rtworker
 is 'racks: this machine sends the scene to each head' "$(cat down.a down.c | grep -ac '^scene ')" 2
 is 'racks: the head sends it to the other host' "$(grep -ac '^scene ' down.b)" 1
 is 'racks: each host keeps it' "$(ls cache.?/$file | wc -l)" 3
-until='grep -aq "^scene " down.b'
+until='grep -aqs "^scene " down.b'
 renders 'racks, again' fan -T 2 -S hosts rtworker
 is 'racks, again: only hashes are sent' "$whole $kept" '0 3'
 rm -rf cache.b/*
