@@ -345,6 +345,11 @@ static void racks_have_the_lines_of_their_hosts(void **state)
     free(via);
     hosts_free(&one);
     hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "x,:,y,z", err));
+    assert_true(hosts_racks(&hosts, 9, err));
+    assert_int_equal(hosts.n, 3);
+    assert_string_equal(hosts.at[2].rack, ": slots=1\nz slots=1\n");
+    hosts_free(&hosts);
     assert_true(hosts_read(&hosts, "3/x,2/y", err));
     assert_true(hosts_racks(&hosts, 9, err));
     assert_string_equal(hosts.at[0].rack, ": slots=3\ny slots=2\n");
