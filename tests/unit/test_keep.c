@@ -202,13 +202,14 @@ static void what_was_used_longest_ago_goes(void **state)
 
 int main(void)
 {
-#define EACH(test) cmocka_unit_test_setup_teardown(test, open_scratch, close_scratch)
     const struct CMUnitTest tests[] = {
-        EACH(what_was_kept_is_found),
-        EACH(only_a_hash_is_a_name),
-        EACH(damage_is_found),
-        EACH(links_and_other_users_are_refused),
-        EACH(what_was_used_longest_ago_goes),
+        cmocka_unit_test_setup_teardown(what_was_kept_is_found, open_scratch, close_scratch),
+        cmocka_unit_test_setup_teardown(only_a_hash_is_a_name, open_scratch, close_scratch),
+        cmocka_unit_test_setup_teardown(damage_is_found, open_scratch, close_scratch),
+        cmocka_unit_test_setup_teardown(
+            links_and_other_users_are_refused, open_scratch, close_scratch),
+        cmocka_unit_test_setup_teardown(
+            what_was_used_longest_ago_goes, open_scratch, close_scratch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
