@@ -20,25 +20,26 @@ static char directory[SCRATCH_BYTES];
 static unsigned char bytes[3][KEEP_LEAST];
 static char hash[3][SHA256_TEXT];
 
-static int open_scratch(void **state)
+static int close_scratch(void **state)
 {
+    char command[SCRATCH_BYTES + 16];
     (void)state;
-    if (!scratch_make(directory) || chdir(directory) != 0) return -1;
+    snprintf(command, sizeof command, "rm -rf %s", directory);
+    return *directory && (chdir("/") != 0 || system(command) != 0);
+}
+
+/* A new directory for the files of a test. */
+static void begin(void)
+{
+    assert_int_equal(close_scratch(NULL), 0);
+    assert_true(scratch_make(directory));
+    assert_int_equal(chdir(directory), 0);
     setenv("XDG_CACHE_HOME", directory, 1);
     for (int i = 0; i < 3; i++) {
         for (size_t k = 0; k < KEEP_LEAST; k++)
             bytes[i][k] = (unsigned char)rng_u64((uint64_t)i, k);
         sha256(bytes[i], KEEP_LEAST, hash[i]);
     }
-    return 0;
-}
-
-static int close_scratch(void **state)
-{
-    char command[SCRATCH_BYTES + 16];
-    (void)state;
-    snprintf(command, sizeof command, "rm -rf %s", directory);
-    return chdir("/") != 0 || system(command) != 0;
 }
 
 /* A path of the i-th file. */
@@ -75,6 +76,7 @@ static void used(int i, time_t s)
 static void what_was_kept_is_found(void **state)
 {
     (void)state;
+    begin();
     struct stat st;
     char text[KEEP_LIST];
     struct buf b = {0};
@@ -111,6 +113,7 @@ static void what_was_kept_is_found(void **state)
 static void only_a_hash_is_a_name(void **state)
 {
     (void)state;
+    begin();
     struct buf b = {0};
     char upper[SHA256_TEXT];
     keep(0);
@@ -130,6 +133,7 @@ static void only_a_hash_is_a_name(void **state)
 static void damage_is_found(void **state)
 {
     (void)state;
+    begin();
     keep(0);
     int fd = open(file(0), O_WRONLY);
     const unsigned char other = bytes[0][KEEP_LEAST / 2] ^ 1;
@@ -147,6 +151,7 @@ static void damage_is_found(void **state)
 static void links_and_other_users_are_refused(void **state)
 {
     (void)state;
+    begin();
     struct stat st;
     keep(0);
     assert_int_equal(rename(file(0), "there"), 0);
@@ -177,6 +182,7 @@ static void links_and_other_users_are_refused(void **state)
 static void what_was_used_longest_ago_goes(void **state)
 {
     (void)state;
+    begin();
     char large[SCRATCH_BYTES];
     keep(0);
     keep(1);
@@ -203,13 +209,13 @@ static void what_was_used_longest_ago_goes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(what_was_kept_is_found, open_scratch, close_scratch),
-        cmocka_unit_test_setup_teardown(only_a_hash_is_a_name, open_scratch, close_scratch),
-        cmocka_unit_test_setup_teardown(damage_is_found, open_scratch, close_scratch),
+        cmocka_unit_test(what_was_kept_is_found),
+        cmocka_unit_test(only_a_hash_is_a_name),
+        cmocka_unit_test(damage_is_found),
         cmocka_unit_test_setup_teardown(
             links_and_other_users_are_refused, open_scratch, close_scratch),
         cmocka_unit_test_setup_teardown(
             what_was_used_longest_ago_goes, open_scratch, close_scratch),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, close_scratch);
 }
