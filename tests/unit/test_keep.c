@@ -212,10 +212,8 @@ int main(void)
         cmocka_unit_test(what_was_kept_is_found),
         cmocka_unit_test(only_a_hash_is_a_name),
         cmocka_unit_test(damage_is_found),
-        cmocka_unit_test_setup_teardown(
-            links_and_other_users_are_refused, open_scratch, close_scratch),
-        cmocka_unit_test_setup_teardown(
-            what_was_used_longest_ago_goes, open_scratch, close_scratch),
+        cmocka_unit_test(links_and_other_users_are_refused),
+        cmocka_unit_test(what_was_used_longest_ago_goes),
     };
     return cmocka_run_group_tests(tests, NULL, close_scratch);
 }
