@@ -8,9 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char text[] = "[-1h] [-S HOSTS | -j SLOTS] [-t SECONDS] [-z on|off|auto] WORKER\n"
-                           "           [ARGUMENT ...]\n"
-                           "       fan -l [-1l] [-S HOSTS | -j SLOTS] [WORKER [ARGUMENT ...]]";
+static const char text[] = "[-1h] [-S HOSTS [-T N] | -j SLOTS] [-t SECONDS] [-z on|off|auto]\n"
+                           "           WORKER [ARGUMENT ...]\n"
+                           "       fan -l [-1l] [-S HOSTS [-T N] | -j SLOTS] [WORKER\n"
+                           "           [ARGUMENT ...]]";
 
 /* At most one of the two may be given. */
 static void find_hosts(struct hosts *h, const char *list, int slots)
@@ -42,24 +43,28 @@ int main(int argc, char **argv)
     char err[HOSTS_ERR];
     struct fan_options o = {.hosts = &hosts, .silence_s = PATIENCE_SILENCE_US / 1e6};
     const char *list = NULL;
-    int slots = 0;
+    int slots = 0, rack = 0;
     int listing = 0;
     prog_init(argv[0]);
     int opt;
-    while ((opt = prog_getopt(argc, argv, "+1hj:lS:t:z:")) != -1) {
+    while ((opt = prog_getopt(argc, argv, "+1hj:lS:t:T:z:")) != -1) {
         switch (opt) {
         case '1': o.one_each = true; break;
         case 'h': usage(ST_OK, text);
-        case 'j': slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
+        case 'j': slots = (int)opt_int(opt, optarg, 1, HOST_SLOTS_MAX); break;
         case 'l': listing++; break;
         case 'S': list = opt_text(opt, optarg); break;
         case 't': o.silence_s = opt_real(opt, optarg, .6, 1e6); break;
+        case 'T': rack = (int)opt_int(opt, optarg, 1, FAN_MOST); break;
         case 'z': o.pack = packing(opt_text(opt, optarg)); break;
         default: usage(ST_USAGE, text);
         }
     }
     if (optind == argc && !listing) usage(ST_USAGE, text);
+    if (rack && !list) die(ST_USAGE, "-T: expected -S with it");
     find_hosts(&hosts, list, slots);
+    o.racks = rack > 0;
+    if (rack && !hosts_racks(&hosts, (size_t)rack, err)) die(ST_USAGE, "%s", err);
     o.command = argv + optind;
     o.trips = listing > 1;
     o.sent = &sent;

@@ -12,6 +12,8 @@
 
 #define WRITE_BYTES 65536 /* at once */
 
+#define SLOTS_MOST 1000000
+
 struct options {
     struct cut cut; /* -u */
     int slots;      /* -n: preassign round robin; 0: no */
@@ -23,20 +25,27 @@ struct options {
     const char *log; /* -r: leave out pixels that it has */
     struct intake *have;
     enum { ORDER_NONE, ORDER_COST, ORDER_SAMPLE } order; /* -o */
-    const char *cost_log; /* -o cost: */
+    const char *cost_log;                                /* -o cost: */
     int w, h;
     const char *pictures; /* source of state and frames; NULL: one frame of this size */
 };
 
+/* POWER, or POWER*SLOTS for a number of slots. */
 static void parse_powers(struct options *o, const char *list)
 {
     char *copy = xstrdup(list), *rest = copy, *word;
     while ((word = text_part(&rest, ',')) != NULL) {
-        o->powers = xrealloc(o->powers, (size_t)o->n_powers + 1, sizeof *o->powers);
-        if (!parse_real(word, 1e-6, 1e6, &o->powers[o->n_powers]))
-            die(ST_USAGE, "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between", list,
-                word);
-        o->n_powers++;
+        char *times = strchr(word, '*');
+        int64_t slots = 1;
+        double power;
+        if (times) *times = '\0';
+        bool good = !times || parse_int(times + 1, 1, SLOTS_MOST - o->n_powers, &slots);
+        if (!good || !parse_real(word, 1e-6, 1e6, &power))
+            die(ST_USAGE,
+                "-w %s: `%s`, expected powers from 1e-6 to 1e6 with commas between, or POWER*SLOTS",
+                list, word);
+        o->powers = xrealloc(o->powers, (size_t)(o->n_powers + slots), sizeof *o->powers);
+        for (; slots; slots--) o->powers[o->n_powers++] = power;
     }
     free(copy);
 }
@@ -102,7 +111,7 @@ static struct options parse(int argc, char **argv)
             numbered = true;
             break;
         case 'h': usage(ST_OK, text);
-        case 'n': o.slots = (int)opt_int(opt, optarg, 1, 1000000); break;
+        case 'n': o.slots = (int)opt_int(opt, optarg, 1, SLOTS_MOST); break;
         case 'o': parse_order(&o, optarg); break;
         case 'r': o.log = opt_text(opt, optarg); break;
         case 'u':

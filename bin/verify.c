@@ -182,7 +182,7 @@ static struct options parse(int argc, char **argv)
     while ((opt = prog_getopt(argc, argv, "+hj:rs:S:t:")) != -1) {
         switch (opt) {
         case 'h': usage(ST_OK, text);
-        case 'j': o.slots = (int)opt_int(opt, optarg, 1, HOSTS_SLOTS_MAX); break;
+        case 'j': o.slots = (int)opt_int(opt, optarg, 1, HOST_SLOTS_MAX); break;
         case 'r': o.reports = true; break;
         case 's': o.seed = (uint64_t)opt_int(opt, optarg, 0, INT64_MAX); break;
         case 'S': o.hosts = opt_text(opt, optarg); break;
@@ -212,8 +212,8 @@ static const char **find_hosts(struct hosts *hosts, const struct options *o)
     if (!o->hosts) hosts_here(hosts, o->slots);
     else if (!hosts_read(hosts, o->hosts, err)) die(ST_USAGE, "%s", err);
     const char **name = xmalloc((size_t)hosts->slots, sizeof *name);
-    for (int slot = 0; slot < hosts->slots; slot++)
-        name[slot] = hosts->at[hosts_of_slot(hosts, slot)].name;
+    for (size_t i = 0, slot = 0; i < hosts->n; i++)
+        for (int k = 0; k < hosts->at[i].slots; k++) name[slot++] = hosts->at[i].name;
     return name;
 }
 

@@ -45,8 +45,9 @@ crop proc image task base os
 files base
 job grid spec wire task base
 hosts base
-pipe proc wire task patience base os
-fan pipe hosts proc wire coder task patience base
+keep base
+pipe keep proc wire task patience base os
+fan pipe keep hosts proc wire coder task patience base
 worker pipe proc wire image task patience base os
 history eta wire task base
 account history wire task stats base
@@ -262,7 +263,7 @@ headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl
 # Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
 {
 	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|os_temporary\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
-		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|log/file|pipe/queue|hosts/send)\.c:|^lib/os/os\.[ch]:|:[0-9]+: *(/?\*)'
+		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|keep/keep|log/file|pipe/queue|hosts/send)\.c:|^lib/os/os\.[ch]:|:[0-9]+: *(/?\*)'
 	for c in bin/*.c; do
 		! grep -qE 'outfile_(open|put)|image_(save|out)|grid_file_cut|convert\(' "$c" || grep -qE 'input_(add|keep)|image_name_keep|convert\(' "$c" || echo "$c:1: does not ask whether an output is an input (base.h)"
 	done

@@ -14,6 +14,11 @@ is 'weighted factoring: the first batch by power, later ones for the weakest' "$
 	'10 30 10 5 5 5 5 5'
 is 'weighted factoring: only the first batch is preassigned' \
 	"$(partition -u factoring -w 1,3,1 8x100 | grep -c 'to=[0-2]$')" 3
+is 'POWER*SLOTS: slots of equal power' "$(partition -w '1*2,2' 8x8)" "$(partition -w 1,1,2 8x8)"
+for powers in '1*0' '1*' '1*1000001' '1*2*2'; do
+	run partition -w "$powers" 8x8
+	like "refused: -w $powers" "$status $err" '^2 partition: -w .*expected powers .*or POWER[*]SLOTS'
+done
 is 'guided:N: chunks of whole runs, and the rest as the last one' \
 	"$(partition -u guided:30 -n 2 10x10 | awk '$1 == "task" { printf "%s ", $6 }')" '60 30 10 '
 

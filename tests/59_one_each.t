@@ -1,6 +1,6 @@
 #!/bin/sh
 # fan -1: one worker for each host, with all of its slots; and balance adaptive, which runs it. Slots have the same numbers,
-# and the picture the same bits, as with a worker for each slot. Hosts are commands on this machine.
+# and the picture the same bits, as with a worker for each slot. fan -T: a tree of racks. Hosts are commands on this machine.
 # shellcheck disable=SC2154,SC2016  # lib.sh sets them; scripts for others
 . "$(dirname "$0")/lib.sh"
 # shellcheck source=marked.sh
@@ -68,8 +68,51 @@ for method in adaptive auto dc ds hybrid interleaved masterslave sc ss; do
 	is "balance $method -1" "$status $(unexpected .err | grep -v '^balance auto: ') $(cmp a.pfm good0.pfm 2>&1)" '0  '
 	[ $method = hybrid ] || [ $method = auto ] || is "balance $method -1: one connection for each host" "$(sort started | tr '\n' ' ')" 'far near '
 done
-run balance gdc -1 -j 2 -s 60x44 -o a.pfm 0.nff
-is 'balance gdc -1 is refused' "$status $err" '2 balance: -1: a ring has a node on each slot, expected another method'
+for method in gdc gdc-published; do
+	rm -f started a.pfm
+	run balance $method -1 -S both.hosts -s 60x44 -o a.pfm 0.nff
+	is "balance $method -1: a node on each host" "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1) $(sort started | tr '\n' ' ')" '0   far near '
+done
+run balance gdc -1 -v 1 -j 2 -s 60x44 -o a.pfm 0.nff
+is 'such a ring cannot be verified' "$status $err" '2 balance: -v: slots of a ring with -1 are hosts, expected no -1'
+
+# ---- more slots than a fan can have connections -----------------------------------------------------------------
+SLURM_JOB_NODELIST='n[1-100]' SLURM_JOB_CPUS_PER_NODE='128(x100)' run fan -l -S slurm:
+is 'a job of 12800 processors' "$status $(wc -l <.out) $(tail -n 1 .out)" "0 12800 $(printf '12799\tn100\t-')"
+awk 'BEGIN { for (k = 1; k <= 2; k++) print "h" k " slots=2049 via=\"sh -c %c\"" }' >wide.hosts
+run fan -S wide.hosts rtworker - <tasks
+is 'a fan has 4096 workers' "$status $err" '2 fan: 4098 workers, expected at most 4096: one for each host (-1), or in racks (-T)'
+# With 50 descriptors 6 connections are possible; with 41, 3.
+printf '%s slots=4 via="./via %%h %%c"\n' far near >wide.hosts
+rm -f started a.pfm
+run sh -c 'ulimit -n 50; exec balance interleaved -S wide.hosts -s 60x44 -o a.pfm 0.nff'
+is 'too many slots: a connection for each host' "$status $(cat .err) $(cmp a.pfm good0.pfm 2>&1) $(sort started | tr '\n' ' ')" \
+	'0 balance: 8 slots, of at most 6 connections: one for each host (-1)  far near '
+cat >four.hosts <<'END'
+a slots=2 power=1 via="./via %h %c"
+b via="./via %h %c"
+c slots=2 via="./via %h %c"
+d via="./via \"%h\" %c"
+END
+run sh -c 'ulimit -n 41; exec balance masterslave -S four.hosts -s 60x44 -o a.pfm 0.nff'
+is 'too many hosts: a tree' "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
+
+# ---- racks -----------------------------------------------------------------------------------------------------
+is 'fan -l -T: a line for each rack' "$(fan -l -T 3 -S four.hosts | tr '\t\n' ': ')" '0:a:- 1:d:- '
+renders 'racks' '' fan -T 2 -S four.hosts rtworker
+is 'a rack is a slot' "$(grep -aoE 'up w=.*' frags | awk '{ print $2, $3, $5 }' | sort | tr '\n' ',')" 'w=0 host=a slots=3,w=1 host=c slots=3,'
+for method in adaptive auto dc gdc hybrid interleaved sc; do
+	rm -f a.pfm
+	run balance $method -T 2 -S four.hosts -s 60x44 -o a.pfm 0.nff
+	is "balance $method -T 2" "$status $(unexpected .err) $(cmp a.pfm good0.pfm 2>&1)" '0 balance: 4 hosts: a tree of 2 racks of up to 2 hosts (-T 2) '
+done
+run balance adaptive -T 2 -v 1 -S four.hosts -s 60x44 -o a.pfm 0.nff
+like 'a tree cannot be verified' "$status $(tail -n 1 .err)" '^2 balance: -v: a tree of racks, expected at most [0-9]+ hosts$'
+run balance adaptive -T 2 -j 2 -s 60x44 -o a.pfm 0.nff
+is 'racks need hosts' "$status $err" '2 balance: -T: expected -S with it'
+awk 'BEGIN { for (k = 0; k < 10; k++) printf "h%d via=\"%4000s %%c\"\n", k, "x" }' >long.hosts
+run fan -l -T 10 -S long.hosts
+like 'a rack of too many lines is refused' "$status $err" '^2 fan: -T: the lines of the rack of h0 have [0-9]+ bytes, expected at most 32768: fewer hosts in it$'
 
 # ---- what is refused -------------------------------------------------------------------------------------------
 printf '%s\n' '#!/bin/sh' 'shift 2; exec rtworker "$@"' >plain && chmod +x plain

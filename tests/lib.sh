@@ -7,6 +7,7 @@ trap 'rm -rf "$tmp"' EXIT
 trap 'exit 130' HUP INT TERM PIPE
 PATH=${BIN:=$root/bin}:$PATH
 cd "$tmp" || exit 3
+export XDG_CACHE_HOME=/dev/null # hosts keep no state, unless a test names a directory
 tap_n=0 tap_failed=0
 
 # Tests run the programs of the clone, never installed copies. Four programs need a library that may be missing.

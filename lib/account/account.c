@@ -64,10 +64,11 @@ static bool is_outer(const struct history *l, const bool *works, size_t i)
 static void make_slots(struct account *a)
 {
     const struct history *l = a->log;
-    bool *works = xcalloc(l->n_slots + 1, sizeof *works);
+    bool *works = xcalloc(l->n_slots + 1, sizeof *works), inner = false;
     for (size_t i = 0; i < l->n_dones; i++) works[l->dones[i].slot] = true;
+    for (size_t i = 0; i < l->n_slots; i++) inner = inner || strchr(l->slots[i].name, '.');
     for (size_t i = 0; i < l->n_slots; i++)
-        if (!is_outer(l, works, i)) add_slot(a, l->slots[i].name);
+        if (!inner || !is_outer(l, works, i)) add_slot(a, l->slots[i].name);
     add_idle(a);
     if (a->n_slots) qsort(a->slots, a->n_slots, sizeof *a->slots, by_name);
     a->slot_of = xcalloc(l->n_slots, sizeof *a->slot_of);

@@ -201,7 +201,7 @@ int drive_policy(
     struct driver d = {.policy = policy,
         .node = policy == &policy_node,
         .in_open = true,
-        .in.coded = true,
+        .in = STREAM_INPUT,
         .from.upward = true};
     signals_catch();
     outlet_open(&d.out);

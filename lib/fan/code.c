@@ -3,10 +3,14 @@
  * is slower than the coder. The link is measured before the slot is up, while nothing else is on
  * its way: the worker answers a probe, a code record, with the number of bytes that the probe asks
  * for. If the answer comes fast, a longer one is asked for. A round trip counts as transfer, so a
- * link can seem slower than it is, but not faster.
+ * link can seem slower than it is, but not faster. The answer also names the state that the host
+ * has kept: its hash is sent instead.
  */
 #include "coder/coder.h"
 #include "fan/fan_int.h"
+#include "keep/keep.h"
+
+#include <stdlib.h>
 
 #define PROBE_FIRST (16 << 10)
 #define PROBE_GROWS 8 /* times */
@@ -66,8 +70,11 @@ void fan_code_late(struct fan *f, struct fan_slot *s, int64_t looked_us)
 
 const char *fan_take_code(struct fan *f, struct fan_slot *s, const struct record *r)
 {
+    char has[KEEP_LIST];
     if (!s->conn.probe_bytes || r->body_len != s->conn.probe_bytes) return "wrong-record";
     s->conn.probe_bytes = 0;
+    free(s->feed.queue.keeps);
+    s->feed.queue.keeps = rec_str(r, "has", has, sizeof has) ? xstrdup(has) : NULL;
     if (!fan_code_waits(s)) return NULL; /* late */
     int64_t us = now_us() - s->conn.probe_us;
     double link = (double)r->body_len / (double)(us > 0 ? us : 1);

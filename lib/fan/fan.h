@@ -7,6 +7,9 @@
 
 #include "hosts/hosts.h"
 
+#define FAN_MOST 4096 /* workers, and so connections, of one fan */
+#define FAN_ASKED 4   /* fan -l: slots of a host that are measured: all are on one machine */
+
 enum fan_pack { FAN_PACK_AUTO, FAN_PACK_ON, FAN_PACK_OFF };
 
 struct fan_options {
@@ -15,6 +18,7 @@ struct fan_options {
     struct hosts_sent *sent; /* programs for hosts without any, by hosts_send */
     bool trips;              /* fan -l: round trips as well */
     bool one_each;      /* one worker for each host, with -j SLOTS, instead of one for each slot */
+    bool racks;         /* the hosts are racks (hosts_racks) */
     enum fan_pack pack; /* records of other machines */
     double silence_s;   /* a slot that has work is lost after this silence */
 };

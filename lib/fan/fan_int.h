@@ -163,7 +163,7 @@ struct fan_death {
 
 struct fan {
     const struct fan_options *o;
-    int n_slots, n_hosts; /* entries of these: */
+    int n_slots, n_hosts, room_slots, room_hosts; /* entries of these: */
     struct fan_slot *slots;
     struct fan_host *hosts;
     int n_numbers;          /* slots are numbered 0 .. n_numbers - 1 */
@@ -337,10 +337,15 @@ int fan_connect(struct fan *f);
 void fan_connect_limit(struct fan *f);
 
 /* ---- join.c ---- */
-/* Adds a host of this line, without slots. Pointers to hosts change. */
+/* Adds a host of this line, without slots; n slots of host h of f->hosts, with the next numbers.
+ * Pointers to hosts; and to slots change. */
 void fan_add_host(struct fan *f, const struct host *line);
-/* Adds n slots of host h of f->hosts, with the next numbers. Pointers to slots change. */
 void fan_add_slots(struct fan *f, int h, int n);
+/* The command line of the worker to agree with. host_argv_free frees it. */
+char **fan_reference_line(const struct fan *f);
+/* The slots of a line: a node of a ring is one, whatever its worker has; workers of hosts. */
+int fan_numbers(const struct fan *f, const struct host *line);
+int fan_workers(const struct fan *f, const struct hosts *h);
 /* Takes a new version of the hosts file, if there is one. */
 void fan_join(struct fan *f);
 /* The policy dismisses slot k. */

@@ -55,14 +55,16 @@ void fan_ask_reference(struct fan *f)
     bool elsewhere = false;
     for (int i = 0; i < f->n_hosts; i++) elsewhere |= !f->hosts[i].here;
     if (!elsewhere) return;
-    if (child_start(&c, f->o->command) != 0) {
-        warn("%s:", f->o->command[0]);
+    char **argv = fan_reference_line(f);
+    if (child_start(&c, argv) != 0) {
+        warn("%s:", argv[0]);
     } else {
         child_close(&c.to);
         fan_connect(f); /* slots start meanwhile; they are read later */
         listen_here(f, &c);
         child_end(&c, PATIENCE_STOP_US / 1000);
     }
+    host_argv_free(argv);
     if (!*f->reference.of && !signals_came())
         warn("%s sends no hello here: the hello of the first slot sets the arithmetic",
             f->o->command[0]);

@@ -27,47 +27,99 @@ int fan_staff(const struct fan *f)
 
 /* ---- the tables ---- */
 
-/* The command line of a worker with this number of slots. */
-static char **command_line(const struct host *h, char *const *command, int width)
+/* The words of a command before its worker: those of a node of a ring. */
+static size_t words_of_node(char *const *command)
 {
-    char number[16], option[] = "-j";
-    size_t n = 0;
-    if (width == 1 || !*command) return host_argv(h, command);
+    bool node = *command && command[1] && strcmp(command[0], "ringctl") == 0;
+    return node && strcmp(command[1], "-n") == 0 && command[2] ? 2 : 0;
+}
+
+/* The command line with these words, NULL-ended, before word `at` of the command. */
+static char **insert(const struct host *h, char *const *command, size_t at, char *const *more)
+{
+    size_t n = 0, m = 0;
     while (command[n]) n++;
-    char **words = xcalloc(n + 3, sizeof *words);
-    snprintf(number, sizeof number, "%d", width);
-    words[0] = command[0];
-    words[1] = option;
-    words[2] = number;
-    memcpy(words + 3, command + 1, (n - 1) * sizeof *words);
+    while (more[m]) m++;
+    char **words = xcalloc(n + m + 1, sizeof *words);
+    memcpy(words, command, at * sizeof *words);
+    memcpy(words + at, more, m * sizeof *words);
+    memcpy(words + at + m, command + at, (n - at) * sizeof *words);
     char **argv = host_argv(h, words);
     free(words);
     return argv;
 }
 
+/*
+ * The command line of a worker with this number of slots; or of the head of a rack. There tasks are
+ * neither cut nor copied, because a method without a policy would drop the results.
+ */
+static char **command_line(const struct host *h, char *const *command, int slots)
+{
+    char number[16], jobs[] = "-j";
+    char deal[] = "deal", queue[] = "-q", one[] = "1";
+    char fan[] = "fan", each[] = "-1", hosts[] = "-S";
+    size_t at = words_of_node(command);
+    if (!*command || (slots == 1 && !h->rack)) return host_argv(h, command);
+    if (h->rack)
+        return insert(
+            h, command, at, (char *const[]){deal, queue, one, fan, each, hosts, h->rack, NULL});
+    snprintf(number, sizeof number, "%d", slots);
+    return insert(h, command, at + 1, (char *const[]){jobs, number, NULL});
+}
+
+char **fan_reference_line(const struct fan *f)
+{
+    char name[] = ":", rack[] = ": slots=1\n";
+    struct host here = {.name = name, .slots = 1, .rack = f->o->racks ? rack : NULL};
+    return command_line(&here, f->o->command, 1);
+}
+
+int fan_numbers(const struct fan *f, const struct host *line)
+{
+    return f->o->one_each && words_of_node(f->o->command) ? 1 : line->slots;
+}
+
+int fan_workers(const struct fan *f, const struct hosts *h)
+{
+    return f->o->one_each ? (int)h->n : h->slots;
+}
+
 void fan_add_host(struct fan *f, const struct host *line)
 {
-    int width = f->o->one_each ? line->slots : 1;
-    struct fan_host *before = f->hosts;
-    f->hosts = xmalloc((size_t)f->n_hosts + 1, sizeof *f->hosts);
-    if (before) memcpy(f->hosts, before, (size_t)f->n_hosts * sizeof *before);
-    for (int k = 0; k < f->n_slots; k++) f->slots[k].host = f->hosts + (f->slots[k].host - before);
-    free(before);
+    if (f->n_hosts == f->room_hosts) {
+        struct fan_host *before = f->hosts;
+        f->room_hosts = f->room_hosts ? 2 * f->room_hosts : 16;
+        f->hosts = xmalloc((size_t)f->room_hosts, sizeof *f->hosts);
+        if (before) memcpy(f->hosts, before, (size_t)f->n_hosts * sizeof *before);
+        for (int k = 0; k < f->n_slots; k++)
+            f->slots[k].host = f->hosts + (f->slots[k].host - before);
+        free(before);
+    }
     f->hosts[f->n_hosts++] = (struct fan_host){.host = line,
-        .argv = command_line(line, f->o->command, width),
+        .argv = command_line(line, f->o->command, f->o->one_each ? line->slots : 1),
         .here = host_is_here(line),
         .by_ssh = host_by_ssh(line)};
     f->n_by_ssh += host_by_ssh(line);
 }
 
+static void add_slot(struct fan *f, int h, int width)
+{
+    if (f->n_slots == f->room_slots) {
+        f->room_slots = f->room_slots ? 2 * f->room_slots : 16;
+        f->slots = xrealloc(f->slots, (size_t)f->room_slots, sizeof *f->slots);
+        f->poll = xrealloc(f->poll, FAN_POLL(f->room_slots), sizeof *f->poll);
+    }
+    f->n[FAN_WAITING]++;
+    fan_slot_init(f, f->n_slots++, f->n_numbers, width, &f->hosts[h]);
+    f->n_numbers += width;
+}
+
 void fan_add_slots(struct fan *f, int h, int n)
 {
     int width = f->o->one_each ? n : 1, more = n / width;
-    f->slots = xrealloc(f->slots, (size_t)f->n_slots + (size_t)more, sizeof *f->slots);
-    f->poll = xrealloc(f->poll, FAN_POLL(f->n_slots + more), sizeof *f->poll);
-    f->n[FAN_WAITING] += more;
-    for (; more; more--, f->n_numbers += width)
-        fan_slot_init(f, f->n_slots++, f->n_numbers, width, &f->hosts[h]);
+    if (f->listing && more > FAN_ASKED) more = FAN_ASKED;
+    for (int k = 0; k < more; k++) add_slot(f, h, width);
+    if (more * width < n) add_slot(f, h, n - more * width); /* never started */
     fan_connect_limit(f);
 }
 
@@ -145,7 +197,7 @@ static void keep(struct fan *f, int i, const struct host *line, struct changes *
     struct fan_host *h = &f->hosts[i];
     h->kept = true;
     h->host = line;
-    int more = line->slots - slots_of(f, h);
+    int more = fan_numbers(f, line) - slots_of(f, h);
     if (more > 0) {
         fan_add_slots(f, i, more);
         c->joined += more;
@@ -168,9 +220,9 @@ static void take_version(struct fan *f, const struct hosts *new)
             continue;
         }
         fan_add_host(f, line);
-        fan_add_slots(f, f->n_hosts - 1, line->slots);
+        fan_add_slots(f, f->n_hosts - 1, fan_numbers(f, line));
         f->hosts[f->n_hosts - 1].kept = true;
-        c.joined += line->slots;
+        c.joined += fan_numbers(f, line);
     }
     for (int i = 0; i < f->n_hosts; i++) {
         struct fan_host *h = &f->hosts[i];
@@ -195,7 +247,8 @@ void fan_join(struct fan *f)
         hosts_free(&new);
         return;
     }
-    bool room = f->n_numbers <= WIRE_SLOTS_MAX - new.slots;
+    bool room =
+        f->n_numbers <= WIRE_SLOTS_MAX - new.slots &&fan_workers(f, &new) <= FAN_MOST - f->n_slots;
     if (f->joins && room) {
         f->versions = xrealloc(f->versions, (size_t)f->n_versions + 1, sizeof *f->versions);
         f->versions[f->n_versions++] = new;
@@ -210,7 +263,7 @@ void fan_join(struct fan *f)
                     : "each task has its slot in advance");
     else
         warn("%s has changed too often: the hosts stay as they were, expected at most %d slots "
-             "over the run",
-            f->watch.file, WIRE_SLOTS_MAX);
+             "and %d workers over the run",
+            f->watch.file, WIRE_SLOTS_MAX, FAN_MOST);
     hosts_free(&new);
 }

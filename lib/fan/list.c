@@ -1,8 +1,6 @@
 /* fan -l: one line per slot. Hosts are known; their speed may have to be measured. */
 #include "fan/fan_int.h"
 
-#define ASKED 4 /* most slots of a host that are measured: the others are on the same machine */
-
 static bool same_host(const struct fan *f, int i, int k)
 {
     return i < f->n_slots && f->slots[i].host == f->slots[k].host;
@@ -11,7 +9,8 @@ static bool same_host(const struct fan *f, int i, int k)
 /* Starts a worker on the first slots of each host without a stated power, and reads its hello. */
 static void measure(struct fan *f)
 {
-    for (int k = ASKED; k < f->n_slots; k++) f->slots[k].measured |= same_host(f, k - ASKED, k);
+    for (int k = FAN_ASKED; k < f->n_slots; k++)
+        f->slots[k].measured |= same_host(f, k - FAN_ASKED, k);
     while (fan_working(f)) {
         fan_round(f);
         up_free(&f->out.queue); /* no reader for records here */
@@ -35,7 +34,7 @@ static void level(struct fan *f)
         }
         for (int i = k; i < end; i++) {
             struct fan_slot *s = &f->slots[i];
-            const bool asked = i < k + ASKED;
+            const bool asked = i < k + FAN_ASKED;
             if (!asked || s->power > 0) s->power = best;
             if (s->power > 0 && isfinite(least)) s->least = fmin(least, best);
             if ((!asked || s->trip_us) && trip_us < INT64_MAX) s->trip_us = trip_us;

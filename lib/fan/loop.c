@@ -182,10 +182,14 @@ void fan_open(struct fan *f, const struct fan_options *o, bool listing)
     *f = (struct fan){.o = o, .start_us = now_us()};
     f->listing = listing;
     f->in_open = !listing;
-    f->in.coded = f->input.generations.keeps = true;
+    f->in = STREAM_INPUT;
+    f->input.generations.keeps = true;
     frames_init(&f->input.frames, sizeof(struct fan_job));
     for (size_t i = 0; i < o->hosts->n; i++) fan_add_host(f, &o->hosts->at[i]);
-    for (int i = 0; i < f->n_hosts; i++) fan_add_slots(f, i, o->hosts->at[i].slots);
+    if (!listing && fan_workers(f, o->hosts) > FAN_MOST)
+        die(ST_USAGE, "%d workers, expected at most %d: one for each host (-1), or in racks (-T)",
+            fan_workers(f, o->hosts), FAN_MOST);
+    for (int i = 0; i < f->n_hosts; i++) fan_add_slots(f, i, fan_numbers(f, &o->hosts->at[i]));
     hosts_watch_open(&f->watch, o->hosts);
     if (*o->command) fan_ask_reference(f);
 }

@@ -109,7 +109,7 @@ void fan_slot_init(struct fan *f, int at, int number, int width, struct fan_host
         .measured = h->host->power > 0 && !f->o->trips,
         .missing_us = now_us()};
     s->tasks = xcalloc((size_t)width, sizeof *s->tasks);
-    for (int i = 0; i < width; i++) tasks_init(&s->tasks[i], sizeof(struct fan_task));
+    for (int i = 0; i < width; i++) tasks_init_slot(&s->tasks[i], sizeof(struct fan_task));
 }
 
 void fan_slot_free(struct fan_slot *s) { free(s->tasks); }

@@ -57,17 +57,43 @@ static bool node_valid(const char *name, size_t n)
     return true;
 }
 
+/* Where the index of the host with this name is, or would be. */
+static int32_t *place_of(
+    const struct hosts_names *names, const struct hosts *h, const char *name, size_t n)
+{
+    size_t i = (size_t)hash64(HASH64_INIT, name, n);
+    for (;; i++) {
+        int32_t *at = &names->at[i & (names->room - 1)];
+        const char *known = *at < 0 ? NULL : h->at[*at].name;
+        if (!known || (strlen(known) == n && memcmp(known, name, n) == 0)) return at;
+    }
+}
+
+/* Makes room for the name of one more host. */
+static void make_room(struct hosts_names *names, const struct hosts *h)
+{
+    if (2 * (h->n + 1) <= names->room) return;
+    names->room = names->room ? 2 * names->room : 64;
+    free(names->at);
+    names->at = xmalloc(names->room, sizeof *names->at);
+    for (size_t i = 0; i < names->room; i++) names->at[i] = -1;
+    for (size_t i = 0; i < h->n; i++)
+        *place_of(names, h, h->at[i].name, strlen(h->at[i].name)) = (int32_t)i;
+}
+
 /* The host of this name, or a new one without slots; NULL if the name is refused. */
 static struct host *node_of(
     const struct hosts_reader *r, struct hosts *h, const char *name, size_t n)
 {
-    for (size_t i = h->n; i-- > r->done;)
-        if (strlen(h->at[i].name) == n && memcmp(h->at[i].name, name, n) == 0) return &h->at[i];
+    make_room(r->names, h);
+    int32_t *known = place_of(r->names, h, name, n);
+    if (*known >= (int32_t)r->done) return &h->at[*known];
     if (!node_valid(name, n)) {
         wrong(r, name, n, "a node's name, of at most 255 letters, digits and ._-");
         return NULL;
     }
     struct host *host = hosts_add(h);
+    *known = (int32_t)h->n - 1;
     host->name = xcalloc(n + 1, 1);
     memcpy(host->name, name, n);
     host->slots = 0;
@@ -134,8 +160,8 @@ static bool expand(const struct hosts_reader *r, struct hosts *h, const struct n
     name.n += n;
     if (open == end) {
         size_t known = h->n;
-        if (known == HOSTS_SLOTS_MAX)
-            return hosts_refuse(r, "more nodes, expected at most %d", HOSTS_SLOTS_MAX);
+        if (known == HOSTS_MOST)
+            return hosts_refuse(r, "more nodes, expected at most %d", HOSTS_MOST);
         if (!node_of(r, h, name.text, name.n)) return false;
         return h->n > known || wrong(r, name.text, name.n, "each node once");
     }
@@ -178,11 +204,11 @@ static bool read_count(
         times = strstr(text, "(x");
         bool closed = times && text[n - 1] == ')';
         if (closed) text[n - 1] = *times = '\0';
-        if (parse_int(text, 1, HOSTS_SLOTS_MAX, cpus) &&
-            (!closed || parse_int(times + 2, 1, HOSTS_SLOTS_MAX, nodes)))
+        if (parse_int(text, 1, HOST_SLOTS_MAX, cpus) &&
+            (!closed || parse_int(times + 2, 1, HOSTS_MOST, nodes)))
             return true;
     }
-    return wrong(r, at, n, "processors of a node, as 8, or 8(x3) for three nodes, 1 to 4096");
+    return wrong(r, at, n, "processors of a node, 1 to 4096, as 8, or 8(x3) for three nodes");
 }
 
 static bool read_cpus(
@@ -252,7 +278,8 @@ static bool read_names(struct hosts_reader *r, struct hosts *h, const struct buf
         stop = first_of(at, end, '\n');
         struct host *host = node_of(r, h, at, (size_t)(stop - at));
         if (!host) return false;
-        host->slots++;
+        if (host->slots++ == HOST_SLOTS_MAX)
+            return hosts_refuse(r, "one slot more, expected at most %d of a node", HOST_SLOTS_MAX);
         if (h->slots++ == HOSTS_SLOTS_MAX)
             return hosts_refuse(r, "one slot more, expected at most %d", HOSTS_SLOTS_MAX);
     }
@@ -272,7 +299,10 @@ static bool read_pbs(struct hosts_reader *r, struct hosts *h)
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good)
 {
     bool slurm = strcmp(arg, "slurm:") == 0;
+    struct hosts_names names = {0};
     if (!slurm && strcmp(arg, "pbs:") != 0) return false;
+    r->names = &names;
     *good = slurm ? read_slurm(r, h) : read_pbs(r, h);
+    free(names.at);
     return true;
 }

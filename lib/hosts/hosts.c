@@ -19,7 +19,7 @@
 static bool set_slots(struct host *host, const char *value)
 {
     int64_t n;
-    if (!parse_int(value, 1, HOSTS_SLOTS_MAX, &n)) return false;
+    if (!parse_int(value, 1, HOST_SLOTS_MAX, &n)) return false;
     host->slots = (int)n;
     return true;
 }
@@ -130,6 +130,12 @@ static const struct key {
 };
 #define N_KEYS (sizeof keys / sizeof *keys)
 
+/* Does the key say how the host is reached, not what it offers? */
+static bool is_way(const struct key *k)
+{
+    return k->set == set_via || k->set == set_bin || k->set == set_wait || k->set == set_send;
+}
+
 /* "slots=, power= or bin=": all keys. */
 static const char *key_names(char *to, size_t room)
 {
@@ -151,6 +157,7 @@ static bool set_key(const struct hosts_reader *r, struct host *host, char *word,
         if (strcmp(word, keys[i].name) != 0) continue;
         if (*seen & 1U << i) return hosts_refuse(r, "%s comes twice, expected it once", word);
         *seen |= 1U << i;
+        hosts_put_key(is_way(&keys[i]) ? &host->way : &host->offer, keys[i].name, value);
         if (keys[i].set(host, value)) return true;
         return hosts_refuse(
             r, "%s=%s: expected %s", word, err_word(shown, value, strlen(value)), keys[i].expected);
@@ -303,10 +310,11 @@ bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR])
         return good;
     }
     /* A directory with results of a host may have its name. */
-    if (stat(arg, &st) == 0 && (!S_ISDIR(st.st_mode) || strchr(arg, '/')))
+    if (!strchr(arg, '\n') && stat(arg, &st) == 0 && (!S_ISDIR(st.st_mode) || strchr(arg, '/')))
         return hosts_of_file(h, arg, err);
     r.name = "-S";
-    good = read_list(&r, h, arg);
+    struct buf text = {.data = (unsigned char *)(uintptr_t)arg, .len = strlen(arg)};
+    good = strchr(arg, '\n') ? read_lines(&r, h, &text) : read_list(&r, h, arg);
     if (!good) hosts_free(h);
     return good;
 }

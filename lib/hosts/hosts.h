@@ -7,8 +7,10 @@
 
 #include "base/base.h"
 
-#define HOSTS_SLOTS_MAX 4096 /* of all hosts together */
-#define HOST_NAME_MOST 255   /* bytes of a host's name */
+#define HOSTS_SLOTS_MAX 1000000 /* of all hosts together */
+#define HOST_SLOTS_MAX 4096     /* of one host */
+#define HOSTS_MOST 100000
+#define HOST_NAME_MOST 255 /* bytes of a host's name */
 #define HOSTS_ERR 512
 #define HOSTS_SENT_MOST 32 /* programs that one command names */
 
@@ -32,6 +34,8 @@ struct host {
     int nice;       /* of its workers, more than that of their parent */
     int64_t memory; /* bytes of addresses that each process of them may have; 0: not stated */
     const struct hosts_sent *sent; /* these are sent instead; NULL: not known yet */
+    char *rack;            /* the lines of its rack, of which it is the head; NULL: it is no rack */
+    struct buf offer, way; /* the keys of its line; way: via, bin, send and wait */
     /* Its link, for simulate: one way, -1: not stated; each way, 0: not stated. */
     double latency_ms, bytes_per_s;
 };
@@ -48,19 +52,23 @@ struct hosts {
     bool no_file; /* a single name, which could have been meant for a file */
 };
 /*
- * Reads hosts from `arg`: `slurm:` or `pbs:` for those of the job around this process; an existing
- * file, one host per line; else a comma list. Slots are numbered from 0 in this order. A single
- * name with a suffix of files, such as .txt, is refused. False with text in err, which begins with
- * the place. hosts_free frees *h after success.
+ * Reads hosts from `arg`: `slurm:` or `pbs:` for those of the job around this process; the text of
+ * a file, if it has a line end; an existing file, one host per line; else a comma list. Slots are
+ * numbered from 0 in this order. A single name with a suffix of files, such as .txt, is refused.
+ * False with text in err, which begins with the place. hosts_free frees *h after success.
  */
 bool hosts_read(struct hosts *h, const char *arg, char err[HOSTS_ERR]);
 /* The same from a file only, whether it exists or not. */
 bool hosts_of_file(struct hosts *h, const char *name, char err[HOSTS_ERR]);
+/*
+ * Makes racks of at most n hosts each, in their order: a row of one slot for each rack. A host that
+ * is this machine is a rack by itself. False with text in err if a rack has too many lines; the
+ * caller frees *h in both cases.
+ */
+bool hosts_racks(struct hosts *h, size_t n, char err[HOSTS_ERR]);
 /* This machine only, with `slots` slots. */
 void hosts_here(struct hosts *h, int slots);
 void hosts_free(struct hosts *h);
-/* The host of this slot, which is from 0 to h->slots - 1: an index of h->at. */
-size_t hosts_of_slot(const struct hosts *h, int slot);
 /* The power of each slot, which the caller frees. NULL if a host states none: *without names it. */
 double *hosts_powers(const struct hosts *h, const char **without);
 /*

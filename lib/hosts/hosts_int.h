@@ -1,6 +1,7 @@
 /* hosts, shared by its files: table.c (the rows), name.c (names), hosts.c (files and lists),
  * engines.c (jobs), watch.c (files that change); launch.c (commands that reach hosts), word.c
- * (their words), way.c (other hosts between), send.c (programs for hosts that have none). */
+ * (their words), way.c (other hosts between), racks.c (trees), send.c (programs for hosts that have
+ * none). */
 #ifndef STORMRING_HOSTS_INT_H
 #define STORMRING_HOSTS_INT_H
 
@@ -13,6 +14,11 @@ struct hosts_reader {
     const char *at, *end;
     char *err;   /* HOSTS_ERR bytes */
     size_t done; /* hosts of earlier texts, whose names may come again */
+    /* engines.c: the hosts by name, with open addressing: indices of the table of hosts, or -1. */
+    struct hosts_names {
+        int32_t *at;
+        size_t room; /* 0, or a power of two, at least twice the number of hosts */
+    } * names;
 };
 
 /* Writes "NAME:LINE: text" to r->err, and returns false. */
@@ -21,6 +27,10 @@ bool hosts_refuse(const struct hosts_reader *r, const char *fmt, ...) PRINTF_LIK
 struct host *hosts_add(struct hosts *h);
 /* Copies a name that is one word for every shell, or refuses it. */
 bool hosts_set_name(const struct hosts_reader *r, struct host *host, const char *name);
+/* Appends ` KEY="VALUE"`, with quotes as a line has them. */
+void hosts_put_key(struct buf *b, const char *key, const char *value);
+/* Frees what a row has. */
+void host_free(struct host *host);
 /* Call when the host is complete: checks it, and counts its slots. */
 bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct host *host);
 /*

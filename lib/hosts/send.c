@@ -50,6 +50,34 @@ static bool known(const struct hosts_sent *sent, const char *name)
     return false;
 }
 
+/* The number of bytes of DIRECTORY/HASH if `path` begins with that; else 0. */
+static size_t kept_in(const char *path, const char *directory, size_t n)
+{
+    bool begins = strncmp(path, directory, n) == 0;
+    bool hash = begins && strspn(path + n, "0123456789abcdef") == SHA256_TEXT - 1;
+    return hash ? n + SHA256_TEXT - 1 : 0;
+}
+
+/* If this program was sent here itself, others that were sent with it are on the PATH, each in a
+ * directory beside this one. */
+static bool read_sent(const char *own, const char *name, struct buf *bytes)
+{
+    size_t n = strlen(own), beside = n < SHA256_TEXT ? 0 : n - SHA256_TEXT;
+    const char *at = getenv("PATH");
+    bool found = false;
+    if (!at || !beside || !kept_in(own, own, beside)) return false;
+    for (; *at && !found; at += strcspn(at, ":"), at += *at == ':') {
+        struct buf path = {0};
+        size_t length = kept_in(at, own, beside);
+        if (!length || (at[length] && at[length] != ':')) continue;
+        buf_printf(&path, "%.*s/%s", (int)length, at, name);
+        buf_append(&path, "", 1);
+        found = read_file((char *)path.data, bytes) == 0;
+        buf_free(&path);
+    }
+    return found;
+}
+
 /* Adds the program of this name, if there is a static one. */
 static void add(struct hosts_sent *sent, const char *directory, const char *name)
 {
@@ -65,7 +93,7 @@ static void add(struct hosts_sent *sent, const char *directory, const char *name
         found = read_file((char *)path.data, &bytes) == 0;
         buf_free(&path);
     }
-    if (!found) {
+    if (!found && !read_sent(directory, name, &bytes)) {
         buf_free(&bytes);
         return;
     }
@@ -78,15 +106,19 @@ static void add(struct hosts_sent *sent, const char *directory, const char *name
 bool hosts_send(struct hosts *h, struct hosts_sent *sent, char *const worker[], char err[HOSTS_ERR])
 {
     char directory[4096];
-    bool wanted = false;
+    bool wanted = false, racks = false;
     for (size_t i = 0; i < h->n; i++) {
         if (!h->at[i].send) continue;
         h->at[i].sent = sent;
         wanted = true;
+        racks = racks || h->at[i].rack;
     }
     if (!wanted || !*worker || sent->n) return true;
-    if (own_directory(directory, sizeof directory))
+    if (own_directory(directory, sizeof directory)) {
         for (size_t i = 0; worker[i]; i++) add(sent, directory, worker[i]);
+        if (racks) add(sent, directory, "deal");
+        if (racks) add(sent, directory, "fan");
+    }
     if (sent->n) return true;
     snprintf(err, HOSTS_ERR,
         "send=auto: no word of `%.64s ...` is a static program in %.200s%s, expected one, "

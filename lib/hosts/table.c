@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FILE_MOST (1 << 20) /* bytes */
+#define FILE_MOST (16 << 20) /* bytes */
 
 bool host_is_here(const struct host *h) { return strcmp(h->name, ":") == 0; }
 
@@ -38,6 +38,7 @@ bool hosts_count(const struct hosts_reader *r, struct hosts *h, const struct hos
         return hosts_refuse(r, "`:` is this machine, expected no via=, bin=, send= or wait=");
     if (host->bin && host->send)
         return hosts_refuse(r, "bin= and send= together, expected one of them");
+    if (h->n > HOSTS_MOST) return hosts_refuse(r, "more than %d hosts, expected fewer", HOSTS_MOST);
     h->slots += host->slots;
     if (h->slots <= HOSTS_SLOTS_MAX) return true;
     return hosts_refuse(r, "%d slots, expected at most %d in all", h->slots, HOSTS_SLOTS_MAX);
@@ -81,23 +82,22 @@ struct hosts_version hosts_version(const char *file)
         .changed_ns = ns(st.st_ctim)};
 }
 
+void host_free(struct host *host)
+{
+    free(host->name);
+    free(host->via);
+    free(host->bin);
+    free(host->rack);
+    buf_free(&host->offer);
+    buf_free(&host->way);
+}
+
 void hosts_free(struct hosts *h)
 {
-    for (size_t i = 0; i < h->n; i++) {
-        free(h->at[i].name);
-        free(h->at[i].via);
-        free(h->at[i].bin);
-    }
+    for (size_t i = 0; i < h->n; i++) host_free(&h->at[i]);
     free(h->at);
     free(h->file);
     *h = (struct hosts){0};
-}
-
-size_t hosts_of_slot(const struct hosts *h, int slot)
-{
-    size_t i = 0;
-    for (; slot >= h->at[i].slots; i++) slot -= h->at[i].slots;
-    return i;
 }
 
 double *hosts_powers(const struct hosts *h, const char **without)

@@ -21,7 +21,10 @@ struct blob {
     struct buf bytes;
     struct buf packed; /* the same record, packed when a queue first wants it so */
     bool tried;        /* to pack it; that may gain nothing */
-    int users;         /* queues that still need it, and its maker until blob_drop */
+    struct buf kept;   /* likewise, with a hash for its body */
+    bool hashed;       /* its body is, if it is long enough to be kept */
+    char hash[SHA256_TEXT];
+    int users; /* queues that still need it, and its maker until blob_drop */
 };
 /* Takes over the bytes, one record, and leaves an empty buffer. The maker is the first user. */
 struct blob *blob_new(struct buf *bytes);
@@ -30,11 +33,12 @@ void blob_drop(struct blob *b); /* removes a user; the last one frees it */
 struct down_queue {
     struct buf bytes; /* between blobs; append to it */
     bool packs;       /* its reader takes packed blobs */
+    char *keeps;      /* owned: the bodies that its reader has (keep_list); NULL: none */
     uint64_t written; /* bytes written, without blobs */
     struct down_blob {
         struct blob *blob;
-        bool packed; /* its packed form is being written */
-        uint64_t at; /* is written when `written` reaches this */
+        const struct buf *form; /* which is being written; NULL: none yet */
+        uint64_t at;            /* is written when `written` reaches this */
         size_t sent;
     } * blobs;
     size_t n_blobs, first_blob;
@@ -130,8 +134,15 @@ void outlet_beat(struct outlet *o, const struct decoder *input);
 /* Answers a flush with a `beat`, so that the sender gets an answer even if nothing was held
  * back. */
 void outlet_answer(struct outlet *o);
-/* Obeys a code record of the input: appends the answer to a probe to `to`, or sets *packs, because
- * the reader wants packed pixels from now on. */
+/* The decoder of standard input: bodies may be packed, or be those that this host has kept. A body
+ * that should be here and is not ends the process with ST_SYSTEM, so that it is sent next time. */
+bool stream_kept(const char *sha256, size_t n, struct buf *to);
+#define STREAM_INPUT ((struct decoder){.coded = true, .kept = stream_kept})
+/* Call for each record of the input: keeps state that has come from another machine. */
+void stream_keep(const struct record *r);
+/* Obeys a code record of the input: appends the answer to a probe to `to`, with the names of what
+ * this host has kept, or sets *packs, because the reader wants packed pixels from now on. A probe
+ * comes from another machine. */
 void stream_code(const struct record *r, struct buf *to, bool *packs);
 void outlet_code(struct outlet *o, const struct record *r);
 /* Writes the rest, waiting for the reader; a signal ends it. */

@@ -1,4 +1,5 @@
 /* Queues of bytes that never block their writer: see pipe.h. */
+#include "keep/keep.h"
 #include "pipe/pipe.h"
 
 #include <errno.h>
@@ -25,6 +26,7 @@ void blob_drop(struct blob *b)
     if (--b->users > 0) return;
     buf_free(&b->bytes);
     buf_free(&b->packed);
+    buf_free(&b->kept);
     free(b);
 }
 
@@ -69,13 +71,34 @@ static bool is_packed(struct blob *b)
     return buf_size(&b->packed) > 0;
 }
 
+/* True if the reader of the queue has the body of the blob. */
+static bool is_kept(const struct down_queue *q, struct blob *b)
+{
+    struct decoder d = wire_over(b->bytes.data + b->bytes.off, buf_size(&b->bytes));
+    struct record r;
+    d.unsummed = true;
+    if (!q->keeps) return false;
+    if (!b->hashed && wire_next(&d, &r) == WIRE_RECORD && r.body_len >= KEEP_LEAST) {
+        sha256(r.body, r.body_len, b->hash);
+        wire_keep(&b->kept, &r, b->hash);
+    }
+    b->hashed = true;
+    return *b->hash && keep_names(q->keeps, b->hash);
+}
+
+static const struct buf *form_of(const struct down_queue *q, struct blob *b)
+{
+    if (is_kept(q, b)) return &b->kept;
+    return q->packs && is_packed(b) ? &b->packed : &b->bytes;
+}
+
 static ptrdiff_t write_blob(struct down_queue *q, struct down_blob *b, int fd)
 {
-    if (q->packs && !b->sent && !b->packed && is_packed(b->blob)) {
-        b->packed = true;
-        q->blob_bytes -= buf_size(&b->blob->bytes) - buf_size(&b->blob->packed);
+    if (!b->form) {
+        b->form = form_of(q, b->blob);
+        q->blob_bytes -= buf_size(&b->blob->bytes) - buf_size(b->form);
     }
-    const struct buf *bytes = b->packed ? &b->blob->packed : &b->blob->bytes;
+    const struct buf *bytes = b->form;
     ptrdiff_t k = write_now(fd, buf_data(bytes) + b->sent, buf_size(bytes) - b->sent);
     if (k < 0) return k;
     b->sent += (size_t)k;
@@ -111,6 +134,7 @@ void down_free(struct down_queue *q)
 {
     for (; q->first_blob < q->n_blobs; q->first_blob++) blob_drop(q->blobs[q->first_blob].blob);
     free(q->blobs);
+    free(q->keeps);
     buf_free(&q->bytes);
     *q = (struct down_queue){0};
 }

@@ -1,9 +1,11 @@
 /* Stream handling that both drivers share. */
+#include "keep/keep.h"
 #include "patience/patience.h"
 #include "pipe/pipe.h"
 
 #include <errno.h>
 #include <limits.h>
+#include <string.h>
 #include <unistd.h>
 
 #define READ_BYTES 65536
@@ -28,9 +30,11 @@ int stream_take(struct decoder *d, stream_taker *take, void *ctx)
     struct record r;
     enum wire_result result;
     int status;
-    while ((result = wire_next(d, &r)) == WIRE_RECORD)
+    while ((result = wire_next(d, &r)) == WIRE_RECORD) {
+        stream_keep(&r);
         if (!silence_take(&r) && (status = take(ctx, &r)) != 0)
             return status == STREAM_HOLD ? 0 : status;
+    }
     if (result != WIRE_BAD) return 0;
     warn("standard input: %s", d->why);
     return ST_USAGE;
@@ -113,10 +117,31 @@ void outlet_answer(struct outlet *o)
     if (o->greeted) wire_plain(&o->queue.control, REC_BEAT, NULL);
 }
 
+/* The sender has probed the link: it is on another machine. */
+static bool probed;
+
+bool stream_kept(const char *hash, size_t n, struct buf *to)
+{
+    if (keep_read(hash, n, to)) return true;
+    die(ST_SYSTEM, "standard input: state %.16s... is not kept here any more, or was damaged",
+        hash);
+}
+
+void stream_keep(const struct record *r)
+{
+    bool state = r->kind >= REC_SCENE && r->kind <= REC_FILES;
+    if (probed && state && !rec_kept(r)) keep_write(r->body, r->body_len);
+}
+
 void stream_code(const struct record *r, struct buf *to, bool *packs)
 {
     int64_t n;
-    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) wire_probe(to, (size_t)n);
+    char has[KEEP_LIST + 8] = "has=";
+    if (rec_int(r, "probe", 0, WIRE_PROBE_MAX, &n)) {
+        keep_list(has + strlen(has));
+        wire_probe(to, (size_t)n, has[4] ? has : NULL);
+        probed = true;
+    }
     *packs |= rec_int(r, "zstd", 1, 1, &n);
 }
 

@@ -69,7 +69,7 @@ static struct slot *slot_at(struct deal *d, int32_t k)
             .shared = TASK_LIST_EMPTY,
             .owed = TASK_LIST_EMPTY,
             .outrun = TASK_LIST_EMPTY};
-        tasks_init(&s->has, sizeof(struct copy));
+        tasks_init_slot(&s->has, sizeof(struct copy));
     }
     return &d->slots[k];
 }
@@ -288,7 +288,7 @@ static void deal_step(
 
 static int32_t deal_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct deal *)state)->ledger.n_by_generation[generation % GENERATIONS];
+    return tasks_in_generation(&((const struct deal *)state)->ledger, generation);
 }
 
 static int64_t deal_waiting(const void *state)

@@ -8,6 +8,7 @@
 #define OVERDUE 1         /* a task is overdue if late by this multiple of its expected time */
 #define LATER 2           /* it will then be late by this multiple of its delay so far */
 #define REVIEWED 16       /* longer queues are not estimated again */
+#define LOOKED_SLOTS 512  /* on n times as many, the expected end holds for n looks */
 #define FRESH (1 / 64.)   /* the expected end holds for this part of the time left, */
 #define FRESH_MOST_US 1e5 /* and at most for this time */
 
@@ -137,7 +138,8 @@ bool deal_review(struct deal *d, int32_t k)
 double deal_end_us(struct deal *d)
 {
     double now = (double)d->now_us;
-    if (now < d->stale_us) return d->end_us;
+    if (now < d->stale_us || d->looks-- > 0) return d->end_us;
+    d->looks = d->n_slots / LOOKED_SLOTS - 1; /* a look takes time by their number */
     double speed = 0, known = 0, up = 0, work = d->pool_px * d->costs.mean + d->pool_work;
     for (int32_t k = 0; k < d->n_slots; k++) {
         const struct slot *s = &d->slots[k];

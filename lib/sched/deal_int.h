@@ -95,7 +95,8 @@ struct deal {
     double pool_px;   /* pixels of the input tasks in the pool */
     double pool_work; /* work of the pieces in the pool */
     double end_us;    /* expected end of the run, */
-    double stale_us;  /* and until when that holds */
+    double stale_us;  /* and until when that holds; */
+    int32_t looks;    /* on many slots, for this number of looks more */
     struct slot *slots;
     int32_t n_slots;    /* entries of `slots` */
     int32_t up;         /* slots that are up, */

@@ -271,7 +271,7 @@ static void master_step(
 
 static int32_t master_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct master *)state)->table.n_by_generation[generation % GENERATIONS];
+    return tasks_in_generation(&((const struct master *)state)->table, generation);
 }
 
 /* The master does not know where a row is, or whether it was begun. */

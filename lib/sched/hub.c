@@ -256,7 +256,7 @@ static void ring_step(
 
 static int32_t ring_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct hub *)state)->ledger.n_by_generation[generation % GENERATIONS];
+    return tasks_in_generation(&((const struct hub *)state)->ledger, generation);
 }
 
 static int64_t ring_waiting(const void *state)

@@ -263,7 +263,7 @@ static void node_step(
 
 static int32_t node_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct node *)state)->has.n_by_generation[generation % GENERATIONS];
+    return tasks_in_generation(&((const struct node *)state)->has, generation);
 }
 
 static int64_t node_waiting(const void *state) { return ((const struct node *)state)->queue.count; }

@@ -112,7 +112,7 @@ static void fan_step(
 
 static int32_t fan_uncommitted(const void *state, uint32_t generation)
 {
-    return ((const struct fan *)state)->ledger.n_by_generation[generation % GENERATIONS];
+    return tasks_in_generation(&((const struct fan *)state)->ledger, generation);
 }
 static int64_t fan_waiting(const void *state) { return ((const struct fan *)state)->n_waiting; }
 static int32_t fan_tries(const void *state, int32_t slot, uint32_t frame, uint32_t id)

@@ -91,15 +91,22 @@ void tasks_init(struct task_table *t, size_t payload)
     *t = (struct task_table){.extra.size = payload};
 }
 
+void tasks_init_slot(struct task_table *t, size_t payload)
+{
+    *t = (struct task_table){.extra.size = payload, .of_slot = true};
+}
+
 /* Doubles the entries, their payloads and the hash chains. */
 static void grow(struct task_table *t)
 {
-    int32_t cap = t->cap ? t->cap * 2 : 64;
+    int32_t cap = t->cap ? t->cap * 2 : t->of_slot ? 4 : 64;
     if (t->cap > INT32_MAX / 4) die(ST_SYSTEM, "more than %d tasks at once", t->cap);
     t->at = xrealloc(t->at, (size_t)cap, sizeof *t->at);
     make_room(&t->extra, (size_t)cap);
     free(t->heads);
     t->heads = xmalloc((size_t)cap, sizeof *t->heads);
+    if (!t->by_generation && !t->of_slot)
+        t->by_generation = xcalloc(GENERATIONS, sizeof *t->by_generation);
     for (int32_t i = 0; i < cap; i++) t->heads[i] = -1;
     t->n_heads = cap;
     t->free_list = -1;
@@ -116,7 +123,8 @@ void tasks_free(struct task_table *t)
     free(t->at);
     free(t->heads);
     free(t->extra.at);
-    tasks_init(t, t->extra.size);
+    free(t->by_generation);
+    *t = (struct task_table){.extra.size = t->extra.size, .of_slot = t->of_slot};
 }
 
 int32_t tasks_find(const struct task_table *t, uint32_t frame, uint32_t id)
@@ -137,7 +145,7 @@ int32_t tasks_add(struct task_table *t, const struct task *task, uint32_t frame_
     clear(&t->extra, (size_t)i);
     chain(t, i);
     t->count++;
-    t->n_by_generation[task->generation % GENERATIONS]++;
+    if (t->by_generation) t->by_generation[task->generation % GENERATIONS]++;
     return i;
 }
 
@@ -151,7 +159,7 @@ void tasks_remove(struct task_table *t, int32_t i)
     e->chain = t->free_list;
     t->free_list = i;
     t->count--;
-    t->n_by_generation[e->task.generation % GENERATIONS]--;
+    if (t->by_generation) t->by_generation[e->task.generation % GENERATIONS]--;
 }
 
 bool tasks_deliver(struct task_table *t, int32_t i, const struct lattice *at)

@@ -248,7 +248,8 @@ struct task_table {
     int32_t *heads;
     struct payloads extra;
     int32_t n_heads, cap, free_list, count;
-    int32_t n_by_generation[GENERATIONS]; /* number per generation, modulo GENERATIONS */
+    int32_t *by_generation; /* number per generation, modulo GENERATIONS; NULL: not counted */
+    bool of_slot;           /* by tasks_init_slot */
 };
 struct task_list {
     int32_t head, tail, count; /* -1: none */
@@ -257,7 +258,14 @@ struct task_list {
 
 /* An empty table whose payloads have this size. */
 void tasks_init(struct task_table *t, size_t payload);
-/* Frees all entries: t is as tasks_init left it. */
+/* The same for the tasks of one slot of many: it begins small, and counts no generations. */
+void tasks_init_slot(struct task_table *t, size_t payload);
+/* The number of entries of this generation, modulo GENERATIONS. */
+static inline int32_t tasks_in_generation(const struct task_table *t, uint32_t generation)
+{
+    return t->by_generation ? t->by_generation[generation % GENERATIONS] : 0;
+}
+/* Frees all entries: t is as tasks_init or tasks_init_slot left it. */
 void tasks_free(struct task_table *t);
 /* The payload of entry i of t, which has payloads. */
 static inline void *tasks_extra(const struct task_table *t, int32_t i)

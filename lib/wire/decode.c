@@ -169,7 +169,7 @@ static bool parse_body(struct record *r, const struct decoder *d, char why[160])
     /* The answer to a probe has a body, the probe has none. */
     r->has_body = grammar[r->kind].body || (r->kind == REC_CODE && d->upward);
     if (!r->has_body) return has_key(r, "bytes") ? wire_fail(why, "a body", "none here") : true;
-    if (!wire_lengths(r, d->coded, why)) return false;
+    if (!wire_lengths(r, d, why)) return false;
     if (r->kind == REC_CODE && r->body_len > WIRE_PROBE_MAX)
         return wire_fail(why, "code of another size", "at most 1048576 bytes");
     if (has_key(r, "crc") && !rec_int(r, "crc", 0, UINT32_MAX, &crc))
@@ -350,8 +350,9 @@ static enum wire_result look(struct decoder *d, struct record *r, char why[160])
         return WIRE_BAD;
     }
     r->body = (const unsigned char *)nl + 1;
-    if (r->wire_len != r->body_len && !wire_unpack(&d->plain, r)) {
-        wire_fail(why, "packed body differs", "the bytes that were sent");
+    if (r->wire_len != r->body_len && !wire_unpack(d, r)) {
+        if (rec_kept(r)) wire_fail(why, "no body with this hash", "one that was kept");
+        else wire_fail(why, "packed body differs", "the bytes that were sent");
         return WIRE_BAD;
     }
     return check_body(d, r, why) ? WIRE_RECORD : WIRE_BAD;

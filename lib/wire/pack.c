@@ -41,12 +41,21 @@ void wire_pack_last(struct buf *b, size_t at)
     buf_free(&packed);
 }
 
-void wire_probe(struct buf *b, size_t n)
+void wire_keep(struct buf *to, const struct record *r, const char *sha256)
+{
+    char text[SHA256_TEXT + 40];
+    snprintf(text, sizeof text, "bytes=%zu kept=%s", r->body_len, sha256);
+    wire_put_line(to, r, text);
+    wire_put_body(to, "", 0);
+}
+
+void wire_probe(struct buf *b, size_t n, const char *extra)
 {
     unsigned char *body = xmalloc(n ? n : 1, 1);
     for (size_t i = 0; i < n; i++) body[i] = (unsigned char)rng_u64(n, i);
     const size_t at = buf_size(b);
     buf_printf(b, "code crc=%" PRIu32 " bytes=%zu", wire_crc(body, n), n);
+    if (extra && *extra) buf_printf(b, " %s", extra);
     wire_seal(b, at);
     wire_put_body(b, body, n);
     free(body);

@@ -74,12 +74,16 @@ struct record {
     uint32_t frame_w, frame_h; /* frame */
 };
 
+/* Appends the n bytes with this hash, or returns false. The hash is text of any kind. */
+typedef bool wire_kept(const char *sha256, size_t n, struct buf *to);
+
 /* All zero, except `upward`, at the beginning of a stream. */
 struct decoder {
     struct buf in;
     bool upward;      /* reads from workers, which are not trusted: state records are bad there, */
                       /* so the decoder never waits for more than a frag */
     bool coded;       /* the sender may pack bodies: records come out as they were before */
+    wire_kept *kept;  /* finds bodies of state that are not sent: wire_keep; NULL: all are sent */
     bool unsummed;    /* does not check bodies: call wire_crc and wire_light */
     bool ended;       /* no more bytes will be fed */
     bool lost;        /* looking for the next good record */
@@ -207,7 +211,12 @@ bool wire_pack(struct buf *to, const struct record *r);
 void wire_pack_last(struct buf *b, size_t at);
 /* Appends a code record with n bytes that cannot be packed: the answer to a probe. */
 #define WIRE_PROBE_MAX (1 << 20)
-void wire_probe(struct buf *b, size_t n);
+void wire_probe(struct buf *b, size_t n, const char *extra);
+/* Appends r, a record of state, with this hash in the place of its body: only for a decoder that
+ * finds that (`kept`). */
+void wire_keep(struct buf *to, const struct record *r, const char *sha256);
+/* True if the body of r was found by its hash. */
+bool rec_kept(const struct record *r);
 
 /*
  * Encoders append one record to b. `extra` is NULL or "key=value ...". Records that go up, or from

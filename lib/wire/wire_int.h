@@ -31,9 +31,9 @@ void wire_put_line(struct buf *b, const struct record *r, const char *text);
  * a coder may gain: this bounds the memory that a small record takes. False: they are bad, with the
  * error in why.
  */
-bool wire_lengths(struct record *r, bool coded, char why[WIRE_WHY]);
-/* Replaces a packed record, whose body is whole, by the plain one, in `to`. False: it is damaged.
- */
-bool wire_unpack(struct buf *to, struct record *r);
+bool wire_lengths(struct record *r, const struct decoder *d, char why[WIRE_WHY]);
+/* Replaces a packed record, whose body is whole, or one that has a hash, by the plain one, in
+ * d->plain. False: it is damaged, or there is no such body. */
+bool wire_unpack(struct decoder *d, struct record *r);
 
 #endif

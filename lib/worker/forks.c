@@ -33,7 +33,7 @@ static int tasks_before(const struct forks *p, const uint32_t *oldest)
         const struct task_table *t = k < 0 ? &p->tasks : &p->slots[k].tasks;
         if (!oldest) n += k < 0 ? 0 : t->count;
         for (uint32_t g = p->w->generations.oldest; oldest && (int32_t)(g - *oldest) < 0; g++)
-            n += t->n_by_generation[g % GENERATIONS];
+            n += tasks_in_generation(t, g);
     }
     return n;
 }

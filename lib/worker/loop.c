@@ -125,6 +125,7 @@ static void take_state(struct worker *w, const struct record *r)
     unsigned char *body = worker_loads(w, r) ? wire_body(&w->in, r) : NULL;
     memcpy(err, w->refusal, sizeof err);
     worker_pulse_begin();
+    stream_keep(r);
     if (w->ops->state(w->ctx, w->generations.now, r->kind, body, r->body_len, err) != 0)
         die(ST_USAGE, "%s", err);
     worker_pulse_end();

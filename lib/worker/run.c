@@ -49,7 +49,7 @@ static void free_all(struct worker *w)
 int worker_run(const struct worker_ops *ops, const struct worker_options *o, void *ctx)
 {
     struct worker w = {
-        .ops = ops, .options = o, .ctx = ctx, .in.coded = true, .generations.keeps = true};
+        .ops = ops, .options = o, .ctx = ctx, .in = STREAM_INPUT, .generations.keeps = true};
     int status = ST_OK;
     frames_init(&w.frames, sizeof(struct worker_job));
     signal(SIGPIPE, SIG_IGN); /* so the status is the same whenever the reader goes */

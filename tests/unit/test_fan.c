@@ -277,7 +277,7 @@ static void drop_echo(struct fan_slot *s)
 static void answer(struct fan_slot *s, size_t bytes, int64_t us)
 {
     struct buf b = {0};
-    wire_probe(&b, bytes);
+    wire_probe(&b, bytes, NULL);
     const unsigned char *at = buf_data(&b);
     size_t left = buf_size(&b), before = s->conn.probe_bytes;
     while (left) {

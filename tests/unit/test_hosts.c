@@ -114,7 +114,7 @@ static void a_bad_list_is_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {"", ",", "a,", "0/a", "x/a", "4/", "-oProxyCommand=x", "4/-x",
-        "a b", "4097/a", "4096/a,b", "no/such/file", "99999999999999999999/a", "a\tb", "\xc3\xa4"};
+        "a b", "4097/a", "no/such/file", "99999999999999999999/a", "a\tb", "\xc3\xa4"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_false(hosts_read(&hosts, bad[i], err));
         assert_non_null(strstr(err, "expected"));
@@ -134,7 +134,6 @@ static void a_bad_file_is_refused_with_its_line(void **state)
     refused("a\nb slots=0\n", 2, "slots='0': expected an integer");
     refused("a slots=4097", 1, "slots='4097'");
     refused("a slots=1 slots=1", 1, "slots comes twice");
-    refused("a slots=4000\n\nb slots=97", 3, "4097 slots");
     refused("a power=0", 1, "power='0'");
     refused("a send=yes", 1, "send='yes': expected auto");
     refused(": send=auto", 1, "expected no via=, bin=, send=");
@@ -199,11 +198,32 @@ static void names_consist_of_harmless_bytes(void **state)
     }
 }
 
+static void hosts_and_slots_have_a_limit(void **state)
+{
+    (void)state;
+    static char text[3 * HOSTS_MOST + 3];
+    char *at = text;
+    int lines = 0;
+    for (int left = HOSTS_SLOTS_MAX; left; left -= left < HOST_SLOTS_MAX ? left : HOST_SLOTS_MAX)
+        at += sprintf(at, "a slots=%d\n", left < HOST_SLOTS_MAX ? left : HOST_SLOTS_MAX), lines++;
+    assert_true(read_text(text));
+    assert_int_equal(hosts.slots, HOSTS_SLOTS_MAX);
+    hosts_free(&hosts);
+    strcpy(at, "b\n");
+    refused(text, lines + 1, "1000001 slots");
+    for (at = text; at < text + 2 * HOSTS_MOST; at += 2) memcpy(at, "a\n", 3);
+    assert_true(read_text(text));
+    assert_int_equal(hosts.n, HOSTS_MOST);
+    hosts_free(&hosts);
+    strcpy(at, "b\n");
+    refused(text, HOSTS_MOST + 1, "100000 hosts");
+}
+
 /* A file that was named by mistake is refused soon, and little of it is shown. */
 static void what_is_no_hosts_file_is_refused(void **state)
 {
     (void)state;
-    static char line[5000], text[(1 << 20) + 2];
+    static char line[5000], text[(16 << 20) + 2];
     memset(line, 'x', sizeof line - 1);
     refused(line, 1, "more than 4096 bytes");
     memcpy(line, "a #", 3);
@@ -217,8 +237,8 @@ static void what_is_no_hosts_file_is_refused(void **state)
     memcpy(line, "a secret", 8);
     refused(line, 1, "'secretxxxxxxxxxxxxxxxxxxxxxxxxx...': unknown");
     memset(text, '\n', sizeof text - 1);
-    refused(text, 0, "larger than 1048576 bytes");
-    text[1 << 20] = '\0';
+    refused(text, 0, "larger than 16777216 bytes");
+    text[16 << 20] = '\0';
     refused(text, 0, "no host");
     assert_false(hosts_read(&hosts, "/dev/zero", err));
     assert_non_null(strstr(err, "/dev/zero: no regular file, expected"));
@@ -376,22 +396,63 @@ static void here_nothing_is_between(void **state)
 static void slots_are_numbered_through_the_hosts(void **state)
 {
     (void)state;
-    static const size_t host_of[] = {0, 0, 1, 2, 2, 2};
     static const double powers[] = {.5, .5, 2, 1, 1, 1};
     const char *without = NULL;
     assert_true(read_text("a slots=2 power=.5\nb power=2\nc slots=3 power=1\n"));
     double *power = hosts_powers(&hosts, &without);
     assert_non_null(power);
-    for (int k = 0; k < 6; k++) {
-        assert_int_equal(hosts_of_slot(&hosts, k), host_of[k]);
-        assert_true(power[k] == powers[k]);
-    }
+    for (int k = 0; k < 6; k++) assert_true(power[k] == powers[k]);
     free(power);
     hosts_free(&hosts);
     assert_true(read_text("a slots=2 power=.5\nb\nc\n"));
     assert_null(hosts_powers(&hosts, &without));
     assert_string_equal(without, "b");
     hosts_free(&hosts);
+}
+
+/* The lines of a rack, read as its head reads them, are the hosts. */
+static void racks_have_the_lines_of_their_hosts(void **state)
+{
+    (void)state;
+    struct hosts all, one;
+    assert_true(read_text("a slots=2 power=.5 via=\"v 'x y' \\\"q\\\\\\\\\\\" %c\" tries=3\n"
+                          "b power=2 bin=~/x\n"
+                          ": slots=4\nc slots=3\nd send=auto wait=9\n"));
+    all = hosts;
+    assert_true(hosts_racks(&all, 2, err));
+    assert_int_equal(all.n, 3);
+    assert_int_equal(all.slots, 3);
+    assert_string_equal(all.at[0].rack, ": slots=\"2\" power=\".5\" tries=\"3\"\n"
+                                        "b bin=\"~/x\" power=\"2\"\n");
+    assert_true(all.at[0].power > 2.9 && all.at[0].power < 3.1);
+    assert_non_null(all.at[0].via);
+    assert_string_equal(all.at[1].rack, ": slots=\"4\"\n");
+    assert_true(host_is_here(&all.at[1]));
+    assert_string_equal(all.at[2].rack, ": slots=\"3\"\nd send=\"auto\" wait=\"9\" slots=1\n");
+    assert_true(hosts_read(&one, all.at[2].rack, err));
+    assert_int_equal(one.slots, 4);
+    assert_true(one.at[1].send && one.at[1].wait_s > 8);
+    hosts_free(&one);
+    hosts_free(&all);
+    assert_true(read_text("a\nb via=\"v 'x y' \\\"q\\\\\\\\\\\" %c\"\n"));
+    char *via = xstrdup(hosts.at[1].via);
+    assert_true(hosts_racks(&hosts, 2, err));
+    assert_true(hosts_read(&one, hosts.at[0].rack, err));
+    assert_string_equal(one.at[1].via, via);
+    free(via);
+    hosts_free(&one);
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "x,:,y,z", err));
+    assert_true(hosts_racks(&hosts, 9, err));
+    assert_int_equal(hosts.n, 3);
+    assert_string_equal(hosts.at[2].rack, ": slots=1\nz slots=1\n");
+    hosts_free(&hosts);
+    assert_true(hosts_read(&hosts, "3/x,2/y", err));
+    assert_true(hosts_racks(&hosts, 9, err));
+    assert_string_equal(hosts.at[0].rack, ": slots=3\ny slots=2\n");
+    hosts_free(&hosts);
+    assert_false(hosts_read(&hosts, "a\nb slots=0\n", err));
+    assert_int_equal(strncmp(err, "-S:2: ", 6), 0);
 }
 
 static void write_version(const char *text)
@@ -474,6 +535,7 @@ int main(void)
         cmocka_unit_test(a_bad_list_is_refused),
         cmocka_unit_test(a_bad_file_is_refused_with_its_line),
         cmocka_unit_test(names_consist_of_harmless_bytes),
+        cmocka_unit_test(hosts_and_slots_have_a_limit),
         cmocka_unit_test(what_is_no_hosts_file_is_refused),
         cmocka_unit_test(commands_are_quoted_for_both_shells),
         cmocka_unit_test(control_characters_travel_as_numbers),
@@ -482,6 +544,7 @@ int main(void)
         cmocka_unit_test(ssh_is_asked_for_its_way),
         cmocka_unit_test(here_nothing_is_between),
         cmocka_unit_test(slots_are_numbered_through_the_hosts),
+        cmocka_unit_test(racks_have_the_lines_of_their_hosts),
         cmocka_unit_test(a_version_that_stays_is_new_once),
         cmocka_unit_test(lines_are_the_same_if_they_reach_the_same_host),
     };

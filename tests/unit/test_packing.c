@@ -392,7 +392,7 @@ static void an_answer_to_a_probe_is_not_packed(void **state)
     (void)state;
     struct buf b = {0}, packed = {0};
     struct record r;
-    wire_probe(&b, 5000);
+    wire_probe(&b, 5000, NULL);
     struct decoder d = {.upward = true, .coded = true};
     wire_feed(&d, buf_data(&b), buf_size(&b));
     assert_int_equal(wire_next(&d, &r), WIRE_RECORD);
