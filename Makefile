@@ -135,7 +135,7 @@ OF_CC   := $(if $(filter cc gcc,$(CC)),$(shell $(CC) -print-multiarch))
 MUSL_AT := $(if $(POSIX),,$(wildcard /usr/lib/$(subst gnu,musl,$(OF_CC))/rcrt1.o))
 MUSL    := $(if $(MUSL_AT),$(if $(shell command -v musl-gcc 2>&1),musl-gcc))
 MUSL_OF  = os base patience geometry task coder wire image scene simd trace grid spec volume \
-           stats proc hosts pipe fan worker sched drive
+           stats proc hosts keep pipe fan worker sched drive
 MUSL_OBJ = $(patsubst $(BUILD)/%,$(BUILD)/musl/%,$(filter $(MUSL_OF:%=$(BUILD)/%/%.o),$(LIBOBJ)))
 ifneq ($(MUSL),)
 STATIC_CC = $(MUSL) -idirafter /usr/include -idirafter /usr/include/$(OF_CC)

@@ -113,8 +113,8 @@ static void own_files(struct drawing *d)
 }
 
 /* A task that cannot be drawn fails, and another worker, perhaps on another host, may get it. */
-static bool task(void *built, const struct frame_size *f, const struct lattice *whole,
-    char why[WORKER_ERR])
+static bool task(
+    void *built, const struct frame_size *f, const struct lattice *whole, char why[WORKER_ERR])
 {
     struct drawing *d = built;
     char err[CROP_ERR];

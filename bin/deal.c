@@ -11,7 +11,8 @@
 
 int main(int argc, char **argv)
 {
-    static const char text[] = "[-eh] [-l LOSSES] [-q DEPTH|auto] [-t SECONDS] COMMAND [ARGUMENT ...]";
+    static const char text[] =
+        "[-eh] [-l LOSSES] [-q DEPTH|auto] [-t SECONDS] COMMAND [ARGUMENT ...]";
     struct sched_params p = {0};
     prog_init(argv[0]);
     int opt;

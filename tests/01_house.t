@@ -84,7 +84,7 @@ log intake
 pipe blob down outlet silence stdout_private stream up
 proc child cores_available groups signals status want_descriptors
 scene corners nff points pov reader token tokens
-sched cost deal gdc hub node pace pieces policy set tournament
+sched blame cost deal gdc hub node pace pieces policy set tournament
 sim net tree
 task chunk_at coverage cut frames lattice list tasks
 trace bound bvh crossings items light media pending sah slabs tracer wave
@@ -248,7 +248,7 @@ beyond="$beyond|mempcpy|mkostemps?|mremap|nftw|pidfd_[a-z_]+|pipe2|ppoll|prctl|p
 beyond="$beyond|reallocarray|sched_[gs]etaffinity|signalfd|sigaltstack|sincos|splice|strcasestr|strchrnul|strlc(at|py)|strsep"
 beyond="$beyond|strverscmp|syscall|timegm|timerfd_[a-z]+|usleep|wait[34]|le(16|32|64)toh|htole(16|32|64)"
 headers='arpa/inet|ctype|dirent|errno|fcntl|float|inttypes|limits|math|poll|pthread|setjmp|signal|std(arg|bool|def|int|io|lib)'
-headers="$headers|strings?|sys/(mman|resource|stat|time|types|uio|utsname|wait)|time|unistd"
+headers="$headers|strings?|sys/(mman|resource|stat|statvfs|time|types|uio|utsname|wait)|time|unistd"
 headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl_(cdf|errno)|assimp/[A-Za-z]+|immintrin|cpuid|cmocka"
 # shellcheck disable=SC2046,SC2086
 {

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/lib.sh"
 spdgen -s 2 gears >g.nff
 
-# A command that dies in one pixel of 200x150, and what is said of it.
+# A command that dies in one pixel of 200x150, and what the messages say.
 cat >paint <<'END'
 [ "$1" -le "$BX" ] && [ "$BX" -lt $(($1 + $3)) ] && [ "$2" -le "$BY" ] && [ "$BY" -lt $(($2 + $4)) ] && echo 'no memory here' >&2 && kill -9 $$
 printf 'P5 %d %d 255\n' "$3" "$4"

@@ -1,5 +1,6 @@
 /* The live driver, shared by its files: policy.c (the loop, and its input), up.c (what the
- * command sends), tell.c (events, and what the policy does) and losses.c (tasks that cost slots). */
+ * command sends), tell.c (events, and what the policy does) and losses.c (tasks that cost
+ * slots). */
 #ifndef STORMRING_DRIVER_H
 #define STORMRING_DRIVER_H
 

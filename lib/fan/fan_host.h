@@ -3,6 +3,7 @@
 #define STORMRING_FAN_HOST_H
 
 #include "hosts/hosts.h"
+#include "pipe/pipe.h"
 
 #define FAN_TOLD 32 /* lines that a host is not shown to repeat */
 
@@ -35,6 +36,31 @@ struct fan_host {
     int64_t window_us;       /* start of the count of lines shown */
     int shown;
     int64_t dropped; /* lines not shown, and not yet reported */
+};
+
+/* A slot was lost while it computed this task. */
+#define FAN_DEATHS 64
+struct fan_death {
+    uint32_t frame, id;
+    int32_t slot;
+    bool excused; /* others were lost over it too */
+};
+
+/* Payload of a task of a slot. */
+struct fan_task {
+    int64_t sent_us; /* when the slot was sent it, since the fan's start */
+    int32_t from;    /* the node that it was stolen from; -1: none */
+    bool computed;   /* the slot has sent its `done` */
+};
+
+/* Payload of a frame: its job. */
+struct fan_job {
+    bool stated; /* the input or a slot has stated this hash: */
+    char hash[WIRE_JOB];
+    int32_t by;            /* the slot that stated it first; -1: the input */
+    int32_t agree, differ; /* slots that stated this job; another one */
+    bool well;             /* a task of it was done */
+    int64_t vote;          /* number of this count of them, ascending */
 };
 
 #endif

@@ -1,10 +1,10 @@
 /*
  * fan, shared by its files: loop.c; facts.c (what is true of a slot); state.c (what a slot is
- * sent); report.c (failures); excuse.c (those that are no fault of a slot); down.c (the input); slot.c (the life of a slot); connect.c (the order
- * of connections); join.c (a hosts file that changes); refusal.c (why a connection failed); hello.c
- * (which workers are let in); alive.c (silence of this end); code.c (packed records); up.c (what
- * workers send); err.c (their standard error); send.c (programs for hosts that have none); list.c
- * (fan -l).
+ * sent); report.c (failures); excuse.c (those without fault of a slot); down.c (the input); slot.c
+ * (the life of a slot); connect.c (the order of connections); join.c (a hosts file that changes);
+ * refusal.c (why a connection failed); hello.c (which workers are let in); alive.c (silence of this
+ * end); code.c (packed records); up.c (what workers send); err.c (their standard error); send.c
+ * (programs for hosts that have none); list.c (fan -l).
  */
 #ifndef STORMRING_FAN_INT_H
 #define STORMRING_FAN_INT_H
@@ -37,23 +37,6 @@ enum fan_slot_event {
     ON_EXIT,    /* its process has ended */
     ON_GIVE_UP, /* its host cannot be used */
     FAN_SLOT_EVENTS
-};
-
-/* Payload of a task of a slot. */
-struct fan_task {
-    int64_t sent_us; /* when the slot was sent it, since the fan's start */
-    int32_t from;    /* the node that it was stolen from; -1: none */
-    bool computed;   /* the slot has sent its `done` */
-};
-
-/* Payload of a frame: its job. */
-struct fan_job {
-    bool stated; /* the input or a slot has stated this hash: */
-    char hash[WIRE_JOB];
-    int32_t by;            /* the slot that stated it first; -1: the input */
-    int32_t agree, differ; /* slots that stated this job; another one */
-    bool well;             /* a task of it was done */
-    int64_t vote;          /* number of this count of them, ascending */
 };
 
 /* Programs under way to the host, before its hello. */
@@ -151,14 +134,6 @@ struct fan_state_of {
     struct blob *kind[WIRE_STATE_KINDS]; /* NULL: none */
     uint32_t number[WIRE_STATE_KINDS];   /* number of each record of state, counted from 1 */
     struct buf frame_lines;
-};
-
-/* A slot was lost while it computed this task. */
-#define FAN_DEATHS 64
-struct fan_death {
-    uint32_t frame, id;
-    int32_t slot;
-    bool excused; /* others were lost over it too */
 };
 
 struct fan {

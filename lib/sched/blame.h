@@ -54,8 +54,8 @@ bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i
  * done. ended: pieces may be made. alone: 0; or it was given since, or is a half, and this is the
  * number of lost attempts, by blame_count, that show that it was lost again.
  *
- * A task is cut into halves; before the end of the input, when pieces may not be known to the
- * sender of the tasks, it is tried as it is. If one half is lost, it is cut in its turn; so all of
+ * A task is cut into halves. Before the end of the input the sender of the tasks may know no
+ * pieces: then it is tried as it is. If one half is lost, it is cut in its turn; so all of
  * the task is computed but the smallest part that is bad. If both are lost, the task is given up:
  * to search in both would cost a slot for each bad pixel.
  */

@@ -12,10 +12,7 @@
 
 #define LOOK_MOST 64 /* tasks of the pool that are looked at for a slot that was lost over some */
 
-static const struct task *task_of(const struct deal *d, int32_t i)
-{
-    return &d->ledger.at[i].task;
-}
+static const struct task *task_of(const struct deal *d, int32_t i) { return &d->ledger.at[i].task; }
 
 static void move(struct deal *d, int32_t i, enum place to)
 {
@@ -34,7 +31,7 @@ static void move_frame(struct deal *d, uint32_t frame, enum place to)
     }
 }
 
-/* ---- who is to blame ------------------------------------------------------------------------- */
+/* ---- blame ------------------------------------------------------------------------- */
 
 static void blame(struct deal *d, int32_t k, const struct task *t, struct sched_actions *out)
 {
@@ -52,8 +49,8 @@ void deal_aside_blame(struct deal *d, int32_t k, struct sched_actions *out)
     const struct slot *s = &d->slots[k];
     int32_t held = s->held.head, shared = s->shared.head;
     for (int32_t n = s->width; n > 0 && (held >= 0 || shared >= 0); n--) {
-        bool first = shared < 0 || (held >= 0 && deal_copy(s, held)->given_us <=
-                                                     deal_copy(s, shared)->given_us);
+        bool first = shared < 0 ||
+                     (held >= 0 && deal_copy(s, held)->given_us <= deal_copy(s, shared)->given_us);
         int32_t *c = first ? &held : &shared;
         blame(d, k, &s->has.at[*c].task, out);
         *c = s->has.at[*c].next;
@@ -100,7 +97,8 @@ static int32_t idle_for(const struct deal *d, int32_t i)
     for (int32_t k = -1, n = d->idle.count; n > 0; n--) {
         k = set_after(&d->idle, k);
         bool was = blame_is(&d->blame, task_of(d, i), k);
-        bool better = was != best_was ? best_was : d->slots[k].lost < d->slots[best < 0 ? k : best].lost;
+        bool better =
+            was != best_was ? best_was : d->slots[k].lost < d->slots[best < 0 ? k : best].lost;
         if (best < 0 || better) best = k, best_was = was;
     }
     return best;

@@ -187,7 +187,8 @@ int32_t deal_end_piece(struct deal *d, int32_t k, int32_t i)
     for (;;) {
         const struct task_entry *e = &d->ledger.at[i];
         const struct lattice at = pieces_missing(e);
-        if (lattice_count(&at) <= px + px / 2 || !pieces_id_left(&d->blame.frames, &e->task)) return i;
+        if (lattice_count(&at) <= px + px / 2) return i;
+        if (!pieces_id_left(&d->blame.frames, &e->task)) return i;
         /* An input task, or a piece that was given, keeps its pixels. */
         bool named = pieces_parent(&d->ledger, i) < 0 || deal_account(d, i)->latest >= 0;
         i = named ? deal_end_open(d, i) : deal_end_cut(d, i, pieces_rows(&at, px));

@@ -89,7 +89,7 @@ void deal_put_last(struct deal *d, int32_t i)
 
 /* The owner of entry i, which is on no list, is gone. The entry is the next to be given, or the
  * last if slots were lost over it, unless other slots have a copy or a piece, or have computed it.
- * If it is bad, it is put aside although others have a copy, who may hang. */
+ * If it is bad, it is put aside although others have a copy: they may hang. */
 static void put_back(struct deal *d, int32_t i)
 {
     const struct account *a = deal_account(d, i);

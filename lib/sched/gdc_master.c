@@ -133,8 +133,7 @@ static void take_up(struct master *m, int32_t k, struct sched_actions *out)
     struct member *node = &m->node[k];
     node->up = node->met = true;
     send_ring(m, k,
-        (struct ring){
-            RING_PLACE, .peer = -1, .next = -1, .me = k, .n = m->n, .published = true},
+        (struct ring){RING_PLACE, .peer = -1, .next = -1, .me = k, .n = m->n, .published = true},
         out);
     for (int32_t i = node->rows.head; i >= 0; i = m->table.at[i].next) send_assigned(m, i, out);
 }
@@ -165,7 +164,8 @@ static void leave(struct master *m, int32_t i, struct sched_actions *out)
 static void take_pixels(struct master *m, const struct task *t, struct sched_actions *out)
 {
     int32_t i = tasks_find(&m->table, t->frame, t->id);
-    if (i >= 0 && tasks_deliver(&m->table, i, &t->at) && tasks_whole(&m->table, i)) leave(m, i, out);
+    if (i >= 0 && tasks_deliver(&m->table, i, &t->at) && tasks_whole(&m->table, i))
+        leave(m, i, out);
 }
 
 /* The paper has no rule for a task that cannot be computed: it is given up. */

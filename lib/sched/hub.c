@@ -198,7 +198,9 @@ static void take_ring(struct hub *h, const struct sched_event *e, struct sched_a
 /* A record of this node proves that it lives. Pixels do not: they may come from before. */
 static void note_life(struct hub *h, const struct sched_event *e)
 {
-    if ((e->kind != SCHED_DONE && e->kind != SCHED_FAIL && e->kind != SCHED_RING) || !hub_works(h, e->slot)) return;
+    if ((e->kind != SCHED_DONE && e->kind != SCHED_FAIL && e->kind != SCHED_RING) ||
+        !hub_works(h, e->slot))
+        return;
     h->nodes[e->slot].silent = false;
     hub_mark(h, e->slot);
 }

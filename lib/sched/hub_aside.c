@@ -5,12 +5,9 @@
  */
 #include "sched/hub_int.h"
 
-static const struct task *task_of(const struct hub *h, int32_t i)
-{
-    return &h->ledger.at[i].task;
-}
+static const struct task *task_of(const struct hub *h, int32_t i) { return &h->ledger.at[i].task; }
 
-/* ---- who is to blame ------------------------------------------------------------------------- */
+/* ---- blame ------------------------------------------------------------------------- */
 
 static void blame(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
@@ -65,7 +62,8 @@ static int32_t node_for(const struct hub *h, int32_t i)
         k = set_after(&h->up, k);
         if (h->nodes[k].held.count) continue;
         bool was = blame_is(&h->blame, task_of(h, i), k);
-        bool better = best < 0 || (was != best_was ? best_was : h->nodes[k].lost < h->nodes[best].lost);
+        bool better =
+            best < 0 || (was != best_was ? best_was : h->nodes[k].lost < h->nodes[best].lost);
         if (better) best = k, best_was = was;
     }
     return best;
@@ -123,7 +121,8 @@ static void try_task(struct hub *h, int32_t i, struct sched_actions *out)
         if (node_for(h, i) >= 0) halve(h, i, out);
         break;
     case BLAME_GIVE_ALONE:
-        if (node_for(h, i) >= 0) *alone = 1 + blame_count(&h->blame, task_of(h, i)); /* fallthrough */
+        if (node_for(h, i) >= 0)
+            *alone = 1 + blame_count(&h->blame, task_of(h, i)); /* fallthrough */
     case BLAME_GIVE: give(h, i, out); break;
     }
 }

@@ -38,8 +38,7 @@ static int32_t rest_for(const struct hub *h, int32_t k)
 static int32_t last_of(const struct hub *h, int32_t k, int32_t to)
 {
     int32_t i = h->nodes[k].held.tail;
-    while (i >= 0 &&
-           (pieces_exist(&h->ledger, i) || hub_task(h, i)->alone || has_part(h, to, i)))
+    while (i >= 0 && (pieces_exist(&h->ledger, i) || hub_task(h, i)->alone || has_part(h, to, i)))
         i = h->ledger.at[i].prev;
     return i;
 }
@@ -94,7 +93,8 @@ static void give(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
     const struct lattice *at = &h->ledger.at[i].task.at;
     double px = tasks_px(&h->ledger, i);
     uint64_t n = pieces_rows(at, part_px(h, k, px, hub_pixel_us(h, k, i)));
-    bool may = !h->ledger.at[i].delivered && pieces_id_left(&h->blame.frames, &h->ledger.at[i].task);
+    bool may =
+        !h->ledger.at[i].delivered && pieces_id_left(&h->blame.frames, &h->ledger.at[i].task);
     if ((double)n < .75 * px && may) i = hub_cut_off(h, i, n);
     hub_unlist(h, i);
     hub_assign(h, i, k, out);

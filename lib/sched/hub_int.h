@@ -132,7 +132,7 @@ void hub_send(struct hub *h, int32_t k, int32_t i, struct sched_actions *out);
 void hub_give(struct hub *h, int32_t k, int32_t peer, int32_t n, struct sched_actions *out);
 /* Entry i, of node k, which cannot compute it and goes on, goes to another node. */
 void hub_pass_on(struct hub *h, int32_t i, int32_t k, struct sched_actions *out);
-/* The last pixels of entry i have come, or are given up. It may be the last piece of another one. */
+/* The last pixels of entry i have come, or are given up. It may be the last piece of another. */
 void hub_commit(struct hub *h, int32_t i, struct sched_actions *out);
 /* Moves entry i, whose node does not finish it, to node thief, which is up. */
 void hub_take_over(struct hub *h, int32_t i, int32_t thief, struct sched_actions *out);

@@ -1,5 +1,5 @@
 /*
- * Faults: crash, silence, pause, slow-down, hang, drain, a killed hub, and poison. At most one random fault
+ * Faults: crash, silence, pause, slow-down, hang, drain, and a killed hub. At most one random fault
  * befalls a slot, and one more if it drains; slot 0 is never lost.
  */
 #include "sim/world.h"
@@ -14,33 +14,6 @@ static void plan_fault(
 {
     struct sim_event e = {.kind = SIM_FAULT, .sched = {.n = (int32_t)kind, .power = power}};
     sim_schedule(w, at_us, k, e);
-}
-
-/* ---- poison ---------------------------------------------------------------------------------- */
-
-const struct poison *sim_poison_in(const struct world *w, const struct task *t)
-{
-    for (size_t i = 0; i < w->n_poison; i++) {
-        const struct poison *p = &w->poison[i];
-        const struct lattice one = {p->x, p->y, 1, 1, t->at.sx, t->at.sy};
-        if (lattice_offset(&t->at, w->frame_w, &one) >= 0) return p;
-    }
-    return NULL;
-}
-
-void sim_plan_poison(struct world *w)
-{
-    const struct sim_plan *p = w->plan;
-    w->poison = xcalloc(p->n_faults + (size_t)p->poison + 1, sizeof *w->poison);
-    for (size_t i = 0; i < p->n_faults; i++)
-        if (p->faults[i].kind == SIM_POISON)
-            w->poison[w->n_poison++] = (struct poison){p->faults[i].x, p->faults[i].y, false};
-    for (int32_t i = 0; i < p->poison && p->tasks; i++) {
-        const double where = rng_unit(p->seed, 5000 + 2 * (uint64_t)i);
-        const int64_t px = (int64_t)(where * p->tasks * p->rows * w->frame_w);
-        w->poison[w->n_poison++] = (struct poison){(uint32_t)(px % w->frame_w),
-            (uint32_t)(px / w->frame_w), rng_unit(p->seed, 5001 + 2 * (uint64_t)i) < .5};
-    }
 }
 
 /* ---- plans ----------------------------------------------------------------------------------- */
@@ -95,7 +68,8 @@ void sim_inject_by_commits(struct world *w, int64_t before)
     const struct sim_plan *p = w->plan;
     for (size_t i = 0; i < p->n_faults; i++) {
         const struct sim_fault *f = &p->faults[i];
-        if (f->at_us < 0 && f->kind != SIM_POISON && f->commits > before && f->commits <= w->result->commits)
+        if (f->at_us < 0 && f->kind != SIM_POISON && f->commits > before &&
+            f->commits <= w->result->commits)
             plan_fault(w, w->now_us, f->slot, f->kind, f->power);
     }
 }

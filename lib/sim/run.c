@@ -6,8 +6,8 @@
 #include <stdlib.h>
 
 #define POISON_TRIES 40 /* slots that a pixel may cost: three, and two for each cut */
-#define AT_ONCE 100   /* limit of events per slot and task, against endless loops */
-#define PX_AT_ONCE 10 /* likewise, per pixel */
+#define AT_ONCE 100     /* limit of events per slot and task, against endless loops */
+#define PX_AT_ONCE 10   /* likewise, per pixel */
 
 /* ---- the hub --------------------------------------------------------------------------------- */
 

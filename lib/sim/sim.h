@@ -20,7 +20,8 @@
  * admits it, as in the live driver; meanwhile slots are flushed.
  *
  * Checks of every run, after every event: a task commits once, and only after all of its pixels
- * were passed on, or given up because it has cost enough slots; a frame waits exactly while a task older than the previous frame's is
+ * were passed on, or given up because it has cost enough slots; a frame waits exactly while a task
+ * older than the previous frame's is
  * uncommitted; the end comes once, when everything is committed and no pixel is missing; time
  * advances. A test gives the plan the checks of a policy (tests/oracles), which look at all tasks
  * at each event.

@@ -55,8 +55,8 @@ static bool parse_poison(struct sim_plan *plan, char *x)
         !parse_int(y, 0, FRAME_SIDE_MAX - 1, &at[1]))
         return false;
     plan->faults = xrealloc(plan->faults, plan->n_faults + 1, sizeof *plan->faults);
-    plan->faults[plan->n_faults++] = (struct sim_fault){
-        .kind = SIM_POISON, .x = (uint32_t)at[0], .y = (uint32_t)at[1]};
+    plan->faults[plan->n_faults++] =
+        (struct sim_fault){.kind = SIM_POISON, .x = (uint32_t)at[0], .y = (uint32_t)at[1]};
     return true;
 }
 

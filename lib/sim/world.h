@@ -1,8 +1,8 @@
 /*
  * The world of one simulated run, shared by its files: run.c (the hub, its input, the loop),
  * links.c, start.c (what comes before the first task), slots.c (processes and workers), work.c
- * (what they work on, and how fast), node.c (a node's policy), faults.c, checks.c (checks of every
- * run).
+ * (what they work on, and how fast), node.c (a node's policy), faults.c, poison.c, checks.c (checks
+ * of every run).
  */
 #ifndef STORMRING_SIM_WORLD_H
 #define STORMRING_SIM_WORLD_H
@@ -206,12 +206,15 @@ void sim_node_step(struct world *w, int32_t k, struct sched_event e);
 void sim_node_begin(struct world *w, int32_t k);
 void sim_node_wake(struct world *w, int32_t k);
 
-/* ---- faults.c -------------------------------------------------------------------------------- */
+/* ---- poison.c -------------------------------------------------------------------------------- */
 
-/* The first such pixel of the task, or NULL. */
+/* The first pixel of the task that costs slots, or NULL. */
 const struct poison *sim_poison_in(const struct world *w, const struct task *t);
 /* Chooses pixels for that. */
 void sim_plan_poison(struct world *w);
+
+/* ---- faults.c -------------------------------------------------------------------------------- */
+
 /* Schedules the faults that the plan names, and draws some for slot k; k -1: for the hub. */
 void sim_plan_faults(struct world *w);
 void sim_draw_fault(struct world *w, int32_t k);

@@ -144,8 +144,8 @@ void wire_said(struct buf *b, const char *said)
     }
 }
 
-void wire_failed(struct buf *b, const struct task *t, const char *why, const char *said,
-    const char *extra)
+void wire_failed(
+    struct buf *b, const struct task *t, const char *why, const char *said, const char *extra)
 {
     size_t at = buf_size(b);
     buf_printf(b, "fail %" PRIu32 " %" PRIu32 " why=%s", t->frame, t->id, why);

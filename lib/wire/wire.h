@@ -236,7 +236,7 @@ void wire_done(struct buf *b, const struct task *t, int64_t cpu_us, int64_t wall
 /* The task cannot be computed: why is one word; said: words of a command or a process, or "". */
 void wire_failed(struct buf *b, const struct task *t, const char *why, const char *said,
     const char *extra);
-/* Appends " said=" and the words, as far as there is room, unless they are empty. */
+/* Appends " said=" and the words, of which WIRE_SAID bytes fit; nothing if they are empty. */
 void wire_said(struct buf *b, const char *said);
 /* least: of the power, by the self-test; 0: not known */
 void wire_hello(struct buf *b, const char *program, const char *selftest, double power,

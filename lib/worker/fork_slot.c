@@ -232,7 +232,7 @@ static void fail(
     drop(s, i);
 }
 
-/* The task that the child was computing, or else the first one whose pixels are missing; -1: none. */
+/* The task that the child was computing, or the first one whose pixels are missing; -1: none. */
 static int32_t current(const struct fork_slot *s)
 {
     int32_t i = s->sent.head;

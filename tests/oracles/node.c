@@ -77,10 +77,9 @@ static void node_forgets(struct rslot *s, int32_t k, struct rtask *t, const stru
 void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e)
 {
     struct rslot *s = &sim_ring_model(w)->slots[k];
-    struct rtask *t =
-        e->kind == SCHED_TASK || e->kind == SCHED_DONE || e->kind == SCHED_FAIL
-            ? sim_ring_task(w, &e->task)
-            : NULL;
+    struct rtask *t = e->kind == SCHED_TASK || e->kind == SCHED_DONE || e->kind == SCHED_FAIL
+                          ? sim_ring_task(w, &e->task)
+                          : NULL;
     uint64_t bit = UINT64_C(1) << k;
     if (e->kind == SCHED_SLOTS) node_begins(w, s, k);
     else settle(w, s, k);
@@ -93,7 +92,8 @@ void sim_ring_node_event(struct world *w, int32_t k, const struct sched_event *e
         s->queued++;
         s->has_px += px_of(&e->task);
     }
-    if ((e->kind == SCHED_DONE || e->kind == SCHED_FAIL) && t && t->fed & bit) node_forgets(s, k, t, &e->task);
+    if ((e->kind == SCHED_DONE || e->kind == SCHED_FAIL) && t && t->fed & bit)
+        node_forgets(s, k, t, &e->task);
 }
 
 static void check_give_away(

@@ -17,12 +17,6 @@
 
 /* ---- the ledger ------------------------------------------------------------------------------ */
 
-static int32_t home_of(const struct ring_model *m, const struct task *t)
-{
-    const int32_t n = m->n;
-    return t->to >= 0 && t->to < n ? t->to : (int32_t)(t->id % (uint32_t)n);
-}
-
 static void note_task(struct world *w, struct ring_model *m, const struct task *task)
 {
     struct rtask *t = sim_ring_task(w, task);
@@ -30,7 +24,7 @@ static void note_task(struct world *w, struct ring_model *m, const struct task *
     m->open++;
     m->most_px = fmax(m->most_px, px_of(task));
     t->from = -1;
-    sim_ring_enter(w, m, t, RING_ORPHAN, m->n ? home_of(m, task) : -1);
+    sim_ring_enter(w, m, t, RING_ORPHAN, m->n ? sim_ring_home(m, task) : -1);
 }
 
 /* Slots beyond these may join later. */
@@ -41,16 +35,14 @@ static void note_slots(struct world *w, struct ring_model *m, int32_t n)
     for (int32_t i = 0; i < w->n_tasks; i++) {
         struct rtask *t = w->tasks[i].note;
         if (t && t->place == RING_ORPHAN)
-            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(m, &w->tasks[i].task));
+            sim_ring_enter(w, m, t, RING_ORPHAN, sim_ring_home(m, &w->tasks[i].task));
     }
 }
-
-static bool works(const struct rslot *s) { return s->state == RING_UP || s->state == RING_DRAINS; }
 
 static void note_up(struct world *w, struct ring_model *m, int32_t k)
 {
     struct rslot *s = &m->slots[k];
-    if (works(s)) return; /* it has another power */
+    if (sim_ring_works(s)) return; /* it has another power */
     if (k >= m->n) m->n = k + 1;
     m->promised -= s->promised;
     m->up += s->state != RING_UP;
@@ -108,48 +100,17 @@ static void note_drain(struct world *w, struct ring_model *m, int32_t k)
     if (m->slots[k].state == RING_UP) retire(w, m, k, RING_DRAINS);
 }
 
-/* Tasks that are not bad themselves have owners again. */
-static void note_well(struct world *w, struct ring_model *m)
-{
-    m->well = true;
-    if (!m->all_aside) return;
-    m->all_aside = false;
-    for (int32_t i = 0; i < w->n_tasks; i++) {
-        struct rtask *t = w->tasks[i].note;
-        if (t && t->place == RING_ASIDE && !sim_ring_bad(w, m, t))
-            sim_ring_enter(w, m, t, RING_ORPHAN, home_of(m, &w->tasks[i].task));
-    }
-}
-
 static void note_done(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
 {
     struct rslot *s = &m->slots[k];
-    if (t->base != k || !works(s) || t->place == RING_ABSENT) return;
+    if (t->base != k || !sim_ring_works(s) || t->place == RING_ABSENT) return;
     s->dry = false;
     m->paced = true;
     sim_ring_mark(w, m, k);
     /* the repeated report means that the first was too early */
     if (t->place == RING_COMPUTED) s->flushed = false;
-    if (t->place == RING_HELD) s->moved_us = w->now_us, s->timed = true, note_well(w, m);
+    if (t->place == RING_HELD) s->moved_us = w->now_us, s->timed = true, sim_ring_note_well(w, m);
     if (t->place == RING_HELD) sim_ring_enter(w, m, t, RING_COMPUTED, k);
-}
-
-/* Slot k cannot compute t, which goes to the next node. */
-static void note_fail(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
-{
-    if (t->base != k || !works(&m->slots[k])) return;
-    if (t->place != RING_HELD && t->place != RING_COMPUTED) return;
-    const enum rstate state = m->slots[k].state;
-    sim_ring_hand_on(w, m, t, k);
-    m->slots[k].state = RING_GONE;
-    if (t->place == RING_ORPHAN) {
-        m->up -= state == RING_UP;
-        int32_t heir = sim_ring_receiver(w, m, k);
-        m->up += state == RING_UP;
-        m->slots[k].state = state;
-        sim_ring_enter(w, m, t, RING_ORPHAN, heir < 0 ? k : heir);
-    }
-    m->slots[k].state = state;
 }
 
 static void note_ring(struct world *w, struct ring_model *m, const struct sched_event *e)
@@ -157,7 +118,7 @@ static void note_ring(struct world *w, struct ring_model *m, const struct sched_
     struct rslot *s = &m->slots[e->slot];
     struct rtask *t = e->ring.kind == RING_GIVE ? sim_ring_task(w, &e->task) : NULL;
     int32_t peer = e->ring.peer;
-    if (!works(s)) return;
+    if (!sim_ring_works(s)) return;
     if (e->ring.kind == RING_ASK) {
         s->asking = true;
         sim_ring_mark(w, m, e->slot);
@@ -223,7 +184,7 @@ static void ring_event(struct world *w, const struct sched_event *e)
         if ((t = sim_ring_task(w, &e->task)) != NULL) note_done(w, m, t, e->slot);
         break;
     case SCHED_FAIL:
-        if ((t = sim_ring_task(w, &e->task)) != NULL) note_fail(w, m, t, e->slot);
+        if ((t = sim_ring_task(w, &e->task)) != NULL) sim_ring_note_fail(w, m, t, e->slot);
         break;
     case SCHED_RING: note_ring(w, m, e); break;
     case SCHED_DRAIN: note_drain(w, m, e->slot); break;
@@ -266,36 +227,6 @@ static void check_taken_over(
     sim_ring_enter(w, m, t, RING_ORPHAN, a->slot);
 }
 
-/* A node was lost over a task: then it may be put aside, with others that the node had. */
-static void note_blame(struct world *w, struct ring_model *m, const struct sched_action *a)
-{
-    struct rtask *t = sim_ring_task(w, &a->task);
-    if (!t || t->lost != m->n_events)
-        sim_fail(w, "a node is lost over a task that it did not have", a->slot, a->task.id);
-    m->all_aside |= !m->well && ++m->blames >= SCHED_LOSSES;
-    for (int32_t i = 0; i < w->n_tasks; i++) {
-        t = w->tasks[i].note;
-        bool lost = t && t->lost == m->n_events && t->place >= RING_ORPHAN && t->place != RING_CUT;
-        if (lost && (t->place == RING_ORPHAN || t->place == RING_REST) && sim_ring_bad(w, m, t))
-            sim_ring_enter(w, m, t, RING_ASIDE, -1);
-    }
-}
-
-/* A task that was aside is tried: no node has another one to compute. */
-static void check_tried(struct world *w, struct ring_model *m, struct rtask *t, int32_t k)
-{
-    for (int32_t i = 0; i < w->n_tasks; i++) {
-        const struct rtask *other = w->tasks[i].note;
-        bool now = other && other->tried == m->n_events; /* another one that is tried */
-        if (other && other->place == RING_HELD && !other->cut && !other->alone && !now)
-            sim_fail(w, "a task is tried again while others are to be done", i, k);
-    }
-    t->alone |= sim_ring_costly(w, t);
-    t->tried = m->n_events;
-    t->from = -1;
-    sim_ring_enter(w, m, t, RING_ORPHAN, k);
-}
-
 static void check_given(struct world *w, struct ring_model *m, const struct sched_action *a)
 {
     struct rslot *s = &m->slots[a->slot];
@@ -306,7 +237,7 @@ static void check_given(struct world *w, struct ring_model *m, const struct sche
         if (!sim_ring_piece(w, m, a)) return;
         t = sim_ring_task(w, &a->task);
     }
-    if (t && t->place == RING_ASIDE) check_tried(w, m, t, a->slot);
+    if (t && t->place == RING_ASIDE) sim_ring_check_tried(w, m, t, a->slot);
     if (t && (t->place == RING_HELD || t->place == RING_COMPUTED) && t->base != a->slot)
         check_taken_over(w, m, t, a);
     if (!t || t->place != RING_ORPHAN) {
@@ -411,7 +342,7 @@ static void ring_action(struct world *w, const struct sched_action *a)
         sim_ring_forget(w, m, t);
         break;
     case SCHED_LEAVE: check_leave(w, m, a->slot); break;
-    case SCHED_BLAME: note_blame(w, m, a); break;
+    case SCHED_BLAME: sim_ring_note_blame(w, m, a); break;
     case SCHED_ABANDON: break;
     case SCHED_END:
     case SCHED_STOP:

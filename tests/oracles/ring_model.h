@@ -91,6 +91,10 @@ void sim_ring_hand_on(struct world *w, struct ring_model *m, struct rtask *t, in
 /* If slot k drains since this step: the policy has handed over all of its tasks but those that it
  * computes at once. */
 void sim_ring_hand_over(struct world *w, struct ring_model *m, int32_t k);
+static inline bool sim_ring_works(const struct rslot *s)
+{
+    return s->state == RING_UP || s->state == RING_DRAINS;
+}
 static inline double px_of(const struct task *t) { return (double)lattice_count(&t->at); }
 
 /* ---- ring_end.c ---------------------------------------------------------------------------- */
@@ -99,6 +103,19 @@ static inline double px_of(const struct task *t) { return (double)lattice_count(
 bool sim_ring_piece(struct world *w, struct ring_model *m, const struct sched_action *a);
 /* Task t leaves the ledger, with its pieces. */
 void sim_ring_forget(struct world *w, struct ring_model *m, struct rtask *t);
+
+/* ---- ring_aside.c -------------------------------------------------------------------------- */
+
+/* The node that a task without owner begins at. */
+int32_t sim_ring_home(const struct ring_model *m, const struct task *t);
+/* A task was done: tasks that were aside with all others have owners again. */
+void sim_ring_note_well(struct world *w, struct ring_model *m);
+/* Slot k cannot compute t, which goes to the next node. */
+void sim_ring_note_fail(struct world *w, struct ring_model *m, struct rtask *t, int32_t k);
+/* A node was lost over a task: this may be put aside, with others that the node had. */
+void sim_ring_note_blame(struct world *w, struct ring_model *m, const struct sched_action *a);
+/* Slot k is given t, which was aside. */
+void sim_ring_check_tried(struct world *w, struct ring_model *m, struct rtask *t, int32_t k);
 
 /* ---- node.c --------------------------------------------------------------------------- */
 

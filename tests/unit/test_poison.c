@@ -1,4 +1,4 @@
-/* Tasks that cost each slot that computes them, in virtual time: what is given up, and at what cost. */
+/* Tasks that cost each slot that computes them, in virtual time: what is given up, at what cost. */
 #include "../oracles/oracles.h"
 #include "sim/world.h"
 
@@ -54,7 +54,9 @@ static void the_smallest_bad_part_is_given_up(void **state)
                 struct sim_plan p = plan_of(slots, endgame);
                 poison(&p, 10, 1);
                 struct sim_result r = run(policies[i], p);
-                if (r.abandoned != 1) print_error("%s, %d slots, endgame %d: %lld poisoned\n", policies[i]->name, slots, endgame, (long long)r.poisoned);
+                if (r.abandoned != 1)
+                    print_error("%s, %d slots, endgame %d: %lld poisoned\n", policies[i]->name,
+                        slots, endgame, (long long)r.poisoned);
                 assert_int_equal(r.abandoned, 1);
                 assert_true(r.poisoned >= 4 && r.poisoned <= 3 + 7 + (endgame ? 4 : 0));
             }
@@ -110,7 +112,7 @@ static void an_option_says_how_many_slots_a_task_may_cost(void **state)
     assert_int_equal(run(&policy_deal, p).poisoned, few + 5);
 }
 
-/* Later state waits until the bad task is given up: then it is not cut, because the input goes on. */
+/* Later state waits until the bad task is given up: it is not cut, because the input goes on. */
 static void a_bad_task_does_not_hold_up_later_frames(void **state)
 {
     (void)state;

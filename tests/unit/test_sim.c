@@ -46,7 +46,8 @@ static void every_seed_commits_each_task_once_and_ends(void **state)
         "comings up, %lld answers "
         "twice, %lld "
         "of garbage, %lld copies, %lld pieces, "
-        "%lld ends that stop, %lld copies of what was late, %lld slots poisoned, %lld pixels given up\n",
+        "%lld ends that stop, %lld copies of what was late, %lld slots poisoned, %lld pixels given "
+        "up\n",
         (long long)seeds, (long long)total.events, (long long)total.gives, (long long)total.commits,
         (long long)total.crashes, (long long)total.silences, (long long)total.pauses,
         (long long)total.slows, (long long)total.hangs, (long long)total.drains,

@@ -82,8 +82,8 @@ static void some_log(struct buf *b)
 static void words_come_as_they_were_said(void **state)
 {
     (void)state;
-    static const char *const words[] = {
-        "", "disk full", "90% of \"2 GB\"", "50%20", "\x1b[31mred\n", "gr\xc3\xbc\xc3\x9f", "a=b c=d"};
+    static const char *const words[] = {"", "disk full", "90% of \"2 GB\"", "50%20",
+        "\x1b[31mred\n", "gr\xc3\xbc\xc3\x9f", "a=b c=d"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         struct decoder d = {.upward = true};
         struct record r;
