@@ -62,7 +62,7 @@ static bool inside(const struct world *w, const struct lattice *part, const stru
  * task count for the task, and the task for its parts. */
 static void check_abandon(struct world *w, const struct sched_action *a)
 {
-    const int32_t most = w->plan->params.losses ? w->plan->params.losses : SCHED_LOSSES;
+    const int32_t most = sim_losses(w->plan);
     int32_t blamed = 0;
     for (int32_t i = 0; i < w->n_tasks; i++) {
         const struct vtask *t = &w->tasks[i];

@@ -17,7 +17,8 @@ void sim_plan_poison(struct world *w)
     w->poison = xcalloc(p->n_faults + (size_t)p->poison + 1, sizeof *w->poison);
     for (size_t i = 0; i < p->n_faults; i++)
         if (p->faults[i].kind == SIM_POISON)
-            w->poison[w->n_poison++] = (struct poison){p->faults[i].x, p->faults[i].y, false};
+            w->poison[w->n_poison++] =
+                (struct poison){p->faults[i].x, p->faults[i].y, p->faults[i].power > 0};
     for (int32_t i = 0; i < p->poison && p->tasks; i++) {
         const double where = rng_unit(p->seed, 5000 + 2 * (uint64_t)i);
         const int64_t px = (int64_t)(where * p->tasks * p->rows * w->frame_w);

@@ -61,7 +61,7 @@ struct sim_fault {
     int32_t slot;
     int64_t at_us;   /* time; or, if < 0: */
     int64_t commits; /* number of committed tasks */
-    double power;    /* SLOW: factor of the slot's power */
+    double power;    /* SLOW: factor of the slot's power; POISON: 1: it says so and lives */
     uint32_t x, y;   /* POISON */
 };
 
@@ -142,6 +142,11 @@ struct sim_plan {
     const struct sim_work *work;     /* NULL: rows of random cost */
     void (*trace)(const char *line); /* each event in words; NULL: no trace */
 };
+/* Slots that a task may cost before it is put aside. */
+static inline int32_t sim_losses(const struct sim_plan *p)
+{
+    return p->params.losses ? p->params.losses : SCHED_LOSSES;
+}
 /* Makes up a plan from the seed: from small to large, with few or many faults. Slot 0 is never
  * lost. */
 struct sim_plan sim_plan_of(uint64_t seed);

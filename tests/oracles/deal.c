@@ -16,7 +16,7 @@ static bool is_suspect(const struct world *w, const struct vtask *t)
         all += other->blamed;
         well = well || (other->note && of(other)->done);
     }
-    return !well && all >= SCHED_LOSSES;
+    return !well && all >= sim_losses(w->plan);
 }
 
 /* True if a piece of t was given that still counts; and if committed ones do. */
@@ -264,7 +264,7 @@ static void check_turn(struct world *w, const struct vtask *t)
 {
     int32_t blamed = 0; /* if all tasks were put aside, lost ones came behind others */
     for (int32_t i = 0; i < w->n_tasks; i++) blamed += w->tasks[i].blamed;
-    if (is_suspect(w, t) || blamed >= SCHED_LOSSES) return;
+    if (is_suspect(w, t) || blamed >= sim_losses(w->plan)) return;
     for (int32_t i = 0; i < w->plan->tasks && !w->plan->params.endgame; i++) {
         const struct vtask *other = &w->tasks[i];
         bool first = of(other)->gives ? !of(other)->owners : of(other)->came < of(t)->came;

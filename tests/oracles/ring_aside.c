@@ -47,7 +47,7 @@ void sim_ring_note_blame(struct world *w, struct ring_model *m, const struct sch
     struct rtask *t = sim_ring_task(w, &a->task);
     if (!t || t->lost != m->n_events)
         sim_fail(w, "a node is lost over a task that it did not have", a->slot, a->task.id);
-    m->all_aside |= !m->well && ++m->blames >= SCHED_LOSSES;
+    m->all_aside |= !m->well && ++m->blames >= sim_losses(w->plan);
     for (int32_t i = 0; i < w->n_tasks; i++) {
         t = w->tasks[i].note;
         bool lost = t && t->lost == m->n_events && t->place >= RING_ORPHAN && t->place != RING_CUT;

@@ -83,11 +83,10 @@ void sim_ring_enter(
 
 bool sim_ring_costly(const struct world *w, const struct rtask *t)
 {
-    const int32_t most = w->plan->params.losses ? w->plan->params.losses : SCHED_LOSSES;
     int32_t i = 0, blamed = 0;
     while (w->tasks[i].note != t) i++;
     for (; i >= 0; i = ((struct rtask *)w->tasks[i].note)->parent) blamed += w->tasks[i].blamed;
-    return blamed >= most;
+    return blamed >= sim_losses(w->plan);
 }
 
 bool sim_ring_bad(const struct world *w, const struct ring_model *m, const struct rtask *t)

@@ -4,6 +4,7 @@
 
 #include <setjmp.h>
 #include <stdlib.h>
+#include <string.h>
 #include <cmocka.h>
 
 #define TASKS 25
@@ -60,6 +61,46 @@ static void the_smallest_bad_part_is_given_up(void **state)
                 assert_int_equal(r.abandoned, 1);
                 assert_true(r.poisoned >= 4 && r.poisoned <= 3 + 7 + (endgame ? 4 : 0));
             }
+}
+
+static void a_slot_that_says_so_is_not_lost(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(4, false);
+        poison(&p, 10, 1);
+        faults[0].power = 1;
+        struct sim_result r = run(policies[i], p);
+        assert_int_equal(r.abandoned, 1);
+        assert_int_equal(r.returns, 4); /* at the beginning */
+    }
+}
+
+static int done_before; /* when the first half was given */
+static bool halved;
+
+static void note_line(const char *line)
+{
+    const char *given = strstr(line, "from hub: task ");
+    halved |= given && strtol(given + strlen("from hub: task "), NULL, 10) >= TASKS;
+    done_before += !halved && strstr(line, "to hub: done ");
+}
+
+static void everything_else_is_done_first(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct sim_plan p = plan_of(2, false);
+        poison(&p, 10, 0);
+        p.trace = note_line;
+        p.params.losses = 1;
+        p.cost_us = 100000; /* the input has ended long before */
+        done_before = 0;
+        halved = false;
+        run(policies[i], p);
+        assert_true(halved);
+        assert_int_equal(done_before, TASKS - 1);
+    }
 }
 
 static void two_bad_parts_of_one_task_cost_little_more_than_one(void **state)
@@ -142,6 +183,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_bad_part_is_given_up),
+        cmocka_unit_test(a_slot_that_says_so_is_not_lost),
+        cmocka_unit_test(everything_else_is_done_first),
         cmocka_unit_test(two_bad_parts_of_one_task_cost_little_more_than_one),
         cmocka_unit_test(bad_tasks_apart_are_found_each),
         cmocka_unit_test(a_bad_frame_is_given_up_as_a_whole),
