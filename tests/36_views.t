@@ -208,7 +208,7 @@ exec "$@"
 END
 chmod +x dies
 { pack scene tetra.nff; partition 64x64; } | deal fan -j 2 ./dies rtworker - >lossy.log 2>err
-like 'deal passes a loss on, for the log' "$(grep -a '^gone' lossy.log)" '^gone w=[01] why=[a-z0-9-]+ lost=[0-9]+ recv_us=[0-9]+ kept=1 sum='
+like 'deal passes a loss on, for the log' "$(grep -a '^gone' lossy.log)" '^gone w=[01] why=[a-z0-9-]+ lost=[0-9]+ recv_us=[0-9]+ host=: (said=[^ ]* )?kept=1 sum='
 like 'the loss is shown' "$(fragstat -f lossy.log)" '^lost at .*: slot [01] on localhost [(]'
 { pack scene tetra.nff; partition 64x64; } | deal fan -j 1 deal fan -j 2 ./dies rtworker - >deep.log 2>err
 rm -r once

@@ -191,5 +191,5 @@ is 'its slots are gone once, and up again; without a policy its tasks are lost' 
 printf '%s\n' '#!/bin/sh' 'rtworker "$@" </dev/null | head -n 1; sed /^task/q >&2; kill -KILL $$' >dies && chmod +x dies
 { pack scene 0.nff; partition 60x44; } >tasks
 run sh -c 'deal fan -1 -j 2 ./dies - <tasks 2>said >log'
-is 'a worker that always dies is given up' "$status $(grep -ac 'starting again' said) $(grep -a 'no slot left' said)" '3 4 fan: no slot left'
+is 'all that a worker always dies of is given up' "$status $(grep -ac 'starting again' said) $(grep -ac '^deal: frame 0: given up' said)" '1 3 1'
 finish

@@ -227,10 +227,13 @@ wait "$pid" 2>/dev/null
 endless masterslave
 await 5 working 3
 # shellcheck disable=SC2046
-kill -9 $(program rtworker)
+while kill -0 "$pid" 2>/dev/null; do
+	kill -9 $(program rtworker) 2>/dev/null
+	sleep .05
+done
 wait "$pid"
-is "all workers killed: exit 3" $? 3
-like "all workers killed: a message says so" "$(cat said)" 'no slot left'
+is "all workers killed, again and again: exit 1" $? 1
+like "all workers killed: a message says so" "$(cat said)" 'deal: frame 0: given up'
 ok "all workers killed: no process remains" await 2 none_alive
 
 # ---- workers that cannot be trusted ---------------------------------------------------------------------

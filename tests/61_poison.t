@@ -14,7 +14,7 @@ for at in 10,10 110,80 199,149; do
 	rm -f log
 	status=$(partition -u tile:40x30 200x150 | { deal -e fan -j 4 cropworker sh paint '{x}' '{y}' '{w}' '{h}' 2>said; echo $? >status; } | gather -r log -o a.png 2>said.gather; echo $?)
 	is "a bad pixel at $at: all others are there" "$status $(cat status) $(tail -n 2 said.gather | grep -o 'frame 0.* of 30000 pixels.*missing')" "1 1 frame 0: 1 of 30000 pixels missing"
-	like "a bad pixel at $at: it is named" "$(grep '^deal:' said)" "^deal: frame 0: 1x1\+$BX\+$BY: given up, .*this machine [(]failed[)], it says: frame 0, rectangle $BX,$BY 1x1: sh: ended by signal 9$"
+	like "a bad pixel at $at: it is named" "$(grep '^deal:' said)" "^deal: frame 0: 1x1\+$BX\+$BY: given up, .*this machine [(]failed[)], it says: frame 0, rectangle $BX,$BY 1x1: sh: ended by signal 9"
 done
 is 'the log says so' "$(grep -a -c '^fail 0 .* why=task said=' log)" 1
 status=0

@@ -290,7 +290,9 @@ static void lose(struct fan *f, struct fan_slot *s, const char *why, bool again)
     else if (s->conn.connected && s->n_tasks && !fan_excuse(f, s)) s->deaths++;
     int most = s->host->host->tries ? s->host->host->tries : DEATHS_MOST;
     bool first = s->failures <= 1 && !s->host->failures;
-    again &= (!s->host->here || s->conn.connected) && s->deaths < most && !s->drains;
+    /* Only policies whose slots may come back start workers of this machine again. */
+    again &= !s->host->here || s->width > 1 || (s->conn.connected && f->joins);
+    again &= s->deaths < most && !s->drains;
     if (again && !s->conn.connected && !s->host->here) again = fan_host_retries(s);
     change(f, s, again ? ON_RETRY : ON_LOSS);
     bool more = again && first;
@@ -336,7 +338,7 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
 {
     char why[24];
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    bool well = s->conn.input_closed_first && !s->n_tasks && code == 0;
+    bool well = s->conn.input_closed_first && !s->n_tasks && (code == ST_OK || code == ST_PARTIAL);
     bool runs = !s->host->here && code != NOT_RUN && code != NOT_FOUND, ssh = s->host->by_ssh;
     bool worked = runs && f->in_open && (s->host->given || !ssh);
     bool unready = runs && code && !ssh && !s->conn.connected;

@@ -130,7 +130,8 @@ bool stream_kept(const char *hash, size_t n, struct buf *to)
 void stream_keep(const struct record *r)
 {
     bool state = r->kind >= REC_SCENE && r->kind <= REC_FILES;
-    if (probed && state && !rec_kept(r)) keep_write(r->body, r->body_len);
+    /* Without a body it was dropped, because it does not fit in memory. */
+    if (probed && state && r->body && !rec_kept(r)) keep_write(r->body, r->body_len);
 }
 
 void stream_code(const struct record *r, struct buf *to, bool *packs)
