@@ -110,7 +110,7 @@ refused "a task outside its frame" 'frame 0 4 4\ntask 0 0 0 3 5 1 1 1\n' 'expect
 refused "an unknown record" 'frame 0 4 4\nwork 1 2\n' 'unknown record, expected'
 refused "a record cut off" 'frame 0 4' 'no end of line, expected a whole record'
 refused "a number out of range" 'frame 0 4 99999\n' 'expected its numbers in range'
-refused "a fragment" 'frame 0 4 4\nbeat\n' 'expected scene'
+refused "a fragment" 'frame 0 4 4\ngone w=1\n' 'expected scene'
 run sh -c 'printf "v\n" >bad.nff; rtworker -i bad.nff'
 is "a bad scene: exit 2" "$status" 2
 like "a bad scene: file and line" "$err" 'bad\.nff:[0-9]+: .*expected'

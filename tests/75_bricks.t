@@ -31,7 +31,7 @@ sent() { awk '$1 == "hub:" { print $10 }' /proc/net/dev; }
 
 run timeout 600 balance adaptive -S "$TEST_HOSTS/hosts" -o no.pam large.vtk large.spec
 is 'no worker has the memory for the whole grid' "$([ "$status" -ne 0 ] && [ ! -e no.pam ] && echo refused)" refused
-like 'they say so' "$err" '^host[123]: vcworker.unlimited: out of memory'
+like 'they say so' "$err" '^host[123]: vcworker.unlimited: frame 0: grid: out of memory: needs about'
 ok 'cut' gridcut -m 4 -o brick-%02d.vtk large.vtk
 before=$(sent)
 run balance bricks -z off -S "$TEST_HOSTS/hosts" -k 16 -o bricks.pam brick-*.vtk large.spec

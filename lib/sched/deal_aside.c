@@ -165,6 +165,15 @@ static void try_task(struct deal *d, int32_t i, int64_t now, struct sched_action
     }
 }
 
+/* Is another task of the frame of entry i aside? */
+static bool has_others(const struct deal *d, int32_t i)
+{
+    int32_t j = d->aside.head;
+    while (j >= 0 && (j == i || task_of(d, j)->frame != task_of(d, i)->frame))
+        j = d->ledger.at[j].next;
+    return j >= 0;
+}
+
 void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
 {
     if ((!d->ended && !d->flush) || !is_quiet(d)) return;
@@ -173,8 +182,7 @@ void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
         list_remove(&d->ledger, &d->aside, i);
         list_push_back(&d->ledger, &d->aside, i);
         struct blame_frame *f = blame_frame(&d->blame, task_of(d, i));
-        if (f->aside && blame_sum(&d->blame, &d->ledger, i) < d->blame.most)
-            try_frame(d, i, f, now, out);
+        if (f->aside && (f->tried || has_others(d, i))) try_frame(d, i, f, now, out);
         else try_task(d, i, now, out);
     }
 }

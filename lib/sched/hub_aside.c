@@ -127,6 +127,15 @@ static void try_task(struct hub *h, int32_t i, struct sched_actions *out)
     }
 }
 
+/* Is another task of the frame of entry i aside? */
+static bool has_others(const struct hub *h, int32_t i)
+{
+    int32_t j = h->aside.head;
+    while (j >= 0 && (j == i || task_of(h, j)->frame != task_of(h, i)->frame))
+        j = h->ledger.at[j].next;
+    return j >= 0;
+}
+
 void hub_aside_try(struct hub *h, struct sched_actions *out)
 {
     if ((!h->ended && !h->flush) || !is_quiet(h)) return;
@@ -135,8 +144,7 @@ void hub_aside_try(struct hub *h, struct sched_actions *out)
         list_remove(&h->ledger, &h->aside, i);
         list_push_back(&h->ledger, &h->aside, i);
         struct blame_frame *f = blame_frame(&h->blame, task_of(h, i));
-        if (f->aside && blame_sum(&h->blame, &h->ledger, i) < h->blame.most)
-            try_frame(h, i, f, out);
+        if (f->aside && (f->tried || has_others(h, i))) try_frame(h, i, f, out);
         else try_task(h, i, out);
     }
 }
