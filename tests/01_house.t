@@ -208,7 +208,7 @@ for chart in man/pictures/*.svg; do
 		/; commit [0-9a-f]+(;|$)/ { clean = 1 }
 		/^others took / && $3 > .1 { print "others took " $3 " processors;" }
 		END { if (!clean) print "its commit is dirty or none;" }')
-	[ -z "$why" ] || echo "$chart:" $why draw it again on an idle machine: make chart
+	[ -z "$why" ] || echo "$chart: $(echo "$why" | tr '\n' ' ')draw it again on an idle machine: make chart"
 done >"$found"
 clean 'charts of the manual are of a clean commit and an idle machine'
 
@@ -254,6 +254,7 @@ headers="$headers|png|zlib|zstd|netcdf|eccodes|udunits2|archive(_entry)?|gsl/gsl
 	ok 'these rules see the calls and headers of lib/os/linux.c' seen lib/os/linux.c
 }
 # Logs, copies for commands, and pixels that memory does not hold are no outputs that a user names.
+# shellcheck disable=SC2086
 {
 	grep -nE 'O_WRONLY|O_RDWR|O_CREAT|O_TRUNC|\bcreat\(|mk[o]?stemps?\(|os_temporary\(|fopen\([^,]*, "[wa]' $lib bin/*.c |
 		grep -vE '^lib/(base/(message|outfile)|crop/(command|copy)|files/archive|image/store|keep/keep|log/file|pipe/queue|hosts/send)\.c:|^lib/os/os\.[ch]:|:[0-9]+: *(/?\*)'
