@@ -338,7 +338,8 @@ static void judge(struct fan *f, struct fan_slot *s, int status)
 {
     char why[24];
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    bool well = s->conn.input_closed_first && !s->n_tasks && (code == ST_OK || code == ST_PARTIAL);
+    bool done = code == ST_OK || (code == ST_PARTIAL && s->conn.connected); /* some may fail */
+    bool well = s->conn.input_closed_first && !s->n_tasks && done;
     bool runs = !s->host->here && code != NOT_RUN && code != NOT_FOUND, ssh = s->host->by_ssh;
     bool worked = runs && f->in_open && (s->host->given || !ssh);
     bool unready = runs && code && !ssh && !s->conn.connected;

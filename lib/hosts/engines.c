@@ -299,10 +299,10 @@ static bool read_pbs(struct hosts_reader *r, struct hosts *h)
 bool hosts_of_job(struct hosts_reader *r, struct hosts *h, const char *arg, bool *good)
 {
     bool slurm = strcmp(arg, "slurm:") == 0;
-    struct hosts_names names = {0};
     if (!slurm && strcmp(arg, "pbs:") != 0) return false;
-    r->names = &names;
+    r->names = xcalloc(1, sizeof *r->names);
     *good = slurm ? read_slurm(r, h) : read_pbs(r, h);
-    free(names.at);
+    free(r->names->at);
+    free(r->names);
     return true;
 }

@@ -6,8 +6,8 @@
 #include "proc/proc.h"
 
 /* The child that leads this process group stops with this process, until it is removed. */
-void groups_add(pid_t leader);
-void groups_remove(pid_t leader);
+void groups_add(pid_t pid);
+void groups_remove(pid_t pid);
 /* Removes all. */
 void groups_forget(void);
 /* Sends the signal to all groups. */

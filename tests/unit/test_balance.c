@@ -121,7 +121,7 @@ static void test_ring_dear_row(void **state)
 {
     (void)state;
     reaches(
-        "ring, a dear row", .855, (struct world_of){.ring = true, .latency_us = 5000, .dear = .4});
+        "ring, a dear row", .858, (struct world_of){.ring = true, .latency_us = 5000, .dear = .4});
 }
 
 static void test_ring_many_slots(void **state)
