@@ -20,7 +20,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most, unsigned
 
 static uint8_t *find(uint8_t *at, const uint8_t *end, const char *text)
 {
-    return at < end ? text_find(at, (size_t)(end - at), text, strlen(text)) : NULL;
+    const uint8_t *found =
+        at < end ? text_find(at, (size_t)(end - at), text, strlen(text)) : NULL;
+    return found ? at + (found - at) : NULL;
 }
 
 /* The line that ends in the first "sum=" at or after `at` gets the right one. */

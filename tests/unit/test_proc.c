@@ -236,13 +236,6 @@ static void a_child_that_stays_is_killed_with_its_group(void **state)
     if (f) fclose(f);
 }
 
-#ifdef _GNU_SOURCE
-static int zero(void *ctx)
-{
-    (void)ctx;
-    return 0;
-}
-
 static void a_shell_says_which_signal_it_was(void **state)
 {
     (void)state;
@@ -276,7 +269,8 @@ static char state_of(pid_t pid)
 
 static void await_state(pid_t pid, bool stopped)
 {
-    for (int i = 0; i < 60000 && (state_of(pid) == 'T') != stopped; i++) usleep(1000);
+    for (int i = 0; i < 60000 && (state_of(pid) == 'T') != stopped; i++)
+        nanosleep(&(struct timespec){0, 1000000}, NULL);
     assert_int_equal(state_of(pid) == 'T', stopped);
 }
 
@@ -314,11 +308,18 @@ static void a_stop_is_passed_on(void **state)
     await_state(c.pid, true);
     assert_int_equal(state_of(pids[0]), 'T');
     assert_int_not_equal(state_of(pids[1]), 'T');
-    usleep(150000);
+    nanosleep(&(struct timespec){0, 150000000}, NULL);
     kill(c.pid, SIGCONT);
     await_state(pids[0], false);
     kill(c.pid, SIGTERM);
     assert_string_equal(status_text(child_end(&c, 60000), why), "exit-7");
+}
+
+#ifdef _GNU_SOURCE
+static int zero(void *ctx)
+{
+    (void)ctx;
+    return 0;
 }
 
 static void a_fork_that_fails_leaves_no_child(void **state)
@@ -526,7 +527,7 @@ static void a_limit_of_addresses_is_read(void **state)
     if (pid == 0) {
         setrlimit(RLIMIT_AS, &(struct rlimit){1 << 30, RLIM_INFINITY});
         const double one = proc_memory("").addresses;
-        void *more = mmap(NULL, 64 << 20, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        void *more = mmap(NULL, 64 << 20, PROT_READ, MAP_PRIVATE, open("/dev/zero", O_RDONLY), 0);
         const double other = proc_memory("").addresses;
         _exit(more != MAP_FAILED && one > 0 && one < 1 << 30 && fabs(one - other - 64 * MIB) < MIB
                   ? 7
