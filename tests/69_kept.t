@@ -57,7 +57,7 @@ cp cache.a/$file other
 renders 'on this machine' deal fan -j 2 rtworker
 is 'on this machine nothing is kept' "$(find cache.a -newer other -type f)" ''
 
-# ---- what is there is not trusted ---------------------------------------------------------------
+# ---- kept files are checked ---------------------------------------------------------------
 printf x | dd of="cache.a/$file" bs=1 seek=5000 conv=notrunc 2>/dev/null
 renders 'a damaged file' deal fan -1 -S one.hosts rtworker
 like 'a damaged file: a message says so' "$(cat said)" \

@@ -33,6 +33,11 @@ void drive_reason(struct driver *d, const struct record *r)
     buf_append(&d->losses.reason, "", 1);
 }
 
+static const char *latest(const struct losses *l)
+{
+    return buf_size(&l->reason) ? (const char *)buf_data(&l->reason) : "";
+}
+
 static struct reasons *find(const struct losses *l, uint32_t frame, uint32_t id)
 {
     int32_t i = tasks_find(&l->tasks, frame, id);
@@ -42,7 +47,7 @@ static struct reasons *find(const struct losses *l, uint32_t frame, uint32_t id)
 void drive_blame(struct driver *d, const struct sched_action *a)
 {
     struct losses *l = &d->losses;
-    const char *reason = buf_size(&l->reason) ? (const char *)buf_data(&l->reason) : "";
+    const char *reason = latest(l);
     struct reasons *known = find(l, a->task.frame, a->task.id);
     if (!known) known = tasks_extra(&l->tasks, tasks_add(&l->tasks, &a->task, 0));
     size_t n = strlen(known->text);
@@ -63,8 +68,7 @@ void drive_abandon(struct driver *d, const struct sched_action *a)
     const struct task *t = &a->task;
     const struct reasons *why = find(l, t->frame, t->id);
     if (!why) why = find(l, t->frame, a->origin_id);
-    const char *last = buf_size(&l->reason) ? (const char *)buf_data(&l->reason) : "";
-    const char *text = why ? why->text : last;
+    const char *text = why ? why->text : latest(l);
     bool said = l->all && l->frame == t->frame;
     if (a->all && !said)
         warn("frame %" PRIu32 ": given up, because slots were lost or failed over all tasks of it "

@@ -135,7 +135,8 @@ static void pace(struct fan *f, int64_t now)
 {
     int64_t idle_us = now - 1000000;
     if (f->paced_us < idle_us) f->paced_us = idle_us;
-    f->paced_us += 1000000 / (PER_S * cores_available());
+    if (!f->pace_us) f->pace_us = 1000000 / (PER_S * cores_available());
+    f->paced_us += f->pace_us;
 }
 
 int fan_connect(struct fan *f)

@@ -1,4 +1,4 @@
-/* fan: what is known of a host, beside its line in the hosts file. */
+/* fan: a host and its connections, and payloads of tasks and frames. */
 #ifndef STORMRING_FAN_HOST_H
 #define STORMRING_FAN_HOST_H
 

@@ -146,6 +146,7 @@ struct fan {
     int connecting;         /* slots that are opening on hosts that are limited */
     int connecting_most;    /* of these at a time */
     int64_t paced_us;       /* no other one before this time */
+    int64_t pace_us;        /* from one to the next; 0: not known yet */
     int n_by_ssh;           /* hosts */
     enum { FAN_UNKNOWN, FAN_DIRECT, FAN_JUMPS } configured; /* ssh, to go through others */
     struct fan_jump *jumps;
@@ -252,12 +253,11 @@ int64_t fan_retry_wait_us(int failures);
 bool fan_host_exhausted(const struct fan_host *h);
 /* Counts the failed connection, which sets the time of the next. False if tries= allows none. */
 bool fan_host_retries(struct fan_slot *s);
-/* Reports `gone` for slot s, unless that was reported (`lost`: with its tasks); `up` for slot k. */
+/* Reports `gone` for slot s, unless that was reported. `lost`: with its tasks. */
 void fan_say_gone(struct fan *f, struct fan_slot *s, const char *why, bool lost);
 /* The time of fan_patience_us. */
 #define FAN_PATIENCE_TEXT 32
 const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT]);
-void fan_say_up(struct fan *f, const struct fan_slot *s, int k);
 /* Prints why slot s could not be connected, with advice. `why` is the reason if neither ssh nor the
  * remote shell gave a better one. */
 void fan_complain(const struct fan *f, struct fan_slot *s, const char *why, bool again);

@@ -35,15 +35,6 @@ const char *fan_patience_text(const struct fan *f, char text[FAN_PATIENCE_TEXT])
     return text;
 }
 
-void fan_say_up(struct fan *f, const struct fan_slot *s, int k)
-{
-    char text[HOST_NAME_MOST + 64];
-    snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d%s", k, s->host->host->name,
-        s->power, s->inner, s->host->host->power > 0 ? " stated=1" : "");
-    wire_plain(&f->out.queue.bulk, REC_UP, text);
-    up_end_record(&f->out.queue);
-}
-
 /* True if a slot of the host is needed. *last: no other host has slots that may come. */
 static bool host_wanted(const struct fan *f, const struct fan_host *h, bool *last)
 {

@@ -166,7 +166,13 @@ void fan_slot_queue(struct fan *f, struct fan_slot *s)
 
 static void say_up(struct fan *f, const struct fan_slot *s)
 {
-    for (int i = 0; i < s->width; i++) fan_say_up(f, s, s->number + i);
+    char text[HOST_NAME_MOST + 64];
+    for (int i = 0; i < s->width; i++) {
+        snprintf(text, sizeof text, "w=%d host=%s power=%.6g slots=%d%s", s->number + i,
+            s->host->host->name, s->power, s->inner, s->host->host->power > 0 ? " stated=1" : "");
+        wire_plain(&f->out.queue.bulk, REC_UP, text);
+        up_end_record(&f->out.queue);
+    }
 }
 
 void fan_slot_set_power(struct fan *f, struct fan_slot *s, double power)

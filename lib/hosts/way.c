@@ -60,19 +60,10 @@ bool host_config_jumps(const char *said, size_t n)
     return false;
 }
 
-/* Upper and lower case are the same; `word` is in lower case. */
-static bool has_word(const char *in, const char *word)
-{
-    const size_t n = strlen(word);
-    for (; strlen(in) >= n; in++)
-        if (strncasecmp(in, word, n) == 0) return true;
-    return false;
-}
-
 bool host_via_jumps(const struct host *h)
 {
     const char *via = hosts_via(h);
-    return strstr(via, " -J") || has_word(via, "proxyjump") || has_word(via, "proxycommand");
+    return strstr(via, " -J") || text_has(via, "proxyjump") || text_has(via, "proxycommand");
 }
 
 char *host_jump(const char *settings, size_t n)

@@ -230,7 +230,7 @@ static double room(const char *dir, bool first_version)
     return fmax(most - fmax(used - files, 0), 0);
 }
 
-/* What is left of the limit of addresses. */
+/* The limit of addresses, less those that are used. */
 static double addresses_left(double used)
 {
     struct rlimit limit;

@@ -1,5 +1,7 @@
 #include "sched/blame.h"
 
+#include <stdlib.h>
+
 /* Payload of a task. */
 struct blamed {
     int32_t n;               /* lost attempts */
@@ -23,6 +25,7 @@ void blame_free(struct blame *b)
 {
     frames_free(&b->frames);
     tasks_free(&b->tasks);
+    free(b->lost);
 }
 
 void blame_note(struct blame *b, const struct task *t) { pieces_note_id(&b->frames, t); }
@@ -32,12 +35,22 @@ struct blame_frame *blame_frame(const struct blame *b, const struct task *t)
     return frames_extra(&b->frames, frames_find(&b->frames, t->frame));
 }
 
+static void count_lost(struct blame *b, int32_t k)
+{
+    if (k >= b->n_lost) {
+        b->lost = xrealloc(b->lost, (size_t)k + 1, sizeof *b->lost);
+        while (b->n_lost <= k) b->lost[b->n_lost++] = 0;
+    }
+    b->lost[k]++;
+}
+
 bool blame_add(struct blame *b, const struct task *t, int32_t k)
 {
     struct blame_frame *f = blame_frame(b, t);
     struct blamed *task = find(b, t);
     if (!task) task = tasks_extra(&b->tasks, tasks_add(&b->tasks, t, 0));
     task->by[task->n++ % BLAME_SLOTS] = k;
+    count_lost(b, k);
     if (f->well || ++f->lost < b->most || f->aside) return false;
     f->aside = true;
     f->tried = 0;
@@ -98,14 +111,62 @@ static enum blame_step by_others(const struct blame *b, const struct task_table 
     return blame_count(b, &ledger->at[j].task) ? BLAME_ABANDON_PARENT : BLAME_WAIT;
 }
 
-enum blame_step blame_step(
-    const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone, bool ended)
+/* Is the frame of entry i to be treated as a whole? */
+static bool is_whole(const struct blame *b, const struct task_table *ledger,
+    const struct task_list *aside, int32_t i)
+{
+    const uint32_t frame = ledger->at[i].task.frame;
+    const struct blame_frame *f = blame_frame(b, &ledger->at[i].task);
+    if (!f->aside || f->tried) return f->aside;
+    int32_t j = aside->head;
+    while (j >= 0 && (j == i || ledger->at[j].task.frame != frame)) j = ledger->at[j].next;
+    return j >= 0;
+}
+
+enum blame_step blame_step(const struct blame *b, const struct task_table *ledger,
+    const struct task_list *aside, int32_t i, int32_t alone, bool ended)
 {
     const struct lattice at = pieces_missing(&ledger->at[i]);
     const struct task *t = &ledger->at[i].task;
+    if (is_whole(b, ledger, aside, i)) {
+        const struct blame_frame *f = blame_frame(b, t);
+        return f->tried && f->lost >= f->tried ? BLAME_ABANDON_FRAME : BLAME_GIVE_FRAME;
+    }
     bool may_cut = ended && lattice_count(&at) > 1 && pieces_id_left(&b->frames, t);
     if (alone ? blame_count(b, t) < alone : blame_sum(b, ledger, i) < b->most) return BLAME_GIVE;
     if (!alone) return may_cut ? BLAME_HALVE : BLAME_GIVE_ALONE;
     enum blame_step step = by_others(b, ledger, i);
     return step == BLAME_HALVE && !may_cut ? BLAME_ABANDON : step;
+}
+
+void blame_tried(struct blame *b, const struct task *t)
+{
+    struct blame_frame *f = blame_frame(b, t);
+    f->tried = f->lost + 1;
+}
+
+static int32_t lost_of(const struct blame *b, int32_t k) { return k < b->n_lost ? b->lost[k] : 0; }
+
+int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,
+    bool (*may)(const void *context, int32_t k), const void *context)
+{
+    int32_t best = -1;
+    bool best_was = true;
+    for (int32_t k = -1, n = of->count; n > 0; n--) {
+        k = set_after(of, k);
+        if (may && !may(context, k)) continue;
+        bool was = blame_is(b, t, k);
+        bool better = was != best_was ? best_was : lost_of(b, k) < lost_of(b, best < 0 ? k : best);
+        if (best < 0 || better) best = k, best_was = was;
+    }
+    return best;
+}
+
+void blame_abandon(const struct task_table *ledger, int32_t i, bool all, struct sched_actions *out)
+{
+    struct task t = ledger->at[i].task;
+    t.at = pieces_missing(&ledger->at[i]);
+    sched_act(out, SCHED_ABANDON, -1, &t);
+    out->at[out->n - 1].origin_id = pieces_came_as(ledger, i);
+    out->at[out->n - 1].all = all;
 }

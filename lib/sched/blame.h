@@ -14,15 +14,16 @@
 
 #include "sched/pieces.h"
 #include "sched/sched.h"
+#include "sched/slot_set.h"
 
 #define BLAME_SLOTS 4 /* slots that are remembered for each task */
 
 /* Payload of a frame. */
 struct blame_frame {
-    uint32_t top; /* first: the highest id, for pieces.h */
-    int32_t lost; /* attempts lost before a task was done */
-    bool well;    /* a task was done */
-    bool aside;   /* it is put aside, */
+    uint32_t top;  /* first: the highest id, for pieces.h */
+    int32_t lost;  /* attempts lost before a task was done */
+    bool well;     /* a task was done */
+    bool aside;    /* it is put aside, */
     int32_t tried; /* one of its tasks was tried since: the `lost` that shows that it was lost */
 };
 
@@ -30,6 +31,8 @@ struct blame {
     int32_t most;
     struct frames frames;    /* all frames of the input */
     struct task_table tasks; /* that were lost, and are not committed */
+    int32_t *lost;           /* of each slot: how often it was, while it computed a task */
+    int32_t n_lost;          /* entries */
 };
 void blame_init(struct blame *b, int32_t most);
 void blame_free(struct blame *b);
@@ -50,9 +53,13 @@ int32_t blame_sum(const struct blame *b, const struct task_table *ledger, int32_
 /* Is the entry, or its frame, to be aside? alone: it was before, see below. */
 bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone);
 /*
- * What to do with entry i of a ledger, which was put aside for itself, when nothing else is to be
+ * What to do with entry i of a ledger, which is on the list `aside`, when nothing else is to be
  * done. ended: pieces may be made. alone: 0; or it was given since, or is a half, and this is the
  * number of lost attempts, by blame_count, that show that it was lost again.
+ *
+ * Of a frame that is aside, one task is tried. If that is lost too, the whole frame is given up. If
+ * any task of the frame is done, all are as good as others. A frame whose other tasks are done is
+ * treated as its last task.
  *
  * A task is cut into halves. Before the end of the input the sender of the tasks may know no
  * pieces: then it is tried as it is. If one half is lost, it is cut in its turn; so all of
@@ -60,6 +67,8 @@ bool blame_bad(const struct blame *b, const struct task_table *ledger, int32_t i
  * to search in both would cost a slot for each bad pixel.
  */
 enum blame_step {
+    BLAME_GIVE_FRAME,    /* give it to a slot, for its frame: then call blame_tried */
+    BLAME_ABANDON_FRAME, /* give it up with all of its frame */
     BLAME_GIVE,          /* give it to a slot */
     BLAME_GIVE_ALONE,    /* the same, for the last time */
     BLAME_HALVE,         /* cut it */
@@ -67,8 +76,15 @@ enum blame_step {
     BLAME_ABANDON,       /* give it up */
     BLAME_ABANDON_PARENT /* give up the task that it is a half of */
 };
-enum blame_step blame_step(
-    const struct blame *b, const struct task_table *ledger, int32_t i, int32_t alone, bool ended);
+enum blame_step blame_step(const struct blame *b, const struct task_table *ledger,
+    const struct task_list *aside, int32_t i, int32_t alone, bool ended);
+void blame_tried(struct blame *b, const struct task *t);
+/* The slot to try the task: of these, one that was not lost over it, and then the one lost least.
+ * may: NULL, or those that it is true of. -1: none. */
+int32_t blame_pick(const struct blame *b, const struct task *t, const struct slot_set *of,
+    bool (*may)(const void *context, int32_t k), const void *context);
+/* Says that the missing pixels of entry i are given up; all: and those of its frame. */
+void blame_abandon(const struct task_table *ledger, int32_t i, bool all, struct sched_actions *out);
 /* The task has left the ledger. */
 void blame_forget(struct blame *b, const struct task *t);
 

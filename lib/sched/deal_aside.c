@@ -2,11 +2,7 @@
  * deal: tasks that cost slots (blame.h). A suspect goes to the end of the pool, and a slot that was
  * lost over it does not get it again while others can. A task or a frame that has cost too many is
  * put aside. When the input has ended, or waits, and no slot computes anything else, what was put
- * aside is tried once more, each time by a slot that has been lost least:
- *
- * 1. Of a frame, one task. If that is lost too, the whole frame is given up. If any task of the
- *    frame is done, all are as good as others.
- * 2. Other tasks, or halves of them: blame_step.
+ * aside is tried once more, or given up: blame_step.
  */
 #include "sched/deal_int.h"
 
@@ -39,7 +35,6 @@ static void blame(struct deal *d, int32_t k, const struct task *t, struct sched_
     const struct account *a = i < 0 ? NULL : deal_account(d, i);
     bool its = a && (a->place == OUT || (a->place == COMPUTED && a->owner == k));
     if (!its) return; /* another slot has computed it */
-    d->slots[k].lost++;
     sched_act(out, SCHED_BLAME, k, t);
     if (blame_add(&d->blame, t, k)) move_frame(d, t->frame, ASIDE);
 }
@@ -89,50 +84,20 @@ static bool is_quiet(const struct deal *d)
     return !d->pool.count && i < 0;
 }
 
-/* The idle slot for entry i: one that was not lost over it, and of these, the one lost least. */
-static int32_t idle_for(const struct deal *d, int32_t i)
+/* False: no slot is idle. */
+static bool give(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
-    int32_t best = -1;
-    bool best_was = true;
-    for (int32_t k = -1, n = d->idle.count; n > 0; n--) {
-        k = set_after(&d->idle, k);
-        bool was = blame_is(&d->blame, task_of(d, i), k);
-        bool better =
-            was != best_was ? best_was : d->slots[k].lost < d->slots[best < 0 ? k : best].lost;
-        if (best < 0 || better) best = k, best_was = was;
-    }
-    return best;
-}
-
-static void give(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
-{
-    int32_t k = idle_for(d, i);
-    if (k < 0) return;
+    int32_t k = blame_pick(&d->blame, task_of(d, i), &d->idle, NULL, NULL);
+    if (k < 0) return false;
     deal_take(d, i);
     deal_give(d, k, i, now, out);
+    return true;
 }
 
 static void abandon(struct deal *d, int32_t i, bool all, struct sched_actions *out)
 {
-    struct task t = *task_of(d, i);
-    t.at = pieces_missing(&d->ledger.at[i]);
-    sched_act(out, SCHED_ABANDON, -1, &t);
-    out->at[out->n - 1].origin_id = pieces_came_as(&d->ledger, i);
-    out->at[out->n - 1].all = all;
+    blame_abandon(&d->ledger, i, all, out);
     deal_commit(d, i, out);
-}
-
-/* The frame of entry i: tries entry i, or gives up. */
-static void try_frame(
-    struct deal *d, int32_t i, struct blame_frame *f, int64_t now, struct sched_actions *out)
-{
-    if (f->tried && f->lost >= f->tried) {
-        abandon(d, i, true, out);
-        return;
-    }
-    if (!d->idle.count || !is_quiet(d)) return;
-    f->tried = f->lost + 1;
-    give(d, i, now, out);
 }
 
 /* Cuts entry i into halves. */
@@ -149,10 +114,14 @@ static void halve(struct deal *d, int32_t i, int64_t now, struct sched_actions *
     }
 }
 
-static void try_task(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
+static void try_entry(struct deal *d, int32_t i, int64_t now, struct sched_actions *out)
 {
     int32_t *alone = &deal_account(d, i)->alone;
-    switch (blame_step(&d->blame, &d->ledger, i, *alone, d->ended)) {
+    switch (blame_step(&d->blame, &d->ledger, &d->aside, i, *alone, d->ended)) {
+    case BLAME_GIVE_FRAME:
+        if (is_quiet(d) && give(d, i, now, out)) blame_tried(&d->blame, task_of(d, i));
+        break;
+    case BLAME_ABANDON_FRAME: abandon(d, i, true, out); break;
     case BLAME_WAIT: break;
     case BLAME_ABANDON_PARENT: i = pieces_parent(&d->ledger, i); /* fallthrough */
     case BLAME_ABANDON: abandon(d, i, false, out); break;
@@ -160,18 +129,10 @@ static void try_task(struct deal *d, int32_t i, int64_t now, struct sched_action
         if (d->idle.count) halve(d, i, now, out);
         break;
     case BLAME_GIVE_ALONE:
-        if (d->idle.count) *alone = 1 + blame_count(&d->blame, task_of(d, i)); /* fallthrough */
+        if (give(d, i, now, out)) *alone = 1 + blame_count(&d->blame, task_of(d, i));
+        break;
     case BLAME_GIVE: give(d, i, now, out); break;
     }
-}
-
-/* Is another task of the frame of entry i aside? */
-static bool has_others(const struct deal *d, int32_t i)
-{
-    int32_t j = d->aside.head;
-    while (j >= 0 && (j == i || task_of(d, j)->frame != task_of(d, i)->frame))
-        j = d->ledger.at[j].next;
-    return j >= 0;
 }
 
 void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
@@ -181,8 +142,6 @@ void deal_aside_try(struct deal *d, int64_t now, struct sched_actions *out)
         int32_t i = d->aside.head;
         list_remove(&d->ledger, &d->aside, i);
         list_push_back(&d->ledger, &d->aside, i);
-        struct blame_frame *f = blame_frame(&d->blame, task_of(d, i));
-        if (f->aside && (f->tried || has_others(d, i))) try_frame(d, i, f, now, out);
-        else try_task(d, i, now, out);
+        try_entry(d, i, now, out);
     }
 }

@@ -38,7 +38,6 @@ struct slot {
     double ends_us, due_us;              /* when its last and its first `done` are expected */
     int64_t scaled_us;                   /* when its power changed */
     bool stalled;                        /* it was overdue, and has done no task since */
-    int32_t lost;                        /* how often it was, while it computed a task */
     bool asked;                          /* asked to flush since it was last given work */
     struct task_list promised, computed; /* entries of the ledger */
     struct task_table has;               /* copies given to it, on these lists: */

@@ -11,7 +11,6 @@ static const struct task *task_of(const struct hub *h, int32_t i) { return &h->l
 
 static void blame(struct hub *h, int32_t k, int32_t i, struct sched_actions *out)
 {
-    h->nodes[k].lost++;
     sched_act(out, SCHED_BLAME, k, task_of(h, i));
     blame_add(&h->blame, task_of(h, i), k);
 }
@@ -53,20 +52,16 @@ static bool is_quiet(const struct hub *h)
     return !h->pool.count && !h->rest.count;
 }
 
-/* The node for entry i: one that was not lost over it, and of these, the one lost least. */
+static bool has_nothing(const void *context, int32_t k)
+{
+    const struct hub *h = context;
+    return !h->nodes[k].held.count;
+}
+
+/* The node to try entry i; -1: none. */
 static int32_t node_for(const struct hub *h, int32_t i)
 {
-    int32_t best = -1;
-    bool best_was = true;
-    for (int32_t k = -1, n = h->up.count; n > 0; n--) {
-        k = set_after(&h->up, k);
-        if (h->nodes[k].held.count) continue;
-        bool was = blame_is(&h->blame, task_of(h, i), k);
-        bool better =
-            best < 0 || (was != best_was ? best_was : h->nodes[k].lost < h->nodes[best].lost);
-        if (better) best = k, best_was = was;
-    }
-    return best;
+    return blame_pick(&h->blame, task_of(h, i), &h->up, has_nothing, h);
 }
 
 /* False: no node is there. */
@@ -81,18 +76,8 @@ static bool give(struct hub *h, int32_t i, struct sched_actions *out)
 
 static void abandon(struct hub *h, int32_t i, bool all, struct sched_actions *out)
 {
-    struct task t = *task_of(h, i);
-    t.at = pieces_missing(&h->ledger.at[i]);
-    sched_act(out, SCHED_ABANDON, -1, &t);
-    out->at[out->n - 1].origin_id = pieces_came_as(&h->ledger, i);
-    out->at[out->n - 1].all = all;
+    blame_abandon(&h->ledger, i, all, out);
     hub_commit(h, i, out);
-}
-
-static void try_frame(struct hub *h, int32_t i, struct blame_frame *f, struct sched_actions *out)
-{
-    if (f->tried && f->lost >= f->tried) abandon(h, i, true, out);
-    else if (is_quiet(h) && give(h, i, out)) f->tried = f->lost + 1;
 }
 
 /* Cuts entry i into halves. */
@@ -110,10 +95,14 @@ static void halve(struct hub *h, int32_t i, struct sched_actions *out)
     }
 }
 
-static void try_task(struct hub *h, int32_t i, struct sched_actions *out)
+static void try_entry(struct hub *h, int32_t i, struct sched_actions *out)
 {
     int32_t *alone = &hub_task(h, i)->alone;
-    switch (blame_step(&h->blame, &h->ledger, i, *alone, h->ended)) {
+    switch (blame_step(&h->blame, &h->ledger, &h->aside, i, *alone, h->ended)) {
+    case BLAME_GIVE_FRAME:
+        if (is_quiet(h) && give(h, i, out)) blame_tried(&h->blame, task_of(h, i));
+        break;
+    case BLAME_ABANDON_FRAME: abandon(h, i, true, out); break;
     case BLAME_WAIT: break;
     case BLAME_ABANDON_PARENT: i = pieces_parent(&h->ledger, i); /* fallthrough */
     case BLAME_ABANDON: abandon(h, i, false, out); break;
@@ -121,19 +110,10 @@ static void try_task(struct hub *h, int32_t i, struct sched_actions *out)
         if (node_for(h, i) >= 0) halve(h, i, out);
         break;
     case BLAME_GIVE_ALONE:
-        if (node_for(h, i) >= 0)
-            *alone = 1 + blame_count(&h->blame, task_of(h, i)); /* fallthrough */
+        if (give(h, i, out)) *alone = 1 + blame_count(&h->blame, task_of(h, i));
+        break;
     case BLAME_GIVE: give(h, i, out); break;
     }
-}
-
-/* Is another task of the frame of entry i aside? */
-static bool has_others(const struct hub *h, int32_t i)
-{
-    int32_t j = h->aside.head;
-    while (j >= 0 && (j == i || task_of(h, j)->frame != task_of(h, i)->frame))
-        j = h->ledger.at[j].next;
-    return j >= 0;
 }
 
 void hub_aside_try(struct hub *h, struct sched_actions *out)
@@ -143,8 +123,6 @@ void hub_aside_try(struct hub *h, struct sched_actions *out)
         int32_t i = h->aside.head;
         list_remove(&h->ledger, &h->aside, i);
         list_push_back(&h->ledger, &h->aside, i);
-        struct blame_frame *f = blame_frame(&h->blame, task_of(h, i));
-        if (f->aside && (f->tried || has_others(h, i))) try_frame(h, i, f, out);
-        else try_task(h, i, out);
+        try_entry(h, i, out);
     }
 }

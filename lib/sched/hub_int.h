@@ -55,7 +55,6 @@ struct hub_node {
     bool busy;                 /* has to make progress: hub_mark.c */
     int32_t staler, fresher;   /* its neighbours in the list of busy nodes, by latest progress */
     int64_t progress_us;       /* the time of its latest progress */
-    int32_t lost;              /* how often it was, while it computed a task */
 };
 
 /* Payload of an entry of the ledger. */

@@ -1,6 +1,8 @@
 /* Checks of every run, after each event, in time that does not grow with the run. */
 #include "sim/world.h"
 
+#include <string.h>
+
 bool sim_is_sent(const struct world *w, const struct lattice *at)
 {
     uint64_t n = lattice_count(at), i = 0;
@@ -89,11 +91,13 @@ static void check_end(struct world *w)
     w->ended = true;
 }
 
-/* A piece is seen for the first time when it is given. */
+/* A piece is seen for the first time when it is given. The hub may cut one again that came back when
+ * no node was up: then it has fewer pixels. */
 static void note_piece(struct world *w, const struct sched_action *a)
 {
     struct vtask *t = sim_vtask_at(w, a->task.id);
-    if (!t || t->known) return;
+    if (!t || (t->known && memcmp(&t->task.at, &a->task.at, sizeof a->task.at) == 0)) return;
+    if (t->known) t->sent = 0;
     t->task = a->task;
     t->known = true;
 }

@@ -132,15 +132,12 @@ void wire_done(struct buf *b, const struct task *t, int64_t cpu_us_used, int64_t
 
 void wire_said(struct buf *b, const char *said)
 {
-    static const char digits[] = "0123456789ABCDEF";
     size_t n = strlen(said);
     if (n > WIRE_SAID - 1) n = WIRE_SAID - 1;
     if (n) buf_printf(b, " said=");
     for (size_t i = 0; i < n; i++) {
         unsigned char c = (unsigned char)said[i];
-        char hex[] = {'%', digits[c >> 4], digits[c & 15]};
-        if (c > ' ' && c < 127 && c != '%') buf_append(b, &c, 1);
-        else buf_append(b, hex, sizeof hex);
+        buf_printf(b, c > ' ' && c < 127 && c != '%' ? "%c" : "%%%02X", c);
     }
 }
 

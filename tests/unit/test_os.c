@@ -182,7 +182,7 @@ static void a_pipe_is_no_terminal(void **state)
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* What is given back is whole pages, so that both ends stay. */
+/* Only whole pages are given back, so both ends stay. */
 static void pages_are_given_back(void **state)
 {
     (void)state;

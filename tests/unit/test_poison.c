@@ -1,4 +1,4 @@
-/* Tasks that cost each slot that computes them, in virtual time: what is given up, at what cost. */
+/* Tasks that cost each slot that computes them: the pixels given up, and the slots lost. */
 #include "../oracles/oracles.h"
 #include "sim/world.h"
 
