@@ -133,9 +133,10 @@ static double least_at(const struct group *g, const char *at, const char *name, 
     if (n < 0 || (size_t)n >= sizeof dir) return NONE;
     char *top = dir + strlen(g->root) + strlen(at);
     double least = limit(dir, g->controller != NULL);
-    for (char *slash; (slash = strrchr(top, '/')) != NULL;
-         least = fmin(least, limit(dir, g->controller != NULL)))
+    for (char *slash; (slash = strrchr(top, '/')) != NULL;) {
         *slash = '\0';
+        least = fmin(least, limit(dir, g->controller != NULL));
+    }
     return least;
 }
 
