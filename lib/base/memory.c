@@ -38,6 +38,12 @@ void *xrealloc(void *p, size_t n, size_t size)
     return checked(realloc(p, bytes), bytes);
 }
 
+void *xgrown(void *p, size_t n, size_t size)
+{
+    if (n & (n - 1)) return p; /* it is full at powers of two */
+    return xrealloc(p, n ? product(n, 2) : 1, size);
+}
+
 void *xaligned(size_t n, size_t size)
 {
     size_t bytes = (product(n, size) + 63) & ~(size_t)63;

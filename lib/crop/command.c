@@ -114,7 +114,6 @@ static int keep(void *ctx)
     const char *slash = strrchr(k->words[0], '/');
     int err[2];
     os_rename("cropkeeper");
-    os_die_with_parent(0);
     signal(SIGALRM, SIG_DFL);
     signals_catch();
     if (os_pipe(err) != 0) return 126;

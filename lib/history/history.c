@@ -100,7 +100,7 @@ static void begin_run(struct history *l)
     l->n_early = 0;
     if (!l->runs) tasks_init(&l->tasks, sizeof(struct history_task));
     if (!l->runs || !run_idle(l)) {
-        l->runs = xrealloc(l->runs, l->n_runs + 1, sizeof *l->runs);
+        l->runs = xgrown(l->runs, l->n_runs, sizeof *l->runs);
         l->n_runs++;
     } else {
         drop_events(l);
@@ -136,8 +136,7 @@ static void keep_early(struct history *l, const struct task *t, struct history_e
 {
     early.task = task_of(l, t);
     early.next = early_of(l, early.task);
-    if ((l->n_early & (l->n_early - 1)) == 0) /* full: a power of two */
-        l->early = xrealloc(l->early, l->n_early ? 2 * (size_t)l->n_early : 1, sizeof *l->early);
+    l->early = xgrown(l->early, (size_t)l->n_early, sizeof *l->early);
     task_at(l, early.task)->early = l->n_early;
     l->early[l->n_early++] = early;
 }
@@ -145,8 +144,7 @@ static void keep_early(struct history *l, const struct task *t, struct history_e
 static void take_done(struct history *l, const struct record *r)
 {
     if (!l->running) begin_run(l);
-    if ((l->n_dones & (l->n_dones - 1)) == 0) /* full: a power of two */
-        l->dones = xrealloc(l->dones, l->n_dones ? 2 * l->n_dones : 1, sizeof *l->dones);
+    l->dones = xgrown(l->dones, l->n_dones, sizeof *l->dones);
     struct history_done *d = &l->dones[l->n_dones];
     int64_t from;
     *d = (struct history_done){.frame = r->task.frame, .id = r->task.id, .recv_us = -1, .try = 1};
@@ -177,7 +175,7 @@ const struct history_frame *history_frame_of(const struct history *l, uint32_t n
 
 static struct history_frame *add_frame(struct history *l, const struct record *r)
 {
-    l->frames = xrealloc(l->frames, l->n_frames + 1, sizeof *l->frames);
+    l->frames = xgrown(l->frames, l->n_frames, sizeof *l->frames);
     struct history_frame *f = &l->frames[l->n_frames++];
     *f = (struct history_frame){.number = r->task.frame, .w = r->frame_w, .h = r->frame_h};
     if (!rec_str(r, "with", f->with, sizeof f->with)) *f->with = '\0';
@@ -191,8 +189,7 @@ static struct history_frame *add_frame(struct history *l, const struct record *r
 static void add_event(struct history *l, const struct record *r, const char *why)
 {
     if (!l->running) begin_run(l);
-    if ((l->n_events & (l->n_events - 1)) == 0) /* full: a power of two */
-        l->events = xrealloc(l->events, l->n_events ? 2 * l->n_events : 1, sizeof *l->events);
+    l->events = xgrown(l->events, l->n_events, sizeof *l->events);
     struct history_event *e = &l->events[l->n_events++];
     *e =
         (struct history_event){.run = (int32_t)l->n_runs - 1, .slot = slot_of(l, r), .recv_us = -1};
@@ -248,8 +245,7 @@ static uint64_t take_pixels(struct history_frame *f, const struct lattice *at)
 static void keep_frag(struct history *l, const struct record *r, int32_t di)
 {
     int64_t crc = 0;
-    if ((l->n_frags & (l->n_frags - 1)) == 0) /* full: a power of two */
-        l->frags = xrealloc(l->frags, l->n_frags ? 2 * l->n_frags : 1, sizeof *l->frags);
+    l->frags = xgrown(l->frags, l->n_frags, sizeof *l->frags);
     rec_int(r, "crc", 0, UINT32_MAX, &crc);
     l->frags[l->n_frags] = (struct history_frag){.frame = r->task.frame,
         .done = di,

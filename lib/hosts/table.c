@@ -27,7 +27,7 @@ bool hosts_refuse(const struct hosts_reader *r, const char *fmt, ...)
 
 struct host *hosts_add(struct hosts *h)
 {
-    h->at = xrealloc(h->at, h->n + 1, sizeof *h->at);
+    h->at = xgrown(h->at, h->n, sizeof *h->at);
     h->at[h->n] = (struct host){.slots = 1, .latency_ms = -1};
     return &h->at[h->n++];
 }

@@ -27,8 +27,7 @@ static uint16_t *place_of(struct log_sources *s, const char *slot)
 
 static uint16_t add(struct log_sources *s, const char *slot)
 {
-    if ((s->n & (s->n - 1)) == 0) /* a power of two: full */
-        s->at = xrealloc(s->at, (size_t)s->n * 2, sizeof *s->at);
+    s->at = xgrown(s->at, (size_t)s->n, sizeof *s->at);
     s->at[s->n] = (struct log_source){.run = s->run, .input = s->input};
     snprintf(s->at[s->n].slot, LOG_NAME, "%s", slot);
     return (uint16_t)s->n++;

@@ -45,7 +45,7 @@ void down_begin(struct down_queue *q, const void *p, size_t n)
 void down_share(struct down_queue *q, struct blob *b)
 {
     if (q->first_blob == q->n_blobs) q->first_blob = q->n_blobs = 0;
-    q->blobs = xrealloc(q->blobs, q->n_blobs + 1, sizeof *q->blobs);
+    q->blobs = xgrown(q->blobs, q->n_blobs, sizeof *q->blobs);
     q->blobs[q->n_blobs++] = (struct down_blob){.blob = b, .at = q->written + buf_size(&q->bytes)};
     q->blob_bytes += buf_size(&b->bytes);
     b->users++;

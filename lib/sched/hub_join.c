@@ -45,7 +45,7 @@ static void add_nodes(struct hub *h, int32_t n, enum node_state state)
 void hub_note_early(struct hub *h, int32_t k)
 {
     if (h->n_nodes || k < 0) return;
-    h->early = xrealloc(h->early, h->n_early + 1, sizeof *h->early);
+    h->early = xgrown(h->early, h->n_early, sizeof *h->early);
     h->early[h->n_early++] = k;
 }
 

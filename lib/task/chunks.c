@@ -22,8 +22,7 @@ static void add_chunk(struct cut *cut, uint32_t *left, double size)
 {
     uint32_t n = size < 1 ? 1 : size > *left ? *left : (uint32_t)ceil(size);
     uint32_t start = cut->n ? cut->ends[cut->n - 1] : 0;
-    if ((cut->n & (cut->n - 1)) == 0)
-        cut->ends = xrealloc(cut->ends, cut->n ? 2 * (size_t)cut->n : 1, sizeof *cut->ends);
+    cut->ends = xgrown(cut->ends, cut->n, sizeof *cut->ends);
     cut->ends[cut->n++] = start + n;
     *left -= n;
 }

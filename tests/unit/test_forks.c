@@ -117,6 +117,7 @@ static void send(const struct run *r, int fd)
 static void note(struct run *r, const struct record *rec)
 {
     int32_t slot = rec_slot(rec);
+    assert_int_not_equal(rec->kind, REC_FAIL);
     if (rec->kind != REC_DONE && rec->kind != REC_FRAG) return;
     assert_in_range(slot, 0, SLOTS - 1);
     assert_in_range(rec->task.id, 0, TASKS - 1);
