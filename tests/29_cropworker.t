@@ -133,7 +133,8 @@ END
 if there gs; then
 	sh page 0 0 200 150 150 >whole.ppm
 	ok 'Ghostscript: the page is not empty' test "$(tail -c 90000 whole.ppm | od -An -v -tx1 -w3 | sort -u | wc -l)" -gt 8
-	for cut in row tile:67x59 scatter; do
+	# A row is a run of Ghostscript.
+	for cut in tile:200x7 tile:67x59 scatter ${NIGHT:+row}; do
 		partition -u $cut -n 3 200x150 | deal fan -j 2 cropworker sh page '{x}' '{y}' '{w}' '{h}' '{H}' | gather -o got.png
 		is "Ghostscript, $cut: the same pixels" "$(same got.png whole.ppm)" 'differing	0'
 	done
