@@ -16,7 +16,7 @@ peaks_look() {
 			for my $process (glob "/proc/[0-9]*") {
 				("\0" . content("$process/environ")) =~ /\0\Q$mark\E/ or next;
 				chomp(my $name = content("$process/comm"));
-				opendir my $open, "$process/fd" and most("$name open", readdir($open) - 2);
+				most("$name open", scalar(() = glob "$process/fd/*"));
 				most("$name ms", 10 * ($1 + $2)) if content("$process/stat") =~ /.*\)(?: \S+){11} (\d+) (\d+)/s;
 				most("$name kib", $1) if content("$process/status") =~ /^VmHWM:\s*(\d+) kB/m;
 			}
