@@ -78,10 +78,10 @@ done
 
 # ---- resuming: with the same costs, one run without a stop, and one killed at a random moment ------------
 mkdir relative
-ok 'an experiment, with a relative TMPDIR' env TMPDIR=relative protocol -n 2 -o whole.tsv faults
+ok 'an experiment, with a relative TMPDIR' env TMPDIR=relative protocol -n 1 -o whole.tsv faults
 is 'a complete table has no work directory beside it' "$(echo whole.tsv*)" 'whole.tsv'
-is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 25
-TMPDIR=$tmp protocol -n 2 -o a.tsv faults 2>/dev/null &
+is 'the table has all rows of the plan' "$(grep -vc '^#' whole.tsv)" 13
+TMPDIR=$tmp protocol -n 1 -o a.tsv faults 2>/dev/null &
 run=$!
 until [ -e a.tsv ] && [ "$(grep -vc '^#' a.tsv)" -ge 3 ] || ! kill -0 $run 2>/dev/null; do sleep .02; done
 kill -9 $run 2>/dev/null
@@ -89,37 +89,37 @@ wait $run
 # If the run was quick enough, its table is complete.
 sed '/^experiment/q' a.tsv >b.tsv
 mkdir -p b.tsv.d && cp a.tsv.d/* b.tsv.d 2>/dev/null
-if [ "$(grep -vc '^#' a.tsv)" -lt 21 ]; then
+if [ "$(grep -vc '^#' a.tsv)" -lt 12 ]; then
 	printf 'balls	simulated	to' >>a.tsv
-	ok 'the same command resumes after half a row' protocol -n 2 -o a.tsv faults
-	ok 'an uninterrupted run with the same costs writes the same table' protocol -n 2 -o b.tsv faults
+	ok 'the same command resumes after half a row' protocol -n 1 -o a.tsv faults
+	ok 'an uninterrupted run with the same costs writes the same table' protocol -n 1 -o b.tsv faults
 	ok 'the interrupted and the uninterrupted run give the same table' cmp a.tsv b.tsv
 fi
-run protocol -n 2 -o whole.tsv faults
+run protocol -n 1 -o whole.tsv faults
 is 'a complete table is left unchanged' "$status$out" 0
-run protocol -n 2 -s 1 -o whole.tsv faults
-like 'refused: another seed' "$status $err" '^2 protocol: .*whole.tsv:1: is "# command: protocol -n 2 -s 0 faults", expected'
+run protocol -n 1 -s 1 -o whole.tsv faults
+like 'refused: another seed' "$status $err" '^2 protocol: .*whole.tsv:1: is "# command: protocol -n 1 -s 0 faults", expected'
 sed 's/^# commit: .*/# commit: other/' whole.tsv >other.tsv
-run protocol -n 2 -o other.tsv faults
+run protocol -n 1 -o other.tsv faults
 like 'refused: another commit' "$status $err" '^2 protocol: .*other.tsv:2: is "# commit: other", expected "# commit: '
 sed 's/	hybrid	/	other	/' whole.tsv >other.tsv
-run protocol -n 2 -o other.tsv faults
+run protocol -n 1 -o other.tsv faults
 like 'refused: another plan' "$status $err" '^2 protocol: .*other.tsv:[0-9]+: .*expected'
-run protocol -n 2 -o /nowhere/x.tsv faults
+run protocol -n 1 -o /nowhere/x.tsv faults
 is 'nowhere to write: status 3' "$status" 3
-run protocol -n 2 -o /dev/full faults
+run protocol -n 1 -o /dev/full faults
 is 'a full disk: status 3' "$status $(echo "$err" | grep -c '^protocol: /dev/full: cannot be written$')" '3 1'
 printf 'not a table,\nnor a whole line' >notes
 cp notes kept
-run protocol -n 2 -o notes faults
+run protocol -n 1 -o notes faults
 is 'another file is refused, and left as it was' "$status$(cmp notes kept 2>&1)" 2
 mkdir mine.tsv.d
-run protocol -n 2 -o mine.tsv faults
+run protocol -n 1 -o mine.tsv faults
 is 'a directory of another run beside no table is refused' "$status $(ls -d mine.tsv*)" '2 mine.tsv.d'
 mkfifo held
 flock whole.tsv cat held &
 until ! flock -n whole.tsv true; do sleep .02; done
-run protocol -n 2 -o whole.tsv faults
+run protocol -n 1 -o whole.tsv faults
 like 'a second run on the same table is refused' "$status $err" '^2 protocol: .*whole.tsv: another run writes it'
 : >held
 wait
@@ -127,9 +127,9 @@ mkdir -p "in stalled/bin" "in stalled/share/stormring" && cp "$root"/bin/* "in s
 	cp -r "$root/tests/experiments" "in stalled/share/stormring" # what is installed has no tests beside it
 run "in stalled/bin/protocol" -n 1 power
 like 'an experiment on test hosts needs a clone' "$status $err" '^3 protocol: power: needs a clone of the source'
-run protocol -n 1 -o real.tsv complexity
+run protocol -n 1 -o real.tsv rays
 like 'a real experiment notes the other load of the machine' "$(tail -n 1 real.tsv)" '^# others: took [0-9]+[.][0-9]+ of [0-9]+ processors'
-run protocol -n 1 -o real.tsv complexity
+run protocol -n 1 -o real.tsv rays
 is 'a real experiment is complete after one run' "$status$out$err" 0
 
 # ---- verdicts: tables made so that a claim holds, fails, or is open ------------------------------------------------
@@ -208,19 +208,11 @@ sampled() {
 	run protocol -n 1 -o "$1.tsv" "$1"
 	like "a sample of $1" "$status $(grep -v '^#' "$1.tsv" | tail -n 1 | cut -f 6)" "$2"
 }
-sampled hierarchy '^0 [.0-9]+$'
-sampled latency '^0 [.0-9]+$'
-sampled steals '^0 [.0-9]+$'
-sampled stability '^0 [.0-9]+$'
-sampled variance '^0 [.0-9]+$'
-sampled loads '^0 [.0-9]+$'
-sampled price '^0 [.0-9]+$'
-# These two render for as long as all others.
-if [ "${NIGHT-}" = true ]; then
-	sampled regret '^0 [.0-9]+$'
-	sampled agreement '^0 [.0-9]+$'
+for e in hierarchy latency; do sampled $e '^0 [.0-9]+$'; done
+if [ -n "${NIGHT-}" ]; then
+	for e in variance steals stability loads price complexity regret agreement; do sampled $e '^0 [.0-9]+$'; done
+	sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
 fi
-sampled limits '^0 [0-9]([.][0-9]+)?e-0[4-9]$'
 # Ctrl-C while processes compute beside a sample; an interactive shell gives it a group of its own.
 # shellcheck disable=SC2016  # of perl
 setsid perl -e '$SIG{INT} = "DEFAULT"; exec @ARGV' env MARK=$mark "$root/bin/protocol" -n 1 -o c.tsv slaves 2>/dev/null &
@@ -237,7 +229,7 @@ run protocol -v complexity whole.tsv
 is 'refused: verdicts on a table of another experiment' "$status" 2
 
 # ---- the page that make report makes, of one experiment ------------------------------------------------------------
-EXPERIMENTS='faults' run "$root/tests/report" "$tmp/page"
+EXPERIMENTS='faults' SAMPLES=2 run "$root/tests/report" "$tmp/page"
 like 'report writes its page' "$status $out" '^0 made .*/page/index.html in [0-9]+ s$'
 is 'the page has the chart, the verdicts, and the pictures of both views' \
 	"$(grep -c '<svg\|<b>The paper reports\|<table class="verdicts"\|alt="".*base64,i.*<figcaption>gears, ' page/index.html)" 5

@@ -344,7 +344,7 @@ tr '\n' '\r' <dark.spec >return.spec
 ok 'balance -m none: on a rotated sphere' balance adaptive -j 2 -m none: -o rotated.png rotated.vtk wall.spec
 run balance adaptive -j 2 -m coasts: -o no.png rotated.vtk wall.spec
 like 'it has no coasts' "$status:$err" '^2:backdrop: .*/coasts:1: longitudes and latitudes, which x and y of the grid are not, '
-for bad in '-m coasts: rotated.vtk wall.spec' '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' '-m line hour0.vtk return.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
+for bad in '-m coasts hour0.vtk wall.spec' '-m line hour0.vtk dark.spec' '-m line hour0.vtk return.spec' "-m line $root/tests/ball.nff" "-m bad.line hour0.vtk wall.spec"; do
 	# shellcheck disable=SC2086
 	run balance adaptive -o no.png $bad
 	is "refused: balance $bad" "$status:$out$(ls no.png 2>/dev/null)" 2:

@@ -155,19 +155,20 @@ if there chromium; then
 	}
 	browse 1200 named.html >dom
 	ok 'the page runs its script by its own policy' sh -c '! grep -q "<fieldset disabled" dom && grep -q aria-valuetext dom'
+	# A start of the browser takes two seconds, so a page is driven once at a width.
 	for width in 1200 500; do
-		is "$width pixels wide: sliders" "$(drive named.html $width '
+		is "$width pixels wide: labels, sliders, zoom" "$(drive named.html $width '
+			said.push([...document.querySelectorAll("input")].every(i => i.labels.length === 1), document.images[0].alt);
 			said.push(fits(), seen());
 			await set("time", 1); said.push(seen(), document.images[0].alt);
 			await set("view", 1); said.push(seen(), find("view").getAttribute("aria-valuetext"));
 			await set("time", 0); said.push(seen(), find("time").nextSibling.value, document.images.length);
 			said.push(document.querySelector("figcaption").textContent);
-		')" 'true 9 10 east, time 10 20 top 19 9 1 a/top-9.png'
-		is "$width pixels wide: zoom" "$(drive named.html $width '
+			await set("view", 0);
 			const size = () => [frame.clientWidth, picture.width, picture.height];
 			said.push(size()); await set("zoom", 8); said.push(size().slice(1), frame.clientWidth >= 300, fits());
 			await set("view", 1); said.push(picture.width, find("zoom").nextSibling.value);
-		')" '40,40,30 320,240 true true 320 800 %'
+		')" 'true east, time 9 true 9 10 east, time 10 20 top 19 9 1 a/top-9.png 40,40,30 320,240 true true 320 800 %'
 	done
 	is 'a large picture fits, and its middle stays in the middle' "$(
 		for i in 1 2; do picture large$i.png $i 3000; done
@@ -183,9 +184,6 @@ if there chromium; then
 		await press("ArrowLeft"); said.push(seen()); await press("ArrowLeft"); said.push(seen());
 		await press("ArrowDown"); said.push(seen()); await press("+"); said.push(zoom.value); await press("-"); said.push(zoom.value);
 	')" '10 20 19 19 9 1.25 1'
-	is 'each control has a label' "$(drive named.html 1200 '
-		said.push([...document.querySelectorAll("input")].every(i => i.labels.length === 1), document.images[0].alt);
-	')" 'true east, time 9'
 	album -v 1 s?.png >series.html
 	is 'play shows each picture, and begins again; pause' "$(drive series.html 1200 '
 		const order = [];
@@ -208,14 +206,14 @@ if there chromium; then
 		await set("zoom", 2); said.push(picture.width);
 	')" 'zoom s3.png 120 true 80'
 	mkdir many
-	for i in $(seq 0 199); do picture many/$i.png "$i"; done
+	for i in $(seq 0 59); do picture many/$i.png "$i"; done
 	album many/*.png >many.html
-	is '200 pictures: one at a time is decoded, and any is found' "$(drive many.html 1200 '
+	is '60 pictures: one at a time is decoded, and any is found' "$(drive many.html 1200 '
 		said.push(document.images.length, find("time").max);
-		for (const t of [199, 7, 100]) { await set("time", t); said.push(seen()); }
-		for (let t = 0; t < 200; t++) { find("time").value = t; update(); }
+		for (const t of [59, 7, 30]) { await set("time", t); said.push(seen()); }
+		for (let t = 0; t < 60; t++) { find("time").value = t; update(); }
 		await rest(); said.push(seen(), document.images.length);
-	')" '1 199 199 7 100 199 1'
+	')" '1 59 59 7 30 59 1'
 	browse 1200 names.html >dom
 	is 'a name is text in the browser' "$(grep -c '<script>alert' dom) $(grep -c '&lt;script&gt;alert(2)' dom)" '0 2'
 else skip 'the page in a browser' 'chromium is not there'

@@ -243,12 +243,12 @@ is 'seven connections that fail at once: one message' "$(grep -c 'trying again' 
 partition 256x256 >rows
 { pack scene gears.nff; head -n 129 rows; } >long.task
 tail -n +130 rows >rest.task
-cat long.task rest.task | rtworker -a 64 - | gather -o long.pfm
+cat long.task rest.task | rtworker -a 16 - | gather -o long.pfm
 printf 'a slots=2 via="sh -c %%c"\nb via="sh -c %%c"\n' >three
 long() { # [SECONDS of silence]
 	: >out.frags
 	rm -f proceed
-	env MARK=$mark limit="${1:-3}" sh -c '{ cat long.task; until [ -e proceed ]; do sleep .05; done; cat rest.task; } | deal sh -c "fan -t $limit -S three rtworker -a 64 - | tee out.frags" | gather -o out.pfm' 2>said &
+	env MARK=$mark limit="${1:-3}" sh -c '{ cat long.task; until [ -e proceed ]; do sleep .05; done; cat rest.task; } | deal sh -c "fan -t $limit -S three rtworker -a 16 - | tee out.frags" | gather -o out.pfm' 2>said &
 	pid=$!
 	await 5 ups 3
 }

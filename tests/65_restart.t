@@ -44,7 +44,8 @@ is 'partition -r: a scattered set begins at the first pixel that is missing' \
 # ---- the same picture from any beginning of a log ---------------------------------------------------------------
 partition 16x4 >tasks
 rtworker tetra.nff <tasks | gather -r small -o small.pfm
-end=$(wc -c <small) at=0 bad=''
+end=$(wc -c <small) at=0 step=11 bad=''
+[ -z "${NIGHT-}" ] || step=3
 while [ "$at" -le "$end" ]; do
 	rm -f out.pfm
 	head -c "$at" small >"cut"
@@ -53,7 +54,7 @@ while [ "$at" -le "$end" ]; do
 		partition -r cut 16x4 >none 2>said && bad="$bad $at:taken"
 		rtworker tetra.nff <tasks 2>said | gather -r cut -o out.pfm 2>said && bad="$bad $at:gathered"
 		[ "$(wc -c <"cut")" -eq "$at" ] && [ ! -e out.pfm ] || bad="$bad $at:changed"
-		at=$((at + 3))
+		at=$((at + step))
 		continue
 	fi
 	partition -r cut 16x4 | rtworker tetra.nff | gather -r cut -o out.pfm 2>said
@@ -61,9 +62,9 @@ while [ "$at" -le "$end" ]; do
 	# The resumed log is a good log as well, and has each pixel once.
 	gather -P -o again.pfm cut 2>&1 | grep -q 'came twice' && bad="$bad $at:twice"
 	cmp -s again.pfm small.pfm || bad="$bad $at:log"
-	at=$((at + 3))
+	at=$((at + step))
 done
-is "cut at each third of $end bytes: the same picture, no pixel twice; within the first line it is no log" "$bad" ''
+is "cut at every $step of $end bytes: the same picture, no pixel twice; within the first line it is no log" "$bad" ''
 
 # ---- refused by name; the log is unchanged --------------------------------------------------------------------
 head -c 60000 whole >log

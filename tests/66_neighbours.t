@@ -75,7 +75,7 @@ done
 # ---- Ctrl-Z --------------------------------------------------------------------------------------
 spdgen -s 2 gears >gears.nff
 { pack scene gears.nff; partition 160x160; } >job.task
-rtworker -a 400 - <job.task | gather -o good.pfm
+rtworker -a 100 - <job.task | gather -o good.pfm
 mkfifo in
 # begun COMMAND ...: a run in a process group of its own, as a shell's job is. Its input stays open,
 # so that it does not end before the test goes on.
@@ -90,8 +90,8 @@ begun() {
 rendering() { grep -aqs '^done ' log; }
 states() { for p in $(alive); do ps -o stat= -p "$p"; done | cut -c 1 | sort -u | tr -d '\n'; }
 all_in_state() { [ "$(states)" = "$1" ]; }
-for chain in 'deal -q auto -e fan -1 -j 2 rtworker -a 400 -' 'deal fan -j 2 rtworker -a 400 -' \
-	'ringctl fan -j 2 ringctl -n rtworker -a 400 -'; do
+for chain in 'deal -q auto -e fan -1 -j 2 rtworker -a 100 -' 'deal fan -j 2 rtworker -a 100 -' \
+	'ringctl fan -j 2 ringctl -n rtworker -a 100 -'; do
 	begun "$chain"
 	await 60 rendering
 	kill -TSTP "-$job"

@@ -8,11 +8,13 @@ cp "$root/tests/ball.nff" .
 TMPDIR=$tmp/pixels && mkdir pixels && export TMPDIR
 worker='rtworker -a 1 ball.nff'
 
-run sh -c "partition 8000x8000 | $worker | prlimit --as=200000000 gather -o a.png"
-is '8000x8000 in 200 MB: exit 0, and no message' "$status:$err" 0:
-rm a.png
+if [ -n "${NIGHT-}" ]; then
+	run sh -c "partition 8000x8000 | $worker | prlimit --as=200000000 gather -o a.png"
+	is '8000x8000 in 200 MB: exit 0, and no message' "$status:$err" 0:
+	rm a.png
+fi
 
-# A little more than 2^24 pixels. Rows are compared with the fragments: of RGBA, bottom row last.
+# A little more than 2^24 pixels, which memory does not hold. Rows are compared with the fragments: of RGBA, bottom row last.
 size=4100x4100
 partition $size | $worker >rows.frags
 run prlimit --as=200000000 gather -o rows.pfm rows.frags

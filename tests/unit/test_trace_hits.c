@@ -149,7 +149,7 @@ static void test_packets_from_surfaces(void **state)
         read_scene(&text, &s);
         struct tracer *t = tracer_with(&s, &brute);
         uint64_t n = 0;
-        for (unsigned i = 0; i < (unsigned)rounds(600); i++) {
+        for (unsigned i = 0; i < (unsigned)nightly(200, 600); i++) {
             struct ray r[PACKET];
             unsigned count = 0;
             struct vec3 o = random_point(seed, &n, 4), to = random_point(seed, &n, 2);

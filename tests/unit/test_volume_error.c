@@ -88,7 +88,7 @@ static const struct volume_options many = {VOLUME_TRAPEZOID, 0, 20000, ISA_AUTO,
 static void keeps_the_tolerance(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(800); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)nightly(200, 800); seed++) {
         double e = difference(seed, &usual, &converged);
         if (e > usual.tolerance) fail_msg("seed %d: error %.3g", (int)seed, e);
         if (seed % 4) continue;
@@ -100,7 +100,7 @@ static void keeps_the_tolerance(void **state)
 static void converges_to_the_integral(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(24); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)nightly(8, 24); seed++) {
         double e = difference(seed, &converged, &many);
         if (e > 3e-4) fail_msg("seed %d: error %.3g", (int)seed, e);
     }
@@ -111,7 +111,7 @@ static void converges_to_the_integral(void **state)
 static void narrow_spans(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(300); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)nightly(100, 300); seed++) {
         static float p[2][4 * SIDE * SIDE];
         uint64_t n = 0;
         const double step = pow(10, between(seed, &n, 0, 5)), width = between(seed, &n, .01, .1);

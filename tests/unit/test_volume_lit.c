@@ -91,7 +91,7 @@ static void meets_the_tolerance(const struct grid *g, const struct scene *c, uin
 static void keeps_the_tolerance(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(200); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)nightly(50, 200); seed++) {
         uint64_t n = 0;
         struct grid g = random_grid(seed, &n, 8, true);
         struct scene c = random_scene(seed, &n);
@@ -110,7 +110,7 @@ static void keeps_the_tolerance(void **state)
 static void one_cell(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < (uint64_t)rounds(200); seed++) {
+    for (uint64_t seed = 0; seed < (uint64_t)nightly(50, 200); seed++) {
         uint64_t n = 0;
         struct grid g = random_grid(seed, &n, 1, false);
         struct scene c = random_scene(seed, &n);
