@@ -147,11 +147,11 @@ ended() {
 	wait "$worker" 2>/dev/null || status=$?
 }
 { pack scene 2.nff; partition -u tile:10x10 100x80; } >tasks
-partition 100x80 | rtworker -a 1024 2.nff | gather -o good.pfm
+partition 100x80 | rtworker -a 400 2.nff | gather -o good.pfm
 # same: the picture of the last run, and its exit status
 same() { echo "$status $(gather -o a.pfm out 2>&1) $(cmp a.pfm good.pfm 2>&1)"; }
 over() { ! kill -0 "$worker" 2>&7; }
-begun 3 -a 1024
+begun 3 -a 400
 # shellcheck disable=SC2046
 kill -KILL $(children | head -n 1)
 ended
@@ -160,13 +160,13 @@ is 'a killed child: no other task was lost' "$(grep -cE '^rtworker: slot [0-2]: 
 # done_by_number: the number of tasks that are done once, twice, ...
 done_by_number() { grep -aoE 'done 0 [0-9]+ ' out | sort | uniq -c | awk '{ n[$1]++ } END { for (i in n) print i, n[i] }'; }
 is 'a killed child: each done once' "$(done_by_number)" '1 80'
-begun 3 -a 1024 -c
+begun 3 -a 400 -c
 # shellcheck disable=SC2046
 kill -KILL $(children | tail -n 1)
 ended
 is 'a killed child that held pixels back' "$(same)" '0  '
 is 'a killed child that held pixels back: each done once' "$(done_by_number)" '1 80'
-begun 2 -a 1024
+begun 2 -a 400
 # shellcheck disable=SC2046
 kill -STOP $(children | head -n 1)
 ended

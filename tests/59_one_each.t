@@ -128,11 +128,11 @@ parents() { for p in $(program rtworker); do case $(program rtworker | grep -cx 
 renderers() { parents >parents; program rtworker | grep -vxf parents; }
 rendering() { [ "$(renderers | wc -l)" -ge "$1" ] || ! kill -0 "$pid"; }
 # A run is long enough that a worker which begins is killed before the end.
-partition 128x128 | rtworker -a 1024 2.nff | gather -o good.pfm
+partition 128x128 | rtworker -a 400 2.nff | gather -o good.pfm
 # begun COMMAND ...: starts a run in the background
 begun() {
 	rm -f out.pfm log
-	env MARK=$mark balance adaptive "$@" -s 128x128 -W '-a 1024' -r log -o out.pfm 2.nff 2>said &
+	env MARK=$mark balance adaptive "$@" -s 128x128 -W '-a 400' -r log -o out.pfm 2.nff 2>said &
 	pid=$!
 }
 # ended NAME: the run ends well
