@@ -90,6 +90,7 @@ if command -v povray >/dev/null; then
 		ok "$grid planes: a colour that is off by 1e-4 is not within 2e-5" differs $grid other 0.00002 gauss:5
 		sed 's/ .3$/ .3001/' smooth.spec >other.spec
 		ok "$grid planes: an extinction that is off by 1e-4 is not within 2e-5" differs $grid other 0.00002 gauss:5
+		[ $grid = uneven ] || [ -n "${NIGHT-}" ] || continue # POV-Ray takes 760 samples
 		sharp=sharp # on the uneven one before white, so that its alpha is seen
 		[ $grid = even ] || sharp='sharp-white'
 		ok "POV-Ray renders $grid planes, sharp" pov $grid $sharp 760
