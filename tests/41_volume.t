@@ -212,8 +212,8 @@ killed() {
 	shift 2
 	rm -f log f*.pam
 	# The pictures of one run, to compare with.
-	balance ds -j 2 -W '-m trapezoid:300' -o whole%d.pam "$@"
-	PATH=$tmp/kept:$PATH patience=600 setsid env MARK=$mark balance ds -j 3 -W '-m trapezoid:300' -r log -o f%d.pam "$@" 2>/dev/null &
+	balance ds -j 2 -W '-m trapezoid:50' -o whole%d.pam "$@"
+	PATH=$tmp/kept:$PATH patience=600 setsid env MARK=$mark balance ds -j 3 -W '-m trapezoid:50' -r log -o f%d.pam "$@" 2>/dev/null &
 	pid=$!
 	await 20 begun
 	kill -9 "$whom$pid" 2>/dev/null
@@ -223,7 +223,7 @@ killed() {
 	ok "$name: no process remains" await 5 none_alive
 	diag "$name: $(find . -name 'f*.pam' | wc -l) of $(find . -name 'whole*.pam' | wc -l) pictures were there"
 	ok "$name: pictures were missing" [ "$(find . -name 'f*.pam' | wc -l)" -le 3 ]
-	run balance ds -j 2 -W '-m trapezoid:300' -r log -o f%d.pam "$@"
+	run balance ds -j 2 -W '-m trapezoid:50' -r log -o f%d.pam "$@"
 	is "$name: the same command finishes it" "$status $(printf '%s' "$err" | grep -v 'damaged record')" '0 '
 	same=0
 	for picture in whole*.pam; do cmp -s "$picture" "f${picture#whole}" && same=$((same + 1)); done
