@@ -106,16 +106,18 @@ for chain in 'deal -q auto -e fan -1 -j 2 rtworker -a 100 -' 'deal fan -j 2 rtwo
 	ok "$chain: the same picture" cmp out.pfm good.pfm
 done
 # A command of cropworker: its group stops, too.
-until_go='while [ ! -e go ]; do sleep .05; done'
-echo "echo frame 0 1 1; echo task 0 0 0 0 1 1 1 1; $until_go" >one
-printf '%s\n' "echo >up; $until_go; printf 'P6 1 1 255\\nabc'" >draw
+# Both wait for a pipe, without a child: a shell whose child stops before exec is in state D.
+mkfifo go
+exec 8<>go
+echo 'echo frame 0 1 1; echo task 0 0 0 0 1 1 1 1; read -r _ <go' >one
+printf '%s\n' "echo >up; read -r _ <go; printf 'P6 1 1 255\\nabc'" >draw
 MARK=$mark perl -e 'setpgrp; exec @ARGV' \
-	sh -c 'sh one | cropworker -w sh ./draw >crop.frags' 2>said &
+	sh -c 'sh one | cropworker -w sh ./draw >crop.frags' 2>said 8>&- &
 job=$!
 await 20 there ./up
 kill -TSTP "-$job"
 ok 'cropworker: its command stops' await 10 all_in_state T
-: >go
+printf '\n\n' >&8 # a line each
 kill -CONT "-$job"
 status=0
 wait $job || status=$?
