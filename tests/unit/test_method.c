@@ -82,16 +82,17 @@ static void test_consumed(void **state)
         char err[ERR_BYTES];
         unsigned char *map = aligned_alloc(4096, (n + 8191) / 4096 * 4096);
         assert_non_null(map);
-        unsigned char *bytes = map + offsets[i], *last = bytes + n - 1;
+        unsigned char *bytes = map + offsets[i];
         memcpy(bytes, buf_data(&b), n);
         assert_int_equal(grid_read("t", bytes, n, &want, err), 0);
         assert_int_equal(grid_consume("t", bytes, n, &g, err), 0);
         assert_true(memcmp(g.value, want.value, 128 * 128 * 16 * sizeof *g.value) == 0);
         assert_true(memcmp(g.at[2], want.at[2], 16 * sizeof *g.at[2]) == 0);
+#ifdef _GNU_SOURCE
         /* What was given back reads as 0; most of it was. */
+        const unsigned char *last = bytes + n - 1;
         size_t left = 0;
         for (unsigned char *p = bytes + 8192; p < last; p += 4096) left += *p || p[1] || p[2];
-#ifdef _GNU_SOURCE
         assert_true(left * 4096 < 300000);
 #endif
         grid_free(&g);
