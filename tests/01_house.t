@@ -72,7 +72,7 @@ clean 'modules include only what the table allows'
 cat >"$tmp/prefixes" <<'END'
 backdrop drawing lines outline
 base buf clock close_stdout cpu_us die err hash64 input isa load_file now_us opt outfile parse print_float print_real prog
-base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
+base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xgrown xmalloc xrealloc xstrdup
 drive tags
 eta progress
 geometry camera portable_tan

@@ -143,7 +143,7 @@ void parallel_free(struct parallel *p);
 void *xmalloc(size_t n, size_t size);
 void *xcalloc(size_t n, size_t size);
 void *xrealloc(void *p, size_t n, size_t size);
-/* Room for item n, the next, in an array that grows by this function only. n may begin at 0 again. */
+/* Room for item n, the next, in an array that grows by this only. n may begin at 0 again. */
 void *xgrown(void *p, size_t n, size_t size);
 char *xstrdup(const char *s);
 /* The same, aligned to 64 bytes, not cleared. Release with free(). */

@@ -91,8 +91,8 @@ static void check_end(struct world *w)
     w->ended = true;
 }
 
-/* A piece is seen for the first time when it is given. The hub may cut one again that came back when
- * no node was up: then it has fewer pixels. */
+/* A piece is seen for the first time when it is given. The hub may cut one again that came back
+ * when no node was up: then it has fewer pixels. */
 static void note_piece(struct world *w, const struct sched_action *a)
 {
     struct vtask *t = sim_vtask_at(w, a->task.id);
