@@ -13,8 +13,8 @@
 
 struct view {
     struct vec3 from, at, up;
-    double angle_deg; /* vertical field of view */
-    double hither;    /* distance of the near plane along the viewing direction, >= 0 */
+    double angle_deg;      /* vertical field of view */
+    double hither;         /* distance of the near plane along the viewing direction, >= 0 */
     uint32_t res_x, res_y; /* 0: a view in a file of its own need not say it */
 };
 
