@@ -82,8 +82,8 @@ int nff_read_parallel(const char *name, const char *text, size_t n, int threads,
     char err[SCENE_ERR]);
 /* The line of primitive i of a text that nff_read has accepted. */
 uint32_t nff_line(const char *text, size_t n, uint32_t i);
-/* A view in a file of its own: the words of `v`, without the `v`. Returns as nff_read; nothing is to
- * be freed. */
+/* A view in a file of its own: the words of `v`, without the `v`. Returns as nff_read; there is
+ * nothing to free. */
 int nff_read_view(
     const char *name, const char *text, size_t n, struct view *v, char err[SCENE_ERR]);
 void scene_free(struct scene *s);

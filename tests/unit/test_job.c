@@ -90,8 +90,8 @@ static void test_views(void **state)
     (void)state;
     static const char *const yes[] = {"from 1 2 3\n", "# key\r\n\n at\t0 0 0", "up 0", "angle\n30",
         "hither 1", "\357\273\277resolution 4 3"};
-    static const char *const no[] = {
-        "", "f", "from", "fromage 1", "v\nfrom 1 2 3\n", "map 1 2 3\nfrom 1 2 3", "# from 1\n", "at"};
+    static const char *const no[] = {"", "f", "from", "fromage 1", "v\nfrom 1 2 3\n",
+        "map 1 2 3\nfrom 1 2 3", "# from 1\n", "at"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
         if (!job_is_view((const unsigned char *)yes[i], strlen(yes[i]))) fail_msg("%s", yes[i]);
     for (size_t i = 0; i < sizeof no / sizeof *no; i++)
@@ -117,9 +117,9 @@ static void test_binary_stl(void **state)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", other[] = "t.nff", a[] = "a.vtk",
-            b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc", pov[] = "p=1.POV",
-            plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
+static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", other[] = "t.nff",
+            a[] = "a.vtk", b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc",
+            pov[] = "p=1.POV", plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
 
 static void save(const char *path, const char *text)
 {

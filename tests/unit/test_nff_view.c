@@ -1,4 +1,4 @@
-/* A view in a file of its own: what is taken, what is refused and where, every truncation; writing. */
+/* A view in a file of its own: what is taken, what is refused and where, truncations, writing. */
 #include "scene/scene.h"
 
 #include <setjmp.h>
