@@ -90,6 +90,7 @@ int nff_read_view(const char *name, const char *text, size_t n, struct view *v, 
     struct scene s = {.n_prims = 0};
     struct reader r = {.name = name, .err = err, .s = &s};
     unsigned seen = 0;
+    err[0] = '\0';
     tokens_init(&r.t, text, n);
     if (!read_words(&r, &seen)) return -1;
     if (token_peek(&r.t)) {
