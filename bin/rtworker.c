@@ -229,8 +229,10 @@ static struct options parse(int argc, char **argv)
     if (optind < argc) o.path = argv[optind++];
     o.views = argv + optind;
     o.n_views = argc - optind;
-    for (int i = 0; i < o.n_views; i++)
+    for (int i = 0; i < o.n_views; i++) {
+        if (strcmp(o.views[i], "--") == 0) usage(ST_USAGE, text); /* the word before is no option */
         if (strcmp(o.views[i], "-") == 0) die(ST_USAGE, "-: expected a view in a file");
+    }
     describe(&o);
     return o;
 }
