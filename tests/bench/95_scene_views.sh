@@ -60,7 +60,7 @@ report 'wall time of views of one scene / (rays / slots + one build)' "$(awk '$2
 
 # ---- one view after the other, in a chain that stays alive --------------------------------------------------------
 mkfifo to && : >from
-deal -q auto -e fan -1 -j 2 rtworker <to >from &
+deal fan -1 -j 2 rtworker <to >from &
 exec 9>to
 pack scene gears.nff >&9
 n=0
