@@ -58,7 +58,7 @@ static void *build(const void *options, void *const value[])
     struct built *b = xcalloc(1, sizeof *b);
     const struct text *grid = value[0], *spec = value[1];
     assert_ptr_equal(options, &builds);
-    snprintf(b->s, sizeof b->s, "%s+%s", grid->s, spec->s);
+    snprintf(b->s, sizeof b->s, "%s+%s", grid->s, spec ? spec->s : "-");
     builds++;
     builts++;
     return b;
@@ -97,8 +97,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "texts",
-    .part = {{REC_GRID, sizeof(struct text), text_of, free_text, needs},
-        {REC_SPEC, sizeof(struct text), text_of, free_text, NULL}},
+    .part = {{REC_GRID, false, sizeof(struct text), text_of, free_text, needs},
+        {REC_SPEC, false, sizeof(struct text), text_of, free_text, NULL}},
     .n_parts = 2,
     .build = build,
     .free = free_built,
@@ -206,6 +206,26 @@ static void test_generations(void **state)
     lacks(s, 1, "no grid, expected a `grid` record before the first task");
     drop(s, 1);
     assert_int_equal(builds, 3);
+    end(s);
+}
+
+/* A part may be missing, such as the view of a scene that has its own. */
+static void test_optional(void **state)
+{
+    (void)state;
+    struct worker_renderer with = renderer;
+    with.part[1].optional = true;
+    parts = builts = reads = builds = 0;
+    struct worker_states *s = worker_states_new(&with, &builds, &words);
+    give(s, 0, REC_SPEC, "w");
+    lacks(s, 0, "no grid, expected a `grid` record before the first task");
+    drop(s, 0);
+    give(s, 0, REC_GRID, "a");
+    assert_null(worker_states_value(s, 1));
+    struct job own = renders(s, 0, "a-");
+    give(s, 1, REC_SPEC, "x");
+    assert_string_not_equal(renders(s, 1, "ax").text, own.text);
+    assert_string_equal(renders(s, 0, "a-").text, own.text);
     end(s);
 }
 
@@ -478,6 +498,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_power),
         cmocka_unit_test(test_generations),
+        cmocka_unit_test(test_optional),
         cmocka_unit_test(test_replaced),
         cmocka_unit_test(test_unfit),
         cmocka_unit_test(test_many),
