@@ -89,6 +89,7 @@ void backdrop_lines_free(struct backdrop_lines *l);
 #define BACKDROP_LEGEND 4u  /* in the strip */
 #define BACKDROP_CAPTION 8u /* likewise */
 #define BACKDROP_ALL 15u
+#define BACKDROP_CLIPPED 16u /* the map without what is outside of the picture */
 /* Puts these parts into the list, in the place of what it holds. b->lines do not count. */
 void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsigned parts,
     struct backdrop_list *list);

@@ -28,6 +28,7 @@ struct drawing {
     double strip; /* pixels: the height of the strip below the picture, where y < 0 */
     struct labels *labels;
     struct outline *scratch; /* two, for areas */
+    bool clipped;            /* to the picture */
     double lo[3], hi[3];     /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 

@@ -28,8 +28,9 @@ void outline_free(struct outline *o);
 struct half {
     double a, b, c;
 };
-#define HALVES 5
-/* Half-planes bound the visible part of the map: its edges, and the plane of the eye. Sets those
+#define HALVES 9
+/* Half-planes bound the visible part of the map: its edges, the plane of the eye, and the
+ * sides of the picture if the drawing is clipped. Sets those
  * that may cut what lies between lo and hi. False if all of that is outside. */
 struct halves {
     struct half at[HALVES];
