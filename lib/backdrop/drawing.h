@@ -29,6 +29,7 @@ struct drawing {
     struct labels *labels;
     struct outline *scratch; /* two, for areas */
     bool clipped;            /* to the picture */
+    double map[3][3];        /* of a point x, y on the map: right, up and forward of the eye */
     double lo[3], hi[3];     /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 
@@ -50,6 +51,14 @@ void list_cut(struct backdrop_list *l, size_t n_marks);
 void drawing_init(struct drawing *s, const struct backdrop *b);
 /* Projects a point in grid coordinates to pixels. False if it is not in front of the eye. */
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2]);
+/* The same for a point on the map that is known to be in front of the eye. */
+static inline struct backdrop_at drawing_on_map(const struct drawing *s, double x, double y)
+{
+    const double(*m)[3] = s->map;
+    double far = m[2][0] * x + m[2][1] * y + m[2][2];
+    return (struct backdrop_at){(s->w + (m[0][0] * x + m[0][1] * y + m[0][2]) / far) / 2,
+        (s->h + (m[1][0] * x + m[1][1] * y + m[1][2]) / far) / 2};
+}
 /* Adds a point to a line. Breaks the line if the point is invisible. */
 void drawing_point(const struct drawing *s, double x, double y, double z);
 /*

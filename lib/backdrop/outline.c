@@ -33,11 +33,12 @@ struct piece {
 
 static void put_point(struct piece *p, struct outline_point at, bool always)
 {
-    double xy[2];
-    if (!backdrop_project(p->s, at.x, at.y, p->s->lo[2], xy)) return;
-    if (!always && hypot(xy[0] - p->last.x, xy[1] - p->last.y) < STEP) return;
-    list_point(p->s->list, xy[0], xy[1]);
-    p->last = (struct backdrop_at){xy[0], xy[1]};
+    const struct backdrop_at xy = drawing_on_map(p->s, at.x, at.y);
+    if (!isfinite(xy.x) || !isfinite(xy.y)) return;
+    const double dx = xy.x - p->last.x, dy = xy.y - p->last.y;
+    if (!always && dx * dx + dy * dy < STEP * STEP) return;
+    list_point(p->s->list, xy.x, xy.y);
+    p->last = xy;
     p->open = true;
 }
 
@@ -75,13 +76,14 @@ void outline_stroke(const struct drawing *s, const struct outline *o)
 
 static bool is_large(const struct drawing *s, const struct outline_point *at, size_t n)
 {
-    double lo[2] = {HUGE_VAL, HUGE_VAL}, hi[2] = {-HUGE_VAL, -HUGE_VAL}, xy[2];
-    for (size_t i = 0; i < n; i++)
-        for (int a = 0; a < 2 && backdrop_project(s, at[i].x, at[i].y, s->lo[2], xy); a++) {
-            lo[a] = fmin(lo[a], xy[a]);
-            hi[a] = fmax(hi[a], xy[a]);
-        }
-    return hi[0] - lo[0] >= SEEN || hi[1] - lo[1] >= SEEN;
+    struct backdrop_at lo = {HUGE_VAL, HUGE_VAL}, hi = {-HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < n; i++) {
+        const struct backdrop_at xy = drawing_on_map(s, at[i].x, at[i].y);
+        lo = (struct backdrop_at){fmin(lo.x, xy.x), fmin(lo.y, xy.y)};
+        hi = (struct backdrop_at){fmax(hi.x, xy.x), fmax(hi.y, xy.y)};
+        if (hi.x - lo.x >= SEEN || hi.y - lo.y >= SEEN) return true;
+    }
+    return false;
 }
 
 /* False if what lies between the corners is outside, or too small; most of a globe's areas are. */
