@@ -57,6 +57,7 @@ void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsig
     s.labels = &labels;
     s.scratch = scratch;
     s.clipped = parts & BACKDROP_CLIPPED;
+    drawing_bound(&s);
     draw(&s, lines, parts);
     buf_free(&labels.boxes);
     outline_free(&scratch[0]);

@@ -19,6 +19,11 @@ struct labels {
     size_t series;    /* the first one of the ticks that are being labelled */
     bool in_strip;    /* now they are labels of the strip, otherwise of the picture */
 };
+/* The half-plane a x + b y + c >= 0 of the map. */
+struct half {
+    double a, b, c;
+};
+#define HALVES 9
 struct drawing {
     const struct backdrop *b;
     struct backdrop_list *list;
@@ -27,10 +32,12 @@ struct drawing {
     double em;    /* pixels: the size of the font */
     double strip; /* pixels: the height of the strip below the picture, where y < 0 */
     struct labels *labels;
-    struct outline *scratch; /* two, for areas */
-    bool clipped;            /* to the picture */
-    double map[3][3];        /* of a point x, y on the map: right, up and forward of the eye */
-    double lo[3], hi[3];     /* the grid's box in its own coordinates; in z, lo is the lower side */
+    struct outline *scratch;  /* two, for areas */
+    bool clipped;             /* to the picture */
+    double map[3][3];         /* of a point x, y on the map: right, up and forward of the eye */
+    struct half half[HALVES]; /* set by drawing_bound (cut.c) */
+    int n_halves;
+    double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 
 /* ---- the list (list.c) ---------------------------------------------------------------------- */

@@ -7,7 +7,6 @@
 
 #define BEYOND 2.0    /* pixels: so far outside lines are cut */
 #define BASELINE .375 /* em: of a label, below its point, as gnuplot has it */
-#define BOX_WIDTH 1.0 /* pixels */
 
 struct paint {
     struct backdrop_lines *lines;
@@ -99,11 +98,16 @@ static void stroke(const struct canvas *c, struct paint *paint, const struct bac
 
 /* ---- the legend and labels ------------------------------------------------------------------- */
 
+/* A border is on whole pixels, as gnuplot has it. */
 static void rectangle(
     const struct canvas *c, const struct backdrop_mark *m, const struct backdrop_at at[2])
 {
-    cairo_rectangle(c->cr, at[0].x, c->h - at[1].y, at[1].x - at[0].x, at[1].y - at[0].y);
-    cairo_set_line_width(c->cr, BOX_WIDTH);
+    double x0 = at[0].x, x1 = at[1].x, y0 = c->h - at[1].y, y1 = c->h - at[0].y;
+    if (m->kind == BACKDROP_BOX) {
+        x0 = floor(x0) + .5, x1 = floor(x1) + .5, y0 = floor(y0) + .5, y1 = floor(y1) + .5;
+        cairo_set_line_width(c->cr, m->width);
+    }
+    cairo_rectangle(c->cr, x0, y0, x1 - x0, y1 - y0);
     if (m->kind == BACKDROP_BOX) cairo_stroke(c->cr);
     else cairo_fill(c->cr);
 }
@@ -161,6 +165,7 @@ bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, u
     backdrop_draw(b, p->lines, parts | BACKDROP_CLIPPED, &p->list);
     set_colour(c.cr, BACKDROP_PAPER);
     cairo_paint(c.cr);
+    cairo_set_antialias(c.cr, CAIRO_ANTIALIAS_FAST);
     cairo_save(c.cr);
     cairo_rectangle(c.cr, 0, 0, c.w, c.h);
     cairo_clip(c.cr);
