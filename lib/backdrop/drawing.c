@@ -51,8 +51,8 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
 void drawing_point(const struct drawing *s, double x, double y, double z)
 {
     double xy[2];
-    if (backdrop_project(s, x, y, z, xy)) list_point(s->list, xy[0], xy[1]);
-    else list_break(s->list);
+    if (backdrop_project(s, x, y, z, xy)) mark_point(s->list, xy[0], xy[1]);
+    else mark_break(s->list);
 }
 
 /* By the widths of DejaVu Sans, which is wide. */
@@ -91,7 +91,7 @@ enum label backdrop_label(const struct drawing *s, const char *text, const doubl
     enum label result = check(s, &box);
     if (result != LABEL_PLACED) return result;
     buf_append(&s->labels->boxes, &box, sizeof box);
-    list_label(s->list, text, xy, align);
+    mark_label(s->list, text, xy, align);
     return LABEL_PLACED;
 }
 
@@ -108,7 +108,7 @@ void backdrop_label_ticks(
             close = i % *stride == 0 && label(s, ctx, i * t->step) == LABEL_TOO_CLOSE;
         if (!close) return;
         boxes->len = before; /* undo */
-        list_cut(s->list, n_marks);
+        mark_cut(s->list, n_marks);
     }
 }
 

@@ -40,18 +40,18 @@ struct drawing {
     double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 
-/* ---- the list (list.c) ---------------------------------------------------------------------- */
+/* ---- the list (mark.c) ---------------------------------------------------------------------- */
 
 /* Begins a mark; or goes on with the last one, if it is of this kind and colour. */
-void list_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width);
+void mark_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width);
 /* Adds a point to the last mark, or the end of a line or an area. */
-void list_point(struct backdrop_list *l, double x, double y);
-void list_break(struct backdrop_list *l);
-void list_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
+void mark_point(struct backdrop_list *l, double x, double y);
+void mark_break(struct backdrop_list *l);
+void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
     const double from[2], const double to[2]);
-void list_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
+void mark_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
 /* Removes marks, so that n are left. */
-void list_cut(struct backdrop_list *l, size_t n_marks);
+void mark_cut(struct backdrop_list *l, size_t n_marks);
 
 /* ---- points and text (drawing.c) ------------------------------------------------------------ */
 

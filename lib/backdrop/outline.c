@@ -37,14 +37,14 @@ static void put_point(struct piece *p, struct outline_point at, bool always)
     if (!isfinite(xy.x) || !isfinite(xy.y)) return;
     const double dx = xy.x - p->last.x, dy = xy.y - p->last.y;
     if (!always && dx * dx + dy * dy < STEP * STEP) return;
-    list_point(p->s->list, xy.x, xy.y);
+    mark_point(p->s->list, xy.x, xy.y);
     p->last = xy;
     p->open = true;
 }
 
 static void put_end(struct piece *p)
 {
-    if (p->open) list_break(p->s->list);
+    if (p->open) mark_break(p->s->list);
     p->open = false;
 }
 
@@ -108,7 +108,7 @@ static bool fill_whole(const struct drawing *s, const struct outline *o, int k, 
 {
     struct piece piece = {.s = s};
     if (!is_large(s, o->at, o->n, k)) return false;
-    list_begin(s->list, look.kind, look.rgb, 0);
+    mark_begin(s->list, look.kind, look.rgb, 0);
     for (size_t i = 0; i < o->n; i++) put_point(&piece, turned(o->at[i], k), !piece.open);
     put_end(&piece);
     return true;
