@@ -24,7 +24,7 @@ void mark_point(struct backdrop_list *l, double x, double y)
     l->mark[l->n_marks - 1].n++;
 }
 
-void mark_break(struct backdrop_list *l) { mark_point(l, NAN, NAN); }
+void mark_break(struct backdrop_list *l) { mark_point(l, (double)NAN, (double)NAN); }
 
 void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
     const double from[2], const double to[2])

@@ -21,6 +21,10 @@
 static const char coast[] = "> land\n3 42\n9 41\n15 44\n16 48\n8 49\n4 46\n> water\n7 44\n10 44\n"
                             "10 46\n>\n12 40.5\n19 49\n> land\n355 38\n2 38\n2 41\n355 41\n";
 
+/* For the sanitizer of leaks: fontconfig has tables until the program ends. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
+
 struct scene {
     struct grid g;
     struct spec s;
@@ -172,7 +176,7 @@ static void test_places(void **state)
         }
         labels += check_labels(&c, &l);
     }
-    assert_true(edges > 1000 && coasts > 200 && labels > 500);
+    assert_true(edges > 600 && coasts > 50 && labels > 80);
     backdrop_lines_free(lines);
     backdrop_list_free(&l);
     close_scene(&c);
@@ -253,7 +257,7 @@ static void test_odd(void **state)
     c.b.title = "\xff\xfe m\xc3";
     paint_in(&c, 200, 100, ALL);
     for (int i = 0; i < 3; i++) { /* in a corner of the map, and no camera at all */
-        memcpy(c.s.from, (double[3]){i < 2 ? 0 : NAN, 40, 0}, sizeof c.s.from);
+        memcpy(c.s.from, (double[3]){i < 2 ? 0 : (double)NAN, 40, 0}, sizeof c.s.from);
         memcpy(c.s.at, i ? c.s.from : c.s.at, sizeof c.s.at);
         paint_in(&c, 200, 100, ALL);
     }
