@@ -176,6 +176,11 @@ done
 like 'degrees west are not labelled as east' "$(titled "T [K]; x lon [degrees_west]; y lat [degrees_north]; z height [m]")" \
 	'^0 degrees_west,'
 like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
+backdrop -z -hectopascal_or_millibar wall.vtk wall.spec >long.gp
+is 'where heights have no room for their unit, they are numbers, and the unit is there once' \
+	"$(grep -c "^set label '[19][90][0-9]*' at" long.gp):$(grep -c hectopascal long.gp)" 2:1
+sed '2s/.*/T [K]; z -ocean_sigma_coordinate [1]/' wall.vtk >sigma.vtk
+is 'so are names of levels' "$(backdrop sigma.vtk wall.spec | grep -c ocean)" 1
 like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,4°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
