@@ -105,8 +105,8 @@ void backdrop_write_caption(const struct backdrop *b, struct buf *out);
 
 /* ---- the time -------------------------------------------------------------------------------- */
 
-/* Writes the time that a grid's title states: the date and time in UTC, or else name, number and
- * unit; "" if it states none. */
+/* Writes the time that a grid's title states: the date and time in UTC, or of another calendar with
+ * its name; or else name, number and unit; "" if it states none. */
 #define BACKDROP_TIME (2 * GRID_NAME + 2)
 void backdrop_time(const char *title, char text[BACKDROP_TIME]);
 
