@@ -148,8 +148,8 @@ filled 'what is behind the eye is cut off' '3 17' '41 49' within.spec .01
 } >lines.txt
 backdrop wall.vtk wall.spec lines.txt >areas.gp
 is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fs solid noborder fc rgb .#......' | sed 's/ .*#/ /' |
-	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
-	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
+	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND 0x\(.*\)u/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
+	"$(sed -n 's/.*define SEA 0x\(.*\)u/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
 is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
 
 # ---- labels ------------------------------------------------------------------------------------------
@@ -176,6 +176,11 @@ done
 like 'degrees west are not labelled as east' "$(titled "T [K]; x lon [degrees_west]; y lat [degrees_north]; z height [m]")" \
 	'^0 degrees_west,'
 like 'options override the title of the grid' "$(titled 'T [K]; x lon []; y lat []; z -depth [m]' -z Pa -t heat)" '^0°,.*,-1000 Pa,.*,heat,$'
+backdrop -z -hectopascal_or_millibar wall.vtk wall.spec >long.gp
+is 'where heights have no room for their unit, they are numbers, and the unit is there once' \
+	"$(grep -c "^set label '[19][90][0-9]*' at" long.gp):$(grep -c hectopascal long.gp)" 2:1
+sed '2s/.*/T [K]; z -ocean_sigma_coordinate [1]/' wall.vtk >sigma.vtk
+is 'so are names of levels' "$(backdrop sigma.vtk wall.spec | grep -c ocean)" 1
 like 'any title is accepted' "$(titled 'x [; z [[]; x [')" '^0°,4°E,.*,-1000 ,.*,x,$'
 sed '2s,.*,T [K]; x a [km]; y b [km],' wall.vtk >titled.vtk
 printf '372 41\n375 49\n\n2 41\n18 41\n' | backdrop titled.vtk wall.spec - >titled.gp
@@ -202,6 +207,21 @@ mv C.png wall.png
 like 'the map has the size of the specification, and a strip below' "$(imgcmp wall.png wall.png)" 'size	300x229'
 backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
 like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x89'
+
+# A window paints it by itself.
+sed '2s/.*/T [K]; z -p [hPa]; t time 1 [hours since 2026-11-23]/' wall.vtk >hour.vtk
+sed 's/^resolution .*/resolution 900 600/' wall.spec >large.spec
+if there "$root/build/unit/test_paint"; then
+	backdrop hour.vtk large.spec lines.txt | gnuplot >drawn.png
+	ok 'painted: a file' "$root/build/unit/test_paint" hour.vtk large.spec lines.txt painted.ppm
+	ok 'what is painted is where gnuplot draws it' imgcmp -t .15 -f .004 painted.ppm drawn.png
+	sed 's/^at .*/at 10.1 45 -100/' large.spec >moved.spec
+	"$root/build/unit/test_paint" hour.vtk moved.spec lines.txt painted.ppm
+	run imgcmp -t .15 -f .004 painted.ppm drawn.png
+	is 'a view that is turned a little is another picture' "$status" 1
+else
+	skip 'painted backgrounds' 'test_paint is not built'
+fi
 
 printf '1 2\n\n3\n' >bad.line
 mkfifo spec.pipe

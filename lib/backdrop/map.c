@@ -7,10 +7,10 @@ static void segment(const struct drawing *s, const double a[3], const double b[3
 {
     for (int i = 0; i <= 64; i++) {
         double f = i / 64.0;
-        backdrop_point(
+        drawing_point(
             s, a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2]));
     }
-    buf_printf(s->out, "\n");
+    mark_break(s->list);
 }
 
 /* Draws a line along `axis` through `at`. */
@@ -119,6 +119,7 @@ struct beside {
     double corner[2]; /* of the heights */
     double y, pad;    /* longitudes: the edge, and how far away from it */
     double step;
+    bool bare; /* heights: numbers only, because some would leave the picture with their unit */
 };
 
 /* Places a label beside an edge of the map. The text extends away from the edge. */
@@ -149,18 +150,64 @@ static enum label label_latitude(const struct drawing *s, const void *ctx, doubl
     return backdrop_label(s, text, left ? xy : other, first ? 1 : -1);
 }
 
+static void height_text(const struct drawing *s, bool bare, double z, char *out, size_t n)
+{
+    double v = (s->b->down ? -z : z) + 0.0;
+    if (bare) snprintf(out, n, "%.10g", v);
+    else if (s->b->levels) snprintf(out, n, "%.40s %.10g", s->b->levels, v);
+    else snprintf(out, n, "%.10g %s", v, s->b->unit);
+}
+
+/* Where the text of a height begins, whose edge is at x: at the edge of the picture, closer to the
+ * edge of the grid, or over it. A number may be over it as a whole. */
+static double height_x(const struct drawing *s, bool bare, double x, double wide)
+{
+    return fmax(x - (bare ? wide : s->em), fmin(x + s->em / 2, s->w - wide));
+}
+
 static enum label label_height(const struct drawing *s, const void *ctx, double z)
 {
     const struct beside *b = ctx;
-    double xy[2], v = (s->b->down ? -z : z) + 0.0;
+    double xy[2];
     char text[128];
-    if (s->b->levels) snprintf(text, sizeof text, "%.40s %.10g", s->b->levels, v);
-    else snprintf(text, sizeof text, "%.10g %s", v, s->b->unit);
+    height_text(s, b->bare, z, text, sizeof text);
     if (!backdrop_project(s, b->corner[0], b->corner[1], z, xy)) return LABEL_LEFT_OUT;
-    /* at the edge of the picture, closer to the edge of the grid, or over it */
-    double wide = backdrop_text_width(s, text) + 1;
-    xy[0] = fmax(xy[0] - s->em, fmin(xy[0] + s->em / 2, s->w - wide));
+    xy[0] = height_x(s, b->bare, xy[0], backdrop_text_width(s, text) + 1);
     return backdrop_label(s, text, xy, -1);
+}
+
+/* True if all heights that are in the picture have room beside their edge. */
+static bool heights_fit(const struct drawing *s, const struct beside *b, const struct ticks *t)
+{
+    char text[128];
+    for (int i = t->first; i <= t->last; i++) {
+        double xy[2], z = i * t->step;
+        if (!backdrop_project(s, b->corner[0], b->corner[1], z, xy)) continue;
+        height_text(s, false, z, text, sizeof text);
+        double wide = backdrop_text_width(s, text) + 1;
+        bool inside = xy[0] <= s->w && xy[1] >= 0 && xy[1] <= s->h;
+        if (inside && height_x(s, false, xy[0], wide) + wide > s->w) return false;
+    }
+    return true;
+}
+
+/* The unit of bare numbers, once: above them, below them, or at their left. */
+static void label_unit(const struct drawing *s, const struct beside *b)
+{
+    const char *text = s->b->levels ? s->b->levels : s->b->unit;
+    if (!*text) return;
+    double wide = backdrop_text_width(s, text) + 1, line = 1.1 * BACKDROP_TEXT_HIGH * s->em;
+    double ends[2][2];
+    for (int i = 0; i < 2; i++)
+        if (!backdrop_project(s, b->corner[0], b->corner[1], (i ? s->hi : s->lo)[2], ends[i]))
+            return;
+    const double *low = ends[ends[0][1] > ends[1][1]], *high = ends[ends[0][1] <= ends[1][1]];
+    const double right = fmin(s->w - wide, high[0]);
+    const double places[][2] = {{right, fmin(high[1] + line, s->h - line / 2)},
+        {fmin(s->w - wide, low[0]), fmax(low[1] - line, line / 2)},
+        {right - 4 * s->em, fmin(high[1], s->h - line / 2)}, {s->w - wide, s->h - line / 2}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (backdrop_label(s, text, places[i], -1) == LABEL_PLACED) return;
 }
 
 /* Finds the corner that is furthest to the right. */
@@ -190,5 +237,7 @@ void backdrop_labels(const struct drawing *s)
     backdrop_label_ticks(s, &x, label_longitude, &b);
     b.pad = pad;
     backdrop_label_ticks(s, &y, label_latitude, &b);
+    b.bare = !heights_fit(s, &b, &z);
     backdrop_label_ticks(s, &z, label_height, &b);
+    if (b.bare) label_unit(s, &b);
 }

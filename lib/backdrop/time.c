@@ -35,10 +35,28 @@ static bool by_date(const struct grid_named *t, char text[BACKDROP_TIME])
     return true;
 }
 
+/* The same, with the name of a calendar in parentheses behind it. */
+static bool by_calendar(const struct grid_named *t, char text[BACKDROP_TIME])
+{
+    const char *number = strrchr(t->name, ' '), *open = strrchr(t->unit, '(');
+    char unit[GRID_NAME], calendar[GRID_NAME];
+    double v;
+    struct units_date d;
+    if (!number || !open || open == t->unit || open[-1] != ' ' || !strchr(open, ')')) return false;
+    snprintf(unit, sizeof unit, "%.*s", (int)(open - 1 - t->unit), t->unit);
+    snprintf(calendar, sizeof calendar, "%.*s", (int)strcspn(open + 1, ")"), open + 1);
+    if (!parse_real(number + 1, -1e18, 1e18, &v) || !units_calendar_date(v, unit, calendar, &d))
+        return false;
+    snprintf(text, BACKDROP_TIME, "%04d-%02d-%02d %02d:%02d (%s)", d.year, d.month, d.day, d.hour,
+        d.minute, calendar);
+    return true;
+}
+
 void backdrop_time(const char *title, char text[BACKDROP_TIME])
 {
     struct grid_named t;
     *text = '\0';
-    if (!grid_title(title, 't', &t) || by_digits(&t, text) || by_date(&t, text)) return;
+    if (!grid_title(title, 't', &t) || by_digits(&t, text)) return;
+    if (by_calendar(&t, text) || by_date(&t, text)) return;
     snprintf(text, BACKDROP_TIME, "%s %s", t.name, t.unit);
 }

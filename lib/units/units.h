@@ -22,5 +22,8 @@ struct units_date {
 /* Finds the date of v in a unit such as "hours since 2000-01-01", to the nearest minute. False if
  * there is none, or if the library was missing. */
 bool units_date(double v, const char *unit, struct units_date *d);
+/* The same in another calendar: noleap or 365_day, all_leap or 366_day, 360_day, julian, or
+ * proleptic_gregorian. Months and years are units of 360_day only. */
+bool units_calendar_date(double v, const char *unit, const char *calendar, struct units_date *d);
 
 #endif

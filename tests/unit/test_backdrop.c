@@ -233,6 +233,25 @@ static void test_times(void **state)
     is_time("T [K]; t time -1 [days since 1582-10-15]", "1582-10-04 00:00 UTC");
     is_time("T [K]; t time 366 [hour since 0000-01-01]", "0001-01-16 06:00 UTC");
     is_time("T [K]; t time 0 [days since 1999-03-01 00:00 +01:00]", "1999-02-28 23:00 UTC");
+    /* Calendars of models. */
+    is_time("T [K]; t time 59 [days since 2000-01-01 (noleap)]", "2000-03-01 00:00 (noleap)");
+    is_time("T [K]; t time 59 [days since 1999-01-01 (366_day)]", "1999-02-29 00:00 (366_day)");
+    is_time("T [K]; t time 59 [days since 2000-01-01 (360_day)]", "2000-02-30 00:00 (360_day)");
+    is_time("T [K]; t time 13.5 [months since 2000-01-01 (360_day)]", "2001-02-16 00:00 (360_day)");
+    is_time("T [K]; t time -1 [hours since 1-1-1 00:00:00 (julian)]", "0000-12-31 23:00 (julian)");
+    is_time("T [K]; t time 36600 [days since 1900-01-01 (julian)]", "2000-03-16 00:00 (julian)");
+    is_time("T [K]; t time 0.5 [days since 1400-02-28 12:00 (proleptic_gregorian)]",
+        "1400-03-01 00:00 (proleptic_gregorian)");
+    is_time("T [K]; t time 90 [minutes since 2000-12-30T23:00:00.0 UTC (365_day)]",
+        "2000-12-31 00:30 (365_day)");
+    is_time("T [K]; t time 2 [months since 2000-01-01 (noleap)]",
+        "time 2 months since 2000-01-01 (noleap)");
+    is_time("T [K]; t time 1 [days since 1999-02-29 (noleap)]",
+        "time 1 days since 1999-02-29 (noleap)");
+    is_time(
+        "T [K]; t time 1 [days since 1999-02-01 (lunar)]", "time 1 days since 1999-02-01 (lunar)");
+    is_time("T [K]; t time -1e9 [days since 1999-02-01 (julian)]",
+        "time -1e9 days since 1999-02-01 (julian)");
 }
 
 /* What the map of a grid with this title is labelled with; unit: of -z. */
