@@ -73,7 +73,7 @@ FUZZ_SEED    = 0
 FUZZ_FLAGS   = -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all \
                -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=pointer-overflow
 
-# Four programs need a library each: where it is missing, the others are built, and make says so.
+# Five programs need a library each: where it is missing, the others are built, and make says so.
 LIBS_nc2vtk   = -lnetcdf $(LIBS_units)
 LIBS_grib2vtk = -leccodes $(LIBS_units)
 LIBS_backdrop = $(LIBS_units)
@@ -82,6 +82,7 @@ LIBS_test_heights = $(LIBS_units)
 LIBS_test_backdrop = $(LIBS_units)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
+LIBS_stormview = -lSDL2
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
 LIBS_cropworker = $(LIBS_pack)
 LIBS_fuzz_files = $(LIBS_pack)
@@ -89,7 +90,8 @@ LIBS_fuzz_files = $(LIBS_pack)
 lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>&1 || echo $(2))
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
-           $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh)
+           $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh) \
+           $(call lacks,SDL2/SDL.h,stormview:libsdl2-dev:window)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.
