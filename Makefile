@@ -80,9 +80,15 @@ LIBS_backdrop = $(LIBS_units)
 LIBS_units    = $(if $(UDUNITS),-ludunits2)
 LIBS_test_heights = $(LIBS_units)
 LIBS_test_backdrop = $(LIBS_units)
+# Of paint, which only stormview has.
+LIBS_paint    = $(shell pkg-config --libs pangocairo 2>/dev/null) $(LIBS_units)
+LIBS_test_paint = $(LIBS_paint)
+PANGO         = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags pangocairo 2>/dev/null))
+FLAGS_paint/paint = $(PANGO)
+FLAGS_paint/text  = $(PANGO)
 LIBS_tsvstat  = -lgsl -lgslcblas
 LIBS_mesh2nff = -lassimp
-LIBS_stormview = -lSDL2
+LIBS_stormview = -lSDL2 $(LIBS_paint)
 LIBS_pack     = $(if $(ARCHIVE),-larchive)
 LIBS_cropworker = $(LIBS_pack)
 LIBS_fuzz_files = $(LIBS_pack)
@@ -91,7 +97,8 @@ lacks    = $(shell $(CC) $(CFLAGS) -E -x c -include $(1) /dev/null >/dev/null 2>
 LACKING := $(call lacks,netcdf.h,nc2vtk:libnetcdf-dev:cf) $(call lacks,eccodes.h,grib2vtk:libeccodes-dev:grib) \
            $(call lacks,gsl/gsl_cdf.h,tsvstat:libgsl-dev:inference) \
            $(call lacks,assimp/cimport.h,mesh2nff:libassimp-dev:mesh) \
-           $(call lacks,SDL2/SDL.h,stormview:libsdl2-dev:window)
+           $(call lacks,SDL2/SDL.h,stormview:libsdl2-dev:window) \
+           $(call lacks,pango/pangocairo.h $(PANGO),stormview:libpango1.0-dev:paint)
 # Without this one, records are not packed on slow links.
 ZSTD    := $(if $(call lacks,zstd.h,-),,zstd)
 # Without this one, nc2vtk and grib2vtk convert no units, and backdrop computes no dates.

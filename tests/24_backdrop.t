@@ -148,8 +148,8 @@ filled 'what is behind the eye is cut off' '3 17' '41 49' within.spec .01
 } >lines.txt
 backdrop wall.vtk wall.spec lines.txt >areas.gp
 is 'lakes are drawn over land, islands over lakes' "$(tail -n 1 areas.gp | grep -o 'area[0-9] with filledcurves closed fs solid noborder fc rgb .#......' | sed 's/ .*#/ /' |
-	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND .#\(.*\)"/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
-	"$(sed -n 's/.*define SEA .#\(.*\)"/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
+	tr '\n' ';' | sed "s/$(sed -n 's/.*define LAND 0x\(.*\)u/\1/p' "$root/lib/backdrop/drawing.h")/land/g")" \
+	"$(sed -n 's/.*define SEA 0x\(.*\)u/area0 land;area1 \1;area2 land;/p' "$root/lib/backdrop/drawing.h")"
 is 'areas smaller than a pixel are left out' "$(block area2 areas.gp | wc -l):$(block lines areas.gp | wc -l)" 5:15
 
 # ---- labels ------------------------------------------------------------------------------------------

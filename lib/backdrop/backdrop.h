@@ -1,9 +1,9 @@
 /*
- * backdrop: writes the background of a picture of a grid as a gnuplot script: the grid's lowest
- * plane as a map, with lines such as coasts; the grid's edges, the graticule, heights. The
- * specification's camera projects everything here, so gnuplot gets pixels. Below the picture is a
- * strip with a legend of the colours and a caption (title and time), which overlap nothing else
- * there. No I/O.
+ * backdrop: draws the background of a picture of a grid: the grid's lowest plane as a map, with
+ * lines such as coasts; the grid's edges, the graticule, heights. The specification's camera
+ * projects everything here, into a list of lines, areas and texts in pixels. backdrop_write makes a
+ * gnuplot script of the list; lib/paint paints it. Below the picture is a strip with a legend of
+ * the colours and a caption (title and time), which overlap nothing else there. No I/O.
  */
 #ifndef STORMRING_BACKDROP_H
 #define STORMRING_BACKDROP_H
@@ -42,11 +42,68 @@ bool backdrop_alike(const struct grid *a, const struct grid *b);
 
 /* The height of the strip in pixels. */
 uint32_t backdrop_strip(const struct backdrop *b);
+
+/* ---- what is drawn --------------------------------------------------------------------------- */
+
+/* In pixels: x from the left edge, y upwards from the lower edge of the picture; y < 0 in the
+ * strip. NaN: a line or an area ends, and the next point begins another one. */
+struct backdrop_at {
+    double x, y;
+};
+/* They are drawn in this order: each kind over those before it, otherwise as in the list. */
+enum backdrop_kind {
+    BACKDROP_PLANE,     /* areas: the plane of the map */
+    BACKDROP_AREA,      /* land or water */
+    BACKDROP_GRATICULE, /* lines */
+    BACKDROP_LINES,     /* coasts */
+    BACKDROP_EDGES,     /* of the grid */
+    BACKDROP_PATCH,     /* a rectangle between two corners */
+    BACKDROP_BOX,       /* its border */
+    BACKDROP_LABEL      /* a text, centred in height at its point */
+};
+struct backdrop_mark {
+    enum backdrop_kind kind;
+    uint32_t rgb;    /* sRGB, 0xrrggbb; a label is black */
+    double width;    /* of lines, in pixels */
+    size_t first, n; /* its points in the list */
+    size_t text;     /* where the text of a label begins */
+    int align;       /* the point is its left end (-1), its middle (0) or its right end (1) */
+};
+struct backdrop_list {
+    double em; /* pixels: the size of the font, sans serif */
+    struct backdrop_mark *mark;
+    struct backdrop_at *at;
+    size_t n_marks, n_at;
+    struct buf text; /* each ends with a byte 0 */
+};
+#define BACKDROP_PAPER 0xf6f6f6u /* the colour under all */
+
+/* The lines of b, read once: they are on the globe, or on a plane if b->flat. NULL with a message
+ * in err if they are invalid; lines NULL is none. */
+struct backdrop_lines;
+struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR]);
+void backdrop_lines_free(struct backdrop_lines *l);
+
+#define BACKDROP_MAP 1u     /* plane, areas and lines */
+#define BACKDROP_AXES 2u    /* graticule, edges and labels */
+#define BACKDROP_LEGEND 4u  /* in the strip */
+#define BACKDROP_CAPTION 8u /* likewise */
+#define BACKDROP_ALL 15u
+#define BACKDROP_CLIPPED 16u /* the map without what is outside of the picture */
+/* Puts these parts into the list, in the place of what it holds. b->lines do not count. */
+void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsigned parts,
+    struct backdrop_list *list);
+void backdrop_list_free(struct backdrop_list *list);
+
+/* ---- as a gnuplot script --------------------------------------------------------------------- */
+
 /* Appends a script that writes a PNG to standard output: w pixels wide, h and the strip high. The
  * caption may be left out. Returns 0, or -1 with a message in err if the lines are invalid. */
 int backdrop_write(const struct backdrop *b, bool caption, struct buf *out, char err[BACKDROP_ERR]);
 /* Appends a script that writes the caption as a PNG of the same width: the bottom of the strip. */
 void backdrop_write_caption(const struct backdrop *b, struct buf *out);
+
+/* ---- the time -------------------------------------------------------------------------------- */
 
 /* Writes the time that a grid's title states: the date and time in UTC, or else name, number and
  * unit; "" if it states none. */

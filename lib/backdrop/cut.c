@@ -14,27 +14,65 @@ struct outline_point outline_between(struct outline_point p, struct outline_poin
     return (struct outline_point){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
 }
 
-void outline_halves(const struct drawing *s, struct half h[HALVES])
+#define BEYOND 2.0 /* pixels: sides of the picture are so far out, so that no cut is seen */
+
+/* Where a point on the map is in the direction d from the eye; c: at the map's height. */
+static struct half along(const struct drawing *s, struct vec3 d)
+{
+    const double *scale = s->b->spec->scale;
+    return (struct half){
+        d.x * scale[0], d.y * scale[1], d.z * (s->lo[2] * scale[2]) - v3_dot(d, s->camera.eye)};
+}
+
+/* Sets the planes, and returns their number. That of the eye has a small margin, relative to the
+ * distance of the map. */
+static int all_halves(const struct drawing *s, struct half h[HALVES])
 {
     const double *scale = s->b->spec->scale, *lo = s->lo, *hi = s->hi;
-    const struct vec3 f = s->camera.forward, e = s->camera.eye;
+    const struct camera *c = &s->camera;
     struct vec3 corner = v3(lo[0] * scale[0], lo[1] * scale[1], lo[2] * scale[2]);
     h[0] = (struct half){1, 0, -lo[0]};
     h[1] = (struct half){-1, 0, hi[0]};
     h[2] = (struct half){0, 1, -lo[1]};
     h[3] = (struct half){0, -1, hi[1]};
-    /* a small margin, relative to the distance of the map */
-    h[4] = (struct half){f.x * scale[0], f.y * scale[1],
-        f.z * corner.z - v3_dot(f, e) - 1e-3 * v3_len(v3_sub(corner, e))};
+    h[4] = along(s, c->forward);
+    h[4].c -= 1e-3 * v3_len(v3_sub(corner, c->eye));
+    if (!s->clipped) return 5;
+    double half = v3_dot(c->up, c->up); /* as in backdrop_project */
+    double wide = (s->w + 2 * BEYOND) / s->h * half, high = (s->h + 2 * BEYOND) / s->h * half;
+    for (int i = 0; i < 4; i++)
+        h[5 + i] = along(s, v3_mad(v3_scale(c->forward, i < 2 ? wide : high),
+                                i < 2 ? c->right : c->up, i % 2 ? -1 : 1));
+    return 9;
+}
+
+/* The corner of the box that is furthest inside (1) or outside (-1). */
+static struct outline_point corner_of(
+    const struct half *h, struct outline_point lo, struct outline_point hi, int way)
+{
+    return (struct outline_point){h->a * way > 0 ? hi.x : lo.x, h->b * way > 0 ? hi.y : lo.y};
+}
+
+bool outline_halves(
+    const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h)
+{
+    struct half all[HALVES];
+    const int n = all_halves(s, all);
+    h->n = 0;
+    for (int i = 0; i < n; i++) {
+        if (side(&all[i], corner_of(&all[i], lo, hi, 1)) < 0) return false;
+        if (!(side(&all[i], corner_of(&all[i], lo, hi, -1)) >= 0)) h->at[h->n++] = all[i];
+    }
+    return true;
 }
 
 bool backdrop_cut_line(
-    const struct half h[HALVES], struct outline_point p, struct outline_point q, double part[2])
+    const struct halves *h, struct outline_point p, struct outline_point q, double part[2])
 {
     part[0] = 0;
     part[1] = 1;
-    for (int i = 0; i < HALVES; i++) {
-        double a = side(&h[i], p), b = side(&h[i], q);
+    for (int i = 0; i < h->n; i++) {
+        double a = side(&h->at[i], p), b = side(&h->at[i], q);
         if (a < 0 && b < 0) return false;
         if (a < 0) part[0] = fmax(part[0], a / (a - b));
         if (b < 0) part[1] = fmin(part[1], a / (a - b));
@@ -55,14 +93,12 @@ static void cut_by(const struct half *h, const struct outline *o, struct outline
     }
 }
 
-void backdrop_cut_polygon(const struct half h[HALVES], struct outline *o)
+void backdrop_cut_polygon(const struct halves *h, struct outline *o, struct outline *other)
 {
-    struct outline other = {0};
-    for (int i = 0; i < HALVES; i++) {
-        cut_by(&h[i], o, &other);
+    for (int i = 0; i < h->n; i++) {
+        cut_by(&h->at[i], o, other);
         struct outline swap = *o;
-        *o = other;
-        other = swap;
+        *o = *other;
+        *other = swap;
     }
-    outline_free(&other);
 }

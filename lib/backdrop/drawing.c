@@ -5,10 +5,10 @@
 
 #define SCALE_LEAST .4 /* of the font, in small pictures */
 
-void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out)
+void drawing_init(struct drawing *s, const struct backdrop *b)
 {
     const struct spec *spec = b->spec;
-    *s = (struct drawing){.b = b, .out = out, .w = b->w, .h = b->h};
+    *s = (struct drawing){.b = b, .w = b->w, .h = b->h};
     s->em = BACKDROP_FONT * fmax(SCALE_LEAST, fmin(s->h / 720, s->w / 1080));
     int rows = spec->n_knots && spec->n_isos && !spec->n_colours ? 2 : 1;
     s->strip = ceil((BACKDROP_MARGIN + rows * BACKDROP_ROW + 1 + BACKDROP_LINE) * s->em);
@@ -27,29 +27,18 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
     const struct camera *c = &s->camera;
     struct vec3 d = v3_sub(v3(x * scale[0], y * scale[1], z * scale[2]), c->eye);
     double far = v3_dot(d, c->forward);
-    if (far <= 1e-6 * v3_len(d)) return false;
+    if (!(far > 1e-6 * v3_len(d))) return false; /* a NaN, too */
     double half = v3_dot(c->up, c->up); /* half the frame's height at distance 1, squared */
     xy[0] = (s->w + s->h * v3_dot(d, c->right) / half / far) / 2;
     xy[1] = (s->h + s->h * v3_dot(d, c->up) / half / far) / 2;
     return true;
 }
 
-void backdrop_point(const struct drawing *s, double x, double y, double z)
+void drawing_point(const struct drawing *s, double x, double y, double z)
 {
     double xy[2];
-    if (backdrop_project(s, x, y, z, xy)) buf_printf(s->out, "%.2f %.2f\n", xy[0], xy[1]);
-    else buf_printf(s->out, "\n");
-}
-
-/* Writes text in single quotes, where gnuplot treats only a quote specially. */
-static void quoted(const struct drawing *s, const char *text)
-{
-    buf_append(s->out, "'", 1);
-    for (; *text; text++) {
-        if (*text == '\'') buf_append(s->out, "'", 1);
-        buf_append(s->out, (unsigned char)*text < ' ' ? " " : text, 1);
-    }
-    buf_append(s->out, "'", 1);
+    if (backdrop_project(s, x, y, z, xy)) list_point(s->list, xy[0], xy[1]);
+    else list_break(s->list);
 }
 
 /* By the widths of DejaVu Sans, which is wide. */
@@ -88,12 +77,7 @@ enum label backdrop_label(const struct drawing *s, const char *text, const doubl
     enum label result = check(s, &box);
     if (result != LABEL_PLACED) return result;
     buf_append(&s->labels->boxes, &box, sizeof box);
-    buf_printf(s->out, "set label ");
-    quoted(s, text);
-    buf_printf(s->out, " at %.2f,%.2f %s front noenhanced\n", xy[0], xy[1],
-        align < 0   ? "left"
-        : align > 0 ? "right"
-                    : "center");
+    list_label(s->list, text, xy, align);
     return LABEL_PLACED;
 }
 
@@ -102,7 +86,7 @@ void backdrop_label_ticks(
 {
     static const int strides[] = {1, 2, 5, 10, 20, 50, 0};
     struct buf *boxes = &s->labels->boxes;
-    size_t before = boxes->len, text = s->out->len;
+    size_t before = boxes->len, n_marks = s->list->n_marks;
     s->labels->series = before / sizeof(struct label_box);
     for (const int *stride = strides; *stride; stride++) {
         bool close = false;
@@ -110,7 +94,7 @@ void backdrop_label_ticks(
             close = i % *stride == 0 && label(s, ctx, i * t->step) == LABEL_TOO_CLOSE;
         if (!close) return;
         boxes->len = before; /* undo */
-        s->out->len = text;
+        list_cut(s->list, n_marks);
     }
 }
 

@@ -5,14 +5,13 @@
 #include "backdrop/backdrop.h"
 #include "geometry/geometry.h"
 
-#define PAGE 0.92       /* linear light of the page */
-#define PAPER "#f6f6f6" /* the same in sRGB */
-#define SEA "#e3ebf1"
-#define LAND "#d9d9cf"
-#define COAST "#76828a"
+#define PAGE 0.92 /* linear light of the page, BACKDROP_PAPER */
+#define SEA 0xe3ebf1u
+#define LAND 0xd9d9cfu
+#define COAST 0x76828au
 #define COAST_WIDTH .6
-#define GRATICULE "#c3ccd3"
-#define FRAME "#8a949b"
+#define GRATICULE 0xc3ccd3u
+#define FRAME 0x8a949bu
 
 /* The labels so far. */
 struct labels {
@@ -22,23 +21,37 @@ struct labels {
 };
 struct drawing {
     const struct backdrop *b;
-    struct buf *out;
+    struct backdrop_list *list;
     struct camera camera;
     double w, h;  /* pixels of the picture */
     double em;    /* pixels: the size of the font */
     double strip; /* pixels: the height of the strip below the picture, where y < 0 */
     struct labels *labels;
-    double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
+    struct outline *scratch; /* two, for areas */
+    bool clipped;            /* to the picture */
+    double lo[3], hi[3];     /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
+
+/* ---- the list (list.c) ---------------------------------------------------------------------- */
+
+/* Begins a mark; or goes on with the last one, if it is of this kind and colour. */
+void list_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width);
+/* Adds a point to the last mark, or the end of a line or an area. */
+void list_point(struct backdrop_list *l, double x, double y);
+void list_break(struct backdrop_list *l);
+void list_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
+    const double from[2], const double to[2]);
+void list_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
+/* Removes marks, so that n are left. */
+void list_cut(struct backdrop_list *l, size_t n_marks);
 
 /* ---- points and text (drawing.c) ------------------------------------------------------------ */
 
-void drawing_init(struct drawing *s, const struct backdrop *b, struct buf *out);
-/* Projects a point in grid coordinates to pixels, y upwards as in gnuplot. False if it is not in
- * front of the eye. */
+void drawing_init(struct drawing *s, const struct backdrop *b);
+/* Projects a point in grid coordinates to pixels. False if it is not in front of the eye. */
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2]);
-/* Writes a point of a line in a data block. Breaks the line if the point is invisible. */
-void backdrop_point(const struct drawing *s, double x, double y, double z);
+/* Adds a point to a line. Breaks the line if the point is invisible. */
+void drawing_point(const struct drawing *s, double x, double y, double z);
 /*
  * Places a label with its left end (-1), its middle (0) or its right end (1) at xy. It is left out
  * if it would cover another label, or is not inside the picture, or the strip.

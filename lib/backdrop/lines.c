@@ -1,4 +1,4 @@
-/* lines: areas are kept in the order of the text. A block ends where the kind of area changes. */
+/* lines: areas and lines are kept in the order of the text. */
 #include "backdrop/lines.h"
 
 #include <stdlib.h>
@@ -8,11 +8,15 @@
 
 enum kind { OPEN, LAND_AREA, WATER_AREA, GLOBE };
 
-struct reader {
-    const struct drawing *s;
-    struct lines *l;
-    struct outline now; /* the line or area being read */
-    enum kind kind;     /* its kind */
+struct part {
+    struct outline o;
+    enum kind kind;
+    bool seen; /* an area, in the last picture; a line always */
+};
+struct backdrop_lines {
+    struct part *part; /* grown by xgrown */
+    size_t n;
+    struct part now; /* being read */
 };
 
 /* Reads the two numbers of a line. False if there are not exactly two. */
@@ -45,74 +49,75 @@ static enum kind kind_of(char *line)
     return OPEN;
 }
 
-/* The block for an area of this kind. Starts a new block if the last one has the other kind. */
-static struct buf *block(struct lines *l, bool is_water)
+static bool is_area(enum kind kind) { return kind == LAND_AREA || kind == WATER_AREA; }
+
+/* Keeps the part that was read. */
+static void flush(struct backdrop_lines *l)
 {
-    if (l->n_areas && l->is_water[l->n_areas - 1] == is_water) return &l->areas;
-    if (l->n_areas) buf_printf(&l->areas, "EOD\n");
-    if (l->n_areas == l->room) {
-        l->room = l->room ? 2 * l->room : 8;
-        l->is_water = xrealloc(l->is_water, (size_t)l->room, sizeof *l->is_water);
+    struct part *p = &l->now;
+    if (p->o.n) {
+        if (is_area(p->kind)) outline_add(&p->o, p->o.at[0]);
+        outline_bound(&p->o);
+        l->part = xgrown(l->part, l->n, sizeof *l->part);
+        l->part[l->n++] = *p;
     }
-    l->is_water[l->n_areas] = is_water;
-    buf_printf(&l->areas, "$area%d << EOD\n", l->n_areas++);
-    return &l->areas;
+    l->now = (struct part){.o.flat = p->o.flat, .seen = true};
 }
 
-static void flush(struct reader *r)
-{
-    struct buf filled = {0};
-    struct outline *o = &r->now;
-    bool seen = true;
-    if ((r->kind == LAND_AREA || r->kind == WATER_AREA) && o->n) {
-        outline_add(o, o->at[0]);
-        seen = outline_fill(r->s, o, &filled);
-        if (seen)
-            buf_append(block(r->l, r->kind == WATER_AREA), buf_data(&filled), buf_size(&filled));
-    }
-    if (seen) outline_stroke(r->s, o, &r->l->strokes);
-    buf_free(&filled);
-    o->n = 0;
-}
-
-static bool read_line(struct reader *r, char *line)
+static bool read_line(struct backdrop_lines *l, char *line)
 {
     double v[2];
     if (strchr("#>", line[0])) { /* also true for an empty line: strchr finds the terminator */
-        flush(r);
-        r->kind = kind_of(line);
-        return r->kind != GLOBE || !r->now.flat;
+        flush(l);
+        l->now.kind = kind_of(line);
+        return l->now.kind != GLOBE || !l->now.o.flat;
     }
     if (!numbers(line, v)) return false;
-    outline_add(&r->now, (struct outline_point){v[0], v[1]});
+    outline_add(&l->now.o, (struct outline_point){v[0], v[1]});
     return true;
 }
 
-bool lines_read(const struct drawing *s, struct lines *l, char err[BACKDROP_ERR])
+struct backdrop_lines *backdrop_lines_read(const struct backdrop *b, char err[BACKDROP_ERR])
 {
-    struct reader r = {.s = s, .l = l, .now.flat = s->b->flat};
+    struct backdrop_lines *l = xcalloc(1, sizeof *l);
     char line[LINE];
     int number = 1;
     bool good = true;
-    for (const char *rest = s->b->lines; rest && good; number++) {
+    l->now = (struct part){.o.flat = b->flat, .seen = true};
+    for (const char *rest = b->lines; rest && good; number++) {
         rest = next_line(rest, line);
-        good = read_line(&r, line);
+        good = read_line(l, line);
     }
-    if (good) flush(&r);
-    else if (r.kind == GLOBE && r.now.flat)
+    const bool globe = l->now.kind == GLOBE && l->now.o.flat;
+    flush(l);
+    if (good) return l;
+    if (globe)
         err_set(err,
             "%.128s:%d: longitudes and latitudes, which x and y of the grid are not, expected "
             "lines in its coordinates, or none",
-            s->b->lines_name, number - 1);
-    else err_set(err, "%.128s:%d: expected longitude and latitude", s->b->lines_name, number - 1);
-    if (l->n_areas) buf_printf(&l->areas, "EOD\n");
-    outline_free(&r.now);
-    return good;
+            b->lines_name, number - 1);
+    else err_set(err, "%.128s:%d: expected longitude and latitude", b->lines_name, number - 1);
+    backdrop_lines_free(l);
+    return NULL;
 }
 
-void lines_free(struct lines *l)
+void backdrop_lines_free(struct backdrop_lines *l)
 {
-    buf_free(&l->strokes);
-    buf_free(&l->areas);
-    free(l->is_water);
+    if (!l) return;
+    for (size_t i = 0; i < l->n; i++) outline_free(&l->part[i].o);
+    free(l->part);
+    free(l);
+}
+
+void lines_fill(const struct drawing *s, struct backdrop_lines *l)
+{
+    for (struct part *p = l->part; p < l->part + l->n; p++)
+        if (is_area(p->kind))
+            p->seen = outline_fill(s, &p->o, BACKDROP_AREA, p->kind == WATER_AREA ? SEA : LAND);
+}
+
+void lines_stroke(const struct drawing *s, const struct backdrop_lines *l)
+{
+    for (const struct part *p = l->part; p < l->part + l->n; p++)
+        if (p->seen) outline_stroke(s, &p->o);
 }

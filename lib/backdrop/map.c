@@ -7,10 +7,10 @@ static void segment(const struct drawing *s, const double a[3], const double b[3
 {
     for (int i = 0; i <= 64; i++) {
         double f = i / 64.0;
-        backdrop_point(
+        drawing_point(
             s, a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2]));
     }
-    buf_printf(s->out, "\n");
+    list_break(s->list);
 }
 
 /* Draws a line along `axis` through `at`. */

@@ -11,15 +11,10 @@
  * far outside degrees. An outline without points has no extent to divide. */
 static void find_turns(const struct drawing *s, const struct outline *o, int turn[2])
 {
-    double lo = HUGE_VAL, hi = -HUGE_VAL;
     turn[0] = turn[1] = 0;
     if (o->flat || o->n == 0 || fmax(fabs(s->lo[0]), fabs(s->hi[0])) > 360 * TURNS_MAX) return;
-    for (size_t i = 0; i < o->n; i++) {
-        lo = fmin(lo, o->at[i].x);
-        hi = fmax(hi, o->at[i].x);
-    }
-    turn[0] = (int)ceil((s->lo[0] - hi) / 360);
-    turn[1] = (int)floor((s->hi[0] - lo) / 360);
+    turn[0] = (int)ceil((s->lo[0] - o->hi.x) / 360);
+    turn[1] = (int)floor((s->hi[0] - o->lo.x) / 360);
 }
 
 static struct outline_point turned(struct outline_point p, int turn)
@@ -29,11 +24,10 @@ static struct outline_point turned(struct outline_point p, int turn)
 
 /* ---- lines ---------------------------------------------------------------------------------- */
 
-/* The piece being written. */
+/* The piece being added. */
 struct piece {
     const struct drawing *s;
-    struct buf *out;
-    double last[2]; /* in pixels */
+    struct backdrop_at last;
     bool open;
 };
 
@@ -41,96 +35,115 @@ static void put_point(struct piece *p, struct outline_point at, bool always)
 {
     double xy[2];
     if (!backdrop_project(p->s, at.x, at.y, p->s->lo[2], xy)) return;
-    if (!always && hypot(xy[0] - p->last[0], xy[1] - p->last[1]) < STEP) return;
-    buf_printf(p->out, "%.2f %.2f\n", xy[0], xy[1]);
-    p->last[0] = xy[0];
-    p->last[1] = xy[1];
+    if (!always && hypot(xy[0] - p->last.x, xy[1] - p->last.y) < STEP) return;
+    list_point(p->s->list, xy[0], xy[1]);
+    p->last = (struct backdrop_at){xy[0], xy[1]};
     p->open = true;
 }
 
 static void put_end(struct piece *p)
 {
-    if (p->open) buf_printf(p->out, "\n");
+    if (p->open) list_break(p->s->list);
     p->open = false;
 }
 
-void outline_stroke(const struct drawing *s, const struct outline *o, struct buf *out)
+static void stroke_turn(const struct drawing *s, const struct outline *o, int k)
 {
-    struct half h[HALVES];
-    struct piece piece = {.s = s, .out = out};
+    struct halves h;
+    struct piece piece = {.s = s};
+    if (!outline_halves(s, turned(o->lo, k), turned(o->hi, k), &h)) return;
+    for (size_t i = 0; i + 1 < o->n; i++) {
+        struct outline_point p = turned(o->at[i], k), q = turned(o->at[i + 1], k);
+        double part[2];
+        bool seen = backdrop_cut_line(&h, p, q, part);
+        if (!seen || part[0] > 0) put_end(&piece);
+        if (!seen) continue;
+        if (!piece.open) put_point(&piece, outline_between(p, q, part[0]), true);
+        put_point(&piece, outline_between(p, q, part[1]), part[1] < 1 || i + 2 == o->n);
+    }
+    put_end(&piece);
+}
+
+void outline_stroke(const struct drawing *s, const struct outline *o)
+{
     int turn[2];
-    outline_halves(s, h);
     find_turns(s, o, turn);
-    for (int k = turn[0]; k <= turn[1]; k++, put_end(&piece))
-        for (size_t i = 0; i + 1 < o->n; i++) {
-            struct outline_point p = turned(o->at[i], k), q = turned(o->at[i + 1], k);
-            double part[2];
-            bool seen = backdrop_cut_line(h, p, q, part);
-            if (!seen || part[0] > 0) put_end(&piece);
-            if (!seen) continue;
-            if (!piece.open) put_point(&piece, outline_between(p, q, part[0]), true);
-            put_point(&piece, outline_between(p, q, part[1]), part[1] < 1 || i + 2 == o->n);
-        }
+    for (int k = turn[0]; k <= turn[1]; k++) stroke_turn(s, o, k);
 }
 
 /* ---- areas ---------------------------------------------------------------------------------- */
 
-static bool is_large(const struct drawing *s, const struct outline *o)
+static bool is_large(const struct drawing *s, const struct outline_point *at, size_t n)
 {
     double lo[2] = {HUGE_VAL, HUGE_VAL}, hi[2] = {-HUGE_VAL, -HUGE_VAL}, xy[2];
-    for (size_t i = 0; i < o->n; i++)
-        for (int a = 0; a < 2 && backdrop_project(s, o->at[i].x, o->at[i].y, s->lo[2], xy); a++) {
+    for (size_t i = 0; i < n; i++)
+        for (int a = 0; a < 2 && backdrop_project(s, at[i].x, at[i].y, s->lo[2], xy); a++) {
             lo[a] = fmin(lo[a], xy[a]);
             hi[a] = fmax(hi[a], xy[a]);
         }
     return hi[0] - lo[0] >= SEEN || hi[1] - lo[1] >= SEEN;
 }
 
-static bool fill_polygon(const struct drawing *s, struct outline *o, struct buf *out)
+/* False if what lies between the corners is outside, or too small; most of a globe's areas are. */
+static bool may_be_large(
+    const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h)
 {
-    struct half h[HALVES];
-    struct piece piece = {.s = s, .out = out};
-    outline_halves(s, h);
-    backdrop_cut_polygon(h, o);
-    if (!is_large(s, o)) return false;
+    if (!outline_halves(s, lo, hi, h)) return false;
+    struct outline_point corners[] = {lo, {lo.x, hi.y}, hi, {hi.x, lo.y}};
+    return h->n > 0 || is_large(s, corners, 4);
+}
+
+/* Fills the first scratch outline, which may change. */
+static bool fill_polygon(
+    const struct drawing *s, const struct halves *h, enum backdrop_kind kind, uint32_t rgb)
+{
+    struct outline *o = &s->scratch[0];
+    struct piece piece = {.s = s};
+    backdrop_cut_polygon(h, o, &s->scratch[1]);
+    if (!is_large(s, o->at, o->n)) return false;
+    list_begin(s->list, kind, rgb, 0);
     for (size_t i = 0; i < o->n; i++) put_point(&piece, o->at[i], !piece.open);
     put_end(&piece);
     return true;
 }
 
 /* Fills from one edge of the map to the other, and back along the pole. */
-static bool fill_to_pole(
-    const struct drawing *s, const struct outline *o, const int turn[2], struct buf *out)
+static bool fill_to_pole(const struct drawing *s, const struct outline *o, const int turn[2],
+    enum backdrop_kind kind, uint32_t rgb)
 {
-    struct outline all = {0};
+    struct outline *all = &s->scratch[0];
+    struct halves h;
     double sum = 0;
     bool westwards = o->at[o->n - 1].x < o->at[0].x;
+    all->n = 0;
     for (int k = turn[0]; k <= turn[1]; k++)
         for (size_t i = 0; i < o->n; i++)
-            outline_append(&all, turned(o->at[westwards ? o->n - 1 - i : i], k));
+            outline_append(all, turned(o->at[westwards ? o->n - 1 - i : i], k));
     for (size_t i = 0; i < o->n; i++) sum += o->at[i].y;
-    if (!all.n) return false;
+    if (!all->n) return false;
     double pole = sum < 0 ? -90 : 90;
-    outline_append(&all, (struct outline_point){all.at[all.n - 1].x, pole});
-    outline_append(&all, (struct outline_point){all.at[0].x, pole});
-    bool seen = fill_polygon(s, &all, out);
-    outline_free(&all);
-    return seen;
+    outline_append(all, (struct outline_point){all->at[all->n - 1].x, pole});
+    outline_append(all, (struct outline_point){all->at[0].x, pole});
+    outline_bound(all);
+    return outline_halves(s, all->lo, all->hi, &h) && fill_polygon(s, &h, kind, rgb);
 }
 
-bool outline_fill(const struct drawing *s, const struct outline *o, struct buf *out)
+bool outline_fill(
+    const struct drawing *s, const struct outline *o, enum backdrop_kind kind, uint32_t rgb)
 {
+    struct outline *one = &s->scratch[0];
+    struct halves h;
     int turn[2];
     bool seen = false;
     if (o->n < 3) return false;
     find_turns(s, o, turn);
     if (!o->flat && fabs(o->at[o->n - 1].x - o->at[0].x) > 180)
-        return fill_to_pole(s, o, turn, out);
+        return fill_to_pole(s, o, turn, kind, rgb);
     for (int k = turn[0]; k <= turn[1]; k++) {
-        struct outline one = {.flat = o->flat};
-        for (size_t i = 0; i < o->n; i++) outline_append(&one, turned(o->at[i], k));
-        seen |= fill_polygon(s, &one, out);
-        outline_free(&one);
+        if (!may_be_large(s, turned(o->lo, k), turned(o->hi, k), &h)) continue;
+        one->n = 0;
+        for (size_t i = 0; i < o->n; i++) outline_append(one, turned(o->at[i], k));
+        seen |= fill_polygon(s, &h, kind, rgb);
     }
     return seen;
 }

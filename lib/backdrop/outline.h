@@ -11,37 +11,48 @@ struct outline_point {
     double x, y;
 };
 struct outline {
-    struct outline_point *at;
-    size_t n, room;
-    bool flat; /* not in degrees: no turns */
+    struct outline_point *at; /* grown by xgrown */
+    size_t n;
+    bool flat;                   /* not in degrees: no turns */
+    struct outline_point lo, hi; /* all points are between, once outline_bound has set them */
 };
 
 /* outline_append adds a point unchanged. outline_add moves it to the longitude nearest to the
  * previous point; the first point goes near Greenwich. */
 void outline_append(struct outline *o, struct outline_point p);
 void outline_add(struct outline *o, struct outline_point p);
+void outline_bound(struct outline *o);
 void outline_free(struct outline *o);
 
 /* The half-plane a x + b y + c >= 0. */
 struct half {
     double a, b, c;
 };
-#define HALVES 5
-/* The half-planes that bound the visible part of the map: its edges, and the plane of the eye. */
-void outline_halves(const struct drawing *s, struct half h[HALVES]);
+#define HALVES 9
+/* Half-planes bound the visible part of the map: its edges, the plane of the eye, and the
+ * sides of the picture if the drawing is clipped. Sets those
+ * that may cut what lies between lo and hi. False if all of that is outside. */
+struct halves {
+    struct half at[HALVES];
+    int n;
+};
+bool outline_halves(
+    const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h);
 /* The part of a line inside all half-planes, as two factors. False if there is none. */
 bool backdrop_cut_line(
-    const struct half h[HALVES], struct outline_point p, struct outline_point q, double part[2]);
-/* Clips a polygon in place. */
-void backdrop_cut_polygon(const struct half h[HALVES], struct outline *o);
+    const struct halves *h, struct outline_point p, struct outline_point q, double part[2]);
+/* Clips the polygon o in place, with `other` for its points in between. */
+void backdrop_cut_polygon(const struct halves *h, struct outline *o, struct outline *other);
 struct outline_point outline_between(struct outline_point p, struct outline_point q, double f);
 
-/* Writes points in pixels; an empty line ends each visible piece. */
-void outline_stroke(const struct drawing *s, const struct outline *o, struct buf *out);
+/* Adds the visible pieces to the list's last mark. */
+void outline_stroke(const struct drawing *s, const struct outline *o);
 /*
- * The same for the enclosed area; the last point equals the first. An outline that goes round the
- * globe encloses the area up to the nearer pole. False if the area is too small to be visible.
+ * Adds the enclosed area to the list, as areas of this kind and colour; the last point equals the
+ * first. An outline that goes round the globe encloses the area up to the nearer pole. False if the
+ * area is too small to be visible.
  */
-bool outline_fill(const struct drawing *s, const struct outline *o, struct buf *out);
+bool outline_fill(
+    const struct drawing *s, const struct outline *o, enum backdrop_kind kind, uint32_t rgb);
 
 #endif
