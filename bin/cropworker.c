@@ -152,7 +152,7 @@ static int64_t used_us(void *states)
 
 static struct worker_renderer renderer = {
     .program = "cropworker",
-    .part = {{REC_FILES, sizeof(struct unpacked), unpack, remove_files, NULL}},
+    .part = {{REC_FILES, false, sizeof(struct unpacked), unpack, remove_files, NULL}},
     .build = build,
     .free = free_drawing,
     .task = task,

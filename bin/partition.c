@@ -218,6 +218,7 @@ static void take(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_VIEW:
     case REC_FILES:
         wire_copy(&state, r);
         put_stdout(buf_data(&state), buf_size(&state));

@@ -11,24 +11,42 @@
 #include <unistd.h>
 
 #define SCENE_TIMES 1.5  /* memory of a scene, by the bytes of its text: 2.4 to 7 in SPD's */
-#define FORMAT_VERSION 8 /* raise it when a pixel of any scene changes */
+#define FORMAT_VERSION 9 /* raise it when a pixel of any scene changes */
 
 struct options {
     struct trace_options trace;
     struct worker_options worker;
     struct worker_words words;         /* the options, for job hashes and `with=` */
     enum { RUN, INSPECT, COUNT } what; /* -i, -n */
-    int w, h;                          /* -s: size of the frame of -i or -n; 0: the scene's */
+    int w, h;                          /* -s: size of the frame of -i or -n; 0: the view's */
     const char *path;                  /* scene file; "-": the scene comes as a record */
+    char *const *views;                /* files; none: views may come as records */
+    int n_views;                       /* 0 or 1; with -i any number */
 };
 
 /* ---- the ray tracer ------------------------------------------------------------------------- */
 
+enum { SCENE, VIEW }; /* the parts of the state */
+
+/* All views of a scene share its tracer. */
+struct held {
+    struct scene scene;
+    struct tracer *tracer; /* NULL: not needed yet */
+};
+
 static int scene_of(
-    const void *options, const char *name, unsigned char *text, size_t n, void *scene, char *err)
+    const void *options, const char *name, unsigned char *text, size_t n, void *held, char *err)
 {
     const struct trace_options *o = options;
-    return nff_read_parallel(name, (const char *)text, n, o->threads, scene, err);
+    struct held *h = held;
+    return nff_read_parallel(name, (const char *)text, n, o->threads, &h->scene, err);
+}
+
+static int view_of(
+    const void *options, const char *name, unsigned char *text, size_t n, void *view, char *err)
+{
+    (void)options;
+    return nff_read_view(name, (const char *)text, n, view, err);
 }
 
 /* The primitives and the hierarchy over them, of the scene that takes least for its text. */
@@ -38,20 +56,40 @@ static double scene_needs(const unsigned char *start, size_t n, size_t bytes)
     return (double)bytes * SCENE_TIMES;
 }
 
-static void free_scene(void *scene) { scene_free(scene); }
+static void free_scene(void *held)
+{
+    struct held *h = held;
+    tracer_free(h->tracer);
+    scene_free(&h->scene);
+}
+
+static void free_view(void *view) { (void)view; }
+
+/* A scene as it is seen. */
+struct sight {
+    struct tracer *tracer;
+    const struct view *view; /* NULL: the scene's */
+};
 
 static void *build(const void *options, void *const value[])
 {
-    return tracer_new(value[0], options);
+    struct held *h = value[SCENE];
+    struct sight *s = xmalloc(1, sizeof *s);
+    if (!h->tracer) h->tracer = tracer_new(&h->scene, options);
+    *s = (struct sight){h->tracer, value[VIEW]};
+    return s;
 }
 
-static void free_tracer(void *t) { tracer_free(t); }
-
-static void frame(void *t, uint32_t w, uint32_t h) { tracer_frame(t, w, h); }
-
-static void render(void *t, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+static void frame(void *sight, uint32_t w, uint32_t h)
 {
-    tracer_pixels(t, at, n0, n, rgba);
+    const struct sight *s = sight;
+    tracer_look(s->tracer, s->view);
+    tracer_frame(s->tracer, w, h);
+}
+
+static void render(void *sight, const struct lattice *at, uint64_t n0, uint32_t n, float *rgba)
+{
+    tracer_pixels(((struct sight *)sight)->tracer, at, n0, n, rgba);
 }
 
 /* A mirror, glass and a shadow; every primitive is added. Small enough to render in one or two
@@ -82,10 +120,11 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "rtworker",
-    .part = {{REC_SCENE, sizeof(struct scene), scene_of, free_scene, scene_needs}},
-    .n_parts = 1,
+    .part = {[SCENE] = {REC_SCENE, false, sizeof(struct held), scene_of, free_scene, scene_needs},
+        [VIEW] = {REC_VIEW, true, sizeof(struct view), view_of, free_view, NULL}},
+    .n_parts = 2,
     .build = build,
-    .free = free_tracer,
+    .free = free,
     .frame = frame,
     .render = render,
     .selftest = selftest,
@@ -151,11 +190,11 @@ static struct options parse(int argc, char **argv)
 {
     static const char text[] =
         "[-ch] [-a SAMPLES[:THRESHOLD]] [-b bvh|slabs|none] [-d DEPTH] [-f PIXELS]\n"
-        "           [-j SLOTS] [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|-]\n"
+        "           [-j SLOTS] [-w BOUND] [-x sse2|avx2|avx512] [SCENE.nff|- [VIEW]]\n"
         "       rtworker -i [-a SAMPLES[:THRESHOLD]] [-d DEPTH] [-s WxH] [-w BOUND]\n"
-        "                [SCENE.nff|-]\n"
+        "                [SCENE.nff|- [VIEW ...]]\n"
         "       rtworker -n [-b bvh|slabs|none] [-d DEPTH] [-s WxH] [-x sse2|avx2|avx512]\n"
-        "                [SCENE.nff|-]";
+        "                [SCENE.nff|- [VIEW]]";
     struct options o = {.trace = TRACE_OPTIONS_DEFAULT, .path = "-"};
     int opt;
     while ((opt = prog_getopt(argc, argv, "+a:b:d:hij:ns:w:x:" WORKER_OPTIONS)) != -1) {
@@ -176,7 +215,7 @@ static struct options parse(int argc, char **argv)
             if (!worker_option(&o.worker, opt, optarg)) usage(ST_USAGE, text);
         }
     }
-    if (argc - optind > 1) usage(ST_USAGE, text);
+    if (argc - optind > 2 && o.what != INSPECT) usage(ST_USAGE, text);
     if (o.w && o.what == RUN) die(ST_USAGE, "-s: expected -i or -n with it");
     const struct trace_options usual = TRACE_OPTIONS_DEFAULT;
     if (o.what == COUNT && (o.trace.samples != usual.samples || o.trace.budget != usual.budget))
@@ -187,19 +226,34 @@ static struct options parse(int argc, char **argv)
         int cores = cores_available();
         o.trace.threads = jobs < cores ? jobs : cores;
     }
-    if (optind < argc) o.path = argv[optind];
+    if (optind < argc) o.path = argv[optind++];
+    o.views = argv + optind;
+    o.n_views = argc - optind;
+    for (int i = 0; i < o.n_views; i++)
+        if (strcmp(o.views[i], "-") == 0) die(ST_USAGE, "-: expected a view in a file");
     describe(&o);
     return o;
 }
 
-static void inspect(const struct worker_states *s, const struct options *o)
+/* The size of the frame of -i or -n. */
+static struct frame_size size_of(const struct worker_states *s, const struct options *o)
 {
-    const struct scene *scene = worker_states_value(s, 0);
-    uint32_t w = o->w ? (uint32_t)o->w : scene->view.res_x;
-    uint32_t h = o->w ? (uint32_t)o->h : scene->view.res_y;
-    char job[WIRE_JOB];
-    worker_states_job(s, w, h, job);
-    printf("frame %u %u\njob=%s\n", w, h, job);
+    const struct held *held = worker_states_value(s, SCENE);
+    const struct view *v = worker_states_value(s, VIEW);
+    if (o->w) return (struct frame_size){.w = (uint32_t)o->w, .h = (uint32_t)o->h};
+    if (!v || !v->res_x) v = &held->scene.view;
+    return (struct frame_size){.w = v->res_x, .h = v->res_y};
+}
+
+static void inspect(struct worker_states *s, const struct options *o)
+{
+    for (int i = 0; i < o->n_views || !i; i++) {
+        if (i) worker_states_load(s, VIEW, o->views[i]);
+        const struct frame_size f = size_of(s, o);
+        char job[WIRE_JOB];
+        worker_states_job(s, f.w, f.h, job);
+        printf("frame %u %u\njob=%s\n", f.w, f.h, job);
+    }
     close_stdout();
 }
 
@@ -211,8 +265,11 @@ static void count(const struct worker_states *s, const struct options *o)
     struct trace_options all = o->trace;
     all.budget = 0;
     all.by_spd = all.count_tests = true;
-    struct tracer *t = tracer_new(worker_states_value(s, 0), &all);
-    if (o->w) tracer_frame(t, (uint32_t)o->w, (uint32_t)o->h);
+    const struct held *held = worker_states_value(s, SCENE);
+    const struct frame_size f = size_of(s, o);
+    struct tracer *t = tracer_new(&held->scene, &all);
+    tracer_look(t, worker_states_value(s, VIEW));
+    tracer_frame(t, f.w, f.h);
     tracer_corners(t);
     struct trace_counts rays;
     struct trace_tests tests;
@@ -234,7 +291,8 @@ int main(int argc, char **argv)
     prog_init(argv[0]);
     struct options o = parse(argc, argv);
     struct worker_states *s = worker_states_new(&renderer, &o.trace, &o.words);
-    if (o.what != RUN || strcmp(o.path, "-") != 0) worker_states_load(s, 0, o.path);
+    if (o.what != RUN || strcmp(o.path, "-") != 0) worker_states_load(s, SCENE, o.path);
+    if (o.n_views) worker_states_load(s, VIEW, *o.views);
     int status = ST_OK;
     if (o.what == INSPECT) inspect(s, &o);
     else if (o.what == COUNT) count(s, &o);

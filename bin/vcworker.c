@@ -112,8 +112,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "vcworker",
-    .part = {[GRID] = {REC_GRID, sizeof(struct grid), grid_of, free_grid, grid_needs},
-        [SPEC] = {REC_SPEC, sizeof(struct spec), spec_of, free_spec, NULL}},
+    .part = {[GRID] = {REC_GRID, false, sizeof(struct grid), grid_of, free_grid, grid_needs},
+        [SPEC] = {REC_SPEC, false, sizeof(struct spec), spec_of, free_spec, NULL}},
     .n_parts = 2,
     .check = check,
     .build = build,

@@ -67,6 +67,7 @@ static int take_down(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_VIEW:
     case REC_FILES: return take_state(d, r);
     case REC_FRAME:
         stream_frame(&d->input, r);

@@ -171,6 +171,7 @@ static int route(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_VIEW:
     case REC_FILES: route_state(f, r); return 0;
     case REC_FRAME: route_frame(f, r); return 0;
     case REC_FLUSH:

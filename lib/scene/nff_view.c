@@ -1,4 +1,7 @@
-/* nff_view: the view of an NFF scene: a `v`, then words with their numbers, in any order. */
+/*
+ * nff_view: the view of an NFF scene: a `v`, then words with their numbers, in any order; and a view
+ * in a file of its own, without the `v`.
+ */
 #include "scene/reader.h"
 
 #include <string.h>
@@ -50,6 +53,28 @@ static bool check_frame(struct reader *r)
     return true;
 }
 
+/* Reads words up to another token. */
+static bool read_words(struct reader *r, unsigned *seen)
+{
+    for (int w; (w = word_peek(r)) < WORDS;) {
+        if (*seen >> w & 1) return reader_fail(r, "view: a second '%s', expected one", words[w]);
+        *seen |= 1U << w;
+        token_take(&r->t, strlen(words[w]));
+        if (!word_value(r, w)) return false;
+    }
+    return true;
+}
+
+/* alone: not within a scene, whose view has a resolution. */
+static bool check_words(struct reader *r, unsigned seen, bool alone)
+{
+    for (int w = 0; w < WORDS; w++)
+        if (!(seen >> w & 1) && w != HITHER && !(alone && w == RESOLUTION))
+            return reader_fail(r, "view without '%s', expected from at up angle%s", words[w],
+                alone ? "" : " resolution");
+    return check_frame(r);
+}
+
 bool reader_view(struct reader *r)
 {
     unsigned seen = 0;
@@ -57,15 +82,21 @@ bool reader_view(struct reader *r)
     if (r->view_line)
         return reader_fail(r, "a second view, expected only the one at line %u", r->view_line);
     r->view_line = line;
-    for (int w; (w = word_peek(r)) < WORDS;) {
-        if (seen >> w & 1) return reader_fail(r, "view: a second '%s', expected one", words[w]);
-        seen |= 1U << w;
-        token_take(&r->t, strlen(words[w]));
-        if (!word_value(r, w)) return false;
+    return read_words(r, &seen) && check_words(r, seen, false);
+}
+
+int nff_read_view(const char *name, const char *text, size_t n, struct view *v, char err[SCENE_ERR])
+{
+    struct scene s = {.n_prims = 0};
+    struct reader r = {.name = name, .err = err, .s = &s};
+    unsigned seen = 0;
+    tokens_init(&r.t, text, n);
+    if (!read_words(&r, &seen)) return -1;
+    if (token_peek(&r.t)) {
+        reader_fail_token(&r, "word", "one of from at up angle hither resolution");
+        return -1;
     }
-    for (int w = 0; w < WORDS; w++)
-        if (!(seen >> w & 1) && w != HITHER)
-            return reader_fail(
-                r, "view without '%s', expected from at up angle resolution", words[w]);
-    return check_frame(r);
+    if (!check_words(&r, seen, true)) return -1;
+    *v = s.view;
+    return 0;
 }

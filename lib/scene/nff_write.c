@@ -10,13 +10,19 @@ void nff_put_vec(struct nff_out *o, const char *lead, struct vec3 v)
     fprintf(o->f, "%s%.*g %.*g %.*g", lead, d, v.x, d, v.y, d, v.z);
 }
 
-void nff_put_view(struct nff_out *o, const struct view *v)
+void nff_put_view_words(struct nff_out *o, const struct view *v)
 {
-    nff_put_vec(o, "v\nfrom ", v->from);
+    nff_put_vec(o, "from ", v->from);
     nff_put_vec(o, "\nat ", v->at);
     nff_put_vec(o, "\nup ", v->up);
-    fprintf(o->f, "\nangle %.*g\nhither %.*g\nresolution %u %u\n", o->digits, v->angle_deg,
-        o->digits, v->hither, v->res_x, v->res_y);
+    fprintf(o->f, "\nangle %.*g\nhither %.*g\n", o->digits, v->angle_deg, o->digits, v->hither);
+    if (v->res_x) fprintf(o->f, "resolution %u %u\n", v->res_x, v->res_y);
+}
+
+void nff_put_view(struct nff_out *o, const struct view *v)
+{
+    fputs("v\n", o->f);
+    nff_put_view_words(o, v);
 }
 
 void nff_put_background(struct nff_out *o, double r, double g, double b)

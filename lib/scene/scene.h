@@ -15,7 +15,7 @@ struct view {
     struct vec3 from, at, up;
     double angle_deg; /* vertical field of view */
     double hither;    /* distance of the near plane along the viewing direction, >= 0 */
-    uint32_t res_x, res_y;
+    uint32_t res_x, res_y; /* 0: a view in a file of its own need not say it */
 };
 
 struct light {
@@ -82,6 +82,10 @@ int nff_read_parallel(const char *name, const char *text, size_t n, int threads,
     char err[SCENE_ERR]);
 /* The line of primitive i of a text that nff_read has accepted. */
 uint32_t nff_line(const char *text, size_t n, uint32_t i);
+/* A view in a file of its own: the words of `v`, without the `v`. Returns as nff_read; nothing is to
+ * be freed. */
+int nff_read_view(
+    const char *name, const char *text, size_t n, struct view *v, char err[SCENE_ERR]);
 void scene_free(struct scene *s);
 /* Axis-aligned bounds of one primitive. */
 void scene_prim_bounds(
@@ -121,6 +125,8 @@ struct nff_out {
 };
 
 void nff_put_view(struct nff_out *o, const struct view *v);
+/* Without its `v`, as nff_read_view takes it. */
+void nff_put_view_words(struct nff_out *o, const struct view *v);
 void nff_put_background(struct nff_out *o, double r, double g, double b);
 /* With its colour if own_colour. */
 void nff_put_light(struct nff_out *o, const struct light *l);

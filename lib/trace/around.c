@@ -17,12 +17,13 @@ struct enclosing {
 
 /* False if no eye ray of the frame starts in the primitive's box. All of them start on a rectangle
  * of the hither plane. */
-static bool may_contain(const struct scene *s, const struct camera *c, const struct prim *q)
+static bool may_contain(const struct tracer *t, const struct prim *q)
 {
+    const struct camera *c = &t->camera;
     struct vec3 lo, hi, corner = v3_sub(camera_direction(c, 0, 0), c->forward);
-    struct vec3 p = v3_mad(c->eye, c->forward, s->view.hither);
-    scene_prim_bounds(s, q, &lo, &hi);
-    double r = s->view.hither * v3_len(corner);
+    struct vec3 p = v3_mad(c->eye, c->forward, t->view.hither);
+    scene_prim_bounds(t->scene, q, &lo, &hi);
+    double r = t->view.hither * v3_len(corner);
     r += MARGIN * (r + v3_len(v3_sub(hi, lo)));
     return p.x >= lo.x - r && p.y >= lo.y - r && p.z >= lo.z - r && p.x <= hi.x + r &&
            p.y <= hi.y + r && p.z <= hi.z + r;
@@ -43,7 +44,7 @@ void media_list_enclosing(struct tracer *t)
         const struct prim *q = &s->prims[i];
         const struct shape *shape = trace_shapes[trace_kind_of(q)];
         if (!shape->contains || !(t->surfaces[q->material].t > 0)) continue;
-        if (!may_contain(s, &t->camera, q)) continue;
+        if (!may_contain(t, q)) continue;
         if (n == cap) {
             cap = cap ? 2 * cap : 8;
             t->enclosing = xrealloc(t->enclosing, cap, sizeof *t->enclosing);

@@ -19,6 +19,7 @@
 
 #define TASKS 64        /* about that many */
 #define TASK_LEAST 1024 /* refs */
+#define REFILL 1024     /* blocks that a thread takes */
 #define LEAF_REFS_MAX (LANES * LEAF_BLOCKS_MAX)
 /* Of a ref that begins a leaf: the number of refs is above its kind. */
 #define KIND_BITS 8
@@ -274,6 +275,42 @@ void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *
     free(m.tasks);
     b->slack = (float)(reach * 0x1p-22);
 }
+
+/* ---- another reach -------------------------------------------------------------------------- */
+
+struct refill {
+    const struct bvh *b;
+    const struct scene *scene;
+    const struct item *items;
+    double reach;
+    uint32_t kind;
+};
+
+static void refill_part(void *ctx, uint32_t part)
+{
+    const struct refill *f = ctx;
+    const struct shape *shape = trace_shapes[f->kind];
+    uint32_t at = part * REFILL, end = at + REFILL;
+    if (end > f->b->n_blocks[f->kind]) end = f->b->n_blocks[f->kind];
+    for (; at < end; at++) {
+        void *block = (char *)f->b->blocks[f->kind] + at * shape->block_size;
+        const uint32_t *item = block_items(f->kind, block);
+        for (int k = 0; k < LANES; k++)
+            if (item[k] != NO_ITEM) shape->fill(f->scene, &f->items[item[k]], f->reach, block, k);
+    }
+}
+
+void bvh_reach(struct bvh *b, const struct scene *s, const struct item *items, double reach,
+    struct parallel *p)
+{
+    for (uint32_t kind = 0; kind < ITEM_KINDS; kind++) {
+        struct refill f = {b, s, items, reach, kind};
+        parallel_run(p, (b->n_blocks[kind] + REFILL - 1) / REFILL, refill_part, &f);
+    }
+    b->slack = (float)(reach * 0x1p-22);
+}
+
+/* ---- points on surfaces --------------------------------------------------------------------- */
 
 struct point {
     const struct scene *scene;

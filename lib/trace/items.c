@@ -130,7 +130,7 @@ static void make_transmits(struct tracer *t)
         t->transmits[i] = t->scene->materials[t->items[i].material].t > 0;
 }
 
-struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct parallel *p)
+struct ref *items_make(struct tracer *t, uint32_t *n_refs, struct parallel *p)
 {
     const struct scene *s = t->scene;
     uint32_t n_parts = (s->n_prims + CHUNK - 1) / CHUNK;
@@ -138,12 +138,11 @@ struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct
     struct making m = {t, NULL, xmalloc(n_parts, sizeof *m.parts)};
     if (s->n_materials > MATERIAL_MASK) die(ST_SYSTEM, "too many materials");
     parallel_run(p, n_parts, count_part, &m);
-    *reach = farther(0, s->view.from);
     for (uint32_t i = 0; i < n_parts; i++) {
         m.parts[i].first = (uint32_t)n;
         n += m.parts[i].most;
         if (n > INT32_MAX) die(ST_SYSTEM, "too many primitives");
-        *reach = larger(*reach, m.parts[i].reach);
+        t->item_reach = larger(t->item_reach, m.parts[i].reach);
     }
     t->items = xmalloc(n, sizeof *t->items);
     m.refs = xaligned(n, sizeof *m.refs);

@@ -91,7 +91,7 @@ static struct vec3 higher(struct vec3 a, struct vec3 b)
 static void trace_waiting(struct group *g, struct vec3 *colour)
 {
     const struct tracer *t = g->t;
-    t->shaders->eye_rays(&t->camera, t->scene->view.hither, g->at_x, g->at_y, g->waiting, g->ray);
+    t->shaders->eye_rays(&t->camera, t->view.hither, g->at_x, g->at_y, g->waiting, g->ray);
     wave_colours(g->t, g->ray, g->waiting, colour);
 }
 
@@ -196,7 +196,7 @@ void tracer_corners(struct tracer *t)
         for (uint32_t x = 0; x <= w; x++) {
             at_x[n] = x, at_y[n++] = y;
             if (n < WAVE_RAYS && (x < w || y < h)) continue;
-            t->shaders->eye_rays(&t->camera, t->scene->view.hither, at_x, at_y, n, ray);
+            t->shaders->eye_rays(&t->camera, t->view.hither, at_x, at_y, n, ray);
             wave_colours(t, ray, n, colour);
             n = 0;
         }

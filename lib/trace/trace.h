@@ -44,6 +44,12 @@ struct tracer;
  * frees it with tracer_free. */
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o);
 void tracer_free(struct tracer *t);
+/*
+ * Looks from another view, which is copied, in the following calls; NULL: the scene's. The pixels
+ * are those of a scene with this view. Its resolution does not matter: the frame keeps its size.
+ * Cheap, unless the eye's distance from the origin passes a power of two beyond the scene.
+ */
+void tracer_look(struct tracer *t, const struct view *v);
 /* Sets the frame size in pixels for the following calls. Cheap. Without this call the size is the
  * scene's resolution. */
 void tracer_frame(struct tracer *t, uint32_t w, uint32_t h);

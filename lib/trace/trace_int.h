@@ -140,6 +140,9 @@ struct ref {
 void bvh_build(struct bvh *b, struct ref *refs, uint32_t n, const struct scene *s,
     const struct item *items, double reach, struct parallel *p);
 void bvh_free(struct bvh *b);
+/* Makes b, of either hierarchy, what it would be if it had been built with this reach. */
+void bvh_reach(struct bvh *b, const struct scene *s, const struct item *items, double reach,
+    struct parallel *p);
 /* True if p, known up to err, lies on the surface of an item, and within its bounds. */
 bool bvh_holds(const struct bvh *b, const struct scene *s, const struct item *items, struct vec3 p,
     double err);
@@ -238,7 +241,10 @@ struct tracer {
     struct wave *wave;
     struct trace_counts counts;
     struct trace_tests tests;
-    struct camera camera;
+    struct view view;
+    struct camera camera; /* of the view */
+    double item_reach;    /* the largest absolute coordinate of an item */
+    double reach; /* no coordinate of a ray's origin or hit is larger (tracer.c) */
 };
 
 /* The point where a ray hit an item. */
@@ -288,9 +294,8 @@ void media_list_enclosing(struct tracer *t);
 uint32_t media_around(const struct tracer *t, struct vec3 p, struct media *m);
 
 /* items.c: sets items, n_items and transmits. Returns references to the items that have a surface,
- * which the caller frees. *reach: the largest absolute coordinate of a ray's origin or hit. Lights
- * do not count: one that is far away would widen every edge and box. */
-struct ref *items_make(struct tracer *t, uint32_t *n_refs, double *reach, struct parallel *p);
+ * which the caller frees. Sets item_reach. */
+struct ref *items_make(struct tracer *t, uint32_t *n_refs, struct parallel *p);
 
 /* bound.c: sets t->radiance. Needs t->surfaces. */
 void bound_radiance(struct tracer *t);

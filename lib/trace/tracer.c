@@ -34,13 +34,38 @@ static const struct shaders *choose_shaders(enum isa isa)
 
 /* If the light lies on an item, both ends of its shadow rays are within reach of 0 along each axis.
  * So 8 * reach exceeds the bound on the light's error (lanes.h). */
-static void mark_lights(struct tracer *t, double reach)
+static void mark_lights(struct tracer *t)
 {
     const struct scene *s = t->scene;
-    t->light_in_surface = xcalloc(s->n_lights, sizeof *t->light_in_surface);
     for (uint32_t i = 0; i < s->n_lights; i++)
         t->light_in_surface[i] =
-            bvh_holds(&t->bvh, s, t->items, s->lights[i].pos, ERR_UNIT * 8 * reach);
+            bvh_holds(&t->bvh, s, t->items, s->lights[i].pos, ERR_UNIT * 8 * t->reach);
+}
+
+/*
+ * A power of two, so that it is the same for most views, and views that have the same one need the
+ * same blocks. Lights do not count: one that is far away would widen every edge and box.
+ */
+static double reach_of(const struct tracer *t, struct vec3 eye)
+{
+    int power;
+    frexp(fmax(t->item_reach, fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z)))), &power);
+    return ldexp(1, power);
+}
+
+static bool same(struct vec3 a, struct vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_view(const struct view *a, const struct view *b)
+{
+    return same(a->from, b->from) && same(a->at, b->at) && same(a->up, b->up) &&
+           a->angle_deg == b->angle_deg && a->hither == b->hither;
+}
+
+/* The size of the frame is lost. */
+static void set_view(struct tracer *t, const struct view *v)
+{
+    t->view = *v;
+    t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
 }
 
 struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
@@ -48,24 +73,24 @@ struct tracer *tracer_new(const struct scene *s, const struct trace_options *o)
     struct tracer *t = xcalloc(1, sizeof *t);
     struct parallel *p = parallel_new(o->threads);
     uint32_t n_refs;
-    double reach;
     t->scene = s;
     t->options = *o;
     t->k = choose_kernels(o);
     t->shaders = choose_shaders(o->isa);
-    struct ref *refs = items_make(t, &n_refs, &reach, p);
+    struct ref *refs = items_make(t, &n_refs, p);
+    t->reach = reach_of(t, s->view.from);
     make_surfaces(t);
     bound_radiance(t);
-    if (o->hierarchy == HIERARCHY_BVH) bvh_build(&t->bvh, refs, n_refs, s, t->items, reach, p);
-    else slabs_build(&t->bvh, refs, n_refs, s, t->items, reach, o->hierarchy == HIERARCHY_SLABS);
+    if (o->hierarchy == HIERARCHY_BVH) bvh_build(&t->bvh, refs, n_refs, s, t->items, t->reach, p);
+    else slabs_build(&t->bvh, refs, n_refs, s, t->items, t->reach, o->hierarchy == HIERARCHY_SLABS);
     t->bvh.tests = &t->tests;
     free(refs);
     parallel_free(p);
-    mark_lights(t, reach);
+    t->light_in_surface = xcalloc(s->n_lights, sizeof *t->light_in_surface);
+    mark_lights(t);
     t->wave = wave_new();
-    const struct view *v = &s->view;
-    t->camera = camera_new(v->from, v->at, v->up, v->angle_deg);
-    tracer_frame(t, v->res_x, v->res_y);
+    set_view(t, &s->view);
+    tracer_frame(t, s->view.res_x, s->view.res_y);
     return t;
 }
 
@@ -81,6 +106,27 @@ void tracer_free(struct tracer *t)
     for (int i = 0; i < PACKET; i++) free(t->crossings[i].item);
     wave_free(t->wave);
     free(t);
+}
+
+/* Blocks and marks depend on the reach only; all else that was built does not depend on the view. */
+static void set_reach(struct tracer *t, double reach)
+{
+    struct parallel *p = parallel_new(t->options.threads);
+    t->reach = reach;
+    bvh_reach(&t->bvh, t->scene, t->items, reach, p);
+    parallel_free(p);
+    mark_lights(t);
+}
+
+void tracer_look(struct tracer *t, const struct view *v)
+{
+    const uint32_t w = t->camera.w, h = t->camera.h;
+    if (!v) v = &t->scene->view;
+    if (same_view(v, &t->view)) return;
+    const double reach = reach_of(t, v->from);
+    if (reach != t->reach) set_reach(t, reach);
+    set_view(t, v);
+    tracer_frame(t, w, h);
 }
 
 void tracer_frame(struct tracer *t, uint32_t w, uint32_t h)

@@ -26,6 +26,7 @@ static const struct grammar {
     [REC_SCENE] = {"scene", ARGS_NONE, true},
     [REC_GRID] = {"grid", ARGS_NONE, true},
     [REC_SPEC] = {"spec", ARGS_NONE, true},
+    [REC_VIEW] = {"view", ARGS_NONE, true},
     [REC_FILES] = {"files", ARGS_NONE, true},
     [REC_TASK] = {"task", ARGS_TASK, false},
     [REC_FLUSH] = {"flush", ARGS_NONE, false},

@@ -17,7 +17,7 @@
 #define WIRE_SEAL_BYTES 13                 /* " sum=89abcdef", the last word of a sealed line */
 #define WIRE_FRAG_PIXELS_MAX 65536         /* longer tasks come in several frags */
 #define WIRE_STATE_MAX INT64_C(0x7fffffff) /* bytes of a record of state */
-#define WIRE_STATE_KINDS 4                 /* scene, grid, spec, files */
+#define WIRE_STATE_KINDS 5                 /* scene, grid, spec, view, files */
 #define WIRE_SLOTS_MAX (1 << 20)           /* slots that one stream may name */
 #define WIRE_TAKES_MOST 1000000            /* percent, in an ask */
 #define WIRE_WITHIN_LEAST .5               /* seconds of silence that alive may allow, */
@@ -32,6 +32,7 @@ enum rec_kind {
     REC_SCENE,
     REC_GRID,
     REC_SPEC,
+    REC_VIEW,
     REC_FILES,
     REC_TASK,
     REC_FLUSH, /* down */

@@ -259,6 +259,7 @@ static int take(void *ctx, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_VIEW:
     case REC_FILES: break;
     case REC_BYE: worker_dismissed(); /* its children end with it */
     default: worker_refuse(r);

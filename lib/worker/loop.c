@@ -151,6 +151,7 @@ static void take_record(struct worker *w, const struct record *r)
     case REC_SCENE:
     case REC_GRID:
     case REC_SPEC:
+    case REC_VIEW:
     case REC_FILES: take_state(w, r); break;
     case REC_BYE: worker_dismissed();
     default:

@@ -144,6 +144,7 @@ static int ready(void *ctx, const struct frame_size *f, char err[WORKER_ERR])
     void *value[WORKER_PARTS] = {0};
     for (int k = 0; k < s->r->n_parts; k++) {
         const char *kind = rec_name(s->r->part[k].kind);
+        if (!at->part[k] && s->r->part[k].optional) continue;
         if (!at->part[k]) {
             err_set(err, "no %s, expected a `%s` record before the first task", kind, kind);
             return -1;
@@ -168,8 +169,9 @@ static void job_of(const struct worker_states *s, const struct subject *of, uint
     char text[sizeof s->words->job + (SHA256_TEXT + 16) * WORKER_PARTS + 24], hash[SHA256_TEXT];
     int n = snprintf(text, sizeof text, "%s %" PRIu32 "x%" PRIu32, s->words->job, w, h);
     for (int k = 0; k < s->r->n_parts; k++)
-        n += snprintf(text + n, sizeof text - (size_t)n, " %s=%s", rec_name(s->r->part[k].kind),
-            of->part[k]->hash);
+        if (of->part[k])
+            n += snprintf(text + n, sizeof text - (size_t)n, " %s=%s", rec_name(s->r->part[k].kind),
+                of->part[k]->hash);
     sha256(text, (size_t)n, hash);
     snprintf(job, WIRE_JOB, "%.*s", WIRE_JOB - 1, hash);
 }
@@ -247,7 +249,7 @@ void worker_states_load(struct worker_states *s, int k, const char *path)
 
 const void *worker_states_value(const struct worker_states *s, int k)
 {
-    return s->subjects[0].part[k]->value;
+    return s->subjects[0].part[k] ? s->subjects[0].part[k]->value : NULL;
 }
 
 void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h)

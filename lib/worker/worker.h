@@ -129,7 +129,8 @@ double worker_power_least(const struct worker_power *p, double processors);
  * replaces it. So a task that was lost can be rendered again after later state has come.
  */
 struct worker_part {
-    enum rec_kind kind; /* REC_SCENE, REC_GRID, REC_SPEC or REC_FILES */
+    enum rec_kind kind; /* REC_SCENE, REC_GRID, REC_SPEC, REC_VIEW or REC_FILES */
+    bool optional;      /* may be missing: then its value is NULL */
     size_t size;        /* bytes of the value that `read` fills */
     /*
      * Fills the value, which is all zero. `bytes` are memory of this process, which no other one
@@ -185,7 +186,7 @@ void worker_states_free(struct worker_states *s);
  * does not fit in memory with status 3. Not after worker_render.
  */
 void worker_states_load(struct worker_states *s, int k, const char *path);
-/* The value of part k that was loaded. */
+/* The value of part k that was loaded; NULL: none was. */
 const void *worker_states_value(const struct worker_states *s, int k);
 /* What build made of the loaded parts, with the frame set to this size. */
 void *worker_states_built(struct worker_states *s, uint32_t w, uint32_t h);

@@ -111,7 +111,7 @@ static void check_record(const struct record *r, bool upward)
     MUST(r->task.to >= -1);
     if (upward)
         MUST(r->kind != REC_SCENE && r->kind != REC_GRID && r->kind != REC_SPEC &&
-             r->kind != REC_FILES);
+             r->kind != REC_VIEW && r->kind != REC_FILES);
     if (r->kind == REC_FRAME)
         MUST(r->frame_w - 1 < FRAME_SIDE_MAX && r->frame_h - 1 < FRAME_SIDE_MAX);
     if (r->kind == REC_FRAG) check_frag(r);

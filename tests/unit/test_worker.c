@@ -97,8 +97,8 @@ static void selftest(float *rgba, uint32_t *n)
 
 static const struct worker_renderer renderer = {
     .program = "texts",
-    .part = {{REC_GRID, sizeof(struct text), text_of, free_text, needs},
-        {REC_SPEC, sizeof(struct text), text_of, free_text, NULL}},
+    .part = {{REC_GRID, false, sizeof(struct text), text_of, free_text, needs},
+        {REC_SPEC, false, sizeof(struct text), text_of, free_text, NULL}},
     .n_parts = 2,
     .build = build,
     .free = free_built,
