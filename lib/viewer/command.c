@@ -31,6 +31,7 @@ void command_view(struct viewer *v)
     const struct spec *s = &v->subject.spec;
     subject_state(&v->subject, &v->down);
     wire_frame(&v->down.bytes, ++v->frame, s->w, s->h, NULL);
+    show_keep(v);
     look_view(&v->look, v->frame, s->w, s->h, now_us());
     times_view(&v->times);
     v->job[0] = '\0';

@@ -142,22 +142,44 @@ static void save_png(const struct act *a)
 
 /* ---- the rest -------------------------------------------------------------------------------- */
 
+static void help(const struct act *a)
+{
+    a->v->helps = !a->v->helps;
+    a->v->stale = true;
+}
+
+/* A background would hide them. */
 static void toggle(struct viewer *v, bool *what)
 {
+    struct subject *s = &v->subject;
+    if (s->scene) {
+        viewer_say(v, "a scene has no map and no axes");
+        return;
+    }
     *what = !*what;
-    v->stale = true;
+    const bool backed = s->backed && !v->mapped && !v->framed;
+    if (backed != s->spec.backed) v->changed = true;
+    s->spec.backed = backed;
+    v->stale = v->backdated = true;
 }
-static void help(const struct act *a) { toggle(a->v, &a->v->helps); }
-static void axes(const struct act *a) { toggle(a->v, &a->v->framed); }
+static void axes(const struct act *a)
+{
+    const struct spec *s = &a->v->subject.spec;
+    toggle(a->v, &a->v->framed);
+    if (a->v->window) window_size(a->v->window, s->w, s->h + show_strip(a->v, s->w, s->h));
+}
 static void map(const struct act *a) { toggle(a->v, &a->v->mapped); }
 static void quit(const struct act *a) { a->v->quit = true; }
 
+/* The strip of the legend is a part of the window. */
 static void resize(const struct act *a)
 {
     struct spec *s = &a->v->subject.spec;
-    if (a->e->w == s->w && a->e->h == s->h) return;
-    s->w = a->e->w < SPEC_RESOLUTION_MAX ? a->e->w : SPEC_RESOLUTION_MAX;
-    s->h = a->e->h < SPEC_RESOLUTION_MAX ? a->e->h : SPEC_RESOLUTION_MAX;
+    const uint32_t most = SPEC_RESOLUTION_MAX, w = a->e->w < most ? a->e->w : most;
+    const uint32_t strip = show_strip(a->v, w, s->h);
+    const uint32_t h = a->e->h > strip ? a->e->h - strip : 1;
+    if (w == s->w && h == s->h) return;
+    s->w = w, s->h = h < most ? h : most;
     a->v->changed = true;
 }
 

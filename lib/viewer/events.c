@@ -22,6 +22,7 @@ static const struct word {
     {"close", "the line's end", RECORDED_INPUT, WINDOW_CLOSE, 0},
     {"key", "KEY", RECORDED_INPUT, WINDOW_KEY, -1},
     {"png", "FILE", RECORDED_PNG, WINDOW_CLOSE, -1},
+    {"shot", "FILE", RECORDED_SHOT, WINDOW_CLOSE, -1},
     {"rest", "the line's end", RECORDED_REST, WINDOW_CLOSE, 0},
 };
 #define WORDS (sizeof words / sizeof *words)
@@ -53,7 +54,7 @@ static bool take_rest(struct recorded *r, const struct word *w, char *rest)
     double v[NUMBERS_MAX] = {0};
     if (w->numbers < 0) {
         if (!rest || !*rest) return false;
-        if (w->what == RECORDED_PNG) r->name = xstrdup(rest);
+        if (w->what != RECORDED_INPUT) r->name = xstrdup(rest);
         else r->event.key = controls_key(rest);
         return r->name || r->event.key;
     }
@@ -81,7 +82,7 @@ static bool take_line(
     while (w < WORDS && (!name || strcmp(words[w].name, name) != 0)) w++;
     if (w == WORDS)
         return wrong(path, line, err,
-            "no event, expected drag, move, wheel, double, size, close, key, png or rest");
+            "no event, expected drag, move, wheel, double, size, close, key, png, shot or rest");
     r.what = words[w].what;
     r.event.what = words[w].event;
     if (!take_rest(&r, &words[w], text))

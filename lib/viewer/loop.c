@@ -54,9 +54,10 @@ static bool resting(const struct viewer *v)
     return look_whole(&v->look) && !v->changed && !v->png;
 }
 
-static void save_png(struct viewer *v, const char *name)
+/* The picture, or all that is on the screen. */
+static void save_as(struct viewer *v, const char *name, bool (*save)(struct viewer *, const char *))
 {
-    if (show_save(v, name)) {
+    if (save(v, name)) {
         viewer_say(v, "saved %s", name);
         return;
     }
@@ -75,7 +76,8 @@ static void take_recorded(struct viewer *v)
         const int64_t due = e->from_us + (int64_t)(r->ms * 1e3);
         if (now_us() < due || (r->what != RECORDED_INPUT && !resting(v))) return;
         if (r->what == RECORDED_INPUT) take_event(v, &r->event, due);
-        else if (r->what == RECORDED_PNG) save_png(v, r->name);
+        else if (r->what == RECORDED_PNG) save_as(v, r->name, show_save);
+        else if (r->what == RECORDED_SHOT) save_as(v, r->name, show_shot);
         else e->from_us = now_us();
         e->next++;
     }
@@ -127,7 +129,7 @@ static void round_of(struct viewer *v)
     if (v->png && look_whole(&v->look) && !v->changed) {
         char *name = v->png;
         v->png = NULL;
-        save_png(v, name);
+        save_as(v, name, show_save);
         free(name);
     }
 }
@@ -152,7 +154,7 @@ static bool open_window(struct viewer *v)
     char err[ERR_BYTES];
     const struct spec *s = &v->subject.spec;
     if (v->o->events) return true;
-    v->window = window_open("stormview", s->w, s->h, err);
+    v->window = window_open("stormview", s->w, s->h + show_strip(v, s->w, s->h), err);
     if (v->window) return true;
     warn("cannot open a display; use balance (%s)", err);
     v->status = ST_SYSTEM;
@@ -178,7 +180,9 @@ int viewer_run(const struct viewer_options *o)
     struct viewer v = {.o = o, .palette = -1};
     char err[ERR_BYTES];
     if (o->events && !events_load(&v.events, o->events, err)) die(ST_USAGE, "%s", err);
-    if (!subject_open(&v.subject, o, err)) die(ST_USAGE, "%s", err);
+    if (!subject_open(&v.subject, o, err) || !show_open(&v, err)) die(ST_USAGE, "%s", err);
+    if (o->lines) controls_take(&v, &(struct window_event){.what = WINDOW_KEY, .key = 'm'});
+    if (o->lines) controls_take(&v, &(struct window_event){.what = WINDOW_KEY, .key = 'a'});
     signals_catch();
     look_init(&v.look);
     if (open_window(&v) && command_start(&v)) {

@@ -6,6 +6,7 @@
 #include "image/image.h"
 #include "job/job.h"
 #include "look/look.h"
+#include "paint/paint.h"
 #include "pipe/pipe.h"
 #include "spec/spec.h"
 #include "viewer/viewer.h"
@@ -19,15 +20,16 @@ enum surface { SURFACE_ISO, SURFACE_SLICE, SURFACE_CLIP };
 
 struct subject {
     struct job job;
+    bool scene;              /* it is one; else a grid */
     size_t at;               /* of the grids */
     struct grid grid;        /* that one */
     double least, most;      /* of its values */
-    bool new_grid;           /* the command has not got it */
-    struct spec spec;        /* what is chosen, */
-    struct look_camera home; /* and where the user came from */
+    bool new_file;           /* the command has not got this grid or scene */
+    struct spec spec;        /* what is chosen; of a scene only its view and size, */
+    double hither;           /* and this */
+    struct look_camera home; /* where the user came from */
     double light[3];         /* where it is when it is on */
-    double background[3];    /* what it is without a map */
-    bool backed;             /* it has one */
+    bool backed;             /* there is a background, unless the map or the axes are there */
     size_t surface;          /* the selected one, of those of the specification */
 };
 
@@ -37,6 +39,8 @@ void subject_free(struct subject *s);
 /* Takes another grid, by its number. False with a message in err, and nothing changes. */
 bool subject_step(struct subject *s, size_t at, char err[ERR_BYTES]);
 struct look_camera subject_camera(const struct subject *s);
+/* Takes the text in b, if it is a specification or view, and frees b. */
+bool subject_adopt(struct subject *s, struct buf *b, char err[ERR_BYTES]);
 /* Each of these is refused, with false and a message in err, if the result is no specification. */
 bool subject_aim(struct subject *s, const struct look_camera *c, char err[ERR_BYTES]);
 bool subject_recolour(struct subject *s, const char *palette, char err[ERR_BYTES]);
@@ -67,7 +71,7 @@ void times_free(struct times *t);
 
 /* ---- events.c: recorded events -------------------------------------------------------------- */
 
-enum recorded_what { RECORDED_INPUT, RECORDED_REST, RECORDED_PNG };
+enum recorded_what { RECORDED_INPUT, RECORDED_REST, RECORDED_PNG, RECORDED_SHOT };
 struct recorded {
     enum recorded_what what;
     double ms; /* after the last rest, or the beginning */
@@ -114,10 +118,15 @@ struct viewer {
     int status;
     /* the screen */
     struct image_screen *screen;
-    uint32_t *argb; /* of the picture, with what is behind and over it */
-    uint32_t w, h;
-    int64_t shown_us;
-    bool stale; /* all of the window is to be drawn */
+    struct paint *paint;   /* NULL: a scene */
+    struct buf lines;      /* of the map, with NUL */
+    struct spec viewed;    /* of the view that was asked for */
+    uint32_t *argb, *back; /* of the picture and the strip below it; what is behind, or NULL */
+    uint32_t w, h, strip;
+    int64_t shown_us, said_us;
+    bool stale;     /* all is to be drawn, */
+    bool backdated; /* with another back */
+    bool texted;    /* there is text over the picture */
 };
 
 /* command.c */
@@ -135,6 +144,14 @@ void controls_take(struct viewer *v, const struct window_event *e);
 int controls_key(const char *name);
 
 /* show.c */
+/* Loads the lines of the map. False with a message in err. */
+bool show_open(struct viewer *v, char err[ERR_BYTES]);
+/* Keeps the specification of the view that begins, for what is drawn behind it. */
+void show_keep(struct viewer *v);
+/* The height below a picture of this size, for the legend. */
+uint32_t show_strip(const struct viewer *v, uint32_t w, uint32_t h);
+/* Writes what is on the screen. False with errno. */
+bool show_shot(struct viewer *v, const char *path);
 void show_picture(struct viewer *v);
 void show_status(struct viewer *v);
 bool show_save(struct viewer *v, const char *path); /* the whole picture; false with errno */

@@ -20,6 +20,15 @@ static struct window *failed(struct window *w, char err[ERR_BYTES])
     return NULL;
 }
 
+/* Without a name, SDL would also take drivers that draw nowhere. */
+static bool choose_driver(char err[ERR_BYTES])
+{
+    const bool wayland = getenv("WAYLAND_DISPLAY"), x11 = getenv("DISPLAY");
+    if (!wayland && !x11) return err_set(err, "neither DISPLAY nor WAYLAND_DISPLAY is set");
+    SDL_SetHint(SDL_HINT_VIDEODRIVER, x11 ? "x11" : "wayland");
+    return true;
+}
+
 /* As large as asked, or as the screen allows. */
 static void fit(int *w, int *h)
 {
@@ -31,6 +40,7 @@ static void fit(int *w, int *h)
 
 struct window *window_open(const char *title, uint32_t w, uint32_t h, char err[ERR_BYTES])
 {
+    if (!choose_driver(err)) return NULL;
     struct window *win = xcalloc(1, sizeof *win);
     int width = (int)w, height = (int)h;
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
@@ -171,3 +181,10 @@ void window_put(
 }
 
 void window_title(struct window *w, const char *title) { SDL_SetWindowTitle(w->window, title); }
+
+void window_size(struct window *win, uint32_t w, uint32_t h)
+{
+    int width = (int)w, height = (int)h;
+    fit(&width, &height);
+    SDL_SetWindowSize(win->window, width, height);
+}

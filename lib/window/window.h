@@ -48,6 +48,8 @@ bool window_next(struct window *w, struct window_event *e);
  * top left corner on. */
 void window_put(
     struct window *win, const uint32_t *argb, uint32_t w, uint32_t h, uint32_t first, uint32_t end);
+/* Asks for another size. */
+void window_size(struct window *win, uint32_t w, uint32_t h);
 void window_title(struct window *w, const char *title);
 
 #endif
