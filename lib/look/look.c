@@ -32,7 +32,9 @@ struct lattice look_pass(int pass, uint32_t w, uint32_t h)
     const uint32_t x = passes[pass].x, y = passes[pass].y;
     const uint32_t sx = passes[pass].sx, sy = passes[pass].sy;
     if (w <= x || h <= y) return (struct lattice){0};
-    return (struct lattice){x, y, (w - x + sx - 1) / sx, (h - y + sy - 1) / sy, sx, sy};
+    const uint32_t columns = (w - x + sx - 1) / sx, rows = (h - y + sy - 1) / sy;
+    /* A step is within the frame, also where there is no second column or row. */
+    return (struct lattice){x, y, columns, rows, columns > 1 ? sx : 1, rows > 1 ? sy : 1};
 }
 
 static int pass_of(uint32_t x, uint32_t y)

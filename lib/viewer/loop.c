@@ -51,7 +51,8 @@ static void take_window(struct viewer *v)
 
 static bool resting(const struct viewer *v)
 {
-    return look_whole(&v->look) && !v->changed && !v->png;
+    const bool drawn = !v->stale && v->look.first >= v->look.end;
+    return look_whole(&v->look) && drawn && !v->changed && !v->png;
 }
 
 /* The picture, or all that is on the screen. */
@@ -183,6 +184,7 @@ int viewer_run(const struct viewer_options *o)
     if (!subject_open(&v.subject, o, err) || !show_open(&v, err)) die(ST_USAGE, "%s", err);
     if (o->lines) controls_take(&v, &(struct window_event){.what = WINDOW_KEY, .key = 'm'});
     if (o->lines) controls_take(&v, &(struct window_event){.what = WINDOW_KEY, .key = 'a'});
+    viewer_controls(&v.help);
     signals_catch();
     look_init(&v.look);
     if (open_window(&v) && command_start(&v)) {

@@ -110,7 +110,7 @@ static void paint_back(struct viewer *v)
 /* The status for a while after it changed, or the help. True if there is some. */
 static bool text_of(const struct viewer *v, struct buf *text)
 {
-    if (v->helps) viewer_controls(text);
+    if (v->helps) buf_append(text, buf_data(&v->help), buf_size(&v->help));
     else if (*v->said && now_us() - v->said_us < SAID_US) buf_printf(text, "%s", v->said);
     const bool some = buf_size(text) > 0;
     buf_append(text, "", 1);
@@ -208,6 +208,7 @@ void show_free(struct viewer *v)
     paint_free(v->paint);
     spec_free(&v->viewed);
     buf_free(&v->lines);
+    buf_free(&v->help);
     free(v->argb);
     free(v->back);
 }

@@ -119,6 +119,7 @@ struct viewer {
     /* the screen */
     struct image_screen *screen;
     struct paint *paint;   /* NULL: a scene */
+    struct buf help;       /* the controls */
     struct buf lines;      /* of the map, with NUL */
     struct spec viewed;    /* of the view that was asked for */
     uint32_t *argb, *back; /* of the picture and the strip below it; what is behind, or NULL */
