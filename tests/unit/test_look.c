@@ -200,7 +200,7 @@ static bool run_one(uint64_t seed, struct run *r)
         for (int i = 0; good && i < 1 + (int)(seed % 40); i++) {
             r->now_us += (int64_t)draw(r, 6000);
             if (round == 1 && i == 0) look_slots(&r->look, r->slots);
-            if (look_ready(&r->look, r->now_us) || draw(r, 30) == 0) view(r);
+            if (look_ready(&r->look, r->now_us) || draw(r, seed % 7 ? 30 : 2) == 0) view(r);
             good = take_due(r) && send_all(r);
             if (good && round == 0 && r->n) good = wrong(r, "a task before there are slots");
         }
