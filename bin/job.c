@@ -32,6 +32,7 @@ struct options {
 
 static const char usage_text[] = "[-h] [-e FRAMES] FILE ...\n"
                                  "       job -i [-1m] [-k FILE] [-s WxH] [-W OPTIONS] SCENE.nff|-\n"
+                                 "       job -i ... SCENE.nff ... VIEW ...\n"
                                  "       job -i ... GRID.vtk ... SPEC ...\n"
                                  "       job -i ... GRID.vtk\n"
                                  "       job -i ... SCENE.pov [FILE ...]";
@@ -85,17 +86,18 @@ static char *load_frames(const char *path, struct buf *b)
 }
 
 /* Without frames, the state of the first picture only. */
-static void write_grids(const struct options *o)
+static void write_pairs(const struct options *o)
 {
     const struct job *j = &o->job;
+    const bool scenes = j->what == JOB_SCENE;
     const size_t n = o->frames ? job_states(j) : 1;
     struct buf frames, starter = {0};
     char *frame = load_frames(o->frames, &frames);
     for (size_t at = 0; at < n; at++) {
         const struct job_state s = job_state(j, at);
-        if (s.new_grid) job_put_file(REC_GRID, j->path[s.grid]);
+        if (s.new_subject) job_put_file(scenes ? REC_SCENE : REC_GRID, j->path[s.subject]);
         if (j->starter) put_starter(o, &starter), job_put(REC_SPEC, "spec", &starter);
-        else if (s.new_spec) job_put_file(REC_SPEC, j->path[s.spec]);
+        else if (s.new_look) job_put_file(scenes ? REC_VIEW : REC_SPEC, j->path[s.look]);
         if (n == 1) break;
         char *end = strchr(frame, '\n');
         if (!end) die(ST_USAGE, "%s: %zu frames, expected %zu", o->frames, at, n);
@@ -107,7 +109,7 @@ static void write_grids(const struct options *o)
 }
 
 /* The words of a command: the worker, `first` ones, and these files; NULL. The caller frees the
- * array. Of grids, the specifications follow grid `at`. */
+ * array. The views or specifications follow scene or grid `at`. */
 static char **command(const struct options *o, char *const first[], size_t n_first, size_t at)
 {
     static char end[] = "--";
@@ -118,7 +120,7 @@ static char **command(const struct options *o, char *const first[], size_t n_fir
     for (size_t i = 0; i < n_first; i++) words[n++] = first[i];
     words[n++] = end;
     words[n++] = j->path[at];
-    for (size_t i = j->what == JOB_GRIDS ? j->grids : 1; i < j->n; i++) words[n++] = j->path[i];
+    for (size_t i = j->what == JOB_POV ? 1 : j->subjects; i < j->n; i++) words[n++] = j->path[i];
     if (j->starter) words[n++] = o->kept;
     return words;
 }
@@ -127,8 +129,8 @@ static void write_state(const struct options *o)
 {
     static char pack[] = "-p";
     switch (o->job.what) {
-    case JOB_SCENE: job_put_file(REC_SCENE, *o->job.path); break;
-    case JOB_GRIDS: write_grids(o); break;
+    case JOB_SCENE:
+    case JOB_GRIDS: write_pairs(o); break;
     case JOB_POV: {
         char **words = command(o, (char *[]){pack}, 1, 0);
         execvp(*words, words);
@@ -147,7 +149,7 @@ static void check_map(const struct options *o)
     char err[ERR_BYTES];
     struct spec s;
     if (j->what != JOB_GRIDS) die(ST_USAGE, "-m: expected grids, whose title says where they are");
-    for (size_t i = j->grids; i < j->n; i++) {
+    for (size_t i = j->subjects; i < j->n; i++) {
         if (spec_load(j->path[i], &s, err) != 0) continue;
         if (s.backed)
             die(ST_USAGE, "%s: has a background, which hides the map, expected none with -m",
@@ -232,7 +234,7 @@ static int take_lines(struct job_frames *f, struct buf *said)
     return others;
 }
 
-/* Asks the worker for the frames of grid `at`; of another job, for all. */
+/* Asks the worker for the frames of scene or grid `at`; of POV-Ray, for all. */
 static void ask(const struct options *o, int in, size_t at, struct job_frames *f)
 {
     static char inspect[] = "-i", size[] = "-s";
@@ -299,7 +301,7 @@ static void inspect(const struct options *o)
     if (o->map) check_map(o);
     check_one(o, job_states(j));
     int in = keep(o);
-    for (size_t at = 0; at < (j->what == JOB_GRIDS ? j->grids : 1); at++) ask(o, in, at, &f);
+    for (size_t at = 0; at < j->subjects || !at; at++) ask(o, in, at, &f);
     check_one(o, f.n);
     printf("worker %s\nstates %zu\n", o->program, job_states(j));
     put_stdout_buf(&f.text);

@@ -13,8 +13,7 @@ static const char usage_text[] = "[-h] scene|grid|spec|view|files FILE ...\n"
 
 static enum rec_kind kind_named(const char *s)
 {
-    static const enum rec_kind kinds[] = {
-        REC_SCENE, REC_GRID, REC_SPEC, REC_VIEW, REC_FILES};
+    static const enum rec_kind kinds[] = {REC_SCENE, REC_GRID, REC_SPEC, REC_VIEW, REC_FILES};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(s, rec_name(kinds[i])) == 0) return kinds[i];
     die(ST_USAGE, "%s: expected scene, grid, spec, view or files", s);

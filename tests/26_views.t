@@ -75,6 +75,14 @@ refused 'no up' 'views: noup.spec: no up, expected' -n 3 -o v%d.spec a.spec noup
 refused 'no number' 'views: word.spec:2: from: x, expected a number' -n 3 -o v%d.spec a.spec word.spec
 refused 'no direction' 'views: here.spec: from has no length' -n 3 -o v%d.spec a.spec here.spec
 refused 'opposite' 'views: c.spec: from is opposite to that of a.spec, expected another' -n 3 -o v%d.spec a.spec c.spec
+printf '%s\n' 'from 5 0 0' 'at 0 0 0' 'up 0 0 1' 'angle 20' 'hither 1' >a.view
+printf '%s\n' '# other side' 'up 0 0 1' 'hither 4' 'at 0 0 0' 'from 0 5 0' 'angle 20' >b.view
+run views -n 3 -o v%d.view a.view b.view
+is 'views of a scene: hither changes evenly' "$status$err $(word from v1.view)$(word hither v1.view)" '0 3.536 3.536 0.000 2.500 '
+spdgen -s 1 balls >balls.nff
+ok 'rtworker reads the views' rtworker -i balls.nff v?.view
+sed '/^hither/d' b.view >plain.view
+refused 'hither in one key' 'views: plain.view: no hither, expected it in all keys or in none' -n 3 -o v%d.view a.view plain.view
 refused 'empty' 'views: a key is an empty file' -n 3 -o v%d.spec a.spec empty.spec
 refused 'no file' 'views: none: cannot be read' -n 3 -o v%d.spec a.spec none
 refused 'a key would be overwritten' 'views: -o v1.spec: is also an input' -n 3 -o v%d.spec a.spec v1.spec

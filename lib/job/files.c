@@ -1,4 +1,4 @@
-/* What files are together: a scene; grids and specifications; a scene of POV-Ray. */
+/* What files are together: scenes and views; grids and specifications; a scene of POV-Ray. */
 #include "job/job.h"
 #include "grid/grid.h"
 #include "spec/spec.h"
@@ -32,14 +32,15 @@ static bool check_file(const struct job *j, const char *path, char err[ERR_BYTES
                err_path(shown, path));
 }
 
-/* Says whether it is a grid. */
-static bool look(const char *path, bool *grid, char err[ERR_BYTES])
+enum kind { GRID, VIEW, OTHER }; /* a specification is VIEW or OTHER */
+
+static bool look(const char *path, enum kind *kind, char err[ERR_BYTES])
 {
     unsigned char first[JOB_FIRST];
     uint64_t size;
     char why[ERR_BYTES], shown[ERR_PATH];
     const size_t n = job_first(path, first, &size);
-    *grid = job_is_grid(first, n);
+    *kind = job_is_grid(first, n) ? GRID : job_is_view(first, n) ? VIEW : OTHER;
     return job_readable(first, n, size, why) || err_set(err, "%s: %s", err_path(shown, path), why);
 }
 
@@ -53,9 +54,37 @@ static void plain_name(char **path)
     *path = (char *)b.data;
 }
 
-bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES])
+/* Says what the files are by the kinds of those in front. */
+static bool sort(struct job *j, char err[ERR_BYTES])
 {
     char shown[ERR_PATH];
+    size_t grids = 0, before = 0; /* the first view */
+    for (size_t i = 0; i < j->n; i++) {
+        enum kind kind;
+        if (!look(j->path[i], &kind, err)) return false;
+        grids += kind == GRID && grids == i;
+        before += kind != VIEW && before == i;
+    }
+    if (!before)
+        return err_set(err,
+            "%s: is a view or a specification, expected a scene or a grid before it",
+            err_path(shown, *j->path));
+    j->subjects = grids;
+    if (!grids && (j->n == 1 || before < j->n)) {
+        j->subjects = before;
+        return true;
+    }
+    j->what = JOB_GRIDS;
+    j->starter = j->n == 1;
+    if (grids == j->n && j->n > 1)
+        return err_set(err, "%s: is a grid, expected a specification after the grids",
+            err_path(shown, j->path[j->n - 1]));
+    if (!grids) j->subjects = 1; /* the worker says what is wrong with it */
+    return true;
+}
+
+bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES])
+{
     *j = (struct job){.path = path, .n = n};
     for (size_t i = 0; i < n; i++)
         if (!check_file(j, path[i], err)) return false;
@@ -64,21 +93,8 @@ bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES])
         plain_name(path);
         return true;
     }
-    if (strcmp(*path, "-") == 0) return true;
-    bool grids = true;
-    for (size_t i = 0; i < n; i++) {
-        bool grid;
-        if (!look(path[i], &grid, err)) return false;
-        grids = grids && grid;
-        j->grids += grids;
-    }
-    if (n == 1 && !j->grids) return true;
-    j->what = JOB_GRIDS;
-    j->starter = n == 1;
-    if (j->grids == n && n > 1)
-        return err_set(err, "%s: is a grid, expected a specification after the grids",
-            err_path(shown, path[n - 1]));
-    if (!j->grids) j->grids = 1; /* the worker says what is wrong with it */
+    if (strcmp(*path, "-") != 0) return sort(j, err);
+    j->subjects = 1;
     return true;
 }
 
@@ -89,15 +105,20 @@ const char *job_worker(const struct job *j)
     return name[j->what];
 }
 
-static size_t specs(const struct job *j) { return j->starter ? 1 : j->n - j->grids; }
+static size_t looks(const struct job *j)
+{
+    return j->n == j->subjects ? 1 : j->n - j->subjects; /* the starter, or the scene's view */
+}
 
-size_t job_states(const struct job *j) { return j->what == JOB_GRIDS ? j->grids * specs(j) : 1; }
+size_t job_states(const struct job *j) { return j->what == JOB_POV ? 1 : j->subjects * looks(j); }
 
 struct job_state job_state(const struct job *j, size_t at)
 {
-    const size_t grid = at / specs(j), spec = at % specs(j);
-    /* A specification stays valid for the grids that follow. */
-    return (struct job_state){grid, j->grids + spec, spec == 0, grid == 0 || specs(j) > 1};
+    const size_t subject = at / looks(j), look = at % looks(j);
+    const bool other = j->starter || j->n > j->subjects;
+    /* A view or specification stays valid for the scenes or grids that follow. */
+    return (struct job_state){
+        subject, j->subjects + look, look == 0, other && (subject == 0 || looks(j) > 1)};
 }
 
 /* Puts # before the line, if it is in b behind `at`. */

@@ -1,7 +1,8 @@
 /*
- * job: what the files of a run mean. They are one scene; or grids and, after them, specifications,
- * each grid with each specification; or a scene of POV-Ray and files that it uses. A grid alone
- * gets a specification of its own, the starter. job(1) is the manual.
+ * job: what the files of a run mean. They are one scene; or scenes and, after them, views, each
+ * scene with each view; or grids and specifications in the same way; or a scene of POV-Ray and
+ * files that it uses. A grid alone gets a specification of its own, the starter. job(1) is the
+ * manual.
  *
  * job_first, job_of and job_starter read files. Of a file that cannot be read, its reader says so.
  */
@@ -19,6 +20,8 @@
 size_t job_first(const char *path, unsigned char first[JOB_FIRST], uint64_t *size);
 /* True if it is a VTK legacy file, which only a grid is. */
 bool job_is_grid(const unsigned char *first, size_t n);
+/* True if its first word is one of a view, as that of a specification may be. */
+bool job_is_view(const unsigned char *first, size_t n);
 /*
  * If no program that renders reads such a file, returns false with the rest of "FILE: ..." in err:
  * what it is, what was expected, and the program that reads it. Other files are taken for text.
@@ -30,10 +33,10 @@ bool job_readable(const unsigned char *first, size_t n, uint64_t size, char err[
 enum job_what { JOB_SCENE, JOB_GRIDS, JOB_POV };
 struct job {
     enum job_what what;
-    char **path; /* the caller's; the grids are before the specifications */
-    size_t n;
-    size_t grids; /* of path; 0 if these are no grids */
-    bool starter; /* one grid alone */
+    char **path;     /* the caller's; scenes or grids, then views or specifications */
+    size_t n;        /* of path */
+    size_t subjects; /* scenes or grids; 0: a scene of POV-Ray */
+    bool starter;    /* one grid alone */
 };
 /*
  * Returns false with "file: what, expected what" in err if these n files, at least one, are nothing
@@ -43,14 +46,15 @@ struct job {
 bool job_of(struct job *j, char **path, size_t n, char err[ERR_BYTES]);
 /* The program that renders it. */
 const char *job_worker(const struct job *j);
-/* The number of states: 1, or the number of pictures of grids and specifications. Frames of an
- * animation of POV-Ray have one state. */
+/* The number of states: 1, or the number of pairs of scenes and views, or grids and specifications.
+ * Frames of an animation of POV-Ray have one state. */
 size_t job_states(const struct job *j);
-/* State `at`, of grid and specification path[...]. A worker that has the states before it needs
- * only what is new. Of a starter, spec is no file: it is n. */
+/* State `at`: path[subject] as path[look] shows it, a view or a specification. A worker that has
+ * the states before it needs only what is new. look is n, no file, of a starter, which is new; and
+ * of a scene without views, where nothing is. */
 struct job_state {
-    size_t grid, spec;
-    bool new_grid, new_spec;
+    size_t subject, look;
+    bool new_subject, new_look;
 };
 struct job_state job_state(const struct job *j, size_t at);
 /* Appends the specification of a grid alone, with a picture of w x h pixels; 0: as it is usual.

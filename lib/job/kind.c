@@ -10,6 +10,8 @@
 #define TO_NFF "mesh2nff makes a scene of it"
 #define BLENDER "of Blender export glTF, and mesh2nff makes a scene of it"
 
+#define BOM "\357\273\277" /* the byte order mark of UTF-8 */
+
 /* What it is, and what to do. */
 struct foreign {
     const char *is, *remedy;
@@ -83,6 +85,19 @@ static size_t skip_comments(const unsigned char *p, size_t n)
     return at;
 }
 
+bool job_is_view(const unsigned char *first, size_t n)
+{
+    static const char *const words[] = {"from", "at", "up", "angle", "hither", "resolution"};
+    const size_t bom = begins(first, n, BOM) ? sizeof BOM - 1 : 0;
+    const size_t at = bom + skip_comments(first + bom, n - bom);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const size_t end = at + strlen(words[i]);
+        if (begins(first + at, n - at, words[i]) && end < n && strchr(" \t\r\n#", first[end]))
+            return first[end] != '\0';
+    }
+    return false;
+}
+
 /* OBJ has no magic number. Its first line names a library, an object or a group, or is a vertex
  * with its numbers; NFF's line `v` has a word behind it, or none. */
 static bool is_obj(const unsigned char *p, size_t n)
@@ -116,7 +131,7 @@ static const struct foreign *xml_of(const unsigned char *p, size_t n)
 
 static const struct foreign *foreign_of(const unsigned char *p, size_t n, uint64_t size)
 {
-    const size_t blank = begins(p, n, "\357\273\277") ? 3 : 0; /* the byte order mark of UTF-8 */
+    const size_t blank = begins(p, n, BOM) ? sizeof BOM - 1 : 0;
     const struct foreign *f = xml_of(p + blank, n - blank);
     if (f) return f;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)

@@ -1,6 +1,6 @@
 /*
- * nff_view: the view of an NFF scene: a `v`, then words with their numbers, in any order; and a view
- * in a file of its own, without the `v`.
+ * nff_view: the view of an NFF scene: a `v`, then words with their numbers, in any order; and a
+ * view in a file of its own, without the `v`.
  */
 #include "scene/reader.h"
 

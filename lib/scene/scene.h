@@ -13,8 +13,8 @@
 
 struct view {
     struct vec3 from, at, up;
-    double angle_deg; /* vertical field of view */
-    double hither;    /* distance of the near plane along the viewing direction, >= 0 */
+    double angle_deg;      /* vertical field of view */
+    double hither;         /* distance of the near plane along the viewing direction, >= 0 */
     uint32_t res_x, res_y; /* 0: a view in a file of its own need not say it */
 };
 
@@ -82,8 +82,8 @@ int nff_read_parallel(const char *name, const char *text, size_t n, int threads,
     char err[SCENE_ERR]);
 /* The line of primitive i of a text that nff_read has accepted. */
 uint32_t nff_line(const char *text, size_t n, uint32_t i);
-/* A view in a file of its own: the words of `v`, without the `v`. Returns as nff_read; nothing is to
- * be freed. */
+/* A view in a file of its own: the words of `v`, without the `v`. Returns as nff_read; there is
+ * nothing to free. */
 int nff_read_view(
     const char *name, const char *text, size_t n, struct view *v, char err[SCENE_ERR]);
 void scene_free(struct scene *s);

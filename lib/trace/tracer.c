@@ -108,7 +108,7 @@ void tracer_free(struct tracer *t)
     free(t);
 }
 
-/* Blocks and marks depend on the reach only; all else that was built does not depend on the view. */
+/* Blocks and marks depend on the reach; all else that was built does not depend on the view. */
 static void set_reach(struct tracer *t, double reach)
 {
     struct parallel *p = parallel_new(t->options.threads);

@@ -1,7 +1,7 @@
 /*
  * Whatever the bytes: nff_read returns a scene or a message. What it accepts is in range,
  * triangulates within its bounds, and survives being written and read again. Text that is read in
- * two parts gives the same.
+ * two parts gives the same. nff_read_view returns a view or a message.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -ffp-contract=off -Ilib \
  *         -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
@@ -110,6 +110,22 @@ static void check_pov(const struct scene *s)
     free(text);
 }
 
+static void check_view(const char *text, size_t n)
+{
+    struct view v, again;
+    char err[SCENE_ERR], *written;
+    if (nff_read_view("fuzz", text, n, &v, err) != 0) {
+        MUST(strncmp(err, "fuzz:", 5) == 0 && strstr(err, "expected"));
+        return;
+    }
+    struct nff_out o = {open_memstream(&written, &n), NFF_DIGITS_MAX};
+    nff_put_view_words(&o, &v);
+    MUST(fclose(o.f) == 0);
+    MUST(nff_read_view("again", written, n, &again, err) == 0);
+    MUST(memcmp(&v, &again, sizeof v) == 0);
+    free(written);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct scene s;
@@ -120,6 +136,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size) memcpy(text, data, size);
     int rc = nff_read("fuzz", text, size, &s, err);
     check_parts(text, size, rc, err, &s);
+    check_view(text, size);
     free(text);
     if (rc != 0) {
         MUST(strncmp(err, "fuzz:", 5) == 0 && strlen(err) > 8);

@@ -85,6 +85,20 @@ static void test_own_kinds(void **state)
     assert_false(job_is_grid(BYTES("# vtl DataFile")));
 }
 
+static void test_views(void **state)
+{
+    (void)state;
+    static const char *const yes[] = {"from 1 2 3\n", "# key\r\n\n at\t0 0 0", "up 0", "angle\n30",
+        "hither 1", "\357\273\277resolution 4 3"};
+    static const char *const no[] = {"", "f", "from", "fromage 1", "v\nfrom 1 2 3\n",
+        "map 1 2 3\nfrom 1 2 3", "# from 1\n", "at"};
+    for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
+        if (!job_is_view((const unsigned char *)yes[i], strlen(yes[i]))) fail_msg("%s", yes[i]);
+    for (size_t i = 0; i < sizeof no / sizeof *no; i++)
+        if (job_is_view((const unsigned char *)no[i], strlen(no[i]))) fail_msg("%s", no[i]);
+    assert_false(job_is_view(BYTES("from\0")));
+}
+
 /* The header and the length of the file tell it, and text of that length is none. */
 static void test_binary_stl(void **state)
 {
@@ -103,9 +117,9 @@ static void test_binary_stl(void **state)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", a[] = "a.vtk",
-            b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc", pov[] = "p=1.POV",
-            plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
+static char none[] = "none", dash[] = "-", odd[] = "-none", scene[] = "s.nff", other[] = "t.nff",
+            a[] = "a.vtk", b[] = "b.vtk", x[] = "x.spec", y[] = "y.spec", nc[] = "d.nc",
+            pov[] = "p=1.POV", plus[] = "+kff.pov", own[] = "/tmp/p=1.pov", fifo[] = "fifo";
 
 static void save(const char *path, const char *text)
 {
@@ -119,10 +133,11 @@ static int enter(void **state)
     (void)state;
     if (!scratch_make(directory) || chdir(directory) != 0) return -1;
     save(scene, "v\n");
+    save(other, "v\n");
     save(a, GRID);
     save(b, GRID);
     save(x, "from 1 2 3\n");
-    save(y, "from 1 2 3\n");
+    save(y, "# a key\r\n\nresolution 4 3\n");
     save(nc, "CDF\1");
     return mkfifo(fifo, 0600);
 }
@@ -130,7 +145,7 @@ static int enter(void **state)
 static int leave(void **state)
 {
     (void)state;
-    char *const made[] = {scene, a, b, x, y, nc, fifo};
+    char *const made[] = {scene, other, a, b, x, y, nc, fifo};
     for (size_t i = 0; i < sizeof made / sizeof *made; i++) unlink(made[i]);
     return chdir("/") != 0 || rmdir(directory) != 0 ? -1 : 0;
 }
@@ -147,13 +162,16 @@ static void test_together(void **state)
     assert_int_equal(job_states(&j), 1);
     assert_true(job_of(&j, FILES(dash), err) && j.what == JOB_SCENE);
     assert_true(job_of(&j, FILES(none), err) && j.what == JOB_SCENE); /* the worker says so */
-    assert_true(job_of(&j, FILES(a), err) && j.starter && j.grids == 1);
+    assert_true(job_of(&j, FILES(a), err) && j.starter && j.subjects == 1);
     assert_string_equal(job_worker(&j), "vcworker");
     assert_int_equal(job_states(&j), 1);
-    assert_true(job_of(&j, FILES(a, b, x), err) && j.grids == 2 && !j.starter);
+    assert_true(job_of(&j, FILES(a, b, x), err) && j.subjects == 2 && !j.starter);
     assert_int_equal(job_states(&j), 2);
-    assert_true(job_of(&j, FILES(a, x, b), err) && j.grids == 1); /* b is no specification */
-    assert_true(job_of(&j, FILES(x, y), err) && j.grids == 1 && j.what == JOB_GRIDS);
+    assert_true(job_of(&j, FILES(a, x, b), err) && j.subjects == 1); /* b is no specification */
+    assert_true(job_of(&j, FILES(scene, other), err) && j.subjects == 1 && j.what == JOB_GRIDS);
+    assert_true(job_of(&j, FILES(scene, x), err) && j.subjects == 1 && j.what == JOB_SCENE);
+    assert_true(job_of(&j, FILES(scene, other, x, y, a), err) && j.what == JOB_SCENE);
+    assert_int_equal(job_states(&j), 6);
     assert_true(job_of(&j, FILES(plus, x), err) && j.what == JOB_POV);
     assert_string_equal(j.path[0], "./+kff.pov");
     assert_string_equal(job_worker(&j), "povworker");
@@ -173,6 +191,12 @@ static void test_refused(void **state)
     char err[ERR_BYTES];
     assert_false(job_of(&j, FILES(a, b), err));
     assert_string_equal(err, "b.vtk: is a grid, expected a specification after the grids");
+    static const char *const lone =
+        "x.spec: is a view or a specification, expected a scene or a grid before it";
+    assert_false(job_of(&j, FILES(x), err));
+    assert_string_equal(err, lone);
+    assert_false(job_of(&j, FILES(x, scene, y), err));
+    assert_string_equal(err, lone);
     assert_false(job_of(&j, FILES(scene, dash), err));
     assert_string_equal(err, "-: is one of 2 files, expected it alone");
     assert_false(job_of(&j, FILES(odd), err));
@@ -183,27 +207,30 @@ static void test_refused(void **state)
     assert_non_null(strstr(err, "d.nc: is a NetCDF file"));
 }
 
-/* Each grid with each specification; only what changed is new. */
+/* Each scene or grid with each view or specification; only what changed is new. */
 static void test_states(void **state)
 {
     (void)state;
-    const struct job two = {.what = JOB_GRIDS, .n = 4, .grids = 2};
+    const struct job two = {.what = JOB_SCENE, .n = 4, .subjects = 2};
     static const struct job_state of[] = {
         {0, 2, true, true}, {0, 3, false, true}, {1, 2, true, true}, {1, 3, false, true}};
     assert_int_equal(job_states(&two), 4);
     for (size_t i = 0; i < 4; i++) {
         struct job_state s = job_state(&two, i);
-        assert_true(s.grid == of[i].grid && s.spec == of[i].spec && s.new_grid == of[i].new_grid &&
-                    s.new_spec == of[i].new_spec);
+        assert_true(s.subject == of[i].subject && s.look == of[i].look &&
+                    s.new_subject == of[i].new_subject && s.new_look == of[i].new_look);
     }
-    const struct job film = {.what = JOB_GRIDS, .n = 4, .grids = 3};
+    const struct job film = {.what = JOB_GRIDS, .n = 4, .subjects = 3};
     for (size_t i = 0; i < 3; i++) {
         struct job_state s = job_state(&film, i);
-        assert_true(s.grid == i && s.spec == 3 && s.new_grid && s.new_spec == (i == 0));
+        assert_true(s.subject == i && s.look == 3 && s.new_subject && s.new_look == (i == 0));
     }
-    const struct job alone = {.what = JOB_GRIDS, .n = 1, .grids = 1, .starter = true};
+    struct job alone = {.what = JOB_GRIDS, .n = 1, .subjects = 1, .starter = true};
     assert_int_equal(job_states(&alone), 1);
-    assert_int_equal(job_state(&alone, 0).spec, 1);
+    assert_true(job_state(&alone, 0).look == 1 && job_state(&alone, 0).new_look);
+    alone = (struct job){.what = JOB_SCENE, .n = 1, .subjects = 1};
+    assert_int_equal(job_states(&alone), 1);
+    assert_true(job_state(&alone, 0).new_subject && !job_state(&alone, 0).new_look);
 }
 
 static struct spec starter(uint32_t w, uint32_t h, bool map)
@@ -297,6 +324,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_kinds),
         cmocka_unit_test(test_own_kinds),
+        cmocka_unit_test(test_views),
         cmocka_unit_test(test_binary_stl),
         cmocka_unit_test(test_together),
         cmocka_unit_test(test_refused),
