@@ -43,8 +43,11 @@ done
 echo
 case " $where " in
 *' here '*)
-	with=$(wall_s 'view turns here')
-	cp down again
+	begin=$(date +%s.%N)
+	view turns here
+	with=$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')
+	cp down again # without a bye, which would end the command at once
+	[ "$(tail -c 4 again)" != bye ] || head -c -4 down >again
 	alone=$(wall_s "$rules fan -1 -S here vcworker <again >frags")
 	report 'milliseconds to the coarse picture, median' "$coarse" '' 50
 	report 'milliseconds to the coarse picture, 95th percentile' "$p95" '' 100
