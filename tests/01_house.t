@@ -74,7 +74,7 @@ clean 'modules include only what the table allows'
 
 # A name that files share begins with its module's name, or with one of these words, which no other module has.
 cat >"$tmp/prefixes" <<'END'
-backdrop drawing lines outline
+backdrop drawing lines mark outline
 base buf clock close_stdout cpu_us die err hash64 input isa load_file now_us opt outfile parse print_float print_real prog
 base parallel put_stdout read relay sha256 text usage utf8 version warn write_full xaligned xcalloc xmalloc xrealloc xstrdup
 drive tags

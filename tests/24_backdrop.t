@@ -203,6 +203,21 @@ like 'the map has the size of the specification, and a strip below' "$(imgcmp wa
 backdrop -s 90x60 wall.vtk wall.spec | gnuplot >small.png
 like '-s sets another size' "$(imgcmp small.png small.png)" 'size	90x89'
 
+# A window paints it by itself.
+sed '2s/.*/T [K]; z -p [hPa]; t time 1 [hours since 2026-11-23]/' wall.vtk >hour.vtk
+sed 's/^resolution .*/resolution 900 600/' wall.spec >large.spec
+if there "$root/build/unit/test_paint"; then
+	backdrop hour.vtk large.spec lines.txt | gnuplot >drawn.png
+	ok 'painted: a file' "$root/build/unit/test_paint" hour.vtk large.spec lines.txt painted.ppm
+	ok 'what is painted is where gnuplot draws it' imgcmp -t .15 -f .004 painted.ppm drawn.png
+	sed 's/^at .*/at 10.1 45 -100/' large.spec >moved.spec
+	"$root/build/unit/test_paint" hour.vtk moved.spec lines.txt painted.ppm
+	run imgcmp -t .15 -f .004 painted.ppm drawn.png
+	is 'a view that is turned a little is another picture' "$status" 1
+else
+	skip 'painted backgrounds' 'test_paint is not built'
+fi
+
 printf '1 2\n\n3\n' >bad.line
 mkfifo spec.pipe
 run timeout 20 backdrop -o no.png wall.vtk spec.pipe

@@ -9,7 +9,7 @@ static void plane(const struct drawing *s)
         outline_append(&o,
             (struct outline_point){(i + 1) & 2 ? s->hi[0] : s->lo[0], i & 2 ? s->hi[1] : s->lo[1]});
     outline_bound(&o);
-    list_begin(s->list, BACKDROP_PLANE, SEA, 0);
+    mark_begin(s->list, BACKDROP_PLANE, SEA, 0);
     outline_fill(s, &o, BACKDROP_PLANE, SEA);
     outline_free(&o);
 }
@@ -31,15 +31,15 @@ static void draw(const struct drawing *s, struct backdrop_lines *lines, unsigned
         lines_fill(s, lines);
     }
     if (parts & BACKDROP_AXES) {
-        list_begin(s->list, BACKDROP_GRATICULE, GRATICULE, 1);
+        mark_begin(s->list, BACKDROP_GRATICULE, GRATICULE, 1);
         backdrop_graticule(s);
     }
     if (parts & BACKDROP_MAP) {
-        list_begin(s->list, BACKDROP_LINES, COAST, COAST_WIDTH);
+        mark_begin(s->list, BACKDROP_LINES, COAST, COAST_WIDTH);
         lines_stroke(s, lines);
     }
     if (parts & BACKDROP_AXES) {
-        list_begin(s->list, BACKDROP_EDGES, FRAME, 1);
+        mark_begin(s->list, BACKDROP_EDGES, FRAME, 1);
         backdrop_edges(s);
     }
 }
@@ -51,12 +51,13 @@ void backdrop_draw(const struct backdrop *b, struct backdrop_lines *lines, unsig
     struct outline scratch[2] = {{.n = 0}};
     struct drawing s;
     drawing_init(&s, b);
-    list_cut(list, 0);
+    mark_cut(list, 0);
     list->em = s.em;
     s.list = list;
     s.labels = &labels;
     s.scratch = scratch;
     s.clipped = parts & BACKDROP_CLIPPED;
+    drawing_bound(&s);
     draw(&s, lines, parts);
     buf_free(&labels.boxes);
     outline_free(&scratch[0]);

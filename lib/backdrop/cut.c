@@ -24,10 +24,10 @@ static struct half along(const struct drawing *s, struct vec3 d)
         d.x * scale[0], d.y * scale[1], d.z * (s->lo[2] * scale[2]) - v3_dot(d, s->camera.eye)};
 }
 
-/* Sets the planes, and returns their number. That of the eye has a small margin, relative to the
- * distance of the map. */
-static int all_halves(const struct drawing *s, struct half h[HALVES])
+/* That of the eye has a small margin, relative to the distance of the map. */
+void drawing_bound(struct drawing *s)
 {
+    struct half *h = s->half;
     const double *scale = s->b->spec->scale, *lo = s->lo, *hi = s->hi;
     const struct camera *c = &s->camera;
     struct vec3 corner = v3(lo[0] * scale[0], lo[1] * scale[1], lo[2] * scale[2]);
@@ -37,13 +37,14 @@ static int all_halves(const struct drawing *s, struct half h[HALVES])
     h[3] = (struct half){0, -1, hi[1]};
     h[4] = along(s, c->forward);
     h[4].c -= 1e-3 * v3_len(v3_sub(corner, c->eye));
-    if (!s->clipped) return 5;
+    s->n_halves = 5;
+    if (!s->clipped) return;
     double half = v3_dot(c->up, c->up); /* as in backdrop_project */
     double wide = (s->w + 2 * BEYOND) / s->h * half, high = (s->h + 2 * BEYOND) / s->h * half;
     for (int i = 0; i < 4; i++)
         h[5 + i] = along(s, v3_mad(v3_scale(c->forward, i < 2 ? wide : high),
                                 i < 2 ? c->right : c->up, i % 2 ? -1 : 1));
-    return 9;
+    s->n_halves = HALVES;
 }
 
 /* The corner of the box that is furthest inside (1) or outside (-1). */
@@ -56,10 +57,9 @@ static struct outline_point corner_of(
 bool outline_halves(
     const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h)
 {
-    struct half all[HALVES];
-    const int n = all_halves(s, all);
+    const struct half *all = s->half;
     h->n = 0;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < s->n_halves; i++) {
         if (side(&all[i], corner_of(&all[i], lo, hi, 1)) < 0) return false;
         if (!(side(&all[i], corner_of(&all[i], lo, hi, -1)) >= 0)) h->at[h->n++] = all[i];
     }

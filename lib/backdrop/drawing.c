@@ -5,6 +5,19 @@
 
 #define SCALE_LEAST .4 /* of the font, in small pictures */
 
+/* As in backdrop_project, with all that does not depend on the point. */
+static void set_map(struct drawing *s)
+{
+    const double *scale = s->b->spec->scale, half = v3_dot(s->camera.up, s->camera.up);
+    const struct vec3 axes[] = {v3_scale(s->camera.right, s->h / half),
+        v3_scale(s->camera.up, s->h / half), s->camera.forward};
+    for (int i = 0; i < 3; i++) {
+        s->map[i][0] = axes[i].x * scale[0];
+        s->map[i][1] = axes[i].y * scale[1];
+        s->map[i][2] = axes[i].z * (s->lo[2] * scale[2]) - v3_dot(axes[i], s->camera.eye);
+    }
+}
+
 void drawing_init(struct drawing *s, const struct backdrop *b)
 {
     const struct spec *spec = b->spec;
@@ -19,6 +32,7 @@ void drawing_init(struct drawing *s, const struct backdrop *b)
         s->lo[a] = b->grid->at[a][turned ? last : 0];
         s->hi[a] = b->grid->at[a][turned ? 0 : last];
     }
+    set_map(s);
 }
 
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2])
@@ -37,8 +51,8 @@ bool backdrop_project(const struct drawing *s, double x, double y, double z, dou
 void drawing_point(const struct drawing *s, double x, double y, double z)
 {
     double xy[2];
-    if (backdrop_project(s, x, y, z, xy)) list_point(s->list, xy[0], xy[1]);
-    else list_break(s->list);
+    if (backdrop_project(s, x, y, z, xy)) mark_point(s->list, xy[0], xy[1]);
+    else mark_break(s->list);
 }
 
 /* By the widths of DejaVu Sans, which is wide. */
@@ -77,7 +91,7 @@ enum label backdrop_label(const struct drawing *s, const char *text, const doubl
     enum label result = check(s, &box);
     if (result != LABEL_PLACED) return result;
     buf_append(&s->labels->boxes, &box, sizeof box);
-    list_label(s->list, text, xy, align);
+    mark_label(s->list, text, xy, align);
     return LABEL_PLACED;
 }
 
@@ -94,7 +108,7 @@ void backdrop_label_ticks(
             close = i % *stride == 0 && label(s, ctx, i * t->step) == LABEL_TOO_CLOSE;
         if (!close) return;
         boxes->len = before; /* undo */
-        list_cut(s->list, n_marks);
+        mark_cut(s->list, n_marks);
     }
 }
 

@@ -19,6 +19,11 @@ struct labels {
     size_t series;    /* the first one of the ticks that are being labelled */
     bool in_strip;    /* now they are labels of the strip, otherwise of the picture */
 };
+/* The half-plane a x + b y + c >= 0 of the map. */
+struct half {
+    double a, b, c;
+};
+#define HALVES 9
 struct drawing {
     const struct backdrop *b;
     struct backdrop_list *list;
@@ -27,29 +32,40 @@ struct drawing {
     double em;    /* pixels: the size of the font */
     double strip; /* pixels: the height of the strip below the picture, where y < 0 */
     struct labels *labels;
-    struct outline *scratch; /* two, for areas */
-    bool clipped;            /* to the picture */
-    double lo[3], hi[3];     /* the grid's box in its own coordinates; in z, lo is the lower side */
+    struct outline *scratch;  /* two, for areas */
+    bool clipped;             /* to the picture */
+    double map[3][3];         /* of a point x, y on the map: right, up and forward of the eye */
+    struct half half[HALVES]; /* set by drawing_bound (cut.c) */
+    int n_halves;
+    double lo[3], hi[3]; /* the grid's box in its own coordinates; in z, lo is the lower side */
 };
 
-/* ---- the list (list.c) ---------------------------------------------------------------------- */
+/* ---- the list (mark.c) ---------------------------------------------------------------------- */
 
 /* Begins a mark; or goes on with the last one, if it is of this kind and colour. */
-void list_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width);
+void mark_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width);
 /* Adds a point to the last mark, or the end of a line or an area. */
-void list_point(struct backdrop_list *l, double x, double y);
-void list_break(struct backdrop_list *l);
-void list_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
+void mark_point(struct backdrop_list *l, double x, double y);
+void mark_break(struct backdrop_list *l);
+void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
     const double from[2], const double to[2]);
-void list_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
+void mark_label(struct backdrop_list *l, const char *text, const double xy[2], int align);
 /* Removes marks, so that n are left. */
-void list_cut(struct backdrop_list *l, size_t n_marks);
+void mark_cut(struct backdrop_list *l, size_t n_marks);
 
 /* ---- points and text (drawing.c) ------------------------------------------------------------ */
 
 void drawing_init(struct drawing *s, const struct backdrop *b);
 /* Projects a point in grid coordinates to pixels. False if it is not in front of the eye. */
 bool backdrop_project(const struct drawing *s, double x, double y, double z, double xy[2]);
+/* The same for a point on the map that is known to be in front of the eye. */
+static inline struct backdrop_at drawing_on_map(const struct drawing *s, double x, double y)
+{
+    const double(*m)[3] = s->map;
+    double far = m[2][0] * x + m[2][1] * y + m[2][2];
+    return (struct backdrop_at){(s->w + (m[0][0] * x + m[0][1] * y + m[0][2]) / far) / 2,
+        (s->h + (m[1][0] * x + m[1][1] * y + m[1][2]) / far) / 2};
+}
 /* Adds a point to a line. Breaks the line if the point is invisible. */
 void drawing_point(const struct drawing *s, double x, double y, double z);
 /*

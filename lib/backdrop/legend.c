@@ -12,7 +12,7 @@ static void patch(const struct drawing *s, double x0, double x1, double y0, doub
 {
     uint8_t c[3];
     for (int i = 0; i < 3; i++) c[i] = srgb_encode8((float)(rgb[i] * alpha + PAGE * (1 - alpha)));
-    list_rectangle(s->list, BACKDROP_PATCH, (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2],
+    mark_rectangle(s->list, BACKDROP_PATCH, (uint32_t)c[0] << 16 | (uint32_t)c[1] << 8 | c[2],
         (double[2]){x0, y0}, (double[2]){x1, y1});
 }
 
@@ -161,7 +161,7 @@ void backdrop_legend(const struct drawing *s)
     bar_ends(&b, s);
     bar_spans(&b, s);
     bar_isos(&b, s);
-    list_rectangle(
+    mark_rectangle(
         s->list, BACKDROP_BOX, FRAME, (double[2]){b.x, b.y}, (double[2]){b.x + b.w, b.y + b.h});
     if (p->n_knots) bar_values(&b, s);
 }

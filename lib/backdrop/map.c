@@ -10,7 +10,7 @@ static void segment(const struct drawing *s, const double a[3], const double b[3
         drawing_point(
             s, a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2]));
     }
-    list_break(s->list);
+    mark_break(s->list);
 }
 
 /* Draws a line along `axis` through `at`. */

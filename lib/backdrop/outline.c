@@ -33,17 +33,18 @@ struct piece {
 
 static void put_point(struct piece *p, struct outline_point at, bool always)
 {
-    double xy[2];
-    if (!backdrop_project(p->s, at.x, at.y, p->s->lo[2], xy)) return;
-    if (!always && hypot(xy[0] - p->last.x, xy[1] - p->last.y) < STEP) return;
-    list_point(p->s->list, xy[0], xy[1]);
-    p->last = (struct backdrop_at){xy[0], xy[1]};
+    const struct backdrop_at xy = drawing_on_map(p->s, at.x, at.y);
+    if (!isfinite(xy.x) || !isfinite(xy.y)) return;
+    const double dx = xy.x - p->last.x, dy = xy.y - p->last.y;
+    if (!always && dx * dx + dy * dy < STEP * STEP) return;
+    mark_point(p->s->list, xy.x, xy.y);
+    p->last = xy;
     p->open = true;
 }
 
 static void put_end(struct piece *p)
 {
-    if (p->open) list_break(p->s->list);
+    if (p->open) mark_break(p->s->list);
     p->open = false;
 }
 
@@ -59,7 +60,8 @@ static void stroke_turn(const struct drawing *s, const struct outline *o, int k)
         if (!seen || part[0] > 0) put_end(&piece);
         if (!seen) continue;
         if (!piece.open) put_point(&piece, outline_between(p, q, part[0]), true);
-        put_point(&piece, outline_between(p, q, part[1]), part[1] < 1 || i + 2 == o->n);
+        if (part[1] < 1) q = outline_between(p, q, part[1]);
+        put_point(&piece, q, part[1] < 1 || i + 2 == o->n);
     }
     put_end(&piece);
 }
@@ -73,15 +75,17 @@ void outline_stroke(const struct drawing *s, const struct outline *o)
 
 /* ---- areas ---------------------------------------------------------------------------------- */
 
-static bool is_large(const struct drawing *s, const struct outline_point *at, size_t n)
+static bool is_large(const struct drawing *s, const struct outline_point *at, size_t n, int k)
 {
-    double lo[2] = {HUGE_VAL, HUGE_VAL}, hi[2] = {-HUGE_VAL, -HUGE_VAL}, xy[2];
-    for (size_t i = 0; i < n; i++)
-        for (int a = 0; a < 2 && backdrop_project(s, at[i].x, at[i].y, s->lo[2], xy); a++) {
-            lo[a] = fmin(lo[a], xy[a]);
-            hi[a] = fmax(hi[a], xy[a]);
-        }
-    return hi[0] - lo[0] >= SEEN || hi[1] - lo[1] >= SEEN;
+    struct backdrop_at lo = {HUGE_VAL, HUGE_VAL}, hi = {-HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < n; i++) {
+        const struct outline_point p = turned(at[i], k);
+        const struct backdrop_at xy = drawing_on_map(s, p.x, p.y);
+        lo = (struct backdrop_at){fmin(lo.x, xy.x), fmin(lo.y, xy.y)};
+        hi = (struct backdrop_at){fmax(hi.x, xy.x), fmax(hi.y, xy.y)};
+        if (hi.x - lo.x >= SEEN || hi.y - lo.y >= SEEN) return true;
+    }
+    return false;
 }
 
 /* False if what lies between the corners is outside, or too small; most of a globe's areas are. */
@@ -90,26 +94,36 @@ static bool may_be_large(
 {
     if (!outline_halves(s, lo, hi, h)) return false;
     struct outline_point corners[] = {lo, {lo.x, hi.y}, hi, {hi.x, lo.y}};
-    return h->n > 0 || is_large(s, corners, 4);
+    return h->n > 0 || is_large(s, corners, 4, 0);
 }
 
-/* Fills the first scratch outline, which may change. */
-static bool fill_polygon(
-    const struct drawing *s, const struct halves *h, enum backdrop_kind kind, uint32_t rgb)
+/* How areas are filled. */
+struct look {
+    enum backdrop_kind kind;
+    uint32_t rgb;
+};
+
+/* Fills a polygon that is inside of all half-planes. */
+static bool fill_whole(const struct drawing *s, const struct outline *o, int k, struct look look)
 {
-    struct outline *o = &s->scratch[0];
     struct piece piece = {.s = s};
-    backdrop_cut_polygon(h, o, &s->scratch[1]);
-    if (!is_large(s, o->at, o->n)) return false;
-    list_begin(s->list, kind, rgb, 0);
-    for (size_t i = 0; i < o->n; i++) put_point(&piece, o->at[i], !piece.open);
+    if (!is_large(s, o->at, o->n, k)) return false;
+    mark_begin(s->list, look.kind, look.rgb, 0);
+    for (size_t i = 0; i < o->n; i++) put_point(&piece, turned(o->at[i], k), !piece.open);
     put_end(&piece);
     return true;
 }
 
+/* Fills the first scratch outline, which changes. */
+static bool fill_cut(const struct drawing *s, const struct halves *h, struct look look)
+{
+    backdrop_cut_polygon(h, &s->scratch[0], &s->scratch[1]);
+    return fill_whole(s, &s->scratch[0], 0, look);
+}
+
 /* Fills from one edge of the map to the other, and back along the pole. */
-static bool fill_to_pole(const struct drawing *s, const struct outline *o, const int turn[2],
-    enum backdrop_kind kind, uint32_t rgb)
+static bool fill_to_pole(
+    const struct drawing *s, const struct outline *o, const int turn[2], struct look look)
 {
     struct outline *all = &s->scratch[0];
     struct halves h;
@@ -125,25 +139,29 @@ static bool fill_to_pole(const struct drawing *s, const struct outline *o, const
     outline_append(all, (struct outline_point){all->at[all->n - 1].x, pole});
     outline_append(all, (struct outline_point){all->at[0].x, pole});
     outline_bound(all);
-    return outline_halves(s, all->lo, all->hi, &h) && fill_polygon(s, &h, kind, rgb);
+    return outline_halves(s, all->lo, all->hi, &h) && fill_cut(s, &h, look);
+}
+
+static bool fill_turn(const struct drawing *s, const struct outline *o, int k, struct look look)
+{
+    struct halves h;
+    if (!may_be_large(s, turned(o->lo, k), turned(o->hi, k), &h)) return false;
+    if (h.n == 0) return fill_whole(s, o, k, look);
+    s->scratch[0].n = 0;
+    for (size_t i = 0; i < o->n; i++) outline_append(&s->scratch[0], turned(o->at[i], k));
+    return fill_cut(s, &h, look);
 }
 
 bool outline_fill(
     const struct drawing *s, const struct outline *o, enum backdrop_kind kind, uint32_t rgb)
 {
-    struct outline *one = &s->scratch[0];
-    struct halves h;
+    const struct look look = {kind, rgb};
     int turn[2];
     bool seen = false;
     if (o->n < 3) return false;
     find_turns(s, o, turn);
     if (!o->flat && fabs(o->at[o->n - 1].x - o->at[0].x) > 180)
-        return fill_to_pole(s, o, turn, kind, rgb);
-    for (int k = turn[0]; k <= turn[1]; k++) {
-        if (!may_be_large(s, turned(o->lo, k), turned(o->hi, k), &h)) continue;
-        one->n = 0;
-        for (size_t i = 0; i < o->n; i++) outline_append(one, turned(o->at[i], k));
-        seen |= fill_polygon(s, &h, kind, rgb);
-    }
+        return fill_to_pole(s, o, turn, look);
+    for (int k = turn[0]; k <= turn[1]; k++) seen |= fill_turn(s, o, k, look);
     return seen;
 }

@@ -24,11 +24,6 @@ void outline_add(struct outline *o, struct outline_point p);
 void outline_bound(struct outline *o);
 void outline_free(struct outline *o);
 
-/* The half-plane a x + b y + c >= 0. */
-struct half {
-    double a, b, c;
-};
-#define HALVES 9
 /* Half-planes bound the visible part of the map: its edges, the plane of the eye, and the
  * sides of the picture if the drawing is clipped. Sets those
  * that may cut what lies between lo and hi. False if all of that is outside. */
@@ -36,6 +31,7 @@ struct halves {
     struct half at[HALVES];
     int n;
 };
+void drawing_bound(struct drawing *s);
 bool outline_halves(
     const struct drawing *s, struct outline_point lo, struct outline_point hi, struct halves *h);
 /* The part of a line inside all half-planes, as two factors. False if there is none. */

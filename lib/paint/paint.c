@@ -1,4 +1,5 @@
 /* paint: the list of backdrop, painted. */
+#include "paint/line.h"
 #include "paint/pen.h"
 
 #include <math.h>
@@ -6,12 +7,12 @@
 
 #define BEYOND 2.0    /* pixels: so far outside lines are cut */
 #define BASELINE .375 /* em: of a label, below its point, as gnuplot has it */
-#define BOX_WIDTH 1.0 /* pixels */
 
 struct paint {
     struct backdrop_lines *lines;
     struct backdrop_list list;
     PangoLayout *layout;
+    struct cover cover;
 };
 
 struct paint *paint_open(const struct backdrop *b, char err[BACKDROP_ERR])
@@ -31,6 +32,7 @@ void paint_free(struct paint *p)
     backdrop_lines_free(p->lines);
     backdrop_list_free(&p->list);
     g_object_unref(p->layout);
+    free(p->cover.at);
     free(p);
 }
 
@@ -40,12 +42,13 @@ static void set_colour(cairo_t *cr, uint32_t rgb)
         cr, (rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0);
 }
 
-/* ---- areas and lines, which backdrop has cut, except lines in space -------------------------- */
-
 struct canvas {
     cairo_t *cr;
+    uint32_t *argb;
     double w, h; /* pixels of the picture: y = 0 of the list is at h */
 };
+
+/* ---- areas, which backdrop has cut, and lines, of which it cut those on the map -------------- */
 
 static void fill(const struct canvas *c, const struct backdrop_at *at, size_t n)
 {
@@ -55,7 +58,7 @@ static void fill(const struct canvas *c, const struct backdrop_at *at, size_t n)
     cairo_fill(c->cr);
 }
 
-/* How far inside of one of the sides a point is, -BEYOND at the least. */
+/* How far inside of one of the sides a point is; lines end BEYOND outside. */
 static double inside(const struct canvas *c, int side, struct backdrop_at p)
 {
     double v = side < 2 ? p.x : p.y, size = side < 2 ? c->w : c->h;
@@ -67,45 +70,44 @@ static struct backdrop_at between(struct backdrop_at p, struct backdrop_at q, do
     return (struct backdrop_at){p.x + f * (q.x - p.x), p.y + f * (q.y - p.y)};
 }
 
-/* Moves the ends of a line to where it enters and leaves the picture: Cairo's coordinates overflow
- * beyond 2^23 pixels, and points near the plane of the eye lie there. False if it does not. */
+/* Moves the ends of a line to where it enters and leaves the picture: points near the plane of the
+ * eye may be millions of pixels away. False if it does not enter, or has no end. */
 static bool cut(const struct canvas *c, struct backdrop_at *p, struct backdrop_at *q)
 {
     for (int side = 0; side < 4; side++) {
         const double a = inside(c, side, *p), b = inside(c, side, *q);
-        if (!(a >= 0 || b >= 0)) return false; /* a NaN, too */
-        const struct backdrop_at at = between(*p, *q, a / (a - b));
-        if (a < 0) *p = at;
-        if (b < 0) *q = at;
+        if (a < 0 && b < 0) return false;
+        if (a < 0) *p = between(*p, *q, a / (a - b));
+        if (b < 0) *q = between(*p, *q, inside(c, side, *p) / (inside(c, side, *p) - b));
     }
-    return true;
+    return isfinite(p->x + p->y + q->x + q->y);
 }
 
-static void stroke(const struct canvas *c, const struct backdrop_at *at, size_t n, double width)
+static void stroke(const struct canvas *c, struct paint *paint, const struct backdrop_mark *m)
 {
-    bool open = false;
-    for (size_t i = 1; i < n; i++) {
+    const struct backdrop_at *at = paint->list.at + m->first;
+    for (size_t i = 1; i < m->n; i++) {
         struct backdrop_at p = at[i - 1], q = at[i];
-        if (isnan(p.x) || isnan(q.x) || !cut(c, &p, &q)) {
-            open = false;
-            continue;
-        }
-        if (!open || p.x != at[i - 1].x || p.y != at[i - 1].y)
-            cairo_move_to(c->cr, p.x, c->h - p.y);
-        cairo_line_to(c->cr, q.x, c->h - q.y);
-        open = q.x == at[i].x && q.y == at[i].y;
+        if (!cut(c, &p, &q)) continue;
+        p.y = c->h - p.y;
+        q.y = c->h - q.y;
+        paint_line(&paint->cover, p, q, m->width);
     }
-    cairo_set_line_width(c->cr, width);
-    cairo_stroke(c->cr);
+    paint_covered(&paint->cover, m->rgb, c->argb);
 }
 
 /* ---- the legend and labels ------------------------------------------------------------------- */
 
+/* A border is on whole pixels, as gnuplot has it. */
 static void rectangle(
     const struct canvas *c, const struct backdrop_mark *m, const struct backdrop_at at[2])
 {
-    cairo_rectangle(c->cr, at[0].x, c->h - at[1].y, at[1].x - at[0].x, at[1].y - at[0].y);
-    cairo_set_line_width(c->cr, BOX_WIDTH);
+    double x0 = at[0].x, x1 = at[1].x, y0 = c->h - at[1].y, y1 = c->h - at[0].y;
+    if (m->kind == BACKDROP_BOX) {
+        x0 = floor(x0) + .5, x1 = floor(x1) + .5, y0 = floor(y0) + .5, y1 = floor(y1) + .5;
+        cairo_set_line_width(c->cr, m->width);
+    }
+    cairo_rectangle(c->cr, x0, y0, x1 - x0, y1 - y0);
     if (m->kind == BACKDROP_BOX) cairo_stroke(c->cr);
     else cairo_fill(c->cr);
 }
@@ -133,34 +135,45 @@ static void mark(const struct canvas *c, struct paint *p, const struct backdrop_
     case BACKDROP_AREA: fill(c, at, m->n); break;
     case BACKDROP_GRATICULE:
     case BACKDROP_LINES:
-    case BACKDROP_EDGES: stroke(c, at, m->n, m->width); break;
+    case BACKDROP_EDGES: stroke(c, p, m); break;
     case BACKDROP_PATCH:
     case BACKDROP_BOX: rectangle(c, m, at); break;
     case BACKDROP_LABEL: label(c, p, m); break;
     }
 }
 
-/* The marks from one kind to another one. */
+/* Paints the marks from one kind to another one. */
 static void marks(
     const struct canvas *c, struct paint *p, enum backdrop_kind from, enum backdrop_kind to)
 {
-    for (size_t i = 0; i < p->list.n_marks; i++)
-        if (p->list.mark[i].kind >= from && p->list.mark[i].kind <= to)
-            mark(c, p, &p->list.mark[i]);
+    for (const struct backdrop_mark *m = p->list.mark; m < p->list.mark + p->list.n_marks; m++)
+        if (m->kind >= from && m->kind <= to) mark(c, p, m);
+}
+
+static void fit_cover(struct cover *c, uint32_t w, uint32_t h)
+{
+    if (c->at && c->w == w && c->h == h) return;
+    free(c->at);
+    *c = (struct cover){xcalloc(w, h), w, h, h, 0};
 }
 
 bool paint_backdrop(struct paint *p, const struct backdrop *b, unsigned parts, uint32_t *argb)
 {
-    struct canvas c = {paint_pen(argb, b->w, b->h + backdrop_strip(b)), b->w, b->h};
+    struct canvas c = {paint_pen(argb, b->w, b->h + backdrop_strip(b)), argb, b->w, b->h};
     if (!c.cr) return false;
+    fit_cover(&p->cover, b->w, b->h);
     backdrop_draw(b, p->lines, parts | BACKDROP_CLIPPED, &p->list);
     set_colour(c.cr, BACKDROP_PAPER);
     cairo_paint(c.cr);
+    cairo_set_antialias(c.cr, CAIRO_ANTIALIAS_FAST);
     cairo_save(c.cr);
     cairo_rectangle(c.cr, 0, 0, c.w, c.h);
     cairo_clip(c.cr);
-    marks(&c, p, BACKDROP_PLANE, BACKDROP_EDGES);
+    marks(&c, p, BACKDROP_PLANE, BACKDROP_AREA);
     cairo_restore(c.cr);
+    cairo_surface_flush(cairo_get_target(c.cr));
+    marks(&c, p, BACKDROP_GRATICULE, BACKDROP_EDGES);
+    cairo_surface_mark_dirty(cairo_get_target(c.cr));
     marks(&c, p, BACKDROP_PATCH, BACKDROP_BOX);
     marks(&c, p, BACKDROP_LABEL, BACKDROP_LABEL);
     return paint_pen_free(c.cr);

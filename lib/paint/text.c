@@ -24,17 +24,9 @@ bool paint_pen_free(cairo_t *cr)
     return good;
 }
 
-/* As gnuplot's pngcairo has it: sans serif, and places that are not rounded to pixels. */
 PangoLayout *paint_layout(void)
 {
     PangoContext *context = pango_font_map_create_context(pango_cairo_font_map_get_default());
-    cairo_font_options_t *options = cairo_font_options_create();
-    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
-    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-    pango_cairo_context_set_font_options(context, options);
-    pango_context_set_round_glyph_positions(context, FALSE);
-    cairo_font_options_destroy(options);
     PangoLayout *layout = pango_layout_new(context);
     g_object_unref(context);
     return layout;

@@ -1,4 +1,4 @@
-/* list: what is drawn, in the order of the script. */
+/* mark: the list of what is drawn, in the order of the script. */
 #include "backdrop/drawing.h"
 
 #include <stdlib.h>
@@ -11,38 +11,38 @@ static void begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb
         .kind = kind, .rgb = rgb, .width = width, .first = l->n_at, .text = buf_size(&l->text)};
 }
 
-void list_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width)
+void mark_begin(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb, double width)
 {
     const struct backdrop_mark *last = l->mark + l->n_marks - 1;
     if (!l->n_marks || last->kind != kind || last->rgb != rgb) begin(l, kind, rgb, width);
 }
 
-void list_point(struct backdrop_list *l, double x, double y)
+void mark_point(struct backdrop_list *l, double x, double y)
 {
     l->at = xgrown(l->at, l->n_at, sizeof *l->at);
     l->at[l->n_at++] = (struct backdrop_at){x, y};
     l->mark[l->n_marks - 1].n++;
 }
 
-void list_break(struct backdrop_list *l) { list_point(l, NAN, NAN); }
+void mark_break(struct backdrop_list *l) { mark_point(l, (double)NAN, (double)NAN); }
 
-void list_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
+void mark_rectangle(struct backdrop_list *l, enum backdrop_kind kind, uint32_t rgb,
     const double from[2], const double to[2])
 {
     begin(l, kind, rgb, 1);
-    list_point(l, from[0], from[1]);
-    list_point(l, to[0], to[1]);
+    mark_point(l, from[0], from[1]);
+    mark_point(l, to[0], to[1]);
 }
 
-void list_label(struct backdrop_list *l, const char *text, const double xy[2], int align)
+void mark_label(struct backdrop_list *l, const char *text, const double xy[2], int align)
 {
     begin(l, BACKDROP_LABEL, 0, 0);
     l->mark[l->n_marks - 1].align = align;
     buf_append(&l->text, text, strlen(text) + 1);
-    list_point(l, xy[0], xy[1]);
+    mark_point(l, xy[0], xy[1]);
 }
 
-void list_cut(struct backdrop_list *l, size_t n_marks)
+void mark_cut(struct backdrop_list *l, size_t n_marks)
 {
     if (n_marks >= l->n_marks) return;
     l->n_at = l->mark[n_marks].first;
